@@ -1,0 +1,2 @@
+//! Framed link between the image and its host.
+#![no_std]

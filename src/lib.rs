@@ -1,0 +1,2 @@
+//! Longitudinal flight control from hover to cruise.
+#![no_std]
