@@ -1,0 +1,282 @@
+//! The combined model (`CompleteModel`): small-angle below stall, large-angle above, blended by σ.
+
+use super::{Aerodynamics, Coefficients, MAX_COEFFICIENT, MIN_COEFFICIENT};
+use crate::air::AngleOfAttack;
+use crate::error::{ParameterError, Problem, in_range, positive};
+use crate::math;
+
+/// Parameters of the combined model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct CombinedParameters {
+    /// Drag coefficient at α = 0.
+    pub c0: f32,
+    /// Large-angle model: largest lift coefficient.
+    pub c1: f32,
+    /// Small-angle model: lift slope at α = 0 [1/rad].
+    pub c2: f32,
+    /// Small-angle model: growth of drag with α² at α = 0 [1/rad²].
+    pub c3: f32,
+    /// Stall angle ᾱ \[rad\], where the blend is half-way.
+    pub alpha_bar: f32,
+    /// Sharpness of the blend of lift, k_L [1/rad²].
+    pub k_l: f32,
+    /// Sharpness of the blend of drag, k_D [1/rad²].
+    pub k_d: f32,
+}
+
+impl CombinedParameters {
+    /// The paper's NACA 0021 at Re = 160e3 (`coefficientsReL`).
+    pub const NACA_0021_RE_160E3: Self = Self {
+        c0: 0.014,
+        c1: 0.95,
+        c2: 5.5,
+        c3: 0.3,
+        alpha_bar: 11.0 * core::f32::consts::PI / 180.0,
+        k_l: 28.0,
+        k_d: 167.0,
+    };
+
+    /// The paper's NACA 0021 at Re = 5e6.
+    pub const NACA_0021_RE_5E6: Self = Self {
+        c0: 0.0078,
+        c1: 0.9430,
+        c2: 6.3025,
+        c3: 0.1378,
+        alpha_bar: 18.0 * core::f32::consts::PI / 180.0,
+        k_l: 12.0,
+        k_d: 86.0,
+    };
+
+    /// What the paper's controller believes of NACA 0021 at Re = 160e3: wrong on purpose (§VII).
+    pub const PAPER_BELIEF: Self = Self {
+        c0: 0.020,
+        c1: 0.9,
+        c2: 5.0,
+        c3: 0.5,
+        alpha_bar: 10.0 * core::f32::consts::PI / 180.0,
+        k_l: 28.0,
+        k_d: 167.0,
+    };
+}
+
+/// `c = c_small σ + c_large (1 − σ)`, with a σ of its own for lift and for drag (`CompleteModel`).
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Combined {
+    c0: f32,
+    two_c1: f32,
+    c2: f32,
+    c3: f32,
+    alpha_bar: f32,
+    lift: Blend,
+    drag: Blend,
+}
+
+impl Combined {
+    /// The model with these parameters.
+    ///
+    /// # Errors
+    /// `c0`…`c3` not finite, not positive, or outside [1e-6, 1e3]; `alpha_bar` outside (0, π/2]; `k_l` or `k_d`
+    /// not finite, not positive, above 1e4, or with k·ᾱ² above 40 (a blend too sharp for single precision).
+    pub fn new(p: CombinedParameters) -> Result<Self, ParameterError> {
+        let alpha_bar = positive("alpha_bar", p.alpha_bar, 1e-3, math::FRAC_PI_2)?;
+        Ok(Self {
+            c0: positive("c0", p.c0, MIN_COEFFICIENT, MAX_COEFFICIENT)?,
+            two_c1: 2.0 * positive("c1", p.c1, MIN_COEFFICIENT, MAX_COEFFICIENT)?,
+            c2: positive("c2", p.c2, MIN_COEFFICIENT, MAX_COEFFICIENT)?,
+            c3: positive("c3", p.c3, MIN_COEFFICIENT, MAX_COEFFICIENT)?,
+            alpha_bar,
+            lift: Blend::new("k_l", p.k_l, alpha_bar)?,
+            drag: Blend::new("k_d", p.k_d, alpha_bar)?,
+        })
+    }
+}
+
+impl Aerodynamics for Combined {
+    #[inline(always)]
+    fn coefficients(&self, alpha: AngleOfAttack) -> Coefficients {
+        let (s, c) = (alpha.sin, alpha.cos);
+        let (c2, c3, two_c1) = (self.c2, self.c3, self.two_c1);
+        let (sc, ss, cc) = (s * c, s * s, c * c);
+        let cos_2 = cc - ss;
+
+        // α² − ᾱ² as a product: the difference is what the blend's exponent amplifies.
+        let excess = (alpha.rad - self.alpha_bar) * (alpha.rad + self.alpha_bar);
+        let lift = self.lift.at(alpha.rad, excess);
+        let drag = self.drag.at(alpha.rad, excess);
+
+        // Small-angle less large-angle model: c0 cancels, and a factor sin α cos α, or sin² α, is common:
+        // Δc_L = sc·(c2²/D − 2c1), Δc_D = s²·(c2 c3/D − 2c1).
+        let inverse = 1.0 / (c2 * cc + c3 * ss);
+        let (a_l, a_d) = (c2 * c2 * inverse, c2 * c3 * inverse);
+        let (b_l, b_d) = (a_l - two_c1, a_d - two_c1);
+        let (delta_l, delta_d) = (sc * b_l, ss * b_d);
+        // (sc/D)' = (c2 c² − c3 s²)/D² and (s²/D)' = 2 c2 sc/D².
+        let (p, q) = ((c2 * cc - c3 * ss) * inverse, 2.0 * c2 * (sc * inverse));
+        let slope = two_c1 * cos_2;
+        let cl = two_c1 * sc;
+        let d_delta_l = a_l * p - slope;
+        let d_delta_d = a_d * q - (cl + cl);
+        // (sc/D)'' and (s²/D)'', as in the small-angle model.
+        let square = inverse * inverse;
+        let pp = 2.0 * sc * (c2 * (c2 - 3.0 * c3) * cc + c3 * (c3 - 3.0 * c2) * ss) * square;
+        let qq =
+            2.0 * c2 * (c2 * (cc * cc) + 3.0 * (c2 - c3) * (sc * sc) - c3 * (ss * ss)) * square;
+        let dd_delta_l = a_l * pp + 4.0 * cl;
+        let dd_delta_d = a_d * qq - (slope + slope);
+
+        Coefficients {
+            c_l: cl + lift.value * delta_l,
+            c_d: self.c0 + (two_c1 * ss + drag.value * delta_d),
+            dc_l: slope + (lift.value * d_delta_l + lift.first * delta_l),
+            dc_d: (cl + cl) + (drag.value * d_delta_d + drag.first * delta_d),
+            ddc_l: -4.0 * cl
+                + (lift.value * dd_delta_l + 2.0 * lift.first * d_delta_l + lift.second * delta_l),
+            ddc_d: (slope + slope)
+                + (drag.value * dd_delta_d + 2.0 * drag.first * d_delta_d + drag.second * delta_d),
+        }
+    }
+}
+
+/// σ(ᾱ, k, α) = (1 + tanh(kᾱ² − kα²)) / (1 + tanh(kᾱ²)) (`sigma`), computed as the equal
+/// (1 + e^{−2kᾱ²}) / (1 + e^{2k(α² − ᾱ²)}).
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+struct Blend {
+    /// 2k/ln 2: turns α² − ᾱ² into a power of two.
+    exponent: f32,
+    /// 1 + e^{−2kᾱ²}.
+    scale: f32,
+    /// −4k (1 + e^{−2kᾱ²}), the factor of σ'.
+    slope: f32,
+    /// 4k.
+    four_k: f32,
+}
+
+/// σ and its derivatives with respect to α.
+struct Sigma {
+    value: f32,
+    first: f32,
+    second: f32,
+}
+
+/// Exponents of two above this are cut off: σ is below 1e-30 there, and the power must not overflow.
+const MAX_EXPONENT: f32 = 100.0;
+
+impl Blend {
+    fn new(parameter: &'static str, k: f32, alpha_bar: f32) -> Result<Self, ParameterError> {
+        let k = positive(parameter, k, 1e-6, 1e4)?;
+        in_range(parameter, k * alpha_bar * alpha_bar, 0.0, 40.0).map_err(|_| ParameterError {
+            parameter,
+            problem: Problem::OutOfRange,
+        })?;
+        let exponent = 2.0 * k * core::f32::consts::LOG2_E;
+        let scale = 1.0 + math::exp2(-exponent * alpha_bar * alpha_bar);
+        Ok(Self {
+            exponent,
+            scale,
+            slope: -4.0 * k * scale,
+            four_k: 4.0 * k,
+        })
+    }
+
+    /// σ at `alpha` \[rad\], where `excess` = α² − ᾱ².
+    #[inline(always)]
+    fn at(&self, alpha: f32, excess: f32) -> Sigma {
+        let e = math::exp2(math::min(self.exponent * excess, MAX_EXPONENT));
+        let r = 1.0 / (1.0 + e);
+        // e·r = 1 − r without the cancellation.
+        let er = e * r;
+        let slope = self.slope * (er * r);
+        Sigma {
+            value: self.scale * r,
+            first: slope * alpha,
+            second: slope * (1.0 - self.four_k * alpha * alpha * (er - r)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+
+    /// The printed equations, with tanh.
+    fn printed(p: CombinedParameters, a: f64) -> (f64, f64) {
+        let [c0, c1, c2, c3] = [p.c0, p.c1, p.c2, p.c3].map(f64::from);
+        let [bar, k_l, k_d] = [p.alpha_bar, p.k_l, p.k_d].map(f64::from);
+        let sigma =
+            |k: f64| (1.0 + (k * bar * bar - k * a * a).tanh()) / (1.0 + (k * bar * bar).tanh());
+        let d = (c2 - c3) * a.cos().powi(2) + c3;
+        let small = (
+            0.5 * c2 * c2 * (2.0 * a).sin() / d,
+            c0 + c2 * c3 * a.sin().powi(2) / d,
+        );
+        let large = (c1 * (2.0 * a).sin(), c0 + 2.0 * c1 * a.sin().powi(2));
+        let (l, d) = (sigma(k_l), sigma(k_d));
+        (
+            small.0 * l + large.0 * (1.0 - l),
+            small.1 * d + large.1 * (1.0 - d),
+        )
+    }
+
+    #[test]
+    fn matches_the_printed_equations() {
+        for p in [
+            CombinedParameters::NACA_0021_RE_160E3,
+            CombinedParameters::NACA_0021_RE_5E6,
+            CombinedParameters::PAPER_BELIEF,
+        ] {
+            super::super::tests::check(&Combined::new(p).unwrap(), |a| printed(p, a), 100.0, 1e-5);
+        }
+    }
+
+    #[test]
+    fn far_beyond_stall_only_the_large_angle_model_is_left() {
+        let p = CombinedParameters::NACA_0021_RE_160E3;
+        let large = super::super::LargeAngle::new(super::super::LargeAngleParameters {
+            c0: p.c0,
+            c1: p.c1,
+        })
+        .unwrap();
+        let a = AngleOfAttack::from_radians(2.5);
+        let (got, want) = (
+            Combined::new(p).unwrap().coefficients(a),
+            large.coefficients(a),
+        );
+        assert!((got.c_l - want.c_l).abs() < 1e-7 && (got.c_d - want.c_d).abs() < 3e-7);
+    }
+
+    #[test]
+    fn bad_parameters_are_named() {
+        let good = CombinedParameters::NACA_0021_RE_160E3;
+        let error = |p| {
+            let e = Combined::new(p).unwrap_err();
+            (e.parameter, e.problem)
+        };
+        use Problem::{NotFinite, NotPositive, OutOfRange};
+        assert_eq!(
+            error(CombinedParameters { c1: 0.0, ..good }),
+            ("c1", NotPositive)
+        );
+        assert_eq!(
+            error(CombinedParameters {
+                alpha_bar: 2.0,
+                ..good
+            }),
+            ("alpha_bar", OutOfRange)
+        );
+        assert_eq!(
+            error(CombinedParameters {
+                k_l: f32::NAN,
+                ..good
+            }),
+            ("k_l", NotFinite)
+        );
+        assert_eq!(
+            error(CombinedParameters { k_d: 5e3, ..good }),
+            ("k_d", OutOfRange)
+        );
+    }
+}

@@ -1,0 +1,88 @@
+//! Aerodynamic coefficient models.
+//!
+//! Lift is along the normal S·v_a of the air velocity, drag against it:
+//! `F_a = k_a |v_a| (c_L S − c_D I) v_a` (`aerodynamicForce2D`).
+
+mod combined;
+mod large_angle;
+mod model;
+mod small_angle;
+
+pub use combined::{Combined, CombinedParameters};
+pub use large_angle::{LargeAngle, LargeAngleParameters};
+pub use model::Model;
+pub use small_angle::{SmallAngle, SmallAngleParameters};
+
+use crate::air::AngleOfAttack;
+
+/// Lift and drag coefficients and their derivatives with respect to the angle of attack.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Coefficients {
+    /// Lift coefficient c_L.
+    pub c_l: f32,
+    /// Drag coefficient c_D.
+    pub c_d: f32,
+    /// c_L' [1/rad].
+    pub dc_l: f32,
+    /// c_D' [1/rad].
+    pub dc_d: f32,
+    /// c_L'' [1/rad²].
+    pub ddc_l: f32,
+    /// c_D'' [1/rad²].
+    pub ddc_d: f32,
+}
+
+/// A model of the aerodynamic coefficients at every angle of attack.
+///
+/// Implementations are total: finite for every angle. They compute everything by straight-line code and are
+/// marked `#[inline]`, so that a caller that has no use for the second derivatives does not pay for them.
+pub trait Aerodynamics {
+    /// The coefficients at `alpha`.
+    fn coefficients(&self, alpha: AngleOfAttack) -> Coefficients;
+}
+
+/// Range of the coefficients c0…c3 that constructors accept: beyond any wing.
+const MIN_COEFFICIENT: f32 = 1e-6;
+const MAX_COEFFICIENT: f32 = 1e3;
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// Compares `model` with `c`, the same model's (c_L, c_D) in f64 from the printed equations, and its
+    /// derivatives with central differences of `c`, over (−π, π).
+    ///
+    /// Errors are relative to the value plus 1; for the second derivatives plus `curvature`, the size of the
+    /// terms that cancel in them.
+    pub fn check(
+        model: &impl Aerodynamics,
+        c: impl Fn(f64) -> (f64, f64),
+        curvature: f64,
+        tolerance: f64,
+    ) {
+        for n in -3130..3130 {
+            let a = AngleOfAttack::from_radians(n as f32 * 1e-3 + 0.000_31);
+            let alpha = f64::from(a.rad);
+            let got = model.coefficients(a);
+            let h = 1e-4;
+            let (p, o, m) = (c(alpha + h), c(alpha), c(alpha - h));
+            let first = |p: f64, m: f64| (p - m) / (2.0 * h);
+            let second = |p: f64, o: f64, m: f64| (p - 2.0 * o + m) / (h * h);
+            for (what, got, want, scale) in [
+                ("c_l", got.c_l, o.0, 1.0),
+                ("c_d", got.c_d, o.1, 1.0),
+                ("dc_l", got.dc_l, first(p.0, m.0), 1.0),
+                ("dc_d", got.dc_d, first(p.1, m.1), 1.0),
+                ("ddc_l", got.ddc_l, second(p.0, o.0, m.0), curvature),
+                ("ddc_d", got.ddc_d, second(p.1, o.1, m.1), curvature),
+            ] {
+                let error = (f64::from(got) - want).abs() / (scale + want.abs());
+                assert!(
+                    error < tolerance,
+                    "{what} at {alpha}: {got} is not {want}, off by {error:e}"
+                );
+            }
+        }
+    }
+}
