@@ -228,7 +228,7 @@ mod tests {
             CombinedParameters::NACA_0021_RE_5E6,
             CombinedParameters::PAPER_BELIEF,
         ] {
-            super::super::tests::check(&Combined::new(p).unwrap(), |a| printed(p, a), 100.0, 1e-5);
+            super::super::tests::check(&Combined::new(p).unwrap(), |a| printed(p, a), 100.0, 5e-6);
         }
     }
 

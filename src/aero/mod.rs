@@ -65,7 +65,7 @@ pub(crate) mod tests {
             let a = AngleOfAttack::from_radians(n as f32 * 1e-3 + 0.000_31);
             let alpha = f64::from(a.rad);
             let got = model.coefficients(a);
-            let h = 1e-4;
+            let h = 3e-5;
             let (p, o, m) = (c(alpha + h), c(alpha), c(alpha - h));
             let first = |p: f64, m: f64| (p - m) / (2.0 * h);
             let second = |p: f64, o: f64, m: f64| (p - 2.0 * o + m) / (h * h);
