@@ -90,6 +90,20 @@ pub struct AirData {
 }
 
 impl AirData {
+    /// Air data at an airspeed [m/s] and an angle of attack.
+    pub fn from_angle_of_attack(
+        speed: f32,
+        alpha: AngleOfAttack,
+        thrust_line: &ThrustLine,
+    ) -> Self {
+        Self {
+            speed,
+            sin: alpha.sin * thrust_line.cos + alpha.cos * thrust_line.sin,
+            cos: alpha.cos * thrust_line.cos - alpha.sin * thrust_line.sin,
+            alpha,
+        }
+    }
+
     /// Air data of an air velocity `v_a` [m/s] (velocity less wind) in body components.
     ///
     /// Defined for every velocity. Speed and forces go smoothly to zero with it; where there is no air

@@ -1,0 +1,182 @@
+//! The vehicle: mass, aerodynamic constant, thrust line, gravity and coefficient model. Immutable, validated.
+
+use crate::aero::Aerodynamics;
+use crate::air::{AirData, ThrustLine};
+use crate::error::{ParameterError, positive};
+use crate::frame::Body;
+
+/// The aerodynamic constant k_a = ρΣ/2 [kg/m] of an air density ρ [kg/m³] and a reference area Σ [m²].
+///
+/// # Errors
+/// `density` or `area` not finite, not positive, or above 1e4.
+pub fn aerodynamic_constant(density: f32, area: f32) -> Result<f32, ParameterError> {
+    let density = positive("density", density, 1e-6, 1e4)?;
+    let area = positive("area", area, 1e-6, 1e4)?;
+    Ok(0.5 * density * area)
+}
+
+/// Parameters of a vehicle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct VehicleParameters {
+    /// Mass m \[kg\].
+    pub mass: f32,
+    /// Aerodynamic constant k_a = ρΣ/2 [kg/m]; see [`aerodynamic_constant`].
+    pub k_a: f32,
+    /// Angle δ from the zero-lift line to the thrust line \[rad\].
+    pub delta: f32,
+    /// Gravity g [m/s²].
+    pub gravity: f32,
+}
+
+impl VehicleParameters {
+    /// The vehicle of the paper's simulation (§VII).
+    pub const PAPER: Self = Self {
+        mass: 10.0,
+        k_a: 0.6460,
+        delta: 0.0,
+        gravity: 9.81,
+    };
+
+    /// What the paper's controller believes of it: wrong on purpose (§VII).
+    pub const PAPER_BELIEF: Self = Self {
+        mass: 9.0,
+        k_a: 0.51,
+        ..Self::PAPER
+    };
+}
+
+/// A vehicle with the coefficient model `A`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Vehicle<A> {
+    mass: f32,
+    k_a: f32,
+    gravity: f32,
+    thrust_line: ThrustLine,
+    model: A,
+}
+
+impl<A: Aerodynamics> Vehicle<A> {
+    /// The vehicle with these parameters and coefficients.
+    ///
+    /// # Errors
+    /// `mass` outside [1e-3, 1e6] kg, `k_a` outside [1e-9, 1e4] kg/m, `delta` outside [−π, π], `gravity` outside
+    /// [1e-3, 1e3] m/s²; or any not finite.
+    pub fn new(p: VehicleParameters, model: A) -> Result<Self, ParameterError> {
+        Ok(Self {
+            mass: positive("mass", p.mass, 1e-3, 1e6)?,
+            k_a: positive("k_a", p.k_a, 1e-9, 1e4)?,
+            gravity: positive("gravity", p.gravity, 1e-3, 1e3)?,
+            thrust_line: ThrustLine::new(p.delta)?,
+            model,
+        })
+    }
+
+    /// Mass m \[kg\].
+    #[inline]
+    pub fn mass(&self) -> f32 {
+        self.mass
+    }
+
+    /// Aerodynamic constant k_a [kg/m].
+    #[inline]
+    pub fn k_a(&self) -> f32 {
+        self.k_a
+    }
+
+    /// Gravity g [m/s²].
+    #[inline]
+    pub fn gravity(&self) -> f32 {
+        self.gravity
+    }
+
+    /// Thrust line, at δ from the zero-lift line.
+    #[inline]
+    pub fn thrust_line(&self) -> &ThrustLine {
+        &self.thrust_line
+    }
+
+    /// Coefficient model.
+    #[inline]
+    pub fn model(&self) -> &A {
+        &self.model
+    }
+
+    /// Aerodynamic force F_a \[N\] in body components at these air data (`aerodynamicForce2D`).
+    pub fn aerodynamic_force(&self, air: &AirData) -> Body {
+        let c = self.model.coefficients(air.alpha);
+        let pressure = self.k_a * air.speed * air.speed;
+        Body::new(
+            pressure * (c.c_d * air.cos - c.c_l * air.sin),
+            -pressure * (c.c_l * air.cos + c.c_d * air.sin),
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use crate::aero::{LargeAngle, LargeAngleParameters};
+    use crate::error::Problem;
+    use crate::frame::{Attitude, Inertial};
+
+    fn model() -> LargeAngle {
+        LargeAngle::new(LargeAngleParameters::NACA_0021_RE_160E3).unwrap()
+    }
+
+    #[test]
+    fn lift_and_drag_point_where_the_paper_says() {
+        let vehicle = Vehicle::new(VehicleParameters::PAPER, model()).unwrap();
+        // Cruise at 10 m/s, pitched 5° nose up: θ = −85°, α = 5°.
+        let attitude = Attitude::from_angle(-85f32.to_radians());
+        let v_a = Inertial::new(0.0, 10.0);
+        let air = AirData::new(attitude.to_body(v_a), vehicle.thrust_line());
+        assert!((air.alpha.rad.to_degrees() - 5.0).abs() < 1e-4);
+        let force = attitude.to_inertial(vehicle.aerodynamic_force(&air));
+        let (c_l, c_d) = (
+            0.943 * 10f64.to_radians().sin(),
+            0.0139 + 2.0 * 0.943 * 5f64.to_radians().sin().powi(2),
+        );
+        // Lift is up, that is −i0; drag is backward. 1e-4 of 10 N: an ulp of the angle, times the lift slope.
+        assert!((f64::from(force.down()) + 64.6 * c_l).abs() < 1e-4);
+        assert!((f64::from(force.forward()) + 64.6 * c_d).abs() < 1e-4);
+    }
+
+    #[test]
+    fn bad_parameters_are_named() {
+        let error = |p| {
+            let e = Vehicle::new(p, model()).unwrap_err();
+            (e.parameter, e.problem)
+        };
+        let good = VehicleParameters::PAPER;
+        assert_eq!(
+            error(VehicleParameters { mass: 0.0, ..good }),
+            ("mass", Problem::NotPositive)
+        );
+        assert_eq!(
+            error(VehicleParameters {
+                k_a: f32::NAN,
+                ..good
+            }),
+            ("k_a", Problem::NotFinite)
+        );
+        assert_eq!(
+            error(VehicleParameters { delta: 4.0, ..good }),
+            ("delta", Problem::OutOfRange)
+        );
+        assert_eq!(
+            error(VehicleParameters {
+                gravity: -9.81,
+                ..good
+            }),
+            ("gravity", Problem::NotPositive)
+        );
+        assert_eq!(aerodynamic_constant(1.292, 1.0), Ok(0.646));
+        assert_eq!(
+            aerodynamic_constant(1.292, -1.0).unwrap_err().parameter,
+            "area"
+        );
+    }
+}
