@@ -21,29 +21,29 @@ pub struct AngleOfAttack {
     pub sin: f32,
     /// cos α.
     pub cos: f32,
-    /// α \[rad\], in (−π, π].
+    /// α \[rad\], in [−π, π].
     pub rad: f32,
 }
 
 impl AngleOfAttack {
-    /// The angle of attack with this sine and cosine.
+    /// The angle of attack with this sine and cosine, a pair of unit length.
     #[inline(always)]
     pub const fn from_sin_cos(sin: f32, cos: f32) -> Self {
         Self {
             sin,
             cos,
-            rad: math::atan2(sin, cos),
+            rad: math::angle(sin, cos),
         }
     }
 
-    /// The angle of attack `alpha` \[rad\], wrapped to (−π, π].
+    /// The angle of attack `alpha` \[rad\], wrapped to [−π, π].
     pub const fn from_radians(alpha: f32) -> Self {
         let (sin, cos) = math::sin_cos(alpha);
         // Inside the range the argument is the better value: it has not been through two functions.
         let rad = if alpha.abs() <= math::PI {
             alpha
         } else {
-            math::atan2(sin, cos)
+            math::angle(sin, cos)
         };
         Self { sin, cos, rad }
     }

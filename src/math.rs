@@ -31,20 +31,19 @@ pub const fn min(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
-/// 2^`y` for −126 ≤ `y` ≤ 127, relative error below 1e-7. Outside that range the result is meaningless.
+/// 2^`y` for −126 ≤ `y` ≤ 127, relative error below 2e-7. Outside that range the result is meaningless.
 #[inline(always)]
 pub const fn exp2(y: f32) -> f32 {
     // 1.5·2²³: adding it leaves the nearest integer in the low bits of the sum.
     const ROUND: f32 = 12_582_912.0;
     let shifted = y + ROUND;
     let f = y - (shifted - ROUND);
-    // 2^f = 1 + f·q(f) on [−½, ½], minimax.
-    let q = 0.000_153_533_62;
-    let q = 0.001_339_887_5 + f * q;
-    let q = 0.009_618_437 + f * q;
-    let q = 0.055_503_324 + f * q;
-    let q = 0.240_226_48 + f * q;
-    let q = 0.693_147_2 + f * q;
+    // 2^f = 1 + f·q(f) on [−½, ½], minimax to 9e-8.
+    let q = 0.001_326_472_7;
+    let q = 0.009_671_513 + f * q;
+    let q = 0.055_507_336 + f * q;
+    let q = 0.240_222_42 + f * q;
+    let q = 0.693_147 + f * q;
     let p = 1.0 + f * q;
     f32::from_bits(p.to_bits().wrapping_add(shifted.to_bits() << 23))
 }
@@ -59,6 +58,24 @@ pub const fn atan2(y: f32, x: f32) -> f32 {
     let (lo, hi) = if steep { (ax, ay) } else { (ay, ax) };
     // The added number vanishes in any ordinary `hi`, and makes 0/0 a zero.
     let t = lo / (hi + f32::MIN_POSITIVE);
+    let a = atan(t);
+    let a = if steep { FRAC_PI_2 - a } else { a };
+    let a = if x < 0.0 { PI - a } else { a };
+    a.copysign(y)
+}
+
+/// Angle whose sine and cosine are these, in [−π, π], relative error below 3e-7: cheaper than [`atan2`], for a pair
+/// of unit length only.
+#[inline(always)]
+pub const fn angle(sin: f32, cos: f32) -> f32 {
+    // Half the angle from the nearer end of the x axis: |t| ≤ 1, and nothing to divide by but 1…2.
+    let a = 2.0 * atan(sin / (1.0 + cos.abs()));
+    if cos < 0.0 { PI.copysign(sin) - a } else { a }
+}
+
+/// atan `t` for |`t`| ≤ 1, relative error below 1.5e-7.
+#[inline(always)]
+const fn atan(t: f32) -> f32 {
     let z = t * t;
     // atan t = t + t·z·q(z) on [0, 1], minimax.
     let q = 0.002_920_684_6;
@@ -69,10 +86,7 @@ pub const fn atan2(y: f32, x: f32) -> f32 {
     let q = -0.142_110_56 + z * q;
     let q = 0.199_937_73 + z * q;
     let q = -0.333_331_53 + z * q;
-    let a = t + t * (z * q);
-    let a = if steep { FRAC_PI_2 - a } else { a };
-    let a = if x < 0.0 { PI - a } else { a };
-    a.copysign(y)
+    t + t * (z * q)
 }
 
 /// (sin `x`, cos `x`), absolute error below 1.2e-7 for |`x`| ≤ 100 rad; NaN for a non-finite `x`.
@@ -119,7 +133,7 @@ mod tests {
         let e = worst(-126.0, 127.0, 2_000_000, |y| {
             (f64::from(exp2(y)) / f64::from(y).exp2() - 1.0).abs()
         });
-        assert!(e < 1e-7, "{e:e}");
+        assert!(e < 2e-7, "{e:e}");
         assert_eq!(exp2(0.0), 1.0);
         assert_eq!(exp2(-126.0), f32::MIN_POSITIVE);
         assert!(exp2(f32::NAN).is_nan());
@@ -144,6 +158,19 @@ mod tests {
         assert_eq!(atan2(-0.0, -1.0), -PI);
         assert_eq!(atan2(-2.0, 0.0), -FRAC_PI_2);
         assert!(atan2(f32::NAN, 1.0).is_nan() && atan2(1.0, f32::NAN).is_nan());
+    }
+
+    #[test]
+    fn angle_agrees_with_atan2_on_the_unit_circle() {
+        let e = worst(-3.1415, 3.1415, 2_000_000, |a| {
+            let (y, x) = (f64::from(a).sin() as f32, f64::from(a).cos() as f32);
+            let exact = f64::from(y).atan2(f64::from(x));
+            (f64::from(angle(y, x)) - exact).abs() / exact.abs().max(1e-30)
+        });
+        assert!(e < 3e-7, "{e:e}");
+        assert_eq!(angle(0.0, 1.0), 0.0);
+        assert_eq!(angle(0.0, -1.0), PI);
+        assert_eq!(angle(-0.0, -1.0), -PI);
     }
 
     #[test]

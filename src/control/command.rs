@@ -62,7 +62,7 @@ pub struct Command {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Diagnostics {
-    /// Angle of attack α \[rad\], in (−π, π].
+    /// Angle of attack α \[rad\], in [−π, π].
     pub alpha: f32,
     /// F_p \[N\] in body components.
     pub f_p: Body,
