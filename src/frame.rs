@@ -47,7 +47,8 @@ impl Sub for Inertial {
     type Output = Self;
     #[inline]
     fn sub(self, other: Self) -> Self {
-        Self(self.0 - other.0)
+        // By components: the matrix operator brings a check of dimensions, and with it a panic, into the object.
+        Self::new(self.0.x - other.0.x, self.0.y - other.0.y)
     }
 }
 
@@ -55,7 +56,7 @@ impl Add for Inertial {
     type Output = Self;
     #[inline]
     fn add(self, other: Self) -> Self {
-        Self(self.0 + other.0)
+        Self::new(self.0.x + other.0.x, self.0.y + other.0.y)
     }
 }
 
