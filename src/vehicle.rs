@@ -5,7 +5,7 @@ use crate::air::{AirData, ThrustLine};
 use crate::error::{ParameterError, positive};
 use crate::frame::Body;
 
-/// The aerodynamic constant k_a = ρΣ/2 [kg/m] of an air density ρ [kg/m³] and a reference area Σ [m²].
+/// The aerodynamic constant k_a = ρΣ/2 [kg/m] of an air density ρ [kg/m³] and a reference area Σ \[m²\].
 ///
 /// # Errors
 /// `density` or `area` not finite, not positive, or above 1e4.

@@ -31,3 +31,69 @@ pub(super) fn f_delta(
         scale * (c_l * w_i - c_d * w_j) - mass * jerk.j(),
     )
 }
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use crate::aero::{
+        Aerodynamics, Combined, CombinedParameters, LargeAngle, LargeAngleParameters,
+    };
+    use crate::frame::Inertial;
+    use crate::vehicle::{Vehicle, VehicleParameters};
+
+    /// At a fixed attitude dF_p/dt is F_δ (`FpDot` with ω = 0): central differences along a path of the air velocity
+    /// and the reference acceleration.
+    fn check(model: impl Aerodynamics, delta: f32, alpha_deg: f32) {
+        let vehicle = Vehicle::new(
+            VehicleParameters {
+                delta,
+                ..VehicleParameters::PAPER
+            },
+            model,
+        )
+        .unwrap();
+        let ff = FeedForward {
+            air_acceleration: Inertial::new(1.5, -2.5),
+            jerk: Inertial::new(0.3, 0.8),
+        };
+        // γ = atan2(11, −3), θ = α + γ − π + δ.
+        let gamma = 11f32.atan2(-3.0);
+        let attitude =
+            Attitude::from_angle(alpha_deg.to_radians() + gamma - core::f32::consts::PI + delta);
+        let at = |t: f32| {
+            ApparentForces::new(
+                &vehicle,
+                attitude,
+                Inertial::new(-3.0 + 1.5 * t, 11.0 - 2.5 * t),
+                Inertial::new(0.5 + 0.3 * t, -1.0 + 0.8 * t),
+            )
+        };
+        let forces = at(0.0);
+        assert!((forces.air.alpha.rad.to_degrees() - alpha_deg).abs() < 1e-3);
+        let got = f_delta(&forces, vehicle.mass(), vehicle.k_a(), attitude, &ff);
+        let h = 4e-3;
+        let (p, m) = (at(h).f_p, at(-h).f_p);
+        let (want_i, want_j) = ((p.i() - m.i()) / (2.0 * h), (p.j() - m.j()) / (2.0 * h));
+        // An ulp of F_p (1e-4 N) over 2h is 0.02 N/s; a missing term of F_δ would be 10 to 1000.
+        let tolerance = 0.05 + 2e-3 * want_i.hypot(want_j);
+        assert!(
+            (got.i() - want_i).abs() < tolerance && (got.j() - want_j).abs() < tolerance,
+            "{alpha_deg}: {got:?} is not {want_i} {want_j}"
+        );
+    }
+
+    #[test]
+    fn is_the_rate_of_change_of_f_p_at_a_fixed_attitude() {
+        let combined = || Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap();
+        let large = || LargeAngle::new(LargeAngleParameters::NACA_0021_RE_160E3).unwrap();
+        for alpha in [
+            -170.0, -60.0, -12.0, -3.0, 0.0, 5.0, 11.0, 14.0, 20.0, 45.0, 90.0, 140.0,
+        ] {
+            for delta in [0.0, 0.3, -1.2] {
+                check(combined(), delta, alpha);
+                check(large(), delta, alpha);
+            }
+        }
+    }
+}

@@ -29,7 +29,7 @@ impl Guard {
         self.tau
     }
 
-    /// μ_τ(s)/s² [1/N²], given s² ≥ 0 [N²]: 1/s² beyond τ, π/(2τ²) at s = 0. Relative error below 3e-7.
+    /// μ_τ(s)/s² \[1/N²\], given s² ≥ 0 \[N²\]: 1/s² beyond τ, π/(2τ²) at s = 0. Relative error below 3e-7.
     #[inline(always)]
     pub fn over_square(&self, s_squared: f32) -> f32 {
         let x = s_squared * self.inverse_square;

@@ -26,7 +26,7 @@ struct Step {
     error: Body,
     /// |F_p| \[N\].
     norm: f32,
-    /// (|F_p| + F̄_p1)² [N²].
+    /// (|F_p| + F̄_p1)² \[N²\].
     alignment_squared: f32,
 }
 
@@ -163,5 +163,208 @@ impl<A: Aerodynamics> VelocityControl<A> {
                 k,
             },
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use crate::aero::{Combined, CombinedParameters};
+    use crate::control::{GainParameters, MAX_SPEED};
+    use crate::frame::{Attitude, Inertial};
+    use crate::vehicle::VehicleParameters;
+    use rand::{RngExt, SeedableRng};
+
+    /// m g of the vehicle under test \[N\].
+    const WEIGHT: f32 = 10.0 * 9.81;
+    const HOVER: State = State {
+        velocity: Inertial::ZERO,
+        attitude: Attitude::NOSE_UP,
+        wind: Inertial::ZERO,
+    };
+    const STAY: Reference = Reference {
+        velocity: Inertial::ZERO,
+        acceleration: Inertial::ZERO,
+    };
+
+    fn control() -> VelocityControl<Combined> {
+        VelocityControl::new(
+            Vehicle::new(
+                VehicleParameters::PAPER,
+                Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap(),
+            )
+            .unwrap(),
+            Gains::new(GainParameters::PAPER).unwrap(),
+        )
+    }
+
+    #[test]
+    fn hover_is_held_by_the_weight() {
+        for law in [VelocityControl::robust, VelocityControl::full] {
+            let command = law(&control(), &HOVER, &STAY, None).unwrap();
+            assert_eq!((command.thrust, command.rate), (WEIGHT, 0.0));
+            assert_eq!(command.diagnostics.theta_tilde(), 0.0);
+            assert_eq!(command.diagnostics.f_p_norm, WEIGHT);
+        }
+    }
+
+    #[test]
+    fn errors_are_corrected_in_the_right_direction() {
+        let control = control();
+        let at = |down, forward| {
+            let state = State {
+                velocity: Inertial::new(down, forward),
+                ..HOVER
+            };
+            control.robust(&state, &STAY, None).unwrap()
+        };
+        // Sinking asks for more thrust; drifting forward for a nose that leans back, θ > 0.
+        assert!(at(0.5, 0.0).thrust > WEIGHT && at(-0.5, 0.0).thrust < WEIGHT);
+        assert!(at(0.0, 0.5).rate > 0.0 && at(0.0, -0.5).rate < 0.0);
+    }
+
+    #[test]
+    fn the_robust_law_is_defined_where_the_full_law_is_not() {
+        let control = control();
+        // F_p = 0: a reference in free fall.
+        let fall = Reference {
+            acceleration: Inertial::new(9.81, 0.0),
+            ..STAY
+        };
+        let command = control.robust(&HOVER, &fall, None).unwrap();
+        assert_eq!((command.thrust, command.rate), (0.0, 0.0));
+        assert_eq!(control.full(&HOVER, &fall, None), Err(Fault::Undefined));
+        // θ̃ = π: hovering nose down.
+        let down = State {
+            attitude: Attitude {
+                cos: -1.0,
+                sin: 0.0,
+            },
+            ..HOVER
+        };
+        let command = control.robust(&down, &STAY, None).unwrap();
+        assert_eq!((command.thrust, command.rate), (-WEIGHT, 0.0));
+        assert_eq!(command.diagnostics.guard_alignment, 0.0);
+        assert_eq!(control.full(&down, &STAY, None), Err(Fault::Undefined));
+        // Near it the guarded term is k3 |F_p| F̄_p2 π/(2τ²), and turns the nose back on either side.
+        for sin in [1e-3f32, -1e-3] {
+            let near = State {
+                attitude: Attitude { cos: -1.0, sin },
+                ..HOVER
+            };
+            let command = control.robust(&near, &STAY, None).unwrap();
+            let want = 6.0 * WEIGHT * (-WEIGHT * sin) * core::f32::consts::FRAC_PI_2 / 6400.0;
+            // 1e-5: the next term of sin x is x²/6 with x = 1e-12, so roundings only.
+            assert!((command.rate / want - 1.0).abs() < 1e-5);
+        }
+    }
+
+    /// Everything that a step reads, one number each.
+    fn inputs(x: [f32; 14]) -> (State, Reference, FeedForward) {
+        (
+            State {
+                velocity: Inertial::new(x[0], x[1]),
+                wind: Inertial::new(x[2], x[3]),
+                attitude: Attitude {
+                    cos: x[4],
+                    sin: x[5],
+                },
+            },
+            Reference {
+                velocity: Inertial::new(x[6], x[7]),
+                acceleration: Inertial::new(x[8], x[9]),
+            },
+            FeedForward {
+                air_acceleration: Inertial::new(x[10], x[11]),
+                jerk: Inertial::new(x[12], x[13]),
+            },
+        )
+    }
+
+    #[test]
+    fn each_bad_input_is_named() {
+        const GOOD: [f32; 14] = [
+            1.0, 2.0, 0.5, 0.0, 0.8, 0.6, 0.0, 3.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6,
+        ];
+        use Fault::*;
+        let faults = [
+            Velocity,
+            Velocity,
+            Wind,
+            Wind,
+            Attitude,
+            Attitude,
+            ReferenceVelocity,
+            ReferenceVelocity,
+            ReferenceAcceleration,
+            ReferenceAcceleration,
+            AirAcceleration,
+            AirAcceleration,
+            Jerk,
+            Jerk,
+        ];
+        let control = control();
+        for law in [VelocityControl::robust, VelocityControl::full] {
+            let step = |x| {
+                let (state, reference, ff) = inputs(x);
+                law(&control, &state, &reference, Some(&ff))
+            };
+            assert!(step(GOOD).is_ok());
+            for (n, fault) in faults.iter().enumerate() {
+                for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1.1e3, 3e38] {
+                    let mut x = GOOD;
+                    x[n] = bad;
+                    assert_eq!(step(x), Err(*fault), "{n} {bad}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn large_inputs_are_refused_one_by_one_and_not_by_their_sum() {
+        let (mut state, mut reference) = (HOVER, STAY);
+        state.velocity = Inertial::new(0.9 * MAX_SPEED, 0.0);
+        state.wind = Inertial::new(0.9 * MAX_SPEED, 0.0);
+        reference.velocity = Inertial::new(0.0, -0.9 * MAX_SPEED);
+        assert!(control().robust(&state, &reference, None).is_ok());
+    }
+
+    #[test]
+    fn no_input_makes_a_command_that_is_not_a_number() {
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(1);
+        let control = control();
+        let (mut flown, mut refused) = (0, 0);
+        for round in 0..400_000 {
+            let theta = rng.random_range(-3.2..3.2f32);
+            let mut x: [f32; 14] = core::array::from_fn(|_| rng.random_range(-30.0..30.0));
+            [x[4], x[5]] = [theta.cos(), theta.sin()];
+            // None, one or several numbers replaced by arbitrary bits or by a value on an edge.
+            for _ in 0..round % 4 {
+                x[rng.random_range(0..14)] = match rng.random_range(0..4) {
+                    0 => f32::from_bits(rng.random()),
+                    1 => 0.0,
+                    2 => f32::from_bits(1),
+                    _ => rng.random_range(-2.0..2.0f32) * 1e3,
+                };
+            }
+            let (state, reference, ff) = inputs(x);
+            for law in [VelocityControl::robust, VelocityControl::full] {
+                match law(&control, &state, &reference, Some(&ff)) {
+                    Ok(c) => {
+                        let d = c.diagnostics;
+                        assert!(c.thrust.is_finite() && c.rate.is_finite(), "{x:?}");
+                        assert!(d.f_p_norm.is_finite() && d.t_p.is_finite() && d.k.is_finite());
+                        assert!(
+                            d.alpha.abs() <= core::f32::consts::PI && !d.theta_tilde().is_nan()
+                        );
+                        assert!((0.0..=1.000_001).contains(&d.guard_alignment));
+                        flown += 1;
+                    }
+                    Err(_) => refused += 1,
+                }
+            }
+        }
+        assert!(flown > 400_000 && refused > 50_000, "{flown} {refused}");
     }
 }
