@@ -1,0 +1,200 @@
+//! The coefficient models as printed, differentiated automatically.
+
+use num_dual::{Dual2_64, DualNum};
+
+/// An aerodynamic model: the paper's three families. Angles in radians.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Aerodynamics {
+    /// `coeffSmallReynolds1`.
+    LargeAngle {
+        /// Drag at zero angle of attack.
+        c0: f64,
+        /// Amplitude.
+        c1: f64,
+    },
+    /// `coeffLargeReynoldsSamllAlpha1`.
+    SmallAngle {
+        /// Drag at zero angle of attack.
+        c0: f64,
+        /// Lift slope \[1/rad\].
+        c2: f64,
+        /// Induced drag.
+        c3: f64,
+    },
+    /// `CompleteModel`.
+    Combined {
+        /// Drag at zero angle of attack.
+        c0: f64,
+        /// Amplitude of the large-α model.
+        c1: f64,
+        /// Lift slope of the small-α model \[1/rad\].
+        c2: f64,
+        /// Induced drag of the small-α model.
+        c3: f64,
+        /// Where the two models cross \[rad\].
+        alpha_bar: f64,
+        /// Sharpness of the crossing for lift \[1/rad²\].
+        k_l: f64,
+        /// Sharpness of the crossing for drag \[1/rad²\].
+        k_d: f64,
+    },
+}
+
+/// Lift and drag coefficients with two derivatives, \[1/rad\] each.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Coefficients {
+    /// c_L.
+    pub c_l: f64,
+    /// c_D.
+    pub c_d: f64,
+    /// c_L′.
+    pub dc_l: f64,
+    /// c_D′.
+    pub dc_d: f64,
+    /// c_L″.
+    pub ddc_l: f64,
+    /// c_D″.
+    pub ddc_d: f64,
+}
+
+impl Coefficients {
+    fn from_jets(lift: Dual2_64, drag: Dual2_64) -> Self {
+        Self {
+            c_l: lift.re,
+            c_d: drag.re,
+            dc_l: lift.v1,
+            dc_d: drag.v1,
+            ddc_l: lift.v2,
+            ddc_d: drag.v2,
+        }
+    }
+}
+
+fn large_lift<D: DualNum<f64> + Copy>(alpha: D, c1: f64) -> D {
+    (alpha * 2.0).sin() * c1
+}
+
+fn large_drag<D: DualNum<f64> + Copy>(alpha: D, c0: f64, c1: f64) -> D {
+    alpha.sin().powi(2) * (2.0 * c1) + c0
+}
+
+fn small_lift<D: DualNum<f64> + Copy>(alpha: D, c2: f64, c3: f64) -> D {
+    (alpha * 2.0).sin() * (0.5 * c2 * c2) / (alpha.cos().powi(2) * (c2 - c3) + c3)
+}
+
+fn small_drag<D: DualNum<f64> + Copy>(alpha: D, c0: f64, c2: f64, c3: f64) -> D {
+    alpha.sin().powi(2) * (c2 * c3) / (alpha.cos().powi(2) * (c2 - c3) + c3) + c0
+}
+
+/// `sigma`, as printed.
+fn sigma<D: DualNum<f64> + Copy>(alpha_bar: f64, k: f64, alpha: D) -> D {
+    let knee = k * alpha_bar * alpha_bar;
+    ((alpha.powi(2) * -k + knee).tanh() + 1.0) / (1.0 + knee.tanh())
+}
+
+/// One coefficient as a blend of two models: its value, and the same with every product of the
+/// product rule taken in magnitude.
+fn blend(small: Dual2_64, large: Dual2_64, sigma: Dual2_64) -> (Dual2_64, Dual2_64) {
+    let value = small * sigma + large * (-sigma + 1.0);
+    let magnitude = abs(small) * abs(sigma) + abs(large) * abs(-sigma + 1.0);
+    (value, magnitude)
+}
+
+/// Value and derivatives, each in magnitude.
+fn abs(jet: Dual2_64) -> Dual2_64 {
+    Dual2_64::new(jet.re.abs(), jet.v1.abs(), jet.v2.abs())
+}
+
+impl Aerodynamics {
+    /// Coefficients and their derivatives at `alpha` \[rad\] in [−π, π).
+    pub fn at(&self, alpha: f64) -> Coefficients {
+        self.at_with_magnitudes(alpha).0
+    }
+
+    /// The coefficients, and the sums of the magnitudes of the terms that make up each: for the
+    /// combined model the terms of the product rule on `small·σ + large·(1−σ)`, for the others
+    /// the coefficient itself.
+    pub fn at_with_magnitudes(&self, alpha: f64) -> (Coefficients, Coefficients) {
+        let x = Dual2_64::from_re(alpha).derivative();
+        let ((lift, lift_size), (drag, drag_size)) = match *self {
+            Self::LargeAngle { c0, c1 } => {
+                let (lift, drag) = (large_lift(x, c1), large_drag(x, c0, c1));
+                ((lift, abs(lift)), (drag, abs(drag)))
+            }
+            Self::SmallAngle { c0, c2, c3 } => {
+                let (lift, drag) = (small_lift(x, c2, c3), small_drag(x, c0, c2, c3));
+                ((lift, abs(lift)), (drag, abs(drag)))
+            }
+            Self::Combined {
+                c0,
+                c1,
+                c2,
+                c3,
+                alpha_bar,
+                k_l,
+                k_d,
+            } => (
+                blend(
+                    small_lift(x, c2, c3),
+                    large_lift(x, c1),
+                    sigma(alpha_bar, k_l, x),
+                ),
+                blend(
+                    small_drag(x, c0, c2, c3),
+                    large_drag(x, c0, c1),
+                    sigma(alpha_bar, k_d, x),
+                ),
+            ),
+        };
+        (
+            Coefficients::from_jets(lift, drag),
+            Coefficients::from_jets(lift_size, drag_size),
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const COMBINED: Aerodynamics = Aerodynamics::Combined {
+        c0: 0.014,
+        c1: 0.95,
+        c2: 5.5,
+        c3: 0.3,
+        alpha_bar: 0.191_986_217_719_376_2,
+        k_l: 28.0,
+        k_d: 167.0,
+    };
+
+    /// The automatic derivatives against central differences. Step 1e-4: the truncation error is
+    /// h²/6 times a third (fourth) derivative of up to 2e4 (5e6), hence 1e-4 and 1e-2 at most.
+    #[test]
+    fn derivatives_are_those_of_the_values() {
+        let h = 1e-4;
+        for i in -314..314 {
+            let alpha = f64::from(i) * 0.01;
+            let c = COMBINED.at(alpha);
+            let (up, down) = (COMBINED.at(alpha + h), COMBINED.at(alpha - h));
+            let close = |a: f64, b: f64, tolerance: f64| {
+                assert!((a - b).abs() < tolerance, "{alpha}: {a} {b}");
+            };
+            close(c.dc_l, (up.c_l - down.c_l) / (2.0 * h), 1e-4);
+            close(c.dc_d, (up.c_d - down.c_d) / (2.0 * h), 1e-4);
+            close(c.ddc_l, (up.c_l - 2.0 * c.c_l + down.c_l) / (h * h), 1e-2);
+            close(c.ddc_d, (up.c_d - 2.0 * c.c_d + down.c_d) / (h * h), 1e-2);
+        }
+    }
+
+    /// At ᾱ the numerator of σ is 1, so σ = 1/(1 + tanh kᾱ²): worked by hand for lift.
+    #[test]
+    fn the_blend_at_its_knee_is_the_printed_one() {
+        let alpha: f64 = 0.191_986_217_719_376_2;
+        let knee: f64 = 28.0 * alpha * alpha;
+        let sigma = 1.0 / (1.0 + knee.tanh());
+        let small = 0.5 * 5.5 * 5.5 * (2.0 * alpha).sin() / (5.2 * alpha.cos().powi(2) + 0.3);
+        let large = 0.95 * (2.0 * alpha).sin();
+        let expected = small * sigma + large * (1.0 - sigma);
+        assert!((COMBINED.at(alpha).c_l - expected).abs() < 1e-15);
+    }
+}
