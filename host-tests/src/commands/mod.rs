@@ -1,0 +1,34 @@
+//! The command line: one file per subcommand, each with its arguments and a `run`.
+
+mod fly;
+mod replay;
+mod scenarios;
+
+use clap::{Parser, Subcommand};
+
+/// Flies alula's control laws in software. Without a subcommand: the paper's hover-to-cruise flight.
+#[derive(Parser)]
+#[command(name = "alula-sil", version)]
+pub struct Cli {
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Fly(fly::Args),
+    Replay(replay::Args),
+    Scenarios(scenarios::Args),
+}
+
+impl Cli {
+    /// Does what was asked.
+    pub fn run(self) -> anyhow::Result<()> {
+        match self.command {
+            None => fly::run(&fly::Args::default()),
+            Some(Command::Fly(args)) => fly::run(&args),
+            Some(Command::Replay(args)) => replay::run(&args),
+            Some(Command::Scenarios(args)) => scenarios::run(&args),
+        }
+    }
+}

@@ -1,0 +1,17 @@
+//! Software in the loop: a plant in double precision flown by the core's control laws.
+//!
+//! Layers, each using only those before it: [`reference`](mod@reference) (aerodynamics and laws in
+//! double precision, independent of the core), [`plant`], [`scenario`], [`flight`] (the loop, closed
+//! by any [`flight::Controller`]), [`figures`] of merit, [`trace`] and [`replay`] (CSV), [`report`].
+//! On a target without an operating system the package is empty.
+#![cfg_attr(target_os = "none", no_std)]
+#![cfg(not(target_os = "none"))]
+
+pub mod figures;
+pub mod flight;
+pub mod plant;
+pub mod reference;
+pub mod replay;
+pub mod report;
+pub mod scenario;
+pub mod trace;

@@ -1,0 +1,204 @@
+//! One chart with a time axis: curves, a legend, marked instants.
+
+use plotters::coord::ranged1d::ValueFormatter;
+use plotters::prelude::*;
+
+/// A curve. Points by increasing time.
+pub struct Series {
+    /// Its name in the legend.
+    pub name: &'static str,
+    /// Colour.
+    pub color: RGBColor,
+    /// Drawn dashed: bounds and references.
+    pub dashed: bool,
+    /// (time \[s\], value).
+    pub points: Vec<(f64, f64)>,
+}
+
+/// A marked instant.
+pub struct Mark {
+    /// Where.
+    pub at: (f64, f64),
+    /// What to say there.
+    pub label: String,
+}
+
+/// A chart over time.
+pub struct Chart {
+    /// What is drawn, with its unit: the title above the chart.
+    pub title: &'static str,
+    /// The curves.
+    pub series: Vec<Series>,
+    /// Marked instants.
+    pub marks: Vec<Mark>,
+    /// Whether the vertical axis is logarithmic.
+    pub logarithmic: bool,
+}
+
+/// Most points drawn per curve: two per pixel column or so.
+const MAX_POINTS: usize = 1200;
+
+const INK: RGBColor = RGBColor(38, 44, 52);
+const GRID: RGBColor = RGBColor(222, 226, 231);
+const FAINT_GRID: RGBColor = RGBColor(243, 245, 247);
+
+impl Chart {
+    /// Draws the chart on `area`.
+    pub fn draw(&self, area: &DrawingArea<SVGBackend, plotters::coord::Shift>) -> Drawn {
+        let times = self.series.iter().flat_map(|s| &s.points).map(|p| p.0);
+        let end = times.fold(0.0_f64, f64::max);
+        let (low, high) = self.range();
+        let mut builder = ChartBuilder::on(area);
+        builder
+            .caption(self.title, ("sans-serif", 17).into_font().color(&INK))
+            .margin(8)
+            .margin_right(18)
+            .x_label_area_size(38)
+            .y_label_area_size(58);
+        if self.logarithmic {
+            let chart = builder.build_cartesian_2d(0.0..end, (low..high).log_scale())?;
+            self.fill(chart, end, (low.ln(), high.ln()), f64::ln)
+        } else {
+            let chart = builder.build_cartesian_2d(0.0..end, low..high)?;
+            self.fill(chart, end, (low, high), |y| y)
+        }
+    }
+
+    /// The vertical range: the data's with room for the legend and the marks.
+    fn range(&self) -> (f64, f64) {
+        let values = || {
+            let all = self.series.iter().flat_map(|s| &s.points).map(|p| p.1);
+            all.filter(|y| y.is_finite() && (!self.logarithmic || *y > 0.0))
+        };
+        let low = values().fold(f64::INFINITY, f64::min);
+        let high = values().fold(f64::NEG_INFINITY, f64::max);
+        if low > high {
+            // Nothing to draw, as when every step was a fault.
+            return if self.logarithmic {
+                (1.0, 10.0)
+            } else {
+                (-1.0, 1.0)
+            };
+        }
+        if self.logarithmic {
+            return (low / 2.0, high * 3.0);
+        }
+        let span = (high - low).max(1e-3);
+        (low - 0.12 * span, high + 0.30 * span)
+    }
+
+    fn fill<Y>(
+        &self,
+        mut chart: ChartContext<SVGBackend, Cartesian2d<plotters::coord::types::RangedCoordf64, Y>>,
+        end: f64,
+        (bottom, top): (f64, f64),
+        height: fn(f64) -> f64,
+    ) -> Drawn
+    where
+        Y: Ranged<ValueType = f64> + ValueFormatter<f64>,
+    {
+        let text = || ("sans-serif", 13).into_font().color(&INK);
+        chart
+            .configure_mesh()
+            .bold_line_style(GRID)
+            .light_line_style(FAINT_GRID)
+            .axis_style(INK)
+            .label_style(text())
+            .axis_desc_style(text())
+            .x_labels(11)
+            .y_labels(7)
+            .x_desc("time [s]")
+            .x_label_formatter(&|t| number(*t))
+            .y_label_formatter(&|y| number(*y))
+            .draw()?;
+        for series in &self.series {
+            let style = series.color.stroke_width(2);
+            let visible = |p: &(f64, f64)| p.1.is_finite() && (!self.logarithmic || p.1 > 0.0);
+            let points: Vec<_> = series.points.iter().copied().filter(visible).collect();
+            let points = thin(&points);
+            let drawn = if series.dashed {
+                chart.draw_series(DashedLineSeries::new(points, 7, 5, style))?
+            } else {
+                chart.draw_series(LineSeries::new(points, style))?
+            };
+            drawn
+                .label(series.name)
+                .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], style));
+        }
+        for mark in &self.marks {
+            // The label goes where there is room: away from the nearer edges.
+            let right = mark.at.0 < 0.6 * end;
+            let above = height(mark.at.1) < 0.5 * (bottom + top);
+            let (x, anchor) = if right {
+                (9, plotters::style::text_anchor::HPos::Left)
+            } else {
+                (-9, plotters::style::text_anchor::HPos::Right)
+            };
+            let vertical = plotters::style::text_anchor::VPos::Center;
+            let style = text().pos(plotters::style::text_anchor::Pos::new(anchor, vertical));
+            let y = if above { 3 } else { -3 };
+            chart.draw_series(std::iter::once(
+                EmptyElement::at(mark.at)
+                    + Circle::new((0, 0), 4, INK.stroke_width(2))
+                    + Text::new(mark.label.clone(), (x, y), style),
+            ))?;
+        }
+        if self.series.len() > 1 {
+            chart
+                .configure_series_labels()
+                .position(SeriesLabelPosition::UpperRight)
+                .background_style(WHITE.mix(0.85))
+                .border_style(GRID)
+                .label_font(text())
+                .legend_area_size(24)
+                .margin(6)
+                .draw()?;
+        }
+        Ok(())
+    }
+}
+
+/// Drawing into a string fails only where a chart is malformed.
+pub type Drawn = Result<(), DrawingAreaErrorKind<<SVGBackend<'static> as DrawingBackend>::ErrorType>>;
+
+/// A tick's label: as short as it can be.
+fn number(value: f64) -> String {
+    let rounded = (value * 1e6).round() / 1e6;
+    // Not "-0".
+    (rounded + 0.0).to_string()
+}
+
+/// At most about [`MAX_POINTS`] points that keep every bucket's extremes.
+fn thin(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    if points.len() <= MAX_POINTS {
+        return points.to_vec();
+    }
+    let mut kept = Vec::with_capacity(MAX_POINTS + 2);
+    for bucket in points.chunks(points.len().div_ceil(MAX_POINTS / 2)) {
+        let by_value = |a: &&(f64, f64), b: &&(f64, f64)| a.1.total_cmp(&b.1);
+        let low = bucket.iter().min_by(by_value);
+        let high = bucket.iter().max_by(by_value);
+        let mut both: Vec<_> = low.into_iter().chain(high).copied().collect();
+        both.sort_by(|a, b| a.0.total_cmp(&b.0));
+        kept.extend(both);
+    }
+    kept.extend(points.last());
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thinning_keeps_extremes_and_the_end() {
+        let mut points: Vec<_> = (0..20_001).map(|i| (f64::from(i), 0.0)).collect();
+        points[7777].1 = 5.0;
+        points[7778].1 = -5.0;
+        let kept = thin(&points);
+        assert!(kept.len() <= MAX_POINTS + 2);
+        assert!(kept.contains(&(7777.0, 5.0)) && kept.contains(&(7778.0, -5.0)));
+        assert_eq!(kept.last(), points.last());
+        assert!(kept.windows(2).all(|pair| pair[0].0 <= pair[1].0));
+    }
+}

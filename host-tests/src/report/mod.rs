@@ -1,0 +1,34 @@
+//! The report of a flight: a figure, and a page that holds everything and needs no network.
+
+mod chart;
+mod figure;
+
+use anyhow::Context;
+use minijinja::{Environment, context};
+
+use crate::figures::Figures;
+use crate::flight::Row;
+use crate::scenario::Source;
+
+pub use figure::svg;
+
+/// The page about a flight, with its figure `svg` inside.
+pub fn html(source: &Source, rows: &[Row], figures: &Figures, svg: &str) -> anyhow::Result<String> {
+    let mut environment = Environment::new();
+    environment.add_template("report.html", include_str!("report.html"))?;
+    let scenario = &source.scenario;
+    environment
+        .get_template("report.html")?
+        .render(context! {
+            name => source.name,
+            description => scenario.description,
+            duration => scenario.duration_s,
+            rate => scenario.control_rate_hz,
+            rows => rows.len(),
+            table => figures.table(),
+            toml => source.text,
+            svg,
+            version => env!("CARGO_PKG_VERSION"),
+        })
+        .context("the report's template")
+}
