@@ -72,8 +72,7 @@ impl Figures {
             let at = at.map_or(String::new(), |t| format!("at {t:.3} s"));
             [label.to_owned(), value, at]
         };
-        let or_none =
-            |value: Option<f64>| value.map_or("none".to_owned(), |v| format!("{v:.2} N"));
+        let or_none = |value: Option<f64>| value.map_or("none".to_owned(), |v| format!("{v:.2} N"));
         vec![
             line(
                 "largest velocity error",

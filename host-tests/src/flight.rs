@@ -1,9 +1,8 @@
 //! The loop: plant in double precision, controller in single precision at a fixed rate.
 
-use alula::control::{
-    Command, Fault, FeedForward, Reference, State, VelocityControl,
+use alula::{
+    Attitude, Command, Fault, FeedForward, Inertial, Model, Reference, State, VelocityControl,
 };
-use alula::{Attitude, Inertial, Model};
 
 use crate::plant::PlantState;
 use crate::reference::{Vector, wrap};
@@ -88,7 +87,7 @@ pub struct Row {
     pub truth: PlantState,
     /// Reference velocity \[m/s\] in double precision.
     pub reference_velocity: Vector,
-    /// The plant's angle of attack \[rad\].
+    /// The plant's angle of attack \[rad\]; NaN where there is no air velocity.
     pub alpha: f64,
     /// Thrust over the plant's weight.
     pub thrust_to_weight: f64,
@@ -112,16 +111,7 @@ impl Row {
 
 /// The name of an answer in the `status` columns.
 pub fn status(answer: &Answer) -> &'static str {
-    match answer {
-        Ok(_) => "ok",
-        Err(Fault::Velocity) => "velocity",
-        Err(Fault::Wind) => "wind",
-        Err(Fault::Attitude) => "attitude",
-        Err(Fault::ReferenceVelocity) => "reference-velocity",
-        Err(Fault::ReferenceAcceleration) => "reference-acceleration",
-        Err(Fault::FeedForward) => "feed-forward",
-        Err(Fault::Command) => "command",
-    }
+    answer.map_or_else(Fault::name, |_| "ok")
 }
 
 /// Flies `scenario` under `controller`: one row per control step, the last at the end of the
@@ -164,9 +154,7 @@ pub fn fly(
             t,
             truth,
             reference_velocity: velocity,
-            alpha: plant
-                .vehicle
-                .angle_of_attack(truth.velocity - plant.wind, truth.theta),
+            alpha: plant.angle_of_attack(&truth),
             thrust_to_weight: thrust / (plant.vehicle.mass * plant.vehicle.gravity),
             input,
             answer,

@@ -27,6 +27,16 @@ impl Plant {
             .acceleration(state.velocity, self.wind, state.theta, thrust)
     }
 
+    /// α in [−π, π) \[rad\]; NaN where there is no air velocity.
+    pub fn angle_of_attack(&self, state: &PlantState) -> f64 {
+        let air_velocity = state.velocity - self.wind;
+        if air_velocity == Vector::zeros() {
+            f64::NAN
+        } else {
+            self.vehicle.angle_of_attack(air_velocity, state.theta)
+        }
+    }
+
     /// The state after `dt` \[s\] of constant `thrust` \[N\] and `rate` \[rad/s\]: one step of the
     /// classical Runge–Kutta method of order 4.
     pub fn step(&self, state: &PlantState, thrust: f64, rate: f64, dt: f64) -> PlantState {

@@ -2,8 +2,7 @@
 
 use std::io::{Read, Write};
 
-use alula::Inertial;
-use alula::control::{FeedForward, Reference};
+use alula::{FeedForward, Inertial, Reference};
 use anyhow::anyhow;
 
 use crate::flight::{Controller, Input};

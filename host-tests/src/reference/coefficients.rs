@@ -70,26 +70,34 @@ impl Coefficients {
     }
 }
 
-fn large_lift<D: DualNum<f64> + Copy>(alpha: D, c1: f64) -> D {
+fn large_lift(alpha: Dual2_64, c1: f64) -> Dual2_64 {
     (alpha * 2.0).sin() * c1
 }
 
-fn large_drag<D: DualNum<f64> + Copy>(alpha: D, c0: f64, c1: f64) -> D {
+fn large_drag(alpha: Dual2_64, c0: f64, c1: f64) -> Dual2_64 {
     alpha.sin().powi(2) * (2.0 * c1) + c0
 }
 
-fn small_lift<D: DualNum<f64> + Copy>(alpha: D, c2: f64, c3: f64) -> D {
+fn small_lift(alpha: Dual2_64, c2: f64, c3: f64) -> Dual2_64 {
     (alpha * 2.0).sin() * (0.5 * c2 * c2) / (alpha.cos().powi(2) * (c2 - c3) + c3)
 }
 
-fn small_drag<D: DualNum<f64> + Copy>(alpha: D, c0: f64, c2: f64, c3: f64) -> D {
+fn small_drag(alpha: Dual2_64, c0: f64, c2: f64, c3: f64) -> Dual2_64 {
     alpha.sin().powi(2) * (c2 * c3) / (alpha.cos().powi(2) * (c2 - c3) + c3) + c0
 }
 
 /// `sigma`, as printed.
-fn sigma<D: DualNum<f64> + Copy>(alpha_bar: f64, k: f64, alpha: D) -> D {
+fn sigma(alpha_bar: f64, k: f64, alpha: Dual2_64) -> Dual2_64 {
     let knee = k * alpha_bar * alpha_bar;
-    ((alpha.powi(2) * -k + knee).tanh() + 1.0) / (1.0 + knee.tanh())
+    (tanh(alpha.powi(2) * -k + knee) + 1.0) / (1.0 + knee.tanh())
+}
+
+/// `Dual2_64::tanh` is sinh/cosh, which is NaN for the large arguments that occur here.
+fn tanh(x: Dual2_64) -> Dual2_64 {
+    let tanh = x.re.tanh();
+    let slope = 1.0 - tanh * tanh;
+    let curvature = -2.0 * tanh * slope;
+    Dual2_64::new(tanh, slope * x.v1, curvature * x.v1 * x.v1 + slope * x.v2)
 }
 
 /// One coefficient as a blend of two models: its value, and the same with every product of the

@@ -113,10 +113,7 @@ fn evaluate(vehicle: &Vehicle, gains: &Gains, inputs: &Inputs, full: bool) -> Ev
 
     let k_inverse = if full {
         let (sin, cos) = (air.alpha + vehicle.delta).sin_cos();
-        1.0 + vehicle.k_a
-            * air.speed.powi(2)
-            * f.y
-            * (cos * air.dc_d_bar - sin * air.dc_l_bar)
+        1.0 + vehicle.k_a * air.speed.powi(2) * f.y * (cos * air.dc_d_bar - sin * air.dc_l_bar)
             / (norm * norm)
     } else {
         1.0

@@ -1,6 +1,8 @@
 //! One chart with a time axis: curves, a legend, marked instants.
 
+use plotters::coord::Shift;
 use plotters::coord::ranged1d::ValueFormatter;
+use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
 /// A curve. Points by increasing time.
@@ -11,7 +13,7 @@ pub struct Series {
     pub color: RGBColor,
     /// Drawn dashed: bounds and references.
     pub dashed: bool,
-    /// (time \[s\], value).
+    /// (time \[s\], value). A value that is not finite breaks the curve.
     pub points: Vec<(f64, f64)>,
 }
 
@@ -44,17 +46,17 @@ const FAINT_GRID: RGBColor = RGBColor(243, 245, 247);
 
 impl Chart {
     /// Draws the chart on `area`.
-    pub fn draw(&self, area: &DrawingArea<SVGBackend, plotters::coord::Shift>) -> Drawn {
+    pub fn draw(&self, area: &DrawingArea<SVGBackend, Shift>) -> Drawn {
         let times = self.series.iter().flat_map(|s| &s.points).map(|p| p.0);
         let end = times.fold(0.0_f64, f64::max);
         let (low, high) = self.range();
         let mut builder = ChartBuilder::on(area);
         builder
-            .caption(self.title, ("sans-serif", 17).into_font().color(&INK))
+            .caption(self.title, ("sans-serif", 19).into_font().color(&INK))
             .margin(8)
             .margin_right(18)
-            .x_label_area_size(38)
-            .y_label_area_size(58);
+            .x_label_area_size(42)
+            .y_label_area_size(64);
         if self.logarithmic {
             let chart = builder.build_cartesian_2d(0.0..end, (low..high).log_scale())?;
             self.fill(chart, end, (low.ln(), high.ln()), f64::ln)
@@ -81,15 +83,16 @@ impl Chart {
             };
         }
         if self.logarithmic {
-            return (low / 2.0, high * 3.0);
+            return (low / 3.0, high * 12.0);
         }
         let span = (high - low).max(1e-3);
-        (low - 0.12 * span, high + 0.30 * span)
+        let legend = if self.series.len() > 1 { 0.45 } else { 0.2 };
+        (low - 0.12 * span, high + legend * span)
     }
 
-    fn fill<Y>(
+    fn fill<'a, 'b: 'a, Y>(
         &self,
-        mut chart: ChartContext<SVGBackend, Cartesian2d<plotters::coord::types::RangedCoordf64, Y>>,
+        mut chart: ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, Y>>,
         end: f64,
         (bottom, top): (f64, f64),
         height: fn(f64) -> f64,
@@ -97,7 +100,7 @@ impl Chart {
     where
         Y: Ranged<ValueType = f64> + ValueFormatter<f64>,
     {
-        let text = || ("sans-serif", 13).into_font().color(&INK);
+        let text = || ("sans-serif", 15).into_font().color(&INK);
         chart
             .configure_mesh()
             .bold_line_style(GRID)
@@ -107,23 +110,33 @@ impl Chart {
             .axis_desc_style(text())
             .x_labels(11)
             .y_labels(7)
+            .max_light_lines(2)
             .x_desc("time [s]")
             .x_label_formatter(&|t| number(*t))
             .y_label_formatter(&|y| number(*y))
             .draw()?;
         for series in &self.series {
             let style = series.color.stroke_width(2);
-            let visible = |p: &(f64, f64)| p.1.is_finite() && (!self.logarithmic || p.1 > 0.0);
-            let points: Vec<_> = series.points.iter().copied().filter(visible).collect();
-            let points = thin(&points);
-            let drawn = if series.dashed {
-                chart.draw_series(DashedLineSeries::new(points, 7, 5, style))?
-            } else {
-                chart.draw_series(LineSeries::new(points, style))?
-            };
-            drawn
-                .label(series.name)
-                .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], style));
+            let drawable = |p: &(f64, f64)| p.1.is_finite() && (!self.logarithmic || p.1 > 0.0);
+            let pieces = series.points.split(|p| !drawable(p)).map(thin);
+            // One element per unbroken piece; the legend goes with the first.
+            let mut named = false;
+            for piece in pieces.filter(|piece| piece.len() > 1) {
+                let drawn = if series.dashed {
+                    chart.draw_series(DashedLineSeries::new(piece, 7, 5, style))?
+                } else {
+                    chart.draw_series(LineSeries::new(piece, style))?
+                };
+                if !std::mem::replace(&mut named, true) {
+                    let line = |x, y| [(x, y), (x + 18, y)];
+                    let drawn = drawn.label(series.name);
+                    if series.dashed {
+                        drawn.legend(move |(x, y)| DashedPathElement::new(line(x, y), 7, 4, style));
+                    } else {
+                        drawn.legend(move |(x, y)| PathElement::new(line(x, y), style));
+                    }
+                }
+            }
         }
         for mark in &self.marks {
             // The label goes where there is room: away from the nearer edges.
@@ -136,7 +149,12 @@ impl Chart {
             };
             let vertical = plotters::style::text_anchor::VPos::Center;
             let style = text().pos(plotters::style::text_anchor::Pos::new(anchor, vertical));
-            let y = if above { 3 } else { -3 };
+            // On a logarithmic axis it would lie on the bound that the mark is close to.
+            let y = match (self.logarithmic, above) {
+                (true, _) => 16,
+                (false, true) => 3,
+                (false, false) => -3,
+            };
             chart.draw_series(std::iter::once(
                 EmptyElement::at(mark.at)
                     + Circle::new((0, 0), 4, INK.stroke_width(2))
@@ -159,7 +177,8 @@ impl Chart {
 }
 
 /// Drawing into a string fails only where a chart is malformed.
-pub type Drawn = Result<(), DrawingAreaErrorKind<<SVGBackend<'static> as DrawingBackend>::ErrorType>>;
+pub type Drawn =
+    Result<(), DrawingAreaErrorKind<<SVGBackend<'static> as DrawingBackend>::ErrorType>>;
 
 /// A tick's label: as short as it can be.
 fn number(value: f64) -> String {

@@ -16,7 +16,8 @@ const GREY: RGBColor = RGBColor(120, 128, 138);
 /// The figure of a flight as SVG text.
 pub fn svg(scenario: &Scenario, rows: &[Row], figures: &Figures) -> String {
     let mut text = String::new();
-    draw(&mut text, &charts(scenario, rows, figures)).expect("charts of finite ranges can be drawn");
+    draw(&mut text, &charts(scenario, rows, figures))
+        .expect("charts of finite ranges can be drawn");
     text
 }
 
@@ -44,7 +45,7 @@ fn charts(scenario: &Scenario, rows: &[Row], figures: &Figures) -> [Chart; 8] {
     };
     let mark = |t: f64, y: f64, unit: &str| Mark {
         at: (t, y),
-        label: format!("{y:.3} {unit} at {t:.2} s"),
+        label: format!("{y:.3} {unit} at {t:.3} s"),
     };
 
     let mut errors = chart(
@@ -108,7 +109,7 @@ fn charts(scenario: &Scenario, rows: &[Row], figures: &Figures) -> [Chart; 8] {
         errors,
         chart(
             "angle of attack α [°]",
-            vec![series("α", BLUE, &|r| r.alpha.to_degrees())],
+            vec![angle(series("α", BLUE, &|r| r.alpha.to_degrees()))],
         ),
         rate,
         chart(
@@ -117,14 +118,29 @@ fn charts(scenario: &Scenario, rows: &[Row], figures: &Figures) -> [Chart; 8] {
         ),
         chart(
             "orientation θ [°]",
-            vec![series("θ", BLUE, &|r| wrap(r.truth.theta).to_degrees())],
+            vec![angle(series("θ", BLUE, &|r| {
+                wrap(r.truth.theta).to_degrees()
+            }))],
         ),
         force,
         chart(
             "θ̃, from the thrust axis to F_p [°]",
-            vec![series("θ̃", BLUE, &|r| {
+            vec![angle(series("θ̃", BLUE, &|r| {
                 f64::from(r.command().diagnostics.theta_tilde()).to_degrees()
-            })],
+            }))],
         ),
     ]
+}
+
+/// A series of wrapped angles \[°\], broken where they wrap.
+fn angle(mut series: Series) -> Series {
+    let mut last = f64::NAN;
+    for (_, value) in &mut series.points {
+        let wrapped = (*value - last).abs() > 180.0;
+        last = *value;
+        if wrapped {
+            *value = f64::NAN;
+        }
+    }
+    series
 }

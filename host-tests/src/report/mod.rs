@@ -20,13 +20,13 @@ pub fn html(source: &Source, rows: &[Row], figures: &Figures, svg: &str) -> anyh
     environment
         .get_template("report.html")?
         .render(context! {
-            name => source.name,
-            description => scenario.description,
+            name => &source.name,
+            description => &scenario.description,
             duration => scenario.duration_s,
             rate => scenario.control_rate_hz,
             rows => rows.len(),
             table => figures.table(),
-            toml => source.text,
+            toml => &source.text,
             svg,
             version => env!("CARGO_PKG_VERSION"),
         })

@@ -18,4 +18,8 @@ pub const BUILT_IN: &[(&str, &str)] = &[
         "cruise-to-hover",
         include_str!("../../scenarios/cruise-to-hover.toml"),
     ),
+    (
+        "steep-climb",
+        include_str!("../../scenarios/steep-climb.toml"),
+    ),
 ];

@@ -165,6 +165,10 @@ mod tests {
             "    { t_s = 0, down_m_s = 0, forward_m_s = 20 },",
             "reference.knots[1]: t_s must increase",
         );
-        expect("law =", "law = \"robst\"", "controller.law: unknown variant");
+        expect(
+            "law =",
+            "law = \"robst\"",
+            "controller.law: unknown variant",
+        );
     }
 }

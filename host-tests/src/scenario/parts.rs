@@ -274,7 +274,10 @@ impl ReferenceSpec {
             finite(&field, knot.down_m_s)?;
             finite(&field, knot.forward_m_s)?;
             if i > 0 && knot.t_s <= self.knots[i - 1].t_s {
-                return Err(FieldError::new(field, "t_s must increase from knot to knot"));
+                return Err(FieldError::new(
+                    field,
+                    "t_s must increase from knot to knot",
+                ));
             }
         }
         Ok(())
