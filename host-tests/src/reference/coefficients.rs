@@ -1,6 +1,6 @@
 //! The coefficient models as printed, differentiated automatically.
 
-use num_dual::{Dual2_64, DualNum};
+use num_dual::{Dual3_64, DualNum};
 
 /// An aerodynamic model: the paper's three families. Angles in radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,7 +58,7 @@ pub struct Coefficients {
 }
 
 impl Coefficients {
-    fn from_jets(lift: Dual2_64, drag: Dual2_64) -> Self {
+    fn from_jets(lift: Dual3_64, drag: Dual3_64) -> Self {
         Self {
             c_l: lift.re,
             c_d: drag.re,
@@ -70,60 +70,77 @@ impl Coefficients {
     }
 }
 
-fn large_lift(alpha: Dual2_64, c1: f64) -> Dual2_64 {
+fn large_lift(alpha: Dual3_64, c1: f64) -> Dual3_64 {
     (alpha * 2.0).sin() * c1
 }
 
-fn large_drag(alpha: Dual2_64, c0: f64, c1: f64) -> Dual2_64 {
+fn large_drag(alpha: Dual3_64, c0: f64, c1: f64) -> Dual3_64 {
     alpha.sin().powi(2) * (2.0 * c1) + c0
 }
 
-fn small_lift(alpha: Dual2_64, c2: f64, c3: f64) -> Dual2_64 {
+fn small_lift(alpha: Dual3_64, c2: f64, c3: f64) -> Dual3_64 {
     (alpha * 2.0).sin() * (0.5 * c2 * c2) / (alpha.cos().powi(2) * (c2 - c3) + c3)
 }
 
-fn small_drag(alpha: Dual2_64, c0: f64, c2: f64, c3: f64) -> Dual2_64 {
+fn small_drag(alpha: Dual3_64, c0: f64, c2: f64, c3: f64) -> Dual3_64 {
     alpha.sin().powi(2) * (c2 * c3) / (alpha.cos().powi(2) * (c2 - c3) + c3) + c0
 }
 
 /// `sigma`, as printed.
-fn sigma(alpha_bar: f64, k: f64, alpha: Dual2_64) -> Dual2_64 {
+fn sigma(alpha_bar: f64, k: f64, alpha: Dual3_64) -> Dual3_64 {
     let knee = k * alpha_bar * alpha_bar;
     (tanh(alpha.powi(2) * -k + knee) + 1.0) / (1.0 + knee.tanh())
 }
 
-/// `Dual2_64::tanh` is sinh/cosh, which is NaN for the large arguments that occur here.
-fn tanh(x: Dual2_64) -> Dual2_64 {
+/// `Dual3_64::tanh` is sinh/cosh, which is NaN for the large arguments that occur here.
+fn tanh(x: Dual3_64) -> Dual3_64 {
     let tanh = x.re.tanh();
     let slope = 1.0 - tanh * tanh;
     let curvature = -2.0 * tanh * slope;
-    Dual2_64::new(tanh, slope * x.v1, curvature * x.v1 * x.v1 + slope * x.v2)
+    let third = -2.0 * slope * (slope - 2.0 * tanh * tanh);
+    Dual3_64::new(
+        tanh,
+        slope * x.v1,
+        curvature * x.v1 * x.v1 + slope * x.v2,
+        third * x.v1.powi(3) + 3.0 * curvature * x.v1 * x.v2 + slope * x.v3,
+    )
 }
 
 /// One coefficient as a blend of two models: its value, and the same with every product of the
 /// product rule taken in magnitude.
-fn blend(small: Dual2_64, large: Dual2_64, sigma: Dual2_64) -> (Dual2_64, Dual2_64) {
+fn blend(small: Dual3_64, large: Dual3_64, sigma: Dual3_64) -> (Dual3_64, Dual3_64) {
     let value = small * sigma + large * (-sigma + 1.0);
     let magnitude = abs(small) * abs(sigma) + abs(large) * abs(-sigma + 1.0);
     (value, magnitude)
 }
 
+/// `size` with the effect of `n_alpha` in the angle added: |c′|·N(α) to N(c), and so on.
+fn propagated(c: Dual3_64, size: Dual3_64, n_alpha: f64) -> Dual3_64 {
+    Dual3_64::new(
+        size.re + c.v1.abs() * n_alpha,
+        size.v1 + c.v2.abs() * n_alpha,
+        size.v2 + c.v3.abs() * n_alpha,
+        f64::NAN,
+    )
+}
+
 /// Value and derivatives, each in magnitude.
-fn abs(jet: Dual2_64) -> Dual2_64 {
-    Dual2_64::new(jet.re.abs(), jet.v1.abs(), jet.v2.abs())
+fn abs(jet: Dual3_64) -> Dual3_64 {
+    Dual3_64::new(jet.re.abs(), jet.v1.abs(), jet.v2.abs(), jet.v3.abs())
 }
 
 impl Aerodynamics {
     /// Coefficients and their derivatives at `alpha` \[rad\] in [−π, π).
     pub fn at(&self, alpha: f64) -> Coefficients {
-        self.at_with_magnitudes(alpha).0
+        self.at_with_magnitudes(alpha, 0.0).0
     }
 
-    /// The coefficients, and the sums of the magnitudes of the terms that make up each: for the
-    /// combined model the terms of the product rule on `small·σ + large·(1−σ)`, for the others
-    /// the coefficient itself.
-    pub fn at_with_magnitudes(&self, alpha: f64) -> (Coefficients, Coefficients) {
-        let x = Dual2_64::from_re(alpha).derivative();
+    /// The coefficients, and the sums of the magnitudes of the terms that make up each: the terms
+    /// of the product rule on `small·σ + large·(1−σ)` (for the other models the coefficient
+    /// itself), and the effect of `n_alpha`, the same sum for the angle: |c′|·N(α) in N(c), |c″|·N(α)
+    /// in N(c′), |c‴|·N(α) in N(c″).
+    pub fn at_with_magnitudes(&self, alpha: f64, n_alpha: f64) -> (Coefficients, Coefficients) {
+        let x = Dual3_64::from_re(alpha).derivative();
         let ((lift, lift_size), (drag, drag_size)) = match *self {
             Self::LargeAngle { c0, c1 } => {
                 let (lift, drag) = (large_lift(x, c1), large_drag(x, c0, c1));
@@ -156,7 +173,10 @@ impl Aerodynamics {
         };
         (
             Coefficients::from_jets(lift, drag),
-            Coefficients::from_jets(lift_size, drag_size),
+            Coefficients::from_jets(
+                propagated(lift, lift_size, n_alpha),
+                propagated(drag, drag_size, n_alpha),
+            ),
         )
     }
 }

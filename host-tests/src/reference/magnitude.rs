@@ -6,8 +6,11 @@
 //! - the inputs, the air velocity v − v_w and the velocity error v − v_r count by their own
 //!   magnitude (a difference of two inputs is rounded once);
 //! - sin(α+δ) and cos(α+δ) are the body components of v_a over |v_a|;
-//! - a coefficient or derivative counts by the terms of the product rule on its blend
+//! - a coefficient or derivative counts by the terms of the product rule on its blend and, with
+//!   [`Angle::Expanded`], by the effect of N(α) on it
 //!   (see [`super::Aerodynamics::at_with_magnitudes`]);
+//! - N(α) = |cos α| N(sin α) + |sin α| N(cos α), where sin α = sin(α+δ) cos δ − cos(α+δ) sin δ and
+//!   so on: the angle is made up of body components of v_a, which may cancel;
 //! - F̄_p1 = F̄_1 + λ k_a|v_a|² and F̄_p2 = F̄_2; N(|F_p|) = √(N(F̄_p1)² + N(F̄_p2)²);
 //! - a quotient counts by N of its numerator over the magnitude of its denominator; the factors
 //!   μ_τ(s)/s² (or 1/s²) count by their value;
@@ -15,6 +18,15 @@
 
 use super::law::guarded;
 use super::{Evaluation, Gains, Inputs, Vehicle};
+
+/// Whether N counts the terms that make up the angle of attack.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Angle {
+    /// As if α were an input: a smaller yardstick.
+    Given,
+    /// With the terms of α.
+    Expanded,
+}
 
 /// N(T) and N(ω).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,13 +60,26 @@ pub fn magnitudes(
     inputs: &Inputs,
     evaluation: &Evaluation,
     full: bool,
+    angle: Angle,
 ) -> Magnitudes {
     let theta = inputs.theta;
     let air = vehicle.air(inputs.velocity, inputs.wind, theta);
-    let c = vehicle.aerodynamics.at_with_magnitudes(air.alpha).1;
     let v_a = Body::of(air.velocity.x, air.velocity.y, theta);
     let unit = |x: f64| if air.speed > 0.0 { x / air.speed } else { 0.0 };
     let (cos, sin) = (unit(v_a.i), unit(v_a.j));
+    let n_alpha = match angle {
+        Angle::Given => 0.0,
+        Angle::Expanded => {
+            let (sin_delta, cos_delta) = vehicle.delta.sin_cos();
+            let sin_alpha = sin * cos_delta.abs() + cos * sin_delta.abs();
+            let cos_alpha = cos * cos_delta.abs() + sin * sin_delta.abs();
+            air.alpha.cos().abs() * sin_alpha + air.alpha.sin().abs() * cos_alpha
+        }
+    };
+    let c = vehicle
+        .aerodynamics
+        .at_with_magnitudes(air.alpha, n_alpha)
+        .1;
 
     let lambda = c.dc_l * cos + c.dc_d * sin;
     let dlambda = c.ddc_l * cos + c.dc_l * sin + c.ddc_d * sin + c.dc_d * cos;

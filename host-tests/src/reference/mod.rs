@@ -12,7 +12,7 @@ mod vehicle;
 
 pub use coefficients::{Aerodynamics, Coefficients};
 pub use law::{Evaluation, Gains, Inputs, full, mu, robust};
-pub use magnitude::{Magnitudes, magnitudes};
+pub use magnitude::{Angle, Magnitudes, magnitudes};
 pub use vehicle::{Air, Vehicle};
 
 /// A plane vector in double precision.
