@@ -32,7 +32,7 @@ impl CombinedParameters {
         c1: 0.95,
         c2: 5.5,
         c3: 0.3,
-        alpha_bar: 11.0 * core::f32::consts::PI / 180.0,
+        alpha_bar: 11.0_f64.to_radians() as f32,
         k_l: 28.0,
         k_d: 167.0,
     };
@@ -43,7 +43,7 @@ impl CombinedParameters {
         c1: 0.9430,
         c2: 6.3025,
         c3: 0.1378,
-        alpha_bar: 18.0 * core::f32::consts::PI / 180.0,
+        alpha_bar: 18.0_f64.to_radians() as f32,
         k_l: 12.0,
         k_d: 86.0,
     };
@@ -54,7 +54,7 @@ impl CombinedParameters {
         c1: 0.9,
         c2: 5.0,
         c3: 0.5,
-        alpha_bar: 10.0 * core::f32::consts::PI / 180.0,
+        alpha_bar: 10.0_f64.to_radians() as f32,
         k_l: 28.0,
         k_d: 167.0,
     };
