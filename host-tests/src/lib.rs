@@ -2,12 +2,14 @@
 //!
 //! Layers, each using only those before it: [`reference`](mod@reference) (aerodynamics and laws in
 //! double precision, independent of the core), [`plant`], [`scenario`], [`flight`] (the loop, closed
-//! by any [`flight::Controller`]), [`figures`] of merit, [`trace`] and [`replay`] (CSV), [`report`].
+//! by any [`flight::Controller`]), [`figures`] of merit, [`trace`] and [`replay`](mod@replay) (CSV),
+//! [`report`], [`files`].
 //! On a target without an operating system the package is empty.
 #![cfg_attr(target_os = "none", no_std)]
 #![cfg(not(target_os = "none"))]
 
 pub mod figures;
+pub mod files;
 pub mod flight;
 pub mod plant;
 pub mod reference;

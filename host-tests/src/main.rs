@@ -18,9 +18,11 @@ fn main() -> std::process::ExitCode {
     let cli = match commands::Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) if error.use_stderr() => {
+            // Without the usage that clap adds after an empty line.
             let message = error.to_string();
-            let line = message.lines().next().unwrap_or_default();
-            eprintln!("{line} (see --help)");
+            let lines = message.lines().map(str::trim);
+            let what: Vec<_> = lines.take_while(|line| !line.is_empty()).collect();
+            eprintln!("{} (see --help)", what.join(" "));
             return ExitCode::from(2);
         }
         // Help and version.

@@ -4,11 +4,11 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use atomic_write_file::AtomicWriteFile;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
 use alula_sil::figures::Figures;
+use alula_sil::files::leave;
 use alula_sil::flight::{Local, Row, fly};
 use alula_sil::scenario::{DEFAULT, Source};
 use alula_sil::{report, trace};
@@ -75,7 +75,8 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     } else {
         writeln!(stdout, "{}: {}", source.name, source.scenario.description)?;
         for [label, value, at] in figures.table() {
-            writeln!(stdout, "  {label:<24} {value:>14}  {at}").map(|()| ())?;
+            let line = format!("  {label:<24} {value:>14}  {at}");
+            writeln!(stdout, "{}", line.trim_end())?;
         }
         let files = "trace.csv, report.html and flight.svg";
         writeln!(stdout, "{files} are in {}", out.display())?;
@@ -91,20 +92,15 @@ fn progress_bar(steps: usize) -> ProgressBar {
     bar
 }
 
-/// Writes the flight's files into `out`. Each appears under its name only when it is complete.
+/// Writes the flight's files into `out`.
 fn leave_files(out: &Path, source: &Source, rows: &[Row], figures: &Figures) -> anyhow::Result<()> {
-    let leave = |name: &str, write: &dyn Fn(&mut AtomicWriteFile) -> anyhow::Result<()>| {
-        let path = out.join(name);
-        let written = || {
-            let mut file = AtomicWriteFile::open(&path)?;
-            write(&mut file)?;
-            anyhow::Ok(file.commit()?)
-        };
-        written().with_context(|| path.display().to_string())
-    };
     let svg = report::svg(&source.scenario, rows, figures);
     let html = report::html(source, rows, figures, &svg)?;
-    leave("trace.csv", &|file| Ok(trace::write(rows, file)?))?;
-    leave("flight.svg", &|file| Ok(file.write_all(svg.as_bytes())?))?;
-    leave("report.html", &|file| Ok(file.write_all(html.as_bytes())?))
+    leave(&out.join("trace.csv"), |file| Ok(trace::write(rows, file)?))?;
+    leave(&out.join("flight.svg"), |file| {
+        Ok(file.write_all(svg.as_bytes())?)
+    })?;
+    leave(&out.join("report.html"), |file| {
+        Ok(file.write_all(html.as_bytes())?)
+    })
 }

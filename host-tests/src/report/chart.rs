@@ -132,9 +132,7 @@ impl Chart {
                     let line = |x, y| [(x, y), (x + 18, y)];
                     let drawn = drawn.label(series.name);
                     if series.dashed {
-                        drawn.legend(move |(x, y)| {
-                            DashedPathElement::new(line(x, y).into_iter(), 7, 4, style)
-                        });
+                        drawn.legend(move |(x, y)| DashedPathElement::new(line(x, y), 7, 4, style));
                     } else {
                         drawn.legend(move |(x, y)| PathElement::new(line(x, y), style));
                     }

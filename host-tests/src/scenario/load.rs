@@ -158,7 +158,11 @@ mod tests {
             "duration_s: must be a finite number",
         );
         expect("tau_n", "tau_n = 0", "controller.gains.tau_n: tau must be");
-        expect("tau_n", "tau = 80", "controller.gains: unknown field `tau`");
+        expect(
+            "tau_n",
+            "tau = 80",
+            "controller.gains.tau: unknown field `tau`",
+        );
         expect("substeps", "substeps = 0", "substeps: must be from 1");
         expect(
             "t_s = 10",

@@ -3,15 +3,14 @@
 mod builtin;
 mod load;
 mod parts;
+mod vehicle;
 
 use serde::Deserialize;
 
 pub use builtin::{BUILT_IN, DEFAULT};
 pub use load::Source;
-pub use parts::{
-    AerodynamicsSpec, ControllerSpec, GainsSpec, InitialSpec, Knot, Law, ReferenceSpec,
-    VehicleSpec, WindSpec,
-};
+pub use parts::{ControllerSpec, GainsSpec, InitialSpec, Knot, Law, ReferenceSpec, WindSpec};
+pub use vehicle::{AerodynamicsSpec, VehicleSpec};
 
 use crate::plant::{Plant, PlantState};
 use crate::reference::Vector;

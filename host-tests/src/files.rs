@@ -1,0 +1,26 @@
+//! Files that appear only when they are complete.
+
+use std::fs::File;
+use std::path::Path;
+
+use anyhow::Context;
+
+/// Lets `write` fill the file `path` under a temporary name in the same folder, and then renames
+/// it. On failure nothing is left, and the error names `path`.
+pub fn leave(
+    path: &Path,
+    write: impl FnOnce(&mut File) -> anyhow::Result<()>,
+) -> anyhow::Result<()> {
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let mut builder = tempfile::Builder::new();
+    // The permissions of any new file, which the user's mask restricts.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let written = || {
+        let mut file = builder.tempfile_in(folder)?;
+        write(file.as_file_mut())?;
+        file.persist(path).map_err(|e| e.error)?;
+        anyhow::Ok(())
+    };
+    written().with_context(|| path.display().to_string())
+}

@@ -1,0 +1,323 @@
+//! The command line as a user meets it.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+
+use serde_json::Value;
+
+fn alula(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_alula-sil"))
+        .current_dir(folder)
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+fn names(folder: &Path) -> BTreeSet<String> {
+    let entries = fs::read_dir(folder).unwrap();
+    entries
+        .map(|e| e.unwrap().file_name().into_string().unwrap())
+        .collect()
+}
+
+/// Fails with one line on standard error that starts and goes on as given, and says nothing else.
+fn assert_refused(output: &Output, parts: &[&str]) {
+    let message = text(&output.stderr);
+    assert!(
+        !output.status.success() && output.stdout.is_empty(),
+        "{output:?}"
+    );
+    assert_eq!(message.lines().count(), 1, "{message}");
+    for part in parts {
+        assert!(message.contains(part), "{message:?} has no {part:?}");
+    }
+}
+
+#[test]
+fn without_arguments_the_default_is_flown_and_leaves_its_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = alula(folder.path(), &[]);
+    let stdout = text(&output.stdout);
+    assert!(output.status.success(), "{output:?}");
+    // No progress bar where there is no terminal.
+    assert_eq!(text(&output.stderr), "");
+    assert!(stdout.contains("largest velocity error"), "{stdout}");
+    assert!(
+        stdout
+            .lines()
+            .last()
+            .unwrap()
+            .ends_with("out/hover-to-cruise"),
+        "{stdout}"
+    );
+
+    let out = folder.path().join("out/hover-to-cruise");
+    let expected = ["flight.svg", "report.html", "trace.csv"].map(String::from);
+    assert_eq!(names(&out), BTreeSet::from(expected));
+
+    let trace = fs::read_to_string(out.join("trace.csv")).unwrap();
+    assert_eq!(trace.lines().count(), 20_002);
+    assert!(
+        trace.starts_with("t_s,v_down_m_s,v_forward_m_s,theta_rad,"),
+        "{trace:.200}"
+    );
+
+    let report = fs::read_to_string(out.join("report.html")).unwrap();
+    assert!(report.contains("<svg") && report.contains("k_a_kg_m = 0.6460"));
+    // Self-contained: nothing is fetched.
+    assert!(!report.contains("src=") && !report.contains("<link") && !report.contains("@import"));
+}
+
+#[test]
+fn json_is_one_object_with_the_figures() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = alula(
+        folder.path(),
+        &["fly", "hover-to-cruise", "--json", "--out", "here"],
+    );
+    assert!(output.status.success(), "{output:?}");
+    let object: Value = serde_json::from_slice(&output.stdout).unwrap();
+    for key in [
+        "max_velocity_error_m_s",
+        "max_velocity_error_time_s",
+        "min_fp_n",
+        "max_rate_rad_s",
+        "final_velocity_error_m_s",
+        "final_alpha_deg",
+        "final_theta_deg",
+        "final_thrust_to_weight",
+    ] {
+        assert!(object[key].is_f64(), "{key}: {}", object[key]);
+    }
+    assert_eq!(object["out"], "here");
+    assert!(folder.path().join("here/trace.csv").exists());
+}
+
+/// The columns `names` of a CSV text, cell by cell.
+fn columns(csv: &str, names: &[&str]) -> Vec<Vec<String>> {
+    let mut reader = csv::Reader::from_reader(csv.as_bytes());
+    let header = reader.headers().unwrap().clone();
+    let index = |name: &&str| header.iter().position(|cell| cell == *name).unwrap();
+    let wanted: Vec<_> = names.iter().map(index).collect();
+    let row = |record: csv::StringRecord| wanted.iter().map(|&i| record[i].to_owned()).collect();
+    reader
+        .records()
+        .map(|record| row(record.unwrap()))
+        .collect()
+}
+
+/// The text of an f32 reads back to the bit, so equal texts are equal bits.
+#[test]
+fn replaying_a_flown_trace_gives_the_same_commands_to_the_bit() {
+    let folder = tempfile::tempdir().unwrap();
+    for scenario in ["hover-to-cruise", "large-angle", "cruise-to-hover"] {
+        assert!(alula(folder.path(), &["fly", scenario]).status.success());
+        let trace = format!("out/{scenario}/trace.csv");
+        let output = alula(folder.path(), &["replay", &trace, "--scenario", scenario]);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let replayed = text(&output.stdout);
+        let header = "t_s,thrust_n,rate_rad_s,alpha_rad,fp_n,status";
+        assert_eq!(replayed.lines().next(), Some(header));
+        let names: Vec<_> = header.split(',').collect();
+        let flown = fs::read_to_string(folder.path().join(trace)).unwrap();
+        let (flown, replayed) = (columns(&flown, &names), columns(&replayed, &names));
+        assert!(flown.len() > 20_000);
+        assert!(flown == replayed, "{scenario}");
+    }
+}
+
+const HEADER: &str = "t_s,v_down_m_s,v_forward_m_s,theta_rad,wind_down_m_s,wind_forward_m_s,\
+                      vr_down_m_s,vr_forward_m_s,ar_down_m_s2,ar_forward_m_s2";
+
+#[test]
+fn a_log_with_values_that_are_not_finite_yields_faults_and_the_safe_command() {
+    let folder = tempfile::tempdir().unwrap();
+    let log = format!(
+        "{HEADER}\n0,0,0,0,0,0,0,0,0,0\n0.1,NaN,0,0,0,0,0,0,0,0\n0.2,0,0,nan,0,0,0,0,0,0\n\
+         0.3,0,0,0,0,inf,0,0,0,0\n0.4,0,0,0,0,0,0,0,0,1e9\n"
+    );
+    fs::write(folder.path().join("log.csv"), log).unwrap();
+    let output = alula(folder.path(), &["replay", "log.csv"]);
+    let lines: Vec<_> = text(&output.stdout).lines().map(str::to_owned).collect();
+    assert!(output.status.success());
+    // The belief's hover thrust, 9 kg · 9.81 m/s².
+    assert!(
+        lines[1].starts_with("0,88.29,0,") && lines[1].ends_with(",ok"),
+        "{lines:?}"
+    );
+    assert_eq!(lines[2], "0.1,0,0,0,0,velocity");
+    assert_eq!(lines[3], "0.2,0,0,0,0,attitude");
+    assert_eq!(lines[4], "0.3,0,0,0,0,wind");
+    assert_eq!(lines[5], "0.4,0,0,0,0,reference_acceleration");
+}
+
+#[test]
+fn a_bad_log_is_named_with_line_and_column() {
+    let folder = tempfile::tempdir().unwrap();
+    let refused = |log: &str, arguments: &[&str], parts: &[&str]| {
+        fs::write(folder.path().join("log.csv"), log).unwrap();
+        let arguments = [&["replay", "log.csv"], arguments].concat();
+        let output = alula(folder.path(), &arguments);
+        let message = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(1));
+        assert_eq!(message.lines().count(), 1, "{message}");
+        for part in parts {
+            assert!(message.contains(part), "{message:?} has no {part:?}");
+        }
+    };
+    let row = "0,0,0,0,0,0,0,0,0,0";
+    let short = HEADER.replace(",wind_down_m_s", "");
+    refused(&short, &[], &["log.csv:1:", "wind_down_m_s"]);
+    refused("", &[], &["log.csv:1:", "t_s"]);
+    refused(
+        &format!("{HEADER}\n{row}\n0,0,0,up,0,0,0,0,0,0\n"),
+        &[],
+        &["log.csv:3:", "theta_rad", "\"up\""],
+    );
+    refused(
+        &format!("{HEADER}\n{row}\n0,0,,0,0,0,0,0,0,0\n"),
+        &[],
+        &["log.csv:3:", "v_forward_m_s"],
+    );
+    refused(
+        &format!("{HEADER}\n{row}\n{row}\n1,2\n"),
+        &[],
+        &["log.csv:4:", "2 cells"],
+    );
+    // A law with feed-forward needs its columns.
+    let forward = ["--scenario", "steep-climb"];
+    refused(
+        &format!("{HEADER}\n{row}\n"),
+        &forward,
+        &["log.csv:1:", "aa_down_m_s2"],
+    );
+    assert_refused(
+        &alula(folder.path(), &["replay", "none.csv"]),
+        &["none.csv"],
+    );
+}
+
+#[test]
+fn replay_is_quiet_when_its_reader_has_seen_enough() {
+    let folder = tempfile::tempdir().unwrap();
+    assert!(alula(folder.path(), &["fly"]).status.success());
+    let mut child = Command::new(env!("CARGO_BIN_EXE_alula-sil"))
+        .current_dir(folder.path())
+        .args(["replay", "out/hover-to-cruise/trace.csv"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut line = String::new();
+    // Reads a little of 1 MB, then closes.
+    BufReader::with_capacity(64, child.stdout.take().unwrap())
+        .read_line(&mut line)
+        .unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert!(output.status.success(), "{output:?}");
+    assert_eq!(text(&output.stderr), "");
+}
+
+#[test]
+fn a_bad_scenario_is_named_with_line_and_field_and_leaves_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let good = text(&alula(folder.path(), &["scenarios", "hover-to-cruise"]).stdout);
+    let refused = |from: &str, to: &str, parts: &[&str]| {
+        assert!(good.contains(from), "{from}");
+        fs::write(folder.path().join("bad.toml"), good.replacen(from, to, 1)).unwrap();
+        assert_refused(&alula(folder.path(), &["fly", "bad.toml"]), parts);
+        assert_refused(&alula(folder.path(), &["fly", "bad.toml", "--json"]), parts);
+        assert_eq!(
+            names(folder.path()),
+            BTreeSet::from(["bad.toml".to_owned()])
+        );
+    };
+    let line = |part: &str| {
+        let index = good.lines().position(|l| l.contains(part)).unwrap();
+        format!("bad.toml:{}:", index + 1)
+    };
+    refused(
+        "mass_kg = 9.0",
+        "mass_kg = 0.0",
+        &[
+            &line("mass_kg = 9.0"),
+            "controller.vehicle.mass_kg: mass must be positive",
+        ],
+    );
+    refused(
+        "k3 = 6.0",
+        "k3 = inf",
+        &[&line("k3 = 6.0"), "controller.gains.k3"],
+    );
+    refused("tau_n = 80.0", "tau_n = ", &[&line("tau_n = 80.0")]);
+    refused(
+        "law = \"robust\"",
+        "law = \"bold\"",
+        &[&line("law ="), "controller.law", "bold"],
+    );
+    refused(
+        "substeps = 1",
+        "substep = 1",
+        &[&line("substeps"), "substep"],
+    );
+    refused("duration_s = 20.0", "", &["bad.toml:1:", "duration_s"]);
+    assert_refused(&alula(folder.path(), &["fly", "none.toml"]), &["none.toml"]);
+    assert_refused(
+        &alula(folder.path(), &["fly", "hover"]),
+        &["hover:", "hover-to-cruise"],
+    );
+}
+
+#[test]
+fn bad_arguments_are_refused_in_one_line() {
+    let folder = tempfile::tempdir().unwrap();
+    for arguments in [
+        &["fly", "--jsn"][..],
+        &["flie"],
+        &["replay"],
+        &["fly", "hover-to-cruise", "--out"],
+        &["fly", "hover-to-cruise", "matched"],
+    ] {
+        let output = alula(folder.path(), arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert_refused(&output, &["error:", "--help"]);
+    }
+}
+
+#[test]
+fn a_folder_that_cannot_be_written_is_named_and_holds_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    // A file where the folder should be, and a folder where a file should be.
+    fs::write(folder.path().join("taken"), "mine").unwrap();
+    let output = alula(folder.path(), &["fly", "matched", "--out", "taken"]);
+    assert_refused(&output, &["taken"]);
+    assert_eq!(
+        fs::read_to_string(folder.path().join("taken")).unwrap(),
+        "mine"
+    );
+
+    fs::create_dir_all(folder.path().join("out/matched/report.html")).unwrap();
+    let output = alula(folder.path(), &["fly", "matched"]);
+    assert_refused(&output, &["out/matched/report.html"]);
+    // No temporary file stays behind, nor anything under the name of the file that failed.
+    let left = names(&folder.path().join("out/matched"));
+    assert!(left.iter().all(|name| !name.starts_with('.')), "{left:?}");
+    assert!(folder.path().join("out/matched/report.html").is_dir());
+}
+
+#[test]
+fn scenarios_lists_every_built_in() {
+    let folder = tempfile::tempdir().unwrap();
+    let listed = text(&alula(folder.path(), &["scenarios"]).stdout);
+    assert_eq!(listed.lines().count(), alula_sil::scenario::BUILT_IN.len());
+    for (name, _) in alula_sil::scenario::BUILT_IN {
+        assert!(listed.contains(name));
+    }
+}
