@@ -62,3 +62,7 @@ pub use control::{
 pub use error::{ParameterError, Problem};
 pub use frame::{Attitude, Body, Inertial};
 pub use vehicle::{Vehicle, VehicleParameters, aerodynamic_constant};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
