@@ -18,9 +18,19 @@ struct Row {
     flash: u64,
 }
 
+/// Limits of the project, `(function, median, worst over median)`.
+const INSTRUCTIONS: [(&str, u32, f64); 2] =
+    [("robust", 400, 1.15), ("full_feed_forward", 900, 1.15)];
+/// Most flash and stack of a control step [bytes].
+const STEP: (u64, u32) = (6 * 1024, 512);
+
+/// Lines of a README between which the table stands.
+const BEGIN: &str = "<!-- cargo target-bench: begin -->\n";
+const END: &str = "<!-- cargo target-bench: end -->\n";
+
+/// Prints the table; with a file as argument, puts it there between its marks as well.
 pub fn main() -> Result<()> {
-    let image = build(None)?;
-    let mut rows = run(&image)?;
+    let (mut rows, notes) = run(&build(None)?)?;
     let empty = Weight::of(&build(Some("empty"))?)?;
     for row in &mut rows {
         let weight = Weight::of(&build(Some(&row.name))?)?;
@@ -29,7 +39,35 @@ pub fn main() -> Result<()> {
         }
         row.flash = weight.flash - empty.flash;
     }
-    print!("{}", table(&rows));
+    let text = format!("{}\n{notes}", table(&rows));
+    print!("{text}");
+    if let Some(file) = env::args().nth(1) {
+        let old = fs::read_to_string(&file).map_err(|e| format!("{file}: {e}"))?;
+        let parts = old
+            .split_once(BEGIN)
+            .and_then(|(a, b)| Some((a, b.split_once(END)?.1)));
+        let (before, after) = parts.ok_or(format!("{file}: no lines {BEGIN}and {END}"))?;
+        fs::write(&file, format!("{before}{BEGIN}{text}{END}{after}"))?;
+    }
+    check(&rows)
+}
+
+/// The project's limits on the control step.
+fn check(rows: &[Row]) -> Result<()> {
+    for (name, median, spread) in INSTRUCTIONS {
+        let row = rows
+            .iter()
+            .find(|row| row.name == name)
+            .ok_or(format!("no {name}"))?;
+        let (flash, stack) = STEP;
+        if row.median > median
+            || f64::from(row.most) > spread * f64::from(row.median)
+            || row.flash > flash
+            || row.stack > stack
+        {
+            return Err(format!("{name} is over a limit").into());
+        }
+    }
     Ok(())
 }
 
@@ -52,8 +90,8 @@ fn build(footprint: Option<&str>) -> Result<PathBuf> {
     Ok(directory.join(TARGET).join("release/target-bench"))
 }
 
-/// Runs the image, and reads its lines.
-fn run(image: &Path) -> Result<Vec<Row>> {
+/// Runs the image, and reads its lines: results, and notes after a `#`.
+fn run(image: &Path) -> Result<(Vec<Row>, String)> {
     let output = Command::new("qemu-system-arm")
         .args([
             "-M",
@@ -93,7 +131,14 @@ fn run(image: &Path) -> Result<Vec<Row>> {
             flash: 0,
         })
     };
-    text.lines().map(row).collect()
+    let (notes, results): (Vec<_>, Vec<_>) = text.lines().partition(|l| l.starts_with('#'));
+    let notes = notes
+        .iter()
+        .map(|l| l.trim_start_matches("# ").to_owned() + "\n");
+    Ok((
+        results.into_iter().map(row).collect::<Result<_>>()?,
+        notes.collect(),
+    ))
 }
 
 /// What an image occupies [bytes].

@@ -1,45 +1,63 @@
 //! The functions measured, each behind a call that is not inlined.
 
 use super::sweep::Case;
-use alula::aero::{
-    Aerodynamics, Coefficients, Combined, CombinedParameters, LargeAngle, LargeAngleParameters,
-    SmallAngle, SmallAngleParameters,
+use alula::{
+    Aerodynamics, AirData, AngleOfAttack, Attitude, Combined, CombinedParameters, Command, Fault,
+    GainParameters, Gains, LargeAngle, LargeAngleParameters, SmallAngle, SmallAngleParameters,
+    ThrustLine, Vehicle, VehicleParameters, VelocityControl, aero::Coefficients,
 };
-use alula::air::{AirData, AngleOfAttack, ThrustLine};
-use alula::frame::Attitude;
 
 /// What the functions are called on.
 pub struct Fixture {
-    thrust_line: ThrustLine,
-    combined: Combined,
-    large_angle: LargeAngle,
+    pub combined_control: VelocityControl<Combined>,
+    large_angle_control: VelocityControl<LargeAngle>,
     small_angle: SmallAngle,
+    thrust_line: ThrustLine,
 }
 
 impl Fixture {
     pub fn new() -> Self {
         let p = CombinedParameters::NACA_0021_RE_160E3;
+        let (c0, c1, c2, c3) = (p.c0, p.c1, p.c2, p.c3);
+        let delta = 0.1;
+        let vehicle = VehicleParameters {
+            delta,
+            ..VehicleParameters::PAPER
+        };
+        let gains = Gains::new(GainParameters::PAPER).unwrap();
+        let combined = Combined::new(p).unwrap();
+        let large_angle = LargeAngle::new(LargeAngleParameters { c0, c1 }).unwrap();
         Self {
-            thrust_line: ThrustLine::new(0.1).unwrap(),
-            combined: Combined::new(p).unwrap(),
-            large_angle: LargeAngle::new(LargeAngleParameters { c0: p.c0, c1: p.c1 }).unwrap(),
-            small_angle: SmallAngle::new(SmallAngleParameters {
-                c0: p.c0,
-                c2: p.c2,
-                c3: p.c3,
-            })
-            .unwrap(),
+            combined_control: VelocityControl::new(Vehicle::new(vehicle, combined).unwrap(), gains),
+            large_angle_control: VelocityControl::new(
+                Vehicle::new(vehicle, large_angle).unwrap(),
+                gains,
+            ),
+            small_angle: SmallAngle::new(SmallAngleParameters { c0, c2, c3 }).unwrap(),
+            thrust_line: ThrustLine::new(delta).unwrap(),
         }
     }
 }
 
 /// Where the functions leave their results.
-#[derive(Default)]
 pub struct Output {
+    command: Result<Command, Fault>,
     coefficients: Coefficients,
     air: Option<AirData>,
     attitude: Attitude,
     number: f32,
+}
+
+impl Output {
+    pub fn new() -> Self {
+        Self {
+            command: Err(Fault::Undefined),
+            coefficients: Coefficients::default(),
+            air: None,
+            attitude: Attitude::NOSE_UP,
+            number: 0.0,
+        }
+    }
 }
 
 /// A function measured.
@@ -59,12 +77,33 @@ macro_rules! functions {
 
 functions! {
     empty => |f, c, o| ();
-    combined => |f, c, o| o.coefficients = f.combined.coefficients(c.alpha);
-    large_angle => |f, c, o| o.coefficients = f.large_angle.coefficients(c.alpha);
+    robust => |f, c, o| o.command = f.combined_control.robust(&c.state, &c.reference, None);
+    robust_feed_forward => |f, c, o| {
+        o.command = f.combined_control.robust(&c.state, &c.reference, Some(&c.feed_forward));
+    };
+    full => |f, c, o| o.command = f.combined_control.full(&c.state, &c.reference, None);
+    full_feed_forward => |f, c, o| {
+        o.command = f.combined_control.full(&c.state, &c.reference, Some(&c.feed_forward));
+    };
+    robust_large_angle => |f, c, o| {
+        o.command = f.large_angle_control.robust(&c.state, &c.reference, None);
+    };
+    full_large_angle_feed_forward => |f, c, o| {
+        o.command = f.large_angle_control.full(&c.state, &c.reference, Some(&c.feed_forward));
+    };
+    combined => |f, c, o| {
+        o.coefficients = f.combined_control.vehicle().model().coefficients(c.alpha);
+    };
+    large_angle => |f, c, o| {
+        o.coefficients = f.large_angle_control.vehicle().model().coefficients(c.alpha);
+    };
     small_angle => |f, c, o| o.coefficients = f.small_angle.coefficients(c.alpha);
     air_data => |f, c, o| o.air = Some(AirData::new(c.v_a, &f.thrust_line));
-    atan2 => |f, c, o| o.number = AngleOfAttack::from_sin_cos(c.alpha.sin, c.alpha.cos).rad;
-    sin_cos => |f, c, o| o.attitude = Attitude::from_angle(c.alpha.rad);
+    guard_mu => |f, c, o| o.number = f.combined_control.gains().guard().mu(c.force);
+    angle_of_attack => |f, c, o| {
+        o.number = AngleOfAttack::from_sin_cos(c.alpha.sin, c.alpha.cos).rad;
+    };
+    attitude_from_angle => |f, c, o| o.attitude = Attitude::from_angle(c.alpha.rad);
     norm => |f, c, o| o.number = c.v_a.norm();
 }
 

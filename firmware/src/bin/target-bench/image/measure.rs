@@ -21,7 +21,7 @@ impl<'a> Meter<'a> {
         // SAFETY: nothing else uses the peripheral.
         let timer = unsafe { pac::Peripherals::steal() }.TIM2;
         let meter = Self { fixture, timer };
-        let output = &mut Output::default();
+        let output = &mut Output::new();
         // Every function of this target begins by pushing two registers, the frame record.
         for (function, count, bytes) in [
             (empty as Function, 0, 8),

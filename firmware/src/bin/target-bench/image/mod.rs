@@ -39,12 +39,13 @@ fn main() -> ! {
 fn bench() {
     let fixture = &black_box(Fixture::new());
     let meter = Meter::new(fixture, &sweep::case(fixture, 0));
+    report_coverage(fixture);
     let mut counts = [0; CASES];
     for &(name, function) in functions::TABLE {
         let mut stack = 0;
         for (n, count) in counts.iter_mut().enumerate() {
             let case = &black_box(sweep::case(fixture, n));
-            let output = &mut Output::default();
+            let output = &mut Output::new();
             *count = meter.instructions(function, case, output);
             stack = stack.max(meter.stack(function, case, output));
         }
@@ -53,6 +54,37 @@ fn bench() {
         hprintln!("{} {} {} {} {}", name, least, median, most, stack);
     }
     debug::exit(debug::EXIT_SUCCESS);
+}
+
+/// Prints how many cases are where, and insists on some everywhere.
+fn report_coverage(fixture: &Fixture) {
+    let (mut guarded, mut opposite, mut still, mut reverse, mut faulted) = (0, 0, 0, 0, 0);
+    let control = &fixture.combined_control;
+    for n in 0..CASES {
+        let case = sweep::case(fixture, n);
+        match control.robust(&case.state, &case.reference, None) {
+            Ok(command) => {
+                let d = command.diagnostics;
+                guarded += usize::from(d.f_p_norm < control.gains().guard().tau());
+                opposite += usize::from(d.theta_tilde().abs() > 3.1);
+                still += usize::from(case.v_a.norm() < 1e-5);
+                reverse += usize::from(d.alpha.abs() > 2.0);
+            }
+            Err(_) => faulted += 1,
+        }
+    }
+    for count in [guarded, opposite, still, reverse, faulted] {
+        assert!(count >= CASES / 20);
+    }
+    hprintln!(
+        "# {} cases: |F_p| < tau {}, |theta~| > 3.1 {}, no airspeed {}, |alpha| > 2 {}, faulted {}",
+        CASES,
+        guarded,
+        opposite,
+        still,
+        reverse,
+        faulted
+    );
 }
 
 #[panic_handler]
