@@ -5,6 +5,7 @@ fn main() {
     if std::env::var("CARGO_CFG_TARGET_OS").as_deref() == Ok("none") {
         println!("cargo:rustc-link-arg-bins=-Tlink.x");
         println!("cargo:rustc-link-arg-bins=--nmagic");
+        println!("cargo:rustc-link-arg-bin=alula-firmware=-Tdefmt.x");
     }
     println!("cargo:rerun-if-changed=../memory.x");
 }

@@ -136,6 +136,12 @@ impl Mangler {
         bytes
     }
 
+    /// The end of the stream: a zero byte, after which the receiver must agree with [`Self::expected`].
+    pub fn end(&mut self) -> [u8; 1] {
+        self.sent(&[0]);
+        [0]
+    }
+
     /// What the receiver must have counted when the stream is at a zero byte.
     pub fn expected(&self) -> Expected {
         self.expected

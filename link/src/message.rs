@@ -350,6 +350,7 @@ pub enum Phase {
 
 /// How the target is.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Status {
     /// What it is doing.
     pub phase: Phase,
