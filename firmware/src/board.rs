@@ -6,6 +6,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use alula_firmware::flight::{Flight, TICK_RATE};
 use alula_firmware::port::send;
 use alula_firmware::thrust::{MotorCurve, Pulse, ThrustOutput};
+use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m_rt::{entry, exception};
 use critical_section::Mutex;
 #[cfg(feature = "rtt")]
@@ -104,6 +105,7 @@ fn main() -> ! {
     unsafe { cortex_m::peripheral::NVIC::unmask(pac::Interrupt::USART1) };
 
     let mut timer = core.SYST;
+    timer.set_clock_source(SystClkSource::Core);
     timer.set_reload(CORE_HZ / TICK_RATE - 1);
     timer.clear_current();
     timer.enable_interrupt();
