@@ -19,6 +19,7 @@ pub struct Mangler {
     open: Vec<u8>,
     expected: Expected,
     last: Option<(u32, u32)>,
+    accepted: HashSet<(u32, u32)>,
 }
 
 /// What a receiver must have counted.
@@ -64,6 +65,7 @@ impl Mangler {
             open: Vec::new(),
             expected: Expected::default(),
             last: None,
+            accepted: HashSet::new(),
         }
     }
 
@@ -147,6 +149,11 @@ impl Mangler {
         self.expected
     }
 
+    /// Session and number of every message that the receiver must have acted on.
+    pub fn accepted(&self) -> &HashSet<(u32, u32)> {
+        &self.accepted
+    }
+
     fn frame(&mut self, version: u8, envelope: &Envelope<ToTarget>) -> Vec<u8> {
         let mut buffer = [0; MAX_FRAME];
         let Ok(frame) = encode_as(version, envelope, &mut buffer) else {
@@ -179,7 +186,10 @@ impl Mangler {
                 match self.last {
                     Some((current, _)) if session < current => expected.stale += 1,
                     Some(last) if (session, sequence) <= last => expected.out_of_order += 1,
-                    _ => self.last = Some((session, sequence)),
+                    _ => {
+                        self.last = Some((session, sequence));
+                        self.accepted.insert((session, sequence));
+                    }
                 }
             } else if self.foreign.contains(&stretch) {
                 expected.wrong_version += 1;

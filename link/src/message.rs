@@ -121,14 +121,18 @@ impl Configuration {
             delta,
             gravity,
         };
-        let vehicle = Vehicle::new(vehicle, self.model.build()?)?;
+        let vehicle = Vehicle::new(vehicle, self.model.model()?)?;
         let gains = Gains::new(GainParameters { k1, k2, k3, tau })?;
         Ok(VelocityControl::new(vehicle, gains))
     }
 }
 
 impl ModelParameters {
-    fn build(&self) -> Result<Model, ParameterError> {
+    /// The model.
+    ///
+    /// # Errors
+    /// A parameter that the core refuses.
+    pub fn model(&self) -> Result<Model, ParameterError> {
         Ok(match *self {
             Self::LargeAngle([c0, c1]) => {
                 Model::LargeAngle(LargeAngle::new(LargeAngleParameters { c0, c1 })?)
