@@ -11,6 +11,7 @@
 pub mod figures;
 pub mod files;
 pub mod flight;
+pub mod pil;
 pub mod plant;
 pub mod reference;
 pub mod replay;

@@ -9,8 +9,8 @@ use serde::Serialize;
 
 use alula_sil::figures::Figures;
 use alula_sil::files::leave;
-use alula_sil::flight::{Local, Row, fly};
-use alula_sil::scenario::{DEFAULT, Source};
+use alula_sil::flight::{Controller, Local, Row, fly};
+use alula_sil::scenario::{DEFAULT, Scenario, Source};
 use alula_sil::{report, trace};
 
 /// Fly a scenario; leave its trace and report in a folder
@@ -47,17 +47,30 @@ struct Summary<'a> {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
+    with(args, "out", |scenario| {
+        Ok(Box::new(
+            Local::new(scenario).expect("validated when loaded"),
+        ))
+    })
+}
+
+/// Flies under the controller that `connect` gives; `folder` holds the results of all scenarios.
+pub fn with(
+    args: &Args,
+    folder: &str,
+    connect: impl FnOnce(&Scenario) -> anyhow::Result<Box<dyn Controller>>,
+) -> anyhow::Result<()> {
     let source = Source::load(&args.scenario)?;
     let out = match &args.out {
         Some(folder) => folder.clone(),
-        None => Path::new("out").join(&source.name),
+        None => Path::new(folder).join(&source.name),
     };
     // Before the flight: a folder that cannot be written should not cost one.
     std::fs::create_dir_all(&out).with_context(|| out.display().to_string())?;
 
-    let mut controller = Local::new(&source.scenario).expect("validated when loaded");
+    let mut controller = connect(&source.scenario)?;
     let bar = progress_bar(source.scenario.steps());
-    let rows = fly(&source.scenario, &mut controller, |step| {
+    let rows = fly(&source.scenario, controller.as_mut(), |step| {
         bar.set_position(step as u64);
     })?;
     bar.finish_and_clear();

@@ -1,6 +1,7 @@
 //! The command line: one file per subcommand, each with its arguments and a `run`.
 
 mod fly;
+mod pil;
 mod replay;
 mod scenarios;
 
@@ -17,6 +18,7 @@ pub struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Fly(fly::Args),
+    Pil(pil::Args),
     Replay(replay::Args),
     Scenarios(scenarios::Args),
 }
@@ -27,6 +29,7 @@ impl Cli {
         match self.command {
             None => fly::run(&fly::Args::default()),
             Some(Command::Fly(args)) => fly::run(&args),
+            Some(Command::Pil(args)) => pil::run(&args),
             Some(Command::Replay(args)) => replay::run(&args),
             Some(Command::Scenarios(args)) => scenarios::run(&args),
         }

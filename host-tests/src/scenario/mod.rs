@@ -5,6 +5,7 @@ mod load;
 mod parts;
 mod vehicle;
 
+use alula_link::{Configuration, Pacing};
 use serde::Deserialize;
 
 pub use builtin::{BUILT_IN, DEFAULT};
@@ -101,6 +102,21 @@ impl Scenario {
         };
         let gains = self.controller.gains.control_gains("controller.gains")?;
         Ok(alula::VelocityControl::new(vehicle, gains))
+    }
+
+    /// The same controller, as a target is told of it.
+    pub fn configuration(&self, pacing: Pacing) -> Configuration {
+        let belief = self.controller.vehicle.as_ref().unwrap_or(&self.vehicle);
+        Configuration::new(
+            belief.parameters(),
+            belief.aerodynamics.parameters(),
+            self.controller.gains.parameters(),
+            match self.controller.law {
+                Law::Robust => alula_link::Law::Robust,
+                Law::Full => alula_link::Law::Full,
+            },
+            pacing,
+        )
     }
 
     /// The true vehicle in its wind.

@@ -48,13 +48,16 @@ pub struct GainsSpec {
 impl GainsSpec {
     /// The gains as the core takes them; `table` is where they stand in the file.
     pub fn control_gains(&self, table: &str) -> Result<alula::Gains, FieldError> {
-        alula::Gains::new(alula::GainParameters {
+        alula::Gains::new(self.parameters()).map_err(|e| refused(table, e))
+    }
+
+    pub(super) fn parameters(&self) -> alula::GainParameters {
+        alula::GainParameters {
             k1: self.k1 as f32,
             k2: self.k2 as f32,
             k3: self.k3 as f32,
             tau: self.tau_n as f32,
-        })
-        .map_err(|e| refused(table, e))
+        }
     }
 
     /// The gains in double precision.

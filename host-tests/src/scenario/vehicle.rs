@@ -1,5 +1,6 @@
 //! A scenario's vehicles, and what each becomes in the plant and in the core.
 
+use alula_link::ModelParameters;
 use serde::Deserialize;
 
 use super::FieldError;
@@ -75,21 +76,19 @@ impl AerodynamicsSpec {
         }
     }
 
-    fn control_model(&self) -> Result<alula::Model, alula::ParameterError> {
-        Ok(match *self {
-            Self::LargeAngle { c0, c1 } => {
-                alula::Model::LargeAngle(alula::LargeAngle::new(alula::LargeAngleParameters {
-                    c0: c0 as f32,
-                    c1: c1 as f32,
-                })?)
+    pub(super) fn parameters(&self) -> ModelParameters {
+        match *self {
+            Self::LargeAngle { c0, c1 } => alula::LargeAngleParameters {
+                c0: c0 as f32,
+                c1: c1 as f32,
             }
-            Self::SmallAngle { c0, c2, c3 } => {
-                alula::Model::SmallAngle(alula::SmallAngle::new(alula::SmallAngleParameters {
-                    c0: c0 as f32,
-                    c2: c2 as f32,
-                    c3: c3 as f32,
-                })?)
+            .into(),
+            Self::SmallAngle { c0, c2, c3 } => alula::SmallAngleParameters {
+                c0: c0 as f32,
+                c2: c2 as f32,
+                c3: c3 as f32,
             }
+            .into(),
             Self::Combined {
                 c0,
                 c1,
@@ -98,7 +97,7 @@ impl AerodynamicsSpec {
                 alpha_bar_deg,
                 k_l,
                 k_d,
-            } => alula::Model::Combined(alula::Combined::new(alula::CombinedParameters {
+            } => alula::CombinedParameters {
                 c0: c0 as f32,
                 c1: c1 as f32,
                 c2: c2 as f32,
@@ -106,8 +105,9 @@ impl AerodynamicsSpec {
                 alpha_bar: alpha_bar_deg.to_radians() as f32,
                 k_l: k_l as f32,
                 k_d: k_d as f32,
-            })?),
-        })
+            }
+            .into(),
+        }
     }
 
     fn plant_model(&self) -> Aerodynamics {
@@ -141,15 +141,19 @@ impl VehicleSpec {
         let aerodynamics = format!("{table}.aerodynamics.{}", self.aerodynamics.key());
         let model = self
             .aerodynamics
-            .control_model()
+            .parameters()
+            .model()
             .map_err(|e| refused(&aerodynamics, e))?;
-        let parameters = alula::VehicleParameters {
+        alula::Vehicle::new(self.parameters(), model).map_err(|e| refused(table, e))
+    }
+
+    pub(super) fn parameters(&self) -> alula::VehicleParameters {
+        alula::VehicleParameters {
             mass: self.mass_kg as f32,
             k_a: self.k_a_kg_m as f32,
             delta: self.delta_deg.to_radians() as f32,
             gravity: self.gravity_m_s2 as f32,
-        };
-        alula::Vehicle::new(parameters, model).map_err(|e| refused(table, e))
+        }
     }
 
     /// The vehicle as the plant flies it.

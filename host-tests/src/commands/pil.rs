@@ -1,0 +1,50 @@
+//! `pil`: a flight by a target.
+
+use std::path::PathBuf;
+
+use alula_link::Pacing;
+use alula_sil::flight::Controller;
+use alula_sil::pil::{Build, Qemu, Target, build, open_serial};
+
+use super::fly;
+
+/// Fly a scenario with the core on its target: emulated, or a board on a serial device
+#[derive(clap::Args)]
+pub struct Args {
+    #[command(flatten)]
+    flight: fly::Args,
+    /// Image to emulate [default: build it]
+    #[arg(long, value_name = "ELF", conflicts_with = "serial")]
+    image: Option<PathBuf>,
+    /// Serial device of a board that runs the image
+    #[arg(long, value_name = "DEVICE")]
+    serial: Option<String>,
+    /// Have each step released by the target's timer, as in real flight, and not by its input
+    #[arg(long)]
+    timer: bool,
+}
+
+pub fn run(args: &Args) -> anyhow::Result<()> {
+    let pacing = match args.timer {
+        true => Pacing::Timer,
+        false => Pacing::Lockstep,
+    };
+    // The emulator lives as long as the flight.
+    let mut emulator = None;
+    fly::with(&args.flight, "out/pil", |scenario| {
+        let mut target = match &args.serial {
+            Some(device) => Target::new(open_serial(device)?)?,
+            None => {
+                let image = match &args.image {
+                    Some(path) => path.clone(),
+                    None => build(Build::Release)?,
+                };
+                let (qemu, port) = Qemu::start(&image)?;
+                emulator = Some(qemu);
+                Target::new(port)?
+            }
+        };
+        target.configure(scenario.configuration(pacing))?;
+        Ok(Box::new(target) as Box<dyn Controller>)
+    })
+}
