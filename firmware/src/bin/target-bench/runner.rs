@@ -21,7 +21,7 @@ struct Row {
 /// Limits of the project, `(function, median, worst over median)`.
 const INSTRUCTIONS: [(&str, u32, f64); 2] =
     [("robust", 400, 1.15), ("full_feed_forward", 900, 1.15)];
-/// Most flash and stack of a control step [bytes].
+/// Most flash and stack of a control step \[bytes\].
 const STEP: (u64, u32) = (6 * 1024, 512);
 
 /// Lines of a README between which the table stands.
@@ -39,7 +39,7 @@ pub fn main() -> Result<()> {
         }
         row.flash = weight.flash - empty.flash;
     }
-    let text = format!("{}\n{notes}", table(&rows));
+    let text = format!("{}\nNo function adds static RAM. {notes}", table(&rows));
     print!("{text}");
     if let Some(file) = env::args().nth(1) {
         let old = fs::read_to_string(&file).map_err(|e| format!("{file}: {e}"))?;
@@ -141,7 +141,7 @@ fn run(image: &Path) -> Result<(Vec<Row>, String)> {
     ))
 }
 
-/// What an image occupies [bytes].
+/// What an image occupies \[bytes\].
 struct Weight {
     /// Code, constants, and the initial values of `.data`.
     flash: u64,

@@ -3,14 +3,17 @@
 use super::sweep::Case;
 use alula::{
     Aerodynamics, AirData, AngleOfAttack, Attitude, Combined, CombinedParameters, Command, Fault,
-    GainParameters, Gains, LargeAngle, LargeAngleParameters, SmallAngle, SmallAngleParameters,
-    ThrustLine, Vehicle, VehicleParameters, VelocityControl, aero::Coefficients,
+    GainParameters, Gains, LargeAngle, LargeAngleParameters, Model, SmallAngle,
+    SmallAngleParameters, ThrustLine, Vehicle, VehicleParameters, VelocityControl,
+    aero::Coefficients,
 };
 
 /// What the functions are called on.
 pub struct Fixture {
     pub combined_control: VelocityControl<Combined>,
     large_angle_control: VelocityControl<LargeAngle>,
+    /// The combined model, chosen at run time.
+    chosen_control: VelocityControl<Model>,
     small_angle: SmallAngle,
     thrust_line: ThrustLine,
 }
@@ -29,6 +32,10 @@ impl Fixture {
         let large_angle = LargeAngle::new(LargeAngleParameters { c0, c1 }).unwrap();
         Self {
             combined_control: VelocityControl::new(Vehicle::new(vehicle, combined).unwrap(), gains),
+            chosen_control: VelocityControl::new(
+                Vehicle::new(vehicle, Model::Combined(combined)).unwrap(),
+                gains,
+            ),
             large_angle_control: VelocityControl::new(
                 Vehicle::new(vehicle, large_angle).unwrap(),
                 gains,
@@ -84,6 +91,9 @@ functions! {
     full => |f, c, o| o.command = f.combined_control.full(&c.state, &c.reference, None);
     full_feed_forward => |f, c, o| {
         o.command = f.combined_control.full(&c.state, &c.reference, Some(&c.feed_forward));
+    };
+    robust_chosen_model => |f, c, o| {
+        o.command = f.chosen_control.robust(&c.state, &c.reference, None);
     };
     robust_large_angle => |f, c, o| {
         o.command = f.large_angle_control.robust(&c.state, &c.reference, None);

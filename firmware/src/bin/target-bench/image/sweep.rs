@@ -19,7 +19,7 @@ pub struct Case {
     pub v_a: Body,
     /// An angle of attack, and any other angle.
     pub alpha: AngleOfAttack,
-    /// A length inside or outside the guard's region [N].
+    /// A length inside or outside the guard's region \[N\].
     pub force: f32,
 }
 
