@@ -121,6 +121,9 @@ fn main() -> ! {
             let reply = flight.tick();
             let Ok(()) = motor.arm(switch.is_low() && flight.drives_motor());
             let Ok(_) = motor.set(flight.command().thrust);
+            if ticks.is_multiple_of(LOG_PERIOD) {
+                defmt::info!("{}", flight.status());
+            }
             reply
         } else if let Some(byte) =
             critical_section::with(|cs| RECEIVED.borrow_ref_mut(cs).pop_front())
@@ -148,9 +151,6 @@ fn main() -> ! {
                 Some(fault) => defmt::error!("fault: {}", fault),
                 None => defmt::info!("no fault"),
             }
-        }
-        if ticks.is_multiple_of(LOG_PERIOD) {
-            defmt::info!("{}", flight.status());
         }
     }
 }
