@@ -245,6 +245,10 @@ fn a_hundred_thousand_damaged_frames_do_nothing_and_are_counted() {
             ToTarget::Input(wire(&input(damaged))),
         );
         inputs.insert(place(&flown), damaged);
+        // Left over from an earlier session, and newer than all of this one by its number alone.
+        let mut stale = target.envelope(ToTarget::StatusRequest);
+        stale.session -= 1;
+        target.send(&mangler.genuine(&stale)).unwrap();
         let request = send(&mut target, &mut mangler, ToTarget::StatusRequest);
         // Everything up to the status, which is the answer to the last thing sent.
         let deadline = Instant::now() + Duration::from_secs(20);
