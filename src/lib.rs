@@ -56,8 +56,8 @@ pub use aero::{
 };
 pub use air::{AirData, AngleOfAttack, ThrustLine};
 pub use control::{
-    Command, Diagnostics, Fault, FeedForward, GainParameters, Gains, Reference, State,
-    VelocityControl,
+    BandwidthGains, BandwidthParameters, Command, Diagnostics, Fault, FeedForward, GainParameters,
+    Gains, Guidance, GuidanceInput, GuidanceState, Guided, Reference, State, VelocityControl,
 };
 pub use error::{ParameterError, Problem};
 pub use frame::{Attitude, Body, Inertial};

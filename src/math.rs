@@ -31,6 +31,18 @@ pub const fn min(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
+/// `x` brought into [`low`, `high`], `low` ≤ `high`; NaN stays NaN. (`f32::clamp` can panic.)
+#[inline(always)]
+pub const fn clamp(x: f32, low: f32, high: f32) -> f32 {
+    if x < low {
+        low
+    } else if x > high {
+        high
+    } else {
+        x
+    }
+}
+
 /// 2^`y` for −126 ≤ `y` ≤ 127, relative error below 2e-7. Outside that range the result is meaningless.
 #[inline(always)]
 pub const fn exp2(y: f32) -> f32 {

@@ -1,5 +1,6 @@
-//! Gains of the velocity laws.
+//! Gains of the velocity laws: constant, as in the paper.
 
+use super::bandwidth::BandwidthGains;
 use super::guard::Guard;
 use crate::error::{ParameterError, positive};
 
@@ -27,14 +28,34 @@ impl GainParameters {
     };
 }
 
-/// Validated gains.
+/// The gains that hold at one |F_p|.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GainValues {
+    /// k1 [s/m].
+    pub k1: f32,
+    /// k2 [rad/(N·m)].
+    pub k2: f32,
+    /// k3 [rad/s].
+    pub k3: f32,
+}
+
+/// How the gains follow |F_p|. Chosen by type, so that the constant gains cost a control step nothing.
+pub trait GainLaw {
+    /// The gains at |F_p| \[N\].
+    fn at(&self, f_p_norm: f32) -> GainValues;
+
+    /// The guard μ_τ.
+    fn guard(&self) -> &Guard;
+}
+
+/// Validated constant gains.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Gains {
-    pub(super) k1: f32,
-    pub(super) k2: f32,
-    pub(super) k3: f32,
-    pub(super) guard: Guard,
+    k1: f32,
+    k2: f32,
+    k3: f32,
+    guard: Guard,
 }
 
 impl Gains {
@@ -57,6 +78,50 @@ impl Gains {
     }
 }
 
+impl GainLaw for Gains {
+    #[inline(always)]
+    fn at(&self, _: f32) -> GainValues {
+        GainValues {
+            k1: self.k1,
+            k2: self.k2,
+            k3: self.k3,
+        }
+    }
+
+    #[inline(always)]
+    fn guard(&self) -> &Guard {
+        &self.guard
+    }
+}
+
+/// Gains chosen at run time, where the choice is data: a scenario file, a parameter block.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum GainChoice {
+    /// Constant, as in the paper.
+    Constant(Gains),
+    /// By bandwidth.
+    Bandwidth(BandwidthGains),
+}
+
+impl GainLaw for GainChoice {
+    #[inline(always)]
+    fn at(&self, f_p_norm: f32) -> GainValues {
+        match self {
+            Self::Constant(g) => g.at(f_p_norm),
+            Self::Bandwidth(g) => g.at(f_p_norm),
+        }
+    }
+
+    #[inline(always)]
+    fn guard(&self) -> &Guard {
+        match self {
+            Self::Constant(g) => GainLaw::guard(g),
+            Self::Bandwidth(g) => g.guard(),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -75,5 +140,14 @@ mod tests {
         );
         assert_eq!(name(GainParameters { k3: -6.0, ..good }), "k3");
         assert_eq!(name(GainParameters { tau: 1e9, ..good }), "tau");
+    }
+
+    #[test]
+    fn constant_gains_are_constant() {
+        let gains = Gains::new(GainParameters::PAPER).unwrap();
+        for norm in [0.0, 1.0, 1e5] {
+            let GainValues { k1, k2, k3 } = gains.at(norm);
+            assert_eq!((k1, k2, k3), (0.1529, 0.0234, 6.0));
+        }
     }
 }

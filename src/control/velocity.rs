@@ -1,11 +1,12 @@
 //! The velocity laws: robust (`eq:inputsVCeR`) and full (`lawsVGen`).
 
+use super::branch::Branch;
 use super::command::{
     Command, Diagnostics, Fault, FeedForward, Reference, State, check_feed_forward, check_input,
     check_output,
 };
 use super::feed_forward::f_delta;
-use super::gains::Gains;
+use super::gains::{GainLaw, GainValues, Gains};
 use crate::aero::Aerodynamics;
 use crate::equivalency::{ApparentForces, condition_residual};
 use crate::frame::Body;
@@ -14,14 +15,15 @@ use crate::vehicle::Vehicle;
 /// Velocity control of a vehicle: stateless, immutable, total.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct VelocityControl<A> {
+pub struct VelocityControl<A, G = Gains> {
     vehicle: Vehicle<A>,
-    gains: Gains,
+    gains: G,
 }
 
 /// What both laws start from.
 struct Step {
     forces: ApparentForces,
+    gains: GainValues,
     /// Velocity error ṽ = Rᵀ(v − v_r) [m/s].
     error: Body,
     /// |F_p| \[N\].
@@ -30,9 +32,9 @@ struct Step {
     alignment_squared: f32,
 }
 
-impl<A: Aerodynamics> VelocityControl<A> {
+impl<A: Aerodynamics, G: GainLaw> VelocityControl<A, G> {
     /// Control of what `vehicle` is believed to be, with these gains.
-    pub fn new(vehicle: Vehicle<A>, gains: Gains) -> Self {
+    pub fn new(vehicle: Vehicle<A>, gains: G) -> Self {
         Self { vehicle, gains }
     }
 
@@ -42,7 +44,7 @@ impl<A: Aerodynamics> VelocityControl<A> {
     }
 
     /// The gains.
-    pub fn gains(&self) -> &Gains {
+    pub fn gains(&self) -> &G {
         &self.gains
     }
 
@@ -59,21 +61,45 @@ impl<A: Aerodynamics> VelocityControl<A> {
         reference: &Reference,
         feed_forward: Option<&FeedForward>,
     ) -> Result<Command, Fault> {
-        let step = self.step(state, reference)?;
-        let Step { forces, norm, .. } = &step;
-        let alignment = self.gains.guard.over_square(step.alignment_squared);
-        let mut rate = norm * (self.gains.k2 * step.error.j())
-            + (self.gains.k3 * norm) * (forces.f_p.j() * alignment);
+        let (command, _) = self.robust_on(Branch::Aligned, state, reference, feed_forward)?;
+        Ok(command)
+    }
+
+    /// The robust law on either branch, and the forces it started from.
+    ///
+    /// On θ̃ = π the law is that of θ̃ = 0 for −F_p: what it stabilises is F_p against the thrust line.
+    #[inline(always)]
+    pub(super) fn robust_on(
+        &self,
+        branch: Branch,
+        state: &State,
+        reference: &Reference,
+        feed_forward: Option<&FeedForward>,
+    ) -> Result<(Command, ApparentForces), Fault> {
+        let sign = branch.sign();
+        let step = self.step(sign, state, reference)?;
+        let Step {
+            forces,
+            gains,
+            norm,
+            ..
+        } = &step;
+        let guard = self.gains.guard();
+        let alignment = guard.over_square(step.alignment_squared);
+        let mut rate = sign
+            * (norm * (gains.k2 * step.error.j())
+                + (gains.k3 * norm) * (forces.f_p.j() * alignment));
         let mut guard_feed_forward = 0.0;
         if let Some(ff) = feed_forward {
             check_feed_forward(ff)?;
             let norm_squared = norm * norm;
-            let over = self.gains.guard.over_square(norm_squared);
+            let over = guard.over_square(norm_squared);
             rate -= over * self.cross_f_delta(forces, state, ff);
             guard_feed_forward = over * norm_squared;
         }
         let guard_alignment = alignment * step.alignment_squared;
-        check_output(self.command(&step, rate, guard_alignment, guard_feed_forward, 1.0))
+        let command = self.command(&step, rate, guard_alignment, guard_feed_forward, 1.0);
+        Ok((check_output(command)?, step.forces))
     }
 
     /// The full law (`lawsVGen`), with the gain k (`eq:kv`).
@@ -90,14 +116,19 @@ impl<A: Aerodynamics> VelocityControl<A> {
         reference: &Reference,
         feed_forward: Option<&FeedForward>,
     ) -> Result<Command, Fault> {
-        let step = self.step(state, reference)?;
-        let Step { forces, norm, .. } = &step;
+        let step = self.step(1.0, state, reference)?;
+        let Step {
+            forces,
+            gains,
+            norm,
+            ..
+        } = &step;
         let norm_squared = norm * norm;
         // c̄_D' cos(α+δ) − c̄_L' sin(α+δ) is the residual of eq:condition.
         let h = condition_residual(&forces.coefficients, &forces.air);
         let k = norm_squared / (norm_squared + forces.pressure * (forces.f.j() * h));
-        let mut rate = norm * (self.gains.k2 * step.error.j())
-            + (self.gains.k3 * norm) * (forces.f_p.j() / step.alignment_squared);
+        let mut rate = norm * (gains.k2 * step.error.j())
+            + (gains.k3 * norm) * (forces.f_p.j() / step.alignment_squared);
         if let Some(ff) = feed_forward {
             check_feed_forward(ff)?;
             rate -= self.cross_f_delta(forces, state, ff) / norm_squared;
@@ -105,8 +136,9 @@ impl<A: Aerodynamics> VelocityControl<A> {
         check_output(self.command(&step, k * rate, 1.0, 1.0, k))
     }
 
+    /// `sign` is that of the branch.
     #[inline(always)]
-    fn step(&self, state: &State, reference: &Reference) -> Result<Step, Fault> {
+    fn step(&self, sign: f32, state: &State, reference: &Reference) -> Result<Step, Fault> {
         check_input(state, reference)?;
         let forces = ApparentForces::new(
             &self.vehicle,
@@ -115,7 +147,7 @@ impl<A: Aerodynamics> VelocityControl<A> {
             reference.acceleration,
         );
         let norm = forces.f_p.norm();
-        let (along, across) = (forces.f_p.i(), forces.f_p.j());
+        let (along, across) = (sign * forces.f_p.i(), forces.f_p.j());
         // |F_p| + F̄_p1, which cancels near θ̃ = π, is F̄_p2²/(|F_p| − F̄_p1).
         let sum = norm + along.abs();
         let alignment = if along < 0.0 {
@@ -125,6 +157,7 @@ impl<A: Aerodynamics> VelocityControl<A> {
         };
         Ok(Step {
             forces,
+            gains: self.gains.at(norm),
             error: state.attitude.to_body(state.velocity - reference.velocity),
             norm,
             alignment_squared: alignment * alignment,
@@ -149,7 +182,7 @@ impl<A: Aerodynamics> VelocityControl<A> {
         k: f32,
     ) -> Command {
         let forces = &step.forces;
-        let push = (self.gains.k1 * step.norm) * step.error.i();
+        let push = (step.gains.k1 * step.norm) * step.error.i();
         Command {
             thrust: forces.f.i() + push,
             rate,

@@ -1,0 +1,273 @@
+//! The two branches of the equivalent sphere: thrust along F_p (θ̃ = 0), and against it (θ̃ = π).
+//!
+//! The law stabilises θ̃ = 0, where T_p = |F_p|. In a steep descent faster than the fall at which F_p vanishes, F_p
+//! points up: on θ̃ = 0 the vehicle would turn nose down and need negative thrust there, while tail first with
+//! positive thrust it stands on θ̃ = π. The paper leaves the choice open; this module makes it.
+
+use crate::equivalency::ApparentForces;
+use crate::error::{ParameterError, positive};
+
+/// Which of the two equilibria of the equivalent sphere is stabilised.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Branch {
+    /// θ̃ = 0: thrust along F_p, as in the paper.
+    #[default]
+    Aligned,
+    /// θ̃ = π: thrust against F_p.
+    Opposed,
+}
+
+impl Branch {
+    /// 1 on θ̃ = 0, −1 on θ̃ = π.
+    #[inline(always)]
+    pub(super) const fn sign(self) -> f32 {
+        match self {
+            Self::Aligned => 1.0,
+            Self::Opposed => -1.0,
+        }
+    }
+
+    const fn other(self) -> Self {
+        match self {
+            Self::Aligned => Self::Opposed,
+            Self::Opposed => Self::Aligned,
+        }
+    }
+}
+
+/// Parameters of the branch switch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct BranchParameters {
+    /// Whether to fly θ̃ = π where θ̃ = 0 needs negative thrust. If not, such references are only reported.
+    pub switch: bool,
+    /// Hysteresis \[N\]: how far F_p must have passed through zero along the thrust line before the branch is left.
+    pub hysteresis: f32,
+    /// Time constant \[s\] with which the jump of the angular rate at a switch fades out.
+    pub fade: f32,
+}
+
+/// Chooses the branch, and lets the command pass from one to the other without a jump.
+///
+/// At hand are F_p, F and thus F·i, the thrust that the present attitude would need in equilibrium. If F_p lies
+/// within 90° of the flown branch, that branch's equilibrium is the nearer one, and F·i < 0 there says that it
+/// needs negative thrust. If it lies beyond, the nearer equilibrium is the other branch's, and F·i > 0 says that
+/// it is that one which has positive thrust: then the branch is switched. Exact for an equivalent sphere; for
+/// another vehicle as good as F_p is independent of the attitude between here and the equilibrium, and exact
+/// again as the vehicle arrives there.
+///
+/// A switch is thus only made where the vehicle already stands nearer to the other equilibrium. A reference that
+/// would have it turn around in the air, such as braking in cruise harder than drag, is reported and not obeyed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct BranchSwitch {
+    switch: bool,
+    hysteresis: f32,
+    inverse_fade: f32,
+}
+
+/// The branch flown, and what is left of the last switch's jump.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct BranchState {
+    /// The branch flown.
+    pub branch: Branch,
+    /// Angular rate [rad/s] still to fade out.
+    pub(super) offset: f32,
+    /// Whether the branch is new: the jump is then still to be measured.
+    arrived: bool,
+}
+
+/// Verdict on the flown branch at one step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Verdict {
+    /// Its equilibrium has thrust that is not negative.
+    Positive,
+    /// Its equilibrium needs negative thrust.
+    Negative,
+    /// It does, and the vehicle stands nearer to the other branch's, which does not.
+    Other,
+}
+
+impl BranchSwitch {
+    /// The switch with these parameters.
+    ///
+    /// # Errors
+    /// `hysteresis` outside [1e-3, 1e6] N, `fade` outside [1e-3, 1e2] s; or either not finite or not positive.
+    pub fn new(p: BranchParameters) -> Result<Self, ParameterError> {
+        Ok(Self {
+            switch: p.switch,
+            hysteresis: positive("hysteresis", p.hysteresis, 1e-3, 1e6)?,
+            inverse_fade: 1.0 / positive("fade", p.fade, 1e-3, 1e2)?,
+        })
+    }
+
+    /// The verdict on `branch` at `forces`.
+    #[inline(always)]
+    pub(super) fn judge(&self, branch: Branch, forces: &ApparentForces) -> Verdict {
+        let along = branch.sign() * forces.f_p.i();
+        let thrust = forces.f.i();
+        if along > 0.0 {
+            if thrust < 0.0 {
+                Verdict::Negative
+            } else {
+                Verdict::Positive
+            }
+        } else if along < -self.hysteresis && thrust > 0.0 {
+            Verdict::Other
+        } else {
+            Verdict::Positive
+        }
+    }
+
+    /// Goes to the other branch from the next step on, if branches are switched at all.
+    #[inline]
+    pub(super) fn leave(&self, state: &mut BranchState) {
+        if self.switch {
+            state.branch = state.branch.other();
+            state.arrived = true;
+        }
+    }
+
+    /// `rate` [rad/s] of the flown branch plus what is left of the last switch's jump from the rate `last` commanded.
+    #[inline(always)]
+    pub(super) fn smooth(&self, state: &mut BranchState, rate: f32, last: f32, dt: f32) -> f32 {
+        if state.arrived {
+            state.offset = last - rate;
+            state.arrived = false;
+        }
+        let rate = rate + state.offset;
+        // Implicit Euler: never changes sign, whatever dt.
+        state.offset /= 1.0 + dt * self.inverse_fade;
+        rate
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use crate::aero::{Combined, CombinedParameters};
+    use crate::control::{Command, GainParameters, Gains, Reference, State, VelocityControl};
+    use crate::frame::{Attitude, Inertial};
+    use crate::vehicle::{Vehicle, VehicleParameters};
+
+    fn switch(switch: bool) -> BranchSwitch {
+        BranchSwitch::new(BranchParameters {
+            switch,
+            hysteresis: 5.0,
+            fade: 0.2,
+        })
+        .unwrap()
+    }
+
+    fn law() -> VelocityControl<Combined> {
+        let model = Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap();
+        let vehicle = Vehicle::new(VehicleParameters::PAPER, model).unwrap();
+        VelocityControl::new(vehicle, Gains::new(GainParameters::PAPER).unwrap())
+    }
+
+    /// Nose at `theta`, moving at `v`, which is the reference; acceleration asked for `a_r`.
+    fn at(branch: Branch, theta: f32, v: Inertial, a_r: Inertial) -> (Command, ApparentForces) {
+        let state = State {
+            velocity: v,
+            attitude: Attitude::from_angle(theta),
+            wind: Inertial::ZERO,
+        };
+        let reference = Reference {
+            velocity: v,
+            acceleration: a_r,
+        };
+        law().robust_on(branch, &state, &reference, None).unwrap()
+    }
+
+    fn verdict(branch: Branch, theta: f32, v: Inertial, a_r: Inertial) -> Verdict {
+        switch(true).judge(branch, &at(branch, theta, v, a_r).1)
+    }
+
+    #[test]
+    fn descents_are_told_apart() {
+        use Branch::{Aligned, Opposed};
+        let fall = |speed| Inertial::new(speed, 0.0);
+        let none = Inertial::ZERO;
+        // Nose up, tail first, F_p vanishes at √(g m/(k_a (c0 + 2c1))) = 8.9 m/s: before it θ̃ = 0 is right,
+        assert_eq!(verdict(Aligned, 0.0, fall(6.0), none), Verdict::Positive);
+        // after it θ̃ = π is, and θ̃ = 0 needs negative thrust, nose down.
+        assert_eq!(verdict(Aligned, 0.0, fall(11.0), none), Verdict::Other);
+        assert_eq!(verdict(Opposed, 0.0, fall(11.0), none), Verdict::Positive);
+        assert_eq!(
+            verdict(Aligned, core::f32::consts::PI, fall(11.0), none),
+            Verdict::Negative
+        );
+        // On the way back the branch is left again.
+        assert_eq!(verdict(Opposed, 0.0, fall(6.0), none), Verdict::Other);
+        // Near the zero, within the hysteresis, each stays what it is.
+        assert_eq!(verdict(Aligned, 0.0, fall(8.95), none), Verdict::Positive);
+        assert_eq!(verdict(Opposed, 0.0, fall(8.85), none), Verdict::Positive);
+    }
+
+    #[test]
+    fn braking_harder_than_drag_in_cruise_is_reported_and_does_not_switch() {
+        let (theta, v) = (-86f32.to_radians(), Inertial::new(0.0, 20.0));
+        let brake = Inertial::new(0.0, -2.0);
+        assert_eq!(verdict(Branch::Aligned, theta, v, brake), Verdict::Negative);
+        assert_eq!(
+            verdict(Branch::Aligned, theta, v, Inertial::ZERO),
+            Verdict::Positive
+        );
+    }
+
+    /// The law of θ̃ = π is the law of θ̃ = 0 for −F_p; thrust is the same on both.
+    #[test]
+    fn the_opposed_law_stabilises_the_opposed_equilibrium() {
+        let v = Inertial::new(11.0, 0.0);
+        for degrees in [-20f32, -5.0, 5.0, 20.0] {
+            let (opposed, _) = at(Branch::Opposed, degrees.to_radians(), v, Inertial::ZERO);
+            let (aligned, _) = at(Branch::Aligned, degrees.to_radians(), v, Inertial::ZERO);
+            assert_eq!(opposed.thrust, aligned.thrust);
+            // Back to nose up on θ̃ = π, away from it on θ̃ = 0.
+            assert!(opposed.rate * degrees < 0.0 && aligned.rate * degrees > 0.0);
+        }
+    }
+
+    #[test]
+    fn a_switch_is_bumpless_and_fades() {
+        let switch = switch(true);
+        let mut state = BranchState::default();
+        switch.leave(&mut state);
+        assert_eq!(state.branch, Branch::Opposed);
+        // 0.3 rad/s was commanded, the other branch asks for −0.5.
+        assert_eq!(switch.smooth(&mut state, -0.5, 0.3, 0.01), 0.3);
+        let mut rate = 0.3;
+        for _ in 0..20 {
+            let next = switch.smooth(&mut state, -0.5, rate, 0.01);
+            assert!(next < rate);
+            rate = next;
+        }
+        // After a time constant 1/e of the jump is left; 0.02: Euler steps of a twentieth of it.
+        assert!((rate + 0.5 - 0.8 * (-1f32).exp()).abs() < 0.02, "{rate}");
+    }
+
+    #[test]
+    fn without_leave_to_switch_nothing_is_switched() {
+        let mut state = BranchState::default();
+        switch(false).leave(&mut state);
+        assert_eq!(state, BranchState::default());
+    }
+
+    #[test]
+    fn bad_parameters_are_named() {
+        let name = |hysteresis, fade| {
+            BranchSwitch::new(BranchParameters {
+                switch: true,
+                hysteresis,
+                fade,
+            })
+            .unwrap_err()
+            .parameter
+        };
+        assert_eq!(name(0.0, 1.0), "hysteresis");
+        assert_eq!(name(1.0, f32::NAN), "fade");
+    }
+}
