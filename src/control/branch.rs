@@ -57,6 +57,10 @@ pub struct BranchParameters {
 /// another vehicle as good as F_p is independent of the attitude between here and the equilibrium, and exact
 /// again as the vehicle arrives there.
 ///
+/// T = −|F_p| − λ k_a|v_a|² at θ̃ = π: for that to be positive λ must be negative. The large-α model has that where
+/// the air comes from behind, |α| > 90°. Every wing has it in the stall too, between two folds, but there F_p lies
+/// against the thrust over some degrees of attitude only: so θ̃ = 0 is left only with the air from behind.
+///
 /// A switch is thus only made where the vehicle already stands nearer to the other equilibrium. A reference that
 /// would have it turn around in the air, such as braking in cruise harder than drag, is reported and not obeyed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -114,7 +118,10 @@ impl BranchSwitch {
             } else {
                 Verdict::Positive
             }
-        } else if along < -self.hysteresis && thrust > 0.0 {
+        } else if along < -self.hysteresis
+            && thrust > 0.0
+            && (branch == Branch::Opposed || forces.air.cos < 0.0)
+        {
             Verdict::Other
         } else {
             Verdict::Positive
@@ -216,6 +223,20 @@ mod tests {
             verdict(Branch::Aligned, theta, v, Inertial::ZERO),
             Verdict::Positive
         );
+    }
+
+    #[test]
+    fn between_the_folds_of_level_flight_no_branch_is_left() {
+        let v = Inertial::new(0.0, 14.8);
+        for tenths in 115..165 {
+            let theta = (tenths as f32 * 0.1 - 90.0).to_radians();
+            let (command, _) = at(Branch::Aligned, theta, v, Inertial::ZERO);
+            assert!(tenths < 120 || tenths > 160 || command.diagnostics.f_p.i() < -5.0);
+            assert_eq!(
+                verdict(Branch::Aligned, theta, v, Inertial::ZERO),
+                Verdict::Positive
+            );
+        }
     }
 
     /// The law of θ̃ = π is the law of θ̃ = 0 for −F_p; thrust is the same on both.

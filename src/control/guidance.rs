@@ -255,16 +255,16 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             .control
             .robust_on(branch, &State { wind, ..bare }, &reference, None)
             .map_err(Refusal::Law)?;
-        let verdict = self.branch.judge(branch, &forces);
-        if verdict == Verdict::Other {
-            self.branch.leave(&mut state.branch);
-        }
         let margin = Margin::new(
             &forces,
             command.diagnostics.f_p_norm,
             self.control.gains().guard().tau(),
             branch.sign(),
         );
+        let verdict = self.branch.judge(branch, &forces);
+        if verdict == Verdict::Other {
+            self.branch.leave(&mut state.branch);
+        }
 
         // What the actuators make of it.
         let rate = self
