@@ -2,7 +2,11 @@
 //! software double precision and panics. See `.ci/check-symbols`, which also proves that it would find them.
 #![no_std]
 
-use alula::{Combined, Command, Fault, FeedForward, Model, Reference, State, VelocityControl};
+use alula::control::GainChoice;
+use alula::{
+    Combined, Command, Fault, FeedForward, Guidance, GuidanceInput, GuidanceState, Guided, Model,
+    Reference, State, VelocityControl,
+};
 
 /// The robust law on the combined model.
 #[inline(never)]
@@ -34,6 +38,17 @@ pub fn robust_any_model(
     reference: &Reference,
 ) -> Result<Command, Fault> {
     control.robust(state, reference, None)
+}
+
+/// A step of the guidance, everything on.
+#[inline(never)]
+pub fn guidance(
+    guidance: &Guidance<Model, GainChoice>,
+    state: &mut GuidanceState,
+    input: &GuidanceInput,
+    dt: f32,
+) -> Guided {
+    guidance.update(state, input, dt)
 }
 
 /// What the search must find, when it is asked to prove that it can.
