@@ -4,7 +4,7 @@
 //! - **Body** (i, j) = R(θ)·(i0, j0). Thrust acts along −i. θ = 0 is hover, nose up; θ = −90° is cruise, nose
 //!   forward. The nose's pitch above the horizon is 90° + θ.
 
-use core::ops::{Add, Sub};
+use core::ops::{Add, Mul, Sub};
 
 use nalgebra::Vector2;
 
@@ -57,6 +57,14 @@ impl Add for Inertial {
     #[inline]
     fn add(self, other: Self) -> Self {
         Self::new(self.0.x + other.0.x, self.0.y + other.0.y)
+    }
+}
+
+impl Mul<f32> for Inertial {
+    type Output = Self;
+    #[inline]
+    fn mul(self, factor: f32) -> Self {
+        Self::new(self.0.x * factor, self.0.y * factor)
     }
 }
 

@@ -186,7 +186,9 @@ mod tests {
             velocity: v,
             acceleration: a_r,
         };
-        law().robust_on(branch, &state, &reference, None).unwrap()
+        let step = law().step(branch, &state, &reference);
+        let command = law().robust_from(&step, branch, &state, None).unwrap();
+        (command, step.forces)
     }
 
     fn verdict(branch: Branch, theta: f32, v: Inertial, a_r: Inertial) -> Verdict {

@@ -106,6 +106,14 @@ impl GuidanceState {
         };
     }
 
+    /// Back to power-on, but for the mode.
+    #[cold]
+    fn reset(&mut self) {
+        let mode = self.supervision.mode;
+        *self = Self::default();
+        self.supervision.mode = mode;
+    }
+
     /// Whether every number is finite and not absurd.
     #[inline(always)]
     fn is_sound(&self) -> bool {
@@ -139,40 +147,41 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
     pub fn update(&self, state: &mut GuidanceState, input: &GuidanceInput, dt: f32) -> Guided {
         let timed = dt > 0.0 && dt <= MAX_STEP;
         let dt = if timed { dt } else { MAX_STEP };
+        let mut guided = Guided::default();
         let flown = if timed {
-            self.fly(state, input, dt)
+            self.fly(state, input, dt, &mut guided)
         } else {
             Err(Refusal::TimeStep)
         };
-        let good = flown.is_ok();
-        let mode = self.supervisor.advance(&mut state.supervision, good, dt);
-        match (mode, flown) {
-            (Mode::Flying, Ok(guided)) => {
-                state.thrust = guided.command.thrust;
-                guided
-            }
-            (Mode::Holding, flown) => Guided {
-                mode,
-                command: Command {
-                    thrust: state.thrust,
-                    rate: state.limits.rate,
-                    diagnostics: Diagnostics::default(),
-                },
-                refusal: flown.err(),
-                ..Guided::default()
+        let mode = self
+            .supervisor
+            .advance(&mut state.supervision, flown.is_ok(), dt);
+        if mode == Mode::Flying {
+            state.thrust = guided.command.thrust;
+        } else {
+            guided = self.substitute(state, mode);
+        }
+        guided.mode = mode;
+        guided.refusal = flown.err();
+        guided
+    }
+
+    /// What stands in for the law in any other mode.
+    #[cold]
+    fn substitute(&self, state: &mut GuidanceState, mode: Mode) -> Guided {
+        let (thrust, rate) = if mode == Mode::Holding {
+            (state.thrust, state.limits.rate)
+        } else {
+            state.restart();
+            (self.supervisor.parameters().safe_thrust, 0.0)
+        };
+        Guided {
+            command: Command {
+                thrust,
+                rate,
+                diagnostics: Diagnostics::default(),
             },
-            (_, flown) => {
-                state.restart();
-                Guided {
-                    mode,
-                    command: Command {
-                        thrust: self.supervisor.parameters().safe_thrust,
-                        ..Command::default()
-                    },
-                    refusal: flown.err(),
-                    ..Guided::default()
-                }
-            }
+            ..Guided::default()
         }
     }
 
@@ -182,53 +191,40 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         state: &mut GuidanceState,
         input: &GuidanceInput,
         dt: f32,
-    ) -> Result<Guided, Refusal> {
-        let limits = self.supervisor.parameters();
-        let mut status = Status::NONE;
-
+        guided: &mut Guided,
+    ) -> Result<(), Refusal> {
+        let supervision = self.supervisor.parameters();
         let bare = State {
             velocity: input.velocity,
             attitude: input.attitude,
             wind: Inertial::ZERO,
         };
         check_input(&bare, &Reference::default()).map_err(Refusal::Law)?;
-        if !matches!(input.state_age, age if age <= limits.state_age) {
+        if !matches!(input.state_age, age if age <= supervision.state_age) {
             return Err(Refusal::StateAge);
         }
-        if !state.is_sound() {
-            state.restart();
-            state.supervision = SupervisionState {
-                mode: state.supervision.mode,
-                ..SupervisionState::default()
-            };
-            status |= Status::STATE_RESET;
+        let sound = state.is_sound();
+        if !sound {
+            state.reset();
         }
 
         // What to fly to.
-        let (asked, held) = match state.held {
-            _ if input.reference_age <= limits.reference_age && is_sane(&input.reference) => {
-                (input.reference, false)
+        let fresh = input.reference_age <= supervision.reference_age && is_sane(&input.reference);
+        let asked = if fresh {
+            if state.held.is_none() {
+                state.reference.velocity = input.velocity;
             }
-            Some(velocity) => (
-                Reference {
-                    velocity,
-                    acceleration: Inertial::ZERO,
-                },
-                true,
-            ),
-            None => return Err(Refusal::NoReference),
-        };
-        if state.held.is_none() {
-            state.reference.velocity = input.velocity;
-        }
-        state.held = Some(asked.velocity);
-        let position = match input.position_error {
-            Some(x) if x.norm_squared().is_finite() => Some(x),
-            other => {
-                status |= Status::POSITION_INVALID.when(other.is_some());
-                None
+            state.held = Some(input.reference.velocity);
+            input.reference
+        } else {
+            Reference {
+                velocity: state.held.ok_or(Refusal::NoReference)?,
+                acceleration: Inertial::ZERO,
             }
         };
+        let position_error = input
+            .position_error
+            .filter(|x| fresh && x.norm_squared().is_finite());
         let (followed, cut) = self
             .reference_limit
             .update(&mut state.reference, &asked, dt);
@@ -240,28 +236,24 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
                 attitude: input.attitude,
                 asked: &asked,
                 followed: &followed,
-                position_error: if held { None } else { position },
+                position_error,
                 met: state.met,
             },
             dt,
         );
 
-        // The law.
-        let (wind, air, invalid) =
+        // The law. What reaches it has been checked above, or is bounded.
+        let (wind, air, air_invalid) =
             self.supervisor
                 .wind(&mut state.supervision, input.velocity, &input.air, dt);
         let branch = state.branch.branch;
-        let (mut command, forces) = self
+        let at = State { wind, ..bare };
+        let step = self.control.step(branch, &at, &reference);
+        let command = self
             .control
-            .robust_on(branch, &State { wind, ..bare }, &reference, None)
+            .robust_from(&step, branch, &at, None)
             .map_err(Refusal::Law)?;
-        let margin = Margin::new(
-            &forces,
-            command.diagnostics.f_p_norm,
-            self.control.gains().guard().tau(),
-            branch.sign(),
-        );
-        let verdict = self.branch.judge(branch, &forces);
+        let verdict = self.branch.judge(branch, &step.forces);
         if verdict == Verdict::Other {
             self.branch.leave(&mut state.branch);
         }
@@ -270,27 +262,35 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         let rate = self
             .branch
             .smooth(&mut state.branch, command.rate, state.limits.rate, dt);
-        let met;
-        (command.thrust, command.rate, met) =
-            self.limits
-                .apply(&mut state.limits, command.thrust, rate, dt);
+        let (thrust, rate, met) = self
+            .limits
+            .apply(&mut state.limits, command.thrust, rate, dt);
         state.met = met;
-        Ok(Guided {
-            command,
-            mode: Mode::Flying,
-            air,
-            status: status
-                | cut
-                | outer
-                | met
-                | Status::NEGATIVE_THRUST.when(verdict != Verdict::Positive)
-                | Status::OPPOSED.when(branch == Branch::Opposed)
-                | Status::REFERENCE_HELD.when(held)
-                | Status::AIR_INVALID.when(invalid),
-            margin,
-            reference,
-            refusal: None,
-        })
+
+        guided.command = Command {
+            thrust,
+            rate,
+            ..command
+        };
+        guided.air = air;
+        guided.reference = reference;
+        guided.margin = Margin::new(
+            &step.forces,
+            step.norm,
+            self.control.gains().guard().tau(),
+            branch.sign(),
+        );
+        guided.status = cut
+            | outer
+            | met
+            | Status::NEGATIVE_THRUST.when(verdict != Verdict::Positive)
+            | Status::OPPOSED.when(branch == Branch::Opposed)
+            | Status::REFERENCE_HELD.when(!fresh)
+            | Status::POSITION_INVALID
+                .when(fresh && position_error.is_none() && input.position_error.is_some())
+            | Status::AIR_INVALID.when(air_invalid)
+            | Status::STATE_RESET.when(!sound);
+        Ok(())
     }
 }
 

@@ -86,62 +86,57 @@ impl OuterLoop {
         input: &OuterInput,
         dt: f32,
     ) -> (Reference, Status) {
-        let axis = |get: fn(&Inertial) -> f32| match input.position_error {
-            Some(x) => {
-                let wanted = get(&self.p.position_gain) * get(&x);
-                let bound = get(&self.p.pull);
-                let pull = math::clamp(wanted, -bound, bound);
-                if pull == wanted {
-                    let slip = get(&input.velocity) - get(&input.asked.velocity);
-                    Axis {
-                        pull,
-                        slope: get(&self.p.position_gain) * slip,
-                        growth: get(&self.p.integral_gain) * pull,
-                        cut: false,
-                    }
-                } else {
-                    Axis {
-                        pull,
-                        slope: 0.0,
-                        growth: 0.0,
-                        cut: true,
-                    }
-                }
-            }
-            None => Axis {
-                pull: 0.0,
-                slope: 0.0,
-                growth: get(&self.p.position_gain)
-                    * (get(&input.velocity) - get(&input.followed.velocity)),
-                cut: false,
-            },
+        let OuterInput {
+            velocity,
+            asked,
+            followed,
+            ..
+        } = input;
+        let slip = match input.position_error {
+            Some(_) => *velocity - asked.velocity,
+            None => *velocity - followed.velocity,
         };
-        let (down, forward) = (axis(Inertial::down), axis(Inertial::forward));
+        let x = input.position_error.unwrap_or(Inertial::ZERO);
+        let holds = input.position_error.is_some();
+        let p = &self.p;
+        let down = axis(
+            holds,
+            x.down(),
+            slip.down(),
+            p.position_gain.down(),
+            p.pull.down(),
+            p.integral_gain.down(),
+        );
+        let forward = axis(
+            holds,
+            x.forward(),
+            slip.forward(),
+            p.position_gain.forward(),
+            p.pull.forward(),
+            p.integral_gain.forward(),
+        );
         let growth = unwind(
             Inertial::new(down.growth, forward.growth),
             input.attitude,
             input.met,
         );
-        let grow = |get: fn(&Inertial) -> f32| {
-            let bound = get(&self.p.integral);
-            let wanted = get(&state.integral) + get(&growth) * dt;
-            (math::clamp(wanted, -bound, bound), wanted.abs() > bound)
-        };
-        let ((i_down, full_down), (i_forward, full_forward)) =
-            (grow(Inertial::down), grow(Inertial::forward));
-        // A full integral moves no more, and feeds nothing to a_r.
-        let fed = |growth: f32, full: bool| if full { 0.0 } else { growth };
+        let (i_down, fed_down, full_down) =
+            grow(state.integral.down(), growth.down(), p.integral.down(), dt);
+        let (i_forward, fed_forward, full_forward) = grow(
+            state.integral.forward(),
+            growth.forward(),
+            p.integral.forward(),
+            dt,
+        );
         state.integral = Inertial::new(i_down, i_forward);
         let (acceleration, cut) = limit.cut(Inertial::new(
-            input.followed.acceleration.down() - down.slope - fed(growth.down(), full_down),
-            input.followed.acceleration.forward()
-                - forward.slope
-                - fed(growth.forward(), full_forward),
+            followed.acceleration.down() - down.slope - fed_down,
+            followed.acceleration.forward() - forward.slope - fed_forward,
         ));
         let reference = Reference {
             velocity: Inertial::new(
-                input.followed.velocity.down() - down.pull - i_down,
-                input.followed.velocity.forward() - forward.pull - i_forward,
+                followed.velocity.down() - down.pull - i_down,
+                followed.velocity.forward() - forward.pull - i_forward,
             ),
             acceleration,
         };
@@ -160,6 +155,49 @@ struct Axis {
     /// İ before anti-windup [m/s²].
     growth: f32,
     cut: bool,
+}
+
+/// The pull of a position error `x` \[m\] that grows with `slip` [m/s]; or only the integral's growth from `slip`.
+#[inline(always)]
+fn axis(holds: bool, x: f32, slip: f32, k_p: f32, bound: f32, k_i: f32) -> Axis {
+    let wanted = k_p * x;
+    let pull = math::clamp(wanted, -bound, bound);
+    let rate = k_p * slip;
+    if !holds {
+        Axis {
+            pull: 0.0,
+            slope: 0.0,
+            growth: rate,
+            cut: false,
+        }
+    } else if pull == wanted {
+        Axis {
+            pull,
+            slope: rate,
+            growth: k_i * pull,
+            cut: false,
+        }
+    } else {
+        Axis {
+            pull,
+            slope: 0.0,
+            growth: 0.0,
+            cut: true,
+        }
+    }
+}
+
+/// The integral after `dt`, what of its growth feeds a_r, and whether it is full.
+#[inline(always)]
+fn grow(integral: f32, growth: f32, bound: f32, dt: f32) -> (f32, f32, bool) {
+    let wanted = integral + growth * dt;
+    let kept = math::clamp(wanted, -bound, bound);
+    // A full integral moves no more, and feeds nothing.
+    if kept == wanted {
+        (kept, growth, false)
+    } else {
+        (kept, 0.0, true)
+    }
 }
 
 /// The part of İ that the actuators can still obey.

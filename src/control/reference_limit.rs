@@ -58,13 +58,13 @@ impl ReferenceLimit {
     ) -> (Reference, Status) {
         // A control step longer than the return takes would overshoot it.
         let rate = math::min(self.rate, 1.0 / dt);
-        let (Inertial(v), Inertial(v_r)) = (state.velocity, reference.velocity);
-        let wanted = Inertial(reference.acceleration.0 + (v_r - v) * rate);
+        let velocity = state.velocity;
+        let wanted = reference.acceleration + (reference.velocity - velocity) * rate;
         let (acceleration, cut) = self.cut(wanted);
-        state.velocity = Inertial(v + acceleration.0 * dt);
+        state.velocity = velocity + acceleration * dt;
         (
             Reference {
-                velocity: Inertial(v),
+                velocity,
                 acceleration,
             },
             Status::REFERENCE.when(cut),
@@ -77,7 +77,7 @@ impl ReferenceLimit {
         let square = acceleration.norm_squared();
         if square > self.acceleration * self.acceleration {
             let scale = self.acceleration / math::sqrt(square);
-            (Inertial(acceleration.0 * scale), true)
+            (acceleration * scale, true)
         } else {
             (acceleration, false)
         }

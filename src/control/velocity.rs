@@ -21,13 +21,13 @@ pub struct VelocityControl<A, G = Gains> {
 }
 
 /// What both laws start from.
-struct Step {
-    forces: ApparentForces,
+pub(super) struct Step {
+    pub(super) forces: ApparentForces,
     gains: GainValues,
     /// Velocity error ṽ = Rᵀ(v − v_r) [m/s].
     error: Body,
     /// |F_p| \[N\].
-    norm: f32,
+    pub(super) norm: f32,
     /// (|F_p| + F̄_p1)² \[N²\].
     alignment_squared: f32,
 }
@@ -61,32 +61,31 @@ impl<A: Aerodynamics, G: GainLaw> VelocityControl<A, G> {
         reference: &Reference,
         feed_forward: Option<&FeedForward>,
     ) -> Result<Command, Fault> {
-        let (command, _) = self.robust_on(Branch::Aligned, state, reference, feed_forward)?;
-        Ok(command)
+        check_input(state, reference)?;
+        let step = self.step(Branch::Aligned, state, reference);
+        self.robust_from(&step, Branch::Aligned, state, feed_forward)
     }
 
-    /// The robust law on either branch, and the forces it started from.
+    /// The robust law from `step`, on either branch.
     ///
     /// On θ̃ = π the law is that of θ̃ = 0 for −F_p: what it stabilises is F_p against the thrust line.
     #[inline(always)]
-    pub(super) fn robust_on(
+    pub(super) fn robust_from(
         &self,
+        step: &Step,
         branch: Branch,
         state: &State,
-        reference: &Reference,
         feed_forward: Option<&FeedForward>,
-    ) -> Result<(Command, ApparentForces), Fault> {
-        let sign = branch.sign();
-        let step = self.step(sign, state, reference)?;
+    ) -> Result<Command, Fault> {
         let Step {
             forces,
             gains,
             norm,
             ..
-        } = &step;
+        } = step;
         let guard = self.gains.guard();
         let alignment = guard.over_square(step.alignment_squared);
-        let mut rate = sign
+        let mut rate = branch.sign()
             * (norm * (gains.k2 * step.error.j())
                 + (gains.k3 * norm) * (forces.f_p.j() * alignment));
         let mut guard_feed_forward = 0.0;
@@ -98,8 +97,7 @@ impl<A: Aerodynamics, G: GainLaw> VelocityControl<A, G> {
             guard_feed_forward = over * norm_squared;
         }
         let guard_alignment = alignment * step.alignment_squared;
-        let command = self.command(&step, rate, guard_alignment, guard_feed_forward, 1.0);
-        Ok((check_output(command)?, step.forces))
+        check_output(self.command(step, rate, guard_alignment, guard_feed_forward, 1.0))
     }
 
     /// The full law (`lawsVGen`), with the gain k (`eq:kv`).
@@ -116,7 +114,8 @@ impl<A: Aerodynamics, G: GainLaw> VelocityControl<A, G> {
         reference: &Reference,
         feed_forward: Option<&FeedForward>,
     ) -> Result<Command, Fault> {
-        let step = self.step(1.0, state, reference)?;
+        check_input(state, reference)?;
+        let step = self.step(Branch::Aligned, state, reference);
         let Step {
             forces,
             gains,
@@ -136,10 +135,9 @@ impl<A: Aerodynamics, G: GainLaw> VelocityControl<A, G> {
         check_output(self.command(&step, k * rate, 1.0, 1.0, k))
     }
 
-    /// `sign` is that of the branch.
+    /// What the law on `branch` starts from. The inputs are to have been checked.
     #[inline(always)]
-    fn step(&self, sign: f32, state: &State, reference: &Reference) -> Result<Step, Fault> {
-        check_input(state, reference)?;
+    pub(super) fn step(&self, branch: Branch, state: &State, reference: &Reference) -> Step {
         let forces = ApparentForces::new(
             &self.vehicle,
             state.attitude,
@@ -147,7 +145,8 @@ impl<A: Aerodynamics, G: GainLaw> VelocityControl<A, G> {
             reference.acceleration,
         );
         let norm = forces.f_p.norm();
-        let (along, across) = (sign * forces.f_p.i(), forces.f_p.j());
+        let sign = branch.sign();
+        let (along, across) = (sign * forces.f_p.i(), sign * forces.f_p.j());
         // |F_p| + F̄_p1, which cancels near θ̃ = π, is F̄_p2²/(|F_p| − F̄_p1).
         let sum = norm + along.abs();
         let alignment = if along < 0.0 {
@@ -155,13 +154,13 @@ impl<A: Aerodynamics, G: GainLaw> VelocityControl<A, G> {
         } else {
             sum
         };
-        Ok(Step {
+        Step {
             forces,
             gains: self.gains.at(norm),
             error: state.attitude.to_body(state.velocity - reference.velocity),
             norm,
             alignment_squared: alignment * alignment,
-        })
+        }
     }
 
     /// F̄_pᵀ S Rᵀ F_δ [N²/s].
