@@ -167,6 +167,7 @@ pub fn fly(
     Ok(rows)
 }
 
-fn inertial(v: Vector) -> Inertial {
+/// `v` as the core takes it.
+pub(crate) fn inertial(v: Vector) -> Inertial {
     Inertial::new(v.x as f32, v.y as f32)
 }

@@ -3,7 +3,7 @@
 //! Layers, each using only those before it: [`reference`](mod@reference) (aerodynamics and laws in
 //! double precision, independent of the core), [`plant`], [`scenario`], [`flight`] (the loop, closed
 //! by any [`flight::Controller`]), [`figures`] of merit, [`trace`] and [`replay`](mod@replay) (CSV),
-//! [`report`], [`files`].
+//! [`report`], [`files`]. [`mission`] flies the core's whole guidance on a vehicle with actuators, sensors and weather.
 //! On a target without an operating system the package is empty.
 #![cfg_attr(target_os = "none", no_std)]
 #![cfg(not(target_os = "none"))]
@@ -11,6 +11,7 @@
 pub mod figures;
 pub mod files;
 pub mod flight;
+pub mod mission;
 pub mod pil;
 pub mod plant;
 pub mod reference;

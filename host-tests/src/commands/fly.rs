@@ -98,7 +98,7 @@ pub fn with(
 }
 
 /// A bar on standard error, silent where that is not a terminal.
-fn progress_bar(steps: usize) -> ProgressBar {
+pub(super) fn progress_bar(steps: usize) -> ProgressBar {
     let style = "flying {bar:40} {percent:>3} % {eta} left";
     let bar = ProgressBar::new(steps as u64);
     bar.set_style(ProgressStyle::with_template(style).expect("a valid template"));

@@ -1,6 +1,7 @@
 //! The command line: one file per subcommand, each with its arguments and a `run`.
 
 mod fly;
+mod mission;
 mod pil;
 mod replay;
 mod scenarios;
@@ -18,6 +19,7 @@ pub struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Fly(fly::Args),
+    Mission(mission::Args),
     Pil(pil::Args),
     Replay(replay::Args),
     Scenarios(scenarios::Args),
@@ -29,6 +31,7 @@ impl Cli {
         match self.command {
             None => fly::run(&fly::Args::default()),
             Some(Command::Fly(args)) => fly::run(&args),
+            Some(Command::Mission(args)) => mission::run(&args),
             Some(Command::Pil(args)) => pil::run(&args),
             Some(Command::Replay(args)) => replay::run(&args),
             Some(Command::Scenarios(args)) => scenarios::run(&args),

@@ -47,7 +47,7 @@ const FAINT_GRID: RGBColor = RGBColor(243, 245, 247);
 
 impl Chart {
     /// Draws the chart on `area`.
-    pub fn draw(&self, area: &DrawingArea<SVGBackend, Shift>) -> Drawn {
+    fn draw(&self, area: &DrawingArea<SVGBackend, Shift>) -> Drawn {
         let times = self.series.iter().flat_map(|s| &s.points).map(|p| p.0);
         let end = times.fold(0.0_f64, f64::max);
         let (low, high) = self.range();
@@ -177,9 +177,25 @@ impl Chart {
     }
 }
 
+/// The charts on a sheet of two columns, as SVG text.
+pub fn sheet(charts: &[Chart; 8]) -> Result<String, DrawingError> {
+    let mut text = String::new();
+    draw(&mut text, charts)?;
+    Ok(text)
+}
+
+fn draw(text: &mut String, charts: &[Chart; 8]) -> Drawn {
+    let root = SVGBackend::with_string(text, (1280, 1240)).into_drawing_area();
+    root.fill(&WHITE)?;
+    for (chart, area) in charts.iter().zip(root.split_evenly((4, 2))) {
+        chart.draw(&area)?;
+    }
+    root.present()
+}
+
 /// Drawing into a string fails only where a chart is malformed.
-pub type Drawn =
-    Result<(), DrawingAreaErrorKind<<SVGBackend<'static> as DrawingBackend>::ErrorType>>;
+pub type DrawingError = DrawingAreaErrorKind<<SVGBackend<'static> as DrawingBackend>::ErrorType>;
+type Drawn = Result<(), DrawingError>;
 
 /// A tick's label: as short as it can be.
 fn number(value: f64) -> String {

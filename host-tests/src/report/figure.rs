@@ -2,32 +2,20 @@
 
 use plotters::prelude::*;
 
-use super::chart::{Chart, Drawn, Mark, Series};
+use super::chart::{Chart, Mark, Series, sheet};
 use crate::figures::Figures;
 use crate::flight::Row;
 use crate::reference::wrap;
 use crate::scenario::Scenario;
 
-const BLUE: RGBColor = RGBColor(0, 98, 178);
-const ORANGE: RGBColor = RGBColor(214, 94, 0);
-const GREEN: RGBColor = RGBColor(0, 138, 100);
-const GREY: RGBColor = RGBColor(120, 128, 138);
+pub(crate) const BLUE: RGBColor = RGBColor(0, 98, 178);
+pub(crate) const ORANGE: RGBColor = RGBColor(214, 94, 0);
+pub(crate) const GREEN: RGBColor = RGBColor(0, 138, 100);
+pub(crate) const GREY: RGBColor = RGBColor(120, 128, 138);
 
 /// The figure of a flight as SVG text.
 pub fn svg(scenario: &Scenario, rows: &[Row], figures: &Figures) -> String {
-    let mut text = String::new();
-    draw(&mut text, &charts(scenario, rows, figures))
-        .expect("charts of finite ranges can be drawn");
-    text
-}
-
-fn draw(text: &mut String, charts: &[Chart; 8]) -> Drawn {
-    let root = SVGBackend::with_string(text, (1280, 1240)).into_drawing_area();
-    root.fill(&WHITE)?;
-    for (chart, area) in charts.iter().zip(root.split_evenly((4, 2))) {
-        chart.draw(&area)?;
-    }
-    root.present()
+    sheet(&charts(scenario, rows, figures)).expect("charts of finite ranges can be drawn")
 }
 
 fn charts(scenario: &Scenario, rows: &[Row], figures: &Figures) -> [Chart; 8] {
@@ -133,7 +121,7 @@ fn charts(scenario: &Scenario, rows: &[Row], figures: &Figures) -> [Chart; 8] {
 }
 
 /// A series of wrapped angles \[°\], broken where they wrap.
-fn angle(mut series: Series) -> Series {
+pub(crate) fn angle(mut series: Series) -> Series {
     let mut last = f64::NAN;
     for (_, value) in &mut series.points {
         let wrapped = (*value - last).abs() > 180.0;

@@ -1,7 +1,7 @@
 //! The report of a flight: a figure, and a page that holds everything and needs no network.
 
-mod chart;
-mod figure;
+pub(crate) mod chart;
+pub(crate) mod figure;
 
 use anyhow::Context;
 use minijinja::{Environment, context};

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use anyhow::{Context, anyhow};
+use serde::de::DeserializeOwned;
 use toml::de::{DeTable, DeValue};
 
 use super::{BUILT_IN, FieldError, Scenario};
@@ -40,14 +41,7 @@ impl Source {
 
     /// The scenario in `text`; `origin` stands for it in errors.
     pub fn from_text(name: &str, origin: &str, text: &str) -> anyhow::Result<Self> {
-        let scenario = parse(text)
-            .and_then(|scenario: Scenario| match scenario.validate() {
-                Ok(()) => Ok(scenario),
-                Err(FieldError { field, problem }) => {
-                    Err((line_of(text, &field), format!("{field}: {problem}")))
-                }
-            })
-            .map_err(|(line, message)| anyhow!("{origin}:{line}: {message}"))?;
+        let scenario = from_toml(origin, text, Scenario::validate)?;
         Ok(Self {
             name: name.to_owned(),
             text: text.to_owned(),
@@ -56,8 +50,24 @@ impl Source {
     }
 }
 
-/// The scenario, or the line and a message with the field's name.
-fn parse(text: &str) -> Result<Scenario, (usize, String)> {
+/// What `text` says, validated; `origin` stands for it in errors of one line.
+pub(crate) fn from_toml<T: DeserializeOwned>(
+    origin: &str,
+    text: &str,
+    validate: impl Fn(&T) -> Result<(), FieldError>,
+) -> anyhow::Result<T> {
+    parse(text)
+        .and_then(|value: T| match validate(&value) {
+            Ok(()) => Ok(value),
+            Err(FieldError { field, problem }) => {
+                Err((line_of(text, &field), format!("{field}: {problem}")))
+            }
+        })
+        .map_err(|(line, message)| anyhow!("{origin}:{line}: {message}"))
+}
+
+/// The value, or the line and a message with the field's name.
+fn parse<T: DeserializeOwned>(text: &str) -> Result<T, (usize, String)> {
     let located = |error: &toml::de::Error, field: &str| {
         let line = error.span().map_or(1, |span| line_at(text, span.start));
         let message = error.message().lines().collect::<Vec<_>>().join(", ");

@@ -10,6 +10,7 @@ use serde::Deserialize;
 
 pub use builtin::{BUILT_IN, DEFAULT};
 pub use load::Source;
+pub(crate) use load::from_toml;
 pub use parts::{ControllerSpec, GainsSpec, InitialSpec, Knot, Law, ReferenceSpec, WindSpec};
 pub use vehicle::{AerodynamicsSpec, VehicleSpec};
 
@@ -26,7 +27,7 @@ pub struct FieldError {
 }
 
 impl FieldError {
-    fn new(field: impl Into<String>, problem: impl Into<String>) -> Self {
+    pub(crate) fn new(field: impl Into<String>, problem: impl Into<String>) -> Self {
         Self {
             field: field.into(),
             problem: problem.into(),
@@ -141,7 +142,7 @@ impl Scenario {
     }
 }
 
-fn finite(field: &str, value: f64) -> Result<(), FieldError> {
+pub(crate) fn finite(field: &str, value: f64) -> Result<(), FieldError> {
     if value.is_finite() {
         Ok(())
     } else {
@@ -149,7 +150,7 @@ fn finite(field: &str, value: f64) -> Result<(), FieldError> {
     }
 }
 
-fn positive(field: &str, value: f64) -> Result<(), FieldError> {
+pub(crate) fn positive(field: &str, value: f64) -> Result<(), FieldError> {
     finite(field, value)?;
     if value > 0.0 {
         Ok(())

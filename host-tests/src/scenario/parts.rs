@@ -92,7 +92,7 @@ pub struct Knot {
 }
 
 impl ReferenceSpec {
-    pub(super) fn validate(&self) -> Result<(), FieldError> {
+    pub(crate) fn validate(&self) -> Result<(), FieldError> {
         let error = |problem: String| Err(FieldError::new("reference.knots", problem));
         if self.knots.is_empty() {
             return error("must have at least one knot".into());
@@ -126,6 +126,27 @@ impl ReferenceSpec {
             let slope = (velocity(to) - velocity(from)) / (to.t_s - from.t_s);
             (velocity(from) + slope * (t - from.t_s), slope)
         }
+    }
+
+    /// The reference velocity's integral from 0 to `t` ≥ 0 \[s\], \[m\]: exact.
+    pub fn position(&self, t: f64) -> Vector {
+        let inner = self.knots.iter().map(|k| k.t_s);
+        let mut from = 0.0;
+        let mut position = Vector::zeros();
+        for to in inner.filter(|&k| 0.0 < k && k < t).chain([t]) {
+            // Linear in between, up to the end from the left: the mean of both ends.
+            let (start, slope) = self.at(from);
+            position += (to - from) * (start + 0.5 * (to - from) * slope);
+            from = to;
+        }
+        position
+    }
+
+    /// The times of the knots inside (0, `end`), with 0 and `end` \[s\].
+    pub fn breaks(&self, end: f64) -> Vec<f64> {
+        let inner = self.knots.iter().map(|k| k.t_s);
+        let inner = inner.filter(|&k| 0.0 < k && k < end);
+        std::iter::once(0.0).chain(inner).chain([end]).collect()
     }
 }
 
@@ -177,5 +198,10 @@ mod tests {
         assert_eq!(forward(2.5), (3.0, 2.0));
         assert_eq!(forward(3.0), (4.0, 0.0));
         assert_eq!(forward(9.0), (4.0, 0.0));
+        assert_eq!(reference.position(0.5), Vector::new(-0.5, 0.0));
+        assert_eq!(reference.position(2.0), Vector::new(-2.0, 1.0));
+        assert_eq!(reference.position(5.0), Vector::new(-5.0, 4.0 + 8.0));
+        assert_eq!(reference.breaks(9.0), [0.0, 1.0, 3.0, 9.0]);
+        assert_eq!(reference.breaks(2.0), [0.0, 1.0, 2.0]);
     }
 }

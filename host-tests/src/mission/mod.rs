@@ -1,0 +1,235 @@
+//! Missions: the core's whole guidance on a vehicle with actuators, sensors, weather and faults.
+//!
+//! A [scenario](crate::scenario) asks what the law does to an ideal vehicle; a mission, whether a real one flies.
+
+mod controller;
+mod figures;
+mod flight;
+mod output;
+mod plant;
+mod sensors;
+mod weather;
+
+use std::path::Path;
+
+use anyhow::{Context, anyhow};
+use serde::Deserialize;
+
+pub use controller::{
+    BandwidthSpec, BranchSpec, ControllerSpec, GainChoiceSpec, LimitSpec, MissionGuidance,
+    PositionSpec, ReferenceLimitSpec, SupervisionSpec,
+};
+pub use figures::{Figures, Segment, Steady};
+pub use flight::{Row, fly};
+pub use output::{html, svg, write_trace};
+pub use plant::{ActuatorSpec, Plant, RateLoop, State};
+pub use sensors::{AirSensor, ErrorSpec, FaultKind, FaultSpec, SensorSpec};
+pub use weather::{GustSpec, TurbulenceSpec, Weather, WeatherSpec};
+
+use crate::reference::Vector;
+use crate::scenario::{
+    FieldError, InitialSpec, ReferenceSpec, VehicleSpec, finite, from_toml, positive,
+};
+
+/// Name and TOML text of every built-in mission.
+pub const BUILT_IN: &[(&str, &str)] = &[
+    ("round-trip", include_str!("../../missions/round-trip.toml")),
+    (
+        "round-trip-weak",
+        include_str!("../../missions/round-trip-weak.toml"),
+    ),
+    (
+        "gentle-braking",
+        include_str!("../../missions/gentle-braking.toml"),
+    ),
+    (
+        "steep-descent",
+        include_str!("../../missions/steep-descent.toml"),
+    ),
+    ("rough-day", include_str!("../../missions/rough-day.toml")),
+];
+
+/// A mission to fly. The format is described in this package's README.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Mission {
+    /// One line for reports.
+    #[serde(default)]
+    pub description: String,
+    /// Length of the flight \[s\].
+    pub duration_s: f64,
+    /// Rate of the control steps \[Hz\]; commands are held in between.
+    pub control_rate_hz: f64,
+    /// Runge–Kutta steps of the plant per control step.
+    pub substeps: u32,
+    /// Seed of noise and turbulence.
+    #[serde(default)]
+    pub seed: u64,
+    /// The true vehicle.
+    pub vehicle: VehicleSpec,
+    /// Its actuators.
+    pub plant: ActuatorSpec,
+    /// The controller.
+    pub controller: ControllerSpec,
+    /// What it is told.
+    #[serde(default)]
+    pub sensors: SensorSpec,
+    /// The air.
+    #[serde(default)]
+    pub weather: WeatherSpec,
+    /// The reference velocity; the reference position is its integral.
+    pub reference: ReferenceSpec,
+    /// Where the flight starts.
+    #[serde(default)]
+    pub initial: InitialSpec,
+}
+
+/// Most control steps of one mission: the trace is held in memory.
+const MAX_STEPS: f64 = 2e6;
+
+impl Mission {
+    /// Checks every field that the type system does not.
+    pub fn validate(&self) -> Result<(), FieldError> {
+        positive("duration_s", self.duration_s)?;
+        positive("control_rate_hz", self.control_rate_hz)?;
+        let steps = self.duration_s * self.control_rate_hz;
+        if !(0.5..=MAX_STEPS).contains(&steps) {
+            let problem = format!("{steps} control steps, must be from 1 to {MAX_STEPS}");
+            return Err(FieldError::new("duration_s", problem));
+        }
+        if !(1..=1000).contains(&self.substeps) {
+            return Err(FieldError::new("substeps", "must be from 1 to 1000"));
+        }
+        self.vehicle.control_vehicle("vehicle")?;
+        self.plant.validate()?;
+        self.controller.guidance(&self.vehicle)?;
+        self.sensors.validate()?;
+        self.weather.validate()?;
+        self.reference.validate()?;
+        finite("initial.down_m_s", self.initial.down_m_s)?;
+        finite("initial.forward_m_s", self.initial.forward_m_s)?;
+        finite("initial.theta_deg", self.initial.theta_deg)?;
+        finite("initial.thrust_n", self.initial.thrust_n)
+    }
+
+    /// Number of control periods flown.
+    pub fn steps(&self) -> usize {
+        (self.duration_s * self.control_rate_hz).round() as usize
+    }
+
+    /// The true vehicle with its actuators.
+    pub fn plant(&self) -> Plant {
+        Plant {
+            vehicle: self.vehicle.plant_vehicle(),
+            actuators: self.plant,
+        }
+    }
+
+    /// The plant's first state.
+    pub fn initial_state(&self) -> State {
+        State {
+            velocity: Vector::new(self.initial.down_m_s, self.initial.forward_m_s),
+            position: Vector::zeros(),
+            theta: self.initial.theta_deg.to_radians(),
+            rate: 0.0,
+            thrust: self.initial.thrust_n,
+        }
+    }
+}
+
+/// A mission with where it came from.
+#[derive(Clone, Debug)]
+pub struct MissionSource {
+    /// Built-in name, or the file's name without its extension.
+    pub name: String,
+    /// Its TOML text.
+    pub text: String,
+    /// What it says.
+    pub mission: Mission,
+}
+
+impl MissionSource {
+    /// The mission that `argument` names: a built-in, or else a TOML file.
+    pub fn load(argument: &str) -> anyhow::Result<Self> {
+        if let Some((name, text)) = BUILT_IN.iter().find(|(name, _)| *name == argument) {
+            return Self::from_text(name, &format!("built-in {name}"), text);
+        }
+        let path = Path::new(argument);
+        if !path.exists() && path.extension().is_none() {
+            let names: Vec<_> = BUILT_IN.iter().map(|(name, _)| *name).collect();
+            return Err(anyhow!(
+                "{argument}: neither a file nor a built-in mission ({})",
+                names.join(", ")
+            ));
+        }
+        let text = std::fs::read_to_string(path).with_context(|| argument.to_owned())?;
+        let name = path.file_stem().unwrap_or(path.as_os_str());
+        Self::from_text(&name.to_string_lossy(), argument, &text)
+    }
+
+    /// The mission in `text`; `origin` stands for it in errors.
+    pub fn from_text(name: &str, origin: &str, text: &str) -> anyhow::Result<Self> {
+        Ok(Self {
+            name: name.to_owned(),
+            text: text.to_owned(),
+            mission: from_toml(origin, text, Mission::validate)?,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_built_in_is_valid() {
+        for (name, text) in BUILT_IN {
+            MissionSource::from_text(name, name, text).unwrap();
+        }
+    }
+
+    /// A valid text with one line replaced: the message names that line.
+    #[test]
+    fn errors_name_line_and_field() {
+        let (_, good) = BUILT_IN[0];
+        let broken = |needle: &str, with: &str| {
+            let lines: Vec<_> = good
+                .lines()
+                .map(|l| if l.contains(needle) { with } else { l })
+                .collect();
+            MissionSource::from_text("x", "x.toml", &lines.join("\n"))
+                .unwrap_err()
+                .to_string()
+        };
+        let line = |needle: &str| 1 + good.lines().position(|l| l.contains(needle)).unwrap();
+        let expect = |needle: &str, with: &str, at: &str, message: &str| {
+            let actual = broken(needle, with);
+            let expected = format!("x.toml:{}: {message}", line(at));
+            assert!(actual.starts_with(&expected), "{actual}\n{expected}");
+        };
+        expect(
+            "damping =",
+            "damping = 0.0",
+            "[controller.gains.bandwidth]",
+            "controller.gains.bandwidth: damping must be positive",
+        );
+        expect(
+            "thrust_lag_s",
+            "thrust_lag_s = -1",
+            "thrust_lag_s",
+            "plant.thrust_lag_s: must be from 0 to 2 s",
+        );
+        expect(
+            "time_constant_s",
+            "rate_loop.lag = { time_constant_s = 0 }",
+            "rate_loop",
+            "plant.rate_loop.lag.time_constant_s: must be positive",
+        );
+        expect(
+            "fade_s",
+            "fade = 1",
+            "fade_s",
+            "controller.branch.fade: unknown field",
+        );
+    }
+}

@@ -1,0 +1,223 @@
+//! What a mission leaves: its trace as CSV, a figure, a page. The columns are listed in this package's README.
+
+use std::io::Write;
+
+use alula::control::{AirUse, Mode};
+use anyhow::Context;
+use minijinja::{Environment, context};
+
+use super::figures::Figures;
+use super::flight::Row;
+use super::{Mission, MissionSource};
+use crate::reference::wrap;
+use crate::report::chart::{Chart, Series, sheet};
+use crate::report::figure::{BLUE, GREEN, GREY, ORANGE, angle};
+
+const COLUMNS: [&str; 27] = [
+    "t_s",
+    "v_down_m_s",
+    "v_forward_m_s",
+    "x_down_m",
+    "x_forward_m",
+    "theta_rad",
+    "rate_rad_s",
+    "thrust_n",
+    "wind_down_m_s",
+    "wind_forward_m_s",
+    "vr_down_m_s",
+    "vr_forward_m_s",
+    "xr_down_m",
+    "xr_forward_m",
+    "command_thrust_n",
+    "command_rate_rad_s",
+    "v_cmd_down_m_s",
+    "v_cmd_forward_m_s",
+    "a_cmd_down_m_s2",
+    "a_cmd_forward_m_s2",
+    "alpha_rad",
+    "fp_n",
+    "margin_k",
+    "margin_fold_rad",
+    "mode",
+    "air",
+    "status",
+];
+
+/// Writes the trace of `rows`.
+pub fn write_trace(rows: &[Row], to: impl Write) -> csv::Result<()> {
+    let mut csv = csv::Writer::from_writer(to);
+    csv.write_record(COLUMNS)?;
+    for row in rows {
+        let (truth, guided) = (&row.truth, &row.guided);
+        for value in [
+            row.t,
+            truth.velocity.x,
+            truth.velocity.y,
+            truth.position.x,
+            truth.position.y,
+            wrap(truth.theta),
+            truth.rate,
+            truth.thrust,
+            row.wind.x,
+            row.wind.y,
+            row.reference_velocity.x,
+            row.reference_velocity.y,
+            row.reference_position.x,
+            row.reference_position.y,
+        ] {
+            csv.write_field(value.to_string())?;
+        }
+        for value in [
+            guided.command.thrust,
+            guided.command.rate,
+            guided.reference.velocity.down(),
+            guided.reference.velocity.forward(),
+            guided.reference.acceleration.down(),
+            guided.reference.acceleration.forward(),
+            guided.command.diagnostics.alpha,
+            guided.command.diagnostics.f_p_norm,
+            guided.margin.k,
+            guided.margin.fold,
+        ] {
+            csv.write_field(value.to_string())?;
+        }
+        let mode = match guided.mode {
+            Mode::Safe => "safe",
+            Mode::Holding => "holding",
+            Mode::Flying => "flying",
+        };
+        let air = match guided.air {
+            AirUse::Velocity => "velocity",
+            AirUse::Wind => "wind",
+            AirUse::HeldWind => "held-wind",
+            AirUse::None => "none",
+        };
+        csv.write_record([mode, air, &guided.status.to_string()])?;
+    }
+    csv.flush()?;
+    Ok(())
+}
+
+/// The figure of a mission as SVG text.
+pub fn svg(mission: &Mission, rows: &[Row]) -> String {
+    sheet(&charts(mission, rows)).expect("charts of finite ranges can be drawn")
+}
+
+fn charts(mission: &Mission, rows: &[Row]) -> [Chart; 8] {
+    let series = |name, color, value: &dyn Fn(&Row) -> f64| Series {
+        name,
+        color,
+        dashed: false,
+        points: rows.iter().map(|row| (row.t, value(row))).collect(),
+    };
+    let dashed = |name, color, value: &dyn Fn(&Row) -> f64| Series {
+        dashed: true,
+        ..series(name, color, value)
+    };
+    let chart = |title, series| Chart {
+        title,
+        series,
+        marks: Vec::new(),
+        logarithmic: false,
+    };
+    let weight = mission.vehicle.mass_kg * mission.vehicle.gravity_m_s2;
+    [
+        chart(
+            "forward velocity [m/s]",
+            vec![
+                series("v", BLUE, &|r| r.truth.velocity.y),
+                dashed("v_r", ORANGE, &|r| r.reference_velocity.y),
+                dashed("v_cmd", GREY, &|r| {
+                    f64::from(r.guided.reference.velocity.forward())
+                }),
+            ],
+        ),
+        chart(
+            "downward velocity [m/s]",
+            vec![
+                series("v", BLUE, &|r| r.truth.velocity.x),
+                dashed("v_r", ORANGE, &|r| r.reference_velocity.x),
+                dashed("v_cmd", GREY, &|r| {
+                    f64::from(r.guided.reference.velocity.down())
+                }),
+            ],
+        ),
+        chart(
+            "altitude over the reference [m]",
+            vec![series("h", BLUE, &|r| -r.position_error().x)],
+        ),
+        chart(
+            "forward of the reference [m]",
+            vec![series("x̃", BLUE, &|r| r.position_error().y)],
+        ),
+        chart(
+            "orientation θ and the controller's angle of attack α [°]",
+            vec![
+                angle(series("θ", BLUE, &|r| wrap(r.truth.theta).to_degrees())),
+                angle(series("α", ORANGE, &|r| {
+                    f64::from(r.guided.command.diagnostics.alpha).to_degrees()
+                })),
+            ],
+        ),
+        chart(
+            "angular velocity ω [rad/s]",
+            vec![
+                series("ω", BLUE, &|r| r.truth.rate),
+                dashed("command", ORANGE, &|r| f64::from(r.guided.command.rate)),
+            ],
+        ),
+        chart(
+            "thrust to weight T/(m g)",
+            vec![
+                series("T/(m g)", GREEN, &|r| r.truth.thrust / weight),
+                dashed("command", ORANGE, &|r| {
+                    f64::from(r.guided.command.thrust) / weight
+                }),
+            ],
+        ),
+        chart(
+            "angle to the nearest fold, first order, within 45° [°]",
+            vec![series("fold", BLUE, &|r| {
+                let fold = f64::from(r.guided.margin.fold).to_degrees();
+                if fold.abs() < 45.0 { fold } else { f64::NAN }
+            })],
+        ),
+    ]
+}
+
+/// The page about a mission, with its figure `svg` inside.
+pub fn html(
+    source: &MissionSource,
+    rows: &[Row],
+    figures: &Figures,
+    svg: &str,
+) -> anyhow::Result<String> {
+    let mut environment = Environment::new();
+    environment.add_template("report.html", include_str!("../report/report.html"))?;
+    let mission = &source.mission;
+    let mut table: Vec<[String; 3]> = figures
+        .table()
+        .into_iter()
+        .map(|[label, value]| [label, value, String::new()])
+        .collect();
+    table.extend(
+        figures
+            .segments
+            .iter()
+            .map(|s| ["segment".to_owned(), s.line(), String::new()]),
+    );
+    environment
+        .get_template("report.html")?
+        .render(context! {
+            name => &source.name,
+            description => &mission.description,
+            duration => mission.duration_s,
+            rate => mission.control_rate_hz,
+            rows => rows.len(),
+            table,
+            toml => &source.text,
+            svg,
+            version => env!("CARGO_PKG_VERSION"),
+        })
+        .context("the report's template")
+}
