@@ -1,6 +1,7 @@
 //! The command line: one file per subcommand, each with its arguments and a `run`.
 
 mod fly;
+mod margins;
 mod mission;
 mod pil;
 mod replay;
@@ -20,6 +21,7 @@ pub struct Cli {
 enum Command {
     Fly(fly::Args),
     Mission(mission::Args),
+    Margins(margins::Args),
     Pil(pil::Args),
     Replay(replay::Args),
     Scenarios(scenarios::Args),
@@ -32,6 +34,7 @@ impl Cli {
             None => fly::run(&fly::Args::default()),
             Some(Command::Fly(args)) => fly::run(&args),
             Some(Command::Mission(args)) => mission::run(&args),
+            Some(Command::Margins(args)) => margins::run(&args),
             Some(Command::Pil(args)) => pil::run(&args),
             Some(Command::Replay(args)) => replay::run(&args),
             Some(Command::Scenarios(args)) => scenarios::run(&args),

@@ -116,6 +116,7 @@ fn charts(mission: &Mission, rows: &[Row]) -> [Chart; 8] {
     };
     let chart = |title, series| Chart {
         title,
+        horizontal: "time [s]",
         series,
         marks: Vec::new(),
         logarithmic: false,

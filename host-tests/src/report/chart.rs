@@ -1,4 +1,4 @@
-//! One chart with a time axis: curves, a legend, marked instants.
+//! One chart: curves, a legend, marked instants.
 
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::ValueFormatter;
@@ -14,7 +14,7 @@ pub struct Series {
     pub color: RGBColor,
     /// Drawn dashed: bounds and references.
     pub dashed: bool,
-    /// (time \[s\], value). A value that is not finite breaks the curve.
+    /// (horizontal, value). A value that is not finite breaks the curve.
     pub points: Vec<(f64, f64)>,
 }
 
@@ -26,10 +26,12 @@ pub struct Mark {
     pub label: String,
 }
 
-/// A chart over time.
+/// A chart over time, or over another positive quantity.
 pub struct Chart {
     /// What is drawn, with its unit: the title above the chart.
     pub title: &'static str,
+    /// What the horizontal axis is, with its unit.
+    pub horizontal: &'static str,
     /// The curves.
     pub series: Vec<Series>,
     /// Marked instants.
@@ -112,7 +114,7 @@ impl Chart {
             .x_labels(11)
             .y_labels(7)
             .max_light_lines(2)
-            .x_desc("time [s]")
+            .x_desc(self.horizontal)
             .x_label_formatter(&|t| number(*t))
             .y_label_formatter(&|y| number(*y))
             .draw()?;
@@ -178,16 +180,17 @@ impl Chart {
 }
 
 /// The charts on a sheet of two columns, as SVG text.
-pub fn sheet(charts: &[Chart; 8]) -> Result<String, DrawingError> {
+pub fn sheet(charts: &[Chart]) -> Result<String, DrawingError> {
     let mut text = String::new();
     draw(&mut text, charts)?;
     Ok(text)
 }
 
-fn draw(text: &mut String, charts: &[Chart; 8]) -> Drawn {
-    let root = SVGBackend::with_string(text, (1280, 1240)).into_drawing_area();
+fn draw(text: &mut String, charts: &[Chart]) -> Drawn {
+    let lines = charts.len().div_ceil(2);
+    let root = SVGBackend::with_string(text, (1280, 310 * lines as u32)).into_drawing_area();
     root.fill(&WHITE)?;
-    for (chart, area) in charts.iter().zip(root.split_evenly((4, 2))) {
+    for (chart, area) in charts.iter().zip(root.split_evenly((lines, 2))) {
         chart.draw(&area)?;
     }
     root.present()

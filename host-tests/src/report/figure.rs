@@ -27,6 +27,7 @@ fn charts(scenario: &Scenario, rows: &[Row], figures: &Figures) -> [Chart; 8] {
     };
     let chart = |title, series| Chart {
         title,
+        horizontal: "time [s]",
         series,
         marks: Vec::new(),
         logarithmic: false,

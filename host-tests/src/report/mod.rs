@@ -2,6 +2,7 @@
 
 pub(crate) mod chart;
 pub(crate) mod figure;
+mod margins;
 
 use anyhow::Context;
 use minijinja::{Environment, context};
@@ -11,6 +12,7 @@ use crate::flight::Row;
 use crate::scenario::Source;
 
 pub use figure::svg;
+pub use margins::margins_svg;
 
 /// The page about a flight, with its figure `svg` inside.
 pub fn html(source: &Source, rows: &[Row], figures: &Figures, svg: &str) -> anyhow::Result<String> {
