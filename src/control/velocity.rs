@@ -61,9 +61,31 @@ impl<A: Aerodynamics, G: GainLaw> VelocityControl<A, G> {
         reference: &Reference,
         feed_forward: Option<&FeedForward>,
     ) -> Result<Command, Fault> {
+        match feed_forward {
+            None => self.robust_alone(state, reference),
+            Some(ff) => self.robust_fed(state, reference, ff),
+        }
+    }
+
+    /// A copy of its own, out of line: merged with the feed-forward, or into its caller, the step runs out of
+    /// registers and costs a fifth more.
+    #[inline(never)]
+    fn robust_alone(&self, state: &State, reference: &Reference) -> Result<Command, Fault> {
         check_input(state, reference)?;
         let step = self.step(Branch::Aligned, state, reference);
-        self.robust_from(&step, Branch::Aligned, state, feed_forward)
+        self.robust_from(&step, Branch::Aligned, state, None)
+    }
+
+    #[inline(never)]
+    fn robust_fed(
+        &self,
+        state: &State,
+        reference: &Reference,
+        feed_forward: &FeedForward,
+    ) -> Result<Command, Fault> {
+        check_input(state, reference)?;
+        let step = self.step(Branch::Aligned, state, reference);
+        self.robust_from(&step, Branch::Aligned, state, Some(feed_forward))
     }
 
     /// The robust law from `step`, on either branch.
