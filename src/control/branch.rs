@@ -233,7 +233,7 @@ mod tests {
         for tenths in 115..165 {
             let theta = (tenths as f32 * 0.1 - 90.0).to_radians();
             let (command, _) = at(Branch::Aligned, theta, v, Inertial::ZERO);
-            assert!(tenths < 120 || tenths > 160 || command.diagnostics.f_p.i() < -5.0);
+            assert!(!(120..=160).contains(&tenths) || command.diagnostics.f_p.i() < -5.0);
             assert_eq!(
                 verdict(Branch::Aligned, theta, v, Inertial::ZERO),
                 Verdict::Positive
