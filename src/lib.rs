@@ -27,6 +27,9 @@
 //! # Ok::<(), ParameterError>(())
 //! ```
 //!
+//! The law alone flies an ideal aircraft. [`Guidance`] puts around it what a real one asks for: position hold and integral
+//! action, limits, supervision; and [`BandwidthGains`] bear the lags of real rate loops.
+//!
 //! # Axes and signs
 //! Inertial vectors are (down, forward); θ = 0 is hover with the nose up, θ = −90° cruise with the nose forward;
 //! thrust acts along the nose. See [`frame`] and [`air`].

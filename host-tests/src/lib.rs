@@ -3,8 +3,8 @@
 //! Layers, each using only those before it: [`reference`](mod@reference) (aerodynamics and laws in
 //! double precision, independent of the core), [`plant`], [`scenario`], [`flight`] (the loop, closed
 //! by any [`flight::Controller`]), [`figures`] of merit, [`trace`] and [`replay`](mod@replay) (CSV),
-//! [`report`], [`files`]. [`mission`] flies the core's whole guidance on a vehicle with actuators, sensors and weather; [`margins`] is the
-//! linear theory of its loop.
+//! [`report`], [`files`]. [`mission`] flies the core's whole guidance on a vehicle with actuators,
+//! sensors and weather; [`margins`] is the linear theory of the law's loop.
 //! On a target without an operating system the package is empty.
 #![cfg_attr(target_os = "none", no_std)]
 #![cfg(not(target_os = "none"))]

@@ -92,6 +92,23 @@ fn a_reference_within_drag_is_followed() {
     assert!(back[2].steady.as_ref().unwrap().settling_s.unwrap() < 10.0);
 }
 
+/// A reference that brakes at 2 m/s² in a climb is followed too: within 3 m forward (measured 1.6) and ±2 m of its own altitude
+/// (−0.9…+0.3).
+#[test]
+fn a_climbing_reference_is_followed_at_two_metres_per_second_squared() {
+    let mission = mission("climbing-braking");
+    let figures = figures(&mission);
+    for segment in &figures.segments[3..] {
+        assert!(segment.forward_m[1] < 3.0 && segment.altitude_m[0] > -2.0);
+        assert!(segment.altitude_m[1] < 2.0);
+    }
+    let last = figures.segments.last().unwrap().steady.as_ref().unwrap();
+    assert!(last.settling_s.unwrap() < 10.0);
+    // What it costs: 11.4 m.
+    let climbed = -mission.reference.position(mission.duration_s).x;
+    assert!((climbed - 11.4).abs() < 0.1);
+}
+
 /// A descent beyond the velocity at which F_p vanishes: over the branch θ̃ = π it stays within 1 m (measured
 /// −0.66…+0.24 m); on θ̃ = 0 alone the vehicle turns over and is lost by more than 100 m.
 #[test]

@@ -1,25 +1,4 @@
-//! Gains by bandwidth (not in the paper): the loop's natural frequency, damping and thrust-axis rate are what is
-//! set, and the gains follow |F_p|.
-//!
-//! Across the thrust line the law makes, at small θ̃ and with |F_p| constant, m ṽ̇_2 = |F_p| θ̃ and
-//! θ̃̇ = −k2 |F_p| ṽ_2 − (k3/4) θ̃: a natural frequency √(k2/m)·|F_p| and a damping k3/(8 ω_n). Along it
-//! m ṽ̇_1 = −k1 |F_p| ṽ_1. With the paper's constant gains the frequency grows with |F_p|, ten-fold from hover to
-//! 20 m/s, and the damping ratio falls as fast. Here
-//!
-//! k1 = m ω_v / f, k2 = m ω_n² / f², k3 = 8 ζ ω_n, f = max(|F_p|, floor),
-//!
-//! so that both stay what they are set to wherever |F_p| is above the floor, and fall with |F_p| below it.
-//!
-//! What becomes of the paper's proof:
-//! - at any |F_p| the command is that of the constant gains with these values, so the law is defined everywhere,
-//!   its equilibria are the same, and where |F_p| is constant (hover; a spherical vehicle in still air at constant
-//!   velocity to first order) the linearisation at an equilibrium is that of the constant gains frozen there:
-//!   local asymptotic stability carries over;
-//! - the Lyapunov identity does not: with V = (m/2)|ṽ|² + (1 − cos θ̃)/k2, V̇ gains the term
-//!   (1 − cos θ̃) d(1/k2)/dt, whose sign is that of d|F_p|/dt. It is of third order at an equilibrium, so V still
-//!   decides there, but the paper's domain of attraction is not proved for these gains: it is shown by flights only;
-//! - rate-loop lag, thrust lag and limits are in neither proof. With a first-order rate loop of time constant T the
-//!   transverse loop T s³ + s² + 2ζω_n s + ω_n² is stable iff T ω_n < 2ζ; choose ω_n with that in mind.
+//! Gains by bandwidth (not in the paper).
 
 use super::gains::{GainLaw, GainValues};
 use super::guard::Guard;
@@ -54,7 +33,27 @@ impl BandwidthParameters {
     };
 }
 
-/// Validated gains by bandwidth.
+/// Validated gains by bandwidth: the loop's natural frequency, damping and thrust-axis rate are what is set, and the
+/// gains follow |F_p|.
+///
+/// Across the thrust line the law makes, at small θ̃ and with |F_p| constant, m ṽ̇_2 = |F_p| θ̃ and
+/// θ̃̇ = −k2 |F_p| ṽ_2 − (k3/4) θ̃: a natural frequency √(k2/m)·|F_p| and a damping k3/(8 ω_n). Along it
+/// m ṽ̇_1 = −k1 |F_p| ṽ_1. With the paper's constant gains the frequency grows with |F_p|, ten-fold from hover to
+/// 20 m/s, and the damping ratio falls as fast. Here
+///
+/// k1 = m ω_v / f, k2 = m ω_n² / f², k3 = 8 ζ ω_n, f = max(|F_p|, floor),
+///
+/// so that both stay what they are set to wherever |F_p| is above the floor, and fall with |F_p| below it.
+///
+/// What becomes of the paper's proof:
+/// - at any |F_p| the command is that of the constant gains with these values, so the law is defined everywhere and its
+///   equilibria are the same; at an equilibrium, where ṽ = 0 and F̄_p2 = 0, the derivatives of the gains are multiplied by
+///   zero, so the linearisation is that of the constant gains frozen there: local asymptotic stability carries over;
+/// - the Lyapunov identity does not: with V = (m/2)|ṽ|² + (1 − cos θ̃)/k2, V̇ gains the term
+///   (1 − cos θ̃) d(1/k2)/dt, whose sign is that of d|F_p|/dt. It is of third order at an equilibrium, so V still
+///   decides there, but the paper's domain of attraction is not proved for these gains: it is shown by flights only;
+/// - rate-loop lag, thrust lag and limits are in neither proof. With a first-order rate loop of time constant T the
+///   transverse loop T s³ + s² + 2ζω_n s + ω_n² is stable iff T ω_n < 2ζ; choose ω_n with that in mind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct BandwidthGains {

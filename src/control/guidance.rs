@@ -17,6 +17,46 @@ use crate::aero::Aerodynamics;
 use crate::frame::{Attitude, Inertial};
 
 /// The parts of the guidance, each validated by its own constructor.
+///
+/// ```
+/// use alula::control::*;
+/// use alula::*;
+///
+/// let model = Combined::new(CombinedParameters::PAPER_BELIEF)?;
+/// let vehicle = Vehicle::new(VehicleParameters::PAPER_BELIEF, model)?;
+/// let gains = BandwidthGains::new(BandwidthParameters::PAPER_VEHICLE, &vehicle)?;
+/// let guidance = Guidance {
+///     control: VelocityControl::new(vehicle, gains),
+///     reference_limit: ReferenceLimit::new(ReferenceLimitParameters { acceleration: 3.0, rate: 0.8 })?,
+///     outer_loop: OuterLoop::new(OuterLoopParameters {
+///         position_gain: Inertial::new(0.8, 0.6),
+///         pull: Inertial::new(3.0, 6.0),
+///         integral_gain: Inertial::new(0.3, 0.1),
+///         integral: Inertial::new(2.0, 1.0),
+///     })?,
+///     branch: BranchSwitch::new(BranchParameters { switch: true, hysteresis: 10.0, fade: 0.3 })?,
+///     limits: Limits::new(LimitParameters { thrust_min: 0.0, thrust_max: 196.0, rate: 2.8, slew: 30.0 })?,
+///     supervisor: Supervisor::new(SupervisionParameters {
+///         hold: 0.1,
+///         recovery: 0.05,
+///         state_age: 0.05,
+///         reference_age: 0.5,
+///         air_hold: 2.0,
+///         safe_thrust: 0.0,
+///     })?,
+/// };
+///
+/// // At 100 Hz. The safe command is left once the inputs have been good for 50 ms.
+/// let mut state = GuidanceState::default();
+/// let input = GuidanceInput { air: Air::Wind(Inertial::ZERO), ..GuidanceInput::default() };
+/// let mut guided = Guided::default();
+/// for _ in 0..10 {
+///     guided = guidance.update(&mut state, &input, 0.01);
+/// }
+/// assert_eq!(guided.mode, Mode::Flying);
+/// assert!((guided.command.thrust - 9.0 * 9.81).abs() < 1e-3);
+/// # Ok::<(), ParameterError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Guidance<A, G = Gains> {

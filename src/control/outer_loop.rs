@@ -1,11 +1,4 @@
 //! Position hold and integral action, around the velocity law (not in the paper).
-//!
-//! v_cmd = v_s − sat(k_p x̃) − I, İ = k_i sat(k_p x̃), with the derivative of v_cmd fed to a_r. Both act on the velocity
-//! asked for. An integral at the level of force would be nearly inert at speed: its slow pole is
-//! −k3 h/(4 k2 |F_p|²) for an integral gain h.
-//!
-//! Where no position is measured, İ = k_p (v − v_s): the integral is then the position that would have been held,
-//! and does the pull's work inside its bound.
 
 use super::command::Reference;
 use super::reference_limit::ReferenceLimit;
@@ -29,6 +22,13 @@ pub struct OuterLoopParameters {
 }
 
 /// Position hold and integral action.
+///
+/// v_cmd = v_s − sat(k_p x̃) − I, İ = k_i sat(k_p x̃), with the derivative of v_cmd fed to a_r. Both act on the velocity
+/// asked for. An integral at the level of force would be nearly inert at speed: its slow pole is
+/// −k3 h/(4 k2 |F_p|²) for an integral gain h.
+///
+/// Where no position is measured, İ = k_p (v − v_s): the integral is then the position that would have been held,
+/// and does the pull's work inside its bound.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct OuterLoop {

@@ -1,24 +1,4 @@
 //! Supervision: what is commanded when the inputs are not fit to fly on.
-//!
-//! | mode | command | entered | left |
-//! |---|---|---|---|
-//! | [`Mode::Flying`] | the law's | from holding by one good frame; from safe by good frames for `recovery` | by one bad frame |
-//! | [`Mode::Holding`] | the last one flown, unchanged | by one bad frame | by one good frame; to safe after `hold` |
-//! | [`Mode::Safe`] | `safe_thrust`, no rotation | at power-on; from holding after `hold` | by good frames for `recovery` |
-//!
-//! A frame is bad if the velocity or the attitude is not finite, absurd or older than `state_age`, if the time step
-//! is not in (0, [`MAX_STEP`]], if there is no reference to fly to, or if the law has no answer. In holding the
-//! integrators stand still; in safe they are reset, and the law sets out from the velocity there is.
-//!
-//! What is missing of the rest degrades the flight, and does not end it:
-//!
-//! | missing | flown instead | until |
-//! |---|---|---|
-//! | air velocity, but wind known | velocity less wind: [`AirUse::Wind`] | it is measured again |
-//! | both, for less than `air_hold` | velocity less the last wind: [`AirUse::HeldWind`] | either comes back |
-//! | both | no air at all, as with k_a = 0, plain thrust vectoring: [`AirUse::None`] | either comes back |
-//! | reference (not finite, absurd, older than `reference_age`) | the last velocity, no acceleration, no position hold | a good one comes |
-//! | position error | no position hold; the integral goes on from the velocity | it comes back |
 
 use super::command::{Fault, MAX_SPEED};
 use crate::error::{ParameterError, in_range};
@@ -101,6 +81,26 @@ pub enum Refusal {
 }
 
 /// Decides the mode and what is known of the air.
+///
+/// | mode | command | entered | left |
+/// |---|---|---|---|
+/// | [`Mode::Flying`] | the law's | from holding by one good frame; from safe by good frames for `recovery` | by one bad frame |
+/// | [`Mode::Holding`] | the last one flown, unchanged | by one bad frame | by one good frame; to safe after `hold` |
+/// | [`Mode::Safe`] | `safe_thrust`, no rotation | at power-on; from holding after `hold` | by good frames for `recovery` |
+///
+/// A frame is bad if the velocity or the attitude is not finite, absurd or older than `state_age`, if the time step
+/// is not in (0, [`MAX_STEP`]], if there is no reference to fly to, or if the law has no answer. In holding the
+/// integrators stand still; in safe they are reset, and the law sets out from the velocity there is.
+///
+/// What is missing of the rest degrades the flight, and does not end it:
+///
+/// | missing | flown instead | until |
+/// |---|---|---|
+/// | air velocity, but wind known | velocity less wind: [`AirUse::Wind`] | it is measured again |
+/// | both, for less than `air_hold` | velocity less the last wind: [`AirUse::HeldWind`] | either comes back |
+/// | both | no air at all, as with k_a = 0, plain thrust vectoring: [`AirUse::None`] | either comes back |
+/// | reference (not finite, absurd, older than `reference_age`) | the last velocity, no acceleration, no position hold | a good one comes |
+/// | position error | no position hold; the integral goes on from the velocity | it comes back |
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Supervisor {

@@ -43,6 +43,10 @@ pub const BUILT_IN: &[(&str, &str)] = &[
         include_str!("../../missions/gentle-braking.toml"),
     ),
     (
+        "climbing-braking",
+        include_str!("../../missions/climbing-braking.toml"),
+    ),
+    (
         "steep-descent",
         include_str!("../../missions/steep-descent.toml"),
     ),
