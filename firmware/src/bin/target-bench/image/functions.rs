@@ -1,11 +1,15 @@
 //! The functions measured, each behind a call that is not inlined.
 
 use super::sweep::Case;
+use alula::control::{
+    BranchParameters, BranchSwitch, LimitParameters, Limits, OuterLoop, OuterLoopParameters,
+    ReferenceLimit, ReferenceLimitParameters, SupervisionParameters, Supervisor,
+};
 use alula::{
-    Aerodynamics, AirData, AngleOfAttack, Attitude, Combined, CombinedParameters, Command, Fault,
-    GainParameters, Gains, LargeAngle, LargeAngleParameters, Model, SmallAngle,
-    SmallAngleParameters, ThrustLine, Vehicle, VehicleParameters, VelocityControl,
-    aero::Coefficients,
+    Aerodynamics, AirData, AngleOfAttack, Attitude, BandwidthGains, BandwidthParameters, Combined,
+    CombinedParameters, Command, Fault, GainParameters, Gains, Guidance, GuidanceState, Guided,
+    Inertial, LargeAngle, LargeAngleParameters, Model, SmallAngle, SmallAngleParameters,
+    ThrustLine, Vehicle, VehicleParameters, VelocityControl, aero::Coefficients,
 };
 
 /// What the functions are called on.
@@ -16,6 +20,8 @@ pub struct Fixture {
     chosen_control: VelocityControl<Model>,
     small_angle: SmallAngle,
     thrust_line: ThrustLine,
+    /// Everything on.
+    guidance: Guidance<Combined, BandwidthGains>,
 }
 
 impl Fixture {
@@ -42,7 +48,50 @@ impl Fixture {
             ),
             small_angle: SmallAngle::new(SmallAngleParameters { c0, c2, c3 }).unwrap(),
             thrust_line: ThrustLine::new(delta).unwrap(),
+            guidance: everything_on(Vehicle::new(vehicle, combined).unwrap()),
         }
+    }
+}
+
+fn everything_on(vehicle: Vehicle<Combined>) -> Guidance<Combined, BandwidthGains> {
+    let gains = BandwidthGains::new(BandwidthParameters::PAPER_VEHICLE, &vehicle).unwrap();
+    let limits = LimitParameters {
+        thrust_min: 0.0,
+        thrust_max: 196.2,
+        rate: 2.8,
+        slew: 30.0,
+    };
+    let position = OuterLoopParameters {
+        position_gain: Inertial::new(0.8, 0.6),
+        pull: Inertial::new(3.0, 6.0),
+        integral_gain: Inertial::new(0.3, 0.1),
+        integral: Inertial::new(2.0, 1.0),
+    };
+    let reference = ReferenceLimitParameters {
+        acceleration: 3.0,
+        rate: 0.8,
+    };
+    let branch = BranchParameters {
+        switch: true,
+        hysteresis: 10.0,
+        fade: 0.3,
+    };
+    // Without a recovery time the first good frame is flown.
+    let supervision = SupervisionParameters {
+        hold: 0.1,
+        recovery: 0.0,
+        state_age: 0.05,
+        reference_age: 0.5,
+        air_hold: 2.0,
+        safe_thrust: 0.0,
+    };
+    Guidance {
+        control: VelocityControl::new(vehicle, gains),
+        reference_limit: ReferenceLimit::new(reference).unwrap(),
+        outer_loop: OuterLoop::new(position).unwrap(),
+        branch: BranchSwitch::new(branch).unwrap(),
+        limits: Limits::new(limits).unwrap(),
+        supervisor: Supervisor::new(supervision).unwrap(),
     }
 }
 
@@ -53,6 +102,8 @@ pub struct Output {
     air: Option<AirData>,
     attitude: Attitude,
     number: f32,
+    memory: GuidanceState,
+    guided: Guided,
 }
 
 impl Output {
@@ -63,6 +114,8 @@ impl Output {
             air: None,
             attitude: Attitude::NOSE_UP,
             number: 0.0,
+            memory: GuidanceState::default(),
+            guided: Guided::default(),
         }
     }
 }
@@ -101,6 +154,10 @@ functions! {
     full_large_angle_feed_forward => |f, c, o| {
         o.command = f.large_angle_control.full(&c.state, &c.reference, Some(&c.feed_forward));
     };
+    robust_bandwidth => |f, c, o| {
+        o.command = f.guidance.control.robust(&c.state, &c.reference, None);
+    };
+    guidance => |f, c, o| o.guided = f.guidance.update(&mut o.memory, &c.input, 0.01);
     combined => |f, c, o| {
         o.coefficients = f.combined_control.vehicle().model().coefficients(c.alpha);
     };
