@@ -47,6 +47,7 @@
 pub mod aero;
 pub mod air;
 pub mod control;
+pub mod equilibrium;
 pub mod equivalency;
 mod error;
 pub mod frame;
@@ -55,13 +56,14 @@ mod vehicle;
 
 pub use aero::{
     Aerodynamics, Combined, CombinedParameters, LargeAngle, LargeAngleParameters, Model,
-    SmallAngle, SmallAngleParameters,
+    SmallAngle, SmallAngleParameters, Table,
 };
 pub use air::{AirData, AngleOfAttack, ThrustLine};
 pub use control::{
     BandwidthGains, BandwidthParameters, Command, Diagnostics, Fault, FeedForward, GainParameters,
     Gains, Guidance, GuidanceInput, GuidanceState, Guided, Reference, State, VelocityControl,
 };
+pub use equilibrium::{Equilibria, Equilibrium, EquilibriumError, FoldMap, FoldMargin};
 pub use error::{ParameterError, Problem};
 pub use frame::{Attitude, Body, Inertial};
 pub use vehicle::{Vehicle, VehicleParameters, aerodynamic_constant};

@@ -4,14 +4,19 @@
 //! `F_a = k_a |v_a| (c_L S − c_D I) v_a` (`aerodynamicForce2D`).
 
 mod combined;
+mod interpolant;
 mod large_angle;
 mod model;
+mod naca_0021;
 mod small_angle;
+mod table;
 
 pub use combined::{Combined, CombinedParameters};
 pub use large_angle::{LargeAngle, LargeAngleParameters};
 pub use model::Model;
+pub use naca_0021::{NACA_0021_RE_5E6, NACA_0021_RE_160E3};
 pub use small_angle::{SmallAngle, SmallAngleParameters};
+pub use table::{Interval, Node, Polar, Table, TableError, TableProblem};
 
 use crate::air::AngleOfAttack;
 

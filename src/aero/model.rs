@@ -1,6 +1,6 @@
 //! A model chosen at run time.
 
-use super::{Aerodynamics, Coefficients, Combined, LargeAngle, SmallAngle};
+use super::{Aerodynamics, Coefficients, Combined, LargeAngle, SmallAngle, Table};
 use crate::air::AngleOfAttack;
 
 /// One of the core's models, where the choice is data: a scenario file, a parameter block.
@@ -13,6 +13,8 @@ pub enum Model {
     SmallAngle(SmallAngle),
     /// `CompleteModel`.
     Combined(Combined),
+    /// Measured coefficients, interpolated.
+    Table(Table),
 }
 
 impl Aerodynamics for Model {
@@ -22,6 +24,7 @@ impl Aerodynamics for Model {
             Self::LargeAngle(m) => m.coefficients(alpha),
             Self::SmallAngle(m) => m.coefficients(alpha),
             Self::Combined(m) => m.coefficients(alpha),
+            Self::Table(m) => m.coefficients(alpha),
         }
     }
 }

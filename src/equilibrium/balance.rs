@@ -1,0 +1,100 @@
+//! The balance across the thrust line, F̄_2, as a function of the angle of attack.
+
+use super::set::EquilibriumError;
+use crate::aero::Aerodynamics;
+use crate::air::{AirData, AngleOfAttack};
+use crate::control::{MAX_ACCELERATION, MAX_SPEED, Reference};
+use crate::equivalency::condition_residual;
+use crate::frame::{Attitude, Inertial};
+use crate::math;
+use crate::vehicle::Vehicle;
+
+/// A reference as the air sees it.
+pub(super) struct Balance<'a, A> {
+    vehicle: &'a Vehicle<A>,
+    /// Direction e_v of the air velocity; down where there is none.
+    direction: Inertial,
+    /// W·e_v \[N\].
+    along: f32,
+    /// W·e_n \[N\].
+    across: f32,
+    /// k_a |v_a|² \[N\].
+    pressure: f32,
+    /// |W| \[N\].
+    weight: f32,
+}
+
+/// F̄_2 at one angle of attack.
+#[derive(Clone, Copy)]
+pub(super) struct Residual {
+    /// F̄_2 \[N\].
+    pub force: f32,
+    /// Its derivative with respect to θ, −F̄_p1 [N/rad].
+    pub slope: f32,
+    /// Its second derivative [N/rad²].
+    pub curvature: f32,
+    /// Sum of the magnitudes of the forces that balance in it \[N\].
+    pub scale: f32,
+}
+
+impl<'a, A: Aerodynamics> Balance<'a, A> {
+    pub fn new(
+        vehicle: &'a Vehicle<A>,
+        reference: &Reference,
+        wind: Inertial,
+    ) -> Result<Self, EquilibriumError> {
+        let ok = |v: Inertial, max: f32| v.norm_squared() <= max * max;
+        if !ok(reference.velocity, MAX_SPEED) {
+            return Err(EquilibriumError::ReferenceVelocity);
+        }
+        if !ok(reference.acceleration, MAX_ACCELERATION) {
+            return Err(EquilibriumError::ReferenceAcceleration);
+        }
+        if !ok(wind, MAX_SPEED) {
+            return Err(EquilibriumError::Wind);
+        }
+        let v_a = reference.velocity - wind;
+        let speed = math::sqrt(v_a.norm_squared());
+        let direction = if speed > 0.0 {
+            Inertial::new(v_a.down() / speed, v_a.forward() / speed)
+        } else {
+            Inertial::new(1.0, 0.0)
+        };
+        let (down, forward) = (
+            vehicle.mass() * (vehicle.gravity() - reference.acceleration.down()),
+            -vehicle.mass() * reference.acceleration.forward(),
+        );
+        Ok(Self {
+            vehicle,
+            direction,
+            along: down * direction.down() + forward * direction.forward(),
+            across: forward * direction.down() - down * direction.forward(),
+            pressure: vehicle.k_a() * speed * speed,
+            weight: math::sqrt(down * down + forward * forward),
+        })
+    }
+
+    pub fn at(&self, alpha: AngleOfAttack) -> Residual {
+        let air = AirData::from_angle_of_attack(1.0, alpha, self.vehicle.thrust_line());
+        let c = self.vehicle.model().coefficients(alpha);
+        let q = c.c_l * air.cos + c.c_d * air.sin;
+        let dq = (c.dc_l + c.c_d) * air.cos + (c.dc_d - c.c_l) * air.sin;
+        let force = self.along * air.sin - self.across * air.cos - self.pressure * q;
+        Residual {
+            force,
+            slope: self.along * air.cos + self.across * air.sin - self.pressure * dq,
+            curvature: -force - self.pressure * condition_residual(&c, &air),
+            scale: self.weight + self.pressure * (c.c_l.abs() + c.c_d.abs()),
+        }
+    }
+
+    /// The attitude at an angle of attack: θ = γ − π + α + δ, the one that turns (−cos(α+δ), sin(α+δ)) into e_v.
+    pub fn attitude(&self, alpha: AngleOfAttack) -> Attitude {
+        let air = AirData::from_angle_of_attack(1.0, alpha, self.vehicle.thrust_line());
+        let (down, forward) = (self.direction.down(), self.direction.forward());
+        Attitude {
+            cos: forward * air.sin - down * air.cos,
+            sin: -(down * air.sin + forward * air.cos),
+        }
+    }
+}

@@ -1,0 +1,240 @@
+//! What holds for every reference: the theorems of existence, as functions that answer with the reason.
+//!
+//! A model is a function, and a function is sampled: at [`SAMPLES`] equidistant angles around the circle. What is said of
+//! symmetry and passivity is said of these angles, to [`TOLERANCE`]; a model could differ in between by as much as it
+//! bends within 0.5°.
+
+use core::fmt;
+
+use crate::aero::{Aerodynamics, Coefficients};
+use crate::air::AngleOfAttack;
+use crate::math;
+use crate::vehicle::Vehicle;
+
+/// Samples around the circle, 0.5° apart.
+pub const SAMPLES: usize = 720;
+/// Differences of coefficients taken for zero: a few roundings.
+pub const TOLERANCE: f32 = 1e-5;
+
+/// What the hypotheses of a theorem that are met guarantee for every reference.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Guarantee {
+    /// At least two equilibrium orientations (Theorem 1 i).
+    Two,
+    /// At least one equilibrium orientation with T ≥ 0, whatever δ (Theorem 1 ii).
+    OneWithThrust,
+    /// At least one equilibrium orientation, whatever δ (Theorem 2).
+    One {
+        /// Smallest α_s \[rad\].
+        from: f32,
+        /// Largest α_s of the interval that begins there \[rad\].
+        to: f32,
+    },
+}
+
+/// Why a theorem says nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Unmet {
+    /// c_L is not odd, or c_D not even.
+    NotSymmetric {
+        /// Where \[rad\].
+        alpha: f32,
+    },
+    /// The coefficients do not repeat after half a turn.
+    NotBisymmetric {
+        /// Where \[rad\].
+        alpha: f32,
+    },
+    /// The thrust is not parallel to the axis of symmetry.
+    ThrustNotParallel {
+        /// δ \[rad\].
+        delta: f32,
+    },
+    /// c_D(π) > c_D(0) does not hold.
+    ReverseDrag {
+        /// c_D(0).
+        forward: f32,
+        /// c_D(π).
+        reverse: f32,
+    },
+    /// No α_s in (0, 90°) has c_L > 0 and tan α_s ≤ (c_D(α_s) − c_D(π))/c_L(α_s).
+    NoStallAngle,
+    /// The drag is negative: the air would do work.
+    NotPassive {
+        /// Where \[rad\].
+        alpha: f32,
+        /// c_D there.
+        c_d: f32,
+    },
+}
+
+impl fmt::Display for Guarantee {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Two => f.write_str("at least two equilibrium orientations at every reference"),
+            Self::OneWithThrust => f.write_str(
+                "at least one equilibrium orientation with non-negative thrust at every reference, whatever δ",
+            ),
+            Self::One { from, to } => write!(
+                f,
+                "at least one equilibrium orientation at every reference, whatever δ (α_s from {:.1}° to {:.1}°)",
+                from.to_degrees(),
+                to.to_degrees()
+            ),
+        }
+    }
+}
+
+impl fmt::Display for Unmet {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotSymmetric { alpha } => {
+                write!(
+                    f,
+                    "the section is not symmetric at α = {:.1}°",
+                    alpha.to_degrees()
+                )
+            }
+            Self::NotBisymmetric { alpha } => {
+                write!(
+                    f,
+                    "the section is not bisymmetric at α = {:.1}°",
+                    alpha.to_degrees()
+                )
+            }
+            Self::ThrustNotParallel { delta } => write!(
+                f,
+                "the thrust is not parallel to the axis of symmetry (δ = {:.2}°)",
+                delta.to_degrees()
+            ),
+            Self::ReverseDrag { forward, reverse } => {
+                write!(f, "c_D(180°) = {reverse} is not above c_D(0) = {forward}")
+            }
+            Self::NoStallAngle => f.write_str("no α_s in (0, 90°) satisfies eq:conditionMuNe0"),
+            Self::NotPassive { alpha, c_d } => {
+                write!(
+                    f,
+                    "c_D = {c_d} is negative at α = {:.1}°",
+                    alpha.to_degrees()
+                )
+            }
+        }
+    }
+}
+
+/// Theorem 1 i: a symmetric section, thrust parallel to its axis.
+///
+/// # Errors
+/// The hypothesis that is not met.
+pub fn theorem_1_symmetric<A: Aerodynamics>(vehicle: &Vehicle<A>) -> Result<Guarantee, Unmet> {
+    symmetric(vehicle.model())?;
+    let delta = vehicle.thrust_line().delta();
+    if math::sin_cos(delta).0.abs() > TOLERANCE {
+        return Err(Unmet::ThrustNotParallel { delta });
+    }
+    Ok(Guarantee::Two)
+}
+
+/// Theorem 1 ii: a bisymmetric section, any thrust line.
+///
+/// # Errors
+/// The hypothesis that is not met.
+pub fn theorem_1_bisymmetric<A: Aerodynamics>(model: &A) -> Result<Guarantee, Unmet> {
+    symmetric(model)?;
+    for n in 0..SAMPLES / 2 {
+        let (a, b) = (sample(model, n), sample(model, n + SAMPLES / 2));
+        if !same(a.c_l, b.c_l) || !same(a.c_d, b.c_d) {
+            return Err(Unmet::NotBisymmetric { alpha: angle(n) });
+        }
+    }
+    Ok(Guarantee::OneWithThrust)
+}
+
+/// Theorem 2: a symmetric section that stalls, any thrust line.
+///
+/// # Errors
+/// The hypothesis that is not met.
+pub fn theorem_2<A: Aerodynamics>(model: &A) -> Result<Guarantee, Unmet> {
+    symmetric(model)?;
+    let at = |alpha: f32| model.coefficients(AngleOfAttack::from_radians(alpha));
+    let (forward, reverse) = (at(0.0).c_d, at(math::PI).c_d);
+    // More than roundings: the models of the paper have c_D(π) = c_D(0).
+    if reverse - forward <= TOLERANCE * forward {
+        return Err(Unmet::ReverseDrag { forward, reverse });
+    }
+    // c_L sin α_s ≤ (c_D − c_D(π)) cos α_s, which is eq:conditionMuNe0 times c_L cos α_s > 0.
+    let holds = |alpha: f32| {
+        let (c, (sin, cos)) = (at(alpha), math::sin_cos(alpha));
+        c.c_l > 0.0 && c.c_l * sin <= (c.c_d - reverse) * cos
+    };
+    let quarter = SAMPLES / 4;
+    let angle = |n: usize| math::FRAC_PI_2 * n as f32 / quarter as f32;
+    let Some(first) = (1..quarter).find(|n| holds(angle(*n))) else {
+        return Err(Unmet::NoStallAngle);
+    };
+    let last = (first + 1..quarter)
+        .find(|n| !holds(angle(*n)))
+        .unwrap_or(quarter)
+        - 1;
+    Ok(Guarantee::One {
+        from: edge(angle(first), angle(first - 1), holds),
+        to: edge(angle(last), angle(last + 1), holds),
+    })
+}
+
+/// Passivity of the aerodynamic force (`dissipativity`), which is c_D ≥ 0: true of real wings, and not enough for an
+/// equilibrium to exist (Lemma 1).
+///
+/// # Errors
+/// Where it does not hold.
+pub fn passive<A: Aerodynamics>(model: &A) -> Result<(), Unmet> {
+    for n in 0..SAMPLES {
+        let c_d = sample(model, n).c_d;
+        if c_d.is_nan() || c_d < 0.0 {
+            return Err(Unmet::NotPassive {
+                alpha: angle(n),
+                c_d,
+            });
+        }
+    }
+    Ok(())
+}
+
+/// c_L odd and c_D even. By continuity c_L(0) = c_L(π) = 0 then.
+fn symmetric<A: Aerodynamics>(model: &A) -> Result<(), Unmet> {
+    for n in 0..SAMPLES / 2 {
+        let (a, b) = (sample(model, n), sample(model, SAMPLES - 1 - n));
+        if !same(a.c_l, -b.c_l) || !same(a.c_d, b.c_d) {
+            return Err(Unmet::NotSymmetric { alpha: angle(n) });
+        }
+    }
+    Ok(())
+}
+
+fn same(a: f32, b: f32) -> bool {
+    (a - b).abs() <= TOLERANCE * (1.0 + a.abs())
+}
+
+/// Angle of sample `n` \[rad\]: off the axes, so that each has its mirror image.
+fn angle(n: usize) -> f32 {
+    2.0 * math::PI * ((n as f32 + 0.5) / SAMPLES as f32 - 0.5)
+}
+
+fn sample<A: Aerodynamics>(model: &A, n: usize) -> Coefficients {
+    model.coefficients(AngleOfAttack::from_radians(angle(n)))
+}
+
+/// The end, between `inside` and `outside`, of the interval where `holds`.
+fn edge(mut inside: f32, mut outside: f32, holds: impl Fn(f32) -> bool) -> f32 {
+    for _ in 0..16 {
+        let middle = 0.5 * (inside + outside);
+        if holds(middle) {
+            inside = middle;
+        } else {
+            outside = middle;
+        }
+    }
+    inside
+}
