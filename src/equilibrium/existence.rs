@@ -238,3 +238,224 @@ fn edge(mut inside: f32, mut outside: f32, holds: impl Fn(f32) -> bool) -> f32 {
     }
     inside
 }
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use crate::aero::{
+        Combined, CombinedParameters, LargeAngle, LargeAngleParameters, NACA_0021_RE_5E6,
+        NACA_0021_RE_160E3, Node, Polar, SmallAngle, SmallAngleParameters, Table,
+    };
+    use crate::control::Reference;
+    use crate::equilibrium::Equilibria;
+    use crate::frame::Inertial;
+    use crate::vehicle::VehicleParameters;
+
+    const P: VehicleParameters = VehicleParameters::PAPER;
+
+    fn combined() -> Combined {
+        Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap()
+    }
+
+    fn large() -> LargeAngle {
+        LargeAngle::new(LargeAngleParameters::NACA_0021_RE_160E3).unwrap()
+    }
+
+    /// The Lemma 1 counter-example (`PcoefficientsPassNoEqui`).
+    struct Unholdable {
+        c0: f32,
+    }
+
+    impl Aerodynamics for Unholdable {
+        fn coefficients(&self, a: AngleOfAttack) -> Coefficients {
+            Coefficients {
+                c_l: a.sin,
+                c_d: self.c0 + 1.0 - a.cos,
+                dc_l: a.cos,
+                dc_d: a.sin,
+                ddc_l: -a.sin,
+                ddc_d: a.cos,
+            }
+        }
+    }
+
+    /// Random-looking references, winds included.
+    fn references() -> impl Iterator<Item = (Reference, Inertial)> {
+        (0..4000).map(|n| {
+            let wave = |k: f32| math::sin_cos(k * n as f32).0;
+            let reference = Reference {
+                velocity: Inertial::new(30.0 * wave(1.3), 30.0 * wave(0.71)),
+                acceleration: Inertial::new(8.0 * wave(2.3), 8.0 * wave(1.9)),
+            };
+            (
+                reference,
+                Inertial::new(5.0 * wave(0.37), 10.0 * wave(0.53)),
+            )
+        })
+    }
+
+    #[test]
+    fn theorem_1_i_two_for_symmetric_sections_with_parallel_thrust() {
+        fn check<A: Aerodynamics>(model: A) {
+            let vehicle = Vehicle::new(P, model).unwrap();
+            assert_eq!(theorem_1_symmetric(&vehicle), Ok(Guarantee::Two));
+            for (reference, wind) in references() {
+                let set = Equilibria::find(&vehicle, &reference, wind).unwrap();
+                assert!(set.as_slice().len() >= 2, "{reference:?}");
+            }
+        }
+        check(combined());
+        check(large());
+        check(Table::new(&NACA_0021_RE_160E3));
+        check(Table::new(&NACA_0021_RE_5E6));
+        let inclined = Vehicle::new(VehicleParameters { delta: 0.1, ..P }, combined()).unwrap();
+        assert_eq!(
+            theorem_1_symmetric(&inclined),
+            Err(Unmet::ThrustNotParallel { delta: 0.1 })
+        );
+        // Thrust towards the trailing edge is parallel too.
+        let reversed = VehicleParameters {
+            delta: math::PI,
+            ..P
+        };
+        let vehicle = Vehicle::new(reversed, combined()).unwrap();
+        assert_eq!(theorem_1_symmetric(&vehicle), Ok(Guarantee::Two));
+    }
+
+    #[test]
+    fn theorem_1_ii_one_with_thrust_for_bisymmetric_sections() {
+        let small = SmallAngle::new(SmallAngleParameters {
+            c0: 0.014,
+            c2: 5.5,
+            c3: 0.3,
+        })
+        .unwrap();
+        assert_eq!(
+            theorem_1_bisymmetric(&large()),
+            Ok(Guarantee::OneWithThrust)
+        );
+        assert_eq!(theorem_1_bisymmetric(&small), Ok(Guarantee::OneWithThrust));
+        for delta in [0.0, 0.3, -0.9, 1.57, 2.5] {
+            let p = VehicleParameters { delta, ..P };
+            let (l, s) = (
+                Vehicle::new(p, large()).unwrap(),
+                Vehicle::new(p, small).unwrap(),
+            );
+            for (reference, wind) in references().take(1000) {
+                for set in [
+                    Equilibria::find(&l, &reference, wind).unwrap(),
+                    Equilibria::find(&s, &reference, wind).unwrap(),
+                ] {
+                    assert!(set.theta_plus().count() >= 1, "{reference:?} {delta}");
+                }
+            }
+        }
+        assert!(matches!(
+            theorem_1_bisymmetric(&combined()),
+            Err(Unmet::NotBisymmetric { .. })
+        ));
+    }
+
+    #[test]
+    fn theorem_2_one_for_sections_that_stall() {
+        let model = Table::new(&NACA_0021_RE_160E3);
+        let Ok(Guarantee::One { from, to }) = theorem_2(&model) else {
+            panic!("{:?}", theorem_2(&model))
+        };
+        // 17.0° by linear interpolation between the rows at 16° and 18°, which c_L does not follow; and exactly 45°,
+        // a row, where tan α_s = (1.075 − 0.025)/1.05.
+        assert!(
+            (from.to_degrees() - 17.0).abs() < 0.1,
+            "{}",
+            from.to_degrees()
+        );
+        assert!((to.to_degrees() - 45.0).abs() < 0.01, "{}", to.to_degrees());
+        for delta in [0.3, -0.9, 1.57] {
+            let vehicle = Vehicle::new(VehicleParameters { delta, ..P }, model).unwrap();
+            for (reference, wind) in references().take(1000) {
+                let set = Equilibria::find(&vehicle, &reference, wind).unwrap();
+                assert!(!set.as_slice().is_empty(), "{reference:?} {delta}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_fitted_models_do_not_meet_theorem_2() {
+        for p in [
+            CombinedParameters::NACA_0021_RE_160E3,
+            CombinedParameters::NACA_0021_RE_5E6,
+        ] {
+            let answer = theorem_2(&Combined::new(p).unwrap());
+            let Err(Unmet::ReverseDrag { forward, reverse }) = answer else {
+                panic!("{answer:?}")
+            };
+            assert!((forward - reverse).abs() < 1e-6 && (forward - p.c0).abs() < 1e-6);
+        }
+        assert!(matches!(
+            theorem_2(&large()),
+            Err(Unmet::ReverseDrag { .. })
+        ));
+    }
+
+    #[test]
+    fn lemma_1_passive_and_yet_no_equilibrium() {
+        let model = Unholdable { c0: 0.1 };
+        assert_eq!(passive(&model), Ok(()));
+        assert!(theorem_1_bisymmetric(&model).is_err() && theorem_2(&model).is_err());
+        let p = VehicleParameters {
+            mass: 1.0,
+            k_a: 0.04,
+            delta: math::FRAC_PI_2,
+            gravity: 9.81,
+        };
+        let vehicle = Vehicle::new(p, model).unwrap();
+        assert!(theorem_1_symmetric(&vehicle).is_err());
+        // A1 and A2: γ = 90°, k_a|v_a|² = 1 N, W = (0, c0 + 1) N.
+        let reference = Reference {
+            velocity: Inertial::new(0.0, 5.0),
+            acceleration: Inertial::new(9.81, -1.1),
+        };
+        let set = Equilibria::find(&vehicle, &reference, Inertial::ZERO).unwrap();
+        assert_eq!(set.as_slice(), []);
+        // At a lower airspeed there are some.
+        let slower = Reference {
+            velocity: Inertial::new(0.0, 3.0),
+            ..reference
+        };
+        let set = Equilibria::find(&vehicle, &slower, Inertial::ZERO).unwrap();
+        assert!(!set.as_slice().is_empty());
+    }
+
+    #[test]
+    fn what_is_not_met_is_named() {
+        struct Propelled;
+        impl Aerodynamics for Propelled {
+            fn coefficients(&self, a: AngleOfAttack) -> Coefficients {
+                Coefficients {
+                    c_d: 0.5 - a.cos,
+                    ..Coefficients::default()
+                }
+            }
+        }
+        let answer = passive(&Propelled);
+        assert!(
+            matches!(answer, Err(Unmet::NotPassive { alpha, c_d }) if alpha.abs() < 1.1 && c_d < 0.0)
+        );
+        // A cambered section: lift at α = 0.
+        let rows = [-180.0f32, -90.0, 0.0, 90.0, 180.0];
+        let nodes = rows.map(|a| Node::from_degrees(a, if a == 0.0 { 0.2 } else { 0.0 }, 0.1));
+        let polar = std::boxed::Box::leak(Polar::<4>::new(&nodes).unwrap().into());
+        let vehicle = Vehicle::new(P, Table::new(polar)).unwrap();
+        assert!(matches!(
+            theorem_1_symmetric(&vehicle),
+            Err(Unmet::NotSymmetric { .. })
+        ));
+        // A flat plate with a dirty trailing edge: no stall that would do.
+        let rows = [0.0f32, 45.0, 90.0, 135.0, 180.0];
+        let drag = [0.1, 0.2, 0.3, 0.4, 0.5];
+        let nodes: [Node; 5] = core::array::from_fn(|i| Node::from_degrees(rows[i], 0.0, drag[i]));
+        let polar = std::boxed::Box::leak(Polar::<4>::new(&nodes).unwrap().into());
+        assert_eq!(theorem_2(&Table::new(polar)), Err(Unmet::NoStallAngle));
+    }
+}

@@ -24,8 +24,9 @@ const DIG_STEPS: usize = 10;
 const REFINE_STEPS: usize = 16;
 /// Steps of the angle below this \[rad\] are roundings.
 const RESOLUTION: f32 = 1.2e-7;
-/// F̄_2, relative to the forces that balance in it, below which it is a rounding.
-const ROUNDING: f32 = 1e-6;
+/// F̄_2, relative to the forces that balance in it, below which nothing is said of its zeros: roundings of 3e-7 would
+/// move them by 5°.
+const ROUNDING: f32 = 4e-6;
 /// |F_p|, relative to the same forces, below which an equilibrium is not called isolated.
 const ISOLATED: f32 = 1e-5;
 
@@ -281,5 +282,273 @@ fn inside(x: f32, from: f32, to: f32) -> f32 {
         x
     } else {
         0.5 * (from + to)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use crate::aero::{
+        Coefficients, Combined, CombinedParameters, LargeAngle, LargeAngleParameters,
+        NACA_0021_RE_160E3, Table,
+    };
+    use crate::control::State;
+    use crate::vehicle::VehicleParameters;
+    use core::cell::Cell;
+    use std::vec::Vec;
+
+    const P: VehicleParameters = VehicleParameters::PAPER;
+
+    fn combined(delta: f32) -> Vehicle<Combined> {
+        let model = Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap();
+        Vehicle::new(VehicleParameters { delta, ..P }, model).unwrap()
+    }
+
+    /// Level flight at the airspeed that gives `a`.
+    fn level(a: f32) -> Reference {
+        let speed = math::sqrt(a * P.mass * P.gravity / P.k_a);
+        Reference {
+            velocity: Inertial::new(0.0, speed),
+            acceleration: Inertial::ZERO,
+        }
+    }
+
+    fn between_0_and_90<A: Aerodynamics>(vehicle: &Vehicle<A>, a: f32) -> usize {
+        let set = Equilibria::find(vehicle, &level(a), Inertial::ZERO).unwrap();
+        let positive = |e: &&Equilibrium| e.alpha > 0.0 && e.alpha < math::FRAC_PI_2;
+        set.as_slice().iter().filter(positive).count()
+    }
+
+    #[test]
+    fn level_flight_has_one_then_three_then_one() {
+        let vehicle = combined(0.0);
+        for (a, n) in [
+            (0.5, 1),
+            (1.30, 1),
+            (1.307, 3),
+            (1.4, 3),
+            (1.525, 3),
+            (1.532, 1),
+            (20.0, 1),
+        ] {
+            assert_eq!(between_0_and_90(&vehicle, a), n, "{a}");
+        }
+    }
+
+    #[test]
+    fn on_the_table_there_are_five_between_the_inner_folds() {
+        let vehicle = Vehicle::new(P, Table::new(&NACA_0021_RE_160E3)).unwrap();
+        for (a, n) in [
+            (1.32, 1),
+            (1.338, 3),
+            (1.345, 5),
+            (1.36, 3),
+            (1.45, 3),
+            (1.47, 1),
+        ] {
+            assert_eq!(between_0_and_90(&vehicle, a), n, "{a}");
+        }
+    }
+
+    #[test]
+    fn each_is_an_equilibrium_and_says_what_it_is() {
+        for delta in [0.0, 0.4, -1.1] {
+            let vehicle = combined(delta);
+            for (down, forward) in [(0.0, 14.6), (-6.0, 9.0), (12.0, 1.0), (3.0, -20.0)] {
+                let reference = Reference {
+                    velocity: Inertial::new(down, forward),
+                    acceleration: Inertial::new(1.0, -0.5),
+                };
+                let wind = Inertial::new(0.3, -2.0);
+                let set = Equilibria::find(&vehicle, &reference, wind).unwrap();
+                assert!(!set.as_slice().is_empty());
+                for e in set.as_slice() {
+                    // The law at the equilibrium: no error, so its rate is its alignment term alone.
+                    let state = State {
+                        velocity: reference.velocity,
+                        attitude: e.attitude,
+                        wind,
+                    };
+                    let forces = ApparentForces::new(
+                        &vehicle,
+                        state.attitude,
+                        reference.velocity - wind,
+                        reference.acceleration,
+                    );
+                    // Roundings of forces up to 600 N.
+                    assert!(forces.f.j().abs() < 1e-3, "{}", forces.f.j());
+                    assert_eq!((forces.f.i(), forces.f_p.i()), (e.thrust, e.t_p));
+                    assert!((forces.air.alpha.rad - e.alpha).abs() < 1e-6);
+                    assert!((e.f_p_norm() - forces.f_p.norm()).abs() < 1e-3);
+                    assert_eq!(e.branch() == Branch::Aligned, e.t_p >= 0.0);
+                    assert!(e.isolated);
+                }
+                let plus = set.as_slice().iter().filter(|e| e.thrust >= 0.0).count();
+                assert_eq!(set.theta_plus().count(), plus);
+            }
+        }
+    }
+
+    /// Theorem 3: ∂_θ(F̄_2) = −F̄_p1, here of the samples, against differences; and the second derivative.
+    #[test]
+    fn the_residuals_derivatives_are_those_of_the_residual() {
+        let vehicle = combined(0.3);
+        let reference = Reference {
+            velocity: Inertial::new(4.0, 11.0),
+            acceleration: Inertial::new(0.0, 2.0),
+        };
+        let balance = Balance::new(&vehicle, &reference, Inertial::ZERO).unwrap();
+        for n in 0..300 {
+            let alpha = -3.1 + 0.0207 * n as f32;
+            let at = |a| balance.at(AngleOfAttack::from_radians(a));
+            let (m, o, p) = (at(alpha - 2e-3), at(alpha), at(alpha + 2e-3));
+            let (slope, curvature) = ((p.force - m.force) / 4e-3, (p.slope - m.slope) / 4e-3);
+            // 2e-6 × third (fourth) derivatives up to 2e3 (2e5) of 90 N.
+            assert!(
+                (o.slope - slope).abs() < 0.5 + 1e-3 * o.slope.abs(),
+                "{} {slope}",
+                o.slope
+            );
+            assert!((o.curvature - curvature).abs() < 40.0 + 1e-2 * o.curvature.abs());
+        }
+    }
+
+    #[test]
+    fn in_still_air_the_thrust_is_along_the_apparent_weight() {
+        let set = Equilibria::find(&combined(0.2), &Reference::default(), Inertial::ZERO).unwrap();
+        let [a, b] = set.as_slice() else { panic!() };
+        let (up, down) = if a.thrust > 0.0 { (a, b) } else { (b, a) };
+        assert!((up.thrust - 98.1).abs() < 1e-4 && (down.thrust + 98.1).abs() < 1e-4);
+        assert!(up.attitude.angle().abs() < 1e-6 && up.alpha == 0.0);
+        assert_eq!(
+            (up.branch(), down.branch()),
+            (Branch::Aligned, Branch::Opposed)
+        );
+        // Accelerating forward at g: nose 45° down from the zenith.
+        let reference = Reference {
+            acceleration: Inertial::new(0.0, 9.81),
+            ..Reference::default()
+        };
+        let set = Equilibria::find(&combined(0.2), &reference, Inertial::ZERO).unwrap();
+        let up = set.theta_plus().next().unwrap();
+        assert!((up.attitude.angle() + core::f32::consts::FRAC_PI_4).abs() < 1e-6);
+    }
+
+    /// Vertical flight at δ = 0: the equilibria lie on the axis of symmetry, one of them at α = ±π, found once.
+    #[test]
+    fn equilibria_on_the_axis_are_found_once() {
+        let vehicle = combined(0.0);
+        for down in [-25.0, -3.0, 2.0, 6.0] {
+            let reference = Reference {
+                velocity: Inertial::new(down, 0.0),
+                acceleration: Inertial::ZERO,
+            };
+            let set = Equilibria::find(&vehicle, &reference, Inertial::ZERO).unwrap();
+            let at = |axis: f32| {
+                let near = |e: &&Equilibrium| (e.alpha.abs() - axis).abs() < 1e-5;
+                set.as_slice().iter().filter(near).count()
+            };
+            assert_eq!((at(0.0), at(math::PI)), (1, 1), "{down}: {set:?}");
+        }
+    }
+
+    #[test]
+    fn where_every_orientation_will_do_it_is_said() {
+        let free_fall = Reference {
+            velocity: Inertial::ZERO,
+            acceleration: Inertial::new(9.81, 0.0),
+        };
+        let find = |r: &Reference| Equilibria::find(&combined(0.0), r, Inertial::ZERO);
+        assert_eq!(find(&free_fall), Err(EquilibriumError::EveryOrientation));
+        // Lemma 3's bad velocity: a fall at which drag c0 + 2c1 holds the weight.
+        let p = LargeAngleParameters::NACA_0021_RE_160E3;
+        let vehicle = Vehicle::new(P, LargeAngle::new(p).unwrap()).unwrap();
+        let speed = math::sqrt(98.1 / (P.k_a * (p.c0 + 2.0 * p.c1)));
+        let fall = |speed| Reference {
+            velocity: Inertial::new(speed, 0.0),
+            acceleration: Inertial::ZERO,
+        };
+        let find = |r: &Reference| Equilibria::find(&vehicle, r, Inertial::ZERO);
+        assert_eq!(find(&fall(speed)), Err(EquilibriumError::EveryOrientation));
+        assert_eq!(find(&fall(speed * 1.001)).unwrap().as_slice().len(), 2);
+    }
+
+    #[test]
+    fn bad_input_is_named() {
+        let find = |velocity, acceleration, wind| {
+            let reference = Reference {
+                velocity,
+                acceleration,
+            };
+            Equilibria::find(&combined(0.0), &reference, wind).unwrap_err()
+        };
+        let (o, nan) = (Inertial::ZERO, Inertial::new(f32::NAN, 0.0));
+        assert_eq!(find(nan, o, o), EquilibriumError::ReferenceVelocity);
+        assert_eq!(find(o, nan, o), EquilibriumError::ReferenceAcceleration);
+        assert_eq!(find(o, o, Inertial::new(0.0, 1e9)), EquilibriumError::Wind);
+    }
+
+    /// Lift and drag that undulate `n` times around the circle.
+    struct Undulating<'a> {
+        n: f32,
+        lift: f32,
+        evaluations: &'a Cell<usize>,
+    }
+
+    impl Aerodynamics for Undulating<'_> {
+        fn coefficients(&self, alpha: AngleOfAttack) -> Coefficients {
+            self.evaluations.set(self.evaluations.get() + 1);
+            let (s, c) = math::sin_cos(self.n * alpha.rad);
+            let (l, n) = (self.lift, self.n);
+            Coefficients {
+                c_l: l * s,
+                c_d: 2.0 * l + l * c,
+                dc_l: l * n * c,
+                dc_d: -l * n * s,
+                ddc_l: -l * n * n * s,
+                ddc_d: -l * n * n * c,
+            }
+        }
+    }
+
+    #[test]
+    fn too_many_are_an_error_and_the_work_is_bounded() {
+        let evaluations = Cell::new(0);
+        let (mut worst, mut overflows) = (0, 0);
+        // From calm to wild, and to undulations that alias with the grid.
+        for n in 0..400 {
+            for lift in [0.02, 0.3, 3.0] {
+                let model = Undulating {
+                    n: n as f32,
+                    lift,
+                    evaluations: &evaluations,
+                };
+                let vehicle = Vehicle::new(VehicleParameters { delta: 0.5, ..P }, model).unwrap();
+                for a in [0.3, 1.0, 30.0] {
+                    evaluations.set(0);
+                    match Equilibria::find(&vehicle, &level(a), Inertial::ZERO) {
+                        Ok(set) => assert!(set.as_slice().len() <= CAPACITY),
+                        Err(e) => {
+                            assert_eq!(e, EquilibriumError::Overflow);
+                            overflows += 1;
+                        }
+                    }
+                    worst = worst.max(evaluations.get());
+                }
+            }
+        }
+        std::println!("at most {worst} of {MAX_EVALUATIONS} evaluations, {overflows} overflows");
+        assert!(worst <= MAX_EVALUATIONS && overflows > 100);
+        // The bound is not idle: the worst case uses more than half of what it adds to the grid.
+        assert!(worst > grid::N + CAPACITY * (DIG_STEPS + REFINE_STEPS) / 4);
+    }
+
+    #[test]
+    fn the_set_is_ordered_by_angle_of_attack() {
+        let vehicle = Vehicle::new(P, Table::new(&NACA_0021_RE_160E3)).unwrap();
+        let set = Equilibria::find(&vehicle, &level(1.345), Inertial::ZERO).unwrap();
+        let angles: Vec<f32> = set.as_slice().iter().map(|e| e.alpha).collect();
+        assert!(angles.is_sorted() && angles.len() >= 6, "{angles:?}");
     }
 }

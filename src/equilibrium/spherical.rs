@@ -65,7 +65,7 @@ impl<'a, A: Aerodynamics> Spherical<'a, A> {
     /// # Errors
     /// What does not hold.
     pub fn new(vehicle: &'a Vehicle<A>) -> Result<Self, NotSpherical> {
-        let mut mean = (0.0, 0.0);
+        let mut mean = (0.0f32, 0.0f32);
         for n in 0..SAMPLES {
             let turn = (n as f32 + 0.5) / SAMPLES as f32 - 0.5;
             let alpha = AngleOfAttack::from_radians(2.0 * math::PI * turn);
@@ -84,9 +84,12 @@ impl<'a, A: Aerodynamics> Spherical<'a, A> {
                 });
             }
             let (c_l, c_d) = equivalent_coefficients(&c, &air, lambda(&c, &air));
-            mean = (mean.0 + c_l, mean.1 + c_d);
+            // Step by step: a sum of so many would lose digits.
+            let weight = 1.0 / (n + 1) as f32;
+            mean.0 += weight * (c_l - mean.0);
+            mean.1 += weight * (c_d - mean.1);
         }
-        let (c_l, c_d) = (mean.0 / SAMPLES as f32, mean.1 / SAMPLES as f32);
+        let (c_l, c_d) = mean;
         if c_d > 0.0 {
             Ok(Self { vehicle, c_l, c_d })
         } else {
@@ -136,5 +139,134 @@ impl<'a, A: Aerodynamics> Spherical<'a, A> {
             scale * (self.c_d * down - self.c_l * forward),
             scale * (self.c_l * down + self.c_d * forward),
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use crate::aero::{
+        Coefficients, Combined, CombinedParameters, LargeAngle, LargeAngleParameters, SmallAngle,
+        SmallAngleParameters,
+    };
+    use crate::equilibrium::{Branch, Equilibria, EquilibriumError};
+    use crate::vehicle::VehicleParameters;
+
+    fn vehicle<A: Aerodynamics>(delta: f32, model: A) -> Vehicle<A> {
+        Vehicle::new(
+            VehicleParameters {
+                delta,
+                ..VehicleParameters::PAPER
+            },
+            model,
+        )
+        .unwrap()
+    }
+
+    fn large() -> LargeAngle {
+        LargeAngle::new(LargeAngleParameters::NACA_0021_RE_160E3).unwrap()
+    }
+
+    fn small() -> SmallAngle {
+        SmallAngle::new(SmallAngleParameters {
+            c0: 0.014,
+            c2: 5.5,
+            c3: 0.3,
+        })
+        .unwrap()
+    }
+
+    /// Lemma 3 against the set; `rounding` \[N\] is that of the largest force, λ k_a|v_a|².
+    fn check<A: Aerodynamics>(vehicle: &Vehicle<A>, rounding: f32) {
+        let sphere = Spherical::new(vehicle).unwrap();
+        for n in 0..500 {
+            let x = n as f32;
+            let (s, c) = math::sin_cos(1.7 * x);
+            let (t, _) = math::sin_cos(0.9 * x);
+            let reference = Reference {
+                velocity: Inertial::new(25.0 * s * t, 25.0 * c),
+                acceleration: Inertial::new(3.0 * t, -2.0 * c),
+            };
+            let wind = Inertial::new(t, 4.0 * s);
+            let (attitude, norm) = sphere.equilibrium(&reference, wind).unwrap();
+            let set = Equilibria::find(vehicle, &reference, wind).unwrap();
+            let [a, b] = set.as_slice() else {
+                panic!("{} equilibria at {n}", set.as_slice().len())
+            };
+            let (one, other) = if a.t_p > 0.0 { (a, b) } else { (b, a) };
+            assert_eq!(
+                (one.branch(), other.branch()),
+                (Branch::Aligned, Branch::Opposed)
+            );
+            let near = 1e-6 + rounding / norm;
+            let turn = one.attitude.cos * attitude.sin - one.attitude.sin * attitude.cos;
+            assert!(turn.abs() < near, "{n}: {turn} {norm}");
+            let turn = other.attitude.cos * attitude.sin - other.attitude.sin * attitude.cos;
+            assert!(turn.abs() < near && other.attitude.cos * attitude.cos <= near);
+            assert!((one.t_p - norm).abs() < rounding && (other.t_p + norm).abs() < rounding);
+        }
+    }
+
+    #[test]
+    fn two_opposite_equilibria_and_the_closed_form_knows_them() {
+        for delta in [0.0, 0.5, -1.2, 1.57] {
+            check(&vehicle(delta, large()), 1e-3);
+        }
+        // λ is up to 12 here, and 2 there.
+        check(&vehicle(0.0, small()), 1e-2);
+    }
+
+    #[test]
+    fn at_the_bad_velocity_every_orientation_is_one() {
+        for delta in [0.0, 0.5, -1.2] {
+            let vehicle = vehicle(delta, large());
+            let sphere = Spherical::new(&vehicle).unwrap();
+            for (a_r, wind) in [
+                (Inertial::ZERO, Inertial::ZERO),
+                (Inertial::new(2.0, -5.0), Inertial::new(-1.0, 6.0)),
+            ] {
+                let velocity = sphere.bad_velocity(a_r, wind);
+                let reference = Reference {
+                    velocity,
+                    acceleration: a_r,
+                };
+                assert_eq!(
+                    Equilibria::find(&vehicle, &reference, wind),
+                    Err(EquilibriumError::EveryOrientation)
+                );
+                assert_eq!(sphere.equilibrium(&reference, wind), None);
+            }
+            // A vertical fall only where the equivalent lift vanishes.
+            let fall = sphere.bad_velocity(Inertial::ZERO, Inertial::ZERO);
+            assert!(fall.down() > 0.0);
+            assert_eq!(fall.forward().abs() < 1e-5, delta == 0.0, "{fall:?}");
+        }
+    }
+
+    #[test]
+    fn other_vehicles_are_told_why_not() {
+        let combined = Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap();
+        let condition = |e| matches!(e, NotSpherical::Condition { .. });
+        assert!(condition(
+            Spherical::new(&vehicle(0.0, combined)).unwrap_err()
+        ));
+        assert!(condition(
+            Spherical::new(&vehicle(0.1, small())).unwrap_err()
+        ));
+        /// A shape that the air drives: eq:condition holds, but with c̄_D < 0.
+        struct Driven;
+        impl Aerodynamics for Driven {
+            fn coefficients(&self, _: AngleOfAttack) -> Coefficients {
+                Coefficients {
+                    c_d: -1.0,
+                    ..Coefficients::default()
+                }
+            }
+        }
+        assert_eq!(
+            Spherical::new(&vehicle(0.0, Driven)).err(),
+            Some(NotSpherical::EquivalentDrag { c_d: -1.0 })
+        );
     }
 }
