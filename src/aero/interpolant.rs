@@ -39,15 +39,13 @@ impl<'a> Samples<'a> {
 
     /// Monomials, in u = (α − α_j)/h_j ∈ [0, 1], of the interval from node `j`.
     pub(super) const fn quintic(&self, j: usize) -> [f32; 6] {
-        let j = j as isize;
-        let h = self.at(j + 1).0 - self.at(j).0;
-        let (y0, y1) = (self.at(j).1, self.at(j + 1).1);
-        let (d0, d1) = (h * self.slope(j), h * self.slope(j + 1));
-        let (s0, s1) = (
-            0.5 * h * h * self.curvature(j),
-            0.5 * h * h * self.curvature(j + 1),
-        );
+        let ends = Window::new(self, j as isize).ends();
+        let h = ends.width;
+        let (d0, d1) = (h * ends.slopes.0, h * ends.slopes.1);
+        let half = 0.5 * h * h;
+        let (s0, s1) = (half * ends.curvatures.0, half * ends.curvatures.1);
         // What is left at u = 1, in value, slope and half curvature, for the cubic to quintic terms.
+        let (y0, y1) = ends.values;
         let (r, rd, rs) = (y1 - y0 - d0 - s0, d1 - d0 - 2.0 * s0, s1 - s0);
         [
             y0,
@@ -60,7 +58,7 @@ impl<'a> Samples<'a> {
     }
 
     /// Angle and value at node `i`, which may lie beyond the ends by less than the number of nodes.
-    const fn at(&self, i: isize) -> (f32, f32) {
+    pub(super) const fn at(&self, i: isize) -> (f32, f32) {
         const TURN: f32 = 2.0 * core::f32::consts::PI;
         let last = self.nodes.len() as isize - 1;
         // Mirrored at the ends, or moved by a turn.
@@ -76,11 +74,11 @@ impl<'a> Samples<'a> {
                 TURN,
             )
         } else {
-            let node = &self.nodes[i as usize];
-            return (node.alpha, self.value(node));
+            let node = self.node(i);
+            return (node.alpha, self.value(&node));
         };
-        let node = &self.nodes[inside as usize];
-        let y = self.value(node);
+        let node = self.node(inside);
+        let y = self.value(&node);
         if !self.symmetric {
             return (node.alpha + moved, y);
         }
@@ -91,63 +89,128 @@ impl<'a> Samples<'a> {
         }
     }
 
+    /// Node `i`, without the panic of an index: there is none to be reported here.
+    const fn node(&self, i: isize) -> Node {
+        match self.nodes.split_at_checked(i as usize) {
+            Some((_, [node, ..])) => *node,
+            _ => Node::from_degrees(0.0, 0.0, 0.0),
+        }
+    }
+
     const fn value(&self, node: &Node) -> f32 {
         match self.of {
             Of::Lift => node.c_l,
             Of::Drag => node.c_d,
         }
     }
+}
 
-    const fn width(&self, j: isize) -> f32 {
-        self.at(j + 1).0 - self.at(j).0
-    }
+/// Nodes around an interval that its polynomial depends on: three before its beginning and three after its end.
+const WINDOW: usize = 8;
+/// The node of the window at which the interval begins.
+const BEGIN: usize = 3;
 
-    const fn secant(&self, j: isize) -> f32 {
-        (self.at(j + 1).1 - self.at(j).1) / self.width(j)
-    }
+/// The data around an interval. What belongs to a cell of the window has the index of the node where the cell begins.
+struct Window {
+    y: [f32; WINDOW],
+    widths: [f32; WINDOW],
+    secants: [f32; WINDOW],
+    slopes: [f32; WINDOW],
+}
 
-    /// Slope of the parabola, but zero at an extremum of the data and limited beside it.
-    const fn single_slope(&self, i: isize) -> f32 {
-        let (left, right) = (self.secant(i - 1), self.secant(i));
-        if left * right <= 0.0 {
-            return 0.0;
+/// What an interval's quintic is made of, at its beginning and its end.
+struct Ends {
+    width: f32,
+    values: (f32, f32),
+    slopes: (f32, f32),
+    curvatures: (f32, f32),
+}
+
+impl Window {
+    const fn new(samples: &Samples, j: isize) -> Self {
+        let (mut x, mut y) = ([0.0; WINDOW], [0.0; WINDOW]);
+        let mut k = 0;
+        while k < WINDOW {
+            (x[k], y[k]) = samples.at(j + k as isize - BEGIN as isize);
+            k += 1;
         }
-        let (hl, hr) = (self.width(i - 1), self.width(i));
-        let parabola = (left * hr + right * hl) / (hl + hr);
-        let limit = STEEPEST * min(left.abs(), right.abs());
-        min(parabola.abs(), limit).copysign(left)
+        let (mut widths, mut secants) = ([0.0; WINDOW], [0.0; WINDOW]);
+        k = 0;
+        while k < WINDOW - 1 {
+            widths[k] = x[k + 1] - x[k];
+            secants[k] = (y[k + 1] - y[k]) / widths[k];
+            k += 1;
+        }
+        let mut slopes = [0.0; WINDOW];
+        k = 1;
+        while k < WINDOW - 1 {
+            slopes[k] = single_slope(&widths, &secants, k);
+            k += 1;
+        }
+        // Both slopes of a cell are brought down to what it can bear; a node obeys both of its cells.
+        let mut bearable = [0.0; WINDOW];
+        k = 1;
+        while k < WINDOW - 2 {
+            let sum = slopes[k].abs() + slopes[k + 1].abs();
+            let limit = STEEPEST_PAIR * secants[k].abs();
+            bearable[k] = if sum > limit { limit / sum } else { 1.0 };
+            k += 1;
+        }
+        k = 2;
+        while k < WINDOW - 2 {
+            slopes[k] *= min(bearable[k - 1], bearable[k]);
+            k += 1;
+        }
+        Self {
+            y,
+            widths,
+            secants,
+            slopes,
+        }
     }
 
-    /// Factor that the slopes at the ends of interval `j` can bear.
-    const fn bearable(&self, j: isize) -> f32 {
-        let sum = self.single_slope(j).abs() + self.single_slope(j + 1).abs();
-        let limit = STEEPEST_PAIR * self.secant(j).abs();
-        if sum > limit { limit / sum } else { 1.0 }
+    // What it calls is inlined, so that no index is left to check.
+    const fn ends(&self) -> Ends {
+        Ends {
+            width: self.widths[BEGIN],
+            values: (self.y[BEGIN], self.y[BEGIN + 1]),
+            slopes: (self.slopes[BEGIN], self.slopes[BEGIN + 1]),
+            curvatures: (self.curvature(BEGIN), self.curvature(BEGIN + 1)),
+        }
     }
 
-    /// Slope at node `i` [1/rad].
-    const fn slope(&self, i: isize) -> f32 {
-        self.single_slope(i) * min(self.bearable(i - 1), self.bearable(i))
+    /// Half of what the cell `k` can bear of curvature against its direction.
+    #[inline(always)]
+    const fn slack(&self, k: usize) -> f32 {
+        let sum = self.slopes[k].abs() + self.slopes[k + 1].abs();
+        let slack = self.secants[k].abs() - 0.4 * sum;
+        10.0 * max(slack, 0.0) / self.widths[k]
     }
 
-    /// Half of what the interval `j` can bear of curvature against its direction.
-    const fn slack(&self, j: isize) -> f32 {
-        let sum = self.slope(j).abs() + self.slope(j + 1).abs();
-        let slack = self.secant(j).abs() - 0.4 * sum;
-        10.0 * max(slack, 0.0) / self.width(j)
-    }
-
-    /// Curvature at node `i` [1/rad²].
-    const fn curvature(&self, i: isize) -> f32 {
-        let (hl, hr) = (self.width(i - 1), self.width(i));
-        let (left, right) = (self.secant(i - 1), self.secant(i));
-        let slope = self.slope(i).abs();
+    /// Curvature at node `k` [1/rad²]: the parabola's, limited by both cells.
+    #[inline(always)]
+    const fn curvature(&self, k: usize) -> f32 {
+        let (hl, hr) = (self.widths[k - 1], self.widths[k]);
+        let (left, right) = (self.secants[k - 1], self.secants[k]);
+        let slope = self.slopes[k].abs();
         // On a rising interval −4d₀/h ≤ s₀ ≤ slack and −slack ≤ s₁ ≤ 4d₁/h; on a falling one the mirror image.
-        let (l_low, l_high) = mirrored(left, -self.slack(i - 1), 4.0 * slope / hl);
-        let (r_low, r_high) = mirrored(right, -4.0 * slope / hr, self.slack(i));
+        let (l_low, l_high) = mirrored(left, -self.slack(k - 1), 4.0 * slope / hl);
+        let (r_low, r_high) = mirrored(right, -4.0 * slope / hr, self.slack(k));
         let parabola = 2.0 * (right - left) / (hl + hr);
         min(max(parabola, max(l_low, r_low)), min(l_high, r_high))
     }
+}
+
+/// Slope [1/rad] of the parabola at node `k`, but zero at an extremum of the data and limited beside it.
+const fn single_slope(widths: &[f32; WINDOW], secants: &[f32; WINDOW], k: usize) -> f32 {
+    let (left, right) = (secants[k - 1], secants[k]);
+    if left * right <= 0.0 {
+        return 0.0;
+    }
+    let (hl, hr) = (widths[k - 1], widths[k]);
+    let parabola = (left * hr + right * hl) / (hl + hr);
+    let limit = STEEPEST * min(left.abs(), right.abs());
+    min(parabola.abs(), limit).copysign(left)
 }
 
 /// (`low`, `high`) for a positive `direction`, its mirror image for a negative one, and nothing but zero for none.

@@ -140,14 +140,17 @@ impl<const N: usize> Polar<N> {
         };
         let mut intervals = [nothing; N];
         let len = nodes.len() - 1;
+        let mut rest = intervals.as_mut_slice();
         let mut j = 0;
-        while j < len {
-            intervals[j] = Interval {
-                alpha: nodes[j].alpha,
-                inverse: 1.0 / (nodes[j + 1].alpha - nodes[j].alpha),
-                c_l: lift.quintic(j),
-                c_d: drag.quintic(j),
-            };
+        while let [interval, after @ ..] = rest {
+            if j == len {
+                break;
+            }
+            interval.alpha = lift.at(j as isize).0;
+            interval.inverse = 1.0 / (lift.at(j as isize + 1).0 - interval.alpha);
+            interval.c_l = lift.quintic(j);
+            interval.c_d = drag.quintic(j);
+            rest = after;
             j += 1;
         }
         Ok(Self {
@@ -169,9 +172,14 @@ const fn check(nodes: &[Node], room: usize) -> Result<bool, TableError> {
     if nodes.len() > room {
         return refuse(room, TableProblem::TooMany);
     }
+    let [first, ..] = nodes else {
+        return refuse(0, TableProblem::TooFew);
+    };
+    let mut end = first;
+    let mut rest = nodes;
     let mut row = 0;
-    while row < nodes.len() {
-        let Node { alpha, c_l, c_d } = nodes[row];
+    while let [node, after @ ..] = rest {
+        let Node { alpha, c_l, c_d } = *node;
         if !(alpha.is_finite() && c_l.is_finite() && c_d.is_finite()) {
             return refuse(row, TableProblem::NotFinite);
         }
@@ -181,13 +189,14 @@ const fn check(nodes: &[Node], room: usize) -> Result<bool, TableError> {
         if c_d <= 0.0 {
             return refuse(row, TableProblem::DragNotPositive);
         }
-        if row > 0 && alpha - nodes[row - 1].alpha < CLOSEST {
+        if row > 0 && alpha - end.alpha < CLOSEST {
             return refuse(row, TableProblem::NotIncreasing);
         }
+        end = node;
+        rest = after;
         row += 1;
     }
-    let last = nodes.len() - 1;
-    let (first, end) = (&nodes[0], &nodes[last]);
+    let last = row - 1;
     let symmetric = first.alpha.abs() < SAME;
     if !symmetric && (first.alpha + math::PI).abs() > SAME {
         return refuse(0, TableProblem::Start);
