@@ -1,9 +1,9 @@
 //! Software in the loop: a plant in double precision flown by the core's control laws.
 //!
 //! Layers, each using only those before it: [`reference`](mod@reference) (aerodynamics and laws in
-//! double precision, independent of the core), [`plant`], [`scenario`], [`flight`] (the loop, closed
-//! by any [`flight::Controller`]), [`figures`] of merit, [`trace`] and [`replay`](mod@replay) (CSV),
-//! [`report`], [`files`]. [`mission`] flies the core's whole guidance on a vehicle with actuators,
+//! double precision, independent of the core), [`plant`], [`polar`] (measured coefficients),
+//! [`scenario`], [`flight`] (the loop, closed by any [`flight::Controller`]), [`figures`] of merit,
+//! [`trace`] and [`replay`](mod@replay) (CSV), [`report`], [`files`]. [`mission`] flies the core's whole guidance on a vehicle with actuators,
 //! sensors and weather; [`margins`] is the linear theory of the law's loop.
 //! On a target without an operating system the package is empty.
 #![cfg_attr(target_os = "none", no_std)]
@@ -16,6 +16,7 @@ pub mod margins;
 pub mod mission;
 pub mod pil;
 pub mod plant;
+pub mod polar;
 pub mod reference;
 pub mod replay;
 pub mod report;

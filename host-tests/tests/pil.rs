@@ -64,7 +64,7 @@ impl Controller for Compared {
 /// process. The flights are the same up to there, so that equal answers are equal flights.
 fn same_bits(which: Build, scenario: &Scenario, pacing: Pacing) -> anyhow::Result<()> {
     let (_qemu, mut target) = boot(which);
-    target.configure(scenario.configuration(pacing))?;
+    target.configure(scenario.configuration(pacing).unwrap())?;
     let local = Local::new(scenario).unwrap();
     let mut compared = Compared {
         target,
@@ -146,7 +146,7 @@ fn without_a_link_it_is_safe_and_with_it_it_flies_again() {
     scenario.duration_s = 10.0;
     let cut = 5000..5200;
     target
-        .configure(scenario.configuration(Pacing::Timer))
+        .configure(scenario.configuration(Pacing::Timer).unwrap())
         .unwrap();
     let mut flown = Outage {
         controller: Watching {
@@ -213,7 +213,7 @@ fn a_hundred_thousand_damaged_frames_do_nothing_and_are_counted() {
     let scenario = scenario("hover-to-cruise");
     let (_qemu, mut target) = boot(Build::Release);
     let mut mangler = Mangler::new(5);
-    let configuration = scenario.configuration(Pacing::Lockstep);
+    let configuration = scenario.configuration(Pacing::Lockstep).unwrap();
     send(
         &mut target,
         &mut mangler,

@@ -3,6 +3,8 @@
 use std::path::PathBuf;
 
 use alula_link::Pacing;
+use anyhow::anyhow;
+
 use alula_sil::flight::Controller;
 use alula_sil::pil::{Build, Qemu, Target, build, open_serial};
 
@@ -32,6 +34,9 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     // The emulator lives as long as the flight.
     let mut emulator = None;
     fly::with(&args.flight, "out/pil", |scenario| {
+        let configuration = scenario
+            .configuration(pacing)
+            .map_err(|e| anyhow!("{}: {}", e.field, e.problem))?;
         let mut target = match &args.serial {
             Some(device) => Target::new(open_serial(device)?)?,
             None => {
@@ -44,7 +49,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
                 Target::new(port)?
             }
         };
-        target.configure(scenario.configuration(pacing))?;
+        target.configure(configuration)?;
         Ok(Box::new(target) as Box<dyn Controller>)
     })
 }

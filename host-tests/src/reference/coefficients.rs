@@ -2,7 +2,9 @@
 
 use num_dual::{Dual3_64, DualNum};
 
-/// An aerodynamic model: the paper's three families. Angles in radians.
+use super::Table;
+
+/// An aerodynamic model: one of the paper's three families, or a table. Angles in radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Aerodynamics {
     /// `coeffSmallReynolds1`.
@@ -38,6 +40,8 @@ pub enum Aerodynamics {
         /// Sharpness of the crossing for drag \[1/rad²\].
         k_d: f64,
     },
+    /// Measured coefficients, interpolated.
+    Table(&'static Table),
 }
 
 /// Lift and drag coefficients with two derivatives, \[1/rad\] each.
@@ -170,6 +174,10 @@ impl Aerodynamics {
                     sigma(alpha_bar, k_d, x),
                 ),
             ),
+            Self::Table(table) => {
+                let (lift, drag) = table.at(x);
+                ((lift, abs(lift)), (drag, abs(drag)))
+            }
         };
         (
             Coefficients::from_jets(lift, drag),

@@ -8,11 +8,13 @@
 mod coefficients;
 mod law;
 mod magnitude;
+mod table;
 mod vehicle;
 
 pub use coefficients::{Aerodynamics, Coefficients};
 pub use law::{Evaluation, Gains, Inputs, full, mu, robust};
 pub use magnitude::{Angle, Magnitudes, magnitudes};
+pub use table::{Row, Table};
 pub use vehicle::{Air, Vehicle};
 
 /// A plane vector in double precision.

@@ -105,19 +105,26 @@ impl Scenario {
         Ok(alula::VelocityControl::new(vehicle, gains))
     }
 
-    /// The same controller, as a target is told of it.
-    pub fn configuration(&self, pacing: Pacing) -> Configuration {
-        let belief = self.controller.vehicle.as_ref().unwrap_or(&self.vehicle);
-        Configuration::new(
+    /// The same controller, as a target is told of it. Tables are not sent over the link.
+    pub fn configuration(&self, pacing: Pacing) -> Result<Configuration, FieldError> {
+        let (table, belief) = match &self.controller.vehicle {
+            Some(belief) => ("controller.vehicle", belief),
+            None => ("vehicle", &self.vehicle),
+        };
+        let model = belief.aerodynamics.parameters().map_err(|polar| {
+            let problem = format!("{}: a link carries no tables", polar.name);
+            FieldError::new(format!("{table}.aerodynamics.table"), problem)
+        })?;
+        Ok(Configuration::new(
             belief.parameters(),
-            belief.aerodynamics.parameters(),
+            model,
             self.controller.gains.parameters(),
             match self.controller.law {
                 Law::Robust => alula_link::Law::Robust,
                 Law::Full => alula_link::Law::Full,
             },
             pacing,
-        )
+        ))
     }
 
     /// The true vehicle in its wind.

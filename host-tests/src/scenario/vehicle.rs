@@ -4,6 +4,7 @@ use alula_link::ModelParameters;
 use serde::Deserialize;
 
 use super::FieldError;
+use crate::polar::Polar;
 use crate::reference::{Aerodynamics, Vehicle};
 
 /// `[vehicle]`, `[controller.vehicle]`.
@@ -65,6 +66,11 @@ pub enum AerodynamicsSpec {
         /// k_D \[1/rad²\].
         k_d: f64,
     },
+    /// Measured coefficients, interpolated.
+    Table {
+        /// A built-in polar, or a CSV file.
+        polar: Polar,
+    },
 }
 
 impl AerodynamicsSpec {
@@ -73,20 +79,22 @@ impl AerodynamicsSpec {
             Self::LargeAngle { .. } => "large-angle",
             Self::SmallAngle { .. } => "small-angle",
             Self::Combined { .. } => "combined",
+            Self::Table { .. } => "table",
         }
     }
 
-    pub(super) fn parameters(&self) -> ModelParameters {
-        match *self {
+    /// The parameters, or the table that has none.
+    pub(super) fn parameters(&self) -> Result<ModelParameters, &Polar> {
+        Ok(match self {
             Self::LargeAngle { c0, c1 } => alula::LargeAngleParameters {
-                c0: c0 as f32,
-                c1: c1 as f32,
+                c0: *c0 as f32,
+                c1: *c1 as f32,
             }
             .into(),
             Self::SmallAngle { c0, c2, c3 } => alula::SmallAngleParameters {
-                c0: c0 as f32,
-                c2: c2 as f32,
-                c3: c3 as f32,
+                c0: *c0 as f32,
+                c2: *c2 as f32,
+                c3: *c3 as f32,
             }
             .into(),
             Self::Combined {
@@ -98,15 +106,23 @@ impl AerodynamicsSpec {
                 k_l,
                 k_d,
             } => alula::CombinedParameters {
-                c0: c0 as f32,
-                c1: c1 as f32,
-                c2: c2 as f32,
-                c3: c3 as f32,
+                c0: *c0 as f32,
+                c1: *c1 as f32,
+                c2: *c2 as f32,
+                c3: *c3 as f32,
                 alpha_bar: alpha_bar_deg.to_radians() as f32,
-                k_l: k_l as f32,
-                k_d: k_d as f32,
+                k_l: *k_l as f32,
+                k_d: *k_d as f32,
             }
             .into(),
+            Self::Table { polar } => return Err(polar),
+        })
+    }
+
+    fn control_model(&self) -> Result<alula::Model, alula::ParameterError> {
+        match self.parameters() {
+            Ok(parameters) => parameters.model(),
+            Err(polar) => Ok(alula::Model::Table(polar.core)),
         }
     }
 
@@ -131,6 +147,7 @@ impl AerodynamicsSpec {
                 k_l,
                 k_d,
             },
+            Self::Table { polar } => Aerodynamics::Table(polar.reference),
         }
     }
 }
@@ -141,8 +158,7 @@ impl VehicleSpec {
         let aerodynamics = format!("{table}.aerodynamics.{}", self.aerodynamics.key());
         let model = self
             .aerodynamics
-            .parameters()
-            .model()
+            .control_model()
             .map_err(|e| refused(&aerodynamics, e))?;
         alula::Vehicle::new(self.parameters(), model).map_err(|e| refused(table, e))
     }
