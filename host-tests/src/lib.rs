@@ -9,6 +9,7 @@
 #![cfg_attr(target_os = "none", no_std)]
 #![cfg(not(target_os = "none"))]
 
+pub mod envelope;
 pub mod figures;
 pub mod files;
 pub mod flight;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use num_dual::{Dual3_64, DualNum};
+use num_dual::Dual3_64;
 
 /// One row: α \[rad\], c_L, c_D.
 pub type Row = [f64; 3];
