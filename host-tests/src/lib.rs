@@ -5,13 +5,17 @@
 //! [`scenario`], [`flight`] (the loop, closed by any [`flight::Controller`]), [`figures`] of merit,
 //! [`trace`] and [`replay`](mod@replay) (CSV), [`report`], [`files`]. [`mission`] flies the core's whole guidance on a vehicle with actuators,
 //! sensors and weather; [`margins`] is the linear theory of the law's loop.
+//! Of a vehicle alone ([`airframe`]): its [`envelope`]; a [`sweep`](mod@sweep) of its equilibria along a
+//! scenario; the [`fit`](mod@fit) of a model to a table.
 //! On a target without an operating system the package is empty.
 #![cfg_attr(target_os = "none", no_std)]
 #![cfg(not(target_os = "none"))]
 
+pub mod airframe;
 pub mod envelope;
 pub mod figures;
 pub mod files;
+pub mod fit;
 pub mod flight;
 pub mod margins;
 pub mod mission;
@@ -22,4 +26,5 @@ pub mod reference;
 pub mod replay;
 pub mod report;
 pub mod scenario;
+pub mod sweep;
 pub mod trace;

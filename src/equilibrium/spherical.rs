@@ -21,7 +21,7 @@ const TOLERANCE: f32 = 1e-5;
 pub enum NotSpherical {
     /// `eq:condition` does not hold.
     Condition {
-        /// Where it is violated first \[rad\].
+        /// Where it is violated most \[rad\].
         alpha: f32,
         /// Its residual there.
         residual: f32,
@@ -38,7 +38,7 @@ impl fmt::Display for NotSpherical {
         match self {
             Self::Condition { alpha, residual } => write!(
                 f,
-                "eq:condition leaves {residual} at an angle of attack of {}°",
+                "eq:condition leaves {residual:.3} at α = {:.1}°",
                 alpha.to_degrees()
             ),
             Self::EquivalentDrag { c_d } => {
@@ -65,7 +65,7 @@ impl<'a, A: Aerodynamics> Spherical<'a, A> {
     /// # Errors
     /// What does not hold.
     pub fn new(vehicle: &'a Vehicle<A>) -> Result<Self, NotSpherical> {
-        let mut mean = (0.0f32, 0.0f32);
+        let (mut mean, mut worst) = ((0.0f32, 0.0f32), (0.0f32, 0.0f32, 0.0f32));
         for n in 0..SAMPLES {
             let turn = (n as f32 + 0.5) / SAMPLES as f32 - 0.5;
             let alpha = AngleOfAttack::from_radians(2.0 * math::PI * turn);
@@ -77,11 +77,9 @@ impl<'a, A: Aerodynamics> Spherical<'a, A> {
                 + c.ddc_d.abs()
                 + 2.0 * (c.dc_l.abs() + c.dc_d.abs())
                 + c.c_l.abs();
-            if residual.abs() > TOLERANCE * size || residual.is_nan() {
-                return Err(NotSpherical::Condition {
-                    alpha: alpha.rad,
-                    residual,
-                });
+            let excess = residual.abs() / size;
+            if excess > worst.0 || excess.is_nan() {
+                worst = (excess, alpha.rad, residual);
             }
             let (c_l, c_d) = equivalent_coefficients(&c, &air, lambda(&c, &air));
             // Step by step: a sum of so many would lose digits.
@@ -89,7 +87,10 @@ impl<'a, A: Aerodynamics> Spherical<'a, A> {
             mean.0 += weight * (c_l - mean.0);
             mean.1 += weight * (c_d - mean.1);
         }
-        let (c_l, c_d) = mean;
+        let ((excess, alpha, residual), (c_l, c_d)) = (worst, mean);
+        if excess > TOLERANCE || excess.is_nan() {
+            return Err(NotSpherical::Condition { alpha, residual });
+        }
         if c_d > 0.0 {
             Ok(Self { vehicle, c_l, c_d })
         } else {

@@ -1,11 +1,16 @@
 //! The command line: one file per subcommand, each with its arguments and a `run`.
 
+mod envelope;
+mod equilibria;
+mod fit;
 mod fly;
 mod margins;
 mod mission;
+mod output;
 mod pil;
 mod replay;
 mod scenarios;
+mod sweep;
 
 use clap::{Parser, Subcommand};
 
@@ -25,6 +30,10 @@ enum Command {
     Pil(pil::Args),
     Replay(replay::Args),
     Scenarios(scenarios::Args),
+    Envelope(envelope::Args),
+    Equilibria(equilibria::Args),
+    Sweep(sweep::Args),
+    Fit(fit::Args),
 }
 
 impl Cli {
@@ -38,6 +47,10 @@ impl Cli {
             Some(Command::Pil(args)) => pil::run(&args),
             Some(Command::Replay(args)) => replay::run(&args),
             Some(Command::Scenarios(args)) => scenarios::run(&args),
+            Some(Command::Envelope(args)) => envelope::run(&args),
+            Some(Command::Equilibria(args)) => equilibria::run(&args),
+            Some(Command::Sweep(args)) => sweep::run(&args),
+            Some(Command::Fit(args)) => fit::run(&args),
         }
     }
 }

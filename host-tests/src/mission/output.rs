@@ -4,14 +4,15 @@ use std::io::Write;
 
 use alula::control::{AirUse, Mode};
 use anyhow::Context;
-use minijinja::{Environment, context};
+use minijinja::context;
 
 use super::figures::Figures;
 use super::flight::Row;
 use super::{Mission, MissionSource};
 use crate::reference::wrap;
-use crate::report::chart::{Chart, Series, sheet};
+use crate::report::chart::{Chart, Series, Stroke, sheet};
 use crate::report::figure::{BLUE, GREEN, GREY, ORANGE, angle};
+use crate::report::templates;
 
 const COLUMNS: [&str; 27] = [
     "t_s",
@@ -100,18 +101,18 @@ pub fn write_trace(rows: &[Row], to: impl Write) -> csv::Result<()> {
 
 /// The figure of a mission as SVG text.
 pub fn svg(mission: &Mission, rows: &[Row]) -> String {
-    sheet(&charts(mission, rows)).expect("charts of finite ranges can be drawn")
+    sheet(&charts(mission, rows), 310).expect("charts of finite ranges can be drawn")
 }
 
 fn charts(mission: &Mission, rows: &[Row]) -> [Chart; 8] {
     let series = |name, color, value: &dyn Fn(&Row) -> f64| Series {
         name,
         color,
-        dashed: false,
+        stroke: Stroke::Solid,
         points: rows.iter().map(|row| (row.t, value(row))).collect(),
     };
     let dashed = |name, color, value: &dyn Fn(&Row) -> f64| Series {
-        dashed: true,
+        stroke: Stroke::Dashed,
         ..series(name, color, value)
     };
     let chart = |title, series| Chart {
@@ -193,8 +194,6 @@ pub fn html(
     figures: &Figures,
     svg: &str,
 ) -> anyhow::Result<String> {
-    let mut environment = Environment::new();
-    environment.add_template("report.html", include_str!("../report/report.html"))?;
     let mission = &source.mission;
     let mut table: Vec<[String; 3]> = figures
         .table()
@@ -207,7 +206,7 @@ pub fn html(
             .iter()
             .map(|s| ["segment".to_owned(), s.line(), String::new()]),
     );
-    environment
+    templates()?
         .get_template("report.html")?
         .render(context! {
             name => &source.name,

@@ -1,4 +1,4 @@
-//! One chart: curves, a legend, marked instants.
+//! One chart: curves or dots, a legend, marked points.
 
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::ValueFormatter;
@@ -6,27 +6,40 @@ use plotters::coord::types::RangedCoordf64;
 use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 
-/// A curve. Points by increasing time.
+/// How a series is drawn.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Stroke {
+    /// A line.
+    Solid,
+    /// A dashed line: bounds and references.
+    Dashed,
+    /// A dot at every point.
+    Dots,
+}
+
+/// A curve, or dots. Points of a long curve by increasing abscissa.
 pub struct Series {
     /// Its name in the legend.
     pub name: &'static str,
     /// Colour.
     pub color: RGBColor,
-    /// Drawn dashed: bounds and references.
-    pub dashed: bool,
+    /// How it is drawn.
+    pub stroke: Stroke,
     /// (horizontal, value). A value that is not finite breaks the curve.
     pub points: Vec<(f64, f64)>,
 }
 
-/// A marked instant.
+/// A marked point.
 pub struct Mark {
     /// Where.
     pub at: (f64, f64),
     /// What to say there.
     pub label: String,
+    /// How far down the label is moved, out of the way of others \[px\].
+    pub shift: i32,
 }
 
-/// A chart over time, or over another positive quantity.
+/// A chart over time, or over another quantity.
 pub struct Chart {
     /// What is drawn, with its unit: the title above the chart.
     pub title: &'static str,
@@ -34,7 +47,7 @@ pub struct Chart {
     pub horizontal: &'static str,
     /// The curves.
     pub series: Vec<Series>,
-    /// Marked instants.
+    /// Marked points.
     pub marks: Vec<Mark>,
     /// Whether the vertical axis is logarithmic.
     pub logarithmic: bool,
@@ -50,8 +63,14 @@ const FAINT_GRID: RGBColor = RGBColor(243, 245, 247);
 impl Chart {
     /// Draws the chart on `area`.
     fn draw(&self, area: &DrawingArea<SVGBackend, Shift>) -> Drawn {
-        let times = self.series.iter().flat_map(|s| &s.points).map(|p| p.0);
-        let end = times.fold(0.0_f64, f64::max);
+        let abscissas = || self.series.iter().flat_map(|s| &s.points).map(|p| p.0);
+        let begin = abscissas().fold(f64::INFINITY, f64::min);
+        let end = abscissas().fold(f64::NEG_INFINITY, f64::max);
+        let (begin, end) = match begin < end {
+            true => (begin, end),
+            // One point, or none.
+            false => (0.0, end.max(1.0)),
+        };
         let (low, high) = self.range();
         let mut builder = ChartBuilder::on(area);
         builder
@@ -61,11 +80,11 @@ impl Chart {
             .x_label_area_size(42)
             .y_label_area_size(64);
         if self.logarithmic {
-            let chart = builder.build_cartesian_2d(0.0..end, (low..high).log_scale())?;
-            self.fill(chart, end, (low.ln(), high.ln()), f64::ln)
+            let chart = builder.build_cartesian_2d(begin..end, (low..high).log_scale())?;
+            self.fill(chart, begin..end, (low.ln(), high.ln()), f64::ln)
         } else {
-            let chart = builder.build_cartesian_2d(0.0..end, low..high)?;
-            self.fill(chart, end, (low, high), |y| y)
+            let chart = builder.build_cartesian_2d(begin..end, low..high)?;
+            self.fill(chart, begin..end, (low, high), |y| y)
         }
     }
 
@@ -96,7 +115,7 @@ impl Chart {
     fn fill<'a, 'b: 'a, Y>(
         &self,
         mut chart: ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, Y>>,
-        end: f64,
+        across: std::ops::Range<f64>,
         (bottom, top): (f64, f64),
         height: fn(f64) -> f64,
     ) -> Drawn
@@ -120,12 +139,22 @@ impl Chart {
             .draw()?;
         for series in &self.series {
             let style = series.color.stroke_width(2);
+            if series.stroke == Stroke::Dots {
+                let color = series.color.filled();
+                let dots = series.points.iter().filter(|p| p.1.is_finite());
+                chart
+                    .draw_series(dots.map(|p| Circle::new(*p, 2, color)))?
+                    .label(series.name)
+                    .legend(move |(x, y)| Circle::new((x + 9, y), 3, color));
+                continue;
+            }
+            let dashed = series.stroke == Stroke::Dashed;
             let drawable = |p: &(f64, f64)| p.1.is_finite() && (!self.logarithmic || p.1 > 0.0);
             let pieces = series.points.split(|p| !drawable(p)).map(thin);
             // One element per unbroken piece; the legend goes with the first.
             let mut named = false;
             for piece in pieces.filter(|piece| piece.len() > 1) {
-                let drawn = if series.dashed {
+                let drawn = if dashed {
                     chart.draw_series(DashedLineSeries::new(piece, 7, 5, style))?
                 } else {
                     chart.draw_series(LineSeries::new(piece, style))?
@@ -133,7 +162,7 @@ impl Chart {
                 if !std::mem::replace(&mut named, true) {
                     let line = |x, y| [(x, y), (x + 18, y)];
                     let drawn = drawn.label(series.name);
-                    if series.dashed {
+                    if dashed {
                         drawn.legend(move |(x, y)| DashedPathElement::new(line(x, y), 7, 4, style));
                     } else {
                         drawn.legend(move |(x, y)| PathElement::new(line(x, y), style));
@@ -143,7 +172,7 @@ impl Chart {
         }
         for mark in &self.marks {
             // The label goes where there is room: away from the nearer edges.
-            let right = mark.at.0 < 0.6 * end;
+            let right = mark.at.0 < across.start + 0.6 * (across.end - across.start);
             let above = height(mark.at.1) < 0.5 * (bottom + top);
             let (x, anchor) = if right {
                 (9, plotters::style::text_anchor::HPos::Left)
@@ -161,7 +190,7 @@ impl Chart {
             chart.draw_series(std::iter::once(
                 EmptyElement::at(mark.at)
                     + Circle::new((0, 0), 4, INK.stroke_width(2))
-                    + Text::new(mark.label.clone(), (x, y), style),
+                    + Text::new(mark.label.clone(), (x, y + mark.shift), style),
             ))?;
         }
         if self.series.len() > 1 {
@@ -179,16 +208,16 @@ impl Chart {
     }
 }
 
-/// The charts on a sheet of two columns, as SVG text.
-pub fn sheet(charts: &[Chart]) -> Result<String, DrawingError> {
+/// The charts on a sheet of two columns, each this many pixels `high`, as SVG text.
+pub fn sheet(charts: &[Chart], high: u32) -> Result<String, DrawingError> {
     let mut text = String::new();
-    draw(&mut text, charts)?;
+    draw(&mut text, charts, high)?;
     Ok(text)
 }
 
-fn draw(text: &mut String, charts: &[Chart]) -> Drawn {
+fn draw(text: &mut String, charts: &[Chart], high: u32) -> Drawn {
     let lines = charts.len().div_ceil(2);
-    let root = SVGBackend::with_string(text, (1280, 310 * lines as u32)).into_drawing_area();
+    let root = SVGBackend::with_string(text, (1280, high * lines as u32)).into_drawing_area();
     root.fill(&WHITE)?;
     for (chart, area) in charts.iter().zip(root.split_evenly((lines, 2))) {
         chart.draw(&area)?;

@@ -2,7 +2,7 @@
 
 use plotters::prelude::*;
 
-use super::chart::{Chart, Mark, Series, sheet};
+use super::chart::{Chart, Mark, Series, Stroke, sheet};
 use crate::figures::Figures;
 use crate::flight::Row;
 use crate::reference::wrap;
@@ -15,14 +15,14 @@ pub(crate) const GREY: RGBColor = RGBColor(120, 128, 138);
 
 /// The figure of a flight as SVG text.
 pub fn svg(scenario: &Scenario, rows: &[Row], figures: &Figures) -> String {
-    sheet(&charts(scenario, rows, figures)).expect("charts of finite ranges can be drawn")
+    sheet(&charts(scenario, rows, figures), 310).expect("charts of finite ranges can be drawn")
 }
 
 fn charts(scenario: &Scenario, rows: &[Row], figures: &Figures) -> [Chart; 8] {
     let series = |name, color, value: &dyn Fn(&Row) -> f64| Series {
         name,
         color,
-        dashed: false,
+        stroke: Stroke::Solid,
         points: rows.iter().map(|row| (row.t, value(row))).collect(),
     };
     let chart = |title, series| Chart {
@@ -35,6 +35,7 @@ fn charts(scenario: &Scenario, rows: &[Row], figures: &Figures) -> [Chart; 8] {
     let mark = |t: f64, y: f64, unit: &str| Mark {
         at: (t, y),
         label: format!("{y:.3} {unit} at {t:.3} s"),
+        shift: 0,
     };
 
     let mut errors = chart(
@@ -43,7 +44,7 @@ fn charts(scenario: &Scenario, rows: &[Row], figures: &Figures) -> [Chart; 8] {
             series("down", BLUE, &|r| r.velocity_error().x),
             series("forward", ORANGE, &|r| r.velocity_error().y),
             Series {
-                dashed: true,
+                stroke: Stroke::Dashed,
                 ..series("magnitude", GREY, &|r| r.velocity_error().norm())
             },
         ],
@@ -74,7 +75,7 @@ fn charts(scenario: &Scenario, rows: &[Row], figures: &Figures) -> [Chart; 8] {
                     .map_or(f64::NAN, |c| f64::from(c.diagnostics.f_p_norm))
             }),
             Series {
-                dashed: true,
+                stroke: Stroke::Dashed,
                 ..series("τ", ORANGE, &|_| scenario.controller.gains.tau_n)
             },
         ],

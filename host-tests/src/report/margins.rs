@@ -1,6 +1,6 @@
 //! The plot of stability margins against speed.
 
-use super::chart::{Chart, DrawingError, Series, sheet};
+use super::chart::{Chart, DrawingError, Series, Stroke, sheet};
 use super::figure::{BLUE, ORANGE};
 use crate::margins::Point;
 
@@ -15,7 +15,7 @@ pub fn margins_svg(loops: &[(&'static str, &[Point])]) -> Result<String, Drawing
             .map(|((name, points), color)| Series {
                 name,
                 color,
-                dashed: false,
+                stroke: Stroke::Solid,
                 points: points
                     .iter()
                     .map(|p| (p.speed_m_s, value(p).unwrap_or(f64::NAN)))
@@ -25,8 +25,9 @@ pub fn margins_svg(loops: &[(&'static str, &[Point])]) -> Result<String, Drawing
         marks: Vec::new(),
         logarithmic: true,
     };
-    sheet(&[
+    let charts = [
         chart("largest stable lag of the rate loop [s]", &|p| p.lag_s),
         chart("largest stable delay of the command [s]", &|p| p.delay_s),
-    ])
+    ];
+    sheet(&charts, 310)
 }

@@ -1,8 +1,13 @@
-//! The report of a flight: a figure, and a page that holds everything and needs no network.
+//! Reports: a figure, and a page that holds everything and needs no network.
 
 pub(crate) mod chart;
+pub mod envelope;
+pub mod equilibria;
 pub(crate) mod figure;
+pub mod fit;
 mod margins;
+mod page;
+pub mod sweep;
 
 use anyhow::Context;
 use minijinja::{Environment, context};
@@ -13,13 +18,21 @@ use crate::scenario::Source;
 
 pub use figure::svg;
 pub use margins::margins_svg;
+pub use page::{Page, Table};
+
+/// The templates of the pages.
+pub(crate) fn templates() -> anyhow::Result<Environment<'static>> {
+    let mut environment = Environment::new();
+    environment.add_template("style.css", include_str!("style.css"))?;
+    environment.add_template("report.html", include_str!("report.html"))?;
+    environment.add_template("page.html", include_str!("page.html"))?;
+    Ok(environment)
+}
 
 /// The page about a flight, with its figure `svg` inside.
 pub fn html(source: &Source, rows: &[Row], figures: &Figures, svg: &str) -> anyhow::Result<String> {
-    let mut environment = Environment::new();
-    environment.add_template("report.html", include_str!("report.html"))?;
     let scenario = &source.scenario;
-    environment
+    templates()?
         .get_template("report.html")?
         .render(context! {
             name => &source.name,

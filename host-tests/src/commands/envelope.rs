@@ -1,0 +1,253 @@
+//! `envelope`: folds, equilibrium counts, jumps and cusps of a vehicle.
+
+use std::path::PathBuf;
+
+use anyhow::anyhow;
+use serde::Serialize;
+
+use alula_sil::airframe::Airframe;
+use alula_sil::envelope::{Curve, Cusp, Fold, FoldCurve, Interval, Jump, jump_down, jump_up};
+use alula_sil::reference::Vehicle;
+use alula_sil::report::envelope::{Figure, svg};
+use alula_sil::report::{Page, Table};
+
+use super::output;
+
+/// Where a vehicle's equilibria fold and jump, in level flight, in a climb or in an acceleration
+#[derive(clap::Args)]
+pub struct Args {
+    /// A built-in vehicle, polar or scenario, a vehicle or scenario TOML, or a polar CSV
+    #[arg(default_value = "paper")]
+    vehicle: String,
+    /// Steady climb angle [°], from -90 to 90
+    #[arg(
+        long,
+        value_name = "X",
+        allow_negative_numbers = true,
+        conflicts_with = "accel"
+    )]
+    climb_deg: Option<f64>,
+    /// Level acceleration [m/s²]
+    #[arg(long, value_name = "X", allow_negative_numbers = true)]
+    accel: Option<f64>,
+    /// Folder for the pictures [default: out/envelope-<vehicle>]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print one JSON object instead of the tables
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Serialize)]
+struct FoldSummary {
+    alpha_deg: f64,
+    a: f64,
+    speed_m_s: f64,
+}
+
+#[derive(Serialize)]
+struct JumpSummary {
+    from_alpha_deg: f64,
+    to_alpha_deg: f64,
+    a: f64,
+    speed_m_s: f64,
+}
+
+#[derive(Serialize)]
+struct CuspSummary {
+    epsilon_deg: f64,
+    a: f64,
+    alpha_deg: f64,
+}
+
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Summary {
+    vehicle: String,
+    epsilon_deg: f64,
+    folds: Vec<FoldSummary>,
+    counts: Vec<Interval>,
+    jump_up: Option<JumpSummary>,
+    jump_down: Option<JumpSummary>,
+    cusps: Vec<CuspSummary>,
+}
+
+/// The flight along which the airspeed varies.
+struct Ray {
+    epsilon: f64,
+    /// |W| \[N\].
+    weight: f64,
+    k_a: f64,
+}
+
+impl Ray {
+    fn new(args: &Args, vehicle: &Vehicle) -> anyhow::Result<Self> {
+        let finite = |name: &str, value: Option<f64>| match value {
+            Some(x) if !x.is_finite() => Err(anyhow!("{name}: must be a finite number")),
+            value => Ok(value.unwrap_or(0.0)),
+        };
+        let climb = finite("--climb-deg", args.climb_deg)?;
+        let acceleration = finite("--accel", args.accel)?;
+        if climb.abs() > 90.0 {
+            return Err(anyhow!("--climb-deg: must be from -90 to 90"));
+        }
+        let epsilon = match args.accel {
+            Some(_) => (acceleration / vehicle.gravity).atan(),
+            None => climb.to_radians(),
+        };
+        Ok(Self {
+            epsilon,
+            weight: vehicle.mass * vehicle.gravity.hypot(acceleration),
+            k_a: vehicle.k_a,
+        })
+    }
+
+    /// Airspeed at `a` \[m/s\].
+    fn speed(&self, a: f64) -> f64 {
+        (a * self.weight / self.k_a).sqrt()
+    }
+}
+
+pub fn run(args: &Args) -> anyhow::Result<()> {
+    let airframe = Airframe::load(&args.vehicle)?;
+    let vehicle = airframe.reference();
+    let ray = Ray::new(args, &vehicle)?;
+    let name = format!("envelope-{}", airframe.name);
+    let out = output::folder(args.out.as_deref(), &name)?;
+    let curve = Curve::new(&vehicle, ray.epsilon).ok_or_else(|| {
+        anyhow!(
+            "{}: no equilibrium curve begins at hover at δ = {:.1}°",
+            airframe.name,
+            vehicle.delta.to_degrees()
+        )
+    })?;
+    let folds = curve.folds();
+    let fold_curve = FoldCurve::new(&vehicle);
+    let cusps = fold_curve.cusps();
+    let figure = Figure {
+        vehicle: &vehicle,
+        curve: &curve,
+        epsilon: ray.epsilon,
+        folds: &folds,
+        fold_curve: &fold_curve.pieces(),
+        cusps: &cusps,
+    };
+    let summary = Summary {
+        vehicle: airframe.name.clone(),
+        epsilon_deg: ray.epsilon.to_degrees(),
+        folds: folds.iter().map(|fold| fold_summary(&ray, fold)).collect(),
+        counts: curve.counts(&folds),
+        jump_up: jump_up(&curve, &folds).map(|jump| jump_summary(&ray, &jump)),
+        jump_down: jump_down(&curve, &folds).map(|jump| jump_summary(&ray, &jump)),
+        cusps: cusps.iter().map(cusp_summary).collect(),
+    };
+    let page = Page {
+        title: format!("Envelope of {}", airframe.name),
+        lead: format!(
+            "{}; {}",
+            airframe.description.trim_end_matches('.'),
+            flight(args, &ray)
+        ),
+        svg: svg(&figure),
+        tables: tables(&summary, &ray),
+        notes: "Equilibria from hover to infinite airspeed; see docs/envelope.md.",
+    };
+    output::leave(&out, "envelope", &page, args.json.then_some(&summary))
+}
+
+fn flight(args: &Args, ray: &Ray) -> String {
+    match (args.accel, args.climb_deg) {
+        (Some(a), _) => format!(
+            "level flight accelerating at {a} m/s² (ε = {:.2}°)",
+            ray.epsilon.to_degrees()
+        ),
+        (None, Some(climb)) => format!("steady climb at ε = {climb}°"),
+        (None, None) => "steady level flight (ε = 0)".to_owned(),
+    }
+}
+
+fn fold_summary(ray: &Ray, fold: &Fold) -> FoldSummary {
+    FoldSummary {
+        alpha_deg: fold.alpha.to_degrees(),
+        a: fold.a,
+        speed_m_s: ray.speed(fold.a),
+    }
+}
+
+fn jump_summary(ray: &Ray, jump: &Jump) -> JumpSummary {
+    JumpSummary {
+        from_alpha_deg: jump.from_alpha.to_degrees(),
+        to_alpha_deg: jump.to_alpha.to_degrees(),
+        a: jump.a,
+        speed_m_s: ray.speed(jump.a),
+    }
+}
+
+fn cusp_summary(cusp: &Cusp) -> CuspSummary {
+    CuspSummary {
+        epsilon_deg: cusp.epsilon.to_degrees(),
+        a: cusp.a,
+        alpha_deg: cusp.alpha.to_degrees(),
+    }
+}
+
+fn tables(summary: &Summary, ray: &Ray) -> Vec<Table> {
+    let speed = |a: f64| format!("{:.2}", ray.speed(a));
+    let fold = |f: &FoldSummary| {
+        vec![
+            format!("{:.3}", f.alpha_deg),
+            format!("{:.5}", f.a),
+            format!("{:.2}", f.speed_m_s),
+        ]
+    };
+    let count = |c: &Interval| {
+        vec![
+            format!("{:.4}", c.a_min),
+            c.a_max.map_or("∞".to_owned(), |a| format!("{a:.4}")),
+            speed(c.a_min),
+            c.a_max.map_or("∞".to_owned(), speed),
+            c.n.to_string(),
+        ]
+    };
+    let jump = |what: &str, j: &JumpSummary| {
+        vec![
+            what.to_owned(),
+            format!("{:.2}", j.from_alpha_deg),
+            format!("{:.2}", j.to_alpha_deg),
+            format!("{:.4}", j.a),
+            format!("{:.2}", j.speed_m_s),
+        ]
+    };
+    let cusp = |c: &CuspSummary| {
+        vec![
+            format!("{:.2}", c.epsilon_deg),
+            format!("{:.4}", c.a),
+            format!("{:.2}", c.alpha_deg),
+        ]
+    };
+    let up = summary.jump_up.iter().map(|j| jump("accelerating", j));
+    let down = summary.jump_down.iter().map(|j| jump("decelerating", j));
+    let tables = [
+        Table {
+            title: "Folds".to_owned(),
+            header: vec!["α [°]", "a", "airspeed [m/s]"],
+            rows: summary.folds.iter().map(fold).collect(),
+        },
+        Table {
+            title: "Equilibria".to_owned(),
+            header: vec!["a from", "to", "airspeed from [m/s]", "to", "number"],
+            rows: summary.counts.iter().map(count).collect(),
+        },
+        Table {
+            title: "Jumps".to_owned(),
+            header: vec!["", "from α [°]", "to α [°]", "a", "airspeed [m/s]"],
+            rows: up.chain(down).collect(),
+        },
+        Table {
+            title: "Cusps".to_owned(),
+            header: vec!["ε [°]", "a", "α [°]"],
+            rows: summary.cusps.iter().map(cusp).collect(),
+        },
+    ];
+    tables.into_iter().filter(|t| !t.rows.is_empty()).collect()
+}

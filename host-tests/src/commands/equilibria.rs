@@ -1,0 +1,233 @@
+//! `equilibria`: the orientations that hold one reference, as the core finds them on board.
+
+use std::path::PathBuf;
+
+use alula::equilibrium::{Branch, Equilibrium, Spherical, existence};
+use alula::{Equilibria, FoldMap, FoldMargin, Inertial, Model, Reference, Vehicle};
+use anyhow::anyhow;
+use serde::Serialize;
+
+use alula_sil::airframe::Airframe;
+use alula_sil::reference::Vector;
+use alula_sil::report::equilibria::svg;
+use alula_sil::report::{Page, Table};
+
+use super::output;
+
+/// The orientations that hold a reference velocity, with thrust and branch
+#[derive(clap::Args)]
+pub struct Args {
+    /// A built-in vehicle, polar or scenario, a vehicle or scenario TOML, or a polar CSV
+    vehicle: String,
+    /// Reference velocity over ground, down and forward [m/s]
+    #[arg(long, value_name = "D,F", value_parser = pair, allow_hyphen_values = true)]
+    velocity: Pair,
+    /// Reference acceleration, down and forward [m/s²]
+    #[arg(long, value_name = "D,F", value_parser = pair, default_value = "0,0", allow_hyphen_values = true)]
+    accel: Pair,
+    /// Wind, down and forward [m/s]
+    #[arg(long, value_name = "D,F", value_parser = pair, default_value = "0,0", allow_hyphen_values = true)]
+    wind: Pair,
+    /// Folder for the pictures [default: out/equilibria-<vehicle>]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print one JSON object instead of the tables
+    #[arg(long)]
+    json: bool,
+}
+
+/// Down and forward.
+#[derive(Clone, Copy)]
+struct Pair(f32, f32);
+
+impl Pair {
+    fn inertial(self) -> Inertial {
+        Inertial::new(self.0, self.1)
+    }
+
+    fn vector(self) -> Vector {
+        Vector::new(self.0.into(), self.1.into())
+    }
+}
+
+fn pair(text: &str) -> Result<Pair, String> {
+    let number = |part: &str| match part.trim().parse::<f32>() {
+        Ok(x) if x.is_finite() => Ok(x),
+        _ => Err(format!("{part:?} is not a finite number")),
+    };
+    let (down, forward) = text
+        .split_once(',')
+        .ok_or("must be two numbers, DOWN,FORWARD")?;
+    Ok(Pair(number(down)?, number(forward)?))
+}
+
+#[derive(Serialize)]
+struct Row {
+    alpha_deg: f32,
+    theta_deg: f32,
+    thrust_n: f32,
+    thrust_to_weight: f32,
+    t_p_n: f32,
+    fp_n: f32,
+    branch: &'static str,
+    isolated: bool,
+    in_theta_plus: bool,
+    /// To the nearest fold within 11° \[°\], and the airspeed there over the present one.
+    fold_alpha_deg: Option<f32>,
+    fold_speed_ratio: Option<f32>,
+}
+
+/// What is known of every reference: true if the theorem's hypotheses are met, and why or why not.
+#[derive(Serialize)]
+struct Answer {
+    theorem: &'static str,
+    met: bool,
+    reason: String,
+}
+
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Summary {
+    vehicle: String,
+    equilibria: Vec<Row>,
+    existence: Vec<Answer>,
+}
+
+pub fn run(args: &Args) -> anyhow::Result<()> {
+    let airframe = Airframe::load(&args.vehicle)?;
+    let name = format!("equilibria-{}", airframe.name);
+    let out = output::folder(args.out.as_deref(), &name)?;
+    let vehicle = airframe.core();
+    let reference = Reference {
+        velocity: args.velocity.inertial(),
+        acceleration: args.accel.inertial(),
+    };
+    let wind = args.wind.inertial();
+    let set = Equilibria::find(&vehicle, &reference, wind)
+        .map_err(|e| anyhow!("{}: {e}", airframe.name))?;
+    let map = FoldMap::new(&vehicle);
+    let margin = |e: &Equilibrium| {
+        map.margin(&alula::equivalency::ApparentForces::new(
+            &vehicle,
+            e.attitude,
+            reference.velocity - wind,
+            reference.acceleration,
+        ))
+    };
+    let weight = vehicle.mass() * vehicle.gravity();
+    let summary = Summary {
+        vehicle: airframe.name.clone(),
+        equilibria: set
+            .as_slice()
+            .iter()
+            .map(|e| row(e, margin(e), weight))
+            .collect(),
+        existence: existence(&vehicle),
+    };
+    let points: Vec<(f64, f64)> = set
+        .as_slice()
+        .iter()
+        .map(|e| (e.attitude.angle().into(), e.thrust.into()))
+        .collect();
+    let vectors = [args.velocity, args.accel, args.wind].map(Pair::vector);
+    let page = Page {
+        title: format!("Equilibria of {}", airframe.name),
+        lead: format!(
+            "velocity ({}, {}) m/s, acceleration ({}, {}) m/s², wind ({}, {}) m/s, each (down, forward)",
+            args.velocity.0, args.velocity.1, args.accel.0, args.accel.1, args.wind.0, args.wind.1
+        ),
+        svg: svg(&airframe.reference(), vectors, &points),
+        tables: tables(&summary),
+        notes: "The set is the core's, in single precision; the curves are in double precision.",
+    };
+    output::leave(&out, "equilibria", &page, args.json.then_some(&summary))
+}
+
+fn row(e: &Equilibrium, margin: Option<FoldMargin>, weight: f32) -> Row {
+    Row {
+        alpha_deg: e.alpha.to_degrees(),
+        theta_deg: e.attitude.angle().to_degrees(),
+        thrust_n: e.thrust,
+        thrust_to_weight: e.thrust / weight,
+        t_p_n: e.t_p,
+        fp_n: e.f_p_norm(),
+        branch: match e.branch() {
+            Branch::Aligned => "0",
+            Branch::Opposed => "pi",
+        },
+        isolated: e.isolated,
+        in_theta_plus: e.is_in_theta_plus(),
+        fold_alpha_deg: margin.map(|m| m.alpha.to_degrees()),
+        fold_speed_ratio: margin.map(|m| m.a.sqrt()),
+    }
+}
+
+fn existence(vehicle: &Vehicle<Model>) -> Vec<Answer> {
+    fn answer<T: ToString, E: ToString>(theorem: &'static str, result: Result<T, E>) -> Answer {
+        Answer {
+            theorem,
+            met: result.is_ok(),
+            reason: result.map_or_else(|e| e.to_string(), |t| t.to_string()),
+        }
+    }
+    let model = vehicle.model();
+    vec![
+        answer("Theorem 1 i", existence::theorem_1_symmetric(vehicle)),
+        answer("Theorem 1 ii", existence::theorem_1_bisymmetric(model)),
+        answer("Theorem 2", existence::theorem_2(model)),
+        answer(
+            "Lemma 1 (passivity)",
+            existence::passive(model).map(|()| "the air does no work; no equilibrium follows"),
+        ),
+        answer(
+            "Lemma 3",
+            Spherical::new(vehicle).map(|_| "two opposite equilibria but at one bad velocity"),
+        ),
+    ]
+}
+
+fn tables(summary: &Summary) -> Vec<Table> {
+    let degrees = |x: Option<f32>| x.map_or("–".to_owned(), |x| format!("{x:+.1}"));
+    let row = |e: &Row| {
+        vec![
+            format!("{:.3}", e.alpha_deg),
+            format!("{:.3}", e.theta_deg),
+            format!("{:.3}", e.thrust_n),
+            format!("{:.3}", e.thrust_to_weight),
+            format!("{:.3}", e.fp_n),
+            if e.branch == "0" {
+                "θ̃ = 0"
+            } else {
+                "θ̃ = π"
+            }
+            .to_owned(),
+            if e.isolated { "yes" } else { "no" }.to_owned(),
+            degrees(e.fold_alpha_deg),
+        ]
+    };
+    let answer = |a: &Answer| {
+        let met = if a.met { "met" } else { "not met" };
+        vec![a.theorem.to_owned(), met.to_owned(), a.reason.clone()]
+    };
+    vec![
+        Table {
+            title: format!("{} equilibria", summary.equilibria.len()),
+            header: vec![
+                "α [°]",
+                "θ [°]",
+                "thrust [N]",
+                "T/(m g)",
+                "|F_p| [N]",
+                "branch",
+                "isolated",
+                "to fold [°]",
+            ],
+            rows: summary.equilibria.iter().map(row).collect(),
+        },
+        Table {
+            title: "What holds at every reference".to_owned(),
+            header: vec!["", "hypotheses", "because"],
+            rows: summary.existence.iter().map(answer).collect(),
+        },
+    ]
+}

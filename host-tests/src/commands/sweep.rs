@@ -1,0 +1,133 @@
+//! `sweep`: the equilibria along a scenario's reference, and what stands against flying it.
+
+use std::path::PathBuf;
+
+use anyhow::anyhow;
+use serde::Serialize;
+
+use alula_sil::flight::{Local, fly};
+use alula_sil::report::sweep::svg;
+use alula_sil::report::{Page, Table};
+use alula_sil::scenario::Source;
+use alula_sil::sweep::{Cause, Findings, Span, findings, sweep};
+
+use super::output;
+
+/// Check a planned flight: jumps of the equilibrium, |F_p| too small, negative thrust
+#[derive(clap::Args)]
+pub struct Args {
+    /// A built-in scenario or a TOML file
+    scenario: String,
+    /// Least |F_p| to allow [N] [default: the scenario's τ]
+    #[arg(long, value_name = "N")]
+    min_fp: Option<f64>,
+    /// Folder for the pictures [default: out/sweep-<scenario>]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print one JSON object instead of the tables
+    #[arg(long)]
+    json: bool,
+}
+
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Summary {
+    scenario: String,
+    min_fp_n: f64,
+    #[serde(flatten)]
+    findings: Findings,
+}
+
+pub fn run(args: &Args) -> anyhow::Result<()> {
+    let source = Source::load(&args.scenario)?;
+    let scenario = &source.scenario;
+    let least_fp = args.min_fp.unwrap_or(scenario.controller.gains.tau_n);
+    if !least_fp.is_finite() || least_fp < 0.0 {
+        return Err(anyhow!(
+            "--min-fp: must be a finite number and not negative"
+        ));
+    }
+    let out = output::folder(args.out.as_deref(), &format!("sweep-{}", source.name))?;
+    let instants = sweep(scenario);
+    let findings = findings(&instants, least_fp);
+    let mut controller = Local::new(scenario).expect("validated when loaded");
+    let rows = fly(scenario, &mut controller, |_| {})?;
+    let page = Page {
+        title: format!("Sweep of {}", source.name),
+        lead: format!(
+            "{}; {}",
+            scenario.description.trim_end_matches('.'),
+            if findings.admissible {
+                "nothing stands against it"
+            } else {
+                "not admissible"
+            }
+        ),
+        svg: svg(scenario, &instants, &rows, &findings, least_fp),
+        tables: tables(&findings, least_fp),
+        notes: "Equilibria of the true vehicle at the reference; the followed one has θ̃ = 0 and is the nearest to the one before.",
+    };
+    let summary = Summary {
+        scenario: source.name.clone(),
+        min_fp_n: least_fp,
+        findings,
+    };
+    output::leave(&out, "sweep", &page, args.json.then_some(&summary))
+}
+
+fn tables(findings: &Findings, least_fp: f64) -> Vec<Table> {
+    let spans = |title: String, value: &'static str, spans: &[Span]| Table {
+        title,
+        header: vec!["from [s]", "to [s]", value],
+        rows: spans
+            .iter()
+            .map(|s| {
+                vec![
+                    format!("{:.3}", s.from_s),
+                    format!("{:.3}", s.to_s),
+                    format!("{:.3}", s.least),
+                ]
+            })
+            .collect(),
+    };
+    let tables = [
+        Table {
+            title: "Jumps of the equilibrium".to_owned(),
+            header: vec!["at [s]", "θ from [°]", "to", "α from [°]", "to", "because"],
+            rows: findings
+                .jumps
+                .iter()
+                .map(|j| {
+                    vec![
+                        format!("{:.3}", j.t_s),
+                        format!("{:.2}", j.from_theta_deg),
+                        format!("{:.2}", j.to_theta_deg),
+                        format!("{:.2}", j.from_alpha_deg),
+                        format!("{:.2}", j.to_alpha_deg),
+                        match j.cause {
+                            Cause::Fold => "fold",
+                            Cause::Corner => "corner of the reference",
+                        }
+                        .to_owned(),
+                    ]
+                })
+                .collect(),
+        },
+        spans(
+            format!("|F_p| below {least_fp} N"),
+            "least [N]",
+            &findings.low_fp,
+        ),
+        spans(
+            "Negative thrust".to_owned(),
+            "least [N]",
+            &findings.negative_thrust,
+        ),
+        spans(
+            "No equilibrium with θ̃ = 0".to_owned(),
+            "others",
+            &findings.none,
+        ),
+    ];
+    tables.into_iter().filter(|t| !t.rows.is_empty()).collect()
+}

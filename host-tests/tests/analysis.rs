@@ -1,0 +1,228 @@
+//! `envelope`, `equilibria`, `sweep` and `fit` as a user meets them.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+fn alula(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_alula-sil"))
+        .current_dir(folder)
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+fn json(folder: &Path, arguments: &[&str]) -> Value {
+    let output = alula(folder, arguments);
+    assert!(output.status.success(), "{output:?}");
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+fn refused(folder: &Path, arguments: &[&str], parts: &[&str]) {
+    let output = alula(folder, arguments);
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert!(!output.status.success() && output.stdout.is_empty());
+    assert_eq!(message.lines().count(), 1, "{message}");
+    for part in parts {
+        assert!(message.contains(part), "{message:?} has no {part:?}");
+    }
+}
+
+/// `<stem>.svg` and a self-contained `<stem>.html` with the same picture, and no more.
+fn assert_pictures(folder: &Path, stem: &str, others: &[&str]) {
+    let svg = fs::read_to_string(folder.join(format!("{stem}.svg"))).unwrap();
+    let html = fs::read_to_string(folder.join(format!("{stem}.html"))).unwrap();
+    assert!(svg.starts_with("<svg") && html.contains(&svg));
+    assert!(!html.contains("src=") && !html.contains("<link") && !html.contains("@import"));
+    let left = fs::read_dir(folder).unwrap().count();
+    assert_eq!(left, 2 + others.len());
+}
+
+fn near(value: &Value, expected: f64, tolerance: f64) {
+    let value = value.as_f64().unwrap();
+    assert!((value - expected).abs() < tolerance, "{value} {expected}");
+}
+
+#[test]
+fn envelope_prints_folds_counts_jumps_and_cusps() {
+    let folder = tempfile::tempdir().unwrap();
+    let level = json(folder.path(), &["envelope", "paper", "--json"]);
+    near(&level["folds"][0]["alpha_deg"], 11.155, 0.01);
+    near(&level["folds"][1]["a"], 1.52879, 1e-4);
+    // Of the paper's vehicle: sqrt(a m g / k_a).
+    near(&level["folds"][1]["speed_m_s"], 15.236, 1e-3);
+    let counts = level["counts"].as_array().unwrap();
+    let n: Vec<u64> = counts.iter().map(|c| c["n"].as_u64().unwrap()).collect();
+    assert_eq!(n, [1, 3, 1]);
+    assert!(counts[2]["a_max"].is_null() && counts[0]["a_min"] == 0.0);
+    near(&level["jump_up"]["from_alpha_deg"], 16.764, 0.01);
+    near(&level["jump_up"]["to_alpha_deg"], 7.52, 0.01);
+    near(&level["jump_down"]["a"], 1.30333, 1e-4);
+    near(&level["cusps"][0]["epsilon_deg"], 56.87, 0.1);
+    assert_pictures(&folder.path().join("out/envelope-paper"), "envelope", &[]);
+
+    let steep = json(
+        folder.path(),
+        &["envelope", "paper", "--climb-deg", "60", "--json"],
+    );
+    assert_eq!(steep["folds"].as_array().unwrap().len(), 0);
+    assert!(steep["jump_up"].is_null() && steep["jump_down"].is_null());
+    // g tan 30° forward is a climb of 30°, but for the weight.
+    let arguments = ["envelope", "paper", "--accel", "5.66381", "--json"];
+    let accelerating = json(folder.path(), &arguments);
+    near(&accelerating["epsilon_deg"], 30.0, 1e-3);
+    near(&accelerating["folds"][0]["a"], 0.998, 1e-3);
+
+    let table = json(folder.path(), &["envelope", "naca-0021-re-160e3", "--json"]);
+    assert_eq!(table["counts"].as_array().unwrap().len(), 5);
+}
+
+#[test]
+fn equilibria_are_those_of_the_envelope() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = ["equilibria", "paper", "--velocity", "0,14.6", "--json"];
+    let set = json(folder.path(), &arguments);
+    let found = set["equilibria"].as_array().unwrap();
+    let branches: Vec<_> = found
+        .iter()
+        .map(|e| e["branch"].as_str().unwrap())
+        .collect();
+    assert_eq!(branches, ["pi", "0", "pi", "0"]);
+    assert!(found.iter().all(|e| e["isolated"] == true));
+    let plus: Vec<_> = found.iter().map(|e| e["in_theta_plus"] == true).collect();
+    assert_eq!(plus, [false, true, true, true]);
+    // 11.155° − 8.61°.
+    near(&found[1]["fold_alpha_deg"], 2.54, 0.1);
+    let met: Vec<_> = set["existence"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|a| a["met"] == true)
+        .collect();
+    assert_eq!(met, [true, false, false, true, false]);
+    assert_pictures(
+        &folder.path().join("out/equilibria-paper"),
+        "equilibria",
+        &[],
+    );
+
+    let arguments = [
+        "equilibria",
+        "large-angle",
+        "--velocity",
+        "-2,8",
+        "--accel",
+        "0,1",
+        "--wind",
+        "0,-3",
+        "--json",
+    ];
+    assert_eq!(
+        json(folder.path(), &arguments)["equilibria"]
+            .as_array()
+            .unwrap()
+            .len(),
+        2
+    );
+}
+
+#[test]
+fn sweep_finds_the_jump_of_the_papers_flight() {
+    let folder = tempfile::tempdir().unwrap();
+    let found = json(folder.path(), &["sweep", "hover-to-cruise", "--json"]);
+    assert_eq!(found["admissible"], false);
+    assert_eq!(found["min_fp_n"], 80.0);
+    near(&found["jumps"][0]["t_s"], 7.38, 0.02);
+    assert_eq!(found["low_fp"].as_array().unwrap().len(), 1);
+    assert_pictures(
+        &folder.path().join("out/sweep-hover-to-cruise"),
+        "sweep",
+        &[],
+    );
+    let climb = json(
+        folder.path(),
+        &["sweep", "large-angle", "--min-fp", "10", "--json"],
+    );
+    assert_eq!(climb["admissible"], true);
+}
+
+#[test]
+fn fit_leaves_a_vehicle_that_the_others_take() {
+    let folder = tempfile::tempdir().unwrap();
+    let fitted = json(folder.path(), &["fit", "naca-0021-re-160e3", "--json"]);
+    for key in [
+        "c0",
+        "c1",
+        "c2",
+        "c3",
+        "alpha_bar_deg",
+        "k_l",
+        "k_d",
+        "metric",
+    ] {
+        assert!(fitted[key].as_f64().unwrap() > 0.0, "{key}");
+    }
+    for key in ["errors_0_20", "errors_0_180"] {
+        assert!(fitted[key]["rms_cl"].as_f64() <= fitted[key]["max_cl"].as_f64());
+    }
+    assert_eq!(fitted["folds_table"].as_array().unwrap().len(), 4);
+    let out = folder.path().join("out/fit-naca-0021-re-160e3");
+    assert_pictures(&out, "fit", &["vehicle.toml"]);
+    let vehicle = "out/fit-naca-0021-re-160e3/vehicle.toml";
+    let envelope = json(folder.path(), &["envelope", vehicle, "--json"]);
+    assert_eq!(envelope["folds"][0]["a"], fitted["folds"][0]["a"]);
+}
+
+#[test]
+fn bad_files_and_arguments_are_refused_in_one_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    fs::write(path.join("bad.csv"), "alpha_deg,cl,cd\n0,0,0.1\n90,x,1\n").unwrap();
+    fs::write(path.join("bad.toml"), "[vehicle]\nmass_kg = 1\n").unwrap();
+    refused(path, &["envelope", "nonesuch"], &["nonesuch", "paper"]);
+    refused(path, &["envelope", "bad.csv"], &["bad.csv:3", "\"x\""]);
+    refused(
+        path,
+        &["envelope", "bad.toml"],
+        &["bad.toml:1", "vehicle", "k_a_kg_m"],
+    );
+    refused(path, &["envelope", "missing.csv"], &["missing.csv"]);
+    refused(
+        path,
+        &["envelope", "paper", "--climb-deg", "91"],
+        &["--climb-deg"],
+    );
+    refused(path, &["envelope", "paper", "--accel", "nan"], &["--accel"]);
+    refused(
+        path,
+        &["envelope", "paper", "--accel", "1", "--climb-deg", "1"],
+        &["--accel", "--climb-deg"],
+    );
+    refused(path, &["equilibria", "paper"], &["--velocity"]);
+    refused(
+        path,
+        &["equilibria", "paper", "--velocity", "1"],
+        &["--velocity", "DOWN,FORWARD"],
+    );
+    refused(
+        path,
+        &["equilibria", "paper", "--velocity", "1,inf"],
+        &["--velocity", "\"inf\""],
+    );
+    refused(
+        path,
+        &["equilibria", "paper", "--velocity", "0,1e9"],
+        &["reference velocity"],
+    );
+    refused(
+        path,
+        &["sweep", "nonesuch"],
+        &["nonesuch", "hover-to-cruise"],
+    );
+    refused(path, &["sweep", "matched", "--min-fp=-1"], &["--min-fp"]);
+    refused(path, &["fit", "bad.csv"], &["bad.csv:3"]);
+    // What was refused has left no result.
+    assert!(!path.join("out/fit-bad").exists());
+}
