@@ -32,7 +32,7 @@
 //!
 //! # Axes and signs
 //! Inertial vectors are (down, forward); θ = 0 is hover with the nose up, θ = −90° cruise with the nose forward;
-//! thrust acts along the nose. See [`frame`] and [`air`].
+//! thrust acts along the nose. See [`frame`] and [`air`], and [`ned`] for the axes of autopilots.
 //!
 //! # Layers
 //! [`frame`] ← [`air`] ← [`aero`] ← [`Vehicle`] ← [`equivalency`] ← [`control`]; no arrow points back. The core sees no
@@ -52,6 +52,7 @@ pub mod equivalency;
 mod error;
 pub mod frame;
 mod math;
+pub mod ned;
 mod vehicle;
 
 pub use aero::{
