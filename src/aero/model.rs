@@ -18,7 +18,7 @@ pub enum Model {
 }
 
 impl Aerodynamics for Model {
-    #[inline]
+    #[inline(always)]
     fn coefficients(&self, alpha: AngleOfAttack) -> Coefficients {
         match self {
             Self::LargeAngle(m) => m.coefficients(alpha),

@@ -71,6 +71,16 @@ impl<A: Aerodynamics, G: GainLaw> VelocityControl<A, G> {
     /// registers and costs a fifth more.
     #[inline(never)]
     fn robust_alone(&self, state: &State, reference: &Reference) -> Result<Command, Fault> {
+        self.robust_in_place(state, reference)
+    }
+
+    /// [`robust`](Self::robust) without feed-forward, compiled into its caller: for one that does little else, and would
+    /// otherwise copy the command.
+    ///
+    /// # Errors
+    /// As [`robust`](Self::robust).
+    #[inline(always)]
+    pub fn robust_in_place(&self, state: &State, reference: &Reference) -> Result<Command, Fault> {
         check_input(state, reference)?;
         let step = self.step(Branch::Aligned, state, reference);
         self.robust_from(&step, Branch::Aligned, state, None)
