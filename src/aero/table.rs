@@ -231,7 +231,11 @@ impl Table {
     /// The model of this data.
     pub const fn new<const N: usize>(polar: &'static Polar<N>) -> Self {
         Self {
-            intervals: polar.intervals.split_at(polar.len).0,
+            // Never longer than there is; told without the panic of a split.
+            intervals: match polar.intervals.split_at_checked(polar.len) {
+                Some((used, _)) => used,
+                None => &polar.intervals,
+            },
             symmetric: polar.symmetric,
         }
     }

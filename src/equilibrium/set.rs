@@ -149,7 +149,7 @@ impl Equilibria {
             set.push(equilibrium)
                 .map_err(|_| EquilibriumError::Overflow)?;
         }
-        set.sort_unstable_by(|a: &Equilibrium, b| a.alpha.total_cmp(&b.alpha));
+        sort(&mut set);
         Ok(Self(set))
     }
 
@@ -161,6 +161,19 @@ impl Equilibria {
     /// The equilibria with T ≥ 0: the set Θ⁺.
     pub fn theta_plus(&self) -> impl Iterator<Item = &Equilibrium> {
         self.0.iter().filter(|e| e.is_in_theta_plus())
+    }
+}
+
+/// Sorts by angle of attack: by insertion, for the library's sort holds a panic.
+fn sort(set: &mut [Equilibrium]) {
+    for n in 1..set.len() {
+        for k in (1..=n).rev() {
+            if let Some([a, b]) = set.get_mut(k - 1..=k)
+                && a.alpha > b.alpha
+            {
+                core::mem::swap(a, b);
+            }
+        }
     }
 }
 
