@@ -1,0 +1,34 @@
+/*
+ * What the library adds to an image: the same program without it, and with the functions that PARTS names. It is weighed
+ * and never run. Both hold the C library's memory functions.
+ */
+#include <string.h>
+
+#include <alula.h>
+
+enum { STEP = 1, NED = 2, GUIDE = 4, ENVELOPE = 8, TABLE = 16 };
+
+extern char somewhere[];
+
+int main(void)
+{
+    void *volatile p = somewhere;
+    memcpy(p, (char *)p + 64, *(unsigned *)p);
+    memset(p, 0, *(unsigned *)p);
+    int32_t code = memcmp(p, (char *)p + 64, *(unsigned *)p);
+    if (PARTS & (STEP | NED | GUIDE))
+        code |= alula_parameters_default(p) | alula_init(p, p, p);
+    if (PARTS & STEP)
+        code |= alula_step(p, p, 0.01f, p);
+    if (PARTS & NED)
+        code |= alula_step_ned(p, p, 0.01f, p);
+    if (PARTS & GUIDE)
+        code |= alula_guide(p, p, 0.01f, p, p) | alula_reset(p);
+    if (PARTS & ENVELOPE)
+        code |= alula_equilibria_at(p, p, p) | alula_fold_map_init(p, p) | alula_fold_margin_at(p, p, p, p);
+    if (PARTS & TABLE)
+        code |= alula_table_init(p, p, 40, p);
+    if (PARTS)
+        code |= *alula_strerror(code);
+    return code;
+}

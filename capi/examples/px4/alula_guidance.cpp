@@ -1,0 +1,129 @@
+#include "alula_guidance.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace
+{
+constexpr float SQRT_HALF = 0.70710678f;
+
+float age(hrt_abstime now, uint64_t timestamp) { return static_cast<float>(now - timestamp) * 1e-6f; }
+
+// From the multicopter's axes to the fixed wing's: 90 degrees up about the right wing, q * (cos 45, 0, sin 45, 0).
+void to_fixed_wing(const float q[4], float out[4])
+{
+    out[0] = SQRT_HALF * (q[0] - q[2]);
+    out[1] = SQRT_HALF * (q[1] - q[3]);
+    out[2] = SQRT_HALF * (q[2] + q[0]);
+    out[3] = SQRT_HALF * (q[3] + q[1]);
+}
+} // namespace
+
+AlulaGuidance::AlulaGuidance()
+{
+    _input.header = ALULA_HEADER(alula_ned_input);
+    _command.header = ALULA_HEADER(alula_ned_command);
+    alula_ned_input_default(&_input);
+    alula_ned_command_default(&_command);
+    update_parameters();
+}
+
+// The names are those of module.yaml, which is generated from the table that alula checks its parameters against.
+void AlulaGuidance::update_parameters()
+{
+    alula_parameters p;
+    p.header = ALULA_HEADER(alula_parameters);
+    alula_parameters_default(&p);
+    p.gains = ALULA_GAINS_BANDWIDTH;
+    param_load("ALU_MASS", &p.mass);
+    param_load("ALU_KA", &p.k_a);
+    param_load("ALU_THR_MAX", &p.thrust_max);
+    param_load("ALU_BW_FREQ", &p.natural_frequency);
+    // ... and so on, one line for each parameter that is to be tuned in the field.
+    _controller.header = ALULA_HEADER(alula_controller);
+    _code = alula_init(&_controller, &p, nullptr);
+    // In PX4: if (_code != ALULA_OK) PX4_ERR("%s", alula_strerror(_code));
+}
+
+void AlulaGuidance::run()
+{
+    const hrt_abstime now = hrt_absolute_time();
+    const float dt = std::clamp(age(now, _last_run), 0.0005f, 0.1f);
+    _last_run = now;
+
+    vehicle_attitude_s attitude;
+    vehicle_local_position_s position;
+    wind_s wind;
+    trajectory_setpoint_s setpoint;
+    vehicle_status_s status;
+    vehicle_control_mode_s mode;
+    _attitude_sub.copy(&attitude);
+    _local_position_sub.copy(&position);
+    _wind_sub.copy(&wind);
+    _trajectory_setpoint_sub.copy(&setpoint);
+    _vehicle_status_sub.copy(&status);
+    _vehicle_control_mode_sub.copy(&mode);
+
+    // Set-points go out in the axes of whichever controller flies them.
+    const bool fixed_wing = status.vehicle_type == vehicle_status_s::VEHICLE_TYPE_FIXED_WING && !status.in_transition_mode;
+    if (fixed_wing) {
+        _input.body_axes = ALULA_BODY_NOSE_FORWARD;
+        to_fixed_wing(attitude.q, _input.quaternion);
+    } else {
+        _input.body_axes = ALULA_BODY_NOSE_UP;
+        std::copy(attitude.q, attitude.q + 4, _input.quaternion);
+    }
+
+    // The vertical plane is that of the velocity asked for; in hover, of the present heading.
+    const float north = setpoint.velocity[0], east = setpoint.velocity[1];
+    _input.heading = std::hypot(north, east) > 1.0f ? std::atan2(east, north) : position.heading;
+
+    // An invalid velocity is handed on as what it is, no number: alula holds, and then gives the safe command.
+    const bool valid = position.v_xy_valid && position.v_z_valid;
+    _input.velocity[0] = valid ? position.vx : NAN;
+    _input.velocity[1] = valid ? position.vy : NAN;
+    _input.velocity[2] = valid ? position.vz : NAN;
+    _input.air[0] = wind.windspeed_north;
+    _input.air[1] = wind.windspeed_east;
+    _input.air[2] = 0.0f;
+    _input.flags = age(now, wind.timestamp) < 5.0f ? 0 : ALULA_AIR_UNKNOWN;
+    for (int n = 0; n < 3; n++) {
+        _input.reference_velocity[n] = setpoint.velocity[n];
+        _input.reference_acceleration[n] = std::isfinite(setpoint.acceleration[n]) ? setpoint.acceleration[n] : 0.0f;
+    }
+    _input.state_age = age(now, std::min(attitude.timestamp, position.timestamp));
+    _input.reference_age = age(now, setpoint.timestamp);
+
+    // Whatever the code, the command is one to fly. A wing that banks, or slips out of the plane, is the lateral
+    // controller's to level; how much, alula says: _command.bank, _command.tilt, _command.lateral_velocity.
+    _code = alula_guide(&_controller, &_input, dt, &_command, nullptr);
+    publish(_command, fixed_wing, mode.flag_control_attitude_enabled);
+}
+
+// | flight mode        | attitude loop flies it              | rate loop flies it              | thrust is      |
+// | hover, transition  | mc_virtual_attitude_setpoint        | mc_virtual_rates_setpoint       | thrust_body[2] |
+// | fixed wing         | fw_virtual_attitude_setpoint        | fw_virtual_rates_setpoint       | thrust_body[0] |
+void AlulaGuidance::publish(const alula_ned_command &command, bool fixed_wing, bool attitude)
+{
+    float thrust_body[3]{};
+    if (fixed_wing)
+        thrust_body[0] = command.thrust_normalised;
+    else
+        thrust_body[2] = -command.thrust_normalised;
+
+    if (attitude) {
+        vehicle_attitude_setpoint_s setpoint{};
+        setpoint.timestamp = _last_run;
+        std::copy(command.quaternion, command.quaternion + 4, setpoint.q_d);
+        std::copy(thrust_body, thrust_body + 3, setpoint.thrust_body);
+        (fixed_wing ? _fw_virtual_attitude_sp_pub : _mc_virtual_attitude_sp_pub).publish(setpoint);
+    } else {
+        vehicle_rates_setpoint_s setpoint{};
+        setpoint.timestamp = _last_run;
+        setpoint.roll = command.body_rate[0];
+        setpoint.pitch = command.body_rate[1];
+        setpoint.yaw = command.body_rate[2];
+        std::copy(thrust_body, thrust_body + 3, setpoint.thrust_body);
+        (fixed_wing ? _fw_virtual_rates_sp_pub : _mc_virtual_rates_sp_pub).publish(setpoint);
+    }
+}

@@ -1,0 +1,77 @@
+// A stand-in for PX4, not PX4: just enough of its messages, parameters and uORB for alula_guidance.cpp to compile and to be
+// called once outside of PX4. Names and units follow PX4's message definitions; in PX4 the real headers take this
+// file's place.
+#pragma once
+
+#include <cstdint>
+
+using hrt_abstime = uint64_t;
+hrt_abstime hrt_absolute_time(); // [us]
+
+struct vehicle_attitude_s {
+    uint64_t timestamp;
+    float q[4]; // FRD body to NED; of a tail-sitter, the multicopter's axes
+};
+
+struct vehicle_local_position_s {
+    uint64_t timestamp;
+    bool v_xy_valid, v_z_valid;
+    float vx, vy, vz; // [m/s] NED
+    float heading;    // [rad]
+};
+
+struct wind_s {
+    uint64_t timestamp;
+    float windspeed_north, windspeed_east; // [m/s]
+};
+
+struct trajectory_setpoint_s {
+    uint64_t timestamp;
+    float velocity[3], acceleration[3]; // NED; NaN is "not controlled"
+};
+
+struct vehicle_status_s {
+    static constexpr uint8_t VEHICLE_TYPE_ROTARY_WING = 1, VEHICLE_TYPE_FIXED_WING = 2;
+    uint8_t vehicle_type;
+    bool in_transition_mode;
+};
+
+struct vehicle_control_mode_s {
+    bool flag_control_attitude_enabled;
+};
+
+struct vehicle_rates_setpoint_s {
+    uint64_t timestamp;
+    float roll, pitch, yaw; // [rad/s] FRD body
+    float thrust_body[3];   // [-1, 1]
+};
+
+struct vehicle_attitude_setpoint_s {
+    uint64_t timestamp;
+    float q_d[4];
+    float thrust_body[3];
+};
+
+namespace uORB
+{
+template <typename T> struct Subscription {
+    T value{};
+    bool copy(T *out) const
+    {
+        *out = value;
+        return true;
+    }
+};
+template <typename T> struct Publication {
+    T value{};
+    unsigned count{};
+    void publish(const T &message)
+    {
+        value = message;
+        count++;
+    }
+};
+} // namespace uORB
+
+// In PX4: param_get(param_find(name), value). Here every parameter has the default that is in `value` already.
+inline void param_load(const char *name, float *value) { (void)name, (void)value; }

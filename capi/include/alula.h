@@ -1,0 +1,1246 @@
+/*
+ * alula: longitudinal flight control from hover to cruise.
+ *
+ * Every structure begins with a header word, which the caller sets to ALULA_HEADER(its type) before it is used for the
+ * first time. No function allocates, has a global, takes a lock or calls back; on different controllers all may run at
+ * once, in threads and in interrupts. All numbers are IEEE 754 single precision. See docs/integrating.md.
+ *
+ * Made by `cargo run --package alula-capi --example generate`; do not edit.
+ */
+
+#ifndef ALULA_H
+#define ALULA_H
+
+#include <stdint.h>
+/* The header word of a structure: version of the ABI and size. */
+#define ALULA_HEADER(type) (((uint32_t)ALULA_ABI_VERSION << 16) | (uint32_t)sizeof(type))
+
+/**
+ * Version of this ABI. It changes whenever a structure or the meaning of a field does.
+ */
+#define ALULA_ABI_VERSION 1
+
+/**
+ * Done.
+ */
+#define ALULA_OK 0
+
+/**
+ * A pointer is null.
+ */
+#define ALULA_ERROR_NULL -1
+
+/**
+ * A pointer is not aligned as its type asks.
+ */
+#define ALULA_ERROR_UNALIGNED -2
+
+/**
+ * A header word is not that of this version's structure: caller and library disagree on version or size, or the caller
+ * has not set it.
+ */
+#define ALULA_ERROR_LAYOUT -3
+
+/**
+ * The controller has not been initialised, or its last initialisation failed.
+ */
+#define ALULA_ERROR_NOT_INITIALISED -4
+
+/**
+ * The time step is not finite, not positive, or above 0.2 s.
+ */
+#define ALULA_ERROR_TIME_STEP -5
+
+/**
+ * A selector of the input (attitude, body axes, flags) has no such value, or the flags contradict each other.
+ */
+#define ALULA_ERROR_SELECTOR -6
+
+/**
+ * The velocity is not finite, or faster than 1000 m/s.
+ */
+#define ALULA_ERROR_VELOCITY -10
+
+/**
+ * The wind is not finite, faster than 1000 m/s, or unknown to a law that needs it.
+ */
+#define ALULA_ERROR_WIND -11
+
+/**
+ * The attitude is none: a pair or quaternion not of unit length, a pitch not finite or beyond 100 rad, or a nose across
+ * the plane.
+ */
+#define ALULA_ERROR_ATTITUDE -12
+
+/**
+ * The reference velocity is not finite, or faster than 1000 m/s.
+ */
+#define ALULA_ERROR_REFERENCE_VELOCITY -13
+
+/**
+ * The reference acceleration is not finite, or above 1000 m/s².
+ */
+#define ALULA_ERROR_REFERENCE_ACCELERATION -14
+
+/**
+ * The air acceleration of the feed-forward is not finite, or above 1000 m/s².
+ */
+#define ALULA_ERROR_AIR_ACCELERATION -15
+
+/**
+ * The reference jerk of the feed-forward is not finite, or above 1000 m/s³.
+ */
+#define ALULA_ERROR_JERK -16
+
+/**
+ * The law has no finite answer here.
+ */
+#define ALULA_ERROR_UNDEFINED -17
+
+/**
+ * The heading is not finite, or beyond 100 rad.
+ */
+#define ALULA_ERROR_HEADING -18
+
+/**
+ * The state is older than `state_age`.
+ */
+#define ALULA_ERROR_STATE_AGE -19
+
+/**
+ * No good reference has come yet.
+ */
+#define ALULA_ERROR_NO_REFERENCE -20
+
+/**
+ * Every orientation is an equilibrium: there is no force to be turned.
+ */
+#define ALULA_ERROR_EVERY_ORIENTATION -21
+
+/**
+ * There are more equilibria than the set has room for.
+ */
+#define ALULA_ERROR_TOO_MANY_EQUILIBRIA -22
+
+/**
+ * The state lies beyond every fold, or further from the nearest than the map sees.
+ */
+#define ALULA_ERROR_NO_FOLD -23
+
+/**
+ * Table: a number is not finite.
+ */
+#define ALULA_ERROR_TABLE_NOT_FINITE -30
+
+/**
+ * Table: a coefficient is above 1000 in magnitude.
+ */
+#define ALULA_ERROR_TABLE_OUT_OF_RANGE -31
+
+/**
+ * Table: a drag coefficient is not positive.
+ */
+#define ALULA_ERROR_TABLE_DRAG -32
+
+/**
+ * Table: an angle does not exceed that of the row before by at least 0.05°.
+ */
+#define ALULA_ERROR_TABLE_NOT_INCREASING -33
+
+/**
+ * Table: the first row is neither at 0, for a symmetric section, nor at −180°.
+ */
+#define ALULA_ERROR_TABLE_START -34
+
+/**
+ * Table: the last row is not at 180°.
+ */
+#define ALULA_ERROR_TABLE_END -35
+
+/**
+ * Table: a symmetric section has lift at 0 or 180°.
+ */
+#define ALULA_ERROR_TABLE_LIFT_ON_AXIS -36
+
+/**
+ * Table: the rows at −180° and 180° differ.
+ */
+#define ALULA_ERROR_TABLE_NOT_PERIODIC -37
+
+/**
+ * Table: there are fewer than five rows.
+ */
+#define ALULA_ERROR_TABLE_TOO_FEW -38
+
+/**
+ * Table: there are more than `ALULA_TABLE_ROWS` rows.
+ */
+#define ALULA_ERROR_TABLE_TOO_MANY -39
+
+/**
+ * Codes from here down name a parameter: `ALULA_ERROR_PARAMETER - 4 * index - problem`, the index as in the table of
+ * parameters, the problem 0 for a number that is not finite, 1 for one that is not positive, 2 for one out of range.
+ */
+#define ALULA_ERROR_PARAMETER -100
+
+/**
+ * Thrust stands at, or is asked for below, its lower limit.
+ */
+#define ALULA_STATUS_THRUST_LOW 1
+
+/**
+ * Thrust stands at, or is asked for above, its upper limit.
+ */
+#define ALULA_STATUS_THRUST_HIGH (1 << 1)
+
+/**
+ * The angular rate stands at its limit.
+ */
+#define ALULA_STATUS_RATE (1 << 2)
+
+/**
+ * The angular rate changes as fast as it may.
+ */
+#define ALULA_STATUS_SLEW (1 << 3)
+
+/**
+ * The reference's acceleration stands at its limit: the velocity followed is not the one asked for.
+ */
+#define ALULA_STATUS_REFERENCE (1 << 4)
+
+/**
+ * The pull towards the reference position stands at its limit.
+ */
+#define ALULA_STATUS_POSITION (1 << 5)
+
+/**
+ * The integral stands at its limit.
+ */
+#define ALULA_STATUS_INTEGRAL (1 << 6)
+
+/**
+ * The equilibrium that is flown to needs negative thrust.
+ */
+#define ALULA_STATUS_NEGATIVE_THRUST (1 << 7)
+
+/**
+ * Thrust is flown against F_p: tail first.
+ */
+#define ALULA_STATUS_OPPOSED (1 << 8)
+
+/**
+ * The reference is stale or invalid: the last velocity is held.
+ */
+#define ALULA_STATUS_REFERENCE_HELD (1 << 9)
+
+/**
+ * The position error was invalid and is left out.
+ */
+#define ALULA_STATUS_POSITION_INVALID (1 << 10)
+
+/**
+ * The air data were invalid and are left out.
+ */
+#define ALULA_STATUS_AIR_INVALID (1 << 11)
+
+/**
+ * The controller's memory was corrupt and has been reset.
+ */
+#define ALULA_STATUS_STATE_RESET (1 << 12)
+
+/**
+ * The command is the safe one.
+ */
+#define ALULA_STATUS_SAFE (1 << 16)
+
+/**
+ * The command is the last one flown, held while inputs are bad.
+ */
+#define ALULA_STATUS_HOLDING (1 << 17)
+
+/**
+ * The attitude set-point's lead over the attitude is limited to 90°.
+ */
+#define ALULA_STATUS_LEAD_LIMITED (1 << 18)
+
+/**
+ * The robust law: defined everywhere.
+ */
+#define ALULA_LAW_ROBUST 0
+
+/**
+ * The full law: the paper's proof holds for it, and it is undefined at |F_p| = 0 and with F_p against the thrust.
+ */
+#define ALULA_LAW_FULL 1
+
+/**
+ * Constant gains, as in the paper: k1, k2, k3.
+ */
+#define ALULA_GAINS_CONSTANT 0
+
+/**
+ * Gains that follow |F_p|, so that the loop keeps its bandwidth: natural_frequency, damping, thrust_rate, force_floor.
+ */
+#define ALULA_GAINS_BANDWIDTH 1
+
+/**
+ * Coefficients by the combined model: c0…c3, alpha_bar, k_l, k_d.
+ */
+#define ALULA_MODEL_COMBINED 0
+
+/**
+ * Coefficients by the large-angle model: c0, c1.
+ */
+#define ALULA_MODEL_LARGE_ANGLE 1
+
+/**
+ * Coefficients by the small-angle model: c0, c2, c3.
+ */
+#define ALULA_MODEL_SMALL_ANGLE 2
+
+/**
+ * Coefficients by the table that `alula_init` is given.
+ */
+#define ALULA_MODEL_TABLE 3
+
+/**
+ * Most rows of a table.
+ */
+#define ALULA_TABLE_ROWS 96
+
+/**
+ * Flag of an input: `air_acceleration` and `reference_jerk` are to be used.
+ */
+#define ALULA_FEED_FORWARD 1
+
+/**
+ * Body axes of a fixed wing: x along the nose, z to the belly. Hover is pitch 90°.
+ */
+#define ALULA_BODY_NOSE_FORWARD 0
+
+/**
+ * Body axes of a multicopter: z along the tail, x to the belly. Hover is pitch 0, cruise is pitch −90°.
+ */
+#define ALULA_BODY_NOSE_UP 1
+
+/**
+ * The attitude is given by `quaternion`.
+ */
+#define ALULA_ATTITUDE_QUATERNION 0
+
+/**
+ * The attitude is given by `pitch`, without tilt and bank.
+ */
+#define ALULA_ATTITUDE_PITCH 1
+
+/**
+ * Flag of an input: `position_error` is to be used.
+ */
+#define ALULA_POSITION (1 << 1)
+
+/**
+ * Flag of an input: `air` is the velocity relative to the air, and not the wind.
+ */
+#define ALULA_AIR_VELOCITY (1 << 2)
+
+/**
+ * Flag of an input: nothing is known of the air, and `air` is not read.
+ */
+#define ALULA_AIR_UNKNOWN (1 << 3)
+
+/**
+ * The guidance gives the safe command.
+ */
+#define ALULA_MODE_SAFE 0
+
+/**
+ * The guidance repeats the last command.
+ */
+#define ALULA_MODE_HOLDING 1
+
+/**
+ * The guidance flies the law.
+ */
+#define ALULA_MODE_FLYING 2
+
+/**
+ * Flown without air data: plain thrust vectoring.
+ */
+#define ALULA_AIR_USE_NONE 0
+
+/**
+ * Flown with the measured air velocity.
+ */
+#define ALULA_AIR_USE_VELOCITY 1
+
+/**
+ * Flown with the wind given.
+ */
+#define ALULA_AIR_USE_WIND 2
+
+/**
+ * Flown with the last wind known.
+ */
+#define ALULA_AIR_USE_HELD_WIND 3
+
+/**
+ * Most equilibria of a set.
+ */
+#define ALULA_EQUILIBRIA 24
+
+/**
+ * Everything that a controller is made of. `alula_parameters_default` fills in the defaults.
+ */
+typedef struct alula_parameters {
+    /**
+     * `ALULA_HEADER(alula_parameters)`.
+     */
+    uint32_t header;
+    /**
+     * Law that alula_step and alula_step_ned fly. alula_guide flies the robust one.
+     * 0 = robust (ALULA_LAW_ROBUST), 1 = full (ALULA_LAW_FULL); default 0.
+     */
+    uint32_t law;
+    /**
+     * How the gains are chosen.
+     * 0 = constant (ALULA_GAINS_CONSTANT), 1 = by bandwidth (ALULA_GAINS_BANDWIDTH); default 0.
+     */
+    uint32_t gains;
+    /**
+     * Constant gains: thrust per velocity error along the thrust line, relative to |F_p|.
+     * Unit: s/m. From 1.0e-9 to 1.0e6, default 0.1529.
+     */
+    float k1;
+    /**
+     * Constant gains: angular rate per velocity error across the thrust line and per |F_p|.
+     * Unit: rad/(N m). From 1.0e-9 to 1.0e6, default 0.0234.
+     */
+    float k2;
+    /**
+     * Constant gains: angular rate per misalignment of thrust and F_p.
+     * Unit: rad/s. From 1.0e-9 to 1.0e6, default 6.0.
+     */
+    float k3;
+    /**
+     * Force below which the guard acts.
+     * Unit: N. From 0.001 to 1.0e6, default 80.0.
+     */
+    float tau;
+    /**
+     * Gains by bandwidth: natural frequency of the loop across the thrust line.
+     * Unit: rad/s. From 0.001 to 1000.0, default 4.0.
+     */
+    float natural_frequency;
+    /**
+     * Gains by bandwidth: damping ratio of the loop across the thrust line.
+     * No unit. From 0.01 to 100.0, default 0.8.
+     */
+    float damping;
+    /**
+     * Gains by bandwidth: rate of the loop along the thrust line.
+     * Unit: 1/s. From 0.001 to 1000.0, default 3.0.
+     */
+    float thrust_rate;
+    /**
+     * Gains by bandwidth: |F_p| below which the gains grow no further.
+     * Unit: N. From 0.001 to 1.0e6, default 50.0.
+     */
+    float force_floor;
+    /**
+     * Mass.
+     * Unit: kg. From 0.001 to 1.0e6, default 10.0.
+     */
+    float mass;
+    /**
+     * Aerodynamic constant: half the air density times the reference area.
+     * Unit: kg/m. From 1.0e-9 to 10000.0, default 0.646.
+     */
+    float k_a;
+    /**
+     * Angle from the zero-lift line to the thrust line.
+     * Unit: rad. From -3.1415927 to 3.1415927, default 0.0.
+     */
+    float delta;
+    /**
+     * Gravity.
+     * Unit: m/s^2. From 0.001 to 1000.0, default 9.81.
+     */
+    float gravity;
+    /**
+     * Gain from attitude error to angular rate of the attitude loop that flies the attitude
+     * set-point: the set-point is placed where that loop asks for the commanded rate.
+     * Unit: 1/s. From 0.01 to 1000.0, default 6.5.
+     */
+    float attitude_gain;
+    /**
+     * Least thrust that alula_guide commands.
+     * Unit: N. From -1.0e6 to 1.0e6, default 0.0.
+     */
+    float thrust_min;
+    /**
+     * Greatest thrust that alula_guide commands, and what a normalised thrust of 1 stands for;
+     * above thrust_min.
+     * Unit: N. From 0.001 to 1.0e6, default 196.2.
+     */
+    float thrust_max;
+    /**
+     * Greatest angular rate that alula_guide commands.
+     * Unit: rad/s. From 0.001 to 1000.0, default 2.8.
+     */
+    float rate_max;
+    /**
+     * Greatest change of the angular rate that alula_guide commands.
+     * Unit: rad/s^2. From 0.001 to 1.0e6, default 30.0.
+     */
+    float slew_max;
+    /**
+     * Greatest acceleration with which alula_guide follows the reference velocity.
+     * Unit: m/s^2. From 0.001 to 1000.0, default 3.0.
+     */
+    float reference_acceleration_max;
+    /**
+     * Rate with which the velocity followed returns to the reference velocity after that limit.
+     * Unit: 1/s. From 0.001 to 100.0, default 0.8.
+     */
+    float reference_rate;
+    /**
+     * Velocity per position error, down. Zero turns the hold off.
+     * Unit: 1/s. From 0.0 to 100.0, default 0.8.
+     */
+    float position_gain_down;
+    /**
+     * Velocity per position error, forward. Zero turns the hold off.
+     * Unit: 1/s. From 0.0 to 100.0, default 0.6.
+     */
+    float position_gain_forward;
+    /**
+     * Greatest velocity towards the reference position, down.
+     * Unit: m/s. From 0.0 to 1000.0, default 3.0.
+     */
+    float pull_down;
+    /**
+     * Greatest velocity towards the reference position, forward.
+     * Unit: m/s. From 0.0 to 1000.0, default 6.0.
+     */
+    float pull_forward;
+    /**
+     * Growth of the integral per velocity of the pull, down. Zero turns it off.
+     * Unit: 1/s. From 0.0 to 100.0, default 0.3.
+     */
+    float integral_gain_down;
+    /**
+     * Growth of the integral per velocity of the pull, forward. Zero turns it off.
+     * Unit: 1/s. From 0.0 to 100.0, default 0.1.
+     */
+    float integral_gain_forward;
+    /**
+     * Greatest integral, down.
+     * Unit: m/s. From 0.0 to 1000.0, default 2.0.
+     */
+    float integral_down;
+    /**
+     * Greatest integral, forward.
+     * Unit: m/s. From 0.0 to 1000.0, default 1.0.
+     */
+    float integral_forward;
+    /**
+     * Whether alula_guide flies tail first where flying nose first needs negative thrust.
+     * 0 = report only, 1 = switch; default 1.
+     */
+    uint32_t branch_switch;
+    /**
+     * How far F_p must have passed through zero before the branch is left.
+     * Unit: N. From 0.001 to 1.0e6, default 10.0.
+     */
+    float branch_hysteresis;
+    /**
+     * Time constant with which the jump of the angular rate at a switch fades out.
+     * Unit: s. From 0.001 to 100.0, default 0.3.
+     */
+    float branch_fade;
+    /**
+     * How long bad frames are bridged by the last command.
+     * Unit: s. From 0.0 to 1.0e6, default 0.1.
+     */
+    float hold;
+    /**
+     * How long frames must be good before the safe command is left.
+     * Unit: s. From 0.0 to 1.0e6, default 0.05.
+     */
+    float recovery;
+    /**
+     * Age beyond which a state is refused.
+     * Unit: s. From 0.0 to 1.0e6, default 0.05.
+     */
+    float state_age;
+    /**
+     * Age beyond which a reference is no longer followed.
+     * Unit: s. From 0.0 to 1.0e6, default 0.5.
+     */
+    float reference_age;
+    /**
+     * How long the last known wind stands in for missing air data.
+     * Unit: s. From 0.0 to 1.0e6, default 1.0.
+     */
+    float air_hold;
+    /**
+     * Thrust of alula_guide's safe command.
+     * Unit: N. From -1.0e6 to 1.0e6, default 0.0.
+     */
+    float safe_thrust;
+    /**
+     * Model of the aerodynamic coefficients.
+     * 0 = combined (ALULA_MODEL_COMBINED), 1 = large-angle (ALULA_MODEL_LARGE_ANGLE), 2 =
+     * small-angle (ALULA_MODEL_SMALL_ANGLE), 3 = table (ALULA_MODEL_TABLE); default 0.
+     */
+    uint32_t model;
+    /**
+     * Drag coefficient at zero angle of attack. Every model.
+     * No unit. From 1.0e-6 to 1000.0, default 0.014.
+     */
+    float c0;
+    /**
+     * Largest lift coefficient beyond stall. Combined and large-angle model.
+     * No unit. From 1.0e-6 to 1000.0, default 0.95.
+     */
+    float c1;
+    /**
+     * Lift slope at zero angle of attack. Combined and small-angle model.
+     * Unit: 1/rad. From 1.0e-6 to 1000.0, default 5.5.
+     */
+    float c2;
+    /**
+     * Growth of drag with the squared angle of attack, at zero. Combined and small-angle model.
+     * Unit: 1/rad^2. From 1.0e-6 to 1000.0, default 0.3.
+     */
+    float c3;
+    /**
+     * Stall angle. Combined model.
+     * Unit: rad. From 0.001 to 1.5707964, default 0.19198622.
+     */
+    float alpha_bar;
+    /**
+     * Sharpness of lift's stall; times alpha_bar squared at most 40. Combined model.
+     * Unit: 1/rad^2. From 1.0e-6 to 10000.0, default 28.0.
+     */
+    float k_l;
+    /**
+     * Sharpness of drag's stall; times alpha_bar squared at most 40. Combined model.
+     * Unit: 1/rad^2. From 1.0e-6 to 10000.0, default 167.0.
+     */
+    float k_d;
+} alula_parameters;
+
+/**
+ * A table: opaque memory of the caller's. Set `header`, then call `alula_table_init`.
+ */
+typedef struct alula_table {
+    /**
+     * `ALULA_HEADER(alula_table)` before `alula_table_init`.
+     */
+    uint32_t header;
+    /**
+     * Private.
+     */
+    uint32_t reserved;
+    /**
+     * Private.
+     */
+    uint64_t opaque[671];
+} alula_table;
+
+/**
+ * One row of measured coefficients.
+ */
+typedef struct alula_table_row {
+    /**
+     * Angle of attack [rad].
+     */
+    float alpha;
+    /**
+     * Lift coefficient.
+     */
+    float c_l;
+    /**
+     * Drag coefficient.
+     */
+    float c_d;
+} alula_table_row;
+
+/**
+ * A controller: opaque memory of the caller's, where and as long as the caller likes. Set `header`, then call
+ * `alula_init`. It holds no pointer into itself: a copy is another controller.
+ */
+typedef struct alula_controller {
+    /**
+     * `ALULA_HEADER(alula_controller)` before `alula_init`.
+     */
+    uint32_t header;
+    /**
+     * Private.
+     */
+    uint32_t reserved;
+    /**
+     * Private.
+     */
+    uint64_t opaque[63];
+} alula_controller;
+
+/**
+ * State and reference in a vertical plane, by components (down, forward).
+ */
+typedef struct alula_input {
+    /**
+     * `ALULA_HEADER(alula_input)`.
+     */
+    uint32_t header;
+    /**
+     * 0 or `ALULA_FEED_FORWARD`.
+     */
+    uint32_t flags;
+    /**
+     * Velocity over ground [m/s]: down, forward.
+     */
+    float velocity[2];
+    /**
+     * Attitude: cos θ, sin θ. θ = 0 is nose up; θ = −90° is nose forward; positive rates raise a forward nose.
+     */
+    float attitude[2];
+    /**
+     * Wind over ground [m/s]: down, forward.
+     */
+    float wind[2];
+    /**
+     * Reference velocity over ground [m/s]: down, forward.
+     */
+    float reference_velocity[2];
+    /**
+     * Derivative of the reference velocity [m/s²]: down, forward.
+     */
+    float reference_acceleration[2];
+    /**
+     * With `ALULA_FEED_FORWARD`: derivative of the air velocity [m/s²]: down, forward.
+     */
+    float air_acceleration[2];
+    /**
+     * With `ALULA_FEED_FORWARD`: derivative of the reference acceleration [m/s³]: down, forward.
+     */
+    float reference_jerk[2];
+} alula_input;
+
+/**
+ * Command of one step, and how it came about.
+ */
+typedef struct alula_command {
+    /**
+     * `ALULA_HEADER(alula_command)`.
+     */
+    uint32_t header;
+    /**
+     * 0, or `ALULA_STATUS_SAFE`.
+     */
+    uint32_t status;
+    /**
+     * Thrust along the nose [N], as the law asks for it: it may be negative, or above `thrust_max`.
+     */
+    float thrust;
+    /**
+     * Angular rate θ̇ [rad/s]: pitch rate, positive nose up.
+     */
+    float rate;
+    /**
+     * Angle of attack [rad], in [−π, π].
+     */
+    float alpha;
+    /**
+     * Apparent external force F_p [N] along the tail and across it. Its angle from the tail, atan2(f_p[1],
+     * f_p[0]), is what the attitude has yet to turn.
+     */
+    float f_p[2];
+    /**
+     * |F_p| [N]: how far the law is from losing its equilibrium.
+     */
+    float f_p_norm;
+    /**
+     * Thrust of the equivalent sphere [N].
+     */
+    float t_p;
+    /**
+     * Weight of the alignment term, 0 to 1.
+     */
+    float guard_alignment;
+    /**
+     * Weight of the feed-forward, 0 to 1.
+     */
+    float guard_feed_forward;
+    /**
+     * Gain k of the full law; 1 in the robust law.
+     */
+    float k;
+} alula_command;
+
+/**
+ * State and reference in north-east-down world and forward-right-down body axes.
+ */
+typedef struct alula_ned_input {
+    /**
+     * `ALULA_HEADER(alula_ned_input)`.
+     */
+    uint32_t header;
+    /**
+     * Sum of `ALULA_FEED_FORWARD`, `ALULA_POSITION` and one of `ALULA_AIR_VELOCITY` and `ALULA_AIR_UNKNOWN`, or 0.
+     */
+    uint32_t flags;
+    /**
+     * Which body axes `quaternion` and `pitch` are of: `ALULA_BODY_NOSE_FORWARD` or `ALULA_BODY_NOSE_UP`.
+     */
+    uint32_t body_axes;
+    /**
+     * `ALULA_ATTITUDE_QUATERNION` or `ALULA_ATTITUDE_PITCH`. The other field is not read.
+     */
+    uint32_t attitude;
+    /**
+     * Heading of the vertical plane in which to fly [rad], from north towards east.
+     */
+    float heading;
+    /**
+     * Pitch [rad] of the body axes' x above the horizon, over the whole turn.
+     */
+    float pitch;
+    /**
+     * Attitude quaternion (w, x, y, z), from body to world.
+     */
+    float quaternion[4];
+    /**
+     * Velocity over ground [m/s]: north, east, down.
+     */
+    float velocity[3];
+    /**
+     * Wind [m/s], the velocity of the air over ground: north, east, down. With `ALULA_AIR_VELOCITY`: velocity relative to
+     * the air.
+     */
+    float air[3];
+    /**
+     * Reference velocity over ground [m/s]: north, east, down.
+     */
+    float reference_velocity[3];
+    /**
+     * Derivative of the reference velocity [m/s²]: north, east, down.
+     */
+    float reference_acceleration[3];
+    /**
+     * With `ALULA_FEED_FORWARD`, for the pure law: derivative of the air velocity [m/s²]: north, east, down.
+     */
+    float air_acceleration[3];
+    /**
+     * With `ALULA_FEED_FORWARD`, for the pure law: derivative of the reference acceleration [m/s³]: north, east, down.
+     */
+    float reference_jerk[3];
+    /**
+     * With `ALULA_POSITION`, for `alula_guide`: position less reference position [m]: north, east, down.
+     */
+    float position_error[3];
+    /**
+     * For `alula_guide`: age of velocity and attitude [s].
+     */
+    float state_age;
+    /**
+     * For `alula_guide`: age of the reference [s].
+     */
+    float reference_age;
+} alula_ned_input;
+
+/**
+ * Command of one step as rate and thrust and as attitude and thrust, what the plane has lost, and how the command came
+ * about.
+ */
+typedef struct alula_ned_command {
+    /**
+     * `ALULA_HEADER(alula_ned_command)`.
+     */
+    uint32_t header;
+    /**
+     * `ALULA_STATUS_…` bits.
+     */
+    uint32_t status;
+    /**
+     * Thrust along the nose [N]. From the pure law it is as the law asks for it: it may be negative, or above
+     * `thrust_max`.
+     */
+    float thrust;
+    /**
+     * Thrust over `thrust_max`, limited to [0, 1].
+     */
+    float thrust_normalised;
+    /**
+     * Body rate set-point [rad/s]: forward, right, down, in the input's body axes. It turns the aircraft in the plane;
+     * tilt and bank are the caller's to hold at zero.
+     */
+    float body_rate[3];
+    /**
+     * The same rate about the plane's normal, to the right [rad/s]: pitch rate, positive nose up.
+     */
+    float pitch_rate;
+    /**
+     * Attitude set-point [rad]: pitch of the input's body axes, in (−π, π], without tilt and bank.
+     */
+    float pitch;
+    /**
+     * The same set-point, with the heading, as a quaternion (w, x, y, z) from body to world.
+     */
+    float quaternion[4];
+    /**
+     * Lost by the plane: velocity across it, to the right [m/s].
+     */
+    float lateral_velocity;
+    /**
+     * Lost by the plane: the input's `air` across it, to the right [m/s].
+     */
+    float lateral_air;
+    /**
+     * Lost by the plane: reference velocity across it, to the right [m/s].
+     */
+    float lateral_reference_velocity;
+    /**
+     * Lost by the plane: reference acceleration across it, to the right [m/s²].
+     */
+    float lateral_reference_acceleration;
+    /**
+     * Lost by the plane: angle of the nose out of it [rad], to the right.
+     */
+    float tilt;
+    /**
+     * Lost by the plane: angle about the nose [rad], right wing towards the belly side.
+     */
+    float bank;
+    /**
+     * Angle of attack [rad], in [−π, π].
+     */
+    float alpha;
+    /**
+     * Angle from the tail to the apparent external force [rad], in (−π, π]: what the attitude has yet to turn.
+     */
+    float theta_tilde;
+    /**
+     * |F_p| [N]: how far the law is from losing its equilibrium.
+     */
+    float f_p_norm;
+    /**
+     * Thrust of the equivalent sphere [N].
+     */
+    float t_p;
+    /**
+     * Weight of the alignment term, 0 to 1.
+     */
+    float guard_alignment;
+    /**
+     * Weight of the feed-forward, 0 to 1.
+     */
+    float guard_feed_forward;
+    /**
+     * Gain k of the full law; 1 in the robust law.
+     */
+    float k;
+} alula_ned_command;
+
+/**
+ * What a flight log wants to know of a step of the guidance.
+ */
+typedef struct alula_guidance_report {
+    /**
+     * `ALULA_HEADER(alula_guidance_report)`.
+     */
+    uint32_t header;
+    /**
+     * `ALULA_MODE_…`.
+     */
+    uint32_t mode;
+    /**
+     * `ALULA_AIR_USE_…`.
+     */
+    uint32_t air_use;
+    /**
+     * Velocity that the law was given to follow [m/s]: north, east, down, in the plane.
+     */
+    float velocity[3];
+    /**
+     * Acceleration that the law was given to follow [m/s²]: north, east, down, in the plane.
+     */
+    float acceleration[3];
+    /**
+     * |F_p| over tau: below 1 the guard acts, at 0 no attitude is an equilibrium.
+     */
+    float margin_force;
+    /**
+     * Gain k of the full law here: 1 on a sphere, large or negative where F_p turns with the attitude.
+     */
+    float margin_k;
+    /**
+     * Angle from the present attitude to the nearest fold [rad], to first order.
+     */
+    float margin_fold;
+} alula_guidance_report;
+
+/**
+ * An attitude at which a thrust holds the reference.
+ */
+typedef struct alula_equilibrium {
+    /**
+     * Pitch of the nose above the horizon [rad], in (−π, π]; of multicopter axes it is 90° less.
+     */
+    float pitch;
+    /**
+     * Angle of attack [rad].
+     */
+    float alpha;
+    /**
+     * Thrust [N]; it may be negative.
+     */
+    float thrust;
+    /**
+     * Apparent external force along the tail [N]: negative where it is against the thrust.
+     */
+    float t_p;
+    /**
+     * 1 if thrust is along the apparent external force, as the laws fly; 0 if it is against it.
+     */
+    uint32_t aligned;
+    /**
+     * 1 if it moves continuously with the reference; 0 at a fold.
+     */
+    uint32_t isolated;
+} alula_equilibrium;
+
+/**
+ * The attitudes that hold a reference, by increasing angle of attack.
+ */
+typedef struct alula_equilibria {
+    /**
+     * `ALULA_HEADER(alula_equilibria)`.
+     */
+    uint32_t header;
+    /**
+     * How many there are.
+     */
+    uint32_t count;
+    /**
+     * The first `count` are set, the rest are zero.
+     */
+    struct alula_equilibrium items[ALULA_EQUILIBRIA];
+} alula_equilibria;
+
+/**
+ * What the margin to the fold is read from: opaque memory of the caller's. Set `header`, then call
+ * `alula_fold_map_init`.
+ */
+typedef struct alula_fold_map {
+    /**
+     * `ALULA_HEADER(alula_fold_map)` before `alula_fold_map_init`.
+     */
+    uint32_t header;
+    /**
+     * Private.
+     */
+    uint32_t reserved;
+    /**
+     * Private.
+     */
+    uint64_t opaque[384];
+} alula_fold_map;
+
+/**
+ * How far the nearest fold is, with the directions of air velocity and apparent weight kept.
+ */
+typedef struct alula_fold_margin {
+    /**
+     * `ALULA_HEADER(alula_fold_margin)`.
+     */
+    uint32_t header;
+    /**
+     * Angle of attack at the fold, less the present one [rad].
+     */
+    float alpha;
+    /**
+     * Airspeed at the fold over the present one, squared.
+     */
+    float a;
+} alula_fold_margin;
+/**
+ * No margin.
+ */
+#define alula_fold_margin_EMPTY (alula_fold_margin){ .header = alula_fold_margin_HEADER, .alpha = 0.0, .a = 0.0 }
+
+#ifdef __cplusplus
+extern "C" {
+#endif // __cplusplus
+
+/**
+ * The version of the ABI that the library was built with, for a caller of the shared library to compare with
+ * `ALULA_ABI_VERSION`.
+ */
+uint32_t alula_abi_version(void);
+
+/**
+ * What a return code means, in one line that needs no freeing. Never null.
+ */
+const char *alula_strerror(int32_t code);
+
+/**
+ * Fills in the default of every parameter: the paper's vehicle, coefficients and gains.
+ *
+ * Pointers:
+ * `parameters` is null or points to memory of the caller's that holds at least the header word, already set; the whole
+ * structure if that is right.
+ */
+int32_t alula_parameters_default(struct alula_parameters *parameters);
+
+/**
+ * Makes `table` the one through `count` rows, by increasing angle: from 0 to π for a symmetric section, or from −π to π
+ * for any other. The rows are not needed afterwards. If `row` is not null, it is set to the row that is refused, counted
+ * from 0. No controller may be using the table.
+ *
+ * Pointers:
+ * `table` is null or points to memory of the caller's that holds at least the header word; the whole structure if that
+ * is right. `rows` is null or points to `count` rows. `row` is null or points to a number.
+ */
+int32_t alula_table_init(struct alula_table *table,
+                         const struct alula_table_row *rows,
+                         uint32_t count,
+                         uint32_t *row);
+
+/**
+ * Makes `controller` the one of `parameters`. `table` is read if the model is `ALULA_MODEL_TABLE`, and must then last
+ * as long as the controller does; otherwise it may be null. Returns `ALULA_OK`, or the code that names the first
+ * parameter refused; the controller is then not initialised.
+ *
+ * Pointers:
+ * Each pointer is null or points to memory of the caller's that holds at least the header word; the whole structure
+ * if that is right. No other call uses the controller meanwhile.
+ */
+int32_t alula_init(struct alula_controller *controller,
+                   const struct alula_parameters *parameters,
+                   const struct alula_table *table);
+
+/**
+ * Forgets what past calls of `alula_guide` have left in the controller, as at power-on.
+ *
+ * Pointers:
+ * As `alula_init`.
+ */
+int32_t alula_reset(struct alula_controller *controller);
+
+/**
+ * One step of the pure law in a vertical plane: from `input` to `command`, `dt` seconds after the last. The law has no
+ * memory and no limits: `dt` is only checked. Whatever is returned but `ALULA_OK`, the command is the safe one; unless
+ * it is `command` itself that is at fault, which is then left alone.
+ *
+ * Pointers:
+ * Each pointer is null or points to memory of the caller's that holds at least the header word; the whole structure
+ * if that is right. No other call uses the controller meanwhile.
+ */
+int32_t alula_step(const struct alula_controller *controller,
+                   const struct alula_input *input,
+                   float dt,
+                   struct alula_command *command);
+
+/**
+ * Fills in an input that hovers still in still air and is asked to stay.
+ *
+ * Pointers:
+ * `input` is null or points to memory of the caller's that holds at least the header word, already set; the whole
+ * structure if that is right.
+ */
+int32_t alula_input_default(struct alula_input *input);
+
+/**
+ * Fills in the safe command.
+ *
+ * Pointers:
+ * As `alula_input_default`.
+ */
+int32_t alula_command_default(struct alula_command *command);
+
+/**
+ * One step of the pure law in the vertical plane through the input's heading: from `input` to `command`, `dt` seconds
+ * after the last. The law has no memory and no limits: `dt` is only checked. Whatever is returned but `ALULA_OK`, the
+ * command is the safe one; unless it is `command` itself that is at fault, which is then left alone.
+ *
+ * Pointers:
+ * As `alula_step`.
+ */
+int32_t alula_step_ned(const struct alula_controller *controller,
+                       const struct alula_ned_input *input,
+                       float dt,
+                       struct alula_ned_command *command);
+
+/**
+ * One step of the guidance: supervision, reference limit, outer loop, law and actuator limits. It always gives a
+ * command. If the return code says that the input was refused, the command is the last one flown, for as long as
+ * `hold` (`ALULA_STATUS_HOLDING`), and then the safe one: `safe_thrust`, no rotation (`ALULA_STATUS_SAFE`). If it is a
+ * pointer, a header, the controller or a selector that is at fault, there was no step, and the command is that of
+ * `alula_ned_command_default`. `report` may be null.
+ *
+ * Pointers:
+ * As `alula_step`, and no other call reads the controller meanwhile either.
+ */
+int32_t alula_guide(struct alula_controller *controller,
+                    const struct alula_ned_input *input,
+                    float dt,
+                    struct alula_ned_command *command,
+                    struct alula_guidance_report *report);
+
+/**
+ * Fills in an input that hovers still in still air, heading north, and is asked to stay.
+ *
+ * Pointers:
+ * As `alula_input_default`.
+ */
+int32_t alula_ned_input_default(struct alula_ned_input *input);
+
+/**
+ * Fills in the safe command.
+ *
+ * Pointers:
+ * As `alula_input_default`.
+ */
+int32_t alula_ned_command_default(struct alula_ned_command *command);
+
+/**
+ * The attitudes at which the reference of `input` can be held in its wind, in the plane of its heading. Velocity is not
+ * read, unless the air is given relative to it. Slower than a step, and of bounded work: for a background task. With any
+ * code but `ALULA_OK` the set is empty.
+ *
+ * Pointers:
+ * As `alula_step`.
+ */
+int32_t alula_equilibria_at(const struct alula_controller *controller,
+                            const struct alula_ned_input *input,
+                            struct alula_equilibria *equilibria);
+
+/**
+ * Makes `map` the one of the controller's vehicle. Slower than a step: once, after `alula_init`.
+ *
+ * Pointers:
+ * Each pointer is null or points to memory of the caller's that holds at least the header word; the whole structure
+ * if that is right. No other call uses the map meanwhile.
+ */
+int32_t alula_fold_map_init(struct alula_fold_map *map,
+                            const struct alula_controller *controller);
+
+/**
+ * How far the nearest fold is from the state of `input`, if it is to accelerate as the reference does.
+ * `ALULA_ERROR_NO_FOLD` says that there is none near; with any code but `ALULA_OK` the margin is zero.
+ *
+ * Pointers:
+ * As `alula_step`.
+ */
+int32_t alula_fold_margin_at(const struct alula_fold_map *map,
+                             const struct alula_controller *controller,
+                             const struct alula_ned_input *input,
+                             struct alula_fold_margin *margin);
+
+#ifdef __cplusplus
+}  // extern "C"
+#endif  // __cplusplus
+
+#endif  /* ALULA_H */

@@ -1,0 +1,253 @@
+//! Return codes, their texts, and status bits.
+
+use core::ffi::{CStr, c_char};
+
+use alula::aero::TableProblem;
+use alula::control::{Refusal, Status};
+use alula::{EquilibriumError, Fault, Problem};
+
+use crate::parameters::RANGES;
+
+/// Done.
+pub const ALULA_OK: i32 = 0;
+/// A pointer is null.
+pub const ALULA_ERROR_NULL: i32 = -1;
+/// A pointer is not aligned as its type asks.
+pub const ALULA_ERROR_UNALIGNED: i32 = -2;
+/// A header word is not that of this version's structure: caller and library disagree on version or size, or the caller
+/// has not set it.
+pub const ALULA_ERROR_LAYOUT: i32 = -3;
+/// The controller has not been initialised, or its last initialisation failed.
+pub const ALULA_ERROR_NOT_INITIALISED: i32 = -4;
+/// The time step is not finite, not positive, or above 0.2 s.
+pub const ALULA_ERROR_TIME_STEP: i32 = -5;
+/// A selector of the input (attitude, body axes, flags) has no such value, or the flags contradict each other.
+pub const ALULA_ERROR_SELECTOR: i32 = -6;
+/// The velocity is not finite, or faster than 1000 m/s.
+pub const ALULA_ERROR_VELOCITY: i32 = -10;
+/// The wind is not finite, faster than 1000 m/s, or unknown to a law that needs it.
+pub const ALULA_ERROR_WIND: i32 = -11;
+/// The attitude is none: a pair or quaternion not of unit length, a pitch not finite or beyond 100 rad, or a nose across
+/// the plane.
+pub const ALULA_ERROR_ATTITUDE: i32 = -12;
+/// The reference velocity is not finite, or faster than 1000 m/s.
+pub const ALULA_ERROR_REFERENCE_VELOCITY: i32 = -13;
+/// The reference acceleration is not finite, or above 1000 m/s².
+pub const ALULA_ERROR_REFERENCE_ACCELERATION: i32 = -14;
+/// The air acceleration of the feed-forward is not finite, or above 1000 m/s².
+pub const ALULA_ERROR_AIR_ACCELERATION: i32 = -15;
+/// The reference jerk of the feed-forward is not finite, or above 1000 m/s³.
+pub const ALULA_ERROR_JERK: i32 = -16;
+/// The law has no finite answer here.
+pub const ALULA_ERROR_UNDEFINED: i32 = -17;
+/// The heading is not finite, or beyond 100 rad.
+pub const ALULA_ERROR_HEADING: i32 = -18;
+/// The state is older than `state_age`.
+pub const ALULA_ERROR_STATE_AGE: i32 = -19;
+/// No good reference has come yet.
+pub const ALULA_ERROR_NO_REFERENCE: i32 = -20;
+/// Every orientation is an equilibrium: there is no force to be turned.
+pub const ALULA_ERROR_EVERY_ORIENTATION: i32 = -21;
+/// There are more equilibria than the set has room for.
+pub const ALULA_ERROR_TOO_MANY_EQUILIBRIA: i32 = -22;
+/// The state lies beyond every fold, or further from the nearest than the map sees.
+pub const ALULA_ERROR_NO_FOLD: i32 = -23;
+/// Table: a number is not finite.
+pub const ALULA_ERROR_TABLE_NOT_FINITE: i32 = -30;
+/// Table: a coefficient is above 1000 in magnitude.
+pub const ALULA_ERROR_TABLE_OUT_OF_RANGE: i32 = -31;
+/// Table: a drag coefficient is not positive.
+pub const ALULA_ERROR_TABLE_DRAG: i32 = -32;
+/// Table: an angle does not exceed that of the row before by at least 0.05°.
+pub const ALULA_ERROR_TABLE_NOT_INCREASING: i32 = -33;
+/// Table: the first row is neither at 0, for a symmetric section, nor at −180°.
+pub const ALULA_ERROR_TABLE_START: i32 = -34;
+/// Table: the last row is not at 180°.
+pub const ALULA_ERROR_TABLE_END: i32 = -35;
+/// Table: a symmetric section has lift at 0 or 180°.
+pub const ALULA_ERROR_TABLE_LIFT_ON_AXIS: i32 = -36;
+/// Table: the rows at −180° and 180° differ.
+pub const ALULA_ERROR_TABLE_NOT_PERIODIC: i32 = -37;
+/// Table: there are fewer than five rows.
+pub const ALULA_ERROR_TABLE_TOO_FEW: i32 = -38;
+/// Table: there are more than `ALULA_TABLE_ROWS` rows.
+pub const ALULA_ERROR_TABLE_TOO_MANY: i32 = -39;
+/// Codes from here down name a parameter: `ALULA_ERROR_PARAMETER - 4 * index - problem`, the index as in the table of
+/// parameters, the problem 0 for a number that is not finite, 1 for one that is not positive, 2 for one out of range.
+pub const ALULA_ERROR_PARAMETER: i32 = -100;
+
+/// Thrust stands at, or is asked for below, its lower limit.
+pub const ALULA_STATUS_THRUST_LOW: u32 = 1;
+/// Thrust stands at, or is asked for above, its upper limit.
+pub const ALULA_STATUS_THRUST_HIGH: u32 = 1 << 1;
+/// The angular rate stands at its limit.
+pub const ALULA_STATUS_RATE: u32 = 1 << 2;
+/// The angular rate changes as fast as it may.
+pub const ALULA_STATUS_SLEW: u32 = 1 << 3;
+/// The reference's acceleration stands at its limit: the velocity followed is not the one asked for.
+pub const ALULA_STATUS_REFERENCE: u32 = 1 << 4;
+/// The pull towards the reference position stands at its limit.
+pub const ALULA_STATUS_POSITION: u32 = 1 << 5;
+/// The integral stands at its limit.
+pub const ALULA_STATUS_INTEGRAL: u32 = 1 << 6;
+/// The equilibrium that is flown to needs negative thrust.
+pub const ALULA_STATUS_NEGATIVE_THRUST: u32 = 1 << 7;
+/// Thrust is flown against F_p: tail first.
+pub const ALULA_STATUS_OPPOSED: u32 = 1 << 8;
+/// The reference is stale or invalid: the last velocity is held.
+pub const ALULA_STATUS_REFERENCE_HELD: u32 = 1 << 9;
+/// The position error was invalid and is left out.
+pub const ALULA_STATUS_POSITION_INVALID: u32 = 1 << 10;
+/// The air data were invalid and are left out.
+pub const ALULA_STATUS_AIR_INVALID: u32 = 1 << 11;
+/// The controller's memory was corrupt and has been reset.
+pub const ALULA_STATUS_STATE_RESET: u32 = 1 << 12;
+/// The command is the safe one.
+pub const ALULA_STATUS_SAFE: u32 = 1 << 16;
+/// The command is the last one flown, held while inputs are bad.
+pub const ALULA_STATUS_HOLDING: u32 = 1 << 17;
+/// The attitude set-point's lead over the attitude is limited to 90°.
+pub const ALULA_STATUS_LEAD_LIMITED: u32 = 1 << 18;
+
+// The lower bits are the core's own.
+const _: () = {
+    let bits = [
+        (ALULA_STATUS_THRUST_LOW, Status::THRUST_LOW),
+        (ALULA_STATUS_THRUST_HIGH, Status::THRUST_HIGH),
+        (ALULA_STATUS_RATE, Status::RATE),
+        (ALULA_STATUS_SLEW, Status::SLEW),
+        (ALULA_STATUS_REFERENCE, Status::REFERENCE),
+        (ALULA_STATUS_POSITION, Status::POSITION),
+        (ALULA_STATUS_INTEGRAL, Status::INTEGRAL),
+        (ALULA_STATUS_NEGATIVE_THRUST, Status::NEGATIVE_THRUST),
+        (ALULA_STATUS_OPPOSED, Status::OPPOSED),
+        (ALULA_STATUS_REFERENCE_HELD, Status::REFERENCE_HELD),
+        (ALULA_STATUS_POSITION_INVALID, Status::POSITION_INVALID),
+        (ALULA_STATUS_AIR_INVALID, Status::AIR_INVALID),
+        (ALULA_STATUS_STATE_RESET, Status::STATE_RESET),
+    ];
+    let mut n = 0;
+    while n < bits.len() {
+        assert!(bits[n].0 == bits[n].1.bits() as u32);
+        n += 1;
+    }
+};
+
+/// The code of a fault.
+pub(crate) const fn of_fault(fault: Fault) -> i32 {
+    match fault {
+        Fault::Velocity => ALULA_ERROR_VELOCITY,
+        Fault::Wind => ALULA_ERROR_WIND,
+        Fault::Attitude => ALULA_ERROR_ATTITUDE,
+        Fault::ReferenceVelocity => ALULA_ERROR_REFERENCE_VELOCITY,
+        Fault::ReferenceAcceleration => ALULA_ERROR_REFERENCE_ACCELERATION,
+        Fault::AirAcceleration => ALULA_ERROR_AIR_ACCELERATION,
+        Fault::Jerk => ALULA_ERROR_JERK,
+        Fault::Undefined => ALULA_ERROR_UNDEFINED,
+    }
+}
+
+/// The code of a refused frame.
+pub(crate) const fn of_refusal(refusal: Refusal) -> i32 {
+    match refusal {
+        Refusal::TimeStep => ALULA_ERROR_TIME_STEP,
+        Refusal::StateAge => ALULA_ERROR_STATE_AGE,
+        Refusal::NoReference => ALULA_ERROR_NO_REFERENCE,
+        Refusal::Law(fault) => of_fault(fault),
+    }
+}
+
+/// The code of a missing set of equilibria.
+pub(crate) const fn of_equilibrium(error: EquilibriumError) -> i32 {
+    match error {
+        EquilibriumError::ReferenceVelocity => ALULA_ERROR_REFERENCE_VELOCITY,
+        EquilibriumError::ReferenceAcceleration => ALULA_ERROR_REFERENCE_ACCELERATION,
+        EquilibriumError::Wind => ALULA_ERROR_WIND,
+        EquilibriumError::EveryOrientation => ALULA_ERROR_EVERY_ORIENTATION,
+        EquilibriumError::Overflow => ALULA_ERROR_TOO_MANY_EQUILIBRIA,
+    }
+}
+
+/// The code of a refused table.
+pub(crate) const fn of_table(problem: TableProblem) -> i32 {
+    match problem {
+        TableProblem::NotFinite => ALULA_ERROR_TABLE_NOT_FINITE,
+        TableProblem::OutOfRange => ALULA_ERROR_TABLE_OUT_OF_RANGE,
+        TableProblem::DragNotPositive => ALULA_ERROR_TABLE_DRAG,
+        TableProblem::NotIncreasing => ALULA_ERROR_TABLE_NOT_INCREASING,
+        TableProblem::Start => ALULA_ERROR_TABLE_START,
+        TableProblem::End => ALULA_ERROR_TABLE_END,
+        TableProblem::LiftOnAxis => ALULA_ERROR_TABLE_LIFT_ON_AXIS,
+        TableProblem::NotPeriodic => ALULA_ERROR_TABLE_NOT_PERIODIC,
+        TableProblem::TooFew => ALULA_ERROR_TABLE_TOO_FEW,
+        TableProblem::TooMany => ALULA_ERROR_TABLE_TOO_MANY,
+    }
+}
+
+/// The code of the `index`th parameter's refusal.
+pub(crate) const fn of_parameter(index: usize, problem: Problem) -> i32 {
+    let problem = match problem {
+        Problem::NotFinite => 0,
+        Problem::NotPositive => 1,
+        Problem::OutOfRange => 2,
+    };
+    ALULA_ERROR_PARAMETER - 4 * index as i32 - problem
+}
+
+/// What a return code means, in one line that needs no freeing. Never null.
+#[unsafe(no_mangle)]
+pub extern "C" fn alula_strerror(code: i32) -> *const c_char {
+    text(code).as_ptr()
+}
+
+/// What a return code means.
+fn text(code: i32) -> &'static CStr {
+    match code {
+        ALULA_OK => c"done",
+        ALULA_ERROR_NULL => c"a pointer is null",
+        ALULA_ERROR_UNALIGNED => c"a pointer is not aligned",
+        ALULA_ERROR_LAYOUT => c"a header is not that of this version's structure",
+        ALULA_ERROR_NOT_INITIALISED => c"the controller is not initialised",
+        ALULA_ERROR_TIME_STEP => c"the time step is not in (0, 0.2] s",
+        ALULA_ERROR_SELECTOR => c"a selector of the input has no such value",
+        ALULA_ERROR_VELOCITY => c"velocity is not finite or absurdly large",
+        ALULA_ERROR_WIND => c"wind is not finite, absurdly large, or unknown",
+        ALULA_ERROR_ATTITUDE => c"attitude is none, or its nose is across the plane",
+        ALULA_ERROR_REFERENCE_VELOCITY => c"reference velocity is not finite or absurdly large",
+        ALULA_ERROR_REFERENCE_ACCELERATION => {
+            c"reference acceleration is not finite or absurdly large"
+        }
+        ALULA_ERROR_AIR_ACCELERATION => c"air acceleration is not finite or absurdly large",
+        ALULA_ERROR_JERK => c"reference jerk is not finite or absurdly large",
+        ALULA_ERROR_UNDEFINED => c"the law is undefined here",
+        ALULA_ERROR_HEADING => c"heading is not finite or absurdly large",
+        ALULA_ERROR_STATE_AGE => c"the state is too old",
+        ALULA_ERROR_NO_REFERENCE => c"no good reference has come yet",
+        ALULA_ERROR_EVERY_ORIENTATION => c"every orientation is an equilibrium",
+        ALULA_ERROR_TOO_MANY_EQUILIBRIA => c"there are more equilibria than the set can hold",
+        ALULA_ERROR_NO_FOLD => c"there is no fold near this state",
+        ALULA_ERROR_TABLE_NOT_FINITE => c"table: every number must be finite",
+        ALULA_ERROR_TABLE_OUT_OF_RANGE => c"table: coefficients must be within +-1000",
+        ALULA_ERROR_TABLE_DRAG => c"table: the drag coefficient must be positive",
+        ALULA_ERROR_TABLE_NOT_INCREASING => {
+            c"table: angles must increase by at least 0.05 degrees from row to row"
+        }
+        ALULA_ERROR_TABLE_START => {
+            c"table: the first angle must be 0 (symmetric section) or -180 degrees"
+        }
+        ALULA_ERROR_TABLE_END => c"table: the last angle must be 180 degrees",
+        ALULA_ERROR_TABLE_LIFT_ON_AXIS => {
+            c"table: a symmetric section has no lift at 0 and 180 degrees"
+        }
+        ALULA_ERROR_TABLE_NOT_PERIODIC => c"table: the rows at -180 and 180 degrees must agree",
+        ALULA_ERROR_TABLE_TOO_FEW => c"table: at least five rows are needed",
+        ALULA_ERROR_TABLE_TOO_MANY => c"table: there are more rows than it has room for",
+        _ => parameter_text(code).unwrap_or(c"unknown code"),
+    }
+}
+
+fn parameter_text(code: i32) -> Option<&'static CStr> {
+    let number = usize::try_from(ALULA_ERROR_PARAMETER.checked_sub(code)?).ok()?;
+    let texts = &RANGES.get(number / 4)?.texts;
+    texts.get(number % 4).copied()
+}

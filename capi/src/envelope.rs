@@ -1,0 +1,243 @@
+//! The envelope: which attitudes hold a reference, and how far the next jump is.
+
+use alula::equilibrium::{Branch, CAPACITY};
+use alula::equivalency::ApparentForces;
+use alula::ned::BodyAxes;
+use alula::{Equilibria, Equilibrium, FoldMap};
+
+use crate::boundary::{self, Layout};
+use crate::code;
+use crate::controller::{Controller, ready};
+use crate::three_d::{NedInput, Seen};
+
+/// Most equilibria of a set.
+pub const ALULA_EQUILIBRIA: u32 = 24;
+const _: () = assert!(ALULA_EQUILIBRIA as usize == CAPACITY);
+
+/// An attitude at which a thrust holds the reference.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C)]
+pub struct EquilibriumAttitude {
+    /// Pitch of the nose above the horizon \[rad\], in (−π, π]; of multicopter axes it is 90° less.
+    pub pitch: f32,
+    /// Angle of attack \[rad\].
+    pub alpha: f32,
+    /// Thrust \[N\]; it may be negative.
+    pub thrust: f32,
+    /// Apparent external force along the tail \[N\]: negative where it is against the thrust.
+    pub t_p: f32,
+    /// 1 if thrust is along the apparent external force, as the laws fly; 0 if it is against it.
+    pub aligned: u32,
+    /// 1 if it moves continuously with the reference; 0 at a fold.
+    pub isolated: u32,
+}
+
+/// The attitudes that hold a reference, by increasing angle of attack.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+pub struct EquilibriumSet {
+    /// `ALULA_HEADER(alula_equilibria)`.
+    pub header: u32,
+    /// How many there are.
+    pub count: u32,
+    /// The first `count` are set, the rest are zero.
+    pub items: [EquilibriumAttitude; ALULA_EQUILIBRIA as usize],
+}
+
+/// How far the nearest fold is, with the directions of air velocity and apparent weight kept.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+pub struct FoldMargin {
+    /// `ALULA_HEADER(alula_fold_margin)`.
+    pub header: u32,
+    /// Angle of attack at the fold, less the present one \[rad\].
+    pub alpha: f32,
+    /// Airspeed at the fold over the present one, squared.
+    pub a: f32,
+}
+
+/// What the margin to the fold is read from: opaque memory of the caller's. Set `header`, then call
+/// `alula_fold_map_init`.
+#[derive(Clone, Copy)]
+#[repr(C)]
+pub struct Map {
+    /// `ALULA_HEADER(alula_fold_map)` before `alula_fold_map_init`.
+    pub header: u32,
+    /// Private.
+    pub reserved: u32,
+    /// Private.
+    pub opaque: [u64; 384],
+}
+
+// SAFETY: `repr(C)`, header first, numbers only.
+unsafe impl Layout for EquilibriumSet {}
+// SAFETY: as above.
+unsafe impl Layout for FoldMargin {}
+// SAFETY: as above.
+unsafe impl Layout for Map {}
+
+/// The header word of a map that is initialised.
+const READY: u32 = Map::HEADER | 1 << 31;
+
+/// What lies in a [`Map`] that is initialised.
+#[repr(C)]
+struct Ready {
+    header: u32,
+    map: FoldMap,
+}
+
+const _: () = assert!(size_of::<Ready>() <= size_of::<Map>());
+const _: () = assert!(align_of::<Ready>() <= align_of::<Map>());
+
+impl EquilibriumSet {
+    /// No equilibrium.
+    pub const EMPTY: Self = Self {
+        header: Self::HEADER,
+        count: 0,
+        items: [EquilibriumAttitude {
+            pitch: 0.0,
+            alpha: 0.0,
+            thrust: 0.0,
+            t_p: 0.0,
+            aligned: 0,
+            isolated: 0,
+        }; ALULA_EQUILIBRIA as usize],
+    };
+}
+
+impl FoldMargin {
+    /// No margin.
+    pub const EMPTY: Self = Self {
+        header: Self::HEADER,
+        alpha: 0.0,
+        a: 0.0,
+    };
+}
+
+impl From<&Equilibrium> for EquilibriumAttitude {
+    fn from(e: &Equilibrium) -> Self {
+        Self {
+            pitch: BodyAxes::NoseForward.pitch(e.attitude),
+            alpha: e.alpha,
+            thrust: e.thrust,
+            t_p: e.t_p,
+            aligned: u32::from(e.branch() == Branch::Aligned),
+            isolated: u32::from(e.isolated),
+        }
+    }
+}
+
+/// The attitudes at which the reference of `input` can be held in its wind, in the plane of its heading. Velocity is not
+/// read, unless the air is given relative to it. Slower than a step, and of bounded work: for a background task. With any
+/// code but `ALULA_OK` the set is empty.
+///
+/// # Safety
+/// As `alula_step`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn alula_equilibria_at(
+    controller: *const Controller,
+    input: *const NedInput,
+    equilibria: *mut EquilibriumSet,
+) -> i32 {
+    // SAFETY: the caller's word.
+    unsafe {
+        boundary::answer(equilibria, EquilibriumSet::EMPTY, || {
+            let ready = ready(controller)?;
+            let input = boundary::read(input)?;
+            let seen = Seen::new(input)?;
+            let wind = seen.state(input)?.wind;
+            let vehicle = ready.guidance.control.vehicle();
+            let found =
+                Equilibria::find(vehicle, &seen.reference, wind).map_err(code::of_equilibrium)?;
+            let mut set = EquilibriumSet::EMPTY;
+            for (item, equilibrium) in set.items.iter_mut().zip(found.as_slice()) {
+                *item = equilibrium.into();
+                set.count += 1;
+            }
+            Ok(set)
+        })
+    }
+}
+
+/// Makes `map` the one of the controller's vehicle. Slower than a step: once, after `alula_init`.
+///
+/// # Safety
+/// Each pointer is null or points to memory of the caller's that holds at least the header word; the whole structure
+/// if that is right. No other call uses the map meanwhile.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn alula_fold_map_init(map: *mut Map, controller: *const Controller) -> i32 {
+    // SAFETY: the caller's word.
+    unsafe {
+        match map_ready(map) {
+            Ok(_) | Err(code::ALULA_ERROR_NOT_INITIALISED) => {}
+            Err(code) => return code,
+        }
+        map.cast::<u32>().write(Map::HEADER);
+        match ready(controller) {
+            Ok(ready) => {
+                let value = FoldMap::new(ready.guidance.control.vehicle());
+                (&raw mut (*map.cast::<Ready>()).map).write(value);
+                map.cast::<u32>().write(READY);
+                code::ALULA_OK
+            }
+            Err(code) => code,
+        }
+    }
+}
+
+/// How far the nearest fold is from the state of `input`, if it is to accelerate as the reference does.
+/// `ALULA_ERROR_NO_FOLD` says that there is none near; with any code but `ALULA_OK` the margin is zero.
+///
+/// # Safety
+/// As `alula_step`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn alula_fold_margin_at(
+    map: *const Map,
+    controller: *const Controller,
+    input: *const NedInput,
+    margin: *mut FoldMargin,
+) -> i32 {
+    // SAFETY: the caller's word.
+    unsafe {
+        boundary::answer(margin, FoldMargin::EMPTY, || {
+            let map = map_ready(map)?;
+            let ready = ready(controller)?;
+            let input = boundary::read(input)?;
+            let seen = Seen::new(input)?;
+            let state = seen.state(input)?;
+            // The law's own check of what it is given.
+            let control = &ready.guidance.control;
+            control
+                .robust(&state, &seen.reference, None)
+                .map_err(code::of_fault)?;
+            let forces = ApparentForces::new(
+                control.vehicle(),
+                state.attitude,
+                state.velocity - state.wind,
+                seen.reference.acceleration,
+            );
+            let found = map.margin(&forces).ok_or(code::ALULA_ERROR_NO_FOLD)?;
+            Ok(FoldMargin {
+                header: FoldMargin::HEADER,
+                alpha: found.alpha,
+                a: found.a,
+            })
+        })
+    }
+}
+
+/// The map that C points to.
+///
+/// # Safety
+/// `pointer` is null, unaligned or points to a map of the caller's that no other call changes meanwhile.
+unsafe fn map_ready<'a>(pointer: *const Map) -> Result<&'a FoldMap, i32> {
+    boundary::check_pointer(pointer)?;
+    // SAFETY: a header is there; READY is only ever written together with the rest.
+    unsafe {
+        match pointer.cast::<u32>().read() {
+            READY => Ok(&(*pointer.cast::<Ready>()).map),
+            Map::HEADER => Err(code::ALULA_ERROR_NOT_INITIALISED),
+            _ => Err(code::ALULA_ERROR_LAYOUT),
+        }
+    }
+}

@@ -1,0 +1,37 @@
+//! The C ABI of alula: check, convert, call.
+//!
+//! What a C or C++ autopilot sees is `include/alula.h`, generated from this crate; `docs/integrating.md` tells how to
+//! use it. Nothing here allocates, has a global or panics, and nothing unwinds into the caller. The caller owns every
+//! structure; all are plain numbers of fixed size that begin with a header word, which holds the version of the ABI and
+//! the size of the structure as the caller's compiler saw it.
+#![no_std]
+#![deny(unsafe_op_in_unsafe_fn)]
+
+// Where panics unwind, in tests and debug builds on a host, the standard library brings what they need.
+#[cfg(panic = "unwind")]
+extern crate std;
+
+mod boundary;
+mod code;
+mod controller;
+mod envelope;
+mod parameters;
+mod plane;
+mod table;
+mod three_d;
+
+pub use boundary::{ALULA_ABI_VERSION, Layout, alula_abi_version};
+pub use code::*;
+pub use controller::{Controller, alula_init, alula_reset};
+pub use envelope::*;
+pub use parameters::*;
+pub use plane::*;
+pub use table::{ALULA_TABLE_ROWS, Table, TableRow, alula_table_init};
+pub use three_d::*;
+
+/// Never reached: no code of this library panics, which `capi/check` verifies on the linked object.
+#[cfg(panic = "abort")]
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo) -> ! {
+    loop {}
+}

@@ -1,0 +1,278 @@
+/*
+ * Everything that a C caller can do wrong, in a program built with AddressSanitizer and UBSan. The library itself is not
+ * instrumented: every structure is put at the end of a page that is followed by one that may not be touched, so that a
+ * byte read or written past it ends the program.
+ */
+#define _DEFAULT_SOURCE
+#include <math.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <alula.h>
+
+static unsigned long checks;
+
+#define CHECK(condition)                                                                     \
+    do {                                                                                     \
+        checks++;                                                                            \
+        if (!(condition)) {                                                                  \
+            fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #condition);                  \
+            exit(1);                                                                         \
+        }                                                                                    \
+    } while (0)
+
+/* Zeroed memory of `size` bytes that ends where the next page, which may not be touched, begins. */
+static void *at_the_edge(size_t size)
+{
+    size_t page = (size_t)sysconf(_SC_PAGESIZE), pages = (size + page - 1) / page;
+    char *memory = mmap(NULL, (pages + 1) * page, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    CHECK(memory != MAP_FAILED);
+    CHECK(mprotect(memory + pages * page, page, PROT_NONE) == 0);
+    return memory + pages * page - size;
+}
+
+static alula_parameters *parameters;
+static alula_controller *controller;
+static alula_input *plane;
+static alula_command *plane_command;
+static alula_ned_input *input;
+static alula_ned_command *command;
+static alula_guidance_report *report;
+static alula_equilibria *equilibria;
+static alula_fold_map *map;
+static alula_fold_margin *margin;
+static alula_table *table;
+
+/* Headers right, defaults in, controller initialised. */
+static void tidy(void)
+{
+    parameters->header = ALULA_HEADER(alula_parameters);
+    controller->header = ALULA_HEADER(alula_controller);
+    plane->header = ALULA_HEADER(alula_input);
+    plane_command->header = ALULA_HEADER(alula_command);
+    input->header = ALULA_HEADER(alula_ned_input);
+    command->header = ALULA_HEADER(alula_ned_command);
+    report->header = ALULA_HEADER(alula_guidance_report);
+    equilibria->header = ALULA_HEADER(alula_equilibria);
+    map->header = ALULA_HEADER(alula_fold_map);
+    margin->header = ALULA_HEADER(alula_fold_margin);
+    table->header = ALULA_HEADER(alula_table);
+    CHECK(alula_parameters_default(parameters) == ALULA_OK);
+    CHECK(alula_input_default(plane) == ALULA_OK);
+    CHECK(alula_command_default(plane_command) == ALULA_OK);
+    CHECK(alula_ned_input_default(input) == ALULA_OK);
+    CHECK(alula_ned_command_default(command) == ALULA_OK);
+    CHECK(alula_init(controller, parameters, NULL) == ALULA_OK);
+    CHECK(alula_fold_map_init(map, controller) == ALULA_OK);
+}
+
+static int is_safe(void)
+{
+    alula_ned_command safe;
+    safe.header = ALULA_HEADER(alula_ned_command);
+    return alula_ned_command_default(&safe) == ALULA_OK && memcmp(&safe, command, sizeof safe) == 0;
+}
+
+static int plane_is_safe(void)
+{
+    alula_command safe;
+    safe.header = ALULA_HEADER(alula_command);
+    return alula_command_default(&safe) == ALULA_OK && memcmp(&safe, plane_command, sizeof safe) == 0;
+}
+
+/* Every call, by the pointer that is at fault: `wrong` stands for the `which`th structure. */
+static void call_all(int which, void *wrong, int32_t code)
+{
+    void *p[] = {parameters, controller, plane, plane_command, input, command, equilibria, map, margin, table};
+    p[which] = wrong;
+    alula_table_row row = {0.0f, 0.0f, 1.0f};
+    if (which == 0) {
+        CHECK(alula_parameters_default(p[0]) == code);
+        CHECK(alula_init(p[1], p[0], NULL) == code);
+        CHECK(alula_step(p[1], p[2], 0.01f, p[3]) == ALULA_ERROR_NOT_INITIALISED && plane_is_safe());
+    }
+    if (which == 1) {
+        CHECK(alula_init(p[1], p[0], NULL) == code);
+        CHECK(alula_reset(p[1]) == code);
+        CHECK(alula_fold_map_init(p[7], p[1]) == code);
+    }
+    if (which == 2)
+        CHECK(alula_input_default(p[2]) == code);
+    if (which == 1 || which == 2) {
+        plane_command->thrust = 1.0f;
+        CHECK(alula_step(p[1], p[2], 0.01f, p[3]) == code && plane_is_safe());
+    }
+    if (which == 3) {
+        CHECK(alula_command_default(p[3]) == code);
+        CHECK(alula_step(p[1], p[2], 0.01f, p[3]) == code);
+    }
+    if (which == 4)
+        CHECK(alula_ned_input_default(p[4]) == code);
+    if (which == 1 || which == 4) {
+        command->thrust = 1.0f;
+        CHECK(alula_step_ned(p[1], p[4], 0.01f, p[5]) == code && is_safe());
+        command->thrust = 1.0f;
+        CHECK(alula_guide(p[1], p[4], 0.01f, p[5], NULL) == code && is_safe());
+        CHECK(alula_equilibria_at(p[1], p[4], p[6]) == code && equilibria->count == 0);
+    }
+    if (which == 4)
+        CHECK(alula_fold_margin_at(p[7], p[1], p[4], p[8]) == code && margin->a == 0.0f);
+    if (which == 5) {
+        CHECK(alula_ned_command_default(p[5]) == code);
+        CHECK(alula_step_ned(p[1], p[4], 0.01f, p[5]) == code);
+        CHECK(alula_guide(p[1], p[4], 0.01f, p[5], report) == code);
+    }
+    if (which == 6)
+        CHECK(alula_equilibria_at(p[1], p[4], p[6]) == code);
+    if (which == 7) {
+        CHECK(alula_fold_map_init(p[7], p[1]) == code);
+        CHECK(alula_fold_margin_at(p[7], p[1], p[4], p[8]) == code);
+    }
+    if (which == 8)
+        CHECK(alula_fold_margin_at(p[7], p[1], p[4], p[8]) == code);
+    if (which == 9)
+        CHECK(alula_table_init(p[9], &row, 1, NULL) == code);
+}
+
+/* Every word of `structure`, with every sort of bits: there is a code or none, a safe command with it, and no number that
+ * is none. */
+static void fuzz(void *structure, size_t size, int32_t (*call)(void))
+{
+    static const uint32_t bits[] = {
+        0x7fc00000, 0xffc00001, 0x7f800000, 0xff800000, 0x7f7fffff, 0xff7fffff, 0x00000001, 0x80000001,
+        0x007fffff, 0x80000000, 0x3f800000, 0x49742400, 0xffffffff, 0x00000000, 0x7f800001,
+    };
+    for (size_t n = 1; n < size / 4; n++) {
+        for (size_t k = 0; k < sizeof bits / sizeof *bits; k++) {
+            tidy();
+            memcpy((char *)structure + 4 * n, &bits[k], 4);
+            int32_t code = call();
+            CHECK(code <= 0 && strcmp(alula_strerror(code), "unknown code") != 0);
+        }
+    }
+}
+
+static int are_finite(const void *numbers, size_t size)
+{
+    for (size_t n = 8; n < size; n += 4) {
+        float value;
+        memcpy(&value, (const char *)numbers + n, 4);
+        if (!isfinite(value))
+            return 0;
+    }
+    return 1;
+}
+
+static int32_t call_init(void)
+{
+    int32_t code = alula_init(controller, parameters, table);
+    plane_command->thrust = 1.0f;
+    int32_t stepped = alula_step(controller, plane, 0.01f, plane_command);
+    CHECK(are_finite(plane_command, sizeof *plane_command));
+    CHECK(code == ALULA_OK ? stepped != ALULA_ERROR_NOT_INITIALISED : stepped == ALULA_ERROR_NOT_INITIALISED);
+    CHECK(stepped == ALULA_OK || plane_is_safe());
+    return code;
+}
+
+static int32_t call_plane(void)
+{
+    int32_t code = alula_step(controller, plane, 0.01f, plane_command);
+    CHECK(are_finite(plane_command, sizeof *plane_command) && (code == ALULA_OK || plane_is_safe()));
+    return code;
+}
+
+static int32_t call_ned(void)
+{
+    int32_t code = alula_step_ned(controller, input, 0.01f, command);
+    CHECK(are_finite(command, sizeof *command) && (code == ALULA_OK || is_safe()));
+    int32_t found = alula_equilibria_at(controller, input, equilibria);
+    CHECK(found <= 0 && equilibria->count <= ALULA_EQUILIBRIA && (found == ALULA_OK || equilibria->count == 0));
+    int32_t near = alula_fold_margin_at(map, controller, input, margin);
+    CHECK(near <= 0 && isfinite(margin->a) && isfinite(margin->alpha));
+    return code;
+}
+
+static int32_t call_guide(void)
+{
+    int32_t code = ALULA_OK;
+    for (int n = 0; n < 20; n++) {
+        code = alula_guide(controller, input, 0.01f, command, report);
+        CHECK(are_finite(command, sizeof *command) && are_finite(&report->air_use, sizeof *report - 8));
+        CHECK(command->thrust >= 0.0f && command->thrust <= parameters->thrust_max);
+    }
+    CHECK(code == ALULA_OK || command->status & ALULA_STATUS_SAFE);
+    return code;
+}
+
+int main(void)
+{
+    parameters = at_the_edge(sizeof *parameters);
+    controller = at_the_edge(sizeof *controller);
+    plane = at_the_edge(sizeof *plane);
+    plane_command = at_the_edge(sizeof *plane_command);
+    input = at_the_edge(sizeof *input);
+    command = at_the_edge(sizeof *command);
+    report = at_the_edge(sizeof *report);
+    equilibria = at_the_edge(sizeof *equilibria);
+    map = at_the_edge(sizeof *map);
+    margin = at_the_edge(sizeof *margin);
+    table = at_the_edge(sizeof *table);
+
+    /* Memory that was never initialised. */
+    CHECK(alula_step(controller, plane, 0.01f, plane_command) == ALULA_ERROR_LAYOUT);
+
+    for (int which = 0; which < 10; which++) {
+        tidy();
+        call_all(which, NULL, ALULA_ERROR_NULL);
+        /* Unaligned, and not even a header's worth of memory. */
+        for (size_t off = 1; off < 4; off++) {
+            char *edge = at_the_edge(4);
+            tidy();
+            call_all(which, edge + off, ALULA_ERROR_UNALIGNED);
+        }
+        /* A header and nothing behind it: every size, and every version, but the right one. */
+        uint64_t *lone = at_the_edge(8);
+        for (uint32_t size = 0; size < 6000; size += 4) {
+            for (uint32_t version = 0; version < 3; version++) {
+                uint32_t header = version << 16 | size;
+                static const size_t sizes[] = {
+                    sizeof *parameters, sizeof *controller, sizeof *plane,  sizeof *plane_command, sizeof *input,
+                    sizeof *command,    sizeof *equilibria, sizeof *map,    sizeof *margin,        sizeof *table,
+                };
+                if (version == ALULA_ABI_VERSION && size == sizes[which])
+                    continue;
+                memcpy(lone, &header, 4);
+                tidy();
+                call_all(which, lone, ALULA_ERROR_LAYOUT);
+            }
+        }
+    }
+    tidy();
+    report->header++;
+    CHECK(alula_guide(controller, input, 0.01f, command, report) == ALULA_ERROR_LAYOUT && is_safe());
+    tidy();
+    CHECK(alula_table_init(table, NULL, 40, NULL) == ALULA_ERROR_NULL);
+    parameters->model = ALULA_MODEL_TABLE;
+    CHECK(alula_init(controller, parameters, table) == ALULA_ERROR_NOT_INITIALISED);
+
+    fuzz(parameters, sizeof *parameters, call_init);
+    fuzz(plane, sizeof *plane, call_plane);
+    fuzz(input, sizeof *input, call_ned);
+    fuzz(input, sizeof *input, call_guide);
+
+    /* A copy is another controller, and the first one's end is nothing to it. */
+    tidy();
+    alula_controller copy = *controller;
+    controller->header = 0;
+    CHECK(alula_step(&copy, plane, 0.01f, plane_command) == ALULA_OK);
+
+    for (int32_t code = -400; code < 10; code++)
+        CHECK(alula_strerror(code) && strlen(alula_strerror(code)) > 3);
+    printf("%lu checks\n", checks);
+    return 0;
+}
