@@ -3,9 +3,11 @@
 #![no_std]
 
 use alula::control::GainChoice;
+use alula::equivalency::ApparentForces;
 use alula::{
-    Combined, Command, Fault, FeedForward, Guidance, GuidanceInput, GuidanceState, Guided, Model,
-    Reference, State, VelocityControl,
+    Combined, Command, Equilibria, EquilibriumError, Fault, FeedForward, FoldMap, FoldMargin,
+    Guidance, GuidanceInput, GuidanceState, Guided, Inertial, Model, Reference, State, Vehicle,
+    VelocityControl,
 };
 
 /// The robust law on the combined model.
@@ -49,6 +51,22 @@ pub fn guidance(
     dt: f32,
 ) -> Guided {
     guidance.update(state, input, dt)
+}
+
+/// The equilibria of a reference.
+#[inline(never)]
+pub fn equilibria(
+    vehicle: &Vehicle<Model>,
+    reference: &Reference,
+    wind: Inertial,
+) -> Result<Equilibria, EquilibriumError> {
+    Equilibria::find(vehicle, reference, wind)
+}
+
+/// The margin to the nearest fold.
+#[inline(never)]
+pub fn fold_margin(map: &FoldMap, forces: &ApparentForces) -> Option<FoldMargin> {
+    map.margin(forces)
 }
 
 /// What the search must find, when it is asked to prove that it can.

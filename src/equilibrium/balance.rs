@@ -74,6 +74,8 @@ impl<'a, A: Aerodynamics> Balance<'a, A> {
         })
     }
 
+    // Called from three places: one copy of the model in flash is enough.
+    #[inline(never)]
     pub fn at(&self, alpha: AngleOfAttack) -> Residual {
         let air = AirData::from_angle_of_attack(1.0, alpha, self.vehicle.thrust_line());
         let c = self.vehicle.model().coefficients(alpha);

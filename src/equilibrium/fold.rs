@@ -69,17 +69,18 @@ impl FoldMap {
             .nodes
             .get(center.wrapping_sub(REACH)..)?
             .first_chunk::<WINDOW>()?;
-        // Bit k: the numerator's sign, and the denominator's, at node k.
-        let (mut negative, mut positive) = (0u32, 0u32);
+        // Bit k: whether the numerator, and the denominator, is negative at node k.
+        let (mut numerators, mut denominators) = (0u32, 0u32);
         for (k, (c_l, c_d)) in window.iter().enumerate() {
             let numerator = c_l * along + c_d * across;
             let denominator = c_d * along - c_l * across;
-            negative |= (numerator.to_bits() >> 31) << k;
-            positive |= u32::from(denominator > 0.0) << k;
+            numerators |= (numerator.to_bits() >> 31) << k;
+            denominators |= (denominator.to_bits() >> 31) << k;
         }
         // Bit k: a fold between nodes k and k + 1.
-        let mut folds = (negative ^ (negative >> 1)) & (positive & (positive >> 1));
-        folds &= (1 << (WINDOW - 1)) - 1;
+        let folds = (numerators ^ (numerators >> 1))
+            & !(denominators | (denominators >> 1))
+            & ((1 << (WINDOW - 1)) - 1);
         let weight_squared = along * along + across * across;
         let at = |cell: usize| {
             let (a, b) = (window.get(cell)?, window.get(cell + 1)?);

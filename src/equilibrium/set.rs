@@ -133,7 +133,7 @@ impl Equilibria {
         let balance = Balance::new(vehicle, reference, wind)?;
         let brackets = brackets(&balance)?;
         let air_velocity = reference.velocity - wind;
-        let mut set = heapless::Vec::new();
+        let mut set: heapless::Vec<Equilibrium, CAPACITY> = heapless::Vec::new();
         for bracket in &brackets {
             let alpha = AngleOfAttack::from_radians(refine(&balance, bracket));
             let attitude = balance.attitude(alpha);

@@ -7,9 +7,11 @@ use alula::control::{
 };
 use alula::{
     Aerodynamics, AirData, AngleOfAttack, Attitude, BandwidthGains, BandwidthParameters, Combined,
-    CombinedParameters, Command, Fault, GainParameters, Gains, Guidance, GuidanceState, Guided,
-    Inertial, LargeAngle, LargeAngleParameters, Model, SmallAngle, SmallAngleParameters,
-    ThrustLine, Vehicle, VehicleParameters, VelocityControl, aero::Coefficients,
+    CombinedParameters, Command, Equilibria, EquilibriumError, Fault, FoldMap, FoldMargin,
+    GainParameters, Gains, Guidance, GuidanceState, Guided, Inertial, LargeAngle,
+    LargeAngleParameters, Model, SmallAngle, SmallAngleParameters, Table, ThrustLine, Vehicle,
+    VehicleParameters, VelocityControl,
+    aero::{Coefficients, NACA_0021_RE_160E3},
 };
 
 /// What the functions are called on.
@@ -18,7 +20,9 @@ pub struct Fixture {
     large_angle_control: VelocityControl<LargeAngle>,
     /// The combined model, chosen at run time.
     chosen_control: VelocityControl<Model>,
+    table_control: VelocityControl<Table>,
     small_angle: SmallAngle,
+    fold_map: FoldMap,
     thrust_line: ThrustLine,
     /// Everything on.
     guidance: Guidance<Combined, BandwidthGains>,
@@ -46,6 +50,11 @@ impl Fixture {
                 Vehicle::new(vehicle, large_angle).unwrap(),
                 gains,
             ),
+            table_control: VelocityControl::new(
+                Vehicle::new(vehicle, Table::new(&NACA_0021_RE_160E3)).unwrap(),
+                gains,
+            ),
+            fold_map: FoldMap::new(&Vehicle::new(vehicle, combined).unwrap()),
             small_angle: SmallAngle::new(SmallAngleParameters { c0, c2, c3 }).unwrap(),
             thrust_line: ThrustLine::new(delta).unwrap(),
             guidance: everything_on(Vehicle::new(vehicle, combined).unwrap()),
@@ -100,6 +109,8 @@ pub struct Output {
     command: Result<Command, Fault>,
     coefficients: Coefficients,
     air: Option<AirData>,
+    equilibria: Result<Equilibria, EquilibriumError>,
+    fold: Option<FoldMargin>,
     attitude: Attitude,
     number: f32,
     memory: GuidanceState,
@@ -112,6 +123,8 @@ impl Output {
             command: Err(Fault::Undefined),
             coefficients: Coefficients::default(),
             air: None,
+            equilibria: Err(EquilibriumError::Overflow),
+            fold: None,
             attitude: Attitude::NOSE_UP,
             number: 0.0,
             memory: GuidanceState::default(),
@@ -164,6 +177,16 @@ functions! {
     large_angle => |f, c, o| {
         o.coefficients = f.large_angle_control.vehicle().model().coefficients(c.alpha);
     };
+    table => |f, c, o| {
+        o.coefficients = f.table_control.vehicle().model().coefficients(c.alpha);
+    };
+    robust_table => |f, c, o| {
+        o.command = f.table_control.robust(&c.state, &c.reference, None);
+    };
+    equilibria => |f, c, o| {
+        o.equilibria = Equilibria::find(f.combined_control.vehicle(), &c.reference, c.state.wind);
+    };
+    fold_margin => |f, c, o| o.fold = f.fold_map.margin(&c.forces);
     small_angle => |f, c, o| o.coefficients = f.small_angle.coefficients(c.alpha);
     air_data => |f, c, o| o.air = Some(AirData::new(c.v_a, &f.thrust_line));
     guard_mu => |f, c, o| o.number = f.combined_control.gains().guard().mu(c.force);

@@ -50,7 +50,7 @@ impl<'a> Meter<'a> {
     /// Bytes `function` writes below the stack pointer it is called with.
     #[inline(never)]
     pub fn stack(&self, function: Function, case: &Case, output: &mut Output) -> usize {
-        const WORDS: usize = 512;
+        const WORDS: usize = 1024;
         // A colour for each word: one for all would be hidden where the caller's register that holds it is saved.
         let paint = |n: usize| (n as u32).wrapping_mul(0x9E37_79B9);
         let top = cortex_m::register::msp::read() as *mut u32;

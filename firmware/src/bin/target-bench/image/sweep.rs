@@ -2,6 +2,7 @@
 
 use super::functions::Fixture;
 use alula::control::Air;
+use alula::equivalency::ApparentForces;
 use alula::{
     AngleOfAttack, Attitude, Body, FeedForward, GuidanceInput, Inertial, Reference, State,
 };
@@ -22,6 +23,8 @@ pub struct Case {
     pub input: GuidanceInput,
     /// Air velocity of `state`.
     pub v_a: Body,
+    /// Forces at `state` and `reference`.
+    pub forces: ApparentForces,
     /// An angle of attack, and any other angle.
     pub alpha: AngleOfAttack,
     /// A length inside or outside the guard's region \[N\].
@@ -96,6 +99,12 @@ pub fn case(fixture: &Fixture, n: usize) -> Case {
             jerk,
         },
         v_a,
+        forces: ApparentForces::new(
+            fixture.combined_control.vehicle(),
+            state.attitude,
+            state.velocity - state.wind,
+            reference.acceleration,
+        ),
         alpha: AngleOfAttack::from_radians(random.within(PI)),
         force: 2.0 * force.abs(),
     }
