@@ -20,7 +20,8 @@ mod ratio;
 mod set;
 mod spherical;
 
+pub use crate::control::Branch;
 pub use fold::{FoldMap, FoldMargin};
 pub use ratio::Ratio;
-pub use set::{Branch, CAPACITY, Equilibria, Equilibrium, EquilibriumError, MAX_EVALUATIONS};
+pub use set::{CAPACITY, Equilibria, Equilibrium, EquilibriumError, MAX_EVALUATIONS};
 pub use spherical::{NotSpherical, Spherical};

@@ -6,7 +6,7 @@ use super::balance::{Balance, Residual};
 use super::grid;
 use crate::aero::Aerodynamics;
 use crate::air::AngleOfAttack;
-use crate::control::Reference;
+use crate::control::{Branch, Reference};
 use crate::equivalency::ApparentForces;
 use crate::frame::{Attitude, Inertial};
 use crate::math;
@@ -29,16 +29,6 @@ const RESOLUTION: f32 = 4e-7;
 const ROUNDING: f32 = 4e-6;
 /// |F_p|, relative to the same forces, below which an equilibrium is not called isolated.
 const ISOLATED: f32 = 1e-5;
-
-/// On which side of the thrust axis F_p lies at an equilibrium.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Branch {
-    /// θ̃ = 0: T_p = |F_p|. The control laws stabilise this one.
-    Aligned,
-    /// θ̃ = π: T_p = −|F_p|.
-    Opposed,
-}
 
 /// An orientation at which a thrust holds the reference.
 #[derive(Clone, Copy, Debug, PartialEq)]
