@@ -352,7 +352,7 @@ mod tests {
             // 3e-5: four roundings of 70 m/s.
             assert!((back.north - v.north).abs() < 3e-5 && (back.east - v.east).abs() < 3e-5);
             assert_eq!(back.down, v.down);
-            let pitch = rng.random_range(-3.14..3.14f32);
+            let pitch = rng.random_range(-math::PI..math::PI);
             for axes in [BodyAxes::NoseForward, BodyAxes::NoseUp] {
                 let p = plane.attitude(&plane.quaternion(pitch), axes).unwrap();
                 // 1.5e-6: the quaternion's roundings, doubled.
