@@ -39,7 +39,9 @@ fn header() -> Result<String> {
         .with_src(sources.join("table.rs"))
         .with_src(sources.join("controller.rs"))
         .with_src(sources.join("plane.rs"))
-        .with_src(sources.join("three_d.rs"))
+        .with_src(sources.join("ned_input.rs"))
+        .with_src(sources.join("ned_command.rs"))
+        .with_src(sources.join("guide.rs"))
         .with_src(sources.join("envelope.rs"))
         .generate()?
         .write(&mut bindings);

@@ -1161,6 +1161,14 @@ int32_t alula_input_default(struct alula_input *input);
 int32_t alula_command_default(struct alula_command *command);
 
 /**
+ * Fills in an input that hovers still in still air, heading north, and is asked to stay.
+ *
+ * Pointers:
+ * As `alula_input_default`.
+ */
+int32_t alula_ned_input_default(struct alula_ned_input *input);
+
+/**
  * One step of the pure law in the vertical plane through the input's heading: from `input` to `command`, `dt` seconds
  * after the last. The law has no memory and no limits: `dt` is only checked. Whatever is returned but `ALULA_OK`, the
  * command is the safe one; unless it is `command` itself that is at fault, which is then left alone.
@@ -1172,6 +1180,14 @@ int32_t alula_step_ned(const struct alula_controller *controller,
                        const struct alula_ned_input *input,
                        float dt,
                        struct alula_ned_command *command);
+
+/**
+ * Fills in the safe command.
+ *
+ * Pointers:
+ * As `alula_input_default`.
+ */
+int32_t alula_ned_command_default(struct alula_ned_command *command);
 
 /**
  * One step of the guidance: supervision, reference limit, outer loop, law and actuator limits. It always gives a
@@ -1188,22 +1204,6 @@ int32_t alula_guide(struct alula_controller *controller,
                     float dt,
                     struct alula_ned_command *command,
                     struct alula_guidance_report *report);
-
-/**
- * Fills in an input that hovers still in still air, heading north, and is asked to stay.
- *
- * Pointers:
- * As `alula_input_default`.
- */
-int32_t alula_ned_input_default(struct alula_ned_input *input);
-
-/**
- * Fills in the safe command.
- *
- * Pointers:
- * As `alula_input_default`.
- */
-int32_t alula_ned_command_default(struct alula_ned_command *command);
 
 /**
  * The attitudes at which the reference of `input` can be held in its wind, in the plane of its heading. Velocity is not

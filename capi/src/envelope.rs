@@ -8,7 +8,7 @@ use alula::{Equilibria, Equilibrium, FoldMap};
 use crate::boundary::{self, Layout};
 use crate::code;
 use crate::controller::{Controller, ready};
-use crate::three_d::{NedInput, Seen};
+use crate::ned_input::{NedInput, Seen};
 
 /// Most equilibria of a set.
 pub const ALULA_EQUILIBRIA: u32 = 24;

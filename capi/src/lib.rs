@@ -15,19 +15,23 @@ mod boundary;
 mod code;
 mod controller;
 mod envelope;
+mod guide;
+mod ned_command;
+mod ned_input;
 mod parameters;
 mod plane;
 mod table;
-mod three_d;
 
 pub use boundary::{ALULA_ABI_VERSION, Layout, alula_abi_version};
 pub use code::*;
 pub use controller::{Controller, alula_init, alula_reset};
 pub use envelope::*;
+pub use guide::*;
+pub use ned_command::*;
+pub use ned_input::*;
 pub use parameters::*;
 pub use plane::*;
 pub use table::{ALULA_TABLE_ROWS, Table, TableRow, alula_table_init};
-pub use three_d::*;
 
 /// Never reached: no code of this library panics, which `capi/check` verifies on the linked object.
 #[cfg(panic = "abort")]
