@@ -11,7 +11,9 @@ use alula_sil::pil::{Build, Qemu, Target, build, open_serial};
 use super::fly;
 
 /// Fly a scenario with the core on its target: emulated, or a board on a serial device
+// Groups are named after their types, and this one holds another `Args`.
 #[derive(clap::Args)]
+#[group(skip)]
 pub struct Args {
     #[command(flatten)]
     flight: fly::Args,
