@@ -175,6 +175,35 @@ fn fit_leaves_a_vehicle_that_the_others_take() {
     assert_eq!(envelope["folds"][0]["a"], fitted["folds"][0]["a"]);
 }
 
+/// The paper's flight with the table for the truth and for the belief: it is held, and the wing stalls on the way.
+#[test]
+fn a_table_flies() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = fs::read_to_string(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/scenarios/matched.toml"
+    ));
+    let text = text.unwrap();
+    let (before, rest) = text.split_once("[vehicle.aerodynamics.combined]").unwrap();
+    let (_, after) = rest.split_once("\n[").unwrap();
+    let table = "[vehicle.aerodynamics.table]\npolar = \"naca-0021-re-160e3\"\n";
+    fs::write(
+        folder.path().join("table.toml"),
+        format!("{before}{table}\n[{after}"),
+    )
+    .unwrap();
+    let flown = json(folder.path(), &["fly", "table.toml", "--json"]);
+    // The belief is the truth, to single precision: the error left decays.
+    near(&flown["final_velocity_error_m_s"], 0.0, 1e-3);
+    // c_L cos α + c_D sin α = m g/(k_a v²) at 20 m/s and 4°, near enough the lift: c_L = 0.38, by its row.
+    near(&flown["final_alpha_deg"], 4.0, 0.05);
+    refused(
+        folder.path(),
+        &["pil", "table.toml"],
+        &["vehicle.aerodynamics.table", "link"],
+    );
+}
+
 #[test]
 fn bad_files_and_arguments_are_refused_in_one_line() {
     let folder = tempfile::tempdir().unwrap();

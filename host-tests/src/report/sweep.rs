@@ -19,7 +19,7 @@ pub fn svg(
     let end = scenario.duration_s;
     let equilibria = |of: fn(&alula::Equilibrium) -> f32| {
         // A dot every so often.
-        let every = instants.len().div_ceil(500);
+        let every = instants.len().div_ceil(200);
         let sets = instants.iter().step_by(every).filter_map(|instant| {
             let set = instant.set.as_ref().ok()?;
             Some((instant.t, set))
