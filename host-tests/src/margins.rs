@@ -272,7 +272,7 @@ mod tests {
         Loop {
             vehicle,
             belief: vehicle,
-            gains: mission.controller.gains,
+            gains: mission.controller.guidance().unwrap().gains,
         }
     }
 

@@ -6,9 +6,10 @@ use alula_sil::mission::{GainChoiceSpec, Mission, MissionSource, RateLoop, fly};
 /// The round trip's vehicle, known exactly, under these gains.
 fn exact(gains: Option<&str>) -> Mission {
     let mut mission = MissionSource::load("round-trip").unwrap().mission;
-    mission.controller.vehicle = None;
+    let guidance = mission.controller.guidance_mut().unwrap();
+    guidance.vehicle = None;
     if let Some(gains) = gains {
-        mission.controller.gains = GainChoiceSpec::Constant(toml::from_str(gains).unwrap());
+        guidance.gains = GainChoiceSpec::Constant(toml::from_str(gains).unwrap());
     }
     mission
 }
@@ -21,7 +22,7 @@ fn point(mission: &Mission, speed: f64) -> Point {
     let of = Loop {
         vehicle,
         belief: vehicle,
-        gains: mission.controller.gains,
+        gains: mission.controller.guidance().unwrap().gains,
     };
     let points = of.at(speed);
     assert_eq!(points.len(), 1, "{speed} m/s");
@@ -37,12 +38,13 @@ fn growth(mission: &Mission, point: &Point, lag: Option<f64>, delay: f64) -> f64
     mission.control_rate_hz = (100.0 / limit).clamp(200.0, 50_000.0);
     mission.substeps = if lag.is_none() { 4 } else { 2 };
     mission.duration_s = 800.0 * limit;
-    mission.controller.position.gain_1_s = [0.0; 2];
-    mission.controller.position.measured = false;
-    mission.controller.limits.rate_rad_s = 1e3;
-    mission.controller.limits.slew_rad_s2 = 1e6;
-    mission.controller.limits.thrust_n = [-1e4, 1e4];
-    mission.controller.reference.acceleration_m_s2 = 1e3;
+    let guidance = mission.controller.guidance_mut().unwrap();
+    guidance.position.gain_1_s = [0.0; 2];
+    guidance.position.measured = false;
+    guidance.limits.rate_rad_s = 1e3;
+    guidance.limits.slew_rad_s2 = 1e6;
+    guidance.limits.thrust_n = [-1e4, 1e4];
+    guidance.reference.acceleration_m_s2 = 1e3;
     mission.plant.thrust_n = [-1e4, 1e4];
     mission.plant.thrust_lag_s = 0.0;
     mission.plant.delay_s = delay;

@@ -1,5 +1,6 @@
 //! The whole guidance in closed loop: what it reaches on the vehicle of the built-in missions.
 
+use alula::Guided;
 use alula::control::{AirUse, Mode, Status};
 use alula_sil::mission::{
     FaultKind, FaultSpec, Figures, Mission, MissionSource, RateLoop, Row, fly,
@@ -16,6 +17,10 @@ fn rows(mission: &Mission) -> Vec<Row> {
         true
     });
     rows
+}
+
+fn guided(row: &Row) -> &Guided {
+    row.answer.guided().unwrap()
 }
 
 fn figures(mission: &Mission) -> Figures {
@@ -66,7 +71,7 @@ fn braking_harder_than_drag_is_told_and_overshoots() {
     assert!(figures.forward_m[1] > 60.0 && figures.forward_m[1] < 120.0);
     let braking = rows.iter().filter(|r| r.t > 46.0 && r.t < 54.0);
     for row in braking {
-        let status = row.guided.status;
+        let status = guided(row).status;
         assert!(
             status.contains(Status::THRUST_LOW | Status::NEGATIVE_THRUST),
             "{}",
@@ -119,7 +124,7 @@ fn a_steep_descent_needs_the_other_branch() {
     let with = figures(&mission);
     assert!(with.opposed_s > 20.0);
     assert!(with.altitude_m[0] > -1.0 && with.altitude_m[1] < 1.0);
-    mission.controller.branch.switch = false;
+    mission.controller.guidance_mut().unwrap().branch.switch = false;
     let without = figures(&mission);
     assert_eq!(without.opposed_s, 0.0);
     assert!(without.altitude_m[0] < -100.0);
@@ -131,7 +136,8 @@ fn the_papers_gains_do_not_fly_this_vehicle() {
     let mut mission = mission("round-trip");
     let text = "k1 = 0.1529\nk2 = 0.0234\nk3 = 6.0\ntau_n = 80.0";
     let gains = toml::from_str(text).unwrap();
-    mission.controller.gains = alula_sil::mission::GainChoiceSpec::Constant(gains);
+    mission.controller.guidance_mut().unwrap().gains =
+        alula_sil::mission::GainChoiceSpec::Constant(gains);
     let figures = figures(&mission);
     let cruise = figures.segments[2].steady.as_ref().unwrap();
     assert!(cruise.late_rate_rms_rad_s > 1.0 && cruise.late_velocity_error_m_s > 1.0);
@@ -191,7 +197,12 @@ fn faults_end_in_their_stated_states() {
     let with = |kind, seconds| {
         let mut mission = mission("round-trip");
         mission.duration_s = 35.0;
-        mission.controller.supervision.recovery_s = 0.05;
+        mission
+            .controller
+            .guidance_mut()
+            .unwrap()
+            .supervision
+            .recovery_s = 0.05;
         mission.sensors.faults = vec![FaultSpec {
             kind,
             from_s: 25.0,
@@ -199,11 +210,11 @@ fn faults_end_in_their_stated_states() {
         }];
         rows(&mission)
     };
-    let at = |rows: &[Row], t: f64| rows[(t * 100.0).round() as usize].guided;
+    let at = |rows: &[Row], t: f64| *guided(&rows[(t * 100.0).round() as usize]);
     let recovered = |rows: &[Row]| {
         let last = rows.last().unwrap();
         assert_eq!(
-            (last.guided.mode, last.guided.refusal),
+            (guided(last).mode, guided(last).refusal),
             (Mode::Flying, None)
         );
         assert!(

@@ -58,7 +58,10 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let source = MissionSource::load(&args.vehicle)?;
     let mission = &source.mission;
     let vehicle = mission.vehicle.plant_vehicle();
-    let believed = mission.controller.vehicle.as_ref().filter(|_| args.belief);
+    let Some(guidance) = mission.controller.guidance() else {
+        anyhow::bail!("{}: its controller has no gains", args.vehicle);
+    };
+    let believed = guidance.vehicle.as_ref().filter(|_| args.belief);
     let belief = believed.map_or(vehicle, |spec| spec.plant_vehicle());
     let speeds = match args.speeds.is_empty() {
         true => (0..=25).map(f64::from).collect(),
@@ -73,7 +76,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     };
     std::fs::create_dir_all(&out).with_context(|| out.display().to_string())?;
 
-    let loops = [("paper", PAPER), ("mission", mission.controller.gains)].map(|(name, gains)| {
+    let loops = [("paper", PAPER), ("mission", guidance.gains)].map(|(name, gains)| {
         let of = Loop {
             vehicle,
             belief,

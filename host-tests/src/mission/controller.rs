@@ -1,211 +1,98 @@
-//! `[controller]` of a mission: the core's guidance and every parameter of it.
+//! `[controller]` of a mission: who flies.
 
-use alula::control::{
-    BranchParameters, BranchSwitch, GainChoice, LimitParameters, Limits, OuterLoop,
-    OuterLoopParameters, ReferenceLimit, ReferenceLimitParameters, SupervisionParameters,
-    Supervisor,
-};
-use alula::{
-    BandwidthGains, BandwidthParameters, Guidance, Inertial, Model, ParameterError, Vehicle,
-    VelocityControl,
-};
+use alula::{GuidanceInput, GuidanceState, Guided};
 use serde::Deserialize;
 
-use crate::scenario::{FieldError, GainsSpec, VehicleSpec};
+use super::guidance::{GuidanceSpec, MissionGuidance};
+use crate::scenario::{FieldError, VehicleSpec};
 
-/// The guidance that missions fly: model and gains are data.
-pub type MissionGuidance = Guidance<Model, GainChoice>;
-
-/// `[controller]`.
+/// `[controller.…]`: exactly one.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ControllerSpec {
-    /// What the controller believes about the vehicle; the truth if left out.
-    pub vehicle: Option<VehicleSpec>,
-    /// Gains of the law.
-    pub gains: GainChoiceSpec,
-    /// Acceleration limit on the reference.
-    pub reference: ReferenceLimitSpec,
-    /// Position hold and integral action.
-    pub position: PositionSpec,
-    /// Limits of the command.
-    pub limits: LimitSpec,
-    /// The branch θ̃ = π.
-    pub branch: BranchSpec,
-    /// What happens when inputs fail.
-    pub supervision: SupervisionSpec,
+#[serde(rename_all = "kebab-case")]
+pub enum ControllerSpec {
+    /// The core's guidance.
+    Guidance(Box<GuidanceSpec>),
 }
 
-/// `[controller.gains.…]`.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(rename_all = "kebab-case", deny_unknown_fields)]
-pub enum GainChoiceSpec {
-    /// The paper's.
-    Constant(GainsSpec),
-    /// By bandwidth.
-    Bandwidth(BandwidthSpec),
+/// What a controller answers to one step's input.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Answer {
+    /// Thrust T \[N\].
+    pub thrust: f64,
+    /// Angular rate ω \[rad/s\].
+    pub rate: f64,
+    /// What else it says.
+    pub report: Report,
 }
 
-/// `[controller.gains.bandwidth]`.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct BandwidthSpec {
-    /// ω_n \[rad/s\].
-    pub natural_frequency_rad_s: f64,
-    /// ζ.
-    pub damping: f64,
-    /// ω_v \[1/s\].
-    pub thrust_rate_1_s: f64,
-    /// Floor of |F_p| \[N\].
-    pub force_floor_n: f64,
-    /// τ \[N\].
-    pub tau_n: f64,
+/// What a controller says of itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Report {
+    /// The core's guidance.
+    Guided(Guided),
 }
 
-/// `[controller.reference]`.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ReferenceLimitSpec {
-    /// Largest acceleration \[m/s²\].
-    pub acceleration_m_s2: f64,
-    /// Rate of the return to the reference asked for \[1/s\].
-    pub return_1_s: f64,
-}
-
-/// `[controller.position]`, each (down, forward).
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct PositionSpec {
-    /// Whether the position error is measured.
-    pub measured: bool,
-    /// k_p \[1/s\].
-    pub gain_1_s: [f64; 2],
-    /// Largest pull \[m/s\].
-    pub pull_m_s: [f64; 2],
-    /// k_i \[1/s\].
-    pub integral_gain_1_s: [f64; 2],
-    /// Largest integral \[m/s\].
-    pub integral_m_s: [f64; 2],
-}
-
-/// `[controller.limits]`.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct LimitSpec {
-    /// Least and most thrust \[N\].
-    pub thrust_n: [f64; 2],
-    /// Largest rate \[rad/s\].
-    pub rate_rad_s: f64,
-    /// Largest change of the rate \[rad/s²\].
-    pub slew_rad_s2: f64,
-}
-
-/// `[controller.branch]`.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct BranchSpec {
-    /// Whether branches are switched.
-    pub switch: bool,
-    /// Hysteresis \[N\].
-    pub hysteresis_n: f64,
-    /// Fading time of a switch's jump \[s\].
-    pub fade_s: f64,
-}
-
-/// `[controller.supervision]`.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SupervisionSpec {
-    /// How long bad frames are bridged \[s\].
-    pub hold_s: f64,
-    /// How long frames must be good to leave the safe command \[s\].
-    pub recovery_s: f64,
-    /// Oldest state \[s\].
-    pub state_age_s: f64,
-    /// Oldest reference \[s\].
-    pub reference_age_s: f64,
-    /// How long the last wind stands in \[s\].
-    pub air_hold_s: f64,
-    /// Thrust of the safe command \[N\].
-    pub safe_thrust_n: f64,
-}
-
-fn pair([down, forward]: [f64; 2]) -> Inertial {
-    Inertial::new(down as f32, forward as f32)
-}
-
-/// The core's refusal under the table's name.
-fn under<T>(table: &str, result: Result<T, ParameterError>) -> Result<T, FieldError> {
-    result.map_err(|e| FieldError::new(table, e.to_string()))
-}
-
-impl GainChoiceSpec {
-    /// The gains for what the controller believes to be `vehicle`.
-    pub fn gains(&self, vehicle: &Vehicle<Model>) -> Result<GainChoice, FieldError> {
-        Ok(match self {
-            Self::Constant(spec) => {
-                GainChoice::Constant(spec.control_gains("controller.gains.constant")?)
-            }
-            Self::Bandwidth(spec) => {
-                let p = BandwidthParameters {
-                    natural_frequency: spec.natural_frequency_rad_s as f32,
-                    damping: spec.damping as f32,
-                    thrust_rate: spec.thrust_rate_1_s as f32,
-                    force_floor: spec.force_floor_n as f32,
-                    tau: spec.tau_n as f32,
-                };
-                let table = "controller.gains.bandwidth";
-                GainChoice::Bandwidth(under(table, BandwidthGains::new(p, vehicle))?)
-            }
-        })
-    }
+/// Whoever closes the loop of a mission, with what it remembers between steps.
+pub trait Pilot {
+    /// The answer to `input`, `dt` \[s\] after the last.
+    fn answer(&mut self, input: &GuidanceInput, dt: f32) -> Answer;
 }
 
 impl ControllerSpec {
-    /// The guidance of a vehicle that is `truth` unless the controller believes otherwise.
-    pub fn guidance(&self, truth: &VehicleSpec) -> Result<MissionGuidance, FieldError> {
-        let vehicle = match &self.vehicle {
-            Some(belief) => belief.control_vehicle("controller.vehicle")?,
-            None => truth.control_vehicle("vehicle")?,
-        };
-        let gains = self.gains.gains(&vehicle)?;
-        let reference = ReferenceLimitParameters {
-            acceleration: self.reference.acceleration_m_s2 as f32,
-            rate: self.reference.return_1_s as f32,
-        };
-        let position = OuterLoopParameters {
-            position_gain: pair(self.position.gain_1_s),
-            pull: pair(self.position.pull_m_s),
-            integral_gain: pair(self.position.integral_gain_1_s),
-            integral: pair(self.position.integral_m_s),
-        };
-        let limits = LimitParameters {
-            thrust_min: self.limits.thrust_n[0] as f32,
-            thrust_max: self.limits.thrust_n[1] as f32,
-            rate: self.limits.rate_rad_s as f32,
-            slew: self.limits.slew_rad_s2 as f32,
-        };
-        let branch = BranchParameters {
-            switch: self.branch.switch,
-            hysteresis: self.branch.hysteresis_n as f32,
-            fade: self.branch.fade_s as f32,
-        };
-        let s = &self.supervision;
-        let supervision = SupervisionParameters {
-            hold: s.hold_s as f32,
-            recovery: s.recovery_s as f32,
-            state_age: s.state_age_s as f32,
-            reference_age: s.reference_age_s as f32,
-            air_hold: s.air_hold_s as f32,
-            safe_thrust: s.safe_thrust_n as f32,
-        };
-        Ok(Guidance {
-            control: VelocityControl::new(vehicle, gains),
-            reference_limit: under("controller.reference", ReferenceLimit::new(reference))?,
-            outer_loop: under("controller.position", OuterLoop::new(position))?,
-            branch: under("controller.branch", BranchSwitch::new(branch))?,
-            limits: under("controller.limits", Limits::new(limits))?,
-            supervisor: under("controller.supervision", Supervisor::new(supervision))?,
+    /// The controller of a vehicle that is `truth`.
+    pub fn pilot(&self, truth: &VehicleSpec) -> Result<Box<dyn Pilot>, FieldError> {
+        Ok(match self {
+            Self::Guidance(spec) => Box::new(Guide {
+                guidance: spec.guidance(truth)?,
+                holds_position: spec.position.measured,
+                memory: GuidanceState::default(),
+            }),
         })
+    }
+
+    /// The guidance, if it is the guidance that flies.
+    pub fn guidance(&self) -> Option<&GuidanceSpec> {
+        match self {
+            Self::Guidance(spec) => Some(spec),
+        }
+    }
+
+    /// The guidance, to be changed.
+    pub fn guidance_mut(&mut self) -> Option<&mut GuidanceSpec> {
+        match self {
+            Self::Guidance(spec) => Some(spec),
+        }
+    }
+}
+
+/// The core's guidance with its memory.
+struct Guide {
+    guidance: MissionGuidance,
+    holds_position: bool,
+    memory: GuidanceState,
+}
+
+impl Pilot for Guide {
+    fn answer(&mut self, input: &GuidanceInput, dt: f32) -> Answer {
+        let position_error = input.position_error.filter(|_| self.holds_position);
+        let input = GuidanceInput {
+            position_error,
+            ..*input
+        };
+        let guided = self.guidance.update(&mut self.memory, &input, dt);
+        Answer {
+            thrust: f64::from(guided.command.thrust),
+            rate: f64::from(guided.command.rate),
+            report: Report::Guided(guided),
+        }
+    }
+}
+
+impl Answer {
+    /// What the guidance says, if it flies.
+    pub fn guided(&self) -> Option<&Guided> {
+        match &self.report {
+            Report::Guided(guided) => Some(guided),
+        }
     }
 }

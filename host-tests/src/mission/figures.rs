@@ -1,5 +1,6 @@
 //! Figures of merit of a mission: over all of it, and over each segment of its reference.
 
+use alula::Guided;
 use alula::control::{Mode, Status};
 use serde::Serialize;
 
@@ -81,21 +82,20 @@ impl Figures {
         let time = |holds: &dyn Fn(&Row) -> bool| {
             period * rows.iter().filter(|row| holds(row)).count() as f64
         };
-        let flag = |flag: Status| time(&|row| row.guided.status.contains(flag));
+        let guided =
+            |holds: &dyn Fn(&Guided) -> bool| time(&|row| row.answer.guided().is_some_and(holds));
+        let flag = |flag: Status| guided(&|g| g.status.contains(flag));
         let breaks = mission.reference.breaks(mission.duration_s);
         let whole = Segment::of(mission, rows, 0.0, mission.duration_s);
-        let rate = |row: &Row| {
-            let commanded = f64::from(row.guided.command.rate);
-            row.truth.rate.abs().max(commanded.abs())
-        };
+        let rate = |row: &Row| row.truth.rate.abs().max(row.answer.rate.abs());
         Self {
             peak_rate_rad_s: rows.iter().map(rate).fold(0.0, f64::max),
             altitude_m: whole.altitude_m,
             forward_m: whole.forward_m,
             max_velocity_error_m_s: whole.max_velocity_error_m_s,
             final_velocity_error_m_s: rows[rows.len() - 1].velocity_error().norm(),
-            safe_s: time(&|row| row.guided.mode == Mode::Safe),
-            holding_s: time(&|row| row.guided.mode == Mode::Holding),
+            safe_s: guided(&|g| g.mode == Mode::Safe),
+            holding_s: guided(&|g| g.mode == Mode::Holding),
             thrust_low_s: flag(Status::THRUST_LOW),
             thrust_high_s: flag(Status::THRUST_HIGH),
             negative_thrust_s: flag(Status::NEGATIVE_THRUST),

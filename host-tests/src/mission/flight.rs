@@ -3,12 +3,12 @@
 use std::collections::VecDeque;
 
 use alula::control::Air;
-use alula::{Attitude, GuidanceInput, GuidanceState, Guided, Inertial, Reference};
+use alula::{Attitude, GuidanceInput, Inertial, Reference};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use super::sensors::{FaultKind, Measured};
-use super::{Mission, State, Weather};
+use super::{Answer, Mission, State, Weather};
 use crate::flight::inertial;
 use crate::reference::{Vector, wrap};
 
@@ -30,7 +30,7 @@ pub struct Row {
     /// What the controller was told.
     pub input: GuidanceInput,
     /// What it answered.
-    pub guided: Guided,
+    pub answer: Answer,
 }
 
 impl Row {
@@ -49,11 +49,10 @@ impl Row {
 /// says whether to go on.
 pub fn fly(mission: &Mission, mut visit: impl FnMut(&Row) -> bool) {
     let plant = mission.plant();
-    let guidance = mission
+    let mut pilot = mission
         .controller
-        .guidance(&mission.vehicle)
+        .pilot(&mission.vehicle)
         .expect("validated when loaded");
-    let mut memory = GuidanceState::default();
     // Noise and turbulence are separate streams: a change of one leaves the other as it was.
     let mut noise = ChaCha8Rng::seed_from_u64(mission.seed);
     let mut gusts = ChaCha8Rng::seed_from_u64(mission.seed);
@@ -110,18 +109,14 @@ pub fn fly(mission: &Mission, mut visit: impl FnMut(&Row) -> bool) {
             )),
             state_age: (t - measured_at) as f32,
             air: measured.air,
-            position_error: mission
-                .controller
-                .position
-                .measured
-                .then_some(Inertial::new(
-                    nan(error.down(), FaultKind::PositionNan),
-                    error.forward(),
-                )),
+            position_error: Some(Inertial::new(
+                nan(error.down(), FaultKind::PositionNan),
+                error.forward(),
+            )),
             reference: stale,
             reference_age: (t - reference_time) as f32,
         };
-        let guided = guidance.update(&mut memory, &input, period as f32);
+        let answer = pilot.answer(&input, period as f32);
         let go_on = visit(&Row {
             t,
             truth,
@@ -130,17 +125,13 @@ pub fn fly(mission: &Mission, mut visit: impl FnMut(&Row) -> bool) {
             reference_acceleration: acceleration,
             reference_position,
             input,
-            guided,
+            answer,
         });
         if !go_on {
             return;
         }
 
-        pending.push_back((
-            plant_step + delay,
-            f64::from(guided.command.thrust),
-            f64::from(guided.command.rate),
-        ));
+        pending.push_back((plant_step + delay, answer.thrust, answer.rate));
         for _ in 0..mission.substeps {
             while let Some(&(_, t, r)) = pending.front().filter(|c| c.0 <= plant_step) {
                 (thrust, rate) = (t, r);

@@ -3,8 +3,10 @@
 //! A [scenario](crate::scenario) asks what the law does to an ideal vehicle; a mission, whether a real one flies.
 
 mod controller;
+mod draft;
 mod figures;
 mod flight;
+mod guidance;
 mod output;
 mod plant;
 mod sensors;
@@ -15,12 +17,14 @@ use std::path::Path;
 use anyhow::{Context, anyhow};
 use serde::Deserialize;
 
-pub use controller::{
-    BandwidthSpec, BranchSpec, ControllerSpec, GainChoiceSpec, LimitSpec, MissionGuidance,
-    PositionSpec, ReferenceLimitSpec, SupervisionSpec,
-};
+pub use controller::{Answer, ControllerSpec, Pilot, Report};
+pub use draft::Draft;
 pub use figures::{Figures, Segment, Steady};
 pub use flight::{Row, fly};
+pub use guidance::{
+    BandwidthSpec, BranchSpec, GainChoiceSpec, GuidanceSpec, LimitSpec, MissionGuidance,
+    PositionSpec, ReferenceLimitSpec, SupervisionSpec,
+};
 pub use output::{html, svg, write_trace};
 pub use plant::{ActuatorSpec, Plant, RateLoop, State};
 pub use sensors::{AirSensor, ErrorSpec, FaultKind, FaultSpec, SensorSpec};
@@ -106,7 +110,7 @@ impl Mission {
         }
         self.vehicle.control_vehicle("vehicle")?;
         self.plant.validate()?;
-        self.controller.guidance(&self.vehicle)?;
+        self.controller.pilot(&self.vehicle)?;
         self.sensors.validate()?;
         self.weather.validate()?;
         self.reference.validate()?;
@@ -214,8 +218,8 @@ mod tests {
         expect(
             "damping =",
             "damping = 0.0",
-            "[controller.gains.bandwidth]",
-            "controller.gains.bandwidth: damping must be positive",
+            "[controller.guidance.gains.bandwidth]",
+            "controller.guidance.gains.bandwidth: damping must be positive",
         );
         expect(
             "thrust_lag_s",
@@ -233,7 +237,7 @@ mod tests {
             "fade_s",
             "fade = 1",
             "fade_s",
-            "controller.branch.fade: unknown field",
+            "controller.guidance.branch.fade: unknown field",
         );
     }
 }

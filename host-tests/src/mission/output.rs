@@ -2,13 +2,14 @@
 
 use std::io::Write;
 
+use alula::Guided;
 use alula::control::{AirUse, Mode};
 use anyhow::Context;
 use minijinja::context;
 
 use super::figures::Figures;
 use super::flight::Row;
-use super::{Mission, MissionSource};
+use super::{Mission, MissionSource, Report};
 use crate::reference::wrap;
 use crate::report::chart::{Chart, Series, Stroke, sheet};
 use crate::report::figure::{BLUE, GREEN, GREY, ORANGE, angle};
@@ -49,7 +50,7 @@ pub fn write_trace(rows: &[Row], to: impl Write) -> csv::Result<()> {
     let mut csv = csv::Writer::from_writer(to);
     csv.write_record(COLUMNS)?;
     for row in rows {
-        let (truth, guided) = (&row.truth, &row.guided);
+        let truth = &row.truth;
         for value in [
             row.t,
             truth.velocity.x,
@@ -68,9 +69,11 @@ pub fn write_trace(rows: &[Row], to: impl Write) -> csv::Result<()> {
         ] {
             csv.write_field(value.to_string())?;
         }
+        for value in [row.answer.thrust, row.answer.rate] {
+            csv.write_field((value as f32).to_string())?;
+        }
+        let Report::Guided(guided) = &row.answer.report;
         for value in [
-            guided.command.thrust,
-            guided.command.rate,
             guided.reference.velocity.down(),
             guided.reference.velocity.forward(),
             guided.reference.acceleration.down(),
@@ -104,6 +107,13 @@ pub fn svg(mission: &Mission, rows: &[Row]) -> String {
     sheet(&charts(mission, rows), 310).expect("charts of finite ranges can be drawn")
 }
 
+/// What the guidance says; NaN, which is not drawn, of another controller.
+fn of(row: &Row, value: impl Fn(&Guided) -> f32) -> f64 {
+    row.answer
+        .guided()
+        .map_or(f64::NAN, |g| f64::from(value(g)))
+}
+
 fn charts(mission: &Mission, rows: &[Row]) -> [Chart; 8] {
     let series = |name, color, value: &dyn Fn(&Row) -> f64| Series {
         name,
@@ -130,7 +140,7 @@ fn charts(mission: &Mission, rows: &[Row]) -> [Chart; 8] {
                 series("v", BLUE, &|r| r.truth.velocity.y),
                 dashed("v_r", ORANGE, &|r| r.reference_velocity.y),
                 dashed("v_cmd", GREY, &|r| {
-                    f64::from(r.guided.reference.velocity.forward())
+                    of(r, |g| g.reference.velocity.forward())
                 }),
             ],
         ),
@@ -139,9 +149,7 @@ fn charts(mission: &Mission, rows: &[Row]) -> [Chart; 8] {
             vec![
                 series("v", BLUE, &|r| r.truth.velocity.x),
                 dashed("v_r", ORANGE, &|r| r.reference_velocity.x),
-                dashed("v_cmd", GREY, &|r| {
-                    f64::from(r.guided.reference.velocity.down())
-                }),
+                dashed("v_cmd", GREY, &|r| of(r, |g| g.reference.velocity.down())),
             ],
         ),
         chart(
@@ -157,7 +165,7 @@ fn charts(mission: &Mission, rows: &[Row]) -> [Chart; 8] {
             vec![
                 angle(series("θ", BLUE, &|r| wrap(r.truth.theta).to_degrees())),
                 angle(series("α", ORANGE, &|r| {
-                    f64::from(r.guided.command.diagnostics.alpha).to_degrees()
+                    of(r, |g| g.command.diagnostics.alpha).to_degrees()
                 })),
             ],
         ),
@@ -165,22 +173,20 @@ fn charts(mission: &Mission, rows: &[Row]) -> [Chart; 8] {
             "angular velocity ω [rad/s]",
             vec![
                 series("ω", BLUE, &|r| r.truth.rate),
-                dashed("command", ORANGE, &|r| f64::from(r.guided.command.rate)),
+                dashed("command", ORANGE, &|r| r.answer.rate),
             ],
         ),
         chart(
             "thrust to weight T/(m g)",
             vec![
                 series("T/(m g)", GREEN, &|r| r.truth.thrust / weight),
-                dashed("command", ORANGE, &|r| {
-                    f64::from(r.guided.command.thrust) / weight
-                }),
+                dashed("command", ORANGE, &|r| r.answer.thrust / weight),
             ],
         ),
         chart(
             "angle to the nearest fold, first order, within 45° [°]",
             vec![series("fold", BLUE, &|r| {
-                let fold = f64::from(r.guided.margin.fold).to_degrees();
+                let fold = of(r, |g| g.margin.fold).to_degrees();
                 if fold.abs() < 45.0 { fold } else { f64::NAN }
             })],
         ),
