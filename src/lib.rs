@@ -35,7 +35,7 @@
 //! thrust acts along the nose. See [`frame`] and [`air`], and [`ned`] for the axes of autopilots.
 //!
 //! # Layers
-//! [`frame`] ← [`air`] ← [`aero`] ← [`Vehicle`] ← [`equivalency`] ← [`control`]; no arrow points back. The core sees no
+//! [`frame`] ← [`air`] ← [`aero`] ← [`Vehicle`] ← [`equivalency`] ← {[`control`], [`equilibrium`]}; no arrow points back. The core sees no
 //! clock, global, allocator or peripheral, holds no panic and no double precision, and gives the same bits on every
 //! target: its few elementary functions are its own.
 //!
@@ -46,6 +46,7 @@
 
 pub mod aero;
 pub mod air;
+mod branch;
 pub mod control;
 pub mod equilibrium;
 pub mod equivalency;
@@ -53,6 +54,7 @@ mod error;
 pub mod frame;
 mod math;
 pub mod ned;
+mod reference;
 mod vehicle;
 
 pub use aero::{
@@ -62,11 +64,12 @@ pub use aero::{
 pub use air::{AirData, AngleOfAttack, ThrustLine};
 pub use control::{
     BandwidthGains, BandwidthParameters, Command, Diagnostics, Fault, FeedForward, GainParameters,
-    Gains, Guidance, GuidanceInput, GuidanceState, Guided, Reference, State, VelocityControl,
+    Gains, Guidance, GuidanceInput, GuidanceState, Guided, State, VelocityControl,
 };
 pub use equilibrium::{Equilibria, Equilibrium, EquilibriumError, FoldMap, FoldMargin};
 pub use error::{ParameterError, Problem};
 pub use frame::{Attitude, Body, Inertial};
+pub use reference::Reference;
 pub use vehicle::{Vehicle, VehicleParameters, aerodynamic_constant};
 
 #[cfg(doctest)]

@@ -4,11 +4,8 @@ use core::fmt;
 
 use crate::frame::{Attitude, Body, Inertial};
 use crate::math;
+use crate::reference::{MAX_ACCELERATION, MAX_SPEED, Reference};
 
-/// Velocities longer than this [m/s] are refused as absurd.
-pub const MAX_SPEED: f32 = 1e3;
-/// Accelerations longer than this [m/s²], and jerks [m/s³], are refused as absurd.
-pub const MAX_ACCELERATION: f32 = 1e3;
 /// Attitude pairs with |cos² + sin² − 1| above this are refused: they are no attitude.
 const MAX_ATTITUDE_DEFECT: f32 = 1e-3;
 /// Thrusts \[N\] and rates [rad/s] above this are refused: the law has no answer there.
@@ -24,16 +21,6 @@ pub struct State {
     pub attitude: Attitude,
     /// Wind velocity v_w over ground [m/s].
     pub wind: Inertial,
-}
-
-/// Reference velocity and its derivative.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Reference {
-    /// Reference velocity v_r over ground [m/s].
-    pub velocity: Inertial,
-    /// Reference acceleration a_r [m/s²].
-    pub acceleration: Inertial,
 }
 
 /// What the feed-forward F_δ needs (`Fdelta`). γ̇ follows from the air velocity and its derivative.

@@ -3,8 +3,8 @@
 //! supervision → reference limit → outer loop → robust law on its branch → actuator limits. The law is pure; what
 //! the rest remembers is in [`GuidanceState`], and nothing else is.
 
-use super::branch::{Branch, BranchState, BranchSwitch, Verdict};
-use super::command::{Command, Diagnostics, MAX_SPEED, Reference, State, check_input};
+use super::branch_switch::{BranchState, BranchSwitch, Verdict};
+use super::command::{Command, Diagnostics, State, check_input};
 use super::gains::{GainLaw, Gains};
 use super::limits::{LimitState, Limits};
 use super::margin::Margin;
@@ -14,7 +14,9 @@ use super::status::Status;
 use super::supervision::{Air, AirUse, MAX_STEP, Mode, Refusal, SupervisionState, Supervisor};
 use super::velocity::VelocityControl;
 use crate::aero::Aerodynamics;
+use crate::branch::Branch;
 use crate::frame::{Attitude, Inertial};
+use crate::reference::{MAX_SPEED, Reference};
 
 /// The parts of the guidance, each validated by its own constructor.
 ///

@@ -4,7 +4,7 @@
 //! memory, and keeps all of that in [`GuidanceState`].
 
 mod bandwidth;
-mod branch;
+mod branch_switch;
 mod command;
 mod feed_forward;
 mod gains;
@@ -18,11 +18,11 @@ mod status;
 mod supervision;
 mod velocity;
 
+pub use crate::branch::Branch;
+pub use crate::reference::{MAX_ACCELERATION, MAX_SPEED, Reference};
 pub use bandwidth::{BandwidthGains, BandwidthParameters};
-pub use branch::{Branch, BranchParameters, BranchState, BranchSwitch};
-pub use command::{
-    Command, Diagnostics, Fault, FeedForward, MAX_ACCELERATION, MAX_SPEED, Reference, State,
-};
+pub use branch_switch::{BranchParameters, BranchState, BranchSwitch};
+pub use command::{Command, Diagnostics, Fault, FeedForward, State};
 pub use gains::{GainChoice, GainLaw, GainParameters, GainValues, Gains};
 pub use guard::Guard;
 pub use guidance::{Guidance, GuidanceInput, GuidanceState, Guided};

@@ -1,11 +1,11 @@
 //! Position hold and integral action, around the velocity law (not in the paper).
 
-use super::command::Reference;
 use super::reference_limit::ReferenceLimit;
 use super::status::Status;
 use crate::error::{ParameterError, in_range};
 use crate::frame::{Attitude, Body, Inertial};
 use crate::math;
+use crate::reference::Reference;
 
 /// Parameters of the outer loop, along (down, forward). A gain of zero turns its action off.
 #[derive(Clone, Copy, Debug, PartialEq)]

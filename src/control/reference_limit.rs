@@ -1,10 +1,10 @@
 //! Acceleration limit on the reference: the velocity followed never changes faster than the vehicle may.
 
-use super::command::Reference;
 use super::status::Status;
 use crate::error::{ParameterError, positive};
 use crate::frame::Inertial;
 use crate::math;
+use crate::reference::Reference;
 
 /// Parameters of the limit.
 #[derive(Clone, Copy, Debug, PartialEq)]

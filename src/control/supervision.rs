@@ -1,8 +1,9 @@
 //! Supervision: what is commanded when the inputs are not fit to fly on.
 
-use super::command::{Fault, MAX_SPEED};
+use super::command::Fault;
 use crate::error::{ParameterError, in_range};
 use crate::frame::Inertial;
+use crate::reference::MAX_SPEED;
 
 /// Time steps \[s\] longer than this are refused.
 pub const MAX_STEP: f32 = 0.2;

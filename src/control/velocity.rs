@@ -1,15 +1,15 @@
 //! The velocity laws: robust (`eq:inputsVCeR`) and full (`lawsVGen`).
 
-use super::branch::Branch;
 use super::command::{
-    Command, Diagnostics, Fault, FeedForward, Reference, State, check_feed_forward, check_input,
-    check_output,
+    Command, Diagnostics, Fault, FeedForward, State, check_feed_forward, check_input, check_output,
 };
 use super::feed_forward::f_delta;
 use super::gains::{GainLaw, GainValues, Gains};
 use crate::aero::Aerodynamics;
+use crate::branch::Branch;
 use crate::equivalency::{ApparentForces, condition_residual};
 use crate::frame::Body;
+use crate::reference::Reference;
 use crate::vehicle::Vehicle;
 
 /// Velocity control of a vehicle: stateless, immutable, total.

@@ -3,10 +3,10 @@
 use super::set::EquilibriumError;
 use crate::aero::Aerodynamics;
 use crate::air::{AirData, AngleOfAttack};
-use crate::control::{MAX_ACCELERATION, MAX_SPEED, Reference};
 use crate::equivalency::condition_residual;
 use crate::frame::{Attitude, Inertial};
 use crate::math;
+use crate::reference::{MAX_ACCELERATION, MAX_SPEED, Reference};
 use crate::vehicle::Vehicle;
 
 /// A reference as the air sees it.

@@ -247,9 +247,9 @@ mod tests {
         Combined, CombinedParameters, LargeAngle, LargeAngleParameters, NACA_0021_RE_5E6,
         NACA_0021_RE_160E3, Node, Polar, SmallAngle, SmallAngleParameters, Table,
     };
-    use crate::control::Reference;
     use crate::equilibrium::Equilibria;
     use crate::frame::Inertial;
+    use crate::reference::Reference;
     use crate::vehicle::VehicleParameters;
 
     const P: VehicleParameters = VehicleParameters::PAPER;

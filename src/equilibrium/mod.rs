@@ -20,7 +20,7 @@ mod ratio;
 mod set;
 mod spherical;
 
-pub use crate::control::Branch;
+pub use crate::branch::Branch;
 pub use fold::{FoldMap, FoldMargin};
 pub use ratio::Ratio;
 pub use set::{CAPACITY, Equilibria, Equilibrium, EquilibriumError, MAX_EVALUATIONS};

@@ -6,10 +6,11 @@ use super::balance::{Balance, Residual};
 use super::grid;
 use crate::aero::Aerodynamics;
 use crate::air::AngleOfAttack;
-use crate::control::{Branch, Reference};
+use crate::branch::Branch;
 use crate::equivalency::ApparentForces;
 use crate::frame::{Attitude, Inertial};
 use crate::math;
+use crate::reference::Reference;
 use crate::vehicle::Vehicle;
 
 /// Most equilibria that a set can hold. The shipped models and tables had at most 14 at any of 10^5 random references.

@@ -5,10 +5,10 @@ use core::fmt;
 use super::existence::SAMPLES;
 use crate::aero::Aerodynamics;
 use crate::air::{AirData, AngleOfAttack};
-use crate::control::Reference;
 use crate::equivalency::{ApparentForces, condition_residual, equivalent_coefficients, lambda};
 use crate::frame::{Attitude, Inertial};
 use crate::math;
+use crate::reference::Reference;
 use crate::vehicle::Vehicle;
 
 /// Residual of `eq:condition` taken for zero, relative to the magnitudes of the derivatives in it: some roundings of

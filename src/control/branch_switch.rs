@@ -1,40 +1,12 @@
-//! The two branches of the equivalent sphere: thrust along F_p (θ̃ = 0), and against it (θ̃ = π).
+//! Which [`Branch`] is flown.
 //!
 //! The law stabilises θ̃ = 0, where T_p = |F_p|. In a steep descent faster than the fall at which F_p vanishes, F_p
 //! points up: on θ̃ = 0 the vehicle would turn nose down and need negative thrust there, while tail first with
 //! positive thrust it stands on θ̃ = π. The paper leaves the choice open; this module makes it.
 
+use crate::branch::Branch;
 use crate::equivalency::ApparentForces;
 use crate::error::{ParameterError, positive};
-
-/// Which of the two equilibria of the equivalent sphere is stabilised.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Branch {
-    /// θ̃ = 0: thrust along F_p, as in the paper.
-    #[default]
-    Aligned,
-    /// θ̃ = π: thrust against F_p.
-    Opposed,
-}
-
-impl Branch {
-    /// 1 on θ̃ = 0, −1 on θ̃ = π.
-    #[inline(always)]
-    pub(super) const fn sign(self) -> f32 {
-        match self {
-            Self::Aligned => 1.0,
-            Self::Opposed => -1.0,
-        }
-    }
-
-    const fn other(self) -> Self {
-        match self {
-            Self::Aligned => Self::Opposed,
-            Self::Opposed => Self::Aligned,
-        }
-    }
-}
 
 /// Parameters of the branch switch.
 #[derive(Clone, Copy, Debug, PartialEq)]
