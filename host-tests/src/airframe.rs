@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use anyhow::{Context, anyhow};
 use serde::Deserialize;
 use toml::de::DeTable;
 
+use crate::named::Named;
 use crate::polar::{self, Polar};
 use crate::scenario::{self, AerodynamicsSpec, Source, VehicleSpec, from_toml};
 
@@ -44,43 +44,21 @@ impl Airframe {
     /// The vehicle that `argument` names: a built-in vehicle, polar or scenario, or else a file: a vehicle's or a
     /// scenario's TOML (its true vehicle), or a polar's CSV. A polar is the section of the paper's vehicle.
     pub fn load(argument: &str) -> anyhow::Result<Self> {
-        if let Some((name, text)) = BUILT_IN.iter().find(|(name, _)| *name == argument) {
-            return Self::from_text(name, &format!("built-in {name}"), text);
-        }
         if polar::BUILT_IN.iter().any(|(name, _)| *name == argument) {
             return Ok(Self::of_polar(argument, Polar::load(argument)?));
         }
-        if scenario::BUILT_IN.iter().any(|(name, _)| *name == argument) {
-            return Ok(Self::of_scenario(Source::load(argument)?));
-        }
+        let built_in = [BUILT_IN, polar::BUILT_IN, scenario::BUILT_IN].concat();
+        let Named { name, origin, text } = Named::find("vehicle", &built_in, argument)?;
         let path = Path::new(argument);
-        if !path.exists() && path.extension().is_none() {
-            let names = BUILT_IN
-                .iter()
-                .chain(polar::BUILT_IN)
-                .chain(scenario::BUILT_IN);
-            let names: Vec<_> = names.map(|(name, _)| *name).collect();
-            return Err(anyhow!(
-                "{argument}: neither a file nor a built-in vehicle ({})",
-                names.join(", ")
-            ));
-        }
-        let name = path
-            .file_stem()
-            .unwrap_or(path.as_os_str())
-            .to_string_lossy();
         if path.extension().is_some_and(|extension| extension == "csv") {
-            return Ok(Self::of_polar(&name, Polar::load(argument)?));
+            return Ok(Self::of_polar(&name, Polar::from_text(&origin, &text)?));
         }
-        let text = std::fs::read_to_string(path).with_context(|| argument.to_owned())?;
         let is_scenario = DeTable::parse(&text)
             .is_ok_and(|document| document.get_ref().get("controller").is_some());
         if is_scenario {
-            return Ok(Self::of_scenario(Source::from_text(
-                &name, argument, &text,
-            )?));
+            return Ok(Self::of_scenario(Source::from_text(&name, &origin, &text)?));
         }
-        Self::from_text(&name, argument, &text)
+        Self::from_text(&name, &origin, &text)
     }
 
     fn from_text(name: &str, origin: &str, text: &str) -> anyhow::Result<Self> {

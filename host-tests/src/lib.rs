@@ -1,9 +1,10 @@
 //! Software in the loop: a plant in double precision flown by the core's control laws.
 //!
-//! Layers, each using only those before it: [`reference`](mod@reference) (aerodynamics and laws in
-//! double precision, independent of the core), [`plant`], [`polar`] (measured coefficients),
-//! [`scenario`], [`flight`] (the loop, closed by any [`flight::Controller`]), [`figures`] of merit,
-//! [`trace`] and [`replay`](mod@replay) (CSV), [`report`], [`files`]. [`mission`] flies the core's whole guidance on a vehicle with actuators,
+//! Layers, each using only those before it: [`named`] (texts asked for by name), [`reference`](mod@reference)
+//! (aerodynamics and laws in double precision, independent of the core), [`plant`], [`polar`] (measured
+//! coefficients), [`scenario`], [`flight`] (the loop, closed by any [`flight::Controller`]), [`figures`] of merit,
+//! [`trace`] and [`replay`](mod@replay) (CSV), [`report`], [`files`].
+//! [`mission`] flies the core's whole guidance on a vehicle with actuators,
 //! sensors and weather; [`margins`] is the linear theory of the law's loop.
 //! Of a vehicle alone ([`airframe`]): its [`envelope`]; a [`sweep`](mod@sweep) of its equilibria along a
 //! scenario; the [`fit`](mod@fit) of a model to a table.
@@ -19,6 +20,7 @@ pub mod fit;
 pub mod flight;
 pub mod margins;
 pub mod mission;
+pub mod named;
 pub mod pil;
 pub mod plant;
 pub mod polar;

@@ -1,10 +1,9 @@
 //! Polars: tables of measured coefficients, from CSV files or from those that come with the program.
 
-use std::path::Path;
-
 use anyhow::{Context, anyhow};
 use serde::Deserialize;
 
+use crate::named::Named;
 use crate::reference::{Row, Table};
 
 /// Name and CSV text of every built-in polar.
@@ -46,19 +45,8 @@ impl PartialEq for Polar {
 impl Polar {
     /// The polar that `argument` names: a built-in, or else a CSV file.
     pub fn load(argument: &str) -> anyhow::Result<Self> {
-        if let Some((name, text)) = BUILT_IN.iter().find(|(name, _)| *name == argument) {
-            return Self::from_text(name, text);
-        }
-        // A bare word is a mistyped name rather than a file.
-        if Path::new(argument).extension().is_none() && !Path::new(argument).exists() {
-            let names: Vec<_> = BUILT_IN.iter().map(|(name, _)| *name).collect();
-            return Err(anyhow!(
-                "{argument}: neither a file nor a built-in polar ({})",
-                names.join(", ")
-            ));
-        }
-        let text = std::fs::read_to_string(argument).with_context(|| argument.to_owned())?;
-        Self::from_text(argument, &text)
+        let found = Named::find("polar", BUILT_IN, argument)?;
+        Self::from_text(argument, &found.text)
     }
 
     /// The polar in the CSV `text` with the columns `alpha_deg`, `cl` and `cd`; `origin` stands for it in errors,

@@ -12,9 +12,6 @@ mod plant;
 mod sensors;
 mod weather;
 
-use std::path::Path;
-
-use anyhow::{Context, anyhow};
 use serde::Deserialize;
 
 pub use controller::{Answer, ControllerSpec, Pilot, Report};
@@ -30,9 +27,10 @@ pub use plant::{ActuatorSpec, Plant, RateLoop, State};
 pub use sensors::{AirSensor, ErrorSpec, FaultKind, FaultSpec, SensorSpec};
 pub use weather::{GustSpec, TurbulenceSpec, Weather, WeatherSpec};
 
+use crate::named::Named;
 use crate::reference::Vector;
 use crate::scenario::{
-    FieldError, InitialSpec, ReferenceSpec, VehicleSpec, finite, from_toml, positive,
+    FieldError, InitialSpec, ReferenceSpec, VehicleSpec, from_toml, steps, validate_steps,
 };
 
 /// Name and TOML text of every built-in mission.
@@ -92,37 +90,22 @@ pub struct Mission {
     pub initial: InitialSpec,
 }
 
-/// Most control steps of one mission: the trace is held in memory.
-const MAX_STEPS: f64 = 2e6;
-
 impl Mission {
     /// Checks every field that the type system does not.
     pub fn validate(&self) -> Result<(), FieldError> {
-        positive("duration_s", self.duration_s)?;
-        positive("control_rate_hz", self.control_rate_hz)?;
-        let steps = self.duration_s * self.control_rate_hz;
-        if !(0.5..=MAX_STEPS).contains(&steps) {
-            let problem = format!("{steps} control steps, must be from 1 to {MAX_STEPS}");
-            return Err(FieldError::new("duration_s", problem));
-        }
-        if !(1..=1000).contains(&self.substeps) {
-            return Err(FieldError::new("substeps", "must be from 1 to 1000"));
-        }
+        validate_steps(self.duration_s, self.control_rate_hz, self.substeps)?;
         self.vehicle.control_vehicle("vehicle")?;
         self.plant.validate()?;
         self.controller.pilot(&self.vehicle)?;
         self.sensors.validate()?;
         self.weather.validate()?;
         self.reference.validate()?;
-        finite("initial.down_m_s", self.initial.down_m_s)?;
-        finite("initial.forward_m_s", self.initial.forward_m_s)?;
-        finite("initial.theta_deg", self.initial.theta_deg)?;
-        finite("initial.thrust_n", self.initial.thrust_n)
+        self.initial.validate()
     }
 
     /// Number of control periods flown.
     pub fn steps(&self) -> usize {
-        (self.duration_s * self.control_rate_hz).round() as usize
+        steps(self.duration_s, self.control_rate_hz)
     }
 
     /// The true vehicle with its actuators.
@@ -159,20 +142,8 @@ pub struct MissionSource {
 impl MissionSource {
     /// The mission that `argument` names: a built-in, or else a TOML file.
     pub fn load(argument: &str) -> anyhow::Result<Self> {
-        if let Some((name, text)) = BUILT_IN.iter().find(|(name, _)| *name == argument) {
-            return Self::from_text(name, &format!("built-in {name}"), text);
-        }
-        let path = Path::new(argument);
-        if !path.exists() && path.extension().is_none() {
-            let names: Vec<_> = BUILT_IN.iter().map(|(name, _)| *name).collect();
-            return Err(anyhow!(
-                "{argument}: neither a file nor a built-in mission ({})",
-                names.join(", ")
-            ));
-        }
-        let text = std::fs::read_to_string(path).with_context(|| argument.to_owned())?;
-        let name = path.file_stem().unwrap_or(path.as_os_str());
-        Self::from_text(&name.to_string_lossy(), argument, &text)
+        let found = Named::find("mission", BUILT_IN, argument)?;
+        Self::from_text(&found.name, &found.origin, &found.text)
     }
 
     /// The mission in `text`; `origin` stands for it in errors.

@@ -1,12 +1,11 @@
 //! Reading a scenario, with errors of one line: `file:line: field: what is wrong`.
 
-use std::path::Path;
-
-use anyhow::{Context, anyhow};
+use anyhow::anyhow;
 use serde::de::DeserializeOwned;
 use toml::de::{DeTable, DeValue};
 
 use super::{BUILT_IN, FieldError, Scenario};
+use crate::named::Named;
 
 /// A scenario with where it came from.
 #[derive(Clone, Debug)]
@@ -22,21 +21,8 @@ pub struct Source {
 impl Source {
     /// The scenario that `argument` names: a built-in, or else a TOML file.
     pub fn load(argument: &str) -> anyhow::Result<Self> {
-        if let Some((name, text)) = BUILT_IN.iter().find(|(name, _)| *name == argument) {
-            return Self::from_text(name, &format!("built-in {name}"), text);
-        }
-        let path = Path::new(argument);
-        // A bare word is a mistyped name rather than a file.
-        if !path.exists() && path.extension().is_none() {
-            let names: Vec<_> = BUILT_IN.iter().map(|(name, _)| *name).collect();
-            return Err(anyhow!(
-                "{argument}: neither a file nor a built-in scenario ({})",
-                names.join(", ")
-            ));
-        }
-        let text = std::fs::read_to_string(path).with_context(|| argument.to_owned())?;
-        let name = path.file_stem().unwrap_or(path.as_os_str());
-        Self::from_text(&name.to_string_lossy(), argument, &text)
+        let found = Named::find("scenario", BUILT_IN, argument)?;
+        Self::from_text(&found.name, &found.origin, &found.text)
     }
 
     /// The scenario in `text`; `origin` stands for it in errors.

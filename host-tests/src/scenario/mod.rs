@@ -3,6 +3,7 @@
 mod builtin;
 mod load;
 mod parts;
+mod steps;
 mod vehicle;
 
 use alula_link::{Configuration, Pacing};
@@ -12,6 +13,7 @@ pub use builtin::{BUILT_IN, DEFAULT};
 pub use load::Source;
 pub(crate) use load::from_toml;
 pub use parts::{ControllerSpec, GainsSpec, InitialSpec, Knot, Law, ReferenceSpec, WindSpec};
+pub(crate) use steps::{steps, validate_steps};
 pub use vehicle::{AerodynamicsSpec, VehicleSpec};
 
 use crate::plant::{Plant, PlantState};
@@ -67,32 +69,17 @@ fn one() -> u32 {
     1
 }
 
-/// Most control steps in one flight: the trace is held in memory.
-const MAX_STEPS: f64 = 2e6;
-
 impl Scenario {
     /// Checks every field that the type system does not.
     pub fn validate(&self) -> Result<(), FieldError> {
-        positive("duration_s", self.duration_s)?;
-        positive("control_rate_hz", self.control_rate_hz)?;
-        let steps = self.duration_s * self.control_rate_hz;
-        if !(0.5..=MAX_STEPS).contains(&steps) {
-            let problem = format!("{steps} control steps, must be from 1 to {MAX_STEPS}");
-            return Err(FieldError::new("duration_s", problem));
-        }
-        if !(1..=1000).contains(&self.substeps) {
-            return Err(FieldError::new("substeps", "must be from 1 to 1000"));
-        }
+        validate_steps(self.duration_s, self.control_rate_hz, self.substeps)?;
         // A vehicle that the core would not control is not worth flying.
         self.vehicle.control_vehicle("vehicle")?;
         self.control()?;
         self.reference.validate()?;
         finite("wind.down_m_s", self.wind.down_m_s)?;
         finite("wind.forward_m_s", self.wind.forward_m_s)?;
-        finite("initial.down_m_s", self.initial.down_m_s)?;
-        finite("initial.forward_m_s", self.initial.forward_m_s)?;
-        finite("initial.theta_deg", self.initial.theta_deg)?;
-        finite("initial.thrust_n", self.initial.thrust_n)
+        self.initial.validate()
     }
 
     /// The control law's core, with the controller's belief about the vehicle.
@@ -145,7 +132,7 @@ impl Scenario {
 
     /// Number of control periods flown.
     pub fn steps(&self) -> usize {
-        (self.duration_s * self.control_rate_hz).round() as usize
+        steps(self.duration_s, self.control_rate_hz)
     }
 }
 

@@ -174,6 +174,15 @@ pub struct InitialSpec {
     pub thrust_n: f64,
 }
 
+impl InitialSpec {
+    pub(crate) fn validate(&self) -> Result<(), FieldError> {
+        finite("initial.down_m_s", self.down_m_s)?;
+        finite("initial.forward_m_s", self.forward_m_s)?;
+        finite("initial.theta_deg", self.theta_deg)?;
+        finite("initial.thrust_n", self.thrust_n)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,0 +1,74 @@
+//! Texts that are asked for by name: built in, or else files.
+
+use std::path::Path;
+
+use anyhow::{Context, bail};
+
+/// A text with where it came from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Named {
+    /// Built-in name, or the file's name without its extension.
+    pub name: String,
+    /// What stands for it in errors.
+    pub origin: String,
+    /// The text.
+    pub text: String,
+}
+
+impl Named {
+    /// The text that `argument` names: one of `built_in`, (name, text) each, or else a file. `noun` is what there is
+    /// to choose from, in errors.
+    pub fn find(noun: &str, built_in: &[(&str, &str)], argument: &str) -> anyhow::Result<Self> {
+        if let Some((name, text)) = built_in.iter().find(|(name, _)| *name == argument) {
+            return Ok(Self {
+                name: (*name).to_owned(),
+                origin: format!("built-in {name}"),
+                text: (*text).to_owned(),
+            });
+        }
+        let path = Path::new(argument);
+        // A bare word is a mistyped name rather than a file.
+        if !path.exists() && path.extension().is_none() {
+            let names: Vec<_> = built_in.iter().map(|(name, _)| *name).collect();
+            let names = names.join(", ");
+            bail!("{argument}: neither a file nor a built-in {noun} ({names})");
+        }
+        let name = path.file_stem().unwrap_or(path.as_os_str());
+        Ok(Self {
+            name: name.to_string_lossy().into_owned(),
+            origin: argument.to_owned(),
+            text: std::fs::read_to_string(path).with_context(|| argument.to_owned())?,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_come_before_files_and_mistyped_ones_are_listed() {
+        let find =
+            |argument| Named::find("fruit", &[("apple", "red"), ("pear", "green")], argument);
+        let pear = find("pear").unwrap();
+        assert_eq!(
+            (&*pear.name, &*pear.origin, &*pear.text),
+            ("pear", "built-in pear", "green")
+        );
+        let error = |argument| format!("{:#}", find(argument).unwrap_err());
+        assert_eq!(
+            error("plum"),
+            "plum: neither a file nor a built-in fruit (apple, pear)"
+        );
+        assert!(error("plum.toml").starts_with("plum.toml: No such file"));
+        let file = tempfile::NamedTempFile::with_suffix(".toml").unwrap();
+        std::fs::write(&file, "blue").unwrap();
+        let path = file.path().to_str().unwrap();
+        let found = find(path).unwrap();
+        assert_eq!((&*found.origin, &*found.text), (path, "blue"));
+        assert_eq!(
+            found.name,
+            file.path().file_stem().unwrap().to_str().unwrap()
+        );
+    }
+}
