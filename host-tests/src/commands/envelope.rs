@@ -1,7 +1,5 @@
 //! `envelope`: folds, equilibrium counts, jumps and cusps of a vehicle.
 
-use std::path::PathBuf;
-
 use anyhow::anyhow;
 use serde::Serialize;
 
@@ -11,7 +9,7 @@ use alula_sil::reference::Vehicle;
 use alula_sil::report::envelope::{Figure, svg};
 use alula_sil::report::{Page, Table};
 
-use super::output;
+use super::output::Output;
 
 /// Where a vehicle's equilibria fold and jump, in level flight, in a climb or in an acceleration
 #[derive(clap::Args)]
@@ -30,12 +28,8 @@ pub struct Args {
     /// Level acceleration [m/s²]
     #[arg(long, value_name = "X", allow_negative_numbers = true)]
     accel: Option<f64>,
-    /// Folder for the pictures [default: out/envelope-<vehicle>]
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    /// Print one JSON object instead of the tables
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    output: Output,
 }
 
 #[derive(Serialize)]
@@ -113,7 +107,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let vehicle = airframe.reference();
     let ray = Ray::new(args, &vehicle)?;
     let name = format!("envelope-{}", airframe.name);
-    let out = output::folder(args.out.as_deref(), &name)?;
+    let out = args.output.folder(&name)?;
     let curve = Curve::new(&vehicle, ray.epsilon).ok_or_else(|| {
         anyhow!(
             "{}: no equilibrium curve begins at hover at δ = {:.1}°",
@@ -152,7 +146,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         tables: tables(&summary, &ray),
         notes: "Equilibria from hover to infinite airspeed; see docs/envelope.md.",
     };
-    output::leave(&out, "envelope", &page, args.json.then_some(&summary))
+    args.output.leave(&out, "envelope", &page, &summary)
 }
 
 fn flight(args: &Args, ray: &Ray) -> String {

@@ -1,7 +1,5 @@
 //! `equilibria`: the orientations that hold one reference, as the core finds them on board.
 
-use std::path::PathBuf;
-
 use alula::equilibrium::{Branch, Equilibrium, Spherical, existence};
 use alula::{Equilibria, FoldMap, FoldMargin, Inertial, Model, Reference, Vehicle};
 use anyhow::anyhow;
@@ -12,7 +10,7 @@ use alula_sil::reference::Vector;
 use alula_sil::report::equilibria::svg;
 use alula_sil::report::{Page, Table};
 
-use super::output;
+use super::output::Output;
 
 /// The orientations that hold a reference velocity, with thrust and branch
 #[derive(clap::Args)]
@@ -28,12 +26,8 @@ pub struct Args {
     /// Wind, down and forward [m/s]
     #[arg(long, value_name = "D,F", value_parser = pair, default_value = "0,0", allow_hyphen_values = true)]
     wind: Pair,
-    /// Folder for the pictures [default: out/equilibria-<vehicle>]
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    /// Print one JSON object instead of the tables
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    output: Output,
 }
 
 /// Down and forward.
@@ -96,7 +90,7 @@ struct Summary {
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let airframe = Airframe::load(&args.vehicle)?;
     let name = format!("equilibria-{}", airframe.name);
-    let out = output::folder(args.out.as_deref(), &name)?;
+    let out = args.output.folder(&name)?;
     let vehicle = airframe.core();
     let reference = Reference {
         velocity: args.velocity.inertial(),
@@ -140,7 +134,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         tables: tables(&summary),
         notes: "The set is the core's, in single precision; the curves are in double precision.",
     };
-    output::leave(&out, "equilibria", &page, args.json.then_some(&summary))
+    args.output.leave(&out, "equilibria", &page, &summary)
 }
 
 fn row(e: &Equilibrium, margin: Option<FoldMargin>, weight: f32) -> Row {

@@ -1,7 +1,7 @@
 //! `fit`: the combined model's parameters from a table.
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde::Serialize;
 
@@ -14,19 +14,15 @@ use alula_sil::reference::{Aerodynamics, Vehicle};
 use alula_sil::report::fit::svg;
 use alula_sil::report::{Page, Table};
 
-use super::output;
+use super::output::Output;
 
 /// Identify the combined model's parameters from a table of coefficients
 #[derive(clap::Args)]
 pub struct Args {
     /// A built-in polar or a CSV file (alpha_deg,cl,cd)
     polar: String,
-    /// Folder for vehicle.toml and the pictures [default: out/fit-<polar>]
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    /// Print one JSON object instead of the tables
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    output: Output,
 }
 
 #[derive(Serialize)]
@@ -56,7 +52,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let name = Path::new(polar.name).file_stem().unwrap_or_default();
     let name = name.to_string_lossy();
     let parameters = fit(polar.rows).map_err(|e| e.context(args.polar.clone()))?;
-    let out = output::folder(args.out.as_deref(), &format!("fit-{name}"))?;
+    let out = args.output.folder(&format!("fit-{name}"))?;
     let (model, table) = (parameters.model(), Aerodynamics::Table(polar.reference));
     let paper = Airframe::of_polar(&name, polar).reference();
     let level = |aerodynamics| {
@@ -87,7 +83,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         tables: tables(&summary),
         notes: "A row weighs the range of α it stands for; rows up to 20° together weigh as much as all others. Folds are those of level flight.",
     };
-    output::leave(&out, "fit", &page, args.json.then_some(&summary))
+    args.output.leave(&out, "fit", &page, &summary)
 }
 
 fn level_folds(vehicle: &Vehicle) -> Vec<FoldSummary> {

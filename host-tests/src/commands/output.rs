@@ -9,30 +9,44 @@ use serde::Serialize;
 use alula_sil::files;
 use alula_sil::report::Page;
 
-/// The folder asked for, or `out/<name>`; made if it is not there.
-pub fn folder(asked: Option<&Path>, name: &str) -> anyhow::Result<PathBuf> {
-    let folder = asked.map_or_else(|| Path::new("out").join(name), Path::to_owned);
-    std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
-    Ok(folder)
+/// Where an analysis goes.
+#[derive(clap::Args)]
+pub struct Output {
+    /// Folder for the results [default: out/<command>-<name>]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print one JSON object instead of the tables
+    #[arg(long)]
+    json: bool,
 }
 
-/// Leaves `<stem>.svg` and `<stem>.html` in `folder`; then prints `json`, or the page as text.
-pub fn leave(
-    folder: &Path,
-    stem: &str,
-    page: &Page,
-    json: Option<&impl Serialize>,
-) -> anyhow::Result<()> {
-    let html = page.html()?;
-    for (extension, content) in [("svg", &page.svg), ("html", &html)] {
-        files::leave(&folder.join(stem).with_extension(extension), |file| {
-            Ok(file.write_all(content.as_bytes())?)
-        })?;
+impl Output {
+    /// The folder asked for, or `out/<name>`; made if it is not there.
+    pub fn folder(&self, name: &str) -> anyhow::Result<PathBuf> {
+        let folder = (self.out.clone()).unwrap_or_else(|| Path::new("out").join(name));
+        std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
+        Ok(folder)
     }
-    let mut stdout = std::io::stdout().lock();
-    match json {
-        Some(json) => writeln!(stdout, "{}", serde_json::to_string_pretty(json)?)?,
-        None => {
+
+    /// Leaves `<stem>.svg` and `<stem>.html` in `folder`; then prints `summary` as JSON if that was asked for, or
+    /// else the page as text.
+    pub fn leave(
+        &self,
+        folder: &Path,
+        stem: &str,
+        page: &Page,
+        summary: &impl Serialize,
+    ) -> anyhow::Result<()> {
+        let html = page.html()?;
+        for (extension, content) in [("svg", &page.svg), ("html", &html)] {
+            files::leave(&folder.join(stem).with_extension(extension), |file| {
+                Ok(file.write_all(content.as_bytes())?)
+            })?;
+        }
+        let mut stdout = std::io::stdout().lock();
+        if self.json {
+            writeln!(stdout, "{}", serde_json::to_string_pretty(summary)?)?;
+        } else {
             let place = folder.display();
             writeln!(
                 stdout,
@@ -40,6 +54,6 @@ pub fn leave(
                 page.text()
             )?;
         }
+        Ok(())
     }
-    Ok(())
 }

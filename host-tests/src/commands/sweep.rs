@@ -1,7 +1,5 @@
 //! `sweep`: the equilibria along a scenario's reference, and what stands against flying it.
 
-use std::path::PathBuf;
-
 use anyhow::anyhow;
 use serde::Serialize;
 
@@ -11,7 +9,7 @@ use alula_sil::report::{Page, Table};
 use alula_sil::scenario::Source;
 use alula_sil::sweep::{Cause, Findings, Span, findings, sweep};
 
-use super::output;
+use super::output::Output;
 
 /// Check a planned flight: jumps of the equilibrium, |F_p| too small, negative thrust
 #[derive(clap::Args)]
@@ -21,12 +19,8 @@ pub struct Args {
     /// Least |F_p| to allow [N] [default: the scenario's τ]
     #[arg(long, value_name = "N")]
     min_fp: Option<f64>,
-    /// Folder for the pictures [default: out/sweep-<scenario>]
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    /// Print one JSON object instead of the tables
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    output: Output,
 }
 
 /// What `--json` prints.
@@ -47,7 +41,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
             "--min-fp: must be a finite number and not negative"
         ));
     }
-    let out = output::folder(args.out.as_deref(), &format!("sweep-{}", source.name))?;
+    let out = args.output.folder(&format!("sweep-{}", source.name))?;
     let instants = sweep(scenario);
     let findings = findings(&instants, least_fp);
     let mut controller = Local::new(scenario).expect("validated when loaded");
@@ -72,7 +66,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         min_fp_n: least_fp,
         findings,
     };
-    output::leave(&out, "sweep", &page, args.json.then_some(&summary))
+    args.output.leave(&out, "sweep", &page, &summary)
 }
 
 fn tables(findings: &Findings, least_fp: f64) -> Vec<Table> {
