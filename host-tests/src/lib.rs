@@ -13,6 +13,7 @@
 #![cfg(not(target_os = "none"))]
 
 pub mod airframe;
+pub mod baseline;
 pub mod envelope;
 pub mod figures;
 pub mod files;

@@ -4,6 +4,7 @@ use alula::{GuidanceInput, GuidanceState, Guided};
 use serde::Deserialize;
 
 use super::guidance::{GuidanceSpec, MissionGuidance};
+use crate::baseline::{ArduPilotLike, ArduPilotLikeSpec, Phase, Px4Like, Px4LikeSpec};
 use crate::scenario::{FieldError, VehicleSpec};
 
 /// `[controller.…]`: exactly one.
@@ -12,6 +13,11 @@ use crate::scenario::{FieldError, VehicleSpec};
 pub enum ControllerSpec {
     /// The core's guidance.
     Guidance(Box<GuidanceSpec>),
+    /// A baseline: switching transitions in the manner of PX4.
+    Px4Like(Box<Px4LikeSpec>),
+    /// A baseline: switching transitions in the manner of ArduPilot.
+    #[serde(rename = "ardupilot-like")]
+    ArduPilotLike(Box<ArduPilotLikeSpec>),
 }
 
 /// What a controller answers to one step's input.
@@ -30,6 +36,8 @@ pub struct Answer {
 pub enum Report {
     /// The core's guidance.
     Guided(Guided),
+    /// A baseline.
+    Switching(Phase),
 }
 
 /// Whoever closes the loop of a mission, with what it remembers between steps.
@@ -47,6 +55,10 @@ impl ControllerSpec {
                 holds_position: spec.position.measured,
                 memory: GuidanceState::default(),
             }),
+            Self::Px4Like(spec) => Box::new(Px4Like::new(spec, "controller.px4-like")?),
+            Self::ArduPilotLike(spec) => {
+                Box::new(ArduPilotLike::new(spec, "controller.ardupilot-like")?)
+            }
         })
     }
 
@@ -54,6 +66,7 @@ impl ControllerSpec {
     pub fn guidance(&self) -> Option<&GuidanceSpec> {
         match self {
             Self::Guidance(spec) => Some(spec),
+            Self::Px4Like(_) | Self::ArduPilotLike(_) => None,
         }
     }
 
@@ -61,6 +74,7 @@ impl ControllerSpec {
     pub fn guidance_mut(&mut self) -> Option<&mut GuidanceSpec> {
         match self {
             Self::Guidance(spec) => Some(spec),
+            Self::Px4Like(_) | Self::ArduPilotLike(_) => None,
         }
     }
 }
@@ -93,6 +107,7 @@ impl Answer {
     pub fn guided(&self) -> Option<&Guided> {
         match &self.report {
             Report::Guided(guided) => Some(guided),
+            Report::Switching(_) => None,
         }
     }
 }

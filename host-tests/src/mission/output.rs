@@ -72,8 +72,38 @@ pub fn write_trace(rows: &[Row], to: impl Write) -> csv::Result<()> {
         for value in [row.answer.thrust, row.answer.rate] {
             csv.write_field((value as f32).to_string())?;
         }
-        let Report::Guided(guided) = &row.answer.report;
-        for value in [
+        let (values, words) = match &row.answer.report {
+            Report::Guided(guided) => said(guided),
+            // Of what only the guidance has there is none.
+            Report::Switching(phase) => (
+                [f32::NAN; 8],
+                [phase.name().into(), String::new(), String::new()],
+            ),
+        };
+        for value in values {
+            csv.write_field(value.to_string())?;
+        }
+        csv.write_record(words)?;
+    }
+    csv.flush()?;
+    Ok(())
+}
+
+/// What the guidance says: v_cmd, a_cmd, α, |F_p| and the margins; mode, air and status.
+fn said(guided: &Guided) -> ([f32; 8], [String; 3]) {
+    let mode = match guided.mode {
+        Mode::Safe => "safe",
+        Mode::Holding => "holding",
+        Mode::Flying => "flying",
+    };
+    let air = match guided.air {
+        AirUse::Velocity => "velocity",
+        AirUse::Wind => "wind",
+        AirUse::HeldWind => "held-wind",
+        AirUse::None => "none",
+    };
+    (
+        [
             guided.reference.velocity.down(),
             guided.reference.velocity.forward(),
             guided.reference.acceleration.down(),
@@ -82,24 +112,9 @@ pub fn write_trace(rows: &[Row], to: impl Write) -> csv::Result<()> {
             guided.command.diagnostics.f_p_norm,
             guided.margin.k,
             guided.margin.fold,
-        ] {
-            csv.write_field(value.to_string())?;
-        }
-        let mode = match guided.mode {
-            Mode::Safe => "safe",
-            Mode::Holding => "holding",
-            Mode::Flying => "flying",
-        };
-        let air = match guided.air {
-            AirUse::Velocity => "velocity",
-            AirUse::Wind => "wind",
-            AirUse::HeldWind => "held-wind",
-            AirUse::None => "none",
-        };
-        csv.write_record([mode, air, &guided.status.to_string()])?;
-    }
-    csv.flush()?;
-    Ok(())
+        ],
+        [mode.into(), air.into(), guided.status.to_string()],
+    )
 }
 
 /// The figure of a mission as SVG text.

@@ -1,0 +1,70 @@
+//! Baselines: switching transition policies in the manner of PX4's and ArduPilot's tail-sitters.
+//!
+//! Written from their documented behaviour and parameters, not from their code, and reduced to the longitudinal plane.
+//! Both autopilots fly a tail-sitter as a multicopter ([`Hover`]) or as an aeroplane ([`Cruise`]), and go from one to the
+//! other by an open-loop pitch ramp: [`Px4Like`], [`ArduPilotLike`]. Each module says which documented parameter a field
+//! stands for, and its stock value.
+//!
+//! They see what the guidance sees, a [`GuidanceInput`](alula::GuidanceInput), command the same rate loop under the same
+//! limits, and know of the vehicle only what a user sets: the hover thrust, and of the aeroplane its trim throttle, pitch
+//! and speeds. Frames are the core's: vectors (down, forward), θ = 0 nose up, −90° nose forward.
+//!
+//! What a person does in a real flight is made explicit: the transition [`Switch`], and that the reference is flown as a
+//! flight plan. In cruise altitude and speed are held, and not the forward position, as an aeroplane follows a line; in
+//! hover position is held at once, and made good at no more than the multicopter's speed limit.
+
+mod ardupilot;
+mod cruise;
+mod hover;
+mod measured;
+mod output;
+mod px4;
+mod switch;
+
+use serde::Serialize;
+
+pub use ardupilot::{ArduPilotLike, ArduPilotLikeSpec};
+pub use cruise::{Cruise, CruiseSpec};
+pub use hover::{Hover, HoverSpec};
+pub use measured::Measured;
+pub use output::Output;
+pub use px4::{Px4Like, Px4LikeSpec};
+pub use switch::{Switch, SwitchSpec};
+
+/// What a switching policy is doing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Phase {
+    /// Flying as a multicopter.
+    #[default]
+    Hover,
+    /// Pitching down to cruise.
+    FrontTransition,
+    /// Flying as an aeroplane.
+    Cruise,
+    /// Pitching up to hover.
+    BackTransition,
+}
+
+impl Phase {
+    /// Its name, as in the trace.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Hover => "hover",
+            Self::FrontTransition => "front-transition",
+            Self::Cruise => "cruise",
+            Self::BackTransition => "back-transition",
+        }
+    }
+}
+
+/// What a policy asks of attitude and thrust.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Setpoint {
+    /// θ asked for \[rad\].
+    theta: f64,
+    /// Rate per attitude error \[1/s\].
+    gain: f64,
+    /// Thrust \[N\].
+    thrust: f64,
+}

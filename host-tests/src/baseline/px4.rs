@@ -1,0 +1,312 @@
+//! A tail-sitter in the manner of PX4.
+//!
+//! Front transition: the pitch asked for goes from hover to level at 90° per `front_s`, while the multicopter's vertical
+//! loop acts on the thrust. It is over at −60° of pitch and an airspeed of `front_airspeed_m_s`. Back transition: the
+//! pitch asked for goes from the aeroplane's to nose up at 90° per `back_s`, again with the vertical loop on the thrust,
+//! until −15°, or until `back_s` have passed. A switch thrown during the front transition gives hover at once, during the
+//! back transition cruise.
+//!
+//! | field | PX4, stock |
+//! |---|---|
+//! | `front_s` | `VT_F_TRANS_DUR` 5.0 |
+//! | `front_airspeed_m_s` | `VT_ARSP_TRANS` 10.0 |
+//! | `back_s` | `VT_B_TRANS_DUR` 10.0 (4.0 before it became the longest duration) |
+//!
+//! Read in PX4's `vtol_att_control_params.c` and `tailsitter.cpp`/`.h` of release 1.14 and later, where −60° and −15° are
+//! constants. Without an airspeed, pitch alone ends the front transition there; here the ground speed stands in.
+
+use serde::Deserialize;
+
+use super::measured::Wind;
+use super::{Cruise, CruiseSpec, Hover, HoverSpec, Output, Phase, Setpoint, Switch, SwitchSpec};
+use crate::mission::{Answer, LimitSpec, Pilot};
+use crate::scenario::{FieldError, positive};
+use alula::GuidanceInput;
+
+/// `[controller.px4-like]`.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Px4LikeSpec {
+    /// Limits of the command, as the guidance's.
+    pub limits: LimitSpec,
+    /// The transition switch.
+    pub switch: SwitchSpec,
+    /// The multicopter's loops.
+    pub hover: HoverSpec,
+    /// The transitions.
+    pub transition: TransitionSpec,
+    /// The aeroplane's loops.
+    pub cruise: CruiseSpec,
+}
+
+/// `[controller.px4-like.transition]`.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TransitionSpec {
+    /// Time in which the front transition would pitch by 90° \[s\].
+    pub front_s: f64,
+    /// Airspeed that ends the front transition \[m/s\].
+    pub front_airspeed_m_s: f64,
+    /// Time in which the back transition would pitch by 90°, and its longest duration \[s\].
+    pub back_s: f64,
+}
+
+/// Pitch at which the aeroplane may take over \[rad\].
+const TO_CRUISE: f64 = -60.0 * std::f64::consts::PI / 180.0;
+/// Pitch at which the multicopter takes over \[rad\].
+const TO_HOVER: f64 = -15.0 * std::f64::consts::PI / 180.0;
+const QUARTER: f64 = std::f64::consts::FRAC_PI_2;
+
+/// The policy with its memory.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Px4Like {
+    transition: TransitionSpec,
+    wind: Wind,
+    switch: Switch,
+    hover: Hover,
+    cruise: Cruise,
+    output: Output,
+    phase: Phase,
+    /// Time in the phase \[s\].
+    elapsed: f64,
+    /// θ asked for when the phase began \[rad\].
+    start: f64,
+    /// θ asked for last \[rad\].
+    asked: f64,
+}
+
+impl Px4Like {
+    /// The policy at hover; `table` is where `spec` stands.
+    pub fn new(spec: &Px4LikeSpec, table: &str) -> Result<Self, FieldError> {
+        let field = |name: &str| format!("{table}.{name}");
+        spec.hover.validate(&field("hover"))?;
+        spec.cruise.validate(&field("cruise"))?;
+        let t = spec.transition;
+        positive(&field("transition.front_s"), t.front_s)?;
+        positive(
+            &field("transition.front_airspeed_m_s"),
+            t.front_airspeed_m_s,
+        )?;
+        positive(&field("transition.back_s"), t.back_s)?;
+        Ok(Self {
+            transition: t,
+            wind: Wind::default(),
+            switch: Switch::new(spec.switch, t.front_airspeed_m_s, &field("switch"))?,
+            hover: Hover::new(spec.hover, spec.limits.thrust_n),
+            cruise: Cruise::new(spec.cruise, spec.limits.thrust_n[1]),
+            output: Output::new(&spec.limits, &field("limits"))?,
+            phase: Phase::Hover,
+            elapsed: 0.0,
+            start: 0.0,
+            asked: 0.0,
+        })
+    }
+
+    fn enter(&mut self, phase: Phase) {
+        match phase {
+            // The vertical loop has been at work in the transitions.
+            Phase::Hover | Phase::FrontTransition => {}
+            Phase::Cruise => self.cruise.reset(),
+            Phase::BackTransition => self.hover.reset(),
+        }
+        self.phase = phase;
+        self.elapsed = 0.0;
+        self.start = self.asked;
+    }
+
+    /// The phase that follows, if one does.
+    fn next(&self, cruise: bool, theta: f64, airspeed: f64) -> Option<Phase> {
+        let t = &self.transition;
+        match (self.phase, cruise) {
+            (Phase::Hover, true) => Some(Phase::FrontTransition),
+            (Phase::FrontTransition, false) => Some(Phase::Hover),
+            (Phase::FrontTransition, true) => {
+                let over = theta <= TO_CRUISE && airspeed >= t.front_airspeed_m_s;
+                over.then_some(Phase::Cruise)
+            }
+            (Phase::Cruise, false) => Some(Phase::BackTransition),
+            (Phase::BackTransition, true) => Some(Phase::Cruise),
+            (Phase::BackTransition, false) => {
+                (theta >= TO_HOVER || self.elapsed > t.back_s).then_some(Phase::Hover)
+            }
+            (Phase::Hover, false) | (Phase::Cruise, true) => None,
+        }
+    }
+}
+
+impl Pilot for Px4Like {
+    fn answer(&mut self, input: &GuidanceInput, dt: f32) -> Answer {
+        let dt = f64::from(dt);
+        let Some(measured) = self.wind.read(input, dt) else {
+            return self.output.again(self.phase);
+        };
+        let cruise = self.switch.update(&measured);
+        if let Some(phase) = self.next(cruise, measured.theta, measured.airspeed) {
+            self.enter(phase);
+        }
+        self.elapsed += dt;
+        let ramp = |duration: f64| QUARTER / duration * self.elapsed;
+        let setpoint = match self.phase {
+            Phase::Hover => self.hover.setpoint(&measured, dt),
+            Phase::FrontTransition => Setpoint {
+                theta: (self.start - ramp(self.transition.front_s)).max(self.cruise.level()),
+                gain: self.hover.gain(),
+                thrust: self.hover.vertical(&measured, dt),
+            },
+            Phase::Cruise => self.cruise.setpoint(&measured, dt),
+            Phase::BackTransition => Setpoint {
+                theta: (self.start + ramp(self.transition.back_s)).min(0.0),
+                gain: self.hover.gain(),
+                thrust: self.hover.vertical(&measured, dt),
+            },
+        };
+        self.asked = setpoint.theta;
+        self.output.answer(setpoint, measured.theta, self.phase, dt)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{cruise, hover, output, switch};
+    use super::*;
+    use crate::mission::Report;
+    use alula::control::Air;
+    use alula::{Attitude, Inertial, Reference};
+
+    const SPEC: Px4LikeSpec = Px4LikeSpec {
+        limits: output::tests::LIMITS,
+        switch: switch::tests::SPEC,
+        hover: hover::tests::SPEC,
+        transition: TransitionSpec {
+            front_s: 5.0,
+            front_airspeed_m_s: 10.0,
+            back_s: 4.0,
+        },
+        cruise: cruise::tests::SPEC,
+    };
+
+    fn policy() -> Px4Like {
+        Px4Like::new(&SPEC, "controller.px4-like").unwrap()
+    }
+
+    /// Level at `speed` and `theta` \[°\], asked for `reference` m/s at `acceleration`.
+    fn input(speed: f32, theta: f32, reference: f32, acceleration: f32) -> GuidanceInput {
+        GuidanceInput {
+            velocity: Inertial::new(0.0, speed),
+            attitude: Attitude::from_angle(theta.to_radians()),
+            state_age: 0.0,
+            air: Air::Velocity(Inertial::new(0.0, speed)),
+            position_error: None,
+            reference: Reference {
+                velocity: Inertial::new(0.0, reference),
+                acceleration: Inertial::new(0.0, acceleration),
+            },
+            reference_age: 0.0,
+        }
+    }
+
+    fn phase(policy: &mut Px4Like, input: GuidanceInput) -> Phase {
+        match policy.answer(&input, 0.01).report {
+            Report::Switching(phase) => phase,
+            Report::Guided(_) => panic!("not the guidance"),
+        }
+    }
+
+    #[test]
+    fn the_front_transition_needs_pitch_and_speed() {
+        let mut policy = policy();
+        assert_eq!(phase(&mut policy, input(0.0, 0.0, 0.0, 0.0)), Phase::Hover);
+        let front = Phase::FrontTransition;
+        assert_eq!(phase(&mut policy, input(0.0, 0.0, 1.5, 2.0)), front);
+        assert_eq!(phase(&mut policy, input(12.0, -59.0, 5.0, 2.0)), front);
+        assert_eq!(phase(&mut policy, input(9.9, -61.0, 5.0, 2.0)), front);
+        let cruise = Phase::Cruise;
+        assert_eq!(phase(&mut policy, input(10.1, -61.0, 5.0, 2.0)), cruise);
+        // It is not left for a lack of either.
+        assert_eq!(phase(&mut policy, input(9.0, -50.0, 5.0, 2.0)), cruise);
+    }
+
+    #[test]
+    fn the_ramps_take_their_durations() {
+        let mut policy = policy();
+        phase(&mut policy, input(0.0, 0.0, 1.5, 2.0));
+        for _ in 0..249 {
+            phase(&mut policy, input(0.0, 0.0, 1.5, 2.0));
+        }
+        // Half of 5 s, half of 90°.
+        assert!(
+            (policy.asked + 0.5 * QUARTER).abs() < 1e-6,
+            "{}",
+            policy.asked
+        );
+        for _ in 0..500 {
+            phase(&mut policy, input(0.0, 0.0, 1.5, 2.0));
+        }
+        assert!((policy.asked - policy.cruise.level()).abs() < 1e-9);
+
+        phase(&mut policy, input(15.0, -80.0, 15.0, 0.0));
+        let start = policy.asked;
+        for _ in 0..100 {
+            assert_eq!(
+                phase(&mut policy, input(15.0, -80.0, 14.0, -2.0)),
+                Phase::BackTransition
+            );
+        }
+        // A quarter of 4 s.
+        assert!((policy.asked - start - 0.25 * QUARTER).abs() < 0.01);
+    }
+
+    #[test]
+    fn the_back_transition_ends_near_vertical_or_in_time() {
+        let back = || {
+            let mut policy = policy();
+            phase(&mut policy, input(0.0, 0.0, 1.5, 2.0));
+            phase(&mut policy, input(15.0, -80.0, 15.0, 0.0));
+            assert_eq!(policy.phase, Phase::Cruise);
+            phase(&mut policy, input(15.0, -80.0, 14.0, -2.0));
+            policy
+        };
+        let braking = |theta| input(10.0, theta, 10.0, -2.0);
+        let mut policy = back();
+        assert_eq!(phase(&mut policy, braking(-16.0)), Phase::BackTransition);
+        assert_eq!(phase(&mut policy, braking(-14.0)), Phase::Hover);
+        let mut policy = back();
+        for _ in 0..398 {
+            assert_eq!(phase(&mut policy, braking(-40.0)), Phase::BackTransition);
+        }
+        for _ in 0..4 {
+            phase(&mut policy, braking(-40.0));
+        }
+        assert_eq!(policy.phase, Phase::Hover);
+    }
+
+    #[test]
+    fn a_switch_thrown_in_a_transition_acts_at_once() {
+        let mut policy = policy();
+        phase(&mut policy, input(0.0, 0.0, 1.5, 2.0));
+        assert_eq!(
+            phase(&mut policy, input(5.0, -30.0, 4.0, -2.0)),
+            Phase::Hover
+        );
+        let mut policy = super::tests::policy();
+        phase(&mut policy, input(0.0, 0.0, 1.5, 2.0));
+        phase(&mut policy, input(15.0, -80.0, 15.0, 0.0));
+        phase(&mut policy, input(15.0, -80.0, 14.0, -2.0));
+        assert_eq!(
+            phase(&mut policy, input(14.0, -70.0, 14.0, 2.0)),
+            Phase::Cruise
+        );
+    }
+
+    #[test]
+    fn errors_name_the_field() {
+        let mut spec = SPEC;
+        spec.transition.back_s = 0.0;
+        let error = Px4Like::new(&spec, "controller.px4-like").unwrap_err();
+        assert_eq!(error.field, "controller.px4-like.transition.back_s");
+        let mut spec = SPEC;
+        spec.limits.slew_rad_s2 = -1.0;
+        let error = Px4Like::new(&spec, "controller.px4-like").unwrap_err();
+        assert_eq!(error.field, "controller.px4-like.limits");
+    }
+}
