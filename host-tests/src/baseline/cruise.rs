@@ -7,7 +7,7 @@
 //! |---|---|---|
 //! | `airspeed_m_s` | `FW_AIRSPD_MIN` 10, `FW_AIRSPD_MAX` 20 | `AIRSPEED_MIN` 9, `AIRSPEED_MAX` 22 |
 //! | `trim_throttle` | `FW_THR_TRIM` 0.6 | `TRIM_THROTTLE` 45 % |
-//! | `throttle` | `FW_THR_MIN` 0, `FW_THR_MAX` 1 | `THR_MIN` 0, `THR_MAX` 75 % |
+//! | `throttle` | `FW_THR_MIN` 0, `FW_THR_MAX` 1 | `THR_MIN` 0, `THR_MAX` 100 % |
 //! | `pitch_deg` | `FW_P_LIM_MIN` −30, `FW_P_LIM_MAX` 30 | `PTCH_LIM_MIN_DEG` −30, `TECS_PITCH_MAX` 15 |
 //! | `level_pitch_deg` | `FW_PSP_OFF` 0 | `PTCH_TRIM_DEG` 0 |
 //! | `climb_m_s` | `FW_T_CLMB_MAX` 5 | `TECS_CLMB_MAX` 5 |
@@ -21,8 +21,8 @@
 //! | `energy_rate_s` | `FW_T_STE_R_TC` 0.4 | 0.5, its filter of the throttle demand |
 //! | `attitude_1_s` | 1/`FW_P_TC`: 2.5 | 1/`PTCH2SRV_TCONST`: 2 |
 //!
-//! Read in PX4's `fw_pos_control_l1_params.c`, `fw_lat_long_params.c` and `performance_model_params.c`, and in ArduPilot's
-//! `AP_TECS.cpp` and `tailsitter.cpp` (parameter tables). Both protect against too low an airspeed: below the least one
+//! Read in PX4's `fw_pos_control_l1_params.c`, `fw_att_control_params.c` and `performance_model_params.c`, and in
+//! ArduPilot's `AP_TECS.cpp`, `AP_PitchController.cpp`, `tailsitter.cpp` (parameter tables) and `config.h` of Plane. Both protect against too low an airspeed: below the least one
 //! the throttle goes to its maximum, and pitch to holding speed alone, in full 15 % below it, as in PX4.
 
 use serde::Deserialize;
@@ -75,8 +75,11 @@ pub struct CruiseSpec {
 const GRAVITY: f64 = 9.81;
 /// Part of the least airspeed over which the protection against less sets in.
 const UNDERSPEED: f64 = 0.15;
-/// Time constant of the measured acceleration along the path \[s\].
+/// Time constant of the measured forward acceleration \[s\].
 const ACCELERATION: f64 = 0.1;
+/// Crossover of acceleration and airspeed in the airspeed's estimate \[rad/s\]: `TECS_SPD_OMEGA` 2; PX4's filter is of that
+/// kind. Without it every gust were a change of energy.
+const CROSSOVER: f64 = 2.0;
 
 fn ordered(field: String, [low, high]: [f64; 2]) -> Result<(), FieldError> {
     finite(&field, low)?;
@@ -148,7 +151,11 @@ pub struct Cruise {
     balance: f64,
     /// Pitch asked for last, over the horizon and without the level pitch \[rad\].
     pitch: Option<f64>,
+    /// Airspeed, estimated \[m/s\].
     airspeed: Option<f64>,
+    /// Forward velocity of the last step \[m/s\].
+    forward: Option<f64>,
+    /// Forward acceleration, filtered \[m/s²\].
     acceleration: f64,
     /// Error of the energy rate, filtered \[m²/s³\].
     error: f64,
@@ -164,6 +171,7 @@ impl Cruise {
             balance: 0.0,
             pitch: None,
             airspeed: None,
+            forward: None,
             acceleration: 0.0,
             error: 0.0,
         }
@@ -192,12 +200,8 @@ impl Cruise {
     /// The aeroplane's setpoint, `dt` \[s\] after the last.
     pub(super) fn setpoint(&mut self, measured: &Measured, dt: f64) -> Setpoint {
         let spec = self.spec;
-        let airspeed = measured.airspeed.max(0.5 * spec.airspeed_m_s[0]);
-        let slope = self
-            .airspeed
-            .map_or(0.0, |last| (measured.airspeed - last) / dt);
-        self.airspeed = Some(measured.airspeed);
-        self.acceleration += (slope - self.acceleration) * (dt / (ACCELERATION + dt));
+        let estimate = self.estimate(measured, dt);
+        let airspeed = estimate.max(0.5 * spec.airspeed_m_s[0]);
 
         // What is wanted: a climb and an acceleration.
         let climb = (measured.position_error.x / spec.altitude_s
@@ -206,13 +210,13 @@ impl Cruise {
         let [least, greatest] = spec.airspeed_m_s;
         let most = GRAVITY * spec.climb_m_s;
         let fall = GRAVITY * spec.sink_m_s[0];
-        let speed_error = measured.reference_airspeed.clamp(least, greatest) - measured.airspeed;
+        let speed_error = measured.reference_airspeed.clamp(least, greatest) - estimate;
         let faster = (speed_error / spec.speed_s).clamp(-fall / airspeed, most / airspeed);
 
         // Rates of specific potential and kinetic energy [m²/s³], wanted and had.
         let potential = [GRAVITY * climb, -GRAVITY * measured.velocity.x];
         let kinetic = [airspeed * faster, airspeed * self.acceleration];
-        let slow = ((least - measured.airspeed) / (UNDERSPEED * least)).clamp(0.0, 1.0);
+        let slow = ((least - estimate) / (UNDERSPEED * least)).clamp(0.0, 1.0);
 
         let wanted = (potential[0] + kinetic[0]).clamp(-fall, most);
         let error = wanted - potential[1] - kinetic[1];
@@ -228,6 +232,19 @@ impl Cruise {
             gain: self.gain(),
             thrust: throttle * self.full,
         }
+    }
+
+    /// The airspeed \[m/s\]: in the short run the integral of the acceleration, in the long run as it is measured.
+    fn estimate(&mut self, measured: &Measured, dt: f64) -> f64 {
+        let forward = measured.velocity.y;
+        let slope = self.forward.map_or(0.0, |last| (forward - last) / dt);
+        self.forward = Some(forward);
+        self.acceleration += (slope - self.acceleration) * (dt / (ACCELERATION + dt));
+        let last = self.airspeed.unwrap_or(measured.airspeed);
+        let rate = self.acceleration + CROSSOVER * (measured.airspeed - last);
+        let airspeed = last + rate * dt;
+        self.airspeed = Some(airspeed);
+        airspeed
     }
 
     /// The throttle for a `wanted` rate of energy \[m²/s³\].
@@ -367,6 +384,26 @@ pub(super) mod tests {
         let setpoint = cruise().setpoint(&slow, 0.01);
         assert_eq!(setpoint.thrust, 196.2);
         assert!(setpoint.theta < (-86_f64).to_radians());
+    }
+
+    #[test]
+    fn the_airspeed_follows_the_acceleration_at_once_and_a_gust_slowly() {
+        let mut cruise = cruise();
+        cruise.estimate(&level(20.0), 0.01);
+        let mut gust = level(20.0);
+        gust.airspeed = 24.0;
+        for _ in 0..50 {
+            cruise.estimate(&gust, 0.01);
+        }
+        // Half a second is one time constant.
+        let expected = 20.0 + 4.0 * (1.0 - (-1.0_f64).exp());
+        assert!((cruise.airspeed.unwrap() - expected).abs() < 0.05);
+        let mut cruise = super::tests::cruise();
+        for step in 0..200 {
+            cruise.estimate(&level(20.0 + 0.02 * f64::from(step)), 0.01);
+        }
+        assert!((cruise.airspeed.unwrap() - 23.98).abs() < 0.05);
+        assert!((cruise.acceleration - 2.0).abs() < 1e-6);
     }
 
     #[test]

@@ -5,15 +5,15 @@
 //! | `thrust_n` | `MPC_THR_HOVER`, to be set | `Q_M_THST_HOVER`, learned |
 //! | `position_1_s` | `MPC_Z_P` 1.0, `MPC_XY_P` 0.95 | `Q_P_POSZ_P` 1.0, `Q_P_POSXY_P` 0.5 |
 //! | `velocity_1_s` | `MPC_Z_VEL_P_ACC` 4.0, `MPC_XY_VEL_P_ACC` 1.8 | `Q_P_VELZ_P` 5.0, `Q_P_VELXY_P` 1.0 |
-//! | `integral_1_s2` | `MPC_Z_VEL_I_ACC` 2.0, `MPC_XY_VEL_I_ACC` 0.4 | `Q_P_ACCZ_I`, here 1.0; `Q_P_VELXY_I` 0.5 |
+//! | `integral_1_s2` | `MPC_Z_VEL_I_ACC` 2.0, `MPC_XY_VEL_I_ACC` 0.4 | `Q_P_ACCZ_I` 1.0, `Q_P_VELXY_I` 0.5 |
 //! | `derivative` | `MPC_Z_VEL_D_ACC` 0, `MPC_XY_VEL_D_ACC` 0.2 | –, `Q_P_VELXY_D` 0.25 |
 //! | `climb_m_s`, `sink_m_s` | `MPC_Z_VEL_MAX_UP` 3.0, `MPC_Z_VEL_MAX_DN` 1.5 | `Q_PILOT_SPD_UP` 2.5 (`Q_VELZ_MAX`), the same down |
 //! | `speed_m_s` | `MPC_XY_VEL_MAX` 12.0 | `Q_WP_SPEED` 5.0 |
 //! | `tilt_deg` | `MPC_TILTMAX_AIR` 45 | `Q_ANGLE_MAX` 30 |
 //! | `attitude_1_s` | `MC_PITCH_P` 6.5 | `Q_A_ANG_PIT_P` 4.5 |
 //!
-//! Read in PX4's `mc_pos_control_params.c` and `mc_att_control_params.c`, and in ArduPilot's `quadplane.cpp` and
-//! `tailsitter.cpp` (parameter tables). ArduPilot closes the vertical loop over a measured acceleration; here it is the
+//! Read in PX4's `mc_pos_control_params.c` and `mc_att_control_params.c`, and in ArduPilot's `quadplane.cpp`,
+//! `tailsitter.cpp` (parameter tables), `AC_PosControl.cpp` and `AC_AttitudeControl.h`. ArduPilot closes the vertical loop over a measured acceleration; here it is the
 //! same PID as PX4's, with an integral of that size. The tilt follows from the horizontal acceleration alone, and the
 //! thrust is the vertical demand over the cosine of the tilt asked for, as in PX4 (`MPC_ACC_DECOUPLE` 1).
 

@@ -1,6 +1,6 @@
 //! Baselines: switching transition policies in the manner of PX4's and ArduPilot's tail-sitters.
 //!
-//! Written from their documented behaviour and parameters, not from their code, and reduced to the longitudinal plane.
+//! Written anew from their documented behaviour and parameters, with no code of theirs, for the longitudinal plane.
 //! Both autopilots fly a tail-sitter as a multicopter ([`Hover`]) or as an aeroplane ([`Cruise`]), and go from one to the
 //! other by an open-loop pitch ramp: [`Px4Like`], [`ArduPilotLike`]. Each module says which documented parameter a field
 //! stands for, and its stock value.

@@ -1,5 +1,6 @@
 //! The command line: one file per subcommand, each with its arguments and a `run`.
 
+mod compare;
 mod envelope;
 mod equilibria;
 mod fit;
@@ -27,6 +28,7 @@ enum Command {
     Fly(fly::Args),
     Mission(mission::Args),
     Margins(margins::Args),
+    Compare(compare::Args),
     Pil(pil::Args),
     Replay(replay::Args),
     Scenarios(scenarios::Args),
@@ -44,6 +46,7 @@ impl Cli {
             Some(Command::Fly(args)) => fly::run(&args),
             Some(Command::Mission(args)) => mission::run(&args),
             Some(Command::Margins(args)) => margins::run(&args),
+            Some(Command::Compare(args)) => compare::run(&args),
             Some(Command::Pil(args)) => pil::run(&args),
             Some(Command::Replay(args)) => replay::run(&args),
             Some(Command::Scenarios(args)) => scenarios::run(&args),

@@ -1,0 +1,59 @@
+//! `compare`: policies against each other, in the same plant.
+
+use std::io::Write;
+use std::num::NonZero;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+
+use alula_sil::compare::{Results, Source, fly, markdown, page};
+use alula_sil::files;
+
+use super::fly::progress_bar;
+use super::output::Output;
+
+/// Fly several policies under the same conditions: gains against gains, and against switching transitions
+#[derive(clap::Args)]
+pub struct Args {
+    /// A comparison's TOML file [default: the built-in one]
+    comparison: Option<String>,
+    #[command(flatten)]
+    output: Output,
+    /// Write the results as Markdown, too
+    #[arg(long, value_name = "FILE")]
+    markdown: Option<PathBuf>,
+}
+
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Summary<'a> {
+    comparison: &'a str,
+    out: &'a Path,
+    cells: &'a Results,
+}
+
+pub fn run(args: &Args) -> anyhow::Result<()> {
+    let source = Source::load(args.comparison.as_deref())?;
+    let out = args.output.folder(&format!("compare-{}", source.name))?;
+
+    let bar = progress_bar(source.plan.flights());
+    let threads = std::thread::available_parallelism().unwrap_or(NonZero::<usize>::MIN);
+    let results = fly(&source.plan, threads, || bar.inc(1));
+    bar.finish_and_clear();
+
+    let comparison = &source.plan.comparison;
+    if let Some(path) = &args.markdown {
+        let text = markdown(&source.name, comparison, &results)?;
+        // A bare file name has a folder, too.
+        files::leave(&Path::new(".").join(path), |file| {
+            Ok(file.write_all(text.as_bytes())?)
+        })?;
+    }
+    let summary = Summary {
+        comparison: &source.name,
+        out: &out,
+        cells: &results,
+    };
+    let page = page(&source.name, comparison, &results);
+    args.output.leave(&out, "compare", &page, &summary)
+}

@@ -1,0 +1,160 @@
+//! The results as a page: charts, a summary, a table per condition.
+
+use plotters::style::RGBColor;
+
+use super::flight::{ASTRAY, FAR, LATE, LOST, OSCILLATION, REACHED};
+use super::results::COLUMNS;
+use super::{Comparison, Results, Sample};
+use crate::report::chart::{Chart, Series, Stroke, sheet};
+use crate::report::figure::{BLUE, GREEN, GREY, ORANGE};
+use crate::report::{Page, Table};
+
+const PURPLE: RGBColor = RGBColor(136, 70, 160);
+const RED: RGBColor = RGBColor(196, 30, 58);
+const BLACK: RGBColor = RGBColor(38, 44, 52);
+const PALETTE: [RGBColor; 6] = [RED, BLUE, ORANGE, GREEN, PURPLE, BLACK];
+
+/// What the columns are.
+pub(super) fn definitions() -> String {
+    format!(
+        "**Loss** and **gain** are the greatest altitude below and above the reference, **out** until the reference slows \
+         down and **back** from then on. **Cruise after** is the time from the reference's first change until \\|v − v_r\\| \
+         to the cruise velocity stays under {REACHED} m/s to the end of cruise. **Cruise error** and **end error** are the \
+         largest \\|v − v_r\\| in the last {LATE} s of cruise and of the flight. **Peak ω** is the largest of the true and the \
+         commanded \\|ω\\|. **Ahead** is how far the vehicle runs ahead of the reference from where it slows down on.\n\n\
+         A flight **departs** if it sinks more than {LOST} m below the reference or ends, over its last {LATE} s, with a \
+         mean velocity error above {ASTRAY} m/s; its figures are left out. It **strays** if it ends more than {FAR} m from \
+         the reference altitude, and **oscillates** if ω is above {OSCILLATION} rad/s root mean square in the last \
+         {LATE} s of cruise or of the flight, which is **late ω**. Of several seeds the median is given, and the worst in brackets."
+    )
+}
+
+/// Text that lives as long as the program: charts and headers, made once, ask for it.
+fn lasting(text: &str) -> &'static str {
+    text.to_owned().leak()
+}
+
+/// The summary: the greatest distance from the reference altitude, or how the flight ended.
+pub(super) fn summary(comparison: &Comparison, results: &Results) -> Table {
+    let mut header = vec!["condition"];
+    header.extend(comparison.policies.iter().map(|p| lasting(&p.name)));
+    let rows = comparison
+        .conditions
+        .iter()
+        .enumerate()
+        .map(|(c, condition)| {
+            let verdict = |p| Results::verdict(results.cell(comparison, c, p));
+            std::iter::once(condition.name.clone())
+                .chain((0..comparison.policies.len()).map(verdict))
+                .collect()
+        });
+    Table {
+        title: "Greatest distance from the reference altitude [m]".to_owned(),
+        header,
+        rows: rows.collect(),
+    }
+}
+
+/// The table of each condition.
+pub(super) fn tables(comparison: &Comparison, results: &Results) -> Vec<Table> {
+    let table = |(c, condition): (usize, &super::Condition)| {
+        let row = |(p, policy): (usize, &super::Policy)| {
+            std::iter::once(policy.name.clone())
+                .chain(results.cell(comparison, c, p).texts())
+                .collect()
+        };
+        Table {
+            title: format!("{}: {}", condition.name, condition.title),
+            header: std::iter::once("policy").chain(COLUMNS).collect(),
+            rows: comparison.policies.iter().enumerate().map(row).collect(),
+        }
+    };
+    comparison
+        .conditions
+        .iter()
+        .enumerate()
+        .map(table)
+        .collect()
+}
+
+/// Altitudes beyond this \[m\] are not drawn: a departure would leave nothing to be seen of the others.
+const DRAWN: f64 = 12.0;
+
+fn svg(comparison: &Comparison, results: &Results) -> String {
+    let mut charts = Vec::new();
+    for name in &comparison.charts {
+        let Some(c) = comparison.conditions.iter().position(|x| x.name == *name) else {
+            continue;
+        };
+        let series = |value: &dyn Fn(&Sample) -> f64| -> Vec<Series> {
+            let of = |p: usize| Series {
+                name: lasting(&comparison.policies[p].name),
+                color: PALETTE[p % PALETTE.len()],
+                stroke: match p < PALETTE.len() {
+                    true => Stroke::Solid,
+                    false => Stroke::Dashed,
+                },
+                points: results
+                    .cell(comparison, c, p)
+                    .samples
+                    .iter()
+                    .map(|s| (s.t, value(s)))
+                    .collect(),
+            };
+            (0..comparison.policies.len()).map(of).collect()
+        };
+        let chart = |title: String, series| Chart {
+            title: lasting(&title),
+            horizontal: "time [s]",
+            series,
+            marks: Vec::new(),
+            logarithmic: false,
+        };
+        let drawn = |h: f64| if h.abs() < DRAWN { h } else { f64::NAN };
+        charts.push(chart(
+            format!("{name}: altitude over the reference, within {DRAWN} m [m]"),
+            series(&|s| drawn(s.altitude)),
+        ));
+        let mut speeds = vec![Series {
+            name: "reference",
+            color: GREY,
+            stroke: Stroke::Dashed,
+            points: results
+                .cell(comparison, c, 0)
+                .samples
+                .iter()
+                .map(|s| (s.t, s.reference))
+                .collect(),
+        }];
+        speeds.extend(series(&|s| {
+            if s.speed.abs() < 40.0 {
+                s.speed
+            } else {
+                f64::NAN
+            }
+        }));
+        charts.push(chart(format!("{name}: forward velocity [m/s]"), speeds));
+    }
+    sheet(&charts, 420).expect("charts of finite ranges can be drawn")
+}
+
+/// The page of a comparison called `name`.
+pub fn page(name: &str, comparison: &Comparison, results: &Results) -> Page {
+    let mut all = vec![summary(comparison, results)];
+    all.extend(tables(comparison, results));
+    let policies = comparison.policies.iter();
+    all.push(Table {
+        title: "Policies".to_owned(),
+        header: vec!["name", ""],
+        rows: policies
+            .map(|p| vec![p.name.clone(), p.title.clone()])
+            .collect(),
+    });
+    Page {
+        title: format!("Comparison {name}"),
+        lead: comparison.description.clone(),
+        svg: svg(comparison, results),
+        tables: all,
+        notes: lasting(&definitions().replace("**", "").replace('\\', "")),
+    }
+}
