@@ -54,6 +54,11 @@ impl Status {
         (Self::STATE_RESET, "state_reset"),
     ];
 
+    /// The names of all flags.
+    pub fn names() -> impl Iterator<Item = &'static str> {
+        Self::NAMES.iter().map(|(_, name)| *name)
+    }
+
     /// The mask, one bit for each flag.
     pub const fn bits(self) -> u16 {
         self.0
@@ -121,6 +126,7 @@ mod tests {
         }
         assert_eq!(Status::NONE.to_string(), "");
         assert_eq!((Status::RATE | Status::SLEW).to_string(), "rate|slew");
+        assert_eq!(Status::names().count(), 13);
         assert!(all.contains(Status::NONE) && !Status::RATE.contains(all));
     }
 }
