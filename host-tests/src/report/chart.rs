@@ -1,4 +1,4 @@
-//! One chart: curves or dots, a legend, marked points.
+//! One chart: curves, dots or areas, a legend, marked points.
 
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::ValueFormatter;
@@ -15,9 +15,11 @@ pub enum Stroke {
     Dashed,
     /// A dot at every point.
     Dots,
+    /// The area inside the closed polygon of the points.
+    Fill,
 }
 
-/// A curve, or dots. Points of a long curve by increasing abscissa.
+/// A curve, dots, or an area. Points of a long curve by increasing abscissa.
 pub struct Series {
     /// Its name in the legend.
     pub name: &'static str,
@@ -146,6 +148,18 @@ impl Chart {
                     .draw_series(dots.map(|p| Circle::new(*p, 2, color)))?
                     .label(series.name)
                     .legend(move |(x, y)| Circle::new((x + 9, y), 3, color));
+                continue;
+            }
+            if series.stroke == Stroke::Fill {
+                let color = series.color.filled();
+                let inside = series.points.iter().copied().filter(|p| p.1.is_finite());
+                chart
+                    .draw_series(std::iter::once(Polygon::new(
+                        inside.collect::<Vec<_>>(),
+                        color,
+                    )))?
+                    .label(series.name)
+                    .legend(move |(x, y)| Rectangle::new([(x, y - 5), (x + 18, y + 5)], color));
                 continue;
             }
             let dashed = series.stroke == Stroke::Dashed;
