@@ -5,7 +5,8 @@
 //! coefficients), [`scenario`], [`flight`] (the loop, closed by any [`flight::Controller`]), [`figures`] of merit,
 //! [`trace`] and [`replay`](mod@replay) (CSV), [`report`], [`files`].
 //! [`mission`] flies the core's whole guidance, or a [`baseline`], on a vehicle with actuators, sensors and weather;
-//! [`compare`] flies them against each other; [`margins`] is the linear theory of the law's loop.
+//! [`campaign`] flies many, drawn at random; [`compare`] flies them against each other; [`margins`] is the linear theory
+//! of the law's loop.
 //! Of a vehicle alone ([`airframe`]): its [`envelope`]; a [`sweep`](mod@sweep) of its equilibria along a
 //! scenario; the [`fit`](mod@fit) of a model to a table.
 //! On a target without an operating system the package is empty.
@@ -14,6 +15,7 @@
 
 pub mod airframe;
 pub mod baseline;
+pub mod campaign;
 pub mod compare;
 pub mod envelope;
 pub mod figures;

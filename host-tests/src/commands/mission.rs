@@ -55,7 +55,12 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         None => Path::new("out/mission").join(&source.name),
     };
     std::fs::create_dir_all(&out).with_context(|| out.display().to_string())?;
+    drop(stdout);
+    fly_and_leave(&source, &out, args.json)
+}
 
+/// Flies `source` and leaves its trace, figure and report in the folder `out`.
+pub(super) fn fly_and_leave(source: &MissionSource, out: &Path, json: bool) -> anyhow::Result<()> {
     let mission = &source.mission;
     let bar = progress_bar(mission.steps());
     let mut rows: Vec<Row> = Vec::with_capacity(mission.steps() + 1);
@@ -68,7 +73,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
 
     let figures = Figures::of(mission, &rows);
     let svg = svg(mission, &rows);
-    let html = html(&source, &rows, &figures, &svg)?;
+    let html = html(source, &rows, &figures, &svg)?;
     leave(&out.join("trace.csv"), |file| Ok(write_trace(&rows, file)?))?;
     leave(&out.join("flight.svg"), |file| {
         Ok(file.write_all(svg.as_bytes())?)
@@ -76,10 +81,11 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     leave(&out.join("report.html"), |file| {
         Ok(file.write_all(html.as_bytes())?)
     })?;
-    if args.json {
+    let mut stdout = std::io::stdout().lock();
+    if json {
         let summary = Summary {
             mission: &source.name,
-            out: &out,
+            out,
             figures: &figures,
         };
         writeln!(stdout, "{}", serde_json::to_string_pretty(&summary)?)?;

@@ -1,5 +1,6 @@
 //! The command line: one file per subcommand, each with its arguments and a `run`.
 
+mod campaign;
 mod compare;
 mod envelope;
 mod equilibria;
@@ -27,6 +28,7 @@ pub struct Cli {
 enum Command {
     Fly(fly::Args),
     Mission(mission::Args),
+    Campaign(campaign::Args),
     Margins(margins::Args),
     Compare(compare::Args),
     Pil(pil::Args),
@@ -45,6 +47,7 @@ impl Cli {
             None => fly::run(&fly::Args::default()),
             Some(Command::Fly(args)) => fly::run(&args),
             Some(Command::Mission(args)) => mission::run(&args),
+            Some(Command::Campaign(args)) => campaign::run(&args),
             Some(Command::Margins(args)) => margins::run(&args),
             Some(Command::Compare(args)) => compare::run(&args),
             Some(Command::Pil(args)) => pil::run(&args),

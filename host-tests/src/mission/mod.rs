@@ -22,7 +22,7 @@ pub use guidance::{
     BandwidthSpec, BranchSpec, GainChoiceSpec, GuidanceSpec, LimitSpec, MissionGuidance,
     PositionSpec, ReferenceLimitSpec, SupervisionSpec,
 };
-pub use output::{html, svg, write_trace};
+pub use output::{air_name, html, mode_name, svg, write_trace};
 pub use plant::{ActuatorSpec, Plant, RateLoop, State};
 pub use sensors::{AirSensor, ErrorSpec, FaultKind, FaultSpec, SensorSpec};
 pub use weather::{GustSpec, TurbulenceSpec, Weather, WeatherSpec};

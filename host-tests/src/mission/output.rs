@@ -45,6 +45,25 @@ const COLUMNS: [&str; 27] = [
     "status",
 ];
 
+/// The name of a mode in traces.
+pub fn mode_name(mode: Mode) -> &'static str {
+    match mode {
+        Mode::Safe => "safe",
+        Mode::Holding => "holding",
+        Mode::Flying => "flying",
+    }
+}
+
+/// The name in traces of what of the air is used.
+pub fn air_name(air: AirUse) -> &'static str {
+    match air {
+        AirUse::Velocity => "velocity",
+        AirUse::Wind => "wind",
+        AirUse::HeldWind => "held-wind",
+        AirUse::None => "none",
+    }
+}
+
 /// Writes the trace of `rows`.
 pub fn write_trace(rows: &[Row], to: impl Write) -> csv::Result<()> {
     let mut csv = csv::Writer::from_writer(to);
@@ -91,17 +110,6 @@ pub fn write_trace(rows: &[Row], to: impl Write) -> csv::Result<()> {
 
 /// What the guidance says: v_cmd, a_cmd, α, |F_p| and the margins; mode, air and status.
 fn said(guided: &Guided) -> ([f32; 8], [String; 3]) {
-    let mode = match guided.mode {
-        Mode::Safe => "safe",
-        Mode::Holding => "holding",
-        Mode::Flying => "flying",
-    };
-    let air = match guided.air {
-        AirUse::Velocity => "velocity",
-        AirUse::Wind => "wind",
-        AirUse::HeldWind => "held-wind",
-        AirUse::None => "none",
-    };
     (
         [
             guided.reference.velocity.down(),
@@ -113,7 +121,11 @@ fn said(guided: &Guided) -> ([f32; 8], [String; 3]) {
             guided.margin.k,
             guided.margin.fold,
         ],
-        [mode.into(), air.into(), guided.status.to_string()],
+        [
+            mode_name(guided.mode).into(),
+            air_name(guided.air).into(),
+            guided.status.to_string(),
+        ],
     )
 }
 

@@ -3,7 +3,7 @@
 use alula::control::Air;
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::plant::State;
 use crate::flight::inertial;
@@ -36,7 +36,7 @@ pub enum AirSensor {
 }
 
 /// What is wrong with the inputs while a fault lasts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum FaultKind {
     /// No air data.

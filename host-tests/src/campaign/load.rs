@@ -1,0 +1,232 @@
+//! Reading a campaign: its text, the mission's, and whether both go together.
+
+use std::path::Path;
+
+use anyhow::{Context, anyhow};
+use serde::{Deserialize, Serialize};
+
+use super::{Campaign, Dispersion, Expected, FIGURES, FaultDraw, Limit};
+use crate::mission::{Draft, MissionSource};
+use crate::scenario::{FieldError, finite, from_toml};
+
+/// Name and TOML text of every built-in campaign.
+pub const BUILT_IN: &[(&str, &str)] = &[
+    ("dispersed", include_str!("../../campaigns/dispersed.toml")),
+    ("faults", include_str!("../../campaigns/faults.toml")),
+];
+
+/// A campaign with all that decides its results: what a folder of results keeps.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CampaignSource {
+    /// Texts.
+    pub texts: Texts,
+    /// What the campaign says.
+    pub campaign: Campaign,
+    /// The mission that its flights depart from.
+    pub base: Draft,
+}
+
+/// The texts that decide a campaign's results.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Texts {
+    /// Version that flies.
+    pub version: String,
+    /// Built-in name, or the file's name.
+    pub name: String,
+    /// Number of flights.
+    pub flights: u64,
+    /// The campaign's TOML text.
+    pub campaign: String,
+    /// The mission's.
+    pub mission: String,
+}
+
+impl CampaignSource {
+    /// The campaign that `argument` names, a built-in or else a TOML file, with `flights` in place of its own number.
+    pub fn load(argument: &str, flights: Option<u64>) -> anyhow::Result<Self> {
+        let built_in = BUILT_IN.iter().find(|(name, _)| *name == argument);
+        let path = Path::new(argument);
+        let (name, text) = match built_in {
+            Some((name, text)) => ((*name).to_owned(), (*text).to_owned()),
+            None if !path.exists() && path.extension().is_none() => {
+                let names: Vec<_> = BUILT_IN.iter().map(|(name, _)| *name).collect();
+                return Err(anyhow!(
+                    "{argument}: neither a file nor a built-in campaign ({})",
+                    names.join(", ")
+                ));
+            }
+            None => {
+                let text = std::fs::read_to_string(path).with_context(|| argument.to_owned())?;
+                let name = path.file_name().unwrap_or(path.as_os_str());
+                (name.to_string_lossy().into_owned(), text)
+            }
+        };
+        // Where the mission is, the text itself must say.
+        let campaign: Campaign = from_toml(argument, &text, |_| Ok(()))?;
+        let beside = path.with_file_name(&campaign.mission);
+        let mission = match built_in.is_none() && beside.exists() {
+            true => MissionSource::load(&beside.to_string_lossy())?,
+            false => MissionSource::load(&campaign.mission)?,
+        };
+        let texts = Texts {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            name,
+            flights: flights.unwrap_or(campaign.flights),
+            campaign: text,
+            mission: mission.text,
+        };
+        Self::from_texts(texts, argument)
+    }
+
+    /// The campaign of `texts`; `origin` stands for the campaign's in errors.
+    pub fn from_texts(texts: Texts, origin: &str) -> anyhow::Result<Self> {
+        let draft = Draft::new(&texts.mission)?;
+        let base = |campaign: &Campaign| {
+            let mut base = draft.clone();
+            for (path, value) in &campaign.set {
+                base.set(path, value.clone()).map_err(|e| at("set", e))?;
+            }
+            Ok(base)
+        };
+        let mut campaign: Campaign = from_toml(origin, &texts.campaign, |campaign: &Campaign| {
+            campaign.validate(&base(campaign)?)
+        })?;
+        campaign.flights = texts.flights;
+        if campaign.flights == 0 {
+            anyhow::bail!("{origin}: flights: must be at least 1");
+        }
+        let base = base(&campaign).expect("validated above");
+        Ok(Self {
+            texts,
+            campaign,
+            base,
+        })
+    }
+
+    /// Its name without an extension: that of its folder.
+    pub fn stem(&self) -> &str {
+        self.texts.name.trim_end_matches(".toml")
+    }
+
+    /// The command that flies flight `number` again and leaves its trace.
+    pub fn refly(&self, number: u64) -> String {
+        format!("alula-sil campaign {} --refly {number}", self.texts.name)
+    }
+}
+
+/// The mission's error under the campaign's field.
+fn at(field: &str, error: FieldError) -> FieldError {
+    FieldError::new(field, format!("{}: {}", error.field, error.problem))
+}
+
+impl Campaign {
+    fn validate(&self, base: &Draft) -> Result<(), FieldError> {
+        let mission = base.mission().map_err(|e| at("set", e))?;
+        for (i, dispersion) in self.disperse.iter().enumerate() {
+            let field = format!("disperse[{i}]");
+            dispersion.validate(&field, base)?;
+            if self.disperse[..i]
+                .iter()
+                .any(|d| d.field == dispersion.field)
+            {
+                return Err(FieldError::new(field, "this field is dispersed already"));
+            }
+        }
+        if !self.faults.is_empty() && mission.controller.guidance().is_none() {
+            return Err(FieldError::new("faults", "are for the guidance alone"));
+        }
+        for (i, fault) in self.faults.iter().enumerate() {
+            fault.validate(&format!("faults[{i}]"))?;
+        }
+        for (i, limit) in self.limits.iter().enumerate() {
+            limit.validate(&format!("limits[{i}]"))?;
+        }
+        // The first flight stands for what ranges cannot tell.
+        self.draw(base, 0)
+            .map(|_| ())
+            .map_err(|e| at("disperse", e))
+    }
+}
+
+impl Dispersion {
+    fn validate(&self, field: &str, base: &Draft) -> Result<(), FieldError> {
+        let kinds = [("scale", &self.scale), ("add", &self.add), ("to", &self.to)];
+        let mut given = kinds
+            .iter()
+            .filter_map(|(kind, d)| Some((kind, d.as_ref()?)));
+        let (Some((kind, distribution)), None) = (given.next(), given.next()) else {
+            return Err(FieldError::new(field, "needs one of scale, add and to"));
+        };
+        distribution.validate(&format!("{field}.{kind}"))?;
+        if self.field == "duration_s" {
+            let problem = "is the same in all flights: they are sampled together";
+            return Err(FieldError::new(field, format!("duration_s {problem}")));
+        }
+        if self.to.is_none() {
+            base.number(&self.field).map_err(|e| at(field, e))?;
+        }
+        let mut draft = base.clone();
+        draft
+            .set(&self.field, toml::Value::Float(0.0))
+            .map_err(|e| at(field, e))
+    }
+}
+
+impl FaultDraw {
+    fn validate(&self, field: &str) -> Result<(), FieldError> {
+        self.from_s.validate(&format!("{field}.from_s"))?;
+        self.lasts_s.validate(&format!("{field}.lasts_s"))?;
+        self.during.validate(&format!("{field}.during"))?;
+        self.after.validate(&format!("{field}.after"))
+    }
+}
+
+impl Expected {
+    fn validate(&self, field: &str) -> Result<(), FieldError> {
+        let known = |part: &str, name: Option<&str>, names: &[&str]| match name {
+            Some(name) if !names.contains(&name) => {
+                let problem = format!("{name} is none of {}", names.join(", "));
+                Err(FieldError::new(format!("{field}.{part}"), problem))
+            }
+            _ => Ok(()),
+        };
+        let modes = ["safe", "holding", "flying"];
+        known("mode", self.mode.as_deref(), &modes)?;
+        let airs = ["velocity", "wind", "held-wind", "none"];
+        known("air", self.air.as_deref(), &airs)?;
+        let flags: Vec<&str> = alula::control::Status::names().collect();
+        for (part, list) in [("status", &self.status), ("not_status", &self.not_status)] {
+            for flag in list {
+                known(part, Some(flag), &flags)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Limit {
+    fn validate(&self, field: &str) -> Result<(), FieldError> {
+        if self.index().is_none() {
+            let problem = format!("{} is none of {}", self.figure, FIGURES.join(", "));
+            return Err(FieldError::new(format!("{field}.figure"), problem));
+        }
+        match (self.least, self.most) {
+            (None, None) => return Err(FieldError::new(field, "needs least or most")),
+            (Some(least), Some(most)) if least > most => {
+                return Err(FieldError::new(field, "least must not exceed most"));
+            }
+            _ => {}
+        }
+        for (part, value) in [("least", self.least), ("most", self.most)] {
+            finite(&format!("{field}.{part}"), value.unwrap_or(0.0))?;
+        }
+        if !(0.0..=1.0).contains(&self.share) {
+            return Err(FieldError::new(
+                format!("{field}.share"),
+                "must be from 0 to 1",
+            ));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,130 @@
+//! Flying a campaign on all cores.
+
+use std::str::FromStr;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+use anyhow::{anyhow, bail};
+
+use super::{CampaignSource, Drawn, Flown, Store};
+
+/// One of several shares of a campaign: every `of`th chunk, from the `number`th on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shard {
+    number: u64,
+    of: u64,
+}
+
+impl Default for Shard {
+    /// All of it.
+    fn default() -> Self {
+        Self { number: 1, of: 1 }
+    }
+}
+
+/// `i/n`, with i from 1 to n.
+impl FromStr for Shard {
+    type Err = anyhow::Error;
+
+    fn from_str(text: &str) -> anyhow::Result<Self> {
+        let parts = text.split_once('/');
+        let parsed = parts.and_then(|(i, n)| Some((i.parse().ok()?, n.parse().ok()?)));
+        match parsed {
+            Some((number, of)) if (1..=of).contains(&number) => Ok(Self { number, of }),
+            _ => bail!("must be i/n with i from 1 to n"),
+        }
+    }
+}
+
+impl Shard {
+    /// The chunks of this share, of `chunks` in all.
+    pub fn chunks(self, chunks: u64) -> impl Iterator<Item = u64> {
+        (self.number - 1..chunks).step_by(usize::try_from(self.of).unwrap_or(usize::MAX))
+    }
+
+    /// Whether it is the whole.
+    pub fn is_whole(self) -> bool {
+        self.of == 1
+    }
+}
+
+/// Flies what `store` lacks of `shard`, on `threads` threads. `flown` is told of flights, those that are there at first.
+pub fn run(
+    source: &CampaignSource,
+    store: &Store,
+    shard: Shard,
+    threads: usize,
+    flown: impl Fn(u64) + Sync,
+) -> anyhow::Result<()> {
+    let campaign = &source.campaign;
+    let size = |chunk: u64| campaign.chunk(chunk).end - campaign.chunk(chunk).start;
+    let (done, missing): (Vec<u64>, Vec<u64>) = shard
+        .chunks(campaign.chunks())
+        .partition(|&chunk| store.has(chunk));
+    flown(done.into_iter().map(size).sum());
+
+    let next = AtomicUsize::new(0);
+    let stop = AtomicBool::new(false);
+    let failure = Mutex::new(None);
+    let fly = |chunk: u64| {
+        let mut flights: Vec<(u64, Drawn, Flown)> = Vec::with_capacity(size(chunk) as usize);
+        for number in campaign.chunk(chunk) {
+            if stop.load(Ordering::Relaxed) {
+                return Ok(());
+            }
+            let drawn = campaign.draw(&source.base, number).map_err(|e| {
+                let name = &source.texts.name;
+                anyhow!("{name}: flight {number}: {}: {}", e.field, e.problem)
+            })?;
+            let flight = Flown::fly(&drawn, &campaign.faults);
+            flights.push((number, drawn, flight));
+            flown(1);
+        }
+        let (flights, samples) = campaign.frames(&flights);
+        store.keep(chunk, &flights, &samples)
+    };
+    std::thread::scope(|scope| {
+        for _ in 0..threads.clamp(1, missing.len().max(1)) {
+            scope.spawn(|| {
+                while let Some(&chunk) = missing.get(next.fetch_add(1, Ordering::Relaxed)) {
+                    if let Err(error) = fly(chunk) {
+                        stop.store(true, Ordering::Relaxed);
+                        failure
+                            .lock()
+                            .expect("no thread panics")
+                            .get_or_insert(error);
+                    }
+                    if stop.load(Ordering::Relaxed) {
+                        break;
+                    }
+                }
+            });
+        }
+    });
+    match failure.into_inner().expect("no thread panics") {
+        Some(error) => Err(error),
+        None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shards_share_every_chunk_once() {
+        let of = |text: &str| {
+            text.parse::<Shard>()
+                .unwrap()
+                .chunks(10)
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(of("1/3"), [0, 3, 6, 9]);
+        assert_eq!(of("2/3"), [1, 4, 7]);
+        assert_eq!(of("3/3"), [2, 5, 8]);
+        assert_eq!(Shard::default().chunks(4).collect::<Vec<_>>(), [0, 1, 2, 3]);
+        for bad in ["0/3", "4/3", "3", "a/b", "1/0", "-1/2"] {
+            assert!(bad.parse::<Shard>().is_err(), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,186 @@
+//! `campaign`: one mission many times over, dispersed.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, ensure};
+use indicatif::{ProgressBar, ProgressStyle};
+
+use alula_sil::campaign::{BUILT_IN, CampaignSource, Shard, Store, Summary, page, run as fly_all};
+use alula_sil::files::leave;
+use alula_sil::mission::MissionSource;
+
+use super::{mission, output};
+
+/// Fly a mission many times, with its fields drawn at random: percentiles, limits, worst flights
+#[derive(clap::Args)]
+#[command(args_conflicts_with_subcommands = true)]
+pub struct Args {
+    #[command(subcommand)]
+    merge: Option<Merge>,
+    /// A built-in campaign or a TOML file; without it, list the built-in ones
+    campaign: Option<String>,
+    /// Folder for the results, in which an interrupted campaign goes on [default: out/campaign/<campaign>]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Number of flights, in place of the campaign's own
+    #[arg(long, value_name = "N")]
+    flights: Option<u64>,
+    /// Fly one of n shares alone, to be merged with the others
+    #[arg(long, value_name = "I/N", default_value = "1/1")]
+    shard: Shard,
+    /// Number of threads [default: one per core]
+    #[arg(long, value_name = "N")]
+    threads: Option<std::num::NonZero<usize>>,
+    /// Fly this flight alone, and leave its trace and report
+    #[arg(long, value_name = "FLIGHT", conflicts_with_all = ["shard", "flights", "threads"])]
+    refly: Option<u64>,
+    /// Print one JSON object instead of the tables
+    #[arg(long)]
+    json: bool,
+    /// Print the campaign's TOML instead of flying it
+    #[arg(long)]
+    print: bool,
+}
+
+#[derive(clap::Subcommand)]
+enum Merge {
+    /// Put the shares of a campaign together, with the result that it has when flown in one
+    Merge {
+        /// Folders of the shares
+        #[arg(required = true, value_name = "DIR")]
+        shares: Vec<PathBuf>,
+        /// Folder for the results
+        #[arg(long, value_name = "DIR")]
+        out: PathBuf,
+        /// Print one JSON object instead of the tables
+        #[arg(long)]
+        json: bool,
+    },
+}
+
+pub fn run(args: &Args) -> anyhow::Result<()> {
+    if let Some(Merge::Merge { shares, out, json }) = &args.merge {
+        return merge(shares, out, *json);
+    }
+    let mut stdout = std::io::stdout().lock();
+    let Some(name) = &args.campaign else {
+        for (name, _) in BUILT_IN {
+            let campaign = CampaignSource::load(name, None)?.campaign;
+            writeln!(stdout, "{name:<18} {}", campaign.description)?;
+        }
+        return Ok(());
+    };
+    let source = CampaignSource::load(name, args.flights)?;
+    if args.print {
+        write!(stdout, "{}", source.texts.campaign)?;
+        return Ok(());
+    }
+    if let Some(number) = args.refly {
+        drop(stdout);
+        return refly(&source, number, args);
+    }
+    let out = match &args.out {
+        Some(folder) => folder.clone(),
+        None => Path::new("out/campaign").join(source.stem()),
+    };
+    let store = Store::open(&out, &source)?;
+    let threads = args
+        .threads
+        .or_else(|| std::thread::available_parallelism().ok())
+        .map_or(1, std::num::NonZero::get);
+    let flights = args.shard.chunks(source.campaign.chunks());
+    let flights: u64 = flights
+        .map(|c| source.campaign.chunk(c).count() as u64)
+        .sum();
+    let style = "{pos} of {len} flights {bar:40} {percent:>3} % {eta} left";
+    let bar = ProgressBar::new(flights);
+    bar.set_style(ProgressStyle::with_template(style).expect("a valid template"));
+    fly_all(&source, &store, args.shard, threads, |n| {
+        bar.inc(n);
+        // What was there already says nothing of the time that is left.
+        if n > 1 {
+            bar.reset_eta();
+        }
+    })?;
+    bar.finish_and_clear();
+    if !args.shard.is_whole() {
+        let place = out.display();
+        writeln!(
+            stdout,
+            "{flights} flights are in {place}, to be merged with the other shares"
+        )?;
+        return Ok(());
+    }
+    drop(stdout);
+    conclude(&source, &store, args.json)
+}
+
+/// Leaves the results of a complete store.
+fn conclude(source: &CampaignSource, store: &Store, json: bool) -> anyhow::Result<()> {
+    let summary = Summary::of(source, store)?;
+    let folder = store.folder();
+    leave(&folder.join("summary.json"), |file| {
+        Ok(serde_json::to_writer_pretty(file, &summary)?)
+    })?;
+    output::leave(
+        folder,
+        "report",
+        &page(source, &summary),
+        json.then_some(&summary),
+    )?;
+    ensure!(
+        summary.verdict(),
+        "{}: a limit is not kept, or a fault ended in another state",
+        source.texts.name
+    );
+    Ok(())
+}
+
+fn refly(source: &CampaignSource, number: u64, args: &Args) -> anyhow::Result<()> {
+    ensure!(
+        number < source.campaign.flights,
+        "--refly: flights are numbered from 0 to {}",
+        source.campaign.flights - 1
+    );
+    let drawn = source
+        .campaign
+        .draw(&source.base, number)
+        .map_err(|e| anyhow::anyhow!("flight {number}: {}: {}", e.field, e.problem))?;
+    let name = format!("{}-{number}", source.stem());
+    let out = match &args.out {
+        Some(folder) => folder.clone(),
+        None => Path::new("out/mission").join(&name),
+    };
+    std::fs::create_dir_all(&out).with_context(|| out.display().to_string())?;
+    let text = drawn.draft.text();
+    leave(&out.join("mission.toml"), |file| {
+        Ok(file.write_all(text.as_bytes())?)
+    })?;
+    let flight = MissionSource {
+        name,
+        text,
+        mission: drawn.mission,
+    };
+    mission::fly_and_leave(&flight, &out, args.json)
+}
+
+fn merge(shares: &[PathBuf], out: &Path, json: bool) -> anyhow::Result<()> {
+    let (_, source) = Store::existing(&shares[0])?;
+    let store = Store::open(out, &source)?;
+    for share in shares {
+        let (from, other) = Store::existing(share)?;
+        ensure!(
+            other.texts == source.texts,
+            "{} and {}: shares of different campaigns",
+            shares[0].display(),
+            share.display()
+        );
+        for chunk in (0..source.campaign.chunks()).filter(|&chunk| from.has(chunk)) {
+            if !store.has(chunk) {
+                store.take(&from, chunk)?;
+            }
+        }
+    }
+    conclude(&source, &store, json)
+}
