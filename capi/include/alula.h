@@ -544,6 +544,12 @@ typedef struct alula_parameters {
      */
     float integral_forward;
     /**
+     * Greatest forward velocity error that the law is given. About two thirds of the cruise
+     * speed.
+     * Unit: m/s. From 0.001 to 1000.0, default 14.0.
+     */
+    float forward_error;
+    /**
      * Whether alula_guide flies tail first where flying nose first needs negative thrust.
      * 0 = report only, 1 = switch; default 1.
      */

@@ -145,6 +145,7 @@ fn guidance(p: &Parameters, model: Model) -> Result<Guidance<Model, GainChoice>,
             pull: Inertial::new(p.pull_down, p.pull_forward),
             integral_gain: Inertial::new(p.integral_gain_down, p.integral_gain_forward),
             integral: Inertial::new(p.integral_down, p.integral_forward),
+            forward_error: p.forward_error,
         })?,
         branch: BranchSwitch::new(BranchParameters {
             switch: p.branch_switch != 0,

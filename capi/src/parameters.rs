@@ -206,6 +206,8 @@ parameters! {
             "Greatest integral, down.";
         integral_forward: f32 Number, "ALU_INT_MAX_F", "m/s", 0.0, 1e3, 1.0,
             "Greatest integral, forward.";
+        forward_error: f32 Number, "ALU_ERR_MAX_F", "m/s", 1e-3, 1e3, 14.0,
+            "Greatest forward velocity error that the law is given. About two thirds of the cruise speed.";
     "Branch":
         branch_switch: u32 Choice(&["report only", "switch"]),
             "ALU_BRANCH", "", 0, 1, 1,

@@ -61,6 +61,7 @@ fn core() -> Guidance<Combined, BandwidthGains> {
             pull: Inertial::new(p.pull_down, p.pull_forward),
             integral_gain: Inertial::new(p.integral_gain_down, p.integral_gain_forward),
             integral: Inertial::new(p.integral_down, p.integral_forward),
+            forward_error: p.forward_error,
         })
         .unwrap(),
         branch: BranchSwitch::new(BranchParameters {

@@ -109,8 +109,8 @@ fn holds_altitude(policy: &str, condition: &str, bound: f64) {
 
 const LAGS: [&str; 4] = ["lag-0", "lag-50", "no-wind", "lag-150"];
 
-/// Whatever the lag, up to 150 ms, the guidance stays within 1 m on the way out (measured −0.3…+1.0) and 4 m on the way back
-/// (−1.9…+3.0); the paper's constant gains are in a limit cycle with speed errors of 4 to 7 m/s.
+/// Whatever the lag, up to 150 ms, the guidance stays within 1 m on the way out (measured −0.3…+1.0) and 3 m on the way back
+/// (−1.9…+1.3); the paper's constant gains are in a limit cycle with speed errors of 4 to 7 m/s.
 #[test]
 fn the_papers_gains_oscillate_where_gains_by_bandwidth_do_not() {
     for condition in LAGS {
@@ -120,21 +120,20 @@ fn the_papers_gains_oscillate_where_gains_by_bandwidth_do_not() {
         let ours = flight("bandwidth", condition);
         assert_eq!(ours.outcome, Outcome::Flies);
         assert!(ours.cruise_error_m_s < 0.02 && ours.out_m[0] > -0.6 && ours.out_m[1] < 1.2);
-        holds_altitude("bandwidth", condition, 4.0);
+        holds_altitude("bandwidth", condition, 3.0);
     }
 }
 
-/// Losses of our own law: tuned switching policies hold altitude better (measured 2.2 and 1.6 m at the worst lag, to 3.0) and
-/// overshoot less when braking (60 and 50 m, to 90); and at T/W 1.15 the ArduPilot-like one is far better (1.2 to 5.1 m).
+/// Losses of our own law: tuned switching policies hold altitude as well (measured 2.2 and 1.6 m at the worst lag, to 1.9) and
+/// overshoot far less when braking (60 and 50 m, to 166); and at T/W 1.15 the ArduPilot-like one is far better (1.2 to 7.4 m).
 #[test]
-fn tuned_switching_policies_hold_altitude_better_when_braking() {
+fn tuned_switching_policies_brake_shorter() {
     for policy in ["px4-tuned", "ardupilot-tuned"] {
         for condition in LAGS {
             assert_eq!(flight(policy, condition).outcome, Outcome::Flies);
             holds_altitude(policy, condition, 2.5);
             let ours = flight("bandwidth", condition);
-            assert!(flight(policy, condition).altitude_m() < ours.altitude_m());
-            assert!(flight(policy, condition).ahead_m < ours.ahead_m - 20.0);
+            assert!(flight(policy, condition).ahead_m < ours.ahead_m - 60.0);
         }
     }
     holds_altitude("ardupilot-tuned", "weak", 2.0);

@@ -30,8 +30,8 @@ fn figures(mission: &Mission) -> Figures {
 /// Hover, cruise, hover at 2 m/s² with a rate loop of 100 ms, a thrust lag of 50 ms, control at 100 Hz and wrong
 /// parameters: no limit cycle, bounded rate and altitude, at T/W 2 and 1.3.
 ///
-/// Measured: out −0.31…+0.86 m, back −1.93…+2.92 m (T/W 1.3: −1.96…+2.92 m), 2.8 rad/s (the limit), late errors 0.0036
-/// and 0.0027 m/s, settled 4.2 s after reaching cruise and 31 s after the reference's stop.
+/// Measured: out −0.31…+0.86 m, back −1.91…+1.30 m (T/W 1.3: −3.12…+1.30 m), 2.8 rad/s (the limit), late errors 0.0036
+/// and 0.0291 m/s, settled 4.2 s after reaching cruise and 50 s (45 s) after the reference's stop.
 #[test]
 fn the_round_trip_is_flown_within_its_limits() {
     for name in ["round-trip", "round-trip-weak"] {
@@ -48,7 +48,7 @@ fn the_round_trip_is_flown_within_its_limits() {
             let [low, high] = segment.altitude_m;
             assert!(low > -6.0 && high < 6.0, "{name} {}", segment.line());
         }
-        for (segment, settling) in [(cruise, 5.0), (hover, 35.0)] {
+        for (segment, settling) in [(cruise, 5.0), (hover, 55.0)] {
             let steady = segment.steady.as_ref().unwrap();
             assert!(steady.late_rate_rms_rad_s < 0.02);
             assert!(steady.late_velocity_error_m_s < 0.05);
@@ -62,13 +62,13 @@ fn the_round_trip_is_flown_within_its_limits() {
 }
 
 /// Asked to brake level at 2 m/s² from 20 m/s, the vehicle shuts its thrust off and coasts: at small α only drag
-/// brakes, and the θ̃ = 0 equilibrium needs negative thrust, which is told. It runs some 90 m ahead of the reference.
+/// brakes, and the θ̃ = 0 equilibrium needs negative thrust, which is told. It runs some 165 m ahead of the reference.
 #[test]
 fn braking_harder_than_drag_is_told_and_overshoots() {
     let mission = mission("round-trip");
     let rows = rows(&mission);
     let figures = Figures::of(&mission, &rows);
-    assert!(figures.forward_m[1] > 60.0 && figures.forward_m[1] < 120.0);
+    assert!(figures.forward_m[1] > 120.0 && figures.forward_m[1] < 200.0);
     let braking = rows.iter().filter(|r| r.t > 46.0 && r.t < 54.0);
     for row in braking {
         let status = guided(row).status;
@@ -87,7 +87,7 @@ fn braking_harder_than_drag_is_told_and_overshoots() {
 }
 
 /// A reference that brakes at 0.4 m/s² to 14 m/s, below the fold, and then at 2 m/s² is followed: within 7 m forward
-/// (measured 6.0), where the round trip overshoots by 90 m, and ±2 m in altitude (−1.1…+0.6).
+/// (measured 6.0), where the round trip overshoots by 165 m, and ±2 m in altitude (−1.1…+0.6).
 #[test]
 fn a_reference_within_drag_is_followed() {
     let figures = figures(&mission("gentle-braking"));
@@ -144,7 +144,7 @@ fn the_papers_gains_do_not_fly_this_vehicle() {
 }
 
 /// Headwind, gust, moderate turbulence, noise, delay and a dropout of air data, over ten seeds: the flight is rough, and none
-/// departs. For seed 1 the altitude was −3.1…+11.2 m; a departure is tens of metres, or ends elsewhere than in hover.
+/// departs. Measured −5.1…+3.0 m of altitude; a departure is tens of metres, or ends elsewhere than in hover.
 #[test]
 fn a_rough_day_is_survived() {
     let mut mission = mission("rough-day");
@@ -153,7 +153,7 @@ fn a_rough_day_is_survived() {
         let rows = rows(&mission);
         let figures = Figures::of(&mission, &rows);
         let [low, high] = figures.altitude_m;
-        assert!(low > -8.0 && high < 25.0, "{seed}: {low} {high}");
+        assert!(low > -8.0 && high < 6.0, "{seed}: {low} {high}");
         assert_eq!((figures.safe_s, figures.holding_s), (0.0, 0.0));
         // Back in hover, in place.
         let late = rows.iter().filter(|r| r.t > 105.0);

@@ -35,6 +35,7 @@ use crate::reference::{MAX_SPEED, Reference};
 ///         pull: Inertial::new(3.0, 6.0),
 ///         integral_gain: Inertial::new(0.3, 0.1),
 ///         integral: Inertial::new(2.0, 1.0),
+///         forward_error: 14.0,
 ///     })?,
 ///     branch: BranchSwitch::new(BranchParameters { switch: true, hysteresis: 10.0, fade: 0.3 })?,
 ///     limits: Limits::new(LimitParameters { thrust_min: 0.0, thrust_max: 196.0, rate: 2.8, slew: 30.0 })?,
@@ -368,6 +369,7 @@ mod tests {
                 pull: Inertial::new(3.0, 6.0),
                 integral_gain: Inertial::new(0.3, 0.1),
                 integral: Inertial::new(2.0, 1.0),
+                forward_error: 14.0,
             })
             .unwrap(),
             branch: BranchSwitch::new(BranchParameters {
@@ -434,6 +436,7 @@ mod tests {
                 pull: Inertial::ZERO,
                 integral_gain: Inertial::ZERO,
                 integral: Inertial::ZERO,
+                forward_error: 1e3,
             })
             .unwrap(),
             ..guidance

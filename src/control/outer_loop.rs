@@ -2,7 +2,7 @@
 
 use super::reference_limit::ReferenceLimit;
 use super::status::Status;
-use crate::error::{ParameterError, in_range};
+use crate::error::{ParameterError, in_range, positive};
 use crate::frame::{Attitude, Body, Inertial};
 use crate::math;
 use crate::reference::Reference;
@@ -19,6 +19,8 @@ pub struct OuterLoopParameters {
     pub integral_gain: Inertial,
     /// Largest integral [m/s].
     pub integral: Inertial,
+    /// Largest forward velocity error [m/s] that the law is given.
+    pub forward_error: f32,
 }
 
 /// Position hold and integral action.
@@ -29,6 +31,11 @@ pub struct OuterLoopParameters {
 ///
 /// Where no position is measured, İ = k_p (v − v_s): the integral is then the position that would have been held,
 /// and does the pull's work inside its bound.
+///
+/// v_cmd is kept within `forward_error` of the forward velocity. A vehicle that glides with its thrust at the lower
+/// limit can only be steered across its nose, and the velocity error across the nose is then v_cmd's own component
+/// there: it levels the path off while v_cmd points forward, not at all where v_cmd is zero, and turns the path away
+/// where v_cmd points back, as it soon does while the vehicle runs ahead of a reference that brakes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct OuterLoop {
@@ -61,7 +68,8 @@ impl OuterLoop {
     /// The loop with these parameters.
     ///
     /// # Errors
-    /// A gain outside [0, 100] 1/s, `pull` or `integral` outside [0, 1000] m/s, or any not finite.
+    /// A gain outside [0, 100] 1/s, `pull` or `integral` outside [0, 1000] m/s, `forward_error` outside
+    /// [0.001, 1000] m/s, or any not finite.
     pub fn new(p: OuterLoopParameters) -> Result<Self, ParameterError> {
         let check = |name, v: Inertial, max| {
             in_range(name, v.down(), 0.0, max)?;
@@ -71,6 +79,7 @@ impl OuterLoop {
         check("pull", p.pull, 1e3)?;
         check("integral_gain", p.integral_gain, 100.0)?;
         check("integral", p.integral, 1e3)?;
+        positive("forward_error", p.forward_error, 1e-3, 1e3)?;
         Ok(Self { p })
     }
 
@@ -133,16 +142,23 @@ impl OuterLoop {
             followed.acceleration.down() - down.slope - fed_down,
             followed.acceleration.forward() - forward.slope - fed_forward,
         ));
+        let wanted = Inertial::new(
+            followed.velocity.down() - down.pull - i_down,
+            followed.velocity.forward() - forward.pull - i_forward,
+        );
+        let near = math::clamp(
+            wanted.forward(),
+            velocity.forward() - p.forward_error,
+            velocity.forward() + p.forward_error,
+        );
         let reference = Reference {
-            velocity: Inertial::new(
-                followed.velocity.down() - down.pull - i_down,
-                followed.velocity.forward() - forward.pull - i_forward,
-            ),
+            velocity: Inertial::new(wanted.down(), near),
             acceleration,
         };
         let status = Status::POSITION.when(down.cut | forward.cut)
             | Status::INTEGRAL.when(full_down | full_forward)
-            | Status::REFERENCE.when(cut);
+            | Status::REFERENCE.when(cut)
+            | Status::VELOCITY_ERROR.when(near != wanted.forward());
         (reference, status)
     }
 }
@@ -232,6 +248,7 @@ mod tests {
         pull: Inertial::new(3.0, 6.0),
         integral_gain: Inertial::new(0.3, 0.1),
         integral: Inertial::new(2.0, 1.0),
+        forward_error: 14.0,
     };
     const STAY: Reference = Reference {
         velocity: Inertial::ZERO,
@@ -302,6 +319,25 @@ mod tests {
         assert_eq!(reference.acceleration, Inertial::ZERO);
         assert_eq!(status, Status::POSITION);
         assert_eq!(state, OuterState::default());
+    }
+
+    /// Standing still against a pull of 6 m/s v_cmd is the pull's; at 10 m/s it would be 16 m/s off, and is 14 m/s off,
+    /// whichever way; downward it is not bounded.
+    #[test]
+    fn the_forward_velocity_error_is_bounded() {
+        let v_cmd = |forward: f32, x: f32| {
+            let velocity = Inertial::new(20.0, forward);
+            let error = Some(Inertial::new(0.0, x));
+            let state = &mut OuterState::default();
+            let (reference, status) = update(state, velocity, error, Status::NONE);
+            assert_eq!(reference.velocity.down(), 0.0);
+            let bounded = status.contains(Status::VELOCITY_ERROR);
+            (reference.velocity.forward(), bounded)
+        };
+        assert_eq!(v_cmd(0.0, 100.0), (-6.0, false));
+        assert_eq!(v_cmd(10.0, 100.0), (-4.0, true));
+        assert_eq!(v_cmd(-10.0, -100.0), (4.0, true));
+        assert_eq!(v_cmd(8.0, 100.0), (-6.0, false));
     }
 
     #[test]

@@ -38,7 +38,10 @@ impl Status {
     /// The guidance state was corrupt and has been reset.
     pub const STATE_RESET: Self = Self(1 << 12);
 
-    const NAMES: [(Self, &'static str); 13] = [
+    /// The forward velocity error given to the law stands at its limit.
+    pub const VELOCITY_ERROR: Self = Self(1 << 13);
+
+    const NAMES: [(Self, &'static str); 14] = [
         (Self::THRUST_LOW, "thrust_low"),
         (Self::THRUST_HIGH, "thrust_high"),
         (Self::RATE, "rate"),
@@ -52,6 +55,7 @@ impl Status {
         (Self::POSITION_INVALID, "position_invalid"),
         (Self::AIR_INVALID, "air_invalid"),
         (Self::STATE_RESET, "state_reset"),
+        (Self::VELOCITY_ERROR, "velocity_error"),
     ];
 
     /// The names of all flags.
@@ -126,7 +130,7 @@ mod tests {
         }
         assert_eq!(Status::NONE.to_string(), "");
         assert_eq!((Status::RATE | Status::SLEW).to_string(), "rate|slew");
-        assert_eq!(Status::names().count(), 13);
+        assert_eq!(Status::names().count(), 14);
         assert!(all.contains(Status::NONE) && !Status::RATE.contains(all));
     }
 }

@@ -86,6 +86,8 @@ pub struct PositionSpec {
     pub integral_gain_1_s: [f64; 2],
     /// Largest integral \[m/s\].
     pub integral_m_s: [f64; 2],
+    /// Largest forward velocity error that the law is given \[m/s\].
+    pub forward_error_m_s: f64,
 }
 
 /// `[controller.guidance.limits]`.
@@ -178,6 +180,7 @@ impl GuidanceSpec {
             pull: pair(self.position.pull_m_s),
             integral_gain: pair(self.position.integral_gain_1_s),
             integral: pair(self.position.integral_m_s),
+            forward_error: self.position.forward_error_m_s as f32,
         };
         let limits = LimitParameters {
             thrust_min: self.limits.thrust_n[0] as f32,

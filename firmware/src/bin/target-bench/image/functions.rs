@@ -75,6 +75,7 @@ fn everything_on(vehicle: Vehicle<Combined>) -> Guidance<Combined, BandwidthGain
         pull: Inertial::new(3.0, 6.0),
         integral_gain: Inertial::new(0.3, 0.1),
         integral: Inertial::new(2.0, 1.0),
+        forward_error: 14.0,
     };
     let reference = ReferenceLimitParameters {
         acceleration: 3.0,
