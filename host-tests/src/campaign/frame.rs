@@ -61,6 +61,26 @@ impl Frame {
         self.columns.push((name.into(), column));
     }
 
+    /// Adds the rows of `other`, which has the same columns.
+    pub fn append(&mut self, other: Self) -> anyhow::Result<()> {
+        if self.columns.is_empty() {
+            *self = other;
+            return Ok(());
+        }
+        anyhow::ensure!(self.columns.len() == other.columns.len(), "other columns");
+        for ((name, to), (other, from)) in self.columns.iter_mut().zip(other.columns) {
+            anyhow::ensure!(*name == other, "column {other} in place of {name}");
+            match (to, from) {
+                (Column::Integer(to), Column::Integer(from)) => to.extend(from),
+                (Column::Real(to), Column::Real(from)) => to.extend(from),
+                (Column::Single(to), Column::Single(from)) => to.extend(from),
+                (Column::Flag(to), Column::Flag(from)) => to.extend(from),
+                _ => bail!("column {name} changes its type"),
+            }
+        }
+        Ok(())
+    }
+
     /// Number of rows.
     pub fn rows(&self) -> usize {
         self.columns.first().map_or(0, |(_, column)| column.len())

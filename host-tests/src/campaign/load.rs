@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use anyhow::{Context, anyhow};
 use serde::{Deserialize, Serialize};
 
 use super::{Campaign, Dispersion, Expected, FIGURES, FaultDraw, Limit};
 use crate::mission::{Draft, MissionSource};
+use crate::named::Named;
 use crate::scenario::{FieldError, finite, from_toml};
 
 /// Name and TOML text of every built-in campaign.
@@ -45,38 +45,25 @@ pub struct Texts {
 impl CampaignSource {
     /// The campaign that `argument` names, a built-in or else a TOML file, with `flights` in place of its own number.
     pub fn load(argument: &str, flights: Option<u64>) -> anyhow::Result<Self> {
-        let built_in = BUILT_IN.iter().find(|(name, _)| *name == argument);
+        let named = Named::find("campaign", BUILT_IN, argument)?;
         let path = Path::new(argument);
-        let (name, text) = match built_in {
-            Some((name, text)) => ((*name).to_owned(), (*text).to_owned()),
-            None if !path.exists() && path.extension().is_none() => {
-                let names: Vec<_> = BUILT_IN.iter().map(|(name, _)| *name).collect();
-                return Err(anyhow!(
-                    "{argument}: neither a file nor a built-in campaign ({})",
-                    names.join(", ")
-                ));
-            }
-            None => {
-                let text = std::fs::read_to_string(path).with_context(|| argument.to_owned())?;
-                let name = path.file_name().unwrap_or(path.as_os_str());
-                (name.to_string_lossy().into_owned(), text)
-            }
-        };
         // Where the mission is, the text itself must say.
-        let campaign: Campaign = from_toml(argument, &text, |_| Ok(()))?;
+        let campaign: Campaign = from_toml(&named.origin, &named.text, |_| Ok(()))?;
         let beside = path.with_file_name(&campaign.mission);
-        let mission = match built_in.is_none() && beside.exists() {
+        let is_file = named.origin == argument;
+        let mission = match is_file && beside.is_file() {
             true => MissionSource::load(&beside.to_string_lossy())?,
             false => MissionSource::load(&campaign.mission)?,
         };
+        let name = path.file_name().unwrap_or(path.as_os_str());
         let texts = Texts {
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            name,
+            name: name.to_string_lossy().into_owned(),
             flights: flights.unwrap_or(campaign.flights),
-            campaign: text,
+            campaign: named.text,
             mission: mission.text,
         };
-        Self::from_texts(texts, argument)
+        Self::from_texts(texts, &named.origin)
     }
 
     /// The campaign of `texts`; `origin` stands for the campaign's in errors.

@@ -48,26 +48,23 @@ impl Shard {
     }
 }
 
-/// Flies what `store` lacks of `shard`, on `threads` threads. `flown` is told of flights, those that are there at first.
+/// Flies what `store` lacks of `shard`, on `threads` threads. `flown` is called once per flight.
 pub fn run(
     source: &CampaignSource,
     store: &Store,
     shard: Shard,
     threads: usize,
-    flown: impl Fn(u64) + Sync,
+    flown: impl Fn() + Sync,
 ) -> anyhow::Result<()> {
     let campaign = &source.campaign;
-    let size = |chunk: u64| campaign.chunk(chunk).end - campaign.chunk(chunk).start;
-    let (done, missing): (Vec<u64>, Vec<u64>) = shard
-        .chunks(campaign.chunks())
-        .partition(|&chunk| store.has(chunk));
-    flown(done.into_iter().map(size).sum());
+    let lacks = |chunk: &u64| !store.has(*chunk);
+    let missing: Vec<u64> = shard.chunks(campaign.chunks()).filter(lacks).collect();
 
     let next = AtomicUsize::new(0);
     let stop = AtomicBool::new(false);
     let failure = Mutex::new(None);
     let fly = |chunk: u64| {
-        let mut flights: Vec<(u64, Drawn, Flown)> = Vec::with_capacity(size(chunk) as usize);
+        let mut flights: Vec<(u64, Drawn, Flown)> = Vec::new();
         for number in campaign.chunk(chunk) {
             if stop.load(Ordering::Relaxed) {
                 return Ok(());
@@ -78,7 +75,7 @@ pub fn run(
             })?;
             let flight = Flown::fly(&drawn, &campaign.faults);
             flights.push((number, drawn, flight));
-            flown(1);
+            flown();
         }
         let (flights, samples) = campaign.frames(&flights);
         store.keep(chunk, &flights, &samples)

@@ -120,6 +120,12 @@ impl Campaign {
         chunk * CHUNK..((chunk + 1) * CHUNK).min(self.flights)
     }
 
+    /// Number of flights in `chunks`.
+    pub fn flights_in(&self, chunks: impl Iterator<Item = u64>) -> u64 {
+        let size = |range: std::ops::Range<u64>| range.end - range.start;
+        chunks.map(|chunk| size(self.chunk(chunk))).sum()
+    }
+
     /// Flights and samples as columns.
     pub fn frames(&self, flown: &[(u64, Drawn, Flown)]) -> (Frame, Frame) {
         let mut flights = Frame::default();

@@ -13,6 +13,9 @@ use crate::files::leave;
 /// The percentiles that are given of every figure.
 pub const PERCENTILES: [f64; 9] = [0.0, 1.0, 5.0, 25.0, 50.0, 75.0, 95.0, 99.0, 100.0];
 
+/// Flights of a row group of `flights.parquet`: each group costs the writer memory until the end.
+const GROUP: usize = 5000;
+
 /// Flights listed of each limit.
 const WORST: usize = 5;
 
@@ -188,6 +191,7 @@ impl Summary {
             &store.folder().join("flights.parquet"),
             |file: &mut File| {
                 let mut writer = FrameWriter::new(file);
+                let mut group = Frame::default();
                 for chunk in 0..chunks {
                     let flights = store.flights(chunk)?;
                     let range = source.campaign.chunk(chunk);
@@ -196,9 +200,13 @@ impl Summary {
                         flights.integer("flight")? == expected,
                         "part {chunk} holds other flights"
                     );
-                    writer.write(&flights)?;
                     gathered.flights(&flights)?;
                     gathered.samples(&store.samples(chunk)?)?;
+                    group.append(flights)?;
+                    if group.rows() >= GROUP || chunk + 1 == chunks {
+                        writer.write(&group)?;
+                        group = Frame::default();
+                    }
                 }
                 writer.close()
             },

@@ -1,16 +1,17 @@
 //! `campaign`: one mission many times over, dispersed.
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use anyhow::{Context, ensure};
+use anyhow::ensure;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use alula_sil::campaign::{BUILT_IN, CampaignSource, Shard, Store, Summary, page, run as fly_all};
 use alula_sil::files::leave;
 use alula_sil::mission::MissionSource;
 
-use super::{mission, output};
+use super::mission;
+use super::output::Output;
 
 /// Fly a mission many times, with its fields drawn at random: percentiles, limits, worst flights
 #[derive(clap::Args)]
@@ -20,9 +21,8 @@ pub struct Args {
     merge: Option<Merge>,
     /// A built-in campaign or a TOML file; without it, list the built-in ones
     campaign: Option<String>,
-    /// Folder for the results, in which an interrupted campaign goes on [default: out/campaign/<campaign>]
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
+    #[command(flatten)]
+    output: Output,
     /// Number of flights, in place of the campaign's own
     #[arg(long, value_name = "N")]
     flights: Option<u64>,
@@ -35,9 +35,6 @@ pub struct Args {
     /// Fly this flight alone, and leave its trace and report
     #[arg(long, value_name = "FLIGHT", conflicts_with_all = ["shard", "flights", "threads"])]
     refly: Option<u64>,
-    /// Print one JSON object instead of the tables
-    #[arg(long)]
-    json: bool,
     /// Print the campaign's TOML instead of flying it
     #[arg(long)]
     print: bool,
@@ -50,18 +47,14 @@ enum Merge {
         /// Folders of the shares
         #[arg(required = true, value_name = "DIR")]
         shares: Vec<PathBuf>,
-        /// Folder for the results
-        #[arg(long, value_name = "DIR")]
-        out: PathBuf,
-        /// Print one JSON object instead of the tables
-        #[arg(long)]
-        json: bool,
+        #[command(flatten)]
+        output: Output,
     },
 }
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
-    if let Some(Merge::Merge { shares, out, json }) = &args.merge {
-        return merge(shares, out, *json);
+    if let Some(Merge::Merge { shares, output }) = &args.merge {
+        return merge(shares, output);
     }
     let mut stdout = std::io::stdout().lock();
     let Some(name) = &args.campaign else {
@@ -80,29 +73,26 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         drop(stdout);
         return refly(&source, number, args);
     }
-    let out = match &args.out {
-        Some(folder) => folder.clone(),
-        None => Path::new("out/campaign").join(source.stem()),
-    };
+    let out = args.output.folder(&format!("campaign/{}", source.stem()))?;
     let store = Store::open(&out, &source)?;
     let threads = args
         .threads
         .or_else(|| std::thread::available_parallelism().ok())
         .map_or(1, std::num::NonZero::get);
-    let flights = args.shard.chunks(source.campaign.chunks());
-    let flights: u64 = flights
-        .map(|c| source.campaign.chunk(c).count() as u64)
-        .sum();
+    let campaign = &source.campaign;
+    let chunks = || args.shard.chunks(campaign.chunks());
+    let flights = campaign.flights_in(chunks());
+    let there = campaign.flights_in(chunks().filter(|&chunk| store.has(chunk)));
+    if there > 0 {
+        let place = out.display();
+        eprintln!("going on from {there} of {flights} flights in {place}");
+    }
     let style = "{pos} of {len} flights {bar:40} {percent:>3} % {eta} left";
-    let bar = ProgressBar::new(flights);
+    let bar = ProgressBar::new(flights).with_position(there);
     bar.set_style(ProgressStyle::with_template(style).expect("a valid template"));
-    fly_all(&source, &store, args.shard, threads, |n| {
-        bar.inc(n);
-        // What was there already says nothing of the time that is left.
-        if n > 1 {
-            bar.reset_eta();
-        }
-    })?;
+    // What was there says nothing of the time that is left.
+    bar.reset_eta();
+    fly_all(&source, &store, args.shard, threads, || bar.inc(1))?;
     bar.finish_and_clear();
     if !args.shard.is_whole() {
         let place = out.display();
@@ -113,22 +103,17 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         return Ok(());
     }
     drop(stdout);
-    conclude(&source, &store, args.json)
+    conclude(&source, &store, &args.output)
 }
 
 /// Leaves the results of a complete store.
-fn conclude(source: &CampaignSource, store: &Store, json: bool) -> anyhow::Result<()> {
+fn conclude(source: &CampaignSource, store: &Store, output: &Output) -> anyhow::Result<()> {
     let summary = Summary::of(source, store)?;
     let folder = store.folder();
     leave(&folder.join("summary.json"), |file| {
         Ok(serde_json::to_writer_pretty(file, &summary)?)
     })?;
-    output::leave(
-        folder,
-        "report",
-        &page(source, &summary),
-        json.then_some(&summary),
-    )?;
+    output.leave(folder, "report", &page(source, &summary), &summary)?;
     ensure!(
         summary.verdict(),
         "{}: a limit is not kept, or a fault ended in another state",
@@ -148,11 +133,7 @@ fn refly(source: &CampaignSource, number: u64, args: &Args) -> anyhow::Result<()
         .draw(&source.base, number)
         .map_err(|e| anyhow::anyhow!("flight {number}: {}: {}", e.field, e.problem))?;
     let name = format!("{}-{number}", source.stem());
-    let out = match &args.out {
-        Some(folder) => folder.clone(),
-        None => Path::new("out/mission").join(&name),
-    };
-    std::fs::create_dir_all(&out).with_context(|| out.display().to_string())?;
+    let out = args.output.folder(&format!("mission/{name}"))?;
     let text = drawn.draft.text();
     leave(&out.join("mission.toml"), |file| {
         Ok(file.write_all(text.as_bytes())?)
@@ -162,12 +143,13 @@ fn refly(source: &CampaignSource, number: u64, args: &Args) -> anyhow::Result<()
         text,
         mission: drawn.mission,
     };
-    mission::fly_and_leave(&flight, &out, args.json)
+    mission::fly_and_leave(&flight, &out, args.output.json())
 }
 
-fn merge(shares: &[PathBuf], out: &Path, json: bool) -> anyhow::Result<()> {
+fn merge(shares: &[PathBuf], output: &Output) -> anyhow::Result<()> {
     let (_, source) = Store::existing(&shares[0])?;
-    let store = Store::open(out, &source)?;
+    let out = output.folder(&format!("campaign/{}", source.stem()))?;
+    let store = Store::open(&out, &source)?;
     for share in shares {
         let (from, other) = Store::existing(share)?;
         ensure!(
@@ -182,5 +164,5 @@ fn merge(shares: &[PathBuf], out: &Path, json: bool) -> anyhow::Result<()> {
             }
         }
     }
-    conclude(&source, &store, json)
+    conclude(&source, &store, output)
 }

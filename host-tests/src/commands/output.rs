@@ -21,6 +21,11 @@ pub struct Output {
 }
 
 impl Output {
+    /// Whether JSON was asked for.
+    pub fn json(&self) -> bool {
+        self.json
+    }
+
     /// The folder asked for, or `out/<name>`; made if it is not there.
     pub fn folder(&self, name: &str) -> anyhow::Result<PathBuf> {
         let folder = (self.out.clone()).unwrap_or_else(|| Path::new("out").join(name));
