@@ -1,0 +1,209 @@
+//! Campaigns: the same results from any number of threads, shares and interruptions; and what the built-in ones show.
+
+use std::path::Path;
+
+use alula_sil::campaign::{CampaignSource, Column, Flown, Shard, Store, Summary, page, run};
+use alula_sil::mission::fly;
+
+/// The built-in campaign with so many flights.
+fn source(name: &str, flights: u64) -> CampaignSource {
+    CampaignSource::load(name, Some(flights)).unwrap()
+}
+
+/// Flies and summarises into `folder`.
+fn flown(source: &CampaignSource, folder: &Path, threads: usize) -> Summary {
+    let store = Store::open(folder, source).unwrap();
+    run(source, &store, Shard::default(), threads, || ()).unwrap();
+    Summary::of(source, &store).unwrap()
+}
+
+fn bytes(folder: &Path) -> Vec<u8> {
+    std::fs::read(folder.join("flights.parquet")).unwrap()
+}
+
+fn text(summary: &Summary) -> String {
+    serde_json::to_string(summary).unwrap()
+}
+
+/// One thread, three threads, an interruption in the middle, and two shares merged: the same file to the byte, the same summary
+/// and the same page. 120 flights are three parts, the last one short.
+#[test]
+fn threads_interruptions_and_shares_change_nothing() {
+    let source = source("dispersed", 120);
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let whole = flown(&source, &at("whole"), 1);
+    let expected = bytes(&at("whole"));
+
+    let threaded = flown(&source, &at("threaded"), 3);
+    assert_eq!(bytes(&at("threaded")), expected);
+    assert_eq!(text(&threaded), text(&whole));
+
+    // Interrupted: a part is missing, and one has lost its flights but not its samples.
+    std::fs::remove_file(at("threaded").join("flights/000001.parquet")).unwrap();
+    std::fs::remove_file(at("threaded").join("flights/000002.parquet")).unwrap();
+    std::fs::remove_file(at("threaded").join("samples/000002.parquet")).unwrap();
+    let store = Store::open(&at("threaded"), &source).unwrap();
+    let error = Summary::of(&source, &store).unwrap_err().to_string();
+    assert!(error.contains("2 of 3 parts are not there yet"), "{error}");
+    let told = std::sync::atomic::AtomicU64::new(0);
+    let count = || {
+        told.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+    };
+    run(&source, &store, Shard::default(), 2, count).unwrap();
+    assert_eq!(told.into_inner(), 70);
+    let resumed = Summary::of(&source, &store).unwrap();
+    assert_eq!(bytes(&at("threaded")), expected);
+    assert_eq!(text(&resumed), text(&whole));
+
+    let merged = Store::open(&at("merged"), &source).unwrap();
+    for share in ["1/2", "2/2"] {
+        let name = share.replace('/', "-of-");
+        let store = Store::open(&at(&name), &source).unwrap();
+        run(&source, &store, share.parse().unwrap(), 2, || ()).unwrap();
+        let (share, texts) = Store::existing(&at(&name)).unwrap();
+        assert_eq!(texts, source);
+        for chunk in (0..3).filter(|&chunk| share.has(chunk)) {
+            merged.take(&share, chunk).unwrap();
+        }
+    }
+    let summary = Summary::of(&source, &merged).unwrap();
+    assert_eq!(bytes(&at("merged")), expected);
+    assert_eq!(text(&summary), text(&whole));
+    let html = |summary| page(&source, summary).html().unwrap();
+    assert_eq!(html(&summary), html(&whole));
+
+    // Another campaign does not go into the same folder.
+    let other = self::source("dispersed", 119);
+    let error = Store::open(&at("whole"), &other).unwrap_err().to_string();
+    assert!(error.contains("another campaign"), "{error}");
+}
+
+/// A flight depends on its number alone, and its figures are those of the mission that was drawn, flown by itself.
+#[test]
+fn a_flight_is_its_own() {
+    let (few, many) = (source("dispersed", 3), source("dispersed", 1000));
+    let drawn = few.campaign.draw(&few.base, 2).unwrap();
+    assert_eq!(many.campaign.draw(&many.base, 2).unwrap(), drawn);
+    assert_ne!(
+        many.campaign.draw(&many.base, 3).unwrap().values,
+        drawn.values
+    );
+
+    let flown = Flown::fly(&drawn, &[]);
+    let mut altitude = [f64::INFINITY, f64::NEG_INFINITY];
+    let (mut rows, mut late) = (0, 0.0_f64);
+    fly(&drawn.mission, |row| {
+        let height = -row.position_error().x;
+        altitude = [altitude[0].min(height), altitude[1].max(height)];
+        if row.t >= 25.0 {
+            late = late.max(row.velocity_error().norm());
+        }
+        rows += 1;
+        true
+    });
+    assert_eq!(rows, 3001);
+    assert_eq!(flown.figures[..2], altitude);
+    assert_eq!(flown.figures[5], late);
+    assert_eq!(flown.samples.len(), 101);
+    // The mission's text says the same.
+    let again = alula_sil::mission::MissionSource::from_text("x", "x", &drawn.draft.text());
+    assert_eq!(again.unwrap().mission, drawn.mission);
+
+    // What is drawn is what is flown, and what the file says.
+    let mass = drawn.mission.vehicle.mass_kg;
+    assert_eq!(drawn.values[0], mass);
+    assert!((8.5..=11.5).contains(&mass));
+    let frame = few.campaign.frames(&[(2, drawn, flown)]).0;
+    assert_eq!(
+        frame.column("vehicle.mass_kg").unwrap(),
+        &Column::Real(vec![mass])
+    );
+}
+
+/// 200 of the 10,000 flights: none departs, and every limit is kept.
+#[test]
+fn no_dispersed_flight_departs() {
+    let folder = tempfile::tempdir().unwrap();
+    let summary = flown(&source("dispersed", 200), folder.path(), 2);
+    assert_eq!(summary.departed, 0);
+    assert!(summary.verdict());
+    assert_eq!(summary.limits.iter().filter(|l| l.departure).count(), 3);
+    // They are no copies of one another.
+    let spread = |name: &str| {
+        let found = summary.figures.iter().find(|f| f.figure == name).unwrap();
+        found.percentiles[6] - found.percentiles[2]
+    };
+    assert!(spread("altitude_most_m") > 0.5 && spread("max_velocity_error_m_s") > 0.5);
+}
+
+/// The one flight of the 10,000 that glides away, 67 m down in 30 s, when the forward velocity error is not bounded (measured −8.9 m
+/// with the bound).
+#[test]
+fn a_glide_does_not_turn_away() {
+    let source = source("dispersed", 10_000);
+    let mut drawn = source.campaign.draw(&source.base, 5385).unwrap();
+    let least = |drawn: &alula_sil::campaign::Drawn| Flown::fly(drawn, &[]).figures[0];
+    let altitude = least(&drawn);
+    assert!(altitude > -12.0, "{altitude}");
+    let guidance = drawn.mission.controller.guidance_mut().unwrap();
+    guidance.position.forward_error_m_s = 1000.0;
+    let altitude = least(&drawn);
+    assert!(altitude < -40.0, "{altitude}");
+}
+
+/// Given a minute more, those that ran ahead are back: every one of 100 flights hovers in place, within 3 m.
+#[test]
+fn every_flight_ends_in_hover() {
+    let mut source = source("dispersed", 100);
+    source
+        .base
+        .set("duration_s", toml::Value::Float(90.0))
+        .unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let summary = flown(&source, folder.path(), 2);
+    let figure = |name: &str| summary.figures.iter().find(|f| f.figure == name).unwrap();
+    assert!(figure("late_position_error_m").percentiles[8] < 3.0);
+    assert!(figure("forward_most_m").percentiles[8] > 10.0);
+}
+
+/// With the paper's gains the same flights are rough, and two of the limits are not kept (measured over 200 flights: 95 % within 6 m
+/// of altitude and 81 % within 1 m/s at the end, the median of the largest velocity error 9.8 m/s to 1.8).
+#[test]
+fn the_papers_gains_do_not_pass() {
+    let mut source = source("dispersed", 50);
+    let gains = "constant = { k1 = 0.1529, k2 = 0.0234, k3 = 6.0, tau_n = 80.0 }";
+    let gains: toml::Table = gains.parse().unwrap();
+    let path = "controller.guidance.gains";
+    source.base.set(path, toml::Value::Table(gains)).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let summary = flown(&source, folder.path(), 2);
+    assert!(!summary.verdict());
+    let found = |figure: &str| summary.figures.iter().find(|f| f.figure == figure);
+    assert!(found("max_velocity_error_m_s").unwrap().percentiles[4] > 5.0);
+}
+
+/// 240 of the 2,000 flights with a fault.
+#[test]
+fn every_fault_ends_as_stated() {
+    let folder = tempfile::tempdir().unwrap();
+    let summary = flown(&source("faults", 240), folder.path(), 2);
+    for fault in &summary.faults {
+        assert!(fault.flights > 5, "{fault:?}");
+        assert_eq!(fault.as_stated, fault.flights, "{fault:?}");
+    }
+    assert!(summary.verdict());
+}
+
+/// A stated state that is not the guidance's is found.
+#[test]
+fn a_wrong_statement_is_found() {
+    let mut source = source("faults", 50);
+    for fault in &mut source.campaign.faults {
+        fault.during.mode = Some("flying".to_owned());
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let summary = flown(&source, folder.path(), 2);
+    let wrong: u64 = summary.faults.iter().map(|f| f.flights - f.as_stated).sum();
+    assert!(wrong > 10 && !summary.verdict());
+}
