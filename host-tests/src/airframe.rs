@@ -48,7 +48,9 @@ impl Airframe {
             return Ok(Self::of_polar(argument, Polar::load(argument)?));
         }
         let built_in = [BUILT_IN, polar::BUILT_IN, scenario::BUILT_IN].concat();
-        let Named { name, origin, text } = Named::find("vehicle", &built_in, argument)?;
+        let Named {
+            name, origin, text, ..
+        } = Named::find("vehicle", &built_in, argument)?;
         let path = Path::new(argument);
         if path.extension().is_some_and(|extension| extension == "csv") {
             return Ok(Self::of_polar(&name, Polar::from_text(&origin, &text)?));

@@ -1,6 +1,6 @@
 //! Texts that are asked for by name: built in, or else files.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 
@@ -13,6 +13,8 @@ pub struct Named {
     pub origin: String,
     /// The text.
     pub text: String,
+    /// The file, if it is not built in.
+    pub file: Option<PathBuf>,
 }
 
 impl Named {
@@ -24,6 +26,7 @@ impl Named {
                 name: (*name).to_owned(),
                 origin: format!("built-in {name}"),
                 text: (*text).to_owned(),
+                file: None,
             });
         }
         let path = Path::new(argument);
@@ -38,6 +41,7 @@ impl Named {
             name: name.to_string_lossy().into_owned(),
             origin: argument.to_owned(),
             text: std::fs::read_to_string(path).with_context(|| argument.to_owned())?,
+            file: Some(path.to_owned()),
         })
     }
 }

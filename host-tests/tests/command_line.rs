@@ -321,3 +321,151 @@ fn scenarios_lists_every_built_in() {
         assert!(listed.contains(name));
     }
 }
+
+const CAMPAIGN: &str = r#"mission = "own"
+flights = 60
+[set]
+duration_s = 2.0
+[[disperse]]
+field = "vehicle.mass_kg"
+scale.uniform = [0.9, 1.1]
+[[limits]]
+figure = "altitude_most_m"
+most = 5.0
+"#;
+
+/// A folder with a campaign and, beside it, its mission.
+fn campaign_folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("c.toml"), CAMPAIGN).unwrap();
+    let mission = alula(folder.path(), &["mission", "round-trip", "--print"]);
+    fs::write(folder.path().join("own"), mission.stdout).unwrap();
+    folder
+}
+
+#[test]
+fn a_campaign_is_flown_shared_merged_and_flown_again() {
+    let folder = campaign_folder();
+    let run = |arguments: &[&str]| {
+        let output = alula(folder.path(), arguments);
+        assert!(output.status.success(), "{output:?}");
+        text(&output.stdout)
+    };
+    let stdout = run(&["campaign", "c.toml"]);
+    assert!(
+        stdout.contains("60 flights of own, seed 0: passed"),
+        "{stdout}"
+    );
+    let whole = folder.path().join("out/campaign/c");
+    let expected = [
+        "campaign.json",
+        "flights",
+        "flights.parquet",
+        "report.html",
+        "report.svg",
+        "samples",
+        "summary.json",
+    ];
+    assert_eq!(names(&whole), expected.map(str::to_owned).into());
+
+    run(&["campaign", "c.toml", "--shard", "1/2", "--out", "one"]);
+    run(&["campaign", "c.toml", "--shard", "2/2", "--out", "two"]);
+    run(&["campaign", "merge", "two", "one", "--out", "both"]);
+    for file in ["flights.parquet", "report.html", "summary.json"] {
+        let read = |folder: &Path| fs::read(folder.join(file)).unwrap();
+        assert_eq!(read(&whole), read(&folder.path().join("both")), "{file}");
+    }
+
+    let summary: Value =
+        serde_json::from_slice(&fs::read(whole.join("summary.json")).unwrap()).unwrap();
+    let worst = &summary["limits"][0]["worst"][0];
+    let command = worst["command"].as_str().unwrap();
+    let arguments: Vec<&str> = command.split(' ').skip(1).chain(["--json"]).collect();
+    let flight: Value = serde_json::from_str(&run(&arguments)).unwrap();
+    let highest = flight["altitude_m"][1].as_f64().unwrap();
+    // A mission's figure leaves the last row out.
+    assert!(
+        (highest - worst["value"].as_f64().unwrap()).abs() < 0.01,
+        "{flight}"
+    );
+    let again = run(&[
+        "mission",
+        &format!("{}/mission.toml", flight["out"].as_str().unwrap()),
+        "--json",
+    ]);
+    let again: Value = serde_json::from_str(&again).unwrap();
+    assert_eq!(again["altitude_m"], flight["altitude_m"]);
+}
+
+#[test]
+fn a_bad_campaign_is_named_with_line_and_field() {
+    let folder = campaign_folder();
+    let refused = |from: &str, to: &str, parts: &[&str]| {
+        assert!(CAMPAIGN.contains(from));
+        fs::write(folder.path().join("bad.toml"), CAMPAIGN.replace(from, to)).unwrap();
+        let output = alula(folder.path(), &["campaign", "bad.toml"]);
+        assert_refused(&output, parts);
+    };
+    refused(
+        "mass_kg",
+        "mass",
+        &["bad.toml:5: disperse[0]: vehicle.mass: is not in the mission"],
+    );
+    refused(
+        "[0.9, 1.1]",
+        "[1.1, 0.9]",
+        &["bad.toml:7: disperse[0].scale: uniform"],
+    );
+    refused(
+        "scale.uniform",
+        "scale.unifrm",
+        &["bad.toml:7: disperse[0].scale"],
+    );
+    refused(
+        "altitude_most_m",
+        "altitude",
+        &["bad.toml:9: limits[0].figure: altitude is none of"],
+    );
+    refused(
+        "2.0",
+        "-2.0",
+        &["bad.toml:3: set: duration_s: must be positive"],
+    );
+    refused(
+        "own",
+        "other",
+        &["bad.toml: mission: other: neither a file nor a built-in mission"],
+    );
+    assert!(!folder.path().join("out").exists());
+    // What the first draw does not show is found in flight.
+    let parts = [
+        "bad.toml: flight ",
+        ": vehicle.mass_kg: mass must be positive",
+    ];
+    refused("0.9", "-0.9", &parts);
+
+    // A limit that is not kept fails, with everything written.
+    fs::write(
+        folder.path().join("strict.toml"),
+        CAMPAIGN.replace("5.0", "-5.0"),
+    )
+    .unwrap();
+    let output = alula(folder.path(), &["campaign", "strict.toml"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(text(&output.stderr).contains("strict.toml: a limit is not kept"));
+    assert!(text(&output.stdout).contains("FAILED"));
+    assert!(
+        folder
+            .path()
+            .join("out/campaign/strict/flights.parquet")
+            .exists()
+    );
+    // Its folder is not another campaign's.
+    let output = alula(
+        folder.path(),
+        &["campaign", "c.toml", "--out", "out/campaign/strict"],
+    );
+    assert_refused(&output, &["holds the results of another campaign"]);
+    let output = alula(folder.path(), &["campaign", "merge", "nowhere"]);
+    assert_refused(&output, &["nowhere", "No such file"]);
+}

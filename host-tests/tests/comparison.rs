@@ -8,7 +8,7 @@ use alula_sil::compare::{Cell, Flight, Outcome, Results, Source, fly, markdown};
 use alula_sil::mission::{self, Figures, write_trace};
 
 static FLOWN: LazyLock<(Source, Results)> = LazyLock::new(|| {
-    let source = Source::load(None).unwrap();
+    let source = Source::load("tail-sitter").unwrap();
     let threads = std::thread::available_parallelism().unwrap_or(NonZero::<usize>::MIN);
     let results = fly(&source.plan, threads, || ());
     (source, results)
@@ -195,7 +195,7 @@ fn stock_switching_policies_balloon() {
 
 #[test]
 fn a_baselines_trace_names_its_phases() {
-    let plan = Source::load(None).unwrap().plan;
+    let plan = Source::load("tail-sitter").unwrap().plan;
     for name in ["px4-tuned", "ardupilot-tuned"] {
         let mut policies = plan.comparison.policies.iter();
         let policy = policies.position(|p| p.name == name).unwrap();

@@ -46,16 +46,11 @@ impl CampaignSource {
     /// The campaign that `argument` names, a built-in or else a TOML file, with `flights` in place of its own number.
     pub fn load(argument: &str, flights: Option<u64>) -> anyhow::Result<Self> {
         let named = Named::find("campaign", BUILT_IN, argument)?;
-        let path = Path::new(argument);
         // Where the mission is, the text itself must say.
         let campaign: Campaign = from_toml(&named.origin, &named.text, |_| Ok(()))?;
-        let beside = path.with_file_name(&campaign.mission);
-        let is_file = named.origin == argument;
-        let mission = match is_file && beside.is_file() {
-            true => MissionSource::load(&beside.to_string_lossy())?,
-            false => MissionSource::load(&campaign.mission)?,
-        };
-        let name = path.file_name().unwrap_or(path.as_os_str());
+        let mission = MissionSource::named_in(&named, &campaign.mission)?;
+        // With the extension, without the folder: how the command is to be given beside the file.
+        let name = Path::new(argument).file_name().unwrap_or_default();
         let texts = Texts {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             name: name.to_string_lossy().into_owned(),

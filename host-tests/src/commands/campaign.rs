@@ -128,12 +128,16 @@ fn refly(source: &CampaignSource, number: u64, args: &Args) -> anyhow::Result<()
         "--refly: flights are numbered from 0 to {}",
         source.campaign.flights - 1
     );
-    let drawn = source
+    let mut drawn = source
         .campaign
         .draw(&source.base, number)
         .map_err(|e| anyhow::anyhow!("flight {number}: {}: {}", e.field, e.problem))?;
     let name = format!("{}-{number}", source.stem());
     let out = args.output.folder(&format!("mission/{name}"))?;
+    let title = format!("Flight {number} of campaign {}", source.stem());
+    drawn.mission.description.clone_from(&title);
+    let told = drawn.draft.set("description", title.into());
+    told.expect("a field of every mission");
     let text = drawn.draft.text();
     leave(&out.join("mission.toml"), |file| {
         Ok(file.write_all(text.as_bytes())?)

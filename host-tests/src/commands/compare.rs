@@ -15,8 +15,9 @@ use super::output::Output;
 /// Fly several policies under the same conditions: gains against gains, and against switching transitions
 #[derive(clap::Args)]
 pub struct Args {
-    /// A comparison's TOML file [default: the built-in one]
-    comparison: Option<String>,
+    /// The built-in comparison, or a TOML file
+    #[arg(default_value = "tail-sitter")]
+    comparison: String,
     #[command(flatten)]
     output: Output,
     /// Write the results as Markdown, too
@@ -33,7 +34,7 @@ struct Summary<'a> {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
-    let source = Source::load(args.comparison.as_deref())?;
+    let source = Source::load(&args.comparison)?;
     let out = args.output.folder(&format!("compare-{}", source.name))?;
 
     let bar = progress_bar(source.plan.flights());

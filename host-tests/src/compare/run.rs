@@ -54,6 +54,7 @@ pub fn fly(plan: &Plan, threads: NonZero<usize>, visit: impl Fn() + Sync) -> Res
 mod tests {
     use super::*;
     use crate::compare::Source;
+    use crate::named::Named;
 
     #[test]
     fn results_do_not_depend_on_the_number_of_threads() {
@@ -72,7 +73,13 @@ mod tests {
             seeds = 3
             set = { duration_s = 10.0 }
         "#;
-        let plan = Source::from_text("x", "x.toml", text).unwrap().plan;
+        let named = Named {
+            name: "x".to_owned(),
+            origin: "x.toml".to_owned(),
+            text: text.to_owned(),
+            file: None,
+        };
+        let plan = Source::new(&named).unwrap().plan;
         let count = AtomicUsize::new(0);
         let run = |threads| {
             let threads = NonZero::new(threads).unwrap();

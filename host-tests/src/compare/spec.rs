@@ -1,19 +1,18 @@
 //! What is compared: the base mission, the policies, the conditions. TOML in, validated missions out.
 
-use std::path::Path;
-
 use anyhow::{Context, anyhow};
 use serde::Deserialize;
 use toml::{Table, Value};
 
 use crate::mission::{Draft, Mission, MissionSource};
+use crate::named::Named;
 use crate::scenario::{FieldError, from_toml};
 
-/// The built-in comparison.
-const BUILT_IN: (&str, &str) = (
+/// Name and TOML text of the built-in comparison.
+const BUILT_IN: &[(&str, &str)] = &[(
     "tail-sitter",
     include_str!("../../comparisons/tail-sitter.toml"),
-);
+)];
 
 /// A comparison to fly. The format is described in this package's README.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -228,24 +227,19 @@ impl Plan {
 }
 
 impl Source {
-    /// The comparison of the TOML file at `argument`; the built-in one without.
-    pub fn load(argument: Option<&str>) -> anyhow::Result<Self> {
-        let Some(argument) = argument else {
-            return Self::from_text(BUILT_IN.0, &format!("built-in {}", BUILT_IN.0), BUILT_IN.1);
-        };
-        let path = Path::new(argument);
-        let text = std::fs::read_to_string(path).with_context(|| argument.to_owned())?;
-        let name = path.file_stem().unwrap_or(path.as_os_str());
-        Self::from_text(&name.to_string_lossy(), argument, &text)
+    /// The comparison that `argument` names: the built-in one, or else a TOML file.
+    pub fn load(argument: &str) -> anyhow::Result<Self> {
+        Self::new(&Named::find("comparison", BUILT_IN, argument)?)
     }
 
-    /// The comparison in `text`; `origin` stands for it in errors.
-    pub fn from_text(name: &str, origin: &str, text: &str) -> anyhow::Result<Self> {
-        let comparison: Comparison = from_toml(origin, text, Comparison::validate)?;
-        let base = MissionSource::load(&comparison.mission).context(origin.to_owned())?;
+    /// The comparison in the text.
+    pub fn new(text: &Named) -> anyhow::Result<Self> {
+        let origin = &text.origin;
+        let comparison: Comparison = from_toml(origin, &text.text, Comparison::validate)?;
+        let base = MissionSource::named_in(text, &comparison.mission)?;
         let missions = comparison.missions(&base.text).context(origin.to_owned())?;
         Ok(Self {
-            name: name.to_owned(),
+            name: text.name.clone(),
             plan: Plan {
                 comparison,
                 missions,
@@ -258,6 +252,15 @@ impl Source {
 mod tests {
     use super::*;
     use crate::mission::ControllerSpec;
+
+    fn named(text: &str) -> Named {
+        Named {
+            name: "x".to_owned(),
+            origin: "x.toml".to_owned(),
+            text: text.to_owned(),
+            file: None,
+        }
+    }
 
     const SMALL: &str = r#"
         mission = "round-trip"
@@ -278,13 +281,13 @@ mod tests {
 
     fn refused(from: &str, to: &str) -> String {
         assert!(SMALL.contains(from));
-        let error = Source::from_text("x", "x.toml", &SMALL.replace(from, to)).unwrap_err();
+        let error = Source::new(&named(&SMALL.replace(from, to))).unwrap_err();
         format!("{error:#}")
     }
 
     #[test]
     fn policies_and_conditions_set_fields_by_name() {
-        let plan = Source::from_text("x", "x.toml", SMALL).unwrap().plan;
+        let plan = Source::new(&named(SMALL)).unwrap().plan;
         assert_eq!(plan.flights(), 4);
         let [weak] = &plan.missions[..] else {
             panic!("one condition")
@@ -302,7 +305,7 @@ mod tests {
 
     #[test]
     fn the_built_in_sets_each_policys_own_switch() {
-        let plan = Source::load(None).unwrap().plan;
+        let plan = Source::load("tail-sitter").unwrap().plan;
         let position = |name: &str| {
             let conditions = &plan.comparison.conditions;
             conditions.iter().position(|c| c.name == name).unwrap()

@@ -12,6 +12,7 @@ mod plant;
 mod sensors;
 mod weather;
 
+use anyhow::Context;
 use serde::Deserialize;
 
 pub use controller::{Answer, ControllerSpec, Pilot, Report};
@@ -144,6 +145,16 @@ impl MissionSource {
     pub fn load(argument: &str) -> anyhow::Result<Self> {
         let found = Named::find("mission", BUILT_IN, argument)?;
         Self::from_text(&found.name, &found.origin, &found.text)
+    }
+
+    /// The mission that the text `of` names: a file beside its own, or else what [`Self::load`] finds.
+    pub fn named_in(of: &Named, argument: &str) -> anyhow::Result<Self> {
+        let beside = of.file.as_ref().map(|file| file.with_file_name(argument));
+        match beside.filter(|path| path.is_file()) {
+            Some(path) => Self::load(&path.to_string_lossy()),
+            None => Self::load(argument),
+        }
+        .with_context(|| format!("{}: mission", of.origin))
     }
 
     /// The mission in `text`; `origin` stands for it in errors.
