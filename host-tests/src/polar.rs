@@ -1,5 +1,8 @@
 //! Polars: tables of measured coefficients, from CSV files or from those that come with the program.
 
+use std::collections::BTreeMap;
+use std::sync::{Mutex, PoisonError};
+
 use anyhow::{Context, anyhow};
 use serde::Deserialize;
 
@@ -23,7 +26,8 @@ const ROWS: usize = 512;
 
 /// A polar, as the core and as the plant take it.
 ///
-/// Its tables live until the program ends: the core's tables are constants of a vehicle, and a run loads few.
+/// Its tables live until the program ends: the core's tables are constants of a vehicle. Each text is loaded once, however
+/// many flights of a campaign ask for it.
 #[derive(Clone, Copy, Debug)]
 pub struct Polar {
     /// Its name in the built-in list, or its file.
@@ -45,8 +49,18 @@ impl PartialEq for Polar {
 impl Polar {
     /// The polar that `argument` names: a built-in, or else a CSV file.
     pub fn load(argument: &str) -> anyhow::Result<Self> {
+        static LOADED: Mutex<BTreeMap<String, Polar>> = Mutex::new(BTreeMap::new());
         let found = Named::find("polar", BUILT_IN, argument)?;
-        Self::from_text(argument, &found.text)
+        let mut loaded = LOADED.lock().unwrap_or_else(PoisonError::into_inner);
+        match loaded.get(&found.text) {
+            // Of another name, perhaps.
+            Some(polar) if polar.name == argument => Ok(*polar),
+            _ => {
+                let polar = Self::from_text(argument, &found.text)?;
+                loaded.insert(found.text, polar);
+                Ok(polar)
+            }
+        }
     }
 
     /// The polar in the CSV `text` with the columns `alpha_deg`, `cl` and `cd`; `origin` stands for it in errors,
@@ -127,6 +141,24 @@ mod tests {
     use alula::{Aerodynamics, AngleOfAttack};
 
     /// The CSV files and the core's constants are the same tables, to the bit.
+    /// The second time nothing is made anew; a file that has changed in between is.
+    #[test]
+    fn a_text_is_loaded_once() {
+        let (name, text) = BUILT_IN[0];
+        let rows = |argument: &str| Polar::load(argument).unwrap().rows.as_ptr();
+        assert_eq!(rows(name), rows(name));
+        let file = tempfile::NamedTempFile::with_suffix(".csv").unwrap();
+        let path = file.path().to_str().unwrap();
+        std::fs::write(path, text).unwrap();
+        let first = Polar::load(path).unwrap();
+        assert_eq!((first.name, first.rows.as_ptr()), (path, rows(path)));
+        let mut shorter: Vec<&str> = text.lines().collect();
+        let middle = shorter.len() / 2;
+        shorter.remove(middle);
+        std::fs::write(path, shorter.join("\n")).unwrap();
+        assert_eq!(Polar::load(path).unwrap().rows.len(), first.rows.len() - 1);
+    }
+
     #[test]
     fn the_shipped_files_are_the_cores_tables() {
         let core = [
