@@ -6,7 +6,7 @@ use super::summary::{Fan, PERCENTILES};
 use super::{CampaignSource, LimitFound, Summary};
 use crate::report::chart::{Chart, Series, Stroke, sheet};
 use crate::report::figure::BLUE;
-use crate::report::{Page, Table};
+use crate::report::{Page, Table, columns};
 
 const NOTES: &str = "Percentiles are within half a percent; the least and the greatest are exact. A fan shows the range of all \
     flights, 1–99 %, 5–95 % and 25–75 % of them, and the median, each at its instant: no flight need follow its edges. \
@@ -60,7 +60,7 @@ pub fn page(source: &CampaignSource, summary: &Summary) -> Page {
         lead,
         svg: svg(summary),
         tables,
-        notes: NOTES,
+        notes: NOTES.to_owned(),
     }
 }
 
@@ -99,7 +99,7 @@ fn limits(summary: &Summary) -> Table {
     };
     Table {
         title: "Limits".to_owned(),
-        header: vec!["figure", "inside", "required [%]", "flights [%]", ""],
+        header: columns(["figure", "inside", "required [%]", "flights [%]", ""]),
         rows: summary.limits.iter().map(row).collect(),
     }
 }
@@ -117,7 +117,7 @@ fn worst(summary: &Summary) -> Table {
     });
     Table {
         title: "Worst flights".to_owned(),
-        header: vec!["figure", "flight", "value", "fly it again"],
+        header: columns(["figure", "flight", "value", "fly it again"]),
         rows: rows.collect(),
     }
 }
@@ -136,13 +136,13 @@ fn faults(summary: &Summary) -> Table {
     });
     Table {
         title: "Faults".to_owned(),
-        header: vec![
+        header: columns([
             "kind",
             "ends in",
             "flights",
             "as stated",
             "flights that did not",
-        ],
+        ]),
         rows: rows.collect(),
     }
 }
@@ -155,9 +155,9 @@ fn figures(summary: &Summary) -> Table {
     });
     Table {
         title: "Percentiles over all flights".to_owned(),
-        header: vec![
+        header: columns([
             "figure", "least", "1 %", "5 %", "25 %", "50 %", "75 %", "95 %", "99 %", "greatest",
-        ],
+        ]),
         rows: rows.collect(),
     }
 }
@@ -179,12 +179,12 @@ fn dispersions(summary: &Summary) -> Table {
     });
     Table {
         title: "Dispersions".to_owned(),
-        header: vec![
+        header: columns([
             "field",
             "least",
             "greatest",
             "largest correlation with a limit's figure",
-        ],
+        ]),
         rows: rows.collect(),
     }
 }
@@ -194,7 +194,7 @@ fn svg(summary: &Summary) -> String {
     sheet(&charts, 310).expect("charts of finite ranges can be drawn")
 }
 
-fn fan(fan: &Fan) -> Chart {
+fn fan(fan: &Fan) -> Chart<'static> {
     const NAMES: [&str; 4] = ["all", "1–99 %", "5–95 %", "25–75 %"];
     let last = PERCENTILES.len() - 1;
     let mut series: Vec<Series> = NAMES

@@ -7,7 +7,7 @@ use alula_sil::airframe::Airframe;
 use alula_sil::envelope::{Curve, Cusp, Fold, FoldCurve, Interval, Jump, jump_down, jump_up};
 use alula_sil::reference::Vehicle;
 use alula_sil::report::envelope::{Figure, svg};
-use alula_sil::report::{Page, Table};
+use alula_sil::report::{Page, Table, columns};
 
 use super::output::Output;
 
@@ -144,7 +144,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         ),
         svg: svg(&figure),
         tables: tables(&summary, &ray),
-        notes: "Equilibria from hover to infinite airspeed; see docs/envelope.md.",
+        notes: "Equilibria from hover to infinite airspeed; see docs/envelope.md.".to_owned(),
     };
     args.output.leave(&out, "envelope", &page, &summary)
 }
@@ -224,22 +224,22 @@ fn tables(summary: &Summary, ray: &Ray) -> Vec<Table> {
     let tables = [
         Table {
             title: "Folds".to_owned(),
-            header: vec!["α [°]", "a", "airspeed [m/s]"],
+            header: columns(["α [°]", "a", "airspeed [m/s]"]),
             rows: summary.folds.iter().map(fold).collect(),
         },
         Table {
             title: "Equilibria".to_owned(),
-            header: vec!["a from", "to", "airspeed from [m/s]", "to", "number"],
+            header: columns(["a from", "to", "airspeed from [m/s]", "to", "number"]),
             rows: summary.counts.iter().map(count).collect(),
         },
         Table {
             title: "Jumps".to_owned(),
-            header: vec!["", "from α [°]", "to α [°]", "a", "airspeed [m/s]"],
+            header: columns(["", "from α [°]", "to α [°]", "a", "airspeed [m/s]"]),
             rows: up.chain(down).collect(),
         },
         Table {
             title: "Cusps".to_owned(),
-            header: vec!["ε [°]", "a", "α [°]"],
+            header: columns(["ε [°]", "a", "α [°]"]),
             rows: summary.cusps.iter().map(cusp).collect(),
         },
     ];

@@ -8,7 +8,7 @@ use serde::Serialize;
 use alula_sil::airframe::Airframe;
 use alula_sil::reference::Vector;
 use alula_sil::report::equilibria::svg;
-use alula_sil::report::{Page, Table};
+use alula_sil::report::{Page, Table, columns};
 
 use super::output::Output;
 
@@ -132,7 +132,8 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         ),
         svg: svg(&airframe.reference(), vectors, &points),
         tables: tables(&summary),
-        notes: "The set is the core's, in single precision; the curves are in double precision.",
+        notes: "The set is the core's, in single precision; the curves are in double precision."
+            .to_owned(),
     };
     args.output.leave(&out, "equilibria", &page, &summary)
 }
@@ -206,7 +207,7 @@ fn tables(summary: &Summary) -> Vec<Table> {
     vec![
         Table {
             title: format!("{} equilibria", summary.equilibria.len()),
-            header: vec![
+            header: columns([
                 "α [°]",
                 "θ [°]",
                 "thrust [N]",
@@ -215,12 +216,12 @@ fn tables(summary: &Summary) -> Vec<Table> {
                 "branch",
                 "isolated",
                 "to fold [°]",
-            ],
+            ]),
             rows: summary.equilibria.iter().map(row).collect(),
         },
         Table {
             title: "What holds at every reference".to_owned(),
-            header: vec!["", "hypotheses", "because"],
+            header: columns(["", "hypotheses", "because"]),
             rows: summary.existence.iter().map(answer).collect(),
         },
     ]

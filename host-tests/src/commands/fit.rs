@@ -12,7 +12,7 @@ use alula_sil::fit::{Errors, Metric, Parameters, Sphericity, fit};
 use alula_sil::polar::Polar;
 use alula_sil::reference::{Aerodynamics, Vehicle};
 use alula_sil::report::fit::svg;
-use alula_sil::report::{Page, Table};
+use alula_sil::report::{Page, Table, columns};
 
 use super::output::Output;
 
@@ -81,7 +81,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         lead: "the combined model, nearest to the table by weighted least squares; vehicle.toml has it".to_owned(),
         svg: svg(polar.rows, &model),
         tables: tables(&summary),
-        notes: "A row weighs the range of α it stands for; rows up to 20° together weigh as much as all others. Folds are those of level flight.",
+        notes: "A row weighs the range of α it stands for; rows up to 20° together weigh as much as all others. Folds are those of level flight.".to_owned(),
     };
     args.output.leave(&out, "fit", &page, &summary)
 }
@@ -135,7 +135,7 @@ fn tables(s: &Summary) -> Vec<Table> {
     vec![
         Table {
             title: "Parameters".to_owned(),
-            header: vec!["", "value"],
+            header: columns(["", "value"]),
             rows: vec![
                 value("c0", p.c0),
                 value("c1", p.c1),
@@ -149,7 +149,7 @@ fn tables(s: &Summary) -> Vec<Table> {
         },
         Table {
             title: "Errors".to_owned(),
-            header: vec!["", "c_L RMS", "c_L max", "c_D RMS", "c_D max"],
+            header: columns(["", "c_L RMS", "c_L max", "c_D RMS", "c_D max"]),
             rows: vec![
                 errors("0–20°", &s.errors_0_20),
                 errors("0–180°", &s.errors_0_180),
@@ -157,13 +157,13 @@ fn tables(s: &Summary) -> Vec<Table> {
         },
         Table {
             title: "Sphericity residuals, δ = 0".to_owned(),
-            header: vec![
+            header: columns([
                 "",
                 "eq:condition RMS",
                 "max",
                 "at α [°]",
                 "eq:condSimpler RMS",
-            ],
+            ]),
             rows: vec![
                 sphericity("table", &s.sphericity_table),
                 sphericity("fit", &s.sphericity),
@@ -171,7 +171,7 @@ fn tables(s: &Summary) -> Vec<Table> {
         },
         Table {
             title: "Folds in level flight".to_owned(),
-            header: vec!["", "α [°]", "a"],
+            header: columns(["", "α [°]", "a"]),
             rows: of_table.chain(of_fit).collect(),
         },
     ]

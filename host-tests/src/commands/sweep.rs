@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use alula_sil::flight::{Local, fly};
 use alula_sil::report::sweep::svg;
-use alula_sil::report::{Page, Table};
+use alula_sil::report::{Page, Table, columns};
 use alula_sil::scenario::Source;
 use alula_sil::sweep::{Cause, Findings, Span, findings, sweep};
 
@@ -59,7 +59,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         ),
         svg: svg(scenario, &instants, &rows, &findings, least_fp),
         tables: tables(&findings, least_fp),
-        notes: "Equilibria of the true vehicle at the reference; the followed one has θ̃ = 0 and is the nearest to the one before.",
+        notes: "Equilibria of the true vehicle at the reference; the followed one has θ̃ = 0 and is the nearest to the one before.".to_owned(),
     };
     let summary = Summary {
         scenario: source.name.clone(),
@@ -72,7 +72,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
 fn tables(findings: &Findings, least_fp: f64) -> Vec<Table> {
     let spans = |title: String, value: &'static str, spans: &[Span]| Table {
         title,
-        header: vec!["from [s]", "to [s]", value],
+        header: columns(["from [s]", "to [s]", value]),
         rows: spans
             .iter()
             .map(|s| {
@@ -87,7 +87,7 @@ fn tables(findings: &Findings, least_fp: f64) -> Vec<Table> {
     let tables = [
         Table {
             title: "Jumps of the equilibrium".to_owned(),
-            header: vec!["at [s]", "θ from [°]", "to", "α from [°]", "to", "because"],
+            header: columns(["at [s]", "θ from [°]", "to", "α from [°]", "to", "because"]),
             rows: findings
                 .jumps
                 .iter()

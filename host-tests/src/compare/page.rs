@@ -7,7 +7,7 @@ use super::results::COLUMNS;
 use super::{Comparison, Results, Sample};
 use crate::report::chart::{Chart, Series, Stroke, sheet};
 use crate::report::figure::{BLUE, GREEN, GREY, ORANGE};
-use crate::report::{Page, Table};
+use crate::report::{Page, Table, columns};
 
 const PURPLE: RGBColor = RGBColor(136, 70, 160);
 const RED: RGBColor = RGBColor(196, 30, 58);
@@ -29,15 +29,10 @@ pub(super) fn definitions() -> String {
     )
 }
 
-/// Text that lives as long as the program: charts and headers, made once, ask for it.
-fn lasting(text: &str) -> &'static str {
-    text.to_owned().leak()
-}
-
 /// The summary: the greatest distance from the reference altitude, or how the flight ended.
 pub(super) fn summary(comparison: &Comparison, results: &Results) -> Table {
-    let mut header = vec!["condition"];
-    header.extend(comparison.policies.iter().map(|p| lasting(&p.name)));
+    let mut header = columns(["condition"]);
+    header.extend(comparison.policies.iter().map(|p| p.name.clone()));
     let rows = comparison
         .conditions
         .iter()
@@ -65,7 +60,10 @@ pub(super) fn tables(comparison: &Comparison, results: &Results) -> Vec<Table> {
         };
         Table {
             title: format!("{}: {}", condition.name, condition.title),
-            header: std::iter::once("policy").chain(COLUMNS).collect(),
+            header: columns(["policy"])
+                .into_iter()
+                .chain(columns(COLUMNS))
+                .collect(),
             rows: comparison.policies.iter().enumerate().map(row).collect(),
         }
     };
@@ -81,14 +79,24 @@ pub(super) fn tables(comparison: &Comparison, results: &Results) -> Vec<Table> {
 const DRAWN: f64 = 12.0;
 
 fn svg(comparison: &Comparison, results: &Results) -> String {
+    let titles: Vec<[String; 2]> = comparison
+        .charts
+        .iter()
+        .map(|name| {
+            [
+                format!("{name}: altitude over the reference, within {DRAWN} m [m]"),
+                format!("{name}: forward velocity [m/s]"),
+            ]
+        })
+        .collect();
     let mut charts = Vec::new();
-    for name in &comparison.charts {
+    for (name, [altitude, speed]) in comparison.charts.iter().zip(&titles) {
         let Some(c) = comparison.conditions.iter().position(|x| x.name == *name) else {
             continue;
         };
-        let series = |value: &dyn Fn(&Sample) -> f64| -> Vec<Series> {
+        let series = |value: &dyn Fn(&Sample) -> f64| {
             let of = |p: usize| Series {
-                name: lasting(&comparison.policies[p].name),
+                name: &comparison.policies[p].name,
                 color: PALETTE[p % PALETTE.len()],
                 stroke: match p < PALETTE.len() {
                     true => Stroke::Solid,
@@ -101,20 +109,17 @@ fn svg(comparison: &Comparison, results: &Results) -> String {
                     .map(|s| (s.t, value(s)))
                     .collect(),
             };
-            (0..comparison.policies.len()).map(of).collect()
+            (0..comparison.policies.len()).map(of).collect::<Vec<_>>()
         };
-        let chart = |title: String, series| Chart {
-            title: lasting(&title),
+        let chart = |title, series| Chart {
+            title,
             horizontal: "time [s]",
             series,
             marks: Vec::new(),
             logarithmic: false,
         };
         let drawn = |h: f64| if h.abs() < DRAWN { h } else { f64::NAN };
-        charts.push(chart(
-            format!("{name}: altitude over the reference, within {DRAWN} m [m]"),
-            series(&|s| drawn(s.altitude)),
-        ));
+        charts.push(chart(altitude, series(&|s| drawn(s.altitude))));
         let mut speeds = vec![Series {
             name: "reference",
             color: GREY,
@@ -133,7 +138,7 @@ fn svg(comparison: &Comparison, results: &Results) -> String {
                 f64::NAN
             }
         }));
-        charts.push(chart(format!("{name}: forward velocity [m/s]"), speeds));
+        charts.push(chart(speed, speeds));
     }
     sheet(&charts, 420).expect("charts of finite ranges can be drawn")
 }
@@ -145,7 +150,7 @@ pub fn page(name: &str, comparison: &Comparison, results: &Results) -> Page {
     let policies = comparison.policies.iter();
     all.push(Table {
         title: "Policies".to_owned(),
-        header: vec!["name", ""],
+        header: columns(["name", ""]),
         rows: policies
             .map(|p| vec![p.name.clone(), p.title.clone()])
             .collect(),
@@ -155,6 +160,6 @@ pub fn page(name: &str, comparison: &Comparison, results: &Results) -> Page {
         lead: comparison.description.clone(),
         svg: svg(comparison, results),
         tables: all,
-        notes: lasting(&definitions().replace("**", "").replace('\\', "")),
+        notes: definitions().replace("**", "").replace('\\', ""),
     }
 }

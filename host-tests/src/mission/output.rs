@@ -141,7 +141,7 @@ fn of(row: &Row, value: impl Fn(&Guided) -> f32) -> f64 {
         .map_or(f64::NAN, |g| f64::from(value(g)))
 }
 
-fn charts(mission: &Mission, rows: &[Row]) -> [Chart; 8] {
+fn charts(mission: &Mission, rows: &[Row]) -> [Chart<'static>; 8] {
     let series = |name, color, value: &dyn Fn(&Row) -> f64| Series {
         name,
         color,

@@ -20,9 +20,9 @@ pub enum Stroke {
 }
 
 /// A curve, dots, or an area. Points of a long curve by increasing abscissa.
-pub struct Series {
+pub struct Series<'a> {
     /// Its name in the legend.
-    pub name: &'static str,
+    pub name: &'a str,
     /// Colour.
     pub color: RGBColor,
     /// How it is drawn.
@@ -42,13 +42,13 @@ pub struct Mark {
 }
 
 /// A chart over time, or over another quantity.
-pub struct Chart {
+pub struct Chart<'a> {
     /// What is drawn, with its unit: the title above the chart.
-    pub title: &'static str,
+    pub title: &'a str,
     /// What the horizontal axis is, with its unit.
     pub horizontal: &'static str,
     /// The curves.
-    pub series: Vec<Series>,
+    pub series: Vec<Series<'a>>,
     /// Marked points.
     pub marks: Vec<Mark>,
     /// Whether the vertical axis is logarithmic.
@@ -62,7 +62,7 @@ const INK: RGBColor = RGBColor(38, 44, 52);
 const GRID: RGBColor = RGBColor(222, 226, 231);
 const FAINT_GRID: RGBColor = RGBColor(243, 245, 247);
 
-impl Chart {
+impl Chart<'_> {
     /// Draws the chart on `area`.
     fn draw(&self, area: &DrawingArea<SVGBackend, Shift>) -> Drawn {
         let abscissas = || self.series.iter().flat_map(|s| &s.points).map(|p| p.0);

@@ -34,7 +34,7 @@ pub fn svg(figure: &Figure) -> String {
 }
 
 /// a against α: the branch θ̃ = 0 drawn solid, where a falls with α, the branch θ̃ = π dashed.
-fn bifurcation(figure: &Figure, close: bool) -> Chart {
+fn bifurcation(figure: &Figure, close: bool) -> Chart<'static> {
     let highest = figure.folds.iter().map(|fold| fold.a).fold(0.0, f64::max);
     let lowest = figure
         .folds
@@ -119,7 +119,7 @@ fn bifurcation(figure: &Figure, close: bool) -> Chart {
     }
 }
 
-fn fold_curves(figure: &Figure) -> Chart {
+fn fold_curves(figure: &Figure) -> Chart<'static> {
     let mut points = Vec::new();
     for piece in figure.fold_curve {
         let mut last = (f64::INFINITY, 0.0);
@@ -170,7 +170,7 @@ fn fold_curves(figure: &Figure) -> Chart {
     }
 }
 
-fn coefficients(vehicle: &Vehicle) -> Chart {
+fn coefficients(vehicle: &Vehicle) -> Chart<'static> {
     let series = |name, color, of: fn(&crate::reference::Coefficients) -> f64| Series {
         name,
         color,

@@ -18,7 +18,7 @@ pub fn svg(scenario: &Scenario, rows: &[Row], figures: &Figures) -> String {
     sheet(&charts(scenario, rows, figures), 310).expect("charts of finite ranges can be drawn")
 }
 
-fn charts(scenario: &Scenario, rows: &[Row], figures: &Figures) -> [Chart; 8] {
+fn charts(scenario: &Scenario, rows: &[Row], figures: &Figures) -> [Chart<'static>; 8] {
     let series = |name, color, value: &dyn Fn(&Row) -> f64| Series {
         name,
         color,
@@ -123,7 +123,7 @@ fn charts(scenario: &Scenario, rows: &[Row], figures: &Figures) -> [Chart; 8] {
 }
 
 /// A series of wrapped angles \[°\], broken where they wrap.
-pub(crate) fn angle(mut series: Series) -> Series {
+pub(crate) fn angle(mut series: Series<'_>) -> Series<'_> {
     let mut last = f64::NAN;
     for (_, value) in &mut series.points {
         let wrapped = (*value - last).abs() > 180.0;

@@ -18,7 +18,7 @@ use crate::scenario::Source;
 
 pub use figure::svg;
 pub use margins::margins_svg;
-pub use page::{Page, Table};
+pub use page::{Page, Table, columns};
 
 /// The templates of the pages.
 pub(crate) fn templates() -> anyhow::Result<Environment<'static>> {

@@ -11,9 +11,14 @@ pub struct Table {
     /// What it is about.
     pub title: String,
     /// Names of the columns.
-    pub header: Vec<&'static str>,
+    pub header: Vec<String>,
     /// Rows of as many cells.
     pub rows: Vec<Vec<String>>,
+}
+
+/// Names of columns.
+pub fn columns<const N: usize>(names: [&str; N]) -> Vec<String> {
+    names.map(str::to_owned).to_vec()
 }
 
 impl Table {
@@ -46,7 +51,7 @@ pub struct Page {
     /// The tables.
     pub tables: Vec<Table>,
     /// What the reader should know of the figures.
-    pub notes: &'static str,
+    pub notes: String,
 }
 
 impl Page {
@@ -59,7 +64,7 @@ impl Page {
                 lead => &self.lead,
                 svg => &self.svg,
                 tables => self.tables.iter().map(Table::value).collect::<Vec<_>>(),
-                notes => self.notes,
+                notes => &self.notes,
                 version => env!("CARGO_PKG_VERSION"),
             })
             .context("the page's template")
@@ -77,8 +82,7 @@ impl Page {
                     cells.fold(table.header[i].chars().count(), usize::max)
                 })
                 .collect();
-            let header: Vec<String> = table.header.iter().map(ToString::to_string).collect();
-            for row in std::iter::once(&header).chain(&table.rows) {
+            for row in std::iter::once(&table.header).chain(&table.rows) {
                 let cells = row.iter().zip(&widths).enumerate();
                 let line: String = cells
                     .map(|(i, (cell, &width))| match table.is_numeric(i) {
