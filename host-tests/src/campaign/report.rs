@@ -105,7 +105,14 @@ fn limits(summary: &Summary) -> Table {
 }
 
 fn worst(summary: &Summary) -> Table {
-    let rows = summary.limits.iter().flat_map(|limit| {
+    let sides = |limit: &LimitFound| (limit.figure, limit.least.is_some(), limit.most.is_some());
+    let limits = summary.limits.iter().enumerate();
+    // A stricter limit of the same figure has the same worst flights.
+    let first = limits.filter(|(i, limit)| {
+        let same = |earlier: &LimitFound| sides(earlier) == sides(limit);
+        !summary.limits[..*i].iter().any(same)
+    });
+    let rows = first.flat_map(|(_, limit)| {
         limit.worst.iter().map(|worst| {
             vec![
                 limit.figure.to_owned(),
