@@ -3,7 +3,7 @@
 //! Layers, each using only those before it: [`named`] (texts asked for by name), [`reference`](mod@reference)
 //! (aerodynamics and laws in double precision, independent of the core), [`plant`], [`polar`] (measured
 //! coefficients), [`scenario`], [`flight`] (the loop, closed by any [`flight::Controller`]), [`figures`] of merit,
-//! [`trace`] and [`replay`](mod@replay) (CSV), [`report`], [`files`].
+//! [`trace`] and [`replay`](mod@replay) (CSV), [`report`], [`files`], [`workers`].
 //! [`mission`] flies the core's whole guidance, or a [`baseline`], on a vehicle with actuators, sensors and weather;
 //! [`campaign`] flies many, drawn at random; [`compare`] flies them against each other; [`margins`] is the linear theory
 //! of the law's loop.
@@ -34,3 +34,4 @@ pub mod report;
 pub mod scenario;
 pub mod sweep;
 pub mod trace;
+pub mod workers;

@@ -1,9 +1,11 @@
 //! Campaigns: the same results from any number of threads, shares and interruptions; and what the built-in ones show.
 
+use std::num::NonZero;
 use std::path::Path;
 
 use alula_sil::campaign::{CampaignSource, Column, Flown, Shard, Store, Summary, page, run};
 use alula_sil::mission::fly;
+use alula_sil::workers::per_core;
 
 /// The built-in campaign with so many flights.
 fn source(name: &str, flights: u64) -> CampaignSource {
@@ -12,6 +14,7 @@ fn source(name: &str, flights: u64) -> CampaignSource {
 
 /// Flies and summarises into `folder`.
 fn flown(source: &CampaignSource, folder: &Path, threads: usize) -> Summary {
+    let threads = NonZero::new(threads).unwrap();
     let store = Store::open(folder, source).unwrap();
     run(source, &store, Shard::default(), threads, || ()).unwrap();
     Summary::of(source, &store).unwrap()
@@ -50,7 +53,7 @@ fn threads_interruptions_and_shares_change_nothing() {
     let count = || {
         told.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
     };
-    run(&source, &store, Shard::default(), 2, count).unwrap();
+    run(&source, &store, Shard::default(), per_core(), count).unwrap();
     assert_eq!(told.into_inner(), 70);
     let resumed = Summary::of(&source, &store).unwrap();
     assert_eq!(bytes(&at("threaded")), expected);
@@ -60,7 +63,7 @@ fn threads_interruptions_and_shares_change_nothing() {
     for share in ["1/2", "2/2"] {
         let name = share.replace('/', "-of-");
         let store = Store::open(&at(&name), &source).unwrap();
-        run(&source, &store, share.parse().unwrap(), 2, || ()).unwrap();
+        run(&source, &store, share.parse().unwrap(), per_core(), || ()).unwrap();
         let (share, texts) = Store::existing(&at(&name)).unwrap();
         assert_eq!(texts, source);
         for chunk in (0..3).filter(|&chunk| share.has(chunk)) {

@@ -1,16 +1,15 @@
 //! The built-in comparison: its page in docs/ is what is flown, and what the page claims is so.
 
-use std::num::NonZero;
 use std::process::Command;
 use std::sync::LazyLock;
 
 use alula_sil::compare::{Cell, Flight, Outcome, Results, Source, fly, markdown};
 use alula_sil::mission::{self, Figures, write_trace};
+use alula_sil::workers::per_core;
 
 static FLOWN: LazyLock<(Source, Results)> = LazyLock::new(|| {
     let source = Source::load("tail-sitter").unwrap();
-    let threads = std::thread::available_parallelism().unwrap_or(NonZero::<usize>::MIN);
-    let results = fly(&source.plan, threads, || ());
+    let results = fly(&source.plan, per_core(), || ());
     (source, results)
 });
 

@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use toml::Value;
 
 use super::{Campaign, Dispersion};
-use crate::mission::{Draft, FaultSpec, Mission};
+use crate::mission::{Draft, Mission};
 use crate::scenario::FieldError;
 
 /// What was drawn for a flight.
@@ -91,14 +91,9 @@ impl Campaign {
 impl DrawnFault {
     /// The fault's last control step of `mission`; none if no step falls into it.
     pub(super) fn last_step(&self, mission: &Mission) -> Option<usize> {
-        let fault = FaultSpec {
-            kind: mission.sensors.faults[0].kind,
-            from_s: self.from_s,
-            to_s: self.to_s,
-        };
         let lasts = |step: &usize| {
             let t = *step as f64 * (1.0 / mission.control_rate_hz);
-            (fault.from_s..fault.to_s).contains(&t)
+            (self.from_s..self.to_s).contains(&t)
         };
         let near = (self.to_s * mission.control_rate_hz).ceil() as usize + 1;
         (0..=near.min(mission.steps())).rev().find(lasts)

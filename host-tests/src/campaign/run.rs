@@ -1,12 +1,14 @@
 //! Flying a campaign on all cores.
 
+use std::num::NonZero;
 use std::str::FromStr;
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::{anyhow, bail};
 
 use super::{CampaignSource, Drawn, Flown, Store};
+use crate::workers::for_each;
 
 /// One of several shares of a campaign: every `of`th chunk, from the `number`th on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,14 +55,13 @@ pub fn run(
     source: &CampaignSource,
     store: &Store,
     shard: Shard,
-    threads: usize,
+    threads: NonZero<usize>,
     flown: impl Fn() + Sync,
 ) -> anyhow::Result<()> {
     let campaign = &source.campaign;
     let lacks = |chunk: &u64| !store.has(*chunk);
     let missing: Vec<u64> = shard.chunks(campaign.chunks()).filter(lacks).collect();
 
-    let next = AtomicUsize::new(0);
     let stop = AtomicBool::new(false);
     let failure = Mutex::new(None);
     let fly = |chunk: u64| {
@@ -80,23 +81,16 @@ pub fn run(
         let (flights, samples) = campaign.frames(&flights);
         store.keep(chunk, &flights, &samples)
     };
-    std::thread::scope(|scope| {
-        for _ in 0..threads.clamp(1, missing.len().max(1)) {
-            scope.spawn(|| {
-                while let Some(&chunk) = missing.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    if let Err(error) = fly(chunk) {
-                        stop.store(true, Ordering::Relaxed);
-                        failure
-                            .lock()
-                            .expect("no thread panics")
-                            .get_or_insert(error);
-                    }
-                    if stop.load(Ordering::Relaxed) {
-                        break;
-                    }
-                }
-            });
+    for_each(&missing, threads, |_, &chunk| {
+        let done = fly(chunk);
+        let well = done.is_ok();
+        if let Err(error) = done {
+            // What the others are at is not waited for.
+            stop.store(true, Ordering::Relaxed);
+            let mut failure = failure.lock().expect("no thread panics");
+            failure.get_or_insert(error);
         }
+        well
     });
     match failure.into_inner().expect("no thread panics") {
         Some(error) => Err(error),

@@ -1,6 +1,7 @@
 //! A folder of results: what decides them, and one part per chunk of flights, each complete or not there.
 
 use std::io::Write;
+use std::iter::repeat_n;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
@@ -159,15 +160,12 @@ impl Campaign {
         flights.push("fault_as_stated", flag(&|f| f.fault_as_stated));
 
         let mut samples = Frame::default();
-        let all = || {
-            let of = |(n, _, f): &'_ (u64, Drawn, Flown)| (*n as i64, f.samples.clone());
-            flown.iter().map(of)
-        };
-        let number = all().flat_map(|(n, rows)| rows.into_iter().map(move |_| n));
-        samples.push("flight", Column::Integer(number.collect()));
+        let number = |(n, _, f): &(u64, Drawn, Flown)| repeat_n(*n as i64, f.samples.len());
+        let numbers = flown.iter().flat_map(number);
+        samples.push("flight", Column::Integer(numbers.collect()));
         let single = |of: &dyn Fn(&Sample) -> f32| {
-            let rows = all().flat_map(|(_, rows)| rows);
-            Column::Single(rows.map(|row| of(&row)).collect())
+            let rows = flown.iter().flat_map(|(_, _, f)| &f.samples);
+            Column::Single(rows.map(of).collect())
         };
         samples.push("t_s", single(&|row| row.0));
         for (i, channel) in CHANNELS.iter().enumerate() {

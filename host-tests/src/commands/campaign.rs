@@ -9,6 +9,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use alula_sil::campaign::{BUILT_IN, CampaignSource, Shard, Store, Summary, page, run as fly_all};
 use alula_sil::files::leave;
 use alula_sil::mission::MissionSource;
+use alula_sil::workers::per_core;
 
 use super::mission;
 use super::output::Output;
@@ -75,10 +76,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     }
     let out = args.output.folder(&format!("campaign/{}", source.stem()))?;
     let store = Store::open(&out, &source)?;
-    let threads = args
-        .threads
-        .or_else(|| std::thread::available_parallelism().ok())
-        .map_or(1, std::num::NonZero::get);
+    let threads = args.threads.unwrap_or_else(per_core);
     let campaign = &source.campaign;
     let chunks = || args.shard.chunks(campaign.chunks());
     let flights = campaign.flights_in(chunks());

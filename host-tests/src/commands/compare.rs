@@ -1,13 +1,13 @@
 //! `compare`: policies against each other, in the same plant.
 
 use std::io::Write;
-use std::num::NonZero;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
 use alula_sil::compare::{Results, Source, fly, markdown, page};
 use alula_sil::files;
+use alula_sil::workers::per_core;
 
 use super::fly::progress_bar;
 use super::output::Output;
@@ -38,8 +38,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let out = args.output.folder(&format!("compare-{}", source.name))?;
 
     let bar = progress_bar(source.plan.flights());
-    let threads = std::thread::available_parallelism().unwrap_or(NonZero::<usize>::MIN);
-    let results = fly(&source.plan, threads, || bar.inc(1));
+    let results = fly(&source.plan, per_core(), || bar.inc(1));
     bar.finish_and_clear();
 
     let comparison = &source.plan.comparison;

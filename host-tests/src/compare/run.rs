@@ -2,32 +2,22 @@
 
 use std::num::NonZero;
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::{Cell, Flight, Plan, Results, Sample};
 use crate::mission::Mission;
+use crate::workers::for_each;
 
 /// Flies every mission of `plan` on `threads` threads; `visit` is told after each flight. Flights share nothing: the
 /// results do not depend on the number of threads.
 pub fn fly(plan: &Plan, threads: NonZero<usize>, visit: impl Fn() + Sync) -> Results {
     let missions: Vec<&Mission> = plan.missions.iter().flatten().flatten().collect();
-    let next = AtomicUsize::new(0);
     let flown = Mutex::new(Vec::with_capacity(missions.len()));
-    std::thread::scope(|scope| {
-        for _ in 0..threads.get() {
-            scope.spawn(|| {
-                loop {
-                    let number = next.fetch_add(1, Ordering::Relaxed);
-                    let Some(mission) = missions.get(number) else {
-                        break;
-                    };
-                    let flight = Flight::of(mission);
-                    let mut flown = flown.lock().expect("no thread panics while it holds it");
-                    flown.push((number, flight));
-                    visit();
-                }
-            });
-        }
+    for_each(&missions, threads, |number, mission| {
+        let flight = Flight::of(mission);
+        let mut flown = flown.lock().expect("no thread panics while it holds it");
+        flown.push((number, flight));
+        visit();
+        true
     });
     let mut flown = flown.into_inner().expect("all threads have ended");
     flown.sort_by_key(|(number, _)| *number);
@@ -53,6 +43,8 @@ pub fn fly(plan: &Plan, threads: NonZero<usize>, visit: impl Fn() + Sync) -> Res
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
     use crate::compare::Source;
     use crate::named::Named;
 
