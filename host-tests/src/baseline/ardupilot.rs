@@ -19,10 +19,8 @@
 
 use serde::Deserialize;
 
-use super::measured::Wind;
-use super::{
-    Cruise, CruiseSpec, Hover, HoverSpec, Measured, Output, Phase, Setpoint, Switch, SwitchSpec,
-};
+use super::policy::{Parts, Policy, answer};
+use super::{CruiseSpec, HoverSpec, Measured, Phase, Setpoint, SwitchSpec};
 use crate::mission::{Answer, LimitSpec, Pilot};
 use crate::scenario::{FieldError, finite, positive};
 use alula::GuidanceInput;
@@ -69,28 +67,15 @@ const STEEPEST: f64 = 85.0 * std::f64::consts::PI / 180.0;
 #[derive(Clone, Debug, PartialEq)]
 pub struct ArduPilotLike {
     transition: TransitionSpec,
-    wind: Wind,
-    switch: Switch,
-    hover: Hover,
-    cruise: Cruise,
-    output: Output,
-    phase: Phase,
-    /// Time in the phase \[s\].
-    elapsed: f64,
-    /// θ when the phase began \[rad\]: asked for on the way to a transition, measured on the way out of one.
-    start: f64,
+    parts: Parts,
     /// Whether the pitch that the present loops ask for is still limited to the transition's rate.
     limited: bool,
-    /// θ asked for last \[rad\].
-    asked: f64,
 }
 
 impl ArduPilotLike {
     /// The policy at hover; `table` is where `spec` stands.
     pub fn new(spec: &ArduPilotLikeSpec, table: &str) -> Result<Self, FieldError> {
         let field = |name: &str| format!("{table}.{name}");
-        spec.hover.validate(&field("hover"))?;
-        spec.cruise.validate(&field("cruise"))?;
         let t = spec.transition;
         for (name, angle) in [
             ("transition.front_angle_deg", t.front_angle_deg),
@@ -106,97 +91,87 @@ impl ArduPilotLike {
             finite(&field("transition.back_thrust_n"), thrust)?;
         }
         let least = spec.cruise.airspeed_m_s[0];
+        let (hover, cruise, switch) = (spec.hover, spec.cruise, spec.switch);
         Ok(Self {
             transition: t,
-            wind: Wind::default(),
-            switch: Switch::new(spec.switch, least, &field("switch"))?,
-            hover: Hover::new(spec.hover, spec.limits.thrust_n),
-            cruise: Cruise::new(spec.cruise, spec.limits.thrust_n[1]),
-            output: Output::new(&spec.limits, &field("limits"))?,
-            phase: Phase::Hover,
-            elapsed: 0.0,
-            start: 0.0,
+            parts: Parts::new(hover, cruise, switch, &spec.limits, least, table)?,
             limited: false,
-            asked: 0.0,
         })
-    }
-
-    fn enter(&mut self, phase: Phase, theta: f64) {
-        match phase {
-            Phase::Hover => self.hover.reset(),
-            Phase::Cruise => self.cruise.reset(),
-            Phase::FrontTransition | Phase::BackTransition => {}
-        }
-        let transition = matches!(phase, Phase::FrontTransition | Phase::BackTransition);
-        self.start = if transition { self.asked } else { theta };
-        self.limited = !transition;
-        self.phase = phase;
-        self.elapsed = 0.0;
-    }
-
-    /// The phase that follows, if one does.
-    fn next(&self, cruise: bool, theta: f64) -> Option<Phase> {
-        let t = &self.transition;
-        // The pitch over the horizon.
-        let pitch = theta + QUARTER;
-        match (self.phase, cruise) {
-            (Phase::Hover, true) => Some(Phase::FrontTransition),
-            (Phase::FrontTransition, false) => Some(Phase::Hover),
-            (Phase::FrontTransition, true) => {
-                let angle = t.front_angle_deg.to_radians();
-                let rate = t.front_rate_deg_s.to_radians();
-                let late = self.elapsed > PATIENCE * (angle + self.start) / rate;
-                (-theta > angle || late).then_some(Phase::Cruise)
-            }
-            (Phase::Cruise, false) => Some(Phase::BackTransition),
-            (Phase::BackTransition, true) => Some(Phase::Cruise),
-            (Phase::BackTransition, false) => {
-                let angle = t.back_angle_deg.to_radians();
-                let rate = t.back_rate_deg_s.to_radians();
-                let late = self.elapsed > PATIENCE * (angle - self.start - QUARTER) / rate;
-                (pitch > angle || late).then_some(Phase::Hover)
-            }
-            (Phase::Hover, false) | (Phase::Cruise, true) => None,
-        }
     }
 
     /// `setpoint` with its pitch limited to what the transition's rate allows since the phase began: down if `sign` is −1.
     fn limit(&mut self, setpoint: &mut Setpoint, sign: f64, rate_deg_s: f64) {
-        let reached = self.start + sign * rate_deg_s.to_radians() * self.elapsed;
+        let reached = self.parts.start + sign * rate_deg_s.to_radians() * self.parts.elapsed;
         if self.limited && sign * (setpoint.theta - reached) > 0.0 {
             setpoint.theta = reached;
         } else {
             self.limited = false;
         }
     }
+}
+
+impl Policy for ArduPilotLike {
+    fn parts(&mut self) -> &mut Parts {
+        &mut self.parts
+    }
+
+    fn front_is_over(&self, measured: &Measured) -> bool {
+        let angle = self.transition.front_angle_deg.to_radians();
+        let rate = self.transition.front_rate_deg_s.to_radians();
+        let late = self.parts.elapsed > PATIENCE * (angle + self.parts.start) / rate;
+        -measured.theta > angle || late
+    }
+
+    fn back_is_over(&self, measured: &Measured) -> bool {
+        let angle = self.transition.back_angle_deg.to_radians();
+        let rate = self.transition.back_rate_deg_s.to_radians();
+        let late = self.parts.elapsed > PATIENCE * (angle - self.parts.start - QUARTER) / rate;
+        // The pitch over the horizon.
+        measured.theta + QUARTER > angle || late
+    }
+
+    /// θ asked for on the way to a transition, measured on the way out of one.
+    fn enter(&mut self, phase: Phase, measured: &Measured) -> f64 {
+        match phase {
+            Phase::Hover => self.parts.hover.reset(),
+            Phase::Cruise => self.parts.cruise.reset(),
+            Phase::FrontTransition | Phase::BackTransition => {}
+        }
+        self.limited = matches!(phase, Phase::Hover | Phase::Cruise);
+        if self.limited {
+            measured.theta
+        } else {
+            self.parts.asked
+        }
+    }
 
     fn setpoint(&mut self, measured: &Measured, dt: f64) -> Setpoint {
         let t = self.transition;
-        match self.phase {
+        match self.parts.phase {
             Phase::Hover => {
-                let mut setpoint = self.hover.setpoint(measured, dt);
+                let mut setpoint = self.parts.hover.setpoint(measured, dt);
                 self.limit(&mut setpoint, 1.0, t.back_rate_deg_s);
                 setpoint
             }
             Phase::FrontTransition => {
-                let ramp = t.front_rate_deg_s.to_radians() * self.elapsed;
+                let ramp = t.front_rate_deg_s.to_radians() * self.parts.elapsed;
                 Setpoint {
-                    theta: (self.start - ramp).max(-STEEPEST),
-                    gain: self.hover.gain(),
-                    thrust: self.output.thrust().max(self.hover.thrust()),
+                    theta: (self.parts.start - ramp).max(-STEEPEST),
+                    gain: self.parts.hover.gain(),
+                    thrust: self.parts.output.thrust().max(self.parts.hover.thrust()),
                 }
             }
             Phase::Cruise => {
-                let mut setpoint = self.cruise.setpoint(measured, dt);
+                let mut setpoint = self.parts.cruise.setpoint(measured, dt);
                 self.limit(&mut setpoint, -1.0, t.front_rate_deg_s);
                 setpoint
             }
             Phase::BackTransition => {
-                let ramp = t.back_rate_deg_s.to_radians() * self.elapsed;
-                let thrust = self.hover.thrust().max(self.cruise.trim());
+                let ramp = t.back_rate_deg_s.to_radians() * self.parts.elapsed;
+                let thrust = self.parts.hover.thrust().max(self.parts.cruise.trim());
                 Setpoint {
-                    theta: (self.start + ramp).min(STEEPEST - QUARTER),
-                    gain: self.cruise.gain(),
+                    theta: (self.parts.start + ramp).min(STEEPEST - QUARTER),
+                    gain: self.parts.cruise.gain(),
                     thrust: t.back_thrust_n.unwrap_or(thrust),
                 }
             }
@@ -206,18 +181,7 @@ impl ArduPilotLike {
 
 impl Pilot for ArduPilotLike {
     fn answer(&mut self, input: &GuidanceInput, dt: f32) -> Answer {
-        let dt = f64::from(dt);
-        let Some(measured) = self.wind.read(input, dt) else {
-            return self.output.again(self.phase);
-        };
-        let cruise = self.switch.update(&measured);
-        if let Some(phase) = self.next(cruise, measured.theta) {
-            self.enter(phase, measured.theta);
-        }
-        self.elapsed += dt;
-        let setpoint = self.setpoint(&measured, dt);
-        self.asked = setpoint.theta;
-        self.output.answer(setpoint, measured.theta, self.phase, dt)
+        answer(self, input, dt)
     }
 }
 
@@ -278,10 +242,10 @@ mod tests {
             assert!((answer.thrust - 98.1).abs() < 1e-4);
         }
         // 0.5 s at 50 °/s.
-        assert!((policy.asked + 25_f64.to_radians()).abs() < 1e-6);
+        assert!((policy.parts.asked + 25_f64.to_radians()).abs() < 1e-6);
         assert_eq!(answer(&mut policy, -46.0, true).0, Phase::Cruise);
         // Pitched down from there at no more than 50 °/s.
-        assert!((policy.asked + 46.5_f64.to_radians()).abs() < 1e-6);
+        assert!((policy.parts.asked + 46.5_f64.to_radians()).abs() < 1e-6);
         for _ in 0..200 {
             answer(&mut policy, -86.0, true);
         }
@@ -298,7 +262,7 @@ mod tests {
         for _ in 0..3 {
             answer(&mut policy, 0.0, true);
         }
-        assert_eq!(policy.phase, Phase::Cruise);
+        assert_eq!(policy.parts.phase, Phase::Cruise);
     }
 
     #[test]
@@ -306,17 +270,17 @@ mod tests {
         let mut policy = policy();
         answer(&mut policy, 0.0, true);
         answer(&mut policy, -86.0, true);
-        let start = policy.asked;
+        let start = policy.parts.asked;
         for _ in 0..20 {
             let (phase, answer) = answer(&mut policy, -80.0, false);
             assert_eq!(phase, Phase::BackTransition);
             assert!((answer.thrust - 98.1).abs() < 1e-4);
         }
-        assert!((policy.asked - start - 10_f64.to_radians()).abs() < 0.01);
+        assert!((policy.parts.asked - start - 10_f64.to_radians()).abs() < 0.01);
         let (phase, _) = answer(&mut policy, -44.0, false);
         assert_eq!(phase, Phase::Hover);
         // Braking asks for the nose backward, which it may approach at 50 °/s.
-        assert!((policy.asked + 43.5_f64.to_radians()).abs() < 1e-6);
+        assert!((policy.parts.asked + 43.5_f64.to_radians()).abs() < 1e-6);
     }
 
     #[test]

@@ -18,6 +18,7 @@ mod cruise;
 mod hover;
 mod measured;
 mod output;
+mod policy;
 mod px4;
 mod switch;
 

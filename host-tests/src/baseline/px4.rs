@@ -17,8 +17,8 @@
 
 use serde::Deserialize;
 
-use super::measured::Wind;
-use super::{Cruise, CruiseSpec, Hover, HoverSpec, Output, Phase, Setpoint, Switch, SwitchSpec};
+use super::policy::{Parts, Policy, answer};
+use super::{CruiseSpec, HoverSpec, Measured, Phase, Setpoint, SwitchSpec};
 use crate::mission::{Answer, LimitSpec, Pilot};
 use crate::scenario::{FieldError, positive};
 use alula::GuidanceInput;
@@ -61,26 +61,13 @@ const QUARTER: f64 = std::f64::consts::FRAC_PI_2;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Px4Like {
     transition: TransitionSpec,
-    wind: Wind,
-    switch: Switch,
-    hover: Hover,
-    cruise: Cruise,
-    output: Output,
-    phase: Phase,
-    /// Time in the phase \[s\].
-    elapsed: f64,
-    /// θ asked for when the phase began \[rad\].
-    start: f64,
-    /// θ asked for last \[rad\].
-    asked: f64,
+    parts: Parts,
 }
 
 impl Px4Like {
     /// The policy at hover; `table` is where `spec` stands.
     pub fn new(spec: &Px4LikeSpec, table: &str) -> Result<Self, FieldError> {
         let field = |name: &str| format!("{table}.{name}");
-        spec.hover.validate(&field("hover"))?;
-        spec.cruise.validate(&field("cruise"))?;
         let t = spec.transition;
         positive(&field("transition.front_s"), t.front_s)?;
         positive(
@@ -90,78 +77,64 @@ impl Px4Like {
         positive(&field("transition.back_s"), t.back_s)?;
         Ok(Self {
             transition: t,
-            wind: Wind::default(),
-            switch: Switch::new(spec.switch, t.front_airspeed_m_s, &field("switch"))?,
-            hover: Hover::new(spec.hover, spec.limits.thrust_n),
-            cruise: Cruise::new(spec.cruise, spec.limits.thrust_n[1]),
-            output: Output::new(&spec.limits, &field("limits"))?,
-            phase: Phase::Hover,
-            elapsed: 0.0,
-            start: 0.0,
-            asked: 0.0,
+            parts: Parts::new(
+                spec.hover,
+                spec.cruise,
+                spec.switch,
+                &spec.limits,
+                t.front_airspeed_m_s,
+                table,
+            )?,
         })
     }
+}
 
-    fn enter(&mut self, phase: Phase) {
+impl Policy for Px4Like {
+    fn parts(&mut self) -> &mut Parts {
+        &mut self.parts
+    }
+
+    fn front_is_over(&self, measured: &Measured) -> bool {
+        measured.theta <= TO_CRUISE && measured.airspeed >= self.transition.front_airspeed_m_s
+    }
+
+    fn back_is_over(&self, measured: &Measured) -> bool {
+        measured.theta >= TO_HOVER || self.parts.elapsed > self.transition.back_s
+    }
+
+    fn enter(&mut self, phase: Phase, _: &Measured) -> f64 {
         match phase {
             // The vertical loop has been at work in the transitions.
             Phase::Hover | Phase::FrontTransition => {}
-            Phase::Cruise => self.cruise.reset(),
-            Phase::BackTransition => self.hover.reset(),
+            Phase::Cruise => self.parts.cruise.reset(),
+            Phase::BackTransition => self.parts.hover.reset(),
         }
-        self.phase = phase;
-        self.elapsed = 0.0;
-        self.start = self.asked;
+        self.parts.asked
     }
 
-    /// The phase that follows, if one does.
-    fn next(&self, cruise: bool, theta: f64, airspeed: f64) -> Option<Phase> {
-        let t = &self.transition;
-        match (self.phase, cruise) {
-            (Phase::Hover, true) => Some(Phase::FrontTransition),
-            (Phase::FrontTransition, false) => Some(Phase::Hover),
-            (Phase::FrontTransition, true) => {
-                let over = theta <= TO_CRUISE && airspeed >= t.front_airspeed_m_s;
-                over.then_some(Phase::Cruise)
-            }
-            (Phase::Cruise, false) => Some(Phase::BackTransition),
-            (Phase::BackTransition, true) => Some(Phase::Cruise),
-            (Phase::BackTransition, false) => {
-                (theta >= TO_HOVER || self.elapsed > t.back_s).then_some(Phase::Hover)
-            }
-            (Phase::Hover, false) | (Phase::Cruise, true) => None,
+    fn setpoint(&mut self, measured: &Measured, dt: f64) -> Setpoint {
+        let parts = &mut self.parts;
+        let ramp = |duration: f64| QUARTER / duration * parts.elapsed;
+        match parts.phase {
+            Phase::Hover => parts.hover.setpoint(measured, dt),
+            Phase::FrontTransition => Setpoint {
+                theta: (parts.start - ramp(self.transition.front_s)).max(parts.cruise.level()),
+                gain: parts.hover.gain(),
+                thrust: parts.hover.vertical(measured, dt),
+            },
+            Phase::Cruise => parts.cruise.setpoint(measured, dt),
+            Phase::BackTransition => Setpoint {
+                theta: (parts.start + ramp(self.transition.back_s)).min(0.0),
+                gain: parts.hover.gain(),
+                thrust: parts.hover.vertical(measured, dt),
+            },
         }
     }
 }
 
 impl Pilot for Px4Like {
     fn answer(&mut self, input: &GuidanceInput, dt: f32) -> Answer {
-        let dt = f64::from(dt);
-        let Some(measured) = self.wind.read(input, dt) else {
-            return self.output.again(self.phase);
-        };
-        let cruise = self.switch.update(&measured);
-        if let Some(phase) = self.next(cruise, measured.theta, measured.airspeed) {
-            self.enter(phase);
-        }
-        self.elapsed += dt;
-        let ramp = |duration: f64| QUARTER / duration * self.elapsed;
-        let setpoint = match self.phase {
-            Phase::Hover => self.hover.setpoint(&measured, dt),
-            Phase::FrontTransition => Setpoint {
-                theta: (self.start - ramp(self.transition.front_s)).max(self.cruise.level()),
-                gain: self.hover.gain(),
-                thrust: self.hover.vertical(&measured, dt),
-            },
-            Phase::Cruise => self.cruise.setpoint(&measured, dt),
-            Phase::BackTransition => Setpoint {
-                theta: (self.start + ramp(self.transition.back_s)).min(0.0),
-                gain: self.hover.gain(),
-                thrust: self.hover.vertical(&measured, dt),
-            },
-        };
-        self.asked = setpoint.theta;
-        self.output.answer(setpoint, measured.theta, self.phase, dt)
+        answer(self, input, dt)
     }
 }
 
@@ -235,17 +208,17 @@ mod tests {
         }
         // Half of 5 s, half of 90°.
         assert!(
-            (policy.asked + 0.5 * QUARTER).abs() < 1e-6,
+            (policy.parts.asked + 0.5 * QUARTER).abs() < 1e-6,
             "{}",
-            policy.asked
+            policy.parts.asked
         );
         for _ in 0..500 {
             phase(&mut policy, input(0.0, 0.0, 1.5, 2.0));
         }
-        assert!((policy.asked - policy.cruise.level()).abs() < 1e-9);
+        assert!((policy.parts.asked - policy.parts.cruise.level()).abs() < 1e-9);
 
         phase(&mut policy, input(15.0, -80.0, 15.0, 0.0));
-        let start = policy.asked;
+        let start = policy.parts.asked;
         for _ in 0..100 {
             assert_eq!(
                 phase(&mut policy, input(15.0, -80.0, 14.0, -2.0)),
@@ -253,7 +226,7 @@ mod tests {
             );
         }
         // A quarter of 4 s.
-        assert!((policy.asked - start - 0.25 * QUARTER).abs() < 0.01);
+        assert!((policy.parts.asked - start - 0.25 * QUARTER).abs() < 0.01);
     }
 
     #[test]
@@ -262,7 +235,7 @@ mod tests {
             let mut policy = policy();
             phase(&mut policy, input(0.0, 0.0, 1.5, 2.0));
             phase(&mut policy, input(15.0, -80.0, 15.0, 0.0));
-            assert_eq!(policy.phase, Phase::Cruise);
+            assert_eq!(policy.parts.phase, Phase::Cruise);
             phase(&mut policy, input(15.0, -80.0, 14.0, -2.0));
             policy
         };
@@ -277,7 +250,7 @@ mod tests {
         for _ in 0..4 {
             phase(&mut policy, braking(-40.0));
         }
-        assert_eq!(policy.phase, Phase::Hover);
+        assert_eq!(policy.parts.phase, Phase::Hover);
     }
 
     #[test]
