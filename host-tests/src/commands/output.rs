@@ -12,7 +12,7 @@ use alula_sil::report::Page;
 /// Where an analysis goes.
 #[derive(clap::Args)]
 pub struct Output {
-    /// Folder for the results [default: out/<command>-<name>]
+    /// Folder for the results [default: under out/, by command and name]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Print one JSON object instead of the tables
