@@ -2,12 +2,11 @@
 //! software double precision and panics. See `.ci/check-symbols`, which also proves that it would find them.
 #![no_std]
 
-use alula::control::GainChoice;
 use alula::equivalency::ApparentForces;
 use alula::{
     Combined, Command, Equilibria, EquilibriumError, Fault, FeedForward, FoldMap, FoldMargin,
-    Guidance, GuidanceInput, GuidanceState, Guided, Inertial, Model, Reference, State, Vehicle,
-    VelocityControl,
+    GainChoice, Guidance, GuidanceInput, GuidanceState, Guided, Inertial, Model, Reference, State,
+    Vehicle, VelocityControl,
 };
 
 /// The robust law on the combined model.

@@ -1,41 +1,34 @@
 //! The combined model (`CompleteModel`): small-angle below stall, large-angle above, blended by σ.
 
-use super::{Aerodynamics, Coefficients, MAX_COEFFICIENT, MIN_COEFFICIENT};
+use super::{Aerodynamics, Coefficients};
 use crate::air::AngleOfAttack;
-use crate::error::{ParameterError, Problem, in_range, positive};
+use crate::error::{ParameterError, Problem, in_range};
 use crate::math;
+use crate::parameters::Parameters;
 
-/// Parameters of the combined model.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct CombinedParameters {
-    /// Drag coefficient at α = 0.
-    pub c0: f32,
-    /// Large-angle model: largest lift coefficient.
-    pub c1: f32,
-    /// Small-angle model: lift slope at α = 0 [1/rad].
-    pub c2: f32,
-    /// Small-angle model: growth of drag with α² at α = 0 [1/rad²].
-    pub c3: f32,
-    /// Stall angle ᾱ \[rad\], where the blend is half-way.
-    pub alpha_bar: f32,
-    /// Sharpness of the blend of lift, k_L [1/rad²].
-    pub k_l: f32,
-    /// Sharpness of the blend of drag, k_D [1/rad²].
-    pub k_d: f32,
+crate::parameters! {
+    /// Parameters of the combined model.
+    pub struct CombinedParameters, "Combined model" {
+        c0: "", 1e-6, 1e3, 0.014, "ALU_C0",
+            "Drag coefficient at zero angle of attack.";
+        c1: "", 1e-6, 1e3, 0.95, "ALU_C1",
+            "Large-angle part: largest lift coefficient beyond stall.";
+        c2: "1/rad", 1e-6, 1e3, 5.5, "ALU_C2",
+            "Small-angle part: lift slope at zero angle of attack.";
+        c3: "1/rad^2", 1e-6, 1e3, 0.3, "ALU_C3",
+            "Small-angle part: growth of drag with the squared angle of attack, at zero.";
+        alpha_bar: "rad", 1e-3, math::FRAC_PI_2, 11.0_f64.to_radians() as f32, "ALU_ALPHA_BAR",
+            "Stall angle, where the blend is half-way.";
+        k_l: "1/rad^2", 1e-6, 1e4, 28.0, "ALU_KL",
+            "Sharpness of lift's blend; times alpha_bar squared at most 40.";
+        k_d: "1/rad^2", 1e-6, 1e4, 167.0, "ALU_KD",
+            "Sharpness of drag's blend; times alpha_bar squared at most 40.";
+    }
 }
 
 impl CombinedParameters {
     /// The paper's NACA 0021 at Re = 160e3 (`coefficientsReL`).
-    pub const NACA_0021_RE_160E3: Self = Self {
-        c0: 0.014,
-        c1: 0.95,
-        c2: 5.5,
-        c3: 0.3,
-        alpha_bar: 11.0_f64.to_radians() as f32,
-        k_l: 28.0,
-        k_d: 167.0,
-    };
+    pub const NACA_0021_RE_160E3: Self = Self::DEFAULT;
 
     /// The paper's NACA 0021 at Re = 5e6.
     pub const NACA_0021_RE_5E6: Self = Self {
@@ -77,18 +70,17 @@ impl Combined {
     /// The model with these parameters.
     ///
     /// # Errors
-    /// `c0`…`c3` not finite, not positive, or outside [1e-6, 1e3]; `alpha_bar` outside (0, π/2]; `k_l` or `k_d`
-    /// not finite, not positive, above 1e4, or with k·ᾱ² above 40 (a blend too sharp for single precision).
+    /// A parameter outside its range, or `k_l` or `k_d` with k·ᾱ² above 40: a blend too sharp for single precision.
     pub fn new(p: CombinedParameters) -> Result<Self, ParameterError> {
-        let alpha_bar = positive("alpha_bar", p.alpha_bar, 1e-3, math::FRAC_PI_2)?;
+        p.check()?;
         Ok(Self {
-            c0: positive("c0", p.c0, MIN_COEFFICIENT, MAX_COEFFICIENT)?,
-            two_c1: 2.0 * positive("c1", p.c1, MIN_COEFFICIENT, MAX_COEFFICIENT)?,
-            c2: positive("c2", p.c2, MIN_COEFFICIENT, MAX_COEFFICIENT)?,
-            c3: positive("c3", p.c3, MIN_COEFFICIENT, MAX_COEFFICIENT)?,
-            alpha_bar,
-            lift: Blend::new("k_l", p.k_l, alpha_bar)?,
-            drag: Blend::new("k_d", p.k_d, alpha_bar)?,
+            c0: p.c0,
+            two_c1: 2.0 * p.c1,
+            c2: p.c2,
+            c3: p.c3,
+            alpha_bar: p.alpha_bar,
+            lift: Blend::new("k_l", p.k_l, p.alpha_bar)?,
+            drag: Blend::new("k_d", p.k_d, p.alpha_bar)?,
         })
     }
 }
@@ -166,7 +158,6 @@ const MAX_EXPONENT: f32 = 100.0;
 
 impl Blend {
     fn new(parameter: &'static str, k: f32, alpha_bar: f32) -> Result<Self, ParameterError> {
-        let k = positive(parameter, k, 1e-6, 1e4)?;
         in_range(parameter, k * alpha_bar * alpha_bar, 0.0, 40.0).map_err(|_| ParameterError {
             parameter,
             problem: Problem::OutOfRange,

@@ -21,13 +21,13 @@ pub struct VelocityControl<A, G = Gains> {
 }
 
 /// What both laws start from.
-pub(super) struct Step {
-    pub(super) forces: ApparentForces,
+pub(crate) struct Step {
+    pub(crate) forces: ApparentForces,
     gains: GainValues,
     /// Velocity error ṽ = Rᵀ(v − v_r) [m/s].
     error: Body,
     /// |F_p| \[N\].
-    pub(super) norm: f32,
+    pub(crate) norm: f32,
     /// (|F_p| + F̄_p1)² \[N²\].
     alignment_squared: f32,
 }
@@ -102,7 +102,7 @@ impl<A: Aerodynamics, G: GainLaw> VelocityControl<A, G> {
     ///
     /// On θ̃ = π the law is that of θ̃ = 0 for −F_p: what it stabilises is F_p against the thrust line.
     #[inline(always)]
-    pub(super) fn robust_from(
+    pub(crate) fn robust_from(
         &self,
         step: &Step,
         branch: Branch,
@@ -169,7 +169,7 @@ impl<A: Aerodynamics, G: GainLaw> VelocityControl<A, G> {
 
     /// What the law on `branch` starts from. The inputs are to have been checked.
     #[inline(always)]
-    pub(super) fn step(&self, branch: Branch, state: &State, reference: &Reference) -> Step {
+    pub(crate) fn step(&self, branch: Branch, state: &State, reference: &Reference) -> Step {
         let forces = ApparentForces::new(
             &self.vehicle,
             state.attitude,
