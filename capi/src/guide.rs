@@ -1,128 +1,84 @@
-//! The step of the guidance, in the axes of the field.
+//! The step of the guidance, in the axes of autopilots.
 
-use alula::control::{Air, AirUse, Mode};
-use alula::ned::{Ned, VerticalPlane};
+use alula::guidance::{Air, InputAcross, Mode};
 use alula::{GuidanceInput, Guided};
 
-use crate::boundary::{self, Layout};
+use crate::boundary;
 use crate::code;
-use crate::controller::{Controller, Ready, ready_mut};
-use crate::ned_command::{NedCommand, known};
+use crate::controller::{Controller, Initialised, initialised_mut};
+use crate::ned_command::NedCommand;
 use crate::ned_input::{
-    ALULA_AIR_UNKNOWN, ALULA_AIR_VELOCITY, ALULA_POSITION, NedInput, Seen, in_range, ned,
+    AIR, ALULA_AIR_VELOCITY, ALULA_POSITION, NedInput, PlanarInput, in_range, ned,
 };
+use crate::ned_report::NedReport;
 
-/// The guidance gives the safe command.
-pub const ALULA_MODE_SAFE: u32 = 0;
-/// The guidance repeats the last command.
-pub const ALULA_MODE_HOLDING: u32 = 1;
-/// The guidance flies the law.
-pub const ALULA_MODE_FLYING: u32 = 2;
-
-/// Flown without air data: plain thrust vectoring.
-pub const ALULA_AIR_USE_NONE: u32 = 0;
-/// Flown with the measured air velocity.
-pub const ALULA_AIR_USE_VELOCITY: u32 = 1;
-/// Flown with the wind given.
-pub const ALULA_AIR_USE_WIND: u32 = 2;
-/// Flown with the last wind known.
-pub const ALULA_AIR_USE_HELD_WIND: u32 = 3;
-
-/// What a flight log wants to know of a step of the guidance.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(C)]
-pub struct GuidanceReport {
-    /// `ALULA_HEADER(alula_guidance_report)`.
-    pub header: u32,
-    /// `ALULA_MODE_…`.
-    pub mode: u32,
-    /// `ALULA_AIR_USE_…`.
-    pub air_use: u32,
-    /// Velocity that the law was given to follow [m/s]: north, east, down, in the plane.
-    pub velocity: [f32; 3],
-    /// Acceleration that the law was given to follow [m/s²]: north, east, down, in the plane.
-    pub acceleration: [f32; 3],
-    /// |F_p| over tau: below 1 the guard acts, at 0 no attitude is an equilibrium.
-    pub margin_force: f32,
-    /// Gain k of the full law here: 1 on a sphere, large or negative where F_p turns with the attitude.
-    pub margin_k: f32,
-    /// Angle from the present attitude to the nearest fold \[rad\], to first order.
-    pub margin_fold: f32,
-}
-
-impl GuidanceReport {
-    fn new(guided: &Guided, plane: &VerticalPlane) -> Self {
-        let lift = |v| {
-            let Ned { north, east, down } = plane.lift(v, 0.0);
-            [north, east, down].map(known)
-        };
-        Self {
-            header: Self::HEADER,
-            mode: match guided.mode {
-                Mode::Safe => ALULA_MODE_SAFE,
-                Mode::Holding => ALULA_MODE_HOLDING,
-                Mode::Flying => ALULA_MODE_FLYING,
-            },
-            air_use: match guided.air {
-                AirUse::None => ALULA_AIR_USE_NONE,
-                AirUse::Velocity => ALULA_AIR_USE_VELOCITY,
-                AirUse::Wind => ALULA_AIR_USE_WIND,
-                AirUse::HeldWind => ALULA_AIR_USE_HELD_WIND,
-            },
-            velocity: lift(guided.reference.velocity),
-            acceleration: lift(guided.reference.acceleration),
-            margin_force: guided.margin.force,
-            margin_k: guided.margin.k,
-            margin_fold: guided.margin.fold,
-        }
-    }
-}
-
-// SAFETY: `repr(C)`, header first, numbers only.
-unsafe impl Layout for GuidanceReport {}
-
-impl Ready {
-    /// A step of the guidance, which always gives a command, and why it refused the input, if it did.
+impl Initialised<'_> {
+    /// A step of the guidance: its command, and what it comes from.
+    #[inline(always)]
     fn guide(
         &mut self,
         input: &NedInput,
         dt: f32,
-    ) -> Result<(NedCommand, GuidanceReport, i32), i32> {
-        let seen = Seen::new(input)?;
-        let air = match input.flags & (ALULA_AIR_VELOCITY | ALULA_AIR_UNKNOWN) {
-            0 => Air::Wind(seen.air),
-            ALULA_AIR_VELOCITY => Air::Velocity(seen.air),
-            _ => Air::Unknown,
-        };
-        let position = seen.plane.project(ned(input.position_error)).0;
-        let guided = self.guidance.update(
-            &mut self.state,
-            &GuidanceInput {
-                velocity: seen.velocity,
-                attitude: seen.projection.attitude,
-                state_age: input.state_age,
-                air,
-                position_error: (input.flags & ALULA_POSITION != 0).then_some(position),
-                reference: seen.reference,
-                reference_age: input.reference_age,
+    ) -> Result<(NedCommand, PlanarInput, Guided), i32> {
+        let plane = self.memory.enter(&self.guidance, input.heading);
+        let planar = PlanarInput::new(input, plane)?;
+        let planar_input = GuidanceInput {
+            velocity: planar.velocity,
+            attitude: planar.projection.attitude,
+            state_age: input.state_age,
+            air: match input.flags & AIR {
+                0 => Air::Wind(planar.air),
+                ALULA_AIR_VELOCITY => Air::Velocity(planar.air),
+                _ => Air::Unknown,
             },
-            dt,
-        );
-        let code = match guided.refusal {
-            None => code::ALULA_OK,
-            Some(_) if !in_range(input.heading) => code::ALULA_ERROR_HEADING,
-            Some(refusal) => code::of_refusal(refusal),
+            position_error: (input.flags & ALULA_POSITION != 0)
+                .then(|| planar.plane.project(ned(input.position_error)).0),
+            reference: planar.reference,
+            reference_age: input.reference_age,
         };
-        let mut command = self.command(&seen, &guided.command);
-        // The limits that were met, and not those that would have been.
-        command.status &= code::ALULA_STATUS_LEAD_LIMITED;
-        command.status |= u32::from(guided.status.bits())
-            | match guided.mode {
-                Mode::Flying => 0,
-                Mode::Holding => code::ALULA_STATUS_HOLDING,
-                Mode::Safe => code::ALULA_STATUS_SAFE,
+        let guided = self
+            .guidance
+            .update(&mut self.memory.state, &planar_input, dt);
+        let across = InputAcross {
+            velocity: planar.lateral_velocity,
+            air: planar.lateral_air,
+            reference: planar.lateral_reference_velocity,
+        };
+        self.memory
+            .across
+            .remember(&self.memory.state, &planar_input, &across);
+        let mut command = if guided.mode == Mode::Flying {
+            let command = self.command(&planar, guided.command.thrust, guided.command.rate);
+            self.memory.keep(&command, planar.axes);
+            command
+        } else {
+            self.substitute(&planar, &guided)
+        };
+        command.status |= u32::from(guided.status.bits());
+        Ok((command, planar, guided))
+    }
+
+    /// The command where the law is not flown: the last one in full, or the safe one at the attitude that there is. If
+    /// that is not known, the last attitude set-point stays.
+    #[cold]
+    #[inline(never)]
+    fn substitute(&mut self, planar: &PlanarInput, guided: &Guided) -> NedCommand {
+        let last = self.memory.last(planar.axes);
+        if guided.mode == Mode::Holding {
+            return NedCommand {
+                status: code::ALULA_STATUS_HOLDING,
+                ..last
             };
-        Ok((command, GuidanceReport::new(&guided, &seen.plane), code))
+        }
+        let mut command = self.command(planar, guided.command.thrust, guided.command.rate);
+        command.status = code::ALULA_STATUS_SAFE;
+        if command.pitch.is_finite() && command.quaternion.iter().all(|c| c.is_finite()) {
+            self.memory.keep(&command, planar.axes);
+        } else {
+            (command.pitch, command.quaternion) = (last.pitch, last.quaternion);
+            command.body_rate = [0.0; 3];
+        }
+        command
     }
 }
 
@@ -130,7 +86,7 @@ impl Ready {
 /// command. If the return code says that the input was refused, the command is the last one flown, for as long as
 /// `hold` (`ALULA_STATUS_HOLDING`), and then the safe one: `safe_thrust`, no rotation (`ALULA_STATUS_SAFE`). If it is a
 /// pointer, a header, the controller or a selector that is at fault, there was no step, and the command is that of
-/// `alula_ned_command_default`. `report` may be null.
+/// `alula_ned_command_default`. `report` may be null, which saves the time that it takes.
 ///
 /// # Safety
 /// As `alula_step`, and no other call reads the controller meanwhile either.
@@ -140,20 +96,25 @@ pub unsafe extern "C" fn alula_guide(
     input: *const NedInput,
     dt: f32,
     command: *mut NedCommand,
-    report: *mut GuidanceReport,
+    report: *mut NedReport,
 ) -> i32 {
     let mut refusal = code::ALULA_OK;
-    // SAFETY: the caller's word.
+    // SAFETY: Every pointer that passes its check points to the structure that its header word says, by the condition above.
     let code = unsafe {
         boundary::answer(command, NedCommand::SAFE, || {
-            if !report.is_null() {
-                boundary::check(report)?;
+            boundary::check_optional(report)?;
+            let controller = initialised_mut(controller)?;
+            let input = boundary::read(input)?;
+            let (command, planar, guided) = controller.guide(input, dt)?;
+            if let Some(reason) = guided.refusal {
+                refusal = if in_range(input.heading) {
+                    code::of_refusal(reason)
+                } else {
+                    code::ALULA_ERROR_HEADING
+                };
             }
-            let (command, value, code) =
-                ready_mut(controller)?.guide(boundary::read(input)?, dt)?;
-            refusal = code;
             if !report.is_null() {
-                report.write(value);
+                report.write(NedReport::of_guidance(&planar, &guided));
             }
             Ok(command)
         })

@@ -1,0 +1,86 @@
+//! What `alula_guide` remembers between calls.
+
+use alula::guidance::Across;
+use alula::ned::{BodyAxes, VerticalPlane};
+use alula::{GainChoice, Guidance, GuidanceState, Model};
+
+use crate::ned_command::NedCommand;
+use crate::ned_input::{in_range, plane_of};
+
+/// The guidance's state, the vertical plane that it is in, and the last command.
+#[derive(Clone, Copy)]
+pub(crate) struct Memory {
+    pub state: GuidanceState,
+    /// What the state has across the plane.
+    pub across: Across,
+    /// Heading of the plane \[rad\]; NaN before the first call.
+    heading: f32,
+    plane: VerticalPlane,
+    /// The last command with an attitude set-point.
+    last: NedCommand,
+    /// The body axes that it is in: 1 nose forward, 2 nose up, else there is none. A number, not `Option`: every bit pattern
+    /// has a meaning.
+    last_axes: u8,
+}
+
+impl Default for Memory {
+    fn default() -> Self {
+        Self {
+            state: GuidanceState::default(),
+            across: Across::default(),
+            heading: f32::NAN,
+            plane: VerticalPlane::from_heading(0.0),
+            last: NedCommand::SAFE,
+            last_axes: 0,
+        }
+    }
+}
+
+impl Memory {
+    /// The plane of `heading` \[rad\], into which what is remembered is turned if it is another one than before.
+    #[inline(always)]
+    pub fn enter(&mut self, guidance: &Guidance<Model, GainChoice>, heading: f32) -> VerticalPlane {
+        if heading == self.heading {
+            self.plane
+        } else {
+            self.turn(guidance, heading)
+        }
+    }
+
+    #[inline(never)]
+    fn turn(&mut self, guidance: &Guidance<Model, GainChoice>, heading: f32) -> VerticalPlane {
+        let plane = plane_of(heading);
+        // A heading that is refused is not turned to.
+        if in_range(heading) {
+            if self.heading.is_finite() {
+                let (cos, sin) = self.plane.angle_to(&plane);
+                guidance.turn_plane(&mut self.state, &mut self.across, cos, sin);
+            }
+            (self.heading, self.plane) = (heading, plane);
+        }
+        plane
+    }
+
+    /// Keeps a command that has an attitude set-point.
+    #[inline(always)]
+    pub fn keep(&mut self, command: &NedCommand, axes: BodyAxes) {
+        self.last = *command;
+        self.last_axes = number(axes);
+    }
+
+    /// The last command that was kept, in the body axes `axes`; the safe one if there is none.
+    pub fn last(&self, axes: BodyAxes) -> NedCommand {
+        match self.last_axes {
+            1 | 2 if self.last_axes != number(axes) => self.last.in_axes(axes),
+            1 | 2 => self.last,
+            _ => NedCommand::SAFE,
+        }
+    }
+}
+
+const fn number(axes: BodyAxes) -> u8 {
+    match axes {
+        BodyAxes::NoseForward => 1,
+        BodyAxes::NoseUp => 2,
+    }
+}
