@@ -5,7 +5,8 @@
 #[cfg(panic = "unwind")]
 extern crate std;
 
-use alula::guidance::Air;
+use alula::guidance::{Across, Air, InputAcross};
+use alula::ned::{BodyAxes, Ned, Quaternion, VerticalPlane};
 use alula::{
     Attitude, BandwidthGains, Combined, CombinedParameters, Command, Fault, GainChoice, Guidance,
     GuidanceInput, GuidanceParameters, GuidanceState, Guided, Inertial, Model, ParameterError,
@@ -17,6 +18,8 @@ pub struct Fixture {
     any: Guidance<Model<'static>, GainChoice>,
     combined: Guidance<Combined>,
     state: GuidanceState,
+    plane: VerticalPlane,
+    across: Across,
 }
 
 /// What the calls are given.
@@ -40,6 +43,8 @@ fn fixture() -> Result<Fixture, ParameterError> {
         any: Guidance::with_gains(any, gains, &parameters)?,
         combined: Guidance::new(Vehicle::new(vehicle, combined)?, &parameters)?,
         state: GuidanceState::default(),
+        plane: VerticalPlane::from_heading(0.0),
+        across: Across::default(),
     })
 }
 
@@ -123,10 +128,10 @@ pub extern "C" fn overhead_combined(
 pub extern "C" fn overhead_guide_any(
     fixture: &mut Fixture,
     case: &Case,
-    _: f32,
+    dt: f32,
     guided: &mut Guided,
 ) -> i32 {
-    *guided = fixture.any.update(&mut fixture.state, &case.input, 0.01);
+    *guided = fixture.any.update(&mut fixture.state, &case.input, dt);
     0
 }
 
@@ -135,12 +140,97 @@ pub extern "C" fn overhead_guide_any(
 pub extern "C" fn overhead_guide_combined(
     fixture: &mut Fixture,
     case: &Case,
-    _: f32,
+    dt: f32,
     guided: &mut Guided,
 ) -> i32 {
-    *guided = fixture
-        .combined
-        .update(&mut fixture.state, &case.input, 0.01);
+    *guided = fixture.combined.update(&mut fixture.state, &case.input, dt);
+    0
+}
+
+/// State and reference in north-east-down, as a Rust autopilot has them.
+#[derive(Clone, Copy)]
+pub struct NedCase {
+    attitude: Quaternion,
+    velocity: Ned,
+    wind: Ned,
+    reference_velocity: Ned,
+    reference_acceleration: Ned,
+}
+
+/// What such an autopilot flies.
+#[repr(C)]
+pub struct NedResult {
+    /// The guidance's own result, first: `overhead_guided` reads it.
+    guided: Guided,
+    body_rate: [f32; 3],
+    attitude: Option<(Quaternion, f32)>,
+}
+
+const _: () = assert!(size_of::<NedCase>() <= ROOM && size_of::<NedResult>() <= ROOM);
+
+/// Fills in a case from quaternion, velocity, wind, reference velocity and acceleration.
+///
+/// # Safety
+/// `case` points to room for it.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn overhead_ned_case(case: *mut NedCase, x: &[f32; 16]) {
+    let ned = |n: usize| Ned::new(x[n], x[n + 1], x[n + 2]);
+    let value = NedCase {
+        attitude: Quaternion {
+            w: x[0],
+            x: x[1],
+            y: x[2],
+            z: x[3],
+        },
+        velocity: ned(4),
+        wind: ned(7),
+        reference_velocity: ned(10),
+        reference_acceleration: ned(13),
+    };
+    // SAFETY: There is room for a case, by the condition above.
+    unsafe { case.write(value) };
+}
+
+/// What `alula_guide` does, by a Rust autopilot with the core: projection on a plane that stays, guidance, body rates and
+/// attitude set-point. Without the checks of pointers and selectors, and without a command to be held.
+#[unsafe(no_mangle)]
+pub extern "C" fn overhead_guide_ned(
+    fixture: &mut Fixture,
+    case: &NedCase,
+    dt: f32,
+    result: &mut NedResult,
+) -> i32 {
+    let (plane, axes) = (&fixture.plane, BodyAxes::NoseUp);
+    let Some(projection) = plane.attitude(&case.attitude, axes) else {
+        return 1;
+    };
+    let (velocity, velocity_across) = plane.project(case.velocity);
+    let (wind, wind_across) = plane.project(case.wind);
+    let (reference_velocity, reference_across) = plane.project(case.reference_velocity);
+    let (acceleration, _) = plane.project(case.reference_acceleration);
+    let input = GuidanceInput {
+        velocity,
+        attitude: projection.attitude,
+        air: Air::Wind(wind),
+        reference: Reference {
+            velocity: reference_velocity,
+            acceleration,
+        },
+        ..GuidanceInput::default()
+    };
+    let guided = fixture.any.update(&mut fixture.state, &input, dt);
+    let across = InputAcross {
+        velocity: velocity_across,
+        air: wind_across,
+        reference: reference_across,
+    };
+    fixture.across.remember(&fixture.state, &input, &across);
+    let rate = guided.command.rate;
+    *result = NedResult {
+        guided,
+        body_rate: projection.normal.map(|n| n * rate),
+        attitude: Some(plane.set_point(projection.attitude, axes, rate / 6.5)),
+    };
     0
 }
 

@@ -1,5 +1,6 @@
 //! The envelope: which attitudes hold a reference, and how far the next jump is.
 
+use alula::control::Law;
 use alula::equilibrium::{Branch, CAPACITY};
 use alula::equivalency::ApparentForces;
 use alula::ned::BodyAxes;
@@ -208,7 +209,7 @@ pub unsafe extern "C" fn alula_fold_margin_at(
             // The law's own check of what it is given.
             let control = controller.guidance.control();
             control
-                .robust(&state, &planar.reference, None)
+                .either(Law::Robust, &state, &planar.reference, None)
                 .map_err(code::of_fault)?;
             let forces = ApparentForces::new(
                 control.vehicle(),

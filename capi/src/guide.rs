@@ -12,50 +12,53 @@ use crate::ned_input::{
 };
 use crate::ned_report::NedReport;
 
-impl Initialised<'_> {
-    /// A step of the guidance: its command, and what it comes from.
+impl PlanarInput {
+    /// The input of the core's guidance.
     #[inline(always)]
-    fn guide(
-        &mut self,
-        input: &NedInput,
-        dt: f32,
-    ) -> Result<(NedCommand, PlanarInput, Guided), i32> {
-        let plane = self.memory.enter(&self.guidance, input.heading);
-        let planar = PlanarInput::new(input, plane)?;
-        let planar_input = GuidanceInput {
-            velocity: planar.velocity,
-            attitude: planar.projection.attitude,
+    fn guidance_input(&self, input: &NedInput) -> GuidanceInput {
+        GuidanceInput {
+            velocity: self.velocity,
+            attitude: self.projection.attitude,
             state_age: input.state_age,
             air: match input.flags & AIR {
-                0 => Air::Wind(planar.air),
-                ALULA_AIR_VELOCITY => Air::Velocity(planar.air),
+                0 => Air::Wind(self.air),
+                ALULA_AIR_VELOCITY => Air::Velocity(self.air),
                 _ => Air::Unknown,
             },
             position_error: (input.flags & ALULA_POSITION != 0)
-                .then(|| planar.plane.project(ned(input.position_error)).0),
-            reference: planar.reference,
+                .then(|| self.plane.project(ned(input.position_error)).0),
+            reference: self.reference,
             reference_age: input.reference_age,
-        };
-        let guided = self
-            .guidance
-            .update(&mut self.memory.state, &planar_input, dt);
-        let across = InputAcross {
-            velocity: planar.lateral_velocity,
-            air: planar.lateral_air,
-            reference: planar.lateral_reference_velocity,
-        };
-        self.memory
-            .across
-            .remember(&self.memory.state, &planar_input, &across);
-        let mut command = if guided.mode == Mode::Flying {
-            let command = self.command(&planar, guided.command.thrust, guided.command.rate);
-            self.memory.keep(&command, planar.axes);
-            command
+        }
+    }
+
+    /// The parts of it that the plane has lost.
+    #[inline(always)]
+    fn across(&self) -> InputAcross {
+        InputAcross {
+            velocity: self.lateral_velocity,
+            air: self.lateral_air,
+            reference: self.lateral_reference_velocity,
+        }
+    }
+}
+
+impl Initialised<'_> {
+    /// A step of the guidance in the vertical plane. Out of line: merged with its caller it runs out of registers.
+    #[inline(never)]
+    fn update(&mut self, input: &GuidanceInput, dt: f32) -> Guided {
+        self.guidance.update(&mut self.memory.state, input, dt)
+    }
+
+    /// The command of a step of the guidance, which is kept in case that it is to be held.
+    #[inline(always)]
+    fn guided_command(&mut self, planar: &PlanarInput, guided: &Guided) -> NedCommand {
+        if guided.mode == Mode::Flying {
+            let command = self.command(planar, &guided.command, u32::from(guided.status.bits()));
+            self.memory.keep(command, planar.axes)
         } else {
-            self.substitute(&planar, &guided)
-        };
-        command.status |= u32::from(guided.status.bits());
-        Ok((command, planar, guided))
+            self.substitute(planar, guided)
+        }
     }
 
     /// The command where the law is not flown: the last one in full, or the safe one at the attitude that there is. If
@@ -64,16 +67,17 @@ impl Initialised<'_> {
     #[inline(never)]
     fn substitute(&mut self, planar: &PlanarInput, guided: &Guided) -> NedCommand {
         let last = self.memory.last(planar.axes);
+        let status = u32::from(guided.status.bits());
         if guided.mode == Mode::Holding {
             return NedCommand {
-                status: code::ALULA_STATUS_HOLDING,
+                status: status | code::ALULA_STATUS_HOLDING,
                 ..last
             };
         }
-        let mut command = self.command(planar, guided.command.thrust, guided.command.rate);
-        command.status = code::ALULA_STATUS_SAFE;
+        let mut command = self.command(planar, &guided.command, 0);
+        command.status = status | code::ALULA_STATUS_SAFE;
         if command.pitch.is_finite() && command.quaternion.iter().all(|c| c.is_finite()) {
-            self.memory.keep(&command, planar.axes);
+            self.memory.keep(command, planar.axes);
         } else {
             (command.pitch, command.quaternion) = (last.pitch, last.quaternion);
             command.body_rate = [0.0; 3];
@@ -98,30 +102,57 @@ pub unsafe extern "C" fn alula_guide(
     command: *mut NedCommand,
     report: *mut NedReport,
 ) -> i32 {
-    let mut refusal = code::ALULA_OK;
     // SAFETY: Every pointer that passes its check points to the structure that its header word says, by the condition above.
-    let code = unsafe {
-        boundary::answer(command, NedCommand::SAFE, || {
-            boundary::check_optional(report)?;
-            let controller = initialised_mut(controller)?;
-            let input = boundary::read(input)?;
-            let (command, planar, guided) = controller.guide(input, dt)?;
-            if let Some(reason) = guided.refusal {
-                refusal = if in_range(input.heading) {
-                    code::of_refusal(reason)
-                } else {
-                    code::ALULA_ERROR_HEADING
-                };
+    unsafe {
+        if let Err(code) = boundary::check(command) {
+            return code;
+        }
+        let (controller, input) = match arguments(controller, input, report) {
+            Ok(arguments) => arguments,
+            Err(code) => {
+                command.write(NedCommand::SAFE);
+                return code;
             }
-            if !report.is_null() {
-                report.write(NedReport::of_guidance(&planar, &guided));
+        };
+        let plane = controller.memory.enter(&controller.guidance, input.heading);
+        let planar = match PlanarInput::new(input, plane) {
+            Ok(planar) => planar,
+            Err(code) => {
+                command.write(NedCommand::SAFE);
+                return code;
             }
-            Ok(command)
-        })
-    };
-    if code == code::ALULA_OK {
-        refusal
-    } else {
-        code
+        };
+        let planar_input = planar.guidance_input(input);
+        let guided = controller.update(&planar_input, dt);
+        let memory = &mut controller.memory;
+        memory
+            .across
+            .remember(&memory.state, &planar_input, &planar.across());
+        command.write(controller.guided_command(&planar, &guided));
+        if !report.is_null() {
+            report.write(NedReport::of_guidance(&planar, &guided));
+        }
+        match guided.refusal {
+            None => code::ALULA_OK,
+            Some(_) if !in_range(input.heading) => code::ALULA_ERROR_HEADING,
+            Some(reason) => code::of_refusal(reason),
+        }
+    }
+}
+
+/// Controller and input, if nothing is wrong with any argument.
+///
+/// # Safety
+/// As `alula_guide`.
+#[inline(always)]
+unsafe fn arguments<'a>(
+    controller: *mut Controller,
+    input: *const NedInput,
+    report: *mut NedReport,
+) -> Result<(&'a mut Initialised<'a>, &'a NedInput), i32> {
+    // SAFETY: As in `alula_guide`.
+    unsafe {
+        boundary::check_optional(report)?;
+        Ok((initialised_mut(controller)?, boundary::read(input)?))
     }
 }

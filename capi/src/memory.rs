@@ -61,11 +61,12 @@ impl Memory {
         plane
     }
 
-    /// Keeps a command that has an attitude set-point.
+    /// Keeps a command that has an attitude set-point, and returns it.
     #[inline(always)]
-    pub fn keep(&mut self, command: &NedCommand, axes: BodyAxes) {
-        self.last = *command;
+    pub fn keep(&mut self, command: NedCommand, axes: BodyAxes) -> NedCommand {
+        self.last = command;
         self.last_axes = number(axes);
+        self.last
     }
 
     /// The last command that was kept, in the body axes `axes`; the safe one if there is none.

@@ -102,13 +102,19 @@ impl Initialised<'_> {
         });
         let command = self.law(&state, &planar.reference, feed_forward.as_ref(), dt)?;
         let report = NedReport::of_law(&planar, &command);
-        Ok((self.command(&planar, command.thrust, command.rate), report))
+        Ok((self.command(&planar, &command, 0), report))
     }
 
-    /// The command of this thrust \[N\] and pitch rate [rad/s], with the status bits of what is cut off in it. The attitude
-    /// set-point is NaN if the input's attitude or heading is.
+    /// A command of the core in the axes of `planar`, with `status` and the status bits of what is cut off in it. The
+    /// attitude set-point is NaN if the input's attitude or heading is.
     #[inline(always)]
-    pub(crate) fn command(&self, planar: &PlanarInput, thrust: f32, rate: f32) -> NedCommand {
+    pub(crate) fn command(
+        &self,
+        planar: &PlanarInput,
+        command: &alula::Command,
+        status: u32,
+    ) -> NedCommand {
+        let (thrust, rate) = (command.thrust, command.rate);
         let share = thrust * self.inverse_thrust_max;
         let (thrust_normalised, thrust_status) = if share < 0.0 {
             (0.0, THRUST_LOW)
@@ -129,7 +135,7 @@ impl Initialised<'_> {
                 .set_point(planar.projection.attitude, planar.axes, lead);
         NedCommand {
             header: NedCommand::HEADER,
-            status: thrust_status | lead_status,
+            status: status | thrust_status | lead_status,
             thrust,
             thrust_normalised,
             body_rate: planar.projection.normal.map(|n| n * rate),

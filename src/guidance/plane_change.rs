@@ -41,23 +41,22 @@ impl Across {
     /// [`Guidance::update`].
     #[inline(always)]
     pub fn remember(&mut self, state: &GuidanceState, input: &GuidanceInput, across: &InputAcross) {
-        self.followed = plausible(across.velocity);
+        self.followed = across.velocity;
         if state.held == input.reference.velocity {
-            self.held = plausible(across.reference);
+            self.held = across.reference;
         }
         // The age is zero only if this step has taken the wind from its input.
         if state.supervision.wind_age == 0.0 {
-            self.wind = plausible(match input.air {
+            self.wind = match input.air {
                 Air::Velocity(_) => across.velocity - across.air,
                 Air::Wind(_) => across.air,
                 Air::Unknown => self.wind,
-            });
+            };
         }
     }
 }
 
 /// `speed`, or 0 if it is not finite or absurd.
-#[inline(always)]
 fn plausible(speed: f32) -> f32 {
     if speed.abs() <= MAX_SPEED { speed } else { 0.0 }
 }
@@ -69,7 +68,7 @@ impl<A, G> Guidance<A, G> {
     /// The integral stays inside its limits, and a wind that is too strong in the new plane is forgotten.
     pub fn turn_plane(&self, state: &mut GuidanceState, across: &mut Across, cos: f32, sin: f32) {
         let turned = |v: Inertial, across: &mut f32| {
-            let (forward, right) = (v.forward(), *across);
+            let (forward, right) = (v.forward(), plausible(*across));
             *across = right * cos - forward * sin;
             Inertial::new(v.down(), forward * cos + right * sin)
         };
@@ -175,7 +174,7 @@ mod tests {
         let guided = guidance.update(&mut state, &unknown, DT);
         assert_eq!((guided.mode, guided.air), (Mode::Flying, AirUse::None));
         assert!(!guided.status.contains(Status::STATE_RESET));
-        // An implausible component across the plane is not remembered.
+        // An implausible component across the plane is not turned into it.
         for bad in [f32::NAN, f32::INFINITY, 1e30] {
             let beside = InputAcross {
                 velocity: bad,
