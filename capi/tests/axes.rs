@@ -1,4 +1,4 @@
-//! The axes of the field, through the ABI, against nalgebra's quaternions in double precision.
+//! North-east-down and both body axes, through the ABI, against nalgebra's quaternions in double precision.
 #![cfg(not(target_os = "none"))]
 
 use std::f64::consts::{FRAC_PI_2, PI};
