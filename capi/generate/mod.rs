@@ -235,6 +235,9 @@ fn table() -> Result<String> {
     Ok(text)
 }
 
+/// Units that PX4's schema of `module.yaml` allows, of those that the tables have. The description tells every unit.
+const PX4_UNITS: [&str; 8] = ["rad", "rad/s", "rad/s^2", "kg", "m/s", "m/s^2", "s", "N"];
+
 /// The parameter definitions of a PX4 module. It has no parameters without a default: those get zero, which is refused.
 fn px4() -> Result<String> {
     let mut text = String::from(
@@ -247,8 +250,16 @@ fn px4() -> Result<String> {
         for (n, p) in section.rows.iter().enumerate() {
             writeln!(
                 text,
-                "      {}:\n        description:\n          short: {:?}",
-                p.px4, p.meaning
+                "      {}:\n        description:\n          short: {:?}\n          \
+                 long: {:?}",
+                p.px4,
+                p.meaning,
+                format!(
+                    "Field {}.{} of alula_parameters. {}",
+                    section.field,
+                    p.name,
+                    unit(p)
+                )
             )?;
             if let Some(choices) = choices(section, n) {
                 writeln!(text, "        type: enum\n        values:")?;
@@ -259,8 +270,8 @@ fn px4() -> Result<String> {
                 continue;
             }
             writeln!(text, "        type: float")?;
-            if !p.unit.is_empty() {
-                writeln!(text, "        unit: {}", p.unit.replace(' ', "*"))?;
+            if PX4_UNITS.contains(&p.unit) {
+                writeln!(text, "        unit: {}", p.unit)?;
             }
             if p.default.is_nan() {
                 writeln!(

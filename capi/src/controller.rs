@@ -72,7 +72,10 @@ impl ModelChoice {
     }
 
     /// The choice that leads to a model. A model of the core that C cannot choose yet does not compile here.
-    #[allow(dead_code, reason = "it is there for the compiler, and for the test below")]
+    #[allow(
+        dead_code,
+        reason = "it is there for the compiler, and for the test below"
+    )]
     const fn that_makes(model: &Model) -> Self {
         match model {
             Model::Combined(_) => Self::Combined,
