@@ -166,6 +166,8 @@ impl VerticalPlane {
     ///
     /// `None` if `q` is not of unit length (|q|² further than 1e-3 from 1, or NaN), or if the nose points across the plane
     /// to 1e-3 rad.
+    // Inlined: passed through memory, quaternion and result cost as much as the half of it.
+    #[inline(always)]
     pub fn attitude(&self, q: &Quaternion, axes: BodyAxes) -> Option<Projection> {
         let Quaternion { w, x, y, z } = *q;
         let square = w * w + x * x + y * y + z * z;

@@ -66,6 +66,7 @@ impl Initialised<'_> {
     #[cold]
     #[inline(never)]
     fn substitute(&mut self, planar: &PlanarInput, guided: &Guided) -> NedCommand {
+        self.memory.renew_plane();
         let last = self.memory.last(planar.axes);
         let status = u32::from(guided.status.bits());
         if guided.mode == Mode::Holding {

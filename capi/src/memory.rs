@@ -61,6 +61,11 @@ impl Memory {
         plane
     }
 
+    /// Computes the plane anew from its heading: if it has been corrupted, no frame is accepted until it is mended.
+    pub fn renew_plane(&mut self) {
+        self.plane = plane_of(self.heading);
+    }
+
     /// Keeps a command that has an attitude set-point, and returns it.
     #[inline(always)]
     pub fn keep(&mut self, command: NedCommand, axes: BodyAxes) -> NedCommand {
@@ -83,5 +88,43 @@ const fn number(axes: BodyAxes) -> u8 {
     match axes {
         BodyAxes::NoseForward => 1,
         BodyAxes::NoseUp => 2,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use alula::{
+        BandwidthGains, Combined, CombinedParameters, GuidanceParameters, Vehicle,
+        VehicleParameters,
+    };
+
+    fn guidance() -> Guidance<Model<'static>, GainChoice> {
+        let model = Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap();
+        let vehicle = Vehicle::new(VehicleParameters::PAPER, Model::Combined(model)).unwrap();
+        let p = GuidanceParameters::default();
+        let gains = GainChoice::Bandwidth(BandwidthGains::new(&p, &vehicle).unwrap());
+        Guidance::with_gains(vehicle, gains, &p).unwrap()
+    }
+
+    #[test]
+    fn the_plane_is_that_of_the_last_good_heading() {
+        let (guidance, mut memory) = (guidance(), Memory::default());
+        let plane = plane_of(0.7);
+        assert_eq!(memory.enter(&guidance, 0.7), plane);
+        assert_eq!(memory.enter(&guidance, 0.7), plane);
+        // A bad heading has no plane, and does not replace the good one.
+        for bad in [f32::NAN, f32::INFINITY, 1e6] {
+            let none = memory.enter(&guidance, bad);
+            assert!(none.project(crate::ned_input::ned([1.0; 3])).1.is_nan());
+            assert_eq!((memory.heading, memory.plane), (0.7, plane));
+        }
+        memory.plane = plane_of(f32::NAN);
+        memory.renew_plane();
+        assert_eq!(memory.enter(&guidance, 0.7), plane);
+        // A corrupt heading is replaced by the next good one.
+        memory.heading = f32::NAN;
+        memory.renew_plane();
+        assert_eq!(memory.enter(&guidance, 0.7), plane);
     }
 }

@@ -92,19 +92,6 @@ fn within_half_turn(angle: f32) -> f32 {
 unsafe impl Layout for NedCommand {}
 
 impl Initialised<'_> {
-    /// One step of the pure law.
-    fn step_ned(&self, input: &NedInput, dt: f32) -> Result<(NedCommand, NedReport), i32> {
-        let planar = PlanarInput::new(input, plane_of(input.heading))?;
-        let state = planar.state(input)?;
-        let feed_forward = (input.flags & ALULA_FEED_FORWARD != 0).then(|| FeedForward {
-            air_acceleration: planar.plane.project(ned(input.air_acceleration)).0,
-            jerk: planar.plane.project(ned(input.reference_jerk)).0,
-        });
-        let command = self.law(&state, &planar.reference, feed_forward.as_ref(), dt)?;
-        let report = NedReport::of_law(&planar, &command);
-        Ok((self.command(&planar, &command, 0), report))
-    }
-
     /// A command of the core in the axes of `planar`, with `status` and the status bits of what is cut off in it. The
     /// attitude set-point is NaN if the input's attitude or heading is.
     #[inline(always)]
@@ -168,11 +155,20 @@ pub unsafe extern "C" fn alula_step_ned(
     unsafe {
         boundary::answer(command, NedCommand::SAFE, || {
             boundary::check_optional(report)?;
-            let (command, value) = initialised(controller)?.step_ned(boundary::read(input)?, dt)?;
+            let controller = initialised(controller)?;
+            let input = boundary::read(input)?;
+            let planar = PlanarInput::new(input, plane_of(input.heading))?;
+            let state = planar.state(input)?;
+            let project = |v| planar.plane.project(ned(v)).0;
+            let feed_forward = (input.flags & ALULA_FEED_FORWARD != 0).then(|| FeedForward {
+                air_acceleration: project(input.air_acceleration),
+                jerk: project(input.reference_jerk),
+            });
+            let command = controller.law(&state, &planar.reference, feed_forward.as_ref(), dt)?;
             if !report.is_null() {
-                report.write(value);
+                report.write(NedReport::of_law(&planar, &command));
             }
-            Ok(command)
+            Ok(controller.command(&planar, &command, 0))
         })
     }
 }
