@@ -9,7 +9,7 @@ use alula::{Equilibria, Equilibrium, FoldMap};
 use crate::boundary::{self, Layout};
 use crate::code;
 use crate::controller::{Controller, initialised};
-use crate::ned_input::{NedInput, PlanarInput, plane_of};
+use crate::ned_input::{NedInput, PlanarInput, axes_of, plane_of};
 
 /// Most equilibria of a set.
 pub const ALULA_EQUILIBRIA: u32 = 24;
@@ -145,7 +145,7 @@ pub unsafe extern "C" fn alula_equilibria_at(
         boundary::answer(equilibria, EquilibriumSet::EMPTY, || {
             let controller = initialised(controller)?;
             let input = boundary::read(input)?;
-            let planar = PlanarInput::new(input, plane_of(input.heading))?;
+            let planar = PlanarInput::new(input, axes_of(input)?, plane_of(input.heading));
             let wind = planar.state(input)?.wind;
             let vehicle = controller.guidance.vehicle();
             let found =
@@ -204,7 +204,7 @@ pub unsafe extern "C" fn alula_fold_margin_at(
             let map = map_initialised(map)?;
             let controller = initialised(controller)?;
             let input = boundary::read(input)?;
-            let planar = PlanarInput::new(input, plane_of(input.heading))?;
+            let planar = PlanarInput::new(input, axes_of(input)?, plane_of(input.heading));
             let state = planar.state(input)?;
             // The law's own check of what it is given.
             let control = controller.guidance.control();

@@ -1,6 +1,7 @@
 //! The step of the guidance, in the axes of autopilots.
 
 use alula::guidance::{Air, InputAcross, Mode};
+use alula::ned::BodyAxes;
 use alula::{GuidanceInput, Guided};
 
 use crate::boundary;
@@ -8,7 +9,7 @@ use crate::code;
 use crate::controller::{Controller, Initialised, initialised_mut};
 use crate::ned_command::NedCommand;
 use crate::ned_input::{
-    AIR, ALULA_AIR_VELOCITY, ALULA_POSITION, NedInput, PlanarInput, in_range, ned,
+    AIR, ALULA_AIR_VELOCITY, ALULA_POSITION, NedInput, PlanarInput, axes_of, in_range, ned,
 };
 use crate::ned_report::NedReport;
 
@@ -68,20 +69,26 @@ impl Initialised<'_> {
     fn substitute(&mut self, planar: &PlanarInput, guided: &Guided) -> NedCommand {
         self.memory.renew_plane();
         let last = self.memory.last(planar.axes);
-        let status = u32::from(guided.status.bits());
-        if guided.mode == Mode::Holding {
-            return NedCommand {
-                status: status | code::ALULA_STATUS_HOLDING,
-                ..last
-            };
-        }
-        let mut command = self.command(planar, &guided.command, 0);
-        command.status = status | code::ALULA_STATUS_SAFE;
-        if command.pitch.is_finite() && command.quaternion.iter().all(|c| c.is_finite()) {
-            self.memory.keep(command, planar.axes);
+        let (status, holds) = match guided.mode {
+            Mode::Holding => (code::ALULA_STATUS_HOLDING, true),
+            _ => (code::ALULA_STATUS_SAFE, false),
+        };
+        let status = status | u32::from(guided.status.bits());
+        let mut command = match last {
+            // What is kept of it here is the same as what the guidance has kept of it, if neither is corrupt.
+            Some(last) if holds && last.thrust == guided.command.thrust => last,
+            _ => self.command(planar, &guided.command, 0),
+        };
+        command.status = status;
+        if command.is_finite() {
+            if !holds {
+                self.memory.keep(command, planar.axes);
+            }
         } else {
-            (command.pitch, command.quaternion) = (last.pitch, last.quaternion);
-            command.body_rate = [0.0; 3];
+            let NedCommand {
+                pitch, quaternion, ..
+            } = last.unwrap_or(NedCommand::SAFE);
+            (command.pitch, command.quaternion) = (pitch, quaternion);
         }
         command
     }
@@ -108,7 +115,7 @@ pub unsafe extern "C" fn alula_guide(
         if let Err(code) = boundary::check(command) {
             return code;
         }
-        let (controller, input) = match arguments(controller, input, report) {
+        let (controller, input, axes) = match arguments(controller, input, report) {
             Ok(arguments) => arguments,
             Err(code) => {
                 command.write(NedCommand::SAFE);
@@ -116,13 +123,7 @@ pub unsafe extern "C" fn alula_guide(
             }
         };
         let plane = controller.memory.enter(&controller.guidance, input.heading);
-        let planar = match PlanarInput::new(input, plane) {
-            Ok(planar) => planar,
-            Err(code) => {
-                command.write(NedCommand::SAFE);
-                return code;
-            }
-        };
+        let planar = PlanarInput::new(input, axes, plane);
         let planar_input = planar.guidance_input(input);
         let guided = controller.update(&planar_input, dt);
         let memory = &mut controller.memory;
@@ -141,7 +142,7 @@ pub unsafe extern "C" fn alula_guide(
     }
 }
 
-/// Controller and input, if nothing is wrong with any argument.
+/// Controller, input and its body axes, if nothing is wrong with any pointer or selector.
 ///
 /// # Safety
 /// As `alula_guide`.
@@ -150,10 +151,11 @@ unsafe fn arguments<'a>(
     controller: *mut Controller,
     input: *const NedInput,
     report: *mut NedReport,
-) -> Result<(&'a mut Initialised<'a>, &'a NedInput), i32> {
+) -> Result<(&'a mut Initialised<'a>, &'a NedInput, BodyAxes), i32> {
     // SAFETY: As in `alula_guide`.
     unsafe {
         boundary::check_optional(report)?;
-        Ok((initialised_mut(controller)?, boundary::read(input)?))
+        let (controller, input) = (initialised_mut(controller)?, boundary::read(input)?);
+        Ok((controller, input, axes_of(input)?))
     }
 }

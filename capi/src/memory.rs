@@ -74,12 +74,14 @@ impl Memory {
         self.last
     }
 
-    /// The last command that was kept, in the body axes `axes`; the safe one if there is none.
-    pub fn last(&self, axes: BodyAxes) -> NedCommand {
+    /// The last command that was kept, in the body axes `axes`, if there is one. A corrupt one, with a number that is not
+    /// finite, is none.
+    pub fn last(&self, axes: BodyAxes) -> Option<NedCommand> {
         match self.last_axes {
-            1 | 2 if self.last_axes != number(axes) => self.last.in_axes(axes),
-            1 | 2 => self.last,
-            _ => NedCommand::SAFE,
+            1 | 2 if !self.last.is_finite() => None,
+            1 | 2 if self.last_axes != number(axes) => Some(self.last.in_axes(axes)),
+            1 | 2 => Some(self.last),
+            _ => None,
         }
     }
 }
@@ -126,5 +128,16 @@ mod tests {
         memory.heading = f32::NAN;
         memory.renew_plane();
         assert_eq!(memory.enter(&guidance, 0.7), plane);
+    }
+
+    #[test]
+    fn a_corrupt_command_is_not_held() {
+        let mut memory = Memory::default();
+        let axes = BodyAxes::NoseUp;
+        assert_eq!(memory.last(axes), None);
+        memory.keep(NedCommand::SAFE, axes);
+        assert_eq!(memory.last(axes), Some(NedCommand::SAFE));
+        memory.last.quaternion[2] = f32::NAN;
+        assert_eq!(memory.last(axes), None);
     }
 }

@@ -8,7 +8,7 @@ use alula::ned::{BodyAxes, Quaternion};
 use crate::boundary::{self, Layout};
 use crate::code;
 use crate::controller::{Controller, Initialised, initialised};
-use crate::ned_input::{NedInput, PlanarInput, ned, plane_of};
+use crate::ned_input::{NedInput, PlanarInput, axes_of, ned, plane_of};
 use crate::ned_report::NedReport;
 use crate::plane::ALULA_FEED_FORWARD;
 
@@ -51,6 +51,15 @@ impl NedCommand {
         pitch: 0.0,
         quaternion: [1.0, 0.0, 0.0, 0.0],
     };
+
+    /// Whether every number is finite: one that is not makes their sum so.
+    #[inline(never)]
+    pub(crate) fn is_finite(&self) -> bool {
+        let [p, q, r] = self.body_rate;
+        let [w, x, y, z] = self.quaternion;
+        let command = self.thrust + self.thrust_normalised + self.pitch_rate + self.pitch;
+        (command + (p + q + r) + (w + x + y + z)).is_finite()
+    }
 
     /// This command, which is in the other body axes, in the axes `axes`.
     pub(crate) fn in_axes(&self, axes: BodyAxes) -> Self {
@@ -157,7 +166,8 @@ pub unsafe extern "C" fn alula_step_ned(
             boundary::check_optional(report)?;
             let controller = initialised(controller)?;
             let input = boundary::read(input)?;
-            let planar = PlanarInput::new(input, plane_of(input.heading))?;
+            let axes = axes_of(input)?;
+            let planar = PlanarInput::new(input, axes, plane_of(input.heading));
             let state = planar.state(input)?;
             let project = |v| planar.plane.project(ned(v)).0;
             let feed_forward = (input.flags & ALULA_FEED_FORWARD != 0).then(|| FeedForward {

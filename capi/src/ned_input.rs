@@ -124,13 +124,9 @@ pub(crate) struct PlanarInput {
 }
 
 impl PlanarInput {
-    /// Projects `input` on the plane of its heading.
-    ///
-    /// # Errors
-    /// The code of a selector that has no such value. Numbers are not checked here.
+    /// Projects `input`, whose body axes are `axes`, on `plane`. Numbers are not checked here.
     #[inline(always)]
-    pub fn new(input: &NedInput, plane: VerticalPlane) -> Result<Self, i32> {
-        let axes = axes_of(input)?;
+    pub fn new(input: &NedInput, axes: BodyAxes, plane: VerticalPlane) -> Self {
         const NO_ATTITUDE: Projection = Projection::upright(Attitude {
             cos: f32::NAN,
             sin: f32::NAN,
@@ -150,7 +146,7 @@ impl PlanarInput {
         let (air, lateral_air) = project(input.air);
         let (reference_velocity, lateral_reference_velocity) = project(input.reference_velocity);
         let (acceleration, lateral_reference_acceleration) = project(input.reference_acceleration);
-        Ok(Self {
+        Self {
             axes,
             plane,
             projection,
@@ -164,7 +160,7 @@ impl PlanarInput {
             lateral_air,
             lateral_reference_velocity,
             lateral_reference_acceleration,
-        })
+        }
     }
 
     /// The state, if the wind is known.
@@ -214,9 +210,12 @@ impl PlanarInput {
 /// Flags that say what `air` is.
 pub(crate) const AIR: u32 = ALULA_AIR_VELOCITY | ALULA_AIR_UNKNOWN;
 
-/// The body axes of an input, all of whose selectors are checked.
+/// The body axes of an input.
+///
+/// # Errors
+/// The code of a selector that has no such value, which may be another one than that of the axes.
 #[inline(always)]
-fn axes_of(input: &NedInput) -> Result<BodyAxes, i32> {
+pub(crate) fn axes_of(input: &NedInput) -> Result<BodyAxes, i32> {
     const FLAGS: u32 = ALULA_FEED_FORWARD | ALULA_POSITION | AIR;
     let axes = match input.body_axes {
         ALULA_BODY_NOSE_FORWARD => BodyAxes::NoseForward,

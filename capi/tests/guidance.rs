@@ -168,6 +168,7 @@ fn bad_frames_are_bridged_and_then_the_command_is_safe() {
     let (code, command, _) = guide(
         &mut c,
         &NedInput {
+            heading: 2.0,
             body_axes: 7,
             ..hover
         },
