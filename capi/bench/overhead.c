@@ -1,5 +1,6 @@
 /*
- * Instructions and stack of the library's functions, and of the Rust call behind alula_step, on the emulated Cortex-M4F.
+ * Instructions and stack of the library's functions, and of the Rust calls that alula_step and alula_guide make, on the
+ * emulated Cortex-M4F.
  *
  * Under `-icount shift=0` QEMU's virtual clock advances 1 ns per instruction, and TIM2 of its netduinoplus2 counts at
  * 1 GHz: one tick per instruction. An empty function's ticks are taken off; the method is checked on loops whose
@@ -75,7 +76,7 @@ static alula_fold_margin margin;
 static alula_table table;
 static alula_table_row rows[60];
 
-/* The functions of the table, behind one signature; what is theirs of a call, three or four instructions, is counted. */
+/* The functions of the table, behind one signature. Passing their arguments, three or four instructions, is counted too. */
 #define ENTRY(name, call)                                          \
     static int32_t name(void *a, const void *b, float dt, void *d) \
     {                                                              \
@@ -99,7 +100,8 @@ static uint32_t __attribute__((noinline)) stack(volatile step f)
     enum { WORDS = 6000 };
     volatile uint32_t *top;
     __asm__ volatile("mov %0, sp" : "=r"(top));
-    /* A colour for each word: one for all would be hidden where a register that holds it is saved. */
+    /* A pattern of its own for each word. With one for all, a saved register that holds it would look like untouched
+     * memory. */
     for (uint32_t n = 1; n <= WORDS; n++)
         top[-(int32_t)n] = n * 0x9e3779b9u;
     f(NULL, NULL, 1e-3f, NULL);
@@ -130,11 +132,11 @@ static uint64_t fixture[ROOM / 8], rust_case[ROOM / 8], result[ROOM / 8];
 static uint32_t counts[5][CASES];
 static float last[5][2];
 
-/* Ten random numbers for the plane's input, and the same for the other one. */
+/* Ten random numbers for the input in the plane, and the same state and reference in north-east-down. */
 static void draw(uint32_t *seed, float x[10])
 {
     for (int k = 0; k < 10; k++)
-        /* Wind, the fifth and sixth, changes by no more than the guidance takes for plausible. */
+        /* The fifth and sixth are the wind: it changes by no more than the guidance takes for plausible. */
         x[k] = within(seed, k == 4 || k == 5 ? 3.0f : k < 8 ? 25.0f : 5.0f);
     /* A unit pair by a rational parametrisation: no sine needed. */
     float t = within(seed, 3.0f), d = 1.0f / (1.0f + t * t);
@@ -177,8 +179,8 @@ static void measure(const char *name, step f, int cases)
  * guidance, over a step in the plane that leaves axes and attitude set-points to its caller. */
 enum { STEP_LIMIT = 150, GUIDE_LIMIT = 150, PLANE_LIMIT = 500 };
 
-/* Says by how much the median of the `c`th, of counts in order, exceeds that of the `rust`th; 1 if that is beyond the
- * limit. */
+/* Prints by how much the median of the `c`th counts exceeds that of the `rust`th; both are sorted. Returns 1 if it is more
+ * than the limit. */
 static int over(const char *const *names, int rust, int c, unsigned long limit)
 {
     unsigned long base = counts[rust][CASES / 2], more = counts[c][CASES / 2] - base;
@@ -190,7 +192,7 @@ static int over(const char *const *names, int rust, int c, unsigned long limit)
     return 1;
 }
 
-/* Prints the counts, and compares two of them. */
+/* Sorts and prints the counts, and compares two of them. */
 static int compare(const char *const *names, int count, int rust, int c, unsigned long limit)
 {
     for (int f = 0; f < count; f++) {
@@ -221,7 +223,7 @@ int main(void)
     map.header = ALULA_HEADER(alula_fold_map);
     margin.header = ALULA_HEADER(alula_fold_margin);
     table.header = ALULA_HEADER(alula_table);
-    /* A flat plate's coefficients, by parabolas, for the work that they make. */
+    /* Roughly a flat plate's coefficients, by parabolas: only the work of interpolating them matters. */
     for (int n = 0; n < 60; n++) {
         float turn = (float)n / 59.0f;
         rows[n].alpha = n == 59 ? 3.14159265f : turn * 3.14159265f;
@@ -302,7 +304,7 @@ int main(void)
             last[f][1] = f < 3 ? rate : ned_command.pitch_rate;
         }
     }
-    /* The three in north-east-down are the same flight to the bit. */
+    /* In north-east-down, C and Rust fly the same flight to the bit. */
     if (report.mode != ALULA_MODE_FLYING || memcmp(last[2], last[3], sizeof last[2]) ||
         memcmp(last[2], last[4], sizeof last[2])) {
         puts("the guidance does not fly, or C and Rust differ");

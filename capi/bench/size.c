@@ -1,6 +1,6 @@
 /*
- * What the library adds to an image: the same program without it, and with the functions that PARTS names. It is weighed
- * and never run. Both hold the C library's memory functions.
+ * How much the library adds to an image: this program is linked without it and with the functions that PARTS names, and the
+ * sizes are compared. It is never run. Both have the C library's memory functions.
  */
 #include <string.h>
 

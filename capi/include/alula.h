@@ -804,7 +804,7 @@ typedef struct alula_input {
 } alula_input;
 
 /**
- * Command of one step, and how it came about.
+ * Command of one step, and the quantities that it is made of.
  */
 typedef struct alula_command {
     /**
@@ -829,7 +829,7 @@ typedef struct alula_command {
     float alpha;
     /**
      * Apparent external force F_p [N] along the tail and across it. Its angle from the tail, atan2(f_p[1],
-     * f_p[0]), is what the attitude has yet to turn.
+     * f_p[0]), is the angle by which the attitude still has to turn.
      */
     float f_p[2];
     /**
@@ -966,7 +966,8 @@ typedef struct alula_ned_command {
 } alula_ned_command;
 
 /**
- * How a command came about, and what its vertical plane has lost of the input. Zero stands for what is not known.
+ * The quantities that a command is made of, and what the projection on the vertical plane has lost of the input. What is
+ * not known is zero.
  */
 typedef struct alula_ned_report {
     /**
@@ -1010,7 +1011,7 @@ typedef struct alula_ned_report {
      */
     float alpha;
     /**
-     * Angle from the tail to the apparent external force [rad], in (−π, π]: what the attitude has yet to turn.
+     * Angle from the tail to the apparent external force [rad], in (−π, π]: the angle by which the attitude still has to turn.
      */
     float theta_tilde;
     /**
@@ -1104,7 +1105,7 @@ typedef struct alula_equilibria {
 } alula_equilibria;
 
 /**
- * What the margin to the fold is read from: opaque memory of the caller's. Set `header`, then call
+ * A map of the folds, from which the margin to the nearest is read: opaque memory of the caller's. Set `header`, then call
  * `alula_fold_map_init`.
  */
 typedef struct alula_fold_map {
@@ -1208,7 +1209,7 @@ int32_t alula_reset(struct alula_controller *controller);
 /**
  * One step of the pure law in a vertical plane: from `input` to `command`, `dt` seconds after the last. The law has no
  * memory and no limits: `dt` is only checked. Whatever is returned but `ALULA_OK`, the command is the safe one; unless
- * it is `command` itself that is at fault, which is then left alone.
+ * `command` itself is at fault: it is then not written.
  *
  * Pointers:
  * Each pointer is null or points to memory of the caller's that holds at least the header word; the whole structure
@@ -1220,7 +1221,7 @@ int32_t alula_step(const struct alula_controller *controller,
                    struct alula_command *command);
 
 /**
- * Fills in an input that hovers still in still air and is asked to stay.
+ * Fills in a hover in still air whose reference is to stay.
  *
  * Pointers:
  * `input` is null or points to memory of the caller's that holds at least the header word, already set; the whole
@@ -1237,7 +1238,7 @@ int32_t alula_input_default(struct alula_input *input);
 int32_t alula_command_default(struct alula_command *command);
 
 /**
- * Fills in an input that hovers still in still air, heading north, and is asked to stay.
+ * Fills in a hover in still air, heading north, whose reference is to stay.
  *
  * Pointers:
  * As `alula_input_default`.
@@ -1247,8 +1248,8 @@ int32_t alula_ned_input_default(struct alula_ned_input *input);
 /**
  * One step of the pure law in the vertical plane through the input's heading: from `input` to `command`, `dt` seconds
  * after the last. The law has no memory and no limits: `dt` is only checked. Whatever is returned but `ALULA_OK`, the
- * command is the safe one, and `report` is left alone; if it is `command` itself that is at fault, that is left alone too.
- * `report` may be null; its mode, velocities and margins are those of a guidance that has nothing to add.
+ * command is the safe one, and `report` is not written; if `command` itself is at fault, it is not written either. `report`
+ * may be null; its margins are zero.
  *
  * Pointers:
  * As `alula_step`.
@@ -1270,9 +1271,9 @@ int32_t alula_ned_command_default(struct alula_ned_command *command);
 /**
  * One step of the guidance: supervision, reference limit, outer loop, law and actuator limits. It always gives a
  * command. If the return code says that the input was refused, the command is the last one flown, for as long as
- * `hold` (`ALULA_STATUS_HOLDING`), and then the safe one: `safe_thrust`, no rotation (`ALULA_STATUS_SAFE`). If it is a
- * pointer, a header, the controller or a selector that is at fault, there was no step, and the command is that of
- * `alula_ned_command_default`. `report` may be null, which saves the time that it takes.
+ * `hold` (`ALULA_STATUS_HOLDING`), and then the safe one: `safe_thrust`, no rotation (`ALULA_STATUS_SAFE`). If a pointer, a
+ * header, the controller or a selector is at fault, there was no step, and the command is that of
+ * `alula_ned_command_default`. `report` may be null, which saves time.
  *
  * Pointers:
  * As `alula_step`, and no other call reads the controller meanwhile either.

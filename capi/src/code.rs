@@ -85,7 +85,7 @@ pub const ALULA_STATUS_HOLDING: u32 = 1 << 17;
 /// The attitude set-point's lead over the attitude is limited to 90°.
 pub const ALULA_STATUS_LEAD_LIMITED: u32 = 1 << 18;
 
-// None of them is one of the core's.
+// They share no bit with the core's.
 const _: () = assert!(
     Status::all().bits() as u32
         & (ALULA_STATUS_SAFE | ALULA_STATUS_HOLDING | ALULA_STATUS_LEAD_LIMITED)

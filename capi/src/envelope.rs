@@ -57,7 +57,7 @@ pub struct FoldMargin {
     pub a: f32,
 }
 
-/// What the margin to the fold is read from: opaque memory of the caller's. Set `header`, then call
+/// A map of the folds, from which the margin to the nearest is read: opaque memory of the caller's. Set `header`, then call
 /// `alula_fold_map_init`.
 #[derive(Clone, Copy)]
 #[repr(C)]
@@ -206,7 +206,7 @@ pub unsafe extern "C" fn alula_fold_margin_at(
             let input = boundary::read(input)?;
             let planar = PlanarInput::new(input, axes_of(input)?, plane_of(input.heading));
             let state = planar.state(input)?;
-            // The law's own check of what it is given.
+            // The law checks its input, here for the margin.
             let control = controller.guidance.control();
             control
                 .either(Law::Robust, &state, &planar.reference, None)

@@ -96,9 +96,9 @@ impl Initialised<'_> {
 
 /// One step of the guidance: supervision, reference limit, outer loop, law and actuator limits. It always gives a
 /// command. If the return code says that the input was refused, the command is the last one flown, for as long as
-/// `hold` (`ALULA_STATUS_HOLDING`), and then the safe one: `safe_thrust`, no rotation (`ALULA_STATUS_SAFE`). If it is a
-/// pointer, a header, the controller or a selector that is at fault, there was no step, and the command is that of
-/// `alula_ned_command_default`. `report` may be null, which saves the time that it takes.
+/// `hold` (`ALULA_STATUS_HOLDING`), and then the safe one: `safe_thrust`, no rotation (`ALULA_STATUS_SAFE`). If a pointer, a
+/// header, the controller or a selector is at fault, there was no step, and the command is that of
+/// `alula_ned_command_default`. `report` may be null, which saves time.
 ///
 /// # Safety
 /// As `alula_step`, and no other call reads the controller meanwhile either.

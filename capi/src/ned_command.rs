@@ -147,8 +147,8 @@ const THRUST_HIGH: u32 = alula::guidance::Status::THRUST_HIGH.bits() as u32;
 
 /// One step of the pure law in the vertical plane through the input's heading: from `input` to `command`, `dt` seconds
 /// after the last. The law has no memory and no limits: `dt` is only checked. Whatever is returned but `ALULA_OK`, the
-/// command is the safe one, and `report` is left alone; if it is `command` itself that is at fault, that is left alone too.
-/// `report` may be null; its mode, velocities and margins are those of a guidance that has nothing to add.
+/// command is the safe one, and `report` is not written; if `command` itself is at fault, it is not written either. `report`
+/// may be null; its margins are zero.
 ///
 /// # Safety
 /// As `alula_step`.

@@ -70,7 +70,7 @@ pub struct NedInput {
 }
 
 impl NedInput {
-    /// Hovering still in still air, nose up by pitch 90° of fixed-wing axes, heading north, asked to stay.
+    /// A hover in still air, heading north, whose reference is to stay. The attitude is pitch 90° of fixed-wing axes.
     pub const DEFAULT: Self = Self {
         header: Self::HEADER,
         flags: 0,
@@ -231,7 +231,7 @@ pub(crate) fn axes_of(input: &NedInput) -> Result<BodyAxes, i32> {
     Ok(axes)
 }
 
-/// Fills in an input that hovers still in still air, heading north, and is asked to stay.
+/// Fills in a hover in still air, heading north, whose reference is to stay.
 ///
 /// # Safety
 /// As `alula_input_default`.

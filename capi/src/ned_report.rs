@@ -1,4 +1,4 @@
-//! What a flight log wants to know of a step, in the axes of autopilots.
+//! What a flight log needs of a step, in the axes of autopilots.
 
 use alula::guidance::{AirUse, Mode};
 use alula::ned::{Ned, VerticalPlane};
@@ -23,7 +23,8 @@ pub const ALULA_AIR_USE_WIND: u32 = 2;
 /// Flown with the last wind known.
 pub const ALULA_AIR_USE_HELD_WIND: u32 = 3;
 
-/// How a command came about, and what its vertical plane has lost of the input. Zero stands for what is not known.
+/// The quantities that a command is made of, and what the projection on the vertical plane has lost of the input. What is
+/// not known is zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct NedReport {
@@ -47,7 +48,7 @@ pub struct NedReport {
     pub bank: f32,
     /// Angle of attack \[rad\], in [−π, π].
     pub alpha: f32,
-    /// Angle from the tail to the apparent external force \[rad\], in (−π, π]: what the attitude has yet to turn.
+    /// Angle from the tail to the apparent external force \[rad\], in (−π, π]: the angle by which the attitude still has to turn.
     pub theta_tilde: f32,
     /// |F_p| \[N\]: how far the law is from losing its equilibrium.
     pub f_p_norm: f32,

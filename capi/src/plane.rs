@@ -37,7 +37,7 @@ pub struct Input {
     pub reference_jerk: [f32; 2],
 }
 
-/// Command of one step, and how it came about.
+/// Command of one step, and the quantities that it is made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct Command {
@@ -52,7 +52,7 @@ pub struct Command {
     /// Angle of attack \[rad\], in [−π, π].
     pub alpha: f32,
     /// Apparent external force F_p \[N\] along the tail and across it. Its angle from the tail, atan2(f_p\[1\],
-    /// f_p\[0\]), is what the attitude has yet to turn.
+    /// f_p\[0\]), is the angle by which the attitude still has to turn.
     pub f_p: [f32; 2],
     /// |F_p| \[N\]: how far the law is from losing its equilibrium.
     pub f_p_norm: f32,
@@ -67,7 +67,7 @@ pub struct Command {
 }
 
 impl Input {
-    /// Hovering still in still air, asked to stay.
+    /// A hover in still air whose reference is to stay.
     pub const DEFAULT: Self = Self {
         header: Self::HEADER,
         flags: 0,
@@ -201,7 +201,7 @@ impl Input {
 
 /// One step of the pure law in a vertical plane: from `input` to `command`, `dt` seconds after the last. The law has no
 /// memory and no limits: `dt` is only checked. Whatever is returned but `ALULA_OK`, the command is the safe one; unless
-/// it is `command` itself that is at fault, which is then left alone.
+/// `command` itself is at fault: it is then not written.
 ///
 /// # Safety
 /// Each pointer is null or points to memory of the caller's that holds at least the header word; the whole structure
@@ -292,7 +292,7 @@ unsafe fn step(
     }
 }
 
-/// Fills in an input that hovers still in still air and is asked to stay.
+/// Fills in a hover in still air whose reference is to stay.
 ///
 /// # Safety
 /// `input` is null or points to memory of the caller's that holds at least the header word, already set; the whole

@@ -88,7 +88,7 @@ static int plane_is_safe(void)
     return alula_command_default(&safe) == ALULA_OK && memcmp(&safe, plane_command, sizeof safe) == 0;
 }
 
-/* Every call, by the pointer that is at fault: `wrong` stands for the `which`th structure. */
+/* Every call that takes the `which`th structure, with the pointer `wrong` in its place. */
 static void call_all(int which, void *wrong, int32_t code)
 {
     void *p[] = {parameters, controller, plane, plane_command, input, command, equilibria, map, margin, table};
@@ -238,7 +238,7 @@ int main(void)
             tidy();
             call_all(which, edge + off, ALULA_ERROR_UNALIGNED);
         }
-        /* A header and nothing behind it: every size, and every version, but the right one. */
+        /* A header word alone, with every size and version but the right one. */
         uint64_t *lone = at_the_edge(8);
         for (uint32_t size = 0; size < 6000; size += 4) {
             for (uint32_t version = 0; version < 3; version++) {

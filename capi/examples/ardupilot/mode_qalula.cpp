@@ -11,7 +11,7 @@ bool ModeQAlula::init(const alula_parameters &parameters, float heading)
     _report.header = ALULA_HEADER(alula_ned_report);
     alula_ned_input_default(&_input);
     alula_ned_command_default(&_command);
-    // The heading at entry stays the plane's, until the pilot or the mission turns it.
+    // The plane keeps the heading at entry, until the pilot or the mission turns it.
     _input.heading = heading;
     // In ArduPilot: if it fails, gcs().send_text(MAV_SEVERITY_ERROR, "%s", alula_strerror(code)).
     return alula_init(&_controller, &parameters, nullptr) == ALULA_OK;
@@ -44,8 +44,8 @@ void ModeQAlula::run(const AP_AHRS &ahrs, AC_AttitudeControl_TS &attitude_contro
 
     _code = alula_guide(&_controller, &_input, dt, &_command, &_report);
 
-    // Whatever the code, the command is one to fly. Tilt and bank are added as rates that level them, which alula leaves to
-    // the caller; small gains do, and at 30 degrees of either the mode should hand over.
+    // The command is flown whatever the code is. alula leaves tilt and bank to the caller: rates that level them are added.
+    // Small gains are enough; at 30 degrees of tilt or bank the mode should hand over to another.
     const float level = 2.0f;
     constexpr float centidegrees = 100.0f * 180.0f / 3.14159265f;
     // About the multicopter's z, which is the tail, a positive bank is a negative yaw; its x, the belly, turns the tilt.

@@ -28,7 +28,7 @@ AlulaGuidance::AlulaGuidance()
     update_parameters();
 }
 
-// The names are those of module.yaml, which is generated from the table that alula checks its parameters against.
+// The names are those of module.yaml, which is generated from the tables that alula_init checks against.
 void AlulaGuidance::update_parameters()
 {
     alula_parameters p;
@@ -93,8 +93,8 @@ void AlulaGuidance::run()
     _input.state_age = age(now, std::min(attitude.timestamp, position.timestamp));
     _input.reference_age = age(now, setpoint.timestamp);
 
-    // Whatever the code, the command is one to fly. A wing that banks, or slips out of the plane, is the lateral
-    // controller's to level; an alula_ned_report says how much, in bank, tilt and lateral_velocity.
+    // The command is flown whatever the code is. Levelling bank and tilt is the lateral controller's task; an
+    // alula_ned_report has them, and the lateral velocity.
     _code = alula_guide(&_controller, &_input, dt, &_command, nullptr);
     publish(_command, fixed_wing, mode.flag_control_attitude_enabled);
 }

@@ -40,7 +40,7 @@ int main()
     expect(std::fabs(hover.thrust_body[2] + 0.5f) < 1e-3f, "half of the thrust, along minus z, holds the weight");
     expect(std::fabs(hover.pitch) < 1e-3f, "without rotation");
 
-    // A frame without an attitude, from the attitude controller's side: the set-point that goes out is the last one.
+    // A frame without an attitude: the attitude set-point that is published is the last one.
     in_hover._vehicle_control_mode_sub.value = {true};
     fly(in_hover, 0.0f, 0.0f);
     const auto flown = in_hover._mc_virtual_attitude_sp_pub.value;
