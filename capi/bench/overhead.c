@@ -177,7 +177,7 @@ static void measure(const char *name, step f, int cases)
 
 /* Most that a C entry may take over a call in Rust, in tenths of a percent of the medians: over the same work, and, of the
  * guidance, over a step in the plane that leaves axes and attitude set-points to its caller. */
-enum { STEP_LIMIT = 150, GUIDE_LIMIT = 150, PLANE_LIMIT = 500 };
+enum { STEP_LIMIT = 150, GUIDE_LIMIT = 250, PLANE_LIMIT = 500 };
 
 /* Prints by how much the median of the `c`th counts exceeds that of the `rust`th; both are sorted. Returns 1 if it is more
  * than the limit. */
