@@ -118,6 +118,15 @@ pub struct Output {
     guided: Guided,
 }
 
+/// What a function with memory remembers when it is called.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Memory {
+    /// Nothing: power-on; or the function has no memory.
+    Fresh,
+    /// The calls before: it is in flight.
+    Kept,
+}
+
 impl Output {
     pub fn new() -> Self {
         Self {
@@ -132,20 +141,33 @@ impl Output {
             guided: Guided::default(),
         }
     }
+
+    /// Makes the memory for the next call what `memory` says.
+    pub fn prepare(&mut self, memory: Memory) {
+        if memory == Memory::Fresh {
+            self.memory = GuidanceState::default();
+        }
+    }
 }
 
 /// A function measured.
 pub type Function = fn(&Fixture, &Case, &mut Output);
 
 macro_rules! functions {
-    ($($name:ident => |$f:ident, $c:ident, $o:ident| $body:expr;)*) => {
+    (
+        $($name:ident => |$f:ident, $c:ident, $o:ident| $body:expr;)*
+        ; $($flown:ident => $of:ident;)*
+    ) => {
         $(
             #[inline(never)]
             #[allow(unused_variables)]
             pub fn $name($f: &Fixture, $c: &Case, $o: &mut Output) { $body }
         )*
-        /// Every function measured, by name.
-        pub const TABLE: &[(&str, Function)] = &[$((stringify!($name), $name)),*];
+        /// Every function measured, by name, and what it remembers.
+        pub const TABLE: &[(&str, Function, Memory)] = &[
+            $((stringify!($name), $name, Memory::Fresh),)*
+            $((stringify!($flown), $of, Memory::Kept),)*
+        ];
     };
 }
 
@@ -196,6 +218,8 @@ functions! {
     };
     attitude_from_angle => |f, c, o| o.attitude = Attitude::from_angle(c.alpha.rad);
     norm => |f, c, o| o.number = c.v_a.norm();
+    ;
+    guidance_in_flight => guidance;
 }
 
 /// The function called `name`.
