@@ -91,9 +91,16 @@ pub const fn atan2(y: f32, x: f32) -> f32 {
 /// of unit length only.
 #[inline(always)]
 pub const fn angle(sin: f32, cos: f32) -> f32 {
-    // Half the angle from the nearer end of the x axis: |t| ≤ 1, and nothing to divide by but 1…2.
-    let a = 2.0 * atan(sin / (1.0 + cos.abs()));
-    if cos < 0.0 { PI.copysign(sin) - a } else { a }
+    // Nothing to divide by but 1…2.
+    angle_of_half(sin / (1.0 + cos.abs()), cos)
+}
+
+/// The angle that [`angle`] gives, from `t` = sin/(1 + |cos|), the tangent of half the angle from the nearer end of the
+/// x axis, and from the sign of its cosine.
+#[inline(always)]
+pub const fn angle_of_half(t: f32, cos: f32) -> f32 {
+    let a = 2.0 * atan(t);
+    if cos < 0.0 { PI.copysign(t) - a } else { a }
 }
 
 /// atan `t` for |`t`| ≤ 1, relative error below 1.5e-7.

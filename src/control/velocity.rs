@@ -223,6 +223,8 @@ impl<A: Aerodynamics, G: GainLaw> VelocityControl<A, G> {
         // |F_p| + F̄_p1, which cancels near θ̃ = π, is F̄_p2²/(|F_p| − F̄_p1).
         let sum = norm + along.abs();
         let alignment = if along < 0.0 {
+            // Rare in flight: the division is not to be made ahead of the choice.
+            core::hint::cold_path();
             across * across / sum
         } else {
             sum

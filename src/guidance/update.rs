@@ -186,6 +186,28 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
     /// within the limits comes out. It is the safe command, or the last one, where there is nothing better.
     #[inline]
     pub fn update(&self, state: &mut GuidanceState, input: &GuidanceInput, dt: f32) -> Guided {
+        self.advance::<true>(state, input, dt)
+    }
+
+    /// [`update`](Self::update) without the margins, which stay zero: they take the second derivatives of the
+    /// coefficients, a sixth of the step.
+    #[inline]
+    pub fn update_without_margin(
+        &self,
+        state: &mut GuidanceState,
+        input: &GuidanceInput,
+        dt: f32,
+    ) -> Guided {
+        self.advance::<false>(state, input, dt)
+    }
+
+    #[inline(always)]
+    fn advance<const MARGIN: bool>(
+        &self,
+        state: &mut GuidanceState,
+        input: &GuidanceInput,
+        dt: f32,
+    ) -> Guided {
         // Before anything else reads the memory.
         let sound = self.is_sound(state);
         if !sound {
@@ -194,7 +216,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         let (dt, timed) = time_passed(dt);
         let mut guided = Guided::default();
         let flown = if timed {
-            self.fly(state, input, dt, &mut guided)
+            self.fly::<MARGIN>(state, input, dt, &mut guided)
         } else {
             Err(Refusal::TimeStep)
         };
@@ -214,11 +236,11 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
     #[inline(always)]
     fn is_sound(&self, state: &GuidanceState) -> bool {
         self.supervisor.is_sound(&state.supervision)
-            & state.reference.is_sound()
-            & self.outer_loop.is_sound(&state.outer_loop)
-            & self.branch.is_sound(&state.branch)
-            & (self.limits.is_sound(&state.limits) | (state.limits == LimitState::default()))
-            & (state.held.norm_squared() <= MAX_SPEED * MAX_SPEED)
+            && state.reference.is_sound()
+            && self.outer_loop.is_sound(&state.outer_loop)
+            && self.branch.is_sound(&state.branch)
+            && (self.limits.is_sound(&state.limits) || (state.limits == LimitState::default()))
+            && (state.held.norm_squared() <= MAX_SPEED * MAX_SPEED)
     }
 
     /// Back to power-on, but for the mode, and for the last command if that is sound: it is what a bad frame is bridged
@@ -261,7 +283,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
     }
 
     #[inline(always)]
-    fn fly(
+    fn fly<const MARGIN: bool>(
         &self,
         state: &mut GuidanceState,
         input: &GuidanceInput,
@@ -350,12 +372,14 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         };
         guided.air = air;
         guided.reference = reference;
-        guided.margin = Margin::new(
-            &step.forces,
-            step.norm,
-            self.control.gains().guard().tau(),
-            branch.sign(),
-        );
+        if MARGIN {
+            guided.margin = Margin::new(
+                &step.forces,
+                step.norm,
+                self.control.gains().guard().tau(),
+                branch.sign(),
+            );
+        }
         guided.status = limited
             | outer
             | saturated
