@@ -35,7 +35,7 @@
 //! thrust acts along the nose. See [`frame`] and [`air`], and [`ned`] for the axes of autopilots.
 //!
 //! # Layers
-//! [`frame`] ← [`air`] ← [`aero`] ← [`Vehicle`] ← [`equivalency`] ← {[`control`], [`equilibrium`]}; no arrow points back. The core sees no
+//! [`frame`] ← [`air`] ← [`aero`] ← [`Vehicle`] ← [`equivalency`] ← {[`control`], [`equilibrium`]} ← [`spatial`]; no arrow points back. The core sees no
 //! clock, global, allocator or peripheral, holds no panic and no double precision, and gives the same bits on every
 //! target: its few elementary functions are its own.
 //!
@@ -55,6 +55,7 @@ pub mod frame;
 mod math;
 pub mod ned;
 mod reference;
+pub mod spatial;
 mod vehicle;
 
 pub use aero::{

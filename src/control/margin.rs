@@ -25,7 +25,7 @@ pub struct Margin {
 impl Margin {
     /// The margin at these forces, on the branch of this sign.
     #[inline(always)]
-    pub(super) fn new(forces: &ApparentForces, f_p_norm: f32, tau: f32, sign: f32) -> Self {
+    pub(crate) fn new(forces: &ApparentForces, f_p_norm: f32, tau: f32, sign: f32) -> Self {
         let Body(f_p) = forces.f_p;
         let h = forces.pressure * condition_residual(&forces.coefficients, &forces.air);
         let slope = (f_p.y + h).abs();

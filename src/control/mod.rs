@@ -6,7 +6,7 @@
 mod bandwidth;
 mod branch_switch;
 mod command;
-mod feed_forward;
+pub(crate) mod feed_forward;
 mod gains;
 mod guard;
 mod guidance;
