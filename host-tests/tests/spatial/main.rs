@@ -3,6 +3,9 @@
 mod common;
 
 mod accuracy;
+mod course;
+mod flown;
 mod identity;
 mod lyapunov;
+mod paths;
 mod support;

@@ -1,0 +1,305 @@
+//! The loop: the core's law in single precision at 100 Hz, with an outer loop, on the six-degree-of-freedom plant.
+//!
+//! Unless said otherwise: rate lag 100 ms, thrust lag 50 ms, T in [0, 2 mg], rates within ±3.5 rad/s, and a controller that
+//! believes m = 9 of 10 kg, k_a = 0.51 of 0.646 kg/m, c_Y = 0.35 of 0.5 and the paper's wrong coefficients.
+
+use alula::ned::{BodyAxes, Quaternion};
+use alula::spatial::{
+    Body, Correction, FeedForward, ForceError, ForceErrorParameters, ForceErrorState, ForceSample,
+    Heading, LateralGains, LateralParameters, Orientation, Reference, Sideslip, SideslipParameters,
+    SideslipState, State, WingedControl, WingedVehicle,
+};
+use alula::{
+    BandwidthGains, BandwidthParameters, Combined, CombinedParameters, Vehicle, VehicleParameters,
+};
+use alula_sil::spatial_plant::{Rotation, SpatialPlant, SpatialState};
+use nalgebra::{UnitQuaternion, Vector3};
+
+use crate::common::{combined, vehicles};
+use crate::support::ned;
+
+pub type V3 = Vector3<f64>;
+
+/// Control period \[s\].
+pub const PERIOD: f64 = 0.01;
+
+/// What is to be flown at one time: position, velocity, acceleration, jerk, heading \[rad\] if any.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Target {
+    pub position: V3,
+    pub velocity: V3,
+    pub acceleration: V3,
+    pub jerk: V3,
+    pub heading: Option<f64>,
+}
+
+/// Gives the target at `t`, told the position; called once a period.
+pub trait Task {
+    fn target(&mut self, t: f64, position: V3) -> Target;
+}
+
+impl<F: FnMut(f64) -> Target> Task for F {
+    fn target(&mut self, t: f64, _: V3) -> Target {
+        self(t)
+    }
+}
+
+/// What is seen of a flight every period.
+#[derive(Clone, Copy, Debug)]
+pub struct Sample {
+    pub t: f64,
+    pub velocity_error: f64,
+    pub position_error: f64,
+    /// \[rad\].
+    pub sideslip: f64,
+    /// Altitude over the start \[m\].
+    pub altitude: f64,
+    /// Cosine of the angle between nose and up.
+    pub nose_up: f64,
+    /// Angle of the belly's horizontal part from north \[rad\].
+    pub heading: f64,
+}
+
+/// What is flown with.
+pub struct Setup {
+    pub plant: SpatialPlant,
+    pub control: WingedControl<Combined, BandwidthGains>,
+    pub force: ForceError,
+    pub sideslip: Sideslip,
+    /// Whether the controller is told the wind.
+    pub wind_known: bool,
+}
+
+impl Setup {
+    pub fn new() -> Self {
+        let (_, truth) = vehicles(0.0, combined(CombinedParameters::NACA_0021_RE_160E3));
+        let model = Combined::new(CombinedParameters::PAPER_BELIEF).unwrap();
+        let plane = Vehicle::new(VehicleParameters::PAPER_BELIEF, model).unwrap();
+        let gains = BandwidthGains::new(BandwidthParameters::PAPER_VEHICLE, &plane).unwrap();
+        let vehicle = WingedVehicle::new(plane, 0.35).unwrap();
+        let force = ForceErrorParameters {
+            time: 0.2,
+            thrust_lag: 0.05,
+            most: 60.0,
+        };
+        Self {
+            plant: SpatialPlant {
+                vehicle: truth,
+                c_y: 0.5,
+                thrust_lag: 0.05,
+                thrust: [0.0, 2.0 * 98.1],
+                rate: 3.5,
+                rotation: Rotation::Lag(0.1),
+            },
+            force: ForceError::new(force, plane.mass()).unwrap(),
+            sideslip: Sideslip::new(SideslipParameters::DEFAULT, &vehicle).unwrap(),
+            control: WingedControl::new(
+                vehicle,
+                gains,
+                LateralGains::new(LateralParameters::PAPER_VEHICLE).unwrap(),
+            ),
+            wind_known: true,
+        }
+    }
+
+    /// Flies `task` from `start` for `duration` \[s\] in `wind`.
+    pub fn fly(
+        &self,
+        task: &mut dyn Task,
+        start: SpatialState,
+        duration: f64,
+        wind: &mut dyn FnMut(f64, f64) -> V3,
+    ) -> Vec<Sample> {
+        let mut state = start;
+        let mut outer = OuterLoop::default();
+        let (mut force, mut sideslip) = (ForceErrorState::default(), SideslipState::default());
+        force.thrust = start.thrust as f32;
+        let mut samples = Vec::new();
+        let mut last_wind = None;
+        for n in 0..(duration / PERIOD).round() as usize {
+            let t = n as f64 * PERIOD;
+            let air = wind(t, state.velocity.norm());
+            let target = task.target(t, state.position);
+            let (velocity, acceleration) = outer.update(&target, &state);
+            let known = if self.wind_known { air } else { V3::zeros() };
+            let wind_rate = (known - last_wind.unwrap_or(known)) / PERIOD;
+            last_wind = Some(known);
+
+            let [w, i, j, k] = [
+                state.attitude.w,
+                state.attitude.i,
+                state.attitude.j,
+                state.attitude.k,
+            ]
+            .map(|x| x as f32);
+            let q = Quaternion {
+                w,
+                x: i,
+                y: j,
+                z: k,
+            };
+            let orientation = Orientation::from_quaternion(&q, BodyAxes::NoseUp).unwrap();
+            let law_state = State {
+                velocity: ned(state.velocity.into()),
+                orientation,
+                wind: ned(known.into()),
+                correction: Correction::new(force.force, sideslip.velocity),
+            };
+            let heading = target.heading.map_or(f32::NAN, |h| h as f32);
+            let reference = Reference {
+                velocity: ned(velocity.into()),
+                acceleration: ned(acceleration.into()),
+                heading: Heading::from_angle(heading),
+            };
+            let feed_forward = FeedForward {
+                air_acceleration: ned((acceleration - wind_rate).into()),
+                jerk: ned(target.jerk.into()),
+            };
+            let command = self
+                .control
+                .robust(&law_state, &reference, Some(&feed_forward))
+                .unwrap();
+            let thrust =
+                f64::from(command.thrust).clamp(self.plant.thrust[0], self.plant.thrust[1]);
+            let [f_i, f_j, f_w] = self.plant.specific_force(&state, air).map(|x| x as f32);
+            let sample = ForceSample {
+                specific_force: Body::new(f_i, f_j, f_w),
+                orientation,
+                aerodynamic: command.diagnostics.aerodynamic,
+                thrust: thrust as f32,
+            };
+            let dt = PERIOD as f32;
+            self.force.update(&mut force, &sample, dt);
+            if !self.wind_known {
+                let v_a = command.diagnostics.v_a;
+                self.sideslip.update(&mut sideslip, v_a, f_w, dt);
+            }
+
+            let [tail, belly, right] = state.axes();
+            let v_a = state.velocity - air;
+            samples.push(Sample {
+                t,
+                velocity_error: (state.velocity - target.velocity).norm(),
+                position_error: (state.position - target.position).norm(),
+                sideslip: (v_a.dot(&right) / v_a.norm().max(1.0)).asin(),
+                altitude: start.position.z - state.position.z,
+                nose_up: tail.z,
+                heading: belly.y.atan2(belly.x),
+            });
+            let r = command.rates;
+            let rates = V3::new(r.j.into(), r.w.into(), r.i.into());
+            for _ in 0..2 {
+                state = self.plant.step(&state, thrust, rates, air, 0.5 * PERIOD);
+            }
+            assert!(state.velocity.norm() < 1e3, "diverged at {t} s");
+        }
+        samples
+    }
+}
+
+/// v_cmd = v_s − sat(K_p x̃) − I, İ = K_i sat(K_p x̃) where it is not saturated, a_r = a_s − d/dt(sat + I); saturated on
+/// the horizontal length and on the vertical.
+#[derive(Default)]
+struct OuterLoop {
+    integral: V3,
+}
+
+/// Horizontal and vertical gains \[1/s\], pull \[m/s\], gain of the integral \[1/s\].
+const GAIN: [f64; 2] = [0.8, 1.0];
+const PULL: [f64; 2] = [6.0, 3.0];
+const INTEGRAL: f64 = 0.2;
+
+impl OuterLoop {
+    fn update(&mut self, target: &Target, state: &SpatialState) -> (V3, V3) {
+        let x = state.position - target.position;
+        let v = state.velocity - target.velocity;
+        let (pull, level) = (
+            V3::new(x.x, x.y, 0.0) * GAIN[0],
+            V3::new(v.x, v.y, 0.0) * GAIN[0],
+        );
+        let length = pull.norm();
+        let (mut sat, mut rate) = (pull, level);
+        let mut grow = V3::new(1.0, 1.0, 1.0);
+        if length > PULL[0] {
+            let along = pull / length;
+            sat = along * PULL[0];
+            rate = (level - along * level.dot(&along)) * (PULL[0] / length);
+            (grow.x, grow.y) = (0.0, 0.0);
+        }
+        let down = x.z * GAIN[1];
+        sat.z = down.clamp(-PULL[1], PULL[1]);
+        if sat.z == down {
+            rate.z = v.z * GAIN[1];
+        } else {
+            grow.z = 0.0;
+        }
+        let integral_rate = INTEGRAL * sat.component_mul(&grow);
+        self.integral += integral_rate * PERIOD;
+        (
+            target.velocity - sat - self.integral,
+            target.acceleration - rate - integral_rate,
+        )
+    }
+}
+
+/// Root of the mean square of `f` from `after` \[s\] on.
+pub fn rms(samples: &[Sample], after: f64, f: impl Fn(&Sample) -> f64) -> f64 {
+    let late: Vec<_> = samples
+        .iter()
+        .filter(|s| s.t >= after)
+        .map(|s| f(s).powi(2))
+        .collect();
+    (late.iter().sum::<f64>() / late.len() as f64).sqrt()
+}
+
+/// Figures of a flight from `after` \[s\] on: velocity rms \[m/s\], position rms \[m\], sideslip rms \[°\]; printed.
+pub fn report(name: &str, samples: &[Sample], after: f64) -> [f64; 3] {
+    let figures = [
+        rms(samples, after, |s| s.velocity_error),
+        rms(samples, after, |s| s.position_error),
+        rms(samples, after, |s| s.sideslip).to_degrees(),
+    ];
+    let lowest = samples
+        .iter()
+        .map(|s| s.altitude)
+        .fold(f64::INFINITY, f64::min);
+    let peak = samples
+        .iter()
+        .filter(|s| s.t >= after)
+        .map(|s| s.velocity_error);
+    println!(
+        "| {name} | {:.3} | {:.3} | {:.3} | {:.2} | {lowest:.1} |",
+        figures[0],
+        figures[1],
+        figures[2],
+        peak.fold(0.0, f64::max),
+    );
+    figures
+}
+
+/// Hover at the origin, nose up, the belly to `heading` \[rad\].
+pub fn hover(heading: f64) -> SpatialState {
+    SpatialState {
+        position: V3::zeros(),
+        velocity: V3::zeros(),
+        attitude: UnitQuaternion::from_axis_angle(&V3::z_axis(), heading),
+        rates: V3::zeros(),
+        thrust: 98.1,
+    }
+}
+
+/// Level cruise to the north at this speed, 4° nose up.
+pub fn cruise(speed: f64) -> SpatialState {
+    SpatialState {
+        position: V3::zeros(),
+        velocity: V3::new(speed, 0.0, 0.0),
+        attitude: UnitQuaternion::from_axis_angle(&V3::y_axis(), -86.0_f64.to_radians()),
+        rates: V3::zeros(),
+        thrust: 5.0,
+    }
+}
+
+/// No wind.
+pub fn calm() -> impl FnMut(f64, f64) -> V3 {
+    |_, _| V3::zeros()
+}

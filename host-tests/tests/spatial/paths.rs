@@ -1,0 +1,68 @@
+//! Paths flown in space. Bounds are the requirement's: velocity rms [m/s], position rms [m], sideslip rms [°], from 10 s on.
+
+use crate::course::{self, Course, Curve};
+use crate::flown::{Setup, V3, calm, cruise, report};
+
+fn within(figures: [f64; 3], bounds: [f64; 3]) {
+    for (figure, bound) in figures.into_iter().zip(bounds) {
+        assert!(figure <= bound, "{figures:?} {bounds:?}");
+    }
+}
+
+/// Flies a course from level cruise along its first direction.
+fn fly(name: &str, curve: Curve, speed: f64, bounds: [f64; 3]) {
+    let samples = Setup::new().fly(
+        &mut Course::new(curve, speed),
+        cruise(speed),
+        40.0,
+        &mut calm(),
+    );
+    within(report(name, &samples, 10.0), bounds);
+}
+
+#[test]
+fn circles() {
+    fly(
+        "circle 40 m, 15 m/s",
+        course::circle_40,
+        15.0,
+        [0.15, 0.3, 0.2],
+    );
+    fly(
+        "circle 40 m, 20 m/s",
+        course::circle_40,
+        20.0,
+        [0.15, 0.3, 0.2],
+    );
+    fly(
+        "circle 33 m, 30 m/s",
+        course::circle_33,
+        30.0,
+        [0.6, 0.8, 0.2],
+    );
+}
+
+#[test]
+fn eight_and_climbing_turn() {
+    fly("eight 200 m, 22 m/s", course::eight, 22.0, [0.3, 0.4, 0.5]);
+    let climb = 20.0_f64.hypot(4.0);
+    fly(
+        "climbing turn, 4 m/s up",
+        course::climbing_turn,
+        climb,
+        [0.1, 0.3, 0.1],
+    );
+}
+
+#[test]
+fn track_in_cross_wind() {
+    let wind = V3::new(0.0, 8.0, 0.0);
+    let samples = Setup::new().fly(
+        &mut Course::new(course::north, 20.0),
+        cruise(20.0),
+        40.0,
+        &mut |_, _| wind,
+    );
+    let figures = report("track, 8 m/s cross wind", &samples, 10.0);
+    within(figures, [0.1, 0.1, 0.2]);
+}
