@@ -56,8 +56,19 @@ pub struct Sample {
     pub altitude: f64,
     /// Cosine of the angle between nose and up.
     pub nose_up: f64,
+    /// Cosine of the angle between belly and down.
+    pub belly_down: f64,
     /// Angle of the belly's horizontal part from north \[rad\].
     pub heading: f64,
+}
+
+/// What is known of the wind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Wind {
+    /// Everything, at every moment.
+    All,
+    /// This; what else there is, the sideslip estimator is to find.
+    Only(V3),
 }
 
 /// What is flown with.
@@ -66,8 +77,8 @@ pub struct Setup {
     pub control: WingedControl<Combined, BandwidthGains>,
     pub force: ForceError,
     pub sideslip: Sideslip,
-    /// Whether the controller is told the wind.
-    pub wind_known: bool,
+    /// What the controller is told of the wind.
+    pub wind_known: Wind,
 }
 
 impl Setup {
@@ -98,7 +109,7 @@ impl Setup {
                 gains,
                 LateralGains::new(LateralParameters::PAPER_VEHICLE).unwrap(),
             ),
-            wind_known: true,
+            wind_known: Wind::All,
         }
     }
 
@@ -121,7 +132,10 @@ impl Setup {
             let air = wind(t, state.velocity.norm());
             let target = task.target(t, state.position);
             let (velocity, acceleration) = outer.update(&target, &state);
-            let known = if self.wind_known { air } else { V3::zeros() };
+            let known = match self.wind_known {
+                Wind::All => air,
+                Wind::Only(wind) => wind,
+            };
             let wind_rate = (known - last_wind.unwrap_or(known)) / PERIOD;
             last_wind = Some(known);
 
@@ -170,7 +184,7 @@ impl Setup {
             };
             let dt = PERIOD as f32;
             self.force.update(&mut force, &sample, dt);
-            if !self.wind_known {
+            if self.wind_known != Wind::All {
                 let v_a = command.diagnostics.v_a;
                 self.sideslip.update(&mut sideslip, v_a, f_w, dt);
             }
@@ -184,6 +198,7 @@ impl Setup {
                 sideslip: (v_a.dot(&right) / v_a.norm().max(1.0)).asin(),
                 altitude: start.position.z - state.position.z,
                 nose_up: tail.z,
+                belly_down: belly.z,
                 heading: belly.y.atan2(belly.x),
             });
             let r = command.rates;

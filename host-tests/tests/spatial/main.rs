@@ -8,4 +8,6 @@ mod flown;
 mod identity;
 mod lyapunov;
 mod paths;
+mod starts;
 mod support;
+mod weather;
