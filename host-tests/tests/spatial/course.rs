@@ -15,8 +15,8 @@ pub struct Course {
     phase: f64,
 }
 
-/// k \[1/s\].
-const FOLLOW: f64 = 1.0;
+/// k \[1/s\]. Below the outer loop's gain: with more, a vehicle ahead is asked to fly faster still.
+const FOLLOW: f64 = 0.4;
 
 impl Course {
     pub fn new(curve: Curve, speed: f64) -> Self {

@@ -122,7 +122,7 @@ impl Setup {
         wind: &mut dyn FnMut(f64, f64) -> V3,
     ) -> Vec<Sample> {
         let mut state = start;
-        let mut outer = OuterLoop::default();
+        let mut integral = V3::zeros();
         let (mut force, mut sideslip) = (ForceErrorState::default(), SideslipState::default());
         force.thrust = start.thrust as f32;
         let mut samples = Vec::new();
@@ -131,7 +131,7 @@ impl Setup {
             let t = n as f64 * PERIOD;
             let air = wind(t, state.velocity.norm());
             let target = task.target(t, state.position);
-            let (velocity, acceleration) = outer.update(&target, &state);
+            let (velocity, acceleration) = outer_loop(&mut integral, &target, &state);
             let known = match self.wind_known {
                 Wind::All => air,
                 Wind::Only(wind) => wind,
@@ -203,58 +203,45 @@ impl Setup {
             });
             let r = command.rates;
             let rates = V3::new(r.j.into(), r.w.into(), r.i.into());
-            for _ in 0..2 {
-                state = self.plant.step(&state, thrust, rates, air, 0.5 * PERIOD);
-            }
+            state = self.plant.step(&state, thrust, rates, air, PERIOD);
             assert!(state.velocity.norm() < 1e3, "diverged at {t} s");
         }
         samples
     }
 }
 
-/// v_cmd = v_s − sat(K_p x̃) − I, İ = K_i sat(K_p x̃) where it is not saturated, a_r = a_s − d/dt(sat + I); saturated on
-/// the horizontal length and on the vertical.
-#[derive(Default)]
-struct OuterLoop {
-    integral: V3,
-}
-
-/// Horizontal and vertical gains \[1/s\], pull \[m/s\], gain of the integral \[1/s\].
+/// Horizontal and vertical gains \[1/s\], pull \[m/s\], and the integral's gain \[1/s\].
 const GAIN: [f64; 2] = [0.8, 1.0];
 const PULL: [f64; 2] = [6.0, 3.0];
 const INTEGRAL: f64 = 0.2;
 
-impl OuterLoop {
-    fn update(&mut self, target: &Target, state: &SpatialState) -> (V3, V3) {
-        let x = state.position - target.position;
-        let v = state.velocity - target.velocity;
-        let (pull, level) = (
-            V3::new(x.x, x.y, 0.0) * GAIN[0],
-            V3::new(v.x, v.y, 0.0) * GAIN[0],
-        );
-        let length = pull.norm();
-        let (mut sat, mut rate) = (pull, level);
-        let mut grow = V3::new(1.0, 1.0, 1.0);
-        if length > PULL[0] {
-            let along = pull / length;
-            sat = along * PULL[0];
-            rate = (level - along * level.dot(&along)) * (PULL[0] / length);
-            (grow.x, grow.y) = (0.0, 0.0);
-        }
-        let down = x.z * GAIN[1];
-        sat.z = down.clamp(-PULL[1], PULL[1]);
-        if sat.z == down {
-            rate.z = v.z * GAIN[1];
-        } else {
-            grow.z = 0.0;
-        }
-        let integral_rate = INTEGRAL * sat.component_mul(&grow);
-        self.integral += integral_rate * PERIOD;
-        (
-            target.velocity - sat - self.integral,
-            target.acceleration - rate - integral_rate,
-        )
+/// v_cmd = v_s − sat(K_p x̃) − I, İ = K_i sat(K_p x̃) where it is not saturated, and a_r = a_s − d/dt(sat + I); saturated
+/// on the horizontal length and on the vertical.
+fn outer_loop(integral: &mut V3, target: &Target, state: &SpatialState) -> (V3, V3) {
+    let x = state.position - target.position;
+    let v = state.velocity - target.velocity;
+    let level = |x: V3| V3::new(x.x, x.y, 0.0) * GAIN[0];
+    let (mut pull, mut rate, mut grow) = (level(x), level(v), V3::repeat(INTEGRAL));
+    let length = pull.norm();
+    if length > PULL[0] {
+        let along = pull / length;
+        pull = along * PULL[0];
+        rate = (rate - along * rate.dot(&along)) * (PULL[0] / length);
+        (grow.x, grow.y) = (0.0, 0.0);
     }
+    let down = x.z * GAIN[1];
+    pull.z = down.clamp(-PULL[1], PULL[1]);
+    if pull.z == down {
+        rate.z = v.z * GAIN[1];
+    } else {
+        grow.z = 0.0;
+    }
+    let growth = pull.component_mul(&grow);
+    *integral += growth * PERIOD;
+    (
+        target.velocity - pull - *integral,
+        target.acceleration - rate - growth,
+    )
 }
 
 /// Root of the mean square of `f` from `after` \[s\] on.

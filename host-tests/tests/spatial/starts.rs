@@ -12,7 +12,7 @@ use crate::flown::{Setup, Target, Task, V3, calm, rms};
 use crate::support::{ball, rotation, triple};
 
 /// Share that converges, and the most altitude lost \[m\], of `n` starts about hover or a level 20 m/s to the north.
-/// Converged: within 0.1 m/s rms after 27 s, nose up or belly down to 8°.
+/// Converged: within 0.1 m/s rms after 23 s, nose up or belly down to 8°.
 fn starts(n: usize, speed: f64) -> (f64, f64) {
     let setup = &Setup::new();
     let fly = |seeds: std::ops::Range<usize>| {
@@ -35,7 +35,7 @@ fn starts(n: usize, speed: f64) -> (f64, f64) {
             let mut hold = |_: f64| Target::default();
             let mut track = Course::new(course::north, 20.0);
             let task: &mut dyn Task = if speed == 0.0 { &mut hold } else { &mut track };
-            let samples = setup.fly(task, start, 30.0, &mut calm());
+            let samples = setup.fly(task, start, 25.0, &mut calm());
             let last = samples[samples.len() - 1];
             let lowest = samples.iter().map(|s| s.altitude).fold(0.0, f64::min);
             let upright = if speed == 0.0 {
@@ -43,7 +43,7 @@ fn starts(n: usize, speed: f64) -> (f64, f64) {
             } else {
                 last.belly_down
             };
-            let settled = rms(&samples, 27.0, |s| s.velocity_error) < 0.1;
+            let settled = rms(&samples, 23.0, |s| s.velocity_error) < 0.1;
             converged += usize::from(settled && upright > 0.99);
             lost = lost.max(-lowest);
         }
