@@ -82,12 +82,29 @@ pub struct Setup {
 }
 
 impl Setup {
+    /// With the wrong belief.
     pub fn new() -> Self {
+        Self::believing(
+            VehicleParameters::PAPER_BELIEF,
+            CombinedParameters::PAPER_BELIEF,
+            0.35,
+        )
+    }
+
+    /// With the true vehicle believed.
+    pub fn exact() -> Self {
+        Self::believing(
+            VehicleParameters::PAPER,
+            CombinedParameters::NACA_0021_RE_160E3,
+            0.5,
+        )
+    }
+
+    fn believing(vehicle: VehicleParameters, model: CombinedParameters, c_y: f32) -> Self {
         let (_, truth) = vehicles(0.0, combined(CombinedParameters::NACA_0021_RE_160E3));
-        let model = Combined::new(CombinedParameters::PAPER_BELIEF).unwrap();
-        let plane = Vehicle::new(VehicleParameters::PAPER_BELIEF, model).unwrap();
+        let plane = Vehicle::new(vehicle, Combined::new(model).unwrap()).unwrap();
         let gains = BandwidthGains::new(BandwidthParameters::PAPER_VEHICLE, &plane).unwrap();
-        let vehicle = WingedVehicle::new(plane, 0.35).unwrap();
+        let vehicle = WingedVehicle::new(plane, c_y).unwrap();
         let force = ForceErrorParameters {
             time: 0.2,
             thrust_lag: 0.05,

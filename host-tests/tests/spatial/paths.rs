@@ -11,7 +11,11 @@ fn within(figures: [f64; 3], bounds: [f64; 3]) {
 
 /// Flies a course from level cruise along its first direction.
 fn fly(name: &str, curve: Curve, speed: f64, bounds: [f64; 3]) {
-    let samples = Setup::new().fly(
+    fly_with(&Setup::new(), name, curve, speed, bounds);
+}
+
+fn fly_with(setup: &Setup, name: &str, curve: Curve, speed: f64, bounds: [f64; 3]) {
+    let samples = setup.fly(
         &mut Course::new(curve, speed),
         cruise(speed),
         50.0,
@@ -65,4 +69,18 @@ fn track_in_cross_wind() {
     );
     let figures = report("track, 8 m/s cross wind", &samples, 20.0);
     within(figures, [0.1, 0.1, 0.2]);
+}
+
+/// Just above the upper fold of a 40 m circle, 17.0 m/s, and well above, with the true vehicle believed: ∂_α f_p γ̇ left in
+/// F_δ, the robust law cycles here.
+#[test]
+fn circles_with_the_true_model() {
+    for (speed, name) in [
+        (15.0, "circle 40 m, 15 m/s, true model"),
+        (18.0, "circle 40 m, 18 m/s, true model"),
+        (20.0, "circle 40 m, 20 m/s, true model"),
+    ] {
+        let bounds = [0.15, 0.3, 0.2];
+        fly_with(&Setup::exact(), name, course::circle_40, speed, bounds);
+    }
 }
