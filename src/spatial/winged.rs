@@ -69,8 +69,9 @@ impl<A: Aerodynamics, G: GainLaw> WingedControl<A, G> {
     /// The law with the robust law (`eq:inputsVCeR`) in the plane of symmetry: defined everywhere.
     ///
     /// Its feed-forward leaves ∂_α f_p γ̇ out of F_δ. Attitude changes F_p by ∂_α f_p (θ̇ − γ̇), and in a steady turn
-    /// θ̇ = γ̇: the two halves cancel. The robust law, with k ≡ 1, has not the one, and keeping the other makes a limit
-    /// cycle in turns near the stall.
+    /// θ̇ = γ̇: the two halves cancel. The robust law, with k ≡ 1, has not the one. Keeping the other, it has a limit cycle in
+    /// turns near the stall where accelerations are measured (those of the reference hardly excite it). The planar
+    /// [`VelocityControl::robust`] keeps the paper's form.
     ///
     /// # Errors
     /// A [`Fault`] that names the input that is not finite or absurd. The safe command is `Command::default()`.

@@ -79,6 +79,8 @@ pub struct Setup {
     pub sideslip: Sideslip,
     /// What the controller is told of the wind.
     pub wind_known: Wind,
+    /// Whether the feed-forward takes the measured acceleration instead of the reference's.
+    pub measured_acceleration: bool,
 }
 
 impl Setup {
@@ -127,6 +129,7 @@ impl Setup {
                 LateralGains::new(LateralParameters::PAPER_VEHICLE).unwrap(),
             ),
             wind_known: Wind::All,
+            measured_acceleration: false,
         }
     }
 
@@ -182,8 +185,15 @@ impl Setup {
                 acceleration: ned(acceleration.into()),
                 heading: Heading::from_angle(heading),
             };
+            let [tail, belly, right] = state.axes();
+            let [f_i, f_j, f_w] = self.plant.specific_force(&state, air);
+            let a = if self.measured_acceleration {
+                f_i * tail + f_j * belly + f_w * right + V3::new(0.0, 0.0, 9.81)
+            } else {
+                acceleration
+            };
             let feed_forward = FeedForward {
-                air_acceleration: ned((acceleration - wind_rate).into()),
+                air_acceleration: ned((a - wind_rate).into()),
                 jerk: ned(target.jerk.into()),
             };
             let command = self
@@ -192,9 +202,8 @@ impl Setup {
                 .unwrap();
             let thrust =
                 f64::from(command.thrust).clamp(self.plant.thrust[0], self.plant.thrust[1]);
-            let [f_i, f_j, f_w] = self.plant.specific_force(&state, air).map(|x| x as f32);
             let sample = ForceSample {
-                specific_force: Body::new(f_i, f_j, f_w),
+                specific_force: Body::new(f_i as f32, f_j as f32, f_w as f32),
                 orientation,
                 aerodynamic: command.diagnostics.aerodynamic,
                 thrust: thrust as f32,
@@ -203,10 +212,9 @@ impl Setup {
             self.force.update(&mut force, &sample, dt);
             if self.wind_known != Wind::All {
                 let v_a = command.diagnostics.v_a;
-                self.sideslip.update(&mut sideslip, v_a, f_w, dt);
+                self.sideslip.update(&mut sideslip, v_a, f_w as f32, dt);
             }
 
-            let [tail, belly, right] = state.axes();
             let v_a = state.velocity - air;
             samples.push(Sample {
                 t,
