@@ -19,10 +19,11 @@ struct Row {
 }
 
 /// Limits of the project, `(function, median, worst over median)`.
-const INSTRUCTIONS: [(&str, u32, f64); 3] = [
+const INSTRUCTIONS: [(&str, u32, f64); 4] = [
     ("robust", 400, 1.15),
     ("full_feed_forward", 900, 1.15),
     ("guidance", 900, 1.15),
+    ("winged_feed_forward", 900, 1.15),
 ];
 /// Most flash and stack of a control step \[bytes\].
 const STEP: (u64, u32) = (6 * 1024, 512);

@@ -3,6 +3,7 @@
 
 mod functions;
 mod measure;
+mod space;
 mod sweep;
 
 use core::hint::black_box;
