@@ -4,6 +4,11 @@
 
 use alula::control::GainChoice;
 use alula::equivalency::ApparentForces;
+use alula::ned::{BodyAxes, Quaternion};
+use alula::spatial::{
+    self, AxisymmetricControl, ForceError, ForceErrorState, ForceSample, Orientation, Sideslip,
+    SideslipState, WingedControl,
+};
 use alula::{
     Combined, Command, Equilibria, EquilibriumError, Fault, FeedForward, FoldMap, FoldMargin,
     Guidance, GuidanceInput, GuidanceState, Guided, Inertial, Model, Reference, State, Vehicle,
@@ -67,6 +72,38 @@ pub fn equilibria(
 #[inline(never)]
 pub fn fold_margin(map: &FoldMap, forces: &ApparentForces) -> Option<FoldMargin> {
     map.margin(forces)
+}
+
+/// The laws in space, robust and full, of a wing and of a body of revolution.
+#[inline(never)]
+pub fn in_space(
+    winged: &WingedControl<Model, GainChoice>,
+    axisymmetric: &AxisymmetricControl<Model, GainChoice>,
+    state: &spatial::State,
+    reference: &spatial::Reference,
+    feed_forward: Option<&spatial::FeedForward>,
+) -> [Result<spatial::Command, Fault>; 4] {
+    [
+        winged.robust(state, reference, feed_forward),
+        winged.full(state, reference, feed_forward),
+        axisymmetric.robust(state, reference, feed_forward),
+        axisymmetric.full(state, reference, feed_forward),
+    ]
+}
+
+/// What the laws in space are given: attitude, and the estimators' corrections.
+#[inline(never)]
+pub fn estimates(
+    (force, force_state): (&ForceError, &mut ForceErrorState),
+    (sideslip, sideslip_state): (&Sideslip, &mut SideslipState),
+    sample: &ForceSample,
+    v_a: spatial::Body,
+    q: &Quaternion,
+    dt: f32,
+) -> Result<Orientation, Fault> {
+    force.update(force_state, sample, dt);
+    sideslip.update(sideslip_state, v_a, sample.specific_force.w, dt);
+    Orientation::from_quaternion(q, BodyAxes::NoseForward)
 }
 
 /// What the search must find, when it is asked to prove that it can.

@@ -275,3 +275,146 @@ fn alignment_squared(f_p: &Body, norm: f32) -> f32 {
     };
     alignment * alignment
 }
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use crate::aero::{Combined, CombinedParameters};
+    use crate::control::GainParameters;
+    use crate::ned::{BodyAxes, Quaternion};
+    use crate::spatial::{Heading, Orientation};
+    use crate::vehicle::VehicleParameters;
+    use rand::{RngExt, SeedableRng};
+
+    fn vehicle(delta: f32) -> Vehicle<Combined> {
+        let model = Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap();
+        let p = VehicleParameters {
+            delta,
+            ..VehicleParameters::PAPER
+        };
+        Vehicle::new(p, model).unwrap()
+    }
+
+    fn control() -> AxisymmetricControl<Combined> {
+        let gains = Gains::new(GainParameters::PAPER).unwrap();
+        AxisymmetricControl::new(vehicle(0.0), gains, 5.0, 0.2).unwrap()
+    }
+
+    /// In the plane of i and v_a the force is the planar one, whichever way the plane is turned about the axis.
+    #[test]
+    fn the_force_is_the_planar_one_in_every_plane_through_the_axis() {
+        let (control, planar) = (control(), vehicle(0.0));
+        for n in 0..2000 {
+            let x = n as f32;
+            let (v_i, v_out) = ((x * 0.7) % 41.0 - 20.0, (x * 1.3) % 19.0 + 0.1);
+            let (sin, cos) = (x * 0.37).sin_cos();
+            let state = State {
+                velocity: Orientation::NOSE_UP.to_world(Body::new(v_i, v_out * cos, v_out * sin)),
+                ..State::default()
+            };
+            let got = control
+                .robust(&state, &Reference::default(), None)
+                .unwrap()
+                .diagnostics
+                .aerodynamic;
+            let v = crate::frame::Body::new(v_i, v_out);
+            let air = crate::air::AirData::new(v, planar.thrust_line());
+            let want = planar.aerodynamic_force(&air);
+            let error = got - Body::new(want.i(), want.j() * cos, want.j() * sin);
+            // 5e-3 N: c_L/sin α times sin α, and weight taken off again, of forces up to 500 N.
+            assert!(math::sqrt(error.norm_squared()) < 5e-3, "{v_i} {v_out}");
+        }
+    }
+
+    #[test]
+    fn hover_is_held_by_the_weight_and_turns_to_the_heading() {
+        let reference = Reference {
+            heading: Heading::from_angle(0.3),
+            ..Reference::default()
+        };
+        let command = control()
+            .robust(&State::default(), &reference, None)
+            .unwrap();
+        assert_eq!((command.thrust, command.rates.j), (10.0 * 9.81, 0.0));
+        // 2 k_ψ sin/(1 + cos).
+        let want = 10.0 * 0.3f32.sin() / (1.0 + 0.3f32.cos());
+        assert!((command.rates.i - want).abs() < 1e-5);
+        assert_eq!(
+            control().full(
+                &State {
+                    orientation: Orientation::from_quaternion(
+                        &Quaternion {
+                            w: 0.0,
+                            x: 1.0,
+                            y: 0.0,
+                            z: 0.0
+                        },
+                        BodyAxes::NoseUp
+                    )
+                    .unwrap(),
+                    ..State::default()
+                },
+                &reference,
+                None
+            ),
+            Err(Fault::Undefined)
+        );
+    }
+
+    #[test]
+    fn bad_parameters_are_named() {
+        let gains = Gains::new(GainParameters::PAPER).unwrap();
+        let name = |delta, twist, heading| {
+            AxisymmetricControl::new(vehicle(delta), gains, twist, heading)
+                .unwrap_err()
+                .parameter
+        };
+        assert_eq!(name(0.1, 5.0, 0.2), "delta");
+        assert_eq!(name(0.0, 0.0, 0.2), "twist");
+        assert_eq!(name(0.0, 5.0, f32::NAN), "heading");
+    }
+
+    #[test]
+    fn no_input_makes_a_command_that_is_not_a_number() {
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(6);
+        let control = control();
+        let (mut flown, mut refused) = (0, 0);
+        for round in 0..200_000 {
+            let mut x: [f32; 18] = core::array::from_fn(|_| rng.random_range(-30.0..30.0));
+            for _ in 0..round % 5 {
+                x[rng.random_range(0..18)] = match rng.random_range(0..3) {
+                    0 => f32::from_bits(rng.random()),
+                    1 => 0.0,
+                    _ => f32::from_bits(1),
+                };
+            }
+            let ned = |n: usize| Ned::new(x[n], x[n + 1], x[n + 2]);
+            let state = State {
+                velocity: ned(0),
+                wind: ned(3),
+                ..State::default()
+            };
+            let reference = Reference {
+                velocity: ned(6),
+                acceleration: ned(9),
+                heading: Heading::FREE,
+            };
+            let ff = FeedForward {
+                air_acceleration: ned(12),
+                jerk: ned(15),
+            };
+            for law in [AxisymmetricControl::robust, AxisymmetricControl::full] {
+                match law(&control, &state, &reference, Some(&ff)) {
+                    Ok(c) => {
+                        let sum = c.thrust + c.rates.i + c.rates.j + c.rates.w;
+                        assert!(sum.is_finite(), "{x:?}");
+                        flown += 1;
+                    }
+                    Err(_) => refused += 1,
+                }
+            }
+        }
+        assert!(flown > 200_000 && refused > 20_000, "{flown} {refused}");
+    }
+}

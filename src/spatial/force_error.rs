@@ -102,3 +102,116 @@ fn passed(dt: f32, time: f32) -> f32 {
     let exponent = math::min(core::f32::consts::LOG2_E * (dt / time), 100.0);
     1.0 - math::exp2(-exponent)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GOOD: ForceErrorParameters = ForceErrorParameters {
+        time: 0.2,
+        thrust_lag: 0.05,
+        most: 60.0,
+    };
+
+    fn estimator() -> ForceError {
+        ForceError::new(GOOD, 9.0).unwrap()
+    }
+
+    /// Hover of 10 kg believed to be 9: the accelerometer feels T/m along −i.
+    fn hover() -> ForceSample {
+        ForceSample {
+            specific_force: Body::new(-9.81, 0.0, 0.0),
+            orientation: Orientation::NOSE_UP,
+            aerodynamic: Body::default(),
+            thrust: 98.1,
+        }
+    }
+
+    /// d̂ = −9·9.81 + 98.1 N: the weight that the belief leaves out, downward. It has gone 1 − 1/e of the way after τ_d.
+    #[test]
+    fn missing_weight_is_found_downward() {
+        let start = ForceErrorState {
+            force: Ned::ZERO,
+            thrust: 98.1,
+        };
+        let after = |steps: usize| {
+            let mut state = start;
+            for _ in 0..steps {
+                estimator().update(&mut state, &hover(), 0.01);
+            }
+            state.force
+        };
+        assert!((after(500).down - 9.81).abs() < 1e-4);
+        assert!((after(20).down / 9.81 - 0.632_12).abs() < 1e-4);
+        assert_eq!((after(500).north, after(500).east), (0.0, 0.0));
+    }
+
+    /// Thrust is what its lag lets through: 1 − 1/e of a step after 50 ms.
+    #[test]
+    fn thrust_follows_its_lag() {
+        let mut state = ForceErrorState::default();
+        for _ in 0..5 {
+            estimator().update(&mut state, &hover(), 0.01);
+        }
+        assert!((state.thrust / 98.1 - 0.632_12).abs() < 1e-4);
+    }
+
+    #[test]
+    fn it_is_bounded_and_leaves_nonsense_out() {
+        let mut state = ForceErrorState::default();
+        let shove = ForceSample {
+            specific_force: Body::new(1e3, -1e3, 1e3),
+            ..hover()
+        };
+        for _ in 0..1000 {
+            estimator().update(&mut state, &shove, 0.01);
+        }
+        // 60 N, rounded.
+        assert!(state.force.norm_squared() < 3600.01);
+        let before = state;
+        for bad in [f32::NAN, f32::INFINITY, 3e38] {
+            let sample = ForceSample {
+                specific_force: Body::new(bad, 0.0, 0.0),
+                ..hover()
+            };
+            estimator().update(&mut state, &sample, 0.01);
+            let sample = ForceSample {
+                thrust: bad,
+                ..hover()
+            };
+            estimator().update(&mut state, &sample, 0.01);
+        }
+        for dt in [0.0, -0.01, f32::NAN, 1.0] {
+            estimator().update(&mut state, &hover(), dt);
+        }
+        assert_eq!(state, before);
+        state.force.east = f32::NAN;
+        estimator().update(&mut state, &hover(), 0.01);
+        assert_eq!(state, ForceErrorState::default());
+    }
+
+    #[test]
+    fn bad_parameters_are_named() {
+        let name = |p, mass| ForceError::new(p, mass).unwrap_err().parameter;
+        assert_eq!(name(GOOD, 0.0), "mass");
+        assert_eq!(
+            name(ForceErrorParameters { time: 0.0, ..GOOD }, 9.0),
+            "time"
+        );
+        let lag = f32::NAN;
+        assert_eq!(
+            name(
+                ForceErrorParameters {
+                    thrust_lag: lag,
+                    ..GOOD
+                },
+                9.0
+            ),
+            "thrust_lag"
+        );
+        assert_eq!(
+            name(ForceErrorParameters { most: 1e9, ..GOOD }, 9.0),
+            "most"
+        );
+    }
+}

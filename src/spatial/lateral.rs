@@ -54,8 +54,8 @@ pub struct LateralGains {
     tilt: f32,
     velocity: f32,
     twice_twist: f32,
-    /// 1/a_y².
-    acceleration: f32,
+    /// 1/a_y.
+    over_acceleration: f32,
     force: Guard,
     airspeed: Guard,
     heading: Guard,
@@ -74,7 +74,7 @@ impl LateralGains {
             tilt: positive("tilt", p.tilt, 1e-3, 1e3)?,
             velocity: positive("velocity", p.velocity, 1e-3, 1e3)?,
             twice_twist: 2.0 * positive("twist", p.twist, 1e-3, 1e3)?,
-            acceleration: 1.0 / (acceleration * acceleration),
+            over_acceleration: 1.0 / acceleration,
             force: Guard::new(positive("force", p.force, 1e-3, 1e6)?)?,
             airspeed: Guard::new(positive("airspeed", p.airspeed, 1e-3, 1e3)?)?,
             heading: Guard::new(positive("heading", p.heading, 1e-3, 1.0)?)?,
@@ -119,7 +119,9 @@ impl LateralGains {
         let drag = at.side * speed;
         // m σ(K_y ṽ_w): what the velocity error asks for, bounded.
         let x = self.velocity * at.error;
-        let push = at.mass * x / math::sqrt(1.0 + x * x * self.acceleration);
+        // Not x²/a_y² by a stored 1/a_y²: only of squares does the compiler know that they have a root.
+        let bounded = x * self.over_acceleration;
+        let push = at.mass * x / math::sqrt(1.0 + bounded * bounded);
         let f_y = Body::new(
             at.weight.i - drag * v_a.i,
             at.weight.j - drag * v_a.j,

@@ -199,3 +199,191 @@ impl<A: Aerodynamics, G: GainLaw> WingedControl<A, G> {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use crate::aero::{Combined, CombinedParameters};
+    use crate::control::GainParameters;
+    use crate::equilibrium::FoldMap;
+    use crate::ned::{BodyAxes, Quaternion};
+    use crate::spatial::{Correction, Heading, LateralParameters, Orientation};
+    use crate::vehicle::{Vehicle, VehicleParameters};
+    use rand::{RngExt, SeedableRng};
+
+    fn control() -> WingedControl<Combined> {
+        let model = Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap();
+        let plane = Vehicle::new(VehicleParameters::PAPER, model).unwrap();
+        WingedControl::new(
+            WingedVehicle::new(plane, 0.5).unwrap(),
+            Gains::new(GainParameters::PAPER).unwrap(),
+            LateralGains::new(LateralParameters::PAPER_VEHICLE).unwrap(),
+        )
+    }
+
+    fn orientation(q: [f32; 4]) -> Orientation {
+        let [w, x, y, z] = q;
+        Orientation::from_quaternion(&Quaternion { w, x, y, z }, BodyAxes::NoseUp).unwrap()
+    }
+
+    #[test]
+    fn hover_is_held_by_the_weight() {
+        let command = control()
+            .robust(&State::default(), &Reference::default(), None)
+            .unwrap();
+        assert_eq!(command.thrust, 10.0 * 9.81);
+        assert_eq!(command.rates, Body::default());
+        assert_eq!(command.diagnostics.tilt(), 0.0);
+    }
+
+    /// A force that pushes to the right is leant against, with the thrust that carries both.
+    #[test]
+    fn a_corrected_force_takes_the_place_of_weight() {
+        let state = State {
+            correction: Correction::new(Ned::new(0.0, 20.0, 10.0), 0.0),
+            ..State::default()
+        };
+        let command = control()
+            .robust(&state, &Reference::default(), None)
+            .unwrap();
+        assert!((command.thrust - 108.1).abs() < 1e-3);
+        assert!((command.diagnostics.tilt() - (20f32 / 108.1).atan()).abs() < 1e-6);
+        // The tail, i, turns to where the sum of weight and force points.
+        assert!(command.rates.j < 0.0);
+        // The true aerodynamic force is none the less zero here.
+        assert_eq!(command.diagnostics.aerodynamic.norm_squared(), 0.0);
+    }
+
+    /// The folds of a level turn of load factor n lie at √n times the airspeeds of level flight: the margin on the
+    /// turn's own ray says so.
+    #[test]
+    fn folds_move_with_the_root_of_the_load_factor() {
+        let control = control();
+        let map = FoldMap::new(control.plane().vehicle());
+        // Level at 20 m/s northward, nose forward, α = 5°; banked by the load factor about the air velocity.
+        let at = |load: f32, speed: f32| {
+            let bank = (1.0 / load).acos();
+            let (s, c) = (0.5 * bank).sin_cos();
+            let (sp, cp) = (0.5 * -85f32.to_radians()).sin_cos();
+            let state = State {
+                velocity: Ned::new(speed, 0.0, 0.0),
+                orientation: orientation([c * cp, s * cp, c * sp, s * sp]),
+                ..State::default()
+            };
+            let reference = Reference {
+                velocity: state.velocity,
+                acceleration: Ned::new(0.0, 9.81 * (load * load - 1.0).sqrt(), 0.0),
+                ..Reference::default()
+            };
+            let forces = control.forces(&state, &reference).unwrap();
+            assert!(control.margin(&forces).force > 1.0);
+            let tilt = control
+                .robust(&state, &reference, None)
+                .unwrap()
+                .diagnostics
+                .tilt();
+            assert!(tilt.abs() < 1e-5, "{tilt}");
+            map.margin(&forces).unwrap().a
+        };
+        for load in [1.5, 2.0, 2.9] {
+            let (turn, level) = (at(load, 20.0), at(1.0, 20.0));
+            // 1e-4: roundings of the bank.
+            assert!(
+                (turn / level / load - 1.0).abs() < 1e-4,
+                "{load} {turn} {level}"
+            );
+        }
+    }
+
+    /// Everything that a step reads but the attitude, one number each.
+    fn inputs(x: &[f32; 18]) -> (Ned, Ned, Reference, FeedForward) {
+        let ned = |n: usize| Ned::new(x[n], x[n + 1], x[n + 2]);
+        (
+            ned(0),
+            ned(3),
+            Reference {
+                velocity: ned(6),
+                acceleration: ned(9),
+                heading: Heading::from_angle(x[0]),
+            },
+            FeedForward {
+                air_acceleration: ned(12),
+                jerk: ned(15),
+            },
+        )
+    }
+
+    #[test]
+    fn each_bad_input_is_named() {
+        use Fault::*;
+        let faults = [
+            Velocity,
+            Wind,
+            ReferenceVelocity,
+            ReferenceAcceleration,
+            AirAcceleration,
+            Jerk,
+        ];
+        let control = control();
+        for law in [WingedControl::robust, WingedControl::full] {
+            for n in 0..18 {
+                for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1.1e3, 3e38] {
+                    let mut x: [f32; 18] = core::array::from_fn(|n| n as f32 * 0.3);
+                    x[n] = bad;
+                    let (velocity, wind, reference, ff) = inputs(&x);
+                    let state = State {
+                        velocity,
+                        wind,
+                        ..State::default()
+                    };
+                    let got = law(&control, &state, &reference, Some(&ff));
+                    assert_eq!(got, Err(faults[n / 3]), "{n} {bad}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn no_input_makes_a_command_that_is_not_a_number() {
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(5);
+        let control = control();
+        let (mut flown, mut refused) = (0, 0);
+        for round in 0..300_000 {
+            let q: [f32; 4] = core::array::from_fn(|_| rng.random_range(-1.0..1.0));
+            let length = q.iter().map(|x| x * x).sum::<f32>().sqrt();
+            let mut x: [f32; 18] = core::array::from_fn(|_| rng.random_range(-30.0..30.0));
+            // None, one or several numbers replaced by arbitrary bits or by a value on an edge.
+            for _ in 0..round % 5 {
+                x[rng.random_range(0..18)] = match rng.random_range(0..4) {
+                    0 => f32::from_bits(rng.random()),
+                    1 => 0.0,
+                    2 => f32::from_bits(1),
+                    _ => rng.random_range(-2.0..2.0f32) * 1e3,
+                };
+            }
+            let (velocity, wind, reference, ff) = inputs(&x);
+            let force = Ned::new(f32::from_bits(rng.random()), 0.0, x[3]);
+            let state = State {
+                velocity,
+                wind,
+                orientation: orientation(q.map(|c| c / length)),
+                correction: Correction::new(force, f32::from_bits(rng.random())),
+            };
+            for law in [WingedControl::robust, WingedControl::full] {
+                match law(&control, &state, &reference, Some(&ff)) {
+                    Ok(c) => {
+                        let d = c.diagnostics;
+                        let sum = c.thrust + c.rates.i + c.rates.j + c.rates.w;
+                        assert!(sum.is_finite(), "{x:?}");
+                        assert!(!d.tilt().is_nan() && !d.sideslip().is_nan());
+                        assert!(d.aerodynamic.norm_squared().is_finite());
+                        flown += 1;
+                    }
+                    Err(_) => refused += 1,
+                }
+            }
+        }
+        assert!(flown > 300_000 && refused > 50_000, "{flown} {refused}");
+    }
+}
