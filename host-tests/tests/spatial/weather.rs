@@ -116,25 +116,39 @@ fn transition_with_the_heading_behind() {
     assert!(transition("transition, heading 180.00° off and held", 180.0, true) <= 3.0);
 }
 
-/// A circle of 40 m at 20 m/s over ground, in 5 m/s of wind and moderate turbulence: airspeeds from 10 to 30 m/s, the
-/// folds at 15 and 17 m/s among them. The wind is measured.
-#[test]
-fn a_circle_in_measured_turbulence_is_never_lost() {
+/// The lowest altitude over the start \[m\] on a circle of 40 m at 20 m/s over ground, in 5 m/s of wind and turbulence of
+/// this wind at 20 ft \[m/s\]; over eight seeds.
+fn lowest_in_turbulence(name: &str, wind_at_20_ft: f64, known: Wind) -> f64 {
+    let mut lowest = f64::INFINITY;
     for seed in 0..8 {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
-        let mut air = Turbulence::new(15.4, 50.0, 0.5 * PI, &mut random);
+        let mut air = Turbulence::new(wind_at_20_ft, 50.0, 0.5 * PI, &mut random);
         let mut course = Course::new(course::circle_40, 20.0);
         let mut blow = |_: f64, speed: f64| {
             air.advance(speed, PERIOD, &mut random);
-            V3::new(0.0, 5.0, 0.0) + air.velocity()
+            STEADY + air.velocity()
         };
-        let samples = Setup::new().fly(&mut course, cruise(20.0), 60.0, &mut blow);
-        let name = format!("circle 40 m, 20 m/s, measured turbulence {seed}");
-        report(&name, &samples, 10.0);
-        let lowest = samples.iter().map(|s| s.altitude).fold(0.0, f64::min);
-        // Measured 2 m at most: what is lost goes on down.
-        assert!(lowest > -5.0, "{lowest}");
+        let setup = Setup {
+            wind_known: known,
+            ..Setup::new()
+        };
+        let samples = setup.fly(&mut course, cruise(20.0), 60.0, &mut blow);
+        report(&format!("{name} {seed}"), &samples, 10.0);
+        lowest = samples.iter().map(|s| s.altitude).fold(lowest, f64::min);
     }
+    lowest
+}
+
+const STEADY: V3 = V3::new(0.0, 5.0, 0.0);
+
+/// Airspeeds are from 10 to 30 m/s in moderate turbulence, the folds at 15 and 17 m/s among them; and a constant ground
+/// speed asks for 1.6 m/s² of braking, where drag gives 0.6. Measured 2.8 m below the start at most: what is lost goes on
+/// down. (Moderate turbulence that is not measured is too much: see `docs/three-dimensions.md`.)
+#[test]
+fn a_circle_in_turbulence_is_not_lost() {
+    let measured = lowest_in_turbulence("moderate turbulence, measured", 15.4, Wind::All);
+    let light = lowest_in_turbulence("light turbulence, unmeasured", 7.7, Wind::Only(STEADY));
+    assert!(measured > -5.0 && light > -5.0, "{measured} {light}");
 }
 
 /// With torques behind the rates the figures are those of the lag.
