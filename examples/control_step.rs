@@ -6,8 +6,8 @@ use alula::control::GainChoice;
 use alula::equivalency::ApparentForces;
 use alula::ned::{BodyAxes, Quaternion};
 use alula::spatial::{
-    self, AxisymmetricControl, ForceError, ForceErrorState, ForceSample, Orientation, Sideslip,
-    SideslipState, WingedControl,
+    self, AxisymmetricControl, ForceError, ForceErrorState, ForceSample, Ned, Orientation,
+    ReferenceLimit, ReferenceLimitState, Sideslip, SideslipState, WingedControl,
 };
 use alula::{
     Combined, Command, Equilibria, EquilibriumError, Fault, FeedForward, FoldMap, FoldMargin,
@@ -104,6 +104,17 @@ pub fn estimates(
     force.update(force_state, sample, dt);
     sideslip.update(sideslip_state, v_a, sample.specific_force.w, dt);
     Orientation::from_quaternion(q, BodyAxes::NoseForward)
+}
+
+/// A velocity reference in space, limited.
+#[inline(never)]
+pub fn limited(
+    limit: &ReferenceLimit,
+    state: &mut ReferenceLimitState,
+    asked: Ned,
+    dt: f32,
+) -> spatial::FeedForward {
+    limit.update(state, asked, dt)
 }
 
 /// What the search must find, when it is asked to prove that it can.

@@ -8,6 +8,7 @@ mod flown;
 mod identity;
 mod lyapunov;
 mod paths;
+mod reversal;
 mod starts;
 mod support;
 mod weather;
