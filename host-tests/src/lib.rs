@@ -9,6 +9,7 @@
 //! of the law's loop.
 //! Of a vehicle alone ([`airframe`]): its [`envelope`]; a [`sweep`](mod@sweep) of its equilibria along a
 //! scenario; the [`fit`](mod@fit) of a model to a table.
+//! [`spatial_plant`] and [`spatial_weather`] are plant and weather in space.
 //! On a target without an operating system the package is empty.
 #![cfg_attr(target_os = "none", no_std)]
 #![cfg(not(target_os = "none"))]
@@ -32,6 +33,8 @@ pub mod reference;
 pub mod replay;
 pub mod report;
 pub mod scenario;
+pub mod spatial_plant;
+pub mod spatial_weather;
 pub mod sweep;
 pub mod trace;
 pub mod workers;

@@ -5,15 +5,23 @@
 //! matrices in inertial coordinates. It serves as the plant's physics and as the yardstick of the
 //! core's accuracy; it is slow, and singular where the paper's formulas are.
 
+mod axisymmetric;
 mod coefficients;
 mod law;
 mod magnitude;
+mod number;
+mod spatial;
 mod table;
 mod vehicle;
 
+pub use axisymmetric::{axisymmetric_full, axisymmetric_robust};
 pub use coefficients::{Aerodynamics, Coefficients};
 pub use law::{Evaluation, Gains, Inputs, full, mu, robust};
 pub use magnitude::{Angle, Magnitudes, magnitudes};
+pub use number::{Number, Triple};
+pub use spatial::{
+    LateralGains, SpatialEvaluation, SpatialInputs, axes, winged_full, winged_robust,
+};
 pub use table::{Row, Table};
 pub use vehicle::{Air, Vehicle};
 
