@@ -118,7 +118,8 @@ impl Topic {
     }
 
     /// A table whose rows a reader took from a file that may be damaged: rows without a finite time are dropped, rows out
-    /// of order are sorted, and a note is left of either. None without rows. Of columns of one name the first is kept.
+    /// of order are sorted, and a note is left of either. None without rows or without columns, as a message of text alone
+    /// has none. Of columns of one name the first is kept.
     pub(crate) fn from_rows(
         name: &str,
         instance: u8,
@@ -139,7 +140,7 @@ impl Topic {
             notes.push(format!("{name}: time runs backwards; rows sorted"));
             order.sort_by(|&a, &b| time[a].total_cmp(&time[b]));
         }
-        if order.is_empty() {
+        if order.is_empty() || columns.is_empty() {
             return None;
         }
         if order.len() < time.len() || !order.is_sorted() {

@@ -1,0 +1,238 @@
+#!/usr/bin/env python3
+"""Holds alula-logs against programs that others wrote: pyulog, the mcap reader, pymavlink.
+
+    python3 -m venv target/venv && target/venv/bin/pip install pyulog==1.3.0 mcap==1.6.0 pymavlink==2.4.50
+    target/venv/bin/python logs/tests/check.py
+
+Writes a CSV and a DataFlash log here, has `examples/convert.rs` turn them into ULog, MCAP and CSV, and compares every
+number that the other programs read with the number that was meant. Also: a ULog that pyulog wrote is read.
+"""
+
+import csv
+import json
+import math
+import random
+import struct
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from mcap.reader import make_reader
+from pymavlink import DFReader
+from pyulog import ULog
+from pyulog.px4 import PX4ULog
+
+ROOT = Path(__file__).resolve().parents[2]
+ROWS = 500
+compared = 0
+
+
+def convert(source, target, *topic):
+    command = ["cargo", "run", "--quiet", "--release", "-p", "alula-logs", "--example", "convert", "--"]
+    subprocess.run([*command, str(source), str(target), *topic], cwd=ROOT, check=True)
+
+
+def same(found, meant, what, tolerance=0.0):
+    """Fails unless the two sequences hold the same numbers; NaN is NaN."""
+    global compared
+    found, meant = [float(v) for v in found], [float(v) for v in meant]
+    assert len(found) == len(meant), f"{what}: {len(found)} values, not {len(meant)}"
+    for row, (a, b) in enumerate(zip(found, meant)):
+        both = math.isnan(a) and math.isnan(b)
+        assert both or abs(a - b) <= tolerance, f"{what}, row {row}: {a!r}, not {b!r}"
+    compared += len(meant)
+
+
+def read_csv(path):
+    """Column → numbers, the unit cut off."""
+    with open(path, newline="") as file:
+        header, *rows = list(csv.reader(file))
+    names = [name.split(" [")[0] for name in header]
+    cells = zip(*rows) if rows else [[] for _ in names]
+    return {name: [float(cell) if cell else math.nan for cell in column] for name, column in zip(names, cells)}
+
+
+def read_ulog(path):
+    """(topic, instance) → column → numbers, and the units."""
+    log = ULog(str(path))
+    assert not log.file_corruption, "pyulog calls the file corrupt"
+    PX4ULog(log).add_roll_pitch_yaw()
+    topics = {(d.name, d.multi_id): d.data for d in log.data_list}
+    units = [value for part in log.msg_info_multiple_dict.get("units", []) for value in part]
+    return topics, dict(unit.split("=", 1) for unit in units)
+
+
+def read_mcap(path):
+    """Topic → column → numbers, arrays taken apart, and topic → field → unit."""
+    topics, units = {}, {}
+    with open(path, "rb") as file:
+        for schema, channel, message in make_reader(file, validate_crcs=True).iter_messages():
+            assert (schema.encoding, channel.message_encoding) == ("jsonschema", "json")
+            properties = json.loads(schema.data)["properties"]
+            units[channel.topic] = channel.metadata
+            columns = topics.setdefault(channel.topic, {})
+            row = json.loads(message.data)
+            assert message.log_time == round(row["timestamp"] * 1e9)
+            for name, value in row.items():
+                assert ("items" in properties[name]) == isinstance(value, list)
+                cells = {f"{name}[{i}]": v for i, v in enumerate(value)} if isinstance(value, list) else {name: value}
+                for column, cell in cells.items():
+                    columns.setdefault(column, []).append(math.nan if cell is None else cell)
+    return topics, units
+
+
+def check_csv(directory):
+    """A CSV, through ULog and MCAP, and through a ULog that pyulog wrote."""
+    draw = random.Random(1)
+    single = lambda v: struct.unpack("<f", struct.pack("<f", v))[0]
+    columns = {
+        "time [s]": [1 + 0.02 * row for row in range(ROWS)],
+        "x [m]": [draw.gauss(0, 100) for _ in range(ROWS)],
+        "q[0]": [single(draw.uniform(-1, 1)) for _ in range(ROWS)],
+        "q[1]": [single(draw.uniform(-1, 1)) for _ in range(ROWS)],
+        "tiny [N*m]": [draw.uniform(-1, 1) * 10 ** draw.uniform(-300, 300) for _ in range(ROWS)],
+        "gaps": [math.nan if row % 7 == 0 else row for row in range(ROWS)],
+    }
+    source = directory / "table.csv"
+    with open(source, "w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(columns)
+        writer.writerows(["" if math.isnan(v) else repr(v) for v in row] for row in zip(*columns.values()))
+    meant = read_csv(source)
+
+    for name in ["table.ulg", "table.mcap", "table-again.csv"]:
+        convert(source, directory / name)
+    topics, units = read_ulog(directory / "table.ulg")
+    assert list(topics) == [("csv", 0)], list(topics)
+    assert units == {"csv.x": "m", "csv.tiny": "N*m"}, units
+    found = topics["csv", 0]
+    assert found["q[0]"].dtype == "float32" and found["x"].dtype == "float64"
+    # ULog keeps microseconds.
+    same(found["timestamp"] / 1e6, meant["time"], "ulog time", 0.5e-6 + 1e-12)
+    for column in list(meant)[1:]:
+        same(found[column], meant[column], f"ulog {column}")
+
+    topics, units = read_mcap(directory / "table.mcap")
+    assert units == {"csv": {"x": "m", "q": "", "tiny": "N*m", "gaps": ""}}, units
+    same(topics["csv"]["timestamp"], meant["time"], "mcap time")
+    for column in list(meant)[1:]:
+        same(topics["csv"][column], meant[column], f"mcap {column}")
+
+    again = read_csv(directory / "table-again.csv")
+    assert list(again) == list(meant)
+    for column in meant:
+        same(again[column], meant[column], f"csv {column}")
+
+    # pyulog writes what it read; ours reads that.
+    ULog(str(directory / "table.ulg")).write_ulog(str(directory / "pyulog.ulg"))
+    convert(directory / "pyulog.ulg", directory / "pyulog.csv")
+    again = read_csv(directory / "pyulog.csv")
+    same(again["time"], meant["time"], "pyulog time", 0.5e-6 + 1e-12)
+    for column in list(meant)[1:]:
+        same(again[column], meant[column], f"pyulog {column}")
+
+
+# Letter → struct, of the letters used below.
+LETTERS = {"B": "B", "b": "b", "n": "4s", "N": "16s", "Z": "64s", "Q": "Q", "d": "d", "f": "f", "c": "h", "C": "H",
+           "h": "h", "L": "i", "e": "i", "g": "e"}
+# Name, format, labels, units, multipliers, as in ArduPilot's LogStructure.h; TST holds what the others do not.
+FORMATS = {
+    128: ("FMT", "BBnNZ", "Type,Length,Name,Format,Columns", "-b---", "-----"),
+    2: ("UNIT", "QbZ", "TimeUS,Id,Label", "s--", "F--"),
+    3: ("MULT", "Qbd", "TimeUS,Id,Mult", "s--", "F--"),
+    4: ("FMTU", "QBNN", "TimeUS,FmtType,UnitIds,MultIds", "s---", "F---"),
+    10: ("XKF1", "QBccCfffffffccce", "TimeUS,C,Roll,Pitch,Yaw,VN,VE,VD,dPD,PN,PE,PD,GX,GY,GZ,OH",
+         "s#ddhnnnnmmmkkkm", "F-BBB0000000BBBB"),
+    11: ("POS", "QLLfff", "TimeUS,Lat,Lng,Alt,RelHomeAlt,RelOriginAlt", "sDUmmm", "FGG000"),
+    12: ("TST", "Qhgd", "TimeUS,Centi,Half,Double", "sm-r", "FB--"),
+    13: ("MSG", "QZ", "TimeUS,Message", "s-", "F-"),
+}
+UNITS = {"s": "s", "d": "deg", "h": "degheading", "n": "m/s", "m": "m", "k": "deg/s", "D": "deglatitude",
+         "U": "deglongitude", "r": "rad", "#": "instance", "-": ""}
+MULTIPLIERS = {"-": 0, "?": 1, "0": 1, "B": 1e-2, "F": 1e-6, "G": 1e-7}
+
+
+def write_dataflash(path):
+    draw = random.Random(2)
+    out = bytearray()
+
+    def message(kind, *values):
+        layout = "<3B" + "".join(LETTERS[letter] for letter in FORMATS[kind][1])
+        values = [v.encode() if isinstance(v, str) else v for v in values]
+        out.extend(struct.pack(layout, 0xA3, 0x95, kind, *values))
+
+    for kind, (name, letters, labels, _, _) in FORMATS.items():
+        size = struct.calcsize("<3B" + "".join(LETTERS[letter] for letter in letters))
+        message(128, kind, size, name, letters, labels)
+    for letter, unit in UNITS.items():
+        message(2, 0, ord(letter), unit)
+    for letter, multiplier in MULTIPLIERS.items():
+        message(3, 0, ord(letter), struct.unpack("<f", struct.pack("<f", multiplier))[0])
+    for kind, (_, _, _, units, multipliers) in FORMATS.items():
+        message(4, 0, kind, units, multipliers)
+    for row in range(ROWS):
+        time = 1_000_000 + 20_000 * row
+        for core in range(2):
+            angles = [draw.randrange(-18000, 18000), draw.randrange(-9000, 9000), draw.randrange(36000)]
+            floats = [draw.gauss(0, 20) for _ in range(7)]
+            message(10, time + core, core, *angles, *floats, *[draw.randrange(-999, 999) for _ in range(3)], row)
+        message(11, time, 473977000 + row, 85456000 - row, 488.0 + row / 8, row / 8, row / 8)
+        message(12, time, draw.randrange(-32768, 32768), draw.uniform(-9, 9), draw.gauss(0, 1))
+        if row % 100 == 0:
+            message(13, time, f"row {row}, and a comma")
+    path.write_bytes(out)
+
+
+def check_dataflash(directory):
+    """A DataFlash log, binary and text, against pymavlink, and through ULog and MCAP."""
+    source = directory / "log.bin"
+    write_dataflash(source)
+    reader = DFReader.DFReader_binary(str(source))
+    meant = {}
+    lines = []
+    while (message := reader.recv_msg()) is not None:
+        name = message.get_type()
+        cells = [str(v) for v in (getattr(message, c) for c in message.get_fieldnames())]
+        lines.append(", ".join([name, *cells]))
+        if name in ("XKF1", "POS", "TST"):
+            rows = meant.setdefault((name, getattr(message, "C", 0)), {})
+            for column in message.get_fieldnames():
+                # pymavlink leaves the multiplier of a plain integer to its reader.
+                value = getattr(message, column) / (100 if column == "Centi" else 1)
+                rows.setdefault(column, []).append(value)
+    assert len(meant) == 4 and all(len(rows["TimeUS"]) == ROWS for rows in meant.values())
+    (directory / "log.log").write_text("\n".join(lines) + "\n")
+
+    for target in ["log.ulg", "log.mcap"]:
+        convert(source, directory / target)
+    ulog, units = read_ulog(directory / "log.ulg")
+    assert units["XKF1.VN"] == "m/s" and units["POS.Lat"] == "deglatitude" and units["TST.Centi"] == "m", units
+    mcap, _ = read_mcap(directory / "log.mcap")
+    assert set(ulog) == set(meant), set(ulog)
+    for (name, instance), rows in meant.items():
+        files = {"bin": source, "log": directory / "log.log"}
+        for kind, file in files.items():
+            target = directory / f"{name}-{instance}-{kind}.csv"
+            convert(file, target, f"{name}.{instance}")
+            found = read_csv(target)
+            same([t * 1e6 for t in found["time"]], rows["TimeUS"], f"{kind} {name} time", 1e-6)
+            for column in list(rows)[1:]:
+                # The widest numbers, degrees, carry 1e-14 of rounding where pymavlink multiplies by 1e-7.
+                same(found[column], rows[column], f"{kind} {name} {column}", 1e-13 if kind == "bin" else 1e-12)
+        channel = name if instance == 0 else f"{name}.{instance}"
+        same(ulog[name, instance]["timestamp"], rows["TimeUS"], f"ulog {name} time")
+        for column in list(rows)[1:]:
+            same(ulog[name, instance][column], rows[column], f"ulog {name} {column}", 1e-13)
+            same(mcap[channel][column], rows[column], f"mcap {name} {column}", 1e-13)
+
+
+def main():
+    with tempfile.TemporaryDirectory() as directory:
+        check_csv(Path(directory))
+        check_dataflash(Path(directory))
+    print(f"{compared} numbers compared: as meant")
+
+
+if __name__ == "__main__":
+    sys.exit(main())
