@@ -2,16 +2,18 @@
 """Holds alula-logs against programs that others wrote: pyulog, the mcap reader, pymavlink.
 
     python3 -m venv target/venv && target/venv/bin/pip install pyulog==1.3.0 mcap==1.6.0 pymavlink==2.4.50
-    target/venv/bin/python logs/tests/check.py
+    target/venv/bin/python logs/tests/check.py [ULOG …]
 
-Writes a CSV and a DataFlash log here, has `examples/convert.rs` turn them into ULog, MCAP and CSV, and compares every
-number that the other programs read with the number that was meant. Also: a ULog that pyulog wrote is read.
+Writes a CSV, a ULog and a DataFlash log here, has `examples/convert.rs` turn them into ULog, MCAP and CSV, and compares
+every number that the other programs read with the number that was meant. Also: a ULog that pyulog wrote is read. Of each
+ULog named, every number is compared with pyulog's.
 """
 
 import csv
 import json
 import math
 import random
+import re
 import struct
 import subprocess
 import sys
@@ -133,6 +135,68 @@ def check_csv(directory):
         same(again[column], meant[column], f"pyulog {column}")
 
 
+def write_ulog(path):
+    """What PX4 writes and ours does not: nested formats, padding, instances, integers, text, other kinds of message."""
+    draw = random.Random(3)
+    out = bytearray(b"ULog\x01\x12\x35\x01" + struct.pack("<Q", 5))
+
+    def message(kind, payload):
+        out.extend(struct.pack("<HB", len(payload), ord(kind)) + payload)
+
+    def keyed(kind, key, value):
+        message(kind, bytes([len(key)]) + key.encode() + value)
+
+    message("B", bytes(40))
+    keyed("I", "char[3] sys_name", b"PX4")
+    keyed("P", "float MC_ROLL_P", struct.pack("<f", 6.5))
+    message("F", b"vehicle_attitude:uint64_t timestamp;float[4] q;uint8_t reset;uint8_t[3] _padding0;")
+    message("F", b"esc_status:uint64_t timestamp;esc_report[2] esc;uint8_t count;char[4] name;uint8_t[3] _padding0;")
+    message("F", b"esc_report:uint64_t timestamp;int32_t rpm;int8_t temperature;uint8_t[3] _padding0;")
+    message("F", b"airspeed:uint64_t timestamp;uint64_t timestamp_sample;bool ok;int16_t raw;double value;")
+    for number, (name, instance) in enumerate([("vehicle_attitude", 0), ("esc_status", 0), ("airspeed", 0), ("airspeed", 1)]):
+        message("A", struct.pack("<BH", instance, number) + name.encode())
+    for row in range(ROWS):
+        time = 1_000_000 + 4000 * row
+        message("D", struct.pack("<HQ4fB", 0, time, *[draw.uniform(-1, 1) for _ in range(4)], row % 256))
+        escs = b"".join(struct.pack("<Qib3x", time, draw.randrange(-2**31, 2**31), draw.randrange(-128, 128)) for _ in "01")
+        message("D", struct.pack("<HQ", 1, time + 1) + escs + struct.pack("<B4s", 2, b"pair"))
+        for instance in range(2):
+            values = (row % 2 == 0, draw.randrange(-32768, 32768), draw.gauss(0, 1e9))
+            message("D", struct.pack("<HQQ?hd", 2 + instance, time + 2, time - 7, *values))
+        if row % 50 == 0:
+            message("L", struct.pack("<BQ", ord("6"), time) + b"a line")
+            message("S", bytes([0x2F, 0x73, 0x13, 0x20, 0x25, 0x0C, 0xBB, 0x12]))
+            message("O", struct.pack("<H", 3))
+            message("z".upper(), b"a kind of message that nobody knows")
+    out.extend(b"\x20\x00D\x00")
+    path.write_bytes(out)
+
+
+def check_ulog(source, directory):
+    """A ULog, through MCAP, against pyulog."""
+    meant = {}
+    for data in ULog(str(source)).data_list:
+        name = data.name if data.multi_id == 0 else f"{data.name}.{data.multi_id}"
+        texts = {f.field_name for f in data.field_data if f.type_str == "char"}
+        # pyulog keeps padding within nested formats.
+        columns = {c: v for c, v in data.data.items() if c not in texts and "_padding" not in c}
+        if len(columns) > 1:
+            meant[name] = columns
+    convert(source, directory / "ulog.mcap")
+    found, _ = read_mcap(directory / "ulog.mcap")
+    assert set(found) == set(meant), set(found) ^ set(meant)
+    for name, columns in meant.items():
+        same([t * 1e6 for t in found[name]["timestamp"]], columns["timestamp"], f"{name} time", 1e-3)
+        for column, values in columns.items():
+            if column != "timestamp":
+                # MCAP's fields are identifiers, but for the indices of arrays.
+                plain = column if re.fullmatch(r"\w+\[\d+\]", column) else re.sub(r"\W", "_", column)
+                # JSON has no infinities.
+                values = [v if math.isfinite(v) else math.nan for v in map(float, values)]
+                same(found[name][plain], values, f"{name} {column}")
+    return len(meant)
+
+
 # Letter → struct, of the letters used below.
 LETTERS = {"B": "B", "b": "b", "n": "4s", "N": "16s", "Z": "64s", "Q": "Q", "d": "d", "f": "f", "c": "h", "C": "H",
            "h": "h", "L": "i", "e": "i", "g": "e"}
@@ -229,8 +293,13 @@ def check_dataflash(directory):
 
 def main():
     with tempfile.TemporaryDirectory() as directory:
-        check_csv(Path(directory))
-        check_dataflash(Path(directory))
+        directory = Path(directory)
+        check_csv(directory)
+        write_ulog(directory / "px4.ulg")
+        assert check_ulog(directory / "px4.ulg", directory) == 4
+        check_dataflash(directory)
+        for source in sys.argv[1:]:
+            print(f"{source}: {check_ulog(Path(source).resolve(), directory)} topics")
     print(f"{compared} numbers compared: as meant")
 
 

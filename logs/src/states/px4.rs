@@ -91,8 +91,7 @@ pub(super) fn turn(log: &Log) -> Option<Quaternion> {
     let flag = log.column("vehicle_status", "is_vtol_tailsitter")?;
     let half = std::f64::consts::FRAC_1_SQRT_2;
     flag.values
-        .iter()
-        .any(|&v| v == 1.0)
+        .contains(&1.0)
         .then_some([half, 0.0, half, 0.0])
 }
 
