@@ -1,5 +1,6 @@
 //! Converts a log: `convert IN OUT [TOPIC]`. The kind of OUT is that of its name: `.ulg`, `.mcap`, `.csv`. CSV holds one
-//! topic, TOPIC, or the log's first; `TOPIC.1` is its second instance.
+//! topic, TOPIC, or the log's first; `TOPIC.1` is its second instance. With TOPIC `states` what is written is the state of
+//! the flight, found under the autopilot's names, on one time base; what the log does not hold is named.
 
 #[cfg(not(target_os = "none"))]
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -12,7 +13,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         [from, to] | [from, to, _] => (Path::new(from), Path::new(to)),
         _ => return Err("usage: convert IN OUT [TOPIC]".into()),
     };
-    let log = alula_logs::read(from)?;
+    let mut log = alula_logs::read(from)?;
+    if arguments.get(2).is_some_and(|topic| topic == "states") {
+        let states = alula_logs::states::find(&log)?;
+        log.notes
+            .extend(states.missing.iter().map(ToString::to_string));
+        log.notes.extend_from_slice(&states.notes);
+        log.topics = vec![states.topic()];
+    }
     log.notes
         .iter()
         .for_each(|note| eprintln!("{}: {note}", from.display()));

@@ -16,7 +16,7 @@ use std::io::Write;
 /// # Errors
 /// [`Error::Csv`], with file, line and column: not UTF-8; separated by semicolons; a column twice or not there; a row of
 /// another width; a cell that is no number; no rows; a time that is empty, not finite or runs backwards.
-/// [`Error::Map`]: a factor of the map is zero or not finite.
+/// [`Error::Map`]: the map names no columns, or a factor is zero or not finite.
 pub fn read(file: &str, bytes: &[u8], map: Option<&Map>) -> Result<Log, Error> {
     let fail = |line: u64, column: Option<&str>, problem: String| Error::Csv {
         file: file.into(),

@@ -28,8 +28,8 @@ pub use log::{Column, Held, Log, Topic};
 
 use std::path::Path;
 
-/// The log in the file `path`, of whatever kind its first bytes say that it is: ULog, DataFlash (binary or text), else
-/// CSV with every column as it stands.
+/// The log in the file `path`, of whatever kind its first bytes say that it is: ULog, DataFlash (binary or text; also if the
+/// name ends in `.bin`), else CSV with every column as it stands.
 ///
 /// # Errors
 /// The file cannot be read, or the reader of its kind refuses it.
@@ -38,7 +38,7 @@ pub fn read(path: &Path) -> Result<Log, Error> {
     let name = path.display().to_string();
     if ulog::is_ulog(&bytes) {
         ulog::read(&name, &bytes)
-    } else if dataflash::is_dataflash(&bytes) {
+    } else if dataflash::is_dataflash(&bytes) || path.extension().is_some_and(|e| e == "bin") {
         dataflash::read(&name, &bytes)
     } else {
         csv::read(&name, &bytes, None)

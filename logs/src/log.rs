@@ -117,6 +117,16 @@ impl Topic {
         })
     }
 
+    /// A table of which the caller knows that it is one.
+    pub(crate) fn plain(name: &str, time: Vec<f64>, columns: Vec<Column>) -> Self {
+        Self {
+            name: name.into(),
+            instance: 0,
+            time,
+            columns,
+        }
+    }
+
     /// A table whose rows a reader took from a file that may be damaged: rows without a finite time are dropped, rows out
     /// of order are sorted, and a note is left of either. None without rows or without columns, as a message of text alone
     /// has none. Of columns of one name the first is kept.

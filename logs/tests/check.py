@@ -19,6 +19,7 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
+from xml.etree import ElementTree
 
 from mcap.reader import make_reader
 from pymavlink import DFReader
@@ -26,6 +27,7 @@ from pyulog import ULog
 from pyulog.px4 import PX4ULog
 
 ROOT = Path(__file__).resolve().parents[2]
+LAYOUT = ROOT / "examples/plotjuggler/flight.xml"
 ROWS = 500
 compared = 0
 
@@ -153,8 +155,17 @@ def write_ulog(path):
     message("F", b"esc_status:uint64_t timestamp;esc_report[2] esc;uint8_t count;char[4] name;uint8_t[3] _padding0;")
     message("F", b"esc_report:uint64_t timestamp;int32_t rpm;int8_t temperature;uint8_t[3] _padding0;")
     message("F", b"airspeed:uint64_t timestamp;uint64_t timestamp_sample;bool ok;int16_t raw;double value;")
-    for number, (name, instance) in enumerate([("vehicle_attitude", 0), ("esc_status", 0), ("airspeed", 0), ("airspeed", 1)]):
+    message("F", b"vehicle_local_position:uint64_t timestamp;float x;float y;float z;float vx;float vy;float vz;")
+    message("F", b"wind:uint64_t timestamp;float windspeed_north;float windspeed_east;")
+    message("F", b"airspeed_validated:uint64_t timestamp;float true_airspeed_m_s;")
+    message("F", b"vehicle_status:uint64_t timestamp;bool is_vtol;bool is_vtol_tailsitter;")
+    setpoint = "vehicle_local_position_setpoint"
+    message("F", f"{setpoint}:uint64_t timestamp;float x;float y;float z;float vx;float vy;float vz;float[3] acceleration;".encode())
+    names = [("vehicle_attitude", 0), ("esc_status", 0), ("airspeed", 0), ("airspeed", 1), ("vehicle_local_position", 0),
+             ("wind", 0), ("airspeed_validated", 0), ("vehicle_status", 0), (setpoint, 0)]
+    for number, (name, instance) in enumerate(names):
         message("A", struct.pack("<BH", instance, number) + name.encode())
+    message("D", struct.pack("<HQ??", 7, 900_000, True, True))
     for row in range(ROWS):
         time = 1_000_000 + 4000 * row
         message("D", struct.pack("<HQ4fB", 0, time, *[draw.uniform(-1, 1) for _ in range(4)], row % 256))
@@ -163,6 +174,11 @@ def write_ulog(path):
         for instance in range(2):
             values = (row % 2 == 0, draw.randrange(-32768, 32768), draw.gauss(0, 1e9))
             message("D", struct.pack("<HQQ?hd", 2 + instance, time + 2, time - 7, *values))
+        message("D", struct.pack("<HQ6f", 4, time - 3, *[draw.gauss(0, 30) for _ in range(6)]))
+        if row % 10 == 5:
+            message("D", struct.pack("<HQ2f", 5, time - 2, draw.gauss(0, 3), draw.gauss(0, 3)))
+            message("D", struct.pack("<HQf", 6, time - 1, draw.uniform(5, 20)))
+            message("D", struct.pack("<HQ9f", 8, time - 1, *[draw.gauss(0, 3) for _ in range(8)], math.nan))
         if row % 50 == 0:
             message("L", struct.pack("<BQ", ord("6"), time) + b"a line")
             message("S", bytes([0x2F, 0x73, 0x13, 0x20, 0x25, 0x0C, 0xBB, 0x12]))
@@ -195,6 +211,54 @@ def check_ulog(source, directory):
                 values = [v if math.isfinite(v) else math.nan for v in map(float, values)]
                 same(found[name][plain], values, f"{name} {column}")
     return len(meant)
+
+
+def check_states(source, directory):
+    """The states of a tail-sitter's log, from what pyulog reads: the last value held on the times of the attitude."""
+    topics, _ = read_ulog(source)
+    convert(source, directory / "states.csv", "states")
+    found = read_csv(directory / "states.csv")
+    base = topics["vehicle_attitude", 0]["timestamp"]
+
+    def held(topic, column):
+        data = topics[topic, 0]
+        last = [sum(1 for t in data["timestamp"] if t <= time) - 1 for time in base]
+        pick = lambda of: [float(of[row]) if row >= 0 else math.nan for row in last]
+        return pick(data[column]), [(t - at) / 1e6 for t, at in zip(map(float, base), pick(data["timestamp"]))]
+
+    position, setpoint = "vehicle_local_position", "vehicle_local_position_setpoint"
+    sources = {"pn": (position, "x"), "pe": (position, "y"), "pd": (position, "z"),
+               "vn": (position, "vx"), "ve": (position, "vy"), "vd": (position, "vz"),
+               "wn": ("wind", "windspeed_north"), "we": ("wind", "windspeed_east"),
+               "airspeed": ("airspeed_validated", "true_airspeed_m_s"),
+               "pn_sp": (setpoint, "x"), "ve_sp": (setpoint, "vy"),
+               "an_sp": (setpoint, "acceleration[0]"), "ad_sp": (setpoint, "acceleration[2]")}
+    same([t * 1e6 for t in found["time"]], base, "states time", 1e-3)
+    for column, place in sources.items():
+        values, age = held(*place)
+        same(found[column], values, f"states {column}")
+        if column in ("vn", "airspeed"):
+            same([a if math.isfinite(a) else math.nan for a in found[column[0] + "_age" if column == "vn" else "airspeed_age"]],
+                 age, f"age of {column}", 1e-9)
+    # PX4's quaternion of length 1, times 90 degrees about y, by the matrix of the product.
+    half = math.sqrt(0.5)
+    hover = [[float(topics["vehicle_attitude", 0][f"q[{i}]"][row]) for i in range(4)] for row in range(len(base))]
+    for name, product in {"qw": lambda w, x, y, z: w - y, "qx": lambda w, x, y, z: x - z,
+                          "qy": lambda w, x, y, z: y + w, "qz": lambda w, x, y, z: z + x}.items():
+        same(found[name], [half * product(*q) / math.hypot(*q) for q in hover], f"states {name}", 1e-15)
+
+
+def check_layout(source):
+    """Every curve of the PlotJuggler layout is in the log `source`, under the name that PlotJuggler gives it."""
+    log = ULog(str(source))
+    names = set()
+    for data in log.data_list:
+        for column in data.data:
+            # PlotJuggler's ulog_parser.cpp: topic/field, elements of arrays .00, .01, …
+            names.add(f"{data.name}/" + re.sub(r"\[(\d+)\]", lambda m: f".{int(m[1]):02}", column))
+    curves = [curve.get("name") for curve in ElementTree.parse(LAYOUT).iter("curve")]
+    assert curves and set(curves) <= names, set(curves) - names
+    assert len(curves) == len(set(curves))
 
 
 # Letter → struct, of the letters used below.
@@ -296,7 +360,9 @@ def main():
         directory = Path(directory)
         check_csv(directory)
         write_ulog(directory / "px4.ulg")
-        assert check_ulog(directory / "px4.ulg", directory) == 4
+        assert check_ulog(directory / "px4.ulg", directory) == 9
+        check_states(directory / "px4.ulg", directory)
+        check_layout(directory / "px4.ulg")
         check_dataflash(directory)
         for source in sys.argv[1:]:
             print(f"{source}: {check_ulog(Path(source).resolve(), directory)} topics")

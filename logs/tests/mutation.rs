@@ -220,7 +220,12 @@ fn run(inputs: usize) -> [usize; 3] {
             let back = ulog::read("f", &written).unwrap();
             assert!(back.notes.is_empty(), "{:?}", back.notes);
             let rows = |log: &Log| log.topics.iter().map(|t| t.time().len()).sum::<usize>();
-            assert_eq!(rows(&back), rows(&log));
+            assert_eq!(
+                rows(&back),
+                rows(&log),
+                "{log:?}, from {:?}",
+                String::from_utf8_lossy(&bytes)
+            );
         }
         // Unoptimised, the crate behind it takes most of the time.
         if input % 8 < 2 {

@@ -69,7 +69,7 @@ impl Map {
     /// The map in the TOML text of the file called `file` in errors.
     ///
     /// # Errors
-    /// It is not TOML, a key is unknown or missing, a factor is zero or not finite.
+    /// It is not TOML, a key is unknown or missing, it names no columns, a factor is zero or not finite.
     pub fn parse(file: &str, text: &str) -> Result<Self, Error> {
         let fail = |problem| Error::Map {
             file: file.into(),
@@ -82,6 +82,9 @@ impl Map {
 
     /// What is wrong with the map, if anything.
     pub(super) fn check(&self) -> Result<(), String> {
+        if self.columns.is_empty() {
+            return Err("the map names no columns".into());
+        }
         let named = self
             .columns
             .iter()
@@ -130,6 +133,10 @@ mod tests {
         let refusal = |text: &str| Map::parse("m.toml", text).unwrap_err().to_string();
         assert!(refusal("time = { from = 't' }").contains("missing field `columns`"));
         assert!(refusal("time = { form = 't' }\ncolumns = {}").contains("unknown field `form`"));
+        assert_eq!(
+            refusal("time = { from = 't' }\n[columns]"),
+            "m.toml: the map names no columns"
+        );
         let zero = refusal("time = { from = 't' }\n[columns]\nx = { from = 'x', scale = 0.0 }");
         assert_eq!(zero, "m.toml: `x`: scale is 0");
     }

@@ -90,9 +90,7 @@ pub(super) const FAMILY: Family = Family {
 pub(super) fn turn(log: &Log) -> Option<Quaternion> {
     let flag = log.column("vehicle_status", "is_vtol_tailsitter")?;
     let half = std::f64::consts::FRAC_1_SQRT_2;
-    flag.values
-        .contains(&1.0)
-        .then_some([half, 0.0, half, 0.0])
+    flag.values.contains(&1.0).then_some([half, 0.0, half, 0.0])
 }
 
 #[cfg(test)]

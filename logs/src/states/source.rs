@@ -74,6 +74,11 @@ impl Source {
         }
     }
 
+    /// The names of its columns.
+    pub(super) fn names(&self) -> impl Iterator<Item = &'static str> {
+        self.columns.iter().map(|(_, column)| *column)
+    }
+
     /// The columns in `log`, if all are there.
     pub(super) fn find<'a>(&self, log: &'a Log) -> Option<Found<'a>> {
         let column = |&(topic, column): &(&str, &str)| {
