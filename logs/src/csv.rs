@@ -1,6 +1,6 @@
 //! Comma-separated values: one table per file.
 //!
-//! Without a [`Map`] the first column is the time [s] and every other column is read under its own name; a header cell
+//! Without a [`Map`] the first column is the time \[s\] and every other column is read under its own name; a header cell
 //! `name [unit]` names the unit. With a map, only what the map names is read. An empty cell is NaN.
 
 mod map;

@@ -71,7 +71,7 @@ impl Column {
 }
 
 impl Topic {
-    /// A table of `columns` over `time` [s].
+    /// A table of `columns` over `time` \[s\].
     ///
     /// # Errors
     /// A column of another length than the time, a name twice, a time that is not finite or runs backwards.
@@ -118,7 +118,7 @@ impl Topic {
     }
 
     /// A table of which the caller knows that it is one.
-    pub(crate) fn plain(name: &str, time: Vec<f64>, columns: Vec<Column>) -> Self {
+    pub(crate) fn unchecked(name: &str, time: Vec<f64>, columns: Vec<Column>) -> Self {
         Self {
             name: name.into(),
             instance: 0,
@@ -181,7 +181,7 @@ impl Topic {
         self.instance
     }
 
-    /// Time of each row [s], in the log's own epoch; never decreasing.
+    /// Time of each row \[s\], in the log's own epoch; never decreasing.
     #[must_use]
     pub fn time(&self) -> &[f64] {
         &self.time
@@ -199,7 +199,7 @@ impl Topic {
         self.columns.iter().find(|c| c.name == name)
     }
 
-    /// The rows of this topic as they stood at each time of `base` [s].
+    /// The rows of this topic as they stood at each time of `base` \[s\].
     #[must_use]
     pub fn held_at(&self, base: &[f64]) -> Held {
         let row = |&t: &f64| self.time.partition_point(|&own| own <= t).checked_sub(1);
@@ -215,7 +215,7 @@ impl Topic {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Held {
     rows: Vec<Option<usize>>,
-    /// Time since that row [s]; infinite before the first row.
+    /// Time since that row \[s\]; infinite before the first row.
     pub age: Vec<f64>,
 }
 

@@ -11,7 +11,7 @@ use std::io::{Seek, Write};
 
 /// Writes `log` as MCAP, all topics in the order of time.
 ///
-/// Each topic is a channel of its name, a second instance `name.1`. A message is a JSON object of `timestamp` [s] and the
+/// Each topic is a channel of its name, a second instance `name.1`. A message is a JSON object of `timestamp` \[s\] and the
 /// columns; neighbouring columns `q[0]`, `q[1]`, … are one array. The channel's JSON Schema describes each field by its
 /// unit, and the channel's metadata holds field → unit. NaN and infinities, which JSON has not, are `null`.
 ///

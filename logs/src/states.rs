@@ -6,18 +6,19 @@
 //! | columns | quantity |
 //! |---|---|
 //! | `qw qx qy qz` | attitude |
-//! | `vn ve vd` [m/s], `pn pe pd` [m], `wn we wd` [m/s] | velocity, position, wind: north, east, down |
+//! | `vn ve vd` [m/s], `pn pe pd` \[m\], `wn we wd` [m/s] | velocity, position, wind: north, east, down |
 //! | `airspeed` [m/s] | airspeed |
 //! | `qw_sp …`, `pn_sp …`, `vn_sp …`, `an_sp …` [m/s²] | set-points of attitude, position, velocity, acceleration |
 
 mod ardupilot;
 mod attitude;
+mod plain;
 mod px4;
 mod source;
 
 pub use attitude::{Quaternion, multiply};
 
-use crate::{Column, Log, Topic};
+use crate::Log;
 use source::Source;
 use std::fmt;
 
@@ -28,7 +29,7 @@ pub struct Series<const N: usize> {
     pub source: String,
     /// The components; NaN before the first value.
     pub values: Vec<[f64; N]>,
-    /// Time since the value was logged [s]; infinite before the first.
+    /// Time since the value was logged \[s\]; infinite before the first.
     pub age: Vec<f64>,
 }
 
@@ -37,14 +38,14 @@ pub struct Series<const N: usize> {
 pub struct States {
     /// The autopilot whose names were found: `PX4`, `ArduPilot` or `plain`.
     pub family: &'static str,
-    /// The time base [s]: each row of the topic that holds the attitude.
+    /// The time base \[s\]: each row of the topic that holds the attitude.
     pub time: Vec<f64>,
     /// Attitude, a unit quaternion w, x, y, z from the body to north-east-down. The body's x axis points along the nose,
     /// y to the right wing: what PX4 logs of a tail-sitter in its hover frame is turned into this one.
     pub attitude: Series<4>,
     /// Velocity over ground [m/s].
     pub velocity: Option<Series<3>>,
-    /// Position from the log's own origin [m].
+    /// Position from the log's own origin \[m\].
     pub position: Option<Series<3>>,
     /// Velocity of the air over ground [m/s]. Estimators know no vertical wind: down is 0.
     pub wind: Option<Series<3>>,
@@ -52,7 +53,7 @@ pub struct States {
     pub airspeed: Option<Series<1>>,
     /// Attitude asked for, in the frame of [`States::attitude`].
     pub attitude_setpoint: Option<Series<4>>,
-    /// Position asked for [m]. NaN where the autopilot asks for none, as in the other set-points.
+    /// Position asked for \[m\]. NaN where the autopilot asks for none, as in the other set-points.
     pub position_setpoint: Option<Series<3>>,
     /// Velocity asked for [m/s].
     pub velocity_setpoint: Option<Series<3>>,
@@ -97,97 +98,6 @@ impl States {
                 .collect(),
         })
     }
-
-    /// The states as one plain table: the columns named above, and the age [s] of each quantity but the attitude.
-    #[must_use]
-    pub fn topic(&self) -> Topic {
-        const PLAIN: Family = PLAIN_FAMILY;
-        let mut columns = Vec::new();
-        add(
-            &mut columns,
-            &PLAIN.attitude[0],
-            "",
-            None,
-            Some(&self.attitude),
-        );
-        add(
-            &mut columns,
-            &PLAIN.velocity[0],
-            "m/s",
-            Some("v_age"),
-            self.velocity.as_ref(),
-        );
-        add(
-            &mut columns,
-            &PLAIN.position[0],
-            "m",
-            Some("p_age"),
-            self.position.as_ref(),
-        );
-        add(
-            &mut columns,
-            &PLAIN.wind[0],
-            "m/s",
-            Some("w_age"),
-            self.wind.as_ref(),
-        );
-        add(
-            &mut columns,
-            &PLAIN.airspeed[0],
-            "m/s",
-            Some("airspeed_age"),
-            self.airspeed.as_ref(),
-        );
-        add(
-            &mut columns,
-            &PLAIN.attitude_setpoint[0],
-            "",
-            Some("q_sp_age"),
-            self.attitude_setpoint.as_ref(),
-        );
-        add(
-            &mut columns,
-            &PLAIN.position_setpoint[0],
-            "m",
-            Some("p_sp_age"),
-            self.position_setpoint.as_ref(),
-        );
-        add(
-            &mut columns,
-            &PLAIN.velocity_setpoint[0],
-            "m/s",
-            Some("v_sp_age"),
-            self.velocity_setpoint.as_ref(),
-        );
-        add(
-            &mut columns,
-            &PLAIN.acceleration_setpoint[0],
-            "m/s/s",
-            Some("a_sp_age"),
-            self.acceleration_setpoint.as_ref(),
-        );
-        Topic::plain("states", self.time.clone(), columns)
-    }
-}
-
-/// Adds the components of `series` under the names of `plain`, and its age.
-fn add<const N: usize>(
-    columns: &mut Vec<Column>,
-    plain: &Source,
-    unit: &str,
-    age: Option<&str>,
-    series: Option<&Series<N>>,
-) {
-    let Some(series) = series else { return };
-    for (i, name) in plain.names().enumerate() {
-        let component = |value: &[f64; N]| value.get(i).copied().unwrap_or(f64::NAN);
-        columns.push(Column::new(
-            name,
-            unit,
-            series.values.iter().map(component).collect(),
-        ));
-    }
-    columns.extend(age.map(|age| Column::new(age, "s", series.age.clone())));
 }
 
 /// Where a family of logs keeps each quantity, the best source first.
@@ -204,48 +114,12 @@ struct Family {
     acceleration_setpoint: &'static [Source],
 }
 
-/// A plain table: a CSV with a column map, or what [`States::topic`] writes.
-const PLAIN_FAMILY: Family = Family {
-    name: "plain",
-    attitude: &[Source::quaternion(&[
-        ("", "qw"),
-        ("", "qx"),
-        ("", "qy"),
-        ("", "qz"),
-    ])],
-    velocity: &[Source::vector(&[("", "vn"), ("", "ve"), ("", "vd")])],
-    position: &[Source::vector(&[("", "pn"), ("", "pe"), ("", "pd")])],
-    wind: &[Source::vector(&[("", "wn"), ("", "we"), ("", "wd")])],
-    airspeed: &[Source::scalar(&[("", "airspeed")])],
-    attitude_setpoint: &[Source::quaternion(&[
-        ("", "qw_sp"),
-        ("", "qx_sp"),
-        ("", "qy_sp"),
-        ("", "qz_sp"),
-    ])],
-    position_setpoint: &[Source::vector(&[
-        ("", "pn_sp"),
-        ("", "pe_sp"),
-        ("", "pd_sp"),
-    ])],
-    velocity_setpoint: &[Source::vector(&[
-        ("", "vn_sp"),
-        ("", "ve_sp"),
-        ("", "vd_sp"),
-    ])],
-    acceleration_setpoint: &[Source::vector(&[
-        ("", "an_sp"),
-        ("", "ae_sp"),
-        ("", "ad_sp"),
-    ])],
-};
-
 /// Finds the states in `log`.
 ///
 /// # Errors
 /// No attitude under any name that is looked for. Every other quantity may be missing and is then named.
 pub fn find(log: &Log) -> Result<States, Missing> {
-    let families = [px4::FAMILY, ardupilot::FAMILY, PLAIN_FAMILY];
+    let families = [px4::FAMILY, ardupilot::FAMILY, plain::FAMILY];
     let Some((family, found)) = families.iter().find_map(|family| {
         Some((
             family,
@@ -323,70 +197,4 @@ pub fn find(log: &Log) -> Result<States, Missing> {
         missing,
         notes,
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_plain_table_holds_the_states_it_was_made_of() {
-        let series = |first: f64| Series {
-            source: "somewhere".into(),
-            values: vec![[f64::NAN; 3], [first, 0.5, -0.5]],
-            age: vec![f64::INFINITY, 0.25],
-        };
-        let states = States {
-            family: "plain",
-            time: vec![1.0, 2.0],
-            attitude: Series {
-                source: String::new(),
-                values: vec![[0.5; 4], [1.0, 0.0, 0.0, 0.0]],
-                age: vec![0.0; 2],
-            },
-            velocity: Some(series(1.0)),
-            position: Some(series(2.0)),
-            wind: Some(series(3.0)),
-            airspeed: Some(Series {
-                source: String::new(),
-                values: vec![[7.0], [8.0]],
-                age: vec![0.0; 2],
-            }),
-            attitude_setpoint: None,
-            position_setpoint: Some(series(4.0)),
-            velocity_setpoint: Some(series(5.0)),
-            acceleration_setpoint: Some(series(6.0)),
-            missing: Vec::new(),
-            notes: Vec::new(),
-        };
-        let topic = states.topic();
-        assert_eq!(topic.column("v_age").unwrap().values, [f64::INFINITY, 0.25]);
-        assert_eq!(topic.column("an_sp").unwrap().unit, "m/s/s");
-        let back = find(&Log {
-            topics: vec![topic],
-            notes: Vec::new(),
-        })
-        .unwrap();
-        assert_eq!(
-            (back.family, &back.time, &back.attitude.values),
-            ("plain", &states.time, &states.attitude.values)
-        );
-        let second = |series: &Option<Series<3>>| series.as_ref().unwrap().values[1];
-        for (a, b) in [
-            (&back.velocity, &states.velocity),
-            (&back.position, &states.position),
-            (&back.wind, &states.wind),
-            (&back.position_setpoint, &states.position_setpoint),
-            (&back.velocity_setpoint, &states.velocity_setpoint),
-            (&back.acceleration_setpoint, &states.acceleration_setpoint),
-        ] {
-            assert_eq!(second(a), second(b));
-        }
-        assert_eq!(back.airspeed.unwrap().values, [[7.0], [8.0]]);
-        assert_eq!(back.missing.len(), 1);
-        assert_eq!(
-            back.missing[0].to_string(),
-            "no attitude set-point: none of qw_sp qx_sp qy_sp qz_sp"
-        );
-    }
 }

@@ -238,8 +238,8 @@ def check_states(source, directory):
         values, age = held(*place)
         same(found[column], values, f"states {column}")
         if column in ("vn", "airspeed"):
-            same([a if math.isfinite(a) else math.nan for a in found[column[0] + "_age" if column == "vn" else "airspeed_age"]],
-                 age, f"age of {column}", 1e-9)
+            ages = [a if math.isfinite(a) else math.nan for a in found[column + "_age"]]
+            same(ages, age, f"age of {column}", 1e-9)
     # PX4's quaternion of length 1, times 90 degrees about y, by the matrix of the product.
     half = math.sqrt(0.5)
     hover = [[float(topics["vehicle_attitude", 0][f"q[{i}]"][row]) for i in range(4)] for row in range(len(base))]

@@ -4,7 +4,10 @@
 //! velocity, position; `XKF2`: wind), `libraries/AP_NavEKF2/LogStructure.h` (`NKQ`, `NKF1`, `NKF2`),
 //! `libraries/AP_AHRS/LogStructure.h` (`AHR2`, `ATT`, `POS`), `libraries/AP_Logger/LogStructure.h` (`ARSP`),
 //! `libraries/AC_AttitudeControl/LogStructure.h` (`PSCN`, `PSCE`, `PSCD`: position, velocity, acceleration asked for by the
-//! position controller, per axis). `XKQ1`, `NKQ1`: the quaternions before instances had columns (2019).
+//! position controller, per axis). `XKQ1`, `NKQ1`: the quaternions of versions in which each instance had its own message.
+//!
+//! The quaternions are those of `Quaternion::rotation_matrix` (`libraries/AP_Math/quaternion.cpp`), which `AP_NavEKF3_core.cpp`
+//! uses as the rotation from the body to north-east-down: w, x, y, z as PX4's.
 
 use super::Family;
 use super::source::Source;

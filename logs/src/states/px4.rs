@@ -2,7 +2,7 @@
 //!
 //! Read in PX4/PX4-Autopilot, `msg/` and `msg/versioned/`: `VehicleAttitude.msg` (`q`: w, x, y, z, from the body,
 //! forward-right-down, to north-east-down), `VehicleLocalPosition.msg` (`x y z`, `vx vy vz`, north-east-down),
-//! `Wind.msg` and, before 2021, `wind_estimate.msg` (`windspeed_north`, `windspeed_east`), `AirspeedValidated.msg`
+//! `Wind.msg` and, of older versions, `wind_estimate.msg` (`windspeed_north`, `windspeed_east`), `AirspeedValidated.msg`
 //! (`true_airspeed_m_s`, NaN if invalid), `VehicleLocalPositionSetpoint.msg`, `TrajectorySetpoint.msg` (NaN: not
 //! controlled), `VehicleAttitudeSetpoint.msg` (`q_d`), `VehicleStatus.msg` (`is_vtol_tailsitter`).
 

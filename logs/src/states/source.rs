@@ -119,8 +119,8 @@ pub(super) struct Found<'a> {
     columns: Vec<(&'a Topic, &'a Column)>,
 }
 
-/// Metres per degree of latitude, and of longitude at the equator: ArduPilot's own figure, so that its positions come out
-/// as it has them (`LOCATION_SCALING_FACTOR` in `libraries/AP_Common/Location.h`: 0.011131884502145034 m per 1e-7°).
+/// Metres per degree of latitude, and of longitude at the equator: ArduPilot's own figure (`LOCATION_SCALING_FACTOR` of
+/// AP_Math's `location.cpp`: 0.011131884502145034 m per 1e-7°), so that positions come out as it has them.
 const METRES_PER_DEGREE: f64 = 111_318.845_021_450_34;
 
 impl Found<'_> {
