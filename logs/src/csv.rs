@@ -18,65 +18,27 @@ use std::io::Write;
 /// another width; a cell that is no number; no rows; a time that is empty, not finite or runs backwards.
 /// [`Error::Map`]: the map names no columns, or a factor is zero or not finite.
 pub fn read(file: &str, bytes: &[u8], map: Option<&Map>) -> Result<Log, Error> {
-    let fail = |line: u64, column: Option<&str>, problem: String| Error::Csv {
-        file: file.into(),
-        line,
-        column: column.map(Into::into),
-        problem,
-    };
     let text = std::str::from_utf8(bytes).map_err(|e| {
-        let line = bytes[..e.valid_up_to()]
-            .iter()
-            .filter(|b| **b == b'\n')
-            .count() as u64
-            + 1;
-        fail(line, None, "not UTF-8 text".into())
+        let read = bytes.get(..e.valid_up_to()).unwrap_or_default();
+        let line = 1 + read.iter().filter(|b| **b == b'\n').count() as u64;
+        fail(file, line, None, "not UTF-8 text")
     })?;
     let mut reader = ::csv::ReaderBuilder::new()
         .trim(::csv::Trim::All)
         .from_reader(text.as_bytes());
-    let headers: Vec<String> = reader
-        .headers()
-        .map_err(|e| {
-            fail(
-                e.position().map_or(1, |p| line(text, p)),
-                None,
-                in_words(&e),
-            )
-        })?
-        .iter()
-        .map(Into::into)
-        .collect();
-    if headers.len() == 1 && headers[0].contains(';') {
-        let problem = "separated by semicolons; commas are read, with a point in numbers";
-        return Err(fail(1, None, problem.into()));
-    }
-    if let Some(name) = crate::fields::twice(headers.iter().map(String::as_str)) {
-        return Err(fail(
-            1,
-            Some(name),
-            "the header names this column twice".into(),
-        ));
-    }
-    if headers.len() < 2 {
-        return Err(fail(
-            1,
-            None,
-            "the header names fewer than two columns".into(),
-        ));
-    }
+    let headers = reader.headers().map_err(|e| refused(file, text, &e))?;
+    let headers: Vec<String> = headers.iter().map(Into::into).collect();
+    check(file, text, &headers)?;
 
     let (topic, time_source, wanted) = match map {
         Some(map) => {
-            map.check().map_err(|problem| Error::Map {
+            let problem = |problem| Error::Map {
                 file: file.into(),
                 problem,
-            })?;
-            (
-                map.topic.as_str(),
-                map.time.clone(),
-                map.columns.clone().into_iter().collect::<Vec<_>>(),
-            )
+            };
+            map.check().map_err(problem)?;
+            let columns = map.columns.clone().into_iter().collect();
+            (map.topic.as_str(), map.time.clone(), columns)
         }
         None => {
             let (time, columns) = map::identity(&headers);
@@ -84,61 +46,38 @@ pub fn read(file: &str, bytes: &[u8], map: Option<&Map>) -> Result<Log, Error> {
         }
     };
     let place = |source: &Source| {
-        headers
-            .iter()
-            .position(|h| *h == source.from)
-            .ok_or_else(|| {
-                let there = headers.join("`, `");
-                fail(
-                    1,
-                    Some(&source.from),
-                    format!("not in the header, which has `{there}`"),
-                )
-            })
+        let there = || format!("not in the header, which has `{}`", headers.join("`, `"));
+        let place = headers.iter().position(|h| *h == source.from);
+        place.ok_or_else(|| fail(file, 1, Some(&source.from), there()))
     };
     let time_place = place(&time_source)?;
     let mut columns = Vec::new();
     for (name, source) in &wanted {
-        columns.push((
-            place(source)?,
-            source,
-            Column::new(name, &source.unit, Vec::new()),
-        ));
+        let column = Column::new(name, &source.unit, Vec::new());
+        columns.push((place(source)?, source, column));
     }
 
     let mut time: Vec<f64> = Vec::new();
     for record in reader.records() {
-        let record = record.map_err(|e| {
-            fail(
-                e.position().map_or(1, |p| line(text, p)),
-                None,
-                in_words(&e),
-            )
-        })?;
-        let line = || record.position().map_or(0, |p| line(text, p));
-        let number = |place: usize| -> Result<f64, Error> {
-            let cell = record.get(place).unwrap_or_default();
-            let column = headers.get(place).map(String::as_str);
-            match cell {
-                "" => Ok(f64::NAN),
-                _ => cell
-                    .parse()
-                    .map_err(|_| fail(line(), column, format!("`{cell}` is no number"))),
-            }
+        let record = record.map_err(|e| refused(file, text, &e))?;
+        let fail = |place: usize, problem: String| {
+            let line = record.position().map_or(1, |p| line(text, p));
+            fail(file, line, headers.get(place).map(String::as_str), problem)
+        };
+        let number = |place: usize| match record.get(place).unwrap_or_default() {
+            "" => Ok(f64::NAN),
+            cell => cell
+                .parse()
+                .map_err(|_| fail(place, format!("`{cell}` is no number"))),
         };
         let t = time_source.apply(number(time_place)?);
-        let column = Some(time_source.from.as_str());
+        let last = time.last().copied().unwrap_or(f64::NEG_INFINITY);
         if !t.is_finite() {
-            return Err(fail(line(), column, format!("the time is {t}")));
+            return Err(fail(time_place, format!("the time is {t}")));
         }
-        if let Some(&last) = time.last()
-            && t < last
-        {
-            return Err(fail(
-                line(),
-                column,
-                format!("time runs backwards: {t} s after {last} s"),
-            ));
+        if t < last {
+            let problem = format!("time runs backwards: {t} s after {last} s");
+            return Err(fail(time_place, problem));
         }
         time.push(t);
         for (place, source, column) in &mut columns {
@@ -146,13 +85,57 @@ pub fn read(file: &str, bytes: &[u8], map: Option<&Map>) -> Result<Log, Error> {
         }
     }
     if time.is_empty() {
-        return Err(fail(1, None, "no rows below the header".into()));
+        return Err(fail(file, 1, None, "no rows below the header"));
     }
     let columns = columns.into_iter().map(|(_, _, column)| column).collect();
+    let topics = vec![Topic::new(topic, 0, time, columns)?];
     Ok(Log {
-        topics: vec![Topic::new(topic, 0, time, columns)?],
+        topics,
         notes: Vec::new(),
     })
+}
+
+/// Refuses a header that names no table.
+fn check(file: &str, text: &str, headers: &[String]) -> Result<(), Error> {
+    let first = text.lines().next().unwrap_or_default();
+    let (semicolons, commas) = (first.matches(';').count(), first.matches(',').count());
+    if semicolons > 0 && semicolons >= commas {
+        let problem = "separated by semicolons; commas are read, with a point in numbers";
+        return Err(fail(file, 1, None, problem));
+    }
+    if let Some(name) = crate::fields::twice(headers.iter().map(String::as_str)) {
+        let problem = "the header names this column twice";
+        return Err(fail(file, 1, Some(name), problem));
+    }
+    if headers.len() < 2 {
+        let problem = "the header names fewer than two columns";
+        return Err(fail(file, 1, None, problem));
+    }
+    Ok(())
+}
+
+fn fail(file: &str, line: u64, column: Option<&str>, problem: impl Into<String>) -> Error {
+    let (file, column, problem) = (file.into(), column.map(Into::into), problem.into());
+    Error::Csv {
+        file,
+        line,
+        column,
+        problem,
+    }
+}
+
+/// What the reader of records refused, in our words.
+fn refused(file: &str, text: &str, error: &::csv::Error) -> Error {
+    let line = error.position().map_or(1, |p| line(text, p));
+    let problem = match error.kind() {
+        ::csv::ErrorKind::UnequalLengths {
+            expected_len, len, ..
+        } => {
+            format!("{len} cells, where the header has {expected_len}")
+        }
+        _ => error.to_string(),
+    };
+    fail(file, line, None, problem)
 }
 
 /// The line of a record, counted from 1. The reader counts the empty lines before a record to it.
@@ -164,17 +147,6 @@ fn line(text: &str, position: &::csv::Position) -> u64 {
         .take_while(|b| b"\r\n".contains(b))
         .filter(|b| **b == b'\n');
     position.line() + empty.count() as u64
-}
-
-fn in_words(error: &::csv::Error) -> String {
-    match error.kind() {
-        ::csv::ErrorKind::UnequalLengths {
-            expected_len, len, ..
-        } => {
-            format!("{len} cells, where the header has {expected_len}")
-        }
-        _ => error.to_string(),
-    }
 }
 
 /// Writes `topic`: a header `time [s],name [unit],…`, then its rows in the shortest decimals that read back as the same
@@ -223,6 +195,7 @@ mod tests {
     fn refusals_name_file_line_and_column() {
         let cases = [
             ("t;x\n0;1\n", "f.csv: line 1: separated by semicolons"),
+            ("t;x, m\n0;1\n", "f.csv: line 1: separated by semicolons"),
             (
                 "t,x,x\n0,1,2\n",
                 "f.csv: line 1, column `x`: the header names this column twice",
