@@ -6,8 +6,6 @@ use std::collections::{BTreeMap, HashMap};
 
 /// The type of `FMT` itself.
 pub(super) const FMT: u8 = 128;
-/// Messages that describe others, and parameters, whose value means nothing without the name.
-const NO_TOPICS: [&str; 5] = ["FMT", "FMTU", "UNIT", "MULT", "PARM"];
 /// The unit of the column that tells instances apart.
 const INSTANCE: char = '#';
 
@@ -115,9 +113,10 @@ impl Tables {
                     self.assigned.insert(kind as u8, (units, multipliers));
                 }
             }
+            // A parameter's value means nothing without its name, which is text.
             "FMT" | "PARM" => {}
             _ => {
-                if table.values.first().is_none_or(Vec::is_empty) {
+                if table.values.first().is_some_and(Vec::is_empty) {
                     self.order.push(kind);
                 }
                 let mut columns = table.values.iter_mut();
@@ -135,9 +134,7 @@ impl Tables {
     pub(super) fn finish(mut self) -> Log {
         let mut topics = Vec::new();
         for kind in std::mem::take(&mut self.order) {
-            if let Some(table) = self.formats.remove(&kind)
-                && !NO_TOPICS.contains(&table.format.name.as_str())
-            {
+            if let Some(table) = self.formats.remove(&kind) {
                 self.topics_of(kind, table, &mut topics);
             }
         }
@@ -223,10 +220,7 @@ impl Tables {
                     .filter_map(|&row| values.get(row).copied())
                     .collect()
             };
-            let of = |c: &Column| Column {
-                values: select(&c.values),
-                ..c.clone()
-            };
+            let of = |c: &Column| Column::new(&c.name, &c.unit, select(&c.values));
             let columns = columns.iter().map(of).collect();
             topics.extend(Topic::from_rows(
                 &table.format.name,
