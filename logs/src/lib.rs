@@ -9,6 +9,18 @@
 //! - [`states`] finds attitude, velocity, position, wind and set-points under the names that PX4 and ArduPilot give them,
 //!   on one time base, and names what is missing.
 //!
+//! ```
+//! use alula_logs::{Column, Log, Topic, ulog};
+//!
+//! let x = Column::new("x", "m", vec![1.0, 2.0]);
+//! let position = Topic::new("position", 0, vec![0.5, 1.0], vec![x])?;
+//! let log = Log { topics: vec![position], notes: Vec::new() };
+//! let mut file = Vec::new();
+//! ulog::write(&log, &mut file)?;
+//! assert_eq!(ulog::read("file", &file)?, log);
+//! # Ok::<(), alula_logs::Error>(())
+//! ```
+//!
 //! On a target without an operating system the package is empty.
 #![cfg_attr(target_os = "none", no_std)]
 #![cfg(not(target_os = "none"))]
