@@ -1,21 +1,22 @@
 //! One step of the guidance.
 //!
-//! supervision → reference limit → outer loop → robust law on its branch → actuator limits. The law is pure; what
-//! the rest remembers is in [`GuidanceState`], and nothing else is.
+//! supervision → planner → virtual flight → tracker (the robust law) → actuator limits. What is remembered is in
+//! [`GuidanceState`], and nowhere else.
 
 use super::bandwidth::BandwidthGains;
-use super::branch_switch::{BranchState, BranchSwitch, Verdict};
+use super::flight::{Flight, limited};
 use super::limits::{LimitState, Limits};
-use super::outer_loop::{OuterInput, OuterLoop, OuterState};
 use super::parameters::GuidanceParameters;
-use super::reference_limit::{ReferenceLimit, ReferenceState};
+use super::planner::{Planner, PlannerState, wrap};
+use super::progress::Progress;
 use super::status::Status;
 use super::supervision::{Air, AirUse, Mode, Refusal, SupervisionState, Supervisor, time_passed};
+use super::tracker::{Tracker, TrackerInput};
 use crate::aero::Aerodynamics;
-use crate::branch::Branch;
 use crate::control::{Command, Diagnostics, GainLaw, Margin, State, VelocityControl, check_input};
 use crate::error::{ParameterError, Problem};
 use crate::frame::{Attitude, Inertial};
+use crate::math;
 use crate::parameters::Parameters;
 use crate::reference::{MAX_SPEED, Reference};
 use crate::vehicle::Vehicle;
@@ -46,12 +47,10 @@ use crate::vehicle::Vehicle;
 pub struct Guidance<A, G = BandwidthGains> {
     /// The velocity law.
     control: VelocityControl<A, G>,
-    /// Acceleration limit on the reference.
-    reference_limit: ReferenceLimit,
-    /// Position hold and integral action.
-    outer_loop: OuterLoop,
-    /// Choice between θ̃ = 0 and θ̃ = π.
-    branch: BranchSwitch,
+    /// Which plan the virtual vehicle flies by.
+    planner: Planner,
+    /// How the real vehicle follows.
+    tracker: Tracker,
     /// Limits of the actuators.
     limits: Limits,
     /// What to do when inputs fail.
@@ -84,10 +83,19 @@ pub struct GuidanceInput {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct GuidanceState {
     supervision: SupervisionState,
-    reference: ReferenceState,
-    outer_loop: OuterState,
-    branch: BranchState,
+    /// The virtual flight.
+    flight: Flight,
+    /// The plan it flies by.
+    planner: PlannerState,
+    /// Integral I [m/s].
+    integral: Inertial,
+    /// The wind that is planned with: without gusts [m/s].
+    wind: Inertial,
+    /// Position less reference position \[m\], reckoned from the velocity where it is not measured.
+    reckoned: Inertial,
     limits: LimitState,
+    /// 1 once the virtual flight has begun.
+    started: u8,
     /// Last good reference velocity [m/s].
     held: Inertial,
     /// 1 if there has been a good reference. A number, not `Option`: every bit pattern has a meaning.
@@ -112,8 +120,10 @@ pub struct Guided {
     pub status: Status,
     /// Margins of well-posedness; zero unless the law was flown.
     pub margin: Margin,
-    /// The reference that the law was given, v_cmd and a_cmd.
+    /// The reference that the law was given: the virtual flight's velocity, pull and integral, and its acceleration.
     pub reference: Reference,
+    /// What is being done, and what of the reference cannot be had.
+    pub progress: Progress,
     /// Why the frame was refused, if it was.
     pub refusal: Option<Refusal>,
 }
@@ -124,9 +134,14 @@ impl GuidanceState {
         self.supervision.mode()
     }
 
-    /// The integral I of the outer loop [m/s].
+    /// The integral I [m/s], which stands in for what is not known of the vehicle.
     pub fn integral(&self) -> Inertial {
-        self.outer_loop.integral
+        self.integral
+    }
+
+    /// Velocity [m/s] and attitude \[rad\] of the virtual flight.
+    pub fn virtual_flight(&self) -> (Inertial, f32) {
+        (self.flight.velocity, self.flight.theta)
     }
 
     /// Turns what is remembered into a vertical plane that is turned from the last one by the angle of this cosine.
@@ -134,12 +149,23 @@ impl GuidanceState {
     /// A velocity across the old plane is not known: of what is remembered only the part that both planes share stays.
     pub fn turn_plane(&mut self, cos: f32) {
         let turned = |v: Inertial| Inertial::new(v.down(), v.forward() * cos);
-        self.reference.velocity = turned(self.reference.velocity);
-        self.outer_loop.integral = turned(self.outer_loop.integral);
+        self.integral = turned(self.integral);
+        self.wind = turned(self.wind);
+        self.reckoned = turned(self.reckoned);
         self.held = turned(self.held);
         self.supervision.wind = turned(self.supervision.wind);
+        // The virtual flight begins anew from the real one.
+        self.started = 0;
     }
 }
+
+/// Time constant \[s\] of the wind that is planned with.
+const GUSTS: f32 = 0.3;
+/// How fast the virtual velocity is drawn to the real one where the law has no say [1/s], and what part of that its position.
+const DRAW: f32 = 5.0;
+const DRAW_POSITION: f32 = 0.6;
+/// Position errors beyond this \[m\] are taken as this.
+const MAX_DISTANCE: f32 = 1e4;
 
 /// Whether a reference is finite and not absurd. One sum decides: NaN fails its comparison too.
 #[inline(always)]
@@ -174,9 +200,8 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         p.check()?;
         check_relations(&vehicle, p)?;
         Ok(Self {
-            reference_limit: ReferenceLimit::new(p),
-            outer_loop: OuterLoop::new(p),
-            branch: BranchSwitch::new(p, vehicle.weight()),
+            planner: Planner::new(p),
+            tracker: Tracker::new(p),
             limits: Limits::new(p, &vehicle),
             supervisor: Supervisor::new(p, &vehicle),
             control: VelocityControl::new(vehicle, gains),
@@ -225,9 +250,10 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
     #[inline(always)]
     fn is_sound(&self, state: &GuidanceState) -> bool {
         self.supervisor.is_sound(&state.supervision)
-            & state.reference.is_sound()
-            & self.outer_loop.is_sound(&state.outer_loop)
-            & self.branch.is_sound(&state.branch)
+            & state.flight.is_sound()
+            & state.planner.is_sound()
+            & self.tracker.is_sound(state.integral)
+            & (state.wind.norm_squared() + state.reckoned.norm_squared() <= MAX_SPEED * MAX_SPEED)
             & (self.limits.is_sound(&state.limits) | (state.limits == LimitState::default()))
             & (state.held.norm_squared() <= MAX_SPEED * MAX_SPEED)
     }
@@ -293,9 +319,6 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         let fresh =
             self.supervisor.accepts_reference(input.reference_age) && is_sane(&input.reference);
         let asked = if fresh {
-            if state.held_known != 1 {
-                state.reference.velocity = input.velocity;
-            }
             state.held = input.reference.velocity;
             state.held_known = 1;
             input.reference
@@ -310,68 +333,121 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         let position_error = input
             .position_error
             .filter(|x| fresh && x.norm_squared().is_finite());
-        let branch = state.branch.branch();
-        let (followed, limited) = self
-            .reference_limit
-            .update(&mut state.reference, &asked, dt);
-        let (reference, outer) = self.outer_loop.update(
-            &mut state.outer_loop,
-            &self.reference_limit,
-            &OuterInput {
-                velocity: input.velocity,
-                attitude: input.attitude,
-                asked: &asked,
-                followed: &followed,
-                position_error,
-                saturated: state.saturated,
-                rate: state.limits.rate,
-                branch: branch.sign(),
-            },
-            dt,
-        );
-
-        // The law. What reaches it has been checked above, or is bounded.
         let (wind, air, air_invalid) =
             self.supervisor
                 .wind(&mut state.supervision, input.velocity, &input.air, dt);
         let at = State { wind, ..bare };
-        let step = self.control.step(branch, &at, &reference);
-        let command = self
-            .control
-            .robust_from(&step, branch, &at, None)
-            .map_err(Refusal::Law)?;
-        let verdict = self.branch.judge(branch, &step.forces);
-        if verdict == Verdict::Other {
-            self.branch.leave(&mut state.branch);
-        }
+        let theta = input.attitude.angle();
 
-        // The command inside the actuators' limits.
-        let rate = self
-            .branch
-            .smooth(&mut state.branch, command.rate, state.limits.rate, dt);
-        let (thrust, rate, saturated) =
-            self.limits
-                .apply(&mut state.limits, command.thrust, rate, dt);
+        // Where the vehicle is, from the reference.
+        let reach = self.tracker.reach();
+        let reckoned = state.reckoned + (input.velocity - asked.velocity) * dt;
+        state.reckoned = Inertial::new(
+            limited(reckoned.down(), reach.down()),
+            limited(reckoned.forward(), reach.forward()),
+        );
+        let position = match position_error {
+            Some(x) => {
+                state.reckoned = Inertial::ZERO;
+                Inertial::new(limited(x.down(), MAX_DISTANCE), limited(x.forward(), MAX_DISTANCE))
+            }
+            None => state.reckoned,
+        };
+        if state.started != 1 {
+            state.started = 1;
+            state.planner = PlannerState::default();
+            state.flight = Flight {
+                velocity: input.velocity,
+                position,
+                theta,
+                rate: state.limits.rate,
+                thrust: state.limits.thrust,
+            };
+            state.wind = wind;
+        }
+        state.wind += (wind - state.wind) * math::min(dt / GUSTS, 1.0);
+
+        // The virtual flight, counted from the same turn as the attitude.
+        let vehicle = self.control.vehicle();
+        let turns = theta + wrap(state.flight.theta - theta) - state.flight.theta;
+        state.flight.theta += turns;
+        state.planner.shift(turns);
+        let prospect = self.planner.search(
+            vehicle,
+            &mut state.planner,
+            &state.flight,
+            &asked,
+            state.wind,
+        );
+        let rate = state.flight.rate;
+        let acceleration = self.planner.virtual_vehicle.advance(
+            vehicle,
+            &mut state.flight,
+            &mut state.planner.plan,
+            &asked,
+            state.wind,
+            dt,
+        );
+
+        // The real one after it.
+        let tracked = self
+            .tracker
+            .track(
+                &self.control,
+                &mut state.integral,
+                &TrackerInput {
+                    state: at,
+                    position,
+                    flight: &state.flight,
+                    acceleration,
+                    rate_change: (state.flight.rate - rate) / dt,
+                    saturated: state.saturated,
+                    rate: state.limits.rate,
+                },
+                dt,
+            )
+            .map_err(Refusal::Law)?;
+        let (thrust, rate, saturated) = self.limits.apply(
+            &mut state.limits,
+            tracked.command.thrust,
+            tracked.command.rate,
+            dt,
+        );
         state.saturated = saturated;
+        let error = state.flight.velocity
+            - self
+                .planner
+                .virtual_vehicle
+                .velocity_wanted(state.flight.position, asked.velocity);
+        guided.progress = Progress::new(
+            vehicle,
+            &self.planner,
+            &state.planner,
+            &state.flight,
+            &prospect,
+            error,
+        );
+        // Where the law has no say the virtual flight is drawn to the real one: that is how it is planned anew.
+        let drawn = math::min((1.0 - tracked.law) * DRAW * dt, 1.0);
+        let flight = &mut state.flight;
+        flight.velocity += (input.velocity - flight.velocity) * drawn;
+        flight.position += (position - flight.position) * (DRAW_POSITION * drawn);
 
         guided.command = Command {
             thrust,
             rate,
-            ..command
+            ..tracked.command
         };
         guided.air = air;
-        guided.reference = reference;
+        guided.reference = tracked.reference;
         guided.margin = Margin::new(
-            &step.forces,
-            step.norm,
+            &tracked.step.forces,
+            tracked.step.norm,
             self.control.gains().guard().tau(),
-            branch.sign(),
+            tracked.branch.sign(),
         );
-        guided.status = limited
-            | outer
+        guided.status = tracked.status
             | saturated
-            | Status::NEGATIVE_THRUST.when(verdict != Verdict::Positive)
-            | Status::OPPOSED.when(branch == Branch::Opposed)
             | Status::REFERENCE_HELD.when(!fresh)
             | Status::POSITION_INVALID
                 .when(fresh && position_error.is_none() && input.position_error.is_some())
