@@ -268,3 +268,96 @@ pub(super) fn across<A: Aerodynamics>(
 pub(super) fn limited(x: f32, bound: f32) -> f32 {
     math::clamp(x, -bound, bound)
 }
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use crate::aero::{Combined, CombinedParameters};
+    use crate::vehicle::VehicleParameters;
+    use rand::{RngExt, SeedableRng};
+
+    const DT: f32 = 0.01;
+
+    fn vehicle() -> Vehicle<Combined> {
+        let model = Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap();
+        Vehicle::new(VehicleParameters::PAPER, model).unwrap()
+    }
+
+    fn still(down: f32, forward: f32) -> Reference {
+        Reference {
+            velocity: Inertial::new(down, forward),
+            acceleration: Inertial::ZERO,
+        }
+    }
+
+    /// The acceleration is that of the believed forces, thrust, rate and slew are inside their limits, whatever is asked.
+    #[test]
+    fn the_virtual_flight_can_be_flown() {
+        let p = GuidanceParameters::default();
+        let (vehicle, virtual_vehicle) = (vehicle(), VirtualVehicle::new(&p));
+        let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(3);
+        for _ in 0..200 {
+            let mut draw = |x: f32| random.random_range(-x..x);
+            let mut flight = Flight {
+                velocity: Inertial::new(draw(25.0), draw(25.0)),
+                position: Inertial::new(draw(20.0), draw(50.0)),
+                theta: draw(3.1),
+                rate: draw(2.0),
+                thrust: 0.0,
+            };
+            let mut plan = Plan {
+                push: draw(0.3),
+                target: flight.theta + draw(3.1),
+                turn: 1,
+            };
+            let (reference, wind) = (still(draw(10.0), draw(20.0)), Inertial::new(0.0, draw(5.0)));
+            for _ in 0..200 {
+                let before = flight;
+                let a = virtual_vehicle.advance(&vehicle, &mut flight, &mut plan, &reference, wind, DT);
+                let attitude = Attitude::from_angle(before.theta);
+                let body = attitude.to_body(before.velocity - wind);
+                let air = AirData::new(body, vehicle.thrust_line());
+                let force = attitude.to_inertial(vehicle.aerodynamic_force(&air))
+                    - attitude.to_inertial(Body::new(flight.thrust, 0.0));
+                let expected = force / vehicle.mass() + Inertial::new(vehicle.gravity(), 0.0);
+                // 1e-2: roundings of forces of up to 5 kN, over 10 kg.
+                assert!((a - expected).norm() < 1e-2);
+                assert!((0.0..=196.2).contains(&flight.thrust));
+                assert!((flight.rate - before.rate).abs() <= p.max_slew * DT);
+                assert!(flight.rate.abs() <= p.max_rate);
+                assert!(flight.is_sound());
+            }
+        }
+    }
+
+    /// From hover the servo finds the equilibria of slow forward flight, of flight sideways to the wind, and of a
+    /// descent tail first, which is on the other branch.
+    #[test]
+    fn the_servo_settles_in_equilibria_of_both_branches() {
+        let (vehicle, virtual_vehicle) = (
+            vehicle(),
+            VirtualVehicle::new(&GuidanceParameters::default()),
+        );
+        for (down, forward, wind) in [(0.0, 10.0, 0.0), (0.0, 0.0, -6.0), (12.0, 0.0, 0.0)] {
+            let (mut flight, mut plan) = (Flight::default(), Plan::default());
+            let wind = Inertial::new(0.0, wind);
+            let mut acceleration = Inertial::ZERO;
+            for n in 0..3000 {
+                let part = math::min(n as f32 / 1000.0, 1.0);
+                let reference = still(down * part, forward * part);
+                acceleration =
+                    virtual_vehicle.advance(&vehicle, &mut flight, &mut plan, &reference, wind, DT);
+            }
+            let error = flight.velocity - Inertial::new(down, forward);
+            // 1 cm/s, 1 cm/s², 0.1 N: what is left of slow decays.
+            assert!(error.norm() < 0.01 && acceleration.norm() < 0.01);
+            let v_a = flight.velocity - wind;
+            let left = across(&vehicle, flight.theta, v_a, Inertial::ZERO);
+            assert!(left.abs() < 0.1, "{left}");
+            let slope = across(&vehicle, flight.theta + 0.01, v_a, Inertial::ZERO);
+            // ∂_θ F̄_2 = −F̄_p1: negative on θ̃ = 0.
+            assert_eq!(slope > 0.0, down > 9.0);
+        }
+    }
+}

@@ -263,3 +263,168 @@ pub(super) fn wrap(angle: f32) -> f32 {
     let turns = (limited(angle, 1e3) * (0.5 / math::PI) + ROUND) - ROUND;
     angle - turns * (2.0 * math::PI)
 }
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use crate::aero::{Combined, CombinedParameters};
+    use crate::vehicle::VehicleParameters;
+
+    const DT: f32 = 0.01;
+
+    fn vehicle(excess: f32) -> Vehicle<Combined> {
+        let model = Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap();
+        let p = VehicleParameters {
+            thrust_max: excess * 98.1,
+            ..VehicleParameters::PAPER
+        };
+        Vehicle::new(p, model).unwrap()
+    }
+
+    /// A virtual flight on its own: what it did at worst.
+    struct Flown {
+        end: Flight,
+        low: f32,
+        high: f32,
+        farthest: f32,
+        turns: usize,
+    }
+
+    fn fly(
+        vehicle: &Vehicle<Combined>,
+        start: Flight,
+        reference: impl Fn(f32) -> Reference,
+        seconds: f32,
+    ) -> Flown {
+        let planner = Planner::new(&GuidanceParameters::default());
+        let (mut state, mut flight) = (PlannerState::default(), start);
+        let mut flown = Flown {
+            end: start,
+            low: 0.0,
+            high: 0.0,
+            farthest: 0.0,
+            turns: 0,
+        };
+        for n in 0..(seconds / DT) as usize {
+            let reference = reference(n as f32 * DT);
+            let turning = state.plan.turn;
+            planner.search(vehicle, &mut state, &flight, &reference, Inertial::ZERO);
+            planner.virtual_vehicle.advance(
+                vehicle,
+                &mut flight,
+                &mut state.plan,
+                &reference,
+                Inertial::ZERO,
+                DT,
+            );
+            flown.low = f32::max(flown.low, flight.position.down());
+            flown.high = f32::max(flown.high, -flight.position.down());
+            flown.farthest = f32::max(flown.farthest, flight.position.forward());
+            flown.turns += usize::from(turning == 0 && state.plan.turn == 1);
+            assert!(state.is_sound());
+        }
+        flown.end = flight;
+        flown
+    }
+
+    fn hover(_: f32) -> Reference {
+        Reference::default()
+    }
+
+    fn cruise() -> Flight {
+        Flight {
+            velocity: Inertial::new(0.0, 20.0),
+            theta: -86f32.to_radians(),
+            ..Flight::default()
+        }
+    }
+
+    /// From 20 m/s the shortest way to stop is 15.2 m with 1 m of altitude (17.3 m at 1.15 times the weight), through
+    /// stall; on the attached side alone the vehicle would go on for hundreds of metres.
+    #[test]
+    fn to_stop_at_once_stall_is_crossed() {
+        for (excess, farthest, altitude) in [(2.0, 30.0, 1.5), (1.15, 33.0, 3.0)] {
+            let flown = fly(&vehicle(excess), cruise(), hover, 25.0);
+            assert!(flown.turns > 0);
+            assert!(flown.farthest < farthest, "{}", flown.farthest);
+            assert!(flown.low < altitude && flown.high < altitude);
+            let Flight {
+                velocity, position, ..
+            } = flown.end;
+            assert!(velocity.norm() < 0.05 && position.norm() < 0.2);
+        }
+    }
+
+    #[test]
+    fn steady_cruise_and_hover_are_left_alone() {
+        let level = |_| Reference {
+            velocity: Inertial::new(0.0, 20.0),
+            acceleration: Inertial::ZERO,
+        };
+        let flown = fly(&vehicle(2.0), cruise(), level, 10.0);
+        assert_eq!(flown.turns, 0);
+        // 0.1 m: the start is not quite the trim.
+        assert!(flown.low < 0.1 && flown.high < 0.1);
+        assert_eq!(fly(&vehicle(2.0), Flight::default(), hover, 10.0).turns, 0);
+    }
+
+    /// Nose down at 20 m/s, and upside down at 3 m/s: the least height in which that can be left is 16.6 m and 7.0 m.
+    #[test]
+    fn a_fall_is_left_nose_up() {
+        for (speed, height) in [(20.0, 28.0), (3.0, 11.0)] {
+            let start = Flight {
+                velocity: Inertial::new(speed, 0.0),
+                theta: 3.1,
+                ..Flight::default()
+            };
+            let flown = fly(&vehicle(2.0), start, hover, 25.0);
+            assert!(flown.low < height, "{}", flown.low);
+            assert!(flown.end.velocity.norm() < 0.05 && wrap(flown.end.theta).abs() < 0.05);
+        }
+    }
+
+    /// A descent of 10 m/s at 23 m/s is steeper than any glide: the vehicle flies too high and not into a dive.
+    #[test]
+    fn a_sink_that_cannot_be_had_does_not_end_in_a_dive() {
+        let steep = |t: f32| Reference {
+            velocity: Inertial::new(10.0, 23.0) * math::min(t / 15.0, 1.0),
+            acceleration: if t < 15.0 {
+                Inertial::new(10.0, 23.0) / 15.0
+            } else {
+                Inertial::ZERO
+            },
+        };
+        let flown = fly(&vehicle(2.0), Flight::default(), steep, 40.0);
+        assert!(flown.low < 3.0 && flown.end.velocity.norm() < 35.0);
+    }
+
+    #[test]
+    fn errors_count_by_their_square_and_then_in_proportion() {
+        assert_eq!(penalty(0.0, 0.4), 0.0);
+        // One band counts 1, to second order in 1/knee².
+        assert!((penalty(-0.4, 0.4) - 1.0).abs() < 0.02);
+        let (far, farther) = (penalty(100.0, 1.0), penalty(200.0, 1.0));
+        assert!((farther / far - 2.0).abs() < 0.05);
+    }
+
+    #[test]
+    fn the_time_to_go_is_that_of_the_closing_there_is() {
+        assert_eq!(to_go(3.0, -1.5, 0.3), 2.0);
+        assert_eq!(to_go(-3.0, 1.5, 0.3), 2.0);
+        // Going the wrong way, or hardly closing.
+        assert_eq!(to_go(3.0, 1.5, 0.3), 10.0);
+        assert_eq!(to_go(300.0, -0.1, 0.3), MAX_TO_GO);
+        assert_eq!(to_go(0.0, 0.0, 0.3), 0.0);
+    }
+
+    #[test]
+    fn angles_are_wrapped() {
+        for turns in -3..=3 {
+            let angle = 0.4 + turns as f32 * 2.0 * math::PI;
+            // 2e-6: an ulp of 19.
+            assert!((wrap(angle) - 0.4).abs() < 2e-6);
+        }
+        assert!(wrap(f32::NAN).is_nan());
+    }
+}

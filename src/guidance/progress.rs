@@ -117,3 +117,70 @@ impl Progress {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::guidance::*;
+    use crate::*;
+
+    /// A guidance that is told where the virtual vehicle is: what it says after `seconds`.
+    fn said(thrust_min: f32, reference: Inertial, wind: Inertial, seconds: f32) -> Progress {
+        let model = Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap();
+        let vehicle = VehicleParameters {
+            thrust_min,
+            ..VehicleParameters::PAPER
+        };
+        let p = GuidanceParameters {
+            safe_thrust: 0.5,
+            ..GuidanceParameters::default()
+        };
+        let guidance = Guidance::new(Vehicle::new(vehicle, model).unwrap(), &p).unwrap();
+        let mut state = GuidanceState::default();
+        let mut guided = Guided::default();
+        let mut position = Inertial::ZERO;
+        for n in 0..(seconds * 100.0) as usize {
+            let part = (n as f32 / 1000.0).min(1.0);
+            let velocity = reference * part;
+            let (mut v, mut theta) = state.virtual_flight();
+            if n < 10 {
+                (v, theta) = (Inertial::ZERO, 0.0);
+            }
+            position += (v - velocity) * 0.01;
+            let input = GuidanceInput {
+                velocity: v,
+                attitude: Attitude::from_angle(theta),
+                air: Air::Wind(wind),
+                position_error: Some(position),
+                reference: Reference {
+                    velocity,
+                    acceleration: if part < 1.0 {
+                        reference * 0.1
+                    } else {
+                        Inertial::ZERO
+                    },
+                },
+                ..GuidanceInput::default()
+            };
+            guided = guidance.update(&mut state, &input, 0.01);
+        }
+        guided.progress
+    }
+
+    #[test]
+    fn a_reference_that_is_followed_is_tracked_with_nothing_to_go() {
+        let progress = said(0.0, Inertial::new(0.0, 8.0), Inertial::ZERO, 25.0);
+        assert_eq!(progress, Progress::default());
+    }
+
+    #[test]
+    fn what_cannot_be_had_is_named() {
+        // Steeper than any glide at that speed.
+        let sink = said(0.0, Inertial::new(9.0, 22.0), Inertial::ZERO, 25.0);
+        assert_eq!(sink.unreachable, Some(Unreachable::Sink));
+        assert_ne!(sink.phase, Phase::Tracking);
+        // Faster than full thrust.
+        let fast = said(0.0, Inertial::new(0.0, 150.0), Inertial::ZERO, 60.0);
+        assert_eq!(fast.unreachable, Some(Unreachable::Thrust));
+        assert!(fast.time > 15.0 && fast.distance < -100.0);
+    }
+}

@@ -19,8 +19,9 @@ use crate::reference::Reference;
 const REACH: f32 = 0.087;
 /// Slope of F̄_2 from which on an equilibrium is on a sheet, in multiples of the weight.
 const SHEET: f32 = 0.5;
-/// Distance from the virtual attitude \[rad\] beyond which the vehicle is not on the virtual vehicle's sheet.
-const NEAR: f32 = 0.35;
+/// Distance from the virtual attitude \[rad\] up to which the vehicle is taken to be on the virtual vehicle's sheet, and
+/// beyond twice which it is not.
+const NEAR: f32 = 0.17;
 
 /// What the tracker looks at.
 pub(super) struct TrackerInput<'a> {
@@ -119,7 +120,7 @@ impl Tracker {
         };
         let ahead = wrap(flight.theta - state.attitude.angle());
         let part = math::min(slope / (SHEET * weight), 1.0);
-        let near = 1.0 - math::min(ahead * ahead / (NEAR * NEAR), 1.0);
+        let near = math::clamp(2.0 - ahead.abs() / NEAR, 0.0, 1.0);
         let law = part * part * (3.0 - 2.0 * part) * near;
 
         // The velocity asked for.
@@ -241,4 +242,43 @@ fn gate(growth: Inertial, attitude: Attitude, saturated: Status, rate: f32) -> I
         across = 0.0;
     }
     attitude.to_inertial(Body::new(along, across))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DT: f32 = 0.01;
+
+    #[test]
+    fn the_integral_stops_at_its_bound_and_always_returns() {
+        assert_eq!(grow(0.5, 1.0, 1.0, 2.0, DT), (0.51, false));
+        assert_eq!(grow(1.999, 1.0, 1.0, 2.0, DT), (2.0, true));
+        // Not allowed to grow,
+        assert_eq!(grow(0.5, 1.0, 0.0, 2.0, DT), (0.5, false));
+        // but back to zero in any case.
+        assert_eq!(grow(0.5, -1.0, 0.0, 2.0, DT), (0.49, false));
+    }
+
+    #[test]
+    fn the_integral_does_not_grow_against_a_limit() {
+        let up = Attitude::NOSE_UP;
+        // Nose up, i is down: a growing integral, down, asks for more thrust.
+        let both = Inertial::new(0.3, 0.2);
+        assert_eq!(gate(both, up, Status::empty(), 1.0), both);
+        assert_eq!(gate(both, up, Status::SLEW, 1.0), both);
+        assert_eq!(gate(both, up, Status::THRUST_LOW, 1.0), both);
+        assert_eq!(
+            gate(both, up, Status::THRUST_HIGH, 1.0),
+            Inertial::new(0.0, 0.2)
+        );
+        assert_eq!(gate(-both, up, Status::THRUST_HIGH, 1.0), -both);
+        assert_eq!(
+            gate(-both, up, Status::THRUST_LOW, 1.0),
+            Inertial::new(0.0, -0.2)
+        );
+        // At the limit of the rate that it asks more of, and at the other.
+        assert_eq!(gate(both, up, Status::RATE, 2.8), Inertial::new(0.3, 0.0));
+        assert_eq!(gate(both, up, Status::RATE, -2.8), both);
+    }
 }
