@@ -123,7 +123,10 @@ impl VirtualVehicle {
     pub fn velocity_wanted(&self, position: Inertial, reference: Inertial) -> Inertial {
         Inertial::new(
             reference.down()
-                - limited(self.position_gain.down() * position.down(), self.max_velocity.down()),
+                - limited(
+                    self.position_gain.down() * position.down(),
+                    self.max_velocity.down(),
+                ),
             reference.forward()
                 - limited(
                     self.position_gain.forward() * position.forward(),
@@ -314,7 +317,8 @@ mod tests {
             let (reference, wind) = (still(draw(10.0), draw(20.0)), Inertial::new(0.0, draw(5.0)));
             for _ in 0..200 {
                 let before = flight;
-                let a = virtual_vehicle.advance(&vehicle, &mut flight, &mut plan, &reference, wind, DT);
+                let a =
+                    virtual_vehicle.advance(&vehicle, &mut flight, &mut plan, &reference, wind, DT);
                 let attitude = Attitude::from_angle(before.theta);
                 let body = attitude.to_body(before.velocity - wind);
                 let air = AirData::new(body, vehicle.thrust_line());

@@ -35,10 +35,27 @@ const BETTER: f32 = 0.05;
 const CONFIRMATIONS: u8 = 2;
 /// Time of push-over before a turn \[s\], where there is one.
 const PUSH: f32 = 0.3;
-/// The angles of attack that may be turned to \[rad\]. From there on the servo finds the way.
-const ANGLES: [f32; 12] = [
-    0.0, 0.14, -0.14, 0.7, -0.7, 1.3, -1.3, 1.75, -1.75, 2.3, -2.3, 3.14,
+/// The turns that are looked at: to which angle of attack \[rad\], and whether after a push-over. From there on the servo
+/// finds the way.
+const TURNS: [(f32, bool); TURN_COUNT] = [
+    (1.3, true),
+    (0.14, false),
+    (1.3, false),
+    (-1.3, true),
+    (0.7, false),
+    (1.75, true),
+    (-0.14, false),
+    (1.75, false),
+    (-1.3, false),
+    (2.3, false),
+    (0.0, false),
+    (-1.75, true),
+    (-0.7, false),
+    (-1.75, false),
+    (math::PI, false),
+    (-2.3, false),
 ];
+const TURN_COUNT: usize = 16;
 
 /// What the planner remembers.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -126,7 +143,7 @@ impl Planner {
             state.challenger
         } else {
             let n = state.next;
-            state.next = if n < 2 * ANGLES.len() as u8 { n + 1 } else { 0 };
+            state.next = if n < TURN_COUNT as u8 { n + 1 } else { 0 };
             self.candidate(vehicle, flight, wind, n)
         };
         let other = self.predict(vehicle, flight, &candidate, reference, wind);
@@ -152,14 +169,14 @@ impl Planner {
         wind: Inertial,
         n: u8,
     ) -> Plan {
-        match ANGLES.get(usize::from(n / 2)) {
+        match TURNS.get(usize::from(n)) {
             None => Plan::default(),
-            Some(alpha) => {
+            Some((alpha, push)) => {
                 let v_a = flight.velocity - wind;
                 let gamma = math::atan2(v_a.forward(), v_a.down());
                 let target = gamma - math::PI + vehicle.thrust_line().delta() + alpha;
                 Plan {
-                    push: if n % 2 == 1 { PUSH } else { 0.0 },
+                    push: if *push { PUSH } else { 0.0 },
                     target: flight.theta + wrap(target - flight.theta),
                     turn: 1,
                 }

@@ -23,6 +23,9 @@ const SHEET: f32 = 0.5;
 /// beyond twice which it is not.
 const NEAR: f32 = 0.17;
 
+/// Part of the greatest integral that is left as F_p grows: with the default gains an angle of 7°.
+const STIFF: f32 = 0.25;
+
 /// What the tracker looks at.
 pub(super) struct TrackerInput<'a> {
     pub state: State,
@@ -126,19 +129,33 @@ impl Tracker {
         // The velocity asked for.
         let slip = input.position - flight.position;
         let pull = Inertial::new(
-            limited(self.position_gain.down() * slip.down(), self.max_velocity.down()),
+            limited(
+                self.position_gain.down() * slip.down(),
+                self.max_velocity.down(),
+            ),
             limited(
                 self.position_gain.forward() * slip.forward(),
                 self.max_velocity.forward(),
             ),
         );
-        let full = self.integrate(integral, pull * law, input, branch, dt);
-        let reference = Reference {
-            velocity: flight.velocity - pull - *integral,
+        let mut reference = Reference {
+            velocity: flight.velocity - pull,
             acceleration: input.acceleration,
         };
-
-        let step = control.step(branch, state, &reference);
+        let mut step = control.step(branch, state, &reference);
+        // What is not known of the wing is an angle. It takes the more velocity error to hold an angle the larger F_p is.
+        let stiffness = step.norm / weight;
+        let stiffness = if stiffness > 1.0 { stiffness } else { 1.0 };
+        let bound = self.max_integral
+            * if stiffness < 1.0 / STIFF {
+                1.0 / stiffness
+            } else {
+                STIFF
+            };
+        let full = self.integrate(integral, pull * (law / stiffness), bound, input, branch, dt);
+        let held = *integral * stiffness;
+        reference.velocity -= held;
+        step.error += state.attitude.to_body(held);
         let command = control.robust_from(&step, branch, state, None)?;
         let gains = &step.gains;
         // Along the thrust line the damping does not vanish with F_p.
@@ -174,6 +191,7 @@ impl Tracker {
         &self,
         integral: &mut Inertial,
         pull: Inertial,
+        bound: Inertial,
         input: &TrackerInput,
         branch: Branch,
         dt: f32,
@@ -192,14 +210,14 @@ impl Tracker {
             integral.down(),
             wanted.down(),
             allowed.down(),
-            self.max_integral.down(),
+            bound.down(),
             dt,
         );
         let (forward, full_forward) = grow(
             integral.forward(),
             wanted.forward(),
             allowed.forward(),
-            self.max_integral.forward(),
+            bound.forward(),
             dt,
         );
         *integral = Inertial::new(down, forward);

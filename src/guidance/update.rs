@@ -87,7 +87,7 @@ pub struct GuidanceState {
     flight: Flight,
     /// The plan it flies by.
     planner: PlannerState,
-    /// Integral I [m/s].
+    /// Integral I [m/s], as it is in hover.
     integral: Inertial,
     /// The wind that is planned with: without gusts [m/s].
     wind: Inertial,
@@ -164,6 +164,7 @@ const GUSTS: f32 = 0.3;
 /// How fast the virtual velocity is drawn to the real one where the law has no say [1/s], and what part of that its position.
 const DRAW: f32 = 5.0;
 const DRAW_POSITION: f32 = 0.6;
+const SLOW: f32 = 0.0;
 /// Position errors beyond this \[m\] are taken as this.
 const MAX_DISTANCE: f32 = 1e4;
 
@@ -349,7 +350,10 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         let position = match position_error {
             Some(x) => {
                 state.reckoned = Inertial::ZERO;
-                Inertial::new(limited(x.down(), MAX_DISTANCE), limited(x.forward(), MAX_DISTANCE))
+                Inertial::new(
+                    limited(x.down(), MAX_DISTANCE),
+                    limited(x.forward(), MAX_DISTANCE),
+                )
             }
             None => state.reckoned,
         };
@@ -426,12 +430,13 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             &state.flight,
             &prospect,
             error,
+            asked.velocity,
         );
         // Where the law has no say the virtual flight is drawn to the real one: that is how it is planned anew.
         let drawn = math::min((1.0 - tracked.law) * DRAW * dt, 1.0);
         let flight = &mut state.flight;
         flight.velocity += (input.velocity - flight.velocity) * drawn;
-        flight.position += (position - flight.position) * (DRAW_POSITION * drawn);
+        flight.position += (position - flight.position) * (DRAW_POSITION * drawn + SLOW * dt);
 
         guided.command = Command {
             thrust,
