@@ -32,9 +32,9 @@ pub enum Law {
 /// What both laws start from.
 pub(crate) struct Step {
     pub(crate) forces: ApparentForces,
-    gains: GainValues,
+    pub(crate) gains: GainValues,
     /// Velocity error ṽ = Rᵀ(v − v_r) [m/s].
-    error: Body,
+    pub(crate) error: Body,
     /// |F_p| \[N\].
     pub(crate) norm: f32,
     /// (|F_p| + F̄_p1)² \[N²\].

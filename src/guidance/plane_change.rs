@@ -15,8 +15,6 @@ use crate::reference::MAX_SPEED;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Across {
-    /// Of the velocity followed: across the plane, the vehicle's own velocity.
-    followed: f32,
     /// Of the integral.
     integral: f32,
     /// Of the last good reference velocity.
@@ -41,7 +39,6 @@ impl Across {
     /// [`Guidance::update`].
     #[inline(always)]
     pub fn remember(&mut self, state: &GuidanceState, input: &GuidanceInput, across: &InputAcross) {
-        self.followed = across.velocity;
         if state.held == input.reference.velocity {
             self.held = across.reference;
         }
@@ -55,6 +52,9 @@ impl Across {
         }
     }
 }
+
+/// Cosine of the angle between planes that are the same to the virtual flight: 5°, whose cosine changes a velocity by 0.4 %.
+const SAME_PLANE: f32 = 0.996;
 
 /// `speed`, or 0 if it is not finite or absurd.
 fn plausible(speed: f32) -> f32 {
@@ -72,15 +72,21 @@ impl<A, G> Guidance<A, G> {
             *across = right * cos - forward * sin;
             Inertial::new(v.down(), forward * cos + right * sin)
         };
-        state.reference.velocity = turned(state.reference.velocity, &mut across.followed);
         state.held = turned(state.held, &mut across.held);
-        let integral = turned(state.outer_loop.integral, &mut across.integral);
-        state.outer_loop.integral = self.outer_loop.limited(integral);
+        let integral = turned(state.integral, &mut across.integral);
+        state.integral = self.tracker.limited(integral);
+        // The wind that is planned with is the wind without its gusts: across the plane it is taken for the same.
+        state.wind = turned(state.wind, &mut { across.wind });
         let wind = turned(state.supervision.wind, &mut across.wind);
         self.supervisor.move_wind(&mut state.supervision, wind);
+        // What is reckoned across the plane is not known.
+        state.reckoned = Inertial::new(state.reckoned.down(), state.reckoned.forward() * cos);
         // Angular rates are about the plane's normal.
         state.limits.rate *= cos;
-        state.branch.offset *= cos;
+        // Beyond a few degrees the virtual flight begins anew from the real one.
+        if cos < SAME_PLANE {
+            state.started = 0;
+        }
     }
 }
 
@@ -162,7 +168,7 @@ mod tests {
             across.remember(&state, &flight, &beside);
         }
         // As a long flight in two planes leaves it.
-        state.outer_loop.integral = Inertial::new(1.0, 1.0);
+        state.integral = Inertial::new(1.0, 1.0);
         across.integral = 1.0;
         across.wind = 60.0;
         let half = core::f32::consts::FRAC_1_SQRT_2;

@@ -2,8 +2,8 @@
 
 use super::orientation::Orientation;
 use super::vector::Body;
-use crate::guidance::MAX_STEP;
 use crate::error::{ParameterError, positive};
+use crate::guidance::MAX_STEP;
 use crate::math;
 use crate::ned::Ned;
 

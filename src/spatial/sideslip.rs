@@ -3,8 +3,8 @@
 use super::vector::Body;
 use super::vehicle::WingedVehicle;
 use crate::aero::Aerodynamics;
-use crate::guidance::MAX_STEP;
 use crate::error::{ParameterError, positive};
+use crate::guidance::MAX_STEP;
 use crate::math;
 
 /// Parameters of the sideslip estimator.
