@@ -4,7 +4,7 @@
 //! missing, as |F_p| of a controller without one, is left out; a NaN makes the figure NaN. An extreme without any value is NaN, and a
 //! peak, a sum or a mean without any value is 0. A figure that is NaN is `null` in JSON, and outside of every limit.
 
-use alula::guidance::{Mode, Status};
+use alula::guidance::{Mode, Phase, Progress, Status};
 use serde::Serialize;
 use serde_json::{Map, Value};
 
@@ -132,8 +132,8 @@ figures! {
     "oscillation_rad_s", "late ω", "rad/s", 2, Flight, Of(|of| greater(of("cruise_rate_rms_rad_s"), of("late_rate_rms_rad_s"))), "the greater of the last two";
     "thrust_low_s", "thrust at its lower limit", "s", 2, Flight, Time(|m| flag(m, Status::THRUST_LOW)), "time with thrust at its lower limit";
     "thrust_high_s", "thrust at its upper limit", "s", 2, Flight, Time(|m| flag(m, Status::THRUST_HIGH)), "time with thrust at its upper limit";
-    "negative_thrust_s", "negative thrust needed", "s", 2, Flight, Time(|m| flag(m, Status::NEGATIVE_THRUST)), "time in which the flown equilibrium needs negative thrust";
-    "opposed_s", "on the branch θ̃ = π", "s", 2, Flight, Time(|m| flag(m, Status::OPPOSED)), "time on the branch θ̃ = π";
+    "crossing_s", "crossing", "s", 2, Flight, Time(|m| progress(m, |p| p.phase == Phase::Crossing)), "time in which the guidance turns to an attitude far away, as across a fold";
+    "unreachable_s", "reference unreachable", "s", 2, Flight, Time(|m| progress(m, |p| p.unreachable.is_some())), "time in which the guidance says that the reference cannot be had";
     "holding_s", "holding the last command", "s", 2, Flight, Time(|m| mode(m, Mode::Holding)), "time in which the guidance holds its last command";
     "safe_s", "safe command", "s", 2, Flight, Time(|m| mode(m, Mode::Safe)), "time in which the guidance gives its safe command";
     "loss_out_m", "loss out", "m", 1, Out, Peak(|m| at_least_zero(m.offset.x)), "greatest altitude below the reference until that slows down";
@@ -170,6 +170,11 @@ fn rate(m: &Moment) -> f64 {
 fn flag(m: &Moment, flag: Status) -> bool {
     let guided = m.step.answer.guided();
     guided.is_some_and(|g| g.status.contains(flag))
+}
+
+fn progress(m: &Moment, holds: fn(&Progress) -> bool) -> bool {
+    let guided = m.step.answer.guided();
+    guided.is_some_and(|g| g.mode == Mode::Flying && holds(&g.progress))
 }
 
 fn mode(m: &Moment, mode: Mode) -> bool {

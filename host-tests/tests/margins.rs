@@ -8,11 +8,12 @@ use toml::Value;
 /// The round trip's vehicle, known exactly, under these gains.
 fn exact(gains: Option<&str>) -> Document {
     let mut document = Document::load("round-trip").unwrap();
-    set(&mut document, "controller.guidance.vehicle", "paper");
-    if let Some(gains) = gains {
-        let gains: toml::Table = gains.parse().unwrap();
-        set(&mut document, "controller.guidance.gains", gains);
-    }
+    let law = match gains {
+        Some(gains) => format!("[law.gains]\n{gains}"),
+        None => "[law.bandwidth]\nforce_floor_mg = 0.51\ntau_mg = 0.8155".to_owned(),
+    };
+    let law: toml::Table = law.parse().unwrap();
+    set(&mut document, "controller", law);
     document
 }
 
@@ -51,15 +52,6 @@ fn growth(document: &Document, point: &Point, lag: Option<f64>, delay: f64) -> f
     put("duration_s", (800.0 * limit).into());
     put("sensors.position", "none".into());
     let thrust = vec![Value::Float(-1e4), Value::Float(1e4)];
-    for (name, value) in [
-        ("position_gain_down_1_s", 0.0),
-        ("position_gain_forward_1_s", 0.0),
-        ("max_rate_rad_s", 1e3),
-        ("max_slew_rad_s2", 1e6),
-        ("max_acceleration_m_s2", 1e3),
-    ] {
-        put(&format!("controller.guidance.{name}"), value.into());
-    }
     put("plant.thrust_n", thrust.into());
     put("plant.thrust_lag_s", 0.0.into());
     put("plant.delay_s", delay.into());

@@ -63,7 +63,7 @@ crate::parameters! {
         max_wind_step: "m/s", 0.0, 1e3, 10.0, "ALU_SUP_GUST",
             "Greatest change of the wind from one step to the next; air data that imply a greater one are invalid.";
         safe_thrust: "mg", -1e3, 1e3, 0.0, "ALU_SUP_THRUST",
-            "Thrust of the safe command, inside the vehicle's limits.";
+            "Thrust of the safe command, inside the vehicle's limits. Zero: as near to none as these allow.";
     }
 }
 

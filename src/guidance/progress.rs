@@ -22,6 +22,18 @@ pub enum Phase {
     Recovering,
 }
 
+impl Phase {
+    /// Name for logs.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Tracking => "tracking",
+            Self::Crossing => "crossing",
+            Self::Coasting => "coasting",
+            Self::Recovering => "recovering",
+        }
+    }
+}
+
 /// Why the velocity wanted cannot be had, as far as the prediction shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -33,6 +45,17 @@ pub enum Unreachable {
     Speed,
     /// More thrust than there is.
     Thrust,
+}
+
+impl Unreachable {
+    /// Name for logs.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Sink => "sink",
+            Self::Speed => "speed",
+            Self::Thrust => "thrust",
+        }
+    }
 }
 
 /// How far the guidance has come.

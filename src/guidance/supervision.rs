@@ -175,6 +175,15 @@ impl SupervisionState {
     }
 }
 
+/// Thrust \[N\] of the safe command; with none asked for, the thrust nearest to none.
+pub(super) fn safe_thrust<A: Aerodynamics>(p: &GuidanceParameters, vehicle: &Vehicle<A>) -> f32 {
+    if p.safe_thrust == 0.0 {
+        math::clamp(0.0, vehicle.thrust_min(), vehicle.thrust_max())
+    } else {
+        p.safe_thrust * vehicle.weight()
+    }
+}
+
 impl Supervisor {
     /// Supervision with these parameters, which have been checked.
     pub fn new<A: Aerodynamics>(p: &GuidanceParameters, vehicle: &Vehicle<A>) -> Self {
@@ -186,7 +195,7 @@ impl Supervisor {
             air_hold: p.air_hold,
             max_wind: p.max_wind,
             max_wind_step: p.max_wind_step,
-            safe_thrust: p.safe_thrust * vehicle.weight(),
+            safe_thrust: safe_thrust(p, vehicle),
         }
     }
 

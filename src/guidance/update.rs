@@ -10,7 +10,9 @@ use super::parameters::GuidanceParameters;
 use super::planner::{Planner, PlannerState, wrap};
 use super::progress::Progress;
 use super::status::Status;
-use super::supervision::{Air, AirUse, Mode, Refusal, SupervisionState, Supervisor, time_passed};
+use super::supervision::{
+    Air, AirUse, Mode, Refusal, SupervisionState, Supervisor, safe_thrust, time_passed,
+};
 use super::tracker::{Tracker, TrackerInput};
 use crate::aero::Aerodynamics;
 use crate::control::{Command, Diagnostics, GainLaw, Margin, State, VelocityControl, check_input};
@@ -453,7 +455,7 @@ fn check_relations<A: Aerodynamics>(
     p: &GuidanceParameters,
 ) -> Result<(), ParameterError> {
     let weight = vehicle.weight();
-    let safe = p.safe_thrust * weight;
+    let safe = safe_thrust(p, vehicle);
     let relations = [
         ("thrust_max", vehicle.thrust_max() > weight),
         ("thrust_min", vehicle.thrust_min() < weight),
@@ -865,7 +867,15 @@ mod tests {
             thrust_min: 3.0,
             ..v
         };
-        assert_eq!(refused(idle, &p), contradicts("safe_thrust"));
+        let below = GuidanceParameters {
+            safe_thrust: 0.02,
+            ..p
+        };
+        assert_eq!(refused(idle, &below), contradicts("safe_thrust"));
+        // None asked for: the least there is.
+        let model = Combined::new(CombinedParameters::PAPER_BELIEF).unwrap();
+        let least = Guidance::new(Vehicle::new(idle, model).unwrap(), &p).unwrap();
+        assert_eq!(least.supervisor.safe_thrust(), 3.0);
         let above = GuidanceParameters {
             safe_thrust: 2.1,
             ..p

@@ -1,6 +1,6 @@
 //! `[controller.law]`: one of the paper's laws, bare.
 
-use alula::{GainParameters, VelocityControl};
+use alula::{BandwidthGains, GainChoice, GainParameters, GuidanceParameters, VelocityControl};
 use serde::Deserialize;
 use toml::Value;
 
@@ -36,15 +36,17 @@ pub struct LawSpec {
     pub feed_forward: bool,
     /// What the controller believes about the vehicle; the experiment's vehicle if left out.
     pub vehicle: Option<VehicleSpec>,
-    /// The gains.
+    /// Constant gains.
     pub gains: GainParameters,
+    /// Gains by bandwidth in their place, by the guidance's parameters of that name.
+    pub bandwidth: Option<GuidanceParameters>,
 }
 
 /// A law in this process.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Law {
     /// The law's parameters.
-    pub control: VelocityControl<Model>,
+    pub control: VelocityControl<Model, GainChoice>,
     form: Form,
 }
 
@@ -57,6 +59,7 @@ impl LawSpec {
             feed_forward: fields.take("feed_forward")?.unwrap_or_default(),
             vehicle: fields.belief()?,
             gains: fields.inner("gains")?.unwrap_or(GainParameters::PAPER),
+            bandwidth: fields.inner("bandwidth")?,
         };
         fields.end()?;
         Ok(spec)
@@ -66,8 +69,16 @@ impl LawSpec {
     pub fn law(&self, experiment: &Experiment) -> Result<Law, FieldError> {
         let belief = self.vehicle.as_ref().unwrap_or(&experiment.vehicle);
         let vehicle = belief.core().map_err(|e| e.inside("vehicle"))?;
-        let gains = alula::Gains::new(self.gains);
-        let gains = gains.map_err(|e| refused::<GainParameters>(e).inside("gains"))?;
+        let gains = match &self.bandwidth {
+            Some(p) => GainChoice::Bandwidth(
+                BandwidthGains::new(p, &vehicle)
+                    .map_err(|e| refused::<GuidanceParameters>(e).inside("bandwidth"))?,
+            ),
+            None => GainChoice::Constant(
+                alula::Gains::new(self.gains)
+                    .map_err(|e| refused::<GainParameters>(e).inside("gains"))?,
+            ),
+        };
         Ok(Law {
             control: VelocityControl::new(vehicle, gains),
             form: self.form,
@@ -84,8 +95,11 @@ impl Spec for LawSpec {
         self.vehicle.as_ref()
     }
 
-    fn gains(&self, _: &VehicleSpec) -> Option<LoopGains> {
-        Some(LoopGains::of(&self.gains))
+    fn gains(&self, belief: &VehicleSpec) -> Option<LoopGains> {
+        Some(match &self.bandwidth {
+            Some(p) => LoopGains::by_bandwidth(p, belief.weight()),
+            None => LoopGains::of(&self.gains),
+        })
     }
 
     fn feed_forward(&self) -> bool {

@@ -113,9 +113,11 @@ mod tests {
             "mass_kg k_a_kg_m delta_deg gravity_m_s2 thrust_min_n thrust_max_n"
         );
         assert_eq!(names(GainParameters::ROWS), "k1 k2 k3 tau_n");
-        assert!(names(GuidanceParameters::ROWS).starts_with(
-            "natural_frequency_rad_s damping thrust_rate_1_s force_floor_mg tau_mg max_acceleration_m_s2"
-        ));
+        assert!(
+            names(GuidanceParameters::ROWS).starts_with(
+                "natural_frequency_rad_s damping thrust_rate_1_s force_floor_mg tau_mg"
+            )
+        );
     }
 
     #[test]
