@@ -177,7 +177,7 @@ impl SpatialPlant {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plant::{Plant, PlantState};
+    use crate::experiment::{Plant, PlantSpec, State};
     use crate::reference::{Aerodynamics, Vector};
 
     fn plant(rotation: Rotation) -> SpatialPlant {
@@ -215,23 +215,24 @@ mod tests {
     #[test]
     fn in_a_vertical_plane_it_is_the_planar_plant() {
         let spatial = plant(Rotation::Lag(0.1));
-        let planar = Plant {
-            vehicle: spatial.vehicle,
-            wind: Vector::new(0.5, -2.0),
-        };
+        let planar = Plant::new(&spatial.vehicle, PlantSpec::default());
+        let wind = Vector::new(0.5, -2.0);
         let (thrust, rate, dt) = (80.0, -0.4, 0.01);
         let mut a = SpatialState {
             rates: V3::new(0.0, rate, 0.0),
             ..start()
         };
-        let mut b = PlantState {
+        let mut b = State {
             velocity: Vector::new(2.0, 12.0),
+            position: Vector::zeros(),
             theta: -60.0_f64.to_radians(),
+            rate,
+            thrust,
         };
         for _ in 0..200 {
             let rates = V3::new(0.0, rate, 0.0);
             a = spatial.step(&a, thrust, rates, V3::new(-2.0, 0.0, 0.5), dt);
-            b = planar.step(&b, thrust, rate, dt);
+            b = planar.step(&b, thrust, rate, wind, dt);
         }
         let [i, ..] = a.axes();
         // 1e-7: the quaternion is integrated to (q dt)^5, the planar angle exactly.
