@@ -5,13 +5,15 @@ use alula_sil::margins::{Loop, Point};
 use alula_sil::simulate::simulate;
 use toml::Value;
 
-/// The round trip's vehicle, known exactly, under these gains.
+/// The round trip's vehicle, known exactly, under these gains of the bare law, or else under the guidance's gains by bandwidth.
 fn exact(gains: Option<&str>) -> Document {
     let mut document = Document::load("round-trip").unwrap();
-    set(&mut document, "controller.guidance.vehicle", "paper");
-    if let Some(gains) = gains {
-        let gains: toml::Table = gains.parse().unwrap();
-        set(&mut document, "controller.guidance.gains", gains);
+    match gains {
+        None => set(&mut document, "controller.guidance.vehicle", "paper"),
+        Some(gains) => {
+            let gains: toml::Table = gains.parse().unwrap();
+            set(&mut document, "controller.law.gains", gains);
+        }
     }
     document
 }
@@ -51,14 +53,18 @@ fn growth(document: &Document, point: &Point, lag: Option<f64>, delay: f64) -> f
     put("duration_s", (800.0 * limit).into());
     put("sensors.position", "none".into());
     let thrust = vec![Value::Float(-1e4), Value::Float(1e4)];
-    for (name, value) in [
+    // Of the guidance nothing but its law. A bare law has none of it, and no least time step.
+    let guided = document.controller() == "guidance";
+    let mut put = |path: &str, value: Value| set(&mut document, path, value);
+    let parameters = [
         ("position_gain_down_1_s", 0.0),
         ("position_gain_forward_1_s", 0.0),
         ("max_rate_rad_s", 1e3),
         ("max_slew_rad_s2", 1e6),
         ("max_acceleration_m_s2", 1e3),
-    ] {
-        put(&format!("controller.guidance.{name}"), value.into());
+    ];
+    for (name, value) in parameters.iter().filter(|_| guided) {
+        put(&format!("controller.guidance.{name}"), (*value).into());
     }
     put("plant.thrust_n", thrust.into());
     put("plant.thrust_lag_s", 0.0.into());
