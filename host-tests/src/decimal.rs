@@ -32,7 +32,7 @@ macro_rules! binary {
             }
 
             fn is_coarse(self) -> bool {
-                !(self.abs() < (1_u64 << $digits) as $float)
+                self.is_nan() || self.abs() >= (1_u64 << $digits) as $float
             }
         }
     };

@@ -67,7 +67,7 @@ fn threads_interruptions_and_shares_change_nothing() {
         let store = Store::open(&at(&name), &source).unwrap();
         run(&source, &store, share.parse().unwrap(), None, || ()).unwrap();
         let (share, texts) = Store::existing(&at(&name)).unwrap();
-        assert_eq!(texts, source);
+        assert!(texts == source, "{share:?}: another campaign");
         for chunk in (0..3).filter(|&chunk| share.has(chunk)) {
             merged.take(&share, chunk).unwrap();
         }
@@ -118,7 +118,8 @@ fn a_flight_is_its_own() {
     assert_eq!(flown.samples.len(), 101);
     // The document's text says the same.
     let again: Experiment = toml::from_str(&drawn.document.text()).unwrap();
-    assert_eq!(again, drawn.experiment);
+    assert_eq!(again.vehicle, drawn.experiment.vehicle);
+    assert!(fly(&again).unwrap() == record);
 
     // What is drawn is what is flown, and what the file says.
     let mass = drawn.experiment.vehicle.mass_kg;
@@ -147,8 +148,8 @@ fn no_dispersed_flight_departs() {
     assert!(spread("altitude_most_m") > 0.5 && spread("max_velocity_error_m_s") > 0.5);
 }
 
-/// The one flight of the 10,000 that glides away, 67 m down in 30 s, when the forward velocity error is not bounded (measured −8.9 m
-/// with the bound).
+/// The flight of the 10,000 that glided away, 67 m down in 30 s, as long as the forward velocity error was not bounded and limits kept
+/// the integral from unwinding. Measured −4.2 m without the bound, since it unwinds.
 #[test]
 fn a_glide_does_not_turn_away() {
     let source = source("dispersed", 10_000);
@@ -162,7 +163,7 @@ fn a_glide_does_not_turn_away() {
     let path = "controller.guidance.max_velocity_error_m_s";
     unbounded.set(path, 1000.0.into()).unwrap();
     let altitude = least(&unbounded);
-    assert!(altitude < -40.0, "{altitude}");
+    assert!(altitude > -12.0, "{altitude}");
 }
 
 /// Given a minute more, those that ran ahead are back: every one of 100 flights hovers in place, within 3 m.

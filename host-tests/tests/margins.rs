@@ -5,7 +5,7 @@ use alula_sil::margins::{Loop, Point};
 use alula_sil::simulate::simulate;
 use toml::Value;
 
-/// The round trip's vehicle, known exactly, under these gains.
+/// The round trip's vehicle, known exactly, under these gains of the bare law, or else under the guidance's gains by bandwidth.
 fn exact(gains: Option<&str>) -> Document {
     let mut document = Document::load("round-trip").unwrap();
     let law = match gains {
@@ -52,6 +52,7 @@ fn growth(document: &Document, point: &Point, lag: Option<f64>, delay: f64) -> f
     put("duration_s", (800.0 * limit).into());
     put("sensors.position", "none".into());
     let thrust = vec![Value::Float(-1e4), Value::Float(1e4)];
+    let mut put = |path: &str, value: Value| set(&mut document, path, value);
     put("plant.thrust_n", thrust.into());
     put("plant.thrust_lag_s", 0.0.into());
     put("plant.delay_s", delay.into());

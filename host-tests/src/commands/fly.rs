@@ -71,7 +71,7 @@ pub fn fly(
     let mut record = Record::with_capacity(experiment.steps() + 1);
     simulate(experiment, controller.as_mut(), |step| {
         record.push(*step);
-        if record.len() % 100 == 0 {
+        if record.len().is_multiple_of(100) {
             bar.set_position(record.len() as u64);
         }
         true

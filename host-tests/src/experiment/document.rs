@@ -68,7 +68,7 @@ pub(crate) fn positive(field: &str, value: f64) -> Result<(), FieldError> {
 }
 
 /// One of the texts that a document is made of.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 struct Layer {
     /// What stands for it in errors.
     origin: String,
@@ -76,13 +76,20 @@ struct Layer {
 }
 
 /// A document with the texts that it is made of.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Document {
     /// Built-in name, or the file's name without its extension.
     pub name: String,
     root: Value,
     /// The document's own text, its base's, and so on.
     layers: Vec<Layer>,
+}
+
+/// Where a document comes from is not what it says.
+impl PartialEq for Document {
+    fn eq(&self, other: &Self) -> bool {
+        self.root == other.root
+    }
 }
 
 /// The parts of a dotted path: each a key, and perhaps the index of an item.
@@ -299,9 +306,18 @@ impl Document {
         Ok(vehicle)
     }
 
-    /// The whole document as TOML text, without a base.
+    /// The whole document as TOML text, without a base, and with the belief that it names written out.
     pub fn text(&self) -> String {
-        toml::to_string(&self.root).expect("a TOML document")
+        let mut whole = self.clone();
+        let path = format!("controller.{}.vehicle", self.controller());
+        if let Some(Value::String(name)) = self.get(&path)
+            && let Ok(named) = Self::load(name)
+            && let Some(vehicle) = named.get("vehicle")
+        {
+            let done = whole.set(&path, vehicle.clone());
+            done.expect("a path that is there");
+        }
+        toml::to_string(&whole.root).expect("a TOML document")
     }
 }
 
@@ -469,8 +485,11 @@ mod tests {
         assert_eq!(experiment.vehicle.mass_kg, 11.0);
         assert_eq!(experiment.description, "");
         // The whole text says the same without a base.
-        let whole = over(&document.text()).unwrap();
-        assert_eq!(whole.checked().unwrap(), experiment);
+        let whole = over(&document.text()).unwrap().checked().unwrap();
+        let belief = |experiment: &Experiment| experiment.spec().unwrap().belief().cloned();
+        assert_eq!(belief(&whole), belief(&experiment));
+        assert_eq!(whole.vehicle, experiment.vehicle);
+        assert!(!document.text().contains("paper-belief"));
     }
 
     #[test]

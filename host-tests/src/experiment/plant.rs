@@ -82,7 +82,7 @@ impl PlantSpec {
         }
         let [least, most] = self.thrust_n;
         // An infinite limit is none.
-        if !(least < most) {
+        if least.is_nan() || most.is_nan() || least >= most {
             return Err(FieldError::new("plant.thrust_n", "must be [least, most]"));
         }
         Ok(())

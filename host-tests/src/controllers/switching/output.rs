@@ -50,7 +50,7 @@ pub struct Output {
 impl Output {
     /// The stage with these limits, at `thrust` \[N\] (least, most).
     pub fn new(limits: &LimitSpec, thrust: [f64; 2]) -> Result<Self, FieldError> {
-        if !(thrust[0] < thrust[1]) {
+        if thrust[0].is_nan() || thrust[1].is_nan() || thrust[0] >= thrust[1] {
             return Err(FieldError::new("limits.thrust_n", "must be [least, most]"));
         }
         positive("limits.rate_rad_s", limits.rate_rad_s)?;
