@@ -2,11 +2,11 @@
 mod common;
 
 use alula::Guided;
-use alula::guidance::{AirUse, Mode, Status};
+use alula::guidance::{AirUse, Mode, Phase, Status};
 use alula_sil::experiment::Experiment;
 use alula_sil::figures::{Figures, Segment};
 use alula_sil::simulate::{Record, Step, fly};
-use common::{NO_SWITCH, PAPER_GAINS, experiment};
+use common::{PAPER_GAINS, experiment};
 
 fn guided(step: &Step) -> &Guided {
     step.answer.guided().unwrap()
@@ -26,57 +26,42 @@ fn late(segment: &Segment) -> &alula_sil::figures::Steady {
 }
 
 /// Hover, cruise, hover at 2 m/s² with a rate loop of 100 ms, a thrust lag of 50 ms, control at 100 Hz and wrong
-/// parameters: no limit cycle, bounded rate and altitude, at T/W 2 and 1.3.
+/// parameters: followed within 1.5 m of altitude and 4 m ahead, at T/W 2, 1.3 and 1.15 alike.
 ///
-/// Measured: out −0.31…+0.86 m, back −1.91…+1.30 m (T/W 1.3: −3.12…+1.30 m), 2.8 rad/s (the limit), late errors 0.0036
-/// and 0.0291 m/s, settled 4.2 s after reaching cruise and 50 s (45 s) after the reference's stop.
+/// Measured: altitude −0.4…+1.2 m, 1.4 m behind to 2.9 m ahead, 2.8 rad/s (the limit). Without the virtual flight the
+/// vehicle coasted 165 m ahead of this reference, and lost 7 m at T/W 1.15.
 #[test]
-fn the_round_trip_is_flown_within_its_limits() {
-    for name in ["round-trip", "round-trip-weak"] {
-        let (figures, segments) = flown(&experiment(name, &[]));
+fn the_round_trip_is_followed_whatever_the_thrust() {
+    for most in [196.2, 127.5, 112.8] {
+        let thrust = format!("plant.thrust_n[1]={most}");
+        let (figures, segments) = flown(&experiment("round-trip", &[&thrust]));
         assert!(figures.get("peak_rate_rad_s") < 3.0 && figures.get("lost") == 0.0);
-        let [first, out, cruise, brake, hover] = &segments[..] else {
-            panic!("five segments");
-        };
-        for segment in [first, out, cruise] {
+        for segment in &segments {
             let (low, high) = (segment.altitude_least_m, segment.altitude_most_m);
-            assert!(low > -3.0 && high < 3.0, "{name} {}", segment.line());
+            assert!(low > -1.5 && high < 1.5, "{most} {}", segment.line());
+            let (behind, ahead) = (segment.forward_least_m, segment.forward_most_m);
+            assert!(behind > -10.0 && ahead < 4.0, "{most} {}", segment.line());
         }
-        for segment in [brake, hover] {
-            let (low, high) = (segment.altitude_least_m, segment.altitude_most_m);
-            assert!(low > -6.0 && high < 6.0, "{name} {}", segment.line());
-        }
-        for (segment, settling) in [(cruise, 5.0), (hover, 55.0)] {
-            let steady = late(segment);
+        for steady in [late(&segments[2]), late(&segments[4])] {
             assert!(steady.late_rate_rms_rad_s < 0.02);
             assert!(steady.late_velocity_error_m_s < 0.05);
-            assert!(
-                steady.settling_s.unwrap() < settling,
-                "{name} {}",
-                segment.line()
-            );
         }
     }
 }
 
-/// Asked to brake level at 2 m/s² from 20 m/s, the vehicle shuts its thrust off and coasts: at small α only drag
-/// brakes, and the θ̃ = 0 equilibrium needs negative thrust, which is told. It runs some 165 m ahead of the reference.
+/// What drag alone gives, level at 20 m/s, is a fifth of what the round trip asks for when it brakes: 0.43 m/s², k_a v² c_D/m at
+/// the α that carries the weight. So the stall is crossed to brake, and that is told.
 #[test]
-fn braking_harder_than_drag_is_told_and_overshoots() {
+fn braking_harder_than_drag_crosses_the_stall() {
     let experiment = experiment("round-trip", &[]);
     let record = fly(&experiment).unwrap();
-    let ahead = Figures::of(&experiment, &record).get("forward_most_m");
-    assert!(ahead > 120.0 && ahead < 200.0);
-    let braking = record.iter().filter(|r| r.t > 46.0 && r.t < 54.0);
-    for row in braking {
-        let status = guided(row).status;
-        assert!(
-            status.contains(Status::THRUST_LOW | Status::NEGATIVE_THRUST),
-            "{}",
-            row.t
-        );
-    }
-    // What drag alone gives, level at 20 m/s: k_a v² c_D/m at the α that carries the weight. Measured: 0.43 m/s².
+    let crosses = |from: f64, to: f64| {
+        let rows = record.iter().filter(|r| (from..to).contains(&r.t));
+        let crossing = rows.filter(|r| guided(r).progress.phase == Phase::Crossing);
+        crossing.count()
+    };
+    assert!(crosses(45.0, 49.0) > 0);
+    assert_eq!(crosses(20.0, 45.0) + crosses(56.0, 115.0), 0);
     let vehicle = experiment.vehicle.reference();
     let c = vehicle.aerodynamics.at(4.07_f64.to_radians());
     let pressure = vehicle.k_a * 400.0;
@@ -113,16 +98,51 @@ fn a_climbing_reference_is_followed_at_two_metres_per_second_squared() {
     assert!((climbed - 11.4).abs() < 0.1);
 }
 
-/// A descent beyond the velocity at which F_p vanishes: over the branch θ̃ = π it stays within 1 m (measured
-/// −0.66…+0.24 m); on θ̃ = 0 alone the vehicle turns over and is lost by more than 100 m.
+/// Descents beyond the velocity at which F_p vanishes, off the axis of symmetry: in horizontal wind from either side and light
+/// turbulence none is lost, and all are within 3 m of altitude (measured −0.7…+1.8 m). Without the virtual flight a wind of
+/// 1 m/s ended 4200 m low.
 #[test]
-fn a_steep_descent_needs_the_other_branch() {
-    let (with, _) = flown(&experiment("steep-descent", &[]));
-    assert!(with.get("opposed_s") > 20.0);
-    assert!(with.get("altitude_least_m") > -1.0 && with.get("altitude_most_m") < 1.0);
-    let (without, _) = flown(&experiment("steep-descent", &[NO_SWITCH]));
-    assert_eq!((without.get("opposed_s"), without.get("lost")), (0.0, 1.0));
-    assert!(without.get("altitude_least_m") < -100.0);
+fn steep_descents_are_flown_in_wind() {
+    for sink in [8.0, 9.0, 10.0, 12.0] {
+        for wind in [-5.0, -2.0, -0.5, 1.0, 3.0, 5.0] {
+            let knots = format!(
+                "reference.knots=[{{t_s=5.0,down_m_s=0.0,forward_m_s=0.0}},{{t_s={t},down_m_s={sink:.1},forward_m_s=0.0}},\
+                 {{t_s=31.0,down_m_s={sink:.1},forward_m_s=0.0}},{{t_s=37.0,down_m_s=0.0,forward_m_s=0.0}}]",
+                t = 5.0 + 0.5 * sink
+            );
+            let steady = format!("weather.steady_m_s=[0.0,{wind:.1}]");
+            let light = "weather.turbulence={wind_at_20_ft_m_s=3.0,height_m=30.0}";
+            let (figures, _) = flown(&experiment("steep-descent", &[&knots, &steady, light]));
+            let [low, high] = ["altitude_least_m", "altitude_most_m"].map(|n| figures.get(n));
+            assert!(low > -3.0 && high < 3.0, "{sink} {wind}: {low} {high}");
+            assert!(figures.get("final_velocity_error_m_s") < 0.5);
+        }
+    }
+}
+
+/// Falls with hover asked: θ = 180° at 3 and 20 m/s, and pitch −80° at 20 m/s. Measured: 11.5, 25.6 and 22.7 m lost; the least
+/// possible are 7.0, 16.6 and 18.4 m. Without the virtual flight the last two fell for good.
+#[test]
+fn falls_are_left() {
+    let hover = "reference.knots=[{t_s=0.0,down_m_s=0.0,forward_m_s=0.0}]";
+    for (theta, down, forward, most) in [
+        (180.0, 3.0, 0.0, 13.0),
+        (180.0, 20.0, 0.0, 28.0),
+        (-170.0, 19.7, 3.5, 26.0),
+    ] {
+        let settings = [
+            hover.to_owned(),
+            format!("initial.theta_deg={theta:.1}"),
+            format!("initial.down_m_s={down:.1}"),
+            format!("initial.forward_m_s={forward:.1}"),
+            "duration_s=40.0".to_owned(),
+        ];
+        let settings: Vec<&str> = settings.iter().map(String::as_str).collect();
+        let (figures, _) = flown(&experiment("round-trip", &settings));
+        let low = figures.get("altitude_least_m");
+        assert!(low > -most, "{theta} {down}: {low}");
+        assert!(figures.get("final_velocity_error_m_s") < 0.01);
+    }
 }
 
 /// The paper's gains in the same flight: a limit cycle in cruise, as was measured before there was another choice.

@@ -148,6 +148,3 @@ pub fn experiment(name: &str, settings: &[&str]) -> Experiment {
 /// The paper's constant gains in the guidance's place of its own.
 pub const PAPER_GAINS: &str =
     "controller.guidance.gains={ k1 = 0.1529, k2 = 0.0234, k3 = 6.0, tau_n = 80.0 }";
-
-/// A hysteresis beyond every force: branches are not switched.
-pub const NO_SWITCH: &str = "controller.guidance.branch_hysteresis_mg=1e6";
