@@ -4,6 +4,7 @@
 //! points up: on θ̃ = 0 the vehicle would turn nose down and need negative thrust there, while tail first with
 //! positive thrust it stands on θ̃ = π. The paper leaves the choice open; this module makes it.
 
+use super::memory::memory;
 use super::parameters::GuidanceParameters;
 use crate::branch::Branch;
 use crate::equivalency::ApparentForces;
@@ -42,6 +43,12 @@ pub struct BranchState {
     /// Angular rate [rad/s] still to fade out.
     pub(super) offset: f32,
 }
+
+memory!(BranchState {
+    opposed: u8,
+    arrived: u8,
+    offset: f32,
+});
 
 impl BranchState {
     /// The branch flown.

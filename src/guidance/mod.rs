@@ -3,6 +3,7 @@
 mod bandwidth;
 mod branch_switch;
 mod limits;
+mod memory;
 mod outer_loop;
 mod parameters;
 mod reference_limit;

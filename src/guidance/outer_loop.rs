@@ -1,5 +1,6 @@
 //! Position hold and integral action, around the velocity law (not in the paper).
 
+use super::memory::memory;
 use super::parameters::GuidanceParameters;
 use super::reference_limit::ReferenceLimit;
 use super::status::Status;
@@ -37,6 +38,8 @@ pub struct OuterState {
     /// I [m/s].
     pub integral: Inertial,
 }
+
+memory!(OuterState { integral: Inertial });
 
 /// What the outer loop looks at.
 pub(super) struct OuterInput<'a> {

@@ -1,5 +1,6 @@
 //! Acceleration limit on the reference: the velocity followed never changes faster than the vehicle may.
 
+use super::memory::memory;
 use super::parameters::GuidanceParameters;
 use super::status::Status;
 use crate::frame::Inertial;
@@ -25,6 +26,8 @@ pub struct ReferenceState {
     /// v_s [m/s].
     pub velocity: Inertial,
 }
+
+memory!(ReferenceState { velocity: Inertial });
 
 impl ReferenceState {
     /// Whether the velocity is one that a reference may have.
@@ -56,7 +59,7 @@ impl ReferenceLimit {
         let velocity = state.velocity;
         let wanted = reference.acceleration + (reference.velocity - velocity) * rate;
         let (acceleration, cut) = self.cut(wanted);
-        state.velocity = velocity + acceleration * dt;
+        state.velocity = within_reach(velocity + acceleration * dt);
         (
             Reference {
                 velocity,
@@ -76,6 +79,18 @@ impl ReferenceLimit {
         } else {
             (acceleration, false)
         }
+    }
+}
+
+/// `velocity`, shortened to what a reference may be: a velocity followed lies beyond its reference where that accelerates.
+#[inline(always)]
+fn within_reach(velocity: Inertial) -> Inertial {
+    let square = velocity.norm_squared();
+    if square > MAX_SPEED * MAX_SPEED {
+        // A little less, so that roundings do not leave it outside.
+        velocity * (0.999 * MAX_SPEED / math::sqrt(square))
+    } else {
+        velocity
     }
 }
 

@@ -34,7 +34,7 @@ bitflags::bitflags! {
         const POSITION_INVALID = 1 << 10;
         /// The air data were invalid and are left out.
         const AIR_INVALID = 1 << 11;
-        /// The guidance state was corrupt and has been reset.
+        /// The guidance state was corrupt: it has been restored from its copy or, where that was not possible, reset.
         const STATE_RESET = 1 << 12;
         /// The forward velocity error given to the law stands at its limit.
         const VELOCITY_ERROR = 1 << 13;
