@@ -182,10 +182,10 @@ impl GuidanceState {
     /// go on with it after a restart. The order belongs to this version of the library.
     pub fn to_bytes(&self) -> [u8; Self::BYTES] {
         let mut bytes = [0; Self::BYTES];
-        let mut places = bytes.chunks_exact_mut(4);
+        let mut places = bytes.as_chunks_mut().0.iter_mut();
         let mut put = |word: u32| {
             if let Some(place) = places.next() {
-                place.copy_from_slice(&word.to_le_bytes());
+                *place = word.to_le_bytes();
             }
         };
         self.write(&mut put);
@@ -195,11 +195,8 @@ impl GuidanceState {
 
     /// The state of these bytes. Any will do: what no step has left is found at the next step, and restored or reset.
     pub fn from_bytes(bytes: &[u8; Self::BYTES]) -> Self {
-        let mut words = bytes.chunks_exact(4).map(|word| match *word {
-            [a, b, c, d] => u32::from_le_bytes([a, b, c, d]),
-            _ => 0,
-        });
-        let mut next = || words.next().unwrap_or(0);
+        let mut words = bytes.as_chunks().0.iter();
+        let mut next = || words.next().map_or(0, |word| u32::from_le_bytes(*word));
         let state = Self::read(&mut next);
         Self {
             spare: Memory::read(&mut next),
