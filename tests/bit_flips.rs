@@ -25,7 +25,7 @@ const LOST: f32 = 1.5;
 const NEVER: f32 = 40.0;
 
 /// The vehicle as a point with a perfect rate loop.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Plant {
     velocity: Inertial,
     theta: f32,
@@ -205,7 +205,15 @@ fn attack(trials: u64, flips: core::ops::RangeInclusive<usize>, seed: u64) -> Co
             }
         }
         count.unseen += u64::from(unseen);
-        count.lost += u64::from(never || worse.is_nan() || worse > LOST);
+        if never || worse.is_nan() || worse > LOST {
+            let (there, _) = flight.steps[start + AFTER];
+            let asked = flight.mission.stages[(start + AFTER - 1) * 2 / 1000];
+            let wind = flight.mission.wind;
+            println!(
+                "lost from step {start}: {plant:?}, recorded {there:?}, asked {asked:?}, wind {wind:?}"
+            );
+            count.lost += 1;
+        }
     }
     println!("{flips:?} bits flipped: {count:#?}");
     assert_eq!(
@@ -218,7 +226,7 @@ fn attack(trials: u64, flips: core::ops::RangeInclusive<usize>, seed: u64) -> Co
 fn one_bit(trials: u64) {
     let count = attack(trials, 1..=1, 1);
     // The flight goes on as if nothing had happened.
-    assert_eq!((count.unseen, count.worst), (count.trials, 0.0));
+    assert_eq!((count.unseen, count.worst, count.lost), (count.trials, 0.0, 0));
     // What flips in the copy, or where there is no bit, need not be told: half and a sixth of the bits.
     assert!((0.3..0.5).contains(&(count.reported as f32 / count.trials as f32)));
 }
@@ -226,6 +234,9 @@ fn one_bit(trials: u64) {
 fn several_bits(trials: u64) {
     let count = attack(trials, 2..=64, 2);
     assert!(count.reported > trials / 2 && count.unseen < trials);
+    // What cannot be restored is reset, and sets out again from the velocity there is. Measured: 2 in 100,000 end in a fast
+    // cruise out of which this guidance does not brake, as some of the undisturbed flights do.
+    assert!(count.lost <= trials / 20_000);
 }
 
 #[test]
