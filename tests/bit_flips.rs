@@ -226,7 +226,10 @@ fn attack(trials: u64, flips: core::ops::RangeInclusive<usize>, seed: u64) -> Co
 fn one_bit(trials: u64) {
     let count = attack(trials, 1..=1, 1);
     // The flight goes on as if nothing had happened.
-    assert_eq!((count.unseen, count.worst, count.lost), (count.trials, 0.0, 0));
+    assert_eq!(
+        (count.unseen, count.worst, count.lost),
+        (count.trials, 0.0, 0)
+    );
     // What flips in the copy, or where there is no bit, need not be told: half and a sixth of the bits.
     assert!((0.3..0.5).contains(&(count.reported as f32 / count.trials as f32)));
 }
