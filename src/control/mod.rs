@@ -3,7 +3,7 @@
 //! [`VelocityControl`] is stateless. [`Guidance`](crate::Guidance) flies it on a real vehicle.
 
 mod command;
-mod feed_forward;
+pub(crate) mod feed_forward;
 mod gains;
 mod guard;
 mod margin;
@@ -16,4 +16,5 @@ pub use command::{Command, Diagnostics, Fault, FeedForward, State};
 pub use gains::{GainLaw, GainParameters, GainValues, Gains};
 pub use guard::Guard;
 pub use margin::Margin;
-pub use velocity::VelocityControl;
+pub(crate) use velocity::Step;
+pub use velocity::{Law, VelocityControl};

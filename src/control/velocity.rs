@@ -20,12 +20,21 @@ pub struct VelocityControl<A, G = Gains> {
     gains: G,
 }
 
+/// Which of the two laws.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Law {
+    /// [`VelocityControl::robust`].
+    Robust,
+    /// [`VelocityControl::full`].
+    Full,
+}
+
 /// What both laws start from.
 pub(crate) struct Step {
     pub(crate) forces: ApparentForces,
-    gains: GainValues,
+    pub(crate) gains: GainValues,
     /// Velocity error ṽ = Rᵀ(v − v_r) [m/s].
-    error: Body,
+    pub(crate) error: Body,
     /// |F_p| \[N\].
     pub(crate) norm: f32,
     /// (|F_p| + F̄_p1)² \[N²\].
@@ -109,6 +118,21 @@ impl<A: Aerodynamics, G: GainLaw> VelocityControl<A, G> {
         state: &State,
         feed_forward: Option<&FeedForward>,
     ) -> Result<Command, Fault> {
+        let f_delta = self.f_delta(&step.forces, state, feed_forward)?;
+        self.robust_in_plane(step, branch, f_delta)
+    }
+
+    /// The robust law from `step` and F_δ [N/s] in body components.
+    ///
+    /// # Errors
+    /// [`Fault::Undefined`] where the arithmetic overflows.
+    #[inline(always)]
+    pub(crate) fn robust_in_plane(
+        &self,
+        step: &Step,
+        branch: Branch,
+        f_delta: Option<Body>,
+    ) -> Result<Command, Fault> {
         let Step {
             forces,
             gains,
@@ -121,11 +145,10 @@ impl<A: Aerodynamics, G: GainLaw> VelocityControl<A, G> {
             * (norm * (gains.k2 * step.error.j())
                 + (gains.k3 * norm) * (forces.f_p.j() * alignment));
         let mut guard_feed_forward = 0.0;
-        if let Some(ff) = feed_forward {
-            check_feed_forward(ff)?;
+        if let Some(f_delta) = f_delta {
             let norm_squared = norm * norm;
             let over = guard.over_square(norm_squared);
-            rate -= over * self.cross_f_delta(forces, state, ff);
+            rate -= over * cross(forces, f_delta);
             guard_feed_forward = over * norm_squared;
         }
         let guard_alignment = alignment * step.alignment_squared;
@@ -148,23 +171,60 @@ impl<A: Aerodynamics, G: GainLaw> VelocityControl<A, G> {
     ) -> Result<Command, Fault> {
         check_input(state, reference)?;
         let step = self.step(Branch::Aligned, state, reference);
+        let f_delta = self.f_delta(&step.forces, state, feed_forward)?;
+        self.full_in_plane(&step, f_delta)
+    }
+
+    /// The full law from `step` and F_δ [N/s] in body components.
+    ///
+    /// # Errors
+    /// [`Fault::Undefined`] where the law divides by zero or the arithmetic overflows.
+    #[inline(always)]
+    pub(crate) fn full_in_plane(
+        &self,
+        step: &Step,
+        f_delta: Option<Body>,
+    ) -> Result<Command, Fault> {
         let Step {
             forces,
             gains,
             norm,
             ..
-        } = &step;
+        } = step;
         let norm_squared = norm * norm;
         // c̄_D' cos(α+δ) − c̄_L' sin(α+δ) is the residual of eq:condition.
         let h = condition_residual(&forces.coefficients, &forces.air);
         let k = norm_squared / (norm_squared + forces.pressure * (forces.f.j() * h));
         let mut rate = norm * (gains.k2 * step.error.j())
             + (gains.k3 * norm) * (forces.f_p.j() / step.alignment_squared);
-        if let Some(ff) = feed_forward {
-            check_feed_forward(ff)?;
-            rate -= self.cross_f_delta(forces, state, ff) / norm_squared;
+        if let Some(f_delta) = f_delta {
+            rate -= cross(forces, f_delta) / norm_squared;
         }
-        check_output(self.command(&step, k * rate, 1.0, 1.0, k))
+        check_output(self.command(step, k * rate, 1.0, 1.0, k))
+    }
+
+    /// [`robust`](Self::robust) or [`full`](Self::full), as `law` says, with or without feed-forward. It is slower than
+    /// these, and takes the room of one: the code of the forces is there once.
+    ///
+    /// # Errors
+    /// As the law's.
+    #[inline(never)]
+    pub fn either(
+        &self,
+        law: Law,
+        state: &State,
+        reference: &Reference,
+        feed_forward: Option<&FeedForward>,
+    ) -> Result<Command, Fault> {
+        check_input(state, reference)?;
+        let step = self.step(Branch::Aligned, state, reference);
+        match law {
+            Law::Robust => self.robust_from(&step, Branch::Aligned, state, feed_forward),
+            Law::Full => {
+                let f_delta = self.f_delta(&step.forces, state, feed_forward)?;
+                self.full_in_plane(&step, f_delta)
+            }
+        }
     }
 
     /// What the law on `branch` starts from. The inputs are to have been checked.
@@ -176,12 +236,26 @@ impl<A: Aerodynamics, G: GainLaw> VelocityControl<A, G> {
             state.velocity - state.wind,
             reference.acceleration,
         );
+        let error = state.attitude.to_body(state.velocity - reference.velocity);
+        self.step_in_plane(branch, forces, error)
+    }
+
+    /// What the law on `branch` starts from, given the forces and the velocity error [m/s] in body components.
+    #[inline(always)]
+    pub(crate) fn step_in_plane(
+        &self,
+        branch: Branch,
+        forces: ApparentForces,
+        error: Body,
+    ) -> Step {
         let norm = forces.f_p.norm();
         let sign = branch.sign();
         let (along, across) = (sign * forces.f_p.i(), sign * forces.f_p.j());
         // |F_p| + F̄_p1, which cancels near θ̃ = π, is F̄_p2²/(|F_p| − F̄_p1).
         let sum = norm + along.abs();
         let alignment = if along < 0.0 {
+            // Rare in flight: the division is not to be made ahead of the choice.
+            core::hint::cold_path();
             across * across / sum
         } else {
             sum
@@ -189,18 +263,26 @@ impl<A: Aerodynamics, G: GainLaw> VelocityControl<A, G> {
         Step {
             forces,
             gains: self.gains.at(norm),
-            error: state.attitude.to_body(state.velocity - reference.velocity),
+            error,
             norm,
             alignment_squared: alignment * alignment,
         }
     }
 
-    /// F̄_pᵀ S Rᵀ F_δ [N²/s].
+    /// F_δ [N/s] in body components, if there is feed-forward.
     #[inline(always)]
-    fn cross_f_delta(&self, forces: &ApparentForces, state: &State, ff: &FeedForward) -> f32 {
+    fn f_delta(
+        &self,
+        forces: &ApparentForces,
+        state: &State,
+        feed_forward: Option<&FeedForward>,
+    ) -> Result<Option<Body>, Fault> {
+        let Some(ff) = feed_forward else {
+            return Ok(None);
+        };
+        check_feed_forward(ff)?;
         let (mass, k_a) = (self.vehicle.mass(), self.vehicle.k_a());
-        let f = f_delta(forces, mass, k_a, state.attitude, ff);
-        forces.f_p.j() * f.i() - forces.f_p.i() * f.j()
+        Ok(Some(f_delta(forces, mass, k_a, state.attitude, ff)))
     }
 
     #[inline(always)]
@@ -228,6 +310,12 @@ impl<A: Aerodynamics, G: GainLaw> VelocityControl<A, G> {
             },
         }
     }
+}
+
+/// F̄_pᵀ S F̄_δ [N²/s].
+#[inline(always)]
+fn cross(forces: &ApparentForces, f_delta: Body) -> f32 {
+    forces.f_p.j() * f_delta.i() - forces.f_p.i() * f_delta.j()
 }
 
 #[cfg(test)]

@@ -1,19 +1,23 @@
 //! Guidance: the velocity law with everything around it that a real vehicle asks for.
 
 mod bandwidth;
-mod branch_switch;
+mod flight;
 mod limits;
 mod memory;
-mod outer_loop;
 mod parameters;
-mod reference_limit;
+mod plane_change;
+mod planner;
+mod progress;
 mod status;
 mod supervision;
+mod tracker;
 mod update;
 
 pub use crate::control::{Branch, Margin};
 pub use bandwidth::{BandwidthGains, GainChoice};
 pub use parameters::GuidanceParameters;
+pub use plane_change::{Across, InputAcross};
+pub use progress::{Phase, Progress, Unreachable};
 pub use status::Status;
 pub use supervision::{Air, AirUse, MAX_STEP, MIN_STEP, Mode, Refusal};
 pub use update::{Guidance, GuidanceInput, GuidanceState, Guided};

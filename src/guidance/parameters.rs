@@ -18,14 +18,18 @@ crate::parameters! {
         tau: "mg", 1e-3, 1e3, 0.91, "ALU_BW_TAU",
             "Force τ below which the guard μ_τ acts.";
 
-        max_acceleration: "m/s^2", 1e-3, 1e3, 3.0, "ALU_REF_ACC",
-            "Greatest acceleration with which the reference velocity is followed.";
-        return_rate: "1/s", 1e-3, 1e2, 0.8, "ALU_REF_RATE",
-            "Rate with which the velocity followed returns to the reference velocity after that limit.";
+        altitude_band: "m", 1e-3, 1e3, 0.4, "ALU_BAND_ALT",
+            "Altitude error that a plan may cost as much as an error of one velocity band.";
+        velocity_band_down: "m/s", 1e-3, 1e3, 1.0, "ALU_BAND_V_D",
+            "Velocity error, down, that costs as much as one of velocity_band_forward.";
+        velocity_band_forward: "m/s", 1e-3, 1e3, 3.0, "ALU_BAND_V_F",
+            "Velocity error, forward, that costs as much as one of velocity_band_down.";
+        rate_lag: "s", 0.0, 1.0, 0.1, "ALU_RATE_LAG",
+            "Lag of the rate loop, for which the fed forward rate is advanced.";
 
-        position_gain_down: "1/s", 0.0, 100.0, 0.8, "ALU_POS_P_D",
+        position_gain_down: "1/s", 0.0, 100.0, 1.5, "ALU_POS_P_D",
             "Velocity per position error, down. Zero turns the hold off.";
-        position_gain_forward: "1/s", 0.0, 100.0, 0.6, "ALU_POS_P_F",
+        position_gain_forward: "1/s", 0.0, 100.0, 0.5, "ALU_POS_P_F",
             "Velocity per position error, forward. Zero turns the hold off.";
         max_velocity_down: "m/s", 0.0, 1e3, 3.0, "ALU_POS_V_D",
             "Greatest velocity towards the reference position, down.";
@@ -39,14 +43,6 @@ crate::parameters! {
             "Greatest integral, down; at most max_velocity_down.";
         max_integral_forward: "m/s", 0.0, 1e3, 1.0, "ALU_INT_MAX_F",
             "Greatest integral, forward; at most max_velocity_forward.";
-        max_velocity_error: "m/s", 1e-3, 1e3, 14.0, "ALU_ERR_MAX_F",
-            "Greatest forward velocity error that the law is given. About two thirds of the cruise speed.";
-
-        branch_hysteresis: "mg", 1e-3, 1e6, 0.11, "ALU_BRANCH_HYST",
-            "How far F_p must have passed through zero before the other branch is flown. Beyond every force, branches are not switched.";
-        branch_fade: "s", 1e-3, 1e2, 0.3, "ALU_BRANCH_FADE",
-            "Time constant with which the jump of the angular rate at a switch of branches fades out.";
-
         max_rate: "rad/s", 1e-3, 1e3, 2.8, "ALU_RATE_MAX",
             "Greatest angular rate commanded.";
         max_slew: "rad/s^2", 1e-3, 1e6, 30.0, "ALU_SLEW_MAX",
@@ -67,7 +63,7 @@ crate::parameters! {
         max_wind_step: "m/s", 0.0, 1e3, 10.0, "ALU_SUP_GUST",
             "Greatest change of the wind from one step to the next; air data that imply a greater one are invalid.";
         safe_thrust: "mg", -1e3, 1e3, 0.0, "ALU_SUP_THRUST",
-            "Thrust of the safe command, inside the vehicle's limits.";
+            "Thrust of the safe command, inside the vehicle's limits. Zero: as near to none as these allow.";
     }
 }
 

@@ -18,26 +18,18 @@ bitflags::bitflags! {
         const RATE = 1 << 2;
         /// The angular rate changes as fast as it may.
         const SLEW = 1 << 3;
-        /// The reference's acceleration stands at its limit: the velocity followed is not the one asked for.
-        const REFERENCE = 1 << 4;
         /// The velocity towards the reference position stands at its limit.
-        const POSITION = 1 << 5;
+        const POSITION = 1 << 4;
         /// The integral stands at its limit.
-        const INTEGRAL = 1 << 6;
-        /// The equilibrium of the branch flown needs negative thrust.
-        const NEGATIVE_THRUST = 1 << 7;
-        /// The branch θ̃ = π is flown.
-        const OPPOSED = 1 << 8;
+        const INTEGRAL = 1 << 5;
         /// The reference is stale or invalid: the last velocity is held.
-        const REFERENCE_HELD = 1 << 9;
+        const REFERENCE_HELD = 1 << 6;
         /// The position error was invalid and is left out.
-        const POSITION_INVALID = 1 << 10;
+        const POSITION_INVALID = 1 << 7;
         /// The air data were invalid and are left out.
-        const AIR_INVALID = 1 << 11;
+        const AIR_INVALID = 1 << 8;
         /// The guidance state was corrupt: it has been restored from its copy or, where that was not possible, reset.
-        const STATE_RESET = 1 << 12;
-        /// The forward velocity error given to the law stands at its limit.
-        const VELOCITY_ERROR = 1 << 13;
+        const STATE_RESET = 1 << 9;
     }
 }
 
@@ -74,9 +66,9 @@ mod tests {
     fn a_set_is_written_by_the_names_of_its_flags() {
         assert_eq!(Status::empty().to_string(), "");
         assert_eq!(Status::RATE.to_string(), "rate");
-        let two = Status::VELOCITY_ERROR | Status::THRUST_LOW;
-        assert_eq!(two.to_string(), "thrust_low|velocity_error");
-        assert_eq!(Status::all().iter_names().count(), 14);
+        let two = Status::INTEGRAL | Status::THRUST_LOW;
+        assert_eq!(two.to_string(), "thrust_low|integral");
+        assert_eq!(Status::all().iter_names().count(), 10);
     }
 
     #[test]

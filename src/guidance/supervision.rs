@@ -145,7 +145,7 @@ pub struct SupervisionState {
     /// The last wind known [m/s].
     pub(super) wind: Inertial,
     /// Its age \[s\].
-    wind_age: f32,
+    pub(super) wind_age: f32,
 }
 
 memory!(SupervisionState {
@@ -184,6 +184,15 @@ impl SupervisionState {
     }
 }
 
+/// Thrust \[N\] of the safe command; with none asked for, the thrust nearest to none.
+pub(super) fn safe_thrust<A: Aerodynamics>(p: &GuidanceParameters, vehicle: &Vehicle<A>) -> f32 {
+    if p.safe_thrust == 0.0 {
+        math::clamp(0.0, vehicle.thrust_min(), vehicle.thrust_max())
+    } else {
+        p.safe_thrust * vehicle.weight()
+    }
+}
+
 impl Supervisor {
     /// Supervision with these parameters, which have been checked.
     pub fn new<A: Aerodynamics>(p: &GuidanceParameters, vehicle: &Vehicle<A>) -> Self {
@@ -195,7 +204,7 @@ impl Supervisor {
             air_hold: p.air_hold,
             max_wind: p.max_wind,
             max_wind_step: p.max_wind_step,
-            safe_thrust: p.safe_thrust * vehicle.weight(),
+            safe_thrust: safe_thrust(p, vehicle),
         }
     }
 
@@ -223,6 +232,16 @@ impl Supervisor {
         (0.0..=MAX_ELAPSED).contains(&state.elapsed)
             && (0.0..=MAX_AGE).contains(&state.wind_age)
             && state.wind.norm_squared() <= self.max_wind * self.max_wind
+    }
+
+    /// Makes `wind` [m/s] the last known wind, or forgets it if that is above `max_wind`.
+    pub(super) fn move_wind(&self, state: &mut SupervisionState, wind: Inertial) {
+        if wind.norm_squared() <= self.max_wind * self.max_wind {
+            state.wind = wind;
+        } else {
+            state.wind = Inertial::ZERO;
+            state.wind_known = 0;
+        }
     }
 
     /// The mode after `dt` \[s\] with a frame that was `good` or not.

@@ -1,0 +1,111 @@
+//! Why a log could not be read or written.
+
+use std::fmt;
+use std::path::Path;
+
+/// A refusal, with the place that caused it.
+#[derive(Debug)]
+pub enum Error {
+    /// The operating system refused.
+    Io {
+        /// The file.
+        file: String,
+        /// Its reason.
+        source: std::io::Error,
+    },
+    /// A CSV file does not hold what it must.
+    Csv {
+        /// The file.
+        file: String,
+        /// Line, counted from 1.
+        line: u64,
+        /// The column's name, where one column is at fault.
+        column: Option<String>,
+        /// What is wrong.
+        problem: String,
+    },
+    /// A column map does not parse, or asks for what cannot be.
+    Map {
+        /// The file.
+        file: String,
+        /// What is wrong.
+        problem: String,
+    },
+    /// A binary or text log cannot be read at all.
+    Format {
+        /// The file.
+        file: String,
+        /// Byte at which reading stopped.
+        offset: usize,
+        /// What is wrong.
+        problem: String,
+    },
+    /// A table is not one: columns of different lengths, time that is not finite or runs backwards, a name twice.
+    Table {
+        /// The topic's name.
+        topic: String,
+        /// What is wrong.
+        problem: String,
+    },
+    /// A log cannot be expressed in the format asked for.
+    Write {
+        /// What is wrong.
+        problem: String,
+    },
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Io { file, source } => write!(f, "{file}: {source}"),
+            Self::Csv {
+                file,
+                line,
+                column: Some(column),
+                problem,
+            } => {
+                write!(f, "{file}: line {line}, column `{column}`: {problem}")
+            }
+            Self::Csv {
+                file,
+                line,
+                column: None,
+                problem,
+            } => {
+                write!(f, "{file}: line {line}: {problem}")
+            }
+            Self::Map { file, problem } => write!(f, "{file}: {problem}"),
+            Self::Format {
+                file,
+                offset,
+                problem,
+            } => write!(f, "{file}: byte {offset}: {problem}"),
+            Self::Table { topic, problem } => write!(f, "topic `{topic}`: {problem}"),
+            Self::Write { problem } => write!(f, "cannot be written: {problem}"),
+        }
+    }
+}
+
+impl std::error::Error for Error {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Self::Io { source, .. } => Some(source),
+            _ => None,
+        }
+    }
+}
+
+/// What writing to a writer that failed is.
+pub(crate) fn output(source: std::io::Error) -> Error {
+    Error::Io {
+        file: "output".into(),
+        source,
+    }
+}
+
+pub(crate) fn read_file(path: &Path) -> Result<Vec<u8>, Error> {
+    std::fs::read(path).map_err(|source| Error::Io {
+        file: path.display().to_string(),
+        source,
+    })
+}

@@ -1,0 +1,200 @@
+//! The state of a flight on one time base, found under the names that autopilots log it by.
+//!
+//! Which topic and field, in which order of preference, and where that was read: the tables in `states/px4.rs` and
+//! `states/ardupilot.rs`. A table of neither, such as a CSV with a column map, has them as
+//!
+//! | columns | quantity |
+//! |---|---|
+//! | `qw qx qy qz` | attitude |
+//! | `vn ve vd` [m/s], `pn pe pd` \[m\], `wn we wd` [m/s] | velocity, position, wind: north, east, down |
+//! | `airspeed` [m/s] | airspeed |
+//! | `qw_sp …`, `pn_sp …`, `vn_sp …`, `an_sp …` [m/s²] | set-points of attitude, position, velocity, acceleration |
+
+mod ardupilot;
+mod attitude;
+mod plain;
+mod px4;
+mod source;
+
+pub use attitude::{Quaternion, multiply};
+
+use crate::Log;
+use source::Source;
+use std::fmt;
+
+/// A quantity of `N` components at each time of the base: the last value logged.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Series<const N: usize> {
+    /// Where it was found: `vehicle_attitude.q[0]` and so on.
+    pub source: String,
+    /// The components; NaN before the first value.
+    pub values: Vec<[f64; N]>,
+    /// Time since the value was logged \[s\]; infinite before the first.
+    pub age: Vec<f64>,
+}
+
+/// The state and the set-points of a flight. All vectors are north, east, down.
+#[derive(Clone, Debug, PartialEq)]
+pub struct States {
+    /// The autopilot whose names were found: `PX4`, `ArduPilot` or `plain`.
+    pub family: &'static str,
+    /// The time base \[s\]: each row of the topic that holds the attitude.
+    pub time: Vec<f64>,
+    /// Attitude, a unit quaternion w, x, y, z from the body to north-east-down. The body's x axis points along the nose,
+    /// y to the right wing: what PX4 logs of a tail-sitter in its hover frame is turned into this one.
+    pub attitude: Series<4>,
+    /// Velocity over ground [m/s].
+    pub velocity: Option<Series<3>>,
+    /// Position from the log's own origin \[m\].
+    pub position: Option<Series<3>>,
+    /// Velocity of the air over ground [m/s]. Estimators know no vertical wind: down is 0.
+    pub wind: Option<Series<3>>,
+    /// Airspeed as a sensor or the autopilot gives it [m/s].
+    pub airspeed: Option<Series<1>>,
+    /// Attitude asked for, in the frame of [`States::attitude`].
+    pub attitude_setpoint: Option<Series<4>>,
+    /// Position asked for \[m\]. NaN where the autopilot asks for none, as in the other set-points.
+    pub position_setpoint: Option<Series<3>>,
+    /// Velocity asked for [m/s].
+    pub velocity_setpoint: Option<Series<3>>,
+    /// Acceleration asked for [m/s²].
+    pub acceleration_setpoint: Option<Series<3>>,
+    /// What was not found, and where it was looked for.
+    pub missing: Vec<Missing>,
+    /// What the reader of these states must know of them.
+    pub notes: Vec<String>,
+}
+
+/// A quantity that the log does not hold.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Missing {
+    /// The quantity.
+    pub what: &'static str,
+    /// The columns that would have held it, in the order in which they were looked for.
+    pub tried: Vec<String>,
+}
+
+impl fmt::Display for Missing {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "no {}: none of {}", self.what, self.tried.join(", "))
+    }
+}
+
+impl std::error::Error for Missing {}
+
+impl States {
+    /// Velocity through the air [m/s]: over ground, less the wind. Its age is that of the older of the two.
+    #[must_use]
+    pub fn air_velocity(&self) -> Option<Series<3>> {
+        let (velocity, wind) = (self.velocity.as_ref()?, self.wind.as_ref()?);
+        let less = |(v, w): (&[f64; 3], &[f64; 3])| [v[0] - w[0], v[1] - w[1], v[2] - w[2]];
+        Some(Series {
+            source: format!("{} − {}", velocity.source, wind.source),
+            values: std::iter::zip(&velocity.values, &wind.values)
+                .map(less)
+                .collect(),
+            age: std::iter::zip(&velocity.age, &wind.age)
+                .map(|(a, b)| a.max(*b))
+                .collect(),
+        })
+    }
+}
+
+/// Where a family of logs keeps each quantity, the best source first.
+struct Family {
+    name: &'static str,
+    attitude: &'static [Source],
+    velocity: &'static [Source],
+    position: &'static [Source],
+    wind: &'static [Source],
+    airspeed: &'static [Source],
+    attitude_setpoint: &'static [Source],
+    position_setpoint: &'static [Source],
+    velocity_setpoint: &'static [Source],
+    acceleration_setpoint: &'static [Source],
+}
+
+/// Finds the states in `log`.
+///
+/// # Errors
+/// No attitude under any name that is looked for. Every other quantity may be missing and is then named.
+pub fn find(log: &Log) -> Result<States, Missing> {
+    let families = [px4::FAMILY, ardupilot::FAMILY, plain::FAMILY];
+    let Some((family, found)) = families.iter().find_map(|family| {
+        Some((
+            family,
+            family.attitude.iter().find_map(|source| source.find(log))?,
+        ))
+    }) else {
+        let tried = families
+            .iter()
+            .flat_map(|family| family.attitude)
+            .map(Source::to_string)
+            .collect();
+        return Err(Missing {
+            what: "attitude",
+            tried,
+        });
+    };
+    let time = found.base().to_vec();
+    let mut notes = Vec::new();
+    let mut missing = Vec::new();
+
+    let turn = px4::turn(log);
+    if turn.is_some() {
+        notes.push("attitude turned from PX4's hover frame of a tail-sitter to the nose".into());
+    }
+    let turned = |mut series: Series<4>| {
+        if let Some(turn) = turn {
+            series
+                .values
+                .iter_mut()
+                .for_each(|q| *q = multiply(*q, turn));
+        }
+        series
+    };
+    let attitude = turned(found.held(&time));
+    if family.name == ardupilot::FAMILY.name && attitude.source.starts_with("ATT.") {
+        notes.push(ardupilot::ATT_NOTE.into());
+    }
+    Ok(States {
+        family: family.name,
+        velocity: source::first(log, &time, "velocity", family.velocity, &mut missing),
+        position: source::first(log, &time, "position", family.position, &mut missing),
+        wind: source::first(log, &time, "wind", family.wind, &mut missing),
+        airspeed: source::first(log, &time, "airspeed", family.airspeed, &mut missing),
+        attitude_setpoint: source::first(
+            log,
+            &time,
+            "attitude set-point",
+            family.attitude_setpoint,
+            &mut missing,
+        )
+        .map(turned),
+        position_setpoint: source::first(
+            log,
+            &time,
+            "position set-point",
+            family.position_setpoint,
+            &mut missing,
+        ),
+        velocity_setpoint: source::first(
+            log,
+            &time,
+            "velocity set-point",
+            family.velocity_setpoint,
+            &mut missing,
+        ),
+        acceleration_setpoint: source::first(
+            log,
+            &time,
+            "acceleration set-point",
+            family.acceleration_setpoint,
+            &mut missing,
+        ),
+        attitude,
+        time,
+        missing,
+        notes,
+    })
+}

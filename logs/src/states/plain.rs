@@ -1,0 +1,152 @@
+//! States as a plain table: how a CSV with a column map holds them, and how they are written as one.
+
+use super::source::Source;
+use super::{Family, Series, States};
+use crate::{Column, Topic};
+
+pub(super) const FAMILY: Family = Family {
+    name: "plain",
+    attitude: &[Source::quaternion(&[
+        ("", "qw"),
+        ("", "qx"),
+        ("", "qy"),
+        ("", "qz"),
+    ])],
+    velocity: &[Source::vector(&[("", "vn"), ("", "ve"), ("", "vd")])],
+    position: &[Source::vector(&[("", "pn"), ("", "pe"), ("", "pd")])],
+    wind: &[Source::vector(&[("", "wn"), ("", "we"), ("", "wd")])],
+    airspeed: &[Source::scalar(&[("", "airspeed")])],
+    attitude_setpoint: &[Source::quaternion(&[
+        ("", "qw_sp"),
+        ("", "qx_sp"),
+        ("", "qy_sp"),
+        ("", "qz_sp"),
+    ])],
+    position_setpoint: &[Source::vector(&[
+        ("", "pn_sp"),
+        ("", "pe_sp"),
+        ("", "pd_sp"),
+    ])],
+    velocity_setpoint: &[Source::vector(&[
+        ("", "vn_sp"),
+        ("", "ve_sp"),
+        ("", "vd_sp"),
+    ])],
+    acceleration_setpoint: &[Source::vector(&[
+        ("", "an_sp"),
+        ("", "ae_sp"),
+        ("", "ad_sp"),
+    ])],
+};
+
+impl States {
+    /// The states as one plain table, `states`: each quantity that was found, and the age \[s\] of each as `qw_age`, `vn_age`
+    /// and so on.
+    #[must_use]
+    pub fn topic(&self) -> Topic {
+        let mut columns = Columns(Vec::new());
+        columns.add(&FAMILY.attitude[0], "", Some(&self.attitude));
+        columns.add(&FAMILY.velocity[0], "m/s", self.velocity.as_ref());
+        columns.add(&FAMILY.position[0], "m", self.position.as_ref());
+        columns.add(&FAMILY.wind[0], "m/s", self.wind.as_ref());
+        columns.add(&FAMILY.airspeed[0], "m/s", self.airspeed.as_ref());
+        let [attitude, position, velocity, acceleration] = [
+            &FAMILY.attitude_setpoint[0],
+            &FAMILY.position_setpoint[0],
+            &FAMILY.velocity_setpoint[0],
+            &FAMILY.acceleration_setpoint[0],
+        ];
+        columns.add(attitude, "", self.attitude_setpoint.as_ref());
+        columns.add(position, "m", self.position_setpoint.as_ref());
+        columns.add(velocity, "m/s", self.velocity_setpoint.as_ref());
+        columns.add(acceleration, "m/s/s", self.acceleration_setpoint.as_ref());
+        Topic::unchecked("states", self.time.clone(), columns.0)
+    }
+}
+
+struct Columns(Vec<Column>);
+
+impl Columns {
+    /// Adds the components of `series` under the names of `plain`, and its age.
+    fn add<const N: usize>(&mut self, plain: &Source, unit: &str, series: Option<&Series<N>>) {
+        let Some(series) = series else { return };
+        for (i, name) in plain.names().enumerate() {
+            let component = |value: &[f64; N]| value.get(i).copied().unwrap_or(f64::NAN);
+            let values = series.values.iter().map(component).collect();
+            self.0.push(Column::new(name, unit, values));
+        }
+        let first = plain.names().next().unwrap_or_default();
+        let age = series.age.clone();
+        self.0.push(Column::new(&format!("{first}_age"), "s", age));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Series, States, find};
+    use crate::Log;
+
+    #[test]
+    fn a_plain_table_holds_the_states_it_was_made_of() {
+        let series = |first: f64| Series {
+            source: "somewhere".into(),
+            values: vec![[f64::NAN; 3], [first, 0.5, -0.5]],
+            age: vec![f64::INFINITY, 0.25],
+        };
+        let states = States {
+            family: "plain",
+            time: vec![1.0, 2.0],
+            attitude: Series {
+                source: String::new(),
+                values: vec![[0.5; 4], [1.0, 0.0, 0.0, 0.0]],
+                age: vec![0.0; 2],
+            },
+            velocity: Some(series(1.0)),
+            position: Some(series(2.0)),
+            wind: Some(series(3.0)),
+            airspeed: Some(Series {
+                source: String::new(),
+                values: vec![[7.0], [8.0]],
+                age: vec![0.0; 2],
+            }),
+            attitude_setpoint: None,
+            position_setpoint: Some(series(4.0)),
+            velocity_setpoint: Some(series(5.0)),
+            acceleration_setpoint: Some(series(6.0)),
+            missing: Vec::new(),
+            notes: Vec::new(),
+        };
+        let topic = states.topic();
+        assert_eq!(
+            topic.column("vn_age").unwrap().values,
+            [f64::INFINITY, 0.25]
+        );
+        assert_eq!(topic.column("an_sp").unwrap().unit, "m/s/s");
+        let back = find(&Log {
+            topics: vec![topic],
+            notes: Vec::new(),
+        })
+        .unwrap();
+        assert_eq!(
+            (back.family, &back.time, &back.attitude.values),
+            ("plain", &states.time, &states.attitude.values)
+        );
+        let second = |series: &Option<Series<3>>| series.as_ref().unwrap().values[1];
+        for (a, b) in [
+            (&back.velocity, &states.velocity),
+            (&back.position, &states.position),
+            (&back.wind, &states.wind),
+            (&back.position_setpoint, &states.position_setpoint),
+            (&back.velocity_setpoint, &states.velocity_setpoint),
+            (&back.acceleration_setpoint, &states.acceleration_setpoint),
+        ] {
+            assert_eq!(second(a), second(b));
+        }
+        assert_eq!(back.airspeed.unwrap().values, [[7.0], [8.0]]);
+        assert_eq!(back.missing.len(), 1);
+        assert_eq!(
+            back.missing[0].to_string(),
+            "no attitude set-point: none of qw_sp qx_sp qy_sp qz_sp"
+        );
+    }
+}

@@ -1,0 +1,201 @@
+//! One place where a quantity may be logged.
+
+use super::{Missing, Series, attitude};
+use crate::{Column, Log, Topic};
+use std::fmt;
+
+/// Columns that together are a quantity.
+#[derive(Clone, Copy)]
+pub(super) struct Source {
+    /// (topic, column) of each component. A topic without a name is the first that has the column.
+    columns: &'static [(&'static str, &'static str)],
+    form: Form,
+}
+
+/// What the columns hold.
+#[derive(Clone, Copy, PartialEq)]
+enum Form {
+    /// A number.
+    Scalar,
+    /// North, east, down.
+    Vector,
+    /// North, east; down is 0.
+    Horizontal,
+    /// w, x, y, z.
+    Quaternion,
+    /// Roll, pitch, yaw [deg].
+    Degrees,
+    /// Latitude [deg], longitude [deg], altitude [m]; becomes metres from the first row.
+    Geodetic,
+}
+
+type Columns = &'static [(&'static str, &'static str)];
+
+impl Source {
+    pub(super) const fn scalar(columns: Columns) -> Self {
+        Self {
+            columns,
+            form: Form::Scalar,
+        }
+    }
+
+    pub(super) const fn vector(columns: Columns) -> Self {
+        Self {
+            columns,
+            form: Form::Vector,
+        }
+    }
+
+    pub(super) const fn horizontal(columns: Columns) -> Self {
+        Self {
+            columns,
+            form: Form::Horizontal,
+        }
+    }
+
+    pub(super) const fn quaternion(columns: Columns) -> Self {
+        Self {
+            columns,
+            form: Form::Quaternion,
+        }
+    }
+
+    pub(super) const fn degrees(columns: Columns) -> Self {
+        Self {
+            columns,
+            form: Form::Degrees,
+        }
+    }
+
+    pub(super) const fn geodetic(columns: Columns) -> Self {
+        Self {
+            columns,
+            form: Form::Geodetic,
+        }
+    }
+
+    /// The names of its columns.
+    pub(super) fn names(&self) -> impl Iterator<Item = &'static str> {
+        self.columns.iter().map(|(_, column)| *column)
+    }
+
+    /// The columns in `log`, if all are there.
+    pub(super) fn find<'a>(&self, log: &'a Log) -> Option<Found<'a>> {
+        let column = |&(topic, column): &(&str, &str)| {
+            let topic = match topic {
+                "" => log.topics.iter().find(|t| t.column(column).is_some())?,
+                _ => super::ardupilot::instance(log, topic)?,
+            };
+            Some((topic, topic.column(column)?))
+        };
+        let columns = self
+            .columns
+            .iter()
+            .map(column)
+            .collect::<Option<Vec<_>>>()?;
+        Some(Found {
+            source: *self,
+            columns,
+        })
+    }
+}
+
+impl fmt::Display for Source {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (i, (topic, column)) in self.columns.iter().enumerate() {
+            let (blank, point) = (
+                if i > 0 { " " } else { "" },
+                if topic.is_empty() { "" } else { "." },
+            );
+            write!(f, "{blank}{topic}{point}{column}")?;
+        }
+        Ok(())
+    }
+}
+
+/// A source that a log has.
+pub(super) struct Found<'a> {
+    source: Source,
+    columns: Vec<(&'a Topic, &'a Column)>,
+}
+
+/// Metres per degree of latitude, and of longitude at the equator: ArduPilot's own figure (`LOCATION_SCALING_FACTOR` of
+/// AP_Math's `location.cpp`: 0.011131884502145034 m per 1e-7°), so that positions come out as it has them.
+const METRES_PER_DEGREE: f64 = 111_318.845_021_450_34;
+
+impl Found<'_> {
+    /// The times of the first column's topic.
+    pub(super) fn base(&self) -> &[f64] {
+        self.columns.first().map_or(&[], |(topic, _)| topic.time())
+    }
+
+    /// The quantity held at the times `base`. `N` is the number of its components; those not logged are 0.
+    pub(super) fn held<const N: usize>(&self, base: &[f64]) -> Series<N> {
+        let mut components: Vec<Vec<f64>> = Vec::new();
+        let mut age = vec![0.0; base.len()];
+        for (topic, column) in &self.columns {
+            let held = topic.held_at(base);
+            components.push(held.values(column));
+            // The oldest component is the age of the whole.
+            std::iter::zip(&mut age, held.age).for_each(|(age, own)| *age = f64::max(*age, own));
+        }
+        let logged = |row: usize, i: usize| components.get(i).map_or(0.0, |values| values[row]);
+        let origin: Vec<f64> = self
+            .columns
+            .iter()
+            .map(|(_, c)| first_finite(&c.values))
+            .collect();
+        let values = (0..base.len()).map(|row| {
+            let three = [logged(row, 0), logged(row, 1), logged(row, 2)];
+            let four = [
+                logged(row, 0),
+                logged(row, 1),
+                logged(row, 2),
+                logged(row, 3),
+            ];
+            let all = match self.source.form {
+                Form::Scalar | Form::Vector | Form::Horizontal => four,
+                Form::Quaternion => attitude::normalized(four),
+                Form::Degrees => attitude::from_degrees(three),
+                Form::Geodetic => {
+                    let north = (three[0] - origin[0]) * METRES_PER_DEGREE;
+                    let east =
+                        (three[1] - origin[1]) * METRES_PER_DEGREE * origin[0].to_radians().cos();
+                    [north, east, origin[2] - three[2], 0.0]
+                }
+            };
+            std::array::from_fn(|i| all.get(i).copied().unwrap_or(0.0))
+        });
+        Series {
+            source: self.source.to_string(),
+            values: values.collect(),
+            age,
+        }
+    }
+}
+
+fn first_finite(values: &[f64]) -> f64 {
+    values
+        .iter()
+        .copied()
+        .find(|v| v.is_finite())
+        .unwrap_or(f64::NAN)
+}
+
+/// The first of `sources` that `log` has, held at `time`. If it has none, `what` is missing.
+pub(super) fn first<const N: usize>(
+    log: &Log,
+    time: &[f64],
+    what: &'static str,
+    sources: &[Source],
+    missing: &mut Vec<Missing>,
+) -> Option<Series<N>> {
+    let found = sources.iter().find_map(|source| source.find(log));
+    if found.is_none() {
+        missing.push(Missing {
+            what,
+            tried: sources.iter().map(Source::to_string).collect(),
+        });
+    }
+    found.map(|found| found.held(time))
+}

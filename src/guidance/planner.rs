@@ -1,0 +1,455 @@
+//! The planner: which plan the virtual vehicle flies by.
+//!
+//! At every step the plan in force and one other are flown ahead for two seconds, and what each costs is compared. A plan
+//! may be to turn to an attitude far away, past stall for example, and to go on from there: so a fold is crossed where that
+//! is worth while, and nothing else decides it. The work is the same at every step.
+
+use super::flight::{Flight, Plan, VirtualVehicle, limited};
+use super::memory::memory;
+use super::parameters::GuidanceParameters;
+use crate::aero::Aerodynamics;
+use crate::frame::Inertial;
+use crate::math;
+use crate::reference::Reference;
+use crate::vehicle::Vehicle;
+
+/// Steps of a prediction, the first of them \[s\], and the growth from one to the next: 2.05 s in all.
+const STEPS: u8 = 22;
+const FIRST_STEP: f32 = 0.06;
+const GROWTH: f32 = 1.04;
+/// Steps at the end over which it is measured how fast an error closes.
+const LATE: u8 = 5;
+/// How long the reference is taken to accelerate on \[s\].
+const AHEAD: f32 = 0.5;
+/// Errors count by their square, and from this many bands on in proportion.
+const KNEE: f32 = 4.0;
+/// Time to go: weight, greatest \[s\], least closing taken for it, in g.
+const TO_GO: f32 = 0.6;
+const MAX_TO_GO: f32 = 20.0;
+const LEAST_CLOSING: f32 = 0.03;
+/// Being too high costs no more from this many altitude bands on: a reference that sinks more steeply than the vehicle can
+/// is not worth a dive.
+const HIGH: f32 = 3.75;
+/// By how much another plan must cost less: a part, and this much besides.
+const BETTER: f32 = 0.05;
+/// How often in a row.
+const CONFIRMATIONS: u8 = 2;
+/// Time of push-over before a turn \[s\], where there is one.
+const PUSH: f32 = 0.3;
+/// The turns that are looked at: to which angle of attack \[rad\], and whether after a push-over. From there on the servo
+/// finds the way.
+const TURNS: [(f32, bool); TURN_COUNT] = [
+    (1.3, true),
+    (0.14, false),
+    (1.3, false),
+    (-1.3, true),
+    (0.7, false),
+    (1.75, true),
+    (-0.14, false),
+    (1.75, false),
+    (-1.3, false),
+    (2.3, false),
+    (0.0, false),
+    (-1.75, true),
+    (-0.7, false),
+    (-1.75, false),
+    (math::PI, false),
+    (-2.3, false),
+];
+const TURN_COUNT: usize = 16;
+
+/// What the planner remembers.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct PlannerState {
+    /// The plan in force.
+    pub plan: Plan,
+    /// The plan that was better at the last step.
+    challenger: Plan,
+    /// How often in a row it was.
+    confirmed: u8,
+    /// The candidate to look at next.
+    next: u8,
+}
+
+memory!(PlannerState {
+    plan: Plan,
+    challenger: Plan,
+    confirmed: u8,
+    next: u8,
+});
+
+/// What the plan in force comes to.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Prospect {
+    /// Its cost.
+    pub cost: f32,
+    /// Velocity error at the end of the prediction [m/s]: velocity less the velocity wanted.
+    pub error: Inertial,
+    /// How long \[s\] it will take to close, down and forward; at most [`MAX_TO_GO`].
+    pub to_go: Inertial,
+    /// Forward position at the end of the prediction less that at its beginning \[m\].
+    pub distance: f32,
+    /// Thrust at the end of the prediction \[N\].
+    pub thrust: f32,
+}
+
+/// The planner.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Planner {
+    pub(super) virtual_vehicle: VirtualVehicle,
+    pub(super) altitude_band: f32,
+    pub(super) velocity_band: Inertial,
+}
+
+/// Bounds of what is remembered, beyond everything that flies.
+const MAX_ANGLE: f32 = 20.0;
+
+impl Plan {
+    fn is_sound(&self) -> bool {
+        self.push.abs() <= 1.0 && self.target.abs() <= MAX_ANGLE
+    }
+}
+
+impl PlannerState {
+    /// Whether every number is one that a planner can have left. NaN is not.
+    pub(super) fn is_sound(&self) -> bool {
+        self.plan.is_sound() && self.challenger.is_sound()
+    }
+
+    /// Counts the attitude of the plans from `by` \[rad\] further on: θ has been wrapped.
+    #[inline(always)]
+    pub(super) fn shift(&mut self, by: f32) {
+        self.plan.target += by;
+        self.challenger.target += by;
+    }
+}
+
+impl Planner {
+    /// The planner with these parameters, which have been checked.
+    pub fn new(p: &GuidanceParameters) -> Self {
+        Self {
+            virtual_vehicle: VirtualVehicle::new(p),
+            altitude_band: p.altitude_band,
+            velocity_band: Inertial::new(p.velocity_band_down, p.velocity_band_forward),
+        }
+    }
+
+    /// Looks at one more plan, and changes to it if it was better twice. Gives what the plan that was in force comes to.
+    #[inline(always)]
+    pub fn search<A: Aerodynamics>(
+        &self,
+        vehicle: &Vehicle<A>,
+        state: &mut PlannerState,
+        flight: &Flight,
+        reference: &Reference,
+        wind: Inertial,
+    ) -> Prospect {
+        let prospect = self.predict(vehicle, flight, &state.plan, reference, wind);
+        let candidate = if state.confirmed > 0 {
+            state.challenger
+        } else {
+            let n = state.next;
+            state.next = if n < TURN_COUNT as u8 { n + 1 } else { 0 };
+            self.candidate(vehicle, flight, wind, n)
+        };
+        let other = self.predict(vehicle, flight, &candidate, reference, wind);
+        if other.cost < prospect.cost - BETTER * (1.0 + prospect.cost) {
+            state.challenger = candidate;
+            state.confirmed += 1;
+            if state.confirmed >= CONFIRMATIONS {
+                state.plan = candidate;
+                state.confirmed = 0;
+            }
+        } else {
+            state.confirmed = 0;
+        }
+        prospect
+    }
+
+    /// Candidate `n`: to turn to an angle of attack, with and without a push-over, or to do nothing but servo.
+    #[inline(always)]
+    fn candidate<A: Aerodynamics>(
+        &self,
+        vehicle: &Vehicle<A>,
+        flight: &Flight,
+        wind: Inertial,
+        n: u8,
+    ) -> Plan {
+        match TURNS.get(usize::from(n)) {
+            None => Plan::default(),
+            Some((alpha, push)) => {
+                let v_a = flight.velocity - wind;
+                let gamma = math::atan2(v_a.forward(), v_a.down());
+                let target = gamma - math::PI + vehicle.thrust_line().delta() + alpha;
+                Plan {
+                    push: if *push { PUSH } else { 0.0 },
+                    target: flight.theta + wrap(target - flight.theta),
+                    turn: 1,
+                }
+            }
+        }
+    }
+
+    /// What `plan` comes to if it is flown from `flight`.
+    ///
+    /// The cost is the integral over the prediction of the altitude error and of the velocity errors, each in its band, and
+    /// the same for the time after it: an error that closes at the rate of the last steps is there for as long as that
+    /// takes. Without that time to go, coasting at a thrust limit for ever would look cheaper than a short crossing.
+    #[inline(never)]
+    fn predict<A: Aerodynamics>(
+        &self,
+        vehicle: &Vehicle<A>,
+        flight: &Flight,
+        plan: &Plan,
+        reference: &Reference,
+        wind: Inertial,
+    ) -> Prospect {
+        let (mut flight, mut plan) = (*flight, *plan);
+        let start = flight.position.forward();
+        let (mut time, mut h, mut cost) = (0.0, FIRST_STEP, 0.0);
+        let (mut late, mut late_time) = (flight.velocity, 0.0);
+        let mut error = Inertial::ZERO;
+        for n in 0..STEPS {
+            if n == STEPS - LATE {
+                (late, late_time) = (flight.velocity, time);
+            }
+            let moved = Reference {
+                velocity: reference.velocity + reference.acceleration * math::min(time, AHEAD),
+                acceleration: if time < AHEAD {
+                    reference.acceleration
+                } else {
+                    Inertial::ZERO
+                },
+            };
+            self.virtual_vehicle
+                .advance(vehicle, &mut flight, &mut plan, &moved, wind, h);
+            error = flight.velocity
+                - self
+                    .virtual_vehicle
+                    .velocity_wanted(flight.position, moved.velocity);
+            let high = -HIGH * self.altitude_band;
+            let altitude = if flight.position.down() < high {
+                high
+            } else {
+                flight.position.down()
+            };
+            cost += h
+                * (penalty(altitude, self.altitude_band)
+                    + penalty(error.down(), self.velocity_band.down())
+                    + penalty(error.forward(), self.velocity_band.forward()));
+            time += h;
+            h *= GROWTH;
+        }
+        let mean = (flight.velocity - late) / (time - late_time) - reference.acceleration;
+        let least = LEAST_CLOSING * vehicle.gravity();
+        let to_go = Inertial::new(
+            to_go(error.down(), mean.down(), least),
+            to_go(error.forward(), mean.forward(), least),
+        );
+        cost += TO_GO
+            * (to_go.down() * penalty(error.down(), self.velocity_band.down())
+                + to_go.forward() * penalty(error.forward(), self.velocity_band.forward()));
+        Prospect {
+            cost,
+            error,
+            to_go,
+            distance: flight.position.forward() - start,
+            thrust: flight.thrust,
+        }
+    }
+}
+
+/// Time \[s\] in which `error` [m/s] closes at an `acceleration` [m/s²] relative to the reference.
+#[inline(always)]
+fn to_go(error: f32, acceleration: f32, least: f32) -> f32 {
+    let closing = if error > 0.0 {
+        -acceleration
+    } else {
+        acceleration
+    };
+    let closing = if closing > least { closing } else { least };
+    math::min(error.abs() / closing, MAX_TO_GO)
+}
+
+/// (x/band)², and beyond the knee in proportion to |x|.
+#[inline(always)]
+fn penalty(x: f32, band: f32) -> f32 {
+    let z = x / (KNEE * band);
+    2.0 * KNEE * KNEE * (math::sqrt(1.0 + z * z) - 1.0)
+}
+
+/// `angle` \[rad\] within ±π.
+#[inline(always)]
+pub(super) fn wrap(angle: f32) -> f32 {
+    // 1.5·2²³: adding it leaves the nearest integer in the low bits of the sum.
+    const ROUND: f32 = 12_582_912.0;
+    let turns = (limited(angle, 1e3) * (0.5 / math::PI) + ROUND) - ROUND;
+    angle - turns * (2.0 * math::PI)
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use crate::aero::{Combined, CombinedParameters};
+    use crate::vehicle::VehicleParameters;
+
+    const DT: f32 = 0.01;
+
+    fn vehicle(excess: f32) -> Vehicle<Combined> {
+        let model = Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap();
+        let p = VehicleParameters {
+            thrust_max: excess * 98.1,
+            ..VehicleParameters::PAPER
+        };
+        Vehicle::new(p, model).unwrap()
+    }
+
+    /// A virtual flight on its own: what it did at worst.
+    struct Flown {
+        end: Flight,
+        low: f32,
+        high: f32,
+        farthest: f32,
+        turns: usize,
+    }
+
+    fn fly(
+        vehicle: &Vehicle<Combined>,
+        start: Flight,
+        reference: impl Fn(f32) -> Reference,
+        seconds: f32,
+    ) -> Flown {
+        let planner = Planner::new(&GuidanceParameters::default());
+        let (mut state, mut flight) = (PlannerState::default(), start);
+        let mut flown = Flown {
+            end: start,
+            low: 0.0,
+            high: 0.0,
+            farthest: 0.0,
+            turns: 0,
+        };
+        for n in 0..(seconds / DT) as usize {
+            let reference = reference(n as f32 * DT);
+            let turning = state.plan.turn;
+            planner.search(vehicle, &mut state, &flight, &reference, Inertial::ZERO);
+            planner.virtual_vehicle.advance(
+                vehicle,
+                &mut flight,
+                &mut state.plan,
+                &reference,
+                Inertial::ZERO,
+                DT,
+            );
+            flown.low = f32::max(flown.low, flight.position.down());
+            flown.high = f32::max(flown.high, -flight.position.down());
+            flown.farthest = f32::max(flown.farthest, flight.position.forward());
+            flown.turns += usize::from(turning == 0 && state.plan.turn == 1);
+            assert!(state.is_sound());
+        }
+        flown.end = flight;
+        flown
+    }
+
+    fn hover(_: f32) -> Reference {
+        Reference::default()
+    }
+
+    fn cruise() -> Flight {
+        Flight {
+            velocity: Inertial::new(0.0, 20.0),
+            theta: -86f32.to_radians(),
+            ..Flight::default()
+        }
+    }
+
+    /// From 20 m/s the shortest way to stop is 15.2 m with 1 m of altitude (17.3 m at 1.15 times the weight), through
+    /// stall; on the attached side alone the vehicle would go on for hundreds of metres.
+    #[test]
+    fn to_stop_at_once_stall_is_crossed() {
+        for (excess, farthest, altitude) in [(2.0, 30.0, 1.5), (1.15, 33.0, 3.0)] {
+            let flown = fly(&vehicle(excess), cruise(), hover, 25.0);
+            assert!(flown.turns > 0);
+            assert!(flown.farthest < farthest, "{}", flown.farthest);
+            assert!(flown.low < altitude && flown.high < altitude);
+            let Flight {
+                velocity, position, ..
+            } = flown.end;
+            assert!(velocity.norm() < 0.05 && position.norm() < 0.2);
+        }
+    }
+
+    #[test]
+    fn steady_cruise_and_hover_are_left_alone() {
+        let level = |_| Reference {
+            velocity: Inertial::new(0.0, 20.0),
+            acceleration: Inertial::ZERO,
+        };
+        let flown = fly(&vehicle(2.0), cruise(), level, 10.0);
+        assert_eq!(flown.turns, 0);
+        // 0.1 m: the start is not quite the trim.
+        assert!(flown.low < 0.1 && flown.high < 0.1);
+        assert_eq!(fly(&vehicle(2.0), Flight::default(), hover, 10.0).turns, 0);
+    }
+
+    /// Nose down at 20 m/s, and upside down at 3 m/s: the least height in which that can be left is 16.6 m and 7.0 m.
+    #[test]
+    fn a_fall_is_left_nose_up() {
+        for (speed, height) in [(20.0, 28.0), (3.0, 11.0)] {
+            let start = Flight {
+                velocity: Inertial::new(speed, 0.0),
+                theta: 3.1,
+                ..Flight::default()
+            };
+            let flown = fly(&vehicle(2.0), start, hover, 25.0);
+            assert!(flown.low < height, "{}", flown.low);
+            assert!(flown.end.velocity.norm() < 0.05 && wrap(flown.end.theta).abs() < 0.05);
+        }
+    }
+
+    /// A descent of 10 m/s at 23 m/s is steeper than any glide: the vehicle flies too high and not into a dive.
+    #[test]
+    fn a_sink_that_cannot_be_had_does_not_end_in_a_dive() {
+        let steep = |t: f32| Reference {
+            velocity: Inertial::new(10.0, 23.0) * math::min(t / 15.0, 1.0),
+            acceleration: if t < 15.0 {
+                Inertial::new(10.0, 23.0) / 15.0
+            } else {
+                Inertial::ZERO
+            },
+        };
+        let flown = fly(&vehicle(2.0), Flight::default(), steep, 40.0);
+        assert!(flown.low < 3.0 && flown.end.velocity.norm() < 35.0);
+    }
+
+    #[test]
+    fn errors_count_by_their_square_and_then_in_proportion() {
+        assert_eq!(penalty(0.0, 0.4), 0.0);
+        // One band counts 1, to second order in 1/knee².
+        assert!((penalty(-0.4, 0.4) - 1.0).abs() < 0.02);
+        let (far, farther) = (penalty(100.0, 1.0), penalty(200.0, 1.0));
+        assert!((farther / far - 2.0).abs() < 0.05);
+    }
+
+    #[test]
+    fn the_time_to_go_is_that_of_the_closing_there_is() {
+        assert_eq!(to_go(3.0, -1.5, 0.3), 2.0);
+        assert_eq!(to_go(-3.0, 1.5, 0.3), 2.0);
+        // Going the wrong way, or hardly closing.
+        assert_eq!(to_go(3.0, 1.5, 0.3), 10.0);
+        assert_eq!(to_go(300.0, -0.1, 0.3), MAX_TO_GO);
+        assert_eq!(to_go(0.0, 0.0, 0.3), 0.0);
+    }
+
+    #[test]
+    fn angles_are_wrapped() {
+        for turns in -3..=3 {
+            let angle = 0.4 + turns as f32 * 2.0 * math::PI;
+            // 2e-6: an ulp of 19.
+            assert!((wrap(angle) - 0.4).abs() < 2e-6);
+        }
+        assert!(wrap(f32::NAN).is_nan());
+    }
+}

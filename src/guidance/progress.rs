@@ -1,0 +1,230 @@
+//! What the guidance is about, and what of the reference cannot be had.
+
+use super::flight::Flight;
+use super::planner::{Planner, PlannerState, Prospect};
+use crate::aero::Aerodynamics;
+use crate::frame::Inertial;
+use crate::vehicle::Vehicle;
+
+/// What the virtual flight does.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Phase {
+    /// Follows the reference.
+    #[default]
+    Tracking,
+    /// Turns to an attitude far away, as across a fold.
+    Crossing,
+    /// Goes to the reference with its thrust at a limit.
+    Coasting,
+    /// Comes back from far off the reference: no error is within four of its bands.
+    Recovering,
+}
+
+impl Phase {
+    /// Name for logs.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Tracking => "tracking",
+            Self::Crossing => "crossing",
+            Self::Coasting => "coasting",
+            Self::Recovering => "recovering",
+        }
+    }
+}
+
+/// Why the velocity wanted cannot be had, as far as the prediction shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Unreachable {
+    /// Sink steeper than the vehicle can at that speed.
+    Sink,
+    /// Lower speed than the vehicle can at that sink rate, with least thrust: a gap between two sheets.
+    Speed,
+    /// More thrust than there is.
+    Thrust,
+}
+
+impl Unreachable {
+    /// Name for logs.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Sink => "sink",
+            Self::Speed => "speed",
+            Self::Thrust => "thrust",
+        }
+    }
+}
+
+/// How far the guidance has come.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Progress {
+    /// What it does.
+    pub phase: Phase,
+    /// Why the reference cannot be had, if it cannot.
+    pub unreachable: Option<Unreachable>,
+    /// Time \[s\] until the velocity wanted is had, as predicted; at most 22 s.
+    pub time: f32,
+    /// Forward distance \[m\] flown until then, relative to the reference.
+    pub distance: f32,
+}
+
+/// Time \[s\] that a prediction spans.
+const SPAN: f32 = 2.05;
+/// Time to go \[s\] from which on an error is taken not to close.
+const NEVER: f32 = 10.0;
+/// Slope of a descent from which on it is the sink that speed is gained by. Wings glide at less.
+const STEEP: f32 = 0.1;
+
+impl Progress {
+    /// The progress of a flight that is off the velocity wanted by `error` [m/s], at a reference velocity [m/s], with this
+    /// prospect.
+    #[inline(always)]
+    pub(super) fn new<A: Aerodynamics>(
+        vehicle: &Vehicle<A>,
+        planner: &Planner,
+        state: &PlannerState,
+        flight: &Flight,
+        prospect: &Prospect,
+        error: Inertial,
+        reference: Inertial,
+    ) -> Self {
+        let bands = |v: Inertial| {
+            let down = v.down().abs() / planner.velocity_band.down();
+            let forward = v.forward().abs() / planner.velocity_band.forward();
+            (down, forward)
+        };
+        let (down, forward) = bands(error);
+        let low = flight.thrust <= vehicle.thrust_min();
+        let high = flight.thrust >= vehicle.thrust_max();
+        let phase = if state.plan.turn == 1 {
+            Phase::Crossing
+        } else if down > 4.0 || forward > 4.0 {
+            Phase::Recovering
+        } else if (low || high) && (down > 0.5 || forward > 0.5) {
+            Phase::Coasting
+        } else {
+            Phase::Tracking
+        };
+        let (end_down, end_forward) = bands(prospect.error);
+        let to_go = prospect.to_go;
+        let unreachable = if end_down > 0.5 && to_go.down() > NEVER {
+            Some(if prospect.error.down() < 0.0 {
+                Unreachable::Sink
+            } else {
+                Unreachable::Thrust
+            })
+        } else if end_forward > 0.5 && to_go.forward() > NEVER {
+            Some(if prospect.thrust >= vehicle.thrust_max() {
+                Unreachable::Thrust
+            } else if reference.down() > STEEP * reference.forward().abs() {
+                Unreachable::Sink
+            } else {
+                Unreachable::Speed
+            })
+        } else {
+            None
+        };
+        let longest = if to_go.down() > to_go.forward() {
+            to_go.down()
+        } else {
+            to_go.forward()
+        };
+        let there = down < 0.5 && forward < 0.5 && end_down < 0.5 && end_forward < 0.5;
+        Self {
+            phase,
+            unreachable,
+            time: if there { 0.0 } else { SPAN + longest },
+            distance: if there {
+                0.0
+            } else {
+                prospect.distance + 0.5 * prospect.error.forward() * to_go.forward()
+            },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use crate::guidance::*;
+    use crate::*;
+    use std::vec::Vec;
+
+    /// A guidance that is told where the virtual vehicle is: what it says over `seconds`.
+    fn said(thrust_min: f32, reference: Inertial, wind: Inertial, seconds: f32) -> Vec<Progress> {
+        let model = Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap();
+        let vehicle = VehicleParameters {
+            thrust_min,
+            ..VehicleParameters::PAPER
+        };
+        let p = GuidanceParameters {
+            safe_thrust: 0.5,
+            ..GuidanceParameters::default()
+        };
+        let guidance = Guidance::new(Vehicle::new(vehicle, model).unwrap(), &p).unwrap();
+        let mut state = GuidanceState::default();
+        let mut progress = Vec::new();
+        let mut position = Inertial::ZERO;
+        for n in 0..(seconds * 100.0) as usize {
+            let part = (n as f32 / 1000.0).min(1.0);
+            let velocity = reference * part;
+            let (mut v, mut theta) = state.virtual_flight();
+            if n < 10 {
+                (v, theta) = (Inertial::ZERO, 0.0);
+            }
+            position += (v - velocity) * 0.01;
+            let input = GuidanceInput {
+                velocity: v,
+                attitude: Attitude::from_angle(theta),
+                air: Air::Wind(wind),
+                position_error: Some(position),
+                reference: Reference {
+                    velocity,
+                    acceleration: if part < 1.0 {
+                        reference * 0.1
+                    } else {
+                        Inertial::ZERO
+                    },
+                },
+                ..GuidanceInput::default()
+            };
+            progress.push(guidance.update(&mut state, &input, 0.01).progress);
+        }
+        progress
+    }
+
+    #[test]
+    fn a_reference_that_is_followed_is_tracked_with_nothing_to_go() {
+        let progress = said(0.0, Inertial::new(0.0, 8.0), Inertial::ZERO, 25.0);
+        assert_eq!(progress.last(), Some(&Progress::default()));
+        assert!(progress.iter().all(|p| p.unreachable.is_none()));
+    }
+
+    /// Whether this reason is given for a second at least, and any other for a quarter of that time at most.
+    fn mostly(progress: &[Progress], reason: Unreachable) -> bool {
+        let given = |r| progress.iter().filter(|p| p.unreachable == Some(r)).count();
+        let all = progress.iter().filter(|p| p.unreachable.is_some()).count();
+        given(reason) > 100 && 5 * given(reason) >= 4 * all
+    }
+
+    #[test]
+    fn what_cannot_be_had_is_named() {
+        // Steeper than any glide at that speed.
+        let sink = said(0.0, Inertial::new(9.0, 22.0), Inertial::ZERO, 22.0);
+        assert!(mostly(&sink, Unreachable::Sink));
+        // Slower than a glide on idle thrust in an updraft.
+        let updraft = Inertial::new(-1.0, 0.0);
+        let slow = said(5.0, Inertial::new(0.0, 19.0), updraft, 30.0);
+        assert!(mostly(&slow, Unreachable::Speed));
+        // Faster than full thrust.
+        let fast = said(0.0, Inertial::new(0.0, 150.0), Inertial::ZERO, 60.0);
+        assert!(mostly(&fast, Unreachable::Thrust));
+        let last = fast.last().unwrap();
+        assert!(last.time > 15.0 && last.distance < -100.0);
+    }
+}
