@@ -11,7 +11,7 @@ use crate::math;
 
 /// Air velocities shorter than this [m/s] have no direction: α is taken as 0. Every force they make is
 /// below 1e-24 N.
-const STILL: f32 = 1e-12;
+pub(crate) const STILL: f32 = 1e-12;
 
 /// An angle of attack, with its sine and cosine.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -131,8 +131,8 @@ pub struct VerticalPlane {
 }
 
 impl VerticalPlane {
-    /// The plane through `heading` \[rad\], counted from north towards east. A non-finite heading gives NaN, which a control
-    /// step reports.
+    /// The plane through `heading` \[rad\], counted from north towards east. A heading that is not finite, or beyond 16384 rad,
+    /// gives NaN, which a control step reports.
     pub const fn from_heading(heading: f32) -> Self {
         let (sin_half, cos_half) = math::sin_cos(0.5 * heading);
         Self {
@@ -470,6 +470,9 @@ mod tests {
         };
         assert_eq!(plane.attitude(&none, BodyAxes::NoseForward), None);
         assert!(BodyAxes::NoseForward.attitude(f32::NAN).cos.is_nan());
+        // So far from zero a heading has lost its meaning.
+        let far = VerticalPlane::from_heading(1e19);
+        assert_eq!(far.attitude(&plane.quaternion(0.0), BodyAxes::NoseUp), None);
         let no_heading = VerticalPlane::from_heading(f32::INFINITY);
         assert_eq!(
             no_heading.attitude(&no_heading.quaternion(0.0), BodyAxes::NoseUp),

@@ -181,6 +181,23 @@ mod tests {
     }
 
     #[test]
+    fn a_vehicle_says_what_it_was_made_of() {
+        let p = VehicleParameters {
+            delta: 0.3,
+            thrust_min: 2.0,
+            ..VehicleParameters::PAPER_BELIEF
+        };
+        // §VII: wrong on purpose.
+        assert_eq!((p.mass, p.k_a, p.gravity), (9.0, 0.51, 9.81));
+        let vehicle = Vehicle::new(p, model()).unwrap();
+        assert_eq!((vehicle.mass(), vehicle.k_a()), (9.0, 0.51));
+        assert_eq!((vehicle.gravity(), vehicle.weight()), (9.81, 9.0 * 9.81));
+        assert_eq!((vehicle.thrust_min(), vehicle.thrust_max()), (2.0, 196.2));
+        assert_eq!(vehicle.thrust_line().delta(), 0.3);
+        assert_eq!(*vehicle.model(), model());
+    }
+
+    #[test]
     fn bad_parameters_are_named() {
         let error = |p| {
             let e = Vehicle::new(p, model()).unwrap_err();
@@ -209,7 +226,7 @@ mod tests {
             }),
             ("gravity", Problem::NotPositive)
         );
-        assert_eq!(aerodynamic_constant(1.292, 1.0), Ok(0.646));
+        assert_eq!(aerodynamic_constant(1.292, 2.0), Ok(1.292));
         assert_eq!(
             aerodynamic_constant(1.292, -1.0).unwrap_err().parameter,
             "area"

@@ -2,7 +2,7 @@
 
 use super::set::EquilibriumError;
 use crate::aero::Aerodynamics;
-use crate::air::{AirData, AngleOfAttack};
+use crate::air::{AirData, AngleOfAttack, STILL};
 use crate::equivalency::condition_residual;
 use crate::frame::{Attitude, Inertial};
 use crate::math;
@@ -55,7 +55,7 @@ impl<'a, A: Aerodynamics> Balance<'a, A> {
         }
         let v_a = reference.velocity - wind;
         let speed = math::sqrt(v_a.norm_squared());
-        let direction = if speed > 0.0 {
+        let direction = if speed > STILL {
             Inertial::new(v_a.down() / speed, v_a.forward() / speed)
         } else {
             Inertial::new(1.0, 0.0)

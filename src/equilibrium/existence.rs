@@ -283,7 +283,8 @@ mod tests {
     /// Random-looking references, winds included.
     fn references() -> impl Iterator<Item = (Reference, Inertial)> {
         (0..4000).map(|n| {
-            let wave = |k: f32| math::sin_cos(k * n as f32).0;
+            // At most 8192 rad: 4000 times 2.3 is more.
+            let wave = |k: f32| math::sin_cos(0.8 * k * n as f32).0;
             let reference = Reference {
                 velocity: Inertial::new(30.0 * wave(1.3), 30.0 * wave(0.71)),
                 acceleration: Inertial::new(8.0 * wave(2.3), 8.0 * wave(1.9)),

@@ -355,6 +355,29 @@ mod tests {
         }
     }
 
+    /// Air velocities whose squares are below the least number have no direction: α = 0, as in [`AirData`].
+    #[test]
+    fn the_faintest_air_velocity_leaves_attitudes_of_unit_length() {
+        for speed in [1e-24f32, 1e-22, 3e-20, 1e-14, 1e-10] {
+            let reference = Reference {
+                velocity: Inertial::new(0.6 * speed, 0.8 * speed),
+                acceleration: Inertial::new(0.3, -1.0),
+            };
+            let set = Equilibria::find(&combined(0.3), &reference, Inertial::ZERO).unwrap();
+            // Nothing but the weight: nose along the thrust needed, or against it.
+            assert_eq!(set.as_slice().len(), 2);
+            for e in set.as_slice() {
+                let Attitude { cos, sin } = e.attitude;
+                assert!(
+                    (cos * cos + sin * sin - 1.0).abs() < 1e-6,
+                    "{speed:e}: {e:?}"
+                );
+                // 1e-4 N: roundings of 95 N.
+                assert!((e.thrust.abs() - 10.0 * 9.51f32.hypot(1.0)).abs() < 1e-4);
+            }
+        }
+    }
+
     #[test]
     fn each_is_an_equilibrium_and_says_what_it_is() {
         for delta in [0.0, 0.4, -1.1] {

@@ -3,6 +3,7 @@
 //! Its attitude follows a target within the limits of rate and slew, its thrust stays within its limits, and its velocity
 //! follows from the believed forces. So whatever it does can be flown, as far as the belief is right.
 
+use super::memory::memory;
 use super::parameters::GuidanceParameters;
 use crate::aero::Aerodynamics;
 use crate::air::AirData;
@@ -60,6 +61,14 @@ pub struct Flight {
     pub thrust: f32,
 }
 
+memory!(Flight {
+    velocity: Inertial,
+    position: Inertial,
+    theta: f32,
+    rate: f32,
+    thrust: f32,
+});
+
 /// What is to be done with the attitude: perhaps a push-over, perhaps a turn, and from then on the servo.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -71,6 +80,12 @@ pub struct Plan {
     /// 1 until the turn is over. A number: every bit pattern has a meaning.
     pub turn: u8,
 }
+
+memory!(Plan {
+    push: f32,
+    target: f32,
+    turn: u8,
+});
 
 impl Flight {
     /// Whether every number is one that a virtual flight can have left. NaN is not.

@@ -1,5 +1,6 @@
 //! Limits of the actuators: thrust, angular rate, and how fast the rate may change.
 
+use super::memory::memory;
 use super::parameters::GuidanceParameters;
 use super::status::Status;
 use crate::aero::Aerodynamics;
@@ -25,6 +26,11 @@ pub struct LimitState {
     /// The last thrust commanded \[N\].
     pub thrust: f32,
 }
+
+memory!(LimitState {
+    rate: f32,
+    thrust: f32,
+});
 
 impl Limits {
     /// The limits of `vehicle` and of these parameters, which have been checked.

@@ -3,6 +3,7 @@
 mod bandwidth;
 mod flight;
 mod limits;
+mod memory;
 mod parameters;
 mod plane_change;
 mod planner;

@@ -67,6 +67,8 @@ impl<A, G> Guidance<A, G> {
     ///
     /// The integral stays inside its limits, and a wind that is too strong in the new plane is forgotten.
     pub fn turn_plane(&self, state: &mut GuidanceState, across: &mut Across, cos: f32, sin: f32) {
+        // Memory that is not what a step has left is still to be found by the next one.
+        let (_, known) = state.restore();
         let turned = |v: Inertial, across: &mut f32| {
             let (forward, right) = (v.forward(), plausible(*across));
             *across = right * cos - forward * sin;
@@ -86,6 +88,9 @@ impl<A, G> Guidance<A, G> {
         // Beyond a few degrees the virtual flight begins anew from the real one.
         if cos < SAME_PLANE {
             state.started = 0;
+        }
+        if known {
+            state.seal();
         }
     }
 }
@@ -169,6 +174,7 @@ mod tests {
         }
         // As a long flight in two planes leaves it.
         state.integral = Inertial::new(1.0, 1.0);
+        state.seal();
         across.integral = 1.0;
         across.wind = 60.0;
         let half = core::f32::consts::FRAC_1_SQRT_2;

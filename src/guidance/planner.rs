@@ -5,6 +5,7 @@
 //! is worth while, and nothing else decides it. The work is the same at every step.
 
 use super::flight::{Flight, Plan, VirtualVehicle, limited};
+use super::memory::memory;
 use super::parameters::GuidanceParameters;
 use crate::aero::Aerodynamics;
 use crate::frame::Inertial;
@@ -70,6 +71,13 @@ pub struct PlannerState {
     /// The candidate to look at next.
     next: u8,
 }
+
+memory!(PlannerState {
+    plan: Plan,
+    challenger: Plan,
+    confirmed: u8,
+    next: u8,
+});
 
 /// What the plan in force comes to.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -1,5 +1,6 @@
 //! Supervision: what is commanded when the inputs are not fit to fly on.
 
+use super::memory::memory;
 use super::parameters::GuidanceParameters;
 use crate::aero::Aerodynamics;
 use crate::control::Fault;
@@ -146,6 +147,14 @@ pub struct SupervisionState {
     /// Its age \[s\].
     pub(super) wind_age: f32,
 }
+
+memory!(SupervisionState {
+    mode: u8,
+    wind_known: u8,
+    elapsed: f32,
+    wind: Inertial,
+    wind_age: f32,
+});
 
 impl SupervisionState {
     /// Mode of the last step.

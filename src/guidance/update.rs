@@ -6,6 +6,7 @@
 use super::bandwidth::BandwidthGains;
 use super::flight::{Flight, limited};
 use super::limits::{LimitState, Limits};
+use super::memory::{self, Memory, Spare};
 use super::parameters::GuidanceParameters;
 use super::planner::{Planner, PlannerState, wrap};
 use super::progress::Progress;
@@ -104,6 +105,8 @@ pub struct GuidanceState {
     held_known: u8,
     /// What of the last command saturated.
     saturated: Status,
+    /// Copy of all the rest, as the last step left it.
+    spare: Spare<WORDS>,
 }
 
 /// What a guidance step gives: always a command.
@@ -130,7 +133,120 @@ pub struct Guided {
     pub refusal: Option<Refusal>,
 }
 
+/// Words of the memory without its copy.
+const WORDS: usize = SupervisionState::WORDS
+    + Flight::WORDS
+    + PlannerState::WORDS
+    + Inertial::WORDS
+    + Inertial::WORDS
+    + Inertial::WORDS
+    + LimitState::WORDS
+    + u8::WORDS
+    + Inertial::WORDS
+    + u8::WORDS
+    + Status::WORDS;
+
+/// All but the copy.
+impl Memory for GuidanceState {
+    const WORDS: usize = WORDS;
+
+    #[inline(always)]
+    fn write(&self, take: &mut impl FnMut(u32)) {
+        let Self {
+            supervision,
+            flight,
+            planner,
+            integral,
+            wind,
+            reckoned,
+            limits,
+            started,
+            held,
+            held_known,
+            saturated,
+            spare: _,
+        } = self;
+        supervision.write(take);
+        flight.write(take);
+        planner.write(take);
+        integral.write(take);
+        wind.write(take);
+        reckoned.write(take);
+        limits.write(take);
+        started.write(take);
+        held.write(take);
+        held_known.write(take);
+        saturated.write(take);
+    }
+
+    #[inline(always)]
+    fn read(next: &mut impl FnMut() -> u32) -> Self {
+        Self {
+            supervision: Memory::read(next),
+            flight: Memory::read(next),
+            planner: Memory::read(next),
+            integral: Memory::read(next),
+            wind: Memory::read(next),
+            reckoned: Memory::read(next),
+            limits: Memory::read(next),
+            started: Memory::read(next),
+            held: Memory::read(next),
+            held_known: Memory::read(next),
+            saturated: Memory::read(next),
+            spare: Spare::default(),
+        }
+    }
+}
+
 impl GuidanceState {
+    /// Length of [`to_bytes`](Self::to_bytes).
+    pub const BYTES: usize = 4 * (WORDS + Spare::<WORDS>::WORDS);
+
+    /// The state as little-endian words of 32 bits: what is remembered, a copy of that, and a check word. To log it, or to
+    /// go on with it after a restart. The order belongs to this version of the library.
+    pub fn to_bytes(&self) -> [u8; Self::BYTES] {
+        let mut bytes = [0; Self::BYTES];
+        let mut places = bytes.as_chunks_mut().0.iter_mut();
+        let mut put = |word: u32| {
+            if let Some(place) = places.next() {
+                *place = word.to_le_bytes();
+            }
+        };
+        self.write(&mut put);
+        self.spare.write(&mut put);
+        bytes
+    }
+
+    /// The state of these bytes. Any will do: what no step has left is found at the next step, and restored or reset.
+    pub fn from_bytes(bytes: &[u8; Self::BYTES]) -> Self {
+        let mut words = bytes.as_chunks().0.iter();
+        let mut next = || words.next().map_or(0, |word| u32::from_le_bytes(*word));
+        let state = Self::read(&mut next);
+        Self {
+            spare: Memory::read(&mut next),
+            ..state
+        }
+    }
+
+    /// Makes the present memory the one that the next step expects.
+    #[inline(always)]
+    pub(super) fn seal(&mut self) {
+        self.spare = Spare::new(self);
+    }
+
+    /// Brings back what the last step left, where it has changed: whether it had not, and whether it is known.
+    #[inline(always)]
+    pub(super) fn restore(&mut self) -> (bool, bool) {
+        match self.spare.judge(self) {
+            memory::Verdict::Sound => (true, true),
+            memory::Verdict::Changed(left) => {
+                *self = left;
+                (false, true)
+            }
+            memory::Verdict::Unknown => (false, false),
+        }
+    }
+
     /// Mode of the last step.
     pub fn mode(&self) -> Mode {
         self.supervision.mode()
@@ -212,7 +328,8 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
     #[inline]
     pub fn update(&self, state: &mut GuidanceState, input: &GuidanceInput, dt: f32) -> Guided {
         // Before anything else reads the memory.
-        let sound = self.is_sound(state);
+        let (unchanged, known) = state.restore();
+        let sound = known & self.is_sound(state);
         if !sound {
             self.reset(state);
         }
@@ -229,9 +346,10 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         if mode != Mode::Flying {
             guided = self.substitute(state, mode);
         }
+        state.seal();
         guided.mode = mode;
         guided.refusal = flown.err();
-        guided.status |= Status::STATE_RESET.when(!sound);
+        guided.status |= Status::STATE_RESET.when(!(unchanged & sound));
         guided
     }
 
@@ -243,12 +361,13 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             & state.planner.is_sound()
             & self.tracker.is_sound(state.integral)
             & (state.wind.norm_squared() + state.reckoned.norm_squared() <= MAX_SPEED * MAX_SPEED)
-            & (self.limits.is_sound(&state.limits) | (state.limits == LimitState::default()))
+            & (self.limits.is_sound(&state.limits)
+                | ((state.limits == LimitState::default()) & (state.mode() == Mode::Safe)))
             & (state.held.norm_squared() <= MAX_SPEED * MAX_SPEED)
     }
 
-    /// Back to power-on, but for the mode, and for the last command if that is sound: it is what a bad frame is bridged
-    /// with.
+    /// Back to power-on, but for the mode, and for the last command if that is inside the limits: it is what a bad frame is
+    /// bridged with.
     #[cold]
     fn reset(&self, state: &mut GuidanceState) {
         let limits = if self.limits.is_sound(&state.limits) {
@@ -489,6 +608,7 @@ mod tests {
     use super::*;
     use crate::aero::{Combined, CombinedParameters};
     use crate::control::Fault;
+    use crate::guidance::MIN_STEP;
     use crate::guidance::Phase;
     use crate::vehicle::VehicleParameters;
     use rand::{RngExt, SeedableRng};
@@ -792,6 +912,8 @@ mod tests {
         for corrupt in corrupt {
             let mut state = airborne();
             corrupt(&mut state);
+            // As if the check word had missed it.
+            state.seal();
             let guided = guidance.update(&mut state, &HOVER, DT);
             assert_eq!(guided.mode, Mode::Flying);
             assert!(guided.status.contains(Status::STATE_RESET));
@@ -817,12 +939,134 @@ mod tests {
                 } else {
                     state.limits.rate = value;
                 }
+                state.seal();
                 let guided = guidance.update(&mut state, &bad, DT);
                 assert_eq!(guided.mode, Mode::Holding);
                 assert!(guided.status.contains(Status::STATE_RESET));
                 assert!((0.0..=THRUST_MAX).contains(&guided.command.thrust));
                 assert!(guided.command.rate.abs() <= 2.8);
             }
+        }
+    }
+
+    /// A vehicle whose least thrust is not zero: the memory of power-on, but with another mode, and a bad frame.
+    #[test]
+    fn no_thrust_below_the_least_is_held() {
+        let vehicle = VehicleParameters {
+            thrust_min: 5.0,
+            ..VehicleParameters::PAPER_BELIEF
+        };
+        let model = Combined::new(CombinedParameters::PAPER_BELIEF).unwrap();
+        let guidance = Guidance::new(Vehicle::new(vehicle, model).unwrap(), &parameters()).unwrap();
+        let mut state = GuidanceState {
+            supervision: SupervisionState::in_mode(Mode::Holding),
+            ..GuidanceState::default()
+        };
+        state.seal();
+        let bad = GuidanceInput {
+            state_age: 1.0,
+            ..HOVER
+        };
+        let guided = guidance.update(&mut state, &bad, DT);
+        assert_eq!(guided.mode, Mode::Holding);
+        assert_eq!(guided.command.thrust, 5.0);
+    }
+
+    /// Every bit of the memory of a flight in wind, at speed, with an integral: what flips is found, flown through, and
+    /// forgotten.
+    #[test]
+    fn a_flipped_bit_is_found_wherever_it_is() {
+        let guidance = guidance();
+        let input = GuidanceInput {
+            velocity: Inertial::new(0.1, 5.0),
+            attitude: Attitude::from_angle(-0.6),
+            air: Air::Wind(Inertial::new(0.3, -2.0)),
+            position_error: Some(Inertial::new(0.5, -0.4)),
+            reference: Reference {
+                velocity: Inertial::new(0.0, 5.0),
+                acceleration: Inertial::ZERO,
+            },
+            ..HOVER
+        };
+        let mut flown = airborne();
+        for _ in 0..100 {
+            guidance.update(&mut flown, &input, DT);
+        }
+        let undisturbed = guidance.update(&mut { flown }, &input, DT);
+        let mut found = 0;
+        for bit in 0..8 * GuidanceState::BYTES {
+            let mut bytes = flown.to_bytes();
+            bytes[bit / 8] ^= 1 << (bit % 8);
+            let mut state = GuidanceState::from_bytes(&bytes);
+            let guided = guidance.update(&mut state, &input, DT);
+            assert_eq!(guided.command, undisturbed.command, "{bit}");
+            assert_eq!(guided.mode, Mode::Flying);
+            found += u32::from(guided.status.contains(Status::STATE_RESET));
+            let next = guidance.update(&mut state, &input, DT);
+            assert!(!next.status.contains(Status::STATE_RESET), "{bit}");
+        }
+        // Eight short numbers of 8 bits and one of 16, the rest of 32. A flip in the copy changes nothing.
+        assert_eq!(found as usize, 32 * (WORDS - 9) + 8 * 8 + 16);
+    }
+
+    /// More than one change is not undone: the memory is as at power-on, and flies on.
+    #[test]
+    fn what_cannot_be_restored_is_reset() {
+        let guidance = guidance();
+        let mut bytes = airborne().to_bytes();
+        bytes[4 * 3] ^= 1;
+        bytes[4 * (WORDS + 5)] ^= 1;
+        let mut state = GuidanceState::from_bytes(&bytes);
+        let guided = guidance.update(&mut state, &HOVER, DT);
+        assert!(guided.status.contains(Status::STATE_RESET));
+        assert_eq!(guided.mode, Mode::Flying);
+        assert_eq!(state.supervision.wind, Inertial::ZERO);
+        let next = guidance.update(&mut state, &HOVER, DT);
+        assert_eq!(next.status, Status::empty());
+    }
+
+    #[test]
+    fn the_memory_goes_to_bytes_and_back() {
+        let state = airborne();
+        let bytes = state.to_bytes();
+        let mut back = GuidanceState::from_bytes(&bytes);
+        assert_eq!((back, back.to_bytes()), (state, bytes));
+        let guided = guidance().update(&mut back, &HOVER, DT);
+        assert_eq!(guided.status, Status::empty());
+        let on = [0; GuidanceState::BYTES];
+        assert_eq!(GuidanceState::from_bytes(&on), GuidanceState::default());
+    }
+
+    /// A reference at the edge of what is accepted is no corruption.
+    #[test]
+    fn an_extreme_reference_does_not_reset_the_memory() {
+        let guidance = guidance();
+        let input = GuidanceInput {
+            velocity: Inertial::new(0.0, 700.0),
+            reference: Reference {
+                velocity: Inertial::new(0.0, 710.0),
+                acceleration: Inertial::new(0.0, 700.0),
+            },
+            air: Air::Unknown,
+            ..HOVER
+        };
+        let mut state = GuidanceState::default();
+        for _ in 0..100 {
+            let guided = guidance.update(&mut state, &input, 0.2);
+            assert!(!guided.status.contains(Status::STATE_RESET));
+        }
+        assert_eq!(state.mode(), Mode::Flying);
+    }
+
+    /// The longest time that a wind is held ends also at the shortest step.
+    #[test]
+    fn no_clock_of_the_memory_stands_still() {
+        let longest = GuidanceParameters::ROWS
+            .iter()
+            .filter(|row| ["hold", "recovery", "air_hold"].contains(&row.name));
+        for row in longest {
+            let before = row.max - MIN_STEP;
+            assert!(before + MIN_STEP > before, "{}", row.name);
         }
     }
 

@@ -1,0 +1,214 @@
+//! The guidance over sequences of frames, with its memory changed between steps.
+//!
+//! What must hold: every command finite and inside the limits; no memory called corrupt that was not touched; one changed
+//! number of the memory undone; and after good frames for the recovery time and two steps more the guidance flies, if one
+//! fresh from power-on does.
+
+use alula::guidance::{Air, GuidanceParameters, Mode, Refusal, Status};
+use alula::{
+    Attitude, Fault, Guidance, GuidanceInput, GuidanceState, Guided, Inertial, Model, Reference,
+};
+
+use crate::assert_finite;
+use crate::bytes::Bytes;
+
+type Memory = [u8; GuidanceState::BYTES];
+
+/// Frames at most: a longer sequence finds nothing new, and slows the search.
+const FRAMES: usize = 64;
+/// Step of the good frames at the end [s].
+const DT: f32 = 0.1;
+
+pub fn run(data: &[u8]) -> u64 {
+    crate::vehicle::with(&mut Bytes::new(data), |bytes, vehicle| {
+        let p = bytes.parameters(GuidanceParameters::default());
+        match Guidance::new(vehicle, &p) {
+            Ok(guidance) => fly(&guidance, &p, bytes),
+            Err(_) => 1,
+        }
+    })
+    .unwrap_or(1)
+}
+
+fn fly(guidance: &Guidance<Model>, p: &GuidanceParameters, bytes: &mut Bytes) -> u64 {
+    let mut state = GuidanceState::default();
+    let mut calls = 0;
+    for _ in 0..FRAMES {
+        if bytes.is_empty() {
+            break;
+        }
+        let change = Change::of(bytes, &mut state);
+        let input = input(bytes);
+        let dt = match bytes.byte() {
+            0..=15 => bytes.number(0.3),
+            _ => bytes.between(1e-4, 0.2),
+        };
+        let untouched = state;
+        let guided = guidance.update(&mut state, &input, dt);
+        calls += 1;
+        check(guidance, p, &guided);
+        let reset = guided.status.contains(Status::STATE_RESET);
+        match change {
+            Change::None => assert!(!reset, "a reset without a reason"),
+            Change::One(before) => {
+                // The step is that of the memory there was, to the bit.
+                let (mut state_before, mut state_after) = (before, state);
+                let expected = guidance.update(&mut state_before, &input, dt);
+                calls += 1;
+                assert_eq!(bits(&guided), bits(&expected), "{untouched:?}");
+                assert_eq!(state_before.to_bytes(), state_after.to_bytes());
+                state_after.turn_plane(1.0);
+            }
+            Change::Any => (),
+        }
+        if bytes.byte() < 8 {
+            state.turn_plane(bytes.between(-1.0, 1.0));
+        }
+    }
+    calls + recover(guidance, p, state)
+}
+
+/// What was done to the memory before a step.
+enum Change {
+    None,
+    /// One number was changed; this was the memory before.
+    One(GuidanceState),
+    /// Anything.
+    Any,
+}
+
+impl Change {
+    fn of(bytes: &mut Bytes, state: &mut GuidanceState) -> Self {
+        let before = *state;
+        let mut memory = before.to_bytes();
+        let change = match bytes.byte() {
+            0..=31 => {
+                let bit = bytes.word() as usize % (8 * memory.len());
+                memory[bit / 8] ^= 1 << (bit % 8);
+                Self::One(before)
+            }
+            32..=47 => {
+                let word = bytes.word() as usize % (memory.len() / 4);
+                memory[4 * word..][..4].copy_from_slice(&bytes.array::<4>());
+                Self::One(before)
+            }
+            48..=55 => {
+                for _ in 0..bytes.byte() {
+                    let bit = bytes.word() as usize % (8 * memory.len());
+                    memory[bit / 8] ^= 1 << (bit % 8);
+                }
+                Self::Any
+            }
+            56..=71 => {
+                for _ in 0..=bytes.byte() % 4 {
+                    let word = bytes.word() as usize % (memory.len() / 8);
+                    let value = bytes.number(10.0).to_le_bytes();
+                    memory[4 * word..][..4].copy_from_slice(&value);
+                }
+                memory = sealed(memory);
+                Self::Any
+            }
+            72..=79 => {
+                memory = sealed(bytes.array());
+                Self::Any
+            }
+            80..=83 => {
+                memory = bytes.array();
+                Self::Any
+            }
+            _ => return Self::None,
+        };
+        *state = GuidanceState::from_bytes(&memory);
+        change
+    }
+}
+
+/// These bytes with the copy and the check word that belong to them, as if the check had missed the change: so that the
+/// bounds behind it are attacked too.
+fn sealed(memory: Memory) -> Memory {
+    let mut memory = GuidanceState::from_bytes(&memory).to_bytes();
+    let words = (memory.len() / 4 - 1) / 2;
+    let (left, rest) = memory.split_at_mut(4 * words);
+    let (copy, check) = rest.split_at_mut(4 * words);
+    copy.copy_from_slice(left);
+    let sum = left.as_chunks().0.iter().fold(0u32, |sum, word| {
+        sum.rotate_left(7) ^ u32::from_le_bytes(*word)
+    });
+    check.copy_from_slice(&sum.to_le_bytes());
+    memory
+}
+
+fn input(bytes: &mut Bytes) -> GuidanceInput {
+    let age = |bytes: &mut Bytes| match bytes.byte() {
+        0..=23 => bytes.number(1.0),
+        _ => 0.0,
+    };
+    GuidanceInput {
+        velocity: bytes.inertial(30.0),
+        attitude: bytes.attitude(),
+        state_age: age(bytes),
+        air: match bytes.byte() % 3 {
+            0 => Air::Velocity(bytes.inertial(30.0)),
+            1 => Air::Wind(bytes.inertial(15.0)),
+            _ => Air::Unknown,
+        },
+        position_error: match bytes.byte() % 4 {
+            0 => None,
+            _ => Some(bytes.inertial(50.0)),
+        },
+        reference: Reference {
+            velocity: bytes.inertial(30.0),
+            acceleration: bytes.inertial(10.0),
+        },
+        reference_age: age(bytes),
+    }
+}
+
+fn bits(guided: &Guided) -> (u32, u32, Mode) {
+    let c = guided.command;
+    (c.thrust.to_bits(), c.rate.to_bits(), guided.mode)
+}
+
+fn check(guidance: &Guidance<Model>, p: &GuidanceParameters, guided: &Guided) {
+    let vehicle = guidance.vehicle();
+    let (thrust, rate) = (guided.command.thrust, guided.command.rate);
+    assert!(
+        (vehicle.thrust_min()..=vehicle.thrust_max()).contains(&thrust),
+        "{guided:?}"
+    );
+    assert!(rate.abs() <= p.max_rate, "{guided:?}");
+    let (v, a) = (guided.reference.velocity, guided.reference.acceleration);
+    assert_finite(&[v.down(), v.forward(), a.down(), a.forward()]);
+    let (m, d) = (guided.margin, guided.command.diagnostics);
+    assert_finite(&[m.force, m.k, m.fold, d.f_p_norm, d.t_p, d.alpha]);
+    assert_eq!(
+        guided.mode != Mode::Flying,
+        guided.command.diagnostics.k == 0.0
+    );
+    assert!(guided.mode != Mode::Flying || guided.refusal.is_none());
+}
+
+/// Good frames, until the guidance flies as one fresh from power-on does.
+fn recover(guidance: &Guidance<Model>, p: &GuidanceParameters, mut state: GuidanceState) -> u64 {
+    let hover = GuidanceInput {
+        velocity: Inertial::ZERO,
+        attitude: Attitude::NOSE_UP,
+        state_age: 0.0,
+        air: Air::Wind(Inertial::ZERO),
+        position_error: None,
+        reference: Reference::default(),
+        reference_age: 0.0,
+    };
+    let mut fresh = GuidanceState::default();
+    let frames = (p.recovery / DT) as u64 + 2;
+    let (mut modes, mut undefined) = ((Mode::Safe, Mode::Safe), false);
+    for _ in 0..frames {
+        let guided = guidance.update(&mut state, &hover, DT);
+        check(guidance, p, &guided);
+        // The wind remembered may be one in which an absurd vehicle has no command; a fresh memory has none.
+        undefined |= guided.refusal == Some(Refusal::Law(Fault::Undefined));
+        modes = (guided.mode, guidance.update(&mut fresh, &hover, DT).mode);
+    }
+    assert!(modes.0 == Mode::Flying || modes.1 != Mode::Flying || undefined);
+    2 * frames
+}

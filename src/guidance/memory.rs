@@ -1,0 +1,282 @@
+//! What a part remembers as words of 32 bits: the spare copy that undoes a change of memory from outside, and the way to
+//! bytes and back.
+
+use super::status::Status;
+use crate::frame::Inertial;
+
+/// A value made of words.
+///
+/// Every word has a meaning: reading never fails, and zeros are the default. Numbers shorter than a word use its low bits.
+pub(super) trait Memory: Sized {
+    /// Number of words.
+    const WORDS: usize;
+
+    /// Gives every word to `take`, in order.
+    fn write(&self, take: &mut impl FnMut(u32));
+
+    /// The value of the next [`WORDS`](Self::WORDS) words.
+    fn read(next: &mut impl FnMut() -> u32) -> Self;
+}
+
+/// Makes a structure a [`Memory`] by naming all of its fields; one that is left out does not compile.
+macro_rules! memory {
+    ($structure:ident { $($field:ident: $type:ty),* $(,)? }) => {
+        impl $crate::guidance::memory::Memory for $structure {
+            const WORDS: usize = 0 $( + <$type as $crate::guidance::memory::Memory>::WORDS )*;
+
+            #[inline(always)]
+            fn write(&self, take: &mut impl FnMut(u32)) {
+                let Self { $($field),* } = self;
+                $( $crate::guidance::memory::Memory::write($field, take); )*
+            }
+
+            #[inline(always)]
+            fn read(next: &mut impl FnMut() -> u32) -> Self {
+                Self { $($field: $crate::guidance::memory::Memory::read(next)),* }
+            }
+        }
+    };
+}
+pub(super) use memory;
+
+/// A number of at most one word.
+macro_rules! number {
+    ($type:ty, $value:ident => $word:expr, $bits:ident => $read:expr) => {
+        impl Memory for $type {
+            const WORDS: usize = 1;
+
+            #[inline(always)]
+            fn write(&self, take: &mut impl FnMut(u32)) {
+                let $value = *self;
+                take($word);
+            }
+
+            #[inline(always)]
+            fn read(next: &mut impl FnMut() -> u32) -> Self {
+                let $bits = next();
+                $read
+            }
+        }
+    };
+}
+number!(u8, x => u32::from(x), bits => bits as u8);
+number!(f32, x => x.to_bits(), bits => f32::from_bits(bits));
+number!(Status, x => u32::from(x.bits()), bits => Status::from_bits_retain(bits as u16));
+
+impl Memory for Inertial {
+    const WORDS: usize = 2;
+
+    #[inline(always)]
+    fn write(&self, take: &mut impl FnMut(u32)) {
+        self.down().write(take);
+        self.forward().write(take);
+    }
+
+    #[inline(always)]
+    fn read(next: &mut impl FnMut() -> u32) -> Self {
+        let (down, forward) = (f32::read(next), f32::read(next));
+        Self::new(down, forward)
+    }
+}
+
+/// A copy of a memory of `N` words and a check word of both.
+///
+/// Of memory, copy and check word any one may change in any way: the other two agree, and the memory that was left is
+/// known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(super) struct Spare<const N: usize> {
+    words: [u32; N],
+    check: u32,
+}
+
+/// What a [`Spare`] says of a memory.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Verdict<M> {
+    /// It is as it was left.
+    Sound,
+    /// It has changed, and this is what was left.
+    Changed(M),
+    /// Two of the three have changed.
+    Unknown,
+}
+
+impl<const N: usize> Default for Spare<N> {
+    /// Of a memory of zeros.
+    fn default() -> Self {
+        Self {
+            words: [0; N],
+            check: 0,
+        }
+    }
+}
+
+impl<const N: usize> Spare<N> {
+    /// The spare of `memory`, which has `N` words.
+    #[inline(always)]
+    pub fn new(memory: &impl Memory) -> Self {
+        let mut words = [0; N];
+        let mut places = words.iter_mut();
+        let mut sum = 0;
+        memory.write(&mut |word| {
+            sum = fold(sum, word);
+            if let Some(place) = places.next() {
+                *place = word;
+            }
+        });
+        Self { words, check: sum }
+    }
+
+    /// Compares `memory` with what was left.
+    #[inline(always)]
+    pub fn judge<M: Memory>(&self, memory: &M) -> Verdict<M> {
+        let mut sum = 0;
+        memory.write(&mut |word| sum = fold(sum, word));
+        if sum == self.check {
+            Verdict::Sound
+        } else {
+            self.restore(memory)
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn restore<M: Memory>(&self, memory: &M) -> Verdict<M> {
+        if self.words.iter().copied().fold(0, fold) == self.check {
+            let mut words = self.words.iter().copied();
+            return Verdict::Changed(M::read(&mut || words.next().unwrap_or(0)));
+        }
+        // Was it the check word?
+        let (mut words, mut same) = (self.words.iter().copied(), true);
+        memory.write(&mut |word| same &= words.next() == Some(word));
+        if same {
+            Verdict::Sound
+        } else {
+            Verdict::Unknown
+        }
+    }
+}
+
+impl<const N: usize> Memory for Spare<N> {
+    const WORDS: usize = N + 1;
+
+    fn write(&self, take: &mut impl FnMut(u32)) {
+        self.words.iter().for_each(|&word| take(word));
+        take(self.check);
+    }
+
+    fn read(next: &mut impl FnMut() -> u32) -> Self {
+        let words = core::array::from_fn(|_| next());
+        Self {
+            words,
+            check: next(),
+        }
+    }
+}
+
+/// The check word `sum` after one more word: turned by seven bits, and the word added without carry. For given words
+/// before and after, a word and the check are one to one: a change of any one word changes it, and a change of several
+/// at random escapes with a probability of 2⁻³². Zeros have the check word 0.
+#[inline(always)]
+const fn fold(sum: u32, word: u32) -> u32 {
+    sum.rotate_left(7) ^ word
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use std::vec::Vec;
+
+    #[derive(Debug, PartialEq)]
+    struct Part {
+        small: u8,
+        vector: Inertial,
+        flags: Status,
+        number: f32,
+    }
+    memory!(Part {
+        small: u8,
+        vector: Inertial,
+        flags: Status,
+        number: f32,
+    });
+
+    fn words(memory: &impl Memory) -> Vec<u32> {
+        let mut words = Vec::new();
+        memory.write(&mut |word| words.push(word));
+        words
+    }
+
+    #[test]
+    fn what_is_written_is_read_again() {
+        let part = Part {
+            small: 200,
+            vector: Inertial::new(-1.5, 1e-40),
+            flags: Status::from_bits_retain(0xffff),
+            number: f32::INFINITY,
+        };
+        let written = words(&part);
+        assert_eq!(written.len(), Part::WORDS);
+        assert_eq!(written.first(), Some(&200));
+        let mut rest = written.iter().copied();
+        assert_eq!(Part::read(&mut || rest.next().unwrap()), part);
+    }
+
+    type Kept = Spare<{ Part::WORDS }>;
+
+    fn part() -> Part {
+        let mut next = 1u32;
+        Part::read(&mut || {
+            next = next.wrapping_mul(2_654_435_761).wrapping_add(7);
+            next
+        })
+    }
+
+    /// A memory and its spare, some of whose bits have flipped.
+    fn flipped(bits: &[usize]) -> (Part, Kept) {
+        let part = part();
+        let mut all = words(&part);
+        all.extend(words(&Kept::new(&part)));
+        for bit in bits {
+            all[bit / 32] ^= 1 << (bit % 32);
+        }
+        let mut rest = all.into_iter();
+        let mut next = || rest.next().unwrap();
+        (Part::read(&mut next), Kept::read(&mut next))
+    }
+
+    #[test]
+    fn whatever_bit_flips_the_memory_that_was_left_is_known() {
+        let all = 32 * (2 * Part::WORDS + 1);
+        let mut restored = 0;
+        for bit in 0..all {
+            let (memory, spare) = flipped(&[bit]);
+            match spare.judge(&memory) {
+                // The unused bits of short numbers are not there to be changed.
+                Verdict::Sound => assert_eq!(memory, part(), "{bit}"),
+                Verdict::Changed(left) => {
+                    assert_eq!(left, part(), "{bit}");
+                    restored += 1;
+                }
+                Verdict::Unknown => panic!("{bit}"),
+            }
+        }
+        // A byte, three numbers and 16 flags.
+        assert_eq!(restored, 8 + 3 * 32 + 16);
+    }
+
+    #[test]
+    fn memory_and_spare_both_changed_are_not_taken_for_sound() {
+        for bit in 32..64 {
+            let (memory, spare) = flipped(&[bit, 32 * Part::WORDS + (bit + 5) % 128]);
+            assert_eq!(spare.judge(&memory), Verdict::Unknown, "{bit}");
+        }
+    }
+
+    #[test]
+    fn zeros_are_sound() {
+        assert_eq!(Spare::<2>::default(), Spare::new(&Inertial::ZERO));
+        assert_eq!(Spare::<2>::default().judge(&Inertial::ZERO), Verdict::Sound);
+    }
+}
