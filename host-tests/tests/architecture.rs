@@ -85,7 +85,11 @@ fn check(heading: &str, folder: &str) {
     sorted.sort();
     assert_eq!(sorted, rooms(folder), "rooms of {folder}");
     let wrong = arrows_back(folder, &order);
-    assert!(wrong.is_empty(), "arrows that point back:\n{}", wrong.join("\n"));
+    assert!(
+        wrong.is_empty(),
+        "arrows that point back:\n{}",
+        wrong.join("\n")
+    );
 }
 
 #[test]
