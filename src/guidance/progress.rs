@@ -156,10 +156,16 @@ mod tests {
     use std::vec::Vec;
 
     /// A guidance that is told where the virtual vehicle is: what it says over `seconds`.
-    fn said(thrust_min: f32, reference: Inertial, wind: Inertial, seconds: f32) -> Vec<Progress> {
+    fn said(
+        (thrust_min, thrust_max): (f32, f32),
+        reference: Inertial,
+        wind: Inertial,
+        seconds: f32,
+    ) -> Vec<Progress> {
         let model = Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap();
         let vehicle = VehicleParameters {
             thrust_min,
+            thrust_max,
             ..VehicleParameters::PAPER
         };
         let p = GuidanceParameters {
@@ -200,7 +206,7 @@ mod tests {
 
     #[test]
     fn a_reference_that_is_followed_is_tracked_with_nothing_to_go() {
-        let progress = said(0.0, Inertial::new(0.0, 8.0), Inertial::ZERO, 25.0);
+        let progress = said((0.0, 196.2), Inertial::new(0.0, 8.0), Inertial::ZERO, 25.0);
         assert_eq!(progress.last(), Some(&Progress::default()));
         assert!(progress.iter().all(|p| p.unreachable.is_none()));
     }
@@ -215,16 +221,20 @@ mod tests {
     #[test]
     fn what_cannot_be_had_is_named() {
         // Steeper than any glide at that speed.
-        let sink = said(0.0, Inertial::new(9.0, 22.0), Inertial::ZERO, 22.0);
+        let sink = said((0.0, 196.2), Inertial::new(9.0, 22.0), Inertial::ZERO, 22.0);
         assert!(mostly(&sink, Unreachable::Sink));
         // Slower than a glide on idle thrust in an updraft.
         let updraft = Inertial::new(-1.0, 0.0);
-        let slow = said(5.0, Inertial::new(0.0, 19.0), updraft, 30.0);
+        let slow = said((5.0, 196.2), Inertial::new(0.0, 19.0), updraft, 30.0);
         assert!(mostly(&slow, Unreachable::Speed));
-        // Faster than full thrust.
-        let fast = said(0.0, Inertial::new(0.0, 150.0), Inertial::ZERO, 60.0);
-        assert!(mostly(&fast, Unreachable::Thrust));
-        let last = fast.last().unwrap();
-        assert!(last.time > 15.0 && last.distance < -100.0);
+        // A climb that needs more than full thrust: 27 m/s at 1.07 times the weight.
+        let climb = said(
+            (0.0, 105.0),
+            Inertial::new(-40.0, 0.0),
+            Inertial::ZERO,
+            30.0,
+        );
+        assert!(mostly(&climb, Unreachable::Thrust));
+        assert!(climb.last().unwrap().time > 15.0);
     }
 }
