@@ -8,17 +8,37 @@ use std::path::PathBuf;
 use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 
-use alula::control::Command;
+use alula::{GuidanceInput, Inertial};
 use alula_link::damage::Mangler;
-use alula_link::{Envelope, Pacing, Phase, Status, ToTarget};
-use alula_sil::figures::Figures;
-use alula_sil::flight::{Answer, Controller, Input, Local, Row, fly};
-use alula_sil::pil::{Build, Qemu, Said, Target, build};
-use alula_sil::scenario::{BUILT_IN, Scenario, Source};
+use alula_link::{Configuration, Envelope, MAX_FRAME, Pacing, Phase, Status, ToTarget, encode};
+use alula_sil::controllers::{Answer, Controller, Input};
+use alula_sil::experiment::{BUILT_IN, Document, Experiment};
+use alula_sil::pil::{Build, Heard, Qemu, Target, build, core_answer, link_input};
+use alula_sil::simulate::{Step, simulate};
 use anyhow::{Context, ensure};
 
-fn scenario(name: &str) -> Scenario {
-    Source::load(name).unwrap().scenario
+/// The built-in experiment of this name.
+fn experiment(name: &str) -> Experiment {
+    Document::load(name).unwrap().checked().unwrap()
+}
+
+/// Every built-in experiment that a controller of the core flies, with what the target is told of it.
+fn core_experiments(pacing: Pacing) -> Vec<(&'static str, Experiment, Configuration)> {
+    let mut all = Vec::new();
+    for (name, _) in BUILT_IN {
+        // Documents without a reference are vehicles.
+        if Document::load(name).unwrap().get("reference").is_none() {
+            continue;
+        }
+        let experiment = experiment(name);
+        if let Ok(configuration) = experiment.configuration(pacing) {
+            all.push((*name, experiment, configuration));
+        }
+    }
+    // Laws and guidance are both among them.
+    let kinds: HashSet<_> = all.iter().map(|(_, e, _)| e.controller.name()).collect();
+    assert_eq!(kinds, HashSet::from(["law", "guidance"]));
+    all
 }
 
 /// The images, built one after the other: they share the place they are built in.
@@ -32,60 +52,90 @@ fn boot(which: Build) -> (Qemu, Target) {
     (qemu, Target::new(port).unwrap())
 }
 
-/// Every bit of an answer: thrust, rate and diagnostics, or the fault.
-fn bits(answer: &Answer) -> Result<[u32; 10], alula::Fault> {
-    match alula_link::Answer::from(*answer) {
-        alula_link::Answer::Command(numbers) => Ok(numbers.map(f32::to_bits)),
-        _ => Err(answer.unwrap_err()),
+/// The controller that the target has, in this process: made of the same configuration by the same code.
+struct Here(alula_link::Controller);
+
+impl Here {
+    fn new(configuration: &Configuration) -> Self {
+        Self(alula_link::Controller::new(configuration).unwrap())
+    }
+
+    fn guided(&self) -> bool {
+        matches!(self.0, alula_link::Controller::Guidance(..))
+    }
+
+    fn step(&mut self, input: &Input, dt: f32) -> alula_link::Answer {
+        let input = link_input(self.guided(), input, dt);
+        self.0.step(&input)
     }
 }
 
-/// Asks the target and the core in this process, and insists on the same bits.
+/// Every bit of an answer, NaN and the sign of zero included: what it is on the wire.
+fn bits(answer: &alula_link::Answer) -> Vec<u8> {
+    encode(answer, &mut [0; MAX_FRAME]).unwrap().to_vec()
+}
+
+/// Asks the target, the controller of its configuration in this process, and the experiment's own controller, and insists on
+/// the same bits.
 struct Compared {
     target: Target,
-    local: Local,
+    here: Here,
+    own: Box<dyn Controller>,
     steps: usize,
 }
 
 impl Controller for Compared {
-    fn answer(&mut self, input: &Input) -> anyhow::Result<Answer> {
-        let (there, here) = (self.target.answer(input)?, self.local.answer(input)?);
+    fn answer(&mut self, input: &Input, dt: f32) -> anyhow::Result<Answer> {
+        let sent = ToTarget::Input(link_input(self.here.guided(), input, dt));
+        let Heard::Answer(there) = self.target.ask(sent)? else {
+            anyhow::bail!("no answer to an input");
+        };
+        let here = self.here.step(input, dt);
         let step = self.steps;
         ensure!(
             bits(&there) == bits(&here),
             "step {step}: {there:?} is not {here:?}"
+        );
+        // What the experiment flies without a target is that same controller.
+        let (there, own) = (core_answer(there)?, self.own.answer(input, dt)?);
+        ensure!(
+            format!("{there:?}") == format!("{own:?}"),
+            "step {step}: {there:?} is not the experiment's {own:?}"
         );
         self.steps += 1;
         Ok(there)
     }
 }
 
-/// Flies all of `scenario` on the image of `which`; an error at the first answer that is not the core's in this
+/// Flies all of `experiment` on the image of `which`; an error at the first answer that is not the one in this
 /// process. The flights are the same up to there, so that equal answers are equal flights.
-fn same_bits(which: Build, scenario: &Scenario, pacing: Pacing) -> anyhow::Result<()> {
+fn same_bits(
+    which: Build,
+    experiment: &Experiment,
+    configuration: &Configuration,
+) -> anyhow::Result<()> {
     let (_qemu, mut target) = boot(which);
-    target.configure(scenario.configuration(pacing).unwrap())?;
-    let local = Local::new(scenario).unwrap();
+    target.configure(*configuration)?;
     let mut compared = Compared {
         target,
-        local,
+        here: Here::new(configuration),
+        own: experiment.controller()?,
         steps: 0,
     };
-    fly(scenario, &mut compared, |_| {})?;
-    assert_eq!(compared.steps, scenario.steps() + 1);
+    simulate(experiment, &mut compared, |_| true)?;
+    assert_eq!(compared.steps, experiment.steps() + 1);
     Ok(())
 }
 
 #[test]
 #[ignore = "needs QEMU: cargo pil-check"]
-fn every_built_in_scenario_flies_the_same_bits() {
-    for (name, _) in BUILT_IN {
+fn every_built_in_experiment_of_the_core_flies_the_same_bits() {
+    for (name, experiment, configuration) in core_experiments(Pacing::Lockstep) {
         let begin = Instant::now();
-        let scenario = scenario(name);
-        same_bits(Build::Release, &scenario, Pacing::Lockstep)
-            .context(*name)
+        same_bits(Build::Release, &experiment, &configuration)
+            .context(name)
             .unwrap();
-        let (steps, took) = (scenario.steps() + 1, begin.elapsed());
+        let (steps, took) = (experiment.steps() + 1, begin.elapsed());
         println!("{name}: {steps} answers the same to the bit, in {took:.1?}");
     }
 }
@@ -93,19 +143,40 @@ fn every_built_in_scenario_flies_the_same_bits() {
 #[test]
 #[ignore = "needs QEMU: cargo pil-check"]
 fn the_timer_releases_the_same_bits() {
-    let scenario = scenario("hover-to-cruise");
-    same_bits(Build::Release, &scenario, Pacing::Timer).unwrap();
+    for name in ["hover-to-cruise", "round-trip"] {
+        let mut experiment = experiment(name);
+        experiment.duration_s = experiment.duration_s.min(10.0);
+        let configuration = experiment.configuration(Pacing::Timer).unwrap();
+        same_bits(Build::Release, &experiment, &configuration)
+            .context(name)
+            .unwrap();
+    }
 }
 
 #[test]
 #[ignore = "needs QEMU: cargo pil-check"]
 fn one_unit_in_the_last_place_of_one_coefficient_is_found() {
-    for (name, _) in BUILT_IN {
-        let found = same_bits(Build::Perturbed, &scenario(name), Pacing::Lockstep);
+    for (name, experiment, configuration) in core_experiments(Pacing::Lockstep) {
+        let found = same_bits(Build::Perturbed, &experiment, &configuration);
         let error = found.expect_err(name).to_string();
         assert!(error.starts_with("step "), "{name}: {error}");
         println!("{name}: {}", error.split(':').next().unwrap_or_default());
     }
+}
+
+#[test]
+fn a_measured_table_is_refused_by_name() {
+    let mut document = Document::load("round-trip").unwrap();
+    let polar = "vehicle.aerodynamics={ table = { polar = \"naca-0021-re-160e3\" } }";
+    for assignment in ["controller={ guidance = {} }", polar] {
+        document.assign(assignment).unwrap();
+    }
+    let experiment = document.checked().unwrap();
+    let refused = experiment.configuration(Pacing::Lockstep).unwrap_err();
+    assert_eq!(
+        refused.to_string(),
+        "controller.guidance.vehicle.aerodynamics.table: cannot be sent to a target"
+    );
 }
 
 /// A controller whose link is cut for some of the steps. The vehicle flies on under the safe command.
@@ -116,13 +187,13 @@ struct Outage<C> {
 }
 
 impl<C: Controller> Controller for Outage<C> {
-    fn answer(&mut self, input: &Input) -> anyhow::Result<Answer> {
+    fn answer(&mut self, input: &Input, dt: f32) -> anyhow::Result<Answer> {
         let step = self.step;
         self.step += 1;
         if self.cut.contains(&step) {
-            return Ok(Ok(Command::default()));
+            return Ok(Ok(alula::Command::default()).into());
         }
-        self.controller.answer(input)
+        self.controller.answer(input, dt)
     }
 }
 
@@ -142,11 +213,12 @@ fn without_a_link_it_is_safe_and_with_it_it_flies_again() {
     }
 
     // The link is cut at 5 s, for 0.2 s of the flight.
-    let mut scenario = scenario("hover-to-cruise");
-    scenario.duration_s = 10.0;
-    let cut = 5000..5200;
+    let mut experiment = experiment("hover-to-cruise");
+    experiment.duration_s = 10.0;
+    let at = |t: f64| (t * experiment.control_rate_hz) as usize;
+    let cut = at(5.0)..at(5.2);
     target
-        .configure(scenario.configuration(Pacing::Timer).unwrap())
+        .configure(experiment.configuration(Pacing::Timer).unwrap())
         .unwrap();
     let mut flown = Outage {
         controller: Watching {
@@ -157,23 +229,43 @@ fn without_a_link_it_is_safe_and_with_it_it_flies_again() {
         step: 0,
         cut: cut.clone(),
     };
-    let there = fly(&scenario, &mut flown, |_| {}).unwrap();
-    let mut local = Outage {
-        controller: Local::new(&scenario).unwrap(),
+    let there = fly(&experiment, &mut flown);
+    let mut own = Outage {
+        controller: Own(experiment.controller().unwrap()),
         step: 0,
         cut,
     };
-    let here = fly(&scenario, &mut local, |_| {}).unwrap();
-    let all = |rows: &[Row]| rows.iter().map(|row| bits(&row.answer)).collect::<Vec<_>>();
+    let here = fly(&experiment, &mut own);
+    let all = |steps: &[Step]| {
+        let answers = steps.iter().map(|step| format!("{:?}", step.answer));
+        answers.collect::<Vec<_>>()
+    };
     assert!(all(&there) == all(&here));
     // 0.2 s without thrust leave a velocity error of nearly 0.2 g, and the law takes it away again: 0.0025 m/s
     // of it are left at the end.
-    let figures = Figures::of(&there);
-    assert!(
-        (1.8..2.0).contains(&figures.max_velocity_error_m_s),
-        "{figures:?}"
-    );
-    assert!(figures.final_velocity_error_m_s < 0.01, "{figures:?}");
+    let errors = || there.iter().map(|step| step.velocity_error().norm());
+    let (most, last) = (errors().fold(0.0, f64::max), errors().last().unwrap());
+    assert!((1.8..2.0).contains(&most), "{most}");
+    assert!(last < 0.01, "{last}");
+}
+
+fn fly(experiment: &Experiment, controller: &mut dyn Controller) -> Vec<Step> {
+    let mut steps = Vec::new();
+    simulate(experiment, controller, |step| {
+        steps.push(*step);
+        true
+    })
+    .unwrap();
+    steps
+}
+
+/// The experiment's own controller.
+struct Own(Box<dyn Controller>);
+
+impl Controller for Own {
+    fn answer(&mut self, input: &Input, dt: f32) -> anyhow::Result<Answer> {
+        self.0.answer(input, dt)
+    }
 }
 
 /// A target that is watched going to its safe command when nothing more is asked for.
@@ -184,8 +276,8 @@ struct Watching {
 }
 
 impl Controller for Watching {
-    fn answer(&mut self, input: &Input) -> anyhow::Result<Answer> {
-        let answer = self.target.answer(input)?;
+    fn answer(&mut self, input: &Input, dt: f32) -> anyhow::Result<Answer> {
+        let answer = self.target.answer(input, dt)?;
         self.asked += 1;
         if self.asked == self.cut {
             let status = self.target.await_status(|s| s.phase == Phase::LinkLost)?;
@@ -208,19 +300,19 @@ fn send(target: &mut Target, mangler: &mut Mangler, message: ToTarget) -> Envelo
 #[ignore = "needs QEMU: cargo pil-check"]
 fn a_hundred_thousand_damaged_frames_do_nothing_and_are_counted() {
     const DAMAGED: usize = 100_000;
-    /// Bytes sent before the target is waited for: fewer than it can hold.
+    /// Bytes sent before the target is waited for: fewer than it can hold, with the frames that follow.
     const WINDOW: usize = 300;
-    let scenario = scenario("hover-to-cruise");
+    let experiment = experiment("hover-to-cruise");
     let (_qemu, mut target) = boot(Build::Release);
     let mut mangler = Mangler::new(5);
-    let configuration = scenario.configuration(Pacing::Lockstep).unwrap();
+    let configuration = experiment.configuration(Pacing::Lockstep).unwrap();
     send(
         &mut target,
         &mut mangler,
         ToTarget::Configure(configuration),
     );
 
-    let mut local = Local::new(&scenario).unwrap();
+    let mut here = Here::new(&configuration);
     let mut inputs = HashMap::new();
     let mut damaged = 0;
     let mut answered = HashSet::new();
@@ -228,7 +320,7 @@ fn a_hundred_thousand_damaged_frames_do_nothing_and_are_counted() {
         let mut sent = 0;
         while sent < WINDOW && damaged < DAMAGED {
             let message = match damaged % 8 {
-                0 => ToTarget::Input(wire(&input(damaged))),
+                0 => ToTarget::Input(link_input(false, &input(damaged), 0.0)),
                 _ => ToTarget::StatusRequest,
             };
             let envelope = target.envelope(message);
@@ -242,7 +334,7 @@ fn a_hundred_thousand_damaged_frames_do_nothing_and_are_counted() {
         let flown = send(
             &mut target,
             &mut mangler,
-            ToTarget::Input(wire(&input(damaged))),
+            ToTarget::Input(link_input(false, &input(damaged), 0.0)),
         );
         inputs.insert(place(&flown), damaged);
         // Left over from an earlier session, and newer than all of this one by its number alone.
@@ -253,14 +345,14 @@ fn a_hundred_thousand_damaged_frames_do_nothing_and_are_counted() {
         // Everything up to the status, which is the answer to the last thing sent.
         let deadline = Instant::now() + Duration::from_secs(20);
         let status = loop {
-            let (answers, said) = target.hear(deadline).unwrap();
-            match said {
-                Said::Answer(answer) => {
-                    let expected = local.answer(&input(inputs[&answers])).unwrap();
-                    assert_eq!(answer, expected.into());
+            let (answers, heard) = target.hear(deadline).unwrap();
+            match heard {
+                Heard::Answer(answer) => {
+                    let expected = here.step(&input(inputs[&answers]), 0.0);
+                    assert_eq!(bits(&answer), bits(&expected));
                     assert!(answered.insert(answers), "answered twice");
                 }
-                Said::Status(status) if answers == place(&request) => break status,
+                Heard::Status(status) if answers == place(&request) => break status,
                 _ => {}
             }
         };
@@ -283,12 +375,14 @@ fn place(envelope: &Envelope<ToTarget>) -> (u32, u32) {
 
 /// An input of its own for every number.
 fn input(n: usize) -> Input {
-    use alula::{Inertial, Reference};
-    let velocity = Inertial::new(n as f32 * 1e-4, 8.0);
     let theta = n as f32 * 1e-5;
-    Input::new(theta, velocity, Inertial::ZERO, Reference::default(), None)
-}
-
-fn wire(input: &Input) -> alula_link::Input {
-    alula_link::Input::new(&input.state, &input.reference, None)
+    Input {
+        theta,
+        sample: GuidanceInput {
+            velocity: Inertial::new(n as f32 * 1e-4, 8.0),
+            attitude: alula::Attitude::from_angle(theta),
+            ..GuidanceInput::default()
+        },
+        feed_forward: None,
+    }
 }
