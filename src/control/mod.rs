@@ -16,4 +16,4 @@ pub use command::{Command, Diagnostics, Fault, FeedForward, State};
 pub use gains::{GainLaw, GainParameters, GainValues, Gains};
 pub use guard::Guard;
 pub use margin::Margin;
-pub use velocity::VelocityControl;
+pub use velocity::{Law, VelocityControl};

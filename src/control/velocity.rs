@@ -20,6 +20,15 @@ pub struct VelocityControl<A, G = Gains> {
     gains: G,
 }
 
+/// Which of the two laws.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Law {
+    /// [`VelocityControl::robust`].
+    Robust,
+    /// [`VelocityControl::full`].
+    Full,
+}
+
 /// What both laws start from.
 pub(crate) struct Step {
     pub(crate) forces: ApparentForces,
@@ -148,12 +157,23 @@ impl<A: Aerodynamics, G: GainLaw> VelocityControl<A, G> {
     ) -> Result<Command, Fault> {
         check_input(state, reference)?;
         let step = self.step(Branch::Aligned, state, reference);
+        self.full_from(&step, state, feed_forward)
+    }
+
+    /// The full law from `step`.
+    #[inline(always)]
+    fn full_from(
+        &self,
+        step: &Step,
+        state: &State,
+        feed_forward: Option<&FeedForward>,
+    ) -> Result<Command, Fault> {
         let Step {
             forces,
             gains,
             norm,
             ..
-        } = &step;
+        } = step;
         let norm_squared = norm * norm;
         // c̄_D' cos(α+δ) − c̄_L' sin(α+δ) is the residual of eq:condition.
         let h = condition_residual(&forces.coefficients, &forces.air);
@@ -164,7 +184,28 @@ impl<A: Aerodynamics, G: GainLaw> VelocityControl<A, G> {
             check_feed_forward(ff)?;
             rate -= self.cross_f_delta(forces, state, ff) / norm_squared;
         }
-        check_output(self.command(&step, k * rate, 1.0, 1.0, k))
+        check_output(self.command(step, k * rate, 1.0, 1.0, k))
+    }
+
+    /// [`robust`](Self::robust) or [`full`](Self::full), as `law` says, with or without feed-forward. It is slower than
+    /// these, and takes the room of one: the code of the forces is there once.
+    ///
+    /// # Errors
+    /// As the law's.
+    #[inline(never)]
+    pub fn either(
+        &self,
+        law: Law,
+        state: &State,
+        reference: &Reference,
+        feed_forward: Option<&FeedForward>,
+    ) -> Result<Command, Fault> {
+        check_input(state, reference)?;
+        let step = self.step(Branch::Aligned, state, reference);
+        match law {
+            Law::Robust => self.robust_from(&step, Branch::Aligned, state, feed_forward),
+            Law::Full => self.full_from(&step, state, feed_forward),
+        }
     }
 
     /// What the law on `branch` starts from. The inputs are to have been checked.
@@ -182,6 +223,8 @@ impl<A: Aerodynamics, G: GainLaw> VelocityControl<A, G> {
         // |F_p| + F̄_p1, which cancels near θ̃ = π, is F̄_p2²/(|F_p| − F̄_p1).
         let sum = norm + along.abs();
         let alignment = if along < 0.0 {
+            // Rare in flight: the division is not to be made ahead of the choice.
+            core::hint::cold_path();
             across * across / sum
         } else {
             sum

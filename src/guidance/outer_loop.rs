@@ -75,6 +75,15 @@ impl OuterLoop {
             && state.integral.forward().abs() <= self.max_integral.forward()
     }
 
+    /// `integral` [m/s] inside its limits.
+    pub(super) fn limited(&self, integral: Inertial) -> Inertial {
+        let limit = |value, limit: f32| math::clamp(value, -limit, limit);
+        Inertial::new(
+            limit(integral.down(), self.max_integral.down()),
+            limit(integral.forward(), self.max_integral.forward()),
+        )
+    }
+
     /// The reference for the velocity law; the integral moves on by `dt` \[s\].
     ///
     /// The integral obeys the limits: it does not grow along the thrust line against a thrust that stands at its

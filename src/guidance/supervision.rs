@@ -144,7 +144,7 @@ pub struct SupervisionState {
     /// The last wind known [m/s].
     pub(super) wind: Inertial,
     /// Its age \[s\].
-    wind_age: f32,
+    pub(super) wind_age: f32,
 }
 
 impl SupervisionState {
@@ -214,6 +214,16 @@ impl Supervisor {
         (0.0..=MAX_ELAPSED).contains(&state.elapsed)
             && (0.0..=MAX_AGE).contains(&state.wind_age)
             && state.wind.norm_squared() <= self.max_wind * self.max_wind
+    }
+
+    /// Makes `wind` [m/s] the last known wind, or forgets it if that is above `max_wind`.
+    pub(super) fn move_wind(&self, state: &mut SupervisionState, wind: Inertial) {
+        if wind.norm_squared() <= self.max_wind * self.max_wind {
+            state.wind = wind;
+        } else {
+            state.wind = Inertial::ZERO;
+            state.wind_known = 0;
+        }
     }
 
     /// The mode after `dt` \[s\] with a frame that was `good` or not.

@@ -49,13 +49,13 @@ pub struct Guidance<A, G = BandwidthGains> {
     /// Acceleration limit on the reference.
     reference_limit: ReferenceLimit,
     /// Position hold and integral action.
-    outer_loop: OuterLoop,
+    pub(super) outer_loop: OuterLoop,
     /// Choice between θ̃ = 0 and θ̃ = π.
     branch: BranchSwitch,
     /// Limits of the actuators.
     limits: Limits,
     /// What to do when inputs fail.
-    supervisor: Supervisor,
+    pub(super) supervisor: Supervisor,
 }
 
 /// What a guidance step is told.
@@ -83,13 +83,13 @@ pub struct GuidanceInput {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct GuidanceState {
-    supervision: SupervisionState,
-    reference: ReferenceState,
-    outer_loop: OuterState,
-    branch: BranchState,
-    limits: LimitState,
+    pub(super) supervision: SupervisionState,
+    pub(super) reference: ReferenceState,
+    pub(super) outer_loop: OuterState,
+    pub(super) branch: BranchState,
+    pub(super) limits: LimitState,
     /// Last good reference velocity [m/s].
-    held: Inertial,
+    pub(super) held: Inertial,
     /// 1 if there has been a good reference. A number, not `Option`: every bit pattern has a meaning.
     held_known: u8,
     /// What of the last command saturated.
@@ -127,17 +127,6 @@ impl GuidanceState {
     /// The integral I of the outer loop [m/s].
     pub fn integral(&self) -> Inertial {
         self.outer_loop.integral
-    }
-
-    /// Turns what is remembered into a vertical plane that is turned from the last one by the angle of this cosine.
-    ///
-    /// A velocity across the old plane is not known: of what is remembered only the part that both planes share stays.
-    pub fn turn_plane(&mut self, cos: f32) {
-        let turned = |v: Inertial| Inertial::new(v.down(), v.forward() * cos);
-        self.reference.velocity = turned(self.reference.velocity);
-        self.outer_loop.integral = turned(self.outer_loop.integral);
-        self.held = turned(self.held);
-        self.supervision.wind = turned(self.supervision.wind);
     }
 }
 
@@ -197,6 +186,28 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
     /// within the limits comes out. It is the safe command, or the last one, where there is nothing better.
     #[inline]
     pub fn update(&self, state: &mut GuidanceState, input: &GuidanceInput, dt: f32) -> Guided {
+        self.advance::<true>(state, input, dt)
+    }
+
+    /// [`update`](Self::update) without the margins, which stay zero: they take the second derivatives of the
+    /// coefficients, a sixth of the step.
+    #[inline]
+    pub fn update_without_margin(
+        &self,
+        state: &mut GuidanceState,
+        input: &GuidanceInput,
+        dt: f32,
+    ) -> Guided {
+        self.advance::<false>(state, input, dt)
+    }
+
+    #[inline(always)]
+    fn advance<const MARGIN: bool>(
+        &self,
+        state: &mut GuidanceState,
+        input: &GuidanceInput,
+        dt: f32,
+    ) -> Guided {
         // Before anything else reads the memory.
         let sound = self.is_sound(state);
         if !sound {
@@ -205,7 +216,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         let (dt, timed) = time_passed(dt);
         let mut guided = Guided::default();
         let flown = if timed {
-            self.fly(state, input, dt, &mut guided)
+            self.fly::<MARGIN>(state, input, dt, &mut guided)
         } else {
             Err(Refusal::TimeStep)
         };
@@ -225,11 +236,11 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
     #[inline(always)]
     fn is_sound(&self, state: &GuidanceState) -> bool {
         self.supervisor.is_sound(&state.supervision)
-            & state.reference.is_sound()
-            & self.outer_loop.is_sound(&state.outer_loop)
-            & self.branch.is_sound(&state.branch)
-            & (self.limits.is_sound(&state.limits) | (state.limits == LimitState::default()))
-            & (state.held.norm_squared() <= MAX_SPEED * MAX_SPEED)
+            && state.reference.is_sound()
+            && self.outer_loop.is_sound(&state.outer_loop)
+            && self.branch.is_sound(&state.branch)
+            && (self.limits.is_sound(&state.limits) || (state.limits == LimitState::default()))
+            && (state.held.norm_squared() <= MAX_SPEED * MAX_SPEED)
     }
 
     /// Back to power-on, but for the mode, and for the last command if that is sound: it is what a bad frame is bridged
@@ -272,7 +283,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
     }
 
     #[inline(always)]
-    fn fly(
+    fn fly<const MARGIN: bool>(
         &self,
         state: &mut GuidanceState,
         input: &GuidanceInput,
@@ -361,12 +372,14 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         };
         guided.air = air;
         guided.reference = reference;
-        guided.margin = Margin::new(
-            &step.forces,
-            step.norm,
-            self.control.gains().guard().tau(),
-            branch.sign(),
-        );
+        if MARGIN {
+            guided.margin = Margin::new(
+                &step.forces,
+                step.norm,
+                self.control.gains().guard().tau(),
+                branch.sign(),
+            );
+        }
         guided.status = limited
             | outer
             | saturated
@@ -766,20 +779,6 @@ mod tests {
         }
         let stopped = (0..2000).map(|_| guidance.update(&mut state, &HOVER, 0.0).mode);
         assert_eq!(stopped.last(), Some(Mode::Safe));
-    }
-
-    #[test]
-    fn memory_turns_with_the_plane() {
-        let mut state = airborne();
-        state.reference.velocity = Inertial::new(1.0, 4.0);
-        state.outer_loop.integral = Inertial::new(0.5, -0.25);
-        state.held = Inertial::new(-1.0, 2.0);
-        state.supervision.wind = Inertial::new(0.0, -8.0);
-        state.turn_plane(-0.5);
-        assert_eq!(state.reference.velocity, Inertial::new(1.0, -2.0));
-        assert_eq!(state.integral(), Inertial::new(0.5, 0.125));
-        assert_eq!(state.held, Inertial::new(-1.0, -1.0));
-        assert_eq!(state.supervision.wind, Inertial::new(0.0, 4.0));
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! The cases: a fixed sweep of the envelope, of its special places, and of input outside it.
 
 use super::functions::Fixture;
-use alula::control::Air;
 use alula::equivalency::ApparentForces;
+use alula::guidance::Air;
 use alula::{
     AngleOfAttack, Attitude, Body, FeedForward, GuidanceInput, Inertial, Reference, State,
 };
@@ -66,8 +66,8 @@ pub fn case(fixture: &Fixture, n: usize) -> Case {
         reference.acceleration = Inertial::ZERO;
         let control = &fixture.combined_control;
         if let Ok(command) = control.robust(&state, &reference, None) {
-            let excess = (command.diagnostics.f_p.0 - f_p.0) / control.vehicle().mass();
-            reference.acceleration = attitude.to_inertial(Body(excess));
+            let excess = (command.diagnostics.f_p - f_p) / control.vehicle().mass();
+            reference.acceleration = attitude.to_inertial(excess);
         }
     }
 
