@@ -3,6 +3,11 @@
 #![no_std]
 
 use alula::equivalency::ApparentForces;
+use alula::ned::{BodyAxes, Quaternion};
+use alula::spatial::{
+    self, AxisymmetricControl, ForceError, ForceErrorState, ForceSample, Ned, Orientation,
+    ReferenceLimit, ReferenceLimitState, Sideslip, SideslipState, WingedControl,
+};
 use alula::{
     Combined, Command, Equilibria, EquilibriumError, Fault, FeedForward, FoldMap, FoldMargin,
     GainChoice, Guidance, GuidanceInput, GuidanceState, Guided, Inertial, Model, Reference, State,
@@ -66,6 +71,49 @@ pub fn equilibria(
 #[inline(never)]
 pub fn fold_margin(map: &FoldMap, forces: &ApparentForces) -> Option<FoldMargin> {
     map.margin(forces)
+}
+
+/// The laws in space, robust and full, of a wing and of a body of revolution.
+#[inline(never)]
+pub fn in_space(
+    winged: &WingedControl<Model, GainChoice>,
+    axisymmetric: &AxisymmetricControl<Model, GainChoice>,
+    state: &spatial::State,
+    reference: &spatial::Reference,
+    feed_forward: Option<&spatial::FeedForward>,
+) -> [Result<spatial::Command, Fault>; 4] {
+    [
+        winged.robust(state, reference, feed_forward),
+        winged.full(state, reference, feed_forward),
+        axisymmetric.robust(state, reference, feed_forward),
+        axisymmetric.full(state, reference, feed_forward),
+    ]
+}
+
+/// What the laws in space are given: attitude, and the estimators' corrections.
+#[inline(never)]
+pub fn estimates(
+    (force, force_state): (&ForceError, &mut ForceErrorState),
+    (sideslip, sideslip_state): (&Sideslip, &mut SideslipState),
+    sample: &ForceSample,
+    v_a: spatial::Body,
+    q: &Quaternion,
+    dt: f32,
+) -> Result<Orientation, Fault> {
+    force.update(force_state, sample, dt);
+    sideslip.update(sideslip_state, v_a, sample.specific_force.w, dt);
+    Orientation::from_quaternion(q, BodyAxes::NoseForward)
+}
+
+/// A velocity reference in space, limited.
+#[inline(never)]
+pub fn limited(
+    limit: &ReferenceLimit,
+    state: &mut ReferenceLimitState,
+    asked: Ned,
+    dt: f32,
+) -> spatial::FeedForward {
+    limit.update(state, asked, dt)
 }
 
 /// What the search must find, when it is asked to prove that it can.

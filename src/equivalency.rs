@@ -55,7 +55,7 @@ pub struct ApparentForces {
     pub coefficients: Coefficients,
     /// λ (`eq:pGC`).
     pub lambda: f32,
-    /// k_a |v_a|² \[N\].
+    /// k_a |v_a|² \[N\]; in space k_a |v_a| times the length of v_a in the plane of symmetry.
     pub pressure: f32,
     /// F = m g i0 + F_a − m a_r \[N\].
     pub f: Body,
@@ -72,14 +72,26 @@ impl ApparentForces {
         air_velocity: Inertial,
         a_r: Inertial,
     ) -> Self {
-        let air = AirData::new(attitude.to_body(air_velocity), vehicle.thrust_line());
-        let c = vehicle.model().coefficients(air.alpha);
-        let lambda = lambda(&c, &air);
-        let pressure = vehicle.k_a() * air.speed * air.speed;
         let weight = attitude.to_body(Inertial::new(
             vehicle.mass() * (vehicle.gravity() - a_r.down()),
             -vehicle.mass() * a_r.forward(),
         ));
+        let air = AirData::new(attitude.to_body(air_velocity), vehicle.thrust_line());
+        Self::in_plane(vehicle, air, air.speed, weight)
+    }
+
+    /// Forces in the plane of symmetry of a body that flies in space: the `air` in that plane, the length `airspeed`
+    /// [m/s] of the whole air velocity, and the components of the apparent `weight` m (g − a_r) \[N\] in the plane.
+    #[inline(always)]
+    pub(crate) fn in_plane<A: Aerodynamics>(
+        vehicle: &Vehicle<A>,
+        air: AirData,
+        airspeed: f32,
+        weight: Body,
+    ) -> Self {
+        let c = vehicle.model().coefficients(air.alpha);
+        let lambda = lambda(&c, &air);
+        let pressure = vehicle.k_a() * airspeed * air.speed;
         let f_i = weight.i() + pressure * (c.c_d * air.cos - c.c_l * air.sin);
         // F̄_2 = F̄_p2 always: thrust, and its change of variable, act along i.
         let f_j = weight.j() - pressure * (c.c_l * air.cos + c.c_d * air.sin);

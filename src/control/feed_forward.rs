@@ -16,16 +16,33 @@ pub(super) fn f_delta(
     attitude: Attitude,
     ff: &FeedForward,
 ) -> Body {
+    f_delta_in_plane(
+        forces,
+        mass,
+        k_a * forces.air.speed,
+        condition_residual(&forces.coefficients, &forces.air),
+        attitude.to_body(ff.air_acceleration),
+        attitude.to_body(ff.jerk),
+    )
+}
+
+/// F_δ from the components of ẍ_a [m/s²] and j_r [m/s³] in the plane of symmetry; `scale` is k_a |v_a| \[kg/s\], and
+/// `h` the residual of `eq:condition`, or 0 to leave ∂_α f_p γ̇ out.
+#[inline(always)]
+pub(crate) fn f_delta_in_plane(
+    forces: &ApparentForces,
+    mass: f32,
+    scale: f32,
+    h: f32,
+    a: Body,
+    jerk: Body,
+) -> Body {
     let air = &forces.air;
     let (c_l, c_d) = equivalent_coefficients(&forces.coefficients, air, forces.lambda);
-    let h = condition_residual(&forces.coefficients, air);
-    let a = attitude.to_body(ff.air_acceleration);
-    let jerk = attitude.to_body(ff.jerk);
     // The direction of v_a is (−cos(α+δ), sin(α+δ)).
     let along = a.j() * air.sin - a.i() * air.cos;
     let across = -(a.j() * air.cos + a.i() * air.sin);
     let (w_i, w_j) = (a.i() - air.cos * along, a.j() + air.sin * along);
-    let scale = k_a * air.speed;
     Body::new(
         -scale * (c_l * w_j + c_d * w_i + h * across) - mass * jerk.i(),
         scale * (c_l * w_i - c_d * w_j) - mass * jerk.j(),

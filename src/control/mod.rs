@@ -3,7 +3,7 @@
 //! [`VelocityControl`] is stateless. [`Guidance`](crate::Guidance) flies it on a real vehicle.
 
 mod command;
-mod feed_forward;
+pub(crate) mod feed_forward;
 mod gains;
 mod guard;
 mod margin;

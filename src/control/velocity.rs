@@ -118,6 +118,21 @@ impl<A: Aerodynamics, G: GainLaw> VelocityControl<A, G> {
         state: &State,
         feed_forward: Option<&FeedForward>,
     ) -> Result<Command, Fault> {
+        let f_delta = self.f_delta(&step.forces, state, feed_forward)?;
+        self.robust_in_plane(step, branch, f_delta)
+    }
+
+    /// The robust law from `step` and F_δ [N/s] in body components.
+    ///
+    /// # Errors
+    /// [`Fault::Undefined`] where the arithmetic overflows.
+    #[inline(always)]
+    pub(crate) fn robust_in_plane(
+        &self,
+        step: &Step,
+        branch: Branch,
+        f_delta: Option<Body>,
+    ) -> Result<Command, Fault> {
         let Step {
             forces,
             gains,
@@ -130,11 +145,10 @@ impl<A: Aerodynamics, G: GainLaw> VelocityControl<A, G> {
             * (norm * (gains.k2 * step.error.j())
                 + (gains.k3 * norm) * (forces.f_p.j() * alignment));
         let mut guard_feed_forward = 0.0;
-        if let Some(ff) = feed_forward {
-            check_feed_forward(ff)?;
+        if let Some(f_delta) = f_delta {
             let norm_squared = norm * norm;
             let over = guard.over_square(norm_squared);
-            rate -= over * self.cross_f_delta(forces, state, ff);
+            rate -= over * cross(forces, f_delta);
             guard_feed_forward = over * norm_squared;
         }
         let guard_alignment = alignment * step.alignment_squared;
@@ -157,16 +171,19 @@ impl<A: Aerodynamics, G: GainLaw> VelocityControl<A, G> {
     ) -> Result<Command, Fault> {
         check_input(state, reference)?;
         let step = self.step(Branch::Aligned, state, reference);
-        self.full_from(&step, state, feed_forward)
+        let f_delta = self.f_delta(&step.forces, state, feed_forward)?;
+        self.full_in_plane(&step, f_delta)
     }
 
-    /// The full law from `step`.
+    /// The full law from `step` and F_δ [N/s] in body components.
+    ///
+    /// # Errors
+    /// [`Fault::Undefined`] where the law divides by zero or the arithmetic overflows.
     #[inline(always)]
-    fn full_from(
+    pub(crate) fn full_in_plane(
         &self,
         step: &Step,
-        state: &State,
-        feed_forward: Option<&FeedForward>,
+        f_delta: Option<Body>,
     ) -> Result<Command, Fault> {
         let Step {
             forces,
@@ -180,9 +197,8 @@ impl<A: Aerodynamics, G: GainLaw> VelocityControl<A, G> {
         let k = norm_squared / (norm_squared + forces.pressure * (forces.f.j() * h));
         let mut rate = norm * (gains.k2 * step.error.j())
             + (gains.k3 * norm) * (forces.f_p.j() / step.alignment_squared);
-        if let Some(ff) = feed_forward {
-            check_feed_forward(ff)?;
-            rate -= self.cross_f_delta(forces, state, ff) / norm_squared;
+        if let Some(f_delta) = f_delta {
+            rate -= cross(forces, f_delta) / norm_squared;
         }
         check_output(self.command(step, k * rate, 1.0, 1.0, k))
     }
@@ -204,7 +220,10 @@ impl<A: Aerodynamics, G: GainLaw> VelocityControl<A, G> {
         let step = self.step(Branch::Aligned, state, reference);
         match law {
             Law::Robust => self.robust_from(&step, Branch::Aligned, state, feed_forward),
-            Law::Full => self.full_from(&step, state, feed_forward),
+            Law::Full => {
+                let f_delta = self.f_delta(&step.forces, state, feed_forward)?;
+                self.full_in_plane(&step, f_delta)
+            }
         }
     }
 
@@ -217,6 +236,18 @@ impl<A: Aerodynamics, G: GainLaw> VelocityControl<A, G> {
             state.velocity - state.wind,
             reference.acceleration,
         );
+        let error = state.attitude.to_body(state.velocity - reference.velocity);
+        self.step_in_plane(branch, forces, error)
+    }
+
+    /// What the law on `branch` starts from, given the forces and the velocity error [m/s] in body components.
+    #[inline(always)]
+    pub(crate) fn step_in_plane(
+        &self,
+        branch: Branch,
+        forces: ApparentForces,
+        error: Body,
+    ) -> Step {
         let norm = forces.f_p.norm();
         let sign = branch.sign();
         let (along, across) = (sign * forces.f_p.i(), sign * forces.f_p.j());
@@ -232,18 +263,26 @@ impl<A: Aerodynamics, G: GainLaw> VelocityControl<A, G> {
         Step {
             forces,
             gains: self.gains.at(norm),
-            error: state.attitude.to_body(state.velocity - reference.velocity),
+            error,
             norm,
             alignment_squared: alignment * alignment,
         }
     }
 
-    /// F̄_pᵀ S Rᵀ F_δ [N²/s].
+    /// F_δ [N/s] in body components, if there is feed-forward.
     #[inline(always)]
-    fn cross_f_delta(&self, forces: &ApparentForces, state: &State, ff: &FeedForward) -> f32 {
+    fn f_delta(
+        &self,
+        forces: &ApparentForces,
+        state: &State,
+        feed_forward: Option<&FeedForward>,
+    ) -> Result<Option<Body>, Fault> {
+        let Some(ff) = feed_forward else {
+            return Ok(None);
+        };
+        check_feed_forward(ff)?;
         let (mass, k_a) = (self.vehicle.mass(), self.vehicle.k_a());
-        let f = f_delta(forces, mass, k_a, state.attitude, ff);
-        forces.f_p.j() * f.i() - forces.f_p.i() * f.j()
+        Ok(Some(f_delta(forces, mass, k_a, state.attitude, ff)))
     }
 
     #[inline(always)]
@@ -271,6 +310,12 @@ impl<A: Aerodynamics, G: GainLaw> VelocityControl<A, G> {
             },
         }
     }
+}
+
+/// F̄_pᵀ S F̄_δ [N²/s].
+#[inline(always)]
+fn cross(forces: &ApparentForces, f_delta: Body) -> f32 {
+    forces.f_p.j() * f_delta.i() - forces.f_p.i() * f_delta.j()
 }
 
 #[cfg(test)]

@@ -26,13 +26,14 @@ struct Row {
 }
 
 /// Limits of the project, `(function, median, worst over median)`.
-const INSTRUCTIONS: [(&str, u32, f64); 6] = [
+const INSTRUCTIONS: [(&str, u32, f64); 7] = [
     ("robust", 400, 1.15),
     ("full_feed_forward", 900, 1.15),
     ("guidance", 1000, 1.15),
     ("guidance_in_flight", 1000, 1.15),
     ("guidance_without_margin", 900, 1.15),
     ("guidance_without_margin_in_flight", 900, 1.15),
+    ("winged_feed_forward", 900, 1.15),
 ];
 /// Most flash and stack of a control step \[bytes\].
 const STEP: (u64, u32) = (6 * 1024, 512);

@@ -1,6 +1,12 @@
 //! The functions measured, each behind a call that is not inlined.
 
 use super::sweep::Case;
+use alula::ned::BodyAxes;
+use alula::spatial::{
+    self, AxisymmetricControl, ForceError, ForceErrorParameters, ForceErrorState, LateralGains,
+    LateralParameters, Orientation, Sideslip, SideslipParameters, SideslipState, WingedControl,
+    WingedVehicle,
+};
 use alula::{
     Aerodynamics, AirData, AngleOfAttack, Attitude, BandwidthGains, Combined, CombinedParameters,
     Command, Equilibria, EquilibriumError, Fault, FoldMap, FoldMargin, GainParameters, Gains,
@@ -22,6 +28,10 @@ pub struct Fixture {
     thrust_line: ThrustLine,
     /// Everything on.
     guidance: Guidance<Combined, BandwidthGains>,
+    winged: WingedControl<Combined, BandwidthGains>,
+    axisymmetric: AxisymmetricControl<Combined, BandwidthGains>,
+    force_error: ForceError,
+    sideslip: Sideslip,
 }
 
 impl Fixture {
@@ -36,6 +46,13 @@ impl Fixture {
         let gains = Gains::new(GainParameters::PAPER).unwrap();
         let combined = Combined::new(p).unwrap();
         let large_angle = LargeAngle::new(LargeAngleParameters { c0, c1 }).unwrap();
+        let plane = Vehicle::new(VehicleParameters::PAPER, combined).unwrap();
+        let bandwidth = BandwidthGains::new(&GuidanceParameters::DEFAULT, &plane).unwrap();
+        let force = ForceErrorParameters {
+            time: 0.2,
+            thrust_lag: 0.05,
+            most: 60.0,
+        };
         Self {
             combined_control: VelocityControl::new(Vehicle::new(vehicle, combined).unwrap(), gains),
             chosen_control: VelocityControl::new(
@@ -54,6 +71,18 @@ impl Fixture {
             small_angle: SmallAngle::new(SmallAngleParameters { c0, c2, c3 }).unwrap(),
             thrust_line: ThrustLine::new(delta).unwrap(),
             guidance: everything_on(Vehicle::new(vehicle, combined).unwrap()),
+            winged: WingedControl::new(
+                WingedVehicle::new(plane, 0.5).unwrap(),
+                bandwidth,
+                LateralGains::new(LateralParameters::PAPER_VEHICLE).unwrap(),
+            ),
+            axisymmetric: AxisymmetricControl::new(plane, bandwidth, 5.0, 0.2).unwrap(),
+            force_error: ForceError::new(force, plane.mass()).unwrap(),
+            sideslip: Sideslip::new(
+                SideslipParameters::DEFAULT,
+                &WingedVehicle::new(plane, 0.5).unwrap(),
+            )
+            .unwrap(),
         }
     }
 }
@@ -78,6 +107,10 @@ pub struct Output {
     number: f32,
     memory: GuidanceState,
     guided: Guided,
+    space: Result<spatial::Command, Fault>,
+    orientation: Result<Orientation, Fault>,
+    force_error: ForceErrorState,
+    sideslip: SideslipState,
 }
 
 /// What a function with memory remembers when it is called.
@@ -101,6 +134,10 @@ impl Output {
             number: 0.0,
             memory: GuidanceState::default(),
             guided: Guided::default(),
+            space: Err(Fault::Undefined),
+            orientation: Err(Fault::Undefined),
+            force_error: ForceErrorState::default(),
+            sideslip: SideslipState::default(),
         }
     }
 
@@ -159,6 +196,22 @@ functions! {
     guidance_without_margin => |f, c, o| {
         o.guided = f.guidance.update_without_margin(&mut o.memory, &c.input, 0.01);
     };
+    winged => |f, c, o| {
+        o.space = f.winged.robust(&c.space.state, &c.space.reference, None);
+    };
+    winged_feed_forward => |f, c, o| {
+        let s = &c.space;
+        o.space = f.winged.robust(&s.state, &s.reference, Some(&s.feed_forward));
+    };
+    axisymmetric_feed_forward => |f, c, o| {
+        let s = &c.space;
+        o.space = f.axisymmetric.robust(&s.state, &s.reference, Some(&s.feed_forward));
+    };
+    orientation => |f, c, o| {
+        o.orientation = Orientation::from_quaternion(&c.space.quaternion, BodyAxes::NoseForward);
+    };
+    force_error => |f, c, o| f.force_error.update(&mut o.force_error, &c.space.sample, 0.01);
+    sideslip => |f, c, o| f.sideslip.update(&mut o.sideslip, c.space.v_a, c.force, 0.01);
     combined => |f, c, o| {
         o.coefficients = f.combined_control.vehicle().model().coefficients(c.alpha);
     };

@@ -2,6 +2,7 @@
 
 mod functions;
 mod measure;
+mod space;
 mod sweep;
 
 use core::hint::black_box;

@@ -1,6 +1,7 @@
 //! The cases: a fixed sweep of the envelope, of its special places, and of input outside it.
 
 use super::functions::Fixture;
+use super::space::{self, SpaceCase};
 use alula::equivalency::ApparentForces;
 use alula::guidance::Air;
 use alula::{
@@ -29,6 +30,8 @@ pub struct Case {
     pub alpha: AngleOfAttack,
     /// A length inside or outside the guard's region \[N\].
     pub force: f32,
+    /// In space.
+    pub space: SpaceCase,
 }
 
 /// Case `n`: of every eight, three anywhere in the envelope and one each in still air, in reverse flow, with
@@ -107,6 +110,7 @@ pub fn case(fixture: &Fixture, n: usize) -> Case {
         ),
         alpha: AngleOfAttack::from_radians(random.within(PI)),
         force: 2.0 * force.abs(),
+        space: space::case(n),
     }
 }
 
@@ -116,11 +120,11 @@ fn polar(length: f32, angle: f32) -> Body {
 }
 
 /// Marsaglia's xorshift.
-struct Random(u32);
+pub struct Random(pub u32);
 
 impl Random {
     /// A number in [−`limit`, `limit`].
-    fn within(&mut self, limit: f32) -> f32 {
+    pub fn within(&mut self, limit: f32) -> f32 {
         for _ in 0..4 {
             self.0 ^= self.0 << 13;
             self.0 ^= self.0 >> 17;

@@ -1,0 +1,172 @@
+//! Wind in space: steady, a 1-cosine gust, and Dryden turbulence on three axes (MIL-F-8785C, low altitude).
+
+use nalgebra::Vector3;
+use rand::Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+type V3 = Vector3<f64>;
+
+/// A 1-cosine gust: ½ peak (1 − cos 2π(t − start)/duration) while it lasts; or, without an end, a step of `peak`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gust {
+    /// When it begins \[s\].
+    pub start: f64,
+    /// How long it lasts \[s\]; infinite for a step.
+    pub duration: f64,
+    /// Its peak \[m/s\], north-east-down.
+    pub peak: V3,
+}
+
+impl Gust {
+    /// Its velocity at `t` \[s\].
+    pub fn at(&self, t: f64) -> V3 {
+        if t < self.start {
+            V3::zeros()
+        } else if self.duration.is_infinite() {
+            self.peak
+        } else {
+            let phase = ((t - self.start) / self.duration).min(1.0);
+            0.5 * (1.0 - (std::f64::consts::TAU * phase).cos()) * self.peak
+        }
+    }
+}
+
+/// Dryden turbulence: two horizontal components of intensity σ_u and scale L_u, a vertical one of σ_w and L_w.
+///
+/// Along the mean wind the spectrum is first order; across it, horizontally and vertically, it is that of
+/// H = σ √(L/(πV)) (1 + √3 L s/V)/(1 + L s/V)². Each is stepped exactly.
+pub struct Turbulence {
+    sigma: [f64; 3],
+    length: [f64; 3],
+    /// Unit vector of the mean wind, horizontal.
+    along: V3,
+    /// Of unit variance.
+    u: f64,
+    /// Filter states of the two transverse components.
+    transverse: [[f64; 2]; 2],
+}
+
+const FOOT: f64 = 0.3048;
+/// Below this airspeed \[m/s\] the frozen field is taken to pass at this speed: it would stand still in hover.
+const LEAST_SPEED: f64 = 2.0;
+
+fn normal(random: &mut impl Rng) -> f64 {
+    StandardNormal.sample(random)
+}
+
+impl Turbulence {
+    /// Turbulence with a wind of `wind_at_20_ft` \[m/s\] (7.7 is light, 15.4 moderate) at a `height` \[m\] above
+    /// ground, in a mean wind that blows towards `heading` \[rad\] from north.
+    pub fn new(wind_at_20_ft: f64, height: f64, heading: f64, random: &mut impl Rng) -> Self {
+        let h = height / FOOT;
+        let base = 0.177 + 0.000823 * h;
+        let sigma_w = 0.1 * wind_at_20_ft;
+        let sigma_u = sigma_w / base.powf(0.4);
+        let length_u = h / base.powf(1.2) * FOOT;
+        let mut filter = || {
+            // The stationary covariance of the two states: ½, ¼, ¼.
+            let (a, b) = (normal(random), normal(random));
+            [0.5_f64.sqrt() * a, (0.5 * a + 0.5 * b) * 0.5_f64.sqrt()]
+        };
+        let transverse = [filter(), filter()];
+        Self {
+            sigma: [sigma_u, sigma_u, sigma_w],
+            length: [length_u, length_u, height],
+            along: V3::new(heading.cos(), heading.sin(), 0.0),
+            u: normal(random),
+            transverse,
+        }
+    }
+
+    /// The velocity now \[m/s\], north-east-down.
+    pub fn velocity(&self) -> V3 {
+        let root_3 = 3.0_f64.sqrt();
+        let [side, down] = self
+            .transverse
+            .map(|[w1, w2]| root_3 * w1 + (1.0 - root_3) * w2);
+        let across = V3::new(-self.along.y, self.along.x, 0.0);
+        self.sigma[0] * self.u * self.along
+            + self.sigma[1] * side * across
+            + V3::new(0.0, 0.0, self.sigma[2] * down)
+    }
+
+    /// Lets it pass for `dt` \[s\] at an `airspeed` \[m/s\].
+    pub fn advance(&mut self, airspeed: f64, dt: f64, random: &mut impl Rng) {
+        let path = airspeed.max(LEAST_SPEED) * dt;
+        let a = (-path / self.length[0]).exp();
+        self.u = a * self.u + (1.0 - a * a).sqrt() * normal(random);
+        for (filter, length) in self.transverse.iter_mut().zip(&self.length[1..]) {
+            let z = path / length;
+            let (a, e) = ((-z).exp(), (-2.0 * z).exp());
+            // Covariance of what white noise adds to two first-order filters in a row, ∫ e^{−2z} (1, z, z²) dz.
+            let q = [
+                0.5 * (1.0 - e),
+                0.25 * (1.0 - e * (1.0 + 2.0 * z)),
+                0.25 * (1.0 - e * (1.0 + 2.0 * z + 2.0 * z * z)),
+            ];
+            let first = q[0].sqrt();
+            let second = q[1] / first;
+            let rest = (q[2] - second * second).max(0.0).sqrt();
+            let (n, m) = (normal(random), normal(random));
+            let [w1, w2] = *filter;
+            *filter = [
+                a * w1 + first * n,
+                a * (w2 + z * w1) + second * n + rest * m,
+            ];
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+
+    #[test]
+    fn a_gust_rises_and_falls_and_a_step_stays() {
+        let peak = V3::new(0.0, 8.0, -1.0);
+        let gust = |duration| Gust {
+            start: 2.0,
+            duration,
+            peak,
+        };
+        assert_eq!(gust(4.0).at(1.99), V3::zeros());
+        assert!((gust(4.0).at(4.0) - peak).norm() < 1e-12);
+        assert!((gust(4.0).at(3.0) - 0.5 * peak).norm() < 1e-12);
+        assert!(gust(4.0).at(9.0).norm() < 1e-12);
+        assert_eq!(gust(f64::INFINITY).at(50.0), peak);
+    }
+
+    /// Standard deviations and the correlation over half a second of each axis, from 6000 s at 20 m/s.
+    #[test]
+    fn turbulence_has_the_printed_statistics_on_each_axis() {
+        let random = &mut ChaCha8Rng::seed_from_u64(3);
+        let mut t = Turbulence::new(15.0, 30.48, 0.0, random);
+        let (dt, n, lag) = (0.02, 300_000, 25);
+        let samples: Vec<_> = (0..n)
+            .map(|_| {
+                t.advance(20.0, dt, random);
+                t.velocity()
+            })
+            .collect();
+        let sigma_u = 1.5 / 0.2593_f64.powf(0.4);
+        let length_u = 30.48 / 0.2593_f64.powf(1.2);
+        let axes = [
+            (sigma_u, length_u, 0.0),
+            (sigma_u, length_u, 0.5),
+            (1.5, 30.48, 0.5),
+        ];
+        let mean = |f: &dyn Fn(usize) -> f64| (0..n - lag).map(f).sum::<f64>() / (n - lag) as f64;
+        for (axis, (sigma, length, half)) in axes.into_iter().enumerate() {
+            let over = sigma * sigma;
+            let variance = mean(&|i| samples[i][axis].powi(2)) / over;
+            let together = mean(&|i| samples[i][axis] * samples[i + lag][axis]) / over;
+            let z = 20.0 * dt * lag as f64 / length;
+            // Some 800 independent lengths of L_u: a standard error of 5 %; four of them.
+            assert!((variance - 1.0).abs() < 0.2, "{axis}: {variance}");
+            let want = (1.0 - half * z) * (-z).exp();
+            assert!((together - want).abs() < 0.2, "{axis}: {together} {want}");
+        }
+    }
+}

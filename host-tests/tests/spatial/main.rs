@@ -1,0 +1,14 @@
+//! The laws in space: identities, accuracy, flights.
+#[path = "../common/mod.rs"]
+mod common;
+
+mod accuracy;
+mod course;
+mod flown;
+mod identity;
+mod lyapunov;
+mod paths;
+mod reversal;
+mod starts;
+mod support;
+mod weather;

@@ -1,0 +1,189 @@
+//! What goes into a control step in space and what comes out of it.
+
+use super::heading::Heading;
+use super::orientation::Orientation;
+use super::vector::Body;
+use crate::control::{self, Fault, MAX_ACCELERATION, MAX_SPEED};
+use crate::math;
+use crate::ned::Ned;
+
+/// Thrusts \[N\] and rates [rad/s] above this are refused: the law has no answer there.
+const MAX_OUTPUT: f32 = 1e9;
+
+/// State of the vehicle and of the air.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct State {
+    /// Velocity v over ground [m/s].
+    pub velocity: Ned,
+    /// Attitude.
+    pub orientation: Orientation,
+    /// Wind velocity v_w over ground [m/s].
+    pub wind: Ned,
+    /// What estimators add.
+    pub correction: Correction,
+}
+
+/// What estimators add to the forces and to the air velocity. Zero by default.
+///
+/// A value that exists is finite: what is not a number is left out.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Correction {
+    force: Ned,
+    sideslip: f32,
+}
+
+impl Correction {
+    /// A force d̂ \[N\] on the vehicle that its model leaves out ([`ForceError`](super::ForceError)), and an air
+    /// velocity [m/s] along w that the wind leaves out ([`Sideslip`](super::Sideslip)). Either is left out if it is
+    /// not finite, or absurd: above 1e6 N, or 1e3 m/s.
+    pub fn new(force: Ned, sideslip: f32) -> Self {
+        Self {
+            force: if force.norm_squared() <= 1e12 {
+                force
+            } else {
+                Ned::ZERO
+            },
+            sideslip: if sideslip.abs() <= MAX_SPEED {
+                sideslip
+            } else {
+                0.0
+            },
+        }
+    }
+
+    /// The force d̂ \[N\].
+    #[inline(always)]
+    pub fn force(&self) -> Ned {
+        self.force
+    }
+
+    /// The air velocity along w [m/s].
+    #[inline(always)]
+    pub fn sideslip(&self) -> f32 {
+        self.sideslip
+    }
+}
+
+/// What is asked of the vehicle.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Reference {
+    /// Reference velocity v_r over ground [m/s].
+    pub velocity: Ned,
+    /// Reference acceleration a_r [m/s²].
+    pub acceleration: Ned,
+    /// Heading.
+    pub heading: Heading,
+}
+
+/// What the feed-forward needs.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct FeedForward {
+    /// Derivative of the air velocity [m/s²]: a_r − v̇_w, or v̇ − v̇_w where v̇ is known.
+    pub air_acceleration: Ned,
+    /// Reference jerk j_r [m/s³].
+    pub jerk: Ned,
+}
+
+/// Body rates ω_i i + ω_j j + ω_w w [rad/s].
+pub type Rates = Body;
+
+/// Command of one step. The default is the safe command: no thrust, no rotation.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Command {
+    /// Thrust T \[N\] along −i. Not limited: it may be negative.
+    pub thrust: f32,
+    /// Body rates [rad/s]. See [`Orientation`] for those of an autopilot's axes.
+    pub rates: Rates,
+    /// How the command came about.
+    pub diagnostics: Diagnostics,
+}
+
+/// What a flight log wants to know of a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Diagnostics {
+    /// The planar law's, in the plane of symmetry; for the axisymmetric vehicle in the plane of i and v_a.
+    pub plane: control::Diagnostics,
+    /// Air velocity v_a [m/s].
+    pub v_a: Body,
+    /// Aerodynamic force F̂_a \[N\] of the believed vehicle.
+    pub aerodynamic: Body,
+    /// What the wing is to be normal to, F_y \[N\]; for the axisymmetric vehicle F_p.
+    pub f_y: Body,
+}
+
+impl Diagnostics {
+    /// Tilt \[rad\], in (−π/2, π/2): the angle by which the wing is off the normal of F_y, 0 where lateral forces balance;
+    /// positive where the force asked for leans to the right wing.
+    pub fn tilt(&self) -> f32 {
+        let Body { i, j, w } = self.f_y;
+        math::atan2(w, math::sqrt(i * i + j * j))
+    }
+
+    /// Sideslip β \[rad\], in [−π/2, π/2]: the angle of the air velocity out of the plane of symmetry, positive where it
+    /// points to the right wing.
+    pub fn sideslip(&self) -> f32 {
+        let Body { i, j, w } = self.v_a;
+        math::atan2(w, math::sqrt(i * i + j * j))
+    }
+}
+
+/// Refuses inputs that are not finite or absurd.
+///
+/// One sum decides for all: NaN and infinity fail its comparison too. Only when it fails is each input looked at.
+#[inline(always)]
+pub(super) fn check_input(state: &State, reference: &Reference) -> Result<(), Fault> {
+    let sum = (state.velocity.norm_squared() + state.wind.norm_squared())
+        + (reference.velocity.norm_squared() + reference.acceleration.norm_squared());
+    if sum < MAX_SPEED * MAX_SPEED {
+        Ok(())
+    } else {
+        name_input(state, reference)
+    }
+}
+
+#[cold]
+#[inline(never)]
+fn name_input(state: &State, reference: &Reference) -> Result<(), Fault> {
+    let ok = |v: Ned, max: f32| v.norm_squared() <= max * max;
+    if !ok(state.velocity, MAX_SPEED) {
+        Err(Fault::Velocity)
+    } else if !ok(state.wind, MAX_SPEED) {
+        Err(Fault::Wind)
+    } else if !ok(reference.velocity, MAX_SPEED) {
+        Err(Fault::ReferenceVelocity)
+    } else if !ok(reference.acceleration, MAX_ACCELERATION) {
+        Err(Fault::ReferenceAcceleration)
+    } else {
+        Ok(())
+    }
+}
+
+/// Refuses a feed-forward that is not finite or absurd.
+#[inline(always)]
+pub(super) fn check_feed_forward(ff: &FeedForward) -> Result<(), Fault> {
+    let ok = |v: Ned| v.norm_squared() <= MAX_ACCELERATION * MAX_ACCELERATION;
+    if !ok(ff.air_acceleration) {
+        Err(Fault::AirAcceleration)
+    } else if !ok(ff.jerk) {
+        Err(Fault::Jerk)
+    } else {
+        Ok(())
+    }
+}
+
+/// Refuses a result that is not a number to fly.
+#[inline(always)]
+pub(super) fn check_output(command: Command) -> Result<Command, Fault> {
+    let Body { i, j, w } = command.rates;
+    if (command.thrust.abs() + w.abs()) + (i.abs() + j.abs()) < MAX_OUTPUT {
+        Ok(command)
+    } else {
+        Err(Fault::Undefined)
+    }
+}

@@ -1,0 +1,320 @@
+//! Tilt and twist: the two rates that keep the plane of symmetry in the plane of flight.
+//!
+//! Thrust and the planar force lie in the plane of symmetry, so across the wing only weight, reference and side force
+//! act: the force across is w·(W − k_a c_Y |v_a| v_a), whatever the attitude in the plane. Tilt turns the wing normal
+//! to the vector F_y in which that is collected, twist turns it about F_y until there is no sideslip, or towards the
+//! heading where there is too little air to decide.
+
+use super::vector::Body;
+use crate::control::Guard;
+use crate::error::{ParameterError, positive};
+use crate::math;
+
+/// Added to an airspeed that is divided by [m/s]: where it counts there is no force.
+const STILL: f32 = 1e-12;
+
+/// Parameters of the lateral law.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct LateralParameters {
+    /// k_F [1/s]: rate at which the wing becomes normal to F_y. With a rate loop of time constant T_ω keep
+    /// T_ω k_F < 1.
+    pub tilt: f32,
+    /// K_y [1/s]: rate at which the lateral velocity error decays.
+    pub velocity: f32,
+    /// k_ψ [1/s]: rate of the twist towards air velocity or heading.
+    pub twist: f32,
+    /// a_y [m/s²]: most that a lateral velocity error may ask for. Keep it below g: above, it could turn F_y over.
+    pub acceleration: f32,
+    /// τ_y \[N\]: |F_y| below which tilt and twist fade.
+    pub force: f32,
+    /// V [m/s]: air velocity across F_y at which the air has taken over from the heading.
+    pub airspeed: f32,
+    /// η: sine of the angle between heading and F_y below which the heading fades.
+    pub heading: f32,
+}
+
+impl LateralParameters {
+    /// For the paper's vehicle with a rate loop of 100 ms: k_F = 2ζω and K_y = ω/(2ζ) of ω = 4 rad/s and ζ = 0.8.
+    pub const PAPER_VEHICLE: Self = Self {
+        tilt: 6.4,
+        velocity: 2.5,
+        twist: 5.0,
+        acceleration: 5.0,
+        force: 30.0,
+        airspeed: 10.0,
+        heading: 0.2,
+    };
+}
+
+/// Validated gains of the lateral law.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct LateralGains {
+    tilt: f32,
+    velocity: f32,
+    twice_twist: f32,
+    /// 1/a_y.
+    over_acceleration: f32,
+    force: Guard,
+    airspeed: Guard,
+    heading: Guard,
+}
+
+impl LateralGains {
+    /// The gains with these parameters.
+    ///
+    /// # Errors
+    /// `tilt`, `velocity` or `twist` outside [1e-3, 1e3], `acceleration` outside [1e-3, 1e3] m/s², `force` outside
+    /// [1e-3, 1e6] N, `airspeed` outside [1e-3, 1e3] m/s, `heading` outside [1e-3, 1]; or any not finite or not
+    /// positive.
+    pub fn new(p: LateralParameters) -> Result<Self, ParameterError> {
+        let acceleration = positive("acceleration", p.acceleration, 1e-3, 1e3)?;
+        Ok(Self {
+            tilt: positive("tilt", p.tilt, 1e-3, 1e3)?,
+            velocity: positive("velocity", p.velocity, 1e-3, 1e3)?,
+            twice_twist: 2.0 * positive("twist", p.twist, 1e-3, 1e3)?,
+            over_acceleration: 1.0 / acceleration,
+            force: Guard::new(positive("force", p.force, 1e-3, 1e6)?)?,
+            airspeed: Guard::new(positive("airspeed", p.airspeed, 1e-3, 1e3)?)?,
+            heading: Guard::new(positive("heading", p.heading, 1e-3, 1.0)?)?,
+        })
+    }
+}
+
+/// What the lateral law looks at, in body components.
+pub(super) struct LateralInput {
+    /// Mass m \[kg\].
+    pub mass: f32,
+    /// k_a c_Y [kg/m].
+    pub side: f32,
+    /// Air velocity v_a [m/s], its sideslip corrected.
+    pub v_a: Body,
+    /// Apparent weight W = m (g − a_r), corrected \[N\].
+    pub weight: Body,
+    /// Lateral velocity error ṽ_w [m/s].
+    pub error: f32,
+    /// Heading h, a unit vector or zero.
+    pub heading: Body,
+    /// Derivative of the air velocity [m/s²], and the reference jerk along w [m/s³].
+    pub feed_forward: Option<(Body, f32)>,
+}
+
+/// What the lateral law gives.
+pub(super) struct Lateral {
+    /// ω_i [rad/s].
+    pub i: f32,
+    /// ω_j [rad/s].
+    pub j: f32,
+    /// F_y \[N\].
+    pub f_y: Body,
+}
+
+impl LateralGains {
+    /// ω_i and ω_j. Finite for every finite input: nothing is divided by what may vanish.
+    #[inline(always)]
+    pub(super) fn rates(&self, at: &LateralInput) -> Lateral {
+        let v_a = at.v_a;
+        let speed = math::sqrt(v_a.norm_squared());
+        let drag = at.side * speed;
+        // m σ(K_y ṽ_w): what the velocity error asks for, bounded.
+        let x = self.velocity * at.error;
+        // Not x²/a_y² by a stored 1/a_y²: only of squares does the compiler know that they have a root.
+        let bounded = x * self.over_acceleration;
+        let push = at.mass * x / math::sqrt(1.0 + bounded * bounded);
+        let f_y = Body::new(
+            at.weight.i - drag * v_a.i,
+            at.weight.j - drag * v_a.j,
+            at.weight.w - drag * v_a.w + push,
+        );
+        // G = μ(|F_y|)/|F_y|², and with it z⊥ = z − G (z·F_y) F_y.
+        let square = f_y.norm_squared();
+        let g = self.force.over_square(square);
+        let g_norm = g * math::sqrt(square);
+        let along = g * v_a.dot(f_y);
+        let u = v_a - f_y * along;
+        let u_squared = u.norm_squared();
+        let over = self.airspeed.over_square(u_squared);
+        // s/|u|, the share of the air over its velocity across F_y.
+        let share = math::sqrt(u_squared) * over;
+        let h = at.heading - f_y * (g * at.heading.dot(f_y));
+        let h_squared = h.norm_squared();
+        let h_share = (1.0 - u_squared * over)
+            * (math::sqrt(h_squared) * self.heading.over_square(h_squared));
+        let b = u * share + h * h_share;
+        let c = g_norm * (f_y.i * b.j - f_y.j * b.i);
+
+        let mut tilt = self.tilt * f_y.w;
+        let mut twist = self.twice_twist * b.w / (1.0 + if c > 0.0 { c } else { 0.0 });
+        if let Some((a, jerk)) = &at.feed_forward {
+            let turning = speed * a.w + (v_a.w / (speed + STILL)) * v_a.dot(*a);
+            let f_rate = -at.mass * jerk - at.side * turning;
+            tilt += f_rate;
+            twist += share * c * (a.w - along * f_rate);
+        }
+        tilt *= g;
+        twist *= g_norm;
+        Lateral {
+            i: tilt * f_y.j + twist * f_y.i,
+            j: twist * f_y.j - tilt * f_y.i,
+            f_y,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+
+    const WEIGHT: f32 = 98.1;
+
+    fn gains() -> LateralGains {
+        LateralGains::new(LateralParameters::PAPER_VEHICLE).unwrap()
+    }
+
+    /// Hover nose up in still air, heading asked for along the belly.
+    fn hover() -> LateralInput {
+        LateralInput {
+            mass: 10.0,
+            side: 0.32,
+            v_a: Body::default(),
+            weight: Body::new(WEIGHT, 0.0, 0.0),
+            error: 0.0,
+            heading: Body::new(0.0, 1.0, 0.0),
+            feed_forward: None,
+        }
+    }
+
+    #[test]
+    fn aligned_hover_asks_for_no_rate() {
+        let Lateral { i, j, f_y } = gains().rates(&hover());
+        assert_eq!((i, j, f_y), (0.0, 0.0, Body::new(WEIGHT, 0.0, 0.0)));
+    }
+
+    /// Drifting to the right, F_y leans to the right: ω_j < 0 turns i, the tail, to the right (i' = −ω_j w), so that
+    /// thrust pushes left. The lateral loop is m ṽ̇_w = −m K_y ṽ_w once the tilt has settled.
+    #[test]
+    fn a_drift_to_the_right_is_tilted_against() {
+        let got = gains().rates(&LateralInput {
+            error: 0.1,
+            ..hover()
+        });
+        assert!(got.i == 0.0 && got.j < 0.0);
+        let push = 10.0 * 2.5 * 0.1;
+        // 1 %: σ is 0.1 % off its slope, and |F_y| grows with its square.
+        assert!((got.j / (-6.4 * push / WEIGHT) - 1.0).abs() < 0.01);
+        // However large the error, the push stays below m a_y.
+        let far = gains().rates(&LateralInput {
+            error: 300.0,
+            ..hover()
+        });
+        assert!(far.f_y.w < 50.0 && far.f_y.w > 49.0);
+    }
+
+    /// A heading to the right of the belly is turned to at k_ψ per radian, with the belly's rate along w: j' = ω_i w.
+    #[test]
+    fn hover_turns_to_the_heading_the_short_way() {
+        let at = |angle: f32| {
+            let (sin, cos) = math::sin_cos(angle);
+            gains().rates(&LateralInput {
+                heading: Body::new(0.0, cos, sin),
+                ..hover()
+            })
+        };
+        assert!((at(0.01).i / 0.05 - 1.0).abs() < 1e-3);
+        assert!((at(-0.01).i / -0.05 - 1.0).abs() < 1e-3);
+        // From behind at 2 k_ψ y.
+        assert!((at(3.1).i / (10.0 * 3.1f32.sin()) - 1.0).abs() < 1e-3);
+        assert!(at(0.5).j.abs() < 1e-6);
+    }
+
+    /// In cruise without side force F_y lies along j: tilt is a roll, ω_i, and sideslip is taken out by ω_j. (With it
+    /// F_y leans back to i, and each is shared between the two rates.)
+    #[test]
+    fn in_cruise_tilt_rolls_and_twist_takes_out_sideslip() {
+        let cruise = |right: f32, error: f32| {
+            gains().rates(&LateralInput {
+                v_a: Body::new(-20.0, 0.0, right),
+                weight: Body::new(0.0, WEIGHT, 0.0),
+                side: 0.0,
+                error,
+                ..hover()
+            })
+        };
+        let drift = cruise(0.0, 0.1);
+        assert!(drift.i > 0.1 && drift.j.abs() < 1e-6);
+        // The air velocity leans to the right: the nose, −i, follows it, so i' = −ω_j w with ω_j > 0.
+        let slip = cruise(0.2, 0.0);
+        assert!((slip.j / (5.0 * 0.01) - 1.0).abs() < 0.02, "{}", slip.j);
+    }
+
+    /// Where nothing is to be normal to, nothing is asked for; and no input makes a result that is not finite.
+    #[test]
+    fn singular_places_are_finite() {
+        let none = gains().rates(&LateralInput {
+            weight: Body::default(),
+            ..hover()
+        });
+        assert_eq!((none.i, none.j), (0.0, 0.0));
+        let tiny = [0.0, 1e-38, 1e-30, 1e-20, 1e-12, 1e-6, 1.0, 1e3];
+        for x in tiny {
+            for y in tiny {
+                for v_a in [Body::new(x, 0.0, -x), Body::new(0.0, x, 0.0)] {
+                    let got = gains().rates(&LateralInput {
+                        v_a,
+                        weight: Body::new(y, -y, x),
+                        error: -y,
+                        heading: Body::new(1.0, 0.0, 0.0),
+                        feed_forward: Some((Body::new(y, x, y), x)),
+                        ..hover()
+                    });
+                    assert!(got.i.is_finite() && got.j.is_finite(), "{x} {y}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn bad_parameters_are_named() {
+        let good = LateralParameters::PAPER_VEHICLE;
+        let name = |p| LateralGains::new(p).unwrap_err().parameter;
+        assert_eq!(name(LateralParameters { tilt: 0.0, ..good }), "tilt");
+        assert_eq!(
+            name(LateralParameters {
+                velocity: f32::NAN,
+                ..good
+            }),
+            "velocity"
+        );
+        assert_eq!(
+            name(LateralParameters {
+                twist: -1.0,
+                ..good
+            }),
+            "twist"
+        );
+        assert_eq!(
+            name(LateralParameters {
+                acceleration: 1e4,
+                ..good
+            }),
+            "acceleration"
+        );
+        assert_eq!(name(LateralParameters { force: 1e7, ..good }), "force");
+        assert_eq!(
+            name(LateralParameters {
+                airspeed: 0.0,
+                ..good
+            }),
+            "airspeed"
+        );
+        assert_eq!(
+            name(LateralParameters {
+                heading: 2.0,
+                ..good
+            }),
+            "heading"
+        );
+    }
+}

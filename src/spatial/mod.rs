@@ -1,0 +1,33 @@
+//! Control in space: one law from hover to cruise, in any direction.
+//!
+//! World vectors are north-east-down ([`Ned`]), body vectors along the tail, the belly and the right wing ([`Body`]).
+//! [`WingedControl`] flies a vehicle with a wing: the planar law in the plane of symmetry, and two scalars, tilt and
+//! twist, that keep this plane where lateral forces balance and there is no sideslip. [`AxisymmetricControl`] flies a
+//! body of revolution. [`Sideslip`] and [`ForceError`] learn from the accelerometer what wind and model leave out.
+//! The paper names three dimensions as its next step; the laws here are not in it, and where an identity of the planar
+//! theory carries over it is said so.
+
+mod axisymmetric;
+mod command;
+mod force_error;
+mod heading;
+mod lateral;
+mod orientation;
+mod reference_limit;
+mod sideslip;
+mod vector;
+mod vehicle;
+mod winged;
+
+pub use crate::ned::Ned;
+pub use axisymmetric::AxisymmetricControl;
+pub use command::{Command, Correction, Diagnostics, FeedForward, Rates, Reference, State};
+pub use force_error::{ForceError, ForceErrorParameters, ForceErrorState, ForceSample};
+pub use heading::Heading;
+pub use lateral::{LateralGains, LateralParameters};
+pub use orientation::Orientation;
+pub use reference_limit::{ReferenceLimit, ReferenceLimitParameters, ReferenceLimitState};
+pub use sideslip::{Sideslip, SideslipParameters, SideslipState};
+pub use vector::Body;
+pub use vehicle::WingedVehicle;
+pub use winged::WingedControl;
