@@ -65,7 +65,7 @@ impl Watchdog for Independent {
 /// Ticks of the timer.
 static TICKS: AtomicU32 = AtomicU32::new(0);
 /// Bytes received and not yet looked at: several frames.
-static RECEIVED: Mutex<RefCell<Deque<u8, 512>>> = Mutex::new(RefCell::new(Deque::new()));
+static RECEIVED: Mutex<RefCell<Deque<u8, 1024>>> = Mutex::new(RefCell::new(Deque::new()));
 static RECEIVER: Mutex<RefCell<Option<Rx<pac::USART1>>>> = Mutex::new(RefCell::new(None));
 
 #[exception]

@@ -24,6 +24,7 @@ pub mod fit;
 pub mod margins;
 pub mod named;
 pub mod page;
+pub mod pil;
 pub mod polar;
 pub mod reference;
 pub mod replay;

@@ -56,6 +56,16 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     })
 }
 
+/// Flies what `args` say under the controller that `connect` gives; the files are left in `out/<folder>`.
+pub fn with(
+    args: &Args,
+    folder: &str,
+    connect: impl FnOnce(&Experiment) -> anyhow::Result<Box<dyn Controller>>,
+) -> anyhow::Result<()> {
+    let document = args.settings.document(&args.experiment)?;
+    fly(&document, folder, &args.output, connect)
+}
+
 /// Flies `document` under the controller that `connect` gives, and leaves trace, figure and report in `out/<folder>`.
 pub fn fly(
     document: &Document,

@@ -9,6 +9,7 @@ mod fly;
 mod list;
 mod margins;
 mod output;
+mod pil;
 mod replay;
 mod settings;
 mod sweep;
@@ -26,6 +27,7 @@ pub struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Fly(fly::Args),
+    Pil(pil::Args),
     List(list::Args),
     Replay(replay::Args),
     Campaign(campaign::Args),
@@ -43,6 +45,7 @@ impl Cli {
         match self.command {
             None => fly::run(&fly::Args::default()),
             Some(Command::Fly(args)) => fly::run(&args),
+            Some(Command::Pil(args)) => pil::run(&args),
             Some(Command::List(args)) => list::run(&args),
             Some(Command::Replay(args)) => replay::run(&args),
             Some(Command::Campaign(args)) => campaign::run(&args),

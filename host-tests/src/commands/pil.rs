@@ -3,14 +3,13 @@
 use std::path::PathBuf;
 
 use alula_link::Pacing;
-use anyhow::anyhow;
 
-use alula_sil::flight::Controller;
+use alula_sil::controllers::Controller;
 use alula_sil::pil::{Build, Qemu, Target, build, open_serial};
 
 use super::fly;
 
-/// Fly a scenario with the core on its target: emulated, or a board on a serial device
+/// Fly an experiment with the core on its target: emulated, or a board on a serial device
 // Groups are named after their types, and this one holds another `Args`.
 #[derive(clap::Args)]
 #[group(skip)]
@@ -35,10 +34,8 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     };
     // The emulator lives as long as the flight.
     let mut emulator = None;
-    fly::with(&args.flight, "out/pil", |scenario| {
-        let configuration = scenario
-            .configuration(pacing)
-            .map_err(|e| anyhow!("{}: {}", e.field, e.problem))?;
+    fly::with(&args.flight, "pil", |experiment| {
+        let configuration = experiment.configuration(pacing)?;
         let mut target = match &args.serial {
             Some(device) => Target::new(open_serial(device)?)?,
             None => {

@@ -4,6 +4,7 @@ use alula::{
     BandwidthGains, GainChoice, GainParameters, Gains, Guidance, GuidanceParameters, GuidanceState,
     ParameterError,
 };
+use alula_link::{Configuration, ControllerParameters, Pacing};
 use toml::Value;
 
 use super::{Answer, Controller, Input, Kind, Spec};
@@ -81,6 +82,24 @@ impl Spec for GuidanceSpec {
         Some(match &self.gains {
             Some(gains) => LoopGains::of(gains),
             None => LoopGains::by_bandwidth(&self.parameters, belief.weight()),
+        })
+    }
+
+    fn configuration(
+        &self,
+        experiment: &Experiment,
+        pacing: Pacing,
+    ) -> Result<Configuration, FieldError> {
+        let belief = self.vehicle.as_ref().unwrap_or(&experiment.vehicle);
+        let thrust = experiment.thrust_limits(self.thrust_n, belief.weight());
+        Ok(Configuration {
+            vehicle: belief.parameters(thrust),
+            model: belief.model_parameters().map_err(|e| e.inside("vehicle"))?,
+            controller: ControllerParameters::Guidance {
+                parameters: self.parameters,
+                gains: self.gains,
+            },
+            pacing,
         })
     }
 }

@@ -1,11 +1,12 @@
 //! `[controller.law]`: one of the paper's laws, bare.
 
 use alula::{BandwidthGains, GainChoice, GainParameters, GuidanceParameters, VelocityControl};
+use alula_link::{Configuration, ControllerParameters, LawGains, Pacing};
 use serde::Deserialize;
 use toml::Value;
 
 use super::{Answer, Controller, Input, Kind, Spec};
-use crate::experiment::{Experiment, FieldError, Fields, Model, VehicleSpec, refused};
+use crate::experiment::{Experiment, FieldError, Fields, Model, NO_LIMITS, VehicleSpec, refused};
 use crate::margins::LoopGains;
 
 /// The row in the list of controllers.
@@ -104,6 +105,29 @@ impl Spec for LawSpec {
 
     fn feed_forward(&self) -> bool {
         self.feed_forward
+    }
+
+    fn configuration(
+        &self,
+        experiment: &Experiment,
+        pacing: Pacing,
+    ) -> Result<Configuration, FieldError> {
+        let belief = self.vehicle.as_ref().unwrap_or(&experiment.vehicle);
+        Ok(Configuration {
+            vehicle: belief.parameters(NO_LIMITS),
+            model: belief.model_parameters().map_err(|e| e.inside("vehicle"))?,
+            controller: ControllerParameters::Law {
+                law: match self.form {
+                    Form::Robust => alula_link::Law::Robust,
+                    Form::Full => alula_link::Law::Full,
+                },
+                gains: match self.bandwidth {
+                    Some(p) => LawGains::Bandwidth(p),
+                    None => LawGains::Constant(self.gains),
+                },
+            },
+            pacing,
+        })
     }
 }
 

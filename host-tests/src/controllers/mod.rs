@@ -14,6 +14,7 @@ use std::borrow::Cow;
 use alula::control::Diagnostics;
 use alula::guidance::{Air, AirUse, Mode};
 use alula::{Command, Fault, FeedForward, GuidanceInput, Guided, Inertial, State};
+use alula_link::{Configuration, Pacing};
 use serde::{Deserialize, de};
 use toml::{Table, Value};
 
@@ -196,6 +197,16 @@ pub trait Spec {
     /// Whether it is told the measured air acceleration and the reference's jerk.
     fn feed_forward(&self) -> bool {
         false
+    }
+
+    /// What the controller of `experiment` is made of on a target, if it is one of the core's.
+    fn configuration(
+        &self,
+        _experiment: &Experiment,
+        _pacing: Pacing,
+    ) -> Result<Configuration, FieldError> {
+        let problem = "is not a controller of the core: the image does not hold it";
+        Err(FieldError::new("", problem))
     }
 }
 

@@ -8,6 +8,7 @@ mod sensors;
 mod vehicle;
 mod weather;
 
+use alula_link::{Configuration, Pacing};
 use serde::Deserialize;
 
 pub use document::{Document, FieldError};
@@ -19,7 +20,7 @@ pub use reference::{InitialSpec, Knot, ReferenceSpec};
 pub use sensors::{
     AirSensor, ErrorSpec, FaultKind, FaultSpec, Measured, PositionSensor, SensorSpec,
 };
-pub use vehicle::{AerodynamicsSpec, Model, Vehicle, VehicleSpec};
+pub use vehicle::{AerodynamicsSpec, Model, NO_LIMITS, Vehicle, VehicleSpec};
 pub use weather::{GustSpec, TurbulenceSpec, Weather, WeatherSpec};
 
 use crate::controllers::{Choice, Controller, Spec};
@@ -133,6 +134,13 @@ impl Experiment {
     pub fn controller(&self) -> Result<Box<dyn Controller>, FieldError> {
         let path = self.controller.path();
         self.spec()?.controller(self).map_err(|e| e.inside(&path))
+    }
+
+    /// What its controller is made of on a target.
+    pub fn configuration(&self, pacing: Pacing) -> Result<Configuration, FieldError> {
+        let path = self.controller.path();
+        let configuration = self.spec()?.configuration(self, pacing);
+        configuration.map_err(|e| e.inside(&path))
     }
 
     /// Least and most thrust \[N\] that a controller may command: `given`, or else what the motors give. Motors without limits are taken for

@@ -179,10 +179,19 @@ impl AerodynamicsSpec {
     }
 }
 
+/// Thrust \[N\] (least, most) of a vehicle whose controller knows of no limits.
+pub const NO_LIMITS: [f64; 2] = [-1e6, 1e6];
+
 impl VehicleSpec {
     /// The vehicle as the bare laws take it, which know of no thrust limits.
     pub fn core(&self) -> Result<Vehicle, FieldError> {
-        self.limited([-1e6, 1e6])
+        self.limited(NO_LIMITS)
+    }
+
+    /// The parameters of the model. The error is a table, which has none.
+    pub fn model_parameters(&self) -> Result<ModelParameters, FieldError> {
+        let table = |_| FieldError::new("aerodynamics.table", "cannot be sent to a target");
+        self.aerodynamics.parameters().map_err(table)
     }
 
     /// The vehicle as the guidance takes it, with `thrust` \[N\] (least, most).

@@ -5,12 +5,12 @@ use std::os::unix::net::UnixStream;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use alula_link::{
-    Configuration, Counters, Envelope, FromTarget, MAX_FRAME, Receiver, Refusal, Status, ToTarget,
-    encode,
+    Configuration, ControllerParameters, Counters, Envelope, FromTarget, MAX_FRAME, Receiver,
+    RefusedParameter, Status, ToTarget, encode,
 };
 use anyhow::{Context, anyhow, bail};
 
-use crate::flight::{Answer, Controller, Input};
+use crate::controllers::{Answer, Controller, Input};
 
 /// Longest wait for an answer: of a busy machine's emulator, not of a target.
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -31,9 +31,9 @@ pub fn open_serial(path: &str) -> anyhow::Result<Box<dyn serialport::SerialPort>
         .with_context(|| path.to_owned())
 }
 
-/// What a target says, without the frame it came in.
+/// A message from a target, without the frame it came in.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Said {
+pub enum Heard {
     /// The configuration is in force.
     Configured,
     /// The configuration was refused: why.
@@ -53,6 +53,8 @@ pub struct Target {
     unread: std::collections::VecDeque<u8>,
     session: u32,
     sequence: u32,
+    /// The controller configured takes the guidance's input, not a law's.
+    guided: bool,
 }
 
 impl Target {
@@ -69,18 +71,23 @@ impl Target {
             unread: Default::default(),
             session: (now.as_millis() / 10) as u32,
             sequence: 0,
+            guided: false,
         };
         target.await_status(|_| true)?;
-        // Ends whatever an earlier host left half said.
+        // Ends a frame that an earlier host has left open.
         target.send(&[0])?;
         Ok(target)
     }
 
     /// Has the target fly `configuration` from now on.
     pub fn configure(&mut self, configuration: Configuration) -> anyhow::Result<()> {
+        self.guided = matches!(
+            configuration.controller,
+            ControllerParameters::Guidance { .. }
+        );
         match self.ask(ToTarget::Configure(configuration))? {
-            Said::Configured => Ok(()),
-            Said::Refused(reason) => bail!("the target refuses the configuration: {reason}"),
+            Heard::Configured => Ok(()),
+            Heard::Refused(reason) => bail!("the target refuses the configuration: {reason}"),
             other => bail!("the target answers a configuration by {other:?}"),
         }
     }
@@ -88,7 +95,7 @@ impl Target {
     /// The target's status.
     pub fn status(&mut self) -> anyhow::Result<Status> {
         match self.ask(ToTarget::StatusRequest)? {
-            Said::Status(status) => Ok(status),
+            Heard::Status(status) => Ok(status),
             other => bail!("the target answers a request for its status by {other:?}"),
         }
     }
@@ -97,7 +104,7 @@ impl Target {
     pub fn await_status(&mut self, accept: impl Fn(&Status) -> bool) -> anyhow::Result<Status> {
         let deadline = Instant::now() + PATIENCE;
         loop {
-            if let (_, Said::Status(status)) = self.hear(deadline)?
+            if let (_, Heard::Status(status)) = self.hear(deadline)?
                 && accept(&status)
             {
                 return Ok(status);
@@ -106,14 +113,14 @@ impl Target {
     }
 
     /// Sends `message` and waits for what answers it.
-    pub fn ask(&mut self, message: ToTarget) -> anyhow::Result<Said> {
+    pub fn ask(&mut self, message: ToTarget) -> anyhow::Result<Heard> {
         let envelope = self.envelope(message);
         let place = (envelope.session, envelope.sequence);
         let mut buffer = [0; MAX_FRAME];
         let frame = encode(&envelope, &mut buffer).map_err(|_| anyhow!("message too long"))?;
         self.send(frame)?;
-        let unasked = |said: &Said| {
-            matches!(said, Said::Status(_)) && !matches!(message, ToTarget::StatusRequest)
+        let unasked = |said: &Heard| {
+            matches!(said, Heard::Status(_)) && !matches!(message, ToTarget::StatusRequest)
         };
         let deadline = Instant::now() + PATIENCE;
         loop {
@@ -139,8 +146,8 @@ impl Target {
         self.port.write_all(bytes).context("link to the target")
     }
 
-    /// The next thing the target says, with session and number of what it answers.
-    pub fn hear(&mut self, deadline: Instant) -> anyhow::Result<((u32, u32), Said)> {
+    /// The next message from the target, with session and number of what it answers.
+    pub fn hear(&mut self, deadline: Instant) -> anyhow::Result<((u32, u32), Heard)> {
         loop {
             while let Some(byte) = self.unread.pop_front() {
                 if let Some(envelope) = self.receiver.push(byte, &mut self.counters) {
@@ -150,12 +157,12 @@ impl Target {
                         message,
                     } = envelope;
                     let said = match message {
-                        FromTarget::Configured => Said::Configured,
-                        FromTarget::Refused(Refusal { parameter, problem }) => {
-                            Said::Refused(format!("{parameter}: {problem:?}"))
+                        FromTarget::Configured => Heard::Configured,
+                        FromTarget::Refused(RefusedParameter { parameter, problem }) => {
+                            Heard::Refused(format!("{parameter}: {problem:?}"))
                         }
-                        FromTarget::Answer(answer) => Said::Answer(answer),
-                        FromTarget::Status(status) => Said::Status(status),
+                        FromTarget::Answer(answer) => Heard::Answer(answer),
+                        FromTarget::Status(status) => Heard::Status(status),
                     };
                     return Ok(((session, sequence), said));
                 }
@@ -185,12 +192,36 @@ impl Target {
     }
 }
 
+/// `input` as the guidance takes it, `dt` \[s\] after the last, or as a law does.
+pub fn link_input(guided: bool, input: &Input, dt: f32) -> alula_link::Input {
+    if guided {
+        alula_link::Input::Guidance {
+            input: input.sample,
+            dt,
+        }
+    } else {
+        alula_link::Input::Law {
+            state: input.state(),
+            reference: input.sample.reference,
+            feed_forward: input.feed_forward,
+        }
+    }
+}
+
+/// What a controller of the core has answered over the link. The error is an input that was not flown.
+pub fn core_answer(answer: alula_link::Answer) -> anyhow::Result<Answer> {
+    match answer {
+        alula_link::Answer::Law(result) => Ok(result.into()),
+        alula_link::Answer::Guided(guided) => Ok(guided.into()),
+        alula_link::Answer::NotConfigured => bail!("the target is not configured"),
+        alula_link::Answer::WrongInput => bail!("the target flies another kind of controller"),
+    }
+}
+
 impl Controller for Target {
-    fn answer(&mut self, input: &Input) -> anyhow::Result<Answer> {
-        let input =
-            alula_link::Input::new(&input.state, &input.reference, input.feed_forward.as_ref());
-        match self.ask(ToTarget::Input(input))? {
-            Said::Answer(answer) => answer.result().context("the target is not configured"),
+    fn answer(&mut self, input: &Input, dt: f32) -> anyhow::Result<Answer> {
+        match self.ask(ToTarget::Input(link_input(self.guided, input, dt)))? {
+            Heard::Answer(answer) => core_answer(answer),
             other => bail!("the target answers an input by {other:?}"),
         }
     }
