@@ -2,7 +2,6 @@
 //! software double precision and panics. See `.ci/check-symbols`, which also proves that it would find them.
 #![no_std]
 
-use alula::control::GainChoice;
 use alula::equivalency::ApparentForces;
 use alula::ned::{BodyAxes, Quaternion};
 use alula::spatial::{
@@ -11,8 +10,8 @@ use alula::spatial::{
 };
 use alula::{
     Combined, Command, Equilibria, EquilibriumError, Fault, FeedForward, FoldMap, FoldMargin,
-    Guidance, GuidanceInput, GuidanceState, Guided, Inertial, Model, Reference, State, Vehicle,
-    VelocityControl,
+    GainChoice, Guidance, GuidanceInput, GuidanceState, Guided, Inertial, Model, Reference, State,
+    Vehicle, VelocityControl,
 };
 
 /// The robust law on the combined model.

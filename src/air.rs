@@ -112,17 +112,22 @@ impl AirData {
     pub fn new(v_a: Body, thrust_line: &ThrustLine) -> Self {
         let speed = v_a.norm();
         if speed > STILL {
-            let inverse = 1.0 / speed;
-            let sin = v_a.j() * inverse;
-            let cos = -v_a.i() * inverse;
+            // The air velocity by components across and along the zero-lift line: |v_a| (sin α, cos α).
+            let across = v_a.j() * thrust_line.cos + v_a.i() * thrust_line.sin;
+            let along = v_a.j() * thrust_line.sin - v_a.i() * thrust_line.cos;
+            // 1/|v_a| and tan α/2 = across/(|v_a| + |along|), or its like from the other end, by one division.
+            let sum = speed + along.abs();
+            let common = 1.0 / (speed * sum);
+            let inverse = common * sum;
             Self {
                 speed,
-                sin,
-                cos,
-                alpha: AngleOfAttack::from_sin_cos(
-                    sin * thrust_line.cos - cos * thrust_line.sin,
-                    cos * thrust_line.cos + sin * thrust_line.sin,
-                ),
+                sin: v_a.j() * inverse,
+                cos: -v_a.i() * inverse,
+                alpha: AngleOfAttack {
+                    sin: across * inverse,
+                    cos: along * inverse,
+                    rad: math::angle_of_half(across * (common * speed), along),
+                },
             }
         } else {
             Self {

@@ -20,11 +20,4 @@ impl Branch {
             Self::Opposed => -1.0,
         }
     }
-
-    pub(crate) const fn other(self) -> Self {
-        match self {
-            Self::Aligned => Self::Opposed,
-            Self::Opposed => Self::Aligned,
-        }
-    }
 }

@@ -232,11 +232,17 @@ mod tests {
             let s = nalgebra::Matrix2::new(0.0, -1.0, 1.0, 0.0);
             let speed = 130f32.sqrt();
             let apparent = nalgebra::Vector2::new(p.mass * (p.gravity - 0.7), p.mass * 1.3);
-            let f_a = p.k_a * speed * (s * v_a.0 * c.c_l - v_a.0 * c.c_d) + apparent;
-            let f_p = p.k_a * speed * (s * v_a.0 * cl - v_a.0 * cd) + apparent;
+            let air = nalgebra::Vector2::from(v_a);
+            let f_a = p.k_a * speed * (s * air * c.c_l - air * c.c_d) + apparent;
+            let f_p = p.k_a * speed * (s * air * cl - air * cd) + apparent;
             // 2e-4 N: a dozen roundings of forces up to 1500 N.
-            assert!((attitude.to_inertial(forces.f).0 - f_a).amax() < 2e-4 * 4.0);
-            assert!((attitude.to_inertial(forces.f_p).0 - f_p).amax() < 2e-4 * 4.0);
+            assert!(
+                (nalgebra::Vector2::from(attitude.to_inertial(forces.f)) - f_a).amax() < 2e-4 * 4.0
+            );
+            assert!(
+                (nalgebra::Vector2::from(attitude.to_inertial(forces.f_p)) - f_p).amax()
+                    < 2e-4 * 4.0
+            );
         }
     }
 }

@@ -5,6 +5,7 @@ use core::fmt;
 /// Why a parameter was refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Problem {
     /// NaN or infinite.
     NotFinite,
@@ -12,6 +13,8 @@ pub enum Problem {
     NotPositive,
     /// Finite, but outside the documented range.
     OutOfRange,
+    /// In its range, but against another parameter.
+    Contradiction,
 }
 
 /// A constructor's refusal. Only constructors return it: a value that exists is valid.
@@ -30,6 +33,7 @@ impl fmt::Display for ParameterError {
             Problem::NotFinite => "must be a finite number",
             Problem::NotPositive => "must be positive",
             Problem::OutOfRange => "is out of range",
+            Problem::Contradiction => "contradicts another parameter",
         };
         write!(f, "{} {}", self.parameter, what)
     }

@@ -4,103 +4,171 @@
 //! - **Body** (i, j) = R(θ)·(i0, j0). Thrust acts along −i. θ = 0 is hover, nose up; θ = −90° is cruise, nose
 //!   forward. The nose's pitch above the horizon is 90° + θ.
 
-use core::ops::{Add, Mul, Sub};
+use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
 use nalgebra::Vector2;
 
 use crate::math;
 
-/// A vector by its inertial components, (down, forward).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Inertial(pub Vector2<f32>);
+/// Makes a vector of two components that is marked with its frame.
+///
+/// The operators go by components. nalgebra's check dimensions, and that brings a panic into the object.
+macro_rules! vector {
+    ($(#[$attribute:meta])* $vector:ident, $(#[$first_doc:meta])* $first:ident, $(#[$second_doc:meta])* $second:ident) => {
+        $(#[$attribute])*
+        #[derive(Clone, Copy, Debug, Default, PartialEq)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+        pub struct $vector {
+            $first: f32,
+            $second: f32,
+        }
 
-impl Inertial {
-    /// The zero vector.
-    pub const ZERO: Self = Self::new(0.0, 0.0);
+        impl $vector {
+            /// The zero vector.
+            pub const ZERO: Self = Self::new(0.0, 0.0);
 
-    /// The vector with these components.
-    #[inline]
-    pub const fn new(down: f32, forward: f32) -> Self {
-        Self(Vector2::new(down, forward))
-    }
+            /// The vector with these components.
+            #[inline]
+            pub const fn new($first: f32, $second: f32) -> Self {
+                Self { $first, $second }
+            }
 
+            $(#[$first_doc])*
+            #[inline]
+            pub const fn $first(&self) -> f32 {
+                self.$first
+            }
+
+            $(#[$second_doc])*
+            #[inline]
+            pub const fn $second(&self) -> f32 {
+                self.$second
+            }
+
+            /// Square of the length.
+            #[inline]
+            pub const fn norm_squared(&self) -> f32 {
+                self.$first * self.$first + self.$second * self.$second
+            }
+
+            /// Length.
+            #[inline]
+            pub fn norm(&self) -> f32 {
+                math::sqrt(self.norm_squared())
+            }
+
+            /// Scalar product.
+            #[inline]
+            pub const fn dot(&self, other: &Self) -> f32 {
+                self.$first * other.$first + self.$second * other.$second
+            }
+        }
+
+        impl Add for $vector {
+            type Output = Self;
+            #[inline(always)]
+            fn add(self, other: Self) -> Self {
+                Self::new(self.$first + other.$first, self.$second + other.$second)
+            }
+        }
+
+        impl Sub for $vector {
+            type Output = Self;
+            #[inline(always)]
+            fn sub(self, other: Self) -> Self {
+                Self::new(self.$first - other.$first, self.$second - other.$second)
+            }
+        }
+
+        impl Neg for $vector {
+            type Output = Self;
+            #[inline(always)]
+            fn neg(self) -> Self {
+                Self::new(-self.$first, -self.$second)
+            }
+        }
+
+        impl Mul<f32> for $vector {
+            type Output = Self;
+            #[inline(always)]
+            fn mul(self, factor: f32) -> Self {
+                Self::new(self.$first * factor, self.$second * factor)
+            }
+        }
+
+        impl Mul<$vector> for f32 {
+            type Output = $vector;
+            #[inline(always)]
+            fn mul(self, vector: $vector) -> $vector {
+                vector * self
+            }
+        }
+
+        impl Div<f32> for $vector {
+            type Output = Self;
+            #[inline(always)]
+            fn div(self, divisor: f32) -> Self {
+                Self::new(self.$first / divisor, self.$second / divisor)
+            }
+        }
+
+        impl AddAssign for $vector {
+            #[inline(always)]
+            fn add_assign(&mut self, other: Self) {
+                *self = *self + other;
+            }
+        }
+
+        impl SubAssign for $vector {
+            #[inline(always)]
+            fn sub_assign(&mut self, other: Self) {
+                *self = *self - other;
+            }
+        }
+
+        impl MulAssign<f32> for $vector {
+            #[inline(always)]
+            fn mul_assign(&mut self, factor: f32) {
+                *self = *self * factor;
+            }
+        }
+
+        impl From<Vector2<f32>> for $vector {
+            fn from(v: Vector2<f32>) -> Self {
+                Self::new(v.x, v.y)
+            }
+        }
+
+        impl From<$vector> for Vector2<f32> {
+            fn from(v: $vector) -> Self {
+                Self::new(v.$first, v.$second)
+            }
+        }
+    };
+}
+
+vector! {
+    /// A vector by its inertial components, (down, forward).
+    Inertial,
     /// Component along gravity.
-    #[inline]
-    pub fn down(&self) -> f32 {
-        self.0.x
-    }
-
+    down,
     /// Horizontal component.
-    #[inline]
-    pub fn forward(&self) -> f32 {
-        self.0.y
-    }
-
-    /// Square of the length.
-    #[inline]
-    pub fn norm_squared(&self) -> f32 {
-        self.0.x * self.0.x + self.0.y * self.0.y
-    }
+    forward
 }
 
-impl Sub for Inertial {
-    type Output = Self;
-    #[inline]
-    fn sub(self, other: Self) -> Self {
-        // By components: the matrix operator brings a check of dimensions, and with it a panic, into the object.
-        Self::new(self.0.x - other.0.x, self.0.y - other.0.y)
-    }
-}
-
-impl Add for Inertial {
-    type Output = Self;
-    #[inline]
-    fn add(self, other: Self) -> Self {
-        Self::new(self.0.x + other.0.x, self.0.y + other.0.y)
-    }
-}
-
-impl Mul<f32> for Inertial {
-    type Output = Self;
-    #[inline]
-    fn mul(self, factor: f32) -> Self {
-        Self::new(self.0.x * factor, self.0.y * factor)
-    }
-}
-
-/// A vector by its body components, along (i, j).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Body(pub Vector2<f32>);
-
-impl Body {
-    /// The vector with these components along i (tailward, opposite to thrust) and j.
-    #[inline]
-    pub const fn new(i: f32, j: f32) -> Self {
-        Self(Vector2::new(i, j))
-    }
-
+vector! {
+    /// A vector by its body components, along (i, j).
+    Body,
     /// Component along i: positive towards the tail, opposite to thrust.
-    #[inline]
-    pub fn i(&self) -> f32 {
-        self.0.x
-    }
-
+    i,
     /// Component along j.
-    #[inline]
-    pub fn j(&self) -> f32 {
-        self.0.y
-    }
-
-    /// Length.
-    #[inline]
-    pub fn norm(&self) -> f32 {
-        math::sqrt(self.0.x * self.0.x + self.0.y * self.0.y)
-    }
+    j
 }
 
 /// The attitude θ, held as (cos θ, sin θ), so that a control step needs no sine or cosine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Attitude {
     /// cos θ.
     pub cos: f32,
@@ -127,8 +195,8 @@ impl Attitude {
     #[inline(always)]
     pub fn to_body(&self, v: Inertial) -> Body {
         Body::new(
-            self.cos * v.0.x + self.sin * v.0.y,
-            self.cos * v.0.y - self.sin * v.0.x,
+            self.cos * v.down + self.sin * v.forward,
+            self.cos * v.forward - self.sin * v.down,
         )
     }
 
@@ -136,8 +204,8 @@ impl Attitude {
     #[inline]
     pub fn to_inertial(&self, v: Body) -> Inertial {
         Inertial::new(
-            self.cos * v.0.x - self.sin * v.0.y,
-            self.sin * v.0.x + self.cos * v.0.y,
+            self.cos * v.i - self.sin * v.j,
+            self.sin * v.i + self.cos * v.j,
         )
     }
 }
@@ -169,6 +237,28 @@ mod format {
 mod tests {
     use super::*;
 
+    /// Each operator against nalgebra's.
+    #[test]
+    fn operators_are_those_of_vectors() {
+        let (a, b) = (Inertial::new(3.0, -7.0), Inertial::new(0.25, 2.0));
+        let (x, y) = (Vector2::from(a), Vector2::from(b));
+        let same = |ours: Inertial, theirs: Vector2<f32>| assert_eq!(ours, theirs.into());
+        same(a + b, x + y);
+        same(a - b, x - y);
+        same(-a, -x);
+        same(a * 1.5, x * 1.5);
+        same(1.5 * a, 1.5 * x);
+        same(a / 4.0, x / 4.0);
+        let mut c = a;
+        c += b;
+        c -= a * 0.5;
+        c *= 3.0;
+        same(c, ((x + y) - x * 0.5) * 3.0);
+        assert_eq!(a.dot(&b), x.dot(&y));
+        assert_eq!(a.norm_squared(), 58.0);
+        assert_eq!(Body::new(-3.0, 4.0).norm(), 5.0);
+    }
+
     #[test]
     fn in_cruise_attitude_the_tail_points_backward() {
         let cruise = Attitude::from_angle(-core::f32::consts::FRAC_PI_2);
@@ -189,9 +279,9 @@ mod tests {
             let r = nalgebra::Matrix2::new(c, -s, s, c);
             let b = a.to_body(v);
             // 1e-5: forty ulps of a length of 7.6.
-            assert!((r.transpose() * v.0 - b.0).amax() < 1e-5);
-            assert!((a.to_inertial(b).0 - v.0).amax() < 1e-5);
-            assert!((a.angle() - math::atan2(s, c)).abs() < 1e-6);
+            assert!((r.transpose() * Vector2::from(v) - Vector2::from(b)).amax() < 1e-5);
+            assert!((a.to_inertial(b) - v).norm() < 1e-5);
+            assert!((a.angle() - libm::atan2f(s, c)).abs() < 1e-6);
         }
     }
 }

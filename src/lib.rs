@@ -35,12 +35,13 @@
 //! thrust acts along the nose. See [`frame`] and [`air`], and [`ned`] for the axes of autopilots.
 //!
 //! # Layers
-//! [`frame`] ← [`air`] ← [`aero`] ← [`Vehicle`] ← [`equivalency`] ← {[`control`], [`equilibrium`]} ← [`spatial`]; no arrow points back. The core sees no
+//! [`Parameters`], [`frame`] ← [`air`] ← [`aero`] ← [`Vehicle`] ← [`equivalency`] ← {[`control`] ← {[`guidance`], [`spatial`]}, [`equilibrium`]};
+//! no arrow points back. The core sees no
 //! clock, global, allocator or peripheral, holds no panic and no double precision, and gives the same bits on every
 //! target: its few elementary functions are its own.
 //!
 //! # Features
-//! `defmt`: `defmt::Format` on the public types.
+//! `defmt`: `defmt::Format` on the public types. `serde`: serialisation of parameters, inputs and outputs.
 #![no_std]
 #![deny(unsafe_code)]
 
@@ -52,24 +53,29 @@ pub mod equilibrium;
 pub mod equivalency;
 mod error;
 pub mod frame;
+pub mod guidance;
 mod math;
 pub mod ned;
+mod parameters;
 mod reference;
 pub mod spatial;
 mod vehicle;
 
 pub use aero::{
     Aerodynamics, Combined, CombinedParameters, LargeAngle, LargeAngleParameters, Model,
-    SmallAngle, SmallAngleParameters, Table,
+    ModelParameters, SmallAngle, SmallAngleParameters, Table,
 };
 pub use air::{AirData, AngleOfAttack, ThrustLine};
 pub use control::{
-    BandwidthGains, BandwidthParameters, Command, Diagnostics, Fault, FeedForward, GainParameters,
-    Gains, Guidance, GuidanceInput, GuidanceState, Guided, State, VelocityControl,
+    Command, Diagnostics, Fault, FeedForward, GainParameters, Gains, State, VelocityControl,
 };
 pub use equilibrium::{Equilibria, Equilibrium, EquilibriumError, FoldMap, FoldMargin};
 pub use error::{ParameterError, Problem};
 pub use frame::{Attitude, Body, Inertial};
+pub use guidance::{
+    BandwidthGains, GainChoice, Guidance, GuidanceInput, GuidanceParameters, GuidanceState, Guided,
+};
+pub use parameters::{Parameters, Range, Row};
 pub use reference::Reference;
 pub use vehicle::{Vehicle, VehicleParameters, aerodynamic_constant};
 

@@ -10,6 +10,7 @@ pub const MAX_ACCELERATION: f32 = 1e3;
 /// Reference velocity and its derivative.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Reference {
     /// Reference velocity v_r over ground [m/s].
     pub velocity: Inertial,

@@ -2,8 +2,10 @@
 
 use crate::aero::Aerodynamics;
 use crate::air::{AirData, ThrustLine};
-use crate::error::{ParameterError, positive};
+use crate::error::{ParameterError, Problem, positive};
 use crate::frame::Body;
+use crate::math;
+use crate::parameters::Parameters;
 
 /// The aerodynamic constant k_a = ρΣ/2 [kg/m] of an air density ρ [kg/m³] and a reference area Σ \[m²\].
 ///
@@ -15,18 +17,22 @@ pub fn aerodynamic_constant(density: f32, area: f32) -> Result<f32, ParameterErr
     Ok(0.5 * density * area)
 }
 
-/// Parameters of a vehicle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct VehicleParameters {
-    /// Mass m \[kg\].
-    pub mass: f32,
-    /// Aerodynamic constant k_a = ρΣ/2 [kg/m]; see [`aerodynamic_constant`].
-    pub k_a: f32,
-    /// Angle δ from the zero-lift line to the thrust line \[rad\].
-    pub delta: f32,
-    /// Gravity g [m/s²].
-    pub gravity: f32,
+crate::parameters! {
+    /// Parameters of a vehicle: what can be weighed and measured of it.
+    pub struct VehicleParameters, "Vehicle" {
+        mass: "kg", 1e-3, 1e6, f32::NAN, "ALU_MASS",
+            "Mass m.";
+        k_a: "kg/m", 1e-9, 1e4, f32::NAN, "ALU_KA",
+            "Aerodynamic constant k_a: half the air density times the reference area.";
+        delta: "rad", -math::PI, math::PI, 0.0, "ALU_DELTA",
+            "Angle δ from the zero-lift line to the thrust line.";
+        gravity: "m/s^2", 1e-3, 1e3, 9.81, "ALU_GRAVITY",
+            "Gravity g.";
+        thrust_min: "N", -1e6, 1e6, 0.0, "ALU_THR_MIN",
+            "Least thrust. The guidance keeps to it; the laws alone do not.";
+        thrust_max: "N", 1e-3, 1e6, f32::NAN, "ALU_THR_MAX",
+            "Greatest thrust, above the least. The guidance keeps to it; the laws alone do not.";
+    }
 }
 
 impl VehicleParameters {
@@ -36,6 +42,8 @@ impl VehicleParameters {
         k_a: 0.6460,
         delta: 0.0,
         gravity: 9.81,
+        thrust_min: 0.0,
+        thrust_max: 196.2,
     };
 
     /// What the paper's controller believes of it: wrong on purpose (§VII).
@@ -53,6 +61,8 @@ pub struct Vehicle<A> {
     mass: f32,
     k_a: f32,
     gravity: f32,
+    thrust_min: f32,
+    thrust_max: f32,
     thrust_line: ThrustLine,
     model: A,
 }
@@ -61,16 +71,42 @@ impl<A: Aerodynamics> Vehicle<A> {
     /// The vehicle with these parameters and coefficients.
     ///
     /// # Errors
-    /// `mass` outside [1e-3, 1e6] kg, `k_a` outside [1e-9, 1e4] kg/m, `delta` outside [−π, π], `gravity` outside
-    /// [1e-3, 1e3] m/s²; or any not finite.
+    /// A parameter outside its range, or `thrust_max` not above `thrust_min`.
     pub fn new(p: VehicleParameters, model: A) -> Result<Self, ParameterError> {
+        p.check()?;
+        if p.thrust_max <= p.thrust_min {
+            return Err(ParameterError {
+                parameter: "thrust_max",
+                problem: Problem::OutOfRange,
+            });
+        }
         Ok(Self {
-            mass: positive("mass", p.mass, 1e-3, 1e6)?,
-            k_a: positive("k_a", p.k_a, 1e-9, 1e4)?,
-            gravity: positive("gravity", p.gravity, 1e-3, 1e3)?,
+            mass: p.mass,
+            k_a: p.k_a,
+            gravity: p.gravity,
+            thrust_min: p.thrust_min,
+            thrust_max: p.thrust_max,
             thrust_line: ThrustLine::new(p.delta)?,
             model,
         })
+    }
+
+    /// Least thrust \[N\].
+    #[inline]
+    pub fn thrust_min(&self) -> f32 {
+        self.thrust_min
+    }
+
+    /// Greatest thrust \[N\].
+    #[inline]
+    pub fn thrust_max(&self) -> f32 {
+        self.thrust_max
+    }
+
+    /// Weight m g \[N\].
+    #[inline]
+    pub fn weight(&self) -> f32 {
+        self.mass * self.gravity
     }
 
     /// Mass m \[kg\].

@@ -1,12 +1,12 @@
 /*
- * What the library adds to an image: the same program without it, and with the functions that PARTS names. It is weighed
- * and never run. Both hold the C library's memory functions.
+ * How much the library adds to an image: this program is linked without it and with the functions that PARTS names, and the
+ * sizes are compared. It is never run. Both have the C library's memory functions.
  */
 #include <string.h>
 
 #include <alula.h>
 
-enum { STEP = 1, NED = 2, GUIDE = 4, ENVELOPE = 8, TABLE = 16 };
+enum { STEP = 1, NED = 2, GUIDE = 4, ENVELOPE = 8, TABLE = 16, TEXT = 32 };
 
 extern char somewhere[];
 
@@ -21,14 +21,14 @@ int main(void)
     if (PARTS & STEP)
         code |= alula_step(p, p, 0.01f, p);
     if (PARTS & NED)
-        code |= alula_step_ned(p, p, 0.01f, p);
+        code |= alula_step_ned(p, p, 0.01f, p, p);
     if (PARTS & GUIDE)
         code |= alula_guide(p, p, 0.01f, p, p) | alula_reset(p);
     if (PARTS & ENVELOPE)
         code |= alula_equilibria_at(p, p, p) | alula_fold_map_init(p, p) | alula_fold_margin_at(p, p, p, p);
     if (PARTS & TABLE)
         code |= alula_table_init(p, p, 40, p);
-    if (PARTS)
+    if (PARTS & TEXT)
         code |= *alula_strerror(code);
     return code;
 }

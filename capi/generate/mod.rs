@@ -1,12 +1,14 @@
-//! What is made of the parameter table and of the sources: the header, the table in the docs, the parameter file of
-//! PX4. Run `cargo run --package alula-capi --example generate` after a change; `cargo test` compares.
+//! The files that are made from the parameter tables and the sources: the header, the page in the docs, the parameter file
+//! of PX4. Run `cargo run --package alula-capi --example generate` after a change; `cargo test` compares.
 
 use std::error::Error;
 use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use alula_capi::{Kind, PARAMETERS, Parameter};
+use alula::Row;
+use alula::guidance::Status;
+use alula_capi::{CHOICES, SECTIONS, Section};
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
@@ -21,30 +23,37 @@ pub fn files() -> Result<[(PathBuf, String); 3]> {
     ])
 }
 
-/// The header, by cbindgen from the sources; the parameters' structure from the table, with what it knows of each.
+/// The header, by cbindgen from the sources. It does not expand macros: what they make is written out for it.
 fn header() -> Result<String> {
     let sources = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
     let scratch = tempfile::tempdir()?;
-    let parameters = scratch.path().join("parameters.rs");
-    let declarations = fs::read_to_string(sources.join("parameters.rs"))?;
-    fs::write(&parameters, declarations + &structure()?)?;
+    let expanded = scratch.path().join("expanded.rs");
+    fs::write(&expanded, status_flags()? + &structures()?)?;
+    let mut config = cbindgen::Config::from_file(sources.join("../cbindgen.toml"))?;
+    for section in SECTIONS {
+        config
+            .export
+            .rename
+            .insert(section.structure.into(), c_name(section));
+    }
     let mut bindings = Vec::new();
-    cbindgen::Builder::new()
-        .with_config(cbindgen::Config::from_file(
-            sources.join("../cbindgen.toml"),
-        )?)
-        .with_src(sources.join("boundary.rs"))
-        .with_src(sources.join("code.rs"))
-        .with_src(parameters)
-        .with_src(sources.join("table.rs"))
-        .with_src(sources.join("controller.rs"))
-        .with_src(sources.join("plane.rs"))
-        .with_src(sources.join("ned_input.rs"))
-        .with_src(sources.join("ned_command.rs"))
-        .with_src(sources.join("guide.rs"))
-        .with_src(sources.join("envelope.rs"))
-        .generate()?
-        .write(&mut bindings);
+    let mut builder = cbindgen::Builder::new().with_config(config);
+    for file in [
+        "boundary",
+        "code",
+        "parameters",
+        "table",
+        "controller",
+        "plane",
+        "ned_input",
+        "ned_command",
+        "ned_report",
+        "guide",
+        "envelope",
+    ] {
+        builder = builder.with_src(sources.join(file).with_extension("rs"));
+    }
+    builder.with_src(expanded).generate()?.write(&mut bindings);
     let text = String::from_utf8(bindings)?;
     // Markdown of the sources, which is noise in C.
     Ok(text
@@ -53,39 +62,94 @@ fn header() -> Result<String> {
         .replace(" * # Safety", " * Pointers:"))
 }
 
-/// The parameters' structure in Rust, as the macro makes it, for cbindgen to read.
-fn structure() -> Result<String> {
-    let mut text = String::from(
-        "\n/// Everything that a controller is made of. `alula_parameters_default` fills in the defaults.\n\
-         #[repr(C)]\npub struct Parameters {\n\
-         /// `ALULA_HEADER(alula_parameters)`.\npub header: u32,\n",
-    );
-    for p in PARAMETERS {
-        let about = match p.kind {
-            Kind::Number => format!(
-                "{} From {} to {}, default {}.",
-                unit(p),
-                number(p.min),
-                number(p.max),
-                number(p.default)
-            ),
-            Kind::Choice(choices) => format!("{}; default {}.", listed(choices), p.default),
-        };
-        let declaration = match p.kind {
-            Kind::Number => "f32",
-            Kind::Choice(_) => "u32",
-        };
-        for line in wrapped(p.meaning).into_iter().chain(wrapped(&about)) {
-            writeln!(text, "/// {line}")?;
+/// The name of a table's structure in C.
+fn c_name(section: &Section) -> String {
+    format!("alula_{}_parameters", section.field)
+}
+
+/// The core's status flags as constants, with the comments that they have in the core's sources.
+fn status_flags() -> Result<String> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../src/guidance/status.rs");
+    let source = fs::read_to_string(path)?;
+    let mut text = String::new();
+    for (name, flag) in Status::all().iter_names() {
+        let (before, _) = source
+            .split_once(&format!("const {name} "))
+            .ok_or(format!("{name} is not in status.rs"))?;
+        let comment: Vec<_> = before
+            .lines()
+            .rev()
+            .skip(1)
+            .map(str::trim)
+            .take_while(|line| line.starts_with("///"))
+            .collect();
+        for line in comment.into_iter().rev() {
+            writeln!(text, "{line}")?;
         }
-        writeln!(text, "pub {}: {declaration},", p.name)?;
+        writeln!(
+            text,
+            "pub const ALULA_STATUS_{name}: u32 = {};",
+            flag.bits()
+        )?;
+    }
+    Ok(text)
+}
+
+/// The parameters' structures in Rust, as the macros make them, for cbindgen to read.
+fn structures() -> Result<String> {
+    let mut text = String::new();
+    for section in SECTIONS {
+        writeln!(text, "/// {}", section.about.trim())?;
+        writeln!(text, "#[repr(C)]\npub struct {} {{", section.structure)?;
+        for (n, p) in section.rows.iter().enumerate() {
+            let about = match choices(section, n) {
+                None => format!(
+                    "{} From {} to {}, {}.",
+                    unit(p),
+                    number(p.min),
+                    number(p.max),
+                    default(p)
+                ),
+                Some(choices) => format!("{}; {}.", listed(choices), default(p)),
+            };
+            for line in wrapped(p.meaning).into_iter().chain(wrapped(&about)) {
+                writeln!(text, "/// {line}")?;
+            }
+            writeln!(text, "pub {}: f32,", p.name)?;
+        }
+        writeln!(text, "}}")?;
+    }
+    writeln!(
+        text,
+        "/// Everything that a controller is made of. `alula_parameters_default` fills in the defaults.\n\
+         #[repr(C)]\npub struct Parameters {{\n\
+         /// `ALULA_HEADER(alula_parameters)`.\npub header: u32,"
+    )?;
+    for section in SECTIONS {
+        writeln!(text, "/// {}", section.about.trim())?;
+        writeln!(text, "pub {}: {},", section.field, section.structure)?;
     }
     Ok(text + "}\n")
 }
 
-fn unit(p: &Parameter) -> String {
+/// The values of the `n`th parameter of a table, if it is a choice: the first parameters of the first table are.
+fn choices(section: &Section, n: usize) -> Option<&'static [&'static str]> {
+    let first = section.field == SECTIONS[0].field;
+    CHOICES.get(n).copied().filter(|_| first)
+}
+
+fn default(p: &Row) -> String {
+    if p.default.is_nan() {
+        "no default".into()
+    } else {
+        format!("default {}", number(p.default))
+    }
+}
+
+fn unit(p: &Row) -> String {
     match p.unit {
         "" => "No unit.".into(),
+        "mg" => "Unit: the vehicle's weight m g.".into(),
         unit => format!("Unit: {unit}."),
     }
 }
@@ -129,39 +193,41 @@ fn listed(choices: &[&str]) -> String {
     items.join(", ")
 }
 
-/// The parameters in groups, in the table's order.
-fn groups() -> impl Iterator<Item = &'static [Parameter]> {
-    PARAMETERS.chunk_by(|a, b| a.group == b.group)
-}
-
 /// The table of the docs.
 fn table() -> Result<String> {
     let mut text = String::from(
         "# Parameters\n\n\
-         Fields of `alula_parameters`, in order, with the names they have in PX4's parameter file.\n\
-         Made by `cargo run --package alula-capi --example generate` from `capi/src/parameters.rs`; do not edit.\n",
+         Fields of `alula_parameters`, in order, with the names they have in PX4's parameter file. The unit mg is a multiple\n\
+         of the vehicle's weight. A parameter without a default must be set.\n\n\
+         Made by `cargo run --package alula-capi --example generate` from the tables in `src`, and of the controller in\n\
+         `capi/src/parameters.rs`; do not edit.\n",
     );
-    for group in groups() {
+    for section in SECTIONS {
         writeln!(
             text,
-            "\n## {}\n\n| name | PX4 | unit | minimum | maximum | default | meaning |\n\
+            "\n## {}: `{}`\n\n{}\n\n| name | PX4 | unit | minimum | maximum | default | meaning |\n\
              |---|---|---|---:|---:|---:|---|",
-            group[0].group
+            section.group,
+            section.field,
+            section.about.trim()
         )?;
-        for p in group {
-            let choices = match p.kind {
-                Kind::Number => String::new(),
-                Kind::Choice(choices) => format!(" {}.", listed(choices)),
+        for (n, p) in section.rows.iter().enumerate() {
+            let choices = match choices(section, n) {
+                None => String::new(),
+                Some(choices) => format!(" {}.", listed(choices)),
+            };
+            let default = match p.default.is_nan() {
+                true => "must be set".into(),
+                false => number(p.default),
             };
             writeln!(
                 text,
-                "| `{}` | `{}` | {} | {} | {} | {} | {}{choices} |",
+                "| `{}` | `{}` | {} | {} | {} | {default} | {}{choices} |",
                 p.name,
                 p.px4,
                 p.unit,
-                shown(p, p.min),
-                shown(p, p.max),
-                shown(p, p.default),
+                number(p.min),
+                number(p.max),
                 p.meaning.replace('|', "\\|"),
             )?;
         }
@@ -169,52 +235,57 @@ fn table() -> Result<String> {
     Ok(text)
 }
 
-/// A value of a parameter, as an integer for a choice.
-fn shown(p: &Parameter, value: f32) -> String {
-    match p.kind {
-        Kind::Number => number(value),
-        Kind::Choice(_) => value.to_string(),
-    }
-}
+/// Units that PX4's schema of `module.yaml` allows, of those that the tables have. The description tells every unit.
+const PX4_UNITS: [&str; 8] = ["rad", "rad/s", "rad/s^2", "kg", "m/s", "m/s^2", "s", "N"];
 
-/// The parameter definitions of a PX4 module.
+/// The parameter definitions of a PX4 module. It has no parameters without a default: those get zero, which is refused.
 fn px4() -> Result<String> {
     let mut text = String::from(
         "# Parameters of alula, in the form of a PX4 module's `module.yaml`.\n\
-         # Made by `cargo run --package alula-capi --example generate` from `capi/src/parameters.rs`; do not edit.\n\
+         # Made by `cargo run --package alula-capi --example generate`; do not edit.\n\
          module_name: alula\nparameters:\n",
     );
-    for group in groups() {
-        writeln!(
-            text,
-            "  - group: Alula {}\n    definitions:",
-            group[0].group
-        )?;
-        for p in group {
+    for section in SECTIONS {
+        writeln!(text, "  - group: Alula {}\n    definitions:", section.group)?;
+        for (n, p) in section.rows.iter().enumerate() {
             writeln!(
                 text,
-                "      {}:\n        description:\n          short: {:?}",
-                p.px4, p.meaning
+                "      {}:\n        description:\n          short: {:?}\n          \
+                 long: {:?}",
+                p.px4,
+                p.meaning,
+                format!(
+                    "Field {}.{} of alula_parameters. {}",
+                    section.field,
+                    p.name,
+                    unit(p)
+                )
             )?;
-            match p.kind {
-                Kind::Number => {
-                    writeln!(text, "        type: float")?;
-                    if !p.unit.is_empty() {
-                        writeln!(text, "        unit: {}", p.unit.replace(' ', "*"))?;
-                    }
-                    for (key, value) in [("min", p.min), ("max", p.max), ("default", p.default)] {
-                        writeln!(text, "        {key}: {}", number(value))?;
-                    }
-                    writeln!(text, "        decimal: 4")?;
+            if let Some(choices) = choices(section, n) {
+                writeln!(text, "        type: enum\n        values:")?;
+                for (n, choice) in choices.iter().enumerate() {
+                    writeln!(text, "          {n}: {choice:?}")?;
                 }
-                Kind::Choice(choices) => {
-                    writeln!(text, "        type: enum\n        values:")?;
-                    for (n, choice) in choices.iter().enumerate() {
-                        writeln!(text, "          {n}: {choice:?}")?;
-                    }
-                    writeln!(text, "        default: {}", p.default)?;
+                writeln!(text, "        default: {}", p.default)?;
+                continue;
+            }
+            writeln!(text, "        type: float")?;
+            if PX4_UNITS.contains(&p.unit) {
+                writeln!(text, "        unit: {}", p.unit)?;
+            }
+            if p.default.is_nan() {
+                writeln!(
+                    text,
+                    "        # Must be set.\n        max: {}",
+                    number(p.max)
+                )?;
+                writeln!(text, "        default: 0.0")?;
+            } else {
+                for (key, value) in [("min", p.min), ("max", p.max), ("default", p.default)] {
+                    writeln!(text, "        {key}: {}", number(value))?;
                 }
             }
+            writeln!(text, "        decimal: 4")?;
         }
     }
     Ok(text)

@@ -18,7 +18,7 @@
 /**
  * Version of this ABI. It changes whenever a structure or the meaning of a field does.
  */
-#define ALULA_ABI_VERSION 1
+#define ALULA_ABI_VERSION 2
 
 /**
  * Done.
@@ -47,7 +47,7 @@
 #define ALULA_ERROR_NOT_INITIALISED -4
 
 /**
- * The time step is not finite, not positive, or above 0.2 s.
+ * The time step is not finite, shorter than 0.1 ms, or longer than 0.2 s.
  */
 #define ALULA_ERROR_TIME_STEP -5
 
@@ -67,8 +67,8 @@
 #define ALULA_ERROR_WIND -11
 
 /**
- * The attitude is none: a pair or quaternion not of unit length, a pitch not finite or beyond 100 rad, or a nose across
- * the plane.
+ * The attitude is invalid: a pair or quaternion not of unit length, a pitch not finite or beyond 100 rad, or a nose that
+ * points across the plane.
  */
 #define ALULA_ERROR_ATTITUDE -12
 
@@ -103,7 +103,7 @@
 #define ALULA_ERROR_HEADING -18
 
 /**
- * The state is older than `state_age`.
+ * The state is older than `state_age`, or of negative age.
  */
 #define ALULA_ERROR_STATE_AGE -19
 
@@ -123,7 +123,7 @@
 #define ALULA_ERROR_TOO_MANY_EQUILIBRIA -22
 
 /**
- * The state lies beyond every fold, or further from the nearest than the map sees.
+ * The state lies beyond every fold, or too far from the nearest for the map.
  */
 #define ALULA_ERROR_NO_FOLD -23
 
@@ -178,75 +178,11 @@
 #define ALULA_ERROR_TABLE_TOO_MANY -39
 
 /**
- * Codes from here down name a parameter: `ALULA_ERROR_PARAMETER - 4 * index - problem`, the index as in the table of
- * parameters, the problem 0 for a number that is not finite, 1 for one that is not positive, 2 for one out of range.
+ * Codes from here down name a parameter: `ALULA_ERROR_PARAMETER - 4 * index - problem`. The index is the parameter's place
+ * in `alula_parameters`, from 0. The problem is 0 for a number that is not finite, 1 for one that is not positive, 2 for one
+ * out of range, 3 for one that contradicts another parameter.
  */
 #define ALULA_ERROR_PARAMETER -100
-
-/**
- * Thrust stands at, or is asked for below, its lower limit.
- */
-#define ALULA_STATUS_THRUST_LOW 1
-
-/**
- * Thrust stands at, or is asked for above, its upper limit.
- */
-#define ALULA_STATUS_THRUST_HIGH (1 << 1)
-
-/**
- * The angular rate stands at its limit.
- */
-#define ALULA_STATUS_RATE (1 << 2)
-
-/**
- * The angular rate changes as fast as it may.
- */
-#define ALULA_STATUS_SLEW (1 << 3)
-
-/**
- * The reference's acceleration stands at its limit: the velocity followed is not the one asked for.
- */
-#define ALULA_STATUS_REFERENCE (1 << 4)
-
-/**
- * The pull towards the reference position stands at its limit.
- */
-#define ALULA_STATUS_POSITION (1 << 5)
-
-/**
- * The integral stands at its limit.
- */
-#define ALULA_STATUS_INTEGRAL (1 << 6)
-
-/**
- * The equilibrium that is flown to needs negative thrust.
- */
-#define ALULA_STATUS_NEGATIVE_THRUST (1 << 7)
-
-/**
- * Thrust is flown against F_p: tail first.
- */
-#define ALULA_STATUS_OPPOSED (1 << 8)
-
-/**
- * The reference is stale or invalid: the last velocity is held.
- */
-#define ALULA_STATUS_REFERENCE_HELD (1 << 9)
-
-/**
- * The position error was invalid and is left out.
- */
-#define ALULA_STATUS_POSITION_INVALID (1 << 10)
-
-/**
- * The air data were invalid and are left out.
- */
-#define ALULA_STATUS_AIR_INVALID (1 << 11)
-
-/**
- * The controller's memory was corrupt and has been reset.
- */
-#define ALULA_STATUS_STATE_RESET (1 << 12)
 
 /**
  * The command is the safe one.
@@ -274,17 +210,17 @@
 #define ALULA_LAW_FULL 1
 
 /**
- * Constant gains, as in the paper: k1, k2, k3.
+ * Gains that follow |F_p|, so that the loop keeps its bandwidth: the parameters of the guidance.
  */
-#define ALULA_GAINS_CONSTANT 0
+#define ALULA_GAINS_BANDWIDTH 0
 
 /**
- * Gains that follow |F_p|, so that the loop keeps its bandwidth: natural_frequency, damping, thrust_rate, force_floor.
+ * Constant gains, as in the paper. They oscillate on a vehicle whose rate loop or thrust lags.
  */
-#define ALULA_GAINS_BANDWIDTH 1
+#define ALULA_GAINS_CONSTANT 1
 
 /**
- * Coefficients by the combined model: c0…c3, alpha_bar, k_l, k_d.
+ * Coefficients by the combined model: every parameter of `coefficients`.
  */
 #define ALULA_MODEL_COMBINED 0
 
@@ -359,7 +295,7 @@
 #define ALULA_MODE_HOLDING 1
 
 /**
- * The guidance flies the law.
+ * The law is flown.
  */
 #define ALULA_MODE_FLYING 2
 
@@ -389,120 +325,178 @@
 #define ALULA_EQUILIBRIA 24
 
 /**
- * Everything that a controller is made of. `alula_parameters_default` fills in the defaults.
+ * Thrust stands at its lower limit.
  */
-typedef struct alula_parameters {
-    /**
-     * `ALULA_HEADER(alula_parameters)`.
-     */
-    uint32_t header;
+#define ALULA_STATUS_THRUST_LOW 1
+
+/**
+ * Thrust stands at its upper limit.
+ */
+#define ALULA_STATUS_THRUST_HIGH 2
+
+/**
+ * The angular rate stands at its limit.
+ */
+#define ALULA_STATUS_RATE 4
+
+/**
+ * The angular rate changes as fast as it may.
+ */
+#define ALULA_STATUS_SLEW 8
+
+/**
+ * The reference's acceleration stands at its limit: the velocity followed is not the one asked for.
+ */
+#define ALULA_STATUS_REFERENCE 16
+
+/**
+ * The velocity towards the reference position stands at its limit.
+ */
+#define ALULA_STATUS_POSITION 32
+
+/**
+ * The integral stands at its limit.
+ */
+#define ALULA_STATUS_INTEGRAL 64
+
+/**
+ * The equilibrium of the branch flown needs negative thrust.
+ */
+#define ALULA_STATUS_NEGATIVE_THRUST 128
+
+/**
+ * The branch θ̃ = π is flown.
+ */
+#define ALULA_STATUS_OPPOSED 256
+
+/**
+ * The reference is stale or invalid: the last velocity is held.
+ */
+#define ALULA_STATUS_REFERENCE_HELD 512
+
+/**
+ * The position error was invalid and is left out.
+ */
+#define ALULA_STATUS_POSITION_INVALID 1024
+
+/**
+ * The air data were invalid and are left out.
+ */
+#define ALULA_STATUS_AIR_INVALID 2048
+
+/**
+ * The guidance state was corrupt and has been reset.
+ */
+#define ALULA_STATUS_STATE_RESET 4096
+
+/**
+ * The forward velocity error given to the law stands at its limit.
+ */
+#define ALULA_STATUS_VELOCITY_ERROR 8192
+
+/**
+ * Law, kind of gains, model.
+ */
+typedef struct alula_controller_parameters {
     /**
      * Law that alula_step and alula_step_ned fly. alula_guide flies the robust one.
-     * 0 = robust (ALULA_LAW_ROBUST), 1 = full (ALULA_LAW_FULL); default 0.
+     * 0 = robust (ALULA_LAW_ROBUST), 1 = full (ALULA_LAW_FULL); default 0.0.
      */
-    uint32_t law;
+    float law;
     /**
      * How the gains are chosen.
-     * 0 = constant (ALULA_GAINS_CONSTANT), 1 = by bandwidth (ALULA_GAINS_BANDWIDTH); default 0.
+     * 0 = by bandwidth (ALULA_GAINS_BANDWIDTH), 1 = constant (ALULA_GAINS_CONSTANT); default 0.0.
      */
-    uint32_t gains;
+    float gains;
     /**
-     * Constant gains: thrust per velocity error along the thrust line, relative to |F_p|.
-     * Unit: s/m. From 1.0e-9 to 1.0e6, default 0.1529.
+     * Model of the aerodynamic coefficients.
+     * 0 = combined (ALULA_MODEL_COMBINED), 1 = large-angle (ALULA_MODEL_LARGE_ANGLE), 2 =
+     * small-angle (ALULA_MODEL_SMALL_ANGLE), 3 = table (ALULA_MODEL_TABLE); default 0.0.
      */
-    float k1;
-    /**
-     * Constant gains: angular rate per velocity error across the thrust line and per |F_p|.
-     * Unit: rad/(N m). From 1.0e-9 to 1.0e6, default 0.0234.
-     */
-    float k2;
-    /**
-     * Constant gains: angular rate per misalignment of thrust and F_p.
-     * Unit: rad/s. From 1.0e-9 to 1.0e6, default 6.0.
-     */
-    float k3;
-    /**
-     * Force below which the guard acts.
-     * Unit: N. From 0.001 to 1.0e6, default 80.0.
-     */
-    float tau;
-    /**
-     * Gains by bandwidth: natural frequency of the loop across the thrust line.
-     * Unit: rad/s. From 0.001 to 1000.0, default 4.0.
-     */
-    float natural_frequency;
-    /**
-     * Gains by bandwidth: damping ratio of the loop across the thrust line.
-     * No unit. From 0.01 to 100.0, default 0.8.
-     */
-    float damping;
-    /**
-     * Gains by bandwidth: rate of the loop along the thrust line.
-     * Unit: 1/s. From 0.001 to 1000.0, default 3.0.
-     */
-    float thrust_rate;
-    /**
-     * Gains by bandwidth: |F_p| below which the gains grow no further.
-     * Unit: N. From 0.001 to 1.0e6, default 50.0.
-     */
-    float force_floor;
-    /**
-     * Mass.
-     * Unit: kg. From 0.001 to 1.0e6, default 10.0.
-     */
-    float mass;
-    /**
-     * Aerodynamic constant: half the air density times the reference area.
-     * Unit: kg/m. From 1.0e-9 to 10000.0, default 0.646.
-     */
-    float k_a;
-    /**
-     * Angle from the zero-lift line to the thrust line.
-     * Unit: rad. From -3.1415927 to 3.1415927, default 0.0.
-     */
-    float delta;
-    /**
-     * Gravity.
-     * Unit: m/s^2. From 0.001 to 1000.0, default 9.81.
-     */
-    float gravity;
+    float model;
     /**
      * Gain from attitude error to angular rate of the attitude loop that flies the attitude
      * set-point: the set-point is placed where that loop asks for the commanded rate.
      * Unit: 1/s. From 0.01 to 1000.0, default 6.5.
      */
     float attitude_gain;
+} alula_controller_parameters;
+
+/**
+ * The vehicle. Mass, k_a and thrust_max have no default and must be set.
+ */
+typedef struct alula_vehicle_parameters {
     /**
-     * Least thrust that alula_guide commands.
+     * Mass m.
+     * Unit: kg. From 0.001 to 1.0e6, no default.
+     */
+    float mass;
+    /**
+     * Aerodynamic constant k_a: half the air density times the reference area.
+     * Unit: kg/m. From 1.0e-9 to 10000.0, no default.
+     */
+    float k_a;
+    /**
+     * Angle δ from the zero-lift line to the thrust line.
+     * Unit: rad. From -3.1415927 to 3.1415927, default 0.0.
+     */
+    float delta;
+    /**
+     * Gravity g.
+     * Unit: m/s^2. From 0.001 to 1000.0, default 9.81.
+     */
+    float gravity;
+    /**
+     * Least thrust. The guidance keeps to it; the laws alone do not.
      * Unit: N. From -1.0e6 to 1.0e6, default 0.0.
      */
     float thrust_min;
     /**
-     * Greatest thrust that alula_guide commands, and what a normalised thrust of 1 stands for;
-     * above thrust_min.
-     * Unit: N. From 0.001 to 1.0e6, default 196.2.
+     * Greatest thrust, above the least. The guidance keeps to it; the laws alone do not.
+     * Unit: N. From 0.001 to 1.0e6, no default.
      */
     float thrust_max;
+} alula_vehicle_parameters;
+
+/**
+ * Gains by bandwidth and everything that alula_guide adds. Forces are multiples of the weight.
+ */
+typedef struct alula_guidance_parameters {
     /**
-     * Greatest angular rate that alula_guide commands.
-     * Unit: rad/s. From 0.001 to 1000.0, default 2.8.
+     * Natural frequency ω_n of the loop across the thrust line.
+     * Unit: rad/s. From 0.001 to 1000.0, default 4.0.
      */
-    float rate_max;
+    float natural_frequency;
     /**
-     * Greatest change of the angular rate that alula_guide commands.
-     * Unit: rad/s^2. From 0.001 to 1.0e6, default 30.0.
+     * Damping ratio ζ of the loop across the thrust line.
+     * No unit. From 0.01 to 100.0, default 0.8.
      */
-    float slew_max;
+    float damping;
     /**
-     * Greatest acceleration with which alula_guide follows the reference velocity.
+     * Rate ω_v of the loop along the thrust line.
+     * Unit: 1/s. From 0.001 to 1000.0, default 3.0.
+     */
+    float thrust_rate;
+    /**
+     * |F_p| below which the gains grow no further.
+     * Unit: the vehicle's weight m g. From 0.001 to 1000.0, default 0.57.
+     */
+    float force_floor;
+    /**
+     * Force τ below which the guard μ_τ acts.
+     * Unit: the vehicle's weight m g. From 0.001 to 1000.0, default 0.91.
+     */
+    float tau;
+    /**
+     * Greatest acceleration with which the reference velocity is followed.
      * Unit: m/s^2. From 0.001 to 1000.0, default 3.0.
      */
-    float reference_acceleration_max;
+    float max_acceleration;
     /**
      * Rate with which the velocity followed returns to the reference velocity after that limit.
      * Unit: 1/s. From 0.001 to 100.0, default 0.8.
      */
-    float reference_rate;
+    float return_rate;
     /**
      * Velocity per position error, down. Zero turns the hold off.
      * Unit: 1/s. From 0.0 to 100.0, default 0.8.
@@ -517,124 +511,199 @@ typedef struct alula_parameters {
      * Greatest velocity towards the reference position, down.
      * Unit: m/s. From 0.0 to 1000.0, default 3.0.
      */
-    float pull_down;
+    float max_velocity_down;
     /**
      * Greatest velocity towards the reference position, forward.
      * Unit: m/s. From 0.0 to 1000.0, default 6.0.
      */
-    float pull_forward;
+    float max_velocity_forward;
     /**
-     * Growth of the integral per velocity of the pull, down. Zero turns it off.
+     * Growth of the integral per velocity towards the reference position, down. Zero turns it
+     * off.
      * Unit: 1/s. From 0.0 to 100.0, default 0.3.
      */
     float integral_gain_down;
     /**
-     * Growth of the integral per velocity of the pull, forward. Zero turns it off.
+     * Growth of the integral per velocity towards the reference position, forward. Zero turns it
+     * off.
      * Unit: 1/s. From 0.0 to 100.0, default 0.1.
      */
     float integral_gain_forward;
     /**
-     * Greatest integral, down.
+     * Greatest integral, down; at most max_velocity_down.
      * Unit: m/s. From 0.0 to 1000.0, default 2.0.
      */
-    float integral_down;
+    float max_integral_down;
     /**
-     * Greatest integral, forward.
+     * Greatest integral, forward; at most max_velocity_forward.
      * Unit: m/s. From 0.0 to 1000.0, default 1.0.
      */
-    float integral_forward;
+    float max_integral_forward;
     /**
      * Greatest forward velocity error that the law is given. About two thirds of the cruise
      * speed.
      * Unit: m/s. From 0.001 to 1000.0, default 14.0.
      */
-    float forward_error;
+    float max_velocity_error;
     /**
-     * Whether alula_guide flies tail first where flying nose first needs negative thrust.
-     * 0 = report only, 1 = switch; default 1.
-     */
-    uint32_t branch_switch;
-    /**
-     * How far F_p must have passed through zero before the branch is left.
-     * Unit: N. From 0.001 to 1.0e6, default 10.0.
+     * How far F_p must have passed through zero before the other branch is flown. Beyond every
+     * force, branches are not switched.
+     * Unit: the vehicle's weight m g. From 0.001 to 1.0e6, default 0.11.
      */
     float branch_hysteresis;
     /**
-     * Time constant with which the jump of the angular rate at a switch fades out.
+     * Time constant with which the jump of the angular rate at a switch of branches fades out.
      * Unit: s. From 0.001 to 100.0, default 0.3.
      */
     float branch_fade;
     /**
+     * Greatest angular rate commanded.
+     * Unit: rad/s. From 0.001 to 1000.0, default 2.8.
+     */
+    float max_rate;
+    /**
+     * Greatest change of the angular rate commanded.
+     * Unit: rad/s^2. From 0.001 to 1.0e6, default 30.0.
+     */
+    float max_slew;
+    /**
      * How long bad frames are bridged by the last command.
-     * Unit: s. From 0.0 to 1.0e6, default 0.1.
+     * Unit: s. From 0.0 to 10.0, default 0.1.
      */
     float hold;
     /**
-     * How long frames must be good before the safe command is left.
-     * Unit: s. From 0.0 to 1.0e6, default 0.05.
+     * How long frames must be good without a break before the safe command is left.
+     * Unit: s. From 0.0 to 10.0, default 0.05.
      */
     float recovery;
     /**
-     * Age beyond which a state is refused.
-     * Unit: s. From 0.0 to 1.0e6, default 0.05.
+     * Age beyond which a measured state is refused.
+     * Unit: s. From 0.0 to 10.0, default 0.05.
      */
     float state_age;
     /**
      * Age beyond which a reference is no longer followed.
-     * Unit: s. From 0.0 to 1.0e6, default 0.5.
+     * Unit: s. From 0.0 to 3600.0, default 0.5.
      */
     float reference_age;
     /**
      * How long the last known wind stands in for missing air data.
-     * Unit: s. From 0.0 to 1.0e6, default 1.0.
+     * Unit: s. From 0.0 to 3600.0, default 2.0.
      */
     float air_hold;
     /**
-     * Thrust of alula_guide's safe command.
-     * Unit: N. From -1.0e6 to 1.0e6, default 0.0.
+     * Greatest wind that air data may imply; air data that imply more are invalid.
+     * Unit: m/s. From 0.0 to 1000.0, default 40.0.
+     */
+    float max_wind;
+    /**
+     * Greatest change of the wind from one step to the next; air data that imply a greater one
+     * are invalid.
+     * Unit: m/s. From 0.0 to 1000.0, default 10.0.
+     */
+    float max_wind_step;
+    /**
+     * Thrust of the safe command, inside the vehicle's limits.
+     * Unit: the vehicle's weight m g. From -1000.0 to 1000.0, default 0.0.
      */
     float safe_thrust;
+} alula_guidance_parameters;
+
+/**
+ * For ALULA_GAINS_CONSTANT.
+ */
+typedef struct alula_gains_parameters {
     /**
-     * Model of the aerodynamic coefficients.
-     * 0 = combined (ALULA_MODEL_COMBINED), 1 = large-angle (ALULA_MODEL_LARGE_ANGLE), 2 =
-     * small-angle (ALULA_MODEL_SMALL_ANGLE), 3 = table (ALULA_MODEL_TABLE); default 0.
+     * Gain k1: thrust per velocity error along the thrust line, relative to |F_p|.
+     * Unit: s/m. From 1.0e-9 to 1.0e6, default 0.1529.
      */
-    uint32_t model;
+    float k1;
     /**
-     * Drag coefficient at zero angle of attack. Every model.
+     * Gain k2: angular rate per velocity error across the thrust line and per |F_p|.
+     * Unit: rad/(N m). From 1.0e-9 to 1.0e6, default 0.0234.
+     */
+    float k2;
+    /**
+     * Gain k3: angular rate per misalignment of thrust and F_p.
+     * Unit: rad/s. From 1.0e-9 to 1.0e6, default 6.0.
+     */
+    float k3;
+    /**
+     * Force τ below which the guard μ_τ acts.
+     * Unit: N. From 0.001 to 1.0e6, default 80.0.
+     */
+    float tau;
+} alula_gains_parameters;
+
+/**
+ * Of the aerodynamic models.
+ */
+typedef struct alula_coefficients_parameters {
+    /**
+     * Drag coefficient at zero angle of attack.
      * No unit. From 1.0e-6 to 1000.0, default 0.014.
      */
     float c0;
     /**
-     * Largest lift coefficient beyond stall. Combined and large-angle model.
+     * Large-angle part: largest lift coefficient beyond stall.
      * No unit. From 1.0e-6 to 1000.0, default 0.95.
      */
     float c1;
     /**
-     * Lift slope at zero angle of attack. Combined and small-angle model.
+     * Small-angle part: lift slope at zero angle of attack.
      * Unit: 1/rad. From 1.0e-6 to 1000.0, default 5.5.
      */
     float c2;
     /**
-     * Growth of drag with the squared angle of attack, at zero. Combined and small-angle model.
+     * Small-angle part: growth of drag with the squared angle of attack, at zero.
      * Unit: 1/rad^2. From 1.0e-6 to 1000.0, default 0.3.
      */
     float c3;
     /**
-     * Stall angle. Combined model.
+     * Stall angle, where the blend is half-way.
      * Unit: rad. From 0.001 to 1.5707964, default 0.19198622.
      */
     float alpha_bar;
     /**
-     * Sharpness of lift's stall; times alpha_bar squared at most 40. Combined model.
+     * Sharpness of lift's blend; times alpha_bar squared at most 40.
      * Unit: 1/rad^2. From 1.0e-6 to 10000.0, default 28.0.
      */
     float k_l;
     /**
-     * Sharpness of drag's stall; times alpha_bar squared at most 40. Combined model.
+     * Sharpness of drag's blend; times alpha_bar squared at most 40.
      * Unit: 1/rad^2. From 1.0e-6 to 10000.0, default 167.0.
      */
     float k_d;
+} alula_coefficients_parameters;
+
+/**
+ * Everything that a controller is made of. `alula_parameters_default` fills in the defaults.
+ */
+typedef struct alula_parameters {
+    /**
+     * `ALULA_HEADER(alula_parameters)`.
+     */
+    uint32_t header;
+    /**
+     * Law, kind of gains, model.
+     */
+    struct alula_controller_parameters controller;
+    /**
+     * The vehicle. Mass, k_a and thrust_max have no default and must be set.
+     */
+    struct alula_vehicle_parameters vehicle;
+    /**
+     * Gains by bandwidth and everything that alula_guide adds. Forces are multiples of the weight.
+     */
+    struct alula_guidance_parameters guidance;
+    /**
+     * For ALULA_GAINS_CONSTANT.
+     */
+    struct alula_gains_parameters gains;
+    /**
+     * Of the aerodynamic models.
+     */
+    struct alula_coefficients_parameters coefficients;
 } alula_parameters;
 
 /**
@@ -735,7 +804,7 @@ typedef struct alula_input {
 } alula_input;
 
 /**
- * Command of one step, and how it came about.
+ * Command of one step, and the quantities that it is made of.
  */
 typedef struct alula_command {
     /**
@@ -760,7 +829,7 @@ typedef struct alula_command {
     float alpha;
     /**
      * Apparent external force F_p [N] along the tail and across it. Its angle from the tail, atan2(f_p[1],
-     * f_p[0]), is what the attitude has yet to turn.
+     * f_p[0]), is the angle by which the attitude still has to turn.
      */
     float f_p[2];
     /**
@@ -857,8 +926,7 @@ typedef struct alula_ned_input {
 } alula_ned_input;
 
 /**
- * Command of one step as rate and thrust and as attitude and thrust, what the plane has lost, and how the command came
- * about.
+ * Command of one step, as rate and thrust and as attitude and thrust.
  */
 typedef struct alula_ned_command {
     /**
@@ -888,13 +956,32 @@ typedef struct alula_ned_command {
      */
     float pitch_rate;
     /**
-     * Attitude set-point [rad]: pitch of the input's body axes, in (−π, π], without tilt and bank.
+     * Attitude set-point [rad]: pitch of the input's body axes, in [−π, π], without tilt and bank.
      */
     float pitch;
     /**
      * The same set-point, with the heading, as a quaternion (w, x, y, z) from body to world.
      */
     float quaternion[4];
+} alula_ned_command;
+
+/**
+ * The quantities that a command is made of, and what the projection on the vertical plane has lost of the input. What is
+ * not known is zero.
+ */
+typedef struct alula_ned_report {
+    /**
+     * `ALULA_HEADER(alula_ned_report)`.
+     */
+    uint32_t header;
+    /**
+     * `ALULA_MODE_…`.
+     */
+    uint32_t mode;
+    /**
+     * `ALULA_AIR_USE_…`; of `alula_guide`.
+     */
+    uint32_t air_use;
     /**
      * Lost by the plane: velocity across it, to the right [m/s].
      */
@@ -924,7 +1011,7 @@ typedef struct alula_ned_command {
      */
     float alpha;
     /**
-     * Angle from the tail to the apparent external force [rad], in (−π, π]: what the attitude has yet to turn.
+     * Angle from the tail to the apparent external force [rad], in (−π, π]: the angle by which the attitude still has to turn.
      */
     float theta_tilde;
     /**
@@ -947,24 +1034,6 @@ typedef struct alula_ned_command {
      * Gain k of the full law; 1 in the robust law.
      */
     float k;
-} alula_ned_command;
-
-/**
- * What a flight log wants to know of a step of the guidance.
- */
-typedef struct alula_guidance_report {
-    /**
-     * `ALULA_HEADER(alula_guidance_report)`.
-     */
-    uint32_t header;
-    /**
-     * `ALULA_MODE_…`.
-     */
-    uint32_t mode;
-    /**
-     * `ALULA_AIR_USE_…`.
-     */
-    uint32_t air_use;
     /**
      * Velocity that the law was given to follow [m/s]: north, east, down, in the plane.
      */
@@ -974,18 +1043,18 @@ typedef struct alula_guidance_report {
      */
     float acceleration[3];
     /**
-     * |F_p| over tau: below 1 the guard acts, at 0 no attitude is an equilibrium.
+     * |F_p| over tau: below 1 the guard acts, at 0 no attitude is an equilibrium. Of `alula_guide`.
      */
     float margin_force;
     /**
-     * Gain k of the full law here: 1 on a sphere, large or negative where F_p turns with the attitude.
+     * Gain k of the full law here: 1 on a sphere, large or negative where F_p turns with the attitude. Of `alula_guide`.
      */
     float margin_k;
     /**
-     * Angle from the present attitude to the nearest fold [rad], to first order.
+     * Angle from the present attitude to the nearest fold [rad], to first order. Of `alula_guide`.
      */
     float margin_fold;
-} alula_guidance_report;
+} alula_ned_report;
 
 /**
  * An attitude at which a thrust holds the reference.
@@ -1036,7 +1105,7 @@ typedef struct alula_equilibria {
 } alula_equilibria;
 
 /**
- * What the margin to the fold is read from: opaque memory of the caller's. Set `header`, then call
+ * A map of the folds, from which the margin to the nearest is read: opaque memory of the caller's. Set `header`, then call
  * `alula_fold_map_init`.
  */
 typedef struct alula_fold_map {
@@ -1092,7 +1161,8 @@ uint32_t alula_abi_version(void);
 const char *alula_strerror(int32_t code);
 
 /**
- * Fills in the default of every parameter: the paper's vehicle, coefficients and gains.
+ * Fills in the default of every parameter. Those of the vehicle that have none, mass, k_a and thrust_max, become NaN, which
+ * `alula_init` refuses: they must be set.
  *
  * Pointers:
  * `parameters` is null or points to memory of the caller's that holds at least the header word, already set; the whole
@@ -1103,7 +1173,7 @@ int32_t alula_parameters_default(struct alula_parameters *parameters);
 /**
  * Makes `table` the one through `count` rows, by increasing angle: from 0 to π for a symmetric section, or from −π to π
  * for any other. The rows are not needed afterwards. If `row` is not null, it is set to the row that is refused, counted
- * from 0. No controller may be using the table.
+ * from 0. No controller may be using the table: those that do keep a pointer to it.
  *
  * Pointers:
  * `table` is null or points to memory of the caller's that holds at least the header word; the whole structure if that
@@ -1115,9 +1185,10 @@ int32_t alula_table_init(struct alula_table *table,
                          uint32_t *row);
 
 /**
- * Makes `controller` the one of `parameters`. `table` is read if the model is `ALULA_MODEL_TABLE`, and must then last
- * as long as the controller does; otherwise it may be null. Returns `ALULA_OK`, or the code that names the first
- * parameter refused; the controller is then not initialised.
+ * Makes `controller` the one of `parameters`. If the model is `ALULA_MODEL_TABLE`, the controller keeps a pointer to
+ * `table`: the table must stay where it is, and as it is, for as long as the controller or a copy of it is used. For any
+ * other model `table` is not read and may be null. Returns `ALULA_OK`, or the code that names the first parameter refused;
+ * the controller is then not initialised.
  *
  * Pointers:
  * Each pointer is null or points to memory of the caller's that holds at least the header word; the whole structure
@@ -1138,7 +1209,7 @@ int32_t alula_reset(struct alula_controller *controller);
 /**
  * One step of the pure law in a vertical plane: from `input` to `command`, `dt` seconds after the last. The law has no
  * memory and no limits: `dt` is only checked. Whatever is returned but `ALULA_OK`, the command is the safe one; unless
- * it is `command` itself that is at fault, which is then left alone.
+ * `command` itself is at fault: it is then not written.
  *
  * Pointers:
  * Each pointer is null or points to memory of the caller's that holds at least the header word; the whole structure
@@ -1150,7 +1221,7 @@ int32_t alula_step(const struct alula_controller *controller,
                    struct alula_command *command);
 
 /**
- * Fills in an input that hovers still in still air and is asked to stay.
+ * Fills in a hover in still air whose reference is to stay.
  *
  * Pointers:
  * `input` is null or points to memory of the caller's that holds at least the header word, already set; the whole
@@ -1167,7 +1238,7 @@ int32_t alula_input_default(struct alula_input *input);
 int32_t alula_command_default(struct alula_command *command);
 
 /**
- * Fills in an input that hovers still in still air, heading north, and is asked to stay.
+ * Fills in a hover in still air, heading north, whose reference is to stay.
  *
  * Pointers:
  * As `alula_input_default`.
@@ -1177,7 +1248,8 @@ int32_t alula_ned_input_default(struct alula_ned_input *input);
 /**
  * One step of the pure law in the vertical plane through the input's heading: from `input` to `command`, `dt` seconds
  * after the last. The law has no memory and no limits: `dt` is only checked. Whatever is returned but `ALULA_OK`, the
- * command is the safe one; unless it is `command` itself that is at fault, which is then left alone.
+ * command is the safe one, and `report` is not written; if `command` itself is at fault, it is not written either. `report`
+ * may be null; its margins are zero.
  *
  * Pointers:
  * As `alula_step`.
@@ -1185,7 +1257,8 @@ int32_t alula_ned_input_default(struct alula_ned_input *input);
 int32_t alula_step_ned(const struct alula_controller *controller,
                        const struct alula_ned_input *input,
                        float dt,
-                       struct alula_ned_command *command);
+                       struct alula_ned_command *command,
+                       struct alula_ned_report *report);
 
 /**
  * Fills in the safe command.
@@ -1198,9 +1271,9 @@ int32_t alula_ned_command_default(struct alula_ned_command *command);
 /**
  * One step of the guidance: supervision, reference limit, outer loop, law and actuator limits. It always gives a
  * command. If the return code says that the input was refused, the command is the last one flown, for as long as
- * `hold` (`ALULA_STATUS_HOLDING`), and then the safe one: `safe_thrust`, no rotation (`ALULA_STATUS_SAFE`). If it is a
- * pointer, a header, the controller or a selector that is at fault, there was no step, and the command is that of
- * `alula_ned_command_default`. `report` may be null.
+ * `hold` (`ALULA_STATUS_HOLDING`), and then the safe one: `safe_thrust`, no rotation (`ALULA_STATUS_SAFE`). If a pointer, a
+ * header, the controller or a selector is at fault, there was no step, and the command is that of
+ * `alula_ned_command_default`. `report` may be null, which saves time.
  *
  * Pointers:
  * As `alula_step`, and no other call reads the controller meanwhile either.
@@ -1209,7 +1282,7 @@ int32_t alula_guide(struct alula_controller *controller,
                     const struct alula_ned_input *input,
                     float dt,
                     struct alula_ned_command *command,
-                    struct alula_guidance_report *report);
+                    struct alula_ned_report *report);
 
 /**
  * The attitudes at which the reference of `input` can be held in its wind, in the plane of its heading. Velocity is not

@@ -3,7 +3,7 @@
 use crate::code;
 
 /// Version of this ABI. It changes whenever a structure or the meaning of a field does.
-pub const ALULA_ABI_VERSION: u32 = 1;
+pub const ALULA_ABI_VERSION: u32 = 2;
 
 /// The version of the ABI that the library was built with, for a caller of the shared library to compare with
 /// `ALULA_ABI_VERSION`.
@@ -12,10 +12,10 @@ pub extern "C" fn alula_abi_version() -> u32 {
     ALULA_ABI_VERSION
 }
 
-/// A structure that C hands over.
+/// A structure that C passes by pointer.
 ///
 /// # Safety
-/// `repr(C)`, begins with its header word, and every pattern of bits is a value of it.
+/// The type is `repr(C)`, its first word is the header, and every pattern of bits is a valid value of it.
 pub unsafe trait Layout: Copy {
     /// What its header word must be: version and size.
     const HEADER: u32 = {
@@ -43,7 +43,8 @@ pub(crate) fn check_pointer<T>(pointer: *const T) -> Result<(), i32> {
 #[inline(always)]
 pub(crate) unsafe fn check<T: Layout>(pointer: *const T) -> Result<(), i32> {
     check_pointer(pointer)?;
-    // SAFETY: not null, aligned to at least four bytes, and by the caller's word there is a header.
+    // SAFETY: The pointer is not null and aligned to four bytes at least, so by the condition above it points to a header
+    // word.
     if unsafe { pointer.cast::<u32>().read() } == T::HEADER {
         Ok(())
     } else {
@@ -51,13 +52,27 @@ pub(crate) unsafe fn check<T: Layout>(pointer: *const T) -> Result<(), i32> {
     }
 }
 
-/// The structure that C points to, to be read before anything is written.
+/// Checks a pointer that may be null.
 ///
 /// # Safety
-/// As [`check`]; and a header word that is right is followed by the rest of the structure.
+/// As [`check`].
+#[inline(always)]
+pub(crate) unsafe fn check_optional<T: Layout>(pointer: *const T) -> Result<(), i32> {
+    if pointer.is_null() {
+        return Ok(());
+    }
+    // SAFETY: As this function's.
+    unsafe { check(pointer) }
+}
+
+/// The structure that C points to.
+///
+/// # Safety
+/// As [`check`]; a header word that is right is followed by the rest of the structure, and nothing writes to it for `'a`.
 #[inline(always)]
 pub(crate) unsafe fn read<'a, T: Layout>(pointer: *const T) -> Result<&'a T, i32> {
-    // SAFETY: the caller's word; the header tells that the whole structure is there, and any bits are a value.
+    // SAFETY: `check` has found the header word of a `T`, so the whole structure is there, by the condition above; any bits
+    // are a valid `T`, by the contract of `Layout`.
     unsafe {
         check(pointer)?;
         Ok(&*pointer)
@@ -67,10 +82,10 @@ pub(crate) unsafe fn read<'a, T: Layout>(pointer: *const T) -> Result<&'a T, i32
 /// Writes `value` where C points to, if there is room for it.
 ///
 /// # Safety
-/// As [`read`], and the structure may be written.
+/// As [`check`]; a header word that is right is followed by the rest of the structure, and nothing else uses it meanwhile.
 #[inline(always)]
 pub(crate) unsafe fn write<T: Layout>(pointer: *mut T, value: T) -> i32 {
-    // SAFETY: the caller's word.
+    // SAFETY: `check` has found the header word of a `T`, so there is room for one, by the condition above.
     unsafe {
         match check(pointer) {
             Ok(()) => {
@@ -82,7 +97,8 @@ pub(crate) unsafe fn write<T: Layout>(pointer: *mut T, value: T) -> i32 {
     }
 }
 
-/// Writes what `step` answers where C points to, or `safe` if it answers with a code. Without room nothing is done.
+/// Runs `step` and writes its result where C points to, or `safe` if it returns a code. Without room for the result `step`
+/// is not run.
 ///
 /// # Safety
 /// As [`write`].
@@ -92,7 +108,8 @@ pub(crate) unsafe fn answer<T: Layout>(
     safe: T,
     step: impl FnOnce() -> Result<T, i32>,
 ) -> i32 {
-    // SAFETY: the caller's word.
+    // SAFETY: `check` has found the header word of a `T`, so there is room for one, by the condition above. It is written
+    // only after `step` has returned, and with it every reference that `step` may have had to the same memory.
     unsafe {
         if let Err(code) = check(pointer) {
             return code;

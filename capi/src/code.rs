@@ -1,12 +1,13 @@
-//! Return codes, their texts, and status bits.
+//! Return codes, their texts, and the interface's own status bits. The lower status bits are the core's [`Status`], which
+//! the header's generator lists.
 
 use core::ffi::{CStr, c_char};
 
 use alula::aero::TableProblem;
-use alula::control::{Refusal, Status};
+use alula::guidance::{Refusal, Status};
 use alula::{EquilibriumError, Fault, Problem};
 
-use crate::parameters::RANGES;
+use crate::parameters;
 
 /// Done.
 pub const ALULA_OK: i32 = 0;
@@ -19,7 +20,7 @@ pub const ALULA_ERROR_UNALIGNED: i32 = -2;
 pub const ALULA_ERROR_LAYOUT: i32 = -3;
 /// The controller has not been initialised, or its last initialisation failed.
 pub const ALULA_ERROR_NOT_INITIALISED: i32 = -4;
-/// The time step is not finite, not positive, or above 0.2 s.
+/// The time step is not finite, shorter than 0.1 ms, or longer than 0.2 s.
 pub const ALULA_ERROR_TIME_STEP: i32 = -5;
 /// A selector of the input (attitude, body axes, flags) has no such value, or the flags contradict each other.
 pub const ALULA_ERROR_SELECTOR: i32 = -6;
@@ -27,8 +28,8 @@ pub const ALULA_ERROR_SELECTOR: i32 = -6;
 pub const ALULA_ERROR_VELOCITY: i32 = -10;
 /// The wind is not finite, faster than 1000 m/s, or unknown to a law that needs it.
 pub const ALULA_ERROR_WIND: i32 = -11;
-/// The attitude is none: a pair or quaternion not of unit length, a pitch not finite or beyond 100 rad, or a nose across
-/// the plane.
+/// The attitude is invalid: a pair or quaternion not of unit length, a pitch not finite or beyond 100 rad, or a nose that
+/// points across the plane.
 pub const ALULA_ERROR_ATTITUDE: i32 = -12;
 /// The reference velocity is not finite, or faster than 1000 m/s.
 pub const ALULA_ERROR_REFERENCE_VELOCITY: i32 = -13;
@@ -42,7 +43,7 @@ pub const ALULA_ERROR_JERK: i32 = -16;
 pub const ALULA_ERROR_UNDEFINED: i32 = -17;
 /// The heading is not finite, or beyond 100 rad.
 pub const ALULA_ERROR_HEADING: i32 = -18;
-/// The state is older than `state_age`.
+/// The state is older than `state_age`, or of negative age.
 pub const ALULA_ERROR_STATE_AGE: i32 = -19;
 /// No good reference has come yet.
 pub const ALULA_ERROR_NO_REFERENCE: i32 = -20;
@@ -50,7 +51,7 @@ pub const ALULA_ERROR_NO_REFERENCE: i32 = -20;
 pub const ALULA_ERROR_EVERY_ORIENTATION: i32 = -21;
 /// There are more equilibria than the set has room for.
 pub const ALULA_ERROR_TOO_MANY_EQUILIBRIA: i32 = -22;
-/// The state lies beyond every fold, or further from the nearest than the map sees.
+/// The state lies beyond every fold, or too far from the nearest for the map.
 pub const ALULA_ERROR_NO_FOLD: i32 = -23;
 /// Table: a number is not finite.
 pub const ALULA_ERROR_TABLE_NOT_FINITE: i32 = -30;
@@ -72,36 +73,11 @@ pub const ALULA_ERROR_TABLE_NOT_PERIODIC: i32 = -37;
 pub const ALULA_ERROR_TABLE_TOO_FEW: i32 = -38;
 /// Table: there are more than `ALULA_TABLE_ROWS` rows.
 pub const ALULA_ERROR_TABLE_TOO_MANY: i32 = -39;
-/// Codes from here down name a parameter: `ALULA_ERROR_PARAMETER - 4 * index - problem`, the index as in the table of
-/// parameters, the problem 0 for a number that is not finite, 1 for one that is not positive, 2 for one out of range.
+/// Codes from here down name a parameter: `ALULA_ERROR_PARAMETER - 4 * index - problem`. The index is the parameter's place
+/// in `alula_parameters`, from 0. The problem is 0 for a number that is not finite, 1 for one that is not positive, 2 for one
+/// out of range, 3 for one that contradicts another parameter.
 pub const ALULA_ERROR_PARAMETER: i32 = -100;
 
-/// Thrust stands at, or is asked for below, its lower limit.
-pub const ALULA_STATUS_THRUST_LOW: u32 = 1;
-/// Thrust stands at, or is asked for above, its upper limit.
-pub const ALULA_STATUS_THRUST_HIGH: u32 = 1 << 1;
-/// The angular rate stands at its limit.
-pub const ALULA_STATUS_RATE: u32 = 1 << 2;
-/// The angular rate changes as fast as it may.
-pub const ALULA_STATUS_SLEW: u32 = 1 << 3;
-/// The reference's acceleration stands at its limit: the velocity followed is not the one asked for.
-pub const ALULA_STATUS_REFERENCE: u32 = 1 << 4;
-/// The pull towards the reference position stands at its limit.
-pub const ALULA_STATUS_POSITION: u32 = 1 << 5;
-/// The integral stands at its limit.
-pub const ALULA_STATUS_INTEGRAL: u32 = 1 << 6;
-/// The equilibrium that is flown to needs negative thrust.
-pub const ALULA_STATUS_NEGATIVE_THRUST: u32 = 1 << 7;
-/// Thrust is flown against F_p: tail first.
-pub const ALULA_STATUS_OPPOSED: u32 = 1 << 8;
-/// The reference is stale or invalid: the last velocity is held.
-pub const ALULA_STATUS_REFERENCE_HELD: u32 = 1 << 9;
-/// The position error was invalid and is left out.
-pub const ALULA_STATUS_POSITION_INVALID: u32 = 1 << 10;
-/// The air data were invalid and are left out.
-pub const ALULA_STATUS_AIR_INVALID: u32 = 1 << 11;
-/// The controller's memory was corrupt and has been reset.
-pub const ALULA_STATUS_STATE_RESET: u32 = 1 << 12;
 /// The command is the safe one.
 pub const ALULA_STATUS_SAFE: u32 = 1 << 16;
 /// The command is the last one flown, held while inputs are bad.
@@ -109,29 +85,12 @@ pub const ALULA_STATUS_HOLDING: u32 = 1 << 17;
 /// The attitude set-point's lead over the attitude is limited to 90°.
 pub const ALULA_STATUS_LEAD_LIMITED: u32 = 1 << 18;
 
-// The lower bits are the core's own.
-const _: () = {
-    let bits = [
-        (ALULA_STATUS_THRUST_LOW, Status::THRUST_LOW),
-        (ALULA_STATUS_THRUST_HIGH, Status::THRUST_HIGH),
-        (ALULA_STATUS_RATE, Status::RATE),
-        (ALULA_STATUS_SLEW, Status::SLEW),
-        (ALULA_STATUS_REFERENCE, Status::REFERENCE),
-        (ALULA_STATUS_POSITION, Status::POSITION),
-        (ALULA_STATUS_INTEGRAL, Status::INTEGRAL),
-        (ALULA_STATUS_NEGATIVE_THRUST, Status::NEGATIVE_THRUST),
-        (ALULA_STATUS_OPPOSED, Status::OPPOSED),
-        (ALULA_STATUS_REFERENCE_HELD, Status::REFERENCE_HELD),
-        (ALULA_STATUS_POSITION_INVALID, Status::POSITION_INVALID),
-        (ALULA_STATUS_AIR_INVALID, Status::AIR_INVALID),
-        (ALULA_STATUS_STATE_RESET, Status::STATE_RESET),
-    ];
-    let mut n = 0;
-    while n < bits.len() {
-        assert!(bits[n].0 == bits[n].1.bits() as u32);
-        n += 1;
-    }
-};
+// They share no bit with the core's.
+const _: () = assert!(
+    Status::all().bits() as u32
+        & (ALULA_STATUS_SAFE | ALULA_STATUS_HOLDING | ALULA_STATUS_LEAD_LIMITED)
+        == 0
+);
 
 /// The code of a fault.
 pub(crate) const fn of_fault(fault: Fault) -> i32 {
@@ -190,6 +149,7 @@ pub(crate) const fn of_parameter(index: usize, problem: Problem) -> i32 {
         Problem::NotFinite => 0,
         Problem::NotPositive => 1,
         Problem::OutOfRange => 2,
+        Problem::Contradiction => 3,
     };
     ALULA_ERROR_PARAMETER - 4 * index as i32 - problem
 }
@@ -208,11 +168,11 @@ fn text(code: i32) -> &'static CStr {
         ALULA_ERROR_UNALIGNED => c"a pointer is not aligned",
         ALULA_ERROR_LAYOUT => c"a header is not that of this version's structure",
         ALULA_ERROR_NOT_INITIALISED => c"the controller is not initialised",
-        ALULA_ERROR_TIME_STEP => c"the time step is not in (0, 0.2] s",
+        ALULA_ERROR_TIME_STEP => c"the time step is not in [0.0001, 0.2] s",
         ALULA_ERROR_SELECTOR => c"a selector of the input has no such value",
         ALULA_ERROR_VELOCITY => c"velocity is not finite or absurdly large",
         ALULA_ERROR_WIND => c"wind is not finite, absurdly large, or unknown",
-        ALULA_ERROR_ATTITUDE => c"attitude is none, or its nose is across the plane",
+        ALULA_ERROR_ATTITUDE => c"attitude is invalid, or the nose points across the plane",
         ALULA_ERROR_REFERENCE_VELOCITY => c"reference velocity is not finite or absurdly large",
         ALULA_ERROR_REFERENCE_ACCELERATION => {
             c"reference acceleration is not finite or absurdly large"
@@ -247,7 +207,5 @@ fn text(code: i32) -> &'static CStr {
 }
 
 fn parameter_text(code: i32) -> Option<&'static CStr> {
-    let number = usize::try_from(ALULA_ERROR_PARAMETER.checked_sub(code)?).ok()?;
-    let texts = &RANGES.get(number / 4)?.texts;
-    texts.get(number % 4).copied()
+    parameters::text(usize::try_from(ALULA_ERROR_PARAMETER.checked_sub(code)?).ok()?)
 }

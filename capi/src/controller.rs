@@ -1,21 +1,16 @@
-//! The controller: what a vehicle's parameters become, in memory of the caller's.
+//! The controller: a vehicle's guidance and its memory, in memory of the caller's.
 
-use alula::control::{
-    BranchParameters, BranchSwitch, GainChoice, LimitParameters, Limits, OuterLoop,
-    OuterLoopParameters, ReferenceLimit, ReferenceLimitParameters, SupervisionParameters,
-    Supervisor,
-};
 use alula::{
-    BandwidthGains, BandwidthParameters, Combined, CombinedParameters, GainParameters, Gains,
-    Guidance, GuidanceState, Inertial, LargeAngle, LargeAngleParameters, Model, ParameterError,
-    SmallAngle, SmallAngleParameters, Vehicle, VehicleParameters, VelocityControl,
+    BandwidthGains, Combined, GainChoice, Gains, Guidance, LargeAngle, LargeAngleParameters, Model,
+    ParameterError, Problem, SmallAngle, SmallAngleParameters, Vehicle,
 };
 
 use crate::boundary::{self, Layout};
 use crate::code;
+use crate::memory::Memory;
 use crate::parameters::{
     ALULA_GAINS_CONSTANT, ALULA_LAW_ROBUST, ALULA_MODEL_COMBINED, ALULA_MODEL_LARGE_ANGLE,
-    ALULA_MODEL_SMALL_ANGLE, Parameters, refused,
+    ALULA_MODEL_SMALL_ANGLE, ALULA_MODEL_TABLE, Parameters, refused,
 };
 use crate::table::{self, Table};
 
@@ -32,154 +27,150 @@ pub struct Controller {
     pub opaque: [u64; 63],
 }
 
-// SAFETY: `repr(C)`, header first, numbers only.
+// SAFETY: `repr(C)`, its first word is the header, and it holds nothing but unsigned integers.
 unsafe impl Layout for Controller {}
 
-/// The header word of a controller that flies the robust law: of a size that no structure has.
-pub(crate) const PLAIN: u32 = Controller::HEADER + 1;
-/// The header word of one that flies another.
-const OTHER: u32 = Controller::HEADER + 2;
+/// The header word of a controller that flies the robust law. No structure has this size.
+pub(crate) const ROBUST: u32 = Controller::HEADER + 1;
+/// The header word of one that flies the full law.
+const FULL: u32 = Controller::HEADER + 2;
 
-/// What lies in a [`Controller`] that is initialised.
+/// What is in a [`Controller`] after `alula_init`. `'a` is the life of the table, if the model is one.
 #[derive(Clone, Copy)]
 #[repr(C)]
-pub(crate) struct Ready {
+pub(crate) struct Initialised<'a> {
     header: u32,
-    pub guidance: Guidance<Model, GainChoice>,
-    pub state: GuidanceState,
+    pub guidance: Guidance<Model<'a>, GainChoice>,
+    pub memory: Memory,
     /// One over the thrust of normalised thrust 1 [1/N].
     pub inverse_thrust_max: f32,
     /// One over the attitude loop's gain \[s\].
     pub inverse_attitude_gain: f32,
 }
 
-const _: () = assert!(size_of::<Ready>() <= size_of::<Controller>());
-const _: () = assert!(align_of::<Ready>() <= align_of::<Controller>());
+const _: () = assert!(size_of::<Initialised>() <= size_of::<Controller>());
+const _: () = assert!(align_of::<Initialised>() <= align_of::<Controller>());
 
-impl Ready {
-    /// Whether the law is the robust one.
-    pub fn is_robust(&self) -> bool {
-        self.header == PLAIN
+/// The models that a C caller can choose.
+enum ModelChoice {
+    Combined,
+    LargeAngle,
+    SmallAngle,
+    Table,
+}
+
+impl ModelChoice {
+    /// The choice of this number of the parameter `model`.
+    fn of(number: u32) -> Option<Self> {
+        match number {
+            ALULA_MODEL_COMBINED => Some(Self::Combined),
+            ALULA_MODEL_LARGE_ANGLE => Some(Self::LargeAngle),
+            ALULA_MODEL_SMALL_ANGLE => Some(Self::SmallAngle),
+            ALULA_MODEL_TABLE => Some(Self::Table),
+            _ => None,
+        }
     }
 
-    /// The controller of these parameters, each of which is in its range; `table` is needed by its model only.
-    fn new(p: &Parameters, table: impl FnOnce() -> Result<alula::Table, i32>) -> Result<Self, i32> {
-        let model = match p.model {
-            ALULA_MODEL_COMBINED => Model::Combined(
-                Combined::new(CombinedParameters {
-                    c0: p.c0,
-                    c1: p.c1,
-                    c2: p.c2,
-                    c3: p.c3,
-                    alpha_bar: p.alpha_bar,
-                    k_l: p.k_l,
-                    k_d: p.k_d,
-                })
-                .map_err(refused)?,
-            ),
-            ALULA_MODEL_LARGE_ANGLE => Model::LargeAngle(
-                LargeAngle::new(LargeAngleParameters { c0: p.c0, c1: p.c1 }).map_err(refused)?,
-            ),
-            ALULA_MODEL_SMALL_ANGLE => Model::SmallAngle(
-                SmallAngle::new(SmallAngleParameters {
-                    c0: p.c0,
-                    c2: p.c2,
-                    c3: p.c3,
-                })
-                .map_err(refused)?,
-            ),
-            _ => Model::Table(table()?),
-        };
+    /// The choice that leads to a model. A model of the core that C cannot choose yet does not compile here.
+    #[allow(
+        dead_code,
+        reason = "it is there for the compiler, and for the test below"
+    )]
+    const fn that_makes(model: &Model) -> Self {
+        match model {
+            Model::Combined(_) => Self::Combined,
+            Model::LargeAngle(_) => Self::LargeAngle,
+            Model::SmallAngle(_) => Self::SmallAngle,
+            Model::Table(_) => Self::Table,
+        }
+    }
+
+    /// The model, by the coefficients in `p` or by `table`.
+    fn model<'a>(
+        self,
+        p: &Parameters,
+        table: impl FnOnce() -> Result<alula::Table<'a>, i32>,
+    ) -> Result<Model<'a>, i32> {
+        let c = &p.coefficients;
+        Ok(match self {
+            Self::Combined => Model::Combined(Combined::new(*c).map_err(refused)?),
+            Self::LargeAngle => {
+                let p = LargeAngleParameters { c0: c.c0, c1: c.c1 };
+                Model::LargeAngle(LargeAngle::new(p).map_err(refused)?)
+            }
+            Self::SmallAngle => {
+                let p = SmallAngleParameters {
+                    c0: c.c0,
+                    c2: c.c2,
+                    c3: c.c3,
+                };
+                Model::SmallAngle(SmallAngle::new(p).map_err(refused)?)
+            }
+            Self::Table => Model::Table(table()?),
+        })
+    }
+}
+
+impl<'a> Initialised<'a> {
+    /// Whether the law is the robust one.
+    pub fn is_robust(&self) -> bool {
+        self.header == ROBUST
+    }
+
+    /// The controller of these parameters, each of which is in its range; `table` is called if the model is a table.
+    fn new(
+        p: &Parameters,
+        table: impl FnOnce() -> Result<alula::Table<'a>, i32>,
+    ) -> Result<Self, i32> {
+        let choice = ModelChoice::of(p.controller.model as u32).ok_or(refused(ParameterError {
+            parameter: "model",
+            problem: Problem::OutOfRange,
+        }))?;
+        let model = choice.model(p, table)?;
+        let law = p.controller.law as u32;
         Ok(Self {
-            header: if p.law == ALULA_LAW_ROBUST {
-                PLAIN
+            header: if law == ALULA_LAW_ROBUST {
+                ROBUST
             } else {
-                OTHER
+                FULL
             },
             guidance: guidance(p, model).map_err(refused)?,
-            state: GuidanceState::default(),
-            inverse_thrust_max: 1.0 / p.thrust_max,
-            inverse_attitude_gain: 1.0 / p.attitude_gain,
+            memory: Memory::default(),
+            inverse_thrust_max: 1.0 / p.vehicle.thrust_max,
+            inverse_attitude_gain: 1.0 / p.controller.attitude_gain,
         })
     }
 }
 
 /// The guidance of these parameters.
-fn guidance(p: &Parameters, model: Model) -> Result<Guidance<Model, GainChoice>, ParameterError> {
-    let vehicle = Vehicle::new(
-        VehicleParameters {
-            mass: p.mass,
-            k_a: p.k_a,
-            delta: p.delta,
-            gravity: p.gravity,
-        },
-        model,
-    )?;
-    let gains = if p.gains == ALULA_GAINS_CONSTANT {
-        GainChoice::Constant(Gains::new(GainParameters {
-            k1: p.k1,
-            k2: p.k2,
-            k3: p.k3,
-            tau: p.tau,
-        })?)
+fn guidance<'a>(
+    p: &Parameters,
+    model: Model<'a>,
+) -> Result<Guidance<Model<'a>, GainChoice>, ParameterError> {
+    let vehicle = Vehicle::new(p.vehicle, model)?;
+    let gains = if p.controller.gains as u32 == ALULA_GAINS_CONSTANT {
+        GainChoice::Constant(Gains::new(p.gains)?)
     } else {
-        GainChoice::Bandwidth(BandwidthGains::new(
-            BandwidthParameters {
-                natural_frequency: p.natural_frequency,
-                damping: p.damping,
-                thrust_rate: p.thrust_rate,
-                force_floor: p.force_floor,
-                tau: p.tau,
-            },
-            &vehicle,
-        )?)
+        GainChoice::Bandwidth(BandwidthGains::new(&p.guidance, &vehicle)?)
     };
-    Ok(Guidance {
-        control: VelocityControl::new(vehicle, gains),
-        reference_limit: ReferenceLimit::new(ReferenceLimitParameters {
-            acceleration: p.reference_acceleration_max,
-            rate: p.reference_rate,
-        })?,
-        outer_loop: OuterLoop::new(OuterLoopParameters {
-            position_gain: Inertial::new(p.position_gain_down, p.position_gain_forward),
-            pull: Inertial::new(p.pull_down, p.pull_forward),
-            integral_gain: Inertial::new(p.integral_gain_down, p.integral_gain_forward),
-            integral: Inertial::new(p.integral_down, p.integral_forward),
-            forward_error: p.forward_error,
-        })?,
-        branch: BranchSwitch::new(BranchParameters {
-            switch: p.branch_switch != 0,
-            hysteresis: p.branch_hysteresis,
-            fade: p.branch_fade,
-        })?,
-        limits: Limits::new(LimitParameters {
-            thrust_min: p.thrust_min,
-            thrust_max: p.thrust_max,
-            rate: p.rate_max,
-            slew: p.slew_max,
-        })?,
-        supervisor: Supervisor::new(SupervisionParameters {
-            hold: p.hold,
-            recovery: p.recovery,
-            state_age: p.state_age,
-            reference_age: p.reference_age,
-            air_hold: p.air_hold,
-            safe_thrust: p.safe_thrust,
-        })?,
-    })
+    Guidance::with_gains(vehicle, gains, &p.guidance)
 }
 
 /// The controller that C points to.
 ///
 /// # Safety
-/// `pointer` is null, unaligned or points to a controller of the caller's that no other call changes meanwhile.
+/// `pointer` is null, unaligned, or points to a controller that nothing changes for `'a`; so does the table that it was
+/// initialised with, if any.
 #[inline(always)]
-pub(crate) unsafe fn ready<'a>(pointer: *const Controller) -> Result<&'a Ready, i32> {
+pub(crate) unsafe fn initialised<'a>(
+    pointer: *const Controller,
+) -> Result<&'a Initialised<'a>, i32> {
     boundary::check_pointer(pointer)?;
-    // SAFETY: a header is there; PLAIN and OTHER are only ever written together with the rest.
+    // SAFETY: The pointer is neither null nor unaligned, so it points to a header word. The words ROBUST and FULL are
+    // written by `alula_init` alone, and only together with the rest of an `Initialised`.
     unsafe {
         match pointer.cast::<u32>().read() {
-            PLAIN | OTHER => Ok(&*pointer.cast::<Ready>()),
+            ROBUST | FULL => Ok(&*pointer.cast::<Initialised>()),
             Controller::HEADER => Err(code::ALULA_ERROR_NOT_INITIALISED),
             _ => Err(code::ALULA_ERROR_LAYOUT),
         }
@@ -189,19 +180,22 @@ pub(crate) unsafe fn ready<'a>(pointer: *const Controller) -> Result<&'a Ready, 
 /// The controller that C points to, to be changed.
 ///
 /// # Safety
-/// As [`ready`], and no other call reads it meanwhile either.
+/// As [`initialised`], and nothing else reads or changes the controller for `'a`.
 #[inline(always)]
-pub(crate) unsafe fn ready_mut<'a>(pointer: *mut Controller) -> Result<&'a mut Ready, i32> {
-    // SAFETY: the caller's word.
+pub(crate) unsafe fn initialised_mut<'a>(
+    pointer: *mut Controller,
+) -> Result<&'a mut Initialised<'a>, i32> {
+    // SAFETY: `initialised` has found an `Initialised` behind the pointer, and nothing else uses it.
     unsafe {
-        ready(pointer)?;
-        Ok(&mut *pointer.cast::<Ready>())
+        initialised(pointer)?;
+        Ok(&mut *pointer.cast::<Initialised>())
     }
 }
 
-/// Makes `controller` the one of `parameters`. `table` is read if the model is `ALULA_MODEL_TABLE`, and must then last
-/// as long as the controller does; otherwise it may be null. Returns `ALULA_OK`, or the code that names the first
-/// parameter refused; the controller is then not initialised.
+/// Makes `controller` the one of `parameters`. If the model is `ALULA_MODEL_TABLE`, the controller keeps a pointer to
+/// `table`: the table must stay where it is, and as it is, for as long as the controller or a copy of it is used. For any
+/// other model `table` is not read and may be null. Returns `ALULA_OK`, or the code that names the first parameter refused;
+/// the controller is then not initialised.
 ///
 /// # Safety
 /// Each pointer is null or points to memory of the caller's that holds at least the header word; the whole structure
@@ -212,20 +206,22 @@ pub unsafe extern "C" fn alula_init(
     parameters: *const Parameters,
     table: *const Table,
 ) -> i32 {
-    // SAFETY: the caller's word.
+    // SAFETY: A pointer that passes its check points to the structure that its header word says, of that size, by the
+    // condition above. The table's borrow ends with the last use of the controller, which the caller has promised to
+    // keep within the table's life.
     unsafe {
-        match ready(controller) {
+        match initialised(controller) {
             Ok(_) | Err(code::ALULA_ERROR_NOT_INITIALISED) => {}
             Err(code) => return code,
         }
         controller.cast::<u32>().write(Controller::HEADER);
         let made = boundary::read(parameters).and_then(|parameters| {
             parameters.check()?;
-            Ready::new(parameters, || table::ready(table))
+            Initialised::new(parameters, || table::initialised(table))
         });
         match made {
-            Ok(ready) => {
-                controller.cast::<Ready>().write(ready);
+            Ok(made) => {
+                controller.cast::<Initialised>().write(made);
                 code::ALULA_OK
             }
             Err(code) => code,
@@ -239,10 +235,10 @@ pub unsafe extern "C" fn alula_init(
 /// As `alula_init`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn alula_reset(controller: *mut Controller) -> i32 {
-    // SAFETY: the caller's word.
-    match unsafe { ready_mut(controller) } {
-        Ok(ready) => {
-            ready.state = GuidanceState::default();
+    // SAFETY: The controller is null, unaligned or the caller's own, and no other call uses it, by the condition above.
+    match unsafe { initialised_mut(controller) } {
+        Ok(controller) => {
+            controller.memory = Memory::default();
             code::ALULA_OK
         }
         Err(code) => code,
@@ -252,53 +248,32 @@ pub unsafe extern "C" fn alula_reset(controller: *mut Controller) -> i32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parameters::{Kind, PARAMETERS};
+    use crate::parameters::CHOICES;
 
-    /// The parameters with the `n`th at `value`.
-    fn with(n: usize, value: f32) -> Parameters {
-        let mut p = Parameters {
-            // Room for every other limit.
-            thrust_min: -1e6,
-            k_l: 1e-6,
-            k_d: 1e-6,
+    /// Every number that the range of `model` allows leads to the model of that name.
+    #[test]
+    fn every_model_can_be_chosen() {
+        let paper = Parameters {
+            vehicle: alula::VehicleParameters::PAPER,
             ..Parameters::DEFAULT
         };
-        // SAFETY: a word within the structure, of any bits.
-        unsafe { (&raw mut p).cast::<f32>().add(1 + n).write(value) };
-        p
-    }
-
-    /// Whether the core takes these parameters, whatever the table says.
-    fn core_takes(p: &Parameters) -> bool {
-        let constant = Ready::new(p, || Err(0));
-        let bandwidth = Ready::new(&Parameters { gains: 1, ..*p }, || Err(0));
-        let small = Ready::new(&Parameters { model: 2, ..*p }, || Err(0));
-        constant.is_ok() && bandwidth.is_ok() && small.is_ok()
-    }
-
-    /// The table's ranges are the core's: what is in range is taken, what is just outside is refused.
-    #[test]
-    fn the_tables_ranges_are_those_of_the_core() {
-        // Ranges of this crate's own, where the core has none or a wider one.
-        let own = |name, low| name == "attitude_gain" || (name == "thrust_max" && low);
-        for (n, p) in PARAMETERS.iter().enumerate() {
-            if p.kind != Kind::Number {
-                continue;
-            }
-            assert!(core_takes(&with(n, p.min)), "{} at its least", p.name);
-            // The greatest sharpness and stall angle exclude each other; each has its greatest in turn.
-            if p.name != "k_l" && p.name != "k_d" && p.name != "thrust_min" {
-                assert!(core_takes(&with(n, p.max)), "{} at its greatest", p.name);
-            }
-            let (below, above) = (p.min.next_down(), p.max.next_up());
-            if !own(p.name, true) {
-                assert!(!core_takes(&with(n, below)), "{} below", p.name);
-            }
-            if !own(p.name, false) {
-                assert!(!core_takes(&with(n, above)), "{} above", p.name);
-            }
-            assert!(with(n, below).check().is_err() && with(n, above).check().is_err());
-            assert!(with(n, p.min).check().is_ok() && with(n, p.max).check().is_ok());
+        for (number, name) in CHOICES[2].iter().enumerate() {
+            let choice = ModelChoice::of(number as u32).expect(name);
+            let word = match choice.model(&paper, || Err(-1)) {
+                Ok(model) => match ModelChoice::that_makes(&model) {
+                    ModelChoice::Combined => "combined",
+                    ModelChoice::LargeAngle => "large-angle",
+                    ModelChoice::SmallAngle => "small-angle",
+                    ModelChoice::Table => "table",
+                },
+                // Only the table is asked for.
+                Err(code) => {
+                    assert_eq!(code, -1);
+                    "table"
+                }
+            };
+            assert!(name.starts_with(word), "{name} leads to {word}");
         }
+        assert!(ModelChoice::of(CHOICES[2].len() as u32).is_none());
     }
 }

@@ -1,5 +1,6 @@
 //! The envelope: which attitudes hold a reference, and how far the next jump is.
 
+use alula::control::Law;
 use alula::equilibrium::{Branch, CAPACITY};
 use alula::equivalency::ApparentForces;
 use alula::ned::BodyAxes;
@@ -7,8 +8,8 @@ use alula::{Equilibria, Equilibrium, FoldMap};
 
 use crate::boundary::{self, Layout};
 use crate::code;
-use crate::controller::{Controller, ready};
-use crate::ned_input::{NedInput, Seen};
+use crate::controller::{Controller, initialised};
+use crate::ned_input::{NedInput, PlanarInput, axes_of, plane_of};
 
 /// Most equilibria of a set.
 pub const ALULA_EQUILIBRIA: u32 = 24;
@@ -56,7 +57,7 @@ pub struct FoldMargin {
     pub a: f32,
 }
 
-/// What the margin to the fold is read from: opaque memory of the caller's. Set `header`, then call
+/// A map of the folds, from which the margin to the nearest is read: opaque memory of the caller's. Set `header`, then call
 /// `alula_fold_map_init`.
 #[derive(Clone, Copy)]
 #[repr(C)]
@@ -69,25 +70,25 @@ pub struct Map {
     pub opaque: [u64; 384],
 }
 
-// SAFETY: `repr(C)`, header first, numbers only.
+// SAFETY: `repr(C)`, its first word is the header, and it holds nothing but u32 and f32.
 unsafe impl Layout for EquilibriumSet {}
-// SAFETY: as above.
+// SAFETY: As above.
 unsafe impl Layout for FoldMargin {}
-// SAFETY: as above.
+// SAFETY: `repr(C)`, its first word is the header, and it holds nothing but unsigned integers.
 unsafe impl Layout for Map {}
 
 /// The header word of a map that is initialised.
-const READY: u32 = Map::HEADER | 1 << 31;
+const INITIALISED: u32 = Map::HEADER | 1 << 31;
 
-/// What lies in a [`Map`] that is initialised.
+/// What is in a [`Map`] after `alula_fold_map_init`.
 #[repr(C)]
-struct Ready {
+struct Initialised {
     header: u32,
     map: FoldMap,
 }
 
-const _: () = assert!(size_of::<Ready>() <= size_of::<Map>());
-const _: () = assert!(align_of::<Ready>() <= align_of::<Map>());
+const _: () = assert!(size_of::<Initialised>() <= size_of::<Map>());
+const _: () = assert!(align_of::<Initialised>() <= align_of::<Map>());
 
 impl EquilibriumSet {
     /// No equilibrium.
@@ -139,16 +140,16 @@ pub unsafe extern "C" fn alula_equilibria_at(
     input: *const NedInput,
     equilibria: *mut EquilibriumSet,
 ) -> i32 {
-    // SAFETY: the caller's word.
+    // SAFETY: Every pointer that passes its check points to the structure that its header word says, by the condition above.
     unsafe {
         boundary::answer(equilibria, EquilibriumSet::EMPTY, || {
-            let ready = ready(controller)?;
+            let controller = initialised(controller)?;
             let input = boundary::read(input)?;
-            let seen = Seen::new(input)?;
-            let wind = seen.state(input)?.wind;
-            let vehicle = ready.guidance.control.vehicle();
+            let planar = PlanarInput::new(input, axes_of(input)?, plane_of(input.heading));
+            let wind = planar.state(input)?.wind;
+            let vehicle = controller.guidance.vehicle();
             let found =
-                Equilibria::find(vehicle, &seen.reference, wind).map_err(code::of_equilibrium)?;
+                Equilibria::find(vehicle, &planar.reference, wind).map_err(code::of_equilibrium)?;
             let mut set = EquilibriumSet::EMPTY;
             for (item, equilibrium) in set.items.iter_mut().zip(found.as_slice()) {
                 *item = equilibrium.into();
@@ -166,18 +167,18 @@ pub unsafe extern "C" fn alula_equilibria_at(
 /// if that is right. No other call uses the map meanwhile.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn alula_fold_map_init(map: *mut Map, controller: *const Controller) -> i32 {
-    // SAFETY: the caller's word.
+    // SAFETY: Every pointer that passes its check points to the structure that its header word says, by the condition above.
     unsafe {
-        match map_ready(map) {
+        match map_initialised(map) {
             Ok(_) | Err(code::ALULA_ERROR_NOT_INITIALISED) => {}
             Err(code) => return code,
         }
         map.cast::<u32>().write(Map::HEADER);
-        match ready(controller) {
-            Ok(ready) => {
-                let value = FoldMap::new(ready.guidance.control.vehicle());
-                (&raw mut (*map.cast::<Ready>()).map).write(value);
-                map.cast::<u32>().write(READY);
+        match initialised(controller) {
+            Ok(controller) => {
+                let value = FoldMap::new(controller.guidance.vehicle());
+                (&raw mut (*map.cast::<Initialised>()).map).write(value);
+                map.cast::<u32>().write(INITIALISED);
                 code::ALULA_OK
             }
             Err(code) => code,
@@ -197,24 +198,24 @@ pub unsafe extern "C" fn alula_fold_margin_at(
     input: *const NedInput,
     margin: *mut FoldMargin,
 ) -> i32 {
-    // SAFETY: the caller's word.
+    // SAFETY: Every pointer that passes its check points to the structure that its header word says, by the condition above.
     unsafe {
         boundary::answer(margin, FoldMargin::EMPTY, || {
-            let map = map_ready(map)?;
-            let ready = ready(controller)?;
+            let map = map_initialised(map)?;
+            let controller = initialised(controller)?;
             let input = boundary::read(input)?;
-            let seen = Seen::new(input)?;
-            let state = seen.state(input)?;
-            // The law's own check of what it is given.
-            let control = &ready.guidance.control;
+            let planar = PlanarInput::new(input, axes_of(input)?, plane_of(input.heading));
+            let state = planar.state(input)?;
+            // The law checks its input, here for the margin.
+            let control = controller.guidance.control();
             control
-                .robust(&state, &seen.reference, None)
+                .either(Law::Robust, &state, &planar.reference, None)
                 .map_err(code::of_fault)?;
             let forces = ApparentForces::new(
                 control.vehicle(),
                 state.attitude,
                 state.velocity - state.wind,
-                seen.reference.acceleration,
+                planar.reference.acceleration,
             );
             let found = map.margin(&forces).ok_or(code::ALULA_ERROR_NO_FOLD)?;
             Ok(FoldMargin {
@@ -229,13 +230,14 @@ pub unsafe extern "C" fn alula_fold_margin_at(
 /// The map that C points to.
 ///
 /// # Safety
-/// `pointer` is null, unaligned or points to a map of the caller's that no other call changes meanwhile.
-unsafe fn map_ready<'a>(pointer: *const Map) -> Result<&'a FoldMap, i32> {
+/// `pointer` is null, unaligned, or points to a map that nothing changes for `'a`.
+unsafe fn map_initialised<'a>(pointer: *const Map) -> Result<&'a FoldMap, i32> {
     boundary::check_pointer(pointer)?;
-    // SAFETY: a header is there; READY is only ever written together with the rest.
+    // SAFETY: The pointer is neither null nor unaligned, so it points to a header word. INITIALISED is written by
+    // `alula_fold_map_init` alone, and only together with the rest of an `Initialised`.
     unsafe {
         match pointer.cast::<u32>().read() {
-            READY => Ok(&(*pointer.cast::<Ready>()).map),
+            INITIALISED => Ok(&(*pointer.cast::<Initialised>()).map),
             Map::HEADER => Err(code::ALULA_ERROR_NOT_INITIALISED),
             _ => Err(code::ALULA_ERROR_LAYOUT),
         }

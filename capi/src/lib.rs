@@ -1,6 +1,6 @@
 //! The C ABI of alula: check, convert, call.
 //!
-//! What a C or C++ autopilot sees is `include/alula.h`, generated from this crate; `docs/integrating.md` tells how to
+//! The interface of a C or C++ autopilot is `include/alula.h`, generated from this crate; `docs/integrating.md` tells how to
 //! use it. Nothing here allocates, has a global or panics, and nothing unwinds into the caller. The caller owns every
 //! structure; all are plain numbers of fixed size that begin with a header word, which holds the version of the ABI and
 //! the size of the structure as the caller's compiler saw it.
@@ -16,8 +16,10 @@ mod code;
 mod controller;
 mod envelope;
 mod guide;
+mod memory;
 mod ned_command;
 mod ned_input;
+mod ned_report;
 mod parameters;
 mod plane;
 mod table;
@@ -29,7 +31,12 @@ pub use envelope::*;
 pub use guide::*;
 pub use ned_command::*;
 pub use ned_input::*;
-pub use parameters::*;
+pub use ned_report::*;
+pub use parameters::{
+    ALULA_GAINS_BANDWIDTH, ALULA_GAINS_CONSTANT, ALULA_LAW_FULL, ALULA_LAW_ROBUST,
+    ALULA_MODEL_COMBINED, ALULA_MODEL_LARGE_ANGLE, ALULA_MODEL_SMALL_ANGLE, ALULA_MODEL_TABLE,
+    CHOICES, ControllerParameters, Parameters, SECTIONS, Section, alula_parameters_default,
+};
 pub use plane::*;
 pub use table::{ALULA_TABLE_ROWS, Table, TableRow, alula_table_init};
 

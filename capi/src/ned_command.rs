@@ -1,21 +1,21 @@
-//! What a step gives in the axes of the field, and the step of the pure law in them.
+//! The command of a step in the axes of autopilots, and the step of the pure law in them.
 
-use core::f32::consts::{FRAC_PI_2, PI, TAU};
+use core::f32::consts::{FRAC_1_SQRT_2, FRAC_PI_2};
 
 use alula::FeedForward;
-use alula::ned::Quaternion;
+use alula::ned::{BodyAxes, Quaternion};
 
 use crate::boundary::{self, Layout};
 use crate::code;
-use crate::controller::{Controller, Ready, ready};
-use crate::ned_input::{NedInput, Seen, ned};
+use crate::controller::{Controller, Initialised, initialised};
+use crate::ned_input::{NedInput, PlanarInput, axes_of, ned, plane_of};
+use crate::ned_report::NedReport;
 use crate::plane::ALULA_FEED_FORWARD;
 
 /// Most that the attitude set-point leads the attitude by \[rad\].
 const MAX_LEAD: f32 = FRAC_PI_2;
 
-/// Command of one step as rate and thrust and as attitude and thrust, what the plane has lost, and how the command came
-/// about.
+/// Command of one step, as rate and thrust and as attitude and thrust.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct NedCommand {
@@ -33,36 +33,10 @@ pub struct NedCommand {
     pub body_rate: [f32; 3],
     /// The same rate about the plane's normal, to the right [rad/s]: pitch rate, positive nose up.
     pub pitch_rate: f32,
-    /// Attitude set-point \[rad\]: pitch of the input's body axes, in (−π, π], without tilt and bank.
+    /// Attitude set-point \[rad\]: pitch of the input's body axes, in [−π, π], without tilt and bank.
     pub pitch: f32,
     /// The same set-point, with the heading, as a quaternion (w, x, y, z) from body to world.
     pub quaternion: [f32; 4],
-    /// Lost by the plane: velocity across it, to the right [m/s].
-    pub lateral_velocity: f32,
-    /// Lost by the plane: the input's `air` across it, to the right [m/s].
-    pub lateral_air: f32,
-    /// Lost by the plane: reference velocity across it, to the right [m/s].
-    pub lateral_reference_velocity: f32,
-    /// Lost by the plane: reference acceleration across it, to the right [m/s²].
-    pub lateral_reference_acceleration: f32,
-    /// Lost by the plane: angle of the nose out of it \[rad\], to the right.
-    pub tilt: f32,
-    /// Lost by the plane: angle about the nose \[rad\], right wing towards the belly side.
-    pub bank: f32,
-    /// Angle of attack \[rad\], in [−π, π].
-    pub alpha: f32,
-    /// Angle from the tail to the apparent external force \[rad\], in (−π, π]: what the attitude has yet to turn.
-    pub theta_tilde: f32,
-    /// |F_p| \[N\]: how far the law is from losing its equilibrium.
-    pub f_p_norm: f32,
-    /// Thrust of the equivalent sphere \[N\].
-    pub t_p: f32,
-    /// Weight of the alignment term, 0 to 1.
-    pub guard_alignment: f32,
-    /// Weight of the feed-forward, 0 to 1.
-    pub guard_feed_forward: f32,
-    /// Gain k of the full law; 1 in the robust law.
-    pub k: f32,
 }
 
 impl NedCommand {
@@ -76,115 +50,105 @@ impl NedCommand {
         pitch_rate: 0.0,
         pitch: 0.0,
         quaternion: [1.0, 0.0, 0.0, 0.0],
-        lateral_velocity: 0.0,
-        lateral_air: 0.0,
-        lateral_reference_velocity: 0.0,
-        lateral_reference_acceleration: 0.0,
-        tilt: 0.0,
-        bank: 0.0,
-        alpha: 0.0,
-        theta_tilde: 0.0,
-        f_p_norm: 0.0,
-        t_p: 0.0,
-        guard_alignment: 0.0,
-        guard_feed_forward: 0.0,
-        k: 0.0,
     };
+
+    /// Whether every number is finite: one that is not makes their sum so.
+    #[inline(never)]
+    pub(crate) fn is_finite(&self) -> bool {
+        let [p, q, r] = self.body_rate;
+        let [w, x, y, z] = self.quaternion;
+        let command = self.thrust + self.thrust_normalised + self.pitch_rate + self.pitch;
+        (command + (p + q + r) + (w + x + y + z)).is_finite()
+    }
+
+    /// This command, which is in the other body axes, in the axes `axes`.
+    pub(crate) fn in_axes(&self, axes: BodyAxes) -> Self {
+        let [w, x, y, z] = self.quaternion;
+        let [p, q, r] = self.body_rate;
+        // The axes are a quarter turn about the wing apart: q · (cos 45°, 0, ± sin 45°, 0).
+        let (sign, quarter) = match axes {
+            BodyAxes::NoseForward => (1.0, FRAC_PI_2),
+            BodyAxes::NoseUp => (-1.0, -FRAC_PI_2),
+        };
+        let h = FRAC_1_SQRT_2;
+        Self {
+            body_rate: [-sign * r, q, sign * p],
+            pitch: within_half_turn(self.pitch + quarter),
+            quaternion: [
+                h * (w - sign * y),
+                h * (x - sign * z),
+                h * (y + sign * w),
+                h * (z + sign * x),
+            ],
+            ..*self
+        }
+    }
 }
 
-// SAFETY: `repr(C)`, header first, numbers only.
+/// An angle within a turn of [−π, π], in it.
+fn within_half_turn(angle: f32) -> f32 {
+    use core::f32::consts::{PI, TAU};
+    if angle > PI {
+        angle - TAU
+    } else if angle < -PI {
+        angle + TAU
+    } else {
+        angle
+    }
+}
+
+// SAFETY: `repr(C)`, its first word is the header, and it holds nothing but u32 and f32.
 unsafe impl Layout for NedCommand {}
 
-/// `value`, or 0 if it is not a number.
-pub(crate) fn known(value: f32) -> f32 {
-    if value.is_finite() { value } else { 0.0 }
-}
-
-impl Ready {
-    /// One step of the pure law.
-    fn step_ned(&self, input: &NedInput, dt: f32) -> Result<NedCommand, i32> {
-        let seen = Seen::new(input)?;
-        let state = seen.state(input)?;
-        let feed_forward = (input.flags & ALULA_FEED_FORWARD != 0).then(|| FeedForward {
-            air_acceleration: seen.plane.project(ned(input.air_acceleration)).0,
-            jerk: seen.plane.project(ned(input.reference_jerk)).0,
-        });
-        let command = self.law(&state, &seen.reference, feed_forward.as_ref(), dt)?;
-        Ok(self.command(&seen, &command))
-    }
-
-    /// Normalised thrust of a command, and the status bit of what is cut off.
-    fn normalise(&self, command: &alula::Command) -> (f32, u32) {
-        let share = command.thrust * self.inverse_thrust_max;
-        if share < 0.0 {
-            (0.0, code::ALULA_STATUS_THRUST_LOW)
+impl Initialised<'_> {
+    /// A command of the core in the axes of `planar`, with `status` and the status bits of what is cut off in it. The
+    /// attitude set-point is NaN if the input's attitude or heading is.
+    #[inline(always)]
+    pub(crate) fn command(
+        &self,
+        planar: &PlanarInput,
+        command: &alula::Command,
+        status: u32,
+    ) -> NedCommand {
+        let (thrust, rate) = (command.thrust, command.rate);
+        let share = thrust * self.inverse_thrust_max;
+        let (thrust_normalised, thrust_status) = if share < 0.0 {
+            (0.0, THRUST_LOW)
         } else if share > 1.0 {
-            (1.0, code::ALULA_STATUS_THRUST_HIGH)
+            (1.0, THRUST_HIGH)
         } else {
             (share, 0)
-        }
-    }
-
-    /// A command in the axes of what was seen. What was not a number is given as no angle and no velocity.
-    pub(crate) fn command(&self, seen: &Seen, command: &alula::Command) -> NedCommand {
-        let (thrust_normalised, status) = self.normalise(command);
-        let d = &command.diagnostics;
-        let present = known(seen.axes.pitch(seen.projection.attitude));
-        let (pitch, limited) = self.lead(present, command.rate);
-        let Quaternion { w, x, y, z } = seen.plane.quaternion(pitch);
-        let quaternion = if w.is_finite() {
-            [w, x, y, z]
-        } else {
-            NedCommand::SAFE.quaternion
         };
-        NedCommand {
-            header: NedCommand::HEADER,
-            status: status | limited,
-            thrust: command.thrust,
-            thrust_normalised,
-            body_rate: seen.projection.normal.map(|n| n * command.rate),
-            pitch_rate: command.rate,
-            pitch,
-            quaternion,
-            lateral_velocity: known(seen.lateral_velocity),
-            lateral_air: known(seen.lateral_air),
-            lateral_reference_velocity: known(seen.lateral_reference_velocity),
-            lateral_reference_acceleration: known(seen.lateral_reference_acceleration),
-            tilt: seen.projection.tilt,
-            bank: seen.projection.bank,
-            alpha: d.alpha,
-            theta_tilde: d.theta_tilde(),
-            f_p_norm: d.f_p_norm,
-            t_p: d.t_p,
-            guard_alignment: d.guard_alignment,
-            guard_feed_forward: d.guard_feed_forward,
-            k: d.k,
-        }
-    }
-
-    /// The pitch set-point at which an attitude loop at `pitch` asks for `rate`, and its status bit.
-    fn lead(&self, pitch: f32, rate: f32) -> (f32, u32) {
         let lead = rate * self.inverse_attitude_gain;
-        let (lead, limited) = if lead.abs() > MAX_LEAD {
+        let (lead, lead_status) = if lead.abs() > MAX_LEAD {
             (MAX_LEAD.copysign(lead), code::ALULA_STATUS_LEAD_LIMITED)
         } else {
             (lead, 0)
         };
-        let pitch = pitch + lead;
-        let pitch = if pitch > PI {
-            pitch - TAU
-        } else if pitch <= -PI {
-            pitch + TAU
-        } else {
-            pitch
-        };
-        (pitch, limited)
+        let (Quaternion { w, x, y, z }, pitch) =
+            planar
+                .plane
+                .set_point(planar.projection.attitude, planar.axes, lead);
+        NedCommand {
+            header: NedCommand::HEADER,
+            status: status | thrust_status | lead_status,
+            thrust,
+            thrust_normalised,
+            body_rate: planar.projection.normal.map(|n| n * rate),
+            pitch_rate: rate,
+            pitch,
+            quaternion: [w, x, y, z],
+        }
     }
 }
 
+const THRUST_LOW: u32 = alula::guidance::Status::THRUST_LOW.bits() as u32;
+const THRUST_HIGH: u32 = alula::guidance::Status::THRUST_HIGH.bits() as u32;
+
 /// One step of the pure law in the vertical plane through the input's heading: from `input` to `command`, `dt` seconds
 /// after the last. The law has no memory and no limits: `dt` is only checked. Whatever is returned but `ALULA_OK`, the
-/// command is the safe one; unless it is `command` itself that is at fault, which is then left alone.
+/// command is the safe one, and `report` is not written; if `command` itself is at fault, it is not written either. `report`
+/// may be null; its margins are zero.
 ///
 /// # Safety
 /// As `alula_step`.
@@ -194,11 +158,27 @@ pub unsafe extern "C" fn alula_step_ned(
     input: *const NedInput,
     dt: f32,
     command: *mut NedCommand,
+    report: *mut NedReport,
 ) -> i32 {
-    // SAFETY: the caller's word.
+    // SAFETY: Every pointer that passes its check points to the structure that its header word says, by the condition above.
     unsafe {
         boundary::answer(command, NedCommand::SAFE, || {
-            ready(controller)?.step_ned(boundary::read(input)?, dt)
+            boundary::check_optional(report)?;
+            let controller = initialised(controller)?;
+            let input = boundary::read(input)?;
+            let axes = axes_of(input)?;
+            let planar = PlanarInput::new(input, axes, plane_of(input.heading));
+            let state = planar.state(input)?;
+            let project = |v| planar.plane.project(ned(v)).0;
+            let feed_forward = (input.flags & ALULA_FEED_FORWARD != 0).then(|| FeedForward {
+                air_acceleration: project(input.air_acceleration),
+                jerk: project(input.reference_jerk),
+            });
+            let command = controller.law(&state, &planar.reference, feed_forward.as_ref(), dt)?;
+            if !report.is_null() {
+                report.write(NedReport::of_law(&planar, &command));
+            }
+            Ok(controller.command(&planar, &command, 0))
         })
     }
 }
@@ -209,6 +189,6 @@ pub unsafe extern "C" fn alula_step_ned(
 /// As `alula_input_default`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn alula_ned_command_default(command: *mut NedCommand) -> i32 {
-    // SAFETY: the caller's word.
+    // SAFETY: `command` is as `write` asks for, by the condition above.
     unsafe { boundary::write(command, NedCommand::SAFE) }
 }

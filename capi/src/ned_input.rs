@@ -1,5 +1,5 @@
-//! What a step is given in the axes of the field, north-east-down world and forward-right-down body, and how that is seen
-//! in the vertical plane through a heading.
+//! The input of a step in the axes of autopilots, north-east-down world and forward-right-down body, and its projection on
+//! the vertical plane of its heading.
 
 use core::f32::consts::{FRAC_1_SQRT_2, FRAC_PI_2};
 
@@ -70,7 +70,7 @@ pub struct NedInput {
 }
 
 impl NedInput {
-    /// Hovering still in still air, nose up by pitch 90° of fixed-wing axes, heading north, asked to stay.
+    /// A hover in still air, heading north, whose reference is to stay. The attitude is pitch 90° of fixed-wing axes.
     pub const DEFAULT: Self = Self {
         header: Self::HEADER,
         flags: 0,
@@ -91,20 +91,26 @@ impl NedInput {
     };
 }
 
-// SAFETY: `repr(C)`, header first, numbers only.
+// SAFETY: `repr(C)`, its first word is the header, and it holds nothing but u32 and f32.
 unsafe impl Layout for NedInput {}
 
 pub(crate) fn ned(v: [f32; 3]) -> Ned {
     Ned::new(v[0], v[1], v[2])
 }
 
-/// Whether `angle` is a number, and of a size that is meant.
+/// Whether `angle` \[rad\] is finite and not absurdly large.
 pub(crate) fn in_range(angle: f32) -> bool {
     angle.abs() <= MAX_ANGLE
 }
 
-/// An input's state and reference, seen in its plane; what has no number there is not a number.
-pub(crate) struct Seen {
+/// The vertical plane of a heading; of NaN if the heading is out of range, which makes every projection NaN.
+pub(crate) fn plane_of(heading: f32) -> VerticalPlane {
+    VerticalPlane::from_heading(if in_range(heading) { heading } else { f32::NAN })
+}
+
+/// An input's state and reference, projected on its vertical plane, and their components across it. What is not finite in
+/// the input is NaN here.
+pub(crate) struct PlanarInput {
     pub axes: BodyAxes,
     pub plane: VerticalPlane,
     pub projection: Projection,
@@ -117,53 +123,30 @@ pub(crate) struct Seen {
     pub lateral_reference_acceleration: f32,
 }
 
-impl Seen {
-    /// # Errors
-    /// A selector that has no such value. Numbers are not checked here.
-    pub fn new(input: &NedInput) -> Result<Self, i32> {
-        const FLAGS: u32 =
-            ALULA_FEED_FORWARD | ALULA_POSITION | ALULA_AIR_VELOCITY | ALULA_AIR_UNKNOWN;
-        const AIR: u32 = ALULA_AIR_VELOCITY | ALULA_AIR_UNKNOWN;
-        if input.flags & !FLAGS != 0 || input.flags & AIR == AIR {
-            return Err(code::ALULA_ERROR_SELECTOR);
-        }
-        let axes = match input.body_axes {
-            ALULA_BODY_NOSE_FORWARD => BodyAxes::NoseForward,
-            ALULA_BODY_NOSE_UP => BodyAxes::NoseUp,
-            _ => return Err(code::ALULA_ERROR_SELECTOR),
-        };
-        let heading = if in_range(input.heading) {
-            input.heading
-        } else {
-            f32::NAN
-        };
-        let plane = VerticalPlane::from_heading(heading);
-        let pitched = |attitude| Projection {
-            attitude,
-            tilt: 0.0,
-            bank: 0.0,
-            normal: [0.0, 1.0, 0.0],
-        };
-        const NO_ATTITUDE: Attitude = Attitude {
+impl PlanarInput {
+    /// Projects `input`, whose body axes are `axes`, on `plane`. Numbers are not checked here.
+    #[inline(always)]
+    pub fn new(input: &NedInput, axes: BodyAxes, plane: VerticalPlane) -> Self {
+        const NO_ATTITUDE: Projection = Projection::upright(Attitude {
             cos: f32::NAN,
             sin: f32::NAN,
-        };
+        });
         let projection = match input.attitude {
             ALULA_ATTITUDE_QUATERNION => {
                 let [w, x, y, z] = input.quaternion;
-                let projection = plane.attitude(&Quaternion { w, x, y, z }, axes);
-                projection.unwrap_or(pitched(NO_ATTITUDE))
+                plane
+                    .attitude(&Quaternion { w, x, y, z }, axes)
+                    .unwrap_or(NO_ATTITUDE)
             }
-            ALULA_ATTITUDE_PITCH if in_range(input.pitch) => pitched(axes.attitude(input.pitch)),
-            ALULA_ATTITUDE_PITCH => pitched(NO_ATTITUDE),
-            _ => return Err(code::ALULA_ERROR_SELECTOR),
+            _ if in_range(input.pitch) => Projection::upright(axes.attitude(input.pitch)),
+            _ => NO_ATTITUDE,
         };
         let project = |v| plane.project(ned(v));
         let (velocity, lateral_velocity) = project(input.velocity);
         let (air, lateral_air) = project(input.air);
         let (reference_velocity, lateral_reference_velocity) = project(input.reference_velocity);
         let (acceleration, lateral_reference_acceleration) = project(input.reference_acceleration);
-        Ok(Self {
+        Self {
             axes,
             plane,
             projection,
@@ -177,19 +160,19 @@ impl Seen {
             lateral_air,
             lateral_reference_velocity,
             lateral_reference_acceleration,
-        })
+        }
     }
 
-    /// The state, with the wind known.
+    /// The state, if the wind is known.
     ///
     /// # Errors
-    /// The code of whatever the law will not see: a heading that is none, or a component across the plane that is none
-    /// or absurd; and of an unknown wind.
+    /// The codes of what the law cannot check itself, since it is not given it: the heading, components across the plane,
+    /// and whether the wind is known.
     pub fn state(&self, input: &NedInput) -> Result<State, i32> {
         if !in_range(input.heading) {
             return Err(code::ALULA_ERROR_HEADING);
         }
-        let (wind, lateral_wind) = match input.flags & (ALULA_AIR_VELOCITY | ALULA_AIR_UNKNOWN) {
+        let (wind, lateral_wind) = match input.flags & AIR {
             0 => (self.air, self.lateral_air),
             ALULA_AIR_VELOCITY => (
                 self.velocity - self.air,
@@ -197,19 +180,25 @@ impl Seen {
             ),
             _ => return Err(code::ALULA_ERROR_WIND),
         };
-        let ok = |v: f32, max, code| if v.abs() <= max { Ok(()) } else { Err(code) };
-        ok(self.lateral_velocity, MAX_SPEED, code::ALULA_ERROR_VELOCITY)?;
-        ok(lateral_wind, MAX_SPEED, code::ALULA_ERROR_WIND)?;
-        ok(
-            self.lateral_reference_velocity,
-            MAX_SPEED,
-            code::ALULA_ERROR_REFERENCE_VELOCITY,
-        )?;
-        ok(
-            self.lateral_reference_acceleration,
-            MAX_ACCELERATION,
-            code::ALULA_ERROR_REFERENCE_ACCELERATION,
-        )?;
+        for (lateral, max, code) in [
+            (self.lateral_velocity, MAX_SPEED, code::ALULA_ERROR_VELOCITY),
+            (lateral_wind, MAX_SPEED, code::ALULA_ERROR_WIND),
+            (
+                self.lateral_reference_velocity,
+                MAX_SPEED,
+                code::ALULA_ERROR_REFERENCE_VELOCITY,
+            ),
+            (
+                self.lateral_reference_acceleration,
+                MAX_ACCELERATION,
+                code::ALULA_ERROR_REFERENCE_ACCELERATION,
+            ),
+        ] {
+            // NaN is not either.
+            if !matches!(lateral.abs(), v if v <= max) {
+                return Err(code);
+            }
+        }
         Ok(State {
             velocity: self.velocity,
             attitude: self.projection.attitude,
@@ -218,12 +207,36 @@ impl Seen {
     }
 }
 
-/// Fills in an input that hovers still in still air, heading north, and is asked to stay.
+/// Flags that say what `air` is.
+pub(crate) const AIR: u32 = ALULA_AIR_VELOCITY | ALULA_AIR_UNKNOWN;
+
+/// The body axes of an input.
+///
+/// # Errors
+/// The code of a selector that has no such value, which may be another one than that of the axes.
+#[inline(always)]
+pub(crate) fn axes_of(input: &NedInput) -> Result<BodyAxes, i32> {
+    const FLAGS: u32 = ALULA_FEED_FORWARD | ALULA_POSITION | AIR;
+    let axes = match input.body_axes {
+        ALULA_BODY_NOSE_FORWARD => BodyAxes::NoseForward,
+        ALULA_BODY_NOSE_UP => BodyAxes::NoseUp,
+        _ => return Err(code::ALULA_ERROR_SELECTOR),
+    };
+    if input.flags & !FLAGS != 0
+        || input.flags & AIR == AIR
+        || input.attitude > ALULA_ATTITUDE_PITCH
+    {
+        return Err(code::ALULA_ERROR_SELECTOR);
+    }
+    Ok(axes)
+}
+
+/// Fills in a hover in still air, heading north, whose reference is to stay.
 ///
 /// # Safety
 /// As `alula_input_default`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn alula_ned_input_default(input: *mut NedInput) -> i32 {
-    // SAFETY: the caller's word.
+    // SAFETY: `input` is as `write` asks for, by the condition above.
     unsafe { boundary::write(input, NedInput::DEFAULT) }
 }

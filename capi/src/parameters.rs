@@ -1,12 +1,13 @@
-//! The parameters: one table, of which the structure, its checks, the header's comments, `docs/parameters.md` and the
-//! parameter file of PX4 are made.
+//! The parameters of a controller: the core's tables, and one of the C interface's own.
+//!
+//! The structures, their defaults and their ranges are the core's. The header's comments, `docs/parameters.md`, the texts of
+//! refused parameters and the parameter file of PX4 are made from the same rows.
 
-use core::f32::consts::{FRAC_PI_2, PI};
 use core::ffi::CStr;
 
 use alula::{
-    BandwidthParameters, CombinedParameters, GainParameters, ParameterError, Problem,
-    VehicleParameters,
+    CombinedParameters, GainParameters, GuidanceParameters, ParameterError, Parameters as _,
+    Problem, Range, Row, VehicleParameters,
 };
 
 use crate::boundary::{self, Layout};
@@ -17,12 +18,12 @@ pub const ALULA_LAW_ROBUST: u32 = 0;
 /// The full law: the paper's proof holds for it, and it is undefined at |F_p| = 0 and with F_p against the thrust.
 pub const ALULA_LAW_FULL: u32 = 1;
 
-/// Constant gains, as in the paper: k1, k2, k3.
-pub const ALULA_GAINS_CONSTANT: u32 = 0;
-/// Gains that follow |F_p|, so that the loop keeps its bandwidth: natural_frequency, damping, thrust_rate, force_floor.
-pub const ALULA_GAINS_BANDWIDTH: u32 = 1;
+/// Gains that follow |F_p|, so that the loop keeps its bandwidth: the parameters of the guidance.
+pub const ALULA_GAINS_BANDWIDTH: u32 = 0;
+/// Constant gains, as in the paper. They oscillate on a vehicle whose rate loop or thrust lags.
+pub const ALULA_GAINS_CONSTANT: u32 = 1;
 
-/// Coefficients by the combined model: c0…c3, alpha_bar, k_l, k_d.
+/// Coefficients by the combined model: every parameter of `coefficients`.
 pub const ALULA_MODEL_COMBINED: u32 = 0;
 /// Coefficients by the large-angle model: c0, c1.
 pub const ALULA_MODEL_LARGE_ANGLE: u32 = 1;
@@ -31,288 +32,210 @@ pub const ALULA_MODEL_SMALL_ANGLE: u32 = 2;
 /// Coefficients by the table that `alula_init` is given.
 pub const ALULA_MODEL_TABLE: u32 = 3;
 
-/// What a parameter is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Kind {
-    /// A number.
-    Number,
-    /// One of these values, from 0.
-    Choice(&'static [&'static str]),
-}
-
-/// What is known of a parameter.
-#[derive(Clone, Copy, Debug)]
-pub struct Parameter {
-    /// Name of its field.
-    pub name: &'static str,
-    /// Name in PX4's parameter file, at most 16 characters.
-    pub px4: &'static str,
-    /// Heading it stands under.
-    pub group: &'static str,
-    /// Number or choice.
-    pub kind: Kind,
-    /// Unit; empty for a pure number.
-    pub unit: &'static str,
-    /// Least value.
-    pub min: f32,
-    /// Greatest value.
-    pub max: f32,
-    /// Default.
-    pub default: f32,
-    /// Meaning.
-    pub meaning: &'static str,
-}
-
-/// What the library itself keeps of the table: the rest is for generators, and takes no room in an image.
-pub(crate) struct Range {
-    name: &'static str,
-    choice: bool,
-    min: f32,
-    max: f32,
-    /// What is said of a value that is not finite, not positive, or out of range.
-    pub texts: [&'static CStr; 3],
-}
-
-const fn text(bytes: &'static str) -> &'static CStr {
-    match CStr::from_bytes_with_nul(bytes.as_bytes()) {
-        Ok(text) => text,
-        Err(_) => panic!("no NUL at the end"),
+alula::parameters! {
+    /// What a controller is made of besides its vehicle, gains and coefficients.
+    pub struct ControllerParameters, "Controller" {
+        law: "", 0.0, 1.0, 0.0, "ALU_LAW",
+            "Law that alula_step and alula_step_ned fly. alula_guide flies the robust one.";
+        gains: "", 0.0, 1.0, 0.0, "ALU_GAINS",
+            "How the gains are chosen.";
+        model: "", 0.0, 3.0, 0.0, "ALU_MODEL",
+            "Model of the aerodynamic coefficients.";
+        attitude_gain: "1/s", 1e-2, 1e3, 6.5, "ALU_ATT_P",
+            "Gain from attitude error to angular rate of the attitude loop that flies the attitude set-point: the set-point is placed where that loop asks for the commanded rate.";
     }
 }
 
-macro_rules! parameters {
-    ($(
-        $group:literal: $(
-            $name:ident: $type:ident $kind:expr, $px4:literal, $unit:literal,
-            $min:expr, $max:expr, $default:expr, $meaning:literal;
-        )*
-    )*) => {
+/// The values of the first parameters, which are choices: whole numbers from 0.
+pub const CHOICES: [&[&str]; 3] = [
+    &["robust (ALULA_LAW_ROBUST)", "full (ALULA_LAW_FULL)"],
+    &[
+        "by bandwidth (ALULA_GAINS_BANDWIDTH)",
+        "constant (ALULA_GAINS_CONSTANT)",
+    ],
+    &[
+        "combined (ALULA_MODEL_COMBINED)",
+        "large-angle (ALULA_MODEL_LARGE_ANGLE)",
+        "small-angle (ALULA_MODEL_SMALL_ANGLE)",
+        "table (ALULA_MODEL_TABLE)",
+    ],
+];
+
+macro_rules! tables {
+    ($( $(#[doc = $about:literal])* $field:ident: $table:ident, )*) => {
         /// Everything that a controller is made of. `alula_parameters_default` fills in the defaults.
         #[derive(Clone, Copy, Debug, PartialEq)]
         #[repr(C)]
         pub struct Parameters {
             /// `ALULA_HEADER(alula_parameters)`.
             pub header: u32,
-            $($( #[doc = $meaning] pub $name: $type, )*)*
+            $( $(#[doc = $about])* pub $field: $table, )*
         }
 
         impl Parameters {
-            /// The defaults.
+            /// The defaults; NaN where there is none.
             pub const DEFAULT: Self = Self {
                 header: Self::HEADER,
-                $($( $name: $default as $type, )*)*
+                $( $field: $table::DEFAULT, )*
             };
         }
 
-        /// The table.
-        pub const PARAMETERS: &[Parameter] = &[$($( Parameter {
-            name: stringify!($name),
-            px4: $px4,
-            group: $group,
-            kind: $kind,
-            unit: $unit,
-            min: $min as f32,
-            max: $max as f32,
-            default: $default as f32,
-            meaning: $meaning,
-        }, )*)*];
+        /// The tables in the order of the structure.
+        pub const SECTIONS: &[Section] = &[$( Section {
+            field: stringify!($field),
+            about: concat!($( $about ),*),
+            structure: stringify!($table),
+            group: $table::GROUP,
+            rows: $table::ROWS,
+        }, )*];
 
-        /// The ranges, in the table's order.
-        pub(crate) const RANGES: &[Range] = &[$($( Range {
-            name: stringify!($name),
-            choice: matches!($kind, Choice(_)),
-            min: $min as f32,
-            max: $max as f32,
-            texts: [
-                text(concat!(stringify!($name), " must be a finite number\0")),
-                text(concat!(stringify!($name), " must be positive\0")),
-                text(concat!(stringify!($name), " is out of range\0")),
-            ],
-        }, )*)*];
+        /// Their ranges, which are all that an image needs.
+        const RANGES: &[&[Range]] = &[$( $table::RANGES, )*];
+
+        /// Fields of [`Parameters`], for the texts.
+        const FIELDS: &[&str] = &[$( stringify!($field), )*];
     };
 }
 
-use Kind::{Choice, Number};
-
-/// What the defaults are of: the paper's vehicle, section and gains.
-const VEHICLE: VehicleParameters = VehicleParameters::PAPER;
-const SECTION: CombinedParameters = CombinedParameters::NACA_0021_RE_160E3;
-const GAINS: GainParameters = GainParameters::PAPER;
-const BANDWIDTH: BandwidthParameters = BandwidthParameters::PAPER_VEHICLE;
-
-parameters! {
-    "Law":
-        law: u32 Choice(&["robust (ALULA_LAW_ROBUST)", "full (ALULA_LAW_FULL)"]),
-            "ALU_LAW", "", 0, 1, ALULA_LAW_ROBUST,
-            "Law that alula_step and alula_step_ned fly. alula_guide flies the robust one.";
-        gains: u32 Choice(&["constant (ALULA_GAINS_CONSTANT)", "by bandwidth (ALULA_GAINS_BANDWIDTH)"]),
-            "ALU_GAINS", "", 0, 1, ALULA_GAINS_CONSTANT,
-            "How the gains are chosen.";
-        k1: f32 Number, "ALU_K1", "s/m", 1e-9, 1e6, GAINS.k1,
-            "Constant gains: thrust per velocity error along the thrust line, relative to |F_p|.";
-        k2: f32 Number, "ALU_K2", "rad/(N m)", 1e-9, 1e6, GAINS.k2,
-            "Constant gains: angular rate per velocity error across the thrust line and per |F_p|.";
-        k3: f32 Number, "ALU_K3", "rad/s", 1e-9, 1e6, GAINS.k3,
-            "Constant gains: angular rate per misalignment of thrust and F_p.";
-        tau: f32 Number, "ALU_TAU", "N", 1e-3, 1e6, GAINS.tau,
-            "Force below which the guard acts.";
-        natural_frequency: f32 Number, "ALU_BW_FREQ", "rad/s", 1e-3, 1e3, BANDWIDTH.natural_frequency,
-            "Gains by bandwidth: natural frequency of the loop across the thrust line.";
-        damping: f32 Number, "ALU_BW_DAMP", "", 1e-2, 1e2, BANDWIDTH.damping,
-            "Gains by bandwidth: damping ratio of the loop across the thrust line.";
-        thrust_rate: f32 Number, "ALU_BW_THR", "1/s", 1e-3, 1e3, BANDWIDTH.thrust_rate,
-            "Gains by bandwidth: rate of the loop along the thrust line.";
-        force_floor: f32 Number, "ALU_BW_FLOOR", "N", 1e-3, 1e6, BANDWIDTH.force_floor,
-            "Gains by bandwidth: |F_p| below which the gains grow no further.";
-    "Vehicle":
-        mass: f32 Number, "ALU_MASS", "kg", 1e-3, 1e6, VEHICLE.mass,
-            "Mass.";
-        k_a: f32 Number, "ALU_KA", "kg/m", 1e-9, 1e4, VEHICLE.k_a,
-            "Aerodynamic constant: half the air density times the reference area.";
-        delta: f32 Number, "ALU_DELTA", "rad", -PI, PI, VEHICLE.delta,
-            "Angle from the zero-lift line to the thrust line.";
-        gravity: f32 Number, "ALU_GRAVITY", "m/s^2", 1e-3, 1e3, VEHICLE.gravity,
-            "Gravity.";
-        attitude_gain: f32 Number, "ALU_ATT_P", "1/s", 1e-2, 1e3, 6.5,
-            "Gain from attitude error to angular rate of the attitude loop that flies the attitude set-point: the \
-             set-point is placed where that loop asks for the commanded rate.";
-    "Limits":
-        thrust_min: f32 Number, "ALU_THR_MIN", "N", -1e6, 1e6, 0.0,
-            "Least thrust that alula_guide commands.";
-        thrust_max: f32 Number, "ALU_THR_MAX", "N", 1e-3, 1e6, 196.2,
-            "Greatest thrust that alula_guide commands, and what a normalised thrust of 1 stands for; above thrust_min.";
-        rate_max: f32 Number, "ALU_RATE_MAX", "rad/s", 1e-3, 1e3, 2.8,
-            "Greatest angular rate that alula_guide commands.";
-        slew_max: f32 Number, "ALU_SLEW_MAX", "rad/s^2", 1e-3, 1e6, 30.0,
-            "Greatest change of the angular rate that alula_guide commands.";
-        reference_acceleration_max: f32 Number, "ALU_REF_ACC", "m/s^2", 1e-3, 1e3, 3.0,
-            "Greatest acceleration with which alula_guide follows the reference velocity.";
-        reference_rate: f32 Number, "ALU_REF_RATE", "1/s", 1e-3, 1e2, 0.8,
-            "Rate with which the velocity followed returns to the reference velocity after that limit.";
-    "Outer loop":
-        position_gain_down: f32 Number, "ALU_POS_P_D", "1/s", 0.0, 100.0, 0.8,
-            "Velocity per position error, down. Zero turns the hold off.";
-        position_gain_forward: f32 Number, "ALU_POS_P_F", "1/s", 0.0, 100.0, 0.6,
-            "Velocity per position error, forward. Zero turns the hold off.";
-        pull_down: f32 Number, "ALU_POS_V_D", "m/s", 0.0, 1e3, 3.0,
-            "Greatest velocity towards the reference position, down.";
-        pull_forward: f32 Number, "ALU_POS_V_F", "m/s", 0.0, 1e3, 6.0,
-            "Greatest velocity towards the reference position, forward.";
-        integral_gain_down: f32 Number, "ALU_INT_D", "1/s", 0.0, 100.0, 0.3,
-            "Growth of the integral per velocity of the pull, down. Zero turns it off.";
-        integral_gain_forward: f32 Number, "ALU_INT_F", "1/s", 0.0, 100.0, 0.1,
-            "Growth of the integral per velocity of the pull, forward. Zero turns it off.";
-        integral_down: f32 Number, "ALU_INT_MAX_D", "m/s", 0.0, 1e3, 2.0,
-            "Greatest integral, down.";
-        integral_forward: f32 Number, "ALU_INT_MAX_F", "m/s", 0.0, 1e3, 1.0,
-            "Greatest integral, forward.";
-        forward_error: f32 Number, "ALU_ERR_MAX_F", "m/s", 1e-3, 1e3, 14.0,
-            "Greatest forward velocity error that the law is given. About two thirds of the cruise speed.";
-    "Branch":
-        branch_switch: u32 Choice(&["report only", "switch"]),
-            "ALU_BRANCH", "", 0, 1, 1,
-            "Whether alula_guide flies tail first where flying nose first needs negative thrust.";
-        branch_hysteresis: f32 Number, "ALU_BRANCH_HYST", "N", 1e-3, 1e6, 10.0,
-            "How far F_p must have passed through zero before the branch is left.";
-        branch_fade: f32 Number, "ALU_BRANCH_FADE", "s", 1e-3, 1e2, 0.3,
-            "Time constant with which the jump of the angular rate at a switch fades out.";
-    "Supervision":
-        hold: f32 Number, "ALU_SUP_HOLD", "s", 0.0, 1e6, 0.1,
-            "How long bad frames are bridged by the last command.";
-        recovery: f32 Number, "ALU_SUP_RECOVER", "s", 0.0, 1e6, 0.05,
-            "How long frames must be good before the safe command is left.";
-        state_age: f32 Number, "ALU_SUP_STATE", "s", 0.0, 1e6, 0.05,
-            "Age beyond which a state is refused.";
-        reference_age: f32 Number, "ALU_SUP_REF", "s", 0.0, 1e6, 0.5,
-            "Age beyond which a reference is no longer followed.";
-        air_hold: f32 Number, "ALU_SUP_AIR", "s", 0.0, 1e6, 1.0,
-            "How long the last known wind stands in for missing air data.";
-        safe_thrust: f32 Number, "ALU_SUP_THRUST", "N", -1e6, 1e6, 0.0,
-            "Thrust of alula_guide's safe command.";
-    "Coefficients":
-        model: u32 Choice(&[
-                "combined (ALULA_MODEL_COMBINED)",
-                "large-angle (ALULA_MODEL_LARGE_ANGLE)",
-                "small-angle (ALULA_MODEL_SMALL_ANGLE)",
-                "table (ALULA_MODEL_TABLE)",
-            ]),
-            "ALU_MODEL", "", 0, 3, ALULA_MODEL_COMBINED,
-            "Model of the aerodynamic coefficients.";
-        c0: f32 Number, "ALU_C0", "", 1e-6, 1e3, SECTION.c0,
-            "Drag coefficient at zero angle of attack. Every model.";
-        c1: f32 Number, "ALU_C1", "", 1e-6, 1e3, SECTION.c1,
-            "Largest lift coefficient beyond stall. Combined and large-angle model.";
-        c2: f32 Number, "ALU_C2", "1/rad", 1e-6, 1e3, SECTION.c2,
-            "Lift slope at zero angle of attack. Combined and small-angle model.";
-        c3: f32 Number, "ALU_C3", "1/rad^2", 1e-6, 1e3, SECTION.c3,
-            "Growth of drag with the squared angle of attack, at zero. Combined and small-angle model.";
-        alpha_bar: f32 Number, "ALU_ALPHA_BAR", "rad", 1e-3, FRAC_PI_2,
-            SECTION.alpha_bar,
-            "Stall angle. Combined model.";
-        k_l: f32 Number, "ALU_KL", "1/rad^2", 1e-6, 1e4, SECTION.k_l,
-            "Sharpness of lift's stall; times alpha_bar squared at most 40. Combined model.";
-        k_d: f32 Number, "ALU_KD", "1/rad^2", 1e-6, 1e4, SECTION.k_d,
-            "Sharpness of drag's stall; times alpha_bar squared at most 40. Combined model.";
+tables! {
+    /// Law, kind of gains, model.
+    controller: ControllerParameters,
+    /// The vehicle. Mass, k_a and thrust_max have no default and must be set.
+    vehicle: VehicleParameters,
+    /// Gains by bandwidth and everything that alula_guide adds. Forces are multiples of the weight.
+    guidance: GuidanceParameters,
+    /// For ALULA_GAINS_CONSTANT.
+    gains: GainParameters,
+    /// Of the aerodynamic models.
+    coefficients: CombinedParameters,
 }
 
-// SAFETY: `repr(C)`, header first, numbers only.
+/// One of the tables of parameters, for generators.
+#[derive(Clone, Copy, Debug)]
+pub struct Section {
+    /// Its field of [`Parameters`].
+    pub field: &'static str,
+    /// What it is.
+    pub about: &'static str,
+    /// Its structure in Rust.
+    pub structure: &'static str,
+    /// Heading.
+    pub group: &'static str,
+    /// Rows.
+    pub rows: &'static [Row],
+}
+
+// SAFETY: `repr(C)`, its first word is the header, and it holds nothing but u32 and f32.
 unsafe impl Layout for Parameters {}
 
-/// Words of a [`Parameters`]: its header, and one for each parameter in the table's order.
-const WORDS: usize = 1 + RANGES.len();
-const _: () = assert!(size_of::<Parameters>() == WORDS * size_of::<u32>());
+/// How many parameters there are.
+const COUNT: usize = {
+    let (mut count, mut n) = (0, 0);
+    while n < RANGES.len() {
+        count += RANGES[n].len();
+        n += 1;
+    }
+    count
+};
+const _: () = assert!(size_of::<Parameters>() == (1 + COUNT) * size_of::<u32>());
 
 impl Parameters {
-    /// Checks every parameter against the table.
+    /// Checks every parameter against its range.
     ///
     /// # Errors
     /// The code that names the first parameter refused.
     pub(crate) fn check(&self) -> Result<(), i32> {
-        // SAFETY: the size is asserted above, and any four bytes are a word.
-        let words: &[u32; WORDS] = unsafe { &*(&raw const *self).cast() };
-        let [_, words @ ..] = words;
-        for (index, (range, word)) in RANGES.iter().zip(words).enumerate() {
-            let value = if range.choice {
-                *word as f32
-            } else {
-                f32::from_bits(*word)
+        // SAFETY: `Parameters` is `repr(C)` and consists of a header of four bytes and COUNT numbers `f32`, by the
+        // assertion on its size above. Any four bytes are an `f32`.
+        let words: &[f32; 1 + COUNT] = unsafe { &*(&raw const *self).cast() };
+        let [_, values @ ..] = words;
+        for (index, (range, value)) in RANGES.iter().copied().flatten().zip(values).enumerate() {
+            let whole = *value == (*value as u32) as f32;
+            let checked = match range.check(*value) {
+                Ok(()) if index < CHOICES.len() && !whole => Err(Problem::OutOfRange),
+                checked => checked,
             };
-            range
-                .check(value)
-                .map_err(|problem| code::of_parameter(index, problem))?;
+            checked.map_err(|problem| code::of_parameter(index, problem))?;
         }
         Ok(())
     }
 }
 
-impl Range {
-    /// Checks a value of this parameter, whatever the others are.
-    fn check(&self, value: f32) -> Result<(), Problem> {
-        if !value.is_finite() {
-            Err(Problem::NotFinite)
-        } else if value <= 0.0 && self.min > 0.0 {
-            Err(Problem::NotPositive)
-        } else if value < self.min || value > self.max {
-            Err(Problem::OutOfRange)
-        } else {
-            Ok(())
-        }
-    }
-}
-
-/// The code of a refusal by the core: what the table cannot tell, for it depends on other parameters too.
+/// The code of a parameter that the core refuses because of others: each one's own range has been checked before.
 pub(crate) fn refused(error: ParameterError) -> i32 {
-    let index = RANGES.iter().position(|p| p.name == error.parameter);
-    code::of_parameter(index.unwrap_or(RANGES.len()), error.problem)
+    let mut ranges = RANGES.iter().copied().flatten();
+    let index = ranges.position(|range| range.name == error.parameter);
+    code::of_parameter(index.unwrap_or(COUNT), error.problem)
 }
 
-/// Fills in the default of every parameter: the paper's vehicle, coefficients and gains.
+/// What is said of a refused parameter, by the number of its [`Problem`] in the code.
+const PROBLEMS: [&str; 4] = [
+    "must be a finite number",
+    "must be positive",
+    "is out of range",
+    "contradicts another parameter",
+];
+
+/// Copies `text` to `out` from `at` on, if `out` is long enough, and returns where it ends.
+const fn append<const N: usize>(out: &mut [u8; N], at: usize, text: &str) -> usize {
+    let bytes = text.as_bytes();
+    let mut n = 0;
+    while n < bytes.len() {
+        if at + n < N {
+            out[at + n] = bytes[n];
+        }
+        n += 1;
+    }
+    at + n
+}
+
+/// "vehicle.mass must be positive" and so on, for each parameter and problem in order, each with a zero behind it; and the
+/// length of it all.
+const fn texts<const N: usize>() -> ([u8; N], usize) {
+    let (mut out, mut at) = ([0; N], 0);
+    let mut table = 0;
+    while table < RANGES.len() {
+        let mut row = 0;
+        while row < RANGES[table].len() {
+            let mut problem = 0;
+            while problem < PROBLEMS.len() {
+                at = append(&mut out, at, FIELDS[table]);
+                at = append(&mut out, at, ".");
+                at = append(&mut out, at, RANGES[table][row].name);
+                at = append(&mut out, at, " ");
+                at = append(&mut out, at, PROBLEMS[problem]);
+                at += 1;
+                problem += 1;
+            }
+            row += 1;
+        }
+        table += 1;
+    }
+    (out, at)
+}
+
+/// The texts. Only `alula_strerror` reads them: a program that does not call it is linked without.
+static TEXTS: [u8; texts::<0>().1] = texts().0;
+
+/// What the code `ALULA_ERROR_PARAMETER - number` means.
+pub(crate) fn text(number: usize) -> Option<&'static CStr> {
+    let mut rest: &[u8] = &TEXTS;
+    for _ in 0..number {
+        let text = CStr::from_bytes_until_nul(rest).ok()?;
+        rest = rest.get(text.count_bytes() + 1..)?;
+    }
+    CStr::from_bytes_until_nul(rest).ok()
+}
+
+/// Fills in the default of every parameter. Those of the vehicle that have none, mass, k_a and thrust_max, become NaN, which
+/// `alula_init` refuses: they must be set.
 ///
 /// # Safety
 /// `parameters` is null or points to memory of the caller's that holds at least the header word, already set; the whole
 /// structure if that is right.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn alula_parameters_default(parameters: *mut Parameters) -> i32 {
-    // SAFETY: the caller's word.
+    // SAFETY: `parameters` is null or points to its header word, and to the whole structure if that is right, which is
+    // what `write` asks for.
     unsafe { boundary::write(parameters, Parameters::DEFAULT) }
 }

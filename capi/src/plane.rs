@@ -2,12 +2,13 @@
 
 use core::mem::offset_of;
 
-use alula::control::MAX_STEP;
+use alula::control::Law;
+use alula::guidance::{MAX_STEP, MIN_STEP};
 use alula::{Attitude, FeedForward, Inertial, Reference, State};
 
 use crate::boundary::{self, Layout};
 use crate::code;
-use crate::controller::{Controller, PLAIN, Ready, ready};
+use crate::controller::{Controller, Initialised, ROBUST, initialised};
 
 /// Flag of an input: `air_acceleration` and `reference_jerk` are to be used.
 pub const ALULA_FEED_FORWARD: u32 = 1;
@@ -36,7 +37,7 @@ pub struct Input {
     pub reference_jerk: [f32; 2],
 }
 
-/// Command of one step, and how it came about.
+/// Command of one step, and the quantities that it is made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct Command {
@@ -51,7 +52,7 @@ pub struct Command {
     /// Angle of attack \[rad\], in [−π, π].
     pub alpha: f32,
     /// Apparent external force F_p \[N\] along the tail and across it. Its angle from the tail, atan2(f_p\[1\],
-    /// f_p\[0\]), is what the attitude has yet to turn.
+    /// f_p\[0\]), is the angle by which the attitude still has to turn.
     pub f_p: [f32; 2],
     /// |F_p| \[N\]: how far the law is from losing its equilibrium.
     pub f_p_norm: f32,
@@ -66,7 +67,7 @@ pub struct Command {
 }
 
 impl Input {
-    /// Hovering still in still air, asked to stay.
+    /// A hover in still air whose reference is to stay.
     pub const DEFAULT: Self = Self {
         header: Self::HEADER,
         flags: 0,
@@ -97,13 +98,13 @@ impl Command {
     };
 }
 
-// SAFETY: `repr(C)`, header first, numbers only.
+// SAFETY: `repr(C)`, its first word is the header, and it holds nothing but u32 and f32.
 unsafe impl Layout for Input {}
-// SAFETY: as above.
+// SAFETY: As above.
 unsafe impl Layout for Command {}
 
-impl Ready {
-    /// One step of whatever law.
+impl Initialised<'_> {
+    /// One step of the law that the controller flies.
     #[inline(never)]
     pub(crate) fn law(
         &self,
@@ -112,16 +113,18 @@ impl Ready {
         feed_forward: Option<&FeedForward>,
         dt: f32,
     ) -> Result<alula::Command, i32> {
-        if !(dt > 0.0 && dt <= MAX_STEP) {
+        if !(MIN_STEP..=MAX_STEP).contains(&dt) {
             return Err(code::ALULA_ERROR_TIME_STEP);
         }
-        let control = &self.guidance.control;
-        if self.is_robust() {
-            control.robust(state, reference, feed_forward)
+        let law = if self.is_robust() {
+            Law::Robust
         } else {
-            control.full(state, reference, feed_forward)
-        }
-        .map_err(code::of_fault)
+            Law::Full
+        };
+        self.guidance
+            .control()
+            .either(law, state, reference, feed_forward)
+            .map_err(code::of_fault)
     }
 }
 
@@ -150,7 +153,7 @@ fn inertial(v: [f32; 2]) -> Inertial {
     Inertial::new(v[0], v[1])
 }
 
-// State and reference lie in an input as the core has them: a step reads them where they are.
+// State and reference are laid out in an input as in the core, so that a step can read them in place.
 const _: () = {
     assert!(
         offset_of!(Input, attitude) - offset_of!(Input, velocity) == offset_of!(State, attitude)
@@ -166,7 +169,7 @@ const _: () = {
 impl Input {
     #[inline(always)]
     fn state(&self) -> &State {
-        // SAFETY: the six numbers from `velocity` on are laid out as a state, which is asserted above.
+        // SAFETY: The six numbers from `velocity` on have the layout of a state, by the assertions above.
         unsafe {
             &*(&raw const *self)
                 .byte_add(offset_of!(Self, velocity))
@@ -176,7 +179,7 @@ impl Input {
 
     #[inline(always)]
     fn reference(&self) -> &Reference {
-        // SAFETY: the four numbers from `reference_velocity` on are laid out as a reference, likewise.
+        // SAFETY: The four numbers from `reference_velocity` on have the layout of a reference, by the assertions above.
         unsafe {
             &*(&raw const *self)
                 .byte_add(offset_of!(Self, reference_velocity))
@@ -198,7 +201,7 @@ impl Input {
 
 /// One step of the pure law in a vertical plane: from `input` to `command`, `dt` seconds after the last. The law has no
 /// memory and no limits: `dt` is only checked. Whatever is returned but `ALULA_OK`, the command is the safe one; unless
-/// it is `command` itself that is at fault, which is then left alone.
+/// `command` itself is at fault: it is then not written.
 ///
 /// # Safety
 /// Each pointer is null or points to memory of the caller's that holds at least the header word; the whole structure
@@ -210,13 +213,13 @@ pub unsafe extern "C" fn alula_step(
     dt: f32,
     command: *mut Command,
 ) -> i32 {
-    // SAFETY: the caller's word.
+    // SAFETY: Every pointer that passes its check points to the structure that its header word says, by the condition above.
     unsafe {
-        // The plain law has a way of its own, with as few instructions as can be between it and the caller.
-        if let Some((ready, input)) = plain(controller, input, dt, command)
-            && let Ok(value) = ready
+        // The most frequent call has a path of its own, with as few instructions as possible around the law.
+        if let Some((controller, input)) = robust_arguments(controller, input, dt, command)
+            && let Ok(value) = controller
                 .guidance
-                .control
+                .control()
                 .robust_in_place(input.state(), input.reference())
         {
             command.write(Command::new(&value));
@@ -228,36 +231,46 @@ pub unsafe extern "C" fn alula_step(
 }
 
 /// Controller and input, if nothing is wrong with any argument and the law is the robust one without feed-forward.
+///
+/// # Safety
+/// As `alula_step`.
 #[inline(always)]
-unsafe fn plain<'a>(
+unsafe fn robust_arguments<'a>(
     controller: *const Controller,
     input: *const Input,
     dt: f32,
     command: *mut Command,
-) -> Option<(&'a Ready, &'a Input)> {
+) -> Option<(&'a Initialised<'a>, &'a Input)> {
     if controller.is_null() || input.is_null() || command.is_null() {
         return None;
     }
+    // A controller is aligned to eight bytes, the others to four.
     let address = controller.addr() | input.addr() << 1 | command.addr() << 1;
     if address & 7 != 0 {
         return None;
     }
+    // SAFETY: The pointers are neither null nor unaligned, so each points to a header word; a header word that is right
+    // is followed by the rest of its structure.
     unsafe {
-        if controller.cast::<u32>().read() != PLAIN
+        if controller.cast::<u32>().read() != ROBUST
             || input.cast::<u32>().read() != Input::HEADER
             || command.cast::<u32>().read() != Command::HEADER
         {
             return None;
         }
-        let ready = &*controller.cast::<Ready>();
+        let controller = &*controller.cast::<Initialised>();
         let input = &*input;
-        // As whole numbers, positive floats are in the same order.
-        let in_time = dt.to_bits().wrapping_sub(1) < MAX_STEP.to_bits();
-        (in_time && input.flags == 0).then_some((ready, input))
+        // The bits of positive floats, as whole numbers, are in the same order.
+        let in_time = dt.to_bits().wrapping_sub(MIN_STEP.to_bits())
+            <= MAX_STEP.to_bits() - MIN_STEP.to_bits();
+        (in_time && input.flags == 0).then_some((controller, input))
     }
 }
 
 /// The step, whatever the law and the arguments are.
+///
+/// # Safety
+/// As `alula_step`.
 #[cold]
 #[inline(never)]
 unsafe fn step(
@@ -266,26 +279,27 @@ unsafe fn step(
     dt: f32,
     command: *mut Command,
 ) -> i32 {
-    // SAFETY: the caller's word.
+    // SAFETY: As in `alula_step`.
     unsafe {
         boundary::answer(command, Command::SAFE, || {
-            let ready = ready(controller)?;
+            let controller = initialised(controller)?;
             let input = boundary::read(input)?;
             let feed_forward = input.feed_forward()?;
-            let value = ready.law(input.state(), input.reference(), feed_forward.as_ref(), dt)?;
+            let value =
+                controller.law(input.state(), input.reference(), feed_forward.as_ref(), dt)?;
             Ok(Command::new(&value))
         })
     }
 }
 
-/// Fills in an input that hovers still in still air and is asked to stay.
+/// Fills in a hover in still air whose reference is to stay.
 ///
 /// # Safety
 /// `input` is null or points to memory of the caller's that holds at least the header word, already set; the whole
 /// structure if that is right.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn alula_input_default(input: *mut Input) -> i32 {
-    // SAFETY: the caller's word.
+    // SAFETY: `input` is as `write` asks for, by the condition above.
     unsafe { boundary::write(input, Input::DEFAULT) }
 }
 
@@ -295,6 +309,6 @@ pub unsafe extern "C" fn alula_input_default(input: *mut Input) -> i32 {
 /// As `alula_input_default`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn alula_command_default(command: *mut Command) -> i32 {
-    // SAFETY: the caller's word.
+    // SAFETY: `command` is as `write` asks for, by the condition above.
     unsafe { boundary::write(command, Command::SAFE) }
 }

@@ -1,4 +1,4 @@
-//! Measured coefficients, in memory of the caller's.
+//! Tables of measured coefficients, in memory of the caller's.
 
 use core::mem::offset_of;
 
@@ -24,7 +24,7 @@ pub struct TableRow {
     pub c_d: f32,
 }
 
-// Rows are read where they are: they are laid out as the core's.
+// Rows are read in place: a row has the layout of the core's.
 const _: () = {
     assert!(size_of::<TableRow>() == size_of::<Node>());
     assert!(align_of::<TableRow>() == align_of::<Node>());
@@ -45,32 +45,33 @@ pub struct Table {
     pub opaque: [u64; 671],
 }
 
-// SAFETY: `repr(C)`, header first, numbers only.
+// SAFETY: `repr(C)`, its first word is the header, and it holds nothing but unsigned integers.
 unsafe impl Layout for Table {}
 
 /// The header word of a table that is initialised.
-const READY: u32 = Table::HEADER | 1 << 31;
+const INITIALISED: u32 = Table::HEADER | 1 << 31;
 
-/// What lies in a [`Table`] that is initialised.
+/// What is in a [`Table`] after `alula_table_init`.
 #[repr(C)]
-struct Ready {
+struct Initialised {
     header: u32,
     data: Data,
 }
 
-const _: () = assert!(size_of::<Ready>() <= size_of::<Table>());
-const _: () = assert!(align_of::<Ready>() <= align_of::<Table>());
+const _: () = assert!(size_of::<Initialised>() <= size_of::<Table>());
+const _: () = assert!(align_of::<Initialised>() <= align_of::<Table>());
 
-/// The model of the table that C points to.
+/// The model of the table that C points to, which it borrows.
 ///
 /// # Safety
-/// `pointer` is null, unaligned or points to a table of the caller's that lasts as long as the model is used.
-pub(crate) unsafe fn ready(pointer: *const Table) -> Result<alula::Table, i32> {
+/// `pointer` is null, unaligned, or points to a table that nothing changes for `'a`.
+pub(crate) unsafe fn initialised<'a>(pointer: *const Table) -> Result<alula::Table<'a>, i32> {
     boundary::check_pointer(pointer)?;
-    // SAFETY: a header is there; READY is only ever written together with the rest.
+    // SAFETY: The pointer is neither null nor unaligned, so it points to a header word. INITIALISED is written by
+    // `alula_table_init` alone, and only together with the rest of an `Initialised`.
     unsafe {
         match pointer.cast::<u32>().read() {
-            READY => Ok(alula::Table::new(&(*pointer.cast::<Ready>()).data)),
+            INITIALISED => Ok(alula::Table::new(&(*pointer.cast::<Initialised>()).data)),
             Table::HEADER => Err(code::ALULA_ERROR_NOT_INITIALISED),
             _ => Err(code::ALULA_ERROR_LAYOUT),
         }
@@ -79,7 +80,7 @@ pub(crate) unsafe fn ready(pointer: *const Table) -> Result<alula::Table, i32> {
 
 /// Makes `table` the one through `count` rows, by increasing angle: from 0 to π for a symmetric section, or from −π to π
 /// for any other. The rows are not needed afterwards. If `row` is not null, it is set to the row that is refused, counted
-/// from 0. No controller may be using the table.
+/// from 0. No controller may be using the table: those that do keep a pointer to it.
 ///
 /// # Safety
 /// `table` is null or points to memory of the caller's that holds at least the header word; the whole structure if that
@@ -91,9 +92,10 @@ pub unsafe extern "C" fn alula_table_init(
     count: u32,
     row: *mut u32,
 ) -> i32 {
-    // SAFETY: the caller's word.
+    // SAFETY: A table that passes its check is one, of the size in its header word; `rows` points to `count` rows and `row`
+    // to a number, by the condition above. A row is laid out as a `Node`, by the assertions above.
     unsafe {
-        match ready(table) {
+        match initialised(table) {
             Ok(_) | Err(code::ALULA_ERROR_NOT_INITIALISED) => {}
             Err(code) => return code,
         }
@@ -108,8 +110,8 @@ pub unsafe extern "C" fn alula_table_init(
         let count = count.min(ALULA_TABLE_ROWS + 1) as usize;
         match Data::new(core::slice::from_raw_parts(rows.cast::<Node>(), count)) {
             Ok(data) => {
-                (&raw mut (*table.cast::<Ready>()).data).write(data);
-                table.cast::<u32>().write(READY);
+                (&raw mut (*table.cast::<Initialised>()).data).write(data);
+                table.cast::<u32>().write(INITIALISED);
                 code::ALULA_OK
             }
             Err(error) => {

@@ -1,4 +1,4 @@
-//! The axes of the field, through the ABI, against nalgebra's quaternions in double precision.
+//! North-east-down and both body axes, through the ABI, against nalgebra's quaternions in double precision.
 #![cfg(not(target_os = "none"))]
 
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -11,20 +11,27 @@ use rand_chacha::ChaCha8Rng;
 const CASES: usize = 100_000;
 
 fn controller() -> Controller {
+    let parameters = Parameters {
+        vehicle: alula::VehicleParameters::PAPER,
+        ..Parameters::DEFAULT
+    };
     let mut controller = Controller {
         header: Controller::HEADER,
         reserved: 0,
         opaque: [0; 63],
     };
-    let code = unsafe { alula_init(&mut controller, &Parameters::DEFAULT, std::ptr::null()) };
+    let code = unsafe { alula_init(&mut controller, &parameters, std::ptr::null()) };
     assert_eq!(code, ALULA_OK);
     controller
 }
 
-fn step(controller: &Controller, input: &NedInput) -> Result<NedCommand, i32> {
+fn step(controller: &Controller, input: &NedInput) -> Result<(NedCommand, NedReport), i32> {
     let mut command = NedCommand::SAFE;
-    match unsafe { alula_step_ned(controller, input, 0.01, &mut command) } {
-        ALULA_OK => Ok(command),
+    // SAFETY: Zero is a value of every field.
+    let mut report: NedReport = unsafe { std::mem::zeroed() };
+    report.header = NedReport::HEADER;
+    match unsafe { alula_step_ned(controller, input, 0.01, &mut command, &mut report) } {
+        ALULA_OK => Ok((command, report)),
         code => Err(code),
     }
 }
@@ -90,8 +97,8 @@ fn random_attitudes_return_in_both_body_conventions() {
                 velocity,
                 ..NedInput::DEFAULT
             };
-            let command = match step(&controller, &input) {
-                Ok(command) => command,
+            let (command, report) = match step(&controller, &input) {
+                Ok(both) => both,
                 Err(code) => {
                     // Refused only with the nose across the plane, to 1e-3.
                     assert_eq!(code, ALULA_ERROR_ATTITUDE);
@@ -110,8 +117,8 @@ fn random_attitudes_return_in_both_body_conventions() {
             let back = compose(
                 heading,
                 pitch,
-                f64::from(command.tilt),
-                f64::from(command.bank),
+                f64::from(report.tilt),
+                f64::from(report.bank),
             );
             // With the nose nearly across the plane pitch and bank are the more uncertain, and make up for each other.
             worst = worst.max(back.angle_to(&q) * (1.0 - across * across).sqrt());
@@ -131,7 +138,7 @@ fn random_attitudes_return_in_both_body_conventions() {
             assert!(set.angle_to(&wanted) < 1e-6, "{}", set.angle_to(&wanted));
             let lateral = Vector3::from(velocity.map(f64::from)).dot(&right);
             // 1e-5: roundings of 35 m/s.
-            assert!((f64::from(command.lateral_velocity) - lateral).abs() < 1e-5);
+            assert!((f64::from(report.lateral_velocity) - lateral).abs() < 1e-5);
         }
     }
     // The quaternion's own rounding, the lead's, and a few more: measured 4.9e-7.
@@ -186,7 +193,7 @@ fn commands_are_those_of_the_plane() {
             ..NedInput::DEFAULT
         };
         for attitude in [ALULA_ATTITUDE_QUATERNION, ALULA_ATTITUDE_PITCH] {
-            let ned = step(&controller, &NedInput { attitude, ..input }).unwrap();
+            let (ned, report) = step(&controller, &NedInput { attitude, ..input }).unwrap();
             // Air velocities up to 57 m/s, known to 1e-5 m/s and 5e-7 rad, make forces of 4000 N that change by as much
             // within 0.1 rad where the wing stalls: 0.1 N.
             assert!((ned.thrust - command.thrust).abs() < 0.1, "{n}");
@@ -194,7 +201,7 @@ fn commands_are_those_of_the_plane() {
                 (ned.pitch_rate - command.rate).abs() < 0.05 + 1e-4 * command.rate.abs(),
                 "{n}"
             );
-            assert!(ned.tilt.abs() < 1e-6 && ned.bank.abs() < 1e-6);
+            assert!(report.tilt.abs() < 1e-6 && report.bank.abs() < 1e-6);
         }
     }
 }

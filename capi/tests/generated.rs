@@ -4,7 +4,9 @@
 #[path = "../generate/mod.rs"]
 mod generate;
 
-use alula_capi::{Kind, PARAMETERS};
+use alula::Range;
+use alula::guidance::Status;
+use alula_capi::{CHOICES, SECTIONS};
 
 #[test]
 fn header_table_and_parameter_file_are_current() {
@@ -18,20 +20,35 @@ fn header_table_and_parameter_file_are_current() {
     }
 }
 
-/// What PX4 asks of parameters, and a check of the table's own.
+/// The header has every status flag of the core, with the core's bit.
 #[test]
-fn parameters_have_names_that_fit_and_defaults_in_range() {
-    for (n, p) in PARAMETERS.iter().enumerate() {
+fn the_header_has_every_status_flag() {
+    let header = concat!(env!("CARGO_MANIFEST_DIR"), "/include/alula.h");
+    let header = std::fs::read_to_string(header).unwrap();
+    let names: Vec<_> = Status::all().iter_names().collect();
+    assert_eq!(names.len() as u32, Status::all().bits().count_ones());
+    for (name, flag) in names {
+        let line = format!("#define ALULA_STATUS_{name} {}", flag.bits());
+        assert!(header.lines().any(|l| l == line), "{line}");
+    }
+}
+
+/// PX4's own demands on names, and that no name is given twice.
+#[test]
+fn parameters_have_names_that_fit_and_meanings() {
+    let rows: Vec<_> = SECTIONS.iter().flat_map(|section| section.rows).collect();
+    for (n, p) in rows.iter().enumerate() {
         assert!(p.px4.len() <= 16 && p.px4.starts_with("ALU_"), "{}", p.px4);
-        assert!(
-            PARAMETERS[..n]
-                .iter()
-                .all(|q| q.name != p.name && q.px4 != p.px4)
-        );
-        assert!(p.min <= p.default && p.default <= p.max, "{}", p.name);
+        assert!(rows[..n].iter().all(|q| q.px4 != p.px4), "{}", p.px4);
         assert!(p.meaning.ends_with('.'), "{}", p.name);
-        if let Kind::Choice(choices) = p.kind {
-            assert_eq!((p.min, p.max), (0.0, (choices.len() - 1) as f32));
-        }
+        let range = Range {
+            name: p.name,
+            min: p.min,
+            max: p.max,
+        };
+        assert!(p.default.is_nan() || range.check(p.default).is_ok());
+    }
+    for (choices, p) in CHOICES.iter().zip(SECTIONS[0].rows) {
+        assert_eq!((p.min, p.max), (0.0, (choices.len() - 1) as f32));
     }
 }

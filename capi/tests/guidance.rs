@@ -4,18 +4,22 @@
 use std::ptr::{null, null_mut};
 
 use alula::aero::Node;
-use alula::control::{
-    Air, BranchParameters, BranchSwitch, LimitParameters, Limits, OuterLoop, OuterLoopParameters,
-    ReferenceLimit, ReferenceLimitParameters, SupervisionParameters, Supervisor,
-};
+use alula::guidance::{Air, Status};
 use alula::{
-    Attitude, BandwidthGains, BandwidthParameters, Combined, CombinedParameters, Equilibria,
-    GainParameters, Gains, Guidance, GuidanceInput, GuidanceState, Inertial, Reference, Vehicle,
-    VehicleParameters, VelocityControl,
+    Attitude, Combined, CombinedParameters, Equilibria, Guidance, GuidanceInput,
+    GuidanceParameters, GuidanceState, Inertial, Reference, Vehicle, VehicleParameters,
+    VelocityControl,
 };
 use alula_capi::*;
 
 const DT: f32 = 0.01;
+const REFERENCE_HELD: u32 = Status::REFERENCE_HELD.bits() as u32;
+
+/// The defaults, of the paper's vehicle.
+const PAPER: Parameters = Parameters {
+    vehicle: VehicleParameters::PAPER,
+    ..Parameters::DEFAULT
+};
 
 fn controller(parameters: &Parameters, table: *const Table) -> Controller {
     let mut controller = Controller {
@@ -28,78 +32,33 @@ fn controller(parameters: &Parameters, table: *const Table) -> Controller {
     controller
 }
 
-fn report() -> GuidanceReport {
-    // SAFETY: numbers only.
-    let zero: GuidanceReport = unsafe { std::mem::zeroed() };
-    GuidanceReport {
-        header: GuidanceReport::HEADER,
+fn report() -> NedReport {
+    // SAFETY: Zero is a value of every field.
+    let zero: NedReport = unsafe { std::mem::zeroed() };
+    NedReport {
+        header: NedReport::HEADER,
         ..zero
     }
 }
 
-fn guide(c: &mut Controller, input: &NedInput) -> (i32, NedCommand, GuidanceReport) {
+fn guide(c: &mut Controller, input: &NedInput) -> (i32, NedCommand, NedReport) {
     let (mut command, mut report) = (NedCommand::SAFE, report());
     let code = unsafe { alula_guide(c, input, DT, &mut command, &mut report) };
     (code, command, report)
 }
 
-/// The defaults as the core's guidance, with gains by bandwidth.
-fn core() -> Guidance<Combined, BandwidthGains> {
-    let p = Parameters::DEFAULT;
+/// The core's guidance of the same vehicle, with its own defaults.
+fn core() -> Guidance<Combined> {
     let model = Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap();
     let vehicle = Vehicle::new(VehicleParameters::PAPER, model).unwrap();
-    let gains = BandwidthGains::new(BandwidthParameters::PAPER_VEHICLE, &vehicle).unwrap();
-    Guidance {
-        control: VelocityControl::new(vehicle, gains),
-        reference_limit: ReferenceLimit::new(ReferenceLimitParameters {
-            acceleration: p.reference_acceleration_max,
-            rate: p.reference_rate,
-        })
-        .unwrap(),
-        outer_loop: OuterLoop::new(OuterLoopParameters {
-            position_gain: Inertial::new(p.position_gain_down, p.position_gain_forward),
-            pull: Inertial::new(p.pull_down, p.pull_forward),
-            integral_gain: Inertial::new(p.integral_gain_down, p.integral_gain_forward),
-            integral: Inertial::new(p.integral_down, p.integral_forward),
-            forward_error: p.forward_error,
-        })
-        .unwrap(),
-        branch: BranchSwitch::new(BranchParameters {
-            switch: true,
-            hysteresis: p.branch_hysteresis,
-            fade: p.branch_fade,
-        })
-        .unwrap(),
-        limits: Limits::new(LimitParameters {
-            thrust_min: p.thrust_min,
-            thrust_max: p.thrust_max,
-            rate: p.rate_max,
-            slew: p.slew_max,
-        })
-        .unwrap(),
-        supervisor: Supervisor::new(SupervisionParameters {
-            hold: p.hold,
-            recovery: p.recovery,
-            state_age: p.state_age,
-            reference_age: p.reference_age,
-            air_hold: p.air_hold,
-            safe_thrust: p.safe_thrust,
-        })
-        .unwrap(),
-    }
+    Guidance::new(vehicle, &GuidanceParameters::default()).unwrap()
 }
 
 /// Heading north, by pitch: nothing is rounded between the axes, and a flight through the ABI is the core's to the bit,
 /// with air data of every kind, position errors, stale and damaged frames in it.
 #[test]
 fn a_guided_flight_is_the_cores_to_the_bit() {
-    let mut c = controller(
-        &Parameters {
-            gains: ALULA_GAINS_BANDWIDTH,
-            ..Parameters::DEFAULT
-        },
-        null(),
-    );
+    let mut c = controller(&PAPER, null());
     let (core, mut state) = (core(), GuidanceState::default());
     let (mut modes, mut statuses) = ([0; 3], 0);
     for n in 0..5000u32 {
@@ -163,13 +122,13 @@ fn a_guided_flight_is_the_cores_to_the_bit() {
         statuses |= command.status;
     }
     assert!(modes.iter().all(|count| *count > 10), "{modes:?}");
-    let seen = ALULA_STATUS_HOLDING | ALULA_STATUS_SAFE | ALULA_STATUS_REFERENCE_HELD;
+    let seen = ALULA_STATUS_HOLDING | ALULA_STATUS_SAFE | REFERENCE_HELD;
     assert_eq!(statuses & seen, seen);
 }
 
 #[test]
-fn what_is_no_frame_is_bridged_and_then_safe() {
-    let mut c = controller(&Parameters::DEFAULT, null());
+fn bad_frames_are_bridged_and_then_the_command_is_safe() {
+    let mut c = controller(&PAPER, null());
     let hover = NedInput::DEFAULT;
     for _ in 0..20 {
         guide(&mut c, &hover);
@@ -177,7 +136,7 @@ fn what_is_no_frame_is_bridged_and_then_safe() {
     let (code, flown, _) = guide(&mut c, &hover);
     assert!(code == ALULA_OK && flown.status == 0 && (flown.thrust - 98.1).abs() < 0.1);
     for (heading, wanted) in [(f32::NAN, ALULA_ERROR_HEADING), (1e6, ALULA_ERROR_HEADING)] {
-        let (code, held, _) = guide(&mut c, &NedInput { heading, ..hover });
+        let (code, held, report) = guide(&mut c, &NedInput { heading, ..hover });
         assert_eq!(
             (code, held.status, held.thrust),
             (wanted, ALULA_STATUS_HOLDING, flown.thrust)
@@ -186,7 +145,7 @@ fn what_is_no_frame_is_bridged_and_then_safe() {
         let numbers = held.quaternion.iter().chain(&held.body_rate);
         assert!(
             numbers
-                .chain([&held.pitch, &held.lateral_velocity])
+                .chain([&held.pitch, &report.lateral_velocity])
                 .all(|v| v.is_finite())
         );
     }
@@ -209,6 +168,7 @@ fn what_is_no_frame_is_bridged_and_then_safe() {
     let (code, command, _) = guide(
         &mut c,
         &NedInput {
+            heading: 2.0,
             body_axes: 7,
             ..hover
         },
@@ -222,13 +182,230 @@ fn what_is_no_frame_is_bridged_and_then_safe() {
     assert_eq!(c.opaque, before);
     // Reset is power-on.
     assert_eq!(unsafe { alula_reset(&mut c) }, ALULA_OK);
-    let mut new = controller(&Parameters::DEFAULT, null());
+    let mut new = controller(&PAPER, null());
     for _ in 0..20 {
         assert_eq!(guide(&mut c, &hover), guide(&mut new, &hover));
     }
     let mut command = NedCommand::SAFE;
     let code = unsafe { alula_guide(&mut c, &hover, DT, &mut command, null_mut()) };
     assert_eq!((code, command.status), (ALULA_OK, 0));
+}
+
+/// Both attitudes are of the same body axes; quaternions of either sign.
+fn same_attitude(a: [f32; 4], b: [f32; 4]) -> bool {
+    let dot: f32 = a.iter().zip(b).map(|(a, b)| a * b).sum();
+    dot.abs() > 1.0 - 1e-6
+}
+
+/// While frames are bad the last command is repeated as a whole: rates, thrust, and the attitude set-point. When they are
+/// good again, the flight goes on from what was remembered.
+#[test]
+fn a_held_command_is_the_last_one_as_a_whole() {
+    let mut c = controller(&PAPER, null());
+    let hover = NedInput {
+        heading: 0.7,
+        quaternion: {
+            // Nose up, heading 0.7 rad, in fixed-wing axes: pitch 90°.
+            let (s, c) = 0.35f32.sin_cos();
+            let h = std::f32::consts::FRAC_1_SQRT_2;
+            [h * c, -h * s, h * c, h * s]
+        },
+        velocity: [0.3, 0.4, 0.2],
+        ..NedInput::DEFAULT
+    };
+    let mut flown = NedCommand::SAFE;
+    for _ in 0..50 {
+        flown = guide(&mut c, &hover).1;
+    }
+    assert!(flown.pitch_rate.abs() > 0.01 && flown.pitch > 1.5 && flown.status & 0x30000 == 0);
+    let nan = f32::NAN;
+    let bad = [
+        NedInput {
+            quaternion: [nan; 4],
+            ..hover
+        },
+        NedInput {
+            quaternion: [0.0; 4],
+            ..hover
+        },
+        NedInput {
+            heading: nan,
+            ..hover
+        },
+        NedInput {
+            velocity: [nan; 3],
+            ..hover
+        },
+        NedInput {
+            attitude: ALULA_ATTITUDE_PITCH,
+            pitch: nan,
+            ..hover
+        },
+        NedInput {
+            state_age: 1.0,
+            ..hover
+        },
+    ];
+    for input in bad {
+        let mut held_by = c;
+        for _ in 0..5 {
+            let (code, held, _) = guide(&mut held_by, &input);
+            assert!(code != ALULA_OK);
+            let wanted = NedCommand {
+                status: ALULA_STATUS_HOLDING,
+                ..flown
+            };
+            assert_eq!(held, wanted);
+        }
+        // In the other body axes it is the same attitude and the same turn.
+        let other = NedInput {
+            body_axes: ALULA_BODY_NOSE_UP,
+            ..input
+        };
+        let (_, held, _) = guide(&mut held_by, &other);
+        let [w, x, y, z] = flown.quaternion;
+        let h = std::f32::consts::FRAC_1_SQRT_2;
+        let turned = [h * (w + y), h * (x + z), h * (y - w), h * (z - x)];
+        assert!(
+            same_attitude(held.quaternion, turned),
+            "{:?}",
+            held.quaternion
+        );
+        // 1e-6: a quarter turn is rounded to 1e-7.
+        assert!((held.pitch - (flown.pitch - std::f32::consts::FRAC_PI_2)).abs() < 1e-6);
+        assert_eq!(
+            held.body_rate,
+            [flown.body_rate[2], flown.body_rate[1], -flown.body_rate[0]]
+        );
+        assert_eq!(
+            (held.thrust, held.pitch_rate),
+            (flown.thrust, flown.pitch_rate)
+        );
+        // A good frame is flown as if there had been no bad one.
+        let mut undisturbed = c;
+        let (code, next, _) = guide(&mut held_by, &hover);
+        assert_eq!((code, next), (ALULA_OK, guide(&mut undisturbed, &hover).1));
+        // After `hold` the command is the safe one, at the attitude that there is, or that was last known.
+        for _ in 0..30 {
+            guide(&mut held_by, &input);
+        }
+        let (_, safe, _) = guide(&mut held_by, &input);
+        assert_eq!((safe.status, safe.thrust), (ALULA_STATUS_SAFE, 0.0));
+        assert_eq!((safe.pitch_rate, safe.body_rate), (0.0, [0.0; 3]));
+        let attitude_known = input.velocity[0].is_nan() || input.state_age > 0.0;
+        let wanted = if attitude_known {
+            std::f32::consts::FRAC_PI_2
+        } else {
+            next.pitch
+        };
+        assert!(
+            (safe.pitch - wanted).abs() < 1e-6,
+            "{} {wanted}",
+            safe.pitch
+        );
+    }
+}
+
+/// Wind, velocities and the integral are the world's. They do not turn with the heading.
+#[test]
+fn what_is_remembered_stays_where_it_is_when_the_heading_turns() {
+    use std::f32::consts::{FRAC_PI_2, PI};
+    let mut still = PAPER;
+    still.guidance = GuidanceParameters {
+        integral_gain_down: 0.0,
+        integral_gain_forward: 0.0,
+        position_gain_down: 0.0,
+        position_gain_forward: 0.0,
+        ..still.guidance
+    };
+    let mut c = controller(&still, null());
+    let north = NedInput {
+        attitude: ALULA_ATTITUDE_PITCH,
+        velocity: [6.0, 2.0, 0.5],
+        reference_velocity: [6.0, 2.0, 0.5],
+        air: [-3.0, 4.0, 0.0],
+        ..NedInput::DEFAULT
+    };
+    for _ in 0..500 {
+        guide(&mut c, &north);
+    }
+    // The wind: without air data an eastern plane is flown as with the wind that was last known.
+    let east = NedInput {
+        heading: FRAC_PI_2,
+        ..north
+    };
+    let unknown = NedInput {
+        flags: ALULA_AIR_UNKNOWN,
+        air: [0.0; 3],
+        ..east
+    };
+    let (mut told, mut remembered) = (c, c);
+    let (_, wanted, _) = guide(&mut told, &east);
+    // A heading that is refused on the way leaves no trace.
+    guide(
+        &mut remembered,
+        &NedInput {
+            heading: f32::NAN,
+            ..north
+        },
+    );
+    let (_, got, report) = guide(&mut remembered, &unknown);
+    assert_eq!(report.air_use, ALULA_AIR_USE_HELD_WIND);
+    // 1e-2 N of thousands: the wind is turned and back by roundings of 1e-6 m/s.
+    assert!(
+        (got.thrust - wanted.thrust).abs() < 1e-2,
+        "{} {}",
+        got.thrust,
+        wanted.thrust
+    );
+    assert!((got.pitch_rate - wanted.pitch_rate).abs() < 1e-3);
+    // The reference: it is stale from now on, and its eastern part is flown in the eastern plane.
+    let stale = NedInput {
+        reference_age: 1.0,
+        reference_velocity: [0.0; 3],
+        ..east
+    };
+    let mut velocity = [0.0; 3];
+    for _ in 0..1000 {
+        let (code, command, report) = guide(&mut c, &stale);
+        assert!(code == ALULA_OK && command.status & REFERENCE_HELD != 0);
+        velocity = report.velocity;
+    }
+    for (got, wanted) in velocity.iter().zip([0.0, 2.0, 0.5]) {
+        // The velocity followed settles within 1e-3 m/s.
+        assert!((got - wanted).abs() < 2e-3, "{velocity:?}");
+    }
+
+    // The integral: facing back, it still acts the same way in the world.
+    let mut c = controller(&PAPER, null());
+    let pulled = NedInput {
+        flags: ALULA_POSITION,
+        attitude: ALULA_ATTITUDE_PITCH,
+        position_error: [2.0, 0.0, 0.0],
+        ..NedInput::DEFAULT
+    };
+    let mut before = guide(&mut c, &pulled).2;
+    for _ in 0..300 {
+        before = guide(&mut c, &pulled).2;
+    }
+    let (_, _, after) = guide(
+        &mut c,
+        &NedInput {
+            heading: PI,
+            ..pulled
+        },
+    );
+    // The pull is 0.6 · 2 m/s and the integral 0.1 · 1.2 · 3 m/s; one more step adds 1e-3 m/s.
+    assert!(
+        (before.velocity[0] + 1.56).abs() < 0.05,
+        "{:?}",
+        before.velocity
+    );
+    assert!(
+        (after.velocity[0] - before.velocity[0]).abs() < 5e-3,
+        "{:?}",
+        after.velocity
+    );
 }
 
 /// A flat plate's table, symmetric.
@@ -260,10 +437,8 @@ fn a_table_flies_as_the_cores_does_and_says_which_row_is_bad() {
     let init = |table: &mut Table, rows: &[TableRow], row: &mut u32| unsafe {
         alula_table_init(table, rows.as_ptr(), rows.len() as u32, row)
     };
-    let with_table = Parameters {
-        model: ALULA_MODEL_TABLE,
-        ..Parameters::DEFAULT
-    };
+    let mut with_table = PAPER;
+    with_table.controller.model = ALULA_MODEL_TABLE as f32;
     let mut row = 99;
     type Spoil = fn(&mut Vec<TableRow>);
     let cases: [(i32, u32, Spoil); 6] = [
@@ -282,7 +457,7 @@ fn a_table_flies_as_the_cores_does_and_says_which_row_is_bad() {
         let mut rows = rows();
         spoil(&mut rows);
         assert_eq!((init(&mut table, &rows, &mut row), row), (code, at));
-        let mut c = controller(&Parameters::DEFAULT, null());
+        let mut c = controller(&PAPER, null());
         assert_eq!(
             unsafe { alula_init(&mut c, &with_table, &*table) },
             ALULA_ERROR_NOT_INITIALISED
@@ -299,9 +474,10 @@ fn a_table_flies_as_the_cores_does_and_says_which_row_is_bad() {
             c_d: r.c_d,
         })
         .collect();
-    let polar = Box::leak(Box::new(alula::aero::Polar::<95>::new(&nodes).unwrap()));
-    let vehicle = Vehicle::new(VehicleParameters::PAPER, alula::Table::new(polar)).unwrap();
-    let core = VelocityControl::new(vehicle, Gains::new(GainParameters::PAPER).unwrap());
+    let polar = alula::aero::Polar::<95>::new(&nodes).unwrap();
+    let vehicle = Vehicle::new(VehicleParameters::PAPER, alula::Table::new(&polar)).unwrap();
+    let guidance = Guidance::new(vehicle, &GuidanceParameters::default()).unwrap();
+    let core: &VelocityControl<_, _> = guidance.control();
     for n in 0..2000 {
         let theta = 0.37 * n as f32;
         let input = Input {
@@ -333,10 +509,10 @@ fn a_table_flies_as_the_cores_does_and_says_which_row_is_bad() {
 
 #[test]
 fn equilibria_and_the_fold_are_the_cores_and_a_step_holds_them() {
-    let c = controller(&Parameters::DEFAULT, null());
+    let c = controller(&PAPER, null());
     let model = Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap();
     let vehicle = Vehicle::new(VehicleParameters::PAPER, model).unwrap();
-    // SAFETY: numbers only.
+    // SAFETY: Zero is a value of every field.
     let mut set: EquilibriumSet = unsafe { std::mem::zeroed() };
     set.header = EquilibriumSet::HEADER;
     let mut most = 0;
@@ -365,11 +541,11 @@ fn equilibria_and_the_fold_are_the_cores_and_a_step_holds_them() {
             // At the pitch that is given, the law asks for no rotation and for the thrust that is given.
             input.pitch = got.pitch;
             input.velocity = input.reference_velocity;
-            let mut command = NedCommand::SAFE;
-            let code = unsafe { alula_step_ned(&c, &input, DT, &mut command) };
+            let (mut command, mut report) = (NedCommand::SAFE, report());
+            let code = unsafe { alula_step_ned(&c, &input, DT, &mut command, &mut report) };
             assert_eq!(code, ALULA_OK);
             // 1e-4 rad of an attitude that is known to 1e-6 rad, under forces 20 times the weight.
-            let off = command.theta_tilde.abs();
+            let off = report.theta_tilde.abs();
             let off = if got.aligned == 1 {
                 off
             } else {

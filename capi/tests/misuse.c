@@ -42,7 +42,7 @@ static alula_input *plane;
 static alula_command *plane_command;
 static alula_ned_input *input;
 static alula_ned_command *command;
-static alula_guidance_report *report;
+static alula_ned_report *report;
 static alula_equilibria *equilibria;
 static alula_fold_map *map;
 static alula_fold_margin *margin;
@@ -57,12 +57,15 @@ static void tidy(void)
     plane_command->header = ALULA_HEADER(alula_command);
     input->header = ALULA_HEADER(alula_ned_input);
     command->header = ALULA_HEADER(alula_ned_command);
-    report->header = ALULA_HEADER(alula_guidance_report);
+    report->header = ALULA_HEADER(alula_ned_report);
     equilibria->header = ALULA_HEADER(alula_equilibria);
     map->header = ALULA_HEADER(alula_fold_map);
     margin->header = ALULA_HEADER(alula_fold_margin);
     table->header = ALULA_HEADER(alula_table);
     CHECK(alula_parameters_default(parameters) == ALULA_OK);
+    parameters->vehicle.mass = 10.0f;
+    parameters->vehicle.k_a = 0.646f;
+    parameters->vehicle.thrust_max = 196.2f;
     CHECK(alula_input_default(plane) == ALULA_OK);
     CHECK(alula_command_default(plane_command) == ALULA_OK);
     CHECK(alula_ned_input_default(input) == ALULA_OK);
@@ -85,7 +88,7 @@ static int plane_is_safe(void)
     return alula_command_default(&safe) == ALULA_OK && memcmp(&safe, plane_command, sizeof safe) == 0;
 }
 
-/* Every call, by the pointer that is at fault: `wrong` stands for the `which`th structure. */
+/* Every call that takes the `which`th structure, with the pointer `wrong` in its place. */
 static void call_all(int which, void *wrong, int32_t code)
 {
     void *p[] = {parameters, controller, plane, plane_command, input, command, equilibria, map, margin, table};
@@ -115,7 +118,7 @@ static void call_all(int which, void *wrong, int32_t code)
         CHECK(alula_ned_input_default(p[4]) == code);
     if (which == 1 || which == 4) {
         command->thrust = 1.0f;
-        CHECK(alula_step_ned(p[1], p[4], 0.01f, p[5]) == code && is_safe());
+        CHECK(alula_step_ned(p[1], p[4], 0.01f, p[5], NULL) == code && is_safe());
         command->thrust = 1.0f;
         CHECK(alula_guide(p[1], p[4], 0.01f, p[5], NULL) == code && is_safe());
         CHECK(alula_equilibria_at(p[1], p[4], p[6]) == code && equilibria->count == 0);
@@ -124,7 +127,7 @@ static void call_all(int which, void *wrong, int32_t code)
         CHECK(alula_fold_margin_at(p[7], p[1], p[4], p[8]) == code && margin->a == 0.0f);
     if (which == 5) {
         CHECK(alula_ned_command_default(p[5]) == code);
-        CHECK(alula_step_ned(p[1], p[4], 0.01f, p[5]) == code);
+        CHECK(alula_step_ned(p[1], p[4], 0.01f, p[5], NULL) == code);
         CHECK(alula_guide(p[1], p[4], 0.01f, p[5], report) == code);
     }
     if (which == 6)
@@ -139,8 +142,8 @@ static void call_all(int which, void *wrong, int32_t code)
         CHECK(alula_table_init(p[9], &row, 1, NULL) == code);
 }
 
-/* Every word of `structure`, with every sort of bits: there is a code or none, a safe command with it, and no number that
- * is none. */
+/* Puts every sort of bits into every word of `structure`: each call returns a known code, and with an error a safe command;
+ * every number that comes back is finite. */
 static void fuzz(void *structure, size_t size, int32_t (*call)(void))
 {
     static const uint32_t bits[] = {
@@ -188,7 +191,7 @@ static int32_t call_plane(void)
 
 static int32_t call_ned(void)
 {
-    int32_t code = alula_step_ned(controller, input, 0.01f, command);
+    int32_t code = alula_step_ned(controller, input, 0.01f, command, report);
     CHECK(are_finite(command, sizeof *command) && (code == ALULA_OK || is_safe()));
     int32_t found = alula_equilibria_at(controller, input, equilibria);
     CHECK(found <= 0 && equilibria->count <= ALULA_EQUILIBRIA && (found == ALULA_OK || equilibria->count == 0));
@@ -203,7 +206,7 @@ static int32_t call_guide(void)
     for (int n = 0; n < 20; n++) {
         code = alula_guide(controller, input, 0.01f, command, report);
         CHECK(are_finite(command, sizeof *command) && are_finite(&report->air_use, sizeof *report - 8));
-        CHECK(command->thrust >= 0.0f && command->thrust <= parameters->thrust_max);
+        CHECK(command->thrust >= 0.0f && command->thrust <= parameters->vehicle.thrust_max);
     }
     CHECK(code == ALULA_OK || command->status & ALULA_STATUS_SAFE);
     return code;
@@ -235,7 +238,7 @@ int main(void)
             tidy();
             call_all(which, edge + off, ALULA_ERROR_UNALIGNED);
         }
-        /* A header and nothing behind it: every size, and every version, but the right one. */
+        /* A header word alone, with every size and version but the right one. */
         uint64_t *lone = at_the_edge(8);
         for (uint32_t size = 0; size < 6000; size += 4) {
             for (uint32_t version = 0; version < 3; version++) {
@@ -255,9 +258,10 @@ int main(void)
     tidy();
     report->header++;
     CHECK(alula_guide(controller, input, 0.01f, command, report) == ALULA_ERROR_LAYOUT && is_safe());
+    CHECK(alula_step_ned(controller, input, 0.01f, command, report) == ALULA_ERROR_LAYOUT && is_safe());
     tidy();
     CHECK(alula_table_init(table, NULL, 40, NULL) == ALULA_ERROR_NULL);
-    parameters->model = ALULA_MODEL_TABLE;
+    parameters->controller.model = ALULA_MODEL_TABLE;
     CHECK(alula_init(controller, parameters, table) == ALULA_ERROR_NOT_INITIALISED);
 
     fuzz(parameters, sizeof *parameters, call_init);
@@ -265,7 +269,7 @@ int main(void)
     fuzz(input, sizeof *input, call_ned);
     fuzz(input, sizeof *input, call_guide);
 
-    /* A copy is another controller, and the first one's end is nothing to it. */
+    /* A copy is another controller: the end of the first one does not touch it. */
     tidy();
     alula_controller copy = *controller;
     controller->header = 0;

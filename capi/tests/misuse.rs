@@ -6,8 +6,15 @@ use std::ffi::CStr;
 use std::mem::offset_of;
 use std::ptr::{null, null_mut};
 
-use alula::control::{GainChoice, GainLaw};
+use alula::VehicleParameters;
+use alula::control::GainLaw;
 use alula_capi::*;
+
+/// The defaults, of the paper's vehicle.
+const PAPER: Parameters = Parameters {
+    vehicle: VehicleParameters::PAPER,
+    ..Parameters::DEFAULT
+};
 
 fn blank() -> Controller {
     Controller {
@@ -26,7 +33,7 @@ fn controller(parameters: &Parameters) -> Result<Controller, i32> {
 }
 
 fn good() -> Controller {
-    controller(&Parameters::DEFAULT).unwrap()
+    controller(&PAPER).unwrap()
 }
 
 /// `value` with the word at `offset` replaced.
@@ -59,30 +66,27 @@ fn null_unaligned_and_foreign_structures_are_told_apart() {
             alula_guide(null_mut(), &NedInput::DEFAULT, 0.01, &mut out, null_mut()),
             ALULA_ERROR_NULL
         );
-        assert_eq!(
-            alula_init(null_mut(), &Parameters::DEFAULT, null()),
-            ALULA_ERROR_NULL
-        );
+        assert_eq!(alula_init(null_mut(), &PAPER, null()), ALULA_ERROR_NULL);
         assert_eq!(alula_init(&mut c, null(), null()), ALULA_ERROR_NULL);
         // The failed initialisation has left none behind, and a new one brings it back.
         assert_eq!(
-            alula_step_ned(&c, &NedInput::DEFAULT, 0.01, &mut out),
+            alula_step_ned(&c, &NedInput::DEFAULT, 0.01, &mut out, null_mut()),
             ALULA_ERROR_NOT_INITIALISED
         );
-        assert_eq!(alula_init(&mut c, &Parameters::DEFAULT, null()), ALULA_OK);
+        assert_eq!(alula_init(&mut c, &PAPER, null()), ALULA_OK);
         assert_eq!(
-            alula_step_ned(&c, &NedInput::DEFAULT, 0.01, &mut out),
+            alula_step_ned(&c, &NedInput::DEFAULT, 0.01, &mut out, null_mut()),
             ALULA_OK
         );
 
         let mut room = [0u64; 64];
         let odd = room.as_mut_ptr().byte_add(2);
         assert_eq!(
-            alula_step_ned(&c, odd.cast(), 0.01, &mut out),
+            alula_step_ned(&c, odd.cast(), 0.01, &mut out, null_mut()),
             ALULA_ERROR_UNALIGNED
         );
         assert_eq!(
-            alula_step_ned(&c, &NedInput::DEFAULT, 0.01, odd.cast()),
+            alula_step_ned(&c, &NedInput::DEFAULT, 0.01, odd.cast(), null_mut()),
             ALULA_ERROR_UNALIGNED
         );
         assert_eq!(
@@ -96,13 +100,13 @@ fn null_unaligned_and_foreign_structures_are_told_apart() {
             let wrong = poke(NedInput::DEFAULT, 0, NedInput::HEADER ^ header);
             out.thrust = 1.0;
             assert_eq!(
-                alula_step_ned(&c, &wrong, 0.01, &mut out),
+                alula_step_ned(&c, &wrong, 0.01, &mut out, null_mut()),
                 ALULA_ERROR_LAYOUT
             );
             assert_eq!(out, NedCommand::SAFE);
             let mut wrong = poke(NedCommand::SAFE, 0, NedCommand::HEADER ^ header);
             assert_eq!(
-                alula_step_ned(&c, &NedInput::DEFAULT, 0.01, &mut wrong),
+                alula_step_ned(&c, &NedInput::DEFAULT, 0.01, &mut wrong, null_mut()),
                 ALULA_ERROR_LAYOUT
             );
             // Nowhere to put a command: nothing was touched.
@@ -110,49 +114,79 @@ fn null_unaligned_and_foreign_structures_are_told_apart() {
                 wrong,
                 poke(NedCommand::SAFE, 0, NedCommand::HEADER ^ header)
             );
-            let wrong = poke(Parameters::DEFAULT, 0, Parameters::HEADER ^ header);
+            let wrong = poke(PAPER, 0, Parameters::HEADER ^ header);
             assert_eq!(alula_init(&mut blank(), &wrong, null()), ALULA_ERROR_LAYOUT);
         }
         assert_eq!(alula_abi_version(), ALULA_ABI_VERSION);
     }
 }
 
+/// The code of a value just below the least one.
+fn below(min: f32, base: i32) -> i32 {
+    if min > 0.0 && min.next_down() <= 0.0 {
+        base - 1
+    } else {
+        base - 2
+    }
+}
+
 #[test]
 fn every_refused_parameter_is_named() {
-    for (n, p) in PARAMETERS.iter().enumerate() {
+    let rows = SECTIONS
+        .iter()
+        .flat_map(|section| section.rows.iter().map(|row| (section.field, row)));
+    for (n, (field, p)) in rows.enumerate() {
         let offset = 4 * (n + 1);
-        let code = |word| controller(&poke(Parameters::DEFAULT, offset, word)).err();
+        let code = |value: f32| controller(&poke(PAPER, offset, value.to_bits())).err();
         let base = ALULA_ERROR_PARAMETER - 4 * n as i32;
-        if let Kind::Choice(choices) = p.kind {
-            assert_eq!(code(choices.len() as u32), Some(base - 2));
-            assert_eq!(code(u32::MAX), Some(base - 2));
-            continue;
-        }
         for bad in [f32::NAN, f32::INFINITY] {
-            assert_eq!(code(bad.to_bits()), Some(base), "{}", p.name);
+            assert_eq!(code(bad), Some(base), "{}", p.name);
         }
-        assert_eq!(code(2e8f32.to_bits()), Some(base - 2), "{}", p.name);
-        // A denormal is positive, and too small; where zero has a meaning, it has one.
-        let denormal = (p.min > 0.0).then_some(base - 2);
-        assert_eq!(code(DENORMAL), denormal, "{}", p.name);
-        let text = unsafe { CStr::from_ptr(alula_strerror(base)) };
-        let text = text.to_str().unwrap();
-        assert_eq!(text, format!("{} must be a finite number", p.name));
+        assert_eq!(
+            code(p.min.next_down()),
+            Some(below(p.min, base)),
+            "{}",
+            p.name
+        );
+        assert_eq!(code(p.max.next_up()), Some(base - 2), "{}", p.name);
+        if n < CHOICES.len() {
+            assert_eq!(code(0.5), Some(base - 2));
+        }
+        for (problem, what) in [
+            "must be a finite number",
+            "must be positive",
+            "is out of range",
+            "contradicts another parameter",
+        ]
+        .iter()
+        .enumerate()
+        {
+            let text = unsafe { CStr::from_ptr(alula_strerror(base - problem as i32)) };
+            let wanted = format!("{field}.{} {what}", p.name);
+            assert_eq!(text.to_str(), Ok(wanted.as_str()));
+        }
     }
-    // Refused only together with others.
-    let crossed = Parameters {
-        thrust_min: 300.0,
-        ..Parameters::DEFAULT
-    };
+    // What has no default must be set.
     let text = |code| unsafe { CStr::from_ptr(alula_strerror(code)) };
     assert_eq!(
-        text(controller(&crossed).err().unwrap()),
-        c"thrust_max is out of range"
+        text(controller(&Parameters::DEFAULT).err().unwrap()),
+        c"vehicle.mass must be a finite number"
     );
-    let table = Parameters {
-        model: ALULA_MODEL_TABLE,
-        ..Parameters::DEFAULT
-    };
+    // Refused only together with others.
+    let mut crossed = PAPER;
+    crossed.vehicle.thrust_min = 99.0;
+    assert_eq!(
+        text(controller(&crossed).err().unwrap()),
+        c"vehicle.thrust_min contradicts another parameter"
+    );
+    let mut sharp = PAPER;
+    sharp.coefficients.k_d = 9000.0;
+    assert_eq!(
+        text(controller(&sharp).err().unwrap()),
+        c"coefficients.k_d is out of range"
+    );
+    let mut table = PAPER;
+    table.controller.model = ALULA_MODEL_TABLE as f32;
     assert_eq!(controller(&table).err(), Some(ALULA_ERROR_NULL));
     for code in [1, -7, -1000, i32::MIN, i32::MAX] {
         assert_eq!(text(code), c"unknown code");
@@ -198,12 +232,12 @@ fn every_bad_number_is_named_and_gives_the_safe_command() {
                 let input = poke(all, offset + 4 * n, bad.to_bits());
                 let mut out = NedCommand::SAFE;
                 out.thrust = 1.0;
-                let got = unsafe { alula_step_ned(&c, &input, 0.01, &mut out) };
+                let got = unsafe { alula_step_ned(&c, &input, 0.01, &mut out, null_mut()) };
                 assert_eq!((got, out), (code, NedCommand::SAFE), "{offset} {n} {bad}");
             }
             let input = poke(NedInput::DEFAULT, offset + 4 * n, DENORMAL);
             let mut out = NedCommand::SAFE;
-            let got = unsafe { alula_step_ned(&c, &input, 0.01, &mut out) };
+            let got = unsafe { alula_step_ned(&c, &input, 0.01, &mut out, null_mut()) };
             let part_of_an_attitude = offset == offset_of!(NedInput, quaternion) && n % 2 == 0;
             assert_eq!(got == ALULA_OK, !part_of_an_attitude);
             assert!(out.thrust.is_finite());
@@ -211,7 +245,7 @@ fn every_bad_number_is_named_and_gives_the_safe_command() {
     }
     let step = |input: NedInput, dt| {
         let mut out = NedCommand::SAFE;
-        unsafe { alula_step_ned(&c, &input, dt, &mut out) }
+        unsafe { alula_step_ned(&c, &input, dt, &mut out, null_mut()) }
     };
     for dt in [0.0, -0.01, f32::NAN, f32::INFINITY, 0.3] {
         assert_eq!(step(all, dt), ALULA_ERROR_TIME_STEP);
@@ -290,12 +324,13 @@ fn commands_are_the_cores() {
     let model = Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap();
     let vehicle = Vehicle::new(VehicleParameters::PAPER, model).unwrap();
     let gains = Gains::new(GainParameters::PAPER).unwrap();
-    let bandwidth = BandwidthGains::new(BandwidthParameters::PAPER_VEHICLE, &vehicle).unwrap();
+    let bandwidth = BandwidthGains::new(&GuidanceParameters::default(), &vehicle).unwrap();
     for (gains, choice) in [
         (GainChoice::Constant(gains), ALULA_GAINS_CONSTANT),
         (GainChoice::Bandwidth(bandwidth), ALULA_GAINS_BANDWIDTH),
     ] {
-        assert_eq!(gains.guard().tau(), 80.0);
+        // 0.91 m g is 89.3 N.
+        assert!((75.0..95.0).contains(&gains.guard().tau()));
         let core = VelocityControl::new(vehicle, gains);
         let mut undefined = 0;
         for n in 0..20_000 {
@@ -327,12 +362,10 @@ fn commands_are_the_cores() {
             };
             let ff = (n % 2 == 1).then_some(&ff);
             for law in [ALULA_LAW_ROBUST, ALULA_LAW_FULL] {
-                let c = controller(&Parameters {
-                    law,
-                    gains: choice,
-                    ..Parameters::DEFAULT
-                })
-                .unwrap();
+                let mut p = PAPER;
+                p.controller.law = law as f32;
+                p.controller.gains = choice as f32;
+                let c = controller(&p).unwrap();
                 let wanted = if law == ALULA_LAW_ROBUST {
                     core.robust(&state, &reference, ff)
                 } else {

@@ -6,6 +6,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use alula_firmware::flight::{Flight, TICK_RATE};
 use alula_firmware::port::send;
 use alula_firmware::thrust::{MotorCurve, Pulse, ThrustOutput};
+use alula_firmware::tick::{Watchdog, tick};
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m_rt::{entry, exception};
 use critical_section::Mutex;
@@ -18,16 +19,21 @@ use stm32f4xx_hal::pac::{self, interrupt};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Config;
 use stm32f4xx_hal::serial::Rx;
+use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
 #[cfg(not(any(feature = "rtt", feature = "semihosting")))]
 compile_error!("choose where the log goes: feature `rtt` (a board) or `semihosting` (QEMU)");
 
 /// Clock of the core. QEMU's machine runs at it whatever the clock tree is told.
 const CORE_HZ: u32 = 168_000_000;
-/// Speed of the link \[bit/s\]: an input takes 0.6 ms, and so does its answer.
+/// Speed of the link \[bit/s\]: an input of the guidance takes 0.8 ms, and so does its answer.
 const BAUD: u32 = 1_000_000;
 /// The log tells how it goes so often.
 const LOG_PERIOD: u32 = TICK_RATE;
+
+/// The chip is reset if this passes without a tick of the control loop \[ms\]. The watchdog's own oscillator is slow or
+/// fast by half.
+const WATCHDOG_MS: u32 = 30;
 
 /// Thrust of the motor: an example, to be replaced by the measurements of yours.
 const CURVE: MotorCurve<'static> = match MotorCurve::new(&[
@@ -47,6 +53,14 @@ const PULSE: Pulse = Pulse {
     minimum: 0.44,
     maximum: 0.80,
 };
+
+struct Independent(IndependentWatchdog);
+
+impl Watchdog for Independent {
+    fn feed(&mut self) {
+        self.0.feed();
+    }
+}
 
 /// Ticks of the timer.
 static TICKS: AtomicU32 = AtomicU32::new(0);
@@ -111,16 +125,21 @@ fn main() -> ! {
     timer.enable_interrupt();
     timer.enable_counter();
 
+    let mut watchdog = Independent(IndependentWatchdog::new(device.IWDG));
+    // A debugger that stops the core stops the watchdog too.
+    watchdog.0.stop_on_debug(&device.DBGMCU, true);
+    watchdog.0.start(WATCHDOG_MS.millis());
+
     let mut flight = Flight::default();
-    send(&mut transmitter, &flight.announcement());
+    if send(&mut transmitter, &flight.announcement()).is_err() {
+        flight.count_dropped();
+    }
     defmt::info!("ready, {}", flight.phase());
-    let (mut ticks, mut phase, mut fault) = (0, flight.phase(), None);
+    let (mut ticks, mut phase, mut refusal) = (0, flight.phase(), None);
     loop {
         let reply = if TICKS.load(Ordering::Relaxed) != ticks {
             ticks = ticks.wrapping_add(1);
-            let reply = flight.tick();
-            let Ok(()) = motor.arm(switch.is_low() && flight.drives_motor());
-            let Ok(_) = motor.set(flight.command().thrust);
+            let Ok(reply) = tick(&mut flight, &mut motor, switch.is_low(), &mut watchdog);
             if ticks.is_multiple_of(LOG_PERIOD) {
                 defmt::info!("{}", flight.status());
             }
@@ -138,18 +157,20 @@ fn main() -> ! {
             });
             continue;
         };
-        if let Some(reply) = reply {
-            send(&mut transmitter, &reply);
+        if let Some(reply) = reply
+            && send(&mut transmitter, &reply).is_err()
+        {
+            flight.count_dropped();
         }
         if flight.phase() != phase {
             phase = flight.phase();
             defmt::info!("{}", phase);
         }
-        if flight.fault() != fault {
-            fault = flight.fault();
-            match fault {
-                Some(fault) => defmt::error!("fault: {}", fault),
-                None => defmt::info!("no fault"),
+        if flight.refusal() != refusal {
+            refusal = flight.refusal();
+            match refusal {
+                Some(refusal) => defmt::error!("input refused: {}", refusal),
+                None => defmt::info!("input accepted"),
             }
         }
     }

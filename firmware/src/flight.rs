@@ -1,10 +1,13 @@
 //! The control loop, supervised: bytes and ticks in, replies and the command in force out.
 
-use alula::{Command, Fault, Model, VelocityControl};
+use alula::guidance::Refusal;
+use alula::{Command, ModelParameters};
 use alula_link::{
-    Admission, Answer, Configuration, Counters, Envelope, FromTarget, Input, Law, Order, Pacing,
-    Phase, Receiver, Status, ToTarget,
+    Admission, Answer, Configuration, Controller, Counters, Envelope, FromTarget, Input, Order,
+    Pacing, Phase, Receiver, Status, ToTarget,
 };
+
+use crate::arming::Arming;
 
 /// Rate of the timer \[Hz\]: of the control loop under [`Pacing::Timer`], of the supervision always.
 pub const TICK_RATE: u32 = 1000;
@@ -19,53 +22,33 @@ pub const ANNOUNCE_PERIOD: u32 = 500;
 pub type Reply = Envelope<FromTarget<'static>>;
 
 /// The state of the image. The command in force is the safe one, zero thrust and zero rate, unless the last
-/// valid input is younger than [`SILENCE_LIMIT`] and the law had an answer to it.
+/// valid input is younger than [`SILENCE_LIMIT`] and the controller had an answer to it.
 #[derive(Default)]
 pub struct Flight {
     receiver: Receiver,
     order: Order,
     counters: Counters,
-    controller: Option<Controller>,
+    configured: Option<Configured>,
+    arming: Arming,
     /// An input that waits for the next tick.
     pending: Option<Envelope<Input>>,
     command: Command,
-    fault: Option<Fault>,
+    refusal: Option<Refusal>,
     /// The last input is younger than the limit.
     fresh: bool,
     /// Ticks since the last input.
     silence: u32,
     ticks: u32,
     losses: u32,
+    dropped: u32,
 }
 
-struct Controller {
-    control: VelocityControl<Model>,
-    law: Law,
+/// The controller configured, with its memory.
+struct Configured {
+    controller: Controller,
     pacing: Pacing,
     /// It has had an input.
     flown: bool,
-}
-
-impl Controller {
-    fn new(configuration: &Configuration) -> Result<Self, alula::ParameterError> {
-        Ok(Self {
-            control: configuration.control()?,
-            law: configuration.law,
-            pacing: configuration.pacing,
-            flown: false,
-        })
-    }
-
-    fn step(&self, input: &Input) -> Result<Command, Fault> {
-        let (state, reference) = (input.state(), input.reference());
-        let feed_forward = input.feed_forward();
-        match self.law {
-            Law::Robust => self
-                .control
-                .robust(&state, &reference, feed_forward.as_ref()),
-            Law::Full => self.control.full(&state, &reference, feed_forward.as_ref()),
-        }
-    }
 }
 
 impl Flight {
@@ -83,7 +66,11 @@ impl Flight {
                 self.reset();
                 let message = match Controller::new(&perturbed(configuration)) {
                     Ok(controller) => {
-                        self.controller = Some(controller);
+                        self.configured = Some(Configured {
+                            controller,
+                            pacing: configuration.pacing,
+                            flown: false,
+                        });
                         FromTarget::Configured
                     }
                     Err(error) => FromTarget::Refused(error.into()),
@@ -96,9 +83,12 @@ impl Flight {
                     sequence,
                     message,
                 };
-                match &self.controller {
+                match &self.configured {
                     None => Some(self.reply(FromTarget::Answer(Answer::NotConfigured))),
-                    Some(controller) if controller.pacing == Pacing::Lockstep => self.fly(input),
+                    Some(configured) if !configured.controller.takes(&message) => {
+                        Some(self.reply(FromTarget::Answer(Answer::WrongInput)))
+                    }
+                    Some(configured) if configured.pacing == Pacing::Lockstep => self.fly(input),
                     Some(_) => {
                         self.pending = Some(input);
                         None
@@ -136,10 +126,10 @@ impl Flight {
 
     /// What the target is doing.
     pub fn phase(&self) -> Phase {
-        match &self.controller {
+        match &self.configured {
             None => Phase::NotConfigured,
             Some(_) if self.fresh => Phase::Flying,
-            Some(controller) if controller.flown => Phase::LinkLost,
+            Some(configured) if configured.flown => Phase::LinkLost,
             Some(_) => Phase::Waiting,
         }
     }
@@ -149,16 +139,24 @@ impl Flight {
         self.command
     }
 
-    /// The fault of the last input, for which the safe command stands in.
-    pub fn fault(&self) -> Option<Fault> {
-        self.fault
+    /// Why the controller refused the last input, if it did.
+    pub fn refusal(&self) -> Option<Refusal> {
+        self.refusal
     }
 
-    /// Whether the motor may turn: not without fresh inputs, and not in lockstep, where the vehicle that the
-    /// thrust is meant for is simulated.
-    pub fn drives_motor(&self) -> bool {
-        let timed = |c: &Controller| c.pacing == Pacing::Timer;
-        self.fresh && self.controller.as_ref().is_some_and(timed)
+    /// Whether the motor may turn, `switch` being whether the arming switch is on; to be called once per tick.
+    ///
+    /// It may turn while inputs are fresh, and not in lockstep, where the vehicle that the thrust is meant for is
+    /// simulated. [`Arming`] says what the switch must have done.
+    pub fn drives_motor(&mut self, switch: bool) -> bool {
+        let timed = |c: &Configured| c.pacing == Pacing::Timer;
+        let ready = self.fresh && self.configured.as_ref().is_some_and(timed);
+        self.arming.update(switch, ready) && ready
+    }
+
+    /// Counts a reply that the port did not take.
+    pub fn count_dropped(&mut self) {
+        self.dropped = self.dropped.saturating_add(1);
     }
 
     /// How the target is.
@@ -169,34 +167,35 @@ impl Flight {
             rate: self.command.rate,
             ticks: self.ticks,
             losses: self.losses,
+            dropped: self.dropped,
             counters: self.counters,
         }
     }
 
     /// One control step.
     fn fly(&mut self, input: Envelope<Input>) -> Option<Reply> {
-        let controller = self.controller.as_mut()?;
-        let result = controller.step(&input.message);
-        controller.flown = true;
-        (self.fresh, self.silence) = (true, 0);
-        (self.command, self.fault) = match result {
-            Ok(command) => (command, None),
-            Err(fault) => (Command::default(), Some(fault)),
-        };
+        let configured = self.configured.as_mut()?;
+        let answer = configured.controller.step(&input.message);
+        if let Some((command, refusal)) = answer.command() {
+            configured.flown = true;
+            (self.fresh, self.silence) = (true, 0);
+            (self.command, self.refusal) = (command, refusal);
+        }
         Some(Envelope {
             session: input.session,
             sequence: input.sequence,
-            message: FromTarget::Answer(result.into()),
+            message: FromTarget::Answer(answer),
         })
     }
 
     fn safe(&mut self) {
         self.command = Command::default();
-        self.fault = None;
+        self.refusal = None;
     }
 
     fn reset(&mut self) {
-        self.controller = None;
+        self.configured = None;
+        self.arming.disarm();
         self.pending = None;
         self.fresh = false;
         self.safe();
@@ -212,16 +211,16 @@ impl Flight {
     }
 }
 
-/// The configuration; in a build that must not pass for this one, with c1 (c2 of the small-angle model) off by
-/// one unit in the last place.
+/// The configuration. The build for the test of the tests changes c1 (c2 of the small-angle model) by one unit in the last
+/// place.
 fn perturbed(mut configuration: Configuration) -> Configuration {
     if cfg!(feature = "perturbed") {
         let c = match &mut configuration.model {
-            alula_link::ModelParameters::LargeAngle(c) => &mut c[..],
-            alula_link::ModelParameters::SmallAngle(c) => c,
-            alula_link::ModelParameters::Combined(c) => c,
+            ModelParameters::LargeAngle(p) => &mut p.c1,
+            ModelParameters::SmallAngle(p) => &mut p.c2,
+            ModelParameters::Combined(p) => &mut p.c1,
         };
-        c[1] = c[1].next_up();
+        *c = c.next_up();
     }
     configuration
 }
@@ -229,36 +228,76 @@ fn perturbed(mut configuration: Configuration) -> Configuration {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use alula::guidance::{Air, Mode};
     use alula::{
-        Attitude, CombinedParameters, GainParameters, Inertial, Reference, State, VehicleParameters,
+        Attitude, CombinedParameters, Fault, GainParameters, GuidanceInput, GuidanceParameters,
+        Inertial, Parameters, Reference, State, VehicleParameters,
     };
     use alula_link::damage::Mangler;
-    use alula_link::{MAX_FRAME, Refusal, encode};
+    use alula_link::{ControllerParameters, Law, LawGains, MAX_FRAME, RefusedParameter, encode};
     use std::vec::Vec;
 
     fn configuration(pacing: Pacing) -> Configuration {
-        Configuration::new(
-            VehicleParameters::PAPER_BELIEF,
-            CombinedParameters::PAPER_BELIEF.into(),
-            GainParameters::PAPER,
-            Law::Robust,
+        Configuration {
+            vehicle: VehicleParameters::PAPER_BELIEF,
+            model: ModelParameters::Combined(CombinedParameters::PAPER_BELIEF),
+            controller: ControllerParameters::Law {
+                law: Law::Robust,
+                gains: LawGains::Constant(GainParameters::PAPER),
+            },
             pacing,
-        )
+        }
+    }
+
+    fn guidance(pacing: Pacing) -> Configuration {
+        Configuration {
+            controller: ControllerParameters::Guidance {
+                parameters: GuidanceParameters::DEFAULT,
+                gains: None,
+            },
+            ..configuration(pacing)
+        }
+    }
+
+    fn state(n: u32) -> State {
+        State {
+            velocity: Inertial::new(n as f32 * 1e-4, 5.0),
+            attitude: Attitude::from_angle(n as f32 * 1e-3),
+            wind: Inertial::ZERO,
+        }
+    }
+
+    fn law_input(state: State) -> Input {
+        Input::Law {
+            state,
+            reference: Reference::default(),
+            feed_forward: None,
+        }
     }
 
     /// An input of its own for every number.
     fn input(n: u32) -> Input {
-        let state = State {
-            velocity: Inertial::new(n as f32 * 1e-4, 5.0),
-            attitude: Attitude::from_angle(n as f32 * 1e-3),
-            wind: Inertial::ZERO,
-        };
-        Input::new(&state, &Reference::default(), None)
+        law_input(state(n))
     }
 
-    fn law(input: &Input) -> Result<Command, Fault> {
-        let control = configuration(Pacing::Timer).control().unwrap();
-        control.robust(&input.state(), &input.reference(), None)
+    fn guidance_input(n: u32) -> Input {
+        let input = GuidanceInput {
+            velocity: state(n).velocity,
+            attitude: state(n).attitude,
+            air: Air::Wind(Inertial::ZERO),
+            ..GuidanceInput::default()
+        };
+        Input::Guidance { input, dt: 0.01 }
+    }
+
+    /// The answer of the law to an input.
+    fn law(input: &Input) -> Answer {
+        let mut controller = Controller::new(&configuration(Pacing::Timer)).unwrap();
+        controller.step(input)
+    }
+
+    fn law_command(input: &Input) -> Command {
+        law(input).command().unwrap().0
     }
 
     fn envelope<M>(session: u32, sequence: u32, message: M) -> Envelope<M> {
@@ -305,7 +344,7 @@ mod tests {
             let due = tick % ANNOUNCE_PERIOD == 0;
             assert_eq!(announced, due.then_some(Phase::NotConfigured));
             assert_eq!(flight.command(), Command::default());
-            assert!(!flight.drives_motor());
+            assert!(!flight.drives_motor(true));
         }
         let answer = FromTarget::Answer(Answer::NotConfigured);
         let reply = send(&mut flight, 1, ToTarget::Input(input(1)));
@@ -320,24 +359,26 @@ mod tests {
         assert_eq!(flight.command(), Command::default());
         let reply = flight.tick().unwrap();
         let expected = law(&input(2));
-        assert_eq!(reply, envelope(1, 2, FromTarget::Answer(expected.into())));
-        assert_eq!(flight.command(), expected.unwrap());
-        assert!(flight.drives_motor());
+        // The arming switch is put on while it flies.
+        flight.drives_motor(false);
+        assert_eq!(reply, envelope(1, 2, FromTarget::Answer(expected)));
+        assert_eq!(flight.command(), expected.command().unwrap().0);
+        assert!(flight.drives_motor(true));
         // The newest of several is flown.
         assert_eq!(send(&mut flight, 3, ToTarget::Input(input(3))), None);
         assert_eq!(send(&mut flight, 4, ToTarget::Input(input(4))), None);
         assert_eq!(flight.tick().unwrap().sequence, 4);
-        assert_eq!(flight.command(), law(&input(4)).unwrap());
+        assert_eq!(flight.command(), law_command(&input(4)));
     }
 
     #[test]
     fn in_lockstep_an_input_is_flown_on_arrival_and_no_motor_turns() {
         let mut flight = configured(Pacing::Lockstep);
         let reply = send(&mut flight, 2, ToTarget::Input(input(2)));
-        let answer = FromTarget::Answer(law(&input(2)).into());
+        let answer = FromTarget::Answer(law(&input(2)));
         assert_eq!(reply, Some(envelope(1, 2, answer)));
         assert_eq!(flight.phase(), Phase::Flying);
-        assert!(!flight.drives_motor());
+        assert!(!flight.drives_motor(true));
     }
 
     #[test]
@@ -352,19 +393,19 @@ mod tests {
             for _ in 1..SILENCE_LIMIT {
                 assert_eq!(flight.tick(), None);
                 // The last command is held, and a request for status is no input.
-                assert_eq!(flight.command(), law(&input(2)).unwrap());
+                assert_eq!(flight.command(), law_command(&input(2)));
             }
             assert_eq!(phase_announced(flight.tick()), Some(Phase::LinkLost));
             assert_eq!(flight.command(), Command::default());
-            assert!(!flight.drives_motor());
+            assert!(!flight.drives_motor(true));
             assert_eq!(flight.status().losses, 1);
             let announced = (0..ANNOUNCE_PERIOD).find_map(|_| phase_announced(flight.tick()));
             assert_eq!(announced, Some(Phase::LinkLost));
 
-            let answer = FromTarget::Answer(law(&input(9)).into());
+            let answer = FromTarget::Answer(law(&input(9)));
             assert_eq!(fly(&mut flight, 9), envelope(1, 9, answer));
             assert_eq!(flight.phase(), Phase::Flying);
-            assert_eq!(flight.command(), law(&input(9)).unwrap());
+            assert_eq!(flight.command(), law_command(&input(9)));
         }
     }
 
@@ -386,21 +427,98 @@ mod tests {
     fn a_fault_is_reported_with_the_safe_command_in_force() {
         let mut flight = configured(Pacing::Lockstep);
         send(&mut flight, 2, ToTarget::Input(input(2)));
-        let state = State {
+        let bad = law_input(State {
             wind: Inertial::new(f32::NAN, 0.0),
-            ..input(3).state()
-        };
-        let bad = Input::new(&state, &Reference::default(), None);
+            ..state(3)
+        });
         let reply = send(&mut flight, 3, ToTarget::Input(bad));
-        let answer = FromTarget::Answer(Answer::Fault(Fault::Wind));
+        let answer = FromTarget::Answer(Answer::Law(Err(Fault::Wind)));
         assert_eq!(reply, Some(envelope(1, 3, answer)));
         assert_eq!(flight.command(), Command::default());
-        assert_eq!(flight.fault(), Some(Fault::Wind));
+        assert_eq!(flight.refusal(), Some(Refusal::Law(Fault::Wind)));
         send(&mut flight, 4, ToTarget::Input(input(4)));
         assert_eq!(
-            (flight.fault(), flight.command()),
-            (None, law(&input(4)).unwrap())
+            (flight.refusal(), flight.command()),
+            (None, law_command(&input(4)))
         );
+    }
+
+    #[test]
+    fn the_guidance_keeps_its_memory_until_it_is_configured_again() {
+        for pacing in [Pacing::Lockstep, Pacing::Timer] {
+            let mut flight = Flight::default();
+            let configure = ToTarget::Configure(guidance(pacing));
+            let mut fly = |message| {
+                let sequence = flight.order.last().1 + 1;
+                let reply = send(&mut flight, sequence, message);
+                match reply.or_else(|| flight.tick()).unwrap().message {
+                    FromTarget::Answer(answer) => Some(answer),
+                    _ => None,
+                }
+            };
+            let mut flown = Vec::new();
+            for _ in 0..2 {
+                assert_eq!(fly(configure), None);
+                let mut host = Controller::new(&guidance(pacing)).unwrap();
+                for n in 0..20 {
+                    let answer = fly(ToTarget::Input(guidance_input(n))).unwrap();
+                    assert_eq!(answer, host.step(&guidance_input(n)));
+                    flown.push(answer);
+                }
+            }
+            // It needs some frames to leave the safe command, and does so twice.
+            let mode = |n: usize| match &flown[n] {
+                Answer::Guided(guided) => guided.mode,
+                other => panic!("{other:?}"),
+            };
+            for start in [0, 20] {
+                assert_eq!(mode(start), Mode::Safe);
+                assert_eq!(mode(start + 19), Mode::Flying);
+            }
+            let last = guidance_input(19);
+            let (command, _) = flown[39].command().unwrap();
+            assert_eq!(flight.command(), command);
+            assert!(command.thrust > 50.0, "{last:?}");
+        }
+    }
+
+    #[test]
+    fn an_input_of_the_wrong_kind_is_refused_and_keeps_nothing_flying() {
+        for pacing in [Pacing::Lockstep, Pacing::Timer] {
+            let mut flight = configured(pacing);
+            let reply = send(&mut flight, 2, ToTarget::Input(input(2)));
+            reply.or_else(|| flight.tick()).unwrap();
+            for n in 1..=SILENCE_LIMIT {
+                let wrong = ToTarget::Input(guidance_input(n));
+                let reply = send(&mut flight, 2 + n, wrong).unwrap();
+                assert_eq!(reply.message, FromTarget::Answer(Answer::WrongInput));
+                let announced = phase_announced(flight.tick());
+                let lost = (n == SILENCE_LIMIT).then_some(Phase::LinkLost);
+                assert_eq!(announced, lost, "{n}");
+            }
+            assert_eq!(flight.command(), Command::default());
+        }
+    }
+
+    #[test]
+    fn a_new_configuration_disarms_even_between_two_ticks() {
+        let mut flight = configured(Pacing::Timer);
+        send(&mut flight, 2, ToTarget::Input(input(2)));
+        flight.tick();
+        flight.drives_motor(false);
+        assert!(flight.drives_motor(true));
+        send(
+            &mut flight,
+            3,
+            ToTarget::Configure(configuration(Pacing::Timer)),
+        );
+        send(&mut flight, 4, ToTarget::Input(input(4)));
+        flight.tick();
+        assert_eq!(flight.phase(), Phase::Flying);
+        assert!(!flight.drives_motor(true));
+        // The switch off and on again arms it.
+        flight.drives_motor(false);
+        assert!(flight.drives_motor(true));
     }
 
     #[test]
@@ -408,11 +526,17 @@ mod tests {
         let mut flight = configured(Pacing::Lockstep);
         send(&mut flight, 2, ToTarget::Input(input(2)));
         let mut bad = configuration(Pacing::Lockstep);
-        bad.gains[3] = -80.0;
+        bad.controller = ControllerParameters::Law {
+            law: Law::Robust,
+            gains: LawGains::Constant(GainParameters {
+                tau: -80.0,
+                ..GainParameters::PAPER
+            }),
+        };
         let Some(reply) = send(&mut flight, 3, ToTarget::Configure(bad)) else {
             panic!()
         };
-        let refusal = Refusal {
+        let refusal = RefusedParameter {
             parameter: "tau",
             problem: alula::Problem::NotPositive,
         };
@@ -452,7 +576,7 @@ mod tests {
                     continue;
                 };
                 // What is answered is the law's answer to what was meant by that number.
-                let answer = law(&input(reply.sequence)).into();
+                let answer = law(&input(reply.sequence));
                 assert_eq!(reply.message, FromTarget::Answer(answer));
                 answers += 1;
             }

@@ -5,6 +5,8 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod arming;
 pub mod flight;
 pub mod port;
 pub mod thrust;
+pub mod tick;

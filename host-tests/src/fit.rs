@@ -3,8 +3,7 @@
 use std::f64::consts::PI;
 
 use anyhow::anyhow;
-use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
-use nalgebra_lm::{Dyn, Matrix, OVector, Owned, SVector, U7};
+use nalgebra::{SMatrix, SVector};
 use serde::Serialize;
 
 use crate::reference::{Aerodynamics, Row};
@@ -182,52 +181,59 @@ impl Metric {
     }
 }
 
-struct Problem<'a> {
-    metric: &'a Metric,
-    x: Vector7,
-}
-
-impl Problem<'_> {
-    fn at(&self, x: &Vector7) -> OVector<f64, Dyn> {
-        let model = Parameters::from_free(x).model();
-        OVector::<f64, Dyn>::from_iterator(
-            2 * self.metric.rows.len(),
-            self.metric.residuals(&model),
-        )
+/// The free parameters around `start` at which the sum of the squared residuals is least, by the method of Levenberg and
+/// Marquardt with the damping of H. B. Nielsen (IMM-REP-1999-05). Seven parameters and a metric of mean 1 leave the normal
+/// equations well enough conditioned for Cholesky's decomposition in double precision.
+fn minimise(metric: &Metric, start: Vector7) -> Vector7 {
+    // Central differences: exact to 1e-9 of the residuals.
+    const DIFFERENCE: f64 = 1e-5;
+    // Bounds the time of a search along a flat valley.
+    const STEPS: usize = 400;
+    let at = |x: &Vector7| -> Vec<f64> {
+        metric
+            .residuals(&Parameters::from_free(x).model())
+            .collect()
+    };
+    let square = |r: &[f64]| r.iter().map(|r| r * r).sum::<f64>();
+    let mut x = start;
+    let mut residuals = at(&x);
+    let (mut damping, mut growth) = (1e-3, 2.0);
+    for _ in 0..STEPS {
+        let columns: [Vec<f64>; 7] = std::array::from_fn(|i| {
+            let (mut up, mut down) = (x, x);
+            up[i] += DIFFERENCE;
+            down[i] -= DIFFERENCE;
+            let pairs = at(&up).into_iter().zip(at(&down));
+            pairs.map(|(u, d)| (u - d) / (2.0 * DIFFERENCE)).collect()
+        });
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let normal = SMatrix::<f64, 7, 7>::from_fn(|i, j| dot(&columns[i], &columns[j]));
+        let slope = Vector7::from_fn(|i, _| dot(&columns[i], &residuals));
+        // A parameter at its bound has hardly any column left: it is damped as if it had a little.
+        let least = 1e-9 * normal.diagonal().max();
+        let scale = normal.diagonal().map(|d| damping * d.max(least));
+        let damped = normal + SMatrix::from_diagonal(&scale);
+        let Some(step) = damped.cholesky().map(|c| -c.solve(&slope)) else {
+            break;
+        };
+        if step.amax() < 1e-12 * (1.0 + x.amax()) {
+            break;
+        }
+        let there = at(&(x + step));
+        // What the squares fell by, over what the linear model foretold.
+        let foretold = step.dot(&(scale.component_mul(&step) - slope));
+        let gain = (square(&residuals) - square(&there)) / foretold;
+        if gain > 0.0 {
+            x += step;
+            residuals = there;
+            damping *= (1.0 - (2.0 * gain - 1.0).powi(3)).max(1.0 / 3.0);
+            growth = 2.0;
+        } else {
+            damping *= growth;
+            growth *= 2.0;
+        }
     }
-}
-
-impl LeastSquaresProblem<f64, Dyn, U7> for Problem<'_> {
-    type ParameterStorage = Owned<f64, U7>;
-    type ResidualStorage = Owned<f64, Dyn>;
-    type JacobianStorage = Owned<f64, Dyn, U7>;
-
-    fn set_params(&mut self, x: &Vector7) {
-        self.x = *x;
-    }
-
-    fn params(&self) -> Vector7 {
-        self.x
-    }
-
-    fn residuals(&self) -> Option<OVector<f64, Dyn>> {
-        let residuals = self.at(&self.x);
-        residuals.iter().all(|r| r.is_finite()).then_some(residuals)
-    }
-
-    fn jacobian(&self) -> Option<Matrix<f64, Dyn, U7, Self::JacobianStorage>> {
-        // Central differences: exact to 1e-9 of the residuals.
-        const STEP: f64 = 1e-5;
-        let columns: Vec<_> = (0..7)
-            .map(|i| {
-                let (mut up, mut down) = (self.x, self.x);
-                up[i] += STEP;
-                down[i] -= STEP;
-                (self.at(&up) - self.at(&down)) / (2.0 * STEP)
-            })
-            .collect();
-        Some(Matrix::<f64, Dyn, U7, _>::from_columns(&columns))
-    }
+    x
 }
 
 /// The parameters closest to the table `rows` by [`Metric`], from several starting points.
@@ -238,18 +244,9 @@ pub fn fit(rows: &[Row]) -> anyhow::Result<Parameters> {
             "at least seven rows within 30° are needed to fit the seven parameters"
         ));
     }
-    let solver = LevenbergMarquardt::new()
-        .with_ftol(1e-12)
-        .with_xtol(1e-10)
-        .with_gtol(1e-12)
-        .with_patience(50);
-    let fitted = starts(rows).into_iter().map(|start| {
-        let problem = Problem {
-            metric: &metric,
-            x: start.free(),
-        };
-        Parameters::from_free(&solver.minimize(problem).0.x)
-    });
+    let fitted = starts(rows)
+        .into_iter()
+        .map(|start| Parameters::from_free(&minimise(&metric, start.free())));
     fitted
         .filter(Parameters::valid)
         .min_by(|a, b| metric.of(&a.model()).total_cmp(&metric.of(&b.model())))

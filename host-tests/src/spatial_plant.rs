@@ -177,7 +177,6 @@ impl SpatialPlant {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plant::{Plant, PlantState};
     use crate::reference::{Aerodynamics, Vector};
 
     fn plant(rotation: Rotation) -> SpatialPlant {
@@ -211,32 +210,31 @@ mod tests {
         }
     }
 
-    /// In the north-down plane it is the planar plant: with rates and thrust at their commands the lags do nothing.
+    /// In the north-down plane it is the planar equation of motion, v̇ by `Vehicle::acceleration` and θ = θ₀ + ω t,
+    /// integrated by the same method: with rates and thrust at their commands the lags do nothing.
     #[test]
     fn in_a_vertical_plane_it_is_the_planar_plant() {
         let spatial = plant(Rotation::Lag(0.1));
-        let planar = Plant {
-            vehicle: spatial.vehicle,
-            wind: Vector::new(0.5, -2.0),
-        };
         let (thrust, rate, dt) = (80.0, -0.4, 0.01);
-        let mut a = SpatialState {
-            rates: V3::new(0.0, rate, 0.0),
-            ..start()
-        };
-        let mut b = PlantState {
-            velocity: Vector::new(2.0, 12.0),
-            theta: -60.0_f64.to_radians(),
-        };
+        let rates = V3::new(0.0, rate, 0.0);
+        let mut a = SpatialState { rates, ..start() };
+        let wind = Vector::new(0.5, -2.0);
+        let (mut v, mut theta) = (Vector::new(2.0, 12.0), -60.0_f64.to_radians());
+        let slope = |v: Vector, theta: f64| spatial.vehicle.acceleration(v, wind, theta, thrust);
         for _ in 0..200 {
-            let rates = V3::new(0.0, rate, 0.0);
             a = spatial.step(&a, thrust, rates, V3::new(-2.0, 0.0, 0.5), dt);
-            b = planar.step(&b, thrust, rate, dt);
+            let half = theta + 0.5 * dt * rate;
+            let k1 = slope(v, theta);
+            let k2 = slope(v + 0.5 * dt * k1, half);
+            let k3 = slope(v + 0.5 * dt * k2, half);
+            let k4 = slope(v + dt * k3, theta + dt * rate);
+            v += dt / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
+            theta += dt * rate;
         }
         let [i, ..] = a.axes();
         // 1e-7: the quaternion is integrated to (q dt)^5, the planar angle exactly.
-        assert!((a.velocity - V3::new(b.velocity.y, 0.0, b.velocity.x)).norm() < 1e-7);
-        assert!((i - V3::new(b.theta.sin(), 0.0, b.theta.cos())).norm() < 1e-9);
+        assert!((a.velocity - V3::new(v.y, 0.0, v.x)).norm() < 1e-7);
+        assert!((i - V3::new(theta.sin(), 0.0, theta.cos())).norm() < 1e-9);
     }
 
     /// A side wind on a vehicle that falls wing first: only the side force acts, k_a c_Y v².

@@ -124,7 +124,7 @@ impl Mangler {
                 bytes.clear();
                 for _ in 0..=self.below(2 * MAX_FRAME) {
                     let byte = self.byte();
-                    bytes.push(if self.below(50) == 0 { 0 } else { byte | 1 });
+                    bytes.push(if self.below(100) == 0 { 0 } else { byte | 1 });
                 }
                 bytes.push(0);
             }

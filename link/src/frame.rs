@@ -8,10 +8,10 @@ use crc::{CRC_32_ISCSI, Crc, Table};
 use serde::{Deserialize, Serialize};
 
 /// Version of the protocol: first byte of every frame, at the same place in every version.
-pub const VERSION: u8 = 1;
+pub const VERSION: u8 = 2;
 
-/// Longest frame \[bytes\], stuffed and with its closing zero.
-pub const MAX_FRAME: usize = 128;
+/// Longest frame \[bytes\], stuffed and with its closing zero: one block of COBS.
+pub const MAX_FRAME: usize = 254;
 
 const HEADER: usize = 2;
 const CHECKSUM: usize = 4;
@@ -148,7 +148,7 @@ impl Receiver {
 }
 
 fn open<'a, M: Deserialize<'a>>(stuffed: &'a mut [u8]) -> Result<M, Damage> {
-    // A frame is shorter than COBS's blocks, so stuffing adds one byte: its first. The length announced is the
+    // A frame is no longer than one block of COBS, so stuffing adds one byte: its first. The length announced is the
     // third, and says what is missing even where the rest cannot be unstuffed.
     let whole = |payload: usize| 1 + HEADER + payload + CHECKSUM;
     let missing = match stuffed.get(HEADER) {
@@ -183,8 +183,10 @@ mod tests {
     use super::*;
     use crate::damage::Mangler;
     use crate::{
-        Admission, Configuration, Envelope, Law, ModelParameters, Order, Pacing, ToTarget,
+        Admission, Configuration, ControllerParameters, Envelope, Law, LawGains, Order, Pacing,
+        ToTarget,
     };
+    use alula::{GainParameters, LargeAngleParameters, ModelParameters, VehicleParameters};
     use std::vec::Vec;
 
     fn message(session: u32, sequence: u32) -> Envelope<ToTarget> {
@@ -192,10 +194,18 @@ mod tests {
             session,
             sequence,
             message: ToTarget::Configure(Configuration {
-                vehicle: [sequence as f32, 0.0, -1.0, 1e-3],
-                model: ModelParameters::LargeAngle([0.014, 0.95]),
-                gains: [0.0; 4],
-                law: Law::Robust,
+                vehicle: VehicleParameters {
+                    mass: sequence as f32,
+                    ..VehicleParameters::PAPER
+                },
+                model: ModelParameters::LargeAngle(LargeAngleParameters {
+                    c0: 0.014,
+                    c1: 0.95,
+                }),
+                controller: ControllerParameters::Law {
+                    law: Law::Robust,
+                    gains: LawGains::Constant(GainParameters::PAPER),
+                },
                 pacing: Pacing::Timer,
             }),
         }

@@ -1,4 +1,5 @@
-//! The link between the image on the target and its host: messages, and the frames that carry them.
+//! The link between the image on the target and its host: messages, the frames that carry them, and the controller that
+//! both ends make of a configuration ([`Controller`]).
 //!
 //! - Every float travels as its 32 bits: what is computed on the target from a received input is what would be
 //!   computed on the host.
@@ -17,15 +18,17 @@
 #[cfg(any(test, feature = "damage"))]
 extern crate std;
 
+mod controller;
 #[cfg(any(test, feature = "damage"))]
 pub mod damage;
 pub mod frame;
 mod message;
 mod order;
 
+pub use controller::Controller;
 pub use frame::{Counters, MAX_FRAME, Receiver, VERSION, encode};
 pub use message::{
-    Answer, Configuration, Envelope, FromTarget, Input, Law, ModelParameters, Pacing, Phase,
-    Refusal, Status, ToTarget,
+    Answer, Configuration, ControllerParameters, Envelope, FromTarget, Input, Law, LawGains,
+    Pacing, Phase, RefusedParameter, Status, ToTarget,
 };
 pub use order::{Admission, Order};

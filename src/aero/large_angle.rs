@@ -1,25 +1,21 @@
 //! The large-angle model (`coeffSmallReynolds1`): a flat plate, spherical for every δ.
 
-use super::{Aerodynamics, Coefficients, MAX_COEFFICIENT, MIN_COEFFICIENT};
+use super::{Aerodynamics, Coefficients};
 use crate::air::AngleOfAttack;
-use crate::error::{ParameterError, positive};
+use crate::error::ParameterError;
+use crate::parameters::Parameters;
 
-/// Parameters of the large-angle model.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct LargeAngleParameters {
-    /// Drag coefficient at α = 0.
-    pub c0: f32,
-    /// Largest lift coefficient; half the lift slope at α = 0.
-    pub c1: f32,
+crate::parameters! {
+    /// Parameters of the large-angle model.
+    pub struct LargeAngleParameters, "Large-angle model" {
+        c0: "", 1e-6, 1e3, 0.0139, "ALU_C0", "Drag coefficient at zero angle of attack.";
+        c1: "", 1e-6, 1e3, 0.9430, "ALU_C1", "Largest lift coefficient; half the lift slope at zero angle of attack.";
+    }
 }
 
 impl LargeAngleParameters {
     /// The paper's fit of NACA 0021 at Re = 160e3 by this model alone.
-    pub const NACA_0021_RE_160E3: Self = Self {
-        c0: 0.0139,
-        c1: 0.9430,
-    };
+    pub const NACA_0021_RE_160E3: Self = Self::DEFAULT;
 }
 
 /// `c_L = c1 sin 2α`, `c_D = c0 + 2 c1 sin² α` (`coeffSmallReynolds1`).
@@ -34,12 +30,10 @@ impl LargeAngle {
     /// The model with these parameters.
     ///
     /// # Errors
-    /// `c0` or `c1` not finite, not positive, or outside [1e-6, 1e3].
+    /// A parameter outside its range.
     pub fn new(p: LargeAngleParameters) -> Result<Self, ParameterError> {
-        Ok(Self {
-            c0: positive("c0", p.c0, MIN_COEFFICIENT, MAX_COEFFICIENT)?,
-            c1: positive("c1", p.c1, MIN_COEFFICIENT, MAX_COEFFICIENT)?,
-        })
+        p.check()?;
+        Ok(Self { c0: p.c0, c1: p.c1 })
     }
 }
 

@@ -13,7 +13,7 @@ mod table;
 
 pub use combined::{Combined, CombinedParameters};
 pub use large_angle::{LargeAngle, LargeAngleParameters};
-pub use model::Model;
+pub use model::{Model, ModelParameters};
 pub use naca_0021::{NACA_0021_RE_5E6, NACA_0021_RE_160E3};
 pub use small_angle::{SmallAngle, SmallAngleParameters};
 pub use table::{Interval, Node, Polar, Table, TableError, TableProblem};
@@ -46,10 +46,6 @@ pub trait Aerodynamics {
     /// The coefficients at `alpha`.
     fn coefficients(&self, alpha: AngleOfAttack) -> Coefficients;
 }
-
-/// Range of the coefficients c0…c3 that constructors accept: beyond any wing.
-const MIN_COEFFICIENT: f32 = 1e-6;
-const MAX_COEFFICIENT: f32 = 1e3;
 
 #[cfg(test)]
 pub(crate) mod tests {

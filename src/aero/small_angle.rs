@@ -1,19 +1,17 @@
 //! The small-angle model (`coeffLargeReynoldsSamllAlpha1`): a lifting wing below stall, spherical for δ = 0.
 
-use super::{Aerodynamics, Coefficients, MAX_COEFFICIENT, MIN_COEFFICIENT};
+use super::{Aerodynamics, Coefficients};
 use crate::air::AngleOfAttack;
-use crate::error::{ParameterError, positive};
+use crate::error::ParameterError;
+use crate::parameters::Parameters;
 
-/// Parameters of the small-angle model.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct SmallAngleParameters {
-    /// Drag coefficient at α = 0.
-    pub c0: f32,
-    /// Lift slope at α = 0 [1/rad].
-    pub c2: f32,
-    /// Growth of drag with α² at α = 0 [1/rad²].
-    pub c3: f32,
+crate::parameters! {
+    /// Parameters of the small-angle model.
+    pub struct SmallAngleParameters, "Small-angle model" {
+        c0: "", 1e-6, 1e3, 0.014, "ALU_C0", "Drag coefficient at zero angle of attack.";
+        c2: "1/rad", 1e-6, 1e3, 5.5, "ALU_C2", "Lift slope at zero angle of attack.";
+        c3: "1/rad^2", 1e-6, 1e3, 0.3, "ALU_C3", "Growth of drag with the squared angle of attack, at zero.";
+    }
 }
 
 /// `D = (c2 − c3) cos² α + c3`, `c_L = ½ c2² sin 2α / D`, `c_D = c0 + c2 c3 sin² α / D`
@@ -30,12 +28,13 @@ impl SmallAngle {
     /// The model with these parameters.
     ///
     /// # Errors
-    /// `c0`, `c2` or `c3` not finite, not positive, or outside [1e-6, 1e3].
+    /// A parameter outside its range.
     pub fn new(p: SmallAngleParameters) -> Result<Self, ParameterError> {
+        p.check()?;
         Ok(Self {
-            c0: positive("c0", p.c0, MIN_COEFFICIENT, MAX_COEFFICIENT)?,
-            c2: positive("c2", p.c2, MIN_COEFFICIENT, MAX_COEFFICIENT)?,
-            c3: positive("c3", p.c3, MIN_COEFFICIENT, MAX_COEFFICIENT)?,
+            c0: p.c0,
+            c2: p.c2,
+            c3: p.c3,
         })
     }
 }

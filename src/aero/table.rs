@@ -3,7 +3,7 @@
 use core::fmt;
 
 use super::interpolant::{Of, Samples};
-use super::{Aerodynamics, Coefficients, MAX_COEFFICIENT};
+use super::{Aerodynamics, Coefficients};
 use crate::air::AngleOfAttack;
 use crate::math;
 
@@ -92,6 +92,8 @@ impl fmt::Display for TableError {
 
 impl core::error::Error for TableError {}
 
+/// Coefficients greater than this are refused.
+const MAX_COEFFICIENT: f32 = 1e3;
 /// Angles this close \[rad\] are the same: 0.0006°, a few roundings of 180°.
 const SAME: f32 = 1e-5;
 /// Least distance of rows \[rad\]: 0.05°, where second derivatives lose half of their digits.
@@ -222,14 +224,14 @@ const fn check(nodes: &[Node], room: usize) -> Result<bool, TableError> {
 ///
 /// The time of an evaluation depends on the number of rows, not on the angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Table {
-    intervals: &'static [Interval],
+pub struct Table<'a> {
+    intervals: &'a [Interval],
     symmetric: bool,
 }
 
-impl Table {
-    /// The model of this data.
-    pub const fn new<const N: usize>(polar: &'static Polar<N>) -> Self {
+impl<'a> Table<'a> {
+    /// The model of this data, which it borrows.
+    pub const fn new<const N: usize>(polar: &'a Polar<N>) -> Self {
         Self {
             // Never longer than there is; told without the panic of a split.
             intervals: match polar.intervals.split_at_checked(polar.len) {
@@ -241,7 +243,7 @@ impl Table {
     }
 }
 
-impl Aerodynamics for Table {
+impl Aerodynamics for Table<'_> {
     #[inline]
     fn coefficients(&self, alpha: AngleOfAttack) -> Coefficients {
         let mirrored = self.symmetric && alpha.rad < 0.0;
@@ -286,7 +288,7 @@ fn polynomial(&[a0, a1, a2, a3, a4, a5]: &[f32; 6], u: f32) -> (f32, f32, f32) {
 }
 
 #[cfg(feature = "defmt")]
-impl defmt::Format for Table {
+impl defmt::Format for Table<'_> {
     fn format(&self, f: defmt::Formatter<'_>) {
         defmt::write!(f, "Table of {} rows", self.intervals.len() + 1);
     }
@@ -449,8 +451,8 @@ mod tests {
             c_d: n.c_d,
         });
         let full: Vec<Node> = mirrored.chain(half.iter().skip(1).copied()).collect();
-        let polar: &'static Polar<100> = std::boxed::Box::leak(Polar::new(&full).unwrap().into());
-        let table = Table::new(polar);
+        let polar = Polar::<100>::new(&full).unwrap();
+        let table = Table::new(&polar);
         assert!(!table.symmetric && table.intervals.len() == 100);
         for n in -3000..3000 {
             let alpha = (n as f32 + 0.5) * math::PI / 3000.0;

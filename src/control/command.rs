@@ -3,7 +3,6 @@
 use core::fmt;
 
 use crate::frame::{Attitude, Body, Inertial};
-use crate::math;
 use crate::reference::{MAX_ACCELERATION, MAX_SPEED, Reference};
 
 /// Attitude pairs with |cos² + sin² − 1| above this are refused: they are no attitude.
@@ -14,6 +13,7 @@ const MAX_OUTPUT: f32 = 1e9;
 /// State of the vehicle and of the air.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct State {
     /// Velocity v over ground [m/s].
     pub velocity: Inertial,
@@ -26,6 +26,7 @@ pub struct State {
 /// What the feed-forward F_δ needs (`Fdelta`). γ̇ follows from the air velocity and its derivative.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FeedForward {
     /// Derivative of the air velocity, ẍ_a = v̇ − v̇_w [m/s²].
     pub air_acceleration: Inertial,
@@ -36,6 +37,7 @@ pub struct FeedForward {
 /// Command of one step. The default is the safe command: no thrust, no rotation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Command {
     /// Thrust T \[N\] along −i. Not limited: it may be negative.
     pub thrust: f32,
@@ -48,6 +50,7 @@ pub struct Command {
 /// What a flight log wants to know of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Diagnostics {
     /// Angle of attack α \[rad\], in [−π, π].
     pub alpha: f32,
@@ -68,13 +71,14 @@ pub struct Diagnostics {
 impl Diagnostics {
     /// θ̃ \[rad\], in (−π, π]: angle from the thrust line to F_p. 0 at the equilibria that the law stabilises.
     pub fn theta_tilde(&self) -> f32 {
-        math::atan2(self.f_p.j(), self.f_p.i())
+        libm::atan2f(self.f_p.j(), self.f_p.i())
     }
 }
 
 /// Why a step gives no command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Fault {
     /// The velocity is not finite, or longer than [`MAX_SPEED`].
     Velocity,
@@ -132,7 +136,7 @@ impl core::error::Error for Fault {}
 ///
 /// One sum decides for all: NaN and infinity fail its comparison too. Only when it fails is each input looked at.
 #[inline(always)]
-pub(super) fn check_input(state: &State, reference: &Reference) -> Result<(), Fault> {
+pub(crate) fn check_input(state: &State, reference: &Reference) -> Result<(), Fault> {
     // Brings the attitude's defect to the scale of the squared speeds.
     const WEIGHT: f32 = MAX_SPEED / MAX_ATTITUDE_DEFECT;
     let defect = WEIGHT * attitude_defect(&state.attitude);
@@ -174,7 +178,7 @@ fn name_input(state: &State, reference: &Reference) -> Result<(), Fault> {
 
 /// Refuses a feed-forward that is not finite or absurd.
 #[inline(always)]
-pub(super) fn check_feed_forward(ff: &FeedForward) -> Result<(), Fault> {
+pub(crate) fn check_feed_forward(ff: &FeedForward) -> Result<(), Fault> {
     let ok = |v: Inertial| v.norm_squared() <= MAX_ACCELERATION * MAX_ACCELERATION;
     if !ok(ff.air_acceleration) {
         Err(Fault::AirAcceleration)
@@ -187,7 +191,7 @@ pub(super) fn check_feed_forward(ff: &FeedForward) -> Result<(), Fault> {
 
 /// Refuses a result that is not a number to fly.
 #[inline(always)]
-pub(super) fn check_output(command: Command) -> Result<Command, Fault> {
+pub(crate) fn check_output(command: Command) -> Result<Command, Fault> {
     if command.thrust.abs() + command.rate.abs() < MAX_OUTPUT {
         Ok(command)
     } else {

@@ -1,31 +1,26 @@
 //! Gains of the velocity laws: constant, as in the paper.
 
-use super::bandwidth::BandwidthGains;
 use super::guard::Guard;
-use crate::error::{ParameterError, positive};
+use crate::error::ParameterError;
+use crate::parameters::Parameters;
 
-/// Constant gains, as in the paper.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct GainParameters {
-    /// k1 [s/m]: thrust per velocity error along the thrust line, relative to |F_p|.
-    pub k1: f32,
-    /// k2 [rad/(N·m)]: angular rate per velocity error across the thrust line and per |F_p|.
-    pub k2: f32,
-    /// k3 [rad/s]: angular rate per misalignment of thrust and F_p.
-    pub k3: f32,
-    /// τ \[N\]: force below which the guard μ_τ acts.
-    pub tau: f32,
+crate::parameters! {
+    /// Constant gains, as in the paper.
+    pub struct GainParameters, "Constant gains" {
+        k1: "s/m", 1e-9, 1e6, 0.1529, "ALU_K1",
+            "Gain k1: thrust per velocity error along the thrust line, relative to |F_p|.";
+        k2: "rad/(N m)", 1e-9, 1e6, 0.0234, "ALU_K2",
+            "Gain k2: angular rate per velocity error across the thrust line and per |F_p|.";
+        k3: "rad/s", 1e-9, 1e6, 6.0, "ALU_K3",
+            "Gain k3: angular rate per misalignment of thrust and F_p.";
+        tau: "N", 1e-3, 1e6, 80.0, "ALU_TAU",
+            "Force τ below which the guard μ_τ acts.";
+    }
 }
 
 impl GainParameters {
     /// The gains of the paper's simulation (§VII).
-    pub const PAPER: Self = Self {
-        k1: 0.1529,
-        k2: 0.0234,
-        k3: 6.0,
-        tau: 80.0,
-    };
+    pub const PAPER: Self = Self::DEFAULT;
 }
 
 /// The gains that hold at one |F_p|.
@@ -62,12 +57,13 @@ impl Gains {
     /// The gains with these parameters.
     ///
     /// # Errors
-    /// `k1`, `k2` or `k3` not finite, not positive, or outside [1e-9, 1e6]; `tau` as in [`Guard::new`].
+    /// A parameter outside its range.
     pub fn new(p: GainParameters) -> Result<Self, ParameterError> {
+        p.check()?;
         Ok(Self {
-            k1: positive("k1", p.k1, 1e-9, 1e6)?,
-            k2: positive("k2", p.k2, 1e-9, 1e6)?,
-            k3: positive("k3", p.k3, 1e-9, 1e6)?,
+            k1: p.k1,
+            k2: p.k2,
+            k3: p.k3,
             guard: Guard::new(p.tau)?,
         })
     }
@@ -91,34 +87,6 @@ impl GainLaw for Gains {
     #[inline(always)]
     fn guard(&self) -> &Guard {
         &self.guard
-    }
-}
-
-/// Gains chosen at run time, where the choice is data: a scenario file, a parameter block.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum GainChoice {
-    /// Constant, as in the paper.
-    Constant(Gains),
-    /// By bandwidth.
-    Bandwidth(BandwidthGains),
-}
-
-impl GainLaw for GainChoice {
-    #[inline(always)]
-    fn at(&self, f_p_norm: f32) -> GainValues {
-        match self {
-            Self::Constant(g) => g.at(f_p_norm),
-            Self::Bandwidth(g) => g.at(f_p_norm),
-        }
-    }
-
-    #[inline(always)]
-    fn guard(&self) -> &Guard {
-        match self {
-            Self::Constant(g) => GainLaw::guard(g),
-            Self::Bandwidth(g) => g.guard(),
-        }
     }
 }
 

@@ -1,12 +1,12 @@
 //! How far a state is from where the velocity problem is no longer well posed.
 
 use crate::equivalency::{ApparentForces, condition_residual};
-use crate::frame::Body;
 use crate::math;
 
 /// Margins of one step. All but `fold` refer to the flown state; every one is finite.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Margin {
     /// |F_p|/τ. Below 1 the guard acts, at 0 there is no equilibrium attitude.
     pub force: f32,
@@ -26,12 +26,12 @@ impl Margin {
     /// The margin at these forces, on the branch of this sign.
     #[inline(always)]
     pub(crate) fn new(forces: &ApparentForces, f_p_norm: f32, tau: f32, sign: f32) -> Self {
-        let Body(f_p) = forces.f_p;
+        let f_p = forces.f_p;
         let h = forces.pressure * condition_residual(&forces.coefficients, &forces.air);
-        let slope = (f_p.y + h).abs();
+        let slope = (f_p.j() + h).abs();
         let norm_squared = f_p_norm * f_p_norm;
-        let inverse_k = norm_squared + h * f_p.y;
-        let along = sign * f_p.x;
+        let inverse_k = norm_squared + h * f_p.j();
+        let along = sign * f_p.i();
         Self {
             force: f_p_norm / tau,
             k: if inverse_k == 0.0 {

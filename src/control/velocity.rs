@@ -20,6 +20,15 @@ pub struct VelocityControl<A, G = Gains> {
     gains: G,
 }
 
+/// Which of the two laws.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Law {
+    /// [`VelocityControl::robust`].
+    Robust,
+    /// [`VelocityControl::full`].
+    Full,
+}
+
 /// What both laws start from.
 pub(crate) struct Step {
     pub(crate) forces: ApparentForces,
@@ -102,7 +111,7 @@ impl<A: Aerodynamics, G: GainLaw> VelocityControl<A, G> {
     ///
     /// On θ̃ = π the law is that of θ̃ = 0 for −F_p: what it stabilises is F_p against the thrust line.
     #[inline(always)]
-    pub(super) fn robust_from(
+    pub(crate) fn robust_from(
         &self,
         step: &Step,
         branch: Branch,
@@ -194,9 +203,31 @@ impl<A: Aerodynamics, G: GainLaw> VelocityControl<A, G> {
         check_output(self.command(step, k * rate, 1.0, 1.0, k))
     }
 
+    /// [`robust`](Self::robust) or [`full`](Self::full), as `law` says, with or without feed-forward. It is slower than
+    /// these, and takes the room of one: the code of the forces is there once.
+    ///
+    /// # Errors
+    /// As the law's.
+    #[inline(never)]
+    pub fn either(
+        &self,
+        law: Law,
+        state: &State,
+        reference: &Reference,
+        feed_forward: Option<&FeedForward>,
+    ) -> Result<Command, Fault> {
+        check_input(state, reference)?;
+        let step = self.step(Branch::Aligned, state, reference);
+        let f_delta = self.f_delta(&step.forces, state, feed_forward)?;
+        match law {
+            Law::Robust => self.robust_in_plane(&step, Branch::Aligned, f_delta),
+            Law::Full => self.full_in_plane(&step, f_delta),
+        }
+    }
+
     /// What the law on `branch` starts from. The inputs are to have been checked.
     #[inline(always)]
-    pub(super) fn step(&self, branch: Branch, state: &State, reference: &Reference) -> Step {
+    pub(crate) fn step(&self, branch: Branch, state: &State, reference: &Reference) -> Step {
         let forces = ApparentForces::new(
             &self.vehicle,
             state.attitude,
@@ -221,6 +252,8 @@ impl<A: Aerodynamics, G: GainLaw> VelocityControl<A, G> {
         // |F_p| + F̄_p1, which cancels near θ̃ = π, is F̄_p2²/(|F_p| − F̄_p1).
         let sum = norm + along.abs();
         let alignment = if along < 0.0 {
+            // Rare in flight: the division is not to be made ahead of the choice.
+            core::hint::cold_path();
             across * across / sum
         } else {
             sum

@@ -407,7 +407,7 @@ mod tests {
             mass: 1.0,
             k_a: 0.04,
             delta: math::FRAC_PI_2,
-            gravity: 9.81,
+            ..VehicleParameters::PAPER
         };
         let vehicle = Vehicle::new(p, model).unwrap();
         assert!(theorem_1_symmetric(&vehicle).is_err());

@@ -137,7 +137,7 @@ mod tests {
     ) -> ApparentForces {
         let (sin, cos) = math::sin_cos(path);
         let v = Inertial::new(speed * sin, speed * cos);
-        let gamma = math::atan2(v.forward(), v.down());
+        let gamma = libm::atan2f(v.forward(), v.down());
         let theta = alpha + gamma - math::PI + vehicle.thrust_line().delta();
         ApparentForces::new(
             vehicle,
@@ -174,7 +174,7 @@ mod tests {
             let (down, back) = (p.gravity, -forward);
             let (sin, cos) = math::sin_cos(path);
             // β: from the air velocity to the apparent weight, positive towards S e_v.
-            let beta = math::atan2(back * sin - down * cos, down * sin + back * cos);
+            let beta = libm::atan2f(back * sin - down * cos, down * sin + back * cos);
             let weight = p.mass * math::sqrt(down * down + back * back);
             let a = p.k_a * speed * speed / weight;
             let folds = scan(vehicle, beta);

@@ -1,8 +1,8 @@
 //! Force error from the accelerometer: what the believed vehicle leaves out.
 
+use super::MAX_STEP;
 use super::orientation::Orientation;
 use super::vector::Body;
-use crate::control::MAX_STEP;
 use crate::error::{ParameterError, positive};
 use crate::math;
 use crate::ned::Ned;

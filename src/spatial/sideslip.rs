@@ -1,9 +1,9 @@
 //! Sideslip from the lateral accelerometer: for places where the wind is poorly known.
 
+use super::MAX_STEP;
 use super::vector::Body;
 use super::vehicle::WingedVehicle;
 use crate::aero::Aerodynamics;
-use crate::control::MAX_STEP;
 use crate::error::{ParameterError, positive};
 use crate::math;
 

@@ -8,9 +8,10 @@ bool ModeQAlula::init(const alula_parameters &parameters, float heading)
     _controller.header = ALULA_HEADER(alula_controller);
     _input.header = ALULA_HEADER(alula_ned_input);
     _command.header = ALULA_HEADER(alula_ned_command);
+    _report.header = ALULA_HEADER(alula_ned_report);
     alula_ned_input_default(&_input);
     alula_ned_command_default(&_command);
-    // The heading at entry stays the plane's, until the pilot or the mission turns it.
+    // The plane keeps the heading at entry, until the pilot or the mission turns it.
     _input.heading = heading;
     // In ArduPilot: if it fails, gcs().send_text(MAV_SEVERITY_ERROR, "%s", alula_strerror(code)).
     return alula_init(&_controller, &parameters, nullptr) == ALULA_OK;
@@ -30,7 +31,7 @@ void ModeQAlula::run(const AP_AHRS &ahrs, AC_AttitudeControl_TS &attitude_contro
     _input.quaternion[2] = h * (q.q3 - q.q1);
     _input.quaternion[3] = h * (q.q4 - q.q2);
 
-    // A velocity that is not healthy is handed on as no number: alula holds, and then gives the safe command.
+    // A velocity that is not healthy is passed on as NaN: alula holds the last command, and then gives the safe one.
     Vector3f v{};
     if (!ahrs.get_velocity_NED(v))
         v = {NAN, NAN, NAN};
@@ -41,16 +42,16 @@ void ModeQAlula::run(const AP_AHRS &ahrs, AC_AttitudeControl_TS &attitude_contro
     set(_input.reference_velocity, velocity_ned);
     set(_input.reference_acceleration, acceleration_ned);
 
-    _code = alula_guide(&_controller, &_input, dt, &_command, nullptr);
+    _code = alula_guide(&_controller, &_input, dt, &_command, &_report);
 
-    // Whatever the code, the command is one to fly. Tilt and bank are added as rates that level them, which alula leaves to
-    // the caller; small gains do, and at 30 degrees of either the mode should hand over.
+    // The command is flown whatever the code is. alula leaves tilt and bank to the caller: rates that level them are added.
+    // Small gains are enough; at 30 degrees of tilt or bank the mode should hand over to another.
     const float level = 2.0f;
     constexpr float centidegrees = 100.0f * 180.0f / 3.14159265f;
     // About the multicopter's z, which is the tail, a positive bank is a negative yaw; its x, the belly, turns the tilt.
-    attitude_control.input_rate_bf_roll_pitch_yaw(centidegrees * (_command.body_rate[0] - level * _command.tilt),
+    attitude_control.input_rate_bf_roll_pitch_yaw(centidegrees * (_command.body_rate[0] - level * _report.tilt),
                                                   centidegrees * _command.body_rate[1],
-                                                  centidegrees * (_command.body_rate[2] + level * _command.bank));
+                                                  centidegrees * (_command.body_rate[2] + level * _report.bank));
     attitude_control.set_throttle_out(_command.thrust_normalised, false, 0.0f);
 }
 

@@ -34,7 +34,9 @@ int main()
     alula_parameters parameters;
     parameters.header = ALULA_HEADER(alula_parameters);
     alula_parameters_default(&parameters);
-    parameters.gains = ALULA_GAINS_BANDWIDTH;
+    parameters.vehicle.mass = 10.0f;
+    parameters.vehicle.k_a = 0.646f;
+    parameters.vehicle.thrust_max = 196.2f;
     ModeQAlula mode;
     expect(mode.init(parameters, 0.5f), "the mode is entered");
 
@@ -47,14 +49,14 @@ int main()
     ahrs.quaternion = times(ahrs.quaternion, {std::cos(0.1f), std::sin(0.1f), 0, 0});
     const float dt = 0.01f;
     mode.run(ahrs, control, {}, {}, dt);
-    expect(std::fabs(mode.command().tilt - 0.1f) < 1e-3f && std::fabs(mode.command().bank - 0.2f) < 1e-3f,
+    expect(std::fabs(mode.report().tilt - 0.1f) < 1e-3f && std::fabs(mode.report().bank - 0.2f) < 1e-3f,
            "tilt and bank are told");
     for (int n = 0; n < 500; n++) {
         mode.run(ahrs, control, {}, {}, dt);
         turn(ahrs.quaternion, control.rate_cds, dt);
     }
     expect(mode.code() == ALULA_OK, "hover is flown");
-    expect(std::fabs(mode.command().tilt) < 1e-2f && std::fabs(mode.command().bank) < 1e-2f, "tilt and bank are levelled");
+    expect(std::fabs(mode.report().tilt) < 1e-2f && std::fabs(mode.report().bank) < 1e-2f, "tilt and bank are levelled");
     expect(std::fabs(control.throttle - 0.5f) < 1e-2f, "half of the thrust holds the weight");
 
     ahrs.healthy = false;

@@ -72,7 +72,7 @@ static void fly(struct plant *x, double thrust, double rate)
     x->theta += STEP * rate;
 }
 
-/* The plant and its reference as an autopilot sees them: north-east-down, and the quaternion of the fixed-wing body. */
+/* The plant and its reference as an autopilot's estimator gives them: north-east-down, and the quaternion of the fixed-wing body. */
 static void sense(const struct plant *x, double t, alula_ned_input *input)
 {
     double speed = t < 10.0 ? 2.0 * t : 20.0, acceleration = t < 10.0 ? 2.0 : 0.0;
@@ -123,7 +123,7 @@ static void expect(const char *what, double value, double wanted, double toleran
     failures += !good;
 }
 
-/* What a mistake would look like is said by the library. */
+/* Ends the program with the library's text of a code that is not ALULA_OK. */
 static void must(int32_t code, const char *what)
 {
     if (code != ALULA_OK) {
@@ -143,13 +143,15 @@ int main(int argc, char **argv)
     alula_parameters parameters;
     parameters.header = ALULA_HEADER(alula_parameters);
     must(alula_parameters_default(&parameters), "parameters");
-    parameters.mass = 9.0f;
-    parameters.k_a = 0.51f;
-    parameters.c0 = 0.020f;
-    parameters.c1 = 0.9f;
-    parameters.c2 = 5.0f;
-    parameters.c3 = 0.5f;
-    parameters.alpha_bar = (float)(10.0 * PI / 180.0);
+    parameters.controller.gains = ALULA_GAINS_CONSTANT;
+    parameters.vehicle.mass = 9.0f;
+    parameters.vehicle.k_a = 0.51f;
+    parameters.vehicle.thrust_max = 196.2f;
+    parameters.coefficients.c0 = 0.020f;
+    parameters.coefficients.c1 = 0.9f;
+    parameters.coefficients.c2 = 5.0f;
+    parameters.coefficients.c3 = 0.5f;
+    parameters.coefficients.alpha_bar = (float)(10.0 * PI / 180.0);
 
     static alula_controller controller;
     controller.header = ALULA_HEADER(alula_controller);
@@ -157,9 +159,11 @@ int main(int argc, char **argv)
 
     alula_ned_input input;
     alula_ned_command command;
+    alula_ned_report report;
     alula_input plane;
     input.header = ALULA_HEADER(alula_ned_input);
     command.header = ALULA_HEADER(alula_ned_command);
+    report.header = ALULA_HEADER(alula_ned_report);
     plane.header = ALULA_HEADER(alula_input);
     must(alula_ned_input_default(&input), "input");
     must(alula_ned_command_default(&command), "command");
@@ -172,7 +176,7 @@ int main(int argc, char **argv)
     for (int n = 0; n < STEPS; n++) {
         double t = n * STEP;
         sense(&x, t, &input);
-        must(alula_step_ned(&controller, &input, (float)STEP, &command), "step");
+        must(alula_step_ned(&controller, &input, (float)STEP, &command, &report), "step");
         if (trace && n % 10 == 0) {
             sense_plane(&x, t, &plane);
             record(trace, 'n', &input, sizeof input);
@@ -184,7 +188,7 @@ int main(int argc, char **argv)
             worst_at = t;
         }
         fastest = fmax(fastest, fabs((double)command.pitch_rate));
-        least = fmin(least, (double)command.f_p_norm);
+        least = fmin(least, (double)report.f_p_norm);
         fly(&x, (double)command.thrust, (double)command.pitch_rate);
     }
     if (trace && (ferror(trace) | fclose(trace))) {

@@ -14,7 +14,7 @@ use alula::{
     Attitude, Combined, CombinedParameters, GainParameters, Gains, Inertial, Reference, State,
     Vehicle, VehicleParameters, VelocityControl,
 };
-use alula_capi::NedCommand;
+use alula_capi::{NedCommand, NedReport};
 
 /// The numbers of a line, by the words of a C structure after its header.
 struct Words(Vec<u32>);
@@ -90,17 +90,20 @@ fn plane(words: &Words) -> Result<(State, Reference), Box<dyn Error>> {
     ))
 }
 
-/// The core's numbers of a command, each with its place in a C structure.
+/// The core's numbers of a command, each with its place among the words of a line: those of the C structures after their
+/// headers, of `alula_command`, or of `alula_ned_command` and then `alula_ned_report`.
 fn numbers(command: &alula::Command, letter: &str) -> [(&'static str, usize, f32); 6] {
     let d = &command.diagnostics;
+    let word = |offset: usize| offset / 4 - 1;
     let places = if letter == "n" {
+        let reported = |offset: usize| word(size_of::<NedCommand>()) + word(offset);
         [
-            offset_of!(NedCommand, thrust),
-            offset_of!(NedCommand, pitch_rate),
-            offset_of!(NedCommand, alpha),
-            offset_of!(NedCommand, f_p_norm),
-            offset_of!(NedCommand, t_p),
-            offset_of!(NedCommand, k),
+            word(offset_of!(NedCommand, thrust)),
+            word(offset_of!(NedCommand, pitch_rate)),
+            reported(offset_of!(NedReport, alpha)),
+            reported(offset_of!(NedReport, f_p_norm)),
+            reported(offset_of!(NedReport, t_p)),
+            reported(offset_of!(NedReport, k)),
         ]
     } else {
         [
@@ -111,6 +114,7 @@ fn numbers(command: &alula::Command, letter: &str) -> [(&'static str, usize, f32
             offset_of!(alula_capi::Command, t_p),
             offset_of!(alula_capi::Command, k),
         ]
+        .map(word)
     };
     let [thrust, rate, alpha, f_p_norm, t_p, k] = places;
     [
@@ -161,8 +165,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         if same != letter {
             return Err(place("another sort than in the trace".into()).into());
         }
-        for (name, offset, wanted) in numbers(&command, letter) {
-            let got = got.number(offset / 4 - 1).map_err(place)?;
+        for (name, at, wanted) in numbers(&command, letter) {
+            let got = got.number(at).map_err(place)?;
             if got.to_bits() != wanted.to_bits() {
                 let difference = format!("{name} is {got:e}, and {wanted:e} from Rust");
                 return Err(place(difference.into()).into());

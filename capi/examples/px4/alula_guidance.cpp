@@ -28,17 +28,16 @@ AlulaGuidance::AlulaGuidance()
     update_parameters();
 }
 
-// The names are those of module.yaml, which is generated from the table that alula checks its parameters against.
+// The names are those of module.yaml, which is generated from the tables that alula_init checks against.
 void AlulaGuidance::update_parameters()
 {
     alula_parameters p;
     p.header = ALULA_HEADER(alula_parameters);
     alula_parameters_default(&p);
-    p.gains = ALULA_GAINS_BANDWIDTH;
-    param_load("ALU_MASS", &p.mass);
-    param_load("ALU_KA", &p.k_a);
-    param_load("ALU_THR_MAX", &p.thrust_max);
-    param_load("ALU_BW_FREQ", &p.natural_frequency);
+    param_load("ALU_MASS", &p.vehicle.mass);
+    param_load("ALU_KA", &p.vehicle.k_a);
+    param_load("ALU_THR_MAX", &p.vehicle.thrust_max);
+    param_load("ALU_BW_FREQ", &p.guidance.natural_frequency);
     // ... and so on, one line for each parameter that is to be tuned in the field.
     _controller.header = ALULA_HEADER(alula_controller);
     _code = alula_init(&_controller, &p, nullptr);
@@ -78,7 +77,7 @@ void AlulaGuidance::run()
     const float north = setpoint.velocity[0], east = setpoint.velocity[1];
     _input.heading = std::hypot(north, east) > 1.0f ? std::atan2(east, north) : position.heading;
 
-    // An invalid velocity is handed on as what it is, no number: alula holds, and then gives the safe command.
+    // An invalid velocity is passed on as NaN: alula holds the last command, and then gives the safe one.
     const bool valid = position.v_xy_valid && position.v_z_valid;
     _input.velocity[0] = valid ? position.vx : NAN;
     _input.velocity[1] = valid ? position.vy : NAN;
@@ -94,8 +93,8 @@ void AlulaGuidance::run()
     _input.state_age = age(now, std::min(attitude.timestamp, position.timestamp));
     _input.reference_age = age(now, setpoint.timestamp);
 
-    // Whatever the code, the command is one to fly. A wing that banks, or slips out of the plane, is the lateral
-    // controller's to level; how much, alula says: _command.bank, _command.tilt, _command.lateral_velocity.
+    // The command is flown whatever the code is. Levelling bank and tilt is the lateral controller's task; an
+    // alula_ned_report has them, and the lateral velocity.
     _code = alula_guide(&_controller, &_input, dt, &_command, nullptr);
     publish(_command, fixed_wing, mode.flag_control_attitude_enabled);
 }

@@ -1,4 +1,5 @@
 // Calls the module against the stand-in: in hover, and in level cruise on the fixed wing's side of the transition.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -35,9 +36,20 @@ int main()
     fly(in_hover, 0.0f, 0.0f);
     const auto &hover = in_hover._mc_virtual_rates_sp_pub.value;
     expect(in_hover.last_code() == ALULA_OK, "hover is flown");
-    // The default vehicle has a thrust to weight ratio of 2.
+    // The vehicle has a thrust to weight ratio of 2.
     expect(std::fabs(hover.thrust_body[2] + 0.5f) < 1e-3f, "half of the thrust, along minus z, holds the weight");
     expect(std::fabs(hover.pitch) < 1e-3f, "without rotation");
+
+    // A frame without an attitude: the attitude set-point that is published is the last one.
+    in_hover._vehicle_control_mode_sub.value = {true};
+    fly(in_hover, 0.0f, 0.0f);
+    const auto flown = in_hover._mc_virtual_attitude_sp_pub.value;
+    in_hover._attitude_sub.value = {now, {NAN, NAN, NAN, NAN}};
+    in_hover.run();
+    const auto &held = in_hover._mc_virtual_attitude_sp_pub.value;
+    expect(in_hover.last_code() == ALULA_ERROR_ATTITUDE, "a frame without attitude is refused");
+    expect(std::equal(held.q_d, held.q_d + 4, flown.q_d) && held.thrust_body[2] == flown.thrust_body[2],
+           "and the last attitude and thrust are held");
 
     in_cruise._vehicle_status_sub.value = {vehicle_status_s::VEHICLE_TYPE_FIXED_WING, false};
     in_cruise._vehicle_control_mode_sub.value = {true};

@@ -10,7 +10,8 @@ use alula::spatial::{
     SideslipState, State, WingedControl, WingedVehicle,
 };
 use alula::{
-    BandwidthGains, BandwidthParameters, Combined, CombinedParameters, Vehicle, VehicleParameters,
+    BandwidthGains, Combined, CombinedParameters, GuidanceParameters, Parameters, Vehicle,
+    VehicleParameters,
 };
 use alula_sil::spatial_plant::{Rotation, SpatialPlant, SpatialState};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -105,7 +106,7 @@ impl Setup {
     fn believing(vehicle: VehicleParameters, model: CombinedParameters, c_y: f32) -> Self {
         let (_, truth) = vehicles(0.0, combined(CombinedParameters::NACA_0021_RE_160E3));
         let plane = Vehicle::new(vehicle, Combined::new(model).unwrap()).unwrap();
-        let gains = BandwidthGains::new(BandwidthParameters::PAPER_VEHICLE, &plane).unwrap();
+        let gains = BandwidthGains::new(&GuidanceParameters::DEFAULT, &plane).unwrap();
         let vehicle = WingedVehicle::new(plane, c_y).unwrap();
         let force = ForceErrorParameters {
             time: 0.2,

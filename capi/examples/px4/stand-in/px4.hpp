@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <cstring>
 
 using hrt_abstime = uint64_t;
 hrt_abstime hrt_absolute_time(); // [us]
@@ -73,5 +74,15 @@ template <typename T> struct Publication {
 };
 } // namespace uORB
 
-// In PX4: param_get(param_find(name), value). Here every parameter has the default that is in `value` already.
-inline void param_load(const char *name, float *value) { (void)name, (void)value; }
+// In PX4: param_get(param_find(name), value). Here the parameters that have no default have those of a vehicle of 10 kg, and
+// every other one keeps the default that is in `value` already.
+inline void param_load(const char *name, float *value)
+{
+    const struct {
+        const char *name;
+        float value;
+    } set[] = {{"ALU_MASS", 10.0f}, {"ALU_KA", 0.646f}, {"ALU_THR_MAX", 196.2f}};
+    for (const auto &parameter : set)
+        if (std::strcmp(parameter.name, name) == 0)
+            *value = parameter.value;
+}

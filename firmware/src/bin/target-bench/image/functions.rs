@@ -1,10 +1,6 @@
 //! The functions measured, each behind a call that is not inlined.
 
 use super::sweep::Case;
-use alula::control::{
-    BranchParameters, BranchSwitch, LimitParameters, Limits, OuterLoop, OuterLoopParameters,
-    ReferenceLimit, ReferenceLimitParameters, SupervisionParameters, Supervisor,
-};
 use alula::ned::BodyAxes;
 use alula::spatial::{
     self, AxisymmetricControl, ForceError, ForceErrorParameters, ForceErrorState, LateralGains,
@@ -12,11 +8,11 @@ use alula::spatial::{
     WingedVehicle,
 };
 use alula::{
-    Aerodynamics, AirData, AngleOfAttack, Attitude, BandwidthGains, BandwidthParameters, Combined,
-    CombinedParameters, Command, Equilibria, EquilibriumError, Fault, FoldMap, FoldMargin,
-    GainParameters, Gains, Guidance, GuidanceState, Guided, Inertial, LargeAngle,
-    LargeAngleParameters, Model, SmallAngle, SmallAngleParameters, Table, ThrustLine, Vehicle,
-    VehicleParameters, VelocityControl,
+    Aerodynamics, AirData, AngleOfAttack, Attitude, BandwidthGains, Combined, CombinedParameters,
+    Command, Equilibria, EquilibriumError, Fault, FoldMap, FoldMargin, GainParameters, Gains,
+    Guidance, GuidanceParameters, GuidanceState, Guided, LargeAngle, LargeAngleParameters, Model,
+    Parameters, SmallAngle, SmallAngleParameters, Table, ThrustLine, Vehicle, VehicleParameters,
+    VelocityControl,
     aero::{Coefficients, NACA_0021_RE_160E3},
 };
 
@@ -25,8 +21,8 @@ pub struct Fixture {
     pub combined_control: VelocityControl<Combined>,
     large_angle_control: VelocityControl<LargeAngle>,
     /// The combined model, chosen at run time.
-    chosen_control: VelocityControl<Model>,
-    table_control: VelocityControl<Table>,
+    chosen_control: VelocityControl<Model<'static>>,
+    table_control: VelocityControl<Table<'static>>,
     small_angle: SmallAngle,
     fold_map: FoldMap,
     thrust_line: ThrustLine,
@@ -51,7 +47,7 @@ impl Fixture {
         let combined = Combined::new(p).unwrap();
         let large_angle = LargeAngle::new(LargeAngleParameters { c0, c1 }).unwrap();
         let plane = Vehicle::new(VehicleParameters::PAPER, combined).unwrap();
-        let bandwidth = BandwidthGains::new(BandwidthParameters::PAPER_VEHICLE, &plane).unwrap();
+        let bandwidth = BandwidthGains::new(&GuidanceParameters::DEFAULT, &plane).unwrap();
         let force = ForceErrorParameters {
             time: 0.2,
             thrust_lag: 0.05,
@@ -92,46 +88,12 @@ impl Fixture {
 }
 
 fn everything_on(vehicle: Vehicle<Combined>) -> Guidance<Combined, BandwidthGains> {
-    let gains = BandwidthGains::new(BandwidthParameters::PAPER_VEHICLE, &vehicle).unwrap();
-    let limits = LimitParameters {
-        thrust_min: 0.0,
-        thrust_max: 196.2,
-        rate: 2.8,
-        slew: 30.0,
-    };
-    let position = OuterLoopParameters {
-        position_gain: Inertial::new(0.8, 0.6),
-        pull: Inertial::new(3.0, 6.0),
-        integral_gain: Inertial::new(0.3, 0.1),
-        integral: Inertial::new(2.0, 1.0),
-        forward_error: 14.0,
-    };
-    let reference = ReferenceLimitParameters {
-        acceleration: 3.0,
-        rate: 0.8,
-    };
-    let branch = BranchParameters {
-        switch: true,
-        hysteresis: 10.0,
-        fade: 0.3,
-    };
     // Without a recovery time the first good frame is flown.
-    let supervision = SupervisionParameters {
-        hold: 0.1,
+    let parameters = GuidanceParameters {
         recovery: 0.0,
-        state_age: 0.05,
-        reference_age: 0.5,
-        air_hold: 2.0,
-        safe_thrust: 0.0,
+        ..GuidanceParameters::DEFAULT
     };
-    Guidance {
-        control: VelocityControl::new(vehicle, gains),
-        reference_limit: ReferenceLimit::new(reference).unwrap(),
-        outer_loop: OuterLoop::new(position).unwrap(),
-        branch: BranchSwitch::new(branch).unwrap(),
-        limits: Limits::new(limits).unwrap(),
-        supervisor: Supervisor::new(supervision).unwrap(),
-    }
+    Guidance::new(vehicle, &parameters).unwrap()
 }
 
 /// Where the functions leave their results.
@@ -149,6 +111,15 @@ pub struct Output {
     orientation: Result<Orientation, Fault>,
     force_error: ForceErrorState,
     sideslip: SideslipState,
+}
+
+/// What a function with memory remembers when it is called.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Memory {
+    /// Nothing: power-on; or the function has no memory.
+    Fresh,
+    /// The calls before: it is in flight.
+    Kept,
 }
 
 impl Output {
@@ -169,20 +140,33 @@ impl Output {
             sideslip: SideslipState::default(),
         }
     }
+
+    /// Makes the memory for the next call what `memory` says.
+    pub fn prepare(&mut self, memory: Memory) {
+        if memory == Memory::Fresh {
+            self.memory = GuidanceState::default();
+        }
+    }
 }
 
 /// A function measured.
 pub type Function = fn(&Fixture, &Case, &mut Output);
 
 macro_rules! functions {
-    ($($name:ident => |$f:ident, $c:ident, $o:ident| $body:expr;)*) => {
+    (
+        $($name:ident => |$f:ident, $c:ident, $o:ident| $body:expr;)*
+        ; $($flown:ident => $of:ident;)*
+    ) => {
         $(
             #[inline(never)]
             #[allow(unused_variables)]
             pub fn $name($f: &Fixture, $c: &Case, $o: &mut Output) { $body }
         )*
-        /// Every function measured, by name.
-        pub const TABLE: &[(&str, Function)] = &[$((stringify!($name), $name)),*];
+        /// Every function measured, by name, and what it remembers.
+        pub const TABLE: &[(&str, Function, Memory)] = &[
+            $((stringify!($name), $name, Memory::Fresh),)*
+            $((stringify!($flown), $of, Memory::Kept),)*
+        ];
     };
 }
 
@@ -206,9 +190,12 @@ functions! {
         o.command = f.large_angle_control.full(&c.state, &c.reference, Some(&c.feed_forward));
     };
     robust_bandwidth => |f, c, o| {
-        o.command = f.guidance.control.robust(&c.state, &c.reference, None);
+        o.command = f.guidance.control().robust(&c.state, &c.reference, None);
     };
     guidance => |f, c, o| o.guided = f.guidance.update(&mut o.memory, &c.input, 0.01);
+    guidance_without_margin => |f, c, o| {
+        o.guided = f.guidance.update_without_margin(&mut o.memory, &c.input, 0.01);
+    };
     winged => |f, c, o| {
         o.space = f.winged.robust(&c.space.state, &c.space.reference, None);
     };
@@ -249,6 +236,9 @@ functions! {
     };
     attitude_from_angle => |f, c, o| o.attitude = Attitude::from_angle(c.alpha.rad);
     norm => |f, c, o| o.number = c.v_a.norm();
+    ;
+    guidance_in_flight => guidance;
+    guidance_without_margin_in_flight => guidance_without_margin;
 }
 
 /// The function called `name`.

@@ -1,5 +1,4 @@
-//! The image that measures. It prints one line per function by semihosting, for the runner to read:
-//! name, least, median and most instructions per call, and peak stack [bytes].
+//! The image that measures, and prints lines by semihosting for the runner to read.
 
 mod functions;
 mod measure;
@@ -8,7 +7,7 @@ mod sweep;
 
 use core::hint::black_box;
 use cortex_m_rt::entry;
-use cortex_m_semihosting::{debug, hprintln};
+use cortex_m_semihosting::{debug, hprintln, nr, syscall1};
 use functions::{Fixture, Function, Output};
 use measure::Meter;
 use sweep::{CASES, Case};
@@ -40,21 +39,60 @@ fn main() -> ! {
 fn bench() {
     let fixture = &black_box(Fixture::new());
     let meter = Meter::new(fixture, &sweep::case(fixture, 0));
+    if traced() {
+        trace(fixture, &meter);
+    } else {
+        measure(fixture, &meter);
+    }
+    debug::exit(debug::EXIT_SUCCESS);
+}
+
+/// One line per function: its name, least, median and most instructions per call, and peak stack \[bytes\].
+fn measure(fixture: &Fixture, meter: &Meter) {
     report_coverage(fixture);
     let mut counts = [0; CASES];
-    for &(name, function) in functions::TABLE {
+    for &(name, function, memory) in functions::TABLE {
         let mut stack = 0;
+        let output = &mut Output::new();
         for (n, count) in counts.iter_mut().enumerate() {
             let case = &black_box(sweep::case(fixture, n));
-            let output = &mut Output::new();
-            *count = meter.instructions(function, case, output);
+            // Twice: the first call of a flight's new case meets other limits than the second.
+            *count = 0;
+            for _ in 0..2 {
+                output.prepare(memory);
+                *count = meter.instructions(function, case, output).max(*count);
+            }
+            output.prepare(memory);
             stack = stack.max(meter.stack(function, case, output));
         }
         counts.sort_unstable();
         let (least, median, most) = (counts[0], counts[CASES / 2], counts[CASES - 1]);
         hprintln!("{} {} {} {} {}", name, least, median, most, stack);
     }
-    debug::exit(debug::EXIT_SUCCESS);
+}
+
+/// One line per traced call: the function's name and the instructions by the clock.
+fn trace(fixture: &Fixture, meter: &Meter) {
+    for &(name, function, memory) in functions::TABLE {
+        let output = &mut Output::new();
+        for n in (0..CASES).step_by(TRACE_STEP) {
+            let case = &black_box(sweep::case(fixture, n));
+            output.prepare(memory);
+            hprintln!("{} {}", name, meter.marked(function, case, output));
+        }
+    }
+}
+
+/// Every so many cases are traced. It has no divisor in common with the kinds of cases, so that it meets them all.
+const TRACE_STEP: usize = 11;
+
+/// Whether QEMU was started with the argument `trace`.
+fn traced() -> bool {
+    let mut text = [0u8; 32];
+    let mut block = [text.as_mut_ptr() as usize, text.len()];
+    // SAFETY: SYS_GET_CMDLINE writes a string no longer than the block says.
+    let result = unsafe { syscall1(nr::GET_CMDLINE, block.as_mut_ptr() as usize) };
+    result == 0 && text.starts_with(b"trace\0")
 }
 
 /// Prints how many cases are where, and insists on some everywhere.

@@ -2,8 +2,8 @@
 
 use super::functions::Fixture;
 use super::space::{self, SpaceCase};
-use alula::control::Air;
 use alula::equivalency::ApparentForces;
+use alula::guidance::Air;
 use alula::{
     AngleOfAttack, Attitude, Body, FeedForward, GuidanceInput, Inertial, Reference, State,
 };
@@ -69,8 +69,8 @@ pub fn case(fixture: &Fixture, n: usize) -> Case {
         reference.acceleration = Inertial::ZERO;
         let control = &fixture.combined_control;
         if let Ok(command) = control.robust(&state, &reference, None) {
-            let excess = (command.diagnostics.f_p.0 - f_p.0) / control.vehicle().mass();
-            reference.acceleration = attitude.to_inertial(Body(excess));
+            let excess = (command.diagnostics.f_p - f_p) / control.vehicle().mass();
+            reference.acceleration = attitude.to_inertial(excess);
         }
     }
 

@@ -1,53 +1,34 @@
-//! Guidance: the velocity law with everything around it that a real vehicle asks for.
+//! One step of the guidance.
 //!
 //! supervision → reference limit → outer loop → robust law on its branch → actuator limits. The law is pure; what
 //! the rest remembers is in [`GuidanceState`], and nothing else is.
 
+use super::bandwidth::BandwidthGains;
 use super::branch_switch::{BranchState, BranchSwitch, Verdict};
-use super::command::{Command, Diagnostics, State, check_input};
-use super::gains::{GainLaw, Gains};
 use super::limits::{LimitState, Limits};
-use super::margin::Margin;
 use super::outer_loop::{OuterInput, OuterLoop, OuterState};
+use super::parameters::GuidanceParameters;
 use super::reference_limit::{ReferenceLimit, ReferenceState};
 use super::status::Status;
-use super::supervision::{Air, AirUse, MAX_STEP, Mode, Refusal, SupervisionState, Supervisor};
-use super::velocity::VelocityControl;
+use super::supervision::{Air, AirUse, Mode, Refusal, SupervisionState, Supervisor, time_passed};
 use crate::aero::Aerodynamics;
 use crate::branch::Branch;
+use crate::control::{Command, Diagnostics, GainLaw, Margin, State, VelocityControl, check_input};
+use crate::error::{ParameterError, Problem};
 use crate::frame::{Attitude, Inertial};
+use crate::parameters::Parameters;
 use crate::reference::{MAX_SPEED, Reference};
+use crate::vehicle::Vehicle;
 
-/// The parts of the guidance, each validated by its own constructor.
+/// The velocity law with everything around it that a real vehicle asks for. Immutable and validated.
 ///
 /// ```
-/// use alula::control::*;
+/// use alula::guidance::*;
 /// use alula::*;
 ///
 /// let model = Combined::new(CombinedParameters::PAPER_BELIEF)?;
 /// let vehicle = Vehicle::new(VehicleParameters::PAPER_BELIEF, model)?;
-/// let gains = BandwidthGains::new(BandwidthParameters::PAPER_VEHICLE, &vehicle)?;
-/// let guidance = Guidance {
-///     control: VelocityControl::new(vehicle, gains),
-///     reference_limit: ReferenceLimit::new(ReferenceLimitParameters { acceleration: 3.0, rate: 0.8 })?,
-///     outer_loop: OuterLoop::new(OuterLoopParameters {
-///         position_gain: Inertial::new(0.8, 0.6),
-///         pull: Inertial::new(3.0, 6.0),
-///         integral_gain: Inertial::new(0.3, 0.1),
-///         integral: Inertial::new(2.0, 1.0),
-///         forward_error: 14.0,
-///     })?,
-///     branch: BranchSwitch::new(BranchParameters { switch: true, hysteresis: 10.0, fade: 0.3 })?,
-///     limits: Limits::new(LimitParameters { thrust_min: 0.0, thrust_max: 196.0, rate: 2.8, slew: 30.0 })?,
-///     supervisor: Supervisor::new(SupervisionParameters {
-///         hold: 0.1,
-///         recovery: 0.05,
-///         state_age: 0.05,
-///         reference_age: 0.5,
-///         air_hold: 2.0,
-///         safe_thrust: 0.0,
-///     })?,
-/// };
+/// let guidance = Guidance::new(vehicle, &GuidanceParameters::default())?;
 ///
 /// // At 100 Hz. The safe command is left once the inputs have been good for 50 ms.
 /// let mut state = GuidanceState::default();
@@ -62,30 +43,31 @@ use crate::reference::{MAX_SPEED, Reference};
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Guidance<A, G = Gains> {
+pub struct Guidance<A, G = BandwidthGains> {
     /// The velocity law.
-    pub control: VelocityControl<A, G>,
+    control: VelocityControl<A, G>,
     /// Acceleration limit on the reference.
-    pub reference_limit: ReferenceLimit,
+    reference_limit: ReferenceLimit,
     /// Position hold and integral action.
-    pub outer_loop: OuterLoop,
+    pub(super) outer_loop: OuterLoop,
     /// Choice between θ̃ = 0 and θ̃ = π.
-    pub branch: BranchSwitch,
+    branch: BranchSwitch,
     /// Limits of the actuators.
-    pub limits: Limits,
+    limits: Limits,
     /// What to do when inputs fail.
-    pub supervisor: Supervisor,
+    pub(super) supervisor: Supervisor,
 }
 
 /// What a guidance step is told.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct GuidanceInput {
     /// Velocity v over ground [m/s].
     pub velocity: Inertial,
     /// Attitude θ.
     pub attitude: Attitude,
-    /// Age \[s\] of velocity and attitude.
+    /// Age \[s\] of velocity and attitude, not negative.
     pub state_age: f32,
     /// What is known of the air.
     pub air: Air,
@@ -93,7 +75,7 @@ pub struct GuidanceInput {
     pub position_error: Option<Inertial>,
     /// Reference.
     pub reference: Reference,
-    /// Age \[s\] of the reference.
+    /// Age \[s\] of the reference, not negative.
     pub reference_age: f32,
 }
 
@@ -101,27 +83,23 @@ pub struct GuidanceInput {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct GuidanceState {
-    /// Mode, and the air last known.
-    pub supervision: SupervisionState,
-    /// Velocity followed.
-    pub reference: ReferenceState,
-    /// Integral.
-    pub outer_loop: OuterState,
-    /// Branch flown.
-    pub branch: BranchState,
-    /// Last angular rate.
-    pub limits: LimitState,
+    pub(super) supervision: SupervisionState,
+    pub(super) reference: ReferenceState,
+    pub(super) outer_loop: OuterState,
+    pub(super) branch: BranchState,
+    pub(super) limits: LimitState,
     /// Last good reference velocity [m/s].
-    held: Option<Inertial>,
-    /// Limits that the last command met.
-    met: Status,
-    /// Last thrust flown \[N\].
-    thrust: f32,
+    pub(super) held: Inertial,
+    /// 1 if there has been a good reference. A number, not `Option`: every bit pattern has a meaning.
+    held_known: u8,
+    /// What of the last command saturated.
+    saturated: Status,
 }
 
 /// What a guidance step gives: always a command.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Guided {
     /// The command, inside its limits. Its diagnostics are those of the law, before the limits; in
     /// [`Mode::Holding`] and [`Mode::Safe`] they are zero.
@@ -141,38 +119,14 @@ pub struct Guided {
 }
 
 impl GuidanceState {
-    /// Back to power-on, but for supervision.
-    fn restart(&mut self) {
-        *self = Self {
-            supervision: self.supervision,
-            ..Self::default()
-        };
+    /// Mode of the last step.
+    pub fn mode(&self) -> Mode {
+        self.supervision.mode()
     }
 
-    /// Back to power-on, but for the mode.
-    #[cold]
-    fn reset(&mut self) {
-        let mode = self.supervision.mode;
-        *self = Self::default();
-        self.supervision.mode = mode;
-    }
-
-    /// Whether every number is finite and not absurd.
-    #[inline(always)]
-    fn is_sound(&self) -> bool {
-        let or_zero = |v: Option<Inertial>| v.unwrap_or(Inertial::ZERO).norm_squared();
-        let square = |x: f32| x * x;
-        let sum = self.reference.velocity.norm_squared()
-            + self.outer_loop.integral.norm_squared()
-            + or_zero(self.held)
-            + or_zero(self.supervision.wind)
-            + square(self.supervision.wind_age)
-            + square(self.supervision.elapsed)
-            + square(self.branch.offset)
-            + square(self.limits.rate)
-            + square(self.thrust);
-        // 1e7 of anything is beyond what the parts let grow.
-        sum < 1e14
+    /// The integral I of the outer loop [m/s].
+    pub fn integral(&self) -> Inertial {
+        self.outer_loop.integral
     }
 }
 
@@ -183,45 +137,145 @@ fn is_sane(reference: &Reference) -> bool {
         < MAX_SPEED * MAX_SPEED
 }
 
+impl<A: Aerodynamics> Guidance<A> {
+    /// The guidance of `vehicle` with gains by bandwidth.
+    ///
+    /// # Errors
+    /// A parameter outside its range, or one that contradicts another: `thrust_max` not above the weight or `thrust_min`
+    /// not below it, `safe_thrust` outside the vehicle's limits, `max_integral_…` above `max_velocity_…`.
+    pub fn new(vehicle: Vehicle<A>, p: &GuidanceParameters) -> Result<Self, ParameterError> {
+        let gains = BandwidthGains::new(p, &vehicle)?;
+        Self::with_gains(vehicle, gains, p)
+    }
+}
+
 impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
-    /// One step, `dt` \[s\] after the last. Total: whatever comes in, a finite command within the limits, or the
-    /// safe command, comes out.
+    /// The guidance of `vehicle` with gains of one's own, such as the paper's. The parameters of the gains by bandwidth
+    /// are checked, and not used.
+    ///
+    /// # Errors
+    /// As [`Guidance::new`].
+    pub fn with_gains(
+        vehicle: Vehicle<A>,
+        gains: G,
+        p: &GuidanceParameters,
+    ) -> Result<Self, ParameterError> {
+        p.check()?;
+        check_relations(&vehicle, p)?;
+        Ok(Self {
+            reference_limit: ReferenceLimit::new(p),
+            outer_loop: OuterLoop::new(p),
+            branch: BranchSwitch::new(p, vehicle.weight()),
+            limits: Limits::new(p, &vehicle),
+            supervisor: Supervisor::new(p, &vehicle),
+            control: VelocityControl::new(vehicle, gains),
+        })
+    }
+
+    /// The vehicle as the guidance believes it to be.
+    pub fn vehicle(&self) -> &Vehicle<A> {
+        self.control.vehicle()
+    }
+
+    /// The velocity law that is flown.
+    pub fn control(&self) -> &VelocityControl<A, G> {
+        &self.control
+    }
+
+    /// One step, `dt` \[s\] after the last. Total: whatever comes in and whatever the memory holds, a finite command
+    /// within the limits comes out. It is the safe command, or the last one, where there is nothing better.
     #[inline]
     pub fn update(&self, state: &mut GuidanceState, input: &GuidanceInput, dt: f32) -> Guided {
-        let timed = dt > 0.0 && dt <= MAX_STEP;
-        let dt = if timed { dt } else { MAX_STEP };
+        self.advance::<true>(state, input, dt)
+    }
+
+    /// [`update`](Self::update) without the margins, which stay zero: they take the second derivatives of the
+    /// coefficients, a sixth of the step.
+    #[inline]
+    pub fn update_without_margin(
+        &self,
+        state: &mut GuidanceState,
+        input: &GuidanceInput,
+        dt: f32,
+    ) -> Guided {
+        self.advance::<false>(state, input, dt)
+    }
+
+    #[inline(always)]
+    fn advance<const MARGIN: bool>(
+        &self,
+        state: &mut GuidanceState,
+        input: &GuidanceInput,
+        dt: f32,
+    ) -> Guided {
+        // Before anything else reads the memory.
+        let sound = self.is_sound(state);
+        if !sound {
+            self.reset(state);
+        }
+        let (dt, timed) = time_passed(dt);
         let mut guided = Guided::default();
         let flown = if timed {
-            self.fly(state, input, dt, &mut guided)
+            self.fly::<MARGIN>(state, input, dt, &mut guided)
         } else {
             Err(Refusal::TimeStep)
         };
         let mode = self
             .supervisor
             .advance(&mut state.supervision, flown.is_ok(), dt);
-        if mode == Mode::Flying {
-            state.thrust = guided.command.thrust;
-        } else {
+        if mode != Mode::Flying {
             guided = self.substitute(state, mode);
         }
         guided.mode = mode;
         guided.refusal = flown.err();
+        guided.status |= Status::STATE_RESET.when(!sound);
         guided
     }
 
-    /// What stands in for the law in any other mode.
+    /// Whether every part's memory is inside that part's own bounds.
+    #[inline(always)]
+    fn is_sound(&self, state: &GuidanceState) -> bool {
+        self.supervisor.is_sound(&state.supervision)
+            && state.reference.is_sound()
+            && self.outer_loop.is_sound(&state.outer_loop)
+            && self.branch.is_sound(&state.branch)
+            && (self.limits.is_sound(&state.limits) || (state.limits == LimitState::default()))
+            && (state.held.norm_squared() <= MAX_SPEED * MAX_SPEED)
+    }
+
+    /// Back to power-on, but for the mode, and for the last command if that is sound: it is what a bad frame is bridged
+    /// with.
+    #[cold]
+    fn reset(&self, state: &mut GuidanceState) {
+        let limits = if self.limits.is_sound(&state.limits) {
+            state.limits
+        } else {
+            self.limits.at_rest()
+        };
+        *state = GuidanceState {
+            supervision: SupervisionState::in_mode(state.supervision.mode()),
+            limits,
+            ..GuidanceState::default()
+        };
+    }
+
+    /// The command in any mode but flying.
     #[cold]
     fn substitute(&self, state: &mut GuidanceState, mode: Mode) -> Guided {
-        let (thrust, rate) = if mode == Mode::Holding {
-            (state.thrust, state.limits.rate)
-        } else {
-            state.restart();
-            (self.supervisor.parameters().safe_thrust, 0.0)
-        };
+        if mode == Mode::Safe {
+            *state = GuidanceState {
+                supervision: state.supervision,
+                limits: LimitState {
+                    rate: 0.0,
+                    thrust: self.supervisor.safe_thrust(),
+                },
+                ..GuidanceState::default()
+            };
+        }
         Guided {
             command: Command {
-                thrust,
-                rate,
+                thrust: state.limits.thrust,
+                rate: state.limits.rate,
                 diagnostics: Diagnostics::default(),
             },
             ..Guided::default()
@@ -229,46 +283,46 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
     }
 
     #[inline(always)]
-    fn fly(
+    fn fly<const MARGIN: bool>(
         &self,
         state: &mut GuidanceState,
         input: &GuidanceInput,
         dt: f32,
         guided: &mut Guided,
     ) -> Result<(), Refusal> {
-        let supervision = self.supervisor.parameters();
         let bare = State {
             velocity: input.velocity,
             attitude: input.attitude,
             wind: Inertial::ZERO,
         };
         check_input(&bare, &Reference::default()).map_err(Refusal::Law)?;
-        if !matches!(input.state_age, age if age <= supervision.state_age) {
+        if !self.supervisor.accepts_state(input.state_age) {
             return Err(Refusal::StateAge);
-        }
-        let sound = state.is_sound();
-        if !sound {
-            state.reset();
         }
 
         // What to fly to.
-        let fresh = input.reference_age <= supervision.reference_age && is_sane(&input.reference);
+        let fresh =
+            self.supervisor.accepts_reference(input.reference_age) && is_sane(&input.reference);
         let asked = if fresh {
-            if state.held.is_none() {
+            if state.held_known != 1 {
                 state.reference.velocity = input.velocity;
             }
-            state.held = Some(input.reference.velocity);
+            state.held = input.reference.velocity;
+            state.held_known = 1;
             input.reference
-        } else {
+        } else if state.held_known == 1 {
             Reference {
-                velocity: state.held.ok_or(Refusal::NoReference)?,
+                velocity: state.held,
                 acceleration: Inertial::ZERO,
             }
+        } else {
+            return Err(Refusal::NoReference);
         };
         let position_error = input
             .position_error
             .filter(|x| fresh && x.norm_squared().is_finite());
-        let (followed, cut) = self
+        let branch = state.branch.branch();
+        let (followed, limited) = self
             .reference_limit
             .update(&mut state.reference, &asked, dt);
         let (reference, outer) = self.outer_loop.update(
@@ -280,7 +334,9 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
                 asked: &asked,
                 followed: &followed,
                 position_error,
-                met: state.met,
+                saturated: state.saturated,
+                rate: state.limits.rate,
+                branch: branch.sign(),
             },
             dt,
         );
@@ -289,7 +345,6 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         let (wind, air, air_invalid) =
             self.supervisor
                 .wind(&mut state.supervision, input.velocity, &input.air, dt);
-        let branch = state.branch.branch;
         let at = State { wind, ..bare };
         let step = self.control.step(branch, &at, &reference);
         let command = self
@@ -301,14 +356,14 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             self.branch.leave(&mut state.branch);
         }
 
-        // What the actuators make of it.
+        // The command inside the actuators' limits.
         let rate = self
             .branch
             .smooth(&mut state.branch, command.rate, state.limits.rate, dt);
-        let (thrust, rate, met) = self
-            .limits
-            .apply(&mut state.limits, command.thrust, rate, dt);
-        state.met = met;
+        let (thrust, rate, saturated) =
+            self.limits
+                .apply(&mut state.limits, command.thrust, rate, dt);
+        state.saturated = saturated;
 
         guided.command = Command {
             thrust,
@@ -317,24 +372,59 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         };
         guided.air = air;
         guided.reference = reference;
-        guided.margin = Margin::new(
-            &step.forces,
-            step.norm,
-            self.control.gains().guard().tau(),
-            branch.sign(),
-        );
-        guided.status = cut
+        if MARGIN {
+            guided.margin = Margin::new(
+                &step.forces,
+                step.norm,
+                self.control.gains().guard().tau(),
+                branch.sign(),
+            );
+        }
+        guided.status = limited
             | outer
-            | met
+            | saturated
             | Status::NEGATIVE_THRUST.when(verdict != Verdict::Positive)
             | Status::OPPOSED.when(branch == Branch::Opposed)
             | Status::REFERENCE_HELD.when(!fresh)
             | Status::POSITION_INVALID
                 .when(fresh && position_error.is_none() && input.position_error.is_some())
-            | Status::AIR_INVALID.when(air_invalid)
-            | Status::STATE_RESET.when(!sound);
+            | Status::AIR_INVALID.when(air_invalid);
         Ok(())
     }
+}
+
+/// Refuses parameters that contradict each other or the vehicle.
+fn check_relations<A: Aerodynamics>(
+    vehicle: &Vehicle<A>,
+    p: &GuidanceParameters,
+) -> Result<(), ParameterError> {
+    let weight = vehicle.weight();
+    let safe = p.safe_thrust * weight;
+    let relations = [
+        ("thrust_max", vehicle.thrust_max() > weight),
+        ("thrust_min", vehicle.thrust_min() < weight),
+        (
+            "safe_thrust",
+            (vehicle.thrust_min()..=vehicle.thrust_max()).contains(&safe),
+        ),
+        (
+            "max_integral_down",
+            p.max_integral_down <= p.max_velocity_down,
+        ),
+        (
+            "max_integral_forward",
+            p.max_integral_forward <= p.max_velocity_forward,
+        ),
+    ];
+    for (parameter, kept) in relations {
+        if !kept {
+            return Err(ParameterError {
+                parameter,
+                problem: Problem::Contradiction,
+            });
+        }
+    }
+    Ok(())
 }
 
 #[cfg(test)]
@@ -342,59 +432,34 @@ mod tests {
     extern crate std;
     use super::*;
     use crate::aero::{Combined, CombinedParameters};
-    use crate::control::{
-        BandwidthGains, BandwidthParameters, BranchParameters, Fault, LimitParameters,
-        OuterLoopParameters, ReferenceLimitParameters, SupervisionParameters,
-    };
-    use crate::vehicle::{Vehicle, VehicleParameters};
+    use crate::control::Fault;
+    use crate::vehicle::VehicleParameters;
     use rand::{RngExt, SeedableRng};
 
     const DT: f32 = 0.01;
     const THRUST_MAX: f32 = 1.3 * 98.1;
-    const SAFE_THRUST: f32 = 12.5;
+    /// A tenth of the weight \[N\].
+    const SAFE_THRUST: f32 = 0.1 * (9.0 * 9.81);
 
-    fn guidance() -> Guidance<Combined, BandwidthGains> {
+    fn with(p: &GuidanceParameters) -> Guidance<Combined> {
+        let vehicle = VehicleParameters {
+            thrust_max: THRUST_MAX,
+            ..VehicleParameters::PAPER_BELIEF
+        };
         let model = Combined::new(CombinedParameters::PAPER_BELIEF).unwrap();
-        let vehicle = Vehicle::new(VehicleParameters::PAPER_BELIEF, model).unwrap();
-        let gains = BandwidthGains::new(BandwidthParameters::PAPER_VEHICLE, &vehicle).unwrap();
-        Guidance {
-            control: VelocityControl::new(vehicle, gains),
-            reference_limit: ReferenceLimit::new(ReferenceLimitParameters {
-                acceleration: 3.0,
-                rate: 0.8,
-            })
-            .unwrap(),
-            outer_loop: OuterLoop::new(OuterLoopParameters {
-                position_gain: Inertial::new(0.8, 0.6),
-                pull: Inertial::new(3.0, 6.0),
-                integral_gain: Inertial::new(0.3, 0.1),
-                integral: Inertial::new(2.0, 1.0),
-                forward_error: 14.0,
-            })
-            .unwrap(),
-            branch: BranchSwitch::new(BranchParameters {
-                switch: true,
-                hysteresis: 10.0,
-                fade: 0.3,
-            })
-            .unwrap(),
-            limits: Limits::new(LimitParameters {
-                thrust_min: 0.0,
-                thrust_max: THRUST_MAX,
-                rate: 2.8,
-                slew: 30.0,
-            })
-            .unwrap(),
-            supervisor: Supervisor::new(SupervisionParameters {
-                hold: 0.1,
-                recovery: 0.05,
-                state_age: 0.05,
-                reference_age: 0.5,
-                air_hold: 1.0,
-                safe_thrust: SAFE_THRUST,
-            })
-            .unwrap(),
+        Guidance::new(Vehicle::new(vehicle, model).unwrap(), p).unwrap()
+    }
+
+    fn parameters() -> GuidanceParameters {
+        GuidanceParameters {
+            air_hold: 1.0,
+            safe_thrust: 0.1,
+            ..GuidanceParameters::default()
         }
+    }
+
+    fn guidance() -> Guidance<Combined> {
+        with(&parameters())
     }
 
     const HOVER: GuidanceInput = GuidanceInput {
@@ -416,31 +481,28 @@ mod tests {
         for _ in 0..20 {
             guidance().update(&mut state, &HOVER, DT);
         }
-        assert_eq!(state.supervision.mode, Mode::Flying);
+        assert_eq!(state.mode(), Mode::Flying);
         state
     }
 
     /// Where no limit is met and there is nothing to pull or to integrate, the command is the pure law's.
     #[test]
     fn undisturbed_the_command_is_the_laws_to_the_bit() {
-        let (guidance, mut state) = (guidance(), airborne());
+        let mut state = airborne();
         let input = GuidanceInput {
             velocity: Inertial::new(0.05, -0.1),
             attitude: Attitude::from_angle(0.02),
             ..HOVER
         };
-        // Position hold off, and its stand-in with it.
-        let guidance = Guidance {
-            outer_loop: OuterLoop::new(OuterLoopParameters {
-                position_gain: Inertial::ZERO,
-                pull: Inertial::ZERO,
-                integral_gain: Inertial::ZERO,
-                integral: Inertial::ZERO,
-                forward_error: 1e3,
-            })
-            .unwrap(),
-            ..guidance
-        };
+        // Position hold off, and the integral that stands in for it.
+        let guidance = with(&GuidanceParameters {
+            position_gain_down: 0.0,
+            position_gain_forward: 0.0,
+            integral_gain_down: 0.0,
+            integral_gain_forward: 0.0,
+            max_velocity_error: 1e3,
+            ..parameters()
+        });
         // The rate's slew is met at first.
         let mut guided = Guided::default();
         for _ in 0..3 {
@@ -456,7 +518,7 @@ mod tests {
             None,
         );
         assert_eq!(Ok(guided.command), law);
-        assert_eq!((guided.status, guided.refusal), (Status::NONE, None));
+        assert_eq!((guided.status, guided.refusal), (Status::empty(), None));
         assert!(guided.margin.force > 1.0 && guided.margin.fold > 1.0);
     }
 
@@ -527,7 +589,15 @@ mod tests {
             ),
             (HOVER, 0.0, Refusal::TimeStep),
             (HOVER, f32::NAN, Refusal::TimeStep),
-            (HOVER, 1.0, Refusal::TimeStep),
+            (HOVER, -DT, Refusal::TimeStep),
+            (
+                GuidanceInput {
+                    state_age: -0.01,
+                    ..HOVER
+                },
+                DT,
+                Refusal::StateAge,
+            ),
         ];
         for (input, dt, refusal) in bad {
             let mut state = airborne();
@@ -648,12 +718,14 @@ mod tests {
     #[test]
     fn a_corrupt_state_is_reset_in_flight() {
         let guidance = guidance();
-        let corrupt: [fn(&mut GuidanceState); 5] = [
+        let corrupt: [fn(&mut GuidanceState); 7] = [
             |s| s.outer_loop.integral = Inertial::new(f32::NAN, 0.0),
             |s| s.reference.velocity = Inertial::new(0.0, f32::INFINITY),
+            |s| s.reference.velocity = Inertial::new(0.0, 1e4),
             |s| s.limits.rate = f32::NAN,
-            |s| s.supervision.elapsed = f32::NAN,
-            |s| s.supervision.wind = Some(Inertial::new(1e30, 0.0)),
+            |s| s.limits.rate = 500.0,
+            |s| s.held = Inertial::new(0.0, -1e9),
+            |s| s.supervision.wind = Inertial::new(1e30, 0.0),
         ];
         for corrupt in corrupt {
             let mut state = airborne();
@@ -662,8 +734,94 @@ mod tests {
             assert_eq!(guided.mode, Mode::Flying);
             assert!(guided.status.contains(Status::STATE_RESET));
             let next = guidance.update(&mut state, &HOVER, DT);
-            assert_eq!(next.status, Status::NONE);
+            assert_eq!(next.status, Status::empty());
         }
+    }
+
+    /// A corrupt last command and a bad frame at once: what is held is inside the limits all the same.
+    #[test]
+    fn a_corrupt_last_command_is_not_held() {
+        let guidance = guidance();
+        let bad = GuidanceInput {
+            velocity: Inertial::new(f32::NAN, 0.0),
+            ..HOVER
+        };
+        for value in [f32::NAN, 1e30, 500.0, -1e6] {
+            for thrust in [false, true] {
+                let mut state = airborne();
+                if thrust {
+                    state.limits.thrust = value;
+                } else {
+                    state.limits.rate = value;
+                }
+                let guided = guidance.update(&mut state, &bad, DT);
+                assert_eq!(guided.mode, Mode::Holding);
+                assert!(guided.status.contains(Status::STATE_RESET));
+                assert!((0.0..=THRUST_MAX).contains(&guided.command.thrust));
+                assert!(guided.command.rate.abs() <= 2.8);
+            }
+        }
+    }
+
+    /// Timestamps that come twice, even several times in a row, are bridged; a clock that stands still is not.
+    #[test]
+    fn repeated_timestamps_do_not_end_the_flight() {
+        let (guidance, mut state) = (guidance(), airborne());
+        for _ in 0..100 {
+            for _ in 0..3 {
+                let held = guidance.update(&mut state, &HOVER, 0.0);
+                assert_eq!(
+                    (held.mode, held.refusal),
+                    (Mode::Holding, Some(Refusal::TimeStep))
+                );
+            }
+            assert_eq!(guidance.update(&mut state, &HOVER, DT).mode, Mode::Flying);
+        }
+        let stopped = (0..2000).map(|_| guidance.update(&mut state, &HOVER, 0.0).mode);
+        assert_eq!(stopped.last(), Some(Mode::Safe));
+    }
+
+    #[test]
+    fn contradictions_are_named() {
+        let refused = |v: VehicleParameters, p: &GuidanceParameters| {
+            let model = Combined::new(CombinedParameters::PAPER_BELIEF).unwrap();
+            let e = Guidance::new(Vehicle::new(v, model).unwrap(), p).unwrap_err();
+            (e.parameter, e.problem)
+        };
+        let (v, p) = (VehicleParameters::PAPER, GuidanceParameters::default());
+        let contradicts = |name| (name, Problem::Contradiction);
+        let weak = VehicleParameters {
+            thrust_max: 98.0,
+            ..v
+        };
+        assert_eq!(refused(weak, &p), contradicts("thrust_max"));
+        let strong = VehicleParameters {
+            thrust_min: 98.2,
+            ..v
+        };
+        assert_eq!(refused(strong, &p), contradicts("thrust_min"));
+        let idle = VehicleParameters {
+            thrust_min: 3.0,
+            ..v
+        };
+        assert_eq!(refused(idle, &p), contradicts("safe_thrust"));
+        let above = GuidanceParameters {
+            safe_thrust: 2.1,
+            ..p
+        };
+        assert_eq!(refused(v, &above), contradicts("safe_thrust"));
+        let full = GuidanceParameters {
+            max_integral_down: 3.1,
+            ..p
+        };
+        assert_eq!(refused(v, &full), contradicts("max_integral_down"));
+        let full = GuidanceParameters {
+            max_integral_forward: 6.1,
+            ..p
+        };
+        assert_eq!(refused(v, &full), contradicts("max_integral_forward"));
+        let range = GuidanceParameters { hold: -1.0, ..p };
+        assert_eq!(refused(v, &range), ("hold", Problem::OutOfRange));
     }
 
     /// Whatever comes in, what comes out is finite and inside the limits, or is the safe command.
@@ -692,9 +850,9 @@ mod tests {
             let mut dt = rng.random_range(1e-4..0.05);
             if rng.random_range(0..3) == 0 {
                 match rng.random_range(0..9) {
-                    0 => input.velocity.0.x = poison,
-                    1 => input.reference.velocity.0.y = poison,
-                    2 => input.reference.acceleration.0.x = poison,
+                    0 => input.velocity = Inertial::new(poison, 0.0),
+                    1 => input.reference.velocity = Inertial::new(0.0, poison),
+                    2 => input.reference.acceleration = Inertial::new(poison, 0.0),
                     3 => input.position_error = Some(Inertial::new(poison, 0.0)),
                     4 => input.air = Air::Wind(Inertial::new(0.0, poison)),
                     5 => input.attitude.cos = poison,

@@ -1,37 +1,11 @@
 //! Gains by bandwidth (not in the paper).
 
-use super::gains::{GainLaw, GainValues};
-use super::guard::Guard;
+use super::parameters::GuidanceParameters;
 use crate::aero::Aerodynamics;
-use crate::error::{ParameterError, positive};
+use crate::control::{GainLaw, GainValues, Gains, Guard};
+use crate::error::ParameterError;
+use crate::parameters::Parameters;
 use crate::vehicle::Vehicle;
-
-/// What the loop is to be.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct BandwidthParameters {
-    /// Natural frequency ω_n of the transverse loop [rad/s].
-    pub natural_frequency: f32,
-    /// Damping ratio ζ of the transverse loop.
-    pub damping: f32,
-    /// Rate ω_v of the loop along the thrust line [1/s].
-    pub thrust_rate: f32,
-    /// |F_p| \[N\] below which the gains grow no further.
-    pub force_floor: f32,
-    /// τ \[N\]: force below which the guard μ_τ acts.
-    pub tau: f32,
-}
-
-impl BandwidthParameters {
-    /// Gains for the paper's vehicle with a rate loop of 100 ms and a thrust lag of 50 ms.
-    pub const PAPER_VEHICLE: Self = Self {
-        natural_frequency: 4.0,
-        damping: 0.8,
-        thrust_rate: 3.0,
-        force_floor: 50.0,
-        tau: 80.0,
-    };
-}
 
 /// Validated gains by bandwidth: the loop's natural frequency, damping and thrust-axis rate are what is set, and the
 /// gains follow |F_p|.
@@ -67,22 +41,22 @@ pub struct BandwidthGains {
 }
 
 impl BandwidthGains {
-    /// The gains that give `vehicle` this loop.
+    /// The gains that give `vehicle` the loop of these parameters: `natural_frequency`, `damping`, `thrust_rate`,
+    /// `force_floor`, `tau`.
     ///
     /// # Errors
-    /// `natural_frequency` or `thrust_rate` outside [1e-3, 1e3], `damping` outside [1e-2, 1e2], `force_floor` outside
-    /// [1e-3, 1e6] N, `tau` as in [`Guard::new`]; or any not finite or not positive.
+    /// A parameter outside its range.
     pub fn new<A: Aerodynamics>(
-        p: BandwidthParameters,
+        p: &GuidanceParameters,
         vehicle: &Vehicle<A>,
     ) -> Result<Self, ParameterError> {
-        let frequency = positive("natural_frequency", p.natural_frequency, 1e-3, 1e3)?;
+        p.check()?;
         Ok(Self {
-            along: vehicle.mass() * positive("thrust_rate", p.thrust_rate, 1e-3, 1e3)?,
-            across: vehicle.mass() * frequency * frequency,
-            k3: 8.0 * positive("damping", p.damping, 1e-2, 1e2)? * frequency,
-            force_floor: positive("force_floor", p.force_floor, 1e-3, 1e6)?,
-            guard: Guard::new(p.tau)?,
+            along: vehicle.mass() * p.thrust_rate,
+            across: vehicle.mass() * p.natural_frequency * p.natural_frequency,
+            k3: 8.0 * p.damping * p.natural_frequency,
+            force_floor: p.force_floor * vehicle.weight(),
+            guard: Guard::new(p.tau * vehicle.weight())?,
         })
     }
 }
@@ -109,6 +83,34 @@ impl GainLaw for BandwidthGains {
     }
 }
 
+/// Gains chosen at run time, where the choice is data: an experiment file, a parameter block.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum GainChoice {
+    /// Constant, as in the paper.
+    Constant(Gains),
+    /// By bandwidth.
+    Bandwidth(BandwidthGains),
+}
+
+impl GainLaw for GainChoice {
+    #[inline(always)]
+    fn at(&self, f_p_norm: f32) -> GainValues {
+        match self {
+            Self::Constant(g) => g.at(f_p_norm),
+            Self::Bandwidth(g) => g.at(f_p_norm),
+        }
+    }
+
+    #[inline(always)]
+    fn guard(&self) -> &Guard {
+        match self {
+            Self::Constant(g) => GainLaw::guard(g),
+            Self::Bandwidth(g) => g.guard(),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     extern crate std;
@@ -126,9 +128,9 @@ mod tests {
     /// ω_n² = k2|F_p|²/m and k3 = 8ζω_n are read off the law itself, by differences of its command around trim.
     #[test]
     fn the_loop_has_the_set_bandwidth_in_hover_and_in_cruise() {
-        let p = BandwidthParameters::PAPER_VEHICLE;
+        let p = GuidanceParameters::default();
         let vehicle = vehicle();
-        let law = VelocityControl::new(vehicle, BandwidthGains::new(p, &vehicle).unwrap());
+        let law = VelocityControl::new(vehicle, BandwidthGains::new(&p, &vehicle).unwrap());
         // θ of trim: hover; and level flight at 20 m/s, found by bisection of F̄_p2.
         let j = |theta: f32, forward: f32| {
             let state = State {
@@ -154,7 +156,7 @@ mod tests {
         for (theta, forward) in [(0.0, 0.0), (low, 20.0)] {
             let (state, command) = j(theta, forward);
             let norm = command.diagnostics.f_p_norm;
-            assert!(norm > p.force_floor);
+            assert!(norm > p.force_floor * vehicle.weight());
             // A velocity error of 0.1 m/s along j, then along i.
             let error = |i, j| {
                 let offset = state.attitude.to_inertial(crate::frame::Body::new(i, j));
@@ -180,44 +182,48 @@ mod tests {
 
     #[test]
     fn below_the_floor_the_gains_are_those_at_the_floor() {
-        let gains = BandwidthGains::new(BandwidthParameters::PAPER_VEHICLE, &vehicle()).unwrap();
-        assert_eq!(gains.at(0.0), gains.at(50.0));
-        assert!(gains.at(51.0).k2 < gains.at(50.0).k2);
+        let (p, vehicle) = (GuidanceParameters::default(), vehicle());
+        let gains = BandwidthGains::new(&p, &vehicle).unwrap();
+        let floor = p.force_floor * vehicle.weight();
+        assert_eq!(gains.at(0.0), gains.at(floor));
+        assert!(gains.at(1.02 * floor).k2 < gains.at(floor).k2);
         assert!(gains.at(f32::NAN).k1.is_finite());
+    }
+
+    /// A vehicle a hundred times lighter, at the same multiple of its weight: the same loop.
+    #[test]
+    fn the_floor_and_the_guard_follow_the_weight() {
+        let p = GuidanceParameters::default();
+        let light = VehicleParameters {
+            mass: 0.1,
+            k_a: 0.00646,
+            thrust_max: 1.962,
+            ..VehicleParameters::PAPER
+        };
+        let model = Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap();
+        let light = Vehicle::new(light, model).unwrap();
+        let (small, large) = (
+            BandwidthGains::new(&p, &light).unwrap(),
+            BandwidthGains::new(&p, &vehicle()).unwrap(),
+        );
+        for multiple in [0.1, 0.5, 1.0, 3.0] {
+            let force = multiple * light.weight();
+            let (a, b) = (small.at(force), large.at(100.0 * force));
+            // 1e-5: roundings of a dozen products.
+            assert!((a.k1 / b.k1 - 1.0).abs() < 1e-5);
+            assert!((a.k2 / b.k2 / 100.0 - 1.0).abs() < 1e-5);
+        }
+        let tau = |gains: &BandwidthGains| gains.guard().tau();
+        assert!((tau(&large) / tau(&small) / 100.0 - 1.0).abs() < 1e-5);
     }
 
     #[test]
     fn bad_parameters_are_named() {
-        let good = BandwidthParameters::PAPER_VEHICLE;
-        let name = |p| BandwidthGains::new(p, &vehicle()).unwrap_err().parameter;
-        assert_eq!(
-            name(BandwidthParameters {
-                natural_frequency: 0.0,
-                ..good
-            }),
-            "natural_frequency"
-        );
-        assert_eq!(
-            name(BandwidthParameters {
-                damping: f32::NAN,
-                ..good
-            }),
-            "damping"
-        );
-        assert_eq!(
-            name(BandwidthParameters {
-                thrust_rate: -1.0,
-                ..good
-            }),
-            "thrust_rate"
-        );
-        assert_eq!(
-            name(BandwidthParameters {
-                force_floor: 1e9,
-                ..good
-            }),
-            "force_floor"
-        );
-        assert_eq!(name(BandwidthParameters { tau: 0.0, ..good }), "tau");
+        let bad = GuidanceParameters {
+            damping: f32::NAN,
+            ..GuidanceParameters::default()
+        };
+        let error = BandwidthGains::new(&bad, &vehicle()).unwrap_err();
+        assert_eq!(error.parameter, "damping");
     }
 }

@@ -4,21 +4,10 @@
 //! points up: on θ̃ = 0 the vehicle would turn nose down and need negative thrust there, while tail first with
 //! positive thrust it stands on θ̃ = π. The paper leaves the choice open; this module makes it.
 
+use super::parameters::GuidanceParameters;
 use crate::branch::Branch;
 use crate::equivalency::ApparentForces;
-use crate::error::{ParameterError, positive};
-
-/// Parameters of the branch switch.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct BranchParameters {
-    /// Whether to fly θ̃ = π where θ̃ = 0 needs negative thrust. If not, such references are only reported.
-    pub switch: bool,
-    /// Hysteresis \[N\]: how far F_p must have passed through zero along the thrust line before the branch is left.
-    pub hysteresis: f32,
-    /// Time constant \[s\] with which the jump of the angular rate at a switch fades out.
-    pub fade: f32,
-}
+use crate::math;
 
 /// Chooses the branch, and lets the command pass from one to the other without a jump.
 ///
@@ -38,7 +27,6 @@ pub struct BranchParameters {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct BranchSwitch {
-    switch: bool,
     hysteresis: f32,
     inverse_fade: f32,
 }
@@ -47,13 +35,28 @@ pub struct BranchSwitch {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct BranchState {
-    /// The branch flown.
-    pub branch: Branch,
+    /// 1 on θ̃ = π, else 0. Numbers, not `enum` and `bool`: every bit pattern has a meaning.
+    opposed: u8,
+    /// 1 if the branch is new, and the jump is still to be measured.
+    arrived: u8,
     /// Angular rate [rad/s] still to fade out.
     pub(super) offset: f32,
-    /// Whether the branch is new: the jump is then still to be measured.
-    arrived: bool,
 }
+
+impl BranchState {
+    /// The branch flown.
+    #[inline(always)]
+    pub fn branch(&self) -> Branch {
+        if self.opposed == 1 {
+            Branch::Opposed
+        } else {
+            Branch::Aligned
+        }
+    }
+}
+
+/// Greatest jump of the angular rate [rad/s] that is faded out.
+const MAX_OFFSET: f32 = 1e3;
 
 /// Verdict on the flown branch at one step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,16 +70,12 @@ pub(super) enum Verdict {
 }
 
 impl BranchSwitch {
-    /// The switch with these parameters.
-    ///
-    /// # Errors
-    /// `hysteresis` outside [1e-3, 1e6] N, `fade` outside [1e-3, 1e2] s; or either not finite or not positive.
-    pub fn new(p: BranchParameters) -> Result<Self, ParameterError> {
-        Ok(Self {
-            switch: p.switch,
-            hysteresis: positive("hysteresis", p.hysteresis, 1e-3, 1e6)?,
-            inverse_fade: 1.0 / positive("fade", p.fade, 1e-3, 1e2)?,
-        })
+    /// The switch with these parameters, which have been checked, for a vehicle of this `weight` \[N\].
+    pub fn new(p: &GuidanceParameters, weight: f32) -> Self {
+        Self {
+            hysteresis: p.branch_hysteresis * weight,
+            inverse_fade: 1.0 / p.branch_fade,
+        }
     }
 
     /// The verdict on `branch` at `forces`.
@@ -100,21 +99,25 @@ impl BranchSwitch {
         }
     }
 
-    /// Goes to the other branch from the next step on, if branches are switched at all.
+    /// Goes to the other branch from the next step on.
     #[inline]
     pub(super) fn leave(&self, state: &mut BranchState) {
-        if self.switch {
-            state.branch = state.branch.other();
-            state.arrived = true;
-        }
+        state.opposed = u8::from(state.branch() == Branch::Aligned);
+        state.arrived = 1;
+    }
+
+    /// Whether what is left to fade out is no more than the greatest jump. NaN is not.
+    #[inline(always)]
+    pub(super) fn is_sound(&self, state: &BranchState) -> bool {
+        state.offset.abs() <= MAX_OFFSET
     }
 
     /// `rate` [rad/s] of the flown branch plus what is left of the last switch's jump from the rate `last` commanded.
     #[inline(always)]
     pub(super) fn smooth(&self, state: &mut BranchState, rate: f32, last: f32, dt: f32) -> f32 {
-        if state.arrived {
-            state.offset = last - rate;
-            state.arrived = false;
+        if state.arrived != 0 {
+            state.offset = math::clamp(last - rate, -MAX_OFFSET, MAX_OFFSET);
+            state.arrived = 0;
         }
         let rate = rate + state.offset;
         // Implicit Euler: never changes sign, whatever dt.
@@ -132,13 +135,14 @@ mod tests {
     use crate::frame::{Attitude, Inertial};
     use crate::vehicle::{Vehicle, VehicleParameters};
 
-    fn switch(switch: bool) -> BranchSwitch {
-        BranchSwitch::new(BranchParameters {
-            switch,
-            hysteresis: 5.0,
-            fade: 0.2,
-        })
-        .unwrap()
+    /// A hysteresis of 5 N and a fade of 0.2 s.
+    fn switch() -> BranchSwitch {
+        let p = GuidanceParameters {
+            branch_hysteresis: 0.05,
+            branch_fade: 0.2,
+            ..GuidanceParameters::default()
+        };
+        BranchSwitch::new(&p, 100.0)
     }
 
     fn law() -> VelocityControl<Combined> {
@@ -164,7 +168,7 @@ mod tests {
     }
 
     fn verdict(branch: Branch, theta: f32, v: Inertial, a_r: Inertial) -> Verdict {
-        switch(true).judge(branch, &at(branch, theta, v, a_r).1)
+        switch().judge(branch, &at(branch, theta, v, a_r).1)
     }
 
     #[test]
@@ -228,10 +232,10 @@ mod tests {
 
     #[test]
     fn a_switch_is_bumpless_and_fades() {
-        let switch = switch(true);
+        let switch = switch();
         let mut state = BranchState::default();
         switch.leave(&mut state);
-        assert_eq!(state.branch, Branch::Opposed);
+        assert_eq!(state.branch(), Branch::Opposed);
         // 0.3 rad/s was commanded, the other branch asks for −0.5.
         assert_eq!(switch.smooth(&mut state, -0.5, 0.3, 0.01), 0.3);
         let mut rate = 0.3;
@@ -244,25 +248,22 @@ mod tests {
         assert!((rate + 0.5 - 0.8 * (-1f32).exp()).abs() < 0.02, "{rate}");
     }
 
+    /// Whatever bits the memory holds, it is a branch, and an absurd jump is told.
     #[test]
-    fn without_leave_to_switch_nothing_is_switched() {
-        let mut state = BranchState::default();
-        switch(false).leave(&mut state);
-        assert_eq!(state, BranchState::default());
-    }
-
-    #[test]
-    fn bad_parameters_are_named() {
-        let name = |hysteresis, fade| {
-            BranchSwitch::new(BranchParameters {
-                switch: true,
-                hysteresis,
-                fade,
-            })
-            .unwrap_err()
-            .parameter
-        };
-        assert_eq!(name(0.0, 1.0), "hysteresis");
-        assert_eq!(name(1.0, f32::NAN), "fade");
+    fn every_bit_pattern_is_a_branch() {
+        for opposed in 0..=u8::MAX {
+            let state = BranchState {
+                opposed,
+                ..BranchState::default()
+            };
+            assert_eq!(state.branch() == Branch::Opposed, opposed == 1);
+        }
+        for offset in [f32::NAN, f32::INFINITY, 1e30] {
+            let state = BranchState {
+                offset,
+                ..BranchState::default()
+            };
+            assert!(!switch().is_sound(&state));
+        }
     }
 }

@@ -1,20 +1,10 @@
 //! Acceleration limit on the reference: the velocity followed never changes faster than the vehicle may.
 
+use super::parameters::GuidanceParameters;
 use super::status::Status;
-use crate::error::{ParameterError, positive};
 use crate::frame::Inertial;
 use crate::math;
-use crate::reference::Reference;
-
-/// Parameters of the limit.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct ReferenceLimitParameters {
-    /// Largest acceleration [m/s²] of the velocity followed, in any direction.
-    pub acceleration: f32,
-    /// Rate [1/s] with which the velocity followed returns to the one asked for.
-    pub rate: f32,
-}
+use crate::reference::{MAX_SPEED, Reference};
 
 /// Follows a reference with bounded acceleration.
 ///
@@ -36,16 +26,21 @@ pub struct ReferenceState {
     pub velocity: Inertial,
 }
 
+impl ReferenceState {
+    /// Whether the velocity is one that a reference may have.
+    #[inline(always)]
+    pub(super) fn is_sound(&self) -> bool {
+        self.velocity.norm_squared() <= MAX_SPEED * MAX_SPEED
+    }
+}
+
 impl ReferenceLimit {
-    /// The limit with these parameters.
-    ///
-    /// # Errors
-    /// `acceleration` outside [1e-3, 1e3] m/s², `rate` outside [1e-3, 1e2] 1/s; or either not finite or not positive.
-    pub fn new(p: ReferenceLimitParameters) -> Result<Self, ParameterError> {
-        Ok(Self {
-            acceleration: positive("acceleration", p.acceleration, 1e-3, 1e3)?,
-            rate: positive("rate", p.rate, 1e-3, 1e2)?,
-        })
+    /// The limit with these parameters, which have been checked.
+    pub fn new(p: &GuidanceParameters) -> Self {
+        Self {
+            acceleration: p.max_acceleration,
+            rate: p.return_rate,
+        }
     }
 
     /// What to follow now; `state` then moves on by `dt` \[s\].
@@ -92,11 +87,7 @@ mod tests {
     const DT: f32 = 0.01;
 
     fn limit() -> ReferenceLimit {
-        ReferenceLimit::new(ReferenceLimitParameters {
-            acceleration: 3.0,
-            rate: 0.8,
-        })
-        .unwrap()
+        ReferenceLimit::new(&GuidanceParameters::default())
     }
 
     #[test]
@@ -108,7 +99,7 @@ mod tests {
                 acceleration: Inertial::new(0.0, 2.0),
             };
             let (got, status) = limit().update(&mut state, &reference, DT);
-            assert_eq!(status, Status::NONE);
+            assert_eq!(status, Status::empty());
             // 1e-4: roundings of a thousand additions, which the return holds down.
             assert!((got.velocity - reference.velocity).norm_squared() < 1e-8);
             assert!((got.acceleration - reference.acceleration).norm_squared() < 1e-8);
@@ -136,11 +127,11 @@ mod tests {
 
     #[test]
     fn a_long_step_does_not_overshoot() {
-        let fast = ReferenceLimit::new(ReferenceLimitParameters {
-            acceleration: 1e3,
-            rate: 100.0,
-        })
-        .unwrap();
+        let fast = ReferenceLimit::new(&GuidanceParameters {
+            max_acceleration: 1e3,
+            return_rate: 100.0,
+            ..GuidanceParameters::default()
+        });
         let mut state = ReferenceState::default();
         let reference = Reference {
             velocity: Inertial::new(0.0, 1.0),
@@ -148,16 +139,5 @@ mod tests {
         };
         fast.update(&mut state, &reference, 0.1);
         assert!((state.velocity.forward() - 1.0).abs() < 1e-6);
-    }
-
-    #[test]
-    fn bad_parameters_are_named() {
-        let name = |acceleration, rate| {
-            ReferenceLimit::new(ReferenceLimitParameters { acceleration, rate })
-                .unwrap_err()
-                .parameter
-        };
-        assert_eq!(name(0.0, 1.0), "acceleration");
-        assert_eq!(name(1.0, f32::NAN), "rate");
     }
 }

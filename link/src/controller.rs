@@ -1,0 +1,267 @@
+//! The controller that a configuration describes: the same code on the target and on its host.
+
+use alula::{
+    BandwidthGains, GainChoice, GainParameters, Gains, Guidance, GuidanceState, Model,
+    ParameterError, Vehicle, VelocityControl,
+};
+
+use crate::{Answer, Configuration, ControllerParameters, Input, Law, LawGains};
+
+/// One of the core's controllers, with its memory.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Controller {
+    /// A law.
+    Law(Law, VelocityControl<Model<'static>, GainChoice>),
+    /// The guidance, and what it remembers.
+    Guidance(Guidance<Model<'static>, GainChoice>, GuidanceState),
+}
+
+impl Controller {
+    /// The controller that `configuration` describes, at power-on.
+    ///
+    /// # Errors
+    /// A parameter that the core refuses.
+    pub fn new(configuration: &Configuration) -> Result<Self, ParameterError> {
+        let vehicle = Vehicle::new(configuration.vehicle, configuration.model.model()?)?;
+        let constant = |p: GainParameters| Gains::new(p).map(GainChoice::Constant);
+        Ok(match &configuration.controller {
+            ControllerParameters::Law { law, gains } => {
+                let gains = match gains {
+                    LawGains::Constant(p) => constant(*p)?,
+                    LawGains::Bandwidth(p) => {
+                        GainChoice::Bandwidth(BandwidthGains::new(p, &vehicle)?)
+                    }
+                };
+                Self::Law(*law, VelocityControl::new(vehicle, gains))
+            }
+            ControllerParameters::Guidance { parameters, gains } => {
+                let gains = match gains {
+                    Some(p) => constant(*p)?,
+                    None => GainChoice::Bandwidth(BandwidthGains::new(parameters, &vehicle)?),
+                };
+                let guidance = Guidance::with_gains(vehicle, gains, parameters)?;
+                Self::Guidance(guidance, GuidanceState::default())
+            }
+        })
+    }
+
+    /// Whether it flies inputs of this kind.
+    pub fn takes(&self, input: &Input) -> bool {
+        matches!(
+            (self, input),
+            (Self::Law(..), Input::Law { .. }) | (Self::Guidance(..), Input::Guidance { .. })
+        )
+    }
+
+    /// One control step.
+    pub fn step(&mut self, input: &Input) -> Answer {
+        match (self, input) {
+            (
+                Self::Law(law, control),
+                Input::Law {
+                    state,
+                    reference,
+                    feed_forward,
+                },
+            ) => {
+                let feed_forward = feed_forward.as_ref();
+                Answer::Law(match law {
+                    Law::Robust => control.robust(state, reference, feed_forward),
+                    Law::Full => control.full(state, reference, feed_forward),
+                })
+            }
+            (Self::Guidance(guidance, state), Input::Guidance { input, dt }) => {
+                Answer::Guided(guidance.update(state, input, *dt))
+            }
+            _ => Answer::WrongInput,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Pacing;
+    use alula::guidance::Air;
+    use alula::{
+        Attitude, Combined, CombinedParameters, GuidanceInput, GuidanceParameters, Inertial,
+        LargeAngle, LargeAngleParameters, ModelParameters, Parameters, Problem, Reference,
+        SmallAngle, SmallAngleParameters, State, VehicleParameters,
+    };
+
+    const LAW: ControllerParameters = ControllerParameters::Law {
+        law: Law::Full,
+        gains: LawGains::Constant(GainParameters::PAPER),
+    };
+
+    fn configuration(model: ModelParameters, controller: ControllerParameters) -> Configuration {
+        Configuration {
+            vehicle: VehicleParameters::PAPER_BELIEF,
+            model,
+            controller,
+            pacing: Pacing::Timer,
+        }
+    }
+
+    #[test]
+    fn every_model_makes_the_law_that_the_core_makes() {
+        let combined = CombinedParameters::PAPER_BELIEF;
+        let large = LargeAngleParameters { c0: 0.01, c1: 0.9 };
+        let small = SmallAngleParameters {
+            c0: 0.01,
+            c2: 5.0,
+            c3: 0.3,
+        };
+        for (parameters, model) in [
+            (
+                ModelParameters::Combined(combined),
+                Model::Combined(Combined::new(combined).unwrap()),
+            ),
+            (
+                ModelParameters::LargeAngle(large),
+                Model::LargeAngle(LargeAngle::new(large).unwrap()),
+            ),
+            (
+                ModelParameters::SmallAngle(small),
+                Model::SmallAngle(SmallAngle::new(small).unwrap()),
+            ),
+        ] {
+            let vehicle = Vehicle::new(VehicleParameters::PAPER_BELIEF, model).unwrap();
+            let gains = GainChoice::Constant(Gains::new(GainParameters::PAPER).unwrap());
+            assert_eq!(
+                Controller::new(&configuration(parameters, LAW)),
+                Ok(Controller::Law(
+                    Law::Full,
+                    VelocityControl::new(vehicle, gains)
+                ))
+            );
+        }
+    }
+
+    fn combined(controller: ControllerParameters) -> Configuration {
+        configuration(
+            ModelParameters::Combined(CombinedParameters::PAPER_BELIEF),
+            controller,
+        )
+    }
+
+    fn input() -> GuidanceInput {
+        GuidanceInput {
+            velocity: Inertial::new(0.5, 4.0),
+            attitude: Attitude::from_angle(-0.3),
+            air: Air::Wind(Inertial::new(0.1, -1.0)),
+            position_error: Some(Inertial::new(0.2, 0.3)),
+            reference: Reference {
+                velocity: Inertial::new(0.0, 5.0),
+                acceleration: Inertial::new(0.0, 1.0),
+            },
+            ..GuidanceInput::default()
+        }
+    }
+
+    #[test]
+    fn the_guidance_flies_as_in_the_core_and_keeps_its_memory() {
+        let parameters = GuidanceParameters::DEFAULT;
+        let model = Combined::new(CombinedParameters::PAPER_BELIEF).unwrap();
+        let vehicle = Vehicle::new(VehicleParameters::PAPER_BELIEF, model).unwrap();
+        let step_of = |gains: Option<GainParameters>| {
+            let mut linked = Controller::new(&combined(ControllerParameters::Guidance {
+                parameters,
+                gains,
+            }))
+            .unwrap();
+            let (mut own, mut held) = (GuidanceState::default(), GuidanceState::default());
+            let bandwidth = Guidance::new(vehicle, &parameters).unwrap();
+            let constant = Guidance::with_gains(
+                vehicle,
+                Gains::new(GainParameters::PAPER).unwrap(),
+                &parameters,
+            )
+            .unwrap();
+            for n in 0..40 {
+                let input = input();
+                let want = match gains {
+                    None => bandwidth.update(&mut own, &input, 0.01),
+                    Some(_) => constant.update(&mut held, &input, 0.01),
+                };
+                let got = linked.step(&Input::Guidance { input, dt: 0.01 });
+                assert_eq!(got, Answer::Guided(want), "{n}");
+            }
+        };
+        step_of(None);
+        step_of(Some(GainParameters::PAPER));
+    }
+
+    #[test]
+    fn a_law_may_have_gains_by_bandwidth() {
+        let gains = LawGains::Bandwidth(GuidanceParameters::DEFAULT);
+        let law = Law::Robust;
+        let mut linked =
+            Controller::new(&combined(ControllerParameters::Law { law, gains })).unwrap();
+        let model = Combined::new(CombinedParameters::PAPER_BELIEF).unwrap();
+        let vehicle = Vehicle::new(VehicleParameters::PAPER_BELIEF, model).unwrap();
+        let gains = BandwidthGains::new(&GuidanceParameters::DEFAULT, &vehicle).unwrap();
+        let (state, reference) = (
+            State {
+                velocity: Inertial::new(0.5, 4.0),
+                ..State::default()
+            },
+            Reference::default(),
+        );
+        let want = VelocityControl::new(vehicle, gains).robust(&state, &reference, None);
+        let input = Input::Law {
+            state,
+            reference,
+            feed_forward: None,
+        };
+        assert_eq!(linked.step(&input), Answer::Law(want));
+    }
+
+    #[test]
+    fn an_input_of_the_other_kind_is_not_flown() {
+        let mut law = Controller::new(&combined(LAW)).unwrap();
+        let guidance = Input::Guidance {
+            input: input(),
+            dt: 0.01,
+        };
+        assert_eq!(law.step(&guidance), Answer::WrongInput);
+        assert!(!law.takes(&guidance));
+        let parameters = GuidanceParameters::DEFAULT;
+        let configured = combined(ControllerParameters::Guidance {
+            parameters,
+            gains: None,
+        });
+        let mut guided = Controller::new(&configured).unwrap();
+        let before = guided.clone();
+        let law = Input::Law {
+            state: State::default(),
+            reference: Reference::default(),
+            feed_forward: None,
+        };
+        assert_eq!(guided.step(&law), Answer::WrongInput);
+        assert!(!guided.takes(&law) && guided.takes(&guidance));
+        assert_eq!(guided, before);
+    }
+
+    #[test]
+    fn what_the_core_refuses_is_named() {
+        let mut heavy = combined(LAW);
+        heavy.vehicle.mass = f32::NAN;
+        let error = Controller::new(&heavy).unwrap_err();
+        assert_eq!(
+            (error.parameter, error.problem),
+            ("mass", Problem::NotFinite)
+        );
+        // A contradiction between the vehicle and the guidance.
+        let parameters = GuidanceParameters {
+            safe_thrust: 100.0,
+            ..GuidanceParameters::DEFAULT
+        };
+        let unsafe_thrust = combined(ControllerParameters::Guidance {
+            parameters,
+            gains: None,
+        });
+        let error = Controller::new(&unsafe_thrust).unwrap_err();
+        assert_eq!(error.parameter, "safe_thrust");
+    }
+}

@@ -1,0 +1,78 @@
+//! The parameters of the guidance.
+
+use crate::parameters::Parameters;
+
+crate::parameters! {
+    /// Parameters of the guidance. Forces are multiples of the vehicle's weight, so that the defaults suit a vehicle of
+    /// any size; what is a fact of the vehicle, its thrust limits among them, is in
+    /// [`VehicleParameters`](crate::VehicleParameters).
+    pub struct GuidanceParameters, "Guidance" {
+        natural_frequency: "rad/s", 1e-3, 1e3, 4.0, "ALU_BW_FREQ",
+            "Natural frequency ω_n of the loop across the thrust line.";
+        damping: "", 1e-2, 1e2, 0.8, "ALU_BW_DAMP",
+            "Damping ratio ζ of the loop across the thrust line.";
+        thrust_rate: "1/s", 1e-3, 1e3, 3.0, "ALU_BW_THR",
+            "Rate ω_v of the loop along the thrust line.";
+        force_floor: "mg", 1e-3, 1e3, 0.57, "ALU_BW_FLOOR",
+            "|F_p| below which the gains grow no further.";
+        tau: "mg", 1e-3, 1e3, 0.91, "ALU_BW_TAU",
+            "Force τ below which the guard μ_τ acts.";
+
+        max_acceleration: "m/s^2", 1e-3, 1e3, 3.0, "ALU_REF_ACC",
+            "Greatest acceleration with which the reference velocity is followed.";
+        return_rate: "1/s", 1e-3, 1e2, 0.8, "ALU_REF_RATE",
+            "Rate with which the velocity followed returns to the reference velocity after that limit.";
+
+        position_gain_down: "1/s", 0.0, 100.0, 0.8, "ALU_POS_P_D",
+            "Velocity per position error, down. Zero turns the hold off.";
+        position_gain_forward: "1/s", 0.0, 100.0, 0.6, "ALU_POS_P_F",
+            "Velocity per position error, forward. Zero turns the hold off.";
+        max_velocity_down: "m/s", 0.0, 1e3, 3.0, "ALU_POS_V_D",
+            "Greatest velocity towards the reference position, down.";
+        max_velocity_forward: "m/s", 0.0, 1e3, 6.0, "ALU_POS_V_F",
+            "Greatest velocity towards the reference position, forward.";
+        integral_gain_down: "1/s", 0.0, 100.0, 0.3, "ALU_INT_D",
+            "Growth of the integral per velocity towards the reference position, down. Zero turns it off.";
+        integral_gain_forward: "1/s", 0.0, 100.0, 0.1, "ALU_INT_F",
+            "Growth of the integral per velocity towards the reference position, forward. Zero turns it off.";
+        max_integral_down: "m/s", 0.0, 1e3, 2.0, "ALU_INT_MAX_D",
+            "Greatest integral, down; at most max_velocity_down.";
+        max_integral_forward: "m/s", 0.0, 1e3, 1.0, "ALU_INT_MAX_F",
+            "Greatest integral, forward; at most max_velocity_forward.";
+        max_velocity_error: "m/s", 1e-3, 1e3, 14.0, "ALU_ERR_MAX_F",
+            "Greatest forward velocity error that the law is given. About two thirds of the cruise speed.";
+
+        branch_hysteresis: "mg", 1e-3, 1e6, 0.11, "ALU_BRANCH_HYST",
+            "How far F_p must have passed through zero before the other branch is flown. Beyond every force, branches are not switched.";
+        branch_fade: "s", 1e-3, 1e2, 0.3, "ALU_BRANCH_FADE",
+            "Time constant with which the jump of the angular rate at a switch of branches fades out.";
+
+        max_rate: "rad/s", 1e-3, 1e3, 2.8, "ALU_RATE_MAX",
+            "Greatest angular rate commanded.";
+        max_slew: "rad/s^2", 1e-3, 1e6, 30.0, "ALU_SLEW_MAX",
+            "Greatest change of the angular rate commanded.";
+
+        hold: "s", 0.0, 10.0, 0.1, "ALU_SUP_HOLD",
+            "How long bad frames are bridged by the last command.";
+        recovery: "s", 0.0, 10.0, 0.05, "ALU_SUP_RECOVER",
+            "How long frames must be good without a break before the safe command is left.";
+        state_age: "s", 0.0, 10.0, 0.05, "ALU_SUP_STATE",
+            "Age beyond which a measured state is refused.";
+        reference_age: "s", 0.0, 3600.0, 0.5, "ALU_SUP_REF",
+            "Age beyond which a reference is no longer followed.";
+        air_hold: "s", 0.0, 3600.0, 2.0, "ALU_SUP_AIR",
+            "How long the last known wind stands in for missing air data.";
+        max_wind: "m/s", 0.0, 1e3, 40.0, "ALU_SUP_WIND",
+            "Greatest wind that air data may imply; air data that imply more are invalid.";
+        max_wind_step: "m/s", 0.0, 1e3, 10.0, "ALU_SUP_GUST",
+            "Greatest change of the wind from one step to the next; air data that imply a greater one are invalid.";
+        safe_thrust: "mg", -1e3, 1e3, 0.0, "ALU_SUP_THRUST",
+            "Thrust of the safe command, inside the vehicle's limits.";
+    }
+}
+
+impl Default for GuidanceParameters {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}

@@ -1,0 +1,489 @@
+//! Supervision: what is commanded when the inputs are not fit to fly on.
+
+use super::parameters::GuidanceParameters;
+use crate::aero::Aerodynamics;
+use crate::control::Fault;
+use crate::frame::Inertial;
+use crate::math;
+use crate::vehicle::Vehicle;
+
+/// Time steps \[s\] shorter than this are refused. It is also what a refused step costs if no time has passed, as with
+/// a timestamp that came twice: a clock that stands still ends in the safe command, but not at once.
+pub const MIN_STEP: f32 = 1e-4;
+/// Time steps \[s\] longer than this are refused.
+pub const MAX_STEP: f32 = 0.2;
+/// What a step costs \[s\] whose length is unknown: a control period of 100 Hz.
+const UNKNOWN_STEP: f32 = 0.01;
+/// Longest time \[s\] counted of a run of frames: beyond every `hold` and `recovery`.
+const MAX_ELAPSED: f32 = 11.0;
+/// Greatest age \[s\] counted.
+const MAX_AGE: f32 = 4000.0;
+/// How fast the wind may have changed while no air data were accepted [m/s²].
+const WIND_DRIFT: f32 = 1.0;
+
+/// The time \[s\] that has passed as far as can be told of a step of `dt` \[s\], and whether the step can be flown.
+#[inline(always)]
+pub(super) fn time_passed(dt: f32) -> (f32, bool) {
+    if (MIN_STEP..=MAX_STEP).contains(&dt) {
+        (dt, true)
+    } else if dt > MAX_STEP {
+        (MAX_STEP, false)
+    } else if dt >= 0.0 {
+        (MIN_STEP, false)
+    } else {
+        // Negative or NaN.
+        (UNKNOWN_STEP, false)
+    }
+}
+
+/// What the guidance does.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Mode {
+    /// Gives the safe command.
+    #[default]
+    Safe,
+    /// Repeats the last command.
+    Holding,
+    /// Flies the law.
+    Flying,
+}
+
+/// What is known of the air.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Air {
+    /// The air velocity v_a = v − v_w [m/s] is measured.
+    Velocity(Inertial),
+    /// The wind v_w [m/s] is known, from a forecast or an estimator.
+    Wind(Inertial),
+    /// Nothing.
+    #[default]
+    Unknown,
+}
+
+/// What of the air is used.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum AirUse {
+    /// The measured air velocity.
+    Velocity,
+    /// The wind given.
+    Wind,
+    /// The last wind known.
+    HeldWind,
+    /// Nothing: plain thrust vectoring.
+    #[default]
+    None,
+}
+
+/// Why a frame was refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Refusal {
+    /// The time step is not in [[`MIN_STEP`], [`MAX_STEP`]].
+    TimeStep,
+    /// The state is older than `state_age`.
+    StateAge,
+    /// No good reference has come yet.
+    NoReference,
+    /// The law's own reason.
+    Law(Fault),
+}
+
+/// Decides the mode and what is known of the air.
+///
+/// | mode | command | entered | left |
+/// |---|---|---|---|
+/// | [`Mode::Flying`] | the law's | from holding by one good frame; from safe by good frames for `recovery` | by one bad frame |
+/// | [`Mode::Holding`] | the last one flown, unchanged | by one bad frame | by one good frame; to safe after `hold` |
+/// | [`Mode::Safe`] | `safe_thrust`, no rotation | at power-on; from holding after `hold` | by good frames for `recovery` |
+///
+/// A frame is bad if the velocity or the attitude is not finite, absurd, older than `state_age` or of negative age, if the time step
+/// is not in [[`MIN_STEP`], [`MAX_STEP`]], if there is no reference to fly to, or if the law has no answer. In holding the
+/// integrators stand still; in safe they are reset, and the law sets out from the velocity there is.
+///
+/// What is missing of the rest degrades the flight, and does not end it:
+///
+/// | missing | flown instead | until |
+/// |---|---|---|
+/// | air velocity, but wind known | velocity less wind: [`AirUse::Wind`] | it is measured again |
+/// | air data that imply a wind above `max_wind`, or a change of wind above `max_wind_step` | as if both were missing | they are plausible again; the change allowed grows by 1 m/s per second |
+/// | both, for less than `air_hold` | velocity less the last wind: [`AirUse::HeldWind`] | either comes back |
+/// | both | no air at all, as with k_a = 0, plain thrust vectoring: [`AirUse::None`] | either comes back |
+/// | reference (not finite, absurd, older than `reference_age`, or of negative age) | the last velocity, no acceleration, no position hold | a good one comes |
+/// | position error | no position hold; the integral goes on from the velocity | it comes back |
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Supervisor {
+    hold: f32,
+    recovery: f32,
+    state_age: f32,
+    reference_age: f32,
+    air_hold: f32,
+    max_wind: f32,
+    max_wind_step: f32,
+    /// Thrust of the safe command \[N\].
+    safe_thrust: f32,
+}
+
+/// What supervision remembers. Numbers, not `enum` and `Option`: every bit pattern has a meaning.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct SupervisionState {
+    /// Mode of the last step: 2 flying, 1 holding, else safe.
+    mode: u8,
+    /// 1 if a wind has been known.
+    wind_known: u8,
+    /// Time \[s\] of bad frames while holding, of good ones while safe.
+    elapsed: f32,
+    /// The last wind known [m/s].
+    pub(super) wind: Inertial,
+    /// Its age \[s\].
+    pub(super) wind_age: f32,
+}
+
+impl SupervisionState {
+    /// Mode of the last step.
+    #[inline(always)]
+    pub fn mode(&self) -> Mode {
+        match self.mode {
+            2 => Mode::Flying,
+            1 => Mode::Holding,
+            _ => Mode::Safe,
+        }
+    }
+
+    /// Power-on, but in `mode`.
+    pub(super) fn in_mode(mode: Mode) -> Self {
+        let mut state = Self::default();
+        state.set_mode(mode);
+        state
+    }
+
+    #[inline(always)]
+    fn set_mode(&mut self, mode: Mode) {
+        self.mode = match mode {
+            Mode::Safe => 0,
+            Mode::Holding => 1,
+            Mode::Flying => 2,
+        };
+    }
+}
+
+impl Supervisor {
+    /// Supervision with these parameters, which have been checked.
+    pub fn new<A: Aerodynamics>(p: &GuidanceParameters, vehicle: &Vehicle<A>) -> Self {
+        Self {
+            hold: p.hold,
+            recovery: p.recovery,
+            state_age: p.state_age,
+            reference_age: p.reference_age,
+            air_hold: p.air_hold,
+            max_wind: p.max_wind,
+            max_wind_step: p.max_wind_step,
+            safe_thrust: p.safe_thrust * vehicle.weight(),
+        }
+    }
+
+    /// Thrust of the safe command \[N\].
+    #[inline(always)]
+    pub fn safe_thrust(&self) -> f32 {
+        self.safe_thrust
+    }
+
+    /// Whether a state of this age \[s\] may be flown on. A negative age is a fault of the clock.
+    #[inline(always)]
+    pub fn accepts_state(&self, age: f32) -> bool {
+        (0.0..=self.state_age).contains(&age)
+    }
+
+    /// Whether a reference of this age \[s\] may be followed.
+    #[inline(always)]
+    pub fn accepts_reference(&self, age: f32) -> bool {
+        (0.0..=self.reference_age).contains(&age)
+    }
+
+    /// Whether every number is one that this supervision can have left. NaN is not.
+    #[inline(always)]
+    pub(super) fn is_sound(&self, state: &SupervisionState) -> bool {
+        (0.0..=MAX_ELAPSED).contains(&state.elapsed)
+            && (0.0..=MAX_AGE).contains(&state.wind_age)
+            && state.wind.norm_squared() <= self.max_wind * self.max_wind
+    }
+
+    /// Makes `wind` [m/s] the last known wind, or forgets it if that is above `max_wind`.
+    pub(super) fn move_wind(&self, state: &mut SupervisionState, wind: Inertial) {
+        if wind.norm_squared() <= self.max_wind * self.max_wind {
+            state.wind = wind;
+        } else {
+            state.wind = Inertial::ZERO;
+            state.wind_known = 0;
+        }
+    }
+
+    /// The mode after `dt` \[s\] with a frame that was `good` or not.
+    #[inline(always)]
+    pub(super) fn advance(&self, state: &mut SupervisionState, good: bool, dt: f32) -> Mode {
+        let (mode, elapsed) = match (state.mode(), good) {
+            (Mode::Flying | Mode::Holding, true) => (Mode::Flying, 0.0),
+            (Mode::Flying, false) => (Mode::Holding, dt),
+            (Mode::Holding, false) if state.elapsed < self.hold => {
+                (Mode::Holding, state.elapsed + dt)
+            }
+            (_, false) => (Mode::Safe, 0.0),
+            (Mode::Safe, true) if state.elapsed < self.recovery => (Mode::Safe, state.elapsed + dt),
+            (Mode::Safe, true) => (Mode::Flying, 0.0),
+        };
+        state.set_mode(mode);
+        state.elapsed = elapsed;
+        if !good {
+            state.age_wind(dt);
+        }
+        mode
+    }
+
+    /// The wind [m/s] to fly with at a `velocity` over ground, what it stands on, and whether `air` was invalid.
+    #[inline(always)]
+    pub(super) fn wind(
+        &self,
+        state: &mut SupervisionState,
+        velocity: Inertial,
+        air: &Air,
+        dt: f32,
+    ) -> (Inertial, AirUse, bool) {
+        let (given, used) = match *air {
+            Air::Velocity(v_a) => (velocity - v_a, AirUse::Velocity),
+            Air::Wind(wind) => (wind, AirUse::Wind),
+            Air::Unknown => return self.without_air(state, velocity, dt, false),
+        };
+        // A blocked pitot makes the air stand still around a moving vehicle: as if a tailwind had come up at once.
+        let allowed = self.max_wind_step + WIND_DRIFT * state.wind_age;
+        let steady = (given - state.wind).norm_squared() <= allowed * allowed;
+        let moderate = given.norm_squared() <= self.max_wind * self.max_wind;
+        if moderate && (steady || state.wind_known != 1) {
+            state.wind = given;
+            state.wind_known = 1;
+            state.wind_age = 0.0;
+            (given, used, false)
+        } else {
+            self.without_air(state, velocity, dt, true)
+        }
+    }
+
+    fn without_air(
+        &self,
+        state: &mut SupervisionState,
+        velocity: Inertial,
+        dt: f32,
+        invalid: bool,
+    ) -> (Inertial, AirUse, bool) {
+        state.age_wind(dt);
+        if state.wind_known == 1 && state.wind_age <= self.air_hold {
+            (state.wind, AirUse::HeldWind, invalid)
+        } else {
+            // Moving with the air there is no aerodynamic force: the law is that of k_a = 0.
+            (velocity, AirUse::None, invalid)
+        }
+    }
+}
+
+impl SupervisionState {
+    #[inline(always)]
+    fn age_wind(&mut self, dt: f32) {
+        self.wind_age = math::min(self.wind_age + dt, MAX_AGE);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use crate::aero::{LargeAngle, LargeAngleParameters};
+    use crate::vehicle::VehicleParameters;
+
+    /// 0.1 s of hold, 50 ms of recovery, 1 s of air hold, a wind of 40 m/s that changes by 10 m/s.
+    fn supervisor() -> Supervisor {
+        let model = LargeAngle::new(LargeAngleParameters::NACA_0021_RE_160E3).unwrap();
+        let vehicle = Vehicle::new(VehicleParameters::PAPER, model).unwrap();
+        let p = GuidanceParameters {
+            air_hold: 1.0,
+            ..GuidanceParameters::default()
+        };
+        Supervisor::new(&p, &vehicle)
+    }
+
+    /// Modes over frames of 1/64 s (exact in binary): 7 frames of hold, 4 of recovery.
+    fn modes(frames: &[(bool, usize)]) -> std::vec::Vec<(Mode, usize)> {
+        let supervisor = supervisor();
+        let mut state = SupervisionState::default();
+        let mut runs: std::vec::Vec<(Mode, usize)> = std::vec::Vec::new();
+        for &(good, n) in frames {
+            for _ in 0..n {
+                let mode = supervisor.advance(&mut state, good, 1.0 / 64.0);
+                match runs.last_mut() {
+                    Some(run) if run.0 == mode => run.1 += 1,
+                    _ => runs.push((mode, 1)),
+                }
+            }
+        }
+        runs
+    }
+
+    #[test]
+    fn every_transition_happens_when_stated() {
+        use Mode::{Flying, Holding, Safe};
+        // Power-on, recovery, one bad frame.
+        assert_eq!(
+            modes(&[(false, 3), (true, 10), (false, 1), (true, 5)]),
+            [(Safe, 3 + 4), (Flying, 6), (Holding, 1), (Flying, 5)]
+        );
+        // A sustained failure: held for 0.1 s, then safe, and back.
+        assert_eq!(
+            modes(&[(true, 5), (false, 20), (true, 6)]),
+            [
+                (Safe, 4),
+                (Flying, 1),
+                (Holding, 7),
+                (Safe, 13 + 4),
+                (Flying, 2)
+            ]
+        );
+        // A break in the recovery starts it again.
+        assert_eq!(
+            modes(&[(true, 4), (false, 1), (true, 5)]),
+            [(Safe, 9), (Flying, 1)]
+        );
+    }
+
+    #[test]
+    fn air_degrades_step_by_step_and_recovers() {
+        let supervisor = supervisor();
+        let mut state = SupervisionState::default();
+        let v = Inertial::new(1.0, 12.0);
+        let mut wind = |air: Air| supervisor.wind(&mut state, v, &air, 0.125);
+        let w = Inertial::new(0.0, -3.0);
+        // Nothing known yet: the air moves with the vehicle.
+        assert_eq!(wind(Air::Unknown), (v, AirUse::None, false));
+        assert_eq!(wind(Air::Velocity(v - w)), (w, AirUse::Velocity, false));
+        assert_eq!(wind(Air::Wind(w)), (w, AirUse::Wind, false));
+        // Held for 1 s.
+        for n in 0..8 {
+            let nan = Air::Velocity(Inertial::new(f32::NAN, 0.0));
+            let (air, invalid) = if n % 2 == 0 {
+                (nan, true)
+            } else {
+                (Air::Unknown, false)
+            };
+            assert_eq!(wind(air), (w, AirUse::HeldWind, invalid));
+        }
+        assert_eq!(wind(Air::Unknown), (v, AirUse::None, false));
+        assert_eq!(
+            wind(Air::Wind(Inertial::new(f32::INFINITY, 0.0))),
+            (v, AirUse::None, true)
+        );
+        assert_eq!(wind(Air::Wind(w)), (w, AirUse::Wind, false));
+    }
+
+    /// A blocked pitot at 20 m/s reads as a tailwind of 20 m/s; an air velocity 1000 m/s off as a hurricane.
+    #[test]
+    fn implausible_winds_are_not_flown_on() {
+        let supervisor = supervisor();
+        let v = Inertial::new(0.0, 20.0);
+        let calm = || {
+            let mut state = SupervisionState::default();
+            let first = supervisor.wind(&mut state, v, &Air::Velocity(v), 0.01);
+            assert_eq!(first, (Inertial::ZERO, AirUse::Velocity, false));
+            state
+        };
+        let mut state = calm();
+        let blocked = Air::Velocity(Inertial::ZERO);
+        for _ in 0..90 {
+            let (wind, used, invalid) = supervisor.wind(&mut state, v, &blocked, 0.01);
+            assert_eq!(
+                (wind, used, invalid),
+                (Inertial::ZERO, AirUse::HeldWind, true)
+            );
+        }
+        let far = Air::Velocity(v + Inertial::new(0.0, 1000.0));
+        let mut state = calm();
+        assert_eq!(
+            supervisor.wind(&mut state, v, &far, 0.01),
+            (Inertial::ZERO, AirUse::HeldWind, true)
+        );
+        // At power-on too.
+        let mut state = SupervisionState::default();
+        assert_eq!(
+            supervisor.wind(&mut state, v, &far, 0.01),
+            (v, AirUse::None, true)
+        );
+        // A gust front of 8 m/s is one.
+        let mut state = calm();
+        let gust = Inertial::new(0.0, 8.0);
+        assert_eq!(
+            supervisor.wind(&mut state, v, &Air::Wind(gust), 0.01),
+            (gust, AirUse::Wind, false)
+        );
+        // After 15 s without air data the wind may be another.
+        let mut state = calm();
+        for _ in 0..1500 {
+            supervisor.wind(&mut state, v, &Air::Unknown, 0.01);
+        }
+        let other = Inertial::new(0.0, 20.0);
+        assert_eq!(
+            supervisor.wind(&mut state, v, &Air::Wind(other), 0.01),
+            (other, AirUse::Wind, false)
+        );
+    }
+
+    #[test]
+    fn a_step_costs_the_time_that_has_passed() {
+        assert_eq!(time_passed(0.01), (0.01, true));
+        assert_eq!(time_passed(MIN_STEP), (MIN_STEP, true));
+        assert_eq!(time_passed(MAX_STEP), (MAX_STEP, true));
+        // A timestamp that came twice, or a clock that hardly moves.
+        assert_eq!(time_passed(0.0), (MIN_STEP, false));
+        assert_eq!(time_passed(1e-9), (MIN_STEP, false));
+        assert_eq!(time_passed(5.0), (MAX_STEP, false));
+        assert_eq!(time_passed(f32::INFINITY), (MAX_STEP, false));
+        assert_eq!(time_passed(-0.01), (UNKNOWN_STEP, false));
+        assert_eq!(time_passed(f32::NAN), (UNKNOWN_STEP, false));
+    }
+
+    #[test]
+    fn ages_are_neither_negative_nor_nan() {
+        let supervisor = supervisor();
+        assert!(supervisor.accepts_state(0.0) && supervisor.accepts_state(0.05));
+        assert!(supervisor.accepts_reference(0.5));
+        for bad in [-1e-3, f32::NEG_INFINITY, f32::NAN, 0.6, f32::INFINITY] {
+            assert!(!supervisor.accepts_state(bad) && !supervisor.accepts_reference(bad));
+        }
+    }
+
+    #[test]
+    fn memory_beyond_its_bounds_is_not_sound() {
+        let supervisor = supervisor();
+        let sound = |change: fn(&mut SupervisionState)| {
+            let mut state = SupervisionState::default();
+            change(&mut state);
+            supervisor.is_sound(&state)
+        };
+        assert!(sound(|_| ()));
+        assert!(!sound(|s| s.elapsed = f32::NAN) && !sound(|s| s.elapsed = 1e9));
+        assert!(!sound(|s| s.wind_age = -1.0) && !sound(|s| s.wind_age = f32::NAN));
+        assert!(!sound(|s| s.wind = Inertial::new(41.0, 0.0)));
+        assert!(!sound(|s| s.wind = Inertial::new(0.0, f32::NAN)));
+        // Every mode byte is a mode.
+        for mode in 0..=u8::MAX {
+            let state = SupervisionState {
+                mode,
+                ..SupervisionState::default()
+            };
+            assert_eq!(state.mode() == Mode::Safe, !(1..=2).contains(&mode));
+        }
+    }
+}
