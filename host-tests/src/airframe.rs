@@ -1,22 +1,13 @@
-//! Vehicles by name or file, for analyses that need no scenario.
+//! Vehicles by name or file, for analyses that need no flight.
 
 use std::path::Path;
 
-use serde::Deserialize;
-use toml::de::DeTable;
+use toml::Value;
 
-use crate::named::Named;
+use crate::controllers::Choice;
+use crate::experiment::{AerodynamicsSpec, Document, PlantSpec, Vehicle, VehicleSpec};
 use crate::polar::{self, Polar};
-use crate::scenario::{self, AerodynamicsSpec, Source, VehicleSpec, from_toml};
-
-/// Name and TOML text of every built-in vehicle.
-pub const BUILT_IN: &[(&str, &str)] = &[
-    ("paper", include_str!("../vehicles/paper.toml")),
-    (
-        "paper-re-5e6",
-        include_str!("../vehicles/paper-re-5e6.toml"),
-    ),
-];
+use crate::reference;
 
 /// A vehicle with where it came from.
 #[derive(Clone, Debug)]
@@ -27,64 +18,61 @@ pub struct Airframe {
     pub description: String,
     /// The vehicle.
     pub spec: VehicleSpec,
-}
-
-/// A vehicle file.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct File {
-    /// One line for reports.
-    #[serde(default)]
-    description: String,
-    /// The vehicle.
-    vehicle: VehicleSpec,
+    /// Its actuators.
+    pub plant: PlantSpec,
+    /// Its controller.
+    pub controller: Choice,
 }
 
 impl Airframe {
-    /// The vehicle that `argument` names: a built-in vehicle, polar or scenario, or else a file: a vehicle's or a
-    /// scenario's TOML (its true vehicle), or a polar's CSV. A polar is the section of the paper's vehicle.
+    /// The vehicle that `argument` names: a built-in experiment, vehicle or polar, or else a file: an experiment's TOML (its true vehicle),
+    /// or a polar's CSV. A polar is the section of the paper's vehicle.
     pub fn load(argument: &str) -> anyhow::Result<Self> {
-        if polar::BUILT_IN.iter().any(|(name, _)| *name == argument) {
-            return Ok(Self::of_polar(argument, Polar::load(argument)?));
+        let is_csv = Path::new(argument)
+            .extension()
+            .is_some_and(|extension| extension == "csv");
+        if is_csv || polar::BUILT_IN.iter().any(|(name, _)| *name == argument) {
+            let stem = Path::new(argument).file_stem().unwrap_or_default();
+            return Ok(Self::of_polar(
+                &stem.to_string_lossy(),
+                Polar::load(argument)?,
+            ));
         }
-        let built_in = [BUILT_IN, polar::BUILT_IN, scenario::BUILT_IN].concat();
-        let Named {
-            name, origin, text, ..
-        } = Named::find("vehicle", &built_in, argument)?;
-        let path = Path::new(argument);
-        if path.extension().is_some_and(|extension| extension == "csv") {
-            return Ok(Self::of_polar(&name, Polar::from_text(&origin, &text)?));
-        }
-        let is_scenario = DeTable::parse(&text)
-            .is_ok_and(|document| document.get_ref().get("controller").is_some());
-        if is_scenario {
-            return Ok(Self::of_scenario(Source::from_text(&name, &origin, &text)?));
-        }
-        Self::from_text(&name, &origin, &text)
+        Self::of(&Document::load(argument)?)
     }
 
-    fn from_text(name: &str, origin: &str, text: &str) -> anyhow::Result<Self> {
-        let validate = |file: &File| file.vehicle.control_vehicle("vehicle").map(drop);
-        let file = from_toml(origin, text, validate)?;
-        Ok(Self {
-            name: name.to_owned(),
-            description: file.description,
-            spec: file.vehicle,
-        })
-    }
-
-    fn of_scenario(source: Source) -> Self {
-        Self {
-            name: source.name,
-            description: source.scenario.description,
-            spec: source.scenario.vehicle,
+    /// The vehicle of a document, of which nothing else need be there.
+    pub fn of(document: &Document) -> anyhow::Result<Self> {
+        // A whole experiment is judged as one.
+        if document.get("reference").is_some() {
+            document.checked()?;
         }
+        let read = || {
+            let part = |key: &str| document.get(key).cloned();
+            Ok(Self {
+                name: document.name.clone(),
+                description: match part("description") {
+                    Some(Value::String(text)) => text,
+                    _ => String::new(),
+                },
+                spec: document.vehicle()?,
+                plant: match part("plant") {
+                    Some(table) => crate::experiment::read(table)?,
+                    None => PlantSpec::default(),
+                },
+                controller: match part("controller") {
+                    Some(table) => crate::experiment::read(table)?,
+                    None => Choice::default(),
+                },
+            })
+        };
+        read().map_err(|error| document.located(error))
     }
 
     /// The paper's vehicle with another section.
     pub fn of_polar(name: &str, polar: Polar) -> Self {
-        let (_, paper) = BUILT_IN[0];
-        let paper = Self::from_text("paper", "paper", paper).expect("a built-in vehicle is valid");
+        let paper = Document::load("paper").and_then(|document| Self::of(&document));
+        let paper = paper.expect("a built-in vehicle is valid");
         Self {
             name: name.to_owned(),
             description: format!("The paper's vehicle with the table {}", polar.name),
@@ -92,63 +80,54 @@ impl Airframe {
                 aerodynamics: AerodynamicsSpec::Table { polar },
                 ..paper.spec
             },
+            ..paper
         }
     }
 
     /// The vehicle as the core takes it.
-    pub fn core(&self) -> alula::Vehicle<alula::Model> {
-        self.spec
-            .control_vehicle("vehicle")
-            .expect("validated when loaded")
+    pub fn core(&self) -> Vehicle {
+        self.spec.core().expect("validated when loaded")
     }
 
     /// The vehicle in double precision.
-    pub fn reference(&self) -> crate::reference::Vehicle {
-        self.spec.plant_vehicle()
+    pub fn reference(&self) -> reference::Vehicle {
+        self.spec.reference()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::experiment::BUILT_IN;
 
     #[test]
     fn every_built_in_loads_and_the_paper_is_the_papers() {
-        for (name, _) in BUILT_IN
-            .iter()
-            .chain(polar::BUILT_IN)
-            .chain(scenario::BUILT_IN)
-        {
+        for (name, _) in BUILT_IN.iter().chain(polar::BUILT_IN) {
             assert_eq!(Airframe::load(name).unwrap().name, *name);
         }
         let paper = Airframe::load("paper").unwrap();
         assert_eq!(paper.spec, Airframe::load("hover-to-cruise").unwrap().spec);
+        assert_eq!(paper.plant, PlantSpec::default());
     }
 
     #[test]
     fn errors_name_line_and_field() {
-        let good = BUILT_IN[0].1;
-        let error = |from: &str, to: &str| {
-            let text = good.replace(from, to);
-            format!(
-                "{:#}",
-                Airframe::from_text("x", "x.toml", &text).unwrap_err()
-            )
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("x.toml");
+        let error = |text: &str| {
+            std::fs::write(&path, text).unwrap();
+            let error = Airframe::load(path.to_str().unwrap()).unwrap_err();
+            format!("{error:#}")
         };
-        let line = |needle: &str| 1 + good.lines().position(|l| l.contains(needle)).unwrap();
-        assert_eq!(
-            error("mass_kg = 10.0", "mass_kg = -10.0"),
-            format!(
-                "x.toml:{}: vehicle.mass_kg: mass must be positive",
-                line("mass_kg")
-            )
-        );
+        let negative = error("[vehicle]\nmass_kg = -1\nk_a_kg_m = 1\n");
         assert!(
-            error(
-                "[vehicle.aerodynamics.combined]",
-                "[vehicle.aerodynamics.table]\npolar = 'nonesuch'\n[x]"
-            )
-            .contains("nonesuch: neither a file nor a built-in polar")
+            negative.ends_with("x.toml:2: vehicle.mass_kg: mass must be positive"),
+            "{negative}"
+        );
+        let missing = error("base = 'paper'\n[vehicle.aerodynamics.table]\npolar = 'nonesuch'\n");
+        assert!(
+            missing.contains("x.toml:3: vehicle.aerodynamics.table.polar: nonesuch: neither"),
+            "{missing}"
         );
         let error = Airframe::load("nonesuch").unwrap_err().to_string();
         assert!(error.contains("paper") && !error.contains('\n'), "{error}");

@@ -44,6 +44,20 @@ impl Named {
             file: Some(path.to_owned()),
         })
     }
+
+    /// The text that this one names: a file beside its own, or else what [`Self::find`] finds.
+    pub fn beside(
+        &self,
+        noun: &str,
+        built_in: &[(&str, &str)],
+        argument: &str,
+    ) -> anyhow::Result<Self> {
+        let beside = self.file.as_ref().map(|file| file.with_file_name(argument));
+        match beside.filter(|path| path.is_file()) {
+            Some(path) => Self::find(noun, built_in, &path.to_string_lossy()),
+            None => Self::find(noun, built_in, argument),
+        }
+    }
 }
 
 #[cfg(test)]

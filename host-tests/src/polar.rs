@@ -35,7 +35,7 @@ pub struct Polar {
     /// Its rows: α \[rad\], c_L, c_D.
     pub rows: &'static [Row],
     /// In single precision.
-    pub core: alula::Table,
+    pub core: alula::Table<'static>,
     /// In double precision.
     pub reference: &'static Table,
 }

@@ -1,25 +1,128 @@
-//! A controller run open loop over logged states, row by row.
+//! A controller run open loop over logged inputs, row by row, by the names of the columns.
 
 use std::io::{Read, Write};
 
-use alula::{FeedForward, Inertial, Reference};
+use alula::guidance::Air;
+use alula::{Attitude, FeedForward, GuidanceInput, Inertial, Reference};
 use anyhow::anyhow;
+use csv::StringRecord;
 
-use crate::flight::{Controller, Input};
-use crate::trace::{FEED_FORWARD, INPUTS, OUTPUTS, outputs};
+use crate::columns::{Column, column};
+use crate::controllers::Input;
+use crate::experiment::{Experiment, State};
+use crate::reference::Vector;
+use crate::simulate::Step;
 
-/// Runs `controller` over the log `from` and writes its commands `to`, holding one row at a time.
-/// `origin` stands for the log in errors, which name line and column. The feed-forward columns are
-/// read if `feed_forward`, and then they must be there; all others are ignored.
-///
-/// A value that is not finite is a flight log's reality and yields a fault's status; a cell that is
-/// not a number is an error.
+/// Columns that a log must have.
+const REQUIRED: [&str; 10] = [
+    "t_s",
+    "v_down_m_s",
+    "v_forward_m_s",
+    "theta_rad",
+    "wind_down_m_s",
+    "wind_forward_m_s",
+    "vr_down_m_s",
+    "vr_forward_m_s",
+    "ar_down_m_s2",
+    "ar_forward_m_s2",
+];
+
+/// Columns that it must have if the controller is flown with feed-forward.
+const FEED_FORWARD: [&str; 4] = [
+    "aa_down_m_s2",
+    "aa_forward_m_s2",
+    "jr_down_m_s3",
+    "jr_forward_m_s3",
+];
+
+/// What is written after the time.
+const OUTPUTS: [&str; 7] = [
+    "thrust_n",
+    "rate_rad_s",
+    "alpha_rad",
+    "fp_n",
+    "status",
+    "mode",
+    "air",
+];
+
+/// Where the columns of a log are.
+struct Log<'a> {
+    origin: &'a str,
+    header: StringRecord,
+}
+
+impl Log<'_> {
+    fn place(&self, name: &str) -> Option<usize> {
+        self.header.iter().position(|cell| cell == name)
+    }
+
+    /// The cell under `name`.
+    fn text<'r>(&self, record: &'r StringRecord, name: &str) -> Option<&'r str> {
+        record.get(self.place(name)?)
+    }
+
+    /// The number under `name`. A value that is not finite is a log's reality; a cell that is not a number is an error.
+    fn number(&self, record: &StringRecord, name: &str) -> anyhow::Result<Option<f32>> {
+        let Some(cell) = self.text(record, name) else {
+            return Ok(None);
+        };
+        let line = record.position().map_or(0, csv::Position::line);
+        let parsed = cell.parse().map(Some);
+        parsed.map_err(|_| anyhow!("{}:{line}: {name}: {cell:?} is not a number", self.origin))
+    }
+
+    /// The vector under both names; a component that is not there is NaN.
+    fn vector(&self, record: &StringRecord, names: [&str; 2]) -> anyhow::Result<Inertial> {
+        let [down, forward] = names.map(|name| self.number(record, name));
+        let or_nan = |value: Option<f32>| value.unwrap_or(f32::NAN);
+        Ok(Inertial::new(or_nan(down?), or_nan(forward?)))
+    }
+
+    /// What a row tells. Controllers that are told more than the bare laws have columns of their own, which need not be there: without
+    /// them the air is known by its wind, the position is not known, and nothing is old.
+    fn input(&self, record: &StringRecord, feed_forward: bool) -> anyhow::Result<Input> {
+        let number = |name| Ok::<f32, anyhow::Error>(self.number(record, name)?.unwrap_or(0.0));
+        let theta = number("theta_rad")?;
+        let wind = self.vector(record, ["wind_down_m_s", "wind_forward_m_s"])?;
+        let known_position = self.place("xe_down_m").is_some();
+        let position_error = self.vector(record, ["xe_down_m", "xe_forward_m"])?;
+        let forward = FeedForward {
+            air_acceleration: self.vector(record, ["aa_down_m_s2", "aa_forward_m_s2"])?,
+            jerk: self.vector(record, ["jr_down_m_s3", "jr_forward_m_s3"])?,
+        };
+        Ok(Input {
+            theta,
+            sample: GuidanceInput {
+                velocity: self.vector(record, ["v_down_m_s", "v_forward_m_s"])?,
+                attitude: Attitude::from_angle(theta),
+                state_age: number("state_age_s")?,
+                air: match self.text(record, "air_told") {
+                    Some("velocity") => {
+                        Air::Velocity(self.vector(record, ["va_down_m_s", "va_forward_m_s"])?)
+                    }
+                    Some("unknown") => Air::Unknown,
+                    _ => Air::Wind(wind),
+                },
+                position_error: known_position.then_some(position_error),
+                reference: Reference {
+                    velocity: self.vector(record, ["vr_down_m_s", "vr_forward_m_s"])?,
+                    acceleration: self.vector(record, ["ar_down_m_s2", "ar_forward_m_s2"])?,
+                },
+                reference_age: number("reference_age_s")?,
+            },
+            feed_forward: feed_forward.then_some(forward),
+        })
+    }
+}
+
+/// Runs the controller of `experiment` over the log `from` and writes its commands `to`, holding one row at a time. `origin` stands for
+/// the log in errors, which name line and column. Columns are found by name; what is not known is ignored.
 pub fn replay(
     origin: &str,
     from: impl Read,
     to: impl Write,
-    controller: &mut dyn Controller,
-    feed_forward: bool,
+    experiment: &Experiment,
 ) -> anyhow::Result<()> {
     let mut reader = csv::ReaderBuilder::new()
         .trim(csv::Trim::All)
@@ -35,43 +138,80 @@ pub fn replay(
         }
     };
     let header = reader.headers().map_err(at)?.clone();
-    let column = |name: &'static str| {
-        let found = header.iter().position(|cell| cell == name);
-        let index = found.ok_or_else(|| anyhow!("{origin}:1: no column {name}"))?;
-        Ok((name, index))
-    };
-    let columns = INPUTS
-        .iter()
-        .chain(FEED_FORWARD.iter().filter(|_| feed_forward))
-        .map(|&name| column(name))
-        .collect::<anyhow::Result<Vec<_>>>()?;
+    let log = Log { origin, header };
+    let feed_forward = experiment.spec()?.feed_forward();
+    let forward = FEED_FORWARD.iter().filter(|_| feed_forward);
+    for name in REQUIRED.iter().chain(forward) {
+        log.place(name)
+            .ok_or_else(|| anyhow!("{origin}:1: no column {name}"))?;
+    }
 
+    let mut controller = experiment.controller()?;
+    let has_mode = experiment.controller.name() != "law";
+    let outputs = OUTPUTS.iter().take(if has_mode { 7 } else { 5 });
+    let outputs: Vec<&Column> = outputs.filter_map(|name| column(name)).collect();
     let mut writer = csv::Writer::from_writer(to);
-    writer.write_record(std::iter::once("t_s").chain(OUTPUTS))?;
-    let mut record = csv::StringRecord::new();
+    let names = outputs.iter().map(|column| column.name);
+    writer.write_record(std::iter::once("t_s").chain(names))?;
+    let mut record = StringRecord::new();
+    let mut last_time = None;
+    let mut cell = Vec::new();
     while reader.read_record(&mut record).map_err(at)? {
-        let line = record.position().map_or(0, csv::Position::line);
-        let mut values = [0.0_f32; INPUTS.len() + FEED_FORWARD.len()];
-        for (value, &(name, index)) in values.iter_mut().zip(&columns) {
-            let cell = record.get(index).unwrap_or_default();
-            *value = cell
-                .parse()
-                .map_err(|_| anyhow!("{origin}:{line}: {name}: {cell:?} is not a number"))?;
-        }
-        let v = |from: usize| Inertial::new(values[from], values[from + 1]);
-        let reference = Reference {
-            velocity: v(6),
-            acceleration: v(8),
-        };
-        let forward = feed_forward.then(|| FeedForward {
-            air_acceleration: v(10),
-            jerk: v(12),
-        });
-        let answer = controller.answer(&Input::new(values[3], v(1), v(4), reference, forward))?;
-        let time = record.get(columns[0].1).unwrap_or_default();
+        let input = log.input(&record, feed_forward)?;
+        let time = log.text(&record, "t_s").unwrap_or_default();
+        log.number(&record, "t_s")?;
+        let t: f64 = time.parse().unwrap_or(f64::NAN);
+        let dt = last_time.map_or(1.0 / experiment.control_rate_hz, |last| t - last);
+        last_time = Some(t);
+        let answer = controller.answer(&input, dt as f32)?;
         writer.write_field(time)?;
-        writer.write_record(outputs(&answer))?;
+        // Of the truth nothing is known.
+        let nowhere = Vector::from_element(f64::NAN);
+        let step = Step {
+            t,
+            truth: State {
+                velocity: nowhere,
+                position: nowhere,
+                theta: f64::NAN,
+                rate: f64::NAN,
+                thrust: f64::NAN,
+            },
+            wind: nowhere,
+            reference_velocity: nowhere,
+            reference_acceleration: nowhere,
+            reference_position: nowhere,
+            input,
+            answer,
+        };
+        for column in &outputs {
+            cell.clear();
+            if let Some(value) = (column.read)(experiment, &step) {
+                value.push(&mut cell);
+            }
+            writer.write_field(&cell)?;
+        }
+        writer.write_record(None::<&[u8]>)?;
     }
     writer.flush()?;
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_read_and_written_is_declared() {
+        let optional = [
+            "air_told",
+            "va_down_m_s",
+            "xe_down_m",
+            "state_age_s",
+            "reference_age_s",
+        ];
+        let all = [&REQUIRED[..], &FEED_FORWARD, &OUTPUTS, &optional].concat();
+        for name in all {
+            assert!(column(name).is_some(), "{name} is no column");
+        }
+    }
 }

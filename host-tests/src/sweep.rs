@@ -1,11 +1,11 @@
-//! The equilibria along a scenario's reference: is the flight as planned admissible?
+//! The equilibria along an experiment's reference: is the flight as planned admissible?
 
 use alula::equilibrium::{Branch, Equilibrium, EquilibriumError};
 use alula::{Equilibria, Inertial, Reference};
 use serde::Serialize;
 
+use crate::experiment::Experiment;
 use crate::reference::{Vector, wrap};
-use crate::scenario::Scenario;
 
 /// Most instants looked at.
 const INSTANTS: usize = 4000;
@@ -80,22 +80,17 @@ pub struct Findings {
     pub none: Vec<Span>,
 }
 
-/// The equilibria of the scenario's true vehicle along its reference.
-pub fn sweep(scenario: &Scenario) -> Vec<Instant> {
-    let vehicle = scenario
-        .vehicle
-        .control_vehicle("vehicle")
-        .expect("validated when loaded");
-    let wind = Inertial::new(
-        scenario.wind.down_m_s as f32,
-        scenario.wind.forward_m_s as f32,
-    );
-    let steps = scenario.steps().min(INSTANTS);
-    let mut theta = scenario.initial.theta_deg.to_radians();
+/// The equilibria of the experiment's true vehicle along its reference.
+pub fn sweep(experiment: &Experiment) -> Vec<Instant> {
+    let vehicle = experiment.vehicle.core().expect("validated when loaded");
+    let [down, forward] = experiment.weather.steady_m_s;
+    let wind = Inertial::new(down as f32, forward as f32);
+    let steps = experiment.steps().min(INSTANTS);
+    let mut theta = experiment.initial.theta_deg.to_radians();
     (0..=steps)
         .map(|i| {
-            let t = scenario.duration_s * i as f64 / steps as f64;
-            let (velocity, acceleration) = scenario.reference.at(t);
+            let t = experiment.duration_s * i as f64 / steps as f64;
+            let (velocity, acceleration) = experiment.reference.at(t);
             let reference = Reference {
                 velocity: Inertial::new(velocity.x as f32, velocity.y as f32),
                 acceleration: Inertial::new(acceleration.x as f32, acceleration.y as f32),
@@ -196,12 +191,12 @@ fn spans(instants: &[Instant], value: impl Fn(&Instant) -> Option<f64>) -> Vec<S
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::Source;
+    use crate::experiment::Document;
 
     #[test]
     fn the_papers_flight_jumps_at_the_fold_and_nowhere_else() {
-        let scenario = Source::load("hover-to-cruise").unwrap().scenario;
-        let instants = sweep(&scenario);
+        let experiment = Document::load("hover-to-cruise").unwrap().checked();
+        let instants = sweep(&experiment.unwrap());
         let found = findings(&instants, 80.0);
         assert!(!found.admissible && found.negative_thrust.is_empty() && found.none.is_empty());
         // Level acceleration at 2 m/s²: ε = 11.5°, |W| = 100.1 N. The fold is at α = 16.56°, a = 1.40657: 14.76 m/s at 7.38 s.
@@ -224,7 +219,8 @@ mod tests {
     /// A sphere's equilibrium moves only as fast as the reference: it jumps where that has corners.
     #[test]
     fn a_sphere_jumps_at_corners_alone() {
-        let found = findings(&sweep(&Source::load("large-angle").unwrap().scenario), 20.0);
+        let experiment = Document::load("large-angle").unwrap().checked();
+        let found = findings(&sweep(&experiment.unwrap()), 20.0);
         assert!(found.admissible, "{found:?}");
         let corners = [6.0, 11.0, 13.0, 18.0];
         assert_eq!(found.jumps.len(), corners.len());

@@ -179,29 +179,44 @@ fn fit_leaves_a_vehicle_that_the_others_take() {
 #[test]
 fn a_table_flies() {
     let folder = tempfile::tempdir().unwrap();
-    let text = fs::read_to_string(concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/scenarios/matched.toml"
-    ));
-    let text = text.unwrap();
-    let (before, rest) = text.split_once("[vehicle.aerodynamics.combined]").unwrap();
-    let (_, after) = rest.split_once("\n[").unwrap();
-    let table = "[vehicle.aerodynamics.table]\npolar = \"naca-0021-re-160e3\"\n";
-    fs::write(
-        folder.path().join("table.toml"),
-        format!("{before}{table}\n[{after}"),
-    )
-    .unwrap();
+    let table = "base = 'matched'\n[vehicle.aerodynamics.table]\npolar = 'naca-0021-re-160e3'\n\
+                 [set]\n'controller.law.vehicle' = 'table-alone.toml'\n";
+    fs::write(folder.path().join("table.toml"), table).unwrap();
+    let alone = "base = 'paper'\n[vehicle.aerodynamics.table]\npolar = 'naca-0021-re-160e3'\n";
+    fs::write(folder.path().join("table-alone.toml"), alone).unwrap();
     let flown = json(folder.path(), &["fly", "table.toml", "--json"]);
     // The belief is the truth, to single precision: the error left decays.
     near(&flown["final_velocity_error_m_s"], 0.0, 1e-3);
     // c_L cos α + c_D sin α = m g/(k_a v²) at 20 m/s and 4°, near enough the lift: c_L = 0.38, by its row.
     near(&flown["final_alpha_deg"], 4.0, 0.05);
-    refused(
-        folder.path(),
-        &["pil", "table.toml"],
-        &["vehicle.aerodynamics.table", "link"],
-    );
+}
+
+/// `margins` counts the experiment's own lags and says so; `--bare` leaves them out. It takes every file that describes a vehicle.
+#[test]
+fn margins_say_what_they_include() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |arguments: &[&str]| {
+        let arguments = [&["margins", "--json", "--speeds", "0"], arguments].concat();
+        json(folder.path(), &arguments)
+    };
+    let own = run(&["round-trip"]);
+    let said = own["included"].as_str().unwrap();
+    assert!(said.contains("a rate loop of 0.1 s, a thrust lag of 0.05 s, a delay of 0 s"));
+    let bare = run(&["round-trip", "--bare"]);
+    assert!(bare["included"].as_str().unwrap().contains("no lag"));
+    let delay = |of: &Value| of["loops"][1]["points"][0]["delay_s"].as_f64().unwrap();
+    near(&Value::from(delay(&bare)), 0.179, 1e-3);
+    assert!(delay(&own) < delay(&bare) - 0.05);
+    // More lag bears less delay.
+    let slower = run(&[
+        "round-trip",
+        "--set",
+        "plant.rate_loop.lag.time_constant_s=0.2",
+    ]);
+    assert!(delay(&slower) < delay(&own));
+    assert_eq!(run(&["paper"])["vehicle"], "paper");
+    let polar = concat!(env!("CARGO_MANIFEST_DIR"), "/data/naca-0021-re-5e6.csv");
+    assert_eq!(run(&[polar])["vehicle"], "naca-0021-re-5e6");
 }
 
 #[test]
@@ -215,7 +230,7 @@ fn bad_files_and_arguments_are_refused_in_one_line() {
     refused(
         path,
         &["envelope", "bad.toml"],
-        &["bad.toml:1", "vehicle", "k_a_kg_m"],
+        &["bad.toml:1: vehicle: missing field `k_a_kg_m`"],
     );
     refused(path, &["envelope", "missing.csv"], &["missing.csv"]);
     refused(

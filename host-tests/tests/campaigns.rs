@@ -3,9 +3,11 @@
 use std::num::NonZero;
 use std::path::Path;
 
-use alula_sil::campaign::{CampaignSource, Column, Flown, Shard, Store, Summary, page, run};
-use alula_sil::mission::fly;
-use alula_sil::workers::per_core;
+use alula_sil::experiment::{Document, Experiment};
+use alula_sil::figures;
+use alula_sil::page::campaign::page;
+use alula_sil::simulate::fly;
+use alula_sil::study::{CampaignSource, Column, Drawn, Flown, Shard, Store, Summary, run};
 
 /// The built-in campaign with so many flights.
 fn source(name: &str, flights: u64) -> CampaignSource {
@@ -14,7 +16,7 @@ fn source(name: &str, flights: u64) -> CampaignSource {
 
 /// Flies and summarises into `folder`.
 fn flown(source: &CampaignSource, folder: &Path, threads: usize) -> Summary {
-    let threads = NonZero::new(threads).unwrap();
+    let threads = NonZero::new(threads);
     let store = Store::open(folder, source).unwrap();
     run(source, &store, Shard::default(), threads, || ()).unwrap();
     Summary::of(source, &store).unwrap()
@@ -53,7 +55,7 @@ fn threads_interruptions_and_shares_change_nothing() {
     let count = || {
         told.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
     };
-    run(&source, &store, Shard::default(), per_core(), count).unwrap();
+    run(&source, &store, Shard::default(), None, count).unwrap();
     assert_eq!(told.into_inner(), 70);
     let resumed = Summary::of(&source, &store).unwrap();
     assert_eq!(bytes(&at("threaded")), expected);
@@ -63,7 +65,7 @@ fn threads_interruptions_and_shares_change_nothing() {
     for share in ["1/2", "2/2"] {
         let name = share.replace('/', "-of-");
         let store = Store::open(&at(&name), &source).unwrap();
-        run(&source, &store, share.parse().unwrap(), per_core(), || ()).unwrap();
+        run(&source, &store, share.parse().unwrap(), None, || ()).unwrap();
         let (share, texts) = Store::existing(&at(&name)).unwrap();
         assert_eq!(texts, source);
         for chunk in (0..3).filter(|&chunk| share.has(chunk)) {
@@ -82,7 +84,12 @@ fn threads_interruptions_and_shares_change_nothing() {
     assert!(error.contains("another campaign"), "{error}");
 }
 
-/// A flight depends on its number alone, and its figures are those of the mission that was drawn, flown by itself.
+/// A figure of a flight.
+fn figure(flown: &Flown, name: &str) -> f64 {
+    flown.figures[figures::index(name).unwrap()]
+}
+
+/// A flight depends on its number alone, and its figures are those of the experiment that was drawn, flown by itself.
 #[test]
 fn a_flight_is_its_own() {
     let (few, many) = (source("dispersed", 3), source("dispersed", 1000));
@@ -93,28 +100,28 @@ fn a_flight_is_its_own() {
         drawn.values
     );
 
-    let flown = Flown::fly(&drawn, &[]);
+    let flown = Flown::fly(&drawn, &[]).unwrap();
+    let record = fly(&drawn.experiment).unwrap();
     let mut altitude = [f64::INFINITY, f64::NEG_INFINITY];
-    let (mut rows, mut late) = (0, 0.0_f64);
-    fly(&drawn.mission, |row| {
-        let height = -row.position_error().x;
+    let mut late = 0.0_f64;
+    for step in &record {
+        let height = -step.position_error().x;
         altitude = [altitude[0].min(height), altitude[1].max(height)];
-        if row.t >= 25.0 {
-            late = late.max(row.velocity_error().norm());
+        if step.t >= 25.0 {
+            late = late.max(step.velocity_error().norm());
         }
-        rows += 1;
-        true
-    });
-    assert_eq!(rows, 3001);
-    assert_eq!(flown.figures[..2], altitude);
-    assert_eq!(flown.figures[5], late);
+    }
+    assert_eq!(record.len(), 3001);
+    assert_eq!(figure(&flown, "altitude_least_m"), altitude[0]);
+    assert_eq!(figure(&flown, "altitude_most_m"), altitude[1]);
+    assert_eq!(figure(&flown, "late_velocity_error_m_s"), late);
     assert_eq!(flown.samples.len(), 101);
-    // The mission's text says the same.
-    let again = alula_sil::mission::MissionSource::from_text("x", "x", &drawn.draft.text());
-    assert_eq!(again.unwrap().mission, drawn.mission);
+    // The document's text says the same.
+    let again: Experiment = toml::from_str(&drawn.document.text()).unwrap();
+    assert_eq!(again, drawn.experiment);
 
     // What is drawn is what is flown, and what the file says.
-    let mass = drawn.mission.vehicle.mass_kg;
+    let mass = drawn.experiment.vehicle.mass_kg;
     assert_eq!(drawn.values[0], mass);
     assert!((8.5..=11.5).contains(&mass));
     let frame = few.campaign.frames(&[(2, drawn, flown)]).0;
@@ -145,13 +152,16 @@ fn no_dispersed_flight_departs() {
 #[test]
 fn a_glide_does_not_turn_away() {
     let source = source("dispersed", 10_000);
-    let mut drawn = source.campaign.draw(&source.base, 5385).unwrap();
-    let least = |drawn: &alula_sil::campaign::Drawn| Flown::fly(drawn, &[]).figures[0];
-    let altitude = least(&drawn);
+    let least = |base: &Document| {
+        let drawn: Drawn = source.campaign.draw(base, 5385).unwrap();
+        figure(&Flown::fly(&drawn, &[]).unwrap(), "altitude_least_m")
+    };
+    let altitude = least(&source.base);
     assert!(altitude > -12.0, "{altitude}");
-    let guidance = drawn.mission.controller.guidance_mut().unwrap();
-    guidance.position.forward_error_m_s = 1000.0;
-    let altitude = least(&drawn);
+    let mut unbounded = source.base.clone();
+    let path = "controller.guidance.max_velocity_error_m_s";
+    unbounded.set(path, 1000.0.into()).unwrap();
+    let altitude = least(&unbounded);
     assert!(altitude < -40.0, "{altitude}");
 }
 
@@ -175,7 +185,7 @@ fn every_flight_ends_in_hover() {
 #[test]
 fn the_papers_gains_do_not_pass() {
     let mut source = source("dispersed", 50);
-    let gains = "constant = { k1 = 0.1529, k2 = 0.0234, k3 = 6.0, tau_n = 80.0 }";
+    let gains = "k1 = 0.1529\nk2 = 0.0234\nk3 = 6.0\ntau_n = 80.0";
     let gains: toml::Table = gains.parse().unwrap();
     let path = "controller.guidance.gains";
     source.base.set(path, toml::Value::Table(gains)).unwrap();
@@ -209,4 +219,21 @@ fn a_wrong_statement_is_found() {
     let summary = flown(&source, folder.path(), 2);
     let wrong: u64 = summary.faults.iter().map(|f| f.flights - f.as_stated).sum();
     assert!(wrong > 10 && !summary.verdict());
+}
+
+/// A campaign that disperses the vehicle leaves the belief at the vehicle as it was before: here nothing is said of a belief.
+#[test]
+fn a_dispersed_vehicle_does_not_disperse_the_belief() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("own.toml");
+    let text = "base = 'climbing-braking'\nflights = 3\n[set]\n'controller.guidance' = {}\n\
+                [[disperse]]\nfield = 'vehicle.mass_kg'\nscale.uniform = [0.8, 1.2]\n";
+    std::fs::write(&file, text).unwrap();
+    let source = CampaignSource::load(file.to_str().unwrap(), None).unwrap();
+    for number in 0..3 {
+        let drawn = source.campaign.draw(&source.base, number).unwrap();
+        let spec = drawn.experiment.spec().unwrap();
+        assert_ne!(drawn.experiment.vehicle.mass_kg, 10.0);
+        assert_eq!(spec.belief().unwrap().mass_kg, 10.0);
+    }
 }

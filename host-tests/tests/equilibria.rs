@@ -8,9 +8,10 @@ use std::f64::consts::{PI, TAU};
 
 use alula::{
     Aerodynamics as _, CombinedParameters, Equilibria, Inertial, LargeAngle, LargeAngleParameters,
-    Model, Reference, SmallAngle, SmallAngleParameters, Vehicle, VehicleParameters,
+    Reference, SmallAngle, SmallAngleParameters, Vehicle, VehicleParameters,
 };
 use alula_sil::envelope::Curve;
+use alula_sil::experiment::Model;
 use alula_sil::polar::{BUILT_IN, Polar};
 use alula_sil::reference::{Aerodynamics, wrap};
 use rand::{RngExt, SeedableRng};
@@ -217,6 +218,7 @@ fn check(scan: &Scan, core: Model, rng: &mut ChaCha8Rng, tally: &mut Tally) {
             rng.random_range(-half..half)
         },
         gravity: 9.81,
+        ..VehicleParameters::PAPER
     };
     // As fast as makes the air's force up to 30 times the weight, or 40 m/s.
     let fast = (30.0 * p.mass * p.gravity / p.k_a).sqrt().min(40.0);

@@ -7,14 +7,24 @@ mod common;
 use std::f32::consts::FRAC_PI_2;
 
 use alula::{Attitude, CombinedParameters, GainParameters, VehicleParameters};
+use alula_sil::controllers::{Answer, Controller, Input, Law, LawSpec};
+use alula_sil::experiment::{BUILT_IN, DEFAULT, Document, Experiment, PlantSpec};
 use alula_sil::figures::Figures;
-use alula_sil::flight::{Answer, Controller, Input, Local, Row, fly};
-use alula_sil::plant::PlantState;
-use alula_sil::reference::{self, Inputs, Vector, robust};
-use alula_sil::scenario::{DEFAULT, Scenario, Source};
+use alula_sil::reference::{self, ForceModel, Inputs, Vector, robust};
+use alula_sil::simulate::{Record, Step, fly, simulate};
+use common::experiment;
 
-fn scenario() -> Scenario {
-    Source::load(DEFAULT).unwrap().scenario
+/// What the paper's controller believes of the vehicle, in double precision.
+fn belief(experiment: &Experiment) -> reference::Vehicle {
+    let spec = experiment.spec().unwrap();
+    spec.belief().unwrap().reference()
+}
+
+/// The law of an experiment.
+fn law(experiment: &Experiment, name: &str) -> Law {
+    let table = Document::load(name).unwrap().get("controller.law").cloned();
+    let spec = LawSpec::read(table.unwrap()).unwrap();
+    spec.law(experiment).unwrap()
 }
 
 fn assert_close(what: &str, got: f64, want: f64, tolerance: f64) {
@@ -24,81 +34,85 @@ fn assert_close(what: &str, got: f64, want: f64, tolerance: f64) {
     );
 }
 
-fn check(figures: &Figures) {
-    println!("{figures:#?}");
-    let f = figures;
-    assert_close("peak error", f.max_velocity_error_m_s, 0.863, 0.01);
-    assert_close("its time", f.max_velocity_error_time_s, 8.215, 0.03);
-    assert_close("min |F_p|", f.min_fp_n.unwrap(), 2.6, 0.6);
-    assert_close("max rate", f.max_rate_rad_s, 12.1, 0.4);
-    assert_close("final error", f.final_velocity_error_m_s, 0.0132, 0.001);
-    assert_close("final α", f.final_alpha_deg, 4.02, 0.02);
-    assert_close("final θ", f.final_theta_deg, -85.97, 0.02);
-    assert_close("final T/mg", f.final_thrust_to_weight, 0.0410, 0.0006);
-    assert_eq!(f.faults, 0);
+/// The figures of the flight, each with its tolerance.
+fn check(figure: &dyn Fn(&str) -> f64) {
+    for (name, expected, tolerance) in [
+        ("max_velocity_error_m_s", 0.863, 0.01),
+        ("max_velocity_error_time_s", 8.215, 0.03),
+        ("min_fp_n", 2.6, 0.6),
+        ("max_rate_rad_s", 12.1, 0.4),
+        ("final_velocity_error_m_s", 0.0132, 0.001),
+        ("final_alpha_deg", 4.02, 0.02),
+        ("final_theta_deg", -85.97, 0.02),
+        ("final_thrust_to_weight", 0.0410, 0.0006),
+    ] {
+        println!("{name} = {}", figure(name));
+        assert_close(name, figure(name), expected, tolerance);
+    }
 }
 
 /// The core in single precision.
 #[test]
 fn the_core_flies_the_papers_transition() {
-    let scenario = scenario();
-    let mut core = Local::new(&scenario).unwrap();
-    let rows = fly(&scenario, &mut core, |_| ()).unwrap();
-    check(&Figures::of(&rows));
+    let experiment = experiment(DEFAULT, &[]);
+    let figures = Figures::of(&experiment, &fly(&experiment).unwrap());
+    check(&|name| figures.get(name));
+    assert_eq!((figures.get("faults"), figures.get("lost")), (0.0, 0.0));
 }
 
 /// Double precision throughout: the reference law on the plant's own state, nothing rounded.
 #[test]
 fn double_precision_gives_the_same_figures() {
-    let scenario = scenario();
-    let plant = scenario.plant();
-    let belief = scenario
-        .controller
-        .vehicle
-        .as_ref()
-        .unwrap()
-        .plant_vehicle();
-    let gains = scenario.controller.gains.reference_gains();
-    let weight = plant.vehicle.mass * plant.vehicle.gravity;
-    let mut state = PlantState {
-        velocity: Vector::zeros(),
-        theta: 0.0,
-    };
+    let experiment = experiment(DEFAULT, &[]);
+    let vehicle = experiment.vehicle.reference();
+    let belief = belief(&experiment);
+    let gains = common::gains(GainParameters::PAPER).1;
+    let (mut velocity, mut theta) = (Vector::zeros(), 0.0);
+    let still = Vector::zeros();
     let (mut peak, mut peak_time, mut least, mut fastest) = (0.0, 0.0, f64::INFINITY, 0.0_f64);
     for step in 0..=20_000 {
         let t = f64::from(step) / 1000.0;
         let ramp = t < 10.0;
         let inputs = Inputs {
-            velocity: state.velocity,
-            theta: state.theta,
-            wind: Vector::zeros(),
+            velocity,
+            theta,
+            wind: still,
             reference_velocity: Vector::new(0.0, if ramp { 2.0 * t } else { 20.0 }),
             reference_acceleration: Vector::new(0.0, if ramp { 2.0 } else { 0.0 }),
             feed_forward: None,
         };
         let command = robust(&belief, &gains, &inputs);
-        let error = (state.velocity - inputs.reference_velocity).norm();
+        let error = (velocity - inputs.reference_velocity).norm();
         if error > peak {
             (peak, peak_time) = (error, t);
         }
         least = least.min(command.f_p.norm());
         fastest = fastest.max(command.rate.abs());
         if step == 20_000 {
-            check(&Figures {
-                max_velocity_error_m_s: peak,
-                max_velocity_error_time_s: peak_time,
-                min_fp_n: Some(least),
-                min_fp_time_s: None,
-                max_rate_rad_s: fastest,
-                max_rate_time_s: 0.0,
-                final_velocity_error_m_s: error,
-                final_alpha_deg: plant.angle_of_attack(&state).to_degrees(),
-                final_theta_deg: reference::wrap(state.theta).to_degrees(),
-                final_thrust_to_weight: command.thrust / weight,
-                faults: 0,
+            check(&|name| match name {
+                "max_velocity_error_m_s" => peak,
+                "max_velocity_error_time_s" => peak_time,
+                "min_fp_n" => least,
+                "max_rate_rad_s" => fastest,
+                "final_velocity_error_m_s" => error,
+                "final_alpha_deg" => vehicle.angle_of_attack(velocity, theta).to_degrees(),
+                "final_theta_deg" => reference::wrap(theta).to_degrees(),
+                "final_thrust_to_weight" => command.thrust / experiment.weight(),
+                other => panic!("{other}"),
             });
         }
-        state = plant.step(&state, command.thrust, command.rate, 0.001);
+        // One step of the classical Runge–Kutta method, with the yardstick's own forces.
+        let slope = |after: f64, v_dot: Vector| {
+            let (v, angle) = (velocity + after * v_dot, theta + after * command.rate);
+            vehicle.acceleration(v, still, angle, command.thrust)
+        };
+        let dt = 0.001;
+        let a = slope(0.0, still);
+        let b = slope(0.5 * dt, a);
+        let c = slope(0.5 * dt, b);
+        let d = slope(dt, c);
+        velocity += dt / 6.0 * (a + 2.0 * b + 2.0 * c + d);
+        theta += dt * command.rate;
     }
 }
 
@@ -108,22 +122,17 @@ fn double_precision_gives_the_same_figures() {
 /// is stationary; tan ε = a_r/g. In between θ̃ is beyond 90°: that branch belongs to θ̃ = π.
 #[test]
 fn the_apparent_force_vanishes_at_the_folds_of_the_belief() {
-    let scenario = scenario();
-    let mut core = Local::new(&scenario).unwrap();
-    let rows = fly(&scenario, &mut core, |_| ()).unwrap();
-    let norm = |row: &Row| row.command().diagnostics.f_p_norm;
+    let experiment = experiment(DEFAULT, &[]);
+    let rows = fly(&experiment).unwrap();
+    let law = |step: &Step| *step.answer.flown().unwrap();
+    let norm = |step: &Step| law(step).f_p_norm;
     let dips: Vec<_> = rows
         .windows(3)
         .filter(|w| norm(&w[1]) < norm(&w[0]) && norm(&w[1]) <= norm(&w[2]) && norm(&w[1]) < 20.0)
         .map(|w| w[1])
         .collect();
 
-    let belief = scenario
-        .controller
-        .vehicle
-        .as_ref()
-        .unwrap()
-        .plant_vehicle();
+    let belief = belief(&experiment);
     let epsilon = (2.0 / belief.gravity).atan();
     let a = |degrees: f64| {
         let alpha = degrees.to_radians();
@@ -139,7 +148,7 @@ fn the_apparent_force_vanishes_at_the_folds_of_the_belief() {
 
     assert_eq!((dips.len(), folds.len()), (2, 2));
     for (dip, fold) in dips.iter().zip(folds) {
-        let alpha = f64::from(dip.command().diagnostics.alpha).to_degrees();
+        let alpha = f64::from(law(dip).alpha).to_degrees();
         println!(
             "{:.1} N at {} s: α = {alpha:.2}°, fold at {fold:.2}°",
             norm(dip),
@@ -148,101 +157,115 @@ fn the_apparent_force_vanishes_at_the_folds_of_the_belief() {
         // The vehicle passes there with an error of 0.5 m/s in 16, hence not through the fold itself.
         assert_close("α at the dip", alpha, fold, 0.2);
     }
-    let opposite = |row: &&Row| row.command().diagnostics.theta_tilde().abs() > FRAC_PI_2;
+    let opposite = |row: &&Step| law(row).theta_tilde().abs() > FRAC_PI_2;
     let between: Vec<_> = rows.iter().filter(opposite).map(|row| row.t).collect();
     assert_close("θ̃ goes beyond 90°", between[0], dips[0].t, 0.01);
     assert_close("and comes back", *between.last().unwrap(), dips[1].t, 0.01);
 }
 
-/// The scenario's parameters are the core's constants, to the bit.
+/// The experiment's parameters are the core's constants, to the bit.
 #[test]
-fn the_default_scenario_is_the_papers() {
-    let scenario = scenario();
-    let truth = scenario.vehicle.control_vehicle("vehicle").unwrap();
-    let paper = |p, set| {
-        let model = common::combined(set).0;
-        alula::Vehicle::new(p, model).unwrap()
+fn the_default_experiment_is_the_papers() {
+    let experiment = experiment(DEFAULT, &[]);
+    let truth = experiment.vehicle.core().unwrap();
+    let paper = |p: VehicleParameters, set| {
+        // The bare laws know of no thrust limits.
+        let p = VehicleParameters {
+            thrust_min: -1e6,
+            thrust_max: 1e6,
+            ..p
+        };
+        alula::Vehicle::new(p, common::combined(set).0).unwrap()
     };
     let expected = paper(
         VehicleParameters::PAPER,
         CombinedParameters::NACA_0021_RE_160E3,
     );
     assert_eq!(truth, expected);
+    assert_eq!(experiment.plant, PlantSpec::default());
     let belief = paper(
         VehicleParameters::PAPER_BELIEF,
         CombinedParameters::PAPER_BELIEF,
     );
     let gains = alula::Gains::new(GainParameters::PAPER).unwrap();
-    let control = scenario.control().unwrap();
-    assert_eq!(control, common::control(belief, gains));
+    assert_eq!(
+        law(&experiment, DEFAULT).control,
+        common::control(belief, gains)
+    );
+    let model = ForceModel::new(&experiment.vehicle.reference());
+    let rest = model.acceleration(Vector::zeros(), Vector::zeros(), 0.0, 98.1);
+    assert!(rest.norm() < 1e-12);
 }
 
 /// Every built-in flight ends close to its reference, with no fault and no sustained oscillation.
 #[test]
-fn every_built_in_scenario_settles() {
-    for (name, _) in alula_sil::scenario::BUILT_IN {
-        let scenario = Source::load(name).unwrap().scenario;
-        let mut core = Local::new(&scenario).unwrap();
-        let rows = fly(&scenario, &mut core, |_| ()).unwrap();
-        let figures = Figures::of(&rows);
-        assert_eq!(figures.faults, 0, "{name}");
+fn every_flight_of_a_bare_law_settles() {
+    let mut flown = 0;
+    for (name, _) in BUILT_IN {
+        if Document::load(name).unwrap().controller() != "law" {
+            continue;
+        }
+        let experiment = experiment(name, &[]);
+        let rows = fly(&experiment).unwrap();
+        let figures = Figures::of(&experiment, &rows);
+        assert_eq!(figures.get("faults"), 0.0, "{name}");
         assert!(
-            figures.final_velocity_error_m_s < 0.05,
+            figures.get("final_velocity_error_m_s") < 0.05,
             "{name}: {figures:?}"
         );
         let tail = &rows[rows.len() - 500..];
-        let rate = |row: &Row| row.command().rate.abs();
-        let fastest = tail.iter().map(rate).fold(0.0, f32::max);
+        let fastest = tail.iter().map(|s| s.answer.rate.abs()).fold(0.0, f32::max);
         assert!(
             fastest < 0.2,
             "{name}: {fastest} rad/s in the last half second"
         );
+        flown += 1;
     }
+    assert_eq!(flown, 5);
 }
 
-/// A controller whose velocity fails for one step, and one that fails for good.
+/// A controller whose attitude fails for one step.
 struct Broken {
-    core: Local,
+    core: Box<dyn Controller>,
     steps: std::ops::Range<usize>,
     step: usize,
 }
 
 impl Controller for Broken {
-    fn answer(&mut self, input: &Input) -> anyhow::Result<Answer> {
+    fn answer(&mut self, input: &Input, dt: f32) -> anyhow::Result<Answer> {
         let mut input = *input;
         if self.steps.contains(&self.step) {
-            input.state.attitude = Attitude {
+            input.sample.attitude = Attitude {
                 cos: f32::NAN,
                 sin: 0.0,
             };
         }
         self.step += 1;
-        self.core.answer(&input)
+        self.core.answer(&input, dt)
     }
 }
 
 /// A fault flies the safe command of no thrust and no rotation, and is counted.
 #[test]
 fn a_fault_flies_the_safe_command() {
-    let scenario = scenario();
+    let experiment = experiment(DEFAULT, &[]);
     let mut broken = Broken {
-        core: Local::new(&scenario).unwrap(),
+        core: experiment.controller().unwrap(),
         steps: 3000..3001,
         step: 0,
     };
-    let rows = fly(&scenario, &mut broken, |_| ()).unwrap();
-    assert_eq!(
-        (rows[3000].command().thrust, rows[3000].command().rate),
-        (0.0, 0.0)
-    );
-    assert_eq!(rows[3000].thrust_to_weight, 0.0);
-    let figures = Figures::of(&rows);
-    assert_eq!(figures.faults, 1);
+    let mut rows = Record::new();
+    simulate(&experiment, &mut broken, |step| {
+        rows.push(*step);
+        true
+    })
+    .unwrap();
+    let answer = &rows[3000].answer;
+    assert_eq!((answer.thrust, answer.rate), (0.0, 0.0));
+    assert!(answer.fault().is_some() && rows[3001].truth.thrust == 0.0);
+    let figures = Figures::of(&experiment, &rows);
+    assert_eq!(figures.get("faults"), 1.0);
     // One lost step of 20,001 is no event.
-    assert_close(
-        "final error",
-        figures.final_velocity_error_m_s,
-        0.0132,
-        0.001,
-    );
+    let error = figures.get("final_velocity_error_m_s");
+    assert_close("final error", error, 0.0132, 0.001);
 }

@@ -1,4 +1,4 @@
-//! `campaign`: one mission many times over, dispersed.
+//! `campaign`: one experiment many times over, dispersed.
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -6,15 +6,14 @@ use std::path::PathBuf;
 use anyhow::ensure;
 use indicatif::{ProgressBar, ProgressStyle};
 
-use alula_sil::campaign::{BUILT_IN, CampaignSource, Shard, Store, Summary, page, run as fly_all};
 use alula_sil::files::leave;
-use alula_sil::mission::MissionSource;
-use alula_sil::workers::per_core;
+use alula_sil::page::campaign::page;
+use alula_sil::study::{BUILT_IN, CampaignSource, Shard, Store, Summary, run as fly_all};
 
-use super::mission;
+use super::fly;
 use super::output::Output;
 
-/// Fly a mission many times, with its fields drawn at random: percentiles, limits, worst flights
+/// Fly an experiment many times, with its fields drawn at random: percentiles, limits, worst flights
 #[derive(clap::Args)]
 #[command(args_conflicts_with_subcommands = true)]
 pub struct Args {
@@ -76,7 +75,6 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     }
     let out = args.output.folder(&format!("campaign/{}", source.stem()))?;
     let store = Store::open(&out, &source)?;
-    let threads = args.threads.unwrap_or_else(per_core);
     let campaign = &source.campaign;
     let chunks = || args.shard.chunks(campaign.chunks());
     let flights = campaign.flights_in(chunks());
@@ -90,7 +88,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     bar.set_style(ProgressStyle::with_template(style).expect("a valid template"));
     // What was there says nothing of the time that is left.
     bar.reset_eta();
-    fly_all(&source, &store, args.shard, threads, || bar.inc(1))?;
+    fly_all(&source, &store, args.shard, args.threads, || bar.inc(1))?;
     bar.finish_and_clear();
     if !args.shard.is_whole() {
         let place = out.display();
@@ -126,26 +124,19 @@ fn refly(source: &CampaignSource, number: u64, args: &Args) -> anyhow::Result<()
         "--refly: flights are numbered from 0 to {}",
         source.campaign.flights - 1
     );
-    let mut drawn = source
-        .campaign
-        .draw(&source.base, number)
-        .map_err(|e| anyhow::anyhow!("flight {number}: {}: {}", e.field, e.problem))?;
-    let name = format!("{}-{number}", source.stem());
-    let out = args.output.folder(&format!("mission/{name}"))?;
+    let drawn = source.campaign.draw(&source.base, number);
+    let drawn = drawn.map_err(|e| anyhow::anyhow!("flight {number}: {e}"))?;
+    let mut document = drawn.document;
+    document.name = format!("{}-{number}", source.stem());
     let title = format!("Flight {number} of campaign {}", source.stem());
-    drawn.mission.description.clone_from(&title);
-    let told = drawn.draft.set("description", title.into());
-    told.expect("a field of every mission");
-    let text = drawn.draft.text();
-    leave(&out.join("mission.toml"), |file| {
-        Ok(file.write_all(text.as_bytes())?)
+    document.set("description", title.into())?;
+    let out = args.output.folder(&document.name)?;
+    leave(&out.join("experiment.toml"), |file| {
+        Ok(file.write_all(document.text().as_bytes())?)
     })?;
-    let flight = MissionSource {
-        name,
-        text,
-        mission: drawn.mission,
-    };
-    mission::fly_and_leave(&flight, &out, args.output.json())
+    fly::fly(&document, &document.name, &args.output, |experiment| {
+        Ok(experiment.controller()?)
+    })
 }
 
 fn merge(shares: &[PathBuf], output: &Output) -> anyhow::Result<()> {

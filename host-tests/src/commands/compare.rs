@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use alula_sil::compare::{Results, Source, fly, markdown, page};
 use alula_sil::files;
-use alula_sil::workers::per_core;
+use alula_sil::page::comparison::page;
+use alula_sil::page::markdown;
+use alula_sil::study::{Results, Source};
 
 use super::fly::progress_bar;
 use super::output::Output;
@@ -38,7 +39,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let out = args.output.folder(&format!("compare-{}", source.name))?;
 
     let bar = progress_bar(source.plan.flights());
-    let results = fly(&source.plan, per_core(), || bar.inc(1));
+    let results = Results::of(&source.plan, None, || bar.inc(1))?;
     bar.finish_and_clear();
 
     let comparison = &source.plan.comparison;

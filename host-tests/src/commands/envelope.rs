@@ -5,16 +5,16 @@ use serde::Serialize;
 
 use alula_sil::airframe::Airframe;
 use alula_sil::envelope::{Curve, Cusp, Fold, FoldCurve, Interval, Jump, jump_down, jump_up};
+use alula_sil::page::envelope::{Figure, svg};
+use alula_sil::page::{Page, Table, columns};
 use alula_sil::reference::Vehicle;
-use alula_sil::report::envelope::{Figure, svg};
-use alula_sil::report::{Page, Table, columns};
 
 use super::output::Output;
 
 /// Where a vehicle's equilibria fold and jump, in level flight, in a climb or in an acceleration
 #[derive(clap::Args)]
 pub struct Args {
-    /// A built-in vehicle, polar or scenario, a vehicle or scenario TOML, or a polar CSV
+    /// A built-in experiment, vehicle or polar, a TOML file of an experiment or vehicle, or a polar CSV
     #[arg(default_value = "paper")]
     vehicle: String,
     /// Steady climb angle [°], from -90 to 90
@@ -144,6 +144,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         ),
         svg: svg(&figure),
         tables: tables(&summary, &ray),
+        text: None,
         notes: "Equilibria from hover to infinite airspeed; see docs/envelope.md.".to_owned(),
     };
     args.output.leave(&out, "envelope", &page, &summary)

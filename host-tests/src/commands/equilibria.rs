@@ -1,21 +1,21 @@
 //! `equilibria`: the orientations that hold one reference, as the core finds them on board.
 
 use alula::equilibrium::{Branch, Equilibrium, Spherical, existence};
-use alula::{Equilibria, FoldMap, FoldMargin, Inertial, Model, Reference, Vehicle};
+use alula::{Equilibria, FoldMap, FoldMargin, Inertial, Reference};
 use anyhow::anyhow;
 use serde::Serialize;
 
 use alula_sil::airframe::Airframe;
+use alula_sil::page::equilibria::svg;
+use alula_sil::page::{Page, Table, columns};
 use alula_sil::reference::Vector;
-use alula_sil::report::equilibria::svg;
-use alula_sil::report::{Page, Table, columns};
 
 use super::output::Output;
 
 /// The orientations that hold a reference velocity, with thrust and branch
 #[derive(clap::Args)]
 pub struct Args {
-    /// A built-in vehicle, polar or scenario, a vehicle or scenario TOML, or a polar CSV
+    /// A built-in experiment, vehicle or polar, a TOML file of an experiment or vehicle, or a polar CSV
     vehicle: String,
     /// Reference velocity over ground, down and forward [m/s]
     #[arg(long, value_name = "D,F", value_parser = pair, allow_hyphen_values = true)]
@@ -132,6 +132,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         ),
         svg: svg(&airframe.reference(), vectors, &points),
         tables: tables(&summary),
+        text: None,
         notes: "The set is the core's, in single precision; the curves are in double precision."
             .to_owned(),
     };
@@ -157,7 +158,7 @@ fn row(e: &Equilibrium, margin: Option<FoldMargin>, weight: f32) -> Row {
     }
 }
 
-fn existence(vehicle: &Vehicle<Model>) -> Vec<Answer> {
+fn existence(vehicle: &alula_sil::experiment::Vehicle) -> Vec<Answer> {
     fn answer<T: ToString, E: ToString>(theorem: &'static str, result: Result<T, E>) -> Answer {
         Answer {
             theorem,

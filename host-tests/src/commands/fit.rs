@@ -9,10 +9,10 @@ use alula_sil::airframe::Airframe;
 use alula_sil::envelope::{Curve, Fold};
 use alula_sil::files;
 use alula_sil::fit::{Errors, Metric, Parameters, Sphericity, fit};
+use alula_sil::page::fit::svg;
+use alula_sil::page::{Page, Table, columns};
 use alula_sil::polar::Polar;
 use alula_sil::reference::{Aerodynamics, Vehicle};
-use alula_sil::report::fit::svg;
-use alula_sil::report::{Page, Table, columns};
 
 use super::output::Output;
 
@@ -81,6 +81,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         lead: "the combined model, nearest to the table by weighted least squares; vehicle.toml has it".to_owned(),
         svg: svg(polar.rows, &model),
         tables: tables(&summary),
+        text: None,
         notes: "A row weighs the range of α it stands for; rows up to 20° together weigh as much as all others. Folds are those of level flight.".to_owned(),
     };
     args.output.leave(&out, "fit", &page, &summary)

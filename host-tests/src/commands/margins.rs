@@ -1,35 +1,39 @@
 //! `margins`: how much lag and delay the loop bears.
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use anyhow::Context;
 use serde::Serialize;
 
+use alula::GainParameters;
+use alula_sil::airframe::Airframe;
+use alula_sil::experiment::{PlantSpec, RateLoop};
 use alula_sil::files::leave;
-use alula_sil::margins::{LONGEST, Loop, Point};
-use alula_sil::mission::{GainChoiceSpec, MissionSource};
-use alula_sil::report::margins_svg;
-use alula_sil::scenario::GainsSpec;
+use alula_sil::margins::{LONGEST, Loop, LoopGains, Point};
+use alula_sil::page::margins_svg;
 
-/// Eigenvalues and the largest stable lag and delay in level flight, for the paper's gains and the mission's
+use super::output::Output;
+use super::settings::Settings;
+
+/// Eigenvalues and the largest stable lag and delay in level flight, for the paper's gains and the experiment's
 #[derive(clap::Args)]
 pub struct Args {
-    /// A built-in mission or a TOML file: its vehicle and its gains
+    /// A built-in experiment, vehicle or polar, a TOML file of an experiment or vehicle, or a polar CSV
     #[arg(default_value = "round-trip")]
     vehicle: String,
+    #[command(flatten)]
+    settings: Settings,
     /// Speeds [m/s]
     #[arg(long, value_delimiter = ',', value_name = "V,V,…")]
     speeds: Vec<f64>,
-    /// Take the mission's belief about the vehicle, not the vehicle itself, for the controller's
+    /// Take the controller's belief about the vehicle, not the vehicle itself, for the controller's
     #[arg(long)]
     belief: bool,
-    /// Folder for the plot [default: out/margins/<vehicle>]
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    /// Print one JSON object instead of the table
+    /// Leave the experiment's own lags and delay out: the bare loop
     #[arg(long)]
-    json: bool,
+    bare: bool,
+    #[command(flatten)]
+    output: Output,
 }
 
 #[derive(Serialize)]
@@ -38,6 +42,8 @@ struct Summary<'a> {
     out: &'a Path,
     /// Lags and delays beyond this \[s\] are not looked for, and given as null.
     longest_s: f64,
+    /// What is counted of the experiment's actuators.
+    included: &'a str,
     loops: &'a [Margins],
 }
 
@@ -47,22 +53,22 @@ struct Margins {
     points: Vec<Point>,
 }
 
-const PAPER: GainChoiceSpec = GainChoiceSpec::Constant(GainsSpec {
-    k1: 0.1529,
-    k2: 0.0234,
-    k3: 6.0,
-    tau_n: 80.0,
-});
-
 pub fn run(args: &Args) -> anyhow::Result<()> {
-    let source = MissionSource::load(&args.vehicle)?;
-    let mission = &source.mission;
-    let vehicle = mission.vehicle.plant_vehicle();
-    let Some(guidance) = mission.controller.guidance() else {
+    let airframe = args.settings.airframe(&args.vehicle)?;
+    let vehicle = airframe.reference();
+    let spec = airframe.controller.spec()?;
+    let believed = spec.belief().unwrap_or(&airframe.spec);
+    let Some(gains) = spec.gains(believed) else {
         anyhow::bail!("{}: its controller has no gains", args.vehicle);
     };
-    let believed = guidance.vehicle.as_ref().filter(|_| args.belief);
-    let belief = believed.map_or(vehicle, |spec| spec.plant_vehicle());
+    let belief = match args.belief {
+        true => believed.reference(),
+        false => vehicle,
+    };
+    let actuators = match args.bare {
+        true => PlantSpec::default(),
+        false => airframe.plant,
+    };
     let speeds = match args.speeds.is_empty() {
         true => (0..=25).map(f64::from).collect(),
         false => args.speeds.clone(),
@@ -70,17 +76,15 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     if let Some(bad) = speeds.iter().find(|v| !(0.0..=1000.0).contains(*v)) {
         anyhow::bail!("--speeds: {bad} is not from 0 to 1000 m/s");
     }
-    let out = match &args.out {
-        Some(folder) => folder.clone(),
-        None => Path::new("out/margins").join(&source.name),
-    };
-    std::fs::create_dir_all(&out).with_context(|| out.display().to_string())?;
+    let out = args.output.folder(&format!("margins/{}", airframe.name))?;
 
-    let loops = [("paper", PAPER), ("mission", guidance.gains)].map(|(name, gains)| {
+    let paper = LoopGains::of(&GainParameters::PAPER);
+    let loops = [("paper", paper), ("experiment", gains)].map(|(name, gains)| {
         let of = Loop {
             vehicle,
             belief,
             gains,
+            actuators,
         };
         Margins {
             gains: name,
@@ -93,17 +97,20 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     leave(&out.join("margins.svg"), |file| {
         Ok(file.write_all(svg.as_bytes())?)
     })?;
+    let included = included(&actuators);
     let mut stdout = std::io::stdout().lock();
-    if args.json {
+    if args.output.json() {
         let summary = Summary {
-            vehicle: &source.name,
+            vehicle: &airframe.name,
             out: &out,
             longest_s: LONGEST,
+            included: &included,
             loops: &loops,
         };
         writeln!(stdout, "{}", serde_json::to_string_pretty(&summary)?)?;
         return Ok(());
     }
+    writeln!(stdout, "{included}")?;
     for l in &loops {
         writeln!(stdout, "gains: {}", l.gains)?;
         let head = [
@@ -118,10 +125,11 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         writeln!(stdout, "{head}  eigenvalues [rad/s]")?;
         for p in &l.points {
             let limit = |t: Option<f64>| t.map_or(format!("> {LONGEST}"), |t| format!("{t:.4}"));
-            let eigenvalues = p.eigenvalues.map(|(re, im)| match im {
+            let eigenvalue = |&(re, im): &(f64, f64)| match im {
                 0.0 => format!("{re:.2}"),
                 _ => format!("{re:.2}{im:+.2}i"),
-            });
+            };
+            let eigenvalues: Vec<String> = p.eigenvalues.iter().map(eigenvalue).collect();
             writeln!(
                 stdout,
                 "{:9.1} {:9.2} {:9.2} {:9.1} {:>9} {:>9}  {}",
@@ -137,4 +145,28 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     }
     writeln!(stdout, "margins.svg is in {}", out.display())?;
     Ok(())
+}
+
+/// What is counted of the actuators, in one sentence.
+fn included(actuators: &PlantSpec) -> String {
+    let rate = match actuators.rate_loop {
+        RateLoop::Ideal => "no lag of the rate loop".to_owned(),
+        RateLoop::Lag { time_constant_s } => format!("a rate loop of {time_constant_s} s"),
+        RateLoop::Inertia { bandwidth_1_s, .. } => format!("a rate loop of {bandwidth_1_s} 1/s"),
+    };
+    format!(
+        "Included: {rate}, a thrust lag of {} s, a delay of {} s. The largest lag is that of the rate loop in place of its own, the largest \
+         delay that of the command in place of its own.",
+        actuators.thrust_lag_s, actuators.delay_s
+    )
+}
+
+impl Settings {
+    /// The vehicle that `argument` names, with the fields of its document changed.
+    fn airframe(&self, argument: &str) -> anyhow::Result<Airframe> {
+        match self.is_empty() {
+            true => Airframe::load(argument),
+            false => Airframe::of(&self.document(argument)?),
+        }
+    }
 }

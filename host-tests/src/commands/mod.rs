@@ -6,12 +6,11 @@ mod envelope;
 mod equilibria;
 mod fit;
 mod fly;
+mod list;
 mod margins;
-mod mission;
 mod output;
-mod pil;
 mod replay;
-mod scenarios;
+mod settings;
 mod sweep;
 
 use clap::{Parser, Subcommand};
@@ -27,13 +26,11 @@ pub struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Fly(fly::Args),
-    Mission(mission::Args),
-    Campaign(campaign::Args),
-    Margins(margins::Args),
-    Compare(compare::Args),
-    Pil(pil::Args),
+    List(list::Args),
     Replay(replay::Args),
-    Scenarios(scenarios::Args),
+    Campaign(campaign::Args),
+    Compare(compare::Args),
+    Margins(margins::Args),
     Envelope(envelope::Args),
     Equilibria(equilibria::Args),
     Sweep(sweep::Args),
@@ -46,13 +43,11 @@ impl Cli {
         match self.command {
             None => fly::run(&fly::Args::default()),
             Some(Command::Fly(args)) => fly::run(&args),
-            Some(Command::Mission(args)) => mission::run(&args),
-            Some(Command::Campaign(args)) => campaign::run(&args),
-            Some(Command::Margins(args)) => margins::run(&args),
-            Some(Command::Compare(args)) => compare::run(&args),
-            Some(Command::Pil(args)) => pil::run(&args),
+            Some(Command::List(args)) => list::run(&args),
             Some(Command::Replay(args)) => replay::run(&args),
-            Some(Command::Scenarios(args)) => scenarios::run(&args),
+            Some(Command::Campaign(args)) => campaign::run(&args),
+            Some(Command::Compare(args)) => compare::run(&args),
+            Some(Command::Margins(args)) => margins::run(&args),
             Some(Command::Envelope(args)) => envelope::run(&args),
             Some(Command::Equilibria(args)) => equilibria::run(&args),
             Some(Command::Sweep(args)) => sweep::run(&args),

@@ -1,4 +1,4 @@
-//! What the analyses leave behind: a picture, a page, and text or JSON on standard output.
+//! What commands leave behind: a figure, a page, and text or JSON on standard output.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -6,11 +6,10 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use serde::Serialize;
 
-use alula_sil::files;
-use alula_sil::report::Page;
+use alula_sil::page::Page;
 
-/// Where an analysis goes.
-#[derive(clap::Args)]
+/// Where results go.
+#[derive(clap::Args, Default)]
 pub struct Output {
     /// Folder for the results [default: under out/, by command and name]
     #[arg(long, value_name = "DIR")]
@@ -42,12 +41,8 @@ impl Output {
         page: &Page,
         summary: &impl Serialize,
     ) -> anyhow::Result<()> {
-        let html = page.html()?;
-        for (extension, content) in [("svg", &page.svg), ("html", &html)] {
-            files::leave(&folder.join(stem).with_extension(extension), |file| {
-                Ok(file.write_all(content.as_bytes())?)
-            })?;
-        }
+        let names = [format!("{stem}.svg"), format!("{stem}.html")];
+        page.leave(folder, names.each_ref().map(String::as_str))?;
         let mut stdout = std::io::stdout().lock();
         if self.json {
             writeln!(stdout, "{}", serde_json::to_string_pretty(summary)?)?;

@@ -1,22 +1,24 @@
-//! `sweep`: the equilibria along a scenario's reference, and what stands against flying it.
+//! `sweep`: the equilibria along an experiment's reference, and what stands against flying it.
 
 use anyhow::anyhow;
 use serde::Serialize;
 
-use alula_sil::flight::{Local, fly};
-use alula_sil::report::sweep::svg;
-use alula_sil::report::{Page, Table, columns};
-use alula_sil::scenario::Source;
+use alula_sil::page::sweep::svg;
+use alula_sil::page::{Page, Table, columns};
+use alula_sil::simulate::fly;
 use alula_sil::sweep::{Cause, Findings, Span, findings, sweep};
 
 use super::output::Output;
+use super::settings::Settings;
 
 /// Check a planned flight: jumps of the equilibrium, |F_p| too small, negative thrust
 #[derive(clap::Args)]
 pub struct Args {
-    /// A built-in scenario or a TOML file
-    scenario: String,
-    /// Least |F_p| to allow [N] [default: the scenario's τ]
+    /// A built-in experiment or a TOML file
+    experiment: String,
+    #[command(flatten)]
+    settings: Settings,
+    /// Least |F_p| to allow [N] [default: τ of the experiment's controller]
     #[arg(long, value_name = "N")]
     min_fp: Option<f64>,
     #[command(flatten)]
@@ -26,43 +28,46 @@ pub struct Args {
 /// What `--json` prints.
 #[derive(Serialize)]
 struct Summary {
-    scenario: String,
+    experiment: String,
     min_fp_n: f64,
     #[serde(flatten)]
     findings: Findings,
 }
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
-    let source = Source::load(&args.scenario)?;
-    let scenario = &source.scenario;
-    let least_fp = args.min_fp.unwrap_or(scenario.controller.gains.tau_n);
+    let document = args.settings.document(&args.experiment)?;
+    let experiment = &document.checked()?;
+    let spec = experiment.spec()?;
+    let gains = spec.gains(spec.belief().unwrap_or(&experiment.vehicle));
+    let tau = gains.map_or(0.0, |gains| gains.tau());
+    let least_fp = args.min_fp.unwrap_or(tau);
     if !least_fp.is_finite() || least_fp < 0.0 {
         return Err(anyhow!(
             "--min-fp: must be a finite number and not negative"
         ));
     }
-    let out = args.output.folder(&format!("sweep-{}", source.name))?;
-    let instants = sweep(scenario);
+    let out = args.output.folder(&format!("sweep-{}", document.name))?;
+    let instants = sweep(experiment);
     let findings = findings(&instants, least_fp);
-    let mut controller = Local::new(scenario).expect("validated when loaded");
-    let rows = fly(scenario, &mut controller, |_| {})?;
+    let record = fly(experiment)?;
     let page = Page {
-        title: format!("Sweep of {}", source.name),
+        title: format!("Sweep of {}", document.name),
         lead: format!(
             "{}; {}",
-            scenario.description.trim_end_matches('.'),
+            experiment.description.trim_end_matches('.'),
             if findings.admissible {
                 "nothing stands against it"
             } else {
                 "not admissible"
             }
         ),
-        svg: svg(scenario, &instants, &rows, &findings, least_fp),
+        svg: svg(experiment, &instants, &record, &findings, least_fp),
         tables: tables(&findings, least_fp),
+        text: None,
         notes: "Equilibria of the true vehicle at the reference; the followed one has θ̃ = 0 and is the nearest to the one before.".to_owned(),
     };
     let summary = Summary {
-        scenario: source.name.clone(),
+        experiment: document.name.clone(),
         min_fp_n: least_fp,
         findings,
     };

@@ -2,11 +2,12 @@
 //!
 //! Nothing here comes from the core: the models are the printed formulas with σ by `tanh`, their
 //! derivatives come from automatic differentiation, α from a subtraction of angles, forces from
-//! matrices in inertial coordinates. It serves as the plant's physics and as the yardstick of the
-//! core's accuracy; it is slow, and singular where the paper's formulas are.
+//! matrices in inertial coordinates. It is the yardstick of the core's accuracy; it is slow, and singular where
+//! the paper's formulas are. [`ForceModel`] evaluates the same formulas by their values alone: the plant's physics.
 
 mod axisymmetric;
 mod coefficients;
+mod force_model;
 mod law;
 mod magnitude;
 mod number;
@@ -16,6 +17,7 @@ mod vehicle;
 
 pub use axisymmetric::{axisymmetric_full, axisymmetric_robust};
 pub use coefficients::{Aerodynamics, Coefficients};
+pub use force_model::ForceModel;
 pub use law::{Evaluation, Gains, Inputs, full, mu, robust};
 pub use magnitude::{Angle, Magnitudes, magnitudes};
 pub use number::{Number, Triple};

@@ -2,10 +2,46 @@
 
 use std::f64::consts::{PI, TAU};
 
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
 use num_dual::Dual3_64;
 
 /// One row: α \[rad\], c_L, c_D.
 pub type Row = [f64; 3];
+
+/// A number with its derivatives, or by itself.
+pub(super) trait Number:
+    Copy
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Neg<Output = Self>
+    + Sub<f64, Output = Self>
+    + Div<f64, Output = Self>
+{
+    /// The constant `value`.
+    fn constant(value: f64) -> Self;
+    /// The value.
+    fn value(self) -> f64;
+}
+
+impl Number for f64 {
+    fn constant(value: f64) -> Self {
+        value
+    }
+    fn value(self) -> f64 {
+        self
+    }
+}
+
+impl Number for Dual3_64 {
+    fn constant(value: f64) -> Self {
+        Self::from_re(value)
+    }
+    fn value(self) -> f64 {
+        self.re
+    }
+}
 
 /// Measured coefficients, interpolated.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,10 +70,10 @@ impl Table {
     }
 
     /// c_L and c_D at `alpha` \[rad\] in [−π, π].
-    pub(super) fn at(&self, alpha: Dual3_64) -> (Dual3_64, Dual3_64) {
-        let mirrored = self.symmetric && alpha.re < 0.0;
+    pub(super) fn at<D: Number>(&self, alpha: D) -> (D, D) {
+        let mirrored = self.symmetric && alpha.value() < 0.0;
         let a = if mirrored { -alpha } else { alpha };
-        let above = self.alpha.partition_point(|node| *node <= a.re);
+        let above = self.alpha.partition_point(|node| *node <= a.value());
         let j = above.clamp(1, self.alpha.len() - 1) - 1;
         let u = (a - self.alpha[j]) / (self.alpha[j + 1] - self.alpha[j]);
         let (lift, drag) = (casteljau(self.lift[j], u), casteljau(self.drag[j], u));
@@ -46,8 +82,8 @@ impl Table {
 }
 
 /// The polynomial with these Bernstein ordinates, by de Casteljau's construction.
-fn casteljau(ordinates: [f64; 6], u: Dual3_64) -> Dual3_64 {
-    let mut b = ordinates.map(Dual3_64::from_re);
+fn casteljau<D: Number>(ordinates: [f64; 6], u: D) -> D {
+    let mut b = ordinates.map(D::constant);
     for n in (1..6).rev() {
         for i in 0..n {
             b[i] = b[i] + (b[i + 1] - b[i]) * u;

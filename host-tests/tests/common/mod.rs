@@ -4,9 +4,9 @@
 
 use alula::{
     Attitude, Combined, CombinedParameters, FeedForward, GainParameters, Gains, Inertial,
-    LargeAngle, LargeAngleParameters, Model, Reference, State, Vehicle, VehicleParameters,
-    VelocityControl,
+    LargeAngle, LargeAngleParameters, Reference, State, VehicleParameters, VelocityControl,
 };
+use alula_sil::experiment::{Document, Experiment, Model, Vehicle};
 use alula_sil::reference::{self, Aerodynamics, Inputs, Vector};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -38,7 +38,7 @@ pub fn large_angle(p: LargeAngleParameters) -> (Model, Aerodynamics) {
 pub fn vehicles(
     delta: f32,
     (core, reference): (Model, Aerodynamics),
-) -> (Vehicle<Model>, reference::Vehicle) {
+) -> (Vehicle, reference::Vehicle) {
     let p = VehicleParameters {
         delta,
         ..VehicleParameters::PAPER
@@ -50,7 +50,7 @@ pub fn vehicles(
         gravity: p.gravity.into(),
         aerodynamics: reference,
     };
-    (Vehicle::new(p, core).unwrap(), reference)
+    (alula::Vehicle::new(p, core).unwrap(), reference)
 }
 
 pub fn gains(p: GainParameters) -> (Gains, reference::Gains) {
@@ -132,6 +132,22 @@ pub fn theta(attitude: Attitude) -> f64 {
     f64::from(attitude.sin).atan2(attitude.cos.into())
 }
 
-pub fn control(vehicle: Vehicle<Model>, gains: Gains) -> VelocityControl<Model> {
+pub fn control(vehicle: Vehicle, gains: Gains) -> VelocityControl<Model> {
     VelocityControl::new(vehicle, gains)
 }
+
+/// The built-in experiment with these fields changed (`PATH=VALUE`).
+pub fn experiment(name: &str, settings: &[&str]) -> Experiment {
+    let mut document = Document::load(name).unwrap();
+    for setting in settings {
+        document.assign(setting).unwrap();
+    }
+    document.checked().unwrap()
+}
+
+/// The paper's constant gains in the guidance's place of its own.
+pub const PAPER_GAINS: &str =
+    "controller.guidance.gains={ k1 = 0.1529, k2 = 0.0234, k3 = 6.0, tau_n = 80.0 }";
+
+/// A hysteresis beyond every force: branches are not switched.
+pub const NO_SWITCH: &str = "controller.guidance.branch_hysteresis_mg=1e6";

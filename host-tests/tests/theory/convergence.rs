@@ -1,8 +1,8 @@
 //! Proposition 3: with the large-α model (almost) every initial state converges.
 
-use alula_sil::flight::{Local, fly};
+use alula_sil::experiment::Experiment;
 use alula_sil::reference::wrap;
-use alula_sil::scenario::Source;
+use alula_sil::simulate::{Step, fly};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -21,6 +21,7 @@ fn every_initial_state_converges_with_the_large_angle_model() {
         let text = format!(
             "duration_s = 12.0
              control_rate_hz = 1000.0
+             substeps = 1
              [vehicle]
              mass_kg = 10.0
              k_a_kg_m = 0.6460
@@ -28,19 +29,15 @@ fn every_initial_state_converges_with_the_large_angle_model() {
              [vehicle.aerodynamics.large-angle]
              c0 = 0.0139
              c1 = 0.9430
-             [controller]
-             law = 'robust'
+             [controller.law]
+             form = 'robust'
              feed_forward = true
-             [controller.gains]
-             k1 = 0.1529
-             k2 = 0.0234
-             k3 = 6.0
-             tau_n = 80.0
              [reference]
              knots = [{{ t_s = 0.0, down_m_s = -3.0, forward_m_s = {} }}]
-             [wind]
-             down_m_s = {}
-             forward_m_s = {}
+             [sensors]
+             air = 'steady-wind'
+             [weather]
+             steady_m_s = [{}, {}]
              [initial]
              down_m_s = {}
              forward_m_s = {}
@@ -53,17 +50,15 @@ fn every_initial_state_converges_with_the_large_angle_model() {
             random(10.0),
             random(180.0),
         );
-        let scenario = Source::from_text("random", "random", &text)
-            .unwrap()
-            .scenario;
-        let mut local = Local::new(&scenario).unwrap();
-        let rows = fly(&scenario, &mut local, |_| ()).unwrap();
-        let theta_tilde =
-            |row: &alula_sil::flight::Row| f64::from(row.command().diagnostics.theta_tilde());
+        let experiment: Experiment = toml::from_str(&text).unwrap();
+        experiment.validate().unwrap();
+        let rows = fly(&experiment).unwrap();
+        let law = |row: &Step| row.answer.diagnostics().unwrap();
+        let theta_tilde = |row: &Step| f64::from(law(row).theta_tilde());
         turned_over += usize::from(theta_tilde(&rows[0]).abs() > 2.0);
         let last = rows.last().unwrap();
         let error = last.velocity_error().norm();
-        assert!(rows.iter().all(|row| row.answer.is_ok()));
+        assert!(rows.iter().all(|row| row.answer.fault().is_none()));
         assert!(
             error < 1e-3 && wrap(theta_tilde(last)).abs() < 1e-3,
             "flight {n}: {error} m/s, θ̃ = {}\n{text}",

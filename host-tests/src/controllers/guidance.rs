@@ -1,0 +1,99 @@
+//! `[controller.guidance]`: the core's whole guidance. Its parameters stand in the core's own table.
+
+use alula::{
+    BandwidthGains, GainChoice, GainParameters, Gains, Guidance, GuidanceParameters, GuidanceState,
+    ParameterError,
+};
+use toml::Value;
+
+use super::{Answer, Controller, Input, Kind, Spec};
+use crate::experiment::{Experiment, FieldError, Fields, Model, VehicleSpec, refused};
+use crate::margins::LoopGains;
+
+/// The row in the list of controllers.
+pub const KIND: Kind = Kind {
+    name: "guidance",
+    meaning: "the core's whole guidance",
+    believes: true,
+    read: |table| Ok(Box::new(GuidanceSpec::read(table)?)),
+};
+
+/// `[controller.guidance]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GuidanceSpec {
+    /// What the controller believes about the vehicle; the experiment's vehicle if left out.
+    pub vehicle: Option<VehicleSpec>,
+    /// Least and most thrust that it commands \[N\]; what the motors give if left out.
+    pub thrust_n: Option<[f64; 2]>,
+    /// Constant gains, in place of those by bandwidth.
+    pub gains: Option<GainParameters>,
+    /// The parameters.
+    pub parameters: GuidanceParameters,
+}
+
+impl GuidanceSpec {
+    /// What the table says.
+    pub fn read(table: Value) -> Result<Self, FieldError> {
+        let mut fields = Fields::new(table)?;
+        let spec = Self {
+            vehicle: fields.belief()?,
+            thrust_n: fields.take("thrust_n")?,
+            gains: fields.inner("gains")?,
+            parameters: fields.parameters()?,
+        };
+        fields.end()?;
+        Ok(spec)
+    }
+
+    /// The guidance of `experiment`.
+    pub fn guidance(
+        &self,
+        experiment: &Experiment,
+    ) -> Result<Guidance<Model, GainChoice>, FieldError> {
+        let belief = self.vehicle.as_ref().unwrap_or(&experiment.vehicle);
+        let thrust = experiment.thrust_limits(self.thrust_n, belief.weight());
+        let vehicle = belief.limited(thrust).map_err(|e| e.inside("vehicle"))?;
+        let under = |e: ParameterError| refused::<GuidanceParameters>(e);
+        let gains = match self.gains {
+            Some(p) => GainChoice::Constant(Gains::new(p).map_err(refused::<GainParameters>)?),
+            None => {
+                let gains = BandwidthGains::new(&self.parameters, &vehicle);
+                GainChoice::Bandwidth(gains.map_err(under)?)
+            }
+        };
+        Guidance::with_gains(vehicle, gains, &self.parameters).map_err(under)
+    }
+}
+
+impl Spec for GuidanceSpec {
+    fn controller(&self, experiment: &Experiment) -> Result<Box<dyn Controller>, FieldError> {
+        Ok(Box::new(Flying {
+            guidance: self.guidance(experiment)?,
+            state: GuidanceState::default(),
+        }))
+    }
+
+    fn belief(&self) -> Option<&VehicleSpec> {
+        self.vehicle.as_ref()
+    }
+
+    fn gains(&self, belief: &VehicleSpec) -> Option<LoopGains> {
+        Some(match &self.gains {
+            Some(gains) => LoopGains::of(gains),
+            None => LoopGains::by_bandwidth(&self.parameters, belief.weight()),
+        })
+    }
+}
+
+/// The guidance with its memory.
+struct Flying {
+    guidance: Guidance<Model, GainChoice>,
+    state: GuidanceState,
+}
+
+impl Controller for Flying {
+    fn answer(&mut self, input: &Input, dt: f32) -> anyhow::Result<Answer> {
+        let guided = self.guidance.update(&mut self.state, &input.sample, dt);
+        Ok(guided.into())
+    }
+}

@@ -1,0 +1,106 @@
+//! `[controller.law]`: one of the paper's laws, bare.
+
+use alula::{GainParameters, VelocityControl};
+use serde::Deserialize;
+use toml::Value;
+
+use super::{Answer, Controller, Input, Kind, Spec};
+use crate::experiment::{Experiment, FieldError, Fields, Model, VehicleSpec, refused};
+use crate::margins::LoopGains;
+
+/// The row in the list of controllers.
+pub const KIND: Kind = Kind {
+    name: "law",
+    meaning: "one of the paper's laws, bare",
+    believes: true,
+    read: |table| Ok(Box::new(LawSpec::read(table)?)),
+};
+
+/// Which law.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Form {
+    /// `eq:inputsVCeR`.
+    #[default]
+    Robust,
+    /// `lawsVGen`.
+    Full,
+}
+
+/// `[controller.law]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LawSpec {
+    /// Which law.
+    pub form: Form,
+    /// Whether the law is given the measured air acceleration and the reference's jerk.
+    pub feed_forward: bool,
+    /// What the controller believes about the vehicle; the experiment's vehicle if left out.
+    pub vehicle: Option<VehicleSpec>,
+    /// The gains.
+    pub gains: GainParameters,
+}
+
+/// A law in this process.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Law {
+    /// The law's parameters.
+    pub control: VelocityControl<Model>,
+    form: Form,
+}
+
+impl LawSpec {
+    /// What the table says.
+    pub fn read(table: Value) -> Result<Self, FieldError> {
+        let mut fields = Fields::new(table)?;
+        let spec = Self {
+            form: fields.take("form")?.unwrap_or_default(),
+            feed_forward: fields.take("feed_forward")?.unwrap_or_default(),
+            vehicle: fields.belief()?,
+            gains: fields.inner("gains")?.unwrap_or(GainParameters::PAPER),
+        };
+        fields.end()?;
+        Ok(spec)
+    }
+
+    /// The law of `experiment`.
+    pub fn law(&self, experiment: &Experiment) -> Result<Law, FieldError> {
+        let belief = self.vehicle.as_ref().unwrap_or(&experiment.vehicle);
+        let vehicle = belief.core().map_err(|e| e.inside("vehicle"))?;
+        let gains = alula::Gains::new(self.gains);
+        let gains = gains.map_err(|e| refused::<GainParameters>(e).inside("gains"))?;
+        Ok(Law {
+            control: VelocityControl::new(vehicle, gains),
+            form: self.form,
+        })
+    }
+}
+
+impl Spec for LawSpec {
+    fn controller(&self, experiment: &Experiment) -> Result<Box<dyn Controller>, FieldError> {
+        Ok(Box::new(self.law(experiment)?))
+    }
+
+    fn belief(&self) -> Option<&VehicleSpec> {
+        self.vehicle.as_ref()
+    }
+
+    fn gains(&self, _: &VehicleSpec) -> Option<LoopGains> {
+        Some(LoopGains::of(&self.gains))
+    }
+
+    fn feed_forward(&self) -> bool {
+        self.feed_forward
+    }
+}
+
+impl Controller for Law {
+    fn answer(&mut self, input: &Input, _: f32) -> anyhow::Result<Answer> {
+        let (state, reference) = (input.state(), &input.sample.reference);
+        let forward = input.feed_forward.as_ref();
+        Ok(match self.form {
+            Form::Robust => self.control.robust(&state, reference, forward),
+            Form::Full => self.control.full(&state, reference, forward),
+        }
+        .into())
+    }
+}

@@ -1,0 +1,200 @@
+//! Experiments: what is flown, by whom, along which reference, in which weather. TOML in, validated values out.
+
+mod document;
+mod parameters;
+mod plant;
+mod reference;
+mod sensors;
+mod vehicle;
+mod weather;
+
+use serde::Deserialize;
+
+pub use document::{Document, FieldError};
+pub(crate) use document::{finite, from_toml, positive, read};
+pub use parameters::file_name;
+pub(crate) use parameters::{Fields, refused};
+pub use plant::{Plant, PlantSpec, RateLoop, State};
+pub use reference::{InitialSpec, Knot, ReferenceSpec};
+pub use sensors::{
+    AirSensor, ErrorSpec, FaultKind, FaultSpec, Measured, PositionSensor, SensorSpec,
+};
+pub use vehicle::{AerodynamicsSpec, Model, Vehicle, VehicleSpec};
+pub use weather::{GustSpec, TurbulenceSpec, Weather, WeatherSpec};
+
+use crate::controllers::{Choice, Controller, Spec};
+
+/// What is flown when nothing is asked for.
+pub const DEFAULT: &str = "hover-to-cruise";
+
+macro_rules! built_in {
+    ($($name:literal),* $(,)?) => {
+        &[$(($name, include_str!(concat!("../../experiments/", $name, ".toml")))),*]
+    };
+}
+
+/// Name and TOML text of every built-in experiment. Those without a reference are vehicles, for others to be based on.
+pub const BUILT_IN: &[(&str, &str)] = built_in![
+    "paper",
+    "paper-re-5e6",
+    "paper-belief",
+    "hover-to-cruise",
+    "matched",
+    "large-angle",
+    "cruise-to-hover",
+    "steep-climb",
+    "round-trip",
+    "round-trip-weak",
+    "gentle-braking",
+    "climbing-braking",
+    "steep-descent",
+    "rough-day",
+];
+
+/// A flight to simulate. The format is described in this package's README.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Experiment {
+    /// One line for reports.
+    #[serde(default)]
+    pub description: String,
+    /// Length of the flight \[s\].
+    pub duration_s: f64,
+    /// Rate of the control steps \[Hz\]; commands are held in between.
+    #[serde(default = "hundred")]
+    pub control_rate_hz: f64,
+    /// Runge–Kutta steps of the plant per control step.
+    #[serde(default = "five")]
+    pub substeps: u32,
+    /// Seed of noise and turbulence.
+    #[serde(default)]
+    pub seed: u64,
+    /// The true vehicle.
+    pub vehicle: VehicleSpec,
+    /// Its actuators.
+    #[serde(default)]
+    pub plant: PlantSpec,
+    /// What the controller is told.
+    #[serde(default)]
+    pub sensors: SensorSpec,
+    /// The air.
+    #[serde(default)]
+    pub weather: WeatherSpec,
+    /// Who closes the loop.
+    #[serde(default)]
+    pub controller: Choice,
+    /// The reference velocity; the reference position is its integral.
+    pub reference: ReferenceSpec,
+    /// Where the flight starts.
+    #[serde(default)]
+    pub initial: InitialSpec,
+}
+
+fn hundred() -> f64 {
+    100.0
+}
+
+fn five() -> u32 {
+    5
+}
+
+/// Most control steps of one flight: a record is held in memory.
+const MAX_STEPS: f64 = 2e6;
+
+impl Experiment {
+    /// Checks every field that the type system does not.
+    pub fn validate(&self) -> Result<(), FieldError> {
+        positive("duration_s", self.duration_s)?;
+        positive("control_rate_hz", self.control_rate_hz)?;
+        let steps = self.duration_s * self.control_rate_hz;
+        if !(0.5..=MAX_STEPS).contains(&steps) {
+            let problem = format!("{steps} control steps, must be from 1 to {MAX_STEPS}");
+            return Err(FieldError::new("duration_s", problem));
+        }
+        if !(1..=1000).contains(&self.substeps) {
+            return Err(FieldError::new("substeps", "must be from 1 to 1000"));
+        }
+        // A vehicle that the core would not control is not worth flying.
+        self.vehicle.core().map_err(|e| e.inside("vehicle"))?;
+        self.plant.validate()?;
+        self.controller()?;
+        self.sensors.validate()?;
+        self.weather.validate()?;
+        self.reference.validate()?;
+        self.initial.validate()
+    }
+
+    /// What the experiment says of its controller.
+    pub fn spec(&self) -> Result<Box<dyn Spec>, FieldError> {
+        self.controller.spec()
+    }
+
+    /// The controller, at power-on.
+    pub fn controller(&self) -> Result<Box<dyn Controller>, FieldError> {
+        let path = self.controller.path();
+        self.spec()?.controller(self).map_err(|e| e.inside(&path))
+    }
+
+    /// Least and most thrust \[N\] that a controller may command: `given`, or else what the motors give. Motors without limits are taken for
+    /// those of twice the `weight` \[N\] that the controller believes in.
+    pub fn thrust_limits(&self, given: Option<[f64; 2]>, weight: f64) -> [f64; 2] {
+        let [least, most] = given.unwrap_or(self.plant.thrust_n);
+        let bounded = |value: f64, else_value| if value.is_finite() { value } else { else_value };
+        [bounded(least, 0.0), bounded(most, 2.0 * weight)]
+    }
+
+    /// Number of control periods flown.
+    pub fn steps(&self) -> usize {
+        (self.duration_s * self.control_rate_hz).round() as usize
+    }
+
+    /// The vehicle's weight m g \[N\].
+    pub fn weight(&self) -> f64 {
+        self.vehicle.weight()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_built_in_is_valid() {
+        for (name, _) in BUILT_IN {
+            let document = Document::load(name).unwrap();
+            if document.get("reference").is_some() {
+                document.checked().unwrap();
+            }
+        }
+    }
+
+    /// An experiment of one's own takes ten lines.
+    #[test]
+    fn what_is_left_out_has_a_default() {
+        let text = "duration_s = 20\n\
+            [vehicle]\nmass_kg = 3.0\nk_a_kg_m = 0.2\n\
+            [plant]\nthrust_n = [0.0, 47.0]\n\
+            [reference]\nknots = [{ t_s = 0, down_m_s = 0, forward_m_s = 0 }]\n";
+        assert!(text.lines().count() < 10);
+        let experiment: Experiment = from_toml("x", text, Experiment::validate).unwrap();
+        assert_eq!(
+            (experiment.control_rate_hz, experiment.substeps),
+            (100.0, 5)
+        );
+        assert_eq!(experiment.controller.name(), "guidance");
+        assert_eq!(experiment.plant.rate_loop, RateLoop::Ideal);
+        assert_eq!(experiment.vehicle.gravity_m_s2, 9.81);
+    }
+
+    #[test]
+    fn lengths_are_bounded() {
+        let refused = |text: &str| {
+            let mut document = Document::load("round-trip").unwrap();
+            document.assign(text).unwrap();
+            document.experiment().unwrap_err().to_string()
+        };
+        assert!(refused("control_rate_hz=1e9").starts_with("duration_s: 115"));
+        assert!(refused("duration_s=-2").starts_with("duration_s: must be positive"));
+        assert!(refused("substeps=0").starts_with("substeps: must be from 1"));
+    }
+}

@@ -1,0 +1,141 @@
+//! Parameters of the core by name: every range, default and meaning is read from the core's own table.
+
+use alula::{ParameterError, Parameters, Row};
+use serde::de::DeserializeOwned;
+use toml::{Table, Value};
+
+use super::document::{Document, FieldError, read};
+use super::vehicle::VehicleSpec;
+
+/// Name of a parameter in files: the core's name and its unit. Angles are in degrees there.
+pub fn file_name(row: &Row) -> String {
+    let unit = match row.unit {
+        "" => return row.name.to_owned(),
+        "rad" => "deg".to_owned(),
+        unit => unit
+            .replace('^', "")
+            .replace(['/', ' '], "_")
+            .to_lowercase(),
+    };
+    // Gains have no unit in their names: theirs say nothing to anybody.
+    match row.name {
+        "k1" | "k2" | "k3" => row.name.to_owned(),
+        name => format!("{name}_{unit}"),
+    }
+}
+
+/// A refusal of the core under the name that the field has in files.
+pub(crate) fn refused<P: Parameters>(error: ParameterError) -> FieldError {
+    let row = P::ROWS.iter().find(|row| row.name == error.parameter);
+    let field = row.map_or(error.parameter.to_owned(), file_name);
+    FieldError::new(field, error.to_string())
+}
+
+/// A table whose fields are taken out one by one.
+pub(crate) struct Fields(Table);
+
+impl Fields {
+    /// The fields of a table.
+    pub fn new(table: Value) -> Result<Self, FieldError> {
+        Ok(Self(read(table)?))
+    }
+
+    /// The field `key`, if it is there.
+    pub fn take<T: DeserializeOwned>(&mut self, key: &str) -> Result<Option<T>, FieldError> {
+        let value = self.0.remove(key).map(read::<T>).transpose();
+        value.map_err(|e| e.inside(key))
+    }
+
+    /// What a controller believes about the vehicle: a table, or the name of a document whose vehicle it is.
+    pub fn belief(&mut self) -> Result<Option<VehicleSpec>, FieldError> {
+        let Some(Value::String(name)) = self.0.get("vehicle").cloned() else {
+            return self.take("vehicle");
+        };
+        self.0.remove("vehicle");
+        let document = Document::load(&name);
+        let vehicle = document.and_then(|d| d.vehicle().map_err(|e| d.located(e)));
+        let error = |e: anyhow::Error| FieldError::new("vehicle", format!("{e:#}"));
+        vehicle.map(Some).map_err(error)
+    }
+
+    /// The parameters of a table in the core, each at its default if it is left out.
+    pub fn parameters<P: Parameters>(&mut self) -> Result<P, FieldError> {
+        let mut parameters = P::DEFAULT;
+        for (i, row) in P::ROWS.iter().enumerate() {
+            let name = file_name(row);
+            match self.take::<f64>(&name)? {
+                Some(value) if row.unit == "rad" => {
+                    parameters.set(i, value.to_radians() as f32);
+                }
+                Some(value) => parameters.set(i, value as f32),
+                None if row.default.is_nan() => return Err(FieldError::new(name, "is missing")),
+                None => {}
+            }
+        }
+        parameters.check().map_err(refused::<P>)?;
+        Ok(parameters)
+    }
+
+    /// The parameters in the inner table `key`, if it is there.
+    pub fn inner<P: Parameters>(&mut self, key: &str) -> Result<Option<P>, FieldError> {
+        let Some(table) = self.take::<Table>(key)? else {
+            return Ok(None);
+        };
+        let mut fields = Self(table);
+        let parameters = fields.parameters();
+        let all = parameters.and_then(|parameters| fields.end().map(|()| Some(parameters)));
+        all.map_err(|e| e.inside(key))
+    }
+
+    /// Refuses what has not been taken.
+    pub fn end(self) -> Result<(), FieldError> {
+        match self.0.keys().next() {
+            Some(name) => Err(FieldError::new(name, format!("unknown field `{name}`"))),
+            None => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use alula::{GainParameters, GuidanceParameters, VehicleParameters};
+
+    fn fields(text: &str) -> Fields {
+        Fields(text.parse().unwrap())
+    }
+
+    #[test]
+    fn names_have_units() {
+        let names = |rows: &[Row]| rows.iter().map(file_name).collect::<Vec<_>>().join(" ");
+        assert_eq!(
+            names(VehicleParameters::ROWS),
+            "mass_kg k_a_kg_m delta_deg gravity_m_s2 thrust_min_n thrust_max_n"
+        );
+        assert_eq!(names(GainParameters::ROWS), "k1 k2 k3 tau_n");
+        assert!(names(GuidanceParameters::ROWS).starts_with(
+            "natural_frequency_rad_s damping thrust_rate_1_s force_floor_mg tau_mg max_acceleration_m_s2"
+        ));
+    }
+
+    #[test]
+    fn values_are_read_by_name_and_the_rest_is_refused() {
+        let text = "mass_kg = 2\nk_a_kg_m = 0.1\ndelta_deg = 90\nthrust_max_n = 50\nspan_m = 1";
+        let mut table = fields(text);
+        let vehicle: VehicleParameters = table.parameters().unwrap();
+        assert_eq!((vehicle.mass, vehicle.gravity), (2.0, 9.81));
+        assert_eq!(vehicle.delta, std::f32::consts::FRAC_PI_2);
+        assert_eq!(
+            table.end().unwrap_err().to_string(),
+            "span_m: unknown field `span_m`"
+        );
+        let error = |text: &str| {
+            let read = fields(text).parameters::<VehicleParameters>();
+            read.unwrap_err().to_string()
+        };
+        assert_eq!(error("mass_kg = 1"), "k_a_kg_m: is missing");
+        let text = "mass_kg = 1\nk_a_kg_m = 1\nthrust_max_n = 9\n";
+        assert!(error(&format!("{text}delta_deg = 200")).starts_with("delta_deg: delta is out"));
+        assert!(error(&format!("{text}gravity_m_s2 = 'g'")).starts_with("gravity_m_s2: invalid"));
+    }
+}

@@ -1,0 +1,153 @@
+//! The reference velocity, and where a flight starts.
+
+use serde::Deserialize;
+
+use super::document::{FieldError, finite};
+use crate::reference::Vector;
+
+/// `[reference]`: the reference velocity, linear between knots, constant before and after them.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ReferenceSpec {
+    /// The knots, by increasing time.
+    pub knots: Vec<Knot>,
+}
+
+/// One knot of the reference velocity.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Knot {
+    /// Time \[s\].
+    pub t_s: f64,
+    /// Velocity down \[m/s\].
+    pub down_m_s: f64,
+    /// Velocity forward \[m/s\].
+    pub forward_m_s: f64,
+}
+
+impl ReferenceSpec {
+    pub(super) fn validate(&self) -> Result<(), FieldError> {
+        if self.knots.is_empty() {
+            let problem = "must have at least one knot";
+            return Err(FieldError::new("reference.knots", problem));
+        }
+        for (i, knot) in self.knots.iter().enumerate() {
+            let field = format!("reference.knots[{i}]");
+            finite(&field, knot.t_s)?;
+            finite(&field, knot.down_m_s)?;
+            finite(&field, knot.forward_m_s)?;
+            if i > 0 && knot.t_s <= self.knots[i - 1].t_s {
+                let problem = "t_s must increase from knot to knot";
+                return Err(FieldError::new(field, problem));
+            }
+        }
+        Ok(())
+    }
+
+    /// Reference velocity \[m/s\] and acceleration \[m/s²\] at `t` \[s\]. At a knot the acceleration is that of the segment that
+    /// begins there.
+    pub fn at(&self, t: f64) -> (Vector, Vector) {
+        let velocity = |k: &Knot| Vector::new(k.down_m_s, k.forward_m_s);
+        let next = self.knots.partition_point(|k| k.t_s <= t);
+        if next == 0 {
+            (velocity(&self.knots[0]), Vector::zeros())
+        } else if next == self.knots.len() {
+            (velocity(&self.knots[next - 1]), Vector::zeros())
+        } else {
+            let (from, to) = (&self.knots[next - 1], &self.knots[next]);
+            let slope = (velocity(to) - velocity(from)) / (to.t_s - from.t_s);
+            (velocity(from) + slope * (t - from.t_s), slope)
+        }
+    }
+
+    /// The reference velocity's integral from 0 to `t` ≥ 0 \[s\], \[m\]: exact.
+    pub fn position(&self, t: f64) -> Vector {
+        let ends = self.breaks(t);
+        let piece = |ends: &[f64]| self.piece(ends[0], ends[1]);
+        ends.windows(2).map(piece).sum()
+    }
+
+    /// The integral over a piece without knots inside: the mean of both ends, up to the end from the left.
+    fn piece(&self, from: f64, to: f64) -> Vector {
+        let (start, slope) = self.at(from);
+        (to - from) * (start + 0.5 * (to - from) * slope)
+    }
+
+    /// Positions at times that increase: what [`Self::position`] gives, without adding up every knot each time.
+    pub fn positions(&self) -> impl FnMut(f64) -> Vector {
+        let mut done = (0.0, Vector::zeros());
+        let mut knots = self.knots.iter().map(|k| k.t_s).peekable();
+        move |t| {
+            while let Some(knot) = knots.next_if(|&knot| knot < t) {
+                if knot > 0.0 {
+                    done = (knot, done.1 + self.piece(done.0, knot));
+                }
+            }
+            done.1 + self.piece(done.0, t)
+        }
+    }
+
+    /// The times of the knots inside (0, `end`), with 0 and `end` \[s\].
+    pub fn breaks(&self, end: f64) -> Vec<f64> {
+        let inner = self.knots.iter().map(|k| k.t_s);
+        let inner = inner.filter(|&k| 0.0 < k && k < end);
+        std::iter::once(0.0).chain(inner).chain([end]).collect()
+    }
+}
+
+/// `[initial]`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct InitialSpec {
+    /// Velocity down \[m/s\].
+    pub down_m_s: f64,
+    /// Velocity forward \[m/s\].
+    pub forward_m_s: f64,
+    /// θ \[°\].
+    pub theta_deg: f64,
+    /// Thrust before the first command acts \[N\].
+    pub thrust_n: f64,
+}
+
+impl InitialSpec {
+    pub(super) fn validate(&self) -> Result<(), FieldError> {
+        finite("initial.down_m_s", self.down_m_s)?;
+        finite("initial.forward_m_s", self.forward_m_s)?;
+        finite("initial.theta_deg", self.theta_deg)?;
+        finite("initial.thrust_n", self.thrust_n)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_reference_is_linear_between_knots_and_held_outside() {
+        let knot = |t_s, forward_m_s| Knot {
+            t_s,
+            down_m_s: -1.0,
+            forward_m_s,
+        };
+        let reference = ReferenceSpec {
+            knots: vec![knot(1.0, 0.0), knot(3.0, 4.0)],
+        };
+        let forward = |t| {
+            let (v, a) = reference.at(t);
+            assert_eq!(v.x, -1.0);
+            (v.y, a.y)
+        };
+        assert_eq!(forward(0.0), (0.0, 0.0));
+        assert_eq!(forward(1.0), (0.0, 2.0));
+        assert_eq!(forward(2.5), (3.0, 2.0));
+        assert_eq!(forward(3.0), (4.0, 0.0));
+        assert_eq!(forward(9.0), (4.0, 0.0));
+        let mut running = reference.positions();
+        for (t, x) in [(0.5, [-0.5, 0.0]), (2.0, [-2.0, 1.0]), (5.0, [-5.0, 12.0])] {
+            assert_eq!(reference.position(t), Vector::from(x));
+            assert_eq!(running(t), Vector::from(x));
+        }
+        assert_eq!(reference.breaks(9.0), [0.0, 1.0, 3.0, 9.0]);
+        assert_eq!(reference.breaks(2.0), [0.0, 1.0, 2.0]);
+    }
+}

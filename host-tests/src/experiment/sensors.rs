@@ -1,0 +1,231 @@
+//! Sensors: noise, bias and quantisation of what the controller is told, and faults.
+
+use alula::guidance::Air;
+use rand::Rng;
+use rand_distr::{Distribution, StandardNormal};
+use serde::{Deserialize, Serialize};
+
+use super::document::{FieldError, finite};
+use super::plant::State;
+use crate::controllers::inertial;
+use crate::reference::Vector;
+
+/// Errors of one measured quantity, in its unit: value + bias + noise, rounded to whole steps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ErrorSpec {
+    /// Constant.
+    pub bias: f64,
+    /// Standard deviation of white noise, anew at every control step.
+    pub noise: f64,
+    /// Quantum; 0 for none.
+    pub quantum: f64,
+}
+
+/// Which knowledge of the air reaches the controller.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum AirSensor {
+    /// The air velocity, as of a probe.
+    #[default]
+    Velocity,
+    /// The steady wind, as of a forecast.
+    SteadyWind,
+    /// Nothing.
+    None,
+}
+
+/// Whether the position is measured.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PositionSensor {
+    /// It is.
+    #[default]
+    Measured,
+    /// Nothing is known of it.
+    None,
+}
+
+/// What is wrong with the inputs while a fault lasts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FaultKind {
+    /// No air data.
+    Air,
+    /// The velocity is NaN.
+    VelocityNan,
+    /// The attitude is NaN.
+    AttitudeNan,
+    /// The state ages: the last one measured comes again and again.
+    StateStale,
+    /// The reference ages.
+    ReferenceStale,
+    /// The position error is NaN.
+    PositionNan,
+}
+
+/// A fault of the inputs.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FaultSpec {
+    /// What fails.
+    pub kind: FaultKind,
+    /// From when \[s\].
+    pub from_s: f64,
+    /// Until when \[s\].
+    pub to_s: f64,
+}
+
+/// `[sensors]`.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SensorSpec {
+    /// Of each component of the velocity \[m/s\].
+    pub velocity_m_s: ErrorSpec,
+    /// Of each component of the position \[m\].
+    pub position_m: ErrorSpec,
+    /// Of the attitude \[°\].
+    pub theta_deg: ErrorSpec,
+    /// Of each component of the air velocity \[m/s\].
+    pub air_m_s: ErrorSpec,
+    /// What is known of the air.
+    pub air: AirSensor,
+    /// What is known of the position.
+    pub position: PositionSensor,
+    /// Faults injected.
+    pub faults: Vec<FaultSpec>,
+}
+
+impl SensorSpec {
+    pub(super) fn validate(&self) -> Result<(), FieldError> {
+        for (field, error) in [
+            ("sensors.velocity_m_s", &self.velocity_m_s),
+            ("sensors.position_m", &self.position_m),
+            ("sensors.theta_deg", &self.theta_deg),
+            ("sensors.air_m_s", &self.air_m_s),
+        ] {
+            finite(&format!("{field}.bias"), error.bias)?;
+            for (part, value) in [("noise", error.noise), ("quantum", error.quantum)] {
+                let field = format!("{field}.{part}");
+                finite(&field, value)?;
+                if value < 0.0 {
+                    return Err(FieldError::new(field, "must not be negative"));
+                }
+            }
+        }
+        for (i, fault) in self.faults.iter().enumerate() {
+            let field = format!("sensors.faults[{i}]");
+            finite(&field, fault.from_s)?;
+            finite(&field, fault.to_s)?;
+            if fault.from_s >= fault.to_s {
+                return Err(FieldError::new(field, "from_s must be before to_s"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether a fault of this kind lasts at `t` \[s\].
+    pub(crate) fn fails(&self, kind: FaultKind, t: f64) -> bool {
+        self.faults
+            .iter()
+            .any(|f| f.kind == kind && (f.from_s..f.to_s).contains(&t))
+    }
+
+    /// What is measured of `truth` in `wind` \[m/s\], which is `steady` but for gusts and turbulence.
+    pub(crate) fn measure(
+        &self,
+        truth: &State,
+        wind: Vector,
+        steady: Vector,
+        random: &mut impl Rng,
+    ) -> Measured {
+        Measured {
+            velocity: self.velocity_m_s.vector(truth.velocity, random),
+            position: self.position_m.vector(truth.position, random),
+            theta: match self.theta_deg.apply(truth.theta.to_degrees(), random) {
+                // Exactly, where nothing is wrong.
+                _ if self.theta_deg == ErrorSpec::default() => truth.theta,
+                degrees => degrees.to_radians(),
+            },
+            air: match self.air {
+                AirSensor::Velocity => {
+                    Air::Velocity(inertial(self.air_m_s.vector(truth.velocity - wind, random)))
+                }
+                AirSensor::SteadyWind => Air::Wind(inertial(steady)),
+                AirSensor::None => Air::Unknown,
+            },
+        }
+    }
+}
+
+/// What was measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measured {
+    /// v \[m/s\].
+    pub velocity: Vector,
+    /// x \[m\].
+    pub position: Vector,
+    /// θ \[rad\], not wrapped.
+    pub theta: f64,
+    /// What is known of the air.
+    pub air: Air,
+}
+
+impl ErrorSpec {
+    fn apply(&self, value: f64, random: &mut impl Rng) -> f64 {
+        // Drawn in any case: the stream of numbers does not depend on which errors are on.
+        let normal: f64 = StandardNormal.sample(random);
+        let value = value + self.bias + self.noise * normal;
+        if self.quantum > 0.0 {
+            (value / self.quantum).round() * self.quantum
+        } else {
+            value
+        }
+    }
+
+    fn vector(&self, value: Vector, random: &mut impl Rng) -> Vector {
+        value.map(|x| self.apply(x, random))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+
+    #[test]
+    fn errors_add_up_and_are_rounded() {
+        let random = &mut ChaCha8Rng::seed_from_u64(3);
+        let exact = ErrorSpec::default();
+        assert_eq!(exact.apply(1.234, random), 1.234);
+        let error = ErrorSpec {
+            bias: 0.5,
+            noise: 0.2,
+            quantum: 0.25,
+        };
+        let n = 20_000;
+        let values: Vec<_> = (0..n).map(|_| error.apply(1.0, random)).collect();
+        assert!(values.iter().all(|v| (v / 0.25).fract() == 0.0));
+        let mean = values.iter().sum::<f64>() / f64::from(n);
+        let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / f64::from(n);
+        // Four standard errors. Sheppard's correction adds quantum²/12 to the variance.
+        assert!((mean - 1.5).abs() < 6e-3);
+        assert!((variance - (0.04 + 0.25 * 0.25 / 12.0)).abs() < 2e-3);
+    }
+
+    #[test]
+    fn a_fault_lasts_from_its_beginning_to_before_its_end() {
+        let sensors = SensorSpec {
+            faults: vec![FaultSpec {
+                kind: FaultKind::Air,
+                from_s: 1.0,
+                to_s: 2.0,
+            }],
+            ..SensorSpec::default()
+        };
+        let fails = |t| sensors.fails(FaultKind::Air, t);
+        assert!(!fails(0.99) && fails(1.0) && fails(1.99) && !fails(2.0));
+        assert!(!sensors.fails(FaultKind::StateStale, 1.5));
+    }
+}

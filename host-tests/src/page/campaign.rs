@@ -1,0 +1,234 @@
+//! The page about a campaign: fans, limits, worst flights, percentiles.
+
+use plotters::style::RGBColor;
+
+use super::chart::{BLUE, Chart, Series, Stroke, sheet};
+use super::{Page, Table, columns};
+use crate::columns::column;
+use crate::study::{CampaignSource, Fan, LimitFound, PERCENTILES, Summary};
+
+const NOTES: &str = "Percentiles are within half a percent; the least and the greatest are exact. A fan shows the range of all \
+    flights, 1–99 %, 5–95 % and 25–75 % of them, and the median, each at its instant: no flight need follow its edges. \
+    Correlations are linear, between a dispersed field and a limit's figure.";
+
+/// Tints of the fan from the outside in.
+const TINTS: [RGBColor; 4] = [
+    RGBColor(236, 240, 245),
+    RGBColor(206, 220, 236),
+    RGBColor(160, 190, 222),
+    RGBColor(110, 155, 204),
+];
+
+/// The page about what `source` found.
+pub fn page(source: &CampaignSource, summary: &Summary) -> Page {
+    let campaign = &source.campaign;
+    let verdict = if summary.verdict() {
+        "passed"
+    } else {
+        "FAILED"
+    };
+    let mut lead = format!(
+        "{}. {} flights of {}, seed {}: {verdict}",
+        campaign.description, summary.flights, campaign.base, campaign.seed,
+    );
+    if campaign.limits.iter().any(|limit| limit.departure) {
+        lead += &format!("; {} departed", summary.departed);
+        if summary.departed == 0 {
+            // The rule of three.
+            let bound = 3.0 / summary.flights as f64;
+            lead += &format!(" (under {bound:.1e} of all with 95 % confidence)");
+        }
+    }
+    if !campaign.limits.is_empty() {
+        lead += &format!("; {} keep every limit", summary.passed);
+    }
+    lead.push('.');
+    let mut tables = Vec::new();
+    if !summary.limits.is_empty() {
+        tables.extend([limits(summary), worst(summary)]);
+    }
+    if !summary.faults.is_empty() {
+        tables.push(faults(summary));
+    }
+    tables.push(figures(summary));
+    if !summary.dispersions.is_empty() {
+        tables.push(dispersions(summary));
+    }
+    Page {
+        title: format!("Campaign {}", source.stem()),
+        lead,
+        svg: svg(summary),
+        tables,
+        text: None,
+        notes: NOTES.to_owned(),
+    }
+}
+
+fn number(value: f64) -> String {
+    if value.is_finite() {
+        // Not "-0.000".
+        format!("{:.3}", (value * 1e3).round() / 1e3 + 0.0)
+    } else {
+        "–".to_owned()
+    }
+}
+
+fn bounds(limit: &LimitFound) -> String {
+    match (limit.least, limit.most) {
+        (Some(least), Some(most)) => format!("{least} to {most}"),
+        (Some(least), None) => format!("≥ {least}"),
+        (None, Some(most)) => format!("≤ {most}"),
+        (None, None) => String::new(),
+    }
+}
+
+fn limits(summary: &Summary) -> Table {
+    let row = |limit: &LimitFound| {
+        vec![
+            limit.figure.to_owned(),
+            bounds(limit),
+            format!("{:.2}", 100.0 * limit.share_required),
+            format!("{:.2}", 100.0 * limit.share),
+            match (limit.kept, limit.departure) {
+                (true, _) => "kept",
+                (false, false) => "NOT KEPT",
+                (false, true) => "DEPARTED",
+            }
+            .to_owned(),
+        ]
+    };
+    Table {
+        title: "Limits".to_owned(),
+        header: columns(["figure", "inside", "required [%]", "flights [%]", ""]),
+        rows: summary.limits.iter().map(row).collect(),
+    }
+}
+
+fn worst(summary: &Summary) -> Table {
+    let sides = |limit: &LimitFound| (limit.figure, limit.least.is_some(), limit.most.is_some());
+    let limits = summary.limits.iter().enumerate();
+    // A stricter limit of the same figure has the same worst flights.
+    let first = limits.filter(|(i, limit)| {
+        let same = |earlier: &LimitFound| sides(earlier) == sides(limit);
+        !summary.limits[..*i].iter().any(same)
+    });
+    let rows = first.flat_map(|(_, limit)| {
+        limit.worst.iter().map(|worst| {
+            vec![
+                limit.figure.to_owned(),
+                worst.flight.to_string(),
+                number(worst.value),
+                worst.command.clone(),
+            ]
+        })
+    });
+    Table {
+        title: "Worst flights".to_owned(),
+        header: columns(["figure", "flight", "value", "fly it again"]),
+        rows: rows.collect(),
+    }
+}
+
+fn faults(summary: &Summary) -> Table {
+    let rows = summary.faults.iter().map(|fault| {
+        let kind = serde_json::to_value(fault.kind).expect("a name");
+        let others: Vec<String> = fault.others.iter().map(ToString::to_string).collect();
+        vec![
+            kind.as_str().unwrap_or_default().to_owned(),
+            fault.during.clone(),
+            fault.flights.to_string(),
+            fault.as_stated.to_string(),
+            others.join(", "),
+        ]
+    });
+    Table {
+        title: "Faults".to_owned(),
+        header: columns([
+            "kind",
+            "ends in",
+            "flights",
+            "as stated",
+            "flights that did not",
+        ]),
+        rows: rows.collect(),
+    }
+}
+
+fn figures(summary: &Summary) -> Table {
+    let rows = summary.figures.iter().map(|found| {
+        let mut row = vec![found.figure.to_owned()];
+        row.extend(found.percentiles.map(number));
+        row
+    });
+    Table {
+        title: "Percentiles over all flights".to_owned(),
+        header: columns([
+            "figure", "least", "1 %", "5 %", "25 %", "50 %", "75 %", "95 %", "99 %", "greatest",
+        ]),
+        rows: rows.collect(),
+    }
+}
+
+fn dispersions(summary: &Summary) -> Table {
+    let rows = summary.dispersions.iter().map(|found| {
+        let named = found.correlations.iter().zip(&summary.limits);
+        let mut by_size: Vec<_> = named.collect();
+        by_size.sort_by(|a, b| b.0.abs().total_cmp(&a.0.abs()));
+        let largest = by_size.first().map_or(String::new(), |(r, limit)| {
+            format!("{r:+.2} {}", limit.figure)
+        });
+        vec![
+            found.field.clone(),
+            number(found.least),
+            number(found.most),
+            largest,
+        ]
+    });
+    Table {
+        title: "Dispersions".to_owned(),
+        header: columns([
+            "field",
+            "least",
+            "greatest",
+            "largest correlation with a limit's figure",
+        ]),
+        rows: rows.collect(),
+    }
+}
+
+fn svg(summary: &Summary) -> String {
+    let titles: Vec<String> = summary.fans.iter().map(title).collect();
+    let charts = summary.fans.iter().zip(&titles);
+    let charts: Vec<Chart> = charts.map(|(found, title)| fan(found, title)).collect();
+    sheet(&charts, 310).expect("charts of finite ranges can be drawn")
+}
+
+/// The column's meaning and its unit.
+fn title(fan: &Fan) -> String {
+    let unit = match fan.column {
+        name if name.ends_with("_m_s") => " [m/s]",
+        name if name.ends_with("_m") => " [m]",
+        name if name.ends_with("_rad") => " [rad]",
+        _ => "",
+    };
+    let meaning = column(fan.column).map_or(fan.column, |column| column.meaning);
+    format!("{}{unit}", meaning.replace('\\', ""))
+}
+
+fn fan<'a>(fan: &Fan, title: &'a str) -> Chart<'a> {
+    const NAMES: [&str; 4] = ["all", "1–99 %", "5–95 %", "25–75 %"];
+    let last = PERCENTILES.len() - 1;
+    let mut series: Vec<Series> = Vec::new();
+    for (i, (name, color)) in NAMES.into_iter().zip(TINTS).enumerate() {
+        let edge = |j: usize| fan.points.iter().map(move |(t, p)| (*t, p[j]));
+        series.push(Series {
+            name,
+            color,
+            stroke: Stroke::Fill,
+            points: edge(i).chain(edge(last - i).rev()).collect(),
+        });
+    }
+    let median = fan.points.iter().map(|(t, p)| (*t, p[last / 2]));
+    series.push(Series::line("median", BLUE, median.collect()));
+    Chart::over_time(title, series)
+}

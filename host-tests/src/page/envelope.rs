@@ -1,0 +1,192 @@
+//! The figure of an envelope: the paper's bifurcation figure, the fold curves, the coefficients.
+
+use super::chart::{BLUE, Chart, GREY, Mark, ORANGE, Series, Stroke, sheet};
+use crate::envelope::{Curve, Cusp, Fold, FoldPoint};
+use crate::reference::Vehicle;
+
+/// What is drawn.
+pub struct Figure<'a> {
+    /// The vehicle.
+    pub vehicle: &'a Vehicle,
+    /// Its curve at the climb angle asked for.
+    pub curve: &'a Curve<'a>,
+    /// That climb angle \[rad\].
+    pub epsilon: f64,
+    /// The folds there.
+    pub folds: &'a [Fold],
+    /// The folds at every climb angle.
+    pub fold_curve: &'a [Vec<FoldPoint>],
+    /// Their cusps.
+    pub cusps: &'a [Cusp],
+}
+
+/// The figure as SVG text.
+pub fn svg(figure: &Figure) -> String {
+    let mut charts = vec![bifurcation(figure, false)];
+    // Where there is nothing to look at closely, there is no close look.
+    if !figure.folds.is_empty() {
+        charts.push(bifurcation(figure, true));
+    }
+    charts.push(fold_curves(figure));
+    charts.push(coefficients(figure.vehicle));
+    sheet(&charts, 420).expect("charts of finite ranges can be drawn")
+}
+
+/// a against α: the branch θ̃ = 0 drawn solid, where a falls with α, the branch θ̃ = π dashed.
+fn bifurcation(figure: &Figure, close: bool) -> Chart<'static> {
+    let highest = figure.folds.iter().map(|fold| fold.a).fold(0.0, f64::max);
+    let lowest = figure
+        .folds
+        .iter()
+        .map(|f| f.a)
+        .fold(f64::INFINITY, f64::min);
+    let (floor, ceiling, (first, last)) = if close {
+        let angles = || figure.folds.iter().map(|fold| fold.alpha.to_degrees());
+        let (low, high) = (
+            angles().fold(f64::INFINITY, f64::min),
+            angles().fold(f64::NEG_INFINITY, f64::max),
+        );
+        let margin = 0.15 * (highest - lowest) + 0.02;
+        let around = (high - low).max(4.0);
+        (
+            lowest - margin,
+            highest + margin,
+            (low - around, high + around),
+        )
+    } else {
+        let ceiling = if highest > 0.0 { 2.0 * highest } else { 3.0 };
+        let (from, to) = figure.curve.range();
+        (0.0, ceiling, (from.to_degrees(), to.to_degrees()))
+    };
+    let points = figure.curve.points();
+    let branch = |aligned: bool| {
+        let value = |&(alpha, a): &(f64, f64)| {
+            let degrees = alpha.to_degrees();
+            let inside = (floor..ceiling).contains(&a) && (first..last).contains(&degrees);
+            let drawn = inside && (figure.curve.slope(alpha) < 0.0) == aligned;
+            (degrees, if drawn { a } else { f64::NAN })
+        };
+        let within = |p: &(f64, f64)| (first..last).contains(&p.0);
+        points.iter().map(value).filter(within).collect()
+    };
+    // Labels of minima go below their marks, the left one of two neighbours below the other; those of maxima above.
+    let is_minimum = |fold: &Fold| figure.curve.slope(fold.alpha - 1e-6) < 0.0;
+    let shift = |fold: &Fold| {
+        let neighbours = figure.folds.iter().filter(|other| {
+            let ahead = (other.alpha - fold.alpha).to_degrees();
+            is_minimum(other) && (0.0..5.0).contains(&ahead)
+        });
+        if is_minimum(fold) {
+            16 * neighbours.count() as i32
+        } else {
+            -14
+        }
+    };
+    let mark = |fold: &Fold| Mark {
+        at: (fold.alpha.to_degrees(), fold.a),
+        shift: shift(fold),
+        label: if close {
+            format!("{:.2}°, {:.4}", fold.alpha.to_degrees(), fold.a)
+        } else {
+            String::new()
+        },
+    };
+    let mut series = vec![Series {
+        name: "θ̃ = 0",
+        color: BLUE,
+        stroke: Stroke::Solid,
+        points: branch(true),
+    }];
+    if !figure.folds.is_empty() {
+        series.push(Series {
+            name: "θ̃ = π",
+            color: ORANGE,
+            stroke: Stroke::Dashed,
+            points: branch(false),
+        });
+    }
+    Chart {
+        title: if close {
+            "the same, near the folds"
+        } else {
+            "equilibrium curve: a = k_a|v_a|²/|W|"
+        },
+        horizontal: "angle of attack α [°]",
+        series,
+        marks: figure.folds.iter().map(mark).collect(),
+        logarithmic: false,
+    }
+}
+
+fn fold_curves(figure: &Figure) -> Chart<'static> {
+    let mut points = Vec::new();
+    for piece in figure.fold_curve {
+        let mut last = (f64::INFINITY, 0.0);
+        for (i, p) in piece.iter().enumerate() {
+            let point = (p.epsilon.to_degrees(), p.a);
+            // The curve runs fast and slow: no point that would fall on the one before.
+            let apart = (point.0 - last.0).abs() > 0.3 || (point.1 - last.1).abs() > 0.005;
+            if apart || i + 1 == piece.len() {
+                points.push(point);
+                last = point;
+            }
+        }
+        points.push((0.0, f64::NAN));
+    }
+    let highest = points.iter().map(|p| p.1).filter(|a| a.is_finite());
+    let highest = highest.fold(0.0, f64::max);
+    let epsilon = figure.epsilon.to_degrees();
+    let mark = |cusp: &Cusp| Mark {
+        at: (cusp.epsilon.to_degrees(), cusp.a),
+        label: format!("cusp {:.1}°", cusp.epsilon.to_degrees()),
+        shift: 14,
+    };
+    // A table has cusps wherever it bends: only a few can be labelled.
+    let labelled = figure.cusps.len() <= 3;
+    Chart {
+        title: "folds at every climb angle: a, by ε",
+        horizontal: "climb angle ε, or atan(a_f/g) [°]",
+        series: vec![
+            Series {
+                name: "folds",
+                color: BLUE,
+                stroke: Stroke::Solid,
+                points,
+            },
+            Series {
+                name: "this ε",
+                color: GREY,
+                stroke: Stroke::Dashed,
+                points: vec![(epsilon, 0.0), (epsilon, highest)],
+            },
+        ],
+        marks: if labelled {
+            figure.cusps.iter().map(mark).collect()
+        } else {
+            Vec::new()
+        },
+        logarithmic: false,
+    }
+}
+
+fn coefficients(vehicle: &Vehicle) -> Chart<'static> {
+    let series = |name, color, of: fn(&crate::reference::Coefficients) -> f64| Series {
+        name,
+        color,
+        stroke: Stroke::Solid,
+        points: (-1799..1800)
+            .map(|n| f64::from(n) * 0.1)
+            .map(|degrees| (degrees, of(&vehicle.aerodynamics.at(degrees.to_radians()))))
+            .collect(),
+    };
+    Chart {
+        title: "coefficients",
+        horizontal: "angle of attack α [°]",
+        series: vec![
+            series("c_L", BLUE, |c| c.c_l),
+            series("c_D", ORANGE, |c| c.c_d),
+        ],
+        marks: Vec::new(),
+        logarithmic: false,
+    }
+}

@@ -1,0 +1,45 @@
+//! The figure of a fit: table and model, over all angles and near stall.
+
+use super::chart::{BLUE, Chart, GREY, Series, Stroke, sheet};
+use crate::reference::{Aerodynamics, Coefficients, Row};
+
+/// The figure of `rows` and the `model` fitted to them as SVG text.
+pub fn svg(rows: &[Row], model: &Aerodynamics) -> String {
+    let chart = |title, last: f64, k: usize, of: fn(&Coefficients) -> f64| Chart {
+        title,
+        horizontal: "angle of attack α [°]",
+        series: vec![
+            Series {
+                name: "table",
+                color: GREY,
+                stroke: Stroke::Dots,
+                points: rows
+                    .iter()
+                    .map(|row| (row[0].to_degrees(), row[k]))
+                    .filter(|point| (-1e-6..last + 1e-6).contains(&point.0))
+                    .collect(),
+            },
+            Series {
+                name: "fit",
+                color: BLUE,
+                stroke: Stroke::Solid,
+                points: (0..1000)
+                    .map(|n| last * f64::from(n) / 1000.0)
+                    .map(|degrees| (degrees, of(&model.at(degrees.to_radians()))))
+                    .collect(),
+            },
+        ],
+        marks: Vec::new(),
+        logarithmic: false,
+    };
+    sheet(
+        &[
+            chart("c_L", 180.0, 1, |c| c.c_l),
+            chart("c_D", 180.0, 2, |c| c.c_d),
+            chart("c_L near stall", 30.0, 1, |c| c.c_l),
+            chart("c_D near stall", 30.0, 2, |c| c.c_d),
+        ],
+        380,
+    )
+    .expect("charts of finite ranges can be drawn")
+}

@@ -1,0 +1,123 @@
+//! A page about an analysis: a figure and tables, which also print as text.
+
+use std::fmt::Write as _;
+use std::fs::File;
+use std::io::Write as _;
+use std::path::Path;
+
+use anyhow::Context;
+use minijinja::{Environment, Value, context};
+
+use crate::files;
+
+/// A table of cells.
+#[derive(Clone, Debug)]
+pub struct Table {
+    /// What it is about.
+    pub title: String,
+    /// Names of the columns.
+    pub header: Vec<String>,
+    /// Rows of as many cells.
+    pub rows: Vec<Vec<String>>,
+}
+
+/// Names of columns.
+pub fn columns<const N: usize>(names: [&str; N]) -> Vec<String> {
+    names.map(str::to_owned).to_vec()
+}
+
+impl Table {
+    /// Whether column `i` holds numbers alone.
+    fn is_numeric(&self, i: usize) -> bool {
+        let number = |cell: &str| cell.parse::<f64>().is_ok() || matches!(cell, "∞" | "–");
+        self.rows.iter().all(|row| number(&row[i]))
+    }
+
+    fn value(&self) -> Value {
+        let numeric = |i| self.is_numeric(i);
+        context! {
+            title => &self.title,
+            header => self.header.clone(),
+            rows => self.rows.clone(),
+            numeric => (0..self.header.len()).map(numeric).collect::<Vec<_>>(),
+        }
+    }
+}
+
+/// The templates of the pages.
+fn templates() -> anyhow::Result<Environment<'static>> {
+    let mut environment = Environment::new();
+    environment.add_template("style.css", include_str!("style.css"))?;
+    environment.add_template("page.html", include_str!("page.html"))?;
+    Ok(environment)
+}
+
+/// A page.
+#[derive(Clone, Debug)]
+pub struct Page {
+    /// Its title.
+    pub title: String,
+    /// One sentence under it.
+    pub lead: String,
+    /// The figure as SVG text.
+    pub svg: String,
+    /// The tables.
+    pub tables: Vec<Table>,
+    /// A text under a heading, to be unfolded.
+    pub text: Option<(String, String)>,
+    /// What the reader should know of the figures.
+    pub notes: String,
+}
+
+impl Page {
+    /// The page as HTML.
+    pub fn html(&self) -> anyhow::Result<String> {
+        templates()?
+            .get_template("page.html")?
+            .render(context! {
+                title => &self.title,
+                lead => &self.lead,
+                svg => &self.svg,
+                tables => self.tables.iter().map(Table::value).collect::<Vec<_>>(),
+                text => self.text.as_ref().map(|(title, body)| context! { title, body }),
+                notes => &self.notes,
+                version => env!("CARGO_PKG_VERSION"),
+            })
+            .context("the page's template")
+    }
+
+    /// Leaves the figure and the page in `folder`, under these names.
+    pub fn leave(&self, folder: &Path, [svg, html]: [&str; 2]) -> anyhow::Result<()> {
+        for (name, content) in [(svg, &self.svg), (html, &self.html()?)] {
+            let write = |file: &mut File| Ok(file.write_all(content.as_bytes())?);
+            files::leave(&folder.join(name), write)?;
+        }
+        Ok(())
+    }
+
+    /// Title, lead and tables as text for a terminal.
+    pub fn text(&self) -> String {
+        let mut text = format!("{}: {}\n", self.title, self.lead);
+        for table in &self.tables {
+            let _ = writeln!(text, "\n{}", table.title);
+            let cell = |row: &[String], i: usize| row[i].chars().count();
+            let widths: Vec<usize> = (0..table.header.len())
+                .map(|i| {
+                    let cells = table.rows.iter().map(|row| cell(row, i));
+                    cells.fold(table.header[i].chars().count(), usize::max)
+                })
+                .collect();
+            for row in std::iter::once(&table.header).chain(&table.rows) {
+                let cells = row.iter().zip(&widths).enumerate();
+                let line: String = cells
+                    .map(|(i, (cell, &width))| match table.is_numeric(i) {
+                        true => format!("  {cell:>width$}"),
+                        false => format!("  {cell:<width$}"),
+                    })
+                    .collect();
+                let _ = writeln!(text, "{}", line.trim_end());
+            }
+        }
+        text
+    }
+}

@@ -1,0 +1,351 @@
+//! Comparisons: policies flown in the same plant under the same conditions. TOML in, validated experiments out.
+
+use anyhow::{Context, anyhow};
+use serde::Deserialize;
+use toml::{Table, Value};
+
+use crate::experiment::{Document, Experiment, FieldError, from_toml};
+use crate::named::Named;
+
+/// Name and TOML text of the built-in comparison.
+const BUILT_IN: &[(&str, &str)] = &[(
+    "tail-sitter",
+    include_str!("../../comparisons/tail-sitter.toml"),
+)];
+
+/// A comparison to fly. The format is described in this package's README.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Comparison {
+    /// One line for reports.
+    #[serde(default)]
+    pub description: String,
+    /// The experiment that all start from: a built-in, or a TOML file beside this one.
+    pub base: String,
+    /// Who flies.
+    pub policies: Vec<Policy>,
+    /// Under which conditions.
+    pub conditions: Vec<Condition>,
+    /// Names of the conditions that are drawn.
+    #[serde(default)]
+    pub charts: Vec<String>,
+    /// Markdown before the tables: a template that knows the results.
+    #[serde(default)]
+    pub introduction: String,
+    /// Markdown after the summary: a template that knows the results.
+    #[serde(default)]
+    pub discussion: String,
+}
+
+/// `[[policies]]`.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Policy {
+    /// Its name.
+    pub name: String,
+    /// One line for reports.
+    pub title: String,
+    /// An earlier policy that it starts from; the comparison's base if left out.
+    pub base: Option<String>,
+    /// The controller, in place of the one it starts from.
+    pub controller: Option<Table>,
+    /// Fields set, by dotted path.
+    #[serde(default)]
+    pub set: Table,
+}
+
+/// `[[conditions]]`.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Condition {
+    /// Its name.
+    pub name: String,
+    /// One line for reports.
+    pub title: String,
+    /// Fields set, by dotted path. `controller.*.` stands for whichever controller flies, and sets numbers that it has.
+    #[serde(default)]
+    pub set: Table,
+    /// How many seeds are flown, from the experiment's on.
+    #[serde(default = "one")]
+    pub seeds: u64,
+}
+
+fn one() -> u64 {
+    1
+}
+
+/// Most seeds of a condition.
+const MAX_SEEDS: u64 = 10_000;
+
+/// A comparison with its experiments made.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// What was asked for.
+    pub comparison: Comparison,
+    /// Of every condition, of every policy, of every seed.
+    pub experiments: Vec<Vec<Vec<Experiment>>>,
+}
+
+/// A comparison with where it came from.
+#[derive(Clone, Debug)]
+pub struct Source {
+    /// Built-in name, or the file's name without its extension.
+    pub name: String,
+    /// What is flown.
+    pub plan: Plan,
+}
+
+/// What stands for the controller's name in a condition's paths.
+const ANY: &str = "controller.*.";
+
+impl Comparison {
+    fn validate(&self) -> Result<(), FieldError> {
+        let error = |field: String, problem: &str| Err(FieldError::new(field, problem));
+        if self.policies.is_empty() || self.conditions.is_empty() {
+            return error("policies".into(), "and conditions must not be empty");
+        }
+        for (i, policy) in self.policies.iter().enumerate() {
+            let earlier = |name: &str| self.policies[..i].iter().any(|p| p.name == name);
+            if earlier(&policy.name) {
+                return error(
+                    format!("policies[{i}].name"),
+                    "is not the first of its name",
+                );
+            }
+            if policy.base.as_ref().is_some_and(|base| !earlier(base)) {
+                return error(format!("policies[{i}].base"), "is no earlier policy");
+            }
+        }
+        for (i, condition) in self.conditions.iter().enumerate() {
+            let same = |c: &Condition| c.name == condition.name;
+            if self.conditions[..i].iter().any(same) {
+                return error(
+                    format!("conditions[{i}].name"),
+                    "is not the first of its name",
+                );
+            }
+            if !(1..=MAX_SEEDS).contains(&condition.seeds) {
+                return error(format!("conditions[{i}].seeds"), "must be from 1 to 10000");
+            }
+        }
+        for (i, name) in self.charts.iter().enumerate() {
+            if !self.conditions.iter().any(|c| c.name == *name) {
+                return error(format!("charts[{i}]"), "is no condition");
+            }
+        }
+        Ok(())
+    }
+
+    /// The base with the fields of policy `i`.
+    fn policy(&self, i: usize, base: &Document) -> Result<Document, FieldError> {
+        let policy = &self.policies[i];
+        let before = |name: &String| self.policies.iter().position(|p| p.name == *name);
+        let mut document = match policy.base.as_ref().and_then(before) {
+            Some(earlier) => self.policy(earlier, base)?,
+            None => base.clone(),
+        };
+        if let Some(table) = &policy.controller {
+            document.set("controller", Value::Table(table.clone()))?;
+        }
+        for (path, value) in &policy.set {
+            document.set(path, value.clone())?;
+        }
+        Ok(document)
+    }
+
+    /// The experiments of `condition`, flown by the policy of `document`: one per seed.
+    fn seeded(condition: &Condition, document: &Document) -> Result<Vec<Experiment>, FieldError> {
+        let mut document = document.clone();
+        // A vehicle that a condition changes is not what the controller believes in.
+        if condition.set.keys().any(|path| path.starts_with("vehicle")) {
+            document.pin_belief()?;
+        }
+        for (path, value) in &condition.set {
+            match path.strip_prefix(ANY) {
+                None => document.set(path, value.clone())?,
+                Some(rest) => {
+                    let path = format!("controller.{}.{rest}", document.controller());
+                    if document.number(&path).is_ok() {
+                        document.set(&path, value.clone())?;
+                    }
+                }
+            }
+        }
+        let experiment = document.experiment()?;
+        let seed = |n| Experiment {
+            seed: experiment.seed + n,
+            ..experiment.clone()
+        };
+        Ok((0..condition.seeds).map(seed).collect())
+    }
+
+    /// The experiments, on the `base`.
+    fn experiments(&self, base: &Document) -> anyhow::Result<Vec<Vec<Vec<Experiment>>>> {
+        let policies = self.policies.iter().enumerate().map(|(i, policy)| {
+            let made = self.policy(i, base);
+            made.map_err(|e| anyhow!("policy {}: {e}", policy.name))
+        });
+        let policies = policies.collect::<anyhow::Result<Vec<_>>>()?;
+        for condition in &self.conditions {
+            let anybody = condition
+                .set
+                .keys()
+                .filter_map(|path| path.strip_prefix(ANY));
+            for rest in anybody {
+                let has = |document: &Document| {
+                    let path = format!("controller.{}.{rest}", document.controller());
+                    document.number(&path).is_ok()
+                };
+                if !policies.iter().any(has) {
+                    let name = &condition.name;
+                    return Err(anyhow!(
+                        "condition {name}: {ANY}{rest}: no controller has this number"
+                    ));
+                }
+            }
+        }
+        let of_condition = |condition: &Condition| {
+            let flown = self
+                .policies
+                .iter()
+                .zip(&policies)
+                .map(|(policy, document)| {
+                    let made = Self::seeded(condition, document);
+                    made.map_err(|e| {
+                        anyhow!("policy {}, condition {}: {e}", policy.name, condition.name)
+                    })
+                });
+            flown.collect()
+        };
+        self.conditions.iter().map(of_condition).collect()
+    }
+}
+
+impl Plan {
+    /// Number of flights.
+    pub fn flights(&self) -> usize {
+        self.experiments.iter().flatten().map(Vec::len).sum()
+    }
+}
+
+impl Source {
+    /// The comparison that `argument` names: the built-in one, or else a TOML file.
+    pub fn load(argument: &str) -> anyhow::Result<Self> {
+        Self::new(&Named::find("comparison", BUILT_IN, argument)?)
+    }
+
+    /// The comparison in the text.
+    pub fn new(text: &Named) -> anyhow::Result<Self> {
+        let origin = &text.origin;
+        let comparison: Comparison = from_toml(origin, &text.text, Comparison::validate)?;
+        let base = Document::named_in(text, &comparison.base);
+        let base = base.with_context(|| format!("{origin}: base"))?;
+        let experiments = comparison.experiments(&base);
+        let experiments = experiments.with_context(|| origin.to_owned())?;
+        Ok(Self {
+            name: text.name.clone(),
+            plan: Plan {
+                comparison,
+                experiments,
+            },
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn named(text: &str) -> Named {
+        Named {
+            name: "x".to_owned(),
+            origin: "x.toml".to_owned(),
+            text: text.to_owned(),
+            file: None,
+        }
+    }
+
+    const SMALL: &str = r#"
+        base = "round-trip"
+        [[policies]]
+        name = "a"
+        title = "as it is"
+        [[policies]]
+        name = "b"
+        title = "with other gains"
+        base = "a"
+        set = { "controller.guidance.damping" = 0.7 }
+        [[conditions]]
+        name = "weak"
+        title = "weak motors"
+        seeds = 2
+        set = { "plant.thrust_n[1]" = 112.8, "controller.*.recovery_s" = 0.1 }
+    "#;
+
+    fn refused(from: &str, to: &str) -> String {
+        assert!(SMALL.contains(from));
+        let error = Source::new(&named(&SMALL.replace(from, to))).unwrap_err();
+        format!("{error:#}")
+    }
+
+    #[test]
+    fn policies_and_conditions_set_fields_by_name() {
+        let plan = Source::new(&named(SMALL)).unwrap().plan;
+        assert_eq!(plan.flights(), 4);
+        let [weak] = &plan.experiments[..] else {
+            panic!("one condition")
+        };
+        assert_ne!(weak[0][0].controller, weak[1][0].controller);
+        for experiment in weak.iter().flatten() {
+            assert_eq!(experiment.plant.thrust_n[1], 112.8);
+            // The controller follows.
+            assert_eq!(experiment.thrust_limits(None, 90.0), [0.0, 112.8]);
+        }
+        assert_eq!((weak[1][0].seed, weak[1][1].seed), (0, 1));
+    }
+
+    #[test]
+    fn a_condition_that_changes_the_vehicle_leaves_the_belief() {
+        let text = SMALL.replace(
+            "\"plant.thrust_n[1]\" = 112.8",
+            "\"vehicle.mass_kg\" = 12.0",
+        );
+        let text = text.replace("base = \"round-trip\"", "base = \"own.toml\"");
+        let folder = tempfile::tempdir().unwrap();
+        let own = "base = 'round-trip'\n[controller.guidance]\nvehicle = 'paper'\n";
+        std::fs::write(folder.path().join("own.toml"), own).unwrap();
+        let mut named = named(&text.replace("*.recovery_s", "guidance.recovery_s"));
+        named.file = Some(folder.path().join("x.toml"));
+        let plan = Source::new(&named).unwrap().plan;
+        let experiment = &plan.experiments[0][0][0];
+        let spec = experiment.spec().unwrap();
+        assert_eq!(experiment.vehicle.mass_kg, 12.0);
+        assert_eq!(spec.belief().unwrap().mass_kg, 10.0);
+    }
+
+    #[test]
+    fn the_built_in_sets_each_policys_own_switch() {
+        let source = Source::load("tail-sitter").unwrap();
+        let conditions = &source.plan.comparison.conditions;
+        let slow = conditions.iter().position(|c| c.name == "stall-band");
+        let slow = &source.plan.experiments[slow.unwrap()];
+        let speed = |experiments: &Vec<Experiment>| {
+            let text = format!("{:?}", experiments[0].controller);
+            text.contains("\"cruise_m_s\": Float(14.5)")
+        };
+        assert_eq!(slow.iter().filter(|flown| speed(flown)).count(), 4);
+    }
+
+    #[test]
+    fn errors_say_where() {
+        assert!(refused("\"weak\"", "\"weak\"\nseed = 1").contains("conditions[0].seed: unknown"));
+        assert!(refused("seeds = 2", "seeds = 0").contains("conditions[0].seeds: must be"));
+        assert!(refused("base = \"a\"", "base = \"c\"").contains("policies[1].base: is no"));
+        assert!(refused("\"b\"", "\"a\"").contains("policies[1].name: is not the first"));
+        let unknown = refused(".damping\"", ".dampness\"");
+        assert!(unknown.contains("policy b, condition weak: controller.guidance.dampness"));
+        let nobody = refused("*.recovery_s", "*.switch");
+        assert!(nobody.contains("condition weak: controller.*.switch: no"));
+        assert!(refused("round-trip", "round").contains("neither a file nor a built-in"));
+    }
+}

@@ -1,0 +1,231 @@
+//! Reading a campaign: its text, its base's, and whether both go together.
+
+use std::path::Path;
+
+use anyhow::Context;
+use serde::{Deserialize, Serialize};
+
+use super::{Campaign, Dispersion, Expected, FaultDraw, Limit};
+use crate::experiment::{Document, FieldError, finite, from_toml};
+use crate::figures::FIGURES;
+use crate::named::Named;
+
+/// Name and TOML text of every built-in campaign.
+pub const BUILT_IN: &[(&str, &str)] = &[
+    ("dispersed", include_str!("../../campaigns/dispersed.toml")),
+    ("faults", include_str!("../../campaigns/faults.toml")),
+];
+
+/// A campaign with all that decides its results: what a folder of results keeps.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CampaignSource {
+    /// Texts.
+    pub texts: Texts,
+    /// What the campaign says.
+    pub campaign: Campaign,
+    /// The experiment that its flights depart from.
+    pub base: Document,
+}
+
+/// The texts that decide a campaign's results.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Texts {
+    /// Version that flies.
+    pub version: String,
+    /// Built-in name, or the file's name.
+    pub name: String,
+    /// Number of flights.
+    pub flights: u64,
+    /// The campaign's TOML text.
+    pub campaign: String,
+    /// The base's, whole.
+    pub base: String,
+}
+
+impl CampaignSource {
+    /// The campaign that `argument` names, a built-in or else a TOML file, with `flights` in place of its own number.
+    pub fn load(argument: &str, flights: Option<u64>) -> anyhow::Result<Self> {
+        let named = Named::find("campaign", BUILT_IN, argument)?;
+        // Where the base is, the text itself must say.
+        let campaign: Campaign = from_toml(&named.origin, &named.text, |_| Ok(()))?;
+        let base = Document::named_in(&named, &campaign.base);
+        let base = base.with_context(|| format!("{}: base", named.origin))?;
+        // With the extension, without the folder: how the command is to be given beside the file.
+        let name = Path::new(argument).file_name().unwrap_or_default();
+        let texts = Texts {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            name: name.to_string_lossy().into_owned(),
+            flights: flights.unwrap_or(campaign.flights),
+            campaign: named.text,
+            base: base.text(),
+        };
+        Self::from_texts(texts, &named.origin)
+    }
+
+    /// The campaign of `texts`; `origin` stands for the campaign's in errors.
+    pub fn from_texts(texts: Texts, origin: &str) -> anyhow::Result<Self> {
+        let document = Document::new(&Named {
+            name: texts.name.clone(),
+            origin: origin.to_owned(),
+            text: texts.base.clone(),
+            file: None,
+        })?;
+        let base = |campaign: &Campaign| {
+            let mut base = document.clone();
+            for (path, value) in &campaign.set {
+                base.set(path, value.clone()).map_err(|e| at("set", e))?;
+            }
+            // A vehicle that is dispersed is not what the controller believes in.
+            if campaign
+                .disperse
+                .iter()
+                .any(|d| d.field.starts_with("vehicle"))
+            {
+                base.pin_belief().map_err(|e| at("set", e))?;
+            }
+            Ok(base)
+        };
+        let mut campaign: Campaign = from_toml(origin, &texts.campaign, |campaign: &Campaign| {
+            campaign.validate(&base(campaign)?)
+        })?;
+        campaign.flights = texts.flights;
+        if campaign.flights == 0 {
+            anyhow::bail!("{origin}: flights: must be at least 1");
+        }
+        let base = base(&campaign).expect("validated above");
+        Ok(Self {
+            texts,
+            campaign,
+            base,
+        })
+    }
+
+    /// Its name without an extension: that of its folder.
+    pub fn stem(&self) -> &str {
+        self.texts.name.trim_end_matches(".toml")
+    }
+
+    /// The command that flies flight `number` again and leaves its trace.
+    pub fn refly(&self, number: u64) -> String {
+        format!("alula-sil campaign {} --refly {number}", self.texts.name)
+    }
+}
+
+/// The experiment's error under the campaign's field.
+fn at(field: &str, error: FieldError) -> FieldError {
+    FieldError::new(field, format!("{}: {}", error.field, error.problem))
+}
+
+impl Campaign {
+    fn validate(&self, base: &Document) -> Result<(), FieldError> {
+        let experiment = base.experiment().map_err(|e| at("set", e))?;
+        for (i, dispersion) in self.disperse.iter().enumerate() {
+            let field = format!("disperse[{i}]");
+            dispersion.validate(&field, base)?;
+            if self.disperse[..i]
+                .iter()
+                .any(|d| d.field == dispersion.field)
+            {
+                return Err(FieldError::new(field, "this field is dispersed already"));
+            }
+        }
+        if !self.faults.is_empty() && experiment.controller.name() != "guidance" {
+            return Err(FieldError::new("faults", "are for the guidance alone"));
+        }
+        for (i, fault) in self.faults.iter().enumerate() {
+            fault.validate(&format!("faults[{i}]"))?;
+        }
+        for (i, limit) in self.limits.iter().enumerate() {
+            limit.validate(&format!("limits[{i}]"))?;
+        }
+        // The first flight stands for what ranges cannot tell.
+        self.draw(base, 0)
+            .map(|_| ())
+            .map_err(|e| at("disperse", e))
+    }
+}
+
+impl Dispersion {
+    fn validate(&self, field: &str, base: &Document) -> Result<(), FieldError> {
+        let kinds = [("scale", &self.scale), ("add", &self.add), ("to", &self.to)];
+        let mut given = kinds
+            .iter()
+            .filter_map(|(kind, d)| Some((kind, d.as_ref()?)));
+        let (Some((kind, distribution)), None) = (given.next(), given.next()) else {
+            return Err(FieldError::new(field, "needs one of scale, add and to"));
+        };
+        distribution.validate(&format!("{field}.{kind}"))?;
+        if self.field == "duration_s" {
+            let problem = "is the same in all flights: they are sampled together";
+            return Err(FieldError::new(field, format!("duration_s {problem}")));
+        }
+        if self.to.is_none() {
+            base.number(&self.field).map_err(|e| at(field, e))?;
+        }
+        let mut document = base.clone();
+        document
+            .set(&self.field, toml::Value::Float(0.0))
+            .map_err(|e| at(field, e))
+    }
+}
+
+impl FaultDraw {
+    fn validate(&self, field: &str) -> Result<(), FieldError> {
+        self.from_s.validate(&format!("{field}.from_s"))?;
+        self.lasts_s.validate(&format!("{field}.lasts_s"))?;
+        self.during.validate(&format!("{field}.during"))?;
+        self.after.validate(&format!("{field}.after"))
+    }
+}
+
+impl Expected {
+    fn validate(&self, field: &str) -> Result<(), FieldError> {
+        let known = |part: &str, name: Option<&str>, names: &[&str]| match name {
+            Some(name) if !names.contains(&name) => {
+                let problem = format!("{name} is none of {}", names.join(", "));
+                Err(FieldError::new(format!("{field}.{part}"), problem))
+            }
+            _ => Ok(()),
+        };
+        let modes = ["safe", "holding", "flying"];
+        known("mode", self.mode.as_deref(), &modes)?;
+        let airs = ["velocity", "wind", "held-wind", "none"];
+        known("air", self.air.as_deref(), &airs)?;
+        let all = alula::guidance::Status::all().to_string();
+        let flags: Vec<&str> = all.split('|').collect();
+        for (part, list) in [("status", &self.status), ("not_status", &self.not_status)] {
+            for flag in list {
+                known(part, Some(flag), &flags)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Limit {
+    fn validate(&self, field: &str) -> Result<(), FieldError> {
+        if self.index().is_none() {
+            let names: Vec<&str> = FIGURES.iter().map(|figure| figure.name).collect();
+            let problem = format!("{} is none of {}", self.figure, names.join(", "));
+            return Err(FieldError::new(format!("{field}.figure"), problem));
+        }
+        match (self.least, self.most) {
+            (None, None) => return Err(FieldError::new(field, "needs least or most")),
+            (Some(least), Some(most)) if least > most => {
+                return Err(FieldError::new(field, "least must not exceed most"));
+            }
+            _ => {}
+        }
+        for (part, value) in [("least", self.least), ("most", self.most)] {
+            finite(&format!("{field}.{part}"), value.unwrap_or(0.0))?;
+        }
+        if !(0.0..=1.0).contains(&self.share) {
+            return Err(FieldError::new(
+                format!("{field}.share"),
+                "must be from 0 to 1",
+            ));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,30 @@
+//! Studies: an experiment flown many times, varied.
+//!
+//! A [`Campaign`] draws its variations at random and judges them against limits; a [`Comparison`] names them: policies under conditions.
+//! Both are data, both start from a `base` and `[set]` its fields, and both are flown by [`each`] on all cores: flights share nothing, so
+//! that threads, shards and interruptions change no result. A campaign's results go to a [`Store`] of [`Frame`]s, which a [`Summary`] reads.
+
+mod campaign;
+mod comparison;
+mod distribution;
+mod draw;
+mod flown;
+mod frame;
+mod load;
+mod results;
+mod run;
+mod store;
+mod summary;
+
+pub use campaign::{Campaign, Dispersion, Expected, FaultDraw, Limit};
+pub use comparison::{Comparison, Condition, Plan, Policy, Source};
+pub use distribution::Distribution;
+pub use draw::{Drawn, DrawnFault};
+pub use flown::{Flown, SAMPLED, Sample};
+pub use frame::{Column, Frame};
+pub use load::{BUILT_IN, CampaignSource};
+pub(crate) use results::{ASTRAY, FAR, OSCILLATION, header, names};
+pub use results::{COLUMNS, Cell, Flight, Outcome, Results};
+pub use run::{Shard, Threads, each, run};
+pub use store::{CHUNK, Store};
+pub use summary::{Fan, LimitFound, PERCENTILES, Summary, Worst};

@@ -1,0 +1,195 @@
+//! A folder of results: what decides them, and one part per chunk of flights, each complete or not there.
+
+use std::io::Write;
+use std::iter::repeat_n;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, bail};
+
+use super::frame::{self, FrameWriter};
+use super::load::Texts;
+use super::{Campaign, CampaignSource, Column, Drawn, Flown, Frame, SAMPLED, Sample};
+use crate::figures::FIGURES;
+use crate::files::leave;
+
+/// Flights of a part: lost at most, per thread, if the campaign is interrupted.
+pub const CHUNK: u64 = 50;
+
+/// The folder of a campaign's results.
+#[derive(Clone, Debug)]
+pub struct Store {
+    folder: PathBuf,
+}
+
+const IDENTITY: &str = "campaign.json";
+
+impl Store {
+    /// The folder for `source`'s results. It is made, or goes on where it was left; one that holds another campaign is refused.
+    pub fn open(folder: &Path, source: &CampaignSource) -> anyhow::Result<Self> {
+        let store = Self {
+            folder: folder.to_owned(),
+        };
+        let path = folder.join(IDENTITY);
+        if path.exists() {
+            if store.texts()? != source.texts {
+                bail!(
+                    "{}: holds the results of another campaign; remove it, or choose another folder with --out",
+                    folder.display()
+                );
+            }
+        } else {
+            for kind in ["flights", "samples"] {
+                let part = folder.join(kind);
+                std::fs::create_dir_all(&part).with_context(|| part.display().to_string())?;
+            }
+            let text = serde_json::to_string_pretty(&source.texts)?;
+            leave(&path, |file| Ok(file.write_all(text.as_bytes())?))?;
+        }
+        Ok(store)
+    }
+
+    /// The folder of a campaign that has been flown, in part at least, and the campaign.
+    pub fn existing(folder: &Path) -> anyhow::Result<(Self, CampaignSource)> {
+        let store = Self {
+            folder: folder.to_owned(),
+        };
+        let origin = folder.join(IDENTITY).display().to_string();
+        let source = CampaignSource::from_texts(store.texts()?, &origin)?;
+        Ok((store, source))
+    }
+
+    fn texts(&self) -> anyhow::Result<Texts> {
+        let path = self.folder.join(IDENTITY);
+        let read = || anyhow::Ok(serde_json::from_slice(&std::fs::read(&path)?)?);
+        read().with_context(|| path.display().to_string())
+    }
+
+    /// The folder.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    fn part(&self, kind: &str, chunk: u64) -> PathBuf {
+        self.folder.join(kind).join(format!("{chunk:06}.parquet"))
+    }
+
+    /// Whether `chunk` has been flown. Its flights are written last.
+    pub fn has(&self, chunk: u64) -> bool {
+        self.part("flights", chunk).exists()
+    }
+
+    /// Keeps `flights` and `samples` of `chunk`.
+    pub fn keep(&self, chunk: u64, flights: &Frame, samples: &Frame) -> anyhow::Result<()> {
+        for (kind, frame) in [("samples", samples), ("flights", flights)] {
+            leave(&self.part(kind, chunk), |file| {
+                let mut writer = FrameWriter::new(file);
+                writer.write(frame)?;
+                writer.close()
+            })?;
+        }
+        Ok(())
+    }
+
+    /// The flights of `chunk`.
+    pub fn flights(&self, chunk: u64) -> anyhow::Result<Frame> {
+        frame::read(&self.part("flights", chunk))
+    }
+
+    /// The samples of `chunk`.
+    pub fn samples(&self, chunk: u64) -> anyhow::Result<Frame> {
+        frame::read(&self.part("samples", chunk))
+    }
+
+    /// Takes `chunk` over from another store, which keeps it.
+    pub fn take(&self, other: &Self, chunk: u64) -> anyhow::Result<()> {
+        for kind in ["samples", "flights"] {
+            let from = other.part(kind, chunk);
+            let bytes = std::fs::read(&from).with_context(|| from.display().to_string())?;
+            leave(&self.part(kind, chunk), |file| Ok(file.write_all(&bytes)?))?;
+        }
+        Ok(())
+    }
+}
+
+impl Campaign {
+    /// Number of chunks.
+    pub fn chunks(&self) -> u64 {
+        self.flights.div_ceil(CHUNK)
+    }
+
+    /// The flights of `chunk`.
+    pub fn chunk(&self, chunk: u64) -> std::ops::Range<u64> {
+        chunk * CHUNK..((chunk + 1) * CHUNK).min(self.flights)
+    }
+
+    /// Number of flights in `chunks`.
+    pub fn flights_in(&self, chunks: impl Iterator<Item = u64>) -> u64 {
+        let size = |range: std::ops::Range<u64>| range.end - range.start;
+        chunks.map(|chunk| size(self.chunk(chunk))).sum()
+    }
+
+    /// Flights and samples as columns.
+    pub fn frames(&self, flown: &[(u64, Drawn, Flown)]) -> (Frame, Frame) {
+        let mut flights = Frame::default();
+        let real = |of: &dyn Fn(&Drawn, &Flown) -> f64| {
+            Column::Real(flown.iter().map(|(_, d, f)| of(d, f)).collect())
+        };
+        let flag = |of: &dyn Fn(&Flown) -> bool| {
+            Column::Flag(flown.iter().map(|(_, _, f)| of(f)).collect())
+        };
+        let numbers = flown.iter().map(|(n, ..)| *n as i64);
+        flights.push("flight", Column::Integer(numbers.collect()));
+        for (i, dispersion) in self.disperse.iter().enumerate() {
+            flights.push(&dispersion.field, real(&|d, _| d.values[i]));
+        }
+        if !self.faults.is_empty() {
+            let index = |d: &Drawn| d.fault.map_or(-1, |fault| fault.index as i64);
+            let indices = flown.iter().map(|(_, d, _)| index(d));
+            flights.push("fault", Column::Integer(indices.collect()));
+            let nan = f64::NAN;
+            flights.push(
+                "fault_from_s",
+                real(&|d, _| d.fault.map_or(nan, |x| x.from_s)),
+            );
+            flights.push("fault_to_s", real(&|d, _| d.fault.map_or(nan, |x| x.to_s)));
+        }
+        for (i, figure) in FIGURES.iter().enumerate() {
+            flights.push(figure.name, real(&|_, f| f.figures[i]));
+        }
+        flights.push("passed", flag(&|f| self.passed(f)));
+        flights.push("departed", flag(&|f| self.departed(f)));
+        flights.push("fault_as_stated", flag(&|f| f.fault_as_stated));
+
+        let mut samples = Frame::default();
+        let number = |(n, _, f): &(u64, Drawn, Flown)| repeat_n(*n as i64, f.samples.len());
+        let numbers = flown.iter().flat_map(number);
+        samples.push("flight", Column::Integer(numbers.collect()));
+        let single = |of: &dyn Fn(&Sample) -> f32| {
+            let rows = flown.iter().flat_map(|(_, _, f)| &f.samples);
+            Column::Single(rows.map(of).collect())
+        };
+        samples.push("t_s", single(&|row| row.0));
+        for (i, name) in SAMPLED.iter().enumerate() {
+            samples.push(*name, single(&|row| row.1[i]));
+        }
+        (flights, samples)
+    }
+
+    /// Whether `flown` keeps every limit, whatever share of the flights has to.
+    fn passed(&self, flown: &Flown) -> bool {
+        self.limits
+            .iter()
+            .all(|limit| limit.excess(limit.of(flown)) <= 0.0)
+    }
+
+    fn departed(&self, flown: &Flown) -> bool {
+        let outside = |l: &super::Limit| l.departure && l.excess(l.of(flown)) > 0.0;
+        self.limits.iter().any(outside)
+    }
+}
+
+impl super::Limit {
+    fn of(&self, flown: &Flown) -> f64 {
+        flown.figures[self.index().expect("validated when loaded")]
+    }
+}
