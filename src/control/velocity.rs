@@ -218,12 +218,10 @@ impl<A: Aerodynamics, G: GainLaw> VelocityControl<A, G> {
     ) -> Result<Command, Fault> {
         check_input(state, reference)?;
         let step = self.step(Branch::Aligned, state, reference);
+        let f_delta = self.f_delta(&step.forces, state, feed_forward)?;
         match law {
-            Law::Robust => self.robust_from(&step, Branch::Aligned, state, feed_forward),
-            Law::Full => {
-                let f_delta = self.f_delta(&step.forces, state, feed_forward)?;
-                self.full_in_plane(&step, f_delta)
-            }
+            Law::Robust => self.robust_in_plane(&step, Branch::Aligned, f_delta),
+            Law::Full => self.full_in_plane(&step, f_delta),
         }
     }
 

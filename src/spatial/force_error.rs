@@ -1,5 +1,6 @@
 //! Force error from the accelerometer: what the believed vehicle leaves out.
 
+use super::MAX_STEP;
 use super::orientation::Orientation;
 use super::vector::Body;
 use crate::error::{ParameterError, positive};

@@ -19,6 +19,9 @@ mod vector;
 mod vehicle;
 mod winged;
 
+/// Time steps \[s\] above this are taken for none by the estimators.
+const MAX_STEP: f32 = 0.2;
+
 pub use crate::ned::Ned;
 pub use axisymmetric::AxisymmetricControl;
 pub use command::{Command, Correction, Diagnostics, FeedForward, Rates, Reference, State};

@@ -1,5 +1,6 @@
 //! Sideslip from the lateral accelerometer: for places where the wind is poorly known.
 
+use super::MAX_STEP;
 use super::vector::Body;
 use super::vehicle::WingedVehicle;
 use crate::aero::Aerodynamics;
