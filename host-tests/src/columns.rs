@@ -282,6 +282,6 @@ mod tests {
         assert!(!law.contains("aa_down") && !law.contains("margin_k") && law.contains(",k,"));
         assert!(header("large-angle").contains(",aa_down_m_s2,"));
         let guided = header("round-trip");
-        assert!(guided.contains(",margin_k,") && guided.contains(",mode,air,"));
+        assert!(guided.contains(",margin_k,") && guided.contains(",mode,phase,unreachable,air,"));
     }
 }

@@ -671,7 +671,8 @@ mod tests {
         let policy = include_str!("../comparisons/tail-sitter.toml");
         let policy: toml::Table = policy.parse().unwrap();
         let tables = policy["policies"].as_array().unwrap().iter();
-        let controller = tables.filter_map(|p| p.get("controller")).next();
+        let mut controllers = tables.filter_map(|p| p.get("controller"));
+        let controller = controllers.find(|c| c.get("px4-like").is_some());
         document
             .set("controller", controller.unwrap().clone())
             .unwrap();

@@ -110,49 +110,47 @@ fn holds_altitude(policy: &str, condition: &str, bound: f64) {
 
 const LAGS: [&str; 4] = ["lag-0", "lag-50", "no-wind", "lag-150"];
 
-/// Whatever the lag, up to 150 ms, the guidance stays within 1 m on the way out (measured −0.3…+1.0) and 3 m on the way back
-/// (−1.9…+1.3); the paper's constant gains are in a limit cycle with speed errors of 4 to 7 m/s.
+/// Whatever the lag, up to 150 ms, the guidance stays within 1 m on the way out (measured −0.4…+0.8) and 2.5 m on the way back
+/// (−0.3…+2.0, the most without any lag); the paper's law alone is lost at each.
 #[test]
-fn the_papers_gains_oscillate_where_gains_by_bandwidth_do_not() {
+fn the_papers_law_alone_is_lost_where_the_guidance_is_not() {
     for condition in LAGS {
-        let paper = only("paper", condition);
-        assert_eq!(paper.outcome, Outcome::Oscillates, "{condition}");
-        assert!(paper.get("cruise_error_m_s") > 3.0);
+        assert_eq!(only("paper", condition).outcome, Outcome::Departs);
         let ours = only("bandwidth", condition);
         assert_eq!(ours.outcome, Outcome::Flies);
-        assert!(ours.get("cruise_error_m_s") < 0.02);
-        assert!(ours.get("loss_out_m") < 0.6 && ours.get("gain_out_m") < 1.2);
-        holds_altitude("bandwidth", condition, 3.0);
+        assert!(ours.get("cruise_error_m_s") < 0.03);
+        assert!(ours.get("loss_out_m") < 0.6 && ours.get("gain_out_m") < 1.0);
+        holds_altitude("bandwidth", condition, 2.5);
     }
 }
 
-/// Losses of our own law: tuned switching policies hold altitude as well (measured 2.2 and 1.6 m at the worst lag, to 1.9) and
-/// overshoot far less when braking (60 and 50 m, to 166); and at T/W 1.15 the ArduPilot-like one is far better (1.2 to 7.4 m).
+/// Tuned switching policies hold altitude as well (measured 2.2 and 1.6 m at the worst lag, to 2.0 without any); they brake far
+/// longer (60 and 50 m ahead, to 3).
 #[test]
-fn tuned_switching_policies_brake_shorter() {
+fn tuned_switching_policies_hold_altitude_and_brake_longer() {
     for policy in ["px4-tuned", "ardupilot-tuned"] {
         for condition in LAGS {
             assert_eq!(only(policy, condition).outcome, Outcome::Flies);
             holds_altitude(policy, condition, 2.5);
             let ahead = |policy| only(policy, condition).get("ahead_m");
-            assert!(ahead(policy) < ahead("bandwidth") - 60.0);
+            assert!(ahead(policy) > 40.0 && ahead("bandwidth") < 5.0);
         }
     }
     holds_altitude("ardupilot-tuned", "weak", 2.0);
-    assert!(only("bandwidth", "weak").altitude_m() > 4.0);
+    holds_altitude("bandwidth", "weak", 1.5);
 }
 
-/// Wins of our law: cruise sooner (measured 9.4 s to 11.8 and 12.1 s), no more than 10 m ahead where the reference brakes as drag
-/// allows (6 m to 28 and 20 m), less altitude in an aborted transition (0.4 m to 1.6 and 1.5 m) and in a glide (1.8 m to
-/// 3.9 m), less loss in turbulence on the way out, in the median.
+/// Cruise is reached sooner (measured 10.9 s to 11.8 and 12.1 s), no more than 5 m ahead where the reference brakes as drag
+/// allows (1 m to 28 and 20 m), with less altitude in an aborted transition (0.3 m to 1.6 and 1.5 m) and in a glide (2.1 m to
+/// 3.9 m), and less loss in turbulence on the way out, in the median.
 #[test]
 fn one_law_follows_the_reference_through_the_transition() {
     let after = |policy| only(policy, "no-wind").get("cruise_after_s");
     let ahead = |policy| only(policy, "gentle").get("ahead_m");
     let loss = |policy| cell(policy, "turbulence").spread(|f| f.get("loss_out_m")).0;
     for policy in ["px4-tuned", "ardupilot-tuned"] {
-        assert!(after("bandwidth") < after(policy) - 1.0);
-        assert!(ahead("bandwidth") < 10.0 && ahead(policy) > 15.0);
+        assert!(after("bandwidth") < after(policy) - 0.5);
+        assert!(ahead("bandwidth") < 5.0 && ahead(policy) > 15.0);
         let aborted = only(policy, "aborted").altitude_m();
         assert!(only("bandwidth", "aborted").altitude_m() < 0.5 * aborted);
         let glide = only(policy, "glide").altitude_m();

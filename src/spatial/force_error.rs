@@ -4,7 +4,6 @@ use super::MAX_STEP;
 use super::orientation::Orientation;
 use super::vector::Body;
 use crate::error::{ParameterError, positive};
-use crate::guidance::MAX_STEP;
 use crate::math;
 use crate::ned::Ned;
 

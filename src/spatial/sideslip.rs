@@ -5,7 +5,6 @@ use super::vector::Body;
 use super::vehicle::WingedVehicle;
 use crate::aero::Aerodynamics;
 use crate::error::{ParameterError, positive};
-use crate::guidance::MAX_STEP;
 use crate::math;
 
 /// Parameters of the sideslip estimator.

@@ -367,8 +367,8 @@ mod tests {
             title = "as it is"
             [[policies]]
             name = "b"
-            title = "without the other branch"
-            set = { "controller.guidance.branch_hysteresis_mg" = 1e6 }
+            title = "a law alone"
+            controller.law.vehicle = "paper-belief"
             [[conditions]]
             name = "light"
             title = "light turbulence"
