@@ -18,10 +18,9 @@ const STEPS: usize = 3000;
 const FLIGHTS: usize = 24;
 /// Steps flown on after a flip, at most: 12 s.
 const AFTER: usize = 600;
-/// After that a flight is lost if it is this much [m/s] farther from the velocity asked for than the recorded one: a flight
-/// that begins a transition again, later, is not. It is lost, too, if it ever was this far [m/s] from the recorded one: twice
-/// the cruise speed.
-const LOST: f32 = 1.5;
+/// A flight is lost if it ever sinks this much farther \[m\] below its reference than the recorded one: one that begins a
+/// transition again, later, is not. It is lost, too, if it ever was this far [m/s] from the recorded one: twice the cruise speed.
+const LOST: f32 = 10.0;
 const NEVER: f32 = 40.0;
 
 /// The vehicle as a point with a perfect rate loop.
@@ -192,9 +191,9 @@ fn attack(trials: u64, flips: core::ops::RangeInclusive<usize>, seed: u64) -> Co
                 count.reported += u64::from(guided.status.contains(Status::STATE_RESET));
             }
             let (beside, remembered) = &flight.steps[n + 1];
-            let asked = flight.mission.stages[n * 2 / 1000];
             let error = (plant.velocity - beside.velocity).norm();
-            worse = (plant.velocity - asked).norm() - (beside.velocity - asked).norm();
+            let below = |p: &Plant| (p.position - p.target).down();
+            worse = f32::max(worse, below(&plant) - below(beside));
             count.worst = count.worst.max(error);
             never |= error.is_nan() || error > NEVER;
             // Back to the bit: the rest is the recording.
@@ -237,9 +236,8 @@ fn one_bit(trials: u64) {
 fn several_bits(trials: u64) {
     let count = attack(trials, 2..=64, 2);
     assert!(count.reported > trials / 2 && count.unseen < trials);
-    // What cannot be restored is reset, and sets out again from the velocity there is. Measured: 2 in 100,000 end in a fast
-    // cruise out of which this guidance does not brake, as some of the undisturbed flights do.
-    assert!(count.lost <= trials / 20_000);
+    // What cannot be restored is reset, and sets out again from the velocity there is.
+    assert_eq!(count.lost, 0);
 }
 
 #[test]

@@ -200,7 +200,7 @@ fn what_the_controller_is_not_told_it_takes_from_the_experiment() {
     let heavy = [
         "controller.guidance={}",
         "vehicle.mass_kg=12",
-        "plant.thrust_n[1]=150",
+        "plant.thrust_n[1]=130",
     ];
     let experiment = experiment("round-trip", &heavy);
     let record = fly(&experiment).unwrap();
@@ -212,7 +212,7 @@ fn what_the_controller_is_not_told_it_takes_from_the_experiment() {
         hover.thrust
     );
     let most = record.iter().map(|s| s.answer.thrust).fold(0.0, f32::max);
-    assert_eq!(most, 150.0);
+    assert_eq!(most, 130.0);
 }
 
 /// Every fault, injected in cruise, ends in its stated state and is left as stated.

@@ -361,7 +361,7 @@ mod tests {
     #[test]
     fn a_fall_departs_and_threads_change_nothing() {
         let text = r#"
-            base = "steep-descent"
+            base = "round-trip"
             [[policies]]
             name = "a"
             title = "as it is"
