@@ -32,8 +32,6 @@ const LEAST_CLOSING: f32 = 0.03;
 const HIGH: f32 = 3.75;
 /// By how much another plan must cost less: a part, and this much besides.
 const BETTER: f32 = 0.05;
-/// The same in a turn: to leave a crossing half way is dear, and the prediction least certain.
-const BETTER_IN_TURN: f32 = 0.3;
 /// How often in a row.
 const CONFIRMATIONS: u8 = 2;
 /// Time of push-over before a turn \[s\], where there is one.
@@ -157,12 +155,7 @@ impl Planner {
             self.candidate(vehicle, flight, wind, n)
         };
         let other = self.predict(vehicle, flight, &candidate, reference, wind);
-        let better = if state.plan.turn == 1 {
-            BETTER_IN_TURN
-        } else {
-            BETTER
-        };
-        if other.cost < prospect.cost - better * (1.0 + prospect.cost) {
+        if other.cost < prospect.cost - BETTER * (1.0 + prospect.cost) {
             state.challenger = candidate;
             state.confirmed += 1;
             if state.confirmed >= CONFIRMATIONS {
