@@ -345,54 +345,34 @@
 #define ALULA_STATUS_SLEW 8
 
 /**
- * The reference's acceleration stands at its limit: the velocity followed is not the one asked for.
- */
-#define ALULA_STATUS_REFERENCE 16
-
-/**
  * The velocity towards the reference position stands at its limit.
  */
-#define ALULA_STATUS_POSITION 32
+#define ALULA_STATUS_POSITION 16
 
 /**
  * The integral stands at its limit.
  */
-#define ALULA_STATUS_INTEGRAL 64
-
-/**
- * The equilibrium of the branch flown needs negative thrust.
- */
-#define ALULA_STATUS_NEGATIVE_THRUST 128
-
-/**
- * The branch θ̃ = π is flown.
- */
-#define ALULA_STATUS_OPPOSED 256
+#define ALULA_STATUS_INTEGRAL 32
 
 /**
  * The reference is stale or invalid: the last velocity is held.
  */
-#define ALULA_STATUS_REFERENCE_HELD 512
+#define ALULA_STATUS_REFERENCE_HELD 64
 
 /**
  * The position error was invalid and is left out.
  */
-#define ALULA_STATUS_POSITION_INVALID 1024
+#define ALULA_STATUS_POSITION_INVALID 128
 
 /**
  * The air data were invalid and are left out.
  */
-#define ALULA_STATUS_AIR_INVALID 2048
+#define ALULA_STATUS_AIR_INVALID 256
 
 /**
- * The guidance state was corrupt and has been reset.
+ * The guidance state was corrupt: it has been restored from its copy or, where that was not possible, reset.
  */
-#define ALULA_STATUS_STATE_RESET 4096
-
-/**
- * The forward velocity error given to the law stands at its limit.
- */
-#define ALULA_STATUS_VELOCITY_ERROR 8192
+#define ALULA_STATUS_STATE_RESET 512
 
 /**
  * Law, kind of gains, model.
@@ -488,23 +468,33 @@ typedef struct alula_guidance_parameters {
      */
     float tau;
     /**
-     * Greatest acceleration with which the reference velocity is followed.
-     * Unit: m/s^2. From 0.001 to 1000.0, default 3.0.
+     * Altitude error that a plan may cost as much as an error of one velocity band.
+     * Unit: m. From 0.001 to 1000.0, default 0.4.
      */
-    float max_acceleration;
+    float altitude_band;
     /**
-     * Rate with which the velocity followed returns to the reference velocity after that limit.
-     * Unit: 1/s. From 0.001 to 100.0, default 0.8.
+     * Velocity error, down, that costs as much as one of velocity_band_forward.
+     * Unit: m/s. From 0.001 to 1000.0, default 1.0.
      */
-    float return_rate;
+    float velocity_band_down;
+    /**
+     * Velocity error, forward, that costs as much as one of velocity_band_down.
+     * Unit: m/s. From 0.001 to 1000.0, default 3.0.
+     */
+    float velocity_band_forward;
+    /**
+     * Lag of the rate loop, for which the fed forward rate is advanced.
+     * Unit: s. From 0.0 to 1.0, default 0.1.
+     */
+    float rate_lag;
     /**
      * Velocity per position error, down. Zero turns the hold off.
-     * Unit: 1/s. From 0.0 to 100.0, default 0.8.
+     * Unit: 1/s. From 0.0 to 100.0, default 1.5.
      */
     float position_gain_down;
     /**
      * Velocity per position error, forward. Zero turns the hold off.
-     * Unit: 1/s. From 0.0 to 100.0, default 0.6.
+     * Unit: 1/s. From 0.0 to 100.0, default 0.5.
      */
     float position_gain_forward;
     /**
@@ -540,23 +530,6 @@ typedef struct alula_guidance_parameters {
      */
     float max_integral_forward;
     /**
-     * Greatest forward velocity error that the law is given. About two thirds of the cruise
-     * speed.
-     * Unit: m/s. From 0.001 to 1000.0, default 14.0.
-     */
-    float max_velocity_error;
-    /**
-     * How far F_p must have passed through zero before the other branch is flown. Beyond every
-     * force, branches are not switched.
-     * Unit: the vehicle's weight m g. From 0.001 to 1.0e6, default 0.11.
-     */
-    float branch_hysteresis;
-    /**
-     * Time constant with which the jump of the angular rate at a switch of branches fades out.
-     * Unit: s. From 0.001 to 100.0, default 0.3.
-     */
-    float branch_fade;
-    /**
      * Greatest angular rate commanded.
      * Unit: rad/s. From 0.001 to 1000.0, default 2.8.
      */
@@ -588,7 +561,7 @@ typedef struct alula_guidance_parameters {
     float reference_age;
     /**
      * How long the last known wind stands in for missing air data.
-     * Unit: s. From 0.0 to 3600.0, default 2.0.
+     * Unit: s. From 0.0 to 1000.0, default 2.0.
      */
     float air_hold;
     /**
@@ -603,7 +576,8 @@ typedef struct alula_guidance_parameters {
      */
     float max_wind_step;
     /**
-     * Thrust of the safe command, inside the vehicle's limits.
+     * Thrust of the safe command, inside the vehicle's limits. Zero: as near to none as these
+     * allow.
      * Unit: the vehicle's weight m g. From -1000.0 to 1000.0, default 0.0.
      */
     float safe_thrust;
@@ -758,7 +732,7 @@ typedef struct alula_controller {
     /**
      * Private.
      */
-    uint64_t opaque[63];
+    uint64_t opaque[95];
 } alula_controller;
 
 /**

@@ -24,7 +24,7 @@ pub struct Controller {
     /// Private.
     pub reserved: u32,
     /// Private.
-    pub opaque: [u64; 63],
+    pub opaque: [u64; 95],
 }
 
 // SAFETY: `repr(C)`, its first word is the header, and it holds nothing but unsigned integers.

@@ -18,7 +18,7 @@ fn controller() -> Controller {
     let mut controller = Controller {
         header: Controller::HEADER,
         reserved: 0,
-        opaque: [0; 63],
+        opaque: [0; 95],
     };
     let code = unsafe { alula_init(&mut controller, &parameters, std::ptr::null()) };
     assert_eq!(code, ALULA_OK);

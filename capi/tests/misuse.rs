@@ -20,7 +20,7 @@ fn blank() -> Controller {
     Controller {
         header: Controller::HEADER,
         reserved: 0,
-        opaque: [0; 63],
+        opaque: [0; 95],
     }
 }
 

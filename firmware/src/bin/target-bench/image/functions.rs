@@ -193,9 +193,6 @@ functions! {
         o.command = f.guidance.control().robust(&c.state, &c.reference, None);
     };
     guidance => |f, c, o| o.guided = f.guidance.update(&mut o.memory, &c.input, 0.01);
-    guidance_without_margin => |f, c, o| {
-        o.guided = f.guidance.update_without_margin(&mut o.memory, &c.input, 0.01);
-    };
     winged => |f, c, o| {
         o.space = f.winged.robust(&c.space.state, &c.space.reference, None);
     };
@@ -238,7 +235,6 @@ functions! {
     norm => |f, c, o| o.number = c.v_a.norm();
     ;
     guidance_in_flight => guidance;
-    guidance_without_margin_in_flight => guidance_without_margin;
 }
 
 /// The function called `name`.
