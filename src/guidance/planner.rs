@@ -1,6 +1,6 @@
 //! The planner: which plan the virtual vehicle flies by.
 //!
-//! The plan in force and others are flown ahead for two seconds, one at every step, and what each costs is compared. A plan
+//! At every step the plan in force and one other are flown ahead for two seconds, and what each costs is compared. A plan
 //! may be to turn to an attitude far away, past stall for example, and to go on from there: so a fold is crossed where that
 //! is worth while, and nothing else decides it. The work is the same at every step.
 
@@ -32,30 +32,28 @@ const LEAST_CLOSING: f32 = 0.03;
 const HIGH: f32 = 3.75;
 /// By how much another plan must cost less: a part, and this much besides.
 const BETTER: f32 = 0.05;
-/// The same in a turn: to leave a crossing half way is dear, and the prediction least certain.
-const BETTER_IN_TURN: f32 = 0.3;
-/// Candidates looked at between two looks at the plan in force.
-const CANDIDATES: u8 = 4;
+/// How often in a row.
+const CONFIRMATIONS: u8 = 2;
 /// Time of push-over before a turn \[s\], where there is one.
 const PUSH: f32 = 0.3;
 /// The turns that are looked at: to which angle of attack \[rad\], and whether after a push-over. From there on the servo
 /// finds the way.
 const TURNS: [(f32, bool); TURN_COUNT] = [
-    (1.3, false),
-    (-1.3, false),
-    (1.75, false),
-    (0.14, false),
     (1.3, true),
-    (-1.75, false),
+    (0.14, false),
+    (1.3, false),
+    (-1.3, true),
     (0.7, false),
-    (-0.14, false),
     (1.75, true),
+    (-0.14, false),
+    (1.75, false),
+    (-1.3, false),
     (2.3, false),
     (0.0, false),
-    (-1.3, true),
-    (-0.7, false),
-    (math::PI, false),
     (-1.75, true),
+    (-0.7, false),
+    (-1.75, false),
+    (math::PI, false),
     (-2.3, false),
 ];
 const TURN_COUNT: usize = 16;
@@ -66,33 +64,23 @@ const TURN_COUNT: usize = 16;
 pub struct PlannerState {
     /// The plan in force.
     pub plan: Plan,
-    /// A plan that was better than the plan in force was when that was last looked at.
+    /// The plan that was better at the last step.
     challenger: Plan,
-    /// What it costs.
-    challenge: f32,
-    /// 1 if there is one.
-    challenged: u8,
+    /// How often in a row it was.
+    confirmed: u8,
     /// The candidate to look at next.
     next: u8,
-    /// How many candidates are to be looked at before the plan in force is again.
-    candidates: u8,
-    /// What the plan in force came to when it was last looked at.
-    pub prospect: Prospect,
 }
 
 memory!(PlannerState {
     plan: Plan,
     challenger: Plan,
-    challenge: f32,
-    challenged: u8,
+    confirmed: u8,
     next: u8,
-    candidates: u8,
-    prospect: Prospect,
 });
 
-/// What a plan comes to.
+/// What the plan in force comes to.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Prospect {
     /// Its cost.
     pub cost: f32,
@@ -106,14 +94,6 @@ pub struct Prospect {
     pub thrust: f32,
 }
 
-memory!(Prospect {
-    cost: f32,
-    error: Inertial,
-    to_go: Inertial,
-    distance: f32,
-    thrust: f32,
-});
-
 /// The planner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -125,7 +105,6 @@ pub struct Planner {
 
 /// Bounds of what is remembered, beyond everything that flies.
 const MAX_ANGLE: f32 = 20.0;
-const MAX_COST: f32 = 1e12;
 
 impl Plan {
     fn is_sound(&self) -> bool {
@@ -136,11 +115,7 @@ impl Plan {
 impl PlannerState {
     /// Whether every number is one that a planner can have left. NaN is not.
     pub(super) fn is_sound(&self) -> bool {
-        // Of what a plan came to only the cost decides anything.
-        self.plan.is_sound()
-            && self.challenger.is_sound()
-            && self.challenge.abs() <= MAX_COST
-            && self.prospect.cost.abs() <= MAX_COST
+        self.plan.is_sound() && self.challenger.is_sound()
     }
 
     /// Counts the attitude of the plans from `by` \[rad\] further on: θ has been wrapped.
@@ -161,7 +136,7 @@ impl Planner {
         }
     }
 
-    /// Looks at the plan in force, or at one more plan, and changes to that if it is better.
+    /// Looks at one more plan, and changes to it if it was better twice. Gives what the plan that was in force comes to.
     #[inline(always)]
     pub fn search<A: Aerodynamics>(
         &self,
@@ -170,35 +145,27 @@ impl Planner {
         flight: &Flight,
         reference: &Reference,
         wind: Inertial,
-    ) {
-        let better = if state.plan.turn == 1 && state.plan.push <= 0.0 {
-            BETTER_IN_TURN
+    ) -> Prospect {
+        let prospect = self.predict(vehicle, flight, &state.plan, reference, wind);
+        let candidate = if state.confirmed > 0 {
+            state.challenger
         } else {
-            BETTER
+            let n = state.next;
+            state.next = if n < TURN_COUNT as u8 { n + 1 } else { 0 };
+            self.candidate(vehicle, flight, wind, n)
         };
-        if state.candidates == 0 || state.candidates > CANDIDATES {
-            state.candidates = CANDIDATES;
-            state.prospect = self.predict(vehicle, flight, &state.plan, reference, wind);
-            let cost = state.prospect.cost;
-            if state.challenged == 1 && state.challenge < cost - better * (1.0 + cost) {
-                state.plan = state.challenger;
-            }
-            state.challenged = 0;
-            return;
-        }
-        state.candidates -= 1;
-        let n = state.next;
-        state.next = if n < TURN_COUNT as u8 { n + 1 } else { 0 };
-        let candidate = self.candidate(vehicle, flight, wind, n);
-        let found = self.predict(vehicle, flight, &candidate, reference, wind);
-        let cost = state.prospect.cost;
-        if found.cost < cost - better * (1.0 + cost) {
-            // The air may have changed since the plan in force was looked at: that comes next.
+        let other = self.predict(vehicle, flight, &candidate, reference, wind);
+        if other.cost < prospect.cost - BETTER * (1.0 + prospect.cost) {
             state.challenger = candidate;
-            state.challenge = found.cost;
-            state.challenged = 1;
-            state.candidates = 0;
+            state.confirmed += 1;
+            if state.confirmed >= CONFIRMATIONS {
+                state.plan = candidate;
+                state.confirmed = 0;
+            }
+        } else {
+            state.confirmed = 0;
         }
+        prospect
     }
 
     /// Candidate `n`: to turn to an angle of attack, with and without a push-over, or to do nothing but servo.
@@ -285,7 +252,7 @@ impl Planner {
             * (to_go.down() * penalty(error.down(), self.velocity_band.down())
                 + to_go.forward() * penalty(error.forward(), self.velocity_band.forward()));
         Prospect {
-            cost: math::min(cost, MAX_COST),
+            cost,
             error,
             to_go,
             distance: flight.position.forward() - start,

@@ -483,7 +483,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         let turns = theta + wrap(state.flight.theta - theta) - state.flight.theta;
         state.flight.theta += turns;
         state.planner.shift(turns);
-        self.planner.search(
+        let prospect = self.planner.search(
             vehicle,
             &mut state.planner,
             &state.flight,
@@ -535,7 +535,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             &self.planner,
             &state.planner,
             &state.flight,
-            &state.planner.prospect,
+            &prospect,
             error,
             asked.velocity,
         );
