@@ -9,6 +9,8 @@ use crate::{Answer, Configuration, ControllerParameters, Input, Law, LawGains};
 
 /// One of the core's controllers, with its memory.
 #[derive(Clone, Debug, PartialEq)]
+// There is one, in place: a box would need a heap.
+#[allow(clippy::large_enum_variant)]
 pub enum Controller {
     /// A law.
     Law(Law, VelocityControl<Model<'static>, GainChoice>),
