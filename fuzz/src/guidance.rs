@@ -4,7 +4,7 @@
 //! number of the memory undone; and after good frames for the recovery time and two steps more the guidance flies, if one
 //! fresh from power-on does.
 
-use alula::guidance::{Air, GuidanceParameters, Mode, Refusal, Status};
+use alula::guidance::{Across, Air, GuidanceParameters, Mode, Refusal, Status};
 use alula::{
     Attitude, Fault, Guidance, GuidanceInput, GuidanceState, Guided, Inertial, Model, Reference,
 };
@@ -31,7 +31,7 @@ pub fn run(data: &[u8]) -> u64 {
 }
 
 fn fly(guidance: &Guidance<Model>, p: &GuidanceParameters, bytes: &mut Bytes) -> u64 {
-    let mut state = GuidanceState::default();
+    let (mut state, mut across) = (GuidanceState::default(), Across::default());
     let mut calls = 0;
     for _ in 0..FRAMES {
         if bytes.is_empty() {
@@ -52,17 +52,17 @@ fn fly(guidance: &Guidance<Model>, p: &GuidanceParameters, bytes: &mut Bytes) ->
             Change::None => assert!(!reset, "a reset without a reason"),
             Change::One(before) => {
                 // The step is that of the memory there was, to the bit.
-                let (mut state_before, mut state_after) = (before, state);
+                let mut state_before = before;
                 let expected = guidance.update(&mut state_before, &input, dt);
                 calls += 1;
                 assert_eq!(bits(&guided), bits(&expected), "{untouched:?}");
-                assert_eq!(state_before.to_bytes(), state_after.to_bytes());
-                state_after.turn_plane(1.0);
+                assert_eq!(state_before.to_bytes(), state.to_bytes());
             }
             Change::Any => (),
         }
         if bytes.byte() < 8 {
-            state.turn_plane(bytes.between(-1.0, 1.0));
+            let angle = bytes.between(-3.2, 3.2);
+            guidance.turn_plane(&mut state, &mut across, angle.cos(), angle.sin());
         }
     }
     calls + recover(guidance, p, state)

@@ -13,7 +13,7 @@ use crate::branch::Branch;
 use crate::control::{Command, Fault, GainLaw, State, Step, VelocityControl};
 use crate::frame::{Attitude, Body, Inertial};
 use crate::math;
-use crate::reference::Reference;
+use crate::reference::{MAX_SPEED, Reference};
 
 /// How far to either side of the virtual attitude the slope of F̄_2 is looked at \[rad\].
 const REACH: f32 = 0.087;
@@ -81,7 +81,13 @@ impl Tracker {
 
     /// Position errors that the integral could hold \[m\].
     pub(super) fn reach(&self) -> Inertial {
-        let reach = |max: f32, gain: f32| if gain > 0.0 { max / gain } else { 0.0 };
+        let reach = |max: f32, gain: f32| {
+            if gain > 0.0 {
+                math::min(max / gain, MAX_SPEED)
+            } else {
+                0.0
+            }
+        };
         Inertial::new(
             reach(self.max_integral.down(), self.position_gain.down()),
             reach(self.max_integral.forward(), self.position_gain.forward()),

@@ -268,7 +268,6 @@ const GUSTS: f32 = 0.3;
 /// How fast the virtual velocity is drawn to the real one where the law has no say [1/s], and what part of that its position.
 const DRAW: f32 = 5.0;
 const DRAW_POSITION: f32 = 0.6;
-const SLOW: f32 = 0.0;
 /// Position errors beyond this \[m\] are taken as this.
 const MAX_DISTANCE: f32 = 1e4;
 
@@ -340,6 +339,10 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         } else {
             Err(Refusal::TimeStep)
         };
+        // An absurd vehicle or reference takes the virtual flight beyond all bounds: it begins anew from the real one.
+        if !self.is_sound(state) {
+            self.reset(state);
+        }
         let mode = self
             .supervisor
             .advance(&mut state.supervision, flown.is_ok(), dt);
@@ -360,7 +363,8 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             & state.flight.is_sound()
             & state.planner.is_sound()
             & self.tracker.is_sound(state.integral)
-            & (state.wind.norm_squared() + state.reckoned.norm_squared() <= MAX_SPEED * MAX_SPEED)
+            & (state.wind.norm_squared() + state.reckoned.norm_squared()
+                <= 4.0 * MAX_SPEED * MAX_SPEED)
             & (self.limits.is_sound(&state.limits)
                 | ((state.limits == LimitState::default()) & (state.mode() == Mode::Safe)))
             & (state.held.norm_squared() <= MAX_SPEED * MAX_SPEED)
@@ -543,7 +547,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         let drawn = math::min((1.0 - tracked.law) * DRAW * dt, 1.0);
         let flight = &mut state.flight;
         flight.velocity += (input.velocity - flight.velocity) * drawn;
-        flight.position += (position - flight.position) * (DRAW_POSITION * drawn + SLOW * dt);
+        flight.position += (position - flight.position) * (DRAW_POSITION * drawn);
 
         guided.command = Command {
             thrust,
