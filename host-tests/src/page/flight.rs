@@ -182,7 +182,8 @@ fn points(column: &Column, experiment: &Experiment, record: &[Step]) -> Vec<(f64
         if is_fold && value.to_degrees().abs() > FOLD {
             value = f64::NAN;
         }
-        if is_angle {
+        // What is no number stays so: it is not drawn.
+        if is_angle && !value.is_nan() {
             value = wrap(value).to_degrees();
             let wrapped = (value - last).abs() > 180.0;
             last = value;
