@@ -139,7 +139,7 @@ fn no_dispersed_flight_departs() {
     let summary = flown(&source("dispersed", 200), folder.path(), 2);
     assert_eq!(summary.departed, 0);
     assert!(summary.verdict());
-    assert_eq!(summary.limits.iter().filter(|l| l.departure).count(), 3);
+    assert_eq!(summary.limits.iter().filter(|l| l.departure).count(), 2);
     // They are no copies of one another.
     let spread = |name: &str| {
         let found = summary.figures.iter().find(|f| f.figure == name).unwrap();
