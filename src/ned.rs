@@ -19,6 +19,7 @@ const MAX_QUATERNION_DEFECT: f32 = 1e-3;
 /// A vector by its components along north, east and down.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Ned {
     /// Component along north.
     pub north: f32,

@@ -26,6 +26,8 @@ crate::parameters! {
             "Aerodynamic constant k_a: half the air density times the reference area.";
         delta: "rad", -math::PI, math::PI, 0.0, "ALU_DELTA",
             "Angle δ from the zero-lift line to the thrust line.";
+        c_y: "", 0.0, 1e3, 0.0, "ALU_CY",
+            "Side force coefficient c_Y, of the same reference area. In a vertical plane it is not used.";
         gravity: "m/s^2", 1e-3, 1e3, 9.81, "ALU_GRAVITY",
             "Gravity g.";
         thrust_min: "N", -1e6, 1e6, 0.0, "ALU_THR_MIN",
@@ -41,6 +43,7 @@ impl VehicleParameters {
         mass: 10.0,
         k_a: 0.6460,
         delta: 0.0,
+        c_y: 0.0,
         gravity: 9.81,
         thrust_min: 0.0,
         thrust_max: 196.2,
@@ -60,6 +63,7 @@ impl VehicleParameters {
 pub struct Vehicle<A> {
     mass: f32,
     k_a: f32,
+    c_y: f32,
     gravity: f32,
     thrust_min: f32,
     thrust_max: f32,
@@ -83,6 +87,7 @@ impl<A: Aerodynamics> Vehicle<A> {
         Ok(Self {
             mass: p.mass,
             k_a: p.k_a,
+            c_y: p.c_y,
             gravity: p.gravity,
             thrust_min: p.thrust_min,
             thrust_max: p.thrust_max,
@@ -119,6 +124,33 @@ impl<A: Aerodynamics> Vehicle<A> {
     #[inline]
     pub fn k_a(&self) -> f32 {
         self.k_a
+    }
+
+    /// Side force coefficient c_Y.
+    #[inline]
+    pub fn c_y(&self) -> f32 {
+        self.c_y
+    }
+
+    /// k_a c_Y [kg/m].
+    #[inline(always)]
+    pub(crate) fn side(&self) -> f32 {
+        self.k_a * self.c_y
+    }
+
+    /// The same vehicle where gravity is `gravity` [m/s²]: in a turn, that of the plane of flight.
+    #[inline(always)]
+    pub(crate) fn with_gravity(&self, gravity: f32) -> Vehicle<&A> {
+        Vehicle {
+            mass: self.mass,
+            k_a: self.k_a,
+            c_y: self.c_y,
+            gravity,
+            thrust_min: self.thrust_min,
+            thrust_max: self.thrust_max,
+            thrust_line: self.thrust_line,
+            model: &self.model,
+        }
     }
 
     /// Gravity g [m/s²].

@@ -47,6 +47,13 @@ pub trait Aerodynamics {
     fn coefficients(&self, alpha: AngleOfAttack) -> Coefficients;
 }
 
+impl<A: Aerodynamics> Aerodynamics for &A {
+    #[inline(always)]
+    fn coefficients(&self, alpha: AngleOfAttack) -> Coefficients {
+        (**self).coefficients(alpha)
+    }
+}
+
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;

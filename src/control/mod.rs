@@ -11,7 +11,6 @@ mod velocity;
 
 pub use crate::branch::Branch;
 pub use crate::reference::{MAX_ACCELERATION, MAX_SPEED, Reference};
-pub(crate) use command::check_input;
 pub use command::{Command, Diagnostics, Fault, FeedForward, State};
 pub use gains::{GainLaw, GainParameters, GainValues, Gains};
 pub use guard::Guard;

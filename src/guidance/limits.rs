@@ -5,6 +5,7 @@ use super::parameters::GuidanceParameters;
 use super::status::Status;
 use crate::aero::Aerodynamics;
 use crate::math;
+use crate::spatial::{Body, Rates};
 use crate::vehicle::Vehicle;
 
 /// The limits of a command.
@@ -21,15 +22,20 @@ pub struct Limits {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct LimitState {
-    /// The last angular rate commanded [rad/s].
-    pub rate: f32,
+    /// The last body rates commanded [rad/s].
+    pub rates: Body,
     /// The last thrust commanded \[N\].
     pub thrust: f32,
 }
 
 memory!(LimitState {
-    rate: f32,
+    rates: Body,
     thrust: f32,
+});
+memory!(Body {
+    i: f32,
+    j: f32,
+    w: f32,
 });
 
 impl Limits {
@@ -43,42 +49,54 @@ impl Limits {
         }
     }
 
-    /// Whether the last rate and the last thrust are ones that these limits let pass. NaN is not.
+    /// Whether the last rates and the last thrust are ones that these limits let pass. NaN is not.
     #[inline(always)]
     pub fn is_sound(&self, state: &LimitState) -> bool {
-        state.rate.abs() <= self.rate && (self.thrust_min..=self.thrust_max).contains(&state.thrust)
+        let Body { i, j, w } = state.rates;
+        (i.abs() <= self.rate)
+            & (j.abs() <= self.rate)
+            & (w.abs() <= self.rate)
+            & (self.thrust_min..=self.thrust_max).contains(&state.thrust)
     }
 
     /// The last command where none has been given yet: no rotation, and the thrust nearest to none.
     pub fn at_rest(&self) -> LimitState {
         LimitState {
-            rate: 0.0,
+            rates: Body::default(),
             thrust: math::clamp(0.0, self.thrust_min, self.thrust_max),
         }
     }
 
-    /// `thrust` \[N\] and `rate` [rad/s] brought inside the limits after `dt` \[s\], and what saturated.
+    /// `thrust` \[N\] and body `rates` [rad/s] brought inside the limits after `dt` \[s\], and what saturated.
     #[inline(always)]
     pub fn apply(
         &self,
         state: &mut LimitState,
         thrust: f32,
-        rate: f32,
+        rates: Rates,
         dt: f32,
-    ) -> (f32, f32, Status) {
-        let bounded = math::clamp(rate, -self.rate, self.rate);
+    ) -> (f32, Rates, Status) {
         let step = self.slew * dt;
-        let slewed = math::clamp(bounded, state.rate - step, state.rate + step);
+        let mut status = Status::empty();
+        let mut limit = |rate: f32, last: f32| {
+            let bounded = math::clamp(rate, -self.rate, self.rate);
+            let slewed = math::clamp(bounded, last - step, last + step);
+            status |= Status::RATE.when(bounded != rate) | Status::SLEW.when(slewed != bounded);
+            slewed
+        };
+        let rates = Body::new(
+            limit(rates.i, state.rates.i),
+            limit(rates.j, state.rates.j),
+            limit(rates.w, state.rates.w),
+        );
         let bounded_thrust = math::clamp(thrust, self.thrust_min, self.thrust_max);
         *state = LimitState {
-            rate: slewed,
+            rates,
             thrust: bounded_thrust,
         };
-        let status = Status::THRUST_LOW.when(thrust < self.thrust_min)
-            | Status::THRUST_HIGH.when(thrust > self.thrust_max)
-            | Status::RATE.when(bounded != rate)
-            | Status::SLEW.when(slewed != bounded);
-        (bounded_thrust, slewed, status)
+        status |= Status::THRUST_LOW.when(thrust < self.thrust_min)
+            | Status::THRUST_HIGH.when(thrust > self.thrust_max);
+        (bounded_thrust, rates, status)
     }
 }
 
@@ -103,40 +121,59 @@ mod tests {
         Limits::new(&p, &Vehicle::new(vehicle, model).unwrap())
     }
 
-    fn last(rate: f32) -> LimitState {
-        LimitState { rate, thrust: 1.0 }
+    /// The axis that is tried: each once.
+    fn axis(n: usize, rate: f32) -> Body {
+        match n {
+            0 => Body::new(rate, 0.0, 0.0),
+            1 => Body::new(0.0, rate, 0.0),
+            _ => Body::new(0.0, 0.0, rate),
+        }
+    }
+
+    fn last(n: usize, rate: f32) -> LimitState {
+        LimitState {
+            rates: axis(n, rate),
+            thrust: 1.0,
+        }
     }
 
     #[test]
     fn what_is_inside_passes_unchanged() {
-        let mut state = last(0.4);
-        let out = limits().apply(&mut state, 50.0, 0.5, 0.01);
-        assert_eq!(out, (50.0, 0.5, Status::empty()));
-        assert_eq!((state.rate, state.thrust), (0.5, 50.0));
+        for n in 0..3 {
+            let (mut state, rates) = (last(n, 0.4), axis(n, 0.5));
+            let out = limits().apply(&mut state, 50.0, rates, 0.01);
+            assert_eq!(out, (50.0, rates, Status::empty()));
+            assert_eq!((state.rates, state.thrust), (rates, 50.0));
+        }
     }
 
     #[test]
     fn each_limit_is_kept_and_told() {
-        let apply = |from, thrust, rate| limits().apply(&mut last(from), thrust, rate, 1.0 / 128.0);
-        assert_eq!(apply(0.0, 0.0, 0.0), (1.0, 0.0, Status::THRUST_LOW));
-        assert_eq!(apply(0.0, 101.0, 0.0), (100.0, 0.0, Status::THRUST_HIGH));
-        assert_eq!(apply(-1.95, 50.0, -9.0), (50.0, -2.0, Status::RATE));
-        assert_eq!(apply(0.0, 50.0, 0.5), (50.0, 0.125, Status::SLEW));
-        assert_eq!(
-            apply(0.0, 50.0, -3.0),
-            (50.0, -0.125, Status::RATE | Status::SLEW)
-        );
+        for n in 0..3 {
+            let apply = |from, thrust, rate| {
+                let (thrust, rates, status) =
+                    limits().apply(&mut last(n, from), thrust, axis(n, rate), 1.0 / 128.0);
+                (thrust, rates.i + rates.j + rates.w, status)
+            };
+            assert_eq!(apply(0.0, 0.0, 0.0), (1.0, 0.0, Status::THRUST_LOW));
+            assert_eq!(apply(0.0, 101.0, 0.0), (100.0, 0.0, Status::THRUST_HIGH));
+            assert_eq!(apply(-1.95, 50.0, -9.0), (50.0, -2.0, Status::RATE));
+            assert_eq!(apply(0.0, 50.0, 0.5), (50.0, 0.125, Status::SLEW));
+            let both = Status::RATE | Status::SLEW;
+            assert_eq!(apply(0.0, 50.0, -3.0), (50.0, -0.125, both));
+        }
     }
 
     #[test]
     fn a_last_command_that_the_limits_do_not_let_pass_is_not_sound() {
         let limits = limits();
-        assert!(limits.is_sound(&limits.at_rest()) && limits.is_sound(&last(-2.0)));
+        assert!(limits.is_sound(&limits.at_rest()) && limits.is_sound(&last(0, -2.0)));
         for bad in [f32::NAN, f32::INFINITY, 2.1, -1e30] {
-            assert!(!limits.is_sound(&last(bad)));
+            assert!((0..3).all(|n| !limits.is_sound(&last(n, bad))));
         }
         for thrust in [f32::NAN, 0.9, 1e30] {
-            assert!(!limits.is_sound(&LimitState { rate: 0.0, thrust }));
+            let rates = Body::default();
+            assert!(!limits.is_sound(&LimitState { rates, thrust }));
         }
     }
 }

@@ -2,7 +2,7 @@
 //! bytes and back.
 
 use super::status::Status;
-use crate::frame::Inertial;
+use crate::ned::Ned;
 
 /// A value made of words.
 ///
@@ -63,21 +63,11 @@ number!(u8, x => u32::from(x), bits => bits as u8);
 number!(f32, x => x.to_bits(), bits => f32::from_bits(bits));
 number!(Status, x => u32::from(x.bits()), bits => Status::from_bits_retain(bits as u16));
 
-impl Memory for Inertial {
-    const WORDS: usize = 2;
-
-    #[inline(always)]
-    fn write(&self, take: &mut impl FnMut(u32)) {
-        self.down().write(take);
-        self.forward().write(take);
-    }
-
-    #[inline(always)]
-    fn read(next: &mut impl FnMut() -> u32) -> Self {
-        let (down, forward) = (f32::read(next), f32::read(next));
-        Self::new(down, forward)
-    }
-}
+memory!(Ned {
+    north: f32,
+    east: f32,
+    down: f32,
+});
 
 /// A copy of a memory of `N` words and a check word of both.
 ///
@@ -191,13 +181,13 @@ mod tests {
     #[derive(Debug, PartialEq)]
     struct Part {
         small: u8,
-        vector: Inertial,
+        vector: Ned,
         flags: Status,
         number: f32,
     }
     memory!(Part {
         small: u8,
-        vector: Inertial,
+        vector: Ned,
         flags: Status,
         number: f32,
     });
@@ -212,7 +202,7 @@ mod tests {
     fn what_is_written_is_read_again() {
         let part = Part {
             small: 200,
-            vector: Inertial::new(-1.5, 1e-40),
+            vector: Ned::new(-1.5, 1e-40, 7.0),
             flags: Status::from_bits_retain(0xffff),
             number: f32::INFINITY,
         };
@@ -262,21 +252,21 @@ mod tests {
                 Verdict::Unknown => panic!("{bit}"),
             }
         }
-        // A byte, three numbers and 16 flags.
-        assert_eq!(restored, 8 + 3 * 32 + 16);
+        // A byte, four numbers and 16 flags.
+        assert_eq!(restored, 8 + 4 * 32 + 16);
     }
 
     #[test]
     fn memory_and_spare_both_changed_are_not_taken_for_sound() {
         for bit in 32..64 {
-            let (memory, spare) = flipped(&[bit, 32 * Part::WORDS + (bit + 5) % 128]);
+            let (memory, spare) = flipped(&[bit, 32 * Part::WORDS + (bit + 5) % 160]);
             assert_eq!(spare.judge(&memory), Verdict::Unknown, "{bit}");
         }
     }
 
     #[test]
     fn zeros_are_sound() {
-        assert_eq!(Spare::<2>::default(), Spare::new(&Inertial::ZERO));
-        assert_eq!(Spare::<2>::default().judge(&Inertial::ZERO), Verdict::Sound);
+        assert_eq!(Spare::<3>::default(), Spare::new(&Ned::ZERO));
+        assert_eq!(Spare::<3>::default().judge(&Ned::ZERO), Verdict::Sound);
     }
 }

@@ -1,22 +1,24 @@
 //! Guidance: the velocity law with everything around it that a real vehicle asks for.
 
 mod bandwidth;
+mod course;
 mod flight;
 mod limits;
 mod memory;
 mod parameters;
-mod plane_change;
+mod plane;
 mod planner;
 mod progress;
 mod status;
 mod supervision;
 mod tracker;
 mod update;
+mod virtual_flight;
 
 pub use crate::control::{Branch, Margin};
 pub use bandwidth::{BandwidthGains, GainChoice};
 pub use parameters::GuidanceParameters;
-pub use plane_change::{Across, InputAcross};
+pub use plane::{PlanarGuided, PlanarInput};
 pub use progress::{Phase, Progress, Unreachable};
 pub use status::Status;
 pub use supervision::{Air, AirUse, MAX_STEP, MIN_STEP, Mode, Refusal};

@@ -30,23 +30,25 @@ crate::parameters! {
         position_gain_down: "1/s", 0.0, 100.0, 1.5, "ALU_POS_P_D",
             "Velocity per position error, down. Zero turns the hold off.";
         position_gain_forward: "1/s", 0.0, 100.0, 0.5, "ALU_POS_P_F",
-            "Velocity per position error, forward. Zero turns the hold off.";
+            "Velocity per position error, horizontal. Zero turns the hold off.";
         max_velocity_down: "m/s", 0.0, 1e3, 3.0, "ALU_POS_V_D",
             "Greatest velocity towards the reference position, down.";
         max_velocity_forward: "m/s", 0.0, 1e3, 6.0, "ALU_POS_V_F",
-            "Greatest velocity towards the reference position, forward.";
+            "Greatest velocity towards the reference position, horizontal.";
         integral_gain_down: "1/s", 0.0, 100.0, 0.3, "ALU_INT_D",
             "Growth of the integral per velocity towards the reference position, down. Zero turns it off.";
         integral_gain_forward: "1/s", 0.0, 100.0, 0.1, "ALU_INT_F",
-            "Growth of the integral per velocity towards the reference position, forward. Zero turns it off.";
+            "Growth of the integral per velocity towards the reference position, horizontal. Zero turns it off.";
         max_integral_down: "m/s", 0.0, 1e3, 2.0, "ALU_INT_MAX_D",
             "Greatest integral, down; at most max_velocity_down.";
         max_integral_forward: "m/s", 0.0, 1e3, 1.0, "ALU_INT_MAX_F",
-            "Greatest integral, forward; at most max_velocity_forward.";
+            "Greatest integral, horizontal; at most max_velocity_forward.";
+        max_turn: "g", 0.0, 100.0, 2.0, "ALU_TURN_MAX",
+            "Greatest acceleration to the side of the plane of flight. Zero: the plane is kept, for flights in one plane.";
         max_rate: "rad/s", 1e-3, 1e3, 2.8, "ALU_RATE_MAX",
-            "Greatest angular rate commanded.";
+            "Greatest angular rate commanded, about each body axis.";
         max_slew: "rad/s^2", 1e-3, 1e6, 30.0, "ALU_SLEW_MAX",
-            "Greatest change of the angular rate commanded.";
+            "Greatest change of each angular rate commanded.";
 
         hold: "s", 0.0, 10.0, 0.1, "ALU_SUP_HOLD",
             "How long bad frames are bridged by the last command.";

@@ -179,12 +179,13 @@ mod tests {
         for n in 0..(seconds * 100.0) as usize {
             let part = (n as f32 / 1000.0).min(1.0);
             let velocity = reference * part;
-            let (mut v, mut theta) = state.virtual_flight();
+            let (v, mut theta) = state.virtual_flight();
+            let mut v = v.to_plane();
             if n < 10 {
                 (v, theta) = (Inertial::ZERO, 0.0);
             }
             position += (v - velocity) * 0.01;
-            let input = GuidanceInput {
+            let input = PlanarInput {
                 velocity: v,
                 attitude: Attitude::from_angle(theta),
                 air: Air::Wind(wind),
@@ -197,9 +198,9 @@ mod tests {
                         Inertial::ZERO
                     },
                 },
-                ..GuidanceInput::default()
+                ..PlanarInput::default()
             };
-            progress.push(guidance.update(&mut state, &input, 0.01).progress);
+            progress.push(guidance.update_in_plane(&mut state, &input, 0.01).progress);
         }
         progress
     }

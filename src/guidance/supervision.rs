@@ -4,8 +4,8 @@ use super::memory::memory;
 use super::parameters::GuidanceParameters;
 use crate::aero::Aerodynamics;
 use crate::control::Fault;
-use crate::frame::Inertial;
 use crate::math;
+use crate::ned::Ned;
 use crate::vehicle::Vehicle;
 
 /// Time steps \[s\] shorter than this are refused. It is also what a refused step costs if no time has passed, as with
@@ -55,11 +55,11 @@ pub enum Mode {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Air {
+pub enum Air<V = Ned> {
     /// The air velocity v_a = v − v_w [m/s] is measured.
-    Velocity(Inertial),
+    Velocity(V),
     /// The wind v_w [m/s] is known, from a forecast or an estimator.
-    Wind(Inertial),
+    Wind(V),
     /// Nothing.
     #[default]
     Unknown,
@@ -143,7 +143,7 @@ pub struct SupervisionState {
     /// Time \[s\] of bad frames while holding, of good ones while safe.
     elapsed: f32,
     /// The last wind known [m/s].
-    pub(super) wind: Inertial,
+    pub(super) wind: Ned,
     /// Its age \[s\].
     pub(super) wind_age: f32,
 }
@@ -152,7 +152,7 @@ memory!(SupervisionState {
     mode: u8,
     wind_known: u8,
     elapsed: f32,
-    wind: Inertial,
+    wind: Ned,
     wind_age: f32,
 });
 
@@ -234,16 +234,6 @@ impl Supervisor {
             && state.wind.norm_squared() <= self.max_wind * self.max_wind
     }
 
-    /// Makes `wind` [m/s] the last known wind, or forgets it if that is above `max_wind`.
-    pub(super) fn move_wind(&self, state: &mut SupervisionState, wind: Inertial) {
-        if wind.norm_squared() <= self.max_wind * self.max_wind {
-            state.wind = wind;
-        } else {
-            state.wind = Inertial::ZERO;
-            state.wind_known = 0;
-        }
-    }
-
     /// The mode after `dt` \[s\] with a frame that was `good` or not.
     #[inline(always)]
     pub(super) fn advance(&self, state: &mut SupervisionState, good: bool, dt: f32) -> Mode {
@@ -270,10 +260,10 @@ impl Supervisor {
     pub(super) fn wind(
         &self,
         state: &mut SupervisionState,
-        velocity: Inertial,
+        velocity: Ned,
         air: &Air,
         dt: f32,
-    ) -> (Inertial, AirUse, bool) {
+    ) -> (Ned, AirUse, bool) {
         let (given, used) = match *air {
             Air::Velocity(v_a) => (velocity - v_a, AirUse::Velocity),
             Air::Wind(wind) => (wind, AirUse::Wind),
@@ -296,10 +286,10 @@ impl Supervisor {
     fn without_air(
         &self,
         state: &mut SupervisionState,
-        velocity: Inertial,
+        velocity: Ned,
         dt: f32,
         invalid: bool,
-    ) -> (Inertial, AirUse, bool) {
+    ) -> (Ned, AirUse, bool) {
         state.age_wind(dt);
         if state.wind_known == 1 && state.wind_age <= self.air_hold {
             (state.wind, AirUse::HeldWind, invalid)
@@ -382,16 +372,16 @@ mod tests {
     fn air_degrades_step_by_step_and_recovers() {
         let supervisor = supervisor();
         let mut state = SupervisionState::default();
-        let v = Inertial::new(1.0, 12.0);
+        let v = Ned::new(12.0, -2.0, 1.0);
         let mut wind = |air: Air| supervisor.wind(&mut state, v, &air, 0.125);
-        let w = Inertial::new(0.0, -3.0);
+        let w = Ned::new(-3.0, 0.0, 0.0);
         // Nothing known yet: the air moves with the vehicle.
         assert_eq!(wind(Air::Unknown), (v, AirUse::None, false));
         assert_eq!(wind(Air::Velocity(v - w)), (w, AirUse::Velocity, false));
         assert_eq!(wind(Air::Wind(w)), (w, AirUse::Wind, false));
         // Held for 1 s.
         for n in 0..8 {
-            let nan = Air::Velocity(Inertial::new(f32::NAN, 0.0));
+            let nan = Air::Velocity(Ned::new(0.0, 0.0, f32::NAN));
             let (air, invalid) = if n % 2 == 0 {
                 (nan, true)
             } else {
@@ -401,7 +391,7 @@ mod tests {
         }
         assert_eq!(wind(Air::Unknown), (v, AirUse::None, false));
         assert_eq!(
-            wind(Air::Wind(Inertial::new(f32::INFINITY, 0.0))),
+            wind(Air::Wind(Ned::new(0.0, 0.0, f32::INFINITY))),
             (v, AirUse::None, true)
         );
         assert_eq!(wind(Air::Wind(w)), (w, AirUse::Wind, false));
@@ -411,27 +401,24 @@ mod tests {
     #[test]
     fn implausible_winds_are_not_flown_on() {
         let supervisor = supervisor();
-        let v = Inertial::new(0.0, 20.0);
+        let v = Ned::new(20.0, 0.0, 0.0);
         let calm = || {
             let mut state = SupervisionState::default();
             let first = supervisor.wind(&mut state, v, &Air::Velocity(v), 0.01);
-            assert_eq!(first, (Inertial::ZERO, AirUse::Velocity, false));
+            assert_eq!(first, (Ned::ZERO, AirUse::Velocity, false));
             state
         };
         let mut state = calm();
-        let blocked = Air::Velocity(Inertial::ZERO);
+        let blocked = Air::Velocity(Ned::ZERO);
         for _ in 0..90 {
             let (wind, used, invalid) = supervisor.wind(&mut state, v, &blocked, 0.01);
-            assert_eq!(
-                (wind, used, invalid),
-                (Inertial::ZERO, AirUse::HeldWind, true)
-            );
+            assert_eq!((wind, used, invalid), (Ned::ZERO, AirUse::HeldWind, true));
         }
-        let far = Air::Velocity(v + Inertial::new(0.0, 1000.0));
+        let far = Air::Velocity(v + Ned::new(1000.0, 0.0, 0.0));
         let mut state = calm();
         assert_eq!(
             supervisor.wind(&mut state, v, &far, 0.01),
-            (Inertial::ZERO, AirUse::HeldWind, true)
+            (Ned::ZERO, AirUse::HeldWind, true)
         );
         // At power-on too.
         let mut state = SupervisionState::default();
@@ -441,7 +428,7 @@ mod tests {
         );
         // A gust front of 8 m/s is one.
         let mut state = calm();
-        let gust = Inertial::new(0.0, 8.0);
+        let gust = Ned::new(8.0, 0.0, 0.0);
         assert_eq!(
             supervisor.wind(&mut state, v, &Air::Wind(gust), 0.01),
             (gust, AirUse::Wind, false)
@@ -451,7 +438,7 @@ mod tests {
         for _ in 0..1500 {
             supervisor.wind(&mut state, v, &Air::Unknown, 0.01);
         }
-        let other = Inertial::new(0.0, 20.0);
+        let other = Ned::new(20.0, 0.0, 0.0);
         assert_eq!(
             supervisor.wind(&mut state, v, &Air::Wind(other), 0.01),
             (other, AirUse::Wind, false)
@@ -493,8 +480,8 @@ mod tests {
         assert!(sound(|_| ()));
         assert!(!sound(|s| s.elapsed = f32::NAN) && !sound(|s| s.elapsed = 1e9));
         assert!(!sound(|s| s.wind_age = -1.0) && !sound(|s| s.wind_age = f32::NAN));
-        assert!(!sound(|s| s.wind = Inertial::new(41.0, 0.0)));
-        assert!(!sound(|s| s.wind = Inertial::new(0.0, f32::NAN)));
+        assert!(!sound(|s| s.wind = Ned::new(0.0, 0.0, 41.0)));
+        assert!(!sound(|s| s.wind = Ned::new(f32::NAN, 0.0, 0.0)));
         // Every mode byte is a mode.
         for mode in 0..=u8::MAX {
             let state = SupervisionState {

@@ -1,19 +1,22 @@
 //! The tracker: it brings the real vehicle to the virtual one.
 //!
-//! On a sheet of equilibria it is the robust law (`eq:inputsVCeR`) for the virtual flight's velocity and acceleration, with
-//! its attitude fed forward. Near a fold that law would turn the vehicle to whichever equilibrium is nearer, so there it
-//! gives way to the attitude alone.
+//! On a sheet of equilibria it is the law in space ([`WingedControl`]) for the virtual flight's velocity and acceleration:
+//! in the plane of symmetry the robust law (`eq:inputsVCeR`), with the virtual attitude fed forward, tilt and twist across
+//! it. Near a fold that law would turn the vehicle to whichever equilibrium is nearer, so there the pitch gives way to the
+//! attitude alone.
 
-use super::flight::{Flight, across, limited};
+use super::flight::{across, limited};
 use super::parameters::GuidanceParameters;
 use super::planner::wrap;
 use super::status::Status;
+use super::virtual_flight::{Moved, VirtualFlight};
 use crate::aero::Aerodynamics;
 use crate::branch::Branch;
-use crate::control::{Command, Fault, GainLaw, State, Step, VelocityControl};
-use crate::frame::{Attitude, Body, Inertial};
+use crate::control::{Fault, GainLaw, Step};
 use crate::math;
-use crate::reference::{MAX_SPEED, Reference};
+use crate::ned::Ned;
+use crate::reference::MAX_SPEED;
+use crate::spatial::{Body, Command, Heading, Orientation, Reference, State, WingedControl};
 
 /// How far to either side of the virtual attitude the slope of F̄_2 is looked at \[rad\].
 const REACH: f32 = 0.087;
@@ -22,23 +25,24 @@ const SHEET: f32 = 0.5;
 /// Distance from the virtual attitude \[rad\] up to which the vehicle is taken to be on the virtual vehicle's sheet, and
 /// beyond twice which it is not.
 const NEAR: f32 = 0.17;
+/// Cosine of the angle between the vehicle's right wing and the virtual one's: below the first the vehicle does not fly in
+/// the plane of flight, above the second it does.
+const ASIDE: f32 = 0.5;
+const ALONG: f32 = 0.8;
 
 /// Part of the greatest integral that is left as F_p grows: with the default gains an angle of 7°.
 const STIFF: f32 = 0.25;
 
 /// What the tracker looks at.
-pub(super) struct TrackerInput<'a> {
-    pub state: State,
+pub(super) struct TrackerInput<'a, A> {
+    pub state: &'a State,
     /// Position less reference position \[m\].
-    pub position: Inertial,
-    pub flight: &'a Flight,
-    /// Acceleration of the virtual flight [m/s²].
-    pub acceleration: Inertial,
-    /// ω̇ of the virtual flight [rad/s²].
-    pub rate_change: f32,
+    pub position: Ned,
+    pub flight: &'a VirtualFlight,
+    pub moved: &'a Moved<'a, A>,
     /// What of the last command saturated.
     pub saturated: Status,
-    /// The last angular rate commanded [rad/s], whose sign says at which limit it stands.
+    /// The last pitch rate commanded [rad/s], whose sign says at which limit it stands.
     pub rate: f32,
 }
 
@@ -53,78 +57,94 @@ pub(super) struct Tracked {
     pub status: Status,
 }
 
-/// The tracker.
+/// The tracker. Its pairs of numbers are for down and for the horizontal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Tracker {
-    position_gain: Inertial,
-    max_velocity: Inertial,
-    integral_gain: Inertial,
-    max_integral: Inertial,
+    position_gain: [f32; 2],
+    max_velocity: [f32; 2],
+    integral_gain: [f32; 2],
+    max_integral: [f32; 2],
     rate_lag: f32,
     /// Force below which the damping along the thrust line does not fall, in multiples of the weight.
     force_floor: f32,
+}
+
+/// `v` with its part down within ±`down`, and its horizontal part no longer than `horizontal`; and whether it was.
+#[inline(always)]
+fn bounded(v: Ned, [down, horizontal]: [f32; 2]) -> (Ned, bool) {
+    let square = v.north * v.north + v.east * v.east;
+    let kept = limited(v.down, down);
+    if square > horizontal * horizontal {
+        let scale = horizontal / math::sqrt(square);
+        (Ned::new(v.north * scale, v.east * scale, kept), true)
+    } else {
+        (Ned::new(v.north, v.east, kept), kept != v.down)
+    }
+}
+
+/// `v` with its part down times the first factor, and its horizontal part times the second.
+#[inline(always)]
+fn scaled(v: Ned, [down, horizontal]: [f32; 2]) -> Ned {
+    Ned::new(v.north * horizontal, v.east * horizontal, v.down * down)
 }
 
 impl Tracker {
     /// The tracker with these parameters, which have been checked.
     pub fn new(p: &GuidanceParameters) -> Self {
         Self {
-            position_gain: Inertial::new(p.position_gain_down, p.position_gain_forward),
-            max_velocity: Inertial::new(p.max_velocity_down, p.max_velocity_forward),
-            integral_gain: Inertial::new(p.integral_gain_down, p.integral_gain_forward),
-            max_integral: Inertial::new(p.max_integral_down, p.max_integral_forward),
+            position_gain: [p.position_gain_down, p.position_gain_forward],
+            max_velocity: [p.max_velocity_down, p.max_velocity_forward],
+            integral_gain: [p.integral_gain_down, p.integral_gain_forward],
+            max_integral: [p.max_integral_down, p.max_integral_forward],
             rate_lag: p.rate_lag,
             force_floor: p.force_floor,
         }
     }
 
-    /// Position errors that the integral could hold \[m\].
-    pub(super) fn reach(&self) -> Inertial {
-        let reach = |max: f32, gain: f32| {
-            if gain > 0.0 {
-                math::min(max / gain, MAX_SPEED)
+    /// `position` \[m\] no farther than the integral could hold.
+    #[inline(always)]
+    pub(super) fn within_reach(&self, position: Ned) -> Ned {
+        let reach = |n: usize| {
+            if self.position_gain[n] > 0.0 {
+                math::min(self.max_integral[n] / self.position_gain[n], MAX_SPEED)
             } else {
                 0.0
             }
         };
-        Inertial::new(
-            reach(self.max_integral.down(), self.position_gain.down()),
-            reach(self.max_integral.forward(), self.position_gain.forward()),
-        )
+        bounded(position, [reach(0), reach(1)]).0
     }
 
-    /// Whether the integral is inside its bounds. NaN is not.
+    /// Whether the integral is inside its bounds, but for rounding. NaN is not.
     #[inline(always)]
-    pub(super) fn is_sound(&self, integral: Inertial) -> bool {
-        integral.down().abs() <= self.max_integral.down()
-            && integral.forward().abs() <= self.max_integral.forward()
-    }
-
-    /// `integral` [m/s] inside its limits.
-    pub(super) fn limited(&self, integral: Inertial) -> Inertial {
-        Inertial::new(
-            limited(integral.down(), self.max_integral.down()),
-            limited(integral.forward(), self.max_integral.forward()),
-        )
+    pub(super) fn is_sound(&self, integral: Ned) -> bool {
+        let square = integral.north * integral.north + integral.east * integral.east;
+        integral.down.abs() <= self.max_integral[0]
+            && square <= 1.000_01 * self.max_integral[1] * self.max_integral[1]
     }
 
     /// The command, before the limits; the integral moves on by `dt` \[s\].
     #[inline(always)]
     pub(super) fn track<A: Aerodynamics, G: GainLaw>(
         &self,
-        control: &VelocityControl<A, G>,
-        integral: &mut Inertial,
-        input: &TrackerInput,
+        control: &WingedControl<A, G>,
+        integral: &mut Ned,
+        input: &TrackerInput<A>,
         dt: f32,
     ) -> Result<Tracked, Fault> {
-        let TrackerInput { state, flight, .. } = input;
-        let vehicle = control.vehicle();
-        let weight = vehicle.weight();
+        let TrackerInput {
+            state,
+            flight,
+            moved,
+            ..
+        } = input;
+        let plane = control.plane();
+        let weight = plane.vehicle().weight();
+        let (axes, attitude) = (&moved.axes, &state.orientation);
 
         // On which side of F_p the virtual attitude lies, and how far from a fold.
-        let v_a = state.velocity - state.wind;
-        let at = |theta| across(vehicle, theta, v_a, input.acceleration);
+        let v_a = axes.project(state.velocity - state.wind);
+        let at = |theta| across(&moved.vehicle, theta, v_a, moved.in_plane);
         let middle = at(flight.theta);
         let left = (at(flight.theta - REACH) - middle) / REACH;
         let right = (middle - at(flight.theta + REACH)) / REACH;
@@ -135,61 +155,60 @@ impl Tracker {
         } else {
             (Branch::Aligned, 0.0)
         };
-        let ahead = wrap(flight.theta - state.attitude.angle());
+        let nose = axes.project(attitude.i());
+        let ahead = wrap(flight.theta - math::atan2(nose.forward(), nose.down()));
         let part = math::min(slope / (SHEET * weight), 1.0);
         let near = math::clamp(2.0 - ahead.abs() / NEAR, 0.0, 1.0);
-        let law = part * part * (3.0 - 2.0 * part) * near;
+        let wings = axes.right.dot(attitude.w());
+        let aligned = math::clamp((wings - ASIDE) / (ALONG - ASIDE), 0.0, 1.0);
+        let law = part * part * (3.0 - 2.0 * part) * near * aligned;
 
         // The velocity asked for.
         let slip = input.position - flight.position;
-        let pull = Inertial::new(
-            limited(
-                self.position_gain.down() * slip.down(),
-                self.max_velocity.down(),
-            ),
-            limited(
-                self.position_gain.forward() * slip.forward(),
-                self.max_velocity.forward(),
-            ),
-        );
+        let (pull, _) = bounded(scaled(slip, self.position_gain), self.max_velocity);
         let mut reference = Reference {
             velocity: flight.velocity - pull,
-            acceleration: input.acceleration,
+            acceleration: moved.acceleration,
+            heading: Heading::of_unit(axes.forward),
         };
-        let mut step = control.step(branch, state, &reference);
+        let seen = control.see(state, &reference);
+        let mut step = plane.step_in_plane(branch, seen.forces, seen.error.in_plane());
         // What is not known of the wing is an angle. It takes the more velocity error to hold an angle the larger F_p is.
         let stiffness = step.norm / weight;
         let stiffness = if stiffness > 1.0 { stiffness } else { 1.0 };
-        let bound = self.max_integral
-            * if stiffness < 1.0 / STIFF {
-                1.0 / stiffness
-            } else {
-                STIFF
-            };
+        let bound = if stiffness < 1.0 / STIFF {
+            1.0 / stiffness
+        } else {
+            STIFF
+        };
+        let bound = self.max_integral.map(|most| most * bound);
         let full = self.integrate(integral, pull * (law / stiffness), bound, input, branch, dt);
         let held = *integral * stiffness;
-        reference.velocity -= held;
-        step.error += state.attitude.to_body(held);
-        let command = control.robust_from(&step, branch, state, None)?;
+        reference.velocity = reference.velocity - held;
+        let held = attitude.to_body(held);
+        step.error += held.in_plane();
+        let in_plane = plane.robust_in_plane(&step, branch, None)?;
+        let fed = (
+            attitude.to_body(moved.acceleration),
+            attitude.w().dot(moved.jerk),
+        );
+        let error = seen.error.w + held.w;
+        let lateral = control.across(&seen, error, state, reference.heading, Some(fed));
+        let mut command = control.whole(&seen, in_plane, &lateral);
+
         let gains = &step.gains;
         // Along the thrust line the damping does not vanish with F_p.
         let floor = self.force_floor * weight;
-        let missing = if step.norm < floor {
-            gains.k1 * (floor - step.norm) * step.error.i()
-        } else {
-            0.0
-        };
-        let attitude = 0.25 * gains.k3 * ahead;
-        let rate = flight.rate
-            + self.rate_lag * input.rate_change
-            + law * command.rate
-            + (1.0 - law) * attitude;
+        if step.norm < floor {
+            command.thrust += gains.k1 * (floor - step.norm) * step.error.i();
+        }
+        let attitude_rate = wings * (0.25 * gains.k3 * ahead);
+        command.rates.w = wings * (flight.rate + self.rate_lag * moved.rate_change)
+            + attitude.w().dot(moved.spin)
+            + law * command.rates.w
+            + (1.0 - law) * attitude_rate;
         Ok(Tracked {
-            command: Command {
-                thrust: command.thrust + missing,
-                rate,
-                ..command
-            },
+            command,
             step,
             branch,
             law,
@@ -201,56 +220,43 @@ impl Tracker {
     /// Lets the integral grow by what the limits allow, and tells whether it is full. Nothing keeps it from returning to
     /// zero.
     #[inline(always)]
-    fn integrate(
+    fn integrate<A>(
         &self,
-        integral: &mut Inertial,
-        pull: Inertial,
-        bound: Inertial,
-        input: &TrackerInput,
+        integral: &mut Ned,
+        pull: Ned,
+        bound: [f32; 2],
+        input: &TrackerInput<A>,
         branch: Branch,
         dt: f32,
     ) -> bool {
-        let wanted = Inertial::new(
-            self.integral_gain.down() * pull.down(),
-            self.integral_gain.forward() * pull.forward(),
-        );
+        let wanted = scaled(pull, self.integral_gain);
         let allowed = gate(
             wanted,
-            input.state.attitude,
+            &input.state.orientation,
             input.saturated,
             branch.sign() * input.rate,
         );
-        let (down, full_down) = grow(
-            integral.down(),
-            wanted.down(),
-            allowed.down(),
-            bound.down(),
-            dt,
-        );
-        let (forward, full_forward) = grow(
-            integral.forward(),
-            wanted.forward(),
-            allowed.forward(),
-            bound.forward(),
-            dt,
-        );
-        *integral = Inertial::new(down, forward);
-        full_down | full_forward
+        let (kept, full) = grow(*integral, wanted, allowed, bound, dt);
+        *integral = kept;
+        full
     }
 }
 
 /// The integral after `dt`, and whether it is full. It grows by what is `allowed`; where the growth `wanted` leads it back
-/// to zero, by all of that.
+/// to zero, by all of that. Down and the horizontal are looked at separately.
 #[inline(always)]
-fn grow(integral: f32, wanted: f32, allowed: f32, bound: f32, dt: f32) -> (f32, bool) {
-    let growth = if wanted * integral < 0.0 {
+fn grow(integral: Ned, wanted: Ned, allowed: Ned, bound: [f32; 2], dt: f32) -> (Ned, bool) {
+    let back = wanted.north * integral.north + wanted.east * integral.east < 0.0;
+    let level = if back { wanted } else { allowed };
+    let upright = if wanted.down * integral.down < 0.0 {
         wanted
     } else {
         allowed
     };
-    let moved = integral + growth * dt;
-    let kept = limited(moved, bound);
-    (kept, kept != moved)
+    bounded(
+        integral + Ned::new(level.north, level.east, upright.down) * dt,
+        bound,
+    )
 }
 
 /// The part of İ that the actuators can still obey.
@@ -258,12 +264,12 @@ fn grow(integral: f32, wanted: f32, allowed: f32, bound: f32, dt: f32) -> (f32, 
 /// A growing integral lowers the velocity asked for. Along i, against thrust, that asks for more thrust; across it, the
 /// law asks for a greater rate on θ̃ = 0, and for a smaller one on θ̃ = π: `rate` is the last rate by that sign.
 #[inline(always)]
-fn gate(growth: Inertial, attitude: Attitude, saturated: Status, rate: f32) -> Inertial {
+fn gate(growth: Ned, attitude: &Orientation, saturated: Status, rate: f32) -> Ned {
     if !saturated.intersects(Status::THRUST_LOW | Status::THRUST_HIGH | Status::RATE) {
         return growth;
     }
-    let g = attitude.to_body(growth);
-    let (mut along, mut across) = (g.i(), g.j());
+    let Body { i, j, w } = attitude.to_body(growth);
+    let (mut along, mut across) = (i, j);
     if saturated.contains(Status::THRUST_HIGH) {
         along = math::min(along, 0.0);
     }
@@ -273,7 +279,7 @@ fn gate(growth: Inertial, attitude: Attitude, saturated: Status, rate: f32) -> I
     if saturated.contains(Status::RATE) && across * rate > 0.0 {
         across = 0.0;
     }
-    attitude.to_inertial(Body::new(along, across))
+    attitude.to_world(Body::new(along, across, w))
 }
 
 #[cfg(test)]
@@ -284,33 +290,40 @@ mod tests {
 
     #[test]
     fn the_integral_stops_at_its_bound_and_always_returns() {
-        assert_eq!(grow(0.5, 1.0, 1.0, 2.0, DT), (0.51, false));
-        assert_eq!(grow(1.999, 1.0, 1.0, 2.0, DT), (2.0, true));
+        let down = |integral, wanted, allowed| {
+            let v = |x| Ned::new(0.0, 0.0, x);
+            let (kept, full) = grow(v(integral), v(wanted), v(allowed), [2.0, 1.0], DT);
+            (kept.down, full)
+        };
+        assert_eq!(down(0.5, 1.0, 1.0), (0.51, false));
+        assert_eq!(down(1.999, 1.0, 1.0), (2.0, true));
         // Not allowed to grow,
-        assert_eq!(grow(0.5, 1.0, 0.0, 2.0, DT), (0.5, false));
+        assert_eq!(down(0.5, 1.0, 0.0), (0.5, false));
         // but back to zero in any case.
-        assert_eq!(grow(0.5, -1.0, 0.0, 2.0, DT), (0.49, false));
+        assert_eq!(down(0.5, -1.0, 0.0), (0.49, false));
+        // In the horizontal it is a vector: its length is bounded.
+        let level = |integral, wanted| grow(integral, wanted, wanted, [2.0, 1.0], DT);
+        let (kept, full) = level(Ned::new(0.6, 0.8, 0.0), Ned::new(3.0, 4.0, 0.0));
+        assert!(full && (kept - Ned::new(0.6, 0.8, 0.0)).norm_squared() < 1e-12);
+        let (kept, full) = level(Ned::new(0.6, 0.0, 0.0), Ned::new(0.0, 1.0, 0.0));
+        assert_eq!((kept, full), (Ned::new(0.6, 0.01, 0.0), false));
     }
 
     #[test]
     fn the_integral_does_not_grow_against_a_limit() {
-        let up = Attitude::NOSE_UP;
-        // Nose up, i is down: a growing integral, down, asks for more thrust.
-        let both = Inertial::new(0.3, 0.2);
-        assert_eq!(gate(both, up, Status::empty(), 1.0), both);
-        assert_eq!(gate(both, up, Status::SLEW, 1.0), both);
-        assert_eq!(gate(both, up, Status::THRUST_LOW, 1.0), both);
-        assert_eq!(
-            gate(both, up, Status::THRUST_HIGH, 1.0),
-            Inertial::new(0.0, 0.2)
-        );
-        assert_eq!(gate(-both, up, Status::THRUST_HIGH, 1.0), -both);
-        assert_eq!(
-            gate(-both, up, Status::THRUST_LOW, 1.0),
-            Inertial::new(0.0, -0.2)
-        );
+        let up = &Orientation::NOSE_UP;
+        // Nose up, i is down and j is north: a growing integral, down, asks for more thrust.
+        let all = Ned::new(0.2, 0.1, 0.3);
+        assert_eq!(gate(all, up, Status::empty(), 1.0), all);
+        assert_eq!(gate(all, up, Status::SLEW, 1.0), all);
+        assert_eq!(gate(all, up, Status::THRUST_LOW, 1.0), all);
+        let level = Ned::new(0.2, 0.1, 0.0);
+        assert_eq!(gate(all, up, Status::THRUST_HIGH, 1.0), level);
+        assert_eq!(gate(-all, up, Status::THRUST_HIGH, 1.0), -all);
+        assert_eq!(gate(-all, up, Status::THRUST_LOW, 1.0), -level);
         // At the limit of the rate that it asks more of, and at the other.
-        assert_eq!(gate(both, up, Status::RATE, 2.8), Inertial::new(0.3, 0.0));
-        assert_eq!(gate(both, up, Status::RATE, -2.8), both);
+        let kept = Ned::new(0.0, 0.1, 0.3);
+        assert_eq!(gate(all, up, Status::RATE, 2.8), kept);
+        assert_eq!(gate(all, up, Status::RATE, -2.8), all);
     }
 }

@@ -4,7 +4,8 @@
 //! [`GuidanceState`], and nowhere else.
 
 use super::bandwidth::BandwidthGains;
-use super::flight::{Flight, limited};
+use super::course::{Axes, Course};
+use super::flight::limited;
 use super::limits::{LimitState, Limits};
 use super::memory::{self, Memory, Spare};
 use super::parameters::GuidanceParameters;
@@ -15,13 +16,18 @@ use super::supervision::{
     Air, AirUse, Mode, Refusal, SupervisionState, Supervisor, safe_thrust, time_passed,
 };
 use super::tracker::{Tracker, TrackerInput};
+use super::virtual_flight::{Turning, VirtualFlight};
 use crate::aero::Aerodynamics;
-use crate::control::{Command, Diagnostics, GainLaw, Margin, State, VelocityControl, check_input};
+use crate::control::{Fault, GainLaw, Margin};
 use crate::error::{ParameterError, Problem};
-use crate::frame::{Attitude, Inertial};
 use crate::math;
+use crate::ned::Ned;
 use crate::parameters::Parameters;
-use crate::reference::{MAX_SPEED, Reference};
+use crate::reference::MAX_SPEED;
+use crate::spatial::{
+    Command, Correction, Diagnostics, LateralGains, LateralParameters, Orientation, Rates,
+    Reference, State, WingedControl, check_input,
+};
 use crate::vehicle::Vehicle;
 
 /// The velocity law with everything around it that a real vehicle asks for. Immutable and validated.
@@ -36,7 +42,7 @@ use crate::vehicle::Vehicle;
 ///
 /// // At 100 Hz. The safe command is left once the inputs have been good for 50 ms.
 /// let mut state = GuidanceState::default();
-/// let input = GuidanceInput { air: Air::Wind(Inertial::ZERO), ..GuidanceInput::default() };
+/// let input = GuidanceInput { air: Air::Wind(Ned::ZERO), ..GuidanceInput::default() };
 /// let mut guided = Guided::default();
 /// for _ in 0..10 {
 ///     guided = guidance.update(&mut state, &input, 0.01);
@@ -49,9 +55,11 @@ use crate::vehicle::Vehicle;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Guidance<A, G = BandwidthGains> {
     /// The velocity law.
-    control: VelocityControl<A, G>,
+    control: WingedControl<A, G>,
     /// Which plan the virtual vehicle flies by.
     planner: Planner,
+    /// How the plane turns in which it does.
+    turning: Turning,
     /// How the real vehicle follows.
     pub(super) tracker: Tracker,
     /// Limits of the actuators.
@@ -66,15 +74,15 @@ pub struct Guidance<A, G = BandwidthGains> {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct GuidanceInput {
     /// Velocity v over ground [m/s].
-    pub velocity: Inertial,
-    /// Attitude θ.
-    pub attitude: Attitude,
+    pub velocity: Ned,
+    /// Attitude.
+    pub orientation: Orientation,
     /// Age \[s\] of velocity and attitude, not negative.
     pub state_age: f32,
     /// What is known of the air.
     pub air: Air,
     /// Position less reference position, x̃ \[m\], if position is to be held.
-    pub position_error: Option<Inertial>,
+    pub position_error: Option<Ned>,
     /// Reference.
     pub reference: Reference,
     /// Age \[s\] of the reference, not negative.
@@ -87,20 +95,20 @@ pub struct GuidanceInput {
 pub struct GuidanceState {
     pub(super) supervision: SupervisionState,
     /// The virtual flight.
-    flight: Flight,
+    pub(super) flight: VirtualFlight,
     /// The plan it flies by.
     planner: PlannerState,
     /// Integral I [m/s], as it is in hover.
-    pub(super) integral: Inertial,
+    pub(super) integral: Ned,
     /// The wind that is planned with: without gusts [m/s].
-    pub(super) wind: Inertial,
+    pub(super) wind: Ned,
     /// Position less reference position \[m\], reckoned from the velocity where it is not measured.
-    pub(super) reckoned: Inertial,
+    pub(super) reckoned: Ned,
     pub(super) limits: LimitState,
     /// 1 once the virtual flight has begun.
     pub(super) started: u8,
     /// Last good reference velocity [m/s].
-    pub(super) held: Inertial,
+    pub(super) held: Ned,
     /// 1 if there has been a good reference. A number, not `Option`: every bit pattern has a meaning.
     held_known: u8,
     /// What of the last command saturated.
@@ -135,14 +143,14 @@ pub struct Guided {
 
 /// Words of the memory without its copy.
 const WORDS: usize = SupervisionState::WORDS
-    + Flight::WORDS
+    + VirtualFlight::WORDS
     + PlannerState::WORDS
-    + Inertial::WORDS
-    + Inertial::WORDS
-    + Inertial::WORDS
+    + Ned::WORDS
+    + Ned::WORDS
+    + Ned::WORDS
     + LimitState::WORDS
     + u8::WORDS
-    + Inertial::WORDS
+    + Ned::WORDS
     + u8::WORDS
     + Status::WORDS;
 
@@ -253,12 +261,12 @@ impl GuidanceState {
     }
 
     /// The integral I [m/s], which stands in for what is not known of the vehicle.
-    pub fn integral(&self) -> Inertial {
+    pub fn integral(&self) -> Ned {
         self.integral
     }
 
-    /// Velocity [m/s] and attitude \[rad\] of the virtual flight.
-    pub fn virtual_flight(&self) -> (Inertial, f32) {
+    /// Velocity [m/s] of the virtual flight, and its attitude θ \[rad\] in the plane of flight.
+    pub fn virtual_flight(&self) -> (Ned, f32) {
         (self.flight.velocity, self.flight.theta)
     }
 }
@@ -270,6 +278,15 @@ const DRAW: f32 = 5.0;
 const DRAW_POSITION: f32 = 0.6;
 /// Position errors beyond this \[m\] are taken as this.
 const MAX_DISTANCE: f32 = 1e4;
+
+/// Rate of the twist towards air velocity or heading, in multiples of the natural frequency.
+const TWIST: f32 = 1.25;
+/// |F_y| below which tilt and twist fade, in multiples of the weight.
+const LATERAL_FORCE: f32 = 0.31;
+/// Most that a lateral velocity error may ask for, in g.
+const LATERAL_ACCELERATION: f32 = 0.51;
+/// Sine of the angle between heading and F_y below which the heading fades.
+const HEADING: f32 = 0.2;
 
 /// Whether a reference is finite and not absurd. One sum decides: NaN fails its comparison too.
 #[inline(always)]
@@ -303,22 +320,35 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
     ) -> Result<Self, ParameterError> {
         p.check()?;
         check_relations(&vehicle, p)?;
+        let turning = Turning::new(p, &vehicle);
+        // 2ζω_n and ω_n/(2ζ): tilt and lateral velocity make a loop of this frequency and damping.
+        let rate = |x: f32| math::clamp(x, 1e-3, 1e3);
+        let lateral = LateralGains::new(LateralParameters {
+            tilt: rate(2.0 * p.damping * p.natural_frequency),
+            velocity: rate(0.5 * p.natural_frequency / p.damping),
+            twist: rate(TWIST * p.natural_frequency),
+            acceleration: math::clamp(LATERAL_ACCELERATION * vehicle.gravity(), 1e-3, 1e3),
+            force: math::clamp(LATERAL_FORCE * vehicle.weight(), 1e-3, 1e6),
+            airspeed: math::clamp(turning.takeover(), 1e-3, 1e3),
+            heading: HEADING,
+        })?;
         Ok(Self {
             planner: Planner::new(p),
+            turning,
             tracker: Tracker::new(p),
             limits: Limits::new(p, &vehicle),
             supervisor: Supervisor::new(p, &vehicle),
-            control: VelocityControl::new(vehicle, gains),
+            control: WingedControl::new(vehicle, gains, lateral),
         })
     }
 
     /// The vehicle as the guidance believes it to be.
     pub fn vehicle(&self) -> &Vehicle<A> {
-        self.control.vehicle()
+        self.control.plane().vehicle()
     }
 
     /// The velocity law that is flown.
-    pub fn control(&self) -> &VelocityControl<A, G> {
+    pub fn control(&self) -> &WingedControl<A, G> {
         &self.control
     }
 
@@ -360,7 +390,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
     #[inline(always)]
     fn is_sound(&self, state: &GuidanceState) -> bool {
         self.supervisor.is_sound(&state.supervision)
-            & state.flight.is_sound()
+            & ((state.started != 1) | state.flight.is_sound())
             & state.planner.is_sound()
             & self.tracker.is_sound(state.integral)
             & (state.wind.norm_squared() + state.reckoned.norm_squared()
@@ -393,7 +423,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             *state = GuidanceState {
                 supervision: state.supervision,
                 limits: LimitState {
-                    rate: 0.0,
+                    rates: Rates::default(),
                     thrust: self.supervisor.safe_thrust(),
                 },
                 ..GuidanceState::default()
@@ -402,7 +432,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         Guided {
             command: Command {
                 thrust: state.limits.thrust,
-                rate: state.limits.rate,
+                rates: state.limits.rates,
                 diagnostics: Diagnostics::default(),
             },
             ..Guided::default()
@@ -419,10 +449,14 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
     ) -> Result<(), Refusal> {
         let bare = State {
             velocity: input.velocity,
-            attitude: input.attitude,
-            wind: Inertial::ZERO,
+            orientation: input.orientation,
+            wind: Ned::ZERO,
+            correction: Correction::default(),
         };
         check_input(&bare, &Reference::default()).map_err(Refusal::Law)?;
+        if !input.orientation.is_sound() {
+            return Err(Refusal::Law(Fault::Attitude));
+        }
         if !self.supervisor.accepts_state(input.state_age) {
             return Err(Refusal::StateAge);
         }
@@ -437,7 +471,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         } else if state.held_known == 1 {
             Reference {
                 velocity: state.held,
-                acceleration: Inertial::ZERO,
+                ..Reference::default()
             }
         } else {
             return Err(Refusal::NoReference);
@@ -449,56 +483,54 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             self.supervisor
                 .wind(&mut state.supervision, input.velocity, &input.air, dt);
         let at = State { wind, ..bare };
-        let theta = input.attitude.angle();
 
         // Where the vehicle is, from the reference.
-        let reach = self.tracker.reach();
         let reckoned = state.reckoned + (input.velocity - asked.velocity) * dt;
-        state.reckoned = Inertial::new(
-            limited(reckoned.down(), reach.down()),
-            limited(reckoned.forward(), reach.forward()),
-        );
+        state.reckoned = self.tracker.within_reach(reckoned);
         let position = match position_error {
             Some(x) => {
-                state.reckoned = Inertial::ZERO;
-                Inertial::new(
-                    limited(x.down(), MAX_DISTANCE),
-                    limited(x.forward(), MAX_DISTANCE),
+                state.reckoned = Ned::ZERO;
+                Ned::new(
+                    limited(x.north, MAX_DISTANCE),
+                    limited(x.east, MAX_DISTANCE),
+                    limited(x.down, MAX_DISTANCE),
                 )
             }
             None => state.reckoned,
         };
-        if state.started != 1 {
+
+        // The virtual flight begins with the real one, and is counted from the same turn as its attitude.
+        let vehicle = self.control.plane().vehicle();
+        let begun = state.started == 1;
+        if !begun {
+            state.flight.course = Course::of(&input.orientation);
+            state.flight.lean = 0.0;
+        }
+        let axes = Axes::new(&state.flight.course, vehicle.gravity(), state.flight.lean);
+        let nose = axes.project(input.orientation.i());
+        let theta = math::atan2(nose.forward(), nose.down());
+        if !begun {
             state.started = 1;
             state.planner = PlannerState::default();
-            state.flight = Flight {
+            state.flight = VirtualFlight {
                 velocity: input.velocity,
                 position,
                 theta,
-                rate: state.limits.rate,
+                rate: state.limits.rates.w,
                 thrust: state.limits.thrust,
+                ..state.flight
             };
             state.wind = wind;
         }
         state.wind += (wind - state.wind) * math::min(dt / GUSTS, 1.0);
-
-        // The virtual flight, counted from the same turn as the attitude.
-        let vehicle = self.control.vehicle();
         let turns = theta + wrap(state.flight.theta - theta) - state.flight.theta;
         state.flight.theta += turns;
         state.planner.shift(turns);
-        let prospect = self.planner.search(
-            vehicle,
-            &mut state.planner,
-            &state.flight,
-            &asked,
-            state.wind,
-        );
-        let rate = state.flight.rate;
-        let acceleration = self.planner.virtual_vehicle.advance(
+        let moved = self.turning.advance(
+            &self.planner,
             vehicle,
             &mut state.flight,
-            &mut state.planner.plan,
+            &mut state.planner,
             &asked,
             state.wind,
             dt,
@@ -511,37 +543,31 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
                 &self.control,
                 &mut state.integral,
                 &TrackerInput {
-                    state: at,
+                    state: &at,
                     position,
                     flight: &state.flight,
-                    acceleration,
-                    rate_change: (state.flight.rate - rate) / dt,
+                    moved: &moved,
                     saturated: state.saturated,
-                    rate: state.limits.rate,
+                    rate: state.limits.rates.w,
                 },
                 dt,
             )
             .map_err(Refusal::Law)?;
-        let (thrust, rate, saturated) = self.limits.apply(
+        let (thrust, rates, saturated) = self.limits.apply(
             &mut state.limits,
             tracked.command.thrust,
-            tracked.command.rate,
+            tracked.command.rates,
             dt,
         );
         state.saturated = saturated;
-        let error = state.flight.velocity
-            - self
-                .planner
-                .virtual_vehicle
-                .velocity_wanted(state.flight.position, asked.velocity);
         guided.progress = Progress::new(
             vehicle,
             &self.planner,
             &state.planner,
-            &state.flight,
-            &prospect,
-            error,
-            asked.velocity,
+            &moved.flight,
+            &moved.prospect,
+            moved.error,
+            moved.reference,
         );
         // Where the law has no say the virtual flight is drawn to the real one: that is how it is planned anew.
         let drawn = math::min((1.0 - tracked.law) * DRAW * dt, 1.0);
@@ -551,7 +577,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
 
         guided.command = Command {
             thrust,
-            rate,
+            rates,
             ..tracked.command
         };
         guided.air = air;
@@ -559,7 +585,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         guided.margin = Margin::new(
             &tracked.step.forces,
             tracked.step.norm,
-            self.control.gains().guard().tau(),
+            self.control.plane().gains().guard().tau(),
             tracked.branch.sign(),
         );
         guided.status = tracked.status
@@ -611,9 +637,12 @@ mod tests {
     extern crate std;
     use super::*;
     use crate::aero::{Combined, CombinedParameters};
-    use crate::control::Fault;
+    use crate::control::Command;
+    use crate::frame::{Attitude, Inertial};
     use crate::guidance::MIN_STEP;
     use crate::guidance::Phase;
+    use crate::guidance::{PlanarGuided, PlanarInput};
+    use crate::reference::Reference;
     use crate::vehicle::VehicleParameters;
     use rand::{RngExt, SeedableRng};
 
@@ -643,7 +672,7 @@ mod tests {
         with(&parameters())
     }
 
-    const HOVER: GuidanceInput = GuidanceInput {
+    const HOVER: PlanarInput = PlanarInput {
         velocity: Inertial::ZERO,
         attitude: Attitude::NOSE_UP,
         state_age: 0.0,
@@ -660,7 +689,7 @@ mod tests {
     fn airborne() -> GuidanceState {
         let mut state = GuidanceState::default();
         for _ in 0..20 {
-            guidance().update(&mut state, &HOVER, DT);
+            guidance().update_in_plane(&mut state, &HOVER, DT);
         }
         assert_eq!(state.mode(), Mode::Flying);
         state
@@ -671,7 +700,7 @@ mod tests {
     #[test]
     fn on_a_sheet_the_command_is_the_laws_to_the_bit() {
         let mut state = airborne();
-        let input = GuidanceInput {
+        let input = PlanarInput {
             velocity: Inertial::new(0.05, -0.1),
             attitude: Attitude::from_angle(0.02),
             ..HOVER
@@ -685,12 +714,12 @@ mod tests {
             ..parameters()
         });
         // The rate's slew is met at first.
-        let mut guided = Guided::default();
+        let mut guided = PlanarGuided::default();
         for _ in 0..3 {
-            guided = guidance.update(&mut state, &input, DT);
+            guided = guidance.update_in_plane(&mut state, &input, DT);
         }
-        let law = guidance.control.robust(
-            &State {
+        let law = guidance.control.plane().robust(
+            &crate::State {
                 velocity: input.velocity,
                 attitude: input.attitude,
                 wind: Inertial::ZERO,
@@ -708,7 +737,7 @@ mod tests {
     fn power_on_is_safe_until_frames_are_good_for_a_while() {
         let (guidance, mut state) = (guidance(), GuidanceState::default());
         for n in 0..8 {
-            let guided = guidance.update(&mut state, &HOVER, DT);
+            let guided = guidance.update_in_plane(&mut state, &HOVER, DT);
             // 50 ms of good frames; five steps of 10 ms round to just below.
             let flying = n >= 6;
             assert_eq!(guided.mode == Mode::Flying, flying, "{n}");
@@ -721,12 +750,12 @@ mod tests {
         }
         // Without a reference there is nothing to fly to.
         let mut state = GuidanceState::default();
-        let late = GuidanceInput {
+        let late = PlanarInput {
             reference_age: 1.0,
             ..HOVER
         };
         for _ in 0..20 {
-            let guided = guidance.update(&mut state, &late, DT);
+            let guided = guidance.update_in_plane(&mut state, &late, DT);
             assert_eq!(guided.mode, Mode::Safe);
             assert_eq!(guided.refusal, Some(Refusal::NoReference));
         }
@@ -738,7 +767,7 @@ mod tests {
         let nan = Inertial::new(f32::NAN, 0.0);
         let bad = [
             (
-                GuidanceInput {
+                PlanarInput {
                     velocity: nan,
                     ..HOVER
                 },
@@ -746,7 +775,7 @@ mod tests {
                 Refusal::Law(Fault::Velocity),
             ),
             (
-                GuidanceInput {
+                PlanarInput {
                     attitude: Attitude { cos: 0.5, sin: 0.5 },
                     ..HOVER
                 },
@@ -754,7 +783,7 @@ mod tests {
                 Refusal::Law(Fault::Attitude),
             ),
             (
-                GuidanceInput {
+                PlanarInput {
                     state_age: 0.06,
                     ..HOVER
                 },
@@ -762,7 +791,7 @@ mod tests {
                 Refusal::StateAge,
             ),
             (
-                GuidanceInput {
+                PlanarInput {
                     state_age: f32::NAN,
                     ..HOVER
                 },
@@ -773,7 +802,7 @@ mod tests {
             (HOVER, f32::NAN, Refusal::TimeStep),
             (HOVER, -DT, Refusal::TimeStep),
             (
-                GuidanceInput {
+                PlanarInput {
                     state_age: -0.01,
                     ..HOVER
                 },
@@ -783,25 +812,28 @@ mod tests {
         ];
         for (input, dt, refusal) in bad {
             let mut state = airborne();
-            let (before, integral) = (guidance.update(&mut state, &HOVER, DT), state.integral);
-            let held = guidance.update(&mut state, &input, dt);
+            let (before, integral) = (
+                guidance.update_in_plane(&mut state, &HOVER, DT),
+                state.integral,
+            );
+            let held = guidance.update_in_plane(&mut state, &input, dt);
             assert_eq!((held.mode, held.refusal), (Mode::Holding, Some(refusal)));
             assert_eq!(held.command.thrust, before.command.thrust);
             assert_eq!(held.command.rate, before.command.rate);
             assert_eq!(state.integral, integral);
-            assert_eq!(guidance.update(&mut state, &HOVER, DT), before);
+            assert_eq!(guidance.update_in_plane(&mut state, &HOVER, DT), before);
         }
     }
 
     #[test]
     fn sustained_failure_ends_in_the_safe_command_and_recovers_from_where_the_vehicle_is() {
         let (guidance, mut state) = (guidance(), airborne());
-        let bad = GuidanceInput {
+        let bad = PlanarInput {
             velocity: Inertial::new(f32::INFINITY, 0.0),
             ..HOVER
         };
         for n in 0..30 {
-            let guided = guidance.update(&mut state, &bad, DT);
+            let guided = guidance.update_in_plane(&mut state, &bad, DT);
             // Ten frames of 10 ms; whether the eleventh is within 0.1 s is a rounding's matter.
             if n < 10 {
                 assert_eq!(guided.mode, Mode::Holding);
@@ -813,23 +845,23 @@ mod tests {
                 );
             }
         }
-        let moving = GuidanceInput {
+        let moving = PlanarInput {
             velocity: Inertial::new(3.0, 1.0),
             ..HOVER
         };
-        let mut guided = Guided::default();
+        let mut guided = PlanarGuided::default();
         while guided.mode != Mode::Flying {
-            guided = guidance.update(&mut state, &moving, DT);
+            guided = guidance.update_in_plane(&mut state, &moving, DT);
         }
         // The virtual flight sets out from the velocity there is. 0.1 m/s: one step at 1 g.
         let (velocity, _) = state.virtual_flight();
-        assert!((velocity - moving.velocity).norm() < 0.1);
+        assert!((velocity.to_plane() - moving.velocity).norm() < 0.1);
     }
 
     #[test]
     fn a_stale_reference_is_held_without_acceleration() {
         let (guidance, mut state) = (guidance(), airborne());
-        let fresh = GuidanceInput {
+        let fresh = PlanarInput {
             velocity: Inertial::new(0.0, 5.0),
             reference: Reference {
                 velocity: Inertial::new(0.0, 5.0),
@@ -838,19 +870,19 @@ mod tests {
             ..HOVER
         };
         for _ in 0..500 {
-            guidance.update(&mut state, &fresh, DT);
+            guidance.update_in_plane(&mut state, &fresh, DT);
         }
         let nan = Inertial::new(0.0, f32::NAN);
         for stale in [
-            GuidanceInput {
+            PlanarInput {
                 reference_age: 0.6,
                 ..fresh
             },
-            GuidanceInput {
+            PlanarInput {
                 reference_age: f32::NAN,
                 ..fresh
             },
-            GuidanceInput {
+            PlanarInput {
                 reference: Reference {
                     acceleration: nan,
                     ..fresh.reference
@@ -859,17 +891,17 @@ mod tests {
             },
         ] {
             let mut state = state;
-            let mut guided = Guided::default();
+            let mut guided = PlanarGuided::default();
             for _ in 0..1000 {
-                guided = guidance.update(&mut state, &stale, DT);
+                guided = guidance.update_in_plane(&mut state, &stale, DT);
             }
             assert_eq!(guided.mode, Mode::Flying);
             assert!(guided.status.contains(Status::REFERENCE_HELD));
             // The virtual flight has settled on the last one. 0.05 m/s: the vehicle itself does not move, so the position
             // reckoned is at its bound, and a little of the virtual one's with it.
             let (velocity, _) = state.virtual_flight();
-            assert!((velocity - fresh.reference.velocity).norm() < 0.05);
-            let back = guidance.update(&mut state, &fresh, DT);
+            assert!((velocity.to_plane() - fresh.reference.velocity).norm() < 0.05);
+            let back = guidance.update_in_plane(&mut state, &fresh, DT);
             assert!(!back.status.contains(Status::REFERENCE_HELD));
         }
     }
@@ -878,16 +910,16 @@ mod tests {
     #[test]
     fn without_air_data_thrust_is_vectored_plainly() {
         let (guidance, mut state) = (guidance(), GuidanceState::default());
-        let input = GuidanceInput {
+        let input = PlanarInput {
             velocity: Inertial::new(0.5, 9.0),
             attitude: Attitude::from_angle(-0.4),
             air: Air::Unknown,
             position_error: None,
             ..HOVER
         };
-        let mut guided = Guided::default();
+        let mut guided = PlanarGuided::default();
         while guided.mode != Mode::Flying {
-            guided = guidance.update(&mut state, &input, DT);
+            guided = guidance.update_in_plane(&mut state, &input, DT);
         }
         assert_eq!(guided.air, AirUse::None);
         let p = VehicleParameters::PAPER_BELIEF;
@@ -902,26 +934,26 @@ mod tests {
     fn a_corrupt_state_is_reset_in_flight() {
         let guidance = guidance();
         let corrupt: [fn(&mut GuidanceState); 10] = [
-            |s| s.integral = Inertial::new(f32::NAN, 0.0),
-            |s| s.flight.velocity = Inertial::new(0.0, f32::INFINITY),
-            |s| s.flight.position = Inertial::new(0.0, 1e9),
+            |s| s.integral = Ned::new(0.0, f32::NAN, 0.0),
+            |s| s.flight.velocity = Ned::new(f32::INFINITY, 0.0, 0.0),
+            |s| s.flight.position = Ned::new(0.0, 1e9, 0.0),
             |s| s.flight.theta = f32::NAN,
-            |s| s.wind = Inertial::new(0.0, 1e4),
+            |s| s.wind = Ned::new(1e4, 0.0, 0.0),
             |s| s.planner.plan.target = 1e9,
-            |s| s.limits.rate = f32::NAN,
-            |s| s.limits.rate = 500.0,
-            |s| s.held = Inertial::new(0.0, -1e9),
-            |s| s.supervision.wind = Inertial::new(1e30, 0.0),
+            |s| s.limits.rates.i = f32::NAN,
+            |s| s.limits.rates.w = 500.0,
+            |s| s.held = Ned::new(0.0, -1e9, 0.0),
+            |s| s.supervision.wind = Ned::new(0.0, 0.0, 1e30),
         ];
         for corrupt in corrupt {
             let mut state = airborne();
             corrupt(&mut state);
             // As if the check word had missed it.
             state.seal();
-            let guided = guidance.update(&mut state, &HOVER, DT);
+            let guided = guidance.update_in_plane(&mut state, &HOVER, DT);
             assert_eq!(guided.mode, Mode::Flying);
             assert!(guided.status.contains(Status::STATE_RESET));
-            let next = guidance.update(&mut state, &HOVER, DT);
+            let next = guidance.update_in_plane(&mut state, &HOVER, DT);
             assert_eq!(next.status, Status::empty());
             assert_eq!(next.command.thrust, 9.0 * 9.81);
         }
@@ -931,7 +963,7 @@ mod tests {
     #[test]
     fn a_corrupt_last_command_is_not_held() {
         let guidance = guidance();
-        let bad = GuidanceInput {
+        let bad = PlanarInput {
             velocity: Inertial::new(f32::NAN, 0.0),
             ..HOVER
         };
@@ -941,10 +973,10 @@ mod tests {
                 if thrust {
                     state.limits.thrust = value;
                 } else {
-                    state.limits.rate = value;
+                    state.limits.rates.w = value;
                 }
                 state.seal();
-                let guided = guidance.update(&mut state, &bad, DT);
+                let guided = guidance.update_in_plane(&mut state, &bad, DT);
                 assert_eq!(guided.mode, Mode::Holding);
                 assert!(guided.status.contains(Status::STATE_RESET));
                 assert!((0.0..=THRUST_MAX).contains(&guided.command.thrust));
@@ -967,11 +999,11 @@ mod tests {
             ..GuidanceState::default()
         };
         state.seal();
-        let bad = GuidanceInput {
+        let bad = PlanarInput {
             state_age: 1.0,
             ..HOVER
         };
-        let guided = guidance.update(&mut state, &bad, DT);
+        let guided = guidance.update_in_plane(&mut state, &bad, DT);
         assert_eq!(guided.mode, Mode::Holding);
         assert_eq!(guided.command.thrust, 5.0);
     }
@@ -981,7 +1013,7 @@ mod tests {
     #[test]
     fn a_flipped_bit_is_found_wherever_it_is() {
         let guidance = guidance();
-        let input = GuidanceInput {
+        let input = PlanarInput {
             velocity: Inertial::new(0.1, 5.0),
             attitude: Attitude::from_angle(-0.6),
             air: Air::Wind(Inertial::new(0.3, -2.0)),
@@ -994,19 +1026,19 @@ mod tests {
         };
         let mut flown = airborne();
         for _ in 0..100 {
-            guidance.update(&mut flown, &input, DT);
+            guidance.update_in_plane(&mut flown, &input, DT);
         }
-        let undisturbed = guidance.update(&mut { flown }, &input, DT);
+        let undisturbed = guidance.update_in_plane(&mut { flown }, &input, DT);
         let mut found = 0;
         for bit in 0..8 * GuidanceState::BYTES {
             let mut bytes = flown.to_bytes();
             bytes[bit / 8] ^= 1 << (bit % 8);
             let mut state = GuidanceState::from_bytes(&bytes);
-            let guided = guidance.update(&mut state, &input, DT);
+            let guided = guidance.update_in_plane(&mut state, &input, DT);
             assert_eq!(guided.command, undisturbed.command, "{bit}");
             assert_eq!(guided.mode, Mode::Flying);
             found += u32::from(guided.status.contains(Status::STATE_RESET));
-            let next = guidance.update(&mut state, &input, DT);
+            let next = guidance.update_in_plane(&mut state, &input, DT);
             assert!(!next.status.contains(Status::STATE_RESET), "{bit}");
         }
         // Eight short numbers of 8 bits and one of 16, the rest of 32. A flip in the copy changes nothing.
@@ -1021,11 +1053,11 @@ mod tests {
         bytes[4 * 3] ^= 1;
         bytes[4 * (WORDS + 5)] ^= 1;
         let mut state = GuidanceState::from_bytes(&bytes);
-        let guided = guidance.update(&mut state, &HOVER, DT);
+        let guided = guidance.update_in_plane(&mut state, &HOVER, DT);
         assert!(guided.status.contains(Status::STATE_RESET));
         assert_eq!(guided.mode, Mode::Flying);
-        assert_eq!(state.supervision.wind, Inertial::ZERO);
-        let next = guidance.update(&mut state, &HOVER, DT);
+        assert_eq!(state.supervision.wind, Ned::ZERO);
+        let next = guidance.update_in_plane(&mut state, &HOVER, DT);
         assert_eq!(next.status, Status::empty());
     }
 
@@ -1035,7 +1067,7 @@ mod tests {
         let bytes = state.to_bytes();
         let mut back = GuidanceState::from_bytes(&bytes);
         assert_eq!((back, back.to_bytes()), (state, bytes));
-        let guided = guidance().update(&mut back, &HOVER, DT);
+        let guided = guidance().update_in_plane(&mut back, &HOVER, DT);
         assert_eq!(guided.status, Status::empty());
         let on = [0; GuidanceState::BYTES];
         assert_eq!(GuidanceState::from_bytes(&on), GuidanceState::default());
@@ -1045,7 +1077,7 @@ mod tests {
     #[test]
     fn an_extreme_reference_does_not_reset_the_memory() {
         let guidance = guidance();
-        let input = GuidanceInput {
+        let input = PlanarInput {
             velocity: Inertial::new(0.0, 700.0),
             reference: Reference {
                 velocity: Inertial::new(0.0, 710.0),
@@ -1056,7 +1088,7 @@ mod tests {
         };
         let mut state = GuidanceState::default();
         for _ in 0..100 {
-            let guided = guidance.update(&mut state, &input, 0.2);
+            let guided = guidance.update_in_plane(&mut state, &input, 0.2);
             assert!(!guided.status.contains(Status::STATE_RESET));
         }
         assert_eq!(state.mode(), Mode::Flying);
@@ -1080,15 +1112,18 @@ mod tests {
         let (guidance, mut state) = (guidance(), airborne());
         for _ in 0..100 {
             for _ in 0..3 {
-                let held = guidance.update(&mut state, &HOVER, 0.0);
+                let held = guidance.update_in_plane(&mut state, &HOVER, 0.0);
                 assert_eq!(
                     (held.mode, held.refusal),
                     (Mode::Holding, Some(Refusal::TimeStep))
                 );
             }
-            assert_eq!(guidance.update(&mut state, &HOVER, DT).mode, Mode::Flying);
+            assert_eq!(
+                guidance.update_in_plane(&mut state, &HOVER, DT).mode,
+                Mode::Flying
+            );
         }
-        let stopped = (0..2000).map(|_| guidance.update(&mut state, &HOVER, 0.0).mode);
+        let stopped = (0..2000).map(|_| guidance.update_in_plane(&mut state, &HOVER, 0.0).mode);
         assert_eq!(stopped.last(), Some(Mode::Safe));
     }
 
@@ -1180,7 +1215,7 @@ mod tests {
                     _ => dt = poison,
                 }
             }
-            let guided = guidance.update(&mut state, &input, dt);
+            let guided = guidance.update_in_plane(&mut state, &input, dt);
             let Command { thrust, rate, .. } = guided.command;
             assert!((0.0..=THRUST_MAX).contains(&thrust) && rate.abs() <= 2.8);
             let Margin { force, k, fold } = guided.margin;

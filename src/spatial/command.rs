@@ -69,6 +69,7 @@ impl Correction {
 /// What is asked of the vehicle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Reference {
     /// Reference velocity v_r over ground [m/s].
     pub velocity: Ned,
@@ -94,6 +95,7 @@ pub type Rates = Body;
 /// Command of one step. The default is the safe command: no thrust, no rotation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Command {
     /// Thrust T \[N\] along −i. Not limited: it may be negative.
     pub thrust: f32,
@@ -106,6 +108,7 @@ pub struct Command {
 /// What a flight log wants to know of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Diagnostics {
     /// The planar law's, in the plane of symmetry; for the axisymmetric vehicle in the plane of i and v_a.
     pub plane: control::Diagnostics,
@@ -137,7 +140,7 @@ impl Diagnostics {
 ///
 /// One sum decides for all: NaN and infinity fail its comparison too. Only when it fails is each input looked at.
 #[inline(always)]
-pub(super) fn check_input(state: &State, reference: &Reference) -> Result<(), Fault> {
+pub(crate) fn check_input(state: &State, reference: &Reference) -> Result<(), Fault> {
     let sum = (state.velocity.norm_squared() + state.wind.norm_squared())
         + (reference.velocity.norm_squared() + reference.acceleration.norm_squared());
     if sum < MAX_SPEED * MAX_SPEED {

@@ -9,7 +9,21 @@ use crate::ned::Ned;
 /// [`LateralParameters`](super::LateralParameters)) it loses its say.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(from = "Ned"))]
 pub struct Heading(Ned);
+
+impl From<Ned> for Heading {
+    /// The heading whose unit vector this is; of any other length or with a part down, that of its horizontal part.
+    fn from(v: Ned) -> Self {
+        let square = v.north * v.north + v.east * v.east;
+        if v.down == 0.0 && (square - 1.0).abs() < 1e-5 {
+            Self(v)
+        } else {
+            Self::along(v)
+        }
+    }
+}
 
 impl Heading {
     /// None asked for.
@@ -36,9 +50,15 @@ impl Heading {
         }
     }
 
+    /// The heading along `unit`, a horizontal unit vector.
+    #[inline(always)]
+    pub(crate) const fn of_unit(unit: Ned) -> Self {
+        Self(unit)
+    }
+
     /// The unit vector, or zero.
     #[inline(always)]
-    pub(super) const fn vector(&self) -> Ned {
+    pub(crate) const fn vector(&self) -> Ned {
         self.0
     }
 }

@@ -101,7 +101,7 @@ pub(super) struct LateralInput {
 }
 
 /// What the lateral law gives.
-pub(super) struct Lateral {
+pub(crate) struct Lateral {
     /// ω_i [rad/s].
     pub i: f32,
     /// ω_j [rad/s].

@@ -7,6 +7,7 @@
 //! The paper names three dimensions as its next step; the laws here are not in it, and where an identity of the planar
 //! theory carries over it is said so.
 
+mod aerodynamic_force;
 mod axisymmetric;
 mod command;
 mod force_error;
@@ -16,7 +17,6 @@ mod orientation;
 mod reference_limit;
 mod sideslip;
 mod vector;
-mod vehicle;
 mod winged;
 
 /// Time steps \[s\] above this are taken for none by the estimators.
@@ -24,6 +24,7 @@ const MAX_STEP: f32 = 0.2;
 
 pub use crate::ned::Ned;
 pub use axisymmetric::AxisymmetricControl;
+pub(crate) use command::check_input;
 pub use command::{Command, Correction, Diagnostics, FeedForward, Rates, Reference, State};
 pub use force_error::{ForceError, ForceErrorParameters, ForceErrorState, ForceSample};
 pub use heading::Heading;
@@ -32,5 +33,4 @@ pub use orientation::Orientation;
 pub use reference_limit::{ReferenceLimit, ReferenceLimitParameters, ReferenceLimitState};
 pub use sideslip::{Sideslip, SideslipParameters, SideslipState};
 pub use vector::Body;
-pub use vehicle::WingedVehicle;
 pub use winged::WingedControl;

@@ -2,6 +2,7 @@
 
 use super::vector::Body;
 use crate::control::Fault;
+use crate::frame::Attitude;
 use crate::ned::{BodyAxes, Ned, Quaternion};
 
 /// Quaternions whose |q|² is further from 1 than this are refused: they are no attitude.
@@ -16,10 +17,35 @@ const MAX_DEFECT: f32 = 1e-3;
 /// | nose forward (fixed wing) | −i, w, j | (−ω_i, ω_w, ω_j) |
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(try_from = "[Ned; 3]", into = "[Ned; 3]"))]
 pub struct Orientation {
     i: Ned,
     j: Ned,
     w: Ned,
+}
+
+impl From<Orientation> for [Ned; 3] {
+    fn from(o: Orientation) -> Self {
+        [o.i, o.j, o.w]
+    }
+}
+
+impl TryFrom<[Ned; 3]> for Orientation {
+    type Error = Fault;
+
+    /// The attitude with the axes i, j, w.
+    ///
+    /// # Errors
+    /// [`Fault::Attitude`] if they are not of unit length, normal to each other and right-handed, to 1e-3.
+    fn try_from([i, j, w]: [Ned; 3]) -> Result<Self, Fault> {
+        let o = Self { i, j, w };
+        if o.is_sound() && (i.cross(j) - w).norm_squared() <= MAX_DEFECT {
+            Ok(o)
+        } else {
+            Err(Fault::Attitude)
+        }
+    }
 }
 
 impl Orientation {
@@ -29,6 +55,17 @@ impl Orientation {
         j: Ned::new(1.0, 0.0, 0.0),
         w: Ned::new(0.0, 1.0, 0.0),
     };
+
+    /// The attitude θ in the vertical plane to the north, to be checked by [`is_sound`](Self::is_sound).
+    #[inline(always)]
+    pub(crate) const fn in_plane(attitude: Attitude) -> Self {
+        let Attitude { cos, sin } = attitude;
+        Self {
+            i: Ned::new(sin, 0.0, cos),
+            j: Ned::new(cos, 0.0, -sin),
+            w: Ned::new(0.0, 1.0, 0.0),
+        }
+    }
 
     /// The attitude `q` of body axes `axes`. The axes are divided by |q|², so that what is left of a drifted
     /// normalisation is no part of them.
@@ -63,6 +100,12 @@ impl Orientation {
                 w: axis_y,
             },
         })
+    }
+
+    /// Whether i and j are of unit length. NaN is not.
+    #[inline(always)]
+    pub(crate) fn is_sound(&self) -> bool {
+        (self.i.norm_squared() - 1.0).abs() + (self.j.norm_squared() - 1.0).abs() <= MAX_DEFECT
     }
 
     /// i: towards the tail, opposite to thrust.
@@ -172,11 +215,7 @@ mod tests {
             };
             accepted += 1;
             let (i, j) = (o.i(), o.j());
-            let cross = Ned::new(
-                i.east * j.down - i.down * j.east,
-                i.down * j.north - i.north * j.down,
-                i.north * j.east - i.east * j.north,
-            );
+            let cross = i.cross(j);
             // 1e-6: some ten roundings of numbers below 1.
             assert!((cross - o.w()).norm_squared() < 1e-12);
             assert!((i.norm_squared() - 1.0).abs() < 1e-6 && i.dot(j).abs() < 1e-6);

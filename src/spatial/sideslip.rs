@@ -2,10 +2,10 @@
 
 use super::MAX_STEP;
 use super::vector::Body;
-use super::vehicle::WingedVehicle;
 use crate::aero::Aerodynamics;
 use crate::error::{ParameterError, positive};
 use crate::math;
+use crate::vehicle::Vehicle;
 
 /// Parameters of the sideslip estimator.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,12 +59,12 @@ impl Sideslip {
     /// outside [1e-3, 1e3] m/s; or any not finite.
     pub fn new<A: Aerodynamics>(
         p: SideslipParameters,
-        vehicle: &WingedVehicle<A>,
+        vehicle: &Vehicle<A>,
     ) -> Result<Self, ParameterError> {
         let c_y = positive("c_y", vehicle.c_y(), 1e-6, 1e3)?;
         let airspeed = positive("airspeed", p.airspeed, 1e-1, 1e3)?;
         Ok(Self {
-            length: vehicle.plane().mass() / (vehicle.plane().k_a() * c_y),
+            length: vehicle.mass() / (vehicle.k_a() * c_y),
             time: positive("time", p.time, 1e-3, 1e3)?,
             over_square: 1.0 / (airspeed * airspeed),
             most: positive("most", p.most, 1e-3, 1e3)?,
@@ -96,12 +96,15 @@ impl Sideslip {
 mod tests {
     use super::*;
     use crate::aero::{LargeAngle, LargeAngleParameters};
-    use crate::vehicle::{Vehicle, VehicleParameters};
+    use crate::vehicle::VehicleParameters;
 
-    fn vehicle(c_y: f32) -> WingedVehicle<LargeAngle> {
+    fn vehicle(c_y: f32) -> Vehicle<LargeAngle> {
         let model = LargeAngle::new(LargeAngleParameters::NACA_0021_RE_160E3).unwrap();
-        let plane = Vehicle::new(VehicleParameters::PAPER, model).unwrap();
-        WingedVehicle::new(plane, c_y).unwrap()
+        let p = VehicleParameters {
+            c_y,
+            ..VehicleParameters::PAPER
+        };
+        Vehicle::new(p, model).unwrap()
     }
 
     fn estimator() -> Sideslip {

@@ -1,6 +1,6 @@
 //! Vectors of three components, by world axes ([`Ned`]) and by body axes ([`Body`]).
 
-use core::ops::{Add, Mul, Sub};
+use core::ops::{Add, AddAssign, Mul, Neg, Sub};
 
 use crate::frame;
 use crate::ned::Ned;
@@ -13,6 +13,16 @@ impl Ned {
     #[inline(always)]
     pub fn dot(&self, other: Self) -> f32 {
         (self.north * other.north + self.east * other.east) + self.down * other.down
+    }
+
+    /// Vector product.
+    #[inline(always)]
+    pub fn cross(&self, other: Self) -> Self {
+        Self::new(
+            self.east * other.down - self.down * other.east,
+            self.down * other.north - self.north * other.down,
+            self.north * other.east - self.east * other.north,
+        )
     }
 
     /// Square of the length.
@@ -31,6 +41,21 @@ impl Add for Ned {
             self.east + other.east,
             self.down + other.down,
         )
+    }
+}
+
+impl AddAssign for Ned {
+    #[inline(always)]
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}
+
+impl Neg for Ned {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self::new(-self.north, -self.east, -self.down)
     }
 }
 
@@ -58,6 +83,7 @@ impl Mul<f32> for Ned {
 /// w = i × j, the right wing. In the plane of symmetry i and j are those of [`frame::Body`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Body {
     /// Component along i.
     pub i: f32,

@@ -4,17 +4,18 @@ use super::command::{
     Command, Diagnostics, FeedForward, Reference, State, check_feed_forward, check_input,
     check_output,
 };
-use super::lateral::{LateralGains, LateralInput};
+use super::heading::Heading;
+use super::lateral::{Lateral, LateralGains, LateralInput};
 use super::vector::Body;
-use super::vehicle::WingedVehicle;
 use crate::aero::Aerodynamics;
 use crate::air::AirData;
 use crate::branch::Branch;
 use crate::control::feed_forward::f_delta_in_plane;
-use crate::control::{Fault, GainLaw, Gains, Margin, VelocityControl};
+use crate::control::{self, Fault, GainLaw, Gains, Margin, VelocityControl};
 use crate::equivalency::{ApparentForces, condition_residual};
 use crate::math;
 use crate::ned::Ned;
+use crate::vehicle::Vehicle;
 
 /// Velocity control of a winged vehicle in space: stateless, immutable, total.
 ///
@@ -24,13 +25,11 @@ use crate::ned::Ned;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct WingedControl<A, G = Gains> {
     plane: VelocityControl<A, G>,
-    /// k_a c_Y [kg/m].
-    side: f32,
     lateral: LateralGains,
 }
 
 /// A step's vectors in body components.
-struct Seen {
+pub(crate) struct Seen {
     /// Air velocity.
     v_a: Body,
     /// |v_a|.
@@ -38,9 +37,9 @@ struct Seen {
     /// Apparent weight, corrected.
     weight: Body,
     /// Velocity error.
-    error: Body,
+    pub error: Body,
     /// What the planar law sees.
-    forces: ApparentForces,
+    pub forces: ApparentForces,
 }
 
 /// Which planar law.
@@ -52,11 +51,9 @@ enum Law {
 
 impl<A: Aerodynamics, G: GainLaw> WingedControl<A, G> {
     /// Control of what `vehicle` is believed to be, with these gains in the plane of symmetry and across it.
-    pub fn new(vehicle: WingedVehicle<A>, gains: G, lateral: LateralGains) -> Self {
-        let side = vehicle.side();
+    pub fn new(vehicle: Vehicle<A>, gains: G, lateral: LateralGains) -> Self {
         Self {
-            plane: VelocityControl::new(vehicle.into_plane(), gains),
-            side,
+            plane: VelocityControl::new(vehicle, gains),
             lateral,
         }
     }
@@ -115,8 +112,9 @@ impl<A: Aerodynamics, G: GainLaw> WingedControl<A, G> {
         Margin::new(forces, forces.f_p.norm(), tau, 1.0)
     }
 
+    /// What a step looks at. The inputs are to have been checked.
     #[inline(always)]
-    fn see(&self, state: &State, reference: &Reference) -> Seen {
+    pub(crate) fn see(&self, state: &State, reference: &Reference) -> Seen {
         let plane = self.plane.vehicle();
         let o = &state.orientation;
         let v_a = o.to_body(state.velocity - state.wind);
@@ -145,13 +143,8 @@ impl<A: Aerodynamics, G: GainLaw> WingedControl<A, G> {
         check_input(state, reference)?;
         let (mass, k_a) = (self.plane.vehicle().mass(), self.plane.vehicle().k_a());
         let o = &state.orientation;
-        let Seen {
-            v_a,
-            airspeed,
-            weight,
-            error,
-            forces,
-        } = self.see(state, reference);
+        let seen = self.see(state, reference);
+        let forces = &seen.forces;
 
         let (mut in_plane, mut across) = (None, None);
         if let Some(ff) = feed_forward {
@@ -162,41 +155,67 @@ impl<A: Aerodynamics, G: GainLaw> WingedControl<A, G> {
                 Law::Full => condition_residual(&forces.coefficients, &forces.air),
             };
             let (a_s, jerk_s) = (a.in_plane(), jerk.in_plane());
-            let f_delta = f_delta_in_plane(&forces, mass, k_a * airspeed, h, a_s, jerk_s);
+            let f_delta = f_delta_in_plane(forces, mass, k_a * seen.airspeed, h, a_s, jerk_s);
             in_plane = Some(f_delta);
             across = Some((a, jerk.w));
         }
-        let lateral = self.lateral.rates(&LateralInput {
-            mass,
-            side: self.side,
-            v_a: v_a + Body::new(0.0, 0.0, state.correction.sideslip()),
-            weight,
-            error: error.w,
-            heading: o.to_body(reference.heading.vector()),
-            feed_forward: across,
-        });
+        let lateral = self.across(&seen, seen.error.w, state, reference.heading, across);
         let step = self
             .plane
-            .step_in_plane(Branch::Aligned, forces, error.in_plane());
+            .step_in_plane(Branch::Aligned, seen.forces, seen.error.in_plane());
         let command = match law {
             Law::Robust => self.plane.robust_in_plane(&step, Branch::Aligned, in_plane),
             Law::Full => self.plane.full_in_plane(&step, in_plane),
         }?;
-        let force = step.forces.f;
-        check_output(Command {
-            thrust: command.thrust,
-            rates: Body::new(lateral.i, lateral.j, command.rate),
+        check_output(self.whole(&seen, command, &lateral))
+    }
+
+    /// Tilt and twist for a lateral velocity error [m/s]. The feed-forward is the derivative of the air velocity [m/s²], and
+    /// the reference jerk along w [m/s³].
+    #[inline(always)]
+    pub(crate) fn across(
+        &self,
+        seen: &Seen,
+        error: f32,
+        state: &State,
+        heading: Heading,
+        feed_forward: Option<(Body, f32)>,
+    ) -> Lateral {
+        self.lateral.rates(&LateralInput {
+            mass: self.plane.vehicle().mass(),
+            side: self.plane.vehicle().side(),
+            v_a: seen.v_a + Body::new(0.0, 0.0, state.correction.sideslip()),
+            weight: seen.weight,
+            error,
+            heading: state.orientation.to_body(heading.vector()),
+            feed_forward,
+        })
+    }
+
+    /// The command of a planar one and a lateral one.
+    #[inline(always)]
+    pub(crate) fn whole(
+        &self,
+        seen: &Seen,
+        in_plane: control::Command,
+        lateral: &Lateral,
+    ) -> Command {
+        let Seen { v_a, weight, .. } = *seen;
+        let force = seen.forces.f;
+        Command {
+            thrust: in_plane.thrust,
+            rates: Body::new(lateral.i, lateral.j, in_plane.rate),
             diagnostics: Diagnostics {
-                plane: command.diagnostics,
+                plane: in_plane.diagnostics,
                 v_a,
                 aerodynamic: Body::new(
                     force.i() - weight.i,
                     force.j() - weight.j,
-                    -self.side * airspeed * v_a.w,
+                    -self.plane.vehicle().side() * seen.airspeed * v_a.w,
                 ),
                 f_y: lateral.f_y,
             },
-        })
+        }
     }
 }
 
@@ -208,15 +227,18 @@ mod tests {
     use crate::control::GainParameters;
     use crate::equilibrium::FoldMap;
     use crate::ned::{BodyAxes, Quaternion};
-    use crate::spatial::{Correction, Heading, LateralParameters, Orientation};
-    use crate::vehicle::{Vehicle, VehicleParameters};
+    use crate::spatial::{Correction, LateralParameters, Orientation};
+    use crate::vehicle::VehicleParameters;
     use rand::{RngExt, SeedableRng};
 
     fn control() -> WingedControl<Combined> {
         let model = Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap();
-        let plane = Vehicle::new(VehicleParameters::PAPER, model).unwrap();
+        let p = VehicleParameters {
+            c_y: 0.5,
+            ..VehicleParameters::PAPER
+        };
         WingedControl::new(
-            WingedVehicle::new(plane, 0.5).unwrap(),
+            Vehicle::new(p, model).unwrap(),
             Gains::new(GainParameters::PAPER).unwrap(),
             LateralGains::new(LateralParameters::PAPER_VEHICLE).unwrap(),
         )

@@ -27,6 +27,9 @@ pub struct VehicleSpec {
     /// δ, from the zero-lift line to the thrust line \[°\].
     #[serde(default)]
     pub delta_deg: f64,
+    /// Side force coefficient c_Y. In a vertical plane it is not used.
+    #[serde(default)]
+    pub c_y: f64,
     /// g \[m/s²\].
     #[serde(default = "standard_gravity")]
     pub gravity_m_s2: f64,
@@ -206,6 +209,7 @@ impl VehicleSpec {
             mass: self.mass_kg as f32,
             k_a: self.k_a_kg_m as f32,
             delta: self.delta_deg.to_radians() as f32,
+            c_y: self.c_y as f32,
             gravity: self.gravity_m_s2 as f32,
             thrust_min: thrust[0] as f32,
             thrust_max: thrust[1] as f32,

@@ -41,6 +41,8 @@ pub fn vehicles(
 ) -> (Vehicle, reference::Vehicle) {
     let p = VehicleParameters {
         delta,
+        // Used in space only.
+        c_y: 0.5,
         ..VehicleParameters::PAPER
     };
     let reference = reference::Vehicle {

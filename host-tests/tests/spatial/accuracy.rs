@@ -4,7 +4,7 @@
 //! divided by N of `alula_sil::reference::Number`, which counts every rounding to first order. The figures are printed
 //! with `--nocapture`.
 
-use alula::spatial::{AxisymmetricControl, Rates, WingedControl, WingedVehicle};
+use alula::spatial::{AxisymmetricControl, Rates, WingedControl};
 use alula::{CombinedParameters, Fault, GainParameters};
 use alula_sil::reference::{
     Number, SpatialEvaluation, axisymmetric_full, axisymmetric_robust, winged_full, winged_robust,
@@ -127,8 +127,7 @@ fn measure(set: CombinedParameters, tilted: bool, subset: Subset) -> [Cell; 3] {
             0.0
         };
         let (core, vehicle) = vehicles(delta, combined(set));
-        let winged = WingedVehicle::new(core, C_Y).unwrap();
-        let core = WingedControl::new(winged, core_gains, core_lateral);
+        let core = WingedControl::new(core, core_gains, core_lateral);
         let c_y = f64::from(C_Y);
         let side = vehicle.k_a * c_y;
         let point = sample(&mut rng, subset, vehicle.mass, side, vehicle.gravity);

@@ -7,7 +7,7 @@ use alula::ned::{BodyAxes, Quaternion};
 use alula::spatial::{
     Body, Correction, FeedForward, ForceError, ForceErrorParameters, ForceErrorState, ForceSample,
     Heading, LateralGains, LateralParameters, Orientation, Reference, Sideslip, SideslipParameters,
-    SideslipState, State, WingedControl, WingedVehicle,
+    SideslipState, State, WingedControl,
 };
 use alula::{
     BandwidthGains, Combined, CombinedParameters, GuidanceParameters, Vehicle, VehicleParameters,
@@ -104,9 +104,9 @@ impl Setup {
 
     fn believing(vehicle: VehicleParameters, model: CombinedParameters, c_y: f32) -> Self {
         let (_, truth) = vehicles(0.0, combined(CombinedParameters::NACA_0021_RE_160E3));
-        let plane = Vehicle::new(vehicle, Combined::new(model).unwrap()).unwrap();
-        let gains = BandwidthGains::new(&GuidanceParameters::default(), &plane).unwrap();
-        let vehicle = WingedVehicle::new(plane, c_y).unwrap();
+        let p = VehicleParameters { c_y, ..vehicle };
+        let vehicle = Vehicle::new(p, Combined::new(model).unwrap()).unwrap();
+        let gains = BandwidthGains::new(&GuidanceParameters::default(), &vehicle).unwrap();
         let force = ForceErrorParameters {
             time: 0.2,
             thrust_lag: 0.05,
@@ -121,7 +121,7 @@ impl Setup {
                 rate: 3.5,
                 rotation: Rotation::Lag(0.1),
             },
-            force: ForceError::new(force, plane.mass()).unwrap(),
+            force: ForceError::new(force, vehicle.mass()).unwrap(),
             sideslip: Sideslip::new(SideslipParameters::DEFAULT, &vehicle).unwrap(),
             control: WingedControl::new(
                 vehicle,

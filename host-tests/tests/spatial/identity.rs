@@ -3,7 +3,6 @@
 use alula::ned::{BodyAxes, Quaternion};
 use alula::spatial::{
     Correction, FeedForward, Heading, Ned, Orientation, Reference, State, WingedControl,
-    WingedVehicle,
 };
 use alula::{Attitude, CombinedParameters, GainParameters, Inertial};
 use alula_sil::reference::{full, robust, winged_full, winged_robust};
@@ -30,8 +29,7 @@ fn in_the_north_plane_the_core_gives_the_planar_laws_bits() {
         };
         let (vehicle, _) = vehicles(delta, combined(SET));
         let planar = control(vehicle, core_gains);
-        let winged = WingedVehicle::new(vehicle, C_Y).unwrap();
-        let spatial = WingedControl::new(winged, core_gains, lateral().0);
+        let spatial = WingedControl::new(vehicle, core_gains, lateral().0);
         let mut point = Point::random(&mut rng);
         let (sin, cos) = (0.5 * theta(point.state.attitude)).sin_cos();
         let q = Quaternion {
@@ -94,8 +92,7 @@ fn in_any_vertical_plane_the_law_is_the_planar_law() {
     let (core_gains, g) = gains(GainParameters::PAPER);
     let (core_lateral, l) = lateral();
     let (core, vehicle) = vehicles(0.2, combined(SET));
-    let winged = WingedVehicle::new(core, C_Y).unwrap();
-    let core = WingedControl::new(winged, core_gains, core_lateral);
+    let core = WingedControl::new(core, core_gains, core_lateral);
     let (mut worst, mut worst_core) = (0.0_f64, 0.0_f64);
     for n in 0..50_000 {
         let point = Point::random(&mut rng);

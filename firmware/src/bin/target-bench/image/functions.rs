@@ -5,7 +5,6 @@ use alula::ned::BodyAxes;
 use alula::spatial::{
     self, AxisymmetricControl, ForceError, ForceErrorParameters, ForceErrorState, LateralGains,
     LateralParameters, Orientation, Sideslip, SideslipParameters, SideslipState, WingedControl,
-    WingedVehicle,
 };
 use alula::{
     Aerodynamics, AirData, AngleOfAttack, Attitude, BandwidthGains, Combined, CombinedParameters,
@@ -46,7 +45,11 @@ impl Fixture {
         let gains = Gains::new(GainParameters::PAPER).unwrap();
         let combined = Combined::new(p).unwrap();
         let large_angle = LargeAngle::new(LargeAngleParameters { c0, c1 }).unwrap();
-        let plane = Vehicle::new(VehicleParameters::PAPER, combined).unwrap();
+        let plane = VehicleParameters {
+            c_y: 0.5,
+            ..VehicleParameters::PAPER
+        };
+        let plane = Vehicle::new(plane, combined).unwrap();
         let bandwidth = BandwidthGains::new(&GuidanceParameters::DEFAULT, &plane).unwrap();
         let force = ForceErrorParameters {
             time: 0.2,
@@ -72,17 +75,13 @@ impl Fixture {
             thrust_line: ThrustLine::new(delta).unwrap(),
             guidance: everything_on(Vehicle::new(vehicle, combined).unwrap()),
             winged: WingedControl::new(
-                WingedVehicle::new(plane, 0.5).unwrap(),
+                plane,
                 bandwidth,
                 LateralGains::new(LateralParameters::PAPER_VEHICLE).unwrap(),
             ),
             axisymmetric: AxisymmetricControl::new(plane, bandwidth, 5.0, 0.2).unwrap(),
             force_error: ForceError::new(force, plane.mass()).unwrap(),
-            sideslip: Sideslip::new(
-                SideslipParameters::DEFAULT,
-                &WingedVehicle::new(plane, 0.5).unwrap(),
-            )
-            .unwrap(),
+            sideslip: Sideslip::new(SideslipParameters::DEFAULT, &plane).unwrap(),
         }
     }
 }

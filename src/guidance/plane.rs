@@ -1,0 +1,132 @@
+//! The guidance in one vertical plane: the plane to the north stands for it.
+//!
+//! For simulations in a plane, and for callers that know of one plane only. Nothing points out of it, so nothing turns out
+//! of it; with `max_turn` zero no reference does that either.
+
+use super::progress::Progress;
+use super::status::Status;
+use super::supervision::{Air, AirUse, Mode, Refusal};
+use super::update::{Guidance, GuidanceInput, GuidanceState, Guided};
+use crate::aero::Aerodynamics;
+use crate::control::{Command, GainLaw, Margin};
+use crate::frame::{Attitude, Inertial};
+use crate::ned::Ned;
+use crate::reference::Reference;
+use crate::spatial::{self, Heading, Orientation};
+
+impl Ned {
+    /// The vector with these components in the vertical plane to the north.
+    #[inline(always)]
+    pub const fn in_plane(v: Inertial) -> Self {
+        Self::new(v.forward(), 0.0, v.down())
+    }
+
+    /// Its components in the vertical plane to the north.
+    #[inline(always)]
+    pub const fn to_plane(&self) -> Inertial {
+        Inertial::new(self.down, self.north)
+    }
+}
+
+/// A [`GuidanceInput`] in one vertical plane.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct PlanarInput {
+    /// Velocity v over ground [m/s].
+    pub velocity: Inertial,
+    /// Attitude θ.
+    pub attitude: Attitude,
+    /// Age \[s\] of velocity and attitude, not negative.
+    pub state_age: f32,
+    /// What is known of the air.
+    pub air: Air<Inertial>,
+    /// Position less reference position, x̃ \[m\], if position is to be held.
+    pub position_error: Option<Inertial>,
+    /// Reference.
+    pub reference: Reference,
+    /// Age \[s\] of the reference, not negative.
+    pub reference_age: f32,
+}
+
+/// A [`Guided`] in one vertical plane.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct PlanarGuided {
+    /// The command, inside its limits. Its diagnostics are those of the law, before the limits; in
+    /// [`Mode::Holding`] and [`Mode::Safe`] they are zero.
+    pub command: Command,
+    /// Mode.
+    pub mode: Mode,
+    /// What of the air was used.
+    pub air: AirUse,
+    /// What limited the step.
+    pub status: Status,
+    /// Margins of well-posedness; zero unless the law was flown.
+    pub margin: Margin,
+    /// The reference that the law was given.
+    pub reference: Reference,
+    /// What is being done, and what of the reference cannot be had.
+    pub progress: Progress,
+    /// Why the frame was refused, if it was.
+    pub refusal: Option<Refusal>,
+}
+
+impl From<&PlanarInput> for GuidanceInput {
+    #[inline(always)]
+    fn from(p: &PlanarInput) -> Self {
+        Self {
+            velocity: Ned::in_plane(p.velocity),
+            orientation: Orientation::in_plane(p.attitude),
+            state_age: p.state_age,
+            air: match p.air {
+                Air::Velocity(v) => Air::Velocity(Ned::in_plane(v)),
+                Air::Wind(v) => Air::Wind(Ned::in_plane(v)),
+                Air::Unknown => Air::Unknown,
+            },
+            position_error: p.position_error.map(Ned::in_plane),
+            reference: spatial::Reference {
+                velocity: Ned::in_plane(p.reference.velocity),
+                acceleration: Ned::in_plane(p.reference.acceleration),
+                heading: Heading::FREE,
+            },
+            reference_age: p.reference_age,
+        }
+    }
+}
+
+impl From<&Guided> for PlanarGuided {
+    #[inline(always)]
+    fn from(g: &Guided) -> Self {
+        Self {
+            command: Command {
+                thrust: g.command.thrust,
+                rate: g.command.rates.w,
+                diagnostics: g.command.diagnostics.plane,
+            },
+            mode: g.mode,
+            air: g.air,
+            status: g.status,
+            margin: g.margin,
+            reference: Reference {
+                velocity: g.reference.velocity.to_plane(),
+                acceleration: g.reference.acceleration.to_plane(),
+            },
+            progress: g.progress,
+            refusal: g.refusal,
+        }
+    }
+}
+
+impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
+    /// [`update`](Self::update) in the vertical plane to the north.
+    #[inline]
+    pub fn update_in_plane(
+        &self,
+        state: &mut GuidanceState,
+        input: &PlanarInput,
+        dt: f32,
+    ) -> PlanarGuided {
+        PlanarGuided::from(&self.update(state, &GuidanceInput::from(input), dt))
+    }
+}

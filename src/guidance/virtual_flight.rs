@@ -1,0 +1,310 @@
+//! The virtual flight in space: the planner's flight in its plane, and the turning of that plane.
+//!
+//! Starting, braking and descending happen in the plane of flight, turning around it. The plane contains the course and
+//! apparent gravity, that is gravity less the acceleration to the side: in a turn of load factor n the planner flies the
+//! vehicle at n times the gravity. A velocity is turned at flying speed, and slowed down or moved sideways below it.
+
+use super::course::{Axes, Course};
+use super::flight::{Flight, limited};
+use super::memory::memory;
+use super::parameters::GuidanceParameters;
+use super::planner::{Planner, PlannerState, Prospect};
+use crate::aero::Aerodynamics;
+use crate::air::AngleOfAttack;
+use crate::frame::Inertial;
+use crate::math;
+use crate::ned::Ned;
+use crate::reference;
+use crate::spatial::Reference;
+use crate::vehicle::Vehicle;
+
+/// Lateral acceleration per lateral velocity error [1/s].
+const LATERAL_GAIN: f32 = 1.5;
+/// Greatest change of the lateral acceleration, in g per second: a roll of 90° takes about as long as the rate allows.
+const LEAN_SLEW: f32 = 3.0;
+/// Part of the lateral acceleration that is left while an attitude far away is turned to: the wing is nearly level then.
+const CROSSING: f32 = 0.25;
+/// Part of thrust and lift that a turn may take. The rest holds the altitude.
+const SHARE: f32 = 0.9;
+/// Speeds in multiples of that at which the wing carries the weight with a lift coefficient of 1: below the first, a velocity
+/// is moved sideways, from twice that on it is turned.
+const TURNING: f32 = 0.5;
+/// Speed, in the same measure, at which air and heading have an equal say in the course.
+const TAKEOVER: f32 = 0.8;
+/// Weight of the present course where no heading is asked for.
+const STAY: f32 = 0.3;
+/// Rate at which the course approaches its aim [1/s].
+const COURSE_GAIN: f32 = 2.0;
+/// Airspeed [m/s] below which a lateral acceleration turns the course less.
+const SLOW: f32 = 3.0;
+/// Part of the greatest angular rate that the course may turn with.
+const SHARE_OF_RATE: f32 = 0.5;
+
+/// Where the virtual vehicle is, in world axes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(super) struct VirtualFlight {
+    /// Velocity [m/s].
+    pub velocity: Ned,
+    /// Position less reference position \[m\].
+    pub position: Ned,
+    /// Course of the plane of flight.
+    pub course: Course,
+    /// Acceleration to the right of that plane [m/s²].
+    pub lean: f32,
+    /// Attitude θ in the plane \[rad\].
+    pub theta: f32,
+    /// Its rate ω [rad/s].
+    pub rate: f32,
+    /// Thrust \[N\].
+    pub thrust: f32,
+}
+
+memory!(VirtualFlight {
+    velocity: Ned,
+    position: Ned,
+    course: Course,
+    lean: f32,
+    theta: f32,
+    rate: f32,
+    thrust: f32,
+});
+
+impl VirtualFlight {
+    /// Whether every number is one that a virtual flight can have left. NaN is not.
+    pub fn is_sound(&self) -> bool {
+        self.velocity.norm_squared() <= 1e8
+            && self.position.norm_squared() <= 1e10
+            && self.course.is_sound()
+            && self.lean.abs() <= 1e4
+            && self.theta.abs() + self.rate.abs() <= 1e3
+            && self.thrust.abs() <= 1e7
+    }
+}
+
+/// How the plane of flight turns.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(super) struct Turning {
+    /// Greatest acceleration to the side [m/s²]. Zero: the plane is not turned.
+    max: f32,
+    /// Weight per greatest thrust, at most [`SHARE`] of which a turn takes: (T_max/(m g))².
+    thrust_squared: f32,
+    /// Lift per weight and squared airspeed at stall [s²/m²].
+    lift: f32,
+    /// Speed at which the wing carries the weight with a lift coefficient of 1 [m/s].
+    speed: f32,
+    /// Greatest rate of the course [rad/s].
+    rate: f32,
+}
+
+/// What a step of the virtual flight gives.
+pub(super) struct Moved<'a, A> {
+    /// What the plan in force comes to.
+    pub prospect: Prospect,
+    /// Acceleration [m/s²].
+    pub acceleration: Ned,
+    /// Its derivative as far as turning makes it [m/s³].
+    pub jerk: Ned,
+    /// Acceleration in the plane of flight [m/s²].
+    pub in_plane: Inertial,
+    /// ω̇ in the plane [rad/s²].
+    pub rate_change: f32,
+    /// The plane of flight.
+    pub axes: Axes,
+    /// How the plane turns [rad/s].
+    pub spin: Ned,
+    /// The vehicle at the gravity of the plane of flight.
+    pub vehicle: Vehicle<&'a A>,
+    /// The flight in the plane.
+    pub flight: Flight,
+    /// Velocity error in the plane [m/s]: velocity less the velocity wanted.
+    pub error: Inertial,
+    /// The reference velocity in the plane [m/s].
+    pub reference: Inertial,
+}
+
+/// The greatest lift coefficient on the way from zero lift to stall.
+fn lift_at_stall<A: Aerodynamics>(model: &A) -> f32 {
+    let mut most = 0.0;
+    // Every half degree up to 20°, beyond which no wing of the library stalls.
+    for n in 0..41u8 {
+        let c_l = model
+            .coefficients(AngleOfAttack::from_radians(f32::from(n) * 8.726_646e-3))
+            .c_l;
+        if c_l > most {
+            most = c_l;
+        }
+    }
+    most
+}
+
+impl Turning {
+    /// How `vehicle` turns with these parameters, which have been checked.
+    pub fn new<A: Aerodynamics>(p: &GuidanceParameters, vehicle: &Vehicle<A>) -> Self {
+        let (weight, k_a) = (vehicle.weight(), vehicle.k_a());
+        let thrust = SHARE * vehicle.thrust_max() / weight;
+        Self {
+            max: p.max_turn * vehicle.gravity(),
+            thrust_squared: thrust * thrust,
+            lift: SHARE * lift_at_stall(vehicle.model()) * k_a / weight,
+            speed: math::sqrt(weight / k_a),
+            rate: SHARE_OF_RATE * p.max_rate,
+        }
+    }
+
+    /// Speed at which air and heading have an equal say in the course [m/s].
+    pub fn takeover(&self) -> f32 {
+        TAKEOVER * self.speed
+    }
+
+    /// Greatest acceleration to the side [m/s²] that leaves enough of thrust, or of lift at this squared airspeed, to carry
+    /// the weight.
+    #[inline(always)]
+    fn most(&self, gravity: f32, airspeed_squared: f32) -> f32 {
+        let lift = self.lift * airspeed_squared;
+        let lift_squared = lift * lift;
+        let load_squared = if lift_squared > self.thrust_squared {
+            lift_squared
+        } else {
+            self.thrust_squared
+        };
+        if load_squared > 1.0 {
+            math::min(gravity * math::sqrt(load_squared - 1.0), self.max)
+        } else {
+            0.0
+        }
+    }
+
+    /// 0 for speeds at which a velocity is moved sideways, 1 for those at which it is turned.
+    #[inline(always)]
+    fn flying(&self, speed: f32) -> f32 {
+        math::clamp(speed / (TURNING * self.speed) - 1.0, 0.0, 1.0)
+    }
+
+    /// Lets `flight` pass for `dt` \[s\] by the plan that `planner` has chosen.
+    #[inline(always)]
+    pub fn advance<'a, A: Aerodynamics>(
+        &self,
+        planner: &Planner,
+        vehicle: &'a Vehicle<A>,
+        flight: &mut VirtualFlight,
+        state: &mut PlannerState,
+        reference: &Reference,
+        wind: Ned,
+        dt: f32,
+    ) -> Moved<'a, A> {
+        let servo = &planner.virtual_vehicle;
+        let course = flight.course;
+        let (velocity, across) = course.project(flight.velocity);
+        let (position, aside) = course.project(flight.position);
+        let (wind, wind_across) = course.project(wind);
+        let (v_r, v_r_across) = course.project(reference.velocity);
+        let (a_r, a_r_across) = course.project(reference.acceleration);
+
+        // The horizontal velocity wanted.
+        let forward = servo.velocity_wanted(position, v_r).forward();
+        let right = v_r_across
+            - limited(
+                servo.position_gain.forward() * aside,
+                servo.max_velocity.forward(),
+            );
+        let wanted = math::sqrt(forward * forward + right * right);
+        let ahead = velocity.forward() - wind.forward();
+        let aslant = across - wind_across;
+        let airspeed_squared = ahead * ahead + aslant * aslant;
+        let turning = if self.max > 0.0 {
+            self.flying(math::sqrt(airspeed_squared)) * self.flying(wanted)
+        } else {
+            0.0
+        };
+
+        // Its length is had in the plane, its direction by turning the plane.
+        let asked = reference::Reference {
+            velocity: v_r + Inertial::new(0.0, turning * (wanted - forward)),
+            acceleration: a_r,
+        };
+        // Behind, it is turned to at once, by the shorter way.
+        let beside = if forward < 0.0 {
+            let side = if right < 0.0 { -wanted } else { wanted };
+            right + turning * (side - right)
+        } else {
+            right
+        };
+        let share = if state.plan.turn == 1 { CROSSING } else { 1.0 };
+        let most = share * self.most(vehicle.gravity(), airspeed_squared);
+        let lean = limited(a_r_across + LATERAL_GAIN * (beside - across), most);
+        let step = LEAN_SLEW * vehicle.gravity() * dt;
+        let lean = math::clamp(lean, flight.lean - step, flight.lean + step);
+        let lean_rate = (lean - flight.lean) / dt;
+        let axes = Axes::new(&course, vehicle.gravity(), lean);
+        let heavier = vehicle.with_gravity(axes.gravity);
+
+        let mut plane = Flight {
+            velocity,
+            position,
+            theta: flight.theta,
+            rate: flight.rate,
+            thrust: flight.thrust,
+        };
+        let prospect = planner.search(&heavier, state, &plane, &asked, wind);
+        let in_plane = servo.advance(&heavier, &mut plane, &mut state.plan, &asked, wind, dt);
+        let error = plane.velocity - servo.velocity_wanted(plane.position, asked.velocity);
+
+        // The plane turns with the air velocity, and towards the heading where there is little of it.
+        let across = across + lean * dt;
+        let (ahead, aslant) = (
+            plane.velocity.forward() - wind.forward(),
+            across - wind_across,
+        );
+        let square = ahead * ahead + aslant * aslant;
+        let over = 1.0 / (self.takeover() * self.takeover());
+        let heading = reference.heading.vector();
+        let (aim_ahead, aim_aslant) = if heading.norm_squared() > 0.0 {
+            let (along, right) = course.project(heading);
+            (along.forward(), right)
+        } else {
+            let weight = wanted * over;
+            (STAY + weight * forward, weight * right)
+        };
+        let weight = math::sqrt(square) * over;
+        let aim = math::atan2(aim_aslant + weight * aslant, aim_ahead + weight * ahead);
+        let turn = if self.max > 0.0 {
+            limited(
+                COURSE_GAIN * aim + lean * ahead / (square + SLOW * SLOW),
+                self.rate,
+            )
+        } else {
+            0.0
+        };
+
+        let rate_change = (plane.rate - flight.rate) / dt;
+        let moved = course.lift(plane.velocity, across);
+        let roll = lean_rate * vehicle.gravity() / (axes.gravity * axes.gravity);
+        *flight = VirtualFlight {
+            velocity: moved,
+            position: flight.position + (moved - reference.velocity) * dt,
+            course: course.turned(turn * dt),
+            lean,
+            theta: plane.theta,
+            rate: plane.rate,
+            thrust: plane.thrust,
+        };
+        Moved {
+            prospect,
+            acceleration: course.lift(in_plane, lean),
+            jerk: course.lift(
+                Inertial::new(0.0, -lean * turn),
+                lean_rate + in_plane.forward() * turn,
+            ),
+            in_plane,
+            rate_change,
+            spin: Ned::new(0.0, 0.0, turn) + axes.forward * roll,
+            axes,
+            vehicle: heavier,
+            flight: plane,
+            error,
+            reference: asked.velocity,
+        }
+    }
+}
