@@ -68,10 +68,10 @@ impl World {
         n: usize,
         plant: &mut Plant,
         memory: &mut GuidanceState,
-    ) -> Guided {
+    ) -> PlanarGuided {
         let known = n < mission.link_lost;
         let stage = mission.stages[n.min(mission.link_lost) * 2 / 1000];
-        let input = GuidanceInput {
+        let input = PlanarInput {
             velocity: plant.velocity,
             attitude: Attitude::from_angle(plant.theta),
             state_age: 0.0,
@@ -83,7 +83,7 @@ impl World {
             },
             reference_age: if known { 0.0 } else { 1.0 },
         };
-        let guided = self.guidance.update(memory, &input, DT);
+        let guided = self.guidance.update_in_plane(memory, &input, DT);
         for _ in 0..4 {
             let h = DT / 4.0;
             let attitude = Attitude::from_angle(plant.theta);

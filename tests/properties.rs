@@ -45,7 +45,7 @@ fn mirrored(v: Inertial) -> Inertial {
     Inertial::new(v.down(), -v.forward())
 }
 
-fn frame() -> impl Strategy<Value = (GuidanceInput, f32)> {
+fn frame() -> impl Strategy<Value = (PlanarInput, f32)> {
     let number = prop_oneof![8 => -30.0f32..30.0, 1 => any::<f32>()];
     let vector =
         (number.clone(), number.clone()).prop_map(|(down, forward)| Inertial::new(down, forward));
@@ -69,7 +69,7 @@ fn frame() -> impl Strategy<Value = (GuidanceInput, f32)> {
     )
         .prop_map(
             |((velocity, v_r, a_r), theta, state_age, air, position_error, reference_age, dt)| {
-                let input = GuidanceInput {
+                let input = PlanarInput {
                     velocity,
                     attitude: Attitude::from_angle(theta),
                     state_age,
@@ -163,8 +163,8 @@ proptest! {
         let large = Guidance::new(vehicle(scaled), &parameters).unwrap();
         let mut states = (GuidanceState::default(), GuidanceState::default());
         for (input, dt) in &frames {
-            let a = small.update(&mut states.0, input, *dt);
-            let b = large.update(&mut states.1, input, *dt);
+            let a = small.update_in_plane(&mut states.0, input, *dt);
+            let b = large.update_in_plane(&mut states.1, input, *dt);
             prop_assert_eq!(a.mode, b.mode);
             prop_assert_eq!(a.status, b.status);
             prop_assert_eq!(a.command.rate, b.command.rate);
@@ -179,7 +179,7 @@ proptest! {
         let mut state = GuidanceState::default();
         let mut last = 0f32;
         for (input, dt) in &frames {
-            let guided = guidance.update(&mut state, input, *dt);
+            let guided = guidance.update_in_plane(&mut state, input, *dt);
             let Command { thrust, rate, .. } = guided.command;
             prop_assert!((0.0..=196.2).contains(&thrust), "{guided:?}");
             prop_assert!(rate.abs() <= 2.8, "{guided:?}");

@@ -1,10 +1,10 @@
 //! The control loop, supervised: bytes and ticks in, replies and the command in force out.
 
+use alula::ModelParameters;
 use alula::guidance::Refusal;
-use alula::{Command, ModelParameters};
 use alula_link::{
-    Admission, Answer, Configuration, Controller, Counters, Envelope, FromTarget, Input, Order,
-    Pacing, Phase, Receiver, Status, ToTarget,
+    Admission, Answer, Configuration, Controller, Counters, Envelope, FromTarget, InForce, Input,
+    Order, Pacing, Phase, Receiver, Status, ToTarget,
 };
 
 use crate::arming::Arming;
@@ -32,7 +32,7 @@ pub struct Flight {
     arming: Arming,
     /// An input that waits for the next tick.
     pending: Option<Envelope<Input>>,
-    command: Command,
+    command: InForce,
     refusal: Option<Refusal>,
     /// The last input is younger than the limit.
     fresh: bool,
@@ -135,7 +135,7 @@ impl Flight {
     }
 
     /// The command in force.
-    pub fn command(&self) -> Command {
+    pub fn command(&self) -> InForce {
         self.command
     }
 
@@ -164,7 +164,7 @@ impl Flight {
         Status {
             phase: self.phase(),
             thrust: self.command.thrust,
-            rate: self.command.rate,
+            rates: self.command.rates,
             ticks: self.ticks,
             losses: self.losses,
             dropped: self.dropped,
@@ -176,7 +176,7 @@ impl Flight {
     fn fly(&mut self, input: Envelope<Input>) -> Option<Reply> {
         let configured = self.configured.as_mut()?;
         let answer = configured.controller.step(&input.message);
-        if let Some((command, refusal)) = answer.command() {
+        if let Some((command, refusal)) = answer.in_force() {
             configured.flown = true;
             (self.fresh, self.silence) = (true, 0);
             (self.command, self.refusal) = (command, refusal);
@@ -189,7 +189,7 @@ impl Flight {
     }
 
     fn safe(&mut self) {
-        self.command = Command::default();
+        self.command = InForce::default();
         self.refusal = None;
     }
 
@@ -230,8 +230,8 @@ mod tests {
     use super::*;
     use alula::guidance::{Air, Mode};
     use alula::{
-        Attitude, CombinedParameters, Fault, GainParameters, GuidanceInput, GuidanceParameters,
-        Inertial, Parameters, Reference, State, VehicleParameters,
+        Attitude, CombinedParameters, Fault, GainParameters, GuidanceParameters, Inertial,
+        Parameters, PlanarInput, Reference, State, VehicleParameters,
     };
     use alula_link::damage::Mangler;
     use alula_link::{ControllerParameters, Law, LawGains, MAX_FRAME, RefusedParameter, encode};
@@ -281,13 +281,16 @@ mod tests {
     }
 
     fn guidance_input(n: u32) -> Input {
-        let input = GuidanceInput {
+        let input = PlanarInput {
             velocity: state(n).velocity,
             attitude: state(n).attitude,
             air: Air::Wind(Inertial::ZERO),
-            ..GuidanceInput::default()
+            ..PlanarInput::default()
         };
-        Input::Guidance { input, dt: 0.01 }
+        Input::Guidance {
+            input: (&input).into(),
+            dt: 0.01,
+        }
     }
 
     /// The answer of the law to an input.
@@ -296,8 +299,8 @@ mod tests {
         controller.step(input)
     }
 
-    fn law_command(input: &Input) -> Command {
-        law(input).command().unwrap().0
+    fn law_command(input: &Input) -> InForce {
+        law(input).in_force().unwrap().0
     }
 
     fn envelope<M>(session: u32, sequence: u32, message: M) -> Envelope<M> {
@@ -343,26 +346,26 @@ mod tests {
             let announced = phase_announced(flight.tick());
             let due = tick % ANNOUNCE_PERIOD == 0;
             assert_eq!(announced, due.then_some(Phase::NotConfigured));
-            assert_eq!(flight.command(), Command::default());
+            assert_eq!(flight.command(), InForce::default());
             assert!(!flight.drives_motor(true));
         }
         let answer = FromTarget::Answer(Answer::NotConfigured);
         let reply = send(&mut flight, 1, ToTarget::Input(input(1)));
         assert_eq!(reply, Some(envelope(1, 1, answer)));
-        assert_eq!(flight.command(), Command::default());
+        assert_eq!(flight.command(), InForce::default());
     }
 
     #[test]
     fn under_the_timer_a_step_waits_for_its_tick() {
         let mut flight = configured(Pacing::Timer);
         assert_eq!(send(&mut flight, 2, ToTarget::Input(input(2))), None);
-        assert_eq!(flight.command(), Command::default());
+        assert_eq!(flight.command(), InForce::default());
         let reply = flight.tick().unwrap();
         let expected = law(&input(2));
         // The arming switch is put on while it flies.
         flight.drives_motor(false);
         assert_eq!(reply, envelope(1, 2, FromTarget::Answer(expected)));
-        assert_eq!(flight.command(), expected.command().unwrap().0);
+        assert_eq!(flight.command(), expected.in_force().unwrap().0);
         assert!(flight.drives_motor(true));
         // The newest of several is flown.
         assert_eq!(send(&mut flight, 3, ToTarget::Input(input(3))), None);
@@ -396,7 +399,7 @@ mod tests {
                 assert_eq!(flight.command(), law_command(&input(2)));
             }
             assert_eq!(phase_announced(flight.tick()), Some(Phase::LinkLost));
-            assert_eq!(flight.command(), Command::default());
+            assert_eq!(flight.command(), InForce::default());
             assert!(!flight.drives_motor(true));
             assert_eq!(flight.status().losses, 1);
             let announced = (0..ANNOUNCE_PERIOD).find_map(|_| phase_announced(flight.tick()));
@@ -434,7 +437,7 @@ mod tests {
         let reply = send(&mut flight, 3, ToTarget::Input(bad));
         let answer = FromTarget::Answer(Answer::Law(Err(Fault::Wind)));
         assert_eq!(reply, Some(envelope(1, 3, answer)));
-        assert_eq!(flight.command(), Command::default());
+        assert_eq!(flight.command(), InForce::default());
         assert_eq!(flight.refusal(), Some(Refusal::Law(Fault::Wind)));
         send(&mut flight, 4, ToTarget::Input(input(4)));
         assert_eq!(
@@ -476,7 +479,7 @@ mod tests {
                 assert_eq!(mode(start + 19), Mode::Flying);
             }
             let last = guidance_input(19);
-            let (command, _) = flown[39].command().unwrap();
+            let (command, _) = flown[39].in_force().unwrap();
             assert_eq!(flight.command(), command);
             assert!(command.thrust > 50.0, "{last:?}");
         }
@@ -496,7 +499,7 @@ mod tests {
                 let lost = (n == SILENCE_LIMIT).then_some(Phase::LinkLost);
                 assert_eq!(announced, lost, "{n}");
             }
-            assert_eq!(flight.command(), Command::default());
+            assert_eq!(flight.command(), InForce::default());
         }
     }
 
@@ -542,7 +545,7 @@ mod tests {
         };
         assert_eq!(reply.message, FromTarget::Refused(refusal));
         assert_eq!(flight.phase(), Phase::NotConfigured);
-        assert_eq!(flight.command(), Command::default());
+        assert_eq!(flight.command(), InForce::default());
     }
 
     #[test]

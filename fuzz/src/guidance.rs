@@ -6,7 +6,7 @@
 
 use alula::guidance::{Across, Air, GuidanceParameters, Mode, Refusal, Status};
 use alula::{
-    Attitude, Fault, Guidance, GuidanceInput, GuidanceState, Guided, Inertial, Model, Reference,
+    Attitude, Fault, Guidance, PlanarInput, GuidanceState, PlanarGuided, Inertial, Model, Reference,
 };
 
 use crate::assert_finite;
@@ -44,7 +44,7 @@ fn fly(guidance: &Guidance<Model>, p: &GuidanceParameters, bytes: &mut Bytes) ->
             _ => bytes.between(1e-4, 0.2),
         };
         let untouched = state;
-        let guided = guidance.update(&mut state, &input, dt);
+        let guided = guidance.update_in_plane(&mut state, &input, dt);
         calls += 1;
         check(guidance, p, &guided);
         let reset = guided.status.contains(Status::STATE_RESET);
@@ -53,7 +53,7 @@ fn fly(guidance: &Guidance<Model>, p: &GuidanceParameters, bytes: &mut Bytes) ->
             Change::One(before) => {
                 // The step is that of the memory there was, to the bit.
                 let mut state_before = before;
-                let expected = guidance.update(&mut state_before, &input, dt);
+                let expected = guidance.update_in_plane(&mut state_before, &input, dt);
                 calls += 1;
                 assert_eq!(bits(&guided), bits(&expected), "{untouched:?}");
                 assert_eq!(state_before.to_bytes(), state.to_bytes());
@@ -138,12 +138,12 @@ fn sealed(memory: Memory) -> Memory {
     memory
 }
 
-fn input(bytes: &mut Bytes) -> GuidanceInput {
+fn input(bytes: &mut Bytes) -> PlanarInput {
     let age = |bytes: &mut Bytes| match bytes.byte() {
         0..=23 => bytes.number(1.0),
         _ => 0.0,
     };
-    GuidanceInput {
+    PlanarInput {
         velocity: bytes.inertial(30.0),
         attitude: bytes.attitude(),
         state_age: age(bytes),
@@ -164,12 +164,12 @@ fn input(bytes: &mut Bytes) -> GuidanceInput {
     }
 }
 
-fn bits(guided: &Guided) -> (u32, u32, Mode) {
+fn bits(guided: &PlanarGuided) -> (u32, u32, Mode) {
     let c = guided.command;
     (c.thrust.to_bits(), c.rate.to_bits(), guided.mode)
 }
 
-fn check(guidance: &Guidance<Model>, p: &GuidanceParameters, guided: &Guided) {
+fn check(guidance: &Guidance<Model>, p: &GuidanceParameters, guided: &PlanarGuided) {
     let vehicle = guidance.vehicle();
     let (thrust, rate) = (guided.command.thrust, guided.command.rate);
     assert!(
@@ -190,7 +190,7 @@ fn check(guidance: &Guidance<Model>, p: &GuidanceParameters, guided: &Guided) {
 
 /// Good frames, until the guidance flies as one fresh from power-on does.
 fn recover(guidance: &Guidance<Model>, p: &GuidanceParameters, mut state: GuidanceState) -> u64 {
-    let hover = GuidanceInput {
+    let hover = PlanarInput {
         velocity: Inertial::ZERO,
         attitude: Attitude::NOSE_UP,
         state_age: 0.0,
@@ -203,11 +203,11 @@ fn recover(guidance: &Guidance<Model>, p: &GuidanceParameters, mut state: Guidan
     let frames = (p.recovery / DT) as u64 + 2;
     let (mut modes, mut undefined) = ((Mode::Safe, Mode::Safe), false);
     for _ in 0..frames {
-        let guided = guidance.update(&mut state, &hover, DT);
+        let guided = guidance.update_in_plane(&mut state, &hover, DT);
         check(guidance, p, &guided);
         // The wind remembered may be one in which an absurd vehicle has no command; a fresh memory has none.
         undefined |= guided.refusal == Some(Refusal::Law(Fault::Undefined));
-        modes = (guided.mode, guidance.update(&mut fresh, &hover, DT).mode);
+        modes = (guided.mode, guidance.update_in_plane(&mut fresh, &hover, DT).mode);
     }
     assert!(modes.0 == Mode::Flying || modes.1 != Mode::Flying || undefined);
     2 * frames

@@ -3,7 +3,7 @@
 use std::io::{Read, Write};
 
 use alula::guidance::Air;
-use alula::{Attitude, FeedForward, GuidanceInput, Inertial, Reference};
+use alula::{Attitude, FeedForward, Inertial, PlanarInput, Reference};
 use anyhow::anyhow;
 use csv::StringRecord;
 
@@ -93,7 +93,7 @@ impl Log<'_> {
         };
         Ok(Input {
             theta,
-            sample: GuidanceInput {
+            sample: PlanarInput {
                 velocity: self.vector(record, ["v_down_m_s", "v_forward_m_s"])?,
                 attitude: Attitude::from_angle(theta),
                 state_age: number("state_age_s")?,

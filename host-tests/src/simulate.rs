@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use alula::guidance::Air;
-use alula::{Attitude, FeedForward, GuidanceInput, Inertial, Reference};
+use alula::{Attitude, FeedForward, Inertial, PlanarInput, Reference};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
@@ -163,7 +163,7 @@ impl Telling {
         fresh: Measured,
         reference: Reference,
         reference_position: Vector,
-    ) -> GuidanceInput {
+    ) -> PlanarInput {
         let fails = |kind| experiment.sensors.fails(kind, t);
         let (measured_at, mut measured) = match self.measured {
             Some(old) if fails(FaultKind::StateStale) => old,
@@ -179,7 +179,7 @@ impl Telling {
         let nan = |value: f32, kind| if fails(kind) { f32::NAN } else { value };
         self.theta = nan(wrap(measured.theta) as f32, FaultKind::AttitudeNan);
         let error = inertial(measured.position - reference_position);
-        GuidanceInput {
+        PlanarInput {
             velocity: Inertial::new(
                 nan(measured.velocity.x as f32, FaultKind::VelocityNan),
                 measured.velocity.y as f32,

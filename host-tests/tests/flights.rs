@@ -1,14 +1,14 @@
 //! The whole guidance in closed loop: what it reaches on the vehicle of the built-in experiments.
 mod common;
 
-use alula::Guided;
+use alula::PlanarGuided;
 use alula::guidance::{AirUse, Mode, Phase, Status};
 use alula_sil::experiment::Experiment;
 use alula_sil::figures::{Figures, Segment};
 use alula_sil::simulate::{Record, Step, fly};
 use common::{PAPER_GAINS, experiment};
 
-fn guided(step: &Step) -> &Guided {
+fn guided(step: &Step) -> &PlanarGuided {
     step.answer.guided().unwrap()
 }
 

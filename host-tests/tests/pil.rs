@@ -8,7 +8,8 @@ use std::path::PathBuf;
 use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 
-use alula::{GuidanceInput, Inertial};
+use alula::spatial::Rates;
+use alula::{Inertial, PlanarInput};
 use alula_link::damage::Mangler;
 use alula_link::{Configuration, Envelope, MAX_FRAME, Pacing, Phase, Status, ToTarget, encode};
 use alula_sil::controllers::{Answer, Controller, Input};
@@ -198,7 +199,7 @@ impl<C: Controller> Controller for Outage<C> {
 }
 
 fn is_safe(status: &Status) -> bool {
-    (status.thrust, status.rate) == (0.0, 0.0)
+    (status.thrust, status.rates) == (0.0, Rates::default())
 }
 
 #[test]
@@ -378,10 +379,10 @@ fn input(n: usize) -> Input {
     let theta = n as f32 * 1e-5;
     Input {
         theta,
-        sample: GuidanceInput {
+        sample: PlanarInput {
             velocity: Inertial::new(n as f32 * 1e-4, 8.0),
             attitude: alula::Attitude::from_angle(theta),
-            ..GuidanceInput::default()
+            ..PlanarInput::default()
         },
         feed_forward: None,
     }

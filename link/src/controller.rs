@@ -87,8 +87,8 @@ mod tests {
     use alula::guidance::Air;
     use alula::{
         Attitude, Combined, CombinedParameters, GuidanceInput, GuidanceParameters, Inertial,
-        LargeAngle, LargeAngleParameters, ModelParameters, Parameters, Problem, Reference,
-        SmallAngle, SmallAngleParameters, State, VehicleParameters,
+        LargeAngle, LargeAngleParameters, ModelParameters, Parameters, PlanarInput, Problem,
+        Reference, SmallAngle, SmallAngleParameters, State, VehicleParameters,
     };
 
     const LAW: ControllerParameters = ControllerParameters::Law {
@@ -148,7 +148,7 @@ mod tests {
     }
 
     fn input() -> GuidanceInput {
-        GuidanceInput {
+        (&PlanarInput {
             velocity: Inertial::new(0.5, 4.0),
             attitude: Attitude::from_angle(-0.3),
             air: Air::Wind(Inertial::new(0.1, -1.0)),
@@ -157,8 +157,9 @@ mod tests {
                 velocity: Inertial::new(0.0, 5.0),
                 acceleration: Inertial::new(0.0, 1.0),
             },
-            ..GuidanceInput::default()
-        }
+            ..PlanarInput::default()
+        })
+            .into()
     }
 
     #[test]

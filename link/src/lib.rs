@@ -28,7 +28,7 @@ mod order;
 pub use controller::Controller;
 pub use frame::{Counters, MAX_FRAME, Receiver, VERSION, encode};
 pub use message::{
-    Answer, Configuration, ControllerParameters, Envelope, FromTarget, Input, Law, LawGains,
-    Pacing, Phase, RefusedParameter, Status, ToTarget,
+    Answer, Configuration, ControllerParameters, Envelope, FromTarget, InForce, Input, Law,
+    LawGains, Pacing, Phase, RefusedParameter, Status, ToTarget,
 };
 pub use order::{Admission, Order};

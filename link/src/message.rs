@@ -1,6 +1,7 @@
 //! The messages. What they carry are the core's own types.
 
 use alula::guidance::Refusal;
+use alula::spatial::{self, Rates};
 use alula::{
     Command, Fault, FeedForward, GainParameters, GuidanceInput, GuidanceParameters, Guided,
     ModelParameters, ParameterError, Problem, Reference, State, VehicleParameters,
@@ -142,13 +143,29 @@ pub enum Answer {
     WrongInput,
 }
 
+/// What is in force: thrust \[N\] and body rates [rad/s]. The default is the safe command.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct InForce {
+    /// Thrust \[N\].
+    pub thrust: f32,
+    /// Body rates [rad/s].
+    pub rates: Rates,
+}
+
 impl Answer {
-    /// The command that this answer puts in force, and why it is not the law's, if it is not. `None` if nothing was flown.
-    pub fn command(&self) -> Option<(Command, Option<Refusal>)> {
+    /// What this answer puts in force, and why it is not the law's, if it is not. `None` if nothing was flown.
+    pub fn in_force(&self) -> Option<(InForce, Option<Refusal>)> {
         match self {
-            Self::Law(Ok(command)) => Some((*command, None)),
-            Self::Law(Err(fault)) => Some((Command::default(), Some(Refusal::Law(*fault)))),
-            Self::Guided(guided) => Some((guided.command, guided.refusal)),
+            Self::Law(Ok(command)) => {
+                let rates = Rates::new(0.0, 0.0, command.rate);
+                let thrust = command.thrust;
+                Some((InForce { thrust, rates }, None))
+            }
+            Self::Law(Err(fault)) => Some((InForce::default(), Some(Refusal::Law(*fault)))),
+            Self::Guided(guided) => {
+                let spatial::Command { thrust, rates, .. } = guided.command;
+                Some((InForce { thrust, rates }, guided.refusal))
+            }
             Self::NotConfigured | Self::WrongInput => None,
         }
     }
@@ -194,8 +211,8 @@ pub struct Status {
     pub phase: Phase,
     /// Thrust in force \[N\].
     pub thrust: f32,
-    /// Angular rate in force \[rad/s\].
-    pub rate: f32,
+    /// Body rates in force \[rad/s\].
+    pub rates: Rates,
     /// Ticks of the timer since power-on.
     pub ticks: u32,
     /// How often the link was lost.
@@ -211,7 +228,8 @@ mod tests {
     use super::*;
     use crate::{Counters, MAX_FRAME, Receiver, encode};
     use alula::guidance::Air;
-    use alula::{Body, CombinedParameters, Diagnostics, Inertial, Parameters};
+    use alula::ned::Ned;
+    use alula::{Body, CombinedParameters, Diagnostics, Inertial, Parameters, PlanarInput};
 
     fn through_the_wire<M>(message: &M) -> M
     where
@@ -281,7 +299,7 @@ mod tests {
             attitude: alula::Attitude { cos: 0.6, sin: 0.8 },
             wind: numbers(3.0),
         };
-        let input = GuidanceInput {
+        let input = PlanarInput {
             velocity: state.velocity,
             attitude: state.attitude,
             state_age: 0.01,
@@ -298,17 +316,19 @@ mod tests {
         for input in [
             law(None),
             law(Some(feed_forward)),
-            Input::Guidance { input, dt: 0.01 },
+            Input::Guidance {
+                input: (&input).into(),
+                dt: 0.01,
+            },
         ] {
             assert_eq!(through_the_wire(&input), input);
         }
         let guided = Guided {
-            command: Command {
+            command: spatial::Command {
                 thrust: 1.0,
-                rate: 2.0,
-                ..Command::default()
+                rates: Rates::new(2.0, 3.0, 4.0),
+                ..spatial::Command::default()
             },
-            reference,
             refusal: Some(Refusal::Law(Fault::Wind)),
             ..Guided::default()
         };
@@ -326,25 +346,38 @@ mod tests {
     fn an_answer_puts_its_command_in_force_or_says_why_not() {
         let command = Command {
             thrust: 3.0,
+            rate: 2.0,
             ..Command::default()
         };
-        assert_eq!(Answer::Law(Ok(command)).command(), Some((command, None)));
+        let rates = Rates::new(0.0, 0.0, 2.0);
+        let in_force = InForce { thrust: 3.0, rates };
+        assert_eq!(Answer::Law(Ok(command)).in_force(), Some((in_force, None)));
         let fault = Some(Refusal::Law(Fault::Wind));
         assert_eq!(
-            Answer::Law(Err(Fault::Wind)).command(),
-            Some((Command::default(), fault))
+            Answer::Law(Err(Fault::Wind)).in_force(),
+            Some((InForce::default(), fault))
         );
         let guided = Guided {
-            command,
+            command: spatial::Command {
+                thrust: 3.0,
+                rates: Rates::new(2.0, 3.0, 4.0),
+                ..spatial::Command::default()
+            },
             refusal: Some(Refusal::StateAge),
             ..Guided::default()
         };
         assert_eq!(
-            Answer::Guided(guided).command(),
-            Some((command, Some(Refusal::StateAge)))
+            Answer::Guided(guided).in_force(),
+            Some((
+                InForce {
+                    thrust: 3.0,
+                    rates: guided.command.rates
+                },
+                Some(Refusal::StateAge)
+            ))
         );
-        assert_eq!(Answer::NotConfigured.command(), None);
-        assert_eq!(Answer::WrongInput.command(), None);
+        assert_eq!(Answer::NotConfigured.in_force(), None);
+        assert_eq!(Answer::WrongInput.in_force(), None);
     }
 
     #[test]
@@ -357,7 +390,7 @@ mod tests {
         let status = Status {
             phase: Phase::LinkLost,
             thrust: 1.0,
-            rate: 1.0,
+            rates: Rates::new(1.0, 1.0, 1.0),
             ticks: u32::MAX,
             losses: u32::MAX,
             dropped: u32::MAX,
@@ -404,8 +437,8 @@ mod tests {
         };
         let guidance = Input::Guidance {
             input: GuidanceInput {
-                air: Air::Wind(Inertial::ZERO),
-                position_error: Some(Inertial::ZERO),
+                air: Air::Wind(Ned::ZERO),
+                position_error: Some(Ned::ZERO),
                 ..GuidanceInput::default()
             },
             dt: 0.01,

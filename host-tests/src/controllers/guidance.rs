@@ -46,6 +46,14 @@ impl GuidanceSpec {
         Ok(spec)
     }
 
+    /// The parameters for a plant that moves in one vertical plane.
+    fn in_plane(&self) -> GuidanceParameters {
+        GuidanceParameters {
+            max_turn: 0.0,
+            ..self.parameters
+        }
+    }
+
     /// The guidance of `experiment`.
     pub fn guidance(
         &self,
@@ -62,7 +70,7 @@ impl GuidanceSpec {
                 GainChoice::Bandwidth(gains.map_err(under)?)
             }
         };
-        Guidance::with_gains(vehicle, gains, &self.parameters).map_err(under)
+        Guidance::with_gains(vehicle, gains, &self.in_plane()).map_err(under)
     }
 }
 
@@ -96,7 +104,7 @@ impl Spec for GuidanceSpec {
             vehicle: belief.parameters(thrust),
             model: belief.model_parameters().map_err(|e| e.inside("vehicle"))?,
             controller: ControllerParameters::Guidance {
-                parameters: self.parameters,
+                parameters: self.in_plane(),
                 gains: self.gains,
             },
             pacing,
@@ -112,7 +120,9 @@ struct Flying {
 
 impl Controller for Flying {
     fn answer(&mut self, input: &Input, dt: f32) -> anyhow::Result<Answer> {
-        let guided = self.guidance.update(&mut self.state, &input.sample, dt);
+        let guided = self
+            .guidance
+            .update_in_plane(&mut self.state, &input.sample, dt);
         Ok(guided.into())
     }
 }

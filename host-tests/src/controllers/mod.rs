@@ -13,7 +13,7 @@ use std::borrow::Cow;
 
 use alula::control::Diagnostics;
 use alula::guidance::{Air, AirUse, Mode};
-use alula::{Command, Fault, FeedForward, GuidanceInput, Guided, Inertial, State};
+use alula::{Command, Fault, FeedForward, Inertial, PlanarGuided, PlanarInput, State};
 use alula_link::{Configuration, Pacing};
 use serde::{Deserialize, de};
 use toml::{Table, Value};
@@ -34,7 +34,7 @@ pub struct Input {
     /// θ \[rad\] in [−π, π) as measured, of which the attitude in `sample` is the cosine and sine.
     pub theta: f32,
     /// State, air and reference, as the core's guidance takes them.
-    pub sample: GuidanceInput,
+    pub sample: PlanarInput,
     /// Air acceleration and the reference's jerk, if the controller is flown with feed-forward.
     pub feed_forward: Option<FeedForward>,
 }
@@ -76,7 +76,7 @@ pub enum Report {
     /// One of the bare laws: a command, or the fault for which the safe command was flown.
     Law(Result<Command, Fault>),
     /// The guidance.
-    Guided(Guided),
+    Guided(PlanarGuided),
     /// A switching policy.
     Switching(Phase),
 }
@@ -93,8 +93,8 @@ impl From<Result<Command, Fault>> for Answer {
     }
 }
 
-impl From<Guided> for Answer {
-    fn from(guided: Guided) -> Self {
+impl From<PlanarGuided> for Answer {
+    fn from(guided: PlanarGuided) -> Self {
         Self {
             thrust: guided.command.thrust,
             rate: guided.command.rate,
@@ -105,7 +105,7 @@ impl From<Guided> for Answer {
 
 impl Answer {
     /// What the guidance reports, if it flies.
-    pub fn guided(&self) -> Option<&Guided> {
+    pub fn guided(&self) -> Option<&PlanarGuided> {
         match &self.report {
             Report::Guided(guided) => Some(guided),
             _ => None,
@@ -314,7 +314,7 @@ mod tests {
     fn the_wind_follows_from_what_is_told() {
         let mut input = Input {
             theta: 0.0,
-            sample: GuidanceInput::default(),
+            sample: PlanarInput::default(),
             feed_forward: None,
         };
         input.sample.velocity = Inertial::new(1.0, 12.0);

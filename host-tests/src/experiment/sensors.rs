@@ -1,5 +1,6 @@
 //! Sensors: noise, bias and quantisation of what the controller is told, and faults.
 
+use alula::Inertial;
 use alula::guidance::Air;
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -168,7 +169,7 @@ pub struct Measured {
     /// θ \[rad\], not wrapped.
     pub theta: f64,
     /// What is known of the air.
-    pub air: Air,
+    pub air: Air<Inertial>,
 }
 
 impl ErrorSpec {

@@ -196,7 +196,7 @@ impl Target {
 pub fn link_input(guided: bool, input: &Input, dt: f32) -> alula_link::Input {
     if guided {
         alula_link::Input::Guidance {
-            input: input.sample,
+            input: (&input.sample).into(),
             dt,
         }
     } else {
@@ -212,7 +212,7 @@ pub fn link_input(guided: bool, input: &Input, dt: f32) -> alula_link::Input {
 pub fn core_answer(answer: alula_link::Answer) -> anyhow::Result<Answer> {
     match answer {
         alula_link::Answer::Law(result) => Ok(result.into()),
-        alula_link::Answer::Guided(guided) => Ok(guided.into()),
+        alula_link::Answer::Guided(guided) => Ok(alula::PlanarGuided::from(&guided).into()),
         alula_link::Answer::NotConfigured => bail!("the target is not configured"),
         alula_link::Answer::WrongInput => bail!("the target flies another kind of controller"),
     }

@@ -1,7 +1,7 @@
 //! What a baseline reads from one step's input.
 
 use alula::guidance::Air;
-use alula::{GuidanceInput, Inertial};
+use alula::{Inertial, PlanarInput};
 
 use crate::reference::Vector;
 
@@ -37,7 +37,7 @@ fn vector(v: Inertial) -> Vector {
 
 impl Wind {
     /// Reads `input`, `dt` \[s\] after the last; nothing if velocity, attitude or reference is no number.
-    pub fn read(&mut self, input: &GuidanceInput, dt: f64) -> Option<Measured> {
+    pub fn read(&mut self, input: &PlanarInput, dt: f64) -> Option<Measured> {
         let velocity = vector(input.velocity);
         let theta = f64::from(input.attitude.angle());
         let air_velocity = match input.air {
@@ -87,8 +87,8 @@ pub(crate) mod tests {
         }
     }
 
-    fn input(air: Air) -> GuidanceInput {
-        GuidanceInput {
+    fn input(air: Air<Inertial>) -> PlanarInput {
+        PlanarInput {
             velocity: Inertial::new(0.0, 12.0),
             attitude: Attitude::from_angle(-1.0),
             state_age: 0.0,

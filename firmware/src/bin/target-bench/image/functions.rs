@@ -40,6 +40,7 @@ impl Fixture {
         let delta = 0.1;
         let vehicle = VehicleParameters {
             delta,
+            c_y: 0.5,
             ..VehicleParameters::PAPER
         };
         let gains = Gains::new(GainParameters::PAPER).unwrap();
@@ -189,9 +190,9 @@ functions! {
         o.command = f.large_angle_control.full(&c.state, &c.reference, Some(&c.feed_forward));
     };
     robust_bandwidth => |f, c, o| {
-        o.command = f.guidance.control().robust(&c.state, &c.reference, None);
+        o.command = f.guidance.control().plane().robust(&c.state, &c.reference, None);
     };
-    guidance => |f, c, o| o.guided = f.guidance.update(&mut o.memory, &c.input, 0.01);
+    guidance => |f, c, o| o.guided = f.guidance.update(&mut o.memory, &c.space.input, 0.01);
     winged => |f, c, o| {
         o.space = f.winged.robust(&c.space.state, &c.space.reference, None);
     };

@@ -1,6 +1,8 @@
 //! The same cases in space: the planar case's speeds and special places, at any attitude.
 
 use super::sweep::Random;
+use alula::GuidanceInput;
+use alula::guidance::Air;
 use alula::ned::{Ned, Quaternion};
 use alula::spatial::{
     Body, Correction, FeedForward, ForceSample, Heading, Orientation, Reference, State,
@@ -20,6 +22,8 @@ pub struct SpaceCase {
     pub sample: ForceSample,
     /// Air velocity of `state`.
     pub v_a: Body,
+    /// The same for the guidance, with its air velocity measured and a position to hold.
+    pub input: GuidanceInput,
 }
 
 /// Case `n`: of every eight, three anywhere in the envelope and one each in still air, in reverse flow, with a small
@@ -76,14 +80,15 @@ pub fn case(n: usize) -> SpaceCase {
             _ => acceleration.down = bad,
         }
     }
+    let reference = Reference {
+        velocity,
+        acceleration,
+        heading,
+    };
     SpaceCase {
         quaternion,
         state,
-        reference: Reference {
-            velocity,
-            acceleration,
-            heading,
-        },
+        reference,
         feed_forward: FeedForward {
             air_acceleration,
             jerk,
@@ -99,6 +104,19 @@ pub fn case(n: usize) -> SpaceCase {
             thrust: 60.0 + random.within(60.0),
         },
         v_a,
+        input: GuidanceInput {
+            velocity: state.velocity,
+            orientation,
+            state_age: 0.0,
+            air: Air::Velocity(state.velocity - state.wind),
+            position_error: Some(Ned::new(
+                random.within(12.0),
+                random.within(12.0),
+                random.within(3.0),
+            )),
+            reference,
+            reference_age: 0.0,
+        },
     }
 }
 

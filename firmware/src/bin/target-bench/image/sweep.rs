@@ -3,10 +3,7 @@
 use super::functions::Fixture;
 use super::space::{self, SpaceCase};
 use alula::equivalency::ApparentForces;
-use alula::guidance::Air;
-use alula::{
-    AngleOfAttack, Attitude, Body, FeedForward, GuidanceInput, Inertial, Reference, State,
-};
+use alula::{AngleOfAttack, Attitude, Body, FeedForward, Inertial, Reference, State};
 use core::f32::consts::PI;
 
 /// How many.
@@ -20,8 +17,6 @@ pub struct Case {
     pub reference: Reference,
     /// Feed-forward.
     pub feed_forward: FeedForward,
-    /// The same for the guidance, with its air velocity measured and a position to hold.
-    pub input: GuidanceInput,
     /// Air velocity of `state`.
     pub v_a: Body,
     /// Forces at `state` and `reference`.
@@ -84,17 +79,7 @@ pub fn case(fixture: &Fixture, n: usize) -> Case {
             _ => reference.acceleration = Inertial::new(0.0, bad),
         }
     }
-    let input = GuidanceInput {
-        velocity: state.velocity,
-        attitude: state.attitude,
-        state_age: 0.0,
-        air: Air::Velocity(state.velocity - state.wind),
-        position_error: Some(Inertial::new(random.within(3.0), random.within(12.0))),
-        reference,
-        reference_age: 0.0,
-    };
     Case {
-        input,
         state,
         reference,
         feed_forward: FeedForward {
