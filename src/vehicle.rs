@@ -138,12 +138,13 @@ impl<A: Aerodynamics> Vehicle<A> {
         self.k_a * self.c_y
     }
 
-    /// The same vehicle where gravity is `gravity` [m/s²]: in a turn, that of the plane of flight.
+    /// The same vehicle where gravity is `gravity` [m/s²], that of the plane of flight in a turn, and with the air's force
+    /// `air` times as large.
     #[inline(always)]
-    pub(crate) fn with_gravity(&self, gravity: f32) -> Vehicle<&A> {
+    pub(crate) fn as_flown(&self, gravity: f32, air: f32) -> Vehicle<&A> {
         Vehicle {
             mass: self.mass,
-            k_a: self.k_a,
+            k_a: air * self.k_a,
             c_y: self.c_y,
             gravity,
             thrust_min: self.thrust_min,

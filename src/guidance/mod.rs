@@ -1,5 +1,6 @@
 //! Guidance: the velocity law with everything around it that a real vehicle asks for.
 
+mod accelerometer;
 mod bandwidth;
 mod course;
 mod flight;

@@ -26,6 +26,8 @@ crate::parameters! {
             "Velocity error, forward, that costs as much as one of velocity_band_down.";
         rate_lag: "s", 0.0, 1.0, 0.1, "ALU_RATE_LAG",
             "Lag of the rate loop, for which the fed forward rate is advanced.";
+        thrust_lag: "s", 1e-3, 1.0, 0.05, "ALU_THR_LAG",
+            "Lag of the thrust behind its command. Used with a specific force.";
 
         position_gain_down: "1/s", 0.0, 100.0, 1.5, "ALU_POS_P_D",
             "Velocity per position error, down. Zero turns the hold off.";

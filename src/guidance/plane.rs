@@ -84,6 +84,7 @@ impl From<&PlanarInput> for GuidanceInput {
                 Air::Wind(v) => Air::Wind(Ned::in_plane(v)),
                 Air::Unknown => Air::Unknown,
             },
+            specific_force: None,
             position_error: p.position_error.map(Ned::in_plane),
             reference: spatial::Reference {
                 velocity: Ned::in_plane(p.reference.velocity),

@@ -3,6 +3,7 @@
 //! supervision → planner → virtual flight → tracker (the robust law) → actuator limits. What is remembered is in
 //! [`GuidanceState`], and nowhere else.
 
+use super::accelerometer::{Accelerometer, AccelerometerState};
 use super::bandwidth::BandwidthGains;
 use super::course::{Axes, Course};
 use super::flight::limited;
@@ -23,9 +24,9 @@ use crate::error::{ParameterError, Problem};
 use crate::math;
 use crate::ned::Ned;
 use crate::parameters::Parameters;
-use crate::reference::MAX_SPEED;
+use crate::reference::{MAX_ACCELERATION, MAX_SPEED};
 use crate::spatial::{
-    Command, Correction, Diagnostics, LateralGains, LateralParameters, Orientation, Rates,
+    Body, Command, Correction, Diagnostics, LateralGains, LateralParameters, Orientation, Rates,
     Reference, State, WingedControl, check_input,
 };
 use crate::vehicle::Vehicle;
@@ -62,6 +63,8 @@ pub struct Guidance<A, G = BandwidthGains> {
     turning: Turning,
     /// How the real vehicle follows.
     pub(super) tracker: Tracker,
+    /// What the accelerometer tells.
+    accelerometer: Accelerometer,
     /// Limits of the actuators.
     limits: Limits,
     /// What to do when inputs fail.
@@ -81,6 +84,9 @@ pub struct GuidanceInput {
     pub state_age: f32,
     /// What is known of the air.
     pub air: Air,
+    /// Specific force in body components [m/s²], if it is measured: what an accelerometer feels, gravity not included. With
+    /// it the law makes up for what is not known of mass, wing and thrust, and of the wind across.
+    pub specific_force: Option<Body>,
     /// Position less reference position, x̃ \[m\], if position is to be held.
     pub position_error: Option<Ned>,
     /// Reference.
@@ -104,6 +110,7 @@ pub struct GuidanceState {
     pub(super) wind: Ned,
     /// Position less reference position \[m\], reckoned from the velocity where it is not measured.
     pub(super) reckoned: Ned,
+    accelerometer: AccelerometerState,
     pub(super) limits: LimitState,
     /// 1 once the virtual flight has begun.
     pub(super) started: u8,
@@ -148,6 +155,7 @@ const WORDS: usize = SupervisionState::WORDS
     + Ned::WORDS
     + Ned::WORDS
     + Ned::WORDS
+    + AccelerometerState::WORDS
     + LimitState::WORDS
     + u8::WORDS
     + Ned::WORDS
@@ -167,6 +175,7 @@ impl Memory for GuidanceState {
             integral,
             wind,
             reckoned,
+            accelerometer,
             limits,
             started,
             held,
@@ -180,6 +189,7 @@ impl Memory for GuidanceState {
         integral.write(take);
         wind.write(take);
         reckoned.write(take);
+        accelerometer.write(take);
         limits.write(take);
         started.write(take);
         held.write(take);
@@ -196,6 +206,7 @@ impl Memory for GuidanceState {
             integral: Memory::read(next),
             wind: Memory::read(next),
             reckoned: Memory::read(next),
+            accelerometer: Memory::read(next),
             limits: Memory::read(next),
             started: Memory::read(next),
             held: Memory::read(next),
@@ -336,6 +347,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             planner: Planner::new(p),
             turning,
             tracker: Tracker::new(p),
+            accelerometer: Accelerometer::new(p, &vehicle)?,
             limits: Limits::new(p, &vehicle),
             supervisor: Supervisor::new(p, &vehicle),
             control: WingedControl::new(vehicle, gains, lateral),
@@ -393,6 +405,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             & ((state.started != 1) | state.flight.is_sound())
             & state.planner.is_sound()
             & self.tracker.is_sound(state.integral)
+            & self.accelerometer.is_sound(&state.accelerometer)
             & (state.wind.norm_squared() + state.reckoned.norm_squared()
                 <= 4.0 * MAX_SPEED * MAX_SPEED)
             & (self.limits.is_sound(&state.limits)
@@ -482,7 +495,15 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         let (wind, air, air_invalid) =
             self.supervisor
                 .wind(&mut state.supervision, input.velocity, &input.air, dt);
-        let at = State { wind, ..bare };
+        let specific_force = input
+            .specific_force
+            .filter(|f| f.norm_squared() < MAX_ACCELERATION * MAX_ACCELERATION);
+        let correction = self.accelerometer.correction(&state.accelerometer);
+        let at = State {
+            wind,
+            correction,
+            ..bare
+        };
 
         // Where the vehicle is, from the reference.
         let reckoned = state.reckoned + (input.velocity - asked.velocity) * dt;
@@ -533,6 +554,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             &mut state.planner,
             &asked,
             state.wind,
+            self.accelerometer.air(&state.accelerometer),
             dt,
         );
 
@@ -569,6 +591,8 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             moved.error,
             moved.reference,
         );
+        guided.progress.distance = tracked.law;
+        guided.progress.time = state.flight.lean;
         // Where the law has no say the virtual flight is drawn to the real one: that is how it is planned anew.
         let drawn = math::min((1.0 - tracked.law) * DRAW * dt, 1.0);
         let flight = &mut state.flight;
@@ -580,6 +604,14 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             rates,
             ..tracked.command
         };
+        self.accelerometer.update(
+            &mut state.accelerometer,
+            specific_force,
+            input.orientation,
+            &guided.command,
+            air,
+            dt,
+        );
         guided.air = air;
         guided.reference = tracked.reference;
         guided.margin = Margin::new(

@@ -108,13 +108,13 @@ pub(super) struct Moved<'a, A> {
     pub jerk: Ned,
     /// Acceleration in the plane of flight [m/s²].
     pub in_plane: Inertial,
-    /// ω̇ in the plane [rad/s²].
+    /// ω̇ about the plane's normal [rad/s²].
     pub rate_change: f32,
     /// The plane of flight.
     pub axes: Axes,
     /// How the plane turns [rad/s].
     pub spin: Ned,
-    /// The vehicle at the gravity of the plane of flight.
+    /// The vehicle at the gravity of the plane of flight, with the air's force as measured.
     pub vehicle: Vehicle<&'a A>,
     /// The flight in the plane.
     pub flight: Flight,
@@ -182,7 +182,8 @@ impl Turning {
         math::clamp(speed / (TURNING * self.speed) - 1.0, 0.0, 1.0)
     }
 
-    /// Lets `flight` pass for `dt` \[s\] by the plan that `planner` has chosen.
+    /// Lets `flight` pass for `dt` \[s\] by the plan that `planner` has chosen, the air's force being `air` times the believed
+    /// one.
     #[inline(always)]
     pub fn advance<'a, A: Aerodynamics>(
         &self,
@@ -192,6 +193,7 @@ impl Turning {
         state: &mut PlannerState,
         reference: &Reference,
         wind: Ned,
+        air: f32,
         dt: f32,
     ) -> Moved<'a, A> {
         let servo = &planner.virtual_vehicle;
@@ -202,13 +204,14 @@ impl Turning {
         let (v_r, v_r_across) = course.project(reference.velocity);
         let (a_r, a_r_across) = course.project(reference.acceleration);
 
-        // The horizontal velocity wanted.
-        let forward = servo.velocity_wanted(position, v_r).forward();
+        // The horizontal air velocity wanted: it is that which is turned.
+        let forward = servo.velocity_wanted(position, v_r).forward() - wind.forward();
         let right = v_r_across
             - limited(
                 servo.position_gain.forward() * aside,
                 servo.max_velocity.forward(),
-            );
+            )
+            - wind_across;
         let wanted = math::sqrt(forward * forward + right * right);
         let ahead = velocity.forward() - wind.forward();
         let aslant = across - wind_across;
@@ -219,11 +222,6 @@ impl Turning {
             0.0
         };
 
-        // Its length is had in the plane, its direction by turning the plane.
-        let asked = reference::Reference {
-            velocity: v_r + Inertial::new(0.0, turning * (wanted - forward)),
-            acceleration: a_r,
-        };
         // Behind, it is turned to at once, by the shorter way.
         let beside = if forward < 0.0 {
             let side = if right < 0.0 { -wanted } else { wanted };
@@ -232,17 +230,28 @@ impl Turning {
             right
         };
         let share = if state.plan.turn == 1 { CROSSING } else { 1.0 };
-        let most = share * self.most(vehicle.gravity(), airspeed_squared);
-        let lean = limited(a_r_across + LATERAL_GAIN * (beside - across), most);
+        let most = share * self.most(vehicle.gravity(), air * airspeed_squared);
+        let lean = limited(a_r_across + LATERAL_GAIN * (beside - aslant), most);
         let step = LEAN_SLEW * vehicle.gravity() * dt;
         let lean = math::clamp(lean, flight.lean - step, flight.lean + step);
         let lean_rate = (lean - flight.lean) / dt;
         let axes = Axes::new(&course, vehicle.gravity(), lean);
-        let heavier = vehicle.with_gravity(axes.gravity);
+        let heavier = vehicle.as_flown(axes.gravity, air);
 
+        // What is down leans with the plane: in it, down is shorter by the load factor.
+        let load = axes.gravity / vehicle.gravity();
+        let leant = |v: Inertial| Inertial::new(v.down() / load, v.forward());
+        let upright = |v: Inertial| Inertial::new(v.down() * load, v.forward());
+        // The length of the velocity wanted is had in the plane, its direction by turning the plane.
+        let faster = Inertial::new(0.0, turning * (wanted - forward));
+        let asked = reference::Reference {
+            velocity: leant(v_r) + faster,
+            acceleration: leant(a_r),
+        };
+        let wind = leant(wind);
         let mut plane = Flight {
-            velocity,
-            position,
+            velocity: leant(velocity),
+            position: leant(position),
             theta: flight.theta,
             rate: flight.rate,
             thrust: flight.thrust,
@@ -269,18 +278,19 @@ impl Turning {
         };
         let weight = math::sqrt(square) * over;
         let aim = math::atan2(aim_aslant + weight * aslant, aim_ahead + weight * ahead);
+        let turn_per_lean = ahead / (square + SLOW * SLOW);
         let turn = if self.max > 0.0 {
-            limited(
-                COURSE_GAIN * aim + lean * ahead / (square + SLOW * SLOW),
-                self.rate,
-            )
+            limited(COURSE_GAIN * aim + lean * turn_per_lean, self.rate)
         } else {
             0.0
         };
 
-        let rate_change = (plane.rate - flight.rate) / dt;
-        let moved = course.lift(plane.velocity, across);
+        let moved = course.lift(upright(plane.velocity), across);
         let roll = lean_rate * vehicle.gravity() / (axes.gravity * axes.gravity);
+        // In a turn the wing turns about itself with the part of the course's rate that bank puts there.
+        let turn_change =
+            lean_rate * turn_per_lean * axes.right.down + turn * roll * axes.down.down;
+        let rate_change = (plane.rate - flight.rate) / dt + turn_change;
         *flight = VirtualFlight {
             velocity: moved,
             position: flight.position + (moved - reference.velocity) * dt,
@@ -292,7 +302,7 @@ impl Turning {
         };
         Moved {
             prospect,
-            acceleration: course.lift(in_plane, lean),
+            acceleration: course.lift(upright(in_plane), lean),
             jerk: course.lift(
                 Inertial::new(0.0, -lean * turn),
                 lean_rate + in_plane.forward() * turn,

@@ -16,7 +16,7 @@ pub struct Course {
 }
 
 /// k \[1/s\]. Below the outer loop's gain: with more, a vehicle ahead is asked to fly faster still.
-const FOLLOW: f64 = 0.4;
+const FOLLOW: f64 = 0.2;
 
 impl Course {
     pub fn new(curve: Curve, speed: f64) -> Self {

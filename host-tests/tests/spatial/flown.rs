@@ -62,6 +62,36 @@ pub struct Sample {
     pub heading: f64,
 }
 
+impl Sample {
+    pub fn new(
+        t: f64,
+        state: &SpatialState,
+        target: &Target,
+        wind: V3,
+        start: &SpatialState,
+    ) -> Self {
+        let [tail, belly, right] = state.axes();
+        let v_a = state.velocity - wind;
+        Self {
+            t,
+            velocity_error: (state.velocity - target.velocity).norm(),
+            position_error: (state.position - target.position).norm(),
+            sideslip: (v_a.dot(&right) / v_a.norm().max(1.0)).asin(),
+            altitude: start.position.z - state.position.z,
+            nose_up: tail.z,
+            belly_down: belly.z,
+            heading: belly.y.atan2(belly.x),
+        }
+    }
+}
+
+/// The attitude as the core takes it.
+pub fn orientation(state: &SpatialState) -> Orientation {
+    let q = state.attitude;
+    let [w, x, y, z] = [q.w, q.i, q.j, q.k].map(|x| x as f32);
+    Orientation::from_quaternion(&Quaternion { w, x, y, z }, BodyAxes::NoseUp).unwrap()
+}
+
 /// What is known of the wind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Wind {
@@ -159,20 +189,7 @@ impl Setup {
             let wind_rate = (known - last_wind.unwrap_or(known)) / PERIOD;
             last_wind = Some(known);
 
-            let [w, i, j, k] = [
-                state.attitude.w,
-                state.attitude.i,
-                state.attitude.j,
-                state.attitude.k,
-            ]
-            .map(|x| x as f32);
-            let q = Quaternion {
-                w,
-                x: i,
-                y: j,
-                z: k,
-            };
-            let orientation = Orientation::from_quaternion(&q, BodyAxes::NoseUp).unwrap();
+            let orientation = orientation(&state);
             let law_state = State {
                 velocity: ned(state.velocity.into()),
                 orientation,
@@ -215,17 +232,7 @@ impl Setup {
                 self.sideslip.update(&mut sideslip, v_a, f_w as f32, dt);
             }
 
-            let v_a = state.velocity - air;
-            samples.push(Sample {
-                t,
-                velocity_error: (state.velocity - target.velocity).norm(),
-                position_error: (state.position - target.position).norm(),
-                sideslip: (v_a.dot(&right) / v_a.norm().max(1.0)).asin(),
-                altitude: start.position.z - state.position.z,
-                nose_up: tail.z,
-                belly_down: belly.z,
-                heading: belly.y.atan2(belly.x),
-            });
+            samples.push(Sample::new(t, &state, &target, air, &start));
             let r = command.rates;
             let rates = V3::new(r.j.into(), r.w.into(), r.i.into());
             state = self.plant.step(&state, thrust, rates, air, PERIOD);

@@ -5,6 +5,7 @@ mod common;
 mod accuracy;
 mod course;
 mod flown;
+mod guided;
 mod identity;
 mod lyapunov;
 mod paths;

@@ -109,6 +109,7 @@ pub fn case(n: usize) -> SpaceCase {
             orientation,
             state_age: 0.0,
             air: Air::Velocity(state.velocity - state.wind),
+            specific_force: Some(Body::new(-9.0, 2.0, 0.5)),
             position_error: Some(Ned::new(
                 random.within(12.0),
                 random.within(12.0),
