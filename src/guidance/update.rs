@@ -331,7 +331,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
     ) -> Result<Self, ParameterError> {
         p.check()?;
         check_relations(&vehicle, p)?;
-        let turning = Turning::new(p, &vehicle);
+        let turning = Turning::new(p, &vehicle)?;
         // 2ζω_n and ω_n/(2ζ): tilt and lateral velocity make a loop of this frequency and damping.
         let rate = |x: f32| math::clamp(x, 1e-3, 1e3);
         let lateral = LateralGains::new(LateralParameters {
@@ -591,8 +591,6 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             moved.error,
             moved.reference,
         );
-        guided.progress.distance = tracked.law;
-        guided.progress.time = state.flight.lean;
         // Where the law has no say the virtual flight is drawn to the real one: that is how it is planned anew.
         let drawn = math::min((1.0 - tracked.law) * DRAW * dt, 1.0);
         let flight = &mut state.flight;

@@ -11,6 +11,8 @@ use super::parameters::GuidanceParameters;
 use super::planner::{Planner, PlannerState, Prospect};
 use crate::aero::Aerodynamics;
 use crate::air::AngleOfAttack;
+use crate::control::Guard;
+use crate::error::ParameterError;
 use crate::frame::Inertial;
 use crate::math;
 use crate::ned::Ned;
@@ -94,6 +96,8 @@ pub(super) struct Turning {
     lift: f32,
     /// Speed at which the wing carries the weight with a lift coefficient of 1 [m/s].
     speed: f32,
+    /// How the air takes over from the heading, by airspeed, as in the law.
+    air: Guard,
     /// Greatest rate of the course [rad/s].
     rate: f32,
 }
@@ -141,16 +145,21 @@ fn lift_at_stall<A: Aerodynamics>(model: &A) -> f32 {
 
 impl Turning {
     /// How `vehicle` turns with these parameters, which have been checked.
-    pub fn new<A: Aerodynamics>(p: &GuidanceParameters, vehicle: &Vehicle<A>) -> Self {
+    pub fn new<A: Aerodynamics>(
+        p: &GuidanceParameters,
+        vehicle: &Vehicle<A>,
+    ) -> Result<Self, ParameterError> {
         let (weight, k_a) = (vehicle.weight(), vehicle.k_a());
         let thrust = SHARE * vehicle.thrust_max() / weight;
-        Self {
+        let speed = math::sqrt(weight / k_a);
+        Ok(Self {
             max: p.max_turn * vehicle.gravity(),
             thrust_squared: thrust * thrust,
             lift: SHARE * lift_at_stall(vehicle.model()) * k_a / weight,
-            speed: math::sqrt(weight / k_a),
+            speed,
+            air: Guard::new(math::clamp(TAKEOVER * speed, 1e-3, 1e3))?,
             rate: SHARE_OF_RATE * p.max_rate,
-        }
+        })
     }
 
     /// Speed at which air and heading have an equal say in the course [m/s].
@@ -267,17 +276,20 @@ impl Turning {
             across - wind_across,
         );
         let square = ahead * ahead + aslant * aslant;
-        let over = 1.0 / (self.takeover() * self.takeover());
+        let over = self.air.over_square(square);
         let heading = reference.heading.vector();
-        let (aim_ahead, aim_aslant) = if heading.norm_squared() > 0.0 {
+        let (facing, facing_right) = if heading.norm_squared() > 0.0 {
             let (along, right) = course.project(heading);
             (along.forward(), right)
         } else {
-            let weight = wanted * over;
+            let weight = wanted / (self.takeover() * self.takeover());
             (STAY + weight * forward, weight * right)
         };
-        let weight = math::sqrt(square) * over;
-        let aim = math::atan2(aim_aslant + weight * aslant, aim_ahead + weight * ahead);
+        let (air, rest) = (math::sqrt(square) * over, 1.0 - square * over);
+        let aim = math::atan2(
+            rest * facing_right + air * aslant,
+            rest * facing + air * ahead,
+        );
         let turn_per_lean = ahead / (square + SLOW * SLOW);
         let turn = if self.max > 0.0 {
             limited(COURSE_GAIN * aim + lean * turn_per_lean, self.rate)
