@@ -17,6 +17,8 @@ pub struct Flown {
     pub guidance: Guidance<Combined>,
     /// What the guidance is told of the wind: all of it, or this.
     pub wind_told: Option<V3>,
+    /// Whether it is told the specific force.
+    pub accelerometer: bool,
 }
 
 /// With the wrong belief, and the limits that the requirement states.
@@ -52,6 +54,7 @@ impl Flown {
             plant: Setup::new().plant,
             guidance: Guidance::new(Vehicle::new(belief, model).unwrap(), p).unwrap(),
             wind_told: None,
+            accelerometer: std::env::var_os("NOACC").is_none(),
         }
     }
 
@@ -78,7 +81,7 @@ impl Flown {
                 orientation: orientation(&state),
                 state_age: 0.0,
                 air: Air::Wind(ned(told.into())),
-                specific_force: (std::env::var_os("NOACC").is_none()).then(|| {
+                specific_force: self.accelerometer.then(|| {
                     let [i, j, w] = self.plant.specific_force(&state, air);
                     Body::new(i as f32, j as f32, w as f32)
                 }),

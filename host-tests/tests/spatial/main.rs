@@ -12,4 +12,5 @@ mod paths;
 mod reversal;
 mod starts;
 mod support;
+mod wander;
 mod weather;
