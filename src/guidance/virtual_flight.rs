@@ -106,6 +106,9 @@ pub(super) struct Turning {
 pub(super) struct Moved<'a, A> {
     /// What the plan in force comes to.
     pub prospect: Prospect,
+    /// Velocity [m/s] and position \[m\] in the middle of the step, over which the command holds.
+    pub velocity: Ned,
+    pub position: Ned,
     /// Acceleration [m/s²].
     pub acceleration: Ned,
     /// Its derivative as far as turning makes it [m/s³].
@@ -303,6 +306,7 @@ impl Turning {
         let turn_change =
             lean_rate * turn_per_lean * axes.right.down + turn * roll * axes.down.down;
         let rate_change = (plane.rate - flight.rate) / dt + turn_change;
+        let before = *flight;
         *flight = VirtualFlight {
             velocity: moved,
             position: flight.position + (moved - reference.velocity) * dt,
@@ -314,6 +318,8 @@ impl Turning {
         };
         Moved {
             prospect,
+            velocity: (before.velocity + flight.velocity) * 0.5,
+            position: (before.position + flight.position) * 0.5,
             acceleration: course.lift(upright(in_plane), lean),
             jerk: course.lift(
                 Inertial::new(0.0, -lean * turn),
