@@ -61,7 +61,7 @@ pub(super) struct Tracked {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Tracker {
-    position_gain: [f32; 2],
+    pub(super) position_gain: [f32; 2],
     max_velocity: [f32; 2],
     integral_gain: [f32; 2],
     max_integral: [f32; 2],
