@@ -44,6 +44,32 @@ impl Step {
     }
 }
 
+/// How a simulation ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum End {
+    /// At the end of the flight.
+    Flown,
+    /// Where the visitor wanted no more.
+    Left,
+    /// At this time \[s\]: the plant had come to a state that is no number, or to no speed of an aircraft.
+    Diverged(f64),
+}
+
+/// Speed \[m/s\] from which a simulation has diverged: ten minutes of free fall do not reach it.
+const DIVERGED: f64 = 1e4;
+
+/// Whether the state is one of an aircraft.
+fn is_sound(state: &State) -> bool {
+    let State {
+        theta,
+        rate,
+        thrust,
+        ..
+    } = *state;
+    let finite = [theta, rate, thrust].iter().all(|x| x.is_finite());
+    finite && state.position.iter().all(|x| x.is_finite()) && state.velocity.norm() < DIVERGED
+}
+
 /// A flight: one row per control step, the last at its end.
 pub type Record = Vec<Step>;
 
@@ -59,12 +85,12 @@ pub fn fly(experiment: &Experiment) -> anyhow::Result<Record> {
 }
 
 /// Flies `experiment` under `controller`: `visit` is given every control step, the last at the end of the flight, and says whether to go
-/// on. The error is a controller that cannot be reached.
+/// on. A step at which the plant has diverged is the last one. The error is a controller that cannot be reached.
 pub fn simulate(
     experiment: &Experiment,
     controller: &mut dyn Controller,
     mut visit: impl FnMut(&Step) -> bool,
-) -> anyhow::Result<()> {
+) -> anyhow::Result<End> {
     let feed_forward = experiment.spec()?.feed_forward();
     let plant = Plant::new(&experiment.vehicle.reference(), experiment.plant);
     // Noise and turbulence are separate streams: a change of one leaves the other as it was.
@@ -124,8 +150,11 @@ pub fn simulate(
             input,
             answer,
         });
+        if !is_sound(&truth) {
+            return Ok(End::Diverged(t));
+        }
         if !go_on {
-            break;
+            return Ok(End::Left);
         }
 
         let command = (f64::from(answer.thrust), f64::from(answer.rate));
@@ -140,7 +169,7 @@ pub fn simulate(
         }
         weather.advance((truth.velocity - wind).norm(), period, &mut gusts);
     }
-    Ok(())
+    Ok(End::Flown)
 }
 
 /// What the controller has been told so far: what a fault repeats.

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::document::{FieldError, finite};
+use super::document::{FieldError, finite, speed};
 use crate::reference::Vector;
 
 /// `[reference]`: the reference velocity, linear between knots, constant before and after them.
@@ -34,8 +34,8 @@ impl ReferenceSpec {
         for (i, knot) in self.knots.iter().enumerate() {
             let field = format!("reference.knots[{i}]");
             finite(&field, knot.t_s)?;
-            finite(&field, knot.down_m_s)?;
-            finite(&field, knot.forward_m_s)?;
+            speed(&format!("{field}.down_m_s"), knot.down_m_s)?;
+            speed(&format!("{field}.forward_m_s"), knot.forward_m_s)?;
             if i > 0 && knot.t_s <= self.knots[i - 1].t_s {
                 let problem = "t_s must increase from knot to knot";
                 return Err(FieldError::new(field, problem));
@@ -111,8 +111,8 @@ pub struct InitialSpec {
 
 impl InitialSpec {
     pub(super) fn validate(&self) -> Result<(), FieldError> {
-        finite("initial.down_m_s", self.down_m_s)?;
-        finite("initial.forward_m_s", self.forward_m_s)?;
+        speed("initial.down_m_s", self.down_m_s)?;
+        speed("initial.forward_m_s", self.forward_m_s)?;
         finite("initial.theta_deg", self.theta_deg)?;
         finite("initial.thrust_n", self.thrust_n)
     }

@@ -39,6 +39,9 @@ pub fn page(source: &CampaignSource, summary: &Summary) -> Page {
             lead += &format!(" (under {bound:.1e} of all with 95 % confidence)");
         }
     }
+    if summary.diverged > 0 {
+        lead += &format!("; {} DIVERGED", summary.diverged);
+    }
     if !campaign.limits.is_empty() {
         lead += &format!("; {} keep every limit", summary.passed);
     }

@@ -16,6 +16,9 @@ pub const BUILT_IN: &[(&str, &str)] = &[
     ("faults", include_str!("../../campaigns/faults.toml")),
 ];
 
+/// Most flights of a campaign: months on one core.
+const MAX_FLIGHTS: u64 = 1_000_000_000;
+
 /// A campaign with all that decides its results: what a folder of results keeps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CampaignSource {
@@ -90,8 +93,8 @@ impl CampaignSource {
             campaign.validate(&base(campaign)?)
         })?;
         campaign.flights = texts.flights;
-        if campaign.flights == 0 {
-            anyhow::bail!("{origin}: flights: must be at least 1");
+        if !(1..=MAX_FLIGHTS).contains(&campaign.flights) {
+            anyhow::bail!("{origin}: flights: must be from 1 to {MAX_FLIGHTS}");
         }
         let base = base(&campaign).expect("validated above");
         Ok(Self {

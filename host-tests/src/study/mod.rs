@@ -11,6 +11,7 @@ mod draw;
 mod flown;
 mod frame;
 mod load;
+mod part;
 mod results;
 mod run;
 mod store;
