@@ -8,7 +8,9 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use crate::controllers::{Answer, Controller, Input, inertial};
-use crate::experiment::{Experiment, FaultKind, Measured, Plant, PositionSensor, State, Weather};
+use crate::experiment::{
+    Experiment, FaultKind, Faults, Measured, Plant, PositionSensor, State, Weather,
+};
 use crate::reference::{Vector, wrap};
 
 /// One control step of a flight.
@@ -99,7 +101,9 @@ pub fn simulate(
     gusts.set_stream(1);
     let mut weather = Weather::new(experiment.weather, &mut gusts);
     let steady = Vector::from(experiment.weather.steady_m_s);
+    let mut faults = Faults::new(&experiment.sensors.faults, experiment.seed);
     let mut telling = Telling::default();
+    let mut last_answer = None;
     let mut reference_position = experiment.reference.positions();
 
     let period = 1.0 / experiment.control_rate_hz;
@@ -128,7 +132,8 @@ pub fn simulate(
             velocity: inertial(velocity),
             acceleration: inertial(acceleration),
         };
-        let sample = telling.sample(experiment, t, measured, reference, reference_position);
+        let told = (measured, reference, reference_position);
+        let sample = telling.sample(experiment, &mut faults, t, told);
         let input = Input {
             theta: telling.theta,
             sample,
@@ -139,7 +144,14 @@ pub fn simulate(
                 jerk: Inertial::ZERO,
             }),
         };
-        let answer = controller.answer(&input, period as f32)?;
+        let clock = faults.clock(t, period);
+        if let Some(bit) = clock.flips {
+            controller.flip(bit);
+        }
+        for dt in clock.steps.into_iter().flatten() {
+            last_answer = Some(controller.answer(&input, dt as f32)?);
+        }
+        let answer = last_answer.expect("asked at the first step at the latest");
         let go_on = visit(&Step {
             t,
             truth,
@@ -188,12 +200,12 @@ impl Telling {
     fn sample(
         &mut self,
         experiment: &Experiment,
+        faults: &mut Faults,
         t: f64,
-        fresh: Measured,
-        reference: Reference,
-        reference_position: Vector,
+        (fresh, reference, reference_position): (Measured, Reference, Vector),
     ) -> GuidanceInput {
-        let fails = |kind| experiment.sensors.fails(kind, t);
+        let fresh = faults.distort(t, fresh);
+        let fails = |kind| faults.lasts(kind, t);
         let (measured_at, mut measured) = match self.measured {
             Some(old) if fails(FaultKind::StateStale) => old,
             _ => (t, fresh),

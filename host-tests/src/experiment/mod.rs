@@ -1,6 +1,7 @@
 //! Experiments: what is flown, by whom, along which reference, in which weather. TOML in, validated values out.
 
 mod document;
+mod faults;
 mod parameters;
 mod plant;
 mod reference;
@@ -13,13 +14,13 @@ use serde::Deserialize;
 
 pub use document::{Document, FieldError};
 pub(crate) use document::{finite, from_toml, positive, read};
+pub(crate) use faults::Faults;
+pub use faults::{FaultKind, FaultSpec};
 pub use parameters::file_name;
 pub(crate) use parameters::{Fields, refused};
 pub use plant::{Plant, PlantSpec, RateLoop, State};
 pub use reference::{InitialSpec, Knot, ReferenceSpec};
-pub use sensors::{
-    AirSensor, ErrorSpec, FaultKind, FaultSpec, Measured, PositionSensor, SensorSpec,
-};
+pub use sensors::{AirSensor, ErrorSpec, Measured, PositionSensor, SensorSpec};
 pub use vehicle::{AerodynamicsSpec, Model, NO_LIMITS, Vehicle, VehicleSpec};
 pub use weather::{GustSpec, TurbulenceSpec, Weather, WeatherSpec};
 

@@ -62,6 +62,10 @@ pub struct FaultDraw {
     pub from_s: Distribution,
     /// How long \[s\].
     pub lasts_s: Distribution,
+    /// How much, of the kinds that have a size.
+    pub size: Option<Distribution>,
+    /// Farthest that the flight may sink below its reference \[m\]; any depth if left out.
+    pub sinks_m: Option<f64>,
     /// The guidance's state at the fault's last control step.
     pub during: Expected,
     /// The guidance's state at the end of the flight.

@@ -64,13 +64,16 @@ impl Campaign {
             let from_s = self.faults[index].from_s.draw(&mut random);
             let to_s = from_s + self.faults[index].lasts_s.draw(&mut random);
             let kind = Value::try_from(self.faults[index].kind).expect("a name");
+            let size = self.faults[index].size.as_ref();
+            let size = size.map(|size| ("size", Value::Float(size.draw(&mut random))));
             let table = [
                 ("kind", kind),
                 ("from_s", Value::Float(from_s)),
                 ("to_s", Value::Float(to_s)),
             ];
+            let table = table.into_iter().chain(size);
             let table = table.map(|(key, value)| (key.to_owned(), value));
-            let list = vec![Value::Table(table.into_iter().collect())];
+            let list = vec![Value::Table(table.collect())];
             document.set("sensors.faults", Value::Array(list))?;
             fault = Some(DrawnFault {
                 index,

@@ -65,8 +65,12 @@ impl Flown {
             number += 1;
             true
         })?;
+        let figures = tally.figures();
+        let sunk = -figures.get("altitude_least_m");
+        let stated = drawn.fault.and_then(|fault| faults[fault.index].sinks_m);
+        fault_as_stated &= stated.is_none_or(|most| sunk <= most);
         Ok(Self {
-            figures: tally.figures().values,
+            figures: figures.values,
             samples,
             fault_as_stated,
             diverged: matches!(end, End::Diverged(_)),

@@ -177,6 +177,14 @@ impl FaultDraw {
     fn validate(&self, field: &str) -> Result<(), FieldError> {
         self.from_s.validate(&format!("{field}.from_s"))?;
         self.lasts_s.validate(&format!("{field}.lasts_s"))?;
+        let size = format!("{field}.size");
+        match (&self.size, self.kind.has_size()) {
+            (Some(distribution), true) => distribution.validate(&size)?,
+            (None, true) => return Err(FieldError::new(size, "this kind has a size")),
+            (Some(_), false) => return Err(FieldError::new(size, "this kind has no size")),
+            (None, false) => {}
+        }
+        finite(&format!("{field}.sinks_m"), self.sinks_m.unwrap_or(0.0))?;
         self.during.validate(&format!("{field}.during"))?;
         self.after.validate(&format!("{field}.after"))
     }
