@@ -116,10 +116,10 @@ pub fn simulate(
 
     let initial = &experiment.initial;
     let mut truth = State {
-        velocity: Vector::new(initial.down_m_s, initial.forward_m_s),
+        velocity: initial.velocity(),
         position: Vector::zeros(),
         theta: initial.theta_deg.to_radians(),
-        rate: 0.0,
+        rate: initial.rate_rad_s,
         thrust,
     };
     for step in 0..=experiment.steps() {

@@ -15,7 +15,7 @@ pub enum Stroke {
     Dashed,
     /// A dot at every point.
     Dots,
-    /// The area inside the closed polygon of the points.
+    /// The areas inside closed polygons; a value that is not finite is between two of them.
     Fill,
 }
 
@@ -46,7 +46,7 @@ pub struct Chart<'a> {
     /// What is drawn, with its unit: the title above the chart.
     pub title: &'a str,
     /// What the horizontal axis is, with its unit.
-    pub horizontal: &'static str,
+    pub horizontal: &'a str,
     /// The curves.
     pub series: Vec<Series<'a>>,
     /// Marked points.
@@ -69,7 +69,7 @@ const FAINT_GRID: RGBColor = RGBColor(243, 245, 247);
 
 impl<'a> Chart<'a> {
     /// A chart without marks over a quantity.
-    pub fn over(title: &'a str, horizontal: &'static str, series: Vec<Series<'a>>) -> Self {
+    pub fn over(title: &'a str, horizontal: &'a str, series: Vec<Series<'a>>) -> Self {
         Self {
             title,
             horizontal,
@@ -195,12 +195,10 @@ impl Chart<'_> {
             }
             if series.stroke == Stroke::Fill {
                 let color = series.color.filled();
-                let inside = series.points.iter().copied().filter(|p| p.1.is_finite());
+                let pieces = series.points.split(|p| !p.1.is_finite());
+                let areas = pieces.filter(|piece| piece.len() > 2);
                 chart
-                    .draw_series(std::iter::once(Polygon::new(
-                        inside.collect::<Vec<_>>(),
-                        color,
-                    )))?
+                    .draw_series(areas.map(|piece| Polygon::new(piece.to_vec(), color)))?
                     .label(series.name)
                     .legend(move |(x, y)| Rectangle::new([(x, y - 5), (x + 18, y + 5)], color));
                 continue;

@@ -5,6 +5,7 @@ use std::path::Path;
 use anyhow::Context;
 use serde::{Deserialize, Serialize};
 
+use super::store::REFERENCE;
 use super::{Campaign, Dispersion, Expected, FaultDraw, Limit};
 use crate::experiment::{Document, FieldError, finite, from_toml};
 use crate::figures::FIGURES;
@@ -14,6 +15,9 @@ use crate::named::Named;
 pub const BUILT_IN: &[(&str, &str)] = &[
     ("dispersed", include_str!("../../campaigns/dispersed.toml")),
     ("faults", include_str!("../../campaigns/faults.toml")),
+    ("envelope", include_str!("../../campaigns/envelope.toml")),
+    ("upsets", include_str!("../../campaigns/upsets.toml")),
+    ("vehicles", include_str!("../../campaigns/vehicles.toml")),
 ];
 
 /// Most flights of a campaign: months on one core.
@@ -138,6 +142,16 @@ impl Campaign {
         }
         for (i, fault) in self.faults.iter().enumerate() {
             fault.validate(&format!("faults[{i}]"))?;
+        }
+        if let Some(reference) = &self.reference {
+            reference.validate()?;
+        }
+        for (i, map) in self.maps.iter().enumerate() {
+            let dispersed = |name: &str| self.disperse.iter().any(|d| d.field == name);
+            let drawn = |name: &str| self.reference.is_some() && REFERENCE.contains(&name);
+            let figure = |name: &str| crate::figures::index(name).is_some();
+            let known = |name: &str| dispersed(name) || drawn(name) || figure(name);
+            map.validate(&format!("maps[{i}]"), known)?;
         }
         for (i, limit) in self.limits.iter().enumerate() {
             limit.validate(&format!("limits[{i}]"))?;

@@ -8,7 +8,9 @@ use anyhow::{Context, bail};
 
 use super::load::Texts;
 use super::part::{Seal, checksum};
-use super::{Campaign, CampaignSource, Column, Drawn, Flown, Frame, SAMPLED, Sample};
+use super::{
+    Campaign, CampaignSource, Column, Drawn, DrawnReference, Flown, Frame, SAMPLED, Sample,
+};
 use crate::figures::FIGURES;
 use crate::files::leave;
 
@@ -137,6 +139,13 @@ impl Store {
     }
 }
 
+/// The columns of a random reference: its greatest speed, its greatest sink, and when it has stopped.
+pub(super) const REFERENCE: [&str; 3] = [
+    "reference_speed_m_s",
+    "reference_sink_m_s",
+    "reference_stops_s",
+];
+
 impl Campaign {
     /// Number of chunks.
     pub fn chunks(&self) -> u64 {
@@ -167,6 +176,14 @@ impl Campaign {
         flights.push("flight", Column::Integer(numbers.collect()));
         for (i, dispersion) in self.disperse.iter().enumerate() {
             flights.push(&dispersion.field, real(&|d, _| d.values[i]));
+        }
+        let reference = |of: fn(&DrawnReference) -> f64| {
+            real(&move |d, _| d.reference.as_ref().map_or(f64::NAN, of))
+        };
+        if self.reference.is_some() {
+            flights.push(REFERENCE[0], reference(DrawnReference::speed));
+            flights.push(REFERENCE[1], reference(DrawnReference::sink));
+            flights.push(REFERENCE[2], reference(DrawnReference::stops));
         }
         if !self.faults.is_empty() {
             let index = |d: &Drawn| d.fault.map_or(-1, |fault| fault.index as i64);

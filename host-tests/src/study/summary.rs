@@ -7,7 +7,7 @@ use serde::Serialize;
 use sketches_ddsketch::{Config, DDSketch};
 
 use super::frame::FrameWriter;
-use super::{CampaignSource, Frame, SAMPLED, Store};
+use super::{CampaignSource, Frame, MapFound, SAMPLED, Store};
 use crate::figures::FIGURES;
 use crate::files::leave;
 
@@ -39,6 +39,8 @@ pub struct Summary {
     pub figures: Vec<FigureFound>,
     /// By dispersed field.
     pub dispersions: Vec<DispersionFound>,
+    /// The campaign's maps.
+    pub maps: Vec<MapFound>,
     /// By sampled column.
     #[serde(skip)]
     pub fans: Vec<Fan>,
@@ -286,6 +288,7 @@ impl<'a> Gathered<'a> {
                         correlations: Vec::new(),
                     })
                     .collect(),
+                maps: campaign.maps.iter().map(MapFound::new).collect(),
                 fans: Vec::new(),
             },
             figures: vec![sketch(); FIGURES.len()],
@@ -342,6 +345,9 @@ impl<'a> Gathered<'a> {
                     correlation.add(x, y);
                 }
             }
+        }
+        for map in &mut self.summary.maps {
+            map.add(frame)?;
         }
         if !self.summary.faults.is_empty() {
             let faults = frame.integer("fault")?.iter();
