@@ -138,7 +138,8 @@ fn sealed(memory: Memory) -> Memory {
     memory
 }
 
-fn input(bytes: &mut Bytes) -> GuidanceInput {
+/// A frame: mostly ordinary, in parts of any bits.
+pub(crate) fn input(bytes: &mut Bytes) -> GuidanceInput {
     let age = |bytes: &mut Bytes| match bytes.byte() {
         0..=23 => bytes.number(1.0),
         _ => 0.0,

@@ -324,4 +324,26 @@ mod tests {
         assert_eq!(kept.last(), points.last());
         assert!(kept.windows(2).all(|pair| pair[0].0 <= pair[1].0));
     }
+
+    /// Two cells of a map are two areas, of one colour and one line in the legend.
+    #[test]
+    fn an_area_ends_where_a_value_is_missing() {
+        let cell = |x: f64| {
+            let corners = [(x, 0.0), (x + 1.0, 0.0), (x + 1.0, 1.0), (x, 1.0)];
+            corners.into_iter().chain([(x, f64::NAN)])
+        };
+        let series = |x: Vec<f64>| Series {
+            name: "cells",
+            color: ORANGE,
+            stroke: Stroke::Fill,
+            points: x.into_iter().flat_map(cell).collect(),
+        };
+        let polygons = |x: Vec<f64>| {
+            let chart = Chart::over("map", "x", vec![series(x), Series::line("l", BLUE, vec![])]);
+            let svg = sheet(&[chart], 300).unwrap();
+            svg.matches("<polygon").count()
+        };
+        assert_eq!(polygons(vec![0.0, 3.0]) - polygons(vec![0.0]), 1);
+        assert_eq!(polygons(vec![0.0]), 1);
+    }
 }
