@@ -4,7 +4,7 @@ use std::io::{Read, Write};
 
 use alula::guidance::Air;
 use alula::{Attitude, FeedForward, Inertial, PlanarInput, Reference};
-use anyhow::anyhow;
+use anyhow::{anyhow, bail};
 use csv::StringRecord;
 
 use crate::columns::{Column, column};
@@ -53,6 +53,39 @@ struct Log<'a> {
 }
 
 impl Log<'_> {
+    /// A header that says what each column is, once.
+    fn check_header(&self) -> anyhow::Result<()> {
+        let origin = self.origin;
+        if self.header.iter().all(str::is_empty) {
+            bail!("{origin}:1: no header: the first line must name the columns");
+        }
+        for (mark, name) in [(';', "semicolons"), ('\t', "tabulators")] {
+            if self.header.len() == 1 && self.header[0].contains(mark) {
+                bail!("{origin}:1: the cells are separated by {name}; they must be by commas");
+            }
+        }
+        for (i, name) in self.header.iter().enumerate() {
+            if self.header.iter().take(i).any(|earlier| earlier == name) {
+                bail!("{origin}:1: two columns {name}");
+            }
+        }
+        Ok(())
+    }
+
+    /// The time of a row \[s\], after that of the `last`. It may stand still, as where a log repeats a row, but not run backwards.
+    fn time(&self, record: &StringRecord, last: Option<f64>) -> anyhow::Result<f64> {
+        self.number(record, "t_s")?;
+        let cell = self.text(record, "t_s").unwrap_or_default();
+        let t: f64 = cell.parse().unwrap_or(f64::NAN);
+        let problem = match last {
+            _ if !t.is_finite() => "is no time".to_owned(),
+            Some(last) if t < last => format!("comes after {last}: time must not run backwards"),
+            _ => return Ok(t),
+        };
+        let line = record.position().map_or(0, csv::Position::line);
+        bail!("{}:{line}: t_s: {cell} {problem}", self.origin)
+    }
+
     fn place(&self, name: &str) -> Option<usize> {
         self.header.iter().position(|cell| cell == name)
     }
@@ -139,6 +172,7 @@ pub fn replay(
     };
     let header = reader.headers().map_err(at)?.clone();
     let log = Log { origin, header };
+    log.check_header()?;
     let feed_forward = experiment.spec()?.feed_forward();
     let forward = FEED_FORWARD.iter().filter(|_| feed_forward);
     for name in REQUIRED.iter().chain(forward) {
@@ -159,8 +193,7 @@ pub fn replay(
     while reader.read_record(&mut record).map_err(at)? {
         let input = log.input(&record, feed_forward)?;
         let time = log.text(&record, "t_s").unwrap_or_default();
-        log.number(&record, "t_s")?;
-        let t: f64 = time.parse().unwrap_or(f64::NAN);
+        let t = log.time(&record, last_time)?;
         let dt = last_time.map_or(1.0 / experiment.control_rate_hz, |last| t - last);
         last_time = Some(t);
         let answer = controller.answer(&input, dt as f32)?;
@@ -193,6 +226,9 @@ pub fn replay(
         writer.write_record(None::<&[u8]>)?;
     }
     writer.flush()?;
+    if last_time.is_none() {
+        bail!("{origin}: no rows under the header");
+    }
     Ok(())
 }
 

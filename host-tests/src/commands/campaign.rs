@@ -112,7 +112,7 @@ fn conclude(source: &CampaignSource, store: &Store, output: &Output) -> anyhow::
     output.leave(folder, "report", &page(source, &summary), &summary)?;
     ensure!(
         summary.verdict(),
-        "{}: a limit is not kept, or a fault ended in another state",
+        "{}: a limit is not kept, a flight diverged, or a fault ended in another state",
         source.texts.name
     );
     Ok(())

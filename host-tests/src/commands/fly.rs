@@ -3,6 +3,7 @@
 use std::io::Write;
 use std::path::Path;
 
+use anyhow::bail;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
@@ -12,7 +13,7 @@ use alula_sil::experiment::{DEFAULT, Document, Experiment};
 use alula_sil::figures::{Figures, Segment};
 use alula_sil::files::leave;
 use alula_sil::page::flight::page;
-use alula_sil::simulate::{Record, simulate};
+use alula_sil::simulate::{End, Record, simulate};
 
 use super::output::Output;
 use super::settings::Settings;
@@ -79,7 +80,7 @@ pub fn fly(
     let mut controller = connect(experiment)?;
     let bar = progress_bar(experiment.steps());
     let mut record = Record::with_capacity(experiment.steps() + 1);
-    simulate(experiment, controller.as_mut(), |step| {
+    let end = simulate(experiment, controller.as_mut(), |step| {
         record.push(*step);
         if record.len().is_multiple_of(100) {
             bar.set_position(record.len() as u64);
@@ -88,11 +89,16 @@ pub fn fly(
     })?;
     bar.finish_and_clear();
 
+    let trace = out.join("trace.csv");
+    leave(&trace, |file| Ok(write_trace(experiment, &record, file)?))?;
+    if let End::Diverged(t) = end {
+        let (name, trace) = (&document.name, trace.display());
+        bail!(
+            "{name}: diverged at {t:.2} s: no aircraft flies like this, or the plant's steps are too long for it; {trace} ends there"
+        );
+    }
     let figures = Figures::of(experiment, &record);
     let page = page(document, experiment, &record, &figures);
-    leave(&out.join("trace.csv"), |file| {
-        Ok(write_trace(experiment, &record, file)?)
-    })?;
     page.leave(&out, ["flight.svg", "report.html"])?;
     let segments = Segment::of(experiment, &record);
     let mut stdout = std::io::stdout().lock();

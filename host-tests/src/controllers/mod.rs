@@ -177,6 +177,9 @@ impl Answer {
 pub trait Controller {
     /// The answer to `input`, `dt` \[s\] after the last. The error is a controller that cannot be reached.
     fn answer(&mut self, input: &Input, dt: f32) -> anyhow::Result<Answer>;
+
+    /// Flips a bit of what it remembers: the one of this number, counted through its memory again and again.
+    fn flip(&mut self, _bit: u64) {}
 }
 
 /// What an experiment says of its controller. Fields in errors are those of the controller's own table.
