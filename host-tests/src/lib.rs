@@ -7,12 +7,13 @@
 //! (many flights), [`page`] (what is left of them to read).
 //! Of a vehicle alone ([`airframe`]): its [`envelope`]; a [`sweep`](mod@sweep) of its equilibria along a reference; the [`fit`](mod@fit) of a
 //! model to a table; [`margins`], the linear theory of the law's loop.
-//! [`spatial_plant`] and [`spatial_weather`] are plant and weather in space.
+//! [`spatial_plant`] and [`spatial_weather`] are plant and weather in space; [`ardupilot`] is the plant behind ArduPilot's interface.
 //! On a target without an operating system the package is empty.
 #![cfg_attr(target_os = "none", no_std)]
 #![cfg(not(target_os = "none"))]
 
 pub mod airframe;
+pub mod ardupilot;
 pub mod columns;
 pub mod controllers;
 pub mod decimal;
