@@ -69,8 +69,9 @@ impl Target {
         };
         self.calls += 1;
         let answer = controller.step(input);
-        if let Some((command, _)) = answer.command() {
-            assert!(command.thrust.is_finite() && command.rate.is_finite(), "{answer:?}");
+        if let Some((command, _)) = answer.in_force() {
+            let turning = command.rates.norm_squared();
+            assert!(command.thrust.is_finite() && turning.is_finite(), "{answer:?}");
         }
         if let Answer::Guided(guided) = &answer {
             let vehicle = &configuration.vehicle;

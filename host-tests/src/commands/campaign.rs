@@ -134,7 +134,8 @@ fn refly(source: &CampaignSource, number: u64, args: &Args) -> anyhow::Result<()
     leave(&out.join("experiment.toml"), |file| {
         Ok(file.write_all(document.text().as_bytes())?)
     })?;
-    fly::fly(&document, &document.name, &args.output, |experiment| {
+    let files = (&args.output, &fly::Logs::default());
+    fly::fly(&document, &document.name, files, |experiment| {
         Ok(experiment.controller()?)
     })
 }

@@ -12,8 +12,9 @@ use alula_sil::controllers::Controller;
 use alula_sil::experiment::{DEFAULT, Document, Experiment};
 use alula_sil::figures::{Figures, Segment};
 use alula_sil::files::leave;
+use alula_sil::flight_log::{self, Format};
 use alula_sil::page::flight::page;
-use alula_sil::simulate::{End, Record, simulate};
+use alula_sil::simulate::{End, Record, Step, simulate};
 
 use super::output::Output;
 use super::settings::Settings;
@@ -28,6 +29,46 @@ pub struct Args {
     settings: Settings,
     #[command(flatten)]
     output: Output,
+    #[command(flatten)]
+    logs: Logs,
+}
+
+/// `--log`.
+#[derive(clap::Args, Default)]
+pub struct Logs {
+    /// Leave the flight as a log, too: ulog (flight.ulg), mcap (flight.mcap)
+    #[arg(long = "log", value_name = "KIND,…", value_delimiter = ',')]
+    kinds: Vec<LogKind>,
+}
+
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum LogKind {
+    Ulog,
+    Mcap,
+}
+
+impl Logs {
+    /// Leaves the logs in `out`; their names.
+    pub fn leave(
+        &self,
+        experiment: &Experiment,
+        record: &[Step],
+        out: &Path,
+    ) -> anyhow::Result<Vec<&'static str>> {
+        if self.kinds.is_empty() {
+            return Ok(Vec::new());
+        }
+        let log = flight_log::log(experiment, record)?;
+        let left = self.kinds.iter().map(|kind| {
+            let format = match kind {
+                LogKind::Ulog => Format::Ulog,
+                LogKind::Mcap => Format::Mcap,
+            };
+            leave(&out.join(format.file()), |file| format.write(&log, file))?;
+            Ok(format.file())
+        });
+        left.collect()
+    }
 }
 
 impl Default for Args {
@@ -36,6 +77,7 @@ impl Default for Args {
             experiment: DEFAULT.to_owned(),
             settings: Settings::default(),
             output: Output::default(),
+            logs: Logs::default(),
         }
     }
 }
@@ -52,9 +94,12 @@ struct Summary<'a> {
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let document = args.settings.document(&args.experiment)?;
-    fly(&document, &document.name, &args.output, |experiment| {
-        Ok(experiment.controller()?)
-    })
+    fly(
+        &document,
+        &document.name,
+        (&args.output, &args.logs),
+        |experiment| Ok(experiment.controller()?),
+    )
 }
 
 /// Flies what `args` say under the controller that `connect` gives; the files are left in `out/<folder>`.
@@ -64,14 +109,14 @@ pub fn with(
     connect: impl FnOnce(&Experiment) -> anyhow::Result<Box<dyn Controller>>,
 ) -> anyhow::Result<()> {
     let document = args.settings.document(&args.experiment)?;
-    fly(&document, folder, &args.output, connect)
+    fly(&document, folder, (&args.output, &args.logs), connect)
 }
 
 /// Flies `document` under the controller that `connect` gives, and leaves trace, figure and report in `out/<folder>`.
 pub fn fly(
     document: &Document,
     folder: &str,
-    output: &Output,
+    (output, logs): (&Output, &Logs),
     connect: impl FnOnce(&Experiment) -> anyhow::Result<Box<dyn Controller>>,
 ) -> anyhow::Result<()> {
     let experiment = &document.checked()?;
@@ -89,23 +134,39 @@ pub fn fly(
     })?;
     bar.finish_and_clear();
 
-    let trace = out.join("trace.csv");
-    leave(&trace, |file| Ok(write_trace(experiment, &record, file)?))?;
     if let End::Diverged(t) = end {
+        let trace = out.join("trace.csv");
+        leave(&trace, |file| Ok(write_trace(experiment, &record, file)?))?;
         let (name, trace) = (&document.name, trace.display());
         bail!(
             "{name}: diverged at {t:.2} s: no aircraft flies like this, or the plant's steps are too long for it; {trace} ends there"
         );
     }
-    let figures = Figures::of(experiment, &record);
-    let page = page(document, experiment, &record, &figures);
-    page.leave(&out, ["flight.svg", "report.html"])?;
-    let segments = Segment::of(experiment, &record);
+    report(document, experiment, &record, &out, output, logs)
+}
+
+/// Leaves trace, figure, report and logs of a flight in `out`, and prints its figures.
+pub fn report(
+    document: &Document,
+    experiment: &Experiment,
+    record: &[Step],
+    out: &Path,
+    output: &Output,
+    logs: &Logs,
+) -> anyhow::Result<()> {
+    let figures = Figures::of(experiment, record);
+    let page = page(document, experiment, record, &figures);
+    leave(&out.join("trace.csv"), |file| {
+        Ok(write_trace(experiment, record, file)?)
+    })?;
+    page.leave(out, ["flight.svg", "report.html"])?;
+    let logs = logs.leave(experiment, record, out)?;
+    let segments = Segment::of(experiment, record);
     let mut stdout = std::io::stdout().lock();
     if output.json() {
         let summary = Summary {
             experiment: &document.name,
-            out: &out,
+            out,
             figures: &figures,
             segments: &segments,
         };
@@ -122,8 +183,10 @@ pub fn fly(
             writeln!(stdout, "  {}", segment.line())?;
         }
     }
-    let files = "trace.csv, report.html and flight.svg";
-    writeln!(stdout, "{files} are in {}", out.display())?;
+    let files = [&["trace.csv", "report.html"][..], &logs]
+        .concat()
+        .join(", ");
+    writeln!(stdout, "{files} and flight.svg are in {}", out.display())?;
     Ok(())
 }
 

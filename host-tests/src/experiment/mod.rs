@@ -9,6 +9,7 @@ mod sensors;
 mod vehicle;
 mod weather;
 
+use alula_bridges::sitl::Actuators;
 use alula_link::{Configuration, Pacing};
 use serde::Deserialize;
 
@@ -90,6 +91,9 @@ pub struct Experiment {
     /// Where the flight starts.
     #[serde(default)]
     pub initial: InitialSpec,
+    /// Elevons and motors, for an ArduPilot that flies the vehicle.
+    #[serde(default)]
+    pub ardupilot: Actuators,
 }
 
 fn hundred() -> f64 {
@@ -124,7 +128,10 @@ impl Experiment {
         self.sensors.validate()?;
         self.weather.validate()?;
         self.reference.validate()?;
-        self.initial.validate()
+        self.initial.validate()?;
+        let refused = |e: alula_bridges::sitl::Refused| FieldError::new(e.field, e.problem);
+        let actuators = self.ardupilot.validate();
+        actuators.map_err(|e| refused(e).inside("ardupilot"))
     }
 
     /// What the experiment says of its controller.
