@@ -89,12 +89,12 @@ pub fn fly(
     bar.finish_and_clear();
 
     let figures = Figures::of(experiment, &record);
-    let page = page(document, experiment, &record, &figures);
+    let segments = Segment::of(experiment, &record);
+    let page = page(document, experiment, &record, &figures, &segments);
     leave(&out.join("trace.csv"), |file| {
         Ok(write_trace(experiment, &record, file)?)
     })?;
     page.leave(&out, ["flight.svg", "report.html"])?;
-    let segments = Segment::of(experiment, &record);
     let mut stdout = std::io::stdout().lock();
     if output.json() {
         let summary = Summary {
