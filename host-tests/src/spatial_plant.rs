@@ -184,7 +184,7 @@ impl SpatialPlant {
 mod tests {
     use super::*;
     use crate::experiment::{Plant, PlantSpec, State};
-    use crate::reference::{Aerodynamics, Vector};
+    use crate::reference::{Aerodynamics, LargeAngle, Vector};
 
     fn plant(rotation: Rotation) -> SpatialPlant {
         SpatialPlant {
@@ -193,10 +193,10 @@ mod tests {
                 k_a: 0.646,
                 delta: 0.1,
                 gravity: 9.81,
-                aerodynamics: Aerodynamics::LargeAngle {
+                aerodynamics: Aerodynamics::LargeAngle(LargeAngle {
                     c0: 0.014,
                     c1: 0.95,
-                },
+                }),
             },
             c_y: 0.5,
             thrust_lag: 0.05,

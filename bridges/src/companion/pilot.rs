@@ -2,7 +2,7 @@
 
 use alula::guidance::Air;
 use alula::ned::{BodyAxes, Ned, Projection, VerticalPlane};
-use alula::{PlanarInput, Inertial, Reference};
+use alula::{Inertial, PlanarInput, Reference};
 use mavlink::dialects::common::{
     AttitudeTargetTypemask, COMMAND_LONG_DATA, HEARTBEAT_DATA, MavAutopilot, MavCmd, MavModeFlag,
     MavState, MavType, SET_ATTITUDE_TARGET_DATA,

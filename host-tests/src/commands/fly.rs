@@ -155,13 +155,13 @@ pub fn report(
     logs: &Logs,
 ) -> anyhow::Result<()> {
     let figures = Figures::of(experiment, record);
-    let page = page(document, experiment, record, &figures);
+    let segments = Segment::of(experiment, record);
+    let page = page(document, experiment, record, &figures, &segments);
     leave(&out.join("trace.csv"), |file| {
         Ok(write_trace(experiment, record, file)?)
     })?;
     page.leave(out, ["flight.svg", "report.html"])?;
     let logs = logs.leave(experiment, record, out)?;
-    let segments = Segment::of(experiment, record);
     let mut stdout = std::io::stdout().lock();
     if output.json() {
         let summary = Summary {

@@ -6,6 +6,7 @@ mod parameters;
 mod plant;
 mod reference;
 mod sensors;
+pub(crate) mod table;
 mod vehicle;
 mod weather;
 

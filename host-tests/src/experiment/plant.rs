@@ -221,7 +221,7 @@ impl State {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reference::Aerodynamics;
+    use crate::reference::{Aerodynamics, LargeAngle};
 
     fn plant(rate_loop: RateLoop, thrust_lag_s: f64) -> Plant {
         let vehicle = Vehicle {
@@ -229,7 +229,7 @@ mod tests {
             k_a: 0.5,
             delta: 0.0,
             gravity: 9.81,
-            aerodynamics: Aerodynamics::LargeAngle { c0: 0.4, c1: 0.0 },
+            aerodynamics: Aerodynamics::LargeAngle(LargeAngle { c0: 0.4, c1: 0.0 }),
         };
         let actuators = PlantSpec {
             rate_loop,

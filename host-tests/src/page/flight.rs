@@ -202,8 +202,8 @@ pub fn page(
     experiment: &Experiment,
     record: &[Step],
     figures: &Figures,
+    segments: &[Segment],
 ) -> Page {
-    let segments = Segment::of(experiment, record);
     let mut tables = vec![Table {
         title: "Figures of merit".to_owned(),
         header: columns(["", "value", ""]),

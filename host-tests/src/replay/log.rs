@@ -6,7 +6,7 @@
 use std::io::Write;
 
 use alula::guidance::Air;
-use alula::{Attitude, FeedForward, PlanarInput, Inertial, Reference};
+use alula::{Attitude, FeedForward, Inertial, PlanarInput, Reference};
 use alula_logs::states::{Series, States};
 use anyhow::bail;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
