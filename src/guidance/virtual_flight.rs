@@ -182,7 +182,8 @@ impl Turning {
             self.thrust_squared
         };
         if load_squared > 1.0 {
-            math::min(gravity * math::sqrt(load_squared - 1.0), self.max)
+            // The absolute value of what is positive: the compiler then knows that it has a root.
+            math::min(gravity * math::sqrt((load_squared - 1.0).abs()), self.max)
         } else {
             0.0
         }
