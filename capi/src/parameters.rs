@@ -149,9 +149,9 @@ impl Parameters {
         // assertion on its size above. Any four bytes are an `f32`.
         let words: &[f32; 1 + COUNT] = unsafe { &*(&raw const *self).cast() };
         let [_, values @ ..] = words;
-        for (index, (range, value)) in RANGES.iter().copied().flatten().zip(values).enumerate() {
+        for (index, value) in values.iter().enumerate() {
             let whole = *value == (*value as u32) as f32;
-            let checked = match range.check(*value) {
+            let checked = match range(index).map_or(Ok(()), |range| range.check(*value)) {
                 Ok(()) if index < CHOICES.len() && !whole => Err(Problem::OutOfRange),
                 checked => checked,
             };
@@ -161,10 +161,22 @@ impl Parameters {
     }
 }
 
+/// The range of the `index`th parameter. Out of line: compiled into a search, the five tables are searched by five pieces of code.
+#[inline(never)]
+fn range(mut index: usize) -> Option<&'static Range> {
+    for table in RANGES {
+        match table.get(index) {
+            Some(range) => return Some(range),
+            None => index -= table.len(),
+        }
+    }
+    None
+}
+
 /// The code of a parameter that the core refuses because of others: each one's own range has been checked before.
 pub(crate) fn refused(error: ParameterError) -> i32 {
-    let mut ranges = RANGES.iter().copied().flatten();
-    let index = ranges.position(|range| range.name == error.parameter);
+    let named = |index| range(index).is_some_and(|range| range.name == error.parameter);
+    let index = (0..COUNT).find(|index| named(*index));
     code::of_parameter(index.unwrap_or(COUNT), error.problem)
 }
 
