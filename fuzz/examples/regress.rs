@@ -68,7 +68,14 @@ impl Random {
 }
 
 /// The targets whose inputs are files.
-const PARSERS: [&str; 6] = ["experiment", "campaign", "replay", "ulog", "dataflash", "csv"];
+const PARSERS: [&str; 6] = [
+    "experiment",
+    "campaign",
+    "replay",
+    "ulog",
+    "dataflash",
+    "csv",
+];
 
 fn seeds(name: &str) -> Vec<Vec<u8>> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"))

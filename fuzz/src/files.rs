@@ -16,7 +16,10 @@ fn text(data: &[u8]) -> String {
 
 /// A refusal is one of words, on one line.
 fn refused(error: &str) {
-    assert!(!error.trim().is_empty() && error.lines().count() == 1, "{error}");
+    assert!(
+        !error.trim().is_empty() && error.lines().count() == 1,
+        "{error}"
+    );
 }
 
 /// An experiment that is accepted is flown for three steps.
