@@ -68,13 +68,15 @@ impl Random {
 }
 
 /// The targets whose inputs are files.
-const PARSERS: [&str; 6] = [
+const PARSERS: [&str; 8] = [
     "experiment",
     "campaign",
     "replay",
     "ulog",
     "dataflash",
     "csv",
+    "map",
+    "polar",
 ];
 
 fn seeds(name: &str) -> Vec<Vec<u8>> {
