@@ -73,7 +73,11 @@ pub fn run(data: &[u8]) -> u64 {
     };
     // SAFETY: As above.
     let code = unsafe {
-        alula_init(&mut controller, pointer(bytes, &parameters), pointer(bytes, &table))
+        alula_init(
+            &mut controller,
+            pointer(bytes, &parameters),
+            pointer(bytes, &table),
+        )
     };
     known(code);
     let ready = code == ALULA_OK;
