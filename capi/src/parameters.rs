@@ -13,11 +13,6 @@ use alula::{
 use crate::boundary::{self, Layout};
 use crate::code;
 
-/// The robust law: defined everywhere.
-pub const ALULA_LAW_ROBUST: u32 = 0;
-/// The full law: the paper's proof holds for it, and it is undefined at |F_p| = 0 and with F_p against the thrust.
-pub const ALULA_LAW_FULL: u32 = 1;
-
 /// Gains that follow |F_p|, so that the loop keeps its bandwidth: the parameters of the guidance.
 pub const ALULA_GAINS_BANDWIDTH: u32 = 0;
 /// Constant gains, as in the paper. They oscillate on a vehicle whose rate loop or thrust lags.
@@ -35,8 +30,6 @@ pub const ALULA_MODEL_TABLE: u32 = 3;
 alula::parameters! {
     /// What a controller is made of besides its vehicle, gains and coefficients.
     pub struct ControllerParameters, "Controller" {
-        law: "", 0.0, 1.0, 0.0, "ALU_LAW",
-            "Law that alula_step and alula_step_ned fly. alula_guide flies the robust one.";
         gains: "", 0.0, 1.0, 0.0, "ALU_GAINS",
             "How the gains are chosen.";
         model: "", 0.0, 3.0, 0.0, "ALU_MODEL",
@@ -47,8 +40,7 @@ alula::parameters! {
 }
 
 /// The values of the first parameters, which are choices: whole numbers from 0.
-pub const CHOICES: [&[&str]; 3] = [
-    &["robust (ALULA_LAW_ROBUST)", "full (ALULA_LAW_FULL)"],
+pub const CHOICES: [&[&str]; 2] = [
     &[
         "by bandwidth (ALULA_GAINS_BANDWIDTH)",
         "constant (ALULA_GAINS_CONSTANT)",
@@ -98,7 +90,7 @@ macro_rules! tables {
 }
 
 tables! {
-    /// Law, kind of gains, model.
+    /// Kind of gains, model, attitude loop.
     controller: ControllerParameters,
     /// The vehicle. Mass, k_a and thrust_max have no default and must be set.
     vehicle: VehicleParameters,
