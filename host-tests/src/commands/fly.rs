@@ -16,6 +16,7 @@ use alula_sil::simulate::{Record, simulate};
 
 use super::output::Output;
 use super::settings::Settings;
+use super::space;
 
 /// Fly an experiment; leave its trace and report in a folder
 #[derive(clap::Args)]
@@ -51,6 +52,9 @@ struct Summary<'a> {
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let document = args.settings.document(&args.experiment)?;
+    if document.get("path").is_some() {
+        return space::fly(&document, &args.output);
+    }
     fly(&document, &document.name, &args.output, |experiment| {
         Ok(experiment.controller()?)
     })

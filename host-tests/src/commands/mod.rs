@@ -12,6 +12,7 @@ mod output;
 mod pil;
 mod replay;
 mod settings;
+mod space;
 mod sweep;
 
 use clap::{Parser, Subcommand};

@@ -6,7 +6,7 @@ use alula::{
     Combined, CombinedParameters, Guidance, GuidanceInput, GuidanceParameters, GuidanceState,
     Vehicle, VehicleParameters,
 };
-use alula_sil::spatial_plant::{SpatialPlant, SpatialState};
+use alula_sil::space::{SpatialPlant, SpatialState};
 
 use crate::flown::{PERIOD, Sample, Setup, Task, V3, orientation};
 use crate::support::ned;
@@ -144,7 +144,7 @@ mod paths {
 
     use crate::flown::{Target, rms};
     use crate::support::{ball, rotation, triple};
-    use alula_sil::spatial_weather::{Gust, Turbulence};
+    use alula_sil::space::{Gust, Turbulence};
     use nalgebra::{Quaternion, UnitQuaternion};
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
