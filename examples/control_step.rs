@@ -6,7 +6,7 @@ use alula::equivalency::ApparentForces;
 use alula::ned::{BodyAxes, Quaternion};
 use alula::spatial::{
     self, AxisymmetricControl, ForceError, ForceErrorState, ForceSample, Ned, Orientation,
-    ReferenceLimit, ReferenceLimitState, Sideslip, SideslipState, WingedControl,
+    Sideslip, SideslipState, WingedControl,
 };
 use alula::{
     Combined, Command, Equilibria, EquilibriumError, Fault, FeedForward, FoldMap, FoldMargin,
@@ -105,15 +105,10 @@ pub fn estimates(
     Orientation::from_quaternion(q, BodyAxes::NoseForward)
 }
 
-/// A velocity reference in space, limited.
+/// How fast a path may go on.
 #[inline(never)]
-pub fn limited(
-    limit: &ReferenceLimit,
-    state: &mut ReferenceLimitState,
-    asked: Ned,
-    dt: f32,
-) -> spatial::FeedForward {
-    limit.update(state, asked, dt)
+pub fn pace(guidance: &Guidance<Model, GainChoice>, position_error: Ned, velocity: Ned) -> f32 {
+    guidance.pace(position_error, velocity)
 }
 
 /// What the search must find, when it is asked to prove that it can.

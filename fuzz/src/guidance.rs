@@ -4,10 +4,10 @@
 //! number of the memory undone; and after good frames for the recovery time and two steps more the guidance flies, if one
 //! fresh from power-on does.
 
-use alula::guidance::{Across, Air, GuidanceParameters, Mode, Refusal, Status};
-use alula::{
-    Attitude, Fault, Guidance, PlanarInput, GuidanceState, PlanarGuided, Inertial, Model, Reference,
-};
+use alula::guidance::{Air, GuidanceParameters, Mode, Refusal, Status};
+use alula::ned::{BodyAxes, Quaternion};
+use alula::spatial::{Body, Heading, Ned, Orientation, Reference};
+use alula::{Fault, Guidance, GuidanceInput, GuidanceState, Guided, Model, PlanarInput};
 
 use crate::assert_finite;
 use crate::bytes::Bytes;
@@ -31,7 +31,7 @@ pub fn run(data: &[u8]) -> u64 {
 }
 
 fn fly(guidance: &Guidance<Model>, p: &GuidanceParameters, bytes: &mut Bytes) -> u64 {
-    let (mut state, mut across) = (GuidanceState::default(), Across::default());
+    let mut state = GuidanceState::default();
     let mut calls = 0;
     for _ in 0..FRAMES {
         if bytes.is_empty() {
@@ -44,7 +44,7 @@ fn fly(guidance: &Guidance<Model>, p: &GuidanceParameters, bytes: &mut Bytes) ->
             _ => bytes.between(1e-4, 0.2),
         };
         let untouched = state;
-        let guided = guidance.update_in_plane(&mut state, &input, dt);
+        let guided = guidance.update(&mut state, &input, dt);
         calls += 1;
         check(guidance, p, &guided);
         let reset = guided.status.contains(Status::STATE_RESET);
@@ -53,16 +53,12 @@ fn fly(guidance: &Guidance<Model>, p: &GuidanceParameters, bytes: &mut Bytes) ->
             Change::One(before) => {
                 // The step is that of the memory there was, to the bit.
                 let mut state_before = before;
-                let expected = guidance.update_in_plane(&mut state_before, &input, dt);
+                let expected = guidance.update(&mut state_before, &input, dt);
                 calls += 1;
                 assert_eq!(bits(&guided), bits(&expected), "{untouched:?}");
                 assert_eq!(state_before.to_bytes(), state.to_bytes());
             }
             Change::Any => (),
-        }
-        if bytes.byte() < 8 {
-            let angle = bytes.between(-3.2, 3.2);
-            guidance.turn_plane(&mut state, &mut across, angle.cos(), angle.sin());
         }
     }
     calls + recover(guidance, p, state)
@@ -138,76 +134,113 @@ fn sealed(memory: Memory) -> Memory {
     memory
 }
 
-fn input(bytes: &mut Bytes) -> PlanarInput {
+/// A frame: mostly ordinary, in parts of any bits.
+pub(crate) fn input(bytes: &mut Bytes) -> GuidanceInput {
     let age = |bytes: &mut Bytes| match bytes.byte() {
         0..=23 => bytes.number(1.0),
         _ => 0.0,
     };
-    PlanarInput {
-        velocity: bytes.inertial(30.0),
-        attitude: bytes.attitude(),
+    if bytes.byte() < 64 {
+        return GuidanceInput::from(&planar(bytes));
+    }
+    GuidanceInput {
+        velocity: ned(bytes, 30.0),
+        orientation: orientation(bytes),
         state_age: age(bytes),
         air: match bytes.byte() % 3 {
-            0 => Air::Velocity(bytes.inertial(30.0)),
-            1 => Air::Wind(bytes.inertial(15.0)),
+            0 => Air::Velocity(ned(bytes, 30.0)),
+            1 => Air::Wind(ned(bytes, 15.0)),
             _ => Air::Unknown,
+        },
+        specific_force: match bytes.byte() % 2 {
+            0 => None,
+            _ => Some(Body::new(bytes.number(30.0), bytes.number(30.0), bytes.number(10.0))),
         },
         position_error: match bytes.byte() % 4 {
             0 => None,
-            _ => Some(bytes.inertial(50.0)),
+            _ => Some(ned(bytes, 50.0)),
         },
         reference: Reference {
-            velocity: bytes.inertial(30.0),
-            acceleration: bytes.inertial(10.0),
+            velocity: ned(bytes, 30.0),
+            acceleration: ned(bytes, 10.0),
+            heading: Heading::from_angle(match bytes.byte() % 2 {
+                0 => f32::NAN,
+                _ => bytes.number(4.0),
+            }),
         },
         reference_age: age(bytes),
     }
 }
 
-fn bits(guided: &PlanarGuided) -> (u32, u32, Mode) {
-    let c = guided.command;
-    (c.thrust.to_bits(), c.rate.to_bits(), guided.mode)
+/// A frame in one vertical plane, whose attitude may be none.
+fn planar(bytes: &mut Bytes) -> PlanarInput {
+    let position = bytes.inertial(50.0);
+    PlanarInput {
+        velocity: bytes.inertial(30.0),
+        attitude: bytes.attitude(),
+        air: Air::Velocity(bytes.inertial(30.0)),
+        position_error: (bytes.byte() % 4 > 0).then_some(position),
+        reference: alula::Reference {
+            velocity: bytes.inertial(30.0),
+            acceleration: bytes.inertial(10.0),
+        },
+        ..PlanarInput::default()
+    }
 }
 
-fn check(guidance: &Guidance<Model>, p: &GuidanceParameters, guided: &PlanarGuided) {
+fn ned(bytes: &mut Bytes, size: f32) -> Ned {
+    Ned::new(bytes.number(size), bytes.number(size), bytes.number(size))
+}
+
+/// Any attitude; nose up where the bytes make none.
+fn orientation(bytes: &mut Bytes) -> Orientation {
+    let raw = [(); 4].map(|()| bytes.between(-1.0, 1.0));
+    let length = raw.iter().map(|c| c * c).sum::<f32>().sqrt();
+    let [w, x, y, z] = raw.map(|c| c / length);
+    Orientation::from_quaternion(&Quaternion { w, x, y, z }, BodyAxes::NoseUp).unwrap_or_default()
+}
+
+fn bits(guided: &Guided) -> ([u32; 4], Mode) {
+    let c = guided.command;
+    let numbers = [c.thrust, c.rates.i, c.rates.j, c.rates.w];
+    (numbers.map(f32::to_bits), guided.mode)
+}
+
+fn check(guidance: &Guidance<Model>, p: &GuidanceParameters, guided: &Guided) {
     let vehicle = guidance.vehicle();
-    let (thrust, rate) = (guided.command.thrust, guided.command.rate);
+    let (thrust, rates) = (guided.command.thrust, guided.command.rates);
     assert!(
         (vehicle.thrust_min()..=vehicle.thrust_max()).contains(&thrust),
         "{guided:?}"
     );
-    assert!(rate.abs() <= p.max_rate, "{guided:?}");
-    let (v, a) = (guided.reference.velocity, guided.reference.acceleration);
-    assert_finite(&[v.down(), v.forward(), a.down(), a.forward()]);
+    for rate in [rates.i, rates.j, rates.w] {
+        assert!(rate.abs() <= p.max_rate, "{guided:?}");
+    }
+    for v in [guided.reference.velocity, guided.reference.acceleration] {
+        assert_finite(&[v.north, v.east, v.down]);
+    }
     let (m, d) = (guided.margin, guided.command.diagnostics);
-    assert_finite(&[m.force, m.k, m.fold, d.f_p_norm, d.t_p, d.alpha]);
-    assert_eq!(
-        guided.mode != Mode::Flying,
-        guided.command.diagnostics.k == 0.0
-    );
+    assert_finite(&[m.force, m.k, m.fold, d.plane.f_p_norm, d.plane.t_p, d.plane.alpha]);
+    assert_finite(&[d.v_a.w, d.aerodynamic.w, d.f_y.norm_squared()]);
+    assert_eq!(guided.mode != Mode::Flying, d.plane.k == 0.0);
     assert!(guided.mode != Mode::Flying || guided.refusal.is_none());
 }
 
 /// Good frames, until the guidance flies as one fresh from power-on does.
 fn recover(guidance: &Guidance<Model>, p: &GuidanceParameters, mut state: GuidanceState) -> u64 {
-    let hover = PlanarInput {
-        velocity: Inertial::ZERO,
-        attitude: Attitude::NOSE_UP,
-        state_age: 0.0,
-        air: Air::Wind(Inertial::ZERO),
-        position_error: None,
-        reference: Reference::default(),
-        reference_age: 0.0,
+    let hover = GuidanceInput {
+        air: Air::Wind(Ned::ZERO),
+        ..GuidanceInput::default()
     };
     let mut fresh = GuidanceState::default();
     let frames = (p.recovery / DT) as u64 + 2;
     let (mut modes, mut undefined) = ((Mode::Safe, Mode::Safe), false);
     for _ in 0..frames {
-        let guided = guidance.update_in_plane(&mut state, &hover, DT);
+        let guided = guidance.update(&mut state, &hover, DT);
         check(guidance, p, &guided);
         // The wind remembered may be one in which an absurd vehicle has no command; a fresh memory has none.
         undefined |= guided.refusal == Some(Refusal::Law(Fault::Undefined));
-        modes = (guided.mode, guidance.update_in_plane(&mut fresh, &hover, DT).mode);
+        modes = (guided.mode, guidance.update(&mut fresh, &hover, DT).mode);
     }
     assert!(modes.0 == Mode::Flying || modes.1 != Mode::Flying || undefined);
     2 * frames

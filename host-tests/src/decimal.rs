@@ -8,8 +8,10 @@ use zmij::{Buffer, Float};
 pub trait Binary: Float + Display + Copy {
     /// Its odd significand and the number of its binary digits after the point; none if it is an integer, or not finite.
     fn fraction(self) -> Option<(u64, u32)>;
-    /// Whether integers of its size are not all representable.
+    /// Whether integers of its size are not all representable, or it is not finite.
     fn is_coarse(self) -> bool;
+    /// Whether it is so near to zero that its shortest form may have an exponent.
+    fn is_small(self) -> bool;
 }
 
 macro_rules! binary {
@@ -34,6 +36,10 @@ macro_rules! binary {
             fn is_coarse(self) -> bool {
                 self.is_nan() || self.abs() >= (1_u64 << $digits) as $float
             }
+
+            fn is_small(self) -> bool {
+                self.abs() < 1e-3
+            }
         }
     };
 }
@@ -48,15 +54,23 @@ pub fn push(text: &mut Vec<u8>, value: impl Binary) {
         return;
     }
     let start = text.len();
-    push_shortest(text, value);
+    let mut buffer = Buffer::new();
+    let shortest = buffer.format_finite(value);
+    match shortest.strip_suffix(".0") {
+        Some(integer) => text.extend_from_slice(integer.as_bytes()),
+        None if value.is_small() => push_small(text, shortest),
+        None => text.extend_from_slice(shortest.as_bytes()),
+    }
     // Of two shortest forms that are equally near, the other one rounds up, and zmij to an even digit. They are equally near if there is
     // exactly one digit more, a five; and what is left of the significand tells whether the digit before it was even.
-    if let Some((significand, digits)) = value.fraction() {
+    if let Some((significand, digits)) = value.fraction()
+        && digits <= LONGEST_TIE
+        && significand % 4 == 1
+    {
         let written = &text[start..];
         let point = written.iter().position(|&byte| byte == b'.');
         let decimals = point.map_or(0, |point| written.len() - point - 1);
         if digits as usize == decimals + 1
-            && significand % 4 == 1
             && let Some(last) = text.last_mut()
         {
             *last += 1;
@@ -64,30 +78,24 @@ pub fn push(text: &mut Vec<u8>, value: impl Binary) {
     }
 }
 
-fn push_shortest(text: &mut Vec<u8>, value: impl Float) {
-    let mut buffer = Buffer::new();
-    let shortest = buffer.format(value);
-    let (number, exponent) = match shortest.split_once('e') {
-        Some((number, exponent)) => (number, exponent.parse().unwrap_or(0)),
-        None => (shortest, 0_i32),
-    };
-    let number = number.strip_suffix(".0").unwrap_or(number);
-    if exponent >= 0 {
-        // Below the size at which exponents are written.
-        text.extend_from_slice(number.as_bytes());
+/// Most binary digits after the point at which two shortest forms can be equally near: the exact decimal form has as many, at least 5^digits
+/// in its significand, and one more than the at most 17 of a shortest form.
+const LONGEST_TIE: u32 = 25;
+
+/// Appends a shortest form below 0.001, in which an exponent may stand: without it, as `to_string` writes it.
+fn push_small(text: &mut Vec<u8>, shortest: &str) {
+    let exponent = |(number, exponent): (_, &str)| Some((number, exponent.parse::<i32>().ok()?));
+    let Some((number, exponent)) = shortest.split_once('e').and_then(exponent) else {
+        text.extend_from_slice(shortest.as_bytes());
         return;
-    }
-    // Without an exponent, as `to_string` writes it. One digit stands before the point.
-    let (sign, digits) = match number.strip_prefix('-') {
-        Some(digits) => ("-", digits),
-        None => ("", number),
     };
-    let (whole, part) = digits.split_once('.').unwrap_or((digits, ""));
-    text.extend_from_slice(sign.as_bytes());
+    if number.starts_with('-') {
+        text.push(b'-');
+    }
     text.extend_from_slice(b"0.");
+    // One digit stands before the point.
     text.resize(text.len() + exponent.unsigned_abs() as usize - 1, b'0');
-    text.extend_from_slice(whole.as_bytes());
-    text.extend_from_slice(part.as_bytes());
+    text.extend(number.bytes().filter(u8::is_ascii_digit));
 }
 
 #[cfg(test)]

@@ -33,6 +33,18 @@ pub struct Moment<'a> {
     error: f64,
 }
 
+impl<'a> Moment<'a> {
+    fn new(experiment: &'a Experiment, phases: &'a Phases, step: &'a Step) -> Self {
+        Self {
+            experiment,
+            phases,
+            step,
+            offset: step.position_error(),
+            error: step.velocity_error().norm(),
+        }
+    }
+}
+
 /// A part of a flight.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
@@ -298,41 +310,47 @@ impl State {
 pub struct Tally<'a> {
     experiment: &'a Experiment,
     phases: Phases,
-    states: Vec<State>,
+    /// In the order of [`FIGURES`]; none of a figure that is not asked for.
+    states: Vec<Option<State>>,
+    /// The last step.
+    last: Option<Step>,
 }
 
 impl<'a> Tally<'a> {
     /// No steps so far.
     pub fn new(experiment: &'a Experiment) -> Self {
-        Self::within(experiment, Phases::of(experiment))
+        Self::within(experiment, Phases::of(experiment), |_| true)
     }
 
-    fn within(experiment: &'a Experiment, phases: Phases) -> Self {
-        let start = |figure: &Figure| State {
-            value: match figure.fold {
-                Fold::Least(_) | Fold::Most(_) | Fold::Last(_) => f64::NAN,
-                _ => 0.0,
-            },
-            time: f64::NAN,
-            count: 0,
+    /// No steps so far of a part with these phases, of which the figures that are `wanted` are asked for.
+    fn within(
+        experiment: &'a Experiment,
+        phases: Phases,
+        wanted: impl Fn(&'static str) -> bool,
+    ) -> Self {
+        let start = |figure: &Figure| {
+            wanted(figure.name).then_some(State {
+                value: match figure.fold {
+                    Least(_) | Most(_) => f64::NAN,
+                    _ => 0.0,
+                },
+                time: f64::NAN,
+                count: 0,
+            })
         };
         Self {
             experiment,
             phases,
             states: FIGURES.iter().map(start).collect(),
+            last: None,
         }
     }
 
     /// One step more.
     pub fn add(&mut self, step: &Step) {
-        let m = &Moment {
-            experiment: self.experiment,
-            phases: &self.phases,
-            step,
-            offset: step.position_error(),
-            error: step.velocity_error().norm(),
-        };
+        let m = &Moment::new(self.experiment, &self.phases, step);
         for (figure, state) in FIGURES.iter().zip(&mut self.states) {
+            let Some(state) = state else { continue };
             if figure.part != Part::Flight && !self.phases.has(figure.part, step.t) {
                 continue;
             }
@@ -352,23 +370,28 @@ impl<'a> Tally<'a> {
                         state.extreme(value, step.t, value > last);
                     }
                 }
-                Last(read) => state.value = read(m),
                 Mean(read) => (state.value, state.count) = (last + read(m), state.count + 1),
                 Rms(read) => (state.value, state.count) = (last + read(m).powi(2), state.count + 1),
                 Time(holds) | Count(holds) => state.count += u32::from(holds(m)),
                 Until(holds) if holds(m) => state.time = step.t,
-                Until(_) | Of(_) => {}
+                Until(_) | Last(_) | Of(_) => {}
             }
         }
+        self.last = Some(*step);
     }
 
-    /// The figures.
+    /// The figures; NaN in the place of one that is not asked for.
     pub fn figures(&self) -> Figures {
+        let time = |state: &Option<State>| state.map_or(f64::NAN, |state| state.time);
         let mut figures = Figures {
             values: Vec::with_capacity(FIGURES.len()),
-            times: self.states.iter().map(|state| state.time).collect(),
+            times: self.states.iter().map(time).collect(),
         };
         for (figure, state) in FIGURES.iter().zip(&self.states) {
+            let Some(state) = state else {
+                figures.values.push(f64::NAN);
+                continue;
+            };
             let count = f64::from(state.count);
             let value = match figure.fold {
                 Mean(_) => state.value / count.max(1.0),
@@ -379,7 +402,10 @@ impl<'a> Tally<'a> {
                 Until(_) if self.phases.late_cruise().contains(&state.time) => f64::NAN,
                 Until(_) => state.time - self.phases.start,
                 Of(of) => of(&figures),
-                Peak(_) | Least(_) | Most(_) | Last(_) => state.value,
+                Last(read) => self.last.map_or(f64::NAN, |step| {
+                    read(&Moment::new(self.experiment, &self.phases, &step))
+                }),
+                Peak(_) | Least(_) | Most(_) => state.value,
             };
             figures.values.push(value);
         }
@@ -512,13 +538,26 @@ pub struct Steady {
     pub late_rate_rms_rad_s: f64,
 }
 
+/// The figures of a segment.
+const SEGMENT: [&str; 8] = [
+    "altitude_least_m",
+    "altitude_most_m",
+    "forward_least_m",
+    "forward_most_m",
+    "max_velocity_error_m_s",
+    "settling_s",
+    "late_velocity_error_m_s",
+    "late_rate_rms_rad_s",
+];
+
 impl Segment {
     /// The segments of a flight.
     pub fn of(experiment: &Experiment, record: &[Step]) -> Vec<Self> {
         let breaks = experiment.reference.breaks(experiment.duration_s);
         let segment = |ends: &[f64]| {
             let (from, to) = (ends[0], ends[1]);
-            let mut tally = Tally::within(experiment, Phases::segment(from, to));
+            let wanted = |name: &str| SEGMENT.contains(&name);
+            let mut tally = Tally::within(experiment, Phases::segment(from, to), wanted);
             let inside = record.iter().filter(|step| (from..to).contains(&step.t));
             let steps = inside.map(|step| tally.add(step)).count();
             let figures = tally.figures();

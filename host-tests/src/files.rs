@@ -6,7 +6,8 @@ use std::path::Path;
 use anyhow::Context;
 
 /// Lets `write` fill the file `path` under a temporary name in the same folder, and then renames
-/// it. On failure nothing is left, and the error names `path`.
+/// it. On failure nothing is left, and the error names `path`. The content is on the disk before the name is, so that a loss of power leaves
+/// the whole file or none.
 pub fn leave(
     path: &Path,
     write: impl FnOnce(&mut File) -> anyhow::Result<()>,
@@ -19,6 +20,7 @@ pub fn leave(
     let written = || {
         let mut file = builder.tempfile_in(folder)?;
         write(file.as_file_mut())?;
+        file.as_file().sync_all()?;
         file.persist(path).map_err(|e| e.error)?;
         anyhow::Ok(())
     };

@@ -6,7 +6,8 @@ use anyhow::anyhow;
 use nalgebra::{SMatrix, SVector};
 use serde::Serialize;
 
-use crate::reference::{Aerodynamics, Row};
+use crate::experiment::AerodynamicsSpec;
+use crate::reference::{Aerodynamics, Combined, Row};
 
 /// The parameters as free numbers.
 type Vector7 = SVector<f64, 7>;
@@ -25,68 +26,11 @@ const BOUNDS: [(f64, f64); 7] = [
     (0.05, 39.0),
 ];
 
-/// Parameters of the combined model (`CompleteModel`).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Parameters {
-    /// c_0.
-    pub c0: f64,
-    /// c_1.
-    pub c1: f64,
-    /// c_2 \[1/rad\].
-    pub c2: f64,
-    /// c_3 \[1/rad²\].
-    pub c3: f64,
-    /// ᾱ \[°\].
-    pub alpha_bar_deg: f64,
-    /// k_L \[1/rad²\].
-    pub k_l: f64,
-    /// k_D \[1/rad²\].
-    pub k_d: f64,
-}
-
-impl Parameters {
-    /// The paper's, of NACA 0021 at Re = 160e3 (`coefficientsReL`).
-    pub const PAPER: Self = Self {
-        c0: 0.014,
-        c1: 0.95,
-        c2: 5.5,
-        c3: 0.3,
-        alpha_bar_deg: 11.0,
-        k_l: 28.0,
-        k_d: 167.0,
-    };
-
-    /// The model.
-    pub fn model(&self) -> Aerodynamics {
-        Aerodynamics::Combined {
-            c0: self.c0,
-            c1: self.c1,
-            c2: self.c2,
-            c3: self.c3,
-            alpha_bar: self.alpha_bar_deg.to_radians(),
-            k_l: self.k_l,
-            k_d: self.k_d,
-        }
-    }
-
-    /// Whether the core takes them.
-    fn valid(&self) -> bool {
-        alula::Combined::new(alula::CombinedParameters {
-            c0: self.c0 as f32,
-            c1: self.c1 as f32,
-            c2: self.c2 as f32,
-            c3: self.c3 as f32,
-            alpha_bar: self.alpha_bar_deg.to_radians() as f32,
-            k_l: self.k_l as f32,
-            k_d: self.k_d as f32,
-        })
-        .is_ok()
-    }
-
+impl Combined {
     /// The parameters as free numbers: on a logarithmic scale, from −∞ at the lower bound to ∞ at the upper.
     fn free(&self) -> Vector7 {
         let p = self;
-        let (bar, square) = (p.alpha_bar_deg, p.alpha_bar_deg.to_radians().powi(2));
+        let (bar, square) = (p.alpha_bar_deg, p.alpha_bar().powi(2));
         let values = Vector7::from([p.c0, p.c1, p.c2, p.c3, bar, p.k_l * square, p.k_d * square]);
         let mut bounds = BOUNDS.iter();
         values.map(|value| {
@@ -191,7 +135,7 @@ fn minimise(metric: &Metric, start: Vector7) -> Vector7 {
     const STEPS: usize = 400;
     let at = |x: &Vector7| -> Vec<f64> {
         metric
-            .residuals(&Parameters::from_free(x).model())
+            .residuals(&Aerodynamics::Combined(Combined::from_free(x)))
             .collect()
     };
     let square = |r: &[f64]| r.iter().map(|r| r * r).sum::<f64>();
@@ -237,7 +181,7 @@ fn minimise(metric: &Metric, start: Vector7) -> Vector7 {
 }
 
 /// The parameters closest to the table `rows` by [`Metric`], from several starting points.
-pub fn fit(rows: &[Row]) -> anyhow::Result<Parameters> {
+pub fn fit(rows: &[Row]) -> anyhow::Result<Combined> {
     let metric = Metric::new(rows);
     if rows.iter().filter(|row| row[0].abs() <= LIMITS[1]).count() < 7 {
         return Err(anyhow!(
@@ -246,15 +190,16 @@ pub fn fit(rows: &[Row]) -> anyhow::Result<Parameters> {
     }
     let fitted = starts(rows)
         .into_iter()
-        .map(|start| Parameters::from_free(&minimise(&metric, start.free())));
+        .map(|start| Combined::from_free(&minimise(&metric, start.free())));
+    let off = |p: &Combined| metric.of(&Aerodynamics::Combined(*p));
     fitted
-        .filter(Parameters::valid)
-        .min_by(|a, b| metric.of(&a.model()).total_cmp(&metric.of(&b.model())))
+        .filter(|p| AerodynamicsSpec::Combined(*p).core().is_ok())
+        .min_by(|a, b| off(a).total_cmp(&off(b)))
         .ok_or_else(|| anyhow!("no starting point led to parameters that the model accepts"))
 }
 
 /// Starting points: what the table shows directly, and stalls early to late, sharp and mild.
-fn starts(rows: &[Row]) -> Vec<Parameters> {
+fn starts(rows: &[Row]) -> Vec<Combined> {
     let least = |f: &dyn Fn(&Row) -> f64| rows.iter().map(f).fold(f64::INFINITY, f64::min);
     let c0 = least(&|row| row[2]);
     let broadside = -least(&|row| -row[2]);
@@ -269,7 +214,7 @@ fn starts(rows: &[Row]) -> Vec<Parameters> {
     stalls
         .iter()
         .flat_map(|&alpha_bar_deg| {
-            sharpness.iter().map(move |&(k_l, k_d)| Parameters {
+            sharpness.iter().map(move |&(k_l, k_d)| Combined {
                 c0,
                 c1: 0.5 * (broadside - c0).max(0.1),
                 c2: slope,
@@ -368,15 +313,14 @@ impl Sphericity {
 mod tests {
     use super::*;
     use crate::polar::Polar;
+    use crate::reference::LargeAngle;
 
     #[test]
     fn at_least_as_close_to_naca_0021_as_the_paper() {
         let rows = Polar::load("naca-0021-re-160e3").unwrap().rows;
         let (metric, fitted) = (Metric::new(rows), fit(rows).unwrap());
-        let (ours, paper) = (
-            metric.of(&fitted.model()),
-            metric.of(&Parameters::PAPER.model()),
-        );
+        let of = |p: Combined| metric.of(&Aerodynamics::Combined(p));
+        let (ours, paper) = (of(fitted), of(Combined::NACA_0021_RE_160E3));
         println!("{fitted:?}\n{ours} against {paper}");
         assert!(ours <= paper);
         // And it is a minimum: no parameter is better 1 % off.
@@ -384,7 +328,7 @@ mod tests {
             for step in [-0.01, 0.01] {
                 let mut x = fitted.free();
                 x[i] += step;
-                let off = metric.of(&Parameters::from_free(&x).model());
+                let off = of(Combined::from_free(&x));
                 assert!(off >= ours, "{i} {step}");
             }
         }
@@ -392,7 +336,7 @@ mod tests {
 
     #[test]
     fn a_table_of_the_model_gives_its_parameters_back() {
-        let truth = Parameters {
+        let truth = Combined {
             c0: 0.02,
             c1: 0.8,
             c2: 5.0,
@@ -401,7 +345,7 @@ mod tests {
             k_l: 35.0,
             k_d: 120.0,
         };
-        let model = truth.model();
+        let model = Aerodynamics::Combined(truth);
         let rows: Vec<Row> = (0..=180)
             .map(|degrees| f64::from(degrees).to_radians())
             .map(|alpha| {
@@ -412,7 +356,7 @@ mod tests {
         let fitted = fit(&rows).unwrap();
         let off = (fitted.free() - truth.free()).amax();
         assert!(off < 1e-6, "{fitted:?}");
-        let errors = Errors::of(&fitted.model(), &rows, 180.0);
+        let errors = Errors::of(&Aerodynamics::Combined(fitted), &rows, 180.0);
         assert!(errors.max_cl < 1e-6 && errors.max_cd < 1e-6);
     }
 
@@ -420,7 +364,7 @@ mod tests {
     #[test]
     fn errors_are_relative_and_the_ranges_count_alike() {
         let rows = Polar::load("naca-0021-re-5e6").unwrap().rows;
-        let nothing = Aerodynamics::LargeAngle { c0: 0.0, c1: 0.0 };
+        let nothing = Aerodynamics::LargeAngle(LargeAngle { c0: 0.0, c1: 0.0 });
         assert!((Metric::new(rows).of(&nothing) - 1.0).abs() < 1e-12);
         for (i, weighted) in Metric::new(rows).rows.iter().enumerate() {
             assert_eq!(weighted.row, rows[i]);

@@ -3,16 +3,17 @@
 //! `Experiment → simulate → Record → figures → study → page`, each using only those before it:
 //! [`named`], [`files`], [`decimal`] (texts and files), [`reference`](mod@reference) (aerodynamics and laws in double precision, independent of
 //! the core), [`polar`] (measured coefficients), [`experiment`] (what is flown), [`controllers`] (by whom), [`simulate`](mod@simulate) (the loop),
-//! [`columns`] (what a record holds), [`figures`] (what a flight is judged by), [`replay`](mod@replay) (a controller over a log), [`study`]
+//! [`columns`] (what a record holds), [`figures`] (what a flight is judged by), [`flight_log`] (a record as ULog and MCAP), [`replay`](mod@replay) (a controller over a log), [`study`]
 //! (many flights), [`page`] (what is left of them to read).
 //! Of a vehicle alone ([`airframe`]): its [`envelope`]; a [`sweep`](mod@sweep) of its equilibria along a reference; the [`fit`](mod@fit) of a
 //! model to a table; [`margins`], the linear theory of the law's loop.
-//! [`space`] is the same in three dimensions.
+//! [`space`] is the same in three dimensions; [`ardupilot`] is the plant behind ArduPilot's interface.
 //! On a target without an operating system the package is empty.
 #![cfg_attr(target_os = "none", no_std)]
 #![cfg(not(target_os = "none"))]
 
 pub mod airframe;
+pub mod ardupilot;
 pub mod columns;
 pub mod controllers;
 pub mod decimal;
@@ -21,6 +22,7 @@ pub mod experiment;
 pub mod figures;
 pub mod files;
 pub mod fit;
+pub mod flight_log;
 pub mod margins;
 pub mod named;
 pub mod page;

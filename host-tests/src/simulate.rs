@@ -8,7 +8,9 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use crate::controllers::{Answer, Controller, Input, inertial};
-use crate::experiment::{Experiment, FaultKind, Measured, Plant, PositionSensor, State, Weather};
+use crate::experiment::{
+    Experiment, FaultKind, Faults, Measured, Plant, PositionSensor, State, Weather,
+};
 use crate::reference::{Vector, wrap};
 
 /// One control step of a flight.
@@ -44,6 +46,32 @@ impl Step {
     }
 }
 
+/// How a simulation ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum End {
+    /// At the end of the flight.
+    Flown,
+    /// Where the visitor wanted no more.
+    Left,
+    /// At this time \[s\]: the plant had come to a state that is no number, or to no speed of an aircraft.
+    Diverged(f64),
+}
+
+/// Speed \[m/s\] from which a simulation has diverged: ten minutes of free fall do not reach it.
+const DIVERGED: f64 = 1e4;
+
+/// Whether the state is one of an aircraft.
+fn is_sound(state: &State) -> bool {
+    let State {
+        theta,
+        rate,
+        thrust,
+        ..
+    } = *state;
+    let finite = [theta, rate, thrust].iter().all(|x| x.is_finite());
+    finite && state.position.iter().all(|x| x.is_finite()) && state.velocity.norm() < DIVERGED
+}
+
 /// A flight: one row per control step, the last at its end.
 pub type Record = Vec<Step>;
 
@@ -59,12 +87,12 @@ pub fn fly(experiment: &Experiment) -> anyhow::Result<Record> {
 }
 
 /// Flies `experiment` under `controller`: `visit` is given every control step, the last at the end of the flight, and says whether to go
-/// on. The error is a controller that cannot be reached.
+/// on. A step at which the plant has diverged is the last one. The error is a controller that cannot be reached.
 pub fn simulate(
     experiment: &Experiment,
     controller: &mut dyn Controller,
     mut visit: impl FnMut(&Step) -> bool,
-) -> anyhow::Result<()> {
+) -> anyhow::Result<End> {
     let feed_forward = experiment.spec()?.feed_forward();
     let plant = Plant::new(&experiment.vehicle.reference(), experiment.plant);
     // Noise and turbulence are separate streams: a change of one leaves the other as it was.
@@ -73,7 +101,9 @@ pub fn simulate(
     gusts.set_stream(1);
     let mut weather = Weather::new(experiment.weather, &mut gusts);
     let steady = Vector::from(experiment.weather.steady_m_s);
+    let mut faults = Faults::new(&experiment.sensors.faults, experiment.seed);
     let mut telling = Telling::default();
+    let mut last_answer = None;
     let mut reference_position = experiment.reference.positions();
 
     let period = 1.0 / experiment.control_rate_hz;
@@ -86,10 +116,10 @@ pub fn simulate(
 
     let initial = &experiment.initial;
     let mut truth = State {
-        velocity: Vector::new(initial.down_m_s, initial.forward_m_s),
+        velocity: initial.velocity(),
         position: Vector::zeros(),
         theta: initial.theta_deg.to_radians(),
-        rate: 0.0,
+        rate: initial.rate_rad_s,
         thrust,
     };
     for step in 0..=experiment.steps() {
@@ -102,7 +132,8 @@ pub fn simulate(
             velocity: inertial(velocity),
             acceleration: inertial(acceleration),
         };
-        let sample = telling.sample(experiment, t, measured, reference, reference_position);
+        let told = (measured, reference, reference_position);
+        let sample = telling.sample(experiment, &mut faults, t, told);
         let input = Input {
             theta: telling.theta,
             sample,
@@ -113,7 +144,14 @@ pub fn simulate(
                 jerk: Inertial::ZERO,
             }),
         };
-        let answer = controller.answer(&input, period as f32)?;
+        let clock = faults.clock(t, period);
+        if let Some(bit) = clock.flips {
+            controller.flip(bit);
+        }
+        for dt in clock.steps.into_iter().flatten() {
+            last_answer = Some(controller.answer(&input, dt as f32)?);
+        }
+        let answer = last_answer.expect("asked at the first step at the latest");
         let go_on = visit(&Step {
             t,
             truth,
@@ -124,8 +162,11 @@ pub fn simulate(
             input,
             answer,
         });
+        if !is_sound(&truth) {
+            return Ok(End::Diverged(t));
+        }
         if !go_on {
-            break;
+            return Ok(End::Left);
         }
 
         let command = (f64::from(answer.thrust), f64::from(answer.rate));
@@ -140,7 +181,7 @@ pub fn simulate(
         }
         weather.advance((truth.velocity - wind).norm(), period, &mut gusts);
     }
-    Ok(())
+    Ok(End::Flown)
 }
 
 /// What the controller has been told so far: what a fault repeats.
@@ -159,12 +200,12 @@ impl Telling {
     fn sample(
         &mut self,
         experiment: &Experiment,
+        faults: &mut Faults,
         t: f64,
-        fresh: Measured,
-        reference: Reference,
-        reference_position: Vector,
+        (fresh, reference, reference_position): (Measured, Reference, Vector),
     ) -> PlanarInput {
-        let fails = |kind| experiment.sensors.fails(kind, t);
+        let fresh = faults.distort(t, fresh);
+        let fails = |kind| faults.lasts(kind, t);
         let (measured_at, mut measured) = match self.measured {
             Some(old) if fails(FaultKind::StateStale) => old,
             _ => (t, fresh),

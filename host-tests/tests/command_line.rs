@@ -197,7 +197,7 @@ fn a_bad_log_is_named_with_line_and_column() {
     let row = "0,0,0,0,0,0,0,0,0,0";
     let short = HEADER.replace(",wind_down_m_s", "");
     refused(&short, &[], &["log.csv:1:", "wind_down_m_s"]);
-    refused("", &[], &["log.csv:1:", "t_s"]);
+    refused("", &[], &["log.csv:1: no header"]);
     refused(
         &format!("{HEADER}\n{row}\n0,0,0,up,0,0,0,0,0,0\n"),
         &[],
@@ -212,6 +212,25 @@ fn a_bad_log_is_named_with_line_and_column() {
         &format!("{HEADER}\n{row}\n{row}\n1,2\n"),
         &[],
         &["log.csv:4:", "2 cells"],
+    );
+    let bad = |rows: &str, parts: &[&str]| refused(&format!("{HEADER}\n{rows}"), &[], parts);
+    bad(
+        "NaN,0,0,0,0,0,0,0,0,0\n",
+        &["log.csv:2: t_s: NaN is no time"],
+    );
+    let back = "1,0,0,0,0,0,0,0,0,0\n0.5,0,0,0,0,0,0,0,0,0\n";
+    bad(
+        back,
+        &["log.csv:3: t_s: 0.5 comes after 1: time must not run"],
+    );
+    bad("", &["log.csv: no rows under the header"]);
+    let twice = format!("{HEADER},theta_rad\n{row},0\n");
+    refused(&twice, &[], &["log.csv:1: two columns theta_rad"]);
+    let semicolons = format!("{HEADER}\n{row}\n").replace(',', ";");
+    refused(
+        &semicolons,
+        &[],
+        &["log.csv:1: the cells are separated by semicolons"],
     );
     // A law with feed-forward needs its columns.
     let forward = ["--experiment", "steep-climb"];
@@ -515,6 +534,14 @@ fn a_bad_campaign_is_named_with_line_and_field() {
         "other",
         &["bad.toml: base: other: neither a file nor a built-in experiment"],
     );
+    for flights in ["0", "1000000000000000000"] {
+        let flights = format!("flights = {flights}");
+        refused(
+            "flights = 60",
+            &flights,
+            &["bad.toml: flights: must be from 1 to 10"],
+        );
+    }
     assert!(!folder.path().join("out").exists());
     // What the first draw does not show is found in flight.
     let parts = [
@@ -547,4 +574,84 @@ fn a_bad_campaign_is_named_with_line_and_field() {
     assert_refused(&output, &["holds the results of another campaign"]);
     let output = alula(folder.path(), &["campaign", "merge", "nowhere"]);
     assert_refused(&output, &["nowhere", "No such file"]);
+}
+
+/// What a disk or a hand may do to a folder of results between two runs: each is refused, and the error says what to delete.
+#[test]
+fn a_campaign_goes_on_from_its_own_sound_parts_alone() {
+    let folder = campaign_folder();
+    let run = |file: &str, out: &str| alula(folder.path(), &["campaign", file, "--out", out]);
+    assert!(run("c.toml", "own").status.success());
+    let other = CAMPAIGN.replace("flights", "seed = 9\nflights");
+    fs::write(folder.path().join("d.toml"), other).unwrap();
+    assert!(run("d.toml", "other").status.success());
+    let part = folder.path().join("own/flights/000001.parquet");
+    let sound = fs::read(&part).unwrap();
+
+    let mut changed = sound.clone();
+    changed[sound.len() / 3] ^= 4;
+    fs::write(&part, changed).unwrap();
+    let place = "own/flights/000001.parquet";
+    assert_refused(
+        &run("c.toml", "own"),
+        &[place, "has changed since it was written; delete it"],
+    );
+    fs::remove_file(&part).unwrap();
+    assert!(run("c.toml", "own").status.success());
+    assert_eq!(fs::read(&part).unwrap(), sound);
+
+    fs::copy(folder.path().join("other/flights/000001.parquet"), &part).unwrap();
+    assert_refused(
+        &run("c.toml", "own"),
+        &[place, "belongs to another campaign", "delete it"],
+    );
+    fs::write(&part, sound).unwrap();
+
+    fs::remove_file(folder.path().join("own/campaign.json")).unwrap();
+    let parts = [
+        "own: holds parts, but no campaign.json",
+        "remove it, or choose another folder",
+    ];
+    assert_refused(&run("d.toml", "own"), &parts);
+}
+
+/// A simulation that comes to no number ends there, says so, and leaves no page of figures.
+#[test]
+fn a_flight_that_diverges_says_so() {
+    let folder = campaign_folder();
+    let arguments = ["fly", "round-trip", "--set", "vehicle.mass_kg=0.001"];
+    let output = alula(folder.path(), &arguments);
+    assert_refused(
+        &output,
+        &["round-trip: diverged at 5.", "trace.csv ends there"],
+    );
+    let left = names(&folder.path().join("out/round-trip"));
+    assert_eq!(left, ["trace.csv".to_owned()].into());
+
+    // Of a campaign it is counted, though no limit asks for it.
+    let text = CAMPAIGN.split("[[limits]]").next().unwrap();
+    let light = text
+        .replace("2.0", "7.0")
+        .replace("[0.9, 1.1]", "[0.0001, 0.0001]");
+    fs::write(folder.path().join("light.toml"), light).unwrap();
+    let output = alula(folder.path(), &["campaign", "light.toml", "--flights", "2"]);
+    assert_eq!(output.status.code(), Some(1), "{output:?}");
+    let stdout = self::text(&output.stdout);
+    assert!(stdout.contains("FAILED; 2 DIVERGED"), "{stdout}");
+}
+
+/// An image that is none ends with one line, not with the registers of the processor.
+#[test]
+fn an_image_that_does_not_run_is_said_in_one_line() {
+    if Command::new("qemu-system-arm")
+        .arg("--version")
+        .output()
+        .is_err()
+    {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("none.elf"), [0x5a; 3000]).unwrap();
+    let output = alula(folder.path(), &["pil", "round-trip", "--image", "none.elf"]);
+    assert_refused(&output, &["the image stopped: qemu", "link"]);
 }

@@ -1,10 +1,8 @@
 //! Folds, counts, jumps and cusps of the models and of the tables, in double precision.
 
-use std::f64::consts::PI;
-
 use alula_sil::envelope::{Curve, Fold, FoldCurve, Interval, jump_down, jump_up};
 use alula_sil::polar::Polar;
-use alula_sil::reference::{Aerodynamics, Table, Vehicle};
+use alula_sil::reference::{Aerodynamics, Combined, LargeAngle, Table, Vehicle};
 
 fn vehicle(aerodynamics: Aerodynamics) -> Vehicle {
     Vehicle {
@@ -16,15 +14,7 @@ fn vehicle(aerodynamics: Aerodynamics) -> Vehicle {
     }
 }
 
-const COMBINED: Aerodynamics = Aerodynamics::Combined {
-    c0: 0.014,
-    c1: 0.95,
-    c2: 5.5,
-    c3: 0.3,
-    alpha_bar: 11.0 * PI / 180.0,
-    k_l: 28.0,
-    k_d: 167.0,
-};
+const COMBINED: Aerodynamics = Aerodynamics::Combined(Combined::NACA_0021_RE_160E3);
 
 fn folds(aerodynamics: Aerodynamics, epsilon_deg: f64) -> Vec<(f64, f64)> {
     let vehicle = vehicle(aerodynamics);
@@ -199,10 +189,10 @@ fn a_full_table_has_the_symmetric_tables_curve() {
 /// Where the shape is equivalent to a sphere nothing folds, whatever the climb angle.
 #[test]
 fn spheres_do_not_fold() {
-    let large = Aerodynamics::LargeAngle {
+    let large = Aerodynamics::LargeAngle(LargeAngle {
         c0: 0.0139,
         c1: 0.943,
-    };
+    });
     for epsilon in [-60.0, -20.0, 0.0, 45.0, 80.0] {
         assert_eq!(folds(large, epsilon), []);
     }

@@ -13,7 +13,7 @@ use alula::{
 use alula_sil::envelope::Curve;
 use alula_sil::experiment::Model;
 use alula_sil::polar::{BUILT_IN, Polar};
-use alula_sil::reference::{Aerodynamics, wrap};
+use alula_sil::reference::{self, Aerodynamics, wrap};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -136,10 +136,10 @@ fn model(rng: &mut ChaCha8Rng, n: usize) -> (Model, Aerodynamics) {
                 c0: about(0.02),
                 c1: about(0.95),
             };
-            let reference = Aerodynamics::LargeAngle {
+            let reference = Aerodynamics::LargeAngle(reference::LargeAngle {
                 c0: p.c0.into(),
                 c1: p.c1.into(),
-            };
+            });
             (Model::LargeAngle(LargeAngle::new(p).unwrap()), reference)
         }
         1 => {
@@ -148,11 +148,11 @@ fn model(rng: &mut ChaCha8Rng, n: usize) -> (Model, Aerodynamics) {
                 c2: about(5.5),
                 c3: about(0.3),
             };
-            let reference = Aerodynamics::SmallAngle {
+            let reference = Aerodynamics::SmallAngle(reference::SmallAngle {
                 c0: p.c0.into(),
                 c2: p.c2.into(),
                 c3: p.c3.into(),
-            };
+            });
             (Model::SmallAngle(SmallAngle::new(p).unwrap()), reference)
         }
         2 | 3 => {

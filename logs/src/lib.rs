@@ -40,8 +40,16 @@ pub use log::{Column, Held, Log, Topic};
 
 use std::path::Path;
 
-/// The log in the file `path`, of whatever kind its first bytes say that it is: ULog, DataFlash (binary or text; also if the
-/// name ends in `.bin`), else CSV with every column as it stands.
+/// Whether the file `path`, which begins with `head`, is an autopilot's log: ULog, or DataFlash (binary or text; also if the name ends
+/// in `.bin`). Else it is taken for CSV.
+#[must_use]
+pub fn is_autopilots(path: &Path, head: &[u8]) -> bool {
+    let bin = path.extension().is_some_and(|e| e == "bin");
+    bin || ulog::is_ulog(head) || dataflash::is_dataflash(head)
+}
+
+/// The log in the file `path`, of whatever kind its first bytes say that it is: ULog, DataFlash, else CSV with every column as it
+/// stands.
 ///
 /// # Errors
 /// The file cannot be read, or the reader of its kind refuses it.
@@ -50,7 +58,7 @@ pub fn read(path: &Path) -> Result<Log, Error> {
     let name = path.display().to_string();
     if ulog::is_ulog(&bytes) {
         ulog::read(&name, &bytes)
-    } else if dataflash::is_dataflash(&bytes) || path.extension().is_some_and(|e| e == "bin") {
+    } else if is_autopilots(path, &bytes) {
         dataflash::read(&name, &bytes)
     } else {
         csv::read(&name, &bytes, None)

@@ -5,8 +5,9 @@
     target/venv/bin/python logs/tests/check.py [ULOG …]
 
 Writes a CSV, a ULog and a DataFlash log here, has `examples/convert.rs` turn them into ULog, MCAP and CSV, and compares
-every number that the other programs read with the number that was meant. Also: a ULog that pyulog wrote is read. Of each
-ULog named, every number is compared with pyulog's.
+every number that the other programs read with the number that was meant. Also: a ULog that pyulog wrote is read; a flight that
+`alula-sil fly --log` left is compared with its trace; the ULog written here goes through `alula-sil replay`. Of each ULog
+named, every number is compared with pyulog's.
 """
 
 import csv
@@ -355,6 +356,42 @@ def check_dataflash(directory):
             same(mcap[channel][column], rows[column], f"mcap {name} {column}", 1e-13)
 
 
+def alula(*arguments):
+    command = ["cargo", "run", "--quiet", "--release", "-p", "alula-sil", "--"]
+    return subprocess.run([*command, *map(str, arguments)], cwd=ROOT, check=True, capture_output=True, text=True).stdout
+
+
+def check_flight(directory):
+    """What `fly --log` leaves holds the numbers of the trace, with units, and every curve of the PlotJuggler layout."""
+    alula("fly", "round-trip", "--log", "ulog,mcap", "--out", directory)
+    words = {"air_told", "status", "mode", "phase", "unreachable", "air"}
+    with open(directory / "trace.csv", newline="") as file:
+        trace = {column: cells for column, *cells in zip(*csv.reader(file)) if column not in words}
+    ulog, units = read_ulog(directory / "flight.ulg")
+    mcap, mcap_units = read_mcap(directory / "flight.mcap")
+    single = lambda cell: struct.unpack("<f", struct.pack("<f", float(cell)))[0]
+    for column, cells in trace.items():
+        # The controller's numbers stand in the trace in the shortest decimals of single precision.
+        found = ulog["alula", 0][column]
+        exact = str(found.dtype) == "float64"
+        same(found, map(float if exact else single, cells), f"ulog {column}")
+        finite = [float(v) if math.isfinite(v) else math.nan for v in found]
+        same(mcap["alula"][column], finite, f"mcap {column}")
+    assert set(mcap["alula"]) == {"timestamp", *trace}, set(mcap["alula"]) ^ set(trace)
+    for column, unit in {"thrust_n": "N", "rate_rad_s": "rad/s", "vr_down_m_s": "m/s", "t_s": "s"}.items():
+        assert units[f"alula.{column}"] == unit and mcap_units["alula"][column] == unit, column
+    check_layout(directory / "flight.ulg")
+
+
+def check_replay(source, directory):
+    """The guidance over a log of PX4's topics: a command for each attitude, and a page of margins."""
+    out = directory / "replay"
+    alula("replay", source, "--experiment", "round-trip", "--out", out)
+    rows = (out / "commands.csv").read_text().splitlines()
+    assert len(rows) == 1 + ROWS, len(rows)
+    assert "angle to the nearest fold" in (out / "replay.html").read_text()
+
+
 def main():
     with tempfile.TemporaryDirectory() as directory:
         directory = Path(directory)
@@ -364,6 +401,8 @@ def main():
         check_states(directory / "px4.ulg", directory)
         check_layout(directory / "px4.ulg")
         check_dataflash(directory)
+        check_flight(directory / "flight")
+        check_replay(directory / "px4.ulg", directory)
         for source in sys.argv[1:]:
             print(f"{source}: {check_ulog(Path(source).resolve(), directory)} topics")
     print(f"{compared} numbers compared: as meant")

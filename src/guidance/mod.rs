@@ -7,6 +7,7 @@ mod flight;
 mod limits;
 mod memory;
 mod parameters;
+mod path;
 mod plane;
 mod planner;
 mod progress;

@@ -61,7 +61,7 @@ pub(super) struct Tracked {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Tracker {
-    position_gain: [f32; 2],
+    pub(super) position_gain: [f32; 2],
     max_velocity: [f32; 2],
     integral_gain: [f32; 2],
     max_integral: [f32; 2],
@@ -164,10 +164,10 @@ impl Tracker {
         let law = part * part * (3.0 - 2.0 * part) * near * aligned;
 
         // The velocity asked for.
-        let slip = input.position - flight.position;
+        let slip = input.position - moved.position;
         let (pull, _) = bounded(scaled(slip, self.position_gain), self.max_velocity);
         let mut reference = Reference {
-            velocity: flight.velocity - pull,
+            velocity: moved.velocity - pull,
             acceleration: moved.acceleration,
             heading: Heading::of_unit(axes.forward),
         };

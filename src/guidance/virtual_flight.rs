@@ -106,6 +106,9 @@ pub(super) struct Turning {
 pub(super) struct Moved<'a, A> {
     /// What the plan in force comes to.
     pub prospect: Prospect,
+    /// Velocity [m/s] and position \[m\] in the middle of the step, over which the command holds.
+    pub velocity: Ned,
+    pub position: Ned,
     /// Acceleration [m/s²].
     pub acceleration: Ned,
     /// Its derivative as far as turning makes it [m/s³].
@@ -179,7 +182,8 @@ impl Turning {
             self.thrust_squared
         };
         if load_squared > 1.0 {
-            math::min(gravity * math::sqrt(load_squared - 1.0), self.max)
+            // The absolute value of what is positive: the compiler then knows that it has a root.
+            math::min(gravity * math::sqrt((load_squared - 1.0).abs()), self.max)
         } else {
             0.0
         }
@@ -303,6 +307,7 @@ impl Turning {
         let turn_change =
             lean_rate * turn_per_lean * axes.right.down + turn * roll * axes.down.down;
         let rate_change = (plane.rate - flight.rate) / dt + turn_change;
+        let before = *flight;
         *flight = VirtualFlight {
             velocity: moved,
             position: flight.position + (moved - reference.velocity) * dt,
@@ -314,6 +319,8 @@ impl Turning {
         };
         Moved {
             prospect,
+            velocity: (before.velocity + flight.velocity) * 0.5,
+            position: (before.position + flight.position) * 0.5,
             acceleration: course.lift(upright(in_plane), lean),
             jerk: course.lift(
                 Inertial::new(0.0, -lean * turn),

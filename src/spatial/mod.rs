@@ -14,7 +14,6 @@ mod force_error;
 mod heading;
 mod lateral;
 mod orientation;
-mod reference_limit;
 mod sideslip;
 mod vector;
 mod winged;
@@ -30,7 +29,6 @@ pub use force_error::{ForceError, ForceErrorParameters, ForceErrorState, ForceSa
 pub use heading::Heading;
 pub use lateral::{LateralGains, LateralParameters};
 pub use orientation::Orientation;
-pub use reference_limit::{ReferenceLimit, ReferenceLimitParameters, ReferenceLimitState};
 pub use sideslip::{Sideslip, SideslipParameters, SideslipState};
 pub use vector::Body;
 pub use winged::WingedControl;

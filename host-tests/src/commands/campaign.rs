@@ -119,7 +119,7 @@ fn conclude(source: &CampaignSource, store: &Store, output: &Output) -> anyhow::
     output.leave(folder, "report", &page(source, &summary), &summary)?;
     ensure!(
         summary.verdict(),
-        "{}: a limit is not kept, or a fault ended in another state",
+        "{}: a limit is not kept, a flight diverged, or a fault ended in another state",
         source.texts.name
     );
     Ok(())
@@ -141,7 +141,8 @@ fn refly(source: &CampaignSource, number: u64, args: &Args) -> anyhow::Result<()
     leave(&out.join("experiment.toml"), |file| {
         Ok(file.write_all(document.text().as_bytes())?)
     })?;
-    fly::fly(&document, &document.name, &args.output, |experiment| {
+    let files = (&args.output, &fly::Logs::default());
+    fly::fly(&document, &document.name, files, |experiment| {
         Ok(experiment.controller()?)
     })
 }

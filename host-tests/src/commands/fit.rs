@@ -8,11 +8,11 @@ use serde::Serialize;
 use alula_sil::airframe::Airframe;
 use alula_sil::envelope::{Curve, Fold};
 use alula_sil::files;
-use alula_sil::fit::{Errors, Metric, Parameters, Sphericity, fit};
+use alula_sil::fit::{Errors, Metric, Sphericity, fit};
 use alula_sil::page::fit::svg;
 use alula_sil::page::{Page, Table, columns};
 use alula_sil::polar::Polar;
-use alula_sil::reference::{Aerodynamics, Vehicle};
+use alula_sil::reference::{Aerodynamics, Combined, Vehicle};
 
 use super::output::Output;
 
@@ -36,7 +36,7 @@ struct FoldSummary {
 struct Summary {
     polar: String,
     #[serde(flatten)]
-    parameters: Parameters,
+    parameters: Combined,
     /// The distance from the table that was minimised.
     metric: f64,
     errors_0_20: Errors,
@@ -53,7 +53,10 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let name = name.to_string_lossy();
     let parameters = fit(polar.rows).map_err(|e| e.context(args.polar.clone()))?;
     let out = args.output.folder(&format!("fit-{name}"))?;
-    let (model, table) = (parameters.model(), Aerodynamics::Table(polar.reference));
+    let (model, table) = (
+        Aerodynamics::Combined(parameters),
+        Aerodynamics::Table(polar.reference),
+    );
     let paper = Airframe::of_polar(&name, polar).reference();
     let level = |aerodynamics| {
         level_folds(&Vehicle {
@@ -97,7 +100,7 @@ fn level_folds(vehicle: &Vehicle) -> Vec<FoldSummary> {
 }
 
 /// A vehicle file: the paper's vehicle with the fitted model.
-fn toml(name: &str, p: &Parameters, vehicle: &Vehicle) -> String {
+fn toml(name: &str, p: &Combined, vehicle: &Vehicle) -> String {
     format!(
         "description = \"The paper's vehicle with the combined model fitted to {name}\"\n\n\
          [vehicle]\nmass_kg = {:?}\nk_a_kg_m = {:?}\n\n\

@@ -3,6 +3,7 @@
 use std::io::Write;
 use std::path::Path;
 
+use anyhow::{bail, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
@@ -11,8 +12,9 @@ use alula_sil::controllers::Controller;
 use alula_sil::experiment::{DEFAULT, Document, Experiment};
 use alula_sil::figures::{Figures, Segment};
 use alula_sil::files::leave;
+use alula_sil::flight_log::{self, Format};
 use alula_sil::page::flight::page;
-use alula_sil::simulate::{Record, simulate};
+use alula_sil::simulate::{End, Record, Step, simulate};
 
 use super::output::Output;
 use super::settings::Settings;
@@ -28,6 +30,46 @@ pub struct Args {
     settings: Settings,
     #[command(flatten)]
     output: Output,
+    #[command(flatten)]
+    logs: Logs,
+}
+
+/// `--log`.
+#[derive(clap::Args, Default)]
+pub struct Logs {
+    /// Leave the flight as a log, too: ulog (flight.ulg), mcap (flight.mcap)
+    #[arg(long = "log", value_name = "KIND,…", value_delimiter = ',')]
+    kinds: Vec<LogKind>,
+}
+
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum LogKind {
+    Ulog,
+    Mcap,
+}
+
+impl Logs {
+    /// Leaves the logs in `out`; their names.
+    pub fn leave(
+        &self,
+        experiment: &Experiment,
+        record: &[Step],
+        out: &Path,
+    ) -> anyhow::Result<Vec<&'static str>> {
+        if self.kinds.is_empty() {
+            return Ok(Vec::new());
+        }
+        let log = flight_log::log(experiment, record)?;
+        let left = self.kinds.iter().map(|kind| {
+            let format = match kind {
+                LogKind::Ulog => Format::Ulog,
+                LogKind::Mcap => Format::Mcap,
+            };
+            leave(&out.join(format.file()), |file| format.write(&log, file))?;
+            Ok(format.file())
+        });
+        left.collect()
+    }
 }
 
 impl Default for Args {
@@ -36,6 +78,7 @@ impl Default for Args {
             experiment: DEFAULT.to_owned(),
             settings: Settings::default(),
             output: Output::default(),
+            logs: Logs::default(),
         }
     }
 }
@@ -53,11 +96,18 @@ struct Summary<'a> {
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let document = args.settings.document(&args.experiment)?;
     if document.get("path").is_some() {
+        ensure!(
+            args.logs.kinds.is_empty(),
+            "--log: flights in space leave a CSV trace alone"
+        );
         return space::fly(&document, &args.output);
     }
-    fly(&document, &document.name, &args.output, |experiment| {
-        Ok(experiment.controller()?)
-    })
+    fly(
+        &document,
+        &document.name,
+        (&args.output, &args.logs),
+        |experiment| Ok(experiment.controller()?),
+    )
 }
 
 /// Flies what `args` say under the controller that `connect` gives; the files are left in `out/<folder>`.
@@ -67,14 +117,14 @@ pub fn with(
     connect: impl FnOnce(&Experiment) -> anyhow::Result<Box<dyn Controller>>,
 ) -> anyhow::Result<()> {
     let document = args.settings.document(&args.experiment)?;
-    fly(&document, folder, &args.output, connect)
+    fly(&document, folder, (&args.output, &args.logs), connect)
 }
 
 /// Flies `document` under the controller that `connect` gives, and leaves trace, figure and report in `out/<folder>`.
 pub fn fly(
     document: &Document,
     folder: &str,
-    output: &Output,
+    (output, logs): (&Output, &Logs),
     connect: impl FnOnce(&Experiment) -> anyhow::Result<Box<dyn Controller>>,
 ) -> anyhow::Result<()> {
     let experiment = &document.checked()?;
@@ -83,7 +133,7 @@ pub fn fly(
     let mut controller = connect(experiment)?;
     let bar = progress_bar(experiment.steps());
     let mut record = Record::with_capacity(experiment.steps() + 1);
-    simulate(experiment, controller.as_mut(), |step| {
+    let end = simulate(experiment, controller.as_mut(), |step| {
         record.push(*step);
         if record.len().is_multiple_of(100) {
             bar.set_position(record.len() as u64);
@@ -92,18 +142,39 @@ pub fn fly(
     })?;
     bar.finish_and_clear();
 
-    let figures = Figures::of(experiment, &record);
-    let page = page(document, experiment, &record, &figures);
+    if let End::Diverged(t) = end {
+        let trace = out.join("trace.csv");
+        leave(&trace, |file| Ok(write_trace(experiment, &record, file)?))?;
+        let (name, trace) = (&document.name, trace.display());
+        bail!(
+            "{name}: diverged at {t:.2} s: no aircraft flies like this, or the plant's steps are too long for it; {trace} ends there"
+        );
+    }
+    report(document, experiment, &record, &out, output, logs)
+}
+
+/// Leaves trace, figure, report and logs of a flight in `out`, and prints its figures.
+pub fn report(
+    document: &Document,
+    experiment: &Experiment,
+    record: &[Step],
+    out: &Path,
+    output: &Output,
+    logs: &Logs,
+) -> anyhow::Result<()> {
+    let figures = Figures::of(experiment, record);
+    let segments = Segment::of(experiment, record);
+    let page = page(document, experiment, record, &figures, &segments);
     leave(&out.join("trace.csv"), |file| {
-        Ok(write_trace(experiment, &record, file)?)
+        Ok(write_trace(experiment, record, file)?)
     })?;
-    page.leave(&out, ["flight.svg", "report.html"])?;
-    let segments = Segment::of(experiment, &record);
+    page.leave(out, ["flight.svg", "report.html"])?;
+    let logs = logs.leave(experiment, record, out)?;
     let mut stdout = std::io::stdout().lock();
     if output.json() {
         let summary = Summary {
             experiment: &document.name,
-            out: &out,
+            out,
             figures: &figures,
             segments: &segments,
         };
@@ -120,8 +191,10 @@ pub fn fly(
             writeln!(stdout, "  {}", segment.line())?;
         }
     }
-    let files = "trace.csv, report.html and flight.svg";
-    writeln!(stdout, "{files} are in {}", out.display())?;
+    let files = [&["trace.csv", "report.html"][..], &logs]
+        .concat()
+        .join(", ");
+    writeln!(stdout, "{files} and flight.svg are in {}", out.display())?;
     Ok(())
 }
 

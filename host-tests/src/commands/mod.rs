@@ -11,6 +11,7 @@ mod margins;
 mod output;
 mod pil;
 mod replay;
+mod serve;
 mod settings;
 mod space;
 mod sweep;
@@ -31,6 +32,7 @@ enum Command {
     Pil(pil::Args),
     List(list::Args),
     Replay(replay::Args),
+    Serve(serve::Args),
     Campaign(campaign::Args),
     Compare(compare::Args),
     Margins(margins::Args),
@@ -49,6 +51,7 @@ impl Cli {
             Some(Command::Pil(args)) => pil::run(&args),
             Some(Command::List(args)) => list::run(&args),
             Some(Command::Replay(args)) => replay::run(&args),
+            Some(Command::Serve(args)) => serve::run(&args),
             Some(Command::Campaign(args)) => campaign::run(&args),
             Some(Command::Compare(args)) => compare::run(&args),
             Some(Command::Margins(args)) => margins::run(&args),

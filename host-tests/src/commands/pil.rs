@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use alula_link::Pacing;
+use anyhow::Context;
 
 use alula_sil::controllers::Controller;
 use alula_sil::pil::{Build, Qemu, Target, build, open_serial};
@@ -34,7 +35,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     };
     // The emulator lives as long as the flight.
     let mut emulator = None;
-    fly::with(&args.flight, "pil", |experiment| {
+    let flown = fly::with(&args.flight, "pil", |experiment| {
         let configuration = experiment.configuration(pacing)?;
         let mut target = match &args.serial {
             Some(device) => Target::new(open_serial(device)?)?,
@@ -50,5 +51,9 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         };
         target.configure(configuration)?;
         Ok(Box::new(target) as Box<dyn Controller>)
-    })
+    });
+    match emulator.as_mut().and_then(Qemu::complaint) {
+        Some(complaint) => flown.with_context(|| format!("the image stopped: {complaint}")),
+        None => flown,
+    }
 }

@@ -17,12 +17,14 @@
 //!
 //! Read in ArduPilot's `tailsitter.cpp` (parameter table) and in the page "Tailsitter Planes" of its documentation.
 
-use serde::Deserialize;
-
-use super::switching::policy::{Parts, Policy, answer};
-use super::switching::{CruiseSpec, HoverSpec, LimitSpec, Measured, Phase, Setpoint, SwitchSpec};
-use super::{Answer, Controller, Input, Kind, Spec};
-use crate::experiment::{Experiment, FieldError, finite, positive, read};
+use super::Kind;
+use super::switching::policy::{Parts, SwitchingSpec, Transition};
+use super::switching::{CruiseSpec, Measured, Phase, Setpoint};
+use crate::experiment::table::{
+    Range::{Finite, Positive, Within},
+    table,
+};
+use crate::experiment::{FieldError, read};
 
 /// The row in the list of controllers.
 pub const KIND: Kind = Kind {
@@ -33,36 +35,17 @@ pub const KIND: Kind = Kind {
 };
 
 /// `[controller.ardupilot-like]`.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct ArduPilotLikeSpec {
-    /// Limits of the command.
-    #[serde(default)]
-    pub limits: LimitSpec,
-    /// The transition switch.
-    pub switch: SwitchSpec,
-    /// The multicopter's loops.
-    pub hover: HoverSpec,
-    /// The transitions.
-    pub transition: TransitionSpec,
-    /// The aeroplane's loops.
-    pub cruise: CruiseSpec,
-}
+pub type ArduPilotLikeSpec = SwitchingSpec<ArduPilotTransition>;
 
-/// `[controller.ardupilot-like.transition]`.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct TransitionSpec {
-    /// Angle from nose up at which the aeroplane takes over \[°\].
-    pub front_angle_deg: f64,
-    /// Rate of the pitch asked for, down \[°/s\].
-    pub front_rate_deg_s: f64,
-    /// Angle of the nose over the horizon at which the multicopter takes over \[°\].
-    pub back_angle_deg: f64,
-    /// Rate of the pitch asked for, up \[°/s\].
-    pub back_rate_deg_s: f64,
-    /// Thrust of the back transition \[N\]; hover thrust, or the trim thrust if that is more, if left out.
-    pub back_thrust_n: Option<f64>,
+table! {
+    /// `[controller.ardupilot-like.transition]`.
+    pub struct ArduPilotTransition {
+        front_angle_deg: f64, Within(5.0, 80.0), "Angle from nose up at which the aeroplane takes over \\[°\\].";
+        front_rate_deg_s: f64, Positive, "Rate of the pitch asked for, down \\[°/s\\].";
+        back_angle_deg: f64, Within(5.0, 80.0), "Angle of the nose over the horizon at which the multicopter takes over \\[°\\].";
+        back_rate_deg_s: f64, Positive, "Rate of the pitch asked for, up \\[°/s\\].";
+        back_thrust_n: Option<f64>, Finite, "Thrust of the back transition \\[N\\]; hover thrust, or the trim thrust if that is more, if left out.";
+    }
 }
 
 /// A transition that takes this many times longer than it should is over.
@@ -71,227 +54,163 @@ const QUARTER: f64 = std::f64::consts::FRAC_PI_2;
 /// The pitch ramps end 5° short of a quarter turn.
 const STEEPEST: f64 = 85.0 * std::f64::consts::PI / 180.0;
 
-/// The policy with its memory.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ArduPilotLike {
-    transition: TransitionSpec,
-    parts: Parts,
-    /// Whether the pitch that the present loops ask for is still limited to the transition's rate.
-    limited: bool,
-}
-
-impl ArduPilotLike {
-    /// The policy at hover, on the vehicle of `experiment`.
-    pub fn new(spec: &ArduPilotLikeSpec, experiment: &Experiment) -> Result<Self, FieldError> {
-        let t = spec.transition;
-        for (name, angle) in [
-            ("transition.front_angle_deg", t.front_angle_deg),
-            ("transition.back_angle_deg", t.back_angle_deg),
-        ] {
-            if !(5.0..=80.0).contains(&angle) {
-                return Err(FieldError::new(name, "must be from 5 to 80°"));
-            }
-        }
-        positive("transition.front_rate_deg_s", t.front_rate_deg_s)?;
-        positive("transition.back_rate_deg_s", t.back_rate_deg_s)?;
-        if let Some(thrust) = t.back_thrust_n {
-            finite("transition.back_thrust_n", thrust)?;
-        }
-        let least = spec.cruise.airspeed_m_s[0];
-        let (hover, cruise, switch) = (spec.hover, spec.cruise, spec.switch);
-        Ok(Self {
-            transition: t,
-            parts: Parts::new(hover, cruise, switch, &spec.limits, least, experiment)?,
-            limited: false,
-        })
+impl ArduPilotTransition {
+    /// Pitch by which a ramp has turned since the phase began \[rad\].
+    fn ramp(rate_deg_s: f64, parts: &Parts) -> f64 {
+        rate_deg_s.to_radians() * parts.elapsed
     }
 
     /// `setpoint` with its pitch limited to what the transition's rate allows since the phase began: down if `sign` is −1.
-    fn limit(&mut self, setpoint: &mut Setpoint, sign: f64, rate_deg_s: f64) {
-        let reached = self.parts.start + sign * rate_deg_s.to_radians() * self.parts.elapsed;
-        if self.limited && sign * (setpoint.theta - reached) > 0.0 {
+    fn limit(mut setpoint: Setpoint, parts: &mut Parts, sign: f64, rate_deg_s: f64) -> Setpoint {
+        let reached = parts.start + sign * Self::ramp(rate_deg_s, parts);
+        parts.limited = parts.limited && sign * (setpoint.theta - reached) > 0.0;
+        if parts.limited {
             setpoint.theta = reached;
-        } else {
-            self.limited = false;
         }
+        setpoint
     }
 }
 
-impl Policy for ArduPilotLike {
-    fn parts(&mut self) -> &mut Parts {
-        &mut self.parts
+impl Transition for ArduPilotTransition {
+    fn check(&self) -> Result<(), FieldError> {
+        self.in_range("transition")
     }
 
-    fn front_is_over(&self, measured: &Measured) -> bool {
-        let angle = self.transition.front_angle_deg.to_radians();
-        let rate = self.transition.front_rate_deg_s.to_radians();
-        let late = self.parts.elapsed > PATIENCE * (angle + self.parts.start) / rate;
+    fn least_airspeed(&self, cruise: &CruiseSpec) -> f64 {
+        cruise.airspeed_m_s[0]
+    }
+
+    fn front_is_over(&self, parts: &Parts, measured: &Measured) -> bool {
+        let angle = self.front_angle_deg.to_radians();
+        let rate = self.front_rate_deg_s.to_radians();
+        let late = parts.elapsed > PATIENCE * (angle + parts.start) / rate;
         -measured.theta > angle || late
     }
 
-    fn back_is_over(&self, measured: &Measured) -> bool {
-        let angle = self.transition.back_angle_deg.to_radians();
-        let rate = self.transition.back_rate_deg_s.to_radians();
-        let late = self.parts.elapsed > PATIENCE * (angle - self.parts.start - QUARTER) / rate;
+    fn back_is_over(&self, parts: &Parts, measured: &Measured) -> bool {
+        let angle = self.back_angle_deg.to_radians();
+        let rate = self.back_rate_deg_s.to_radians();
+        let late = parts.elapsed > PATIENCE * (angle - parts.start - QUARTER) / rate;
         // The pitch over the horizon.
         measured.theta + QUARTER > angle || late
     }
 
     /// θ asked for on the way to a transition, measured on the way out of one.
-    fn enter(&mut self, phase: Phase, measured: &Measured) -> f64 {
+    fn enter(&self, parts: &mut Parts, phase: Phase, measured: &Measured) -> f64 {
         match phase {
-            Phase::Hover => self.parts.hover.reset(),
-            Phase::Cruise => self.parts.cruise.reset(),
+            Phase::Hover => parts.hover.reset(),
+            Phase::Cruise => parts.cruise.reset(),
             Phase::FrontTransition | Phase::BackTransition => {}
         }
-        self.limited = matches!(phase, Phase::Hover | Phase::Cruise);
-        if self.limited {
+        parts.limited = matches!(phase, Phase::Hover | Phase::Cruise);
+        if parts.limited {
             measured.theta
         } else {
-            self.parts.asked
+            parts.asked
         }
     }
 
-    fn setpoint(&mut self, measured: &Measured, dt: f64) -> Setpoint {
-        let t = self.transition;
-        match self.parts.phase {
+    fn setpoint(&self, parts: &mut Parts, measured: &Measured, dt: f64) -> Setpoint {
+        match parts.phase {
             Phase::Hover => {
-                let mut setpoint = self.parts.hover.setpoint(measured, dt);
-                self.limit(&mut setpoint, 1.0, t.back_rate_deg_s);
-                setpoint
-            }
-            Phase::FrontTransition => {
-                let ramp = t.front_rate_deg_s.to_radians() * self.parts.elapsed;
-                Setpoint {
-                    theta: (self.parts.start - ramp).max(-STEEPEST),
-                    gain: self.parts.hover.gain(),
-                    thrust: self.parts.output.thrust().max(self.parts.hover.thrust()),
-                }
+                let setpoint = parts.hover.setpoint(measured, dt);
+                Self::limit(setpoint, parts, 1.0, self.back_rate_deg_s)
             }
             Phase::Cruise => {
-                let mut setpoint = self.parts.cruise.setpoint(measured, dt);
-                self.limit(&mut setpoint, -1.0, t.front_rate_deg_s);
-                setpoint
+                let setpoint = parts.cruise.setpoint(measured, dt);
+                Self::limit(setpoint, parts, -1.0, self.front_rate_deg_s)
             }
-            Phase::BackTransition => {
-                let ramp = t.back_rate_deg_s.to_radians() * self.parts.elapsed;
-                let thrust = self.parts.hover.thrust().max(self.parts.cruise.trim());
-                Setpoint {
-                    theta: (self.parts.start + ramp).min(STEEPEST - QUARTER),
-                    gain: self.parts.cruise.gain(),
-                    thrust: t.back_thrust_n.unwrap_or(thrust),
-                }
-            }
+            Phase::FrontTransition => Setpoint {
+                theta: (parts.start - Self::ramp(self.front_rate_deg_s, parts)).max(-STEEPEST),
+                gain: parts.hover.gain(),
+                thrust: parts.output.thrust().max(parts.hover.thrust()),
+            },
+            Phase::BackTransition => Setpoint {
+                theta: (parts.start + Self::ramp(self.back_rate_deg_s, parts))
+                    .min(STEEPEST - QUARTER),
+                gain: parts.cruise.gain(),
+                thrust: (self.back_thrust_n)
+                    .unwrap_or(parts.hover.thrust().max(parts.cruise.trim())),
+            },
         }
-    }
-}
-
-impl Controller for ArduPilotLike {
-    fn answer(&mut self, input: &Input, dt: f32) -> anyhow::Result<Answer> {
-        Ok(answer(self, input, dt))
-    }
-}
-
-impl Spec for ArduPilotLikeSpec {
-    fn controller(&self, experiment: &Experiment) -> Result<Box<dyn Controller>, FieldError> {
-        Ok(Box::new(ArduPilotLike::new(self, experiment)?))
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::Report;
-    use super::super::switching::tests::{CRUISE, HOVER, SWITCH, experiment, level};
+    use super::super::switching::policy::Switching;
+    use super::super::switching::policy::tests::policy;
+    use super::super::switching::tests::level;
+    use super::super::{Answer, Controller};
     use super::*;
 
-    const SPEC: ArduPilotLikeSpec = ArduPilotLikeSpec {
-        limits: LimitSpec {
-            thrust_n: Some([0.0, 196.2]),
-            rate_rad_s: 2.8,
-            slew_rad_s2: 30.0,
-        },
-        switch: SWITCH,
-        hover: HOVER,
-        transition: TransitionSpec {
-            front_angle_deg: 45.0,
-            front_rate_deg_s: 50.0,
-            back_angle_deg: 45.0,
-            back_rate_deg_s: 50.0,
-            back_thrust_n: None,
-        },
-        cruise: CRUISE,
+    const TRANSITION: ArduPilotTransition = ArduPilotTransition {
+        front_angle_deg: 45.0,
+        front_rate_deg_s: 50.0,
+        back_angle_deg: 45.0,
+        back_rate_deg_s: 50.0,
+        back_thrust_n: None,
     };
 
-    fn policy() -> ArduPilotLike {
-        ArduPilotLike::new(&SPEC, &experiment()).unwrap()
-    }
-
     /// The phase and the answer at `theta` \[°\] and 15 m/s, in front if `forward`, else braking.
-    fn answer(policy: &mut ArduPilotLike, theta: f32, forward: bool) -> (Phase, Answer) {
+    fn answer(
+        policy: &mut Switching<ArduPilotTransition>,
+        theta: f32,
+        forward: bool,
+    ) -> (Phase, Answer) {
         let acceleration = if forward { 2.0 } else { -2.0 };
         let input = level(15.0, theta, 15.0, acceleration);
         let answer = policy.answer(&input, 0.01).unwrap();
-        match answer.report {
-            Report::Switching(phase) => (phase, answer),
-            _ => panic!("a switching policy"),
-        }
+        (policy.parts.phase, answer)
     }
 
     #[test]
     fn the_front_transition_is_a_ramp_at_hover_thrust_until_its_angle() {
-        let mut policy = policy();
+        let policy = &mut policy(TRANSITION);
         for _ in 0..50 {
-            let (phase, answer) = answer(&mut policy, -44.0, true);
+            let (phase, answer) = answer(policy, -44.0, true);
             assert_eq!(phase, Phase::FrontTransition);
             assert!((answer.thrust - 98.1).abs() < 1e-4);
         }
         // 0.5 s at 50 °/s.
         assert!((policy.parts.asked + 25_f64.to_radians()).abs() < 1e-6);
-        assert_eq!(answer(&mut policy, -46.0, true).0, Phase::Cruise);
+        assert_eq!(answer(policy, -46.0, true).0, Phase::Cruise);
         // Pitched down from there at no more than 50 °/s.
         assert!((policy.parts.asked + 46.5_f64.to_radians()).abs() < 1e-6);
         for _ in 0..200 {
-            answer(&mut policy, -86.0, true);
+            answer(policy, -86.0, true);
         }
-        assert!(!policy.limited);
+        assert!(!policy.parts.limited);
     }
 
     #[test]
     fn a_front_transition_that_does_not_turn_is_over_in_time() {
-        let mut policy = policy();
+        let policy = &mut policy(TRANSITION);
         // 1.5 · 45° / 50 °/s.
         for _ in 0..135 {
-            assert_eq!(answer(&mut policy, 0.0, true).0, Phase::FrontTransition);
+            assert_eq!(answer(policy, 0.0, true).0, Phase::FrontTransition);
         }
         for _ in 0..3 {
-            answer(&mut policy, 0.0, true);
+            answer(policy, 0.0, true);
         }
         assert_eq!(policy.parts.phase, Phase::Cruise);
     }
 
     #[test]
     fn the_back_transition_is_a_ramp_at_hover_thrust_and_its_rate_is_kept_in_hover() {
-        let mut policy = policy();
-        answer(&mut policy, 0.0, true);
-        answer(&mut policy, -86.0, true);
+        let policy = &mut policy(TRANSITION);
+        answer(policy, 0.0, true);
+        answer(policy, -86.0, true);
         let start = policy.parts.asked;
         for _ in 0..20 {
-            let (phase, answer) = answer(&mut policy, -80.0, false);
+            let (phase, answer) = answer(policy, -80.0, false);
             assert_eq!(phase, Phase::BackTransition);
             assert!((answer.thrust - 98.1).abs() < 1e-4);
         }
         assert!((policy.parts.asked - start - 10_f64.to_radians()).abs() < 0.01);
-        let (phase, _) = answer(&mut policy, -44.0, false);
+        let (phase, _) = answer(policy, -44.0, false);
         assert_eq!(phase, Phase::Hover);
         // Braking asks for the nose backward, which it may approach at 50 °/s.
         assert!((policy.parts.asked + 43.5_f64.to_radians()).abs() < 1e-6);
-    }
-
-    #[test]
-    fn errors_name_the_field() {
-        let mut spec = SPEC;
-        spec.transition.front_angle_deg = 85.0;
-        let error = ArduPilotLike::new(&spec, &experiment()).unwrap_err();
-        assert_eq!(error.field, "transition.front_angle_deg");
     }
 }

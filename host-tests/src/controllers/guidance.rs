@@ -135,4 +135,11 @@ impl Controller for Flying {
             .update_in_plane(&mut self.state, &input.sample, dt);
         Ok(guided.into())
     }
+
+    fn flip(&mut self, bit: u64) {
+        let mut bytes = self.state.to_bytes();
+        let bit = bit % (8 * bytes.len() as u64);
+        bytes[bit as usize / 8] ^= 1 << (bit % 8);
+        self.state = GuidanceState::from_bytes(&bytes);
+    }
 }

@@ -79,6 +79,8 @@ pub enum Report {
     Guided(PlanarGuided),
     /// A switching policy.
     Switching(Phase),
+    /// Someone who reports nothing.
+    Outside,
 }
 
 impl From<Result<Command, Fault>> for Answer {
@@ -125,7 +127,7 @@ impl Answer {
         match self.report {
             Report::Law(answer) => Some(answer.unwrap_or_default().diagnostics),
             Report::Guided(guided) => Some(guided.command.diagnostics),
-            Report::Switching(_) => None,
+            Report::Switching(_) | Report::Outside => None,
         }
     }
 
@@ -143,7 +145,7 @@ impl Answer {
     /// The controller's mode, if it has several.
     pub fn mode(&self) -> Option<&'static str> {
         match &self.report {
-            Report::Law(_) => None,
+            Report::Law(_) | Report::Outside => None,
             Report::Guided(guided) => Some(match guided.mode {
                 Mode::Safe => "safe",
                 Mode::Holding => "holding",
@@ -168,7 +170,7 @@ impl Answer {
         match &self.report {
             Report::Law(answer) => Some(answer.map_or_else(Fault::name, |_| "ok").into()),
             Report::Guided(guided) => Some(guided.status.to_string().into()),
-            Report::Switching(_) => None,
+            Report::Switching(_) | Report::Outside => None,
         }
     }
 }
@@ -177,6 +179,9 @@ impl Answer {
 pub trait Controller {
     /// The answer to `input`, `dt` \[s\] after the last. The error is a controller that cannot be reached.
     fn answer(&mut self, input: &Input, dt: f32) -> anyhow::Result<Answer>;
+
+    /// Flips a bit of what it remembers: the one of this number, counted through its memory again and again.
+    fn flip(&mut self, _bit: u64) {}
 }
 
 /// What an experiment says of its controller. Fields in errors are those of the controller's own table.

@@ -67,6 +67,21 @@ pub(crate) fn positive(field: &str, value: f64) -> Result<(), FieldError> {
     }
 }
 
+/// Greatest speed \[m/s\] of a reference, a start or a wind: that of sound. The models of the air know of none.
+const MAX_SPEED: f64 = 340.0;
+
+/// `value` must be a component of a velocity that the models can fly.
+pub(crate) fn speed(field: &str, value: f64) -> Result<(), FieldError> {
+    finite(field, value)?;
+    match value.abs() <= MAX_SPEED {
+        true => Ok(()),
+        false => Err(FieldError::new(
+            field,
+            format!("must be at most {MAX_SPEED} m/s, the speed of sound, either way"),
+        )),
+    }
+}
+
 /// One of the texts that a document is made of.
 #[derive(Clone, Debug)]
 struct Layer {

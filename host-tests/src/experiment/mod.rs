@@ -1,25 +1,28 @@
 //! Experiments: what is flown, by whom, along which reference, in which weather. TOML in, validated values out.
 
 mod document;
+mod faults;
 mod parameters;
 mod plant;
 mod reference;
 mod sensors;
+pub(crate) mod table;
 mod vehicle;
 mod weather;
 
+use alula_bridges::sitl::Actuators;
 use alula_link::{Configuration, Pacing};
 use serde::Deserialize;
 
 pub use document::{Document, FieldError};
 pub(crate) use document::{finite, from_toml, positive, read};
+pub(crate) use faults::Faults;
+pub use faults::{FaultKind, FaultSpec};
 pub use parameters::file_name;
 pub(crate) use parameters::{Fields, refused};
 pub use plant::{Plant, PlantSpec, RateLoop, State};
 pub use reference::{InitialSpec, Knot, ReferenceSpec};
-pub use sensors::{
-    AirSensor, ErrorSpec, FaultKind, FaultSpec, Measured, PositionSensor, SensorSpec,
-};
+pub use sensors::{AirSensor, ErrorSpec, Measured, PositionSensor, SensorSpec};
 pub use vehicle::{AerodynamicsSpec, Model, NO_LIMITS, Vehicle, VehicleSpec};
 pub use weather::{GustSpec, TurbulenceSpec, Weather, WeatherSpec};
 
@@ -108,6 +111,9 @@ pub struct Experiment {
     /// Where the flight starts.
     #[serde(default)]
     pub initial: InitialSpec,
+    /// Elevons and motors, for an ArduPilot that flies the vehicle.
+    #[serde(default)]
+    pub ardupilot: Actuators,
 }
 
 fn hundred() -> f64 {
@@ -136,12 +142,16 @@ impl Experiment {
         }
         // A vehicle that the core would not control is not worth flying.
         self.vehicle.core().map_err(|e| e.inside("vehicle"))?;
-        self.plant.validate()?;
+        let dt = 1.0 / self.control_rate_hz / f64::from(self.substeps);
+        self.plant.validate(dt)?;
         self.controller()?;
         self.sensors.validate()?;
         self.weather.validate()?;
         self.reference.validate()?;
-        self.initial.validate()
+        self.initial.validate()?;
+        let refused = |e: alula_bridges::sitl::Refused| FieldError::new(e.field, e.problem);
+        let actuators = self.ardupilot.validate();
+        actuators.map_err(|e| refused(e).inside("ardupilot"))
     }
 
     /// What the experiment says of its controller.
@@ -230,5 +240,27 @@ mod tests {
         assert!(refused("control_rate_hz=1e9").starts_with("duration_s: 115"));
         assert!(refused("duration_s=-2").starts_with("duration_s: must be positive"));
         assert!(refused("substeps=0").starts_with("substeps: must be from 1"));
+    }
+
+    /// What the plant's steps cannot follow, or its models do not know, is refused by its name: it would end as no number.
+    #[test]
+    fn what_would_diverge_is_refused() {
+        let refused = |text: &str| {
+            let mut document = Document::load("round-trip").unwrap();
+            document.assign(text).unwrap();
+            document.experiment().unwrap_err().field
+        };
+        let lag = "plant.rate_loop.lag.time_constant_s";
+        assert_eq!(refused(&format!("{lag}=1e-9")), lag);
+        assert_eq!(refused("plant.thrust_lag_s=1e-9"), "plant.thrust_lag_s");
+        assert_eq!(refused("control_rate_hz=1"), "plant.thrust_lag_s");
+        let inertia = "plant.rate_loop.inertia";
+        let table = "{inertia_kg_m2=1.0,bandwidth_1_s=1e6,torque_max_n_m=1.0}";
+        let field = format!("{inertia}.bandwidth_1_s");
+        assert_eq!(refused(&format!("{inertia}={table}")), field);
+        let knots = "reference.knots[2].forward_m_s";
+        assert_eq!(refused(&format!("{knots}=1e30")), knots);
+        assert_eq!(refused("weather.steady_m_s=[0,-500]"), "weather.steady_m_s");
+        assert_eq!(refused("initial.down_m_s=1e6"), "initial.down_m_s");
     }
 }

@@ -54,12 +54,29 @@ impl Default for PlantSpec {
     }
 }
 
+/// Longest step of the plant, in time constants of an actuator. The Runge–Kutta method is stable to 2.78.
+const LONGEST_STEP: f64 = 2.0;
+
+/// A time constant of `tau` \[s\] must be one that steps of `dt` \[s\] can follow.
+fn followed(field: &str, tau: f64, dt: f64) -> Result<(), FieldError> {
+    if dt <= LONGEST_STEP * tau {
+        return Ok(());
+    }
+    let problem = format!(
+        "a time constant of {tau} s is too short for the plant's steps of {dt} s: raise substeps or control_rate_hz, or leave it out"
+    );
+    Err(FieldError::new(field, problem))
+}
+
 impl PlantSpec {
-    pub(super) fn validate(&self) -> Result<(), FieldError> {
+    /// Checks every field, for steps of `dt` \[s\].
+    pub(super) fn validate(&self, dt: f64) -> Result<(), FieldError> {
         match self.rate_loop {
             RateLoop::Ideal => {}
             RateLoop::Lag { time_constant_s } => {
-                positive("plant.rate_loop.lag.time_constant_s", time_constant_s)?;
+                let field = "plant.rate_loop.lag.time_constant_s";
+                positive(field, time_constant_s)?;
+                followed(field, time_constant_s, dt)?;
             }
             RateLoop::Inertia {
                 inertia_kg_m2,
@@ -67,7 +84,9 @@ impl PlantSpec {
                 torque_max_n_m,
             } => {
                 positive("plant.rate_loop.inertia.inertia_kg_m2", inertia_kg_m2)?;
-                positive("plant.rate_loop.inertia.bandwidth_1_s", bandwidth_1_s)?;
+                let field = "plant.rate_loop.inertia.bandwidth_1_s";
+                positive(field, bandwidth_1_s)?;
+                followed(field, 1.0 / bandwidth_1_s, dt)?;
                 positive("plant.rate_loop.inertia.torque_max_n_m", torque_max_n_m)?;
             }
         }
@@ -79,6 +98,9 @@ impl PlantSpec {
             if !(0.0..=2.0).contains(&value) {
                 return Err(FieldError::new(field, "must be from 0 to 2 s"));
             }
+        }
+        if self.thrust_lag_s > 0.0 {
+            followed("plant.thrust_lag_s", self.thrust_lag_s, dt)?;
         }
         let [least, most] = self.thrust_n;
         // An infinite limit is none.
@@ -199,7 +221,7 @@ impl State {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reference::Aerodynamics;
+    use crate::reference::{Aerodynamics, LargeAngle};
 
     fn plant(rate_loop: RateLoop, thrust_lag_s: f64) -> Plant {
         let vehicle = Vehicle {
@@ -207,7 +229,7 @@ mod tests {
             k_a: 0.5,
             delta: 0.0,
             gravity: 9.81,
-            aerodynamics: Aerodynamics::LargeAngle { c0: 0.4, c1: 0.0 },
+            aerodynamics: Aerodynamics::LargeAngle(LargeAngle { c0: 0.4, c1: 0.0 }),
         };
         let actuators = PlantSpec {
             rate_loop,

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::document::{FieldError, finite};
+use super::document::{FieldError, finite, speed};
 use crate::reference::Vector;
 
 /// `[reference]`: the reference velocity, linear between knots, constant before and after them.
@@ -34,8 +34,8 @@ impl ReferenceSpec {
         for (i, knot) in self.knots.iter().enumerate() {
             let field = format!("reference.knots[{i}]");
             finite(&field, knot.t_s)?;
-            finite(&field, knot.down_m_s)?;
-            finite(&field, knot.forward_m_s)?;
+            speed(&format!("{field}.down_m_s"), knot.down_m_s)?;
+            speed(&format!("{field}.forward_m_s"), knot.forward_m_s)?;
             if i > 0 && knot.t_s <= self.knots[i - 1].t_s {
                 let problem = "t_s must increase from knot to knot";
                 return Err(FieldError::new(field, problem));
@@ -105,16 +105,31 @@ pub struct InitialSpec {
     pub forward_m_s: f64,
     /// θ \[°\].
     pub theta_deg: f64,
+    /// A speed that is added in a direction of its own \[m/s\].
+    pub speed_m_s: f64,
+    /// That direction \[°\]: 0 down, 90 forward.
+    pub path_deg: f64,
+    /// ω \[rad/s\]. Without a lag of the rate loop it is what is commanded at once.
+    pub rate_rad_s: f64,
     /// Thrust before the first command acts \[N\].
     pub thrust_n: f64,
 }
 
 impl InitialSpec {
     pub(super) fn validate(&self) -> Result<(), FieldError> {
-        finite("initial.down_m_s", self.down_m_s)?;
-        finite("initial.forward_m_s", self.forward_m_s)?;
+        speed("initial.down_m_s", self.down_m_s)?;
+        speed("initial.forward_m_s", self.forward_m_s)?;
+        speed("initial.speed_m_s", self.speed_m_s)?;
+        finite("initial.path_deg", self.path_deg)?;
         finite("initial.theta_deg", self.theta_deg)?;
+        finite("initial.rate_rad_s", self.rate_rad_s)?;
         finite("initial.thrust_n", self.thrust_n)
+    }
+
+    /// The velocity \[m/s\].
+    pub fn velocity(&self) -> Vector {
+        let (forward, down) = self.path_deg.to_radians().sin_cos();
+        Vector::new(self.down_m_s, self.forward_m_s) + self.speed_m_s * Vector::new(down, forward)
     }
 }
 
@@ -149,5 +164,18 @@ mod tests {
         }
         assert_eq!(reference.breaks(9.0), [0.0, 1.0, 3.0, 9.0]);
         assert_eq!(reference.breaks(2.0), [0.0, 1.0, 2.0]);
+    }
+
+    #[test]
+    fn a_start_adds_a_speed_in_a_direction() {
+        let start = |path_deg| InitialSpec {
+            down_m_s: 1.0,
+            speed_m_s: 10.0,
+            path_deg,
+            ..InitialSpec::default()
+        };
+        let near =
+            |path_deg, v: [f64; 2]| (start(path_deg).velocity() - Vector::from(v)).norm() < 1e-9;
+        assert!(near(0.0, [11.0, 0.0]) && near(90.0, [1.0, 10.0]) && near(180.0, [-9.0, 0.0]));
     }
 }

@@ -1,12 +1,13 @@
-//! Sensors: noise, bias and quantisation of what the controller is told, and faults.
+//! Sensors: noise, bias and quantisation of what the controller is told.
 
 use alula::Inertial;
 use alula::guidance::Air;
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 
 use super::document::{FieldError, finite};
+use super::faults::FaultSpec;
 use super::plant::State;
 use crate::controllers::inertial;
 use crate::reference::Vector;
@@ -47,36 +48,6 @@ pub enum PositionSensor {
     None,
 }
 
-/// What is wrong with the inputs while a fault lasts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum FaultKind {
-    /// No air data.
-    Air,
-    /// The velocity is NaN.
-    VelocityNan,
-    /// The attitude is NaN.
-    AttitudeNan,
-    /// The state ages: the last one measured comes again and again.
-    StateStale,
-    /// The reference ages.
-    ReferenceStale,
-    /// The position error is NaN.
-    PositionNan,
-}
-
-/// A fault of the inputs.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct FaultSpec {
-    /// What fails.
-    pub kind: FaultKind,
-    /// From when \[s\].
-    pub from_s: f64,
-    /// Until when \[s\].
-    pub to_s: f64,
-}
-
 /// `[sensors]`.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -115,21 +86,9 @@ impl SensorSpec {
             }
         }
         for (i, fault) in self.faults.iter().enumerate() {
-            let field = format!("sensors.faults[{i}]");
-            finite(&field, fault.from_s)?;
-            finite(&field, fault.to_s)?;
-            if fault.from_s >= fault.to_s {
-                return Err(FieldError::new(field, "from_s must be before to_s"));
-            }
+            fault.validate(&format!("sensors.faults[{i}]"))?;
         }
         Ok(())
-    }
-
-    /// Whether a fault of this kind lasts at `t` \[s\].
-    pub(crate) fn fails(&self, kind: FaultKind, t: f64) -> bool {
-        self.faults
-            .iter()
-            .any(|f| f.kind == kind && (f.from_s..f.to_s).contains(&t))
     }
 
     /// What is measured of `truth` in `wind` \[m/s\], which is `steady` but for gusts and turbulence.
@@ -213,20 +172,5 @@ mod tests {
         // Four standard errors. Sheppard's correction adds quantum²/12 to the variance.
         assert!((mean - 1.5).abs() < 6e-3);
         assert!((variance - (0.04 + 0.25 * 0.25 / 12.0)).abs() < 2e-3);
-    }
-
-    #[test]
-    fn a_fault_lasts_from_its_beginning_to_before_its_end() {
-        let sensors = SensorSpec {
-            faults: vec![FaultSpec {
-                kind: FaultKind::Air,
-                from_s: 1.0,
-                to_s: 2.0,
-            }],
-            ..SensorSpec::default()
-        };
-        let fails = |t| sensors.fails(FaultKind::Air, t);
-        assert!(!fails(0.99) && fails(1.0) && fails(1.99) && !fails(2.0));
-        assert!(!sensors.fails(FaultKind::StateStale, 1.5));
     }
 }

@@ -9,7 +9,7 @@ use serde::Deserialize;
 use super::FieldError;
 use super::parameters::refused;
 use crate::polar::Polar;
-use crate::reference::{self, Aerodynamics};
+use crate::reference::{self, Aerodynamics, Combined, LargeAngle, SmallAngle};
 
 /// The core's models, chosen at run time.
 pub type Model = alula::Model<'static>;
@@ -46,39 +46,12 @@ fn standard_gravity() -> f64 {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum AerodynamicsSpec {
-    /// Large-α model.
-    LargeAngle {
-        /// c_0.
-        c0: f64,
-        /// c_1.
-        c1: f64,
-    },
-    /// Small-α model.
-    SmallAngle {
-        /// c_0.
-        c0: f64,
-        /// c_2.
-        c2: f64,
-        /// c_3.
-        c3: f64,
-    },
+    /// Large-angle model.
+    LargeAngle(LargeAngle),
+    /// Small-angle model.
+    SmallAngle(SmallAngle),
     /// Both, blended.
-    Combined {
-        /// c_0.
-        c0: f64,
-        /// c_1.
-        c1: f64,
-        /// c_2.
-        c2: f64,
-        /// c_3.
-        c3: f64,
-        /// ᾱ \[°\].
-        alpha_bar_deg: f64,
-        /// k_L \[1/rad²\].
-        k_l: f64,
-        /// k_D \[1/rad²\].
-        k_d: f64,
-    },
+    Combined(Combined),
     /// Measured coefficients, interpolated.
     Table {
         /// A built-in polar, or a CSV file.
@@ -87,65 +60,48 @@ pub enum AerodynamicsSpec {
 }
 
 impl Default for AerodynamicsSpec {
-    /// NACA 0021 at Re = 160e3 (`coefficientsReL`).
     fn default() -> Self {
-        Self::Combined {
-            c0: 0.014,
-            c1: 0.95,
-            c2: 5.5,
-            c3: 0.3,
-            alpha_bar_deg: 11.0,
-            k_l: 28.0,
-            k_d: 167.0,
-        }
+        Self::Combined(Combined::NACA_0021_RE_160E3)
     }
 }
 
 impl AerodynamicsSpec {
     fn key(&self) -> &'static str {
         match self {
-            Self::LargeAngle { .. } => "large-angle",
-            Self::SmallAngle { .. } => "small-angle",
-            Self::Combined { .. } => "combined",
+            Self::LargeAngle(_) => "large-angle",
+            Self::SmallAngle(_) => "small-angle",
+            Self::Combined(_) => "combined",
             Self::Table { .. } => "table",
         }
     }
 
-    /// The parameters, or the table that has none.
-    pub fn parameters(&self) -> Result<ModelParameters, &Polar> {
-        Ok(match *self {
-            Self::LargeAngle { c0, c1 } => ModelParameters::LargeAngle(LargeAngleParameters {
-                c0: c0 as f32,
-                c1: c1 as f32,
+    /// The core's parameters. The error is a table, which has none.
+    fn parameters(&self) -> Result<ModelParameters, &Polar> {
+        Ok(match self {
+            Self::LargeAngle(m) => ModelParameters::LargeAngle(LargeAngleParameters {
+                c0: m.c0 as f32,
+                c1: m.c1 as f32,
             }),
-            Self::SmallAngle { c0, c2, c3 } => ModelParameters::SmallAngle(SmallAngleParameters {
-                c0: c0 as f32,
-                c2: c2 as f32,
-                c3: c3 as f32,
+            Self::SmallAngle(m) => ModelParameters::SmallAngle(SmallAngleParameters {
+                c0: m.c0 as f32,
+                c2: m.c2 as f32,
+                c3: m.c3 as f32,
             }),
-            Self::Combined {
-                c0,
-                c1,
-                c2,
-                c3,
-                alpha_bar_deg,
-                k_l,
-                k_d,
-            } => ModelParameters::Combined(CombinedParameters {
-                c0: c0 as f32,
-                c1: c1 as f32,
-                c2: c2 as f32,
-                c3: c3 as f32,
-                alpha_bar: alpha_bar_deg.to_radians() as f32,
-                k_l: k_l as f32,
-                k_d: k_d as f32,
+            Self::Combined(m) => ModelParameters::Combined(CombinedParameters {
+                c0: m.c0 as f32,
+                c1: m.c1 as f32,
+                c2: m.c2 as f32,
+                c3: m.c3 as f32,
+                alpha_bar: m.alpha_bar() as f32,
+                k_l: m.k_l as f32,
+                k_d: m.k_d as f32,
             }),
-            Self::Table { ref polar } => return Err(polar),
+            Self::Table { polar } => return Err(polar),
         })
     }
 
     /// The model as the core takes it.
-    fn core(&self) -> Result<Model, FieldError> {
+    pub(crate) fn core(&self) -> Result<Model, FieldError> {
         match self.parameters() {
             Ok(parameters) => parameters.model().map_err(|e| {
                 let table = format!("aerodynamics.{}", self.key());
@@ -158,25 +114,9 @@ impl AerodynamicsSpec {
 
     fn reference(&self) -> Aerodynamics {
         match *self {
-            Self::LargeAngle { c0, c1 } => Aerodynamics::LargeAngle { c0, c1 },
-            Self::SmallAngle { c0, c2, c3 } => Aerodynamics::SmallAngle { c0, c2, c3 },
-            Self::Combined {
-                c0,
-                c1,
-                c2,
-                c3,
-                alpha_bar_deg,
-                k_l,
-                k_d,
-            } => Aerodynamics::Combined {
-                c0,
-                c1,
-                c2,
-                c3,
-                alpha_bar: alpha_bar_deg.to_radians(),
-                k_l,
-                k_d,
-            },
+            Self::LargeAngle(model) => Aerodynamics::LargeAngle(model),
+            Self::SmallAngle(model) => Aerodynamics::SmallAngle(model),
+            Self::Combined(model) => Aerodynamics::Combined(model),
             Self::Table { polar } => Aerodynamics::Table(polar.reference),
         }
     }

@@ -4,7 +4,7 @@ use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 use serde::Deserialize;
 
-use super::document::{FieldError, finite, positive};
+use super::document::{FieldError, finite, positive, speed};
 use crate::reference::Vector;
 
 /// `[weather]`.
@@ -44,13 +44,13 @@ pub struct TurbulenceSpec {
 impl WeatherSpec {
     pub(super) fn validate(&self) -> Result<(), FieldError> {
         for value in self.steady_m_s {
-            finite("weather.steady_m_s", value)?;
+            speed("weather.steady_m_s", value)?;
         }
         if let Some(gust) = &self.gust {
             finite("weather.gust.start_s", gust.start_s)?;
             positive("weather.gust.duration_s", gust.duration_s)?;
             for value in gust.peak_m_s {
-                finite("weather.gust.peak_m_s", value)?;
+                speed("weather.gust.peak_m_s", value)?;
             }
         }
         self.turbulence.map_or(Ok(()), |t| t.validate())
@@ -61,6 +61,7 @@ impl TurbulenceSpec {
     pub(crate) fn validate(&self) -> Result<(), FieldError> {
         let field = "weather.turbulence.wind_at_20_ft_m_s";
         positive(field, self.wind_at_20_ft_m_s)?;
+        speed(field, self.wind_at_20_ft_m_s)?;
         if !(3.0..=305.0).contains(&self.height_m) {
             let field = "weather.turbulence.height_m";
             return Err(FieldError::new(field, "must be from 3 to 305 m"));

@@ -5,11 +5,11 @@ use plotters::style::RGBColor;
 use super::chart::{BLUE, Chart, Series, Stroke, sheet};
 use super::{Page, Table, columns};
 use crate::columns::column;
-use crate::study::{CampaignSource, Fan, LimitFound, PERCENTILES, Summary};
+use crate::study::{CampaignSource, Fan, LimitFound, MapFound, PERCENTILES, Summary};
 
 const NOTES: &str = "Percentiles are within half a percent; the least and the greatest are exact. A fan shows the range of all \
     flights, 1–99 %, 5–95 % and 25–75 % of them, and the median, each at its instant: no flight need follow its edges. \
-    Correlations are linear, between a dispersed field and a limit's figure.";
+    Correlations are linear, between a dispersed field and a limit's figure. A map has every bin in the colour of its worst flight.";
 
 /// Tints of the fan from the outside in.
 const TINTS: [RGBColor; 4] = [
@@ -17,6 +17,17 @@ const TINTS: [RGBColor; 4] = [
     RGBColor(206, 220, 236),
     RGBColor(160, 190, 222),
     RGBColor(110, 155, 204),
+];
+
+/// Colours of a map, from good to bad.
+const HEAT: [RGBColor; 7] = [
+    RGBColor(226, 236, 244),
+    RGBColor(190, 214, 235),
+    RGBColor(253, 219, 140),
+    RGBColor(250, 170, 80),
+    RGBColor(232, 100, 50),
+    RGBColor(180, 30, 40),
+    RGBColor(90, 0, 40),
 ];
 
 /// The page about what `source` found.
@@ -38,6 +49,9 @@ pub fn page(source: &CampaignSource, summary: &Summary) -> Page {
             let bound = 3.0 / summary.flights as f64;
             lead += &format!(" (under {bound:.1e} of all with 95 % confidence)");
         }
+    }
+    if summary.diverged > 0 {
+        lead += &format!("; {} DIVERGED", summary.diverged);
     }
     if !campaign.limits.is_empty() {
         lead += &format!("; {} keep every limit", summary.passed);
@@ -198,8 +212,12 @@ fn dispersions(summary: &Summary) -> Table {
 
 fn svg(summary: &Summary) -> String {
     let titles: Vec<String> = summary.fans.iter().map(title).collect();
-    let charts = summary.fans.iter().zip(&titles);
-    let charts: Vec<Chart> = charts.map(|(found, title)| fan(found, title)).collect();
+    let fans = summary.fans.iter().zip(&titles);
+    let fans = fans.map(|(found, title)| fan(found, title));
+    let texts: Vec<MapTexts> = summary.maps.iter().map(MapTexts::new).collect();
+    let maps = summary.maps.iter().zip(&texts);
+    let maps = maps.map(|(found, texts)| map(found, texts));
+    let charts: Vec<Chart> = fans.chain(maps).collect();
     sheet(&charts, 310).expect("charts of finite ranges can be drawn")
 }
 
@@ -213,6 +231,55 @@ fn title(fan: &Fan) -> String {
     };
     let meaning = column(fan.column).map_or(fan.column, |column| column.meaning);
     format!("{}{unit}", meaning.replace('\\', ""))
+}
+
+/// What is written on a map.
+struct MapTexts {
+    title: String,
+    /// Of the colours, from good to bad.
+    classes: Vec<String>,
+}
+
+impl MapTexts {
+    fn new(map: &MapFound) -> Self {
+        let MapFound {
+            x,
+            y,
+            figure,
+            levels,
+            ..
+        } = map;
+        let beyond = if levels[0] < levels[1] { ">" } else { "<" };
+        let first = format!("to {}", levels[0]);
+        let rest = levels.iter().map(|level| format!("{beyond} {level}"));
+        Self {
+            title: format!("worst {figure} over {} → and {} ↑", x.field, y.field),
+            classes: std::iter::once(first).chain(rest).collect(),
+        }
+    }
+}
+
+/// A map: every bin in the colour of its worst flight, and none where nothing flew.
+fn map<'a>(map: &'a MapFound, texts: &'a MapTexts) -> Chart<'a> {
+    let cell = |bin: usize| {
+        let (left, right) = map.x.ends(bin % map.x.bins);
+        let (low, high) = map.y.ends(bin / map.x.bins);
+        let corners = [(left, low), (right, low), (right, high), (left, high)];
+        // Not finite: the next cell is another area.
+        corners.into_iter().chain([(left, f64::NAN)])
+    };
+    let classes = texts.classes.iter().zip(HEAT).enumerate();
+    let series = classes.map(|(class, (name, color))| {
+        let bins = 0..map.worst.len();
+        let inside = bins.filter(|&bin| map.class(bin) == Some(class));
+        Series {
+            name,
+            color,
+            stroke: Stroke::Fill,
+            points: inside.flat_map(cell).collect(),
+        }
+    });
+    Chart::over(&texts.title, &map.x.field, series.collect())
 }
 
 fn fan<'a>(fan: &Fan, title: &'a str) -> Chart<'a> {

@@ -15,7 +15,7 @@ pub enum Stroke {
     Dashed,
     /// A dot at every point.
     Dots,
-    /// The area inside the closed polygon of the points.
+    /// The areas inside closed polygons; a value that is not finite is between two of them.
     Fill,
 }
 
@@ -46,7 +46,7 @@ pub struct Chart<'a> {
     /// What is drawn, with its unit: the title above the chart.
     pub title: &'a str,
     /// What the horizontal axis is, with its unit.
-    pub horizontal: &'static str,
+    pub horizontal: &'a str,
     /// The curves.
     pub series: Vec<Series<'a>>,
     /// Marked points.
@@ -69,7 +69,7 @@ const FAINT_GRID: RGBColor = RGBColor(243, 245, 247);
 
 impl<'a> Chart<'a> {
     /// A chart without marks over a quantity.
-    pub fn over(title: &'a str, horizontal: &'static str, series: Vec<Series<'a>>) -> Self {
+    pub fn over(title: &'a str, horizontal: &'a str, series: Vec<Series<'a>>) -> Self {
         Self {
             title,
             horizontal,
@@ -195,12 +195,10 @@ impl Chart<'_> {
             }
             if series.stroke == Stroke::Fill {
                 let color = series.color.filled();
-                let inside = series.points.iter().copied().filter(|p| p.1.is_finite());
+                let pieces = series.points.split(|p| !p.1.is_finite());
+                let areas = pieces.filter(|piece| piece.len() > 2);
                 chart
-                    .draw_series(std::iter::once(Polygon::new(
-                        inside.collect::<Vec<_>>(),
-                        color,
-                    )))?
+                    .draw_series(areas.map(|piece| Polygon::new(piece.to_vec(), color)))?
                     .label(series.name)
                     .legend(move |(x, y)| Rectangle::new([(x, y - 5), (x + 18, y + 5)], color));
                 continue;
@@ -325,5 +323,27 @@ mod tests {
         assert!(kept.contains(&(7777.0, 5.0)) && kept.contains(&(7778.0, -5.0)));
         assert_eq!(kept.last(), points.last());
         assert!(kept.windows(2).all(|pair| pair[0].0 <= pair[1].0));
+    }
+
+    /// Two cells of a map are two areas, of one colour and one line in the legend.
+    #[test]
+    fn an_area_ends_where_a_value_is_missing() {
+        let cell = |x: f64| {
+            let corners = [(x, 0.0), (x + 1.0, 0.0), (x + 1.0, 1.0), (x, 1.0)];
+            corners.into_iter().chain([(x, f64::NAN)])
+        };
+        let series = |x: Vec<f64>| Series {
+            name: "cells",
+            color: ORANGE,
+            stroke: Stroke::Fill,
+            points: x.into_iter().flat_map(cell).collect(),
+        };
+        let polygons = |x: Vec<f64>| {
+            let chart = Chart::over("map", "x", vec![series(x), Series::line("l", BLUE, vec![])]);
+            let svg = sheet(&[chart], 300).unwrap();
+            svg.matches("<polygon").count()
+        };
+        assert_eq!(polygons(vec![0.0, 3.0]) - polygons(vec![0.0]), 1);
+        assert_eq!(polygons(vec![0.0]), 1);
     }
 }

@@ -173,7 +173,7 @@ fn chart(
 }
 
 /// The points of a column; angles in degrees, broken where they wrap.
-fn points(column: &Column, experiment: &Experiment, record: &[Step]) -> Vec<(f64, f64)> {
+pub(super) fn points(column: &Column, experiment: &Experiment, record: &[Step]) -> Vec<(f64, f64)> {
     let is_angle = column.name.ends_with("_rad");
     let is_fold = column.name == "margin_fold_rad";
     let mut last = f64::NAN;
@@ -202,8 +202,8 @@ pub fn page(
     experiment: &Experiment,
     record: &[Step],
     figures: &Figures,
+    segments: &[Segment],
 ) -> Page {
-    let segments = Segment::of(experiment, record);
     let mut tables = vec![Table {
         title: "Figures of merit".to_owned(),
         header: columns(["", "value", ""]),

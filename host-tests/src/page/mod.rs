@@ -11,6 +11,7 @@ mod margins;
 mod markdown;
 #[allow(clippy::module_inception, reason = "the page itself")]
 mod page;
+pub mod replay;
 pub mod sweep;
 
 pub use margins::margins_svg;

@@ -1,6 +1,7 @@
 //! An emulated target.
 
-use std::io::ErrorKind;
+use std::fs::File;
+use std::io::{ErrorKind, Read, Seek, SeekFrom};
 use std::os::fd::OwnedFd;
 use std::os::unix::net::UnixStream;
 use std::path::Path;
@@ -11,7 +12,11 @@ use anyhow::{Context, bail};
 use super::target::ATTEMPT;
 
 /// QEMU with the image in it; ended when dropped.
-pub struct Qemu(Child);
+pub struct Qemu {
+    child: Child,
+    /// What it says on standard error.
+    said: File,
+}
 
 impl Qemu {
     /// Starts `image` on QEMU's STM32F405 machine, in real time. Returns the emulator and its USART1.
@@ -20,6 +25,7 @@ impl Qemu {
         let (near, far) = UnixStream::pair()?;
         near.set_read_timeout(Some(ATTEMPT))?;
         let far = OwnedFd::from(far);
+        let said = tempfile::tempfile()?;
         let child = Command::new("qemu-system-arm")
             .args([
                 "-M",
@@ -34,20 +40,32 @@ impl Qemu {
             .arg(image)
             .stdin(far.try_clone()?)
             .stdout(far)
+            .stderr(said.try_clone()?)
             .spawn();
         match child {
             Err(error) if error.kind() == ErrorKind::NotFound => {
                 bail!("qemu-system-arm is missing (Debian, Ubuntu: apt install qemu-system-arm)")
             }
-            child => Ok((Self(child.context("qemu-system-arm")?), near)),
+            child => {
+                let child = child.context("qemu-system-arm")?;
+                Ok((Self { child, said }, near))
+            }
         }
+    }
+
+    /// Why it ended, if it has said so. After that it lists every register of the processor.
+    pub fn complaint(&mut self) -> Option<String> {
+        let mut text = String::new();
+        self.said.seek(SeekFrom::Start(0)).ok()?;
+        self.said.read_to_string(&mut text).ok()?;
+        text.lines().next().map(str::to_owned)
     }
 }
 
 impl Drop for Qemu {
     fn drop(&mut self) {
         // Nothing can be done about an emulator that does not end.
-        let _ = self.0.kill();
-        let _ = self.0.wait();
+        let _ = self.child.kill();
+        let _ = self.child.wait();
     }
 }

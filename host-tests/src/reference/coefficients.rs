@@ -1,47 +1,63 @@
 //! The coefficient models as printed, differentiated automatically.
 
 use num_dual::{Dual3_64, DualNum};
+use serde::{Deserialize, Serialize};
 
 use super::Table;
 
-/// An aerodynamic model: one of the paper's three families, or a table. Angles in radians.
+/// An aerodynamic model: one of the paper's three families, or a table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Aerodynamics {
     /// `coeffSmallReynolds1`.
-    LargeAngle {
-        /// Drag at zero angle of attack.
-        c0: f64,
-        /// Amplitude.
-        c1: f64,
-    },
+    LargeAngle(LargeAngle),
     /// `coeffLargeReynoldsSamllAlpha1`.
-    SmallAngle {
-        /// Drag at zero angle of attack.
-        c0: f64,
-        /// Lift slope \[1/rad\].
-        c2: f64,
-        /// Induced drag.
-        c3: f64,
-    },
+    SmallAngle(SmallAngle),
     /// `CompleteModel`.
-    Combined {
-        /// Drag at zero angle of attack.
-        c0: f64,
-        /// Amplitude of the large-α model.
-        c1: f64,
-        /// Lift slope of the small-α model \[1/rad\].
-        c2: f64,
-        /// Induced drag of the small-α model.
-        c3: f64,
-        /// Where the two models cross \[rad\].
-        alpha_bar: f64,
-        /// Sharpness of the crossing for lift \[1/rad²\].
-        k_l: f64,
-        /// Sharpness of the crossing for drag \[1/rad²\].
-        k_d: f64,
-    },
+    Combined(Combined),
     /// Measured coefficients, interpolated.
     Table(&'static Table),
+}
+
+/// Parameters of the large-angle model, as files have them.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LargeAngle {
+    /// c_0: drag at zero angle of attack.
+    pub c0: f64,
+    /// c_1: amplitude.
+    pub c1: f64,
+}
+
+/// Parameters of the small-angle model, as files have them.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SmallAngle {
+    /// c_0: drag at zero angle of attack.
+    pub c0: f64,
+    /// c_2: lift slope \[1/rad\].
+    pub c2: f64,
+    /// c_3: growth of the drag \[1/rad²\].
+    pub c3: f64,
+}
+
+/// Parameters of the combined model, as files have them: the small-angle model below stall, the large-angle model above.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Combined {
+    /// c_0 of both.
+    pub c0: f64,
+    /// c_1 of the large-angle model.
+    pub c1: f64,
+    /// c_2 of the small-angle model \[1/rad\].
+    pub c2: f64,
+    /// c_3 of the small-angle model \[1/rad²\].
+    pub c3: f64,
+    /// ᾱ: where the two cross \[°\].
+    pub alpha_bar_deg: f64,
+    /// k_L: sharpness of the crossing for lift \[1/rad²\].
+    pub k_l: f64,
+    /// k_D: sharpness of the crossing for drag \[1/rad²\].
+    pub k_d: f64,
 }
 
 /// Lift and drag coefficients with two derivatives, \[1/rad\] each.
@@ -74,20 +90,65 @@ impl Coefficients {
     }
 }
 
-fn large_lift(alpha: Dual3_64, c1: f64) -> Dual3_64 {
-    (alpha * 2.0).sin() * c1
+impl LargeAngle {
+    /// c_L and c_D.
+    fn at(&self, alpha: Dual3_64) -> [Dual3_64; 2] {
+        let lift = (alpha * 2.0).sin() * self.c1;
+        let drag = alpha.sin().powi(2) * (2.0 * self.c1) + self.c0;
+        [lift, drag]
+    }
 }
 
-fn large_drag(alpha: Dual3_64, c0: f64, c1: f64) -> Dual3_64 {
-    alpha.sin().powi(2) * (2.0 * c1) + c0
+impl SmallAngle {
+    /// c_L and c_D.
+    fn at(&self, alpha: Dual3_64) -> [Dual3_64; 2] {
+        let Self { c0, c2, c3 } = *self;
+        let divisor = alpha.cos().powi(2) * (c2 - c3) + c3;
+        let lift = (alpha * 2.0).sin() * (0.5 * c2 * c2) / divisor;
+        let drag = alpha.sin().powi(2) * (c2 * c3) / divisor + c0;
+        [lift, drag]
+    }
 }
 
-fn small_lift(alpha: Dual3_64, c2: f64, c3: f64) -> Dual3_64 {
-    (alpha * 2.0).sin() * (0.5 * c2 * c2) / (alpha.cos().powi(2) * (c2 - c3) + c3)
-}
+impl Combined {
+    /// NACA 0021 at Re = 160e3 (`coefficientsReL`).
+    pub const NACA_0021_RE_160E3: Self = Self {
+        c0: 0.014,
+        c1: 0.95,
+        c2: 5.5,
+        c3: 0.3,
+        alpha_bar_deg: 11.0,
+        k_l: 28.0,
+        k_d: 167.0,
+    };
 
-fn small_drag(alpha: Dual3_64, c0: f64, c2: f64, c3: f64) -> Dual3_64 {
-    alpha.sin().powi(2) * (c2 * c3) / (alpha.cos().powi(2) * (c2 - c3) + c3) + c0
+    /// ᾱ \[rad\].
+    pub fn alpha_bar(&self) -> f64 {
+        self.alpha_bar_deg.to_radians()
+    }
+
+    /// The model below stall.
+    pub fn small(&self) -> SmallAngle {
+        let Self { c0, c2, c3, .. } = *self;
+        SmallAngle { c0, c2, c3 }
+    }
+
+    /// The model above stall.
+    pub fn large(&self) -> LargeAngle {
+        let Self { c0, c1, .. } = *self;
+        LargeAngle { c0, c1 }
+    }
+
+    /// c_L and c_D, each with the sum of the magnitudes of its terms.
+    fn at(&self, alpha: Dual3_64) -> [(Dual3_64, Dual3_64); 2] {
+        let ([small_lift, small_drag], [large_lift, large_drag]) =
+            (self.small().at(alpha), self.large().at(alpha));
+        let sigma = |k| sigma(self.alpha_bar(), k, alpha);
+        [
+            blend(small_lift, large_lift, sigma(self.k_l)),
+            blend(small_drag, large_drag, sigma(self.k_d)),
+        ]
+    }
 }
 
 /// `sigma`, as printed.
@@ -145,39 +206,12 @@ impl Aerodynamics {
     /// in N(c′), |c‴|·N(α) in N(c″).
     pub fn at_with_magnitudes(&self, alpha: f64, n_alpha: f64) -> (Coefficients, Coefficients) {
         let x = Dual3_64::from_re(alpha).derivative();
-        let ((lift, lift_size), (drag, drag_size)) = match *self {
-            Self::LargeAngle { c0, c1 } => {
-                let (lift, drag) = (large_lift(x, c1), large_drag(x, c0, c1));
-                ((lift, abs(lift)), (drag, abs(drag)))
-            }
-            Self::SmallAngle { c0, c2, c3 } => {
-                let (lift, drag) = (small_lift(x, c2, c3), small_drag(x, c0, c2, c3));
-                ((lift, abs(lift)), (drag, abs(drag)))
-            }
-            Self::Combined {
-                c0,
-                c1,
-                c2,
-                c3,
-                alpha_bar,
-                k_l,
-                k_d,
-            } => (
-                blend(
-                    small_lift(x, c2, c3),
-                    large_lift(x, c1),
-                    sigma(alpha_bar, k_l, x),
-                ),
-                blend(
-                    small_drag(x, c0, c2, c3),
-                    large_drag(x, c0, c1),
-                    sigma(alpha_bar, k_d, x),
-                ),
-            ),
-            Self::Table(table) => {
-                let (lift, drag) = table.at(x);
-                ((lift, abs(lift)), (drag, abs(drag)))
-            }
+        let sized = |[lift, drag]: [Dual3_64; 2]| [(lift, abs(lift)), (drag, abs(drag))];
+        let [(lift, lift_size), (drag, drag_size)] = match self {
+            Self::LargeAngle(model) => sized(model.at(x)),
+            Self::SmallAngle(model) => sized(model.at(x)),
+            Self::Combined(model) => model.at(x),
+            Self::Table(table) => sized(table.at(x).into()),
         };
         (
             Coefficients::from_jets(lift, drag),
@@ -193,15 +227,7 @@ impl Aerodynamics {
 mod tests {
     use super::*;
 
-    const COMBINED: Aerodynamics = Aerodynamics::Combined {
-        c0: 0.014,
-        c1: 0.95,
-        c2: 5.5,
-        c3: 0.3,
-        alpha_bar: 0.191_986_217_719_376_2,
-        k_l: 28.0,
-        k_d: 167.0,
-    };
+    const COMBINED: Aerodynamics = Aerodynamics::Combined(Combined::NACA_0021_RE_160E3);
 
     /// The automatic derivatives against central differences. Step 1e-4: the truncation error is
     /// h²/6 times a third (fourth) derivative of up to 2e4 (5e6), hence 1e-4 and 1e-2 at most.
@@ -225,7 +251,7 @@ mod tests {
     /// At ᾱ the numerator of σ is 1, so σ = 1/(1 + tanh kᾱ²): worked by hand for lift.
     #[test]
     fn the_blend_at_its_knee_is_the_printed_one() {
-        let alpha: f64 = 0.191_986_217_719_376_2;
+        let alpha = 11_f64.to_radians();
         let knee: f64 = 28.0 * alpha * alpha;
         let sigma = 1.0 / (1.0 + knee.tanh());
         let small = 0.5 * 5.5 * 5.5 * (2.0 * alpha).sin() / (5.2 * alpha.cos().powi(2) + 0.3);

@@ -4,25 +4,16 @@
 //! two to each other. α is the direction of v_a seen from the body, and its sine and cosine come from the components; the
 //! blend `sigma` = (1 + tanh x)/(1 + tanh kᾱ²) is 2/(1 + e^{−2x}) over the same constant.
 
-use super::{Aerodynamics, Table, Vector, Vehicle};
+use super::{Aerodynamics, LargeAngle, SmallAngle, Table, Vector, Vehicle};
 
 /// c_L and c_D as functions of α, prepared.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Values {
-    LargeAngle {
-        c0: f64,
-        c1: f64,
-    },
-    SmallAngle {
-        c0: f64,
-        c2: f64,
-        c3: f64,
-    },
+    LargeAngle(LargeAngle),
+    SmallAngle(SmallAngle),
     Combined {
-        c0: f64,
-        c1: f64,
-        c2: f64,
-        c3: f64,
+        small: SmallAngle,
+        large: LargeAngle,
         lift: Blend,
         drag: Blend,
     },
@@ -54,37 +45,33 @@ impl Blend {
     }
 }
 
-/// Lift and drag of the large-α model at an angle with this sine and cosine.
-fn large(c0: f64, c1: f64, sin: f64, cos: f64) -> (f64, f64) {
-    (2.0 * c1 * sin * cos, c0 + 2.0 * c1 * sin * sin)
+impl LargeAngle {
+    /// c_L and c_D at an angle with this sine and cosine.
+    fn values(&self, sin: f64, cos: f64) -> (f64, f64) {
+        let Self { c0, c1 } = *self;
+        (2.0 * c1 * sin * cos, c0 + 2.0 * c1 * sin * sin)
+    }
 }
 
-/// Lift and drag of the small-α model.
-fn small(c0: f64, c2: f64, c3: f64, sin: f64, cos: f64) -> (f64, f64) {
-    let part = c2 * sin / ((c2 - c3) * cos * cos + c3);
-    (c2 * part * cos, c0 + c3 * part * sin)
+impl SmallAngle {
+    /// c_L and c_D at an angle with this sine and cosine.
+    fn values(&self, sin: f64, cos: f64) -> (f64, f64) {
+        let Self { c0, c2, c3 } = *self;
+        let part = c2 * sin / ((c2 - c3) * cos * cos + c3);
+        (c2 * part * cos, c0 + c3 * part * sin)
+    }
 }
 
 impl Values {
     fn new(model: &Aerodynamics) -> Self {
         match *model {
-            Aerodynamics::LargeAngle { c0, c1 } => Self::LargeAngle { c0, c1 },
-            Aerodynamics::SmallAngle { c0, c2, c3 } => Self::SmallAngle { c0, c2, c3 },
-            Aerodynamics::Combined {
-                c0,
-                c1,
-                c2,
-                c3,
-                alpha_bar,
-                k_l,
-                k_d,
-            } => Self::Combined {
-                c0,
-                c1,
-                c2,
-                c3,
-                lift: Blend::new(alpha_bar, k_l),
-                drag: Blend::new(alpha_bar, k_d),
+            Aerodynamics::LargeAngle(model) => Self::LargeAngle(model),
+            Aerodynamics::SmallAngle(model) => Self::SmallAngle(model),
+            Aerodynamics::Combined(model) => Self::Combined {
+                small: model.small(),
+                large: model.large(),
+                lift: Blend::new(model.alpha_bar(), model.k_l),
+                drag: Blend::new(model.alpha_bar(), model.k_d),
             },
             Aerodynamics::Table(table) => Self::Table(table),
         }
@@ -92,19 +79,17 @@ impl Values {
 
     /// c_L and c_D at the angle with this sine and cosine.
     fn at(&self, sin: f64, cos: f64) -> (f64, f64) {
-        match *self {
-            Self::LargeAngle { c0, c1 } => large(c0, c1, sin, cos),
-            Self::SmallAngle { c0, c2, c3 } => small(c0, c2, c3, sin, cos),
+        match self {
+            Self::LargeAngle(model) => model.values(sin, cos),
+            Self::SmallAngle(model) => model.values(sin, cos),
             Self::Combined {
-                c0,
-                c1,
-                c2,
-                c3,
+                small,
+                large,
                 lift,
                 drag,
             } => {
                 let alpha = sin.atan2(cos);
-                let (near, far) = (small(c0, c2, c3, sin, cos), large(c0, c1, sin, cos));
+                let (near, far) = (small.values(sin, cos), large.values(sin, cos));
                 let mix = |near: f64, far: f64, part: f64| far + part * (near - far);
                 (
                     mix(near.0, far.0, lift.at(alpha)),
@@ -170,6 +155,7 @@ impl ForceModel {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Combined;
     use super::*;
     use crate::polar::Polar;
     use rand::{RngExt, SeedableRng};
@@ -179,26 +165,13 @@ mod tests {
     /// roundings of α, times c_L′ and k_a v², are some 1e-12.
     #[test]
     fn the_acceleration_is_the_yardsticks() {
-        let combined = Aerodynamics::Combined {
-            c0: 0.014,
-            c1: 0.95,
-            c2: 5.5,
-            c3: 0.3,
-            alpha_bar: 11_f64.to_radians(),
-            k_l: 28.0,
-            k_d: 167.0,
-        };
-        let small = Aerodynamics::SmallAngle {
-            c0: 0.014,
-            c2: 5.5,
-            c3: 0.3,
-        };
+        let combined = Combined::NACA_0021_RE_160E3;
         let polar = |name: &str| Aerodynamics::Table(Polar::load(name).unwrap().reference);
         let random = &mut ChaCha8Rng::seed_from_u64(11);
         for aerodynamics in [
-            combined,
-            small,
-            Aerodynamics::LargeAngle { c0: 0.1, c1: 0.9 },
+            Aerodynamics::Combined(combined),
+            Aerodynamics::SmallAngle(combined.small()),
+            Aerodynamics::LargeAngle(LargeAngle { c0: 0.1, c1: 0.9 }),
             polar("naca-0021-re-160e3"),
             polar("naca-0021-re-5e6"),
         ] {

@@ -1,4 +1,4 @@
-//! The columns of a record in space, each declared once: for the trace, the charts and the documentation.
+//! The columns of a record in space, each declared once: for the trace, the charts and the README.
 
 use std::io::Write;
 
@@ -178,14 +178,14 @@ pub fn write_trace(record: &[Step], mut to: impl Write) -> std::io::Result<()> {
 mod tests {
     use super::*;
 
-    /// The table of columns in the documentation is this one.
+    /// The README's table of columns is this one.
     #[test]
     fn every_column_is_documented() {
-        let page = include_str!("../../../docs/three-dimensions.md");
+        let readme = include_str!("../../README.md");
         for (i, column) in COLUMNS.iter().enumerate() {
             assert!(COLUMNS[..i].iter().all(|c| c.name != column.name));
             let line = format!("| `{}` | {} | {} |", column.name, column.unit, column.meaning);
-            assert!(page.contains(&line), "three-dimensions.md lacks the line {line}");
+            assert!(readme.contains(&line), "README.md lacks the line {line}");
         }
     }
 }

@@ -11,7 +11,7 @@ use super::weather::WeatherSpec;
 use super::{FIGURES, InitialSpec, PathSpec, SensorSpec, V3, vector};
 use crate::experiment::{Document, FieldError, VehicleSpec, finite, positive, thrust_limits};
 
-/// A flight in space. The format is described in `docs/three-dimensions.md`.
+/// A flight in space. The format is described in this package's README.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Experiment {

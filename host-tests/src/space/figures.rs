@@ -1,4 +1,4 @@
-//! Figures of a flight in space, each declared once: for the table, `--json`, bounds and the documentation.
+//! Figures of a flight in space, each declared once: for the table, `--json`, bounds and the README.
 //!
 //! Root mean squares and peaks leave out the entry. A NaN makes a figure NaN; that is `null` in JSON and keeps no bound.
 
@@ -187,14 +187,14 @@ impl Figures {
 mod tests {
     use super::*;
 
-    /// The table of figures in the documentation is this one.
+    /// The README's table of figures is this one.
     #[test]
     fn every_figure_is_documented() {
-        let page = include_str!("../../../docs/three-dimensions.md");
+        let readme = include_str!("../../README.md");
         for (i, figure) in FIGURES.iter().enumerate() {
             assert!(FIGURES[..i].iter().all(|f| f.name != figure.name));
             let line = format!("| `{}` | {} | {} |", figure.name, figure.unit, figure.meaning);
-            assert!(page.contains(&line), "three-dimensions.md lacks the line {line}");
+            assert!(readme.contains(&line), "README.md lacks the line {line}");
         }
     }
 }

@@ -74,8 +74,8 @@ pub struct HeadingStep {
 
 /// A path that is being flown.
 ///
-/// Where it waits for the vehicle, its parameter advances at `1 + k e_t/V` times its own rate, e_t the error along the
-/// track, within [0.5, 1.6]; velocity and acceleration scale with that factor and its square.
+/// Where it waits for the vehicle, its parameter advances at the guidance's pace times its own rate; velocity and
+/// acceleration scale with the pace and its square.
 pub struct Path {
     shape: Shape,
     phase: f64,
@@ -89,11 +89,6 @@ enum Shape {
     /// The curve with its first two derivatives over the parameter, and the speed along it.
     Curve(Box<dyn Fn(f64) -> [V3; 3]>, f64),
 }
-
-/// k \[1/s\]. Below the guidance's own gain: with more, a vehicle ahead is asked to fly faster still.
-const FOLLOW: f64 = 0.2;
-/// Least speed \[m/s\] that an error along the track is compared to.
-const SLOW: f64 = 5.0;
 
 impl PathSpec {
     /// The path at its beginning. Fields in errors are whole paths.
@@ -202,21 +197,22 @@ impl Path {
         }
     }
 
-    /// The target now, for a vehicle at `position` \[m\]; the next call is for `dt` \[s\] later.
-    pub fn advance(&mut self, position: V3, dt: f64) -> Target {
+    /// The target at the beginning.
+    pub fn start(&self) -> Target {
+        self.at(0.0).0
+    }
+
+    /// The target now; the next call is for `dt` \[s\] later. `pace` is asked how fast the path may go on, in multiples of
+    /// its own speed.
+    pub fn advance(&mut self, dt: f64, pace: impl FnOnce(&Target) -> f64) -> Target {
         let (target, rate) = self.at(self.phase);
-        let speed = target.velocity.norm();
-        let mut factor = 1.0;
-        if self.waits && speed > 0.0 {
-            let ahead = (position - target.position).dot(&target.velocity) / speed;
-            factor = (1.0 + FOLLOW * ahead / speed.max(SLOW)).clamp(0.5, 1.6);
-        }
+        let pace = if self.waits { pace(&target) } else { 1.0 };
         // The rate in the middle of the step.
-        let (_, middle) = self.at(self.phase + 0.5 * rate * factor * dt);
-        self.phase += middle * factor * dt;
+        let (_, middle) = self.at(self.phase + 0.5 * rate * pace * dt);
+        self.phase += middle * pace * dt;
         Target {
-            velocity: target.velocity * factor,
-            acceleration: target.acceleration * (factor * factor),
+            velocity: target.velocity * pace,
+            acceleration: target.acceleration * (pace * pace),
             ..target
         }
     }
@@ -249,11 +245,9 @@ mod tests {
         ] {
             let mut path = path(text).unwrap();
             let dt = 1e-3;
-            let mut position = path.at(0.0).0.position;
             let (mut last, mut jumps) = (None::<Target>, 0);
             for _ in 0..20_000 {
-                let target = path.advance(position, dt);
-                position = path.at(path.phase).0.position;
+                let target = path.advance(dt, |_| 1.0);
                 if let Some(last) = last {
                     let v = (target.position - last.position) / dt;
                     let mean = 0.5 * (target.velocity + last.velocity);
@@ -290,12 +284,16 @@ mod tests {
     }
 
     #[test]
-    fn a_path_waits_for_a_vehicle_that_lags_behind() {
-        let mut path = path("path.track.speed_m_s = 20").unwrap();
-        let behind = path.advance(V3::new(-10.0, 0.0, 0.0), 0.01);
-        assert!((behind.velocity.x - 20.0 * 0.9).abs() < 1e-9);
-        let far = path.advance(V3::new(-1e4, 0.0, 0.0), 0.01);
-        assert_eq!(far.velocity.x, 10.0);
+    fn a_curve_goes_on_at_the_pace_given_and_legs_at_their_own() {
+        let circle = "path.circle = { radius_m = 40, speed_m_s = 20 }";
+        for (text, pace) in [(circle, 0.5), ("path.legs = [{ lasts_s = 9, from_m_s = 20 }]", 1.0)] {
+            let mut path = path(text).unwrap();
+            let first = path.advance(0.01, |_| 0.5);
+            assert!((first.velocity.norm() - 20.0 * pace).abs() < 1e-9);
+            let next = path.advance(0.01, |_| 0.5);
+            let moved = (next.position - first.position).norm();
+            assert!((moved - 0.2 * pace).abs() < 1e-6, "{text} {moved}");
+        }
     }
 
     #[test]

@@ -215,26 +215,24 @@ fn scene(
     view.line(text, path, &style);
     view.line(text, positions(), &format!("stroke=\"{BACK}\" stroke-width=\"2\""));
 
-    // A vehicle where none drawn before, in this turn of the track, is near.
-    let mut last: Option<[f64; 2]> = None;
-    let far = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]) > 1.25 * SPAN;
-    let mut number = 0;
+    // A vehicle where none drawn before is near.
+    let mut drawn: Vec<[f64; 2]> = Vec::new();
+    let far = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]) > SPAN;
     for step in record {
         let p = step.truth.position;
         let pixel = view.pixel(p);
-        if last.is_some_and(|last| !far(pixel, last)) {
+        if drawn.iter().any(|&there| !far(pixel, there)) {
             continue;
         }
-        last = Some(pixel);
+        drawn.push(pixel);
         if raised {
             let style = format!("stroke=\"{SHADOW}\" stroke-dasharray=\"2 3\"");
             view.line(text, [p, on_ground(p)].into_iter(), &style);
         }
         view.vehicle(text, &step.truth, p);
-        if number % 4 == 0 {
+        if drawn.len() % 4 == 1 {
             view.text(text, p, [0.0, -0.55 * SPAN], &format!("{:.0} s", step.t), INK);
         }
-        number += 1;
     }
 
     // North and the mean wind, beside the grid.

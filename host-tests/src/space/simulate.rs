@@ -50,9 +50,8 @@ pub fn fly(experiment: &Experiment) -> Result<Record, FieldError> {
     let mut weather = Weather::new(experiment.weather, &mut gusts);
     let period = 1.0 / experiment.control_rate_hz;
     let dt = period / f64::from(experiment.substeps);
-    let begin = experiment.path.path()?.advance(V3::zeros(), period);
-    let mut truth = experiment.initial.state(&begin, &mut stream(2));
     let mut path = experiment.path.path()?;
+    let mut truth = experiment.initial.state(&path.start(), &mut stream(2));
 
     // Commands on their way: the number of the plant's step from which each acts.
     let delay = (experiment.plant.delay_s / dt).round() as usize;
@@ -68,7 +67,10 @@ pub fn fly(experiment: &Experiment) -> Result<Record, FieldError> {
         let steady = experiment.weather.steady;
         let sensors = &experiment.sensors;
         let measured = sensors.measure(&truth, specific_force, wind, steady, &mut noise);
-        let target = path.advance(measured.position, period);
+        let target = path.advance(period, |target| {
+            let error = measured.position - target.position;
+            guidance.pace(ned(error), ned(target.velocity)).into()
+        });
         let heading = target.heading.map_or(f32::NAN, |h| h as f32);
         let input = GuidanceInput {
             velocity: ned(measured.velocity),

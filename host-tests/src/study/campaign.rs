@@ -2,11 +2,12 @@
 //!
 //! Flight `n` of a campaign is a function of the campaign's text and `n`.
 
+use std::collections::BTreeMap;
 use std::fmt;
 
 use serde::Deserialize;
 
-use super::Distribution;
+use super::{Distribution, Map, RandomReference};
 use crate::experiment::FaultKind;
 use crate::figures;
 
@@ -30,12 +31,17 @@ pub struct Campaign {
     /// Fields of the experiment that are drawn for each flight.
     #[serde(default)]
     pub disperse: Vec<Dispersion>,
+    /// How the references are drawn, in place of the base's.
+    pub reference: Option<RandomReference>,
     /// Faults, one of which is drawn for each flight.
     #[serde(default)]
     pub faults: Vec<FaultDraw>,
     /// What is asked of the flights.
     #[serde(default)]
     pub limits: Vec<Limit>,
+    /// Maps of where flights strain.
+    #[serde(default)]
+    pub maps: Vec<Map>,
 }
 
 /// A field of the experiment that is drawn for each flight: scaled by, added to or replaced by a random number.
@@ -50,6 +56,10 @@ pub struct Dispersion {
     pub add: Option<Distribution>,
     /// Value.
     pub to: Option<Distribution>,
+    /// Other fields as they are once drawn, each with an exponent: the number drawn is multiplied by their powers, as where a wing grows
+    /// with the mass to the two thirds.
+    #[serde(default)]
+    pub powers: BTreeMap<String, f64>,
 }
 
 /// A fault that may be drawn.
@@ -62,6 +72,10 @@ pub struct FaultDraw {
     pub from_s: Distribution,
     /// How long \[s\].
     pub lasts_s: Distribution,
+    /// How much, of the kinds that have a size.
+    pub size: Option<Distribution>,
+    /// Farthest that the flight may sink below its reference \[m\]; any depth if left out.
+    pub sinks_m: Option<f64>,
     /// The guidance's state at the fault's last control step.
     pub during: Expected,
     /// The guidance's state at the end of the flight.

@@ -12,6 +12,8 @@ use crate::experiment::FieldError;
 pub enum Distribution {
     /// Uniform in [least, most].
     Uniform([f64; 2]),
+    /// Uniform in the logarithm, in [least, most]: every doubling is as likely.
+    LogUniform([f64; 2]),
     /// Normal, drawn anew until it is within so many deviations.
     Normal {
         /// Mean.
@@ -33,6 +35,11 @@ impl Distribution {
             Self::Uniform([least, most]) if !(finite(&[*least, *most]) && least <= most) => {
                 error("uniform must be [least, most]")
             }
+            Self::LogUniform([least, most])
+                if !(finite(&[*least, *most]) && 0.0 < *least && least <= most) =>
+            {
+                error("log-uniform must be [least, most], and positive")
+            }
             Self::Normal {
                 mean,
                 deviation,
@@ -47,12 +54,29 @@ impl Distribution {
         }
     }
 
+    /// A number that none drawn is below.
+    pub(super) fn least(&self) -> f64 {
+        match self {
+            Self::Uniform([least, _]) | Self::LogUniform([least, _]) => *least,
+            Self::Normal {
+                mean,
+                deviation,
+                within,
+            } => mean - deviation * within,
+            Self::OneOf(values) => values.iter().copied().fold(f64::INFINITY, f64::min),
+        }
+    }
+
     /// A number drawn.
     pub(super) fn draw(&self, random: &mut impl Rng) -> f64 {
         match self {
             Self::Uniform([least, most]) => {
                 let part: f64 = random.random();
                 least + part * (most - least)
+            }
+            Self::LogUniform([least, most]) => {
+                let part: f64 = random.random();
+                least * (most / least).powf(part)
             }
             Self::Normal {
                 mean,
@@ -100,6 +124,11 @@ mod tests {
         let (mean, deviation, least, most) = moments(&normal);
         assert!((mean - 5.0).abs() < 0.01 && (deviation - 0.5 * 0.8796).abs() < 0.008);
         assert!((4.0..4.01).contains(&least) && most <= 6.0 && most > 5.99);
+        // The mean of a decade is 9/ln 10, and half of it is below √10.
+        let decade = Distribution::LogUniform([1.0, 10.0]);
+        let (mean, _, least, most) = moments(&decade);
+        assert!((mean - 9.0 / 10.0_f64.ln()).abs() < 0.04);
+        assert!((1.0..1.01).contains(&least) && most <= 10.0 && most > 9.99);
         let (mean, ..) = moments(&Distribution::OneOf(vec![0.0, 3.0]));
         assert!((mean - 1.5).abs() < 0.03);
     }
@@ -120,6 +149,7 @@ mod tests {
             "d.normal = { mean = 0, deviation = 1, within = 0 }"
         ));
         assert!(refused("d.one-of = []"));
+        assert!(refused("d.log-uniform = [0, 1]"));
         assert!(!refused("d.uniform = [1, 1]"));
     }
 }

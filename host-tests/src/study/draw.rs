@@ -4,7 +4,7 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use toml::Value;
 
-use super::{Campaign, Dispersion};
+use super::{Campaign, Dispersion, DrawnReference};
 use crate::experiment::{Document, Experiment, FieldError};
 
 /// What was drawn for a flight.
@@ -16,6 +16,8 @@ pub struct Drawn {
     pub document: Document,
     /// Values of the dispersed fields, in the campaign's order.
     pub values: Vec<f64>,
+    /// The reference, if the campaign draws it.
+    pub reference: Option<DrawnReference>,
     /// The fault, if the campaign has any.
     pub fault: Option<DrawnFault>,
 }
@@ -32,13 +34,24 @@ pub struct DrawnFault {
 }
 
 impl Dispersion {
-    fn draw(&self, base: &Document, random: &mut impl Rng) -> Result<f64, FieldError> {
-        Ok(match (&self.scale, &self.add, &self.to) {
+    /// The field's value, where so much is `drawn` already.
+    fn draw(
+        &self,
+        base: &Document,
+        drawn: &Document,
+        random: &mut impl Rng,
+    ) -> Result<f64, FieldError> {
+        let value = match (&self.scale, &self.add, &self.to) {
             (Some(scale), ..) => base.number(&self.field)? * scale.draw(random),
             (_, Some(add), _) => base.number(&self.field)? + add.draw(random),
             (.., Some(to)) => to.draw(random),
             (None, None, None) => unreachable!("validated when loaded"),
-        })
+        };
+        let mut product = value;
+        for (field, exponent) in &self.powers {
+            product *= drawn.number(field)?.powf(*exponent);
+        }
+        Ok(product)
     }
 }
 
@@ -54,9 +67,13 @@ impl Campaign {
         document.set("seed", Value::Integer(seed))?;
         let mut values = Vec::with_capacity(self.disperse.len());
         for dispersion in &self.disperse {
-            let value = dispersion.draw(base, &mut random)?;
+            let value = dispersion.draw(base, &document, &mut random)?;
             document.set(&dispersion.field, Value::Float(value))?;
             values.push(value);
+        }
+        let reference = self.reference.as_ref().map(|r| r.draw(&mut random));
+        if let Some(reference) = &reference {
+            document.set("reference.knots", reference.value())?;
         }
         let mut fault = None;
         if !self.faults.is_empty() {
@@ -64,13 +81,16 @@ impl Campaign {
             let from_s = self.faults[index].from_s.draw(&mut random);
             let to_s = from_s + self.faults[index].lasts_s.draw(&mut random);
             let kind = Value::try_from(self.faults[index].kind).expect("a name");
+            let size = self.faults[index].size.as_ref();
+            let size = size.map(|size| ("size", Value::Float(size.draw(&mut random))));
             let table = [
                 ("kind", kind),
                 ("from_s", Value::Float(from_s)),
                 ("to_s", Value::Float(to_s)),
             ];
+            let table = table.into_iter().chain(size);
             let table = table.map(|(key, value)| (key.to_owned(), value));
-            let list = vec![Value::Table(table.into_iter().collect())];
+            let list = vec![Value::Table(table.collect())];
             document.set("sensors.faults", Value::Array(list))?;
             fault = Some(DrawnFault {
                 index,
@@ -82,6 +102,7 @@ impl Campaign {
             experiment: document.experiment()?,
             document,
             values,
+            reference,
             fault,
         })
     }

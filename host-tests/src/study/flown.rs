@@ -4,7 +4,7 @@ use super::{Drawn, Expected, FaultDraw};
 use crate::columns::{self, column};
 use crate::experiment::Experiment;
 use crate::figures::Tally;
-use crate::simulate::{Step, simulate};
+use crate::simulate::{End, Step, simulate};
 
 /// The columns of the record whose course is sampled.
 pub const SAMPLED: [&str; 6] = [
@@ -31,6 +31,8 @@ pub struct Flown {
     pub samples: Vec<Sample>,
     /// Whether the fault ended in its stated states; true without a fault.
     pub fault_as_stated: bool,
+    /// Whether the simulation diverged: then the figures say nothing.
+    pub diverged: bool,
 }
 
 impl Flown {
@@ -45,7 +47,7 @@ impl Flown {
         let mut samples = Vec::with_capacity(SAMPLES + 1);
         let mut fault_as_stated = true;
         let mut number = 0;
-        simulate(experiment, experiment.controller()?.as_mut(), |step| {
+        let end = simulate(experiment, experiment.controller()?.as_mut(), |step| {
             tally.add(step);
             // A rounding error early rather than a step late.
             if step.t >= samples.len() as f64 * spacing - 1e-9 {
@@ -63,10 +65,15 @@ impl Flown {
             number += 1;
             true
         })?;
+        let figures = tally.figures();
+        let sunk = -figures.get("altitude_least_m");
+        let stated = drawn.fault.and_then(|fault| faults[fault.index].sinks_m);
+        fault_as_stated &= stated.is_none_or(|most| sunk <= most);
         Ok(Self {
-            figures: tally.figures().values,
+            figures: figures.values,
             samples,
             fault_as_stated,
+            diverged: matches!(end, End::Diverged(_)),
         })
     }
 }

@@ -9,6 +9,7 @@ use anyhow::{Context, bail};
 use parquet::basic::{Repetition, Type as Physical};
 use parquet::column::reader::ColumnReader;
 use parquet::data_type::{BoolType, DoubleType, FloatType, Int64Type};
+use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use parquet::file::reader::{FileReader, RowGroupReader, SerializedFileReader};
 use parquet::file::writer::SerializedFileWriter;
@@ -140,22 +141,41 @@ impl Frame {
 }
 
 /// Writes frames of the same columns, each as a row group of one Parquet file.
-pub struct FrameWriter<W: Write + Send>(Option<SerializedFileWriter<W>>, Option<W>);
+pub struct FrameWriter<W: Write + Send> {
+    /// Open from the first frame on, which has the columns.
+    writer: Option<SerializedFileWriter<W>>,
+    to: Option<W>,
+    metadata: Option<Vec<KeyValue>>,
+}
 
 impl<W: Write + Send> FrameWriter<W> {
     /// A writer of the file `to`.
     pub fn new(to: W) -> Self {
-        Self(None, Some(to))
+        Self {
+            writer: None,
+            to: Some(to),
+            metadata: None,
+        }
+    }
+
+    /// A writer of the file `to`, with `value` under `key` in its metadata.
+    pub fn with_metadata(to: W, key: &str, value: String) -> Self {
+        Self {
+            metadata: Some(vec![KeyValue::new(key.to_owned(), value)]),
+            ..Self::new(to)
+        }
     }
 
     /// Writes `frame`.
     pub fn write(&mut self, frame: &Frame) -> anyhow::Result<()> {
-        if let Some(to) = self.1.take() {
+        if let Some(to) = self.to.take() {
             let schema = Arc::new(frame.schema()?);
-            let properties = Arc::new(WriterProperties::builder().build());
-            self.0 = Some(SerializedFileWriter::new(to, schema, properties)?);
+            let properties = WriterProperties::builder();
+            let properties = properties.set_key_value_metadata(self.metadata.take());
+            let writer = SerializedFileWriter::new(to, schema, Arc::new(properties.build()))?;
+            self.writer = Some(writer);
         }
-        let writer = self.0.as_mut().expect("made with the first frame");
+        let writer = self.writer.as_mut().expect("made with the first frame");
         let mut group = writer.next_row_group()?;
         for (_, column) in &frame.columns {
             let mut to = group.next_column()?.context("more columns than before")?;
@@ -173,7 +193,7 @@ impl<W: Write + Send> FrameWriter<W> {
 
     /// Ends the file.
     pub fn close(self) -> anyhow::Result<()> {
-        if let Some(writer) = self.0 {
+        if let Some(writer) = self.writer {
             writer.close()?;
         }
         Ok(())

@@ -5,6 +5,7 @@ use std::path::Path;
 use anyhow::Context;
 use serde::{Deserialize, Serialize};
 
+use super::store::REFERENCE;
 use super::{Campaign, Dispersion, Expected, FaultDraw, Limit};
 use crate::experiment::{Document, FieldError, finite, from_toml};
 use crate::figures::FIGURES;
@@ -14,7 +15,13 @@ use crate::named::Named;
 pub const BUILT_IN: &[(&str, &str)] = &[
     ("dispersed", include_str!("../../campaigns/dispersed.toml")),
     ("faults", include_str!("../../campaigns/faults.toml")),
+    ("envelope", include_str!("../../campaigns/envelope.toml")),
+    ("upsets", include_str!("../../campaigns/upsets.toml")),
+    ("vehicles", include_str!("../../campaigns/vehicles.toml")),
 ];
+
+/// Most flights of a campaign: months on one core.
+const MAX_FLIGHTS: u64 = 1_000_000_000;
 
 /// A campaign with all that decides its results: what a folder of results keeps.
 #[derive(Clone, Debug, PartialEq)]
@@ -90,8 +97,8 @@ impl CampaignSource {
             campaign.validate(&base(campaign)?)
         })?;
         campaign.flights = texts.flights;
-        if campaign.flights == 0 {
-            anyhow::bail!("{origin}: flights: must be at least 1");
+        if !(1..=MAX_FLIGHTS).contains(&campaign.flights) {
+            anyhow::bail!("{origin}: flights: must be from 1 to {MAX_FLIGHTS}");
         }
         let base = base(&campaign).expect("validated above");
         Ok(Self {
@@ -136,6 +143,16 @@ impl Campaign {
         for (i, fault) in self.faults.iter().enumerate() {
             fault.validate(&format!("faults[{i}]"))?;
         }
+        if let Some(reference) = &self.reference {
+            reference.validate()?;
+        }
+        for (i, map) in self.maps.iter().enumerate() {
+            let dispersed = |name: &str| self.disperse.iter().any(|d| d.field == name);
+            let drawn = |name: &str| self.reference.is_some() && REFERENCE.contains(&name);
+            let figure = |name: &str| crate::figures::index(name).is_some();
+            let known = |name: &str| dispersed(name) || drawn(name) || figure(name);
+            map.validate(&format!("maps[{i}]"), known)?;
+        }
         for (i, limit) in self.limits.iter().enumerate() {
             limit.validate(&format!("limits[{i}]"))?;
         }
@@ -174,6 +191,14 @@ impl FaultDraw {
     fn validate(&self, field: &str) -> Result<(), FieldError> {
         self.from_s.validate(&format!("{field}.from_s"))?;
         self.lasts_s.validate(&format!("{field}.lasts_s"))?;
+        let size = format!("{field}.size");
+        match (&self.size, self.kind.has_size()) {
+            (Some(distribution), true) => distribution.validate(&size)?,
+            (None, true) => return Err(FieldError::new(size, "this kind has a size")),
+            (Some(_), false) => return Err(FieldError::new(size, "this kind has no size")),
+            (None, false) => {}
+        }
+        finite(&format!("{field}.sinks_m"), self.sinks_m.unwrap_or(0.0))?;
         self.during.validate(&format!("{field}.during"))?;
         self.after.validate(&format!("{field}.after"))
     }

@@ -6,9 +6,11 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 
-use super::frame::{self, FrameWriter};
 use super::load::Texts;
-use super::{Campaign, CampaignSource, Column, Drawn, Flown, Frame, SAMPLED, Sample};
+use super::part::{Seal, checksum};
+use super::{
+    Campaign, CampaignSource, Column, Drawn, DrawnReference, Flown, Frame, SAMPLED, Sample,
+};
 use crate::figures::FIGURES;
 use crate::files::leave;
 
@@ -19,28 +21,40 @@ pub const CHUNK: u64 = 50;
 #[derive(Clone, Debug)]
 pub struct Store {
     folder: PathBuf,
+    /// Of the campaign: what its parts are sealed with.
+    identity: u64,
 }
 
 const IDENTITY: &str = "campaign.json";
+/// The folders of parts, in the order in which those of a chunk are written.
+const KINDS: [&str; 2] = ["samples", "flights"];
 
 impl Store {
-    /// The folder for `source`'s results. It is made, or goes on where it was left; one that holds another campaign is refused.
+    /// The folder for `source`'s results. It is made, or goes on where it was left: every part that is there is checked. A folder that holds
+    /// another campaign is refused, and one that holds parts of it is not known which.
     pub fn open(folder: &Path, source: &CampaignSource) -> anyhow::Result<Self> {
-        let store = Self {
-            folder: folder.to_owned(),
-        };
+        let store = Self::of(folder, &source.texts)?;
         let path = folder.join(IDENTITY);
+        let remove = "remove it, or choose another folder with --out";
+        let place = folder.display();
         if path.exists() {
-            if store.texts()? != source.texts {
-                bail!(
-                    "{}: holds the results of another campaign; remove it, or choose another folder with --out",
-                    folder.display()
-                );
+            if Self::texts(folder)? != source.texts {
+                bail!("{place}: holds the results of another campaign; {remove}");
+            }
+            for chunk in (0..source.campaign.chunks()).filter(|&chunk| store.has(chunk)) {
+                for kind in KINDS {
+                    store.seal(kind, chunk).bytes(&store.part(kind, chunk))?;
+                }
             }
         } else {
-            for kind in ["flights", "samples"] {
+            for kind in KINDS {
                 let part = folder.join(kind);
                 std::fs::create_dir_all(&part).with_context(|| part.display().to_string())?;
+                if std::fs::read_dir(&part)?.next().is_some() {
+                    bail!(
+                        "{place}: holds parts, but no {IDENTITY} that says of which campaign; {remove}"
+                    );
+                }
             }
             let text = serde_json::to_string_pretty(&source.texts)?;
             leave(&path, |file| Ok(file.write_all(text.as_bytes())?))?;
@@ -50,16 +64,22 @@ impl Store {
 
     /// The folder of a campaign that has been flown, in part at least, and the campaign.
     pub fn existing(folder: &Path) -> anyhow::Result<(Self, CampaignSource)> {
-        let store = Self {
-            folder: folder.to_owned(),
-        };
+        let texts = Self::texts(folder)?;
+        let store = Self::of(folder, &texts)?;
         let origin = folder.join(IDENTITY).display().to_string();
-        let source = CampaignSource::from_texts(store.texts()?, &origin)?;
+        let source = CampaignSource::from_texts(texts, &origin)?;
         Ok((store, source))
     }
 
-    fn texts(&self) -> anyhow::Result<Texts> {
-        let path = self.folder.join(IDENTITY);
+    fn of(folder: &Path, texts: &Texts) -> anyhow::Result<Self> {
+        Ok(Self {
+            folder: folder.to_owned(),
+            identity: checksum(&serde_json::to_vec(texts)?),
+        })
+    }
+
+    fn texts(folder: &Path) -> anyhow::Result<Texts> {
+        let path = folder.join(IDENTITY);
         let read = || anyhow::Ok(serde_json::from_slice(&std::fs::read(&path)?)?);
         read().with_context(|| path.display().to_string())
     }
@@ -73,6 +93,14 @@ impl Store {
         self.folder.join(kind).join(format!("{chunk:06}.parquet"))
     }
 
+    fn seal(&self, kind: &'static str, chunk: u64) -> Seal {
+        Seal {
+            identity: self.identity,
+            kind,
+            chunk,
+        }
+    }
+
     /// Whether `chunk` has been flown. Its flights are written last.
     pub fn has(&self, chunk: u64) -> bool {
         self.part("flights", chunk).exists()
@@ -80,36 +108,43 @@ impl Store {
 
     /// Keeps `flights` and `samples` of `chunk`.
     pub fn keep(&self, chunk: u64, flights: &Frame, samples: &Frame) -> anyhow::Result<()> {
-        for (kind, frame) in [("samples", samples), ("flights", flights)] {
-            leave(&self.part(kind, chunk), |file| {
-                let mut writer = FrameWriter::new(file);
-                writer.write(frame)?;
-                writer.close()
-            })?;
+        for (kind, frame) in KINDS.into_iter().zip([samples, flights]) {
+            let path = self.part(kind, chunk);
+            self.seal(kind, chunk).write(&path, frame)?;
         }
         Ok(())
     }
 
     /// The flights of `chunk`.
     pub fn flights(&self, chunk: u64) -> anyhow::Result<Frame> {
-        frame::read(&self.part("flights", chunk))
+        self.read("flights", chunk)
     }
 
     /// The samples of `chunk`.
     pub fn samples(&self, chunk: u64) -> anyhow::Result<Frame> {
-        frame::read(&self.part("samples", chunk))
+        self.read("samples", chunk)
     }
 
-    /// Takes `chunk` over from another store, which keeps it.
+    fn read(&self, kind: &'static str, chunk: u64) -> anyhow::Result<Frame> {
+        self.seal(kind, chunk).read(&self.part(kind, chunk))
+    }
+
+    /// Takes `chunk` over from another store of the same campaign, which keeps it.
     pub fn take(&self, other: &Self, chunk: u64) -> anyhow::Result<()> {
-        for kind in ["samples", "flights"] {
-            let from = other.part(kind, chunk);
-            let bytes = std::fs::read(&from).with_context(|| from.display().to_string())?;
+        for kind in KINDS {
+            let bytes = self.seal(kind, chunk).bytes(&other.part(kind, chunk))?;
             leave(&self.part(kind, chunk), |file| Ok(file.write_all(&bytes)?))?;
         }
         Ok(())
     }
 }
+
+/// The columns of a random reference: its greatest speed, its greatest sink, and when it has stopped.
+pub(super) const REFERENCE: [&str; 3] = [
+    "reference_speed_m_s",
+    "reference_sink_m_s",
+    "reference_stops_s",
+];
 
 impl Campaign {
     /// Number of chunks.
@@ -142,6 +177,14 @@ impl Campaign {
         for (i, dispersion) in self.disperse.iter().enumerate() {
             flights.push(&dispersion.field, real(&|d, _| d.values[i]));
         }
+        let reference = |of: fn(&DrawnReference) -> f64| {
+            real(&move |d, _| d.reference.as_ref().map_or(f64::NAN, of))
+        };
+        if self.reference.is_some() {
+            flights.push(REFERENCE[0], reference(DrawnReference::speed));
+            flights.push(REFERENCE[1], reference(DrawnReference::sink));
+            flights.push(REFERENCE[2], reference(DrawnReference::stops));
+        }
         if !self.faults.is_empty() {
             let index = |d: &Drawn| d.fault.map_or(-1, |fault| fault.index as i64);
             let indices = flown.iter().map(|(_, d, _)| index(d));
@@ -159,6 +202,7 @@ impl Campaign {
         flights.push("passed", flag(&|f| self.passed(f)));
         flights.push("departed", flag(&|f| self.departed(f)));
         flights.push("fault_as_stated", flag(&|f| f.fault_as_stated));
+        flights.push("diverged", flag(&|f| f.diverged));
 
         let mut samples = Frame::default();
         let number = |(n, _, f): &(u64, Drawn, Flown)| repeat_n(*n as i64, f.samples.len());

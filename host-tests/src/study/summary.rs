@@ -7,7 +7,7 @@ use serde::Serialize;
 use sketches_ddsketch::{Config, DDSketch};
 
 use super::frame::FrameWriter;
-use super::{CampaignSource, Frame, SAMPLED, Store};
+use super::{CampaignSource, Frame, MapFound, SAMPLED, Store};
 use crate::figures::FIGURES;
 use crate::files::leave;
 
@@ -29,6 +29,8 @@ pub struct Summary {
     pub passed: u64,
     /// Flights that departed.
     pub departed: u64,
+    /// Flights whose simulation diverged.
+    pub diverged: u64,
     /// By limit.
     pub limits: Vec<LimitFound>,
     /// By fault of the campaign.
@@ -37,6 +39,8 @@ pub struct Summary {
     pub figures: Vec<FigureFound>,
     /// By dispersed field.
     pub dispersions: Vec<DispersionFound>,
+    /// The campaign's maps.
+    pub maps: Vec<MapFound>,
     /// By sampled column.
     #[serde(skip)]
     pub fans: Vec<Fan>,
@@ -215,9 +219,10 @@ impl Summary {
         Ok(gathered.finish())
     }
 
-    /// Whether every limit is kept, no flight departed, and every fault ended as stated.
+    /// Whether every limit is kept, no flight departed or diverged, and every fault ended as stated.
     pub fn verdict(&self) -> bool {
         self.departed == 0
+            && self.diverged == 0
             && self.limits.iter().all(|limit| limit.kept)
             && self.faults.iter().all(|f| f.as_stated == f.flights)
     }
@@ -252,6 +257,7 @@ impl<'a> Gathered<'a> {
                 flights: campaign.flights,
                 passed: 0,
                 departed: 0,
+                diverged: 0,
                 limits: campaign.limits.iter().map(limit).collect(),
                 faults: campaign
                     .faults
@@ -282,6 +288,7 @@ impl<'a> Gathered<'a> {
                         correlations: Vec::new(),
                     })
                     .collect(),
+                maps: campaign.maps.iter().map(MapFound::new).collect(),
                 fans: Vec::new(),
             },
             figures: vec![sketch(); FIGURES.len()],
@@ -299,6 +306,7 @@ impl<'a> Gathered<'a> {
         let count = |flags: &[bool]| flags.iter().filter(|&&flag| flag).count() as u64;
         self.summary.passed += count(frame.flag("passed")?);
         self.summary.departed += count(frame.flag("departed")?);
+        self.summary.diverged += count(frame.flag("diverged")?);
         for (found, sketch) in self.summary.figures.iter_mut().zip(&mut self.figures) {
             for &value in frame.real(found.figure)? {
                 if value.is_finite() {
@@ -337,6 +345,9 @@ impl<'a> Gathered<'a> {
                     correlation.add(x, y);
                 }
             }
+        }
+        for map in &mut self.summary.maps {
+            map.add(frame)?;
         }
         if !self.summary.faults.is_empty() {
             let faults = frame.integer("fault")?.iter();

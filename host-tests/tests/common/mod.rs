@@ -13,24 +13,24 @@ use rand_chacha::ChaCha8Rng;
 
 pub fn combined(p: CombinedParameters) -> (Model, Aerodynamics) {
     let core = Model::Combined(Combined::new(p).unwrap());
-    let reference = Aerodynamics::Combined {
+    let reference = Aerodynamics::Combined(reference::Combined {
         c0: p.c0.into(),
         c1: p.c1.into(),
         c2: p.c2.into(),
         c3: p.c3.into(),
-        alpha_bar: p.alpha_bar.into(),
+        alpha_bar_deg: f64::from(p.alpha_bar).to_degrees(),
         k_l: p.k_l.into(),
         k_d: p.k_d.into(),
-    };
+    });
     (core, reference)
 }
 
 pub fn large_angle(p: LargeAngleParameters) -> (Model, Aerodynamics) {
     let core = Model::LargeAngle(LargeAngle::new(p).unwrap());
-    let reference = Aerodynamics::LargeAngle {
+    let reference = Aerodynamics::LargeAngle(reference::LargeAngle {
         c0: p.c0.into(),
         c1: p.c1.into(),
-    };
+    });
     (core, reference)
 }
 

@@ -7,22 +7,32 @@ pub type Curve = fn(f64) -> [V3; 4];
 
 /// Flies along a curve at a constant speed.
 ///
-/// The parameter advances at `1 + k e_t/V` times its own rate, e_t the error along the track, in [0.5, 1.6]; velocity,
-/// acceleration and jerk scale with the first three powers of that factor.
+/// The parameter advances at a pace times its own rate, such as `1 + k e_t/V` in [0.5, 1.6], e_t the error along the track;
+/// velocity, acceleration and jerk scale with the first three powers of that pace.
 pub struct Course {
     pub curve: Curve,
     pub speed: f64,
+    /// The pace at a position error and a velocity.
+    pace: Box<dyn Fn(V3, V3) -> f64>,
     phase: f64,
 }
 
 /// k \[1/s\]. Below the outer loop's gain: with more, a vehicle ahead is asked to fly faster still.
-const FOLLOW: f64 = 0.2;
+const FOLLOW: f64 = 0.4;
 
 impl Course {
     pub fn new(curve: Curve, speed: f64) -> Self {
+        Self::paced(curve, speed, move |error, velocity| {
+            (1.0 + FOLLOW * error.dot(&velocity) / speed.powi(2)).clamp(0.5, 1.6)
+        })
+    }
+
+    /// With a pace of one's own.
+    pub fn paced(curve: Curve, speed: f64, pace: impl Fn(V3, V3) -> f64 + 'static) -> Self {
         Self {
             curve,
             speed,
+            pace: Box::new(pace),
             phase: 0.0,
         }
     }
@@ -46,8 +56,7 @@ impl Task for Course {
         let curvature = (self.rate(self.phase + h).1 - self.rate(self.phase - h).1) / (2.0 * h);
         let (second, third) = (slope * g, (curvature * g + slope * slope) * g);
         let velocity = d1 * g;
-        let along = (position - p).dot(&velocity) / self.speed;
-        let factor = (1.0 + FOLLOW * along / self.speed).clamp(0.5, 1.6);
+        let factor = (self.pace)(position - p, velocity);
         self.phase += g * factor * PERIOD;
         Target {
             position: p,

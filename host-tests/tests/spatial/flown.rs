@@ -54,6 +54,10 @@ pub struct Sample {
     pub sideslip: f64,
     /// Altitude over the start \[m\].
     pub altitude: f64,
+    /// \[m/s\].
+    pub airspeed: f64,
+    /// How far under the target \[m\].
+    pub below: f64,
     /// Cosine of the angle between nose and up.
     pub nose_up: f64,
     /// Cosine of the angle between belly and down.
@@ -78,6 +82,8 @@ impl Sample {
             position_error: (state.position - target.position).norm(),
             sideslip: (v_a.dot(&right) / v_a.norm().max(1.0)).asin(),
             altitude: start.position.z - state.position.z,
+            airspeed: v_a.norm(),
+            below: state.position.z - target.position.z,
             nose_up: tail.z,
             belly_down: belly.z,
             heading: belly.y.atan2(belly.x),

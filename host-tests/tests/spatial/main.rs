@@ -9,7 +9,7 @@ mod guided;
 mod identity;
 mod lyapunov;
 mod paths;
-mod reversal;
 mod starts;
 mod support;
+mod wander;
 mod weather;

@@ -25,51 +25,35 @@
 //! ArduPilot's `AP_TECS.cpp`, `AP_PitchController.cpp`, `tailsitter.cpp` (parameter tables) and `config.h` of Plane. Both protect against too low an airspeed: below the least one
 //! the throttle goes to its maximum, and pitch to holding speed alone, in full 15 % below it, as in PX4.
 
-use serde::Deserialize;
-
 use super::{Measured, Setpoint};
-use crate::experiment::{FieldError, finite, positive};
+use crate::experiment::FieldError;
+use crate::experiment::table::{
+    Range::{Finite, Positive, Within},
+    ordered, table,
+};
 
-/// `[….cruise]`.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct CruiseSpec {
-    /// Least and greatest airspeed asked for \[m/s\].
-    pub airspeed_m_s: [f64; 2],
-    /// Throttle of level cruise, of the greatest thrust.
-    pub trim_throttle: f64,
-    /// Least and greatest throttle.
-    pub throttle: [f64; 2],
-    /// Least and greatest pitch over the horizon \[°\].
-    pub pitch_deg: [f64; 2],
-    /// Pitch over the horizon in level cruise \[°\].
-    pub level_pitch_deg: f64,
-    /// Climb that the greatest throttle gives at constant speed \[m/s\]; no faster climb is asked for.
-    pub climb_m_s: f64,
-    /// Sink \[m/s\] that the least throttle gives at constant speed, and the fastest that is asked for.
-    pub sink_m_s: [f64; 2],
-    /// Time constant of altitude errors \[s\].
-    pub altitude_s: f64,
-    /// Time constant of airspeed errors \[s\].
-    pub speed_s: f64,
-    /// Part of the reference's climb that is fed forward.
-    pub height_rate_feed_forward: f64,
-    /// Weight of speed in the energy balance, 0 to 2; height has the rest.
-    pub speed_weight: f64,
-    /// Throttle per relative error of the energy rate.
-    pub throttle_damping: f64,
-    /// Its integral \[1/s\].
-    pub throttle_integral_1_s: f64,
-    /// Pitch per relative error of the balance rate.
-    pub pitch_damping: f64,
-    /// Its integral \[1/s\].
-    pub pitch_integral_1_s: f64,
-    /// Vertical acceleration that limits how fast the pitch asked for changes \[m/s²\].
-    pub vertical_acceleration_m_s2: f64,
-    /// Time constant of the energy rate's filter \[s\].
-    pub energy_rate_s: f64,
-    /// Rate per attitude error \[1/s\].
-    pub attitude_1_s: f64,
+table! {
+    /// `[….cruise]`.
+    pub struct CruiseSpec {
+        airspeed_m_s: [f64; 2], Positive, "Least and greatest airspeed asked for \\[m/s\\].";
+        trim_throttle: f64, Finite, "Throttle of level cruise, of the greatest thrust.";
+        throttle: [f64; 2], Finite, "Least and greatest throttle.";
+        pitch_deg: [f64; 2], Finite, "Least and greatest pitch over the horizon \\[°\\].";
+        level_pitch_deg: f64, Finite, "Pitch over the horizon in level cruise \\[°\\].";
+        climb_m_s: f64, Positive, "Climb that the greatest throttle gives at constant speed \\[m/s\\]; no faster climb is asked for.";
+        sink_m_s: [f64; 2], Positive, "Sink \\[m/s\\] that the least throttle gives at constant speed, and the fastest that is asked for.";
+        altitude_s: f64, Positive, "Time constant of altitude errors \\[s\\].";
+        speed_s: f64, Positive, "Time constant of airspeed errors \\[s\\].";
+        height_rate_feed_forward: f64, Within(0.0, 1.0), "Part of the reference's climb that is fed forward.";
+        speed_weight: f64, Within(0.0, 2.0), "Weight of speed in the energy balance, 0 to 2; height has the rest.";
+        throttle_damping: f64, Within(0.0, 100.0), "Throttle per relative error of the energy rate.";
+        throttle_integral_1_s: f64, Within(0.0, 100.0), "Its integral \\[1/s\\].";
+        pitch_damping: f64, Within(0.0, 100.0), "Pitch per relative error of the balance rate.";
+        pitch_integral_1_s: f64, Within(0.0, 100.0), "Its integral \\[1/s\\].";
+        vertical_acceleration_m_s2: f64, Positive, "Vertical acceleration that limits how fast the pitch asked for changes \\[m/s²\\].";
+        energy_rate_s: f64, Positive, "Time constant of the energy rate's filter \\[s\\].";
+        attitude_1_s: f64, Positive, "Rate per attitude error \\[1/s\\].";
+    }
 }
 
 const GRAVITY: f64 = 9.81;
@@ -81,62 +65,20 @@ const ACCELERATION: f64 = 0.1;
 /// kind. Without it every gust were a change of energy.
 const CROSSOVER: f64 = 2.0;
 
-fn ordered(field: String, [low, high]: [f64; 2]) -> Result<(), FieldError> {
-    finite(&field, low)?;
-    finite(&field, high)?;
-    if low < high {
-        Ok(())
-    } else {
-        Err(FieldError::new(field, "must be [least, greatest]"))
-    }
-}
-
 impl CruiseSpec {
-    /// Checks every field that the type system does not; `table` is where they stand.
+    /// Checks the numbers, and those that belong together; `table` is where they stand.
     pub fn validate(&self, table: &str) -> Result<(), FieldError> {
+        self.in_range(table)?;
         let field = |name: &str| format!("{table}.{name}");
-        ordered(field("airspeed_m_s"), self.airspeed_m_s)?;
-        positive(&field("airspeed_m_s"), self.airspeed_m_s[0])?;
-        ordered(field("throttle"), self.throttle)?;
-        ordered(field("pitch_deg"), self.pitch_deg)?;
+        ordered(&field("airspeed_m_s"), self.airspeed_m_s)?;
+        ordered(&field("throttle"), self.throttle)?;
+        ordered(&field("pitch_deg"), self.pitch_deg)?;
         let [low, high] = self.throttle;
         if !(low..high).contains(&self.trim_throttle) {
             let problem = "must be within throttle";
             return Err(FieldError::new(field("trim_throttle"), problem));
         }
-        for (name, value) in [
-            ("climb_m_s", self.climb_m_s),
-            ("sink_m_s", self.sink_m_s[0]),
-            ("sink_m_s", self.sink_m_s[1]),
-            ("altitude_s", self.altitude_s),
-            ("speed_s", self.speed_s),
-            (
-                "vertical_acceleration_m_s2",
-                self.vertical_acceleration_m_s2,
-            ),
-            ("energy_rate_s", self.energy_rate_s),
-            ("attitude_1_s", self.attitude_1_s),
-        ] {
-            positive(&field(name), value)?;
-        }
-        for (name, value, most) in [
-            (
-                "height_rate_feed_forward",
-                self.height_rate_feed_forward,
-                1.0,
-            ),
-            ("speed_weight", self.speed_weight, 2.0),
-            ("throttle_damping", self.throttle_damping, 100.0),
-            ("throttle_integral_1_s", self.throttle_integral_1_s, 100.0),
-            ("pitch_damping", self.pitch_damping, 100.0),
-            ("pitch_integral_1_s", self.pitch_integral_1_s, 100.0),
-        ] {
-            if !(0.0..=most).contains(&value) {
-                let problem = format!("must be from 0 to {most}");
-                return Err(FieldError::new(field(name), problem));
-            }
-        }
-        finite(&field("level_pitch_deg"), self.level_pitch_deg)
+        Ok(())
     }
 }
 
@@ -423,19 +365,5 @@ pub(crate) mod tests {
         // The integral has not wound up: level again, the pitch leaves its limit at once.
         let after = cruise.setpoint(&level(20.0), 0.01).theta;
         assert!(after < last);
-    }
-
-    #[test]
-    fn errors_name_the_field() {
-        let refused = |change: fn(&mut CruiseSpec)| {
-            let mut spec = SPEC;
-            change(&mut spec);
-            spec.validate("x").unwrap_err().field
-        };
-        assert_eq!(refused(|s| s.trim_throttle = 1.0), "x.trim_throttle");
-        assert_eq!(refused(|s| s.pitch_deg = [30.0, 30.0]), "x.pitch_deg");
-        assert_eq!(refused(|s| s.speed_weight = 2.1), "x.speed_weight");
-        assert_eq!(refused(|s| s.sink_m_s[1] = f64::NAN), "x.sink_m_s");
-        assert_eq!(refused(|s| s.airspeed_m_s[0] = -1.0), "x.airspeed_m_s");
     }
 }

@@ -17,75 +17,32 @@
 //! same PID as PX4's, with an integral of that size. The tilt follows from the horizontal acceleration alone, and the
 //! thrust is the vertical demand over the cosine of the tilt asked for, as in PX4 (`MPC_ACC_DECOUPLE` 1).
 
-use serde::Deserialize;
-
 use super::{Measured, Setpoint};
-use crate::experiment::{FieldError, finite, positive};
+use crate::experiment::table::{
+    Range::{NotNegative, Positive, Within},
+    table,
+};
 use crate::reference::Vector;
 
-/// `[….hover]`. Pairs are (down, forward).
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct HoverSpec {
-    /// Thrust that hovers \[N\].
-    pub thrust_n: f64,
-    /// Velocity per position error \[1/s\].
-    pub position_1_s: [f64; 2],
-    /// Acceleration per velocity error \[1/s\].
-    pub velocity_1_s: [f64; 2],
-    /// Its integral \[1/s²\].
-    pub integral_1_s2: [f64; 2],
-    /// Acceleration per acceleration.
-    pub derivative: [f64; 2],
-    /// Fastest climb asked for \[m/s\].
-    pub climb_m_s: f64,
-    /// Fastest sink asked for \[m/s\].
-    pub sink_m_s: f64,
-    /// Fastest forward speed asked for \[m/s\].
-    pub speed_m_s: f64,
-    /// Largest tilt \[°\].
-    pub tilt_deg: f64,
-    /// Rate per attitude error \[1/s\].
-    pub attitude_1_s: f64,
+table! {
+    /// `[….hover]`. Pairs are (down, forward).
+    pub struct HoverSpec {
+        thrust_n: f64, Positive, "Thrust that hovers \\[N\\].";
+        position_1_s: [f64; 2], NotNegative, "Velocity per position error \\[1/s\\].";
+        velocity_1_s: [f64; 2], NotNegative, "Acceleration per velocity error \\[1/s\\].";
+        integral_1_s2: [f64; 2], NotNegative, "Its integral \\[1/s²\\].";
+        derivative: [f64; 2], NotNegative, "Acceleration per acceleration.";
+        climb_m_s: f64, Positive, "Fastest climb asked for \\[m/s\\].";
+        sink_m_s: f64, Positive, "Fastest sink asked for \\[m/s\\].";
+        speed_m_s: f64, Positive, "Fastest forward speed asked for \\[m/s\\].";
+        tilt_deg: f64, Within(1.0, 85.0), "Largest tilt \\[°\\].";
+        attitude_1_s: f64, Positive, "Rate per attitude error \\[1/s\\].";
+    }
 }
 
 const GRAVITY: f64 = 9.81;
 /// Time constant of the derivative's filter \[s\]: 5 Hz, `MPC_VELD_LP`.
 const DERIVATIVE: f64 = 0.032;
-
-impl HoverSpec {
-    /// Checks every field that the type system does not; `table` is where they stand.
-    pub fn validate(&self, table: &str) -> Result<(), FieldError> {
-        for (name, value) in [
-            ("thrust_n", self.thrust_n),
-            ("climb_m_s", self.climb_m_s),
-            ("sink_m_s", self.sink_m_s),
-            ("speed_m_s", self.speed_m_s),
-            ("attitude_1_s", self.attitude_1_s),
-        ] {
-            positive(&format!("{table}.{name}"), value)?;
-        }
-        for (name, pair) in [
-            ("position_1_s", self.position_1_s),
-            ("velocity_1_s", self.velocity_1_s),
-            ("integral_1_s2", self.integral_1_s2),
-            ("derivative", self.derivative),
-        ] {
-            for value in pair {
-                let field = format!("{table}.{name}");
-                finite(&field, value)?;
-                if value < 0.0 {
-                    return Err(FieldError::new(field, "must not be negative"));
-                }
-            }
-        }
-        if !(1.0..=85.0).contains(&self.tilt_deg) {
-            let field = format!("{table}.tilt_deg");
-            return Err(FieldError::new(field, "must be from 1 to 85°"));
-        }
-        Ok(())
-    }
-}
 
 /// The multicopter's loops.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -293,19 +250,5 @@ pub(crate) mod tests {
         assert!((at(0.0) - 98.1).abs() < 1e-9);
         assert!((at(-0.5) - 98.1 / 0.5_f64.cos()).abs() < 1e-9);
         assert!((at(-1.3) - 98.1 * 2.0_f64.sqrt()).abs() < 1e-9);
-    }
-
-    #[test]
-    fn errors_name_the_field() {
-        let refused = |spec: HoverSpec| spec.validate("x").unwrap_err().field;
-        let mut spec = SPEC;
-        spec.tilt_deg = 90.0;
-        assert_eq!(refused(spec), "x.tilt_deg");
-        spec = SPEC;
-        spec.integral_1_s2[1] = -1.0;
-        assert_eq!(refused(spec), "x.integral_1_s2");
-        spec = SPEC;
-        spec.thrust_n = 0.0;
-        assert_eq!(refused(spec), "x.thrust_n");
     }
 }

@@ -17,7 +17,7 @@ mod cruise;
 mod hover;
 mod measured;
 mod output;
-pub(super) mod policy;
+pub mod policy;
 mod switch;
 
 use serde::Serialize;
@@ -71,16 +71,7 @@ pub(crate) mod tests {
     use alula::guidance::Air;
     use alula::{Attitude, Inertial, PlanarInput, Reference};
 
-    pub(crate) use super::cruise::tests::SPEC as CRUISE;
-    pub(crate) use super::hover::tests::SPEC as HOVER;
-    pub(crate) use super::switch::tests::SPEC as SWITCH;
     use crate::controllers::Input;
-    use crate::experiment::{Document, Experiment};
-
-    /// The vehicle that the policies are tried on: 196.2 N of thrust.
-    pub(crate) fn experiment() -> Experiment {
-        Document::load("round-trip").unwrap().checked().unwrap()
-    }
 
     /// Level at `speed` and `theta` \[°\], asked for `reference` m/s at `acceleration`.
     pub(crate) fn level(speed: f32, theta: f32, reference: f32, acceleration: f32) -> Input {

@@ -4,6 +4,7 @@ use serde::Deserialize;
 
 use super::{Phase, Setpoint};
 use crate::controllers::{Answer, Report};
+use crate::experiment::table::ordered;
 use crate::experiment::{Experiment, FieldError, positive};
 use crate::reference::wrap;
 
@@ -50,9 +51,7 @@ pub struct Output {
 impl Output {
     /// The stage with these limits, at `thrust` \[N\] (least, most).
     pub fn new(limits: &LimitSpec, thrust: [f64; 2]) -> Result<Self, FieldError> {
-        if thrust[0].is_nan() || thrust[1].is_nan() || thrust[0] >= thrust[1] {
-            return Err(FieldError::new("limits.thrust_n", "must be [least, most]"));
-        }
+        ordered("limits.thrust_n", thrust)?;
         positive("limits.rate_rad_s", limits.rate_rad_s)?;
         positive("limits.slew_rad_s2", limits.slew_rad_s2)?;
         Ok(Self {

@@ -5,21 +5,16 @@
 //! stays a multicopter's. Hover, once the reference brakes or has stopped, and the airspeed has fallen below what the user
 //! wants to begin the back transition at; until then the aeroplane slows down.
 
-use serde::Deserialize;
-
 use super::Measured;
-use crate::experiment::{FieldError, finite};
+use crate::experiment::table::{Range::Finite, table};
 
-/// `[….switch]`.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SwitchSpec {
-    /// Forward speed of the plan \[m/s\].
-    pub cruise_m_s: f64,
-    /// Forward reference speed above which cruise is commanded \[m/s\].
-    pub front_above_m_s: f64,
-    /// Airspeed below which the back transition is commanded \[m/s\].
-    pub back_below_m_s: f64,
+table! {
+    /// `[….switch]`.
+    pub struct SwitchSpec {
+        cruise_m_s: f64, Finite, "Forward speed of the plan \\[m/s\\].";
+        front_above_m_s: f64, Finite, "Forward reference speed above which cruise is commanded \\[m/s\\].";
+        back_below_m_s: f64, Finite, "Airspeed below which the back transition is commanded \\[m/s\\].";
+    }
 }
 
 /// A reference that slows down by more than this \[m/s²\] brakes.
@@ -35,20 +30,13 @@ pub struct Switch {
 }
 
 impl Switch {
-    /// The switch of a vehicle whose wing is to carry it from `least` \[m/s\] on; `table` is where `spec` stands.
-    pub fn new(spec: SwitchSpec, least: f64, table: &str) -> Result<Self, FieldError> {
-        for (name, value) in [
-            ("cruise_m_s", spec.cruise_m_s),
-            ("front_above_m_s", spec.front_above_m_s),
-            ("back_below_m_s", spec.back_below_m_s),
-        ] {
-            finite(&format!("{table}.{name}"), value)?;
-        }
-        Ok(Self {
+    /// The switch of a vehicle whose wing is to carry it from `least` \[m/s\] on.
+    pub fn new(spec: SwitchSpec, least: f64) -> Self {
+        Self {
             spec,
             planned: spec.cruise_m_s >= least,
             cruise: false,
-        })
+        }
     }
 
     /// Whether cruise is commanded.
@@ -88,7 +76,7 @@ pub(crate) mod tests {
 
     #[test]
     fn cruise_waits_for_the_reference_and_hover_for_the_airspeed() {
-        let mut switch = Switch::new(SPEC, 16.5, "switch").unwrap();
+        let mut switch = Switch::new(SPEC, 16.5);
         assert!(!switch.update(&at(0.9, 2.0, 0.5)));
         assert!(!switch.update(&at(5.0, -2.0, 5.0)), "braking");
         assert!(switch.update(&at(1.1, 2.0, 0.5)));
@@ -106,7 +94,7 @@ pub(crate) mod tests {
             cruise_m_s: 14.5,
             ..SPEC
         };
-        let mut switch = Switch::new(spec, 16.5, "switch").unwrap();
+        let mut switch = Switch::new(spec, 16.5);
         assert!(!switch.update(&at(14.5, 0.0, 14.5)));
     }
 }

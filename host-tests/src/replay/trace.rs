@@ -1,16 +1,15 @@
-//! A controller run open loop over logged inputs, row by row, by the names of the columns.
+//! The rows of a trace, or of any CSV that has its columns, by their names.
 
 use std::io::{Read, Write};
 
 use alula::guidance::Air;
 use alula::{Attitude, FeedForward, Inertial, PlanarInput, Reference};
-use anyhow::anyhow;
+use anyhow::{anyhow, bail};
 use csv::StringRecord;
 
-use crate::columns::{Column, column};
+use super::Commands;
 use crate::controllers::Input;
-use crate::experiment::{Experiment, State};
-use crate::reference::Vector;
+use crate::experiment::Experiment;
 use crate::simulate::Step;
 
 /// Columns that a log must have.
@@ -35,17 +34,6 @@ const FEED_FORWARD: [&str; 4] = [
     "jr_forward_m_s3",
 ];
 
-/// What is written after the time.
-const OUTPUTS: [&str; 7] = [
-    "thrust_n",
-    "rate_rad_s",
-    "alpha_rad",
-    "fp_n",
-    "status",
-    "mode",
-    "air",
-];
-
 /// Where the columns of a log are.
 struct Log<'a> {
     origin: &'a str,
@@ -53,6 +41,39 @@ struct Log<'a> {
 }
 
 impl Log<'_> {
+    /// A header that says what each column is, once.
+    fn check_header(&self) -> anyhow::Result<()> {
+        let origin = self.origin;
+        if self.header.iter().all(str::is_empty) {
+            bail!("{origin}:1: no header: the first line must name the columns");
+        }
+        for (mark, name) in [(';', "semicolons"), ('\t', "tabulators")] {
+            if self.header.len() == 1 && self.header[0].contains(mark) {
+                bail!("{origin}:1: the cells are separated by {name}; they must be by commas");
+            }
+        }
+        for (i, name) in self.header.iter().enumerate() {
+            if self.header.iter().take(i).any(|earlier| earlier == name) {
+                bail!("{origin}:1: two columns {name}");
+            }
+        }
+        Ok(())
+    }
+
+    /// The time of a row \[s\], after that of the `last`. It may stand still, as where a log repeats a row, but not run backwards.
+    fn time(&self, record: &StringRecord, last: Option<f64>) -> anyhow::Result<f64> {
+        self.number(record, "t_s")?;
+        let cell = self.text(record, "t_s").unwrap_or_default();
+        let t: f64 = cell.parse().unwrap_or(f64::NAN);
+        let problem = match last {
+            _ if !t.is_finite() => "is no time".to_owned(),
+            Some(last) if t < last => format!("comes after {last}: time must not run backwards"),
+            _ => return Ok(t),
+        };
+        let line = record.position().map_or(0, csv::Position::line);
+        bail!("{}:{line}: t_s: {cell} {problem}", self.origin)
+    }
+
     fn place(&self, name: &str) -> Option<usize> {
         self.header.iter().position(|cell| cell == name)
     }
@@ -116,13 +137,14 @@ impl Log<'_> {
     }
 }
 
-/// Runs the controller of `experiment` over the log `from` and writes its commands `to`, holding one row at a time. `origin` stands for
-/// the log in errors, which name line and column. Columns are found by name; what is not known is ignored.
+/// Runs the controller of `experiment` over the log `from` and writes its commands `to`, holding one row at a time; `visit` is given every
+/// step. `origin` stands for the log in errors, which name line and column. Columns are found by name; what is not known is ignored.
 pub fn replay(
     origin: &str,
     from: impl Read,
     to: impl Write,
     experiment: &Experiment,
+    mut visit: impl FnMut(Step),
 ) -> anyhow::Result<()> {
     let mut reader = csv::ReaderBuilder::new()
         .trim(csv::Trim::All)
@@ -139,6 +161,7 @@ pub fn replay(
     };
     let header = reader.headers().map_err(at)?.clone();
     let log = Log { origin, header };
+    log.check_header()?;
     let feed_forward = experiment.spec()?.feed_forward();
     let forward = FEED_FORWARD.iter().filter(|_| feed_forward);
     for name in REQUIRED.iter().chain(forward) {
@@ -146,62 +169,29 @@ pub fn replay(
             .ok_or_else(|| anyhow!("{origin}:1: no column {name}"))?;
     }
 
-    let mut controller = experiment.controller()?;
-    let has_mode = experiment.controller.name() != "law";
-    let outputs = OUTPUTS.iter().take(if has_mode { 7 } else { 5 });
-    let outputs: Vec<&Column> = outputs.filter_map(|name| column(name)).collect();
-    let mut writer = csv::Writer::from_writer(to);
-    let names = outputs.iter().map(|column| column.name);
-    writer.write_record(std::iter::once("t_s").chain(names))?;
-    let mut record = StringRecord::new();
+    let mut commands = Commands::new(experiment, to)?;
     let mut last_time = None;
-    let mut cell = Vec::new();
+    let mut record = StringRecord::new();
     while reader.read_record(&mut record).map_err(at)? {
         let input = log.input(&record, feed_forward)?;
         let time = log.text(&record, "t_s").unwrap_or_default();
-        log.number(&record, "t_s")?;
-        let t: f64 = time.parse().unwrap_or(f64::NAN);
-        let dt = last_time.map_or(1.0 / experiment.control_rate_hz, |last| t - last);
+        let t = log.time(&record, last_time)?;
         last_time = Some(t);
-        let answer = controller.answer(&input, dt as f32)?;
-        writer.write_field(time)?;
-        // Of the truth nothing is known.
-        let nowhere = Vector::from_element(f64::NAN);
-        let step = Step {
-            t,
-            truth: State {
-                velocity: nowhere,
-                position: nowhere,
-                theta: f64::NAN,
-                rate: f64::NAN,
-                thrust: f64::NAN,
-            },
-            wind: nowhere,
-            reference_velocity: nowhere,
-            reference_acceleration: nowhere,
-            reference_position: nowhere,
-            input,
-            answer,
-        };
-        for column in &outputs {
-            cell.clear();
-            if let Some(value) = (column.read)(experiment, &step) {
-                value.push(&mut cell);
-            }
-            writer.write_field(&cell)?;
-        }
-        writer.write_record(None::<&[u8]>)?;
+        visit(commands.row(time, t, input)?);
     }
-    writer.flush()?;
-    Ok(())
+    if last_time.is_none() {
+        bail!("{origin}: no rows under the header");
+    }
+    commands.end()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::columns::column;
 
     #[test]
-    fn what_is_read_and_written_is_declared() {
+    fn what_is_read_is_declared() {
         let optional = [
             "air_told",
             "va_down_m_s",
@@ -209,8 +199,7 @@ mod tests {
             "state_age_s",
             "reference_age_s",
         ];
-        let all = [&REQUIRED[..], &FEED_FORWARD, &OUTPUTS, &optional].concat();
-        for name in all {
+        for name in [&REQUIRED[..], &FEED_FORWARD, &optional].concat() {
             assert!(column(name).is_some(), "{name} is no column");
         }
     }

@@ -1,0 +1,277 @@
+//! What the autopilot last said.
+
+use alula::ned::{Ned, Quaternion};
+use mavlink::dialects::common::{PositionTargetTypemask, SET_POSITION_TARGET_LOCAL_NED_DATA};
+
+use super::{MavHeader, MavMessage, modes};
+
+/// What came.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Messages that were used.
+    pub used: u64,
+    /// Messages that came after a later one of their kind, or were not of numbers, and were dropped.
+    pub dropped: u64,
+    /// Messages of others, or that say nothing of use here.
+    pub ignored: u64,
+}
+
+/// A value with the autopilot's time stamp \[ms\] and the time of its arrival \[s\].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stamped<T> {
+    /// The value.
+    pub value: T,
+    stamp: u32,
+    /// When it arrived \[s\].
+    pub arrived: f64,
+}
+
+/// A set-point from the link.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Setpoint {
+    /// Velocity [m/s].
+    pub velocity: Ned,
+    /// Acceleration [m/s²]; zero if it is not given.
+    pub acceleration: Ned,
+    /// Position \[m\] in the autopilot's frame, if it is given.
+    pub position: Option<Ned>,
+}
+
+/// The newest of each kind of message.
+#[derive(Clone, Debug, Default)]
+pub struct Inbox {
+    /// System that is listened to: that of the first autopilot's heartbeat.
+    pub system: Option<u32>,
+    /// Main mode and sub-mode.
+    pub mode: Option<(u8, u8)>,
+    /// Attitude, in the axes of hover.
+    pub attitude: Option<Stamped<Quaternion>>,
+    /// Position \[m\] and velocity [m/s].
+    pub motion: Option<Stamped<(Ned, Ned)>>,
+    /// Wind over ground [m/s].
+    pub wind: Option<Stamped<Ned>>,
+    /// Airspeed [m/s].
+    pub airspeed: Option<Stamped<f32>>,
+    /// What is asked for over the link.
+    pub setpoint: Option<Stamped<Setpoint>>,
+    /// What came.
+    pub counts: Counts,
+}
+
+/// A time stamp that is older by more than this \[ms\] is of an autopilot started anew.
+const RESTART: u32 = 1000;
+
+/// Puts a value into its place unless a later one is there.
+fn put<T>(place: &mut Option<Stamped<T>>, value: T, stamp: u32, now: f64, sound: bool) -> bool {
+    let late = place.as_ref().is_some_and(|old| {
+        let behind = old.stamp.wrapping_sub(stamp);
+        (1..RESTART).contains(&behind)
+    });
+    let takes = sound && !late;
+    if takes {
+        *place = Some(Stamped {
+            value,
+            stamp,
+            arrived: now,
+        });
+    }
+    takes
+}
+
+fn finite(values: &[f32]) -> bool {
+    values.iter().all(|v| v.is_finite())
+}
+
+/// The set-point of a message in the local frame; none if it asks for no velocity.
+fn setpoint(m: &SET_POSITION_TARGET_LOCAL_NED_DATA) -> Option<Setpoint> {
+    type Mask = PositionTargetTypemask;
+    let ignores = |mask: Mask| m.type_mask.intersects(mask);
+    let position = Mask::POSITION_TARGET_TYPEMASK_X_IGNORE
+        | Mask::POSITION_TARGET_TYPEMASK_Y_IGNORE
+        | Mask::POSITION_TARGET_TYPEMASK_Z_IGNORE;
+    let velocity = Mask::POSITION_TARGET_TYPEMASK_VX_IGNORE
+        | Mask::POSITION_TARGET_TYPEMASK_VY_IGNORE
+        | Mask::POSITION_TARGET_TYPEMASK_VZ_IGNORE;
+    let acceleration = Mask::POSITION_TARGET_TYPEMASK_AX_IGNORE
+        | Mask::POSITION_TARGET_TYPEMASK_AY_IGNORE
+        | Mask::POSITION_TARGET_TYPEMASK_AZ_IGNORE;
+    if ignores(velocity) || m.coordinate_frame as u32 != 1 {
+        return None;
+    }
+    Some(Setpoint {
+        velocity: Ned::new(m.vx, m.vy, m.vz),
+        acceleration: match ignores(acceleration) {
+            true => Ned::default(),
+            false => Ned::new(m.afx, m.afy, m.afz),
+        },
+        position: (!ignores(position)).then(|| Ned::new(m.x, m.y, m.z)),
+    })
+}
+
+impl Inbox {
+    /// Takes a message that arrived `now` \[s\].
+    pub fn take(&mut self, now: f64, header: &MavHeader, message: &MavMessage) {
+        // Components with numbers of their own, as cameras, have heartbeats too: the autopilot is 1.
+        let autopilots = header.component_id == 1;
+        if let (None, true, MavMessage::HEARTBEAT(_)) = (self.system, autopilots, message) {
+            self.system = Some(header.system_id);
+        }
+        let from_it = autopilots && self.system == Some(header.system_id);
+        let used = match message {
+            // From a ground station.
+            MavMessage::SET_POSITION_TARGET_LOCAL_NED(m) => {
+                let asked = setpoint(m);
+                asked.is_some_and(|asked| {
+                    let (v, a, x) = (
+                        asked.velocity,
+                        asked.acceleration,
+                        asked.position.unwrap_or_default(),
+                    );
+                    let sound = finite(&[
+                        v.north, v.east, v.down, a.north, a.east, a.down, x.north, x.east, x.down,
+                    ]);
+                    put(&mut self.setpoint, asked, m.time_boot_ms, now, sound)
+                })
+            }
+            _ if !from_it => {
+                self.counts.ignored += 1;
+                return;
+            }
+            MavMessage::HEARTBEAT(m) => {
+                self.mode = Some(modes(m.custom_mode));
+                true
+            }
+            MavMessage::ATTITUDE_QUATERNION(m) => {
+                let q = Quaternion {
+                    w: m.q1,
+                    x: m.q2,
+                    y: m.q3,
+                    z: m.q4,
+                };
+                let sound = finite(&[q.w, q.x, q.y, q.z]);
+                put(&mut self.attitude, q, m.time_boot_ms, now, sound)
+            }
+            MavMessage::LOCAL_POSITION_NED(m) => {
+                let motion = (Ned::new(m.x, m.y, m.z), Ned::new(m.vx, m.vy, m.vz));
+                let sound = finite(&[m.x, m.y, m.z, m.vx, m.vy, m.vz]);
+                put(&mut self.motion, motion, m.time_boot_ms, now, sound)
+            }
+            MavMessage::WIND_COV(m) => {
+                let wind = Ned::new(m.wind_x, m.wind_y, m.wind_z);
+                let stamp = (m.time_usec / 1000) as u32;
+                put(
+                    &mut self.wind,
+                    wind,
+                    stamp,
+                    now,
+                    finite(&[m.wind_x, m.wind_y, m.wind_z]),
+                )
+            }
+            MavMessage::VFR_HUD(m) => {
+                // It has no time stamp: the order of arrival stands for it.
+                put(
+                    &mut self.airspeed,
+                    m.airspeed,
+                    super::milliseconds(now),
+                    now,
+                    m.airspeed.is_finite(),
+                )
+            }
+            _ => {
+                self.counts.ignored += 1;
+                return;
+            }
+        };
+        match used {
+            true => self.counts.used += 1,
+            false => self.counts.dropped += 1,
+        }
+    }
+
+    /// Time since the older of attitude and motion arrived \[s\]; infinite before both are there.
+    #[must_use]
+    pub fn age(&self, now: f64) -> f64 {
+        match (&self.attitude, &self.motion) {
+            (Some(attitude), Some(motion)) => now - attitude.arrived.min(motion.arrived),
+            _ => f64::INFINITY,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mavlink::dialects::common::{
+        ATTITUDE_QUATERNION_DATA, HEARTBEAT_DATA, LOCAL_POSITION_NED_DATA, MavFrame,
+    };
+
+    const FROM: MavHeader = MavHeader {
+        system_id: 1,
+        component_id: 1,
+        sequence: 0,
+    };
+
+    fn motion(stamp: u32, x: f32) -> MavMessage {
+        MavMessage::LOCAL_POSITION_NED(LOCAL_POSITION_NED_DATA {
+            time_boot_ms: stamp,
+            x,
+            ..LOCAL_POSITION_NED_DATA::default()
+        })
+    }
+
+    #[test]
+    fn late_messages_damaged_ones_and_strangers_are_dropped() {
+        let mut inbox = Inbox::default();
+        inbox.take(0.0, &FROM, &motion(100, 1.0));
+        assert_eq!((inbox.motion, inbox.counts.ignored), (None, 1));
+        inbox.take(
+            0.1,
+            &FROM,
+            &MavMessage::HEARTBEAT(HEARTBEAT_DATA::default()),
+        );
+        let mut x = |now, from: &MavHeader, message| {
+            inbox.take(now, from, &message);
+            inbox.motion.map(|m| (m.value.0.north, m.arrived))
+        };
+        assert_eq!(x(0.2, &FROM, motion(200, 2.0)), Some((2.0, 0.2)));
+        assert_eq!(x(0.3, &FROM, motion(180, 3.0)), Some((2.0, 0.2)));
+        assert_eq!(x(0.3, &FROM, motion(220, f32::NAN)), Some((2.0, 0.2)));
+        let stranger = MavHeader {
+            system_id: 2,
+            ..FROM
+        };
+        assert_eq!(x(0.3, &stranger, motion(300, 4.0)), Some((2.0, 0.2)));
+        // Started anew.
+        assert_eq!(x(9.0, &FROM, motion(5000, 5.0)), Some((5.0, 9.0)));
+        assert_eq!(x(9.5, &FROM, motion(10, 6.0)), Some((6.0, 9.5)));
+        assert_eq!((inbox.counts.used, inbox.counts.dropped), (4, 2));
+        assert_eq!(inbox.age(10.0), f64::INFINITY);
+        let attitude = ATTITUDE_QUATERNION_DATA::default();
+        inbox.take(9.75, &FROM, &MavMessage::ATTITUDE_QUATERNION(attitude));
+        assert_eq!(inbox.age(10.0), 0.5);
+    }
+
+    #[test]
+    fn a_set_point_is_of_velocity_and_may_have_more() {
+        type Mask = PositionTargetTypemask;
+        let message = |mask: Mask| SET_POSITION_TARGET_LOCAL_NED_DATA {
+            vx: 3.0,
+            z: -20.0,
+            afx: 1.0,
+            type_mask: mask,
+            coordinate_frame: MavFrame::MAV_FRAME_LOCAL_NED,
+            ..SET_POSITION_TARGET_LOCAL_NED_DATA::default()
+        };
+        let all = setpoint(&message(Mask::empty())).unwrap();
+        assert_eq!(all.position, Some(Ned::new(0.0, 0.0, -20.0)));
+        assert_eq!((all.velocity.north, all.acceleration.north), (3.0, 1.0));
+        let bare =
+            Mask::POSITION_TARGET_TYPEMASK_Z_IGNORE | Mask::POSITION_TARGET_TYPEMASK_AY_IGNORE;
+        let bare = setpoint(&message(bare)).unwrap();
+        assert_eq!((bare.position, bare.acceleration), (None, Ned::default()));
+        assert_eq!(
+            setpoint(&message(Mask::POSITION_TARGET_TYPEMASK_VX_IGNORE)),
+            None
+        );
+    }
+}

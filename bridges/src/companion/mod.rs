@@ -1,0 +1,37 @@
+//! A controller beside an autopilot, over MAVLink.
+//!
+//! [`Companion`] takes what the autopilot says of its state and gives body rates and thrust, as `SET_ATTITUDE_TARGET` (type mask 128),
+//! which PX4 follows in its OFFBOARD mode. [`Autopilot`] is a simulated one that keeps PX4's rules, around any [`Body`]. Both are state
+//! machines that are told the time: whoever owns a connection carries their messages. [`wire`] is messages from and to bytes.
+//!
+//! Body axes are those of hover, as PX4 has a tail-sitter's: x to the belly, y along the right wing, z along the tail.
+
+mod autopilot;
+mod hold;
+mod inbox;
+mod pilot;
+pub mod wire;
+
+pub use autopilot::{Autopilot, Body, BodyState};
+pub use hold::{Hold, HoldParameters};
+pub use inbox::{Counts, Inbox};
+pub use pilot::{Commanded, Companion, End, Pilot, Settings, Stage, Wanted};
+
+pub use mavlink::MavHeader;
+pub use mavlink::dialects::common::MavMessage;
+
+/// PX4's main mode OFFBOARD.
+pub const OFFBOARD: u8 = 6;
+/// PX4's main mode AUTO, and its sub-mode LOITER: hold.
+pub const HOLD: (u8, u8) = (4, 3);
+
+/// PX4's main mode and sub-mode in a heartbeat's custom mode.
+fn modes(custom_mode: u32) -> (u8, u8) {
+    let [_, _, main, sub] = custom_mode.to_le_bytes();
+    (main, sub)
+}
+
+/// The time stamp \[ms\] of `now` \[s\].
+fn milliseconds(now: f64) -> u32 {
+    (now * 1e3) as u64 as u32
+}

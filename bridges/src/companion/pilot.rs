@@ -1,0 +1,388 @@
+//! The companion's stages, and its set-points.
+
+use alula::guidance::Air;
+use alula::ned::{BodyAxes, Ned, Projection, VerticalPlane};
+use alula::{Inertial, PlanarInput, Reference};
+use mavlink::dialects::common::{
+    AttitudeTargetTypemask, COMMAND_LONG_DATA, HEARTBEAT_DATA, MavAutopilot, MavCmd, MavModeFlag,
+    MavState, MavType, SET_ATTITUDE_TARGET_DATA,
+};
+
+use super::inbox::Inbox;
+use super::{HOLD, Hold, HoldParameters, MavHeader, MavMessage, OFFBOARD, milliseconds};
+
+/// Whoever controls the flight in its vertical plane.
+pub trait Pilot {
+    /// Thrust \[N\] and θ̇ [rad/s], `dt` \[s\] after the last answer; none if it cannot be reached.
+    fn answer(&mut self, input: &PlanarInput, dt: f32) -> Option<(f32, f32)>;
+}
+
+/// What is to be flown.
+pub enum Wanted<'a> {
+    /// At each time \[s\] since the start: velocity, acceleration, and position from the start, (down, forward).
+    Plan(&'a dyn Fn(f64) -> [Inertial; 3]),
+    /// What comes as `SET_POSITION_TARGET_LOCAL_NED`.
+    Link,
+}
+
+/// Settings of a companion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Weight that the pilot believes in \[N\], and the autopilot's thrust in hover, in (0, 1): thrust is proportional between.
+    pub weight: f32,
+    /// See `weight`.
+    pub hover_thrust: f32,
+    /// Whether OFFBOARD is asked for; else the flight begins when somebody else sets it.
+    pub engage: bool,
+    /// Heading of the plane \[rad\]; that of the vehicle at the start if none.
+    pub heading: Option<f32>,
+    /// How long \[s\] the reference is flown.
+    pub duration: f64,
+    /// Age \[s\] of the state at which the link is taken for lost.
+    pub timeout: f64,
+    /// Out of the plane.
+    pub hold: HoldParameters,
+}
+
+/// Why a flight ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum End {
+    /// The reference was flown; the autopilot was asked to hold.
+    Finished,
+    /// Somebody took the autopilot out of OFFBOARD.
+    TakenOver,
+    /// Nothing came for too long: nothing is sent any more, and the autopilot acts as on every loss of OFFBOARD.
+    LinkLost,
+    /// The nose points across the plane, or the attitude is none.
+    Attitude,
+    /// The pilot does not answer.
+    Pilot,
+}
+
+/// What the companion does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Stage {
+    /// Nothing is known of the autopilot's state, and nothing sent.
+    Waiting,
+    /// Hover is sent, since this time \[s\]: PX4 wants to see set-points before it enters OFFBOARD.
+    Streaming(f64),
+    /// The reference is flown, since this time \[s\].
+    Flying(f64),
+    /// The end of the reference is flown until the autopilot holds, since this time \[s\].
+    Leaving(f64),
+    /// Nothing is sent any more.
+    Ended(End),
+}
+
+/// What was told and commanded at one step of the flight.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Commanded {
+    /// Time since the start \[s\].
+    pub t: f64,
+    /// What the pilot was told.
+    pub input: PlanarInput,
+    /// Position from the start \[m\], (down, forward), and across the plane, to the right.
+    pub position: (Inertial, f32),
+    /// Wind as used [m/s], zero if it is not known.
+    pub wind: Inertial,
+    /// Thrust \[N\] and θ̇ [rad/s].
+    pub command: (f32, f32),
+}
+
+/// The state machine.
+pub struct Companion<'a> {
+    settings: Settings,
+    wanted: Wanted<'a>,
+    inbox: Inbox,
+    stage: Stage,
+    hold: Option<Hold>,
+    origin: Ned,
+    last_step: f64,
+    next_heartbeat: f64,
+    next_request: f64,
+}
+
+/// Time \[s\] between heartbeats, and between requests for a mode; time of streaming before the first.
+const SECOND: f64 = 1.0;
+/// Time \[s\] after which a wind is not used any more.
+const OLD_WIND: f64 = 10.0;
+/// Airspeed [m/s] below which it says nothing.
+const LEAST_AIRSPEED: f32 = 5.0;
+/// Time \[s\] after which the autopilot is left even if it does not hold.
+const LEAVE: f64 = 3.0;
+
+impl<'a> Companion<'a> {
+    /// Header of the companion's messages: the system of most autopilots, component ONBOARD_COMPUTER.
+    pub const HEADER: MavHeader = MavHeader {
+        system_id: 1,
+        component_id: 191,
+        sequence: 0,
+    };
+
+    /// A companion that waits for an autopilot.
+    #[must_use]
+    pub fn new(settings: Settings, wanted: Wanted<'a>) -> Self {
+        Self {
+            settings,
+            wanted,
+            inbox: Inbox::default(),
+            stage: Stage::Waiting,
+            hold: None,
+            origin: Ned::default(),
+            last_step: f64::NEG_INFINITY,
+            next_heartbeat: f64::NEG_INFINITY,
+            next_request: 0.0,
+        }
+    }
+
+    /// What it does.
+    #[must_use]
+    pub fn stage(&self) -> Stage {
+        self.stage
+    }
+
+    /// What came.
+    #[must_use]
+    pub fn inbox(&self) -> &Inbox {
+        &self.inbox
+    }
+
+    /// Takes a message that arrived `now` \[s\].
+    pub fn receive(&mut self, now: f64, header: &MavHeader, message: &MavMessage) {
+        self.inbox.take(now, header, message);
+        // At once: what is on its way to the autopilot is of no effect in another mode.
+        let flies = matches!(self.stage, Stage::Flying(_));
+        if flies && self.inbox.mode.is_some_and(|mode| mode.0 != OFFBOARD) {
+            self.stage = Stage::Ended(End::TakenOver);
+        }
+    }
+
+    /// One step, `now` \[s\]: messages to send, and what was commanded if the reference is flown.
+    pub fn step(
+        &mut self,
+        now: f64,
+        pilot: &mut dyn Pilot,
+    ) -> (Vec<MavMessage>, Option<Commanded>) {
+        let mut messages = Vec::new();
+        if matches!(self.stage, Stage::Ended(_)) {
+            return (messages, None);
+        }
+        let dt = (now - self.last_step) as f32;
+        self.last_step = now;
+        if now >= self.next_heartbeat {
+            self.next_heartbeat = now + SECOND;
+            messages.push(heartbeat());
+        }
+        let known = self.inbox.age(now) <= self.settings.timeout;
+        let offboard = self.inbox.mode.is_some_and(|mode| mode.0 == OFFBOARD);
+        match self.stage {
+            Stage::Waiting if known && self.inbox.mode.is_some() => {
+                self.stage = Stage::Streaming(now);
+                self.next_request = now + SECOND;
+            }
+            Stage::Streaming(_) if !known => self.stage = Stage::Waiting,
+            Stage::Streaming(_) if offboard => self.start(now),
+            Stage::Streaming(_) if self.settings.engage && now >= self.next_request => {
+                self.next_request = now + SECOND;
+                messages.push(self.request((OFFBOARD, 0)));
+            }
+            Stage::Flying(_) | Stage::Leaving(_) if !known => {
+                self.stage = Stage::Ended(End::LinkLost);
+            }
+            Stage::Flying(since) if now - since > self.settings.duration => {
+                self.stage = Stage::Leaving(now);
+                self.next_request = now;
+            }
+            Stage::Leaving(since) if !offboard || now - since > LEAVE => {
+                self.stage = Stage::Ended(End::Finished);
+            }
+            _ => {}
+        }
+        let commanded = match self.stage {
+            Stage::Waiting | Stage::Ended(_) => return (messages, None),
+            Stage::Streaming(_) => {
+                messages.push(self.set_point(now, [0.0; 3], self.settings.weight));
+                None
+            }
+            Stage::Flying(since) => self.fly(now, now - since, dt, pilot, &mut messages),
+            Stage::Leaving(_) => {
+                if now >= self.next_request {
+                    self.next_request = now + SECOND;
+                    messages.push(self.request(HOLD));
+                }
+                self.fly(now, self.settings.duration, dt, pilot, &mut messages)
+            }
+        };
+        (messages, commanded)
+    }
+
+    /// The flight begins in the plane of the vehicle's heading, where it is.
+    fn start(&mut self, now: f64) {
+        let (Some(attitude), Some(motion)) = (self.inbox.attitude, self.inbox.motion) else {
+            return;
+        };
+        let q = attitude.value;
+        // The wing, y, in the world: north and east.
+        let wing = (
+            2.0 * (q.x * q.y - q.w * q.z),
+            q.w * q.w - q.x * q.x + q.y * q.y - q.z * q.z,
+        );
+        let heading = (self.settings.heading).unwrap_or_else(|| (-wing.0).atan2(wing.1));
+        let plane = VerticalPlane::from_heading(heading);
+        self.origin = motion.value.0;
+        self.hold = Some(Hold::new(self.settings.hold, plane, self.origin));
+        self.stage = Stage::Flying(now);
+    }
+
+    /// The reference at `t`, in the plane, with its age \[s\].
+    fn reference(
+        &self,
+        t: f64,
+        now: f64,
+        plane: &VerticalPlane,
+    ) -> (Reference, Option<Inertial>, f64) {
+        match &self.wanted {
+            Wanted::Plan(at) => {
+                let [velocity, acceleration, position] = at(t);
+                let reference = Reference {
+                    velocity,
+                    acceleration,
+                };
+                (reference, Some(position), 0.0)
+            }
+            Wanted::Link => match self.inbox.setpoint {
+                // Until something is asked for: stay.
+                None => (Reference::default(), Some(Inertial::ZERO), 0.0),
+                Some(asked) => {
+                    let reference = Reference {
+                        velocity: plane.project(asked.value.velocity).0,
+                        acceleration: plane.project(asked.value.acceleration).0,
+                    };
+                    let position = asked.value.position.map(|x| self.from_origin(x, plane).0);
+                    (reference, position, now - asked.arrived)
+                }
+            },
+        }
+    }
+
+    fn from_origin(&self, x: Ned, plane: &VerticalPlane) -> (Inertial, f32) {
+        let o = &self.origin;
+        plane.project(Ned::new(
+            x.north - o.north,
+            x.east - o.east,
+            x.down - o.down,
+        ))
+    }
+
+    /// What is known of the air: the wind that the autopilot estimates, or else what the airspeed says of it along the flight.
+    fn air(&self, now: f64, velocity: Inertial, plane: &VerticalPlane) -> Air<Inertial> {
+        let fresh = |arrived: f64| now - arrived < OLD_WIND;
+        if let Some(wind) = self.inbox.wind.filter(|w| fresh(w.arrived)) {
+            return Air::Wind(plane.project(wind.value).0);
+        }
+        let airspeed = self.inbox.airspeed.filter(|a| fresh(a.arrived));
+        match airspeed.map(|a| a.value).filter(|a| *a >= LEAST_AIRSPEED) {
+            Some(airspeed) if velocity.forward() >= LEAST_AIRSPEED => {
+                let level = airspeed * airspeed - velocity.down() * velocity.down();
+                let along = velocity.forward() - level.max(0.0).sqrt();
+                Air::Wind(Inertial::new(0.0, along))
+            }
+            _ => Air::Unknown,
+        }
+    }
+
+    fn fly(
+        &mut self,
+        now: f64,
+        t: f64,
+        dt: f32,
+        pilot: &mut dyn Pilot,
+        messages: &mut Vec<MavMessage>,
+    ) -> Option<Commanded> {
+        let (hold, attitude, motion) = (self.hold?, self.inbox.attitude?, self.inbox.motion?);
+        let plane = *hold.plane();
+        let projected: Option<Projection> = plane.attitude(&attitude.value, BodyAxes::NoseUp);
+        let Some(projected) = projected else {
+            self.stage = Stage::Ended(End::Attitude);
+            return None;
+        };
+        let (x, v) = motion.value;
+        let velocity = plane.project(v).0;
+        let position = self.from_origin(x, &plane);
+        let (reference, wanted, age) = self.reference(t, now, &plane);
+        let air = self.air(now, velocity, &plane);
+        let input = PlanarInput {
+            velocity,
+            attitude: projected.attitude,
+            state_age: self.inbox.age(now) as f32,
+            air,
+            position_error: wanted.map(|wanted| position.0 - wanted),
+            reference,
+            reference_age: age as f32,
+        };
+        let Some(command) = pilot.answer(&input, dt) else {
+            self.stage = Stage::Ended(End::Pilot);
+            return None;
+        };
+        let rates = hold.rates(&projected, command.1, x, v);
+        messages.push(self.set_point(now, rates, command.0));
+        Some(Commanded {
+            t,
+            input,
+            position,
+            wind: match air {
+                Air::Wind(wind) => wind,
+                _ => Inertial::ZERO,
+            },
+            command,
+        })
+    }
+
+    fn set_point(&self, now: f64, rates: [f32; 3], thrust: f32) -> MavMessage {
+        let share = thrust / self.settings.weight * self.settings.hover_thrust;
+        // A thrust that is no number is none.
+        let share = share.max(0.0).min(1.0);
+        MavMessage::SET_ATTITUDE_TARGET(SET_ATTITUDE_TARGET_DATA {
+            time_boot_ms: milliseconds(now),
+            q: [1.0, 0.0, 0.0, 0.0],
+            body_roll_rate: rates[0],
+            body_pitch_rate: rates[1],
+            body_yaw_rate: rates[2],
+            thrust: share,
+            target_system: self.target(),
+            target_component: 1,
+            type_mask: AttitudeTargetTypemask::ATTITUDE_TARGET_TYPEMASK_ATTITUDE_IGNORE,
+        })
+    }
+
+    fn target(&self) -> u8 {
+        self.inbox
+            .system
+            .and_then(|id| id.try_into().ok())
+            .unwrap_or(1)
+    }
+
+    fn request(&self, (main, sub): (u8, u8)) -> MavMessage {
+        MavMessage::COMMAND_LONG(COMMAND_LONG_DATA {
+            command: MavCmd::MAV_CMD_DO_SET_MODE,
+            // A mode of the autopilot's own.
+            param1: 1.0,
+            param2: main.into(),
+            param3: sub.into(),
+            target_system: self.target(),
+            target_component: 1,
+            ..COMMAND_LONG_DATA::default()
+        })
+    }
+}
+
+fn heartbeat() -> MavMessage {
+    MavMessage::HEARTBEAT(HEARTBEAT_DATA {
+        custom_mode: 0,
+        mavtype: MavType::MAV_TYPE_ONBOARD_CONTROLLER,
+        autopilot: MavAutopilot::MAV_AUTOPILOT_INVALID,
+        base_mode: MavModeFlag::empty(),
+        system_status: MavState::MAV_STATE_ACTIVE,
+        mavlink_version: 3,
+    })
+}

@@ -1,0 +1,116 @@
+//! Every parser of files: experiments and campaigns (TOML), logs to replay (CSV), ULog, DataFlash, CSV of any columns. Any bytes are read
+//! or refused in words; what is read is used.
+
+use std::sync::LazyLock;
+
+use alula_logs::{Error, Log, csv, dataflash, states, ulog};
+use alula_sil::experiment::{Document, Experiment};
+use alula_sil::named::Named;
+use alula_sil::simulate::simulate;
+use alula_sil::study::CampaignSource;
+
+/// Bytes that are no UTF-8 are no text file to begin with.
+fn text(data: &[u8]) -> String {
+    String::from_utf8_lossy(data).into_owned()
+}
+
+/// A refusal is one of words, on one line.
+fn refused(error: &str) {
+    assert!(!error.trim().is_empty() && error.lines().count() == 1, "{error}");
+}
+
+/// An experiment that is accepted is flown for three steps.
+pub fn experiment(data: &[u8]) -> u64 {
+    let named = Named {
+        name: "x".to_owned(),
+        origin: "x.toml".to_owned(),
+        text: text(data),
+        file: None,
+    };
+    let experiment = match Document::new(&named).and_then(|document| document.checked()) {
+        Ok(experiment) => experiment,
+        Err(error) => {
+            refused(&format!("{error:#}"));
+            return 1;
+        }
+    };
+    let mut steps = 0;
+    let mut controller = experiment.controller().expect("checked");
+    let flown = simulate(&experiment, controller.as_mut(), |step| {
+        steps += 1;
+        assert!(step.answer.thrust.is_finite() && step.answer.rate.is_finite());
+        steps < 3
+    });
+    assert!(flown.is_ok());
+    1 + steps
+}
+
+static CAMPAIGN: LazyLock<CampaignSource> =
+    LazyLock::new(|| CampaignSource::load("faults", None).expect("a built-in campaign"));
+
+/// A campaign that is accepted draws two flights.
+pub fn campaign(data: &[u8]) -> u64 {
+    let mut texts = CAMPAIGN.texts.clone();
+    texts.campaign = text(data);
+    match CampaignSource::from_texts(texts, "x.toml") {
+        Ok(source) => {
+            for number in 0..2 {
+                let _ = source.campaign.draw(&source.base, number);
+            }
+            3
+        }
+        Err(error) => {
+            refused(&format!("{error:#}"));
+            1
+        }
+    }
+}
+
+static REPLAYED: LazyLock<[Experiment; 2]> = LazyLock::new(|| {
+    ["hover-to-cruise", "round-trip"].map(|name| {
+        let document = Document::load(name).expect("a built-in experiment");
+        document.checked().expect("a sound experiment")
+    })
+});
+
+/// A log over which a law and the guidance are run.
+pub fn replay(data: &[u8]) -> u64 {
+    for experiment in &*REPLAYED {
+        let mut out = Vec::new();
+        let done = alula_sil::replay::replay("log.csv", data, &mut out, experiment);
+        if let Err(error) = done {
+            refused(&format!("{error:#}"));
+        }
+        assert!(std::str::from_utf8(&out).is_ok());
+    }
+    2
+}
+
+/// What was read is searched for states, written and read again.
+fn log(read: Result<Log, Error>) -> u64 {
+    let log = match read {
+        Ok(log) => log,
+        Err(error) => {
+            assert!(!error.to_string().is_empty());
+            return 1;
+        }
+    };
+    let _ = states::find(&log);
+    let mut file = Vec::new();
+    if ulog::write(&log, &mut file).is_ok() {
+        assert!(ulog::read("again", &file).is_ok());
+    }
+    3
+}
+
+pub fn ulog(data: &[u8]) -> u64 {
+    log(ulog::read("x.ulg", data))
+}
+
+pub fn dataflash(data: &[u8]) -> u64 {
+    log(dataflash::read("x.bin", data))
+}
+
+pub fn csv(data: &[u8]) -> u64 {
+    log(csv::read("x.csv", data, None))
+}

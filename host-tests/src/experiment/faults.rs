@@ -1,0 +1,341 @@
+//! Faults of what the controller is told, of its clock, and of its memory.
+
+use alula::guidance::Air;
+use rand::{Rng, RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
+
+use super::document::{FieldError, finite};
+use super::sensors::Measured;
+use crate::controllers::inertial;
+use crate::reference::Vector;
+
+/// What is wrong while a fault lasts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FaultKind {
+    /// No air data.
+    Air,
+    /// The velocity is NaN.
+    VelocityNan,
+    /// The attitude is NaN.
+    AttitudeNan,
+    /// The state ages: the last one measured comes again and again.
+    StateStale,
+    /// The reference ages.
+    ReferenceStale,
+    /// The position error is NaN.
+    PositionNan,
+    /// The air velocity stands still, as with a blocked pitot.
+    AirFrozen,
+    /// A wind is told in place of the air velocity, and stands still.
+    WindStuck,
+    /// The velocity stands still, and does not age.
+    VelocityFrozen,
+    /// The attitude stands still, and does not age.
+    AttitudeFrozen,
+    /// The air velocity is off by `size` [m/s] per second.
+    AirDrift,
+    /// The velocity is off by `size` [m/s] per second.
+    VelocityDrift,
+    /// The attitude is off by `size` \[°\] per second.
+    AttitudeDrift,
+    /// The position is off by `size` \[m\] per second.
+    PositionDrift,
+    /// The attitude is off by `size` \[°\].
+    AttitudeOffset,
+    /// The position is off by `size` \[m\].
+    PositionJump,
+    /// Every frame comes twice, the second time with a step of no time.
+    TimeDuplicate,
+    /// Time runs backwards.
+    TimeBackward,
+    /// No step is made: the last command stays, and the next step is as long as the gap.
+    TimeMissing,
+    /// The time step told is off by up to `size` times its length, at random.
+    TimeJitter,
+    /// At every control step one random bit of the controller's memory flips.
+    MemoryBit,
+}
+
+impl FaultKind {
+    /// Whether it has a size.
+    pub(crate) fn has_size(self) -> bool {
+        use FaultKind::*;
+        matches!(
+            self,
+            AirDrift
+                | VelocityDrift
+                | AttitudeDrift
+                | PositionDrift
+                | AttitudeOffset
+                | PositionJump
+                | TimeJitter
+        )
+    }
+}
+
+/// A fault.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FaultSpec {
+    /// What fails.
+    pub kind: FaultKind,
+    /// From when \[s\].
+    pub from_s: f64,
+    /// Until when \[s\].
+    pub to_s: f64,
+    /// How much, of the kinds that say so. Of vectors, the same in both components.
+    pub size: Option<f64>,
+}
+
+impl FaultSpec {
+    pub(super) fn validate(&self, field: &str) -> Result<(), FieldError> {
+        finite(field, self.from_s)?;
+        finite(field, self.to_s)?;
+        if self.from_s >= self.to_s {
+            return Err(FieldError::new(field, "from_s must be before to_s"));
+        }
+        if self.kind.has_size() != self.size.is_some() {
+            let not = if self.kind.has_size() { "a" } else { "no" };
+            let problem = format!("this kind has {not} size");
+            return Err(FieldError::new(format!("{field}.size"), problem));
+        }
+        finite(&format!("{field}.size"), self.size.unwrap_or(0.0))
+    }
+
+    /// Whether it lasts at `t` \[s\].
+    fn lasts(&self, t: f64) -> bool {
+        (self.from_s..self.to_s).contains(&t)
+    }
+}
+
+/// When the controller is asked at a control step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Clock {
+    /// The time steps \[s\] with which it is asked, one after the other; none if it is not asked.
+    pub steps: [Option<f64>; 2],
+    /// A bit of its memory that flips before.
+    pub flips: Option<u64>,
+}
+
+/// The faults of a flight, as far as it has come.
+pub(crate) struct Faults<'a> {
+    specs: &'a [FaultSpec],
+    /// What was measured when each began.
+    begun: Vec<Option<Measured>>,
+    /// Time \[s\] since the controller was asked last, before this step.
+    waited: f64,
+    random: ChaCha8Rng,
+}
+
+impl<'a> Faults<'a> {
+    /// None has begun. The `seed` is the experiment's.
+    pub fn new(specs: &'a [FaultSpec], seed: u64) -> Self {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        // Noise and turbulence are the first two streams.
+        random.set_stream(2);
+        Self {
+            specs,
+            begun: vec![None; specs.len()],
+            waited: 0.0,
+            random,
+        }
+    }
+
+    /// Whether a fault of this kind lasts at `t` \[s\].
+    pub fn lasts(&self, kind: FaultKind, t: f64) -> bool {
+        self.specs.iter().any(|f| f.kind == kind && f.lasts(t))
+    }
+
+    /// What the sensors say at `t` \[s\] of what was `measured`.
+    pub fn distort(&mut self, t: f64, measured: Measured) -> Measured {
+        let mut told = measured;
+        for (fault, begun) in self.specs.iter().zip(&mut self.begun) {
+            if !fault.lasts(t) {
+                continue;
+            }
+            let first = *begun.get_or_insert(measured);
+            let size = fault.size.unwrap_or(0.0);
+            let drift = size * (t - fault.from_s);
+            match fault.kind {
+                FaultKind::AirFrozen => told.air = first.air,
+                FaultKind::WindStuck => {
+                    if let Air::Velocity(air) = first.air {
+                        told.air = Air::Wind(inertial(first.velocity) - air);
+                    }
+                }
+                FaultKind::AirDrift => {
+                    if let Air::Velocity(air) = told.air {
+                        let off = inertial(Vector::from_element(drift));
+                        told.air = Air::Velocity(air + off);
+                    }
+                }
+                FaultKind::VelocityFrozen => told.velocity = first.velocity,
+                FaultKind::VelocityDrift => told.velocity += Vector::from_element(drift),
+                FaultKind::AttitudeFrozen => told.theta = first.theta,
+                FaultKind::AttitudeDrift => told.theta += drift.to_radians(),
+                FaultKind::AttitudeOffset => told.theta += size.to_radians(),
+                FaultKind::PositionDrift => told.position += Vector::from_element(drift),
+                FaultKind::PositionJump => told.position += Vector::from_element(size),
+                _ => {}
+            }
+        }
+        told
+    }
+
+    /// How the controller is asked at `t` \[s\], a `period` \[s\] after the step before.
+    pub fn clock(&mut self, t: f64, period: f64) -> Clock {
+        let flips = self.lasts(FaultKind::MemoryBit, t);
+        let mut clock = Clock {
+            steps: [Some(self.waited + period), None],
+            flips: flips.then(|| self.random.next_u64()),
+        };
+        self.waited = 0.0;
+        if self.lasts(FaultKind::TimeBackward, t) {
+            clock.steps[0] = Some(-period);
+        }
+        if self.lasts(FaultKind::TimeDuplicate, t) {
+            clock.steps[1] = Some(0.0);
+        }
+        let jitters = |f: &&FaultSpec| f.kind == FaultKind::TimeJitter && f.lasts(t);
+        if let Some(jitter) = self.specs.iter().find(jitters) {
+            let off = self.random.random_range(-1.0..1.0) * jitter.size.unwrap_or(0.0);
+            clock.steps[0] = Some(period * (1.0 + off));
+        }
+        // At power-on there is no command that could stay.
+        if t > 0.0 && self.lasts(FaultKind::TimeMissing, t) {
+            self.waited = clock.steps[0].unwrap_or(0.0);
+            clock.steps = [None; 2];
+        }
+        clock
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use alula::Inertial;
+
+    fn spec(kind: FaultKind, size: Option<f64>) -> FaultSpec {
+        FaultSpec {
+            kind,
+            from_s: 1.0,
+            to_s: 2.0,
+            size,
+        }
+    }
+
+    #[test]
+    fn a_fault_lasts_from_its_beginning_to_before_its_end() {
+        let specs = [spec(FaultKind::Air, None)];
+        let faults = Faults::new(&specs, 0);
+        let lasts = |t| faults.lasts(FaultKind::Air, t);
+        assert!(!lasts(0.99) && lasts(1.0) && lasts(1.99) && !lasts(2.0));
+        assert!(!faults.lasts(FaultKind::StateStale, 1.5));
+    }
+
+    #[test]
+    fn a_size_is_given_where_there_is_one() {
+        let refused = |kind, size| spec(kind, size).validate("f").map_err(|e| e.problem);
+        assert!(refused(FaultKind::PositionJump, Some(2.0)).is_ok());
+        let missing = refused(FaultKind::PositionJump, None).unwrap_err();
+        assert_eq!(missing, "this kind has a size");
+        let needless = refused(FaultKind::AirFrozen, Some(1.0)).unwrap_err();
+        assert_eq!(needless, "this kind has no size");
+        assert!(refused(FaultKind::AirDrift, Some(f64::NAN)).is_err());
+    }
+
+    /// Measured at `t` on a flight along the sum of all axes.
+    fn measured(t: f64) -> Measured {
+        Measured {
+            velocity: Vector::new(t, 10.0 + t),
+            position: Vector::new(0.0, 10.0 * t),
+            theta: 0.1 * t,
+            air: Air::Velocity(Inertial::new(t as f32, 8.0 + t as f32)),
+        }
+    }
+
+    #[test]
+    fn sensors_freeze_drift_and_jump() {
+        let told = |kind, size| {
+            let specs = [spec(kind, size)];
+            let mut faults = Faults::new(&specs, 0);
+            let at = |t, faults: &mut Faults| faults.distort(t, measured(t));
+            // As it is before, and again afterwards.
+            assert_eq!(at(0.5, &mut faults), measured(0.5), "{kind:?}");
+            at(1.0, &mut faults);
+            let during = at(1.5, &mut faults);
+            assert_eq!(at(2.0, &mut faults), measured(2.0), "{kind:?}");
+            during
+        };
+        let (first, fresh) = (measured(1.0), measured(1.5));
+        assert_eq!(told(FaultKind::AirFrozen, None).air, first.air);
+        // The wind is 2 m/s; that it is told is what differs.
+        let wind = Air::Wind(Inertial::new(0.0, 2.0));
+        assert_eq!(told(FaultKind::WindStuck, None).air, wind);
+        let frozen = told(FaultKind::VelocityFrozen, None);
+        assert_eq!(
+            (frozen.velocity, frozen.theta),
+            (first.velocity, fresh.theta)
+        );
+        assert_eq!(told(FaultKind::AttitudeFrozen, None).theta, first.theta);
+        let off = told(FaultKind::AttitudeOffset, Some(10.0)).theta - fresh.theta;
+        assert!((off.to_degrees() - 10.0).abs() < 1e-9);
+        let off = told(FaultKind::AttitudeDrift, Some(10.0)).theta - fresh.theta;
+        assert!((off.to_degrees() - 5.0).abs() < 1e-9);
+        let off = told(FaultKind::PositionJump, Some(4.0)).position - fresh.position;
+        assert_eq!(off, Vector::new(4.0, 4.0));
+        let off = told(FaultKind::PositionDrift, Some(4.0)).position - fresh.position;
+        assert_eq!(off, Vector::new(2.0, 2.0));
+        let off = told(FaultKind::VelocityDrift, Some(-2.0)).velocity - fresh.velocity;
+        assert_eq!(off, Vector::new(-1.0, -1.0));
+        let drifted = Air::Velocity(Inertial::new(2.5, 10.5));
+        assert_eq!(told(FaultKind::AirDrift, Some(2.0)).air, drifted);
+    }
+
+    #[test]
+    fn clocks_stand_still_run_backwards_jump_and_jitter() {
+        let run = |kind, size| {
+            let specs = [spec(kind, size)];
+            let mut faults = Faults::new(&specs, 0);
+            [0.75, 1.0, 1.25, 1.5, 1.75, 2.0, 2.25].map(|t| faults.clock(t, 0.25).steps)
+        };
+        let (one, two) = ([Some(0.25), None], [Some(0.25), Some(0.0)]);
+        assert_eq!(
+            run(FaultKind::TimeDuplicate, None),
+            [one, two, two, two, two, one, one]
+        );
+        let back = [Some(-0.25), None];
+        assert_eq!(
+            run(FaultKind::TimeBackward, None),
+            [one, back, back, back, back, one, one]
+        );
+        let (none, gap) = ([None; 2], [Some(1.25), None]);
+        assert_eq!(
+            run(FaultKind::TimeMissing, None),
+            [one, none, none, none, none, gap, one]
+        );
+        let jittered = run(FaultKind::TimeJitter, Some(0.5));
+        assert_eq!((jittered[0], jittered[5]), (one, one));
+        let steps = jittered[1..5].iter().map(|s| s[0].unwrap());
+        let steps: Vec<f64> = steps.collect();
+        assert!(
+            steps
+                .iter()
+                .all(|s| (0.125..=0.375).contains(s) && *s != 0.25)
+        );
+        assert!(steps[0] != steps[1]);
+    }
+
+    #[test]
+    fn a_bit_flips_at_every_step() {
+        let specs = [spec(FaultKind::MemoryBit, None)];
+        let mut faults = Faults::new(&specs, 0);
+        let mut flips = |t| faults.clock(t, 0.25).flips;
+        assert_eq!(flips(0.5), None);
+        let (a, b) = (flips(1.0), flips(1.25));
+        assert!(a.is_some() && b.is_some() && a != b);
+        assert_eq!(flips(2.0), None);
+    }
+}

@@ -1,0 +1,167 @@
+//! Flights as logs, and logs through controllers, by the command line.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn alula(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_alula-sil"))
+        .current_dir(folder)
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+fn succeeds(folder: &Path, arguments: &[&str]) -> String {
+    let output = alula(folder, arguments);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    text(&output.stdout)
+}
+
+/// The numbers of one column of a CSV text.
+fn column(csv: &str, name: &str) -> Vec<f64> {
+    let mut reader = csv::Reader::from_reader(csv.as_bytes());
+    let place = reader.headers().unwrap().iter().position(|h| h == name);
+    let place = place.unwrap_or_else(|| panic!("no {name} in {csv:.200}"));
+    let number = |record: csv::StringRecord| record[place].parse().unwrap();
+    reader.records().map(|r| number(r.unwrap())).collect()
+}
+
+/// Without errors of the sensors a flight's own log tells the controller what the flight told it.
+#[test]
+fn a_flights_own_ulog_replays_to_the_commands_flown() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    for (name, tolerance) in [
+        // A law of which nothing is remembered: roundings of the attitude and the wind, 1e-6 of 100 N.
+        ("hover-to-cruise", 1e-3),
+        // The guidance reckons with velocities, positions and its own memory, over 60 s: 1e-5 of 200 N.
+        ("round-trip", 2e-2),
+    ] {
+        let fly = ["fly", name, "--log", "ulog,mcap", "--out", "flown"];
+        let said = succeeds(path, &fly);
+        assert!(said.contains("flight.ulg, flight.mcap"), "{said}");
+        assert!(
+            fs::read(path.join("flown/flight.mcap"))
+                .unwrap()
+                .starts_with(b"\x89MCAP")
+        );
+        let arguments = ["replay", "flown/flight.ulg", "--experiment", name];
+        let replayed = succeeds(path, &arguments);
+        let flown = fs::read_to_string(path.join("flown/trace.csv")).unwrap();
+        for of in ["thrust_n", "rate_rad_s"] {
+            let (flown, replayed) = (column(&flown, of), column(&replayed, of));
+            assert_eq!(flown.len(), replayed.len());
+            let differs = flown.iter().zip(&replayed).map(|(a, b)| (a - b).abs());
+            let worst = differs.fold(0.0, f64::max);
+            assert!(worst < tolerance, "{name} {of}: {worst}");
+        }
+        let said = succeeds(path, &[&arguments[..], &["--out", "again"]].concat());
+        assert_eq!(
+            said.contains("least margin k"),
+            name == "round-trip",
+            "{said}"
+        );
+        assert_eq!(
+            fs::read_to_string(path.join("again/commands.csv")).unwrap(),
+            replayed
+        );
+        let page = fs::read_to_string(path.join("again/replay.html")).unwrap();
+        assert!(page.contains("<svg") && page.contains("flight.ulg, replayed"));
+        assert_eq!(
+            page.contains("angle to the nearest fold, first"),
+            name == "round-trip"
+        );
+    }
+}
+
+/// A level flight east at 20 m/s, logged as text by an ArduPilot: with a wing of the paper's vehicle level flight wants thrust and a
+/// little angle of attack; nothing is asked for, so that the velocity flown is the reference.
+#[test]
+fn an_ardupilot_log_goes_through_the_guidance() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut log = String::from(
+        "FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns\n\
+         FMT, 10, 60, XKF1, QBccCffffff, TimeUS,C,Roll,Pitch,Yaw,VN,VE,VD,PN,PE,PD\n",
+    );
+    for row in 0..200 {
+        let time = 1_000_000 + 20_000 * row;
+        let east = 0.4 * f64::from(row);
+        log += &format!("XKF1, {time}, 0, 0.0, 6.0, 90.0, 0.0, 20.0, 0.0, 0.0, {east}, -50.0\n");
+    }
+    fs::write(folder.path().join("flight.log"), log).unwrap();
+    let arguments = ["replay", "flight.log", "--experiment", "round-trip"];
+    let said = succeeds(folder.path(), &[&arguments[..], &["--out", "out"]].concat());
+    assert!(said.contains("no wind: none of"), "{said}");
+    assert!(
+        said.contains("no velocity asked for in 200 of 200 rows"),
+        "{said}"
+    );
+    let commands = succeeds(folder.path(), &arguments);
+    let rates = column(&commands, "rate_rad_s");
+    let alpha = column(&commands, "alpha_rad");
+    assert_eq!(rates.len(), 200);
+    // θ = −84° and the velocity is level: α is 6° less the belief's δ, which is within 10°.
+    assert!(alpha[100].to_degrees().abs() < 16.0, "{}", alpha[100]);
+    assert!(rates.iter().all(|r| r.abs() < 3.0));
+    assert!(column(&commands, "thrust_n")[150] > 1.0);
+
+    // In the plane through north nothing of the flight is left, and the page says how much is lost.
+    let north = [&arguments[..], &["--heading", "0", "--out", "north"]].concat();
+    let said = succeeds(folder.path(), &north);
+    assert!(said.contains("left out: 20.00 m/s"), "{said}");
+}
+
+#[test]
+fn a_foreign_csv_is_read_through_its_map() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    write(
+        "log.csv",
+        "ms,q0,q1,q2,q3,climb,east,north\n0,0.70710678,0,0.70710678,0,0,0,0\n10,0.70710678,0,0.70710678,0,0.5,0,0\n",
+    );
+    write(
+        "map.toml",
+        "time = { from = 'ms', scale = 0.001 }\n[columns]\nqw.from = 'q0'\nqx.from = 'q1'\nqy.from = 'q2'\nqz.from = 'q3'\n\
+         vn.from = 'north'\nve.from = 'east'\nvd = { from = 'climb', scale = -1 }\n",
+    );
+    let arguments = ["replay", "log.csv", "--map", "map.toml"];
+    let commands = succeeds(folder.path(), &arguments);
+    // Nose up and at rest: the belief's hover thrust, 9 kg · 9.81 m/s².
+    let thrust = column(&commands, "thrust_n");
+    assert!((thrust[0] - 88.29).abs() < 1e-3, "{commands}");
+    assert_eq!(column(&commands, "t_s"), [0.0, 0.01]);
+
+    let refused = |arguments: &[&str], part: &str| {
+        let output = alula(folder.path(), arguments);
+        let message = text(&output.stderr);
+        assert!(
+            !output.status.success() && message.contains(part),
+            "{message}"
+        );
+        assert_eq!(message.lines().count(), 1, "{message}");
+    };
+    write(
+        "short.toml",
+        "time = { from = 'ms' }\n[columns]\nvn.from = 'nort'\n",
+    );
+    refused(
+        &["replay", "log.csv", "--map", "short.toml"],
+        "column `nort`: not in the header",
+    );
+    write(
+        "bare.toml",
+        "time = { from = 'ms' }\n[columns]\nvn.from = 'north'\n",
+    );
+    refused(
+        &["replay", "log.csv", "--map", "bare.toml"],
+        "no attitude: none of",
+    );
+    // This law is told the air's acceleration, which no log holds.
+    let forward = [&arguments[..], &["--experiment", "steep-climb"]].concat();
+    refused(&forward, "air acceleration");
+}
