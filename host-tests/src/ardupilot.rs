@@ -17,7 +17,7 @@ use crate::controllers::{Answer, Input, Report, inertial};
 use crate::experiment::{Experiment, State, Weather};
 use crate::reference::{Vector, wrap};
 use crate::simulate::{Record, Step};
-use crate::spatial_plant::{Rotation, SpatialPlant, SpatialState};
+use crate::space::{Rotation, SpatialPlant, SpatialState};
 
 type V3 = Vector3<f64>;
 

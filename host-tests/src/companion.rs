@@ -12,7 +12,7 @@ use crate::controllers::{Answer, Controller, Input, inertial};
 use crate::experiment::{Experiment, RateLoop, State, Weather};
 use crate::reference::Vector;
 use crate::simulate::{Record, Step};
-use crate::spatial_plant::{Rotation, SpatialPlant, SpatialState};
+use crate::space::{Rotation, SpatialPlant, SpatialState};
 
 type V3 = Vector3<f64>;
 

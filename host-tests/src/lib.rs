@@ -7,8 +7,8 @@
 //! (many flights), [`page`] (what is left of them to read).
 //! Of a vehicle alone ([`airframe`]): its [`envelope`]; a [`sweep`](mod@sweep) of its equilibria along a reference; the [`fit`](mod@fit) of a
 //! model to a table; [`margins`], the linear theory of the law's loop.
-//! [`spatial_plant`] and [`spatial_weather`] are plant and weather in space; [`ardupilot`] is the plant behind ArduPilot's interface, and
-//! [`companion`] the controller beside an autopilot.
+//! [`space`] is the same in three dimensions; [`ardupilot`] is the plant behind ArduPilot's interface, and [`companion`] the
+//! controller beside an autopilot.
 //! On a target without an operating system the package is empty.
 #![cfg_attr(target_os = "none", no_std)]
 #![cfg(not(target_os = "none"))]
@@ -33,7 +33,6 @@ pub mod polar;
 pub mod reference;
 pub mod replay;
 pub mod simulate;
-pub mod spatial_plant;
-pub mod spatial_weather;
+pub mod space;
 pub mod study;
 pub mod sweep;

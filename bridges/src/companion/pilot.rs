@@ -1,7 +1,7 @@
 //! The companion's stages, and its set-points.
 
 use alula::guidance::Air;
-use alula::ned::{BodyAxes, Ned, Projection, VerticalPlane};
+use alula::ned::Ned;
 use alula::{Attitude, Inertial, PlanarInput, Reference};
 use mavlink::dialects::common::{
     AttitudeTargetTypemask, COMMAND_LONG_DATA, HEARTBEAT_DATA, MavAutopilot, MavCmd, MavModeFlag,
@@ -9,6 +9,7 @@ use mavlink::dialects::common::{
 };
 
 use super::inbox::Inbox;
+use super::plane::{Projection, VerticalPlane};
 use super::{HOLD, Hold, HoldParameters, MavHeader, MavMessage, OFFBOARD, milliseconds};
 
 /// Whoever controls the flight in its vertical plane.
@@ -318,7 +319,7 @@ impl<'a> Companion<'a> {
         let (hold, attitude, motion) = (self.hold?, self.inbox.attitude?, self.inbox.motion?);
         let plane = *hold.plane();
         let (q, rates) = attitude.value;
-        let projected: Option<Projection> = plane.attitude(&q, BodyAxes::NoseUp);
+        let projected: Option<Projection> = plane.attitude(&q);
         let Some(projected) = projected else {
             self.stage = Stage::Ended(End::Attitude);
             return None;

@@ -12,6 +12,7 @@ use alula_sil::study::{BUILT_IN, CampaignSource, Shard, Store, Summary, run as f
 
 use super::fly;
 use super::output::Output;
+use super::space;
 
 /// Fly an experiment many times, with its fields drawn at random: percentiles, limits, worst flights
 #[derive(clap::Args)]
@@ -62,8 +63,14 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
             let campaign = CampaignSource::load(name, None)?.campaign;
             writeln!(stdout, "{name:<18} {}", campaign.description)?;
         }
+        let (name, description) = space::ATTITUDES;
+        writeln!(stdout, "{name:<18} {description}")?;
         return Ok(());
     };
+    if name == space::ATTITUDES.0 {
+        drop(stdout);
+        return space::attitudes(args.flights, args.threads, &args.output);
+    }
     let source = CampaignSource::load(name, args.flights)?;
     if args.print {
         write!(stdout, "{}", source.texts.campaign)?;

@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::Path;
 
-use anyhow::bail;
+use anyhow::{bail, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
@@ -18,6 +18,7 @@ use alula_sil::simulate::{End, Record, Step, simulate};
 
 use super::output::Output;
 use super::settings::Settings;
+use super::space;
 
 /// Fly an experiment; leave its trace and report in a folder
 #[derive(clap::Args)]
@@ -94,6 +95,13 @@ struct Summary<'a> {
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let document = args.settings.document(&args.experiment)?;
+    if document.get("path").is_some() {
+        ensure!(
+            args.logs.kinds.is_empty(),
+            "--log: flights in space leave a CSV trace alone"
+        );
+        return space::fly(&document, &args.output);
+    }
     fly(
         &document,
         &document.name,

@@ -28,9 +28,10 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     for (name, _) in BUILT_IN {
         let document = Document::load(name)?;
         let description = document.get("description").and_then(|text| text.as_str());
-        let kind = match document.get("reference") {
-            Some(_) => "",
-            None => "vehicle: ",
+        let kind = match ["reference", "path"].map(|key| document.get(key).is_some()) {
+            [true, _] => "",
+            [_, true] => "in space: ",
+            _ => "vehicle: ",
         };
         let description = description.unwrap_or_default();
         writeln!(stdout, "{name:<18} {kind}{description}")?;

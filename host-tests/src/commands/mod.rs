@@ -13,6 +13,7 @@ mod pil;
 mod replay;
 mod serve;
 mod settings;
+mod space;
 mod sweep;
 
 use clap::{Parser, Subcommand};

@@ -61,6 +61,16 @@ impl GuidanceSpec {
     ) -> Result<Guidance<Model, GainChoice>, FieldError> {
         let belief = self.vehicle.as_ref().unwrap_or(&experiment.vehicle);
         let thrust = experiment.thrust_limits(self.thrust_n, belief.weight());
+        self.build(belief, thrust, &self.in_plane())
+    }
+
+    /// The guidance of a vehicle that is believed to be `belief`, with `thrust` \[N\] (least, most).
+    pub fn build(
+        &self,
+        belief: &VehicleSpec,
+        thrust: [f64; 2],
+        parameters: &GuidanceParameters,
+    ) -> Result<Guidance<Model, GainChoice>, FieldError> {
         let vehicle = belief.limited(thrust).map_err(|e| e.inside("vehicle"))?;
         let under = |e: ParameterError| refused::<GuidanceParameters>(e);
         let gains = match self.gains {
@@ -70,7 +80,7 @@ impl GuidanceSpec {
                 GainChoice::Bandwidth(gains.map_err(under)?)
             }
         };
-        Guidance::with_gains(vehicle, gains, &self.in_plane()).map_err(under)
+        Guidance::with_gains(vehicle, gains, parameters).map_err(under)
     }
 }
 

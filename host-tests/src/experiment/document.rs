@@ -16,7 +16,7 @@ use crate::controllers::KINDS;
 use crate::named::Named;
 
 /// Tables of which exactly one entry is given.
-const CHOICES: [&str; 3] = ["controller", "aerodynamics", "rate_loop"];
+const CHOICES: [&str; 4] = ["controller", "aerodynamics", "rate_loop", "path"];
 
 /// A value that was refused: the field's dotted path, and why.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -37,7 +37,8 @@ macro_rules! built_in {
     };
 }
 
-/// Name and TOML text of every built-in experiment. Those without a reference are vehicles, for others to be based on.
+/// Name and TOML text of every built-in experiment. Those with a path are flown in space. Those with neither path nor reference are
+/// vehicles, for others to be based on.
 pub const BUILT_IN: &[(&str, &str)] = built_in![
     "paper",
     "paper-re-5e6",
@@ -53,6 +54,24 @@ pub const BUILT_IN: &[(&str, &str)] = built_in![
     "climbing-braking",
     "steep-descent",
     "rough-day",
+    "space",
+    "circle-40",
+    "circle-40-slow",
+    "circle-33",
+    "eight",
+    "climbing-turn",
+    "waypoints",
+    "cross-wind",
+    "side-gust",
+    "unknown-side-wind",
+    "hover-cross-wind",
+    "heading-steps",
+    "transition-turned",
+    "reversal",
+    "mission",
+    "mission-turbulence",
+    "start-hover",
+    "start-cruise",
 ];
 
 /// A flight to simulate. The format is described in this package's README.
@@ -156,9 +175,7 @@ impl Experiment {
     /// Least and most thrust \[N\] that a controller may command: `given`, or else what the motors give. Motors without limits are taken for
     /// those of twice the `weight` \[N\] that the controller believes in.
     pub fn thrust_limits(&self, given: Option<[f64; 2]>, weight: f64) -> [f64; 2] {
-        let [least, most] = given.unwrap_or(self.plant.thrust_n);
-        let bounded = |value: f64, else_value| if value.is_finite() { value } else { else_value };
-        [bounded(least, 0.0), bounded(most, 2.0 * weight)]
+        thrust_limits(given.unwrap_or(self.plant.thrust_n), weight)
     }
 
     /// Number of control periods flown.
@@ -172,6 +189,12 @@ impl Experiment {
     }
 }
 
+/// Least and most thrust \[N\] without infinities: in their place none, and twice the `weight` \[N\].
+pub(crate) fn thrust_limits([least, most]: [f64; 2], weight: f64) -> [f64; 2] {
+    let bounded = |value: f64, else_value| if value.is_finite() { value } else { else_value };
+    [bounded(least, 0.0), bounded(most, 2.0 * weight)]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -182,6 +205,9 @@ mod tests {
             let document = Document::load(name).unwrap();
             if document.get("reference").is_some() {
                 document.checked().unwrap();
+            }
+            if document.get("path").is_some() {
+                crate::space::Experiment::of(&document).unwrap();
             }
         }
     }

@@ -132,7 +132,7 @@ pub struct Measured {
 }
 
 impl ErrorSpec {
-    fn apply(&self, value: f64, random: &mut impl Rng) -> f64 {
+    pub(crate) fn apply(&self, value: f64, random: &mut impl Rng) -> f64 {
         // Drawn in any case: the stream of numbers does not depend on which errors are on.
         let normal: f64 = StandardNormal.sample(random);
         let value = value + self.bias + self.noise * normal;

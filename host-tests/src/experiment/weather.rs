@@ -53,14 +53,18 @@ impl WeatherSpec {
                 speed("weather.gust.peak_m_s", value)?;
             }
         }
-        if let Some(turbulence) = &self.turbulence {
-            let field = "weather.turbulence.wind_at_20_ft_m_s";
-            positive(field, turbulence.wind_at_20_ft_m_s)?;
-            speed(field, turbulence.wind_at_20_ft_m_s)?;
-            if !(3.0..=305.0).contains(&turbulence.height_m) {
-                let field = "weather.turbulence.height_m";
-                return Err(FieldError::new(field, "must be from 3 to 305 m"));
-            }
+        self.turbulence.map_or(Ok(()), |t| t.validate())
+    }
+}
+
+impl TurbulenceSpec {
+    pub(crate) fn validate(&self) -> Result<(), FieldError> {
+        let field = "weather.turbulence.wind_at_20_ft_m_s";
+        positive(field, self.wind_at_20_ft_m_s)?;
+        speed(field, self.wind_at_20_ft_m_s)?;
+        if !(3.0..=305.0).contains(&self.height_m) {
+            let field = "weather.turbulence.height_m";
+            return Err(FieldError::new(field, "must be from 3 to 305 m"));
         }
         Ok(())
     }

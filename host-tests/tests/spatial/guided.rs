@@ -7,9 +7,9 @@ use alula::{
     Combined, CombinedParameters, Guidance, GuidanceInput, GuidanceParameters, GuidanceState,
     Vehicle, VehicleParameters,
 };
-use alula_sil::spatial_plant::{SpatialPlant, SpatialState};
+use alula_sil::space::{SpatialPlant, SpatialState};
 
-use alula_sil::spatial_weather::{Gust, Turbulence};
+use alula_sil::space::{Gust, Turbulence};
 use nalgebra::{Quaternion, UnitQuaternion};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -5,7 +5,7 @@ use alula_sil::reference::{
     Gains, SpatialEvaluation, SpatialInputs, Vehicle, axes, axisymmetric_full, winged_full,
     winged_robust,
 };
-use alula_sil::spatial_plant::{Rotation, SpatialPlant};
+use alula_sil::space::{Rotation, SpatialPlant};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -5,7 +5,7 @@ use nalgebra::{Quaternion, UnitQuaternion};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use alula_sil::spatial_plant::SpatialState;
+use alula_sil::space::SpatialState;
 
 use crate::course::{self, Course};
 use crate::flown::{Setup, Target, Task, V3, calm, rms};

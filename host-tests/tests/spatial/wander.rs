@@ -3,7 +3,7 @@
 use alula::{
     Combined, CombinedParameters, Guidance, GuidanceParameters, Vehicle, VehicleParameters,
 };
-use alula_sil::spatial_weather::Turbulence;
+use alula_sil::space::Turbulence;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 

@@ -4,15 +4,16 @@
 //! World vectors are north-east-down. The quaternion's axes are x = j (belly), y = w (right wing), z = i (tail), so that
 //! (p, q, r) = (ω_j, ω_w, ω_i). Nothing here comes from the core.
 
-use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use nalgebra::{Quaternion, UnitQuaternion};
 
+use super::V3;
 use crate::reference::Vehicle;
-
-type V3 = Vector3<f64>;
 
 /// How body rates follow their commands.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rotation {
+    /// They are the commands.
+    Ideal,
     /// First order, \[s\].
     Lag(f64),
     /// A rate loop of this time constant \[s\], by torques within ±`torque` \[N·m\] on the inertia `inertia`
@@ -36,7 +37,7 @@ pub struct SpatialPlant {
     pub vehicle: Vehicle,
     /// c_Y.
     pub c_y: f64,
-    /// Time constant of thrust \[s\].
+    /// Time constant of thrust \[s\]; 0 for none.
     pub thrust_lag: f64,
     /// Least and most thrust \[N\].
     pub thrust: [f64; 2],
@@ -110,6 +111,7 @@ impl SpatialPlant {
         let force = self.aerodynamic_force(s.velocity - wind, &attitude) - s.thrust * i;
         let gravity = V3::new(0.0, 0.0, self.vehicle.gravity);
         let rotation = match self.rotation {
+            Rotation::Ideal => V3::zeros(),
             Rotation::Lag(lag) => (rates - s.rates) / lag,
             Rotation::Inertia {
                 lag,
@@ -131,7 +133,11 @@ impl SpatialPlant {
             acceleration: gravity + force / self.vehicle.mass,
             quaternion: q * Quaternion::from_imag(s.rates) * 0.5,
             rates: rotation,
-            thrust: (thrust - s.thrust) / self.thrust_lag,
+            thrust: if self.thrust_lag == 0.0 {
+                0.0
+            } else {
+                (thrust - s.thrust) / self.thrust_lag
+            },
         }
     }
 
@@ -147,6 +153,14 @@ impl SpatialPlant {
     ) -> SpatialState {
         let thrust = thrust.clamp(self.thrust[0], self.thrust[1]);
         let rates = rates.map(|x| x.clamp(-self.rate, self.rate));
+        let mut state = *state;
+        // Actuators without lag are where they are told to be.
+        if self.rotation == Rotation::Ideal {
+            state.rates = rates;
+        }
+        if self.thrust_lag == 0.0 {
+            state.thrust = thrust;
+        }
         let start = state.attitude.into_inner();
         let at = |k: &Slope, h: f64| {
             let moved = SpatialState {
@@ -158,7 +172,7 @@ impl SpatialPlant {
             };
             self.slope(&moved, start + k.quaternion * h, thrust, rates, wind)
         };
-        let a = self.slope(state, start, thrust, rates, wind);
+        let a = self.slope(&state, start, thrust, rates, wind);
         let b = at(&a, 0.5 * dt);
         let c = at(&b, 0.5 * dt);
         let d = at(&c, dt);

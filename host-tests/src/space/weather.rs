@@ -1,19 +1,87 @@
 //! Wind in space: steady, a 1-cosine gust, and Dryden turbulence on three axes (MIL-F-8785C, low altitude).
 
-use nalgebra::Vector3;
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
+use serde::Deserialize;
 
-type V3 = Vector3<f64>;
+use super::{V3, finite_vector, vector};
+use crate::experiment::{FieldError, TurbulenceSpec, finite};
+
+/// `[weather]`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct WeatherSpec {
+    /// Steady wind \[m/s\], north-east-down: where the air goes.
+    #[serde(rename = "steady_m_s", deserialize_with = "vector")]
+    pub steady: V3,
+    /// A gust on top.
+    pub gust: Option<Gust>,
+    /// Turbulence on top; the steady wind's direction is its own, or north.
+    pub turbulence: Option<TurbulenceSpec>,
+}
+
+impl WeatherSpec {
+    pub(super) fn validate(&self) -> Result<(), FieldError> {
+        finite_vector("weather.steady_m_s", &self.steady)?;
+        if let Some(gust) = &self.gust {
+            finite("weather.gust.start_s", gust.start)?;
+            finite_vector("weather.gust.peak_m_s", &gust.peak)?;
+            // NaN is not positive. An infinite duration is a step's.
+            if !matches!(
+                gust.duration.partial_cmp(&0.0),
+                Some(std::cmp::Ordering::Greater)
+            ) {
+                let field = "weather.gust.duration_s";
+                return Err(FieldError::new(field, "must be positive"));
+            }
+        }
+        self.turbulence.map_or(Ok(()), |t| t.validate())
+    }
+}
+
+/// The wind over a flight.
+pub struct Weather {
+    spec: WeatherSpec,
+    turbulence: Option<Turbulence>,
+}
+
+impl Weather {
+    /// The weather at the start; `random` draws the turbulence's first state.
+    pub fn new(spec: WeatherSpec, random: &mut impl Rng) -> Self {
+        let heading = spec.steady.y.atan2(spec.steady.x);
+        let turbulence = spec
+            .turbulence
+            .map(|t| Turbulence::new(t.wind_at_20_ft_m_s, t.height_m, heading, random));
+        Self { spec, turbulence }
+    }
+
+    /// The wind \[m/s\] at `t` \[s\].
+    pub fn wind(&self, t: f64) -> V3 {
+        let gust = self.spec.gust.map_or(V3::zeros(), |gust| gust.at(t));
+        let turbulence = self.turbulence.as_ref();
+        self.spec.steady + gust + turbulence.map_or(V3::zeros(), Turbulence::velocity)
+    }
+
+    /// Lets the turbulence pass for `dt` \[s\] at an `airspeed` \[m/s\].
+    pub fn advance(&mut self, airspeed: f64, dt: f64, random: &mut impl Rng) {
+        if let Some(turbulence) = &mut self.turbulence {
+            turbulence.advance(airspeed, dt, random);
+        }
+    }
+}
 
 /// A 1-cosine gust: ½ peak (1 − cos 2π(t − start)/duration) while it lasts; or, without an end, a step of `peak`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Gust {
     /// When it begins \[s\].
+    #[serde(rename = "start_s")]
     pub start: f64,
     /// How long it lasts \[s\]; infinite for a step.
+    #[serde(rename = "duration_s")]
     pub duration: f64,
     /// Its peak \[m/s\], north-east-down.
+    #[serde(rename = "peak_m_s", deserialize_with = "vector")]
     pub peak: V3,
 }
 

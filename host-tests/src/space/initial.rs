@@ -1,0 +1,97 @@
+//! Where a flight in space starts.
+
+use nalgebra::{Quaternion, UnitQuaternion};
+use rand::{Rng, RngExt};
+use rand_distr::{Distribution, StandardNormal};
+use serde::Deserialize;
+
+use super::path::Target;
+use super::plant::SpatialState;
+use super::{V3, finite_vector};
+use crate::experiment::{FieldError, finite};
+
+/// `[initial]`. The flight starts on the path.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct InitialSpec {
+    /// Velocity \[m/s\]; the path's if left out.
+    pub velocity_m_s: Option<[f64; 3]>,
+    /// θ in the vertical plane of the heading \[°\]: 0 nose up, −90 nose forward.
+    pub theta_deg: f64,
+    /// Heading of the belly, clockwise from north \[°\]; the path's heading or course if left out.
+    pub heading_deg: Option<f64>,
+    /// Thrust before the first command acts \[N\].
+    pub thrust_n: f64,
+    /// Random departures from that.
+    pub scatter: Option<Scatter>,
+}
+
+/// Random departures, drawn from the experiment's seed: any attitude, uniform over the rotations.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scatter {
+    /// Radius of the ball that a velocity is added from \[m/s\].
+    pub velocity_m_s: f64,
+    /// Greatest body rate about each axis \[rad/s\].
+    pub rate_rad_s: f64,
+}
+
+impl InitialSpec {
+    pub(super) fn validate(&self) -> Result<(), FieldError> {
+        let velocity = self.velocity_m_s.map_or(V3::zeros(), V3::from);
+        finite_vector("initial.velocity_m_s", &velocity)?;
+        finite("initial.theta_deg", self.theta_deg)?;
+        finite("initial.heading_deg", self.heading_deg.unwrap_or(0.0))?;
+        finite("initial.thrust_n", self.thrust_n)?;
+        let Some(scatter) = &self.scatter else {
+            return Ok(());
+        };
+        for (field, value) in [
+            ("initial.scatter.velocity_m_s", scatter.velocity_m_s),
+            ("initial.scatter.rate_rad_s", scatter.rate_rad_s),
+        ] {
+            finite(field, value)?;
+            if value < 0.0 {
+                return Err(FieldError::new(field, "must not be negative"));
+            }
+        }
+        Ok(())
+    }
+
+    /// The state at the start, for a path that begins at `target`.
+    pub(super) fn state(&self, target: &Target, random: &mut impl Rng) -> SpatialState {
+        let along = target.velocity.y.atan2(target.velocity.x);
+        let heading = self.heading_deg.map(f64::to_radians);
+        let heading = heading.or(target.heading).unwrap_or(along);
+        let turn = UnitQuaternion::from_axis_angle(&V3::z_axis(), heading);
+        let pitch = UnitQuaternion::from_axis_angle(&V3::y_axis(), self.theta_deg.to_radians());
+        let state = SpatialState {
+            position: target.position,
+            velocity: self.velocity_m_s.map_or(target.velocity, V3::from),
+            attitude: turn * pitch,
+            rates: V3::zeros(),
+            thrust: self.thrust_n,
+        };
+        match &self.scatter {
+            Some(scatter) => scatter.of(state, random),
+            None => state,
+        }
+    }
+}
+
+impl Scatter {
+    fn of(&self, state: SpatialState, random: &mut impl Rng) -> SpatialState {
+        let mut normal = || -> f64 { StandardNormal.sample(random) };
+        let q = Quaternion::new(normal(), normal(), normal(), normal());
+        let direction = V3::new(normal(), normal(), normal()).normalize();
+        // Uniform over the ball.
+        let length = self.velocity_m_s * random.random::<f64>().cbrt();
+        let mut rate = || self.rate_rad_s * (2.0 * random.random::<f64>() - 1.0);
+        SpatialState {
+            velocity: state.velocity + length * direction,
+            attitude: UnitQuaternion::from_quaternion(q),
+            rates: V3::new(rate(), rate(), rate()),
+            ..state
+        }
+    }
+}

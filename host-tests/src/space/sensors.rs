@@ -1,0 +1,118 @@
+//! What the guidance is told of a flight in space.
+
+use alula::guidance::Air;
+use alula::ned::{BodyAxes, Quaternion};
+use alula::spatial::{Body, Ned, Orientation};
+use nalgebra::UnitQuaternion;
+use rand::Rng;
+use serde::Deserialize;
+
+use super::plant::SpatialState;
+use super::{V3, ned};
+use crate::experiment::{AirSensor, ErrorSpec, FieldError, PositionSensor, finite};
+
+/// Whether the specific force is measured.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Accelerometer {
+    /// It is.
+    #[default]
+    Measured,
+    /// It is not.
+    None,
+}
+
+/// `[sensors]`: errors of each component.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SensorSpec {
+    /// Of the velocity \[m/s\].
+    pub velocity_m_s: ErrorSpec,
+    /// Of the position \[m\].
+    pub position_m: ErrorSpec,
+    /// Of the attitude, as rotations about the body axes \[°\].
+    pub attitude_deg: ErrorSpec,
+    /// Of the air velocity \[m/s\].
+    pub air_m_s: ErrorSpec,
+    /// Of the specific force \[m/s²\].
+    pub acceleration_m_s2: ErrorSpec,
+    /// What is known of the air.
+    pub air: AirSensor,
+    /// What is known of the position.
+    pub position: PositionSensor,
+    /// What is known of the specific force.
+    pub accelerometer: Accelerometer,
+}
+
+/// What was measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measured {
+    /// v \[m/s\].
+    pub velocity: V3,
+    /// x \[m\].
+    pub position: V3,
+    /// Attitude as the core takes it.
+    pub orientation: Orientation,
+    /// What is known of the air.
+    pub air: Air<Ned>,
+    /// Specific force along tail, belly and right wing \[m/s²\].
+    pub specific_force: Option<Body>,
+}
+
+impl SensorSpec {
+    pub(super) fn validate(&self) -> Result<(), FieldError> {
+        for (field, error) in [
+            ("sensors.velocity_m_s", &self.velocity_m_s),
+            ("sensors.position_m", &self.position_m),
+            ("sensors.attitude_deg", &self.attitude_deg),
+            ("sensors.air_m_s", &self.air_m_s),
+            ("sensors.acceleration_m_s2", &self.acceleration_m_s2),
+        ] {
+            finite(&format!("{field}.bias"), error.bias)?;
+            for (part, value) in [("noise", error.noise), ("quantum", error.quantum)] {
+                let field = format!("{field}.{part}");
+                finite(&field, value)?;
+                if value < 0.0 {
+                    return Err(FieldError::new(field, "must not be negative"));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// What is measured of `truth` and its specific force (along i, j, w) in `wind`, which is `steady` but for gusts and
+    /// turbulence.
+    pub(super) fn measure(
+        &self,
+        truth: &SpatialState,
+        force: V3,
+        wind: V3,
+        steady: V3,
+        random: &mut impl Rng,
+    ) -> Measured {
+        let mut told = |error: &ErrorSpec, v: V3| v.map(|x| error.apply(x, random));
+        let velocity = told(&self.velocity_m_s, truth.velocity);
+        let position = told(&self.position_m, truth.position);
+        let error = told(&self.attitude_deg, V3::zeros()).map(f64::to_radians);
+        let air = told(&self.air_m_s, truth.velocity - wind);
+        let f = told(&self.acceleration_m_s2, force);
+        let q = truth.attitude * UnitQuaternion::from_scaled_axis(error);
+        let [w, x, y, z] = [q.w, q.i, q.j, q.k].map(|x| x as f32);
+        let orientation =
+            Orientation::from_quaternion(&Quaternion { w, x, y, z }, BodyAxes::NoseUp);
+        Measured {
+            velocity,
+            position,
+            orientation: orientation.expect("a unit quaternion"),
+            air: match self.air {
+                AirSensor::Velocity => Air::Velocity(ned(air)),
+                AirSensor::SteadyWind => Air::Wind(ned(steady)),
+                AirSensor::None => Air::Unknown,
+            },
+            specific_force: match self.accelerometer {
+                Accelerometer::Measured => Some(Body::new(f.x as f32, f.y as f32, f.z as f32)),
+                Accelerometer::None => None,
+            },
+        }
+    }
+}

@@ -1,0 +1,117 @@
+//! The loop of a flight in space: the plant in double precision, the guidance at a fixed rate.
+
+use std::collections::VecDeque;
+
+use alula::guidance::Guided;
+use alula::spatial::{Body, Heading, Reference};
+use alula::{GuidanceInput, GuidanceState};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+use super::path::Target;
+use super::plant::SpatialState;
+use super::weather::Weather;
+use super::{Experiment, V3, ned};
+use crate::experiment::{FieldError, PositionSensor};
+
+/// One control step of a flight.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step {
+    /// Time \[s\].
+    pub t: f64,
+    /// The plant's state when the guidance was asked.
+    pub truth: SpatialState,
+    /// The wind there \[m/s\].
+    pub wind: V3,
+    /// Specific force over g.
+    pub load_factor: f64,
+    /// What is to be flown.
+    pub target: Target,
+    /// What the guidance was told.
+    pub input: GuidanceInput,
+    /// What it answered.
+    pub guided: Guided,
+}
+
+/// A flight: one row per control step, the last at its end.
+pub type Record = Vec<Step>;
+
+/// Flies `experiment`.
+pub fn fly(experiment: &Experiment) -> Result<Record, FieldError> {
+    let guidance = experiment.controller.guidance(experiment)?;
+    let plant = experiment.plant();
+    // Separate streams: a change of one leaves the others as they were.
+    let stream = |number| {
+        let mut random = ChaCha8Rng::seed_from_u64(experiment.seed);
+        random.set_stream(number);
+        random
+    };
+    let (mut noise, mut gusts) = (stream(0), stream(1));
+    let mut weather = Weather::new(experiment.weather, &mut gusts);
+    let period = 1.0 / experiment.control_rate_hz;
+    let dt = period / f64::from(experiment.substeps);
+    let mut path = experiment.path.path()?;
+    let mut truth = experiment.initial.state(&path.start(), &mut stream(2));
+
+    // Commands on their way: the number of the plant's step from which each acts.
+    let delay = (experiment.plant.delay_s / dt).round() as usize;
+    let mut pending: VecDeque<(usize, f64, V3)> = VecDeque::new();
+    let (mut thrust, mut rates) = (truth.thrust, V3::zeros());
+    let mut plant_step = 0;
+    let mut memory = GuidanceState::default();
+    let mut record = Record::with_capacity(experiment.steps() + 1);
+    for step in 0..=experiment.steps() {
+        let t = step as f64 * period;
+        let wind = weather.wind(t);
+        let specific_force = V3::from(plant.specific_force(&truth, wind));
+        let steady = experiment.weather.steady;
+        let sensors = &experiment.sensors;
+        let measured = sensors.measure(&truth, specific_force, wind, steady, &mut noise);
+        let target = path.advance(period, |target| {
+            let error = measured.position - target.position;
+            guidance.pace(ned(error), ned(target.velocity)).into()
+        });
+        let heading = target.heading.map_or(f32::NAN, |h| h as f32);
+        let input = GuidanceInput {
+            velocity: ned(measured.velocity),
+            orientation: measured.orientation,
+            state_age: 0.0,
+            air: measured.air,
+            specific_force: measured.specific_force,
+            position_error: match sensors.position {
+                PositionSensor::Measured => Some(ned(measured.position - target.position)),
+                PositionSensor::None => None,
+            },
+            reference: Reference {
+                velocity: ned(target.velocity),
+                acceleration: ned(target.acceleration),
+                heading: Heading::from_angle(heading),
+            },
+            reference_age: 0.0,
+        };
+        let guided = guidance.update(&mut memory, &input, period as f32);
+        record.push(Step {
+            t,
+            truth,
+            wind,
+            load_factor: specific_force.norm() / experiment.vehicle.gravity_m_s2,
+            target,
+            input,
+            guided,
+        });
+
+        let Body { i, j, w } = guided.command.rates;
+        let asked = V3::new(j.into(), w.into(), i.into());
+        pending.push_back((plant_step + delay, guided.command.thrust.into(), asked));
+        for _ in 0..experiment.substeps {
+            while let Some(&(_, t, r)) = pending.front().filter(|c| c.0 <= plant_step) {
+                (thrust, rates) = (t, r);
+                pending.pop_front();
+            }
+            truth = plant.step(&truth, thrust, rates, wind, dt);
+            plant_step += 1;
+        }
+        weather.advance((truth.velocity - wind).norm(), period, &mut gusts);
+    }
+    Ok(record)
+}
