@@ -83,7 +83,7 @@ static REPLAYED: LazyLock<[Experiment; 2]> = LazyLock::new(|| {
 pub fn replay(data: &[u8]) -> u64 {
     for experiment in &*REPLAYED {
         let mut out = Vec::new();
-        let done = alula_sil::replay::replay("log.csv", data, &mut out, experiment);
+        let done = alula_sil::replay::trace::replay("log.csv", data, &mut out, experiment, |_| ());
         if let Err(error) = done {
             refused(&format!("{error:#}"));
         }

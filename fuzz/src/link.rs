@@ -74,7 +74,10 @@ impl Target {
         let answer = controller.step(input);
         if let Some((command, _)) = answer.in_force() {
             let turning = command.rates.norm_squared();
-            assert!(command.thrust.is_finite() && turning.is_finite(), "{answer:?}");
+            assert!(
+                command.thrust.is_finite() && turning.is_finite(),
+                "{answer:?}"
+            );
         }
         if let Answer::Guided(guided) = &answer {
             let vehicle = &configuration.vehicle;
