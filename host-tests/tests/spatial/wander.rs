@@ -133,6 +133,9 @@ fn wander() {
             steady + air.velocity()
         };
         let samples = f.fly(&mut |t: f64| task.target(t), start, end + 60.0, &mut blow);
+        if only.is_some() {
+            for s in samples.iter().step_by(50) { println!("| {:.1} below {:.1} v_err {:.1} x_err {:.1} airspeed {:.1} nose_up {:.2} belly_down {:.2} beta {:.2}", s.t, s.below, s.velocity_error, s.position_error, s.airspeed, s.nose_up, s.belly_down, s.sideslip); }
+        }
         let lowest = samples.iter().map(|s| s.below).fold(0.0, f64::max);
         let highest = samples.iter().map(|s| -s.below).fold(0.0, f64::max);
         let late = &samples[samples.len() - 300..];
