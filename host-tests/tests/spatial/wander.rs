@@ -160,14 +160,13 @@ fn random_missions_are_not_lost() {
     }
 }
 
-/// Without an accelerometer, a lift per weight believed one and a half times too high: the integral, multiplied by a large
-/// |F_p|, once asked for more thrust the faster the vehicle flew, up to 75 m/s and 900 m.
+/// Without an accelerometer, lift per weight believed up to one and a half times too high: the integral, multiplied by a
+/// large |F_p|, once asked for more thrust the faster the vehicle flew. These flights reached 77, 53 and 61 m/s, and 660 m.
 #[test]
 fn the_integral_asks_for_no_thrust_that_grows_with_the_speed() {
-    let samples = fly(1455, false).unwrap();
-    assert!(
-        samples
-            .iter()
-            .all(|s| s.airspeed < 40.0 && s.below.abs() < 40.0)
-    );
+    for seed in [371, 946, 1184] {
+        let samples = fly(seed, false).unwrap();
+        let calm = |s: &Sample| s.airspeed < 40.0 && s.below.abs() < 40.0;
+        assert!(samples.iter().all(calm), "{seed}");
+    }
 }
