@@ -105,12 +105,12 @@ pub fn run(data: &[u8]) -> u64 {
                 _ => {
                     let input = poked(bytes, Input::DEFAULT, 6);
                     let input = pointer(bytes, &input);
-                    let out = pointer(bytes, &command).cast_mut();
+                    let out = pointer(bytes, &raw mut command).cast_mut();
                     let code = alula_guide(&mut controller, input, dt, out, null_mut());
                     known(code);
                     check(&command);
                     assert!(ready || code != ALULA_OK);
-                    if code == ALULA_OK && std::ptr::eq(out, &command) {
+                    if code == ALULA_OK && std::ptr::eq(out, &raw const command) {
                         let p = &parameters.vehicle;
                         let limits = p.thrust_min..=p.thrust_max;
                         assert!(limits.contains(&command.thrust), "{command:?}");

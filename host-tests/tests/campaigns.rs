@@ -188,14 +188,14 @@ fn the_papers_gains_do_not_pass() {
     assert!(found("max_velocity_error_m_s").unwrap().percentiles[4] > 5.0);
 }
 
-/// 400 of the 20,000 flights with a fault.
+/// 250 of the 20,000 flights with a fault.
 #[test]
 fn every_fault_ends_as_stated() {
     let folder = tempfile::tempdir().unwrap();
-    let summary = flown(&source("faults", 400), folder.path(), 2);
+    let summary = flown(&source("faults", 250), folder.path(), 2);
     assert_eq!(summary.faults.len(), 29);
     for fault in &summary.faults {
-        assert!(fault.flights > 2, "{fault:?}");
+        assert!(fault.flights > 1, "{fault:?}");
         assert_eq!(fault.as_stated, fault.flights, "{fault:?}");
     }
     assert!(summary.verdict());
@@ -214,10 +214,10 @@ fn a_wrong_statement_is_found() {
     assert!(wrong > 10 && !summary.verdict());
 }
 
-/// 100 of the 10,000 falls, 60 of the 10,000 random references and 60 of the 10,000 vehicles: none is lost.
+/// 60 of the 10,000 falls, 40 of the 10,000 random references and 40 of the 10,000 vehicles: none is lost.
 #[test]
 fn no_flight_is_lost() {
-    for (name, flights) in [("upsets", 100), ("envelope", 60), ("vehicles", 60)] {
+    for (name, flights) in [("upsets", 60), ("envelope", 40), ("vehicles", 40)] {
         let folder = tempfile::tempdir().unwrap();
         let source = source(name, flights);
         let summary = flown(&source, folder.path(), 2);
@@ -227,7 +227,7 @@ fn no_flight_is_lost() {
         assert_eq!(summary.maps.len(), 2, "{name}");
         for map in &summary.maps {
             assert_eq!(map.flights.iter().sum::<u64>(), flights);
-            assert!(map.flights.iter().filter(|&&n| n > 0).count() > 20);
+            assert!(map.flights.iter().filter(|&&n| n > 0).count() > 10);
         }
         let page = page(&source, &summary);
         let title = format!("over {} →", summary.maps[0].x.field);

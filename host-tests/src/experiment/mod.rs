@@ -10,6 +10,7 @@ pub(crate) mod table;
 mod vehicle;
 mod weather;
 
+use alula::guidance::{MAX_STEP, MIN_STEP};
 use alula_bridges::sitl::Actuators;
 use alula_link::{Configuration, Pacing};
 use serde::Deserialize;
@@ -140,6 +141,13 @@ impl Experiment {
         if !(1..=1000).contains(&self.substeps) {
             return Err(FieldError::new("substeps", "must be from 1 to 1000"));
         }
+        // Else every frame would be refused, and the flight be a fall.
+        let step = 1.0 / self.control_rate_hz;
+        let flown = f64::from(MIN_STEP)..=f64::from(MAX_STEP);
+        if self.controller.name() == "guidance" && !flown.contains(&step) {
+            let problem = format!("the guidance flies steps of {MIN_STEP} to {MAX_STEP} s");
+            return Err(FieldError::new("control_rate_hz", problem));
+        }
         // A vehicle that the core would not control is not worth flying.
         self.vehicle.core().map_err(|e| e.inside("vehicle"))?;
         let dt = 1.0 / self.control_rate_hz / f64::from(self.substeps);
@@ -253,7 +261,7 @@ mod tests {
         let lag = "plant.rate_loop.lag.time_constant_s";
         assert_eq!(refused(&format!("{lag}=1e-9")), lag);
         assert_eq!(refused("plant.thrust_lag_s=1e-9"), "plant.thrust_lag_s");
-        assert_eq!(refused("control_rate_hz=1"), "plant.thrust_lag_s");
+        assert_eq!(refused("control_rate_hz=1"), "control_rate_hz");
         let inertia = "plant.rate_loop.inertia";
         let table = "{inertia_kg_m2=1.0,bandwidth_1_s=1e6,torque_max_n_m=1.0}";
         let field = format!("{inertia}.bandwidth_1_s");

@@ -152,6 +152,7 @@ fn faults(summary: &Summary) -> Table {
             fault.during.clone(),
             fault.flights.to_string(),
             fault.as_stated.to_string(),
+            number(fault.least_m),
             others.join(", "),
         ]
     });
@@ -162,6 +163,7 @@ fn faults(summary: &Summary) -> Table {
             "ends in",
             "flights",
             "as stated",
+            "least altitude [m]",
             "flights that did not",
         ]),
         rows: rows.collect(),

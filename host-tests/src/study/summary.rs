@@ -91,6 +91,8 @@ pub struct FaultFound {
     pub flights: u64,
     /// Of these, those that were in the stated states.
     pub as_stated: u64,
+    /// Least altitude over the reference of them all \[m\].
+    pub least_m: f64,
     /// The first of the others.
     pub others: Vec<i64>,
 }
@@ -267,6 +269,7 @@ impl<'a> Gathered<'a> {
                         during: fault.during.to_string(),
                         flights: 0,
                         as_stated: 0,
+                        least_m: f64::INFINITY,
                         others: Vec::new(),
                     })
                     .collect(),
@@ -352,10 +355,13 @@ impl<'a> Gathered<'a> {
         if !self.summary.faults.is_empty() {
             let faults = frame.integer("fault")?.iter();
             let as_stated = frame.flag("fault_as_stated")?;
-            for ((&fault, &as_stated), &flight) in faults.zip(as_stated).zip(numbers) {
+            let altitudes = frame.real("altitude_least_m")?;
+            let flown = faults.zip(as_stated).zip(altitudes).zip(numbers);
+            for (((&fault, &as_stated), &altitude), &flight) in flown {
                 let fault = usize::try_from(fault).context("a flight without a fault")?;
                 let found = &mut self.summary.faults[fault];
                 found.flights += 1;
+                found.least_m = found.least_m.min(altitude);
                 found.as_stated += u64::from(as_stated);
                 if !as_stated && found.others.len() < WORST {
                     found.others.push(flight);
