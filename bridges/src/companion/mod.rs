@@ -7,12 +7,14 @@
 //! Body axes are those of hover, as PX4 has a tail-sitter's: x to the belly, y along the right wing, z along the tail.
 
 mod autopilot;
+mod connection;
 mod hold;
 mod inbox;
 mod pilot;
 pub mod wire;
 
 pub use autopilot::{Autopilot, Body, BodyState};
+pub use connection::{Connection, Received};
 pub use hold::{Hold, HoldParameters};
 pub use inbox::{Counts, Inbox};
 pub use pilot::{Commanded, Companion, End, Pilot, Settings, Stage, Wanted};
