@@ -141,12 +141,25 @@ fn companion_flies(
     quality: Quality,
     hover_thrust: Option<f64>,
     seed: u64,
+    event: impl FnMut(f64, &mut Autopilot<Craft>, &mut Way),
+) -> Flight {
+    let plan = plan(experiment);
+    let wanted = Wanted::Plan(&plan);
+    companion_follows(experiment, wanted, quality, hover_thrust, seed, event)
+}
+
+/// The same along what is `wanted`.
+fn companion_follows(
+    experiment: &Experiment,
+    wanted: Wanted,
+    quality: Quality,
+    hover_thrust: Option<f64>,
+    seed: u64,
     mut event: impl FnMut(f64, &mut Autopilot<Craft>, &mut Way),
 ) -> Flight {
     let mut settings = settings(experiment, hover_thrust).unwrap();
     settings.engage = true;
-    let plan = plan(experiment);
-    let mut companion = Companion::new(settings, Wanted::Plan(&plan));
+    let mut companion = Companion::new(settings, wanted);
     let mut pilot = Controlled::new(experiment).unwrap();
     let mut autopilot = Autopilot::new(Craft::new(experiment));
     let (mut down, mut up) = (Way::new(quality, 2 * seed), Way::new(quality, 2 * seed + 1));
@@ -301,6 +314,59 @@ fn a_steady_wind_is_flown_in() {
         least > 1.5 * low - 1.0 && most < 1.5 * high + 1.0,
         "{least} {most}, in process {low} {high}"
     );
+}
+
+/// A ground station asks for 6 m/s north, and then for rest, ten times a second.
+#[test]
+fn what_comes_over_the_link_is_flown() {
+    use alula_bridges::companion::messages::{
+        MavFrame, PositionTargetTypemask, SET_POSITION_TARGET_LOCAL_NED_DATA,
+    };
+    let experiment = experiment(&["duration_s=40"]);
+    let station = MavHeader {
+        system_id: 255,
+        component_id: 190,
+        sequence: 0,
+    };
+    let mut fastest: f64 = 0.0;
+    let flight = companion_follows(
+        &experiment,
+        Wanted::Link,
+        GOOD,
+        None,
+        0,
+        |now, autopilot, down| {
+            let speed = autopilot.body().spatial().velocity.x;
+            fastest = fastest.max(speed);
+            // Until it is asked for something it stays, and then it does what it was asked for.
+            assert!(now > 5.0 || speed.abs() < 0.2, "{now}: {speed}");
+            let settled = (15.0..20.0).contains(&now);
+            assert!(!settled || (speed - 6.0).abs() < 0.5, "{now}: {speed}");
+            assert!(
+                !(35.0..40.0).contains(&now) || speed.abs() < 0.5,
+                "{now}: {speed}"
+            );
+            let tick = (now * 500.0).round() as u32;
+            if now > 5.0 && tick.is_multiple_of(50) {
+                let message = SET_POSITION_TARGET_LOCAL_NED_DATA {
+                    time_boot_ms: (now * 1e3) as u32,
+                    vx: if now < 20.0 { 6.0 } else { 0.0 },
+                    target_system: 1,
+                    coordinate_frame: MavFrame::MAV_FRAME_LOCAL_NED,
+                    // No positions, no accelerations.
+                    type_mask: PositionTargetTypemask::from_bits_retain(0b1_1100_0111),
+                    ..SET_POSITION_TARGET_LOCAL_NED_DATA::default()
+                };
+                down.send(
+                    now,
+                    station,
+                    &MavMessage::SET_POSITION_TARGET_LOCAL_NED(message),
+                );
+            }
+        },
+    );
+    assert_eq!(flight.stage, Stage::Ended(End::Finished));
+    assert!(fastest < 8.0, "{fastest}");
 }
 
 #[test]

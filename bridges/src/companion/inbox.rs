@@ -37,6 +37,9 @@ pub struct Setpoint {
     pub position: Option<Ned>,
 }
 
+/// The companion's own system.
+pub(super) const OWN_SYSTEM: u8 = 1;
+
 /// The newest of each kind of message.
 #[derive(Clone, Debug, Default)]
 pub struct Inbox {
@@ -161,7 +164,9 @@ fn setpoint(m: &SET_POSITION_TARGET_LOCAL_NED_DATA) -> Option<Setpoint> {
     let acceleration = Mask::POSITION_TARGET_TYPEMASK_AX_IGNORE
         | Mask::POSITION_TARGET_TYPEMASK_AY_IGNORE
         | Mask::POSITION_TARGET_TYPEMASK_AZ_IGNORE;
-    if ignores(velocity) || m.coordinate_frame as u32 != 1 {
+    // To this system, or to all.
+    let meant = m.target_system == 0 || m.target_system == OWN_SYSTEM;
+    if !meant || ignores(velocity) || m.coordinate_frame as u32 != 1 {
         return None;
     }
     Some(Setpoint {
@@ -452,5 +457,8 @@ mod tests {
             setpoint(&message(Mask::POSITION_TARGET_TYPEMASK_VX_IGNORE)),
             None
         );
+        let mut elsewhere = message(Mask::empty());
+        elsewhere.target_system = 2;
+        assert_eq!(setpoint(&elsewhere), None);
     }
 }

@@ -20,7 +20,8 @@ pub use inbox::{Counts, Inbox};
 pub use pilot::{Commanded, Companion, End, Pilot, Settings, Stage, Wanted};
 
 pub use mavlink::MavHeader;
-pub use mavlink::dialects::common::MavMessage;
+pub use mavlink::dialects::common as messages;
+pub use messages::MavMessage;
 
 /// PX4's main mode OFFBOARD.
 pub const OFFBOARD: u8 = 6;

@@ -8,7 +8,7 @@ use mavlink::dialects::common::{
     MavState, MavType, SET_ATTITUDE_TARGET_DATA, TIMESYNC_DATA,
 };
 
-use super::inbox::Inbox;
+use super::inbox::{Inbox, OWN_SYSTEM};
 use super::{HOLD, Hold, HoldParameters, MavHeader, MavMessage, OFFBOARD, milliseconds};
 
 /// Whoever controls the flight in its vertical plane.
@@ -128,7 +128,7 @@ const LEAVE: f64 = 3.0;
 impl<'a> Companion<'a> {
     /// Header of the companion's messages: the system of most autopilots, component ONBOARD_COMPUTER.
     pub const HEADER: MavHeader = MavHeader {
-        system_id: 1,
+        system_id: OWN_SYSTEM as u32,
         component_id: 191,
         sequence: 0,
     };
