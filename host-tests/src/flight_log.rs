@@ -37,10 +37,11 @@ impl Format {
     /// Writes `log` `to` a file.
     pub fn write(self, log: &Log, to: impl Write + Seek) -> anyhow::Result<()> {
         let to = BufWriter::new(to);
-        Ok(match self {
+        match self {
             Self::Ulog => alula_logs::ulog::write(log, to)?,
             Self::Mcap => alula_logs::mcap::write(log, to)?,
-        })
+        }
+        Ok(())
     }
 }
 

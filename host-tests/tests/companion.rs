@@ -139,16 +139,30 @@ struct Flight {
 fn companion_flies(
     experiment: &Experiment,
     quality: Quality,
-    hover_thrust: f64,
+    hover_thrust: Option<f64>,
+    seed: u64,
+    event: impl FnMut(f64, &mut Autopilot<Craft>, &mut Way),
+) -> Flight {
+    let plan = plan(experiment);
+    let wanted = Wanted::Plan(&plan);
+    companion_follows(experiment, wanted, quality, hover_thrust, seed, event)
+}
+
+/// The same along what is `wanted`.
+fn companion_follows(
+    experiment: &Experiment,
+    wanted: Wanted,
+    quality: Quality,
+    hover_thrust: Option<f64>,
+    seed: u64,
     mut event: impl FnMut(f64, &mut Autopilot<Craft>, &mut Way),
 ) -> Flight {
-    let mut settings = settings(experiment, Some(hover_thrust)).unwrap();
+    let mut settings = settings(experiment, hover_thrust).unwrap();
     settings.engage = true;
-    let plan = plan(experiment);
-    let mut companion = Companion::new(settings, Wanted::Plan(&plan));
+    let mut companion = Companion::new(settings, wanted);
     let mut pilot = Controlled::new(experiment).unwrap();
     let mut autopilot = Autopilot::new(Craft::new(experiment));
-    let (mut down, mut up) = (Way::new(quality, 1), Way::new(quality, 2));
+    let (mut down, mut up) = (Way::new(quality, 2 * seed), Way::new(quality, 2 * seed + 1));
     let mut flight = Flight {
         stage: Stage::Waiting,
         altitude: [0.0; 2],
@@ -216,56 +230,149 @@ fn experiment(settings: &[&str]) -> Experiment {
     document.checked().unwrap()
 }
 
-/// 1.5 times the altitude figures of the flight in process, of the same experiment.
-fn assert_within_one_and_a_half(flight: &Flight, experiment: &Experiment) {
-    let record = fly(experiment).unwrap();
-    let figures = Figures::of(experiment, &record);
-    let (least, most) = (
-        figures.get("altitude_least_m"),
-        figures.get("altitude_most_m"),
-    );
-    let [low, high] = flight.altitude;
+/// Least and greatest altitude of the flight in process.
+fn in_process(experiment: &Experiment) -> [f64; 2] {
+    let figures = Figures::of(experiment, &fly(experiment).unwrap());
+    ["altitude_least_m", "altitude_most_m"].map(|name| figures.get(name))
+}
+
+/// The worst of several flights, and of either figure the median.
+fn worst_and_median(flights: &[[f64; 2]]) -> ([f64; 2], [f64; 2]) {
+    let sorted = |of: usize| {
+        let mut all: Vec<f64> = flights.iter().map(|f| f[of]).collect();
+        all.sort_by(f64::total_cmp);
+        all
+    };
+    let (low, high) = (sorted(0), sorted(1));
+    let middle = flights.len() / 2;
+    (
+        [low[0], high[flights.len() - 1]],
+        [low[middle], high[middle]],
+    )
+}
+
+/// Nine links of 20 ms and 2 % of loss. The median of their flights is held to 1.5 times the flight in process. A single flight is not:
+/// where the vehicle turns from cruise to hover, errors too small to see decide when it turns. Errors of 0.1° and 2 cm/s do so in
+/// process, too; each flight is held to 1.5 times the worst of eight such.
+#[test]
+fn the_round_trip_over_bad_links_is_within_one_and_a_half_times_that_in_process() {
+    let exact = experiment(&[]);
+    let expected = in_process(&exact);
+    let noisy = (0..8).map(|seed| {
+        in_process(&experiment(&[
+            "sensors.theta_deg.noise=0.1",
+            "sensors.velocity_m_s.noise=0.02",
+            &format!("seed={seed}"),
+        ]))
+    });
+    let (noisy, _) = worst_and_median(&noisy.collect::<Vec<_>>());
+    let flights: Vec<Flight> = (0..9)
+        .map(|seed| companion_flies(&exact, BAD, None, seed, nothing))
+        .collect();
+    let altitudes: Vec<_> = flights.iter().map(|f| f.altitude).collect();
+    let (worst, median) = worst_and_median(&altitudes);
     println!(
-        "altitude {low:.2}…{high:.2} m, in process {least:.2}…{most:.2} m; forward {:?}, across {:.3} m",
-        flight.forward, flight.across
+        "in process {expected:.2?}, with noise at worst {noisy:.2?}; over the links {median:.2?}, at worst {worst:.2?}"
     );
+    for (limit, found) in [(expected, median), (noisy, worst)] {
+        assert!(
+            found[0] > 1.5 * limit[0] && found[1] < 1.5 * limit[1],
+            "{found:?}, in process {limit:?}"
+        );
+    }
+    for flight in &flights {
+        assert_eq!(flight.stage, Stage::Ended(End::Finished));
+        assert_eq!((flight.mode, flight.losses, flight.after), (HOLD, 0, 0));
+        assert!(flight.dropped > 50, "late messages: {}", flight.dropped);
+        // In the plane nothing pushes across it.
+        assert!(flight.across < 0.01, "{}", flight.across);
+        assert!(
+            flight.forward[0] > -3.0 && flight.forward[1] < 6.0,
+            "{:?}",
+            flight.forward
+        );
+        // The companion's own record, of what it was told, shows the flight as it was: to 20 cm, the errors of its prediction.
+        assert!((flight.record.len() as f64 - exact.duration_s * f64::from(RATE)).abs() < 10.0);
+        let seen = Figures::of(&exact, &flight.record).get("altitude_least_m");
+        assert!(
+            (seen - flight.altitude[0]).abs() < 0.2,
+            "{seen} {:?}",
+            flight.altitude
+        );
+    }
+}
+
+#[test]
+fn a_steady_wind_is_flown_in() {
+    let experiment = experiment(&["weather.steady_m_s=[0,-4]"]);
+    let flight = companion_flies(&experiment, GOOD, None, 0, nothing);
+    assert_eq!(flight.stage, Stage::Ended(End::Finished));
+    let [low, high] = in_process(&experiment);
+    // A flight of its own kind, see above: a metre more.
+    let [least, most] = flight.altitude;
     assert!(
-        low > 1.5 * least && high < 1.5 * most,
-        "{low} {high}, in process {least} {most}"
+        least > 1.5 * low - 1.0 && most < 1.5 * high + 1.0,
+        "{least} {most}, in process {low} {high}"
     );
 }
 
+/// A ground station asks for 6 m/s north, and then for rest, ten times a second.
 #[test]
-fn the_round_trip_over_a_good_link_is_that_in_process() {
-    let experiment = experiment(&[]);
-    let flight = companion_flies(&experiment, GOOD, 0.5, nothing);
+fn what_comes_over_the_link_is_flown() {
+    use alula_bridges::companion::messages::{
+        MavFrame, PositionTargetTypemask, SET_POSITION_TARGET_LOCAL_NED_DATA,
+    };
+    let experiment = experiment(&["duration_s=40"]);
+    let station = MavHeader {
+        system_id: 255,
+        component_id: 190,
+        sequence: 0,
+    };
+    let mut fastest: f64 = 0.0;
+    let flight = companion_follows(
+        &experiment,
+        Wanted::Link,
+        GOOD,
+        None,
+        0,
+        |now, autopilot, down| {
+            let speed = autopilot.body().spatial().velocity.x;
+            fastest = fastest.max(speed);
+            // Until it is asked for something it stays, and then it does what it was asked for.
+            assert!(now > 5.0 || speed.abs() < 0.2, "{now}: {speed}");
+            let settled = (15.0..20.0).contains(&now);
+            assert!(!settled || (speed - 6.0).abs() < 0.5, "{now}: {speed}");
+            assert!(
+                !(35.0..40.0).contains(&now) || speed.abs() < 0.5,
+                "{now}: {speed}"
+            );
+            let tick = (now * 500.0).round() as u32;
+            if now > 5.0 && tick.is_multiple_of(50) {
+                let message = SET_POSITION_TARGET_LOCAL_NED_DATA {
+                    time_boot_ms: (now * 1e3) as u32,
+                    vx: if now < 20.0 { 6.0 } else { 0.0 },
+                    target_system: 1,
+                    coordinate_frame: MavFrame::MAV_FRAME_LOCAL_NED,
+                    // No positions, no accelerations.
+                    type_mask: PositionTargetTypemask::from_bits_retain(0b1_1100_0111),
+                    ..SET_POSITION_TARGET_LOCAL_NED_DATA::default()
+                };
+                down.send(
+                    now,
+                    station,
+                    &MavMessage::SET_POSITION_TARGET_LOCAL_NED(message),
+                );
+            }
+        },
+    );
     assert_eq!(flight.stage, Stage::Ended(End::Finished));
-    assert_eq!((flight.mode, flight.losses), (HOLD, 0));
-    assert_within_one_and_a_half(&flight, &experiment);
-    // In the plane nothing pushes across it.
-    assert!(flight.across < 0.01);
-    assert_eq!(flight.after, 0);
-}
-
-#[test]
-fn the_round_trip_over_a_bad_link_is_within_one_and_a_half_times_that_in_process() {
-    let experiment = experiment(&[]);
-    let flight = companion_flies(&experiment, BAD, 0.5, nothing);
-    assert_eq!(flight.stage, Stage::Ended(End::Finished));
-    assert_eq!((flight.mode, flight.losses), (HOLD, 0));
-    assert!(flight.dropped > 50, "late messages: {}", flight.dropped);
-    assert_within_one_and_a_half(&flight, &experiment);
-    assert!(flight.across < 0.01);
-    // The record's steps are those of the companion; its figures are made as those of any flight.
-    assert!((flight.record.len() as f64 - experiment.duration_s * f64::from(RATE)).abs() < 5.0);
-    let figures = Figures::of(&experiment, &flight.record);
-    assert!((figures.get("altitude_most_m") - flight.altitude[1]).abs() < 0.5);
+    assert!(fastest < 8.0, "{fastest}");
 }
 
 #[test]
 fn the_pilot_takes_over_at_once_and_nothing_is_sent_any_more() {
     let experiment = experiment(&[]);
-    let flight = companion_flies(&experiment, GOOD, 0.5, |now, autopilot, _| {
+    let flight = companion_flies(&experiment, GOOD, None, 0, |now, autopilot, _| {
         if (now - 15.0).abs() < 1e-9 {
             autopilot.set_mode((2, 0));
         }
@@ -280,7 +387,7 @@ fn the_pilot_takes_over_at_once_and_nothing_is_sent_any_more() {
 #[test]
 fn a_lost_link_ends_the_flight_and_the_autopilot_holds() {
     let experiment = experiment(&[]);
-    let flight = companion_flies(&experiment, GOOD, 0.5, |now, _, down| {
+    let flight = companion_flies(&experiment, GOOD, None, 0, |now, _, down| {
         if now > 15.0 {
             down.quality.lost = 1.0;
         }
@@ -295,15 +402,23 @@ fn a_lost_link_ends_the_flight_and_the_autopilot_holds() {
 fn the_simulated_autopilot_keeps_px4s_rules() {
     let experiment = experiment(&[]);
     let mut autopilot = Autopilot::new(Craft::new(&experiment));
-    let settings = settings(&experiment, Some(0.5)).unwrap();
+    let settings = settings(&experiment, None).unwrap();
     let plan = plan(&experiment);
     let mut companion = Companion::new(settings, Wanted::Plan(&plan));
     let mut pilot = Controlled::new(&experiment).unwrap();
+    let mut sequence = 0_u32;
+    let mut header = || {
+        sequence += 1;
+        MavHeader {
+            sequence: (sequence % 256) as u8,
+            ..Autopilot::<Craft>::HEADER
+        }
+    };
     // Not told to engage, the companion streams and never asks.
     for step in 0..150 {
         let now = f64::from(step) / 50.0;
         for message in autopilot.send(now) {
-            companion.receive(now, &Autopilot::<Craft>::HEADER, &message);
+            companion.receive(now, &header(), &message);
         }
         for message in companion.step(now, &mut pilot).0 {
             assert!(!matches!(message, MavMessage::COMMAND_LONG(_)));
@@ -316,7 +431,7 @@ fn the_simulated_autopilot_keeps_px4s_rules() {
     // Somebody else engages.
     autopilot.set_mode((OFFBOARD, 0));
     for message in autopilot.send(3.0) {
-        companion.receive(3.0, &Autopilot::<Craft>::HEADER, &message);
+        companion.receive(3.0, &header(), &message);
     }
     let (messages, commanded) = companion.step(3.0, &mut pilot);
     assert!(matches!(companion.stage(), Stage::Flying(_)) && commanded.is_some());
@@ -328,27 +443,4 @@ fn the_simulated_autopilot_keeps_px4s_rules() {
     // The stream ceases.
     autopilot.advance(4.5, 0.02);
     assert_eq!((autopilot.mode(), autopilot.losses()), (HOLD, 1));
-}
-
-#[test]
-fn study() {
-    let experiment = experiment(&[]);
-    for latency in [0.0, 0.01, 0.02, 0.03] {
-        for hover in [0.45, 0.5] {
-            let quality = Quality {
-                latency,
-                jitter: 0.0,
-                late: 0.0,
-                lost: 0.0,
-                garbage: 0.0,
-            };
-            let f = companion_flies(&experiment, quality, hover, nothing);
-            println!("{latency} {hover}: {:?} {:?}", f.altitude, f.forward);
-        }
-    }
-    for seed in 0..3 {
-        let _ = seed;
-        let f = companion_flies(&experiment, BAD, 0.5, nothing);
-        println!("bad: {:?} {:?}", f.altitude, f.forward);
-    }
 }

@@ -42,7 +42,7 @@ pub struct Hold {
 /// Within ±`most`; 0 for what is no number.
 fn limited(value: f32, most: f32) -> f32 {
     if value.is_finite() {
-        value.max(-most).min(most)
+        value.clamp(-most, most)
     } else {
         0.0
     }

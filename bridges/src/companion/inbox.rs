@@ -37,6 +37,9 @@ pub struct Setpoint {
     pub position: Option<Ned>,
 }
 
+/// The companion's own system.
+pub(super) const OWN_SYSTEM: u8 = 1;
+
 /// The newest of each kind of message.
 #[derive(Clone, Debug, Default)]
 pub struct Inbox {
@@ -44,6 +47,9 @@ pub struct Inbox {
     pub system: Option<u32>,
     /// Main mode and sub-mode.
     pub mode: Option<(u8, u8)>,
+    order: Order,
+    /// Place of the last heartbeat in the order of sending.
+    heartbeat: i64,
     /// Attitude and body rates [rad/s], in the axes of hover.
     pub attitude: Option<Stamped<(Quaternion, [f32; 3])>>,
     /// Position \[m\] and velocity [m/s].
@@ -62,8 +68,37 @@ pub struct Inbox {
     pub counts: Counts,
 }
 
+/// The order in which messages were sent, by their sequence numbers, counted on through their turns of 256.
+#[derive(Clone, Copy, Debug, Default)]
+struct Order {
+    /// Place of the last message, and when one arrived \[s\].
+    last: Option<(i64, f64)>,
+}
+
+/// Time \[s\] without any message after which the numbers say nothing of the order.
+const SILENCE: f64 = 0.5;
+
+impl Order {
+    /// The place of a message with this number.
+    fn place(&mut self, now: f64, number: u8) -> i64 {
+        let place = match self.last {
+            None => i64::from(number),
+            Some((last, at)) => {
+                let ahead = number.wrapping_sub(last as u8);
+                match now - at > SILENCE {
+                    true => last + i64::from(ahead).max(1),
+                    false => last + i64::from(ahead as i8),
+                }
+            }
+        };
+        let last = self.last.map_or(place, |(last, _)| last.max(place));
+        self.last = Some((last, now));
+        place
+    }
+}
+
 /// Time constant \[s\] of the filter of accelerations.
-const FILTER: f32 = 0.03;
+const FILTER: f32 = 0.1;
 
 /// The autopilot's clock, by `TIMESYNC`: of the answers that came, the quickest counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -129,7 +164,9 @@ fn setpoint(m: &SET_POSITION_TARGET_LOCAL_NED_DATA) -> Option<Setpoint> {
     let acceleration = Mask::POSITION_TARGET_TYPEMASK_AX_IGNORE
         | Mask::POSITION_TARGET_TYPEMASK_AY_IGNORE
         | Mask::POSITION_TARGET_TYPEMASK_AZ_IGNORE;
-    if ignores(velocity) || m.coordinate_frame as u32 != 1 {
+    // To this system, or to all.
+    let meant = m.target_system == 0 || m.target_system == OWN_SYSTEM;
+    if !meant || ignores(velocity) || m.coordinate_frame as u32 != 1 {
         return None;
     }
     Some(Setpoint {
@@ -151,6 +188,10 @@ impl Inbox {
             self.system = Some(header.system_id);
         }
         let from_it = autopilots && self.system == Some(header.system_id);
+        let place = match from_it {
+            true => self.order.place(now, header.sequence),
+            false => 0,
+        };
         let used = match message {
             // From a ground station.
             MavMessage::SET_POSITION_TARGET_LOCAL_NED(m) => {
@@ -172,8 +213,11 @@ impl Inbox {
                 return;
             }
             MavMessage::HEARTBEAT(m) => {
-                self.mode = Some(modes(m.custom_mode));
-                true
+                let newer = self.mode.is_none() || place > self.heartbeat;
+                if newer {
+                    (self.mode, self.heartbeat) = (Some(modes(m.custom_mode)), place);
+                }
+                newer
             }
             MavMessage::ATTITUDE_QUATERNION(m) => {
                 let q = Quaternion {
@@ -370,6 +414,27 @@ mod tests {
         assert!((inbox.acceleration.north - 3.0).abs() < 1e-3);
     }
 
+    /// A heartbeat has no time stamp. One that was overtaken does not set the mode back, over the turn of the numbers too.
+    #[test]
+    fn the_mode_is_that_of_the_heartbeat_sent_last() {
+        let mut inbox = Inbox::default();
+        let mut mode = |now: f64, sequence: u8, main: u8| {
+            let header = MavHeader { sequence, ..FROM };
+            let message = HEARTBEAT_DATA {
+                custom_mode: u32::from(main) << 16,
+                ..HEARTBEAT_DATA::default()
+            };
+            inbox.take(now, &header, &MavMessage::HEARTBEAT(message));
+            inbox.mode.unwrap().0
+        };
+        assert_eq!(mode(0.0, 250, 4), 4);
+        assert_eq!(mode(0.1, 3, 6), 6);
+        assert_eq!(mode(0.2, 254, 4), 6);
+        assert_eq!(mode(0.3, 90, 2), 2);
+        // After a silence the number may be any.
+        assert_eq!(mode(1.5, 80, 6), 6);
+    }
+
     #[test]
     fn a_set_point_is_of_velocity_and_may_have_more() {
         type Mask = PositionTargetTypemask;
@@ -392,5 +457,8 @@ mod tests {
             setpoint(&message(Mask::POSITION_TARGET_TYPEMASK_VX_IGNORE)),
             None
         );
+        let mut elsewhere = message(Mask::empty());
+        elsewhere.target_system = 2;
+        assert_eq!(setpoint(&elsewhere), None);
     }
 }

@@ -7,6 +7,7 @@
 //! Body axes are those of hover, as PX4 has a tail-sitter's: x to the belly, y along the right wing, z along the tail.
 
 mod autopilot;
+mod connection;
 mod hold;
 mod inbox;
 mod pilot;
@@ -14,12 +15,14 @@ mod plane;
 pub mod wire;
 
 pub use autopilot::{Autopilot, Body, BodyState};
+pub use connection::{Connection, Received};
 pub use hold::{Hold, HoldParameters};
 pub use inbox::{Counts, Inbox};
 pub use pilot::{Commanded, Companion, End, Pilot, Settings, Stage, Wanted};
 
 pub use mavlink::MavHeader;
-pub use mavlink::dialects::common::MavMessage;
+pub use mavlink::dialects::common as messages;
+pub use messages::MavMessage;
 
 /// PX4's main mode OFFBOARD.
 pub const OFFBOARD: u8 = 6;

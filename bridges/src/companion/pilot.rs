@@ -8,8 +8,8 @@ use mavlink::dialects::common::{
     MavState, MavType, SET_ATTITUDE_TARGET_DATA, TIMESYNC_DATA,
 };
 
-use super::inbox::Inbox;
-use super::plane::{Projection, VerticalPlane};
+use super::inbox::{Inbox, OWN_SYSTEM};
+use super::plane::VerticalPlane;
 use super::{HOLD, Hold, HoldParameters, MavHeader, MavMessage, OFFBOARD, milliseconds};
 
 /// Whoever controls the flight in its vertical plane.
@@ -109,6 +109,8 @@ const SECOND: f64 = 1.0;
 const OLD_WIND: f64 = 10.0;
 /// Airspeed [m/s] below which it says nothing.
 const LEAST_AIRSPEED: f32 = 5.0;
+/// How long \[s\] a set-point is flown before the next one comes: the companion's steps are at 50 Hz.
+const HELD: f64 = 0.02;
 /// Longest time \[s\] over which the state is predicted.
 const MOST_LEAD: f64 = 0.15;
 
@@ -127,7 +129,7 @@ const LEAVE: f64 = 3.0;
 impl<'a> Companion<'a> {
     /// Header of the companion's messages: the system of most autopilots, component ONBOARD_COMPUTER.
     pub const HEADER: MavHeader = MavHeader {
-        system_id: 1,
+        system_id: OWN_SYSTEM as u32,
         component_id: 191,
         sequence: 0,
     };
@@ -275,14 +277,14 @@ impl<'a> Companion<'a> {
                         velocity: plane.project(asked.value.velocity).0,
                         acceleration: plane.project(asked.value.acceleration).0,
                     };
-                    let position = asked.value.position.map(|x| self.from_origin(x, plane).0);
+                    let position = asked.value.position.map(|x| self.relative(x, plane).0);
                     (reference, position, now - asked.arrived)
                 }
             },
         }
     }
 
-    fn from_origin(&self, x: Ned, plane: &VerticalPlane) -> (Inertial, f32) {
+    fn relative(&self, x: Ned, plane: &VerticalPlane) -> (Inertial, f32) {
         let o = &self.origin;
         plane.project(Ned::new(
             x.north - o.north,
@@ -308,6 +310,7 @@ impl<'a> Companion<'a> {
         }
     }
 
+    /// One set-point of the flight.
     fn fly(
         &mut self,
         now: f64,
@@ -316,63 +319,67 @@ impl<'a> Companion<'a> {
         pilot: &mut dyn Pilot,
         messages: &mut Vec<MavMessage>,
     ) -> Option<Commanded> {
-        let (hold, attitude, motion) = (self.hold?, self.inbox.attitude?, self.inbox.motion?);
-        let plane = *hold.plane();
-        let (q, rates) = attitude.value;
-        let projected: Option<Projection> = plane.attitude(&q);
-        let Some(projected) = projected else {
+        let Some(told) = self.told(now, t) else {
             self.stage = Stage::Ended(End::Attitude);
             return None;
         };
-        // The state when the command will act, by what is known of rates and acceleration.
-        let latency = self.inbox.clock.latency();
-        let lead = |age: f64| (age + latency).min(MOST_LEAD) as f32;
-        let turning = lead(self.inbox.age_of(&attitude, now));
-        let about_normal: f32 = std::iter::zip(projected.normal, rates)
-            .map(|(n, r)| n * r)
-            .sum();
-        let theta = projected.attitude.angle() + turning * about_normal;
-        let moving = lead(self.inbox.age_of(&motion, now));
-        let (x, v) = motion.value;
-        let a = self.inbox.acceleration;
-        let x = moved(x, v, moving);
-        let v = moved(v, a, moving);
-        let t = t + latency;
-        let velocity = plane.project(v).0;
-        let position = self.from_origin(x, &plane);
-        let (reference, wanted, age) = self.reference(t, now, &plane);
-        let air = self.air(now, velocity, &plane);
-        let input = PlanarInput {
-            velocity,
-            attitude: Attitude::from_angle(theta),
-            state_age: self.inbox.age(now) as f32,
-            air,
-            position_error: wanted.map(|wanted| position.0 - wanted),
-            reference,
-            reference_age: age as f32,
-        };
-        let Some(command) = pilot.answer(&input, dt) else {
+        let Some(command) = pilot.answer(&told.input, dt) else {
             self.stage = Stage::Ended(End::Pilot);
             return None;
         };
-        let rates = hold.rates(&projected, command.1, x, v);
+        let (hold, attitude, motion) = (self.hold?, self.inbox.attitude?, self.inbox.motion?);
+        let attitude = hold.plane().attitude(&attitude.value.0)?;
+        let (x, v) = motion.value;
+        let rates = hold.rates(&attitude, command.1, x, v);
         messages.push(self.set_point(now, rates, command.0));
+        Some(Commanded { command, ..told })
+    }
+
+    /// What the pilot is told: the state when the command will act, by what is known of rates and acceleration. None if the attitude is
+    /// none, or the nose points across the plane.
+    fn told(&self, now: f64, t: f64) -> Option<Commanded> {
+        let (hold, attitude, motion) = (self.hold?, self.inbox.attitude?, self.inbox.motion?);
+        let plane = *hold.plane();
+        let (q, rates) = attitude.value;
+        let projected = plane.attitude(&q)?;
+        let ahead = self.inbox.clock.latency() + HELD;
+        let lead = |age: f64| (age + ahead).min(MOST_LEAD) as f32;
+        let turning = lead(self.inbox.age_of(&attitude, now));
+        let about_normal = std::iter::zip(projected.normal, rates).map(|(n, r)| n * r);
+        let theta = projected.attitude.angle() + turning * about_normal.sum::<f32>();
+        let moving = lead(self.inbox.age_of(&motion, now));
+        let (x, v) = motion.value;
+        let x = moved(x, v, moving);
+        let v = moved(v, self.inbox.acceleration, moving);
+        let t = t + ahead;
+        let velocity = plane.project(v).0;
+        let position = self.relative(x, &plane);
+        let (reference, wanted, age) = self.reference(t, now, &plane);
+        let air = self.air(now, velocity, &plane);
         Some(Commanded {
             t,
-            input,
+            input: PlanarInput {
+                velocity,
+                attitude: Attitude::from_angle(theta),
+                state_age: self.inbox.age(now) as f32,
+                air,
+                position_error: wanted.map(|wanted| position.0 - wanted),
+                reference,
+                reference_age: age as f32,
+            },
             position,
             wind: match air {
                 Air::Wind(wind) => wind,
                 _ => Inertial::ZERO,
             },
-            command,
+            command: (0.0, 0.0),
         })
     }
 
     fn set_point(&self, now: f64, rates: [f32; 3], thrust: f32) -> MavMessage {
         let share = thrust / self.settings.weight * self.settings.hover_thrust;
         // A thrust that is no number is none.
-        let share = share.max(0.0).min(1.0);
+        let share = if share > 0.0 { share.min(1.0) } else { 0.0 };
         MavMessage::SET_ATTITUDE_TARGET(SET_ATTITUDE_TARGET_DATA {
             time_boot_ms: milliseconds(now),
             q: [1.0, 0.0, 0.0, 0.0],

@@ -1,6 +1,7 @@
 //! The command line: one file per subcommand, each with its arguments and a `run`.
 
 mod campaign;
+mod companion;
 mod compare;
 mod envelope;
 mod equilibria;
@@ -33,6 +34,7 @@ enum Command {
     List(list::Args),
     Replay(replay::Args),
     Serve(serve::Args),
+    Companion(companion::Args),
     Campaign(campaign::Args),
     Compare(compare::Args),
     Margins(margins::Args),
@@ -52,6 +54,7 @@ impl Cli {
             Some(Command::List(args)) => list::run(&args),
             Some(Command::Replay(args)) => replay::run(&args),
             Some(Command::Serve(args)) => serve::run(&args),
+            Some(Command::Companion(args)) => companion::run(&args),
             Some(Command::Campaign(args)) => campaign::run(&args),
             Some(Command::Compare(args)) => compare::run(&args),
             Some(Command::Margins(args)) => margins::run(&args),

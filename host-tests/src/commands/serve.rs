@@ -4,11 +4,15 @@ use std::io::Write;
 use std::net::{SocketAddr, UdpSocket};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
 
+use alula_bridges::companion::{self, Connection};
 use alula_bridges::sitl::{self, Counts};
 use anyhow::Context;
 
 use alula_sil::ardupilot::Vehicle;
+use alula_sil::companion::Craft;
 
 use super::fly::{Logs, report};
 use super::output::Output;
@@ -24,6 +28,19 @@ pub struct Args {
 #[derive(clap::Subcommand)]
 enum Autopilot {
     Ardupilot(ArduPilot),
+    Px4(Px4),
+}
+
+/// Be a simulated PX4 with the vehicle of an experiment, in real time, for `companion` to be tried on; Ctrl-C ends
+#[derive(clap::Args)]
+struct Px4 {
+    /// A built-in experiment or a TOML file: its vehicle and weather
+    experiment: String,
+    #[command(flatten)]
+    settings: Settings,
+    /// Whom to talk to
+    #[arg(long, value_name = "ADDRESS", default_value = "udpout:127.0.0.1:14540")]
+    connect: String,
 }
 
 /// Be the physics of ArduPilot's SITL (`--model JSON`); Ctrl-C ends, and leaves the flight as `fly` does
@@ -45,6 +62,7 @@ struct ArduPilot {
 pub fn run(args: &Args) -> anyhow::Result<()> {
     match &args.autopilot {
         Autopilot::Ardupilot(args) => ardupilot(args),
+        Autopilot::Px4(args) => px4(args),
     }
 }
 
@@ -95,4 +113,42 @@ fn ardupilot(args: &ArduPilot) -> anyhow::Result<()> {
         &args.output,
         &args.logs,
     )
+}
+
+/// Time step of the simulated PX4's vehicle.
+const STEP: Duration = Duration::from_millis(2);
+
+fn px4(args: &Px4) -> anyhow::Result<()> {
+    let experiment = args.settings.document(&args.experiment)?.checked()?;
+    let mut link = Connection::open(&args.connect).with_context(|| args.connect.clone())?;
+    let mut autopilot = companion::Autopilot::new(Craft::new(&experiment));
+    let interrupted = interrupted()?;
+    let begin = Instant::now();
+    let mut steps = 0_u32;
+    let mut mode = None;
+    while !interrupted.load(Ordering::Relaxed) {
+        let now = (STEP * steps).as_secs_f64();
+        for (_, came) in link.received() {
+            if let Some((_, message)) = came {
+                autopilot.receive(now, &message);
+            }
+        }
+        autopilot.advance(now, STEP.as_secs_f64());
+        for message in autopilot.send(now) {
+            link.send(companion::Autopilot::<Craft>::HEADER, &message);
+        }
+        if mode != Some(autopilot.mode()) {
+            mode = Some(autopilot.mode());
+            let (main, sub) = autopilot.mode();
+            eprintln!("{now:8.2} s  mode {main}/{sub}");
+        }
+        steps += 1;
+        thread::sleep((begin + STEP * steps).saturating_duration_since(Instant::now()));
+    }
+    let [north, east, down] = companion::Body::state(autopilot.body()).position;
+    eprintln!(
+        "ended {north:.1} m north, {east:.1} m east, {:.1} m up",
+        -down
+    );
+    Ok(())
 }

@@ -1,0 +1,251 @@
+//! No bytes from the network make anything panic: random ones, and messages that were damaged.
+//!
+//! `cargo test -p alula-bridges --test bytes` reads 200,000 inputs of each kind.
+#![cfg(not(target_os = "none"))]
+
+use alula::{GuidanceInput, Inertial};
+use alula_bridges::companion::{
+    Autopilot, Body, BodyState, Companion, HoldParameters, MavHeader, Pilot, Settings, Stage,
+    Wanted, wire,
+};
+use alula_bridges::sitl::client::{Client, parse};
+use alula_bridges::sitl::{ActuatorState, Actuators, Flow, Lockstep, Packet, Physics, Sample};
+
+const INPUTS: u32 = 200_000;
+
+/// Marsaglia's xorshift64*: the same inputs every time.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        self.0.wrapping_mul(0x2545_f491_4f6c_dd1d)
+    }
+
+    fn below(&mut self, bound: usize) -> usize {
+        ((self.next() >> 32) as usize) % bound.max(1)
+    }
+
+    fn bytes(&mut self, most: usize) -> Vec<u8> {
+        (0..self.below(most)).map(|_| self.next() as u8).collect()
+    }
+
+    /// `seed` with up to four changes, or random bytes.
+    fn damaged(&mut self, seed: &[u8]) -> Vec<u8> {
+        if self.below(8) == 0 {
+            return self.bytes(300);
+        }
+        let mut bytes = seed.to_vec();
+        for _ in 0..self.below(5) {
+            if bytes.is_empty() {
+                break;
+            }
+            let at = self.below(bytes.len());
+            match self.below(5) {
+                0 => bytes[at] ^= 1 << self.below(8),
+                1 => bytes[at] = self.next() as u8,
+                2 => bytes.truncate(at),
+                3 => bytes.insert(at, self.next() as u8),
+                _ => {
+                    let piece = self.bytes(8);
+                    bytes.splice(at..at, piece);
+                }
+            }
+        }
+        bytes
+    }
+}
+
+/// Physics that moves, by what it is told.
+#[derive(Default)]
+struct Plant {
+    thrust: ActuatorState,
+    steps: u64,
+}
+
+impl Physics for Plant {
+    fn step(&mut self, packet: &Packet) -> Sample {
+        self.steps += 1;
+        let actuators = Actuators::default();
+        self.thrust = actuators.thrust(packet, 100.0);
+        let wrench = actuators.wrench(packet, self.thrust, (5.0, 0.3), &Flow::default());
+        assert!(
+            (0.0..=100.0).contains(&wrench.thrust) && wrench.torque.iter().all(|t| t.is_finite())
+        );
+        Sample {
+            timestamp: self.steps as f64,
+            gyro: wrench.torque,
+            ..Sample::default()
+        }
+    }
+
+    fn restart(&mut self) {
+        self.steps = 0;
+    }
+}
+
+#[test]
+fn servo_packets() {
+    let mut random = Random(7);
+    let (mut lockstep, mut plant) = (Lockstep::default(), Plant::default());
+    let mut count = 0;
+    for n in 0..INPUTS {
+        let widths: Vec<u16> = (0..if n % 2 == 0 { 16 } else { 32 })
+            .map(|_| random.next() as u16)
+            .collect();
+        count += random.below(3) as u32;
+        let bytes = random.damaged(&Packet::new(400, count, &widths).bytes());
+        let answer = lockstep.receive(&bytes, &mut plant);
+        assert!(answer.is_none() || Packet::parse(&bytes).is_ok());
+        if let Some(answer) = answer {
+            assert!(parse(&answer[1..answer.len() - 1]).is_some());
+        }
+    }
+    let counts = lockstep.counts();
+    let all = counts.steps + counts.repeated + counts.late + counts.malformed;
+    assert_eq!(all, u64::from(INPUTS));
+    assert!(
+        counts.steps > 10_000 && counts.malformed > 10_000,
+        "{counts:?}"
+    );
+}
+
+#[test]
+fn answers() {
+    let mut random = Random(8);
+    let mut client = Client::default();
+    let sample = Sample {
+        airspeed: Some(1.5),
+        velocity_wind: Some([1.0, -2.0, 3.0]),
+        ..Sample::default()
+    };
+    let seed = sample.text().into_bytes();
+    let mut read = 0;
+    for _ in 0..INPUTS {
+        read += u32::from(client.receive(&random.damaged(&seed)).is_some());
+    }
+    assert!(read > 10_000, "{read}");
+}
+
+/// A body that stays.
+struct Still;
+
+impl Body for Still {
+    fn step(&mut self, thrust: f64, rates: [f64; 3], _: f64) {
+        assert!((0.0..=1.0).contains(&thrust) && rates.iter().all(|r| r.is_finite()));
+    }
+
+    fn state(&self) -> BodyState {
+        BodyState {
+            quaternion: [1.0, 0.0, 0.0, 0.0],
+            ..BodyState::default()
+        }
+    }
+
+    fn hover(&self) -> f64 {
+        0.5
+    }
+}
+
+/// Answers with what it is told, of whatever size.
+struct Echo;
+
+impl Pilot for Echo {
+    fn answer(&mut self, input: &GuidanceInput, _: f32) -> Option<(f32, f32)> {
+        Some((input.velocity.forward() * 1e3, input.velocity.down()))
+    }
+}
+
+/// Both sides of the MAVLink bridge talk over a link that damages messages. What checksums let through may say anything: the payloads of
+/// messages are random, too.
+#[test]
+fn mavlink_messages() {
+    let mut random = Random(9);
+    let settings = Settings {
+        weight: 50.0,
+        hover_thrust: 0.5,
+        engage: true,
+        heading: None,
+        duration: 1e9,
+        timeout: 1e9,
+        hold: HoldParameters::default(),
+    };
+    let mut autopilot = Autopilot::new(Still);
+    let plan = |_: f64| [Inertial::ZERO; 3];
+    let mut companion = Companion::new(settings, Wanted::Plan(&plan));
+    let (mut inputs, mut understood, mut flown, mut now, mut sequence) = (0, 0, 0, 0.0, 0_u8);
+    while inputs < INPUTS {
+        now += 0.02;
+        let (up, commanded) = companion.step(now, &mut Echo);
+        flown += u32::from(commanded.is_some());
+        if matches!(companion.stage(), Stage::Ended(_)) {
+            let wanted = match random.below(2) {
+                0 => Wanted::Link,
+                _ => Wanted::Plan(&plan),
+            };
+            companion = Companion::new(settings, wanted);
+        }
+        for message in &up {
+            let bytes = random.damaged(&wire::bytes(Companion::HEADER, message));
+            let (messages, _) = wire::parse(&bytes);
+            inputs += 1;
+            understood += messages.len();
+            messages.iter().for_each(|(_, m)| autopilot.receive(now, m));
+        }
+        autopilot.advance(now, 0.02);
+        for message in autopilot.send(now) {
+            sequence = sequence.wrapping_add(1);
+            let header = MavHeader {
+                sequence,
+                ..Autopilot::<Still>::HEADER
+            };
+            let sound = wire::bytes(header, &message);
+            let bytes = match random.below(4) {
+                // A payload of random bits under a sound checksum.
+                0 => reframed(&sound, &mut random),
+                _ => random.damaged(&sound),
+            };
+            let (messages, _) = wire::parse(&bytes);
+            inputs += 1;
+            understood += messages.len();
+            messages
+                .iter()
+                .for_each(|(h, m)| companion.receive(now, h, m));
+        }
+    }
+    assert!(understood > 10_000 && flown > 100, "{understood} {flown}");
+}
+
+/// The frame with a random payload, its checksum made anew.
+fn reframed(frame: &[u8], random: &mut Random) -> Vec<u8> {
+    let mut bytes = frame.to_vec();
+    let end = bytes.len() - 2;
+    bytes[10..end]
+        .iter_mut()
+        .for_each(|b| *b = random.next() as u8);
+    // The last byte of a payload is not 0: zeros there are cut off.
+    bytes[end - 1] |= 1;
+    let id = u32::from_le_bytes([bytes[7], bytes[8], bytes[9], 0]);
+    // Checksum seeds of the messages that are sent here, from the protocol's definition.
+    let seed = match id {
+        // A random mode ends the flight: rarely.
+        0 if random.below(50) == 0 => 50,
+        31 => 246,
+        32 => 185,
+        74 => 20,
+        77 => 143,
+        111 => 34,
+        231 => 105,
+        _ => return bytes,
+    };
+    let mut crc = 0xffff_u16;
+    for byte in bytes[1..end].iter().chain([&seed]) {
+        let mut t = *byte ^ (crc as u8);
+        t ^= t << 4;
+        crc = (crc >> 8) ^ (u16::from(t) << 8) ^ (u16::from(t) << 3) ^ (u16::from(t) >> 4);
+    }
+    bytes[end..].copy_from_slice(&crc.to_le_bytes());
+    bytes
+}
