@@ -3,7 +3,7 @@
 //! `cargo test -p alula-bridges --test bytes` reads 200,000 inputs of each kind.
 #![cfg(not(target_os = "none"))]
 
-use alula::{GuidanceInput, Inertial};
+use alula::{Inertial, PlanarInput};
 use alula_bridges::companion::{
     Autopilot, Body, BodyState, Companion, HoldParameters, MavHeader, Pilot, Settings, Stage,
     Wanted, wire,
@@ -153,7 +153,7 @@ impl Body for Still {
 struct Echo;
 
 impl Pilot for Echo {
-    fn answer(&mut self, input: &GuidanceInput, _: f32) -> Option<(f32, f32)> {
+    fn answer(&mut self, input: &PlanarInput, _: f32) -> Option<(f32, f32)> {
         Some((input.velocity.forward() * 1e3, input.velocity.down()))
     }
 }

@@ -1,4 +1,4 @@
-//! Aerodynamic coefficient models.
+//! Aerodynamic coefficient models, and the list of them: [`Model`].
 //!
 //! Lift is along the normal S·v_a of the air velocity, drag against it:
 //! `F_a = k_a |v_a| (c_L S − c_D I) v_a` (`aerodynamicForce2D`).
@@ -6,19 +6,18 @@
 mod combined;
 mod interpolant;
 mod large_angle;
-mod model;
 mod naca_0021;
 mod small_angle;
 mod table;
 
 pub use combined::{Combined, CombinedParameters};
 pub use large_angle::{LargeAngle, LargeAngleParameters};
-pub use model::{Model, ModelParameters};
 pub use naca_0021::{NACA_0021_RE_5E6, NACA_0021_RE_160E3};
 pub use small_angle::{SmallAngle, SmallAngleParameters};
 pub use table::{Interval, Node, Polar, Table, TableError, TableProblem};
 
 use crate::air::AngleOfAttack;
+use crate::error::ParameterError;
 
 /// Lift and drag coefficients and their derivatives with respect to the angle of attack.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -51,6 +50,58 @@ impl<A: Aerodynamics> Aerodynamics for &A {
     #[inline(always)]
     fn coefficients(&self, alpha: AngleOfAttack) -> Coefficients {
         (**self).coefficients(alpha)
+    }
+}
+
+/// One of the core's models, where the choice is data: an experiment file, a parameter block.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Model<'a> {
+    /// `coeffSmallReynolds1`.
+    LargeAngle(LargeAngle),
+    /// `coeffLargeReynoldsSamllAlpha1`.
+    SmallAngle(SmallAngle),
+    /// `CompleteModel`.
+    Combined(Combined),
+    /// Measured coefficients, interpolated.
+    Table(Table<'a>),
+}
+
+impl Aerodynamics for Model<'_> {
+    #[inline(always)]
+    fn coefficients(&self, alpha: AngleOfAttack) -> Coefficients {
+        match self {
+            Self::LargeAngle(m) => m.coefficients(alpha),
+            Self::SmallAngle(m) => m.coefficients(alpha),
+            Self::Combined(m) => m.coefficients(alpha),
+            Self::Table(m) => m.coefficients(alpha),
+        }
+    }
+}
+
+/// Parameters of a model that has no table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum ModelParameters {
+    /// Of [`LargeAngle`].
+    LargeAngle(LargeAngleParameters),
+    /// Of [`SmallAngle`].
+    SmallAngle(SmallAngleParameters),
+    /// Of [`Combined`].
+    Combined(CombinedParameters),
+}
+
+impl ModelParameters {
+    /// The model with these parameters.
+    ///
+    /// # Errors
+    /// As the model's constructor.
+    pub fn model(&self) -> Result<Model<'static>, ParameterError> {
+        Ok(match *self {
+            Self::LargeAngle(p) => Model::LargeAngle(LargeAngle::new(p)?),
+            Self::SmallAngle(p) => Model::SmallAngle(SmallAngle::new(p)?),
+            Self::Combined(p) => Model::Combined(Combined::new(p)?),
+        })
     }
 }
 
