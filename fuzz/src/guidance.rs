@@ -4,10 +4,9 @@
 //! number of the memory undone; and after good frames for the recovery time and two steps more the guidance flies, if one
 //! fresh from power-on does.
 
-use alula::guidance::{Across, Air, GuidanceParameters, Mode, Refusal, Status};
-use alula::{
-    Attitude, Fault, Guidance, PlanarInput, GuidanceState, PlanarGuided, Inertial, Model, Reference,
-};
+use alula::guidance::{Air, GuidanceParameters, Mode, Refusal, Status};
+use alula::spatial::{Body, Heading, Ned, Reference};
+use alula::{Fault, Guidance, GuidanceInput, GuidanceState, Guided, Model};
 
 use crate::assert_finite;
 use crate::bytes::Bytes;
@@ -31,7 +30,7 @@ pub fn run(data: &[u8]) -> u64 {
 }
 
 fn fly(guidance: &Guidance<Model>, p: &GuidanceParameters, bytes: &mut Bytes) -> u64 {
-    let (mut state, mut across) = (GuidanceState::default(), Across::default());
+    let mut state = GuidanceState::default();
     let mut calls = 0;
     for _ in 0..FRAMES {
         if bytes.is_empty() {
@@ -44,7 +43,7 @@ fn fly(guidance: &Guidance<Model>, p: &GuidanceParameters, bytes: &mut Bytes) ->
             _ => bytes.between(1e-4, 0.2),
         };
         let untouched = state;
-        let guided = guidance.update_in_plane(&mut state, &input, dt);
+        let guided = guidance.update(&mut state, &input, dt);
         calls += 1;
         check(guidance, p, &guided);
         let reset = guided.status.contains(Status::STATE_RESET);
@@ -53,16 +52,12 @@ fn fly(guidance: &Guidance<Model>, p: &GuidanceParameters, bytes: &mut Bytes) ->
             Change::One(before) => {
                 // The step is that of the memory there was, to the bit.
                 let mut state_before = before;
-                let expected = guidance.update_in_plane(&mut state_before, &input, dt);
+                let expected = guidance.update(&mut state_before, &input, dt);
                 calls += 1;
                 assert_eq!(bits(&guided), bits(&expected), "{untouched:?}");
                 assert_eq!(state_before.to_bytes(), state.to_bytes());
             }
             Change::Any => (),
-        }
-        if bytes.byte() < 8 {
-            let angle = bytes.between(-3.2, 3.2);
-            guidance.turn_plane(&mut state, &mut across, angle.cos(), angle.sin());
         }
     }
     calls + recover(guidance, p, state)
@@ -138,76 +133,83 @@ fn sealed(memory: Memory) -> Memory {
     memory
 }
 
-fn input(bytes: &mut Bytes) -> PlanarInput {
+fn input(bytes: &mut Bytes) -> GuidanceInput {
     let age = |bytes: &mut Bytes| match bytes.byte() {
         0..=23 => bytes.number(1.0),
         _ => 0.0,
     };
-    PlanarInput {
-        velocity: bytes.inertial(30.0),
-        attitude: bytes.attitude(),
+    GuidanceInput {
+        velocity: bytes.ned(30.0),
+        orientation: bytes.orientation(),
         state_age: age(bytes),
         air: match bytes.byte() % 3 {
-            0 => Air::Velocity(bytes.inertial(30.0)),
-            1 => Air::Wind(bytes.inertial(15.0)),
+            0 => Air::Velocity(bytes.ned(30.0)),
+            1 => Air::Wind(bytes.ned(15.0)),
             _ => Air::Unknown,
+        },
+        specific_force: match bytes.byte() % 2 {
+            0 => None,
+            _ => Some(Body::new(
+                bytes.number(20.0),
+                bytes.number(20.0),
+                bytes.number(20.0),
+            )),
         },
         position_error: match bytes.byte() % 4 {
             0 => None,
-            _ => Some(bytes.inertial(50.0)),
+            _ => Some(bytes.ned(50.0)),
         },
         reference: Reference {
-            velocity: bytes.inertial(30.0),
-            acceleration: bytes.inertial(10.0),
+            velocity: bytes.ned(30.0),
+            acceleration: bytes.ned(10.0),
+            heading: Heading::from_angle(bytes.number(4.0)),
         },
         reference_age: age(bytes),
     }
 }
 
-fn bits(guided: &PlanarGuided) -> (u32, u32, Mode) {
+fn bits(guided: &Guided) -> ([u32; 4], Mode) {
     let c = guided.command;
-    (c.thrust.to_bits(), c.rate.to_bits(), guided.mode)
+    let Body { i, j, w } = c.rates;
+    ([c.thrust, i, j, w].map(f32::to_bits), guided.mode)
 }
 
-fn check(guidance: &Guidance<Model>, p: &GuidanceParameters, guided: &PlanarGuided) {
+fn check(guidance: &Guidance<Model>, p: &GuidanceParameters, guided: &Guided) {
     let vehicle = guidance.vehicle();
-    let (thrust, rate) = (guided.command.thrust, guided.command.rate);
+    let (thrust, Body { i, j, w }) = (guided.command.thrust, guided.command.rates);
     assert!(
         (vehicle.thrust_min()..=vehicle.thrust_max()).contains(&thrust),
         "{guided:?}"
     );
-    assert!(rate.abs() <= p.max_rate, "{guided:?}");
-    let (v, a) = (guided.reference.velocity, guided.reference.acceleration);
-    assert_finite(&[v.down(), v.forward(), a.down(), a.forward()]);
-    let (m, d) = (guided.margin, guided.command.diagnostics);
-    assert_finite(&[m.force, m.k, m.fold, d.f_p_norm, d.t_p, d.alpha]);
-    assert_eq!(
-        guided.mode != Mode::Flying,
-        guided.command.diagnostics.k == 0.0
+    assert!(
+        [i, j, w].iter().all(|rate| rate.abs() <= p.max_rate),
+        "{guided:?}"
     );
+    for Ned { north, east, down } in [guided.reference.velocity, guided.reference.acceleration] {
+        assert_finite(&[north, east, down]);
+    }
+    let (m, d) = (guided.margin, guided.command.diagnostics);
+    assert_finite(&[m.force, m.k, m.fold, d.plane.f_p_norm, d.plane.t_p]);
+    assert_finite(&[d.plane.alpha, d.tilt(), d.sideslip()]);
+    assert_eq!(guided.mode != Mode::Flying, d.plane.k == 0.0);
     assert!(guided.mode != Mode::Flying || guided.refusal.is_none());
 }
 
 /// Good frames, until the guidance flies as one fresh from power-on does.
 fn recover(guidance: &Guidance<Model>, p: &GuidanceParameters, mut state: GuidanceState) -> u64 {
-    let hover = PlanarInput {
-        velocity: Inertial::ZERO,
-        attitude: Attitude::NOSE_UP,
-        state_age: 0.0,
-        air: Air::Wind(Inertial::ZERO),
-        position_error: None,
-        reference: Reference::default(),
-        reference_age: 0.0,
+    let hover = GuidanceInput {
+        air: Air::Wind(Ned::ZERO),
+        ..GuidanceInput::default()
     };
     let mut fresh = GuidanceState::default();
     let frames = (p.recovery / DT) as u64 + 2;
     let (mut modes, mut undefined) = ((Mode::Safe, Mode::Safe), false);
     for _ in 0..frames {
-        let guided = guidance.update_in_plane(&mut state, &hover, DT);
+        let guided = guidance.update(&mut state, &hover, DT);
         check(guidance, p, &guided);
         // The wind remembered may be one in which an absurd vehicle has no command; a fresh memory has none.
         undefined |= guided.refusal == Some(Refusal::Law(Fault::Undefined));
-        modes = (guided.mode, guidance.update_in_plane(&mut fresh, &hover, DT).mode);
+        modes = (guided.mode, guidance.update(&mut fresh, &hover, DT).mode);
     }
     assert!(modes.0 == Mode::Flying || modes.1 != Mode::Flying || undefined);
     2 * frames
