@@ -23,6 +23,7 @@ pub struct Fixture {
 /// What the calls are given.
 pub struct Case {
     attitude: Quaternion,
+    heading: f32,
     state: State,
     input: GuidanceInput,
 }
@@ -100,6 +101,7 @@ pub unsafe extern "C" fn overhead_case(case: *mut Case, x: &[f32; 20]) {
     };
     let value = Case {
         attitude,
+        heading: x[16],
         state: State {
             velocity,
             orientation,
@@ -145,7 +147,8 @@ pub extern "C" fn overhead_any(
     0
 }
 
-/// What `alula_step` does, by a Rust autopilot with the core: from a quaternion to body rates and an attitude set-point.
+/// What `alula_step` does, by a Rust autopilot with the core: from a quaternion and the angle of a heading
+/// to body rates and an attitude set-point.
 #[unsafe(no_mangle)]
 pub extern "C" fn overhead_step(
     fixture: &Fixture,
@@ -160,7 +163,11 @@ pub extern "C" fn overhead_step(
             ..case.state
         };
         let control = fixture.any.control();
-        let command = control.robust(&state, &case.input.reference, None)?;
+        let reference = Reference {
+            heading: Heading::from_angle(case.heading),
+            ..case.input.reference
+        };
+        let command = control.robust(&state, &reference, None)?;
         Ok(Flown {
             command,
             body_rate: axes.components(command.rates),

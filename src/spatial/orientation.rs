@@ -165,22 +165,23 @@ impl Orientation {
             BodyAxes::NoseUp => (self.j, self.w, self.i),
             BodyAxes::NoseForward => (-self.i, self.w, self.j),
         };
-        // The largest component is found from the diagonal, and the others by division through it.
+        // The largest component is found from the diagonal, and the others by division through it. What is under the roots
+        // is not negative: the compiler sees it by the magnitude, and needs no call for NaN.
         let (a, b, c) = (x.north, y.east, z.down);
         let (r, q) = if a + b + c >= 0.0 {
-            let r = math::sqrt(1.0 + a + b + c);
+            let r = math::sqrt((1.0 + a + b + c).abs());
             let v = [r * r, y.down - z.east, z.north - x.down, x.east - y.north];
             (r, v)
         } else if (a >= b) & (a >= c) {
-            let r = math::sqrt(1.0 + a - b - c);
+            let r = math::sqrt((1.0 + a - b - c).abs());
             let v = [y.down - z.east, r * r, x.east + y.north, z.north + x.down];
             (r, v)
         } else if b >= c {
-            let r = math::sqrt(1.0 - a + b - c);
+            let r = math::sqrt((1.0 - a + b - c).abs());
             let v = [z.north - x.down, x.east + y.north, r * r, y.down + z.east];
             (r, v)
         } else {
-            let r = math::sqrt(1.0 - a - b + c);
+            let r = math::sqrt((1.0 - a - b + c).abs());
             let v = [x.east - y.north, z.north + x.down, y.down + z.east, r * r];
             (r, v)
         };
