@@ -151,7 +151,7 @@ impl Turning {
     ) -> Result<Self, ParameterError> {
         let (weight, k_a) = (vehicle.weight(), vehicle.k_a());
         let thrust = SHARE * vehicle.thrust_max() / weight;
-        let speed = math::sqrt(weight / k_a);
+        let speed = math::sqrt((weight / k_a).abs());
         Ok(Self {
             max: p.max_turn * vehicle.gravity(),
             thrust_squared: thrust * thrust,
@@ -179,7 +179,7 @@ impl Turning {
             self.thrust_squared
         };
         if load_squared > 1.0 {
-            math::min(gravity * math::sqrt(load_squared - 1.0), self.max)
+            math::min(gravity * math::sqrt((load_squared - 1.0).abs()), self.max)
         } else {
             0.0
         }
