@@ -168,7 +168,7 @@ static void measure(const char *name, step f, int cases)
 
 /* Most that a C entry may take over a call in Rust, in tenths of a percent of the medians: alula_step over the same work,
  * alula_guide over a step of the guidance that leaves quaternions and attitude set-points to its caller. */
-enum { STEP_LIMIT = 250, GUIDE_LIMIT = 150 };
+enum { STEP_LIMIT = 200, GUIDE_LIMIT = 150 };
 
 /* Prints by how much the median of the `c`th counts exceeds that of the `rust`th; both are sorted. Returns 1 if it is more
  * than the limit. */
