@@ -147,8 +147,8 @@ pub extern "C" fn overhead_any(
     0
 }
 
-/// What `alula_step` does, by a Rust autopilot with the core: from a quaternion and the angle of a heading
-/// to body rates and an attitude set-point.
+/// What `alula_step` does, by a Rust autopilot with the core: from a quaternion and the angle of a heading to body rates and
+/// an attitude set-point.
 #[unsafe(no_mangle)]
 pub extern "C" fn overhead_step(
     fixture: &Fixture,
@@ -156,26 +156,28 @@ pub extern "C" fn overhead_step(
     _: f32,
     result: &mut Result<Flown, Fault>,
 ) -> i32 {
-    let step = || {
-        let axes = BodyAxes::NoseForward;
-        let state = State {
-            orientation: Orientation::from_quaternion(&case.attitude, axes)?,
-            ..case.state
-        };
-        let control = fixture.any.control();
-        let reference = Reference {
-            heading: Heading::from_angle(case.heading),
-            ..case.input.reference
-        };
-        let command = control.robust(&state, &reference, None)?;
-        Ok(Flown {
-            command,
-            body_rate: axes.components(command.rates),
-            set_point: case.attitude.leading(axes, command.rates, 1.0 / 6.5),
-        })
-    };
-    *result = step();
+    *result = flown(fixture, case);
     0
+}
+
+#[inline(always)]
+fn flown(fixture: &Fixture, case: &Case) -> Result<Flown, Fault> {
+    let axes = BodyAxes::NoseForward;
+    let state = State {
+        orientation: Orientation::from_quaternion(&case.attitude, axes)?,
+        ..case.state
+    };
+    let reference = Reference {
+        heading: Heading::from_angle(case.heading),
+        ..case.input.reference
+    };
+    let control = fixture.any.control();
+    let command = control.robust(&state, &reference, None)?;
+    Ok(Flown {
+        command,
+        body_rate: axes.components(command.rates),
+        set_point: case.attitude.leading(axes, command.rates, 1.0 / 6.5),
+    })
 }
 
 /// The guidance on the combined model, chosen by type.
