@@ -1,16 +1,16 @@
 //! The Rust calls that `alula_step` and `alula_guide` are measured against, behind one signature: a pointer in, a pointer out,
-//! nothing checked, nothing converted.
+//! nothing checked.
 #![no_std]
 
 #[cfg(panic = "unwind")]
 extern crate std;
 
-use alula::guidance::{Across, Air, InputAcross};
-use alula::ned::{BodyAxes, Ned, Quaternion, VerticalPlane};
+use alula::guidance::Air;
+use alula::ned::{BodyAxes, Quaternion};
+use alula::spatial::{Body, Command, Heading, Ned, Orientation, Reference, State};
 use alula::{
-    Attitude, BandwidthGains, Combined, CombinedParameters, Command, Fault, GainChoice, Guidance,
-    GuidanceInput, GuidanceParameters, GuidanceState, Guided, Inertial, Model, ParameterError,
-    Reference, State, Vehicle, VehicleParameters,
+    BandwidthGains, Combined, CombinedParameters, Fault, GainChoice, Guidance, GuidanceInput,
+    GuidanceParameters, GuidanceState, Guided, Model, ParameterError, Vehicle, VehicleParameters,
 };
 
 /// What the calls need.
@@ -18,24 +18,39 @@ pub struct Fixture {
     any: Guidance<Model<'static>, GainChoice>,
     combined: Guidance<Combined>,
     state: GuidanceState,
-    plane: VerticalPlane,
-    across: Across,
 }
 
 /// What the calls are given.
 pub struct Case {
+    attitude: Quaternion,
+    heading: f32,
     state: State,
-    reference: Reference,
     input: GuidanceInput,
 }
 
+/// A command as an autopilot flies it.
+#[repr(C)]
+pub struct Flown {
+    /// The law's own.
+    pub command: Command,
+    /// Rates about the body axes [rad/s].
+    pub body_rate: [f32; 3],
+    /// Attitude set-point, and whether its lead is limited.
+    pub set_point: (Quaternion, bool),
+}
+
 /// Room that the C side keeps for a `Fixture`, a `Case` and a result \[bytes\].
-const ROOM: usize = 1024;
+const ROOM: usize = 1280;
 const _: () = assert!(size_of::<Fixture>() <= ROOM && size_of::<Case>() <= ROOM);
 const _: () = assert!(size_of::<Result<Command, Fault>>() <= ROOM && size_of::<Guided>() <= ROOM);
+const _: () = assert!(size_of::<Result<Flown, Fault>>() <= ROOM);
 
 fn fixture() -> Result<Fixture, ParameterError> {
     let (vehicle, parameters) = (VehicleParameters::PAPER, GuidanceParameters::default());
+    let vehicle = VehicleParameters {
+        c_y: 0.5,
+        ..vehicle
+    };
     let combined = Combined::new(CombinedParameters::NACA_0021_RE_160E3)?;
     let any = Vehicle::new(vehicle, Model::Combined(combined))?;
     let gains = GainChoice::Bandwidth(BandwidthGains::new(&parameters, &any)?);
@@ -43,12 +58,10 @@ fn fixture() -> Result<Fixture, ParameterError> {
         any: Guidance::with_gains(any, gains, &parameters)?,
         combined: Guidance::new(Vehicle::new(vehicle, combined)?, &parameters)?,
         state: GuidanceState::default(),
-        plane: VerticalPlane::from_heading(0.0),
-        across: Across::default(),
     })
 }
 
-/// Fills in the fixture: the defaults of the C ABI. Returns 0 if it is made.
+/// Fills in the fixture: the defaults of the C ABI, with side force. Returns 0 if it is made.
 ///
 /// # Safety
 /// `to` points to room for it.
@@ -64,31 +77,42 @@ pub unsafe extern "C" fn overhead_fixture(to: *mut Fixture) -> i32 {
     }
 }
 
-/// Fills in a case from the ten numbers of an `alula_input` from its velocity on.
+/// Fills in a case from twenty numbers: quaternion of fixed-wing axes, velocity, wind, reference velocity and acceleration,
+/// heading, and specific force.
 ///
 /// # Safety
 /// `case` points to room for it.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn overhead_case(case: *mut Case, x: &[f32; 10]) {
-    let state = State {
-        velocity: Inertial::new(x[0], x[1]),
-        attitude: Attitude {
-            cos: x[2],
-            sin: x[3],
-        },
-        wind: Inertial::new(x[4], x[5]),
+pub unsafe extern "C" fn overhead_case(case: *mut Case, x: &[f32; 20]) {
+    let ned = |n: usize| Ned::new(x[n], x[n + 1], x[n + 2]);
+    let attitude = Quaternion {
+        w: x[0],
+        x: x[1],
+        y: x[2],
+        z: x[3],
     };
+    let orientation = Orientation::from_quaternion(&attitude, BodyAxes::NoseForward);
+    let orientation = orientation.unwrap_or(Orientation::UNKNOWN);
+    let (velocity, wind) = (ned(4), ned(7));
     let reference = Reference {
-        velocity: Inertial::new(x[6], x[7]),
-        acceleration: Inertial::new(x[8], x[9]),
+        velocity: ned(10),
+        acceleration: ned(13),
+        heading: Heading::from_angle(x[16]),
     };
     let value = Case {
-        state,
-        reference,
+        attitude,
+        heading: x[16],
+        state: State {
+            velocity,
+            orientation,
+            wind,
+            ..State::default()
+        },
         input: GuidanceInput {
-            velocity: state.velocity,
-            attitude: state.attitude,
-            air: Air::Wind(state.wind),
+            velocity,
+            orientation,
+            air: Air::Wind(wind),
+            specific_force: Some(Body::new(-x[17], x[19], x[18])),
             reference,
             ..GuidanceInput::default()
         },
@@ -97,20 +121,7 @@ pub unsafe extern "C" fn overhead_case(case: *mut Case, x: &[f32; 10]) {
     unsafe { case.write(value) };
 }
 
-/// The robust law with model and gains chosen at run time, which is what `alula_step` calls.
-#[unsafe(no_mangle)]
-pub extern "C" fn overhead_any(
-    fixture: &Fixture,
-    case: &Case,
-    _: f32,
-    result: &mut Result<Command, Fault>,
-) -> i32 {
-    let control = fixture.any.control();
-    *result = control.robust_in_place(&case.state, &case.reference);
-    0
-}
-
-/// The robust law on the combined model, chosen by type.
+/// The law on the combined model, chosen by type.
 #[unsafe(no_mangle)]
 pub extern "C" fn overhead_combined(
     fixture: &Fixture,
@@ -119,7 +130,65 @@ pub extern "C" fn overhead_combined(
     result: &mut Result<Command, Fault>,
 ) -> i32 {
     let control = fixture.combined.control();
-    *result = control.robust_in_place(&case.state, &case.reference);
+    *result = control.robust(&case.state, &case.input.reference, None);
+    0
+}
+
+/// The law with model and gains chosen at run time.
+#[unsafe(no_mangle)]
+pub extern "C" fn overhead_any(
+    fixture: &Fixture,
+    case: &Case,
+    _: f32,
+    result: &mut Result<Command, Fault>,
+) -> i32 {
+    let control = fixture.any.control();
+    *result = control.robust(&case.state, &case.input.reference, None);
+    0
+}
+
+/// What `alula_step` does, by a Rust autopilot with the core: from a quaternion and the angle of a heading to body rates and
+/// an attitude set-point.
+#[unsafe(no_mangle)]
+pub extern "C" fn overhead_step(
+    fixture: &Fixture,
+    case: &Case,
+    _: f32,
+    result: &mut Result<Flown, Fault>,
+) -> i32 {
+    *result = flown(fixture, case);
+    0
+}
+
+#[inline(always)]
+fn flown(fixture: &Fixture, case: &Case) -> Result<Flown, Fault> {
+    let axes = BodyAxes::NoseForward;
+    let state = State {
+        orientation: Orientation::from_quaternion(&case.attitude, axes)?,
+        ..case.state
+    };
+    let reference = Reference {
+        heading: Heading::from_angle(case.heading),
+        ..case.input.reference
+    };
+    let control = fixture.any.control();
+    let command = control.robust(&state, &reference, None)?;
+    Ok(Flown {
+        command,
+        body_rate: axes.components(command.rates),
+        set_point: case.attitude.leading(axes, command.rates, 1.0 / 6.5),
+    })
+}
+
+/// The guidance on the combined model, chosen by type.
+#[unsafe(no_mangle)]
+pub extern "C" fn overhead_guide_combined(
+    fixture: &mut Fixture,
+    case: &Case,
+    dt: f32,
+    guided: &mut Guided,
+) -> i32 {
+    *guided = fixture.combined.update(&mut fixture.state, &case.input, dt);
     0
 }
 
@@ -135,121 +204,24 @@ pub extern "C" fn overhead_guide_any(
     0
 }
 
-/// The guidance on the combined model, chosen by type.
+/// Thrust and rates of a command, along the fixed wing's axes.
+fn numbers(command: &Command) -> [f32; 4] {
+    let [p, q, r] = BodyAxes::NoseForward.components(command.rates);
+    [command.thrust, p, q, r]
+}
+
+/// Thrust and rates of a step of the guidance, for comparison.
 #[unsafe(no_mangle)]
-pub extern "C" fn overhead_guide_combined(
-    fixture: &mut Fixture,
-    case: &Case,
-    dt: f32,
-    guided: &mut Guided,
-) -> i32 {
-    *guided = fixture.combined.update(&mut fixture.state, &case.input, dt);
-    0
+pub extern "C" fn overhead_guided(guided: &Guided, out: &mut [f32; 4]) {
+    *out = numbers(&guided.command);
 }
 
-/// State and reference in north-east-down, as a Rust autopilot has them.
-#[derive(Clone, Copy)]
-pub struct NedCase {
-    attitude: Quaternion,
-    velocity: Ned,
-    wind: Ned,
-    reference_velocity: Ned,
-    reference_acceleration: Ned,
-}
-
-/// What such an autopilot flies.
-#[repr(C)]
-pub struct NedResult {
-    /// The guidance's own result, first: `overhead_guided` reads it.
-    guided: Guided,
-    body_rate: [f32; 3],
-    attitude: Option<(Quaternion, f32)>,
-}
-
-const _: () = assert!(size_of::<NedCase>() <= ROOM && size_of::<NedResult>() <= ROOM);
-
-/// Fills in a case from quaternion, velocity, wind, reference velocity and acceleration.
-///
-/// # Safety
-/// `case` points to room for it.
+/// Thrust and rates of a result of the law, for comparison. Returns 0 if there is a command.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn overhead_ned_case(case: *mut NedCase, x: &[f32; 16]) {
-    let ned = |n: usize| Ned::new(x[n], x[n + 1], x[n + 2]);
-    let value = NedCase {
-        attitude: Quaternion {
-            w: x[0],
-            x: x[1],
-            y: x[2],
-            z: x[3],
-        },
-        velocity: ned(4),
-        wind: ned(7),
-        reference_velocity: ned(10),
-        reference_acceleration: ned(13),
-    };
-    // SAFETY: There is room for a case, by the condition above.
-    unsafe { case.write(value) };
-}
-
-/// What `alula_guide` does, by a Rust autopilot with the core: projection on a plane that stays, guidance, body rates and
-/// attitude set-point. Without the checks of pointers and selectors, and without a command to be held.
-#[unsafe(no_mangle)]
-pub extern "C" fn overhead_guide_ned(
-    fixture: &mut Fixture,
-    case: &NedCase,
-    dt: f32,
-    result: &mut NedResult,
-) -> i32 {
-    let (plane, axes) = (&fixture.plane, BodyAxes::NoseUp);
-    let Some(projection) = plane.attitude(&case.attitude, axes) else {
-        return 1;
-    };
-    let (velocity, velocity_across) = plane.project(case.velocity);
-    let (wind, wind_across) = plane.project(case.wind);
-    let (reference_velocity, reference_across) = plane.project(case.reference_velocity);
-    let (acceleration, _) = plane.project(case.reference_acceleration);
-    let input = GuidanceInput {
-        velocity,
-        attitude: projection.attitude,
-        air: Air::Wind(wind),
-        reference: Reference {
-            velocity: reference_velocity,
-            acceleration,
-        },
-        ..GuidanceInput::default()
-    };
-    let guided = fixture.any.update(&mut fixture.state, &input, dt);
-    let across = InputAcross {
-        velocity: velocity_across,
-        air: wind_across,
-        reference: reference_across,
-    };
-    fixture.across.remember(&fixture.state, &input, &across);
-    let rate = guided.command.rate;
-    *result = NedResult {
-        guided,
-        body_rate: projection.normal.map(|n| n * rate),
-        attitude: Some(plane.set_point(projection.attitude, axes, rate / 6.5)),
-    };
-    0
-}
-
-/// Thrust and rate of a step of the guidance, for comparison.
-#[unsafe(no_mangle)]
-pub extern "C" fn overhead_guided(guided: &Guided, thrust: &mut f32, rate: &mut f32) {
-    (*thrust, *rate) = (guided.command.thrust, guided.command.rate);
-}
-
-/// Thrust and rate of a result, for comparison. Returns 0 if there is a command.
-#[unsafe(no_mangle)]
-pub extern "C" fn overhead_result(
-    result: &Result<Command, Fault>,
-    thrust: &mut f32,
-    rate: &mut f32,
-) -> i32 {
+pub extern "C" fn overhead_result(result: &Result<Command, Fault>, out: &mut [f32; 4]) -> i32 {
     match result {
         Ok(command) => {
-            (*thrust, *rate) = (command.thrust, command.rate);
+            *out = numbers(command);
             0
         }
         Err(_) => 1,

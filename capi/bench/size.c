@@ -6,7 +6,7 @@
 
 #include <alula.h>
 
-enum { STEP = 1, NED = 2, GUIDE = 4, ENVELOPE = 8, TABLE = 16, TEXT = 32 };
+enum { STEP = 1, GUIDE = 2, ENVELOPE = 4, TABLE = 8, TEXT = 16 };
 
 extern char somewhere[];
 
@@ -16,12 +16,10 @@ int main(void)
     memcpy(p, (char *)p + 64, *(unsigned *)p);
     memset(p, 0, *(unsigned *)p);
     int32_t code = memcmp(p, (char *)p + 64, *(unsigned *)p);
-    if (PARTS & (STEP | NED | GUIDE))
+    if (PARTS & (STEP | GUIDE))
         code |= alula_parameters_default(p) | alula_init(p, p, p);
     if (PARTS & STEP)
-        code |= alula_step(p, p, 0.01f, p);
-    if (PARTS & NED)
-        code |= alula_step_ned(p, p, 0.01f, p, p);
+        code |= alula_step(p, p, 0.01f, p, p);
     if (PARTS & GUIDE)
         code |= alula_guide(p, p, 0.01f, p, p) | alula_reset(p);
     if (PARTS & ENVELOPE)

@@ -813,8 +813,8 @@ typedef struct alula_input {
      */
     float position_error[3];
     /**
-     * With `ALULA_SPECIFIC_FORCE`, for `alula_guide`: what an accelerometer measures [m/s²], gravity not included: forward,
-     * right, down, in the body axes. In hover it is 9.81 upwards.
+     * With `ALULA_SPECIFIC_FORCE`, for `alula_guide`: what an accelerometer measures [m/s²], acceleration less gravity:
+     * forward, right, down, in the body axes. In hover it is 9.81 towards the nose.
      */
     float specific_force[3];
     /**

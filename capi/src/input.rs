@@ -53,8 +53,8 @@ pub struct Input {
     pub heading: f32,
     /// With `ALULA_POSITION`, for `alula_guide`: position less reference position \[m\]: north, east, down.
     pub position_error: [f32; 3],
-    /// With `ALULA_SPECIFIC_FORCE`, for `alula_guide`: what an accelerometer measures [m/s²], gravity not included: forward,
-    /// right, down, in the body axes. In hover it is 9.81 upwards.
+    /// With `ALULA_SPECIFIC_FORCE`, for `alula_guide`: what an accelerometer measures [m/s²], acceleration less gravity:
+    /// forward, right, down, in the body axes. In hover it is 9.81 towards the nose.
     pub specific_force: [f32; 3],
     /// With `ALULA_FEED_FORWARD`, for `alula_step`: derivative of the air velocity [m/s²]: north, east, down.
     pub air_acceleration: [f32; 3],

@@ -27,24 +27,51 @@ pub unsafe extern "C" fn alula_step(
 ) -> i32 {
     // SAFETY: Every pointer that passes its check points to the structure that its header word says, by the condition above.
     unsafe {
-        boundary::answer(command, Command::SAFE, || {
-            boundary::check_optional(report)?;
-            let controller = initialised(controller)?;
-            let input = boundary::read(input)?;
-            let axes = input.axes()?;
-            if !(MIN_STEP..=MAX_STEP).contains(&dt) {
-                return Err(code::ALULA_ERROR_TIME_STEP);
+        if let Err(code) = boundary::check(command) {
+            return code;
+        }
+        // The command is written where it is made: passed on as a value it would be copied twice.
+        match step(controller, input, dt, command, report) {
+            Ok(()) => code::ALULA_OK,
+            Err(code) => {
+                command.write(Command::SAFE);
+                code
             }
-            let (state, reference) = (input.state(axes)?, input.reference());
-            let feed_forward = input.feed_forward();
-            let control = controller.guidance.control();
-            let value = control
-                .robust(&state, &reference, feed_forward.as_ref())
-                .map_err(code::of_fault)?;
-            if !report.is_null() {
-                report.write(Report::of_law(&reference, &value));
-            }
-            Ok(controller.flown(input, axes, &value, 0))
-        })
+        }
+    }
+}
+
+/// The step, if nothing is wrong with any argument.
+///
+/// # Safety
+/// As `alula_step`, and `command` has been checked.
+#[inline(always)]
+unsafe fn step(
+    controller: *const Controller,
+    input: *const Input,
+    dt: f32,
+    command: *mut Command,
+    report: *mut Report,
+) -> Result<(), i32> {
+    // SAFETY: As in `alula_step`.
+    unsafe {
+        boundary::check_optional(report)?;
+        let controller = initialised(controller)?;
+        let input = boundary::read(input)?;
+        let axes = input.axes()?;
+        if !(MIN_STEP..=MAX_STEP).contains(&dt) {
+            return Err(code::ALULA_ERROR_TIME_STEP);
+        }
+        let (state, reference) = (input.state(axes)?, input.reference());
+        let feed_forward = input.feed_forward();
+        let control = controller.guidance.control();
+        let value = control
+            .robust(&state, &reference, feed_forward.as_ref())
+            .map_err(code::of_fault)?;
+        if !report.is_null() {
+            report.write(Report::of_law(&reference, &value));
+        }
+        command.write(controller.flown(input, axes, &value, 0));
+        Ok(())
     }
 }

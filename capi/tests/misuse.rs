@@ -304,7 +304,7 @@ fn commands_are_the_cores() {
             let (s, t) = ((0.37 * x).sin_cos(), (0.21 * x).sin_cos());
             let q = [s.0 * t.0, s.0 * t.1, s.1 * t.0, s.1 * t.1];
             let input = alula_capi::Input {
-                flags: n % 2 | if n % 3 == 0 { ALULA_AIR_VELOCITY } else { 0 },
+                flags: (n % 2) | if n % 3 == 0 { ALULA_AIR_VELOCITY } else { 0 },
                 body_axes: n / 2 % 2,
                 velocity: [15.0 * (0.13 * x).cos(), 3.0, 8.0 * (0.11 * x).sin()],
                 quaternion: q,

@@ -1,5 +1,7 @@
 //! Inputs out of bytes. When the bytes are used up, zeros follow.
 
+use alula::ned::{BodyAxes, Ned, Quaternion};
+use alula::spatial::Orientation;
 use alula::{Attitude, Inertial, Parameters};
 
 /// Reads numbers from bytes, front to back.
@@ -84,6 +86,23 @@ impl<'a> Bytes<'a> {
         } else {
             Attitude::from_angle(self.between(-4.0, 4.0))
         }
+    }
+
+    /// A vector of the world, its components as [`number`](Self::number) gives them.
+    pub fn ned(&mut self, size: f32) -> Ned {
+        Ned::new(self.number(size), self.number(size), self.number(size))
+    }
+
+    /// An attitude, mostly one.
+    pub fn orientation(&mut self) -> Orientation {
+        let mut q = [0; 4].map(|_| self.number(1.0));
+        if self.byte() & 7 != 0 {
+            let norm = q.iter().map(|x| x * x).sum::<f32>().sqrt();
+            q = q.map(|x| x / norm);
+        }
+        let [w, x, y, z] = q;
+        let q = Quaternion { w, x, y, z };
+        Orientation::from_quaternion(&q, BodyAxes::NoseUp).unwrap_or(Orientation::UNKNOWN)
     }
 
     /// `base` with some rows changed: to an end of the range, to something inside it, beyond it, or to any bits.

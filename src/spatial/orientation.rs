@@ -122,19 +122,29 @@ impl Orientation {
     /// The attitude with the tail along `tail` and the belly to the side of `belly`, neither of which need be of unit length.
     /// `None` if they are parallel to 1e-3, zero, or not finite.
     pub fn from_directions(tail: Ned, belly: Ned) -> Option<Self> {
-        let length = math::sqrt(tail.norm_squared());
-        let across = tail.cross(belly);
-        let area = math::sqrt(across.norm_squared());
+        let (length, width) = (
+            math::sqrt(tail.norm_squared()),
+            math::sqrt(belly.norm_squared()),
+        );
+        let product = length * width;
         // NaN and infinity fail too.
-        let least = MIN_SINE * (length * math::sqrt(belly.norm_squared()));
-        if !(area > least && least > 0.0 && area < f32::INFINITY) {
+        if !(product > 0.0 && product < f32::INFINITY) {
             return None;
         }
-        let (i, w) = (tail * (1.0 / length), across * (1.0 / area));
+        let (i, side) = (tail * (1.0 / length), belly * (1.0 / width));
+        let across = side - i * i.dot(side);
+        let sine = math::sqrt(across.norm_squared());
+        if sine < MIN_SINE {
+            return None;
+        }
+        // Once more: what the first difference has lost in digits is as large as it is small.
+        let j = across * (1.0 / sine);
+        let j = j - i * i.dot(j);
+        let j = j * (1.0 / math::sqrt(j.norm_squared()));
         Some(Self {
             i,
-            j: w.cross(i),
-            w,
+            j,
+            w: i.cross(j),
         })
     }
 
@@ -155,22 +165,23 @@ impl Orientation {
             BodyAxes::NoseUp => (self.j, self.w, self.i),
             BodyAxes::NoseForward => (-self.i, self.w, self.j),
         };
-        // The largest component is found from the diagonal, and the others by division through it.
+        // The largest component is found from the diagonal, and the others by division through it. What is under the roots
+        // is not negative: the compiler sees it by the magnitude, and needs no call for NaN.
         let (a, b, c) = (x.north, y.east, z.down);
         let (r, q) = if a + b + c >= 0.0 {
-            let r = math::sqrt(1.0 + a + b + c);
+            let r = math::sqrt((1.0 + a + b + c).abs());
             let v = [r * r, y.down - z.east, z.north - x.down, x.east - y.north];
             (r, v)
         } else if (a >= b) & (a >= c) {
-            let r = math::sqrt(1.0 + a - b - c);
+            let r = math::sqrt((1.0 + a - b - c).abs());
             let v = [y.down - z.east, r * r, x.east + y.north, z.north + x.down];
             (r, v)
         } else if b >= c {
-            let r = math::sqrt(1.0 - a + b - c);
+            let r = math::sqrt((1.0 - a + b - c).abs());
             let v = [z.north - x.down, x.east + y.north, r * r, y.down + z.east];
             (r, v)
         } else {
-            let r = math::sqrt(1.0 - a - b + c);
+            let r = math::sqrt((1.0 - a - b + c).abs());
             let v = [x.east - y.north, z.north + x.down, y.down + z.east, r * r];
             (r, v)
         };
@@ -436,11 +447,16 @@ mod tests {
             assert_eq!(o, Orientation::in_plane(planar));
             let tail = Ned::new(3.0 * o.i().north, 0.0, 3.0 * o.i().down);
             let spanned = Orientation::from_directions(tail, o.j() + o.i()).unwrap();
-            // 1e-6: roundings of two normalisations.
+            // 1e-6: roundings of three normalisations.
             assert!(
                 (spanned.i() - o.i()).norm_squared() + (spanned.j() - o.j()).norm_squared() < 1e-12
             );
         }
+        // Nearly parallel, it is a rotation all the same.
+        let (tail, belly) = (Ned::new(0.3, 0.5, -2.0), Ned::new(0.303, 0.5, -2.0));
+        let o = Orientation::from_directions(tail, belly).unwrap();
+        assert!(Orientation::try_from([o.i(), o.j(), o.w()]).is_ok());
+        assert!(o.i().dot(o.j()).abs() < 1e-6 && o.to_body(belly).j > 0.0);
         let up = Ned::new(0.0, 0.0, -2.0);
         for bad in [
             up,

@@ -21,10 +21,10 @@ void to_fixed_wing(const float q[4], float out[4])
 
 AlulaGuidance::AlulaGuidance()
 {
-    _input.header = ALULA_HEADER(alula_ned_input);
-    _command.header = ALULA_HEADER(alula_ned_command);
-    alula_ned_input_default(&_input);
-    alula_ned_command_default(&_command);
+    _input.header = ALULA_HEADER(alula_input);
+    _command.header = ALULA_HEADER(alula_command);
+    alula_input_default(&_input);
+    alula_command_default(&_command);
     update_parameters();
 }
 
@@ -51,31 +51,33 @@ void AlulaGuidance::run()
     _last_run = now;
 
     vehicle_attitude_s attitude;
+    vehicle_acceleration_s acceleration;
     vehicle_local_position_s position;
     wind_s wind;
     trajectory_setpoint_s setpoint;
     vehicle_status_s status;
     vehicle_control_mode_s mode;
     _attitude_sub.copy(&attitude);
+    _acceleration_sub.copy(&acceleration);
     _local_position_sub.copy(&position);
     _wind_sub.copy(&wind);
     _trajectory_setpoint_sub.copy(&setpoint);
     _vehicle_status_sub.copy(&status);
     _vehicle_control_mode_sub.copy(&mode);
 
-    // Set-points go out in the axes of whichever controller flies them.
+    // Set-points go out in the axes of whichever controller flies them. The fixed wing's x is the multicopter's -z.
     const bool fixed_wing = status.vehicle_type == vehicle_status_s::VEHICLE_TYPE_FIXED_WING && !status.in_transition_mode;
     if (fixed_wing) {
         _input.body_axes = ALULA_BODY_NOSE_FORWARD;
         to_fixed_wing(attitude.q, _input.quaternion);
+        _input.specific_force[0] = -acceleration.xyz[2];
+        _input.specific_force[1] = acceleration.xyz[1];
+        _input.specific_force[2] = acceleration.xyz[0];
     } else {
         _input.body_axes = ALULA_BODY_NOSE_UP;
         std::copy(attitude.q, attitude.q + 4, _input.quaternion);
+        std::copy(acceleration.xyz, acceleration.xyz + 3, _input.specific_force);
     }
-
-    // The vertical plane is that of the velocity asked for; in hover, of the present heading.
-    const float north = setpoint.velocity[0], east = setpoint.velocity[1];
-    _input.heading = std::hypot(north, east) > 1.0f ? std::atan2(east, north) : position.heading;
 
     // An invalid velocity is passed on as NaN: alula holds the last command, and then gives the safe one.
     const bool valid = position.v_xy_valid && position.v_z_valid;
@@ -86,15 +88,25 @@ void AlulaGuidance::run()
     _input.air[1] = wind.windspeed_east;
     _input.air[2] = 0.0f;
     _input.flags = age(now, wind.timestamp) < 5.0f ? 0 : ALULA_AIR_UNKNOWN;
+    if (age(now, acceleration.timestamp) < 0.1f)
+        _input.flags |= ALULA_SPECIFIC_FORCE;
+
+    // A position set-point without a velocity is to be stayed at. With neither, the velocity is NaN, and alula keeps the
+    // last one. A yaw that is NaN leaves the heading to the course; in cruise the course has it anyway.
+    const float at[3] = {position.x, position.y, position.z};
+    const bool held = std::all_of(setpoint.position, setpoint.position + 3, [](float x) { return std::isfinite(x); });
+    if (held && position.xy_valid && position.z_valid)
+        _input.flags |= ALULA_POSITION;
     for (int n = 0; n < 3; n++) {
-        _input.reference_velocity[n] = setpoint.velocity[n];
+        _input.position_error[n] = at[n] - setpoint.position[n];
+        _input.reference_velocity[n] = held && !std::isfinite(setpoint.velocity[n]) ? 0.0f : setpoint.velocity[n];
         _input.reference_acceleration[n] = std::isfinite(setpoint.acceleration[n]) ? setpoint.acceleration[n] : 0.0f;
     }
+    _input.heading = setpoint.yaw;
     _input.state_age = age(now, std::min(attitude.timestamp, position.timestamp));
     _input.reference_age = age(now, setpoint.timestamp);
 
-    // The command is flown whatever the code is. Levelling bank and tilt is the lateral controller's task; an
-    // alula_ned_report has them, and the lateral velocity.
+    // The command is flown whatever the code is: all three rates, or the whole attitude.
     _code = alula_guide(&_controller, &_input, dt, &_command, nullptr);
     publish(_command, fixed_wing, mode.flag_control_attitude_enabled);
 }
@@ -102,7 +114,7 @@ void AlulaGuidance::run()
 // | flight mode        | attitude loop flies it              | rate loop flies it              | thrust is      |
 // | hover, transition  | mc_virtual_attitude_setpoint        | mc_virtual_rates_setpoint       | thrust_body[2] |
 // | fixed wing         | fw_virtual_attitude_setpoint        | fw_virtual_rates_setpoint       | thrust_body[0] |
-void AlulaGuidance::publish(const alula_ned_command &command, bool fixed_wing, bool attitude)
+void AlulaGuidance::publish(const alula_command &command, bool fixed_wing, bool attitude)
 {
     float thrust_body[3]{};
     if (fixed_wing)

@@ -1,4 +1,4 @@
-// A PX4-style module: alula flies the vertical plane of a tail-sitter, from hover to cruise, in one law.
+// A PX4-style module: alula flies a tail-sitter, from hover to cruise, in one law.
 #pragma once
 
 #include <alula.h>
@@ -15,6 +15,7 @@ public:
 
     // The topics, public for the stand-in's sake.
     uORB::Subscription<vehicle_attitude_s> _attitude_sub;
+    uORB::Subscription<vehicle_acceleration_s> _acceleration_sub;
     uORB::Subscription<vehicle_local_position_s> _local_position_sub;
     uORB::Subscription<wind_s> _wind_sub;
     uORB::Subscription<trajectory_setpoint_s> _trajectory_setpoint_sub;
@@ -27,11 +28,11 @@ public:
 
 private:
     void update_parameters();
-    void publish(const alula_ned_command &command, bool fixed_wing, bool attitude);
+    void publish(const alula_command &command, bool fixed_wing, bool attitude);
 
     alula_controller _controller{};
-    alula_ned_input _input{};
-    alula_ned_command _command{};
+    alula_input _input{};
+    alula_command _command{};
     int32_t _code{ALULA_ERROR_NOT_INITIALISED};
     hrt_abstime _last_run{0};
 };

@@ -13,9 +13,8 @@ struct Quaternion {
 
 struct AP_AHRS {
     Quaternion quaternion{1, 0, 0, 0}; // of the fixed wing's axes
-    Vector3f velocity{}, wind{};
+    Vector3f velocity{}, position{}, wind{};
     bool healthy{true};
-    float yaw{}; // [rad]
 
     void get_quat_body_to_ned(Quaternion &q) const { q = quaternion; }
     bool get_velocity_NED(Vector3f &v) const
@@ -23,11 +22,22 @@ struct AP_AHRS {
         v = velocity;
         return healthy;
     }
+    bool get_relative_position_NED_origin(Vector3f &p) const
+    {
+        p = position;
+        return healthy;
+    }
     bool wind_estimate(Vector3f &w) const
     {
         w = wind;
         return true;
     }
+};
+
+struct AP_InertialSensor {
+    Vector3f accel{}; // [m/s^2], gravity not included, along the fixed wing's axes
+
+    const Vector3f &get_accel() const { return accel; }
 };
 
 // Of a tail-sitter it works in the multicopter's axes, those of ahrs_view.

@@ -14,11 +14,16 @@ struct vehicle_attitude_s {
     float q[4]; // FRD body to NED; of a tail-sitter, the multicopter's axes
 };
 
+struct vehicle_acceleration_s {
+    uint64_t timestamp;
+    float xyz[3]; // [m/s^2] FRD body, gravity not included; of a tail-sitter, the multicopter's axes
+};
+
 struct vehicle_local_position_s {
     uint64_t timestamp;
-    bool v_xy_valid, v_z_valid;
+    bool xy_valid, z_valid, v_xy_valid, v_z_valid;
+    float x, y, z;    // [m] NED
     float vx, vy, vz; // [m/s] NED
-    float heading;    // [rad]
 };
 
 struct wind_s {
@@ -28,7 +33,8 @@ struct wind_s {
 
 struct trajectory_setpoint_s {
     uint64_t timestamp;
-    float velocity[3], acceleration[3]; // NED; NaN is "not controlled"
+    float position[3], velocity[3], acceleration[3]; // NED; NaN is "not controlled"
+    float yaw;                                       // [rad]; NaN is "not controlled"
 };
 
 struct vehicle_status_s {

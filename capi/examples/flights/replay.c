@@ -1,11 +1,11 @@
 /*
- * Replays a trace of hover_to_cruise through the library, and prints the bits of every command.
+ * Replays a trace of hover_to_cruise or eight through the library, and prints the bits of every command.
  *
  *     replay TRACE
  *
- * A line of the trace is a letter and the words of a structure after its header: `c` parameters, `n` an input in
- * north-east-down, `p` one in the plane. A line of the output is the words of its command after the header, and of its
- * report in north-east-down.
+ * A line of the trace is a letter and the words of a structure after its header: `c` parameters, `s` an input of
+ * alula_step, `g` one of alula_guide, every hundredth of a second. A line of the output is the letter and the words after
+ * the header of the command and of the report.
  */
 #include <stdint.h>
 #include <stdio.h>
@@ -46,33 +46,27 @@ int main(int argc, char **argv)
     static alula_controller controller;
     static char line[1024];
     alula_parameters parameters;
-    alula_ned_input ned;
-    alula_ned_command ned_command;
-    alula_ned_report report;
-    alula_input plane;
-    alula_command plane_command;
+    alula_input input;
+    alula_command command;
+    alula_report report;
     parameters.header = ALULA_HEADER(alula_parameters);
     controller.header = ALULA_HEADER(alula_controller);
-    ned.header = ALULA_HEADER(alula_ned_input);
-    ned_command.header = ALULA_HEADER(alula_ned_command);
-    report.header = ALULA_HEADER(alula_ned_report);
-    plane.header = ALULA_HEADER(alula_input);
-    plane_command.header = ALULA_HEADER(alula_command);
+    input.header = ALULA_HEADER(alula_input);
+    command.header = ALULA_HEADER(alula_command);
+    report.header = ALULA_HEADER(alula_report);
     for (int number = 1; fgets(line, sizeof line, trace); number++) {
         int32_t code = ALULA_OK;
         int good = 0;
         if (line[0] == 'c' && (good = read_words(line + 1, &parameters, sizeof parameters))) {
             code = alula_init(&controller, &parameters, NULL);
-        } else if (line[0] == 'n' && (good = read_words(line + 1, &ned, sizeof ned))) {
-            code = alula_step_ned(&controller, &ned, 1e-3f, &ned_command, &report);
-            putchar('n');
-            print_words(&ned_command, sizeof ned_command);
+        } else if ((line[0] == 's' || line[0] == 'g') && (good = read_words(line + 1, &input, sizeof input))) {
+            if (line[0] == 's')
+                code = alula_step(&controller, &input, 0.01f, &command, &report);
+            else
+                code = alula_guide(&controller, &input, 0.01f, &command, &report);
+            putchar(line[0]);
+            print_words(&command, sizeof command);
             print_words(&report, sizeof report);
-            putchar('\n');
-        } else if (line[0] == 'p' && (good = read_words(line + 1, &plane, sizeof plane))) {
-            code = alula_step(&controller, &plane, 1e-3f, &plane_command);
-            putchar('p');
-            print_words(&plane_command, sizeof plane_command);
             putchar('\n');
         }
         if (!good || code != ALULA_OK) {
