@@ -34,7 +34,9 @@ pub fn fly(document: &Document, output: &Output) -> anyhow::Result<()> {
     let out = output.folder(&document.name)?;
     let record = simulate(experiment)?;
     let figures = Figures::of(experiment, &record);
-    leave(&out.join("trace.csv"), |file| Ok(write_trace(&record, file)?))?;
+    leave(&out.join("trace.csv"), |file| {
+        Ok(write_trace(&record, file)?)
+    })?;
     let page = page(document, experiment, &record, &figures);
     page.leave(&out, ["flight.svg", "report.html"])?;
     let mut stdout = std::io::stdout().lock();
@@ -89,8 +91,14 @@ impl Starts {
     fn new(experiment: &'static str, starts: &[Start]) -> Self {
         let mut heights: Vec<f64> = starts.iter().map(|s| s.height_lost_m).collect();
         heights.sort_by(f64::total_cmp);
-        let worst = starts.iter().max_by(|a, b| a.height_lost_m.total_cmp(&b.height_lost_m));
-        let astray: Vec<u64> = starts.iter().filter(|s| !s.converged).map(|s| s.seed).collect();
+        let worst = starts
+            .iter()
+            .max_by(|a, b| a.height_lost_m.total_cmp(&b.height_lost_m));
+        let astray: Vec<u64> = starts
+            .iter()
+            .filter(|s| !s.converged)
+            .map(|s| s.seed)
+            .collect();
         let at = |share| percentile(&heights, share);
         Self {
             experiment,

@@ -184,7 +184,10 @@ mod tests {
         let readme = include_str!("../../README.md");
         for (i, column) in COLUMNS.iter().enumerate() {
             assert!(COLUMNS[..i].iter().all(|c| c.name != column.name));
-            let line = format!("| `{}` | {} | {} |", column.name, column.unit, column.meaning);
+            let line = format!(
+                "| `{}` | {} | {} |",
+                column.name, column.unit, column.meaning
+            );
             assert!(readme.contains(&line), "README.md lacks the line {line}");
         }
     }

@@ -33,7 +33,9 @@ impl Controller {
         let made = || {
             let spec = GuidanceSpec::read(self.guidance.clone())?;
             let belief = spec.vehicle.as_ref().unwrap_or(&experiment.vehicle);
-            let thrust = experiment.plant.thrust_limits(spec.thrust_n, belief.weight());
+            let thrust = experiment
+                .plant
+                .thrust_limits(spec.thrust_n, belief.weight());
             spec.build(belief, thrust, &spec.parameters)
         };
         made().map_err(|e: FieldError| e.inside("controller.guidance"))

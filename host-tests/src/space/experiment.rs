@@ -177,7 +177,10 @@ impl Experiment {
             return Err(FieldError::new("duration_s", problem));
         }
         if !(0.0..self.duration_s).contains(&self.entry_s) {
-            return Err(FieldError::new("entry_s", "must be from 0 to before duration_s"));
+            return Err(FieldError::new(
+                "entry_s",
+                "must be from 0 to before duration_s",
+            ));
         }
         if !(1..=1000).contains(&self.substeps) {
             return Err(FieldError::new("substeps", "must be from 1 to 1000"));
@@ -228,4 +231,3 @@ impl Experiment {
         (self.duration_s * self.control_rate_hz).round() as usize
     }
 }
-

@@ -142,7 +142,8 @@ impl Figures {
         let bounds = experiment.bounds.iter();
         let all = bounds.map(|(name, &bound)| (name.as_str(), self.get(name), bound));
         // A NaN keeps no bound.
-        all.filter(|(_, value, bound)| value.is_nan() || value > bound).collect()
+        all.filter(|(_, value, bound)| value.is_nan() || value > bound)
+            .collect()
     }
 
     /// The figures as a JSON object.
@@ -193,7 +194,10 @@ mod tests {
         let readme = include_str!("../../README.md");
         for (i, figure) in FIGURES.iter().enumerate() {
             assert!(FIGURES[..i].iter().all(|f| f.name != figure.name));
-            let line = format!("| `{}` | {} | {} |", figure.name, figure.unit, figure.meaning);
+            let line = format!(
+                "| `{}` | {} | {} |",
+                figure.name, figure.unit, figure.meaning
+            );
             assert!(readme.contains(&line), "README.md lacks the line {line}");
         }
     }

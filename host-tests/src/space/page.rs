@@ -17,7 +17,7 @@ type Panel = (
 
 const PANELS: &[Panel] = &[
     (
-        "down [m]",
+        "altitude [m]",
         &[
             ("flown", "down_m", BLUE, false),
             ("path", "path_down_m", ORANGE, true),
@@ -68,7 +68,10 @@ const PANELS: &[Panel] = &[
             ("command", "thrust_n", ORANGE, true),
         ],
     ),
-    ("load factor", &[("load factor", "load_factor", BLUE, false)]),
+    (
+        "load factor",
+        &[("load factor", "load_factor", BLUE, false)],
+    ),
 ];
 
 /// Height of a chart \[px\].
@@ -80,6 +83,10 @@ fn points(name: &str, record: &[Step]) -> Vec<(f64, f64)> {
     let mut last = f64::NAN;
     let point = |step: &Step| {
         let mut value = column.number(step);
+        // Drawn upward.
+        if name.ends_with("down_m") {
+            value = -value;
+        }
         if column.unit == "rad" {
             value = value.to_degrees();
             let wrapped = (value - last).abs() > 180.0;
@@ -130,12 +137,19 @@ pub fn page(
     };
     Page {
         title: document.name.clone(),
-        lead: format!("{} · {duration} s, control at {rate} Hz", experiment.description),
+        lead: format!(
+            "{} · {duration} s, control at {rate} Hz",
+            experiment.description
+        ),
         svg: svg(record),
         tables: vec![Table {
             title: "Figures".to_owned(),
             header: columns(["", "value", "bound"]),
-            rows: figures.table(experiment).iter().map(|row| row.to_vec()).collect(),
+            rows: figures
+                .table(experiment)
+                .iter()
+                .map(|row| row.to_vec())
+                .collect(),
         }],
         text: Some(("The experiment as flown (TOML)".to_owned(), document.text())),
         notes: format!(

@@ -100,7 +100,10 @@ impl PathSpec {
                     finite(&field, step.t_s)?;
                     finite(&field, step.heading_deg)?;
                     if i > 0 && step.t_s <= headings[i - 1].t_s {
-                        return Err(FieldError::new(field, "t_s must increase from step to step"));
+                        return Err(FieldError::new(
+                            field,
+                            "t_s must increase from step to step",
+                        ));
                     }
                 }
                 (Shape::Headings(headings.clone()), false)
@@ -173,7 +176,9 @@ impl Path {
         match &self.shape {
             Shape::Headings(steps) => {
                 let next = steps.partition_point(|step| step.t_s <= phase);
-                let heading = next.checked_sub(1).map(|i| steps[i].heading_deg.to_radians());
+                let heading = next
+                    .checked_sub(1)
+                    .map(|i| steps[i].heading_deg.to_radians());
                 let target = Target {
                     heading,
                     ..Target::default()
@@ -274,7 +279,11 @@ mod tests {
         let corner = V3::new(200.0, 0.0, -30.0) + inward * V3::new(-1.0, 1.0, 0.0) / 2.0_f64.sqrt();
         let times = (0..40_000).map(|n| path.at(1e-3 * f64::from(n)).0);
         let near = times
-            .min_by(|a, b| (a.position - corner).norm().total_cmp(&(b.position - corner).norm()))
+            .min_by(|a, b| {
+                (a.position - corner)
+                    .norm()
+                    .total_cmp(&(b.position - corner).norm())
+            })
             .unwrap();
         assert!((near.position - corner).norm() < 0.02);
         assert!((near.velocity.norm() - 15.0).abs() < 0.01);
@@ -286,7 +295,10 @@ mod tests {
     #[test]
     fn a_curve_goes_on_at_the_pace_given_and_legs_at_their_own() {
         let circle = "path.circle = { radius_m = 40, speed_m_s = 20 }";
-        for (text, pace) in [(circle, 0.5), ("path.legs = [{ lasts_s = 9, from_m_s = 20 }]", 1.0)] {
+        for (text, pace) in [
+            (circle, 0.5),
+            ("path.legs = [{ lasts_s = 9, from_m_s = 20 }]", 1.0),
+        ] {
             let mut path = path(text).unwrap();
             let first = path.advance(0.01, |_| 0.5);
             assert!((first.velocity.norm() - 20.0 * pace).abs() < 1e-9);
@@ -299,13 +311,20 @@ mod tests {
     #[test]
     fn what_cannot_be_flown_is_refused() {
         let error = |text: &str| path(text).err().unwrap().to_string();
-        assert!(error("path.circle = { radius_m = 0, speed_m_s = 20 }").starts_with("path.circle.radius_m: must"));
+        assert!(
+            error("path.circle = { radius_m = 0, speed_m_s = 20 }")
+                .starts_with("path.circle.radius_m: must")
+        );
         assert!(error("path.legs = []").starts_with("path.legs: must have"));
-        assert!(error("path.legs = [{ lasts_s = 1, radius_m = 0 }]").starts_with("path.legs[0].radius_m"));
+        assert!(
+            error("path.legs = [{ lasts_s = 1, radius_m = 0 }]")
+                .starts_with("path.legs[0].radius_m")
+        );
         let sharp = "path.waypoints = [{ north_m = 0, east_m = 0, speed_m_s = 20 }, \
             { north_m = 50, east_m = 0, speed_m_s = 20 }, { north_m = 0, east_m = 10, speed_m_s = 20 }]";
         assert!(error(sharp).starts_with("path.waypoints[1].radius_m: the turn does not fit"));
-        let text = "path.hover.headings = [{ t_s = 1, heading_deg = 0 }, { t_s = 1, heading_deg = 9 }]";
+        let text =
+            "path.hover.headings = [{ t_s = 1, heading_deg = 0 }, { t_s = 1, heading_deg = 9 }]";
         assert!(error(text).starts_with("path.hover.headings[1]: t_s must"));
     }
 }

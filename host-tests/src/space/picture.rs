@@ -12,7 +12,7 @@ pub const HIGH: f64 = VIEWS + 150.0;
 /// Span of a drawn vehicle \[px\].
 const SPAN: f64 = 52.0;
 /// Least half extent of a view \[m\].
-const LEAST: f64 = 8.0;
+const LEAST: f64 = 3.0;
 
 const BACK: &str = "#0062b2";
 const BELLY: &str = "#e08a2e";
@@ -83,7 +83,10 @@ impl View {
 
     fn line(&self, text: &mut String, line: impl Iterator<Item = V3>, style: &str) {
         let points = self.points(line);
-        let _ = writeln!(text, "<polyline points=\"{points}\" fill=\"none\" {style}/>");
+        let _ = writeln!(
+            text,
+            "<polyline points=\"{points}\" fill=\"none\" {style}/>"
+        );
     }
 
     /// The vehicle at `p`: a delta with the nose in front, its belly in another colour than its back.
@@ -119,16 +122,21 @@ fn label(text: &mut String, [x, y]: [f64; 2], words: &str, color: &str, anchor: 
     );
 }
 
-/// An arrow over the ground through `p`, of this length \[px\], with words at its head.
-fn arrow(text: &mut String, view: &View, p: V3, direction: V3, length: f64, color: &str, words: &str) {
-    let along = direction * (length / view.scale);
-    let across = V3::new(-along.y, along.x, 0.0);
-    let (tail, head) = (p - 0.5 * along, p + 0.5 * along);
+/// An arrow that lies on the ground, through the pixel `at`, with words to its right.
+fn arrow(text: &mut String, view: &View, at: [f64; 2], direction: V3, color: &str, words: &str) {
+    let view = View {
+        scale: 56.0,
+        origin: at,
+        ..*view
+    };
+    let across = V3::new(-direction.y, direction.x, 0.0);
+    let (tail, head) = (-0.5 * direction, 0.5 * direction);
     let style = format!("stroke=\"{color}\" stroke-width=\"2.5\"");
     view.line(text, [tail, head].into_iter(), &style);
-    let barbs = [head - 0.22 * along + 0.1 * across, head, head - 0.22 * along - 0.1 * across];
+    let neck = head - 0.25 * direction;
+    let barbs = [neck + 0.12 * across, head, neck - 0.12 * across];
     view.line(text, barbs.into_iter(), &style);
-    view.text(text, p + 0.75 * along, [0.0, 5.0], words, color);
+    label(text, [at[0] + 36.0, at[1] + 5.0], words, color, "start");
 }
 
 /// 1, 2 or 5 times a power of ten, about `x`.
@@ -149,7 +157,9 @@ struct Extent {
 
 impl Extent {
     fn of(record: &[Step]) -> Self {
-        let points = record.iter().flat_map(|s| [s.truth.position, s.target.position]);
+        let points = record
+            .iter()
+            .flat_map(|s| [s.truth.position, s.target.position]);
         let (low, high) = points.fold(
             (V3::repeat(f64::INFINITY), V3::repeat(f64::NEG_INFINITY)),
             |(low, high), p| (low.inf(&p), high.sup(&p)),
@@ -168,7 +178,8 @@ impl Extent {
 
     fn corners(&self) -> Vec<V3> {
         let (l, h) = (self.low, self.high);
-        let level = |z| [(l.x, l.y), (l.x, h.y), (h.x, l.y), (h.x, h.y)].map(|(x, y)| V3::new(x, y, z));
+        let level =
+            |z| [(l.x, l.y), (l.x, h.y), (h.x, l.y), (h.x, h.y)].map(|(x, y)| V3::new(x, y, z));
         level(self.ground).to_vec()
     }
 
@@ -180,10 +191,18 @@ impl Extent {
         };
         let (l, h, z) = (self.low, self.high, self.ground);
         for x in lines(l.x, h.x) {
-            view.line(text, [V3::new(x, l.y, z), V3::new(x, h.y, z)].into_iter(), &style);
+            view.line(
+                text,
+                [V3::new(x, l.y, z), V3::new(x, h.y, z)].into_iter(),
+                &style,
+            );
         }
         for y in lines(l.y, h.y) {
-            view.line(text, [V3::new(l.x, y, z), V3::new(h.x, y, z)].into_iter(), &style);
+            view.line(
+                text,
+                [V3::new(l.x, y, z), V3::new(h.x, y, z)].into_iter(),
+                &style,
+            );
         }
     }
 }
@@ -213,15 +232,21 @@ fn scene(
     let style = format!("stroke=\"{PATH}\" stroke-width=\"1.5\" stroke-dasharray=\"6 4\"");
     let path = record.iter().step_by(thin).map(|s| s.target.position);
     view.line(text, path, &style);
-    view.line(text, positions(), &format!("stroke=\"{BACK}\" stroke-width=\"2\""));
+    view.line(
+        text,
+        positions(),
+        &format!("stroke=\"{BACK}\" stroke-width=\"2\""),
+    );
 
-    // A vehicle where none drawn before is near.
+    // A vehicle where none drawn before is near, and at the end.
     let mut drawn: Vec<[f64; 2]> = Vec::new();
-    let far = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]) > SPAN;
+    let near = |a: [f64; 2], b: [f64; 2], most: f64| (a[0] - b[0]).hypot(a[1] - b[1]) < most;
     for step in record {
         let p = step.truth.position;
         let pixel = view.pixel(p);
-        if drawn.iter().any(|&there| !far(pixel, there)) {
+        let last = step.t == record[record.len() - 1].t;
+        let most = if last { 0.6 * SPAN } else { SPAN };
+        if drawn.iter().any(|&there| near(pixel, there, most)) {
             continue;
         }
         drawn.push(pixel);
@@ -230,27 +255,46 @@ fn scene(
             view.line(text, [p, on_ground(p)].into_iter(), &style);
         }
         view.vehicle(text, &step.truth, p);
-        if drawn.len() % 4 == 1 {
-            view.text(text, p, [0.0, -0.55 * SPAN], &format!("{:.0} s", step.t), INK);
+        if drawn.len() % 4 == 1 || last {
+            view.text(
+                text,
+                p,
+                [0.0, -0.55 * SPAN],
+                &format!("{:.0} s", step.t),
+                INK,
+            );
         }
     }
 
-    // North and the mean wind, beside the grid.
     let [left, top, _, high] = frame;
-    let size = 0.4 * extent.grid * view.scale;
-    let corner = V3::new(extent.low.x, extent.low.y, extent.ground);
     let words = format!("squares of {} m", extent.grid);
-    label(text, [left + 12.0, top + high - 10.0], &words, "#525b66", "start");
-    let north = V3::new(1.0, 0.0, 0.0);
-    let place = corner + extent.grid * V3::new(0.5, 0.5, 0.0);
-    arrow(text, &view, place, north, size.max(34.0), INK, "N");
+    label(
+        text,
+        [left + 12.0, top + high - 10.0],
+        &words,
+        "#525b66",
+        "start",
+    );
+    arrow(
+        text,
+        &view,
+        [left + 40.0, top + 30.0],
+        V3::x(),
+        INK,
+        "north",
+    );
     let wind: V3 = record.iter().map(|s| s.wind).sum::<V3>() / record.len() as f64;
     let level = V3::new(wind.x, wind.y, 0.0);
     if level.norm() > 0.5 {
-        let words = format!("wind {:.1} m/s", level.norm());
-        let place = V3::new(extent.high.x, extent.low.y, extent.ground)
-            + extent.grid * V3::new(-0.5, 0.9, 0.0);
-        arrow(text, &view, place, level.normalize(), 60.0, WIND, &words);
+        let words = format!("mean wind {:.1} m/s", level.norm());
+        arrow(
+            text,
+            &view,
+            [left + 40.0, top + 80.0],
+            level.normalize(),
+            WIND,
+            &words,
+        );
     }
 }
 
@@ -270,7 +314,13 @@ fn strip(text: &mut String, record: &[Step]) {
             ..view
         };
         view.vehicle(text, &step.truth, V3::zeros());
-        label(text, [x, y + 58.0], &format!("{:.1} s", step.t), INK, "middle");
+        label(
+            text,
+            [x, y + 58.0],
+            &format!("{:.1} s", step.t),
+            INK,
+            "middle",
+        );
     }
 }
 
@@ -283,9 +333,23 @@ pub fn picture(record: &[Step]) -> String {
     let mut text = format!("<rect width=\"{WIDE}\" height=\"{HIGH}\" fill=\"white\"/>\n");
     let extent = Extent::of(record);
     let side = [0.0, 40.0, 790.0, VIEWS - 50.0];
-    scene(&mut text, record, &extent, View::along(COURSE, ELEVATION), side, true);
+    scene(
+        &mut text,
+        record,
+        &extent,
+        View::along(COURSE, ELEVATION),
+        side,
+        true,
+    );
     let above = [800.0, 40.0, 480.0, VIEWS - 50.0];
-    scene(&mut text, record, &extent, View::along(0.0, 90.0), above, false);
+    scene(
+        &mut text,
+        record,
+        &extent,
+        View::along(0.0, 90.0),
+        above,
+        false,
+    );
     strip(&mut text, record);
     for (x, y, words) in [
         (12.0, 24.0, "the flight, seen to the north-north-east"),
@@ -298,9 +362,17 @@ pub fn picture(record: &[Step]) -> String {
         );
     }
     let mut x = 560.0;
-    for (color, words) in [(BACK, "flown; back of the vehicle"), (BELLY, "its belly"), (PATH, "path (dashed)")] {
+    for (color, words) in [
+        (BACK, "flown; back of the vehicle"),
+        (BELLY, "its belly"),
+        (PATH, "path (dashed)"),
+    ] {
         let y = VIEWS + 12.0;
-        let _ = writeln!(text, "<rect x=\"{x}\" y=\"{}\" width=\"14\" height=\"10\" fill=\"{color}\"/>", y - 9.0);
+        let _ = writeln!(
+            text,
+            "<rect x=\"{x}\" y=\"{}\" width=\"14\" height=\"10\" fill=\"{color}\"/>",
+            y - 9.0
+        );
         label(&mut text, [x + 20.0, y], words, INK, "start");
         x += 40.0 + 8.0 * words.len() as f64;
     }

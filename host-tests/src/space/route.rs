@@ -212,9 +212,12 @@ impl Route {
                 }
             }
         }
-        let lines = points.windows(2).map(|ends| place(&ends[1]) - place(&ends[0]));
-        let (lengths, courses): (Vec<f64>, Vec<f64>) =
-            lines.map(|line| (line.norm(), line.y.atan2(line.x))).unzip();
+        let lines = points
+            .windows(2)
+            .map(|ends| place(&ends[1]) - place(&ends[0]));
+        let (lengths, courses): (Vec<f64>, Vec<f64>) = lines
+            .map(|line| (line.norm(), line.y.atan2(line.x)))
+            .unzip();
         // Of every waypoint: radius of its arc, the angle it turns, and how much of both lines it takes.
         let corners: Vec<(f64, f64, f64)> = (0..points.len())
             .map(|i| {

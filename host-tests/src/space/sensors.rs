@@ -110,9 +110,7 @@ impl SensorSpec {
                 AirSensor::None => Air::Unknown,
             },
             specific_force: match self.accelerometer {
-                Accelerometer::Measured => {
-                    Some(Body::new(f.x as f32, f.y as f32, f.z as f32))
-                }
+                Accelerometer::Measured => Some(Body::new(f.x as f32, f.y as f32, f.z as f32)),
                 Accelerometer::None => None,
             },
         }

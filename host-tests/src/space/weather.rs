@@ -27,7 +27,10 @@ impl WeatherSpec {
             finite("weather.gust.start_s", gust.start)?;
             finite_vector("weather.gust.peak_m_s", &gust.peak)?;
             // NaN is not positive. An infinite duration is a step's.
-            if !matches!(gust.duration.partial_cmp(&0.0), Some(std::cmp::Ordering::Greater)) {
+            if !matches!(
+                gust.duration.partial_cmp(&0.0),
+                Some(std::cmp::Ordering::Greater)
+            ) {
                 let field = "weather.gust.duration_s";
                 return Err(FieldError::new(field, "must be positive"));
             }
@@ -46,9 +49,9 @@ impl Weather {
     /// The weather at the start; `random` draws the turbulence's first state.
     pub fn new(spec: WeatherSpec, random: &mut impl Rng) -> Self {
         let heading = spec.steady.y.atan2(spec.steady.x);
-        let turbulence = spec.turbulence.map(|t| {
-            Turbulence::new(t.wind_at_20_ft_m_s, t.height_m, heading, random)
-        });
+        let turbulence = spec
+            .turbulence
+            .map(|t| Turbulence::new(t.wind_at_20_ft_m_s, t.height_m, heading, random));
         Self { spec, turbulence }
     }
 
