@@ -35,7 +35,7 @@
 //! thrust acts along the nose. See [`frame`] and [`air`], and [`ned`] for the axes of autopilots.
 //!
 //! # Layers
-//! [`Parameters`], [`frame`] ← [`air`] ← [`aero`] ← [`Vehicle`] ← [`equivalency`] ← {[`control`] ← {[`guidance`], [`spatial`]}, [`equilibrium`]};
+//! [`Parameters`], [`frame`] ← [`air`] ← [`aero`] ← [`Vehicle`] ← [`equivalency`] ← {[`control`] ← [`spatial`] ← [`guidance`], [`equilibrium`]};
 //! no arrow points back. The core sees no
 //! clock, global, allocator or peripheral, holds no panic and no double precision, and gives the same bits on every
 //! target: its few elementary functions are its own.

@@ -44,11 +44,11 @@ fn header() -> Result<String> {
         "parameters",
         "table",
         "controller",
-        "plane",
-        "ned_input",
-        "ned_command",
-        "ned_report",
+        "input",
+        "command",
+        "report",
         "guide",
+        "step",
         "envelope",
     ] {
         builder = builder.with_src(sources.join(file).with_extension("rs"));

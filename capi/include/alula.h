@@ -1,5 +1,5 @@
 /*
- * alula: longitudinal flight control from hover to cruise.
+ * alula: flight control from hover to cruise, in three dimensions.
  *
  * Every structure begins with a header word, which the caller sets to ALULA_HEADER(its type) before it is used for the
  * first time. No function allocates, has a global, takes a lock or calls back; on different controllers all may run at
@@ -18,7 +18,7 @@
 /**
  * Version of this ABI. It changes whenever a structure or the meaning of a field does.
  */
-#define ALULA_ABI_VERSION 2
+#define ALULA_ABI_VERSION 3
 
 /**
  * Done.
@@ -52,7 +52,7 @@
 #define ALULA_ERROR_TIME_STEP -5
 
 /**
- * A selector of the input (attitude, body axes, flags) has no such value, or the flags contradict each other.
+ * A selector of the input (body axes, flags) has no such value, or the flags contradict each other.
  */
 #define ALULA_ERROR_SELECTOR -6
 
@@ -67,8 +67,7 @@
 #define ALULA_ERROR_WIND -11
 
 /**
- * The attitude is invalid: a pair or quaternion not of unit length, a pitch not finite or beyond 100 rad, or a nose that
- * points across the plane.
+ * The attitude is invalid: the quaternion is not of unit length, or not finite.
  */
 #define ALULA_ERROR_ATTITUDE -12
 
@@ -96,11 +95,6 @@
  * The law has no finite answer here.
  */
 #define ALULA_ERROR_UNDEFINED -17
-
-/**
- * The heading is not finite, or beyond 100 rad.
- */
-#define ALULA_ERROR_HEADING -18
 
 /**
  * The state is older than `state_age`, or of negative age.
@@ -200,16 +194,6 @@
 #define ALULA_STATUS_LEAD_LIMITED (1 << 18)
 
 /**
- * The robust law: defined everywhere.
- */
-#define ALULA_LAW_ROBUST 0
-
-/**
- * The full law: the paper's proof holds for it, and it is undefined at |F_p| = 0 and with F_p against the thrust.
- */
-#define ALULA_LAW_FULL 1
-
-/**
  * Gains that follow |F_p|, so that the loop keeps its bandwidth: the parameters of the guidance.
  */
 #define ALULA_GAINS_BANDWIDTH 0
@@ -245,11 +229,6 @@
 #define ALULA_TABLE_ROWS 96
 
 /**
- * Flag of an input: `air_acceleration` and `reference_jerk` are to be used.
- */
-#define ALULA_FEED_FORWARD 1
-
-/**
  * Body axes of a fixed wing: x along the nose, z to the belly. Hover is pitch 90°.
  */
 #define ALULA_BODY_NOSE_FORWARD 0
@@ -260,17 +239,12 @@
 #define ALULA_BODY_NOSE_UP 1
 
 /**
- * The attitude is given by `quaternion`.
+ * Flag of an input, for `alula_step`: `air_acceleration` and `reference_jerk` are to be used.
  */
-#define ALULA_ATTITUDE_QUATERNION 0
+#define ALULA_FEED_FORWARD 1
 
 /**
- * The attitude is given by `pitch`, without tilt and bank.
- */
-#define ALULA_ATTITUDE_PITCH 1
-
-/**
- * Flag of an input: `position_error` is to be used.
+ * Flag of an input, for `alula_guide`: `position_error` is to be used.
  */
 #define ALULA_POSITION (1 << 1)
 
@@ -280,9 +254,14 @@
 #define ALULA_AIR_VELOCITY (1 << 2)
 
 /**
- * Flag of an input: nothing is known of the air, and `air` is not read.
+ * Flag of an input: nothing is known of the air, and `air` is not read. `alula_step` needs to know.
  */
 #define ALULA_AIR_UNKNOWN (1 << 3)
+
+/**
+ * Flag of an input, for `alula_guide`: `specific_force` is to be used.
+ */
+#define ALULA_SPECIFIC_FORCE (1 << 4)
 
 /**
  * The guidance gives the safe command.
@@ -318,6 +297,46 @@
  * Flown with the last wind known.
  */
 #define ALULA_AIR_USE_HELD_WIND 3
+
+/**
+ * The reference is followed.
+ */
+#define ALULA_PHASE_TRACKING 0
+
+/**
+ * A turn to an attitude far away, as across a fold.
+ */
+#define ALULA_PHASE_CROSSING 1
+
+/**
+ * On the way to the reference with the thrust at a limit.
+ */
+#define ALULA_PHASE_COASTING 2
+
+/**
+ * On the way back from far off the reference.
+ */
+#define ALULA_PHASE_RECOVERING 3
+
+/**
+ * As far as the prediction shows, the reference can be had.
+ */
+#define ALULA_UNREACHABLE_NOTHING 0
+
+/**
+ * The reference sinks more steeply than the vehicle can at that speed.
+ */
+#define ALULA_UNREACHABLE_SINK 1
+
+/**
+ * The reference is slower than the vehicle can fly at that sink rate.
+ */
+#define ALULA_UNREACHABLE_SPEED 2
+
+/**
+ * The reference asks for more thrust than there is.
+ */
+#define ALULA_UNREACHABLE_THRUST 3
 
 /**
  * Most equilibria of a set.
@@ -375,14 +394,9 @@
 #define ALULA_STATUS_STATE_RESET 512
 
 /**
- * Law, kind of gains, model.
+ * Kind of gains, model, attitude loop.
  */
 typedef struct alula_controller_parameters {
-    /**
-     * Law that alula_step and alula_step_ned fly. alula_guide flies the robust one.
-     * 0 = robust (ALULA_LAW_ROBUST), 1 = full (ALULA_LAW_FULL); default 0.0.
-     */
-    float law;
     /**
      * How the gains are chosen.
      * 0 = by bandwidth (ALULA_GAINS_BANDWIDTH), 1 = constant (ALULA_GAINS_CONSTANT); default 0.0.
@@ -421,6 +435,11 @@ typedef struct alula_vehicle_parameters {
      * Unit: rad. From -3.1415927 to 3.1415927, default 0.0.
      */
     float delta;
+    /**
+     * Side force coefficient c_Y, of the same reference area. In a vertical plane it is not used.
+     * No unit. From 0.0 to 1000.0, default 0.0.
+     */
+    float c_y;
     /**
      * Gravity g.
      * Unit: m/s^2. From 0.001 to 1000.0, default 9.81.
@@ -488,12 +507,17 @@ typedef struct alula_guidance_parameters {
      */
     float rate_lag;
     /**
+     * Lag of the thrust behind its command. Used with a specific force.
+     * Unit: s. From 0.001 to 1.0, default 0.05.
+     */
+    float thrust_lag;
+    /**
      * Velocity per position error, down. Zero turns the hold off.
      * Unit: 1/s. From 0.0 to 100.0, default 1.5.
      */
     float position_gain_down;
     /**
-     * Velocity per position error, forward. Zero turns the hold off.
+     * Velocity per position error, horizontal. Zero turns the hold off.
      * Unit: 1/s. From 0.0 to 100.0, default 0.5.
      */
     float position_gain_forward;
@@ -503,7 +527,7 @@ typedef struct alula_guidance_parameters {
      */
     float max_velocity_down;
     /**
-     * Greatest velocity towards the reference position, forward.
+     * Greatest velocity towards the reference position, horizontal.
      * Unit: m/s. From 0.0 to 1000.0, default 6.0.
      */
     float max_velocity_forward;
@@ -514,8 +538,8 @@ typedef struct alula_guidance_parameters {
      */
     float integral_gain_down;
     /**
-     * Growth of the integral per velocity towards the reference position, forward. Zero turns it
-     * off.
+     * Growth of the integral per velocity towards the reference position, horizontal. Zero turns
+     * it off.
      * Unit: 1/s. From 0.0 to 100.0, default 0.1.
      */
     float integral_gain_forward;
@@ -525,17 +549,23 @@ typedef struct alula_guidance_parameters {
      */
     float max_integral_down;
     /**
-     * Greatest integral, forward; at most max_velocity_forward.
+     * Greatest integral, horizontal; at most max_velocity_forward.
      * Unit: m/s. From 0.0 to 1000.0, default 1.0.
      */
     float max_integral_forward;
     /**
-     * Greatest angular rate commanded.
+     * Greatest acceleration to the side of the plane of flight. Zero: the plane is kept, for
+     * flights in one plane.
+     * Unit: g. From 0.0 to 100.0, default 2.0.
+     */
+    float max_turn;
+    /**
+     * Greatest angular rate commanded, about each body axis.
      * Unit: rad/s. From 0.001 to 1000.0, default 2.8.
      */
     float max_rate;
     /**
-     * Greatest change of the angular rate commanded.
+     * Greatest change of each angular rate commanded.
      * Unit: rad/s^2. From 0.001 to 1.0e6, default 30.0.
      */
     float max_slew;
@@ -659,7 +689,7 @@ typedef struct alula_parameters {
      */
     uint32_t header;
     /**
-     * Law, kind of gains, model.
+     * Kind of gains, model, attitude loop.
      */
     struct alula_controller_parameters controller;
     /**
@@ -732,11 +762,11 @@ typedef struct alula_controller {
     /**
      * Private.
      */
-    uint64_t opaque[95];
+    uint64_t opaque[104];
 } alula_controller;
 
 /**
- * State and reference in a vertical plane, by components (down, forward).
+ * State and reference in north-east-down world and forward-right-down body axes.
  */
 typedef struct alula_input {
     /**
@@ -744,118 +774,14 @@ typedef struct alula_input {
      */
     uint32_t header;
     /**
-     * 0 or `ALULA_FEED_FORWARD`.
+     * Sum of `ALULA_FEED_FORWARD`, `ALULA_POSITION`, `ALULA_SPECIFIC_FORCE` and one of `ALULA_AIR_VELOCITY` and
+     * `ALULA_AIR_UNKNOWN`, or 0.
      */
     uint32_t flags;
     /**
-     * Velocity over ground [m/s]: down, forward.
-     */
-    float velocity[2];
-    /**
-     * Attitude: cos θ, sin θ. θ = 0 is nose up; θ = −90° is nose forward; positive rates raise a forward nose.
-     */
-    float attitude[2];
-    /**
-     * Wind over ground [m/s]: down, forward.
-     */
-    float wind[2];
-    /**
-     * Reference velocity over ground [m/s]: down, forward.
-     */
-    float reference_velocity[2];
-    /**
-     * Derivative of the reference velocity [m/s²]: down, forward.
-     */
-    float reference_acceleration[2];
-    /**
-     * With `ALULA_FEED_FORWARD`: derivative of the air velocity [m/s²]: down, forward.
-     */
-    float air_acceleration[2];
-    /**
-     * With `ALULA_FEED_FORWARD`: derivative of the reference acceleration [m/s³]: down, forward.
-     */
-    float reference_jerk[2];
-} alula_input;
-
-/**
- * Command of one step, and the quantities that it is made of.
- */
-typedef struct alula_command {
-    /**
-     * `ALULA_HEADER(alula_command)`.
-     */
-    uint32_t header;
-    /**
-     * 0, or `ALULA_STATUS_SAFE`.
-     */
-    uint32_t status;
-    /**
-     * Thrust along the nose [N], as the law asks for it: it may be negative, or above `thrust_max`.
-     */
-    float thrust;
-    /**
-     * Angular rate θ̇ [rad/s]: pitch rate, positive nose up.
-     */
-    float rate;
-    /**
-     * Angle of attack [rad], in [−π, π].
-     */
-    float alpha;
-    /**
-     * Apparent external force F_p [N] along the tail and across it. Its angle from the tail, atan2(f_p[1],
-     * f_p[0]), is the angle by which the attitude still has to turn.
-     */
-    float f_p[2];
-    /**
-     * |F_p| [N]: how far the law is from losing its equilibrium.
-     */
-    float f_p_norm;
-    /**
-     * Thrust of the equivalent sphere [N].
-     */
-    float t_p;
-    /**
-     * Weight of the alignment term, 0 to 1.
-     */
-    float guard_alignment;
-    /**
-     * Weight of the feed-forward, 0 to 1.
-     */
-    float guard_feed_forward;
-    /**
-     * Gain k of the full law; 1 in the robust law.
-     */
-    float k;
-} alula_command;
-
-/**
- * State and reference in north-east-down world and forward-right-down body axes.
- */
-typedef struct alula_ned_input {
-    /**
-     * `ALULA_HEADER(alula_ned_input)`.
-     */
-    uint32_t header;
-    /**
-     * Sum of `ALULA_FEED_FORWARD`, `ALULA_POSITION` and one of `ALULA_AIR_VELOCITY` and `ALULA_AIR_UNKNOWN`, or 0.
-     */
-    uint32_t flags;
-    /**
-     * Which body axes `quaternion` and `pitch` are of: `ALULA_BODY_NOSE_FORWARD` or `ALULA_BODY_NOSE_UP`.
+     * Body axes of this input and of its command: `ALULA_BODY_NOSE_FORWARD` or `ALULA_BODY_NOSE_UP`.
      */
     uint32_t body_axes;
-    /**
-     * `ALULA_ATTITUDE_QUATERNION` or `ALULA_ATTITUDE_PITCH`. The other field is not read.
-     */
-    uint32_t attitude;
-    /**
-     * Heading of the vertical plane in which to fly [rad], from north towards east.
-     */
-    float heading;
-    /**
-     * Pitch [rad] of the body axes' x above the horizon, over the whole turn.
-     */
-    float pitch;
     /**
      * Attitude quaternion (w, x, y, z), from body to world.
      */
@@ -878,17 +804,27 @@ typedef struct alula_ned_input {
      */
     float reference_acceleration[3];
     /**
-     * With `ALULA_FEED_FORWARD`, for the pure law: derivative of the air velocity [m/s²]: north, east, down.
+     * Where the belly is to point while there is little air velocity [rad], from north towards east: in hover, the heading
+     * of multicopter axes. NaN: free, which leaves it to the course. The faster the flight, the less it counts.
      */
-    float air_acceleration[3];
-    /**
-     * With `ALULA_FEED_FORWARD`, for the pure law: derivative of the reference acceleration [m/s³]: north, east, down.
-     */
-    float reference_jerk[3];
+    float heading;
     /**
      * With `ALULA_POSITION`, for `alula_guide`: position less reference position [m]: north, east, down.
      */
     float position_error[3];
+    /**
+     * With `ALULA_SPECIFIC_FORCE`, for `alula_guide`: what an accelerometer measures [m/s²], gravity not included: forward,
+     * right, down, in the body axes. In hover it is 9.81 upwards.
+     */
+    float specific_force[3];
+    /**
+     * With `ALULA_FEED_FORWARD`, for `alula_step`: derivative of the air velocity [m/s²]: north, east, down.
+     */
+    float air_acceleration[3];
+    /**
+     * With `ALULA_FEED_FORWARD`, for `alula_step`: derivative of the reference acceleration [m/s³]: north, east, down.
+     */
+    float reference_jerk[3];
     /**
      * For `alula_guide`: age of velocity and attitude [s].
      */
@@ -897,14 +833,15 @@ typedef struct alula_ned_input {
      * For `alula_guide`: age of the reference [s].
      */
     float reference_age;
-} alula_ned_input;
+} alula_input;
 
 /**
- * Command of one step, as rate and thrust and as attitude and thrust.
+ * Command of one step, as rates and thrust and as attitude and thrust. It is the whole of the attitude: nothing is left to
+ * be levelled or coordinated.
  */
-typedef struct alula_ned_command {
+typedef struct alula_command {
     /**
-     * `ALULA_HEADER(alula_ned_command)`.
+     * `ALULA_HEADER(alula_command)`.
      */
     uint32_t header;
     /**
@@ -912,7 +849,7 @@ typedef struct alula_ned_command {
      */
     uint32_t status;
     /**
-     * Thrust along the nose [N]. From the pure law it is as the law asks for it: it may be negative, or above
+     * Thrust along the nose [N]. From `alula_step` it is as the law asks for it: it may be negative, or above
      * `thrust_max`.
      */
     float thrust;
@@ -921,31 +858,22 @@ typedef struct alula_ned_command {
      */
     float thrust_normalised;
     /**
-     * Body rate set-point [rad/s]: forward, right, down, in the input's body axes. It turns the aircraft in the plane;
-     * tilt and bank are the caller's to hold at zero.
+     * Body rate set-point [rad/s]: forward, right, down, in the input's body axes.
      */
     float body_rate[3];
     /**
-     * The same rate about the plane's normal, to the right [rad/s]: pitch rate, positive nose up.
-     */
-    float pitch_rate;
-    /**
-     * Attitude set-point [rad]: pitch of the input's body axes, in [−π, π], without tilt and bank.
-     */
-    float pitch;
-    /**
-     * The same set-point, with the heading, as a quaternion (w, x, y, z) from body to world.
+     * Attitude set-point: quaternion (w, x, y, z) from the input's body axes to world. It leads the attitude by
+     * `body_rate` / `attitude_gain`, 90° at most.
      */
     float quaternion[4];
-} alula_ned_command;
+} alula_command;
 
 /**
- * The quantities that a command is made of, and what the projection on the vertical plane has lost of the input. What is
- * not known is zero.
+ * The quantities that a command is made of. What is not known is zero.
  */
-typedef struct alula_ned_report {
+typedef struct alula_report {
     /**
-     * `ALULA_HEADER(alula_ned_report)`.
+     * `ALULA_HEADER(alula_report)`.
      */
     uint32_t header;
     /**
@@ -957,35 +885,29 @@ typedef struct alula_ned_report {
      */
     uint32_t air_use;
     /**
-     * Lost by the plane: velocity across it, to the right [m/s].
+     * `ALULA_PHASE_…`; of `alula_guide`.
      */
-    float lateral_velocity;
+    uint32_t phase;
     /**
-     * Lost by the plane: the input's `air` across it, to the right [m/s].
+     * `ALULA_UNREACHABLE_…`; of `alula_guide`.
      */
-    float lateral_air;
-    /**
-     * Lost by the plane: reference velocity across it, to the right [m/s].
-     */
-    float lateral_reference_velocity;
-    /**
-     * Lost by the plane: reference acceleration across it, to the right [m/s²].
-     */
-    float lateral_reference_acceleration;
-    /**
-     * Lost by the plane: angle of the nose out of it [rad], to the right.
-     */
-    float tilt;
-    /**
-     * Lost by the plane: angle about the nose [rad], right wing towards the belly side.
-     */
-    float bank;
+    uint32_t unreachable;
     /**
      * Angle of attack [rad], in [−π, π].
      */
     float alpha;
     /**
-     * Angle from the tail to the apparent external force [rad], in (−π, π]: the angle by which the attitude still has to turn.
+     * Sideslip [rad], in [−π/2, π/2]: positive where the air velocity points to the right wing.
+     */
+    float sideslip;
+    /**
+     * Angle by which the wing is off the balance of lateral forces [rad], in (−π/2, π/2): positive where the force asked
+     * for leans to the right wing. The commanded rates bring it to zero.
+     */
+    float tilt;
+    /**
+     * Angle from the tail to the apparent external force in the plane of symmetry [rad], in (−π, π]: the angle by which
+     * the attitude still has to pitch.
      */
     float theta_tilde;
     /**
@@ -1005,15 +927,11 @@ typedef struct alula_ned_report {
      */
     float guard_feed_forward;
     /**
-     * Gain k of the full law; 1 in the robust law.
-     */
-    float k;
-    /**
-     * Velocity that the law was given to follow [m/s]: north, east, down, in the plane.
+     * Velocity that the law was given to follow [m/s]: north, east, down.
      */
     float velocity[3];
     /**
-     * Acceleration that the law was given to follow [m/s²]: north, east, down, in the plane.
+     * Acceleration that the law was given to follow [m/s²]: north, east, down.
      */
     float acceleration[3];
     /**
@@ -1028,16 +946,16 @@ typedef struct alula_ned_report {
      * Angle from the present attitude to the nearest fold [rad], to first order. Of `alula_guide`.
      */
     float margin_fold;
-} alula_ned_report;
+} alula_report;
 
 /**
  * An attitude at which a thrust holds the reference.
  */
 typedef struct alula_equilibrium {
     /**
-     * Pitch of the nose above the horizon [rad], in (−π, π]; of multicopter axes it is 90° less.
+     * The attitude: quaternion (w, x, y, z) from the input's body axes to world.
      */
-    float pitch;
+    float quaternion[4];
     /**
      * Angle of attack [rad].
      */
@@ -1181,21 +1099,7 @@ int32_t alula_init(struct alula_controller *controller,
 int32_t alula_reset(struct alula_controller *controller);
 
 /**
- * One step of the pure law in a vertical plane: from `input` to `command`, `dt` seconds after the last. The law has no
- * memory and no limits: `dt` is only checked. Whatever is returned but `ALULA_OK`, the command is the safe one; unless
- * `command` itself is at fault: it is then not written.
- *
- * Pointers:
- * Each pointer is null or points to memory of the caller's that holds at least the header word; the whole structure
- * if that is right. No other call uses the controller meanwhile.
- */
-int32_t alula_step(const struct alula_controller *controller,
-                   const struct alula_input *input,
-                   float dt,
-                   struct alula_command *command);
-
-/**
- * Fills in a hover in still air whose reference is to stay.
+ * Fills in a hover in still air whose reference is to stay, heading free.
  *
  * Pointers:
  * `input` is null or points to memory of the caller's that holds at least the header word, already set; the whole
@@ -1212,62 +1116,49 @@ int32_t alula_input_default(struct alula_input *input);
 int32_t alula_command_default(struct alula_command *command);
 
 /**
- * Fills in a hover in still air, heading north, whose reference is to stay.
- *
- * Pointers:
- * As `alula_input_default`.
- */
-int32_t alula_ned_input_default(struct alula_ned_input *input);
-
-/**
- * One step of the pure law in the vertical plane through the input's heading: from `input` to `command`, `dt` seconds
- * after the last. The law has no memory and no limits: `dt` is only checked. Whatever is returned but `ALULA_OK`, the
- * command is the safe one, and `report` is not written; if `command` itself is at fault, it is not written either. `report`
- * may be null; its margins are zero.
- *
- * Pointers:
- * As `alula_step`.
- */
-int32_t alula_step_ned(const struct alula_controller *controller,
-                       const struct alula_ned_input *input,
-                       float dt,
-                       struct alula_ned_command *command,
-                       struct alula_ned_report *report);
-
-/**
- * Fills in the safe command.
- *
- * Pointers:
- * As `alula_input_default`.
- */
-int32_t alula_ned_command_default(struct alula_ned_command *command);
-
-/**
- * One step of the guidance: supervision, reference limit, outer loop, law and actuator limits. It always gives a
- * command. If the return code says that the input was refused, the command is the last one flown, for as long as
- * `hold` (`ALULA_STATUS_HOLDING`), and then the safe one: `safe_thrust`, no rotation (`ALULA_STATUS_SAFE`). If a pointer, a
- * header, the controller or a selector is at fault, there was no step, and the command is that of
- * `alula_ned_command_default`. `report` may be null, which saves time.
+ * One step of the guidance: supervision, planning, outer loop, law and actuator limits. It always gives a command. If
+ * the return code says that the input was refused, the command is the last one flown, for as long as `hold`
+ * (`ALULA_STATUS_HOLDING`), and then the safe one: `safe_thrust`, no rotation (`ALULA_STATUS_SAFE`). If a pointer, a header,
+ * the controller or a selector is at fault, there was no step, and the command is that of `alula_command_default`. `report`
+ * may be null.
  *
  * Pointers:
  * As `alula_step`, and no other call reads the controller meanwhile either.
  */
 int32_t alula_guide(struct alula_controller *controller,
-                    const struct alula_ned_input *input,
+                    const struct alula_input *input,
                     float dt,
-                    struct alula_ned_command *command,
-                    struct alula_ned_report *report);
+                    struct alula_command *command,
+                    struct alula_report *report);
 
 /**
- * The attitudes at which the reference of `input` can be held in its wind, in the plane of its heading. Velocity is not
- * read, unless the air is given relative to it. Slower than a step, and of bounded work: for a background task. With any
- * code but `ALULA_OK` the set is empty.
+ * One step of the bare law of the winged vehicle, robust: from `input` to `command`, `dt` seconds after the last. The law
+ * has no memory and no limits: `dt` is only checked. Whatever is returned but `ALULA_OK`, the command is the safe one, and
+ * `report` is not written; if `command` itself is at fault, it is not written either. `report` may be null; of
+ * `alula_guide` alone are its margins, phase and use of the air.
+ *
+ * Pointers:
+ * Each pointer is null or points to memory of the caller's that holds at least the header word; the whole structure
+ * if that is right. No other call changes the controller meanwhile.
+ */
+int32_t alula_step(const struct alula_controller *controller,
+                   const struct alula_input *input,
+                   float dt,
+                   struct alula_command *command,
+                   struct alula_report *report);
+
+/**
+ * The attitudes at which the reference of `input` can be held in its wind without sideslip, in a turn banked as its
+ * reference acceleration asks. The plane of symmetry is then that of the air velocity asked for and the apparent weight;
+ * where these are parallel, as in hover, the belly stays on the side it has in `input`. Velocity is not read, unless the air
+ * is given relative to it. Slower than a step, and of bounded work: for a background task. With any code but `ALULA_OK`
+ * the set is empty.
  *
  * Pointers:
  * As `alula_step`.
  */
 int32_t alula_equilibria_at(const struct alula_controller *controller,
-                            const struct alula_ned_input *input,
+                            const struct alula_input *input,
                             struct alula_equilibria *equilibria);
 
 /**
@@ -1281,7 +1172,8 @@ int32_t alula_fold_map_init(struct alula_fold_map *map,
                             const struct alula_controller *controller);
 
 /**
- * How far the nearest fold is from the state of `input`, if it is to accelerate as the reference does.
+ * How far the nearest fold is from the state of `input`, if it is to accelerate as the reference does: in a turn of load
+ * factor n every fold lies at √n times its airspeed.
  * `ALULA_ERROR_NO_FOLD` says that there is none near; with any code but `ALULA_OK` the margin is zero.
  *
  * Pointers:
@@ -1289,7 +1181,7 @@ int32_t alula_fold_map_init(struct alula_fold_map *map,
  */
 int32_t alula_fold_margin_at(const struct alula_fold_map *map,
                              const struct alula_controller *controller,
-                             const struct alula_ned_input *input,
+                             const struct alula_input *input,
                              struct alula_fold_margin *margin);
 
 #ifdef __cplusplus

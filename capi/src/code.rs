@@ -22,14 +22,13 @@ pub const ALULA_ERROR_LAYOUT: i32 = -3;
 pub const ALULA_ERROR_NOT_INITIALISED: i32 = -4;
 /// The time step is not finite, shorter than 0.1 ms, or longer than 0.2 s.
 pub const ALULA_ERROR_TIME_STEP: i32 = -5;
-/// A selector of the input (attitude, body axes, flags) has no such value, or the flags contradict each other.
+/// A selector of the input (body axes, flags) has no such value, or the flags contradict each other.
 pub const ALULA_ERROR_SELECTOR: i32 = -6;
 /// The velocity is not finite, or faster than 1000 m/s.
 pub const ALULA_ERROR_VELOCITY: i32 = -10;
 /// The wind is not finite, faster than 1000 m/s, or unknown to a law that needs it.
 pub const ALULA_ERROR_WIND: i32 = -11;
-/// The attitude is invalid: a pair or quaternion not of unit length, a pitch not finite or beyond 100 rad, or a nose that
-/// points across the plane.
+/// The attitude is invalid: the quaternion is not of unit length, or not finite.
 pub const ALULA_ERROR_ATTITUDE: i32 = -12;
 /// The reference velocity is not finite, or faster than 1000 m/s.
 pub const ALULA_ERROR_REFERENCE_VELOCITY: i32 = -13;
@@ -41,8 +40,6 @@ pub const ALULA_ERROR_AIR_ACCELERATION: i32 = -15;
 pub const ALULA_ERROR_JERK: i32 = -16;
 /// The law has no finite answer here.
 pub const ALULA_ERROR_UNDEFINED: i32 = -17;
-/// The heading is not finite, or beyond 100 rad.
-pub const ALULA_ERROR_HEADING: i32 = -18;
 /// The state is older than `state_age`, or of negative age.
 pub const ALULA_ERROR_STATE_AGE: i32 = -19;
 /// No good reference has come yet.
@@ -172,7 +169,7 @@ fn text(code: i32) -> &'static CStr {
         ALULA_ERROR_SELECTOR => c"a selector of the input has no such value",
         ALULA_ERROR_VELOCITY => c"velocity is not finite or absurdly large",
         ALULA_ERROR_WIND => c"wind is not finite, absurdly large, or unknown",
-        ALULA_ERROR_ATTITUDE => c"attitude is invalid, or the nose points across the plane",
+        ALULA_ERROR_ATTITUDE => c"attitude is not a quaternion of unit length",
         ALULA_ERROR_REFERENCE_VELOCITY => c"reference velocity is not finite or absurdly large",
         ALULA_ERROR_REFERENCE_ACCELERATION => {
             c"reference acceleration is not finite or absurdly large"
@@ -180,7 +177,6 @@ fn text(code: i32) -> &'static CStr {
         ALULA_ERROR_AIR_ACCELERATION => c"air acceleration is not finite or absurdly large",
         ALULA_ERROR_JERK => c"reference jerk is not finite or absurdly large",
         ALULA_ERROR_UNDEFINED => c"the law is undefined here",
-        ALULA_ERROR_HEADING => c"heading is not finite or absurdly large",
         ALULA_ERROR_STATE_AGE => c"the state is too old",
         ALULA_ERROR_NO_REFERENCE => c"no good reference has come yet",
         ALULA_ERROR_EVERY_ORIENTATION => c"every orientation is an equilibrium",

@@ -9,8 +9,8 @@ use crate::boundary::{self, Layout};
 use crate::code;
 use crate::memory::Memory;
 use crate::parameters::{
-    ALULA_GAINS_CONSTANT, ALULA_LAW_ROBUST, ALULA_MODEL_COMBINED, ALULA_MODEL_LARGE_ANGLE,
-    ALULA_MODEL_SMALL_ANGLE, ALULA_MODEL_TABLE, Parameters, refused,
+    ALULA_GAINS_CONSTANT, ALULA_MODEL_COMBINED, ALULA_MODEL_LARGE_ANGLE, ALULA_MODEL_SMALL_ANGLE,
+    ALULA_MODEL_TABLE, Parameters, refused,
 };
 use crate::table::{self, Table};
 
@@ -24,16 +24,23 @@ pub struct Controller {
     /// Private.
     pub reserved: u32,
     /// Private.
-    pub opaque: [u64; 95],
+    pub opaque: [u64; 104],
+}
+
+impl Controller {
+    /// Memory that is ready for `alula_init`.
+    pub const BLANK: Self = Self {
+        header: Self::HEADER,
+        reserved: 0,
+        opaque: [0; 104],
+    };
 }
 
 // SAFETY: `repr(C)`, its first word is the header, and it holds nothing but unsigned integers.
 unsafe impl Layout for Controller {}
 
-/// The header word of a controller that flies the robust law. No structure has this size.
-pub(crate) const ROBUST: u32 = Controller::HEADER + 1;
-/// The header word of one that flies the full law.
-const FULL: u32 = Controller::HEADER + 2;
+/// The header word of a controller that is initialised.
+const INITIALISED: u32 = Controller::HEADER | 1 << 31;
 
 /// What is in a [`Controller`] after `alula_init`. `'a` is the life of the table, if the model is one.
 #[derive(Clone, Copy)]
@@ -112,11 +119,6 @@ impl ModelChoice {
 }
 
 impl<'a> Initialised<'a> {
-    /// Whether the law is the robust one.
-    pub fn is_robust(&self) -> bool {
-        self.header == ROBUST
-    }
-
     /// The controller of these parameters, each of which is in its range; `table` is called if the model is a table.
     fn new(
         p: &Parameters,
@@ -127,13 +129,8 @@ impl<'a> Initialised<'a> {
             problem: Problem::OutOfRange,
         }))?;
         let model = choice.model(p, table)?;
-        let law = p.controller.law as u32;
         Ok(Self {
-            header: if law == ALULA_LAW_ROBUST {
-                ROBUST
-            } else {
-                FULL
-            },
+            header: INITIALISED,
             guidance: guidance(p, model).map_err(refused)?,
             memory: Memory::default(),
             inverse_thrust_max: 1.0 / p.vehicle.thrust_max,
@@ -166,11 +163,11 @@ pub(crate) unsafe fn initialised<'a>(
     pointer: *const Controller,
 ) -> Result<&'a Initialised<'a>, i32> {
     boundary::check_pointer(pointer)?;
-    // SAFETY: The pointer is neither null nor unaligned, so it points to a header word. The words ROBUST and FULL are
-    // written by `alula_init` alone, and only together with the rest of an `Initialised`.
+    // SAFETY: The pointer is neither null nor unaligned, so it points to a header word. INITIALISED is written by
+    // `alula_init` alone, and only together with the rest of an `Initialised`.
     unsafe {
         match pointer.cast::<u32>().read() {
-            ROBUST | FULL => Ok(&*pointer.cast::<Initialised>()),
+            INITIALISED => Ok(&*pointer.cast::<Initialised>()),
             Controller::HEADER => Err(code::ALULA_ERROR_NOT_INITIALISED),
             _ => Err(code::ALULA_ERROR_LAYOUT),
         }
@@ -257,7 +254,7 @@ mod tests {
             vehicle: alula::VehicleParameters::PAPER,
             ..Parameters::DEFAULT
         };
-        for (number, name) in CHOICES[2].iter().enumerate() {
+        for (number, name) in CHOICES[1].iter().enumerate() {
             let choice = ModelChoice::of(number as u32).expect(name);
             let word = match choice.model(&paper, || Err(-1)) {
                 Ok(model) => match ModelChoice::that_makes(&model) {
@@ -274,6 +271,6 @@ mod tests {
             };
             assert!(name.starts_with(word), "{name} leads to {word}");
         }
-        assert!(ModelChoice::of(CHOICES[2].len() as u32).is_none());
+        assert!(ModelChoice::of(CHOICES[1].len() as u32).is_none());
     }
 }

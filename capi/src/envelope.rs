@@ -1,15 +1,14 @@
 //! The envelope: which attitudes hold a reference, and how far the next jump is.
 
-use alula::control::Law;
 use alula::equilibrium::{Branch, CAPACITY};
-use alula::equivalency::ApparentForces;
-use alula::ned::BodyAxes;
-use alula::{Equilibria, Equilibrium, FoldMap};
+use alula::ned::{BodyAxes, Quaternion};
+use alula::spatial::{Ned, Orientation};
+use alula::{Equilibria, Equilibrium, FoldMap, Inertial, Reference};
 
 use crate::boundary::{self, Layout};
 use crate::code;
 use crate::controller::{Controller, initialised};
-use crate::ned_input::{NedInput, PlanarInput, axes_of, plane_of};
+use crate::input::Input;
 
 /// Most equilibria of a set.
 pub const ALULA_EQUILIBRIA: u32 = 24;
@@ -19,8 +18,8 @@ const _: () = assert!(ALULA_EQUILIBRIA as usize == CAPACITY);
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C)]
 pub struct EquilibriumAttitude {
-    /// Pitch of the nose above the horizon \[rad\], in (−π, π]; of multicopter axes it is 90° less.
-    pub pitch: f32,
+    /// The attitude: quaternion (w, x, y, z) from the input's body axes to world.
+    pub quaternion: [f32; 4],
     /// Angle of attack \[rad\].
     pub alpha: f32,
     /// Thrust \[N\]; it may be negative.
@@ -96,7 +95,7 @@ impl EquilibriumSet {
         header: Self::HEADER,
         count: 0,
         items: [EquilibriumAttitude {
-            pitch: 0.0,
+            quaternion: [0.0; 4],
             alpha: 0.0,
             thrust: 0.0,
             t_p: 0.0,
@@ -115,10 +114,12 @@ impl FoldMargin {
     };
 }
 
-impl From<&Equilibrium> for EquilibriumAttitude {
-    fn from(e: &Equilibrium) -> Self {
+impl EquilibriumAttitude {
+    /// Of an equilibrium whose θ is counted from `base`, about its right wing.
+    fn new(e: &Equilibrium, base: &Orientation, axes: BodyAxes) -> Self {
+        let Quaternion { w, x, y, z } = base.pitched(e.attitude).to_quaternion(axes);
         Self {
-            pitch: BodyAxes::NoseForward.pitch(e.attitude),
+            quaternion: [w, x, y, z],
             alpha: e.alpha,
             thrust: e.thrust,
             t_p: e.t_p,
@@ -128,16 +129,18 @@ impl From<&Equilibrium> for EquilibriumAttitude {
     }
 }
 
-/// The attitudes at which the reference of `input` can be held in its wind, in the plane of its heading. Velocity is not
-/// read, unless the air is given relative to it. Slower than a step, and of bounded work: for a background task. With any
-/// code but `ALULA_OK` the set is empty.
+/// The attitudes at which the reference of `input` can be held in its wind without sideslip, in a turn banked as its
+/// reference acceleration asks. The plane of symmetry is then that of the air velocity asked for and the apparent weight;
+/// where these are parallel, as in hover, the belly stays on the side it has in `input`. Velocity is not read, unless the air
+/// is given relative to it. Slower than a step, and of bounded work: for a background task. With any code but `ALULA_OK`
+/// the set is empty.
 ///
 /// # Safety
 /// As `alula_step`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn alula_equilibria_at(
     controller: *const Controller,
-    input: *const NedInput,
+    input: *const Input,
     equilibria: *mut EquilibriumSet,
 ) -> i32 {
     // SAFETY: Every pointer that passes its check points to the structure that its header word says, by the condition above.
@@ -145,14 +148,35 @@ pub unsafe extern "C" fn alula_equilibria_at(
         boundary::answer(equilibria, EquilibriumSet::EMPTY, || {
             let controller = initialised(controller)?;
             let input = boundary::read(input)?;
-            let planar = PlanarInput::new(input, axes_of(input)?, plane_of(input.heading));
-            let wind = planar.state(input)?.wind;
+            let axes = input.axes()?;
+            let (state, reference) = (input.state(axes)?, input.reference());
+            // The law checks its input, here for the set.
+            let still = alula::spatial::State {
+                velocity: Ned::ZERO,
+                ..state
+            };
+            let control = controller.guidance.control();
+            control.forces(&still, &reference).map_err(code::of_fault)?;
             let vehicle = controller.guidance.vehicle();
-            let found =
-                Equilibria::find(vehicle, &planar.reference, wind).map_err(code::of_equilibrium)?;
+            let pull = Ned::new(0.0, 0.0, vehicle.gravity()) - reference.acceleration;
+            let v_a = reference.velocity - state.wind;
+            let o = &state.orientation;
+            let base = [v_a, o.j(), -o.i()]
+                .into_iter()
+                .find_map(|side| Orientation::from_directions(pull, side))
+                .ok_or(code::ALULA_ERROR_EVERY_ORIENTATION)?;
+            // In that plane the apparent weight is down, and what it exceeds gravity by is an acceleration upwards.
+            let v_a = base.to_body(v_a);
+            let weight = base.to_body(pull).i;
+            let reference = Reference {
+                velocity: Inertial::new(v_a.i, v_a.j),
+                acceleration: Inertial::new(vehicle.gravity() - weight, 0.0),
+            };
+            let found = Equilibria::find(vehicle, &reference, Inertial::ZERO)
+                .map_err(code::of_equilibrium)?;
             let mut set = EquilibriumSet::EMPTY;
             for (item, equilibrium) in set.items.iter_mut().zip(found.as_slice()) {
-                *item = equilibrium.into();
+                *item = EquilibriumAttitude::new(equilibrium, &base, axes);
                 set.count += 1;
             }
             Ok(set)
@@ -186,7 +210,8 @@ pub unsafe extern "C" fn alula_fold_map_init(map: *mut Map, controller: *const C
     }
 }
 
-/// How far the nearest fold is from the state of `input`, if it is to accelerate as the reference does.
+/// How far the nearest fold is from the state of `input`, if it is to accelerate as the reference does: in a turn of load
+/// factor n every fold lies at √n times its airspeed.
 /// `ALULA_ERROR_NO_FOLD` says that there is none near; with any code but `ALULA_OK` the margin is zero.
 ///
 /// # Safety
@@ -195,7 +220,7 @@ pub unsafe extern "C" fn alula_fold_map_init(map: *mut Map, controller: *const C
 pub unsafe extern "C" fn alula_fold_margin_at(
     map: *const Map,
     controller: *const Controller,
-    input: *const NedInput,
+    input: *const Input,
     margin: *mut FoldMargin,
 ) -> i32 {
     // SAFETY: Every pointer that passes its check points to the structure that its header word says, by the condition above.
@@ -204,19 +229,11 @@ pub unsafe extern "C" fn alula_fold_margin_at(
             let map = map_initialised(map)?;
             let controller = initialised(controller)?;
             let input = boundary::read(input)?;
-            let planar = PlanarInput::new(input, axes_of(input)?, plane_of(input.heading));
-            let state = planar.state(input)?;
-            // The law checks its input, here for the margin.
+            let state = input.state(input.axes()?)?;
             let control = controller.guidance.control();
-            control
-                .either(Law::Robust, &state, &planar.reference, None)
+            let forces = control
+                .forces(&state, &input.reference())
                 .map_err(code::of_fault)?;
-            let forces = ApparentForces::new(
-                control.vehicle(),
-                state.attitude,
-                state.velocity - state.wind,
-                planar.reference.acceleration,
-            );
             let found = map.margin(&forces).ok_or(code::ALULA_ERROR_NO_FOLD)?;
             Ok(FoldMargin {
                 header: FoldMargin::HEADER,

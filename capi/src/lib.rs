@@ -13,31 +13,31 @@ extern crate std;
 
 mod boundary;
 mod code;
+mod command;
 mod controller;
 mod envelope;
 mod guide;
+mod input;
 mod memory;
-mod ned_command;
-mod ned_input;
-mod ned_report;
 mod parameters;
-mod plane;
+mod report;
+mod step;
 mod table;
 
 pub use boundary::{ALULA_ABI_VERSION, Layout, alula_abi_version};
 pub use code::*;
+pub use command::{Command, alula_command_default};
 pub use controller::{Controller, alula_init, alula_reset};
 pub use envelope::*;
-pub use guide::*;
-pub use ned_command::*;
-pub use ned_input::*;
-pub use ned_report::*;
+pub use guide::alula_guide;
+pub use input::*;
 pub use parameters::{
-    ALULA_GAINS_BANDWIDTH, ALULA_GAINS_CONSTANT, ALULA_LAW_FULL, ALULA_LAW_ROBUST,
-    ALULA_MODEL_COMBINED, ALULA_MODEL_LARGE_ANGLE, ALULA_MODEL_SMALL_ANGLE, ALULA_MODEL_TABLE,
-    CHOICES, ControllerParameters, Parameters, SECTIONS, Section, alula_parameters_default,
+    ALULA_GAINS_BANDWIDTH, ALULA_GAINS_CONSTANT, ALULA_MODEL_COMBINED, ALULA_MODEL_LARGE_ANGLE,
+    ALULA_MODEL_SMALL_ANGLE, ALULA_MODEL_TABLE, CHOICES, ControllerParameters, Parameters,
+    SECTIONS, Section, alula_parameters_default,
 };
-pub use plane::*;
+pub use report::*;
+pub use step::alula_step;
 pub use table::{ALULA_TABLE_ROWS, Table, TableRow, alula_table_init};
 
 /// Never reached: no code of this library panics, which `capi/check` verifies on the linked object.

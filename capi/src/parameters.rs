@@ -13,11 +13,6 @@ use alula::{
 use crate::boundary::{self, Layout};
 use crate::code;
 
-/// The robust law: defined everywhere.
-pub const ALULA_LAW_ROBUST: u32 = 0;
-/// The full law: the paper's proof holds for it, and it is undefined at |F_p| = 0 and with F_p against the thrust.
-pub const ALULA_LAW_FULL: u32 = 1;
-
 /// Gains that follow |F_p|, so that the loop keeps its bandwidth: the parameters of the guidance.
 pub const ALULA_GAINS_BANDWIDTH: u32 = 0;
 /// Constant gains, as in the paper. They oscillate on a vehicle whose rate loop or thrust lags.
@@ -35,8 +30,6 @@ pub const ALULA_MODEL_TABLE: u32 = 3;
 alula::parameters! {
     /// What a controller is made of besides its vehicle, gains and coefficients.
     pub struct ControllerParameters, "Controller" {
-        law: "", 0.0, 1.0, 0.0, "ALU_LAW",
-            "Law that alula_step and alula_step_ned fly. alula_guide flies the robust one.";
         gains: "", 0.0, 1.0, 0.0, "ALU_GAINS",
             "How the gains are chosen.";
         model: "", 0.0, 3.0, 0.0, "ALU_MODEL",
@@ -47,8 +40,7 @@ alula::parameters! {
 }
 
 /// The values of the first parameters, which are choices: whole numbers from 0.
-pub const CHOICES: [&[&str]; 3] = [
-    &["robust (ALULA_LAW_ROBUST)", "full (ALULA_LAW_FULL)"],
+pub const CHOICES: [&[&str]; 2] = [
     &[
         "by bandwidth (ALULA_GAINS_BANDWIDTH)",
         "constant (ALULA_GAINS_CONSTANT)",
@@ -98,7 +90,7 @@ macro_rules! tables {
 }
 
 tables! {
-    /// Law, kind of gains, model.
+    /// Kind of gains, model, attitude loop.
     controller: ControllerParameters,
     /// The vehicle. Mass, k_a and thrust_max have no default and must be set.
     vehicle: VehicleParameters,
@@ -149,9 +141,9 @@ impl Parameters {
         // assertion on its size above. Any four bytes are an `f32`.
         let words: &[f32; 1 + COUNT] = unsafe { &*(&raw const *self).cast() };
         let [_, values @ ..] = words;
-        for (index, (range, value)) in RANGES.iter().copied().flatten().zip(values).enumerate() {
+        for (index, value) in values.iter().enumerate() {
             let whole = *value == (*value as u32) as f32;
-            let checked = match range.check(*value) {
+            let checked = match range(index).map_or(Ok(()), |range| range.check(*value)) {
                 Ok(()) if index < CHOICES.len() && !whole => Err(Problem::OutOfRange),
                 checked => checked,
             };
@@ -161,10 +153,22 @@ impl Parameters {
     }
 }
 
+/// The range of the `index`th parameter. Out of line: compiled into a search, the five tables are searched by five pieces of code.
+#[inline(never)]
+fn range(mut index: usize) -> Option<&'static Range> {
+    for table in RANGES {
+        match table.get(index) {
+            Some(range) => return Some(range),
+            None => index -= table.len(),
+        }
+    }
+    None
+}
+
 /// The code of a parameter that the core refuses because of others: each one's own range has been checked before.
 pub(crate) fn refused(error: ParameterError) -> i32 {
-    let mut ranges = RANGES.iter().copied().flatten();
-    let index = ranges.position(|range| range.name == error.parameter);
+    let named = |index| range(index).is_some_and(|range| range.name == error.parameter);
+    let index = (0..COUNT).find(|index| named(*index));
     code::of_parameter(index.unwrap_or(COUNT), error.problem)
 }
 

@@ -38,11 +38,9 @@ static void *at_the_edge(size_t size)
 
 static alula_parameters *parameters;
 static alula_controller *controller;
-static alula_input *plane;
-static alula_command *plane_command;
-static alula_ned_input *input;
-static alula_ned_command *command;
-static alula_ned_report *report;
+static alula_input *input;
+static alula_command *command;
+static alula_report *report;
 static alula_equilibria *equilibria;
 static alula_fold_map *map;
 static alula_fold_margin *margin;
@@ -53,11 +51,9 @@ static void tidy(void)
 {
     parameters->header = ALULA_HEADER(alula_parameters);
     controller->header = ALULA_HEADER(alula_controller);
-    plane->header = ALULA_HEADER(alula_input);
-    plane_command->header = ALULA_HEADER(alula_command);
-    input->header = ALULA_HEADER(alula_ned_input);
-    command->header = ALULA_HEADER(alula_ned_command);
-    report->header = ALULA_HEADER(alula_ned_report);
+    input->header = ALULA_HEADER(alula_input);
+    command->header = ALULA_HEADER(alula_command);
+    report->header = ALULA_HEADER(alula_report);
     equilibria->header = ALULA_HEADER(alula_equilibria);
     map->header = ALULA_HEADER(alula_fold_map);
     margin->header = ALULA_HEADER(alula_fold_margin);
@@ -66,80 +62,61 @@ static void tidy(void)
     parameters->vehicle.mass = 10.0f;
     parameters->vehicle.k_a = 0.646f;
     parameters->vehicle.thrust_max = 196.2f;
-    CHECK(alula_input_default(plane) == ALULA_OK);
-    CHECK(alula_command_default(plane_command) == ALULA_OK);
-    CHECK(alula_ned_input_default(input) == ALULA_OK);
-    CHECK(alula_ned_command_default(command) == ALULA_OK);
+    CHECK(alula_input_default(input) == ALULA_OK);
+    CHECK(alula_command_default(command) == ALULA_OK);
     CHECK(alula_init(controller, parameters, NULL) == ALULA_OK);
     CHECK(alula_fold_map_init(map, controller) == ALULA_OK);
 }
 
 static int is_safe(void)
 {
-    alula_ned_command safe;
-    safe.header = ALULA_HEADER(alula_ned_command);
-    return alula_ned_command_default(&safe) == ALULA_OK && memcmp(&safe, command, sizeof safe) == 0;
-}
-
-static int plane_is_safe(void)
-{
     alula_command safe;
     safe.header = ALULA_HEADER(alula_command);
-    return alula_command_default(&safe) == ALULA_OK && memcmp(&safe, plane_command, sizeof safe) == 0;
+    return alula_command_default(&safe) == ALULA_OK && memcmp(&safe, command, sizeof safe) == 0;
 }
 
 /* Every call that takes the `which`th structure, with the pointer `wrong` in its place. */
 static void call_all(int which, void *wrong, int32_t code)
 {
-    void *p[] = {parameters, controller, plane, plane_command, input, command, equilibria, map, margin, table};
+    void *p[] = {parameters, controller, input, command, equilibria, map, margin, table};
     p[which] = wrong;
     alula_table_row row = {0.0f, 0.0f, 1.0f};
     if (which == 0) {
         CHECK(alula_parameters_default(p[0]) == code);
         CHECK(alula_init(p[1], p[0], NULL) == code);
-        CHECK(alula_step(p[1], p[2], 0.01f, p[3]) == ALULA_ERROR_NOT_INITIALISED && plane_is_safe());
+        CHECK(alula_step(p[1], p[2], 0.01f, p[3], NULL) == ALULA_ERROR_NOT_INITIALISED && is_safe());
     }
     if (which == 1) {
         CHECK(alula_init(p[1], p[0], NULL) == code);
         CHECK(alula_reset(p[1]) == code);
-        CHECK(alula_fold_map_init(p[7], p[1]) == code);
+        CHECK(alula_fold_map_init(p[5], p[1]) == code);
     }
     if (which == 2)
         CHECK(alula_input_default(p[2]) == code);
     if (which == 1 || which == 2) {
-        plane_command->thrust = 1.0f;
-        CHECK(alula_step(p[1], p[2], 0.01f, p[3]) == code && plane_is_safe());
+        command->thrust = 1.0f;
+        CHECK(alula_step(p[1], p[2], 0.01f, p[3], NULL) == code && is_safe());
+        command->thrust = 1.0f;
+        CHECK(alula_guide(p[1], p[2], 0.01f, p[3], NULL) == code && is_safe());
+        CHECK(alula_equilibria_at(p[1], p[2], p[4]) == code && equilibria->count == 0);
     }
+    if (which == 2)
+        CHECK(alula_fold_margin_at(p[5], p[1], p[2], p[6]) == code && margin->a == 0.0f);
     if (which == 3) {
         CHECK(alula_command_default(p[3]) == code);
-        CHECK(alula_step(p[1], p[2], 0.01f, p[3]) == code);
+        CHECK(alula_step(p[1], p[2], 0.01f, p[3], NULL) == code);
+        CHECK(alula_guide(p[1], p[2], 0.01f, p[3], report) == code);
     }
     if (which == 4)
-        CHECK(alula_ned_input_default(p[4]) == code);
-    if (which == 1 || which == 4) {
-        command->thrust = 1.0f;
-        CHECK(alula_step_ned(p[1], p[4], 0.01f, p[5], NULL) == code && is_safe());
-        command->thrust = 1.0f;
-        CHECK(alula_guide(p[1], p[4], 0.01f, p[5], NULL) == code && is_safe());
-        CHECK(alula_equilibria_at(p[1], p[4], p[6]) == code && equilibria->count == 0);
-    }
-    if (which == 4)
-        CHECK(alula_fold_margin_at(p[7], p[1], p[4], p[8]) == code && margin->a == 0.0f);
+        CHECK(alula_equilibria_at(p[1], p[2], p[4]) == code);
     if (which == 5) {
-        CHECK(alula_ned_command_default(p[5]) == code);
-        CHECK(alula_step_ned(p[1], p[4], 0.01f, p[5], NULL) == code);
-        CHECK(alula_guide(p[1], p[4], 0.01f, p[5], report) == code);
+        CHECK(alula_fold_map_init(p[5], p[1]) == code);
+        CHECK(alula_fold_margin_at(p[5], p[1], p[2], p[6]) == code);
     }
     if (which == 6)
-        CHECK(alula_equilibria_at(p[1], p[4], p[6]) == code);
-    if (which == 7) {
-        CHECK(alula_fold_map_init(p[7], p[1]) == code);
-        CHECK(alula_fold_margin_at(p[7], p[1], p[4], p[8]) == code);
-    }
-    if (which == 8)
-        CHECK(alula_fold_margin_at(p[7], p[1], p[4], p[8]) == code);
-    if (which == 9)
-        CHECK(alula_table_init(p[9], &row, 1, NULL) == code);
+        CHECK(alula_fold_margin_at(p[5], p[1], p[2], p[6]) == code);
+    if (which == 7)
+        CHECK(alula_table_init(p[7], &row, 1, NULL) == code);
 }
 
 /* Puts every sort of bits into every word of `structure`: each call returns a known code, and with an error a safe command;
@@ -174,27 +151,22 @@ static int are_finite(const void *numbers, size_t size)
 static int32_t call_init(void)
 {
     int32_t code = alula_init(controller, parameters, table);
-    plane_command->thrust = 1.0f;
-    int32_t stepped = alula_step(controller, plane, 0.01f, plane_command);
-    CHECK(are_finite(plane_command, sizeof *plane_command));
+    command->thrust = 1.0f;
+    int32_t stepped = alula_step(controller, input, 0.01f, command, report);
+    CHECK(are_finite(command, sizeof *command));
     CHECK(code == ALULA_OK ? stepped != ALULA_ERROR_NOT_INITIALISED : stepped == ALULA_ERROR_NOT_INITIALISED);
-    CHECK(stepped == ALULA_OK || plane_is_safe());
+    CHECK(stepped == ALULA_OK || is_safe());
     return code;
 }
 
-static int32_t call_plane(void)
+static int32_t call_step(void)
 {
-    int32_t code = alula_step(controller, plane, 0.01f, plane_command);
-    CHECK(are_finite(plane_command, sizeof *plane_command) && (code == ALULA_OK || plane_is_safe()));
-    return code;
-}
-
-static int32_t call_ned(void)
-{
-    int32_t code = alula_step_ned(controller, input, 0.01f, command, report);
+    int32_t code = alula_step(controller, input, 0.01f, command, report);
     CHECK(are_finite(command, sizeof *command) && (code == ALULA_OK || is_safe()));
+    CHECK(are_finite(&report->phase, sizeof *report - 12));
     int32_t found = alula_equilibria_at(controller, input, equilibria);
     CHECK(found <= 0 && equilibria->count <= ALULA_EQUILIBRIA && (found == ALULA_OK || equilibria->count == 0));
+    CHECK(are_finite(equilibria, sizeof *equilibria));
     int32_t near = alula_fold_margin_at(map, controller, input, margin);
     CHECK(near <= 0 && isfinite(margin->a) && isfinite(margin->alpha));
     return code;
@@ -205,7 +177,7 @@ static int32_t call_guide(void)
     int32_t code = ALULA_OK;
     for (int n = 0; n < 20; n++) {
         code = alula_guide(controller, input, 0.01f, command, report);
-        CHECK(are_finite(command, sizeof *command) && are_finite(&report->air_use, sizeof *report - 8));
+        CHECK(are_finite(command, sizeof *command) && are_finite(&report->phase, sizeof *report - 12));
         CHECK(command->thrust >= 0.0f && command->thrust <= parameters->vehicle.thrust_max);
     }
     CHECK(code == ALULA_OK || command->status & ALULA_STATUS_SAFE);
@@ -216,8 +188,6 @@ int main(void)
 {
     parameters = at_the_edge(sizeof *parameters);
     controller = at_the_edge(sizeof *controller);
-    plane = at_the_edge(sizeof *plane);
-    plane_command = at_the_edge(sizeof *plane_command);
     input = at_the_edge(sizeof *input);
     command = at_the_edge(sizeof *command);
     report = at_the_edge(sizeof *report);
@@ -227,9 +197,9 @@ int main(void)
     table = at_the_edge(sizeof *table);
 
     /* Memory that was never initialised. */
-    CHECK(alula_step(controller, plane, 0.01f, plane_command) == ALULA_ERROR_LAYOUT);
+    CHECK(alula_step(controller, input, 0.01f, command, NULL) == ALULA_ERROR_LAYOUT);
 
-    for (int which = 0; which < 10; which++) {
+    for (int which = 0; which < 8; which++) {
         tidy();
         call_all(which, NULL, ALULA_ERROR_NULL);
         /* Unaligned, and not even a header's worth of memory. */
@@ -241,11 +211,11 @@ int main(void)
         /* A header word alone, with every size and version but the right one. */
         uint64_t *lone = at_the_edge(8);
         for (uint32_t size = 0; size < 6000; size += 4) {
-            for (uint32_t version = 0; version < 3; version++) {
+            for (uint32_t version = 0; version < 5; version++) {
                 uint32_t header = version << 16 | size;
                 static const size_t sizes[] = {
-                    sizeof *parameters, sizeof *controller, sizeof *plane,  sizeof *plane_command, sizeof *input,
-                    sizeof *command,    sizeof *equilibria, sizeof *map,    sizeof *margin,        sizeof *table,
+                    sizeof *parameters, sizeof *controller, sizeof *input,  sizeof *command,
+                    sizeof *equilibria, sizeof *map,        sizeof *margin, sizeof *table,
                 };
                 if (version == ALULA_ABI_VERSION && size == sizes[which])
                     continue;
@@ -258,22 +228,21 @@ int main(void)
     tidy();
     report->header++;
     CHECK(alula_guide(controller, input, 0.01f, command, report) == ALULA_ERROR_LAYOUT && is_safe());
-    CHECK(alula_step_ned(controller, input, 0.01f, command, report) == ALULA_ERROR_LAYOUT && is_safe());
+    CHECK(alula_step(controller, input, 0.01f, command, report) == ALULA_ERROR_LAYOUT && is_safe());
     tidy();
     CHECK(alula_table_init(table, NULL, 40, NULL) == ALULA_ERROR_NULL);
     parameters->controller.model = ALULA_MODEL_TABLE;
     CHECK(alula_init(controller, parameters, table) == ALULA_ERROR_NOT_INITIALISED);
 
     fuzz(parameters, sizeof *parameters, call_init);
-    fuzz(plane, sizeof *plane, call_plane);
-    fuzz(input, sizeof *input, call_ned);
+    fuzz(input, sizeof *input, call_step);
     fuzz(input, sizeof *input, call_guide);
 
     /* A copy is another controller: the end of the first one does not touch it. */
     tidy();
     alula_controller copy = *controller;
     controller->header = 0;
-    CHECK(alula_step(&copy, plane, 0.01f, plane_command) == ALULA_OK);
+    CHECK(alula_step(&copy, input, 0.01f, command, NULL) == ALULA_OK);
 
     for (int32_t code = -400; code < 10; code++)
         CHECK(alula_strerror(code) && strlen(alula_strerror(code)) > 3);

@@ -68,7 +68,16 @@ impl Random {
 }
 
 /// The targets whose inputs are files.
-const PARSERS: [&str; 6] = ["experiment", "campaign", "replay", "ulog", "dataflash", "csv"];
+const PARSERS: [&str; 8] = [
+    "experiment",
+    "campaign",
+    "replay",
+    "ulog",
+    "dataflash",
+    "csv",
+    "map",
+    "polar",
+];
 
 fn seeds(name: &str) -> Vec<Vec<u8>> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"))

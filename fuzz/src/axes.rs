@@ -1,6 +1,7 @@
-//! North-east-down: any quaternion and any heading.
+//! Attitudes: any quaternion, any rates.
 
-use alula::ned::{BodyAxes, Ned, Quaternion, VerticalPlane};
+use alula::ned::{BodyAxes, Quaternion};
+use alula::spatial::{Body, Ned, Orientation};
 
 use crate::assert_finite;
 use crate::bytes::Bytes;
@@ -9,38 +10,43 @@ pub fn run(data: &[u8]) -> u64 {
     let mut bytes = Bytes::new(data);
     let mut calls = 0;
     while !bytes.is_empty() {
-        let heading = bytes.number(7.0);
-        let plane = VerticalPlane::from_heading(heading);
         let mut q = [0; 4].map(|_| bytes.number(1.0));
         if bytes.byte() & 3 != 0 {
             let norm = q.iter().map(|x| x * x).sum::<f32>().sqrt();
             q = q.map(|x| x / norm);
         }
         let [w, x, y, z] = q;
+        let q = Quaternion { w, x, y, z };
+        let mut vector = || [0; 3].map(|_| bytes.number(50.0));
+        let ([north, east, down], [i, j, w]) = (vector(), vector());
+        let (v, rates) = (Ned::new(north, east, down), Body::new(i, j, w));
         for axes in [BodyAxes::NoseForward, BodyAxes::NoseUp] {
             calls += 1;
-            let Some(p) = plane.attitude(&Quaternion { w, x, y, z }, axes) else {
+            let Ok(o) = Orientation::from_quaternion(&q, axes) else {
                 continue;
             };
-            let (tilt, bank) = p.tilt_and_bank(axes);
-            assert_finite(&[p.attitude.cos, p.attitude.sin, tilt, bank]);
-            assert_finite(&p.normal);
-            let unit = p.attitude.cos.hypot(p.attitude.sin);
-            // What the guidance accepts as an attitude is off by 1e-3 at most.
-            assert!((unit - 1.0).abs() < 1e-5, "{p:?}");
-            let long: f32 = p.normal.iter().map(|x| x * x).sum();
-            assert!((long - 1.0).abs() < 1e-5, "{p:?}");
-            assert!(tilt.abs() <= core::f32::consts::FRAC_PI_2);
+            assert_unit(&o.to_quaternion(axes));
+            // Rates within the guidance's limits.
+            if rates.norm_squared() < 1e6 {
+                assert_unit(&q.leading(axes, rates, 0.15).0);
+            }
+            if v.norm_squared() < 1e12 {
+                let off = (o.to_world(o.to_body(v)) - v).norm_squared();
+                assert!(off <= 1e-11 * v.norm_squared() + 1e-37, "{v:?} {off:e}");
+            }
+            if let Some(o) = Orientation::from_directions(o.i(), v) {
+                assert_unit(&o.to_quaternion(axes));
+            }
+            calls += 4;
         }
-        let v = Ned::new(bytes.number(50.0), bytes.number(50.0), bytes.number(50.0));
-        let (inside, across) = plane.project(v);
-        let back = plane.lift(inside, across);
-        let size = v.north.abs() + v.east.abs();
-        if heading.abs() < 1e3 && size < 1e30 {
-            let off = (back.north - v.north).abs().max((back.east - v.east).abs());
-            assert!(off <= 1e-6 * size + 1e-37, "{v:?} {back:?}");
-        }
-        calls += 2;
     }
     calls.max(1)
+}
+
+#[track_caller]
+fn assert_unit(q: &Quaternion) {
+    let Quaternion { w, x, y, z } = *q;
+    assert_finite(&[w, x, y, z]);
+    let square = w * w + x * x + y * y + z * z;
+    assert!((square - 1.0).abs() < 1e-5, "{q:?}");
 }

@@ -39,7 +39,7 @@ fn known(code: i32) {
     assert!(!text.is_empty() && text != c"unknown code", "{code}");
 }
 
-fn check(command: &NedCommand) {
+fn check(command: &Command) {
     assert_finite(&[command.thrust, command.thrust_normalised]);
     assert_finite(&command.body_rate);
 }
@@ -69,11 +69,15 @@ pub fn run(data: &[u8]) -> u64 {
     let mut controller = Controller {
         header: Controller::HEADER,
         reserved: 0,
-        opaque: [0; 95],
+        opaque: [0; 104],
     };
     // SAFETY: As above.
     let code = unsafe {
-        alula_init(&mut controller, pointer(bytes, &parameters), pointer(bytes, &table))
+        alula_init(
+            &mut controller,
+            pointer(bytes, &parameters),
+            pointer(bytes, &table),
+        )
     };
     known(code);
     let ready = code == ALULA_OK;
@@ -84,31 +88,22 @@ pub fn run(data: &[u8]) -> u64 {
             0..=31 => bytes.bits(),
             _ => 0.01,
         };
-        let mut command = NedCommand::SAFE;
+        let mut command = Command::SAFE;
         // SAFETY: As above; nothing else uses the controller meanwhile.
         unsafe {
             match bytes.byte() % 8 {
-                0 => {
+                0..=2 => {
                     let input = poked(bytes, Input::DEFAULT, 6);
-                    let mut command = Command::SAFE;
-                    let input = pointer(bytes, &input);
-                    let code = alula_step(pointer(bytes, &controller), input, dt, &mut command);
-                    known(code);
-                    assert_finite(&[command.thrust, command.rate]);
-                    assert!(ready || code != ALULA_OK);
-                }
-                1 | 2 => {
-                    let input = poked(bytes, NedInput::DEFAULT, 6);
                     let input = pointer(bytes, &input);
                     let from = pointer(bytes, &controller);
-                    let code = alula_step_ned(from, input, dt, &mut command, null_mut());
+                    let code = alula_step(from, input, dt, &mut command, null_mut());
                     known(code);
                     check(&command);
                     assert!(ready || code != ALULA_OK);
                 }
                 3 => known(alula_reset(&mut controller)),
                 _ => {
-                    let input = poked(bytes, NedInput::DEFAULT, 6);
+                    let input = poked(bytes, Input::DEFAULT, 6);
                     let input = pointer(bytes, &input);
                     let out = pointer(bytes, &command).cast_mut();
                     let code = alula_guide(&mut controller, input, dt, out, null_mut());

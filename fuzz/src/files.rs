@@ -3,9 +3,12 @@
 
 use std::sync::LazyLock;
 
+use alula::AngleOfAttack;
+use alula::aero::Aerodynamics;
 use alula_logs::{Error, Log, csv, dataflash, states, ulog};
 use alula_sil::experiment::{Document, Experiment};
 use alula_sil::named::Named;
+use alula_sil::polar::Polar;
 use alula_sil::simulate::simulate;
 use alula_sil::study::CampaignSource;
 
@@ -16,7 +19,10 @@ fn text(data: &[u8]) -> String {
 
 /// A refusal is one of words, on one line.
 fn refused(error: &str) {
-    assert!(!error.trim().is_empty() && error.lines().count() == 1, "{error}");
+    assert!(
+        !error.trim().is_empty() && error.lines().count() == 1,
+        "{error}"
+    );
 }
 
 /// An experiment that is accepted is flown for three steps.
@@ -77,7 +83,7 @@ static REPLAYED: LazyLock<[Experiment; 2]> = LazyLock::new(|| {
 pub fn replay(data: &[u8]) -> u64 {
     for experiment in &*REPLAYED {
         let mut out = Vec::new();
-        let done = alula_sil::replay::replay("log.csv", data, &mut out, experiment);
+        let done = alula_sil::replay::trace::replay("log.csv", data, &mut out, experiment, |_| ());
         if let Err(error) = done {
             refused(&format!("{error:#}"));
         }
@@ -109,6 +115,35 @@ pub fn ulog(data: &[u8]) -> u64 {
 
 pub fn dataflash(data: &[u8]) -> u64 {
     log(dataflash::read("x.bin", data))
+}
+
+/// A map of columns, by which a log is read.
+pub fn map(data: &[u8]) -> u64 {
+    const LOG: &[u8] = b"t,w,x,qw\n0,1,2,3\n1.5e0,.5,.5,nan\n";
+    match csv::Map::parse("m.toml", &text(data)) {
+        Ok(map) => 1 + log(csv::read("x.csv", LOG, Some(&map))),
+        Err(error) => {
+            assert!(!error.to_string().is_empty());
+            1
+        }
+    }
+}
+
+/// Measured coefficients: refused, or finite at every angle. What is accepted is kept for ever, as the harness does.
+pub fn polar(data: &[u8]) -> u64 {
+    let polar = match Polar::from_text("x.csv", &text(data)) {
+        Ok(polar) => polar,
+        Err(error) => {
+            refused(&format!("{error:#}"));
+            return 1;
+        }
+    };
+    for n in -63..=63 {
+        let alpha = AngleOfAttack::from_radians(n as f32 * 0.05);
+        let c = polar.core.coefficients(alpha);
+        crate::assert_finite(&[c.c_l, c.c_d]);
+    }
+    128
 }
 
 pub fn csv(data: &[u8]) -> u64 {

@@ -154,7 +154,11 @@ pub(crate) fn input(bytes: &mut Bytes) -> GuidanceInput {
         },
         specific_force: match bytes.byte() % 2 {
             0 => None,
-            _ => Some(Body::new(bytes.number(30.0), bytes.number(30.0), bytes.number(10.0))),
+            _ => Some(Body::new(
+                bytes.number(30.0),
+                bytes.number(30.0),
+                bytes.number(10.0),
+            )),
         },
         position_error: match bytes.byte() % 4 {
             0 => None,
@@ -220,7 +224,14 @@ fn check(guidance: &Guidance<Model>, p: &GuidanceParameters, guided: &Guided) {
         assert_finite(&[v.north, v.east, v.down]);
     }
     let (m, d) = (guided.margin, guided.command.diagnostics);
-    assert_finite(&[m.force, m.k, m.fold, d.plane.f_p_norm, d.plane.t_p, d.plane.alpha]);
+    assert_finite(&[
+        m.force,
+        m.k,
+        m.fold,
+        d.plane.f_p_norm,
+        d.plane.t_p,
+        d.plane.alpha,
+    ]);
     assert_finite(&[d.v_a.w, d.aerodynamic.w, d.f_y.norm_squared()]);
     assert_eq!(guided.mode != Mode::Flying, d.plane.k == 0.0);
     assert!(guided.mode != Mode::Flying || guided.refusal.is_none());

@@ -44,6 +44,10 @@ pub const TARGETS: &[(&str, Target)] = &[
     ("dataflash", files::dataflash),
     #[cfg(feature = "files")]
     ("csv", files::csv),
+    #[cfg(feature = "files")]
+    ("map", files::map),
+    #[cfg(feature = "files")]
+    ("polar", files::polar),
 ];
 
 /// Panics unless every number is finite.

@@ -15,7 +15,9 @@ struct Raw<'a>(&'a [u8]);
 impl Serialize for Raw<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut tuple = serializer.serialize_tuple(self.0.len())?;
-        self.0.iter().try_for_each(|byte| tuple.serialize_element(byte))?;
+        self.0
+            .iter()
+            .try_for_each(|byte| tuple.serialize_element(byte))?;
         tuple.end()
     }
 }
@@ -29,16 +31,17 @@ struct Target {
     controller: Option<(Controller, Configuration)>,
     /// Zero bytes received.
     zeros: u32,
+    /// Messages decoded and inputs flown; a byte is none.
     calls: u64,
 }
 
 impl Target {
     fn take(&mut self, byte: u8) {
-        self.calls += 1;
         self.zeros += u32::from(byte == 0);
         let heard: Option<Envelope<ToTarget>> = self.receiver.push(byte, &mut self.counters);
         if let Some(envelope) = heard {
             assert_eq!(byte, 0, "a message before its end");
+            self.calls += 1;
             travels(&envelope);
             self.hear(&envelope);
         }
@@ -71,7 +74,10 @@ impl Target {
         let answer = controller.step(input);
         if let Some((command, _)) = answer.in_force() {
             let turning = command.rates.norm_squared();
-            assert!(command.thrust.is_finite() && turning.is_finite(), "{answer:?}");
+            assert!(
+                command.thrust.is_finite() && turning.is_finite(),
+                "{answer:?}"
+            );
         }
         if let Answer::Guided(guided) = &answer {
             let vehicle = &configuration.vehicle;
@@ -99,7 +105,9 @@ fn travels(envelope: &Envelope<ToTarget>) {
     let mut buffer = [0; MAX_FRAME];
     let frame = encode(envelope, &mut buffer).expect("it came in a frame");
     let (mut receiver, mut counters) = (Receiver::new(), Counters::default());
-    let again = frame.iter().find_map(|&byte| receiver.push(byte, &mut counters));
+    let again = frame
+        .iter()
+        .find_map(|&byte| receiver.push(byte, &mut counters));
     let again: Envelope<ToTarget> = again.expect("a whole frame");
     assert_eq!(format!("{again:?}"), format!("{envelope:?}"));
 }
@@ -151,10 +159,12 @@ pub fn run(data: &[u8]) -> u64 {
             _ => {
                 sequence += 1;
                 let envelope = genuine(&mut bytes, sequence);
-                encode(&envelope, &mut buffer).expect("it has room").to_vec()
+                encode(&envelope, &mut buffer)
+                    .expect("it has room")
+                    .to_vec()
             }
         };
-        if kind % 8 == 0 && !frame.is_empty() {
+        if kind.is_multiple_of(8) && !frame.is_empty() {
             let at = usize::from(bytes.byte()) % frame.len();
             frame[at] ^= 1 << (bytes.byte() % 8);
         }

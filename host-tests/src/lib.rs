@@ -7,7 +7,8 @@
 //! (many flights), [`page`] (what is left of them to read).
 //! Of a vehicle alone ([`airframe`]): its [`envelope`]; a [`sweep`](mod@sweep) of its equilibria along a reference; the [`fit`](mod@fit) of a
 //! model to a table; [`margins`], the linear theory of the law's loop.
-//! [`space`] is the same in three dimensions; [`ardupilot`] is the plant behind ArduPilot's interface.
+//! [`space`] is the same in three dimensions; [`ardupilot`] is the plant behind ArduPilot's interface, and [`companion`] the
+//! controller beside an autopilot.
 //! On a target without an operating system the package is empty.
 #![cfg_attr(target_os = "none", no_std)]
 #![cfg(not(target_os = "none"))]
@@ -15,6 +16,7 @@
 pub mod airframe;
 pub mod ardupilot;
 pub mod columns;
+pub mod companion;
 pub mod controllers;
 pub mod decimal;
 pub mod envelope;

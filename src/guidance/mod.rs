@@ -4,6 +4,7 @@ mod accelerometer;
 mod bandwidth;
 mod course;
 mod flight;
+mod goal;
 mod limits;
 mod memory;
 mod parameters;
@@ -19,6 +20,7 @@ mod virtual_flight;
 
 pub use crate::control::{Branch, Margin};
 pub use bandwidth::{BandwidthGains, GainChoice};
+pub use goal::{Goal, GoalState, Goals, Preferences};
 pub use parameters::GuidanceParameters;
 pub use plane::{PlanarGuided, PlanarInput};
 pub use progress::{Phase, Progress, Unreachable};

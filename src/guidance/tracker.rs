@@ -183,9 +183,10 @@ impl Tracker {
         };
         let bound = self.max_integral.map(|most| most * bound);
         let full = self.integrate(integral, pull * (law / stiffness), bound, input, branch, dt);
-        let held = *integral * stiffness;
-        reference.velocity = reference.velocity - held;
-        let held = attitude.to_body(held);
+        // Along the thrust line a velocity error is a force, whatever F_p is.
+        let held = attitude.to_body(*integral);
+        let held = Body::new(held.i, held.j * stiffness, held.w);
+        reference.velocity = reference.velocity - attitude.to_world(held);
         step.error += held.in_plane();
         let in_plane = plane.robust_in_plane(&step, branch, None)?;
         let fed = (

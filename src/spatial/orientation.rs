@@ -1,15 +1,21 @@
 //! Attitude in space: the body axes by their world components.
 
+use super::command::Rates;
 use super::vector::Body;
 use crate::control::Fault;
 use crate::frame::Attitude;
+use crate::math;
 use crate::ned::{BodyAxes, Ned, Quaternion};
 
 /// Quaternions whose |q|² is further from 1 than this are refused: they are no attitude.
 const MAX_DEFECT: f32 = 1e-3;
+/// Most that a set-point leads the attitude by \[rad\].
+const MAX_LEAD: f32 = core::f32::consts::FRAC_PI_2;
+/// Two directions whose sine is below this are taken for parallel.
+const MIN_SINE: f32 = 1e-3;
 
-/// The three body axes, unit vectors by their world components. A value that exists is a rotation: only a checked
-/// quaternion makes one.
+/// The three body axes, unit vectors by their world components. A value that exists is a rotation, or
+/// [`UNKNOWN`](Self::UNKNOWN): only a checked quaternion or checked axes make one.
 ///
 /// | body axes of an autopilot | x, y, z | rates (p, q, r) |
 /// |---|---|---|
@@ -54,6 +60,17 @@ impl Orientation {
         i: Ned::new(0.0, 0.0, 1.0),
         j: Ned::new(1.0, 0.0, 0.0),
         w: Ned::new(0.0, 1.0, 0.0),
+    };
+
+    /// No attitude: its axes are NaN. Guidance and laws refuse it. It is what to give the guidance where
+    /// [`from_quaternion`](Self::from_quaternion) fails, so that it bridges the frame.
+    pub const UNKNOWN: Self = {
+        let nan = Ned::new(f32::NAN, f32::NAN, f32::NAN);
+        Self {
+            i: nan,
+            j: nan,
+            w: nan,
+        }
     };
 
     /// The attitude θ in the vertical plane to the north, to be checked by [`is_sound`](Self::is_sound).
@@ -102,6 +119,65 @@ impl Orientation {
         })
     }
 
+    /// The attitude with the tail along `tail` and the belly to the side of `belly`, neither of which need be of unit length.
+    /// `None` if they are parallel to 1e-3, zero, or not finite.
+    pub fn from_directions(tail: Ned, belly: Ned) -> Option<Self> {
+        let length = math::sqrt(tail.norm_squared());
+        let across = tail.cross(belly);
+        let area = math::sqrt(across.norm_squared());
+        // NaN and infinity fail too.
+        let least = MIN_SINE * (length * math::sqrt(belly.norm_squared()));
+        if !(area > least && least > 0.0 && area < f32::INFINITY) {
+            return None;
+        }
+        let (i, w) = (tail * (1.0 / length), across * (1.0 / area));
+        Some(Self {
+            i,
+            j: w.cross(i),
+            w,
+        })
+    }
+
+    /// The attitude turned by θ about its right wing.
+    pub fn pitched(&self, attitude: Attitude) -> Self {
+        let Attitude { cos, sin } = attitude;
+        Self {
+            i: self.i * cos + self.j * sin,
+            j: self.j * cos - self.i * sin,
+            w: self.w,
+        }
+    }
+
+    /// The quaternion of the body axes `axes`, of unit length. Of its two signs it has the one whose greatest component is
+    /// positive.
+    pub fn to_quaternion(&self, axes: BodyAxes) -> Quaternion {
+        let (x, y, z) = match axes {
+            BodyAxes::NoseUp => (self.j, self.w, self.i),
+            BodyAxes::NoseForward => (-self.i, self.w, self.j),
+        };
+        // The largest component is found from the diagonal, and the others by division through it.
+        let (a, b, c) = (x.north, y.east, z.down);
+        let (r, q) = if a + b + c >= 0.0 {
+            let r = math::sqrt(1.0 + a + b + c);
+            let v = [r * r, y.down - z.east, z.north - x.down, x.east - y.north];
+            (r, v)
+        } else if (a >= b) & (a >= c) {
+            let r = math::sqrt(1.0 + a - b - c);
+            let v = [y.down - z.east, r * r, x.east + y.north, z.north + x.down];
+            (r, v)
+        } else if b >= c {
+            let r = math::sqrt(1.0 - a + b - c);
+            let v = [z.north - x.down, x.east + y.north, r * r, y.down + z.east];
+            (r, v)
+        } else {
+            let r = math::sqrt(1.0 - a - b + c);
+            let v = [x.east - y.north, z.north + x.down, y.down + z.east, r * r];
+            (r, v)
+        };
+        let [w, x, y, z] = q.map(|v| v * (0.5 / r));
+        Quaternion { w, x, y, z }
+    }
+
     /// Whether i and j are of unit length. NaN is not.
     #[inline(always)]
     pub(crate) fn is_sound(&self) -> bool {
@@ -145,11 +221,75 @@ impl Default for Orientation {
     }
 }
 
+impl BodyAxes {
+    /// The components along these axes, (x, y, z), of a body vector.
+    #[inline(always)]
+    pub const fn components(self, v: Body) -> [f32; 3] {
+        match self {
+            Self::NoseUp => [v.j, v.w, v.i],
+            Self::NoseForward => [-v.i, v.w, v.j],
+        }
+    }
+
+    /// The body vector with these components (x, y, z) along these axes.
+    #[inline(always)]
+    pub const fn vector(self, [x, y, z]: [f32; 3]) -> Body {
+        match self {
+            Self::NoseUp => Body::new(z, x, y),
+            Self::NoseForward => Body::new(-x, z, y),
+        }
+    }
+}
+
+impl Quaternion {
+    /// The attitude set-point with which an attitude loop of gain 1/`time` asks for `rates` [rad/s]: this attitude, of body
+    /// axes `axes`, turned by `rates` times `time` \[s\], and whether that turn has been limited to 90°. Of unit length, if
+    /// this quaternion is that of an [`Orientation`]; continuous in it and in the rates.
+    #[inline]
+    pub fn leading(&self, axes: BodyAxes, rates: Rates, time: f32) -> (Self, bool) {
+        let Self { w, x, y, z } = *self;
+        let square = (w * w + x * x) + (y * y + z * z);
+        let rate = math::sqrt(rates.norm_squared());
+        let lead = rate * time;
+        let limited = lead > MAX_LEAD;
+        let half = 0.5 * if limited { MAX_LEAD } else { lead };
+        let (sin, cos) = math::sin_cos_near_zero(half);
+        let unit = 1.0 / math::sqrt(square);
+        // sin(half) over the rate. Without a rate there is no turn.
+        let share = unit * (sin / (rate + f32::MIN_POSITIVE));
+        let (c, [a, b, d]) = (unit * cos, axes.components(rates).map(|r| share * r));
+        let turned = Self {
+            w: (w * c - x * a) - (y * b + z * d),
+            x: (w * a + x * c) + (y * d - z * b),
+            y: (w * b + y * c) + (z * a - x * d),
+            z: (w * d + z * c) + (x * b - y * a),
+        };
+        (turned, limited)
+    }
+
+    /// The quaternion of the body axes `to` of the attitude of which this is the one of `from`.
+    pub const fn in_axes(self, from: BodyAxes, to: BodyAxes) -> Self {
+        // The axes are a quarter turn about the wing apart: q · (cos 45°, 0, ± sin 45°, 0).
+        let sign = match (from, to) {
+            (BodyAxes::NoseUp, BodyAxes::NoseForward) => 1.0,
+            (BodyAxes::NoseForward, BodyAxes::NoseUp) => -1.0,
+            _ => return self,
+        };
+        const HALF: f32 = core::f32::consts::FRAC_1_SQRT_2;
+        let Self { w, x, y, z } = self;
+        Self {
+            w: HALF * (w - sign * y),
+            x: HALF * (x - sign * z),
+            y: HALF * (y + sign * w),
+            z: HALF * (z + sign * x),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     extern crate std;
     use super::*;
-    use crate::ned::VerticalPlane;
 
     #[test]
     fn known_attitudes() {
@@ -168,35 +308,150 @@ mod tests {
         assert_eq!(cruise.w(), Ned::new(0.0, 1.0, 0.0));
     }
 
-    /// In a vertical plane the axes are those of the planar attitude, seen through the plane's own projection.
+    /// A unit quaternion, uniform enough.
+    fn any(n: usize) -> Quaternion {
+        let a = n as f32;
+        let raw = [(a * 0.7).sin(), (a * 1.3).cos(), (a * 2.1).sin(), a.cos()];
+        let norm = raw.iter().map(|x| x * x).sum::<f32>().sqrt();
+        let [w, x, y, z] = raw.map(|x| x / norm);
+        Quaternion { w, x, y, z }
+    }
+
+    /// A quaternion (w, x, y, z) in double precision.
+    type Exact = [f64; 4];
+
+    fn exact(q: &Quaternion) -> Exact {
+        [q.w, q.x, q.y, q.z].map(f64::from)
+    }
+
+    fn product([w, x, y, z]: Exact, [a, b, c, d]: Exact) -> Exact {
+        [
+            w * a - x * b - y * c - z * d,
+            w * b + x * a + y * d - z * c,
+            w * c - x * d + y * a + z * b,
+            w * d + x * c - y * b + z * a,
+        ]
+    }
+
+    /// The angle \[rad\] between two attitudes.
+    fn apart([w, x, y, z]: Exact, b: Exact) -> f64 {
+        let [w, x, y, z] = product([w, -x, -y, -z], b);
+        2.0 * x.hypot(y).hypot(z).atan2(w.abs())
+    }
+
+    const BOTH: [BodyAxes; 2] = [BodyAxes::NoseUp, BodyAxes::NoseForward];
+
+    /// Half turns about the axes, and their neighbours, are where a component of the quaternion that is divided by could
+    /// vanish.
     #[test]
-    fn agrees_with_the_planar_attitude() {
-        for n in 0..400 {
-            let (heading, pitch) = (n as f32 * 0.37, n as f32 * 0.11 - 3.0);
-            let plane = VerticalPlane::from_heading(heading);
-            for axes in [BodyAxes::NoseUp, BodyAxes::NoseForward] {
-                let planar = axes.attitude(pitch);
-                let o = Orientation::from_quaternion(&plane.quaternion(pitch), axes).unwrap();
-                let (i, across_i) = plane.project(o.i());
-                let (j, across_j) = plane.project(o.j());
-                let (w, across_w) = plane.project(o.w());
-                // 2e-6: the quaternion's roundings, doubled, and those of a heading up to 150 rad, halved.
-                let errors = [
-                    i.down() - planar.cos,
-                    i.forward() - planar.sin,
-                    j.down() + planar.sin,
-                    j.forward() - planar.cos,
-                    across_i,
-                    across_j,
-                    w.down(),
-                    w.forward(),
-                    across_w - 1.0,
-                ];
-                for e in errors {
-                    assert!(e.abs() < 2e-6, "{heading} {pitch} {axes:?} {errors:?}");
+    fn quaternions_come_back_in_both_axes() {
+        let mut worst = 0f64;
+        for n in 0..40_000 {
+            let mut q = any(n);
+            if n % 4 == 0 {
+                let mut c = [1e-7, -1e-4, 3e-4, 0.0];
+                c[n / 4 % 4] = 1.0;
+                let [w, x, y, z] = c;
+                q = Quaternion { w, x, y, z };
+            }
+            for axes in BOTH {
+                let o = Orientation::from_quaternion(&q, axes).unwrap();
+                let back = o.to_quaternion(axes);
+                worst = worst.max(apart(exact(&back), exact(&q)));
+                let length = back.w * back.w + back.x * back.x + back.y * back.y + back.z * back.z;
+                assert!((length - 1.0).abs() < 2e-6);
+                for to in BOTH {
+                    let other = exact(&o.to_quaternion(to));
+                    worst = worst.max(apart(other, exact(&q.in_axes(axes, to))));
                 }
             }
         }
+        // Three roundings of the axes, doubled by the angle: measured 5.9e-7.
+        assert!(worst < 1.2e-6, "{worst:e}");
+    }
+
+    /// Against rotation vectors in double precision.
+    #[test]
+    fn set_points_lead_by_rate_times_time() {
+        let mut worst = 0f64;
+        for n in 0..40_000 {
+            let (q, a) = (any(n), n as f32);
+            let scale = [0.0, 1e-20, 1e-3, 1.0, 7.0, 300.0][n % 6];
+            let rates = Body::new((a * 0.9).sin(), (a * 0.4).cos(), (a * 1.7).sin()) * scale;
+            let time = 0.15;
+            for axes in BOTH {
+                let (led, limited) = q.leading(axes, rates, time);
+                let [x, y, z] = axes.components(rates).map(f64::from);
+                let rate = x.hypot(y).hypot(z);
+                let angle = rate * f64::from(time);
+                assert_eq!(limited, angle > core::f64::consts::FRAC_PI_2);
+                let (sin, cos) = (0.5 * angle.min(core::f64::consts::FRAC_PI_2)).sin_cos();
+                let share = if rate > 0.0 { sin / rate } else { 0.0 };
+                let turn = [cos, share * x, share * y, share * z];
+                worst = worst.max(apart(exact(&led), product(exact(&q), turn)));
+                let length = led.w * led.w + led.x * led.x + led.y * led.y + led.z * led.z;
+                assert!((length - 1.0).abs() < 2e-6);
+            }
+        }
+        // Roundings of four components and of the sine, doubled: measured 3.4e-7.
+        assert!(worst < 1e-6, "{worst:e}");
+    }
+
+    /// A rate about the right wing raises a forward nose; about the tail and the belly as the axes' table says.
+    #[test]
+    fn rates_of_both_axes_turn_the_same_way() {
+        let level = Orientation::NOSE_UP.pitched(Attitude {
+            cos: 0.0,
+            sin: -1.0,
+        });
+        // Level to the north: tail to the south, belly down, right wing east.
+        assert_eq!(level.i(), Ned::new(-1.0, 0.0, 0.0));
+        assert_eq!(level.j(), Ned::new(0.0, 0.0, 1.0));
+        for axes in BOTH {
+            let q = level.to_quaternion(axes);
+            let turned = |rates| {
+                let (q, _) = q.leading(axes, rates, 0.1);
+                Orientation::from_quaternion(&q, axes).unwrap()
+            };
+            // 0.1 rad: the sine, and its rounding.
+            let near = |a: f32| (a - 0.1f32.sin()).abs() < 1e-6;
+            assert!(near(turned(Body::new(0.0, 0.0, 1.0)).i().down));
+            // About the tail: the belly moves to the right wing.
+            assert!(near(turned(Body::new(1.0, 0.0, 0.0)).j().east));
+            // About the belly: the right wing turns to the tail, w × … : the nose turns right.
+            assert!(near(-turned(Body::new(0.0, 1.0, 0.0)).i().east));
+            assert_eq!(
+                axes.vector(axes.components(Body::new(1.0, 2.0, 3.0))),
+                Body::new(1.0, 2.0, 3.0)
+            );
+        }
+    }
+
+    /// In the plane to the north the axes are those of the planar attitude.
+    #[test]
+    fn agrees_with_the_planar_attitude() {
+        for n in 0..400 {
+            let planar = Attitude::from_angle(n as f32 * 0.11 - 22.0);
+            let o = Orientation::NOSE_UP.pitched(planar);
+            assert_eq!(o, Orientation::in_plane(planar));
+            let tail = Ned::new(3.0 * o.i().north, 0.0, 3.0 * o.i().down);
+            let spanned = Orientation::from_directions(tail, o.j() + o.i()).unwrap();
+            // 1e-6: roundings of two normalisations.
+            assert!(
+                (spanned.i() - o.i()).norm_squared() + (spanned.j() - o.j()).norm_squared() < 1e-12
+            );
+        }
+        let up = Ned::new(0.0, 0.0, -2.0);
+        for bad in [
+            up,
+            Ned::ZERO,
+            Ned::new(f32::NAN, 1.0, 0.0),
+            Ned::new(f32::INFINITY, 0.0, 0.0),
+        ] {
+            assert_eq!(Orientation::from_directions(up, bad), None);
+            assert_eq!(Orientation::from_directions(bad, up), None);
+        }
+        assert!(!Orientation::UNKNOWN.is_sound());
     }
 
     /// The axes stay orthonormal for every quaternion that is accepted, however far from a unit.

@@ -6,7 +6,7 @@
 use mavlink::dialects::common::{
     ATTITUDE_QUATERNION_DATA, AttitudeTargetTypemask, COMMAND_ACK_DATA, HEARTBEAT_DATA,
     LOCAL_POSITION_NED_DATA, MavAutopilot, MavCmd, MavModeFlag, MavResult, MavState, MavType,
-    VFR_HUD_DATA, WIND_COV_DATA,
+    TIMESYNC_DATA, VFR_HUD_DATA, WIND_COV_DATA,
 };
 
 use super::{HOLD, MavHeader, MavMessage, OFFBOARD, milliseconds};
@@ -137,6 +137,12 @@ impl<B: Body> Autopilot<B> {
                         true => MavResult::MAV_RESULT_ACCEPTED,
                         false => MavResult::MAV_RESULT_TEMPORARILY_REJECTED,
                     },
+                }));
+            }
+            MavMessage::TIMESYNC(m) if m.tc1 == 0 => {
+                self.answers.push(MavMessage::TIMESYNC(TIMESYNC_DATA {
+                    tc1: (now * 1e9) as i64,
+                    ts1: m.ts1,
                 }));
             }
             _ => {}

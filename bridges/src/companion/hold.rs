@@ -1,6 +1,8 @@
 //! What the guidance in a vertical plane leaves open: the attitude about the other two axes, and the position across the plane.
 
-use alula::ned::{Ned, Projection, VerticalPlane};
+use alula::ned::Ned;
+
+use super::plane::{Projection, VerticalPlane};
 
 /// Parameters of [`Hold`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -100,7 +102,7 @@ impl Hold {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use alula::ned::{BodyAxes, Quaternion};
+    use alula::ned::Quaternion;
 
     fn hold() -> Hold {
         Hold::new(
@@ -119,7 +121,7 @@ mod tests {
             y: s * y,
             z: s * z,
         };
-        hold().plane.attitude(&q, BodyAxes::NoseUp).unwrap()
+        hold().plane.attitude(&q).unwrap()
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use alula::ned::{Ned, Quaternion};
 use mavlink::dialects::common::{PositionTargetTypemask, SET_POSITION_TARGET_LOCAL_NED_DATA};
 
-use super::{MavHeader, MavMessage, modes};
+use super::{MavHeader, MavMessage, milliseconds, modes};
 
 /// What came.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -44,10 +44,14 @@ pub struct Inbox {
     pub system: Option<u32>,
     /// Main mode and sub-mode.
     pub mode: Option<(u8, u8)>,
-    /// Attitude, in the axes of hover.
-    pub attitude: Option<Stamped<Quaternion>>,
+    /// Attitude and body rates [rad/s], in the axes of hover.
+    pub attitude: Option<Stamped<(Quaternion, [f32; 3])>>,
     /// Position \[m\] and velocity [m/s].
     pub motion: Option<Stamped<(Ned, Ned)>>,
+    /// Acceleration over the last few motions [m/s²].
+    pub acceleration: Ned,
+    /// The autopilot's clock.
+    pub clock: Clock,
     /// Wind over ground [m/s].
     pub wind: Option<Stamped<Ned>>,
     /// Airspeed [m/s].
@@ -56,6 +60,36 @@ pub struct Inbox {
     pub setpoint: Option<Stamped<Setpoint>>,
     /// What came.
     pub counts: Counts,
+}
+
+/// Time constant \[s\] of the filter of accelerations.
+const FILTER: f32 = 0.03;
+
+/// The autopilot's clock, by `TIMESYNC`: of the answers that came, the quickest counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Clock {
+    /// The autopilot's time less ours, and the time there and back \[s\].
+    best: Option<(f64, f64)>,
+}
+
+impl Clock {
+    /// Takes an answer that arrived `now` \[s\]: sent at `ours` \[ns\] on our clock, answered at `theirs` on the autopilot's.
+    fn take(&mut self, now: f64, ours: i64, theirs: i64) -> bool {
+        let (ours, theirs) = (ours as f64 * 1e-9, theirs as f64 * 1e-9);
+        let there_and_back = now - ours;
+        let sound = (0.0..1.0).contains(&there_and_back);
+        if sound && self.best.is_none_or(|(_, best)| there_and_back <= best) {
+            self.best = Some((theirs - 0.5 * (now + ours), there_and_back));
+        }
+        sound
+    }
+
+    /// Time \[s\] that a message takes; 0 if it is not known.
+    #[must_use]
+    pub fn latency(&self) -> f64 {
+        self.best
+            .map_or(0.0, |(_, there_and_back)| 0.5 * there_and_back)
+    }
 }
 
 /// A time stamp that is older by more than this \[ms\] is of an autopilot started anew.
@@ -148,14 +182,22 @@ impl Inbox {
                     y: m.q3,
                     z: m.q4,
                 };
-                let sound = finite(&[q.w, q.x, q.y, q.z]);
-                put(&mut self.attitude, q, m.time_boot_ms, now, sound)
+                let rates = [m.rollspeed, m.pitchspeed, m.yawspeed];
+                let sound = finite(&[q.w, q.x, q.y, q.z]) && finite(&rates);
+                put(&mut self.attitude, (q, rates), m.time_boot_ms, now, sound)
             }
             MavMessage::LOCAL_POSITION_NED(m) => {
                 let motion = (Ned::new(m.x, m.y, m.z), Ned::new(m.vx, m.vy, m.vz));
                 let sound = finite(&[m.x, m.y, m.z, m.vx, m.vy, m.vz]);
-                put(&mut self.motion, motion, m.time_boot_ms, now, sound)
+                let last = self.motion;
+                let takes = put(&mut self.motion, motion, m.time_boot_ms, now, sound);
+                if takes {
+                    self.acceleration = self.differences(last);
+                }
+                takes
             }
+            // An answer to a request of this side.
+            MavMessage::TIMESYNC(m) if m.tc1 != 0 => self.clock.take(now, m.ts1, m.tc1),
             MavMessage::WIND_COV(m) => {
                 let wind = Ned::new(m.wind_x, m.wind_y, m.wind_z);
                 let stamp = (m.time_usec / 1000) as u32;
@@ -172,7 +214,7 @@ impl Inbox {
                 put(
                     &mut self.airspeed,
                     m.airspeed,
-                    super::milliseconds(now),
+                    milliseconds(now),
                     now,
                     m.airspeed.is_finite(),
                 )
@@ -185,6 +227,38 @@ impl Inbox {
         match used {
             true => self.counts.used += 1,
             false => self.counts.dropped += 1,
+        }
+    }
+
+    /// The acceleration, with the step from `last` to the motion that there is now.
+    fn differences(&self, last: Option<Stamped<(Ned, Ned)>>) -> Ned {
+        let (Some(last), Some(new)) = (last, self.motion) else {
+            return Ned::default();
+        };
+        let dt = new.stamp.wrapping_sub(last.stamp) as f32 * 1e-3;
+        if !(1e-3..0.5).contains(&dt) {
+            return Ned::default();
+        }
+        let share = dt / (dt + FILTER);
+        let part = |old: f32, from: f32, to: f32| old + share * ((to - from) / dt - old);
+        let (a, from, to) = (self.acceleration, last.value.1, new.value.1);
+        Ned::new(
+            part(a.north, from.north, to.north),
+            part(a.east, from.east, to.east),
+            part(a.down, from.down, to.down),
+        )
+    }
+
+    /// How old a value is \[s\], by the autopilot's clock if that is known, else by its arrival.
+    #[must_use]
+    pub fn age_of<T>(&self, value: &Stamped<T>, now: f64) -> f64 {
+        let arrived = now - value.arrived;
+        match self.clock.best {
+            Some((offset, _)) => {
+                let behind = milliseconds(now + offset).wrapping_sub(value.stamp) as i32;
+                (f64::from(behind) * 1e-3).max(arrived)
+            }
+            None => arrived,
         }
     }
 
@@ -202,7 +276,7 @@ impl Inbox {
 mod tests {
     use super::*;
     use mavlink::dialects::common::{
-        ATTITUDE_QUATERNION_DATA, HEARTBEAT_DATA, LOCAL_POSITION_NED_DATA, MavFrame,
+        ATTITUDE_QUATERNION_DATA, HEARTBEAT_DATA, LOCAL_POSITION_NED_DATA, MavFrame, TIMESYNC_DATA,
     };
 
     const FROM: MavHeader = MavHeader {
@@ -249,6 +323,51 @@ mod tests {
         let attitude = ATTITUDE_QUATERNION_DATA::default();
         inbox.take(9.75, &FROM, &MavMessage::ATTITUDE_QUATERNION(attitude));
         assert_eq!(inbox.age(10.0), 0.5);
+    }
+
+    /// The autopilot's clock is 100 s ahead, and messages take 20 ms.
+    #[test]
+    fn ages_are_by_the_autopilots_clock() {
+        let mut inbox = Inbox::default();
+        inbox.take(
+            0.0,
+            &FROM,
+            &MavMessage::HEARTBEAT(HEARTBEAT_DATA::default()),
+        );
+        let answer = |ours: f64, theirs: f64| {
+            MavMessage::TIMESYNC(TIMESYNC_DATA {
+                ts1: (ours * 1e9) as i64,
+                tc1: (theirs * 1e9) as i64,
+            })
+        };
+        inbox.take(1.04, &FROM, &answer(1.0, 101.02));
+        // A slower one does not count, nor one of the future.
+        inbox.take(2.3, &FROM, &answer(2.0, 102.02));
+        inbox.take(3.0, &FROM, &answer(5.0, 105.0));
+        assert!((inbox.clock.latency() - 0.02).abs() < 1e-9);
+        inbox.take(4.02, &FROM, &motion(104_000, 1.0));
+        let age = inbox.age_of(&inbox.motion.unwrap(), 4.05);
+        // A millisecond: the resolution of the stamps.
+        assert!((age - 0.05).abs() < 1.1e-3, "{age}");
+    }
+
+    #[test]
+    fn the_acceleration_is_that_of_the_velocities() {
+        let mut inbox = Inbox::default();
+        inbox.take(
+            0.0,
+            &FROM,
+            &MavMessage::HEARTBEAT(HEARTBEAT_DATA::default()),
+        );
+        for n in 0..50_u32 {
+            let message = LOCAL_POSITION_NED_DATA {
+                time_boot_ms: 20 * n,
+                vx: 0.02 * 3.0 * n as f32,
+                ..LOCAL_POSITION_NED_DATA::default()
+            };
+            inbox.take(0.0, &FROM, &MavMessage::LOCAL_POSITION_NED(message));
+        }
+        assert!((inbox.acceleration.north - 3.0).abs() < 1e-3);
     }
 
     #[test]

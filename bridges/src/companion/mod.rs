@@ -10,6 +10,7 @@ mod autopilot;
 mod hold;
 mod inbox;
 mod pilot;
+mod plane;
 pub mod wire;
 
 pub use autopilot::{Autopilot, Body, BodyState};

@@ -1,14 +1,15 @@
 //! The companion's stages, and its set-points.
 
 use alula::guidance::Air;
-use alula::ned::{BodyAxes, Ned, Projection, VerticalPlane};
-use alula::{Inertial, PlanarInput, Reference};
+use alula::ned::Ned;
+use alula::{Attitude, Inertial, PlanarInput, Reference};
 use mavlink::dialects::common::{
     AttitudeTargetTypemask, COMMAND_LONG_DATA, HEARTBEAT_DATA, MavAutopilot, MavCmd, MavModeFlag,
-    MavState, MavType, SET_ATTITUDE_TARGET_DATA,
+    MavState, MavType, SET_ATTITUDE_TARGET_DATA, TIMESYNC_DATA,
 };
 
 use super::inbox::Inbox;
+use super::plane::{Projection, VerticalPlane};
 use super::{HOLD, Hold, HoldParameters, MavHeader, MavMessage, OFFBOARD, milliseconds};
 
 /// Whoever controls the flight in its vertical plane.
@@ -108,6 +109,18 @@ const SECOND: f64 = 1.0;
 const OLD_WIND: f64 = 10.0;
 /// Airspeed [m/s] below which it says nothing.
 const LEAST_AIRSPEED: f32 = 5.0;
+/// Longest time \[s\] over which the state is predicted.
+const MOST_LEAD: f64 = 0.15;
+
+/// `x` after `dt` at this rate.
+fn moved(x: Ned, rate: Ned, dt: f32) -> Ned {
+    Ned::new(
+        x.north + dt * rate.north,
+        x.east + dt * rate.east,
+        x.down + dt * rate.down,
+    )
+}
+
 /// Time \[s\] after which the autopilot is left even if it does not hold.
 const LEAVE: f64 = 3.0;
 
@@ -172,6 +185,10 @@ impl<'a> Companion<'a> {
         if now >= self.next_heartbeat {
             self.next_heartbeat = now + SECOND;
             messages.push(heartbeat());
+            messages.push(MavMessage::TIMESYNC(TIMESYNC_DATA {
+                tc1: 0,
+                ts1: (now * 1e9) as i64,
+            }));
         }
         let known = self.inbox.age(now) <= self.settings.timeout;
         let offboard = self.inbox.mode.is_some_and(|mode| mode.0 == OFFBOARD);
@@ -221,7 +238,7 @@ impl<'a> Companion<'a> {
         let (Some(attitude), Some(motion)) = (self.inbox.attitude, self.inbox.motion) else {
             return;
         };
-        let q = attitude.value;
+        let q = attitude.value.0;
         // The wing, y, in the world: north and east.
         let wing = (
             2.0 * (q.x * q.y - q.w * q.z),
@@ -301,19 +318,33 @@ impl<'a> Companion<'a> {
     ) -> Option<Commanded> {
         let (hold, attitude, motion) = (self.hold?, self.inbox.attitude?, self.inbox.motion?);
         let plane = *hold.plane();
-        let projected: Option<Projection> = plane.attitude(&attitude.value, BodyAxes::NoseUp);
+        let (q, rates) = attitude.value;
+        let projected: Option<Projection> = plane.attitude(&q);
         let Some(projected) = projected else {
             self.stage = Stage::Ended(End::Attitude);
             return None;
         };
+        // The state when the command will act, by what is known of rates and acceleration.
+        let latency = self.inbox.clock.latency();
+        let lead = |age: f64| (age + latency).min(MOST_LEAD) as f32;
+        let turning = lead(self.inbox.age_of(&attitude, now));
+        let about_normal: f32 = std::iter::zip(projected.normal, rates)
+            .map(|(n, r)| n * r)
+            .sum();
+        let theta = projected.attitude.angle() + turning * about_normal;
+        let moving = lead(self.inbox.age_of(&motion, now));
         let (x, v) = motion.value;
+        let a = self.inbox.acceleration;
+        let x = moved(x, v, moving);
+        let v = moved(v, a, moving);
+        let t = t + latency;
         let velocity = plane.project(v).0;
         let position = self.from_origin(x, &plane);
         let (reference, wanted, age) = self.reference(t, now, &plane);
         let air = self.air(now, velocity, &plane);
         let input = PlanarInput {
             velocity,
-            attitude: projected.attitude,
+            attitude: Attitude::from_angle(theta),
             state_age: self.inbox.age(now) as f32,
             air,
             position_error: wanted.map(|wanted| position.0 - wanted),

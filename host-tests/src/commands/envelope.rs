@@ -6,7 +6,7 @@ use serde::Serialize;
 use alula_sil::airframe::Airframe;
 use alula_sil::envelope::{Curve, Cusp, Fold, FoldCurve, Interval, Jump, jump_down, jump_up};
 use alula_sil::page::envelope::{Figure, svg};
-use alula_sil::page::{Page, Table, columns};
+use alula_sil::page::{Page, Table, fixed};
 use alula_sil::reference::Vehicle;
 
 use super::output::Output;
@@ -187,62 +187,57 @@ fn cusp_summary(cusp: &Cusp) -> CuspSummary {
 }
 
 fn tables(summary: &Summary, ray: &Ray) -> Vec<Table> {
-    let speed = |a: f64| format!("{:.2}", ray.speed(a));
-    let fold = |f: &FoldSummary| {
-        vec![
-            format!("{:.3}", f.alpha_deg),
-            format!("{:.5}", f.a),
-            format!("{:.2}", f.speed_m_s),
-        ]
-    };
-    let count = |c: &Interval| {
-        vec![
-            format!("{:.4}", c.a_min),
-            c.a_max.map_or("∞".to_owned(), |a| format!("{a:.4}")),
-            speed(c.a_min),
-            c.a_max.map_or("∞".to_owned(), speed),
-            c.n.to_string(),
-        ]
-    };
-    let jump = |what: &str, j: &JumpSummary| {
-        vec![
-            what.to_owned(),
-            format!("{:.2}", j.from_alpha_deg),
-            format!("{:.2}", j.to_alpha_deg),
-            format!("{:.4}", j.a),
-            format!("{:.2}", j.speed_m_s),
-        ]
-    };
-    let cusp = |c: &CuspSummary| {
-        vec![
-            format!("{:.2}", c.epsilon_deg),
-            format!("{:.4}", c.a),
-            format!("{:.2}", c.alpha_deg),
-        ]
-    };
-    let up = summary.jump_up.iter().map(|j| jump("accelerating", j));
-    let down = summary.jump_down.iter().map(|j| jump("decelerating", j));
+    let or_infinity = |a: Option<f64>, of: &dyn Fn(f64) -> String| a.map_or("∞".to_owned(), of);
+    let airspeed = |a: f64| fixed(ray.speed(a), 2);
+    let jumps = [
+        ("accelerating", &summary.jump_up),
+        ("decelerating", &summary.jump_down),
+    ];
+    let jumps: Vec<_> = jumps
+        .into_iter()
+        .filter_map(|(which, jump)| Some((which, jump.as_ref()?)))
+        .collect();
     let tables = [
-        Table {
-            title: "Folds".to_owned(),
-            header: columns(["α [°]", "a", "airspeed [m/s]"]),
-            rows: summary.folds.iter().map(fold).collect(),
-        },
-        Table {
-            title: "Equilibria".to_owned(),
-            header: columns(["a from", "to", "airspeed from [m/s]", "to", "number"]),
-            rows: summary.counts.iter().map(count).collect(),
-        },
-        Table {
-            title: "Jumps".to_owned(),
-            header: columns(["", "from α [°]", "to α [°]", "a", "airspeed [m/s]"]),
-            rows: up.chain(down).collect(),
-        },
-        Table {
-            title: "Cusps".to_owned(),
-            header: columns(["ε [°]", "a", "α [°]"]),
-            rows: summary.cusps.iter().map(cusp).collect(),
-        },
+        Table::of(
+            "Folds",
+            &summary.folds,
+            &[
+                ("α [°]", &|f| fixed(f.alpha_deg, 3)),
+                ("a", &|f| fixed(f.a, 5)),
+                ("airspeed [m/s]", &|f| fixed(f.speed_m_s, 2)),
+            ],
+        ),
+        Table::of(
+            "Equilibria",
+            &summary.counts,
+            &[
+                ("a from", &|c| fixed(c.a_min, 4)),
+                ("to", &|c| or_infinity(c.a_max, &|a| fixed(a, 4))),
+                ("airspeed from [m/s]", &|c| airspeed(c.a_min)),
+                ("to", &|c| or_infinity(c.a_max, &airspeed)),
+                ("number", &|c| c.n.to_string()),
+            ],
+        ),
+        Table::of(
+            "Jumps",
+            &jumps,
+            &[
+                ("", &|(which, _)| (*which).to_owned()),
+                ("from α [°]", &|(_, j)| fixed(j.from_alpha_deg, 2)),
+                ("to α [°]", &|(_, j)| fixed(j.to_alpha_deg, 2)),
+                ("a", &|(_, j)| fixed(j.a, 4)),
+                ("airspeed [m/s]", &|(_, j)| fixed(j.speed_m_s, 2)),
+            ],
+        ),
+        Table::of(
+            "Cusps",
+            &summary.cusps,
+            &[
+                ("ε [°]", &|c| fixed(c.epsilon_deg, 2)),
+                ("a", &|c| fixed(c.a, 4)),
+                ("α [°]", &|c| fixed(c.alpha_deg, 2)),
+            ],
+        ),
     ];
     tables.into_iter().filter(|t| !t.rows.is_empty()).collect()
 }

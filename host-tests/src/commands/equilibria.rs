@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use alula_sil::airframe::Airframe;
 use alula_sil::page::equilibria::svg;
-use alula_sil::page::{Page, Table, columns};
+use alula_sil::page::{Page, Table, fixed};
 use alula_sil::reference::Vector;
 
 use super::output::Output;
@@ -183,47 +183,33 @@ fn existence(vehicle: &alula_sil::experiment::Vehicle) -> Vec<Answer> {
 }
 
 fn tables(summary: &Summary) -> Vec<Table> {
-    let degrees = |x: Option<f32>| x.map_or("–".to_owned(), |x| format!("{x:+.1}"));
-    let row = |e: &Row| {
-        vec![
-            format!("{:.3}", e.alpha_deg),
-            format!("{:.3}", e.theta_deg),
-            format!("{:.3}", e.thrust_n),
-            format!("{:.3}", e.thrust_to_weight),
-            format!("{:.3}", e.fp_n),
-            if e.branch == "0" {
-                "θ̃ = 0"
-            } else {
-                "θ̃ = π"
-            }
-            .to_owned(),
-            if e.isolated { "yes" } else { "no" }.to_owned(),
-            degrees(e.fold_alpha_deg),
-        ]
-    };
-    let answer = |a: &Answer| {
-        let met = if a.met { "met" } else { "not met" };
-        vec![a.theorem.to_owned(), met.to_owned(), a.reason.clone()]
-    };
+    let which = |yes: bool, [one, other]: [&str; 2]| if yes { one } else { other }.to_owned();
     vec![
-        Table {
-            title: format!("{} equilibria", summary.equilibria.len()),
-            header: columns([
-                "α [°]",
-                "θ [°]",
-                "thrust [N]",
-                "T/(m g)",
-                "|F_p| [N]",
-                "branch",
-                "isolated",
-                "to fold [°]",
-            ]),
-            rows: summary.equilibria.iter().map(row).collect(),
-        },
-        Table {
-            title: "What holds at every reference".to_owned(),
-            header: columns(["", "hypotheses", "because"]),
-            rows: summary.existence.iter().map(answer).collect(),
-        },
+        Table::of(
+            format!("{} equilibria", summary.equilibria.len()),
+            &summary.equilibria,
+            &[
+                ("α [°]", &|e| fixed(e.alpha_deg, 3)),
+                ("θ [°]", &|e| fixed(e.theta_deg, 3)),
+                ("thrust [N]", &|e| fixed(e.thrust_n, 3)),
+                ("T/(m g)", &|e| fixed(e.thrust_to_weight, 3)),
+                ("|F_p| [N]", &|e| fixed(e.fp_n, 3)),
+                ("branch", &|e| which(e.branch == "0", ["θ̃ = 0", "θ̃ = π"])),
+                ("isolated", &|e| which(e.isolated, ["yes", "no"])),
+                ("to fold [°]", &|e| {
+                    let fold = e.fold_alpha_deg;
+                    fold.map_or("–".to_owned(), |x| format!("{x:+.1}"))
+                }),
+            ],
+        ),
+        Table::of(
+            "What holds at every reference",
+            &summary.existence,
+            &[
+                ("", &|a| a.theorem.to_owned()),
+                ("hypotheses", &|a| which(a.met, ["met", "not met"])),
+                ("because", &|a| a.reason.clone()),
+            ],
+        ),
     ]
 }

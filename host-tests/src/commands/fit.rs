@@ -10,7 +10,7 @@ use alula_sil::envelope::{Curve, Fold};
 use alula_sil::files;
 use alula_sil::fit::{Errors, Metric, Sphericity, fit};
 use alula_sil::page::fit::svg;
-use alula_sil::page::{Page, Table, columns};
+use alula_sil::page::{Page, Table, fixed};
 use alula_sil::polar::Polar;
 use alula_sil::reference::{Aerodynamics, Combined, Vehicle};
 
@@ -112,71 +112,60 @@ fn toml(name: &str, p: &Combined, vehicle: &Vehicle) -> String {
 
 fn tables(s: &Summary) -> Vec<Table> {
     let p = &s.parameters;
-    let value = |name: &str, x: f64| vec![name.to_owned(), format!("{x:.5}")];
-    let errors = |range: &str, e: &Errors| {
-        let mut row = vec![range.to_owned()];
-        row.extend([e.rms_cl, e.max_cl, e.rms_cd, e.max_cd].map(|x| format!("{x:.4}")));
-        row
-    };
-    let sphericity = |what: &str, s: &Sphericity| {
-        vec![
-            what.to_owned(),
-            format!("{:.2}", s.rms_condition),
-            format!("{:.2}", s.max_condition),
-            format!("{:.1}", s.at_alpha_deg),
-            format!("{:.4}", s.rms_simpler),
-        ]
-    };
-    let fold = |what: &str, f: &FoldSummary| {
-        vec![
-            what.to_owned(),
-            format!("{:.3}", f.alpha_deg),
-            format!("{:.5}", f.a),
-        ]
-    };
-    let of_table = s.folds_table.iter().map(|f| fold("table", f));
-    let of_fit = s.folds.iter().map(|f| fold("fit", f));
+    let errors = [("0–20°", s.errors_0_20), ("0–180°", s.errors_0_180)];
+    let spheres = [("table", s.sphericity_table), ("fit", s.sphericity)];
+    let folds = |which, folds| std::iter::repeat(which).zip(folds);
+    let folds: Vec<(&str, &FoldSummary)> = folds("table", &s.folds_table)
+        .chain(folds("fit", &s.folds))
+        .collect();
     vec![
-        Table {
-            title: "Parameters".to_owned(),
-            header: columns(["", "value"]),
-            rows: vec![
-                value("c0", p.c0),
-                value("c1", p.c1),
-                value("c2", p.c2),
-                value("c3", p.c3),
-                value("ᾱ [°]", p.alpha_bar_deg),
-                value("k_L", p.k_l),
-                value("k_D", p.k_d),
-                value("distance from the table", s.metric),
+        Table::of(
+            "Parameters",
+            &[
+                ("c0", p.c0),
+                ("c1", p.c1),
+                ("c2", p.c2),
+                ("c3", p.c3),
+                ("ᾱ [°]", p.alpha_bar_deg),
+                ("k_L", p.k_l),
+                ("k_D", p.k_d),
+                ("distance from the table", s.metric),
             ],
-        },
-        Table {
-            title: "Errors".to_owned(),
-            header: columns(["", "c_L RMS", "c_L max", "c_D RMS", "c_D max"]),
-            rows: vec![
-                errors("0–20°", &s.errors_0_20),
-                errors("0–180°", &s.errors_0_180),
+            &[
+                ("", &|(name, _)| (*name).to_owned()),
+                ("value", &|(_, value)| fixed(*value, 5)),
             ],
-        },
-        Table {
-            title: "Sphericity residuals, δ = 0".to_owned(),
-            header: columns([
-                "",
-                "eq:condition RMS",
-                "max",
-                "at α [°]",
-                "eq:condSimpler RMS",
-            ]),
-            rows: vec![
-                sphericity("table", &s.sphericity_table),
-                sphericity("fit", &s.sphericity),
+        ),
+        Table::of(
+            "Errors",
+            &errors,
+            &[
+                ("", &|(range, _)| (*range).to_owned()),
+                ("c_L RMS", &|(_, e)| fixed(e.rms_cl, 4)),
+                ("c_L max", &|(_, e)| fixed(e.max_cl, 4)),
+                ("c_D RMS", &|(_, e)| fixed(e.rms_cd, 4)),
+                ("c_D max", &|(_, e)| fixed(e.max_cd, 4)),
             ],
-        },
-        Table {
-            title: "Folds in level flight".to_owned(),
-            header: columns(["", "α [°]", "a"]),
-            rows: of_table.chain(of_fit).collect(),
-        },
+        ),
+        Table::of(
+            "Sphericity residuals, δ = 0",
+            &spheres,
+            &[
+                ("", &|(which, _)| (*which).to_owned()),
+                ("eq:condition RMS", &|(_, s)| fixed(s.rms_condition, 2)),
+                ("max", &|(_, s)| fixed(s.max_condition, 2)),
+                ("at α [°]", &|(_, s)| fixed(s.at_alpha_deg, 1)),
+                ("eq:condSimpler RMS", &|(_, s)| fixed(s.rms_simpler, 4)),
+            ],
+        ),
+        Table::of(
+            "Folds in level flight",
+            &folds,
+            &[
+                ("", &|(which, _)| (*which).to_owned()),
+                ("α [°]", &|(_, f)| fixed(f.alpha_deg, 3)),
+                ("a", &|(_, f)| fixed(f.a, 5)),
+            ],
+        ),
     ]
 }

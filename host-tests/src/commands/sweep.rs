@@ -4,7 +4,7 @@ use anyhow::anyhow;
 use serde::Serialize;
 
 use alula_sil::page::sweep::svg;
-use alula_sil::page::{Page, Table, columns};
+use alula_sil::page::{Page, Table, fixed};
 use alula_sil::simulate::fly;
 use alula_sil::sweep::{Cause, Findings, Span, findings, sweep};
 
@@ -75,58 +75,38 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
 }
 
 fn tables(findings: &Findings, least_fp: f64) -> Vec<Table> {
-    let spans = |title: String, value: &'static str, spans: &[Span]| Table {
-        title,
-        header: columns(["from [s]", "to [s]", value]),
-        rows: spans
-            .iter()
-            .map(|s| {
-                vec![
-                    format!("{:.3}", s.from_s),
-                    format!("{:.3}", s.to_s),
-                    format!("{:.3}", s.least),
-                ]
-            })
-            .collect(),
+    let because = |cause: Cause| match cause {
+        Cause::Fold => "fold",
+        Cause::Corner => "corner of the reference",
     };
+    let spans = |title: &str, value, spans: &[Span]| {
+        Table::of(
+            title,
+            spans,
+            &[
+                ("from [s]", &|s| fixed(s.from_s, 3)),
+                ("to [s]", &|s| fixed(s.to_s, 3)),
+                (value, &|s| fixed(s.least, 3)),
+            ],
+        )
+    };
+    let low = format!("|F_p| below {least_fp} N");
     let tables = [
-        Table {
-            title: "Jumps of the equilibrium".to_owned(),
-            header: columns(["at [s]", "θ from [°]", "to", "α from [°]", "to", "because"]),
-            rows: findings
-                .jumps
-                .iter()
-                .map(|j| {
-                    vec![
-                        format!("{:.3}", j.t_s),
-                        format!("{:.2}", j.from_theta_deg),
-                        format!("{:.2}", j.to_theta_deg),
-                        format!("{:.2}", j.from_alpha_deg),
-                        format!("{:.2}", j.to_alpha_deg),
-                        match j.cause {
-                            Cause::Fold => "fold",
-                            Cause::Corner => "corner of the reference",
-                        }
-                        .to_owned(),
-                    ]
-                })
-                .collect(),
-        },
-        spans(
-            format!("|F_p| below {least_fp} N"),
-            "least [N]",
-            &findings.low_fp,
+        Table::of(
+            "Jumps of the equilibrium",
+            &findings.jumps,
+            &[
+                ("at [s]", &|j| fixed(j.t_s, 3)),
+                ("θ from [°]", &|j| fixed(j.from_theta_deg, 2)),
+                ("to", &|j| fixed(j.to_theta_deg, 2)),
+                ("α from [°]", &|j| fixed(j.from_alpha_deg, 2)),
+                ("to", &|j| fixed(j.to_alpha_deg, 2)),
+                ("because", &|j| because(j.cause).to_owned()),
+            ],
         ),
-        spans(
-            "Negative thrust".to_owned(),
-            "least [N]",
-            &findings.negative_thrust,
-        ),
-        spans(
-            "No equilibrium with θ̃ = 0".to_owned(),
-            "others",
-            &findings.none,
-        ),
+        spans(&low, "least [N]", &findings.low_fp),
+        spans("Negative thrust", "least [N]", &findings.negative_thrust),
+        spans("No equilibrium with θ̃ = 0", "others", &findings.none),
     ];
     tables.into_iter().filter(|t| !t.rows.is_empty()).collect()
 }

@@ -110,7 +110,7 @@ mod tests {
         let names = |rows: &[Row]| rows.iter().map(file_name).collect::<Vec<_>>().join(" ");
         assert_eq!(
             names(VehicleParameters::ROWS),
-            "mass_kg k_a_kg_m delta_deg gravity_m_s2 thrust_min_n thrust_max_n"
+            "mass_kg k_a_kg_m delta_deg c_y gravity_m_s2 thrust_min_n thrust_max_n"
         );
         assert_eq!(names(GainParameters::ROWS), "k1 k2 k3 tau_n");
         assert!(

@@ -1,8 +1,8 @@
 //! The figure of an envelope: the paper's bifurcation figure, the fold curves, the coefficients.
 
-use super::chart::{BLUE, Chart, GREY, Mark, ORANGE, Series, Stroke, sheet};
+use super::chart::{BLUE, Chart, GREY, Mark, ORANGE, Series, sheet};
 use crate::envelope::{Curve, Cusp, Fold, FoldPoint};
-use crate::reference::Vehicle;
+use crate::reference::{Coefficients, Vehicle};
 
 /// What is drawn.
 pub struct Figure<'a> {
@@ -91,30 +91,17 @@ fn bifurcation(figure: &Figure, close: bool) -> Chart<'static> {
             String::new()
         },
     };
-    let mut series = vec![Series {
-        name: "θ̃ = 0",
-        color: BLUE,
-        stroke: Stroke::Solid,
-        points: branch(true),
-    }];
+    let mut series = vec![Series::line("θ̃ = 0", BLUE, branch(true))];
     if !figure.folds.is_empty() {
-        series.push(Series {
-            name: "θ̃ = π",
-            color: ORANGE,
-            stroke: Stroke::Dashed,
-            points: branch(false),
-        });
+        series.push(Series::dashed("θ̃ = π", ORANGE, branch(false)));
     }
+    let title = match close {
+        true => "the same, near the folds",
+        false => "equilibrium curve: a = k_a|v_a|²/|W|",
+    };
     Chart {
-        title: if close {
-            "the same, near the folds"
-        } else {
-            "equilibrium curve: a = k_a|v_a|²/|W|"
-        },
-        horizontal: "angle of attack α [°]",
-        series,
         marks: figure.folds.iter().map(mark).collect(),
-        logarithmic: false,
+        ..Chart::over(title, "angle of attack α [°]", series)
     }
 }
 
@@ -143,50 +130,28 @@ fn fold_curves(figure: &Figure) -> Chart<'static> {
     };
     // A table has cusps wherever it bends: only a few can be labelled.
     let labelled = figure.cusps.len() <= 3;
+    let cusps = if labelled { figure.cusps } else { &[] };
+    let series = vec![
+        Series::line("folds", BLUE, points),
+        Series::dashed("this ε", GREY, vec![(epsilon, 0.0), (epsilon, highest)]),
+    ];
+    let title = "folds at every climb angle: a, by ε";
     Chart {
-        title: "folds at every climb angle: a, by ε",
-        horizontal: "climb angle ε, or atan(a_f/g) [°]",
-        series: vec![
-            Series {
-                name: "folds",
-                color: BLUE,
-                stroke: Stroke::Solid,
-                points,
-            },
-            Series {
-                name: "this ε",
-                color: GREY,
-                stroke: Stroke::Dashed,
-                points: vec![(epsilon, 0.0), (epsilon, highest)],
-            },
-        ],
-        marks: if labelled {
-            figure.cusps.iter().map(mark).collect()
-        } else {
-            Vec::new()
-        },
-        logarithmic: false,
+        marks: cusps.iter().map(mark).collect(),
+        ..Chart::over(title, "climb angle ε, or atan(a_f/g) [°]", series)
     }
 }
 
 fn coefficients(vehicle: &Vehicle) -> Chart<'static> {
-    let series = |name, color, of: fn(&crate::reference::Coefficients) -> f64| Series {
-        name,
-        color,
-        stroke: Stroke::Solid,
-        points: (-1799..1800)
-            .map(|n| f64::from(n) * 0.1)
-            .map(|degrees| (degrees, of(&vehicle.aerodynamics.at(degrees.to_radians()))))
-            .collect(),
+    let line = |name, color, of: fn(&Coefficients) -> f64| {
+        let angles = (-1799..1800).map(|n| f64::from(n) * 0.1);
+        let at = |degrees: f64| of(&vehicle.aerodynamics.at(degrees.to_radians()));
+        Series::line(
+            name,
+            color,
+            angles.map(|degrees| (degrees, at(degrees))).collect(),
+        )
     };
-    Chart {
-        title: "coefficients",
-        horizontal: "angle of attack α [°]",
-        series: vec![
-            series("c_L", BLUE, |c| c.c_l),
-            series("c_D", ORANGE, |c| c.c_d),
-        ],
-        marks: Vec::new(),
-        logarithmic: false,
-    }
+    let series = vec![line("c_L", BLUE, |c| c.c_l), line("c_D", ORANGE, |c| c.c_d)];
+    Chart::over("coefficients", "angle of attack α [°]", series)
 }

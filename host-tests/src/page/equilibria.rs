@@ -1,6 +1,6 @@
 //! The figure of a set of equilibria: F̄_2 against θ, and what thrust holds each.
 
-use super::chart::{BLUE, Chart, Mark, ORANGE, Series, Stroke, sheet};
+use super::chart::{BLUE, Chart, Mark, ORANGE, Series, sheet};
 use crate::reference::{Vector, Vehicle, rotation};
 
 /// The figure of `vehicle` at a reference velocity and acceleration in a wind, with the equilibria (θ, T) \[rad, N\], as SVG
@@ -18,25 +18,17 @@ pub fn svg(
         force / (vehicle.mass * vehicle.gravity)
     };
     let angles = || (-720..=720).map(|n| f64::from(n) * 0.25);
-    let chart = |title, name, of: fn(Vector) -> f64, marks| Chart {
-        title,
-        horizontal: "orientation θ [°]",
-        series: vec![
-            Series {
-                name,
-                color: BLUE,
-                stroke: Stroke::Solid,
-                points: angles().map(|theta| (theta, of(body(theta)))).collect(),
-            },
-            Series {
-                name: "zero",
-                color: ORANGE,
-                stroke: Stroke::Dashed,
-                points: vec![(-180.0, 0.0), (180.0, 0.0)],
-            },
-        ],
-        marks,
-        logarithmic: false,
+    let chart = |title, name, of: fn(Vector) -> f64, marks| {
+        let points = angles().map(|theta| (theta, of(body(theta)))).collect();
+        let zero = vec![(-180.0, 0.0), (180.0, 0.0)];
+        let series = vec![
+            Series::line(name, BLUE, points),
+            Series::dashed("zero", ORANGE, zero),
+        ];
+        Chart {
+            marks,
+            ..Chart::over(title, "orientation θ [°]", series)
+        }
     };
     let weight = vehicle.mass * vehicle.gravity;
     // The label of one among neighbours goes above that of the one before.

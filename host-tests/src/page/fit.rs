@@ -5,32 +5,19 @@ use crate::reference::{Aerodynamics, Coefficients, Row};
 
 /// The figure of `rows` and the `model` fitted to them as SVG text.
 pub fn svg(rows: &[Row], model: &Aerodynamics) -> String {
-    let chart = |title, last: f64, k: usize, of: fn(&Coefficients) -> f64| Chart {
-        title,
-        horizontal: "angle of attack α [°]",
-        series: vec![
+    let chart = |title, last: f64, k: usize, of: fn(&Coefficients) -> f64| {
+        let table = rows.iter().map(|row| (row[0].to_degrees(), row[k]));
+        let table = table.filter(|point| (-1e-6..last + 1e-6).contains(&point.0));
+        let angles = (0..1000).map(|n| last * f64::from(n) / 1000.0);
+        let fit = angles.map(|degrees| (degrees, of(&model.at(degrees.to_radians()))));
+        let series = vec![
             Series {
-                name: "table",
-                color: GREY,
                 stroke: Stroke::Dots,
-                points: rows
-                    .iter()
-                    .map(|row| (row[0].to_degrees(), row[k]))
-                    .filter(|point| (-1e-6..last + 1e-6).contains(&point.0))
-                    .collect(),
+                ..Series::line("table", GREY, table.collect())
             },
-            Series {
-                name: "fit",
-                color: BLUE,
-                stroke: Stroke::Solid,
-                points: (0..1000)
-                    .map(|n| last * f64::from(n) / 1000.0)
-                    .map(|degrees| (degrees, of(&model.at(degrees.to_radians()))))
-                    .collect(),
-            },
-        ],
-        marks: Vec::new(),
-        logarithmic: false,
+            Series::line("fit", BLUE, fit.collect()),
+        ];
+        Chart::over(title, "angle of attack α [°]", series)
     };
     sheet(
         &[

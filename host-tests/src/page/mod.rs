@@ -16,4 +16,4 @@ pub mod sweep;
 
 pub use margins::margins_svg;
 pub use markdown::markdown;
-pub use page::{Page, Table, columns};
+pub use page::{Page, Table, columns, fixed};

@@ -26,7 +26,29 @@ pub fn columns<const N: usize>(names: [&str; N]) -> Vec<String> {
     names.map(str::to_owned).to_vec()
 }
 
+/// A column of a table about `T`: its name, and the cell in a row.
+pub type Cells<'a, T> = (&'a str, &'a dyn Fn(&T) -> String);
+
+/// A number with this many digits after the point.
+pub fn fixed(value: impl Into<f64>, digits: usize) -> String {
+    format!("{:.digits$}", value.into())
+}
+
 impl Table {
+    /// A table with one row about each of `all`.
+    pub fn of<'a, T: 'a>(
+        title: impl Into<String>,
+        all: impl IntoIterator<Item = &'a T>,
+        columns: &[Cells<T>],
+    ) -> Self {
+        let row = |one: &T| columns.iter().map(|(_, cell)| cell(one)).collect();
+        Self {
+            title: title.into(),
+            header: columns.iter().map(|(name, _)| (*name).to_owned()).collect(),
+            rows: all.into_iter().map(row).collect(),
+        }
+    }
+
     /// Whether column `i` holds numbers alone.
     fn is_numeric(&self, i: usize) -> bool {
         let number = |cell: &str| cell.parse::<f64>().is_ok() || matches!(cell, "∞" | "–");

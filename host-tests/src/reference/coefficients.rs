@@ -1,4 +1,4 @@
-//! The coefficient models as printed, differentiated automatically.
+//! The coefficient models as printed: differentiated automatically, and, for the many evaluations of a flight, by their values alone.
 
 use num_dual::{Dual3_64, DualNum};
 use serde::{Deserialize, Serialize};
@@ -97,6 +97,12 @@ impl LargeAngle {
         let drag = alpha.sin().powi(2) * (2.0 * self.c1) + self.c0;
         [lift, drag]
     }
+
+    /// c_L and c_D at an angle with this sine and cosine.
+    fn values(&self, sin: f64, cos: f64) -> (f64, f64) {
+        let Self { c0, c1 } = *self;
+        (2.0 * c1 * sin * cos, c0 + 2.0 * c1 * sin * sin)
+    }
 }
 
 impl SmallAngle {
@@ -107,6 +113,13 @@ impl SmallAngle {
         let lift = (alpha * 2.0).sin() * (0.5 * c2 * c2) / divisor;
         let drag = alpha.sin().powi(2) * (c2 * c3) / divisor + c0;
         [lift, drag]
+    }
+
+    /// c_L and c_D at an angle with this sine and cosine.
+    fn values(&self, sin: f64, cos: f64) -> (f64, f64) {
+        let Self { c0, c2, c3 } = *self;
+        let part = c2 * sin / ((c2 - c3) * cos * cos + c3);
+        (c2 * part * cos, c0 + c3 * part * sin)
     }
 }
 
@@ -220,6 +233,84 @@ impl Aerodynamics {
                 propagated(drag, drag_size, n_alpha),
             ),
         )
+    }
+}
+
+/// A model by its values alone, with what does not depend on the angle computed once.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Values {
+    LargeAngle(LargeAngle),
+    SmallAngle(SmallAngle),
+    Combined {
+        small: SmallAngle,
+        large: LargeAngle,
+        lift: Blend,
+        drag: Blend,
+    },
+    Table(&'static Table),
+}
+
+/// `sigma` = (1 + tanh x)/(1 + tanh kᾱ²) as the equal 2/(1 + e^{−2x}) over the same constant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Blend {
+    k: f64,
+    /// k ᾱ².
+    knee: f64,
+    /// 2/(1 + tanh kᾱ²).
+    scale: f64,
+}
+
+impl Blend {
+    fn new(alpha_bar: f64, k: f64) -> Self {
+        let knee = k * alpha_bar * alpha_bar;
+        Self {
+            k,
+            knee,
+            scale: 2.0 / (1.0 + knee.tanh()),
+        }
+    }
+
+    fn at(&self, alpha: f64) -> f64 {
+        self.scale / (1.0 + (-2.0 * (self.knee - self.k * alpha * alpha)).exp())
+    }
+}
+
+impl Values {
+    pub fn new(model: &Aerodynamics) -> Self {
+        match *model {
+            Aerodynamics::LargeAngle(model) => Self::LargeAngle(model),
+            Aerodynamics::SmallAngle(model) => Self::SmallAngle(model),
+            Aerodynamics::Combined(model) => Self::Combined {
+                small: model.small(),
+                large: model.large(),
+                lift: Blend::new(model.alpha_bar(), model.k_l),
+                drag: Blend::new(model.alpha_bar(), model.k_d),
+            },
+            Aerodynamics::Table(table) => Self::Table(table),
+        }
+    }
+
+    /// c_L and c_D at the angle with this sine and cosine.
+    pub fn at(&self, sin: f64, cos: f64) -> (f64, f64) {
+        match self {
+            Self::LargeAngle(model) => model.values(sin, cos),
+            Self::SmallAngle(model) => model.values(sin, cos),
+            Self::Combined {
+                small,
+                large,
+                lift,
+                drag,
+            } => {
+                let alpha = sin.atan2(cos);
+                let (near, far) = (small.values(sin, cos), large.values(sin, cos));
+                let mix = |near: f64, far: f64, part: f64| far + part * (near - far);
+                (
+                    mix(near.0, far.0, lift.at(alpha)),
+                    mix(near.1, far.1, drag.at(alpha)),
+                )
+            }
+            Self::Table(table) => table.at(sin.atan2(cos)),
+        }
     }
 }
 

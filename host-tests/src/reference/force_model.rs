@@ -1,105 +1,10 @@
 //! The forces on a vehicle by their values alone, for the many evaluations of a flight: no derivatives, no magnitudes.
 //!
 //! The same printed formulas as [`super::Vehicle`] evaluates, with what does not depend on the state computed once; a test holds the
-//! two to each other. α is the direction of v_a seen from the body, and its sine and cosine come from the components; the
-//! blend `sigma` = (1 + tanh x)/(1 + tanh kᾱ²) is 2/(1 + e^{−2x}) over the same constant.
+//! two to each other. α is the direction of v_a seen from the body, and its sine and cosine come from the components.
 
-use super::{Aerodynamics, LargeAngle, SmallAngle, Table, Vector, Vehicle};
-
-/// c_L and c_D as functions of α, prepared.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Values {
-    LargeAngle(LargeAngle),
-    SmallAngle(SmallAngle),
-    Combined {
-        small: SmallAngle,
-        large: LargeAngle,
-        lift: Blend,
-        drag: Blend,
-    },
-    Table(&'static Table),
-}
-
-/// `sigma`, prepared.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Blend {
-    k: f64,
-    /// k ᾱ².
-    knee: f64,
-    /// 2/(1 + tanh kᾱ²).
-    scale: f64,
-}
-
-impl Blend {
-    fn new(alpha_bar: f64, k: f64) -> Self {
-        let knee = k * alpha_bar * alpha_bar;
-        Self {
-            k,
-            knee,
-            scale: 2.0 / (1.0 + knee.tanh()),
-        }
-    }
-
-    fn at(&self, alpha: f64) -> f64 {
-        self.scale / (1.0 + (-2.0 * (self.knee - self.k * alpha * alpha)).exp())
-    }
-}
-
-impl LargeAngle {
-    /// c_L and c_D at an angle with this sine and cosine.
-    fn values(&self, sin: f64, cos: f64) -> (f64, f64) {
-        let Self { c0, c1 } = *self;
-        (2.0 * c1 * sin * cos, c0 + 2.0 * c1 * sin * sin)
-    }
-}
-
-impl SmallAngle {
-    /// c_L and c_D at an angle with this sine and cosine.
-    fn values(&self, sin: f64, cos: f64) -> (f64, f64) {
-        let Self { c0, c2, c3 } = *self;
-        let part = c2 * sin / ((c2 - c3) * cos * cos + c3);
-        (c2 * part * cos, c0 + c3 * part * sin)
-    }
-}
-
-impl Values {
-    fn new(model: &Aerodynamics) -> Self {
-        match *model {
-            Aerodynamics::LargeAngle(model) => Self::LargeAngle(model),
-            Aerodynamics::SmallAngle(model) => Self::SmallAngle(model),
-            Aerodynamics::Combined(model) => Self::Combined {
-                small: model.small(),
-                large: model.large(),
-                lift: Blend::new(model.alpha_bar(), model.k_l),
-                drag: Blend::new(model.alpha_bar(), model.k_d),
-            },
-            Aerodynamics::Table(table) => Self::Table(table),
-        }
-    }
-
-    /// c_L and c_D at the angle with this sine and cosine.
-    fn at(&self, sin: f64, cos: f64) -> (f64, f64) {
-        match self {
-            Self::LargeAngle(model) => model.values(sin, cos),
-            Self::SmallAngle(model) => model.values(sin, cos),
-            Self::Combined {
-                small,
-                large,
-                lift,
-                drag,
-            } => {
-                let alpha = sin.atan2(cos);
-                let (near, far) = (small.values(sin, cos), large.values(sin, cos));
-                let mix = |near: f64, far: f64, part: f64| far + part * (near - far);
-                (
-                    mix(near.0, far.0, lift.at(alpha)),
-                    mix(near.1, far.1, drag.at(alpha)),
-                )
-            }
-            Self::Table(table) => table.at(sin.atan2(cos)),
-        }
-    }
-}
+use super::coefficients::Values;
+use super::{Vector, Vehicle};
 
 /// A vehicle, prepared.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -155,7 +60,7 @@ impl ForceModel {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Combined;
+    use super::super::{Aerodynamics, Combined, LargeAngle};
     use super::*;
     use crate::polar::Polar;
     use rand::{RngExt, SeedableRng};

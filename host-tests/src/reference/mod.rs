@@ -16,7 +16,7 @@ mod table;
 mod vehicle;
 
 pub use axisymmetric::{axisymmetric_full, axisymmetric_robust};
-pub use coefficients::{Aerodynamics, Coefficients, Combined, LargeAngle, SmallAngle};
+pub use coefficients::*;
 pub use force_model::ForceModel;
 pub use law::{Evaluation, Gains, Inputs, full, mu, robust};
 pub use magnitude::{Angle, Magnitudes, magnitudes};

@@ -54,6 +54,9 @@ pub struct Sample {
     pub sideslip: f64,
     /// Altitude over the start \[m\].
     pub altitude: f64,
+    /// Position \[m\], and velocity over ground \[m/s\].
+    pub place: V3,
+    pub ground: V3,
     /// \[m/s\].
     pub airspeed: f64,
     /// How far under the target \[m\].
@@ -82,6 +85,8 @@ impl Sample {
             position_error: (state.position - target.position).norm(),
             sideslip: (v_a.dot(&right) / v_a.norm().max(1.0)).asin(),
             altitude: start.position.z - state.position.z,
+            place: state.position,
+            ground: state.velocity,
             airspeed: v_a.norm(),
             below: state.position.z - target.position.z,
             nose_up: tail.z,

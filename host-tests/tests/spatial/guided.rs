@@ -1,8 +1,8 @@
 //! The guidance in space on the six-degree-of-freedom plant, with the wrong belief of [`flown`](crate::flown) and, unless said
 //! otherwise, an accelerometer. Bounds are the requirement's: velocity rms [m/s], position rms [m], sideslip rms [°].
 
-use alula::guidance::{Air, Mode};
-use alula::spatial::{Body, Heading, Reference};
+use alula::guidance::{Air, Goal, GoalState, Goals, Mode, Preferences};
+use alula::spatial::{Body, Heading, Ned, Reference};
 use alula::{
     Combined, CombinedParameters, Guidance, GuidanceInput, GuidanceParameters, GuidanceState,
     Vehicle, VehicleParameters,
@@ -368,6 +368,59 @@ fn hover_circle_hover_in_turbulence() {
         report(&format!("mission in turbulence {seed}"), &samples, 0.0);
         let last = samples[samples.len() - 1];
         assert!(lowest(&samples) > -10.0 && last.position_error < 5.0);
+    }
+}
+
+/// To a velocity, to a place behind, and a stop on the way, told in goals alone.
+#[test]
+fn goals_are_reached() {
+    let flown = Flown::new(&parameters());
+    let goals = Goals::new(Preferences {
+        speed: 18.0,
+        climb: 2.0,
+        acceleration: 2.0,
+    })
+    .unwrap();
+    let place = V3::new(-60.0, -200.0, -20.0);
+    let mut state = GoalState::default();
+    let mut last = (V3::zeros(), V3::zeros());
+    let mut task = |t: f64, position: V3| {
+        let goal = if t < 20.0 {
+            Goal::Velocity(Ned::new(0.0, 20.0, 0.0))
+        } else if t < 40.0 {
+            Goal::Stop
+        } else {
+            Goal::Hover(ned(place.into()))
+        };
+        let velocity = (position - last.0) / PERIOD;
+        last = (position, velocity);
+        let at = |v: V3| ned(v.into());
+        let (reference, error) =
+            goals.step(&mut state, &goal, at(position), at(velocity), PERIOD as f32);
+        Target {
+            position: position - V3::from(triple(error)),
+            velocity: V3::from(triple(reference.velocity)),
+            acceleration: V3::from(triple(reference.acceleration)),
+            ..Target::default()
+        }
+    };
+    let samples = flown.fly(&mut ByPosition(&mut task), hover(0.0), 110.0, &mut calm());
+    let at = |t: f64| samples[(t / PERIOD) as usize];
+    assert!((at(19.9).ground.y - 20.0).abs() < 0.5);
+    assert!(at(39.9).ground.norm() < 0.1);
+    // Within 30 m of where the stop began, and not more than 2 m off its altitude.
+    assert!((at(39.9).place - at(20.0).place).xy().norm() < 30.0);
+    assert!((at(39.9).altitude - at(20.0).altitude).abs() < 2.0);
+    let last = samples[samples.len() - 1];
+    assert!((last.place - place).norm() < 0.5 && last.ground.norm() < 0.1);
+}
+
+/// A task that looks at the position.
+struct ByPosition<F>(F);
+
+impl<F: FnMut(f64, V3) -> Target> Task for ByPosition<&mut F> {
+    fn target(&mut self, t: f64, position: V3) -> Target {
+        (self.0)(t, position)
     }
 }
 
