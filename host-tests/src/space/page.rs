@@ -17,7 +17,7 @@ type Panel = (
 
 const PANELS: &[Panel] = &[
     (
-        "down [m]",
+        "altitude [m]",
         &[
             ("flown", "down_m", BLUE, false),
             ("path", "path_down_m", ORANGE, true),
@@ -83,6 +83,10 @@ fn points(name: &str, record: &[Step]) -> Vec<(f64, f64)> {
     let mut last = f64::NAN;
     let point = |step: &Step| {
         let mut value = column.number(step);
+        // Drawn upward.
+        if name.ends_with("down_m") {
+            value = -value;
+        }
         if column.unit == "rad" {
             value = value.to_degrees();
             let wrapped = (value - last).abs() > 180.0;

@@ -12,7 +12,7 @@ pub const HIGH: f64 = VIEWS + 150.0;
 /// Span of a drawn vehicle \[px\].
 const SPAN: f64 = 52.0;
 /// Least half extent of a view \[m\].
-const LEAST: f64 = 8.0;
+const LEAST: f64 = 3.0;
 
 const BACK: &str = "#0062b2";
 const BELLY: &str = "#e08a2e";
@@ -122,28 +122,21 @@ fn label(text: &mut String, [x, y]: [f64; 2], words: &str, color: &str, anchor: 
     );
 }
 
-/// An arrow over the ground through `p`, of this length \[px\], with words at its head.
-fn arrow(
-    text: &mut String,
-    view: &View,
-    p: V3,
-    direction: V3,
-    length: f64,
-    color: &str,
-    words: &str,
-) {
-    let along = direction * (length / view.scale);
-    let across = V3::new(-along.y, along.x, 0.0);
-    let (tail, head) = (p - 0.5 * along, p + 0.5 * along);
+/// An arrow that lies on the ground, through the pixel `at`, with words to its right.
+fn arrow(text: &mut String, view: &View, at: [f64; 2], direction: V3, color: &str, words: &str) {
+    let view = View {
+        scale: 56.0,
+        origin: at,
+        ..*view
+    };
+    let across = V3::new(-direction.y, direction.x, 0.0);
+    let (tail, head) = (-0.5 * direction, 0.5 * direction);
     let style = format!("stroke=\"{color}\" stroke-width=\"2.5\"");
     view.line(text, [tail, head].into_iter(), &style);
-    let barbs = [
-        head - 0.22 * along + 0.1 * across,
-        head,
-        head - 0.22 * along - 0.1 * across,
-    ];
+    let neck = head - 0.25 * direction;
+    let barbs = [neck + 0.12 * across, head, neck - 0.12 * across];
     view.line(text, barbs.into_iter(), &style);
-    view.text(text, p + 0.75 * along, [0.0, 5.0], words, color);
+    label(text, [at[0] + 36.0, at[1] + 5.0], words, color, "start");
 }
 
 /// 1, 2 or 5 times a power of ten, about `x`.
@@ -245,13 +238,15 @@ fn scene(
         &format!("stroke=\"{BACK}\" stroke-width=\"2\""),
     );
 
-    // A vehicle where none drawn before is near.
+    // A vehicle where none drawn before is near, and at the end.
     let mut drawn: Vec<[f64; 2]> = Vec::new();
-    let far = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]) > SPAN;
+    let near = |a: [f64; 2], b: [f64; 2], most: f64| (a[0] - b[0]).hypot(a[1] - b[1]) < most;
     for step in record {
         let p = step.truth.position;
         let pixel = view.pixel(p);
-        if drawn.iter().any(|&there| !far(pixel, there)) {
+        let last = step.t == record[record.len() - 1].t;
+        let most = if last { 0.6 * SPAN } else { SPAN };
+        if drawn.iter().any(|&there| near(pixel, there, most)) {
             continue;
         }
         drawn.push(pixel);
@@ -260,7 +255,7 @@ fn scene(
             view.line(text, [p, on_ground(p)].into_iter(), &style);
         }
         view.vehicle(text, &step.truth, p);
-        if drawn.len() % 4 == 1 {
+        if drawn.len() % 4 == 1 || last {
             view.text(
                 text,
                 p,
@@ -271,10 +266,7 @@ fn scene(
         }
     }
 
-    // North and the mean wind, beside the grid.
     let [left, top, _, high] = frame;
-    let size = 0.4 * extent.grid * view.scale;
-    let corner = V3::new(extent.low.x, extent.low.y, extent.ground);
     let words = format!("squares of {} m", extent.grid);
     label(
         text,
@@ -283,16 +275,26 @@ fn scene(
         "#525b66",
         "start",
     );
-    let north = V3::new(1.0, 0.0, 0.0);
-    let place = corner + extent.grid * V3::new(0.5, 0.5, 0.0);
-    arrow(text, &view, place, north, size.max(34.0), INK, "N");
+    arrow(
+        text,
+        &view,
+        [left + 40.0, top + 30.0],
+        V3::x(),
+        INK,
+        "north",
+    );
     let wind: V3 = record.iter().map(|s| s.wind).sum::<V3>() / record.len() as f64;
     let level = V3::new(wind.x, wind.y, 0.0);
     if level.norm() > 0.5 {
-        let words = format!("wind {:.1} m/s", level.norm());
-        let place = V3::new(extent.high.x, extent.low.y, extent.ground)
-            + extent.grid * V3::new(-0.5, 0.9, 0.0);
-        arrow(text, &view, place, level.normalize(), 60.0, WIND, &words);
+        let words = format!("mean wind {:.1} m/s", level.norm());
+        arrow(
+            text,
+            &view,
+            [left + 40.0, top + 80.0],
+            level.normalize(),
+            WIND,
+            &words,
+        );
     }
 }
 

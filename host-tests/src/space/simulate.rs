@@ -61,7 +61,7 @@ pub fn fly(experiment: &Experiment) -> Result<Record, FieldError> {
     let mut memory = GuidanceState::default();
     let mut record = Record::with_capacity(experiment.steps() + 1);
     for step in 0..=experiment.steps() {
-        let t = step as f64 * period;
+        let t = step as f64 / experiment.control_rate_hz;
         let wind = weather.wind(t);
         let specific_force = V3::from(plant.specific_force(&truth, wind));
         let steady = experiment.weather.steady;
