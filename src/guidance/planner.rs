@@ -4,21 +4,21 @@
 //! may be to turn to an attitude far away, past stall for example, and to go on from there: so a fold is crossed where that
 //! is worth while, and nothing else decides it. The work is the same at every step.
 
-use super::flight::{Flight, Plan, VirtualVehicle, limited};
+use super::flight::{Flight, Pace, Plan, VirtualVehicle, limited};
 use super::memory::memory;
 use super::parameters::GuidanceParameters;
 use crate::aero::Aerodynamics;
-use crate::frame::Inertial;
+use crate::frame::{Attitude, Inertial};
 use crate::math;
 use crate::reference::Reference;
 use crate::vehicle::Vehicle;
 
 /// Steps of a prediction, the first of them \[s\], and the growth from one to the next: 2.05 s in all.
-const STEPS: u8 = 22;
+const STEPS: usize = 22;
 const FIRST_STEP: f32 = 0.06;
 const GROWTH: f32 = 1.04;
 /// Steps at the end over which it is measured how fast an error closes.
-const LATE: u8 = 5;
+const LATE: usize = 5;
 /// How long the reference is taken to accelerate on \[s\].
 const AHEAD: f32 = 0.5;
 /// Errors count by their square, and from this many bands on in proportion.
@@ -57,6 +57,39 @@ const TURNS: [(f32, bool); TURN_COUNT] = [
     (-2.3, false),
 ];
 const TURN_COUNT: usize = 16;
+
+/// A step of a prediction.
+struct AheadStep {
+    pace: Pace,
+    /// 1 while the reference is taken to accelerate, then 0, and a part of the step between.
+    accelerating: f32,
+}
+
+/// The steps of a prediction.
+const AHEAD_STEPS: [AheadStep; STEPS] = ahead_steps().0;
+/// The time of the last [`LATE`] of them \[s\].
+const LATE_TIME: f32 = ahead_steps().1;
+
+const fn ahead_steps() -> ([AheadStep; STEPS], f32) {
+    let mut steps = [const {
+        AheadStep {
+            pace: Pace::new(FIRST_STEP),
+            accelerating: 1.0,
+        }
+    }; STEPS];
+    let (mut n, mut h, mut time, mut late) = (0, FIRST_STEP, 0.0, 0.0);
+    while n < STEPS {
+        steps[n].pace = Pace::new(h);
+        steps[n].accelerating = math::clamp((AHEAD - time) / h, 0.0, 1.0);
+        if n + LATE >= STEPS {
+            late += h;
+        }
+        time += h;
+        h *= GROWTH;
+        n += 1;
+    }
+    (steps, late)
+}
 
 /// What the planner remembers.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -206,53 +239,54 @@ impl Planner {
         reference: &Reference,
         wind: Inertial,
     ) -> Prospect {
+        let virtual_vehicle = &self.virtual_vehicle;
         let (mut flight, mut plan) = (*flight, *plan);
+        let mut attitude = Attitude::from_angle(flight.theta);
         let start = flight.position.forward();
-        let (mut time, mut h, mut cost) = (0.0, FIRST_STEP, 0.0);
-        let (mut late, mut late_time) = (flight.velocity, 0.0);
-        let mut error = Inertial::ZERO;
-        for n in 0..STEPS {
+        let band = Inertial::new(
+            1.0 / (KNEE * self.velocity_band.down()),
+            1.0 / (KNEE * self.velocity_band.forward()),
+        );
+        let altitude_band = 1.0 / (KNEE * self.altitude_band);
+        let mut velocity = reference.velocity;
+        let mut error =
+            flight.velocity - virtual_vehicle.velocity_wanted(flight.position, velocity);
+        let (mut late, mut cost) = (flight.velocity, 0.0);
+        for (n, step) in AHEAD_STEPS.iter().enumerate() {
             if n == STEPS - LATE {
-                (late, late_time) = (flight.velocity, time);
+                late = flight.velocity;
             }
-            let moved = Reference {
-                velocity: reference.velocity + reference.acceleration * math::min(time, AHEAD),
-                acceleration: if time < AHEAD {
-                    reference.acceleration
-                } else {
-                    Inertial::ZERO
-                },
-            };
-            self.virtual_vehicle
-                .advance(vehicle, &mut flight, &mut plan, &moved, wind, h);
-            error = flight.velocity
-                - self
-                    .virtual_vehicle
-                    .velocity_wanted(flight.position, moved.velocity);
-            let high = -HIGH * self.altitude_band;
-            let altitude = if flight.position.down() < high {
-                high
-            } else {
-                flight.position.down()
-            };
-            cost += h
-                * (penalty(altitude, self.altitude_band)
-                    + penalty(error.down(), self.velocity_band.down())
-                    + penalty(error.forward(), self.velocity_band.forward()));
-            time += h;
-            h *= GROWTH;
+            let acceleration = reference.acceleration * step.accelerating;
+            let wish = virtual_vehicle.wish(error, acceleration, vehicle.gravity(), &step.pace);
+            virtual_vehicle.step(
+                vehicle,
+                &mut flight,
+                &mut attitude,
+                &mut plan,
+                velocity,
+                wish,
+                wind,
+                &step.pace,
+                false,
+            );
+            velocity += acceleration * step.pace.h;
+            error = flight.velocity - virtual_vehicle.velocity_wanted(flight.position, velocity);
+            cost += step.pace.h
+                * (penalty(-math::min(-flight.position.down() * altitude_band, HIGH / KNEE))
+                    + penalty(error.down() * band.down())
+                    + penalty(error.forward() * band.forward()));
         }
-        let mean = (flight.velocity - late) / (time - late_time) - reference.acceleration;
+        let mean = (flight.velocity - late) * (1.0 / LATE_TIME) - reference.acceleration;
         let least = LEAST_CLOSING * vehicle.gravity();
         let to_go = Inertial::new(
             to_go(error.down(), mean.down(), least),
             to_go(error.forward(), mean.forward(), least),
         );
         cost += TO_GO
-            * (to_go.down() * penalty(error.down(), self.velocity_band.down())
-                + to_go.forward() * penalty(error.forward(), self.velocity_band.forward()));
+            * (to_go.down() * penalty(error.down() * band.down())
+                + to_go.forward() * penalty(error.forward() * band.forward()));
         Prospect {
-            cost,
+            cost: 2.0 * KNEE * KNEE * cost,
             error,
             to_go,
             distance: flight.position.forward() - start,
@@ -273,11 +307,10 @@ fn to_go(error: f32, acceleration: f32, least: f32) -> f32 {
     math::min(error.abs() / closing, MAX_TO_GO)
 }
 
-/// (x/band)², and beyond the knee in proportion to |x|.
+/// z²/2, and beyond 1 in proportion to |z|.
 #[inline(always)]
-fn penalty(x: f32, band: f32) -> f32 {
-    let z = x / (KNEE * band);
-    2.0 * KNEE * KNEE * (math::sqrt(1.0 + z * z) - 1.0)
+fn penalty(z: f32) -> f32 {
+    math::sqrt(1.0 + z * z) - 1.0
 }
 
 /// `angle` \[rad\] within ±π.
@@ -426,10 +459,10 @@ mod tests {
 
     #[test]
     fn errors_count_by_their_square_and_then_in_proportion() {
-        assert_eq!(penalty(0.0, 0.4), 0.0);
-        // One band counts 1, to second order in 1/knee².
-        assert!((penalty(-0.4, 0.4) - 1.0).abs() < 0.02);
-        let (far, farther) = (penalty(100.0, 1.0), penalty(200.0, 1.0));
+        assert_eq!(penalty(0.0), 0.0);
+        // z²/2, to second order in z².
+        assert!((penalty(-0.1) - 0.005).abs() < 0.000_02);
+        let (far, farther) = (penalty(25.0), penalty(50.0));
         assert!((farther / far - 2.0).abs() < 0.05);
     }
 
