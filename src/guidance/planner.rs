@@ -10,7 +10,7 @@ use super::parameters::GuidanceParameters;
 use crate::aero::Aerodynamics;
 use crate::frame::{Attitude, Inertial};
 use crate::math;
-use crate::reference::Reference;
+use crate::reference::{MAX_SPEED, Reference};
 use crate::vehicle::Vehicle;
 
 /// Steps of a prediction, the first of them \[s\], and the growth from one to the next: 2.05 s in all.
@@ -34,6 +34,8 @@ const HIGH: f32 = 3.75;
 const BETTER: f32 = 0.05;
 /// How often in a row.
 const CONFIRMATIONS: u8 = 2;
+/// Plans looked at in a round, the plan in force among them.
+const ROUND: u8 = 3;
 /// Time of push-over before a turn \[s\], where there is one.
 const PUSH: f32 = 0.3;
 /// The turns that are looked at: to which angle of attack \[rad\], and whether after a push-over. From there on the servo
@@ -97,23 +99,51 @@ const fn ahead_steps() -> ([AheadStep; STEPS], f32) {
 pub struct PlannerState {
     /// The plan in force.
     pub plan: Plan,
-    /// The plan that was better at the last step.
+    /// A plan that was better than it.
     challenger: Plan,
-    /// How often in a row it was.
-    confirmed: u8,
+    /// 1 if there is one.
+    challenged: u8,
     /// The candidate to look at next.
     next: u8,
+    /// How many plans of the round have been looked at.
+    looked: u8,
+    /// From where the plans of the round are flown ahead.
+    start: Start,
+    /// What the plan in force comes to.
+    prospect: Prospect,
 }
 
 memory!(PlannerState {
     plan: Plan,
     challenger: Plan,
-    confirmed: u8,
+    challenged: u8,
     next: u8,
+    looked: u8,
+    start: Start,
+    prospect: Prospect,
 });
 
-/// What the plan in force comes to.
+/// From where plans are flown ahead.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+struct Start {
+    flight: Flight,
+    wind: Inertial,
+    /// Reference velocity [m/s] and acceleration [m/s²].
+    velocity: Inertial,
+    acceleration: Inertial,
+}
+
+memory!(Start {
+    flight: Flight,
+    wind: Inertial,
+    velocity: Inertial,
+    acceleration: Inertial,
+});
+
+/// What a plan comes to.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Prospect {
     /// Its cost.
     pub cost: f32,
@@ -127,6 +157,14 @@ pub struct Prospect {
     pub thrust: f32,
 }
 
+memory!(Prospect {
+    cost: f32,
+    error: Inertial,
+    to_go: Inertial,
+    distance: f32,
+    thrust: f32,
+});
+
 /// The planner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -138,6 +176,8 @@ pub struct Planner {
 
 /// Bounds of what is remembered, beyond everything that flies.
 const MAX_ANGLE: f32 = 20.0;
+const MAX_COST: f32 = 1e9;
+const MAX_ERROR: f32 = 1e12;
 
 impl Plan {
     fn is_sound(&self) -> bool {
@@ -145,10 +185,31 @@ impl Plan {
     }
 }
 
+impl Start {
+    fn is_sound(&self) -> bool {
+        self.flight.is_sound()
+            && self.wind.norm_squared()
+                + self.velocity.norm_squared()
+                + self.acceleration.norm_squared()
+                <= 8.0 * MAX_SPEED * MAX_SPEED
+    }
+}
+
+impl Prospect {
+    fn is_sound(&self) -> bool {
+        self.error.norm_squared() <= MAX_ERROR
+            && self.to_go.norm_squared() <= 2.1 * MAX_TO_GO * MAX_TO_GO
+            && self.distance.abs() + self.thrust.abs() + self.cost.abs() <= MAX_ERROR
+    }
+}
+
 impl PlannerState {
     /// Whether every number is one that a planner can have left. NaN is not.
     pub(super) fn is_sound(&self) -> bool {
-        self.plan.is_sound() && self.challenger.is_sound()
+        self.plan.is_sound()
+            && self.challenger.is_sound()
+            && self.start.is_sound()
+            && self.prospect.is_sound()
     }
 
     /// Counts the attitude of the plans from `by` \[rad\] further on: θ has been wrapped.
@@ -156,6 +217,7 @@ impl PlannerState {
     pub(super) fn shift(&mut self, by: f32) {
         self.plan.target += by;
         self.challenger.target += by;
+        self.start.flight.theta += by;
     }
 }
 
@@ -169,7 +231,8 @@ impl Planner {
         }
     }
 
-    /// Looks at one more plan, and changes to it if it was better twice. Gives what the plan that was in force comes to.
+    /// Looks at one plan: the first of a round is the plan in force, and then come candidates, from where the round began.
+    /// Changes to a plan that was better in two rounds. Gives what the plan in force came to when it was last looked at.
     #[inline(always)]
     pub fn search<A: Aerodynamics>(
         &self,
@@ -179,26 +242,42 @@ impl Planner {
         reference: &Reference,
         wind: Inertial,
     ) -> Prospect {
-        let prospect = self.predict(vehicle, flight, &state.plan, reference, wind);
-        let candidate = if state.confirmed > 0 {
+        let first = state.looked == 0 || state.looked >= ROUND;
+        let again = state.challenged == 1 && state.looked == 1;
+        let plan = if first {
+            state.looked = 0;
+            state.start = Start {
+                flight: *flight,
+                wind,
+                velocity: reference.velocity,
+                acceleration: reference.acceleration,
+            };
+            state.plan
+        } else if again {
             state.challenger
         } else {
             let n = state.next;
             state.next = if n < TURN_COUNT as u8 { n + 1 } else { 0 };
-            self.candidate(vehicle, flight, wind, n)
+            self.candidate(vehicle, &state.start.flight, state.start.wind, n)
         };
-        let other = self.predict(vehicle, flight, &candidate, reference, wind);
-        if other.cost < prospect.cost - BETTER * (1.0 + prospect.cost) {
-            state.challenger = candidate;
-            state.confirmed += 1;
-            if state.confirmed >= CONFIRMATIONS {
-                state.plan = candidate;
-                state.confirmed = 0;
+        let found = self.predict(vehicle, &state.start, &plan);
+        state.looked += 1;
+        let cost = state.prospect.cost;
+        if first {
+            state.prospect = found;
+        } else if found.cost < cost - BETTER * (1.0 + cost) {
+            if again || CONFIRMATIONS == 1 {
+                state.plan = plan;
+                state.challenged = 0;
+                state.looked = 0;
+            } else {
+                state.challenger = plan;
+                state.challenged = 1;
             }
-        } else {
-            state.confirmed = 0;
+        } else if again {
+            state.challenged = 0;
         }
-        prospect
+        state.prospect
     }
 
     /// Candidate `n`: to turn to an angle of attack, with and without a push-over, or to do nothing but servo.
@@ -234,21 +313,18 @@ impl Planner {
     fn predict<A: Aerodynamics>(
         &self,
         vehicle: &Vehicle<A>,
-        flight: &Flight,
+        start: &Start,
         plan: &Plan,
-        reference: &Reference,
-        wind: Inertial,
     ) -> Prospect {
         let virtual_vehicle = &self.virtual_vehicle;
-        let (mut flight, mut plan) = (*flight, *plan);
+        let (mut flight, mut plan, wind) = (start.flight, *plan, start.wind);
         let mut attitude = Attitude::from_angle(flight.theta);
-        let start = flight.position.forward();
         let band = Inertial::new(
             1.0 / (KNEE * self.velocity_band.down()),
             1.0 / (KNEE * self.velocity_band.forward()),
         );
         let altitude_band = 1.0 / (KNEE * self.altitude_band);
-        let mut velocity = reference.velocity;
+        let mut velocity = start.velocity;
         let mut error =
             flight.velocity - virtual_vehicle.velocity_wanted(flight.position, velocity);
         let (mut late, mut cost) = (flight.velocity, 0.0);
@@ -256,7 +332,7 @@ impl Planner {
             if n == STEPS - LATE {
                 late = flight.velocity;
             }
-            let acceleration = reference.acceleration * step.accelerating;
+            let acceleration = start.acceleration * step.accelerating;
             let wish = virtual_vehicle.wish(error, acceleration, vehicle.gravity(), &step.pace);
             virtual_vehicle.step(
                 vehicle,
@@ -276,7 +352,7 @@ impl Planner {
                     + penalty(error.down() * band.down())
                     + penalty(error.forward() * band.forward()));
         }
-        let mean = (flight.velocity - late) * (1.0 / LATE_TIME) - reference.acceleration;
+        let mean = (flight.velocity - late) * (1.0 / LATE_TIME) - start.acceleration;
         let least = LEAST_CLOSING * vehicle.gravity();
         let to_go = Inertial::new(
             to_go(error.down(), mean.down(), least),
@@ -286,10 +362,10 @@ impl Planner {
             * (to_go.down() * penalty(error.down() * band.down())
                 + to_go.forward() * penalty(error.forward() * band.forward()));
         Prospect {
-            cost: 2.0 * KNEE * KNEE * cost,
+            cost: math::min(2.0 * KNEE * KNEE * cost, MAX_COST),
             error,
             to_go,
-            distance: flight.position.forward() - start,
+            distance: flight.position.forward() - start.flight.position.forward(),
             thrust: flight.thrust,
         }
     }
