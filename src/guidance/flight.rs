@@ -174,8 +174,23 @@ impl VirtualVehicle {
     ) -> Inertial {
         let mut attitude = Attitude::from_angle(flight.theta);
         let error = flight.velocity - self.velocity_wanted(flight.position, reference.velocity);
-        let wish = self.wish(error, reference.acceleration, vehicle.gravity(), &Pace::new(h));
-        self.step(vehicle, flight, &mut attitude, plan, reference.velocity, wish, wind, &Pace::new(h), true)
+        let wish = self.wish(
+            error,
+            reference.acceleration,
+            vehicle.gravity(),
+            &Pace::new(h),
+        );
+        self.step(
+            vehicle,
+            flight,
+            &mut attitude,
+            plan,
+            reference.velocity,
+            wish,
+            wind,
+            &Pace::new(h),
+            true,
+        )
     }
 
     /// The acceleration that the servo wants [m/s²] at an `error` of velocity, velocity less velocity wanted [m/s].
@@ -304,7 +319,10 @@ impl Forces {
             -pressure * (c.c_l * air.cos + c.c_d * air.sin),
         ));
         Self {
-            free: Inertial::new(vehicle.gravity() + aerodynamic.down(), aerodynamic.forward()),
+            free: Inertial::new(
+                vehicle.gravity() + aerodynamic.down(),
+                aerodynamic.forward(),
+            ),
             change: lambda(&c, &air) * pressure,
             slope: pressure * (c.dc_d * air.cos - c.dc_l * air.sin),
             drag_rate: drag_rate * c.c_d,
