@@ -412,6 +412,48 @@ mod tests {
         }
     }
 
+    /// The attitude of a prediction is turned step by step, also by an agile vehicle, whose rate would take it further than π/4 in a step.
+    #[test]
+    fn the_attitude_keeps_to_its_angle() {
+        let p = GuidanceParameters {
+            max_rate: 100.0,
+            max_slew: 1e4,
+            ..GuidanceParameters::default()
+        };
+        let (vehicle, virtual_vehicle) = (vehicle(), VirtualVehicle::new(&p));
+        for (target, h) in [(3.0, 0.045), (-3.0, 0.2), (0.5, 0.115)] {
+            let mut flight = Flight {
+                velocity: Inertial::new(0.0, 15.0),
+                theta: -1.5,
+                ..Flight::default()
+            };
+            let mut attitude = Attitude::from_angle(flight.theta);
+            let mut plan = Plan {
+                target,
+                turn: 1,
+                push: 0.0,
+            };
+            for _ in 0..28 {
+                virtual_vehicle.step(
+                    &vehicle,
+                    &mut flight,
+                    &mut attitude,
+                    &mut plan,
+                    Inertial::ZERO,
+                    Inertial::ZERO,
+                    Inertial::ZERO,
+                    &Pace::new(h),
+                    false,
+                );
+                let exact = Attitude::from_angle(flight.theta);
+                // 1e-5: 28 turns by up to π/4, each wrong by 2e-7.
+                let off = (attitude.cos - exact.cos).abs() + (attitude.sin - exact.sin).abs();
+                assert!(off < 1e-5, "{off}");
+            }
+            assert_eq!(plan.turn, 0);
+        }
+    }
+
     /// From hover the servo finds the equilibria of slow forward flight, of flight sideways to the wind, and of a
     /// descent tail first, which is on the other branch.
     #[test]

@@ -540,6 +540,60 @@ mod tests {
     }
 
     #[test]
+    fn a_prediction_spans_two_seconds_and_its_reference_accelerates_for_half_a_second() {
+        let sum = |f: &dyn Fn(&AheadStep) -> f32| AHEAD_STEPS.iter().map(f).sum::<f32>();
+        // 1e-5: roundings of 28 sums of seconds.
+        assert!((sum(&|s| s.pace.h) - SPAN).abs() < 1e-5 && (SPAN - 2.08).abs() < 0.01);
+        assert!((sum(&|s| s.pace.h * s.accelerating) - AHEAD).abs() < 1e-5);
+        let late = |s: &[AheadStep]| s.iter().map(|s| s.pace.h).sum::<f32>();
+        assert!((late(&AHEAD_STEPS[STEPS - LATE..]) - LATE_TIME).abs() < 1e-5);
+    }
+
+    /// The plans of a round are compared from where it began, wherever the flight has got to meanwhile.
+    #[test]
+    fn the_plans_of_a_round_have_one_start() {
+        let (vehicle, planner) = (vehicle(2.0), Planner::new(&GuidanceParameters::default()));
+        let mut state = PlannerState::default();
+        let calm = Inertial::ZERO;
+        let first = planner.search(&vehicle, &mut state, &cruise(), &hover(0.0), calm);
+        // Elsewhere, and in wind: the plan in force is not looked at, and nothing of this counts.
+        let mut elsewhere = state;
+        let told = planner.search(
+            &vehicle,
+            &mut elsewhere,
+            &Flight::default(),
+            &hover(0.0),
+            Inertial::new(0.0, 9.0),
+        );
+        planner.search(&vehicle, &mut state, &cruise(), &hover(0.0), calm);
+        assert_eq!((elsewhere, told), (state, first));
+        // From 20 m/s to a stop the first candidate, a turn past stall, is better: it takes over, and a round begins.
+        assert_eq!((state.plan.turn, state.looked), (1, 0));
+        let next = planner.search(&vehicle, &mut state, &cruise(), &hover(0.0), calm);
+        assert!(next.cost < first.cost);
+    }
+
+    /// Every candidate is looked at, and none so seldom that it comes too late: 27 looks take 0.4 s.
+    #[test]
+    fn all_candidates_are_looked_at() {
+        let vehicle = vehicle(2.0);
+        let start = Start {
+            flight: cruise(),
+            ..Start::default()
+        };
+        let plans: std::vec::Vec<_> = (0..CANDIDATES)
+            .map(|n| candidate(&vehicle, &start, n))
+            .collect();
+        let looks = |plan: &Plan| plans.iter().filter(|p| *p == plan).count();
+        let different = plans.iter().map(|p| 1.0 / looks(p) as f32).sum::<f32>();
+        assert!((different - 17.0).abs() < 1e-3);
+        assert!(plans.iter().all(|p| looks(p) <= 3));
+        // To an angle of attack of 74° from a course that is level forward: nose 16° from up.
+        let braking = plans.first().unwrap();
+        assert!((braking.target + 16f32.to_radians()).abs() < 0.01 && braking.push == PUSH);
+    }
+
+    #[test]
     fn angles_are_wrapped() {
         for turns in -3..=3 {
             let angle = 0.4 + turns as f32 * 2.0 * math::PI;
