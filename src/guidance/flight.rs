@@ -74,6 +74,24 @@ memory!(Plan {
     turn: u8,
 });
 
+memory!(Flight {
+    velocity: Inertial,
+    position: Inertial,
+    theta: f32,
+    rate: f32,
+    thrust: f32,
+});
+
+impl Flight {
+    /// Whether every number is one that a virtual flight can have left. NaN is not.
+    pub(super) fn is_sound(&self) -> bool {
+        self.velocity.norm_squared() <= 1e8
+            && self.position.norm_squared() <= 1e10
+            && self.theta.abs() + self.rate.abs() <= 1e3
+            && self.thrust.abs() <= 1e7
+    }
+}
+
 /// The virtual vehicle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
