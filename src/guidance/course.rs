@@ -1,5 +1,6 @@
 //! The vertical plane in which the virtual vehicle flies, and the axes of that plane when it is banked.
 
+use super::flight::limited;
 use super::memory::memory;
 use crate::frame::Inertial;
 use crate::math;
@@ -21,6 +22,9 @@ memory!(Course {
 
 /// Length of the wing's horizontal part below which it says nothing of the course.
 const MIN_LENGTH: f32 = 1e-2;
+
+/// π/4, below.
+const QUARTER: f32 = 0.785;
 
 impl Course {
     /// The course of a vehicle in this attitude: across its right wing. Where the wing is vertical, along its belly.
@@ -67,10 +71,10 @@ impl Course {
         )
     }
 
-    /// The course turned by `angle` \[rad\] to the right.
+    /// The course turned by `angle` \[rad\] to the right, by at most π/4.
     #[inline(always)]
     pub fn turned(&self, angle: f32) -> Self {
-        let (sin, cos) = math::sin_cos(angle);
+        let (sin, cos) = math::sin_cos_near_zero(limited(angle, QUARTER));
         let (north, east) = (
             self.north * cos - self.east * sin,
             self.north * sin + self.east * cos,
@@ -133,8 +137,8 @@ mod tests {
             east: 0.0,
         };
         let v = Ned::new(3.0, -4.0, 12.0);
-        for n in -10..10 {
-            let course = north.turned(0.3 * n as f32);
+        for n in 0..20 {
+            let course = (0..n).fold(north, |course, _| course.turned(0.7));
             assert!(course.is_sound());
             let (plane, right) = course.project(v);
             assert!((course.lift(plane, right) - v).norm_squared() < 1e-10);

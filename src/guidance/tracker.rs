@@ -39,6 +39,8 @@ pub(super) struct TrackerInput<'a, A> {
     /// Position less reference position \[m\].
     pub position: Ned,
     pub flight: &'a VirtualFlight,
+    /// Attitude θ of the real vehicle in the plane of flight \[rad\].
+    pub theta: f32,
     pub moved: &'a Moved<'a, A>,
     /// What of the last command saturated.
     pub saturated: Status,
@@ -155,8 +157,7 @@ impl Tracker {
         } else {
             (Branch::Aligned, 0.0)
         };
-        let nose = axes.project(attitude.i());
-        let ahead = wrap(flight.theta - math::atan2(nose.forward(), nose.down()));
+        let ahead = wrap(flight.theta - input.theta);
         let part = math::min(slope / (SHEET * weight), 1.0);
         let near = math::clamp(2.0 - ahead.abs() / NEAR, 0.0, 1.0);
         let wings = axes.right.dot(attitude.w());

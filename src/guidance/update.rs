@@ -568,6 +568,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
                     state: &at,
                     position,
                     flight: &state.flight,
+                    theta,
                     moved: &moved,
                     saturated: state.saturated,
                     rate: state.limits.rates.w,
