@@ -1,6 +1,7 @@
 //! No bytes from the network make anything panic: random ones, and messages that were damaged.
 //!
-//! `cargo test -p alula-bridges --test bytes` reads 200,000 inputs of each kind.
+//! `cargo test -p alula-bridges --test bytes` reads 200,000 inputs of each kind;
+//! `cargo test --release -p alula-bridges --test bytes -- --ignored` reads ten million.
 #![cfg(not(target_os = "none"))]
 
 use alula::{Inertial, PlanarInput};
@@ -11,7 +12,8 @@ use alula_bridges::companion::{
 use alula_bridges::sitl::client::{Client, parse};
 use alula_bridges::sitl::{ActuatorState, Actuators, Flow, Lockstep, Packet, Physics, Sample};
 
-const INPUTS: u32 = 200_000;
+const FEW: u32 = 200_000;
+const MANY: u32 = 10_000_000;
 
 /// Marsaglia's xorshift64*: the same inputs every time.
 struct Random(u64);
@@ -86,12 +88,11 @@ impl Physics for Plant {
     }
 }
 
-#[test]
-fn servo_packets() {
+fn servo_packets(inputs: u32) {
     let mut random = Random(7);
     let (mut lockstep, mut plant) = (Lockstep::default(), Plant::default());
     let mut count = 0;
-    for n in 0..INPUTS {
+    for n in 0..inputs {
         let widths: Vec<u16> = (0..if n % 2 == 0 { 16 } else { 32 })
             .map(|_| random.next() as u16)
             .collect();
@@ -105,15 +106,14 @@ fn servo_packets() {
     }
     let counts = lockstep.counts();
     let all = counts.steps + counts.repeated + counts.late + counts.malformed;
-    assert_eq!(all, u64::from(INPUTS));
+    assert_eq!(all, u64::from(inputs));
     assert!(
         counts.steps > 10_000 && counts.malformed > 10_000,
         "{counts:?}"
     );
 }
 
-#[test]
-fn answers() {
+fn answers(inputs: u32) {
     let mut random = Random(8);
     let mut client = Client::default();
     let sample = Sample {
@@ -123,7 +123,7 @@ fn answers() {
     };
     let seed = sample.text().into_bytes();
     let mut read = 0;
-    for _ in 0..INPUTS {
+    for _ in 0..inputs {
         read += u32::from(client.receive(&random.damaged(&seed)).is_some());
     }
     assert!(read > 10_000, "{read}");
@@ -160,8 +160,7 @@ impl Pilot for Echo {
 
 /// Both sides of the MAVLink bridge talk over a link that damages messages. What checksums let through may say anything: the payloads of
 /// messages are random, too.
-#[test]
-fn mavlink_messages() {
+fn mavlink_messages(inputs: u32) {
     let mut random = Random(9);
     let settings = Settings {
         weight: 50.0,
@@ -175,8 +174,8 @@ fn mavlink_messages() {
     let mut autopilot = Autopilot::new(Still);
     let plan = |_: f64| [Inertial::ZERO; 3];
     let mut companion = Companion::new(settings, Wanted::Plan(&plan));
-    let (mut inputs, mut understood, mut flown, mut now, mut sequence) = (0, 0, 0, 0.0, 0_u8);
-    while inputs < INPUTS {
+    let (mut read, mut understood, mut flown, mut now, mut sequence) = (0, 0, 0, 0.0, 0_u8);
+    while read < inputs {
         now += 0.02;
         let (up, commanded) = companion.step(now, &mut Echo);
         flown += u32::from(commanded.is_some());
@@ -190,7 +189,7 @@ fn mavlink_messages() {
         for message in &up {
             let bytes = random.damaged(&wire::bytes(Companion::HEADER, message));
             let (messages, _) = wire::parse(&bytes);
-            inputs += 1;
+            read += 1;
             understood += messages.len();
             messages.iter().for_each(|(_, m)| autopilot.receive(now, m));
         }
@@ -208,7 +207,7 @@ fn mavlink_messages() {
                 _ => random.damaged(&sound),
             };
             let (messages, _) = wire::parse(&bytes);
-            inputs += 1;
+            read += 1;
             understood += messages.len();
             messages
                 .iter()
@@ -248,4 +247,37 @@ fn reframed(frame: &[u8], random: &mut Random) -> Vec<u8> {
     }
     bytes[end..].copy_from_slice(&crc.to_le_bytes());
     bytes
+}
+
+#[test]
+fn few_servo_packets() {
+    servo_packets(FEW);
+}
+
+#[test]
+fn few_answers() {
+    answers(FEW);
+}
+
+#[test]
+fn few_mavlink_messages() {
+    mavlink_messages(FEW);
+}
+
+#[test]
+#[ignore = "minutes"]
+fn many_servo_packets() {
+    servo_packets(MANY);
+}
+
+#[test]
+#[ignore = "minutes"]
+fn many_answers() {
+    answers(MANY);
+}
+
+#[test]
+#[ignore = "minutes"]
+fn many_mavlink_messages() {
+    mavlink_messages(MANY);
 }

@@ -444,3 +444,48 @@ fn the_simulated_autopilot_keeps_px4s_rules() {
     autopilot.advance(4.5, 0.02);
     assert_eq!((autopilot.mode(), autopilot.losses()), (HOLD, 1));
 }
+
+#[test]
+fn the_command_waits_and_ctrl_c_ends_it() {
+    use std::io::{BufRead, BufReader, Read};
+    use std::process::{Command, Stdio};
+    let folder = tempfile::tempdir().unwrap();
+    let command = |connect: &str| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_alula-sil"));
+        let arguments = [
+            "companion",
+            "round-trip",
+            "--connect",
+            connect,
+            "--out",
+            "here",
+        ];
+        command.current_dir(folder.path()).args(arguments);
+        command.stdout(Stdio::piped()).stderr(Stdio::piped());
+        command
+    };
+    let mut child = command("udpin:127.0.0.1:0").spawn().unwrap();
+    let mut said = BufReader::new(child.stderr.take().unwrap());
+    let mut line = String::new();
+    said.read_line(&mut line).unwrap();
+    assert!(line.contains("waits for an autopilot"), "{line}");
+    let id = child.id().to_string();
+    assert!(
+        Command::new("kill")
+            .args(["-INT", &id])
+            .status()
+            .unwrap()
+            .success()
+    );
+    assert!(child.wait().unwrap().success());
+    let mut rest = String::new();
+    said.read_to_string(&mut rest).unwrap();
+    assert!(rest.contains("no flight"), "{rest}");
+
+    let refused = command("carrier-pigeon").output().unwrap();
+    let message = String::from_utf8(refused.stderr).unwrap();
+    assert!(
+        !refused.status.success() && message.starts_with("error: carrier-pigeon"),
+        "{message}"
+    );
+}

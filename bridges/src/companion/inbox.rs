@@ -1,8 +1,9 @@
 //! What the autopilot last said.
 
 use alula::ned::{Ned, Quaternion};
-use mavlink::dialects::common::{PositionTargetTypemask, SET_POSITION_TARGET_LOCAL_NED_DATA};
 
+use super::clock::{Clock, Order};
+use super::setpoint::{Setpoint, setpoint};
 use super::{MavHeader, MavMessage, milliseconds, modes};
 
 /// What came.
@@ -25,20 +26,6 @@ pub struct Stamped<T> {
     /// When it arrived \[s\].
     pub arrived: f64,
 }
-
-/// A set-point from the link.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Setpoint {
-    /// Velocity [m/s].
-    pub velocity: Ned,
-    /// Acceleration [m/s²]; zero if it is not given.
-    pub acceleration: Ned,
-    /// Position \[m\] in the autopilot's frame, if it is given.
-    pub position: Option<Ned>,
-}
-
-/// The companion's own system.
-pub(super) const OWN_SYSTEM: u8 = 1;
 
 /// The newest of each kind of message.
 #[derive(Clone, Debug, Default)]
@@ -68,64 +55,8 @@ pub struct Inbox {
     pub counts: Counts,
 }
 
-/// The order in which messages were sent, by their sequence numbers, counted on through their turns of 256.
-#[derive(Clone, Copy, Debug, Default)]
-struct Order {
-    /// Place of the last message, and when one arrived \[s\].
-    last: Option<(i64, f64)>,
-}
-
-/// Time \[s\] without any message after which the numbers say nothing of the order.
-const SILENCE: f64 = 0.5;
-
-impl Order {
-    /// The place of a message with this number.
-    fn place(&mut self, now: f64, number: u8) -> i64 {
-        let place = match self.last {
-            None => i64::from(number),
-            Some((last, at)) => {
-                let ahead = number.wrapping_sub(last as u8);
-                match now - at > SILENCE {
-                    true => last + i64::from(ahead).max(1),
-                    false => last + i64::from(ahead as i8),
-                }
-            }
-        };
-        let last = self.last.map_or(place, |(last, _)| last.max(place));
-        self.last = Some((last, now));
-        place
-    }
-}
-
 /// Time constant \[s\] of the filter of accelerations.
 const FILTER: f32 = 0.1;
-
-/// The autopilot's clock, by `TIMESYNC`: of the answers that came, the quickest counts.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Clock {
-    /// The autopilot's time less ours, and the time there and back \[s\].
-    best: Option<(f64, f64)>,
-}
-
-impl Clock {
-    /// Takes an answer that arrived `now` \[s\]: sent at `ours` \[ns\] on our clock, answered at `theirs` on the autopilot's.
-    fn take(&mut self, now: f64, ours: i64, theirs: i64) -> bool {
-        let (ours, theirs) = (ours as f64 * 1e-9, theirs as f64 * 1e-9);
-        let there_and_back = now - ours;
-        let sound = (0.0..1.0).contains(&there_and_back);
-        if sound && self.best.is_none_or(|(_, best)| there_and_back <= best) {
-            self.best = Some((theirs - 0.5 * (now + ours), there_and_back));
-        }
-        sound
-    }
-
-    /// Time \[s\] that a message takes; 0 if it is not known.
-    #[must_use]
-    pub fn latency(&self) -> f64 {
-        self.best
-            .map_or(0.0, |(_, there_and_back)| 0.5 * there_and_back)
-    }
-}
 
 /// A time stamp that is older by more than this \[ms\] is of an autopilot started anew.
 const RESTART: u32 = 1000;
@@ -151,34 +82,6 @@ fn finite(values: &[f32]) -> bool {
     values.iter().all(|v| v.is_finite())
 }
 
-/// The set-point of a message in the local frame; none if it asks for no velocity.
-fn setpoint(m: &SET_POSITION_TARGET_LOCAL_NED_DATA) -> Option<Setpoint> {
-    type Mask = PositionTargetTypemask;
-    let ignores = |mask: Mask| m.type_mask.intersects(mask);
-    let position = Mask::POSITION_TARGET_TYPEMASK_X_IGNORE
-        | Mask::POSITION_TARGET_TYPEMASK_Y_IGNORE
-        | Mask::POSITION_TARGET_TYPEMASK_Z_IGNORE;
-    let velocity = Mask::POSITION_TARGET_TYPEMASK_VX_IGNORE
-        | Mask::POSITION_TARGET_TYPEMASK_VY_IGNORE
-        | Mask::POSITION_TARGET_TYPEMASK_VZ_IGNORE;
-    let acceleration = Mask::POSITION_TARGET_TYPEMASK_AX_IGNORE
-        | Mask::POSITION_TARGET_TYPEMASK_AY_IGNORE
-        | Mask::POSITION_TARGET_TYPEMASK_AZ_IGNORE;
-    // To this system, or to all.
-    let meant = m.target_system == 0 || m.target_system == OWN_SYSTEM;
-    if !meant || ignores(velocity) || m.coordinate_frame as u32 != 1 {
-        return None;
-    }
-    Some(Setpoint {
-        velocity: Ned::new(m.vx, m.vy, m.vz),
-        acceleration: match ignores(acceleration) {
-            true => Ned::default(),
-            false => Ned::new(m.afx, m.afy, m.afz),
-        },
-        position: (!ignores(position)).then(|| Ned::new(m.x, m.y, m.z)),
-    })
-}
-
 impl Inbox {
     /// Takes a message that arrived `now` \[s\].
     pub fn take(&mut self, now: f64, header: &MavHeader, message: &MavMessage) {
@@ -194,20 +97,15 @@ impl Inbox {
         };
         let used = match message {
             // From a ground station.
-            MavMessage::SET_POSITION_TARGET_LOCAL_NED(m) => {
-                let asked = setpoint(m);
-                asked.is_some_and(|asked| {
-                    let (v, a, x) = (
-                        asked.velocity,
-                        asked.acceleration,
-                        asked.position.unwrap_or_default(),
-                    );
-                    let sound = finite(&[
-                        v.north, v.east, v.down, a.north, a.east, a.down, x.north, x.east, x.down,
-                    ]);
-                    put(&mut self.setpoint, asked, m.time_boot_ms, now, sound)
-                })
-            }
+            MavMessage::SET_POSITION_TARGET_LOCAL_NED(m) => setpoint(m).is_some_and(|asked| {
+                put(
+                    &mut self.setpoint,
+                    asked,
+                    m.time_boot_ms,
+                    now,
+                    asked.is_finite(),
+                )
+            }),
             _ if !from_it => {
                 self.counts.ignored += 1;
                 return;
@@ -234,6 +132,10 @@ impl Inbox {
                 let motion = (Ned::new(m.x, m.y, m.z), Ned::new(m.vx, m.vy, m.vz));
                 let sound = finite(&[m.x, m.y, m.z, m.vx, m.vy, m.vz]);
                 let last = self.motion;
+                let behind = last.map_or(0, |last| last.stamp.wrapping_sub(m.time_boot_ms) as i32);
+                if behind >= RESTART as i32 {
+                    self.clock = Clock::default();
+                }
                 let takes = put(&mut self.motion, motion, m.time_boot_ms, now, sound);
                 if takes {
                     self.acceleration = self.differences(last);
@@ -297,8 +199,8 @@ impl Inbox {
     #[must_use]
     pub fn age_of<T>(&self, value: &Stamped<T>, now: f64) -> f64 {
         let arrived = now - value.arrived;
-        match self.clock.best {
-            Some((offset, _)) => {
+        match self.clock.ahead() {
+            Some(offset) => {
                 let behind = milliseconds(now + offset).wrapping_sub(value.stamp) as i32;
                 (f64::from(behind) * 1e-3).max(arrived)
             }
@@ -320,7 +222,7 @@ impl Inbox {
 mod tests {
     use super::*;
     use mavlink::dialects::common::{
-        ATTITUDE_QUATERNION_DATA, HEARTBEAT_DATA, LOCAL_POSITION_NED_DATA, MavFrame, TIMESYNC_DATA,
+        ATTITUDE_QUATERNION_DATA, HEARTBEAT_DATA, LOCAL_POSITION_NED_DATA, TIMESYNC_DATA,
     };
 
     const FROM: MavHeader = MavHeader {
@@ -393,6 +295,9 @@ mod tests {
         let age = inbox.age_of(&inbox.motion.unwrap(), 4.05);
         // A millisecond: the resolution of the stamps.
         assert!((age - 0.05).abs() < 1.1e-3, "{age}");
+        // Started anew, its clock is another one.
+        inbox.take(9.0, &FROM, &motion(10, 1.0));
+        assert_eq!(inbox.age_of(&inbox.motion.unwrap(), 9.5), 0.5);
     }
 
     #[test]
@@ -433,32 +338,5 @@ mod tests {
         assert_eq!(mode(0.3, 90, 2), 2);
         // After a silence the number may be any.
         assert_eq!(mode(1.5, 80, 6), 6);
-    }
-
-    #[test]
-    fn a_set_point_is_of_velocity_and_may_have_more() {
-        type Mask = PositionTargetTypemask;
-        let message = |mask: Mask| SET_POSITION_TARGET_LOCAL_NED_DATA {
-            vx: 3.0,
-            z: -20.0,
-            afx: 1.0,
-            type_mask: mask,
-            coordinate_frame: MavFrame::MAV_FRAME_LOCAL_NED,
-            ..SET_POSITION_TARGET_LOCAL_NED_DATA::default()
-        };
-        let all = setpoint(&message(Mask::empty())).unwrap();
-        assert_eq!(all.position, Some(Ned::new(0.0, 0.0, -20.0)));
-        assert_eq!((all.velocity.north, all.acceleration.north), (3.0, 1.0));
-        let bare =
-            Mask::POSITION_TARGET_TYPEMASK_Z_IGNORE | Mask::POSITION_TARGET_TYPEMASK_AY_IGNORE;
-        let bare = setpoint(&message(bare)).unwrap();
-        assert_eq!((bare.position, bare.acceleration), (None, Ned::default()));
-        assert_eq!(
-            setpoint(&message(Mask::POSITION_TARGET_TYPEMASK_VX_IGNORE)),
-            None
-        );
-        let mut elsewhere = message(Mask::empty());
-        elsewhere.target_system = 2;
-        assert_eq!(setpoint(&elsewhere), None);
     }
 }

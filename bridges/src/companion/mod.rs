@@ -7,23 +7,32 @@
 //! Body axes are those of hover, as PX4 has a tail-sitter's: x to the belly, y along the right wing, z along the tail.
 
 mod autopilot;
+mod clock;
 mod connection;
 mod hold;
 mod inbox;
+mod outbox;
 mod pilot;
 mod plane;
+mod setpoint;
+mod stage;
 pub mod wire;
 
 pub use autopilot::{Autopilot, Body, BodyState};
+pub use clock::Clock;
 pub use connection::{Connection, Received};
 pub use hold::{Hold, HoldParameters};
 pub use inbox::{Counts, Inbox};
-pub use pilot::{Commanded, Companion, End, Pilot, Settings, Stage, Wanted};
+pub use pilot::Companion;
+pub use setpoint::Setpoint;
+pub use stage::{Commanded, End, Pilot, Settings, Stage, Wanted};
 
 pub use mavlink::MavHeader;
 pub use mavlink::dialects::common as messages;
 pub use messages::MavMessage;
 
+/// The companion's own system.
+const OWN_SYSTEM: u8 = 1;
 /// PX4's main mode OFFBOARD.
 pub const OFFBOARD: u8 = 6;
 /// PX4's main mode AUTO, and its sub-mode LOITER: hold.

@@ -1,94 +1,12 @@
-//! The companion's stages, and its set-points.
+//! The companion's state machine.
 
+use super::inbox::Inbox;
+use super::plane::VerticalPlane;
+use super::stage::{Commanded, End, Pilot, Settings, Stage, Wanted};
+use super::{HOLD, Hold, MavHeader, MavMessage, OFFBOARD, OWN_SYSTEM, outbox};
 use alula::guidance::Air;
 use alula::ned::Ned;
 use alula::{Attitude, Inertial, PlanarInput, Reference};
-use mavlink::dialects::common::{
-    AttitudeTargetTypemask, COMMAND_LONG_DATA, HEARTBEAT_DATA, MavAutopilot, MavCmd, MavModeFlag,
-    MavState, MavType, SET_ATTITUDE_TARGET_DATA, TIMESYNC_DATA,
-};
-
-use super::inbox::{Inbox, OWN_SYSTEM};
-use super::plane::VerticalPlane;
-use super::{HOLD, Hold, HoldParameters, MavHeader, MavMessage, OFFBOARD, milliseconds};
-
-/// Whoever controls the flight in its vertical plane.
-pub trait Pilot {
-    /// Thrust \[N\] and θ̇ [rad/s], `dt` \[s\] after the last answer; none if it cannot be reached.
-    fn answer(&mut self, input: &PlanarInput, dt: f32) -> Option<(f32, f32)>;
-}
-
-/// What is to be flown.
-pub enum Wanted<'a> {
-    /// At each time \[s\] since the start: velocity, acceleration, and position from the start, (down, forward).
-    Plan(&'a dyn Fn(f64) -> [Inertial; 3]),
-    /// What comes as `SET_POSITION_TARGET_LOCAL_NED`.
-    Link,
-}
-
-/// Settings of a companion.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Settings {
-    /// Weight that the pilot believes in \[N\], and the autopilot's thrust in hover, in (0, 1): thrust is proportional between.
-    pub weight: f32,
-    /// See `weight`.
-    pub hover_thrust: f32,
-    /// Whether OFFBOARD is asked for; else the flight begins when somebody else sets it.
-    pub engage: bool,
-    /// Heading of the plane \[rad\]; that of the vehicle at the start if none.
-    pub heading: Option<f32>,
-    /// How long \[s\] the reference is flown.
-    pub duration: f64,
-    /// Age \[s\] of the state at which the link is taken for lost.
-    pub timeout: f64,
-    /// Out of the plane.
-    pub hold: HoldParameters,
-}
-
-/// Why a flight ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum End {
-    /// The reference was flown; the autopilot was asked to hold.
-    Finished,
-    /// Somebody took the autopilot out of OFFBOARD.
-    TakenOver,
-    /// Nothing came for too long: nothing is sent any more, and the autopilot acts as on every loss of OFFBOARD.
-    LinkLost,
-    /// The nose points across the plane, or the attitude is none.
-    Attitude,
-    /// The pilot does not answer.
-    Pilot,
-}
-
-/// What the companion does.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Stage {
-    /// Nothing is known of the autopilot's state, and nothing sent.
-    Waiting,
-    /// Hover is sent, since this time \[s\]: PX4 wants to see set-points before it enters OFFBOARD.
-    Streaming(f64),
-    /// The reference is flown, since this time \[s\].
-    Flying(f64),
-    /// The end of the reference is flown until the autopilot holds, since this time \[s\].
-    Leaving(f64),
-    /// Nothing is sent any more.
-    Ended(End),
-}
-
-/// What was told and commanded at one step of the flight.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Commanded {
-    /// Time since the start \[s\].
-    pub t: f64,
-    /// What the pilot was told.
-    pub input: PlanarInput,
-    /// Position from the start \[m\], (down, forward), and across the plane, to the right.
-    pub position: (Inertial, f32),
-    /// Wind as used [m/s], zero if it is not known.
-    pub wind: Inertial,
-    /// Thrust \[N\] and θ̇ [rad/s].
-    pub command: (f32, f32),
-}
 
 /// The state machine.
 pub struct Companion<'a> {
@@ -186,11 +104,7 @@ impl<'a> Companion<'a> {
         self.last_step = now;
         if now >= self.next_heartbeat {
             self.next_heartbeat = now + SECOND;
-            messages.push(heartbeat());
-            messages.push(MavMessage::TIMESYNC(TIMESYNC_DATA {
-                tc1: 0,
-                ts1: (now * 1e9) as i64,
-            }));
+            messages.extend([outbox::heartbeat(), outbox::time(now)]);
         }
         let known = self.inbox.age(now) <= self.settings.timeout;
         let offboard = self.inbox.mode.is_some_and(|mode| mode.0 == OFFBOARD);
@@ -203,7 +117,7 @@ impl<'a> Companion<'a> {
             Stage::Streaming(_) if offboard => self.start(now),
             Stage::Streaming(_) if self.settings.engage && now >= self.next_request => {
                 self.next_request = now + SECOND;
-                messages.push(self.request((OFFBOARD, 0)));
+                messages.push(outbox::request(self.target(), (OFFBOARD, 0)));
             }
             Stage::Flying(_) | Stage::Leaving(_) if !known => {
                 self.stage = Stage::Ended(End::LinkLost);
@@ -227,7 +141,7 @@ impl<'a> Companion<'a> {
             Stage::Leaving(_) => {
                 if now >= self.next_request {
                     self.next_request = now + SECOND;
-                    messages.push(self.request(HOLD));
+                    messages.push(outbox::request(self.target(), HOLD));
                 }
                 self.fly(now, self.settings.duration, dt, pilot, &mut messages)
             }
@@ -378,49 +292,14 @@ impl<'a> Companion<'a> {
 
     fn set_point(&self, now: f64, rates: [f32; 3], thrust: f32) -> MavMessage {
         let share = thrust / self.settings.weight * self.settings.hover_thrust;
-        // A thrust that is no number is none.
-        let share = if share > 0.0 { share.min(1.0) } else { 0.0 };
-        MavMessage::SET_ATTITUDE_TARGET(SET_ATTITUDE_TARGET_DATA {
-            time_boot_ms: milliseconds(now),
-            q: [1.0, 0.0, 0.0, 0.0],
-            body_roll_rate: rates[0],
-            body_pitch_rate: rates[1],
-            body_yaw_rate: rates[2],
-            thrust: share,
-            target_system: self.target(),
-            target_component: 1,
-            type_mask: AttitudeTargetTypemask::ATTITUDE_TARGET_TYPEMASK_ATTITUDE_IGNORE,
-        })
+        outbox::set_point(self.target(), now, rates, share)
     }
 
+    /// The autopilot's system.
     fn target(&self) -> u8 {
         self.inbox
             .system
             .and_then(|id| id.try_into().ok())
-            .unwrap_or(1)
+            .unwrap_or(OWN_SYSTEM)
     }
-
-    fn request(&self, (main, sub): (u8, u8)) -> MavMessage {
-        MavMessage::COMMAND_LONG(COMMAND_LONG_DATA {
-            command: MavCmd::MAV_CMD_DO_SET_MODE,
-            // A mode of the autopilot's own.
-            param1: 1.0,
-            param2: main.into(),
-            param3: sub.into(),
-            target_system: self.target(),
-            target_component: 1,
-            ..COMMAND_LONG_DATA::default()
-        })
-    }
-}
-
-fn heartbeat() -> MavMessage {
-    MavMessage::HEARTBEAT(HEARTBEAT_DATA {
-        custom_mode: 0,
-        mavtype: MavType::MAV_TYPE_ONBOARD_CONTROLLER,
-        autopilot: MavAutopilot::MAV_AUTOPILOT_INVALID,
-        base_mode: MavModeFlag::empty(),
-        system_status: MavState::MAV_STATE_ACTIVE,
-        mavlink_version: 3,
-    })
 }

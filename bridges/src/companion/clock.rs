@@ -1,0 +1,99 @@
+//! The autopilot's time, and the order in which it sent what comes.
+
+/// The autopilot's clock, by `TIMESYNC`: of the answers that came, the quickest counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Clock {
+    /// The autopilot's time less ours, the time there and back, and when it came \[s\].
+    best: Option<(f64, f64, f64)>,
+}
+
+/// Age \[s\] of an answer from which on a slower one takes its place: clocks drift.
+const OLD: f64 = 30.0;
+
+impl Clock {
+    /// Takes an answer that arrived `now` \[s\]: sent at `ours` \[ns\] on our clock, answered at `theirs` on the autopilot's.
+    pub fn take(&mut self, now: f64, ours: i64, theirs: i64) -> bool {
+        let (ours, theirs) = (ours as f64 * 1e-9, theirs as f64 * 1e-9);
+        let there_and_back = now - ours;
+        let sound = (0.0..1.0).contains(&there_and_back);
+        let better = |&(_, best, at): &(f64, f64, f64)| there_and_back <= best || now - at > OLD;
+        if sound && self.best.as_ref().is_none_or(better) {
+            self.best = Some((theirs - 0.5 * (now + ours), there_and_back, now));
+        }
+        sound
+    }
+
+    /// Time \[s\] that a message takes; 0 if it is not known.
+    #[must_use]
+    pub fn latency(&self) -> f64 {
+        self.best
+            .map_or(0.0, |(_, there_and_back, _)| 0.5 * there_and_back)
+    }
+
+    /// The autopilot's time less ours \[s\], if it is known.
+    #[must_use]
+    pub fn ahead(&self) -> Option<f64> {
+        self.best.map(|(ahead, ..)| ahead)
+    }
+}
+
+/// The order in which messages were sent, by their sequence numbers, counted on through their turns of 256.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Order {
+    /// Place of the last message, and when one arrived \[s\].
+    last: Option<(i64, f64)>,
+}
+
+/// Time \[s\] without any message after which the numbers say nothing of the order.
+const SILENCE: f64 = 0.5;
+
+impl Order {
+    /// The place of a message with this number.
+    pub fn place(&mut self, now: f64, number: u8) -> i64 {
+        let place = match self.last {
+            None => i64::from(number),
+            Some((last, at)) => {
+                let ahead = number.wrapping_sub(last as u8);
+                match now - at > SILENCE {
+                    true => last + i64::from(ahead).max(1),
+                    false => last + i64::from(ahead as i8),
+                }
+            }
+        };
+        let last = self.last.map_or(place, |(last, _)| last.max(place));
+        self.last = Some((last, now));
+        place
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_quickest_answer_counts_until_it_is_old() {
+        let mut clock = Clock::default();
+        assert_eq!((clock.ahead(), clock.latency()), (None, 0.0));
+        let second = |t: f64| (t * 1e9) as i64;
+        assert!(clock.take(1.04, second(1.0), second(101.02)));
+        assert!(clock.take(2.3, second(2.0), second(102.02)));
+        assert!((clock.ahead().unwrap() - 100.0).abs() < 1e-9);
+        assert!((clock.latency() - 0.02).abs() < 1e-9);
+        // From the future, and from long ago.
+        assert!(!clock.take(3.0, second(5.0), second(105.0)));
+        assert!(!clock.take(9.0, second(5.0), second(105.0)));
+        assert!(clock.take(32.1, second(32.0), second(132.1)));
+        assert!((clock.latency() - 0.05).abs() < 1e-9);
+    }
+
+    #[test]
+    fn places_go_on_over_the_turn_of_the_numbers_and_a_silence() {
+        let mut order = Order::default();
+        assert_eq!(order.place(0.0, 250), 250);
+        assert_eq!(order.place(0.1, 3), 259);
+        assert_eq!(order.place(0.2, 254), 254);
+        assert_eq!(order.place(0.3, 4), 260);
+        // After a silence any number is later.
+        assert_eq!(order.place(1.0, 3), 515);
+    }
+}
