@@ -1148,6 +1148,21 @@ int32_t alula_step(const struct alula_controller *controller,
                    struct alula_report *report);
 
 /**
+ * How fast a path may go on, in multiples of its own speed, between 0.5 and 1.6: slower where the vehicle is behind, faster
+ * where it is ahead. `position_error` is the position less the path's [m], `velocity` the path's velocity at its own
+ * speed [m/s], both north, east, down. With the pace p the reference is p times that velocity and p² times its
+ * acceleration, and the path's parameter advances at p times its own rate. What is not finite gives 1, and so does every
+ * code but `ALULA_OK`.
+ *
+ * Pointers:
+ * `controller` as in `alula_step`. Each vector is null or points to three numbers, `pace` is null or points to one.
+ */
+int32_t alula_path_pace(const struct alula_controller *controller,
+                        const float *position_error,
+                        const float *velocity,
+                        float *pace);
+
+/**
  * The attitudes at which the reference of `input` can be held in its wind without sideslip, in a turn banked as its
  * reference acceleration asks. The plane of symmetry is then that of the air velocity asked for and the apparent weight;
  * where these are parallel, as in hover, the belly stays on the side it has in `input`. Velocity is not read, unless the air

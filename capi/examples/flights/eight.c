@@ -141,17 +141,20 @@ struct target {
 
 static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-static void aim(double *phase, const double position[3], struct target *target)
+static void aim(const alula_controller *controller, double *phase, const double position[3], struct target *target)
 {
-    const double a = 100.0, b = 65.0, follow = 0.2;
+    const double a = 100.0, b = 65.0;
     double s = sine(*phase), c = cosine(*phase), s2 = sine(2.0 * *phase), c2 = cosine(2.0 * *phase);
     double point[3] = {a * s, 0.5 * b * s2, 0.0}, first[3] = {a * c, b * c2, 0.0}, second[3] = {-a * s, -2.0 * b * s2, 0.0};
     double length = sqrt(dot(first, first)), rate = SPEED / length;
-    double change = -rate * rate * dot(first, second) / (length * length), ahead = 0.0;
-    for (int n = 0; n < 3; n++)
-        ahead += (position[n] - point[n]) * first[n] / length;
-    double pace = 1.0 + follow * ahead / SPEED;
-    pace = pace < 0.5 ? 0.5 : pace > 1.6 ? 1.6 : pace;
+    double change = -rate * rate * dot(first, second) / (length * length);
+    float error[3], velocity[3], waits;
+    for (int n = 0; n < 3; n++) {
+        error[n] = (float)(position[n] - point[n]);
+        velocity[n] = (float)(first[n] * rate);
+    }
+    must(alula_path_pace(controller, error, velocity, &waits), "pace");
+    double pace = (double)waits;
     *phase += rate * pace * STEP;
     for (int n = 0; n < 3; n++) {
         target->position[n] = point[n];
@@ -234,7 +237,7 @@ static void flight(int by_attitude, FILE *trace, uint32_t *sum)
     int seen = 0;
     for (int n = 0; n < STEPS; n++) {
         struct target target;
-        aim(&phase, x + POSITION, &target);
+        aim(&controller, &phase, x + POSITION, &target);
         sense(x, &target, &input);
         must(alula_guide(&controller, &input, (float)STEP, &command, &report), "guidance");
         if (trace)
