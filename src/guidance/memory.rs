@@ -2,6 +2,7 @@
 //! bytes and back.
 
 use super::status::Status;
+use crate::frame::Inertial;
 use crate::ned::Ned;
 
 /// A value made of words.
@@ -68,6 +69,22 @@ memory!(Ned {
     east: f32,
     down: f32,
 });
+
+impl Memory for Inertial {
+    const WORDS: usize = 2;
+
+    #[inline(always)]
+    fn write(&self, take: &mut impl FnMut(u32)) {
+        self.down().write(take);
+        self.forward().write(take);
+    }
+
+    #[inline(always)]
+    fn read(next: &mut impl FnMut() -> u32) -> Self {
+        let (down, forward) = (f32::read(next), f32::read(next));
+        Self::new(down, forward)
+    }
+}
 
 /// A copy of a memory of `N` words and a check word of both.
 ///

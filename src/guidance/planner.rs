@@ -1,24 +1,25 @@
 //! The planner: which plan the virtual vehicle flies by.
 //!
-//! At every step the plan in force and one other are flown ahead for two seconds, and what each costs is compared. A plan
-//! may be to turn to an attitude far away, past stall for example, and to go on from there: so a fold is crossed where that
+//! One plan a step is flown ahead for two seconds: by turns the plan in force and others, and what they cost is compared. A
+//! plan may be to turn to an attitude far away, past stall for example, and to go on from there: so a fold is crossed where that
 //! is worth while, and nothing else decides it. The work is the same at every step.
 
-use super::flight::{Flight, Plan, VirtualVehicle, limited};
+use super::flight::{Flight, Pace, Plan, VirtualVehicle, limited};
 use super::memory::memory;
 use super::parameters::GuidanceParameters;
 use crate::aero::Aerodynamics;
-use crate::frame::Inertial;
+use crate::frame::{Attitude, Inertial};
 use crate::math;
-use crate::reference::Reference;
+use crate::reference::{MAX_SPEED, Reference};
 use crate::vehicle::Vehicle;
 
-/// Steps of a prediction, the first of them \[s\], and the growth from one to the next: 2.05 s in all.
-const STEPS: u8 = 22;
-const FIRST_STEP: f32 = 0.06;
-const GROWTH: f32 = 1.04;
+/// Steps of a prediction, the first of them \[s\], and the growth from one to the next: 2.08 s in all. With 22 steps over
+/// the same time 10 of 200 braking flights climbed more than 3 m, with 28 steps 3.
+const STEPS: usize = 28;
+const FIRST_STEP: f32 = 0.045;
+const GROWTH: f32 = 1.035;
 /// Steps at the end over which it is measured how fast an error closes.
-const LATE: u8 = 5;
+const LATE: usize = 6;
 /// How long the reference is taken to accelerate on \[s\].
 const AHEAD: f32 = 0.5;
 /// Errors count by their square, and from this many bands on in proportion.
@@ -30,33 +31,73 @@ const LEAST_CLOSING: f32 = 0.03;
 /// Being too high costs no more from this many altitude bands on: a reference that sinks more steeply than the vehicle can
 /// is not worth a dive.
 const HIGH: f32 = 3.75;
-/// By how much another plan must cost less: a part, and this much besides.
+/// By how much another plan must cost less: this part, and this much besides.
 const BETTER: f32 = 0.05;
-/// How often in a row.
-const CONFIRMATIONS: u8 = 2;
 /// Time of push-over before a turn \[s\], where there is one.
 const PUSH: f32 = 0.3;
+/// Plans looked at in a round, the plan in force first.
+const ROUND: u8 = 3;
 /// The turns that are looked at: to which angle of attack \[rad\], and whether after a push-over. From there on the servo
-/// finds the way.
-const TURNS: [(f32, bool); TURN_COUNT] = [
-    (1.3, true),
-    (0.14, false),
-    (1.3, false),
-    (-1.3, true),
-    (0.7, false),
-    (1.75, true),
-    (-0.14, false),
-    (1.75, false),
-    (-1.3, false),
-    (2.3, false),
-    (0.0, false),
-    (-1.75, true),
-    (-0.7, false),
-    (-1.75, false),
-    (math::PI, false),
-    (-2.3, false),
+/// finds the way; where there is no turn, from the start. Of three candidates two are of these,
+const OFTEN: [Option<(f32, bool)>; 8] = [
+    Some((1.3, true)),
+    Some((0.0, false)),
+    Some((0.14, false)),
+    Some((1.0, false)),
+    Some((1.3, false)),
+    None,
+    Some((-0.14, false)),
+    Some((1.75, false)),
 ];
-const TURN_COUNT: usize = 16;
+/// and one is of these.
+const SELDOM: [Option<(f32, bool)>; 9] = [
+    Some((1.75, true)),
+    Some((-1.3, true)),
+    Some((-1.3, false)),
+    Some((2.3, false)),
+    Some((-1.0, false)),
+    Some((math::PI, false)),
+    Some((-1.75, true)),
+    Some((-1.75, false)),
+    Some((-2.3, false)),
+];
+/// Candidates until all have been looked at.
+const CANDIDATES: u8 = 3 * SELDOM.len() as u8;
+
+/// A step of a prediction.
+struct AheadStep {
+    pace: Pace,
+    /// 1 while the reference is taken to accelerate, then 0, and a part of the step between.
+    accelerating: f32,
+}
+
+/// The steps of a prediction.
+const AHEAD_STEPS: [AheadStep; STEPS] = ahead_steps().0;
+/// The time of the last [`LATE`] of them \[s\].
+const LATE_TIME: f32 = ahead_steps().1;
+/// The time of all \[s\].
+pub(super) const SPAN: f32 = ahead_steps().2;
+
+const fn ahead_steps() -> ([AheadStep; STEPS], f32, f32) {
+    let mut steps = [const {
+        AheadStep {
+            pace: Pace::new(FIRST_STEP),
+            accelerating: 1.0,
+        }
+    }; STEPS];
+    let (mut n, mut h, mut time, mut late) = (0, FIRST_STEP, 0.0, 0.0);
+    while n < STEPS {
+        steps[n].pace = Pace::new(h);
+        steps[n].accelerating = math::clamp((AHEAD - time) / h, 0.0, 1.0);
+        if n + LATE >= STEPS {
+            late += h;
+        }
+        time += h;
+        h *= GROWTH;
+        n += 1;
+    }
+    (steps, late, time)
+}
 
 /// What the planner remembers.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -64,23 +105,45 @@ const TURN_COUNT: usize = 16;
 pub struct PlannerState {
     /// The plan in force.
     pub plan: Plan,
-    /// The plan that was better at the last step.
-    challenger: Plan,
-    /// How often in a row it was.
-    confirmed: u8,
     /// The candidate to look at next.
     next: u8,
+    /// How many plans of the round have been looked at.
+    looked: u8,
+    /// From where the plans of the round are flown ahead.
+    start: Start,
+    /// What the plan in force comes to.
+    prospect: Prospect,
 }
 
 memory!(PlannerState {
     plan: Plan,
-    challenger: Plan,
-    confirmed: u8,
     next: u8,
+    looked: u8,
+    start: Start,
+    prospect: Prospect,
 });
 
-/// What the plan in force comes to.
+/// From where plans are flown ahead.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+struct Start {
+    flight: Flight,
+    wind: Inertial,
+    /// Reference velocity [m/s] and acceleration [m/s²].
+    velocity: Inertial,
+    acceleration: Inertial,
+}
+
+memory!(Start {
+    flight: Flight,
+    wind: Inertial,
+    velocity: Inertial,
+    acceleration: Inertial,
+});
+
+/// What a plan comes to.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Prospect {
     /// Its cost.
     pub cost: f32,
@@ -94,6 +157,14 @@ pub struct Prospect {
     pub thrust: f32,
 }
 
+memory!(Prospect {
+    cost: f32,
+    error: Inertial,
+    to_go: Inertial,
+    distance: f32,
+    thrust: f32,
+});
+
 /// The planner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -105,6 +176,8 @@ pub struct Planner {
 
 /// Bounds of what is remembered, beyond everything that flies.
 const MAX_ANGLE: f32 = 20.0;
+const MAX_COST: f32 = 1e9;
+const MAX_NUMBER: f32 = 1e12;
 
 impl Plan {
     fn is_sound(&self) -> bool {
@@ -112,17 +185,35 @@ impl Plan {
     }
 }
 
+impl Start {
+    fn is_sound(&self) -> bool {
+        self.flight.is_sound()
+            && self.wind.norm_squared()
+                + self.velocity.norm_squared()
+                + self.acceleration.norm_squared()
+                <= 8.0 * MAX_SPEED * MAX_SPEED
+    }
+}
+
+impl Prospect {
+    fn is_sound(&self) -> bool {
+        self.error.norm_squared() <= MAX_NUMBER
+            && self.to_go.norm_squared() <= 2.1 * MAX_TO_GO * MAX_TO_GO
+            && self.distance.abs() + self.thrust.abs() + self.cost.abs() <= MAX_NUMBER
+    }
+}
+
 impl PlannerState {
     /// Whether every number is one that a planner can have left. NaN is not.
     pub(super) fn is_sound(&self) -> bool {
-        self.plan.is_sound() && self.challenger.is_sound()
+        self.plan.is_sound() && self.start.is_sound() && self.prospect.is_sound()
     }
 
     /// Counts the attitude of the plans from `by` \[rad\] further on: θ has been wrapped.
     #[inline(always)]
     pub(super) fn shift(&mut self, by: f32) {
         self.plan.target += by;
-        self.challenger.target += by;
+        self.start.flight.theta += by;
     }
 }
 
@@ -136,7 +227,10 @@ impl Planner {
         }
     }
 
-    /// Looks at one more plan, and changes to it if it was better twice. Gives what the plan that was in force comes to.
+    /// Looks at one plan, and gives what the plan in force came to when that was last looked at.
+    ///
+    /// The first of a round is the plan in force, and then come candidates, flown ahead from where and when the round began:
+    /// costs are compared of plans from one start only. A candidate that is better takes over.
     #[inline(always)]
     pub fn search<A: Aerodynamics>(
         &self,
@@ -146,53 +240,34 @@ impl Planner {
         reference: &Reference,
         wind: Inertial,
     ) -> Prospect {
-        let prospect = self.predict(vehicle, flight, &state.plan, reference, wind);
-        let candidate = if state.confirmed > 0 {
-            state.challenger
+        let first = state.looked == 0 || state.looked >= ROUND;
+        let plan = if first {
+            state.looked = 0;
+            state.start = Start {
+                flight: *flight,
+                wind,
+                velocity: reference.velocity,
+                acceleration: reference.acceleration,
+            };
+            state.plan
         } else {
             let n = state.next;
-            state.next = if n < TURN_COUNT as u8 { n + 1 } else { 0 };
-            self.candidate(vehicle, flight, wind, n)
+            state.next = if n + 1 < CANDIDATES { n + 1 } else { 0 };
+            candidate(vehicle, &state.start, n)
         };
-        let other = self.predict(vehicle, flight, &candidate, reference, wind);
-        if other.cost < prospect.cost - BETTER * (1.0 + prospect.cost) {
-            state.challenger = candidate;
-            state.confirmed += 1;
-            if state.confirmed >= CONFIRMATIONS {
-                state.plan = candidate;
-                state.confirmed = 0;
-            }
-        } else {
-            state.confirmed = 0;
+        let found = self.predict(vehicle, &state.start, &plan);
+        state.looked += 1;
+        let cost = state.prospect.cost;
+        if first {
+            state.prospect = found;
+        } else if found.cost < cost - BETTER * (1.0 + cost) {
+            state.plan = plan;
+            state.looked = 0;
         }
-        prospect
+        state.prospect
     }
 
-    /// Candidate `n`: to turn to an angle of attack, with and without a push-over, or to do nothing but servo.
-    #[inline(always)]
-    fn candidate<A: Aerodynamics>(
-        &self,
-        vehicle: &Vehicle<A>,
-        flight: &Flight,
-        wind: Inertial,
-        n: u8,
-    ) -> Plan {
-        match TURNS.get(usize::from(n)) {
-            None => Plan::default(),
-            Some((alpha, push)) => {
-                let v_a = flight.velocity - wind;
-                let gamma = math::atan2(v_a.forward(), v_a.down());
-                let target = gamma - math::PI + vehicle.thrust_line().delta() + alpha;
-                Plan {
-                    push: if *push { PUSH } else { 0.0 },
-                    target: flight.theta + wrap(target - flight.theta),
-                    turn: 1,
-                }
-            }
-        }
-    }
-
-    /// What `plan` comes to if it is flown from `flight`.
+    /// What `plan` comes to if it is flown from `start`.
     ///
     /// The cost is the integral over the prediction of the altitude error and of the velocity errors, each in its band, and
     /// the same for the time after it: an error that closes at the rate of the last steps is there for as long as that
@@ -201,63 +276,85 @@ impl Planner {
     fn predict<A: Aerodynamics>(
         &self,
         vehicle: &Vehicle<A>,
-        flight: &Flight,
+        start: &Start,
         plan: &Plan,
-        reference: &Reference,
-        wind: Inertial,
     ) -> Prospect {
-        let (mut flight, mut plan) = (*flight, *plan);
-        let start = flight.position.forward();
-        let (mut time, mut h, mut cost) = (0.0, FIRST_STEP, 0.0);
-        let (mut late, mut late_time) = (flight.velocity, 0.0);
-        let mut error = Inertial::ZERO;
-        for n in 0..STEPS {
+        let virtual_vehicle = &self.virtual_vehicle;
+        let (mut flight, mut plan, wind) = (start.flight, *plan, start.wind);
+        let mut attitude = Attitude::from_angle(flight.theta);
+        let band = Inertial::new(
+            1.0 / (KNEE * self.velocity_band.down()),
+            1.0 / (KNEE * self.velocity_band.forward()),
+        );
+        let altitude_band = 1.0 / (KNEE * self.altitude_band);
+        let mut velocity = start.velocity;
+        let mut error =
+            flight.velocity - virtual_vehicle.velocity_wanted(flight.position, velocity);
+        let (mut late, mut cost) = (flight.velocity, 0.0);
+        for (n, step) in AHEAD_STEPS.iter().enumerate() {
             if n == STEPS - LATE {
-                (late, late_time) = (flight.velocity, time);
+                late = flight.velocity;
             }
-            let moved = Reference {
-                velocity: reference.velocity + reference.acceleration * math::min(time, AHEAD),
-                acceleration: if time < AHEAD {
-                    reference.acceleration
-                } else {
-                    Inertial::ZERO
-                },
-            };
-            self.virtual_vehicle
-                .advance(vehicle, &mut flight, &mut plan, &moved, wind, h);
-            error = flight.velocity
-                - self
-                    .virtual_vehicle
-                    .velocity_wanted(flight.position, moved.velocity);
-            let high = -HIGH * self.altitude_band;
-            let altitude = if flight.position.down() < high {
-                high
-            } else {
-                flight.position.down()
-            };
-            cost += h
-                * (penalty(altitude, self.altitude_band)
-                    + penalty(error.down(), self.velocity_band.down())
-                    + penalty(error.forward(), self.velocity_band.forward()));
-            time += h;
-            h *= GROWTH;
+            let acceleration = start.acceleration * step.accelerating;
+            let wish = virtual_vehicle.wish(error, acceleration, vehicle.gravity(), &step.pace);
+            virtual_vehicle.step(
+                vehicle,
+                &mut flight,
+                &mut attitude,
+                &mut plan,
+                velocity,
+                wish,
+                wind,
+                &step.pace,
+                false,
+            );
+            velocity += acceleration * step.pace.h;
+            error = flight.velocity - virtual_vehicle.velocity_wanted(flight.position, velocity);
+            cost += step.pace.h
+                * (penalty(-math::min(
+                    -flight.position.down() * altitude_band,
+                    HIGH / KNEE,
+                )) + penalty(error.down() * band.down())
+                    + penalty(error.forward() * band.forward()));
         }
-        let mean = (flight.velocity - late) / (time - late_time) - reference.acceleration;
+        let mean = (flight.velocity - late) * (1.0 / LATE_TIME) - start.acceleration;
         let least = LEAST_CLOSING * vehicle.gravity();
         let to_go = Inertial::new(
             to_go(error.down(), mean.down(), least),
             to_go(error.forward(), mean.forward(), least),
         );
         cost += TO_GO
-            * (to_go.down() * penalty(error.down(), self.velocity_band.down())
-                + to_go.forward() * penalty(error.forward(), self.velocity_band.forward()));
+            * (to_go.down() * penalty(error.down() * band.down())
+                + to_go.forward() * penalty(error.forward() * band.forward()));
         Prospect {
-            cost,
+            cost: math::min(2.0 * KNEE * KNEE * cost, MAX_COST),
             error,
             to_go,
-            distance: flight.position.forward() - start,
+            distance: flight.position.forward() - start.flight.position.forward(),
             thrust: flight.thrust,
         }
+    }
+}
+
+/// Candidate `n`: to turn to an angle of attack, with and without a push-over, or to do nothing but servo.
+#[inline(always)]
+fn candidate<A: Aerodynamics>(vehicle: &Vehicle<A>, start: &Start, n: u8) -> Plan {
+    let n = usize::from(n);
+    let turn = if n % 3 == 2 {
+        SELDOM.get(n / 3)
+    } else {
+        OFTEN.get((n - n / 3) % OFTEN.len())
+    };
+    let Some(&Some((alpha, push))) = turn else {
+        return Plan::default();
+    };
+    let v_a = start.flight.velocity - start.wind;
+    let gamma = math::atan2(v_a.forward(), v_a.down());
+    let target = gamma - math::PI + vehicle.thrust_line().delta() + alpha;
+    Plan {
+        push: if push { PUSH } else { 0.0 },
+        target: start.flight.theta + wrap(target - start.flight.theta),
+        turn: 1,
     }
 }
 
@@ -273,11 +370,10 @@ fn to_go(error: f32, acceleration: f32, least: f32) -> f32 {
     math::min(error.abs() / closing, MAX_TO_GO)
 }
 
-/// (x/band)², and beyond the knee in proportion to |x|.
+/// z²/2, and beyond 1 in proportion to |z|.
 #[inline(always)]
-fn penalty(x: f32, band: f32) -> f32 {
-    let z = x / (KNEE * band);
-    2.0 * KNEE * KNEE * (math::sqrt(1.0 + z * z) - 1.0)
+fn penalty(z: f32) -> f32 {
+    math::sqrt(1.0 + z * z) - 1.0
 }
 
 /// `angle` \[rad\] within ±π.
@@ -426,10 +522,10 @@ mod tests {
 
     #[test]
     fn errors_count_by_their_square_and_then_in_proportion() {
-        assert_eq!(penalty(0.0, 0.4), 0.0);
-        // One band counts 1, to second order in 1/knee².
-        assert!((penalty(-0.4, 0.4) - 1.0).abs() < 0.02);
-        let (far, farther) = (penalty(100.0, 1.0), penalty(200.0, 1.0));
+        assert_eq!(penalty(0.0), 0.0);
+        // z²/2, to second order in z².
+        assert!((penalty(-0.1) - 0.005).abs() < 0.000_02);
+        let (far, farther) = (penalty(25.0), penalty(50.0));
         assert!((farther / far - 2.0).abs() < 0.05);
     }
 
@@ -441,6 +537,60 @@ mod tests {
         assert_eq!(to_go(3.0, 1.5, 0.3), 10.0);
         assert_eq!(to_go(300.0, -0.1, 0.3), MAX_TO_GO);
         assert_eq!(to_go(0.0, 0.0, 0.3), 0.0);
+    }
+
+    #[test]
+    fn a_prediction_spans_two_seconds_and_its_reference_accelerates_for_half_a_second() {
+        let sum = |f: &dyn Fn(&AheadStep) -> f32| AHEAD_STEPS.iter().map(f).sum::<f32>();
+        // 1e-5: roundings of 28 sums of seconds.
+        assert!((sum(&|s| s.pace.h) - SPAN).abs() < 1e-5 && (SPAN - 2.08).abs() < 0.01);
+        assert!((sum(&|s| s.pace.h * s.accelerating) - AHEAD).abs() < 1e-5);
+        let late = |s: &[AheadStep]| s.iter().map(|s| s.pace.h).sum::<f32>();
+        assert!((late(&AHEAD_STEPS[STEPS - LATE..]) - LATE_TIME).abs() < 1e-5);
+    }
+
+    /// The plans of a round are compared from where it began, wherever the flight has got to meanwhile.
+    #[test]
+    fn the_plans_of_a_round_have_one_start() {
+        let (vehicle, planner) = (vehicle(2.0), Planner::new(&GuidanceParameters::default()));
+        let mut state = PlannerState::default();
+        let calm = Inertial::ZERO;
+        let first = planner.search(&vehicle, &mut state, &cruise(), &hover(0.0), calm);
+        // Elsewhere, and in wind: the plan in force is not looked at, and nothing of this counts.
+        let mut elsewhere = state;
+        let told = planner.search(
+            &vehicle,
+            &mut elsewhere,
+            &Flight::default(),
+            &hover(0.0),
+            Inertial::new(0.0, 9.0),
+        );
+        planner.search(&vehicle, &mut state, &cruise(), &hover(0.0), calm);
+        assert_eq!((elsewhere, told), (state, first));
+        // From 20 m/s to a stop the first candidate, a turn past stall, is better: it takes over, and a round begins.
+        assert_eq!((state.plan.turn, state.looked), (1, 0));
+        let next = planner.search(&vehicle, &mut state, &cruise(), &hover(0.0), calm);
+        assert!(next.cost < first.cost);
+    }
+
+    /// Every candidate is looked at, and none so seldom that it comes too late: 27 looks take 0.4 s.
+    #[test]
+    fn all_candidates_are_looked_at() {
+        let vehicle = vehicle(2.0);
+        let start = Start {
+            flight: cruise(),
+            ..Start::default()
+        };
+        let plans: std::vec::Vec<_> = (0..CANDIDATES)
+            .map(|n| candidate(&vehicle, &start, n))
+            .collect();
+        let looks = |plan: &Plan| plans.iter().filter(|p| *p == plan).count();
+        let different = plans.iter().map(|p| 1.0 / looks(p) as f32).sum::<f32>();
+        assert!((different - 17.0).abs() < 1e-3);
+        assert!(plans.iter().all(|p| looks(p) <= 3));
+        // To an angle of attack of 74° from a course that is level forward: nose 16° from up.
+        let braking = plans.first().unwrap();
+        assert!((braking.target + 16f32.to_radians()).abs() < 0.01 && braking.push == PUSH);
     }
 
     #[test]

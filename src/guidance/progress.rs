@@ -1,7 +1,7 @@
 //! What the guidance is about, and what of the reference cannot be had.
 
 use super::flight::Flight;
-use super::planner::{Planner, PlannerState, Prospect};
+use super::planner::{Planner, PlannerState, Prospect, SPAN};
 use crate::aero::Aerodynamics;
 use crate::frame::Inertial;
 use crate::vehicle::Vehicle;
@@ -73,8 +73,6 @@ pub struct Progress {
     pub distance: f32,
 }
 
-/// Time \[s\] that a prediction spans.
-const SPAN: f32 = 2.05;
 /// Time to go \[s\] from which on an error is taken not to close.
 const NEVER: f32 = 10.0;
 /// Slope of a descent from which on it is the sink that speed is gained by. Wings glide at less.
