@@ -762,7 +762,7 @@ typedef struct alula_controller {
     /**
      * Private.
      */
-    uint64_t opaque[104];
+    uint64_t opaque[128];
 } alula_controller;
 
 /**
