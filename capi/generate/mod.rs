@@ -49,6 +49,7 @@ fn header() -> Result<String> {
         "report",
         "guide",
         "step",
+        "path",
         "envelope",
     ] {
         builder = builder.with_src(sources.join(file).with_extension("rs"));

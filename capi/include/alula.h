@@ -762,7 +762,7 @@ typedef struct alula_controller {
     /**
      * Private.
      */
-    uint64_t opaque[104];
+    uint64_t opaque[128];
 } alula_controller;
 
 /**
@@ -1146,6 +1146,21 @@ int32_t alula_step(const struct alula_controller *controller,
                    float dt,
                    struct alula_command *command,
                    struct alula_report *report);
+
+/**
+ * How fast a path may go on, in multiples of its own speed, between 0.5 and 1.6: slower where the vehicle is behind, faster
+ * where it is ahead. `position_error` is the position less the path's [m], `velocity` the path's velocity at its own
+ * speed [m/s], both north, east, down. With the pace p the reference is p times that velocity and p² times its
+ * acceleration, and the path's parameter advances at p times its own rate. What is not finite gives 1, and so does every
+ * code but `ALULA_OK`.
+ *
+ * Pointers:
+ * `controller` as in `alula_step`. Each vector is null or points to three numbers, `pace` is null or points to one.
+ */
+int32_t alula_path_pace(const struct alula_controller *controller,
+                        const float *position_error,
+                        const float *velocity,
+                        float *pace);
 
 /**
  * The attitudes at which the reference of `input` can be held in its wind without sideslip, in a turn banked as its

@@ -24,7 +24,7 @@ pub struct Controller {
     /// Private.
     pub reserved: u32,
     /// Private.
-    pub opaque: [u64; 104],
+    pub opaque: [u64; 128],
 }
 
 impl Controller {
@@ -32,7 +32,7 @@ impl Controller {
     pub const BLANK: Self = Self {
         header: Self::HEADER,
         reserved: 0,
-        opaque: [0; 104],
+        opaque: [0; 128],
     };
 }
 

@@ -20,6 +20,7 @@ mod guide;
 mod input;
 mod memory;
 mod parameters;
+mod path;
 mod report;
 mod step;
 mod table;
@@ -36,6 +37,7 @@ pub use parameters::{
     ALULA_MODEL_SMALL_ANGLE, ALULA_MODEL_TABLE, CHOICES, ControllerParameters, Parameters,
     SECTIONS, Section, alula_parameters_default,
 };
+pub use path::alula_path_pace;
 pub use report::*;
 pub use step::alula_step;
 pub use table::{ALULA_TABLE_ROWS, Table, TableRow, alula_table_init};

@@ -393,6 +393,23 @@ fn what_is_remembered_stays_where_it_is_when_the_vehicle_turns() {
     }
 }
 
+/// The pace is the core's: slower behind, faster ahead, 1 where there is nothing to tell.
+#[test]
+fn a_path_waits_for_who_is_behind() {
+    let (c, core) = (controller(&PAPER, null()), core());
+    let mut paces = Vec::new();
+    for along in [-40.0, -1.0, 0.0, 7.0, 100.0, f32::NAN] {
+        let (error, velocity) = ([0.6 * along, 0.8 * along, 3.0], [12.0, 16.0, 0.0]);
+        let mut pace = 9.0;
+        let code = unsafe { alula_path_pace(&c, error.as_ptr(), velocity.as_ptr(), &mut pace) };
+        assert_eq!(code, ALULA_OK);
+        assert_eq!(pace, core.pace(ned(error), ned(velocity)));
+        paces.push(pace);
+    }
+    assert!(paces[0] < paces[1] && paces[1] < 1.0 && paces[3] > 1.0);
+    assert_eq!((paces[2], paces[5]), (1.0, 1.0));
+}
+
 /// In hover the heading asked for turns the vehicle about its tail; a free one does not.
 #[test]
 fn a_heading_turns_the_vehicle_and_a_free_one_does_not() {

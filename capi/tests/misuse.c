@@ -87,6 +87,9 @@ static void call_all(int which, void *wrong, int32_t code)
         CHECK(alula_step(p[1], p[2], 0.01f, p[3], NULL) == ALULA_ERROR_NOT_INITIALISED && is_safe());
     }
     if (which == 1) {
+        const float vector[3] = {1.0f, 2.0f, 3.0f};
+        float pace = 9.0f;
+        CHECK(alula_path_pace(p[1], vector, vector, &pace) == code && pace == 1.0f);
         CHECK(alula_init(p[1], p[0], NULL) == code);
         CHECK(alula_reset(p[1]) == code);
         CHECK(alula_fold_map_init(p[5], p[1]) == code);

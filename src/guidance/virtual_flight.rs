@@ -154,7 +154,8 @@ impl Turning {
     ) -> Result<Self, ParameterError> {
         let (weight, k_a) = (vehicle.weight(), vehicle.k_a());
         let thrust = SHARE * vehicle.thrust_max() / weight;
-        let speed = math::sqrt(weight / k_a);
+        // The absolute value of what is positive: the root then needs no call of the C library.
+        let speed = math::sqrt((weight / k_a).abs());
         Ok(Self {
             max: p.max_turn * vehicle.gravity(),
             thrust_squared: thrust * thrust,
