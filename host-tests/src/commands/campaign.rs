@@ -68,6 +68,11 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         return Ok(());
     };
     if name == space::ATTITUDES.0 {
+        let whole = args.refly.is_none() && !args.print && args.shard.is_whole();
+        ensure!(
+            whole,
+            "attitudes: has no text, shares or flights to refly; its flights are those of start-hover and start-cruise by seed"
+        );
         drop(stdout);
         return space::attitudes(args.flights, args.threads, &args.output);
     }
