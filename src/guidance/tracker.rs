@@ -186,7 +186,7 @@ impl Tracker {
         let full = self.integrate(integral, pull * (law / stiffness), bound, input, branch, dt);
         // Along the thrust line a velocity error is a force, whatever F_p is.
         let held = attitude.to_body(*integral);
-        let held = Body::new(held.i, held.j * stiffness, held.w);
+        let held = Body::new(held.i, held.j * stiffness, held.w * stiffness);
         reference.velocity = reference.velocity - attitude.to_world(held);
         step.error += held.in_plane();
         let in_plane = plane.robust_in_plane(&step, branch, None)?;

@@ -552,9 +552,11 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             vehicle,
             &mut state.flight,
             &mut state.planner,
-            &asked,
-            state.wind,
-            self.accelerometer.air(&state.accelerometer),
+            (
+                &asked,
+                state.wind,
+                self.accelerometer.air(&state.accelerometer),
+            ),
             dt,
         );
 

@@ -196,8 +196,8 @@ impl Turning {
         math::clamp(speed / (TURNING * self.speed) - 1.0, 0.0, 1.0)
     }
 
-    /// Lets `flight` pass for `dt` \[s\] by the plan that `planner` has chosen, the air's force being `air` times the believed
-    /// one.
+    /// Lets `flight` pass for `dt` \[s\] by the plan that `planner` has chosen: to a `reference`, in a `wind`, the air's force
+    /// being `air` times the believed one.
     #[inline(always)]
     pub fn advance<'a, A: Aerodynamics>(
         &self,
@@ -205,9 +205,7 @@ impl Turning {
         vehicle: &'a Vehicle<A>,
         flight: &mut VirtualFlight,
         state: &mut PlannerState,
-        reference: &Reference,
-        wind: Ned,
-        air: f32,
+        (reference, wind, air): (&Reference, Ned, f32),
         dt: f32,
     ) -> Moved<'a, A> {
         let servo = &planner.virtual_vehicle;

@@ -350,7 +350,7 @@ fn hover_circle_hover() {
     let samples = flown.fly(&mut mission, hover(0.0), 75.0, &mut calm());
     report("mission, calm", &samples, 0.0);
     let last = samples[samples.len() - 1];
-    assert!(lowest(&samples) > -1.0 && last.velocity_error < 0.05 && last.position_error < 0.1);
+    assert!(lowest(&samples) > -1.5 && last.velocity_error < 0.05 && last.position_error < 0.1);
 }
 
 /// Moderate turbulence on three axes, 5 m/s of side wind, all of it measured: measured 3.4 m lost at most over these seeds.
