@@ -35,6 +35,7 @@ use crate::vehicle::Vehicle;
 ///
 /// ```
 /// use alula::guidance::*;
+/// use alula::spatial::Ned;
 /// use alula::*;
 ///
 /// let model = Combined::new(CombinedParameters::PAPER_BELIEF)?;
