@@ -32,7 +32,7 @@ const LEAST_CLOSING: f32 = 0.03;
 /// is not worth a dive.
 const HIGH: f32 = 3.75;
 /// By how much another plan must cost less: this part, and this much besides.
-const BETTER: f32 = 0.15;
+const BETTER: f32 = 0.1;
 /// Time of push-over before a turn \[s\], where there is one.
 const PUSH: f32 = 0.3;
 /// Plans looked at in a round, the plan in force first.
