@@ -131,7 +131,11 @@ fn same_bits(
 #[test]
 #[ignore = "needs QEMU: cargo pil-check"]
 fn every_built_in_experiment_of_the_core_flies_the_same_bits() {
-    for (name, experiment, configuration) in core_experiments(Pacing::Lockstep) {
+    for (name, mut experiment, configuration) in core_experiments(Pacing::Lockstep) {
+        // The emulation takes as long as the flight or longer: the round trip is flown whole, of the others the beginning.
+        if name != "round-trip" {
+            experiment.duration_s = experiment.duration_s.min(10.0);
+        }
         let begin = Instant::now();
         same_bits(Build::Release, &experiment, &configuration)
             .context(name)

@@ -226,7 +226,7 @@ mod tests {
                 assert_eq!((error.north, error.east), (0.0, 0.0));
             }
             v = Ned::new((v.north - 0.1).max(0.0), 0.0, 0.0);
-            x = x + v * DT;
+            x += v * DT;
         }
         assert!(state.is_reached());
         // Held from 1 m/s on, 5 cm before the end.
