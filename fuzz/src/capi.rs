@@ -69,7 +69,7 @@ pub fn run(data: &[u8]) -> u64 {
     let mut controller = Controller {
         header: Controller::HEADER,
         reserved: 0,
-        opaque: [0; 104],
+        opaque: [0; 128],
     };
     // SAFETY: As above.
     let code = unsafe {
