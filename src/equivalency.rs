@@ -81,7 +81,8 @@ impl ApparentForces {
     }
 
     /// Forces in the plane of symmetry of a body that flies in space: the `air` in that plane, the length `airspeed`
-    /// [m/s] of the whole air velocity, and the components of the apparent `weight` m (g − a_r) \[N\] in the plane.
+    /// [m/s] of the whole air velocity, times what the force of the air is of the believed one, and the components of the
+    /// apparent `weight` m (g − a_r) \[N\] in the plane.
     #[inline(always)]
     pub(crate) fn in_plane<A: Aerodynamics>(
         vehicle: &Vehicle<A>,

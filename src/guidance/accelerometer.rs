@@ -17,7 +17,8 @@ use crate::vehicle::Vehicle;
 const TIME: f32 = 0.2;
 /// Greatest force error that is believed, in multiples of the weight.
 const MOST: f32 = 0.6;
-/// Time constant of the measured force of the air \[s\], and the bounds of what is believed of it.
+/// Time in which the force of the air takes over what is left of the force error along it \[s\], and the bounds of what is
+/// believed of it.
 const AIR_TIME: f32 = 0.5;
 const LEAST_EXCESS: f32 = -0.4;
 const MOST_EXCESS: f32 = 0.6;
@@ -98,16 +99,10 @@ impl Accelerometer {
             & (LEAST_EXCESS..=MOST_EXCESS).contains(excess)
     }
 
-    /// What the law is to add.
+    /// What the law is to add: what is in proportion to the force of the air follows it at once, the rest by its low-pass.
     #[inline(always)]
     pub fn correction(&self, state: &AccelerometerState) -> Correction {
-        Correction::new(state.force.force, state.sideslip.velocity)
-    }
-
-    /// The force of the air as a multiple of the believed one: the part along that of what is measured.
-    #[inline(always)]
-    pub fn air(&self, state: &AccelerometerState) -> f32 {
-        1.0 + state.excess
+        Correction::new(state.force.force, state.sideslip.velocity).with_air(state.excess)
     }
 
     /// One step of `dt` \[s\] after a command of the law in this attitude, with the specific force \[m/s²\] if it is
@@ -134,12 +129,15 @@ impl Accelerometer {
             thrust: command.thrust,
         };
         self.force.update(&mut state.force, &sample, dt);
-        let measured = orientation
+        let left = orientation
             .to_body(state.force.force)
             .dot(sample.aerodynamic)
             / (sample.aerodynamic.norm_squared() + self.air_force * self.air_force);
-        let step = math::clamp(measured, LEAST_EXCESS, MOST_EXCESS) - state.excess;
-        state.excess += step * math::min(dt / AIR_TIME, 1.0);
+        state.excess = math::clamp(
+            state.excess + left * math::min(dt / AIR_TIME, 1.0),
+            LEAST_EXCESS,
+            MOST_EXCESS,
+        );
         // A measured air velocity has its own lateral part.
         match (&self.sideslip, air) {
             (Some(sideslip), AirUse::Wind | AirUse::HeldWind) => sideslip.update(

@@ -17,7 +17,7 @@ use crate::vehicle::Vehicle;
 const SHARE_OF_RATE: f32 = 0.965;
 const SHARE_OF_SLEW: f32 = 0.83;
 /// Rate [1/s] with which the attitude goes to its target.
-const ATTITUDE_GAIN: f32 = 8.0;
+const ATTITUDE_GAIN: f32 = 9.0;
 /// Greatest step of the servo \[rad\]: beyond it the linearisation says nothing.
 const MAX_CORRECTION: f32 = 0.3;
 /// Distance from the target of a turn \[rad\] beyond which it is gone to no faster. With [`ATTITUDE_STEP`], less than π/4 a

@@ -28,9 +28,10 @@ const KNEE: f32 = 4.0;
 const TO_GO: f32 = 0.6;
 const MAX_TO_GO: f32 = 20.0;
 const LEAST_CLOSING: f32 = 0.03;
-/// Being too high costs no more from this many altitude bands on: a reference that sinks more steeply than the vehicle can
-/// is not worth a dive.
+/// Being too high costs no more from this many altitude bands on, and sinking too slowly from this many velocity bands on: a
+/// reference that sinks more steeply than the vehicle can is not worth a dive.
 const HIGH: f32 = 3.75;
+const SLOW: f32 = 8.0;
 /// By how much another plan must cost less: this part, and this much besides.
 const BETTER: f32 = 0.1;
 /// Time of push-over before a turn \[s\], where there is one.
@@ -314,7 +315,7 @@ impl Planner {
                 * (penalty(-math::min(
                     -flight.position.down() * altitude_band,
                     HIGH / KNEE,
-                )) + penalty(error.down() * band.down())
+                )) + sinking(error.down() * band.down())
                     + penalty(error.forward() * band.forward()));
         }
         let mean = (flight.velocity - late) * (1.0 / LATE_TIME) - start.acceleration;
@@ -324,7 +325,7 @@ impl Planner {
             to_go(error.forward(), mean.forward(), least),
         );
         cost += TO_GO
-            * (to_go.down() * penalty(error.down() * band.down())
+            * (to_go.down() * sinking(error.down() * band.down())
                 + to_go.forward() * penalty(error.forward() * band.forward()));
         Prospect {
             cost: math::min(2.0 * KNEE * KNEE * cost, MAX_COST),
@@ -374,6 +375,12 @@ fn to_go(error: f32, acceleration: f32, least: f32) -> f32 {
 #[inline(always)]
 fn penalty(z: f32) -> f32 {
     math::sqrt(1.0 + z * z) - 1.0
+}
+
+/// The same for a velocity error down, in [`KNEE`] bands. Sinking too slowly costs no more beyond [`SLOW`].
+#[inline(always)]
+fn sinking(z: f32) -> f32 {
+    penalty(-math::min(-z, SLOW / KNEE))
 }
 
 /// `angle` \[rad\] within ±π.
@@ -527,6 +534,13 @@ mod tests {
         assert!((penalty(-0.1) - 0.005).abs() < 0.000_02);
         let (far, farther) = (penalty(25.0), penalty(50.0));
         assert!((farther / far - 2.0).abs() < 0.05);
+    }
+
+    #[test]
+    fn sinking_too_slowly_costs_no_more_from_eight_bands_on() {
+        assert_eq!(sinking(-1.9), penalty(1.9));
+        assert_eq!(sinking(-2.1), penalty(2.0));
+        assert_eq!(sinking(5.0), penalty(5.0));
     }
 
     #[test]

@@ -556,7 +556,8 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             (
                 &asked,
                 state.wind,
-                self.accelerometer.air(&state.accelerometer),
+                correction.air(),
+                axes.right.dot(input.orientation.w()),
             ),
             dt,
         );

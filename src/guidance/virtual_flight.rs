@@ -37,6 +37,9 @@ const TAKEOVER: f32 = 0.8;
 const STAY: f32 = 0.3;
 /// Rate at which the course approaches its aim [1/s].
 const COURSE_GAIN: f32 = 2.0;
+/// Cosine of the angle between the real wing and the virtual one below which the course turns more slowly: it waits for the
+/// vehicle.
+const WAIT: f32 = 0.5;
 /// Airspeed [m/s] below which a lateral acceleration turns the course less.
 const SLOW: f32 = 3.0;
 /// Part of the greatest angular rate that the course may turn with.
@@ -197,7 +200,7 @@ impl Turning {
     }
 
     /// Lets `flight` pass for `dt` \[s\] by the plan that `planner` has chosen: to a `reference`, in a `wind`, the air's force
-    /// being `air` times the believed one.
+    /// being `air` times the believed one. `wings` is the cosine of the angle between the real wing and the virtual one.
     #[inline(always)]
     pub fn advance<'a, A: Aerodynamics>(
         &self,
@@ -205,7 +208,7 @@ impl Turning {
         vehicle: &'a Vehicle<A>,
         flight: &mut VirtualFlight,
         state: &mut PlannerState,
-        (reference, wind, air): (&Reference, Ned, f32),
+        (reference, wind, air, wings): (&Reference, Ned, f32, f32),
         dt: f32,
     ) -> Moved<'a, A> {
         let servo = &planner.virtual_vehicle;
@@ -295,7 +298,8 @@ impl Turning {
         );
         let turn_per_lean = ahead / (square + SLOW * SLOW);
         let turn = if self.max > 0.0 {
-            limited(COURSE_GAIN * aim + lean * turn_per_lean, self.rate)
+            let waiting = math::clamp(wings / WAIT, 0.0, 1.0);
+            waiting * limited(COURSE_GAIN * aim + lean * turn_per_lean, self.rate)
         } else {
             0.0
         };

@@ -32,7 +32,11 @@ pub struct State {
 pub struct Correction {
     force: Ned,
     sideslip: f32,
+    air: f32,
 }
+
+/// Excesses of the air's force that are believed.
+const EXCESS: core::ops::RangeInclusive<f32> = -0.9..=9.0;
 
 impl Correction {
     /// A force d̂ \[N\] on the vehicle that its model leaves out ([`ForceError`](super::ForceError)), and an air
@@ -50,7 +54,26 @@ impl Correction {
             } else {
                 0.0
             },
+            air: 0.0,
         }
+    }
+
+    /// The same, with the force of the air in the plane of symmetry 1 + `excess` times the believed one. It is left out if
+    /// it is not within −0.9 and 9.
+    #[must_use]
+    pub fn with_air(self, excess: f32) -> Self {
+        let air = if EXCESS.contains(&excess) {
+            excess
+        } else {
+            0.0
+        };
+        Self { air, ..self }
+    }
+
+    /// Force of the air in the plane of symmetry as a multiple of the believed one.
+    #[inline(always)]
+    pub fn air(&self) -> f32 {
+        1.0 + self.air
     }
 
     /// The force d̂ \[N\].

@@ -128,7 +128,12 @@ impl<A: Aerodynamics, G: GainLaw> WingedControl<A, G> {
             airspeed,
             weight,
             error: o.to_body(state.velocity - reference.velocity),
-            forces: ApparentForces::in_plane(plane, air, airspeed, weight.in_plane()),
+            forces: ApparentForces::in_plane(
+                plane,
+                air,
+                airspeed * state.correction.air(),
+                weight.in_plane(),
+            ),
         }
     }
 
@@ -141,7 +146,10 @@ impl<A: Aerodynamics, G: GainLaw> WingedControl<A, G> {
         feed_forward: Option<&FeedForward>,
     ) -> Result<Command, Fault> {
         check_input(state, reference)?;
-        let (mass, k_a) = (self.plane.vehicle().mass(), self.plane.vehicle().k_a());
+        let (mass, k_a) = (
+            self.plane.vehicle().mass(),
+            self.plane.vehicle().k_a() * state.correction.air(),
+        );
         let o = &state.orientation;
         let seen = self.see(state, reference);
         let forces = &seen.forces;
