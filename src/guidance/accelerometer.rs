@@ -150,3 +150,157 @@ impl Accelerometer {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::aero::{LargeAngle, LargeAngleParameters};
+    use crate::ned::Ned;
+    use crate::spatial::Diagnostics;
+    use crate::vehicle::VehicleParameters;
+
+    const DT: f32 = 0.01;
+
+    /// 10 kg that weigh 98.1 N.
+    fn estimators(c_y: f32) -> Accelerometer {
+        let model = LargeAngle::new(LargeAngleParameters::NACA_0021_RE_160E3).unwrap();
+        let p = VehicleParameters {
+            c_y,
+            ..VehicleParameters::PAPER
+        };
+        let vehicle = Vehicle::new(p, model).unwrap();
+        Accelerometer::new(&GuidanceParameters::default(), &vehicle).unwrap()
+    }
+
+    /// Flies for some seconds nose up, the believed force of the air being `believed`, without thrust, while the accelerometer
+    /// feels `felt` \[N\]. What of the force is taken over by the scale scales `believed` in turn.
+    fn fly(
+        estimators: &Accelerometer,
+        state: &mut AccelerometerState,
+        believed: Body,
+        felt: Option<Body>,
+        air: AirUse,
+        seconds: f32,
+    ) {
+        for _ in 0..(seconds / DT) as usize {
+            let command = Command {
+                diagnostics: Diagnostics {
+                    aerodynamic: believed * (1.0 + state.excess),
+                    v_a: Body::new(0.0, -20.0, 0.0),
+                    ..Diagnostics::default()
+                },
+                ..Command::default()
+            };
+            let up = Orientation::NOSE_UP;
+            estimators.update(state, felt.map(|f| f * 0.1), up, &command, air, DT);
+            assert!(estimators.is_sound(state));
+        }
+    }
+
+    /// A force along the believed one becomes a scale of it, and what is left of the force error goes.
+    #[test]
+    fn what_is_in_proportion_to_the_air_scales_it() {
+        let (e, mut state) = (estimators(0.0), AccelerometerState::default());
+        let believed = Body::new(0.0, -98.1, 0.0);
+        fly(
+            &e,
+            &mut state,
+            believed,
+            Some(believed * 1.3),
+            AirUse::Wind,
+            10.0,
+        );
+        assert!((state.excess - 0.3).abs() < 1e-3);
+        assert!(state.force.force.norm_squared() < 0.1);
+        assert!((e.correction(&state).air() - 1.3).abs() < 1e-3);
+    }
+
+    /// A force across the believed one stays a force; so does one beyond the bounds of the scale.
+    #[test]
+    fn the_rest_stays_a_force() {
+        let (e, mut state) = (estimators(0.0), AccelerometerState::default());
+        let believed = Body::new(0.0, -98.1, 0.0);
+        let felt = believed + Body::new(20.0, 0.0, 0.0);
+        fly(&e, &mut state, believed, Some(felt), AirUse::Wind, 10.0);
+        assert!(state.excess.abs() < 1e-3);
+        // Nose up, i is down.
+        assert!((state.force.force - Ned::new(0.0, 0.0, 20.0)).norm_squared() < 0.01);
+        fly(
+            &e,
+            &mut state,
+            believed,
+            Some(believed * 2.0),
+            AirUse::Wind,
+            10.0,
+        );
+        assert_eq!(state.excess, MOST_EXCESS);
+        let left = state.force.force.norm_squared();
+        assert!((left - 39.2 * 39.2).abs() < 10.0, "{left}");
+    }
+
+    /// In hover there is no force of the air to scale: thrust that is not what was asked for leaves the scale alone.
+    #[test]
+    fn without_air_nothing_is_scaled() {
+        let (e, mut state) = (estimators(0.0), AccelerometerState::default());
+        let felt = Body::new(-10.0, 0.0, 0.0);
+        fly(
+            &e,
+            &mut state,
+            Body::default(),
+            Some(felt),
+            AirUse::Wind,
+            5.0,
+        );
+        assert_eq!(state.excess, 0.0);
+        assert!((state.force.force.down + 10.0).abs() < 0.01);
+    }
+
+    /// A side force of air that comes from the side, at 20 m/s: F_w = −k_a c_Y |v_a| v_w.
+    #[test]
+    fn the_sideslip_is_that_of_the_side_force() {
+        let (e, mut state) = (estimators(0.5), AccelerometerState::default());
+        let side = VehicleParameters::PAPER.k_a * 0.5 * 20.0;
+        let felt = Some(Body::new(0.0, 0.0, -side * 2.0));
+        fly(&e, &mut state, Body::default(), felt, AirUse::Wind, 10.0);
+        assert!((e.correction(&state).sideslip() - 2.0).abs() < 0.2);
+        // A measured air velocity has its own part to the side.
+        fly(&e, &mut state, Body::default(), felt, AirUse::Velocity, DT);
+        assert_eq!(e.correction(&state).sideslip(), 0.0);
+    }
+
+    #[test]
+    fn without_a_specific_force_nothing_is_added() {
+        let (e, mut state) = (estimators(0.5), AccelerometerState::default());
+        let believed = Body::new(0.0, -98.1, 0.0);
+        fly(
+            &e,
+            &mut state,
+            believed,
+            Some(believed * 1.3),
+            AirUse::Wind,
+            1.0,
+        );
+        assert_ne!(e.correction(&state), Correction::default());
+        fly(&e, &mut state, believed, None, AirUse::Wind, DT);
+        assert_eq!(e.correction(&state), Correction::default());
+    }
+
+    #[test]
+    fn what_no_step_leaves_is_not_sound() {
+        let e = estimators(0.5);
+        let good = AccelerometerState::default();
+        assert!(e.is_sound(&good));
+        for excess in [f32::NAN, 0.7, -0.5] {
+            assert!(!e.is_sound(&AccelerometerState { excess, ..good }));
+        }
+        let sideslip = SideslipState {
+            velocity: f32::INFINITY,
+        };
+        assert!(!e.is_sound(&AccelerometerState { sideslip, ..good }));
+        let force = ForceErrorState {
+            force: Ned::new(0.0, 0.0, 60.0),
+            thrust: 0.0,
+        };
+        assert!(!e.is_sound(&AccelerometerState { force, ..good }));
+    }
+}

@@ -6,15 +6,15 @@ use crate::ned::Ned;
 
 /// How much of what the position hold takes out of the velocity the path gives back by waiting. Below 1: with more, a
 /// vehicle that is ahead would be asked to fly faster still.
-const SHARE: f32 = 0.4;
+const SHARE: f32 = 0.8;
 /// Bounds of the pace.
 const SLOWEST: f32 = 0.5;
-const FASTEST: f32 = 1.6;
+const FASTEST: f32 = 1.25;
 /// Velocities of a path below this [m/s] have no direction to be ahead in.
 const LEAST_SPEED: f32 = 0.1;
 
 impl<A, G> Guidance<A, G> {
-    /// How fast a path may go on, in multiples of its own speed, between 0.5 and 1.6: slower where the vehicle is behind,
+    /// How fast a path may go on, in multiples of its own speed, between 0.5 and 1.25: slower where the vehicle is behind,
     /// faster where it is ahead.
     ///
     /// `position_error` \[m\] is the position less the path's, `velocity` [m/s] the path's velocity at its own speed. With the
@@ -52,9 +52,9 @@ mod tests {
         let v = Ned::new(0.0, 20.0, 0.0);
         let at = |east: f32| guidance.pace(Ned::new(30.0, east, -5.0), v);
         assert_eq!(at(0.0), 1.0);
-        // 10 m behind at a position gain of 0.5 /s: 0.4 · 0.5 · 10 m/s less than 20 m/s.
-        assert!((at(-10.0) - 0.9).abs() < 1e-6 && (at(10.0) - 1.1).abs() < 1e-6);
-        assert_eq!((at(-1e4), at(1e4)), (0.5, 1.6));
+        // 10 m behind at a position gain of 0.5 /s: 0.8 · 0.5 · 10 m/s less than 20 m/s.
+        assert!((at(-10.0) - 0.8).abs() < 1e-6 && (at(10.0) - 1.2).abs() < 1e-6);
+        assert_eq!((at(-1e4), at(1e4)), (0.5, 1.25));
         for bad in [f32::NAN, f32::INFINITY] {
             assert_eq!(at(bad), 1.0);
         }

@@ -32,6 +32,8 @@ const LEAST_CLOSING: f32 = 0.03;
 /// reference that sinks more steeply than the vehicle can is not worth a dive.
 const HIGH: f32 = 3.75;
 const SLOW: f32 = 8.0;
+/// Rate at which a velocity error to the side is closed [1/s].
+const CATCH_UP: f32 = 1.0;
 /// By how much another plan must cost less: this part, and this much besides.
 const BETTER: f32 = 0.1;
 /// Time of push-over before a turn \[s\], where there is one.
@@ -166,6 +168,15 @@ memory!(Prospect {
     thrust: f32,
 });
 
+/// What turning adds to a prediction in the plane of flight. The default is flight straight on.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Aside {
+    /// Acceleration to the side that is given up while a plan turns to an attitude far away [m/s²].
+    pub missed: f32,
+    /// Velocity to the side that is lost before and after that [m/s].
+    pub begun: f32,
+}
+
 /// The planner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -240,6 +251,7 @@ impl Planner {
         flight: &Flight,
         reference: &Reference,
         wind: Inertial,
+        aside: &Aside,
     ) -> Prospect {
         let first = state.looked == 0 || state.looked >= ROUND;
         let plan = if first {
@@ -256,7 +268,7 @@ impl Planner {
             state.next = if n + 1 < CANDIDATES { n + 1 } else { 0 };
             candidate(vehicle, &state.start, n)
         };
-        let found = self.predict(vehicle, &state.start, &plan);
+        let found = self.predict(vehicle, &state.start, &plan, aside, !first);
         state.looked += 1;
         let cost = state.prospect.cost;
         if first {
@@ -268,17 +280,19 @@ impl Planner {
         state.prospect
     }
 
-    /// What `plan` comes to if it is flown from `start`.
+    /// What `plan` comes to if it is flown from `start`; a `new` one has still to level the wing for a turn.
     ///
     /// The cost is the integral over the prediction of the altitude error and of the velocity errors, each in its band, and
     /// the same for the time after it: an error that closes at the rate of the last steps is there for as long as that
-    /// takes. Without that time to go, coasting at a thrust limit for ever would look cheaper than a short crossing.
+    /// takes. A turn to an attitude far away costs the velocity to the side that is given up meanwhile. Without the time to go, coasting at a thrust limit for ever would look cheaper than a short crossing.
     #[inline(never)]
     fn predict<A: Aerodynamics>(
         &self,
         vehicle: &Vehicle<A>,
         start: &Start,
         plan: &Plan,
+        aside: &Aside,
+        new: bool,
     ) -> Prospect {
         let virtual_vehicle = &self.virtual_vehicle;
         let (mut flight, mut plan, wind) = (start.flight, *plan, start.wind);
@@ -292,11 +306,24 @@ impl Planner {
         let mut error =
             flight.velocity - virtual_vehicle.velocity_wanted(flight.position, velocity);
         let (mut late, mut cost) = (flight.velocity, 0.0);
+        // Velocity error to the side.
+        let mut beside = if new && plan.turn == 1 {
+            aside.begun
+        } else {
+            0.0
+        };
         for (n, step) in AHEAD_STEPS.iter().enumerate() {
             if n == STEPS - LATE {
                 late = flight.velocity;
             }
             let acceleration = start.acceleration * step.accelerating;
+            // The wing is nearly level while it is turned to an attitude far away.
+            beside += step.pace.h
+                * if plan.turn == 1 {
+                    aside.missed
+                } else {
+                    -CATCH_UP * beside
+                };
             let wish = virtual_vehicle.wish(error, acceleration, vehicle.gravity(), &step.pace);
             virtual_vehicle.step(
                 vehicle,
@@ -316,7 +343,8 @@ impl Planner {
                     -flight.position.down() * altitude_band,
                     HIGH / KNEE,
                 )) + sinking(error.down() * band.down())
-                    + penalty(error.forward() * band.forward()));
+                    + penalty(error.forward() * band.forward())
+                    + penalty(beside * band.down()));
         }
         let mean = (flight.velocity - late) * (1.0 / LATE_TIME) - start.acceleration;
         let least = LEAST_CLOSING * vehicle.gravity();
@@ -437,7 +465,14 @@ mod tests {
         for n in 0..(seconds / DT) as usize {
             let reference = reference(n as f32 * DT);
             let turning = state.plan.turn;
-            planner.search(vehicle, &mut state, &flight, &reference, Inertial::ZERO);
+            planner.search(
+                vehicle,
+                &mut state,
+                &flight,
+                &reference,
+                Inertial::ZERO,
+                &Aside::default(),
+            );
             planner.virtual_vehicle.advance(
                 vehicle,
                 &mut flight,
@@ -569,7 +604,14 @@ mod tests {
         let (vehicle, planner) = (vehicle(2.0), Planner::new(&GuidanceParameters::default()));
         let mut state = PlannerState::default();
         let calm = Inertial::ZERO;
-        let first = planner.search(&vehicle, &mut state, &cruise(), &hover(0.0), calm);
+        let first = planner.search(
+            &vehicle,
+            &mut state,
+            &cruise(),
+            &hover(0.0),
+            calm,
+            &Aside::default(),
+        );
         // Elsewhere, and in wind: the plan in force is not looked at, and nothing of this counts.
         let mut elsewhere = state;
         let told = planner.search(
@@ -578,13 +620,51 @@ mod tests {
             &Flight::default(),
             &hover(0.0),
             Inertial::new(0.0, 9.0),
+            &Aside::default(),
         );
-        planner.search(&vehicle, &mut state, &cruise(), &hover(0.0), calm);
+        planner.search(
+            &vehicle,
+            &mut state,
+            &cruise(),
+            &hover(0.0),
+            calm,
+            &Aside::default(),
+        );
         assert_eq!((elsewhere, told), (state, first));
         // From 20 m/s to a stop the first candidate, a turn past stall, is better: it takes over, and a round begins.
         assert_eq!((state.plan.turn, state.looked), (1, 0));
-        let next = planner.search(&vehicle, &mut state, &cruise(), &hover(0.0), calm);
+        let next = planner.search(
+            &vehicle,
+            &mut state,
+            &cruise(),
+            &hover(0.0),
+            calm,
+            &Aside::default(),
+        );
         assert!(next.cost < first.cost);
+    }
+
+    /// A turn past stall gives up what the wing does for a turn of the course: it costs the velocity to the side that is lost.
+    #[test]
+    fn crossing_the_stall_costs_more_in_a_turn() {
+        let (vehicle, planner) = (vehicle(2.0), Planner::new(&GuidanceParameters::default()));
+        let start = Start {
+            flight: cruise(),
+            ..Start::default()
+        };
+        let aside = Aside {
+            missed: 6.0,
+            begun: 1.2,
+        };
+        let cost = |plan: &Plan, aside: &Aside, new| {
+            planner.predict(&vehicle, &start, plan, aside, new).cost
+        };
+        let (crossing, servo) = (candidate(&vehicle, &start, 0), Plan::default());
+        let none = Aside::default();
+        let on = cost(&crossing, &aside, false) - cost(&crossing, &none, false);
+        let begun = cost(&crossing, &aside, true) - cost(&crossing, &none, true);
+        assert!(on > 1.0 && begun > on, "{on} {begun}");
+        assert_eq!(cost(&servo, &aside, true), cost(&servo, &none, true));
     }
 
     /// Every candidate is looked at, and none so seldom that it comes too late: 27 looks take 0.4 s.

@@ -8,7 +8,7 @@ use super::course::{Axes, Course};
 use super::flight::{Flight, limited};
 use super::memory::memory;
 use super::parameters::GuidanceParameters;
-use super::planner::{Planner, PlannerState, Prospect};
+use super::planner::{Aside, Planner, PlannerState, Prospect};
 use crate::aero::Aerodynamics;
 use crate::air::AngleOfAttack;
 use crate::control::Guard;
@@ -93,9 +93,9 @@ impl VirtualFlight {
 pub(super) struct Turning {
     /// Greatest acceleration to the side [m/s²]. Zero: the plane is not turned.
     max: f32,
-    /// Weight per greatest thrust, at most [`SHARE`] of which a turn takes: (T_max/(m g))².
+    /// ([`SHARE`] T_max/(m g))²: what of the greatest thrust carries a turn, in multiples of the weight, squared.
     thrust_squared: f32,
-    /// Lift per weight and squared airspeed at stall [s²/m²].
+    /// [`SHARE`] of the lift at stall, per weight and squared airspeed [s²/m²].
     lift: f32,
     /// Speed at which the wing carries the weight with a lift coefficient of 1 [m/s].
     speed: f32,
@@ -244,9 +244,12 @@ impl Turning {
         } else {
             right
         };
+        let lean_wanted = limited(
+            a_r_across + LATERAL_GAIN * (beside - aslant),
+            self.most(vehicle.gravity(), air * airspeed_squared),
+        );
         let share = if state.plan.turn == 1 { CROSSING } else { 1.0 };
-        let most = share * self.most(vehicle.gravity(), air * airspeed_squared);
-        let lean = limited(a_r_across + LATERAL_GAIN * (beside - aslant), most);
+        let lean = share * lean_wanted;
         let step = LEAN_SLEW * vehicle.gravity() * dt;
         let lean = math::clamp(lean, flight.lean - step, flight.lean + step);
         let lean_rate = (lean - flight.lean) / dt;
@@ -271,7 +274,12 @@ impl Turning {
             rate: flight.rate,
             thrust: flight.thrust,
         };
-        let prospect = planner.search(&heavier, state, &plane, &asked, wind);
+        let missed = (1.0 - CROSSING) * lean_wanted.abs();
+        let aside = Aside {
+            missed,
+            begun: missed * missed / (LEAN_SLEW * vehicle.gravity()),
+        };
+        let prospect = planner.search(&heavier, state, &plane, &asked, wind, &aside);
         let in_plane = servo.advance(&heavier, &mut plane, &mut state.plan, &asked, wind, dt);
         let error = plane.velocity - servo.velocity_wanted(plane.position, asked.velocity);
 
@@ -337,6 +345,206 @@ impl Turning {
             flight: plane,
             error,
             reference: asked.velocity,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use crate::aero::{Combined, CombinedParameters};
+    use crate::ned::{BodyAxes, Quaternion};
+    use crate::spatial::{Heading, Orientation};
+    use crate::vehicle::VehicleParameters;
+
+    const DT: f32 = 0.01;
+
+    fn vehicle() -> Vehicle<Combined> {
+        let model = Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap();
+        Vehicle::new(VehicleParameters::PAPER, model).unwrap()
+    }
+
+    /// The course to the north.
+    fn north() -> Course {
+        let up = Quaternion {
+            w: 1.0,
+            x: 0.0,
+            y: 0.0,
+            z: 0.0,
+        };
+        Course::of(&Orientation::from_quaternion(&up, BodyAxes::NoseUp).unwrap())
+    }
+
+    fn flight(velocity: Ned, theta: f32) -> VirtualFlight {
+        VirtualFlight {
+            velocity,
+            course: north(),
+            theta,
+            thrust: 10.0,
+            ..VirtualFlight::default()
+        }
+    }
+
+    /// Flies to `reference` in still air with the wing where the virtual one is; gives what is seen at every step.
+    fn fly(
+        start: VirtualFlight,
+        reference: &Reference,
+        seconds: f32,
+        mut see: impl FnMut(&VirtualFlight, &Moved<Combined>),
+    ) -> VirtualFlight {
+        let (p, vehicle) = (GuidanceParameters::default(), vehicle());
+        let planner = Planner::new(&p);
+        let turning = Turning::new(&p, &vehicle).unwrap();
+        let (mut flight, mut state) = (start, PlannerState::default());
+        for _ in 0..(seconds / DT) as usize {
+            let given = (reference, Ned::ZERO, 1.0, 1.0);
+            let moved = turning.advance(&planner, &vehicle, &mut flight, &mut state, given, DT);
+            assert!(flight.is_sound());
+            see(&flight, &moved);
+        }
+        flight
+    }
+
+    fn cruise(north: f32, east: f32) -> Reference {
+        Reference {
+            velocity: Ned::new(north, east, 0.0),
+            ..Reference::default()
+        }
+    }
+
+    /// With everything in the plane to the north there is nothing to the side, to the bit.
+    #[test]
+    fn flight_in_the_plane_stays_there() {
+        let start = flight(Ned::new(20.0, 0.0, 0.0), -1.5);
+        let end = fly(start, &cruise(12.0, 0.0), 5.0, |f, moved| {
+            assert_eq!((f.velocity.east, f.position.east, f.lean), (0.0, 0.0, 0.0));
+            assert_eq!(f.course, north());
+            assert_eq!((moved.acceleration.east, moved.jerk.east), (0.0, 0.0));
+            assert_eq!(moved.axes.gravity, 9.81);
+        });
+        assert!((end.velocity.north - 12.0).abs() < 1.0);
+    }
+
+    /// A velocity reversed at speed is turned: it never gets slow. Forces, load factor and their change are those of the
+    /// bank, and the altitude is held.
+    #[test]
+    fn a_velocity_reversed_at_speed_is_turned() {
+        let start = flight(Ned::new(20.0, 0.0, 0.0), -1.5);
+        let mut before = start;
+        let end = fly(start, &cruise(-20.0, 0.1), 12.0, |f, moved| {
+            let (north, east) = (f.velocity.north, f.velocity.east);
+            assert!(north * north + east * east > 14.0 * 14.0);
+            assert!(f.position.down.abs() < 2.0);
+            let load = moved.axes.gravity / 9.81;
+            let lean = f.lean / 9.81;
+            // 1e-4: roundings of a root.
+            assert!((load * load - 1.0 - lean * lean).abs() < 1e-4);
+            assert!(load < 2.3, "2 g to the side at most");
+            let mean = (f.velocity - before.velocity) * (1.0 / DT);
+            // The plane is implicit in drag, which is some 0.1 m/s² here.
+            assert!((mean - moved.acceleration).norm_squared() < 0.1);
+            before = *f;
+        });
+        // It catches up with its reference at up to 6 m/s.
+        assert!(
+            (-26.5..-19.0).contains(&end.velocity.north),
+            "{:?}",
+            end.velocity
+        );
+        // And comes back from the half circle to its track.
+        assert!(end.velocity.east.abs() < 0.3 * end.velocity.north.abs());
+        let (along, _) = end.course.project(Ned::new(-1.0, 0.0, 0.0));
+        assert!(along.forward() > 0.95);
+    }
+
+    /// Below the speed at which the wing carries, a velocity to the side is moved to, and the course stays where the heading
+    /// is.
+    #[test]
+    fn at_hover_a_velocity_to_the_side_is_moved_to() {
+        let start = VirtualFlight {
+            thrust: 98.1,
+            ..flight(Ned::ZERO, 0.0)
+        };
+        let reference = Reference {
+            heading: Heading::from_angle(0.0),
+            ..cruise(0.0, 2.0)
+        };
+        let end = fly(start, &reference, 6.0, |_, _| {});
+        assert!((end.velocity.east - 2.0).abs() < 0.1);
+        let (along, _) = end.course.project(Ned::new(1.0, 0.0, 0.0));
+        // 2 m/s of air have some say in the course, of 20 m/s.
+        assert!(along.forward() > 0.95, "{}", along.forward());
+    }
+
+    /// The course waits for a wing that is elsewhere.
+    #[test]
+    fn the_course_waits_for_the_wing() {
+        let (p, vehicle) = (GuidanceParameters::default(), vehicle());
+        let planner = Planner::new(&p);
+        let turning = Turning::new(&p, &vehicle).unwrap();
+        let turned = |wings: f32| {
+            let mut flight = flight(Ned::new(0.0, 20.0, 0.0), -1.5);
+            let reference = cruise(0.0, 20.0);
+            let given = (&reference, Ned::ZERO, 1.0, wings);
+            let mut state = PlannerState::default();
+            turning.advance(&planner, &vehicle, &mut flight, &mut state, given, DT);
+            flight.course.project(Ned::new(0.0, 1.0, 0.0)).0.forward()
+        };
+        assert!(turned(1.0) > 0.01);
+        assert_eq!(turned(0.5), turned(1.0));
+        assert!((turned(0.25) / turned(1.0) - 0.5).abs() < 0.01);
+        assert_eq!(turned(-0.3), 0.0);
+    }
+
+    /// Nine tenths of what thrust or lift carries: 19.62·0.9 N per kg give √(1.8² − 1) g.
+    #[test]
+    fn a_turn_leaves_what_carries_the_weight() {
+        let turning = Turning::new(
+            &GuidanceParameters {
+                max_turn: 10.0,
+                ..GuidanceParameters::default()
+            },
+            &vehicle(),
+        )
+        .unwrap();
+        let thrust_alone = 9.81 * (1.8f32 * 1.8 - 1.0).sqrt();
+        assert!((turning.most(9.81, 0.0) - thrust_alone).abs() < 1e-3);
+        let (slow, fast) = (turning.most(9.81, 25.0 * 25.0), turning.most(9.81, 900.0));
+        assert!(slow > thrust_alone && fast > slow);
+    }
+
+    #[test]
+    fn what_no_step_leaves_is_not_sound() {
+        let good = flight(Ned::new(20.0, 1.0, 0.0), -1.5);
+        assert!(good.is_sound());
+        for bad in [
+            VirtualFlight {
+                velocity: Ned::new(f32::NAN, 0.0, 0.0),
+                ..good
+            },
+            VirtualFlight {
+                position: Ned::new(0.0, 0.0, 1e6),
+                ..good
+            },
+            VirtualFlight {
+                lean: f32::INFINITY,
+                ..good
+            },
+            VirtualFlight {
+                theta: f32::NAN,
+                ..good
+            },
+            VirtualFlight {
+                thrust: -1e8,
+                ..good
+            },
+            VirtualFlight {
+                course: Course::default(),
+                ..good
+            },
+        ] {
+            assert!(!bad.is_sound());
         }
     }
 }
