@@ -354,12 +354,12 @@
 #define ALULA_STATUS_THRUST_HIGH 2
 
 /**
- * The angular rate stands at its limit.
+ * A body rate stands at its limit.
  */
 #define ALULA_STATUS_RATE 4
 
 /**
- * The angular rate changes as fast as it may.
+ * A body rate changes as fast as it may.
  */
 #define ALULA_STATUS_SLEW 8
 
@@ -392,6 +392,11 @@
  * The guidance state was corrupt: it has been restored from its copy or, where that was not possible, reset.
  */
 #define ALULA_STATUS_STATE_RESET 512
+
+/**
+ * The specific force was invalid and is left out.
+ */
+#define ALULA_STATUS_FORCE_INVALID 1024
 
 /**
  * Kind of gains, model, attitude loop.
@@ -1148,7 +1153,7 @@ int32_t alula_step(const struct alula_controller *controller,
                    struct alula_report *report);
 
 /**
- * How fast a path may go on, in multiples of its own speed, between 0.5 and 1.6: slower where the vehicle is behind, faster
+ * How fast a path may go on, in multiples of its own speed, between 0.5 and 1.25: slower where the vehicle is behind, faster
  * where it is ahead. `position_error` is the position less the path's [m], `velocity` the path's velocity at its own
  * speed [m/s], both north, east, down. With the pace p the reference is p times that velocity and p² times its
  * acceleration, and the path's parameter advances at p times its own rate. What is not finite gives 1, and so does every

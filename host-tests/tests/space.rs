@@ -20,18 +20,6 @@ fn flown(experiment: &Experiment) -> Figures {
     Figures::of(experiment, &fly(experiment).unwrap())
 }
 
-/// Bounds that are asked for and not kept: experiment, figure, and what is asserted in place of the bound.
-///
-/// This wing carries twice the weight at 22 m/s, and the tightest places of the eight need just that: the virtual flight is at
-/// its limit there. Measured 0.39 and 0.40.
-///
-/// With the belly 180° off the stall is crossed once on the way: measured 2.36 m/s for a moment, where 2 is asked for.
-const NOT_KEPT: &[(&str, &str, f64)] = &[
-    ("eight", "velocity_error_rms_m_s", 0.5),
-    ("eight", "position_error_rms_m", 0.5),
-    ("transition-turned", "max_velocity_error_m_s", 3.0),
-];
-
 #[test]
 fn every_built_in_keeps_its_bounds() {
     let mut flights = 0;
@@ -53,10 +41,8 @@ fn every_built_in_keeps_its_bounds() {
         println!(
             "| `{name}` | {velocity:.2} | {position:.2} | {sideslip:.2} | {peak:.2} | {least:.2} |"
         );
-        for (figure, value, bound) in figures.beyond(&experiment) {
-            let loose = NOT_KEPT.iter().find(|(n, f, _)| n == name && *f == figure);
-            let most = loose.map_or(bound, |loose| loose.2);
-            assert!(value <= most, "{name}: {figure} {value} > {most}");
+        if let Some((figure, value, bound)) = figures.beyond(&experiment).first() {
+            panic!("{name}: {figure} {value} > {bound}");
         }
         assert_eq!(figures.get("lost"), 0.0, "{name}");
         assert!(least > -10.0, "{name}: {least}");
@@ -81,7 +67,7 @@ fn a_reversal_is_a_turn() {
     assert!(record.iter().any(|s| s.bank().abs() > 0.7));
 }
 
-/// Hover, circle, hover in moderate turbulence, 5 m/s of wind and noise.
+/// Hover, circle, hover in moderate turbulence, 5 m/s of wind and noise. Of 200 seeds the deepest sinks 14.8 m.
 #[test]
 fn missions_in_turbulence_are_not_lost() {
     for seed in 1..9 {
@@ -90,7 +76,7 @@ fn missions_in_turbulence_are_not_lost() {
         let least = figures.get("altitude_least_m");
         println!("{seed}: {least:.2} m");
         assert!(
-            least > -10.0 && figures.get("final_nose_deg") < 45.0,
+            least > -20.0 && figures.get("final_nose_deg") < 45.0,
             "{seed}: {least}"
         );
     }
@@ -107,6 +93,80 @@ fn random_starts_converge() {
                 "{name} {start:?}"
             );
         }
+    }
+}
+
+/// Turning and crossing the stall get in each other's way where a crossing is taken for cheap: these flights crossed again and
+/// again, up to 164 m off their path and with load factors of up to 18.
+#[test]
+fn turns_in_wind_do_not_end_in_the_stall() {
+    let wind = |x: f64, y: f64| format!("weather.steady_m_s=[{x:.1}, {y:.1}, 0.0]");
+    let turbulent = "weather.turbulence={ wind_at_20_ft_m_s = 7.7, height_m = 50.0 }";
+    let scatter = "initial.scatter={ velocity_m_s = 5.0, rate_rad_s = 2.0 }";
+    let worst = |name: &str, settings: &[&str]| {
+        let figures = flown(&experiment(name, settings));
+        let [off, load] = ["max_position_error_m", "max_load_factor"].map(|n| figures.get(n));
+        println!("{name} {settings:?}: {off:.1} m, load factor {load:.2}");
+        (off, load)
+    };
+    for (x, y) in [(0.0, 2.0), (-1.4, 1.4)] {
+        let (off, load) = worst("circle-33", &[&wind(x, y)]);
+        assert!(off < 3.0 && load < 3.5);
+    }
+    for seed in ["seed=0", "seed=1", "seed=2", "seed=3"] {
+        let (off, load) = worst("circle-33", &[turbulent, "duration_s=40.0", seed]);
+        assert!(off < 10.0 && load < 5.0);
+        // The first seconds are the way to the circle, from any attitude.
+        let (off, load) = worst("circle-33", &[scatter, "entry_s=15.0", seed]);
+        assert!(off < 30.0 && load < 5.0);
+    }
+    for (x, y) in [(0.0, 3.0), (2.1, -2.1), (5.0, 0.0)] {
+        let (off, load) = worst("circle-40", &[&wind(x, y)]);
+        assert!(off < 10.0 && load < 5.0);
+    }
+    for seed in ["seed=271", "seed=237"] {
+        let (off, load) = worst("mission-turbulence", &[seed]);
+        assert!(off < 25.0 && load < 5.0);
+    }
+}
+
+/// A heading that is off its course is kept through the transition, on any course. 2 m/s are asked for with 180°. With others the
+/// stall is crossed at other moments, which the wrong belief makes rough: of 100 drawn the half stay below 1.5 m/s, and the
+/// worst is 4.9 m/s.
+#[test]
+fn a_transition_keeps_any_heading_on_any_course() {
+    let peak = |course: f64, off: f64| {
+        let set = |path: &str, x: f64| format!("{path}={x:.1}");
+        let heading = course + off;
+        let settings = [
+            set("path.legs[0].course_deg", course),
+            set("path.legs[0].heading_deg", heading),
+            set("path.legs[1].heading_deg", heading),
+            set("initial.heading_deg", heading),
+        ];
+        let settings: Vec<&str> = settings.iter().map(String::as_str).collect();
+        flown(&experiment("transition-turned", &settings)).get("max_velocity_error_m_s")
+    };
+    for course in [7.0, 45.0, 123.0, 250.0] {
+        let peak = peak(course, 180.0);
+        assert!(peak < 2.0, "{course}: {peak}");
+    }
+    for (course, off) in [(4.0, 17.0), (45.0, 105.0), (123.0, -140.0), (250.0, 60.0)] {
+        let peak = peak(course, off);
+        assert!(peak < 5.5, "{course} {off}: {peak}");
+    }
+}
+
+/// Starts that were once lost, or nearly: the virtual flight was in a plane that the vehicle was not in.
+#[test]
+fn starts_that_were_lost_converge() {
+    for seed in ["seed=9892", "seed=186", "seed=561", "seed=1422"] {
+        let figures = flown(&experiment("start-cruise", &[seed]));
+        let least = figures.get("altitude_least_m");
+        assert!(
+            least > -30.0 && figures.get("final_belly_deg") < 80.0,
+            "{seed}: {least}"
+        );
     }
 }
 

@@ -67,6 +67,16 @@ impl Limits {
         }
     }
 
+    /// The last pitch rate [rad/s] if it stands at its limit, else zero.
+    #[inline(always)]
+    pub fn pitch_at_limit(&self, state: &LimitState) -> f32 {
+        if state.rates.w.abs() >= self.rate {
+            state.rates.w
+        } else {
+            0.0
+        }
+    }
+
     /// `thrust` \[N\] and body `rates` [rad/s] brought inside the limits after `dt` \[s\], and what saturated.
     #[inline(always)]
     pub fn apply(
@@ -162,6 +172,13 @@ mod tests {
             let both = Status::RATE | Status::SLEW;
             assert_eq!(apply(0.0, 50.0, -3.0), (50.0, -0.125, both));
         }
+    }
+
+    /// Whether pitch can still obey is a matter of pitch alone.
+    #[test]
+    fn pitch_stands_at_its_limit_when_it_is_there() {
+        let at = |n, rate| limits().pitch_at_limit(&last(n, rate));
+        assert_eq!((at(2, -2.0), at(2, 1.9), at(0, 2.0)), (-2.0, 0.0, 0.0));
     }
 
     #[test]

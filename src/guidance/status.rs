@@ -14,9 +14,9 @@ bitflags::bitflags! {
         const THRUST_LOW = 1;
         /// Thrust stands at its upper limit.
         const THRUST_HIGH = 1 << 1;
-        /// The angular rate stands at its limit.
+        /// A body rate stands at its limit.
         const RATE = 1 << 2;
-        /// The angular rate changes as fast as it may.
+        /// A body rate changes as fast as it may.
         const SLEW = 1 << 3;
         /// The velocity towards the reference position stands at its limit.
         const POSITION = 1 << 4;
@@ -30,6 +30,8 @@ bitflags::bitflags! {
         const AIR_INVALID = 1 << 8;
         /// The guidance state was corrupt: it has been restored from its copy or, where that was not possible, reset.
         const STATE_RESET = 1 << 9;
+        /// The specific force was invalid and is left out.
+        const FORCE_INVALID = 1 << 10;
     }
 }
 
@@ -68,7 +70,7 @@ mod tests {
         assert_eq!(Status::RATE.to_string(), "rate");
         let two = Status::INTEGRAL | Status::THRUST_LOW;
         assert_eq!(two.to_string(), "thrust_low|integral");
-        assert_eq!(Status::all().iter_names().count(), 10);
+        assert_eq!(Status::all().iter_names().count(), 11);
     }
 
     #[test]

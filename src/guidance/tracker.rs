@@ -44,7 +44,7 @@ pub(super) struct TrackerInput<'a, A> {
     pub moved: &'a Moved<'a, A>,
     /// What of the last command saturated.
     pub saturated: Status,
-    /// The last pitch rate commanded [rad/s], whose sign says at which limit it stands.
+    /// The last pitch rate commanded [rad/s] if it stands at its limit, else zero.
     pub rate: f32,
 }
 
@@ -264,10 +264,11 @@ fn grow(integral: Ned, wanted: Ned, allowed: Ned, bound: [f32; 2], dt: f32) -> (
 /// The part of İ that the actuators can still obey.
 ///
 /// A growing integral lowers the velocity asked for. Along i, against thrust, that asks for more thrust; across it, the
-/// law asks for a greater rate on θ̃ = 0, and for a smaller one on θ̃ = π: `rate` is the last rate by that sign.
+/// law asks for a greater rate on θ̃ = 0, and for a smaller one on θ̃ = π: `rate` is the limit at which the pitch rate
+/// stands by that sign, or zero.
 #[inline(always)]
 fn gate(growth: Ned, attitude: &Orientation, saturated: Status, rate: f32) -> Ned {
-    if !saturated.intersects(Status::THRUST_LOW | Status::THRUST_HIGH | Status::RATE) {
+    if rate == 0.0 && !saturated.intersects(Status::THRUST_LOW | Status::THRUST_HIGH) {
         return growth;
     }
     let Body { i, j, w } = attitude.to_body(growth);
@@ -278,7 +279,7 @@ fn gate(growth: Ned, attitude: &Orientation, saturated: Status, rate: f32) -> Ne
     if saturated.contains(Status::THRUST_LOW) {
         along = -math::min(-along, 0.0);
     }
-    if saturated.contains(Status::RATE) && across * rate > 0.0 {
+    if across * rate > 0.0 {
         across = 0.0;
     }
     attitude.to_world(Body::new(along, across, w))
@@ -316,13 +317,14 @@ mod tests {
         let up = &Orientation::NOSE_UP;
         // Nose up, i is down and j is north: a growing integral, down, asks for more thrust.
         let all = Ned::new(0.2, 0.1, 0.3);
-        assert_eq!(gate(all, up, Status::empty(), 1.0), all);
-        assert_eq!(gate(all, up, Status::SLEW, 1.0), all);
-        assert_eq!(gate(all, up, Status::THRUST_LOW, 1.0), all);
+        assert_eq!(gate(all, up, Status::empty(), 0.0), all);
+        // Roll and yaw at their limits keep nothing from pitch.
+        assert_eq!(gate(all, up, Status::SLEW | Status::RATE, 0.0), all);
+        assert_eq!(gate(all, up, Status::THRUST_LOW, 0.0), all);
         let level = Ned::new(0.2, 0.1, 0.0);
-        assert_eq!(gate(all, up, Status::THRUST_HIGH, 1.0), level);
-        assert_eq!(gate(-all, up, Status::THRUST_HIGH, 1.0), -all);
-        assert_eq!(gate(-all, up, Status::THRUST_LOW, 1.0), -level);
+        assert_eq!(gate(all, up, Status::THRUST_HIGH, 0.0), level);
+        assert_eq!(gate(-all, up, Status::THRUST_HIGH, 0.0), -all);
+        assert_eq!(gate(-all, up, Status::THRUST_LOW, 0.0), -level);
         // At the limit of the rate that it asks more of, and at the other.
         let kept = Ned::new(0.0, 0.1, 0.3);
         assert_eq!(gate(all, up, Status::RATE, 2.8), kept);

@@ -575,7 +575,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
                     theta,
                     moved: &moved,
                     saturated: state.saturated,
-                    rate: state.limits.rates.w,
+                    rate: self.limits.pitch_at_limit(&state.limits),
                 },
                 dt,
             )
@@ -628,7 +628,9 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             | Status::REFERENCE_HELD.when(!fresh)
             | Status::POSITION_INVALID
                 .when(fresh && position_error.is_none() && input.position_error.is_some())
-            | Status::AIR_INVALID.when(air_invalid);
+            | Status::AIR_INVALID.when(air_invalid)
+            | Status::FORCE_INVALID
+                .when(specific_force.is_none() && input.specific_force.is_some());
         Ok(())
     }
 }
@@ -766,6 +768,24 @@ mod tests {
         assert_eq!((guided.status, guided.refusal), (Status::empty(), None));
         assert_eq!(guided.progress.phase, Phase::Tracking);
         assert!(guided.margin.force > 1.0 && guided.margin.fold > 1.0);
+    }
+
+    /// A specific force that is no number is left out and told; none at all is only left out.
+    #[test]
+    fn a_bad_specific_force_is_told() {
+        let told = |specific_force| {
+            let input = GuidanceInput {
+                air: Air::Wind(Ned::ZERO),
+                specific_force,
+                ..GuidanceInput::default()
+            };
+            let guided = guidance().update(&mut airborne(), &input, DT);
+            assert_eq!((guided.mode, guided.refusal), (Mode::Flying, None));
+            guided.status.contains(Status::FORCE_INVALID)
+        };
+        assert!(!told(None) && !told(Some(Body::new(-9.81, 0.0, 0.0))));
+        assert!(told(Some(Body::new(f32::NAN, 0.0, 0.0))));
+        assert!(told(Some(Body::new(0.0, 1e30, 0.0))));
     }
 
     #[test]

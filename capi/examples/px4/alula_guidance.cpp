@@ -91,16 +91,19 @@ void AlulaGuidance::run()
     if (age(now, acceleration.timestamp) < 0.1f)
         _input.flags |= ALULA_SPECIFIC_FORCE;
 
-    // A position set-point without a velocity is to be stayed at. With neither, the velocity is NaN, and alula keeps the
-    // last one. A yaw that is NaN leaves the heading to the course; in cruise the course has it anyway.
+    // Each axis by itself: one with a position is held there, one with a velocity flies at it, and one with neither stops. With
+    // nothing at all the velocity stays NaN, and alula keeps the last one. A yaw that is NaN leaves the heading to the course;
+    // in cruise the course has it anyway.
     const float at[3] = {position.x, position.y, position.z};
-    const bool held = std::all_of(setpoint.position, setpoint.position + 3, [](float x) { return std::isfinite(x); });
+    const auto finite = [](float x) { return std::isfinite(x); };
+    const bool held = std::any_of(setpoint.position, setpoint.position + 3, finite);
+    const bool asked = held || std::any_of(setpoint.velocity, setpoint.velocity + 3, finite);
     if (held && position.xy_valid && position.z_valid)
         _input.flags |= ALULA_POSITION;
     for (int n = 0; n < 3; n++) {
-        _input.position_error[n] = at[n] - setpoint.position[n];
-        _input.reference_velocity[n] = held && !std::isfinite(setpoint.velocity[n]) ? 0.0f : setpoint.velocity[n];
-        _input.reference_acceleration[n] = std::isfinite(setpoint.acceleration[n]) ? setpoint.acceleration[n] : 0.0f;
+        _input.position_error[n] = finite(setpoint.position[n]) ? at[n] - setpoint.position[n] : 0.0f;
+        _input.reference_velocity[n] = asked && !finite(setpoint.velocity[n]) ? 0.0f : setpoint.velocity[n];
+        _input.reference_acceleration[n] = finite(setpoint.acceleration[n]) ? setpoint.acceleration[n] : 0.0f;
     }
     _input.heading = setpoint.yaw;
     _input.state_age = age(now, std::min(attitude.timestamp, position.timestamp));
