@@ -7,7 +7,7 @@ use anyhow::Context;
 
 /// Lets `write` fill the file `path` under a temporary name in the same folder, and then renames
 /// it. On failure nothing is left, and the error names `path`. The content is on the disk before the name is, so that a loss of power leaves
-/// the whole file or none.
+/// the whole file or none. What is there and no file, such as `/dev/null` or a pipe, is written to as it is.
 pub fn leave(
     path: &Path,
     write: impl FnOnce(&mut File) -> anyhow::Result<()>,
@@ -18,6 +18,9 @@ pub fn leave(
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     let written = || {
+        if path.metadata().is_ok_and(|m| !m.is_file() && !m.is_dir()) {
+            return write(&mut File::options().write(true).open(path)?);
+        }
         let mut file = builder.tempfile_in(folder)?;
         write(file.as_file_mut())?;
         file.as_file().sync_all()?;
@@ -25,4 +28,19 @@ pub fn leave(
         anyhow::Ok(())
     };
     written().with_context(|| path.display().to_string())
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+    use std::io::Write;
+    use std::os::unix::fs::FileTypeExt;
+
+    /// A rename would replace the device by a file.
+    #[test]
+    fn a_device_stays_one() {
+        let null = Path::new("/dev/null");
+        leave(null, |file| Ok(file.write_all(b"nothing")?)).unwrap();
+        assert!(null.metadata().unwrap().file_type().is_char_device());
+    }
 }

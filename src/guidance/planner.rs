@@ -14,10 +14,10 @@ use crate::reference::{MAX_SPEED, Reference};
 use crate::vehicle::Vehicle;
 
 /// Steps of a prediction, the first of them \[s\], and the growth from one to the next: 2.08 s in all. With 22 steps over
-/// the same time 10 of 200 braking flights climbed more than 3 m, with 28 steps 3; 27 are what there is time for.
-const STEPS: usize = 27;
+/// the same time 10 of 200 braking flights climbed more than 3 m, with 28 steps 3; 26 are what there is time for.
+const STEPS: usize = 26;
 const FIRST_STEP: f32 = 0.045;
-const GROWTH: f32 = 1.039;
+const GROWTH: f32 = 1.043;
 /// Steps at the end over which it is measured how fast an error closes.
 const LATE: usize = 6;
 /// How long the reference is taken to accelerate on \[s\].
@@ -28,12 +28,15 @@ const KNEE: f32 = 4.0;
 const TO_GO: f32 = 0.6;
 const MAX_TO_GO: f32 = 20.0;
 const LEAST_CLOSING: f32 = 0.03;
-/// Being too high costs no more from this many altitude bands on, and sinking too slowly from this many velocity bands on: a
-/// reference that sinks more steeply than the vehicle can is not worth a dive.
+/// Being too high costs no more from this many altitude bands on, and sinking too slowly for a long time from this many
+/// velocity bands on: a reference that sinks more steeply than the vehicle can is not worth a dive.
 const HIGH: f32 = 3.75;
 const SLOW: f32 = 8.0;
-/// Rate at which a velocity error to the side is closed [1/s].
-const CATCH_UP: f32 = 1.0;
+/// Velocity to the side that it takes to level the wing and to bank it again, per squared acceleration to the side [s³/m]: the
+/// acceleration changes by 3 g per second.
+const LEVEL: f32 = 1.0 / (3.0 * 9.81);
+/// How long a velocity error to the side counts \[s\], once the wing can close it.
+const CATCH_UP: f32 = 0.6;
 /// By how much another plan must cost less: this part, and this much besides.
 const BETTER: f32 = 0.1;
 /// Time of push-over before a turn \[s\], where there is one.
@@ -168,15 +171,6 @@ memory!(Prospect {
     thrust: f32,
 });
 
-/// What turning adds to a prediction in the plane of flight. The default is flight straight on.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Aside {
-    /// Acceleration to the side that is given up while a plan turns to an attitude far away [m/s²].
-    pub missed: f32,
-    /// Velocity to the side that is lost before and after that [m/s].
-    pub begun: f32,
-}
-
 /// The planner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -243,6 +237,9 @@ impl Planner {
     ///
     /// The first of a round is the plan in force, and then come candidates, flown ahead from where and when the round began:
     /// costs are compared of plans from one start only. A candidate that is better takes over.
+    ///
+    /// In a turn of the course a plan that turns to an attitude far away gives up an acceleration `missed` to the side [m/s²]
+    /// meanwhile.
     #[inline(always)]
     pub fn search<A: Aerodynamics>(
         &self,
@@ -251,7 +248,7 @@ impl Planner {
         flight: &Flight,
         reference: &Reference,
         wind: Inertial,
-        aside: &Aside,
+        missed: f32,
     ) -> Prospect {
         let first = state.looked == 0 || state.looked >= ROUND;
         let plan = if first {
@@ -268,7 +265,7 @@ impl Planner {
             state.next = if n + 1 < CANDIDATES { n + 1 } else { 0 };
             candidate(vehicle, &state.start, n)
         };
-        let found = self.predict(vehicle, &state.start, &plan, aside, !first);
+        let found = self.predict(vehicle, &state.start, &plan, missed, !first);
         state.looked += 1;
         let cost = state.prospect.cost;
         if first {
@@ -280,7 +277,7 @@ impl Planner {
         state.prospect
     }
 
-    /// What `plan` comes to if it is flown from `start`; a `new` one has still to level the wing for a turn.
+    /// What `plan` comes to if it is flown from `start`.
     ///
     /// The cost is the integral over the prediction of the altitude error and of the velocity errors, each in its band, and
     /// the same for the time after it: an error that closes at the rate of the last steps is there for as long as that
@@ -291,7 +288,7 @@ impl Planner {
         vehicle: &Vehicle<A>,
         start: &Start,
         plan: &Plan,
-        aside: &Aside,
+        missed: f32,
         new: bool,
     ) -> Prospect {
         let virtual_vehicle = &self.virtual_vehicle;
@@ -305,25 +302,16 @@ impl Planner {
         let mut velocity = start.velocity;
         let mut error =
             flight.velocity - virtual_vehicle.velocity_wanted(flight.position, velocity);
-        let (mut late, mut cost) = (flight.velocity, 0.0);
-        // Velocity error to the side.
-        let mut beside = if new && plan.turn == 1 {
-            aside.begun
-        } else {
-            0.0
-        };
+        // Of the three penalties of a step what is the same at every step.
+        let (mut late, mut cost, mut turning) = (flight.velocity, -3.0 * SPAN, 0.0);
         for (n, step) in AHEAD_STEPS.iter().enumerate() {
             if n == STEPS - LATE {
                 late = flight.velocity;
             }
             let acceleration = start.acceleration * step.accelerating;
-            // The wing is nearly level while it is turned to an attitude far away.
-            beside += step.pace.h
-                * if plan.turn == 1 {
-                    aside.missed
-                } else {
-                    -CATCH_UP * beside
-                };
+            if plan.turn == 1 {
+                turning += step.pace.h;
+            }
             let wish = virtual_vehicle.wish(error, acceleration, vehicle.gravity(), &step.pace);
             virtual_vehicle.step(
                 vehicle,
@@ -338,13 +326,11 @@ impl Planner {
             );
             velocity += acceleration * step.pace.h;
             error = flight.velocity - virtual_vehicle.velocity_wanted(flight.position, velocity);
+            let altitude = math::min(-flight.position.down() * altitude_band, HIGH / KNEE);
             cost += step.pace.h
-                * (penalty(-math::min(
-                    -flight.position.down() * altitude_band,
-                    HIGH / KNEE,
-                )) + sinking(error.down() * band.down())
-                    + penalty(error.forward() * band.forward())
-                    + penalty(beside * band.down()));
+                * (length(altitude)
+                    + length(error.down() * band.down())
+                    + length(error.forward() * band.forward()));
         }
         let mean = (flight.velocity - late) * (1.0 / LATE_TIME) - start.acceleration;
         let least = LEAST_CLOSING * vehicle.gravity();
@@ -355,6 +341,12 @@ impl Planner {
         cost += TO_GO
             * (to_go.down() * sinking(error.down() * band.down())
                 + to_go.forward() * penalty(error.forward() * band.forward()));
+        if turning > 0.0 {
+            // It grows as long as the wing is nearly level, and has then to be closed.
+            let begun = if new { missed * missed * LEVEL } else { 0.0 };
+            let beside = begun + missed * turning;
+            cost += penalty(beside * band.down()) * (0.5 * turning + CATCH_UP);
+        }
         Prospect {
             cost: math::min(2.0 * KNEE * KNEE * cost, MAX_COST),
             error,
@@ -402,7 +394,13 @@ fn to_go(error: f32, acceleration: f32, least: f32) -> f32 {
 /// z²/2, and beyond 1 in proportion to |z|.
 #[inline(always)]
 fn penalty(z: f32) -> f32 {
-    math::sqrt(1.0 + z * z) - 1.0
+    length(z) - 1.0
+}
+
+/// The same and 1.
+#[inline(always)]
+fn length(z: f32) -> f32 {
+    math::sqrt(1.0 + z * z)
 }
 
 /// The same for a velocity error down, in [`KNEE`] bands. Sinking too slowly costs no more beyond [`SLOW`].
@@ -471,7 +469,7 @@ mod tests {
                 &flight,
                 &reference,
                 Inertial::ZERO,
-                &Aside::default(),
+                0.0,
             );
             planner.virtual_vehicle.advance(
                 vehicle,
@@ -604,14 +602,7 @@ mod tests {
         let (vehicle, planner) = (vehicle(2.0), Planner::new(&GuidanceParameters::default()));
         let mut state = PlannerState::default();
         let calm = Inertial::ZERO;
-        let first = planner.search(
-            &vehicle,
-            &mut state,
-            &cruise(),
-            &hover(0.0),
-            calm,
-            &Aside::default(),
-        );
+        let first = planner.search(&vehicle, &mut state, &cruise(), &hover(0.0), calm, 0.0);
         // Elsewhere, and in wind: the plan in force is not looked at, and nothing of this counts.
         let mut elsewhere = state;
         let told = planner.search(
@@ -620,27 +611,13 @@ mod tests {
             &Flight::default(),
             &hover(0.0),
             Inertial::new(0.0, 9.0),
-            &Aside::default(),
+            0.0,
         );
-        planner.search(
-            &vehicle,
-            &mut state,
-            &cruise(),
-            &hover(0.0),
-            calm,
-            &Aside::default(),
-        );
+        planner.search(&vehicle, &mut state, &cruise(), &hover(0.0), calm, 0.0);
         assert_eq!((elsewhere, told), (state, first));
         // From 20 m/s to a stop the first candidate, a turn past stall, is better: it takes over, and a round begins.
         assert_eq!((state.plan.turn, state.looked), (1, 0));
-        let next = planner.search(
-            &vehicle,
-            &mut state,
-            &cruise(),
-            &hover(0.0),
-            calm,
-            &Aside::default(),
-        );
+        let next = planner.search(&vehicle, &mut state, &cruise(), &hover(0.0), calm, 0.0);
         assert!(next.cost < first.cost);
     }
 
@@ -652,19 +629,14 @@ mod tests {
             flight: cruise(),
             ..Start::default()
         };
-        let aside = Aside {
-            missed: 6.0,
-            begun: 1.2,
-        };
-        let cost = |plan: &Plan, aside: &Aside, new| {
-            planner.predict(&vehicle, &start, plan, aside, new).cost
-        };
+        let cost =
+            |plan: &Plan, missed, new| planner.predict(&vehicle, &start, plan, missed, new).cost;
         let (crossing, servo) = (candidate(&vehicle, &start, 0), Plan::default());
-        let none = Aside::default();
-        let on = cost(&crossing, &aside, false) - cost(&crossing, &none, false);
-        let begun = cost(&crossing, &aside, true) - cost(&crossing, &none, true);
+        let level = cost(&crossing, 0.0, true);
+        let on = cost(&crossing, 6.0, false) - level;
+        let begun = cost(&crossing, 6.0, true) - level;
         assert!(on > 1.0 && begun > on, "{on} {begun}");
-        assert_eq!(cost(&servo, &aside, true), cost(&servo, &none, true));
+        assert_eq!(cost(&servo, 6.0, true), cost(&servo, 0.0, true));
     }
 
     /// Every candidate is looked at, and none so seldom that it comes too late: 27 looks take 0.4 s.

@@ -461,13 +461,13 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         dt: f32,
         guided: &mut Guided,
     ) -> Result<(), Refusal> {
-        let bare = State {
+        let mut at = State {
             velocity: input.velocity,
             orientation: input.orientation,
             wind: Ned::ZERO,
             correction: Correction::default(),
         };
-        check_input(&bare, &Reference::default()).map_err(Refusal::Law)?;
+        check_input(&at, &Reference::default()).map_err(Refusal::Law)?;
         if !input.orientation.is_sound() {
             return Err(Refusal::Law(Fault::Attitude));
         }
@@ -500,11 +500,8 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             .specific_force
             .filter(|f| f.norm_squared() < MAX_ACCELERATION * MAX_ACCELERATION);
         let correction = self.accelerometer.correction(&state.accelerometer);
-        let at = State {
-            wind,
-            correction,
-            ..bare
-        };
+        at.wind = wind;
+        at.correction = correction;
 
         // Where the vehicle is, from the reference.
         let reckoned = state.reckoned + (input.velocity - asked.velocity) * dt;
@@ -562,6 +559,16 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             dt,
         );
 
+        guided.progress = Progress::new(
+            vehicle,
+            &self.planner,
+            &state.planner,
+            &moved.flight,
+            &moved.prospect,
+            moved.error,
+            moved.reference,
+        );
+
         // The real one after it.
         let tracked = self
             .tracker
@@ -587,15 +594,6 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             dt,
         );
         state.saturated = saturated;
-        guided.progress = Progress::new(
-            vehicle,
-            &self.planner,
-            &state.planner,
-            &moved.flight,
-            &moved.prospect,
-            moved.error,
-            moved.reference,
-        );
         // Where the law has no say the virtual flight is drawn to the real one: that is how it is planned anew.
         let drawn = math::min((1.0 - tracked.law) * DRAW * dt, 1.0);
         let flight = &mut state.flight;

@@ -8,7 +8,7 @@ use super::course::{Axes, Course};
 use super::flight::{Flight, limited};
 use super::memory::memory;
 use super::parameters::GuidanceParameters;
-use super::planner::{Aside, Planner, PlannerState, Prospect};
+use super::planner::{Planner, PlannerState, Prospect};
 use crate::aero::Aerodynamics;
 use crate::air::AngleOfAttack;
 use crate::control::Guard;
@@ -275,11 +275,7 @@ impl Turning {
             thrust: flight.thrust,
         };
         let missed = (1.0 - CROSSING) * lean_wanted.abs();
-        let aside = Aside {
-            missed,
-            begun: missed * missed / (LEAN_SLEW * vehicle.gravity()),
-        };
-        let prospect = planner.search(&heavier, state, &plane, &asked, wind, &aside);
+        let prospect = planner.search(&heavier, state, &plane, &asked, wind, missed);
         let in_plane = servo.advance(&heavier, &mut plane, &mut state.plan, &asked, wind, dt);
         let error = plane.velocity - servo.velocity_wanted(plane.position, asked.velocity);
 
