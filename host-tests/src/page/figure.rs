@@ -11,8 +11,8 @@ pub struct Figure {
     pub picture: Option<Drawn>,
     charts: Vec<Drawn>,
     strip: Option<Drawn>,
-    /// The strip's words and their classes.
-    key: Vec<(String, &'static str)>,
+    /// What the strip's rows are, and its colours with their classes.
+    key: (String, Vec<(String, &'static str)>),
 }
 
 /// Between two parts of a sheet \[px\].
@@ -31,9 +31,7 @@ impl Figure {
     pub fn with_strip(mut self, strip: &Strip) -> Self {
         if !strip.rows.is_empty() {
             self.strip = Some(strip.draw());
-            let key = strip.key().into_iter();
-            let said = key.filter(|(word, _)| !word.is_empty());
-            self.key = said.map(|(word, class)| (word.to_owned(), class)).collect();
+            self.key = (strip.names(), strip.key());
         }
         self
     }
@@ -44,8 +42,8 @@ impl Figure {
         self
     }
 
-    /// The strip's words and their classes.
-    pub fn key(&self) -> &[(String, &'static str)] {
+    /// What the strip's rows are, and its colours with their classes.
+    pub fn key(&self) -> &(String, Vec<(String, &'static str)>) {
         &self.key
     }
 

@@ -26,7 +26,7 @@ struct Panel {
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Across {
     Nothing,
-    /// The speeds at which equilibria of level flight fold.
+    /// The speeds between the folds of level flight, where it has more than one equilibrium.
     FoldSpeeds,
     /// The angles of attack between these folds: the equilibrium jumps over them.
     StallBand,
@@ -204,14 +204,17 @@ fn across(what: Across, experiment: &Experiment) -> (Vec<Level>, Vec<Band>) {
     let levels = match what {
         Across::Nothing => Vec::new(),
         Across::FoldSpeeds => {
-            let mut speeds: Vec<f64> = level_folds(experiment).iter().map(|fold| fold.1).collect();
-            speeds.sort_by(f64::total_cmp);
+            let speeds = level_folds(experiment).into_iter().map(|fold| fold.1);
             let wind = experiment.weather.steady_m_s[1];
-            let ends = [speeds.first(), speeds.last()].into_iter().flatten();
-            let label = |v: f64| format!("level flight folds at {v:.1} m/s of air");
-            let mut levels: Vec<Level> = ends.map(|&v| level(v + wind, &label(v))).collect();
-            levels.dedup_by(|a, b| a.at == b.at);
-            levels
+            let (from, to) = speeds.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
+                (l.min(v), h.max(v))
+            });
+            bands.push(Band {
+                from: from + wind,
+                to: to + wind,
+                label: format!("level flight folds at {from:.1} and {to:.1} m/s of air"),
+            });
+            Vec::new()
         }
         Across::StallBand => {
             let folds = level_folds(experiment);
@@ -219,7 +222,7 @@ fn across(what: Across, experiment: &Experiment) -> (Vec<Level>, Vec<Band>) {
             bands.push(Band {
                 from: angles().fold(f64::INFINITY, f64::min),
                 to: angles().fold(f64::NEG_INFINITY, f64::max),
-                label: "stall: α between the folds of level flight".to_owned(),
+                label: "stall: α between these folds".to_owned(),
             });
             Vec::new()
         }

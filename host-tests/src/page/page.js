@@ -128,10 +128,10 @@ function build(svg) {
     const rowsHere = chart.time ? strip : [];
     const color = (series) => style(series.path).color;
     const steps = chart.angle ? angleSteps : decimalSteps;
-    const whole = (u, low, high) => low <= chart.x[0] && high >= chart.x[1];
+    const whole = (low, high) => low <= chart.x[0] && high >= chart.x[1];
     const range = (u) => {
         const { min, max } = u.scales.x;
-        if (min == null || whole(u, min, max)) return chart.y;
+        if (min == null || whole(min, max)) return chart.y;
         let [low, high] = [Infinity, -Infinity];
         for (const series of chart.series) {
             for (const curves of [series.curves, series.upper || []]) {
@@ -182,8 +182,10 @@ function build(svg) {
         const [ink, soft] = [variable("--ink"), variable("--soft")];
         const written = [];
         clipped(u, (ctx) => {
-            const note = (text, y, clear) => {
-                if (!text || y < top + 14 * ratio || y > top + height || written.some((other) => Math.abs(other - y) < 14 * ratio)) return;
+            const note = (text, at) => {
+                /* Above what it says, or below where there is no room. */
+                const y = at < top + 16 * ratio ? at + 17 * ratio : at;
+                if (!text || at < top || y > top + height || written.some((other) => Math.abs(other - y) < 14 * ratio)) return;
                 written.push(y);
                 ctx.fillStyle = soft;
                 ctx.font = font(11.5 * ratio);
@@ -228,11 +230,16 @@ function build(svg) {
                 ctx.fillText(mark.label, x + (before ? -8 : 8) * ratio, y + (above ? -12 : 12) * ratio);
             }
         });
-        /* The strip, under the axis. */
+        /* What the axis is, and the strip under it. */
         const ctx = u.ctx;
         ctx.save();
+        ctx.fillStyle = soft;
+        ctx.font = font(12 * ratio);
+        ctx.textAlign = "center";
+        ctx.textBaseline = "alphabetic";
+        ctx.fillText(chart.over, left + width / 2, top + height + 35 * ratio);
         rowsHere.forEach((row, i) => {
-            const y = top + height + (40 + i * (HIGH + 2)) * ratio;
+            const y = top + height + (41 + i * (HIGH + 2)) * ratio;
             ctx.font = font(10.5 * ratio);
             ctx.textBaseline = "middle";
             ctx.textAlign = "right";
@@ -289,20 +296,25 @@ function build(svg) {
         ...size(),
         padding: [8, 12, 0, 0],
         legend: { show: false },
-        scales: { x: { time: false }, y: { range, distr: chart.logarithmic ? 3 : 1 } },
+        scales: { x: { time: false }, y: { auto: false, range: (u, low, high) => low == null ? chart.y : [low, high], distr: chart.logarithmic ? 3 : 1 } },
         cursor: {
             y: false, points: { show: false }, drag: { x: true, y: false },
             sync: chart.time ? { key: "time", setSeries: false, scales: ["x", null] } : undefined,
         },
         axes: [
-            axis({ incrs: chart.over.includes("[°]") ? angleSteps : decimalSteps, label: chart.over, labelSize: 16, labelGap: 0, size: 22 + rowsHere.length * (HIGH + 2), gap: 3 }),
+            axis({ incrs: chart.over.includes("[°]") ? angleSteps : decimalSteps, size: 40 + rowsHere.length * (HIGH + 2), gap: 3 }),
             yAxis,
         ],
         series: [{}, ...lines.map((series) => ({
             label: series.name, stroke: () => color(series), width: 1.8, dash: series.kind === "dash" ? [7, 5] : undefined,
             points: { show: false }, spanGaps: false,
         }))],
-        hooks: { drawAxes: [behind], draw: [inFront], setCursor: [hover], setScale: [(u, key) => key === "x" && together(u, chart)] },
+        hooks: { drawAxes: [behind], draw: [inFront], setCursor: [hover], setScale: [(u, key) => {
+            if (key !== "x") return;
+            const [min, max] = range(u);
+            u.setScale("y", { min, max });
+            together(u, chart);
+        }] },
     }, data, live);
     svg.classList.add("replaced");
     built.push({ u, chart, size, legend });

@@ -10,6 +10,8 @@ pub struct Row {
     pub name: &'static str,
     /// (from, to, word), one after the other.
     pub spans: Vec<(f64, f64, String)>,
+    /// Whether the words are sets of flags.
+    pub flags: bool,
 }
 
 /// Rows of words over a time.
@@ -26,6 +28,9 @@ const QUIET: [&str; 6] = ["", "ok", "flying", "tracking", "velocity", "cruise"];
 const LOUD: [&str; 8] = [
     "word0", "word1", "word2", "word3", "word4", "word5", "word6", "word7",
 ];
+
+/// The class of every word of a row of flags, which may be raised in any combination.
+const FLAGS: &str = "flags";
 
 /// Units per second in which the spans are written.
 const UNITS: f64 = 1000.0;
@@ -53,26 +58,54 @@ impl Row {
                 }
             }
         }
-        (!spans.is_empty()).then_some(Self { name, spans })
+        (!spans.is_empty()).then_some(Self {
+            name,
+            spans,
+            flags: name == "status",
+        })
     }
 }
 
 impl Strip {
-    /// Every word but the empty one with its class, by first appearance.
-    pub fn key(&self) -> Vec<(&str, &'static str)> {
-        let mut key: Vec<(&str, &'static str)> = Vec::new();
+    /// Every word with its class, by first appearance.
+    fn classes(&self) -> Vec<(&str, &'static str)> {
+        let mut classes: Vec<(&str, &'static str)> = Vec::new();
         let mut loud = LOUD.iter().cycle();
-        for (_, _, word) in self.rows.iter().flat_map(|row| &row.spans) {
-            if !key.iter().any(|(known, _)| known == word) {
-                let class = if QUIET.contains(&word.as_str()) {
-                    "quiet"
-                } else {
-                    loud.next().expect("a cycle")
+        for row in &self.rows {
+            for (_, _, word) in &row.spans {
+                if classes.iter().any(|(known, _)| known == word) {
+                    continue;
+                }
+                let class = match QUIET.contains(&word.as_str()) {
+                    true => "quiet",
+                    false if row.flags => FLAGS,
+                    false => loud.next().expect("a cycle"),
                 };
-                key.push((word, class));
+                classes.push((word, class));
             }
         }
+        classes
+    }
+
+    /// What the colours are: each with its class.
+    pub fn key(&self) -> Vec<(String, &'static str)> {
+        let classes = self.classes();
+        let words = classes
+            .iter()
+            .filter(|(_, class)| *class != "quiet" && *class != FLAGS);
+        let mut key: Vec<_> = words
+            .map(|(word, class)| ((*word).to_owned(), *class))
+            .collect();
+        if classes.iter().any(|(_, class)| *class == FLAGS) {
+            key.push(("a status flag: the cursor tells which".to_owned(), FLAGS));
+        }
         key
+    }
+
+    /// The rows' names.
+    pub fn names(&self) -> String {
+        let names: Vec<&str> = self.rows.iter().map(|row| row.name).collect();
+        names.join(", ")
     }
 
     /// The strip as a drawing; the page's script reads the spans from it.
@@ -81,7 +114,7 @@ impl Strip {
             "<text class=\"title\" x=\"2\" y=\"15\">what the controller did and said</text>\n",
         );
         let scale = (WIDE - LEFT - 14.0) / (self.duration * UNITS).max(1.0);
-        let key = self.key();
+        let key = self.classes();
         for (i, row) in self.rows.iter().enumerate() {
             let top = 24.0 + HIGH * i as f64;
             let middle = top + 0.5 * HIGH + 3.0;
@@ -168,7 +201,7 @@ mod tests {
             duration: 3.0,
             rows: vec![row()],
         };
-        assert_eq!(strip.key(), [("tracking", "quiet"), ("crossing", "word0")]);
+        assert_eq!(strip.key(), [("crossing".to_owned(), "word0")]);
         let drawn = strip.draw().body;
         assert!(drawn.contains("d=\"M2000 0h1000v1h-1000z\""), "{drawn}");
         // A span of no length has no room for its word.

@@ -319,6 +319,8 @@ fn levels(body: &mut String, chart: &Chart, plot: &Plot) {
     // Labels of neighbours do not lie on each other.
     let mut written: Vec<f64> = Vec::new();
     let mut label = |body: &mut String, y: f64, text: &str| {
+        // Above what it says, or below where there is no room.
+        let y = if y < plot.top + 13.0 { y + 17.0 } else { y };
         if written.iter().all(|other| (other - y).abs() > 14.0) && !text.is_empty() {
             written.push(y);
             let (x, text) = (right - 3.0, escape(text));
