@@ -67,6 +67,8 @@ function read(svg) {
         y: numbers(svg.dataset.y).map((y) => logarithmic ? 10 ** y : y),
         text: (y) => y === null ? "–" : logarithmic ? y.toPrecision(3) : y.toFixed(decimals(uy)).replace(/^-(0(\.0*)?)$/, "$1"),
         textX: (x) => x.toFixed(decimals(ux)),
+        /* Charts over the same are explored together. */
+        axis: `${svg.dataset.over} ${svg.dataset.x}`,
         time: svg.classList.contains("time"), angle: svg.classList.contains("angle"),
         levels: [...svg.querySelectorAll(".level")].map((e) => ({ at: +e.dataset.at, label: e.dataset.label, element: e })),
         bands: [...svg.querySelectorAll(".band")].map((e) => ({ from: +e.dataset.from, to: +e.dataset.to, label: e.dataset.label, element: e })),
@@ -122,7 +124,7 @@ function build(svg) {
 
     /* One table of all abscissas. Straight lines between points: nothing is made up. */
     const lines = chart.series.filter((series) => series.kind === "line" || series.kind === "dash");
-    const xs = [...new Set(lines.flatMap((s) => s.curves.flat().map((p) => p[0])).concat(chart.x))].sort((a, b) => a - b);
+    const xs = [...new Set(lines.flatMap((s) => s.curves.flat().map((p) => p[0])).concat(chart.x))].filter((x) => x >= chart.x[0] && x <= chart.x[1]).sort((a, b) => a - b);
     const data = [xs, ...lines.map((series) => xs.map((x) => at(series.curves, x)))];
 
     const rowsHere = chart.time ? strip : [];
@@ -296,10 +298,10 @@ function build(svg) {
         ...size(),
         padding: [8, 12, 0, 0],
         legend: { show: false },
-        scales: { x: { time: false }, y: { auto: false, range: (u, low, high) => low == null ? chart.y : [low, high], distr: chart.logarithmic ? 3 : 1 } },
+        scales: { x: { time: false, range: (u, low, high) => low == null ? chart.x : [Math.max(low, chart.x[0]), Math.min(high, chart.x[1])] }, y: { auto: false, range: (u, low, high) => low == null ? chart.y : [low, high], distr: chart.logarithmic ? 3 : 1 } },
         cursor: {
             y: false, points: { show: false }, drag: { x: true, y: false },
-            sync: chart.time ? { key: "time", setSeries: false, scales: ["x", null] } : undefined,
+            sync: { key: chart.axis, setSeries: false, scales: ["x", null] },
         },
         axes: [
             axis({ incrs: chart.over.includes("[°]") ? angleSteps : decimalSteps, size: 40 + rowsHere.length * (HIGH + 2), gap: 3 }),
@@ -317,19 +319,25 @@ function build(svg) {
         }] },
     }, data, live);
     svg.classList.add("replaced");
+    live.dataset.axis = chart.axis;
     built.push({ u, chart, size, legend });
     paint();
     function paint() { chart.series.forEach((series) => { series.entry.mark.style.color = color(series); }); }
     built[built.length - 1].paint = paint;
 }
 
-/* Every chart over time shows the same time. */
+/* Every chart over the same axis shows the same of it. */
 let spreading = false;
 function together(from, chart) {
-    if (spreading || !chart.time || from.status === 0) return;
+    if (spreading || from.status === 0) return;
     spreading = true;
     const { min, max } = from.scales.x;
-    for (const other of built) if (other.chart.time && other.u !== from) other.u.setScale("x", { min, max });
+    for (const other of built) {
+        const now = other.u.scales.x;
+        /* Charts set each other later, too: it must come to an end. */
+        const same = Math.abs(now.min - min) + Math.abs(now.max - max) < 1e-6 * (max - min);
+        if (other.chart.axis === chart.axis && other.u !== from && !same) other.u.setScale("x", { min, max });
+    }
     spreading = false;
 }
 
