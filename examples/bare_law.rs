@@ -15,7 +15,12 @@ fn main() -> Result<(), ParameterError> {
     let control = VelocityControl::new(vehicle, Gains::new(GainParameters::PAPER)?);
 
     println!("speed [m/s]  θ [°]  thrust [N]  rate [rad/s]");
-    for (speed, pitch) in [(0.0_f32, 0.0_f32), (5.0, -35.0), (12.0, -70.0), (18.0, -84.0)] {
+    for (speed, pitch) in [
+        (0.0_f32, 0.0_f32),
+        (5.0, -35.0),
+        (12.0, -70.0),
+        (18.0, -84.0),
+    ] {
         // Vectors are (down, forward). θ = 0 is nose up, −90° nose forward.
         let state = State {
             velocity: Inertial::new(0.0, speed),
@@ -27,9 +32,7 @@ fn main() -> Result<(), ParameterError> {
             acceleration: Inertial::new(0.0, 1.0),
         };
         // A fault comes without a command: no thrust and no rotation is the safe one.
-        let command = control
-            .robust(&state, &reference, None)
-            .unwrap_or_default();
+        let command = control.robust(&state, &reference, None).unwrap_or_default();
         assert!(command.thrust.is_finite() && command.rate.is_finite());
         println!(
             "{speed:11} {pitch:6} {:11.2} {:13.2}",

@@ -40,9 +40,7 @@ fn main() -> Result<(), ParameterError> {
             },
             ..PlanarInput::default()
         };
-        let command = guidance
-            .update_in_plane(&mut memory, &input, DT)
-            .command;
+        let command = guidance.update_in_plane(&mut memory, &input, DT).command;
 
         // The vehicle: thrust along the nose, the wing's force, gravity.
         let air = AirData::new(attitude.to_body(velocity), vehicle.thrust_line());

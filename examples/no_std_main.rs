@@ -3,7 +3,7 @@
 //! `cargo build --release --example no_std_main --target thumbv7em-none-eabihf` compiles it. On a computer it runs for a second.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
-use alula::guidance::{Air, Mode};
+use alula::guidance::Air;
 use alula::*;
 
 /// Period of the control loop [s].
@@ -37,8 +37,7 @@ fn fly(board: &mut impl Board) -> Result<(), ParameterError> {
             ..PlanarInput::default()
         };
         let guided = guidance.update_in_plane(&mut memory, &input, PERIOD);
-        // In every mode the command is one to be flown: in `Safe` it is the safe one.
-        debug_assert!(guided.mode == Mode::Flying || guided.refusal.is_some());
+        // In every mode the command is one to be flown. It begins with the safe one, no thrust, until good inputs have come for a while.
         board.command(guided.command.thrust, guided.command.rate);
     }
     Ok(())

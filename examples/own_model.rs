@@ -30,7 +30,8 @@ fn main() -> Result<(), ParameterError> {
     let plate = Plate { s: 1.0, c_0: 0.02 };
     // The derivatives against differences.
     for degrees in [-150.0_f32, -20.0, 5.0, 80.0] {
-        let at = |degrees: f32| plate.coefficients(AngleOfAttack::from_radians(degrees.to_radians()));
+        let at =
+            |degrees: f32| plate.coefficients(AngleOfAttack::from_radians(degrees.to_radians()));
         let (before, here, after) = (at(degrees - 0.5), at(degrees), at(degrees + 0.5));
         let slope = (after.c_l - before.c_l) / 1.0_f32.to_radians();
         // A difference over a degree is off by its third derivative: 1.3e-3.
