@@ -216,6 +216,7 @@ function build(svg) {
                     ctx.fill();
                 }
             }
+            const labels = [];
             for (const mark of chart.marks) {
                 const [x, y] = [px(u, mark.at[0]), py(u, mark.at[1])];
                 ctx.strokeStyle = ctx.fillStyle = ink;
@@ -228,8 +229,12 @@ function build(svg) {
                 const before = x + long + 10 * ratio > left + width;
                 ctx.textAlign = before ? "right" : "left";
                 ctx.textBaseline = "middle";
-                const above = y > top + height / 2;
-                ctx.fillText(mark.label, x + (before ? -8 : 8) * ratio, y + (above ? -12 : 12) * ratio);
+                const [from, first] = [x + (before ? -8 * ratio - long : 8 * ratio), y > top + height / 2 ? -12 : 12];
+                /* Where no label is yet. */
+                const free = (y) => labels.every(([other, otherLong, at]) => Math.abs(at - y) > 15 * ratio || other > from + long || from > other + otherLong);
+                const at = [first, -first, 2.4 * first, -2.4 * first, 3.8 * first].map((dy) => y + dy * ratio).find(free) ?? y + first * ratio;
+                labels.push([from, long, at]);
+                ctx.fillText(mark.label, x + (before ? -8 : 8) * ratio, at);
             }
         });
         /* What the axis is, and the strip under it. */
