@@ -33,8 +33,10 @@ impl Named {
         // A bare word is a mistyped name rather than a file.
         if !path.exists() && path.extension().is_none() {
             let names: Vec<_> = built_in.iter().map(|(name, _)| *name).collect();
+            let meant = nearest(argument, &names);
+            let meant = meant.map_or(String::new(), |name| format!("; did you mean {name}?"));
             let names = names.join(", ");
-            bail!("{argument}: neither a file nor a built-in {noun} ({names})");
+            bail!("{argument}: neither a file nor a built-in {noun} ({names}){meant}");
         }
         let name = path.file_stem().unwrap_or(path.as_os_str());
         Ok(Self {
@@ -60,6 +62,15 @@ impl Named {
     }
 }
 
+/// The name that was probably meant: as near to `given` as a slip or two.
+fn nearest<'a>(given: &str, names: &[&'a str]) -> Option<&'a str> {
+    let given = given.to_lowercase();
+    let likeness = |name: &&str| strsim::jaro_winkler(&given, name);
+    let all = names.iter().map(|name| (likeness(name), *name));
+    let (likeness, name) = all.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    (likeness > 0.85).then_some(name)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -77,6 +88,10 @@ mod tests {
         assert_eq!(
             error("plum"),
             "plum: neither a file nor a built-in fruit (apple, pear)"
+        );
+        assert_eq!(
+            error("Aple"),
+            "Aple: neither a file nor a built-in fruit (apple, pear); did you mean apple?"
         );
         assert!(error("plum.toml").starts_with("plum.toml: No such file"));
         let file = tempfile::NamedTempFile::with_suffix(".toml").unwrap();

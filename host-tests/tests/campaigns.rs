@@ -232,7 +232,7 @@ fn no_flight_is_lost() {
         }
         let page = page(&source, &summary);
         let title = format!("over {} →", summary.maps[0].x.field);
-        assert!(page.svg.contains(&title), "{name}");
+        assert!(page.figure.svg().contains(&title), "{name}");
     }
 }
 

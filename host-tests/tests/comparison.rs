@@ -228,6 +228,10 @@ fn a_switching_policys_trace_names_its_phases() {
         assert_eq!(modes, expected, "{name}");
         let figures = Figures::of(experiment, &record);
         assert!(figures.get("safe_s") == 0.0 && figures.get("min_fp_n").is_nan());
-        assert!(flight::svg(experiment, &record, &figures).contains("</svg>"));
+        assert!(
+            flight::figure(experiment, &record, &figures)
+                .svg()
+                .contains("</svg>")
+        );
     }
 }

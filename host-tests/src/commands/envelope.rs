@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use alula_sil::airframe::Airframe;
 use alula_sil::envelope::{Curve, Cusp, Fold, FoldCurve, Interval, Jump, jump_down, jump_up};
-use alula_sil::page::envelope::{Figure, svg};
+use alula_sil::page::envelope::{Shown, figure};
 use alula_sil::page::{Page, Table, fixed};
 use alula_sil::reference::Vehicle;
 
@@ -118,7 +118,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let folds = curve.folds();
     let fold_curve = FoldCurve::new(&vehicle);
     let cusps = fold_curve.cusps();
-    let figure = Figure {
+    let shown = Shown {
         vehicle: &vehicle,
         curve: &curve,
         epsilon: ray.epsilon,
@@ -142,7 +142,8 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
             airframe.description.trim_end_matches('.'),
             flight(args, &ray)
         ),
-        svg: svg(&figure),
+        warnings: Vec::new(),
+        figure: figure(&shown),
         tables: tables(&summary, &ray),
         text: None,
         notes: "Equilibria from hover to infinite airspeed; see docs/envelope.md.".to_owned(),

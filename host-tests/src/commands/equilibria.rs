@@ -6,7 +6,7 @@ use anyhow::anyhow;
 use serde::Serialize;
 
 use alula_sil::airframe::Airframe;
-use alula_sil::page::equilibria::svg;
+use alula_sil::page::equilibria::figure;
 use alula_sil::page::{Page, Table, fixed};
 use alula_sil::reference::Vector;
 
@@ -130,7 +130,8 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
             "velocity ({}, {}) m/s, acceleration ({}, {}) m/s², wind ({}, {}) m/s, each (down, forward)",
             args.velocity.0, args.velocity.1, args.accel.0, args.accel.1, args.wind.0, args.wind.1
         ),
-        svg: svg(&airframe.reference(), vectors, &points),
+        warnings: Vec::new(),
+        figure: figure(&airframe.reference(), vectors, &points),
         tables: tables(&summary),
         text: None,
         notes: "The set is the core's, in single precision; the curves are in double precision."

@@ -9,7 +9,7 @@ use alula_sil::airframe::Airframe;
 use alula_sil::envelope::{Curve, Fold};
 use alula_sil::files;
 use alula_sil::fit::{Errors, Metric, Sphericity, fit};
-use alula_sil::page::fit::svg;
+use alula_sil::page::fit::figure;
 use alula_sil::page::{Page, Table, fixed};
 use alula_sil::polar::Polar;
 use alula_sil::reference::{Aerodynamics, Combined, Vehicle};
@@ -82,7 +82,8 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let page = Page {
         title: format!("Fit of {name}"),
         lead: "the combined model, nearest to the table by weighted least squares; vehicle.toml has it".to_owned(),
-        svg: svg(polar.rows, &model),
+        warnings: Vec::new(),
+        figure: figure(polar.rows, &model),
         tables: tables(&summary),
         text: None,
         notes: "A row weighs the range of α it stands for; rows up to 20° together weigh as much as all others. Folds are those of level flight.".to_owned(),

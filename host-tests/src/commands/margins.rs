@@ -10,7 +10,7 @@ use alula_sil::airframe::Airframe;
 use alula_sil::experiment::{PlantSpec, RateLoop};
 use alula_sil::files::leave;
 use alula_sil::margins::{LONGEST, Loop, LoopGains, Point};
-use alula_sil::page::margins_svg;
+use alula_sil::page::margins_figure;
 
 use super::output::Output;
 use super::settings::Settings;
@@ -93,7 +93,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     });
 
     let curves: Vec<_> = loops.iter().map(|l| (l.gains, &l.points[..])).collect();
-    let svg = margins_svg(&curves)?;
+    let svg = margins_figure(&curves).svg();
     leave(&out.join("margins.svg"), |file| {
         Ok(file.write_all(svg.as_bytes())?)
     })?;

@@ -3,6 +3,7 @@
 mod campaign;
 mod companion;
 mod compare;
+mod completions;
 mod envelope;
 mod equilibria;
 mod fit;
@@ -42,6 +43,7 @@ enum Command {
     Equilibria(equilibria::Args),
     Sweep(sweep::Args),
     Fit(fit::Args),
+    Completions(completions::Args),
 }
 
 impl Cli {
@@ -62,6 +64,7 @@ impl Cli {
             Some(Command::Equilibria(args)) => equilibria::run(&args),
             Some(Command::Sweep(args)) => sweep::run(&args),
             Some(Command::Fit(args)) => fit::run(&args),
+            Some(Command::Completions(args)) => completions::run(&args),
         }
     }
 }

@@ -3,7 +3,7 @@
 use anyhow::anyhow;
 use serde::Serialize;
 
-use alula_sil::page::sweep::svg;
+use alula_sil::page::sweep::figure;
 use alula_sil::page::{Page, Table, fixed};
 use alula_sil::simulate::fly;
 use alula_sil::sweep::{Cause, Findings, Span, findings, sweep};
@@ -61,7 +61,8 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
                 "not admissible"
             }
         ),
-        svg: svg(experiment, &instants, &record, &findings, least_fp),
+        warnings: Vec::new(),
+        figure: figure(experiment, &instants, &record, &findings, least_fp),
         tables: tables(&findings, least_fp),
         text: None,
         notes: "Equilibria of the true vehicle at the reference; the followed one has θ̃ = 0 and is the nearest to the one before.".to_owned(),

@@ -1,34 +1,14 @@
 //! The page about a campaign: fans, limits, worst flights, percentiles.
 
-use plotters::style::RGBColor;
-
-use super::chart::{BLUE, Chart, Series, Stroke, sheet};
-use super::{Page, Table, columns};
+use super::chart::{BLUE, Chart, HEAT, Level, Series, Stroke, TINTS};
+use super::{Figure, Page, Table, columns, fixed};
 use crate::columns::column;
-use crate::study::{CampaignSource, Fan, LimitFound, MapFound, PERCENTILES, Summary};
+use crate::figures::LOST;
+use crate::study::{Campaign, CampaignSource, Fan, LimitFound, MapFound, PERCENTILES, Summary};
 
 const NOTES: &str = "Percentiles are within half a percent; the least and the greatest are exact. A fan shows the range of all \
     flights, 1–99 %, 5–95 % and 25–75 % of them, and the median, each at its instant: no flight need follow its edges. \
     Correlations are linear, between a dispersed field and a limit's figure. A map has every bin in the colour of its worst flight.";
-
-/// Tints of the fan from the outside in.
-const TINTS: [RGBColor; 4] = [
-    RGBColor(236, 240, 245),
-    RGBColor(206, 220, 236),
-    RGBColor(160, 190, 222),
-    RGBColor(110, 155, 204),
-];
-
-/// Colours of a map, from good to bad.
-const HEAT: [RGBColor; 7] = [
-    RGBColor(226, 236, 244),
-    RGBColor(190, 214, 235),
-    RGBColor(253, 219, 140),
-    RGBColor(250, 170, 80),
-    RGBColor(232, 100, 50),
-    RGBColor(180, 30, 40),
-    RGBColor(90, 0, 40),
-];
 
 /// The page about what `source` found.
 pub fn page(source: &CampaignSource, summary: &Summary) -> Page {
@@ -71,11 +51,46 @@ pub fn page(source: &CampaignSource, summary: &Summary) -> Page {
     Page {
         title: format!("Campaign {}", source.stem()),
         lead,
-        svg: svg(summary),
+        warnings: warnings(source, summary),
+        figure: figure(campaign, summary),
         tables,
         text: None,
         notes: NOTES.to_owned(),
     }
+}
+
+/// What "passed" does not say.
+fn warnings(source: &CampaignSource, summary: &Summary) -> Vec<String> {
+    if summary.passed_yet_lost == 0 {
+        return Vec::new();
+    }
+    let depths = summary.faults.iter().map(|fault| fault.least_m);
+    let all = summary
+        .figures
+        .iter()
+        .filter(|f| f.figure == "altitude_least_m");
+    let least = depths
+        .chain(all.map(|f| f.percentiles[0]))
+        .fold(f64::INFINITY, f64::min);
+    let mut text = format!(
+        "\u{201c}Passed\u{201d} does not mean that the altitude was kept: {} of the {} flights that count as passed sank more than {LOST} m \
+         below the reference, the lowest flight {:.0} m. No limit asked against it.",
+        summary.passed_yet_lost, summary.passed, -least,
+    );
+    let falls = source
+        .campaign
+        .faults
+        .iter()
+        .any(|fault| fault.after.mode.as_deref() == Some("safe"));
+    let thrust = source
+        .base
+        .number("controller.guidance.safe_thrust_mg")
+        .unwrap_or(0.0);
+    if falls && thrust == 0.0 {
+        text += " A fault that lasts to the end ends in the safe command, and with safe_thrust = 0 that is no thrust: the vehicle falls \
+                 until the flight is over.";
+    }
+    vec![text]
 }
 
 fn number(value: f64) -> String {
@@ -212,15 +227,47 @@ fn dispersions(summary: &Summary) -> Table {
     }
 }
 
-fn svg(summary: &Summary) -> String {
+fn figure(campaign: &Campaign, summary: &Summary) -> Figure {
     let titles: Vec<String> = summary.fans.iter().map(title).collect();
     let fans = summary.fans.iter().zip(&titles);
-    let fans = fans.map(|(found, title)| fan(found, title));
+    let fans = fans.map(|(found, title)| Chart {
+        levels: levels(campaign, found.column),
+        ..fan(found, title)
+    });
     let texts: Vec<MapTexts> = summary.maps.iter().map(MapTexts::new).collect();
     let maps = summary.maps.iter().zip(&texts);
     let maps = maps.map(|(found, texts)| map(found, texts));
     let charts: Vec<Chart> = fans.chain(maps).collect();
-    sheet(&charts, 310).expect("charts of finite ranges can be drawn")
+    Figure::new(&charts, 230.0)
+}
+
+/// The limits of the least and the greatest value of a column.
+fn levels(campaign: &Campaign, column: &str) -> Vec<Level> {
+    let mut levels = Vec::new();
+    for limit in &campaign.limits {
+        if limit.figure.replace("_least", "").replace("_most", "") != column {
+            continue;
+        }
+        let label = match limit.share {
+            1.0 => "limit".to_owned(),
+            share => format!("limit of {} %", fixed(100.0 * share, 1)),
+        };
+        let ends = limit.least.into_iter().chain(limit.most);
+        levels.extend(ends.map(|at| Level {
+            at,
+            label: label.clone(),
+        }));
+    }
+    levels
+}
+
+/// Of values in radians, degrees.
+fn scale(fan: &Fan) -> f64 {
+    if fan.column.ends_with("_rad") {
+        180.0 / std::f64::consts::PI
+    } else {
+        1.0
+    }
 }
 
 /// The column's meaning and its unit.
@@ -228,7 +275,7 @@ fn title(fan: &Fan) -> String {
     let unit = match fan.column {
         name if name.ends_with("_m_s") => " [m/s]",
         name if name.ends_with("_m") => " [m]",
-        name if name.ends_with("_rad") => " [rad]",
+        name if name.ends_with("_rad") => " [°]",
         _ => "",
     };
     let meaning = column(fan.column).map_or(fan.column, |column| column.meaning);
@@ -277,7 +324,7 @@ fn map<'a>(map: &'a MapFound, texts: &'a MapTexts) -> Chart<'a> {
         Series {
             name,
             color,
-            stroke: Stroke::Fill,
+            stroke: Stroke::Cells,
             points: inside.flat_map(cell).collect(),
         }
     });
@@ -287,17 +334,18 @@ fn map<'a>(map: &'a MapFound, texts: &'a MapTexts) -> Chart<'a> {
 fn fan<'a>(fan: &Fan, title: &'a str) -> Chart<'a> {
     const NAMES: [&str; 4] = ["all", "1–99 %", "5–95 %", "25–75 %"];
     let last = PERCENTILES.len() - 1;
+    let scale = scale(fan);
     let mut series: Vec<Series> = Vec::new();
     for (i, (name, color)) in NAMES.into_iter().zip(TINTS).enumerate() {
-        let edge = |j: usize| fan.points.iter().map(move |(t, p)| (*t, p[j]));
+        let edge = |j: usize| fan.points.iter().map(move |(t, p)| (*t, scale * p[j]));
         series.push(Series {
             name,
             color,
-            stroke: Stroke::Fill,
+            stroke: Stroke::Fan,
             points: edge(i).chain(edge(last - i).rev()).collect(),
         });
     }
-    let median = fan.points.iter().map(|(t, p)| (*t, p[last / 2]));
+    let median = fan.points.iter().map(|(t, p)| (*t, scale * p[last / 2]));
     series.push(Series::line("median", BLUE, median.collect()));
     Chart::over_time(title, series)
 }

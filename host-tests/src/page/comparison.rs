@@ -1,18 +1,13 @@
 //! The results as a page: charts, a summary, a table per condition.
 
-use plotters::style::RGBColor;
-
-use super::chart::{BLUE, Chart, GREEN, GREY, ORANGE, Series, sheet};
-use super::{Page, Table, columns};
+use super::chart::{BLACK, BLUE, Chart, Color, GREEN, GREY, ORANGE, PURPLE, RED, Series};
+use super::{Figure, Page, Table, columns};
 use crate::figures::{LATE, LOST, REACHED};
 use crate::study::{
     ASTRAY, Cell, Comparison, Condition, FAR, OSCILLATION, Policy, Results, header,
 };
 
-const PURPLE: RGBColor = RGBColor(136, 70, 160);
-const RED: RGBColor = RGBColor(196, 30, 58);
-const BLACK: RGBColor = RGBColor(38, 44, 52);
-const PALETTE: [RGBColor; 6] = [RED, BLUE, ORANGE, GREEN, PURPLE, BLACK];
+const PALETTE: [Color; 6] = [RED, BLUE, ORANGE, GREEN, PURPLE, BLACK];
 
 /// What the columns are.
 pub(super) fn definitions() -> String {
@@ -77,7 +72,7 @@ const DRAWN: f64 = 12.0;
 /// So are speeds beyond this \[m/s\].
 const FASTEST: f64 = 40.0;
 
-fn svg<'a>(comparison: &'a Comparison, results: &Results) -> String {
+fn figure<'a>(comparison: &'a Comparison, results: &Results) -> Figure {
     let titles: Vec<[String; 2]> = comparison
         .charts
         .iter()
@@ -119,7 +114,7 @@ fn svg<'a>(comparison: &'a Comparison, results: &Results) -> String {
         speeds.extend(named("true_v_forward_m_s", FASTEST));
         charts.push(Chart::over_time(speed, speeds));
     }
-    sheet(&charts, 420).expect("charts of finite ranges can be drawn")
+    Figure::new(&charts, 280.0)
 }
 
 /// The page of a comparison called `name`.
@@ -137,7 +132,8 @@ pub fn page(name: &str, comparison: &Comparison, results: &Results) -> Page {
     Page {
         title: format!("Comparison {name}"),
         lead: comparison.description.clone(),
-        svg: svg(comparison, results),
+        warnings: Vec::new(),
+        figure: figure(comparison, results),
         tables: all,
         text: None,
         notes: definitions().replace("**", "").replace('\\', ""),

@@ -1,11 +1,12 @@
 //! The figure of an envelope: the paper's bifurcation figure, the fold curves, the coefficients.
 
-use super::chart::{BLUE, Chart, GREY, Mark, ORANGE, Series, sheet};
+use super::Figure;
+use super::chart::{BLUE, Chart, GREY, Mark, ORANGE, Series};
 use crate::envelope::{Curve, Cusp, Fold, FoldPoint};
 use crate::reference::{Coefficients, Vehicle};
 
 /// What is drawn.
-pub struct Figure<'a> {
+pub struct Shown<'a> {
     /// The vehicle.
     pub vehicle: &'a Vehicle,
     /// Its curve at the climb angle asked for.
@@ -20,28 +21,28 @@ pub struct Figure<'a> {
     pub cusps: &'a [Cusp],
 }
 
-/// The figure as SVG text.
-pub fn svg(figure: &Figure) -> String {
-    let mut charts = vec![bifurcation(figure, false)];
+/// The figure .
+pub fn figure(shown: &Shown) -> Figure {
+    let mut charts = vec![bifurcation(shown, false)];
     // Where there is nothing to look at closely, there is no close look.
-    if !figure.folds.is_empty() {
-        charts.push(bifurcation(figure, true));
+    if !shown.folds.is_empty() {
+        charts.push(bifurcation(shown, true));
     }
-    charts.push(fold_curves(figure));
-    charts.push(coefficients(figure.vehicle));
-    sheet(&charts, 420).expect("charts of finite ranges can be drawn")
+    charts.push(fold_curves(shown));
+    charts.push(coefficients(shown.vehicle));
+    Figure::new(&charts, 280.0)
 }
 
 /// a against α: the branch θ̃ = 0 drawn solid, where a falls with α, the branch θ̃ = π dashed.
-fn bifurcation(figure: &Figure, close: bool) -> Chart<'static> {
-    let highest = figure.folds.iter().map(|fold| fold.a).fold(0.0, f64::max);
-    let lowest = figure
+fn bifurcation(shown: &Shown, close: bool) -> Chart<'static> {
+    let highest = shown.folds.iter().map(|fold| fold.a).fold(0.0, f64::max);
+    let lowest = shown
         .folds
         .iter()
         .map(|f| f.a)
         .fold(f64::INFINITY, f64::min);
     let (floor, ceiling, (first, last)) = if close {
-        let angles = || figure.folds.iter().map(|fold| fold.alpha.to_degrees());
+        let angles = || shown.folds.iter().map(|fold| fold.alpha.to_degrees());
         let (low, high) = (
             angles().fold(f64::INFINITY, f64::min),
             angles().fold(f64::NEG_INFINITY, f64::max),
@@ -55,24 +56,24 @@ fn bifurcation(figure: &Figure, close: bool) -> Chart<'static> {
         )
     } else {
         let ceiling = if highest > 0.0 { 2.0 * highest } else { 3.0 };
-        let (from, to) = figure.curve.range();
+        let (from, to) = shown.curve.range();
         (0.0, ceiling, (from.to_degrees(), to.to_degrees()))
     };
-    let points = figure.curve.points();
+    let points = shown.curve.points();
     let branch = |aligned: bool| {
         let value = |&(alpha, a): &(f64, f64)| {
             let degrees = alpha.to_degrees();
             let inside = (floor..ceiling).contains(&a) && (first..last).contains(&degrees);
-            let drawn = inside && (figure.curve.slope(alpha) < 0.0) == aligned;
+            let drawn = inside && (shown.curve.slope(alpha) < 0.0) == aligned;
             (degrees, if drawn { a } else { f64::NAN })
         };
         let within = |p: &(f64, f64)| (first..last).contains(&p.0);
         points.iter().map(value).filter(within).collect()
     };
     // Labels of minima go below their marks, the left one of two neighbours below the other; those of maxima above.
-    let is_minimum = |fold: &Fold| figure.curve.slope(fold.alpha - 1e-6) < 0.0;
+    let is_minimum = |fold: &Fold| shown.curve.slope(fold.alpha - 1e-6) < 0.0;
     let shift = |fold: &Fold| {
-        let neighbours = figure.folds.iter().filter(|other| {
+        let neighbours = shown.folds.iter().filter(|other| {
             let ahead = (other.alpha - fold.alpha).to_degrees();
             is_minimum(other) && (0.0..5.0).contains(&ahead)
         });
@@ -92,7 +93,7 @@ fn bifurcation(figure: &Figure, close: bool) -> Chart<'static> {
         },
     };
     let mut series = vec![Series::line("θ̃ = 0", BLUE, branch(true))];
-    if !figure.folds.is_empty() {
+    if !shown.folds.is_empty() {
         series.push(Series::dashed("θ̃ = π", ORANGE, branch(false)));
     }
     let title = match close {
@@ -100,14 +101,14 @@ fn bifurcation(figure: &Figure, close: bool) -> Chart<'static> {
         false => "equilibrium curve: a = k_a|v_a|²/|W|",
     };
     Chart {
-        marks: figure.folds.iter().map(mark).collect(),
+        marks: shown.folds.iter().map(mark).collect(),
         ..Chart::over(title, "angle of attack α [°]", series)
     }
 }
 
-fn fold_curves(figure: &Figure) -> Chart<'static> {
+fn fold_curves(shown: &Shown) -> Chart<'static> {
     let mut points = Vec::new();
-    for piece in figure.fold_curve {
+    for piece in shown.fold_curve {
         let mut last = (f64::INFINITY, 0.0);
         for (i, p) in piece.iter().enumerate() {
             let point = (p.epsilon.to_degrees(), p.a);
@@ -122,15 +123,15 @@ fn fold_curves(figure: &Figure) -> Chart<'static> {
     }
     let highest = points.iter().map(|p| p.1).filter(|a| a.is_finite());
     let highest = highest.fold(0.0, f64::max);
-    let epsilon = figure.epsilon.to_degrees();
+    let epsilon = shown.epsilon.to_degrees();
     let mark = |cusp: &Cusp| Mark {
         at: (cusp.epsilon.to_degrees(), cusp.a),
         label: format!("cusp {:.1}°", cusp.epsilon.to_degrees()),
         shift: 14,
     };
     // A table has cusps wherever it bends: only a few can be labelled.
-    let labelled = figure.cusps.len() <= 3;
-    let cusps = if labelled { figure.cusps } else { &[] };
+    let labelled = shown.cusps.len() <= 3;
+    let cusps = if labelled { shown.cusps } else { &[] };
     let series = vec![
         Series::line("folds", BLUE, points),
         Series::dashed("this ε", GREY, vec![(epsilon, 0.0), (epsilon, highest)]),

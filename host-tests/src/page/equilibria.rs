@@ -1,15 +1,15 @@
 //! The figure of a set of equilibria: F̄_2 against θ, and what thrust holds each.
 
-use super::chart::{BLUE, Chart, Mark, ORANGE, Series, sheet};
+use super::Figure;
+use super::chart::{BLUE, Chart, Mark, ORANGE, Series};
 use crate::reference::{Vector, Vehicle, rotation};
 
-/// The figure of `vehicle` at a reference velocity and acceleration in a wind, with the equilibria (θ, T) \[rad, N\], as SVG
-/// text.
-pub fn svg(
+/// The figure of `vehicle` at a reference velocity and acceleration in a wind, with the equilibria (θ, T) \[rad, N\].
+pub fn figure(
     vehicle: &Vehicle,
     [velocity, acceleration, wind]: [Vector; 3],
     equilibria: &[(f64, f64)],
-) -> String {
+) -> Figure {
     // F in body components, over the weight.
     let body = |degrees: f64| {
         let theta = degrees.to_radians();
@@ -43,7 +43,7 @@ pub fn svg(
     };
     let across = equilibria.iter().map(|e| mark(e.0, 0.0, shift(e.0) - 10));
     let along = equilibria.iter().map(|e| mark(e.0, e.1 / weight, 0));
-    sheet(
+    Figure::new(
         &[
             chart(
                 "force across the thrust line F·j/(m g): zero at an equilibrium",
@@ -58,7 +58,6 @@ pub fn svg(
                 along.collect(),
             ),
         ],
-        460,
+        310.0,
     )
-    .expect("charts of finite ranges can be drawn")
 }

@@ -1,10 +1,11 @@
 //! The figure of a fit: table and model, over all angles and near stall.
 
-use super::chart::{BLUE, Chart, GREY, Series, Stroke, sheet};
+use super::Figure;
+use super::chart::{BLUE, Chart, GREY, Series, Stroke};
 use crate::reference::{Aerodynamics, Coefficients, Row};
 
-/// The figure of `rows` and the `model` fitted to them as SVG text.
-pub fn svg(rows: &[Row], model: &Aerodynamics) -> String {
+/// The figure of `rows` and the `model` fitted to them .
+pub fn figure(rows: &[Row], model: &Aerodynamics) -> Figure {
     let chart = |title, last: f64, k: usize, of: fn(&Coefficients) -> f64| {
         let table = rows.iter().map(|row| (row[0].to_degrees(), row[k]));
         let table = table.filter(|point| (-1e-6..last + 1e-6).contains(&point.0));
@@ -19,14 +20,13 @@ pub fn svg(rows: &[Row], model: &Aerodynamics) -> String {
         ];
         Chart::over(title, "angle of attack α [°]", series)
     };
-    sheet(
+    Figure::new(
         &[
             chart("c_L", 180.0, 1, |c| c.c_l),
             chart("c_D", 180.0, 2, |c| c.c_d),
             chart("c_L near stall", 30.0, 1, |c| c.c_l),
             chart("c_D near stall", 30.0, 2, |c| c.c_d),
         ],
-        380,
+        250.0,
     )
-    .expect("charts of finite ranges can be drawn")
 }

@@ -1,10 +1,10 @@
 //! The page about a flight: charts of the record's columns, the figures, the experiment.
 
-use plotters::style::RGBColor;
-
-use super::chart::{BLUE, Chart, GREEN, GREY, Mark, ORANGE, Series, Stroke, sheet};
-use super::{Page, Table, columns};
-use crate::columns::{Column, column};
+use super::chart::{BLUE, Band, Chart, Color, GREEN, GREY, Level, Mark, ORANGE, Series, Stroke};
+use super::side::side;
+use super::{Figure, Page, Row, Strip, Table, columns};
+use crate::columns::{Cell, Column, column};
+use crate::envelope::Curve;
 use crate::experiment::{Document, Experiment};
 use crate::figures::{Figures, Segment};
 use crate::reference::wrap;
@@ -14,33 +14,57 @@ use crate::simulate::Step;
 struct Panel {
     title: &'static str,
     /// Name in the legend, column, colour, whether dashed.
-    lines: &'static [(&'static str, &'static str, RGBColor, bool)],
+    lines: &'static [(&'static str, &'static str, Color, bool)],
     /// The figure whose extreme is marked, on a column.
     mark: Option<(&'static str, &'static str)>,
     logarithmic: bool,
+    /// What is to be seen across it.
+    across: Across,
+}
+
+/// What is to be seen across a chart.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Across {
+    Nothing,
+    /// The speeds between the folds of level flight, where it has more than one equilibrium.
+    FoldSpeeds,
+    /// The angles of attack between these folds: the equilibrium jumps over them.
+    StallBand,
+    /// The motors' limits.
+    Thrust,
+    /// The law's guard.
+    Guard,
+    /// Where a fold is.
+    Fold,
+    /// Right and straight angles.
+    HalfTurn,
 }
 
 const fn panel(
     title: &'static str,
-    lines: &'static [(&'static str, &'static str, RGBColor, bool)],
+    lines: &'static [(&'static str, &'static str, Color, bool)],
 ) -> Panel {
     Panel {
         title,
         lines,
         mark: None,
         logarithmic: false,
+        across: Across::Nothing,
     }
 }
 
 const PANELS: &[Panel] = &[
-    panel(
-        "forward velocity [m/s]",
-        &[
-            ("v", "true_v_forward_m_s", BLUE, false),
-            ("v_r", "vr_forward_m_s", ORANGE, true),
-            ("v_cmd", "v_cmd_forward_m_s", GREY, true),
-        ],
-    ),
+    Panel {
+        across: Across::FoldSpeeds,
+        ..panel(
+            "forward velocity [m/s]",
+            &[
+                ("v", "true_v_forward_m_s", BLUE, false),
+                ("v_r", "vr_forward_m_s", ORANGE, true),
+                ("v_cmd", "v_cmd_forward_m_s", GREY, true),
+            ],
+        )
+    },
     panel(
         "downward velocity [m/s]",
         &[
@@ -68,13 +92,16 @@ const PANELS: &[Panel] = &[
         "forward of the reference [m]",
         &[("x̃", "forward_m", BLUE, false)],
     ),
-    panel(
-        "orientation θ and angle of attack α [°]",
-        &[
-            ("θ", "true_theta_rad", BLUE, false),
-            ("α", "true_alpha_rad", ORANGE, false),
-        ],
-    ),
+    Panel {
+        across: Across::StallBand,
+        ..panel(
+            "orientation θ and angle of attack α [°]",
+            &[
+                ("θ", "true_theta_rad", BLUE, false),
+                ("α", "true_alpha_rad", ORANGE, false),
+            ],
+        )
+    },
     Panel {
         mark: Some(("max_rate_rad_s", "rate_rad_s")),
         ..panel(
@@ -85,36 +112,135 @@ const PANELS: &[Panel] = &[
             ],
         )
     },
-    panel(
-        "thrust to weight T/(m g)",
-        &[("T/(m g)", "thrust_to_weight", GREEN, false)],
-    ),
+    Panel {
+        across: Across::Thrust,
+        ..panel(
+            "thrust to weight T/(m g)",
+            &[("T/(m g)", "thrust_to_weight", GREEN, false)],
+        )
+    },
     Panel {
         mark: Some(("min_fp_n", "fp_n")),
         logarithmic: true,
+        across: Across::Guard,
         ..panel(
             "apparent force |F_p| of the controller, and the guard's τ [N]",
             &[("|F_p|", "fp_n", BLUE, false)],
         )
     },
-    panel(
-        "θ̃, from the thrust axis to F_p [°]",
-        &[("θ̃", "theta_tilde_rad", BLUE, false)],
-    ),
-    panel(
-        "angle to the nearest fold, first order, within 45° [°]",
-        &[("fold", "margin_fold_rad", BLUE, false)],
-    ),
+    Panel {
+        across: Across::HalfTurn,
+        ..panel(
+            "θ̃, from the thrust axis to F_p [°]",
+            &[("θ̃", "theta_tilde_rad", BLUE, false)],
+        )
+    },
+    Panel {
+        across: Across::Fold,
+        ..panel(
+            "angle to the nearest fold, first order, within 45° [°]",
+            &[("fold", "margin_fold_rad", BLUE, false)],
+        )
+    },
 ];
 
 /// Angles to a fold beyond this are not drawn \[°\].
 const FOLD: f64 = 45.0;
 
-/// The figure of a flight as SVG text.
-pub fn svg(experiment: &Experiment, record: &[Step], figures: &Figures) -> String {
+/// Height of a plot \[px\].
+const HIGH: f64 = 210.0;
+
+/// The figure of a flight: seen from the side, its charts, what the controller did.
+pub fn figure(experiment: &Experiment, record: &[Step], figures: &Figures) -> Figure {
     let chart = |panel| chart(panel, experiment, record, figures);
     let charts: Vec<Chart> = PANELS.iter().filter_map(chart).collect();
-    sheet(&charts, 310).expect("charts of finite ranges can be drawn")
+    Figure::new(&charts, HIGH)
+        .with_picture(side(experiment, record))
+        .with_strip(&strip(experiment, record))
+}
+
+/// What the controller did and said.
+pub(super) fn strip(experiment: &Experiment, record: &[Step]) -> Strip {
+    let row = |(name, of): (&'static str, &str)| {
+        let column = column(of).expect("a column");
+        let word = |step: &Step| match (column.read)(experiment, step) {
+            Some(Cell::Word(word)) => (step.t, Some(word.into_owned())),
+            _ => (step.t, None),
+        };
+        Row::of(name, record.iter().map(word))
+    };
+    let rows = [("mode", "mode"), ("phase", "phase"), ("status", "status")];
+    Strip {
+        duration: record.last().map_or(0.0, |step| step.t),
+        rows: rows.into_iter().filter_map(row).collect(),
+    }
+}
+
+/// Folds of level flight of the true vehicle: α \[°\] and airspeed \[m/s\].
+fn level_folds(experiment: &Experiment) -> Vec<(f64, f64)> {
+    let vehicle = experiment.vehicle.reference();
+    let Some(curve) = Curve::new(&vehicle, 0.0) else {
+        return Vec::new();
+    };
+    let weight = vehicle.mass * vehicle.gravity;
+    let folds = curve.folds().into_iter();
+    folds
+        .map(|fold| {
+            (
+                fold.alpha.to_degrees(),
+                (fold.a * weight / vehicle.k_a).sqrt(),
+            )
+        })
+        .collect()
+}
+
+/// What is to be seen across a panel.
+fn across(what: Across, experiment: &Experiment) -> (Vec<Level>, Vec<Band>) {
+    let level = |at: f64, label: &str| Level {
+        at,
+        label: label.to_owned(),
+    };
+    let mut bands = Vec::new();
+    let levels = match what {
+        Across::Nothing => Vec::new(),
+        Across::FoldSpeeds => {
+            let speeds = level_folds(experiment).into_iter().map(|fold| fold.1);
+            let wind = experiment.weather.steady_m_s[1];
+            let (from, to) = speeds.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
+                (l.min(v), h.max(v))
+            });
+            bands.push(Band {
+                from: from + wind,
+                to: to + wind,
+                label: format!("level flight folds at {from:.1} and {to:.1} m/s of air"),
+            });
+            Vec::new()
+        }
+        Across::StallBand => {
+            let folds = level_folds(experiment);
+            let angles = || folds.iter().map(|fold| fold.0);
+            bands.push(Band {
+                from: angles().fold(f64::INFINITY, f64::min),
+                to: angles().fold(f64::NEG_INFINITY, f64::max),
+                label: "stall: α between these folds".to_owned(),
+            });
+            Vec::new()
+        }
+        Across::Thrust => {
+            let [least, most] = experiment.plant.thrust_n.map(|n| n / experiment.weight());
+            vec![level(most, "greatest"), level(least, "least")]
+        }
+        Across::Guard => {
+            let tau = experiment.spec().ok().and_then(|spec| {
+                let belief = spec.belief().unwrap_or(&experiment.vehicle);
+                spec.gains(belief).map(|gains| gains.tau())
+            });
+            tau.map(|tau| level(tau, "τ")).into_iter().collect()
+        }
+        Across::Fold => vec![level(0.0, "fold")],
+        Across::HalfTurn => vec![level(180.0, "π"), level(-180.0, "−π")],
+    };
+    (levels, bands)
 }
 
 /// The chart of a panel, if any of its columns applies to the flight.
@@ -142,18 +268,7 @@ fn chart(
             });
         }
     }
-    let gains = experiment.spec().ok()?;
-    let belief = gains.belief().unwrap_or(&experiment.vehicle);
-    let tau = gains.gains(belief).map(|gains| gains.tau());
-    if let (true, false, Some(tau)) = (panel.logarithmic, series.is_empty(), tau) {
-        let ends = [0.0, experiment.duration_s];
-        series.push(Series {
-            name: "τ",
-            color: ORANGE,
-            stroke: Stroke::Dashed,
-            points: ends.map(|t| (t, tau)).to_vec(),
-        });
-    }
+    let (levels, bands) = across(panel.across, experiment);
     let mark = panel.mark.and_then(|(figure, of)| {
         let at = figures.when(figure)?;
         let step = record.iter().find(|step| step.t == at)?;
@@ -167,6 +282,8 @@ fn chart(
     });
     (!series.is_empty()).then(|| Chart {
         marks: mark.into_iter().collect(),
+        levels,
+        bands,
         logarithmic: panel.logarithmic,
         ..Chart::over_time(panel.title, series)
     })
@@ -228,7 +345,8 @@ pub fn page(
                 " · "
             },
         ),
-        svg: svg(experiment, record, figures),
+        warnings: Vec::new(),
+        figure: figure(experiment, record, figures),
         tables,
         text: Some(("The experiment as flown (TOML)".to_owned(), document.text())),
         notes: format!(

@@ -1,10 +1,11 @@
 //! The plot of stability margins against speed.
 
-use super::chart::{BLUE, Chart, DrawingError, ORANGE, Series, sheet};
+use super::Figure;
+use super::chart::{BLUE, Chart, ORANGE, Series};
 use crate::margins::Point;
 
-/// Largest stable lag and delay against speed as SVG text, of one or two named loops.
-pub fn margins_svg(loops: &[(&'static str, &[Point])]) -> Result<String, DrawingError> {
+/// Largest stable lag and delay against speed of one or two named loops.
+pub fn margins_figure(loops: &[(&'static str, &[Point])]) -> Figure {
     let chart = |title, value: &dyn Fn(&Point) -> Option<f64>| {
         let point = |p: &Point| (p.speed_m_s, value(p).unwrap_or(f64::NAN));
         let series = loops
@@ -22,5 +23,5 @@ pub fn margins_svg(loops: &[(&'static str, &[Point])]) -> Result<String, Drawing
         chart("largest stable lag of the rate loop [s]", &|p| p.lag_s),
         chart("largest stable delay of the command [s]", &|p| p.delay_s),
     ];
-    sheet(&charts, 310)
+    Figure::new(&charts, 210.0)
 }

@@ -5,6 +5,7 @@ pub(crate) mod chart;
 pub mod comparison;
 pub mod envelope;
 pub mod equilibria;
+mod figure;
 pub mod fit;
 pub mod flight;
 mod margins;
@@ -12,8 +13,15 @@ mod markdown;
 #[allow(clippy::module_inception, reason = "the page itself")]
 mod page;
 pub mod replay;
+mod side;
+mod strip;
+pub(crate) mod svg;
 pub mod sweep;
+mod ticks;
+mod trace;
 
-pub use margins::margins_svg;
+pub use figure::Figure;
+pub use margins::margins_figure;
 pub use markdown::markdown;
 pub use page::{Page, Table, columns, fixed};
+pub(crate) use strip::{Row, Strip};

@@ -8,6 +8,7 @@ use std::path::Path;
 use anyhow::Context;
 use minijinja::{Environment, Value, context};
 
+use super::Figure;
 use crate::files;
 
 /// A table of cells.
@@ -70,6 +71,11 @@ impl Table {
 fn templates() -> anyhow::Result<Environment<'static>> {
     let mut environment = Environment::new();
     environment.add_template("style.css", include_str!("style.css"))?;
+    environment.add_template("chart.css", include_str!("chart.css"))?;
+    environment.add_template("page.js", include_str!("page.js"))?;
+    environment.add_template("uPlot.min.css", include_str!("uplot/uPlot.min.css"))?;
+    environment.add_template("uPlot.min.js", include_str!("uplot/uPlot.iife.min.js"))?;
+    environment.add_template("uPlot-LICENSE", include_str!("uplot/LICENSE"))?;
     environment.add_template("page.html", include_str!("page.html"))?;
     Ok(environment)
 }
@@ -81,8 +87,10 @@ pub struct Page {
     pub title: String,
     /// One sentence under it.
     pub lead: String,
-    /// The figure as SVG text.
-    pub svg: String,
+    /// What is out of the ordinary, in red under the lead.
+    pub warnings: Vec<String>,
+    /// Picture and charts.
+    pub figure: Figure,
     /// The tables.
     pub tables: Vec<Table>,
     /// A text under a heading, to be unfolded.
@@ -99,7 +107,10 @@ impl Page {
             .render(context! {
                 title => &self.title,
                 lead => &self.lead,
-                svg => &self.svg,
+                warnings => &self.warnings,
+                rows => &self.figure.key().0,
+                key => self.figure.key().1.clone(),
+                parts => self.figure.parts(),
                 tables => self.tables.iter().map(Table::value).collect::<Vec<_>>(),
                 text => self.text.as_ref().map(|(title, body)| context! { title, body }),
                 notes => &self.notes,
@@ -110,7 +121,7 @@ impl Page {
 
     /// Leaves the figure and the page in `folder`, under these names.
     pub fn leave(&self, folder: &Path, [svg, html]: [&str; 2]) -> anyhow::Result<()> {
-        for (name, content) in [(svg, &self.svg), (html, &self.html()?)] {
+        for (name, content) in [(svg, self.figure.svg()), (html, self.html()?)] {
             let write = |file: &mut File| Ok(file.write_all(content.as_bytes())?);
             files::leave(&folder.join(name), write)?;
         }
@@ -120,6 +131,9 @@ impl Page {
     /// Title, lead and tables as text for a terminal.
     pub fn text(&self) -> String {
         let mut text = format!("{}: {}\n", self.title, self.lead);
+        for line in &self.warnings {
+            let _ = writeln!(text, "{line}");
+        }
         for table in &self.tables {
             let _ = writeln!(text, "\n{}", table.title);
             let cell = |row: &[String], i: usize| row[i].chars().count();

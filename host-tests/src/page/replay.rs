@@ -2,19 +2,18 @@
 
 use std::collections::BTreeMap;
 
-use super::chart::{BLUE, Chart, GREEN, ORANGE, Series, sheet};
-use super::flight::points;
-use super::{Page, Table, columns};
+use super::chart::{BLUE, Chart, Color, GREEN, Level, ORANGE, Series};
+use super::flight::{points, strip};
+use super::{Figure, Page, Table, columns};
 use crate::columns::column;
 use crate::experiment::{Document, Experiment};
 use crate::simulate::Step;
-use plotters::style::RGBColor;
 
 /// Title, whether the axis is logarithmic, and the curves: name, column, colour.
 type Panel = (
     &'static str,
     bool,
-    &'static [(&'static str, &'static str, RGBColor)],
+    &'static [(&'static str, &'static str, Color)],
 );
 
 const PANELS: [Panel; 8] = [
@@ -58,7 +57,7 @@ const PANELS: [Panel; 8] = [
     ),
 ];
 
-fn svg(experiment: &Experiment, record: &[Step]) -> String {
+fn figure(experiment: &Experiment, record: &[Step]) -> Figure {
     let charts = PANELS.iter().filter_map(|(title, logarithmic, lines)| {
         let lines = lines.iter().filter_map(|(name, of, color)| {
             let column = column(of).expect("a column");
@@ -68,11 +67,20 @@ fn svg(experiment: &Experiment, record: &[Step]) -> String {
         let series: Vec<Series> = lines.collect();
         (!series.is_empty()).then(|| Chart {
             logarithmic: *logarithmic,
+            levels: title.contains("fold").then(fold).into_iter().collect(),
             ..Chart::over_time(title, series)
         })
     });
     let charts: Vec<Chart> = charts.collect();
-    sheet(&charts, 310).expect("charts of finite ranges can be drawn")
+    Figure::new(&charts, 210.0).with_strip(&strip(experiment, record))
+}
+
+/// Where a fold is.
+fn fold() -> Level {
+    Level {
+        at: 0.0,
+        label: "fold".to_owned(),
+    }
 }
 
 /// The least finite value of a column and its time \[s\].
@@ -171,7 +179,8 @@ pub fn page(
             experiment.controller.name(),
             document.name
         ),
-        svg: svg(experiment, record),
+        warnings: Vec::new(),
+        figure: figure(experiment, record),
         tables,
         text: Some((
             "The experiment whose controller it is (TOML)".to_owned(),

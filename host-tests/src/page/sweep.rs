@@ -1,20 +1,21 @@
 //! The figure of a sweep: the paper's equilibria-pattern figure, the flown orientation over it.
 
-use super::chart::{BLUE, Chart, GREY, Mark, ORANGE, Series, Stroke, sheet};
+use super::Figure;
+use super::chart::{BLUE, Chart, GREY, Mark, ORANGE, Series, Stroke};
 use crate::columns::column;
 use crate::experiment::Experiment;
 use crate::reference::wrap;
 use crate::simulate::Step;
 use crate::sweep::{Cause, Findings, Instant};
 
-/// The figure as SVG text; `least_fp` \[N\] is the bound on |F_p|.
-pub fn svg(
+/// The figure; `least_fp` \[N\] is the bound on |F_p|.
+pub fn figure(
     experiment: &Experiment,
     instants: &[Instant],
     record: &[Step],
     findings: &Findings,
     least_fp: f64,
-) -> String {
+) -> Figure {
     let weight = experiment.weight();
     let end = experiment.duration_s;
     let equilibria = |of: fn(&alula::Equilibrium) -> f32| {
@@ -81,7 +82,7 @@ pub fn svg(
         alpha => f64::from(alpha).to_degrees(),
     };
     let theta = |e: &alula::Equilibrium| f64::from(e.attitude.angle()).to_degrees();
-    sheet(
+    Figure::new(
         &[
             chart(
                 "orientation θ [°], and the equilibria of the reference",
@@ -121,7 +122,6 @@ pub fn svg(
                 Vec::new(),
             ),
         ],
-        400,
+        270.0,
     )
-    .expect("charts of finite ranges can be drawn")
 }

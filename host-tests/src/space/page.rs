@@ -1,18 +1,17 @@
 //! The page about a flight in space: the picture, charts of the record's columns, the figures, the experiment.
 
-use plotters::style::RGBColor;
-
 use super::columns::column;
-use super::picture::{HIGH, WIDE, picture};
+use super::picture::picture;
 use super::{Experiment, Figures, Step};
+use crate::columns::Cell;
 use crate::experiment::Document;
-use crate::page::chart::{BLUE, Chart, GREEN, GREY, ORANGE, Series, sheet};
-use crate::page::{Page, Table, columns};
+use crate::page::chart::{BLUE, Chart, Color, GREEN, GREY, Level, ORANGE, Series};
+use crate::page::{Figure, Page, Row, Strip, Table, columns};
 
 /// A chart of columns: its title; name in the legend, column, colour and whether dashed of each line.
 type Panel = (
     &'static str,
-    &'static [(&'static str, &'static str, RGBColor, bool)],
+    &'static [(&'static str, &'static str, Color, bool)],
 );
 
 const PANELS: &[Panel] = &[
@@ -74,9 +73,6 @@ const PANELS: &[Panel] = &[
     ),
 ];
 
-/// Height of a chart \[px\].
-const CHART: u32 = 300;
-
 /// The points of a column; angles in degrees, broken where they wrap.
 fn points(name: &str, record: &[Step]) -> Vec<(f64, f64)> {
     let column = column(name).expect("a column");
@@ -100,8 +96,8 @@ fn points(name: &str, record: &[Step]) -> Vec<(f64, f64)> {
     record.iter().map(point).collect()
 }
 
-/// Picture and charts in one.
-fn svg(record: &[Step]) -> String {
+/// Picture, charts, and what the guidance did.
+fn figure(experiment: &Experiment, record: &[Step]) -> Figure {
     let chart = |(title, lines): &'static Panel| {
         let series = lines.iter().map(|&(name, column, color, dashed)| {
             let points = points(column, record);
@@ -110,17 +106,72 @@ fn svg(record: &[Step]) -> String {
                 false => Series::line(name, color, points),
             }
         });
-        Chart::over_time(title, series.collect())
+        Chart {
+            levels: levels(title, experiment),
+            ..Chart::over_time(title, series.collect())
+        }
     };
     let charts: Vec<Chart> = PANELS.iter().map(chart).collect();
-    let below = sheet(&charts, CHART).expect("charts that are well formed");
-    let below = below.replacen("<svg ", &format!("<svg y=\"{HIGH}\" "), 1);
-    let high = HIGH + f64::from(CHART) * charts.len().div_ceil(2) as f64;
-    let above = picture(record);
-    format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{WIDE}\" height=\"{high}\" viewBox=\"0 0 {WIDE} {high}\">\n\
-         {above}{below}</svg>\n"
-    )
+    Figure::new(&charts, 200.0)
+        .with_picture(picture(record))
+        .with_strip(&strip(record))
+}
+
+/// Limits and bounds that belong to a chart.
+fn levels(title: &str, experiment: &Experiment) -> Vec<Level> {
+    let bound = |figure: &str, label: &str| {
+        let bound = experiment.bounds.get(figure)?;
+        Some(Level {
+            at: *bound,
+            label: format!("bound: {label}"),
+        })
+    };
+    let motors = || {
+        let ends = experiment
+            .plant
+            .thrust_n
+            .into_iter()
+            .zip(["least", "greatest"]);
+        ends.map(|(at, label)| Level {
+            at,
+            label: label.to_owned(),
+        })
+    };
+    match title {
+        "thrust [N]" => motors().collect(),
+        title if title.starts_with("errors") => [
+            bound("max_position_error_m", "position"),
+            bound("max_velocity_error_m_s", "velocity"),
+        ]
+        .into_iter()
+        .flatten()
+        .collect(),
+        title if title.contains("sideslip") => {
+            bound("max_sideslip_deg", "sideslip").into_iter().collect()
+        }
+        "body rates [rad/s]" => bound("peak_rate_rad_s", "rate").into_iter().collect(),
+        "load factor" => bound("max_load_factor", "load").into_iter().collect(),
+        _ => Vec::new(),
+    }
+}
+
+/// What the guidance did and said.
+fn strip(record: &[Step]) -> Strip {
+    let row = |name: &'static str| {
+        let column = column(name).expect("a column");
+        let word = |step: &Step| match (column.read)(step) {
+            Cell::Word(word) => (step.t, Some(word.into_owned())),
+            _ => (step.t, None),
+        };
+        Row::of(name, record.iter().map(word))
+    };
+    Strip {
+        duration: record.last().map_or(0.0, |step| step.t),
+        rows: ["mode", "phase", "status"]
+            .into_iter()
+            .filter_map(row)
+            .collect(),
+    }
 }
 
 /// The page about a flight in space.
@@ -141,7 +192,8 @@ pub fn page(
             "{} · {duration} s, control at {rate} Hz",
             experiment.description
         ),
-        svg: svg(record),
+        warnings: Vec::new(),
+        figure: figure(experiment, record),
         tables: vec![Table {
             title: "Figures".to_owned(),
             header: columns(["", "value", "bound"]),

@@ -4,23 +4,20 @@
 use std::fmt::Write as _;
 
 use super::{SpatialState, Step, V3};
+use crate::page::svg::Drawn;
 
 /// Width of the picture, and height of the views and of the whole \[px\].
-pub const WIDE: f64 = 1280.0;
+const WIDE: f64 = 1280.0;
 const VIEWS: f64 = 600.0;
-pub const HIGH: f64 = VIEWS + 150.0;
+const HIGH: f64 = VIEWS + 150.0;
 /// Span of a drawn vehicle \[px\].
 const SPAN: f64 = 52.0;
 /// Least half extent of a view \[m\].
 const LEAST: f64 = 3.0;
 
-const BACK: &str = "#0062b2";
-const BELLY: &str = "#e08a2e";
-const PATH: &str = "#d65e00";
-const SHADOW: &str = "#a9b1bb";
-const GRID: &str = "#e4e8ec";
-const INK: &str = "#262c34";
-const WIND: &str = "#008a64";
+/// Classes of the vehicle's sides.
+const BACK: &str = "back";
+const BELLY: &str = "belly";
 
 /// How the world is seen.
 struct View {
@@ -81,12 +78,9 @@ impl View {
         line.map(pixel).collect::<Vec<_>>().join(" ")
     }
 
-    fn line(&self, text: &mut String, line: impl Iterator<Item = V3>, style: &str) {
+    fn line(&self, text: &mut String, line: impl Iterator<Item = V3>, class: &str) {
         let points = self.points(line);
-        let _ = writeln!(
-            text,
-            "<polyline points=\"{points}\" fill=\"none\" {style}/>"
-        );
+        let _ = writeln!(text, "<polyline class=\"{class}\" points=\"{points}\"/>");
     }
 
     /// The vehicle at `p`: a delta with the nose in front, its belly in another colour than its back.
@@ -96,34 +90,33 @@ impl View {
         let at = |ahead: f64, across: f64| p + size * (across * right - ahead * tail);
         let points = [at(0.55, 0.0), at(-0.3, 0.5), at(-0.15, 0.0), at(-0.3, -0.5)];
         let points = self.points(points.into_iter());
-        let fill = if belly.dot(&self.toward) > 0.0 {
+        let side = if belly.dot(&self.toward) > 0.0 {
             BELLY
         } else {
             BACK
         };
         let _ = writeln!(
             text,
-            "<polygon points=\"{points}\" fill=\"{fill}\" fill-opacity=\"0.8\" stroke=\"{INK}\" stroke-linejoin=\"round\"/>"
+            "<polygon class=\"craft {side}\" points=\"{points}\"/>"
         );
     }
 
-    fn text(&self, text: &mut String, p: V3, shift: [f64; 2], words: &str, color: &str) {
+    fn text(&self, text: &mut String, p: V3, shift: [f64; 2], words: &str) {
         let [x, y] = self.pixel(p);
         let (x, y) = (x + shift[0], y + shift[1]);
-        label(text, [x, y], words, color, "middle");
+        label(text, [x, y], words, "middle");
     }
 }
 
-fn label(text: &mut String, [x, y]: [f64; 2], words: &str, color: &str, anchor: &str) {
+fn label(text: &mut String, [x, y]: [f64; 2], words: &str, anchor: &str) {
     let _ = writeln!(
         text,
-        "<text x=\"{x:.1}\" y=\"{y:.1}\" fill=\"{color}\" font-family=\"sans-serif\" font-size=\"14\" \
-         text-anchor=\"{anchor}\">{words}</text>"
+        "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\">{words}</text>"
     );
 }
 
 /// An arrow that lies on the ground, through the pixel `at`, with words to its right.
-fn arrow(text: &mut String, view: &View, at: [f64; 2], direction: V3, color: &str, words: &str) {
+fn arrow(text: &mut String, view: &View, at: [f64; 2], direction: V3, class: &str, words: &str) {
     let view = View {
         scale: 56.0,
         origin: at,
@@ -131,12 +124,11 @@ fn arrow(text: &mut String, view: &View, at: [f64; 2], direction: V3, color: &st
     };
     let across = V3::new(-direction.y, direction.x, 0.0);
     let (tail, head) = (-0.5 * direction, 0.5 * direction);
-    let style = format!("stroke=\"{color}\" stroke-width=\"2.5\"");
-    view.line(text, [tail, head].into_iter(), &style);
+    view.line(text, [tail, head].into_iter(), class);
     let neck = head - 0.25 * direction;
     let barbs = [neck + 0.12 * across, head, neck - 0.12 * across];
-    view.line(text, barbs.into_iter(), &style);
-    label(text, [at[0] + 36.0, at[1] + 5.0], words, color, "start");
+    view.line(text, barbs.into_iter(), class);
+    label(text, [at[0] + 36.0, at[1] + 5.0], words, "start");
 }
 
 /// 1, 2 or 5 times a power of ten, about `x`.
@@ -184,7 +176,7 @@ impl Extent {
     }
 
     fn draw_grid(&self, text: &mut String, view: &View) {
-        let style = format!("stroke=\"{GRID}\"");
+        let style = "ground";
         let lines = |low: f64, high: f64| {
             let n = ((high - low) / self.grid).round() as usize;
             (0..=n).map(move |i| low + i as f64 * self.grid)
@@ -194,14 +186,14 @@ impl Extent {
             view.line(
                 text,
                 [V3::new(x, l.y, z), V3::new(x, h.y, z)].into_iter(),
-                &style,
+                style,
             );
         }
         for y in lines(l.y, h.y) {
             view.line(
                 text,
                 [V3::new(l.x, y, z), V3::new(h.x, y, z)].into_iter(),
-                &style,
+                style,
             );
         }
     }
@@ -226,17 +218,11 @@ fn scene(
     let on_ground = |p: V3| V3::new(p.x, p.y, extent.ground);
     let positions = || record.iter().step_by(thin).map(|s| s.truth.position);
     if raised {
-        let style = format!("stroke=\"{SHADOW}\" stroke-width=\"2\"");
-        view.line(text, positions().map(on_ground), &style);
+        view.line(text, positions().map(on_ground), "shadow");
     }
-    let style = format!("stroke=\"{PATH}\" stroke-width=\"1.5\" stroke-dasharray=\"6 4\"");
     let path = record.iter().step_by(thin).map(|s| s.target.position);
-    view.line(text, path, &style);
-    view.line(
-        text,
-        positions(),
-        &format!("stroke=\"{BACK}\" stroke-width=\"2\""),
-    );
+    view.line(text, path, "line dash orange");
+    view.line(text, positions(), "line blue");
 
     // A vehicle where none drawn before is near, and at the end.
     let mut drawn: Vec<[f64; 2]> = Vec::new();
@@ -251,36 +237,23 @@ fn scene(
         }
         drawn.push(pixel);
         if raised {
-            let style = format!("stroke=\"{SHADOW}\" stroke-dasharray=\"2 3\"");
-            view.line(text, [p, on_ground(p)].into_iter(), &style);
+            view.line(text, [p, on_ground(p)].into_iter(), "shadow dotted");
         }
         view.vehicle(text, &step.truth, p);
         if drawn.len() % 4 == 1 || last {
-            view.text(
-                text,
-                p,
-                [0.0, -0.55 * SPAN],
-                &format!("{:.0} s", step.t),
-                INK,
-            );
+            view.text(text, p, [0.0, -0.55 * SPAN], &format!("{:.0} s", step.t));
         }
     }
 
     let [left, top, _, high] = frame;
     let words = format!("squares of {} m", extent.grid);
-    label(
-        text,
-        [left + 12.0, top + high - 10.0],
-        &words,
-        "#525b66",
-        "start",
-    );
+    label(text, [left + 12.0, top + high - 10.0], &words, "start");
     arrow(
         text,
         &view,
         [left + 40.0, top + 30.0],
         V3::x(),
-        INK,
+        "line black",
         "north",
     );
     let wind: V3 = record.iter().map(|s| s.wind).sum::<V3>() / record.len() as f64;
@@ -292,7 +265,7 @@ fn scene(
             &view,
             [left + 40.0, top + 80.0],
             level.normalize(),
-            WIND,
+            "line green",
             &words,
         );
     }
@@ -314,13 +287,7 @@ fn strip(text: &mut String, record: &[Step]) {
             ..view
         };
         view.vehicle(text, &step.truth, V3::zeros());
-        label(
-            text,
-            [x, y + 58.0],
-            &format!("{:.1} s", step.t),
-            INK,
-            "middle",
-        );
+        label(text, [x, y + 58.0], &format!("{:.1} s", step.t), "middle");
     }
 }
 
@@ -328,9 +295,9 @@ fn strip(text: &mut String, record: &[Step]) {
 const COURSE: f64 = 25.0;
 const ELEVATION: f64 = 32.0;
 
-/// The picture, as SVG elements in a frame of [`WIDE`] by [`HIGH`] pixels.
-pub fn picture(record: &[Step]) -> String {
-    let mut text = format!("<rect width=\"{WIDE}\" height=\"{HIGH}\" fill=\"white\"/>\n");
+/// The picture of a flight.
+pub fn picture(record: &[Step]) -> Drawn {
+    let mut text = String::new();
     let extent = Extent::of(record);
     let side = [0.0, 40.0, 790.0, VIEWS - 50.0];
     scene(
@@ -358,25 +325,29 @@ pub fn picture(record: &[Step]) -> String {
     ] {
         let _ = writeln!(
             text,
-            "<text x=\"{x}\" y=\"{y}\" fill=\"{INK}\" font-family=\"sans-serif\" font-size=\"19\">{words}</text>"
+            "<text class=\"title\" x=\"{x}\" y=\"{y}\">{words}</text>"
         );
     }
     let mut x = 560.0;
-    for (color, words) in [
+    let y = VIEWS + 12.0;
+    for (class, words) in [
         (BACK, "flown; back of the vehicle"),
         (BELLY, "its belly"),
-        (PATH, "path (dashed)"),
+        ("orange area", "path (dashed)"),
     ] {
-        let y = VIEWS + 12.0;
+        let top = y - 9.0;
         let _ = writeln!(
             text,
-            "<rect x=\"{x}\" y=\"{}\" width=\"14\" height=\"10\" fill=\"{color}\"/>",
-            y - 9.0
+            "<rect class=\"{class}\" x=\"{x}\" y=\"{top}\" width=\"14\" height=\"10\"/>"
         );
-        label(&mut text, [x + 20.0, y], words, INK, "start");
+        label(&mut text, [x + 20.0, y], words, "start");
         x += 40.0 + 8.0 * words.len() as f64;
     }
-    text
+    Drawn {
+        size: [WIDE, HIGH],
+        attributes: String::new(),
+        body: text,
+    }
 }
 
 #[cfg(test)]
@@ -408,7 +379,7 @@ mod tests {
         for (elevation, color) in [(90.0, BACK), (-90.0, BELLY)] {
             let mut text = String::new();
             View::along(0.0, elevation).vehicle(&mut text, &state, V3::zeros());
-            assert!(text.contains(color), "{text}");
+            assert!(text.contains(&format!("craft {color}")), "{text}");
         }
     }
 

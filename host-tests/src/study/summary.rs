@@ -31,6 +31,8 @@ pub struct Summary {
     pub departed: u64,
     /// Flights whose simulation diverged.
     pub diverged: u64,
+    /// Flights that keep every limit and yet were lost: what is asked of them does not say how far they may sink.
+    pub passed_yet_lost: u64,
     /// By limit.
     pub limits: Vec<LimitFound>,
     /// By fault of the campaign.
@@ -260,6 +262,7 @@ impl<'a> Gathered<'a> {
                 passed: 0,
                 departed: 0,
                 diverged: 0,
+                passed_yet_lost: 0,
                 limits: campaign.limits.iter().map(limit).collect(),
                 faults: campaign
                     .faults
@@ -308,6 +311,11 @@ impl<'a> Gathered<'a> {
         let numbers = frame.integer("flight")?;
         let count = |flags: &[bool]| flags.iter().filter(|&&flag| flag).count() as u64;
         self.summary.passed += count(frame.flag("passed")?);
+        let both = frame.flag("passed")?.iter().zip(frame.real("lost")?);
+        let lost = both
+            .filter(|&(&passed, &lost)| passed && lost != 0.0)
+            .count();
+        self.summary.passed_yet_lost += lost as u64;
         self.summary.departed += count(frame.flag("departed")?);
         self.summary.diverged += count(frame.flag("diverged")?);
         for (found, sketch) in self.summary.figures.iter_mut().zip(&mut self.figures) {
