@@ -9,6 +9,7 @@ mod fit;
 mod fly;
 mod list;
 mod margins;
+mod new;
 mod output;
 mod pil;
 mod replay;
@@ -29,6 +30,7 @@ pub struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    New(new::Args),
     Fly(fly::Args),
     Pil(pil::Args),
     List(list::Args),
@@ -49,6 +51,7 @@ impl Cli {
     pub fn run(self) -> anyhow::Result<()> {
         match self.command {
             None => fly::run(&fly::Args::default()),
+            Some(Command::New(args)) => new::run(&args),
             Some(Command::Fly(args)) => fly::run(&args),
             Some(Command::Pil(args)) => pil::run(&args),
             Some(Command::List(args)) => list::run(&args),

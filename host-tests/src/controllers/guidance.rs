@@ -2,13 +2,13 @@
 
 use alula::{
     BandwidthGains, GainChoice, GainParameters, Gains, Guidance, GuidanceParameters, GuidanceState,
-    ParameterError, Parameters as _, ResponseParameters,
+    ParameterError, Parameters as _, ResponseParameters, VehicleParameters,
 };
 use alula_link::{Configuration, ControllerParameters, Pacing};
 use toml::Value;
 
 use super::{Answer, Controller, Input, Kind, Spec};
-use crate::experiment::{Experiment, FieldError, Fields, Model, Vehicle, VehicleSpec, refused};
+use crate::experiment::{Experiment, FieldError, Fields, Model, NO_LIMITS, VehicleSpec, refused};
 use crate::margins::LoopGains;
 
 /// The row in the list of controllers.
@@ -55,7 +55,7 @@ impl GuidanceSpec {
     /// The parameters for `vehicle`, where `unruled` are those without the rules. The rules leave `max_turn` alone.
     fn ruled(
         &self,
-        vehicle: &Vehicle,
+        vehicle: &VehicleParameters,
         unruled: &GuidanceParameters,
     ) -> Result<GuidanceParameters, FieldError> {
         let Some(response) = &self.response else {
@@ -108,7 +108,7 @@ impl GuidanceSpec {
         parameters: &GuidanceParameters,
     ) -> Result<Guidance<Model, GainChoice>, FieldError> {
         let vehicle = belief.limited(thrust).map_err(|e| e.inside("vehicle"))?;
-        let parameters = &self.ruled(&vehicle, parameters)?;
+        let parameters = &self.ruled(&belief.parameters(thrust), parameters)?;
         let under = |e: ParameterError| refused::<GuidanceParameters>(e);
         let gains = match self.gains {
             Some(p) => GainChoice::Constant(Gains::new(p).map_err(refused::<GainParameters>)?),
@@ -137,7 +137,8 @@ impl Spec for GuidanceSpec {
         Some(match &self.gains {
             Some(gains) => LoopGains::of(gains),
             None => {
-                let parameters = self.ruled(&belief.core().ok()?, &self.parameters).ok()?;
+                let parameters = self.ruled(&belief.parameters(NO_LIMITS), &self.parameters);
+                let parameters = parameters.ok()?;
                 LoopGains::by_bandwidth(&parameters, belief.weight())
             }
         })
@@ -150,9 +151,9 @@ impl Spec for GuidanceSpec {
     ) -> Result<Configuration, FieldError> {
         let belief = self.vehicle.as_ref().unwrap_or(&experiment.vehicle);
         let thrust = experiment.thrust_limits(self.thrust_n, belief.weight());
-        let vehicle = belief.limited(thrust).map_err(|e| e.inside("vehicle"))?;
+        let vehicle = belief.parameters(thrust);
         Ok(Configuration {
-            vehicle: belief.parameters(thrust),
+            vehicle,
             model: belief.model_parameters().map_err(|e| e.inside("vehicle"))?,
             controller: ControllerParameters::Guidance {
                 parameters: self.ruled(&vehicle, &self.in_plane())?,

@@ -14,7 +14,7 @@ use anyhow::{Context, anyhow};
 use serde::Deserialize;
 
 pub use resample::{Apart, resampled};
-pub use viterna::Seam;
+pub use viterna::{Seam, most_drag};
 pub use wing::SPAN_EFFICIENCY;
 
 use crate::named::Named;
