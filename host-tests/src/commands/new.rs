@@ -14,7 +14,6 @@ use alula_sil::files::leave;
 use alula_sil::margins::{Loop, Point};
 use alula_sil::page::design::{Results, page};
 use alula_sil::page::flight;
-use alula_sil::polar::Polar;
 use alula_sil::simulate::fly;
 
 /// Make a vehicle's files from what is known of it: vehicle, gains and limits with their reasons, margins, envelope, a first flight
@@ -66,10 +65,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     std::fs::create_dir_all(&out).with_context(|| out.display().to_string())?;
     let text = vehicle_text(&args.name, &design);
     if let Some((polar, true)) = design.wing.polar {
-        write(
-            &out.join("polar.csv"),
-            &polar_text(&polar, &design.wing.story),
-        )?;
+        write(&out.join("polar.csv"), &polar.csv(&design.wing.story))?;
     }
     write(
         &out.join("campaign.toml"),
@@ -169,10 +165,6 @@ fn known(args: &Args) -> anyhow::Result<Known> {
         })?;
     }
     Ok(known)
-}
-
-fn polar_text(polar: &Polar, story: &[String]) -> String {
-    polar.csv(story)
 }
 
 fn margins(

@@ -67,18 +67,6 @@ impl GuidanceSpec {
             ruled.set(*row, unruled.get(*row));
         }
         ruled.max_turn = unruled.max_turn;
-        if let Ok(text) = std::env::var("TUNE") {
-            use alula::Parameters;
-            for part in text.split(',') {
-                let (name, factor) = part.split_once('=').unwrap();
-                let i = GuidanceParameters::ROWS
-                    .iter()
-                    .position(|r| r.name == name)
-                    .unwrap();
-                let f: f32 = factor.parse().unwrap();
-                ruled.set(i, ruled.get(i) * f);
-            }
-        }
         Ok(ruled)
     }
 

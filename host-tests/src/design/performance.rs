@@ -13,9 +13,9 @@ use crate::simulate::fly;
 pub struct Stall {
     /// Airspeed \[m/s\] at which a vehicle that slows down falls off its wing.
     pub slow_m_s: f64,
-    /// Airspeed \[m/s\] at which one that speeds up gets onto it: the speed of transition.
+    /// Airspeed \[m/s\] up to which one that speeds up slowly stays behind the stall.
     pub fast_m_s: f64,
-    /// Angles of attack \[°\] between which nothing level can be held.
+    /// Angles of attack \[°\] at which it does the one and the other.
     pub alpha_deg: [f64; 2],
 }
 
@@ -24,7 +24,7 @@ pub struct Stall {
 pub struct Performance {
     /// The stall band of level flight; none where nothing jumps.
     pub stall: Option<Stall>,
-    /// Airspeed \[m/s\] from which on the wing carries the weight at its greatest lift.
+    /// Airspeed \[m/s\] from which on the wing carries the weight, at its greatest lift: the speed of transition.
     pub carried_m_s: f64,
     /// Angle of attack \[°\] and thrust over weight of level cruise; none if there is no cruise on the wing.
     pub cruise: Option<[f64; 2]>,
@@ -89,7 +89,9 @@ impl Performance {
                 let across = pressure * c.c_l + idle * sin;
                 (along.atan2(across), along.hypot(across) / weight)
             };
-            let below = attached(vehicle).filter(|alpha| *alpha <= trim + 0.1);
+            let carries =
+                |alpha: &f64| *alpha <= trim + 0.1 && vehicle.aerodynamics.at(*alpha).c_l > 0.0;
+            let below = attached(vehicle).filter(carries);
             let off = |alpha: &f64| (angle(*alpha).1 - 1.0).abs();
             let best = below.min_by(|a, b| off(a).total_cmp(&off(b)))?;
             let (gamma, _) = angle(best);
@@ -136,4 +138,57 @@ fn stop(document: &Document, cruise: f64) -> anyhow::Result<[f64; 3]> {
     let experiment = document.checked()?;
     let figures = Figures::of(&experiment, &fly(&experiment)?);
     Ok(["ahead_m", "loss_back_m", "gain_back_m"].map(|name| figures.get(name)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::design::{Design, Known, vehicle_text};
+    use crate::named::Named;
+
+    /// A flat plate has its numbers in closed form: c_L = c_1 sin 2α, c_D = c_0 + 2 c_1 sin²α.
+    #[test]
+    fn a_flat_plate_is_what_theory_says() {
+        let known = Known {
+            mass_kg: Some(2.0),
+            wing_m2: Some(0.4),
+            section: Some("flat-plate".to_owned()),
+            thrust_to_weight: Some(1.8),
+            thrust_lag_s: Some(0.05),
+            rate_lag_s: Some(0.05),
+            cruise_m_s: Some(15.0),
+            ..Known::default()
+        };
+        let design = Design::new(known.facts().unwrap()).unwrap();
+        let document = Document::new(&Named {
+            name: "plate".to_owned(),
+            origin: "plate".to_owned(),
+            text: vehicle_text("plate", &design),
+            file: None,
+        });
+        let vehicle = design.vehicle();
+        let thrust = design.facts.thrust();
+        let p = Performance::of(&document.unwrap(), &vehicle, thrust, 15.0, 2.0).unwrap();
+        assert_eq!(p.stall, None);
+        // Greatest lift is c_1 = (2.01 − 0.02)/2 at 45°; angles are looked at to 40°, where sin 2α is 0.985.
+        let want = (vehicle.weight() / (vehicle.k_a_kg_m * 0.995 * 0.985)).sqrt();
+        assert!((p.carried_m_s / want - 1.0).abs() < 2e-3, "{p:?}");
+        // Level: q (c_L + c_D tan α) = W, and c_L + c_D tan α is (2 c_1 + c_0) tan α; angles are in steps of 0.05°.
+        let pressure = vehicle.k_a_kg_m * 225.0;
+        let trim = (vehicle.weight() / (pressure * (1.99 + 0.02)))
+            .atan()
+            .to_degrees();
+        assert!((p.cruise.unwrap()[0] - trim).abs() < 0.06, "{p:?} {trim}");
+        // Without thrust the glide is not steeper than drag over lift at small angles, and sinks by its angle.
+        let [glide, sink] = p.glide.unwrap();
+        assert!(glide > 5.0 && glide < 30.0);
+        assert!((sink - 15.0 * glide.to_radians().sin()).abs() < 1e-9);
+        // The load factor is bound by 2 g to the side.
+        let [load, radius] = p.turn.unwrap();
+        assert!(load <= 5f64.sqrt() + 1e-9 && radius > 225.0 / (2.0 * 9.82));
+        // It stops, and neither falls nor climbs far.
+        let [stop, loss, gain] = p.stop_m;
+        assert!(stop > 5.0 && stop < 60.0, "{stop}");
+        assert!(loss < 5.0 && gain < 10.0, "{loss} {gain}");
+    }
 }

@@ -129,20 +129,18 @@ fn envelope(design: &Design, p: &Performance) -> Vec<[String; 2]> {
         .stall
         .map_or("nothing jumps: no stall in level flight".to_owned(), |s| {
             format!(
-                "{:.1} to {:.1} m/s of airspeed, α from {:.1}° to {:.1}°",
-                s.slow_m_s.min(s.fast_m_s),
-                s.slow_m_s.max(s.fast_m_s),
-                s.alpha_deg[0].min(s.alpha_deg[1]),
-                s.alpha_deg[0].max(s.alpha_deg[1])
+                "slowing down it falls off its wing at {:.1} m/s (α = {:.1}°), speeding up slowly it stays behind the stall up to {:.1} m/s (α = {:.1}°); the guidance crosses at once",
+                s.slow_m_s, s.alpha_deg[0], s.fast_m_s, s.alpha_deg[1]
             )
         });
-    let transition = p.stall.map_or(p.carried_m_s, |s| s.fast_m_s);
     let none = |why: &str| why.to_owned();
     let [stop, loss, gain] = p.stop_m;
     vec![
         row("stall band of level flight", stall),
-        row("speed of transition", format!("{transition:.1} m/s: from there on it flies on its wing")),
-        row("wing carries the weight from", format!("{:.1} m/s", p.carried_m_s)),
+        row(
+            "speed of transition",
+            format!("{:.1} m/s: from there on the wing carries the weight", p.carried_m_s),
+        ),
         row(
             "level cruise",
             p.cruise.map_or(none("not on the wing: too slow for it"), |[alpha, thrust]| {

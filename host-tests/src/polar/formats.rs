@@ -27,6 +27,9 @@ fn cells(line: &str) -> impl Iterator<Item = &str> {
 
 /// Where α, c_L and c_D stand in a line of names.
 fn columns(line: &str) -> Option<[usize; 3]> {
+    if line.starts_with('#') {
+        return None;
+    }
     let names: Vec<String> = cells(line).map(str::to_lowercase).collect();
     let place = |name: &str| names.iter().position(|known| known == name);
     Some([place("alpha")?, place("cl")?, place("cd")?])
@@ -154,7 +157,8 @@ mod tests {
         assert_eq!(rows(AVL), [[0.0, 0.0, 0.01], [2.0, 0.1723, 0.01154]]);
         let commas = "alpha,CL,CD\n1,0.1,0.01\n0,0,0.01\n";
         assert_eq!(rows(commas), [[0.0, 0.0, 0.01], [1.0, 0.1, 0.01]]);
-        assert!(read("x", "alpha_deg,cl,cd\n0,0,1\n").is_none());
+        let csv = "# cl odd, cd even in alpha\nalpha_deg,cl,cd\n0,0,1\n";
+        assert!(read("x", csv).is_none());
     }
 
     #[test]

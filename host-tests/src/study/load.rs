@@ -17,10 +17,6 @@ pub const BUILT_IN: &[(&str, &str)] = &[
     ("faults", include_str!("../../campaigns/faults.toml")),
     ("envelope", include_str!("../../campaigns/envelope.toml")),
     ("upsets", include_str!("../../campaigns/upsets.toml")),
-    (
-        "any-vehicle",
-        include_str!("../../campaigns/any-vehicle.toml"),
-    ),
     ("vehicles", include_str!("../../campaigns/vehicles.toml")),
 ];
 
