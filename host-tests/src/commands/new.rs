@@ -7,7 +7,9 @@ use anyhow::{Context, ensure};
 use serde::Serialize;
 
 use alula_sil::columns::write_trace;
-use alula_sil::design::{Design, Facts, Known, Performance, campaign_text, vehicle_text};
+use alula_sil::design::{
+    Design, Facts, Known, Performance, campaign_text, code_text, vehicle_text,
+};
 use alula_sil::experiment::Document;
 use alula_sil::figures::{Figures, Segment};
 use alula_sil::files::leave;
@@ -71,6 +73,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         &out.join("campaign.toml"),
         &campaign_text(&args.name, &design),
     )?;
+    write(&out.join("vehicle.h"), &code_text(&args.name, &design))?;
     write(&file, &text)?;
 
     // From here on as everybody else takes it: from the file.
@@ -120,7 +123,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let place = out.display();
     writeln!(
         stdout,
-        "{}\nvehicle.toml, campaign.toml, vehicle.html and first-flight/report.html are in {place}. Next:\n  \
+        "{}\nvehicle.toml, campaign.toml, vehicle.h, vehicle.html and first-flight/report.html are in {place}. Next:\n  \
          alula-sil fly {place}/vehicle.toml\n  alula-sil campaign {place}/campaign.toml",
         page.text()
     )?;

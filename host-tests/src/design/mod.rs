@@ -1,5 +1,6 @@
 //! A vehicle of one's own: from what a person knows of it to its file, a flight, a campaign, and what it can do.
 
+mod code;
 mod document;
 mod known;
 mod performance;
@@ -7,6 +8,7 @@ mod wing;
 
 use alula::{GuidanceParameters, ResponseParameters};
 
+pub use code::code_text;
 pub use document::{campaign_text, vehicle_text};
 pub use known::{Facts, Known};
 pub use performance::{Performance, Stall};
