@@ -190,7 +190,10 @@ fn the_pages_commands_run() {
     let folder = tempfile::tempdir().unwrap();
     let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/your-vehicle.md");
     let page = fs::read_to_string(page).unwrap();
-    let blocks = page.split("```sh\n").skip(1).map(|rest| rest.split("```").next().unwrap());
+    let blocks = page
+        .split("```sh\n")
+        .skip(1)
+        .map(|rest| rest.split("```").next().unwrap());
     let lines: Vec<&str> = blocks.flat_map(str::lines).collect();
     assert!(lines.len() >= 5, "{lines:?}");
     for line in lines {
@@ -199,7 +202,16 @@ fn the_pages_commands_run() {
         let output = alula(folder.path(), &arguments);
         assert!(output.status.success(), "{line}: {output:?}");
     }
-    for file in ["vehicle.toml", "vehicle.html", "first-flight/report.html", "campaign.toml", "vehicle.h"] {
-        assert!(folder.path().join("tail-sitter").join(file).exists(), "{file}");
+    for file in [
+        "vehicle.toml",
+        "vehicle.html",
+        "first-flight/report.html",
+        "campaign.toml",
+        "vehicle.h",
+    ] {
+        assert!(
+            folder.path().join("tail-sitter").join(file).exists(),
+            "{file}"
+        );
     }
 }

