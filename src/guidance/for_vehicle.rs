@@ -82,7 +82,7 @@ rules! { known, default;
     integral_gain_forward = default.integral_gain_forward,
         "A fifth of position_gain_forward.";
     max_integral_down = default.max_integral_down,
-        "Holds against two thirds of the weight times thrust_rate over g: more than any mass that is believed wrongly.";
+        "Times thrust_rate it is an acceleration of 6 m/s² at its fastest: a mass that is believed wrongly by half.";
     max_integral_forward = math::min(1.0, 0.3 * known.cruise),
         "Holds an angle of 7° and more against a belief that is wrong.";
     max_turn = default.max_turn,
@@ -106,7 +106,7 @@ rules! { known, default;
     max_wind_step = default.max_wind_step,
         "No gust grows so fast.";
     safe_thrust = default.safe_thrust,
-        "None: THE VEHICLE FALLS when its inputs have failed for longer than `hold`. Whether to cut, to hover blindly (1) or to sink slowly (0.9) is yours to decide.";
+        "None: the vehicle FALLS when its inputs have failed for longer than `hold`. Whether to cut, to hover blindly (1) or to sink slowly (0.9) is yours to decide.";
 }
 
 impl GuidanceParameters {

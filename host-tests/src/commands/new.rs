@@ -138,23 +138,7 @@ fn write(path: &Path, text: &str) -> anyhow::Result<()> {
 fn known(args: &Args) -> anyhow::Result<Known> {
     let mut known = args.known.clone();
     if let Some(path) = &args.from {
-        let origin = path.display();
-        let text = std::fs::read_to_string(path).with_context(|| origin.to_string())?;
-        let mut file: Known = toml::from_str(&text).map_err(|error| {
-            let line = error
-                .span()
-                .map_or(1, |s| text[..s.start].lines().count().max(1));
-            let message: Vec<&str> = error.message().lines().collect();
-            anyhow::anyhow!("{origin}:{line}: {}", message.join(", "))
-        })?;
-        // A polar beside the file.
-        if let Some(section) = &mut file.section {
-            let beside = path.with_file_name(&*section);
-            if beside.is_file() {
-                *section = beside.to_string_lossy().into_owned();
-            }
-        }
-        known = known.or(file);
+        known = known.or(Known::load(path)?);
     }
     if std::io::stdin().is_terminal() {
         known.ask(|question| {

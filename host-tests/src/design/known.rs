@@ -1,8 +1,11 @@
 //! What a person knows of a vehicle: from flags, from a file of ten lines, or asked one by one.
 
+use std::path::Path;
+
+use anyhow::Context;
 use serde::{Deserialize, Serialize};
 
-use crate::experiment::FieldError;
+use crate::experiment::{FieldError, from_toml};
 
 /// What is known. The flags and the fields of a file have the same names, with their units; what is left out has a default, or is asked.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize, clap::Args)]
@@ -142,6 +145,20 @@ impl Known {
             idle_to_weight: self.idle_to_weight.or(other.idle_to_weight),
             air_kg_m3: self.air_kg_m3.or(other.air_kg_m3),
         }
+    }
+
+    /// What the file `path` says: TOML, names as those of the flags. A polar is looked for beside the file.
+    pub fn load(path: &Path) -> anyhow::Result<Self> {
+        let origin = path.display().to_string();
+        let text = std::fs::read_to_string(path).with_context(|| origin.clone())?;
+        let mut known: Self = from_toml(&origin, &text, |_| Ok(()))?;
+        if let Some(section) = &mut known.section {
+            let beside = path.with_file_name(&*section);
+            if beside.is_file() {
+                *section = beside.to_string_lossy().into_owned();
+            }
+        }
+        Ok(known)
     }
 
     /// Asks for what is missing: `ask` gives the answer to a question. A number that is none, or out of its range, is asked for again.

@@ -32,7 +32,7 @@ impl Seam {
     pub fn text(&self) -> String {
         let [from, to] = self.given_deg;
         format!(
-            "Given from {from}° to {to}°; the rest is an extension by Viterna and Corrigan (1981) with c_Dmax = {:.3}, beyond 90° as in AirfoilPrep",
+            "Given from {from:.1}° to {to:.1}°; the rest is an extension by Viterna and Corrigan (1981) with c_Dmax = {:.3}, beyond 90° as in AirfoilPrep",
             self.most_drag
         )
     }
@@ -89,7 +89,7 @@ impl Side {
         let stall = self.stall.to_degrees();
         let first = (stall / STEP).floor() * STEP + STEP;
         // A row close to the last one given would make a corner out of the seam.
-        let first = if first - stall < 0.5 * STEP {
+        let first = if first - stall < 0.2 * STEP {
             first + STEP
         } else {
             first
