@@ -141,6 +141,19 @@ fn a_file_and_a_polar_of_ones_own() {
     let document = Document::load(folder.path().join("mine/vehicle.toml").to_str().unwrap());
     assert!(document.unwrap().checked().is_ok());
 
+    // The combined model is odd in α: `fit` says that this is not, and leaves the table.
+    let fit = |polar: &str| {
+        let output = alula(folder.path(), &["fit", polar, "--out", "fit", "--json"]);
+        assert!(output.status.success(), "{output:?}");
+        serde_json::from_slice::<Value>(&output.stdout).unwrap()
+    };
+    assert_eq!(fit("naca-0012-re-160e3")["suits"], true);
+    assert_eq!(fit("4415.txt")["suits"], false);
+    let page = fs::read_to_string(folder.path().join("fit/fit.html")).unwrap();
+    assert!(page.contains("DOES NOT SUIT") && page.contains("Viterna and Corrigan"));
+    let table = Airframe::load(folder.path().join("fit/polar.csv").to_str().unwrap());
+    assert!(table.is_ok(), "{:?}", table.err());
+
     let include = Path::new(env!("CARGO_MANIFEST_DIR")).join("../capi/include");
     let program = folder.path().join("program.c");
     fs::write(&program, "#include \"mine/vehicle.h\"\nint main(void) { static alula_controller c; static alula_table t; return vehicle_init(&c, &t); }\n").unwrap();

@@ -138,11 +138,13 @@ departure = true
 
 [[maps]]
 x = {{ field = \"vehicle.mass_kg\", from = {}, to = {}, bins = 12 }}
-y = {{ field = \"weather.steady_m_s[1]\", from = -{wind}, to = {wind}, bins = 12 }}
+y = {{ field = \"vehicle.k_a_kg_m\", from = {}, to = {}, bins = 12 }}
 figure = \"altitude_least_m\"
 levels = [-0.5, -1.5, -3.0, -10.0, -50.0]
 ",
         0.85 * facts.mass_kg,
         1.1 * facts.mass_kg,
+        0.75 * facts.k_a(),
+        1.25 * facts.k_a(),
     )
 }
