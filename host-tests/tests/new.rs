@@ -192,7 +192,7 @@ fn what_is_wrong_is_named() {
             .contains("control_rate_hz: 1 is not")
     );
     fs::write(folder.path().join("bad.toml"), "mass_kg = 3\nspan_m = 2\n").unwrap();
-    assert!(error(&["--from", "bad.toml"]).contains("bad.toml:2: unknown field `span_m`"));
+    assert!(error(&["--from", "bad.toml"]).contains("bad.toml:2: span_m: unknown field `span_m`"));
     let mut flags = FLAGS;
     flags[5] = "naca-9999";
     assert!(error(&flags).contains("naca-9999: neither a file nor a built-in polar"));

@@ -41,7 +41,7 @@ fn under(origin: &str, text: &str, place: usize, columns: [usize; 3]) -> anyhow:
     for (n, line) in text.lines().enumerate().skip(place + 1) {
         let cells: Vec<&str> = cells(line).collect();
         let is_rule = line.chars().all(|c| c == '-' || c.is_whitespace());
-        if is_rule || cells[0].starts_with('#') {
+        if is_rule || cells.first().is_none_or(|cell| cell.starts_with('#')) {
             continue;
         }
         // XFLR5 puts several polars into one file, each under names of its own.
@@ -175,5 +175,7 @@ mod tests {
         let two = "alpha CL CD\n1 0.1 0.1\nalpha CL CD\n";
         assert!(error(two).starts_with("x:3: a second polar"));
         assert!(error("CLtot = 0.1\nCDtot = 0.1\n").contains("without Alpha"));
+        // Separators alone are an empty line.
+        assert_eq!(read("x", "alpha CL CD\n,,\n").unwrap().unwrap().1.len(), 0);
     }
 }

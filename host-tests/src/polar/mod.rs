@@ -10,7 +10,7 @@ mod wing;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
-use anyhow::{Context, anyhow};
+use anyhow::{Context, anyhow, ensure};
 use serde::Deserialize;
 
 pub use resample::{Apart, resampled};
@@ -91,6 +91,14 @@ impl Polar {
         let at_stall = ends.is_some_and(|(first, last)| first[0] >= -90.0 && last[0] <= 90.0);
         if !at_stall {
             return Self::from_rows(origin, &lines, &degrees);
+        }
+        // Of the rows that are made from them no error could name the line.
+        for (line, row) in lines.iter().zip(&degrees) {
+            let fine = row.iter().all(|x| x.is_finite()) && row[2] > 0.0;
+            ensure!(
+                fine,
+                "{origin}:{line}: every number must be finite, and the drag coefficient positive"
+            );
         }
         let (rows, seam) =
             viterna::extended(&halved(degrees), None).map_err(|e| anyhow!("{origin}: {e}"))?;
@@ -349,6 +357,8 @@ mod tests {
         assert!(with("180,", "170,").starts_with("x.csv:7: the last angle"));
         let short = error("alpha_deg,cl,cd\n0,0,0.1\n1,0.1,0.1\n2,0.2,0.1\n");
         assert!(short.starts_with("x.csv: goes from 0° to 2°"), "{short}");
+        let drag = error("alpha CL CD\n-8 -1 0.1\n0 0.1 0\n9 1 0.1\n");
+        assert!(drag.starts_with("x.csv:3: every number must"), "{drag}");
         let missing = Polar::load("nonesuch").unwrap_err().to_string();
         assert!(missing.contains("naca-0021-re-160e3") && !missing.contains('\n'));
     }

@@ -188,7 +188,10 @@ mod tests {
         near(lift, 0.0);
         near(drag, 1.29);
         // 45°: 0.645 + 0.2434·0.5/0.7071; 135° is its mirror image with 0.7 of the lift.
-        near(side.at(45.0)[0], 0.645 + side.a2 * 0.707_107);
+        near(
+            side.at(45.0)[0],
+            0.645 + side.a2 * std::f64::consts::FRAC_1_SQRT_2,
+        );
         near(side.at(135.0)[0], -0.7 * side.at(45.0)[0]);
         near(side.at(170.0)[0], -0.7 * 1.2 * 10.0 / 15.0);
     }
