@@ -141,6 +141,9 @@ fn a_file_and_a_polar_of_ones_own() {
     let document = Document::load(folder.path().join("mine/vehicle.toml").to_str().unwrap());
     assert!(document.unwrap().checked().is_ok());
 
+    // The seam is drawn: given and extended have colours of their own.
+    let picture = fs::read_to_string(folder.path().join("mine/vehicle.svg")).unwrap();
+    assert!(picture.contains("extended") && picture.contains("given"));
     // The combined model is odd in α: `fit` says that this is not, and leaves the table.
     let fit = |polar: &str| {
         let output = alula(folder.path(), &["fit", polar, "--out", "fit", "--json"]);
