@@ -1074,7 +1074,8 @@ int32_t alula_parameters_default(struct alula_parameters *parameters);
 
 /**
  * Sets every parameter in `guidance` by the rules for `vehicle`, which must be complete, and for how fast it answers and is to
- * fly: the lag of its rate loop and of its thrust [s], the rate at which alula_guide is called [Hz], the speed of cruise [m/s].
+ * fly: the lag of its rate loop and of its thrust [s], the rate at which alula_guide is called [Hz], the
+ * speed of cruise [m/s].
  * docs/your-vehicle.md says how lags are measured. Returns `ALULA_OK`, or a code that names what is refused; then nothing is set.
  *
  * Pointers:

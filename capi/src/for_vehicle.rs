@@ -7,7 +7,8 @@ use crate::code;
 use crate::parameters::{Parameters, refused};
 
 /// Sets every parameter in `guidance` by the rules for `vehicle`, which must be complete, and for how fast it answers and is to
-/// fly: the lag of its rate loop and of its thrust [s], the rate at which alula_guide is called [Hz], the speed of cruise [m/s].
+/// fly: the lag of its rate loop and of its thrust \[s\], the rate at which alula_guide is called \[Hz\], the
+/// speed of cruise [m/s].
 /// docs/your-vehicle.md says how lags are measured. Returns `ALULA_OK`, or a code that names what is refused; then nothing is set.
 ///
 /// # Safety

@@ -82,7 +82,7 @@ impl Polar {
         }
     }
 
-    /// The polar in `text`: CSV with the columns `alpha_deg`, `cl` and `cd` and comments behind `#`, or a [format](formats) of XFOIL,
+    /// The polar in `text`: CSV with the columns `alpha_deg`, `cl` and `cd` and comments behind `#`, or a format of XFOIL,
     /// XFLR5 or AVL. One that ends at stall is extended to all angles, as of a wing of infinite span. `origin` stands for the text in errors,
     /// which name line and column.
     pub fn from_text(origin: &str, text: &str) -> anyhow::Result<Self> {
