@@ -74,7 +74,7 @@ pub use error::{ParameterError, Problem};
 pub use frame::{Attitude, Body, Inertial};
 pub use guidance::{
     BandwidthGains, GainChoice, Guidance, GuidanceInput, GuidanceParameters, GuidanceState, Guided,
-    PlanarGuided, PlanarInput,
+    PlanarGuided, PlanarInput, ResponseParameters,
 };
 pub use parameters::{Parameters, Range, Row};
 pub use reference::Reference;

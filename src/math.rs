@@ -46,6 +46,12 @@ pub const fn min(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
+/// The greater of two numbers; `b` if `a` is NaN.
+#[inline(always)]
+pub const fn max(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
 /// `x` brought into [`low`, `high`], `low` ≤ `high`; NaN stays NaN. (`f32::clamp` can panic.)
 #[inline(always)]
 pub const fn clamp(x: f32, low: f32, high: f32) -> f32 {

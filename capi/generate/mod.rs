@@ -42,6 +42,7 @@ fn header() -> Result<String> {
         "boundary",
         "code",
         "parameters",
+        "for_vehicle",
         "table",
         "controller",
         "input",

@@ -57,6 +57,16 @@
 #define ALULA_ERROR_SELECTOR -6
 
 /**
+ * The control rate is not from 5 Hz to 10 kHz.
+ */
+#define ALULA_ERROR_CONTROL_RATE -7
+
+/**
+ * The speed of cruise is not from 1 m/s to 340 m/s.
+ */
+#define ALULA_ERROR_CRUISE_SPEED -8
+
+/**
  * The velocity is not finite, or faster than 1000 m/s.
  */
 #define ALULA_ERROR_VELOCITY -10
@@ -1066,6 +1076,22 @@ const char *alula_strerror(int32_t code);
  * structure if that is right.
  */
 int32_t alula_parameters_default(struct alula_parameters *parameters);
+
+/**
+ * Sets every parameter in `guidance` by the rules for `vehicle`, which must be complete, and for how fast it answers and is to
+ * fly: the lag of its rate loop and of its thrust [s], the rate at which alula_guide is called [Hz], the
+ * speed of cruise [m/s].
+ * docs/your-vehicle.md says how lags are measured. Returns `ALULA_OK`, or a code that names what is refused; then nothing is set.
+ *
+ * Pointers:
+ * `parameters` is null or points to memory of the caller's that holds at least the header word, already set; the whole
+ * structure if that is right.
+ */
+int32_t alula_parameters_for_vehicle(struct alula_parameters *parameters,
+                                     float rate_lag,
+                                     float thrust_lag,
+                                     float control_rate,
+                                     float cruise_speed);
 
 /**
  * Makes `table` the one through `count` rows, by increasing angle: from 0 to π for a symmetric section, or from −π to π

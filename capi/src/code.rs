@@ -24,6 +24,10 @@ pub const ALULA_ERROR_NOT_INITIALISED: i32 = -4;
 pub const ALULA_ERROR_TIME_STEP: i32 = -5;
 /// A selector of the input (body axes, flags) has no such value, or the flags contradict each other.
 pub const ALULA_ERROR_SELECTOR: i32 = -6;
+/// The control rate is not from 5 Hz to 10 kHz.
+pub const ALULA_ERROR_CONTROL_RATE: i32 = -7;
+/// The speed of cruise is not from 1 m/s to 340 m/s.
+pub const ALULA_ERROR_CRUISE_SPEED: i32 = -8;
 /// The velocity is not finite, or faster than 1000 m/s.
 pub const ALULA_ERROR_VELOCITY: i32 = -10;
 /// The wind is not finite, faster than 1000 m/s, or unknown to a law that needs it.
@@ -167,6 +171,8 @@ fn text(code: i32) -> &'static CStr {
         ALULA_ERROR_NOT_INITIALISED => c"the controller is not initialised",
         ALULA_ERROR_TIME_STEP => c"the time step is not in [0.0001, 0.2] s",
         ALULA_ERROR_SELECTOR => c"a selector of the input has no such value",
+        ALULA_ERROR_CONTROL_RATE => c"the control rate is not in [5, 10000] Hz",
+        ALULA_ERROR_CRUISE_SPEED => c"the speed of cruise is not in [1, 340] m/s",
         ALULA_ERROR_VELOCITY => c"velocity is not finite or absurdly large",
         ALULA_ERROR_WIND => c"wind is not finite, absurdly large, or unknown",
         ALULA_ERROR_ATTITUDE => c"attitude is not a quaternion of unit length",

@@ -16,6 +16,7 @@ mod code;
 mod command;
 mod controller;
 mod envelope;
+mod for_vehicle;
 mod guide;
 mod input;
 mod memory;
@@ -30,6 +31,7 @@ pub use code::*;
 pub use command::{Command, alula_command_default};
 pub use controller::{Controller, alula_init, alula_reset};
 pub use envelope::*;
+pub use for_vehicle::alula_parameters_for_vehicle;
 pub use guide::alula_guide;
 pub use input::*;
 pub use parameters::{

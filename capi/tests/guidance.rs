@@ -647,3 +647,40 @@ fn the_fold_is_the_cores_and_moves_with_the_load_factor() {
         (ALULA_ERROR_NO_FOLD, 0.0, 0.0)
     );
 }
+
+/// The rules through the ABI are the core's; a refusal names the parameter, and changes nothing.
+#[test]
+fn the_parameters_by_rule_are_the_cores() {
+    let response = alula::ResponseParameters {
+        rate_lag: 0.3,
+        thrust_lag: 0.3,
+        control_rate: 50.0,
+        cruise_speed: 12.0,
+    };
+    let ruled = |parameters: &mut Parameters, rate_lag| unsafe {
+        alula_parameters_for_vehicle(parameters, rate_lag, 0.3, 50.0, 12.0)
+    };
+    let mut parameters = PAPER;
+    assert_eq!(ruled(&mut parameters, 0.3), ALULA_OK);
+    let expected = GuidanceParameters::for_vehicle(&VEHICLE, &response).unwrap();
+    assert_eq!(parameters.guidance, expected);
+    assert_ne!(expected, GuidanceParameters::default());
+    assert_eq!(parameters.vehicle, VEHICLE);
+
+    let named = |code: i32| {
+        let text = unsafe { std::ffi::CStr::from_ptr(alula_strerror(code)) };
+        text.to_str().unwrap()
+    };
+    let before = parameters;
+    assert_eq!(
+        named(ruled(&mut parameters, f32::NAN)),
+        "guidance.rate_lag must be a finite number"
+    );
+    parameters.vehicle.thrust_max = 90.0;
+    let code = ruled(&mut parameters, 0.3);
+    assert_eq!(
+        named(code),
+        "vehicle.thrust_max contradicts another parameter"
+    );
+    assert_eq!(parameters.guidance, before.guidance);
+}

@@ -83,6 +83,7 @@ static void call_all(int which, void *wrong, int32_t code)
     alula_table_row row = {0.0f, 0.0f, 1.0f};
     if (which == 0) {
         CHECK(alula_parameters_default(p[0]) == code);
+        CHECK(alula_parameters_for_vehicle(p[0], 0.1f, 0.05f, 100.0f, 20.0f) == code);
         CHECK(alula_init(p[1], p[0], NULL) == code);
         CHECK(alula_step(p[1], p[2], 0.01f, p[3], NULL) == ALULA_ERROR_NOT_INITIALISED && is_safe());
     }
@@ -201,6 +202,17 @@ int main(void)
 
     /* Memory that was never initialised. */
     CHECK(alula_step(controller, input, 0.01f, command, NULL) == ALULA_ERROR_LAYOUT);
+
+    /* Parameters by rule: all of them, or none. */
+    tidy();
+    CHECK(alula_parameters_for_vehicle(parameters, 0.4f, 0.05f, 100.0f, 20.0f) == ALULA_OK);
+    CHECK(parameters->guidance.rate_lag == 0.4f && parameters->guidance.natural_frequency < 2.5f);
+    CHECK(alula_init(controller, parameters, NULL) == ALULA_OK);
+    const alula_parameters ruled = *parameters;
+    CHECK(alula_parameters_for_vehicle(parameters, 0.1f, 0.05f, 100.0f, 0.0f) == ALULA_ERROR_CRUISE_SPEED);
+    CHECK(alula_parameters_for_vehicle(parameters, 0.1f, 0.05f, NAN, 20.0f) == ALULA_ERROR_CONTROL_RATE);
+    CHECK(alula_parameters_for_vehicle(parameters, 0.1f, 9.0f, 100.0f, 20.0f) < ALULA_ERROR_PARAMETER);
+    CHECK(memcmp(parameters, &ruled, sizeof ruled) == 0);
 
     for (int which = 0; which < 8; which++) {
         tidy();

@@ -19,6 +19,7 @@ pub mod columns;
 pub mod companion;
 pub mod controllers;
 pub mod decimal;
+pub mod design;
 pub mod envelope;
 pub mod experiment;
 pub mod figures;

@@ -175,7 +175,7 @@ fn fit_leaves_a_vehicle_that_the_others_take() {
     }
     assert_eq!(fitted["folds_table"].as_array().unwrap().len(), 4);
     let out = folder.path().join("out/fit-naca-0021-re-160e3");
-    assert_pictures(&out, "fit", &["vehicle.toml"]);
+    assert_pictures(&out, "fit", &["vehicle.toml", "polar.csv"]);
     let vehicle = "out/fit-naca-0021-re-160e3/vehicle.toml";
     let envelope = json(folder.path(), &["envelope", vehicle, "--json"]);
     assert_eq!(envelope["folds"][0]["a"], fitted["folds"][0]["a"]);

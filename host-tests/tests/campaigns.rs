@@ -264,12 +264,20 @@ fn a_dispersed_field_follows_the_powers_of_others() {
         let drawn = source.campaign.draw(&source.base, number).unwrap();
         let vehicle = &drawn.experiment.vehicle;
         let weight_ratio = drawn.experiment.plant.thrust_n[1] / (vehicle.mass_kg * 9.81);
-        assert!((1.29..=2.5).contains(&weight_ratio), "{weight_ratio}");
-        let area = vehicle.k_a_kg_m / vehicle.mass_kg.powf(0.666667);
-        assert!((0.09..=0.25).contains(&area), "{area}");
+        assert!((1.0999..=3.0001).contains(&weight_ratio), "{weight_ratio}");
+        let knots = &drawn.experiment.reference.knots;
+        let cruise = knots[1].forward_m_s;
+        let lift = vehicle.weight() / (vehicle.k_a_kg_m * cruise * cruise);
+        assert!((0.249..=0.601).contains(&lift), "{lift}");
+        // Times are added up: cruise lasts 10 s.
+        assert!((knots[2].t_s - knots[1].t_s - 10.0).abs() < 1e-9 && knots[3].t_s < 90.0);
         let spec = drawn.experiment.spec().unwrap();
-        let believed = spec.belief().unwrap().mass_kg / vehicle.mass_kg;
-        assert!((0.9..=1.1).contains(&believed) && believed != 1.0);
+        let belief = spec.belief().unwrap();
+        let believed = belief.mass_kg / vehicle.mass_kg;
+        assert!((0.85..=1.15).contains(&believed) && believed != 1.0);
+        assert!(drawn.experiment.plant.thrust_n[1] > 1.0299 * 9.81 * belief.mass_kg);
+        let off = belief.delta_deg - vehicle.delta_deg;
+        assert!(off.abs() <= 2.0 && off != 0.0);
     }
 }
 

@@ -94,6 +94,8 @@ impl core::error::Error for TableError {}
 
 /// Coefficients greater than this are refused.
 const MAX_COEFFICIENT: f32 = 1e3;
+/// Coefficients this close are the same: what programs leave for the lift of a symmetric section at 0.
+const NOTHING: f32 = 1e-6;
 /// Angles this close \[rad\] are the same: 0.0006°, a few roundings of 180°.
 const SAME: f32 = 1e-5;
 /// Least distance of rows \[rad\]: 0.05°, where second derivatives lose half of their digits.
@@ -207,13 +209,13 @@ const fn check(nodes: &[Node], room: usize) -> Result<bool, TableError> {
         return refuse(last, TableProblem::End);
     }
     if symmetric {
-        if first.c_l != 0.0 {
+        if first.c_l.abs() > NOTHING {
             return refuse(0, TableProblem::LiftOnAxis);
         }
-        if end.c_l != 0.0 {
+        if end.c_l.abs() > NOTHING {
             return refuse(last, TableProblem::LiftOnAxis);
         }
-    } else if first.c_l != end.c_l || first.c_d != end.c_d {
+    } else if (first.c_l - end.c_l).abs() > NOTHING || (first.c_d - end.c_d).abs() > NOTHING {
         return refuse(last, TableProblem::NotPeriodic);
     }
     Ok(symmetric)
@@ -474,6 +476,9 @@ mod tests {
             (e.row, e.problem)
         };
         assert!(Polar::<4>::new(&good).is_ok());
+        let mut rounded = good;
+        (rounded[0].c_l, rounded[4].c_l) = (-9e-17, 2e-16);
+        assert!(Polar::<4>::new(&rounded).is_ok());
         use TableProblem::*;
         assert_eq!(refuse(&|n| n[2].c_l = f32::NAN), (2, NotFinite));
         assert_eq!(refuse(&|n| n[1].c_l = 1e4), (1, OutOfRange));

@@ -4,6 +4,7 @@ mod accelerometer;
 mod bandwidth;
 mod course;
 mod flight;
+mod for_vehicle;
 mod goal;
 mod limits;
 mod memory;
@@ -20,6 +21,7 @@ mod virtual_flight;
 
 pub use crate::control::{Branch, Margin};
 pub use bandwidth::{BandwidthGains, GainChoice};
+pub use for_vehicle::{REASONS, ResponseParameters};
 pub use goal::{Goal, GoalState, Goals, Preferences};
 pub use parameters::GuidanceParameters;
 pub use plane::{PlanarGuided, PlanarInput};

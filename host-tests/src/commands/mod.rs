@@ -10,6 +10,7 @@ mod fit;
 mod fly;
 mod list;
 mod margins;
+mod new;
 mod output;
 mod pil;
 mod replay;
@@ -30,6 +31,7 @@ pub struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    New(new::Args),
     Fly(fly::Args),
     Pil(pil::Args),
     List(list::Args),
@@ -51,6 +53,7 @@ impl Cli {
     pub fn run(self) -> anyhow::Result<()> {
         match self.command {
             None => fly::run(&fly::Args::default()),
+            Some(Command::New(args)) => new::run(&args),
             Some(Command::Fly(args)) => fly::run(&args),
             Some(Command::Pil(args)) => pil::run(&args),
             Some(Command::List(args)) => list::run(&args),

@@ -2,13 +2,13 @@
 
 use alula::{
     BandwidthGains, GainChoice, GainParameters, Gains, Guidance, GuidanceParameters, GuidanceState,
-    ParameterError,
+    ParameterError, Parameters as _, ResponseParameters, VehicleParameters,
 };
 use alula_link::{Configuration, ControllerParameters, Pacing};
 use toml::Value;
 
 use super::{Answer, Controller, Input, Kind, Spec};
-use crate::experiment::{Experiment, FieldError, Fields, Model, VehicleSpec, refused};
+use crate::experiment::{Experiment, FieldError, Fields, Model, NO_LIMITS, VehicleSpec, refused};
 use crate::margins::LoopGains;
 
 /// The row in the list of controllers.
@@ -28,8 +28,12 @@ pub struct GuidanceSpec {
     pub thrust_n: Option<[f64; 2]>,
     /// Constant gains, in place of those by bandwidth.
     pub gains: Option<GainParameters>,
-    /// The parameters.
+    /// The parameters: those given, and all others at their defaults.
     pub parameters: GuidanceParameters,
+    /// From which those that are not given follow by the core's rules, in place of the defaults.
+    pub response: Option<ResponseParameters>,
+    /// Which are given, by their rows.
+    given: Vec<usize>,
 }
 
 impl GuidanceSpec {
@@ -40,13 +44,33 @@ impl GuidanceSpec {
             vehicle: fields.belief()?,
             thrust_n: fields.take("thrust_n")?,
             gains: fields.inner("gains")?,
+            response: fields.inner("for_vehicle")?,
+            given: fields.given::<GuidanceParameters>(),
             parameters: fields.parameters()?,
         };
         fields.end()?;
         Ok(spec)
     }
 
-    /// The parameters for a plant that moves in one vertical plane.
+    /// The parameters for `vehicle`, where `unruled` are those without the rules. The rules leave `max_turn` alone.
+    fn ruled(
+        &self,
+        vehicle: &VehicleParameters,
+        unruled: &GuidanceParameters,
+    ) -> Result<GuidanceParameters, FieldError> {
+        let Some(response) = &self.response else {
+            return Ok(*unruled);
+        };
+        let ruled = GuidanceParameters::for_vehicle(vehicle, response);
+        let mut ruled = ruled.map_err(refused::<ResponseParameters>)?;
+        for row in &self.given {
+            ruled.set(*row, unruled.get(*row));
+        }
+        ruled.max_turn = unruled.max_turn;
+        Ok(ruled)
+    }
+
+    /// The parameters for a plant that moves in one vertical plane, before the rules.
     fn in_plane(&self) -> GuidanceParameters {
         GuidanceParameters {
             max_turn: 0.0,
@@ -72,11 +96,12 @@ impl GuidanceSpec {
         parameters: &GuidanceParameters,
     ) -> Result<Guidance<Model, GainChoice>, FieldError> {
         let vehicle = belief.limited(thrust).map_err(|e| e.inside("vehicle"))?;
+        let parameters = &self.ruled(&belief.parameters(thrust), parameters)?;
         let under = |e: ParameterError| refused::<GuidanceParameters>(e);
         let gains = match self.gains {
             Some(p) => GainChoice::Constant(Gains::new(p).map_err(refused::<GainParameters>)?),
             None => {
-                let gains = BandwidthGains::new(&self.parameters, &vehicle);
+                let gains = BandwidthGains::new(parameters, &vehicle);
                 GainChoice::Bandwidth(gains.map_err(under)?)
             }
         };
@@ -99,7 +124,11 @@ impl Spec for GuidanceSpec {
     fn gains(&self, belief: &VehicleSpec) -> Option<LoopGains> {
         Some(match &self.gains {
             Some(gains) => LoopGains::of(gains),
-            None => LoopGains::by_bandwidth(&self.parameters, belief.weight()),
+            None => {
+                let parameters = self.ruled(&belief.parameters(NO_LIMITS), &self.parameters);
+                let parameters = parameters.ok()?;
+                LoopGains::by_bandwidth(&parameters, belief.weight())
+            }
         })
     }
 
@@ -110,11 +139,12 @@ impl Spec for GuidanceSpec {
     ) -> Result<Configuration, FieldError> {
         let belief = self.vehicle.as_ref().unwrap_or(&experiment.vehicle);
         let thrust = experiment.thrust_limits(self.thrust_n, belief.weight());
+        let vehicle = belief.parameters(thrust);
         Ok(Configuration {
-            vehicle: belief.parameters(thrust),
+            vehicle,
             model: belief.model_parameters().map_err(|e| e.inside("vehicle"))?,
             controller: ControllerParameters::Guidance {
-                parameters: self.in_plane(),
+                parameters: self.ruled(&vehicle, &self.in_plane())?,
                 gains: self.gains,
             },
             pacing,

@@ -76,6 +76,13 @@ impl Fields {
         Ok(parameters)
     }
 
+    /// The rows of the parameters of a table in the core that are there.
+    pub fn given<P: Parameters>(&self) -> Vec<usize> {
+        let rows = P::ROWS.iter().enumerate();
+        let there = rows.filter(|(_, row)| self.0.contains_key(&file_name(row)));
+        there.map(|(i, _)| i).collect()
+    }
+
     /// The parameters in the inner table `key`, if it is there.
     pub fn inner<P: Parameters>(&mut self, key: &str) -> Result<Option<P>, FieldError> {
         let Some(table) = self.take::<Table>(key)? else {

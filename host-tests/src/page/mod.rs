@@ -3,6 +3,7 @@
 pub mod campaign;
 pub(crate) mod chart;
 pub mod comparison;
+pub mod design;
 pub mod envelope;
 pub mod equilibria;
 mod figure;

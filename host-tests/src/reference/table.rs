@@ -70,6 +70,11 @@ impl Table {
     }
 
     /// c_L and c_D at `alpha` \[rad\] in [−π, π].
+    pub fn lift_and_drag(&self, alpha: f64) -> [f64; 2] {
+        self.at(alpha).into()
+    }
+
+    /// c_L and c_D at `alpha` \[rad\] in [−π, π].
     pub(super) fn at<D: Number>(&self, alpha: D) -> (D, D) {
         let mirrored = self.symmetric && alpha.value() < 0.0;
         let a = if mirrored { -alpha } else { alpha };

@@ -60,6 +60,12 @@ pub struct Dispersion {
     /// with the mass to the two thirds.
     #[serde(default)]
     pub powers: BTreeMap<String, f64>,
+    /// Another field as it is once drawn, which is added in the end: where a belief is off by so much.
+    pub plus: Option<String>,
+    /// Other fields as they are once drawn, each with a factor: the value is at most their products. So a belief leaves out what nobody can
+    /// believe of a vehicle that hovers.
+    #[serde(default)]
+    pub at_most: BTreeMap<String, f64>,
 }
 
 /// A fault that may be drawn.

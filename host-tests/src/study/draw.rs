@@ -51,7 +51,14 @@ impl Dispersion {
         for (field, exponent) in &self.powers {
             product *= drawn.number(field)?.powf(*exponent);
         }
-        Ok(product)
+        let mut value = match &self.plus {
+            Some(field) => product + drawn.number(field)?,
+            None => product,
+        };
+        for (field, factor) in &self.at_most {
+            value = value.min(factor * drawn.number(field)?);
+        }
+        Ok(value)
     }
 }
 

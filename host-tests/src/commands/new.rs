@@ -1,0 +1,174 @@
+//! `new`: from what a person knows of a vehicle to its files, its first flight and a page.
+
+use std::io::{BufRead, IsTerminal, Write};
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, ensure};
+use serde::Serialize;
+
+use alula_sil::columns::write_trace;
+use alula_sil::design::{
+    Design, Facts, Known, Performance, campaign_text, code_text, vehicle_text,
+};
+use alula_sil::experiment::Document;
+use alula_sil::figures::{Figures, Segment};
+use alula_sil::files::leave;
+use alula_sil::margins::{Loop, Point};
+use alula_sil::page::design::{Results, page};
+use alula_sil::page::flight;
+use alula_sil::simulate::fly;
+
+/// Make a vehicle's files from what is known of it: vehicle, gains and limits with their reasons, margins, envelope, a first flight
+#[derive(clap::Args)]
+pub struct Args {
+    /// Its name, that of the folder
+    #[arg(default_value = "my-vehicle")]
+    name: String,
+    /// A file with what is known: `mass_kg = 3.0` and so on, names as those of the flags. What neither has is asked, on a terminal
+    #[arg(long, value_name = "FILE")]
+    from: Option<PathBuf>,
+    #[command(flatten)]
+    known: Known,
+    /// Folder for the files [default: the name]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print one JSON object instead of the tables
+    #[arg(long)]
+    json: bool,
+}
+
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Summary<'a> {
+    name: &'a str,
+    out: &'a Path,
+    facts: &'a Facts,
+    story: &'a [String],
+    performance: &'a Performance,
+    margins: &'a [Point],
+    first_flight: serde_json::Map<String, serde_json::Value>,
+}
+
+/// Speeds at which margins are looked at, in parts of cruise.
+const MARGINS: [f64; 6] = [0.0, 0.2, 0.4, 0.6, 0.8, 1.0];
+
+pub fn run(args: &Args) -> anyhow::Result<()> {
+    let design = Design::new(known(args)?.facts()?)?;
+    let out = args
+        .out
+        .clone()
+        .unwrap_or_else(|| PathBuf::from(&args.name));
+    let file = out.join("vehicle.toml");
+    ensure!(
+        !file.exists(),
+        "{} is there already: another name, or --out",
+        file.display()
+    );
+    std::fs::create_dir_all(&out).with_context(|| out.display().to_string())?;
+    let text = vehicle_text(&args.name, &design);
+    if let Some((polar, true)) = design.wing.polar {
+        write(&out.join("polar.csv"), &polar.csv(&design.wing.story))?;
+    }
+    write(
+        &out.join("campaign.toml"),
+        &campaign_text(&args.name, &design),
+    )?;
+    write(&out.join("vehicle.h"), &code_text(&args.name, &design))?;
+    write(&file, &text)?;
+
+    // From here on as everybody else takes it: from the file.
+    let document = Document::load(&file.to_string_lossy())?;
+    let experiment = document.checked()?;
+    let record = fly(&experiment)?;
+    let figures = Figures::of(&experiment, &record);
+    let segments = Segment::of(&experiment, &record);
+    let first = out.join("first-flight");
+    std::fs::create_dir_all(&first)?;
+    leave(&first.join("trace.csv"), |file| {
+        Ok(write_trace(&experiment, &record, file)?)
+    })?;
+    flight::page(&document, &experiment, &record, &figures, &segments)
+        .leave(&first, ["flight.svg", "report.html"])?;
+
+    let facts = &design.facts;
+    let performance = Performance::of(
+        &document,
+        &experiment.vehicle,
+        facts.thrust(),
+        facts.cruise_m_s,
+        design.parameters.max_turn.into(),
+    )?;
+    let margins = margins(&experiment, facts.cruise_m_s)?;
+    let results = Results {
+        performance: &performance,
+        margins: &margins,
+        flight: &figures,
+    };
+    let page = page(&args.name, &design, &results, &text);
+    page.leave(&out, ["vehicle.svg", "vehicle.html"])?;
+    let mut stdout = std::io::stdout().lock();
+    if args.json {
+        let summary = Summary {
+            name: &args.name,
+            out: &out,
+            facts,
+            story: &design.wing.story,
+            performance: &performance,
+            margins: &margins,
+            first_flight: figures.json(),
+        };
+        writeln!(stdout, "{}", serde_json::to_string_pretty(&summary)?)?;
+        return Ok(());
+    }
+    let place = out.display();
+    writeln!(
+        stdout,
+        "{}\nvehicle.toml, campaign.toml, vehicle.h, vehicle.html and first-flight/report.html are in {place}. Next:\n  \
+         alula-sil fly {place}/vehicle.toml\n  alula-sil campaign {place}/campaign.toml",
+        page.text()
+    )?;
+    Ok(())
+}
+
+fn write(path: &Path, text: &str) -> anyhow::Result<()> {
+    leave(path, |file| Ok(file.write_all(text.as_bytes())?))
+}
+
+/// What the flags say, then the file, then who sits at the terminal.
+fn known(args: &Args) -> anyhow::Result<Known> {
+    let mut known = args.known.clone();
+    if let Some(path) = &args.from {
+        known = known.or(Known::load(path)?);
+    }
+    if std::io::stdin().is_terminal() {
+        known.ask(|question| {
+            let mut stderr = std::io::stderr();
+            write!(stderr, "{question}: ")?;
+            stderr.flush()?;
+            let mut answer = String::new();
+            let read = std::io::stdin().lock().read_line(&mut answer)?;
+            ensure!(read > 0, "no answer");
+            Ok(answer)
+        })?;
+    }
+    Ok(known)
+}
+
+fn margins(
+    experiment: &alula_sil::experiment::Experiment,
+    cruise: f64,
+) -> anyhow::Result<Vec<Point>> {
+    let spec = experiment.spec()?;
+    let gains = spec.gains(&experiment.vehicle).context("no gains")?;
+    let vehicle = experiment.vehicle.reference();
+    let of = Loop {
+        vehicle,
+        belief: vehicle,
+        gains,
+        actuators: experiment.plant,
+    };
+    Ok(MARGINS
+        .iter()
+        .flat_map(|part| of.at(part * cruise))
+        .collect())
+}

@@ -1,0 +1,150 @@
+//! The files of a vehicle: itself with its first flight, and a campaign of it.
+
+use std::fmt::Write as _;
+
+use alula::guidance::REASONS;
+use alula::{GuidanceParameters, Parameters as _};
+
+use super::Design;
+use crate::experiment::file_name;
+
+/// Acceleration of the round trip [m/s²]: the one of the built-in round trip.
+const ACCELERATION: f64 = 2.0;
+
+/// A number in few digits: what single precision holds and no more.
+fn short(x: f32) -> String {
+    format!("{x}")
+}
+
+/// The vehicle's file: the vehicle, its actuators, its guidance with the reason for each number, and a round trip to fly.
+pub fn vehicle_text(name: &str, design: &Design) -> String {
+    let (facts, parameters) = (&design.facts, &design.parameters);
+    let [least, most] = facts.thrust();
+    let mut text = format!(
+        "# {name}, made by `alula-sil new` from {} kg, {} m², {}, T/W {}, lags of {} s (thrust) and {} s (rate), {} m/s.\n\
+         # Every command takes this file: fly, margins, envelope, equilibria, sweep; campaign.toml flies it dispersed.\n\
+         description = \"{name}: hover to {} m/s and back at {ACCELERATION} m/s²\"\n",
+        facts.mass_kg,
+        facts.wing_m2,
+        facts.section,
+        facts.thrust_to_weight,
+        facts.thrust_lag_s,
+        facts.rate_lag_s,
+        facts.cruise_m_s,
+        facts.cruise_m_s,
+    );
+    let ramp = facts.cruise_m_s / ACCELERATION;
+    let times = [5.0, 5.0 + ramp, 35.0 + ramp, 35.0 + 2.0 * ramp];
+    let _ = write!(
+        text,
+        "duration_s = {}\ncontrol_rate_hz = {}\n\n[vehicle]\nmass_kg = {}\n\
+         k_a_kg_m = {} # ρΣ/2 with ρ = {} kg/m³ and Σ = {} m²\n\
+         delta_deg = {} # from the zero-lift line to the thrust line\n\n",
+        times[3] + 60.0,
+        facts.control_rate_hz,
+        facts.mass_kg,
+        facts.k_a(),
+        facts.air_kg_m3,
+        facts.wing_m2,
+        facts.delta_deg,
+    );
+    for sentence in &design.wing.story {
+        let _ = writeln!(text, "# {sentence}.");
+    }
+    text += &design.wing.toml();
+    let _ = write!(
+        text,
+        "\n[plant]\nrate_loop.lag = {{ time_constant_s = {} }}\nthrust_lag_s = {}\n\
+         thrust_n = [{least}, {most}] # {} and {} times the weight of {:.2} N\n\n\
+         # By the rules of `GuidanceParameters::for_vehicle`, each with its reason. The controller believes in the [vehicle] above.\n\
+         [controller.guidance]\n",
+        facts.rate_lag_s,
+        facts.thrust_lag_s,
+        facts.idle_to_weight,
+        facts.thrust_to_weight,
+        facts.weight(),
+    );
+    for (i, (row, (_, reason))) in GuidanceParameters::ROWS.iter().zip(REASONS).enumerate() {
+        let number = format!("{} = {}", file_name(row), short(parameters.get(i)));
+        let _ = writeln!(text, "{number:<34} # {reason}");
+    }
+    text += "\n# Hover, cruise, hover. `--set` or a file with `base` flies something else.\n[reference]\nknots = [\n";
+    for (time, speed) in times
+        .iter()
+        .zip([0.0, facts.cruise_m_s, facts.cruise_m_s, 0.0])
+    {
+        let _ = writeln!(
+            text,
+            "    {{ t_s = {time}, down_m_s = 0.0, forward_m_s = {speed} }},"
+        );
+    }
+    let _ = write!(text, "]\n\n[initial]\nthrust_n = {}\n", facts.weight());
+    text
+}
+
+/// The vehicle's campaign: its round trip in wind and turbulence with a vehicle that differs from what the controller believes.
+pub fn campaign_text(name: &str, design: &Design) -> String {
+    let facts = &design.facts;
+    let wind = 0.25 * facts.cruise_m_s;
+    format!(
+        "# {name} as it may really be: what is weighed and measured is off, and so is the day. The controller believes in vehicle.toml.\n\
+description = \"{name}: round trips, dispersed\"
+base = \"vehicle.toml\"
+flights = 1000
+seed = 1
+
+[set]
+substeps = 2
+\"weather.turbulence\" = {{ wind_at_20_ft_m_s = 5.0, height_m = 30.0 }}
+\"weather.steady_m_s\" = [0.0, 0.0]
+\"sensors.velocity_m_s\" = {{ noise = 0.05, bias = 0.0, quantum = 0.01 }}
+\"sensors.position_m\" = {{ noise = 0.1, bias = 0.0 }}
+\"sensors.theta_deg\" = {{ noise = 0.2, bias = 0.0 }}
+\"sensors.air_m_s\" = {{ noise = 0.3, bias = 0.0 }}
+
+[[disperse]]
+field = \"vehicle.mass_kg\"
+scale.uniform = [0.85, 1.1]
+[[disperse]]
+field = \"vehicle.k_a_kg_m\"
+scale.uniform = [0.75, 1.25]
+[[disperse]]
+field = \"vehicle.delta_deg\"
+add.uniform = [-2.0, 2.0]
+[[disperse]]
+field = \"plant.rate_loop.lag.time_constant_s\"
+scale.uniform = [0.8, 1.25]
+[[disperse]]
+field = \"plant.thrust_lag_s\"
+scale.uniform = [0.8, 1.25]
+[[disperse]]
+field = \"plant.delay_s\"
+to.uniform = [0.0, 0.02]
+[[disperse]]
+field = \"sensors.theta_deg.bias\"
+to.normal = {{ mean = 0.0, deviation = 0.5, within = 3.0 }}
+[[disperse]]
+field = \"weather.steady_m_s[1]\"
+to.uniform = [-{wind}, {wind}]
+[[disperse]]
+field = \"weather.turbulence.wind_at_20_ft_m_s\"
+to.uniform = [2.0, 10.0]
+
+# Lost: more than 50 m below the reference at any time.
+[[limits]]
+figure = \"altitude_least_m\"
+least = -50.0
+departure = true
+
+[[maps]]
+x = {{ field = \"vehicle.mass_kg\", from = {}, to = {}, bins = 12 }}
+y = {{ field = \"vehicle.k_a_kg_m\", from = {}, to = {}, bins = 12 }}
+figure = \"altitude_least_m\"
+levels = [-0.5, -1.5, -3.0, -10.0, -50.0]
+",
+        0.85 * facts.mass_kg,
+        1.1 * facts.mass_kg,
+        0.75 * facts.k_a(),
+        1.25 * facts.k_a(),
+    )
+}

@@ -1,0 +1,308 @@
+//! What a person knows of a vehicle: from flags, from a file of ten lines, or asked one by one.
+
+use std::path::Path;
+
+use anyhow::Context;
+use serde::{Deserialize, Serialize};
+
+use crate::experiment::{FieldError, from_toml};
+
+/// What is known. The flags and the fields of a file have the same names, with their units; what is left out has a default, or is asked.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize, clap::Args)]
+#[serde(deny_unknown_fields)]
+pub struct Known {
+    /// Mass, ready to fly (kg)
+    #[arg(long, value_name = "X")]
+    pub mass_kg: Option<f64>,
+    /// Area of the wing (m²)
+    #[arg(long, value_name = "X")]
+    pub wing_m2: Option<f64>,
+    /// Section: naca-0012, naca-0015, naca-0018, naca-0021, flat-plate, or a polar's file
+    #[arg(long, value_name = "NAME|FILE")]
+    pub section: Option<String>,
+    /// Greatest thrust over weight
+    #[arg(long, value_name = "X")]
+    pub thrust_to_weight: Option<f64>,
+    /// Time until 63 % of a step of thrust is there (s)
+    #[arg(long, value_name = "X")]
+    pub thrust_lag_s: Option<f64>,
+    /// Time until 63 % of a step of angular rate is there (s)
+    #[arg(long, value_name = "X")]
+    pub rate_lag_s: Option<f64>,
+    /// Speed of cruise (m/s)
+    #[arg(long, value_name = "X")]
+    pub cruise_m_s: Option<f64>,
+    /// Rate at which the guidance is called (Hz; default: 100)
+    #[arg(long, value_name = "X")]
+    pub control_rate_hz: Option<f64>,
+    /// Angle from the zero-lift line to the thrust line (°; default: 0)
+    #[arg(long, value_name = "X", allow_negative_numbers = true)]
+    pub delta_deg: Option<f64>,
+    /// Span squared over area (default: that of the polar as it is, of a section infinite)
+    #[arg(long, value_name = "X")]
+    pub aspect_ratio: Option<f64>,
+    /// Least thrust over weight, that of motors that idle (default: 0)
+    #[arg(long, value_name = "X")]
+    pub idle_to_weight: Option<f64>,
+    /// Density of the air (kg/m³; default: 1.225)
+    #[arg(long, value_name = "X")]
+    pub air_kg_m3: Option<f64>,
+}
+
+/// What [`Known`] comes to when nothing is missing.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Facts {
+    /// m \[kg\].
+    pub mass_kg: f64,
+    /// Area of the wing Σ \[m²\].
+    pub wing_m2: f64,
+    /// A preset, or a polar's name or file.
+    pub section: String,
+    /// Greatest thrust over weight.
+    pub thrust_to_weight: f64,
+    /// Lag of the thrust \[s\].
+    pub thrust_lag_s: f64,
+    /// Lag of the rate loop \[s\].
+    pub rate_lag_s: f64,
+    /// Speed of cruise \[m/s\].
+    pub cruise_m_s: f64,
+    /// Rate of the guidance's steps \[Hz\].
+    pub control_rate_hz: f64,
+    /// δ \[°\].
+    pub delta_deg: f64,
+    /// Span squared over area; none if the polar is taken as it is.
+    pub aspect_ratio: Option<f64>,
+    /// Least thrust over weight.
+    pub idle_to_weight: f64,
+    /// Density of the air ρ \[kg/m³\].
+    pub air_kg_m3: f64,
+}
+
+/// A number that must be known: its name, what is asked for it, and what is believed.
+struct Question {
+    name: &'static str,
+    text: &'static str,
+    range: [f64; 2],
+    place: fn(&mut Known) -> &mut Option<f64>,
+}
+
+const QUESTIONS: [Question; 6] = [
+    Question {
+        name: "mass_kg",
+        text: "Mass, ready to fly [kg]",
+        range: [0.01, 1e4],
+        place: |known| &mut known.mass_kg,
+    },
+    Question {
+        name: "wing_m2",
+        text: "Area of the wing [m²]",
+        range: [1e-4, 1e3],
+        place: |known| &mut known.wing_m2,
+    },
+    Question {
+        name: "thrust_to_weight",
+        text: "Greatest thrust over weight",
+        range: [1.02, 20.0],
+        place: |known| &mut known.thrust_to_weight,
+    },
+    Question {
+        name: "thrust_lag_s",
+        text: "Time until 63 % of a step of thrust is there [s]",
+        range: [1e-3, 1.0],
+        place: |known| &mut known.thrust_lag_s,
+    },
+    Question {
+        name: "rate_lag_s",
+        text: "Time until 63 % of a step of angular rate is there [s]",
+        range: [1e-3, 1.0],
+        place: |known| &mut known.rate_lag_s,
+    },
+    Question {
+        name: "cruise_m_s",
+        text: "Speed of cruise [m/s]",
+        range: [2.0, 200.0],
+        place: |known| &mut known.cruise_m_s,
+    },
+];
+
+const SECTION: &str =
+    "Section (naca-0012, naca-0015, naca-0018, naca-0021, flat-plate, or a polar's file)";
+
+impl Known {
+    /// What is known here, and of the rest what `other` knows.
+    pub fn or(self, other: Self) -> Self {
+        Self {
+            mass_kg: self.mass_kg.or(other.mass_kg),
+            wing_m2: self.wing_m2.or(other.wing_m2),
+            section: self.section.or(other.section),
+            thrust_to_weight: self.thrust_to_weight.or(other.thrust_to_weight),
+            thrust_lag_s: self.thrust_lag_s.or(other.thrust_lag_s),
+            rate_lag_s: self.rate_lag_s.or(other.rate_lag_s),
+            cruise_m_s: self.cruise_m_s.or(other.cruise_m_s),
+            control_rate_hz: self.control_rate_hz.or(other.control_rate_hz),
+            delta_deg: self.delta_deg.or(other.delta_deg),
+            aspect_ratio: self.aspect_ratio.or(other.aspect_ratio),
+            idle_to_weight: self.idle_to_weight.or(other.idle_to_weight),
+            air_kg_m3: self.air_kg_m3.or(other.air_kg_m3),
+        }
+    }
+
+    /// What the file `path` says: TOML, names as those of the flags. A polar is looked for beside the file.
+    pub fn load(path: &Path) -> anyhow::Result<Self> {
+        let origin = path.display().to_string();
+        let text = std::fs::read_to_string(path).with_context(|| origin.clone())?;
+        let mut known: Self = from_toml(&origin, &text, |_| Ok(()))?;
+        if let Some(section) = &mut known.section {
+            let beside = path.with_file_name(&*section);
+            if beside.is_file() {
+                *section = beside.to_string_lossy().into_owned();
+            }
+        }
+        Ok(known)
+    }
+
+    /// Asks for what is missing: `ask` gives the answer to a question. A number that is none, or out of its range, is asked for again.
+    pub fn ask(
+        &mut self,
+        mut ask: impl FnMut(&str) -> anyhow::Result<String>,
+    ) -> anyhow::Result<()> {
+        for question in &QUESTIONS {
+            while (question.place)(self).is_none() {
+                let answer = ask(question.text)?;
+                let number = answer.trim().parse().ok();
+                let [least, most] = question.range;
+                *(question.place)(self) = number.filter(|x| (least..=most).contains(x));
+            }
+        }
+        if self.section.is_none() {
+            self.section = Some(ask(SECTION)?.trim().to_owned());
+        }
+        Ok(())
+    }
+
+    /// All of it, each number in its range.
+    pub fn facts(mut self) -> Result<Facts, FieldError> {
+        let mut need = |name: &str| {
+            let question = QUESTIONS.iter().find(|q| q.name == name).expect("listed");
+            let value = *(question.place)(&mut self);
+            let flag = name.replace('_', "-");
+            let missing =
+                || FieldError::new(name, format!("is missing: --{flag}, or a line of the file"));
+            ranged(name, value.ok_or_else(missing)?, question.range)
+        };
+        Ok(Facts {
+            mass_kg: need("mass_kg")?,
+            wing_m2: need("wing_m2")?,
+            thrust_to_weight: need("thrust_to_weight")?,
+            thrust_lag_s: need("thrust_lag_s")?,
+            rate_lag_s: need("rate_lag_s")?,
+            cruise_m_s: need("cruise_m_s")?,
+            section: self.section.ok_or_else(|| {
+                FieldError::new("section", "is missing: --section, or a line of the file")
+            })?,
+            control_rate_hz: ranged(
+                "control_rate_hz",
+                self.control_rate_hz.unwrap_or(100.0),
+                [10.0, 1000.0],
+            )?,
+            delta_deg: ranged("delta_deg", self.delta_deg.unwrap_or(0.0), [-90.0, 90.0])?,
+            aspect_ratio: self
+                .aspect_ratio
+                .map(|x| ranged("aspect_ratio", x, [0.5, 50.0]))
+                .transpose()?,
+            idle_to_weight: ranged(
+                "idle_to_weight",
+                self.idle_to_weight.unwrap_or(0.0),
+                [0.0, 0.9],
+            )?,
+            air_kg_m3: ranged("air_kg_m3", self.air_kg_m3.unwrap_or(1.225), [0.1, 10.0])?,
+        })
+    }
+}
+
+fn ranged(name: &str, value: f64, [least, most]: [f64; 2]) -> Result<f64, FieldError> {
+    match (least..=most).contains(&value) {
+        true => Ok(value),
+        false => Err(FieldError::new(
+            name,
+            format!("{value} is not from {least} to {most}"),
+        )),
+    }
+}
+
+impl Facts {
+    /// k_a = ρΣ/2 \[kg/m\].
+    pub fn k_a(&self) -> f64 {
+        0.5 * self.air_kg_m3 * self.wing_m2
+    }
+
+    /// Weight \[N\].
+    pub fn weight(&self) -> f64 {
+        9.81 * self.mass_kg
+    }
+
+    /// Reynolds number of cruise, of the mean chord; of an aspect ratio that is not known, that of 6.
+    pub fn reynolds(&self) -> f64 {
+        /// Kinematic viscosity of air at 15 °C and sea level \[m²/s\]; it goes as one over the density.
+        const VISCOSITY: f64 = 1.46e-5;
+        let chord = (self.wing_m2 / self.aspect_ratio.unwrap_or(6.0)).sqrt();
+        self.cruise_m_s * chord / VISCOSITY * self.air_kg_m3 / 1.225
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn known() -> Known {
+        Known {
+            mass_kg: Some(3.0),
+            wing_m2: Some(0.35),
+            section: Some("naca-0012".to_owned()),
+            thrust_to_weight: Some(1.6),
+            thrust_lag_s: Some(0.08),
+            rate_lag_s: Some(0.06),
+            cruise_m_s: Some(18.0),
+            ..Known::default()
+        }
+    }
+
+    #[test]
+    fn what_is_missing_is_named_and_asked() {
+        let facts = known().facts().unwrap();
+        assert!((facts.k_a() - 0.214_375).abs() < 1e-12 && facts.control_rate_hz == 100.0);
+        let mut short = known();
+        (short.mass_kg, short.section) = (None, None);
+        let error = short.clone().facts().unwrap_err().to_string();
+        assert!(
+            error.starts_with("mass_kg: is missing: --mass-kg"),
+            "{error}"
+        );
+        // Neither a word nor a mass below every range is one.
+        let mut answers = ["much", "-3", "3", "flat-plate"].iter();
+        short
+            .ask(|_| Ok((*answers.next().unwrap()).to_owned()))
+            .unwrap();
+        assert_eq!(
+            (short.mass_kg, short.section.as_deref()),
+            (Some(3.0), Some("flat-plate"))
+        );
+        assert!(answers.next().is_none());
+    }
+
+    #[test]
+    fn what_nothing_flies_with_is_refused() {
+        let refused = |change: fn(&mut Known)| {
+            let mut bad = known();
+            change(&mut bad);
+            bad.facts().unwrap_err().field
+        };
+        assert_eq!(
+            refused(|k| k.thrust_to_weight = Some(0.9)),
+            "thrust_to_weight"
+        );
+        assert_eq!(refused(|k| k.wing_m2 = Some(f64::NAN)), "wing_m2");
+        assert_eq!(refused(|k| k.aspect_ratio = Some(-1.0)), "aspect_ratio");
+        assert_eq!(refused(|k| k.rate_lag_s = Some(60.0)), "rate_lag_s");
+    }
+}

@@ -1,0 +1,168 @@
+//! The page about a vehicle of one's own: what was said, what follows, and the polar that it rests on.
+
+use alula::guidance::REASONS;
+use alula::{GuidanceParameters, Parameters as _};
+
+use super::chart::{BLUE, Chart, ORANGE, Series};
+use super::{Figure, Page, Table, columns, fixed};
+use crate::design::{Design, Performance};
+use crate::experiment::file_name;
+use crate::figures::Figures;
+use crate::margins::{LONGEST, Point};
+
+/// What a vehicle comes to.
+#[derive(Clone, Copy, Debug)]
+pub struct Results<'a> {
+    /// What it can do.
+    pub performance: &'a Performance,
+    /// Its margins in level flight.
+    pub margins: &'a [Point],
+    /// Its first flight.
+    pub flight: &'a Figures,
+}
+
+/// The page of the vehicle `name`, whose file is `text`.
+pub fn page(name: &str, design: &Design, results: &Results, text: &str) -> Page {
+    Page {
+        title: name.to_owned(),
+        lead: format!("{}.", design.wing.story.join(". ")),
+        warnings: Vec::new(),
+        figure: figure(design),
+        tables: tables(design, results),
+        text: Some(("vehicle.toml".to_owned(), text.to_owned())),
+        notes: "Envelope and margins are of the vehicle as it was described, in still air. The first flight has no wind and no noise: campaign.toml has both."
+            .to_owned(),
+    }
+}
+
+/// c_L and c_D over all angles and near stall; what was extended in another colour.
+fn figure(design: &Design) -> Figure {
+    let model = design.vehicle().reference().aerodynamics;
+    let polar = design.wing.polar.map(|(polar, _)| polar);
+    let symmetric = polar.is_none_or(|polar| polar.is_symmetric());
+    let given = polar
+        .and_then(|polar| polar.seam)
+        .map(|seam| seam.given_deg);
+    let chart = |title, most: f64, of: fn(&crate::reference::Coefficients) -> f64| {
+        let least = if symmetric { 0.0 } else { -most };
+        let points = |inside: bool| {
+            let angles = (0..=1000).map(|n| least + (most - least) * f64::from(n) / 1000.0);
+            let point = |degrees: f64| {
+                let there = given.is_none_or(|[from, to]| (from..=to).contains(&degrees));
+                let value = of(&model.at(crate::reference::wrap(degrees.to_radians())));
+                (degrees, if there == inside { value } else { f64::NAN })
+            };
+            angles.map(point).collect()
+        };
+        let mut series = vec![Series::line("given", BLUE, points(true))];
+        if given.is_some() {
+            series.push(Series::line("extended", ORANGE, points(false)));
+        }
+        Chart::over(title, "angle of attack α [°]", series)
+    };
+    let charts = [
+        chart("c_L", 179.9, |c| c.c_l),
+        chart("c_D", 179.9, |c| c.c_d),
+        chart("c_L near stall", 30.0, |c| c.c_l),
+        chart("c_D near stall", 30.0, |c| c.c_d),
+    ];
+    Figure::new(&charts, 250.0)
+}
+
+fn tables(design: &Design, results: &Results) -> Vec<Table> {
+    let rows = |rows: Vec<[String; 2]>| rows.into_iter().map(|row| row.to_vec()).collect();
+    let parameters = GuidanceParameters::ROWS.iter().zip(REASONS).enumerate();
+    let figures = [
+        "altitude_least_m",
+        "altitude_most_m",
+        "forward_least_m",
+        "ahead_m",
+        "peak_rate_rad_s",
+        "late_velocity_error_m_s",
+    ];
+    let figures = figures.map(|name| [name.to_owned(), fixed(results.flight.get(name), 2)]);
+    vec![
+        Table {
+            title: "What it can do".to_owned(),
+            header: columns(["", ""]),
+            rows: rows(envelope(design, results.performance)),
+        },
+        Table {
+            title: "First flight: the round trip of vehicle.toml".to_owned(),
+            header: columns(["figure", "value"]),
+            rows: rows(figures.to_vec()),
+        },
+        Table::of(
+            "Margins in level flight, with its own lags",
+            results.margins,
+            &[
+                ("v [m/s]", &|p| fixed(p.speed_m_s, 1)),
+                ("α [°]", &|p| fixed(p.alpha_deg, 1)),
+                ("largest rate-loop lag [s]", &|p| limit(p.lag_s)),
+                ("largest delay [s]", &|p| limit(p.delay_s)),
+            ],
+        ),
+        Table {
+            title: "Parameters of the guidance, and why".to_owned(),
+            header: columns(["parameter", "value", "reason"]),
+            rows: parameters
+                .map(|(i, (row, (_, reason)))| {
+                    vec![
+                        file_name(row),
+                        design.parameters.get(i).to_string(),
+                        (*reason).to_owned(),
+                    ]
+                })
+                .collect(),
+        },
+    ]
+}
+
+fn limit(time: Option<f64>) -> String {
+    time.map_or(format!("> {LONGEST}"), |time| fixed(time, 3))
+}
+
+/// The envelope in words and numbers.
+fn envelope(design: &Design, p: &Performance) -> Vec<[String; 2]> {
+    let cruise = design.facts.cruise_m_s;
+    let row = |what: &str, value: String| [what.to_owned(), value];
+    let stall = p
+        .stall
+        .map_or("nothing jumps: no stall in level flight".to_owned(), |s| {
+            format!(
+                "slowing down it falls off its wing at {:.1} m/s (α = {:.1}°), speeding up slowly it stays behind the stall up to {:.1} m/s (α = {:.1}°); the guidance crosses at once",
+                s.slow_m_s, s.alpha_deg[0], s.fast_m_s, s.alpha_deg[1]
+            )
+        });
+    let none = |why: &str| why.to_owned();
+    let [stop, loss, gain] = p.stop_m;
+    vec![
+        row("stall band of level flight", stall),
+        row(
+            "speed of transition",
+            format!("{:.1} m/s: from there on the wing carries the weight", p.carried_m_s),
+        ),
+        row(
+            "level cruise",
+            p.cruise.map_or(none("not on the wing: too slow for it"), |[alpha, thrust]| {
+                format!("{cruise} m/s at α = {alpha:.1}°, thrust {:.0} % of the weight", 100.0 * thrust)
+            }),
+        ),
+        row(
+            "smallest turn in cruise",
+            p.turn.map_or(none("none on the wing"), |[load, radius]| {
+                format!("radius {radius:.0} m, load factor {load:.2}")
+            }),
+        ),
+        row(
+            "steepest glide in cruise",
+            p.glide.map_or(none("none: least thrust holds it up"), |[angle, sink]| {
+                format!("{angle:.1}°, {sink:.1} m/s of sink; steeper descents are flown behind the stall or tail first")
+            }),
+        ),
+        row(
+            "stops from cruise, flown",
+            format!("within {stop:.1} m, {loss:.1} m lower and {gain:.1} m higher at most"),
+        ),
+    ]
+}

@@ -1,0 +1,181 @@
+//! Polars as other programs write them: XFOIL's polar files, XFLR5's exports (of sections and wings), AVL's total forces.
+
+use anyhow::{anyhow, ensure};
+
+/// Line numbers, and rows of α \[°\], c_L and c_D.
+pub type Rows = (Vec<u64>, Vec<[f64; 3]>);
+
+/// The rows of `text` if it is in one of these formats; `origin` stands for it in errors.
+///
+/// - XFOIL (`PACC`) and XFLR5: a line with the names `alpha`, `CL` and `CD`, and rows of numbers under it, parted by blanks, commas,
+///   semicolons or tabs. What stands above the names is a comment; rules of dashes are left out.
+/// - AVL: one or several outputs of total forces (`FT`, `ST`), each with `Alpha =`, `CLtot =` and `CDtot =`.
+pub fn read(origin: &str, text: &str) -> Option<anyhow::Result<Rows>> {
+    if text.contains("CLtot") {
+        return Some(avl(origin, text));
+    }
+    let lines = || text.lines().enumerate();
+    let (place, columns) = lines().find_map(|(n, line)| Some((n, columns(line)?)))?;
+    Some(under(origin, text, place, columns))
+}
+
+/// The cells of a line.
+fn cells(line: &str) -> impl Iterator<Item = &str> {
+    let parted = line.split(|c: char| c.is_whitespace() || matches!(c, ',' | ';'));
+    parted.filter(|cell| !cell.is_empty())
+}
+
+/// Where α, c_L and c_D stand in a line of names.
+fn columns(line: &str) -> Option<[usize; 3]> {
+    if line.starts_with('#') {
+        return None;
+    }
+    let names: Vec<String> = cells(line).map(str::to_lowercase).collect();
+    let place = |name: &str| names.iter().position(|known| known == name);
+    Some([place("alpha")?, place("cl")?, place("cd")?])
+}
+
+/// The rows under the names in line `place`, counted from 0.
+fn under(origin: &str, text: &str, place: usize, columns: [usize; 3]) -> anyhow::Result<Rows> {
+    let (mut numbers, mut rows) = (Vec::new(), Vec::new());
+    for (n, line) in text.lines().enumerate().skip(place + 1) {
+        let cells: Vec<&str> = cells(line).collect();
+        let is_rule = line.chars().all(|c| c == '-' || c.is_whitespace());
+        if is_rule || cells.first().is_none_or(|cell| cell.starts_with('#')) {
+            continue;
+        }
+        // XFLR5 puts several polars into one file, each under names of its own.
+        ensure!(
+            self::columns(line).is_none(),
+            "{origin}:{}: a second polar begins here: one file, one polar",
+            n + 1
+        );
+        let mut row = [0.0; 3];
+        for (value, column) in row.iter_mut().zip(columns) {
+            let cell = cells.get(column);
+            let cell =
+                cell.ok_or_else(|| anyhow!("{origin}:{}: not as many cells as names", n + 1))?;
+            *value = cell
+                .parse()
+                .map_err(|_| anyhow!("{origin}:{}: {cell:?} is not a number", n + 1))?;
+        }
+        numbers.push(n as u64 + 1);
+        rows.push(row);
+    }
+    Ok(sorted(numbers, rows))
+}
+
+/// The rows of AVL's outputs, one each.
+fn avl(origin: &str, text: &str) -> anyhow::Result<Rows> {
+    let (mut numbers, mut rows) = (Vec::new(), Vec::new());
+    let mut alpha = None;
+    let mut lift = None;
+    for (n, line) in text.lines().enumerate() {
+        let value = |name: &str| -> anyhow::Result<Option<f64>> {
+            let mut words = cells(line).skip_while(|word| *word != name);
+            let after = words.nth(2);
+            let parsed = after.map(|word| {
+                let bad = |_| anyhow!("{origin}:{}: {word:?} is not a number", n + 1);
+                word.parse().map_err(bad)
+            });
+            parsed.transpose()
+        };
+        alpha = value("Alpha")?.or(alpha);
+        lift = value("CLtot")?.or(lift);
+        if let Some(drag) = value("CDtot")? {
+            let (Some(alpha), Some(lift)) = (alpha.take(), lift.take()) else {
+                return Err(anyhow!(
+                    "{origin}:{}: CDtot without Alpha and CLtot above it",
+                    n + 1
+                ));
+            };
+            numbers.push(n as u64 + 1);
+            rows.push([alpha, lift, drag]);
+        }
+    }
+    ensure!(!rows.is_empty(), "{origin}: no CDtot");
+    Ok(sorted(numbers, rows))
+}
+
+/// By increasing angle: sweeps run either way, and from 0 both ways. An angle that comes again is left out.
+fn sorted(numbers: Vec<u64>, rows: Vec<[f64; 3]>) -> Rows {
+    let mut all: Vec<(u64, [f64; 3])> = numbers.into_iter().zip(rows).collect();
+    all.sort_by(|a, b| a.1[0].total_cmp(&b.1[0]));
+    all.dedup_by(|again, first| (again.1[0] - first.1[0]).abs() < 1e-6);
+    all.into_iter().unzip()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const XFOIL: &str = "
+       XFOIL         Version 6.99
+
+ Calculated polar for: NACA 4415
+
+ 1 1 Reynolds number fixed          Mach number fixed
+
+ xtrf =   1.000 (top)        1.000 (bottom)
+ Mach =   0.000     Re =     0.160 e 6     Ncrit =   9.000
+
+   alpha    CL        CD       CDp       CM     Top_Xtr  Bot_Xtr
+  ------ -------- --------- --------- -------- -------- --------
+   0.000   0.4512   0.01243   0.00475  -0.0921   0.6312   0.9104
+   2.000   0.6613   0.01310   0.00512  -0.0903   0.5710   1.0000
+  -2.000   0.2398   0.01311   0.00590  -0.0935   0.6905   0.7712
+";
+
+    const WING: &str = "xflr5 v6.47
+ Wing name : mine
+   alpha      Beta       CL          CDi        CDv        CD         CY
+  -1.000      0.000   -0.080131   0.000271   0.010421   0.010692   0.000000
+   1.000      0.000    0.080131   0.000271   0.010421   0.010692   0.000000
+";
+
+    const AVL: &str = "
+  Alpha =   2.00000     pb/2V =   0.00000
+  Beta  =   0.00000     qc/2V =   0.00000
+  CXtot =   0.00120     Cltot =   0.00000     Cl'tot =   0.00000
+  CLtot =   0.17230
+  CDtot =   0.01154
+  CDvis =   0.01000     CDind = 0.0015388
+  Alpha =   0.00000     pb/2V =   0.00000
+  CLtot =   0.00000
+  CDtot =   0.01000
+";
+
+    #[test]
+    fn each_program_is_read() {
+        let rows = |text: &str| read("x", text).unwrap().unwrap().1;
+        let xfoil = rows(XFOIL);
+        let angles: Vec<f64> = xfoil.iter().map(|row| row[0]).collect();
+        assert_eq!(angles, [-2.0, 0.0, 2.0]);
+        assert_eq!(xfoil[2], [2.0, 0.6613, 0.0131]);
+        // The drag of a wing is the whole, not the induced nor the viscous part.
+        assert_eq!(rows(WING)[1], [1.0, 0.080131, 0.010692]);
+        assert_eq!(rows(AVL), [[0.0, 0.0, 0.01], [2.0, 0.1723, 0.01154]]);
+        let commas = "alpha,CL,CD\n1,0.1,0.01\n0,0,0.01\n";
+        assert_eq!(rows(commas), [[0.0, 0.0, 0.01], [1.0, 0.1, 0.01]]);
+        let csv = "# cl odd, cd even in alpha\nalpha_deg,cl,cd\n0,0,1\n";
+        assert!(read("x", csv).is_none());
+    }
+
+    #[test]
+    fn errors_name_the_line() {
+        let error = |text: &str| read("x", text).unwrap().unwrap_err().to_string();
+        assert_eq!(
+            error("alpha CL CD\n1 a 0.1\n"),
+            "x:2: \"a\" is not a number"
+        );
+        assert_eq!(
+            error("alpha CL CD\n1 0.1\n"),
+            "x:2: not as many cells as names"
+        );
+        let two = "alpha CL CD\n1 0.1 0.1\nalpha CL CD\n";
+        assert!(error(two).starts_with("x:3: a second polar"));
+        assert!(error("CLtot = 0.1\nCDtot = 0.1\n").contains("without Alpha"));
+        // Separators alone are an empty line.
+        assert_eq!(read("x", "alpha CL CD\n,,\n").unwrap().unwrap().1.len(), 0);
+    }
+}

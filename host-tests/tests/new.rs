@@ -1,0 +1,234 @@
+//! `alula-sil new`: from what a person knows to a vehicle that flies.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+
+use alula_sil::airframe::Airframe;
+use alula_sil::experiment::Document;
+use alula_sil::study::{CampaignSource, Shard, Store, Summary, run};
+use serde_json::Value;
+
+/// A tail-sitter of 3 kg, as one would describe it.
+const FLAGS: [&str; 14] = [
+    "--mass-kg",
+    "3",
+    "--wing-m2",
+    "0.35",
+    "--section",
+    "naca-0012",
+    "--thrust-to-weight",
+    "1.6",
+    "--thrust-lag-s",
+    "0.08",
+    "--rate-lag-s",
+    "0.06",
+    "--cruise-m-s",
+    "18",
+];
+
+fn alula(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_alula-sil"))
+        .current_dir(folder)
+        .args(arguments)
+        .stdin(Stdio::null())
+        .output()
+        .unwrap()
+}
+
+/// The JSON of `new` with these arguments, and its folder.
+fn made(folder: &Path, arguments: &[&str]) -> Value {
+    let output = alula(folder, &[&["new", "--json"], arguments].concat());
+    assert!(output.status.success(), "{output:?}");
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+/// The files fly as they are: the round trip within a metre of altitude, 3 m ahead and 10 m behind, and of a hundred dispersed flights none is
+/// lost. The whole campaign has a thousand.
+#[test]
+fn what_is_described_by_flags_flies() {
+    let folder = tempfile::tempdir().unwrap();
+    let summary = made(folder.path(), &FLAGS);
+    let place = folder.path().join("my-vehicle");
+    let figure = |name: &str| summary["first_flight"][name].as_f64().unwrap();
+    assert!(figure("loss_out_m") < 1.0 && figure("gain_out_m") < 1.0);
+    assert!(figure("loss_back_m") < 0.6 && figure("gain_back_m") < 0.6);
+    assert!(figure("ahead_m") < 3.0 && figure("forward_least_m") > -10.0);
+    // The stall of the table is at 9°, where c_L is 0.8527; thrust holds half of what it weighs at most.
+    let carried = summary["performance"]["carried_m_s"].as_f64().unwrap();
+    assert!(
+        (carried / (29.43_f64 / 0.214375 / 0.8527).sqrt() - 1.0).abs() < 1e-3,
+        "{carried}"
+    );
+
+    // Everybody takes the file.
+    let file = place.join("vehicle.toml");
+    let name = file.to_str().unwrap();
+    assert_eq!(Airframe::load(name).unwrap().spec.k_a_kg_m, 0.214375);
+    for command in ["fly", "margins", "envelope", "sweep"] {
+        let out = folder.path().join(command);
+        let output = alula(
+            folder.path(),
+            &[command, name, "--out", out.to_str().unwrap()],
+        );
+        assert!(output.status.success(), "{command}: {output:?}");
+    }
+
+    let campaign = place.join("campaign.toml");
+    let source = CampaignSource::load(campaign.to_str().unwrap(), Some(100)).unwrap();
+    let results = tempfile::tempdir().unwrap();
+    let store = Store::open(results.path(), &source).unwrap();
+    run(&source, &store, Shard::default(), None, || ()).unwrap();
+    let summary = Summary::of(&source, &store).unwrap();
+    assert_eq!((summary.departed, summary.diverged), (0, 0));
+    assert!(summary.verdict());
+}
+
+/// Every number has its reason beside it, and the file gives the parameters that the rules gave.
+#[test]
+fn the_file_says_why() {
+    let folder = tempfile::tempdir().unwrap();
+    made(folder.path(), &FLAGS);
+    let text = fs::read_to_string(folder.path().join("my-vehicle/vehicle.toml")).unwrap();
+    let (_, text) = text.split_once("[controller.guidance]").unwrap();
+    for (name, reason) in alula::guidance::REASONS {
+        let line = text
+            .lines()
+            .find(|line| line.starts_with(name))
+            .expect(name);
+        assert!(line.ends_with(reason), "{line}");
+    }
+    // Twice is refused: nothing is overwritten.
+    let output = alula(folder.path(), &[&["new"][..], &FLAGS].concat());
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        !output.status.success() && message.contains("is there already"),
+        "{message}"
+    );
+}
+
+/// A file of ten lines, a polar of XFOIL beside it, an aspect ratio; and the C code is C.
+#[test]
+fn a_file_and_a_polar_of_ones_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows: String = (-8..=14)
+        .map(|a| {
+            format!(
+                "{a:8.3} {:8.4} {:9.5} 0.005 -0.09 1 1\n",
+                0.45 + 0.105 * f64::from(a),
+                0.012
+            )
+        })
+        .collect();
+    let header = " Calculated polar for: NACA 4415\n\n   alpha    CL        CD       CDp       CM     Top_Xtr  Bot_Xtr\n  ------ -------- ---------\n";
+    fs::write(folder.path().join("4415.txt"), format!("{header}{rows}")).unwrap();
+    let known = "mass_kg = 1.2\nwing_m2 = 0.25\nsection = '4415.txt'\naspect_ratio = 6\nthrust_to_weight = 2\n\
+                 thrust_lag_s = 0.05\nrate_lag_s = 0.05\ncruise_m_s = 14\n";
+    fs::write(folder.path().join("known.toml"), known).unwrap();
+    // A flag goes before the file.
+    let summary = made(
+        folder.path(),
+        &["mine", "--from", "known.toml", "--mass-kg", "1.5"],
+    );
+    assert_eq!(summary["facts"]["mass_kg"], 1.5);
+    assert!(
+        summary["story"]
+            .to_string()
+            .contains("Viterna and Corrigan")
+    );
+    let polar = fs::read_to_string(folder.path().join("mine/polar.csv")).unwrap();
+    assert!(polar.starts_with("# ") && polar.contains("\n-180,") && polar.contains("\n180,"));
+    let document = Document::load(folder.path().join("mine/vehicle.toml").to_str().unwrap());
+    assert!(document.unwrap().checked().is_ok());
+
+    // The seam is drawn: given and extended have colours of their own.
+    let picture = fs::read_to_string(folder.path().join("mine/vehicle.svg")).unwrap();
+    assert!(picture.contains("extended") && picture.contains("given"));
+    // The combined model is odd in α: `fit` says that this is not, and leaves the table.
+    let fit = |polar: &str| {
+        let output = alula(folder.path(), &["fit", polar, "--out", "fit", "--json"]);
+        assert!(output.status.success(), "{output:?}");
+        serde_json::from_slice::<Value>(&output.stdout).unwrap()
+    };
+    assert_eq!(fit("naca-0012-re-160e3")["suits"], true);
+    assert_eq!(fit("4415.txt")["suits"], false);
+    let page = fs::read_to_string(folder.path().join("fit/fit.html")).unwrap();
+    assert!(page.contains("DOES NOT SUIT") && page.contains("Viterna and Corrigan"));
+    let table = Airframe::load(folder.path().join("fit/polar.csv").to_str().unwrap());
+    assert!(table.is_ok(), "{:?}", table.err());
+
+    let include = Path::new(env!("CARGO_MANIFEST_DIR")).join("../capi/include");
+    let program = folder.path().join("program.c");
+    fs::write(&program, "#include \"mine/vehicle.h\"\nint main(void) { static alula_controller c; static alula_table t; return vehicle_init(&c, &t); }\n").unwrap();
+    let compiled = Command::new("cc")
+        .args([
+            "-std=c99",
+            "-Wall",
+            "-Wextra",
+            "-Werror",
+            "-fsyntax-only",
+            "-I",
+        ])
+        .arg(include)
+        .arg(program)
+        .output()
+        .unwrap();
+    assert!(compiled.status.success(), "{compiled:?}");
+}
+
+/// What is missing or wrong is named in one line, and nothing is asked where there is no terminal.
+#[test]
+fn what_is_wrong_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let error = |arguments: &[&str]| {
+        let output = alula(folder.path(), &[&["new"], arguments].concat());
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert!(
+            !output.status.success() && message.lines().count() == 1,
+            "{message}"
+        );
+        message
+    };
+    assert!(error(&FLAGS[2..]).contains("mass_kg: is missing: --mass-kg"));
+    assert!(
+        error(&[&FLAGS[..], &["--control-rate-hz", "1"]].concat())
+            .contains("control_rate_hz: 1 is not")
+    );
+    fs::write(folder.path().join("bad.toml"), "mass_kg = 3\nspan_m = 2\n").unwrap();
+    assert!(error(&["--from", "bad.toml"]).contains("bad.toml:2: span_m: unknown field `span_m`"));
+    let mut flags = FLAGS;
+    flags[5] = "naca-9999";
+    assert!(error(&flags).contains("naca-9999: neither a file nor a built-in polar"));
+}
+
+/// Every command of docs/your-vehicle.md does what it says, in the order of the page.
+#[test]
+fn the_pages_commands_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/your-vehicle.md");
+    let page = fs::read_to_string(page).unwrap();
+    let blocks = page
+        .split("```sh\n")
+        .skip(1)
+        .map(|rest| rest.split("```").next().unwrap());
+    let lines: Vec<&str> = blocks.flat_map(str::lines).collect();
+    assert!(lines.len() >= 5, "{lines:?}");
+    for line in lines {
+        let command = line.strip_prefix("cargo run --release -- ").expect(line);
+        let arguments: Vec<&str> = command.split_whitespace().collect();
+        let output = alula(folder.path(), &arguments);
+        assert!(output.status.success(), "{line}: {output:?}");
+    }
+    for file in [
+        "vehicle.toml",
+        "vehicle.html",
+        "first-flight/report.html",
+        "campaign.toml",
+        "vehicle.h",
+    ] {
+        assert!(
+            folder.path().join("tail-sitter").join(file).exists(),
+            "{file}"
+        );
+    }
+}

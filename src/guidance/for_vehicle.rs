@@ -1,0 +1,264 @@
+//! Parameters of the guidance for a vehicle, by rules.
+//!
+//! Each parameter has one rule and its reason, in one list. What is not a function of the vehicle stays at its default, and the reason
+//! says why it may.
+
+use super::parameters::GuidanceParameters;
+use crate::error::{ParameterError, Problem};
+use crate::math;
+use crate::parameters::Parameters;
+use crate::vehicle::VehicleParameters;
+
+crate::parameters! {
+    /// How fast a vehicle answers, and how fast it is to fly: what [`GuidanceParameters::for_vehicle`] needs besides the vehicle.
+    pub struct ResponseParameters, "Response" {
+        rate_lag: "s", 0.0, 1.0, f32::NAN, "ALU_RATE_LAG",
+            "Lag of the rate loop: time until 63 % of a step of the rate commanded is there.";
+        thrust_lag: "s", 1e-3, 1.0, f32::NAN, "ALU_THR_LAG",
+            "Lag of the thrust: time until 63 % of a step of the thrust commanded is there.";
+        control_rate: "Hz", 5.0, 1e4, 100.0, "ALU_CTL_RATE",
+            "Rate of the guidance's steps.";
+        cruise_speed: "m/s", 1.0, 340.0, f32::NAN, "ALU_CRUISE",
+            "Speed of cruise.";
+    }
+}
+
+/// What the rules are about.
+struct Known {
+    /// Lag of the rate loop and of the thrust, and the time between steps \[s\].
+    rate_lag: f32,
+    thrust_lag: f32,
+    period: f32,
+    /// Speed of cruise [m/s].
+    cruise: f32,
+}
+
+/// Makes the function that gives every parameter, and the list of reasons, from one list.
+macro_rules! rules {
+    ($known:ident, $default:ident; $( $name:ident = $value:expr, $reason:literal; )*) => {
+        /// Why [`GuidanceParameters::for_vehicle`] chooses what it does: each parameter's name and its reason, in the order of the parameters.
+        ///
+        $( #[doc = concat!("- `", stringify!($name), "`: ", $reason)] )*
+        pub const REASONS: &[(&str, &str)] = &[$( (stringify!($name), $reason), )*];
+
+        fn ruled($known: &Known) -> GuidanceParameters {
+            let $default = GuidanceParameters::DEFAULT;
+            GuidanceParameters { $( $name: $value, )* }
+        }
+    };
+}
+
+rules! { known, default;
+    natural_frequency = math::min(4.0, 0.95 / (known.rate_lag + known.period)),
+        "As fast as flights were tried with, and with a slow rate loop 0.95 over its lag and one step: with the damping ratio of 0.8 the loop is stable up to 1.6.";
+    damping = default.damping,
+        "Little overshoot where the lag has taken a part of it.";
+    thrust_rate = math::min(3.0, 0.75 / (known.thrust_lag + known.period)),
+        "As fast as flights were tried with, and with slow motors 0.75 over their lag and one step, which leaves a damping ratio of 0.6.";
+    force_floor = default.force_floor,
+        "A multiple of the weight: the same for every vehicle.";
+    tau = default.tau,
+        "A multiple of the weight: the same for every vehicle.";
+    altitude_band = default.altitude_band,
+        "What may be seen of a crossing: a wish of the pilot's, not of the vehicle.";
+    velocity_band_down = default.velocity_band_down,
+        "As the altitude band.";
+    velocity_band_forward = default.velocity_band_forward,
+        "As the altitude band.";
+    rate_lag = known.rate_lag,
+        "As measured.";
+    thrust_lag = known.thrust_lag,
+        "As measured.";
+    position_gain_down = 0.5 * math::min(3.0, 0.75 / (known.thrust_lag + known.period)),
+        "Half of thrust_rate: the loop around the thrust is half as fast.";
+    position_gain_forward = default.position_gain_forward,
+        "An eighth of the fastest natural frequency: the loop around the attitude is slower by far.";
+    max_velocity_down = default.max_velocity_down,
+        "A sink that every vehicle can stop within a few metres.";
+    max_velocity_forward = math::min(6.0, 0.3 * known.cruise),
+        "Three tenths of cruise: catching up is not a flight of its own.";
+    integral_gain_down = default.integral_gain_down,
+        "A fifth of position_gain_down at its fastest.";
+    integral_gain_forward = default.integral_gain_forward,
+        "A fifth of position_gain_forward.";
+    max_integral_down = default.max_integral_down,
+        "Times thrust_rate it is an acceleration of 6 m/s² at its fastest: a mass that is believed wrongly by half.";
+    max_integral_forward = math::min(1.0, 0.3 * known.cruise),
+        "Holds an angle of 7° and more against a belief that is wrong.";
+    max_turn = default.max_turn,
+        "The guidance itself stays below what thrust and wing carry.";
+    max_rate = default.max_rate,
+        "Crosses the stall in half a second; the plans of the guidance are laid out for it.";
+    max_slew = default.max_slew,
+        "Reaches the greatest rate in a tenth of a second; a slower rate loop smooths it.";
+    hold = math::max(0.1, 5.0 * known.period),
+        "Five steps, and a tenth of a second at least: a frame that is lost now and then.";
+    recovery = math::max(0.05, 3.0 * known.period),
+        "Three good steps, and 50 ms at least.";
+    state_age = math::max(0.05, 2.5 * known.period),
+        "Two steps and a half, and 50 ms at least: older than that a state says nothing of a turning vehicle.";
+    reference_age = default.reference_age,
+        "Half a second: a link that stutters.";
+    air_hold = default.air_hold,
+        "The wind changes within seconds.";
+    max_wind = math::max(40.0, known.cruise),
+        "No vehicle flies in more; air data that imply more are wrong.";
+    max_wind_step = default.max_wind_step,
+        "No gust grows so fast.";
+    safe_thrust = default.safe_thrust,
+        "None: the vehicle FALLS when its inputs have failed for longer than `hold`. Whether to cut, to hover blindly (1) or to sink slowly (0.9) is yours to decide.";
+}
+
+impl GuidanceParameters {
+    /// The parameters for `vehicle`, by the rules and for the [`REASONS`] given there. A start for every vehicle from 0.3 to 50 kg and 8 to
+    /// 40 m/s with lags up to 0.2 s: the campaign `vehicles` flies them with beliefs that are wrong.
+    ///
+    /// # Errors
+    /// A number that is outside its range; `thrust_max` of a vehicle that does not carry its weight, or `thrust_min` of one
+    /// that cannot sink.
+    pub fn for_vehicle(
+        vehicle: &VehicleParameters,
+        response: &ResponseParameters,
+    ) -> Result<Self, ParameterError> {
+        vehicle.check()?;
+        response.check()?;
+        let weight = vehicle.mass * vehicle.gravity;
+        for (parameter, kept) in [
+            ("thrust_max", vehicle.thrust_max > weight),
+            ("thrust_min", vehicle.thrust_min < weight),
+        ] {
+            if !kept {
+                return Err(ParameterError {
+                    parameter,
+                    problem: Problem::Contradiction,
+                });
+            }
+        }
+        Ok(ruled(&Known {
+            rate_lag: response.rate_lag,
+            thrust_lag: response.thrust_lag,
+            period: 1.0 / response.control_rate,
+            cruise: response.cruise_speed,
+        }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use crate::aero::{Combined, CombinedParameters};
+    use crate::guidance::Guidance;
+    use crate::vehicle::Vehicle;
+
+    const PAPER: ResponseParameters = ResponseParameters {
+        rate_lag: 0.1,
+        thrust_lag: 0.05,
+        control_rate: 100.0,
+        cruise_speed: 20.0,
+    };
+
+    fn ruled(response: &ResponseParameters) -> GuidanceParameters {
+        GuidanceParameters::for_vehicle(&VehicleParameters::PAPER, response).unwrap()
+    }
+
+    /// The defaults are those of the vehicle that they were found with.
+    #[test]
+    fn the_papers_vehicle_gets_the_defaults() {
+        let (ruled, default) = (ruled(&PAPER), GuidanceParameters::default());
+        for (i, row) in GuidanceParameters::ROWS.iter().enumerate() {
+            assert_eq!(ruled.get(i), default.get(i), "{}", row.name);
+        }
+    }
+
+    /// At every corner of what is accepted a guidance can be made of what comes out, and the loops are stable by what the gains' own page
+    /// says: T ω_n < 2ζ.
+    #[test]
+    fn every_corner_makes_a_guidance() {
+        let model = Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap();
+        let rows = ResponseParameters::RANGES;
+        for corner in 0..1 << rows.len() {
+            let mut response = PAPER;
+            for (i, range) in rows.iter().enumerate() {
+                response.set(
+                    i,
+                    if corner >> i & 1 == 0 {
+                        range.min
+                    } else {
+                        range.max
+                    },
+                );
+            }
+            let p = ruled(&response);
+            let vehicle = Vehicle::new(VehicleParameters::PAPER, model).unwrap();
+            assert!(Guidance::new(vehicle, &p).is_ok(), "{response:?}");
+            assert!(response.rate_lag * p.natural_frequency < 1.2 * p.damping);
+            assert!(4.0 * response.thrust_lag * p.thrust_rate <= 3.0);
+            assert!(p.hold >= p.recovery && p.state_age > 1.0 / response.control_rate);
+        }
+    }
+
+    #[test]
+    fn slow_actuators_get_slower_loops() {
+        let slow = ruled(&ResponseParameters {
+            rate_lag: 0.4,
+            thrust_lag: 0.5,
+            ..PAPER
+        });
+        let quick = ruled(&PAPER);
+        assert!(slow.natural_frequency < 0.6 * quick.natural_frequency);
+        assert!(slow.thrust_rate < 0.6 * quick.thrust_rate);
+        assert_eq!(slow.position_gain_down, 0.5 * slow.thrust_rate);
+        let rare = ruled(&ResponseParameters {
+            control_rate: 10.0,
+            ..PAPER
+        });
+        assert!(rare.state_age > 0.2 && rare.hold >= 0.5);
+    }
+
+    #[test]
+    fn what_is_wrong_is_named() {
+        let refused = |change: &dyn Fn(&mut VehicleParameters, &mut ResponseParameters)| {
+            let (mut vehicle, mut response) = (VehicleParameters::PAPER, PAPER);
+            change(&mut vehicle, &mut response);
+            let error = GuidanceParameters::for_vehicle(&vehicle, &response).unwrap_err();
+            (error.parameter, error.problem)
+        };
+        use Problem::*;
+        assert_eq!(refused(&|v, _| v.mass = -1.0), ("mass", NotPositive));
+        assert_eq!(
+            refused(&|v, _| v.thrust_max = 90.0),
+            ("thrust_max", Contradiction)
+        );
+        assert_eq!(
+            refused(&|v, _| v.thrust_min = 99.0),
+            ("thrust_min", Contradiction)
+        );
+        assert_eq!(
+            refused(&|_, r| r.rate_lag = f32::NAN),
+            ("rate_lag", NotFinite)
+        );
+        assert_eq!(
+            refused(&|_, r| r.thrust_lag = 2.0),
+            ("thrust_lag", OutOfRange)
+        );
+        assert_eq!(
+            refused(&|_, r| r.control_rate = 0.0),
+            ("control_rate", NotPositive)
+        );
+        assert_eq!(
+            refused(&|_, r| r.cruise_speed = -8.0),
+            ("cruise_speed", NotPositive)
+        );
+    }
+
+    #[test]
+    fn every_parameter_has_a_reason() {
+        let names: std::vec::Vec<_> = REASONS.iter().map(|(name, _)| *name).collect();
+        let rows: std::vec::Vec<_> = GuidanceParameters::ROWS
+            .iter()
+            .map(|row| row.name)
+            .collect();
+        assert_eq!(names, rows);
+    }
+}
