@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
+use alula::aero::TableError;
 use anyhow::{Context, anyhow};
 use serde::Deserialize;
 
@@ -66,22 +67,30 @@ impl Polar {
     /// The polar in the CSV `text` with the columns `alpha_deg`, `cl` and `cd`; `origin` stands for it in errors,
     /// which name line and column. Lines that start with `#` are comments.
     pub fn from_text(origin: &str, text: &str) -> anyhow::Result<Self> {
-        let (lines, degrees) = read(origin, text)?;
+        let (lines, rows) = read(origin, text)?;
         let line = |row: usize| lines.get(row).or(lines.last()).copied().unwrap_or(1);
+        Self::new(origin, &rows)
+            .map_err(|e| anyhow!("{origin}:{}: {}", line(e.row), e.problem.text()))
+    }
+
+    /// The polar through `degrees`: α \[°\], c_L, c_D; `name` is its name.
+    ///
+    /// # Errors
+    /// As the core's table.
+    pub fn new(name: &str, degrees: &[[f64; 3]]) -> Result<Self, TableError> {
         let nodes: Vec<alula::aero::Node> = degrees
             .iter()
             .map(|&[alpha, c_l, c_d]| {
                 alula::aero::Node::from_degrees(alpha as f32, c_l as f32, c_d as f32)
             })
             .collect();
-        let core = alula::aero::Polar::<{ ROWS - 1 }>::new(&nodes)
-            .map_err(|e| anyhow!("{origin}:{}: {}", line(e.row), e.problem.text()))?;
+        let core = alula::aero::Polar::<{ ROWS - 1 }>::new(&nodes)?;
         let rows: Vec<Row> = degrees
             .iter()
             .map(|&[alpha, c_l, c_d]| [alpha.to_radians(), c_l, c_d])
             .collect();
         Ok(Self {
-            name: String::leak(origin.to_owned()),
+            name: String::leak(name.to_owned()),
             core: alula::Table::new(Box::leak(Box::new(core))),
             reference: Box::leak(Box::new(Table::new(&rows))),
             rows: rows.leak(),

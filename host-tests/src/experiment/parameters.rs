@@ -17,9 +17,9 @@ pub fn file_name(row: &Row) -> String {
             .replace(['/', ' '], "_")
             .to_lowercase(),
     };
-    // Gains have no unit in their names: theirs say nothing to anybody.
+    // Gains and coefficients have no unit in their names: theirs say nothing to anybody.
     match row.name {
-        "k1" | "k2" | "k3" => row.name.to_owned(),
+        "k1" | "k2" | "k3" | "c2" | "c3" | "k_l" | "k_d" => row.name.to_owned(),
         name => format!("{name}_{unit}"),
     }
 }
@@ -32,7 +32,7 @@ pub(crate) fn refused<P: Parameters>(error: ParameterError) -> FieldError {
 }
 
 /// A table whose fields are taken out one by one.
-pub(crate) struct Fields(Table);
+pub struct Fields(Table);
 
 impl Fields {
     /// The fields of a table.
@@ -99,7 +99,7 @@ impl Fields {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use alula::{GainParameters, GuidanceParameters, VehicleParameters};
+    use alula::{CombinedParameters, GainParameters, GuidanceParameters, VehicleParameters};
 
     fn fields(text: &str) -> Fields {
         Fields(text.parse().unwrap())
@@ -113,6 +113,11 @@ mod tests {
             "mass_kg k_a_kg_m delta_deg c_y gravity_m_s2 thrust_min_n thrust_max_n"
         );
         assert_eq!(names(GainParameters::ROWS), "k1 k2 k3 tau_n");
+        // As the tables of `[vehicle.aerodynamics]` have them.
+        assert_eq!(
+            names(CombinedParameters::ROWS),
+            "c0 c1 c2 c3 alpha_bar_deg k_l k_d"
+        );
         assert!(
             names(GuidanceParameters::ROWS).starts_with(
                 "natural_frequency_rad_s damping thrust_rate_1_s force_floor_mg tau_mg"

@@ -75,8 +75,32 @@ impl AerodynamicsSpec {
         }
     }
 
+    /// The model with the core's `parameters`.
+    pub fn of(parameters: ModelParameters) -> Self {
+        match parameters {
+            ModelParameters::LargeAngle(p) => Self::LargeAngle(LargeAngle {
+                c0: p.c0.into(),
+                c1: p.c1.into(),
+            }),
+            ModelParameters::SmallAngle(p) => Self::SmallAngle(SmallAngle {
+                c0: p.c0.into(),
+                c2: p.c2.into(),
+                c3: p.c3.into(),
+            }),
+            ModelParameters::Combined(p) => Self::Combined(Combined {
+                c0: p.c0.into(),
+                c1: p.c1.into(),
+                c2: p.c2.into(),
+                c3: p.c3.into(),
+                alpha_bar_deg: f64::from(p.alpha_bar).to_degrees(),
+                k_l: p.k_l.into(),
+                k_d: p.k_d.into(),
+            }),
+        }
+    }
+
     /// The core's parameters. The error is a table, which has none.
-    fn parameters(&self) -> Result<ModelParameters, &Polar> {
+    pub fn parameters(&self) -> Result<ModelParameters, &Polar> {
         Ok(match self {
             Self::LargeAngle(m) => ModelParameters::LargeAngle(LargeAngleParameters {
                 c0: m.c0 as f32,
@@ -101,7 +125,7 @@ impl AerodynamicsSpec {
     }
 
     /// The model as the core takes it.
-    pub(crate) fn core(&self) -> Result<Model, FieldError> {
+    pub fn core(&self) -> Result<Model, FieldError> {
         match self.parameters() {
             Ok(parameters) => parameters.model().map_err(|e| {
                 let table = format!("aerodynamics.{}", self.key());
@@ -126,6 +150,18 @@ impl AerodynamicsSpec {
 pub const NO_LIMITS: [f64; 2] = [-1e6, 1e6];
 
 impl VehicleSpec {
+    /// The vehicle with the core's parameters `p`; its thrust limits are not in it.
+    pub fn of(p: &VehicleParameters, aerodynamics: AerodynamicsSpec) -> Self {
+        Self {
+            mass_kg: p.mass.into(),
+            k_a_kg_m: p.k_a.into(),
+            delta_deg: f64::from(p.delta).to_degrees(),
+            c_y: p.c_y.into(),
+            gravity_m_s2: p.gravity.into(),
+            aerodynamics,
+        }
+    }
+
     /// The vehicle as the bare laws take it, which know of no thrust limits.
     pub fn core(&self) -> Result<Vehicle, FieldError> {
         self.limited(NO_LIMITS)
@@ -169,6 +205,32 @@ impl VehicleSpec {
             delta: self.delta_deg.to_radians(),
             gravity: self.gravity_m_s2,
             aerodynamics: self.aerodynamics.reference(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use alula::Parameters;
+
+    /// There and back again, to the bit: angles pass through degrees in double precision.
+    #[test]
+    fn the_cores_parameters_come_back() {
+        let models = [
+            ModelParameters::LargeAngle(LargeAngleParameters::DEFAULT),
+            ModelParameters::SmallAngle(SmallAngleParameters::DEFAULT),
+            ModelParameters::Combined(CombinedParameters::PAPER_BELIEF),
+        ];
+        for (model, delta) in models.into_iter().zip([0.0, -0.3, 2.1]) {
+            let p = VehicleParameters {
+                delta,
+                ..VehicleParameters::PAPER_BELIEF
+            };
+            let spec = VehicleSpec::of(&p, AerodynamicsSpec::of(model));
+            let thrust = [p.thrust_min, p.thrust_max].map(f64::from);
+            assert_eq!(spec.parameters(thrust), p);
+            assert_eq!(spec.model_parameters().unwrap(), model);
         }
     }
 }
