@@ -11,11 +11,10 @@ use alula_sil::study::{self, BUILT_IN, CampaignSource, Shard, Store, Summary, Th
 use anyhow::ensure;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use pythonize::pythonize;
 
 use crate::error;
 use crate::flight::{self, Flight};
-use crate::frame::{Data, Frame};
+use crate::frame::{Data, Frame, json};
 
 /// A campaign that has been flown.
 #[pyclass(frozen, module = "alula")]
@@ -128,7 +127,7 @@ pub fn campaign(
     Ok(Campaign {
         name: source.stem().to_owned(),
         passed: summary.verdict(),
-        summary: pythonize(py, &summary)?.unbind(),
+        summary: json(py, &summary)?,
         flights: Py::new(py, Frame::of_study(py, flights))?,
         samples: Some(Py::new(py, Frame::of_study(py, samples))?),
         source: Some(source),
@@ -176,7 +175,7 @@ fn attitudes(py: Python<'_>, flights: u64, threads: Threads) -> PyResult<Campaig
     Ok(Campaign {
         name: ATTITUDES.0.to_owned(),
         passed: summary.iter().all(Starts::kept),
-        summary: pythonize(py, &summary)?.unbind(),
+        summary: json(py, &summary)?,
         flights: Py::new(py, Frame::new(py, columns))?,
         samples: None,
         source: None,

@@ -5,31 +5,30 @@ use ::alula::equivalency::ApparentForces;
 use ::alula::{Equilibria, EquilibriumError, FoldMap, Inertial, Reference};
 use alula_sil::envelope::{self as theory, Ray};
 use pyo3::prelude::*;
-use pythonize::pythonize;
 
 use crate::arguments::{Numbers, vector, vector_or_zero};
 use crate::error;
-use crate::frame::{Data, Frame};
+use crate::frame::{Data, Frame, json};
 use crate::vehicle::VehicleArgument;
 
 /// An orientation that holds a reference.
 #[pyclass(frozen, get_all, module = "alula")]
 pub struct Equilibrium {
-    /// Attitude theta \[rad\]: 0 is hover, nose up, -pi/2 nose forward.
+    /// Attitude theta [rad]: 0 is hover, nose up, -pi/2 nose forward.
     theta_rad: f32,
-    /// Angle of attack \[rad\].
+    /// Angle of attack [rad].
     alpha_rad: f32,
-    /// Thrust along the nose \[N\]; the vehicle's limits are not asked.
+    /// Thrust along the nose [N]; the vehicle's limits are not asked.
     thrust_n: f32,
-    /// T_p \[N\].
+    /// T_p [N].
     t_p_n: f32,
-    /// |F_p| \[N\]: 0 at a fold.
+    /// |F_p| [N]: 0 at a fold.
     fp_n: f32,
     /// "0" or "pi": whether F_p is along the thrust line or against it.
     branch: &'static str,
     /// Whether it is well apart from others.
     isolated: bool,
-    /// Angle of attack at the nearest fold less the present one \[rad\]; None if there is none within 11 degrees.
+    /// Angle of attack at the nearest fold less the present one [rad]; None if there is none within 11 degrees.
     fold_alpha_rad: Option<f32>,
     /// Airspeed at that fold over the present one.
     fold_speed_ratio: Option<f32>,
@@ -58,7 +57,7 @@ fn refused(error: EquilibriumError) -> PyErr {
     error::field(field, error.to_string())
 }
 
-/// The orientations at which thrust holds `velocity` (down, forward) \[m/s\] while it changes by `acceleration` \[m/s²\], in `wind` \[m/s\], by
+/// The orientations at which thrust holds `velocity` (down, forward) [m/s] while it changes by `acceleration` [m/s²], in `wind` [m/s], by
 /// increasing angle of attack. `vehicle` is a `Vehicle`, or what `Vehicle.load` takes.
 #[pyfunction]
 #[pyo3(signature = (vehicle, velocity, acceleration=None, wind=None))]
@@ -110,7 +109,7 @@ pub struct Envelope {
 }
 
 /// The equilibria of a vehicle over the airspeed in steady level flight; in a steady climb at `climb_deg`, from -90 to 90; or in
-/// level flight that gains `accel` \[m/s²\]. `vehicle` is a `Vehicle`, or what `Vehicle.load` takes.
+/// level flight that gains `accel` [m/s²]. `vehicle` is a `Vehicle`, or what `Vehicle.load` takes.
 #[pyfunction]
 #[pyo3(signature = (vehicle, *, climb_deg=None, accel=None))]
 pub fn envelope(
@@ -136,7 +135,7 @@ pub fn envelope(
     ];
     let curve = curve.map(|(name, data)| (name.to_owned(), data));
     Ok(Envelope {
-        summary: pythonize(py, &summary)?.unbind(),
+        summary: json(py, &summary)?,
         curve: Py::new(py, Frame::new(py, curve))?,
     })
 }

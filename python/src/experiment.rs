@@ -18,7 +18,7 @@ use crate::flight::{self, Flight};
 /// path, `{"vehicle.mass_kg": 11, "plant.thrust_n[1]": 112.8}`, or assignments as on the command line,
 /// `["vehicle.mass_kg=11"]`. An experiment with a `path` is flown in space, one with a `reference` in the vertical plane.
 #[pyclass(frozen, module = "alula")]
-pub struct Experiment(Document);
+pub struct Experiment(pub Document);
 
 /// Changes what `set` says.
 fn change(document: &mut Document, set: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
@@ -46,7 +46,7 @@ fn change(document: &mut Document, set: Option<&Bound<'_, PyAny>>) -> PyResult<(
 impl Experiment {
     #[new]
     #[pyo3(signature = (source=DEFAULT.into(), set=None))]
-    fn new(source: PathBuf, set: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
+    pub fn new(source: PathBuf, set: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
         let mut document = Document::load(&source.to_string_lossy()).map_err(error::of)?;
         change(&mut document, set)?;
         Ok(Self(document))
@@ -79,7 +79,7 @@ impl Experiment {
         self.0.text()
     }
 
-    /// The value at a dotted path, as in "plant.thrust_n\[1\]"; None if the experiment leaves it out.
+    /// The value at a dotted path, as in "plant.thrust_n[1]"; None if the experiment leaves it out.
     fn get<'py>(&self, py: Python<'py>, path: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
         let value = self.0.get(path).map(|value| pythonize(py, value));
         Ok(value.transpose()?)

@@ -1,30 +1,35 @@
 //! A flight that has been flown: its record and its figures.
 
 use alula_sil::columns::COLUMNS;
-use alula_sil::experiment::Document;
+use alula_sil::experiment::{Document, Experiment};
 use alula_sil::figures::{Figures, Segment};
-use alula_sil::simulate::{End, simulate};
+use alula_sil::simulate::{End, Step, simulate};
 use alula_sil::space;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
-use pythonize::pythonize;
 
 use crate::error;
-use crate::frame::{Data, Frame};
+use crate::frame::{Data, Frame, json};
 
 /// A flight.
-#[pyclass(frozen, get_all, module = "alula")]
+#[pyclass(frozen, module = "alula")]
 pub struct Flight {
     /// The experiment's name.
+    #[pyo3(get)]
     name: String,
     /// The figures by name, as `alula-sil fly --json` gives them. What there is none of, or is no number, is None.
+    #[pyo3(get)]
     figures: Py<PyAny>,
     /// The figures along each segment of the reference; none in space.
+    #[pyo3(get)]
     segments: Py<PyAny>,
     /// The record: one row per control step, the columns of the trace.
+    #[pyo3(get)]
     record: Py<Frame>,
     /// The bounds of the experiment that are not kept: (figure, value, bound).
+    #[pyo3(get)]
     beyond: Vec<(String, f64, f64)>,
+    /// Label, value and note of the lines of the table.
     lines: Vec<[String; 3]>,
 }
 
@@ -53,6 +58,15 @@ pub fn fly(py: Python<'_>, document: &Document) -> PyResult<Flight> {
     }
 }
 
+/// The columns of a record that apply to it.
+pub fn columns(experiment: &Experiment, record: &[Step]) -> Vec<(String, Data)> {
+    let columns = COLUMNS.iter().filter_map(|column| {
+        let cells = record.iter().map(|step| (column.read)(experiment, step));
+        Some((column.name.to_owned(), Data::of(cells)?))
+    });
+    columns.collect()
+}
+
 fn in_plane(py: Python<'_>, document: &Document) -> PyResult<Flight> {
     let experiment = document.checked().map_err(error::of)?;
     let flown = py.detach(|| {
@@ -64,12 +78,7 @@ fn in_plane(py: Python<'_>, document: &Document) -> PyResult<Flight> {
         });
         let figures = Figures::of(&experiment, &record);
         let segments = Segment::of(&experiment, &record);
-        let columns = COLUMNS.iter().filter_map(|column| {
-            let cells = record.iter().map(|step| (column.read)(&experiment, step));
-            Some((column.name.to_owned(), Data::of(cells)?))
-        });
-        let columns: Vec<_> = columns.collect();
-        Ok((end?, figures, segments, columns))
+        Ok((end?, figures, segments, columns(&experiment, &record)))
     });
     let (end, figures, segments, columns) = flown.map_err(error::of)?;
     if let End::Diverged(t) = end {
@@ -81,8 +90,8 @@ fn in_plane(py: Python<'_>, document: &Document) -> PyResult<Flight> {
     }
     Ok(Flight {
         name: document.name.clone(),
-        figures: pythonize(py, &figures)?.unbind(),
-        segments: pythonize(py, &segments)?.unbind(),
+        figures: json(py, &figures)?,
+        segments: json(py, &segments)?,
         record: Py::new(py, Frame::new(py, columns))?,
         beyond: Vec::new(),
         lines: figures.table(),
@@ -104,8 +113,8 @@ fn in_space(py: Python<'_>, document: &Document) -> PyResult<Flight> {
     let beyond = figures.beyond(&experiment).into_iter();
     Ok(Flight {
         name: document.name.clone(),
-        figures: pythonize(py, &figures.json())?.unbind(),
-        segments: pythonize(py, &[(); 0])?.unbind(),
+        figures: json(py, &figures.json())?,
+        segments: json(py, &[(); 0])?,
         record: Py::new(py, Frame::new(py, columns))?,
         beyond: beyond
             .map(|(name, value, bound)| (name.to_owned(), value, bound))

@@ -5,9 +5,11 @@ use std::collections::HashMap;
 use alula_sil::columns::Cell;
 use alula_sil::study;
 use numpy::{Element, PyArray1};
-use pyo3::exceptions::PyKeyError;
+use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
+use pythonize::pythonize;
+use serde::Serialize;
 
 /// A column on its way to Python.
 pub enum Data {
@@ -68,6 +70,12 @@ impl From<study::Column> for Data {
             study::Column::Flag(values) => Self::Flag(values),
         }
     }
+}
+
+/// What the command line would print as JSON, in Python: a number that is none is None.
+pub fn json(py: Python<'_>, value: &impl Serialize) -> PyResult<Py<PyAny>> {
+    let value = serde_json::to_value(value).map_err(|e| PyValueError::new_err(e.to_string()))?;
+    Ok(pythonize(py, &value)?.unbind())
 }
 
 /// A column in Python.

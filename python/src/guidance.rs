@@ -37,11 +37,11 @@ pub struct Guidance {
 /// vertical plane being the one to the north.
 #[pyclass(frozen, get_all, module = "alula")]
 pub struct Guided {
-    /// Thrust along the nose \[N\], inside the vehicle's limits.
+    /// Thrust along the nose [N], inside the vehicle's limits.
     thrust_n: f32,
-    /// Body rates about x, y and z \[rad/s\].
+    /// Body rates about x, y and z [rad/s].
     rates_rad_s: [f32; 3],
-    /// Body rate about the right wing \[rad/s\]: the rate of theta in the vertical plane.
+    /// Body rate about the right wing [rad/s]: the rate of theta in the vertical plane.
     rate_rad_s: f32,
     /// "safe", "holding" or "flying".
     mode: &'static str,
@@ -59,11 +59,11 @@ pub struct Guided {
     margin_force: f32,
     /// The gain k; 1 on a sphere.
     margin_k: f32,
-    /// Angle to the nearest fold, to first order \[rad\].
+    /// Angle to the nearest fold, to first order [rad].
     margin_fold_rad: f32,
-    /// The velocity that the law was given \[m/s\].
+    /// The velocity that the law was given [m/s].
     reference_velocity_m_s: [f32; 3],
-    /// The acceleration that the law was given \[m/s²\].
+    /// The acceleration that the law was given [m/s²].
     reference_acceleration_m_s2: [f32; 3],
 }
 
@@ -188,14 +188,14 @@ impl Guidance {
         Ok(())
     }
 
-    /// One step in space, `dt` \[s\] after the last. Bad inputs raise nothing: they are bridged, and then the safe command is given;
+    /// One step in space, `dt` [s] after the last. Bad inputs raise nothing: they are bridged, and then the safe command is given;
     /// `mode`, `status` and `refusal` say so.
     ///
-    /// World vectors are (north, east, down). velocity: over ground \[m/s\]. quaternion: (w, x, y, z), from the body axes `axes` to
+    /// World vectors are (north, east, down). velocity: over ground [m/s]. quaternion: (w, x, y, z), from the body axes `axes` to
     /// north-east-down; "nose-forward" is x along the nose and z to the belly, "nose-up" x to the belly and z along the tail.
-    /// heading: where the belly is to point in hover, from north towards east \[rad\]; None is free. air_velocity \[m/s\] if it is
-    /// measured, or else wind \[m/s\] if it is known. specific_force: what an accelerometer feels, along `axes` \[m/s²\].
-    /// position_error: position less reference position \[m\], if position is to be held. Ages \[s\].
+    /// heading: where the belly is to point in hover, from north towards east [rad]; None is free. air_velocity [m/s] if it is
+    /// measured, or else wind [m/s] if it is known. specific_force: what an accelerometer feels, along `axes` [m/s²].
+    /// position_error: position less reference position [m], if position is to be held. Ages [s].
     #[pyo3(signature = (
         dt, *, velocity, quaternion, reference_velocity, reference_acceleration=None, heading=None, air_velocity=None, wind=None,
         specific_force=None, position_error=None, state_age=0.0, reference_age=0.0, axes="nose-forward"
@@ -240,7 +240,7 @@ impl Guidance {
         Ok(self.step(&input, dt, axes))
     }
 
-    /// One step in the vertical plane to the north: as `update`, with vectors (down, forward) and the attitude theta \[rad\], 0 in
+    /// One step in the vertical plane to the north: as `update`, with vectors (down, forward) and the attitude theta [rad], 0 in
     /// hover with the nose up, -pi/2 with the nose forward. The rate of theta commanded is `rate_rad_s`.
     #[pyo3(signature = (
         dt, *, velocity, theta, reference_velocity, reference_acceleration=None, air_velocity=None, wind=None, position_error=None,

@@ -22,17 +22,17 @@ pub struct Law(alula_sil::controllers::Law);
 /// Command of one step of a law.
 #[pyclass(frozen, get_all, module = "alula")]
 pub struct Command {
-    /// Thrust along the nose \[N\]. Not limited: it may be negative.
+    /// Thrust along the nose [N]. Not limited: it may be negative.
     thrust_n: f32,
-    /// Angular rate of theta \[rad/s\]; negative from hover towards cruise.
+    /// Angular rate of theta [rad/s]; negative from hover towards cruise.
     rate_rad_s: f32,
-    /// Angle of attack \[rad\].
+    /// Angle of attack [rad].
     alpha_rad: f32,
-    /// |F_p| \[N\]: how far the law is from losing its equilibrium.
+    /// |F_p| [N]: how far the law is from losing its equilibrium.
     fp_n: f32,
-    /// Angle from the thrust line to F_p \[rad\]; 0 at the equilibria that the law stabilises.
+    /// Angle from the thrust line to F_p [rad]; 0 at the equilibria that the law stabilises.
     theta_tilde_rad: f32,
-    /// T_p \[N\].
+    /// T_p [N].
     t_p_n: f32,
     /// The guard of the alignment, from 0 to 1.
     guard_alignment: f32,
@@ -128,10 +128,10 @@ impl Law {
 
     /// The command at one state.
     ///
-    /// velocity: over ground, (down, forward) \[m/s\]. theta: attitude \[rad\], 0 in hover with the nose up, -pi/2 with the nose
-    /// forward. reference_velocity, reference_acceleration: what is asked for \[m/s, m/s²\]. wind: over ground \[m/s\].
-    /// air_acceleration and jerk: what the feed-forward wants, the derivatives of air velocity \[m/s²\] and reference acceleration
-    /// \[m/s³\]; without them there is none.
+    /// velocity: over ground, (down, forward) [m/s]. theta: attitude [rad], 0 in hover with the nose up, -pi/2 with the nose
+    /// forward. reference_velocity, reference_acceleration: what is asked for [m/s, m/s²]. wind: over ground [m/s].
+    /// air_acceleration and jerk: what the feed-forward wants, the derivatives of air velocity [m/s²] and reference acceleration
+    /// [m/s³]; without them there is none.
     ///
     /// Raises `alula.Fault` if an input is not finite or absurd, or the law is undefined there.
     #[pyo3(signature = (

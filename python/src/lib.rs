@@ -14,6 +14,7 @@ mod guidance;
 mod law;
 mod model;
 mod parameters;
+mod replay;
 mod vehicle;
 
 use pyo3::prelude::*;
@@ -47,6 +48,8 @@ mod alula {
     use crate::model::{Model, polars};
     #[pymodule_export]
     use crate::parameters::parameters;
+    #[pymodule_export]
+    use crate::replay::{Replay, replay};
     #[pymodule_export]
     use crate::vehicle::Vehicle;
 

@@ -1,7 +1,7 @@
 //! Aerodynamic models and measured tables.
 
 use ::alula::{Aerodynamics, AngleOfAttack, ModelParameters, Parameters};
-use alula_sil::experiment::AerodynamicsSpec;
+use alula_sil::experiment::{AerodynamicsSpec, refused};
 use alula_sil::polar::{BUILT_IN, Polar};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -24,10 +24,11 @@ impl Model {
         given: Option<&Bound<'_, PyDict>>,
         kind: fn(P) -> ModelParameters,
     ) -> PyResult<Self> {
-        let model = Self(AerodynamicsSpec::of(kind(parameters::read(given)?)));
+        let parameters = kind(parameters::read(given)?);
         // What ranges cannot tell.
-        model.core()?;
-        Ok(model)
+        let made = parameters.model().map_err(refused::<P>);
+        made.map_err(error::of_field)?;
+        Ok(Self(AerodynamicsSpec::of(parameters)))
     }
 
     /// The model as the core takes it.
@@ -106,7 +107,7 @@ impl Model {
         dict.map(Some)
     }
 
-    /// The coefficients at angles of attack \[rad\], a number or an array of n: columns `cl`, `cd`, and their derivatives `dcl`, `dcd`
+    /// The coefficients at angles of attack [rad], a number or an array of n: columns `cl`, `cd`, and their derivatives `dcl`, `dcd`
     /// [1/rad], `ddcl`, `ddcd` [1/rad²], in single precision.
     fn coefficients(&self, py: Python<'_>, alpha_rad: Numbers<'_>) -> PyResult<Frame> {
         let n = rows(&[("alpha_rad", &alpha_rad, 1)])?;

@@ -4,7 +4,7 @@ use ::alula::{
     CombinedParameters, GainParameters, GuidanceParameters, LargeAngleParameters, Parameters, Row,
     SmallAngleParameters, VehicleParameters,
 };
-use alula_sil::experiment::{Fields, file_name};
+use alula_sil::experiment::{Fields, file_name, file_value};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use toml::Value;
@@ -23,19 +23,11 @@ pub fn read<P: Parameters>(given: Option<&Bound<'_, PyDict>>) -> PyResult<P> {
     read().map_err(error::of_field)
 }
 
-/// A value in the unit of its name: degrees, where the core has radians.
-fn value(row: &Row, value: f32) -> f64 {
-    match row.unit {
-        "rad" => f64::from(value).to_degrees(),
-        _ => f64::from(value),
-    }
-}
-
 /// The parameters as a dictionary, by the names that [`read`] knows.
 pub fn dict<'py, P: Parameters>(py: Python<'py>, parameters: &P) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     for (i, row) in P::ROWS.iter().enumerate() {
-        dict.set_item(file_name(row), value(row, parameters.get(i)))?;
+        dict.set_item(file_name(row), file_value(row, parameters.get(i)))?;
     }
     Ok(dict)
 }
@@ -45,11 +37,11 @@ fn rows<'py>(py: Python<'py>, rows: &[Row]) -> PyResult<Bound<'py, PyList>> {
     for row in rows {
         let dict = PyDict::new(py);
         let unit = if row.unit == "rad" { "deg" } else { row.unit };
-        let default = (!row.default.is_nan()).then(|| value(row, row.default));
+        let default = (!row.default.is_nan()).then(|| file_value(row, row.default));
         dict.set_item("name", file_name(row))?;
         dict.set_item("unit", unit)?;
-        dict.set_item("least", value(row, row.min))?;
-        dict.set_item("most", value(row, row.max))?;
+        dict.set_item("least", file_value(row, row.min))?;
+        dict.set_item("most", file_value(row, row.max))?;
         dict.set_item("default", default)?;
         dict.set_item("meaning", row.meaning)?;
         list.append(dict)?;

@@ -21,7 +21,7 @@ use crate::parameters;
 pub struct Vehicle {
     /// As files have it.
     pub spec: VehicleSpec,
-    /// Least and most thrust \[N\].
+    /// Least and most thrust [N].
     pub thrust: [f64; 2],
     /// Its name.
     pub name: String,

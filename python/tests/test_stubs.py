@@ -71,7 +71,7 @@ def test_classes_have_the_members_that_are_declared(name):
         decorators = {ast.unparse(d) for d in function.decorator_list}
         found = inspect.getattr_static(cls, member)
         if decorators & {"property", "state.setter"}:
-            assert inspect.isgetsetdescriptor(found) and found.__doc__, member
+            assert inspect.isdatadescriptor(found) and found.__doc__, member
         elif member == "__new__":
             same_arguments(function, cls)
         elif not member.startswith("__"):

@@ -7,7 +7,7 @@ use alula::{
 use serde::Deserialize;
 
 use super::FieldError;
-use super::parameters::refused;
+use super::parameters::{degrees, double, refused};
 use crate::polar::Polar;
 use crate::reference::{self, Aerodynamics, Combined, LargeAngle, SmallAngle};
 
@@ -79,22 +79,22 @@ impl AerodynamicsSpec {
     pub fn of(parameters: ModelParameters) -> Self {
         match parameters {
             ModelParameters::LargeAngle(p) => Self::LargeAngle(LargeAngle {
-                c0: p.c0.into(),
-                c1: p.c1.into(),
+                c0: double(p.c0),
+                c1: double(p.c1),
             }),
             ModelParameters::SmallAngle(p) => Self::SmallAngle(SmallAngle {
-                c0: p.c0.into(),
-                c2: p.c2.into(),
-                c3: p.c3.into(),
+                c0: double(p.c0),
+                c2: double(p.c2),
+                c3: double(p.c3),
             }),
             ModelParameters::Combined(p) => Self::Combined(Combined {
-                c0: p.c0.into(),
-                c1: p.c1.into(),
-                c2: p.c2.into(),
-                c3: p.c3.into(),
-                alpha_bar_deg: f64::from(p.alpha_bar).to_degrees(),
-                k_l: p.k_l.into(),
-                k_d: p.k_d.into(),
+                c0: double(p.c0),
+                c1: double(p.c1),
+                c2: double(p.c2),
+                c3: double(p.c3),
+                alpha_bar_deg: degrees(p.alpha_bar),
+                k_l: double(p.k_l),
+                k_d: double(p.k_d),
             }),
         }
     }
@@ -153,11 +153,11 @@ impl VehicleSpec {
     /// The vehicle with the core's parameters `p`; its thrust limits are not in it.
     pub fn of(p: &VehicleParameters, aerodynamics: AerodynamicsSpec) -> Self {
         Self {
-            mass_kg: p.mass.into(),
-            k_a_kg_m: p.k_a.into(),
-            delta_deg: f64::from(p.delta).to_degrees(),
-            c_y: p.c_y.into(),
-            gravity_m_s2: p.gravity.into(),
+            mass_kg: double(p.mass),
+            k_a_kg_m: double(p.k_a),
+            delta_deg: degrees(p.delta),
+            c_y: double(p.c_y),
+            gravity_m_s2: double(p.gravity),
             aerodynamics,
         }
     }
@@ -214,7 +214,7 @@ mod tests {
     use super::*;
     use alula::Parameters;
 
-    /// There and back again, to the bit: angles pass through degrees in double precision.
+    /// There and back again, to the bit.
     #[test]
     fn the_cores_parameters_come_back() {
         let models = [
@@ -232,5 +232,8 @@ mod tests {
             assert_eq!(spec.parameters(thrust), p);
             assert_eq!(spec.model_parameters().unwrap(), model);
         }
+        // As they stand in files, where these have a decimal of single precision.
+        let paper = ModelParameters::Combined(CombinedParameters::NACA_0021_RE_160E3);
+        assert_eq!(AerodynamicsSpec::of(paper), AerodynamicsSpec::default());
     }
 }
