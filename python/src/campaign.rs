@@ -31,9 +31,9 @@ pub struct Campaign {
     /// One row per flight: what was drawn, the figures, and the verdicts.
     #[pyo3(get)]
     flights: Py<Frame>,
-    /// The course of every flight at 101 times; None for attitudes.
+    /// The course of every flight at 101 times; without columns for attitudes.
     #[pyo3(get)]
-    samples: Option<Py<Frame>>,
+    samples: Py<Frame>,
     source: Option<CampaignSource>,
 }
 
@@ -129,7 +129,7 @@ pub fn campaign(
         passed: summary.verdict(),
         summary: json(py, &summary)?,
         flights: Py::new(py, Frame::of_study(py, flights))?,
-        samples: Some(Py::new(py, Frame::of_study(py, samples))?),
+        samples: Py::new(py, Frame::of_study(py, samples))?,
         source: Some(source),
     })
 }
@@ -177,7 +177,7 @@ fn attitudes(py: Python<'_>, flights: u64, threads: Threads) -> PyResult<Campaig
         passed: summary.iter().all(Starts::kept),
         summary: json(py, &summary)?,
         flights: Py::new(py, Frame::new(py, columns))?,
-        samples: None,
+        samples: Py::new(py, Frame::new(py, []))?,
         source: None,
     })
 }

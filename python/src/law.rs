@@ -176,7 +176,6 @@ impl Law {
     /// The columns are those of `Command`, in single precision, and `status`: "ok", or the fault, for which the row has the safe
     /// command of no thrust and no rotation. Python's lock is released meanwhile.
     #[pyo3(signature = (velocity, theta, reference_velocity, reference_acceleration=None, wind=None))]
-    #[expect(clippy::too_many_arguments, reason = "by keyword in Python")]
     fn commands(
         &self,
         py: Python<'_>,
