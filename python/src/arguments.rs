@@ -1,5 +1,7 @@
 //! Arguments: numbers, vectors and arrays of them, and values for files.
 
+use std::convert::Infallible;
+
 use numpy::ndarray::{ArrayView2, Axis};
 use numpy::{AllowTypeChange, PyArrayLikeDyn};
 use pyo3::prelude::*;
@@ -8,17 +10,36 @@ use toml::{Table, Value};
 
 use crate::error;
 
-/// Numbers of any shape: what NumPy makes an array of.
-pub type Numbers<'py> = PyArrayLikeDyn<'py, f32, AllowTypeChange>;
+type Array<'py> = PyArrayLikeDyn<'py, f32, AllowTypeChange>;
+
+/// Numbers of any shape: what NumPy makes an array of. What it does not is kept until the argument's name is known.
+pub struct Numbers<'py>(Result<Array<'py>, String>);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Numbers<'py> {
+    type Error = Infallible;
+
+    fn extract(given: Borrowed<'a, 'py, PyAny>) -> Result<Self, Infallible> {
+        let array = Array::extract(given);
+        Ok(Self(
+            array.map_err(|error| error.value(given.py()).to_string()),
+        ))
+    }
+}
+
+impl<'py> Numbers<'py> {
+    fn array(&self, field: &str) -> PyResult<&Array<'py>> {
+        let problem = |text: &String| error::field(field, text.clone());
+        self.0.as_ref().map_err(problem)
+    }
+}
 
 /// `value` as a vector of `N` components.
 pub fn vector<const N: usize>(field: &str, value: &Numbers) -> PyResult<[f32; N]> {
-    let view = value.as_array();
-    let components: Option<[f32; N]> = match view.shape() {
-        [n] if *n == N => view.iter().copied().collect::<Vec<_>>().try_into().ok(),
-        _ => None,
-    };
-    components.ok_or_else(|| shape(field, &format!("({N},)"), view.shape()))
+    let view = value.array(field)?.as_array();
+    match view.shape() {
+        [n] if *n == N => Ok(std::array::from_fn(|i| view[[i]])),
+        other => Err(shape(field, &format!("({N},)"), other)),
+    }
 }
 
 /// A vector that may be left out: zero.
@@ -34,7 +55,7 @@ fn shape(field: &str, wanted: &str, shape: &[usize]) -> PyErr {
 pub fn rows(arguments: &[(&str, &Numbers, usize)]) -> PyResult<usize> {
     let mut found = None;
     for (field, value, row) in arguments {
-        let value = value.as_array();
+        let value = value.array(field)?.as_array();
         let n = match (value.shape(), row) {
             ([], 1) => continue,
             ([n], 1) => *n,
@@ -61,7 +82,8 @@ pub struct Rows<'a>(ArrayView2<'a, f32>);
 impl<'a> Rows<'a> {
     /// The rows of `value`, of `width` components, which [`rows`] has counted.
     pub fn new(value: &'a Numbers, width: usize) -> Self {
-        let view = value.as_array();
+        let array = value.0.as_ref().expect("counted before");
+        let view = array.as_array();
         let view = match (view.ndim(), width) {
             (0, _) => view.insert_axis(Axis(0)).insert_axis(Axis(0)),
             (1, 1) => view.insert_axis(Axis(1)),

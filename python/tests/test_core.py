@@ -51,6 +51,8 @@ def test_parameters_come_from_the_one_table():
         (lambda: alula.envelope("paper", climb_deg=91), "climb_deg", "-90 to 90"),
         (lambda: alula.equilibria("paper", (0, math.nan)), "velocity", "finite"),
         (lambda: alula.equilibria("paper", (0, 1, 2)), "velocity", "shape"),
+        (lambda: alula.equilibria("paper", (0, 1), wind="calm"), "wind", "calm"),
+        (lambda: alula.Law(alula.Vehicle.load()).commands((0, 1), [0, "x"], (0, 1)), "theta", "x"),
     ],
 )
 def test_what_is_refused_is_named(make, field, problem):
