@@ -120,7 +120,8 @@ pub fn envelope(
 ) -> PyResult<Envelope> {
     let vehicle = vehicle.vehicle()?;
     let reference = vehicle.spec.reference();
-    let ray = Ray::new(&reference, climb_deg, accel).map_err(error::of_field)?;
+    let ray = Ray::new(&reference, climb_deg, accel);
+    let ray = ray.map_err(|e| error::field(e.field, e.problem))?;
     let (summary, points) = py
         .detach(|| {
             let envelope = theory::Envelope::new(&reference, ray)?;

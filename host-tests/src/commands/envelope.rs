@@ -3,8 +3,7 @@
 use anyhow::{Context, anyhow};
 
 use alula_sil::airframe::Airframe;
-use alula_sil::envelope::{Envelope, Ray, Summary};
-use alula_sil::experiment::FieldError;
+use alula_sil::envelope::{Envelope, Ray, Refused, Summary};
 use alula_sil::page::envelope::{Figure, svg};
 use alula_sil::page::{Page, Table, fixed};
 
@@ -34,7 +33,7 @@ pub struct Args {
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let airframe = Airframe::load(&args.vehicle)?;
     let vehicle = airframe.reference();
-    let option = |e: FieldError| anyhow!("--{}: {}", e.field.replace('_', "-"), e.problem);
+    let option = |e: Refused| anyhow!("--{}: {}", e.field.replace('_', "-"), e.problem);
     let ray = Ray::new(&vehicle, args.climb_deg, args.accel).map_err(option)?;
     let name = format!("envelope-{}", airframe.name);
     let out = args.output.folder(&name)?;

@@ -4,7 +4,6 @@ use anyhow::anyhow;
 use serde::Serialize;
 
 use super::{Curve, Cusp, Fold, FoldCurve, Interval, Jump, jump_down, jump_up};
-use crate::experiment::FieldError;
 use crate::reference::Vehicle;
 
 /// The flight along which the airspeed varies.
@@ -15,6 +14,15 @@ pub struct Ray {
     /// |W| \[N\].
     weight: f64,
     k_a: f64,
+}
+
+/// Why there is no such flight: the argument, and what is wrong with it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Refused {
+    /// `climb_deg` or `accel`.
+    pub field: &'static str,
+    /// What is wrong.
+    pub problem: &'static str,
 }
 
 /// A fold.
@@ -80,18 +88,19 @@ impl Ray {
         vehicle: &Vehicle,
         climb_deg: Option<f64>,
         accel: Option<f64>,
-    ) -> Result<Self, FieldError> {
-        let finite = |field: &str, value: Option<f64>| {
-            let value = value.unwrap_or(0.0);
-            crate::experiment::finite(field, value).map(|()| value)
+    ) -> Result<Self, Refused> {
+        let refused = |field, problem| Refused { field, problem };
+        let finite = |field, value: Option<f64>| match value.unwrap_or(0.0) {
+            value if value.is_finite() => Ok(value),
+            _ => Err(refused(field, "must be a finite number")),
         };
         let climb = finite("climb_deg", climb_deg)?;
         let acceleration = finite("accel", accel)?;
         if climb.abs() > 90.0 {
-            return Err(FieldError::new("climb_deg", "must be from -90 to 90"));
+            return Err(refused("climb_deg", "must be from -90 to 90"));
         }
         if climb_deg.is_some() && accel.is_some() {
-            return Err(FieldError::new("accel", "cannot go with climb_deg"));
+            return Err(refused("accel", "cannot go with climb_deg"));
         }
         let epsilon = match accel {
             Some(_) => (acceleration / vehicle.gravity).atan(),
