@@ -5,7 +5,9 @@ use std::path::Path;
 use toml::Value;
 
 use crate::controllers::Choice;
-use crate::experiment::{AerodynamicsSpec, Document, PlantSpec, Vehicle, VehicleSpec};
+use crate::experiment::{
+    AerodynamicsSpec, Document, PlantSpec, Vehicle, VehicleSpec, thrust_limits,
+};
 use crate::polar::{self, Polar};
 use crate::reference;
 
@@ -87,6 +89,11 @@ impl Airframe {
     /// The vehicle as the core takes it.
     pub fn core(&self) -> Vehicle {
         self.spec.core().expect("validated when loaded")
+    }
+
+    /// Least and most thrust \[N\] that a guidance may command; of motors without limits none, and twice the weight.
+    pub fn thrust_limits(&self) -> [f64; 2] {
+        thrust_limits(self.plant.thrust_n, self.spec.weight())
     }
 
     /// The vehicle in double precision.

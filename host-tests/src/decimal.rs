@@ -62,7 +62,8 @@ pub fn push(text: &mut Vec<u8>, value: impl Binary) {
         None => text.extend_from_slice(shortest.as_bytes()),
     }
     // Of two shortest forms that are equally near, the other one rounds up, and zmij to an even digit. They are equally near if there is
-    // exactly one digit more, a five; and what is left of the significand tells whether the digit before it was even.
+    // exactly one digit more, a five; and what is left of the significand tells whether the digit before it was even. Under a power of two the
+    // numbers are closer, and the lower form may be another one's: then zmij has rounded up, too.
     if let Some((significand, digits)) = value.fraction()
         && digits <= LONGEST_TIE
         && significand % 4 == 1
@@ -72,6 +73,7 @@ pub fn push(text: &mut Vec<u8>, value: impl Binary) {
         let decimals = point.map_or(0, |point| written.len() - point - 1);
         if digits as usize == decimals + 1
             && let Some(last) = text.last_mut()
+            && last.is_multiple_of(2)
         {
             *last += 1;
         }
@@ -126,6 +128,11 @@ mod tests {
             assert_eq!(text(double), double.to_string());
             let usual = f64::from(random.random_range(-40_000..40_000)) / 1000.0;
             assert_eq!(text(usual), usual.to_string());
+        }
+        for exponent in -1080..1024 {
+            let power = 2.0_f64.powi(exponent);
+            assert_eq!(text(power), power.to_string());
+            assert_eq!(text(-power as f32), (-power as f32).to_string());
         }
         for value in [
             0.0,

@@ -18,7 +18,7 @@ fn source(name: &str, flights: u64) -> CampaignSource {
 fn flown(source: &CampaignSource, folder: &Path, threads: usize) -> Summary {
     let threads = NonZero::new(threads);
     let store = Store::open(folder, source).unwrap();
-    run(source, &store, Shard::default(), threads, || ()).unwrap();
+    run(source, &store, Shard::default(), threads, || Ok(())).unwrap();
     Summary::of(source, &store).unwrap()
 }
 
@@ -54,6 +54,7 @@ fn threads_interruptions_and_shares_change_nothing() {
     let told = std::sync::atomic::AtomicU64::new(0);
     let count = || {
         told.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+        Ok(())
     };
     run(&source, &store, Shard::default(), None, count).unwrap();
     assert_eq!(told.into_inner(), 70);
@@ -65,7 +66,7 @@ fn threads_interruptions_and_shares_change_nothing() {
     for share in ["1/2", "2/2"] {
         let name = share.replace('/', "-of-");
         let store = Store::open(&at(&name), &source).unwrap();
-        run(&source, &store, share.parse().unwrap(), None, || ()).unwrap();
+        run(&source, &store, share.parse().unwrap(), None, || Ok(())).unwrap();
         let (share, texts) = Store::existing(&at(&name)).unwrap();
         assert!(texts == source, "{share:?}: another campaign");
         for chunk in (0..3).filter(|&chunk| share.has(chunk)) {

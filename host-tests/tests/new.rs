@@ -78,7 +78,7 @@ fn what_is_described_by_flags_flies() {
     let source = CampaignSource::load(campaign.to_str().unwrap(), Some(100)).unwrap();
     let results = tempfile::tempdir().unwrap();
     let store = Store::open(results.path(), &source).unwrap();
-    run(&source, &store, Shard::default(), None, || ()).unwrap();
+    run(&source, &store, Shard::default(), None, || Ok(())).unwrap();
     let summary = Summary::of(&source, &store).unwrap();
     assert_eq!((summary.departed, summary.diverged), (0, 0));
     assert!(summary.verdict());

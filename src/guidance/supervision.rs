@@ -51,6 +51,17 @@ pub enum Mode {
     Flying,
 }
 
+impl Mode {
+    /// Name for logs.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Safe => "safe",
+            Self::Holding => "holding",
+            Self::Flying => "flying",
+        }
+    }
+}
+
 /// What is known of the air.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -81,6 +92,18 @@ pub enum AirUse {
     None,
 }
 
+impl AirUse {
+    /// Name for logs.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Velocity => "velocity",
+            Self::Wind => "wind",
+            Self::HeldWind => "held-wind",
+            Self::None => "none",
+        }
+    }
+}
+
 /// Why a frame was refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -94,6 +117,18 @@ pub enum Refusal {
     NoReference,
     /// The law's own reason.
     Law(Fault),
+}
+
+impl Refusal {
+    /// Name for logs.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::TimeStep => "time_step",
+            Self::StateAge => "state_age",
+            Self::NoReference => "no_reference",
+            Self::Law(fault) => fault.name(),
+        }
+    }
 }
 
 /// Decides the mode and what is known of the air.

@@ -8,6 +8,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use alula_sil::files::leave;
 use alula_sil::page::campaign::page;
+use alula_sil::space::starts::ATTITUDES;
 use alula_sil::study::{BUILT_IN, CampaignSource, Shard, Store, Summary, run as fly_all};
 
 use super::fly;
@@ -63,11 +64,11 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
             let campaign = CampaignSource::load(name, None)?.campaign;
             writeln!(stdout, "{name:<18} {}", campaign.description)?;
         }
-        let (name, description) = space::ATTITUDES;
+        let (name, description) = ATTITUDES;
         writeln!(stdout, "{name:<18} {description}")?;
         return Ok(());
     };
-    if name == space::ATTITUDES.0 {
+    if name == ATTITUDES.0 {
         let whole = args.refly.is_none() && !args.print && args.shard.is_whole();
         ensure!(
             whole,
@@ -100,7 +101,10 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     bar.set_style(ProgressStyle::with_template(style).expect("a valid template"));
     // What was there says nothing of the time that is left.
     bar.reset_eta();
-    fly_all(&source, &store, args.shard, args.threads, || bar.inc(1))?;
+    fly_all(&source, &store, args.shard, args.threads, || {
+        bar.inc(1);
+        Ok(())
+    })?;
     bar.finish_and_clear();
     if !args.shard.is_whole() {
         let place = out.display();

@@ -1,13 +1,11 @@
 //! `envelope`: folds, equilibrium counts, jumps and cusps of a vehicle.
 
-use anyhow::anyhow;
-use serde::Serialize;
+use anyhow::{Context, anyhow};
 
 use alula_sil::airframe::Airframe;
-use alula_sil::envelope::{Curve, Cusp, Fold, FoldCurve, Interval, Jump, jump_down, jump_up};
+use alula_sil::envelope::{Envelope, Ray, Refused, Summary};
 use alula_sil::page::envelope::{Shown, figure};
 use alula_sil::page::{Page, Table, fixed};
-use alula_sil::reference::Vehicle;
 
 use super::output::Output;
 
@@ -32,109 +30,23 @@ pub struct Args {
     output: Output,
 }
 
-#[derive(Serialize)]
-struct FoldSummary {
-    alpha_deg: f64,
-    a: f64,
-    speed_m_s: f64,
-}
-
-#[derive(Serialize)]
-struct JumpSummary {
-    from_alpha_deg: f64,
-    to_alpha_deg: f64,
-    a: f64,
-    speed_m_s: f64,
-}
-
-#[derive(Serialize)]
-struct CuspSummary {
-    epsilon_deg: f64,
-    a: f64,
-    alpha_deg: f64,
-}
-
-/// What `--json` prints.
-#[derive(Serialize)]
-struct Summary {
-    vehicle: String,
-    epsilon_deg: f64,
-    folds: Vec<FoldSummary>,
-    counts: Vec<Interval>,
-    jump_up: Option<JumpSummary>,
-    jump_down: Option<JumpSummary>,
-    cusps: Vec<CuspSummary>,
-}
-
-/// The flight along which the airspeed varies.
-struct Ray {
-    epsilon: f64,
-    /// |W| \[N\].
-    weight: f64,
-    k_a: f64,
-}
-
-impl Ray {
-    fn new(args: &Args, vehicle: &Vehicle) -> anyhow::Result<Self> {
-        let finite = |name: &str, value: Option<f64>| match value {
-            Some(x) if !x.is_finite() => Err(anyhow!("{name}: must be a finite number")),
-            value => Ok(value.unwrap_or(0.0)),
-        };
-        let climb = finite("--climb-deg", args.climb_deg)?;
-        let acceleration = finite("--accel", args.accel)?;
-        if climb.abs() > 90.0 {
-            return Err(anyhow!("--climb-deg: must be from -90 to 90"));
-        }
-        let epsilon = match args.accel {
-            Some(_) => (acceleration / vehicle.gravity).atan(),
-            None => climb.to_radians(),
-        };
-        Ok(Self {
-            epsilon,
-            weight: vehicle.mass * vehicle.gravity.hypot(acceleration),
-            k_a: vehicle.k_a,
-        })
-    }
-
-    /// Airspeed at `a` \[m/s\].
-    fn speed(&self, a: f64) -> f64 {
-        (a * self.weight / self.k_a).sqrt()
-    }
-}
-
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let airframe = Airframe::load(&args.vehicle)?;
     let vehicle = airframe.reference();
-    let ray = Ray::new(args, &vehicle)?;
+    let option = |e: Refused| anyhow!("--{}: {}", e.field.replace('_', "-"), e.problem);
+    let ray = Ray::new(&vehicle, args.climb_deg, args.accel).map_err(option)?;
     let name = format!("envelope-{}", airframe.name);
     let out = args.output.folder(&name)?;
-    let curve = Curve::new(&vehicle, ray.epsilon).ok_or_else(|| {
-        anyhow!(
-            "{}: no equilibrium curve begins at hover at δ = {:.1}°",
-            airframe.name,
-            vehicle.delta.to_degrees()
-        )
-    })?;
-    let folds = curve.folds();
-    let fold_curve = FoldCurve::new(&vehicle);
-    let cusps = fold_curve.cusps();
+    let envelope = Envelope::new(&vehicle, ray).with_context(|| airframe.name.clone())?;
     let shown = Shown {
         vehicle: &vehicle,
-        curve: &curve,
+        curve: &envelope.curve,
         epsilon: ray.epsilon,
-        folds: &folds,
-        fold_curve: &fold_curve.pieces(),
-        cusps: &cusps,
+        folds: &envelope.folds,
+        fold_curve: &envelope.fold_curve.pieces(),
+        cusps: &envelope.cusps,
     };
-    let summary = Summary {
-        vehicle: airframe.name.clone(),
-        epsilon_deg: ray.epsilon.to_degrees(),
-        folds: folds.iter().map(|fold| fold_summary(&ray, fold)).collect(),
-        counts: curve.counts(&folds),
-        jump_up: jump_up(&curve, &folds).map(|jump| jump_summary(&ray, &jump)),
-        jump_down: jump_down(&curve, &folds).map(|jump| jump_summary(&ray, &jump)),
-        cusps: cusps.iter().map(cusp_summary).collect(),
-    };
+    let summary = envelope.summary(&airframe.name);
     let page = Page {
         title: format!("Envelope of {}", airframe.name),
         lead: format!(
@@ -159,31 +71,6 @@ fn flight(args: &Args, ray: &Ray) -> String {
         ),
         (None, Some(climb)) => format!("steady climb at ε = {climb}°"),
         (None, None) => "steady level flight (ε = 0)".to_owned(),
-    }
-}
-
-fn fold_summary(ray: &Ray, fold: &Fold) -> FoldSummary {
-    FoldSummary {
-        alpha_deg: fold.alpha.to_degrees(),
-        a: fold.a,
-        speed_m_s: ray.speed(fold.a),
-    }
-}
-
-fn jump_summary(ray: &Ray, jump: &Jump) -> JumpSummary {
-    JumpSummary {
-        from_alpha_deg: jump.from_alpha.to_degrees(),
-        to_alpha_deg: jump.to_alpha.to_degrees(),
-        a: jump.a,
-        speed_m_s: ray.speed(jump.a),
-    }
-}
-
-fn cusp_summary(cusp: &Cusp) -> CuspSummary {
-    CuspSummary {
-        epsilon_deg: cusp.epsilon.to_degrees(),
-        a: cusp.a,
-        alpha_deg: cusp.alpha.to_degrees(),
     }
 }
 

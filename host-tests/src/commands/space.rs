@@ -10,7 +10,7 @@ use serde_json::{Map, Value};
 use alula_sil::experiment::Document;
 use alula_sil::files::leave;
 use alula_sil::space::columns::write_trace;
-use alula_sil::space::starts::{Start, percentile, starts};
+use alula_sil::space::starts::{BASES, FLIGHTS, LIMITS, Starts, starts};
 use alula_sil::space::{Experiment, Figures, fly as simulate, page};
 use alula_sil::study::Threads;
 
@@ -60,87 +60,40 @@ pub fn fly(document: &Document, output: &Output) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The campaign's name, its line in the list, and its experiments.
-pub const ATTITUDES: (&str, &str) = (
-    "attitudes",
-    "Random attitudes, rates and velocities, to hover and to 20 m/s, in noise and moderate turbulence",
-);
-const BASES: [&str; 2] = ["start-hover", "start-cruise"];
-/// Flights of each experiment.
-const FLIGHTS: u64 = 10_000;
-/// Share that must converge, and greatest height lost \[m\].
-const LIMITS: (f64, f64) = (0.995, 30.0);
-
-/// What `--json` prints of the random starts of one experiment.
-#[derive(Serialize)]
-struct Starts {
-    experiment: &'static str,
-    flights: usize,
-    converged: f64,
-    height_lost_50_m: f64,
-    height_lost_95_m: f64,
-    height_lost_99_m: f64,
-    height_lost_most_m: f64,
-    /// The flight that lost most.
-    worst_seed: u64,
-    /// Flights that did not converge.
-    astray: Vec<u64>,
-}
-
-impl Starts {
-    fn new(experiment: &'static str, starts: &[Start]) -> Self {
-        let mut heights: Vec<f64> = starts.iter().map(|s| s.height_lost_m).collect();
-        heights.sort_by(f64::total_cmp);
-        let worst = starts
-            .iter()
-            .max_by(|a, b| a.height_lost_m.total_cmp(&b.height_lost_m));
-        let astray: Vec<u64> = starts
-            .iter()
-            .filter(|s| !s.converged)
-            .map(|s| s.seed)
-            .collect();
-        let at = |share| percentile(&heights, share);
-        Self {
-            experiment,
-            flights: starts.len(),
-            converged: 1.0 - astray.len() as f64 / starts.len() as f64,
-            height_lost_50_m: at(0.5),
-            height_lost_95_m: at(0.95),
-            height_lost_99_m: at(0.99),
-            height_lost_most_m: at(1.0),
-            worst_seed: worst.map_or(0, |start| start.seed),
-            astray,
-        }
+/// Prints the random starts of one experiment.
+fn print(starts: &Starts, to: &mut impl Write) -> std::io::Result<()> {
+    writeln!(to, "{}: {} flights", starts.experiment, starts.flights)?;
+    writeln!(to, "  converged        {:8.2} %", 100.0 * starts.converged)?;
+    for (label, height) in [
+        ("median", starts.height_lost_50_m),
+        ("95 %", starts.height_lost_95_m),
+        ("99 %", starts.height_lost_99_m),
+        ("most", starts.height_lost_most_m),
+    ] {
+        writeln!(to, "  height lost, {label:<6} {height:6.1} m")?;
     }
-
-    fn print(&self, to: &mut impl Write) -> std::io::Result<()> {
-        writeln!(to, "{}: {} flights", self.experiment, self.flights)?;
-        writeln!(to, "  converged        {:8.2} %", 100.0 * self.converged)?;
-        for (label, height) in [
-            ("median", self.height_lost_50_m),
-            ("95 %", self.height_lost_95_m),
-            ("99 %", self.height_lost_99_m),
-            ("most", self.height_lost_most_m),
-        ] {
-            writeln!(to, "  height lost, {label:<6} {height:6.1} m")?;
-        }
-        for seed in std::iter::once(&self.worst_seed).chain(self.astray.iter().take(5)) {
-            writeln!(to, "  alula-sil fly {} --set seed={seed}", self.experiment)?;
-        }
-        Ok(())
+    for seed in std::iter::once(&starts.worst_seed).chain(starts.astray.iter().take(5)) {
+        writeln!(
+            to,
+            "  alula-sil fly {} --set seed={seed}",
+            starts.experiment
+        )?;
     }
+    Ok(())
 }
 
 /// Flies the random starts, and prints share and heights.
 pub fn attitudes(flights: Option<u64>, threads: Threads, output: &Output) -> anyhow::Result<()> {
     let flights = flights.unwrap_or(FLIGHTS);
     ensure!(flights > 0, "--flights: must be positive");
-    let bar = progress_bar(2 * flights as usize);
+    let bar = progress_bar(BASES.len() * flights as usize);
+    let flown = || {
+        bar.inc(1);
+        Ok(())
+    };
     let mut all = Vec::new();
     for name in BASES {
-        let experiment = Experiment::of(&Document::load(name)?)?;
-        let flown = starts(&experiment, flights, threads, || bar.inc(1))?;
-        all.push(Starts::new(name, &flown));
+        all.push(Starts::new(name, &starts(name, flights, threads, flown)?));
     }
     bar.finish_and_clear();
     let out = output.folder("campaign/attitudes")?;
@@ -152,13 +105,12 @@ pub fn attitudes(flights: Option<u64>, threads: Threads, output: &Output) -> any
         writeln!(stdout, "{}", serde_json::to_string_pretty(&all)?)?;
     } else {
         for starts in &all {
-            starts.print(&mut stdout)?;
+            print(starts, &mut stdout)?;
         }
         writeln!(stdout, "summary.json is in {}", out.display())?;
     }
-    let kept = |s: &Starts| s.converged >= LIMITS.0 && s.height_lost_most_m <= LIMITS.1;
     ensure!(
-        all.iter().all(kept),
+        all.iter().all(Starts::kept),
         "attitudes: less than {} % converge, or more than {} m are lost",
         100.0 * LIMITS.0,
         LIMITS.1

@@ -6,7 +6,9 @@ use serde::Deserialize;
 use toml::Value;
 
 use super::{Answer, Controller, Input, Kind, Spec};
-use crate::experiment::{Experiment, FieldError, Fields, Model, NO_LIMITS, VehicleSpec, refused};
+use crate::experiment::{
+    Experiment, FieldError, Fields, Model, NO_LIMITS, Vehicle, VehicleSpec, refused,
+};
 use crate::margins::LoopGains;
 
 /// The row in the list of controllers.
@@ -48,7 +50,8 @@ pub struct LawSpec {
 pub struct Law {
     /// The law's parameters.
     pub control: VelocityControl<Model, GainChoice>,
-    form: Form,
+    /// Which.
+    pub form: Form,
 }
 
 impl LawSpec {
@@ -70,6 +73,11 @@ impl LawSpec {
     pub fn law(&self, experiment: &Experiment) -> Result<Law, FieldError> {
         let belief = self.vehicle.as_ref().unwrap_or(&experiment.vehicle);
         let vehicle = belief.core().map_err(|e| e.inside("vehicle"))?;
+        self.build(vehicle)
+    }
+
+    /// The law of what is believed to be `vehicle`.
+    pub fn build(&self, vehicle: Vehicle) -> Result<Law, FieldError> {
         let gains = match &self.bandwidth {
             Some(p) => GainChoice::Bandwidth(
                 BandwidthGains::new(p, &vehicle)

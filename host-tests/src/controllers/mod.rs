@@ -12,7 +12,7 @@ pub mod switching;
 use std::borrow::Cow;
 
 use alula::control::Diagnostics;
-use alula::guidance::{Air, AirUse, Mode};
+use alula::guidance::{Air, Mode};
 use alula::{Command, Fault, FeedForward, Inertial, PlanarGuided, PlanarInput, State};
 use alula_link::{Configuration, Pacing};
 use serde::{Deserialize, de};
@@ -146,23 +146,14 @@ impl Answer {
     pub fn mode(&self) -> Option<&'static str> {
         match &self.report {
             Report::Law(_) | Report::Outside => None,
-            Report::Guided(guided) => Some(match guided.mode {
-                Mode::Safe => "safe",
-                Mode::Holding => "holding",
-                Mode::Flying => "flying",
-            }),
+            Report::Guided(guided) => Some(guided.mode.name()),
             Report::Switching(phase) => Some(phase.name()),
         }
     }
 
     /// What of the air the guidance uses.
     pub fn air(&self) -> Option<&'static str> {
-        Some(match self.guided()?.air {
-            AirUse::Velocity => "velocity",
-            AirUse::Wind => "wind",
-            AirUse::HeldWind => "held-wind",
-            AirUse::None => "none",
-        })
+        Some(self.guided()?.air.name())
     }
 
     /// `ok` or a law's fault; the guidance's flags.

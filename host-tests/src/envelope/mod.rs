@@ -8,10 +8,12 @@
 mod curve;
 mod fold_curve;
 mod jumps;
+mod summary;
 
 pub use curve::{Curve, Fold, Interval};
 pub use fold_curve::{Cusp, FoldCurve, FoldPoint};
 pub use jumps::{Jump, jump_down, jump_up};
+pub use summary::{CuspSummary, Envelope, FoldSummary, JumpSummary, Ray, Refused, Summary};
 
 use crate::reference::{Coefficients, Vehicle};
 

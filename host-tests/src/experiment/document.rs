@@ -50,6 +50,28 @@ impl std::fmt::Display for FieldError {
 
 impl std::error::Error for FieldError {}
 
+/// A refusal with the text that it is about.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Located {
+    /// `file:line`, or what stands for the text.
+    pub place: String,
+    /// Field and problem.
+    pub error: FieldError,
+}
+
+impl std::fmt::Display for Located {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { place, error } = self;
+        match error.field.is_empty() {
+            // What is wrong is no field, but the text itself.
+            true => write!(f, "{place}: {}", error.problem),
+            false => write!(f, "{place}: {error}"),
+        }
+    }
+}
+
+impl std::error::Error for Located {}
+
 /// `value` must be finite.
 pub(crate) fn finite(field: &str, value: f64) -> Result<(), FieldError> {
     match value.is_finite() {
@@ -88,6 +110,8 @@ struct Layer {
     /// What stands for it in errors.
     origin: String,
     text: String,
+    /// Whether errors name a line of it.
+    lines: bool,
 }
 
 /// A document with the texts that it is made of.
@@ -172,6 +196,7 @@ impl Document {
             Layer {
                 origin: origin.clone(),
                 text: text.text.clone(),
+                lines: true,
             },
         );
         // A base is described by its own line, which is not true of what is built on it.
@@ -263,11 +288,20 @@ impl Document {
         let parsed = format!("value = {value}").parse::<Table>();
         let value = parsed.ok().and_then(|mut table| table.remove("value"));
         let value = value.with_context(|| format!("--set {assignment}: the value is not TOML"))?;
-        self.set(path.trim(), value)
-            .with_context(|| format!("--set {assignment}"))?;
+        self.change(&format!("--set {assignment}"), path.trim(), value)
+    }
+
+    /// Puts `value` at `path`, over all texts; `origin` stands for this in errors.
+    pub fn change(&mut self, origin: &str, path: &str, value: Value) -> anyhow::Result<()> {
+        let located = |error| Located {
+            place: origin.to_owned(),
+            error,
+        };
+        self.set(path, value).map_err(located)?;
         let layer = Layer {
-            origin: format!("--set {assignment}"),
-            text: format!("[set]\n\"{}\" = 0\n", path.trim()),
+            origin: origin.to_owned(),
+            text: format!("[set]\n\"{path}\" = 0\n"),
+            lines: false,
         };
         self.layers.insert(0, layer);
         Ok(())
@@ -292,17 +326,15 @@ impl Document {
 
     /// The error with the text and the line that it is about: `file:line: field: problem`.
     pub fn located(&self, error: FieldError) -> anyhow::Error {
-        let FieldError { field, problem } = error;
-        let mut places = self.layers.iter().map(|l| (l, l.line_of(&field)));
+        let mut places = self.layers.iter().map(|l| (l, l.line_of(&error.field)));
         let first = places.clone().next();
         let place = places.find(|(_, (_, complete))| *complete).or(first);
-        match place {
-            Some((layer, _)) if layer.origin.starts_with("--set") => {
-                anyhow!("{}: {field}: {problem}", layer.origin)
-            }
-            Some((layer, (line, _))) => anyhow!("{}:{line}: {field}: {problem}", layer.origin),
-            None => anyhow!("{field}: {problem}"),
-        }
+        let place = match place {
+            Some((layer, (line, _))) if layer.lines => format!("{}:{line}", layer.origin),
+            Some((layer, _)) => layer.origin.clone(),
+            None => return error.into(),
+        };
+        Located { place, error }.into()
     }
 
     /// The kind of controller that the document names, or the default one.
@@ -355,14 +387,14 @@ pub(crate) fn from_toml<T: DeserializeOwned>(
         let layer = Layer {
             origin: origin.to_owned(),
             text: text.to_owned(),
+            lines: true,
         };
         let line = line.unwrap_or_else(|| layer.line_of(field).0);
-        let field = match field {
-            "" => String::new(),
-            field => format!("{field}: "),
-        };
         let message: Vec<&str> = message.lines().collect();
-        anyhow!("{origin}:{line}: {field}{}", message.join(", "))
+        anyhow::Error::new(Located {
+            place: format!("{origin}:{line}"),
+            error: FieldError::new(field, message.join(", ")),
+        })
     };
     let at = |error: &toml::de::Error| error.span().map_or(1, |s| line_at(text, s.start));
     let deserializer = toml::Deserializer::parse(text)

@@ -15,12 +15,11 @@ use alula_bridges::sitl::Actuators;
 use alula_link::{Configuration, Pacing};
 use serde::Deserialize;
 
-pub use document::{Document, FieldError};
+pub use document::{Document, FieldError, Located};
 pub(crate) use document::{finite, from_toml, positive, read};
 pub(crate) use faults::Faults;
 pub use faults::{FaultKind, FaultSpec};
-pub use parameters::file_name;
-pub(crate) use parameters::{Fields, refused};
+pub use parameters::{Fields, file_name, file_value, refused};
 pub use plant::{Plant, PlantSpec, RateLoop, State};
 pub use reference::{InitialSpec, Knot, ReferenceSpec};
 pub use sensors::{AirSensor, ErrorSpec, Measured, PositionSensor, SensorSpec};

@@ -1,6 +1,6 @@
 //! Parameters of the core by name: every range, default and meaning is read from the core's own table.
 
-use alula::{ParameterError, Parameters, Row};
+use alula::{ParameterError, Parameters, Row, VehicleParameters};
 use serde::de::DeserializeOwned;
 use toml::{Table, Value};
 
@@ -17,22 +17,47 @@ pub fn file_name(row: &Row) -> String {
             .replace(['/', ' '], "_")
             .to_lowercase(),
     };
-    // Gains have no unit in their names: theirs say nothing to anybody.
+    // Gains and coefficients have no unit in their names: theirs say nothing to anybody.
     match row.name {
-        "k1" | "k2" | "k3" => row.name.to_owned(),
+        "k1" | "k2" | "k3" | "c2" | "c3" | "k_l" | "k_d" => row.name.to_owned(),
         name => format!("{name}_{unit}"),
     }
 }
 
-/// A refusal of the core under the name that the field has in files.
-pub(crate) fn refused<P: Parameters>(error: ParameterError) -> FieldError {
-    let row = P::ROWS.iter().find(|row| row.name == error.parameter);
+/// A value of the core in double precision: the shortest decimal that reads back to it, as somebody may have written it.
+pub(crate) fn double(value: f32) -> f64 {
+    let text = value.to_string();
+    text.parse().expect("a number reads back")
+}
+
+/// An angle \[rad\] of the core in degrees: as [`double`], if that reads back to it.
+pub(crate) fn degrees(value: f32) -> f64 {
+    let exact = f64::from(value).to_degrees();
+    let short = double(exact as f32);
+    match short.to_radians() as f32 == value {
+        true => short,
+        false => exact,
+    }
+}
+
+/// The value of a parameter in files, in the unit of [`file_name`].
+pub fn file_value(row: &Row, value: f32) -> f64 {
+    match row.unit {
+        "rad" => degrees(value),
+        _ => double(value),
+    }
+}
+
+/// A refusal of the core under the name that the field has in files. A relation may be to a parameter of the vehicle.
+pub fn refused<P: Parameters>(error: ParameterError) -> FieldError {
+    let mut rows = P::ROWS.iter().chain(VehicleParameters::ROWS);
+    let row = rows.find(|row| row.name == error.parameter);
     let field = row.map_or(error.parameter.to_owned(), file_name);
     FieldError::new(field, error.to_string())
 }
 
 /// A table whose fields are taken out one by one.
-pub(crate) struct Fields(Table);
+pub struct Fields(Table);
 
 impl Fields {
     /// The fields of a table.
@@ -106,7 +131,7 @@ impl Fields {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use alula::{GainParameters, GuidanceParameters, VehicleParameters};
+    use alula::{CombinedParameters, GainParameters, GuidanceParameters};
 
     fn fields(text: &str) -> Fields {
         Fields(text.parse().unwrap())
@@ -120,6 +145,11 @@ mod tests {
             "mass_kg k_a_kg_m delta_deg c_y gravity_m_s2 thrust_min_n thrust_max_n"
         );
         assert_eq!(names(GainParameters::ROWS), "k1 k2 k3 tau_n");
+        // As the tables of `[vehicle.aerodynamics]` have them.
+        assert_eq!(
+            names(CombinedParameters::ROWS),
+            "c0 c1 c2 c3 alpha_bar_deg k_l k_d"
+        );
         assert!(
             names(GuidanceParameters::ROWS).starts_with(
                 "natural_frequency_rad_s damping thrust_rate_1_s force_floor_mg tau_mg"

@@ -7,7 +7,7 @@ use alula::{
 use serde::Deserialize;
 
 use super::FieldError;
-use super::parameters::refused;
+use super::parameters::{degrees, double, refused};
 use crate::polar::Polar;
 use crate::reference::{self, Aerodynamics, Combined, LargeAngle, SmallAngle};
 
@@ -75,8 +75,32 @@ impl AerodynamicsSpec {
         }
     }
 
+    /// The model with the core's `parameters`.
+    pub fn of(parameters: ModelParameters) -> Self {
+        match parameters {
+            ModelParameters::LargeAngle(p) => Self::LargeAngle(LargeAngle {
+                c0: double(p.c0),
+                c1: double(p.c1),
+            }),
+            ModelParameters::SmallAngle(p) => Self::SmallAngle(SmallAngle {
+                c0: double(p.c0),
+                c2: double(p.c2),
+                c3: double(p.c3),
+            }),
+            ModelParameters::Combined(p) => Self::Combined(Combined {
+                c0: double(p.c0),
+                c1: double(p.c1),
+                c2: double(p.c2),
+                c3: double(p.c3),
+                alpha_bar_deg: degrees(p.alpha_bar),
+                k_l: double(p.k_l),
+                k_d: double(p.k_d),
+            }),
+        }
+    }
+
     /// The core's parameters. The error is a table, which has none.
-    fn parameters(&self) -> Result<ModelParameters, &Polar> {
+    pub fn parameters(&self) -> Result<ModelParameters, &Polar> {
         Ok(match self {
             Self::LargeAngle(m) => ModelParameters::LargeAngle(LargeAngleParameters {
                 c0: m.c0 as f32,
@@ -101,7 +125,7 @@ impl AerodynamicsSpec {
     }
 
     /// The model as the core takes it.
-    pub(crate) fn core(&self) -> Result<Model, FieldError> {
+    pub fn core(&self) -> Result<Model, FieldError> {
         match self.parameters() {
             Ok(parameters) => parameters.model().map_err(|e| {
                 let table = format!("aerodynamics.{}", self.key());
@@ -126,6 +150,18 @@ impl AerodynamicsSpec {
 pub const NO_LIMITS: [f64; 2] = [-1e6, 1e6];
 
 impl VehicleSpec {
+    /// The vehicle with the core's parameters `p`; its thrust limits are not in it.
+    pub fn of(p: &VehicleParameters, aerodynamics: AerodynamicsSpec) -> Self {
+        Self {
+            mass_kg: double(p.mass),
+            k_a_kg_m: double(p.k_a),
+            delta_deg: degrees(p.delta),
+            c_y: double(p.c_y),
+            gravity_m_s2: double(p.gravity),
+            aerodynamics,
+        }
+    }
+
     /// The vehicle as the bare laws take it, which know of no thrust limits.
     pub fn core(&self) -> Result<Vehicle, FieldError> {
         self.limited(NO_LIMITS)
@@ -170,5 +206,34 @@ impl VehicleSpec {
             gravity: self.gravity_m_s2,
             aerodynamics: self.aerodynamics.reference(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use alula::Parameters;
+
+    /// There and back again, to the bit.
+    #[test]
+    fn the_cores_parameters_come_back() {
+        let models = [
+            ModelParameters::LargeAngle(LargeAngleParameters::DEFAULT),
+            ModelParameters::SmallAngle(SmallAngleParameters::DEFAULT),
+            ModelParameters::Combined(CombinedParameters::PAPER_BELIEF),
+        ];
+        for (model, delta) in models.into_iter().zip([0.0, -0.3, 2.1]) {
+            let p = VehicleParameters {
+                delta,
+                ..VehicleParameters::PAPER_BELIEF
+            };
+            let spec = VehicleSpec::of(&p, AerodynamicsSpec::of(model));
+            let thrust = [p.thrust_min, p.thrust_max].map(f64::from);
+            assert_eq!(spec.parameters(thrust), p);
+            assert_eq!(spec.model_parameters().unwrap(), model);
+        }
+        // As they stand in files, where these have a decimal of single precision.
+        let paper = ModelParameters::Combined(CombinedParameters::NACA_0021_RE_160E3);
+        assert_eq!(AerodynamicsSpec::of(paper), AerodynamicsSpec::default());
     }
 }

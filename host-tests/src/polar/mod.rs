@@ -10,6 +10,7 @@ mod wing;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
+use alula::aero::TableError;
 use anyhow::{Context, anyhow, ensure};
 use serde::Deserialize;
 
@@ -112,20 +113,28 @@ impl Polar {
     /// The polar of whole `rows` \[°, c_L, c_D\], from these `lines` of `origin`.
     pub fn from_rows(origin: &str, lines: &[u64], degrees: &[[f64; 3]]) -> anyhow::Result<Self> {
         let line = |row: usize| lines.get(row).or(lines.last()).copied().unwrap_or(1);
+        Self::new(origin, degrees)
+            .map_err(|e| anyhow!("{origin}:{}: {}", line(e.row), e.problem.text()))
+    }
+
+    /// The polar through `degrees`: α \[°\], c_L, c_D; `name` is its name.
+    ///
+    /// # Errors
+    /// As the core's table.
+    pub fn new(name: &str, degrees: &[[f64; 3]]) -> Result<Self, TableError> {
         let nodes: Vec<alula::aero::Node> = degrees
             .iter()
             .map(|&[alpha, c_l, c_d]| {
                 alula::aero::Node::from_degrees(alpha as f32, c_l as f32, c_d as f32)
             })
             .collect();
-        let core = alula::aero::Polar::<{ ROWS - 1 }>::new(&nodes)
-            .map_err(|e| anyhow!("{origin}:{}: {}", line(e.row), e.problem.text()))?;
+        let core = alula::aero::Polar::<{ ROWS - 1 }>::new(&nodes)?;
         let rows: Vec<Row> = degrees
             .iter()
             .map(|&[alpha, c_l, c_d]| [alpha.to_radians(), c_l, c_d])
             .collect();
         Ok(Self {
-            name: String::leak(origin.to_owned()),
+            name: String::leak(name.to_owned()),
             core: alula::Table::new(Box::leak(Box::new(core))),
             reference: Box::leak(Box::new(Table::new(&rows))),
             rows: rows.leak(),

@@ -1,7 +1,10 @@
 //! A controller run open loop over logged inputs: of a trace ([`trace`]), or of an autopilot's log ([`log`]).
 
 pub mod log;
+mod source;
 pub mod trace;
+
+pub use source::Source;
 
 use std::io::Write;
 

@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use alula::guidance::{Mode, Unreachable};
+use alula::guidance::Unreachable;
 
 use super::Step;
 use crate::columns::Cell;
@@ -84,11 +84,7 @@ columns! {
     "command_tail_rad_s", "rad/s", "body rate commanded", |s| single(s.guided.command.rates.i);
     "margin_k", "", "the guidance's margin: k", |s| single(s.guided.margin.k);
     "margin_fold_rad", "rad", "the guidance's margin: angle to the nearest fold, first order", |s| single(s.guided.margin.fold);
-    "mode", "", "the guidance's mode", |s| word(match s.guided.mode {
-        Mode::Safe => "safe",
-        Mode::Holding => "holding",
-        Mode::Flying => "flying",
-    });
+    "mode", "", "the guidance's mode", |s| word(s.guided.mode.name());
     "phase", "", "what the guidance does: `tracking`, `crossing`, `coasting` or `recovering`", |s| word(s.guided.progress.phase.name());
     "unreachable", "", "why the path cannot be had: `sink`, `speed` or `thrust`; empty if it can", |s| word(s.guided.progress.unreachable.map_or("", Unreachable::name));
     "status", "", "the guidance's flags", |s| Cell::Word(s.guided.status.to_string().into());

@@ -63,13 +63,13 @@ impl Shard {
     }
 }
 
-/// Flies what `store` lacks of `shard`. `flown` is called once per flight.
+/// Flies what `store` lacks of `shard`. `flown` is called once per flight; an error of its own ends the campaign there.
 pub fn run(
     source: &CampaignSource,
     store: &Store,
     shard: Shard,
     threads: Threads,
-    flown: impl Fn() + Sync + Send,
+    flown: impl Fn() -> anyhow::Result<()> + Sync + Send,
 ) -> anyhow::Result<()> {
     let campaign = &source.campaign;
     let lacks = |chunk: &u64| !store.has(*chunk);
@@ -82,7 +82,7 @@ pub fn run(
                 drawn.map_err(|e| anyhow!("{}: flight {number}: {e}", source.texts.name))?;
             let flight = Flown::fly(&drawn, &campaign.faults)?;
             flights.push((number, drawn, flight));
-            flown();
+            flown()?;
         }
         let (flights, samples) = campaign.frames(&flights);
         store.keep(chunk, &flights, &samples)

@@ -1,0 +1,86 @@
+//! What is replayed: a trace, or an autopilot's log.
+
+use std::fs::File;
+use std::io::{Read, Write};
+use std::path::{Path, PathBuf};
+
+use alula_logs::states::{self, States};
+use anyhow::Context;
+
+use super::log::{self, Plane};
+use super::trace;
+use crate::experiment::Experiment;
+use crate::simulate::Step;
+
+/// A log, opened.
+pub struct Source {
+    origin: String,
+    plane: Option<Plane>,
+    content: Content,
+}
+
+enum Content {
+    /// A CSV with the columns of a trace.
+    Trace(File),
+    /// Anything else.
+    Log(Box<States>),
+}
+
+impl Source {
+    /// Opens the log `file`: a CSV such as a flight's trace, a PX4 ULog, or an ArduPilot DataFlash log. `map` is a TOML file that says which
+    /// column of a foreign CSV is which, `heading_deg` the heading of the vertical plane of the flight \[°\]; without it the plane that the
+    /// wing is square to.
+    pub fn open(
+        file: &Path,
+        map: Option<&PathBuf>,
+        heading_deg: Option<f64>,
+    ) -> anyhow::Result<Self> {
+        let origin = file.display().to_string();
+        let mut head = Vec::new();
+        let opened = File::open(file).with_context(|| origin.clone())?;
+        let read = opened.take(1 << 16).read_to_end(&mut head);
+        read.with_context(|| origin.clone())?;
+        let log = match map {
+            Some(map) => {
+                let name = map.display().to_string();
+                let text = std::fs::read_to_string(map).with_context(|| name.clone())?;
+                let map = alula_logs::csv::Map::parse(&name, &text)?;
+                let bytes = std::fs::read(file).with_context(|| origin.clone())?;
+                Some(alula_logs::csv::read(&origin, &bytes, Some(&map))?)
+            }
+            None if alula_logs::is_autopilots(file, &head) => Some(alula_logs::read(file)?),
+            None => None,
+        };
+        let content = match log {
+            Some(log) => {
+                let mut states = states::find(&log).with_context(|| origin.clone())?;
+                states.notes.splice(0..0, log.notes);
+                Content::Log(Box::new(states))
+            }
+            None => Content::Trace(File::open(file).with_context(|| origin.clone())?),
+        };
+        Ok(Self {
+            origin,
+            plane: heading_deg.map(|heading| Plane::through(heading.to_radians())),
+            content,
+        })
+    }
+
+    /// Runs the controller of `experiment` over it, and writes its commands `to` as CSV; what had to be assumed.
+    pub fn replay(
+        self,
+        to: impl Write,
+        experiment: &Experiment,
+        visit: impl FnMut(Step),
+    ) -> anyhow::Result<Vec<String>> {
+        match self.content {
+            Content::Trace(file) => {
+                trace::replay(&self.origin, file, to, experiment, visit)?;
+                Ok(Vec::new())
+            }
+            Content::Log(states) => {
+                log::replay(&states, self.plane, to, experiment, visit).context(self.origin)
+            }
+        }
+    }
+}

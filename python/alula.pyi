@@ -1,0 +1,329 @@
+"""Flight control of tail-sitters from hover to cruise and back, at any angle of attack.
+
+SI units; names end in their unit. In the vertical plane vectors are (down, forward) and theta is 0 in hover, nose up, and
+-pi/2 in level cruise. In space vectors are (north, east, down).
+"""
+
+from collections.abc import Iterable, Mapping
+from os import PathLike
+from typing import Any, Literal, TypedDict, final
+
+from numpy.typing import ArrayLike, NDArray
+
+__version__: str
+
+_Source = str | PathLike[str]
+_Set = Mapping[str, Any] | Iterable[str]
+_Axes = Literal["nose-forward", "nose-up"]
+
+class _Parameter(TypedDict):
+    name: str
+    unit: str
+    least: float
+    most: float
+    default: float | None
+    meaning: str
+
+class FieldError(ValueError):
+    """A parameter, a field or an argument that is refused."""
+
+    field: str
+    problem: str
+
+class Fault(ValueError):
+    """A law has no command for its inputs."""
+
+    name: str
+
+@final
+class Frame:
+    """Columns of equal length by name, each in one buffer of memory."""
+
+    @property
+    def names(self) -> list[str]: ...
+    def __len__(self) -> int: ...
+    def __contains__(self, name: str, /) -> bool: ...
+    def __getitem__(self, name: str, /) -> NDArray[Any]: ...
+    def numpy(self) -> dict[str, NDArray[Any]]: ...
+    def pandas(self) -> Any: ...
+    def arrow(self) -> Any: ...
+
+@final
+class Model:
+    """Lift and drag coefficients over the angle of attack."""
+
+    @staticmethod
+    def large_angle(**parameters: float) -> Model: ...
+    @staticmethod
+    def small_angle(**parameters: float) -> Model: ...
+    @staticmethod
+    def combined(**parameters: float) -> Model: ...
+    @staticmethod
+    def table(alpha_deg: Iterable[float], cl: Iterable[float], cd: Iterable[float]) -> Model: ...
+    @staticmethod
+    def load(source: _Source) -> Model: ...
+    @property
+    def parameters(self) -> dict[str, float] | None: ...
+    def coefficients(self, alpha_rad: ArrayLike) -> Frame: ...
+
+@final
+class Vehicle:
+    """Mass, aerodynamic constant, thrust line, thrust limits and coefficients."""
+
+    def __new__(cls, model: Model | None = None, **parameters: float) -> Vehicle: ...
+    @staticmethod
+    def load(source: _Source = ...) -> Vehicle: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def model(self) -> Model: ...
+    @property
+    def parameters(self) -> dict[str, float]: ...
+
+@final
+class Command:
+    """Command of one step of a law."""
+
+    @property
+    def thrust_n(self) -> float: ...
+    @property
+    def rate_rad_s(self) -> float: ...
+    @property
+    def alpha_rad(self) -> float: ...
+    @property
+    def fp_n(self) -> float: ...
+    @property
+    def theta_tilde_rad(self) -> float: ...
+    @property
+    def t_p_n(self) -> float: ...
+    @property
+    def guard_alignment(self) -> float: ...
+    @property
+    def guard_feed_forward(self) -> float: ...
+    @property
+    def k(self) -> float: ...
+
+@final
+class Law:
+    """One of the paper's velocity laws in the vertical plane."""
+
+    def __new__(
+        cls,
+        vehicle: Vehicle,
+        form: Literal["robust", "full"] = "robust",
+        *,
+        gains: dict[str, float] | None = None,
+        bandwidth: dict[str, float] | None = None,
+    ) -> Law: ...
+    def command(
+        self,
+        velocity: ArrayLike,
+        theta: float,
+        reference_velocity: ArrayLike,
+        reference_acceleration: ArrayLike | None = None,
+        wind: ArrayLike | None = None,
+        *,
+        air_acceleration: ArrayLike | None = None,
+        jerk: ArrayLike | None = None,
+    ) -> Command: ...
+    def commands(
+        self,
+        velocity: ArrayLike,
+        theta: ArrayLike,
+        reference_velocity: ArrayLike,
+        reference_acceleration: ArrayLike | None = None,
+        wind: ArrayLike | None = None,
+    ) -> Frame: ...
+
+@final
+class Guided:
+    """What a step of the guidance gives: always a command."""
+
+    @property
+    def thrust_n(self) -> float: ...
+    @property
+    def rates_rad_s(self) -> list[float]: ...
+    @property
+    def rate_rad_s(self) -> float: ...
+    @property
+    def mode(self) -> Literal["safe", "holding", "flying"]: ...
+    @property
+    def air(self) -> Literal["velocity", "wind", "held-wind", "none"]: ...
+    @property
+    def status(self) -> list[str]: ...
+    @property
+    def refusal(self) -> str | None: ...
+    @property
+    def phase(self) -> Literal["tracking", "crossing", "coasting", "recovering"]: ...
+    @property
+    def unreachable(self) -> Literal["sink", "speed", "thrust"] | None: ...
+    @property
+    def margin_force(self) -> float: ...
+    @property
+    def margin_k(self) -> float: ...
+    @property
+    def margin_fold_rad(self) -> float: ...
+    @property
+    def reference_velocity_m_s(self) -> list[float]: ...
+    @property
+    def reference_acceleration_m_s2(self) -> list[float]: ...
+
+@final
+class Guidance:
+    """The law with everything around it that a real vehicle asks for."""
+
+    def __new__(cls, vehicle: Vehicle, **parameters: Any) -> Guidance: ...
+    @property
+    def parameters(self) -> dict[str, float]: ...
+    @property
+    def state(self) -> bytes: ...
+    @state.setter
+    def state(self, state: bytes) -> None: ...
+    def reset(self) -> None: ...
+    def update(
+        self,
+        dt: float,
+        *,
+        velocity: ArrayLike,
+        quaternion: ArrayLike,
+        reference_velocity: ArrayLike,
+        reference_acceleration: ArrayLike | None = None,
+        heading: float | None = None,
+        air_velocity: ArrayLike | None = None,
+        wind: ArrayLike | None = None,
+        specific_force: ArrayLike | None = None,
+        position_error: ArrayLike | None = None,
+        state_age: float = 0.0,
+        reference_age: float = 0.0,
+        axes: _Axes = "nose-forward",
+    ) -> Guided: ...
+    def update_in_plane(
+        self,
+        dt: float,
+        *,
+        velocity: ArrayLike,
+        theta: float,
+        reference_velocity: ArrayLike,
+        reference_acceleration: ArrayLike | None = None,
+        air_velocity: ArrayLike | None = None,
+        wind: ArrayLike | None = None,
+        position_error: ArrayLike | None = None,
+        state_age: float = 0.0,
+        reference_age: float = 0.0,
+    ) -> Guided: ...
+
+@final
+class Equilibrium:
+    """An orientation that holds a reference."""
+
+    @property
+    def theta_rad(self) -> float: ...
+    @property
+    def alpha_rad(self) -> float: ...
+    @property
+    def thrust_n(self) -> float: ...
+    @property
+    def t_p_n(self) -> float: ...
+    @property
+    def fp_n(self) -> float: ...
+    @property
+    def branch(self) -> Literal["0", "pi"]: ...
+    @property
+    def isolated(self) -> bool: ...
+    @property
+    def fold_alpha_rad(self) -> float | None: ...
+    @property
+    def fold_speed_ratio(self) -> float | None: ...
+
+@final
+class Envelope:
+    """Equilibria over the airspeed, in double precision."""
+
+    @property
+    def summary(self) -> dict[str, Any]: ...
+    @property
+    def curve(self) -> Frame: ...
+
+@final
+class Experiment:
+    """A flight to be flown."""
+
+    def __new__(cls, source: _Source = ..., set: _Set | None = None) -> Experiment: ...
+    @staticmethod
+    def from_toml(text: str, name: str = "experiment", set: _Set | None = None) -> Experiment: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def toml(self) -> str: ...
+    def get(self, path: str) -> Any: ...
+    def fly(self) -> Flight: ...
+
+@final
+class Flight:
+    """A flight that has been flown."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def figures(self) -> dict[str, Any]: ...
+    @property
+    def segments(self) -> list[dict[str, Any]]: ...
+    @property
+    def record(self) -> Frame: ...
+    @property
+    def beyond(self) -> list[tuple[str, float, float]]: ...
+
+@final
+class Campaign:
+    """A campaign that has been flown."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def passed(self) -> bool: ...
+    @property
+    def summary(self) -> Any: ...
+    @property
+    def flights(self) -> Frame: ...
+    @property
+    def samples(self) -> Frame: ...
+    def refly(self, number: int) -> Flight: ...
+
+@final
+class Replay:
+    """A controller run over a logged flight."""
+
+    @property
+    def record(self) -> Frame: ...
+    @property
+    def notes(self) -> list[str]: ...
+
+def parameters() -> dict[str, list[_Parameter]]: ...
+def polars() -> list[str]: ...
+def experiments() -> dict[str, str]: ...
+def campaigns() -> dict[str, str]: ...
+def equilibria(
+    vehicle: Vehicle | _Source,
+    velocity: ArrayLike,
+    acceleration: ArrayLike | None = None,
+    wind: ArrayLike | None = None,
+) -> list[Equilibrium]: ...
+def envelope(
+    vehicle: Vehicle | _Source, *, climb_deg: float | None = None, accel: float | None = None
+) -> Envelope: ...
+def fly(source: _Source = ..., set: _Set | None = None) -> Flight: ...
+def replay(
+    file: _Source,
+    source: _Source = ...,
+    set: _Set | None = None,
+    *,
+    map: _Source | None = None,
+    heading_deg: float | None = None,
+) -> Replay: ...
+def campaign(
+    source: _Source,
+    flights: int | None = None,
+    *,
+    threads: int | None = None,
+    out: _Source | None = None,
+) -> Campaign: ...

@@ -1,0 +1,145 @@
+//! Arguments: numbers, vectors and arrays of them, and values for files.
+
+use std::convert::Infallible;
+
+use numpy::ndarray::{ArrayView2, Axis};
+use numpy::{AllowTypeChange, PyArrayLikeDyn};
+use pyo3::prelude::*;
+use pyo3::types::{PyBool, PyDict, PyString};
+use toml::{Table, Value};
+
+use crate::error;
+
+type Array<'py> = PyArrayLikeDyn<'py, f32, AllowTypeChange>;
+
+/// Numbers of any shape: what NumPy makes an array of. What it does not is kept until the argument's name is known.
+pub struct Numbers<'py>(Result<Array<'py>, String>);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for Numbers<'py> {
+    type Error = Infallible;
+
+    fn extract(given: Borrowed<'a, 'py, PyAny>) -> Result<Self, Infallible> {
+        let array = Array::extract(given);
+        Ok(Self(
+            array.map_err(|error| error.value(given.py()).to_string()),
+        ))
+    }
+}
+
+impl<'py> Numbers<'py> {
+    fn array(&self, field: &str) -> PyResult<&Array<'py>> {
+        let problem = |text: &String| error::field(field, text.clone());
+        self.0.as_ref().map_err(problem)
+    }
+}
+
+/// `value` as a vector of `N` components.
+pub fn vector<const N: usize>(field: &str, value: &Numbers) -> PyResult<[f32; N]> {
+    let view = value.array(field)?.as_array();
+    match view.shape() {
+        [n] if *n == N => Ok(std::array::from_fn(|i| view[[i]])),
+        other => Err(shape(field, &format!("({N},)"), other)),
+    }
+}
+
+/// A vector that may be left out: zero.
+pub fn vector_or_zero<const N: usize>(field: &str, value: Option<&Numbers>) -> PyResult<[f32; N]> {
+    value.map_or(Ok([0.0; N]), |value| vector(field, value))
+}
+
+fn shape(field: &str, wanted: &str, shape: &[usize]) -> PyErr {
+    error::field(field, format!("must be of shape {wanted}, is of {shape:?}"))
+}
+
+/// The number of rows of several arguments, each with its name and the number of components in a row: of those that have rows.
+pub fn rows(arguments: &[(&str, &Numbers, usize)]) -> PyResult<usize> {
+    let mut found = None;
+    for (field, value, row) in arguments {
+        let value = value.array(field)?.as_array();
+        let n = match (value.shape(), row) {
+            ([], 1) => continue,
+            ([n], 1) => *n,
+            ([n], row) if n == row => continue,
+            ([n, m], row) if m == row && *row > 1 => *n,
+            (other, 1) => return Err(shape(field, "() or (n,)", other)),
+            (other, row) => return Err(shape(field, &format!("({row},) or (n, {row})"), other)),
+        };
+        match found {
+            Some(others) if others != n => {
+                let problem = format!("has {n} rows, arguments before it {others}");
+                return Err(error::field(field, problem));
+            }
+            _ => found = Some(n),
+        }
+    }
+    Ok(found.unwrap_or(1))
+}
+
+/// The rows of an argument, a single one of which stands for all.
+#[derive(Clone, Copy)]
+pub struct Rows<'a>(ArrayView2<'a, f32>);
+
+impl<'a> Rows<'a> {
+    /// The rows of `value`, of `width` components, which [`rows`] has counted.
+    pub fn new(value: &'a Numbers, width: usize) -> Self {
+        let array = value.0.as_ref().expect("counted before");
+        let view = array.as_array();
+        let view = match (view.ndim(), width) {
+            (0, _) => view.insert_axis(Axis(0)).insert_axis(Axis(0)),
+            (1, 1) => view.insert_axis(Axis(1)),
+            (1, _) => view.insert_axis(Axis(0)),
+            _ => view,
+        };
+        Self(
+            view.into_dimensionality()
+                .expect("of two dimensions by now"),
+        )
+    }
+
+    /// Row `k`.
+    pub fn get<const N: usize>(&self, k: usize) -> [f32; N] {
+        let k = if self.0.nrows() == 1 { 0 } else { k };
+        std::array::from_fn(|i| self.0[[k, i]])
+    }
+}
+
+/// A value of Python as files have it.
+pub fn value(field: &str, given: &Bound<'_, PyAny>) -> PyResult<Value> {
+    if let Ok(flag) = given.cast::<PyBool>() {
+        return Ok(Value::Boolean(flag.is_true()));
+    }
+    if let Ok(text) = given.cast::<PyString>() {
+        return Ok(Value::String(text.to_string()));
+    }
+    if let Ok(dict) = given.cast::<PyDict>() {
+        return table(dict).map(Value::Table);
+    }
+    if let Ok(integer) = given.extract::<i64>() {
+        return Ok(Value::Integer(integer));
+    }
+    if let Ok(number) = given.extract::<f64>() {
+        return Ok(Value::Float(number));
+    }
+    if let Ok(path) = given.call_method0("__fspath__") {
+        return value(field, &path);
+    }
+    if let Ok(items) = given.try_iter() {
+        let items = items.map(|item| value(field, &item?));
+        return items.collect::<PyResult<_>>().map(Value::Array);
+    }
+    let problem = format!(
+        "{} is nothing that a file can hold",
+        given.get_type().name()?
+    );
+    Err(error::field(field, problem))
+}
+
+/// A dictionary as files have it.
+pub fn table(dict: &Bound<'_, PyDict>) -> PyResult<Table> {
+    let entry = |(key, given): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
+        let key: String = key.extract()?;
+        let value = value(&key, &given)?;
+        Ok((key, value))
+    };
+    dict.iter().map(entry).collect()
+}

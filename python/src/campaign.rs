@@ -1,0 +1,195 @@
+//! Campaigns: an experiment flown many times over.
+
+use std::num::NonZero;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::Duration;
+
+use alula_sil::space::starts::{ATTITUDES, BASES, FLIGHTS, Start, Starts, starts};
+use alula_sil::study::{self, BUILT_IN, CampaignSource, Shard, Store, Summary, Threads};
+use anyhow::ensure;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::error;
+use crate::flight::{self, Flight};
+use crate::frame::{Data, Frame, json};
+
+/// A campaign that has been flown.
+#[pyclass(frozen, module = "alula")]
+pub struct Campaign {
+    /// The campaign's name.
+    #[pyo3(get)]
+    name: String,
+    /// Whether every limit is kept, and no flight departed, diverged or ended a fault in another state than stated.
+    #[pyo3(get)]
+    passed: bool,
+    /// What was found, as `alula-sil campaign --json` prints it.
+    #[pyo3(get)]
+    summary: Py<PyAny>,
+    /// One row per flight: what was drawn, the figures, and the verdicts.
+    #[pyo3(get)]
+    flights: Py<Frame>,
+    /// The course of every flight at 101 times; without columns for attitudes.
+    #[pyo3(get)]
+    samples: Py<Frame>,
+    source: Option<CampaignSource>,
+}
+
+#[pymethods]
+impl Campaign {
+    /// Flies one of its flights again, by number. Those of attitudes are `alula.fly("start-hover", {"seed": number})`.
+    fn refly(&self, py: Python<'_>, number: u64) -> PyResult<Flight> {
+        let source = self.source.as_ref().filter(|s| number < s.campaign.flights);
+        let source = source.ok_or_else(|| error::field("number", "is no flight of a text"))?;
+        let drawn = source.campaign.draw(&source.base, number);
+        let mut document = drawn.map_err(error::of_field)?.document;
+        document.name = format!("{}-{number}", source.stem());
+        flight::fly(py, &document)
+    }
+
+    fn __repr__(&self) -> String {
+        let verdict = if self.passed { "passed" } else { "not passed" };
+        format!("<alula.Campaign {}: {verdict}>", self.name)
+    }
+}
+
+/// Does `work` while Python's signals are looked after: Ctrl-C makes `work`'s argument false, and is raised when it has ended.
+fn interruptible<R: Send>(
+    py: Python<'_>,
+    work: impl FnOnce(&(dyn Fn() -> anyhow::Result<()> + Sync)) -> anyhow::Result<R> + Send,
+) -> PyResult<R> {
+    let stop = &AtomicBool::new(false);
+    let go_on = &|| {
+        ensure!(!stop.load(Ordering::Relaxed), "interrupted");
+        Ok(())
+    };
+    thread::scope(|scope| {
+        let worker = scope.spawn(|| work(go_on));
+        let mut signals = Ok(());
+        while !worker.is_finished() && signals.is_ok() {
+            py.detach(|| thread::sleep(Duration::from_millis(10)));
+            signals = py.check_signals();
+        }
+        stop.store(signals.is_err(), Ordering::Relaxed);
+        let result = py.detach(|| worker.join());
+        signals?;
+        match result {
+            Ok(result) => result.map_err(error::of),
+            Err(panic) => std::panic::resume_unwind(panic),
+        }
+    })
+}
+
+/// Flies a campaign on all cores, or on `threads`: an experiment many times over, with its fields drawn at random.
+///
+/// `source` is a built-in (`alula.campaigns()`) or a TOML file; `flights` replaces its number of flights. The results are left in the
+/// folder `out`, where an interrupted campaign goes on; without it nothing is left. They do not depend on threads or interruptions.
+#[pyfunction]
+#[pyo3(signature = (source, flights=None, *, threads=None, out=None))]
+pub fn campaign(
+    py: Python<'_>,
+    source: PathBuf,
+    flights: Option<u64>,
+    threads: Option<usize>,
+    out: Option<PathBuf>,
+) -> PyResult<Campaign> {
+    let threads = match threads {
+        None => None,
+        Some(n) => {
+            Some(NonZero::new(n).ok_or_else(|| error::field("threads", "must be positive"))?)
+        }
+    };
+    if flights == Some(0) {
+        return Err(error::field("flights", "must be positive"));
+    }
+    let name = source.to_string_lossy();
+    if name == ATTITUDES.0 {
+        return match out {
+            None => attitudes(py, flights.unwrap_or(FLIGHTS), threads),
+            Some(_) => Err(error::field("out", "attitudes leaves nothing")),
+        };
+    }
+    let source = CampaignSource::load(&name, flights).map_err(error::of)?;
+    let (summary, flights, samples) = interruptible(py, |go_on| {
+        let temporary = tempfile::tempdir()?;
+        let folder = out.as_deref().unwrap_or(temporary.path());
+        let store = Store::open(folder, &source)?;
+        study::run(&source, &store, Shard::default(), threads, go_on)?;
+        let (mut flights, mut samples) = Default::default();
+        for chunk in 0..source.campaign.chunks() {
+            study::Frame::append(&mut flights, store.flights(chunk)?)?;
+            study::Frame::append(&mut samples, store.samples(chunk)?)?;
+        }
+        Ok((Summary::of(&source, &store)?, flights, samples))
+    })?;
+    Ok(Campaign {
+        name: source.stem().to_owned(),
+        passed: summary.verdict(),
+        summary: json(py, &summary)?,
+        flights: Py::new(py, Frame::of_study(py, flights))?,
+        samples: Py::new(py, Frame::of_study(py, samples))?,
+        source: Some(source),
+    })
+}
+
+/// Random starts in space: `flights` of each experiment.
+fn attitudes(py: Python<'_>, flights: u64, threads: Threads) -> PyResult<Campaign> {
+    let flown: Vec<(&str, Vec<Start>)> = interruptible(py, |go_on| {
+        let fly = |name| Ok((name, starts(name, flights, threads, go_on)?));
+        BASES.into_iter().map(fly).collect()
+    })?;
+    let summary: Vec<Starts> = flown
+        .iter()
+        .map(|(name, all)| Starts::new(name, all))
+        .collect();
+    let rows = || {
+        flown
+            .iter()
+            .flat_map(|(name, all)| all.iter().map(move |start| (name, start)))
+    };
+    let columns = [
+        (
+            "experiment",
+            Data::words(rows().map(|(name, _)| (*name).to_owned())),
+        ),
+        (
+            "seed",
+            Data::Integer(rows().map(|(_, s)| s.seed as i64).collect()),
+        ),
+        (
+            "converged",
+            Data::Flag(rows().map(|(_, s)| s.converged).collect()),
+        ),
+        (
+            "height_lost_m",
+            Data::Real(rows().map(|(_, s)| s.height_lost_m).collect()),
+        ),
+        (
+            "late_velocity_error_m_s",
+            Data::Real(rows().map(|(_, s)| s.late_velocity_error_m_s).collect()),
+        ),
+    ];
+    let columns = columns.map(|(name, data)| (name.to_owned(), data));
+    Ok(Campaign {
+        name: ATTITUDES.0.to_owned(),
+        passed: summary.iter().all(Starts::kept),
+        summary: json(py, &summary)?,
+        flights: Py::new(py, Frame::new(py, columns))?,
+        samples: Py::new(py, Frame::new(py, []))?,
+        source: None,
+    })
+}
+
+/// Name and description of every built-in campaign.
+#[pyfunction]
+pub fn campaigns(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+    let dict = PyDict::new(py);
+    for (name, _) in BUILT_IN {
+        let source = CampaignSource::load(name, None).map_err(error::of)?;
+        dict.set_item(name, source.campaign.description)?;
+    }
+    dict.set_item(ATTITUDES.0, ATTITUDES.1)?;
+    Ok(dict)
+}

@@ -1,0 +1,124 @@
+//! A flight that has been flown: its record and its figures.
+
+use alula_sil::columns::COLUMNS;
+use alula_sil::experiment::{Document, Experiment};
+use alula_sil::figures::{Figures, Segment};
+use alula_sil::simulate::{End, Step, simulate};
+use alula_sil::space;
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+
+use crate::error;
+use crate::frame::{Data, Frame, json};
+
+/// A flight.
+#[pyclass(frozen, module = "alula")]
+pub struct Flight {
+    /// The experiment's name.
+    #[pyo3(get)]
+    name: String,
+    /// The figures by name, as `alula-sil fly --json` gives them. What there is none of, or is no number, is None.
+    #[pyo3(get)]
+    figures: Py<PyAny>,
+    /// The figures along each segment of the reference; none in space.
+    #[pyo3(get)]
+    segments: Py<PyAny>,
+    /// The record: one row per control step, the columns of the trace.
+    #[pyo3(get)]
+    record: Py<Frame>,
+    /// The bounds of the experiment that are not kept: (figure, value, bound).
+    #[pyo3(get)]
+    beyond: Vec<(String, f64, f64)>,
+    /// Label, value and note of the lines of the table.
+    lines: Vec<[String; 3]>,
+}
+
+#[pymethods]
+impl Flight {
+    /// The table of figures that `alula-sil fly` prints.
+    fn __str__(&self) -> String {
+        let mut text = self.name.clone();
+        for [label, value, note] in &self.lines {
+            let line = format!("\n  {label:<28} {value:>14}  {note}");
+            text += line.trim_end_matches(' ');
+        }
+        text
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<alula.Flight {}>", self.name)
+    }
+}
+
+/// Flies what `document` says, in space if it has a path, else in the vertical plane.
+pub fn fly(py: Python<'_>, document: &Document) -> PyResult<Flight> {
+    match document.get("path") {
+        Some(_) => in_space(py, document),
+        None => in_plane(py, document),
+    }
+}
+
+/// The columns of a record that apply to it.
+pub fn columns(experiment: &Experiment, record: &[Step]) -> Vec<(String, Data)> {
+    let columns = COLUMNS.iter().filter_map(|column| {
+        let cells = record.iter().map(|step| (column.read)(experiment, step));
+        Some((column.name.to_owned(), Data::of(cells)?))
+    });
+    columns.collect()
+}
+
+fn in_plane(py: Python<'_>, document: &Document) -> PyResult<Flight> {
+    let experiment = document.checked().map_err(error::of)?;
+    let flown = py.detach(|| {
+        let mut record = Vec::with_capacity(experiment.steps() + 1);
+        let mut controller = experiment.controller()?;
+        let end = simulate(&experiment, controller.as_mut(), |step| {
+            record.push(*step);
+            true
+        });
+        let figures = Figures::of(&experiment, &record);
+        let segments = Segment::of(&experiment, &record);
+        Ok((end?, figures, segments, columns(&experiment, &record)))
+    });
+    let (end, figures, segments, columns) = flown.map_err(error::of)?;
+    if let End::Diverged(t) = end {
+        let text = format!(
+            "{}: diverged at {t:.2} s: no aircraft flies like this",
+            document.name
+        );
+        return Err(PyRuntimeError::new_err(text));
+    }
+    Ok(Flight {
+        name: document.name.clone(),
+        figures: json(py, &figures)?,
+        segments: json(py, &segments)?,
+        record: Py::new(py, Frame::new(py, columns))?,
+        beyond: Vec::new(),
+        lines: figures.table(),
+    })
+}
+
+fn in_space(py: Python<'_>, document: &Document) -> PyResult<Flight> {
+    let experiment = space::Experiment::of(document).map_err(error::of)?;
+    let flown = py.detach(|| {
+        let record = space::fly(&experiment)?;
+        let columns = space::columns::COLUMNS.iter().filter_map(|column| {
+            let cells = record.iter().map(|step| Some((column.read)(step)));
+            Some((column.name.to_owned(), Data::of(cells)?))
+        });
+        let columns: Vec<_> = columns.collect();
+        Ok((space::Figures::of(&experiment, &record), columns))
+    });
+    let (figures, columns) = flown.map_err(error::of_field)?;
+    let beyond = figures.beyond(&experiment).into_iter();
+    Ok(Flight {
+        name: document.name.clone(),
+        figures: json(py, &figures.json())?,
+        segments: json(py, &[(); 0])?,
+        record: Py::new(py, Frame::new(py, columns))?,
+        beyond: beyond
+            .map(|(name, value, bound)| (name.to_owned(), value, bound))
+            .collect(),
+        lines: figures.table(&experiment),
+    })
+}

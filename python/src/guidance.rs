@@ -1,0 +1,280 @@
+//! The guidance, with what it remembers.
+
+use ::alula::guidance::Air;
+use ::alula::ned::{BodyAxes, Ned, Quaternion};
+use ::alula::spatial::{Heading, Orientation, Reference};
+use ::alula::{
+    Attitude, GainChoice, GuidanceInput, GuidanceParameters, GuidanceState, Inertial, PlanarInput,
+};
+use alula_sil::controllers::GuidanceSpec;
+use alula_sil::experiment::Model;
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+use toml::Value;
+
+use crate::arguments::{Numbers, table, vector, vector_or_zero};
+use crate::error;
+use crate::parameters;
+use crate::vehicle::Vehicle;
+
+/// The law with everything around it that a real vehicle asks for: planning, position hold, limits, supervision.
+///
+/// Parameters by keyword, those left out at their defaults: `alula.parameters()["Guidance"]`; and as in the table
+/// `[controller.guidance]` of an experiment `gains`, a dictionary of constant gains in place of those by bandwidth, and
+/// `thrust_n`, (least, most) in place of the vehicle's. For flights in one plane `max_turn_g=0` keeps the plane.
+///
+/// It remembers from step to step; `reset` is power-on.
+#[pyclass(module = "alula")]
+pub struct Guidance {
+    guidance: ::alula::Guidance<Model, GainChoice>,
+    parameters: GuidanceParameters,
+    state: GuidanceState,
+}
+
+/// What a step of the guidance gives: always a command.
+///
+/// Rates are about the body axes x, y, z that were asked for; y is the right wing. References are (north, east, down), the
+/// vertical plane being the one to the north.
+#[pyclass(frozen, get_all, module = "alula")]
+pub struct Guided {
+    /// Thrust along the nose [N], inside the vehicle's limits.
+    thrust_n: f32,
+    /// Body rates about x, y and z [rad/s].
+    rates_rad_s: [f32; 3],
+    /// Body rate about the right wing [rad/s]: the rate of theta in the vertical plane.
+    rate_rad_s: f32,
+    /// "safe", "holding" or "flying".
+    mode: &'static str,
+    /// What of the air is used: "velocity", "wind", "held-wind" or "none".
+    air: &'static str,
+    /// Flags of what limited the step.
+    status: Vec<String>,
+    /// Why the frame was refused, or None.
+    refusal: Option<&'static str>,
+    /// What is done: "tracking", "crossing", "coasting" or "recovering".
+    phase: &'static str,
+    /// Why the reference cannot be had, "sink", "speed" or "thrust", or None.
+    unreachable: Option<&'static str>,
+    /// |F_p| over tau; below 1 the guard acts.
+    margin_force: f32,
+    /// The gain k; 1 on a sphere.
+    margin_k: f32,
+    /// Angle to the nearest fold, to first order [rad].
+    margin_fold_rad: f32,
+    /// The velocity that the law was given [m/s].
+    reference_velocity_m_s: [f32; 3],
+    /// The acceleration that the law was given [m/s²].
+    reference_acceleration_m_s2: [f32; 3],
+}
+
+#[pymethods]
+impl Guided {
+    fn __repr__(&self) -> String {
+        let Self {
+            thrust_n,
+            rates_rad_s,
+            mode,
+            ..
+        } = self;
+        format!("Guided(thrust_n={thrust_n}, rates_rad_s={rates_rad_s:?}, mode={mode:?}, …)")
+    }
+}
+
+fn components(v: Ned) -> [f32; 3] {
+    [v.north, v.east, v.down]
+}
+
+fn ned([north, east, down]: [f32; 3]) -> Ned {
+    Ned::new(north, east, down)
+}
+
+fn inertial([down, forward]: [f32; 2]) -> Inertial {
+    Inertial::new(down, forward)
+}
+
+/// What is told of the air.
+fn air<const N: usize, V>(
+    velocity: Option<&Numbers>,
+    wind: Option<&Numbers>,
+    make: fn([f32; N]) -> V,
+) -> PyResult<Air<V>> {
+    Ok(match (velocity, wind) {
+        (Some(_), Some(_)) => return Err(error::field("wind", "cannot go with air_velocity")),
+        (Some(v), None) => Air::Velocity(make(vector("air_velocity", v)?)),
+        (None, Some(v)) => Air::Wind(make(vector("wind", v)?)),
+        (None, None) => Air::Unknown,
+    })
+}
+
+fn body_axes(name: &str) -> PyResult<BodyAxes> {
+    match name {
+        "nose-forward" => Ok(BodyAxes::NoseForward),
+        "nose-up" => Ok(BodyAxes::NoseUp),
+        _ => Err(error::field(
+            "axes",
+            format!("{name} is neither nose-forward nor nose-up"),
+        )),
+    }
+}
+
+impl Guidance {
+    fn step(&mut self, input: &GuidanceInput, dt: f32, axes: BodyAxes) -> Guided {
+        let guided = self.guidance.update(&mut self.state, input, dt);
+        let names = guided.status.to_string();
+        let flags = names.split('|').filter(|name| !name.is_empty());
+        Guided {
+            thrust_n: guided.command.thrust,
+            rates_rad_s: axes.components(guided.command.rates),
+            rate_rad_s: guided.command.rates.w,
+            mode: guided.mode.name(),
+            air: guided.air.name(),
+            status: flags.map(str::to_owned).collect(),
+            refusal: guided.refusal.map(|refusal| refusal.name()),
+            phase: guided.progress.phase.name(),
+            unreachable: guided.progress.unreachable.map(|why| why.name()),
+            margin_force: guided.margin.force,
+            margin_k: guided.margin.k,
+            margin_fold_rad: guided.margin.fold,
+            reference_velocity_m_s: components(guided.reference.velocity),
+            reference_acceleration_m_s2: components(guided.reference.acceleration),
+        }
+    }
+}
+
+#[pymethods]
+impl Guidance {
+    #[new]
+    #[pyo3(signature = (vehicle, **parameters))]
+    fn new(vehicle: &Vehicle, parameters: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        let fields = parameters.map(table).transpose()?.unwrap_or_default();
+        let made = GuidanceSpec::read(Value::Table(fields)).and_then(|spec| {
+            let thrust = spec.thrust_n.unwrap_or(vehicle.thrust);
+            let guidance = spec.build(&vehicle.spec, thrust, &spec.parameters)?;
+            Ok((guidance, spec.parameters))
+        });
+        let (guidance, parameters) = made.map_err(error::of_field)?;
+        Ok(Self {
+            guidance,
+            parameters,
+            state: GuidanceState::default(),
+        })
+    }
+
+    /// Its parameters by name.
+    #[getter]
+    fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        parameters::dict(py, &self.parameters)
+    }
+
+    /// Forgets everything: power-on.
+    fn reset(&mut self) {
+        self.state = GuidanceState::default();
+    }
+
+    /// What it remembers, as bytes. They may be set to go on from there; bytes of another version of the library, or damaged
+    /// ones, are found at the next step, which begins anew.
+    #[getter]
+    fn state<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
+        PyBytes::new(py, &self.state.to_bytes())
+    }
+
+    #[setter]
+    fn set_state(&mut self, state: &[u8]) -> PyResult<()> {
+        let bytes = state.try_into().map_err(|_| {
+            let problem = format!("must be {} bytes, is {}", GuidanceState::BYTES, state.len());
+            error::field("state", problem)
+        })?;
+        self.state = GuidanceState::from_bytes(bytes);
+        Ok(())
+    }
+
+    /// One step in space, `dt` [s] after the last. Bad inputs raise nothing: they are bridged, and then the safe command is given;
+    /// `mode`, `status` and `refusal` say so.
+    ///
+    /// World vectors are (north, east, down). velocity: over ground [m/s]. quaternion: (w, x, y, z), from the body axes `axes` to
+    /// north-east-down; "nose-forward" is x along the nose and z to the belly, "nose-up" x to the belly and z along the tail.
+    /// heading: where the belly is to point in hover, from north towards east [rad]; None is free. air_velocity [m/s] if it is
+    /// measured, or else wind [m/s] if it is known. specific_force: what an accelerometer feels, along `axes` [m/s²].
+    /// position_error: position less reference position [m], if position is to be held. Ages [s].
+    #[pyo3(signature = (
+        dt, *, velocity, quaternion, reference_velocity, reference_acceleration=None, heading=None, air_velocity=None, wind=None,
+        specific_force=None, position_error=None, state_age=0.0, reference_age=0.0, axes="nose-forward"
+    ))]
+    #[expect(clippy::too_many_arguments, reason = "by keyword in Python")]
+    fn update(
+        &mut self,
+        dt: f32,
+        velocity: Numbers<'_>,
+        quaternion: Numbers<'_>,
+        reference_velocity: Numbers<'_>,
+        reference_acceleration: Option<Numbers<'_>>,
+        heading: Option<f32>,
+        air_velocity: Option<Numbers<'_>>,
+        wind: Option<Numbers<'_>>,
+        specific_force: Option<Numbers<'_>>,
+        position_error: Option<Numbers<'_>>,
+        state_age: f32,
+        reference_age: f32,
+        axes: &str,
+    ) -> PyResult<Guided> {
+        let axes = body_axes(axes)?;
+        let [w, x, y, z] = vector("quaternion", &quaternion)?;
+        let orientation = Orientation::from_quaternion(&Quaternion { w, x, y, z }, axes);
+        let acceleration = reference_acceleration.as_ref();
+        let force = specific_force.as_ref().map(|v| vector("specific_force", v));
+        let error = position_error.as_ref().map(|v| vector("position_error", v));
+        let input = GuidanceInput {
+            velocity: ned(vector("velocity", &velocity)?),
+            orientation: orientation.unwrap_or(Orientation::UNKNOWN),
+            state_age,
+            air: air(air_velocity.as_ref(), wind.as_ref(), ned)?,
+            specific_force: force.transpose()?.map(|force| axes.vector(force)),
+            position_error: error.transpose()?.map(ned),
+            reference: Reference {
+                velocity: ned(vector("reference_velocity", &reference_velocity)?),
+                acceleration: ned(vector_or_zero("reference_acceleration", acceleration)?),
+                heading: heading.map_or(Heading::FREE, Heading::from_angle),
+            },
+            reference_age,
+        };
+        Ok(self.step(&input, dt, axes))
+    }
+
+    /// One step in the vertical plane to the north: as `update`, with vectors (down, forward) and the attitude theta [rad], 0 in
+    /// hover with the nose up, -pi/2 with the nose forward. The rate of theta commanded is `rate_rad_s`.
+    #[pyo3(signature = (
+        dt, *, velocity, theta, reference_velocity, reference_acceleration=None, air_velocity=None, wind=None, position_error=None,
+        state_age=0.0, reference_age=0.0
+    ))]
+    #[expect(clippy::too_many_arguments, reason = "by keyword in Python")]
+    fn update_in_plane(
+        &mut self,
+        dt: f32,
+        velocity: Numbers<'_>,
+        theta: f32,
+        reference_velocity: Numbers<'_>,
+        reference_acceleration: Option<Numbers<'_>>,
+        air_velocity: Option<Numbers<'_>>,
+        wind: Option<Numbers<'_>>,
+        position_error: Option<Numbers<'_>>,
+        state_age: f32,
+        reference_age: f32,
+    ) -> PyResult<Guided> {
+        let acceleration = reference_acceleration.as_ref();
+        let error = position_error.as_ref().map(|v| vector("position_error", v));
+        let input = PlanarInput {
+            velocity: inertial(vector("velocity", &velocity)?),
+            attitude: Attitude::from_angle(theta),
+            state_age,
+            air: air(air_velocity.as_ref(), wind.as_ref(), inertial)?,
+            position_error: error.transpose()?.map(inertial),
+            reference: ::alula::Reference {
+                velocity: inertial(vector("reference_velocity", &reference_velocity)?),
+                acceleration: inertial(vector_or_zero("reference_acceleration", acceleration)?),
+            },
+            reference_age,
+        };
+        // As the core's own step in the plane, which leaves out the other rates.
+        Ok(self.step(&GuidanceInput::from(&input), dt, BodyAxes::NoseForward))
+    }
+}

@@ -1,0 +1,59 @@
+//! The Python module `alula`: a thin layer over the core (`alula`) and the harness (`alula-sil`).
+//!
+//! One file per thing that Python sees. What is checked, defaulted or named here is checked, defaulted and named by the
+//! core's table of parameters and by the harness; `alula.pyi` declares it for Python.
+
+mod arguments;
+mod campaign;
+mod equilibria;
+mod error;
+mod experiment;
+mod flight;
+mod frame;
+mod guidance;
+mod law;
+mod model;
+mod parameters;
+mod replay;
+mod vehicle;
+
+use pyo3::prelude::*;
+
+/// Flight control of tail-sitters from hover to cruise and back, at any angle of attack.
+///
+/// Models, vehicles, laws, guidance and equilibria are those of the flight library, in single precision; experiments and
+/// campaigns are flown by its harness, whose plant is in double precision. SI units; names end in their unit.
+///
+/// In the vertical plane vectors are (down, forward) and theta is 0 in hover, nose up, and -pi/2 in level cruise; rates are
+/// negative from hover towards cruise. In space vectors are (north, east, down).
+#[pymodule]
+mod alula {
+    #[pymodule_export]
+    use crate::campaign::{Campaign, campaign, campaigns};
+    #[pymodule_export]
+    use crate::equilibria::{Envelope, Equilibrium, envelope, equilibria};
+    #[pymodule_export]
+    use crate::error::{Fault, FieldError};
+    #[pymodule_export]
+    use crate::experiment::{Experiment, experiments, fly};
+    #[pymodule_export]
+    use crate::flight::Flight;
+    #[pymodule_export]
+    use crate::frame::Frame;
+    #[pymodule_export]
+    use crate::guidance::{Guidance, Guided};
+    #[pymodule_export]
+    use crate::law::{Command, Law};
+    #[pymodule_export]
+    use crate::model::{Model, polars};
+    #[pymodule_export]
+    use crate::parameters::parameters;
+    #[pymodule_export]
+    use crate::replay::{Replay, replay};
+    #[pymodule_export]
+    use crate::vehicle::Vehicle;
+
+    #[pymodule_export]
+    #[expect(non_upper_case_globals, reason = "Python's name")]
+    const __version__: &str = env!("CARGO_PKG_VERSION");
+}

@@ -1,0 +1,51 @@
+//! A controller run over a log.
+
+use std::path::PathBuf;
+
+use alula_sil::experiment::DEFAULT;
+use alula_sil::replay::Source;
+use pyo3::prelude::*;
+
+use crate::error;
+use crate::experiment::Experiment;
+use crate::flight::columns;
+use crate::frame::Frame;
+
+/// A controller run open loop over a logged flight.
+#[pyclass(frozen, get_all, module = "alula")]
+pub struct Replay {
+    /// What the controller was told and what it commanded, the columns of a trace; those of the plant, which a log does not know, are NaN.
+    record: Py<Frame>,
+    /// What the log left out and had to be assumed.
+    notes: Vec<String>,
+}
+
+/// Runs the controller of the experiment `source`, with the fields in `set` changed, open loop over the log `file`: a CSV such as a
+/// flight's trace, a PX4 ULog, or an ArduPilot DataFlash log (.bin, .log).
+///
+/// `map` is a TOML file that says which column of a foreign CSV is which; `heading_deg` the heading of the vertical plane of the
+/// flight, by default the plane that the wing is square to.
+#[pyfunction]
+#[pyo3(signature = (file, source=DEFAULT.into(), set=None, *, map=None, heading_deg=None))]
+pub fn replay(
+    py: Python<'_>,
+    file: PathBuf,
+    source: PathBuf,
+    set: Option<&Bound<'_, PyAny>>,
+    map: Option<PathBuf>,
+    heading_deg: Option<f64>,
+) -> PyResult<Replay> {
+    let experiment = Experiment::new(source, set)?.0.checked();
+    let experiment = experiment.map_err(error::of)?;
+    let replayed = py.detach(|| {
+        let mut record = Vec::new();
+        let log = Source::open(&file, map.as_ref(), heading_deg)?;
+        let notes = log.replay(std::io::sink(), &experiment, |step| record.push(step))?;
+        Ok((columns(&experiment, &record), notes))
+    });
+    let (columns, notes) = replayed.map_err(error::of)?;
+    Ok(Replay {
+        record: Py::new(py, Frame::new(py, columns))?,
+        notes,
+    })
+}
