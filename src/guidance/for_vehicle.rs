@@ -29,6 +29,8 @@ struct Known {
     rate_lag: f32,
     thrust_lag: f32,
     period: f32,
+    /// Rate of the loop around the thrust [1/s].
+    thrust_rate: f32,
     /// Speed of cruise [m/s].
     cruise: f32,
 }
@@ -53,7 +55,7 @@ rules! { known, default;
         "As fast as flights were tried with, and with a slow rate loop 0.95 over its lag and one step: with the damping ratio of 0.8 the loop is stable up to 1.6.";
     damping = default.damping,
         "Little overshoot where the lag has taken a part of it.";
-    thrust_rate = math::min(3.0, 0.75 / (known.thrust_lag + known.period)),
+    thrust_rate = known.thrust_rate,
         "As fast as flights were tried with, and with slow motors 0.75 over their lag and one step, which leaves a damping ratio of 0.6.";
     force_floor = default.force_floor,
         "A multiple of the weight: the same for every vehicle.";
@@ -69,7 +71,7 @@ rules! { known, default;
         "As measured.";
     thrust_lag = known.thrust_lag,
         "As measured.";
-    position_gain_down = 0.5 * math::min(3.0, 0.75 / (known.thrust_lag + known.period)),
+    position_gain_down = 0.5 * known.thrust_rate,
         "Half of thrust_rate: the loop around the thrust is half as fast.";
     position_gain_forward = default.position_gain_forward,
         "An eighth of the fastest natural frequency: the loop around the attitude is slower by far.";
@@ -134,10 +136,12 @@ impl GuidanceParameters {
                 });
             }
         }
+        let period = 1.0 / response.control_rate;
         Ok(ruled(&Known {
             rate_lag: response.rate_lag,
             thrust_lag: response.thrust_lag,
-            period: 1.0 / response.control_rate,
+            period,
+            thrust_rate: math::min(3.0, 0.75 / (response.thrust_lag + period)),
             cruise: response.cruise_speed,
         }))
     }

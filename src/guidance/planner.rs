@@ -32,9 +32,10 @@ const LEAST_CLOSING: f32 = 0.03;
 /// velocity bands on: a reference that sinks more steeply than the vehicle can is not worth a dive.
 const HIGH: f32 = 3.75;
 const SLOW: f32 = 8.0;
-/// Velocity to the side that it takes to level the wing and to bank it again, per squared acceleration to the side [s³/m]: the
-/// acceleration changes by 3 g per second.
-const LEVEL: f32 = 1.0 / (3.0 * 9.81);
+/// Greatest change of the acceleration to the side, in g per second: a roll of 90° takes about as long as the rate allows.
+pub(super) const LEAN_SLEW: f32 = 3.0;
+/// Velocity to the side that it takes to level the wing and to bank it again, per squared acceleration to the side [s³/m].
+const LEVEL: f32 = 1.0 / (LEAN_SLEW * 9.81);
 /// Length of a step of a turn, in the mean \[s\]: most take 5 to 15.
 const TURN_STEP: f32 = 0.055;
 /// How long a velocity error to the side counts \[s\], once the wing can close it.
@@ -288,7 +289,8 @@ impl Planner {
     ///
     /// The cost is the integral over the prediction of the altitude error and of the velocity errors, each in its band, and
     /// the same for the time after it: an error that closes at the rate of the last steps is there for as long as that
-    /// takes. A turn to an attitude far away costs the velocity to the side that is given up meanwhile. Without the time to go, coasting at a thrust limit for ever would look cheaper than a short crossing.
+    /// takes. Without that time to go, coasting at a thrust limit for ever would look cheaper than a short crossing. A turn to
+    /// an attitude far away costs the velocity to the side that is given up meanwhile.
     #[inline(never)]
     fn predict<A: Aerodynamics>(
         &self,

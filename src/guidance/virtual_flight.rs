@@ -8,7 +8,7 @@ use super::course::{Axes, Course};
 use super::flight::{Flight, limited};
 use super::memory::memory;
 use super::parameters::GuidanceParameters;
-use super::planner::{Planner, PlannerState, Prospect};
+use super::planner::{LEAN_SLEW, Planner, PlannerState, Prospect};
 use crate::aero::Aerodynamics;
 use crate::air::AngleOfAttack;
 use crate::control::Guard;
@@ -22,8 +22,6 @@ use crate::vehicle::Vehicle;
 
 /// Lateral acceleration per lateral velocity error [1/s].
 const LATERAL_GAIN: f32 = 1.5;
-/// Greatest change of the lateral acceleration, in g per second: a roll of 90° takes about as long as the rate allows.
-const LEAN_SLEW: f32 = 3.0;
 /// Part of the lateral acceleration that is left while an attitude far away is turned to: the wing is nearly level then.
 const CROSSING: f32 = 0.25;
 /// Part of thrust and lift that a turn may take. The rest holds the altitude.
