@@ -254,9 +254,14 @@ impl Physics for Vehicle<'_> {
         self.theta += wrap(theta - self.theta);
         let truth = self.planar();
         let steady = Vector::from(experiment.weather.steady_m_s);
+        let force = match self.grounded {
+            true => [-self.plant.vehicle.gravity, 0.0, 0.0],
+            false => self.plant.specific_force(&self.state, wind_3),
+        };
+        let [i, j, w] = force;
         let measured = experiment
             .sensors
-            .measure(&truth, wind, steady, &mut self.noise);
+            .measure(&truth, [i, j], wind, steady, &mut self.noise);
         if self.steps.is_multiple_of(experiment.substeps.into()) {
             let airspeed = (self.state.velocity - wind_3).norm();
             let period = 1.0 / experiment.control_rate_hz;
@@ -272,6 +277,7 @@ impl Physics for Vehicle<'_> {
                         velocity: inertial(measured.velocity),
                         attitude: alula::Attitude::from_angle(theta),
                         air: measured.air,
+                        specific_force: measured.specific_force,
                         position_error: Some(inertial(position)),
                         reference: Reference {
                             velocity: inertial(velocity),
@@ -291,14 +297,6 @@ impl Physics for Vehicle<'_> {
             UnitQuaternion::from_axis_angle(&V3::y_axis(), std::f64::consts::FRAC_PI_2);
         let turned = UnitQuaternion::from_axis_angle(&V3::y_axis(), measured.theta - truth.theta);
         let attitude = (self.state.attitude * turned * nose_forward).into_inner();
-        let gravity = self.plant.vehicle.gravity;
-        let accel_body = match self.grounded {
-            true => [gravity, 0.0, 0.0],
-            false => {
-                let [i, j, w] = self.plant.specific_force(&self.state, wind_3);
-                [-i, w, j]
-            }
-        };
         let error = measured.velocity - truth.velocity;
         let airspeed = match measured.air {
             alula::guidance::Air::Velocity(air) => {
@@ -312,7 +310,7 @@ impl Physics for Vehicle<'_> {
         Sample {
             timestamp: self.steps as f64 * self.dt,
             gyro: body(self.state.rates),
-            accel_body,
+            accel_body: [-i, w, j],
             position: (self.state.position
                 + V3::new(error_of_position.y, 0.0, error_of_position.x))
             .into(),

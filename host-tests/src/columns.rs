@@ -81,6 +81,13 @@ fn told_air(step: &Step) -> Option<Inertial> {
     }
 }
 
+fn force(step: &Step, of: fn(&alula::Body) -> f32) -> Option<Cell> {
+    step.input
+        .sample
+        .specific_force
+        .map(|f| Cell::Single(of(&f)))
+}
+
 columns! {
     "t_s", "time", |_, s| double(s.t);
     "v_down_m_s", "velocity as told", |_, s| single(s.input.sample.velocity.down());
@@ -103,6 +110,8 @@ columns! {
     })));
     "va_down_m_s", "air velocity as told", |_, s| beyond_laws(s).and_then(|()| part(told_air(s), |v| v.down()));
     "va_forward_m_s", "air velocity as told", |_, s| beyond_laws(s).and_then(|()| part(told_air(s), |v| v.forward()));
+    "f_i_m_s2", "specific force along the tail as told", |_, s| beyond_laws(s).and_then(|()| force(s, |f| f.i()));
+    "f_j_m_s2", "specific force along the belly as told", |_, s| beyond_laws(s).and_then(|()| force(s, |f| f.j()));
     "xe_down_m", "position less reference position as told", |_, s| beyond_laws(s).and_then(|()| part(s.input.sample.position_error, |v| v.down()));
     "xe_forward_m", "position less reference position as told", |_, s| beyond_laws(s).and_then(|()| part(s.input.sample.position_error, |v| v.forward()));
     "state_age_s", "age of the state as told", |_, s| beyond_laws(s).and_then(|()| single(s.input.sample.state_age));

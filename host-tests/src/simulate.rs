@@ -127,7 +127,13 @@ pub fn simulate(
         let wind = weather.wind(t);
         let (velocity, acceleration) = experiment.reference.at(t);
         let reference_position = reference_position(t);
-        let measured = experiment.sensors.measure(&truth, wind, steady, &mut noise);
+        let measured = experiment.sensors.measure(
+            &truth,
+            plant.specific_force(&truth, wind),
+            wind,
+            steady,
+            &mut noise,
+        );
         let reference = Reference {
             velocity: inertial(velocity),
             acceleration: inertial(acceleration),
@@ -228,6 +234,7 @@ impl Telling {
             attitude: Attitude::from_angle(self.theta),
             state_age: (t - measured_at) as f32,
             air: measured.air,
+            specific_force: measured.specific_force,
             position_error: match experiment.sensors.position {
                 PositionSensor::Measured => Some(Inertial::new(
                     nan(error.down(), FaultKind::PositionNan),

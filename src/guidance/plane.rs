@@ -9,7 +9,7 @@ use super::supervision::{Air, AirUse, Mode, Refusal};
 use super::update::{Guidance, GuidanceInput, GuidanceState, Guided};
 use crate::aero::Aerodynamics;
 use crate::control::{Command, GainLaw, Margin};
-use crate::frame::{Attitude, Inertial};
+use crate::frame::{Attitude, Body, Inertial};
 use crate::ned::Ned;
 use crate::reference::Reference;
 use crate::spatial::{self, Heading, Orientation};
@@ -41,6 +41,9 @@ pub struct PlanarInput {
     pub state_age: f32,
     /// What is known of the air.
     pub air: Air<Inertial>,
+    /// Specific force in body components [m/s²], if it is measured: what an accelerometer feels, gravity not included. With
+    /// it the law makes up for what is not known of mass, wing and thrust.
+    pub specific_force: Option<Body>,
     /// Position less reference position, x̃ \[m\], if position is to be held.
     pub position_error: Option<Inertial>,
     /// Reference.
@@ -84,7 +87,9 @@ impl From<&PlanarInput> for GuidanceInput {
                 Air::Wind(v) => Air::Wind(Ned::in_plane(v)),
                 Air::Unknown => Air::Unknown,
             },
-            specific_force: None,
+            specific_force: p
+                .specific_force
+                .map(|f| spatial::Body::new(f.i(), f.j(), 0.0)),
             position_error: p.position_error.map(Ned::in_plane),
             reference: spatial::Reference {
                 velocity: Ned::in_plane(p.reference.velocity),

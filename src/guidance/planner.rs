@@ -21,7 +21,7 @@ const GROWTH: f32 = 1.039;
 /// Steps at the end over which it is measured how fast an error closes.
 const LATE: usize = 6;
 /// How long the reference is taken to accelerate on \[s\].
-const AHEAD: f32 = 0.5;
+const AHEAD: f32 = 1.0;
 /// Errors count by their square, and from this many bands on in proportion.
 const KNEE: f32 = 4.0;
 /// Time to go: weight, greatest \[s\], least closing taken for it, in g.

@@ -30,6 +30,11 @@ const NEAR: f32 = 0.17;
 const ASIDE: f32 = 0.5;
 const ALONG: f32 = 0.8;
 
+/// Part of the greatest rate by which the lag of the rate loop is made up for. Where the servo meets stall the virtual rate
+/// goes to and fro at its slew limit. All of the lag's lead would then leave nothing of the limits to bring the attitude
+/// back: of 30 noisy round trips 6 sank more than 1.5 m, the worst 8 m.
+const LAG_SHARE: f32 = 0.2;
+
 /// Part of the greatest integral that is left as F_p grows: with the default gains an angle of 7°.
 const STIFF: f32 = 0.25;
 
@@ -68,6 +73,8 @@ pub struct Tracker {
     integral_gain: [f32; 2],
     max_integral: [f32; 2],
     rate_lag: f32,
+    /// Greatest rate [rad/s] by which that lag is made up for.
+    lead: f32,
     /// Force below which the damping along the thrust line does not fall, in multiples of the weight.
     force_floor: f32,
 }
@@ -100,6 +107,7 @@ impl Tracker {
             integral_gain: [p.integral_gain_down, p.integral_gain_forward],
             max_integral: [p.max_integral_down, p.max_integral_forward],
             rate_lag: p.rate_lag,
+            lead: LAG_SHARE * p.max_rate,
             force_floor: p.force_floor,
         }
     }
@@ -205,7 +213,8 @@ impl Tracker {
             command.thrust += gains.k1 * (floor - step.norm) * step.error.i();
         }
         let attitude_rate = wings * (0.25 * gains.k3 * ahead);
-        command.rates.w = wings * (flight.rate + self.rate_lag * moved.rate_change)
+        command.rates.w = wings
+            * (flight.rate + limited(self.rate_lag * moved.rate_change, self.lead))
             + attitude.w().dot(moved.spin)
             + law * command.rates.w
             + (1.0 - law) * attitude_rate;

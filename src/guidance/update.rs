@@ -712,6 +712,7 @@ mod tests {
         attitude: Attitude::NOSE_UP,
         state_age: 0.0,
         air: Air::Wind(Inertial::ZERO),
+        specific_force: None,
         position_error: Some(Inertial::ZERO),
         reference: Reference {
             velocity: Inertial::ZERO,

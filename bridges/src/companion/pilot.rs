@@ -277,6 +277,7 @@ impl<'a> Companion<'a> {
                 attitude: Attitude::from_angle(theta),
                 state_age: self.inbox.age(now) as f32,
                 air,
+                specific_force: None,
                 position_error: wanted.map(|wanted| position.0 - wanted),
                 reference,
                 reference_age: age as f32,

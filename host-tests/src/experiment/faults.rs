@@ -253,6 +253,7 @@ mod tests {
             position: Vector::new(0.0, 10.0 * t),
             theta: 0.1 * t,
             air: Air::Velocity(Inertial::new(t as f32, 8.0 + t as f32)),
+            specific_force: None,
         }
     }
 

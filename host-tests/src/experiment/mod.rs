@@ -22,7 +22,7 @@ pub use faults::{FaultKind, FaultSpec};
 pub use parameters::{Fields, file_name, file_value, refused};
 pub use plant::{Plant, PlantSpec, RateLoop, State};
 pub use reference::{InitialSpec, Knot, ReferenceSpec};
-pub use sensors::{AirSensor, ErrorSpec, Measured, PositionSensor, SensorSpec};
+pub use sensors::{Accelerometer, AirSensor, ErrorSpec, Measured, PositionSensor, SensorSpec};
 pub use vehicle::{AerodynamicsSpec, Model, NO_LIMITS, Vehicle, VehicleSpec};
 pub use weather::{GustSpec, TurbulenceSpec, Weather, WeatherSpec};
 

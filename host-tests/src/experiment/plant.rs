@@ -153,6 +153,13 @@ impl Plant {
         self.vehicle.acceleration(velocity, wind, theta, thrust)
     }
 
+    /// Specific force \[m/s²\] in components along (i, j) in `wind` \[m/s\]: what an accelerometer measures.
+    pub fn specific_force(&self, state: &State, wind: Vector) -> [f64; 2] {
+        let f = self.acceleration(state, wind) - Vector::new(self.vehicle.gravity, 0.0);
+        let (sin, cos) = state.theta.sin_cos();
+        [f.x * cos + f.y * sin, f.y * cos - f.x * sin]
+    }
+
     /// The state after `dt` \[s\] under a constant command and `wind` \[m/s\]: one step of the classical
     /// Runge–Kutta method of order 4.
     pub fn step(&self, state: &State, thrust: f64, rate: f64, wind: Vector, dt: f64) -> State {
@@ -254,6 +261,32 @@ mod tests {
             state = plant.step(&state, thrust, rate, Vector::zeros(), 0.01);
         }
         state
+    }
+
+    /// In hover an accelerometer feels gravity towards the nose. Anywhere, turned back into inertial axes and with gravity, it
+    /// says how the vehicle accelerates.
+    #[test]
+    fn an_accelerometer_feels_all_but_gravity() {
+        let plant = plant(RateLoop::Ideal, 0.0);
+        let hover = State {
+            thrust: 2.0 * 9.81,
+            ..REST
+        };
+        let [i, j] = plant.specific_force(&hover, Vector::zeros());
+        assert!((i + 9.81).abs() < 1e-12 && j.abs() < 1e-12);
+        let (state, wind) = (
+            State {
+                velocity: Vector::new(-2.0, 12.0),
+                theta: -1.1,
+                thrust: 7.0,
+                ..REST
+            },
+            Vector::new(1.0, -3.0),
+        );
+        let [i, j] = plant.specific_force(&state, wind);
+        let axes = nalgebra::Rotation2::new(state.theta);
+        let felt = axes * Vector::new(i, j) + Vector::new(9.81, 0.0);
+        assert!((felt - plant.acceleration(&state, wind)).norm() < 1e-12);
     }
 
     #[test]

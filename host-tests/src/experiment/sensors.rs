@@ -1,7 +1,7 @@
 //! Sensors: noise, bias and quantisation of what the controller is told.
 
-use alula::Inertial;
 use alula::guidance::Air;
+use alula::{Body, Inertial};
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 use serde::Deserialize;
@@ -48,6 +48,17 @@ pub enum PositionSensor {
     None,
 }
 
+/// Whether the specific force is measured.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Accelerometer {
+    /// It is.
+    #[default]
+    Measured,
+    /// It is not.
+    None,
+}
+
 /// `[sensors]`.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -60,10 +71,14 @@ pub struct SensorSpec {
     pub theta_deg: ErrorSpec,
     /// Of each component of the air velocity \[m/s\].
     pub air_m_s: ErrorSpec,
+    /// Of each component of the specific force \[m/s²\].
+    pub acceleration_m_s2: ErrorSpec,
     /// What is known of the air.
     pub air: AirSensor,
     /// What is known of the position.
     pub position: PositionSensor,
+    /// What is known of the specific force.
+    pub accelerometer: Accelerometer,
     /// Faults injected.
     pub faults: Vec<FaultSpec>,
 }
@@ -75,6 +90,7 @@ impl SensorSpec {
             ("sensors.position_m", &self.position_m),
             ("sensors.theta_deg", &self.theta_deg),
             ("sensors.air_m_s", &self.air_m_s),
+            ("sensors.acceleration_m_s2", &self.acceleration_m_s2),
         ] {
             finite(&format!("{field}.bias"), error.bias)?;
             for (part, value) in [("noise", error.noise), ("quantum", error.quantum)] {
@@ -91,10 +107,12 @@ impl SensorSpec {
         Ok(())
     }
 
-    /// What is measured of `truth` in `wind` \[m/s\], which is `steady` but for gusts and turbulence.
+    /// What is measured of `truth` and its specific force (along i, j) in `wind` \[m/s\], which is `steady` but for gusts and
+    /// turbulence.
     pub(crate) fn measure(
         &self,
         truth: &State,
+        force: [f64; 2],
         wind: Vector,
         steady: Vector,
         random: &mut impl Rng,
@@ -114,6 +132,13 @@ impl SensorSpec {
                 AirSensor::SteadyWind => Air::Wind(inertial(steady)),
                 AirSensor::None => Air::Unknown,
             },
+            specific_force: {
+                let told = self.acceleration_m_s2.vector(force.into(), random);
+                match self.accelerometer {
+                    Accelerometer::Measured => Some(Body::new(told.x as f32, told.y as f32)),
+                    Accelerometer::None => None,
+                }
+            },
         }
     }
 }
@@ -129,6 +154,8 @@ pub struct Measured {
     pub theta: f64,
     /// What is known of the air.
     pub air: Air<Inertial>,
+    /// Specific force along tail and belly \[m/s²\].
+    pub specific_force: Option<Body>,
 }
 
 impl ErrorSpec {

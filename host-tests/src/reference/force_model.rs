@@ -11,7 +11,7 @@ use super::{Vector, Vehicle};
 pub struct ForceModel {
     mass: f64,
     k_a: f64,
-    gravity: f64,
+    pub(crate) gravity: f64,
     /// sin δ, cos δ.
     delta: (f64, f64),
     values: Values,

@@ -127,6 +127,7 @@ pub fn replay(
                 attitude: Attitude::from_angle(theta),
                 state_age: velocity_age.max(states.attitude.age[row]) as f32,
                 air: wind.map_or(Air::Unknown, |(w, _)| Air::Wind(current.within(w))),
+                specific_force: None,
                 position_error,
                 reference: Reference {
                     velocity: current.within(reference),

@@ -3,7 +3,7 @@
 use std::io::{Read, Write};
 
 use alula::guidance::Air;
-use alula::{Attitude, FeedForward, Inertial, PlanarInput, Reference};
+use alula::{Attitude, Body, FeedForward, Inertial, PlanarInput, Reference};
 use anyhow::{anyhow, bail};
 use csv::StringRecord;
 
@@ -104,6 +104,7 @@ impl Log<'_> {
     /// them the air is known by its wind, the position is not known, and nothing is old.
     fn input(&self, record: &StringRecord, feed_forward: bool) -> anyhow::Result<Input> {
         let number = |name| Ok::<f32, anyhow::Error>(self.number(record, name)?.unwrap_or(0.0));
+        let number_or_none = |name| self.number(record, name);
         let theta = number("theta_rad")?;
         let wind = self.vector(record, ["wind_down_m_s", "wind_forward_m_s"])?;
         let known_position = self.place("xe_down_m").is_some();
@@ -124,6 +125,10 @@ impl Log<'_> {
                     }
                     Some("unknown") => Air::Unknown,
                     _ => Air::Wind(wind),
+                },
+                specific_force: match (number_or_none("f_i_m_s2")?, number_or_none("f_j_m_s2")?) {
+                    (Some(i), Some(j)) => Some(Body::new(i, j)),
+                    _ => None,
                 },
                 position_error: known_position.then_some(position_error),
                 reference: Reference {

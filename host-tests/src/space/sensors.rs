@@ -9,18 +9,7 @@ use serde::Deserialize;
 
 use super::plant::SpatialState;
 use super::{V3, ned};
-use crate::experiment::{AirSensor, ErrorSpec, FieldError, PositionSensor, finite};
-
-/// Whether the specific force is measured.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Accelerometer {
-    /// It is.
-    #[default]
-    Measured,
-    /// It is not.
-    None,
-}
+use crate::experiment::{Accelerometer, AirSensor, ErrorSpec, FieldError, PositionSensor, finite};
 
 /// `[sensors]`: errors of each component.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
