@@ -4,10 +4,9 @@ use std::num::NonZero;
 use std::path::Path;
 
 use alula_sil::experiment::Experiment;
-use alula_sil::figures;
 use alula_sil::page::campaign::page;
 use alula_sil::simulate::fly;
-use alula_sil::study::{CampaignSource, Column, Drawn, Flown, Shard, Store, Summary, run};
+use alula_sil::study::{CampaignSource, Column, Drawn, Flown, Place, Shard, Store, Summary, run};
 
 /// The built-in campaign with so many flights.
 fn source(name: &str, flights: u64) -> CampaignSource {
@@ -87,7 +86,7 @@ fn threads_interruptions_and_shares_change_nothing() {
 
 /// A figure of a flight.
 fn figure(flown: &Flown, name: &str) -> f64 {
-    flown.figures[figures::index(name).unwrap()]
+    flown.figure(name)
 }
 
 /// A flight depends on its number alone, and its figures are those of the experiment that was drawn, flown by itself.
@@ -102,7 +101,7 @@ fn a_flight_is_its_own() {
     );
 
     let flown = Flown::fly(&drawn, &[]).unwrap();
-    let record = fly(&drawn.experiment).unwrap();
+    let record = fly(drawn.experiment.plane().unwrap()).unwrap();
     let mut altitude = [f64::INFINITY, f64::NEG_INFINITY];
     let mut late = 0.0_f64;
     for step in &record {
@@ -119,14 +118,14 @@ fn a_flight_is_its_own() {
     assert_eq!(flown.samples.len(), 101);
     // The document's text says the same.
     let again: Experiment = toml::from_str(&drawn.document.text()).unwrap();
-    assert_eq!(again.vehicle, drawn.experiment.vehicle);
+    assert_eq!(again.vehicle, drawn.experiment.plane().unwrap().vehicle);
     assert!(fly(&again).unwrap() == record);
 
     // What is drawn is what is flown, and what the file says.
-    let mass = drawn.experiment.vehicle.mass_kg;
+    let mass = drawn.experiment.plane().unwrap().vehicle.mass_kg;
     assert_eq!(drawn.values[0], mass);
     assert!((8.5..=11.5).contains(&mass));
-    let frame = few.campaign.frames(&[(2, drawn, flown)]).0;
+    let frame = few.campaign.frames(Place::Plane, &[(2, drawn, flown)]).0;
     assert_eq!(
         frame.column("vehicle.mass_kg").unwrap(),
         &Column::Real(vec![mass])
@@ -244,7 +243,7 @@ fn a_random_reference_is_flown_as_drawn() {
     for number in 0..10 {
         let drawn = source.campaign.draw(&source.base, number).unwrap();
         let reference = drawn.reference.as_ref().unwrap();
-        let experiment = &drawn.experiment;
+        let experiment = drawn.experiment.plane().unwrap();
         let at = |t: f64| experiment.reference.at(t).0;
         let times = || (0..12_000).map(|i| 0.01 * f64::from(i));
         let fastest = times().map(|t| at(t).norm()).fold(0.0, f64::max);
@@ -263,20 +262,20 @@ fn a_dispersed_field_follows_the_powers_of_others() {
     let source = source("vehicles", 50);
     for number in 0..50 {
         let drawn = source.campaign.draw(&source.base, number).unwrap();
-        let vehicle = &drawn.experiment.vehicle;
-        let weight_ratio = drawn.experiment.plant.thrust_n[1] / (vehicle.mass_kg * 9.81);
+        let vehicle = &drawn.experiment.plane().unwrap().vehicle;
+        let weight_ratio = drawn.experiment.plane().unwrap().plant.thrust_n[1] / (vehicle.mass_kg * 9.81);
         assert!((1.0999..=3.0001).contains(&weight_ratio), "{weight_ratio}");
-        let knots = &drawn.experiment.reference.knots;
+        let knots = &drawn.experiment.plane().unwrap().reference.knots;
         let cruise = knots[1].forward_m_s;
         let lift = vehicle.weight() / (vehicle.k_a_kg_m * cruise * cruise);
         assert!((0.249..=0.601).contains(&lift), "{lift}");
         // Times are added up: cruise lasts 10 s.
         assert!((knots[2].t_s - knots[1].t_s - 10.0).abs() < 1e-9 && knots[3].t_s < 90.0);
-        let spec = drawn.experiment.spec().unwrap();
+        let spec = drawn.experiment.plane().unwrap().spec().unwrap();
         let belief = spec.belief().unwrap();
         let believed = belief.mass_kg / vehicle.mass_kg;
         assert!((0.85..=1.15).contains(&believed) && believed != 1.0);
-        assert!(drawn.experiment.plant.thrust_n[1] > 1.0299 * 9.81 * belief.mass_kg);
+        assert!(drawn.experiment.plane().unwrap().plant.thrust_n[1] > 1.0299 * 9.81 * belief.mass_kg);
         let off = belief.delta_deg - vehicle.delta_deg;
         assert!(off.abs() <= 2.0 && off != 0.0);
     }
@@ -293,8 +292,8 @@ fn a_dispersed_vehicle_does_not_disperse_the_belief() {
     let source = CampaignSource::load(file.to_str().unwrap(), None).unwrap();
     for number in 0..3 {
         let drawn = source.campaign.draw(&source.base, number).unwrap();
-        let spec = drawn.experiment.spec().unwrap();
-        assert_ne!(drawn.experiment.vehicle.mass_kg, 10.0);
+        let spec = drawn.experiment.plane().unwrap().spec().unwrap();
+        assert_ne!(drawn.experiment.plane().unwrap().vehicle.mass_kg, 10.0);
         assert_eq!(spec.belief().unwrap().mass_kg, 10.0);
     }
 }

@@ -8,7 +8,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use alula_sil::files::leave;
 use alula_sil::page::campaign::page;
-use alula_sil::space::starts::ATTITUDES;
+use alula_sil::study::starts::ATTITUDES;
 use alula_sil::study::{BUILT_IN, CampaignSource, Shard, Store, Summary, run as fly_all};
 
 use super::fly;

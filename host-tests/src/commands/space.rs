@@ -10,8 +10,9 @@ use serde_json::{Map, Value};
 use alula_sil::experiment::Document;
 use alula_sil::files::leave;
 use alula_sil::space::columns::write_trace;
-use alula_sil::space::starts::{BASES, FLIGHTS, LIMITS, Starts, starts};
-use alula_sil::space::{Experiment, Figures, fly as simulate, page};
+use alula_sil::study::starts::{BASES, FLIGHTS, LIMITS, Starts, starts};
+use alula_sil::page::space::page;
+use alula_sil::space::{Experiment, Figures, fly as simulate};
 use alula_sil::study::Threads;
 
 use super::fly::progress_bar;

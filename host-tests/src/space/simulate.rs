@@ -64,7 +64,7 @@ pub fn fly(experiment: &Experiment) -> Result<Record, FieldError> {
         let t = step as f64 / experiment.control_rate_hz;
         let wind = weather.wind(t);
         let specific_force = V3::from(plant.specific_force(&truth, wind));
-        let steady = experiment.weather.steady;
+        let steady = experiment.weather.steady();
         let sensors = &experiment.sensors;
         let measured = sensors.measure(&truth, specific_force, wind, steady, &mut noise);
         let target = path.advance(period, |target| {

@@ -3,8 +3,8 @@
 
 use std::fmt::Write as _;
 
-use super::{SpatialState, Step, V3};
-use crate::page::svg::Drawn;
+use super::svg::Drawn;
+use crate::space::{SpatialState, Step, V3};
 
 /// Width of the picture, and height of the views and of the whole \[px\].
 const WIDE: f64 = 1280.0;
