@@ -1,8 +1,8 @@
 //! Every built-in experiment in space is flown; its bounds are those of its own file.
 
 use alula_sil::experiment::{BUILT_IN, Document};
-use alula_sil::study::starts::starts;
 use alula_sil::space::{Experiment, Figures, fly};
+use alula_sil::study::starts::starts;
 
 fn document(name: &str, settings: &[&str]) -> Document {
     let mut document = Document::load(name).unwrap();

@@ -9,11 +9,11 @@ use serde_json::{Map, Value};
 
 use alula_sil::experiment::Document;
 use alula_sil::files::leave;
-use alula_sil::space::columns::write_trace;
-use alula_sil::study::starts::{BASES, FLIGHTS, LIMITS, Starts, starts};
 use alula_sil::page::space::page;
+use alula_sil::space::columns::write_trace;
 use alula_sil::space::{Experiment, Figures, fly as simulate};
 use alula_sil::study::Threads;
+use alula_sil::study::starts::{BASES, FLIGHTS, LIMITS, Starts, starts};
 
 use super::fly::progress_bar;
 use super::output::Output;

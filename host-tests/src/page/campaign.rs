@@ -3,8 +3,8 @@
 use super::chart::{BLUE, Chart, HEAT, Level, Series, Stroke, TINTS};
 use super::{Figure, Page, Table, columns, fixed};
 use crate::figures::LOST;
-use crate::study::{CampaignSource, Fan, LimitFound, MapFound, PERCENTILES, Place, Summary};
 use crate::study::Campaign;
+use crate::study::{CampaignSource, Fan, LimitFound, MapFound, PERCENTILES, Place, Summary};
 
 const NOTES: &str = "Percentiles are within half a percent; the least and the greatest are exact. A fan shows the range of all \
     flights, 1–99 %, 5–95 % and 25–75 % of them, and the median, each at its instant: no flight need follow its edges. \

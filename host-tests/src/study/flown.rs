@@ -151,7 +151,9 @@ impl Flown {
             asked.step(step.t, sample, Some(&state));
         }
         let figures = space::Figures::of(experiment, &record).values;
-        let diverged = record.iter().any(|step| !step.truth.velocity.norm().is_finite());
+        let diverged = record
+            .iter()
+            .any(|step| !step.truth.velocity.norm().is_finite());
         Ok(asked.flown(Place::Space, figures, diverged))
     }
 }

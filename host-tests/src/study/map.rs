@@ -220,7 +220,8 @@ mod tests {
     fn a_map_of_nothing_is_refused() {
         let refused = |map: Map| {
             let known = |name: &str| ["a", "b"].contains(&name);
-            map.validate("maps[0]", known, |name| name == "altitude_least_m").map_err(|e| e.field)
+            map.validate("maps[0]", known, |name| name == "altitude_least_m")
+                .map_err(|e| e.field)
         };
         assert!(refused(map(&[1.0, 2.0])).is_ok());
         assert_eq!(refused(map(&[1.0])).unwrap_err(), "maps[0].levels");

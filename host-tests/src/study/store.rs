@@ -8,9 +8,7 @@ use anyhow::{Context, bail};
 
 use super::load::Texts;
 use super::part::{Seal, checksum};
-use super::{
-    Campaign, CampaignSource, Column, Drawn, DrawnReference, Flown, Frame, Place, Sample,
-};
+use super::{Campaign, CampaignSource, Column, Drawn, DrawnReference, Flown, Frame, Place, Sample};
 use crate::files::leave;
 
 /// Flights of a part: lost at most, per thread, if the campaign is interrupted.
