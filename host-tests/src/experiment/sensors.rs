@@ -7,7 +7,7 @@ use rand_distr::{Distribution, StandardNormal};
 use serde::Deserialize;
 
 use super::document::{FieldError, finite};
-use super::faults::FaultSpec;
+use super::faults::{FaultKind, FaultSpec, Lasting, Told};
 use super::plant::State;
 use crate::controllers::inertial;
 use crate::reference::Vector;
@@ -86,7 +86,12 @@ impl SensorSpec {
             }
         }
         for (i, fault) in self.faults.iter().enumerate() {
-            fault.validate(&format!("sensors.faults[{i}]"))?;
+            let field = format!("sensors.faults[{i}]");
+            fault.validate(&field)?;
+            if fault.kind.is_spatial() {
+                let problem = "the plane has no accelerometer";
+                return Err(FieldError::new(format!("{field}.kind"), problem));
+            }
         }
         Ok(())
     }
@@ -129,6 +134,44 @@ pub struct Measured {
     pub theta: f64,
     /// What is known of the air.
     pub air: Air<Inertial>,
+}
+
+impl Told for Measured {
+    fn distort(&mut self, fault: &Lasting<Self>) {
+        let Lasting {
+            kind,
+            first,
+            size,
+            drift,
+        } = *fault;
+        match kind {
+            FaultKind::AirFrozen => self.air = first.air,
+            FaultKind::WindStuck => {
+                if let Air::Velocity(air) = first.air {
+                    self.air = Air::Wind(inertial(first.velocity) - air);
+                }
+            }
+            FaultKind::AirDrift => {
+                if let Air::Velocity(air) = self.air {
+                    let off = inertial(Vector::from_element(drift));
+                    self.air = Air::Velocity(air + off);
+                }
+            }
+            FaultKind::AirScale => {
+                if let Air::Velocity(air) = self.air {
+                    self.air = Air::Velocity(air * (1.0 + size) as f32);
+                }
+            }
+            FaultKind::VelocityFrozen => self.velocity = first.velocity,
+            FaultKind::VelocityDrift => self.velocity += Vector::from_element(drift),
+            FaultKind::AttitudeFrozen => self.theta = first.theta,
+            FaultKind::AttitudeDrift => self.theta += drift.to_radians(),
+            FaultKind::AttitudeOffset => self.theta += size.to_radians(),
+            FaultKind::PositionDrift => self.position += Vector::from_element(drift),
+            FaultKind::PositionJump => self.position += Vector::from_element(size),
+            _ => {}
+        }
+    }
 }
 
 impl ErrorSpec {

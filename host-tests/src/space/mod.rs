@@ -13,15 +13,17 @@ mod plant;
 mod route;
 mod sensors;
 mod simulate;
+mod telling;
 mod weather;
 
+pub use controller::Pilot;
 pub use experiment::{Experiment, PlantSpec, RateLoop};
 pub use figures::{FIGURES, Figure, Figures};
 pub use initial::{InitialSpec, Scatter};
 pub use path::{Path, PathSpec, Target};
 pub use plant::{Rotation, SpatialPlant, SpatialState};
 pub use sensors::SensorSpec;
-pub use simulate::{Record, Step, fly};
+pub use simulate::{Record, Step, fly, fly_by};
 pub use weather::{Gust, Turbulence, Weather, WeatherSpec};
 
 use serde::{Deserialize, Deserializer};
