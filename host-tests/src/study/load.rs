@@ -17,6 +17,10 @@ pub const BUILT_IN: &[(&str, &str)] = &[
     ("envelope", include_str!("../../campaigns/envelope.toml")),
     ("upsets", include_str!("../../campaigns/upsets.toml")),
     ("vehicles", include_str!("../../campaigns/vehicles.toml")),
+    (
+        "faults-in-space",
+        include_str!("../../campaigns/faults-in-space.toml"),
+    ),
     ("paths", include_str!("../../campaigns/paths.toml")),
 ];
 
