@@ -48,6 +48,7 @@ fn header() -> Result<String> {
         "input",
         "command",
         "report",
+        "goal",
         "guide",
         "step",
         "path",

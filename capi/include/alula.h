@@ -67,6 +67,12 @@
 #define ALULA_ERROR_CRUISE_SPEED -8
 
 /**
+ * A goal is none: its kind has no such value, a number of it or the position is not finite, or its speed, climb or acceleration
+ * is not from 0.01 to 1000.
+ */
+#define ALULA_ERROR_GOAL -9
+
+/**
  * The velocity is not finite, or faster than 1000 m/s.
  */
 #define ALULA_ERROR_VELOCITY -10
@@ -347,6 +353,22 @@
  * The reference asks for more thrust than there is.
  */
 #define ALULA_UNREACHABLE_THRUST 3
+
+/**
+ * Goal: to hover at the position `target` [m].
+ */
+#define ALULA_GOAL_HOVER 1
+
+/**
+ * Goal: to stop as soon as possible at the altitude where this was asked for, and to hover where that ends. `target` is not
+ * read.
+ */
+#define ALULA_GOAL_STOP 2
+
+/**
+ * Goal: to fly at the velocity `target` [m/s] over ground.
+ */
+#define ALULA_GOAL_VELOCITY 3
 
 /**
  * Most equilibria of a set.
@@ -884,6 +906,60 @@ typedef struct alula_command {
 } alula_command;
 
 /**
+ * What is to be reached, and how far that has come. `alula_goal_default` makes it a stop without a past.
+ */
+typedef struct alula_goal {
+    /**
+     * `ALULA_HEADER(alula_goal)`.
+     */
+    uint32_t header;
+    /**
+     * `ALULA_GOAL_HOVER`, `ALULA_GOAL_STOP` or `ALULA_GOAL_VELOCITY`. It may change at any step, and so may `target`.
+     */
+    uint32_t kind;
+    /**
+     * Position [m], in the world of `alula_goal_step`'s position, or velocity [m/s]: north, east, down.
+     */
+    float target[3];
+    /**
+     * Horizontal speed on the way to a position [m/s], 0.01 to 1000.
+     */
+    float speed;
+    /**
+     * Vertical speed on the way to a position [m/s], 0.01 to 1000.
+     */
+    float climb;
+    /**
+     * Greatest acceleration of the reference [m/s²], 0.01 to 1000. A stop does not mind it.
+     */
+    float acceleration;
+    /**
+     * Result: 1 if the reference stands at the goal, at rest there or at the velocity, else 0.
+     */
+    uint32_t reached;
+    /**
+     * Private: the goal of the last step, 0 for none.
+     */
+    uint32_t last_kind;
+    /**
+     * Private: its target.
+     */
+    float last_target[3];
+    /**
+     * Private: the reference's position.
+     */
+    float position[3];
+    /**
+     * Private: the reference's velocity.
+     */
+    float velocity[3];
+    /**
+     * Private: whether a stop is over.
+     */
+    uint32_t stopped;
+} alula_goal;
+
+/**
  * The quantities that a command is made of. What is not known is zero.
  */
 typedef struct alula_report {
@@ -1145,6 +1221,31 @@ int32_t alula_input_default(struct alula_input *input);
  * As `alula_input_default`.
  */
 int32_t alula_command_default(struct alula_command *command);
+
+/**
+ * Fills in a stop without a past, with 20 m/s, 3 m/s up and down and 2 m/s² on the way to positions.
+ *
+ * Pointers:
+ * `goal` is null or points to memory of the caller's that holds at least the header word, already set; the whole
+ * structure if that is right.
+ */
+int32_t alula_goal_default(struct alula_goal *goal);
+
+/**
+ * The reference and the position error of `input` for `goal`, before `alula_guide` is called with it: at `position` [m],
+ * north, east, down, and the velocity that is in `input`, `dt` [s] after the last. It sets `reference_velocity`,
+ * `reference_acceleration`, `position_error` with `ALULA_POSITION`, and `reference_age`. A new goal begins where the vehicle
+ * is. With any code but `ALULA_OK` neither `goal` nor `input` has changed.
+ *
+ * Pointers:
+ * `goal` and `input` are each null or point to memory of the caller's that holds at least the header word; the whole structure
+ * if that is right, and not the same memory. `position` is null or points to three numbers. No other call uses them
+ * meanwhile.
+ */
+int32_t alula_goal_step(struct alula_goal *goal,
+                        const float *position,
+                        float dt,
+                        struct alula_input *input);
 
 /**
  * One step of the guidance: supervision, planning, outer loop, law and actuator limits. It always gives a command. If

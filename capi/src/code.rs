@@ -28,6 +28,9 @@ pub const ALULA_ERROR_SELECTOR: i32 = -6;
 pub const ALULA_ERROR_CONTROL_RATE: i32 = -7;
 /// The speed of cruise is not from 1 m/s to 340 m/s.
 pub const ALULA_ERROR_CRUISE_SPEED: i32 = -8;
+/// A goal is none: its kind has no such value, a number of it or the position is not finite, or its speed, climb or acceleration
+/// is not from 0.01 to 1000.
+pub const ALULA_ERROR_GOAL: i32 = -9;
 /// The velocity is not finite, or faster than 1000 m/s.
 pub const ALULA_ERROR_VELOCITY: i32 = -10;
 /// The wind is not finite, faster than 1000 m/s, or unknown to a law that needs it.
@@ -173,6 +176,7 @@ fn text(code: i32) -> &'static CStr {
         ALULA_ERROR_SELECTOR => c"a selector of the input has no such value",
         ALULA_ERROR_CONTROL_RATE => c"the control rate is not in [5, 10000] Hz",
         ALULA_ERROR_CRUISE_SPEED => c"the speed of cruise is not in [1, 340] m/s",
+        ALULA_ERROR_GOAL => c"the goal has no such kind, or a number of it is not in its range",
         ALULA_ERROR_VELOCITY => c"velocity is not finite or absurdly large",
         ALULA_ERROR_WIND => c"wind is not finite, absurdly large, or unknown",
         ALULA_ERROR_ATTITUDE => c"attitude is not a quaternion of unit length",

@@ -17,6 +17,7 @@ mod command;
 mod controller;
 mod envelope;
 mod for_vehicle;
+mod goal;
 mod guide;
 mod input;
 mod memory;
@@ -32,6 +33,7 @@ pub use command::{Command, alula_command_default};
 pub use controller::{Controller, alula_init, alula_reset};
 pub use envelope::*;
 pub use for_vehicle::alula_parameters_for_vehicle;
+pub use goal::*;
 pub use guide::alula_guide;
 pub use input::*;
 pub use parameters::{

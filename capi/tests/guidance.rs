@@ -393,6 +393,121 @@ fn what_is_remembered_stays_where_it_is_when_the_vehicle_turns() {
     }
 }
 
+/// A flight through the goals of the ABI: a place, a stop on the way to it, a velocity. The input is the core's, to the bit, for a
+/// vehicle that lags behind; and the guidance flies it.
+#[test]
+fn goals_are_the_cores_to_the_bit() {
+    use alula::guidance::{Goal as Core, GoalState, Goals, Preferences};
+    let mut goal = Goal::DEFAULT;
+    let goals = Goals::new(Preferences {
+        speed: 20.0,
+        climb: 3.0,
+        acceleration: 2.0,
+    });
+    let (goals, mut state) = (goals.unwrap(), GoalState::default());
+    let mut c = controller(&PAPER, null());
+    let (mut position, mut velocity) = ([0.0f32; 3], [0.0f32; 3]);
+    let (place, fast) = ([120.0, -60.0, -15.0], [0.0, 18.0, 0.0]);
+    let mut reached = Vec::new();
+    for n in 0..6000 {
+        let asked = match n {
+            0..2500 => (ALULA_GOAL_HOVER, place, Core::Hover(ned(place))),
+            2500..4000 => (ALULA_GOAL_VELOCITY, fast, Core::Velocity(ned(fast))),
+            _ => (ALULA_GOAL_STOP, fast, Core::Stop),
+        };
+        (goal.kind, goal.target) = (asked.0, asked.1);
+        let mut input = Input {
+            velocity,
+            flags: ALULA_SPECIFIC_FORCE,
+            reference_age: 9.0,
+            ..Input::DEFAULT
+        };
+        let code = unsafe { alula_goal_step(&mut goal, position.as_ptr(), DT, &mut input) };
+        assert_eq!(code, ALULA_OK);
+        let (x, v) = (ned(position), ned(velocity));
+        let (reference, error) = goals.step(&mut state, &asked.2, x, v, DT);
+        let three = |v: Ned| [v.north, v.east, v.down];
+        let core = Input {
+            velocity,
+            flags: ALULA_SPECIFIC_FORCE | ALULA_POSITION,
+            reference_velocity: three(reference.velocity),
+            reference_acceleration: three(reference.acceleration),
+            position_error: three(error),
+            ..Input::DEFAULT
+        };
+        // A free heading is NaN, which equals nothing.
+        assert_eq!(format!("{input:?}"), format!("{core:?}"), "{n}");
+        assert_eq!(goal.reached == 1, state.is_reached(), "{n}");
+        if [2499, 3999, 5999].contains(&n) {
+            reached.push(goal.reached);
+        }
+        assert_eq!(guide(&mut c, &input).0, ALULA_OK);
+        for k in 0..3 {
+            // It follows with a lag of half a second.
+            velocity[k] += DT / 0.5 * (input.reference_velocity[k] - velocity[k]);
+            position[k] += DT * velocity[k];
+        }
+    }
+    assert_eq!(reached, [1, 1, 1]);
+    assert!((position[2] + 15.0).abs() < 0.5, "{position:?}");
+}
+
+/// What is refused leaves goal and input as they were.
+#[test]
+fn a_goal_that_is_none_is_refused() {
+    let refused = |goal: Goal, position: [f32; 3], velocity: [f32; 3], dt: f32| {
+        let before = Input {
+            velocity,
+            ..Input::DEFAULT
+        };
+        let (mut after, mut input) = (goal, before);
+        let code = unsafe { alula_goal_step(&mut after, position.as_ptr(), dt, &mut input) };
+        let same = format!("{after:?} {input:?}") == format!("{goal:?} {before:?}");
+        assert_eq!(same, code != ALULA_OK);
+        code
+    };
+    let (good, zero) = (Goal::DEFAULT, [0.0; 3]);
+    assert_eq!(refused(good, zero, zero, DT), ALULA_OK);
+    let nan = [0.0, f32::NAN, 0.0];
+    for bad in [
+        Goal { kind: 0, ..good },
+        Goal { kind: 4, ..good },
+        Goal {
+            target: nan,
+            ..good
+        },
+        Goal { speed: 0.0, ..good },
+        Goal {
+            climb: f32::NAN,
+            ..good
+        },
+        Goal {
+            acceleration: 2e3,
+            ..good
+        },
+    ] {
+        assert_eq!(refused(bad, zero, zero, DT), ALULA_ERROR_GOAL, "{bad:?}");
+    }
+    assert_eq!(refused(good, nan, zero, DT), ALULA_ERROR_GOAL);
+    assert_eq!(refused(good, zero, nan, DT), ALULA_ERROR_VELOCITY);
+    assert_eq!(refused(good, zero, zero, 0.0), ALULA_ERROR_TIME_STEP);
+    assert_eq!(refused(good, zero, zero, f32::NAN), ALULA_ERROR_TIME_STEP);
+    let (mut goal, mut input) = (Goal { header: 0, ..good }, Input::DEFAULT);
+    let step = |goal, position, input| unsafe { alula_goal_step(goal, position, DT, input) };
+    assert_eq!(
+        step(&mut goal, zero.as_ptr(), &mut input),
+        ALULA_ERROR_LAYOUT
+    );
+    assert_eq!(unsafe { alula_goal_default(&mut goal) }, ALULA_ERROR_LAYOUT);
+    goal = good;
+    assert_eq!(step(&mut goal, null(), &mut input), ALULA_ERROR_NULL);
+    assert_eq!(
+        step(null_mut(), zero.as_ptr(), &mut input),
+        ALULA_ERROR_NULL
+    );
+    assert_eq!(step(&mut goal, zero.as_ptr(), null_mut()), ALULA_ERROR_NULL);
+}
+
 /// The pace is the core's: slower behind, faster ahead, 1 where there is nothing to tell.
 #[test]
 fn a_path_waits_for_who_is_behind() {

@@ -45,6 +45,7 @@ static alula_equilibria *equilibria;
 static alula_fold_map *map;
 static alula_fold_margin *margin;
 static alula_table *table;
+static alula_goal *goal;
 
 /* Headers right, defaults in, controller initialised. */
 static void tidy(void)
@@ -58,6 +59,7 @@ static void tidy(void)
     map->header = ALULA_HEADER(alula_fold_map);
     margin->header = ALULA_HEADER(alula_fold_margin);
     table->header = ALULA_HEADER(alula_table);
+    goal->header = ALULA_HEADER(alula_goal);
     CHECK(alula_parameters_default(parameters) == ALULA_OK);
     parameters->vehicle.mass = 10.0f;
     parameters->vehicle.k_a = 0.646f;
@@ -66,6 +68,7 @@ static void tidy(void)
     CHECK(alula_command_default(command) == ALULA_OK);
     CHECK(alula_init(controller, parameters, NULL) == ALULA_OK);
     CHECK(alula_fold_map_init(map, controller) == ALULA_OK);
+    CHECK(alula_goal_default(goal) == ALULA_OK);
 }
 
 static int is_safe(void)
@@ -78,7 +81,7 @@ static int is_safe(void)
 /* Every call that takes the `which`th structure, with the pointer `wrong` in its place. */
 static void call_all(int which, void *wrong, int32_t code)
 {
-    void *p[] = {parameters, controller, input, command, equilibria, map, margin, table};
+    void *p[] = {parameters, controller, input, command, equilibria, map, margin, table, goal};
     p[which] = wrong;
     alula_table_row row = {0.0f, 0.0f, 1.0f};
     if (which == 0) {
@@ -121,6 +124,12 @@ static void call_all(int which, void *wrong, int32_t code)
         CHECK(alula_fold_margin_at(p[5], p[1], p[2], p[6]) == code);
     if (which == 7)
         CHECK(alula_table_init(p[7], &row, 1, NULL) == code);
+    if (which == 8)
+        CHECK(alula_goal_default(p[8]) == code);
+    if (which == 8 || which == 2) {
+        const float position[3] = {1.0f, 2.0f, -3.0f};
+        CHECK(alula_goal_step(p[8], position, 0.01f, p[2]) == code);
+    }
 }
 
 /* Puts every sort of bits into every word of `structure`: each call returns a known code, and with an error a safe command;
@@ -176,6 +185,24 @@ static int32_t call_step(void)
     return code;
 }
 
+/* Whatever was remembered or asked for: the guidance flies on, and a good goal is taken again. */
+static int32_t call_goal(void)
+{
+    const float position[3] = {10.0f, 20.0f, -30.0f};
+    int32_t code = alula_goal_step(goal, position, 0.01f, input);
+    CHECK(alula_guide(controller, input, 0.01f, command, report) <= 0);
+    CHECK(are_finite(command, sizeof *command));
+    goal->kind = ALULA_GOAL_STOP;
+    goal->speed = goal->climb = goal->acceleration = 2.0f;
+    goal->target[0] = goal->target[1] = goal->target[2] = 0.0f;
+    CHECK(alula_input_default(input) == ALULA_OK);
+    for (int n = 0; n < 2; n++)
+        CHECK(alula_goal_step(goal, position, 0.01f, input) == ALULA_OK);
+    for (int n = 0; n < 3; n++)
+        CHECK(isfinite(input->position_error[n]));
+    return code;
+}
+
 static int32_t call_guide(void)
 {
     int32_t code = ALULA_OK;
@@ -199,6 +226,7 @@ int main(void)
     map = at_the_edge(sizeof *map);
     margin = at_the_edge(sizeof *margin);
     table = at_the_edge(sizeof *table);
+    goal = at_the_edge(sizeof *goal);
 
     /* Memory that was never initialised. */
     CHECK(alula_step(controller, input, 0.01f, command, NULL) == ALULA_ERROR_LAYOUT);
@@ -214,7 +242,7 @@ int main(void)
     CHECK(alula_parameters_for_vehicle(parameters, 0.1f, 9.0f, 100.0f, 20.0f) < ALULA_ERROR_PARAMETER);
     CHECK(memcmp(parameters, &ruled, sizeof ruled) == 0);
 
-    for (int which = 0; which < 8; which++) {
+    for (int which = 0; which < 9; which++) {
         tidy();
         call_all(which, NULL, ALULA_ERROR_NULL);
         /* Unaligned, and not even a header's worth of memory. */
@@ -230,7 +258,7 @@ int main(void)
                 uint32_t header = version << 16 | size;
                 static const size_t sizes[] = {
                     sizeof *parameters, sizeof *controller, sizeof *input,  sizeof *command,
-                    sizeof *equilibria, sizeof *map,        sizeof *margin, sizeof *table,
+                    sizeof *equilibria, sizeof *map,        sizeof *margin, sizeof *table,   sizeof *goal,
                 };
                 if (version == ALULA_ABI_VERSION && size == sizes[which])
                     continue;
@@ -252,6 +280,7 @@ int main(void)
     fuzz(parameters, sizeof *parameters, call_init);
     fuzz(input, sizeof *input, call_step);
     fuzz(input, sizeof *input, call_guide);
+    fuzz(goal, sizeof *goal, call_goal);
 
     /* A copy is another controller: the end of the first one does not touch it. */
     tidy();

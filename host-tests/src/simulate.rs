@@ -101,7 +101,7 @@ pub fn simulate(
     gusts.set_stream(1);
     let mut weather = Weather::new(experiment.weather, &mut gusts);
     let steady = Vector::from(experiment.weather.steady_m_s);
-    let mut faults = Faults::new(&experiment.sensors.faults, experiment.seed);
+    let mut faults = Faults::new(&experiment.sensors.faults, experiment.seed, 2);
     let mut telling = Telling::default();
     let mut last_answer = None;
     let mut reference_position = experiment.reference.positions();
@@ -206,7 +206,7 @@ impl Telling {
     fn sample(
         &mut self,
         experiment: &Experiment,
-        faults: &mut Faults,
+        faults: &mut Faults<Measured>,
         t: f64,
         (fresh, reference, reference_position): (Measured, Reference, Vector),
     ) -> PlanarInput {

@@ -4,10 +4,10 @@ use std::num::NonZero;
 use std::path::Path;
 
 use alula_sil::experiment::Experiment;
-use alula_sil::figures;
 use alula_sil::page::campaign::page;
 use alula_sil::simulate::fly;
-use alula_sil::study::{CampaignSource, Column, Drawn, Flown, Shard, Store, Summary, run};
+use alula_sil::space::PathSpec;
+use alula_sil::study::{CampaignSource, Column, Drawn, Flown, Place, Shard, Store, Summary, run};
 
 /// The built-in campaign with so many flights.
 fn source(name: &str, flights: u64) -> CampaignSource {
@@ -87,7 +87,7 @@ fn threads_interruptions_and_shares_change_nothing() {
 
 /// A figure of a flight.
 fn figure(flown: &Flown, name: &str) -> f64 {
-    flown.figures[figures::index(name).unwrap()]
+    flown.figure(name)
 }
 
 /// A flight depends on its number alone, and its figures are those of the experiment that was drawn, flown by itself.
@@ -102,7 +102,7 @@ fn a_flight_is_its_own() {
     );
 
     let flown = Flown::fly(&drawn, &[]).unwrap();
-    let record = fly(&drawn.experiment).unwrap();
+    let record = fly(drawn.experiment.plane().unwrap()).unwrap();
     let mut altitude = [f64::INFINITY, f64::NEG_INFINITY];
     let mut late = 0.0_f64;
     for step in &record {
@@ -119,14 +119,14 @@ fn a_flight_is_its_own() {
     assert_eq!(flown.samples.len(), 101);
     // The document's text says the same.
     let again: Experiment = toml::from_str(&drawn.document.text()).unwrap();
-    assert_eq!(again.vehicle, drawn.experiment.vehicle);
+    assert_eq!(again.vehicle, drawn.experiment.plane().unwrap().vehicle);
     assert!(fly(&again).unwrap() == record);
 
     // What is drawn is what is flown, and what the file says.
-    let mass = drawn.experiment.vehicle.mass_kg;
+    let mass = drawn.experiment.plane().unwrap().vehicle.mass_kg;
     assert_eq!(drawn.values[0], mass);
     assert!((8.5..=11.5).contains(&mass));
-    let frame = few.campaign.frames(&[(2, drawn, flown)]).0;
+    let frame = few.campaign.frames(Place::Plane, &[(2, drawn, flown)]).0;
     assert_eq!(
         frame.column("vehicle.mass_kg").unwrap(),
         &Column::Real(vec![mass])
@@ -202,6 +202,19 @@ fn every_fault_ends_as_stated() {
     assert!(summary.verdict());
 }
 
+/// 60 of the 4,000 flights in space with a fault of a sensor; of 400 the deepest sinks 14 m.
+#[test]
+fn every_fault_in_space_ends_as_stated() {
+    let folder = tempfile::tempdir().unwrap();
+    let summary = flown(&source("faults-in-space", 60), folder.path(), 2);
+    assert_eq!(summary.faults.len(), 19);
+    assert_eq!(summary.faults.iter().map(|f| f.flights).sum::<u64>(), 60);
+    for fault in &summary.faults {
+        assert_eq!(fault.as_stated, fault.flights, "{fault:?}");
+    }
+    assert!(summary.verdict());
+}
+
 /// A stated state that is not the guidance's is found.
 #[test]
 fn a_wrong_statement_is_found() {
@@ -237,6 +250,89 @@ fn no_flight_is_lost() {
     }
 }
 
+/// 40 of the 1,000 random circles in wind: none is lost. How many cross the stall in the turn, of which 43 % did of 300, is for the
+/// whole campaign.
+#[test]
+fn no_random_circle_is_lost() {
+    let folder = tempfile::tempdir().unwrap();
+    let source = source("paths", 40);
+    let summary = flown(&source, folder.path(), 2);
+    assert_eq!((summary.departed, summary.diverged), (0, 0));
+    let figure = |name: &str| summary.figures.iter().find(|f| f.figure == name).unwrap();
+    // Half of them keep to a few metres; they are no copies.
+    assert!(figure("max_position_error_m").percentiles[4] < 5.0);
+    assert!(figure("max_bank_deg").percentiles[1] < 30.0);
+    assert!(figure("max_bank_deg").percentiles[7] > 50.0);
+    let page = page(&source, &summary).html().unwrap();
+    assert!(page.contains("angle of the right wing below the horizontal [°]"));
+}
+
+/// The wind of a random circle is at most a third of its speed, and blows where it was turned to; the flight starts on its course.
+#[test]
+fn a_random_circle_is_flown_as_drawn() {
+    let source = source("paths", 20);
+    let mut quarters = [0; 4];
+    for number in 0..20 {
+        let drawn = source.campaign.draw(&source.base, number).unwrap();
+        let experiment = drawn.experiment.space().unwrap();
+        let PathSpec::Circle { speed_m_s, .. } = experiment.path else {
+            panic!("a circle");
+        };
+        let (wind, turned) = (experiment.weather.steady(), experiment.weather.turned_deg);
+        assert!(wind.norm() <= 0.334 * speed_m_s);
+        let toward = wind.y.atan2(wind.x).to_degrees().rem_euclid(360.0);
+        assert!((toward - turned).abs() < 1e-6, "{toward} {turned}");
+        quarters[(turned / 90.0) as usize] += 1;
+        let start = alula_sil::space::fly(&alula_sil::space::Experiment {
+            duration_s: 0.01,
+            entry_s: 0.0,
+            ..experiment.clone()
+        });
+        let start = start.unwrap()[0];
+        let course = start.truth.velocity.y.atan2(start.truth.velocity.x);
+        let asked = experiment.initial.course_deg.unwrap();
+        assert!((course.to_degrees().rem_euclid(360.0) - asked).abs() < 1e-6);
+        let speed = experiment.path.path().unwrap().start().velocity.norm();
+        assert!((start.truth.velocity.norm() - speed).abs() < 1e-9);
+        // The belly, which points down in cruise, is below the nose: the nose is on the course.
+        let tail = start.truth.axes()[0];
+        assert!(tail.dot(&start.truth.velocity) < -0.9 * start.truth.velocity.norm());
+    }
+    assert!(quarters.iter().all(|&n| n > 0), "{quarters:?}");
+}
+
+/// A dispersed vehicle is not known to the guidance in space either.
+#[test]
+fn a_dispersed_vehicle_in_space_does_not_disperse_the_belief() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("own.toml");
+    let text = "base = 'circle-40'\nflights = 2\n[set]\n'controller.guidance' = {}\n\
+                [[disperse]]\nfield = 'vehicle.mass_kg'\nscale.uniform = [0.8, 0.9]\n\
+                [[limits]]\nfigure = 'sideslip_rms_deg'\nmost = 1.0\n";
+    std::fs::write(&file, text).unwrap();
+    let source = CampaignSource::load(file.to_str().unwrap(), None).unwrap();
+    let drawn = source.campaign.draw(&source.base, 1).unwrap();
+    assert!(drawn.experiment.space().unwrap().vehicle.mass_kg < 9.01);
+    let believed = drawn.document.number("controller.guidance.vehicle.mass_kg");
+    assert_eq!(believed.unwrap(), 10.0);
+    // Figures and references of the plane are refused.
+    for (line, problem) in [
+        (
+            "[[limits]]\nfigure = 'turn_deg'\nmost = 1.0\n",
+            "turn_deg is none of",
+        ),
+        (
+            "[reference]\nuntil_s = 1.0\nforward_m_s.uniform = [0.0, 1.0]\ndown_m_s.uniform = [0.0, 1.0]\n\
+          acceleration_m_s2.uniform = [1.0, 2.0]\nhold_s.uniform = [1.0, 2.0]\nsteps = 0.0\n",
+            "is for the plane alone",
+        ),
+    ] {
+        std::fs::write(&file, format!("{text}{line}")).unwrap();
+        let error = CampaignSource::load(file.to_str().unwrap(), None).unwrap_err();
+        assert!(format!("{error:#}").contains(problem), "{error:#}");
+    }
+}
+
 /// The references of the envelope are what their columns say, and end 60 s before the flight does.
 #[test]
 fn a_random_reference_is_flown_as_drawn() {
@@ -244,7 +340,7 @@ fn a_random_reference_is_flown_as_drawn() {
     for number in 0..10 {
         let drawn = source.campaign.draw(&source.base, number).unwrap();
         let reference = drawn.reference.as_ref().unwrap();
-        let experiment = &drawn.experiment;
+        let experiment = drawn.experiment.plane().unwrap();
         let at = |t: f64| experiment.reference.at(t).0;
         let times = || (0..12_000).map(|i| 0.01 * f64::from(i));
         let fastest = times().map(|t| at(t).norm()).fold(0.0, f64::max);
@@ -263,20 +359,23 @@ fn a_dispersed_field_follows_the_powers_of_others() {
     let source = source("vehicles", 50);
     for number in 0..50 {
         let drawn = source.campaign.draw(&source.base, number).unwrap();
-        let vehicle = &drawn.experiment.vehicle;
-        let weight_ratio = drawn.experiment.plant.thrust_n[1] / (vehicle.mass_kg * 9.81);
+        let vehicle = &drawn.experiment.plane().unwrap().vehicle;
+        let weight_ratio =
+            drawn.experiment.plane().unwrap().plant.thrust_n[1] / (vehicle.mass_kg * 9.81);
         assert!((1.0999..=3.0001).contains(&weight_ratio), "{weight_ratio}");
-        let knots = &drawn.experiment.reference.knots;
+        let knots = &drawn.experiment.plane().unwrap().reference.knots;
         let cruise = knots[1].forward_m_s;
         let lift = vehicle.weight() / (vehicle.k_a_kg_m * cruise * cruise);
         assert!((0.249..=0.601).contains(&lift), "{lift}");
         // Times are added up: cruise lasts 10 s.
         assert!((knots[2].t_s - knots[1].t_s - 10.0).abs() < 1e-9 && knots[3].t_s < 90.0);
-        let spec = drawn.experiment.spec().unwrap();
+        let spec = drawn.experiment.plane().unwrap().spec().unwrap();
         let belief = spec.belief().unwrap();
         let believed = belief.mass_kg / vehicle.mass_kg;
         assert!((0.85..=1.15).contains(&believed) && believed != 1.0);
-        assert!(drawn.experiment.plant.thrust_n[1] > 1.0299 * 9.81 * belief.mass_kg);
+        assert!(
+            drawn.experiment.plane().unwrap().plant.thrust_n[1] > 1.0299 * 9.81 * belief.mass_kg
+        );
         let off = belief.delta_deg - vehicle.delta_deg;
         assert!(off.abs() <= 2.0 && off != 0.0);
     }
@@ -293,8 +392,8 @@ fn a_dispersed_vehicle_does_not_disperse_the_belief() {
     let source = CampaignSource::load(file.to_str().unwrap(), None).unwrap();
     for number in 0..3 {
         let drawn = source.campaign.draw(&source.base, number).unwrap();
-        let spec = drawn.experiment.spec().unwrap();
-        assert_ne!(drawn.experiment.vehicle.mass_kg, 10.0);
+        let spec = drawn.experiment.plane().unwrap().spec().unwrap();
+        assert_ne!(drawn.experiment.plane().unwrap().vehicle.mass_kg, 10.0);
         assert_eq!(spec.belief().unwrap().mass_kg, 10.0);
     }
 }

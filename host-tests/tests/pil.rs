@@ -9,13 +9,14 @@ use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 
 use alula::spatial::Rates;
-use alula::{Inertial, PlanarInput};
+use alula::{GuidanceInput, Guided, Inertial, PlanarInput};
 use alula_link::damage::Mangler;
 use alula_link::{Configuration, Envelope, MAX_FRAME, Pacing, Phase, Status, ToTarget, encode};
-use alula_sil::controllers::{Answer, Controller, Input};
+use alula_sil::controllers::{Answer, Controller, Flying, Input};
 use alula_sil::experiment::{BUILT_IN, Document, Experiment};
 use alula_sil::pil::{Build, Heard, Qemu, Target, build, core_answer, link_input};
 use alula_sil::simulate::{Step, simulate};
+use alula_sil::space::{self, Pilot};
 use anyhow::{Context, ensure};
 
 /// The built-in experiment of this name.
@@ -143,6 +144,102 @@ fn every_built_in_experiment_of_the_core_flies_the_same_bits() {
         let (steps, took) = (experiment.steps() + 1, begin.elapsed());
         println!("{name}: {steps} answers the same to the bit, in {took:.1?}");
     }
+}
+
+/// In space: asks the target, the controller of its configuration in this process, and the experiment's own pilot.
+struct ComparedInSpace {
+    target: Target,
+    here: alula_link::Controller,
+    own: Flying,
+    steps: usize,
+}
+
+impl Pilot for ComparedInSpace {
+    fn guided(&mut self, input: &GuidanceInput, dt: f32) -> anyhow::Result<Guided> {
+        let there = self.target.guided(input, dt)?;
+        let here = self
+            .here
+            .step(&alula_link::Input::Guidance { input: *input, dt });
+        let own = alula_link::Answer::Guided(self.own.guided(input, dt)?);
+        let (answer, step) = (alula_link::Answer::Guided(there), self.steps);
+        for other in [here, own] {
+            ensure!(
+                bits(&answer) == bits(&other),
+                "step {step}: {answer:?} is not {other:?}"
+            );
+        }
+        self.steps += 1;
+        Ok(there)
+    }
+}
+
+/// Flies the beginning of the built-in experiment `name` in space, `seconds` long, on the image of `which`; an error at the first
+/// answer that is not the one in this process.
+fn same_bits_in_space(
+    which: Build,
+    name: &str,
+    seconds: f64,
+    pacing: Pacing,
+) -> anyhow::Result<Vec<space::Step>> {
+    let mut experiment = space::Experiment::of(&Document::load(name)?)?;
+    (experiment.duration_s, experiment.entry_s) = (seconds, 0.0);
+    let configuration = experiment.controller.configuration(&experiment, pacing)?;
+    let (_qemu, mut target) = boot(which);
+    target.configure(configuration)?;
+    let mut compared = ComparedInSpace {
+        target,
+        here: alula_link::Controller::new(&configuration).unwrap(),
+        own: experiment.pilot()?,
+        steps: 0,
+    };
+    let begin = Instant::now();
+    let record = space::fly_by(&experiment, &mut compared)?;
+    let (steps, took) = (compared.steps, begin.elapsed());
+    assert_eq!(steps, experiment.steps() + 1);
+    println!("{name}: {steps} answers the same to the bit, in {took:.1?}");
+    Ok(record)
+}
+
+/// The beginnings of a circle, of an eight and of a mission in turbulence, with air data, position and specific force told.
+#[test]
+#[ignore = "needs QEMU: cargo pil-check"]
+fn flights_in_space_are_the_same_bits() {
+    let fly = |name, seconds, pacing| {
+        same_bits_in_space(Build::Release, name, seconds, pacing)
+            .context(name)
+            .unwrap()
+    };
+    let circle = fly("circle-40", 3.0, Pacing::Lockstep);
+    // They turn: that is not a flight in a plane.
+    assert!(circle.last().unwrap().bank() > 0.7);
+    fly("eight", 2.0, Pacing::Timer);
+    let mission = fly("mission-turbulence", 3.0, Pacing::Lockstep);
+    assert!(
+        mission
+            .iter()
+            .all(|step| step.input.specific_force.is_some())
+    );
+}
+
+/// Whole flights, in real time: minutes.
+#[test]
+#[ignore = "takes minutes: cargo pil-check-whole"]
+fn whole_flights_in_space_are_the_same_bits() {
+    for name in ["circle-40", "eight", "mission", "mission-turbulence"] {
+        let experiment = space::Experiment::of(&Document::load(name).unwrap()).unwrap();
+        let (duration, pacing) = (experiment.duration_s, Pacing::Lockstep);
+        same_bits_in_space(Build::Release, name, duration, pacing)
+            .context(name)
+            .unwrap();
+    }
+}
+
+#[test]
+#[ignore = "needs QEMU: cargo pil-check"]
+fn one_unit_in_the_last_place_is_found_in_space() {
+    let found = same_bits_in_space(Build::Perturbed, "circle-40", 3.0, Pacing::Lockstep);
+    let error = found.unwrap_err().to_string();
+    assert!(error.starts_with("step "), "{error}");
 }
 
 #[test]

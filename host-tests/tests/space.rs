@@ -1,8 +1,8 @@
 //! Every built-in experiment in space is flown; its bounds are those of its own file.
 
 use alula_sil::experiment::{BUILT_IN, Document};
-use alula_sil::space::starts::starts;
 use alula_sil::space::{Experiment, Figures, fly};
+use alula_sil::study::starts::starts;
 
 fn document(name: &str, settings: &[&str]) -> Document {
     let mut document = Document::load(name).unwrap();
@@ -51,6 +51,153 @@ fn every_built_in_keeps_its_bounds() {
         assert!(end < if turbulent { 5.0 } else { 0.5 }, "{name}: {end}");
     }
     assert!(flights > 15);
+}
+
+/// What is asked of flights in space stands in their files, no wider: turns, wind, hover and the turned transition.
+#[test]
+fn the_bounds_are_those_asked_for() {
+    const RMS: [&str; 3] = [
+        "velocity_error_rms_m_s",
+        "position_error_rms_m",
+        "sideslip_rms_deg",
+    ];
+    let asked: &[(&str, &[(&str, f64)])] = &[
+        (
+            "circle-40-slow",
+            &[(RMS[0], 0.15), (RMS[1], 0.3), (RMS[2], 0.2)],
+        ),
+        ("circle-40", &[(RMS[0], 0.15), (RMS[1], 0.3), (RMS[2], 0.2)]),
+        ("circle-33", &[(RMS[0], 0.6), (RMS[1], 0.8), (RMS[2], 0.2)]),
+        ("eight", &[(RMS[0], 0.3), (RMS[1], 0.4), (RMS[2], 0.5)]),
+        (
+            "climbing-turn",
+            &[(RMS[0], 0.1), (RMS[1], 0.3), (RMS[2], 0.1)],
+        ),
+        ("cross-wind", &[(RMS[0], 0.1), (RMS[1], 0.1), (RMS[2], 0.2)]),
+        (
+            "unknown-side-wind",
+            &[(RMS[0], 0.5), (RMS[1], 1.2), (RMS[2], 3.0)],
+        ),
+        ("side-gust", &[(RMS[0], 0.2), (RMS[1], 0.2), (RMS[2], 2.0)]),
+        ("hover-cross-wind", &[(RMS[0], 0.05)]),
+        ("heading-steps", &[(RMS[0], 0.1), (RMS[1], 0.1)]),
+        ("transition-turned", &[("max_velocity_error_m_s", 2.0)]),
+    ];
+    for (name, bounds) in asked {
+        let experiment = experiment(name, &[]);
+        for (figure, most) in *bounds {
+            let bound = experiment.bounds.get(*figure);
+            assert!(
+                bound.is_some_and(|b| b <= most),
+                "{name}: {figure} {bound:?}"
+            );
+        }
+    }
+}
+
+/// Steps of 90° and 180° end at the heading asked for, and the second is turned all the way.
+#[test]
+fn headings_in_hover_are_reached() {
+    let record = fly(&experiment("heading-steps", &[])).unwrap();
+    let heading = |t: f64| {
+        let step = record.iter().find(|s| s.t >= t - 1e-9).unwrap();
+        let belly = step.truth.axes()[1];
+        belly.y.atan2(belly.x).to_degrees().rem_euclid(360.0)
+    };
+    for (t, asked) in [(4.9, 0.0), (14.9, 90.0), (25.0, 270.0)] {
+        let off = (heading(t) - asked + 180.0).rem_euclid(360.0) - 180.0;
+        assert!(off.abs() < 0.5, "{t}: {off}");
+    }
+    // Five seconds into a step most of it is turned.
+    assert!((heading(10.0) - 90.0).abs() < 5.0 && (heading(20.0) - 270.0).abs() < 10.0);
+}
+
+/// The braking out of the turn is at 2 m/s² and level: from 20 m/s to hover in 10 s, within 2 m of the altitude and 3 m of the path.
+#[test]
+fn braking_out_of_a_turn_is_level() {
+    let record = fly(&experiment("mission", &[])).unwrap();
+    let (begin, end) = (35.708, 45.708);
+    let braking = || record.iter().filter(|s| (begin..end).contains(&s.t));
+    assert_eq!(braking().count(), 1000);
+    for step in braking() {
+        let asked = step.target.acceleration;
+        assert!(
+            (asked.norm() - 2.0).abs() < 1e-6 && asked.z == 0.0,
+            "{}",
+            step.t
+        );
+        assert!(
+            step.altitude().abs() < 2.0,
+            "{}: {}",
+            step.t,
+            step.altitude()
+        );
+    }
+    let first = braking().next().unwrap();
+    assert!(first.bank().abs() > 0.5 && first.truth.velocity.norm() > 19.0);
+    let after = record.iter().filter(|s| s.t > end + 3.0);
+    let off = after.map(|s| s.position_error()).fold(0.0, f64::max);
+    assert!(off < 3.0, "{off}");
+}
+
+/// Sensors of a flight in space fail, one at a time, for some seconds of a turn: what is told is what the fault says, what is
+/// noticed is said, and the circle is found again.
+#[test]
+fn sensors_fail_in_a_turn() {
+    use alula::guidance::{AirUse, Status};
+    let flown = |fault: &str| {
+        let fault = format!("sensors.faults=[{{ {fault}, from_s = 10.0, to_s = 13.0 }}]");
+        let record = fly(&experiment("circle-40", &[&fault])).unwrap();
+        let worst = |from: f64, to: f64| {
+            let part = record.iter().filter(|s| (from..to).contains(&s.t));
+            part.map(|s| s.position_error()).fold(0.0, f64::max)
+        };
+        let (during, after) = (worst(10.0, 20.0), worst(40.0, 50.0));
+        println!("{fault}: {during:.1} m, then {after:.2} m");
+        let at = |t: f64| *record.iter().find(|s| s.t >= t - 1e-9).unwrap();
+        assert!(during < 30.0 && after < 3.0, "{fault}: {during} {after}");
+        (at(9.99), at(12.9), at(20.0))
+    };
+    let (before, during, after) = flown("kind = \"air\"");
+    assert_eq!(before.guided.air, AirUse::Velocity);
+    assert_eq!(during.guided.air, AirUse::None);
+    assert_eq!(after.guided.air, AirUse::Velocity);
+    let (.., during, _) = flown("kind = \"wind-stuck\"");
+    assert_eq!(during.guided.air, AirUse::Wind);
+    flown("kind = \"air-scale\", size = -0.2");
+    flown("kind = \"air-drift\", size = 0.5");
+    let (_, during, _) = flown("kind = \"attitude-offset\", size = 3.0");
+    let told = during.input.orientation.w();
+    let [.., right] = during.truth.axes();
+    let turned = f64::from(told.north) * right.x
+        + f64::from(told.east) * right.y
+        + f64::from(told.down) * right.z;
+    // 3° about each of three axes turn the wing by √2 times that.
+    assert!((turned.acos().to_degrees() - 4.24).abs() < 0.1, "{turned}");
+    let (_, during, _) = flown("kind = \"position-jump\", size = 10.0");
+    let told = f64::from(during.input.position_error.unwrap().east);
+    let off = told - (during.truth.position - during.target.position).y;
+    assert!((off - 10.0).abs() < 1e-4, "{off}");
+    let (_, during, after) = flown("kind = \"position-nan\"");
+    assert!(during.guided.status.contains(Status::POSITION_INVALID));
+    assert!(!after.guided.status.contains(Status::POSITION_INVALID));
+    let (_, during, _) = flown("kind = \"accelerometer\"");
+    assert!(during.input.specific_force.is_none());
+    let (_, during, _) = flown("kind = \"accelerometer-dead\"");
+    assert_eq!(during.input.specific_force, Some(Default::default()));
+    let (before, during, _) = flown("kind = \"accelerometer-frozen\"");
+    let [old, held] = [before, during].map(|s| s.input.specific_force.unwrap());
+    assert!((old.j - held.j).abs() < 0.5);
+    flown("kind = \"accelerometer-drift\", size = 0.5");
+    // A bit of the memory at every step: the spare copy undoes it, and the flight is the same.
+    let (_, _, after) = flown("kind = \"memory-bit\"");
+    let clean = fly(&experiment(
+        "circle-40",
+        &["duration_s=21.0", "entry_s=0.0"],
+    ))
+    .unwrap();
+    let same = clean.iter().find(|s| s.t >= 20.0 - 1e-9).unwrap();
+    assert_eq!(after.truth, same.truth);
 }
 
 /// It never slows down to cross the stall: the speed is what the errors leave of 20 m/s. At the end it flies south, belly down.
@@ -282,5 +429,9 @@ fn wrong_fields_are_refused_by_file_line_and_name() {
         "initial.scatter.velocity_m_s: must",
     );
     refused("bounds.altitude = 3.0", "bounds.altitude: is no figure");
+    refused(
+        "sensors.faults = [{ kind = \"air-drift\", from_s = 1.0, to_s = 2.0 }]",
+        "sensors.faults[0].size: this kind has a size",
+    );
     refused("reference.knots = []", "reference: unknown field");
 }

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
 
-use alula_sil::space::starts::{ATTITUDES, BASES, FLIGHTS, Start, Starts, starts};
+use alula_sil::study::starts::{ATTITUDES, BASES, FLIGHTS, Start, Starts, starts};
 use alula_sil::study::{self, BUILT_IN, CampaignSource, Shard, Store, Summary, Threads};
 use anyhow::ensure;
 use pyo3::prelude::*;

@@ -100,7 +100,7 @@ fn in_plane(py: Python<'_>, document: &Document) -> PyResult<Flight> {
 
 fn in_space(py: Python<'_>, document: &Document) -> PyResult<Flight> {
     let experiment = space::Experiment::of(document).map_err(error::of)?;
-    let flown = py.detach(|| {
+    let flown = py.detach(|| -> anyhow::Result<_> {
         let record = space::fly(&experiment)?;
         let columns = space::columns::COLUMNS.iter().filter_map(|column| {
             let cells = record.iter().map(|step| Some((column.read)(step)));
@@ -109,7 +109,7 @@ fn in_space(py: Python<'_>, document: &Document) -> PyResult<Flight> {
         let columns: Vec<_> = columns.collect();
         Ok((space::Figures::of(&experiment, &record), columns))
     });
-    let (figures, columns) = flown.map_err(error::of_field)?;
+    let (figures, columns) = flown.map_err(error::of)?;
     let beyond = figures.beyond(&experiment).into_iter();
     Ok(Flight {
         name: document.name.clone(),

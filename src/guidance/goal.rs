@@ -144,6 +144,22 @@ impl Goals {
 }
 
 impl GoalState {
+    /// What is remembered, as plain values: the goal, the reference's position \[m\] and velocity [m/s], and whether a stop is
+    /// over.
+    pub fn parts(&self) -> (Option<Goal>, Ned, Ned, bool) {
+        (self.goal, self.position, self.velocity, self.stopped)
+    }
+
+    /// The state of these [`parts`](Self::parts).
+    pub fn from_parts(goal: Option<Goal>, position: Ned, velocity: Ned, stopped: bool) -> Self {
+        Self {
+            goal,
+            position,
+            velocity,
+            stopped,
+        }
+    }
+
     /// Whether the reference stands at the goal: at rest there, or at the velocity asked for.
     pub fn is_reached(&self) -> bool {
         let near = |a: Ned, b: Ned, by: f32| (a - b).norm_squared() < by * by;

@@ -8,8 +8,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use alula_sil::files::leave;
 use alula_sil::page::campaign::page;
-use alula_sil::space::starts::ATTITUDES;
-use alula_sil::study::{BUILT_IN, CampaignSource, Shard, Store, Summary, run as fly_all};
+use alula_sil::study::starts::ATTITUDES;
+use alula_sil::study::{BUILT_IN, CampaignSource, Place, Shard, Store, Summary, run as fly_all};
 
 use super::fly;
 use super::output::Output;
@@ -150,6 +150,9 @@ fn refly(source: &CampaignSource, number: u64, args: &Args) -> anyhow::Result<()
     leave(&out.join("experiment.toml"), |file| {
         Ok(file.write_all(document.text().as_bytes())?)
     })?;
+    if source.place() == Place::Space {
+        return space::fly(&document, &args.output);
+    }
     let files = (&args.output, &fly::Logs::default());
     fly::fly(&document, &document.name, files, |experiment| {
         Ok(experiment.controller()?)

@@ -15,6 +15,7 @@ use alula_sil::files::leave;
 use alula_sil::flight_log::{self, Format};
 use alula_sil::page::flight::page;
 use alula_sil::simulate::{End, Record, Step, simulate};
+use alula_sil::study::Place;
 
 use super::output::Output;
 use super::settings::Settings;
@@ -94,13 +95,9 @@ struct Summary<'a> {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
-    let document = args.settings.document(&args.experiment)?;
-    if document.get("path").is_some() {
-        ensure!(
-            args.logs.kinds.is_empty(),
-            "--log: flights in space leave a CSV trace alone"
-        );
-        return space::fly(&document, &args.output);
+    let document = args.document()?;
+    if Place::of(&document) == Place::Space {
+        return space::fly(&document, args.output()?);
     }
     fly(
         &document,
@@ -110,13 +107,29 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     )
 }
 
+impl Args {
+    /// The experiment, as changed.
+    pub fn document(&self) -> anyhow::Result<Document> {
+        self.settings.document(&self.experiment)
+    }
+
+    /// Where a flight in space leaves its files.
+    pub fn output(&self) -> anyhow::Result<&Output> {
+        ensure!(
+            self.logs.kinds.is_empty(),
+            "--log: flights in space leave a CSV trace alone"
+        );
+        Ok(&self.output)
+    }
+}
+
 /// Flies what `args` say under the controller that `connect` gives; the files are left in `out/<folder>`.
 pub fn with(
     args: &Args,
     folder: &str,
     connect: impl FnOnce(&Experiment) -> anyhow::Result<Box<dyn Controller>>,
 ) -> anyhow::Result<()> {
-    let document = args.settings.document(&args.experiment)?;
+    let document = args.document()?;
     fly(&document, folder, (&args.output, &args.logs), connect)
 }
 

@@ -2,13 +2,15 @@
 
 use std::path::PathBuf;
 
-use alula_link::Pacing;
+use alula_link::{Configuration, Pacing};
 use anyhow::Context;
 
 use alula_sil::controllers::Controller;
 use alula_sil::pil::{Build, Qemu, Target, build, open_serial};
+use alula_sil::space::Pilot;
+use alula_sil::study::Place;
 
-use super::fly;
+use super::{fly, space};
 
 /// Fly an experiment with the core on its target: emulated, or a board on a serial device
 // Groups are named after their types, and this one holds another `Args`.
@@ -35,8 +37,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     };
     // The emulator lives as long as the flight.
     let mut emulator = None;
-    let flown = fly::with(&args.flight, "pil", |experiment| {
-        let configuration = experiment.configuration(pacing)?;
+    let mut connect = |configuration: Configuration| {
         let mut target = match &args.serial {
             Some(device) => Target::new(open_serial(device)?)?,
             None => {
@@ -50,8 +51,18 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
             }
         };
         target.configure(configuration)?;
-        Ok(Box::new(target) as Box<dyn Controller>)
-    });
+        anyhow::Ok(Box::new(target))
+    };
+    let document = args.flight.document()?;
+    let flown = match Place::of(&document) {
+        Place::Plane => fly::with(&args.flight, "pil", |experiment| {
+            Ok(connect(experiment.configuration(pacing)?)? as Box<dyn Controller>)
+        }),
+        Place::Space => space::fly_by(&document, "pil", args.flight.output()?, |experiment| {
+            let configuration = experiment.controller.configuration(experiment, pacing)?;
+            Ok(connect(configuration)? as Box<dyn Pilot>)
+        }),
+    };
     match emulator.as_mut().and_then(Qemu::complaint) {
         Some(complaint) => flown.with_context(|| format!("the image stopped: {complaint}")),
         None => flown,

@@ -3,16 +3,19 @@
 use std::io::Write;
 use std::path::Path;
 
+use alula::{GuidanceInput, Guided};
 use anyhow::ensure;
+use indicatif::ProgressBar;
 use serde::Serialize;
 use serde_json::{Map, Value};
 
 use alula_sil::experiment::Document;
 use alula_sil::files::leave;
+use alula_sil::page::space::page;
 use alula_sil::space::columns::write_trace;
-use alula_sil::space::starts::{BASES, FLIGHTS, LIMITS, Starts, starts};
-use alula_sil::space::{Experiment, Figures, fly as simulate, page};
+use alula_sil::space::{Experiment, Figures, Pilot, fly_by as simulate};
 use alula_sil::study::Threads;
+use alula_sil::study::starts::{BASES, FLIGHTS, LIMITS, Starts, starts};
 
 use super::fly::progress_bar;
 use super::output::Output;
@@ -30,9 +33,43 @@ struct Summary<'a> {
 
 /// Flies `document`, and leaves trace, figure and report in `out/<its name>`.
 pub fn fly(document: &Document, output: &Output) -> anyhow::Result<()> {
+    fly_by(document, &document.name, output, |experiment| {
+        Ok(Box::new(experiment.pilot()?))
+    })
+}
+
+/// A pilot whose steps are counted on the terminal.
+struct Counted {
+    pilot: Box<dyn Pilot>,
+    bar: ProgressBar,
+}
+
+impl Pilot for Counted {
+    fn guided(&mut self, input: &GuidanceInput, dt: f32) -> anyhow::Result<Guided> {
+        self.bar.inc(1);
+        self.pilot.guided(input, dt)
+    }
+
+    fn flip(&mut self, bit: u64) {
+        self.pilot.flip(bit);
+    }
+}
+
+/// Flies `document` under the pilot that `connect` gives, and leaves trace, figure and report in `out/<folder>`.
+pub fn fly_by(
+    document: &Document,
+    folder: &str,
+    output: &Output,
+    connect: impl FnOnce(&Experiment) -> anyhow::Result<Box<dyn Pilot>>,
+) -> anyhow::Result<()> {
     let experiment = &Experiment::of(document)?;
-    let out = output.folder(&document.name)?;
-    let record = simulate(experiment)?;
+    let out = output.folder(folder)?;
+    let mut pilot = Counted {
+        pilot: connect(experiment)?,
+        bar: progress_bar(experiment.steps()),
+    };
+    let record = simulate(experiment, &mut pilot)?;
+    pilot.bar.finish_and_clear();
     let figures = Figures::of(experiment, &record);
     leave(&out.join("trace.csv"), |file| {
         Ok(write_trace(&record, file)?)

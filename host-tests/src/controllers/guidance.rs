@@ -107,6 +107,26 @@ impl GuidanceSpec {
         };
         Guidance::with_gains(vehicle, gains, parameters).map_err(under)
     }
+
+    /// The same guidance as a target is told of it.
+    pub fn configured(
+        &self,
+        belief: &VehicleSpec,
+        thrust: [f64; 2],
+        parameters: &GuidanceParameters,
+        pacing: Pacing,
+    ) -> Result<Configuration, FieldError> {
+        let vehicle = belief.parameters(thrust);
+        Ok(Configuration {
+            vehicle,
+            model: belief.model_parameters().map_err(|e| e.inside("vehicle"))?,
+            controller: ControllerParameters::Guidance {
+                parameters: self.ruled(&vehicle, parameters)?,
+                gains: self.gains,
+            },
+            pacing,
+        })
+    }
 }
 
 impl Spec for GuidanceSpec {
@@ -139,23 +159,26 @@ impl Spec for GuidanceSpec {
     ) -> Result<Configuration, FieldError> {
         let belief = self.vehicle.as_ref().unwrap_or(&experiment.vehicle);
         let thrust = experiment.thrust_limits(self.thrust_n, belief.weight());
-        let vehicle = belief.parameters(thrust);
-        Ok(Configuration {
-            vehicle,
-            model: belief.model_parameters().map_err(|e| e.inside("vehicle"))?,
-            controller: ControllerParameters::Guidance {
-                parameters: self.ruled(&vehicle, &self.in_plane())?,
-                gains: self.gains,
-            },
-            pacing,
-        })
+        self.configured(belief, thrust, &self.in_plane(), pacing)
     }
 }
 
 /// The guidance with its memory.
-struct Flying {
-    guidance: Guidance<Model, GainChoice>,
-    state: GuidanceState,
+pub struct Flying {
+    /// The guidance.
+    pub guidance: Guidance<Model, GainChoice>,
+    /// Its memory.
+    pub state: GuidanceState,
+}
+
+impl Flying {
+    /// One bit of its memory flips.
+    pub fn flip_bit(&mut self, bit: u64) {
+        let mut bytes = self.state.to_bytes();
+        let bit = bit % (8 * bytes.len() as u64);
+        bytes[bit as usize / 8] ^= 1 << (bit % 8);
+        self.state = GuidanceState::from_bytes(&bytes);
+    }
 }
 
 impl Controller for Flying {
@@ -167,9 +190,6 @@ impl Controller for Flying {
     }
 
     fn flip(&mut self, bit: u64) {
-        let mut bytes = self.state.to_bytes();
-        let bit = bit % (8 * bytes.len() as u64);
-        bytes[bit as usize / 8] ^= 1 << (bit % 8);
-        self.state = GuidanceState::from_bytes(&bytes);
+        self.flip_bit(bit);
     }
 }

@@ -19,7 +19,7 @@ use serde::{Deserialize, de};
 use toml::{Table, Value};
 
 pub use ardupilot_like::ArduPilotLikeSpec;
-pub use guidance::GuidanceSpec;
+pub use guidance::{Flying, GuidanceSpec};
 pub use law::{Form, Law, LawSpec};
 pub use px4_like::Px4LikeSpec;
 use switching::Phase;

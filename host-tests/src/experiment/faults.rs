@@ -1,14 +1,10 @@
 //! Faults of what the controller is told, of its clock, and of its memory.
 
-use alula::guidance::Air;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
 use super::document::{FieldError, finite};
-use super::sensors::Measured;
-use crate::controllers::inertial;
-use crate::reference::Vector;
 
 /// What is wrong while a fault lasts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
@@ -46,6 +42,16 @@ pub enum FaultKind {
     AttitudeOffset,
     /// The position is off by `size` \[m\].
     PositionJump,
+    /// The air velocity is `1 + size` times what it is, as with a pitot that leaks.
+    AirScale,
+    /// The specific force is not told.
+    Accelerometer,
+    /// The specific force told is zero.
+    AccelerometerDead,
+    /// The specific force stands still.
+    AccelerometerFrozen,
+    /// The specific force is off by `size` [m/s²] per second.
+    AccelerometerDrift,
     /// Every frame comes twice, the second time with a step of no time.
     TimeDuplicate,
     /// Time runs backwards.
@@ -70,6 +76,8 @@ impl FaultKind {
                 | PositionDrift
                 | AttitudeOffset
                 | PositionJump
+                | AirScale
+                | AccelerometerDrift
                 | TimeJitter
         )
     }
@@ -85,12 +93,12 @@ pub struct FaultSpec {
     pub from_s: f64,
     /// Until when \[s\].
     pub to_s: f64,
-    /// How much, of the kinds that say so. Of vectors, the same in both components.
+    /// How much, of the kinds that say so. Of vectors the same in every component, of an attitude in space the same about every body axis.
     pub size: Option<f64>,
 }
 
 impl FaultSpec {
-    pub(super) fn validate(&self, field: &str) -> Result<(), FieldError> {
+    pub(crate) fn validate(&self, field: &str) -> Result<(), FieldError> {
         finite(field, self.from_s)?;
         finite(field, self.to_s)?;
         if self.from_s >= self.to_s {
@@ -119,22 +127,38 @@ pub(crate) struct Clock {
     pub flips: Option<u64>,
 }
 
+/// What sensors tell, and faults of sensors change.
+pub(crate) trait Told: Copy {
+    /// What is told under `fault`.
+    fn distort(&mut self, fault: &Lasting<Self>);
+}
+
+/// A fault that lasts.
+pub(crate) struct Lasting<M> {
+    pub kind: FaultKind,
+    /// What was measured when it began.
+    pub first: M,
+    /// Its size, or 0.
+    pub size: f64,
+    /// Its size times the seconds since it began.
+    pub drift: f64,
+}
+
 /// The faults of a flight, as far as it has come.
-pub(crate) struct Faults<'a> {
+pub(crate) struct Faults<'a, M> {
     specs: &'a [FaultSpec],
     /// What was measured when each began.
-    begun: Vec<Option<Measured>>,
+    begun: Vec<Option<M>>,
     /// Time \[s\] since the controller was asked last, before this step.
     waited: f64,
     random: ChaCha8Rng,
 }
 
-impl<'a> Faults<'a> {
-    /// None has begun. The `seed` is the experiment's.
-    pub fn new(specs: &'a [FaultSpec], seed: u64) -> Self {
+impl<'a, M: Told> Faults<'a, M> {
+    /// None has begun. The `seed` is the experiment's, of which this `stream` is nobody else's.
+    pub fn new(specs: &'a [FaultSpec], seed: u64, stream: u64) -> Self {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
-        // Noise and turbulence are the first two streams.
-        random.set_stream(2);
+        random.set_stream(stream);
         Self {
             specs,
             begun: vec![None; specs.len()],
@@ -149,37 +173,19 @@ impl<'a> Faults<'a> {
     }
 
     /// What the sensors say at `t` \[s\] of what was `measured`.
-    pub fn distort(&mut self, t: f64, measured: Measured) -> Measured {
+    pub fn distort(&mut self, t: f64, measured: M) -> M {
         let mut told = measured;
         for (fault, begun) in self.specs.iter().zip(&mut self.begun) {
             if !fault.lasts(t) {
                 continue;
             }
-            let first = *begun.get_or_insert(measured);
             let size = fault.size.unwrap_or(0.0);
-            let drift = size * (t - fault.from_s);
-            match fault.kind {
-                FaultKind::AirFrozen => told.air = first.air,
-                FaultKind::WindStuck => {
-                    if let Air::Velocity(air) = first.air {
-                        told.air = Air::Wind(inertial(first.velocity) - air);
-                    }
-                }
-                FaultKind::AirDrift => {
-                    if let Air::Velocity(air) = told.air {
-                        let off = inertial(Vector::from_element(drift));
-                        told.air = Air::Velocity(air + off);
-                    }
-                }
-                FaultKind::VelocityFrozen => told.velocity = first.velocity,
-                FaultKind::VelocityDrift => told.velocity += Vector::from_element(drift),
-                FaultKind::AttitudeFrozen => told.theta = first.theta,
-                FaultKind::AttitudeDrift => told.theta += drift.to_radians(),
-                FaultKind::AttitudeOffset => told.theta += size.to_radians(),
-                FaultKind::PositionDrift => told.position += Vector::from_element(drift),
-                FaultKind::PositionJump => told.position += Vector::from_element(size),
-                _ => {}
-            }
+            told.distort(&Lasting {
+                kind: fault.kind,
+                first: *begun.get_or_insert(measured),
+                size,
+                drift: size * (t - fault.from_s),
+            });
         }
         told
     }
@@ -214,8 +220,11 @@ impl<'a> Faults<'a> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::sensors::Measured;
     use super::*;
+    use crate::reference::Vector;
     use alula::Inertial;
+    use alula::guidance::Air;
 
     fn spec(kind: FaultKind, size: Option<f64>) -> FaultSpec {
         FaultSpec {
@@ -229,7 +238,7 @@ mod tests {
     #[test]
     fn a_fault_lasts_from_its_beginning_to_before_its_end() {
         let specs = [spec(FaultKind::Air, None)];
-        let faults = Faults::new(&specs, 0);
+        let faults = Faults::<Measured>::new(&specs, 0, 2);
         let lasts = |t| faults.lasts(FaultKind::Air, t);
         assert!(!lasts(0.99) && lasts(1.0) && lasts(1.99) && !lasts(2.0));
         assert!(!faults.lasts(FaultKind::StateStale, 1.5));
@@ -261,8 +270,8 @@ mod tests {
     fn sensors_freeze_drift_and_jump() {
         let told = |kind, size| {
             let specs = [spec(kind, size)];
-            let mut faults = Faults::new(&specs, 0);
-            let at = |t, faults: &mut Faults| faults.distort(t, measured(t));
+            let mut faults = Faults::new(&specs, 0, 2);
+            let at = |t, faults: &mut Faults<Measured>| faults.distort(t, measured(t));
             // As it is before, and again afterwards.
             assert_eq!(at(0.5, &mut faults), measured(0.5), "{kind:?}");
             at(1.0, &mut faults);
@@ -291,6 +300,8 @@ mod tests {
         assert_eq!(off, Vector::new(2.0, 2.0));
         let off = told(FaultKind::VelocityDrift, Some(-2.0)).velocity - fresh.velocity;
         assert_eq!(off, Vector::new(-1.0, -1.0));
+        let scaled = Air::Velocity(Inertial::new(0.75, 4.75));
+        assert_eq!(told(FaultKind::AirScale, Some(-0.5)).air, scaled);
         let drifted = Air::Velocity(Inertial::new(2.5, 10.5));
         assert_eq!(told(FaultKind::AirDrift, Some(2.0)).air, drifted);
     }
@@ -299,7 +310,7 @@ mod tests {
     fn clocks_stand_still_run_backwards_jump_and_jitter() {
         let run = |kind, size| {
             let specs = [spec(kind, size)];
-            let mut faults = Faults::new(&specs, 0);
+            let mut faults = Faults::<Measured>::new(&specs, 0, 2);
             [0.75, 1.0, 1.25, 1.5, 1.75, 2.0, 2.25].map(|t| faults.clock(t, 0.25).steps)
         };
         let (one, two) = ([Some(0.25), None], [Some(0.25), Some(0.0)]);
@@ -332,7 +343,7 @@ mod tests {
     #[test]
     fn a_bit_flips_at_every_step() {
         let specs = [spec(FaultKind::MemoryBit, None)];
-        let mut faults = Faults::new(&specs, 0);
+        let mut faults = Faults::<Measured>::new(&specs, 0, 2);
         let mut flips = |t| faults.clock(t, 0.25).flips;
         assert_eq!(flips(0.5), None);
         let (a, b) = (flips(1.0), flips(1.25));

@@ -17,8 +17,8 @@ use serde::Deserialize;
 
 pub use document::{Document, FieldError, Located};
 pub(crate) use document::{finite, from_toml, positive, read};
-pub(crate) use faults::Faults;
 pub use faults::{FaultKind, FaultSpec};
+pub(crate) use faults::{Faults, Lasting, Told};
 pub use parameters::{Fields, file_name, file_value, refused};
 pub use plant::{Plant, PlantSpec, RateLoop, State};
 pub use reference::{InitialSpec, Knot, ReferenceSpec};

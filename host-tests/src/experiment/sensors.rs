@@ -7,7 +7,7 @@ use rand_distr::{Distribution, StandardNormal};
 use serde::Deserialize;
 
 use super::document::{FieldError, finite};
-use super::faults::FaultSpec;
+use super::faults::{FaultKind, FaultSpec, Lasting, Told};
 use super::plant::State;
 use crate::controllers::inertial;
 use crate::reference::Vector;
@@ -156,6 +156,53 @@ pub struct Measured {
     pub air: Air<Inertial>,
     /// Specific force along tail and belly \[m/s²\].
     pub specific_force: Option<Body>,
+}
+
+impl Told for Measured {
+    fn distort(&mut self, fault: &Lasting<Self>) {
+        let Lasting {
+            kind,
+            first,
+            size,
+            drift,
+        } = *fault;
+        match kind {
+            FaultKind::AirFrozen => self.air = first.air,
+            FaultKind::WindStuck => {
+                if let Air::Velocity(air) = first.air {
+                    self.air = Air::Wind(inertial(first.velocity) - air);
+                }
+            }
+            FaultKind::AirDrift => {
+                if let Air::Velocity(air) = self.air {
+                    let off = inertial(Vector::from_element(drift));
+                    self.air = Air::Velocity(air + off);
+                }
+            }
+            FaultKind::AirScale => {
+                if let Air::Velocity(air) = self.air {
+                    self.air = Air::Velocity(air * (1.0 + size) as f32);
+                }
+            }
+            FaultKind::VelocityFrozen => self.velocity = first.velocity,
+            FaultKind::VelocityDrift => self.velocity += Vector::from_element(drift),
+            FaultKind::AttitudeFrozen => self.theta = first.theta,
+            FaultKind::AttitudeDrift => self.theta += drift.to_radians(),
+            FaultKind::AttitudeOffset => self.theta += size.to_radians(),
+            FaultKind::PositionDrift => self.position += Vector::from_element(drift),
+            FaultKind::PositionJump => self.position += Vector::from_element(size),
+            FaultKind::Accelerometer => self.specific_force = None,
+            FaultKind::AccelerometerDead => {
+                self.specific_force = self.specific_force.map(|_| Body::default());
+            }
+            FaultKind::AccelerometerFrozen => self.specific_force = first.specific_force,
+            FaultKind::AccelerometerDrift => {
+                let off = Body::new(drift as f32, drift as f32);
+                self.specific_force = self.specific_force.map(|f| f + off);
+            }
+            _ => {}
+        }
+    }
 }
 
 impl ErrorSpec {

@@ -2,9 +2,9 @@
 
 use super::chart::{BLUE, Chart, HEAT, Level, Series, Stroke, TINTS};
 use super::{Figure, Page, Table, columns, fixed};
-use crate::columns::column;
 use crate::figures::LOST;
-use crate::study::{Campaign, CampaignSource, Fan, LimitFound, MapFound, PERCENTILES, Summary};
+use crate::study::Campaign;
+use crate::study::{CampaignSource, Fan, LimitFound, MapFound, PERCENTILES, Place, Summary};
 
 const NOTES: &str = "Percentiles are within half a percent; the least and the greatest are exact. A fan shows the range of all \
     flights, 1–99 %, 5–95 % and 25–75 % of them, and the median, each at its instant: no flight need follow its edges. \
@@ -52,7 +52,7 @@ pub fn page(source: &CampaignSource, summary: &Summary) -> Page {
         title: format!("Campaign {}", source.stem()),
         lead,
         warnings: warnings(source, summary),
-        figure: figure(campaign, summary),
+        figure: figure(source, summary),
         tables,
         text: None,
         notes: NOTES.to_owned(),
@@ -227,11 +227,13 @@ fn dispersions(summary: &Summary) -> Table {
     }
 }
 
-fn figure(campaign: &Campaign, summary: &Summary) -> Figure {
-    let titles: Vec<String> = summary.fans.iter().map(title).collect();
+fn figure(source: &CampaignSource, summary: &Summary) -> Figure {
+    let place = source.place();
+    let titles = summary.fans.iter().map(|fan| title(fan, place));
+    let titles: Vec<String> = titles.collect();
     let fans = summary.fans.iter().zip(&titles);
     let fans = fans.map(|(found, title)| Chart {
-        levels: levels(campaign, found.column),
+        levels: levels(&source.campaign, found.column),
         ..fan(found, title)
     });
     let texts: Vec<MapTexts> = summary.maps.iter().map(MapTexts::new).collect();
@@ -271,14 +273,14 @@ fn scale(fan: &Fan) -> f64 {
 }
 
 /// The column's meaning and its unit.
-fn title(fan: &Fan) -> String {
+fn title(fan: &Fan, place: Place) -> String {
     let unit = match fan.column {
         name if name.ends_with("_m_s") => " [m/s]",
         name if name.ends_with("_m") => " [m]",
         name if name.ends_with("_rad") => " [°]",
         _ => "",
     };
-    let meaning = column(fan.column).map_or(fan.column, |column| column.meaning);
+    let meaning = place.meaning(fan.column).unwrap_or(fan.column);
     format!("{}{unit}", meaning.replace('\\', ""))
 }
 

@@ -13,8 +13,10 @@ mod margins;
 mod markdown;
 #[allow(clippy::module_inception, reason = "the page itself")]
 mod page;
+mod picture;
 pub mod replay;
 mod side;
+pub mod space;
 mod strip;
 pub(crate) mod svg;
 pub mod sweep;

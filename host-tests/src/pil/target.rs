@@ -4,6 +4,7 @@ use std::io::{ErrorKind, Read, Write};
 use std::os::unix::net::UnixStream;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
+use alula::{GuidanceInput, Guided};
 use alula_link::{
     Configuration, ControllerParameters, Counters, Envelope, FromTarget, MAX_FRAME, Receiver,
     RefusedParameter, Status, ToTarget, encode,
@@ -11,6 +12,7 @@ use alula_link::{
 use anyhow::{Context, anyhow, bail};
 
 use crate::controllers::{Answer, Controller, Input};
+use crate::space::Pilot;
 
 /// Longest wait for an answer: of a busy machine's emulator, not of a target.
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -215,6 +217,16 @@ pub fn core_answer(answer: alula_link::Answer) -> anyhow::Result<Answer> {
         alula_link::Answer::Guided(guided) => Ok(alula::PlanarGuided::from(&guided).into()),
         alula_link::Answer::NotConfigured => bail!("the target is not configured"),
         alula_link::Answer::WrongInput => bail!("the target flies another kind of controller"),
+    }
+}
+
+impl Pilot for Target {
+    fn guided(&mut self, input: &GuidanceInput, dt: f32) -> anyhow::Result<Guided> {
+        let input = alula_link::Input::Guidance { input: *input, dt };
+        match self.ask(ToTarget::Input(input))? {
+            Heard::Answer(alula_link::Answer::Guided(guided)) => Ok(guided),
+            other => bail!("the target answers the guidance's input by {other:?}"),
+        }
     }
 }
 

@@ -1,12 +1,13 @@
-//! `[controller.guidance]` in space: the same table as in the plane.
+//! `[controller.guidance]` in space: the same table as in the plane. And whoever flies: the guidance here, or on a target.
 
-use alula::{GainChoice, Guidance};
+use alula::{GainChoice, Guidance, GuidanceInput, GuidanceParameters, GuidanceState, Guided};
+use alula_link::{Configuration, Pacing};
 use serde::Deserialize;
 use toml::{Table, Value};
 
 use super::Experiment;
-use crate::controllers::GuidanceSpec;
-use crate::experiment::{FieldError, Model};
+use crate::controllers::{Flying, GuidanceSpec};
+use crate::experiment::{FieldError, Model, VehicleSpec};
 
 /// `[controller]`: nobody but the guidance flies in space.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -25,19 +26,73 @@ impl Default for Controller {
 }
 
 impl Controller {
-    /// The guidance of `experiment`.
-    pub fn guidance(
+    /// What `make` makes of belief, thrust limits and parameters.
+    fn made<T>(
         &self,
         experiment: &Experiment,
-    ) -> Result<Guidance<Model, GainChoice>, FieldError> {
+        make: impl Fn(
+            &GuidanceSpec,
+            &VehicleSpec,
+            [f64; 2],
+            &GuidanceParameters,
+        ) -> Result<T, FieldError>,
+    ) -> Result<T, FieldError> {
         let made = || {
             let spec = GuidanceSpec::read(self.guidance.clone())?;
             let belief = spec.vehicle.as_ref().unwrap_or(&experiment.vehicle);
             let thrust = experiment
                 .plant
                 .thrust_limits(spec.thrust_n, belief.weight());
-            spec.build(belief, thrust, &spec.parameters)
+            make(&spec, belief, thrust, &spec.parameters)
         };
         made().map_err(|e: FieldError| e.inside("controller.guidance"))
+    }
+
+    /// The guidance of `experiment`.
+    pub fn guidance(
+        &self,
+        experiment: &Experiment,
+    ) -> Result<Guidance<Model, GainChoice>, FieldError> {
+        self.made(experiment, GuidanceSpec::build)
+    }
+
+    /// The same guidance as a target is told of it.
+    pub fn configuration(
+        &self,
+        experiment: &Experiment,
+        pacing: Pacing,
+    ) -> Result<Configuration, FieldError> {
+        self.made(experiment, |spec, belief, thrust, parameters| {
+            spec.configured(belief, thrust, parameters, pacing)
+        })
+    }
+}
+
+/// Whoever answers a control step in space.
+pub trait Pilot {
+    /// The command for `input`, `dt` \[s\] after the last. The error is a pilot that cannot be reached.
+    fn guided(&mut self, input: &GuidanceInput, dt: f32) -> anyhow::Result<Guided>;
+
+    /// One bit of its memory flips.
+    fn flip(&mut self, _bit: u64) {}
+}
+
+impl Pilot for Flying {
+    fn guided(&mut self, input: &GuidanceInput, dt: f32) -> anyhow::Result<Guided> {
+        Ok(self.guidance.update(&mut self.state, input, dt))
+    }
+
+    fn flip(&mut self, bit: u64) {
+        self.flip_bit(bit);
+    }
+}
+
+impl Experiment {
+    /// Its own pilot, at power-on: the guidance.
+    pub fn pilot(&self) -> Result<Flying, FieldError> {
+        Ok(Flying {
+            guidance: self.controller.guidance(self)?,
+            state: GuidanceState::default(),
+        })
     }
 }

@@ -161,11 +161,14 @@ impl PlantSpec {
 impl Experiment {
     /// The experiment of a document; an error names file and line.
     pub fn of(document: &Document) -> anyhow::Result<Self> {
-        let experiment = document.read::<Self>().and_then(|experiment| {
-            experiment.validate()?;
-            Ok(experiment)
-        });
-        experiment.map_err(|error| document.located(error))
+        Self::checked(document).map_err(|error| document.located(error))
+    }
+
+    /// The same; an error names the field alone.
+    pub fn checked(document: &Document) -> Result<Self, FieldError> {
+        let experiment = document.read::<Self>()?;
+        experiment.validate()?;
+        Ok(experiment)
     }
 
     fn validate(&self) -> Result<(), FieldError> {

@@ -24,6 +24,8 @@ pub enum Fold {
     Last(fn(&Step) -> f64),
     /// Time in which something holds \[s\], of the whole flight.
     Time(fn(&Step) -> bool),
+    /// The same after the entry.
+    TimeAfter(fn(&Step) -> bool),
     /// Whether something holds at any time.
     Ever(fn(&Step) -> bool),
 }
@@ -58,7 +60,7 @@ macro_rules! figures {
     };
 }
 
-use Fold::{Ever, Last, Late, Least, Most, Peak, Rms, Time};
+use Fold::{Ever, Last, Late, Least, Most, Peak, Rms, Time, TimeAfter};
 
 figures! {
     "velocity_error_rms_m_s", "velocity error, rms", "m/s", 3, Rms(Step::velocity_error), "root mean square of \\|v − v_r\\|";
@@ -78,6 +80,7 @@ figures! {
     "final_nose_deg", "nose from upright, end", "°", 2, Last(|s| 90.0 - s.pitch().to_degrees()), "angle of the nose from upright at the end";
     "final_belly_deg", "belly from down, end", "°", 2, Last(|s| s.truth.axes()[1].z.clamp(-1.0, 1.0).acos().to_degrees()), "angle of the belly from straight down at the end: in cruise that of attack and bank";
     "crossing_s", "crossing", "s", 2, Time(|s| s.guided.progress.phase == Phase::Crossing), "time in which the guidance turns to an attitude far away, as across a fold";
+    "crossing_on_path_s", "crossing after the entry", "s", 2, TimeAfter(|s| s.guided.progress.phase == Phase::Crossing), "the same after the entry";
     "thrust_low_s", "thrust at its lower limit", "s", 2, Time(|s| s.guided.status.contains(Status::THRUST_LOW)), "time with thrust at its lower limit";
     "thrust_high_s", "thrust at its upper limit", "s", 2, Time(|s| s.guided.status.contains(Status::THRUST_HIGH)), "time with thrust at its upper limit";
     "unreachable_s", "path unreachable", "s", 2, Time(|s| s.guided.progress.unreachable.is_some()), "time in which the guidance says that the path cannot be had";
@@ -115,7 +118,10 @@ impl Figures {
     /// The figures of a record.
     pub fn of(experiment: &Experiment, record: &[Step]) -> Self {
         let entry = experiment.entry_s;
-        let count = |holds: fn(&Step) -> bool| record.iter().filter(|s| holds(s)).count() as f64;
+        let count = |from: f64, holds: fn(&Step) -> bool| {
+            let part = record.iter().filter(|s| s.t >= from && holds(s));
+            part.count() as f64
+        };
         let value = |figure: &Figure| match figure.fold {
             Rms(of) => rms(record, entry, of),
             Peak(of) => extreme(record, entry, |s| of(s).abs(), |a, b| a >= b),
@@ -123,8 +129,9 @@ impl Figures {
             Most(of) => extreme(record, 0.0, of, |a, b| a >= b),
             Late(of) => rms(record, experiment.duration_s - LATE, of),
             Last(of) => record.last().map_or(f64::NAN, of),
-            Time(holds) => count(holds) / experiment.control_rate_hz,
-            Ever(holds) => f64::from(count(holds) > 0.0),
+            Time(holds) => count(0.0, holds) / experiment.control_rate_hz,
+            TimeAfter(holds) => count(entry, holds) / experiment.control_rate_hz,
+            Ever(holds) => f64::from(count(0.0, holds) > 0.0),
         };
         Self {
             values: FIGURES.iter().map(value).collect(),
@@ -162,7 +169,7 @@ impl Figures {
     pub fn table(&self, experiment: &Experiment) -> Vec<[String; 3]> {
         let mut lines = Vec::new();
         for (figure, &value) in FIGURES.iter().zip(&self.values) {
-            let optional = matches!(figure.fold, Time(_));
+            let optional = matches!(figure.fold, Time(_) | TimeAfter(_));
             if optional && value == 0.0 {
                 continue;
             }

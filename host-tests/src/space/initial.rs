@@ -16,9 +16,11 @@ use crate::experiment::{FieldError, finite};
 pub struct InitialSpec {
     /// Velocity \[m/s\]; the path's if left out.
     pub velocity_m_s: Option<[f64; 3]>,
+    /// Course of that velocity, clockwise from north \[°\]; its own if left out.
+    pub course_deg: Option<f64>,
     /// θ in the vertical plane of the heading \[°\]: 0 nose up, −90 nose forward.
     pub theta_deg: f64,
-    /// Heading of the belly, clockwise from north \[°\]; the path's heading or course if left out.
+    /// Heading of the belly, clockwise from north \[°\]; if left out the path's heading, or else the course.
     pub heading_deg: Option<f64>,
     /// Thrust before the first command acts \[N\].
     pub thrust_n: f64,
@@ -40,6 +42,7 @@ impl InitialSpec {
     pub(super) fn validate(&self) -> Result<(), FieldError> {
         let velocity = self.velocity_m_s.map_or(V3::zeros(), V3::from);
         finite_vector("initial.velocity_m_s", &velocity)?;
+        finite("initial.course_deg", self.course_deg.unwrap_or(0.0))?;
         finite("initial.theta_deg", self.theta_deg)?;
         finite("initial.heading_deg", self.heading_deg.unwrap_or(0.0))?;
         finite("initial.thrust_n", self.thrust_n)?;
@@ -60,14 +63,20 @@ impl InitialSpec {
 
     /// The state at the start, for a path that begins at `target`.
     pub(super) fn state(&self, target: &Target, random: &mut impl Rng) -> SpatialState {
-        let along = target.velocity.y.atan2(target.velocity.x);
+        let mut velocity = self.velocity_m_s.map_or(target.velocity, V3::from);
+        let mut along = target.velocity.y.atan2(target.velocity.x);
+        if let Some(course) = self.course_deg {
+            along = course.to_radians();
+            let level = velocity.xy().norm();
+            velocity = V3::new(level * along.cos(), level * along.sin(), velocity.z);
+        }
         let heading = self.heading_deg.map(f64::to_radians);
         let heading = heading.or(target.heading).unwrap_or(along);
         let turn = UnitQuaternion::from_axis_angle(&V3::z_axis(), heading);
         let pitch = UnitQuaternion::from_axis_angle(&V3::y_axis(), self.theta_deg.to_radians());
         let state = SpatialState {
             position: target.position,
-            velocity: self.velocity_m_s.map_or(target.velocity, V3::from),
+            velocity,
             attitude: turn * pitch,
             rates: V3::zeros(),
             thrust: self.thrust_n,

@@ -8,24 +8,22 @@ mod controller;
 mod experiment;
 mod figures;
 mod initial;
-mod page;
 mod path;
-mod picture;
 mod plant;
 mod route;
 mod sensors;
 mod simulate;
-pub mod starts;
+mod telling;
 mod weather;
 
+pub use controller::Pilot;
 pub use experiment::{Experiment, PlantSpec, RateLoop};
 pub use figures::{FIGURES, Figure, Figures};
 pub use initial::{InitialSpec, Scatter};
-pub use page::page;
 pub use path::{Path, PathSpec, Target};
 pub use plant::{Rotation, SpatialPlant, SpatialState};
 pub use sensors::SensorSpec;
-pub use simulate::{Record, Step, fly};
+pub use simulate::{Record, Step, fly, fly_by};
 pub use weather::{Gust, Turbulence, Weather, WeatherSpec};
 
 use serde::{Deserialize, Deserializer};

@@ -9,7 +9,9 @@ use serde::Deserialize;
 
 use super::plant::SpatialState;
 use super::{V3, ned};
-use crate::experiment::{Accelerometer, AirSensor, ErrorSpec, FieldError, PositionSensor, finite};
+use crate::experiment::{
+    Accelerometer, AirSensor, ErrorSpec, FaultSpec, FieldError, PositionSensor, finite,
+};
 
 /// `[sensors]`: errors of each component.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
@@ -31,6 +33,8 @@ pub struct SensorSpec {
     pub position: PositionSensor,
     /// What is known of the specific force.
     pub accelerometer: Accelerometer,
+    /// Faults injected.
+    pub faults: Vec<FaultSpec>,
 }
 
 /// What was measured.
@@ -40,12 +44,23 @@ pub struct Measured {
     pub velocity: V3,
     /// x \[m\].
     pub position: V3,
-    /// Attitude as the core takes it.
-    pub orientation: Orientation,
+    /// Attitude: from (belly, right wing, tail) to north-east-down.
+    pub attitude: UnitQuaternion<f64>,
     /// What is known of the air.
     pub air: Air<Ned>,
     /// Specific force along tail, belly and right wing \[m/s²\].
     pub specific_force: Option<Body>,
+}
+
+impl Measured {
+    /// The attitude as the core takes it.
+    pub fn orientation(&self) -> Orientation {
+        let q = &self.attitude;
+        let [w, x, y, z] = [q.w, q.i, q.j, q.k].map(|x| x as f32);
+        let orientation =
+            Orientation::from_quaternion(&Quaternion { w, x, y, z }, BodyAxes::NoseUp);
+        orientation.expect("a unit quaternion")
+    }
 }
 
 impl SensorSpec {
@@ -65,6 +80,9 @@ impl SensorSpec {
                     return Err(FieldError::new(field, "must not be negative"));
                 }
             }
+        }
+        for (i, fault) in self.faults.iter().enumerate() {
+            fault.validate(&format!("sensors.faults[{i}]"))?;
         }
         Ok(())
     }
@@ -86,13 +104,10 @@ impl SensorSpec {
         let air = told(&self.air_m_s, truth.velocity - wind);
         let f = told(&self.acceleration_m_s2, force);
         let q = truth.attitude * UnitQuaternion::from_scaled_axis(error);
-        let [w, x, y, z] = [q.w, q.i, q.j, q.k].map(|x| x as f32);
-        let orientation =
-            Orientation::from_quaternion(&Quaternion { w, x, y, z }, BodyAxes::NoseUp);
         Measured {
             velocity,
             position,
-            orientation: orientation.expect("a unit quaternion"),
+            attitude: q,
             air: match self.air {
                 AirSensor::Velocity => Air::Velocity(ned(air)),
                 AirSensor::SteadyWind => Air::Wind(ned(steady)),

@@ -2,17 +2,19 @@
 
 use std::collections::VecDeque;
 
+use alula::GuidanceInput;
 use alula::guidance::Guided;
-use alula::spatial::{Body, Heading, Reference};
-use alula::{GuidanceInput, GuidanceState};
+use alula::spatial::Body;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
+use super::controller::Pilot;
 use super::path::Target;
 use super::plant::SpatialState;
+use super::telling::Telling;
 use super::weather::Weather;
 use super::{Experiment, V3, ned};
-use crate::experiment::{FieldError, PositionSensor};
+use crate::experiment::Faults;
 
 /// One control step of a flight.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,8 +38,14 @@ pub struct Step {
 /// A flight: one row per control step, the last at its end.
 pub type Record = Vec<Step>;
 
-/// Flies `experiment`.
-pub fn fly(experiment: &Experiment) -> Result<Record, FieldError> {
+/// Flies `experiment` under its own guidance.
+pub fn fly(experiment: &Experiment) -> anyhow::Result<Record> {
+    fly_by(experiment, &mut experiment.pilot()?)
+}
+
+/// Flies `experiment` under `pilot`. The error is a pilot that cannot be reached.
+pub fn fly_by(experiment: &Experiment, pilot: &mut dyn Pilot) -> anyhow::Result<Record> {
+    // How fast the path goes on is asked of the guidance here: it has no memory for that.
     let guidance = experiment.controller.guidance(experiment)?;
     let plant = experiment.plant();
     // Separate streams: a change of one leaves the others as they were.
@@ -48,6 +56,10 @@ pub fn fly(experiment: &Experiment) -> Result<Record, FieldError> {
     };
     let (mut noise, mut gusts) = (stream(0), stream(1));
     let mut weather = Weather::new(experiment.weather, &mut gusts);
+    let sensors = &experiment.sensors;
+    let mut faults = Faults::new(&sensors.faults, experiment.seed, 3);
+    let mut telling = Telling::default();
+    let mut answer = None;
     let period = 1.0 / experiment.control_rate_hz;
     let dt = period / f64::from(experiment.substeps);
     let mut path = experiment.path.path()?;
@@ -58,38 +70,27 @@ pub fn fly(experiment: &Experiment) -> Result<Record, FieldError> {
     let mut pending: VecDeque<(usize, f64, V3)> = VecDeque::new();
     let (mut thrust, mut rates) = (truth.thrust, V3::zeros());
     let mut plant_step = 0;
-    let mut memory = GuidanceState::default();
     let mut record = Record::with_capacity(experiment.steps() + 1);
     for step in 0..=experiment.steps() {
         let t = step as f64 / experiment.control_rate_hz;
         let wind = weather.wind(t);
         let specific_force = V3::from(plant.specific_force(&truth, wind));
-        let steady = experiment.weather.steady;
-        let sensors = &experiment.sensors;
+        let steady = experiment.weather.steady();
         let measured = sensors.measure(&truth, specific_force, wind, steady, &mut noise);
+        let measured = telling.state(&mut faults, t, measured);
         let target = path.advance(period, |target| {
             let error = measured.position - target.position;
             guidance.pace(ned(error), ned(target.velocity)).into()
         });
-        let heading = target.heading.map_or(f32::NAN, |h| h as f32);
-        let input = GuidanceInput {
-            velocity: ned(measured.velocity),
-            orientation: measured.orientation,
-            state_age: 0.0,
-            air: measured.air,
-            specific_force: measured.specific_force,
-            position_error: match sensors.position {
-                PositionSensor::Measured => Some(ned(measured.position - target.position)),
-                PositionSensor::None => None,
-            },
-            reference: Reference {
-                velocity: ned(target.velocity),
-                acceleration: ned(target.acceleration),
-                heading: Heading::from_angle(heading),
-            },
-            reference_age: 0.0,
-        };
-        let guided = guidance.update(&mut memory, &input, period as f32);
+        let input = telling.input(sensors, &faults, t, &target);
+        let clock = faults.clock(t, period);
+        if let Some(bit) = clock.flips {
+            pilot.flip(bit);
+        }
+        for dt in clock.steps.into_iter().flatten() {
+            answer = Some(pilot.guided(&input, dt as f32)?);
+        }
+        let guided = answer.expect("asked at the first step at the latest");
         record.push(Step {
             t,
             truth,

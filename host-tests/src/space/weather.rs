@@ -14,6 +14,8 @@ pub struct WeatherSpec {
     /// Steady wind \[m/s\], north-east-down: where the air goes.
     #[serde(rename = "steady_m_s", deserialize_with = "vector")]
     pub steady: V3,
+    /// By how much steady wind and gust are turned about the vertical, clockwise from above \[°\].
+    pub turned_deg: f64,
     /// A gust on top.
     pub gust: Option<Gust>,
     /// Turbulence on top; the steady wind's direction is its own, or north.
@@ -23,6 +25,7 @@ pub struct WeatherSpec {
 impl WeatherSpec {
     pub(super) fn validate(&self) -> Result<(), FieldError> {
         finite_vector("weather.steady_m_s", &self.steady)?;
+        finite("weather.turned_deg", self.turned_deg)?;
         if let Some(gust) = &self.gust {
             finite("weather.gust.start_s", gust.start)?;
             finite_vector("weather.gust.peak_m_s", &gust.peak)?;
@@ -37,6 +40,20 @@ impl WeatherSpec {
         }
         self.turbulence.map_or(Ok(()), |t| t.validate())
     }
+
+    /// The steady wind \[m/s\], turned.
+    pub fn steady(&self) -> V3 {
+        self.turned(self.steady)
+    }
+
+    fn turned(&self, v: V3) -> V3 {
+        // Exactly, where nothing is turned.
+        if self.turned_deg == 0.0 {
+            return v;
+        }
+        let (s, c) = self.turned_deg.to_radians().sin_cos();
+        V3::new(c * v.x - s * v.y, s * v.x + c * v.y, v.z)
+    }
 }
 
 /// The wind over a flight.
@@ -48,7 +65,8 @@ pub struct Weather {
 impl Weather {
     /// The weather at the start; `random` draws the turbulence's first state.
     pub fn new(spec: WeatherSpec, random: &mut impl Rng) -> Self {
-        let heading = spec.steady.y.atan2(spec.steady.x);
+        let steady = spec.steady();
+        let heading = steady.y.atan2(steady.x);
         let turbulence = spec
             .turbulence
             .map(|t| Turbulence::new(t.wind_at_20_ft_m_s, t.height_m, heading, random));
@@ -58,8 +76,9 @@ impl Weather {
     /// The wind \[m/s\] at `t` \[s\].
     pub fn wind(&self, t: f64) -> V3 {
         let gust = self.spec.gust.map_or(V3::zeros(), |gust| gust.at(t));
+        let mean = self.spec.turned(self.spec.steady + gust);
         let turbulence = self.turbulence.as_ref();
-        self.spec.steady + gust + turbulence.map_or(V3::zeros(), Turbulence::velocity)
+        mean + turbulence.map_or(V3::zeros(), Turbulence::velocity)
     }
 
     /// Lets the turbulence pass for `dt` \[s\] at an `airspeed` \[m/s\].

@@ -9,7 +9,6 @@ use serde::Deserialize;
 
 use super::{Distribution, Map, RandomReference};
 use crate::experiment::FaultKind;
-use crate::figures;
 
 /// A campaign. The format is described in this package's README.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -116,7 +115,7 @@ impl fmt::Display for Expected {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Limit {
-    /// One of [`figures::FIGURES`].
+    /// One of those of the place that is flown in.
     pub figure: String,
     /// Least value that is inside.
     pub least: Option<f64>,
@@ -143,10 +142,5 @@ impl Limit {
         let below = self.least.map_or(f64::NEG_INFINITY, |least| least - value);
         let above = self.most.map_or(f64::NEG_INFINITY, |most| value - most);
         below.max(above)
-    }
-
-    /// Place of the figure in [`figures::FIGURES`].
-    pub fn index(&self) -> Option<usize> {
-        figures::index(&self.figure)
     }
 }

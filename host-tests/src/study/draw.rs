@@ -4,8 +4,8 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use toml::Value;
 
-use super::{Campaign, Dispersion, DrawnReference};
-use crate::experiment::{Document, Experiment, FieldError};
+use super::{Campaign, Dispersion, DrawnReference, Experiment};
+use crate::experiment::{Document, FieldError};
 
 /// What was drawn for a flight.
 #[derive(Clone, Debug, PartialEq)]
@@ -106,7 +106,7 @@ impl Campaign {
             });
         }
         Ok(Drawn {
-            experiment: document.experiment()?,
+            experiment: Experiment::of(&document)?,
             document,
             values,
             reference,
@@ -118,11 +118,12 @@ impl Campaign {
 impl DrawnFault {
     /// The fault's last control step of `experiment`; none if no step falls into it.
     pub(super) fn last_step(&self, experiment: &Experiment) -> Option<usize> {
+        let (steps, rate) = experiment.steps();
         let lasts = |step: &usize| {
-            let t = *step as f64 / experiment.control_rate_hz;
+            let t = *step as f64 / rate;
             (self.from_s..self.to_s).contains(&t)
         };
-        let near = (self.to_s * experiment.control_rate_hz).ceil() as usize + 1;
-        (0..=near.min(experiment.steps())).rev().find(lasts)
+        let near = (self.to_s * rate).ceil() as usize + 1;
+        (0..=near.min(steps)).rev().find(lasts)
     }
 }

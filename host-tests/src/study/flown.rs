@@ -1,31 +1,23 @@
 //! A flight of a campaign, in numbers: its figures, and samples of its course.
 
-use super::{Drawn, Expected, FaultDraw};
-use crate::columns::{self, column};
-use crate::experiment::Experiment;
+use super::place::{Experiment, SAMPLED};
+use super::{Drawn, Expected, FaultDraw, Place};
 use crate::figures::Tally;
-use crate::simulate::{End, Step, simulate};
-
-/// The columns of the record whose course is sampled.
-pub const SAMPLED: [&str; 6] = [
-    "altitude_m",
-    "forward_m",
-    "true_v_forward_m_s",
-    "velocity_error_m_s",
-    "true_theta_rad",
-    "thrust_to_weight",
-];
+use crate::simulate::{End, simulate};
+use crate::{columns, experiment, space};
 
 /// Intervals between the samples of a flight's course.
 const SAMPLES: usize = 100;
 
-/// Time \[s\], and the values of [`SAMPLED`].
-pub type Sample = (f32, [f32; SAMPLED.len()]);
+/// Time \[s\], and the values of [`Place::sampled`].
+pub type Sample = (f32, [f32; SAMPLED]);
 
 /// A flight of a campaign.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Flown {
-    /// In the order of [`crate::figures::FIGURES`].
+    /// Where it was flown.
+    pub place: Place,
+    /// In the order of [`Place::figures`].
     pub figures: Vec<f64>,
     /// Samples, equally spaced.
     pub samples: Vec<Sample>,
@@ -35,70 +27,146 @@ pub struct Flown {
     pub diverged: bool,
 }
 
-impl Flown {
-    /// Flies what was drawn; `faults` are the campaign's.
-    pub fn fly(drawn: &Drawn, faults: &[FaultDraw]) -> anyhow::Result<Self> {
-        let experiment = &drawn.experiment;
-        let steps = experiment.steps();
-        let spacing = experiment.duration_s / SAMPLES as f64;
-        let fault_ends = drawn.fault.and_then(|fault| fault.last_step(experiment));
-        let sampled = SAMPLED.map(|name| column(name).expect("a column"));
-        let mut tally = Tally::new(experiment);
-        let mut samples = Vec::with_capacity(SAMPLES + 1);
-        let mut fault_as_stated = true;
-        let mut number = 0;
-        let end = simulate(experiment, experiment.controller()?.as_mut(), |step| {
-            tally.add(step);
-            // A rounding error early rather than a step late.
-            if step.t >= samples.len() as f64 * spacing - 1e-9 {
-                samples.push((step.t as f32, sample(experiment, step, &sampled)));
+/// What is asked at the steps of a flight: samples, and the stated states of a fault.
+struct Asked<'a> {
+    /// Seconds between samples.
+    spacing: f64,
+    samples: Vec<Sample>,
+    /// The fault, the number of its last step, and that of the flight's.
+    stated: Option<(&'a FaultDraw, Option<usize>, usize)>,
+    as_stated: bool,
+    number: usize,
+}
+
+impl<'a> Asked<'a> {
+    fn new(drawn: &Drawn, faults: &'a [FaultDraw], duration: f64) -> Self {
+        let (steps, _) = drawn.experiment.steps();
+        let stated = drawn.fault.map(|fault| {
+            let last = fault.last_step(&drawn.experiment);
+            (&faults[fault.index], last, steps)
+        });
+        Self {
+            spacing: duration / SAMPLES as f64,
+            samples: Vec::with_capacity(SAMPLES + 1),
+            stated,
+            as_stated: true,
+            number: 0,
+        }
+    }
+
+    /// A step, its sample if one is due, and the guidance's state.
+    fn step(&mut self, t: f64, sample: impl Fn() -> [f32; SAMPLED], state: Option<&State>) {
+        // A rounding error early rather than a step late.
+        if t >= self.samples.len() as f64 * self.spacing - 1e-9 {
+            self.samples.push((t as f32, sample()));
+        }
+        if let Some((stated, last, steps)) = self.stated {
+            let holds = |expected: &Expected| state.is_some_and(|state| expected.holds(state));
+            if Some(self.number) == last {
+                self.as_stated &= holds(&stated.during);
             }
-            if let Some(fault) = drawn.fault {
-                let stated = &faults[fault.index];
-                if Some(number) == fault_ends {
-                    fault_as_stated &= stated.during.holds(step);
-                }
-                if number == steps {
-                    fault_as_stated &= stated.after.holds(step);
-                }
+            if self.number == steps {
+                self.as_stated &= holds(&stated.after);
             }
-            number += 1;
-            true
-        })?;
-        let figures = tally.figures();
-        let sunk = -figures.get("altitude_least_m");
-        let stated = drawn.fault.and_then(|fault| faults[fault.index].sinks_m);
-        fault_as_stated &= stated.is_none_or(|most| sunk <= most);
-        Ok(Self {
-            figures: figures.values,
-            samples,
-            fault_as_stated,
-            diverged: matches!(end, End::Diverged(_)),
-        })
+        }
+        self.number += 1;
+    }
+
+    fn flown(self, place: Place, figures: Vec<f64>, diverged: bool) -> Flown {
+        let mut flown = Flown {
+            place,
+            figures,
+            samples: self.samples,
+            fault_as_stated: self.as_stated,
+            diverged,
+        };
+        let most = self.stated.and_then(|(stated, ..)| stated.sinks_m);
+        let sunk = -flown.figure("altitude_least_m");
+        flown.fault_as_stated &= most.is_none_or(|most| sunk <= most);
+        flown
     }
 }
 
-fn sample<const N: usize>(
-    experiment: &Experiment,
-    step: &Step,
-    columns: &[&columns::Column; N],
-) -> [f32; N] {
-    columns.map(|column| column.number(experiment, step) as f32)
+/// Mode, air and flags of the guidance, by their names in a trace.
+struct State {
+    mode: &'static str,
+    air: &'static str,
+    status: String,
+}
+
+impl Flown {
+    /// Flies what was drawn; `faults` are the campaign's.
+    pub fn fly(drawn: &Drawn, faults: &[FaultDraw]) -> anyhow::Result<Self> {
+        match &drawn.experiment {
+            Experiment::Plane(experiment) => Self::in_plane(experiment, drawn, faults),
+            Experiment::Space(experiment) => Self::in_space(experiment, drawn, faults),
+        }
+    }
+
+    /// A figure, which must be one.
+    pub fn figure(&self, name: &str) -> f64 {
+        self.figures[self.place.figure(name).expect("a figure")]
+    }
+
+    fn in_plane(
+        experiment: &experiment::Experiment,
+        drawn: &Drawn,
+        faults: &[FaultDraw],
+    ) -> anyhow::Result<Self> {
+        let names = Place::Plane.sampled();
+        let sampled = names.map(|name| columns::column(name).expect("a column"));
+        let mut tally = Tally::new(experiment);
+        let mut asked = Asked::new(drawn, faults, experiment.duration_s);
+        let end = simulate(experiment, experiment.controller()?.as_mut(), |step| {
+            tally.add(step);
+            let sample = || sampled.map(|column| column.number(experiment, step) as f32);
+            let state = step.answer.guided().map(|guided| State {
+                mode: guided.mode.name(),
+                air: guided.air.name(),
+                status: guided.status.to_string(),
+            });
+            asked.step(step.t, sample, state.as_ref());
+            true
+        })?;
+        let diverged = matches!(end, End::Diverged(_));
+        Ok(asked.flown(Place::Plane, tally.figures().values, diverged))
+    }
+
+    fn in_space(
+        experiment: &space::Experiment,
+        drawn: &Drawn,
+        faults: &[FaultDraw],
+    ) -> anyhow::Result<Self> {
+        let names = Place::Space.sampled();
+        let sampled = names.map(|name| space::columns::column(name).expect("a column"));
+        let record = space::fly(experiment)?;
+        let mut asked = Asked::new(drawn, faults, experiment.duration_s);
+        for step in &record {
+            let sample = || sampled.map(|column| column.number(step) as f32);
+            let state = State {
+                mode: step.guided.mode.name(),
+                air: step.guided.air.name(),
+                status: step.guided.status.to_string(),
+            };
+            asked.step(step.t, sample, Some(&state));
+        }
+        let figures = space::Figures::of(experiment, &record).values;
+        let diverged = record
+            .iter()
+            .any(|step| !step.truth.velocity.norm().is_finite());
+        Ok(asked.flown(Place::Space, figures, diverged))
+    }
 }
 
 impl Expected {
-    /// Whether the guidance that flew `step` was in this state.
-    fn holds(&self, step: &Step) -> bool {
-        let Some(guided) = step.answer.guided() else {
-            return false;
+    /// Whether the guidance was in this state.
+    fn holds(&self, state: &State) -> bool {
+        let is = |expected: &Option<String>, name: &str| {
+            expected.as_deref().is_none_or(|expected| expected == name)
         };
-        let is = |expected: &Option<String>, name: Option<&str>| {
-            expected.is_none() || expected.as_deref() == name
-        };
-        let flags = guided.status.to_string();
-        let set = |flag: &String| flags.split('|').any(|name| name == flag);
-        is(&self.mode, step.answer.mode())
-            && is(&self.air, step.answer.air())
+        let set = |flag: &String| state.status.split('|').any(|name| name == flag);
+        is(&self.mode, state.mode)
+            && is(&self.air, state.air)
             && self.status.iter().all(set)
             && !self.not_status.iter().any(set)
     }

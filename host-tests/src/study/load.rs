@@ -6,9 +6,8 @@ use anyhow::Context;
 use serde::{Deserialize, Serialize};
 
 use super::store::REFERENCE;
-use super::{Campaign, Dispersion, Expected, FaultDraw, Limit};
+use super::{Campaign, Dispersion, Expected, Experiment, FaultDraw, Limit, Place};
 use crate::experiment::{Document, FieldError, finite, from_toml};
-use crate::figures::FIGURES;
 use crate::named::Named;
 
 /// Name and TOML text of every built-in campaign.
@@ -18,6 +17,11 @@ pub const BUILT_IN: &[(&str, &str)] = &[
     ("envelope", include_str!("../../campaigns/envelope.toml")),
     ("upsets", include_str!("../../campaigns/upsets.toml")),
     ("vehicles", include_str!("../../campaigns/vehicles.toml")),
+    (
+        "faults-in-space",
+        include_str!("../../campaigns/faults-in-space.toml"),
+    ),
+    ("paths", include_str!("../../campaigns/paths.toml")),
 ];
 
 /// Most flights of a campaign: months on one core.
@@ -108,6 +112,11 @@ impl CampaignSource {
         })
     }
 
+    /// Where it flies.
+    pub fn place(&self) -> Place {
+        Place::of(&self.base)
+    }
+
     /// Its name without an extension: that of its folder.
     pub fn stem(&self) -> &str {
         self.texts.name.trim_end_matches(".toml")
@@ -126,7 +135,8 @@ fn at(field: &str, error: FieldError) -> FieldError {
 
 impl Campaign {
     fn validate(&self, base: &Document) -> Result<(), FieldError> {
-        let experiment = base.experiment().map_err(|e| at("set", e))?;
+        let experiment = Experiment::of(base).map_err(|e| at("set", e))?;
+        let place = Place::of(base);
         for (i, dispersion) in self.disperse.iter().enumerate() {
             let field = format!("disperse[{i}]");
             dispersion.validate(&field, base)?;
@@ -137,24 +147,27 @@ impl Campaign {
                 return Err(FieldError::new(field, "this field is dispersed already"));
             }
         }
-        if !self.faults.is_empty() && experiment.controller.name() != "guidance" {
+        if !self.faults.is_empty() && !experiment.is_guided() {
             return Err(FieldError::new("faults", "are for the guidance alone"));
         }
         for (i, fault) in self.faults.iter().enumerate() {
             fault.validate(&format!("faults[{i}]"))?;
         }
         if let Some(reference) = &self.reference {
+            if place == Place::Space {
+                return Err(FieldError::new("reference", "is for the plane alone"));
+            }
             reference.validate()?;
         }
         for (i, map) in self.maps.iter().enumerate() {
             let dispersed = |name: &str| self.disperse.iter().any(|d| d.field == name);
             let drawn = |name: &str| self.reference.is_some() && REFERENCE.contains(&name);
-            let figure = |name: &str| crate::figures::index(name).is_some();
+            let figure = |name: &str| place.figure(name).is_some();
             let known = |name: &str| dispersed(name) || drawn(name) || figure(name);
-            map.validate(&format!("maps[{i}]"), known)?;
+            map.validate(&format!("maps[{i}]"), known, figure)?;
         }
         for (i, limit) in self.limits.iter().enumerate() {
-            limit.validate(&format!("limits[{i}]"))?;
+            limit.validate(&format!("limits[{i}]"), place)?;
         }
         // The first flight stands for what ranges cannot tell.
         self.draw(base, 0)
@@ -229,10 +242,10 @@ impl Expected {
 }
 
 impl Limit {
-    fn validate(&self, field: &str) -> Result<(), FieldError> {
-        if self.index().is_none() {
-            let names: Vec<&str> = FIGURES.iter().map(|figure| figure.name).collect();
-            let problem = format!("{} is none of {}", self.figure, names.join(", "));
+    fn validate(&self, field: &str, place: Place) -> Result<(), FieldError> {
+        if place.figure(&self.figure).is_none() {
+            let names = place.figures().join(", ");
+            let problem = format!("{} is none of {names}", self.figure);
             return Err(FieldError::new(format!("{field}.figure"), problem));
         }
         match (self.least, self.most) {

@@ -4,7 +4,6 @@ use serde::{Deserialize, Serialize};
 
 use super::Frame;
 use crate::experiment::{FieldError, finite};
-use crate::figures;
 
 /// A map that a campaign asks for.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -14,7 +13,7 @@ pub struct Map {
     pub x: Axis,
     /// Up.
     pub y: Axis,
-    /// One of [`figures::FIGURES`].
+    /// One of those of the place that is flown in.
     pub figure: String,
     /// Values of the figure at which the colour changes, from good to bad: if they rise, a great value is bad.
     pub levels: Vec<f64>,
@@ -81,11 +80,12 @@ impl Axis {
 }
 
 impl Map {
-    /// `known` says whether the flights have a column.
+    /// `known` says whether the flights have a column, `is_figure` whether that is a figure.
     pub(super) fn validate(
         &self,
         field: &str,
         known: impl Fn(&str) -> bool,
+        is_figure: impl Fn(&str) -> bool,
     ) -> Result<(), FieldError> {
         for (part, axis) in [("x", &self.x), ("y", &self.y)] {
             let field = format!("{field}.{part}");
@@ -95,7 +95,7 @@ impl Map {
                 return Err(FieldError::new(format!("{field}.field"), problem));
             }
         }
-        if figures::index(&self.figure).is_none() {
+        if !is_figure(&self.figure) {
             let problem = format!("{} is no figure", self.figure);
             return Err(FieldError::new(format!("{field}.figure"), problem));
         }
@@ -220,7 +220,8 @@ mod tests {
     fn a_map_of_nothing_is_refused() {
         let refused = |map: Map| {
             let known = |name: &str| ["a", "b"].contains(&name);
-            map.validate("maps[0]", known).map_err(|e| e.field)
+            map.validate("maps[0]", known, |name| name == "altitude_least_m")
+                .map_err(|e| e.field)
         };
         assert!(refused(map(&[1.0, 2.0])).is_ok());
         assert_eq!(refused(map(&[1.0])).unwrap_err(), "maps[0].levels");

@@ -8,10 +8,7 @@ use anyhow::{Context, bail};
 
 use super::load::Texts;
 use super::part::{Seal, checksum};
-use super::{
-    Campaign, CampaignSource, Column, Drawn, DrawnReference, Flown, Frame, SAMPLED, Sample,
-};
-use crate::figures::FIGURES;
+use super::{Campaign, CampaignSource, Column, Drawn, DrawnReference, Flown, Frame, Place, Sample};
 use crate::files::leave;
 
 /// Flights of a part: lost at most, per thread, if the campaign is interrupted.
@@ -163,8 +160,8 @@ impl Campaign {
         chunks.map(|chunk| size(self.chunk(chunk))).sum()
     }
 
-    /// Flights and samples as columns.
-    pub fn frames(&self, flown: &[(u64, Drawn, Flown)]) -> (Frame, Frame) {
+    /// Flights and samples, flown in `place`, as columns.
+    pub fn frames(&self, place: Place, flown: &[(u64, Drawn, Flown)]) -> (Frame, Frame) {
         let mut flights = Frame::default();
         let real = |of: &dyn Fn(&Drawn, &Flown) -> f64| {
             Column::Real(flown.iter().map(|(_, d, f)| of(d, f)).collect())
@@ -196,8 +193,8 @@ impl Campaign {
             );
             flights.push("fault_to_s", real(&|d, _| d.fault.map_or(nan, |x| x.to_s)));
         }
-        for (i, figure) in FIGURES.iter().enumerate() {
-            flights.push(figure.name, real(&|_, f| f.figures[i]));
+        for (i, figure) in place.figures().into_iter().enumerate() {
+            flights.push(figure, real(&|_, f| f.figures[i]));
         }
         flights.push("passed", flag(&|f| self.passed(f)));
         flights.push("departed", flag(&|f| self.departed(f)));
@@ -213,8 +210,8 @@ impl Campaign {
             Column::Single(rows.map(of).collect())
         };
         samples.push("t_s", single(&|row| row.0));
-        for (i, name) in SAMPLED.iter().enumerate() {
-            samples.push(*name, single(&|row| row.1[i]));
+        for (i, name) in place.sampled().into_iter().enumerate() {
+            samples.push(name, single(&|row| row.1[i]));
         }
         (flights, samples)
     }
@@ -234,6 +231,6 @@ impl Campaign {
 
 impl super::Limit {
     fn of(&self, flown: &Flown) -> f64 {
-        flown.figures[self.index().expect("validated when loaded")]
+        flown.figure(&self.figure)
     }
 }

@@ -7,8 +7,8 @@ use serde::Serialize;
 use sketches_ddsketch::{Config, DDSketch};
 
 use super::frame::FrameWriter;
-use super::{CampaignSource, Frame, MapFound, SAMPLED, Store};
-use crate::figures::FIGURES;
+use super::place::SAMPLED;
+use super::{CampaignSource, Frame, MapFound, Store};
 use crate::files::leave;
 
 /// The percentiles that are given of every figure.
@@ -245,8 +245,13 @@ struct Gathered<'a> {
 impl<'a> Gathered<'a> {
     fn new(source: &'a CampaignSource) -> Self {
         let campaign = &source.campaign;
+        let names = source.place().figures();
+        let name = |limit: &super::Limit| {
+            let name = names.iter().find(|name| **name == limit.figure);
+            *name.expect("validated when loaded")
+        };
         let limit = |limit: &super::Limit| LimitFound {
-            figure: FIGURES[limit.index().expect("validated when loaded")].name,
+            figure: name(limit),
             least: limit.least,
             most: limit.most,
             share_required: limit.share,
@@ -276,10 +281,10 @@ impl<'a> Gathered<'a> {
                         others: Vec::new(),
                     })
                     .collect(),
-                figures: FIGURES
+                figures: names
                     .iter()
                     .map(|figure| FigureFound {
-                        figure: figure.name,
+                        figure,
                         percentiles: [f64::NAN; PERCENTILES.len()],
                         not_finite: 0,
                     })
@@ -297,7 +302,7 @@ impl<'a> Gathered<'a> {
                 maps: campaign.maps.iter().map(MapFound::new).collect(),
                 fans: Vec::new(),
             },
-            figures: vec![sketch(); FIGURES.len()],
+            figures: vec![sketch(); names.len()],
             inside: vec![0; campaign.limits.len()],
             correlations: vec![
                 vec![Correlation::default(); campaign.limits.len()];
@@ -382,7 +387,8 @@ impl<'a> Gathered<'a> {
     fn samples(&mut self, frame: &Frame) -> anyhow::Result<()> {
         let numbers = frame.integer("flight")?;
         let times = frame.single("t_s")?;
-        let columns = SAMPLED.map(|name| frame.single(name));
+        let names = self.source.place().sampled();
+        let columns = names.map(|name| frame.single(name));
         let mut place = 0;
         for row in 0..frame.rows() {
             place = match row {
@@ -392,7 +398,7 @@ impl<'a> Gathered<'a> {
             };
             if place == self.fans.len() {
                 let time = f64::from(times[row]);
-                self.fans.push((time, vec![sketch(); SAMPLED.len()]));
+                self.fans.push((time, vec![sketch(); SAMPLED]));
             }
             for (values, sketch) in columns.iter().zip(&mut self.fans[place].1) {
                 let value = match values {
@@ -420,7 +426,7 @@ impl<'a> Gathered<'a> {
         for (found, correlations) in dispersions.zip(&self.correlations) {
             found.correlations = correlations.iter().map(Correlation::value).collect();
         }
-        for (i, column) in SAMPLED.iter().enumerate() {
+        for (i, column) in self.source.place().sampled().into_iter().enumerate() {
             let at = |(t, sketches): &(f64, Vec<DDSketch>)| (*t, percentiles(&sketches[i]));
             self.summary.fans.push(Fan {
                 column,

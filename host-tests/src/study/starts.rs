@@ -2,10 +2,9 @@
 
 use serde::Serialize;
 
-use super::{Experiment, fly};
-use super::{Figures, PathSpec};
+use super::{Threads, each};
 use crate::experiment::Document;
-use crate::study::{Threads, each};
+use crate::space::{Experiment, Figures, PathSpec, fly};
 
 /// The campaign's name, and its line in the list.
 pub const ATTITUDES: (&str, &str) = (

@@ -1,12 +1,12 @@
 //! The page about a flight in space: the picture, charts of the record's columns, the figures, the experiment.
 
-use super::columns::column;
+use super::chart::{BLUE, Chart, Color, GREEN, GREY, Level, ORANGE, Series};
 use super::picture::picture;
-use super::{Experiment, Figures, Step};
+use super::{Figure, Page, Row, Strip, Table, columns};
 use crate::columns::Cell;
 use crate::experiment::Document;
-use crate::page::chart::{BLUE, Chart, Color, GREEN, GREY, Level, ORANGE, Series};
-use crate::page::{Figure, Page, Row, Strip, Table, columns};
+use crate::space::columns::column;
+use crate::space::{Experiment, Figures, Step};
 
 /// A chart of columns: its title; name in the legend, column, colour and whether dashed of each line.
 type Panel = (

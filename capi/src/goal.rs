@@ -1,0 +1,181 @@
+//! Goals beside references: the input's reference and position error for a place, a stop or a velocity.
+
+use alula::guidance::{Goal as Core, GoalState, Goals, Preferences};
+use alula::spatial::Ned;
+
+use crate::boundary::{self, Layout};
+use crate::code;
+use crate::input::{ALULA_POSITION, Input, ned};
+
+/// Goal: to hover at the position `target` \[m\].
+pub const ALULA_GOAL_HOVER: u32 = 1;
+/// Goal: to stop as soon as possible at the altitude where this was asked for, and to hover where that ends. `target` is not
+/// read.
+pub const ALULA_GOAL_STOP: u32 = 2;
+/// Goal: to fly at the velocity `target` [m/s] over ground.
+pub const ALULA_GOAL_VELOCITY: u32 = 3;
+
+/// What is to be reached, and how far that has come. `alula_goal_default` makes it a stop without a past.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+pub struct Goal {
+    /// `ALULA_HEADER(alula_goal)`.
+    pub header: u32,
+    /// `ALULA_GOAL_HOVER`, `ALULA_GOAL_STOP` or `ALULA_GOAL_VELOCITY`. It may change at any step, and so may `target`.
+    pub kind: u32,
+    /// Position \[m\], in the world of `alula_goal_step`'s position, or velocity [m/s]: north, east, down.
+    pub target: [f32; 3],
+    /// Horizontal speed on the way to a position [m/s], 0.01 to 1000.
+    pub speed: f32,
+    /// Vertical speed on the way to a position [m/s], 0.01 to 1000.
+    pub climb: f32,
+    /// Greatest acceleration of the reference [m/s²], 0.01 to 1000. A stop does not mind it.
+    pub acceleration: f32,
+    /// Result: 1 if the reference stands at the goal, at rest there or at the velocity, else 0.
+    pub reached: u32,
+    /// Private: the goal of the last step, 0 for none.
+    pub last_kind: u32,
+    /// Private: its target.
+    pub last_target: [f32; 3],
+    /// Private: the reference's position.
+    pub position: [f32; 3],
+    /// Private: the reference's velocity.
+    pub velocity: [f32; 3],
+    /// Private: whether a stop is over.
+    pub stopped: u32,
+}
+
+// SAFETY: `repr(C)`, its first word is the header, and it holds nothing but u32 and f32.
+unsafe impl Layout for Goal {}
+
+impl Goal {
+    /// A stop without a past. On the way to positions 20 m/s, 3 m/s up and down and 2 m/s².
+    pub const DEFAULT: Self = Self {
+        header: Self::HEADER,
+        kind: ALULA_GOAL_STOP,
+        target: [0.0; 3],
+        speed: 20.0,
+        climb: 3.0,
+        acceleration: 2.0,
+        reached: 0,
+        last_kind: 0,
+        last_target: [0.0; 3],
+        position: [0.0; 3],
+        velocity: [0.0; 3],
+        stopped: 0,
+    };
+
+    /// The step from `position` \[m\] and `velocity` [m/s], `dt` \[s\] after the last: this afterwards, and the input's
+    /// reference.
+    fn stepped(&self, position: Ned, input: &Input, dt: f32) -> Result<(Self, Input), i32> {
+        if !(1e-4..=0.2).contains(&dt) {
+            return Err(code::ALULA_ERROR_TIME_STEP);
+        }
+        let target = ned(self.target);
+        // It would be remembered: the guidance refuses it only in the step in which it is told.
+        if !is_finite(position) || !is_finite(target) {
+            return Err(code::ALULA_ERROR_GOAL);
+        }
+        let velocity = ned(input.velocity);
+        if !is_finite(velocity) {
+            return Err(code::ALULA_ERROR_VELOCITY);
+        }
+        let goal = core(self.kind, target).ok_or(code::ALULA_ERROR_GOAL)?;
+        let goals = Goals::new(Preferences {
+            speed: self.speed,
+            climb: self.climb,
+            acceleration: self.acceleration,
+        });
+        let goals = goals.map_err(|_| code::ALULA_ERROR_GOAL)?;
+        let (at, moving) = (ned(self.position), ned(self.velocity));
+        // What is not a number would stay: it is forgotten.
+        let mut state = if is_finite(at) && is_finite(moving) {
+            let last = core(self.last_kind, ned(self.last_target));
+            GoalState::from_parts(last, at, moving, self.stopped != 0)
+        } else {
+            GoalState::default()
+        };
+        let (reference, error) = goals.step(&mut state, &goal, position, velocity, dt);
+        let (_, position, velocity, stopped) = state.parts();
+        let after = Self {
+            reached: state.is_reached().into(),
+            last_kind: self.kind,
+            last_target: self.target,
+            position: components(position),
+            velocity: components(velocity),
+            stopped: stopped.into(),
+            ..*self
+        };
+        let input = Input {
+            flags: input.flags | ALULA_POSITION,
+            reference_velocity: components(reference.velocity),
+            reference_acceleration: components(reference.acceleration),
+            position_error: components(error),
+            reference_age: 0.0,
+            ..*input
+        };
+        Ok((after, input))
+    }
+}
+
+fn core(kind: u32, target: Ned) -> Option<Core> {
+    match kind {
+        ALULA_GOAL_HOVER => Some(Core::Hover(target)),
+        ALULA_GOAL_STOP => Some(Core::Stop),
+        ALULA_GOAL_VELOCITY => Some(Core::Velocity(target)),
+        _ => None,
+    }
+}
+
+fn components(v: Ned) -> [f32; 3] {
+    [v.north, v.east, v.down]
+}
+
+fn is_finite(v: Ned) -> bool {
+    v.north.is_finite() && v.east.is_finite() && v.down.is_finite()
+}
+
+/// Fills in a stop without a past, with 20 m/s, 3 m/s up and down and 2 m/s² on the way to positions.
+///
+/// # Safety
+/// `goal` is null or points to memory of the caller's that holds at least the header word, already set; the whole
+/// structure if that is right.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn alula_goal_default(goal: *mut Goal) -> i32 {
+    // SAFETY: `goal` is as `write` asks for, by the condition above.
+    unsafe { boundary::write(goal, Goal::DEFAULT) }
+}
+
+/// The reference and the position error of `input` for `goal`, before `alula_guide` is called with it: at `position` \[m\],
+/// north, east, down, and the velocity that is in `input`, `dt` \[s\] after the last. It sets `reference_velocity`,
+/// `reference_acceleration`, `position_error` with `ALULA_POSITION`, and `reference_age`. A new goal begins where the vehicle
+/// is. With any code but `ALULA_OK` neither `goal` nor `input` has changed.
+///
+/// # Safety
+/// `goal` and `input` are each null or point to memory of the caller's that holds at least the header word; the whole structure
+/// if that is right, and not the same memory. `position` is null or points to three numbers. No other call uses them
+/// meanwhile.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn alula_goal_step(
+    goal: *mut Goal,
+    position: *const f32,
+    dt: f32,
+    input: *mut Input,
+) -> i32 {
+    // SAFETY: Every pointer that passes its check points to the structure that its header word says, or to three numbers, by
+    // the condition above; what is read is copied before anything is written.
+    unsafe {
+        let made = boundary::check_pointer(position).and_then(|()| {
+            let (goal, input) = (*boundary::read(goal)?, *boundary::read(input)?);
+            goal.stepped(ned(position.cast::<[f32; 3]>().read()), &input, dt)
+        });
+        match made {
+            Ok((after, told)) => {
+                goal.write(after);
+                input.write(told);
+                code::ALULA_OK
+            }
+            Err(code) => code,
+        }
+    }
+}

@@ -1,0 +1,128 @@
+//! What the guidance is told at a step: what was measured, with the faults that last.
+
+use alula::guidance::Air;
+use alula::spatial::{Body, Heading, Ned, Reference};
+use alula::{Attitude, GuidanceInput};
+use nalgebra::UnitQuaternion;
+
+use super::path::Target;
+use super::sensors::Measured;
+use super::{SensorSpec, V3, ned};
+use crate::experiment::{FaultKind, Faults, Lasting, PositionSensor, Told};
+
+impl Told for Measured {
+    fn distort(&mut self, fault: &Lasting<Self>) {
+        let Lasting {
+            kind,
+            first,
+            size,
+            drift,
+        } = *fault;
+        let every = V3::from_element;
+        let air = |air: Air<Ned>, by: &dyn Fn(Ned) -> Ned| match air {
+            Air::Velocity(air) => Air::Velocity(by(air)),
+            other => other,
+        };
+        let turn = |angle: f64| UnitQuaternion::from_scaled_axis(every(angle.to_radians()));
+        match kind {
+            FaultKind::AirFrozen => self.air = first.air,
+            FaultKind::WindStuck => {
+                if let Air::Velocity(air) = first.air {
+                    self.air = Air::Wind(ned(first.velocity) - air);
+                }
+            }
+            FaultKind::AirDrift => self.air = air(self.air, &|v| v + ned(every(drift))),
+            FaultKind::AirScale => self.air = air(self.air, &|v| v * (1.0 + size) as f32),
+            FaultKind::VelocityFrozen => self.velocity = first.velocity,
+            FaultKind::VelocityDrift => self.velocity += every(drift),
+            FaultKind::AttitudeFrozen => self.attitude = first.attitude,
+            FaultKind::AttitudeDrift => self.attitude *= turn(drift),
+            FaultKind::AttitudeOffset => self.attitude *= turn(size),
+            FaultKind::PositionDrift => self.position += every(drift),
+            FaultKind::PositionJump => self.position += every(size),
+            FaultKind::Accelerometer => self.specific_force = None,
+            FaultKind::AccelerometerDead => {
+                self.specific_force = self.specific_force.map(|_| Body::default());
+            }
+            FaultKind::AccelerometerFrozen => self.specific_force = first.specific_force,
+            FaultKind::AccelerometerDrift => {
+                let by = drift as f32;
+                let off = |f: Body| Body::new(f.i + by, f.j + by, f.w + by);
+                self.specific_force = self.specific_force.map(off);
+            }
+            _ => {}
+        }
+    }
+}
+
+/// What the guidance has been told so far: what a fault repeats.
+#[derive(Default)]
+pub struct Telling {
+    measured: Option<(f64, Measured)>,
+    /// The target, and when it was sent \[s\].
+    target: Option<(f64, Target)>,
+}
+
+impl Telling {
+    /// What was measured at `t` \[s\], as far as it comes through.
+    pub fn state(&mut self, faults: &mut Faults<Measured>, t: f64, fresh: Measured) -> Measured {
+        let fresh = faults.distort(t, fresh);
+        let told = match self.measured {
+            Some(old) if faults.lasts(FaultKind::StateStale, t) => old,
+            _ => (t, fresh),
+        };
+        self.measured = Some(told);
+        told.1
+    }
+
+    /// The input at `t` \[s\], after [`state`](Self::state), where `target` is to be flown.
+    pub fn input(
+        &mut self,
+        sensors: &SensorSpec,
+        faults: &Faults<Measured>,
+        t: f64,
+        target: &Target,
+    ) -> GuidanceInput {
+        let fails = |kind| faults.lasts(kind, t);
+        let (measured_at, measured) = self.measured.expect("measured before");
+        let (sent_at, sent) = match self.target {
+            Some(old) if fails(FaultKind::ReferenceStale) => old,
+            _ => (t, *target),
+        };
+        self.target = Some((sent_at, sent));
+        let mut velocity = ned(measured.velocity);
+        if fails(FaultKind::VelocityNan) {
+            velocity.north = f32::NAN;
+        }
+        let mut orientation = measured.orientation();
+        if fails(FaultKind::AttitudeNan) {
+            orientation = orientation.pitched(Attitude::from_angle(f32::NAN));
+        }
+        // The position is told against the path of now.
+        let mut error = ned(measured.position - target.position);
+        if fails(FaultKind::PositionNan) {
+            error.north = f32::NAN;
+        }
+        let heading = sent.heading.map_or(f32::NAN, |h| h as f32);
+        GuidanceInput {
+            velocity,
+            orientation,
+            state_age: (t - measured_at) as f32,
+            air: match fails(FaultKind::Air) {
+                true => Air::Unknown,
+                false => measured.air,
+            },
+            specific_force: measured.specific_force,
+            position_error: match sensors.position {
+                PositionSensor::Measured => Some(error),
+                PositionSensor::None => None,
+            },
+            reference: Reference {
+                velocity: ned(sent.velocity),
+                acceleration: ned(sent.acceleration),
+                heading: Heading::from_angle(heading),
+            },
+            reference_age: (t - sent_at) as f32,
+        }
+    }
+}
