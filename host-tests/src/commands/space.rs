@@ -11,7 +11,7 @@ use alula_sil::experiment::Document;
 use alula_sil::files::leave;
 use alula_sil::space::columns::write_trace;
 use alula_sil::space::starts::{BASES, FLIGHTS, LIMITS, Starts, starts};
-use alula_sil::space::{Experiment, Figures, fly as simulate, page};
+use alula_sil::space::{Experiment, Figures, Record, fly as simulate, page};
 use alula_sil::study::Threads;
 
 use super::fly::progress_bar;
@@ -33,17 +33,28 @@ pub fn fly(document: &Document, output: &Output) -> anyhow::Result<()> {
     let experiment = &Experiment::of(document)?;
     let out = output.folder(&document.name)?;
     let record = simulate(experiment)?;
-    let figures = Figures::of(experiment, &record);
+    report(document, experiment, &record, &out, output)
+}
+
+/// Leaves trace, figure and report of a flight in `out`, and prints its figures.
+pub fn report(
+    document: &Document,
+    experiment: &Experiment,
+    record: &Record,
+    out: &Path,
+    output: &Output,
+) -> anyhow::Result<()> {
+    let figures = Figures::of(experiment, record);
     leave(&out.join("trace.csv"), |file| {
-        Ok(write_trace(&record, file)?)
+        Ok(write_trace(record, file)?)
     })?;
-    let page = page(document, experiment, &record, &figures);
-    page.leave(&out, ["flight.svg", "report.html"])?;
+    let page = page(document, experiment, record, &figures);
+    page.leave(out, ["flight.svg", "report.html"])?;
     let mut stdout = std::io::stdout().lock();
     if output.json() {
         let summary = Summary {
             experiment: &document.name,
-            out: &out,
+            out,
             figures: figures.json(),
             bounds_kept: figures.beyond(experiment).is_empty(),
         };

@@ -66,7 +66,12 @@ impl ArduPilotTransition {
     }
 
     /// `setpoint` with its pitch limited to what the transition's rate allows since the phase began: down if `sign` is −1.
-    fn limit(mut setpoint: Setpoint, parts: &mut Parts<Tecs>, sign: f64, rate_deg_s: f64) -> Setpoint {
+    fn limit(
+        mut setpoint: Setpoint,
+        parts: &mut Parts<Tecs>,
+        sign: f64,
+        rate_deg_s: f64,
+    ) -> Setpoint {
         let reached = parts.start + sign * Self::ramp(rate_deg_s, parts);
         parts.limited = parts.limited && sign * (setpoint.theta - reached) > 0.0;
         if parts.limited {

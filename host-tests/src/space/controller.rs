@@ -6,7 +6,7 @@ use toml::{Table, Value};
 
 use super::Experiment;
 use crate::controllers::GuidanceSpec;
-use crate::experiment::{FieldError, Model};
+use crate::experiment::{FieldError, Model, VehicleSpec};
 
 /// `[controller]`: nobody but the guidance flies in space.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -25,6 +25,12 @@ impl Default for Controller {
 }
 
 impl Controller {
+    /// What the guidance believes about the vehicle, if that is not the experiment's.
+    pub fn belief(&self) -> Result<Option<VehicleSpec>, FieldError> {
+        let spec = GuidanceSpec::read(self.guidance.clone());
+        Ok(spec.map_err(|e| e.inside("controller.guidance"))?.vehicle)
+    }
+
     /// The guidance of `experiment`.
     pub fn guidance(
         &self,

@@ -59,7 +59,7 @@ impl InitialSpec {
     }
 
     /// The state at the start, for a path that begins at `target`.
-    pub(super) fn state(&self, target: &Target, random: &mut impl Rng) -> SpatialState {
+    pub(crate) fn state(&self, target: &Target, random: &mut impl Rng) -> SpatialState {
         let along = target.velocity.y.atan2(target.velocity.x);
         let heading = self.heading_deg.map(f64::to_radians);
         let heading = heading.or(target.heading).unwrap_or(along);

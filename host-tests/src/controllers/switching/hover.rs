@@ -158,7 +158,10 @@ impl Hover {
         let [velocity, position_error, mut acceleration] = self.followed(measured, dt);
         let spec = &self.spec;
         let mut wanted = Vector::zeros();
-        let limits = [(-spec.climb_m_s, spec.sink_m_s), (-spec.speed_m_s, spec.speed_m_s)];
+        let limits = [
+            (-spec.climb_m_s, spec.sink_m_s),
+            (-spec.speed_m_s, spec.speed_m_s),
+        ];
         for (axis, (low, high)) in limits.into_iter().enumerate() {
             let back = -spec.position_1_s[axis] * position_error[axis];
             // What it stops from may be faster than what is ever asked for.
@@ -329,7 +332,10 @@ pub(crate) mod tests {
         }
         // The reference moved on by 10 m.
         let stop = hover.stop.unwrap();
-        assert!((stop.offset - Vector::new(-31.25, 17.2)).norm() < 0.1, "{stop:?}");
+        assert!(
+            (stop.offset - Vector::new(-31.25, 17.2)).norm() < 0.1,
+            "{stop:?}"
+        );
         assert_eq!(stop.velocity, Vector::zeros());
         let mut hover = Hover {
             stop: Some(stop),

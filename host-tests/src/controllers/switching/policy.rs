@@ -6,9 +6,7 @@ use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
 use super::measured::Wind;
-use super::{
-    Hover, HoverSpec, LimitSpec, Measured, Output, Phase, Setpoint, Switch, SwitchSpec,
-};
+use super::{Hover, HoverSpec, LimitSpec, Measured, Output, Phase, Setpoint, Switch, SwitchSpec};
 use crate::controllers::{Answer, Controller, Input, Spec};
 use crate::experiment::{Experiment, FieldError};
 

@@ -184,7 +184,8 @@ impl Tecs {
             false => measured.reference_airspeed.clamp(least, greatest),
         };
         let before = m.wanted_airspeed[0];
-        let faster = ((asked - before) / dt).clamp(SHARE * fall / airspeed, SHARE * most / airspeed);
+        let faster =
+            ((asked - before) / dt).clamp(SHARE * fall / airspeed, SHARE * most / airspeed);
         m.wanted_airspeed[0] = (before + faster * dt).clamp(least, greatest);
         m.wanted_airspeed[1] = lag(m.wanted_airspeed[1], faster, spec.time_s, dt);
 
@@ -387,7 +388,10 @@ pub(crate) mod tests {
             for _ in 0..300 {
                 tecs.setpoint(&measured, false, 0.01);
             }
-            (tecs.memory.unwrap().slow, tecs.setpoint(&measured, false, 0.01))
+            (
+                tecs.memory.unwrap().slow,
+                tecs.setpoint(&measured, false, 0.01),
+            )
         };
         let mild = TecsSpec {
             climb_m_s: 40.0,
