@@ -103,7 +103,13 @@ fn in_space(args: &Args, document: &Document) -> anyhow::Result<()> {
         eprintln!("no flight");
         return Ok(());
     }
-    space::report(document, &experiment, pilot.record(), &out, &args.output)
+    space::report(
+        document,
+        &experiment,
+        pilot.record(),
+        &out,
+        (&args.output, &args.logs),
+    )
 }
 
 /// Lets `pilot` fly over the link until the flight ends or Ctrl-C is pressed; `keep` is called after each of its steps.

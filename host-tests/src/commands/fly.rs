@@ -3,10 +3,11 @@
 use std::io::Write;
 use std::path::Path;
 
-use anyhow::{bail, ensure};
+use anyhow::bail;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
+use alula_logs::Log;
 use alula_sil::columns::write_trace;
 use alula_sil::controllers::Controller;
 use alula_sil::experiment::{DEFAULT, Document, Experiment};
@@ -49,17 +50,16 @@ enum LogKind {
 }
 
 impl Logs {
-    /// Leaves the logs in `out`; their names.
+    /// Leaves `log` in `out`, in each format that is asked for; their names.
     pub fn leave(
         &self,
-        experiment: &Experiment,
-        record: &[Step],
+        log: impl FnOnce() -> Result<Log, alula_logs::Error>,
         out: &Path,
     ) -> anyhow::Result<Vec<&'static str>> {
         if self.kinds.is_empty() {
             return Ok(Vec::new());
         }
-        let log = flight_log::log(experiment, record)?;
+        let log = log()?;
         let left = self.kinds.iter().map(|kind| {
             let format = match kind {
                 LogKind::Ulog => Format::Ulog,
@@ -96,11 +96,7 @@ struct Summary<'a> {
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let document = args.settings.document(&args.experiment)?;
     if document.get("path").is_some() {
-        ensure!(
-            args.logs.kinds.is_empty(),
-            "--log: flights in space leave a CSV trace alone"
-        );
-        return space::fly(&document, &args.output);
+        return space::fly(&document, &args.output, &args.logs);
     }
     fly(
         &document,
@@ -169,7 +165,7 @@ pub fn report(
         Ok(write_trace(experiment, record, file)?)
     })?;
     page.leave(out, ["flight.svg", "report.html"])?;
-    let logs = logs.leave(experiment, record, out)?;
+    let logs = logs.leave(|| flight_log::log(experiment, record), out)?;
     let mut stdout = std::io::stdout().lock();
     if output.json() {
         let summary = Summary {

@@ -11,10 +11,10 @@ use alula_sil::experiment::Document;
 use alula_sil::files::leave;
 use alula_sil::space::columns::write_trace;
 use alula_sil::space::starts::{BASES, FLIGHTS, LIMITS, Starts, starts};
-use alula_sil::space::{Experiment, Figures, Record, fly as simulate, page};
+use alula_sil::space::{Experiment, Figures, Record, flight_log, fly as simulate, page};
 use alula_sil::study::Threads;
 
-use super::fly::progress_bar;
+use super::fly::{Logs, progress_bar};
 use super::output::Output;
 
 /// What `--json` prints of a flight.
@@ -29,11 +29,11 @@ struct Summary<'a> {
 }
 
 /// Flies `document`, and leaves trace, figure and report in `out/<its name>`.
-pub fn fly(document: &Document, output: &Output) -> anyhow::Result<()> {
+pub fn fly(document: &Document, output: &Output, logs: &Logs) -> anyhow::Result<()> {
     let experiment = &Experiment::of(document)?;
     let out = output.folder(&document.name)?;
     let record = simulate(experiment)?;
-    report(document, experiment, &record, &out, output)
+    report(document, experiment, &record, &out, (output, logs))
 }
 
 /// Leaves trace, figure and report of a flight in `out`, and prints its figures.
@@ -42,7 +42,7 @@ pub fn report(
     experiment: &Experiment,
     record: &Record,
     out: &Path,
-    output: &Output,
+    (output, logs): (&Output, &Logs),
 ) -> anyhow::Result<()> {
     let figures = Figures::of(experiment, record);
     leave(&out.join("trace.csv"), |file| {
@@ -50,6 +50,7 @@ pub fn report(
     })?;
     let page = page(document, experiment, record, &figures);
     page.leave(out, ["flight.svg", "report.html"])?;
+    let logs = logs.leave(|| flight_log::log(record), out)?;
     let mut stdout = std::io::stdout().lock();
     if output.json() {
         let summary = Summary {
@@ -66,8 +67,10 @@ pub fn report(
         let line = format!("  {label:<28} {value:>14}  {bound}");
         writeln!(stdout, "{}", line.trim_end())?;
     }
-    let files = "trace.csv, report.html and flight.svg";
-    writeln!(stdout, "{files} are in {}", out.display())?;
+    let files = [&["trace.csv", "report.html"][..], &logs]
+        .concat()
+        .join(", ");
+    writeln!(stdout, "{files} and flight.svg are in {}", out.display())?;
     Ok(())
 }
 
