@@ -210,7 +210,10 @@ fn the_ardupilot_like_policy_is_like_the_real_program() {
     assert!(searched("loss_out_m") < 2.0 && searched("gain_out_m") < 2.0);
     // It stays where it comes to rest, and so ends high; with the searched parameters there is little to stay at.
     assert_eq!(only("ardupilot-stock", "no-wind").outcome, Outcome::Strays);
-    assert_eq!(only("ardupilot-searched", "no-wind").outcome, Outcome::Flies);
+    assert_eq!(
+        only("ardupilot-searched", "no-wind").outcome,
+        Outcome::Flies
+    );
 }
 
 #[test]

@@ -228,7 +228,9 @@ mod tests {
     fn the_back_transition_is_a_ramp_at_hover_thrust_and_its_rate_is_kept_in_hover() {
         let policy = &mut policy(TRANSITION, tecs::tests::SPEC);
         answer(policy, 0.0, true);
-        answer(policy, -86.0, true);
+        for _ in 0..300 {
+            answer(policy, -86.0, true);
+        }
         let start = policy.parts.asked;
         for _ in 0..20 {
             let (phase, answer) = answer(policy, -80.0, false);
@@ -247,7 +249,9 @@ mod tests {
         let policy = &mut policy(TRANSITION, tecs::tests::SPEC);
         assert!(!policy.parts.hover.stops());
         answer(policy, 0.0, true);
-        answer(policy, -86.0, true);
+        for _ in 0..300 {
+            answer(policy, -86.0, true);
+        }
         answer(policy, -80.0, false);
         answer(policy, -44.0, false);
         assert_eq!(policy.parts.phase, Phase::Hover);

@@ -300,6 +300,7 @@ mod tests {
         let mut document = Document::load("circle-40").unwrap();
         for change in [
             "duration_s=20",
+            "entry_s=0",
             "weather.steady_m_s=[1,-2,0]",
             "sensors.air=\"steady-wind\"",
         ] {
