@@ -1,7 +1,7 @@
 //! Many vehicles under the guidance, a step of all of them at once.
 
 use ::alula::guidance::Air;
-use ::alula::ned::{BodyAxes, Ned, Quaternion};
+use ::alula::ned::{Ned, Quaternion};
 use ::alula::spatial::{Heading, Orientation, Reference};
 use ::alula::{GainChoice, GuidanceInput, GuidanceState};
 use alula_sil::experiment::Model;
@@ -39,7 +39,9 @@ const WORDS: [(&str, fn(&Guided) -> String); 5] = [
     ("mode", |g| g.mode.to_owned()),
     ("air", |g| g.air.to_owned()),
     ("phase", |g| g.phase.to_owned()),
-    ("unreachable", |g| g.unreachable.unwrap_or_default().to_owned()),
+    ("unreachable", |g| {
+        g.unreachable.unwrap_or_default().to_owned()
+    }),
     ("status", |g| g.status.join("|")),
 ];
 
@@ -119,16 +121,14 @@ impl Fleet {
             let problem = format!("has {found} rows, there are {n} vehicles");
             return Err(error::field(many(&given, found), problem));
         }
-        let fixed = [
-            Rows::new(&velocity, 3),
-            Rows::new(&reference_velocity, 3),
-        ];
+        let fixed = [Rows::new(&velocity, 3), Rows::new(&reference_velocity, 3)];
         let quaternion = Rows::new(&quaternion, 4);
-        let of = |value: &'_ Option<Numbers<'_>>, width| value.as_ref().map(|value| Rows::new(value, width));
-        let acceleration = of(&reference_acceleration, 3);
-        let heading = of(&heading, 1);
-        let (air_velocity, wind) = (of(&air_velocity, 3), of(&wind, 3));
-        let (force, error) = (of(&specific_force, 3), of(&position_error, 3));
+        let acceleration = optional_rows(reference_acceleration.as_ref(), 3);
+        let heading = optional_rows(heading.as_ref(), 1);
+        let air_velocity = optional_rows(air_velocity.as_ref(), 3);
+        let wind = optional_rows(wind.as_ref(), 3);
+        let force = optional_rows(specific_force.as_ref(), 3);
+        let error = optional_rows(position_error.as_ref(), 3);
         let at = |rows: Option<Rows>, k| rows.map(|rows| ned(rows.get(k)));
 
         let Self { guidance, states } = self;
@@ -161,13 +161,21 @@ impl Fleet {
             states.iter_mut().enumerate().map(step).collect()
         });
         let numbers = COLUMNS.iter().map(|(name, read)| {
-            ((*name).to_owned(), Data::Single(steps.iter().map(read).collect()))
+            (
+                (*name).to_owned(),
+                Data::Single(steps.iter().map(read).collect()),
+            )
         });
-        let words = WORDS.iter().map(|(name, read)| {
-            ((*name).to_owned(), Data::words(steps.iter().map(read)))
-        });
+        let words = WORDS
+            .iter()
+            .map(|(name, read)| ((*name).to_owned(), Data::words(steps.iter().map(read))));
         Ok(Frame::new(py, numbers.chain(words)))
     }
+}
+
+/// The rows of an argument that may be left out.
+fn optional_rows<'a>(value: Option<&'a Numbers<'_>>, width: usize) -> Option<Rows<'a>> {
+    value.map(|value| Rows::new(value, width))
 }
 
 /// The name of the first argument with this many rows.
