@@ -298,12 +298,7 @@ mod tests {
     #[test]
     fn a_flights_own_log_replays_to_the_commands_flown() {
         let mut document = Document::load("circle-40").unwrap();
-        for change in [
-            "duration_s=20",
-            "entry_s=0",
-            "weather.steady_m_s=[1,-2,0]",
-            "sensors.air=\"steady-wind\"",
-        ] {
+        for change in ["duration_s=20", "entry_s=0", "weather.steady_m_s=[1,-2,0]"] {
             document.assign(change).unwrap();
         }
         let experiment = Experiment::of(&document).unwrap();
@@ -321,7 +316,8 @@ mod tests {
         );
         for (a, b) in flown.iter().zip(&replayed) {
             let (a, b) = (a.guided.command, b.guided.command);
-            // Roundings of attitudes and times, over 20 s of the guidance's memory: 1e-4 of 200 N and of 3 rad/s.
+            // Roundings of attitudes, times and the wind, over 20 s of the guidance's memory: 1e-4 of 200 N and of 3 rad/s. Where it is a matter of a
+            // rounding when the stall is crossed, a log replays to another flight.
             assert!(
                 (a.thrust - b.thrust).abs() < 2e-2,
                 "{} {}",
