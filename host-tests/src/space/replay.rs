@@ -299,7 +299,12 @@ mod tests {
     #[test]
     fn a_flights_own_log_replays_to_the_commands_flown() {
         let mut document = Document::load("circle-40").unwrap();
-        for change in ["duration_s=20", "entry_s=0", "weather.steady_m_s=[1,-2,0]"] {
+        for change in [
+            "duration_s=20",
+            "entry_s=0",
+            "weather.steady_m_s=[0.5,-0.5,0]",
+            "sensors.air=\"steady-wind\"",
+        ] {
             document.assign(change).unwrap();
         }
         let experiment = Experiment::of(&document).unwrap();
