@@ -213,6 +213,29 @@ class Guidance:
     ) -> Guided: ...
 
 @final
+class Fleet:
+    """`n` vehicles of one kind, each under a `Guidance` of its own with the same parameters."""
+
+    def __new__(cls, vehicle: Vehicle, n: int, **parameters: Any) -> Fleet: ...
+    def __len__(self) -> int: ...
+    def reset(self) -> None: ...
+    def update(
+        self,
+        dt: float,
+        *,
+        velocity: ArrayLike,
+        quaternion: ArrayLike,
+        reference_velocity: ArrayLike,
+        reference_acceleration: ArrayLike | None = None,
+        heading: ArrayLike | None = None,
+        air_velocity: ArrayLike | None = None,
+        wind: ArrayLike | None = None,
+        specific_force: ArrayLike | None = None,
+        position_error: ArrayLike | None = None,
+        axes: _Axes = "nose-forward",
+    ) -> Frame: ...
+
+@final
 class Equilibrium:
     """An orientation that holds a reference."""
 

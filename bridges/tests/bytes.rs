@@ -6,8 +6,8 @@
 
 use alula::{Inertial, PlanarInput};
 use alula_bridges::companion::{
-    Autopilot, Body, BodyState, Companion, HoldParameters, MavHeader, Pilot, Settings, Stage,
-    Wanted, wire,
+    Autopilot, Body, BodyState, Companion, HoldParameters, InPlane, MavHeader, Planar, Settings,
+    Stage, Wanted, wire,
 };
 use alula_bridges::sitl::client::{Client, parse};
 use alula_bridges::sitl::{ActuatorState, Actuators, Flow, Lockstep, Packet, Physics, Sample};
@@ -152,7 +152,7 @@ impl Body for Still {
 /// Answers with what it is told, of whatever size.
 struct Echo;
 
-impl Pilot for Echo {
+impl Planar for Echo {
     fn answer(&mut self, input: &PlanarInput, _: f32) -> Option<(f32, f32)> {
         Some((input.velocity.forward() * 1e3, input.velocity.down()))
     }
@@ -166,25 +166,25 @@ fn mavlink_messages(inputs: u32) {
         weight: 50.0,
         hover_thrust: 0.5,
         engage: true,
-        heading: None,
         duration: 1e9,
         timeout: 1e9,
-        hold: HoldParameters::default(),
     };
     let mut autopilot = Autopilot::new(Still);
     let plan = |_: f64| [Inertial::ZERO; 3];
-    let mut companion = Companion::new(settings, Wanted::Plan(&plan));
+    let pilot = |wanted| InPlane::new(Echo, wanted, HoldParameters::default(), None);
+    let mut companion = Companion::new(settings);
+    let mut echo = pilot(Wanted::Plan(&plan));
     let (mut read, mut understood, mut flown, mut now, mut sequence) = (0, 0, 0, 0.0, 0_u8);
     while read < inputs {
         now += 0.02;
-        let (up, commanded) = companion.step(now, &mut Echo);
+        let (up, commanded) = companion.step(now, &mut echo);
         flown += u32::from(commanded.is_some());
         if matches!(companion.stage(), Stage::Ended(_)) {
-            let wanted = match random.below(2) {
+            echo = pilot(match random.below(2) {
                 0 => Wanted::Link,
                 _ => Wanted::Plan(&plan),
-            };
-            companion = Companion::new(settings, wanted);
+            });
+            companion = Companion::new(settings);
         }
         for message in &up {
             let bytes = random.damaged(&wire::bytes(Companion::HEADER, message));
@@ -235,6 +235,7 @@ fn reframed(frame: &[u8], random: &mut Random) -> Vec<u8> {
         32 => 185,
         74 => 20,
         77 => 143,
+        105 => 93,
         111 => 34,
         231 => 105,
         _ => return bytes,

@@ -1,6 +1,6 @@
 //! A record as a flight log, for ULog and MCAP: the columns of the trace, and the flight under the names that PX4 logs it by.
 //!
-//! The flight heads north: forward is north. Time is counted from [`BEGIN`], as viewers take a row at 0 for one that was never filled in.
+//! A flight in a vertical plane heads north: forward is north. Time is counted from [`BEGIN`], as viewers take a row at 0 for one that was never filled in.
 
 use std::io::{BufWriter, Seek, Write};
 
@@ -8,6 +8,7 @@ use alula_logs::{Column, Log, Topic};
 
 use crate::columns::{COLUMNS, Cell};
 use crate::experiment::Experiment;
+use crate::reference::Vector;
 use crate::simulate::Step;
 
 /// Time in the log at the start of the flight \[s\].
@@ -76,64 +77,109 @@ pub fn log(experiment: &Experiment, record: &[Step]) -> Result<Log, alula_logs::
             let values = record.iter().map(number).collect();
             Column::new(column.name, unit(column.name), values)
         });
-    let topic = |name, columns: Vec<Column>| Topic::new(name, 0, time.clone(), columns);
-    let of = |name: &str, unit: &str, value: fn(&Step) -> f64| {
-        Column::new(name, unit, record.iter().map(value).collect())
+    let rows: Vec<Row> = record.iter().map(Row::of).collect();
+    log_of(&time, trace.collect(), &rows)
+}
+
+/// A row under PX4's names. World vectors are north-east-down.
+pub struct Row {
+    /// w x y z, from the axes of hover, x to the belly and z along the tail.
+    pub attitude: [f64; 4],
+    /// Position \[m\] and velocity \[m/s\].
+    pub motion: [[f64; 3]; 2],
+    /// Position \[m\], velocity \[m/s\] and acceleration \[m/s²\] asked for.
+    pub wanted: [[f64; 3]; 3],
+    /// Wind \[m/s\].
+    pub wind: [f64; 3],
+    /// Specific force \[m/s²\] along the axes of hover, if it is told.
+    pub specific_force: Option<[f64; 3]>,
+}
+
+impl Row {
+    fn of(step: &Step) -> Self {
+        let north = |v: Vector| [v.y, 0.0, v.x];
+        let half = 0.5 * step.truth.theta;
+        Self {
+            attitude: [half.cos(), 0.0, half.sin(), 0.0],
+            motion: [north(step.truth.position), north(step.truth.velocity)],
+            wanted: [
+                north(step.reference_position),
+                north(step.reference_velocity),
+                north(step.reference_acceleration),
+            ],
+            wind: north(step.wind),
+            specific_force: (step.input.sample.specific_force)
+                .map(|f| [f.j(), 0.0, f.i()].map(f64::from)),
+        }
+    }
+}
+
+/// The log of a flight, with the columns of its trace and its rows at the times `time` \[s\].
+pub fn log_of(time: &[f64], trace: Vec<Column>, rows: &[Row]) -> Result<Log, alula_logs::Error> {
+    let topic = |name, columns: Vec<Column>| Topic::new(name, 0, time.to_vec(), columns);
+    let of = |name: &str, unit: &str, value: &dyn Fn(&Row) -> f64| {
+        Column::new(name, unit, rows.iter().map(value).collect())
+    };
+    let vector = |names: [&str; 3], unit: &str, value: &dyn Fn(&Row) -> [f64; 3]| {
+        let axes = names.into_iter().enumerate();
+        let columns = axes.map(|(axis, name)| of(name, unit, &|row| value(row)[axis]));
+        columns.collect::<Vec<_>>()
     };
     let status = [("is_vtol", 1.0), ("is_vtol_tailsitter", 1.0)];
     let status = status.map(|(name, value)| Column::new(name, "", vec![value]));
-    let topics = vec![
-        topic(TRACE, trace.collect())?,
-        topic(
-            "vehicle_attitude",
-            vec![
-                // From the axes of hover, x to the belly and z along the tail: θ is about y.
-                of("q[0]", "", |s| (0.5 * s.truth.theta).cos()),
-                of("q[1]", "", |_| 0.0),
-                of("q[2]", "", |s| (0.5 * s.truth.theta).sin()),
-                of("q[3]", "", |_| 0.0),
-            ],
-        )?,
+    let parts = ["q[0]", "q[1]", "q[2]", "q[3]"].into_iter().enumerate();
+    let attitude = parts.map(|(part, name)| of(name, "", &|row| row.attitude[part]));
+    let place = ["x", "y", "z"];
+    let speed = ["vx", "vy", "vz"];
+    let asked = ["acceleration[0]", "acceleration[1]", "acceleration[2]"];
+    let airspeed = |row: &Row| {
+        let [_, v] = row.motion;
+        std::iter::zip(v, row.wind)
+            .map(|(v, w)| (v - w).powi(2))
+            .sum::<f64>()
+            .sqrt()
+    };
+    let mut topics = vec![
+        topic(TRACE, trace)?,
+        topic("vehicle_attitude", attitude.collect())?,
         topic(
             "vehicle_local_position",
-            vec![
-                of("x", "m", |s| s.truth.position.y),
-                of("y", "m", |_| 0.0),
-                of("z", "m", |s| s.truth.position.x),
-                of("vx", "m/s", |s| s.truth.velocity.y),
-                of("vy", "m/s", |_| 0.0),
-                of("vz", "m/s", |s| s.truth.velocity.x),
-            ],
+            [
+                vector(place, "m", &|row| row.motion[0]),
+                vector(speed, "m/s", &|row| row.motion[1]),
+            ]
+            .concat(),
         )?,
         topic(
             "vehicle_local_position_setpoint",
-            vec![
-                of("x", "m", |s| s.reference_position.y),
-                of("y", "m", |_| 0.0),
-                of("z", "m", |s| s.reference_position.x),
-                of("vx", "m/s", |s| s.reference_velocity.y),
-                of("vy", "m/s", |_| 0.0),
-                of("vz", "m/s", |s| s.reference_velocity.x),
-                of("acceleration[0]", "m/s^2", |s| s.reference_acceleration.y),
-                of("acceleration[1]", "m/s^2", |_| 0.0),
-                of("acceleration[2]", "m/s^2", |s| s.reference_acceleration.x),
-            ],
+            [
+                vector(place, "m", &|row| row.wanted[0]),
+                vector(speed, "m/s", &|row| row.wanted[1]),
+                vector(asked, "m/s^2", &|row| row.wanted[2]),
+            ]
+            .concat(),
         )?,
         topic(
             "wind",
             vec![
-                of("windspeed_north", "m/s", |s| s.wind.y),
-                of("windspeed_east", "m/s", |_| 0.0),
+                of("windspeed_north", "m/s", &|row| row.wind[0]),
+                of("windspeed_east", "m/s", &|row| row.wind[1]),
             ],
         )?,
         topic(
             "airspeed_validated",
-            vec![of("true_airspeed_m_s", "m/s", |s| {
-                (s.truth.velocity - s.wind).norm()
-            })],
+            vec![of("true_airspeed_m_s", "m/s", &airspeed)],
         )?,
         Topic::new("vehicle_status", 0, vec![BEGIN], status.to_vec())?,
     ];
+    if rows.iter().any(|row| row.specific_force.is_some()) {
+        let force = |row: &Row| row.specific_force.unwrap_or([f64::NAN; 3]);
+        let names = ["xyz[0]", "xyz[1]", "xyz[2]"];
+        topics.push(topic(
+            "vehicle_acceleration",
+            vector(names, "m/s^2", &force),
+        )?);
+    }
     Ok(Log {
         topics,
         notes: Vec::new(),

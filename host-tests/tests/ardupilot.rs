@@ -1,5 +1,6 @@
 //! The vehicle behind ArduPilot's physics interface, flown from the autopilot's side.
 
+use std::collections::VecDeque;
 use std::io::{BufRead, BufReader, Read};
 use std::net::UdpSocket;
 use std::path::Path;
@@ -84,11 +85,16 @@ fn fly(mut exchange: impl FnMut(&mut Client, &[u8]) -> Sample) -> Vec<Sample> {
     states
 }
 
-/// The flight over a link that repeats packets, loses answers, cuts them in two, and lets garbage in between.
+/// The flight over a link that repeats packets, loses answers, cuts them in two, and lets garbage and packets of long ago in between.
 fn fly_over_a_bad_link(vehicle: &mut Vehicle) -> (Vec<Sample>, Lockstep) {
     let mut lockstep = Lockstep::default();
     let mut random = ChaCha8Rng::seed_from_u64(5);
+    let mut sent: VecDeque<Vec<u8>> = VecDeque::new();
     let states = fly(|client, packet| {
+        sent.push_back(packet.to_vec());
+        if sent.len() > 8 {
+            sent.pop_front();
+        }
         loop {
             let answer = lockstep.receive(packet, vehicle).unwrap().to_vec();
             match random.random_range(0..100) {
@@ -106,6 +112,11 @@ fn fly_over_a_bad_link(vehicle: &mut Vehicle) -> (Vec<Sample>, Lockstep) {
                     let (a, b) = answer.split_at(random.random_range(1..answer.len()));
                     assert_eq!(client.receive(a), None);
                     return client.receive(b).unwrap();
+                }
+                // Time does not run backwards.
+                4 if sent.len() == 8 => {
+                    let old = random.random_range(0..7);
+                    assert_eq!(lockstep.receive(&sent[old], vehicle), None);
                 }
                 _ => {}
             }
@@ -135,7 +146,8 @@ fn a_bad_link_changes_nothing_of_the_flight() {
         counts.repeated > 400 && counts.malformed > 200,
         "{counts:?}"
     );
-    assert_eq!((counts.lost, counts.late, counts.restarts), (0, 0, 0));
+    assert!(counts.late > 200, "{counts:?}");
+    assert_eq!((counts.lost, counts.restarts), (0, 0));
 
     // It stands, lifts off, hovers at 20 m, flies north, comes to rest again.
     for (row, state) in clean.iter().enumerate() {

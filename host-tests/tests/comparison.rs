@@ -127,8 +127,8 @@ fn the_papers_law_alone_is_lost_where_the_guidance_is_not() {
     }
 }
 
-/// Tuned switching policies hold altitude as well (measured 2.2 and 1.6 m at the worst lag, to 1.2); they brake far
-/// longer (60 and 50 m ahead, to 3).
+/// Tuned switching policies hold altitude as well (measured 2.2 and 1.5 m at the worst lag, to 1.5); they brake far
+/// longer (60 and 61 m ahead, to 3). At T/W 1.15 the ArduPilot-like loses 2.1 m, the guidance 0.2 m.
 #[test]
 fn tuned_switching_policies_hold_altitude_and_brake_longer() {
     for policy in ["px4-tuned", "ardupilot-tuned"] {
@@ -139,43 +139,44 @@ fn tuned_switching_policies_hold_altitude_and_brake_longer() {
             assert!(ahead(policy) > 40.0 && ahead("bandwidth") < 5.0);
         }
     }
-    holds_altitude("ardupilot-tuned", "weak", 2.0);
+    holds_altitude("ardupilot-tuned", "weak", 3.0);
     holds_altitude("bandwidth", "weak", 1.5);
 }
 
-/// Cruise is reached sooner (measured 10.9 s to 11.8 and 12.1 s), no more than 5 m ahead where the reference brakes as drag
-/// allows (1 m to 28 and 20 m), with less altitude in an aborted transition (0.3 m to 1.6 and 1.5 m), 5 m ahead in a glide
-/// that cannot be flown, to 785 m (but 7 m high, to 3.9 m), and less loss in turbulence on the way out, in the median.
+/// Cruise is reached within a second of the reference (measured 10.0 s, to 11.8 and 9.5 s), no more than 5 m ahead where the reference
+/// brakes as drag allows (2 m to 28 and 38 m), with less altitude in an aborted transition (0.3 m to 1.6 and 0.8 m), 2 m ahead in a
+/// glide that cannot be flown, to 795 and 213 m (3.1 m high, to 3.9 and 12.7 m), and less loss in turbulence on the way out, in the
+/// median.
 #[test]
 fn one_law_follows_the_reference_through_the_transition() {
     let after = |policy| only(policy, "no-wind").get("cruise_after_s");
     let ahead = |policy| only(policy, "gentle").get("ahead_m");
     let loss = |policy| cell(policy, "turbulence").spread(|f| f.get("loss_out_m")).0;
     for policy in ["px4-tuned", "ardupilot-tuned"] {
-        assert!(after("bandwidth") < after(policy) - 0.5);
+        assert!((after("bandwidth") - 10.0).abs() < 1.0 && after("bandwidth") < after("px4-tuned"));
         assert!(ahead("bandwidth") < 5.0 && ahead(policy) > 15.0);
         let aborted = only(policy, "aborted").altitude_m();
         assert!(only("bandwidth", "aborted").altitude_m() < 0.5 * aborted);
         let (ours, theirs) = (only("bandwidth", "glide"), only(policy, "glide"));
         assert!(ours.altitude_m() < 10.0);
-        assert!(ours.get("ahead_m") < 10.0 && theirs.get("ahead_m") > 500.0);
+        assert!(ours.get("ahead_m") < 10.0 && theirs.get("ahead_m") > 100.0);
         assert!(loss("bandwidth") < loss(policy));
     }
 }
 
-/// Inside the stall band: measured ±0.5 m and 0.00 m/s for the guidance, ±0.2 m and 0.26 m/s for the tuned policies as
-/// multicopters.
+/// Inside the stall band: measured ±0.3 m and 0.00 m/s for the guidance, ±0.2 m and 0.26 m/s for the PX4-like as a multicopter, ±1.0 m
+/// and 0.16 m/s for the ArduPilot-like as an aeroplane.
 #[test]
 fn the_stall_band_is_flown() {
-    for (policy, error) in [
-        ("bandwidth", 0.02),
-        ("px4-tuned", 0.5),
-        ("ardupilot-tuned", 0.5),
+    for (policy, error, altitude) in [
+        ("bandwidth", 0.02, 1.0),
+        ("px4-tuned", 0.5, 1.0),
+        ("ardupilot-tuned", 0.5, 1.5),
     ] {
         let flight = only(policy, "stall-band");
         assert_eq!(flight.outcome, Outcome::Flies);
         assert!(flight.get("cruise_error_m_s") < error);
-        holds_altitude(policy, "stall-band", 1.0);
+        holds_altitude(policy, "stall-band", altitude);
     }
 }
 
@@ -195,6 +196,24 @@ fn turbulence_is_survived() {
 fn stock_switching_policies_balloon() {
     assert!(only("px4-stock", "no-wind").get("gain_back_m") > 10.0);
     assert!(only("ardupilot-stock", "no-wind").get("gain_back_m") > 20.0);
+}
+
+/// ArduPlane 4.6.3 on this plant: stock it gains 50.6 m in the back transition, loses 0.9 m and gains 12 m on the way out; searched it
+/// loses 0.4 and gains 0.7 m out, 0.2 and 2.5 m back. Here 46.5; 1.0 and 4.9; 1.6 and 1.3; 0.1 and 2.6 m.
+#[test]
+fn the_ardupilot_like_policy_is_like_the_real_program() {
+    let stock = |figure| only("ardupilot-stock", "no-wind").get(figure);
+    assert!((stock("gain_back_m") - 50.6).abs() < 6.0);
+    assert!(stock("loss_out_m") < 2.0 && (3.0..15.0).contains(&stock("gain_out_m")));
+    let searched = |figure| only("ardupilot-searched", "no-wind").get(figure);
+    assert!((searched("gain_back_m") - 2.5).abs() < 1.0 && searched("loss_back_m") < 0.7);
+    assert!(searched("loss_out_m") < 2.0 && searched("gain_out_m") < 2.0);
+    // It stays where it comes to rest, and so ends high; with the searched parameters there is little to stay at.
+    assert_eq!(only("ardupilot-stock", "no-wind").outcome, Outcome::Strays);
+    assert_eq!(
+        only("ardupilot-searched", "no-wind").outcome,
+        Outcome::Flies
+    );
 }
 
 #[test]

@@ -51,6 +51,8 @@ pub struct States {
     pub wind: Option<Series<3>>,
     /// Airspeed as a sensor or the autopilot gives it [m/s].
     pub airspeed: Option<Series<1>>,
+    /// Specific force [m/s²], along the axes of [`States::attitude`]: nose, right wing, belly.
+    pub specific_force: Option<Series<3>>,
     /// Attitude asked for, in the frame of [`States::attitude`].
     pub attitude_setpoint: Option<Series<4>>,
     /// Position asked for \[m\]. NaN where the autopilot asks for none, as in the other set-points.
@@ -108,6 +110,7 @@ struct Family {
     position: &'static [Source],
     wind: &'static [Source],
     airspeed: &'static [Source],
+    specific_force: &'static [Source],
     attitude_setpoint: &'static [Source],
     position_setpoint: &'static [Source],
     velocity_setpoint: &'static [Source],
@@ -163,6 +166,23 @@ pub fn find(log: &Log) -> Result<States, Missing> {
         position: source::first(log, &time, "position", family.position, &mut missing),
         wind: source::first(log, &time, "wind", family.wind, &mut missing),
         airspeed: source::first(log, &time, "airspeed", family.airspeed, &mut missing),
+        specific_force: source::first(
+            log,
+            &time,
+            "specific force",
+            family.specific_force,
+            &mut missing,
+        )
+        .map(|mut series| {
+            if turn.is_some() {
+                // From belly, wing and tail.
+                series
+                    .values
+                    .iter_mut()
+                    .for_each(|[x, _, z]| (*x, *z) = (-*z, *x));
+            }
+            series
+        }),
         attitude_setpoint: source::first(
             log,
             &time,

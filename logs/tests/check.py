@@ -361,9 +361,9 @@ def alula(*arguments):
     return subprocess.run([*command, *map(str, arguments)], cwd=ROOT, check=True, capture_output=True, text=True).stdout
 
 
-def check_flight(directory):
-    """What `fly --log` leaves holds the numbers of the trace, with units, and every curve of the PlotJuggler layout."""
-    alula("fly", "round-trip", "--log", "ulog,mcap", "--out", directory)
+def check_flight(directory, experiment, some):
+    """What `fly --log` leaves holds the numbers of the trace, with units, of which `some`, and every curve of the PlotJuggler layout."""
+    alula("fly", experiment, "--log", "ulog,mcap", "--out", directory)
     words = {"air_told", "status", "mode", "phase", "unreachable", "air"}
     with open(directory / "trace.csv", newline="") as file:
         trace = {column: cells for column, *cells in zip(*csv.reader(file)) if column not in words}
@@ -378,18 +378,19 @@ def check_flight(directory):
         finite = [float(v) if math.isfinite(v) else math.nan for v in found]
         same(mcap["alula"][column], finite, f"mcap {column}")
     assert set(mcap["alula"]) == {"timestamp", *trace}, set(mcap["alula"]) ^ set(trace)
-    for column, unit in {"thrust_n": "N", "rate_rad_s": "rad/s", "vr_down_m_s": "m/s", "t_s": "s"}.items():
+    for column, unit in {"thrust_n": "N", "t_s": "s", **some}.items():
         assert units[f"alula.{column}"] == unit and mcap_units["alula"][column] == unit, column
     check_layout(directory / "flight.ulg")
 
 
 def check_replay(source, directory):
-    """The guidance over a log of PX4's topics: a command for each attitude, and a page of margins."""
-    out = directory / "replay"
-    alula("replay", source, "--experiment", "round-trip", "--out", out)
-    rows = (out / "commands.csv").read_text().splitlines()
-    assert len(rows) == 1 + ROWS, len(rows)
-    assert "angle to the nearest fold" in (out / "replay.html").read_text()
+    """The guidance over a log of PX4's topics, in the plane and in space: a command for each attitude, and a page of margins."""
+    for experiment in ["round-trip", "eight"]:
+        out = directory / f"replay-{experiment}"
+        alula("replay", source, "--experiment", experiment, "--out", out)
+        rows = (out / "commands.csv").read_text().splitlines()
+        assert len(rows) == 1 + ROWS, len(rows)
+        assert "angle to the nearest fold" in (out / "replay.html").read_text()
 
 
 def main():
@@ -401,7 +402,8 @@ def main():
         check_states(directory / "px4.ulg", directory)
         check_layout(directory / "px4.ulg")
         check_dataflash(directory)
-        check_flight(directory / "flight")
+        check_flight(directory / "flight", "round-trip", {"rate_rad_s": "rad/s", "vr_down_m_s": "m/s"})
+        check_flight(directory / "in-space", "eight", {"bank_rad": "rad", "path_v_east_m_s": "m/s"})
         check_replay(directory / "px4.ulg", directory)
         for source in sys.argv[1:]:
             print(f"{source}: {check_ulog(Path(source).resolve(), directory)} topics")

@@ -38,29 +38,29 @@ pub struct Guidance {
 #[pyclass(frozen, get_all, module = "alula")]
 pub struct Guided {
     /// Thrust along the nose [N], inside the vehicle's limits.
-    thrust_n: f32,
+    pub thrust_n: f32,
     /// Body rates about x, y and z [rad/s].
-    rates_rad_s: [f32; 3],
+    pub rates_rad_s: [f32; 3],
     /// Body rate about the right wing [rad/s]: the rate of theta in the vertical plane.
-    rate_rad_s: f32,
+    pub rate_rad_s: f32,
     /// "safe", "holding" or "flying".
-    mode: &'static str,
+    pub mode: &'static str,
     /// What of the air is used: "velocity", "wind", "held-wind" or "none".
-    air: &'static str,
+    pub air: &'static str,
     /// Flags of what limited the step.
-    status: Vec<String>,
+    pub status: Vec<String>,
     /// Why the frame was refused, or None.
     refusal: Option<&'static str>,
     /// What is done: "tracking", "crossing", "coasting" or "recovering".
-    phase: &'static str,
+    pub phase: &'static str,
     /// Why the reference cannot be had, "sink", "speed" or "thrust", or None.
-    unreachable: Option<&'static str>,
+    pub unreachable: Option<&'static str>,
     /// |F_p| over tau; below 1 the guard acts.
-    margin_force: f32,
+    pub margin_force: f32,
     /// The gain k; 1 on a sphere.
-    margin_k: f32,
+    pub margin_k: f32,
     /// Angle to the nearest fold, to first order [rad].
-    margin_fold_rad: f32,
+    pub margin_fold_rad: f32,
     /// The velocity that the law was given [m/s].
     reference_velocity_m_s: [f32; 3],
     /// The acceleration that the law was given [m/s²].
@@ -84,7 +84,7 @@ fn components(v: Ned) -> [f32; 3] {
     [v.north, v.east, v.down]
 }
 
-fn ned([north, east, down]: [f32; 3]) -> Ned {
+pub fn ned([north, east, down]: [f32; 3]) -> Ned {
     Ned::new(north, east, down)
 }
 
@@ -106,7 +106,7 @@ fn air<const N: usize, V>(
     })
 }
 
-fn body_axes(name: &str) -> PyResult<BodyAxes> {
+pub fn body_axes(name: &str) -> PyResult<BodyAxes> {
     match name {
         "nose-forward" => Ok(BodyAxes::NoseForward),
         "nose-up" => Ok(BodyAxes::NoseUp),
@@ -117,27 +117,45 @@ fn body_axes(name: &str) -> PyResult<BodyAxes> {
     }
 }
 
+/// A step's answer as Python has it, with rates about `axes`.
+pub fn guided(guided: ::alula::guidance::Guided, axes: BodyAxes) -> Guided {
+    let names = guided.status.to_string();
+    let flags = names.split('|').filter(|name| !name.is_empty());
+    Guided {
+        thrust_n: guided.command.thrust,
+        rates_rad_s: axes.components(guided.command.rates),
+        rate_rad_s: guided.command.rates.w,
+        mode: guided.mode.name(),
+        air: guided.air.name(),
+        status: flags.map(str::to_owned).collect(),
+        refusal: guided.refusal.map(|refusal| refusal.name()),
+        phase: guided.progress.phase.name(),
+        unreachable: guided.progress.unreachable.map(|why| why.name()),
+        margin_force: guided.margin.force,
+        margin_k: guided.margin.k,
+        margin_fold_rad: guided.margin.fold,
+        reference_velocity_m_s: components(guided.reference.velocity),
+        reference_acceleration_m_s2: components(guided.reference.acceleration),
+    }
+}
+
+/// The guidance of `vehicle` with these parameters by keyword, and all of them.
+pub fn made(
+    vehicle: &Vehicle,
+    parameters: Option<&Bound<'_, PyDict>>,
+) -> PyResult<(::alula::Guidance<Model, GainChoice>, GuidanceParameters)> {
+    let fields = parameters.map(table).transpose()?.unwrap_or_default();
+    let made = GuidanceSpec::read(Value::Table(fields)).and_then(|spec| {
+        let thrust = spec.thrust_n.unwrap_or(vehicle.thrust);
+        let guidance = spec.build(&vehicle.spec, thrust, &spec.parameters)?;
+        Ok((guidance, spec.parameters))
+    });
+    made.map_err(error::of_field)
+}
+
 impl Guidance {
     fn step(&mut self, input: &GuidanceInput, dt: f32, axes: BodyAxes) -> Guided {
-        let guided = self.guidance.update(&mut self.state, input, dt);
-        let names = guided.status.to_string();
-        let flags = names.split('|').filter(|name| !name.is_empty());
-        Guided {
-            thrust_n: guided.command.thrust,
-            rates_rad_s: axes.components(guided.command.rates),
-            rate_rad_s: guided.command.rates.w,
-            mode: guided.mode.name(),
-            air: guided.air.name(),
-            status: flags.map(str::to_owned).collect(),
-            refusal: guided.refusal.map(|refusal| refusal.name()),
-            phase: guided.progress.phase.name(),
-            unreachable: guided.progress.unreachable.map(|why| why.name()),
-            margin_force: guided.margin.force,
-            margin_k: guided.margin.k,
-            margin_fold_rad: guided.margin.fold,
-            reference_velocity_m_s: components(guided.reference.velocity),
-            reference_acceleration_m_s2: components(guided.reference.acceleration),
-        }
+        guided(self.guidance.update(&mut self.state, input, dt), axes)
     }
 }
 
@@ -146,13 +164,7 @@ impl Guidance {
     #[new]
     #[pyo3(signature = (vehicle, **parameters))]
     fn new(vehicle: &Vehicle, parameters: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
-        let fields = parameters.map(table).transpose()?.unwrap_or_default();
-        let made = GuidanceSpec::read(Value::Table(fields)).and_then(|spec| {
-            let thrust = spec.thrust_n.unwrap_or(vehicle.thrust);
-            let guidance = spec.build(&vehicle.spec, thrust, &spec.parameters)?;
-            Ok((guidance, spec.parameters))
-        });
-        let (guidance, parameters) = made.map_err(error::of_field)?;
+        let (guidance, parameters) = made(vehicle, parameters)?;
         Ok(Self {
             guidance,
             parameters,

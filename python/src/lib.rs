@@ -8,6 +8,7 @@ mod campaign;
 mod equilibria;
 mod error;
 mod experiment;
+mod fleet;
 mod flight;
 mod frame;
 mod guidance;
@@ -36,6 +37,8 @@ mod alula {
     use crate::error::{Fault, FieldError};
     #[pymodule_export]
     use crate::experiment::{Experiment, experiments, fly};
+    #[pymodule_export]
+    use crate::fleet::Fleet;
     #[pymodule_export]
     use crate::flight::Flight;
     #[pymodule_export]

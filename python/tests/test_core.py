@@ -186,6 +186,35 @@ def test_the_guidance_gives_the_commands_of_a_flight():
     assert guided.mode == "flying" and guided.rates_rad_s[0] == guided.rates_rad_s[2] == 0.0
 
 
+def test_a_fleet_is_stepped_as_its_vehicles_are_one_by_one():
+    """To the bit, over steps in which each goes its own way; what is given once stands for all."""
+    vehicle, n = alula.Vehicle(**PAPER), 7
+    fleet = alula.Fleet(vehicle, n, damping=0.7)
+    alone = [alula.Guidance(vehicle, damping=0.7) for _ in range(n)]
+    assert len(fleet) == n
+    random = np.random.default_rng(3)
+    velocity, error = np.zeros((n, 3)), random.normal(0, 3, (n, 3))
+    heading = np.where(np.arange(n) % 2 == 0, np.nan, 0.5)
+    told = dict(quaternion=(1, 0, 0, 0), axes="nose-up", reference_velocity=(5, 0, 0), wind=(0, 2, 0))
+    for step in range(30):
+        frame = fleet.update(0.01, velocity=velocity, position_error=error, heading=heading, **told)
+        assert len(frame["thrust_n"]) == n
+        for k, guidance in enumerate(alone):
+            free = None if np.isnan(heading[k]) else float(heading[k])
+            guided = guidance.update(0.01, velocity=velocity[k], position_error=error[k], heading=free, **told)
+            rates = [frame[f"rate_{axis}_rad_s"][k] for axis in "xyz"]
+            assert (frame["thrust_n"][k], *rates) == (np.float32(guided.thrust_n), *map(np.float32, guided.rates_rad_s)), (step, k)
+            assert frame["mode"][k] == guided.mode and frame["status"][k] == "|".join(guided.status)
+        velocity = velocity + random.normal(0, 0.1, (n, 3))
+    assert guided.mode == "flying" and len(set(frame["thrust_n"])) == n
+    fleet.reset()
+    assert set(fleet.update(0.01, velocity=(math.nan, 0, 0), **told)["mode"]) == {"safe"}
+    with pytest.raises(alula.FieldError, match="velocity: has 3 rows, there are 7 vehicles"):
+        fleet.update(0.01, velocity=np.zeros((3, 3)), **told)
+    with pytest.raises(alula.FieldError, match="n: must be"):
+        alula.Fleet(vehicle, 0)
+
+
 def test_the_guidance_in_space_hovers_and_remembers():
     guidance = alula.Guidance(alula.Vehicle(**PAPER))
     hover = dict(velocity=(0, 0, 0), quaternion=(1, 0, 0, 0), reference_velocity=(0, 0, 0), wind=(0, 0, 0), axes="nose-up")

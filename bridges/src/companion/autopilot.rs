@@ -5,8 +5,8 @@
 
 use mavlink::dialects::common::{
     ATTITUDE_QUATERNION_DATA, AttitudeTargetTypemask, COMMAND_ACK_DATA, HEARTBEAT_DATA,
-    LOCAL_POSITION_NED_DATA, MavAutopilot, MavCmd, MavModeFlag, MavResult, MavState, MavType,
-    TIMESYNC_DATA, VFR_HUD_DATA, WIND_COV_DATA,
+    HIGHRES_IMU_DATA, LOCAL_POSITION_NED_DATA, MavAutopilot, MavCmd, MavModeFlag, MavResult,
+    MavState, MavType, TIMESYNC_DATA, VFR_HUD_DATA, WIND_COV_DATA,
 };
 
 use super::{HOLD, MavHeader, MavMessage, OFFBOARD, milliseconds};
@@ -22,6 +22,8 @@ pub struct BodyState {
     pub quaternion: [f64; 4],
     /// [rad/s].
     pub rates: [f64; 3],
+    /// Specific force [m/s²] along body axes.
+    pub specific_force: [f64; 3],
     /// Wind [m/s].
     pub wind: [f64; 3],
 }
@@ -219,6 +221,14 @@ impl<B: Body> Autopilot<B> {
                 vx,
                 vy,
                 vz,
+            }));
+            let [xacc, yacc, zacc] = single(body.specific_force);
+            messages.push(MavMessage::HIGHRES_IMU(HIGHRES_IMU_DATA {
+                time_usec: (now * 1e6) as u64,
+                xacc,
+                yacc,
+                zacc,
+                ..HIGHRES_IMU_DATA::default()
             }));
         }
         if air {

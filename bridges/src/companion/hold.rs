@@ -36,7 +36,6 @@ impl Default for HoldParameters {
 pub struct Hold {
     parameters: HoldParameters,
     plane: VerticalPlane,
-    origin: Ned,
 }
 
 /// Within ±`most`; 0 for what is no number.
@@ -49,14 +48,10 @@ fn limited(value: f32, most: f32) -> f32 {
 }
 
 impl Hold {
-    /// Holds `plane` through `origin` \[m\].
+    /// Holds `plane`.
     #[must_use]
-    pub fn new(parameters: HoldParameters, plane: VerticalPlane, origin: Ned) -> Self {
-        Self {
-            parameters,
-            plane,
-            origin,
-        }
+    pub fn new(parameters: HoldParameters, plane: VerticalPlane) -> Self {
+        Self { parameters, plane }
     }
 
     /// The plane.
@@ -65,7 +60,8 @@ impl Hold {
         &self.plane
     }
 
-    /// Body rates [rad/s] about (x, y, z) of hover's axes: θ̇ = `rate` in the plane, and towards it.
+    /// Body rates [rad/s] about (x, y, z) of hover's axes: θ̇ = `rate` in the plane, and towards it. `position` \[m\] is from a
+    /// point of the plane.
     #[must_use]
     pub fn rates(
         &self,
@@ -75,12 +71,10 @@ impl Hold {
         velocity: Ned,
     ) -> [f32; 3] {
         let p = &self.parameters;
-        let offset = Ned::new(
-            position.north - self.origin.north,
-            position.east - self.origin.east,
-            position.down - self.origin.down,
+        let (across, speed) = (
+            self.plane.project(position).1,
+            self.plane.project(velocity).1,
         );
-        let (across, speed) = (self.plane.project(offset).1, self.plane.project(velocity).1);
         // Thrust along the nose pushes to the right when the nose is out of the plane to the right.
         let tilt = limited(-p.position * across - p.velocity * speed, p.tilt);
         let [x, y, z] = attitude.normal;
@@ -102,14 +96,11 @@ impl Hold {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use alula::ned::Quaternion;
+    use alula::ned::{BodyAxes, Quaternion};
+    use alula::spatial::Orientation;
 
     fn hold() -> Hold {
-        Hold::new(
-            HoldParameters::default(),
-            VerticalPlane::from_heading(0.0),
-            Ned::default(),
-        )
+        Hold::new(HoldParameters::default(), VerticalPlane::from_heading(0.0))
     }
 
     /// The attitude after a turn by `angle` about axis `x`, `y`, `z` of hover.
@@ -121,7 +112,8 @@ mod tests {
             y: s * y,
             z: s * z,
         };
-        hold().plane.attitude(&q).unwrap()
+        let orientation = Orientation::from_quaternion(&q, BodyAxes::NoseUp).unwrap();
+        hold().plane.attitude(&orientation).unwrap()
     }
 
     #[test]

@@ -45,6 +45,8 @@ pub struct Inbox {
     pub acceleration: Ned,
     /// The autopilot's clock.
     pub clock: Clock,
+    /// Specific force [m/s²] along hover's axes.
+    pub specific_force: Option<Stamped<[f32; 3]>>,
     /// Wind over ground [m/s].
     pub wind: Option<Stamped<Ned>>,
     /// Airspeed [m/s].
@@ -154,6 +156,11 @@ impl Inbox {
                     now,
                     finite(&[m.wind_x, m.wind_y, m.wind_z]),
                 )
+            }
+            MavMessage::HIGHRES_IMU(m) => {
+                let force = [m.xacc, m.yacc, m.zacc];
+                let stamp = (m.time_usec / 1000) as u32;
+                put(&mut self.specific_force, force, stamp, now, finite(&force))
             }
             MavMessage::VFR_HUD(m) => {
                 // It has no time stamp: the order of arrival stands for it.

@@ -1,7 +1,8 @@
 //! A controller beside an autopilot, over MAVLink.
 //!
-//! [`Companion`] takes what the autopilot says of its state and gives body rates and thrust, as `SET_ATTITUDE_TARGET` (type mask 128),
-//! which PX4 follows in its OFFBOARD mode. [`Autopilot`] is a simulated one that keeps PX4's rules, around any [`Body`]. Both are state
+//! [`Companion`] takes what the autopilot says of its state, asks its [`Pilot`], and gives body rates and thrust, as
+//! `SET_ATTITUDE_TARGET` (type mask 128), which PX4 follows in its OFFBOARD mode. [`InPlane`] makes a pilot of a controller in a
+//! vertical plane. [`Autopilot`] is a simulated one that keeps PX4's rules, around any [`Body`]. Both are state
 //! machines that are told the time: whoever owns a connection carries their messages. [`wire`] is messages from and to bytes.
 //!
 //! Body axes are those of hover, as PX4 has a tail-sitter's: x to the belly, y along the right wing, z along the tail.
@@ -10,9 +11,10 @@ mod autopilot;
 mod clock;
 mod connection;
 mod hold;
+mod in_plane;
 mod inbox;
+mod machine;
 mod outbox;
-mod pilot;
 mod plane;
 mod setpoint;
 mod stage;
@@ -22,10 +24,11 @@ pub use autopilot::{Autopilot, Body, BodyState};
 pub use clock::Clock;
 pub use connection::{Connection, Received};
 pub use hold::{Hold, HoldParameters};
+pub use in_plane::{Flown, InPlane, Planar, Wanted};
 pub use inbox::{Counts, Inbox};
-pub use pilot::Companion;
+pub use machine::Companion;
 pub use setpoint::Setpoint;
-pub use stage::{Commanded, End, Pilot, Settings, Stage, Wanted};
+pub use stage::{Command, End, Pilot, Settings, Stage, Told};
 
 pub use mavlink::MavHeader;
 pub use mavlink::dialects::common as messages;

@@ -1,8 +1,8 @@
 //! The vertical plane that a planar controller flies in, in the autopilot's axes.
 
-use alula::ned::{Ned, Quaternion};
+use alula::ned::Ned;
 use alula::spatial::Orientation;
-use alula::{Attitude, Inertial, ned::BodyAxes};
+use alula::{Attitude, Inertial};
 
 /// Length of the nose's part in the plane below which an attitude has no pitch.
 const LEAST: f32 = 1e-3;
@@ -40,10 +40,9 @@ impl VerticalPlane {
         )
     }
 
-    /// Projects the attitude `q` of hover's body axes; none if `q` is no attitude, or the nose points across the plane.
+    /// Projects an attitude; none if the nose points across the plane.
     #[must_use]
-    pub fn attitude(&self, q: &Quaternion) -> Option<Projection> {
-        let o = Orientation::from_quaternion(q, BodyAxes::NoseUp).ok()?;
+    pub fn attitude(&self, o: &Orientation) -> Option<Projection> {
         let tail = self.project(o.i()).0;
         let length = tail.norm();
         let right = |axis: Ned| self.project(axis).1;
@@ -60,6 +59,7 @@ impl VerticalPlane {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use alula::ned::{BodyAxes, Quaternion};
 
     /// Pitched by −0.4 about the wing of a vehicle that heads east.
     #[test]
@@ -73,7 +73,8 @@ mod tests {
             z: half.sin() * c,
         };
         let plane = VerticalPlane::from_heading(2.0 * half);
-        let got = plane.attitude(&q).unwrap();
+        let orientation = Orientation::from_quaternion(&q, BodyAxes::NoseUp).unwrap();
+        let got = plane.attitude(&orientation).unwrap();
         assert!((got.attitude.angle() + 0.4).abs() < 1e-6);
         assert!((got.normal[1] - 1.0).abs() < 1e-6);
         let (in_plane, across) = plane.project(Ned::new(-2.0, 7.0, 3.0));

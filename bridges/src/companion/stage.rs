@@ -1,21 +1,54 @@
-//! What a companion is told, and what it says of itself.
+//! What a companion tells its pilot, and what it says of itself.
 
-use alula::{Inertial, PlanarInput};
+use alula::guidance::Air;
+use alula::ned::Ned;
+use alula::spatial::{Body, Orientation};
 
-use super::HoldParameters;
+use super::Setpoint;
 
-/// Whoever controls the flight in its vertical plane.
-pub trait Pilot {
-    /// Thrust \[N\] and θ̇ [rad/s], `dt` \[s\] after the last answer; none if it cannot be reached.
-    fn answer(&mut self, input: &PlanarInput, dt: f32) -> Option<(f32, f32)>;
+/// What is known of the vehicle when a command will act: it is predicted over the age of what came, the latency and the time
+/// for which a command is held.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Told {
+    /// Time since the start \[s\].
+    pub t: f64,
+    /// Position from the start \[m\].
+    pub position: Ned,
+    /// Velocity [m/s].
+    pub velocity: Ned,
+    /// Attitude.
+    pub orientation: Orientation,
+    /// Body rates [rad/s] about hover's axes.
+    pub rates: [f32; 3],
+    /// Time \[s\] since the older of attitude and motion arrived.
+    pub age: f32,
+    /// What is known of the air.
+    pub air: Air<Ned>,
+    /// Specific force [m/s²], if an accelerometer is told.
+    pub specific_force: Option<Body>,
+    /// What is asked for over the link, its position from the start, and its age \[s\].
+    pub asked: Option<(Setpoint, f32)>,
 }
 
-/// What is to be flown.
-pub enum Wanted<'a> {
-    /// At each time \[s\] since the start: velocity, acceleration, and position from the start, (down, forward).
-    Plan(&'a dyn Fn(f64) -> [Inertial; 3]),
-    /// What comes as `SET_POSITION_TARGET_LOCAL_NED`.
-    Link,
+/// What a pilot answers.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Command {
+    /// Thrust \[N\].
+    pub thrust: f32,
+    /// Body rates [rad/s] about hover's axes: x to the belly, y along the right wing, z along the tail.
+    pub rates: [f32; 3],
+}
+
+/// Whoever controls the flight.
+pub trait Pilot {
+    /// The flight begins here, with the vehicle's `heading` \[rad\].
+    fn begin(&mut self, heading: f32);
+
+    /// The command, `dt` \[s\] after the last one.
+    ///
+    /// # Errors
+    /// Why the flight ends here: [`End::Attitude`] or [`End::Pilot`].
+    fn answer(&mut self, told: &Told, dt: f32) -> Result<Command, End>;
 }
 
 /// Settings of a companion.
@@ -27,14 +60,10 @@ pub struct Settings {
     pub hover_thrust: f32,
     /// Whether OFFBOARD is asked for; else the flight begins when somebody else sets it.
     pub engage: bool,
-    /// Heading of the plane \[rad\]; that of the vehicle at the start if none.
-    pub heading: Option<f32>,
     /// How long \[s\] the reference is flown.
     pub duration: f64,
     /// Age \[s\] of the state at which the link is taken for lost.
     pub timeout: f64,
-    /// Out of the plane.
-    pub hold: HoldParameters,
 }
 
 /// Why a flight ended.
@@ -46,7 +75,7 @@ pub enum End {
     TakenOver,
     /// Nothing came for too long: nothing is sent any more, and the autopilot acts as on every loss of OFFBOARD.
     LinkLost,
-    /// The nose points across the plane, or the attitude is none.
+    /// The attitude is none; in a plane, the nose points across it.
     Attitude,
     /// The pilot does not answer.
     Pilot,
@@ -65,19 +94,4 @@ pub enum Stage {
     Leaving(f64),
     /// Nothing is sent any more.
     Ended(End),
-}
-
-/// What was told and commanded at one step of the flight.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Commanded {
-    /// Time since the start \[s\].
-    pub t: f64,
-    /// What the pilot was told.
-    pub input: PlanarInput,
-    /// Position from the start \[m\], (down, forward), and across the plane, to the right.
-    pub position: (Inertial, f32),
-    /// Wind as used [m/s], zero if it is not known.
-    pub wind: Inertial,
-    /// Thrust \[N\] and θ̇ [rad/s].
-    pub command: (f32, f32),
 }

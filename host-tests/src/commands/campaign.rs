@@ -151,7 +151,7 @@ fn refly(source: &CampaignSource, number: u64, args: &Args) -> anyhow::Result<()
         Ok(file.write_all(document.text().as_bytes())?)
     })?;
     if source.place() == Place::Space {
-        return space::fly(&document, &args.output);
+        return space::fly(&document, &args.output, &Logs::default());
     }
     let files = (&args.output, &fly::Logs::default());
     fly::fly(&document, &document.name, files, |experiment| {

@@ -4,21 +4,24 @@ use std::sync::atomic::Ordering;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use alula_bridges::companion::{Companion, Connection, Stage, Wanted};
-use anyhow::Context;
+use alula_bridges::companion::{self, Companion, Connection, Pilot, Stage, Wanted};
+use anyhow::{Context, ensure};
 
-use alula_sil::companion::{Controlled, keep, plan, settings};
+use alula_sil::companion::{plane, space::OnPath, space::settings};
+use alula_sil::experiment::Document;
 use alula_sil::simulate::Record;
+use alula_sil::space::Experiment;
 
 use super::fly::{Logs, report};
 use super::output::Output;
 use super::serve::interrupted;
 use super::settings::Settings;
+use super::space;
 
 /// Fly a PX4 over MAVLink in its OFFBOARD mode, by body rates and thrust; its pilot ends it at any time by a change of mode
 #[derive(clap::Args)]
 pub struct Args {
-    /// A built-in experiment or a TOML file: its controller and its reference
+    /// A built-in experiment or a TOML file: its controller and its reference, or the guidance and its path
     experiment: String,
     #[command(flatten)]
     settings: Settings,
@@ -48,26 +51,81 @@ const PERIOD: Duration = Duration::from_millis(20);
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let document = args.settings.document(&args.experiment)?;
+    match document.get("path") {
+        Some(_) => in_space(args, &document),
+        None => in_plane(args, &document),
+    }
+}
+
+/// The experiment's controller in the plane of a heading.
+fn in_plane(args: &Args, document: &Document) -> anyhow::Result<()> {
     let experiment = document.checked()?;
     let out = args
         .output
         .folder(&format!("companion/{}", document.name))?;
-    let mut settings = settings(&experiment, args.hover_thrust)?;
-    settings.engage = args.engage;
-    settings.heading = args.heading.map(f32::to_radians);
-    let plan = plan(&experiment);
+    let plan = plane::plan(&experiment);
     let wanted = match args.from_link {
         true => Wanted::Link,
         false => Wanted::Plan(&plan),
     };
-    let mut companion = Companion::new(settings, wanted);
-    let mut pilot = Controlled::new(&experiment)?;
+    let heading = args.heading.map(f32::to_radians);
+    let mut pilot = plane::pilot(&experiment, wanted, heading)?;
+    let settings = plane::settings(&experiment, args.hover_thrust)?;
+    let mut record = Record::new();
+    fly(args, settings, &mut pilot, |pilot| {
+        plane::keep(&mut record, pilot, &experiment);
+    })?;
+    if record.is_empty() {
+        eprintln!("no flight");
+        return Ok(());
+    }
+    report(
+        document,
+        &experiment,
+        &record,
+        &out,
+        &args.output,
+        &args.logs,
+    )
+}
+
+/// The guidance along the experiment's path.
+fn in_space(args: &Args, document: &Document) -> anyhow::Result<()> {
+    ensure!(args.heading.is_none(), "--heading: a path has its own");
+    let experiment = Experiment::of(document)?;
+    let out = args
+        .output
+        .folder(&format!("companion/{}", document.name))?;
+    let mut pilot = OnPath::new(&experiment, args.from_link)?;
+    let settings = settings(&experiment, args.hover_thrust)?;
+    fly(args, settings, &mut pilot, |_| ())?;
+    if pilot.record().is_empty() {
+        eprintln!("no flight");
+        return Ok(());
+    }
+    space::report(
+        document,
+        &experiment,
+        pilot.record(),
+        &out,
+        (&args.output, &args.logs),
+    )
+}
+
+/// Lets `pilot` fly over the link until the flight ends or Ctrl-C is pressed; `keep` is called after each of its steps.
+fn fly<P: Pilot>(
+    args: &Args,
+    mut settings: companion::Settings,
+    pilot: &mut P,
+    mut keep: impl FnMut(&P),
+) -> anyhow::Result<()> {
+    settings.engage = args.engage;
+    let mut companion = Companion::new(settings);
     let mut link = Connection::open(&args.connect).with_context(|| args.connect.clone())?;
     let interrupted = interrupted()?;
 
     let begin = Instant::now();
     let mut next = begin;
-    let mut record = Record::new();
     let mut malformed = 0_u64;
     let mut said = None;
     while !interrupted.load(Ordering::Relaxed) {
@@ -80,12 +138,12 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
             }
         }
         let now = begin.elapsed().as_secs_f64();
-        let (messages, commanded) = companion.step(now, &mut pilot);
+        let (messages, commanded) = companion.step(now, pilot);
         for message in messages {
             link.send(Companion::HEADER, &message);
         }
-        if let Some(commanded) = commanded {
-            keep(&mut record, &pilot, &experiment, &commanded);
+        if commanded.is_some() {
+            keep(pilot);
         }
         let stage = companion.stage();
         if said != Some(std::mem::discriminant(&stage)) {
@@ -104,18 +162,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         "{} messages used, {} dropped, {} ignored, {malformed} malformed",
         counts.used, counts.dropped, counts.ignored
     );
-    if record.is_empty() {
-        eprintln!("no flight");
-        return Ok(());
-    }
-    report(
-        &document,
-        &experiment,
-        &record,
-        &out,
-        &args.output,
-        &args.logs,
-    )
+    Ok(())
 }
 
 fn words(stage: Stage) -> String {

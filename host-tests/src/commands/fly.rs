@@ -3,10 +3,11 @@
 use std::io::Write;
 use std::path::Path;
 
-use anyhow::{bail, ensure};
+use anyhow::bail;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
+use alula_logs::Log;
 use alula_sil::columns::write_trace;
 use alula_sil::controllers::Controller;
 use alula_sil::experiment::{DEFAULT, Document, Experiment};
@@ -50,17 +51,16 @@ enum LogKind {
 }
 
 impl Logs {
-    /// Leaves the logs in `out`; their names.
+    /// Leaves `log` in `out`, in each format that is asked for; their names.
     pub fn leave(
         &self,
-        experiment: &Experiment,
-        record: &[Step],
+        log: impl FnOnce() -> Result<Log, alula_logs::Error>,
         out: &Path,
     ) -> anyhow::Result<Vec<&'static str>> {
         if self.kinds.is_empty() {
             return Ok(Vec::new());
         }
-        let log = flight_log::log(experiment, record)?;
+        let log = log()?;
         let left = self.kinds.iter().map(|kind| {
             let format = match kind {
                 LogKind::Ulog => Format::Ulog,
@@ -97,7 +97,7 @@ struct Summary<'a> {
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let document = args.document()?;
     if Place::of(&document) == Place::Space {
-        return space::fly(&document, args.output()?);
+        return space::fly(&document, &args.output, &args.logs);
     }
     fly(
         &document,
@@ -113,13 +113,9 @@ impl Args {
         self.settings.document(&self.experiment)
     }
 
-    /// Where a flight in space leaves its files.
-    pub fn output(&self) -> anyhow::Result<&Output> {
-        ensure!(
-            self.logs.kinds.is_empty(),
-            "--log: flights in space leave a CSV trace alone"
-        );
-        Ok(&self.output)
+    /// Where the flight leaves its files, and as which logs besides.
+    pub fn output(&self) -> (&Output, &Logs) {
+        (&self.output, &self.logs)
     }
 }
 
@@ -182,7 +178,7 @@ pub fn report(
         Ok(write_trace(experiment, record, file)?)
     })?;
     page.leave(out, ["flight.svg", "report.html"])?;
-    let logs = logs.leave(experiment, record, out)?;
+    let logs = logs.leave(|| flight_log::log(experiment, record), out)?;
     let mut stdout = std::io::stdout().lock();
     if output.json() {
         let summary = Summary {

@@ -58,7 +58,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         Place::Plane => fly::with(&args.flight, "pil", |experiment| {
             Ok(connect(experiment.configuration(pacing)?)? as Box<dyn Controller>)
         }),
-        Place::Space => space::fly_by(&document, "pil", args.flight.output()?, |experiment| {
+        Place::Space => space::fly_by(&document, "pil", args.flight.output(), |experiment| {
             let configuration = experiment.controller.configuration(experiment, pacing)?;
             Ok(connect(configuration)? as Box<dyn Pilot>)
         }),

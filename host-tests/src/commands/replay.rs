@@ -3,12 +3,14 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use anyhow::Context;
+use anyhow::{Context, ensure};
 
 use alula_sil::experiment::{DEFAULT, Document, Experiment};
 use alula_sil::files::leave;
-use alula_sil::page::replay::page;
+use alula_sil::page::Page;
+use alula_sil::page::{replay::page, space_replay};
 use alula_sil::replay::Source;
+use alula_sil::space;
 
 use super::settings::Settings;
 
@@ -35,8 +37,11 @@ pub struct Args {
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let document = args.settings.document(&args.experiment)?;
-    let experiment = document.checked()?;
     let source = Source::open(&args.file, args.map.as_ref(), args.heading)?;
+    if document.get("path").is_some() {
+        return args.in_space(source, &document);
+    }
+    let experiment = document.checked()?;
     let Some(out) = &args.out else {
         let stdout = std::io::stdout().lock();
         source.replay(stdout, &experiment, |_| ())?;
@@ -61,19 +66,42 @@ impl Args {
             said = source.replay(file, experiment, |step| record.push(step))?;
             Ok(())
         })?;
-        let name = self.file.file_name().unwrap_or(self.file.as_os_str());
-        let page = page(
-            &name.to_string_lossy(),
-            document,
-            experiment,
-            &record,
-            &said,
-        );
-        page.leave(out, ["replay.svg", "replay.html"])?;
-        let mut stdout = std::io::stdout().lock();
-        writeln!(stdout, "{}", page.text())?;
-        let files = "commands.csv, replay.html and replay.svg";
-        writeln!(stdout, "{files} are in {}", out.display())?;
-        Ok(())
+        let page = page(&self.name(), document, experiment, &record, &said);
+        show(&page, out)
     }
+
+    /// The guidance of an experiment with a path.
+    fn in_space(&self, source: Source, document: &Document) -> anyhow::Result<()> {
+        ensure!(
+            self.heading.is_none(),
+            "--heading: the guidance in space needs no plane"
+        );
+        let experiment = space::Experiment::of(document)?;
+        let (record, said) = space::replay::replay(&source.states()?, &experiment)?;
+        let Some(out) = &self.out else {
+            return space::replay::write(&record, std::io::stdout().lock());
+        };
+        std::fs::create_dir_all(out).with_context(|| out.display().to_string())?;
+        leave(&out.join("commands.csv"), |file| {
+            space::replay::write(&record, file)
+        })?;
+        let page = space_replay::page(&self.name(), document, &record, &said);
+        show(&page, out)
+    }
+
+    /// The log's name.
+    fn name(&self) -> String {
+        let name = self.file.file_name().unwrap_or(self.file.as_os_str());
+        name.to_string_lossy().into_owned()
+    }
+}
+
+/// Leaves the page in `out`, and prints it.
+fn show(page: &Page, out: &Path) -> anyhow::Result<()> {
+    page.leave(out, ["replay.svg", "replay.html"])?;
+    let mut stdout = std::io::stdout().lock();
+    writeln!(stdout, "{}", page.text())?;
+    let files = "commands.csv, replay.html and replay.svg";
+    writeln!(stdout, "{files} are in {}", out.display())?;
+    Ok(())
 }

@@ -13,6 +13,7 @@ use anyhow::Context;
 
 use alula_sil::ardupilot::Vehicle;
 use alula_sil::companion::Craft;
+use alula_sil::space::Experiment;
 
 use super::fly::{Logs, report};
 use super::output::Output;
@@ -119,9 +120,13 @@ fn ardupilot(args: &ArduPilot) -> anyhow::Result<()> {
 const STEP: Duration = Duration::from_millis(2);
 
 fn px4(args: &Px4) -> anyhow::Result<()> {
-    let experiment = args.settings.document(&args.experiment)?.checked()?;
+    let document = args.settings.document(&args.experiment)?;
+    let craft = match document.get("path") {
+        Some(_) => Craft::in_space(&Experiment::of(&document)?)?,
+        None => Craft::in_plane(&document.checked()?),
+    };
     let mut link = Connection::open(&args.connect).with_context(|| args.connect.clone())?;
-    let mut autopilot = companion::Autopilot::new(Craft::new(&experiment));
+    let mut autopilot = companion::Autopilot::new(craft);
     let interrupted = interrupted()?;
     let begin = Instant::now();
     let mut steps = 0_u32;

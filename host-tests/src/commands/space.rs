@@ -13,11 +13,11 @@ use alula_sil::experiment::Document;
 use alula_sil::files::leave;
 use alula_sil::page::space::page;
 use alula_sil::space::columns::write_trace;
-use alula_sil::space::{Experiment, Figures, Pilot, fly_by as simulate};
+use alula_sil::space::{Experiment, Figures, Pilot, Record, flight_log, fly_by as simulate};
 use alula_sil::study::Threads;
 use alula_sil::study::starts::{BASES, FLIGHTS, LIMITS, Starts, starts};
 
-use super::fly::progress_bar;
+use super::fly::{Logs, progress_bar};
 use super::output::Output;
 
 /// What `--json` prints of a flight.
@@ -32,8 +32,8 @@ struct Summary<'a> {
 }
 
 /// Flies `document`, and leaves trace, figure and report in `out/<its name>`.
-pub fn fly(document: &Document, output: &Output) -> anyhow::Result<()> {
-    fly_by(document, &document.name, output, |experiment| {
+pub fn fly(document: &Document, output: &Output, logs: &Logs) -> anyhow::Result<()> {
+    fly_by(document, &document.name, (output, logs), |experiment| {
         Ok(Box::new(experiment.pilot()?))
     })
 }
@@ -59,7 +59,7 @@ impl Pilot for Counted {
 pub fn fly_by(
     document: &Document,
     folder: &str,
-    output: &Output,
+    (output, logs): (&Output, &Logs),
     connect: impl FnOnce(&Experiment) -> anyhow::Result<Box<dyn Pilot>>,
 ) -> anyhow::Result<()> {
     let experiment = &Experiment::of(document)?;
@@ -70,17 +70,29 @@ pub fn fly_by(
     };
     let record = simulate(experiment, &mut pilot)?;
     pilot.bar.finish_and_clear();
-    let figures = Figures::of(experiment, &record);
+    report(document, experiment, &record, &out, (output, logs))
+}
+
+/// Leaves trace, figure and report of a flight in `out`, and prints its figures.
+pub fn report(
+    document: &Document,
+    experiment: &Experiment,
+    record: &Record,
+    out: &Path,
+    (output, logs): (&Output, &Logs),
+) -> anyhow::Result<()> {
+    let figures = Figures::of(experiment, record);
     leave(&out.join("trace.csv"), |file| {
-        Ok(write_trace(&record, file)?)
+        Ok(write_trace(record, file)?)
     })?;
-    let page = page(document, experiment, &record, &figures);
-    page.leave(&out, ["flight.svg", "report.html"])?;
+    let page = page(document, experiment, record, &figures);
+    page.leave(out, ["flight.svg", "report.html"])?;
+    let logs = logs.leave(|| flight_log::log(record), out)?;
     let mut stdout = std::io::stdout().lock();
     if output.json() {
         let summary = Summary {
             experiment: &document.name,
-            out: &out,
+            out,
             figures: figures.json(),
             bounds_kept: figures.beyond(experiment).is_empty(),
         };
@@ -92,8 +104,10 @@ pub fn fly_by(
         let line = format!("  {label:<28} {value:>14}  {bound}");
         writeln!(stdout, "{}", line.trim_end())?;
     }
-    let files = "trace.csv, report.html and flight.svg";
-    writeln!(stdout, "{files} are in {}", out.display())?;
+    let files = [&["trace.csv", "report.html"][..], &logs]
+        .concat()
+        .join(", ");
+    writeln!(stdout, "{files} and flight.svg are in {}", out.display())?;
     Ok(())
 }
 

@@ -17,7 +17,7 @@
 
 use super::Kind;
 use super::switching::policy::{Parts, SwitchingSpec, Transition};
-use super::switching::{CruiseSpec, Measured, Phase, Setpoint};
+use super::switching::{Cruise, CruiseSpec, Measured, Phase, Setpoint};
 use crate::experiment::table::{Range::Positive, table};
 use crate::experiment::{FieldError, read};
 
@@ -48,6 +48,8 @@ const TO_HOVER: f64 = -15.0 * std::f64::consts::PI / 180.0;
 const QUARTER: f64 = std::f64::consts::FRAC_PI_2;
 
 impl Transition for Px4Transition {
+    type Cruise = CruiseSpec;
+
     fn check(&self) -> Result<(), FieldError> {
         self.in_range("transition")
     }
@@ -56,15 +58,15 @@ impl Transition for Px4Transition {
         self.front_airspeed_m_s
     }
 
-    fn front_is_over(&self, _: &Parts, measured: &Measured) -> bool {
+    fn front_is_over(&self, _: &Parts<Cruise>, measured: &Measured) -> bool {
         measured.theta <= TO_CRUISE && measured.airspeed >= self.front_airspeed_m_s
     }
 
-    fn back_is_over(&self, parts: &Parts, measured: &Measured) -> bool {
+    fn back_is_over(&self, parts: &Parts<Cruise>, measured: &Measured) -> bool {
         measured.theta >= TO_HOVER || parts.elapsed > self.back_s
     }
 
-    fn enter(&self, parts: &mut Parts, phase: Phase, _: &Measured) -> f64 {
+    fn enter(&self, parts: &mut Parts<Cruise>, phase: Phase, _: &Measured) -> f64 {
         match phase {
             // The vertical loop has been at work in the transitions.
             Phase::Hover | Phase::FrontTransition => {}
@@ -74,7 +76,7 @@ impl Transition for Px4Transition {
         parts.asked
     }
 
-    fn setpoint(&self, parts: &mut Parts, measured: &Measured, dt: f64) -> Setpoint {
+    fn setpoint(&self, parts: &mut Parts<Cruise>, measured: &Measured, dt: f64) -> Setpoint {
         let ramp = |duration: f64| QUARTER / duration * parts.elapsed;
         let theta = match parts.phase {
             Phase::Hover => return parts.hover.setpoint(measured, dt),
@@ -92,6 +94,7 @@ impl Transition for Px4Transition {
 
 #[cfg(test)]
 pub(crate) mod tests {
+    use super::super::switching::cruise;
     use super::super::switching::policy::Switching;
     use super::super::switching::policy::tests::{phase, policy};
     use super::super::switching::tests::level as input;
@@ -105,7 +108,7 @@ pub(crate) mod tests {
 
     #[test]
     fn the_front_transition_needs_pitch_and_speed() {
-        let mut policy = policy(TRANSITION);
+        let mut policy = policy(TRANSITION, cruise::tests::SPEC);
         let mut phase = |input| phase(&mut policy, input);
         assert_eq!(phase(input(0.0, 0.0, 0.0, 0.0)), Phase::Hover);
         let front = Phase::FrontTransition;
@@ -120,7 +123,7 @@ pub(crate) mod tests {
 
     /// On the way to cruise, and on the way back.
     fn stages() -> [Switching<Px4Transition>; 2] {
-        let mut policy = policy(TRANSITION);
+        let mut policy = policy(TRANSITION, cruise::tests::SPEC);
         phase(&mut policy, input(0.0, 0.0, 1.5, 2.0));
         let front = policy.clone();
         assert_eq!(

@@ -17,6 +17,7 @@ mod picture;
 pub mod replay;
 mod side;
 pub mod space;
+pub mod space_replay;
 mod strip;
 pub(crate) mod svg;
 pub mod sweep;

@@ -74,7 +74,7 @@ const PANELS: &[Panel] = &[
 ];
 
 /// The points of a column; angles in degrees, broken where they wrap.
-fn points(name: &str, record: &[Step]) -> Vec<(f64, f64)> {
+pub(super) fn points(name: &str, record: &[Step]) -> Vec<(f64, f64)> {
     let column = column(name).expect("a column");
     let mut last = f64::NAN;
     let point = |step: &Step| {
@@ -156,7 +156,7 @@ fn levels(title: &str, experiment: &Experiment) -> Vec<Level> {
 }
 
 /// What the guidance did and said.
-fn strip(record: &[Step]) -> Strip {
+pub(super) fn strip(record: &[Step]) -> Strip {
     let row = |name: &'static str| {
         let column = column(name).expect("a column");
         let word = |step: &Step| match (column.read)(step) {

@@ -6,7 +6,8 @@
 use std::io::Write;
 
 use alula::guidance::Air;
-use alula::{Attitude, FeedForward, Inertial, PlanarInput, Reference};
+use alula::ned::BodyAxes;
+use alula::{Attitude, Body, FeedForward, Inertial, PlanarInput, Reference};
 use alula_logs::states::{Series, States};
 use anyhow::bail;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
@@ -120,6 +121,8 @@ pub fn replay(
             current.within(error.into())
         });
         let wind = at(states.wind.as_ref(), row);
+        let force = at(states.specific_force.as_ref(), row)
+            .map(|(f, _)| BodyAxes::NoseForward.vector(f.map(|c| c as f32)));
         let input = Input {
             theta,
             sample: PlanarInput {
@@ -127,7 +130,7 @@ pub fn replay(
                 attitude: Attitude::from_angle(theta),
                 state_age: velocity_age.max(states.attitude.age[row]) as f32,
                 air: wind.map_or(Air::Unknown, |(w, _)| Air::Wind(current.within(w))),
-                specific_force: None,
+                specific_force: force.map(|f| Body::new(f.i, f.j)),
                 position_error,
                 reference: Reference {
                     velocity: current.within(reference),

@@ -66,6 +66,17 @@ impl Source {
         })
     }
 
+    /// The states in it, for the guidance in space.
+    pub fn states(self) -> anyhow::Result<States> {
+        match self.content {
+            Content::Log(states) => Ok(*states),
+            Content::Trace(_) => anyhow::bail!(
+                "{}: the guidance in space replays an autopilot's log, as `fly --log ulog` leaves one, or a CSV with --map",
+                self.origin
+            ),
+        }
+    }
+
     /// Runs the controller of `experiment` over it, and writes its commands `to` as CSV; what had to be assumed.
     pub fn replay(
         self,

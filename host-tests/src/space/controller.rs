@@ -26,6 +26,12 @@ impl Default for Controller {
 }
 
 impl Controller {
+    /// What the guidance believes about the vehicle, if that is not the experiment's.
+    pub fn belief(&self) -> Result<Option<VehicleSpec>, FieldError> {
+        let spec = GuidanceSpec::read(self.guidance.clone());
+        Ok(spec.map_err(|e| e.inside("controller.guidance"))?.vehicle)
+    }
+
     /// What `make` makes of belief, thrust limits and parameters.
     fn made<T>(
         &self,

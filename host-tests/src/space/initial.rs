@@ -62,7 +62,7 @@ impl InitialSpec {
     }
 
     /// The state at the start, for a path that begins at `target`.
-    pub(super) fn state(&self, target: &Target, random: &mut impl Rng) -> SpatialState {
+    pub(crate) fn state(&self, target: &Target, random: &mut impl Rng) -> SpatialState {
         let mut velocity = self.velocity_m_s.map_or(target.velocity, V3::from);
         let mut along = target.velocity.y.atan2(target.velocity.x);
         if let Some(course) = self.course_deg {

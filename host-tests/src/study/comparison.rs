@@ -333,7 +333,7 @@ mod tests {
             let text = format!("{:?}", experiments[0].controller);
             text.contains("\"cruise_m_s\": Float(14.5)")
         };
-        assert_eq!(slow.iter().filter(|flown| speed(flown)).count(), 4);
+        assert_eq!(slow.iter().filter(|flown| speed(flown)).count(), 5);
     }
 
     #[test]

@@ -3,6 +3,7 @@
 //! Read in ArduPilot/ardupilot: `libraries/AP_NavEKF3/LogStructure.h` (`XKQ`: quaternion; `XKF1`: roll, pitch, yaw,
 //! velocity, position; `XKF2`: wind), `libraries/AP_NavEKF2/LogStructure.h` (`NKQ`, `NKF1`, `NKF2`),
 //! `libraries/AP_AHRS/LogStructure.h` (`AHR2`, `ATT`, `POS`), `libraries/AP_Logger/LogStructure.h` (`ARSP`),
+//! `libraries/AP_InertialSensor/LogStructure.h` (`IMU`),
 //! `libraries/AC_AttitudeControl/LogStructure.h` (`PSCN`, `PSCE`, `PSCD`: position, velocity, acceleration asked for by the
 //! position controller, per axis). `XKQ1`, `NKQ1`: the quaternions of versions in which each instance had its own message.
 //!
@@ -60,6 +61,11 @@ pub(super) const FAMILY: Family = Family {
         Source::horizontal(&[("NKF2", "VWN"), ("NKF2", "VWE")]),
     ],
     airspeed: &[Source::scalar(&[("ARSP", "Airspeed")])],
+    specific_force: &[Source::vector(&[
+        ("IMU", "AccX"),
+        ("IMU", "AccY"),
+        ("IMU", "AccZ"),
+    ])],
     // `ATT.DesRoll` and its neighbours change their frame with the mode, so they are not taken.
     attitude_setpoint: &[],
     position_setpoint: &[Source::vector(&[

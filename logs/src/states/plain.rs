@@ -16,6 +16,7 @@ pub(super) const FAMILY: Family = Family {
     position: &[Source::vector(&[("", "pn"), ("", "pe"), ("", "pd")])],
     wind: &[Source::vector(&[("", "wn"), ("", "we"), ("", "wd")])],
     airspeed: &[Source::scalar(&[("", "airspeed")])],
+    specific_force: &[Source::vector(&[("", "fx"), ("", "fy"), ("", "fz")])],
     attitude_setpoint: &[Source::quaternion(&[
         ("", "qw_sp"),
         ("", "qx_sp"),
@@ -50,6 +51,8 @@ impl States {
         columns.add(&FAMILY.position[0], "m", self.position.as_ref());
         columns.add(&FAMILY.wind[0], "m/s", self.wind.as_ref());
         columns.add(&FAMILY.airspeed[0], "m/s", self.airspeed.as_ref());
+        let force = self.specific_force.as_ref();
+        columns.add(&FAMILY.specific_force[0], "m/s^2", force);
         let [attitude, position, velocity, acceleration] = [
             &FAMILY.attitude_setpoint[0],
             &FAMILY.position_setpoint[0],

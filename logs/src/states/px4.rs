@@ -4,7 +4,8 @@
 //! forward-right-down, to north-east-down), `VehicleLocalPosition.msg` (`x y z`, `vx vy vz`, north-east-down),
 //! `Wind.msg` and, of older versions, `wind_estimate.msg` (`windspeed_north`, `windspeed_east`), `AirspeedValidated.msg`
 //! (`true_airspeed_m_s`, NaN if invalid), `VehicleLocalPositionSetpoint.msg`, `TrajectorySetpoint.msg` (NaN: not
-//! controlled), `VehicleAttitudeSetpoint.msg` (`q_d`), `VehicleStatus.msg` (`is_vtol_tailsitter`).
+//! controlled), `VehicleAttitudeSetpoint.msg` (`q_d`), `VehicleStatus.msg` (`is_vtol_tailsitter`), `VehicleAcceleration.msg`
+//! (`xyz`) and `SensorCombined.msg` (`accelerometer_m_s2`), forward-right-down of the same body.
 
 use super::source::Source;
 use super::{Family, Quaternion};
@@ -38,6 +39,18 @@ pub(super) const FAMILY: Family = Family {
     airspeed: &[
         Source::scalar(&[("airspeed_validated", "true_airspeed_m_s")]),
         Source::scalar(&[("airspeed", "true_airspeed_m_s")]),
+    ],
+    specific_force: &[
+        Source::vector(&[
+            ("vehicle_acceleration", "xyz[0]"),
+            ("vehicle_acceleration", "xyz[1]"),
+            ("vehicle_acceleration", "xyz[2]"),
+        ]),
+        Source::vector(&[
+            ("sensor_combined", "accelerometer_m_s2[0]"),
+            ("sensor_combined", "accelerometer_m_s2[1]"),
+            ("sensor_combined", "accelerometer_m_s2[2]"),
+        ]),
     ],
     attitude_setpoint: &[Source::quaternion(&[
         ("vehicle_attitude_setpoint", "q_d[0]"),

@@ -1,30 +1,30 @@
-//! Flight as an aeroplane: a total-energy loop of speed and height in the manner of TECS.
+//! Flight as an aeroplane: a total-energy loop of speed and height in the manner of PX4's.
 //!
 //! The rate of total energy is the throttle's, around its trim; the balance of potential and kinetic energy is the
 //! pitch's. Both have a feed-forward, a damping on the rate's error and an integral.
 //!
-//! | field | PX4, stock | ArduPilot, stock for tail-sitters |
-//! |---|---|---|
-//! | `airspeed_m_s` | `FW_AIRSPD_MIN` 10, `FW_AIRSPD_MAX` 20 | `AIRSPEED_MIN` 9, `AIRSPEED_MAX` 22 |
-//! | `trim_throttle` | `FW_THR_TRIM` 0.6 | `TRIM_THROTTLE` 45 % |
-//! | `throttle` | `FW_THR_MIN` 0, `FW_THR_MAX` 1 | `THR_MIN` 0, `THR_MAX` 100 % |
-//! | `pitch_deg` | `FW_P_LIM_MIN` −30, `FW_P_LIM_MAX` 30 | `PTCH_LIM_MIN_DEG` −30, `TECS_PITCH_MAX` 15 |
-//! | `level_pitch_deg` | `FW_PSP_OFF` 0 | `PTCH_TRIM_DEG` 0 |
-//! | `climb_m_s` | `FW_T_CLMB_MAX` 5 | `TECS_CLMB_MAX` 5 |
-//! | `sink_m_s` | `FW_T_SINK_MIN` 2, `FW_T_SINK_MAX` 5 | `TECS_SINK_MIN` 2, `TECS_SINK_MAX` 5 |
-//! | `altitude_s`, `speed_s` | `FW_T_ALT_TC` 5, `FW_T_TAS_TC` 5 | `TECS_TIME_CONST` 5 |
-//! | `height_rate_feed_forward` | `FW_T_HRATE_FF` 0.3 | 0.3, as PX4's |
-//! | `speed_weight` | `FW_T_SPDWEIGHT` 1 | `TECS_SPDWEIGHT` 1 |
-//! | `throttle_damping`, `throttle_integral_1_s` | `FW_T_THR_DAMPING` 0.05, `FW_T_THR_INTEG` 0.02 | `TECS_THR_DAMP` 0.5 per time constant: 0.1; `TECS_INTEG_GAIN` 0.3 |
-//! | `pitch_damping`, `pitch_integral_1_s` | `FW_T_PTCH_DAMP` 0.1, `FW_T_I_GAIN_PIT` 0.1 | `TECS_PTCH_DAMP` 0.3 per time constant: 0.06; `TECS_INTEG_GAIN` 0.3 |
-//! | `vertical_acceleration_m_s2` | `FW_T_VERT_ACC` 7 | `TECS_VERT_ACC` 7 |
-//! | `energy_rate_s` | `FW_T_STE_R_TC` 0.4 | 0.5, its filter of the throttle demand |
-//! | `attitude_1_s` | 1/`FW_P_TC`: 2.5 | 1/`PTCH2SRV_TCONST`: 2 |
+//! | field | PX4, stock |
+//! |---|---|
+//! | `airspeed_m_s` | `FW_AIRSPD_MIN` 10, `FW_AIRSPD_MAX` 20 |
+//! | `trim_throttle` | `FW_THR_TRIM` 0.6 |
+//! | `throttle` | `FW_THR_MIN` 0, `FW_THR_MAX` 1 |
+//! | `pitch_deg` | `FW_P_LIM_MIN` −30, `FW_P_LIM_MAX` 30 |
+//! | `level_pitch_deg` | `FW_PSP_OFF` 0 |
+//! | `climb_m_s` | `FW_T_CLMB_MAX` 5 |
+//! | `sink_m_s` | `FW_T_SINK_MIN` 2, `FW_T_SINK_MAX` 5 |
+//! | `altitude_s`, `speed_s` | `FW_T_ALT_TC` 5, `FW_T_TAS_TC` 5 |
+//! | `height_rate_feed_forward` | `FW_T_HRATE_FF` 0.3 |
+//! | `speed_weight` | `FW_T_SPDWEIGHT` 1 |
+//! | `throttle_damping`, `throttle_integral_1_s` | `FW_T_THR_DAMPING` 0.05, `FW_T_THR_INTEG` 0.02 |
+//! | `pitch_damping`, `pitch_integral_1_s` | `FW_T_PTCH_DAMP` 0.1, `FW_T_I_GAIN_PIT` 0.1 |
+//! | `vertical_acceleration_m_s2` | `FW_T_VERT_ACC` 7 |
+//! | `energy_rate_s` | `FW_T_STE_R_TC` 0.4 |
+//! | `attitude_1_s` | 1/`FW_P_TC`: 2.5 |
 //!
-//! Read in PX4's `fw_pos_control_l1_params.c`, `fw_att_control_params.c` and `performance_model_params.c`, and in
-//! ArduPilot's `AP_TECS.cpp`, `AP_PitchController.cpp`, `tailsitter.cpp` (parameter tables) and `config.h` of Plane. Both protect against too low an airspeed: below the least one
-//! the throttle goes to its maximum, and pitch to holding speed alone, in full 15 % below it, as in PX4.
+//! Read in PX4's `fw_pos_control_l1_params.c`, `fw_att_control_params.c` and `performance_model_params.c`. Below the least
+//! airspeed the throttle goes to its maximum, and pitch to holding speed alone, in full 15 % below it.
 
+use super::policy::CruiseTable;
 use super::{Measured, Setpoint};
 use crate::experiment::FieldError;
 use crate::experiment::table::{
@@ -33,7 +33,7 @@ use crate::experiment::table::{
 };
 
 table! {
-    /// `[….cruise]`.
+    /// `[controller.px4-like.cruise]`.
     pub struct CruiseSpec {
         airspeed_m_s: [f64; 2], Positive, "Least and greatest airspeed asked for \\[m/s\\].";
         trim_throttle: f64, Finite, "Throttle of level cruise, of the greatest thrust.";
@@ -61,13 +61,13 @@ const GRAVITY: f64 = 9.81;
 const UNDERSPEED: f64 = 0.15;
 /// Time constant of the measured forward acceleration \[s\].
 const ACCELERATION: f64 = 0.1;
-/// Crossover of acceleration and airspeed in the airspeed's estimate \[rad/s\]: `TECS_SPD_OMEGA` 2; PX4's filter is of that
-/// kind. Without it every gust were a change of energy.
+/// Crossover of acceleration and airspeed in the airspeed's estimate \[rad/s\]; PX4's filter is of that kind. Without it every gust were a change of energy.
 const CROSSOVER: f64 = 2.0;
 
-impl CruiseSpec {
-    /// Checks the numbers, and those that belong together; `table` is where they stand.
-    pub fn validate(&self, table: &str) -> Result<(), FieldError> {
+impl CruiseTable for CruiseSpec {
+    type Loops = Cruise;
+
+    fn validate(&self, table: &str) -> Result<(), FieldError> {
         self.in_range(table)?;
         let field = |name: &str| format!("{table}.{name}");
         ordered(&field("airspeed_m_s"), self.airspeed_m_s)?;
@@ -79,6 +79,10 @@ impl CruiseSpec {
             return Err(FieldError::new(field("trim_throttle"), problem));
         }
         Ok(())
+    }
+
+    fn loops(self, full: f64) -> Cruise {
+        Cruise::new(self, full)
     }
 }
 
@@ -133,11 +137,6 @@ impl Cruise {
     /// θ of level cruise \[rad\].
     pub fn level(&self) -> f64 {
         (self.spec.level_pitch_deg - 90.0).to_radians()
-    }
-
-    /// Thrust of level cruise \[N\].
-    pub fn trim(&self) -> f64 {
-        self.spec.trim_throttle * self.full
     }
 
     /// The aeroplane's setpoint, `dt` \[s\] after the last.

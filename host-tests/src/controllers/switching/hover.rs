@@ -55,7 +55,22 @@ pub struct Hover {
     derivative: Vector,
     /// The last acceleration asked for was beyond what tilt or thrust give: its sign, per axis.
     saturated: Vector,
+    /// Where it stops, if it does not follow the reference.
+    stop: Option<Stop>,
 }
+
+/// A point that comes to rest, as ArduPilot's QLOITER takes it: it begins where the vehicle is, at its velocity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Stop {
+    /// Its position less the reference's \[m\], and its velocity \[m/s\].
+    offset: Vector,
+    velocity: Vector,
+}
+
+/// Deceleration to a stop \[m/s²\]: `Q_PILOT_ACCEL_Z` and `Q_LOIT_BRK_ACCEL` 2.5; beyond a fastest speed asked for it is this many
+/// times greater per multiple of that speed.
+const BRAKING: f64 = 2.5;
+const HURRY: f64 = 2.0;
 
 impl Hover {
     /// The loops on a vehicle with `thrust` \[N\] (least, most).
@@ -67,12 +82,60 @@ impl Hover {
             velocity: None,
             derivative: Vector::zeros(),
             saturated: Vector::zeros(),
+            stop: None,
         }
     }
 
     /// Forgets what was before, as on entering the multicopter's flight.
     pub fn reset(&mut self) {
         *self = Self::new(self.spec, self.thrust);
+    }
+
+    /// From here on the reference is not followed: the vehicle stops where it is.
+    pub fn stop(&mut self, measured: &Measured) {
+        self.stop = Some(Stop {
+            offset: measured.position_error,
+            velocity: measured.velocity,
+        });
+    }
+
+    /// Whether it does.
+    #[cfg(test)]
+    pub(crate) fn stops(&self) -> bool {
+        self.stop.is_some()
+    }
+
+    /// What is followed: velocity, position error and acceleration.
+    fn followed(&mut self, measured: &Measured, dt: f64) -> [Vector; 3] {
+        let spec = &self.spec;
+        let Some(stop) = &mut self.stop else {
+            return [
+                measured.reference,
+                measured.position_error,
+                measured.acceleration,
+            ];
+        };
+        let vertical = match stop.velocity.x < 0.0 {
+            true => spec.climb_m_s,
+            false => spec.sink_m_s,
+        };
+        let mut acceleration = Vector::zeros();
+        for (axis, fastest) in [vertical, spec.speed_m_s].into_iter().enumerate() {
+            let speed = stop.velocity[axis].abs();
+            let hurry = match speed > fastest {
+                true => HURRY * speed / fastest,
+                false => 1.0,
+            };
+            let slower = (BRAKING * hurry * dt).min(speed);
+            acceleration[axis] = -slower.copysign(stop.velocity[axis]) / dt;
+        }
+        stop.velocity += acceleration * dt;
+        stop.offset += (stop.velocity - measured.reference) * dt;
+        [
+            stop.velocity,
+            measured.position_error - stop.offset,
+            acceleration,
+        ]
     }
 
     /// Largest tilt \[rad\].
@@ -92,20 +155,27 @@ impl Hover {
 
     /// Acceleration asked for \[m/s²\], `dt` \[s\] after the last.
     fn acceleration(&mut self, measured: &Measured, dt: f64) -> Vector {
+        let [velocity, position_error, mut acceleration] = self.followed(measured, dt);
         let spec = &self.spec;
-        let mut wanted = measured.reference;
-        for axis in 0..2 {
-            wanted[axis] -= spec.position_1_s[axis] * measured.position_error[axis];
+        let mut wanted = Vector::zeros();
+        let limits = [
+            (-spec.climb_m_s, spec.sink_m_s),
+            (-spec.speed_m_s, spec.speed_m_s),
+        ];
+        for (axis, (low, high)) in limits.into_iter().enumerate() {
+            let back = -spec.position_1_s[axis] * position_error[axis];
+            // What it stops from may be faster than what is ever asked for.
+            wanted[axis] = match self.stop {
+                Some(_) => velocity[axis] + back.clamp(low, high),
+                None => (velocity[axis] + back).clamp(low, high),
+            };
         }
-        wanted.x = wanted.x.clamp(-spec.climb_m_s, spec.sink_m_s);
-        wanted.y = wanted.y.clamp(-spec.speed_m_s, spec.speed_m_s);
         let error = wanted - measured.velocity;
         let slope = self
             .velocity
             .map_or(Vector::zeros(), |last| (measured.velocity - last) / dt);
         self.velocity = Some(measured.velocity);
         self.derivative += (slope - self.derivative) * (dt / (DERIVATIVE + dt));
-        let mut acceleration = measured.acceleration;
         for axis in 0..2 {
             // Not further into saturation.
             if error[axis] * self.saturated[axis] <= 0.0 {
@@ -242,6 +312,39 @@ pub(crate) mod tests {
             hover.setpoint(&far, 0.01);
         }
         assert!(hover.integral.y < 0.1, "{}", hover.integral.y);
+    }
+
+    /// From 2.5 m/s up and 6 m/s ahead: 1.25 m, and at 2.5 m/s² 7.2 m, wherever the reference goes meanwhile.
+    #[test]
+    fn it_stops_where_it_is_and_does_not_return() {
+        let spec = HoverSpec {
+            climb_m_s: 2.5,
+            speed_m_s: 12.0,
+            ..SPEC
+        };
+        let mut hover = Hover::new(spec, [0.0, 196.2]);
+        let mut measured = steady([-2.5, 6.0], 0.0);
+        measured.position_error = Vector::new(-30.0, 20.0);
+        measured.reference = Vector::new(0.0, 1.0);
+        hover.stop(&measured);
+        for _ in 0..1000 {
+            hover.setpoint(&measured, 0.01);
+        }
+        // The reference moved on by 10 m.
+        let stop = hover.stop.unwrap();
+        assert!(
+            (stop.offset - Vector::new(-31.25, 17.2)).norm() < 0.1,
+            "{stop:?}"
+        );
+        assert_eq!(stop.velocity, Vector::zeros());
+        let mut hover = Hover {
+            stop: Some(stop),
+            ..Hover::new(spec, [0.0, 196.2])
+        };
+        let mut there = steady([0.0, 0.0], 0.0);
+        there.position_error = stop.offset;
+        let setpoint = hover.setpoint(&there, 0.01);
+        assert!(setpoint.theta.abs() < 1e-9 && (setpoint.thrust - 98.1).abs() < 1e-9);
     }
 
     #[test]

@@ -17,6 +17,8 @@ pub struct Measured {
     pub theta: f64,
     /// |v_a| \[m/s\]; the ground speed if nothing is known of the air.
     pub airspeed: f64,
+    /// The part of v_a along the nose \[m/s\], which a pitot tube measures.
+    pub nose_airspeed: f64,
     /// Position less reference position \[m\]; zero if it is not measured.
     pub position_error: Vector,
     /// v_r \[m/s\].
@@ -25,6 +27,11 @@ pub struct Measured {
     pub acceleration: Vector,
     /// Reference airspeed \[m/s\]: the forward reference less the steady wind.
     pub reference_airspeed: f64,
+}
+
+/// The part of `v` along the nose.
+fn along_nose(v: Vector, theta: f64) -> f64 {
+    -(v.x * theta.cos() + v.y * theta.sin())
 }
 
 /// The forward wind, low-passed \[m/s\].
@@ -61,6 +68,7 @@ impl Wind {
             velocity,
             theta,
             airspeed: air_velocity.norm(),
+            nose_airspeed: along_nose(air_velocity, theta),
             position_error: error.unwrap_or_default(),
             reference,
             acceleration,
@@ -80,6 +88,7 @@ pub(crate) mod tests {
             velocity: velocity.into(),
             theta,
             airspeed: Vector::from(velocity).norm(),
+            nose_airspeed: along_nose(velocity.into(), theta),
             position_error: Vector::zeros(),
             reference: velocity.into(),
             acceleration: Vector::zeros(),

@@ -1,7 +1,8 @@
 //! The parts of the switching transition policies in the manner of PX4's and ArduPilot's tail-sitters.
 //!
 //! Written anew from their documented behaviour and parameters, with no code of theirs, for the longitudinal plane.
-//! Both autopilots fly a tail-sitter as a multicopter ([`Hover`]) or as an aeroplane ([`Cruise`]), and go from one to the
+//! Both autopilots fly a tail-sitter as a multicopter ([`Hover`]) or as an aeroplane ([`Cruise`] in PX4's manner, [`Tecs`] in
+//! ArduPilot's), and go from one to the
 //! other by an open-loop pitch ramp, each in its own way. Each module says which documented parameter a field
 //! stands for, and its stock value.
 //!
@@ -13,12 +14,13 @@
 //! flight plan. In cruise altitude and speed are held, and not the forward position, as an aeroplane follows a line; in
 //! hover position is held at once, and made good at no more than the multicopter's speed limit.
 
-mod cruise;
+pub(super) mod cruise;
 mod hover;
 mod measured;
 mod output;
 pub mod policy;
 mod switch;
+pub(super) mod tecs;
 
 use serde::Serialize;
 
@@ -27,6 +29,7 @@ pub use hover::{Hover, HoverSpec};
 pub use measured::Measured;
 pub use output::{LimitSpec, Output};
 pub use switch::{Switch, SwitchSpec};
+pub use tecs::{Tecs, TecsSpec};
 
 /// What a switching policy is doing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]

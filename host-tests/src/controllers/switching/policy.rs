@@ -1,19 +1,19 @@
 //! What both policies share: the table, the parts, and the order of a step.
 
+use std::fmt::Debug;
+
 use serde::Deserialize;
+use serde::de::DeserializeOwned;
 
 use super::measured::Wind;
-use super::{
-    Cruise, CruiseSpec, Hover, HoverSpec, LimitSpec, Measured, Output, Phase, Setpoint, Switch,
-    SwitchSpec,
-};
+use super::{Hover, HoverSpec, LimitSpec, Measured, Output, Phase, Setpoint, Switch, SwitchSpec};
 use crate::controllers::{Answer, Controller, Input, Spec};
 use crate::experiment::{Experiment, FieldError};
 
 /// The table of a policy, whose transitions are those of `T`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SwitchingSpec<T> {
+#[serde(deny_unknown_fields, bound = "T: Transition + Deserialize<'de>")]
+pub struct SwitchingSpec<T: Transition> {
     /// Limits of the command.
     #[serde(default)]
     pub limits: LimitSpec,
@@ -24,39 +24,57 @@ pub struct SwitchingSpec<T> {
     /// The transitions.
     pub transition: T,
     /// The aeroplane's loops.
-    pub cruise: CruiseSpec,
+    pub cruise: T::Cruise,
+}
+
+/// The table of an aeroplane's loops.
+pub trait CruiseTable: Copy + Debug + PartialEq + DeserializeOwned + 'static {
+    /// The loops.
+    type Loops: Clone + Debug + PartialEq;
+
+    /// Checks the numbers, and those that belong together; `table` is where they stand.
+    fn validate(&self, table: &str) -> Result<(), FieldError>;
+
+    /// The loops on a vehicle with `full` thrust \[N\] at full throttle.
+    fn loops(self, full: f64) -> Self::Loops;
 }
 
 /// The way of an autopilot from hover to cruise and back.
 pub trait Transition: Copy + 'static {
+    /// How it flies as an aeroplane.
+    type Cruise: CruiseTable;
+
     /// Checks its numbers.
     fn check(&self) -> Result<(), FieldError>;
 
     /// Airspeed from which on the wing is to carry the vehicle \[m/s\].
-    fn least_airspeed(&self, cruise: &CruiseSpec) -> f64;
+    fn least_airspeed(&self, cruise: &Self::Cruise) -> f64;
 
     /// Whether the front transition may end.
-    fn front_is_over(&self, parts: &Parts, measured: &Measured) -> bool;
+    fn front_is_over(&self, parts: &Parts<Loops<Self>>, measured: &Measured) -> bool;
 
     /// Whether the back transition may end.
-    fn back_is_over(&self, parts: &Parts, measured: &Measured) -> bool;
+    fn back_is_over(&self, parts: &Parts<Loops<Self>>, measured: &Measured) -> bool;
 
     /// Prepares the loops of `phase`, and returns θ when it begins \[rad\].
-    fn enter(&self, parts: &mut Parts, phase: Phase, measured: &Measured) -> f64;
+    fn enter(&self, parts: &mut Parts<Loops<Self>>, phase: Phase, measured: &Measured) -> f64;
 
     /// The setpoint of the present phase, `dt` \[s\] after the last.
-    fn setpoint(&self, parts: &mut Parts, measured: &Measured, dt: f64) -> Setpoint;
+    fn setpoint(&self, parts: &mut Parts<Loops<Self>>, measured: &Measured, dt: f64) -> Setpoint;
 }
+
+/// The aeroplane's loops of an autopilot.
+pub type Loops<T> = <<T as Transition>::Cruise as CruiseTable>::Loops;
 
 /// The loops of either flight, and what a policy remembers.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Parts {
+pub struct Parts<C> {
     wind: Wind,
     switch: Switch,
     /// The multicopter's loops.
     pub hover: Hover,
     /// The aeroplane's loops.
-    pub cruise: Cruise,
+    pub cruise: C,
     /// The last stage.
     pub output: Output,
     /// What the policy is doing.
@@ -67,14 +85,16 @@ pub struct Parts {
     pub start: f64,
     /// θ asked for last \[rad\].
     pub asked: f64,
+    /// Vertical thrust that is kept in the front transition \[N\].
+    pub upwards: f64,
     /// Whether the pitch that the loops ask for is still limited to the rate of the transition before.
     pub limited: bool,
 }
 
 /// A policy with its memory.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Switching<T> {
-    pub(crate) parts: Parts,
+pub struct Switching<T: Transition> {
+    pub(crate) parts: Parts<Loops<T>>,
     transition: T,
 }
 
@@ -92,12 +112,13 @@ impl<T: Transition> SwitchingSpec<T> {
                 wind: Wind::default(),
                 switch: Switch::new(self.switch, least),
                 hover: Hover::new(self.hover, thrust),
-                cruise: Cruise::new(self.cruise, thrust[1]),
+                cruise: self.cruise.loops(thrust[1]),
                 output: Output::new(&self.limits, thrust)?,
                 phase: Phase::Hover,
                 elapsed: 0.0,
                 start: 0.0,
                 asked: 0.0,
+                upwards: 0.0,
                 limited: false,
             },
             transition: self.transition,
@@ -159,7 +180,7 @@ pub(crate) mod tests {
     use crate::experiment::Document;
 
     /// The table of the tests, with these transitions.
-    pub(crate) fn spec<T>(transition: T) -> SwitchingSpec<T> {
+    pub(crate) fn spec<T: Transition>(transition: T, cruise: T::Cruise) -> SwitchingSpec<T> {
         SwitchingSpec {
             limits: LimitSpec {
                 thrust_n: Some([0.0, 196.2]),
@@ -168,14 +189,14 @@ pub(crate) mod tests {
             switch: switch::tests::SPEC,
             hover: hover::tests::SPEC,
             transition,
-            cruise: cruise::tests::SPEC,
+            cruise,
         }
     }
 
     /// A policy on the vehicle of the round trip.
-    pub(crate) fn policy<T: Transition>(transition: T) -> Switching<T> {
+    pub(crate) fn policy<T: Transition>(transition: T, cruise: T::Cruise) -> Switching<T> {
         let experiment = Document::load("round-trip").unwrap().checked().unwrap();
-        spec(transition).policy(&experiment).unwrap()
+        spec(transition, cruise).policy(&experiment).unwrap()
     }
 
     /// The policy's phase after 0.01 s.
@@ -188,7 +209,7 @@ pub(crate) mod tests {
     fn errors_name_the_field() {
         let experiment = Document::load("round-trip").unwrap().checked().unwrap();
         let refused = |change: fn(&mut Px4LikeSpec)| {
-            let mut spec = spec(px4_like::tests::TRANSITION);
+            let mut spec = spec(px4_like::tests::TRANSITION, cruise::tests::SPEC);
             change(&mut spec);
             spec.policy(&experiment).unwrap_err().field
         };

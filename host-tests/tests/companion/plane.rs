@@ -1,138 +1,24 @@
-//! The companion against the simulated autopilot, over UDP on loopback. Time is simulated: a datagram is sent when the link lets it
-//! through, and received before time goes on.
-
-use std::net::UdpSocket;
-use std::time::Duration;
+//! A controller in a vertical plane.
 
 use alula_bridges::companion::{
-    Autopilot, Companion, End, HOLD, MavHeader, MavMessage, OFFBOARD, Stage, Wanted, wire,
+    Autopilot, Companion, End, HOLD, MavHeader, MavMessage, OFFBOARD, Stage, Wanted,
 };
-use alula_sil::companion::{Controlled, Craft, keep, plan, settings};
+use alula_sil::companion::Craft;
+use alula_sil::companion::plane::{keep, pilot, plan, settings};
 use alula_sil::experiment::{Document, Experiment};
 use alula_sil::figures::Figures;
 use alula_sil::simulate::{Record, fly};
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 
-/// One way of the link: a socket's bytes to another one, delayed and lost.
-struct Way {
-    from: UdpSocket,
-    to: UdpSocket,
-    random: ChaCha8Rng,
-    quality: Quality,
-    /// Time of arrival \[s\], and the bytes.
-    pending: Vec<(f64, Vec<u8>)>,
-    sequence: u8,
-}
-
-/// What a link does to messages.
-#[derive(Clone, Copy)]
-struct Quality {
-    /// Each is this late \[s\],
-    latency: f64,
-    /// and by up to this more, so that some overtake others;
-    jitter: f64,
-    /// this share is late by 0.1 s more;
-    late: f64,
-    /// this share is lost;
-    lost: f64,
-    /// this share is followed by bytes that are no message.
-    garbage: f64,
-}
-
-const GOOD: Quality = Quality {
-    latency: 0.0,
-    jitter: 0.0,
-    late: 0.0,
-    lost: 0.0,
-    garbage: 0.0,
-};
-
-/// 20 ms of latency in the mean, each way, and 2 % lost; late and reordered ones, and garbage.
-const BAD: Quality = Quality {
-    latency: 0.015,
-    jitter: 0.01,
-    late: 0.01,
-    lost: 0.02,
-    garbage: 0.01,
-};
-
-impl Way {
-    fn new(quality: Quality, seed: u64) -> Self {
-        let bound = || UdpSocket::bind("127.0.0.1:0").unwrap();
-        let (from, to) = (bound(), bound());
-        from.connect(to.local_addr().unwrap()).unwrap();
-        to.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
-        Self {
-            from,
-            to,
-            random: ChaCha8Rng::seed_from_u64(seed),
-            quality,
-            pending: Vec::new(),
-            sequence: 0,
-        }
-    }
-
-    fn send(&mut self, now: f64, header: MavHeader, message: &MavMessage) {
-        self.sequence = self.sequence.wrapping_add(1);
-        let header = MavHeader {
-            sequence: self.sequence,
-            ..header
-        };
-        let q = self.quality;
-        let mut chance = || self.random.random::<f64>();
-        let mut at = now + q.latency + q.jitter * chance();
-        if chance() < q.late {
-            at += 0.1;
-        }
-        if chance() >= q.lost {
-            self.pending.push((at, wire::bytes(header, message)));
-        }
-        if chance() < q.garbage {
-            let bytes = (0..30).map(|_| self.random.random()).collect();
-            self.pending.push((at, bytes));
-        }
-    }
-
-    /// The messages that arrive up to `now`.
-    fn receive(&mut self, now: f64) -> Vec<(MavHeader, MavMessage)> {
-        let mut due: Vec<_> = Vec::new();
-        self.pending.retain(|(at, bytes)| {
-            let is_due = *at <= now + 1e-9;
-            if is_due {
-                due.push((*at, bytes.clone()));
-            }
-            !is_due
-        });
-        due.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let mut messages = Vec::new();
-        for (_, bytes) in due {
-            self.from.send(&bytes).unwrap();
-            let mut buffer = [0; 512];
-            let size = self.to.recv(&mut buffer).unwrap();
-            messages.extend(wire::parse(&buffer[..size]).0);
-        }
-        messages
-    }
-}
-
-/// Rate of the companion's steps \[Hz\], and of the vehicle's.
-const RATE: u32 = 50;
-const PLANT: u32 = 500;
+use super::link::{BAD, Ended, GOOD, Quality, RATE, Way, flies, nothing};
 
 /// How a flight went.
 struct Flight {
-    stage: Stage,
+    ended: Ended,
     /// Of the vehicle itself, over the reference \[m\]: least and most altitude, least and most forward, most across.
     altitude: [f64; 2],
     forward: [f64; 2],
     across: f64,
     record: Record,
-    losses: u32,
-    mode: (u8, u8),
-    dropped: u64,
-    /// Set-points sent after the end.
-    after: usize,
 }
 
 /// Flies `experiment` until 10 s after the end of the reference. `event` may act at each step of the vehicle.
@@ -155,72 +41,39 @@ fn companion_follows(
     quality: Quality,
     hover_thrust: Option<f64>,
     seed: u64,
-    mut event: impl FnMut(f64, &mut Autopilot<Craft>, &mut Way),
+    event: impl FnMut(f64, &mut Autopilot<Craft>, &mut Way),
 ) -> Flight {
-    let mut settings = settings(experiment, hover_thrust).unwrap();
-    settings.engage = true;
-    let mut companion = Companion::new(settings, wanted);
-    let mut pilot = Controlled::new(experiment).unwrap();
-    let mut autopilot = Autopilot::new(Craft::new(experiment));
-    let (mut down, mut up) = (Way::new(quality, 2 * seed), Way::new(quality, 2 * seed + 1));
-    let mut flight = Flight {
-        stage: Stage::Waiting,
-        altitude: [0.0; 2],
-        forward: [0.0; 2],
-        across: 0.0,
-        record: Record::new(),
-        losses: 0,
-        mode: HOLD,
-        dropped: 0,
-        after: 0,
-    };
+    let settings = settings(experiment, hover_thrust).unwrap();
+    let mut pilot = pilot(experiment, wanted, None).unwrap();
+    let (mut altitude, mut forward, mut across) = ([0.0; 2], [0.0; 2], 0.0_f64);
+    let mut record = Record::new();
     let mut origin = None;
-    let steps = ((experiment.duration_s + 10.0) * f64::from(PLANT)) as u32;
-    for step in 0..steps {
-        let now = f64::from(step) / f64::from(PLANT);
-        event(now, &mut autopilot, &mut down);
-        for message in autopilot.send(now) {
-            down.send(now, Autopilot::<Craft>::HEADER, &message);
-        }
-        for (header, message) in down.receive(now) {
-            companion.receive(now, &header, &message);
-        }
-        if step % (PLANT / RATE) == 0 {
-            let ended = matches!(companion.stage(), Stage::Ended(_));
-            let (messages, commanded) = companion.step(now, &mut pilot);
-            if ended {
-                flight.after += messages.len();
-            }
-            for message in messages {
-                up.send(now, Companion::HEADER, &message);
-            }
-            if let Some(commanded) = commanded {
-                keep(&mut flight.record, &pilot, experiment, &commanded);
-            }
-            if let Stage::Flying(since) = companion.stage() {
-                let state = autopilot.body().spatial();
-                let from = *origin.get_or_insert(state.position);
-                let wanted = experiment.reference.position(now - since);
-                let x = state.position - from;
-                let extend = |[least, most]: [f64; 2], v: f64| [least.min(v), most.max(v)];
-                flight.altitude = extend(flight.altitude, wanted.x - x.z);
-                flight.forward = extend(flight.forward, x.x - wanted.y);
-                flight.across = flight.across.max(x.y.abs());
-            }
-        }
-        for (_, message) in up.receive(now) {
-            autopilot.receive(now, &message);
-        }
-        autopilot.advance(now, 1.0 / f64::from(PLANT));
+    let ended = flies(
+        &mut pilot,
+        Craft::in_plane(experiment),
+        (settings, experiment.duration_s + 10.0),
+        (quality, seed),
+        event,
+        |t, pilot, craft| {
+            keep(&mut record, pilot, experiment);
+            let state = craft.spatial();
+            let from = *origin.get_or_insert(state.position);
+            let wanted = experiment.reference.position(t);
+            let x = state.position - from;
+            let extend = |[least, most]: [f64; 2], v: f64| [least.min(v), most.max(v)];
+            altitude = extend(altitude, wanted.x - x.z);
+            forward = extend(forward, x.x - wanted.y);
+            across = across.max(x.y.abs());
+        },
+    );
+    Flight {
+        ended,
+        altitude,
+        forward,
+        across,
+        record,
     }
-    flight.stage = companion.stage();
-    flight.losses = autopilot.losses();
-    flight.mode = autopilot.mode();
-    flight.dropped = companion.inbox().counts.dropped;
-    flight
 }
-
-fn nothing(_: f64, _: &mut Autopilot<Craft>, _: &mut Way) {}
 
 fn experiment(settings: &[&str]) -> Experiment {
     let mut document = Document::load("round-trip").unwrap();
@@ -282,9 +135,16 @@ fn the_round_trip_over_bad_links_is_within_one_and_a_half_times_that_in_process(
         );
     }
     for flight in &flights {
-        assert_eq!(flight.stage, Stage::Ended(End::Finished));
-        assert_eq!((flight.mode, flight.losses, flight.after), (HOLD, 0, 0));
-        assert!(flight.dropped > 50, "late messages: {}", flight.dropped);
+        assert_eq!(flight.ended.stage, Stage::Ended(End::Finished));
+        assert_eq!(
+            (flight.ended.mode, flight.ended.losses, flight.ended.after),
+            (HOLD, 0, 0)
+        );
+        assert!(
+            flight.ended.dropped > 50,
+            "late messages: {}",
+            flight.ended.dropped
+        );
         // In the plane nothing pushes across it.
         assert!(flight.across < 0.01, "{}", flight.across);
         assert!(
@@ -307,7 +167,7 @@ fn the_round_trip_over_bad_links_is_within_one_and_a_half_times_that_in_process(
 fn a_steady_wind_is_flown_in() {
     let experiment = experiment(&["weather.steady_m_s=[0,-4]"]);
     let flight = companion_flies(&experiment, GOOD, None, 0, nothing);
-    assert_eq!(flight.stage, Stage::Ended(End::Finished));
+    assert_eq!(flight.ended.stage, Stage::Ended(End::Finished));
     let [low, high] = in_process(&experiment);
     // A flight of its own kind, see above: a metre more.
     let [least, most] = flight.altitude;
@@ -366,7 +226,7 @@ fn what_comes_over_the_link_is_flown() {
             }
         },
     );
-    assert_eq!(flight.stage, Stage::Ended(End::Finished));
+    assert_eq!(flight.ended.stage, Stage::Ended(End::Finished));
     assert!(fastest < 8.0, "{fastest}");
 }
 
@@ -378,8 +238,8 @@ fn the_pilot_takes_over_at_once_and_nothing_is_sent_any_more() {
             autopilot.set_mode((2, 0));
         }
     });
-    assert_eq!(flight.stage, Stage::Ended(End::TakenOver));
-    assert_eq!((flight.mode, flight.after), ((2, 0), 0));
+    assert_eq!(flight.ended.stage, Stage::Ended(End::TakenOver));
+    assert_eq!((flight.ended.mode, flight.ended.after), ((2, 0), 0));
     // The heartbeat of the change is sent at once: the record ends with it.
     let last = flight.record.last().unwrap().t;
     assert!((10.0..15.0).contains(&last), "{last}");
@@ -393,8 +253,11 @@ fn a_lost_link_ends_the_flight_and_the_autopilot_holds() {
             down.quality.lost = 1.0;
         }
     });
-    assert_eq!(flight.stage, Stage::Ended(End::LinkLost));
-    assert_eq!((flight.mode, flight.losses, flight.after), (HOLD, 1, 0));
+    assert_eq!(flight.ended.stage, Stage::Ended(End::LinkLost));
+    assert_eq!(
+        (flight.ended.mode, flight.ended.losses, flight.ended.after),
+        (HOLD, 1, 0)
+    );
     assert!(flight.record.last().unwrap().t < 15.0);
 }
 
@@ -402,11 +265,11 @@ fn a_lost_link_ends_the_flight_and_the_autopilot_holds() {
 #[test]
 fn the_simulated_autopilot_keeps_px4s_rules() {
     let experiment = experiment(&[]);
-    let mut autopilot = Autopilot::new(Craft::new(&experiment));
+    let mut autopilot = Autopilot::new(Craft::in_plane(&experiment));
     let settings = settings(&experiment, None).unwrap();
     let plan = plan(&experiment);
-    let mut companion = Companion::new(settings, Wanted::Plan(&plan));
-    let mut pilot = Controlled::new(&experiment).unwrap();
+    let mut companion = Companion::new(settings);
+    let mut pilot = pilot(&experiment, Wanted::Plan(&plan), None).unwrap();
     let mut sequence = 0_u32;
     let mut header = || {
         sequence += 1;

@@ -1,20 +1,17 @@
 //! The companion's state machine.
 
 use super::inbox::Inbox;
-use super::plane::VerticalPlane;
-use super::stage::{Commanded, End, Pilot, Settings, Stage, Wanted};
-use super::{HOLD, Hold, MavHeader, MavMessage, OFFBOARD, OWN_SYSTEM, outbox};
+use super::stage::{Command, End, Pilot, Settings, Stage, Told};
+use super::{HOLD, MavHeader, MavMessage, OFFBOARD, OWN_SYSTEM, Setpoint, outbox};
 use alula::guidance::Air;
-use alula::ned::Ned;
-use alula::{Attitude, Inertial, PlanarInput, Reference};
+use alula::ned::{BodyAxes, Ned};
+use alula::spatial::Orientation;
 
 /// The state machine.
-pub struct Companion<'a> {
+pub struct Companion {
     settings: Settings,
-    wanted: Wanted<'a>,
     inbox: Inbox,
     stage: Stage,
-    hold: Option<Hold>,
     origin: Ned,
     last_step: f64,
     next_heartbeat: f64,
@@ -32,19 +29,13 @@ const HELD: f64 = 0.02;
 /// Longest time \[s\] over which the state is predicted.
 const MOST_LEAD: f64 = 0.15;
 
-/// `x` after `dt` at this rate.
-fn moved(x: Ned, rate: Ned, dt: f32) -> Ned {
-    Ned::new(
-        x.north + dt * rate.north,
-        x.east + dt * rate.east,
-        x.down + dt * rate.down,
-    )
-}
+/// Age \[s\] of a specific force that is not used any more.
+const OLD_FORCE: f64 = 0.1;
 
 /// Time \[s\] after which the autopilot is left even if it does not hold.
 const LEAVE: f64 = 3.0;
 
-impl<'a> Companion<'a> {
+impl Companion {
     /// Header of the companion's messages: the system of most autopilots, component ONBOARD_COMPUTER.
     pub const HEADER: MavHeader = MavHeader {
         system_id: OWN_SYSTEM as u32,
@@ -54,13 +45,11 @@ impl<'a> Companion<'a> {
 
     /// A companion that waits for an autopilot.
     #[must_use]
-    pub fn new(settings: Settings, wanted: Wanted<'a>) -> Self {
+    pub fn new(settings: Settings) -> Self {
         Self {
             settings,
-            wanted,
             inbox: Inbox::default(),
             stage: Stage::Waiting,
-            hold: None,
             origin: Ned::default(),
             last_step: f64::NEG_INFINITY,
             next_heartbeat: f64::NEG_INFINITY,
@@ -90,12 +79,8 @@ impl<'a> Companion<'a> {
         }
     }
 
-    /// One step, `now` \[s\]: messages to send, and what was commanded if the reference is flown.
-    pub fn step(
-        &mut self,
-        now: f64,
-        pilot: &mut dyn Pilot,
-    ) -> (Vec<MavMessage>, Option<Commanded>) {
+    /// One step, `now` \[s\]: messages to send, and what `pilot` commanded if it flies.
+    pub fn step(&mut self, now: f64, pilot: &mut dyn Pilot) -> (Vec<MavMessage>, Option<Command>) {
         let mut messages = Vec::new();
         if matches!(self.stage, Stage::Ended(_)) {
             return (messages, None);
@@ -114,7 +99,7 @@ impl<'a> Companion<'a> {
                 self.next_request = now + SECOND;
             }
             Stage::Streaming(_) if !known => self.stage = Stage::Waiting,
-            Stage::Streaming(_) if offboard => self.start(now),
+            Stage::Streaming(_) if offboard => self.start(now, pilot),
             Stage::Streaming(_) if self.settings.engage && now >= self.next_request => {
                 self.next_request = now + SECOND;
                 messages.push(outbox::request(self.target(), (OFFBOARD, 0)));
@@ -149,8 +134,8 @@ impl<'a> Companion<'a> {
         (messages, commanded)
     }
 
-    /// The flight begins in the plane of the vehicle's heading, where it is.
-    fn start(&mut self, now: f64) {
+    /// The flight begins where the vehicle is.
+    fn start(&mut self, now: f64, pilot: &mut dyn Pilot) {
         let (Some(attitude), Some(motion)) = (self.inbox.attitude, self.inbox.motion) else {
             return;
         };
@@ -160,65 +145,24 @@ impl<'a> Companion<'a> {
             2.0 * (q.x * q.y - q.w * q.z),
             q.w * q.w - q.x * q.x + q.y * q.y - q.z * q.z,
         );
-        let heading = (self.settings.heading).unwrap_or_else(|| (-wing.0).atan2(wing.1));
-        let plane = VerticalPlane::from_heading(heading);
         self.origin = motion.value.0;
-        self.hold = Some(Hold::new(self.settings.hold, plane, self.origin));
+        pilot.begin((-wing.0).atan2(wing.1));
         self.stage = Stage::Flying(now);
     }
 
-    /// The reference at `t`, in the plane, with its age \[s\].
-    fn reference(
-        &self,
-        t: f64,
-        now: f64,
-        plane: &VerticalPlane,
-    ) -> (Reference, Option<Inertial>, f64) {
-        match &self.wanted {
-            Wanted::Plan(at) => {
-                let [velocity, acceleration, position] = at(t);
-                let reference = Reference {
-                    velocity,
-                    acceleration,
-                };
-                (reference, Some(position), 0.0)
-            }
-            Wanted::Link => match self.inbox.setpoint {
-                // Until something is asked for: stay.
-                None => (Reference::default(), Some(Inertial::ZERO), 0.0),
-                Some(asked) => {
-                    let reference = Reference {
-                        velocity: plane.project(asked.value.velocity).0,
-                        acceleration: plane.project(asked.value.acceleration).0,
-                    };
-                    let position = asked.value.position.map(|x| self.relative(x, plane).0);
-                    (reference, position, now - asked.arrived)
-                }
-            },
-        }
-    }
-
-    fn relative(&self, x: Ned, plane: &VerticalPlane) -> (Inertial, f32) {
-        let o = &self.origin;
-        plane.project(Ned::new(
-            x.north - o.north,
-            x.east - o.east,
-            x.down - o.down,
-        ))
-    }
-
     /// What is known of the air: the wind that the autopilot estimates, or else what the airspeed says of it along the flight.
-    fn air(&self, now: f64, velocity: Inertial, plane: &VerticalPlane) -> Air<Inertial> {
+    fn air(&self, now: f64, velocity: Ned) -> Air<Ned> {
         let fresh = |arrived: f64| now - arrived < OLD_WIND;
         if let Some(wind) = self.inbox.wind.filter(|w| fresh(w.arrived)) {
-            return Air::Wind(plane.project(wind.value).0);
+            return Air::Wind(wind.value);
         }
         let airspeed = self.inbox.airspeed.filter(|a| fresh(a.arrived));
+        let ground = velocity.north.hypot(velocity.east);
         match airspeed.map(|a| a.value).filter(|a| *a >= LEAST_AIRSPEED) {
-            Some(airspeed) if velocity.forward() >= LEAST_AIRSPEED => {
-                let level = airspeed * airspeed - velocity.down() * velocity.down();
-                let along = velocity.forward() - level.max(0.0).sqrt();
-                Air::Wind(Inertial::new(0.0, along))
+            Some(airspeed) if ground >= LEAST_AIRSPEED => {
+                let level = airspeed * airspeed - velocity.down * velocity.down;
+                let along = (ground - level.max(0.0).sqrt()) / ground;
+                Air::Wind(Ned::new(along * velocity.north, along * velocity.east, 0.0))
             }
             _ => Air::Unknown,
         }
@@ -232,62 +176,56 @@ impl<'a> Companion<'a> {
         dt: f32,
         pilot: &mut dyn Pilot,
         messages: &mut Vec<MavMessage>,
-    ) -> Option<Commanded> {
-        let Some(told) = self.told(now, t) else {
-            self.stage = Stage::Ended(End::Attitude);
-            return None;
+    ) -> Option<Command> {
+        let answer = match self.told(now, t) {
+            Some(told) => pilot.answer(&told, dt),
+            None => Err(End::Attitude),
         };
-        let Some(command) = pilot.answer(&told.input, dt) else {
-            self.stage = Stage::Ended(End::Pilot);
-            return None;
-        };
-        let (hold, attitude, motion) = (self.hold?, self.inbox.attitude?, self.inbox.motion?);
-        let attitude = hold.plane().attitude(&attitude.value.0)?;
-        let (x, v) = motion.value;
-        let rates = hold.rates(&attitude, command.1, x, v);
-        messages.push(self.set_point(now, rates, command.0));
-        Some(Commanded { command, ..told })
+        match answer {
+            Ok(command) => {
+                messages.push(self.set_point(now, command.rates, command.thrust));
+                Some(command)
+            }
+            Err(end) => {
+                self.stage = Stage::Ended(end);
+                None
+            }
+        }
     }
 
-    /// What the pilot is told: the state when the command will act, by what is known of rates and acceleration. None if the attitude is
-    /// none, or the nose points across the plane.
-    fn told(&self, now: f64, t: f64) -> Option<Commanded> {
-        let (hold, attitude, motion) = (self.hold?, self.inbox.attitude?, self.inbox.motion?);
-        let plane = *hold.plane();
+    /// The state when the command will act, by what is known of rates and acceleration. None if the attitude is none.
+    fn told(&self, now: f64, t: f64) -> Option<Told> {
+        let (attitude, motion) = (self.inbox.attitude?, self.inbox.motion?);
         let (q, rates) = attitude.value;
-        let projected = plane.attitude(&q)?;
         let ahead = self.inbox.clock.latency() + HELD;
         let lead = |age: f64| (age + ahead).min(MOST_LEAD) as f32;
         let turning = lead(self.inbox.age_of(&attitude, now));
-        let about_normal = std::iter::zip(projected.normal, rates).map(|(n, r)| n * r);
-        let theta = projected.attitude.angle() + turning * about_normal.sum::<f32>();
+        let axes = BodyAxes::NoseUp;
+        let turned = q.leading(axes, axes.vector(rates), turning).0;
         let moving = lead(self.inbox.age_of(&motion, now));
         let (x, v) = motion.value;
-        let x = moved(x, v, moving);
-        let v = moved(v, self.inbox.acceleration, moving);
-        let t = t + ahead;
-        let velocity = plane.project(v).0;
-        let position = self.relative(x, &plane);
-        let (reference, wanted, age) = self.reference(t, now, &plane);
-        let air = self.air(now, velocity, &plane);
-        Some(Commanded {
-            t,
-            input: PlanarInput {
-                velocity,
-                attitude: Attitude::from_angle(theta),
-                state_age: self.inbox.age(now) as f32,
-                air,
-                specific_force: None,
-                position_error: wanted.map(|wanted| position.0 - wanted),
-                reference,
-                reference_age: age as f32,
-            },
-            position,
-            wind: match air {
-                Air::Wind(wind) => wind,
-                _ => Inertial::ZERO,
-            },
-            command: (0.0, 0.0),
+        let velocity = v + self.inbox.acceleration * moving;
+        let force = self
+            .inbox
+            .specific_force
+            .filter(|f| now - f.arrived < OLD_FORCE);
+        let asked = self.inbox.setpoint.map(|asked| {
+            let setpoint = Setpoint {
+                position: asked.value.position.map(|x| x - self.origin),
+                ..asked.value
+            };
+            (setpoint, (now - asked.arrived) as f32)
+        });
+        Some(Told {
+            t: t + ahead,
+            position: x + v * moving - self.origin,
+            velocity,
+            orientation: Orientation::from_quaternion(&turned, axes).ok()?,
+            rates,
+            age: self.inbox.age(now) as f32,
+            air: self.air(now, velocity),
+            specific_force: force.map(|f| axes.vector(f.value)),
+            asked,
         })
     }
 

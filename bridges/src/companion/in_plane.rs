@@ -1,0 +1,145 @@
+//! A pilot whose controller flies in a vertical plane: the controller has pitch and thrust, and the hold what is left open.
+
+use alula::guidance::Air;
+use alula::{Body, Inertial, PlanarInput, Reference};
+
+use super::plane::VerticalPlane;
+use super::stage::{Command, End, Pilot, Told};
+use super::{Hold, HoldParameters};
+
+/// Whoever controls the flight in its vertical plane.
+pub trait Planar {
+    /// Thrust \[N\] and θ̇ [rad/s], `dt` \[s\] after the last answer; none if it cannot be reached.
+    fn answer(&mut self, input: &PlanarInput, dt: f32) -> Option<(f32, f32)>;
+}
+
+/// What is to be flown in a plane.
+pub enum Wanted<'a> {
+    /// At each time \[s\] since the start: velocity, acceleration, and position from the start, (down, forward).
+    Plan(&'a dyn Fn(f64) -> [Inertial; 3]),
+    /// What comes as `SET_POSITION_TARGET_LOCAL_NED`.
+    Link,
+}
+
+/// What the controller was told and answered at one step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Flown {
+    /// Time since the start \[s\].
+    pub t: f64,
+    /// What it was told.
+    pub input: PlanarInput,
+    /// Position from the start \[m\], (down, forward).
+    pub position: Inertial,
+    /// Wind as used [m/s], zero if it is not known.
+    pub wind: Inertial,
+}
+
+/// The pilot.
+pub struct InPlane<'a, P> {
+    controller: P,
+    wanted: Wanted<'a>,
+    parameters: HoldParameters,
+    /// Heading of the plane \[rad\]; that of the vehicle at the start if none.
+    heading: Option<f32>,
+    hold: Option<Hold>,
+    flown: Option<Flown>,
+}
+
+impl<'a, P: Planar> InPlane<'a, P> {
+    /// `controller` along what is `wanted`, in the plane of `heading` \[rad\], or of the vehicle's heading at the start.
+    pub fn new(
+        controller: P,
+        wanted: Wanted<'a>,
+        parameters: HoldParameters,
+        heading: Option<f32>,
+    ) -> Self {
+        Self {
+            controller,
+            wanted,
+            parameters,
+            heading,
+            hold: None,
+            flown: None,
+        }
+    }
+
+    /// The controller.
+    pub fn controller(&self) -> &P {
+        &self.controller
+    }
+
+    /// The last step.
+    pub fn flown(&self) -> Option<&Flown> {
+        self.flown.as_ref()
+    }
+
+    /// The reference, with its position and its age \[s\].
+    fn reference(&self, told: &Told, plane: &VerticalPlane) -> (Reference, Option<Inertial>, f32) {
+        match (&self.wanted, &told.asked) {
+            (Wanted::Plan(at), _) => {
+                let [velocity, acceleration, position] = at(told.t);
+                let reference = Reference {
+                    velocity,
+                    acceleration,
+                };
+                (reference, Some(position), 0.0)
+            }
+            // Until something is asked for: stay.
+            (Wanted::Link, None) => (Reference::default(), Some(Inertial::ZERO), 0.0),
+            (Wanted::Link, Some((asked, age))) => {
+                let reference = Reference {
+                    velocity: plane.project(asked.velocity).0,
+                    acceleration: plane.project(asked.acceleration).0,
+                };
+                let position = asked.position.map(|x| plane.project(x).0);
+                (reference, position, *age)
+            }
+        }
+    }
+}
+
+impl<P: Planar> Pilot for InPlane<'_, P> {
+    fn begin(&mut self, heading: f32) {
+        let plane = VerticalPlane::from_heading(self.heading.unwrap_or(heading));
+        self.hold = Some(Hold::new(self.parameters, plane));
+    }
+
+    fn answer(&mut self, told: &Told, dt: f32) -> Result<Command, End> {
+        let hold = self.hold.ok_or(End::Pilot)?;
+        let plane = hold.plane();
+        let projected = plane.attitude(&told.orientation).ok_or(End::Attitude)?;
+        let position = plane.project(told.position).0;
+        let (reference, wanted, reference_age) = self.reference(told, plane);
+        let air = match told.air {
+            Air::Wind(wind) => Air::Wind(plane.project(wind).0),
+            Air::Velocity(v) => Air::Velocity(plane.project(v).0),
+            Air::Unknown => Air::Unknown,
+        };
+        let velocity = plane.project(told.velocity).0;
+        let input = PlanarInput {
+            velocity,
+            attitude: projected.attitude,
+            state_age: told.age,
+            air,
+            specific_force: told.specific_force.map(|f| Body::new(f.i, f.j)),
+            position_error: wanted.map(|wanted| position - wanted),
+            reference,
+            reference_age,
+        };
+        self.flown = Some(Flown {
+            t: told.t,
+            input,
+            position,
+            wind: match air {
+                Air::Wind(wind) => wind,
+                Air::Velocity(v) => velocity - v,
+                Air::Unknown => Inertial::ZERO,
+            },
+        });
+        let (thrust, rate) = self.controller.answer(&input, dt).ok_or(End::Pilot)?;
+        Ok(Command {
+            thrust,
+            rates: hold.rates(&projected, rate, told.position, told.velocity),
+        })
+    }
+}

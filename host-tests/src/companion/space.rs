@@ -1,0 +1,152 @@
+//! The guidance in space, as a companion's pilot: the whole attitude, along a path, in a wind from anywhere.
+//!
+//! The path's north is north, and it begins where the vehicle is when the flight begins.
+
+use alula::guidance::Guided;
+use alula::ned::{BodyAxes, Ned};
+use alula::spatial::{Heading, Reference};
+use alula::{GainChoice, Guidance, GuidanceInput, GuidanceState};
+use alula_bridges::companion::{Command, End, Pilot, Settings, Told};
+use nalgebra::{Quaternion, UnitQuaternion};
+
+use crate::experiment::{Model, thrust_limits};
+use crate::space::{Experiment, Path, Record, SpatialState, Step, Target, V3};
+
+/// Settings for flying `experiment`, of whose belief `hover_thrust` is the autopilot's thrust in hover.
+pub fn settings(experiment: &Experiment, hover_thrust: Option<f64>) -> anyhow::Result<Settings> {
+    let belief = experiment.controller.belief()?;
+    let weight = belief.unwrap_or(experiment.vehicle.clone()).weight();
+    let most = thrust_limits(experiment.plant.thrust_n, weight)[1];
+    super::settings(weight, most, hover_thrust, experiment.duration_s)
+}
+
+/// The guidance on its path.
+pub struct OnPath {
+    guidance: Guidance<Model, GainChoice>,
+    memory: GuidanceState,
+    /// None where what comes over the link is followed.
+    path: Option<Path>,
+    gravity: f64,
+    /// When the path was asked last \[s\], and how fast it goes on since.
+    last: (f64, f64),
+    record: Record,
+}
+
+impl OnPath {
+    /// The guidance of `experiment` along its path, or, if it is led `from_link`, along what comes over the link.
+    pub fn new(experiment: &Experiment, from_link: bool) -> anyhow::Result<Self> {
+        Ok(Self {
+            guidance: experiment.controller.guidance(experiment)?,
+            memory: GuidanceState::default(),
+            path: match from_link {
+                true => None,
+                false => Some(experiment.path.path()?),
+            },
+            gravity: experiment.vehicle.gravity_m_s2,
+            last: (0.0, 1.0),
+            record: Record::new(),
+        })
+    }
+
+    /// What was told and answered. Of the truth nothing is known but what the autopilot says.
+    pub fn record(&self) -> &Record {
+        &self.record
+    }
+
+    /// What is to be flown now, whether at a position, and its age \[s\].
+    fn target(&mut self, told: &Told) -> (Target, bool, f32) {
+        let Some(path) = &mut self.path else {
+            let Some((asked, age)) = &told.asked else {
+                // Until something is asked for: stay.
+                return (Target::default(), true, 0.0);
+            };
+            let target = Target {
+                position: double(asked.position.unwrap_or(told.position)),
+                velocity: double(asked.velocity),
+                acceleration: double(asked.acceleration),
+                heading: None,
+            };
+            return (target, asked.position.is_some(), *age);
+        };
+        let (last, pace) = self.last;
+        path.advance((told.t - last).max(0.0), |_| pace);
+        let mut pace = 1.0;
+        let target = path.advance(0.0, |target| {
+            let error = double(told.position) - target.position;
+            pace = self
+                .guidance
+                .pace(single(error), single(target.velocity))
+                .into();
+            pace
+        });
+        self.last = (told.t, pace);
+        (target, true, 0.0)
+    }
+
+    fn keep(&mut self, told: &Told, target: Target, input: GuidanceInput, guided: Guided) {
+        let q = told.orientation.to_quaternion(BodyAxes::NoseUp);
+        let [w, x, y, z] = [q.w, q.x, q.y, q.z].map(f64::from);
+        let force = told
+            .specific_force
+            .map(|f| f64::from(f.norm_squared()).sqrt());
+        let step = Step {
+            t: told.t,
+            truth: SpatialState {
+                position: double(told.position),
+                velocity: double(told.velocity),
+                attitude: UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z)),
+                rates: V3::from(told.rates.map(f64::from)),
+                thrust: guided.command.thrust.into(),
+            },
+            wind: match told.air {
+                alula::guidance::Air::Wind(wind) => double(wind),
+                _ => V3::zeros(),
+            },
+            load_factor: force.map_or(f64::NAN, |f| f / self.gravity),
+            target,
+            input,
+            guided,
+        };
+        if self.record.last().is_none_or(|last| step.t > last.t) {
+            self.record.push(step);
+        }
+    }
+}
+
+fn double(v: Ned) -> V3 {
+    V3::new(v.north.into(), v.east.into(), v.down.into())
+}
+
+fn single(v: V3) -> Ned {
+    Ned::new(v.x as f32, v.y as f32, v.z as f32)
+}
+
+impl Pilot for OnPath {
+    fn begin(&mut self, _: f32) {}
+
+    fn answer(&mut self, told: &Told, dt: f32) -> Result<Command, End> {
+        let (target, placed, reference_age) = self.target(told);
+        let error = told.position - single(target.position);
+        let heading = target.heading.map_or(f32::NAN, |h| h as f32);
+        let input = GuidanceInput {
+            velocity: told.velocity,
+            orientation: told.orientation,
+            state_age: told.age,
+            air: told.air,
+            specific_force: told.specific_force,
+            position_error: placed.then_some(error),
+            reference: Reference {
+                velocity: single(target.velocity),
+                acceleration: single(target.acceleration),
+                heading: Heading::from_angle(heading),
+            },
+            reference_age,
+        };
+        let guided = self.guidance.update(&mut self.memory, &input, dt);
+        self.keep(told, target, input, guided);
+        Ok(Command {
+            thrust: guided.command.thrust,
+            rates: BodyAxes::NoseUp.components(guided.command.rates),
+        })
+    }
+}

@@ -1,0 +1,82 @@
+//! A record in space as a flight log: the columns of the trace, and the flight under the names that PX4 logs it by.
+
+use alula_logs::{Column, Error, Log};
+
+use super::columns::COLUMNS;
+use super::{Step, V3};
+use crate::columns::Cell;
+use crate::flight_log::{BEGIN, Row, log_of};
+
+impl Row {
+    fn in_space(step: &Step) -> Self {
+        let q = &step.truth.attitude;
+        let vector = |v: V3| [v.x, v.y, v.z];
+        let target = &step.target;
+        Self {
+            attitude: [q.w, q.i, q.j, q.k],
+            motion: [step.truth.position, step.truth.velocity].map(vector),
+            wanted: [target.position, target.velocity, target.acceleration].map(vector),
+            wind: vector(step.wind),
+            specific_force: (step.input.specific_force).map(|f| [f.j, f.w, f.i].map(f64::from)),
+        }
+    }
+}
+
+/// The record as a log.
+pub fn log(record: &[Step]) -> Result<Log, Error> {
+    let time: Vec<f64> = record.iter().map(|step| BEGIN + step.t).collect();
+    let is_number = |step: &Step| {
+        COLUMNS
+            .iter()
+            .map(|c| !matches!((c.read)(step), Cell::Word(_)))
+            .collect()
+    };
+    let numbers: Vec<bool> = record.first().map(is_number).unwrap_or_default();
+    let trace = COLUMNS.iter().zip(numbers).filter(|(_, number)| *number);
+    let trace = trace.map(|(column, _)| {
+        let values = record.iter().map(|step| column.number(step)).collect();
+        Column::new(column.name, &column.unit.replace('²', "^2"), values)
+    });
+    let rows: Vec<Row> = record.iter().map(Row::in_space).collect();
+    log_of(&time, trace.collect(), &rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::Document;
+    use crate::flight_log::{Format, TRACE};
+    use crate::space::{Experiment, fly};
+
+    /// What is written as ULog reads back as the trace's numbers, and the states found in it are the flight's.
+    #[test]
+    fn a_written_flight_reads_back_as_the_trace_and_as_states() {
+        let mut document = Document::load("circle-40").unwrap();
+        for change in ["duration_s=8", "entry_s=0", "weather.steady_m_s=[1,-2,0]"] {
+            document.assign(change).unwrap();
+        }
+        let record = fly(&Experiment::of(&document).unwrap()).unwrap();
+        let mut file = std::io::Cursor::new(Vec::new());
+        Format::Ulog
+            .write(&log(&record).unwrap(), &mut file)
+            .unwrap();
+        let log = alula_logs::ulog::read("x", file.get_ref()).unwrap();
+        let trace = log.topic(TRACE).unwrap();
+        assert!(trace.column("mode").is_none());
+        assert_eq!(trace.column("bank_rad").unwrap().unit, "rad");
+        let states = alula_logs::states::find(&log).unwrap();
+        for (row, step) in record.iter().enumerate() {
+            let bank = trace.column("bank_rad").unwrap().values[row];
+            assert_eq!(bank, step.bank());
+            let velocity = states.velocity.as_ref().unwrap().values[row];
+            assert_eq!(V3::from(velocity), step.truth.velocity);
+            assert_eq!(states.wind.as_ref().unwrap().values[row], [1.0, -2.0, 0.0]);
+            // Nose, wing, belly: against the tail, along the wing, along the belly.
+            let force = states.specific_force.as_ref().unwrap().values[row];
+            let told = step.input.specific_force.unwrap();
+            assert_eq!(force, [-told.i, told.w, told.j].map(f64::from));
+            let wanted = states.acceleration_setpoint.as_ref().unwrap().values[row];
+            assert_eq!(V3::from(wanted), step.target.acceleration);
+        }
+    }
+}

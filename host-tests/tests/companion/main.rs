@@ -1,0 +1,6 @@
+//! The companion against the simulated autopilot, over UDP on loopback. Time is simulated: a datagram is sent when the link lets it
+//! through, and received before time goes on.
+
+mod link;
+mod plane;
+mod space;
