@@ -64,15 +64,10 @@ fn threads_interruptions_and_shares_change_nothing() {
 
     let merged = Store::open(&at("merged"), &source).unwrap();
     for share in ["1/2", "2/2"] {
-        let name = share.replace('/', "-of-");
-        let store = Store::open(&at(&name), &source).unwrap();
+        let store = Store::open(&at(&share.replace('/', "-of-")), &source).unwrap();
         run(&source, &store, share.parse().unwrap(), None, || Ok(())).unwrap();
-        let (share, texts) = Store::existing(&at(&name)).unwrap();
-        assert!(texts == source, "{share:?}: another campaign");
-        for chunk in (0..3).filter(|&chunk| share.has(chunk)) {
-            merged.take(&share, chunk).unwrap();
-        }
     }
+    merged.merge(&[at("2-of-2"), at("1-of-2")]).unwrap();
     let summary = Summary::of(&source, &merged).unwrap();
     assert_eq!(bytes(&at("merged")), expected);
     assert_eq!(text(&summary), text(&whole));
@@ -83,6 +78,9 @@ fn threads_interruptions_and_shares_change_nothing() {
     let other = self::source("dispersed", 119);
     let error = Store::open(&at("whole"), &other).unwrap_err().to_string();
     assert!(error.contains("another campaign"), "{error}");
+    Store::open(&at("other"), &other).unwrap();
+    let error = merged.merge(&[at("other")]).unwrap_err().to_string();
+    assert!(error.contains("different campaigns"), "{error}");
 }
 
 /// A figure of a flight.

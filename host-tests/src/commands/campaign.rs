@@ -160,19 +160,6 @@ fn merge(shares: &[PathBuf], output: &Output) -> anyhow::Result<()> {
     let (_, source) = Store::existing(&shares[0])?;
     let out = output.folder(&format!("campaign/{}", source.stem()))?;
     let store = Store::open(&out, &source)?;
-    for share in shares {
-        let (from, other) = Store::existing(share)?;
-        ensure!(
-            other.texts == source.texts,
-            "{} and {}: shares of different campaigns",
-            shares[0].display(),
-            share.display()
-        );
-        for chunk in (0..source.campaign.chunks()).filter(|&chunk| from.has(chunk)) {
-            if !store.has(chunk) {
-                store.take(&from, chunk)?;
-            }
-        }
-    }
+    store.merge(shares)?;
     conclude(&source, &store, output)
 }

@@ -12,6 +12,7 @@ mod flown;
 mod frame;
 mod load;
 mod map;
+mod merge;
 mod part;
 mod random_reference;
 mod results;
