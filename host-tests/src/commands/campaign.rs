@@ -7,7 +7,7 @@ use anyhow::ensure;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use alula_sil::files::leave;
-use alula_sil::page::campaign::page;
+use alula_sil::page::campaign::{maps, page};
 use alula_sil::space::starts::ATTITUDES;
 use alula_sil::study::{BUILT_IN, CampaignSource, Shard, Store, Summary, run as fly_all};
 
@@ -125,6 +125,11 @@ fn conclude(source: &CampaignSource, store: &Store, output: &Output) -> anyhow::
     leave(&folder.join("summary.json"), |file| {
         Ok(serde_json::to_writer_pretty(file, &summary)?)
     })?;
+    if let Some(maps) = maps(&summary) {
+        leave(&folder.join("maps.svg"), |file| {
+            Ok(file.write_all(maps.svg().as_bytes())?)
+        })?;
+    }
     output.leave(folder, "report", &page(source, &summary), &summary)?;
     ensure!(
         summary.verdict(),

@@ -2,7 +2,7 @@
 
 use super::Facts;
 use crate::experiment::AerodynamicsSpec;
-use crate::polar::{Apart, Polar, SPAN_EFFICIENCY};
+use crate::polar::{Polar, SPAN_EFFICIENCY};
 use crate::reference::LargeAngle;
 
 /// Rows of the tables that fit on board: `ALULA_TABLE_ROWS` of the C interface.
@@ -67,17 +67,7 @@ impl Wing {
             }
         };
         let (polar, apart) = wing.of_rows(ROWS)?;
-        if apart != Apart::default() {
-            story.push(format!(
-                "{} rows of {}: c_L within {:.3} (at {:.0}°), c_D within {:.3} (at {:.0}°) of the whole table",
-                polar.rows.len(),
-                wing.rows.len(),
-                apart.c_l,
-                apart.c_l_at_deg,
-                apart.c_d,
-                apart.c_d_at_deg
-            ));
-        }
+        story.extend(apart.text(polar.rows.len(), wing.rows.len()));
         let own = !(preset && facts.aspect_ratio.is_none());
         Ok(Self {
             aerodynamics: AerodynamicsSpec::Table { polar },

@@ -18,6 +18,14 @@ pub const BUILT_IN: &[(&str, &str)] = &[
     ("envelope", include_str!("../../campaigns/envelope.toml")),
     ("upsets", include_str!("../../campaigns/upsets.toml")),
     ("vehicles", include_str!("../../campaigns/vehicles.toml")),
+    (
+        "mass-and-area",
+        include_str!("../../campaigns/mass-and-area.toml"),
+    ),
+    (
+        "lift-and-thrust-line",
+        include_str!("../../campaigns/lift-and-thrust-line.toml"),
+    ),
 ];
 
 /// Most flights of a campaign: months on one core.

@@ -122,7 +122,9 @@ impl Store {
         for entry in std::fs::read_dir(self.folder.join("flights"))? {
             // What has another name is no part.
             let path = entry?.path();
-            let number = path.file_stem().and_then(|stem| stem.to_str()?.parse().ok());
+            let number = path
+                .file_stem()
+                .and_then(|stem| stem.to_str()?.parse().ok());
             chunks.extend(number.filter(|&chunk| path == self.part("flights", chunk)));
         }
         chunks.sort_unstable();
