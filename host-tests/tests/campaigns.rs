@@ -64,15 +64,10 @@ fn threads_interruptions_and_shares_change_nothing() {
 
     let merged = Store::open(&at("merged"), &source).unwrap();
     for share in ["1/2", "2/2"] {
-        let name = share.replace('/', "-of-");
-        let store = Store::open(&at(&name), &source).unwrap();
+        let store = Store::open(&at(&share.replace('/', "-of-")), &source).unwrap();
         run(&source, &store, share.parse().unwrap(), None, || Ok(())).unwrap();
-        let (share, texts) = Store::existing(&at(&name)).unwrap();
-        assert!(texts == source, "{share:?}: another campaign");
-        for chunk in (0..3).filter(|&chunk| share.has(chunk)) {
-            merged.take(&share, chunk).unwrap();
-        }
     }
+    merged.merge(&[at("2-of-2"), at("1-of-2")]).unwrap();
     let summary = Summary::of(&source, &merged).unwrap();
     assert_eq!(bytes(&at("merged")), expected);
     assert_eq!(text(&summary), text(&whole));
@@ -83,6 +78,9 @@ fn threads_interruptions_and_shares_change_nothing() {
     let other = self::source("dispersed", 119);
     let error = Store::open(&at("whole"), &other).unwrap_err().to_string();
     assert!(error.contains("another campaign"), "{error}");
+    Store::open(&at("other"), &other).unwrap();
+    let error = merged.merge(&[at("other")]).unwrap_err().to_string();
+    assert!(error.contains("different campaigns"), "{error}");
 }
 
 /// A figure of a flight.
@@ -396,4 +394,27 @@ fn a_dispersed_vehicle_does_not_disperse_the_belief() {
         assert_ne!(drawn.experiment.plane().unwrap().vehicle.mass_kg, 10.0);
         assert_eq!(spec.belief().unwrap().mass_kg, 10.0);
     }
+}
+
+/// How wrong a belief may be. Half the mass and two and a half times the wing is a lift per weight five times too great: the wing believed in carries at an
+/// angle of attack at which the real one has not begun to, and the flight sinks. The same factors the other way round, and the truth, fly.
+#[test]
+fn too_much_lift_is_worse_than_too_little() {
+    let mut source = source("mass-and-area", 1);
+    let mut flown = |mass: f64, k_a: f64| {
+        let belief = "controller.guidance.vehicle";
+        let mut document = source.base.clone();
+        document
+            .set(&format!("{belief}.mass_kg"), mass.into())
+            .unwrap();
+        document
+            .set(&format!("{belief}.k_a_kg_m"), k_a.into())
+            .unwrap();
+        source.campaign.disperse.clear();
+        let drawn = source.campaign.draw(&document, 0).unwrap();
+        figure(&Flown::fly(&drawn, &[]).unwrap(), "altitude_least_m")
+    };
+    let (light, true_, heavy) = (flown(5.0, 1.615), flown(10.0, 0.646), flown(19.0, 0.2584));
+    assert!(light < -50.0, "{light}");
+    assert!(true_ > -3.0 && heavy > -5.0, "{true_} {heavy}");
 }

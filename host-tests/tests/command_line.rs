@@ -655,3 +655,26 @@ fn an_image_that_does_not_run_is_said_in_one_line() {
     let output = alula(folder.path(), &["pil", "round-trip", "--image", "none.elf"]);
     assert_refused(&output, &["the image stopped: qemu", "link"]);
 }
+
+/// A mistyped command, option or name is answered with the one that was meant.
+#[test]
+fn a_slip_of_the_fingers_is_told_what_was_meant() {
+    let folder = tempfile::tempdir().unwrap();
+    for (given, meant) in [
+        (vec!["campain"], "campaign"),
+        (vec!["new", "x", "--mas-kg", "3"], "--mass-kg"),
+        (vec!["fly", "round-tripp"], "round-trip?"),
+    ] {
+        let output = alula(folder.path(), &given);
+        assert_refused(
+            &output,
+            &[
+                given
+                    .last()
+                    .filter(|word| **word != "3")
+                    .unwrap_or(&"--mas-kg"),
+                meant,
+            ],
+        );
+    }
+}

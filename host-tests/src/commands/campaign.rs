@@ -7,7 +7,7 @@ use anyhow::ensure;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use alula_sil::files::leave;
-use alula_sil::page::campaign::page;
+use alula_sil::page::campaign::{maps, page};
 use alula_sil::study::starts::ATTITUDES;
 use alula_sil::study::{BUILT_IN, CampaignSource, Place, Shard, Store, Summary, run as fly_all};
 
@@ -125,6 +125,11 @@ fn conclude(source: &CampaignSource, store: &Store, output: &Output) -> anyhow::
     leave(&folder.join("summary.json"), |file| {
         Ok(serde_json::to_writer_pretty(file, &summary)?)
     })?;
+    if let Some(maps) = maps(&summary) {
+        leave(&folder.join("maps.svg"), |file| {
+            Ok(file.write_all(maps.svg().as_bytes())?)
+        })?;
+    }
     output.leave(folder, "report", &page(source, &summary), &summary)?;
     ensure!(
         summary.verdict(),
@@ -151,7 +156,7 @@ fn refly(source: &CampaignSource, number: u64, args: &Args) -> anyhow::Result<()
         Ok(file.write_all(document.text().as_bytes())?)
     })?;
     if source.place() == Place::Space {
-        return space::fly(&document, &args.output, &Logs::default());
+        return space::fly(&document, &args.output, &fly::Logs::default());
     }
     let files = (&args.output, &fly::Logs::default());
     fly::fly(&document, &document.name, files, |experiment| {
@@ -163,19 +168,6 @@ fn merge(shares: &[PathBuf], output: &Output) -> anyhow::Result<()> {
     let (_, source) = Store::existing(&shares[0])?;
     let out = output.folder(&format!("campaign/{}", source.stem()))?;
     let store = Store::open(&out, &source)?;
-    for share in shares {
-        let (from, other) = Store::existing(share)?;
-        ensure!(
-            other.texts == source.texts,
-            "{} and {}: shares of different campaigns",
-            shares[0].display(),
-            share.display()
-        );
-        for chunk in (0..source.campaign.chunks()).filter(|&chunk| from.has(chunk)) {
-            if !store.has(chunk) {
-                store.take(&from, chunk)?;
-            }
-        }
-    }
+    store.merge(shares)?;
     conclude(&source, &store, output)
 }

@@ -90,15 +90,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         .map(|s| s.text())
         .collect();
     story.dedup();
-    story.push(format!(
-        "{} of {} rows: c_L within {:.4} (at {:.0}°), c_D within {:.4} (at {:.0}°)",
-        on_board.rows.len(),
-        polar.rows.len(),
-        apart.c_l,
-        apart.c_l_at_deg,
-        apart.c_d,
-        apart.c_d_at_deg
-    ));
+    story.extend(apart.text(on_board.rows.len(), polar.rows.len()));
     files::leave(&out.join("polar.csv"), |file| {
         Ok(file.write_all(on_board.csv(&story).as_bytes())?)
     })?;

@@ -5,6 +5,7 @@ use std::path::Path;
 use anyhow::Context;
 use serde::{Deserialize, Serialize};
 
+use super::Wing;
 use crate::experiment::{FieldError, from_toml};
 
 /// What is known. The flags and the fields of a file have the same names, with their units; what is left out has a default, or is asked.
@@ -174,8 +175,13 @@ impl Known {
                 *(question.place)(self) = number.filter(|x| (least..=most).contains(x));
             }
         }
-        if self.section.is_none() {
-            self.section = Some(ask(SECTION)?.trim().to_owned());
+        let mut question = SECTION.to_owned();
+        while self.section.is_none() {
+            let answer = ask(&question)?.trim().to_owned();
+            match Wing::check(&answer) {
+                Ok(()) => self.section = Some(answer),
+                Err(error) => question = format!("{error:#}\n{SECTION}"),
+            }
         }
         Ok(())
     }
@@ -278,11 +284,19 @@ mod tests {
             error.starts_with("mass_kg: is missing: --mass-kg"),
             "{error}"
         );
-        // Neither a word nor a mass below every range is one.
-        let mut answers = ["much", "-3", "3", "flat-plate"].iter();
+        // Neither a word nor a mass below every range is one, and neither nothing nor a slip of the fingers a section.
+        let mut answers = ["much", "-3", "3", "", "flat-plat", "flat-plate"].iter();
+        let mut asked = Vec::new();
         short
-            .ask(|_| Ok((*answers.next().unwrap()).to_owned()))
+            .ask(|question| {
+                asked.push(question.to_owned());
+                Ok((*answers.next().unwrap()).to_owned())
+            })
             .unwrap();
+        assert!(
+            asked[5].starts_with("section is none of naca-0012, "),
+            "{asked:?}"
+        );
         assert_eq!(
             (short.mass_kg, short.section.as_deref()),
             (Some(3.0), Some("flat-plate"))

@@ -1,14 +1,19 @@
 //! The coefficients of a vehicle's wing: a preset, or a polar that somebody has.
 
+use anyhow::Context;
+
 use super::Facts;
 use crate::experiment::AerodynamicsSpec;
-use crate::polar::{Apart, Polar, SPAN_EFFICIENCY};
+use crate::polar::{Polar, SPAN_EFFICIENCY};
 use crate::reference::LargeAngle;
 
 /// Rows of the tables that fit on board: `ALULA_TABLE_ROWS` of the C interface.
 pub const ROWS: usize = 96;
 /// The Reynolds numbers that the presets were published at, and how they stand in names.
 const REYNOLDS: [(f64, &str); 2] = [(160e3, "160e3"), (5e6, "5e6")];
+/// The sections that need no table.
+const PRESETS: [&str; 4] = ["naca-0012", "naca-0015", "naca-0018", "naca-0021"];
+const PLATE: &str = "flat-plate";
 /// Drag of a flat plate along the air: two turbulent boundary layers.
 const PLATE_FRICTION: f64 = 0.02;
 
@@ -24,16 +29,27 @@ pub struct Wing {
 }
 
 impl Wing {
+    /// Whether `section` is a preset, or a polar that can be read.
+    pub(super) fn check(section: &str) -> anyhow::Result<()> {
+        if section != PLATE && !PRESETS.contains(&section) {
+            Self::measured(section)?;
+        }
+        Ok(())
+    }
+
+    /// The polar of that name or file.
+    fn measured(section: &str) -> anyhow::Result<Polar> {
+        let presets = || format!("section is none of {}, {PLATE}", PRESETS.join(", "));
+        Polar::load(section).with_context(presets)
+    }
+
     /// The wing of `facts`.
     pub fn new(facts: &Facts) -> anyhow::Result<Self> {
-        if facts.section == "flat-plate" {
+        if facts.section == PLATE {
             return Ok(Self::plate(facts));
         }
         let mut story = Vec::new();
-        let preset = matches!(
-            &*facts.section,
-            "naca-0012" | "naca-0015" | "naca-0018" | "naca-0021"
-        );
+        let preset = PRESETS.contains(&&*facts.section);
         let section = if preset {
             let far = |(re, _): &(f64, &str)| (re / facts.reynolds()).ln().abs();
             let (_, name) = REYNOLDS
@@ -47,7 +63,7 @@ impl Wing {
             ));
             Polar::load(&format!("{}-re-{name}", facts.section))?
         } else {
-            Polar::load(&facts.section)?
+            Self::measured(&facts.section)?
         };
         story.extend(section.seam.map(|seam| seam.text()));
         let wing = match facts.aspect_ratio {
@@ -67,17 +83,7 @@ impl Wing {
             }
         };
         let (polar, apart) = wing.of_rows(ROWS)?;
-        if apart != Apart::default() {
-            story.push(format!(
-                "{} rows of {}: c_L within {:.3} (at {:.0}°), c_D within {:.3} (at {:.0}°) of the whole table",
-                polar.rows.len(),
-                wing.rows.len(),
-                apart.c_l,
-                apart.c_l_at_deg,
-                apart.c_d,
-                apart.c_d_at_deg
-            ));
-        }
+        story.extend(apart.text(polar.rows.len(), wing.rows.len()));
         let own = !(preset && facts.aspect_ratio.is_none());
         Ok(Self {
             aerodynamics: AerodynamicsSpec::Table { polar },

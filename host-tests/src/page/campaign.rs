@@ -243,6 +243,14 @@ fn figure(source: &CampaignSource, summary: &Summary) -> Figure {
     Figure::new(&charts, 230.0)
 }
 
+/// The maps alone, on a sheet of their own; none if the campaign asks for none.
+pub fn maps(summary: &Summary) -> Option<Figure> {
+    let texts: Vec<MapTexts> = summary.maps.iter().map(MapTexts::new).collect();
+    let maps = summary.maps.iter().zip(&texts);
+    let charts: Vec<Chart> = maps.map(|(found, texts)| map(found, texts)).collect();
+    (!charts.is_empty()).then(|| Figure::new(&charts, 320.0))
+}
+
 /// The limits of the least and the greatest value of a column.
 fn levels(campaign: &Campaign, column: &str) -> Vec<Level> {
     let mut levels = Vec::new();
@@ -304,7 +312,7 @@ impl MapTexts {
         let first = format!("to {}", levels[0]);
         let rest = levels.iter().map(|level| format!("{beyond} {level}"));
         Self {
-            title: format!("worst {figure} over {} → and {} ↑", x.field, y.field),
+            title: format!("worst {figure} over {} → and {} ↑", x.text(), y.text()),
             classes: std::iter::once(first).chain(rest).collect(),
         }
     }
@@ -330,7 +338,7 @@ fn map<'a>(map: &'a MapFound, texts: &'a MapTexts) -> Chart<'a> {
             points: inside.flat_map(cell).collect(),
         }
     });
-    Chart::over(&texts.title, &map.x.field, series.collect())
+    Chart::over(&texts.title, map.x.text(), series.collect())
 }
 
 fn fan<'a>(fan: &Fan, title: &'a str) -> Chart<'a> {

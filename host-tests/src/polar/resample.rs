@@ -20,6 +20,23 @@ pub struct Apart {
     pub c_d_at_deg: f64,
 }
 
+impl Apart {
+    /// In words, of a table of `rows` rows taken from one of `whole`; none if they are all.
+    pub fn text(&self, rows: usize, whole: usize) -> Option<String> {
+        let Self {
+            c_l,
+            c_l_at_deg,
+            c_d,
+            c_d_at_deg,
+        } = self;
+        (rows < whole).then(|| {
+            format!(
+                "{rows} of {whole} rows: c_L within {c_l:.4} (at {c_l_at_deg:.0}°), c_D within {c_d:.4} (at {c_d_at_deg:.0}°) of the whole table"
+            )
+        })
+    }
+}
+
 /// At most `count` of the `rows` \[rad, c_L, c_D\] of a whole table, and how far the table through them is from that through all.
 ///
 /// Beginning with both ends and what is spread most evenly between, the row nearest to where the tables are farthest apart is added
@@ -87,6 +104,21 @@ fn apart(a: &[[f64; 3]], b: &[[f64; 3]]) -> Apart {
 mod tests {
     use super::*;
     use crate::polar::Polar;
+
+    #[test]
+    fn what_thinning_costs_is_said_where_rows_are_left_out() {
+        let apart = Apart {
+            c_l: 0.01234,
+            c_l_at_deg: 12.0,
+            ..Apart::default()
+        };
+        assert_eq!(apart.text(96, 96), None);
+        let text = apart.text(40, 96).unwrap();
+        assert!(
+            text.starts_with("40 of 96 rows: c_L within 0.0123 (at 12°)"),
+            "{text}"
+        );
+    }
 
     #[test]
     fn more_rows_are_nearer_and_all_are_the_same() {

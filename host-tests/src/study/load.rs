@@ -18,6 +18,14 @@ pub const BUILT_IN: &[(&str, &str)] = &[
     ("upsets", include_str!("../../campaigns/upsets.toml")),
     ("vehicles", include_str!("../../campaigns/vehicles.toml")),
     (
+        "mass-and-area",
+        include_str!("../../campaigns/mass-and-area.toml"),
+    ),
+    (
+        "lift-and-thrust-line",
+        include_str!("../../campaigns/lift-and-thrust-line.toml"),
+    ),
+    (
         "faults-in-space",
         include_str!("../../campaigns/faults-in-space.toml"),
     ),

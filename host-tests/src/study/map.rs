@@ -25,6 +25,11 @@ pub struct Map {
 pub struct Axis {
     /// A column of the flights: a dispersed field, a figure, or what is drawn of a reference.
     pub field: String,
+    /// What its values are divided by: where a belief is shown over what is true.
+    #[serde(default = "one")]
+    pub over: f64,
+    /// What is written beside the axis in place of the field.
+    pub label: Option<String>,
     /// Lower end.
     pub from: f64,
     /// Upper end. What is beyond either end goes into the outermost bin.
@@ -32,6 +37,10 @@ pub struct Axis {
     /// Number of bins.
     #[serde(default = "twelve")]
     pub bins: usize,
+}
+
+fn one() -> f64 {
+    1.0
 }
 
 fn twelve() -> usize {
@@ -59,6 +68,10 @@ impl Axis {
     fn validate(&self, field: &str) -> Result<(), FieldError> {
         finite(&format!("{field}.from"), self.from)?;
         finite(&format!("{field}.to"), self.to)?;
+        finite(&format!("{field}.over"), self.over)?;
+        if self.over == 0.0 {
+            return Err(FieldError::new(format!("{field}.over"), "must not be 0"));
+        }
         match self.from < self.to && (1..=100).contains(&self.bins) {
             true => Ok(()),
             false => Err(FieldError::new(field, "needs from < to, and 1 to 100 bins")),
@@ -67,9 +80,14 @@ impl Axis {
 
     /// The bin of `value`.
     fn bin(&self, value: f64) -> usize {
-        let part = (value - self.from) / (self.to - self.from);
+        let part = (value / self.over - self.from) / (self.to - self.from);
         // The cast saturates; NaN becomes 0.
         ((part * self.bins as f64) as usize).min(self.bins - 1)
+    }
+
+    /// What is written beside it.
+    pub fn text(&self) -> &str {
+        self.label.as_deref().unwrap_or(&self.field)
     }
 
     /// The ends of bin `i`.
@@ -178,6 +196,8 @@ mod tests {
     fn axis(field: &str) -> Axis {
         Axis {
             field: field.to_owned(),
+            over: 1.0,
+            label: None,
             from: 0.0,
             to: 10.0,
             bins: 5,
@@ -211,6 +231,12 @@ mod tests {
         assert_eq!(classes, [2, 1, 2, 0]);
         assert_eq!(found.flights[..2], [2, 0]);
         assert_eq!(found.flights.iter().sum::<u64>(), 6);
+        // Half the values are half as far along.
+        let mut halved = map(&[-2.0, -5.0]);
+        halved.x.over = 2.0;
+        let mut halved = MapFound::new(&halved);
+        halved.add(&frame).unwrap();
+        assert_eq!((halved.worst[4], halved.worst[5 + 2]), (None, Some(-3.0)));
         let mut rising = MapFound::new(&map(&[-5.0, -2.0]));
         rising.add(&frame).unwrap();
         assert_eq!((rising.worst[0], rising.class(0)), (Some(-1.0), Some(2)));
@@ -232,6 +258,9 @@ mod tests {
         let mut other = map(&[1.0, 2.0]);
         other.x.field = "c".to_owned();
         assert_eq!(refused(other).unwrap_err(), "maps[0].x.field");
+        let mut other = map(&[1.0, 2.0]);
+        other.x.over = 0.0;
+        assert_eq!(refused(other).unwrap_err(), "maps[0].x.over");
         let mut other = map(&[1.0, 2.0]);
         other.y.to = 0.0;
         assert_eq!(refused(other).unwrap_err(), "maps[0].y");

@@ -12,6 +12,7 @@ mod flown;
 mod frame;
 mod load;
 mod map;
+mod merge;
 mod part;
 mod place;
 mod random_reference;

@@ -68,6 +68,16 @@ impl Store {
         Ok((store, source))
     }
 
+    /// The folder alone of such a campaign.
+    pub(super) fn of_existing(folder: &Path) -> anyhow::Result<Self> {
+        Self::of(folder, &Self::texts(folder)?)
+    }
+
+    /// Whether its parts are of the campaign that those of `other` are of.
+    pub(super) fn is_of_the_campaign_of(&self, other: &Self) -> bool {
+        self.identity == other.identity
+    }
+
     fn of(folder: &Path, texts: &Texts) -> anyhow::Result<Self> {
         Ok(Self {
             folder: folder.to_owned(),
@@ -101,6 +111,21 @@ impl Store {
     /// Whether `chunk` has been flown. Its flights are written last.
     pub fn has(&self, chunk: u64) -> bool {
         self.part("flights", chunk).exists()
+    }
+
+    /// The chunks that have been flown, in their order.
+    pub(super) fn chunks(&self) -> std::io::Result<Vec<u64>> {
+        let mut chunks = Vec::new();
+        for entry in std::fs::read_dir(self.folder.join("flights"))? {
+            // What has another name is no part.
+            let path = entry?.path();
+            let number = path
+                .file_stem()
+                .and_then(|stem| stem.to_str()?.parse().ok());
+            chunks.extend(number.filter(|&chunk| path == self.part("flights", chunk)));
+        }
+        chunks.sort_unstable();
+        Ok(chunks)
     }
 
     /// Keeps `flights` and `samples` of `chunk`.
