@@ -275,6 +275,30 @@ mod tests {
         assert_eq!(check(0.0, f32::NAN), Err(Fault::Jerk));
     }
 
+    #[test]
+    fn a_result_is_held_against_its_bound() {
+        let check = |thrust: f32, rate: f32| {
+            let command = Command {
+                thrust,
+                rate,
+                ..Command::default()
+            };
+            check_output(command).map(|c| (c.thrust, c.rate))
+        };
+        let (few, many) = (0.4 * MAX_OUTPUT, 1.1 * MAX_OUTPUT);
+        assert_eq!(check(few, -few), Ok((few, -few)));
+        let refused = [
+            (many, 0.0),
+            (0.0, -many),
+            (-many, many),
+            (f32::NAN, 0.0),
+            (0.0, f32::NEG_INFINITY),
+        ];
+        for (thrust, rate) in refused {
+            assert_eq!(check(thrust, rate), Err(Fault::Undefined));
+        }
+    }
+
     /// A name is the variant's, in snake case.
     #[test]
     fn names_are_the_variants() {
