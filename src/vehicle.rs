@@ -224,6 +224,10 @@ mod tests {
         assert_eq!((p.mass, p.k_a, p.gravity), (9.0, 0.51, 9.81));
         let vehicle = Vehicle::new(p, model()).unwrap();
         assert_eq!((vehicle.mass(), vehicle.k_a()), (9.0, 0.51));
+        assert_eq!(vehicle.side(), 0.0);
+        // A fence of c_Y = 0.5: its side force at 1 m/s of side velocity in 2 m/s of air is half of 0.51 times 2 N.
+        let fenced = VehicleParameters { c_y: 0.5, ..p };
+        assert_eq!(Vehicle::new(fenced, model()).unwrap().side() * 2.0, 0.51);
         assert_eq!((vehicle.gravity(), vehicle.weight()), (9.81, 9.0 * 9.81));
         assert_eq!((vehicle.thrust_min(), vehicle.thrust_max()), (2.0, 196.2));
         assert_eq!(vehicle.thrust_line().delta(), 0.3);

@@ -1,10 +1,13 @@
 //! Runs every target, or those named, over its seed corpus and random inputs, and prints what was run. Stable Rust.
 //!
 //! `cargo run --release --example regress -- [--inputs N] [--seed N] [--seeds N] [target…]`; on a violation the input is written to `artifacts/`.
+//!
+//! Of more than a hundred thousand inputs each so many are a process of their own: the harness keeps polars for ever, and what ends a
+//! process (a stack that overflows, memory that does not suffice) is counted by that.
 
 use std::panic;
 use std::path::Path;
-use std::process::ExitCode;
+use std::process::{Command, ExitCode, Stdio};
 use std::time::Instant;
 
 use alula_fuzz::{TARGETS, Target};
@@ -68,8 +71,12 @@ impl Random {
 }
 
 /// The targets whose inputs are files.
-const PARSERS: [&str; 8] = [
+const PARSERS: [&str; 12] = [
     "experiment",
+    "space",
+    "vehicle",
+    "known",
+    "comparison",
     "campaign",
     "replay",
     "ulog",
@@ -79,7 +86,8 @@ const PARSERS: [&str; 8] = [
     "polar",
 ];
 
-fn seeds(name: &str) -> Vec<Vec<u8>> {
+/// At most this many of the corpus.
+fn seeds(name: &str, most: u64) -> Vec<Vec<u8>> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("corpus")
         .join(name);
@@ -89,6 +97,7 @@ fn seeds(name: &str) -> Vec<Vec<u8>> {
         .filter_map(|entry| Some(entry.ok()?.path()))
         .collect();
     files.sort();
+    files.truncate(usize::try_from(most).unwrap_or(usize::MAX));
     files.iter().filter_map(|f| std::fs::read(f).ok()).collect()
 }
 
@@ -109,9 +118,107 @@ fn attempt(name: &str, target: Target, input: &[u8]) -> Option<u64> {
     calls
 }
 
+/// Inputs of a process.
+const PIECE: u64 = 100_000;
+
+/// What was run of a target.
+#[derive(Default)]
+struct Count {
+    inputs: u64,
+    calls: u64,
+    failed: u64,
+}
+
+/// Random inputs of one target.
+struct Piece<'a> {
+    name: &'a str,
+    inputs: u64,
+    seed: u64,
+    /// At most so many of the corpus.
+    seeds: u64,
+    /// Whether the corpus itself is run as well.
+    first: bool,
+}
+
+impl Piece<'_> {
+    fn run(&self, target: Target) -> Count {
+        let seeds = seeds(self.name, self.seeds);
+        let mut random = Random(self.seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1 << 63);
+        let mut count = Count::default();
+        let mut run = |input: &[u8]| {
+            count.inputs += 1;
+            match attempt(self.name, target, input) {
+                Some(calls) => count.calls += calls,
+                None => count.failed += 1,
+            }
+        };
+        if self.first {
+            seeds.iter().for_each(|seed| run(seed));
+        }
+        let parser = PARSERS.contains(&self.name);
+        (0..self.inputs).for_each(|_| run(&random.input(&seeds, parser)));
+        count
+    }
+
+    /// The same in a process of its own, which prints its numbers. One that does not come to its end has failed once.
+    fn run_apart(&self) -> Count {
+        let own = std::env::current_exe().expect("a program has a path");
+        let numbers = [self.inputs, self.seed, self.seeds, u64::from(self.first)];
+        let mut command = Command::new(own);
+        command.arg("--piece").arg(self.name);
+        command.args(numbers.map(|n| n.to_string()));
+        let output = command.stderr(Stdio::inherit()).output();
+        let output = output.expect("this program runs");
+        match numbers_in(&String::from_utf8_lossy(&output.stdout))[..] {
+            [inputs, calls, failed] if output.status.success() => Count {
+                inputs,
+                calls,
+                failed,
+            },
+            _ => {
+                eprintln!("{}: {}, --seed {}", self.name, output.status, self.seed);
+                Count {
+                    failed: 1,
+                    ..Count::default()
+                }
+            }
+        }
+    }
+}
+
+fn numbers_in(text: &str) -> Vec<u64> {
+    let words = text.split_whitespace();
+    words.filter_map(|word| word.parse().ok()).collect()
+}
+
+/// Runs the piece that `run_apart` asks for, if it does.
+fn asked(arguments: &[String]) -> Option<()> {
+    let [mark, name, numbers @ ..] = arguments else {
+        return None;
+    };
+    let (name, target) = TARGETS.iter().find(|t| mark == "--piece" && t.0 == name)?;
+    let &[inputs, seed, seeds, first] = numbers_in(&numbers.join(" ")).as_slice() else {
+        return None;
+    };
+    let piece = Piece {
+        name,
+        inputs,
+        seed,
+        seeds,
+        first: first == 1,
+    };
+    let count = piece.run(*target);
+    println!("{} {} {}", count.inputs, count.calls, count.failed);
+    Some(())
+}
+
 fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    if asked(&arguments).is_some() {
+        return ExitCode::SUCCESS;
+    }
     let (mut inputs, mut seed, mut most, mut chosen) = (10_000, 1, u64::MAX, Vec::new());
-    let mut arguments = std::env::args().skip(1);
+    let mut arguments = arguments.into_iter();
     while let Some(argument) = arguments.next() {
         let mut number = |what: &mut u64| {
             let value = arguments.next().and_then(|a| a.parse().ok());
@@ -135,27 +242,37 @@ fn main() -> ExitCode {
     }
     let mut failed = 0u64;
     println!(
-        "{:12} {:>7} {:>10} {:>14} {:>7} {:>7}",
-        "target", "seeds", "inputs", "calls", "failed", "s"
+        "{:12} {:>10} {:>14} {:>7} {:>7}",
+        "target", "inputs", "calls", "failed", "s"
     );
     for (name, target) in TARGETS {
         if !chosen.is_empty() && !chosen.iter().any(|c| c == *name) {
             continue;
         }
-        let (start, seeds, mut random) = (Instant::now(), seeds(name), Random(seed | 1 << 63));
-        let seeds = &seeds[..seeds.len().min(most as usize)];
-        let (mut calls, mut bad) = (0, 0);
-        let mut run = |input: &[u8]| match attempt(name, *target, input) {
-            Some(n) => calls += n,
-            None => bad += 1,
-        };
-        seeds.iter().for_each(|seed| run(seed));
-        (0..inputs).for_each(|_| run(&random.input(seeds, PARSERS.contains(name))));
+        let (start, mut all) = (Instant::now(), Count::default());
+        for n in 0..inputs.div_ceil(PIECE).max(1) {
+            let piece = Piece {
+                name,
+                inputs: PIECE.min(inputs - n * PIECE),
+                seed: seed + n,
+                seeds: most,
+                first: n == 0,
+            };
+            let count = match inputs <= PIECE {
+                true => piece.run(*target),
+                false => piece.run_apart(),
+            };
+            all.inputs += count.inputs;
+            all.calls += count.calls;
+            all.failed += count.failed;
+        }
         let seconds = start.elapsed().as_secs_f32();
-        println!(
-            "{name:12} {:>7} {inputs:>10} {calls:>14} {bad:>7} {seconds:>7.1}",
-            seeds.len()
-        );
+        let Count {
+            inputs,
+            calls,
+            failed: bad,
+        } = all;
+        println!("{name:12} {inputs:>10} {calls:>14} {bad:>7} {seconds:>7.1}");
         failed += bad;
     }
     if failed == 0 {

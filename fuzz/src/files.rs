@@ -1,16 +1,19 @@
-//! Every parser of files: experiments and campaigns (TOML), logs to replay (CSV), ULog, DataFlash, CSV of any columns. Any bytes are read
-//! or refused in words; what is read is used.
+//! Every parser of files: experiments in the plane and in space, campaigns, comparisons, vehicles (TOML), logs to replay (CSV), polars, ULog,
+//! DataFlash, CSV of any columns. Any bytes are read or refused in words; what is read is used.
 
 use std::sync::LazyLock;
 
 use alula::AngleOfAttack;
 use alula::aero::Aerodynamics;
 use alula_logs::{Error, Log, csv, dataflash, states, ulog};
+use alula_sil::airframe::Airframe;
+use alula_sil::design::Known;
 use alula_sil::experiment::{Document, Experiment};
 use alula_sil::named::Named;
 use alula_sil::polar::Polar;
 use alula_sil::simulate::simulate;
-use alula_sil::study::CampaignSource;
+use alula_sil::space;
+use alula_sil::study::{CampaignSource, Source};
 
 /// Bytes that are no UTF-8 are no text file to begin with.
 fn text(data: &[u8]) -> String {
@@ -25,15 +28,18 @@ fn refused(error: &str) {
     );
 }
 
-/// An experiment that is accepted is flown for three steps.
-pub fn experiment(data: &[u8]) -> u64 {
-    let named = Named {
+fn named(data: &[u8]) -> Named {
+    Named {
         name: "x".to_owned(),
         origin: "x.toml".to_owned(),
         text: text(data),
         file: None,
-    };
-    let experiment = match Document::new(&named).and_then(|document| document.checked()) {
+    }
+}
+
+/// An experiment that is accepted is flown for three steps.
+pub fn experiment(data: &[u8]) -> u64 {
+    let experiment = match Document::new(&named(data)).and_then(|document| document.checked()) {
         Ok(experiment) => experiment,
         Err(error) => {
             refused(&format!("{error:#}"));
@@ -49,6 +55,78 @@ pub fn experiment(data: &[u8]) -> u64 {
     });
     assert!(flown.is_ok());
     1 + steps
+}
+
+/// An experiment in space: what is accepted is flown for a moment.
+pub fn space(data: &[u8]) -> u64 {
+    let read = Document::new(&named(data)).and_then(|d| space::Experiment::of(&d));
+    let mut experiment = match read {
+        Ok(experiment) => experiment,
+        Err(error) => {
+            refused(&format!("{error:#}"));
+            return 1;
+        }
+    };
+    experiment.duration_s = 3.0 / experiment.control_rate_hz;
+    experiment.substeps = 1;
+    match space::fly(&experiment) {
+        Ok(record) => {
+            for step in &record {
+                let (thrust, rates) = (step.guided.command.thrust, step.guided.command.rates);
+                crate::assert_finite(&[thrust, rates.i, rates.j, rates.w]);
+            }
+            1 + record.len() as u64
+        }
+        Err(error) => {
+            refused(&error.to_string());
+            2
+        }
+    }
+}
+
+/// A vehicle's file, of which a flight need not be there.
+pub fn vehicle(data: &[u8]) -> u64 {
+    match Document::new(&named(data)).and_then(|document| Airframe::of(&document)) {
+        Ok(airframe) => {
+            let thrust = [0.0, 2.0 * airframe.spec.weight()];
+            let _ = airframe.spec.limited(thrust);
+            2
+        }
+        Err(error) => {
+            refused(&format!("{error:#}"));
+            1
+        }
+    }
+}
+
+/// What is known of a vehicle, in ten lines.
+pub fn known(data: &[u8]) -> u64 {
+    let read = Known::from_text("x.toml", &text(data));
+    match read.map(|known| known.facts()) {
+        Ok(Ok(facts)) => {
+            assert!(facts.mass_kg.is_finite() && facts.k_a().is_finite());
+            2
+        }
+        Ok(Err(error)) => {
+            refused(&error.to_string());
+            1
+        }
+        Err(error) => {
+            refused(&format!("{error:#}"));
+            1
+        }
+    }
+}
+
+/// Policies under conditions: refused, or every flight is planned.
+pub fn comparison(data: &[u8]) -> u64 {
+    match Source::new(&named(data)) {
+        Ok(source) => 1 + source.plan.flights() as u64,
+        Err(error) => {
+            refused(&format!("{error:#}"));
+            1
+        }
+    }
 }
 
 static CAMPAIGN: LazyLock<CampaignSource> =

@@ -23,14 +23,35 @@ pub fn run(data: &[u8]) -> u64 {
     crate::vehicle::with(&mut Bytes::new(data), |bytes, vehicle| {
         let p = bytes.parameters(GuidanceParameters::default());
         match Guidance::new(vehicle, &p) {
-            Ok(guidance) => fly(&guidance, &p, bytes),
+            Ok(guidance) => fly(&guidance, &p, bytes, &mut |_, _, _| ()),
             Err(_) => 1,
         }
     })
     .unwrap_or(1)
 }
 
-fn fly(guidance: &Guidance<Model>, p: &GuidanceParameters, bytes: &mut Bytes) -> u64 {
+/// A call of the guidance: the memory before it, the frame, and the time step.
+type Call<'a> = &'a mut dyn FnMut(&GuidanceState, &GuidanceInput, f32);
+
+/// Of what the input's guidance is made, and its calls without those at the end; nothing of one with a table.
+#[cfg(feature = "boundaries")]
+pub fn calls(
+    data: &[u8],
+    call: Call,
+) -> Option<(
+    alula::VehicleParameters,
+    alula::ModelParameters,
+    GuidanceParameters,
+)> {
+    let mut bytes = Bytes::new(data);
+    let (vehicle, model) = crate::vehicle::parameters(&mut bytes)?;
+    let p = bytes.parameters(GuidanceParameters::default());
+    let made = alula::Vehicle::new(vehicle, model.model().ok()?).ok()?;
+    fly(&Guidance::new(made, &p).ok()?, &p, &mut bytes, call);
+    Some((vehicle, model, p))
+}
+
+fn fly(guidance: &Guidance<Model>, p: &GuidanceParameters, bytes: &mut Bytes, call: Call) -> u64 {
     let mut state = GuidanceState::default();
     let mut calls = 0;
     for _ in 0..FRAMES {
@@ -44,6 +65,7 @@ fn fly(guidance: &Guidance<Model>, p: &GuidanceParameters, bytes: &mut Bytes) ->
             _ => bytes.between(1e-4, 0.2),
         };
         let untouched = state;
+        call(&state, &input, dt);
         let guided = guidance.update(&mut state, &input, dt);
         calls += 1;
         check(guidance, p, &guided);

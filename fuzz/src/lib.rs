@@ -35,6 +35,14 @@ pub const TARGETS: &[(&str, Target)] = &[
     #[cfg(feature = "files")]
     ("experiment", files::experiment),
     #[cfg(feature = "files")]
+    ("space", files::space),
+    #[cfg(feature = "files")]
+    ("vehicle", files::vehicle),
+    #[cfg(feature = "files")]
+    ("known", files::known),
+    #[cfg(feature = "files")]
+    ("comparison", files::comparison),
+    #[cfg(feature = "files")]
     ("campaign", files::campaign),
     #[cfg(feature = "files")]
     ("replay", files::replay),

@@ -2,8 +2,8 @@
 
 use alula::aero::{Node, Polar};
 use alula::{
-    Combined, CombinedParameters, LargeAngle, LargeAngleParameters, Model, SmallAngle,
-    SmallAngleParameters, Table, Vehicle, VehicleParameters,
+    CombinedParameters, LargeAngleParameters, Model, ModelParameters, SmallAngleParameters, Table,
+    Vehicle, VehicleParameters,
 };
 
 use crate::bytes::Bytes;
@@ -57,32 +57,45 @@ pub fn nodes(bytes: &mut Bytes) -> Vec<Node> {
     nodes
 }
 
+/// A model that the core accepts, as it is told to it.
+enum Chosen {
+    Parameters(ModelParameters),
+    Table(Box<Polar<ROOM>>),
+}
+
+fn choose(bytes: &mut Bytes) -> Option<Chosen> {
+    use ModelParameters as Of;
+    Some(Chosen::Parameters(match bytes.byte() % 4 {
+        0 => Of::LargeAngle(bytes.parameters(LargeAngleParameters::NACA_0021_RE_160E3)),
+        1 => Of::SmallAngle(bytes.parameters(SmallAngleParameters {
+            c0: 0.014,
+            c2: 5.5,
+            c3: 0.3,
+        })),
+        2 => {
+            let polar = Polar::new(&nodes(bytes)).ok()?;
+            return Some(Chosen::Table(Box::new(polar)));
+        }
+        _ => Of::Combined(bytes.parameters(CombinedParameters::NACA_0021_RE_160E3)),
+    }))
+}
+
 /// Calls `with` with a vehicle, if the bytes make one that is accepted.
 pub fn with<R>(bytes: &mut Bytes, with: impl FnOnce(&mut Bytes, Vehicle<Model>) -> R) -> Option<R> {
-    let polar;
-    let model = match bytes.byte() % 4 {
-        0 => {
-            let p = bytes.parameters(LargeAngleParameters::NACA_0021_RE_160E3);
-            Model::LargeAngle(LargeAngle::new(p).ok()?)
-        }
-        1 => {
-            let p = SmallAngleParameters {
-                c0: 0.014,
-                c2: 5.5,
-                c3: 0.3,
-            };
-            Model::SmallAngle(SmallAngle::new(bytes.parameters(p)).ok()?)
-        }
-        2 => {
-            polar = Polar::<ROOM>::new(&nodes(bytes)).ok()?;
-            Model::Table(Table::new(&polar))
-        }
-        _ => {
-            let p = bytes.parameters(CombinedParameters::NACA_0021_RE_160E3);
-            Model::Combined(Combined::new(p).ok()?)
-        }
+    let chosen = choose(bytes)?;
+    let model = match &chosen {
+        Chosen::Parameters(p) => p.model().ok()?,
+        Chosen::Table(polar) => Model::Table(Table::new(polar)),
     };
     let p = bytes.parameters(VehicleParameters::PAPER);
     let vehicle = Vehicle::new(p, model).ok()?;
     Some(with(bytes, vehicle))
+}
+
+/// What [`with`] makes a vehicle of, unless that has a table.
+pub fn parameters(bytes: &mut Bytes) -> Option<(VehicleParameters, ModelParameters)> {
+    match choose(bytes)? {
+        Chosen::Parameters(model) => Some((bytes.parameters(VehicleParameters::PAPER), model)),
+        Chosen::Table(_) => None,
+    }
 }

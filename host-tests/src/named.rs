@@ -36,13 +36,14 @@ impl Named {
             let meant = nearest(argument, &names);
             let meant = meant.map_or(String::new(), |name| format!("; did you mean {name}?"));
             let names = names.join(", ");
+            let argument = on_one_line(argument);
             bail!("{argument}: neither a file nor a built-in {noun} ({names}){meant}");
         }
         let name = path.file_stem().unwrap_or(path.as_os_str());
         Ok(Self {
             name: name.to_string_lossy().into_owned(),
             origin: argument.to_owned(),
-            text: std::fs::read_to_string(path).with_context(|| argument.to_owned())?,
+            text: std::fs::read_to_string(path).with_context(|| on_one_line(argument))?,
             file: Some(path.to_owned()),
         })
     }
@@ -62,6 +63,18 @@ impl Named {
     }
 }
 
+/// The text with its control characters escaped: a message that quotes what a file says stays on one line.
+pub(crate) fn on_one_line(text: &str) -> String {
+    let mut line = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c.is_control() {
+            true => line.extend(c.escape_default()),
+            false => line.push(c),
+        }
+    }
+    line
+}
+
 /// The name that was probably meant: as near to `given` as a slip or two.
 fn nearest<'a>(given: &str, names: &[&'a str]) -> Option<&'a str> {
     let given = given.to_lowercase();
@@ -74,6 +87,16 @@ fn nearest<'a>(given: &str, names: &[&'a str]) -> Option<&'a str> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_name_with_a_line_break_is_refused_in_one_line() {
+        for name in ["ro\nd-trip", "ro\r\nund.toml", "round\ttrip"] {
+            let error = Named::find("experiment", &[("round-trip", "")], name).unwrap_err();
+            let text = format!("{error:#}");
+            assert_eq!(text.lines().count(), 1, "{text}");
+            assert!(text.contains("\\n") || text.contains("\\t"), "{text}");
+        }
+    }
 
     #[test]
     fn names_come_before_files_and_mistyped_ones_are_listed() {

@@ -234,6 +234,21 @@ mod tests {
         }
     }
 
+    /// Where the small-angle model still counts at 90°, the terms of sin² count too.
+    #[test]
+    fn a_late_and_gentle_stall_matches_the_printed_equations() {
+        let p = CombinedParameters {
+            c0: 0.05,
+            c1: 0.8,
+            c2: 3.0,
+            c3: 1.3,
+            alpha_bar: 1.4,
+            k_l: 1.0,
+            k_d: 0.7,
+        };
+        super::super::tests::check(&Combined::new(p).unwrap(), |a| printed(p, a), 10.0, 5e-6);
+    }
+
     #[test]
     fn far_beyond_stall_only_the_large_angle_model_is_left() {
         let p = CombinedParameters::NACA_0021_RE_160E3;

@@ -231,3 +231,141 @@ const fn min(a: f32, b: f32) -> f32 {
 const fn max(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use crate::aero::{Aerodynamics, Node, Polar, Table};
+    use crate::air::AngleOfAttack;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+    use std::vec::Vec;
+
+    const PI: f64 = core::f32::consts::PI as f64;
+
+    /// The nodes of three turns, the given one in the middle: the continuation written out.
+    fn continued(nodes: &[(f64, f64)], symmetric: bool, odd: bool) -> Vec<(f64, f64)> {
+        let mut turn: Vec<_> = nodes.to_vec();
+        if symmetric {
+            let sign = if odd { -1.0 } else { 1.0 };
+            let left = nodes.iter().skip(1).rev().map(|&(x, y)| (-x, sign * y));
+            turn = left.chain(nodes.iter().copied()).collect();
+        }
+        // The last node of a turn is the first one of the next.
+        let whole = |moved: f64| turn.iter().skip(1).map(move |&(x, y)| (x + moved, y));
+        let all = whole(-2.0 * PI).chain(whole(0.0)).chain(whole(2.0 * PI));
+        all.collect()
+    }
+
+    /// The interpolant at `x`, in double precision over the whole line: the parabolas' slopes and curvatures, limited as the module says.
+    fn interpolated(line: &[(f64, f64)], x: f64) -> f64 {
+        let width = |k: usize| line[k + 1].0 - line[k].0;
+        let secant = |k: usize| (line[k + 1].1 - line[k].1) / width(k);
+        let parabola = |k: usize| {
+            let (l, r) = (secant(k - 1), secant(k));
+            if l * r <= 0.0 {
+                return 0.0;
+            }
+            let (hl, hr) = (width(k - 1), width(k));
+            let steepest = 2.0 * l.abs().min(r.abs());
+            ((l * hr + r * hl) / (hl + hr)).clamp(-steepest, steepest)
+        };
+        let share = |k: usize| {
+            let sum = parabola(k).abs() + parabola(k + 1).abs();
+            (2.5 * secant(k).abs() / sum.max(1e-300)).min(1.0)
+        };
+        let slope = |k: usize| parabola(k) * share(k - 1).min(share(k));
+        // In the direction of the cell: the ordinates of a monotone quintic.
+        let slack = |k: usize| {
+            let room = secant(k).abs() - 0.4 * (slope(k).abs() + slope(k + 1).abs());
+            10.0 * room.max(0.0) / width(k)
+        };
+        let curvature = |k: usize| {
+            let (l, r) = (secant(k - 1), secant(k));
+            let both = [
+                (l, -slack(k - 1), 4.0 * slope(k).abs() / width(k - 1)),
+                (r, -4.0 * slope(k).abs() / width(k), slack(k)),
+            ];
+            let mut free = 2.0 * (r - l) / (width(k - 1) + width(k));
+            let (mut low, mut high) = (f64::MIN, f64::MAX);
+            for (direction, least, most) in both {
+                let (least, most) = match direction {
+                    d if d > 0.0 => (least, most),
+                    d if d < 0.0 => (-most, -least),
+                    _ => (0.0, 0.0),
+                };
+                (low, high) = (low.max(least), high.min(most));
+            }
+            free = free.max(low);
+            free.min(high)
+        };
+        let k = line.partition_point(|node| node.0 <= x) - 1;
+        let (h, u) = (width(k), (x - line[k].0) / width(k));
+        let (u3, u4, u5) = (u.powi(3), u.powi(4), u.powi(5));
+        // Hermite's quintics of value, slope and curvature at both ends.
+        line[k].1 * (1.0 - 10.0 * u3 + 15.0 * u4 - 6.0 * u5)
+            + line[k + 1].1 * (10.0 * u3 - 15.0 * u4 + 6.0 * u5)
+            + h * slope(k) * (u - 6.0 * u3 + 8.0 * u4 - 3.0 * u5)
+            + h * slope(k + 1) * (-4.0 * u3 + 7.0 * u4 - 3.0 * u5)
+            + h * h * curvature(k) * (0.5 * u * u - 1.5 * u3 + 1.5 * u4 - 0.5 * u5)
+            + h * h * curvature(k + 1) * (0.5 * u3 - u4 + 0.5 * u5)
+    }
+
+    /// A table with random rows; some rows repeat their neighbour's coefficients.
+    fn rows(rng: &mut ChaCha8Rng, symmetric: bool) -> Vec<Node> {
+        let count = rng.random_range(6..20);
+        let start = if symmetric { 0.0 } else { -180.0 };
+        let step = (180.0 - start) / (count - 1) as f32;
+        let coarse = rng.random_range(0..2) == 0;
+        let mut nodes: Vec<_> = (0..count)
+            .map(|n| {
+                let off = rng.random_range(-0.35..0.35f32);
+                let inside = n > 0 && n + 1 < count;
+                let degrees = start + step * (n as f32 + if inside { off } else { 0.0 });
+                let mut c = [
+                    rng.random_range(-1.5..1.5f32),
+                    rng.random_range(0.1..2.0f32),
+                ];
+                if coarse {
+                    c = c.map(|c| 0.5 * (2.0 * c).round());
+                }
+                Node::from_degrees(degrees, c[0], c[1].max(0.25))
+            })
+            .collect();
+        let last = count - 1;
+        if symmetric {
+            (nodes[0].c_l, nodes[last].c_l) = (0.0, 0.0);
+        } else {
+            (nodes[last].c_l, nodes[last].c_d) = (nodes[0].c_l, nodes[0].c_d);
+        }
+        nodes
+    }
+
+    #[test]
+    fn random_tables_are_interpolated_as_on_the_whole_line() {
+        let mut rng = ChaCha8Rng::seed_from_u64(3);
+        for round in 0..400 {
+            let symmetric = round % 2 == 0;
+            let nodes = rows(&mut rng, symmetric);
+            let polar = Polar::<24>::new(&nodes).unwrap();
+            let table = Table::new(&polar);
+            let of = |value: fn(&Node) -> f32, odd| {
+                let nodes: Vec<_> = nodes
+                    .iter()
+                    .map(|node| (f64::from(node.alpha), f64::from(value(node))))
+                    .collect();
+                continued(&nodes, symmetric, odd)
+            };
+            let (lift, drag) = (of(|n| n.c_l, true), of(|n| n.c_d, false));
+            for _ in 0..200 {
+                let alpha = rng.random_range(-3.1..3.1f32);
+                let c = table.coefficients(AngleOfAttack::from_radians(alpha));
+                let x = f64::from(alpha);
+                // 3e-5: roundings of secants and of six monomials, of coefficients up to 2.
+                let off = |got: f32, line: &[_]| (f64::from(got) - interpolated(line, x)).abs();
+                assert!(off(c.c_l, &lift) < 3e-5, "{alpha} {nodes:?}");
+                assert!(off(c.c_d, &drag) < 3e-5, "{alpha} {nodes:?}");
+            }
+        }
+    }
+}

@@ -109,6 +109,29 @@ impl ModelParameters {
 pub(crate) mod tests {
     use super::*;
 
+    #[test]
+    fn a_model_chosen_at_run_time_is_the_one_chosen() {
+        let large = LargeAngle::new(LargeAngleParameters::NACA_0021_RE_160E3).unwrap();
+        let combined = Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap();
+        let small = SmallAngle::new(SmallAngleParameters {
+            c0: 0.014,
+            c2: 5.5,
+            c3: 0.3,
+        });
+        let (small, table) = (small.unwrap(), Table::new(&NACA_0021_RE_160E3));
+        let at = |model: &dyn Aerodynamics| model.coefficients(AngleOfAttack::from_radians(0.3));
+        let all = [at(&large), at(&small), at(&combined), at(&table)];
+        let chosen = [
+            at(&Model::LargeAngle(large)),
+            at(&Model::SmallAngle(small)),
+            at(&Model::Combined(combined)),
+            at(&Model::Table(table)),
+        ];
+        assert_eq!(chosen, all);
+        // No two of them agree.
+        assert!((0..4).all(|i| (0..i).all(|j| all[i] != all[j])));
+    }
+
     /// Compares `model` with `c`, the same model's (c_L, c_D) in f64 from the printed equations, and its
     /// derivatives with central differences of `c`, over (−π, π).
     ///

@@ -487,12 +487,22 @@ mod tests {
         assert_eq!(refuse(&|n| n[0].alpha = 0.1), (0, Start));
         assert_eq!(refuse(&|n| n[4].alpha = 3.0), (4, End));
         assert_eq!(refuse(&|n| n[4].c_l = 0.1), (4, LiftOnAxis));
+        assert_eq!(refuse(&|n| n[0].c_l = 0.1), (0, LiftOnAxis));
+        assert_eq!(refuse(&|n| n[1].c_d = 1e4), (1, OutOfRange));
         assert_eq!(
             refuse(&|n| {
                 n[0] = Node::from_degrees(-180.0, 0.1, 0.1);
             }),
             (4, NotPeriodic)
         );
+        assert_eq!(
+            refuse(&|n| {
+                n[0] = Node::from_degrees(-180.0, 0.0, 0.2);
+            }),
+            (4, NotPeriodic)
+        );
+        // In words, each in its own.
+        assert!(TooFew.text().starts_with("at least five") && End.text().contains("180°"));
         assert_eq!(Polar::<8>::new(&good[..4]).unwrap_err().problem, TooFew);
         assert_eq!(Polar::<3>::new(&good).unwrap_err().problem, TooMany);
     }

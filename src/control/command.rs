@@ -198,3 +198,128 @@ pub(crate) fn check_output(command: Command) -> Result<Command, Fault> {
         Err(Fault::Undefined)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use std::format;
+
+    /// What a step is asked in the velocities, the attitude and the acceleration given.
+    fn asked(
+        velocity: f32,
+        wind: f32,
+        cos: f32,
+        reference: f32,
+        acceleration: f32,
+    ) -> Result<(), Fault> {
+        let state = State {
+            velocity: Inertial::new(0.0, velocity),
+            attitude: Attitude { cos, sin: 0.0 },
+            wind: Inertial::new(-wind, 0.0),
+        };
+        let reference = Reference {
+            velocity: Inertial::new(reference, 0.0),
+            acceleration: Inertial::new(0.0, acceleration),
+        };
+        check_input(&state, &reference)
+    }
+
+    #[test]
+    fn each_input_is_held_against_its_own_bound() {
+        let (fast, steep) = (1.01 * MAX_SPEED, 1.01 * MAX_ACCELERATION);
+        assert_eq!(asked(fast, 0.0, 1.0, 0.0, 0.0), Err(Fault::Velocity));
+        assert_eq!(asked(0.0, fast, 1.0, 0.0, 0.0), Err(Fault::Wind));
+        assert_eq!(
+            asked(0.0, 0.0, 1.0, fast, 0.0),
+            Err(Fault::ReferenceVelocity)
+        );
+        assert_eq!(
+            asked(0.0, 0.0, 1.0, 0.0, steep),
+            Err(Fault::ReferenceAcceleration)
+        );
+        // Large together is not too large.
+        let (fast, steep) = (0.99 * MAX_SPEED, 0.99 * MAX_ACCELERATION);
+        assert_eq!(asked(fast, fast, 1.0, fast, steep), Ok(()));
+    }
+
+    /// The square of an attitude may be off by [`MAX_ATTITUDE_DEFECT`], to either side, at any speed.
+    #[test]
+    fn an_attitude_is_a_unit_pair_to_a_thousandth() {
+        for speed in [0.0, 0.9 * MAX_SPEED, 0.999 * MAX_SPEED] {
+            for off in [-0.9f32, 0.9, -1.1, 1.1, 1e3, -1e3] {
+                let cos = (1.0 + off * MAX_ATTITUDE_DEFECT).sqrt();
+                let expected = if off.abs() < 1.0 {
+                    Ok(())
+                } else {
+                    Err(Fault::Attitude)
+                };
+                assert_eq!(asked(speed, 0.0, cos, 0.0, 0.0), expected, "{speed} {off}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_feed_forward_is_held_against_its_bound() {
+        let check = |air_acceleration: f32, jerk: f32| {
+            check_feed_forward(&FeedForward {
+                air_acceleration: Inertial::new(air_acceleration, 0.0),
+                jerk: Inertial::new(0.0, jerk),
+            })
+        };
+        let (most, beyond) = (0.99 * MAX_ACCELERATION, 1.01 * MAX_ACCELERATION);
+        assert_eq!(check(most, most), Ok(()));
+        assert_eq!(check(beyond, 0.0), Err(Fault::AirAcceleration));
+        assert_eq!(check(0.0, -beyond), Err(Fault::Jerk));
+        assert_eq!(check(f32::NAN, 0.0), Err(Fault::AirAcceleration));
+        assert_eq!(check(0.0, f32::NAN), Err(Fault::Jerk));
+    }
+
+    #[test]
+    fn a_result_is_held_against_its_bound() {
+        let check = |thrust: f32, rate: f32| {
+            let command = Command {
+                thrust,
+                rate,
+                ..Command::default()
+            };
+            check_output(command).map(|c| (c.thrust, c.rate))
+        };
+        let (few, many) = (0.4 * MAX_OUTPUT, 1.1 * MAX_OUTPUT);
+        assert_eq!(check(few, -few), Ok((few, -few)));
+        let refused = [
+            (many, 0.0),
+            (0.0, -many),
+            (-many, many),
+            (f32::NAN, 0.0),
+            (0.0, f32::NEG_INFINITY),
+        ];
+        for (thrust, rate) in refused {
+            assert_eq!(check(thrust, rate), Err(Fault::Undefined));
+        }
+    }
+
+    /// A name is the variant's, in snake case.
+    #[test]
+    fn names_are_the_variants() {
+        for fault in [
+            Fault::Velocity,
+            Fault::Wind,
+            Fault::Attitude,
+            Fault::ReferenceVelocity,
+            Fault::ReferenceAcceleration,
+            Fault::AirAcceleration,
+            Fault::Jerk,
+            Fault::Undefined,
+        ] {
+            let mut snake = std::string::String::new();
+            for c in format!("{fault:?}").chars() {
+                if c.is_uppercase() && !snake.is_empty() {
+                    snake.push('_');
+                }
+                snake.extend(c.to_lowercase());
+            }
+            assert_eq!(fault.name(), snake);
+        }
+    }
+}

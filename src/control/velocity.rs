@@ -410,6 +410,94 @@ mod tests {
         }
     }
 
+    /// Both laws from the forces, as printed, in double precision: `eq:inputsVCeR` and `lawsVGen`.
+    #[test]
+    fn the_laws_are_the_printed_ones() {
+        let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(2);
+        let (control, p) = (control(), GainParameters::PAPER);
+        let [k1, k2, k3, tau] = [p.k1, p.k2, p.k3, p.tau].map(f64::from);
+        let mu = |s: f64| {
+            if s < tau {
+                (core::f64::consts::FRAC_PI_2 * (s / tau).powi(2)).sin()
+            } else {
+                1.0
+            }
+        };
+        let (mut guarded, mut free) = (0, 0);
+        for _ in 0..20_000 {
+            let theta = rng.random_range(-3.1..3.1f32);
+            let mut x: [f32; 14] = core::array::from_fn(|_| rng.random_range(-12.0..12.0));
+            [x[4], x[5]] = [theta.cos(), theta.sin()];
+            let (state, reference, ff) = inputs(x);
+            let v_a = state.velocity - state.wind;
+            let vehicle = control.vehicle();
+            let forces = ApparentForces::new(vehicle, state.attitude, v_a, reference.acceleration);
+            let e = state.attitude.to_body(state.velocity - reference.velocity);
+            let f_delta = f_delta(&forces, vehicle.mass(), vehicle.k_a(), state.attitude, &ff);
+            let [f_i, f_j, p_i, p_j, e_i, e_j, d_i, d_j] = [
+                forces.f.i(),
+                forces.f.j(),
+                forces.f_p.i(),
+                forces.f_p.j(),
+                e.i(),
+                e.j(),
+                f_delta.i(),
+                f_delta.j(),
+            ]
+            .map(f64::from);
+            let norm = p_i.hypot(p_j);
+            let s = norm + p_i;
+            // F_p against the thrust line: single precision has lost it there.
+            if s < 1e-3 * norm {
+                continue;
+            }
+            let h = f64::from(condition_residual(&forces.coefficients, &forces.air));
+            let k = norm * norm / (norm * norm + f64::from(forces.pressure) * f_j * h);
+            let across = p_j * d_i - p_i * d_j;
+            let turn = |guard: f64| norm * k2 * e_j + k3 * norm * p_j * guard / (s * s);
+            let robust = (turn(mu(s)), mu(norm) * across / (norm * norm));
+            let full = (k * turn(1.0), k * across / (norm * norm));
+            let t_p = p_i + k1 * norm * e_i;
+            let near = |got: f32, want: f64, scale: f64| {
+                // 1e-5: some twenty roundings, of terms up to `scale`.
+                let off = (f64::from(got) - want).abs();
+                assert!(off < 1e-5 * (1.0 + scale), "{got} {want} {x:?}");
+            };
+            for (law, (bare, fed), guards) in [
+                (Law::Robust, robust, (mu(s), mu(norm))),
+                (Law::Full, full, (1.0, 1.0)),
+            ] {
+                for ff in [None, Some(&ff)] {
+                    let command = control.either(law, &state, &reference, ff).unwrap();
+                    let d = command.diagnostics;
+                    let fed = if ff.is_some() { fed } else { 0.0 };
+                    let size = if law == Law::Full { k.abs() } else { 1.0 };
+                    let terms =
+                        size * (norm * k2 * e_j).abs() + size * (k3 * norm * p_j / (s * s)).abs();
+                    // 1/k is a difference.
+                    let lost = if law == Law::Full { 1.0 + k * k } else { 1.0 };
+                    near(command.rate, bare - fed, lost * (terms + fed.abs()));
+                    near(
+                        command.thrust,
+                        f_i + k1 * norm * e_i,
+                        norm * (1.0 + k1 * e_i.abs()) + f_i.abs(),
+                    );
+                    near(d.t_p, t_p, norm * (1.0 + k1 * e_i.abs()));
+                    near(d.guard_alignment, guards.0, 0.0);
+                    if ff.is_some() {
+                        near(d.guard_feed_forward, guards.1, 0.0);
+                    }
+                }
+            }
+            if norm < tau {
+                guarded += 1;
+            } else {
+                free += 1;
+            }
+        }
+        assert!(guarded > 1000 && free > 1000, "{guarded} {free}");
+    }
+
     /// Everything that a step reads, one number each.
     fn inputs(x: [f32; 14]) -> (State, Reference, FeedForward) {
         (

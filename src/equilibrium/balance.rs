@@ -100,3 +100,32 @@ impl<'a, A: Aerodynamics> Balance<'a, A> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::aero::{Combined, CombinedParameters};
+    use crate::vehicle::VehicleParameters;
+
+    /// The roundings of a balance are measured by the forces in it: |W| and k_a |v_a|² (|c_L| + |c_D|).
+    #[test]
+    fn the_scale_is_that_of_the_forces() {
+        let model = Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap();
+        let vehicle = Vehicle::new(VehicleParameters::PAPER, model).unwrap();
+        let reference = Reference {
+            velocity: Inertial::new(-1.0, 14.0),
+            acceleration: Inertial::new(0.7, -1.3),
+        };
+        let balance = Balance::new(&vehicle, &reference, Inertial::new(0.5, 2.0)).unwrap();
+        let weight = 10.0 * (9.81f64 - 0.7).hypot(1.3);
+        let pressure = 0.646 * (1.5f64 * 1.5 + 12.0 * 12.0);
+        for n in -31..31 {
+            let alpha = AngleOfAttack::from_radians(0.1 * n as f32);
+            let c = model.coefficients(alpha);
+            let wanted = weight + pressure * f64::from(c.c_l.abs() + c.c_d.abs());
+            let scale = f64::from(balance.at(alpha).scale);
+            // 1e-6: a dozen roundings.
+            assert!((scale / wanted - 1.0).abs() < 1e-6, "{n}");
+        }
+    }
+}

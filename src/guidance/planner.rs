@@ -271,7 +271,8 @@ impl Planner {
             state.plan
         } else {
             let n = state.next;
-            state.next = if n + 1 < CANDIDATES { n + 1 } else { 0 };
+            // What was remembered may be any number.
+            state.next = if n < CANDIDATES - 1 { n + 1 } else { 0 };
             candidate(vehicle, &state.start, n)
         };
         let found = self.predict(vehicle, &state.start, &plan, missed, !first);
@@ -444,6 +445,30 @@ mod tests {
             ..VehicleParameters::PAPER
         };
         Vehicle::new(p, model).unwrap()
+    }
+
+    /// The next candidate is remembered, and any byte may stand there.
+    #[test]
+    fn a_candidate_that_is_none_is_followed_by_the_first() {
+        let planner = Planner::new(&GuidanceParameters::default());
+        for next in 0..=u8::MAX {
+            let mut state = PlannerState {
+                looked: 1,
+                next,
+                ..PlannerState::default()
+            };
+            let (flight, reference) = (Flight::default(), Reference::default());
+            planner.search(
+                &vehicle(2.0),
+                &mut state,
+                &flight,
+                &reference,
+                Inertial::ZERO,
+                0.0,
+            );
+            let after = if next < CANDIDATES - 1 { next + 1 } else { 0 };
+            assert_eq!(state.next, after);
+        }
     }
 
     /// A virtual flight on its own: what it did at worst.

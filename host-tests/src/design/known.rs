@@ -152,7 +152,7 @@ impl Known {
     pub fn load(path: &Path) -> anyhow::Result<Self> {
         let origin = path.display().to_string();
         let text = std::fs::read_to_string(path).with_context(|| origin.clone())?;
-        let mut known: Self = from_toml(&origin, &text, |_| Ok(()))?;
+        let mut known = Self::from_text(&origin, &text)?;
         if let Some(section) = &mut known.section {
             let beside = path.with_file_name(&*section);
             if beside.is_file() {
@@ -160,6 +160,11 @@ impl Known {
             }
         }
         Ok(known)
+    }
+
+    /// What the TOML `text` says; `origin` stands for it in errors.
+    pub fn from_text(origin: &str, text: &str) -> anyhow::Result<Self> {
+        from_toml(origin, text, |_| Ok(()))
     }
 
     /// Asks for what is missing: `ask` gives the answer to a question. A number that is none, or out of its range, is asked for again.

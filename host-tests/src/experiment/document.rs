@@ -13,7 +13,7 @@ use toml::{Table, Value};
 
 use super::{BUILT_IN, Experiment, VehicleSpec};
 use crate::controllers::KINDS;
-use crate::named::Named;
+use crate::named::{Named, on_one_line};
 
 /// Tables of which exactly one entry is given.
 const CHOICES: [&str; 4] = ["controller", "aerodynamics", "rate_loop", "path"];
@@ -44,7 +44,8 @@ impl FieldError {
 
 impl std::fmt::Display for FieldError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}: {}", self.field, self.problem)
+        let (field, problem) = (on_one_line(&self.field), on_one_line(&self.problem));
+        write!(f, "{field}: {problem}")
     }
 }
 
@@ -64,7 +65,7 @@ impl std::fmt::Display for Located {
         let Self { place, error } = self;
         match error.field.is_empty() {
             // What is wrong is no field, but the text itself.
-            true => write!(f, "{place}: {}", error.problem),
+            true => write!(f, "{place}: {}", on_one_line(&error.problem)),
             false => write!(f, "{place}: {error}"),
         }
     }

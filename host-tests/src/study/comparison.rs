@@ -5,7 +5,7 @@ use serde::Deserialize;
 use toml::{Table, Value};
 
 use crate::experiment::{Document, Experiment, FieldError, from_toml};
-use crate::named::Named;
+use crate::named::{Named, on_one_line};
 
 /// Name and TOML text of the built-in comparison.
 const BUILT_IN: &[(&str, &str)] = &[(
@@ -183,7 +183,7 @@ impl Comparison {
     fn experiments(&self, base: &Document) -> anyhow::Result<Vec<Vec<Vec<Experiment>>>> {
         let policies = self.policies.iter().enumerate().map(|(i, policy)| {
             let made = self.policy(i, base);
-            made.map_err(|e| anyhow!("policy {}: {e}", policy.name))
+            made.map_err(|e| anyhow!("policy {}: {e}", on_one_line(&policy.name)))
         });
         let policies = policies.collect::<anyhow::Result<Vec<_>>>()?;
         for condition in &self.conditions {
@@ -197,7 +197,7 @@ impl Comparison {
                     document.number(&path).is_ok()
                 };
                 if !policies.iter().any(has) {
-                    let name = &condition.name;
+                    let (name, rest) = (on_one_line(&condition.name), on_one_line(rest));
                     return Err(anyhow!(
                         "condition {name}: {ANY}{rest}: no controller has this number"
                     ));
@@ -212,7 +212,9 @@ impl Comparison {
                 .map(|(policy, document)| {
                     let made = Self::seeded(condition, document);
                     made.map_err(|e| {
-                        anyhow!("policy {}, condition {}: {e}", policy.name, condition.name)
+                        let (policy, condition) = (&policy.name, &condition.name);
+                        let names = format!("policy {policy}, condition {condition}");
+                        anyhow!("{}: {e}", on_one_line(&names))
                     })
                 });
             flown.collect()

@@ -38,9 +38,13 @@ const LIMITS: [(&str, u32, f64, u64, u32); 5] = [
 const BEGIN: &str = "<!-- cargo target-bench: begin -->\n";
 const END: &str = "<!-- cargo target-bench: end -->\n";
 
-/// Prints the table; with a file as argument, puts it there between its marks as well.
+/// Prints the table; with a file as argument, puts it there between its marks as well. With `--corpus` and a file of calls
+/// (`fuzz/examples/frames.rs`), what the guidance needs over those.
 pub fn main() -> Result<()> {
     let image = build(None)?;
+    if env::args().nth(1).as_deref() == Some("--corpus") {
+        return corpus(&image, &env::args().nth(2).ok_or("--corpus FILE")?);
+    }
     let (mut rows, notes) = run(&image)?;
     add_cycles(&mut rows, &image)?;
     let empty = Weight::of(&build(Some("empty"))?)?;
@@ -77,6 +81,33 @@ fn check(rows: &[Row]) -> Result<()> {
             || row.stack > stack
         {
             return Err(format!("{name} is over a limit").into());
+        }
+    }
+    Ok(())
+}
+
+/// Runs the image over the calls in `file`, and holds what they need against the guidance's limits.
+fn corpus(image: &Path, file: &str) -> Result<()> {
+    let output = qemu(image, &format!("corpus,arg={file}")).output();
+    let output = output.map_err(missing)?;
+    let text = String::from_utf8(output.stdout)?;
+    if !output.status.success() {
+        let errors = String::from_utf8_lossy(&output.stderr);
+        return Err(format!("the image failed: {text}{errors}").into());
+    }
+    let limits = LIMITS.iter().find(|l| l.0 == "guidance");
+    let &(_, median, spread, _, deepest) = limits.ok_or("no limits")?;
+    for (model, line) in ["combined model", "model chosen at run time"]
+        .iter()
+        .zip(text.lines())
+    {
+        let numbers: Vec<u32> = line.split(' ').filter_map(|n| n.parse().ok()).collect();
+        let &[calls, most, stack] = numbers.as_slice() else {
+            return Err(format!("not a result: {line}").into());
+        };
+        println!("{model}: {calls} calls, at most {most} instructions, {stack} bytes of stack");
+        if f64::from(most) > spread * f64::from(median) || stack > deepest {
+            return Err("the guidance is over a limit".into());
         }
     }
     Ok(())

@@ -106,7 +106,7 @@ pub struct Output {
     attitude: Attitude,
     number: f32,
     memory: GuidanceState,
-    guided: Guided,
+    pub guided: Guided,
     space: Result<spatial::Command, Fault>,
     orientation: Result<Orientation, Fault>,
     force_error: ForceErrorState,

@@ -1,5 +1,6 @@
 //! The image that measures, and prints lines by semihosting for the runner to read.
 
+mod corpus;
 mod functions;
 mod measure;
 mod space;
@@ -39,10 +40,15 @@ fn main() -> ! {
 fn bench() {
     let fixture = &black_box(Fixture::new());
     let meter = Meter::new(fixture, &sweep::case(fixture, 0));
-    if traced() {
-        trace(fixture, &meter);
-    } else {
-        measure(fixture, &meter);
+    let mut argument = [0; ARGUMENT];
+    match argument_of(&mut argument) {
+        b"trace" => trace(fixture, &meter),
+        [b'c', b'o', b'r', b'p', b'u', b's', b' ', file @ ..] => {
+            let mut name = [0; ARGUMENT];
+            name[..file.len()].copy_from_slice(file);
+            corpus::measure(fixture, &meter, &name[..=file.len()]);
+        }
+        _ => measure(fixture, &meter),
     }
     debug::exit(debug::EXIT_SUCCESS);
 }
@@ -86,13 +92,17 @@ fn trace(fixture: &Fixture, meter: &Meter) {
 /// Every so many cases are traced. It has no divisor in common with the kinds of cases, so that it meets them all.
 const TRACE_STEP: usize = 11;
 
-/// Whether QEMU was started with the argument `trace`.
-fn traced() -> bool {
-    let mut text = [0u8; 32];
+/// Room for an argument, a zero after it.
+const ARGUMENT: usize = 256;
+
+/// The argument that QEMU was started with.
+fn argument_of(text: &mut [u8; ARGUMENT]) -> &[u8] {
     let mut block = [text.as_mut_ptr() as usize, text.len()];
     // SAFETY: SYS_GET_CMDLINE writes a string no longer than the block says.
     let result = unsafe { syscall1(nr::GET_CMDLINE, block.as_mut_ptr() as usize) };
-    result == 0 && text.starts_with(b"trace\0")
+    assert!(result == 0, "no room for the argument");
+    let end = text.iter().position(|byte| *byte == 0);
+    &text[..end.unwrap_or(0)]
 }
 
 /// Prints how many cases are where, and insists on some everywhere.
