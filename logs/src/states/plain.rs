@@ -52,7 +52,7 @@ impl States {
         columns.add(&FAMILY.wind[0], "m/s", self.wind.as_ref());
         columns.add(&FAMILY.airspeed[0], "m/s", self.airspeed.as_ref());
         let force = self.specific_force.as_ref();
-        columns.add(&FAMILY.specific_force[0], "m/s^2", force);
+        columns.add(&FAMILY.specific_force[0], "m/s/s", force);
         let [attitude, position, velocity, acceleration] = [
             &FAMILY.attitude_setpoint[0],
             &FAMILY.position_setpoint[0],
@@ -112,6 +112,7 @@ mod tests {
                 values: vec![[7.0], [8.0]],
                 age: vec![0.0; 2],
             }),
+            specific_force: Some(series(7.0)),
             attitude_setpoint: None,
             position_setpoint: Some(series(4.0)),
             velocity_setpoint: Some(series(5.0)),
@@ -139,6 +140,7 @@ mod tests {
             (&back.velocity, &states.velocity),
             (&back.position, &states.position),
             (&back.wind, &states.wind),
+            (&back.specific_force, &states.specific_force),
             (&back.position_setpoint, &states.position_setpoint),
             (&back.velocity_setpoint, &states.velocity_setpoint),
             (&back.acceleration_setpoint, &states.acceleration_setpoint),

@@ -139,6 +139,7 @@ mod tests {
             ("velocity[1]", 8.0),
             ("velocity[2]", f64::NAN),
         ];
+        let force = [("xyz[0]", 1.0), ("xyz[1]", 2.0), ("xyz[2]", -9.5)];
         let topics = vec![
             topic("vehicle_attitude", &[1.0, 2.0, 3.0], &q),
             topic("vehicle_attitude_setpoint", &[1.0], &q_d),
@@ -149,6 +150,7 @@ mod tests {
                 &[("windspeed_north", 1.5), ("windspeed_east", -1.0)],
             ),
             topic("trajectory_setpoint", &[1.0], &trajectory),
+            topic("vehicle_acceleration", &[1.0], &force),
             topic("vehicle_status", &[0.0], &[("is_vtol_tailsitter", 1.0)]),
         ];
         Log {
@@ -185,6 +187,9 @@ mod tests {
             setpoint.source
         );
         assert!(setpoint.values[0][2].is_nan());
+        // From belly, wing and tail to nose, wing and belly.
+        let force = states.specific_force.as_ref().unwrap();
+        assert_eq!(force.values[0], [9.5, 2.0, 1.0]);
         let missing: Vec<&str> = states.missing.iter().map(|m| m.what).collect();
         assert_eq!(
             missing,
