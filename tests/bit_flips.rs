@@ -76,6 +76,7 @@ impl World {
             attitude: Attitude::from_angle(plant.theta),
             state_age: 0.0,
             air: Air::Wind(mission.wind),
+            specific_force: None,
             position_error: Some(plant.position - plant.target),
             reference: Reference {
                 velocity: stage,

@@ -143,6 +143,7 @@ pub fn write(record: &[Step], to: impl Write) -> anyhow::Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::experiment::Document;
     use crate::flight_log::Format;
     use crate::space::{flight_log, fly};
 

@@ -102,6 +102,7 @@ pub(crate) mod tests {
             attitude: Attitude::from_angle(-1.0),
             state_age: 0.0,
             air,
+            specific_force: None,
             position_error: Some(Inertial::new(1.0, -2.0)),
             reference: Reference {
                 velocity: Inertial::new(0.0, 15.0),
