@@ -571,6 +571,43 @@ mod tests {
         assert!(worst > grid::N + CAPACITY * (DIG_STEPS + REFINE_STEPS) / 4);
     }
 
+    /// At a fold two equilibria meet: just beside it they are found although they lie in one cell of the grid, which is 0.5° wide at the finest.
+    #[test]
+    fn two_that_meet_at_a_fold_are_found_in_one_cell() {
+        let model = Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap();
+        let vehicle = Vehicle::new(P, model).unwrap();
+        let at = |speed: f32| {
+            let reference = Reference {
+                velocity: Inertial::new(0.0, speed),
+                acceleration: Inertial::ZERO,
+            };
+            Equilibria::find(&vehicle, &reference, Inertial::ZERO).unwrap()
+        };
+        let count = |speed: f32| at(speed).as_slice().len();
+        let mut folds = 0;
+        for n in 0..40 {
+            let (mut low, mut high) = (10.0 + 0.25 * n as f32, 10.25 + 0.25 * n as f32);
+            let (few, many) = (count(low), count(high));
+            if few == many {
+                continue;
+            }
+            for _ in 0..12 {
+                let middle = 0.5 * (low + high);
+                if count(middle) == few {
+                    low = middle;
+                } else {
+                    high = middle;
+                }
+            }
+            let set = at(if few > many { low } else { high });
+            let pairs = set.as_slice().windows(2);
+            let nearest = pairs.map(|e| e[1].alpha - e[0].alpha).fold(1.0, f32::min);
+            assert!(nearest < 0.3 * 0.5f32.to_radians(), "{low} {nearest}");
+            folds += 1;
+        }
+        assert_eq!(folds, 2);
+    }
+
     #[test]
     fn the_set_is_ordered_by_angle_of_attack() {
         let vehicle = Vehicle::new(P, Table::new(&NACA_0021_RE_160E3)).unwrap();
