@@ -207,6 +207,7 @@ class Guidance:
         reference_acceleration: ArrayLike | None = None,
         air_velocity: ArrayLike | None = None,
         wind: ArrayLike | None = None,
+        specific_force: ArrayLike | None = None,
         position_error: ArrayLike | None = None,
         state_age: float = 0.0,
         reference_age: float = 0.0,

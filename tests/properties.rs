@@ -63,17 +63,28 @@ fn frame() -> impl Strategy<Value = (PlanarInput, f32)> {
         theta,
         age.clone(),
         air,
+        proptest::option::of(vector.clone()),
         proptest::option::of(vector),
         age,
         dt,
     )
         .prop_map(
-            |((velocity, v_r, a_r), theta, state_age, air, position_error, reference_age, dt)| {
+            |(
+                (velocity, v_r, a_r),
+                theta,
+                state_age,
+                air,
+                force,
+                position_error,
+                reference_age,
+                dt,
+            )| {
                 let input = PlanarInput {
                     velocity,
                     attitude: Attitude::from_angle(theta),
                     state_age,
                     air,
+                    specific_force: force.map(|f| Body::new(f.down(), f.forward())),
                     position_error,
                     reference: Reference {
                         velocity: v_r,

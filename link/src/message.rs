@@ -304,6 +304,7 @@ mod tests {
             attitude: state.attitude,
             state_age: 0.01,
             air: Air::Velocity(numbers(2.0)),
+            specific_force: Some(Body::new(7.5, -0.5)),
             position_error: Some(numbers(9.0)),
             reference,
             reference_age: 0.02,

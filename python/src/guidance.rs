@@ -253,10 +253,11 @@ impl Guidance {
     }
 
     /// One step in the vertical plane to the north: as `update`, with vectors (down, forward) and the attitude theta [rad], 0 in
-    /// hover with the nose up, -pi/2 with the nose forward. The rate of theta commanded is `rate_rad_s`.
+    /// hover with the nose up, -pi/2 with the nose forward. specific_force: along
+    /// (tail, belly) [m/s²]. The rate of theta commanded is `rate_rad_s`.
     #[pyo3(signature = (
-        dt, *, velocity, theta, reference_velocity, reference_acceleration=None, air_velocity=None, wind=None, position_error=None,
-        state_age=0.0, reference_age=0.0
+        dt, *, velocity, theta, reference_velocity, reference_acceleration=None, air_velocity=None, wind=None, specific_force=None,
+        position_error=None, state_age=0.0, reference_age=0.0
     ))]
     #[expect(clippy::too_many_arguments, reason = "by keyword in Python")]
     fn update_in_plane(
@@ -268,17 +269,20 @@ impl Guidance {
         reference_acceleration: Option<Numbers<'_>>,
         air_velocity: Option<Numbers<'_>>,
         wind: Option<Numbers<'_>>,
+        specific_force: Option<Numbers<'_>>,
         position_error: Option<Numbers<'_>>,
         state_age: f32,
         reference_age: f32,
     ) -> PyResult<Guided> {
         let acceleration = reference_acceleration.as_ref();
         let error = position_error.as_ref().map(|v| vector("position_error", v));
+        let force = specific_force.as_ref().map(|v| vector("specific_force", v));
         let input = PlanarInput {
             velocity: inertial(vector("velocity", &velocity)?),
             attitude: Attitude::from_angle(theta),
             state_age,
             air: air(air_velocity.as_ref(), wind.as_ref(), inertial)?,
+            specific_force: force.transpose()?.map(|[i, j]| ::alula::Body::new(i, j)),
             position_error: error.transpose()?.map(inertial),
             reference: ::alula::Reference {
                 velocity: inertial(vector("reference_velocity", &reference_velocity)?),
