@@ -191,7 +191,7 @@ fn every_refused_parameter_is_named() {
     let mut table = PAPER;
     table.controller.model = ALULA_MODEL_TABLE as f32;
     assert_eq!(controller(&table).err(), Some(ALULA_ERROR_NULL));
-    for code in [1, -9, -1000, i32::MIN, i32::MAX] {
+    for code in [1, -99, -1000, i32::MIN, i32::MAX] {
         assert_eq!(text(code), c"unknown code");
     }
 }

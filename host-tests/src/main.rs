@@ -18,12 +18,13 @@ fn main() -> std::process::ExitCode {
     let cli = match commands::Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) if error.use_stderr() => {
-            // Of what clap adds after an empty line, the name that was meant; not the usage.
+            // Of what clap adds after an empty line, the names that may have been meant; not the usage.
             let message = error.to_string();
             let lines = || message.lines().map(str::trim);
             let what: Vec<_> = lines().take_while(|line| !line.is_empty()).collect();
-            let meant = lines().find_map(|line| line.strip_prefix("tip: a similar "));
-            let meant = meant.map_or(String::new(), |tip| format!("; a similar {tip}"));
+            let tip = lines().find_map(|line| line.strip_prefix("tip: "));
+            let meant = tip.filter(|tip| tip.contains(" similar "));
+            let meant = meant.map_or(String::new(), |tip| format!("; {tip}"));
             eprintln!("{}{meant} (see --help)", what.join(" "));
             return ExitCode::from(2);
         }

@@ -397,11 +397,12 @@ fn a_dispersed_vehicle_does_not_disperse_the_belief() {
 }
 
 /// How wrong a belief may be. Half the mass and two and a half times the wing is a lift per weight five times too great: the wing believed in carries at an
-/// angle of attack at which the real one has not begun to, and the flight sinks. The same factors the other way round, and the truth, fly.
+/// angle of attack at which the real one has not begun to, and without an accelerometer the flight sinks. An accelerometer tells. The same factors the other
+/// way round, and the truth, fly without one.
 #[test]
 fn too_much_lift_is_worse_than_too_little() {
     let mut source = source("mass-and-area", 1);
-    let mut flown = |mass: f64, k_a: f64| {
+    let mut flown = |accelerometer: &str, mass: f64, k_a: f64| {
         let belief = "controller.guidance.vehicle";
         let mut document = source.base.clone();
         document
@@ -410,11 +411,21 @@ fn too_much_lift_is_worse_than_too_little() {
         document
             .set(&format!("{belief}.k_a_kg_m"), k_a.into())
             .unwrap();
+        document
+            .set("sensors.accelerometer", accelerometer.into())
+            .unwrap();
         source.campaign.disperse.clear();
         let drawn = source.campaign.draw(&document, 0).unwrap();
         figure(&Flown::fly(&drawn, &[]).unwrap(), "altitude_least_m")
     };
-    let (light, true_, heavy) = (flown(5.0, 1.615), flown(10.0, 0.646), flown(19.0, 0.2584));
+    let mut without = |mass, k_a| flown("none", mass, k_a);
+    let (light, true_, heavy) = (
+        without(5.0, 1.615),
+        without(10.0, 0.646),
+        without(19.0, 0.2584),
+    );
     assert!(light < -50.0, "{light}");
+    let told = flown("measured", 5.0, 1.615);
+    assert!(told > -15.0, "{told}");
     assert!(true_ > -3.0 && heavy > -5.0, "{true_} {heavy}");
 }

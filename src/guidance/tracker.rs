@@ -33,7 +33,7 @@ const ALONG: f32 = 0.8;
 /// Part of the greatest rate by which the lag of the rate loop is made up for. Where the servo meets stall the virtual rate
 /// goes to and fro at its slew limit. All of the lag's lead would then leave nothing of the limits to bring the attitude
 /// back: of 30 noisy round trips 6 sank more than 1.5 m, the worst 8 m.
-const LAG_SHARE: f32 = 0.2;
+const LAG_SHARE: f32 = 0.36;
 
 /// Part of the greatest integral that is left as F_p grows: with the default gains an angle of 7°.
 const STIFF: f32 = 0.25;
