@@ -26,9 +26,9 @@ fn late(segment: &Segment) -> &alula_sil::figures::Steady {
 }
 
 /// Hover, cruise, hover at 2 m/s² with a rate loop of 100 ms, a thrust lag of 50 ms, control at 100 Hz and wrong
-/// parameters: followed within 1.5 m of altitude and 4 m ahead, at T/W 2, 1.3 and 1.15 alike.
+/// parameters: followed within 1.2 m of altitude and 3 m ahead, at T/W 2, 1.3 and 1.15 alike.
 ///
-/// Measured: altitude −0.4…+1.2 m, 1.4 m behind to 2.9 m ahead, 2.8 rad/s (the limit). Without the virtual flight the
+/// Measured: altitude −0.6…+1.0 m, 1.0 m behind to 2.4 m ahead, 2.8 rad/s (the limit). Without the virtual flight the
 /// vehicle coasted 165 m ahead of this reference, and lost 7 m at T/W 1.15.
 #[test]
 fn the_round_trip_is_followed_whatever_the_thrust() {
@@ -38,13 +38,39 @@ fn the_round_trip_is_followed_whatever_the_thrust() {
         assert!(figures.get("peak_rate_rad_s") < 3.0 && figures.get("lost") == 0.0);
         for segment in &segments {
             let (low, high) = (segment.altitude_least_m, segment.altitude_most_m);
-            assert!(low > -1.5 && high < 1.5, "{most} {}", segment.line());
+            assert!(low > -1.2 && high < 1.2, "{most} {}", segment.line());
             let (behind, ahead) = (segment.forward_least_m, segment.forward_most_m);
-            assert!(behind > -10.0 && ahead < 4.0, "{most} {}", segment.line());
+            assert!(behind > -10.0 && ahead < 3.0, "{most} {}", segment.line());
         }
         for steady in [late(&segments[2]), late(&segments[4])] {
             assert!(steady.late_rate_rms_rad_s < 0.02);
             assert!(steady.late_velocity_error_m_s < 0.05);
+        }
+    }
+}
+
+/// Errors too small to see decide when the stall is crossed, and no such moment is a bad one: with 0.1° and 2 cm/s of noise, in calm air, in a
+/// tailwind of 4 m/s and with a rate lag of 150 ms, none of ten seeds each sinks 3 m or climbs 2 m (measured −1.9…+1.5 m over thirty each). While
+/// the lead of the rate loop's lag had all of the limits, a fifth of them sank more than 1.5 m, the worst 8 m.
+#[test]
+fn noise_does_not_choose_a_bad_moment_to_cross_the_stall() {
+    for condition in [
+        "weather.steady_m_s=[0.0,0.0]",
+        "weather.steady_m_s=[0.0,4.0]",
+        "plant.rate_loop.lag.time_constant_s=0.15",
+    ] {
+        for seed in 1..=10 {
+            let (figures, _) = flown(&experiment(
+                "round-trip",
+                &[
+                    "sensors.theta_deg.noise=0.1",
+                    "sensors.velocity_m_s.noise=0.02",
+                    condition,
+                    &format!("seed={seed}"),
+                ],
+            ));
+            let [low, high] = ["altitude_least_m", "altitude_most_m"].map(|n| figures.get(n));
+            assert!(low > -3.0 && high < 2.0, "{condition} {seed}: {low} {high}");
         }
     }
 }
