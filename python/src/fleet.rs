@@ -22,8 +22,11 @@ pub struct Fleet {
     states: Vec<GuidanceState>,
 }
 
+/// A name, and how what it names is read.
+type Named<T> = (&'static str, fn(&Guided) -> T);
+
 /// The numbers of a step, in the order of the columns.
-const COLUMNS: [(&str, fn(&Guided) -> f32); 8] = [
+const COLUMNS: [Named<f32>; 8] = [
     ("thrust_n", |g| g.thrust_n),
     ("rate_x_rad_s", |g| g.rates_rad_s[0]),
     ("rate_y_rad_s", |g| g.rates_rad_s[1]),
@@ -35,7 +38,7 @@ const COLUMNS: [(&str, fn(&Guided) -> f32); 8] = [
 ];
 
 /// The words of a step.
-const WORDS: [(&str, fn(&Guided) -> String); 5] = [
+const WORDS: [Named<String>; 5] = [
     ("mode", |g| g.mode.to_owned()),
     ("air", |g| g.air.to_owned()),
     ("phase", |g| g.phase.to_owned()),
