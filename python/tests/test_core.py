@@ -175,6 +175,7 @@ def test_the_guidance_gives_the_commands_of_a_flight():
     told = {"velocity": pair("v", "m_s"), "reference_velocity": pair("vr", "m_s")}
     told["reference_acceleration"] = pair("ar", "m_s2")
     told["position_error"] = pair("xe", "m")
+    told["specific_force"] = np.column_stack([record["f_i_m_s2"], record["f_j_m_s2"]])
     air = {"velocity": ("air_velocity", pair("va", "m_s") if "va_down_m_s" in record else None)}
     air["wind"] = ("wind", pair("wind", "m_s"))
     for k, (theta, thrust, rate) in enumerate(zip(record["theta_rad"], record["thrust_n"], record["rate_rad_s"])):
