@@ -131,6 +131,10 @@ struct Forces {
     slope: f32,
     /// Drag per velocity and mass [1/s].
     drag_rate: f32,
+    /// Change of lift per velocity across the air velocity, and mass [1/s].
+    lift_rate: f32,
+    /// Direction of the air velocity.
+    course: Inertial,
 }
 
 impl VirtualVehicle {
@@ -257,20 +261,36 @@ impl VirtualVehicle {
         // then over T and θ, where F − T i changes by d per radian.
         let d = attitude.to_inertial(Body::new(forces.slope, -(alone + forces.change)));
         let damping = DAMPING * gravity;
-        let dd = d.down() * d.down() + weight * (d.forward() * d.forward() + damping * damping);
+        let steep = d.down() * d.down() + weight * (d.forward() * d.forward());
+        let dd = steep + weight * (damping * damping);
         let di = d.down() * attitude.cos + weight * d.forward() * attitude.sin;
         let fd = f.down() * d.down() + weight * f.forward() * d.forward();
         let both = math::clamp((fi * dd - di * fd) / (dd * ii - di * di), least, most);
         let (thrust, error, bound) = if turning && !pushing {
             (alone, plan.target - flight.theta, MAX_TURN)
         } else {
-            (both, (di * both - fd) / dd, MAX_CORRECTION)
+            // The course turns with the acceleration wished for, and the attitude with it as far as the air's force asks.
+            let air = flight.velocity - wind;
+            let turned = (wish.forward() * air.down() - wish.down() * air.forward())
+                / (air.norm_squared() + 0.1);
+            let dj = weight * d.forward() * attitude.cos - d.down() * attitude.sin;
+            let ahead = turned / pace.attitude_gain * (steep + alone * dj);
+            (both, (di * both - fd + ahead) / dd, MAX_CORRECTION)
         };
 
         let acceleration = forces.free - Inertial::new(attitude.cos, attitude.sin) * thrust;
         let h = pace.h;
         // Drag is stiff where the speed is high: implicit in it.
-        flight.velocity += acceleration * (h / (1.0 + h * forces.drag_rate));
+        let mut gained = acceleration * (h / (1.0 + h * forces.drag_rate));
+        // So is lift where the wing is large for its weight: across the air velocity no step goes farther than to where
+        // the change of lift has stopped it.
+        let stiff = h * forces.lift_rate - 1.0;
+        if stiff > 0.0 {
+            let across = Inertial::new(-forces.course.forward(), forces.course.down());
+            let part = across.down() * gained.down() + across.forward() * gained.forward();
+            gained -= across * (part * stiff / (1.0 + stiff));
+        }
+        flight.velocity += gained;
         flight.position += (flight.velocity - reference) * h;
         let wanted = limited(pace.attitude_gain * limited(error, bound), self.rate);
         flight.rate = if (turning && !pushing) || slewed {
@@ -326,6 +346,8 @@ impl Forces {
             change: lambda(&c, &air) * pressure,
             slope: pressure * (c.dc_d * air.cos - c.dc_l * air.sin),
             drag_rate: drag_rate * c.c_d,
+            lift_rate: drag_rate * (c.c_d + c.dc_l),
+            course: air_velocity * (1.0 / (air.speed + 1e-6)),
         }
     }
 }
