@@ -595,7 +595,8 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         );
         state.saturated = saturated;
         // Where the law has no say the virtual flight is drawn to the real one: that is how it is planned anew.
-        let drawn = math::min((1.0 - tracked.law) * DRAW * dt, 1.0);
+        let beyond = if saturated.intersects(Status::THRUST_LOW | Status::THRUST_HIGH) { 1.0 } else { 1.0 - tracked.law };
+        let drawn = math::min(beyond * DRAW * dt, 1.0);
         let flight = &mut state.flight;
         flight.velocity += (input.velocity - flight.velocity) * drawn;
         flight.position += (position - flight.position) * (DRAW_POSITION * drawn);
