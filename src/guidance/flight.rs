@@ -40,6 +40,9 @@ const ARRIVED: f32 = 0.1;
 /// Gains are lowered in steps longer than these products of gain and step, which would overshoot.
 const ATTITUDE_STEP: f32 = 0.8;
 const VERTICAL_STEP: f32 = 0.6;
+/// Squared airspeed below which there is no course to turn [m²/s²].
+const STILL: f32 = 0.1;
+
 /// Where the virtual vehicle is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -105,8 +108,10 @@ pub struct VirtualVehicle {
 /// A step's length, and the gains at that length.
 pub(super) struct Pace {
     pub h: f32,
+    over_h: f32,
     vertical_gain: f32,
     attitude_gain: f32,
+    over_attitude_gain: f32,
 }
 
 impl Pace {
@@ -115,8 +120,10 @@ impl Pace {
     pub const fn new(h: f32) -> Self {
         Self {
             h,
+            over_h: 1.0 / h,
             vertical_gain: math::min(VERTICAL_GAIN, VERTICAL_STEP / h),
             attitude_gain: math::min(ATTITUDE_GAIN, ATTITUDE_STEP / h),
+            over_attitude_gain: 1.0 / math::min(ATTITUDE_GAIN, ATTITUDE_STEP / h),
         }
     }
 }
@@ -133,8 +140,8 @@ struct Forces {
     drag_rate: f32,
     /// Change of lift per velocity across the air velocity, and mass [1/s].
     lift_rate: f32,
-    /// Direction of the air velocity.
-    course: Inertial,
+    /// 1/|v_a|² [s²/m²].
+    over_speed_squared: f32,
 }
 
 impl VirtualVehicle {
@@ -250,7 +257,8 @@ impl VirtualVehicle {
         } else {
             (wish, FORWARD_WEIGHT)
         };
-        let forces = Forces::new(vehicle, *attitude, flight.velocity - wind);
+        let air = flight.velocity - wind;
+        let forces = Forces::new(vehicle, *attitude, air);
         let f = forces.free - wish;
         let (least, most) = (vehicle.thrust_min() / mass, vehicle.thrust_max() / mass);
 
@@ -270,11 +278,11 @@ impl VirtualVehicle {
             (alone, plan.target - flight.theta, MAX_TURN)
         } else {
             // The course turns with the acceleration wished for, and the attitude with it as far as the air's force asks.
-            let air = flight.velocity - wind;
             let turned = (wish.forward() * air.down() - wish.down() * air.forward())
-                / (air.norm_squared() + 0.1);
+                * forces.over_speed_squared
+                * pace.over_attitude_gain;
             let dj = weight * d.forward() * attitude.cos - d.down() * attitude.sin;
-            let ahead = turned / pace.attitude_gain * (steep + alone * dj);
+            let ahead = turned * (steep + alone * dj);
             (both, (di * both - fd + ahead) / dd, MAX_CORRECTION)
         };
 
@@ -284,11 +292,11 @@ impl VirtualVehicle {
         let mut gained = acceleration * (h / (1.0 + h * forces.drag_rate));
         // So is lift where the wing is large for its weight: across the air velocity no step goes farther than to where
         // the change of lift has stopped it.
-        let stiff = h * forces.lift_rate - 1.0;
-        if stiff > 0.0 {
-            let across = Inertial::new(-forces.course.forward(), forces.course.down());
+        if forces.lift_rate > pace.over_h {
+            let stiff = h * forces.lift_rate - 1.0;
+            let across = Inertial::new(-air.forward(), air.down());
             let part = across.down() * gained.down() + across.forward() * gained.forward();
-            gained -= across * (part * stiff / (1.0 + stiff));
+            gained -= across * (forces.over_speed_squared * part * stiff / (1.0 + stiff));
         }
         flight.velocity += gained;
         flight.position += (flight.velocity - reference) * h;
@@ -347,7 +355,7 @@ impl Forces {
             slope: pressure * (c.dc_d * air.cos - c.dc_l * air.sin),
             drag_rate: drag_rate * c.c_d,
             lift_rate: drag_rate * (c.c_d + c.dc_l),
-            course: air_velocity * (1.0 / (air.speed + 1e-6)),
+            over_speed_squared: 1.0 / (air.speed * air.speed + STILL),
         }
     }
 }
