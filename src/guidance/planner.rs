@@ -43,6 +43,8 @@ const TURN_STEP: f32 = 0.055;
 const CATCH_UP: f32 = 0.6;
 /// By how much another plan must cost less: this part, and this much besides.
 const BETTER: f32 = 0.1;
+/// The same in a turn: one that is left half way has cost the altitude and brings nothing.
+const BETTER_IN_A_TURN: f32 = 0.3;
 /// Time of push-over before a turn \[s\], where there is one.
 const PUSH: f32 = 0.3;
 /// Plans looked at in a round, the plan in force first.
@@ -278,9 +280,10 @@ impl Planner {
         let found = self.predict(vehicle, &state.start, &plan, missed, !first);
         state.looked += 1;
         let cost = state.prospect.cost;
+        let better = if state.plan.turn == 1 { BETTER_IN_A_TURN } else { BETTER };
         if first {
             state.prospect = found;
-        } else if found.cost < cost - BETTER * (1.0 + cost) {
+        } else if found.cost < cost - better * (1.0 + cost) {
             state.plan = plan;
             state.looked = 0;
         }
