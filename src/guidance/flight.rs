@@ -108,10 +108,8 @@ pub struct VirtualVehicle {
 /// A step's length, and the gains at that length.
 pub(super) struct Pace {
     pub h: f32,
-    over_h: f32,
     vertical_gain: f32,
     attitude_gain: f32,
-    over_attitude_gain: f32,
 }
 
 impl Pace {
@@ -120,10 +118,8 @@ impl Pace {
     pub const fn new(h: f32) -> Self {
         Self {
             h,
-            over_h: 1.0 / h,
             vertical_gain: math::min(VERTICAL_GAIN, VERTICAL_STEP / h),
             attitude_gain: math::min(ATTITUDE_GAIN, ATTITUDE_STEP / h),
-            over_attitude_gain: 1.0 / math::min(ATTITUDE_GAIN, ATTITUDE_STEP / h),
         }
     }
 }
@@ -138,10 +134,8 @@ struct Forces {
     slope: f32,
     /// Drag per velocity and mass [1/s].
     drag_rate: f32,
-    /// Change of lift per velocity across the air velocity, and mass [1/s].
-    lift_rate: f32,
-    /// 1/|v_a|² [s²/m²].
-    over_speed_squared: f32,
+    /// Airspeed [m/s].
+    speed: f32,
 }
 
 impl VirtualVehicle {
@@ -278,11 +272,15 @@ impl VirtualVehicle {
             (alone, plan.target - flight.theta, MAX_TURN)
         } else {
             // The course turns with the acceleration wished for, and the attitude with it as far as the air's force asks.
-            let turned = (wish.forward() * air.down() - wish.down() * air.forward())
-                * forces.over_speed_squared
-                * pace.over_attitude_gain;
-            let dj = weight * d.forward() * attitude.cos - d.down() * attitude.sin;
-            let ahead = turned * (steep + alone * dj);
+            // Left out of predictions, for its time.
+            let ahead = if slewed {
+                let course = (wish.forward() * air.down() - wish.down() * air.forward())
+                    / (air.norm_squared() + STILL);
+                let dj = weight * d.forward() * attitude.cos - d.down() * attitude.sin;
+                course / pace.attitude_gain * (steep + alone * dj)
+            } else {
+                0.0
+            };
             (both, (di * both - fd + ahead) / dd, MAX_CORRECTION)
         };
 
@@ -292,11 +290,11 @@ impl VirtualVehicle {
         let mut gained = acceleration * (h / (1.0 + h * forces.drag_rate));
         // So is lift where the wing is large for its weight: across the air velocity no step goes farther than to where
         // the change of lift has stopped it.
-        if forces.lift_rate > pace.over_h {
-            let stiff = h * forces.lift_rate - 1.0;
-            let across = Inertial::new(-air.forward(), air.down());
+        if h * forces.change > forces.speed {
+            let stiff = h * forces.change / forces.speed - 1.0;
+            let across = Inertial::new(-air.forward(), air.down()) * (1.0 / forces.speed);
             let part = across.down() * gained.down() + across.forward() * gained.forward();
-            gained -= across * (forces.over_speed_squared * part * stiff / (1.0 + stiff));
+            gained -= across * (part * stiff / (1.0 + stiff));
         }
         flight.velocity += gained;
         flight.position += (flight.velocity - reference) * h;
@@ -354,8 +352,7 @@ impl Forces {
             change: lambda(&c, &air) * pressure,
             slope: pressure * (c.dc_d * air.cos - c.dc_l * air.sin),
             drag_rate: drag_rate * c.c_d,
-            lift_rate: drag_rate * (c.c_d + c.dc_l),
-            over_speed_squared: 1.0 / (air.speed * air.speed + STILL),
+            speed: air.speed,
         }
     }
 }

@@ -200,8 +200,8 @@ impl Tracker {
         // Where the wing carries, the course follows the attitude: the air takes a velocity across itself away, at this
         // rate. A velocity error has to turn the attitude on by as much as the course is to turn.
         let forces = &step.forces;
-        let air = forces.lambda * forces.pressure
-            / (plane.vehicle().mass() * (forces.air.speed + 0.1));
+        let air = forces.lambda * forces.pressure / (plane.vehicle().mass() * forces.air.speed);
+        // Not in still air, where this is no number.
         if air > 0.0 {
             step.gains.k2 *= 1.0 + 4.0 * air / step.gains.k3;
         }

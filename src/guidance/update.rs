@@ -288,9 +288,6 @@ const GUSTS: f32 = 0.3;
 /// How fast the virtual velocity is drawn to the real one where the law has no say [1/s], and what part of that its position.
 const DRAW: f32 = 5.0;
 const DRAW_POSITION: f32 = 0.6;
-/// The same along the thrust line where thrust stands at a limit. A crossing is over before this tells, and the plan of it
-/// left as it is.
-const DRAW_ALONG: f32 = 1.25;
 /// Position errors beyond this \[m\] are taken as this.
 const MAX_DISTANCE: f32 = 1e4;
 
@@ -598,22 +595,10 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         );
         state.saturated = saturated;
         // Where the law has no say the virtual flight is drawn to the real one: that is how it is planned anew.
-        let flight = &mut state.flight;
-        let (slip, away) = (
-            input.velocity - flight.velocity,
-            position - flight.position,
-        );
         let drawn = math::min((1.0 - tracked.law) * DRAW * dt, 1.0);
-        let (mut slower, mut nearer) = (slip * drawn, away * drawn);
-        // Nor has it along the thrust line where thrust stands at a limit.
-        if saturated.intersects(Status::THRUST_LOW | Status::THRUST_HIGH) {
-            let i = input.orientation.i();
-            let along = math::min(DRAW_ALONG * dt, 1.0) * tracked.law;
-            slower += i * (along * i.dot(slip));
-            nearer += i * (along * i.dot(away));
-        }
-        flight.velocity += slower;
-        flight.position += nearer * DRAW_POSITION;
+        let flight = &mut state.flight;
+        flight.velocity += (input.velocity - flight.velocity) * drawn;
+        flight.position += (position - flight.position) * (DRAW_POSITION * drawn);
 
         guided.command = Command {
             thrust,
