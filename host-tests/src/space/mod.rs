@@ -19,7 +19,7 @@ mod telling;
 mod weather;
 
 pub use controller::Pilot;
-pub use experiment::{Experiment, PlantSpec, RateLoop};
+pub use experiment::{Experiment, PlantSpec};
 pub use figures::{FIGURES, Figure, Figures};
 pub use initial::{InitialSpec, Scatter};
 pub use path::{Path, PathSpec, Target};
