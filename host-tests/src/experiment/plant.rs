@@ -3,27 +3,10 @@
 use serde::Deserialize;
 
 use super::document::{FieldError, finite, positive};
+use super::table::{Numbers, Range};
 use crate::reference::{ForceModel, Vector, Vehicle};
 
-/// A number for each axis of rotation: one in the plane; in space belly, right wing and tail.
-pub(crate) trait Axes {
-    /// The numbers.
-    fn each(&self) -> &[f64];
-}
-
-impl Axes for f64 {
-    fn each(&self) -> &[f64] {
-        std::slice::from_ref(self)
-    }
-}
-
-impl Axes for [f64; 3] {
-    fn each(&self) -> &[f64] {
-        self
-    }
-}
-
-/// How the angular rate follows its command. `J` are one number, or in space three.
+/// How the angular rate follows its command. In space `J` is a number for each of belly, right wing and tail.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum RateLoop<J = f64> {
@@ -86,8 +69,7 @@ fn followed(field: &str, tau: f64, dt: f64) -> Result<(), FieldError> {
     Err(FieldError::new(field, problem))
 }
 
-#[allow(private_bounds, reason = "the two there are")]
-impl<J: Axes> PlantSpec<J> {
+impl<J: Numbers> PlantSpec<J> {
     /// Checks every field, for steps of `dt` \[s\].
     pub(crate) fn validate(&self, dt: f64) -> Result<(), FieldError> {
         match &self.rate_loop {
@@ -105,7 +87,7 @@ impl<J: Axes> PlantSpec<J> {
                 let field = "plant.rate_loop.inertia.bandwidth_1_s";
                 positive(field, *bandwidth_1_s)?;
                 followed(field, 1.0 / bandwidth_1_s, dt)?;
-                let each = |field, of: &J| of.each().iter().try_for_each(|&x| positive(field, x));
+                let each = |field, of: &J| Range::Positive.check(field, of);
                 each("plant.rate_loop.inertia.inertia_kg_m2", inertia_kg_m2)?;
                 each("plant.rate_loop.inertia.torque_max_n_m", torque_max_n_m)?;
             }

@@ -1,7 +1,10 @@
-//! A controller run open loop over logged inputs: of a trace ([`trace`]), or of an autopilot's log ([`log`]).
+//! A controller run open loop over logged inputs: of a trace ([`trace`]), or of an autopilot's log ([`log`],
+//! [`space`]).
 
 pub mod log;
 mod source;
+pub mod space;
+mod states;
 pub mod trace;
 
 pub use source::Source;

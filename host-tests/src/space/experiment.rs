@@ -8,9 +8,9 @@ use serde::Deserialize;
 use super::controller::Controller;
 use super::plant::{Rotation, SpatialPlant};
 use super::weather::WeatherSpec;
-use super::{FIGURES, InitialSpec, PathSpec, SensorSpec};
+use super::{FIGURES, InitialSpec, PathSpec, SensorSpec, V3};
 use crate::experiment::{
-    self, Document, FieldError, RateLoop, VehicleSpec, check_steps, finite, thrust_limits,
+    self, Document, FieldError, VehicleSpec, check_steps, finite, thrust_limits,
 };
 
 /// A flight in space. The format is described in this package's README.
@@ -108,19 +108,7 @@ impl Experiment {
             thrust_lag: self.plant.thrust_lag_s,
             thrust: self.plant.thrust_n,
             rate: f64::INFINITY,
-            rotation: match self.plant.rate_loop {
-                RateLoop::Ideal => Rotation::Ideal,
-                RateLoop::Lag { time_constant_s } => Rotation::Lag(time_constant_s),
-                RateLoop::Inertia {
-                    inertia_kg_m2,
-                    bandwidth_1_s,
-                    torque_max_n_m,
-                } => Rotation::Inertia {
-                    lag: 1.0 / bandwidth_1_s,
-                    inertia: inertia_kg_m2.into(),
-                    torque: torque_max_n_m.into(),
-                },
-            },
+            rotation: Rotation::of(&self.plant.rate_loop, V3::from, Rotation::Ideal),
         }
     }
 

@@ -1,5 +1,6 @@
 //! Where a campaign flies: in the vertical plane, or in space.
 
+use crate::columns::Flight;
 use crate::experiment::{self, Document, FieldError};
 use crate::{columns, figures, space};
 
@@ -63,7 +64,7 @@ impl Place {
     pub fn meaning(self, name: &str) -> Option<&'static str> {
         match self {
             Self::Plane => columns::column(name).map(|column| column.meaning),
-            Self::Space => space::columns::column(name).map(|column| column.meaning),
+            Self::Space => space::Experiment::column(name).map(|column| column.meaning),
         }
     }
 }

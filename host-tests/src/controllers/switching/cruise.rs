@@ -24,12 +24,12 @@
 //! Read in PX4's `fw_pos_control_l1_params.c`, `fw_att_control_params.c` and `performance_model_params.c`. Below the least
 //! airspeed the throttle goes to its maximum, and pitch to holding speed alone, in full 15 % below it.
 
-use super::policy::CruiseTable;
+use super::policy::{CruiseTable, in_order};
 use super::{Measured, Setpoint};
 use crate::experiment::FieldError;
 use crate::experiment::table::{
     Range::{Finite, Positive, Within},
-    ordered, table,
+    table,
 };
 
 table! {
@@ -69,16 +69,8 @@ impl CruiseTable for CruiseSpec {
 
     fn validate(&self, table: &str) -> Result<(), FieldError> {
         self.in_range(table)?;
-        let field = |name: &str| format!("{table}.{name}");
-        ordered(&field("airspeed_m_s"), self.airspeed_m_s)?;
-        ordered(&field("throttle"), self.throttle)?;
-        ordered(&field("pitch_deg"), self.pitch_deg)?;
-        let [low, high] = self.throttle;
-        if !(low..high).contains(&self.trim_throttle) {
-            let problem = "must be within throttle";
-            return Err(FieldError::new(field("trim_throttle"), problem));
-        }
-        Ok(())
+        let ranges = [self.airspeed_m_s, self.throttle, self.pitch_deg];
+        in_order(table, ranges, self.trim_throttle)
     }
 
     fn loops(self, full: f64) -> Cruise {

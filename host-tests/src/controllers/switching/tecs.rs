@@ -27,12 +27,12 @@
 //! Left out: the detection of a descent that cannot be flown, and the lowering of the greatest airspeed and of the demanded
 //! climb while throttle or pitch is at its limit.
 
-use super::policy::CruiseTable;
+use super::policy::{CruiseTable, in_order};
 use super::{Measured, Setpoint};
 use crate::experiment::FieldError;
 use crate::experiment::table::{
     Range::{Finite, Positive, Within},
-    ordered, table,
+    table,
 };
 use crate::reference::Vector;
 
@@ -76,16 +76,8 @@ impl CruiseTable for TecsSpec {
 
     fn validate(&self, table: &str) -> Result<(), FieldError> {
         self.in_range(table)?;
-        let field = |name: &str| format!("{table}.{name}");
-        ordered(&field("airspeed_m_s"), self.airspeed_m_s)?;
-        ordered(&field("throttle"), self.throttle)?;
-        ordered(&field("pitch_deg"), self.pitch_deg)?;
-        let [low, high] = self.throttle;
-        if !(low..high).contains(&self.trim_throttle) {
-            let problem = "must be within throttle";
-            return Err(FieldError::new(field("trim_throttle"), problem));
-        }
-        Ok(())
+        let ranges = [self.airspeed_m_s, self.throttle, self.pitch_deg];
+        in_order(table, ranges, self.trim_throttle)
     }
 
     fn loops(self, full: f64) -> Tecs {
