@@ -29,7 +29,7 @@ impl Scales {
             sigma_u: sigma_w / base.powf(0.4),
             sigma_w,
             length_u: h / base.powf(1.2) * FOOT,
-            length_w: spec.height_m,
+            length_w: h * FOOT,
         }
     }
 }
