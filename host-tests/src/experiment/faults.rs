@@ -45,7 +45,7 @@ pub enum FaultKind {
     AttitudeOffset,
     /// The position is off by `size` \[m\].
     PositionJump,
-    /// The air velocity is `1 + size` times what it is, as with a pitot that leaks.
+    /// The air velocity told is `1 + size` times the true one, as with a pitot that leaks.
     AirScale,
     /// The specific force is not told.
     Accelerometer,
@@ -191,7 +191,7 @@ pub(crate) struct Faults<'a, M> {
 }
 
 impl<'a, M: Told> Faults<'a, M> {
-    /// None has begun. The `seed` is the experiment's, of which this `stream` is nobody else's.
+    /// None has begun. `seed` is the experiment's; no other part of the flight draws from this `stream` of it.
     pub fn new(specs: &'a [FaultSpec], seed: u64, stream: u64) -> Self {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         random.set_stream(stream);

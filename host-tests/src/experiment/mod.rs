@@ -148,7 +148,7 @@ impl Experiment {
     /// Checks every field that the type system does not.
     pub fn validate(&self) -> Result<(), FieldError> {
         check_steps(self.duration_s, self.control_rate_hz, self.substeps)?;
-        // Else every frame would be refused, and the flight be a fall.
+        // The guidance refuses every frame with a longer or shorter step; the vehicle would fall.
         let step = 1.0 / self.control_rate_hz;
         let flown = f64::from(MIN_STEP)..=f64::from(MAX_STEP);
         if self.controller.name() == "guidance" && !flown.contains(&step) {
@@ -229,7 +229,7 @@ mod tests {
 
     /// An experiment of one's own takes ten lines.
     #[test]
-    fn what_is_left_out_has_a_default() {
+    fn omitted_fields_have_defaults() {
         let text = "duration_s = 20\n\
             [vehicle]\nmass_kg = 3.0\nk_a_kg_m = 0.2\n\
             [plant]\nthrust_n = [0.0, 47.0]\n\
@@ -257,9 +257,10 @@ mod tests {
         assert!(refused("substeps=0").starts_with("substeps: must be from 1"));
     }
 
-    /// What the plant's steps cannot follow, or its models do not know, is refused by its name: it would end as no number.
+    /// A time constant too short for the plant's steps, or a speed beyond its models, is refused by its field: the simulation would
+    /// diverge.
     #[test]
-    fn what_would_diverge_is_refused() {
+    fn fields_with_which_the_plant_would_diverge_are_refused() {
         let refused = |text: &str| {
             let mut document = Document::load("round-trip").unwrap();
             document.assign(text).unwrap();

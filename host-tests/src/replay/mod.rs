@@ -103,7 +103,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_written_is_declared() {
+    fn every_column_written_is_declared() {
         for name in OUTPUTS {
             assert!(column(name).is_some(), "{name} is no column");
         }

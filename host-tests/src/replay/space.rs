@@ -109,7 +109,7 @@ mod tests {
     use crate::space::fly;
 
     #[test]
-    fn what_is_written_is_declared() {
+    fn every_column_written_is_declared() {
         for name in OUTPUTS {
             assert!(Experiment::column(name).is_some(), "{name} is no column");
         }

@@ -9,7 +9,7 @@ use super::Experiment;
 use crate::controllers::{Flying, GuidanceSpec};
 use crate::experiment::{FieldError, Model, VehicleSpec};
 
-/// `[controller]`: nobody but the guidance flies in space.
+/// `[controller]`: in space the guidance is the only controller.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Controller {

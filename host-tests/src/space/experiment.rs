@@ -94,7 +94,7 @@ impl Experiment {
             let field = format!("bounds.{name}");
             finite(&field, bound)?;
             if !FIGURES.iter().any(|figure| figure.name == name) {
-                return Err(FieldError::new(field, "is no figure"));
+                return Err(FieldError::new(field, "is not the name of a figure"));
             }
         }
         Ok(())

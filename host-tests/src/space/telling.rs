@@ -32,7 +32,7 @@ impl Told for Measured {
     }
 }
 
-/// What the guidance has been told so far: what a fault repeats.
+/// What the guidance was told last, which a fault may repeat.
 #[derive(Default)]
 pub struct Telling {
     measured: Option<(f64, Measured)>,

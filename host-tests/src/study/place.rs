@@ -126,7 +126,7 @@ mod tests {
 
     /// Each place samples columns that its record has, and has the two figures by which a page warns.
     #[test]
-    fn what_is_sampled_is_recorded() {
+    fn every_sampled_column_is_in_the_record() {
         for place in [Place::Plane, Place::Space] {
             for name in place.sampled() {
                 assert!(place.meaning(name).is_some(), "{name}");

@@ -154,7 +154,7 @@ impl Tecs {
     }
 
     /// The aeroplane's setpoint, `dt` \[s\] after the last. As long as the vehicle is `carried` by its rotors, height and speed
-    /// are taken for things of their own: pitch is for height alone, throttle for speed alone.
+    /// are controlled apart: height by pitch, speed by throttle.
     pub fn setpoint(&mut self, measured: &Measured, carried: bool, dt: f64) -> Setpoint {
         let spec = self.spec;
         let nose = Vector::new(-measured.theta.cos(), -measured.theta.sin());
@@ -193,7 +193,7 @@ impl Tecs {
         let too_slow = airspeed < 0.9 * least && m.throttle[2] >= 0.95 * spec.throttle[1];
         m.slow = !carried && (too_slow || (m.slow && low > 0.0 && airspeed < 1.15 * least));
 
-        // Errors of specific potential and kinetic energy [m²/s²], and the rates asked for and had [m²/s³].
+        // Errors of specific potential and kinetic energy [m²/s²], and their rates, asked for and measured [m²/s³].
         let kinetic = |v: f64| 0.5 * v * v;
         let errors = [
             GRAVITY * low,
@@ -369,7 +369,7 @@ pub(crate) mod tests {
         assert!(slow.0 < trim.0 && slow.1 > trim.1, "{slow:?} {trim:?}");
     }
 
-    /// Slow alone is not too slow: the throttle has to be at its end, too.
+    /// An airspeed below the least does not count as too slow before the throttle is at its upper limit.
     #[test]
     fn too_slow_needs_full_throttle() {
         let run = |spec: TecsSpec, below: f64| {
