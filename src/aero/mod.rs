@@ -18,7 +18,7 @@ pub use table::{Interval, Node, Polar, Table, TableError, TableProblem};
 
 use crate::air::AngleOfAttack;
 use crate::error::ParameterError;
-use crate::parameters::Parameters;
+use crate::parameters::{Parameters, Row};
 
 /// Lift and drag coefficients and their derivatives with respect to the angle of attack.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -110,6 +110,13 @@ macro_rules! models {
                 })
             }
 
+            /// The rows of the model's table of parameters.
+            pub fn rows(&self) -> &'static [Row] {
+                match self {
+                    $( Self::$model(_) => $parameters::ROWS, )*
+                }
+            }
+
             /// The value in row `row` of the model's table of parameters, counted from 0; NaN beyond the last row.
             pub fn get(&self, row: usize) -> f32 {
                 match self {
@@ -177,6 +184,8 @@ pub(crate) mod tests {
                 chosen.set(row, -1.0);
                 assert_eq!(chosen.get(row), -1.0, "{name}: {field}");
             }
+            let names = chosen.rows().iter().map(|row| row.name);
+            assert!(names.eq(fields.iter().copied()), "{name}");
             assert!(chosen.get(fields.len()).is_nan(), "{name}");
             assert!(chosen.model().is_err(), "{name}");
         }
