@@ -55,7 +55,7 @@ impl<A: Aerodynamics> Aerodynamics for &A {
 }
 
 /// Makes the list of models that have parameters. A row: the model, its parameters and which of the combined model's they are,
-/// its number in a parameter block, its name.
+/// its number in a parameter block, its name. The numbers count on from 0; 3 is the table's.
 macro_rules! models {
     ($( $(#[doc = $about:literal])* $model:ident, $parameters:ident { $($field:ident),* }, $number:literal, $name:literal; )*) => {
         /// One of the core's models, where the choice is data: an experiment file, a parameter block.
@@ -189,8 +189,10 @@ pub(crate) mod tests {
             assert!(chosen.get(fields.len()).is_nan(), "{name}");
             assert!(chosen.model().is_err(), "{name}");
         }
-        let none = ModelParameters::LIST.len() as u32;
-        assert_eq!(ModelParameters::numbered(none, &coefficients), None);
+        // 3 is the table's, which has no parameters.
+        for none in [3, ModelParameters::LIST.len() as u32 + 1] {
+            assert_eq!(ModelParameters::numbered(none, &coefficients), None);
+        }
     }
 
     /// Compares `model` with `c`, the same model's (c_L, c_D) in f64 from the printed equations, and its
