@@ -6,9 +6,9 @@ use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use alula::Row;
 use alula::guidance::Status;
-use alula_capi::{CHOICES, SECTIONS, Section};
+use alula::{ModelParameters, Row};
+use alula_capi::{ALULA_MODEL_TABLE, CHOICES, SECTIONS, Section};
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
@@ -28,7 +28,7 @@ fn header() -> Result<String> {
     let sources = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
     let scratch = tempfile::tempdir()?;
     let expanded = scratch.path().join("expanded.rs");
-    fs::write(&expanded, status_flags()? + &structures()?)?;
+    fs::write(&expanded, status_flags()? + &models()? + &structures()?)?;
     let mut config = cbindgen::Config::from_file(sources.join("../cbindgen.toml"))?;
     for section in SECTIONS {
         config
@@ -98,6 +98,22 @@ fn status_flags() -> Result<String> {
     Ok(text)
 }
 
+/// The constant of a model in C.
+fn model_constant(name: &str) -> String {
+    format!("ALULA_MODEL_{}", name.to_uppercase().replace('-', "_"))
+}
+
+/// The core's models as constants.
+fn models() -> Result<String> {
+    let mut text = String::new();
+    for (number, name, fields) in ModelParameters::LIST {
+        let (constant, fields) = (model_constant(name), fields.join(", "));
+        writeln!(text, "/// Coefficients by the {name} model: {fields}.")?;
+        writeln!(text, "pub const {constant}: u32 = {number};")?;
+    }
+    Ok(text)
+}
+
 /// The parameters' structures in Rust, as the macros make them, for cbindgen to read.
 fn structures() -> Result<String> {
     let mut text = String::new();
@@ -113,7 +129,7 @@ fn structures() -> Result<String> {
                     number(p.max),
                     default(p)
                 ),
-                Some(choices) => format!("{}; {}.", listed(choices), default(p)),
+                Some(choices) => format!("{}; {}.", listed(&choices), default(p)),
             };
             for line in wrapped(p.meaning).into_iter().chain(wrapped(&about)) {
                 writeln!(text, "/// {line}")?;
@@ -136,9 +152,23 @@ fn structures() -> Result<String> {
 }
 
 /// The values of the `n`th parameter of a table, if it is a choice: the first parameters of the first table are.
-fn choices(section: &Section, n: usize) -> Option<&'static [&'static str]> {
-    let first = section.field == SECTIONS[0].field;
-    CHOICES.get(n).copied().filter(|_| first)
+pub fn choices(section: &Section, n: usize) -> Option<Vec<String>> {
+    if section.field != SECTIONS[0].field || n >= CHOICES {
+        return None;
+    }
+    if n == 0 {
+        let gains = [
+            "by bandwidth (ALULA_GAINS_BANDWIDTH)",
+            "constant (ALULA_GAINS_CONSTANT)",
+        ];
+        return Some(gains.map(str::to_owned).to_vec());
+    }
+    let models = ModelParameters::LIST.iter();
+    let mut names: Vec<_> = models.map(|&(number, name, _)| (number, name)).collect();
+    names.push((ALULA_MODEL_TABLE, "table"));
+    names.sort_unstable();
+    let named = |(_, name): (u32, &str)| format!("{name} ({})", model_constant(name));
+    Some(names.into_iter().map(named).collect())
 }
 
 fn default(p: &Row) -> String {
@@ -190,7 +220,7 @@ fn wrapped(text: &str) -> Vec<String> {
 }
 
 /// `0 = a, 1 = b`.
-fn listed(choices: &[&str]) -> String {
+fn listed(choices: &[String]) -> String {
     let numbered = choices.iter().enumerate();
     let items: Vec<_> = numbered.map(|(n, c)| format!("{n} = {c}")).collect();
     items.join(", ")
@@ -217,7 +247,7 @@ fn table() -> Result<String> {
         for (n, p) in section.rows.iter().enumerate() {
             let choices = match choices(section, n) {
                 None => String::new(),
-                Some(choices) => format!(" {}.", listed(choices)),
+                Some(choices) => format!(" {}.", listed(&choices)),
             };
             let default = match p.default.is_nan() {
                 true => "must be set".into(),

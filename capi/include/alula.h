@@ -220,21 +220,6 @@
 #define ALULA_GAINS_CONSTANT 1
 
 /**
- * Coefficients by the combined model: every parameter of `coefficients`.
- */
-#define ALULA_MODEL_COMBINED 0
-
-/**
- * Coefficients by the large-angle model: c0, c1.
- */
-#define ALULA_MODEL_LARGE_ANGLE 1
-
-/**
- * Coefficients by the small-angle model: c0, c2, c3.
- */
-#define ALULA_MODEL_SMALL_ANGLE 2
-
-/**
  * Coefficients by the table that `alula_init` is given.
  */
 #define ALULA_MODEL_TABLE 3
@@ -429,6 +414,21 @@
  * The specific force was invalid and is left out.
  */
 #define ALULA_STATUS_FORCE_INVALID 1024
+
+/**
+ * Coefficients by the large-angle model: c0, c1.
+ */
+#define ALULA_MODEL_LARGE_ANGLE 1
+
+/**
+ * Coefficients by the small-angle model: c0, c2, c3.
+ */
+#define ALULA_MODEL_SMALL_ANGLE 2
+
+/**
+ * Coefficients by the combined model: c0, c1, c2, c3, alpha_bar, k_l, k_d.
+ */
+#define ALULA_MODEL_COMBINED 0
 
 /**
  * Kind of gains, model, attitude loop.

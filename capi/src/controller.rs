@@ -1,17 +1,14 @@
 //! The controller: a vehicle's guidance and its memory, in memory of the caller's.
 
 use alula::{
-    BandwidthGains, Combined, GainChoice, Gains, Guidance, LargeAngle, LargeAngleParameters, Model,
-    ParameterError, Problem, SmallAngle, SmallAngleParameters, Vehicle,
+    BandwidthGains, GainChoice, Gains, Guidance, Model, ModelParameters, ParameterError, Problem,
+    Vehicle,
 };
 
 use crate::boundary::{self, Layout};
 use crate::code;
 use crate::memory::Memory;
-use crate::parameters::{
-    ALULA_GAINS_CONSTANT, ALULA_MODEL_COMBINED, ALULA_MODEL_LARGE_ANGLE, ALULA_MODEL_SMALL_ANGLE,
-    ALULA_MODEL_TABLE, Parameters, refused,
-};
+use crate::parameters::{ALULA_GAINS_CONSTANT, ALULA_MODEL_TABLE, Parameters, refused};
 use crate::table::{self, Table};
 
 /// A controller: opaque memory of the caller's, where and as long as the caller likes. Set `header`, then call
@@ -58,64 +55,21 @@ pub(crate) struct Initialised<'a> {
 const _: () = assert!(size_of::<Initialised>() <= size_of::<Controller>());
 const _: () = assert!(align_of::<Initialised>() <= align_of::<Controller>());
 
-/// The models that a C caller can choose.
-enum ModelChoice {
-    Combined,
-    LargeAngle,
-    SmallAngle,
-    Table,
-}
-
-impl ModelChoice {
-    /// The choice of this number of the parameter `model`.
-    fn of(number: u32) -> Option<Self> {
-        match number {
-            ALULA_MODEL_COMBINED => Some(Self::Combined),
-            ALULA_MODEL_LARGE_ANGLE => Some(Self::LargeAngle),
-            ALULA_MODEL_SMALL_ANGLE => Some(Self::SmallAngle),
-            ALULA_MODEL_TABLE => Some(Self::Table),
-            _ => None,
-        }
+/// The model of the parameter `model`, by the coefficients in `p` or by `table`.
+fn model<'a>(
+    p: &Parameters,
+    table: impl FnOnce() -> Result<alula::Table<'a>, i32>,
+) -> Result<Model<'a>, i32> {
+    let number = p.controller.model as u32;
+    if number == ALULA_MODEL_TABLE {
+        return Ok(Model::Table(table()?));
     }
-
-    /// The choice that leads to a model. A model of the core that C cannot choose yet does not compile here.
-    #[allow(
-        dead_code,
-        reason = "it is there for the compiler, and for the test below"
-    )]
-    const fn that_makes(model: &Model) -> Self {
-        match model {
-            Model::Combined(_) => Self::Combined,
-            Model::LargeAngle(_) => Self::LargeAngle,
-            Model::SmallAngle(_) => Self::SmallAngle,
-            Model::Table(_) => Self::Table,
-        }
-    }
-
-    /// The model, by the coefficients in `p` or by `table`.
-    fn model<'a>(
-        self,
-        p: &Parameters,
-        table: impl FnOnce() -> Result<alula::Table<'a>, i32>,
-    ) -> Result<Model<'a>, i32> {
-        let c = &p.coefficients;
-        Ok(match self {
-            Self::Combined => Model::Combined(Combined::new(*c).map_err(refused)?),
-            Self::LargeAngle => {
-                let p = LargeAngleParameters { c0: c.c0, c1: c.c1 };
-                Model::LargeAngle(LargeAngle::new(p).map_err(refused)?)
-            }
-            Self::SmallAngle => {
-                let p = SmallAngleParameters {
-                    c0: c.c0,
-                    c2: c.c2,
-                    c3: c.c3,
-                };
-                Model::SmallAngle(SmallAngle::new(p).map_err(refused)?)
-            }
-            Self::Table => Model::Table(table()?),
-        })
-    }
+    let parameters = ModelParameters::numbered(number, &p.coefficients);
+    let parameters = parameters.ok_or(refused(ParameterError {
+        parameter: "model",
+        problem: Problem::OutOfRange,
+    }))?;
+    parameters.model().map_err(refused)
 }
 
 impl<'a> Initialised<'a> {
@@ -124,11 +78,7 @@ impl<'a> Initialised<'a> {
         p: &Parameters,
         table: impl FnOnce() -> Result<alula::Table<'a>, i32>,
     ) -> Result<Self, i32> {
-        let choice = ModelChoice::of(p.controller.model as u32).ok_or(refused(ParameterError {
-            parameter: "model",
-            problem: Problem::OutOfRange,
-        }))?;
-        let model = choice.model(p, table)?;
+        let model = model(p, table)?;
         Ok(Self {
             header: INITIALISED,
             guidance: guidance(p, model).map_err(refused)?,
@@ -244,33 +194,30 @@ pub unsafe extern "C" fn alula_reset(controller: *mut Controller) -> i32 {
 
 #[cfg(test)]
 mod tests {
+    extern crate std;
     use super::*;
-    use crate::parameters::CHOICES;
+    use crate::parameters::LAST_MODEL;
 
-    /// Every number that the range of `model` allows leads to the model of that name.
+    /// Every number that the range of `model` allows leads to a model of its own, and no other number does.
     #[test]
     fn every_model_can_be_chosen() {
-        let paper = Parameters {
+        let mut p = Parameters {
             vehicle: alula::VehicleParameters::PAPER,
             ..Parameters::DEFAULT
         };
-        for (number, name) in CHOICES[1].iter().enumerate() {
-            let choice = ModelChoice::of(number as u32).expect(name);
-            let word = match choice.model(&paper, || Err(-1)) {
-                Ok(model) => match ModelChoice::that_makes(&model) {
-                    ModelChoice::Combined => "combined",
-                    ModelChoice::LargeAngle => "large-angle",
-                    ModelChoice::SmallAngle => "small-angle",
-                    ModelChoice::Table => "table",
-                },
-                // Only the table is asked for.
-                Err(code) => {
-                    assert_eq!(code, -1);
-                    "table"
-                }
-            };
-            assert!(name.starts_with(word), "{name} leads to {word}");
+        let mut chosen = std::vec::Vec::new();
+        for number in 0..=LAST_MODEL as u32 {
+            p.controller.model = number as f32;
+            match model(&p, || Err(-1)) {
+                Ok(model) => chosen.push(core::mem::discriminant(&model)),
+                // The table alone is asked for.
+                Err(code) => assert_eq!((number, code), (ALULA_MODEL_TABLE, -1)),
+            }
         }
-        assert!(ModelChoice::of(CHOICES[1].len() as u32).is_none());
+        let distinct = |n: usize| !chosen[..n].contains(&chosen[n]);
+        assert!((0..chosen.len()).all(distinct));
+        assert_eq!(chosen.len(), LAST_MODEL as usize);
+        p.controller.model = LAST_MODEL + 1.0;
+        assert!(model(&p, || Err(-1)).is_err_and(|code| code != -1));
     }
 }

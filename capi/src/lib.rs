@@ -37,9 +37,8 @@ pub use goal::*;
 pub use guide::alula_guide;
 pub use input::*;
 pub use parameters::{
-    ALULA_GAINS_BANDWIDTH, ALULA_GAINS_CONSTANT, ALULA_MODEL_COMBINED, ALULA_MODEL_LARGE_ANGLE,
-    ALULA_MODEL_SMALL_ANGLE, ALULA_MODEL_TABLE, CHOICES, ControllerParameters, Parameters,
-    SECTIONS, Section, alula_parameters_default,
+    ALULA_GAINS_BANDWIDTH, ALULA_GAINS_CONSTANT, ALULA_MODEL_TABLE, CHOICES, ControllerParameters,
+    Parameters, SECTIONS, Section, alula_parameters_default,
 };
 pub use path::alula_path_pace;
 pub use report::*;

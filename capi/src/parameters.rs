@@ -6,8 +6,8 @@
 use core::ffi::CStr;
 
 use alula::{
-    CombinedParameters, GainParameters, GuidanceParameters, ParameterError, Parameters as _,
-    Problem, Range, Row, VehicleParameters,
+    CombinedParameters, GainParameters, GuidanceParameters, ModelParameters, ParameterError,
+    Parameters as _, Problem, Range, Row, VehicleParameters,
 };
 
 use crate::boundary::{self, Layout};
@@ -18,40 +18,27 @@ pub const ALULA_GAINS_BANDWIDTH: u32 = 0;
 /// Constant gains, as in the paper. They oscillate on a vehicle whose rate loop or thrust lags.
 pub const ALULA_GAINS_CONSTANT: u32 = 1;
 
-/// Coefficients by the combined model: every parameter of `coefficients`.
-pub const ALULA_MODEL_COMBINED: u32 = 0;
-/// Coefficients by the large-angle model: c0, c1.
-pub const ALULA_MODEL_LARGE_ANGLE: u32 = 1;
-/// Coefficients by the small-angle model: c0, c2, c3.
-pub const ALULA_MODEL_SMALL_ANGLE: u32 = 2;
 /// Coefficients by the table that `alula_init` is given.
 pub const ALULA_MODEL_TABLE: u32 = 3;
+
+/// The greatest number of a model: those of [`ModelParameters::LIST`] and the table's.
+pub(crate) const LAST_MODEL: f32 = ModelParameters::LIST.len() as f32;
 
 alula::parameters! {
     /// What a controller is made of besides its vehicle, gains and coefficients.
     pub struct ControllerParameters, "Controller" {
         gains: "", 0.0, 1.0, 0.0, "ALU_GAINS",
             "How the gains are chosen.";
-        model: "", 0.0, 3.0, 0.0, "ALU_MODEL",
+        model: "", 0.0, LAST_MODEL, 0.0, "ALU_MODEL",
             "Model of the aerodynamic coefficients.";
         attitude_gain: "1/s", 1e-2, 1e3, 6.5, "ALU_ATT_P",
             "Gain from attitude error to angular rate of the attitude loop that flies the attitude set-point: the set-point is placed where that loop asks for the commanded rate.";
     }
 }
 
-/// The values of the first parameters, which are choices: whole numbers from 0.
-pub const CHOICES: [&[&str]; 2] = [
-    &[
-        "by bandwidth (ALULA_GAINS_BANDWIDTH)",
-        "constant (ALULA_GAINS_CONSTANT)",
-    ],
-    &[
-        "combined (ALULA_MODEL_COMBINED)",
-        "large-angle (ALULA_MODEL_LARGE_ANGLE)",
-        "small-angle (ALULA_MODEL_SMALL_ANGLE)",
-        "table (ALULA_MODEL_TABLE)",
-    ],
-];
+/// How many of the first parameters are choices: whole numbers from 0.
+/// cbindgen:ignore
+pub const CHOICES: usize = 2;
 
 macro_rules! tables {
     ($( $(#[doc = $about:literal])* $field:ident: $table:ident, )*) => {
@@ -144,7 +131,7 @@ impl Parameters {
         for (index, value) in values.iter().enumerate() {
             let whole = *value == (*value as u32) as f32;
             let checked = match range(index).map_or(Ok(()), |range| range.check(*value)) {
-                Ok(()) if index < CHOICES.len() && !whole => Err(Problem::OutOfRange),
+                Ok(()) if index < CHOICES && !whole => Err(Problem::OutOfRange),
                 checked => checked,
             };
             checked.map_err(|problem| code::of_parameter(index, problem))?;

@@ -152,7 +152,7 @@ fn every_refused_parameter_is_named() {
             p.name
         );
         assert_eq!(code(p.max.next_up()), Some(base - 2), "{}", p.name);
-        if n < CHOICES.len() {
+        if n < CHOICES {
             assert_eq!(code(0.5), Some(base - 2));
         }
         for (problem, what) in [

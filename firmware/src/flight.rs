@@ -1,6 +1,5 @@
 //! The control loop, supervised: bytes and ticks in, replies and the command in force out.
 
-use alula::ModelParameters;
 use alula::guidance::Refusal;
 use alula_link::{
     Admission, Answer, Configuration, Controller, Counters, Envelope, FromTarget, InForce, Input,
@@ -211,16 +210,12 @@ impl Flight {
     }
 }
 
-/// The configuration. The build for the test of the tests changes c1 (c2 of the small-angle model) by one unit in the last
-/// place.
+/// The configuration. The build for the test of the tests changes the model's second parameter (c1, or c2 of the small-angle
+/// model) by one unit in the last place.
 fn perturbed(mut configuration: Configuration) -> Configuration {
     if cfg!(feature = "perturbed") {
-        let c = match &mut configuration.model {
-            ModelParameters::LargeAngle(p) => &mut p.c1,
-            ModelParameters::SmallAngle(p) => &mut p.c2,
-            ModelParameters::Combined(p) => &mut p.c1,
-        };
-        *c = c.next_up();
+        let model = &mut configuration.model;
+        model.set(1, model.get(1).next_up());
     }
     configuration
 }
@@ -231,7 +226,7 @@ mod tests {
     use alula::guidance::{Air, Mode};
     use alula::{
         Attitude, CombinedParameters, Fault, GainParameters, GuidanceParameters, Inertial,
-        Parameters, PlanarInput, Reference, State, VehicleParameters,
+        ModelParameters, Parameters, PlanarInput, Reference, State, VehicleParameters,
     };
     use alula_link::damage::Mangler;
     use alula_link::{ControllerParameters, Law, LawGains, MAX_FRAME, RefusedParameter, encode};

@@ -26,36 +26,67 @@ pub enum Cell {
     Word(Cow<'static, str>),
 }
 
-/// A column.
-pub struct Column {
+/// What is flown, in the plane or in space: what its record holds.
+pub trait Flight: Sized + 'static {
+    /// One control step.
+    type Step;
+
+    /// Every column, in the order of the trace.
+    fn columns() -> &'static [Column<Self>];
+
+    /// Time of a step \[s\].
+    fn time(step: &Self::Step) -> f64;
+
+    /// The column of this name.
+    fn column(name: &str) -> Option<&'static Column<Self>> {
+        Self::columns().iter().find(|column| column.name == name)
+    }
+}
+
+/// A column of the record of a flight `F`.
+pub struct Column<F: Flight = Experiment> {
     /// Its name, with its unit.
     pub name: &'static str,
     /// What it is.
     pub meaning: &'static str,
     /// Its cell in a row.
-    pub read: fn(&Experiment, &Step) -> Option<Cell>,
+    pub read: fn(&F, &F::Step) -> Option<Cell>,
 }
 
+/// Declares the columns of the flight of `$experiment`: name, meaning and how to read each.
 macro_rules! columns {
-    ($($name:literal, $meaning:literal, $read:expr;)*) => {
+    ($experiment:ty, $step:ty; $($name:literal, $meaning:literal, $read:expr;)*) => {
         /// Every column, in the order of the trace.
-        pub static COLUMNS: &[Column] = &[$(Column {
+        pub static COLUMNS: &[$crate::columns::Column<$experiment>] = &[$($crate::columns::Column {
             name: $name,
             meaning: $meaning,
             read: $read,
         }),*];
+
+        impl $crate::columns::Flight for $experiment {
+            type Step = $step;
+
+            fn columns() -> &'static [$crate::columns::Column<Self>] {
+                COLUMNS
+            }
+
+            fn time(step: &$step) -> f64 {
+                step.t
+            }
+        }
     };
 }
+pub(crate) use columns;
 
-fn single(value: f32) -> Option<Cell> {
+pub(crate) fn single(value: f32) -> Option<Cell> {
     Some(Cell::Single(value))
 }
 
-fn double(value: f64) -> Option<Cell> {
+pub(crate) fn double(value: f64) -> Option<Cell> {
     Some(Cell::Double(value))
 }
 
-fn word(name: Option<&'static str>) -> Option<Cell> {
+pub(crate) fn word(name: Option<&'static str>) -> Option<Cell> {
     name.map(|name| Cell::Word(name.into()))
 }
 
@@ -88,7 +119,7 @@ fn force(step: &Step, of: fn(&alula::Body) -> f32) -> Option<Cell> {
         .map(|f| Cell::Single(of(&f)))
 }
 
-columns! {
+columns! { Experiment, Step;
     "t_s", "time", |_, s| double(s.t);
     "v_down_m_s", "velocity as told", |_, s| single(s.input.sample.velocity.down());
     "v_forward_m_s", "velocity as told", |_, s| single(s.input.sample.velocity.forward());
@@ -169,14 +200,14 @@ fn alpha(experiment: &Experiment, step: &Step) -> f64 {
     wrap(step.truth.theta - v.y.atan2(v.x) + std::f64::consts::PI - delta)
 }
 
-/// The column of this name.
+/// The column of this name of a flight in the plane.
 pub fn column(name: &str) -> Option<&'static Column> {
-    COLUMNS.iter().find(|column| column.name == name)
+    Experiment::column(name)
 }
 
-impl Column {
+impl<F: Flight> Column<F> {
     /// The number in a row; NaN where there is none.
-    pub fn number(&self, experiment: &Experiment, step: &Step) -> f64 {
+    pub fn number(&self, experiment: &F, step: &F::Step) -> f64 {
         match (self.read)(experiment, step) {
             Some(Cell::Single(value)) => value.into(),
             Some(Cell::Double(value)) => value,
@@ -184,10 +215,34 @@ impl Column {
         }
     }
 
+    /// The word in a row, if it is one.
+    pub fn word(&self, experiment: &F, step: &F::Step) -> Option<String> {
+        match (self.read)(experiment, step) {
+            Some(Cell::Word(word)) => Some(word.into_owned()),
+            _ => None,
+        }
+    }
+
     /// Whether the column applies to the flight.
-    pub fn applies(&self, experiment: &Experiment, record: &[Step]) -> bool {
+    pub fn applies(&self, experiment: &F, record: &[F::Step]) -> bool {
         let reads = |step| (self.read)(experiment, step).is_some();
         record.iter().any(reads)
+    }
+
+    /// The unit that the end of its name says.
+    pub fn unit(&self) -> &'static str {
+        const ENDS: [(&str, &str); 8] = [
+            ("_m_s3", "m/s³"),
+            ("_m_s2", "m/s²"),
+            ("_m_s", "m/s"),
+            ("_rad_s", "rad/s"),
+            ("_rad", "rad"),
+            ("_m", "m"),
+            ("_n", "N"),
+            ("_s", "s"),
+        ];
+        let end = ENDS.iter().find(|(end, _)| self.name.ends_with(end));
+        end.map_or("", |(_, unit)| unit)
     }
 }
 
@@ -203,16 +258,26 @@ impl Cell {
 }
 
 /// Writes the trace of a flight: CSV with the columns that apply to it. A number that is missing in a row is `NaN`, a word is empty.
-pub fn write_trace(
-    experiment: &Experiment,
-    record: &[Step],
-    mut to: impl Write,
+pub fn write_trace<F: Flight>(
+    experiment: &F,
+    record: &[F::Step],
+    to: impl Write,
 ) -> std::io::Result<()> {
-    let columns: Vec<&Column> = COLUMNS
+    let columns: Vec<&Column<F>> = F::columns()
         .iter()
         .filter(|column| column.applies(experiment, record))
         .collect();
-    let missing = |column: &&Column| {
+    write_columns(&columns, experiment, record, to)
+}
+
+/// The same with these columns.
+pub fn write_columns<F: Flight>(
+    columns: &[&Column<F>],
+    experiment: &F,
+    record: &[F::Step],
+    mut to: impl Write,
+) -> std::io::Result<()> {
+    let missing = |column: &&Column<F>| {
         let mut cells = record
             .iter()
             .filter_map(|step| (column.read)(experiment, step));

@@ -1,7 +1,7 @@
 //! Figures of merit, each declared once: for the terminal, `--json`, limits of campaigns, columns of comparisons and the README.
 //!
-//! A figure is a fold over the control steps of a flight, or of a part of it. One rule for values that are no numbers: a value that is
-//! missing, as |F_p| of a controller without one, is left out; a NaN makes the figure NaN. An extreme without any value is NaN, and a
+//! A figure is a fold over the control steps of a flight, or of a part of it. One rule for missing values and NaN: a value that is
+//! missing, such as |F_p| of a controller without one, is left out; a NaN makes the figure NaN. An extreme without any value is NaN, and a
 //! peak, a sum or a mean without any value is 0. A figure that is NaN is `null` in JSON, and outside of every limit.
 
 use alula::guidance::{Mode, Phase, Progress, Status};
@@ -298,7 +298,7 @@ struct State {
 }
 
 impl State {
-    /// Takes `value` if it is the first, is `beyond` the one before, or is no number: then it stays.
+    /// Takes `value` if it is the first one, is `beyond` the one before, or is NaN. A NaN is never replaced.
     fn extreme(&mut self, value: f64, t: f64, beyond: bool) {
         if beyond || self.time.is_nan() || (value.is_nan() && !self.value.is_nan()) {
             (self.value, self.time) = (value, t);
@@ -310,7 +310,7 @@ impl State {
 pub struct Tally<'a> {
     experiment: &'a Experiment,
     phases: Phases,
-    /// In the order of [`FIGURES`]; none of a figure that is not asked for.
+    /// In the order of [`FIGURES`]; `None` for a figure that is not asked for.
     states: Vec<Option<State>>,
     /// The last step.
     last: Option<Step>,
@@ -686,7 +686,7 @@ mod tests {
             .is_some_and(|g| g.status.contains(flag))
     }
 
-    /// One NaN makes every figure of that quantity NaN, and the flight lost; what there is none of is not there.
+    /// One NaN makes every figure of that quantity NaN, and the flight lost. An extreme without any value is NaN, a time without any step 0.
     #[test]
     fn a_nan_stays_and_is_null() {
         let experiment = experiment("round-trip");

@@ -6,8 +6,8 @@ use std::path::Path;
 use anyhow::Context;
 
 /// Lets `write` fill the file `path` under a temporary name in the same folder, and then renames
-/// it. On failure nothing is left, and the error names `path`. The content is on the disk before the name is, so that a loss of power leaves
-/// the whole file or none. What is there and no file, such as `/dev/null` or a pipe, is written to as it is.
+/// it. On failure nothing is left, and the error names `path`. The content is synchronised to disk before the file is renamed, so that a loss of power leaves
+/// the whole file or none. If `path` exists and is not a regular file, such as `/dev/null` or a pipe, it is written to directly.
 pub fn leave(
     path: &Path,
     write: impl FnOnce(&mut File) -> anyhow::Result<()>,

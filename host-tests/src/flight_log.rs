@@ -6,8 +6,7 @@ use std::io::{BufWriter, Seek, Write};
 
 use alula_logs::{Column, Log, Topic};
 
-use crate::columns::{COLUMNS, Cell};
-use crate::experiment::Experiment;
+use crate::columns::{Cell, Flight};
 use crate::reference::Vector;
 use crate::simulate::Step;
 
@@ -46,38 +45,26 @@ impl Format {
     }
 }
 
-/// The unit that the end of a column's name says.
-fn unit(name: &str) -> &'static str {
-    const ENDS: [(&str, &str); 8] = [
-        ("_m_s3", "m/s^3"),
-        ("_m_s2", "m/s^2"),
-        ("_m_s", "m/s"),
-        ("_rad_s", "rad/s"),
-        ("_rad", "rad"),
-        ("_m", "m"),
-        ("_n", "N"),
-        ("_s", "s"),
-    ];
-    let end = ENDS.iter().find(|(end, _)| name.ends_with(end));
-    end.map_or("", |(_, unit)| unit)
-}
-
 /// The record as a log.
-pub fn log(experiment: &Experiment, record: &[Step]) -> Result<Log, alula_logs::Error> {
-    let time: Vec<f64> = record.iter().map(|step| BEGIN + step.t).collect();
-    let is_word = |step: &Step, column: &crate::columns::Column| {
-        matches!((column.read)(experiment, step), Some(Cell::Word(_)))
+pub fn log<F: Flight>(experiment: &F, record: &[F::Step]) -> Result<Log, alula_logs::Error>
+where
+    Row: for<'a> From<&'a F::Step>,
+{
+    let time: Vec<f64> = record.iter().map(|step| BEGIN + F::time(step)).collect();
+    let is_number = |column: &&crate::columns::Column<F>| {
+        let mut cells = record
+            .iter()
+            .filter_map(|step| (column.read)(experiment, step));
+        cells
+            .next()
+            .is_some_and(|cell| !matches!(cell, Cell::Word(_)))
     };
-    let trace = COLUMNS
-        .iter()
-        .filter(|column| column.applies(experiment, record))
-        .filter(|column| !record.iter().any(|step| is_word(step, column)))
-        .map(|column| {
-            let number = |step| column.number(experiment, step);
-            let values = record.iter().map(number).collect();
-            Column::new(column.name, unit(column.name), values)
-        });
-    let rows: Vec<Row> = record.iter().map(Row::of).collect();
+    let trace = F::columns().iter().filter(is_number).map(|column| {
+        let number = |step| column.number(experiment, step);
+        let unit = column.unit().replace('²', "^2").replace('³', "^3");
+        Column::new(column.name, &unit, record.iter().map(number).collect())
+    });
+    let rows: Vec<Row> = record.iter().map(Row::from).collect();
     log_of(&time, trace.collect(), &rows)
 }
 
@@ -95,8 +82,8 @@ pub struct Row {
     pub specific_force: Option<[f64; 3]>,
 }
 
-impl Row {
-    fn of(step: &Step) -> Self {
+impl From<&Step> for Row {
+    fn from(step: &Step) -> Self {
         let north = |v: Vector| [v.y, 0.0, v.x];
         let half = 0.5 * step.truth.theta;
         Self {
@@ -115,7 +102,7 @@ impl Row {
 }
 
 /// The log of a flight, with the columns of its trace and its rows at the times `time` \[s\].
-pub fn log_of(time: &[f64], trace: Vec<Column>, rows: &[Row]) -> Result<Log, alula_logs::Error> {
+fn log_of(time: &[f64], trace: Vec<Column>, rows: &[Row]) -> Result<Log, alula_logs::Error> {
     let topic = |name, columns: Vec<Column>| Topic::new(name, 0, time.to_vec(), columns);
     let of = |name: &str, unit: &str, value: &dyn Fn(&Row) -> f64| {
         Column::new(name, unit, rows.iter().map(value).collect())

@@ -1,7 +1,7 @@
 //! Stability margins of the velocity loop in level flight: eigenvalues, the largest stable lag of the rate loop and the
 //! largest stable delay of the command, in double precision.
 //!
-//! The loop is the law alone, without position hold, limits or sampling: the state is (v, θ) with θ̇ = ω, behind the actuators' own lags.
+//! The loop is the law alone, without position hold, limits or sampling: the state is (v, θ) with θ̇ = ω, and the states of the actuators' lags.
 //! The largest lag is that of the rate loop, in place of its own, with the own thrust lag and delay. The largest delay is that of thrust
 //! and rate alike, in place of the own, with both own lags. Ideal actuators give the bare loop.
 

@@ -51,9 +51,9 @@ impl Step {
 pub enum End {
     /// At the end of the flight.
     Flown,
-    /// Where the visitor wanted no more.
+    /// `visit` ended it.
     Left,
-    /// At this time \[s\]: the plant had come to a state that is no number, or to no speed of an aircraft.
+    /// At this time \[s\]: the plant's state was not finite, or its speed beyond that of any aircraft.
     Diverged(f64),
 }
 
@@ -190,7 +190,7 @@ pub fn simulate(
     Ok(End::Flown)
 }
 
-/// What the controller has been told so far: what a fault repeats.
+/// What the controller was told last, which a fault may repeat.
 #[derive(Default)]
 struct Telling {
     /// θ as told last \[rad\].

@@ -322,7 +322,7 @@ fn a_dispersed_vehicle_in_space_does_not_disperse_the_belief() {
         (
             "[reference]\nuntil_s = 1.0\nforward_m_s.uniform = [0.0, 1.0]\ndown_m_s.uniform = [0.0, 1.0]\n\
           acceleration_m_s2.uniform = [1.0, 2.0]\nhold_s.uniform = [1.0, 2.0]\nsteps = 0.0\n",
-            "is for the plane alone",
+            "cannot be drawn for an experiment with a path",
         ),
     ] {
         std::fs::write(&file, format!("{text}{line}")).unwrap();

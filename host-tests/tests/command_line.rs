@@ -216,7 +216,7 @@ fn a_bad_log_is_named_with_line_and_column() {
     let bad = |rows: &str, parts: &[&str]| refused(&format!("{HEADER}\n{rows}"), &[], parts);
     bad(
         "NaN,0,0,0,0,0,0,0,0,0\n",
-        &["log.csv:2: t_s: NaN is no time"],
+        &["log.csv:2: t_s: NaN is not a finite time"],
     );
     let back = "1,0,0,0,0,0,0,0,0,0\n0.5,0,0,0,0,0,0,0,0,0\n";
     bad(

@@ -428,7 +428,10 @@ fn wrong_fields_are_refused_by_file_line_and_name() {
         "initial.scatter = { velocity_m_s = -1.0, rate_rad_s = 1.0 }",
         "initial.scatter.velocity_m_s: must",
     );
-    refused("bounds.altitude = 3.0", "bounds.altitude: is no figure");
+    refused(
+        "bounds.altitude = 3.0",
+        "bounds.altitude: is not the name of a figure",
+    );
     refused(
         "sensors.faults = [{ kind = \"air-drift\", from_s = 1.0, to_s = 2.0 }]",
         "sensors.faults[0].size: this kind has a size",

@@ -103,7 +103,7 @@ fn in_space(py: Python<'_>, document: &Document) -> PyResult<Flight> {
     let flown = py.detach(|| -> anyhow::Result<_> {
         let record = space::fly(&experiment)?;
         let columns = space::columns::COLUMNS.iter().filter_map(|column| {
-            let cells = record.iter().map(|step| Some((column.read)(step)));
+            let cells = record.iter().map(|step| (column.read)(&experiment, step));
             Some((column.name.to_owned(), Data::of(cells)?))
         });
         let columns: Vec<_> = columns.collect();

@@ -98,13 +98,10 @@ impl Model {
     /// The model's parameters by name; those of a table are None.
     #[getter]
     fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
-        let dict = match self.0.parameters() {
-            Ok(ModelParameters::LargeAngle(p)) => parameters::dict(py, &p),
-            Ok(ModelParameters::SmallAngle(p)) => parameters::dict(py, &p),
-            Ok(ModelParameters::Combined(p)) => parameters::dict(py, &p),
-            Err(_) => return Ok(None),
+        let Ok(p) = self.0.parameters() else {
+            return Ok(None);
         };
-        dict.map(Some)
+        parameters::values(py, p.rows(), |row| p.get(row)).map(Some)
     }
 
     /// The coefficients at angles of attack [rad], a number or an array of n: columns `cl`, `cd`, and their derivatives `dcl`, `dcd`

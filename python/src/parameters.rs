@@ -25,9 +25,18 @@ pub fn read<P: Parameters>(given: Option<&Bound<'_, PyDict>>) -> PyResult<P> {
 
 /// The parameters as a dictionary, by the names that [`read`] knows.
 pub fn dict<'py, P: Parameters>(py: Python<'py>, parameters: &P) -> PyResult<Bound<'py, PyDict>> {
+    values(py, P::ROWS, |row| parameters.get(row))
+}
+
+/// The same of `rows`, whose values are `get`.
+pub fn values<'py>(
+    py: Python<'py>,
+    rows: &[Row],
+    get: impl Fn(usize) -> f32,
+) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
-    for (i, row) in P::ROWS.iter().enumerate() {
-        dict.set_item(file_name(row), file_value(row, parameters.get(i)))?;
+    for (i, row) in rows.iter().enumerate() {
+        dict.set_item(file_name(row), file_value(row, get(i)))?;
     }
     Ok(dict)
 }

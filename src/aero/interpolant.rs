@@ -169,7 +169,7 @@ impl Window {
         }
     }
 
-    // What it calls is inlined, so that no index is left to check.
+    // The functions called here are inlined; then the compiler sees that every index is in range.
     const fn ends(&self) -> Ends {
         Ends {
             width: self.widths[BEGIN],

@@ -18,6 +18,7 @@ pub use table::{Interval, Node, Polar, Table, TableError, TableProblem};
 
 use crate::air::AngleOfAttack;
 use crate::error::ParameterError;
+use crate::parameters::{Parameters, Row};
 
 /// Lift and drag coefficients and their derivatives with respect to the angle of attack.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -53,56 +54,93 @@ impl<A: Aerodynamics> Aerodynamics for &A {
     }
 }
 
-/// One of the core's models, where the choice is data: an experiment file, a parameter block.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Model<'a> {
-    /// `coeffSmallReynolds1`.
-    LargeAngle(LargeAngle),
-    /// `coeffLargeReynoldsSamllAlpha1`.
-    SmallAngle(SmallAngle),
-    /// `CompleteModel`.
-    Combined(Combined),
-    /// Measured coefficients, interpolated.
-    Table(Table<'a>),
-}
-
-impl Aerodynamics for Model<'_> {
-    #[inline(always)]
-    fn coefficients(&self, alpha: AngleOfAttack) -> Coefficients {
-        match self {
-            Self::LargeAngle(m) => m.coefficients(alpha),
-            Self::SmallAngle(m) => m.coefficients(alpha),
-            Self::Combined(m) => m.coefficients(alpha),
-            Self::Table(m) => m.coefficients(alpha),
+/// Makes the list of models that have parameters. A row: the model, its parameters and which of the combined model's they are,
+/// its number in a parameter block, its name. The numbers count on from 0; 3 is the table's.
+macro_rules! models {
+    ($( $(#[doc = $about:literal])* $model:ident, $parameters:ident { $($field:ident),* }, $number:literal, $name:literal; )*) => {
+        /// One of the core's models, where the choice is data: an experiment file, a parameter block.
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub enum Model<'a> {
+            $( $(#[doc = $about])* $model($model), )*
+            /// Measured coefficients, interpolated.
+            Table(Table<'a>),
         }
-    }
+
+        impl Aerodynamics for Model<'_> {
+            #[inline(always)]
+            fn coefficients(&self, alpha: AngleOfAttack) -> Coefficients {
+                match self {
+                    $( Self::$model(m) => m.coefficients(alpha), )*
+                    Self::Table(m) => m.coefficients(alpha),
+                }
+            }
+        }
+
+        /// Parameters of a model that has no table.
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+        pub enum ModelParameters {
+            $( #[doc = concat!("Of [`", stringify!($model), "`].")] $model($parameters), )*
+        }
+
+        impl ModelParameters {
+            /// Number, name and parameters' names of every model. The numbers are those of [`numbered`](Self::numbered).
+            pub const LIST: &'static [(u32, &'static str, &'static [&'static str])] =
+                &[$( ($number, $name, &[$( stringify!($field) ),*]), )*];
+
+            /// The parameters of the model with this `number`, from those of the same names in `coefficients`; none if there is no
+            /// such model.
+            pub fn numbered(number: u32, coefficients: &CombinedParameters) -> Option<Self> {
+                match number {
+                    $( $number => Some(Self::$model($parameters {
+                        $( $field: coefficients.$field, )*
+                    })), )*
+                    _ => None,
+                }
+            }
+
+            /// The model with these parameters.
+            ///
+            /// # Errors
+            /// As the model's constructor.
+            pub fn model(&self) -> Result<Model<'static>, ParameterError> {
+                Ok(match *self {
+                    $( Self::$model(p) => Model::$model($model::new(p)?), )*
+                })
+            }
+
+            /// The rows of the model's table of parameters.
+            pub fn rows(&self) -> &'static [Row] {
+                match self {
+                    $( Self::$model(_) => $parameters::ROWS, )*
+                }
+            }
+
+            /// The value in row `row` of the model's table of parameters, counted from 0; NaN beyond the last row.
+            pub fn get(&self, row: usize) -> f32 {
+                match self {
+                    $( Self::$model(p) => p.get(row), )*
+                }
+            }
+
+            /// Sets the value in row `row`; beyond the last row nothing happens.
+            pub fn set(&mut self, row: usize, value: f32) {
+                match self {
+                    $( Self::$model(p) => p.set(row, value), )*
+                }
+            }
+        }
+    };
 }
 
-/// Parameters of a model that has no table.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum ModelParameters {
-    /// Of [`LargeAngle`].
-    LargeAngle(LargeAngleParameters),
-    /// Of [`SmallAngle`].
-    SmallAngle(SmallAngleParameters),
-    /// Of [`Combined`].
-    Combined(CombinedParameters),
-}
-
-impl ModelParameters {
-    /// The model with these parameters.
-    ///
-    /// # Errors
-    /// As the model's constructor.
-    pub fn model(&self) -> Result<Model<'static>, ParameterError> {
-        Ok(match *self {
-            Self::LargeAngle(p) => Model::LargeAngle(LargeAngle::new(p)?),
-            Self::SmallAngle(p) => Model::SmallAngle(SmallAngle::new(p)?),
-            Self::Combined(p) => Model::Combined(Combined::new(p)?),
-        })
-    }
+models! {
+    /// `coeffSmallReynolds1`.
+    LargeAngle, LargeAngleParameters { c0, c1 }, 1, "large-angle";
+    /// `coeffLargeReynoldsSamllAlpha1`.
+    SmallAngle, SmallAngleParameters { c0, c2, c3 }, 2, "small-angle";
+    /// `CompleteModel`.
+    Combined, CombinedParameters { c0, c1, c2, c3, alpha_bar, k_l, k_d }, 0, "combined";
 }
 
 #[cfg(test)]
@@ -130,6 +168,31 @@ pub(crate) mod tests {
         assert_eq!(chosen, all);
         // No two of them agree.
         assert!((0..4).all(|i| (0..i).all(|j| all[i] != all[j])));
+    }
+
+    /// Every number leads to the model of its row, with the coefficients of the same names.
+    #[test]
+    fn a_number_chooses_its_model() {
+        let coefficients = CombinedParameters::NACA_0021_RE_160E3;
+        for (number, name, fields) in ModelParameters::LIST {
+            let mut chosen = ModelParameters::numbered(*number, &coefficients).unwrap();
+            assert!(chosen.model().is_ok(), "{name}");
+            for (row, field) in fields.iter().enumerate() {
+                let of = CombinedParameters::RANGES;
+                let place = of.iter().position(|range| range.name == *field).unwrap();
+                assert_eq!(chosen.get(row), coefficients.get(place), "{name}: {field}");
+                chosen.set(row, -1.0);
+                assert_eq!(chosen.get(row), -1.0, "{name}: {field}");
+            }
+            let names = chosen.rows().iter().map(|row| row.name);
+            assert!(names.eq(fields.iter().copied()), "{name}");
+            assert!(chosen.get(fields.len()).is_nan(), "{name}");
+            assert!(chosen.model().is_err(), "{name}");
+        }
+        // 3 is the table's, which has no parameters.
+        for none in [3, ModelParameters::LIST.len() as u32 + 1] {
+            assert_eq!(ModelParameters::numbered(none, &coefficients), None);
+        }
     }
 
     /// Compares `model` with `c`, the same model's (c_L, c_D) in f64 from the printed equations, and its

@@ -124,8 +124,8 @@ pub struct Polar<const N: usize> {
 
 impl<const N: usize> Polar<N> {
     /// The table through `nodes`, by increasing angle: over [0, π] for a symmetric section (c_L odd, c_D even in α), or
-    /// over [−π, π] for any other. α counts from whatever line the table counts it from; a vehicle's δ is measured from
-    /// that line.
+    /// over [−π, π] for any other. α = 0 is the table's reference line, e.g. the chord; a vehicle's δ is measured from
+    /// the same line.
     ///
     /// # Errors
     /// The first row that is wrong, and why.
@@ -253,7 +253,7 @@ impl Aerodynamics for Table<'_> {
         let a = sign * alpha.rad;
         let mut low = 0;
         let mut size = self.intervals.len();
-        // As many steps as the length has bits, whatever the angle.
+        // The number of steps depends on the length alone, not on the angle.
         while size > 1 {
             let half = size / 2;
             let above = matches!(self.intervals.get(low + half), Some(i) if i.alpha <= a);

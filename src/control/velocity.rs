@@ -560,7 +560,7 @@ mod tests {
     }
 
     #[test]
-    fn large_inputs_are_refused_one_by_one_and_not_by_their_sum() {
+    fn each_input_has_a_bound_of_its_own() {
         let (mut state, mut reference) = (HOVER, STAY);
         state.velocity = Inertial::new(0.9 * MAX_SPEED, 0.0);
         state.wind = Inertial::new(0.9 * MAX_SPEED, 0.0);

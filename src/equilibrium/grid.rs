@@ -1,8 +1,8 @@
 //! The angles of attack at which a vehicle is sampled around the circle.
 //!
-//! Finest where wings bend their coefficients most: 0.5° up to 30° on either side, 1.25° within 30° of reverse flow,
+//! Finest where the coefficients of wings curve most: 0.5° up to 30° on either side, 1.25° within 30° of reverse flow,
 //! 2.5° in between: the coefficients are off the chord of a cell by 0.02 at most, as a test below measures. Odd multiples of 0.25°, so that no
-//! node lies on an axis of symmetry, where equilibria like to be.
+//! node lies on an axis of symmetry, where equilibria often are.
 
 use crate::air::AngleOfAttack;
 

@@ -379,7 +379,7 @@ mod tests {
     }
 
     #[test]
-    fn each_is_an_equilibrium_and_says_what_it_is() {
+    fn each_is_an_equilibrium_with_its_thrust_branch_and_angles() {
         for delta in [0.0, 0.4, -1.1] {
             let vehicle = combined(delta);
             for (down, forward) in [(0.0, 14.6), (-6.0, 9.0), (12.0, 1.0), (3.0, -20.0)] {
@@ -481,7 +481,7 @@ mod tests {
     }
 
     #[test]
-    fn where_every_orientation_will_do_it_is_said() {
+    fn a_reference_held_by_every_orientation_is_an_error_of_its_own() {
         let free_fall = Reference {
             velocity: Inertial::ZERO,
             acceleration: Inertial::new(9.81, 0.0),

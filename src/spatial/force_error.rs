@@ -72,7 +72,7 @@ impl ForceError {
         })
     }
 
-    /// One step of `dt` \[s\], after the law's. What is not finite, and a step that is no time, is left out.
+    /// One step of `dt` \[s\], after the law's. A sample that is not finite, or a `dt` that is not positive, changes nothing.
     #[inline]
     pub fn update(&self, state: &mut ForceErrorState, sample: &ForceSample, dt: f32) {
         let body = sample.specific_force * self.mass - sample.aerodynamic
@@ -96,7 +96,7 @@ impl ForceError {
     }
 }
 
-/// 1 − e^{−dt/τ}: the share of the way that a first-order lag goes. Meaningless where `dt` is no time.
+/// 1 − e^{−dt/τ}: the share of the way that a first-order lag goes. Meaningless unless `dt` is positive.
 #[inline(always)]
 fn passed(dt: f32, time: f32) -> f32 {
     let exponent = math::min(core::f32::consts::LOG2_E * (dt / time), 100.0);

@@ -137,7 +137,7 @@ impl Orientation {
         if sine < MIN_SINE {
             return None;
         }
-        // Once more: what the first difference has lost in digits is as large as it is small.
+        // A second time: where the difference is small, the first one has lost digits to cancellation.
         let j = across * (1.0 / sine);
         let j = j - i * i.dot(j);
         let j = j * (1.0 / math::sqrt(j.norm_squared()));

@@ -30,8 +30,8 @@ impl SideslipParameters {
 
 /// Estimates what the known wind leaves out of the air velocity along w.
 ///
-/// Across the wing an accelerometer feels the side force alone, f_w = −(k_a c_Y/m) |v_a| v_aw, which gives v_aw. What
-/// this says beyond the v_aw of the known wind is low-passed.
+/// Across the wing an accelerometer feels the side force alone, f_w = −(k_a c_Y/m) |v_a| v_aw, which gives v_aw. The
+/// difference from the v_aw of the known wind is low-passed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Sideslip {
@@ -72,7 +72,7 @@ impl Sideslip {
     }
 
     /// One step of `dt` \[s\], with the air velocity `v_a` [m/s] of the known wind, and the specific force along the right
-    /// wing [m/s²]. What is not finite, and a step that is no time, is left out.
+    /// wing [m/s²]. A measurement that is not finite, or a `dt` that is not positive, changes nothing.
     #[inline]
     pub fn update(&self, state: &mut SideslipState, v_a: Body, specific_force: f32, dt: f32) {
         let square = v_a.norm_squared();

@@ -8,8 +8,8 @@ use anyhow::{Context, ensure};
 use alula_sil::experiment::{DEFAULT, Document, Experiment};
 use alula_sil::files::leave;
 use alula_sil::page::Page;
-use alula_sil::page::{replay::page, space_replay};
-use alula_sil::replay::Source;
+use alula_sil::page::replay::{page, page_in_space};
+use alula_sil::replay::{self, Source};
 use alula_sil::space;
 
 use super::settings::Settings;
@@ -77,15 +77,19 @@ impl Args {
             "--heading: the guidance in space needs no plane"
         );
         let experiment = space::Experiment::of(document)?;
-        let (record, said) = space::replay::replay(&source.states()?, &experiment)?;
+        let (record, said) = replay::space::replay(&source.states()?, &experiment)?;
         let Some(out) = &self.out else {
-            return space::replay::write(&record, std::io::stdout().lock());
+            return Ok(replay::space::write(
+                &experiment,
+                &record,
+                std::io::stdout().lock(),
+            )?);
         };
         std::fs::create_dir_all(out).with_context(|| out.display().to_string())?;
         leave(&out.join("commands.csv"), |file| {
-            space::replay::write(&record, file)
+            Ok(replay::space::write(&experiment, &record, file)?)
         })?;
-        let page = space_replay::page(&self.name(), document, &record, &said);
+        let page = page_in_space(&self.name(), document, &experiment, &record, &said);
         show(&page, out)
     }
 

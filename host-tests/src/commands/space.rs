@@ -9,11 +9,12 @@ use indicatif::ProgressBar;
 use serde::Serialize;
 use serde_json::{Map, Value};
 
+use alula_sil::columns::write_trace;
 use alula_sil::experiment::Document;
 use alula_sil::files::leave;
+use alula_sil::flight_log;
 use alula_sil::page::space::page;
-use alula_sil::space::columns::write_trace;
-use alula_sil::space::{Experiment, Figures, Pilot, Record, flight_log, fly_by as simulate};
+use alula_sil::space::{Experiment, Figures, Pilot, Record, fly_by as simulate};
 use alula_sil::study::Threads;
 use alula_sil::study::starts::{BASES, FLIGHTS, LIMITS, Starts, starts};
 
@@ -83,11 +84,11 @@ pub fn report(
 ) -> anyhow::Result<()> {
     let figures = Figures::of(experiment, record);
     leave(&out.join("trace.csv"), |file| {
-        Ok(write_trace(record, file)?)
+        Ok(write_trace(experiment, record, file)?)
     })?;
     let page = page(document, experiment, record, &figures);
     page.leave(out, ["flight.svg", "report.html"])?;
-    let logs = logs.leave(|| flight_log::log(record), out)?;
+    let logs = logs.leave(|| flight_log::log(experiment, record), out)?;
     let mut stdout = std::io::stdout().lock();
     if output.json() {
         let summary = Summary {

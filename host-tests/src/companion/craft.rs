@@ -7,7 +7,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use crate::experiment::{Experiment, RateLoop, Weather, thrust_limits};
+use crate::experiment::{Experiment, Weather, thrust_limits};
 use crate::space::{self, Rotation, SpatialPlant, SpatialState};
 
 type V3 = Vector3<f64>;
@@ -54,19 +54,11 @@ impl Craft {
                 thrust_lag: if lag > 0.0 { lag } else { LEAST_LAG },
                 thrust: [experiment.plant.thrust_n[0].max(0.0), most],
                 rate: f64::INFINITY,
-                rotation: match experiment.plant.rate_loop {
-                    RateLoop::Ideal => Rotation::Lag(LEAST_LAG),
-                    RateLoop::Lag { time_constant_s } => Rotation::Lag(time_constant_s),
-                    RateLoop::Inertia {
-                        inertia_kg_m2,
-                        bandwidth_1_s,
-                        torque_max_n_m,
-                    } => Rotation::Inertia {
-                        lag: 1.0 / bandwidth_1_s,
-                        inertia: V3::repeat(inertia_kg_m2),
-                        torque: V3::repeat(torque_max_n_m),
-                    },
-                },
+                rotation: Rotation::of(
+                    &experiment.plant.rate_loop,
+                    V3::repeat,
+                    Rotation::Lag(LEAST_LAG),
+                ),
             },
             state: SpatialState {
                 position: V3::zeros(),

@@ -40,7 +40,7 @@ pub struct Input {
 }
 
 impl Input {
-    /// The wind \[m/s\] as far as it is told; none if nothing is.
+    /// The wind \[m/s\] told to the controller, directly or by an air velocity; none if the air is unknown.
     pub fn wind(&self) -> Inertial {
         match self.sample.air {
             Air::Velocity(velocity) => self.sample.velocity - velocity,

@@ -272,7 +272,7 @@ impl Document {
     /// Writes down what the controller believes about the vehicle, where that is left out: the vehicle as it stands here. What is
     /// changed of the vehicle from then on is not known to the controller.
     pub fn pin_belief(&mut self) -> Result<(), FieldError> {
-        // In space nobody but the guidance flies.
+        // In space the guidance is the only controller.
         let (believes, controller) = match self.get("path") {
             Some(_) => (true, "controller.guidance".to_owned()),
             None => {
@@ -495,7 +495,7 @@ impl Layer {
                 table.and_then(|t| t.get(part))
             };
             let Some(value) = value else {
-                // Inside of a value that is no table there is nothing more to be found.
+                // The value is not a table: the rest of the path cannot be followed into it.
                 complete = table.is_none() && array.is_none();
                 break;
             };

@@ -1,5 +1,8 @@
 //! Faults of what the controller is told, of its clock, and of its memory.
 
+use std::ops::{Add, Mul, Sub};
+
+use alula::guidance::Air;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
@@ -42,7 +45,7 @@ pub enum FaultKind {
     AttitudeOffset,
     /// The position is off by `size` \[m\].
     PositionJump,
-    /// The air velocity is `1 + size` times what it is, as with a pitot that leaks.
+    /// The air velocity told is `1 + size` times the true one, as with a pitot that leaks.
     AirScale,
     /// The specific force is not told.
     Accelerometer,
@@ -144,6 +147,39 @@ pub(crate) struct Lasting<M> {
     pub drift: f64,
 }
 
+impl<M> Lasting<M> {
+    /// What is told of the `air` under this fault. When the fault began, it was `first`, and the ground velocity `velocity`; a drift has
+    /// come to `off` \[m/s\].
+    pub fn air<V>(&self, air: Air<V>, first: Air<V>, velocity: V, off: V) -> Air<V>
+    where
+        V: Add<Output = V> + Sub<Output = V> + Mul<f32, Output = V>,
+    {
+        match (self.kind, air, first) {
+            (FaultKind::AirFrozen, _, first) => first,
+            (FaultKind::WindStuck, _, Air::Velocity(first)) => Air::Wind(velocity - first),
+            (FaultKind::AirDrift, Air::Velocity(air), _) => Air::Velocity(air + off),
+            (FaultKind::AirScale, Air::Velocity(air), _) => {
+                Air::Velocity(air * (1.0 + self.size) as f32)
+            }
+            (_, air, _) => air,
+        }
+    }
+
+    /// What is told of the specific `force` under this fault. When the fault began, it was `first`; a drift has come to `off` \[m/s²\].
+    pub fn force<F>(&self, force: Option<F>, first: Option<F>, off: F) -> Option<F>
+    where
+        F: Default + Add<Output = F>,
+    {
+        match self.kind {
+            FaultKind::Accelerometer => None,
+            FaultKind::AccelerometerDead => force.map(|_| F::default()),
+            FaultKind::AccelerometerFrozen => first,
+            FaultKind::AccelerometerDrift => force.map(|f| f + off),
+            _ => force,
+        }
+    }
+}
+
 /// The faults of a flight, as far as it has come.
 pub(crate) struct Faults<'a, M> {
     specs: &'a [FaultSpec],
@@ -155,7 +191,7 @@ pub(crate) struct Faults<'a, M> {
 }
 
 impl<'a, M: Told> Faults<'a, M> {
-    /// None has begun. The `seed` is the experiment's, of which this `stream` is nobody else's.
+    /// None has begun. `seed` is the experiment's; no other part of the flight draws from this `stream` of it.
     pub fn new(specs: &'a [FaultSpec], seed: u64, stream: u64) -> Self {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         random.set_stream(stream);
@@ -224,7 +260,6 @@ mod tests {
     use super::*;
     use crate::reference::Vector;
     use alula::Inertial;
-    use alula::guidance::Air;
 
     fn spec(kind: FaultKind, size: Option<f64>) -> FaultSpec {
         FaultSpec {

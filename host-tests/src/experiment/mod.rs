@@ -1,6 +1,7 @@
 //! Experiments: what is flown, by whom, along which reference, in which weather. TOML in, validated values out.
 
 mod document;
+pub(crate) mod dryden;
 mod faults;
 mod parameters;
 mod plant;
@@ -22,6 +23,7 @@ pub(crate) use faults::{Faults, Lasting, Told};
 pub use parameters::{Fields, file_name, file_value, refused};
 pub use plant::{Plant, PlantSpec, RateLoop, State};
 pub use reference::{InitialSpec, Knot, ReferenceSpec};
+pub(crate) use sensors::validate as validate_sensors;
 pub use sensors::{Accelerometer, AirSensor, ErrorSpec, Measured, PositionSensor, SensorSpec};
 pub use vehicle::{AerodynamicsSpec, Model, NO_LIMITS, Vehicle, VehicleSpec};
 pub use weather::{GustSpec, TurbulenceSpec, Weather, WeatherSpec};
@@ -116,31 +118,37 @@ pub struct Experiment {
     pub ardupilot: Actuators,
 }
 
-fn hundred() -> f64 {
+pub(crate) fn hundred() -> f64 {
     100.0
 }
 
-fn five() -> u32 {
+pub(crate) fn five() -> u32 {
     5
 }
 
 /// Most control steps of one flight: a record is held in memory.
 const MAX_STEPS: f64 = 2e6;
 
+/// Checks the number of control steps, and of the plant's steps in each.
+pub(crate) fn check_steps(duration: f64, rate: f64, substeps: u32) -> Result<(), FieldError> {
+    positive("duration_s", duration)?;
+    positive("control_rate_hz", rate)?;
+    let steps = duration * rate;
+    if !(0.5..=MAX_STEPS).contains(&steps) {
+        let problem = format!("{steps} control steps, must be from 1 to {MAX_STEPS}");
+        return Err(FieldError::new("duration_s", problem));
+    }
+    if !(1..=1000).contains(&substeps) {
+        return Err(FieldError::new("substeps", "must be from 1 to 1000"));
+    }
+    Ok(())
+}
+
 impl Experiment {
     /// Checks every field that the type system does not.
     pub fn validate(&self) -> Result<(), FieldError> {
-        positive("duration_s", self.duration_s)?;
-        positive("control_rate_hz", self.control_rate_hz)?;
-        let steps = self.duration_s * self.control_rate_hz;
-        if !(0.5..=MAX_STEPS).contains(&steps) {
-            let problem = format!("{steps} control steps, must be from 1 to {MAX_STEPS}");
-            return Err(FieldError::new("duration_s", problem));
-        }
-        if !(1..=1000).contains(&self.substeps) {
-            return Err(FieldError::new("substeps", "must be from 1 to 1000"));
-        }
-        // Else every frame would be refused, and the flight be a fall.
+        check_steps(self.duration_s, self.control_rate_hz, self.substeps)?;
+        // The guidance refuses every frame with a longer or shorter step; the vehicle would fall.
         let step = 1.0 / self.control_rate_hz;
         let flown = f64::from(MIN_STEP)..=f64::from(MAX_STEP);
         if self.controller.name() == "guidance" && !flown.contains(&step) {
@@ -221,7 +229,7 @@ mod tests {
 
     /// An experiment of one's own takes ten lines.
     #[test]
-    fn what_is_left_out_has_a_default() {
+    fn omitted_fields_have_defaults() {
         let text = "duration_s = 20\n\
             [vehicle]\nmass_kg = 3.0\nk_a_kg_m = 0.2\n\
             [plant]\nthrust_n = [0.0, 47.0]\n\
@@ -249,9 +257,10 @@ mod tests {
         assert!(refused("substeps=0").starts_with("substeps: must be from 1"));
     }
 
-    /// What the plant's steps cannot follow, or its models do not know, is refused by its name: it would end as no number.
+    /// A time constant too short for the plant's steps, or a speed beyond its models, is refused by its field: the simulation would
+    /// diverge.
     #[test]
-    fn what_would_diverge_is_refused() {
+    fn fields_with_which_the_plant_would_diverge_are_refused() {
         let refused = |text: &str| {
             let mut document = Document::load("round-trip").unwrap();
             document.assign(text).unwrap();

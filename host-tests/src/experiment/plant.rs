@@ -3,12 +3,13 @@
 use serde::Deserialize;
 
 use super::document::{FieldError, finite, positive};
+use super::table::{Numbers, Range};
 use crate::reference::{ForceModel, Vector, Vehicle};
 
-/// How the angular rate follows its command.
+/// How the angular rate follows its command. In space `J` is a number for each of belly, right wing and tail.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
-pub enum RateLoop {
+pub enum RateLoop<J = f64> {
     /// ω = ω_c.
     #[default]
     Ideal,
@@ -18,23 +19,23 @@ pub enum RateLoop {
         time_constant_s: f64,
     },
     /// A rotational inertia under a proportional inner loop with limited torque:
-    /// J ω̇ = sat(J b (ω_c − ω)).
+    /// J ω̇ = sat(J b (ω_c − ω)). In space about each axis by itself.
     Inertia {
         /// J \[kg·m²\].
-        inertia_kg_m2: f64,
+        inertia_kg_m2: J,
         /// b \[1/s\].
         bandwidth_1_s: f64,
         /// Largest torque \[N·m\].
-        torque_max_n_m: f64,
+        torque_max_n_m: J,
     },
 }
 
 /// `[plant]`: the actuators. Ideal if left out: no lag, no delay, any thrust.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct PlantSpec {
+#[serde(deny_unknown_fields, default, bound = "J: Deserialize<'de>")]
+pub struct PlantSpec<J = f64> {
     /// The rate loop.
-    pub rate_loop: RateLoop,
+    pub rate_loop: RateLoop<J>,
     /// First-order lag of thrust \[s\]; 0 for none.
     pub thrust_lag_s: f64,
     /// Transport delay of the command \[s\], in whole steps of the plant.
@@ -43,7 +44,7 @@ pub struct PlantSpec {
     pub thrust_n: [f64; 2],
 }
 
-impl Default for PlantSpec {
+impl<J> Default for PlantSpec<J> {
     fn default() -> Self {
         Self {
             rate_loop: RateLoop::Ideal,
@@ -68,26 +69,27 @@ fn followed(field: &str, tau: f64, dt: f64) -> Result<(), FieldError> {
     Err(FieldError::new(field, problem))
 }
 
-impl PlantSpec {
+impl<J: Numbers> PlantSpec<J> {
     /// Checks every field, for steps of `dt` \[s\].
-    pub(super) fn validate(&self, dt: f64) -> Result<(), FieldError> {
-        match self.rate_loop {
+    pub(crate) fn validate(&self, dt: f64) -> Result<(), FieldError> {
+        match &self.rate_loop {
             RateLoop::Ideal => {}
             RateLoop::Lag { time_constant_s } => {
                 let field = "plant.rate_loop.lag.time_constant_s";
-                positive(field, time_constant_s)?;
-                followed(field, time_constant_s, dt)?;
+                positive(field, *time_constant_s)?;
+                followed(field, *time_constant_s, dt)?;
             }
             RateLoop::Inertia {
                 inertia_kg_m2,
                 bandwidth_1_s,
                 torque_max_n_m,
             } => {
-                positive("plant.rate_loop.inertia.inertia_kg_m2", inertia_kg_m2)?;
                 let field = "plant.rate_loop.inertia.bandwidth_1_s";
-                positive(field, bandwidth_1_s)?;
+                positive(field, *bandwidth_1_s)?;
                 followed(field, 1.0 / bandwidth_1_s, dt)?;
-                positive("plant.rate_loop.inertia.torque_max_n_m", torque_max_n_m)?;
+                let each = |field, of: &J| Range::Positive.check(field, of);
+                each("plant.rate_loop.inertia.inertia_kg_m2", inertia_kg_m2)?;
+                each("plant.rate_loop.inertia.torque_max_n_m", torque_max_n_m)?;
             }
         }
         for (field, value) in [

@@ -83,28 +83,37 @@ pub struct SensorSpec {
     pub faults: Vec<FaultSpec>,
 }
 
-impl SensorSpec {
-    pub(super) fn validate(&self) -> Result<(), FieldError> {
-        for (field, error) in [
-            ("sensors.velocity_m_s", &self.velocity_m_s),
-            ("sensors.position_m", &self.position_m),
-            ("sensors.theta_deg", &self.theta_deg),
-            ("sensors.air_m_s", &self.air_m_s),
-            ("sensors.acceleration_m_s2", &self.acceleration_m_s2),
-        ] {
-            finite(&format!("{field}.bias"), error.bias)?;
-            for (part, value) in [("noise", error.noise), ("quantum", error.quantum)] {
-                let field = format!("{field}.{part}");
-                finite(&field, value)?;
-                if value < 0.0 {
-                    return Err(FieldError::new(field, "must not be negative"));
-                }
+/// Checks `[sensors]`: its `errors` by their names, and its faults.
+pub(crate) fn validate(
+    errors: &[(&str, &ErrorSpec)],
+    faults: &[FaultSpec],
+) -> Result<(), FieldError> {
+    for (name, error) in errors {
+        finite(&format!("sensors.{name}.bias"), error.bias)?;
+        for (part, value) in [("noise", error.noise), ("quantum", error.quantum)] {
+            let field = format!("sensors.{name}.{part}");
+            finite(&field, value)?;
+            if value < 0.0 {
+                return Err(FieldError::new(field, "must not be negative"));
             }
         }
-        for (i, fault) in self.faults.iter().enumerate() {
-            fault.validate(&format!("sensors.faults[{i}]"))?;
-        }
-        Ok(())
+    }
+    for (i, fault) in faults.iter().enumerate() {
+        fault.validate(&format!("sensors.faults[{i}]"))?;
+    }
+    Ok(())
+}
+
+impl SensorSpec {
+    pub(super) fn validate(&self) -> Result<(), FieldError> {
+        let errors = [
+            ("velocity_m_s", &self.velocity_m_s),
+            ("position_m", &self.position_m),
+            ("theta_deg", &self.theta_deg),
+            ("air_m_s", &self.air_m_s),
+            ("acceleration_m_s2", &self.acceleration_m_s2),
+        ];
+        validate(&errors, &self.faults)
     }
 
     /// What is measured of `truth` and its specific force (along i, j) in `wind` \[m/s\], which is `steady` but for gusts and
@@ -160,48 +169,21 @@ pub struct Measured {
 
 impl Told for Measured {
     fn distort(&mut self, fault: &Lasting<Self>) {
-        let Lasting {
-            kind,
-            first,
-            size,
-            drift,
-        } = *fault;
-        match kind {
-            FaultKind::AirFrozen => self.air = first.air,
-            FaultKind::WindStuck => {
-                if let Air::Velocity(air) = first.air {
-                    self.air = Air::Wind(inertial(first.velocity) - air);
-                }
-            }
-            FaultKind::AirDrift => {
-                if let Air::Velocity(air) = self.air {
-                    let off = inertial(Vector::from_element(drift));
-                    self.air = Air::Velocity(air + off);
-                }
-            }
-            FaultKind::AirScale => {
-                if let Air::Velocity(air) = self.air {
-                    self.air = Air::Velocity(air * (1.0 + size) as f32);
-                }
-            }
+        let (first, every) = (fault.first, Vector::from_element);
+        match fault.kind {
             FaultKind::VelocityFrozen => self.velocity = first.velocity,
-            FaultKind::VelocityDrift => self.velocity += Vector::from_element(drift),
+            FaultKind::VelocityDrift => self.velocity += every(fault.drift),
             FaultKind::AttitudeFrozen => self.theta = first.theta,
-            FaultKind::AttitudeDrift => self.theta += drift.to_radians(),
-            FaultKind::AttitudeOffset => self.theta += size.to_radians(),
-            FaultKind::PositionDrift => self.position += Vector::from_element(drift),
-            FaultKind::PositionJump => self.position += Vector::from_element(size),
-            FaultKind::Accelerometer => self.specific_force = None,
-            FaultKind::AccelerometerDead => {
-                self.specific_force = self.specific_force.map(|_| Body::default());
-            }
-            FaultKind::AccelerometerFrozen => self.specific_force = first.specific_force,
-            FaultKind::AccelerometerDrift => {
-                let off = Body::new(drift as f32, drift as f32);
-                self.specific_force = self.specific_force.map(|f| f + off);
-            }
+            FaultKind::AttitudeDrift => self.theta += fault.drift.to_radians(),
+            FaultKind::AttitudeOffset => self.theta += fault.size.to_radians(),
+            FaultKind::PositionDrift => self.position += every(fault.drift),
+            FaultKind::PositionJump => self.position += every(fault.size),
             _ => {}
         }
+        let off = inertial(every(fault.drift));
+        self.air = fault.air(self.air, first.air, inertial(first.velocity), off);
+        let off = Body::new(fault.drift as f32, fault.drift as f32);
+        self.specific_force = fault.force(self.specific_force, first.specific_force, off);
     }
 }
 

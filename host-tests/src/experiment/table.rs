@@ -27,7 +27,7 @@ impl Numbers for f64 {
     }
 }
 
-impl Numbers for [f64; 2] {
+impl<const N: usize> Numbers for [f64; N] {
     fn numbers(&self) -> &[f64] {
         self
     }

@@ -1,10 +1,10 @@
 //! The wind: steady, a 1-cosine gust, and Dryden turbulence at low altitude (MIL-F-8785C).
 
 use rand::Rng;
-use rand_distr::{Distribution, StandardNormal};
 use serde::Deserialize;
 
 use super::document::{FieldError, finite, positive, speed};
+use super::dryden::{LEAST_SPEED, Scales, Transverse, along, normal};
 use crate::reference::Vector;
 
 /// `[weather]`.
@@ -109,72 +109,34 @@ impl Weather {
     }
 }
 
-/// Turbulence as frozen fields that the vehicle flies through. The transfer functions are those of the Dryden spectra,
-/// H_u = σ_u √(2L_u/(πV)) / (1 + L_u s/V) and H_w = σ_w √(L_w/(πV)) (1 + √3 L_w s/V) / (1 + L_w s/V)², stepped
-/// exactly: whatever the step, the samples have the continuous process's covariance.
+/// Turbulence as frozen fields that the vehicle flies through: one component along the wind, one across it.
 struct Dryden {
-    sigma_u: f64,
-    sigma_w: f64,
-    /// L_u \[m\].
-    length_u: f64,
-    /// L_w \[m\].
-    length_w: f64,
+    scales: Scales,
     /// Along the wind, of unit variance.
     u: f64,
-    /// Outputs of one and of two first-order filters in a row, of driving noise such that the first has variance ½.
-    w: [f64; 2],
-}
-
-const FOOT: f64 = 0.3048;
-/// Below this airspeed \[m/s\] the field is taken to pass at this speed: it would stand still in hover.
-const LEAST_SPEED: f64 = 2.0;
-
-fn normal(random: &mut impl Rng) -> f64 {
-    StandardNormal.sample(random)
+    w: Transverse,
 }
 
 impl Dryden {
     fn new(spec: &TurbulenceSpec, random: &mut impl Rng) -> Self {
-        // The specification's formulas are in feet.
-        let h = spec.height_m / FOOT;
-        let sigma_w = 0.1 * spec.wind_at_20_ft_m_s;
-        let base = 0.177 + 0.000823 * h;
-        let u = normal(random);
-        // The stationary covariance of the two filters: ½, ¼, ¼.
-        let (a, b) = (normal(random), normal(random));
         Self {
-            sigma_u: sigma_w / base.powf(0.4),
-            sigma_w,
-            length_u: h / base.powf(1.2) * FOOT,
-            length_w: h * FOOT,
-            u,
-            w: [0.5_f64.sqrt() * a, (0.5 * a + 0.5 * b) * 0.5_f64.sqrt()],
+            scales: Scales::of(spec),
+            u: normal(random),
+            w: Transverse::new(random),
         }
     }
 
     fn velocity(&self) -> Vector {
-        let root_3 = 3.0_f64.sqrt();
-        let w = root_3 * self.w[0] + (1.0 - root_3) * self.w[1];
-        Vector::new(self.sigma_w * w, self.sigma_u * self.u)
+        let Scales {
+            sigma_u, sigma_w, ..
+        } = self.scales;
+        Vector::new(sigma_w * self.w.value(), sigma_u * self.u)
     }
 
     fn advance(&mut self, airspeed: f64, dt: f64, random: &mut impl Rng) {
         let path = airspeed.max(LEAST_SPEED) * dt;
-        let a = (-path / self.length_u).exp();
-        self.u = a * self.u + (1.0 - a * a).sqrt() * normal(random);
-
-        let z = path / self.length_w;
-        let (a, e) = ((-z).exp(), (-2.0 * z).exp());
-        // Covariance of what the noise adds over the step: ∫ e^{−2z} (1, z, z²) dz.
-        let q11 = 0.5 * (1.0 - e);
-        let q12 = 0.25 * (1.0 - e * (1.0 + 2.0 * z));
-        let q22 = 0.25 * (1.0 - e * (1.0 + 2.0 * z + 2.0 * z * z));
-        let l11 = q11.sqrt();
-        let l21 = q12 / l11;
-        let l22 = (q22 - l21 * l21).max(0.0).sqrt();
-        let (n1, n2) = (normal(random), normal(random));
-        let [w1, w2] = self.w;
-        self.w = [a * w1 + l11 * n1, a * (w2 + z * w1) + l21 * n1 + l22 * n2];
+        self.u = along(self.u, path, self.scales.length_u, random);
+        self.w.advance(path, self.scales.length_w, random);
     }
 }
 

@@ -67,7 +67,7 @@ pub(super) fn tables(comparison: &Comparison, results: &Results) -> Vec<Table> {
         .collect()
 }
 
-/// Altitudes beyond this \[m\] are not drawn: a departure would leave nothing to be seen of the others.
+/// Altitudes beyond this \[m\] are not drawn: one departed flight would shrink all the others to a line.
 const DRAWN: f64 = 12.0;
 /// So are speeds beyond this \[m/s\].
 const FASTEST: f64 = 40.0;

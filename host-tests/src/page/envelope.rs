@@ -24,7 +24,7 @@ pub struct Shown<'a> {
 /// The figure .
 pub fn figure(shown: &Shown) -> Figure {
     let mut charts = vec![bifurcation(shown, false)];
-    // Where there is nothing to look at closely, there is no close look.
+    // Without folds there is no detail to enlarge.
     if !shown.folds.is_empty() {
         charts.push(bifurcation(shown, true));
     }

@@ -1,23 +1,19 @@
 //! The page about a flight: charts of the record's columns, the figures, the experiment.
 
-use super::chart::{BLUE, Band, Chart, Color, GREEN, GREY, Level, Mark, ORANGE, Series, Stroke};
+use super::chart::{BLUE, Band, Chart, GREEN, GREY, Level, Mark, ORANGE};
+use super::panel::{Panel, chart, column, panel, strip};
 use super::side::side;
-use super::{Figure, Page, Row, Strip, Table, columns};
-use crate::columns::{Cell, Column, column};
+use super::{Figure, Page, Table, columns};
 use crate::envelope::Curve;
 use crate::experiment::{Document, Experiment};
 use crate::figures::{Figures, Segment};
-use crate::reference::wrap;
 use crate::simulate::Step;
 
-/// A chart of columns.
-struct Panel {
-    title: &'static str,
-    /// Name in the legend, column, colour, whether dashed.
-    lines: &'static [(&'static str, &'static str, Color, bool)],
+/// A chart, and what is marked in it.
+struct Marked {
+    panel: Panel,
     /// The figure whose extreme is marked, on a column.
     mark: Option<(&'static str, &'static str)>,
-    logarithmic: bool,
     /// What is to be seen across it.
     across: Across,
 }
@@ -40,140 +36,117 @@ enum Across {
     HalfTurn,
 }
 
-const fn panel(
-    title: &'static str,
-    lines: &'static [(&'static str, &'static str, Color, bool)],
-) -> Panel {
-    Panel {
-        title,
-        lines,
+const fn plain(panel: Panel) -> Marked {
+    Marked {
+        panel,
         mark: None,
-        logarithmic: false,
         across: Across::Nothing,
     }
 }
 
-const PANELS: &[Panel] = &[
-    Panel {
+const PANELS: &[Marked] = &[
+    Marked {
         across: Across::FoldSpeeds,
-        ..panel(
+        ..plain(panel(
             "forward velocity [m/s]",
             &[
                 ("v", "true_v_forward_m_s", BLUE, false),
                 ("v_r", "vr_forward_m_s", ORANGE, true),
                 ("v_cmd", "v_cmd_forward_m_s", GREY, true),
             ],
-        )
+        ))
     },
-    panel(
+    plain(panel(
         "downward velocity [m/s]",
         &[
             ("v", "true_v_down_m_s", BLUE, false),
             ("v_r", "vr_down_m_s", ORANGE, true),
             ("v_cmd", "v_cmd_down_m_s", GREY, true),
         ],
-    ),
-    Panel {
+    )),
+    Marked {
         mark: Some(("max_velocity_error_m_s", "velocity_error_m_s")),
-        ..panel(
+        ..plain(panel(
             "velocity error v − v_r [m/s]",
             &[
                 ("down", "velocity_error_down_m_s", BLUE, false),
                 ("forward", "velocity_error_forward_m_s", ORANGE, false),
                 ("magnitude", "velocity_error_m_s", GREY, true),
             ],
-        )
+        ))
     },
-    panel(
+    plain(panel(
         "altitude over the reference [m]",
         &[("h", "altitude_m", BLUE, false)],
-    ),
-    panel(
+    )),
+    plain(panel(
         "forward of the reference [m]",
         &[("x̃", "forward_m", BLUE, false)],
-    ),
-    Panel {
+    )),
+    Marked {
         across: Across::StallBand,
-        ..panel(
+        ..plain(panel(
             "orientation θ and angle of attack α [°]",
             &[
                 ("θ", "true_theta_rad", BLUE, false),
                 ("α", "true_alpha_rad", ORANGE, false),
             ],
-        )
+        ))
     },
-    Panel {
+    Marked {
         mark: Some(("max_rate_rad_s", "rate_rad_s")),
-        ..panel(
+        ..plain(panel(
             "angular velocity ω [rad/s]",
             &[
                 ("ω", "true_rate_rad_s", BLUE, false),
                 ("command", "rate_rad_s", ORANGE, true),
             ],
-        )
+        ))
     },
-    Panel {
+    Marked {
         across: Across::Thrust,
-        ..panel(
+        ..plain(panel(
             "thrust to weight T/(m g)",
             &[("T/(m g)", "thrust_to_weight", GREEN, false)],
-        )
+        ))
     },
-    Panel {
+    Marked {
         mark: Some(("min_fp_n", "fp_n")),
-        logarithmic: true,
         across: Across::Guard,
-        ..panel(
-            "apparent force |F_p| of the controller, and the guard's τ [N]",
-            &[("|F_p|", "fp_n", BLUE, false)],
-        )
+        ..plain(Panel {
+            logarithmic: true,
+            ..panel(
+                "apparent force |F_p| of the controller, and the guard's τ [N]",
+                &[("|F_p|", "fp_n", BLUE, false)],
+            )
+        })
     },
-    Panel {
+    Marked {
         across: Across::HalfTurn,
-        ..panel(
+        ..plain(panel(
             "θ̃, from the thrust axis to F_p [°]",
             &[("θ̃", "theta_tilde_rad", BLUE, false)],
-        )
+        ))
     },
-    Panel {
+    Marked {
         across: Across::Fold,
-        ..panel(
+        ..plain(panel(
             "angle to the nearest fold, first order, within 45° [°]",
             &[("fold", "margin_fold_rad", BLUE, false)],
-        )
+        ))
     },
 ];
-
-/// Angles to a fold beyond this are not drawn \[°\].
-const FOLD: f64 = 45.0;
 
 /// Height of a plot \[px\].
 const HIGH: f64 = 210.0;
 
 /// The figure of a flight: seen from the side, its charts, what the controller did.
 pub fn figure(experiment: &Experiment, record: &[Step], figures: &Figures) -> Figure {
-    let chart = |panel| chart(panel, experiment, record, figures);
+    let chart = |panel| marked(panel, experiment, record, figures);
     let charts: Vec<Chart> = PANELS.iter().filter_map(chart).collect();
     Figure::new(&charts, HIGH)
         .with_picture(side(experiment, record))
         .with_strip(&strip(experiment, record))
-}
-
-/// What the controller did and said.
-pub(super) fn strip(experiment: &Experiment, record: &[Step]) -> Strip {
-    let row = |(name, of): (&'static str, &str)| {
-        let column = column(of).expect("a column");
-        let word = |step: &Step| match (column.read)(experiment, step) {
-            Some(Cell::Word(word)) => (step.t, Some(word.into_owned())),
-            _ => (step.t, None),
-        };
-        Row::of(name, record.iter().map(word))
-    };
-    let rows = [("mode", "mode"), ("phase", "phase"), ("status", "status")];
-    Strip {
-        duration: record.last().map_or(0.0, |step| step.t),
-        rows: rows.into_iter().filter_map(row).collect(),
-    }
 }
 
 /// Folds of level flight of the true vehicle: α \[°\] and airspeed \[m/s\].
@@ -244,73 +217,31 @@ fn across(what: Across, experiment: &Experiment) -> (Vec<Level>, Vec<Band>) {
 }
 
 /// The chart of a panel, if any of its columns applies to the flight.
-fn chart(
-    panel: &Panel,
+fn marked(
+    marked: &Marked,
     experiment: &Experiment,
     record: &[Step],
     figures: &Figures,
 ) -> Option<Chart<'static>> {
-    let mut series: Vec<Series> = Vec::new();
-    for (name, of, color, dashed) in panel.lines {
-        let column = column(of).expect("a column");
-        if column.applies(experiment, record) {
-            let stroke = if *dashed {
-                Stroke::Dashed
-            } else {
-                Stroke::Solid
-            };
-            let points = points(column, experiment, record);
-            series.push(Series {
-                name,
-                color: *color,
-                stroke,
-                points,
-            });
-        }
-    }
-    let (levels, bands) = across(panel.across, experiment);
-    let mark = panel.mark.and_then(|(figure, of)| {
+    let chart = chart(&marked.panel, experiment, record)?;
+    let (levels, bands) = across(marked.across, experiment);
+    let mark = marked.mark.and_then(|(figure, of)| {
         let at = figures.when(figure)?;
         let step = record.iter().find(|step| step.t == at)?;
-        let y = column(of)?.number(experiment, step);
-        let unit = panel.title.rsplit('[').next()?.trim_end_matches(']');
+        let y = column::<Experiment>(of).number(experiment, step);
+        let unit = chart.title.rsplit('[').next()?.trim_end_matches(']');
         Some(Mark {
             at: (at, y),
             label: format!("{y:.3} {unit} at {at:.3} s"),
             shift: 0,
         })
     });
-    (!series.is_empty()).then(|| Chart {
+    Some(Chart {
         marks: mark.into_iter().collect(),
         levels,
         bands,
-        logarithmic: panel.logarithmic,
-        ..Chart::over_time(panel.title, series)
+        ..chart
     })
-}
-
-/// The points of a column; angles in degrees, broken where they wrap.
-pub(super) fn points(column: &Column, experiment: &Experiment, record: &[Step]) -> Vec<(f64, f64)> {
-    let is_angle = column.name.ends_with("_rad");
-    let is_fold = column.name == "margin_fold_rad";
-    let mut last = f64::NAN;
-    let point = |step: &Step| {
-        let mut value = column.number(experiment, step);
-        if is_fold && value.to_degrees().abs() > FOLD {
-            value = f64::NAN;
-        }
-        // What is no number stays so: it is not drawn.
-        if is_angle && !value.is_nan() {
-            value = wrap(value).to_degrees();
-            let wrapped = (value - last).abs() > 180.0;
-            last = value;
-            if wrapped {
-                value = f64::NAN;
-            }
-        }
-        (step.t, value)
-    };
-    record.iter().map(point).collect()
 }
 
 /// The page about a flight.

@@ -13,11 +13,11 @@ mod margins;
 mod markdown;
 #[allow(clippy::module_inception, reason = "the page itself")]
 mod page;
+mod panel;
 mod picture;
 pub mod replay;
 mod side;
 pub mod space;
-pub mod space_replay;
 mod strip;
 pub(crate) mod svg;
 pub mod sweep;

@@ -2,91 +2,110 @@
 
 use std::collections::BTreeMap;
 
-use super::chart::{BLUE, Chart, Color, GREEN, Level, ORANGE, Series};
-use super::flight::{points, strip};
+use super::chart::{BLUE, Chart, GREEN, Level, ORANGE};
+use super::panel::{Panel, chart, panel, strip};
 use super::{Figure, Page, Table, columns};
-use crate::columns::column;
+use crate::columns::Flight;
 use crate::experiment::{Document, Experiment};
-use crate::simulate::Step;
-
-/// Title, whether the axis is logarithmic, and the curves: name, column, colour.
-type Panel = (
-    &'static str,
-    bool,
-    &'static [(&'static str, &'static str, Color)],
-);
+use crate::{simulate, space};
 
 const PANELS: [Panel; 8] = [
-    (
+    panel(
         "forward velocity [m/s]",
-        false,
         &[
-            ("flown", "v_forward_m_s", BLUE),
-            ("asked for", "vr_forward_m_s", ORANGE),
+            ("flown", "v_forward_m_s", BLUE, false),
+            ("asked for", "vr_forward_m_s", ORANGE, false),
         ],
     ),
-    (
+    panel(
         "downward velocity [m/s]",
-        false,
         &[
-            ("flown", "v_down_m_s", BLUE),
-            ("asked for", "vr_down_m_s", ORANGE),
+            ("flown", "v_down_m_s", BLUE, false),
+            ("asked for", "vr_down_m_s", ORANGE, false),
         ],
     ),
-    (
+    panel(
         "orientation θ and angle of attack α [°]",
-        false,
-        &[("θ", "theta_rad", BLUE), ("α", "alpha_rad", ORANGE)],
+        &[
+            ("θ", "theta_rad", BLUE, false),
+            ("α", "alpha_rad", ORANGE, false),
+        ],
     ),
-    (
+    panel(
         "angular velocity commanded [rad/s]",
-        false,
-        &[("ω", "rate_rad_s", BLUE)],
+        &[("ω", "rate_rad_s", BLUE, false)],
     ),
-    ("thrust commanded [N]", false, &[("T", "thrust_n", GREEN)]),
-    (
-        "apparent force |F_p| of the controller [N]",
-        true,
-        &[("|F_p|", "fp_n", BLUE)],
-    ),
-    ("margin k", false, &[("k", "margin_k", BLUE)]),
-    (
+    panel("thrust commanded [N]", &[("T", "thrust_n", GREEN, false)]),
+    Panel {
+        logarithmic: true,
+        ..panel(
+            "apparent force |F_p| of the controller [N]",
+            &[("|F_p|", "fp_n", BLUE, false)],
+        )
+    },
+    panel("margin k", &[("k", "margin_k", BLUE, false)]),
+    panel(
         "angle to the nearest fold, first order, within 45° [°]",
-        false,
-        &[("fold", "margin_fold_rad", BLUE)],
+        &[("fold", "margin_fold_rad", BLUE, false)],
     ),
 ];
 
-fn figure(experiment: &Experiment, record: &[Step]) -> Figure {
-    let charts = PANELS.iter().filter_map(|(title, logarithmic, lines)| {
-        let lines = lines.iter().filter_map(|(name, of, color)| {
-            let column = column(of).expect("a column");
-            let applies = column.applies(experiment, record);
-            applies.then(|| Series::line(name, *color, points(column, experiment, record)))
-        });
-        let series: Vec<Series> = lines.collect();
-        (!series.is_empty()).then(|| Chart {
-            logarithmic: *logarithmic,
-            levels: title.contains("fold").then(fold).into_iter().collect(),
-            ..Chart::over_time(title, series)
+const PANELS_IN_SPACE: [Panel; 7] = [
+    panel(
+        "velocity flown [m/s]",
+        &[
+            ("north", "v_north_m_s", BLUE, false),
+            ("east", "v_east_m_s", ORANGE, false),
+            ("down", "v_down_m_s", GREEN, false),
+        ],
+    ),
+    panel(
+        "|v − v_r| [m/s]",
+        &[("to what was asked for", "velocity_error_m_s", BLUE, false)],
+    ),
+    panel(
+        "angle of attack and sideslip [°]",
+        &[
+            ("α", "alpha_rad", BLUE, false),
+            ("sideslip", "sideslip_rad", ORANGE, false),
+        ],
+    ),
+    panel(
+        "body rates commanded [rad/s]",
+        &[
+            ("about the wing", "command_wing_rad_s", BLUE, false),
+            ("about the tail", "command_tail_rad_s", ORANGE, false),
+            ("about the belly", "command_belly_rad_s", GREEN, false),
+        ],
+    ),
+    panel("thrust commanded [N]", &[("T", "thrust_n", GREEN, false)]),
+    panel("margin k", &[("k", "margin_k", BLUE, false)]),
+    panel(
+        "angle to the nearest fold, first order, within 45° [°]",
+        &[("fold", "margin_fold_rad", BLUE, false)],
+    ),
+];
+
+fn figure<F: Flight>(panels: &[Panel], experiment: &F, record: &[F::Step]) -> Figure {
+    let chart = |panel: &Panel| {
+        let fold = || Level {
+            at: 0.0,
+            label: "fold".to_owned(),
+        };
+        let levels = panel.title.contains("fold").then(fold);
+        chart(panel, experiment, record).map(|chart| Chart {
+            levels: levels.into_iter().collect(),
+            ..chart
         })
-    });
-    let charts: Vec<Chart> = charts.collect();
+    };
+    let charts: Vec<Chart> = panels.iter().filter_map(chart).collect();
     Figure::new(&charts, 210.0).with_strip(&strip(experiment, record))
 }
 
-/// Where a fold is.
-fn fold() -> Level {
-    Level {
-        at: 0.0,
-        label: "fold".to_owned(),
-    }
-}
-
 /// The least finite value of a column and its time \[s\].
-fn least(of: &str, experiment: &Experiment, record: &[Step]) -> Option<(f64, f64)> {
-    let column = column(of)?;
-    let value = |step: &Step| (column.number(experiment, step).abs(), step.t);
+fn least<F: Flight>(of: &str, experiment: &F, record: &[F::Step]) -> Option<(f64, f64)> {
+    let column = F::column(of)?;
+    let value = |step| (column.number(experiment, step).abs(), F::time(step));
     let finite = record
         .iter()
         .map(value)
@@ -94,21 +113,17 @@ fn least(of: &str, experiment: &Experiment, record: &[Step]) -> Option<(f64, f64
     finite.min_by(|a, b| a.0.total_cmp(&b.0))
 }
 
-/// How many steps had each text of a column.
-fn counted(of: &str, experiment: &Experiment, record: &[Step]) -> Vec<Vec<String>> {
-    let Some(column) = column(of) else {
+/// How many steps had each word of a column.
+fn counted<F: Flight>(of: &str, experiment: &F, record: &[F::Step]) -> Vec<Vec<String>> {
+    let Some(column) = F::column(of) else {
         return Vec::new();
     };
     let mut counts = BTreeMap::new();
-    for cell in record
+    for word in record
         .iter()
-        .filter_map(|step| (column.read)(experiment, step))
+        .filter_map(|step| column.word(experiment, step))
     {
-        let mut text = Vec::new();
-        cell.push(&mut text);
-        *counts
-            .entry(String::from_utf8_lossy(&text).into_owned())
-            .or_insert(0) += 1;
+        *counts.entry(word).or_insert(0) += 1;
     }
     let row = |(text, count): (String, usize)| {
         let share = 100.0 * count as f64 / record.len() as f64;
@@ -117,14 +132,8 @@ fn counted(of: &str, experiment: &Experiment, record: &[Step]) -> Vec<Vec<String
     counts.into_iter().map(row).collect()
 }
 
-/// The page about the replay of the log `name` by the controller of `document`. `said` is what had to be assumed.
-pub fn page(
-    name: &str,
-    document: &Document,
-    experiment: &Experiment,
-    record: &[Step],
-    said: &[String],
-) -> Page {
+/// Least margins, counted words, and what had to be assumed.
+fn tables<F: Flight>(experiment: &F, record: &[F::Step], said: &[String]) -> Vec<Table> {
     let mut rows = Vec::new();
     let margins = [
         ("least margin k", "margin_k", "", 1.0),
@@ -138,10 +147,8 @@ pub fn page(
     ];
     for (label, of, unit, scale) in margins {
         if let Some((value, t)) = least(of, experiment, record) {
-            let (value, t) = (
-                format!("{:.3} {unit}", scale * value),
-                format!("at {t:.3} s"),
-            );
+            let value = format!("{:.3} {unit}", scale * value);
+            let t = format!("at {t:.3} s");
             rows.push(vec![label.to_owned(), value.trim_end().to_owned(), t]);
         }
     }
@@ -153,6 +160,7 @@ pub fn page(
     for (of, title) in [
         ("status", "Status"),
         ("mode", "Mode"),
+        ("phase", "Phase"),
         ("air", "What of the air was used"),
     ] {
         let rows = counted(of, experiment, record);
@@ -171,16 +179,24 @@ pub fn page(
             rows: said.iter().map(|line| vec![line.clone()]).collect(),
         });
     }
+    tables
+}
+
+fn page_of(
+    name: &str,
+    document: &Document,
+    (rows, controller): (usize, &str),
+    figure: Figure,
+    tables: Vec<Table>,
+) -> Page {
     Page {
         title: format!("{name}, replayed"),
         lead: format!(
-            "{} rows of the log through the controller `{}` of {}, open loop: the log's vehicle did not follow these commands",
-            record.len(),
-            experiment.controller.name(),
+            "{rows} rows of the log through the {controller} of {}, open loop: the log's vehicle did not follow these commands",
             document.name
         ),
         warnings: Vec::new(),
-        figure: figure(experiment, record),
+        figure,
         tables,
         text: Some((
             "The experiment whose controller it is (TOML)".to_owned(),
@@ -188,4 +204,32 @@ pub fn page(
         )),
         notes: "The commands are in commands.csv.".to_owned(),
     }
+}
+
+/// The page about the replay of the log `name` by the controller of `document`. `said` is what had to be assumed.
+pub fn page(
+    name: &str,
+    document: &Document,
+    experiment: &Experiment,
+    record: &[simulate::Step],
+    said: &[String],
+) -> Page {
+    let controller = format!("controller `{}`", experiment.controller.name());
+    let figure = figure(&PANELS, experiment, record);
+    let tables = tables(experiment, record, said);
+    page_of(name, document, (record.len(), &controller), figure, tables)
+}
+
+/// The same by the guidance in space.
+pub fn page_in_space(
+    name: &str,
+    document: &Document,
+    experiment: &space::Experiment,
+    record: &[space::Step],
+    said: &[String],
+) -> Page {
+    let figure = figure(&PANELS_IN_SPACE, experiment, record);
+    let tables = tables(experiment, record, said);
+    let controller = (record.len(), "guidance in space");
+    page_of(name, document, controller, figure, tables)
 }

@@ -1,49 +1,42 @@
 //! The page about a flight in space: the picture, charts of the record's columns, the figures, the experiment.
 
-use super::chart::{BLUE, Chart, Color, GREEN, GREY, Level, ORANGE, Series};
+use super::chart::{BLUE, Chart, GREEN, GREY, Level, ORANGE};
+use super::panel::{Panel, chart, panel, strip};
 use super::picture::picture;
-use super::{Figure, Page, Row, Strip, Table, columns};
-use crate::columns::Cell;
+use super::{Figure, Page, Table, columns};
 use crate::experiment::Document;
-use crate::space::columns::column;
 use crate::space::{Experiment, Figures, Step};
 
-/// A chart of columns: its title; name in the legend, column, colour and whether dashed of each line.
-type Panel = (
-    &'static str,
-    &'static [(&'static str, &'static str, Color, bool)],
-);
-
 const PANELS: &[Panel] = &[
-    (
+    panel(
         "altitude [m]",
         &[
             ("flown", "down_m", BLUE, false),
             ("path", "path_down_m", ORANGE, true),
         ],
     ),
-    (
+    panel(
         "errors of position [m] and velocity [m/s]",
         &[
             ("position", "position_error_m", BLUE, false),
             ("velocity", "velocity_error_m_s", ORANGE, false),
         ],
     ),
-    (
+    panel(
         "nose over the horizon and right wing below it [°]",
         &[
             ("nose", "pitch_rad", BLUE, false),
             ("bank", "bank_rad", ORANGE, false),
         ],
     ),
-    (
+    panel(
         "angle of attack and sideslip [°]",
         &[
             ("α", "alpha_rad", BLUE, false),
             ("sideslip", "sideslip_rad", ORANGE, false),
         ],
     ),
-    (
+    panel(
         "body rates [rad/s]",
         &[
             ("about the wing", "rate_wing_rad_s", BLUE, false),
@@ -51,7 +44,7 @@ const PANELS: &[Panel] = &[
             ("about the belly", "rate_belly_rad_s", GREEN, false),
         ],
     ),
-    (
+    panel(
         "airspeed and wind [m/s]",
         &[
             ("airspeed", "airspeed_m_s", BLUE, false),
@@ -60,61 +53,29 @@ const PANELS: &[Panel] = &[
             ("wind down", "wind_down_m_s", GREY, false),
         ],
     ),
-    (
+    panel(
         "thrust [N]",
         &[
             ("thrust", "true_thrust_n", BLUE, false),
             ("command", "thrust_n", ORANGE, true),
         ],
     ),
-    (
+    panel(
         "load factor",
         &[("load factor", "load_factor", BLUE, false)],
     ),
 ];
 
-/// The points of a column; angles in degrees, broken where they wrap.
-pub(super) fn points(name: &str, record: &[Step]) -> Vec<(f64, f64)> {
-    let column = column(name).expect("a column");
-    let mut last = f64::NAN;
-    let point = |step: &Step| {
-        let mut value = column.number(step);
-        // Drawn upward.
-        if name.ends_with("down_m") {
-            value = -value;
-        }
-        if column.unit == "rad" {
-            value = value.to_degrees();
-            let wrapped = (value - last).abs() > 180.0;
-            last = value;
-            if wrapped {
-                value = f64::NAN;
-            }
-        }
-        (step.t, value)
-    };
-    record.iter().map(point).collect()
-}
-
 /// Picture, charts, and what the guidance did.
 fn figure(experiment: &Experiment, record: &[Step]) -> Figure {
-    let chart = |(title, lines): &'static Panel| {
-        let series = lines.iter().map(|&(name, column, color, dashed)| {
-            let points = points(column, record);
-            match dashed {
-                true => Series::dashed(name, color, points),
-                false => Series::line(name, color, points),
-            }
-        });
-        Chart {
-            levels: levels(title, experiment),
-            ..Chart::over_time(title, series.collect())
-        }
+    let chart = |panel: &Panel| {
+        let levels = levels(panel.title, experiment);
+        chart(panel, experiment, record).map(|chart| Chart { levels, ..chart })
     };
-    let charts: Vec<Chart> = PANELS.iter().map(chart).collect();
+    let charts: Vec<Chart> = PANELS.iter().filter_map(chart).collect();
     Figure::new(&charts, 200.0)
         .with_picture(picture(record))
-        .with_strip(&strip(record))
+        .with_strip(&strip(experiment, record))
 }
 
 /// Limits and bounds that belong to a chart.
@@ -152,25 +113,6 @@ fn levels(title: &str, experiment: &Experiment) -> Vec<Level> {
         "body rates [rad/s]" => bound("peak_rate_rad_s", "rate").into_iter().collect(),
         "load factor" => bound("max_load_factor", "load").into_iter().collect(),
         _ => Vec::new(),
-    }
-}
-
-/// What the guidance did and said.
-pub(super) fn strip(record: &[Step]) -> Strip {
-    let row = |name: &'static str| {
-        let column = column(name).expect("a column");
-        let word = |step: &Step| match (column.read)(step) {
-            Cell::Word(word) => (step.t, Some(word.into_owned())),
-            _ => (step.t, None),
-        };
-        Row::of(name, record.iter().map(word))
-    };
-    Strip {
-        duration: record.last().map_or(0.0, |step| step.t),
-        rows: ["mode", "phase", "status"]
-            .into_iter()
-            .filter_map(row)
-            .collect(),
     }
 }
 

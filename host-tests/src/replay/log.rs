@@ -6,13 +6,13 @@
 use std::io::Write;
 
 use alula::guidance::Air;
-use alula::ned::BodyAxes;
 use alula::{Attitude, Body, FeedForward, Inertial, PlanarInput, Reference};
-use alula_logs::states::{Series, States};
+use alula_logs::states::States;
 use anyhow::bail;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use super::Commands;
+use super::states::{self, Row};
 use crate::controllers::Input;
 use crate::experiment::Experiment;
 use crate::simulate::Step;
@@ -67,14 +67,6 @@ fn unit([w, x, y, z]: [f64; 4]) -> Option<UnitQuaternion<f64>> {
     UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 1e-6)
 }
 
-/// One row of a series, with its age \[s\]; none if there is no such series, or no number in the row.
-fn at<const N: usize>(series: Option<&Series<N>>, row: usize) -> Option<([f64; N], f64)> {
-    let series = series?;
-    let value = series.values[row];
-    let known = value.iter().all(|x| x.is_finite());
-    known.then_some((value, series.age[row]))
-}
-
 /// Runs the controller of `experiment` over `states` and writes its commands `to`; `visit` is given every step. `plane` is the vertical
 /// plane of the flight; if there is none, that of the wing. What had to be assumed is said in the words returned.
 pub fn replay(
@@ -89,10 +81,7 @@ pub fn replay(
             "the controller wants the air acceleration and the reference's jerk, which a log does not hold"
         );
     }
-    if states.velocity.is_none() {
-        let missing = states.missing.iter().map(ToString::to_string);
-        bail!("{}", missing.collect::<Vec<_>>().join("; "));
-    }
+    states::check(states)?;
     let mut commands = Commands::new(experiment, to)?;
     let mut current = plane.unwrap_or(Plane::through(0.0));
     let mut across = (0.0, 0usize);
@@ -103,55 +92,37 @@ pub fn replay(
             current = Plane::of(attitude).unwrap_or(current);
         }
         let theta = current.theta(attitude) as f32;
-        let unknown = ([f64::NAN; 3], f64::INFINITY);
-        let (velocity, velocity_age) = at(states.velocity.as_ref(), row).unwrap_or(unknown);
-        if velocity_age.is_finite() {
-            across = (across.0 + current.across(velocity).powi(2), across.1 + 1);
+        let told = Row::of(states, row);
+        if told.velocity_age.is_finite() {
+            across = (
+                across.0 + current.across(told.velocity).powi(2),
+                across.1 + 1,
+            );
         }
-        let setpoint = at(states.velocity_setpoint.as_ref(), row);
-        followed += usize::from(setpoint.is_some());
-        // Where the autopilot asks for no velocity, the one flown stands for it.
-        let (reference, reference_age) = setpoint.unwrap_or((velocity, velocity_age));
-        let acceleration = at(states.acceleration_setpoint.as_ref(), row);
-        let acceleration = acceleration.filter(|_| setpoint.is_some());
-        let position = at(states.position.as_ref(), row);
-        let wanted = at(states.position_setpoint.as_ref(), row);
-        let position_error = position.zip(wanted).map(|((x, _), (r, _))| {
-            let error = V3::from(x) - V3::from(r);
-            current.within(error.into())
-        });
-        let wind = at(states.wind.as_ref(), row);
-        let force = at(states.specific_force.as_ref(), row)
-            .map(|(f, _)| BodyAxes::NoseForward.vector(f.map(|c| c as f32)));
+        followed += usize::from(told.is_followed);
         let input = Input {
             theta,
             sample: PlanarInput {
-                velocity: current.within(velocity),
+                velocity: current.within(told.velocity),
                 attitude: Attitude::from_angle(theta),
-                state_age: velocity_age.max(states.attitude.age[row]) as f32,
-                air: wind.map_or(Air::Unknown, |(w, _)| Air::Wind(current.within(w))),
-                specific_force: force.map(|f| Body::new(f.i, f.j)),
-                position_error,
+                state_age: told.velocity_age.max(states.attitude.age[row]) as f32,
+                air: told
+                    .wind
+                    .map_or(Air::Unknown, |w| Air::Wind(current.within(w))),
+                specific_force: told.force().map(|f| Body::new(f.i, f.j)),
+                position_error: told.position_error().map(|e| current.within(e.into())),
                 reference: Reference {
-                    velocity: current.within(reference),
-                    acceleration: acceleration.map_or(Inertial::ZERO, |(a, _)| current.within(a)),
+                    velocity: current.within(told.reference),
+                    acceleration: current.within(told.acceleration),
                 },
-                reference_age: reference_age as f32,
+                reference_age: told.reference_age as f32,
             },
             feed_forward: None::<FeedForward>,
         };
         visit(commands.row(&t.to_string(), t, input)?);
     }
     commands.end()?;
-    let mut notes = states.notes.clone();
-    notes.extend(states.missing.iter().map(ToString::to_string));
-    let rows = states.time.len();
-    if followed < rows {
-        let flown = rows - followed;
-        notes.push(format!(
-            "no velocity asked for in {flown} of {rows} rows: the velocity flown stands for it there"
-        ));
-    }
+    let mut notes = states::notes(states, followed);
     if across.1 > 0 {
         let rms = (across.0 / across.1 as f64).sqrt();
         notes.push(format!(

@@ -1,7 +1,10 @@
-//! A controller run open loop over logged inputs: of a trace ([`trace`]), or of an autopilot's log ([`log`]).
+//! A controller run open loop over logged inputs: of a trace ([`trace`]), or of an autopilot's log ([`log`],
+//! [`space`]).
 
 pub mod log;
 mod source;
+pub mod space;
+mod states;
 pub mod trace;
 
 pub use source::Source;
@@ -100,7 +103,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_written_is_declared() {
+    fn every_column_written_is_declared() {
         for name in OUTPUTS {
             assert!(column(name).is_some(), "{name} is no column");
         }

@@ -66,7 +66,7 @@ impl Log<'_> {
         let cell = self.text(record, "t_s").unwrap_or_default();
         let t: f64 = cell.parse().unwrap_or(f64::NAN);
         let problem = match last {
-            _ if !t.is_finite() => "is no time".to_owned(),
+            _ if !t.is_finite() => "is not a finite time".to_owned(),
             Some(last) if t < last => format!("comes after {last}: time must not run backwards"),
             _ => return Ok(t),
         };
@@ -196,7 +196,7 @@ mod tests {
     use crate::columns::column;
 
     #[test]
-    fn what_is_read_is_declared() {
+    fn every_column_read_is_declared() {
         let optional = [
             "air_told",
             "va_down_m_s",

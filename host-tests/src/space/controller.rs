@@ -9,7 +9,7 @@ use super::Experiment;
 use crate::controllers::{Flying, GuidanceSpec};
 use crate::experiment::{FieldError, Model, VehicleSpec};
 
-/// `[controller]`: nobody but the guidance flies in space.
+/// `[controller]`: in space the guidance is the only controller.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Controller {
@@ -46,9 +46,7 @@ impl Controller {
         let made = || {
             let spec = GuidanceSpec::read(self.guidance.clone())?;
             let belief = spec.vehicle.as_ref().unwrap_or(&experiment.vehicle);
-            let thrust = experiment
-                .plant
-                .thrust_limits(spec.thrust_n, belief.weight());
+            let thrust = experiment.thrust_limits(spec.thrust_n, belief.weight());
             make(&spec, belief, thrust, &spec.parameters)
         };
         made().map_err(|e: FieldError| e.inside("controller.guidance"))

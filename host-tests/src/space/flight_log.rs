@@ -1,14 +1,10 @@
-//! A record in space as a flight log: the columns of the trace, and the flight under the names that PX4 logs it by.
+//! A record in space as a flight log, under the names that PX4 logs it by.
 
-use alula_logs::{Column, Error, Log};
-
-use super::columns::COLUMNS;
 use super::{Step, V3};
-use crate::columns::Cell;
-use crate::flight_log::{BEGIN, Row, log_of};
+use crate::flight_log::Row;
 
-impl Row {
-    fn in_space(step: &Step) -> Self {
+impl From<&Step> for Row {
+    fn from(step: &Step) -> Self {
         let q = &step.truth.attitude;
         let vector = |v: V3| [v.x, v.y, v.z];
         let target = &step.target;
@@ -22,30 +18,11 @@ impl Row {
     }
 }
 
-/// The record as a log.
-pub fn log(record: &[Step]) -> Result<Log, Error> {
-    let time: Vec<f64> = record.iter().map(|step| BEGIN + step.t).collect();
-    let is_number = |step: &Step| {
-        COLUMNS
-            .iter()
-            .map(|c| !matches!((c.read)(step), Cell::Word(_)))
-            .collect()
-    };
-    let numbers: Vec<bool> = record.first().map(is_number).unwrap_or_default();
-    let trace = COLUMNS.iter().zip(numbers).filter(|(_, number)| *number);
-    let trace = trace.map(|(column, _)| {
-        let values = record.iter().map(|step| column.number(step)).collect();
-        Column::new(column.name, &column.unit.replace('²', "^2"), values)
-    });
-    let rows: Vec<Row> = record.iter().map(Row::in_space).collect();
-    log_of(&time, trace.collect(), &rows)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::experiment::Document;
-    use crate::flight_log::{Format, TRACE};
+    use crate::flight_log::{Format, TRACE, log};
     use crate::space::{Experiment, fly};
 
     /// What is written as ULog reads back as the trace's numbers, and the states found in it are the flight's.
@@ -55,10 +32,11 @@ mod tests {
         for change in ["duration_s=8", "entry_s=0", "weather.steady_m_s=[1,-2,0]"] {
             document.assign(change).unwrap();
         }
-        let record = fly(&Experiment::of(&document).unwrap()).unwrap();
+        let experiment = Experiment::of(&document).unwrap();
+        let record = fly(&experiment).unwrap();
         let mut file = std::io::Cursor::new(Vec::new());
         Format::Ulog
-            .write(&log(&record).unwrap(), &mut file)
+            .write(&log(&experiment, &record).unwrap(), &mut file)
             .unwrap();
         let log = alula_logs::ulog::read("x", file.get_ref()).unwrap();
         let trace = log.topic(TRACE).unwrap();

@@ -7,11 +7,10 @@ pub mod columns;
 mod controller;
 mod experiment;
 mod figures;
-pub mod flight_log;
+mod flight_log;
 mod initial;
 mod path;
 mod plant;
-pub mod replay;
 mod route;
 mod sensors;
 mod simulate;
@@ -19,7 +18,7 @@ mod telling;
 mod weather;
 
 pub use controller::Pilot;
-pub use experiment::{Experiment, PlantSpec, RateLoop};
+pub use experiment::{Experiment, PlantSpec};
 pub use figures::{FIGURES, Figure, Figures};
 pub use initial::{InitialSpec, Scatter};
 pub use path::{Path, PathSpec, Target};
@@ -46,6 +45,6 @@ fn finite_vector(field: &str, v: &V3) -> Result<(), FieldError> {
 }
 
 /// A vector as the core takes it.
-fn ned(v: V3) -> alula::spatial::Ned {
+pub(crate) fn ned(v: V3) -> alula::spatial::Ned {
     alula::spatial::Ned::new(v.x as f32, v.y as f32, v.z as f32)
 }

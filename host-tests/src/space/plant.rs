@@ -7,6 +7,7 @@
 use nalgebra::{Quaternion, UnitQuaternion};
 
 use super::V3;
+use crate::experiment::RateLoop;
 use crate::reference::Vehicle;
 
 /// How body rates follow their commands.
@@ -28,6 +29,25 @@ pub enum Rotation {
     },
     /// Moments of inertia \[kg·m²\] about (x, y, z), turned by the torque \[N·m\] that is given in place of a rate.
     Torque(V3),
+}
+
+impl Rotation {
+    /// That of a rate loop whose inertia and torque are those of `axes`; `ideal` for one without a lag.
+    pub(crate) fn of<J: Copy>(rate_loop: &RateLoop<J>, axes: fn(J) -> V3, ideal: Self) -> Self {
+        match *rate_loop {
+            RateLoop::Ideal => ideal,
+            RateLoop::Lag { time_constant_s } => Self::Lag(time_constant_s),
+            RateLoop::Inertia {
+                inertia_kg_m2,
+                bandwidth_1_s,
+                torque_max_n_m,
+            } => Self::Inertia {
+                lag: 1.0 / bandwidth_1_s,
+                inertia: axes(inertia_kg_m2),
+                torque: axes(torque_max_n_m),
+            },
+        }
+    }
 }
 
 /// The true vehicle.

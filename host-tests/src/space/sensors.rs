@@ -10,7 +10,8 @@ use serde::Deserialize;
 use super::plant::SpatialState;
 use super::{V3, ned};
 use crate::experiment::{
-    Accelerometer, AirSensor, ErrorSpec, FaultSpec, FieldError, PositionSensor, finite,
+    Accelerometer, AirSensor, ErrorSpec, FaultSpec, FieldError, PositionSensor,
+    validate_sensors as validate,
 };
 
 /// `[sensors]`: errors of each component.
@@ -65,26 +66,14 @@ impl Measured {
 
 impl SensorSpec {
     pub(super) fn validate(&self) -> Result<(), FieldError> {
-        for (field, error) in [
-            ("sensors.velocity_m_s", &self.velocity_m_s),
-            ("sensors.position_m", &self.position_m),
-            ("sensors.attitude_deg", &self.attitude_deg),
-            ("sensors.air_m_s", &self.air_m_s),
-            ("sensors.acceleration_m_s2", &self.acceleration_m_s2),
-        ] {
-            finite(&format!("{field}.bias"), error.bias)?;
-            for (part, value) in [("noise", error.noise), ("quantum", error.quantum)] {
-                let field = format!("{field}.{part}");
-                finite(&field, value)?;
-                if value < 0.0 {
-                    return Err(FieldError::new(field, "must not be negative"));
-                }
-            }
-        }
-        for (i, fault) in self.faults.iter().enumerate() {
-            fault.validate(&format!("sensors.faults[{i}]"))?;
-        }
-        Ok(())
+        let errors = [
+            ("velocity_m_s", &self.velocity_m_s),
+            ("position_m", &self.position_m),
+            ("attitude_deg", &self.attitude_deg),
+            ("air_m_s", &self.air_m_s),
+            ("acceleration_m_s2", &self.acceleration_m_s2),
+        ];
+        validate(&errors, &self.faults)
     }
 
     /// What is measured of `truth` and its specific force (along i, j, w) in `wind`, which is `steady` but for gusts and

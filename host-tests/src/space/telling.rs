@@ -1,7 +1,7 @@
 //! What the guidance is told at a step: what was measured, with the faults that last.
 
 use alula::guidance::Air;
-use alula::spatial::{Body, Heading, Ned, Reference};
+use alula::spatial::{Body, Heading, Reference};
 use alula::{Attitude, GuidanceInput};
 use nalgebra::UnitQuaternion;
 
@@ -12,50 +12,27 @@ use crate::experiment::{FaultKind, Faults, Lasting, PositionSensor, Told};
 
 impl Told for Measured {
     fn distort(&mut self, fault: &Lasting<Self>) {
-        let Lasting {
-            kind,
-            first,
-            size,
-            drift,
-        } = *fault;
-        let every = V3::from_element;
-        let air = |air: Air<Ned>, by: &dyn Fn(Ned) -> Ned| match air {
-            Air::Velocity(air) => Air::Velocity(by(air)),
-            other => other,
-        };
+        let (first, every) = (fault.first, V3::from_element);
         let turn = |angle: f64| UnitQuaternion::from_scaled_axis(every(angle.to_radians()));
-        match kind {
-            FaultKind::AirFrozen => self.air = first.air,
-            FaultKind::WindStuck => {
-                if let Air::Velocity(air) = first.air {
-                    self.air = Air::Wind(ned(first.velocity) - air);
-                }
-            }
-            FaultKind::AirDrift => self.air = air(self.air, &|v| v + ned(every(drift))),
-            FaultKind::AirScale => self.air = air(self.air, &|v| v * (1.0 + size) as f32),
+        match fault.kind {
             FaultKind::VelocityFrozen => self.velocity = first.velocity,
-            FaultKind::VelocityDrift => self.velocity += every(drift),
+            FaultKind::VelocityDrift => self.velocity += every(fault.drift),
             FaultKind::AttitudeFrozen => self.attitude = first.attitude,
-            FaultKind::AttitudeDrift => self.attitude *= turn(drift),
-            FaultKind::AttitudeOffset => self.attitude *= turn(size),
-            FaultKind::PositionDrift => self.position += every(drift),
-            FaultKind::PositionJump => self.position += every(size),
-            FaultKind::Accelerometer => self.specific_force = None,
-            FaultKind::AccelerometerDead => {
-                self.specific_force = self.specific_force.map(|_| Body::default());
-            }
-            FaultKind::AccelerometerFrozen => self.specific_force = first.specific_force,
-            FaultKind::AccelerometerDrift => {
-                let by = drift as f32;
-                let off = |f: Body| Body::new(f.i + by, f.j + by, f.w + by);
-                self.specific_force = self.specific_force.map(off);
-            }
+            FaultKind::AttitudeDrift => self.attitude *= turn(fault.drift),
+            FaultKind::AttitudeOffset => self.attitude *= turn(fault.size),
+            FaultKind::PositionDrift => self.position += every(fault.drift),
+            FaultKind::PositionJump => self.position += every(fault.size),
             _ => {}
         }
+        let off = ned(every(fault.drift));
+        self.air = fault.air(self.air, first.air, ned(first.velocity), off);
+        let by = fault.drift as f32;
+        let off = Body::new(by, by, by);
+        self.specific_force = fault.force(self.specific_force, first.specific_force, off);
     }
 }
 
-/// What the guidance has been told so far: what a fault repeats.
+/// What the guidance was told last, which a fault may repeat.
 #[derive(Default)]
 pub struct Telling {
     measured: Option<(f64, Measured)>,
@@ -131,6 +108,7 @@ impl Telling {
 mod tests {
     use super::*;
     use crate::experiment::FaultSpec;
+    use alula::spatial::Ned;
 
     /// Measured at `t` \[s\] of a climbing turn.
     fn measured(t: f64) -> Measured {

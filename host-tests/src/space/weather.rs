@@ -1,10 +1,10 @@
 //! Wind in space: steady, a 1-cosine gust, and Dryden turbulence on three axes (MIL-F-8785C, low altitude).
 
 use rand::Rng;
-use rand_distr::{Distribution, StandardNormal};
 use serde::Deserialize;
 
 use super::{V3, finite_vector, vector};
+use crate::experiment::dryden::{LEAST_SPEED, Scales, Transverse, along, normal};
 use crate::experiment::{FieldError, TurbulenceSpec, finite};
 
 /// `[weather]`.
@@ -119,46 +119,27 @@ impl Gust {
 }
 
 /// Dryden turbulence: two horizontal components of intensity σ_u and scale L_u, a vertical one of σ_w and L_w.
-///
-/// Along the mean wind the spectrum is first order; across it, horizontally and vertically, it is that of
-/// H = σ √(L/(πV)) (1 + √3 L s/V)/(1 + L s/V)². Each is stepped exactly.
 pub struct Turbulence {
-    sigma: [f64; 3],
-    length: [f64; 3],
+    scales: Scales,
     /// Unit vector of the mean wind, horizontal.
     along: V3,
-    /// Of unit variance.
+    /// Along the mean wind, of unit variance.
     u: f64,
-    /// Filter states of the two transverse components.
-    transverse: [[f64; 2]; 2],
-}
-
-const FOOT: f64 = 0.3048;
-/// Below this airspeed \[m/s\] the frozen field is taken to pass at this speed: it would stand still in hover.
-const LEAST_SPEED: f64 = 2.0;
-
-fn normal(random: &mut impl Rng) -> f64 {
-    StandardNormal.sample(random)
+    /// Across it, horizontally and vertically.
+    transverse: [Transverse; 2],
 }
 
 impl Turbulence {
     /// Turbulence with a wind of `wind_at_20_ft` \[m/s\] (7.7 is light, 15.4 moderate) at a `height` \[m\] above
     /// ground, in a mean wind that blows towards `heading` \[rad\] from north.
     pub fn new(wind_at_20_ft: f64, height: f64, heading: f64, random: &mut impl Rng) -> Self {
-        let h = height / FOOT;
-        let base = 0.177 + 0.000823 * h;
-        let sigma_w = 0.1 * wind_at_20_ft;
-        let sigma_u = sigma_w / base.powf(0.4);
-        let length_u = h / base.powf(1.2) * FOOT;
-        let mut filter = || {
-            // The stationary covariance of the two states: ½, ¼, ¼.
-            let (a, b) = (normal(random), normal(random));
-            [0.5_f64.sqrt() * a, (0.5 * a + 0.5 * b) * 0.5_f64.sqrt()]
+        let spec = TurbulenceSpec {
+            wind_at_20_ft_m_s: wind_at_20_ft,
+            height_m: height,
         };
-        let transverse = [filter(), filter()];
+        let transverse = [Transverse::new(random), Transverse::new(random)];
         Self {
-            sigma: [sigma_u, sigma_u, sigma_w],
-            length: [length_u, length_u, height],
+            scales: Scales::of(&spec),
             along: V3::new(heading.cos(), heading.sin(), 0.0),
             u: normal(random),
             transverse,
@@ -167,39 +148,21 @@ impl Turbulence {
 
     /// The velocity now \[m/s\], north-east-down.
     pub fn velocity(&self) -> V3 {
-        let root_3 = 3.0_f64.sqrt();
-        let [side, down] = self
-            .transverse
-            .map(|[w1, w2]| root_3 * w1 + (1.0 - root_3) * w2);
+        let Scales {
+            sigma_u, sigma_w, ..
+        } = self.scales;
+        let [side, down] = [0, 1].map(|i| self.transverse[i].value());
         let across = V3::new(-self.along.y, self.along.x, 0.0);
-        self.sigma[0] * self.u * self.along
-            + self.sigma[1] * side * across
-            + V3::new(0.0, 0.0, self.sigma[2] * down)
+        sigma_u * self.u * self.along + sigma_u * side * across + V3::new(0.0, 0.0, sigma_w * down)
     }
 
     /// Lets it pass for `dt` \[s\] at an `airspeed` \[m/s\].
     pub fn advance(&mut self, airspeed: f64, dt: f64, random: &mut impl Rng) {
         let path = airspeed.max(LEAST_SPEED) * dt;
-        let a = (-path / self.length[0]).exp();
-        self.u = a * self.u + (1.0 - a * a).sqrt() * normal(random);
-        for (filter, length) in self.transverse.iter_mut().zip(&self.length[1..]) {
-            let z = path / length;
-            let (a, e) = ((-z).exp(), (-2.0 * z).exp());
-            // Covariance of what white noise adds to two first-order filters in a row, ∫ e^{−2z} (1, z, z²) dz.
-            let q = [
-                0.5 * (1.0 - e),
-                0.25 * (1.0 - e * (1.0 + 2.0 * z)),
-                0.25 * (1.0 - e * (1.0 + 2.0 * z + 2.0 * z * z)),
-            ];
-            let first = q[0].sqrt();
-            let second = q[1] / first;
-            let rest = (q[2] - second * second).max(0.0).sqrt();
-            let (n, m) = (normal(random), normal(random));
-            let [w1, w2] = *filter;
-            *filter = [
-                a * w1 + first * n,
-                a * (w2 + z * w1) + second * n + rest * m,
-            ];
+        self.u = along(self.u, path, self.scales.length_u, random);
+        let lengths = [self.scales.length_u, self.scales.length_w];
+        for (filter, length) in self.transverse.iter_mut().zip(lengths) {
+            filter.advance(path, length, random);
         }
     }
 }

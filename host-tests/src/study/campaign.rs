@@ -55,14 +55,14 @@ pub struct Dispersion {
     pub add: Option<Distribution>,
     /// Value.
     pub to: Option<Distribution>,
-    /// Other fields as they are once drawn, each with an exponent: the number drawn is multiplied by their powers, as where a wing grows
-    /// with the mass to the two thirds.
+    /// Other fields, each with an exponent: the number drawn is multiplied by the powers of their drawn values. An area that grows with
+    /// mass^(2/3) is an example.
     #[serde(default)]
     pub powers: BTreeMap<String, f64>,
-    /// Another field as it is once drawn, which is added in the end: where a belief is off by so much.
+    /// Another field, whose drawn value is added at the end: the number drawn is the error of a belief about that field.
     pub plus: Option<String>,
-    /// Other fields as they are once drawn, each with a factor: the value is at most their products. So a belief leaves out what nobody can
-    /// believe of a vehicle that hovers.
+    /// Other fields, each with a factor: the value is at most factor times drawn value of each. This excludes beliefs with which the
+    /// vehicle could not hover.
     #[serde(default)]
     pub at_most: BTreeMap<String, f64>,
 }

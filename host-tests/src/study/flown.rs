@@ -2,6 +2,7 @@
 
 use super::place::{Experiment, SAMPLED};
 use super::{Drawn, Expected, FaultDraw, Place};
+use crate::columns::Flight;
 use crate::figures::Tally;
 use crate::simulate::{End, simulate};
 use crate::{columns, experiment, space};
@@ -138,11 +139,11 @@ impl Flown {
         faults: &[FaultDraw],
     ) -> anyhow::Result<Self> {
         let names = Place::Space.sampled();
-        let sampled = names.map(|name| space::columns::column(name).expect("a column"));
+        let sampled = names.map(|name| space::Experiment::column(name).expect("a column"));
         let record = space::fly(experiment)?;
         let mut asked = Asked::new(drawn, faults, experiment.duration_s);
         for step in &record {
-            let sample = || sampled.map(|column| column.number(step) as f32);
+            let sample = || sampled.map(|column| column.number(experiment, step) as f32);
             let state = State {
                 mode: step.guided.mode.name(),
                 air: step.guided.air.name(),

@@ -156,14 +156,20 @@ impl Campaign {
             }
         }
         if !self.faults.is_empty() && !experiment.is_guided() {
-            return Err(FieldError::new("faults", "are for the guidance alone"));
+            return Err(FieldError::new(
+                "faults",
+                "only the guidance can be given faults",
+            ));
         }
         for (i, fault) in self.faults.iter().enumerate() {
             fault.validate(&format!("faults[{i}]"))?;
         }
         if let Some(reference) = &self.reference {
             if place == Place::Space {
-                return Err(FieldError::new("reference", "is for the plane alone"));
+                return Err(FieldError::new(
+                    "reference",
+                    "cannot be drawn for an experiment with a path",
+                ));
             }
             reference.validate()?;
         }

@@ -114,7 +114,7 @@ impl Map {
             }
         }
         if !is_figure(&self.figure) {
-            let problem = format!("{} is no figure", self.figure);
+            let problem = format!("{} is not the name of a figure", self.figure);
             return Err(FieldError::new(format!("{field}.figure"), problem));
         }
         let rising = self.levels.windows(2).all(|pair| pair[0] < pair[1]);

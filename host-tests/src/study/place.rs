@@ -1,5 +1,6 @@
 //! Where a campaign flies: in the vertical plane, or in space.
 
+use crate::columns::Flight;
 use crate::experiment::{self, Document, FieldError};
 use crate::{columns, figures, space};
 
@@ -63,7 +64,7 @@ impl Place {
     pub fn meaning(self, name: &str) -> Option<&'static str> {
         match self {
             Self::Plane => columns::column(name).map(|column| column.meaning),
-            Self::Space => space::columns::column(name).map(|column| column.meaning),
+            Self::Space => space::Experiment::column(name).map(|column| column.meaning),
         }
     }
 }
@@ -125,7 +126,7 @@ mod tests {
 
     /// Each place samples columns that its record has, and has the two figures by which a page warns.
     #[test]
-    fn what_is_sampled_is_recorded() {
+    fn every_sampled_column_is_in_the_record() {
         for place in [Place::Plane, Place::Space] {
             for name in place.sampled() {
                 assert!(place.meaning(name).is_some(), "{name}");

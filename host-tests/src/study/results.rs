@@ -345,7 +345,7 @@ mod tests {
     }
 
     #[test]
-    fn what_departed_is_said_and_its_figures_are_not() {
+    fn departed_flights_are_counted_and_left_out_of_the_figures() {
         let all = cell(vec![flight(Outcome::Departs, -80.0)]);
         assert_eq!(Results::verdict(&all), "departs");
         assert_eq!(&all.texts()[..2], ["departs", "–"]);

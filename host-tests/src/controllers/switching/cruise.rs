@@ -1,7 +1,7 @@
 //! Flight as an aeroplane: a total-energy loop of speed and height in the manner of PX4's.
 //!
-//! The rate of total energy is the throttle's, around its trim; the balance of potential and kinetic energy is the
-//! pitch's. Both have a feed-forward, a damping on the rate's error and an integral.
+//! Throttle controls the rate of total energy, around its trim; pitch controls the balance of potential and kinetic
+//! energy. Both have a feed-forward, a damping on the rate's error and an integral.
 //!
 //! | field | PX4, stock |
 //! |---|---|
@@ -24,12 +24,12 @@
 //! Read in PX4's `fw_pos_control_l1_params.c`, `fw_att_control_params.c` and `performance_model_params.c`. Below the least
 //! airspeed the throttle goes to its maximum, and pitch to holding speed alone, in full 15 % below it.
 
-use super::policy::CruiseTable;
+use super::policy::{CruiseTable, in_order};
 use super::{Measured, Setpoint};
 use crate::experiment::FieldError;
 use crate::experiment::table::{
     Range::{Finite, Positive, Within},
-    ordered, table,
+    table,
 };
 
 table! {
@@ -61,7 +61,7 @@ const GRAVITY: f64 = 9.81;
 const UNDERSPEED: f64 = 0.15;
 /// Time constant of the measured forward acceleration \[s\].
 const ACCELERATION: f64 = 0.1;
-/// Crossover of acceleration and airspeed in the airspeed's estimate \[rad/s\]; PX4's filter is of that kind. Without it every gust were a change of energy.
+/// Crossover of acceleration and airspeed in the airspeed's estimate \[rad/s\]; PX4's filter is of that kind. Without it every gust would count as a change of energy.
 const CROSSOVER: f64 = 2.0;
 
 impl CruiseTable for CruiseSpec {
@@ -69,16 +69,8 @@ impl CruiseTable for CruiseSpec {
 
     fn validate(&self, table: &str) -> Result<(), FieldError> {
         self.in_range(table)?;
-        let field = |name: &str| format!("{table}.{name}");
-        ordered(&field("airspeed_m_s"), self.airspeed_m_s)?;
-        ordered(&field("throttle"), self.throttle)?;
-        ordered(&field("pitch_deg"), self.pitch_deg)?;
-        let [low, high] = self.throttle;
-        if !(low..high).contains(&self.trim_throttle) {
-            let problem = "must be within throttle";
-            return Err(FieldError::new(field("trim_throttle"), problem));
-        }
-        Ok(())
+        let ranges = [self.airspeed_m_s, self.throttle, self.pitch_deg];
+        in_order(table, ranges, self.trim_throttle)
     }
 
     fn loops(self, full: f64) -> Cruise {
@@ -145,7 +137,7 @@ impl Cruise {
         let estimate = self.estimate(measured, dt);
         let airspeed = estimate.max(0.5 * spec.airspeed_m_s[0]);
 
-        // What is wanted: a climb and an acceleration.
+        // The climb rate and the acceleration asked for.
         let climb = (measured.position_error.x / spec.altitude_s
             - spec.height_rate_feed_forward * measured.reference.x)
             .clamp(-spec.sink_m_s[1], spec.climb_m_s);
@@ -155,7 +147,7 @@ impl Cruise {
         let speed_error = measured.reference_airspeed.clamp(least, greatest) - estimate;
         let faster = (speed_error / spec.speed_s).clamp(-fall / airspeed, most / airspeed);
 
-        // Rates of specific potential and kinetic energy [m²/s³], wanted and had.
+        // Rates of specific potential and kinetic energy [m²/s³]: asked for, measured.
         let potential = [GRAVITY * climb, -GRAVITY * measured.velocity.x];
         let kinetic = [airspeed * faster, airspeed * self.acceleration];
         let slow = ((least - estimate) / (UNDERSPEED * least)).clamp(0.0, 1.0);

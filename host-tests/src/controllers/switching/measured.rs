@@ -43,7 +43,7 @@ fn vector(v: Inertial) -> Vector {
 }
 
 impl Wind {
-    /// Reads `input`, `dt` \[s\] after the last; nothing if velocity, attitude or reference is no number.
+    /// Reads `input`, `dt` \[s\] after the last; `None` if velocity, attitude or reference is not finite.
     pub fn read(&mut self, input: &PlanarInput, dt: f64) -> Option<Measured> {
         let velocity = vector(input.velocity);
         let theta = f64::from(input.attitude.angle());
@@ -141,7 +141,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn what_is_no_number_is_refused() {
+    fn inputs_that_are_not_finite_are_refused() {
         let mut bad = input(Air::Unknown);
         bad.velocity = Inertial::new(f32::NAN, 0.0);
         assert_eq!(Wind::default().read(&bad, 0.01), None);

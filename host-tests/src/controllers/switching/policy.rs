@@ -8,6 +8,7 @@ use serde::de::DeserializeOwned;
 use super::measured::Wind;
 use super::{Hover, HoverSpec, LimitSpec, Measured, Output, Phase, Setpoint, Switch, SwitchSpec};
 use crate::controllers::{Answer, Controller, Input, Spec};
+use crate::experiment::table::ordered;
 use crate::experiment::{Experiment, FieldError};
 
 /// The table of a policy, whose transitions are those of `T`.
@@ -37,6 +38,23 @@ pub trait CruiseTable: Copy + Debug + PartialEq + DeserializeOwned + 'static {
 
     /// The loops on a vehicle with `full` thrust \[N\] at full throttle.
     fn loops(self, full: f64) -> Self::Loops;
+}
+
+/// Airspeeds, throttles and pitch angles must be [least, greatest], and the `trim` throttle between the throttles.
+pub fn in_order(
+    table: &str,
+    [airspeed, throttle, pitch]: [[f64; 2]; 3],
+    trim: f64,
+) -> Result<(), FieldError> {
+    let field = |name: &str| format!("{table}.{name}");
+    ordered(&field("airspeed_m_s"), airspeed)?;
+    ordered(&field("throttle"), throttle)?;
+    ordered(&field("pitch_deg"), pitch)?;
+    if !(throttle[0]..throttle[1]).contains(&trim) {
+        let problem = "must be within throttle";
+        return Err(FieldError::new(field("trim_throttle"), problem));
+    }
+    Ok(())
 }
 
 /// The way of an autopilot from hover to cruise and back.

@@ -27,12 +27,12 @@
 //! Left out: the detection of a descent that cannot be flown, and the lowering of the greatest airspeed and of the demanded
 //! climb while throttle or pitch is at its limit.
 
-use super::policy::CruiseTable;
+use super::policy::{CruiseTable, in_order};
 use super::{Measured, Setpoint};
 use crate::experiment::FieldError;
 use crate::experiment::table::{
     Range::{Finite, Positive, Within},
-    ordered, table,
+    table,
 };
 use crate::reference::Vector;
 
@@ -76,16 +76,8 @@ impl CruiseTable for TecsSpec {
 
     fn validate(&self, table: &str) -> Result<(), FieldError> {
         self.in_range(table)?;
-        let field = |name: &str| format!("{table}.{name}");
-        ordered(&field("airspeed_m_s"), self.airspeed_m_s)?;
-        ordered(&field("throttle"), self.throttle)?;
-        ordered(&field("pitch_deg"), self.pitch_deg)?;
-        let [low, high] = self.throttle;
-        if !(low..high).contains(&self.trim_throttle) {
-            let problem = "must be within throttle";
-            return Err(FieldError::new(field("trim_throttle"), problem));
-        }
-        Ok(())
+        let ranges = [self.airspeed_m_s, self.throttle, self.pitch_deg];
+        in_order(table, ranges, self.trim_throttle)
     }
 
     fn loops(self, full: f64) -> Tecs {
@@ -162,7 +154,7 @@ impl Tecs {
     }
 
     /// The aeroplane's setpoint, `dt` \[s\] after the last. As long as the vehicle is `carried` by its rotors, height and speed
-    /// are taken for things of their own: pitch is for height alone, throttle for speed alone.
+    /// are controlled apart: height by pitch, speed by throttle.
     pub fn setpoint(&mut self, measured: &Measured, carried: bool, dt: f64) -> Setpoint {
         let spec = self.spec;
         let nose = Vector::new(-measured.theta.cos(), -measured.theta.sin());
@@ -201,7 +193,7 @@ impl Tecs {
         let too_slow = airspeed < 0.9 * least && m.throttle[2] >= 0.95 * spec.throttle[1];
         m.slow = !carried && (too_slow || (m.slow && low > 0.0 && airspeed < 1.15 * least));
 
-        // Errors of specific potential and kinetic energy [m²/s²], and the rates asked for and had [m²/s³].
+        // Errors of specific potential and kinetic energy [m²/s²], and their rates, asked for and measured [m²/s³].
         let kinetic = |v: f64| 0.5 * v * v;
         let errors = [
             GRAVITY * low,
@@ -377,7 +369,7 @@ pub(crate) mod tests {
         assert!(slow.0 < trim.0 && slow.1 > trim.1, "{slow:?} {trim:?}");
     }
 
-    /// Slow alone is not too slow: the throttle has to be at its end, too.
+    /// An airspeed below the least does not count as too slow before the throttle is at its upper limit.
     #[test]
     fn too_slow_needs_full_throttle() {
         let run = |spec: TecsSpec, below: f64| {

@@ -80,7 +80,7 @@ pub fn draw(
     }
 }
 
-/// The steps at which the vehicle is drawn: every `spacing` \[s\] and the last, but where one stands already.
+/// The steps at which the vehicle is drawn: every `spacing` \[s\] and the last one, unless it would cover another.
 fn vehicles<'a>(record: &'a [Step], view: &View, spacing: f64) -> Vec<&'a Step> {
     let last = &record[record.len() - 1];
     let mut drawn: Vec<&Step> = Vec::new();

@@ -6,11 +6,12 @@ use alula::guidance::Air;
 use alula::ned::{BodyAxes, Quaternion};
 use alula::spatial::{Heading, Orientation, Reference};
 use alula::{GuidanceInput, GuidanceState};
-use alula_logs::states::{Series, States};
+use alula_logs::states::States;
 use nalgebra::UnitQuaternion;
 
-use super::columns::{Column, column};
-use super::{Experiment, Record, SpatialState, Step, Target, V3, ned};
+use super::states::{self, Row};
+use crate::columns::{Flight, write_columns};
+use crate::space::{Experiment, Record, SpatialState, Step, Target, V3, ned};
 
 /// What is written.
 const OUTPUTS: [&str; 11] = [
@@ -27,20 +28,9 @@ const OUTPUTS: [&str; 11] = [
     "status",
 ];
 
-/// One row of a series, with its age \[s\]; none if there is no such series, or no number in the row.
-fn at<const N: usize>(series: Option<&Series<N>>, row: usize) -> Option<([f64; N], f64)> {
-    let series = series?;
-    let value = series.values[row];
-    let known = value.iter().all(|x| x.is_finite());
-    known.then_some((value, series.age[row]))
-}
-
 /// Runs the guidance of `experiment` over `states`: each step, with what the log says for the truth, and in words what had to be assumed.
 pub fn replay(states: &States, experiment: &Experiment) -> anyhow::Result<(Record, Vec<String>)> {
-    if states.velocity.is_none() {
-        let missing = states.missing.iter().map(ToString::to_string);
-        anyhow::bail!("{}", missing.collect::<Vec<_>>().join("; "));
-    }
+    states::check(states)?;
     let guidance = experiment.controller.guidance(experiment)?;
     let mut memory = GuidanceState::default();
     let mut record = Record::with_capacity(states.time.len());
@@ -51,37 +41,28 @@ pub fn replay(states: &States, experiment: &Experiment) -> anyhow::Result<(Recor
         let orientation =
             Orientation::from_quaternion(&Quaternion { w, x, y, z }, BodyAxes::NoseForward)
                 .unwrap_or(Orientation::UNKNOWN);
-        let unknown = ([f64::NAN; 3], f64::INFINITY);
-        let (velocity, velocity_age) = at(states.velocity.as_ref(), row).unwrap_or(unknown);
-        let setpoint = at(states.velocity_setpoint.as_ref(), row);
-        followed += usize::from(setpoint.is_some());
-        // Where the autopilot asks for no velocity, the one flown stands for it.
-        let (reference, reference_age) = setpoint.unwrap_or((velocity, velocity_age));
-        let acceleration = at(states.acceleration_setpoint.as_ref(), row);
-        let acceleration = acceleration.filter(|_| setpoint.is_some());
-        let position = at(states.position.as_ref(), row).map(|(x, _)| V3::from(x));
-        let wanted = at(states.position_setpoint.as_ref(), row).map(|(x, _)| V3::from(x));
-        let wind = at(states.wind.as_ref(), row).map(|(w, _)| V3::from(w));
-        let force = at(states.specific_force.as_ref(), row).map(|(f, _)| f);
+        let told = Row::of(states, row);
+        followed += usize::from(told.is_followed);
         let target = Target {
-            position: wanted.unwrap_or(V3::repeat(f64::NAN)),
-            velocity: reference.into(),
-            acceleration: acceleration.map_or(V3::zeros(), |(a, _)| a.into()),
+            position: told.wanted.unwrap_or(V3::repeat(f64::NAN)),
+            velocity: told.reference.into(),
+            acceleration: told.acceleration.into(),
             heading: None,
         };
+        let wind = told.wind.map(V3::from);
         let input = GuidanceInput {
-            velocity: ned(velocity.into()),
+            velocity: ned(told.velocity.into()),
             orientation,
-            state_age: velocity_age.max(states.attitude.age[row]) as f32,
+            state_age: told.velocity_age.max(states.attitude.age[row]) as f32,
             air: wind.map_or(Air::Unknown, |w| Air::Wind(ned(w))),
-            specific_force: force.map(|f| BodyAxes::NoseForward.vector(f.map(|c| c as f32))),
-            position_error: position.zip(wanted).map(|(x, r)| ned(x - r)),
+            specific_force: told.force(),
+            position_error: told.position_error().map(ned),
             reference: Reference {
                 velocity: ned(target.velocity),
                 acceleration: ned(target.acceleration),
                 heading: Heading::FREE,
             },
-            reference_age: reference_age as f32,
+            reference_age: told.reference_age as f32,
         };
         let period = 1.0 / experiment.control_rate_hz;
         let dt = record.last().map_or(period, |last: &Step| t - last.t);
@@ -89,14 +70,14 @@ pub fn replay(states: &States, experiment: &Experiment) -> anyhow::Result<(Recor
         record.push(Step {
             t,
             truth: SpatialState {
-                position: position.unwrap_or(V3::repeat(f64::NAN)),
-                velocity: velocity.into(),
+                position: told.position.unwrap_or(V3::repeat(f64::NAN)),
+                velocity: told.velocity.into(),
                 attitude: hover_axes(&orientation),
                 rates: V3::repeat(f64::NAN),
                 thrust: f64::NAN,
             },
             wind: wind.unwrap_or_default(),
-            load_factor: force.map_or(f64::NAN, |f| {
+            load_factor: told.specific_force.map_or(f64::NAN, |f| {
                 V3::from(f).norm() / experiment.vehicle.gravity_m_s2
             }),
             target,
@@ -104,16 +85,7 @@ pub fn replay(states: &States, experiment: &Experiment) -> anyhow::Result<(Recor
             guided,
         });
     }
-    let mut notes = states.notes.clone();
-    notes.extend(states.missing.iter().map(ToString::to_string));
-    let rows = states.time.len();
-    if followed < rows {
-        let flown = rows - followed;
-        notes.push(format!(
-            "no velocity asked for in {flown} of {rows} rows: the velocity flown stands for it there"
-        ));
-    }
-    Ok((record, notes))
+    Ok((record, states::notes(states, followed)))
 }
 
 /// The quaternion of a record.
@@ -124,33 +96,22 @@ fn hover_axes(orientation: &Orientation) -> UnitQuaternion<f64> {
 }
 
 /// Writes the commands as CSV.
-pub fn write(record: &[Step], to: impl Write) -> anyhow::Result<()> {
-    let outputs: Vec<&Column> = OUTPUTS.iter().filter_map(|name| column(name)).collect();
-    let mut writer = csv::Writer::from_writer(to);
-    writer.write_record(outputs.iter().map(|column| column.name))?;
-    let mut cell = Vec::new();
-    for step in record {
-        for column in &outputs {
-            cell.clear();
-            (column.read)(step).push(&mut cell);
-            writer.write_field(&cell)?;
-        }
-        writer.write_record(None::<&[u8]>)?;
-    }
-    Ok(writer.flush()?)
+pub fn write(experiment: &Experiment, record: &[Step], to: impl Write) -> std::io::Result<()> {
+    let outputs = OUTPUTS.map(|name| Experiment::column(name).expect("a column"));
+    write_columns(&outputs, experiment, record, to)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::experiment::Document;
-    use crate::flight_log::Format;
-    use crate::space::{flight_log, fly};
+    use crate::flight_log::{self, Format};
+    use crate::space::fly;
 
     #[test]
-    fn what_is_written_is_declared() {
+    fn every_column_written_is_declared() {
         for name in OUTPUTS {
-            assert!(column(name).is_some(), "{name} is no column");
+            assert!(Experiment::column(name).is_some(), "{name} is no column");
         }
     }
 
@@ -170,7 +131,7 @@ mod tests {
         let experiment = Experiment::of(&document).unwrap();
         let flown = fly(&experiment).unwrap();
         let mut file = std::io::Cursor::new(Vec::new());
-        let log = flight_log::log(&flown).unwrap();
+        let log = flight_log::log(&experiment, &flown).unwrap();
         Format::Ulog.write(&log, &mut file).unwrap();
         let log = alula_logs::ulog::read("x", file.get_ref()).unwrap();
         let states = alula_logs::states::find(&log).unwrap();
@@ -194,7 +155,7 @@ mod tests {
             assert!(rates.norm_squared().sqrt() < 3e-4, "{rates:?}");
         }
         let mut csv = Vec::new();
-        write(&replayed, &mut csv).unwrap();
+        write(&experiment, &replayed, &mut csv).unwrap();
         let text = String::from_utf8(csv).unwrap();
         assert_eq!(text.lines().count(), replayed.len() + 1);
     }
