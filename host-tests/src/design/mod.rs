@@ -2,6 +2,7 @@
 
 mod code;
 mod document;
+mod goals;
 mod known;
 mod performance;
 mod wing;
@@ -9,7 +10,8 @@ mod wing;
 use alula::{GuidanceParameters, ResponseParameters};
 
 pub use code::code_text;
-pub use document::{campaign_text, vehicle_text};
+pub use document::{campaign_text, check_name, vehicle_text};
+pub use goals::{Outcome, Verdict};
 pub use known::{Facts, Known};
 pub use performance::{Performance, Stall};
 pub use wing::{ROWS, Wing};

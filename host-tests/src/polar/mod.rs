@@ -2,8 +2,10 @@
 //!
 //! A table that ends at stall is extended to all angles; [`Polar::seam`] says from where on.
 
+mod doubt;
 mod formats;
 mod resample;
+mod stall;
 mod viterna;
 mod wing;
 
@@ -14,11 +16,12 @@ use alula::aero::TableError;
 use anyhow::{Context, anyhow, ensure};
 use serde::Deserialize;
 
+pub use doubt::Doubt;
 pub use resample::{Apart, resampled};
-pub use viterna::{Seam, most_drag};
-pub use wing::SPAN_EFFICIENCY;
+pub use stall::stall;
+pub use viterna::{Seam, Upto, most_drag};
 
-use crate::named::Named;
+use crate::named::{Named, on_one_line};
 use crate::reference::{Row, Table};
 
 macro_rules! built_in {
@@ -39,6 +42,13 @@ pub const BUILT_IN: &[(&str, &str)] = built_in![
     "naca-0018-re-5e6",
 ];
 
+/// What was read of a polar that is made, and not read.
+static UNREAD: Read = Read {
+    lines: Vec::new(),
+    rows: Vec::new(),
+    of_wing: false,
+};
+
 /// Most rows of a polar.
 const ROWS: usize = 512;
 
@@ -58,6 +68,19 @@ pub struct Polar {
     pub reference: &'static Table,
     /// Where the table was extended, if it ended at stall.
     pub seam: Option<Seam>,
+    /// What was read of a file.
+    read: &'static Read,
+}
+
+/// What a file holds.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Read {
+    /// Line numbers.
+    pub lines: Vec<u64>,
+    /// Rows of α \[°\], c_L and c_D, by increasing angle.
+    pub rows: Vec<[f64; 3]>,
+    /// Whether the file says that they are those of a whole wing, and no section's.
+    pub of_wing: bool,
 }
 
 impl PartialEq for Polar {
@@ -87,25 +110,42 @@ impl Polar {
     /// XFLR5 or AVL. One that ends at stall is extended to all angles, as of a wing of infinite span. `origin` stands for the text in errors,
     /// which name line and column.
     pub fn from_text(origin: &str, text: &str) -> anyhow::Result<Self> {
-        let (lines, degrees) = formats::read(origin, text).unwrap_or_else(|| read(origin, text))?;
-        let ends = degrees.first().zip(degrees.last());
+        // Spreadsheets begin a file with a mark of its encoding.
+        let text = text.trim_start_matches('\u{feff}');
+        let read = formats::read(origin, text).unwrap_or_else(|| read(origin, text))?;
+        Self::of_read(origin, read, None)
+    }
+
+    /// The polar of what was read; extended as of a wing of `aspect_ratio`, if it ends at stall.
+    fn of_read(origin: &str, read: Read, aspect_ratio: Option<f64>) -> anyhow::Result<Self> {
+        let Read { lines, rows, .. } = &read;
+        let ends = rows.first().zip(rows.last());
         let at_stall = ends.is_some_and(|(first, last)| first[0] >= -90.0 && last[0] <= 90.0);
         if !at_stall {
-            return Self::from_rows(origin, &lines, &degrees);
+            let whole = Self::from_rows(origin, lines, rows)?;
+            return Ok(Self {
+                read: Box::leak(Box::new(read)),
+                ..whole
+            });
         }
         // Of the rows that are made from them no error could name the line.
-        for (line, row) in lines.iter().zip(&degrees) {
-            let fine = row.iter().all(|x| x.is_finite()) && row[2] > 0.0;
+        for (line, row) in lines.iter().zip(rows) {
             ensure!(
-                fine,
-                "{origin}:{line}: every number must be finite, and the drag coefficient positive"
+                row.iter().all(|x| x.is_finite()),
+                "{origin}:{line}: every number must be finite"
+            );
+            ensure!(
+                row[2] > 0.0,
+                "{origin}:{line}: the drag coefficient must be positive; AVL and panel methods have no friction unless it is given to them"
             );
         }
-        let (rows, seam) =
-            viterna::extended(&halved(degrees), None).map_err(|e| anyhow!("{origin}: {e}"))?;
-        let whole = Self::from_rows(origin, &lines, &rows)?;
+        let first = lines.first().copied().unwrap_or(1);
+        let (rows, seam) = viterna::extended(&halved(rows.clone()), aspect_ratio)
+            .map_err(|e| anyhow!("{origin}:{first}: {e}"))?;
+        let whole = Self::from_rows(origin, &read.lines, &rows)?;
         Ok(Self {
             seam: Some(seam),
+            read: Box::leak(Box::new(read)),
             ..whole
         })
     }
@@ -139,6 +179,7 @@ impl Polar {
             reference: Box::leak(Box::new(Table::new(&rows))),
             rows: rows.leak(),
             seam: None,
+            read: &UNREAD,
         })
     }
 
@@ -155,15 +196,99 @@ impl Polar {
         self.rows.first().is_some_and(|row| row[0].abs() < 1e-9)
     }
 
-    /// The polar of a wing of `aspect_ratio` with this section.
-    pub fn of_wing(&self, aspect_ratio: f64) -> anyhow::Result<Self> {
+    /// Why it is to be doubted that these are the coefficients of a wing: the worst first.
+    pub fn doubts(&self) -> Vec<Doubt> {
+        doubt::doubts(&self.read.lines, &self.read.rows)
+    }
+
+    /// Whether it ends where lift still grows in a straight line: at the end of a sweep, but not at stall.
+    pub fn ends_straight(&self) -> bool {
+        self.seam.is_some() && doubt::ends_straight(&self.read.rows)
+    }
+
+    /// Whether its file says that it is that of a whole wing: XFLR5's of planes and AVL's are, and those that this program wrote.
+    pub fn is_of_wing(&self) -> bool {
+        self.read.of_wing
+    }
+
+    /// The line of its last row.
+    pub fn last_line(&self) -> u64 {
+        self.read.lines.last().copied().unwrap_or(1)
+    }
+
+    /// The polar that stalls at `degrees`: what was read beyond is left out, on both sides.
+    pub fn stalling_at(&self, degrees: f64) -> anyhow::Result<Self> {
         let name = self.name;
-        let (rows, seam) =
-            wing::of_section(&self.degrees(), aspect_ratio).map_err(|e| anyhow!("{name}: {e}"))?;
+        let Read {
+            lines,
+            rows,
+            of_wing,
+        } = self.read;
+        let last = rows.last().map_or(0.0, |row| row[0]);
+        ensure!(self.seam.is_some(), "{name} goes through its stall already");
+        ensure!(
+            degrees <= last,
+            "{name}:{}: ends at {last}°, before a stall at {degrees}°",
+            self.last_line()
+        );
+        let inside = |row: &[f64; 3]| row[0].abs() < degrees - 1e-6;
+        let kept = lines.iter().zip(rows).filter(|(_, row)| inside(row));
+        let (mut lines, mut cut): (Vec<u64>, Vec<[f64; 3]>) = kept.unzip();
+        // A row at the stall itself, on the straight line between its neighbours.
+        let above = rows.partition_point(|row| row[0] < degrees - 1e-6);
+        if let (Some(low), Some(high)) = (rows.get(above.wrapping_sub(1)), rows.get(above)) {
+            let part = (degrees - low[0]) / (high[0] - low[0]);
+            let between = |i: usize| low[i] + part * (high[i] - low[i]);
+            cut.push([degrees, between(1), between(2)]);
+            lines.push(self.read.lines[above]);
+        }
+        let read = Read {
+            lines,
+            rows: cut,
+            of_wing: *of_wing,
+        };
+        Self::of_read(name, read, None)
+    }
+
+    /// The polar of a wing of `aspect_ratio` with this section. That of a whole wing has its induced drag already: the ratio counts for how it
+    /// is extended alone.
+    fn of_wing(&self, aspect_ratio: f64) -> anyhow::Result<Self> {
+        let name = self.name;
+        if self.is_of_wing() {
+            return Self::of_read(name, self.read.clone(), Some(aspect_ratio));
+        }
+        let given = self.seam.map(|seam| seam.given_deg);
+        let (rows, seam) = wing::of_section(&self.degrees(), given, aspect_ratio)
+            .map_err(|e| anyhow!("{name}: of the wing: {e}"))?;
         Ok(Self {
             seam: Some(seam),
             ..Self::from_rows(name, &[], &rows)?
         })
+    }
+
+    /// The polar of a wing of `aspect_ratio`, or this one if none is said, and in sentences how it came about.
+    pub fn finite(&self, aspect_ratio: Option<f64>) -> anyhow::Result<(Self, Vec<String>)> {
+        let (wing, sentence) = match aspect_ratio {
+            None => (
+                *self,
+                "Without an aspect ratio: the wing is taken for the polar as it is".to_owned(),
+            ),
+            Some(ratio) if self.is_of_wing() => (
+                self.of_wing(ratio)?,
+                format!(
+                    "{WING} {ratio}: the polar is that of a whole wing already, and stays as it is; the ratio counts for its extension alone"
+                ),
+            ),
+            Some(ratio) => (
+                self.of_wing(ratio)?,
+                format!(
+                    "{WING} {ratio}: Prandtl's lifting line up to stall, with a span efficiency of {}",
+                    wing::SPAN_EFFICIENCY
+                ),
+            ),
+        };
+        let seam = wing.seam.map(|seam| seam.text());
+        Ok((wing, [sentence].into_iter().chain(seam).collect()))
     }
 
     /// The polar of at most `count` of its rows, and how far it is from this one.
@@ -176,6 +301,7 @@ impl Polar {
         Ok((
             Self {
                 seam: self.seam,
+                read: self.read,
                 ..Self::from_rows(self.name, &[], &degrees)?
             },
             apart,
@@ -184,7 +310,8 @@ impl Polar {
 
     /// The polar as a CSV file, under these comments.
     pub fn csv(&self, comments: &[String]) -> String {
-        let mut text: String = comments.iter().map(|line| format!("# {line}\n")).collect();
+        let comments = comments.iter().map(|line| on_one_line(line));
+        let mut text: String = comments.map(|line| format!("# {line}\n")).collect();
         text += "alpha_deg,cl,cd\n";
         let short = |x: f64| ((x * 1e6).round() / 1e6).to_string();
         for [alpha, c_l, c_d] in self.degrees() {
@@ -220,8 +347,11 @@ fn halved(rows: Vec<[f64; 3]>) -> Vec<[f64; 3]> {
     half
 }
 
-/// Line numbers, and rows with α in degrees.
-fn read(origin: &str, text: &str) -> anyhow::Result<(Vec<u64>, Vec<[f64; 3]>)> {
+/// What stands in the comments of a table of a wing that this program wrote.
+const WING: &str = "For an aspect ratio of";
+
+/// A table with the columns `alpha_deg`, `cl` and `cd`.
+fn read(origin: &str, text: &str) -> anyhow::Result<Read> {
     let mut reader = csv::ReaderBuilder::new()
         .comment(Some(b'#'))
         .trim(csv::Trim::All)
@@ -255,7 +385,12 @@ fn read(origin: &str, text: &str) -> anyhow::Result<(Vec<u64>, Vec<[f64; 3]>)> {
         lines.push(line);
         rows.push(row);
     }
-    Ok((lines, rows))
+    let mut comments = text.lines().filter(|line| line.starts_with('#'));
+    Ok(Read {
+        lines,
+        rows,
+        of_wing: comments.any(|line| line.contains(WING)),
+    })
 }
 
 impl<'de> Deserialize<'de> for Polar {
@@ -345,6 +480,13 @@ mod tests {
     #[test]
     fn errors_name_file_and_line() {
         let error = |text: &str| format!("{:#}", Polar::from_text("x.csv", text).unwrap_err());
+        assert!(
+            Polar::from_text(
+                "x.csv",
+                "\u{feff}alpha,CL,CD\n0,0,0.01\n5,0.5,0.01\n9,0.8,0.02\n"
+            )
+            .is_ok()
+        );
         let good =
             "# a comment\nalpha_deg,cl,cd\n0,0,0.1\n45,1,0.9\n90,0,1.8\n135,-1,0.9\n180,0,0.1\n";
         assert!(Polar::from_text("x.csv", good).is_ok());
@@ -365,9 +507,9 @@ mod tests {
         );
         assert!(with("180,", "170,").starts_with("x.csv:7: the last angle"));
         let short = error("alpha_deg,cl,cd\n0,0,0.1\n1,0.1,0.1\n2,0.2,0.1\n");
-        assert!(short.starts_with("x.csv: goes from 0° to 2°"), "{short}");
+        assert!(short.starts_with("x.csv:2: goes from 0° to 2°"), "{short}");
         let drag = error("alpha CL CD\n-8 -1 0.1\n0 0.1 0\n9 1 0.1\n");
-        assert!(drag.starts_with("x.csv:3: every number must"), "{drag}");
+        assert!(drag.starts_with("x.csv:3: the drag"), "{drag}");
         let missing = Polar::load("nonesuch").unwrap_err().to_string();
         assert!(missing.contains("naca-0021-re-160e3") && !missing.contains('\n'));
     }
@@ -409,5 +551,62 @@ mod tests {
                     .all(|(a, b)| (a - b).abs() < 1e-6)
             );
         }
+    }
+
+    /// A plane of XFLR5 has its induced drag: an aspect ratio changes how it is extended, and no row that was given. Nor does what this
+    /// program wrote of a wing become one a second time.
+    #[test]
+    fn a_wing_does_not_become_a_wing_twice() {
+        let rows: String = (-12..=14)
+            .map(|a| {
+                let lift = 0.9 * (0.1 * f64::from(a)).sin();
+                format!(
+                    "{a} 0 {lift:.4} {:.4} 0.01 {:.4} 0\n",
+                    0.05 * lift * lift,
+                    0.01 + 0.05 * lift * lift
+                )
+            })
+            .collect();
+        let text = format!("xflr5 v6.47\n Plane name : mine\n alpha Beta CL CDi CDv CD CY\n{rows}");
+        let plane = Polar::from_text("x", &text).unwrap();
+        assert!(plane.is_of_wing());
+        let again = plane.of_wing(6.0).unwrap();
+        let given = |polar: &Polar| {
+            let rows = polar.degrees().into_iter();
+            rows.filter(|row| row[0].abs() <= 14.0).collect::<Vec<_>>()
+        };
+        assert_eq!(given(&again), given(&plane));
+        assert!(again.seam.unwrap().most_drag < plane.seam.unwrap().most_drag - 0.5);
+        let section = Polar::from_text("x", &text.replace("CDi", "CDp")).unwrap();
+        assert!(!section.is_of_wing() && given(&section.of_wing(6.0).unwrap()) != given(&section));
+        let written = section.of_wing(6.0).unwrap().csv(&[format!("{WING} 6: …")]);
+        let written = Polar::from_text("x", &written).unwrap();
+        let twice = written.of_wing(6.0).unwrap();
+        assert!(written.is_of_wing() && twice.rows == written.rows);
+    }
+
+    #[test]
+    fn a_stall_that_is_told_cuts_the_table() {
+        let rows: String = (-10..=16)
+            .map(|a| format!("{a} {} 0.01\n", 0.1 * f64::from(a)))
+            .collect();
+        let text = format!("alpha CL CD\n{rows}");
+        let polar = Polar::from_text("x", &text).unwrap();
+        assert!(polar.ends_straight());
+        let cut = polar.stalling_at(11.5).unwrap();
+        assert_eq!(cut.seam.unwrap().given_deg, [0.0, 11.5]);
+        let most = cut
+            .degrees()
+            .iter()
+            .filter(|row| row[0] < 12.0)
+            .fold(0.0, |m: f64, r| m.max(r[1]));
+        assert!((most - 1.15).abs() < 1e-9);
+        assert!(polar.stalling_at(20.0).is_err());
+        assert!(
+            Polar::load("naca-0012-re-160e3")
+                .unwrap()
+                .stalling_at(8.0)
+                .is_err()
+        );
     }
 }
