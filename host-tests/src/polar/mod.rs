@@ -4,6 +4,7 @@
 
 mod doubt;
 mod formats;
+mod made;
 mod resample;
 mod stall;
 mod viterna;
@@ -13,7 +14,7 @@ use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
 use alula::aero::TableError;
-use anyhow::{Context, anyhow, ensure};
+use anyhow::{anyhow, ensure};
 use serde::Deserialize;
 
 pub use doubt::Doubt;
@@ -112,7 +113,7 @@ impl Polar {
     pub fn from_text(origin: &str, text: &str) -> anyhow::Result<Self> {
         // Spreadsheets begin a file with a mark of its encoding.
         let text = text.trim_start_matches('\u{feff}');
-        let read = formats::read(origin, text).unwrap_or_else(|| read(origin, text))?;
+        let read = formats::read(origin, text)?;
         Self::of_read(origin, read, None)
     }
 
@@ -216,98 +217,6 @@ impl Polar {
         self.read.lines.last().copied().unwrap_or(1)
     }
 
-    /// The polar that stalls at `degrees`: what was read beyond is left out, on both sides.
-    pub fn stalling_at(&self, degrees: f64) -> anyhow::Result<Self> {
-        let name = self.name;
-        let Read {
-            lines,
-            rows,
-            of_wing,
-        } = self.read;
-        let last = rows.last().map_or(0.0, |row| row[0]);
-        ensure!(self.seam.is_some(), "{name} goes through its stall already");
-        ensure!(
-            degrees <= last,
-            "{name}:{}: ends at {last}°, before a stall at {degrees}°",
-            self.last_line()
-        );
-        let inside = |row: &[f64; 3]| row[0].abs() < degrees - 1e-6;
-        let kept = lines.iter().zip(rows).filter(|(_, row)| inside(row));
-        let (mut lines, mut cut): (Vec<u64>, Vec<[f64; 3]>) = kept.unzip();
-        // A row at the stall itself, on the straight line between its neighbours.
-        let above = rows.partition_point(|row| row[0] < degrees - 1e-6);
-        if let (Some(low), Some(high)) = (rows.get(above.wrapping_sub(1)), rows.get(above)) {
-            let part = (degrees - low[0]) / (high[0] - low[0]);
-            let between = |i: usize| low[i] + part * (high[i] - low[i]);
-            cut.push([degrees, between(1), between(2)]);
-            lines.push(self.read.lines[above]);
-        }
-        let read = Read {
-            lines,
-            rows: cut,
-            of_wing: *of_wing,
-        };
-        Self::of_read(name, read, None)
-    }
-
-    /// The polar of a wing of `aspect_ratio` with this section. That of a whole wing has its induced drag already: the ratio counts for how it
-    /// is extended alone.
-    fn of_wing(&self, aspect_ratio: f64) -> anyhow::Result<Self> {
-        let name = self.name;
-        if self.is_of_wing() {
-            return Self::of_read(name, self.read.clone(), Some(aspect_ratio));
-        }
-        let given = self.seam.map(|seam| seam.given_deg);
-        let (rows, seam) = wing::of_section(&self.degrees(), given, aspect_ratio)
-            .map_err(|e| anyhow!("{name}: of the wing: {e}"))?;
-        Ok(Self {
-            seam: Some(seam),
-            ..Self::from_rows(name, &[], &rows)?
-        })
-    }
-
-    /// The polar of a wing of `aspect_ratio`, or this one if none is said, and in sentences how it came about.
-    pub fn finite(&self, aspect_ratio: Option<f64>) -> anyhow::Result<(Self, Vec<String>)> {
-        let (wing, sentence) = match aspect_ratio {
-            None => (
-                *self,
-                "Without an aspect ratio: the wing is taken for the polar as it is".to_owned(),
-            ),
-            Some(ratio) if self.is_of_wing() => (
-                self.of_wing(ratio)?,
-                format!(
-                    "{WING} {ratio}: the polar is that of a whole wing already, and stays as it is; the ratio counts for its extension alone"
-                ),
-            ),
-            Some(ratio) => (
-                self.of_wing(ratio)?,
-                format!(
-                    "{WING} {ratio}: Prandtl's lifting line up to stall, with a span efficiency of {}",
-                    wing::SPAN_EFFICIENCY
-                ),
-            ),
-        };
-        let seam = wing.seam.map(|seam| seam.text());
-        Ok((wing, [sentence].into_iter().chain(seam).collect()))
-    }
-
-    /// The polar of at most `count` of its rows, and how far it is from this one.
-    pub fn of_rows(&self, count: usize) -> anyhow::Result<(Self, Apart)> {
-        let (rows, apart) = resampled(self.rows, count);
-        let degrees: Vec<[f64; 3]> = rows
-            .iter()
-            .map(|&[a, l, d]| [a.to_degrees(), l, d])
-            .collect();
-        Ok((
-            Self {
-                seam: self.seam,
-                read: self.read,
-                ..Self::from_rows(self.name, &[], &degrees)?
-            },
-            apart,
-        ))
-    }
-
     /// The polar as a CSV file, under these comments.
     pub fn csv(&self, comments: &[String]) -> String {
         let comments = comments.iter().map(|line| on_one_line(line));
@@ -345,52 +254,6 @@ fn halved(rows: Vec<[f64; 3]>) -> Vec<[f64; 3]> {
     let mut half = above.to_vec();
     half[0] = [0.0, 0.0, half[0][2]];
     half
-}
-
-/// What stands in the comments of a table of a wing that this program wrote.
-const WING: &str = "For an aspect ratio of";
-
-/// A table with the columns `alpha_deg`, `cl` and `cd`.
-fn read(origin: &str, text: &str) -> anyhow::Result<Read> {
-    let mut reader = csv::ReaderBuilder::new()
-        .comment(Some(b'#'))
-        .trim(csv::Trim::All)
-        .from_reader(text.as_bytes());
-    let header = reader
-        .headers()
-        .with_context(|| format!("{origin}:1"))?
-        .clone();
-    // The reader places the header before the comments.
-    let above = text.lines().take_while(|line| line.starts_with('#'));
-    let header_line = 1 + above.count();
-    let column = |name: &'static str| {
-        let found = header.iter().position(|cell| cell == name);
-        found.ok_or_else(|| anyhow!("{origin}:{header_line}: no column {name}"))
-    };
-    let columns = [column("alpha_deg")?, column("cl")?, column("cd")?];
-    let (mut lines, mut rows) = (Vec::new(), Vec::new());
-    for record in reader.records() {
-        let record = record.map_err(|error| {
-            let line = error.position().map_or(1, csv::Position::line);
-            anyhow!("{origin}:{line}: not as many cells as columns")
-        })?;
-        let line = record.position().map_or(0, csv::Position::line);
-        let mut row = [0.0; 3];
-        for (value, index) in row.iter_mut().zip(columns) {
-            let cell = &record[index];
-            *value = cell
-                .parse()
-                .map_err(|_| anyhow!("{origin}:{line}: {cell:?} is not a number"))?;
-        }
-        lines.push(line);
-        rows.push(row);
-    }
-    let mut comments = text.lines().filter(|line| line.starts_with('#'));
-    Ok(Read {
-        lines,
-        rows,
-        of_wing: comments.any(|line| line.contains(WING)),
-    })
 }
 
 impl<'de> Deserialize<'de> for Polar {
@@ -551,62 +414,5 @@ mod tests {
                     .all(|(a, b)| (a - b).abs() < 1e-6)
             );
         }
-    }
-
-    /// A plane of XFLR5 has its induced drag: an aspect ratio changes how it is extended, and no row that was given. Nor does what this
-    /// program wrote of a wing become one a second time.
-    #[test]
-    fn a_wing_does_not_become_a_wing_twice() {
-        let rows: String = (-12..=14)
-            .map(|a| {
-                let lift = 0.9 * (0.1 * f64::from(a)).sin();
-                format!(
-                    "{a} 0 {lift:.4} {:.4} 0.01 {:.4} 0\n",
-                    0.05 * lift * lift,
-                    0.01 + 0.05 * lift * lift
-                )
-            })
-            .collect();
-        let text = format!("xflr5 v6.47\n Plane name : mine\n alpha Beta CL CDi CDv CD CY\n{rows}");
-        let plane = Polar::from_text("x", &text).unwrap();
-        assert!(plane.is_of_wing());
-        let again = plane.of_wing(6.0).unwrap();
-        let given = |polar: &Polar| {
-            let rows = polar.degrees().into_iter();
-            rows.filter(|row| row[0].abs() <= 14.0).collect::<Vec<_>>()
-        };
-        assert_eq!(given(&again), given(&plane));
-        assert!(again.seam.unwrap().most_drag < plane.seam.unwrap().most_drag - 0.5);
-        let section = Polar::from_text("x", &text.replace("CDi", "CDp")).unwrap();
-        assert!(!section.is_of_wing() && given(&section.of_wing(6.0).unwrap()) != given(&section));
-        let written = section.of_wing(6.0).unwrap().csv(&[format!("{WING} 6: …")]);
-        let written = Polar::from_text("x", &written).unwrap();
-        let twice = written.of_wing(6.0).unwrap();
-        assert!(written.is_of_wing() && twice.rows == written.rows);
-    }
-
-    #[test]
-    fn a_stall_that_is_told_cuts_the_table() {
-        let rows: String = (-10..=16)
-            .map(|a| format!("{a} {} 0.01\n", 0.1 * f64::from(a)))
-            .collect();
-        let text = format!("alpha CL CD\n{rows}");
-        let polar = Polar::from_text("x", &text).unwrap();
-        assert!(polar.ends_straight());
-        let cut = polar.stalling_at(11.5).unwrap();
-        assert_eq!(cut.seam.unwrap().given_deg, [0.0, 11.5]);
-        let most = cut
-            .degrees()
-            .iter()
-            .filter(|row| row[0] < 12.0)
-            .fold(0.0, |m: f64, r| m.max(r[1]));
-        assert!((most - 1.15).abs() < 1e-9);
-        assert!(polar.stalling_at(20.0).is_err());
-        assert!(
-            Polar::load("naca-0012-re-160e3")
-                .unwrap()
-                .stalling_at(8.0)
-                .is_err()
-        );
     }
 }
