@@ -104,11 +104,14 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     )?;
     let margins = margins(&experiment, facts.cruise_m_s)?;
     let verdict = Verdict::of(facts, &performance, &figures);
+    let mut warnings = design.wing.warnings.clone();
+    warnings.extend(performance.doubts(facts.cruise_m_s));
     let results = Results {
         performance: &performance,
         margins: &margins,
         flight: &figures,
         verdict: &verdict,
+        warnings: &warnings,
     };
     let page = page(name, &design, &results, &text);
     page.leave(&out, ["vehicle.svg", "vehicle.html"])?;
@@ -119,7 +122,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
             out: &out,
             facts,
             story: &design.wing.story,
-            warnings: &design.wing.warnings,
+            warnings: &warnings,
             performance: &performance,
             margins: &margins,
             first_flight: figures.json(),

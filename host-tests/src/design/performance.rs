@@ -62,7 +62,23 @@ fn stall(vehicle: &Vehicle, speed: impl Fn(f64) -> f64) -> Option<Stall> {
     })
 }
 
+/// Cruise over the speed of transition from which on mass and area are doubted: the wing could carry six times the weight.
+const FAST: f64 = 2.5;
+
 impl Performance {
+    /// What is to be doubted of a vehicle with this `cruise` speed [m/s], in words.
+    pub fn doubts(&self, cruise: f64) -> Vec<String> {
+        let times = self.stall.map(|stall| (cruise / stall.slow_m_s, stall));
+        let fast = times.filter(|(times, _)| *times > FAST).map(|(times, stall)| {
+            format!(
+                "Cruise is {times:.1} times the speed of transition, {:.1} m/s: there the wing could carry {:.0} times the weight. Are mass, area (m²) and cruise (m/s) right?",
+                stall.slow_m_s,
+                times * times
+            )
+        });
+        fast.into_iter().collect()
+    }
+
     /// Of the vehicle in `document`, which flies its reference, with `thrust` \[N\] (least, most) and at a `cruise` speed [m/s]; `max_turn`
     /// \[g\] is the guidance's limit to the side.
     pub fn of(
@@ -246,6 +262,13 @@ mod tests {
                 "{preset} {transition}"
             );
         }
+        // A wing ten times as large is doubted.
+        let large = performance(|known| known.wing_m2 = Some(3.5));
+        assert!(
+            large.doubts(18.0)[0].contains("Are mass, area"),
+            "{large:?}"
+        );
+        assert!(performance(|_| ()).doubts(18.0).is_empty());
         // By hand: the greatest c_L + c_D tan α is at 9°, 0.8527 + 0.0203 tan 9°.
         let want = (29.43 / (0.214_375 * (0.8527 + 0.0203 * 9_f64.to_radians().tan()))).sqrt();
         let slow = performance(|_| ()).stall.unwrap().slow_m_s;

@@ -58,7 +58,12 @@ impl Verdict {
         for length in &LENGTHS {
             let value = get(length.first);
             let far = value.abs();
-            let text = |most: f64| format!("it {} by {far:.2} m (asked: {most:.2} m at most)", length.text);
+            let text = |most: f64| {
+                format!(
+                    "it {} by {far:.2} m (asked: {most:.2} m at most)",
+                    length.text
+                )
+            };
             if !within(far, scale * length.limit) {
                 failures.push(text(scale * length.limit));
             } else if !within(far, scale * length.goal) {
@@ -159,7 +164,9 @@ mod tests {
             };
         });
         assert!(
-            low.contains("sinks below its reference on the way out by 1.30 m (asked: 1.00 m at most)"),
+            low.contains(
+                "sinks below its reference on the way out by 1.30 m (asked: 1.00 m at most)"
+            ),
             "{low}"
         );
         let high = finding(20.0, Outcome::Fails, |step| {
@@ -195,10 +202,7 @@ mod tests {
                 0.0
             };
         });
-        assert!(
-            slow.contains("the velocity is off by 2.0 m/s"),
-            "{slow}"
-        );
+        assert!(slow.contains("the velocity is off by 2.0 m/s"), "{slow}");
         let nan = finding(20.0, Outcome::Fails, |step| {
             step.truth.position.x = f64::NAN
         });

@@ -22,12 +22,14 @@ pub struct Results<'a> {
     pub flight: &'a Figures,
     /// What came of that.
     pub verdict: &'a Verdict,
+    /// What is to be doubted of it all.
+    pub warnings: &'a [String],
 }
 
 /// The page of the vehicle `name`, whose file is `text`.
 pub fn page(name: &str, design: &Design, results: &Results, text: &str) -> Page {
     let mut lead = design.wing.story.clone();
-    let mut warnings = design.wing.warnings.clone();
+    let mut warnings = results.warnings.to_vec();
     match results.verdict.outcome {
         Outcome::AsAsked => lead.insert(0, results.verdict.text()),
         Outcome::OutsideGoals | Outcome::Fails => warnings.insert(0, results.verdict.text()),
