@@ -44,7 +44,7 @@ impl Polar {
 
     /// The polar of a wing of `aspect_ratio` with this section. That of a whole wing has its induced drag already: the ratio counts for how it
     /// is extended alone.
-    fn of_wing(&self, aspect_ratio: f64) -> anyhow::Result<Self> {
+    pub(super) fn of_wing(&self, aspect_ratio: f64) -> anyhow::Result<Self> {
         let name = self.name;
         if self.is_of_wing() {
             return Self::of_read(name, self.read.clone(), Some(aspect_ratio));
