@@ -131,7 +131,7 @@ mod tests {
     #[test]
     fn what_was_extended_is_not_attached() {
         let given: Vec<[f64; 3]> = (0..=9)
-            .map(|a| f64::from(a))
+            .map(f64::from)
             .map(|a: f64| [a, 0.09 * a - 0.0035 * a * a, 0.02])
             .collect();
         let (whole, seam) = extended(&given, None).unwrap();
