@@ -75,6 +75,15 @@ pub(crate) fn on_one_line(text: &str) -> String {
     line
 }
 
+/// A word as a shell takes it for one, in commands that are shown.
+pub fn in_shell(word: &str) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "-_./+,:@%=".contains(c);
+    match !word.is_empty() && word.chars().all(plain) {
+        true => word.to_owned(),
+        false => format!("'{}'", word.replace('\'', "'\\''")),
+    }
+}
+
 /// The name that was probably meant: as near to `given` as a slip or two.
 fn nearest<'a>(given: &str, names: &[&'a str]) -> Option<&'a str> {
     let given = given.to_lowercase();
@@ -95,6 +104,18 @@ mod tests {
             let text = format!("{error:#}");
             assert_eq!(text.lines().count(), 1, "{text}");
             assert!(text.contains("\\n") || text.contains("\\t"), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_shell_reads_a_quoted_word_back() {
+        assert_eq!(in_shell("my-plane/my-plane.toml"), "my-plane/my-plane.toml");
+        for word in ["my plane/x.toml", "it's", "a\"b$c\\d", "", "a\nb"] {
+            let command = format!("printf %s {}", in_shell(word));
+            let said = std::process::Command::new("sh")
+                .args(["-c", &command])
+                .output();
+            assert_eq!(String::from_utf8(said.unwrap().stdout).unwrap(), word);
         }
     }
 

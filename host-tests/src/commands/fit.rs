@@ -63,11 +63,10 @@ struct Summary {
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let section = Polar::load(&args.polar)?;
-    let polar = match args.aspect_ratio {
-        None => section,
-        Some(ratio) if (0.5..=50.0).contains(&ratio) => section.of_wing(ratio)?,
-        Some(ratio) => anyhow::bail!("--aspect-ratio: {ratio} is not from 0.5 to 50"),
-    };
+    if let Some(ratio) = args.aspect_ratio.filter(|x| !(0.5..=50.0).contains(x)) {
+        anyhow::bail!("--aspect-ratio: {ratio} is not from 0.5 to 50");
+    }
+    let (polar, mut story) = section.finite(args.aspect_ratio)?;
     let name = Path::new(polar.name).file_stem().unwrap_or_default();
     let name = name.to_string_lossy();
     let parameters = fit(polar.rows).map_err(|e| e.context(args.polar.clone()))?;
@@ -84,12 +83,6 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         })
     };
     let (on_board, apart) = polar.of_rows(args.rows)?;
-    let mut story: Vec<String> = [section.seam, polar.seam]
-        .into_iter()
-        .flatten()
-        .map(|s| s.text())
-        .collect();
-    story.dedup();
     story.extend(apart.text(on_board.rows.len(), polar.rows.len()));
     files::leave(&out.join("polar.csv"), |file| {
         Ok(file.write_all(on_board.csv(&story).as_bytes())?)
@@ -121,10 +114,21 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     files::leave(&out.join("vehicle.toml"), |file| {
         Ok(file.write_all(toml.as_bytes())?)
     })?;
+    let doubts = section.doubts().into_iter();
+    let mut warnings: Vec<String> = doubts
+        .map(|doubt| format!("{}:{}: {}", args.polar, doubt.line, doubt.problem))
+        .collect();
+    if section.ends_straight() {
+        warnings.push(format!(
+            "{}:{}: lift still grows in a straight line at the last row: that the wing stalls there is not known",
+            args.polar,
+            section.last_line()
+        ));
+    }
     let page = Page {
         title: format!("Fit of {name}"),
         lead: format!("{lead}. polar.csv: {}", story.join(". ")),
-        warnings: Vec::new(),
+        warnings,
         figure: figure(polar.rows, &model),
         tables: tables(&summary),
         text: None,

@@ -3,17 +3,19 @@
 use std::io::{BufRead, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, ensure};
+use anyhow::{Context, bail, ensure};
 use serde::Serialize;
 
 use alula_sil::columns::write_trace;
 use alula_sil::design::{
-    Design, Facts, Known, Performance, campaign_text, code_text, vehicle_text,
+    Design, Facts, Known, Outcome, Performance, Verdict, campaign_text, check_name, code_text,
+    vehicle_text,
 };
 use alula_sil::experiment::Document;
 use alula_sil::figures::{Figures, Segment};
 use alula_sil::files::leave;
 use alula_sil::margins::{Loop, Point};
+use alula_sil::named::in_shell;
 use alula_sil::page::design::{Results, page};
 use alula_sil::page::flight;
 use alula_sil::simulate::fly;
@@ -21,7 +23,7 @@ use alula_sil::simulate::fly;
 /// Make a vehicle's files from what is known of it: vehicle, gains and limits with their reasons, margins, envelope, a first flight
 #[derive(clap::Args)]
 pub struct Args {
-    /// Its name, that of the folder
+    /// Its name, that of its files and of their folder
     #[arg(default_value = "my-vehicle")]
     name: String,
     /// A file with what is known: `mass_kg = 3.0` and so on, names as those of the flags. What neither has is asked, on a terminal
@@ -44,42 +46,44 @@ struct Summary<'a> {
     out: &'a Path,
     facts: &'a Facts,
     story: &'a [String],
+    warnings: &'a [String],
     performance: &'a Performance,
     margins: &'a [Point],
     first_flight: serde_json::Map<String, serde_json::Value>,
+    verdict: &'a Verdict,
 }
 
 /// Speeds at which margins are looked at, in parts of cruise.
 const MARGINS: [f64; 6] = [0.0, 0.2, 0.4, 0.6, 0.8, 1.0];
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
+    check_name(&args.name)?;
     let design = Design::new(known(args)?.facts()?)?;
     let out = args
         .out
         .clone()
         .unwrap_or_else(|| PathBuf::from(&args.name));
-    let file = out.join("vehicle.toml");
+    let name = &args.name;
+    let file = out.join(format!("{name}.toml"));
     ensure!(
         !file.exists(),
-        "{} is there already: another name, or --out",
+        "{} is there already: remove it, or choose another name, or --out",
         file.display()
     );
     std::fs::create_dir_all(&out).with_context(|| out.display().to_string())?;
-    let text = vehicle_text(&args.name, &design);
+    let text = vehicle_text(name, &design);
     if let Some((polar, true)) = design.wing.polar {
         write(&out.join("polar.csv"), &polar.csv(&design.wing.story))?;
     }
-    write(
-        &out.join("campaign.toml"),
-        &campaign_text(&args.name, &design),
-    )?;
-    write(&out.join("vehicle.h"), &code_text(&args.name, &design))?;
+    let campaign = out.join(format!("{name}-campaign.toml"));
+    write(&campaign, &campaign_text(name, &design))?;
+    write(&out.join("vehicle.h"), &code_text(name, &design))?;
     write(&file, &text)?;
 
     // From here on as everybody else takes it: from the file.
     let document = Document::load(&file.to_string_lossy())?;
     let experiment = document.checked()?;
-    let record = fly(&experiment)?;
+    let record = fly(&experiment).with_context(|| format!("{name}: THE FIRST FLIGHT FAILS"))?;
     let figures = Figures::of(&experiment, &record);
     let segments = Segment::of(&experiment, &record);
     let first = out.join("first-flight");
@@ -99,34 +103,51 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         design.parameters.max_turn.into(),
     )?;
     let margins = margins(&experiment, facts.cruise_m_s)?;
+    let verdict = Verdict::of(facts, &performance, &figures);
+    let mut warnings = design.wing.warnings.clone();
+    warnings.extend(performance.doubts(facts.cruise_m_s));
     let results = Results {
         performance: &performance,
         margins: &margins,
         flight: &figures,
+        verdict: &verdict,
+        warnings: &warnings,
     };
-    let page = page(&args.name, &design, &results, &text);
+    let page = page(name, &design, &results, &text);
     page.leave(&out, ["vehicle.svg", "vehicle.html"])?;
     let mut stdout = std::io::stdout().lock();
     if args.json {
         let summary = Summary {
-            name: &args.name,
+            name,
             out: &out,
             facts,
             story: &design.wing.story,
+            warnings: &warnings,
             performance: &performance,
             margins: &margins,
             first_flight: figures.json(),
+            verdict: &verdict,
         };
         writeln!(stdout, "{}", serde_json::to_string_pretty(&summary)?)?;
-        return Ok(());
+    } else {
+        let word = |path: &Path| in_shell(&path.to_string_lossy());
+        writeln!(
+            stdout,
+            "{}\n{}.\n\n{name}.toml, {name}-campaign.toml, vehicle.h, vehicle.html and first-flight/report.html are in {}. Next:\n  \
+             alula-sil fly {}\n  alula-sil campaign {}",
+            page.text(),
+            verdict.text(),
+            out.display(),
+            word(&file),
+            word(&campaign)
+        )?;
     }
-    let place = out.display();
-    writeln!(
-        stdout,
-        "{}\nvehicle.toml, campaign.toml, vehicle.h, vehicle.html and first-flight/report.html are in {place}. Next:\n  \
-         alula-sil fly {place}/vehicle.toml\n  alula-sil campaign {place}/campaign.toml",
-        page.text()
-    )?;
+    if verdict.outcome == Outcome::Fails {
+        bail!(
+            "{name}: {}. The files are there to look into it",
+            verdict.text()
+        );
+    }
     Ok(())
 }
 

@@ -4,13 +4,14 @@ use std::fmt::Write as _;
 
 use super::Design;
 use crate::experiment::AerodynamicsSpec;
+use crate::named::on_one_line;
 
 /// A number of C in single precision.
 fn float(x: f64) -> String {
     format!("{:?}f", x as f32)
 }
 
-/// The header of the vehicle `name`: `vehicle_init` makes a controller by the rules that made vehicle.toml.
+/// The header of the vehicle `name`: `vehicle_init` makes a controller by the rules that made its file.
 pub fn code_text(name: &str, design: &Design) -> String {
     let facts = &design.facts;
     let [least, most] = facts.thrust();
@@ -20,6 +21,8 @@ pub fn code_text(name: &str, design: &Design) -> String {
     );
     if let AerodynamicsSpec::Table { polar } = &design.wing.aerodynamics {
         for sentence in &design.wing.story {
+            // A file's name may hold anything.
+            let sentence = on_one_line(sentence).replace("*/", "* /");
             let _ = writeln!(text, "/* {sentence}. */");
         }
         text += "static const alula_table_row vehicle_rows[] = {\n";

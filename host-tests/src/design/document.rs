@@ -6,10 +6,27 @@ use alula::guidance::REASONS;
 use alula::{GuidanceParameters, Parameters as _};
 
 use super::Design;
-use crate::experiment::file_name;
+use super::goals::limits_text;
+use crate::experiment::{FieldError, file_name};
+use crate::named::on_one_line;
 
 /// Acceleration of the round trip [m/s²]: the one of the built-in round trip.
 const ACCELERATION: f64 = 2.0;
+
+/// `name` must do for files and folders, in TOML, in C and in a shell.
+pub fn check_name(name: &str) -> Result<(), FieldError> {
+    let fits = |c: char| c.is_alphanumeric() || matches!(c, '-' | '_' | '.');
+    let begins = name.chars().next().is_some_and(char::is_alphanumeric);
+    match begins && name.chars().all(fits) {
+        true => Ok(()),
+        false => Err(FieldError::new(
+            "name",
+            format!(
+                "{name:?}: a name is of letters, digits, -, _ and ., and begins with one of the first two; another folder is --out"
+            ),
+        )),
+    }
+}
 
 /// A number in few digits: what single precision holds and no more.
 fn short(x: f32) -> String {
@@ -22,11 +39,11 @@ pub fn vehicle_text(name: &str, design: &Design) -> String {
     let [least, most] = facts.thrust();
     let mut text = format!(
         "# {name}, made by `alula-sil new` from {} kg, {} m², {}, T/W {}, lags of {} s (thrust) and {} s (rate), {} m/s.\n\
-         # Every command takes this file: fly, margins, envelope, equilibria, sweep; campaign.toml flies it dispersed.\n\
+         # Every command takes this file: fly, margins, envelope, equilibria, sweep; {name}-campaign.toml flies it dispersed.\n\
          description = \"{name}: hover to {} m/s and back at {ACCELERATION} m/s²\"\n",
         facts.mass_kg,
         facts.wing_m2,
-        facts.section,
+        on_one_line(&facts.section),
         facts.thrust_to_weight,
         facts.thrust_lag_s,
         facts.rate_lag_s,
@@ -49,7 +66,7 @@ pub fn vehicle_text(name: &str, design: &Design) -> String {
         facts.delta_deg,
     );
     for sentence in &design.wing.story {
-        let _ = writeln!(text, "# {sentence}.");
+        let _ = writeln!(text, "# {}.", on_one_line(sentence));
     }
     text += &design.wing.toml();
     let _ = write!(
@@ -86,10 +103,11 @@ pub fn vehicle_text(name: &str, design: &Design) -> String {
 pub fn campaign_text(name: &str, design: &Design) -> String {
     let facts = &design.facts;
     let wind = 0.25 * facts.cruise_m_s;
+    let limits = limits_text(facts);
     format!(
-        "# {name} as it may really be: what is weighed and measured is off, and so is the day. The controller believes in vehicle.toml.\n\
+        "# {name} as it may really be: what is weighed and measured is off, and so is the day. The controller believes in {name}.toml.\n\
 description = \"{name}: round trips, dispersed\"
-base = \"vehicle.toml\"
+base = \"{name}.toml\"
 flights = 1000
 seed = 1
 
@@ -130,12 +148,7 @@ to.uniform = [-{wind}, {wind}]
 field = \"weather.turbulence.wind_at_20_ft_m_s\"
 to.uniform = [2.0, 10.0]
 
-# Lost: more than 50 m below the reference at any time.
-[[limits]]
-figure = \"altitude_least_m\"
-least = -50.0
-departure = true
-
+{limits}
 [[maps]]
 x = {{ field = \"vehicle.mass_kg\", from = {}, to = {}, bins = 12 }}
 y = {{ field = \"vehicle.k_a_kg_m\", from = {}, to = {}, bins = 12 }}
@@ -147,4 +160,25 @@ levels = [-0.5, -1.5, -3.0, -10.0, -50.0]
         0.75 * facts.k_a(),
         1.25 * facts.k_a(),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_that_would_break_a_file_are_refused() {
+        for name in ["tail-sitter", "Flügel_2.1", "x"] {
+            assert_eq!(check_name(name), Ok(()), "{name}");
+        }
+        for name in [
+            "", "a\"b", "a\\b", "a\nb", "a b", "../x", "a/b", "-x", ".x", "a*/b",
+        ] {
+            let error = check_name(name).unwrap_err().to_string();
+            assert!(
+                error.contains("a name is of letters") && error.lines().count() == 1,
+                "{error}"
+            );
+        }
+    }
 }

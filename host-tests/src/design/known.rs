@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Wing;
 use crate::experiment::{FieldError, from_toml};
+use crate::named::on_one_line;
 
 /// What is known. The flags and the fields of a file have the same names, with their units; what is left out has a default, or is asked.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize, clap::Args)]
@@ -42,6 +43,9 @@ pub struct Known {
     /// Span squared over area (default: that of the polar as it is, of a section infinite)
     #[arg(long, value_name = "X")]
     pub aspect_ratio: Option<f64>,
+    /// Angle of attack of the greatest lift (°), of a polar that ends before the stall: rows beyond are left out
+    #[arg(long, value_name = "X")]
+    pub stall_deg: Option<f64>,
     /// Least thrust over weight, that of motors that idle (default: 0)
     #[arg(long, value_name = "X")]
     pub idle_to_weight: Option<f64>,
@@ -73,55 +77,66 @@ pub struct Facts {
     pub delta_deg: f64,
     /// Span squared over area; none if the polar is taken as it is.
     pub aspect_ratio: Option<f64>,
+    /// Angle of attack of the greatest lift \[°\], of a polar that does not show it.
+    pub stall_deg: Option<f64>,
     /// Least thrust over weight.
     pub idle_to_weight: f64,
     /// Density of the air ρ \[kg/m³\].
     pub air_kg_m3: f64,
 }
 
-/// A number that must be known: its name, what is asked for it, and what is believed.
+/// A number that must be known: what is asked for it.
 struct Question {
     name: &'static str,
     text: &'static str,
-    range: [f64; 2],
     place: fn(&mut Known) -> &mut Option<f64>,
 }
+
+/// What is believed of each number.
+const RANGES: [(&str, [f64; 2]); 12] = [
+    ("mass_kg", [0.01, 1e4]),
+    ("wing_m2", [1e-4, 1e3]),
+    ("thrust_to_weight", [1.02, 20.0]),
+    ("thrust_lag_s", [1e-3, 1.0]),
+    ("rate_lag_s", [1e-3, 1.0]),
+    ("cruise_m_s", [2.0, 200.0]),
+    ("control_rate_hz", [10.0, 1000.0]),
+    ("delta_deg", [-90.0, 90.0]),
+    ("aspect_ratio", [0.5, 50.0]),
+    ("stall_deg", [5.0, 60.0]),
+    ("idle_to_weight", [0.0, 0.9]),
+    ("air_kg_m3", [0.1, 10.0]),
+];
 
 const QUESTIONS: [Question; 6] = [
     Question {
         name: "mass_kg",
         text: "Mass, ready to fly [kg]",
-        range: [0.01, 1e4],
         place: |known| &mut known.mass_kg,
     },
     Question {
         name: "wing_m2",
         text: "Area of the wing [m²]",
-        range: [1e-4, 1e3],
         place: |known| &mut known.wing_m2,
     },
     Question {
         name: "thrust_to_weight",
         text: "Greatest thrust over weight",
-        range: [1.02, 20.0],
         place: |known| &mut known.thrust_to_weight,
     },
     Question {
         name: "thrust_lag_s",
         text: "Time until 63 % of a step of thrust is there [s]",
-        range: [1e-3, 1.0],
         place: |known| &mut known.thrust_lag_s,
     },
     Question {
         name: "rate_lag_s",
         text: "Time until 63 % of a step of angular rate is there [s]",
-        range: [1e-3, 1.0],
         place: |known| &mut known.rate_lag_s,
     },
     Question {
         name: "cruise_m_s",
         text: "Speed of cruise [m/s]",
-        range: [2.0, 200.0],
         place: |known| &mut known.cruise_m_s,
     },
 ];
@@ -143,41 +158,76 @@ impl Known {
             control_rate_hz: self.control_rate_hz.or(other.control_rate_hz),
             delta_deg: self.delta_deg.or(other.delta_deg),
             aspect_ratio: self.aspect_ratio.or(other.aspect_ratio),
+            stall_deg: self.stall_deg.or(other.stall_deg),
             idle_to_weight: self.idle_to_weight.or(other.idle_to_weight),
             air_kg_m3: self.air_kg_m3.or(other.air_kg_m3),
         }
     }
 
-    /// What the file `path` says: TOML, names as those of the flags. A polar is looked for beside the file.
+    /// What the file `path` says: TOML, names as those of the flags. A polar is looked for beside the file. An error names file, line and field.
     pub fn load(path: &Path) -> anyhow::Result<Self> {
         let origin = path.display().to_string();
-        let text = std::fs::read_to_string(path).with_context(|| origin.clone())?;
-        let mut known = Self::from_text(&origin, &text)?;
-        if let Some(section) = &mut known.section {
-            let beside = path.with_file_name(&*section);
-            if beside.is_file() {
-                *section = beside.to_string_lossy().into_owned();
+        let text = std::fs::read_to_string(path).with_context(|| on_one_line(&origin))?;
+        let beside = |section: &String| {
+            let beside = path.with_file_name(section);
+            match beside.is_file() {
+                true => beside.to_string_lossy().into_owned(),
+                false => section.clone(),
             }
-        }
+        };
+        let mut known = from_toml(&origin, &text, |known: &Self| {
+            known.check()?;
+            match &known.section {
+                Some(section) => Wing::check(&beside(section))
+                    .map_err(|e| FieldError::new("section", format!("{e:#}"))),
+                None => Ok(()),
+            }
+        })?;
+        known.section = known.section.as_ref().map(beside);
         Ok(known)
     }
 
     /// What the TOML `text` says; `origin` stands for it in errors.
     pub fn from_text(origin: &str, text: &str) -> anyhow::Result<Self> {
-        from_toml(origin, text, |_| Ok(()))
+        from_toml(origin, text, Self::check)
     }
 
-    /// Asks for what is missing: `ask` gives the answer to a question. A number that is none, or out of its range, is asked for again.
+    /// Every number that is known is in its range.
+    fn check(&self) -> Result<(), FieldError> {
+        let numbers = [
+            self.mass_kg,
+            self.wing_m2,
+            self.thrust_to_weight,
+            self.thrust_lag_s,
+            self.rate_lag_s,
+            self.cruise_m_s,
+            self.control_rate_hz,
+            self.delta_deg,
+            self.aspect_ratio,
+            self.stall_deg,
+            self.idle_to_weight,
+            self.air_kg_m3,
+        ];
+        let mut known = RANGES.iter().zip(numbers);
+        known.try_for_each(|((name, _), number)| match number {
+            Some(number) => ranged(name, number),
+            None => Ok(()),
+        })
+    }
+
+    /// Asks for what is missing: `ask` gives the answer to a question. A number that is none, or out of its range, is asked for again, and why.
     pub fn ask(
         &mut self,
         mut ask: impl FnMut(&str) -> anyhow::Result<String>,
     ) -> anyhow::Result<()> {
         for question in &QUESTIONS {
+            let mut text = question.text.to_owned();
             while (question.place)(self).is_none() {
-                let answer = ask(question.text)?;
-                let number = answer.trim().parse().ok();
-                let [least, most] = question.range;
-                *(question.place)(self) = number.filter(|x| (least..=most).contains(x));
+                let answer = ask(&text)?;
+                match number(question.name, answer.trim()) {
+                    Ok(number) => *(question.place)(self) = Some(number),
+                    Err(problem) => text = format!("{problem}\n{}", question.text),
+                }
             }
         }
         let mut question = SECTION.to_owned();
@@ -193,13 +243,14 @@ impl Known {
 
     /// All of it, each number in its range.
     pub fn facts(mut self) -> Result<Facts, FieldError> {
+        self.check()?;
+        let missing = |name: &str| {
+            let flag = name.replace('_', "-");
+            FieldError::new(name, format!("is missing: --{flag}, or a line of the file"))
+        };
         let mut need = |name: &str| {
             let question = QUESTIONS.iter().find(|q| q.name == name).expect("listed");
-            let value = *(question.place)(&mut self);
-            let flag = name.replace('_', "-");
-            let missing =
-                || FieldError::new(name, format!("is missing: --{flag}, or a line of the file"));
-            ranged(name, value.ok_or_else(missing)?, question.range)
+            (question.place)(&mut self).ok_or_else(|| missing(name))
         };
         Ok(Facts {
             mass_kg: need("mass_kg")?,
@@ -208,37 +259,44 @@ impl Known {
             thrust_lag_s: need("thrust_lag_s")?,
             rate_lag_s: need("rate_lag_s")?,
             cruise_m_s: need("cruise_m_s")?,
-            section: self.section.ok_or_else(|| {
-                FieldError::new("section", "is missing: --section, or a line of the file")
-            })?,
-            control_rate_hz: ranged(
-                "control_rate_hz",
-                self.control_rate_hz.unwrap_or(100.0),
-                [10.0, 1000.0],
-            )?,
-            delta_deg: ranged("delta_deg", self.delta_deg.unwrap_or(0.0), [-90.0, 90.0])?,
-            aspect_ratio: self
-                .aspect_ratio
-                .map(|x| ranged("aspect_ratio", x, [0.5, 50.0]))
-                .transpose()?,
-            idle_to_weight: ranged(
-                "idle_to_weight",
-                self.idle_to_weight.unwrap_or(0.0),
-                [0.0, 0.9],
-            )?,
-            air_kg_m3: ranged("air_kg_m3", self.air_kg_m3.unwrap_or(1.225), [0.1, 10.0])?,
+            section: self.section.ok_or_else(|| missing("section"))?,
+            control_rate_hz: self.control_rate_hz.unwrap_or(100.0),
+            delta_deg: self.delta_deg.unwrap_or(0.0),
+            aspect_ratio: self.aspect_ratio,
+            stall_deg: self.stall_deg,
+            idle_to_weight: self.idle_to_weight.unwrap_or(0.0),
+            air_kg_m3: self.air_kg_m3.unwrap_or(1.225),
         })
     }
 }
 
-fn ranged(name: &str, value: f64, [least, most]: [f64; 2]) -> Result<f64, FieldError> {
-    match (least..=most).contains(&value) {
-        true => Ok(value),
+/// `value` must be in the range of `name`.
+fn ranged(name: &str, value: f64) -> Result<(), FieldError> {
+    let range = RANGES.iter().find(|(known, _)| *known == name);
+    let (_, [least, most]) = range.expect("listed");
+    match (least..=most).contains(&&value) {
+        true => Ok(()),
         false => Err(FieldError::new(
             name,
             format!("{value} is not from {least} to {most}"),
         )),
     }
+}
+
+/// The number that somebody typed for `name`, or why it is none.
+fn number(name: &str, typed: &str) -> Result<f64, String> {
+    let Ok(value) = typed.parse() else {
+        let hint = match typed.contains(',') && typed.replace(',', ".").parse::<f64>().is_ok() {
+            true => ": decimals are parted by a point",
+            false => "",
+        };
+        return Err(format!(
+            "{} is not a number{hint}",
+            on_one_line(&format!("{typed:?}"))
+        ));
+    };
+    ranged(name, value).map_err(|error| error.problem)?;
+    Ok(value)
 }
 
 impl Facts {
@@ -290,7 +348,7 @@ mod tests {
             "{error}"
         );
         // Neither a word nor a mass below every range is one, and neither nothing nor a slip of the fingers a section.
-        let mut answers = ["much", "-3", "3", "", "flat-plat", "flat-plate"].iter();
+        let mut answers = ["much", "-3", "3,5", "3", "", "flat-plat", "flat-plate"].iter();
         let mut asked = Vec::new();
         short
             .ask(|question| {
@@ -299,9 +357,20 @@ mod tests {
             })
             .unwrap();
         assert!(
-            asked[5].starts_with("section is none of naca-0012, "),
+            asked[6].starts_with("section is none of naca-0012, "),
             "{asked:?}"
         );
+        // Each time it is said why.
+        for (i, why) in [
+            (1, "\"much\" is not a number\n"),
+            (2, "-3 is not from 0.01 to 10000\n"),
+            (
+                3,
+                "\"3,5\" is not a number: decimals are parted by a point\n",
+            ),
+        ] {
+            assert!(asked[i].starts_with(why), "{asked:?}");
+        }
         assert_eq!(
             (short.mass_kg, short.section.as_deref()),
             (Some(3.0), Some("flat-plate"))
@@ -323,5 +392,39 @@ mod tests {
         assert_eq!(refused(|k| k.wing_m2 = Some(f64::NAN)), "wing_m2");
         assert_eq!(refused(|k| k.aspect_ratio = Some(-1.0)), "aspect_ratio");
         assert_eq!(refused(|k| k.rate_lag_s = Some(60.0)), "rate_lag_s");
+    }
+
+    /// A number of the file is refused with its line, and so is a polar that is not there.
+    #[test]
+    fn a_file_is_refused_by_line_and_field() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("known.toml");
+        let error = |text: &str| {
+            std::fs::write(&path, text).unwrap();
+            let error = format!("{:#}", Known::load(&path).unwrap_err());
+            assert_eq!(error.lines().count(), 1, "{error}");
+            error
+        };
+        let mass = error("wing_m2 = 0.3\nmass_kg = -3\n");
+        assert!(
+            mass.ends_with("known.toml:2: mass_kg: -3 is not from 0.01 to 10000"),
+            "{mass}"
+        );
+        let stall = error("mass_kg = 3\n\nstall_deg = 2.0\n");
+        assert!(
+            stall.contains("known.toml:3: stall_deg: 2 is not from 5"),
+            "{stall}"
+        );
+        let section = error("mass_kg = 3\nsection = 'mine.csv'\n");
+        assert!(
+            section.contains("known.toml:2: section: section is none of"),
+            "{section}"
+        );
+        std::fs::write(folder.path().join("mine.csv"), "alpha_deg,cl,cd\n0,0,x\n").unwrap();
+        let polar = error("mass_kg = 3\nsection = 'mine.csv'\n");
+        assert!(
+            polar.contains("known.toml:2: section: ") && polar.contains("mine.csv:2: \"x\""),
+            "{polar}"
+        );
     }
 }

@@ -2,16 +2,19 @@
 
 mod code;
 mod document;
+mod goals;
 mod known;
 mod performance;
+mod verdict;
 mod wing;
 
 use alula::{GuidanceParameters, ResponseParameters};
 
 pub use code::code_text;
-pub use document::{campaign_text, vehicle_text};
+pub use document::{campaign_text, check_name, vehicle_text};
 pub use known::{Facts, Known};
 pub use performance::{Performance, Stall};
+pub use verdict::{Outcome, Verdict};
 pub use wing::{ROWS, Wing};
 
 use crate::experiment::{VehicleSpec, refused};

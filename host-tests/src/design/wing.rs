@@ -1,16 +1,19 @@
 //! The coefficients of a vehicle's wing: a preset, or a polar that somebody has.
 
-use anyhow::Context;
+use anyhow::{Context, bail};
 
 use super::Facts;
 use crate::experiment::AerodynamicsSpec;
-use crate::polar::{Polar, SPAN_EFFICIENCY};
+use crate::named::on_one_line;
+use crate::polar::Polar;
 use crate::reference::LargeAngle;
 
 /// Rows of the tables that fit on board: `ALULA_TABLE_ROWS` of the C interface.
 pub const ROWS: usize = 96;
-/// The Reynolds numbers that the presets were published at, and how they stand in names.
+/// The Reynolds numbers of the presets that are built in, and how they stand in names.
 const REYNOLDS: [(f64, &str); 2] = [(160e3, "160e3"), (5e6, "5e6")];
+/// How far the nearest of them may be from that of cruise, as a factor, before it is warned of.
+const NEAR: f64 = 3.0;
 /// The sections that need no table.
 const PRESETS: [&str; 4] = ["naca-0012", "naca-0015", "naca-0018", "naca-0021"];
 const PLATE: &str = "flat-plate";
@@ -26,6 +29,8 @@ pub struct Wing {
     pub polar: Option<(Polar, bool)>,
     /// How it came about, in sentences.
     pub story: Vec<String>,
+    /// What is to be doubted of it, in sentences.
+    pub warnings: Vec<String>,
 }
 
 impl Wing {
@@ -48,40 +53,34 @@ impl Wing {
         if facts.section == PLATE {
             return Ok(Self::plate(facts));
         }
-        let mut story = Vec::new();
+        let (mut story, mut warnings) = (Vec::new(), Vec::new());
         let preset = PRESETS.contains(&&*facts.section);
         let section = if preset {
-            let far = |(re, _): &(f64, &str)| (re / facts.reynolds()).ln().abs();
-            let (_, name) = REYNOLDS
+            let reynolds = facts.reynolds();
+            let far = |(re, _): &(f64, &str)| (re / reynolds).ln().abs();
+            let (built_in, name) = REYNOLDS
                 .into_iter()
                 .min_by(|a, b| far(a).total_cmp(&far(b)))
                 .expect("two");
             story.push(format!(
-                "{} at Re = {name}, of the two published the nearer to {:.0} in cruise (Sheldahl and Klimas, SAND80-2114)",
+                "{} at Re = {name}: in cruise it is {reynolds:.0}, for a mean chord by the aspect ratio{}. Built in are 160e3 and 5e6, the first and \
+                 the last of the tables that SAND80-2114 (Sheldahl and Klimas) has at 160e3, 360e3, 700e3, 1e6, 2e6 and 5e6",
                 facts.section,
-                facts.reynolds()
+                if facts.aspect_ratio.is_none() { ", taken for 6" } else { "" }
             ));
+            if far(&(built_in, name)) > NEAR.ln() {
+                warnings.push(format!(
+                    "The Reynolds number of cruise, {reynolds:.0}, is far from the {name} of the table: stall and drag will differ. A polar of your own is better"
+                ));
+            }
             Polar::load(&format!("{}-re-{name}", facts.section))?
         } else {
-            Self::measured(&facts.section)?
+            story.push(format!("From the polar {}", on_one_line(&facts.section)));
+            let polar = plausible(Self::measured(&facts.section)?, &mut warnings)?;
+            stalling(polar, facts.stall_deg)?
         };
-        story.extend(section.seam.map(|seam| seam.text()));
-        let wing = match facts.aspect_ratio {
-            None => {
-                story.push(
-                    "Without an aspect ratio: the wing is taken for the polar as it is".to_owned(),
-                );
-                section
-            }
-            Some(ratio) => {
-                let wing = section.of_wing(ratio)?;
-                story.push(format!(
-                    "For an aspect ratio of {ratio}: Prandtl's lifting line up to stall, with a span efficiency of {SPAN_EFFICIENCY}"
-                ));
-                story.extend(wing.seam.map(|seam| seam.text()));
-                wing
-            }
-        };
+        let (wing, how) = section.finite(facts.aspect_ratio)?;
+        story.extend(how);
         let (polar, apart) = wing.of_rows(ROWS)?;
         story.extend(apart.text(polar.rows.len(), wing.rows.len()));
         let own = !(preset && facts.aspect_ratio.is_none());
@@ -89,6 +88,7 @@ impl Wing {
             aerodynamics: AerodynamicsSpec::Table { polar },
             polar: Some((polar, own)),
             story,
+            warnings,
         })
     }
 
@@ -104,6 +104,7 @@ impl Wing {
             story: vec![format!(
                 "A flat plate: c_L = c_1 sin 2α, c_D = c_0 + 2 c_1 sin²α, without stall, with c_D = {most:.3} broadside (Viterna and Corrigan)"
             )],
+            warnings: Vec::new(),
         }
     }
 
@@ -124,5 +125,147 @@ impl Wing {
             }
             (_, None) => String::new(),
         }
+    }
+}
+
+/// The polar, if no row of it is one that no wing can have; what is merely odd is warned of.
+fn plausible(polar: Polar, warnings: &mut Vec<String>) -> anyhow::Result<Polar> {
+    for doubt in polar.doubts() {
+        let text = format!(
+            "{}:{}: {}",
+            on_one_line(polar.name),
+            doubt.line,
+            doubt.problem
+        );
+        if doubt.impossible {
+            bail!("{text}");
+        }
+        warnings.push(text);
+    }
+    Ok(polar)
+}
+
+/// The polar up to its stall, which must be in it or be told.
+fn stalling(polar: Polar, stall_deg: Option<f64>) -> anyhow::Result<Polar> {
+    match stall_deg {
+        Some(degrees) => polar.stalling_at(degrees).context("stall_deg"),
+        None if polar.ends_straight() => bail!(
+            "{}:{}: lift still grows in a straight line at the last row, so the table ends before the stall, and AVL and panel methods know none. \
+             Say where it stalls: --stall-deg",
+            on_one_line(polar.name),
+            polar.last_line()
+        ),
+        None => Ok(polar),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::design::Known;
+
+    /// The wing with this polar as a file, and what else is changed.
+    fn wing(text: &str, change: impl Fn(&mut Known)) -> anyhow::Result<Wing> {
+        let file = tempfile::NamedTempFile::with_suffix(".csv").unwrap();
+        std::fs::write(file.path(), text).unwrap();
+        let mut known = Known {
+            mass_kg: Some(3.0),
+            wing_m2: Some(0.35),
+            section: file.path().to_str().map(str::to_owned),
+            thrust_to_weight: Some(1.6),
+            thrust_lag_s: Some(0.08),
+            rate_lag_s: Some(0.06),
+            cruise_m_s: Some(18.0),
+            ..Known::default()
+        };
+        change(&mut known);
+        Wing::new(&known.facts()?)
+    }
+
+    fn polar(lift: impl Fn(f64) -> f64) -> String {
+        let rows = (0..=16).map(f64::from);
+        let rows: String = rows
+            .map(|a| format!("{a} {} {}\n", lift(a), 0.01 + 0.0003 * a * a))
+            .collect();
+        format!("alpha CL CD\n{rows}")
+    }
+
+    fn round(a: f64) -> f64 {
+        1.05 * (a / 12.0 * 1.5).sin()
+    }
+
+    /// A table that ends before the stall is refused until the stall is told; with it, it stalls there.
+    #[test]
+    fn a_straight_polar_asks_for_its_stall() {
+        let straight = polar(|a| 0.08 * a);
+        let error = format!("{:#}", wing(&straight, |_| ()).unwrap_err());
+        assert!(
+            error.contains(".csv:18: ") && error.contains("--stall-deg"),
+            "{error}"
+        );
+        for ratio in [None, Some(6.0)] {
+            let made = wing(&straight, |known| {
+                (known.stall_deg, known.aspect_ratio) = (Some(12.0), ratio);
+            });
+            let (polar, _) = made.unwrap().polar.unwrap();
+            let most = polar
+                .degrees()
+                .iter()
+                .filter(|row| row[0] < 25.0)
+                .map(|row| row[1])
+                .fold(0.0, f64::max);
+            assert!((most - 0.96).abs() < 1e-9, "{most}");
+        }
+        assert!(wing(&polar(round), |_| ()).is_ok());
+    }
+
+    /// What no wing can have is refused with file and line, what is odd is warned of.
+    #[test]
+    fn what_no_wing_has_is_refused() {
+        let refused = |text: &str| format!("{:#}", wing(text, |_| ()).unwrap_err());
+        let ten = refused(&polar(|a| 10.0 * round(a)));
+        assert!(
+            ten.contains(".csv:6: c_L is") || ten.contains(".csv:5: c_L is"),
+            "{ten}"
+        );
+        let mirrored = refused(&polar(|a| -round(a)));
+        assert!(mirrored.contains("wrong sign"), "{mirrored}");
+        let wild = refused(&polar(|a| if a == 5.0 { -0.6 } else { round(a) }));
+        assert!(wild.contains(".csv:7: c_L is -0.6 at 5°"), "{wild}");
+        let odd = wing(
+            &polar(|a| if a == 5.0 { round(a) - 0.15 } else { round(a) }),
+            |_| (),
+        )
+        .unwrap();
+        assert!(odd.warnings[0].contains(".csv:7: "), "{:?}", odd.warnings);
+        assert!(wing(&polar(round), |_| ()).unwrap().warnings.is_empty());
+    }
+
+    /// What the story says of a preset: what is built in, and what was published.
+    #[test]
+    fn the_story_says_which_table_it_is() {
+        let preset = |wing_m2: f64| {
+            wing("", |known| {
+                (known.section, known.wing_m2) = (Some("naca-0012".to_owned()), Some(wing_m2));
+            })
+            .unwrap()
+        };
+        let made = preset(0.35);
+        let story = &made.story[0];
+        assert!(
+            story.starts_with("naca-0012 at Re = 160e3: in cruise it is 297768"),
+            "{story}"
+        );
+        assert!(
+            story.contains("Built in are 160e3 and 5e6") && story.contains("360e3"),
+            "{story}"
+        );
+        assert!(made.warnings.is_empty());
+        assert!(preset(2.4).warnings[0].contains("far from the 160e3"));
+        assert!(
+            preset(2.4).story[0].contains("7797"),
+            "{:?}",
+            preset(2.4).story
+        );
     }
 }

@@ -5,10 +5,11 @@ use alula::{GuidanceParameters, Parameters as _};
 
 use super::chart::{BLUE, Chart, ORANGE, Series};
 use super::{Figure, Page, Table, columns, fixed};
-use crate::design::{Design, Performance};
+use crate::design::{Design, Outcome, Performance, Verdict};
 use crate::experiment::file_name;
 use crate::figures::Figures;
 use crate::margins::{LONGEST, Point};
+use crate::polar::Upto;
 
 /// What a vehicle comes to.
 #[derive(Clone, Copy, Debug)]
@@ -19,19 +20,30 @@ pub struct Results<'a> {
     pub margins: &'a [Point],
     /// Its first flight.
     pub flight: &'a Figures,
+    /// What came of that.
+    pub verdict: &'a Verdict,
+    /// What is to be doubted of it all.
+    pub warnings: &'a [String],
 }
 
 /// The page of the vehicle `name`, whose file is `text`.
 pub fn page(name: &str, design: &Design, results: &Results, text: &str) -> Page {
+    let mut lead = design.wing.story.clone();
+    let mut warnings = results.warnings.to_vec();
+    match results.verdict.outcome {
+        Outcome::AsAsked => lead.insert(0, results.verdict.text()),
+        Outcome::OutsideGoals | Outcome::Fails => warnings.insert(0, results.verdict.text()),
+    }
     Page {
         title: name.to_owned(),
-        lead: format!("{}.", design.wing.story.join(". ")),
-        warnings: Vec::new(),
+        lead: format!("{}.", lead.join(". ")),
+        warnings,
         figure: figure(design),
-        tables: tables(design, results),
-        text: Some(("vehicle.toml".to_owned(), text.to_owned())),
-        notes: "Envelope and margins are of the vehicle as it was described, in still air. The first flight has no wind and no noise: campaign.toml has both."
-            .to_owned(),
+        tables: tables(name, design, results),
+        text: Some((format!("{name}.toml"), text.to_owned())),
+        notes: format!(
+            "Envelope and margins are of the vehicle as it was described, in still air. The first flight has no wind and no noise: {name}-campaign.toml has both."
+        ),
     }
 }
 
@@ -40,9 +52,12 @@ fn figure(design: &Design) -> Figure {
     let model = design.vehicle().reference().aerodynamics;
     let polar = design.wing.polar.map(|(polar, _)| polar);
     let symmetric = polar.is_none_or(|polar| polar.is_symmetric());
-    let given = polar
-        .and_then(|polar| polar.seam)
-        .map(|seam| seam.given_deg);
+    let seam = polar.and_then(|polar| polar.seam);
+    let given = seam.map(|seam| seam.given_deg);
+    let upto = match seam.map(|seam| seam.upto) {
+        Some(Upto::Section(_)) => "from the section given",
+        Some(Upto::Given) | None => "given",
+    };
     let chart = |title, most: f64, of: fn(&crate::reference::Coefficients) -> f64| {
         let least = if symmetric { 0.0 } else { -most };
         let points = |inside: bool| {
@@ -54,7 +69,7 @@ fn figure(design: &Design) -> Figure {
             };
             angles.map(point).collect()
         };
-        let mut series = vec![Series::line("given", BLUE, points(true))];
+        let mut series = vec![Series::line(upto, BLUE, points(true))];
         if given.is_some() {
             series.push(Series::line("extended", ORANGE, points(false)));
         }
@@ -69,7 +84,7 @@ fn figure(design: &Design) -> Figure {
     Figure::new(&charts, 250.0)
 }
 
-fn tables(design: &Design, results: &Results) -> Vec<Table> {
+fn tables(name: &str, design: &Design, results: &Results) -> Vec<Table> {
     let rows = |rows: Vec<[String; 2]>| rows.into_iter().map(|row| row.to_vec()).collect();
     let parameters = GuidanceParameters::ROWS.iter().zip(REASONS).enumerate();
     let figures = [
@@ -88,7 +103,7 @@ fn tables(design: &Design, results: &Results) -> Vec<Table> {
             rows: rows(envelope(design, results.performance)),
         },
         Table {
-            title: "First flight: the round trip of vehicle.toml".to_owned(),
+            title: format!("First flight: the round trip of {name}.toml"),
             header: columns(["figure", "value"]),
             rows: rows(figures.to_vec()),
         },
@@ -128,24 +143,38 @@ fn envelope(design: &Design, p: &Performance) -> Vec<[String; 2]> {
     let row = |what: &str, value: String| [what.to_owned(), value];
     let stall = p
         .stall
-        .map_or("nothing jumps: no stall in level flight".to_owned(), |s| {
-            format!(
-                "slowing down it falls off its wing at {:.1} m/s (α = {:.1}°), speeding up slowly it stays behind the stall up to {:.1} m/s (α = {:.1}°); the guidance crosses at once",
-                s.slow_m_s, s.alpha_deg[0], s.fast_m_s, s.alpha_deg[1]
-            )
-        });
+        .map_or(
+            "none: nothing stalls in level flight, and hover becomes cruise without a jump".to_owned(),
+            |s| {
+                format!(
+                    "{:.1} m/s (α = {:.1}°), the least of level flight on the wing: slowing down it falls off there; speeding up slowly it stays \
+                     behind the stall up to {:.1} m/s (α = {:.1}°). The guidance crosses at once",
+                    s.slow_m_s, s.alpha_deg[0], s.fast_m_s, s.alpha_deg[1]
+                )
+            },
+        );
     let none = |why: &str| why.to_owned();
-    let [stop, loss, gain] = p.stop_m;
+    let stop = p.stop_m.map_or(
+        none("not known: it does not reach cruise"),
+        |[stop, loss, gain]| {
+            format!("within {stop:.1} m, {loss:.1} m lower and {gain:.1} m higher at most")
+        },
+    );
+    let off = match p.stall {
+        Some(_) => "not on the wing: below the speed of transition",
+        None => "not on the wing: at more than 40° of angle of attack",
+    };
     vec![
-        row("stall band of level flight", stall),
-        row(
-            "speed of transition",
-            format!("{:.1} m/s: from there on the wing carries the weight", p.carried_m_s),
-        ),
+        row("speed of transition", stall),
         row(
             "level cruise",
-            p.cruise.map_or(none("not on the wing: too slow for it"), |[alpha, thrust]| {
-                format!("{cruise} m/s at α = {alpha:.1}°, thrust {:.0} % of the weight", 100.0 * thrust)
+            p.cruise.map_or(none(off), |[alpha, thrust]| {
+                let most = design.facts.thrust_to_weight;
+                let short = match thrust > most {
+                    true => format!(": MORE than the {:.0} % there are", 100.0 * most),
+                    false => String::new(),
+                };
+                format!("{cruise} m/s at α = {alpha:.1}°, thrust {:.0} % of the weight{short}", 100.0 * thrust)
             }),
         ),
         row(
@@ -160,9 +189,6 @@ fn envelope(design: &Design, p: &Performance) -> Vec<[String; 2]> {
                 format!("{angle:.1}°, {sink:.1} m/s of sink; steeper descents are flown behind the stall or tail first")
             }),
         ),
-        row(
-            "stops from cruise, flown",
-            format!("within {stop:.1} m, {loss:.1} m lower and {gain:.1} m higher at most"),
-        ),
+        row("stops from cruise, flown", stop),
     ]
 }

@@ -1,22 +1,24 @@
-//! Polars as other programs write them: XFOIL's polar files, XFLR5's exports (of sections and wings), AVL's total forces.
+//! Polars as files: this program's CSV, XFOIL's polar files, XFLR5's exports (of sections and wings), AVL's total forces.
 
-use anyhow::{anyhow, ensure};
+use anyhow::{Context, anyhow, ensure};
 
-/// Line numbers, and rows of α \[°\], c_L and c_D.
-pub type Rows = (Vec<u64>, Vec<[f64; 3]>);
+use super::Read;
+use super::made::WING;
 
-/// The rows of `text` if it is in one of these formats; `origin` stands for it in errors.
+/// The rows of `text`; `origin` stands for it in errors. CSV with the columns `alpha_deg`, `cl` and `cd`, or one of these formats:
 ///
 /// - XFOIL (`PACC`) and XFLR5: a line with the names `alpha`, `CL` and `CD`, and rows of numbers under it, parted by blanks, commas,
 ///   semicolons or tabs. What stands above the names is a comment; rules of dashes are left out.
 /// - AVL: one or several outputs of total forces (`FT`, `ST`), each with `Alpha =`, `CLtot =` and `CDtot =`.
-pub fn read(origin: &str, text: &str) -> Option<anyhow::Result<Rows>> {
+pub fn read(origin: &str, text: &str) -> anyhow::Result<Read> {
     if text.contains("CLtot") {
-        return Some(avl(origin, text));
+        return avl(origin, text);
     }
-    let lines = || text.lines().enumerate();
-    let (place, columns) = lines().find_map(|(n, line)| Some((n, columns(line)?)))?;
-    Some(under(origin, text, place, columns))
+    let mut lines = text.lines().enumerate();
+    match lines.find_map(|(n, line)| Some((n, columns(line)?))) {
+        Some((place, columns)) => under(origin, text, place, columns),
+        None => table(origin, text),
+    }
 }
 
 /// The cells of a line.
@@ -35,8 +37,51 @@ fn columns(line: &str) -> Option<[usize; 3]> {
     Some([place("alpha")?, place("cl")?, place("cd")?])
 }
 
-/// The rows under the names in line `place`, counted from 0.
-fn under(origin: &str, text: &str, place: usize, columns: [usize; 3]) -> anyhow::Result<Rows> {
+/// A table with the columns `alpha_deg`, `cl` and `cd`.
+fn table(origin: &str, text: &str) -> anyhow::Result<Read> {
+    let mut reader = csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .trim(csv::Trim::All)
+        .from_reader(text.as_bytes());
+    let header = reader
+        .headers()
+        .with_context(|| format!("{origin}:1"))?
+        .clone();
+    // The reader places the header before the comments.
+    let above = text.lines().take_while(|line| line.starts_with('#'));
+    let header_line = 1 + above.count();
+    let column = |name: &'static str| {
+        let found = header.iter().position(|cell| cell == name);
+        found.ok_or_else(|| anyhow!("{origin}:{header_line}: no column {name}"))
+    };
+    let columns = [column("alpha_deg")?, column("cl")?, column("cd")?];
+    let (mut lines, mut rows) = (Vec::new(), Vec::new());
+    for record in reader.records() {
+        let record = record.map_err(|error| {
+            let line = error.position().map_or(1, csv::Position::line);
+            anyhow!("{origin}:{line}: not as many cells as columns")
+        })?;
+        let line = record.position().map_or(0, csv::Position::line);
+        let mut row = [0.0; 3];
+        for (value, index) in row.iter_mut().zip(columns) {
+            let cell = &record[index];
+            *value = cell
+                .parse()
+                .map_err(|_| anyhow!("{origin}:{line}: {cell:?} is not a number"))?;
+        }
+        lines.push(line);
+        rows.push(row);
+    }
+    let mut comments = text.lines().filter(|line| line.starts_with('#'));
+    Ok(Read {
+        lines,
+        rows,
+        of_wing: comments.any(|line| line.contains(WING)),
+    })
+}
+
+/// The rows under the names in line `place`, counted from 0. Induced drag is a wing's.
+fn under(origin: &str, text: &str, place: usize, columns: [usize; 3]) -> anyhow::Result<Read> {
     let (mut numbers, mut rows) = (Vec::new(), Vec::new());
     for (n, line) in text.lines().enumerate().skip(place + 1) {
         let cells: Vec<&str> = cells(line).collect();
@@ -62,11 +107,13 @@ fn under(origin: &str, text: &str, place: usize, columns: [usize; 3]) -> anyhow:
         numbers.push(n as u64 + 1);
         rows.push(row);
     }
-    Ok(sorted(numbers, rows))
+    let names = text.lines().nth(place).unwrap_or_default();
+    let of_wing = cells(names).any(|name| name.eq_ignore_ascii_case("CDi"));
+    Ok(sorted(numbers, rows, of_wing))
 }
 
 /// The rows of AVL's outputs, one each.
-fn avl(origin: &str, text: &str) -> anyhow::Result<Rows> {
+fn avl(origin: &str, text: &str) -> anyhow::Result<Read> {
     let (mut numbers, mut rows) = (Vec::new(), Vec::new());
     let mut alpha = None;
     let mut lift = None;
@@ -94,15 +141,20 @@ fn avl(origin: &str, text: &str) -> anyhow::Result<Rows> {
         }
     }
     ensure!(!rows.is_empty(), "{origin}: no CDtot");
-    Ok(sorted(numbers, rows))
+    Ok(sorted(numbers, rows, true))
 }
 
 /// By increasing angle: sweeps run either way, and from 0 both ways. An angle that comes again is left out.
-fn sorted(numbers: Vec<u64>, rows: Vec<[f64; 3]>) -> Rows {
+fn sorted(numbers: Vec<u64>, rows: Vec<[f64; 3]>, of_wing: bool) -> Read {
     let mut all: Vec<(u64, [f64; 3])> = numbers.into_iter().zip(rows).collect();
     all.sort_by(|a, b| a.1[0].total_cmp(&b.1[0]));
     all.dedup_by(|again, first| (again.1[0] - first.1[0]).abs() < 1e-6);
-    all.into_iter().unzip()
+    let (lines, rows) = all.into_iter().unzip();
+    Read {
+        lines,
+        rows,
+        of_wing,
+    }
 }
 
 #[cfg(test)]
@@ -147,7 +199,7 @@ mod tests {
 
     #[test]
     fn each_program_is_read() {
-        let rows = |text: &str| read("x", text).unwrap().unwrap().1;
+        let rows = |text: &str| read("x", text).unwrap().rows;
         let xfoil = rows(XFOIL);
         let angles: Vec<f64> = xfoil.iter().map(|row| row[0]).collect();
         assert_eq!(angles, [-2.0, 0.0, 2.0]);
@@ -155,15 +207,17 @@ mod tests {
         // The drag of a wing is the whole, not the induced nor the viscous part.
         assert_eq!(rows(WING)[1], [1.0, 0.080131, 0.010692]);
         assert_eq!(rows(AVL), [[0.0, 0.0, 0.01], [2.0, 0.1723, 0.01154]]);
+        let of_wing = |text: &str| read("x", text).unwrap().of_wing;
+        assert!(of_wing(WING) && of_wing(AVL) && !of_wing(XFOIL));
         let commas = "alpha,CL,CD\n1,0.1,0.01\n0,0,0.01\n";
         assert_eq!(rows(commas), [[0.0, 0.0, 0.01], [1.0, 0.1, 0.01]]);
         let csv = "# cl odd, cd even in alpha\nalpha_deg,cl,cd\n0,0,1\n";
-        assert!(read("x", csv).is_none());
+        assert_eq!(rows(csv), [[0.0, 0.0, 1.0]]);
     }
 
     #[test]
     fn errors_name_the_line() {
-        let error = |text: &str| read("x", text).unwrap().unwrap_err().to_string();
+        let error = |text: &str| read("x", text).unwrap_err().to_string();
         assert_eq!(
             error("alpha CL CD\n1 a 0.1\n"),
             "x:2: \"a\" is not a number"
@@ -176,6 +230,6 @@ mod tests {
         assert!(error(two).starts_with("x:3: a second polar"));
         assert!(error("CLtot = 0.1\nCDtot = 0.1\n").contains("without Alpha"));
         // Separators alone are an empty line.
-        assert_eq!(read("x", "alpha CL CD\n,,\n").unwrap().unwrap().1.len(), 0);
+        assert_eq!(read("x", "alpha CL CD\n,,\n").unwrap().rows.len(), 0);
     }
 }

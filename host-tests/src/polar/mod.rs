@@ -2,8 +2,11 @@
 //!
 //! A table that ends at stall is extended to all angles; [`Polar::seam`] says from where on.
 
+mod doubt;
 mod formats;
+mod made;
 mod resample;
+mod stall;
 mod viterna;
 mod wing;
 
@@ -11,14 +14,15 @@ use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
 use alula::aero::TableError;
-use anyhow::{Context, anyhow, ensure};
+use anyhow::{anyhow, ensure};
 use serde::Deserialize;
 
+pub use doubt::Doubt;
 pub use resample::{Apart, resampled};
-pub use viterna::{Seam, most_drag};
-pub use wing::SPAN_EFFICIENCY;
+pub use stall::stall;
+pub use viterna::{Seam, Upto, most_drag};
 
-use crate::named::Named;
+use crate::named::{Named, on_one_line};
 use crate::reference::{Row, Table};
 
 macro_rules! built_in {
@@ -39,6 +43,13 @@ pub const BUILT_IN: &[(&str, &str)] = built_in![
     "naca-0018-re-5e6",
 ];
 
+/// What was read of a polar that is made, and not read.
+static UNREAD: Read = Read {
+    lines: Vec::new(),
+    rows: Vec::new(),
+    of_wing: false,
+};
+
 /// Most rows of a polar.
 const ROWS: usize = 512;
 
@@ -58,6 +69,19 @@ pub struct Polar {
     pub reference: &'static Table,
     /// Where the table was extended, if it ended at stall.
     pub seam: Option<Seam>,
+    /// What was read of a file.
+    read: &'static Read,
+}
+
+/// What a file holds.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Read {
+    /// Line numbers.
+    pub lines: Vec<u64>,
+    /// Rows of α \[°\], c_L and c_D, by increasing angle.
+    pub rows: Vec<[f64; 3]>,
+    /// Whether the file says that they are those of a whole wing, and no section's.
+    pub of_wing: bool,
 }
 
 impl PartialEq for Polar {
@@ -87,25 +111,42 @@ impl Polar {
     /// XFLR5 or AVL. One that ends at stall is extended to all angles, as of a wing of infinite span. `origin` stands for the text in errors,
     /// which name line and column.
     pub fn from_text(origin: &str, text: &str) -> anyhow::Result<Self> {
-        let (lines, degrees) = formats::read(origin, text).unwrap_or_else(|| read(origin, text))?;
-        let ends = degrees.first().zip(degrees.last());
+        // Spreadsheets begin a file with a mark of its encoding.
+        let text = text.trim_start_matches('\u{feff}');
+        let read = formats::read(origin, text)?;
+        Self::of_read(origin, read, None)
+    }
+
+    /// The polar of what was read; extended as of a wing of `aspect_ratio`, if it ends at stall.
+    fn of_read(origin: &str, read: Read, aspect_ratio: Option<f64>) -> anyhow::Result<Self> {
+        let Read { lines, rows, .. } = &read;
+        let ends = rows.first().zip(rows.last());
         let at_stall = ends.is_some_and(|(first, last)| first[0] >= -90.0 && last[0] <= 90.0);
         if !at_stall {
-            return Self::from_rows(origin, &lines, &degrees);
+            let whole = Self::from_rows(origin, lines, rows)?;
+            return Ok(Self {
+                read: Box::leak(Box::new(read)),
+                ..whole
+            });
         }
         // Of the rows that are made from them no error could name the line.
-        for (line, row) in lines.iter().zip(&degrees) {
-            let fine = row.iter().all(|x| x.is_finite()) && row[2] > 0.0;
+        for (line, row) in lines.iter().zip(rows) {
             ensure!(
-                fine,
-                "{origin}:{line}: every number must be finite, and the drag coefficient positive"
+                row.iter().all(|x| x.is_finite()),
+                "{origin}:{line}: every number must be finite"
+            );
+            ensure!(
+                row[2] > 0.0,
+                "{origin}:{line}: the drag coefficient must be positive; AVL and panel methods have no friction unless it is given to them"
             );
         }
-        let (rows, seam) =
-            viterna::extended(&halved(degrees), None).map_err(|e| anyhow!("{origin}: {e}"))?;
-        let whole = Self::from_rows(origin, &lines, &rows)?;
+        let first = lines.first().copied().unwrap_or(1);
+        let (rows, seam) = viterna::extended(&halved(rows.clone()), aspect_ratio)
+            .map_err(|e| anyhow!("{origin}:{first}: {e}"))?;
+        let whole = Self::from_rows(origin, &read.lines, &rows)?;
         Ok(Self {
             seam: Some(seam),
+            read: Box::leak(Box::new(read)),
             ..whole
         })
     }
@@ -139,6 +180,7 @@ impl Polar {
             reference: Box::leak(Box::new(Table::new(&rows))),
             rows: rows.leak(),
             seam: None,
+            read: &UNREAD,
         })
     }
 
@@ -155,36 +197,30 @@ impl Polar {
         self.rows.first().is_some_and(|row| row[0].abs() < 1e-9)
     }
 
-    /// The polar of a wing of `aspect_ratio` with this section.
-    pub fn of_wing(&self, aspect_ratio: f64) -> anyhow::Result<Self> {
-        let name = self.name;
-        let (rows, seam) =
-            wing::of_section(&self.degrees(), aspect_ratio).map_err(|e| anyhow!("{name}: {e}"))?;
-        Ok(Self {
-            seam: Some(seam),
-            ..Self::from_rows(name, &[], &rows)?
-        })
+    /// Why it is to be doubted that these are the coefficients of a wing: the worst first.
+    pub fn doubts(&self) -> Vec<Doubt> {
+        doubt::doubts(&self.read.lines, &self.read.rows)
     }
 
-    /// The polar of at most `count` of its rows, and how far it is from this one.
-    pub fn of_rows(&self, count: usize) -> anyhow::Result<(Self, Apart)> {
-        let (rows, apart) = resampled(self.rows, count);
-        let degrees: Vec<[f64; 3]> = rows
-            .iter()
-            .map(|&[a, l, d]| [a.to_degrees(), l, d])
-            .collect();
-        Ok((
-            Self {
-                seam: self.seam,
-                ..Self::from_rows(self.name, &[], &degrees)?
-            },
-            apart,
-        ))
+    /// Whether it ends where lift still grows in a straight line: at the end of a sweep, but not at stall.
+    pub fn ends_straight(&self) -> bool {
+        self.seam.is_some() && doubt::ends_straight(&self.read.rows)
+    }
+
+    /// Whether its file says that it is that of a whole wing: XFLR5's of planes and AVL's are, and those that this program wrote.
+    pub fn is_of_wing(&self) -> bool {
+        self.read.of_wing
+    }
+
+    /// The line of its last row.
+    pub fn last_line(&self) -> u64 {
+        self.read.lines.last().copied().unwrap_or(1)
     }
 
     /// The polar as a CSV file, under these comments.
     pub fn csv(&self, comments: &[String]) -> String {
-        let mut text: String = comments.iter().map(|line| format!("# {line}\n")).collect();
+        let comments = comments.iter().map(|line| on_one_line(line));
+        let mut text: String = comments.map(|line| format!("# {line}\n")).collect();
         text += "alpha_deg,cl,cd\n";
         let short = |x: f64| ((x * 1e6).round() / 1e6).to_string();
         for [alpha, c_l, c_d] in self.degrees() {
@@ -218,44 +254,6 @@ fn halved(rows: Vec<[f64; 3]>) -> Vec<[f64; 3]> {
     let mut half = above.to_vec();
     half[0] = [0.0, 0.0, half[0][2]];
     half
-}
-
-/// Line numbers, and rows with α in degrees.
-fn read(origin: &str, text: &str) -> anyhow::Result<(Vec<u64>, Vec<[f64; 3]>)> {
-    let mut reader = csv::ReaderBuilder::new()
-        .comment(Some(b'#'))
-        .trim(csv::Trim::All)
-        .from_reader(text.as_bytes());
-    let header = reader
-        .headers()
-        .with_context(|| format!("{origin}:1"))?
-        .clone();
-    // The reader places the header before the comments.
-    let above = text.lines().take_while(|line| line.starts_with('#'));
-    let header_line = 1 + above.count();
-    let column = |name: &'static str| {
-        let found = header.iter().position(|cell| cell == name);
-        found.ok_or_else(|| anyhow!("{origin}:{header_line}: no column {name}"))
-    };
-    let columns = [column("alpha_deg")?, column("cl")?, column("cd")?];
-    let (mut lines, mut rows) = (Vec::new(), Vec::new());
-    for record in reader.records() {
-        let record = record.map_err(|error| {
-            let line = error.position().map_or(1, csv::Position::line);
-            anyhow!("{origin}:{line}: not as many cells as columns")
-        })?;
-        let line = record.position().map_or(0, csv::Position::line);
-        let mut row = [0.0; 3];
-        for (value, index) in row.iter_mut().zip(columns) {
-            let cell = &record[index];
-            *value = cell
-                .parse()
-                .map_err(|_| anyhow!("{origin}:{line}: {cell:?} is not a number"))?;
-        }
-        lines.push(line);
-        rows.push(row);
-    }
-    Ok((lines, rows))
 }
 
 impl<'de> Deserialize<'de> for Polar {
@@ -345,6 +343,13 @@ mod tests {
     #[test]
     fn errors_name_file_and_line() {
         let error = |text: &str| format!("{:#}", Polar::from_text("x.csv", text).unwrap_err());
+        assert!(
+            Polar::from_text(
+                "x.csv",
+                "\u{feff}alpha,CL,CD\n0,0,0.01\n5,0.5,0.01\n9,0.8,0.02\n"
+            )
+            .is_ok()
+        );
         let good =
             "# a comment\nalpha_deg,cl,cd\n0,0,0.1\n45,1,0.9\n90,0,1.8\n135,-1,0.9\n180,0,0.1\n";
         assert!(Polar::from_text("x.csv", good).is_ok());
@@ -365,9 +370,9 @@ mod tests {
         );
         assert!(with("180,", "170,").starts_with("x.csv:7: the last angle"));
         let short = error("alpha_deg,cl,cd\n0,0,0.1\n1,0.1,0.1\n2,0.2,0.1\n");
-        assert!(short.starts_with("x.csv: goes from 0° to 2°"), "{short}");
+        assert!(short.starts_with("x.csv:2: goes from 0° to 2°"), "{short}");
         let drag = error("alpha CL CD\n-8 -1 0.1\n0 0.1 0\n9 1 0.1\n");
-        assert!(drag.starts_with("x.csv:3: every number must"), "{drag}");
+        assert!(drag.starts_with("x.csv:3: the drag"), "{drag}");
         let missing = Polar::load("nonesuch").unwrap_err().to_string();
         assert!(missing.contains("naca-0021-re-160e3") && !missing.contains('\n'));
     }

@@ -18,11 +18,22 @@ pub const LEAST_STALL: f64 = 5.0;
 /// Distance of the rows made \[°\].
 const STEP: f64 = 5.0;
 
+/// What stands up to the seam.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Upto {
+    /// The rows of the table, as they were given.
+    Given,
+    /// A wing made of the rows of a section, from its stall below to its stall above, these \[°\].
+    Section([f64; 2]),
+}
+
 /// Where a table was extended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Seam {
-    /// First and last angle of the table given \[°\].
+    /// First and last angle of the table up to the extension \[°\].
     pub given_deg: [f64; 2],
+    /// What it is up to there.
+    pub upto: Upto,
     /// c_Dmax.
     pub most_drag: f64,
 }
@@ -31,8 +42,14 @@ impl Seam {
     /// What was done, in one sentence.
     pub fn text(&self) -> String {
         let [from, to] = self.given_deg;
+        let upto = match self.upto {
+            Upto::Given => format!("Given from {from:.1}° to {to:.1}°"),
+            Upto::Section([least, most]) => format!(
+                "Of the section the rows from {least:.1}° to {most:.1}° are used, up to its stall: of the wing they are {from:.1}° to {to:.1}°"
+            ),
+        };
         format!(
-            "Given from {from:.1}° to {to:.1}°; the rest is an extension by Viterna and Corrigan (1981) with c_Dmax = {:.3}, beyond 90° as in AirfoilPrep",
+            "{upto}; the rest is an extension by Viterna and Corrigan (1981) with c_Dmax = {:.3}, beyond 90° as in AirfoilPrep",
             self.most_drag
         )
     }
@@ -122,9 +139,26 @@ pub fn extended(
         return Err("there are no rows".to_owned());
     };
     if last[0] < LEAST_STALL || last[0] > 90.0 || first[0] < -90.0 {
+        let radians = match last[0] > 0.0 && last[0] < 0.6 {
+            true => ". Are these radians?",
+            false => "",
+        };
         return Err(format!(
-            "goes from {}° to {}°: to be extended it must end between {LEAST_STALL}° and 90°",
+            "goes from {}° to {}°: to be extended it must end between {LEAST_STALL}° and 90°{radians}",
             first[0], last[0]
+        ));
+    }
+    if first[0] > 1e-6 {
+        return Err(format!(
+            "begins at {}°: a table begins at 0° if the section is symmetric, and below if it is not",
+            first[0]
+        ));
+    }
+    if first[0] > -1e-6 && first[1] != 0.0 {
+        return Err(format!(
+            "c_L is {} at 0°, so the section is not symmetric, and the rows below 0° are missing: give them down to -{LEAST_STALL}° at least, \
+             better to where it stalls inverted",
+            first[1]
         ));
     }
     let most = given
@@ -132,12 +166,13 @@ pub fn extended(
         .fold(most_drag(aspect_ratio), |most, row| most.max(row[2]));
     let seam = Seam {
         given_deg: [first[0], last[0]],
+        upto: Upto::Given,
         most_drag: most,
     };
     let above = Side::new(last, most);
     let mut rows = given.to_vec();
     rows.extend(above.rows());
-    if first[0] >= 0.0 {
+    if first[0] > -1e-6 {
         return Ok((rows, seam));
     }
     // Below, the table's own stall if it goes there, or else that of above, mirrored, with the lift of AirfoilPrep.
@@ -222,5 +257,28 @@ mod tests {
         }
         let short = extended(&cambered[..12], None).unwrap_err();
         assert!(short.contains("to 3°"), "{short}");
+    }
+
+    /// A section with camber that was run from 0° on looks like half of a symmetric one, and is not.
+    #[test]
+    fn what_is_missing_below_zero_is_said() {
+        let lift = |a: f64| 0.4 + 0.1 * a;
+        let rows = |from: i32| -> Vec<[f64; 3]> {
+            let angles = (from..=14).map(f64::from);
+            angles.map(|a| [a, lift(a), 0.02]).collect()
+        };
+        let error = extended(&rows(0), None).unwrap_err();
+        assert!(
+            error.starts_with("c_L is 0.4 at 0°") && error.contains("rows below 0° are missing"),
+            "{error}"
+        );
+        let error = extended(&rows(2), None).unwrap_err();
+        assert!(error.starts_with("begins at 2°"), "{error}");
+        let radians: Vec<[f64; 3]> = rows(-5)
+            .iter()
+            .map(|[a, l, d]| [a.to_radians(), *l, *d])
+            .collect();
+        let error = extended(&radians, None).unwrap_err();
+        assert!(error.ends_with("Are these radians?"), "{error}");
     }
 }

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::store::REFERENCE;
 use super::{Campaign, Dispersion, Expected, Experiment, FaultDraw, Limit, Place};
 use crate::experiment::{Document, FieldError, finite, from_toml};
-use crate::named::Named;
+use crate::named::{Named, in_shell};
 
 /// Name and TOML text of every built-in campaign.
 pub const BUILT_IN: &[(&str, &str)] = &[
@@ -44,6 +44,8 @@ pub struct CampaignSource {
     pub campaign: Campaign,
     /// The experiment that its flights depart from.
     pub base: Document,
+    /// How it was named, from the working directory; none of one that was found in a folder of results.
+    argument: Option<String>,
 }
 
 /// The texts that decide a campaign's results.
@@ -79,7 +81,10 @@ impl CampaignSource {
             campaign: named.text,
             base: base.text(),
         };
-        Self::from_texts(texts, &named.origin)
+        Ok(Self {
+            argument: Some(argument.to_owned()),
+            ..Self::from_texts(texts, &named.origin)?
+        })
     }
 
     /// The campaign of `texts`; `origin` stands for the campaign's in errors.
@@ -117,6 +122,7 @@ impl CampaignSource {
             texts,
             campaign,
             base,
+            argument: None,
         })
     }
 
@@ -132,7 +138,8 @@ impl CampaignSource {
 
     /// The command that flies flight `number` again and leaves its trace.
     pub fn refly(&self, number: u64) -> String {
-        format!("alula-sil campaign {} --refly {number}", self.texts.name)
+        let name = self.argument.as_ref().unwrap_or(&self.texts.name);
+        format!("alula-sil campaign {} --refly {number}", in_shell(name))
     }
 }
 

@@ -1,0 +1,264 @@
+//! What no wing is known to do: polars that are scaled, mirrored, in other units, or have a row that is wild.
+
+/// A reason to doubt a polar.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Doubt {
+    /// Line of the file.
+    pub line: u64,
+    /// What is odd about it.
+    pub problem: String,
+    /// Whether no wing can have it.
+    pub impossible: bool,
+}
+
+/// Greatest lift coefficient of plain wings, flaps included, with a margin.
+const MOST_LIFT: f64 = 3.0;
+/// Greatest drag coefficient: that of a flat plate broadside is 2.01.
+const MOST_DRAG: f64 = 2.5;
+/// Slope of lift per degree: from that of a wing of aspect ratio 0.5, π AR/2, to nearly twice that of thin wing theory, 2π.
+const SLOPES: [f64; 2] = [0.012, 0.2];
+/// Angles between which the slope is taken \[°\].
+const ATTACHED: f64 = 6.0;
+/// Least and greatest drag coefficient of the best row: below stands no friction, above no wing.
+const BEST_DRAG: [f64; 2] = [0.003, 0.1];
+/// How far a row may be from the straight line through its neighbours, besides [`ROUGH`] times how far they are from it themselves: odd,
+/// and impossible.
+const WILD: [f64; 2] = [0.06, 0.2];
+const ROUGH: f64 = 6.0;
+
+/// The straight line through `points` by least squares: at `x`, and the farthest of them from it; and its slope.
+fn line(points: &[(f64, f64)], x: f64) -> Option<(f64, f64, f64)> {
+    let n = points.len() as f64;
+    let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / n;
+    let (x0, y0) = (mean(|p| p.0), mean(|p| p.1));
+    let sum = |of: &dyn Fn(f64, f64) -> f64| -> f64 {
+        points.iter().map(|(x, y)| of(x - x0, y - y0)).sum()
+    };
+    let spread = sum(&|x, _| x * x);
+    if points.len() < 2 || spread <= 0.0 {
+        return None;
+    }
+    let slope = sum(&|x, y| x * y) / spread;
+    let at = |x: f64| y0 + slope * (x - x0);
+    let off = points.iter().map(|(x, y)| (y - at(*x)).abs());
+    Some((at(x), off.fold(0.0, f64::max), slope))
+}
+
+/// The straight line through the rows between ±[`ATTACHED`]: slope of lift per degree.
+fn slope(rows: &[[f64; 3]]) -> Option<f64> {
+    let inside = rows.iter().filter(|row| row[0].abs() <= ATTACHED);
+    let points: Vec<(f64, f64)> = inside.map(|row| (row[0], row[1])).collect();
+    Some(line(&points, 0.0)?.2)
+}
+
+/// Why the `rows` \[°, c_L, c_D\] from these `lines` of a file are to be doubted; the worst first.
+pub fn doubts(lines: &[u64], rows: &[[f64; 3]]) -> Vec<Doubt> {
+    let mut found = Vec::new();
+    let at = |i: usize| lines.get(i).or(lines.last()).copied().unwrap_or(1);
+    let mut add = |i: usize, impossible: bool, problem: String| {
+        found.push(Doubt {
+            line: at(i),
+            problem,
+            impossible,
+        });
+    };
+    if let Some(i) = rows.iter().position(|row| row[1].abs() > MOST_LIFT) {
+        let lift = rows[i][1];
+        add(
+            i,
+            true,
+            format!(
+                "c_L is {lift} at {}°: no wing has more than {MOST_LIFT}",
+                rows[i][0]
+            ),
+        );
+    }
+    if let Some(i) = rows.iter().position(|row| row[2] > MOST_DRAG) {
+        let drag = rows[i][2];
+        add(
+            i,
+            true,
+            format!(
+                "c_D is {drag} at {}°: no wing has more than {MOST_DRAG}",
+                rows[i][0]
+            ),
+        );
+    }
+    let first = rows.iter().position(|row| row[0].abs() <= ATTACHED);
+    if let (Some(slope), Some(i)) = (slope(rows), first) {
+        let [least, most] = SLOPES;
+        let grows = format!("from here to {ATTACHED}° c_L grows by {slope:.3} per degree");
+        if slope < 0.0 {
+            add(
+                i,
+                true,
+                format!("{grows}, so it falls: α or c_L has the wrong sign"),
+            );
+        } else if slope < least {
+            add(
+                i,
+                true,
+                format!("{grows}: no wing has less than {least}. Are the coefficients scaled?"),
+            );
+        } else if slope > most {
+            add(
+                i,
+                true,
+                format!(
+                    "{grows}: thin wing theory has 0.110. Are the coefficients scaled, or the angles radians?"
+                ),
+            );
+        }
+    }
+    for (column, name) in [(1, "c_L"), (2, "c_D")] {
+        for i in 1..rows.len().saturating_sub(1) {
+            let around = (i.saturating_sub(2)..=(i + 2).min(rows.len() - 1)).filter(|&j| j != i);
+            let points: Vec<(f64, f64)> = around.map(|j| (rows[j][0], rows[j][column])).collect();
+            let Some((expected, rough, _)) = line(&points, rows[i][0]) else {
+                continue;
+            };
+            let value = rows[i][column];
+            let off = (value - expected).abs() - ROUGH * rough;
+            // Fewer than four neighbours are as good as a straight line of themselves.
+            if points.len() >= 3 && off > WILD[0] {
+                let problem = format!(
+                    "{name} is {value} at {}°, and its neighbours say {expected:.3}",
+                    rows[i][0]
+                );
+                add(i, off > WILD[1], problem);
+            }
+        }
+    }
+    let best = rows
+        .iter()
+        .enumerate()
+        .min_by(|a, b| a.1[2].total_cmp(&b.1[2]));
+    if let Some((i, &[degrees, _, drag])) = best {
+        let [least, most] = BEST_DRAG;
+        if drag < least {
+            add(
+                i,
+                false,
+                format!(
+                    "c_D is {drag} at {degrees}°: is there friction in it? AVL and panel methods have none unless it is given to them"
+                ),
+            );
+        } else if drag > most {
+            add(
+                i,
+                false,
+                format!("c_D is {drag} at {degrees}° and nowhere less: wings have 0.006 to 0.03"),
+            );
+        }
+    }
+    found.sort_by_key(|doubt| !doubt.impossible);
+    found
+}
+
+/// Whether lift still grows at the last row as it does at small angles: that is no stall, but the end of a table.
+pub fn ends_straight(rows: &[[f64; 3]]) -> bool {
+    /// Part of the slope that is left where a stall begins.
+    const LEFT: f64 = 0.7;
+    /// Length of the end that is looked at \[°\].
+    const END: f64 = 2.0;
+    let Some(&[last, lift, _]) = rows.last() else {
+        return false;
+    };
+    let before = rows.iter().rfind(|row| row[0] <= last - END);
+    let end = before.map(|row| (lift - row[1]) / (last - row[0]));
+    match (end, slope(rows)) {
+        (Some(end), Some(slope)) => last < 90.0 && end > LEFT * slope,
+        _ => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::polar::{BUILT_IN, Polar};
+
+    fn all(rows: &[[f64; 3]]) -> Vec<Doubt> {
+        let lines: Vec<u64> = (10..).take(rows.len()).collect();
+        doubts(&lines, rows)
+    }
+
+    /// A rough but honest section to 16°: 0.1 per degree, a round stall, a third digit of noise.
+    fn section() -> Vec<[f64; 3]> {
+        let row = |n: i32| {
+            let a = f64::from(n);
+            let lift = 1.1 * (a / 11.0 * 1.2).sin() + 0.004 * f64::from((n * 7) % 3 - 1);
+            [a, lift, 0.01 + 0.0003 * a * a]
+        };
+        (-10..=16).map(row).collect()
+    }
+
+    #[test]
+    fn what_is_measured_is_not_doubted() {
+        for (name, _) in BUILT_IN {
+            let rows = Polar::load(name).unwrap().degrees();
+            assert_eq!(all(&rows), [], "{name}");
+            assert!(!ends_straight(&rows[..rows.len().min(15)]) || !name.contains("160e3"));
+        }
+        assert_eq!(all(&section()), []);
+        assert!(!ends_straight(&section()));
+    }
+
+    /// Ten times, a tenth, mirrored, in radians, without friction: each is told with a line.
+    #[test]
+    fn other_units_and_signs_are_told() {
+        let with = |of: fn([f64; 3]) -> [f64; 3]| {
+            let mut rows: Vec<[f64; 3]> = section().into_iter().map(of).collect();
+            rows.sort_by(|a, b| a[0].total_cmp(&b[0]));
+            all(&rows)
+        };
+        let first = |of: fn([f64; 3]) -> [f64; 3]| {
+            let doubt = with(of).into_iter().next().expect("a doubt");
+            assert!(doubt.line >= 10 && doubt.line < 37, "{doubt:?}");
+            (doubt.impossible, doubt.problem)
+        };
+        let (impossible, text) = first(|[a, l, d]| [a, 10.0 * l, 10.0 * d]);
+        assert!(
+            impossible && text.contains("no wing has more than 3"),
+            "{text}"
+        );
+        let (impossible, text) = first(|[a, l, d]| [a, 0.1 * l, d]);
+        assert!(impossible && text.contains("scaled"), "{text}");
+        let (impossible, text) = first(|[a, l, d]| [-a, l, d]);
+        assert!(impossible && text.contains("wrong sign"), "{text}");
+        let (impossible, text) = first(|[a, l, d]| [a.to_radians(), l, d]);
+        assert!(impossible && text.contains("radians"), "{text}");
+        let (impossible, text) = first(|[a, l, d]| [a, l, 0.05 * d]);
+        assert!(!impossible && text.contains("friction"), "{text}");
+        let (impossible, text) = first(|[a, l, d]| [a, l, 12.0 * d]);
+        assert!(!impossible && text.contains("nowhere less"), "{text}");
+    }
+
+    /// A slip of the pen in any row but those at the ends: a sign, a digit, a row of another table. None is silent, and its line is named.
+    #[test]
+    fn one_wild_row_is_told_with_its_line() {
+        let clean = section();
+        for i in 1..clean.len() - 1 {
+            for (column, wild) in [(1, clean[i][1] + 0.5), (1, clean[i][1] - 0.5), (2, 0.6)] {
+                let mut rows = clean.clone();
+                rows[i][column] = wild;
+                let found = all(&rows);
+                let line = 10 + i as u64;
+                let told = found
+                    .iter()
+                    .find(|doubt| doubt.line == line && doubt.impossible);
+                assert!(told.is_some(), "{i} {column} {wild}: {found:?}");
+            }
+        }
+    }
+
+    /// AVL's lift is a straight line, and so is a sweep that ended before the stall.
+    #[test]
+    fn a_straight_end_is_no_stall() {
+        let straight: Vec<[f64; 3]> = (-4..=12)
+            .map(|a| [f64::from(a), 0.08 * f64::from(a), 0.02])
+            .collect();
+        assert!(ends_straight(&straight));
+        assert!(ends_straight(&section()[..16]));
+        assert!(!ends_straight(&section()[..20]));
+    }
+}
