@@ -4,7 +4,7 @@ use alula::ned::{Ned, Quaternion};
 
 use super::clock::{Clock, Order};
 use super::setpoint::{Setpoint, setpoint};
-use super::{MavHeader, MavMessage, milliseconds, modes};
+use super::{Kind, MavHeader, MavMessage, milliseconds};
 
 /// What came.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -32,8 +32,10 @@ pub struct Stamped<T> {
 pub struct Inbox {
     /// System that is listened to: that of the first autopilot's heartbeat.
     pub system: Option<u32>,
-    /// Main mode and sub-mode.
-    pub mode: Option<(u8, u8)>,
+    /// The kind of autopilot that is listened to.
+    kind: Kind,
+    /// Its mode.
+    pub mode: Option<u32>,
     order: Order,
     /// Place of the last heartbeat in the order of sending.
     heartbeat: i64,
@@ -85,6 +87,15 @@ fn finite(values: &[f32]) -> bool {
 }
 
 impl Inbox {
+    /// An empty one, for an autopilot of this kind.
+    #[must_use]
+    pub fn new(kind: Kind) -> Self {
+        Self {
+            kind,
+            ..Self::default()
+        }
+    }
+
     /// Takes a message that arrived `now` \[s\].
     pub fn take(&mut self, now: f64, header: &MavHeader, message: &MavMessage) {
         // Components with numbers of their own, as cameras, have heartbeats too: the autopilot is 1.
@@ -115,7 +126,7 @@ impl Inbox {
             MavMessage::HEARTBEAT(m) => {
                 let newer = self.mode.is_none() || place > self.heartbeat;
                 if newer {
-                    (self.mode, self.heartbeat) = (Some(modes(m.custom_mode)), place);
+                    (self.mode, self.heartbeat) = (Some(m.custom_mode), place);
                 }
                 newer
             }
@@ -126,8 +137,9 @@ impl Inbox {
                     y: m.q3,
                     z: m.q4,
                 };
-                let rates = [m.rollspeed, m.pitchspeed, m.yawspeed];
+                let rates = self.kind.hover([m.rollspeed, m.pitchspeed, m.yawspeed]);
                 let sound = finite(&[q.w, q.x, q.y, q.z]) && finite(&rates);
+                let q = self.kind.hover_attitude(q);
                 put(&mut self.attitude, (q, rates), m.time_boot_ms, now, sound)
             }
             MavMessage::LOCAL_POSITION_NED(m) => {
@@ -157,8 +169,17 @@ impl Inbox {
                     finite(&[m.wind_x, m.wind_y, m.wind_z]),
                 )
             }
+            // ArduPlane's: where it comes from, and its downward part.
+            MavMessage::WIND(m) => {
+                let (sin, cos) = m.direction.to_radians().sin_cos();
+                let level = (m.speed * m.speed - m.speed_z * m.speed_z).max(0.0).sqrt();
+                let wind = Ned::new(-level * cos, -level * sin, m.speed_z);
+                let sound = finite(&[m.direction, m.speed, m.speed_z]);
+                // It has no time stamp: the order of arrival stands for it.
+                put(&mut self.wind, wind, milliseconds(now), now, sound)
+            }
             MavMessage::HIGHRES_IMU(m) => {
-                let force = [m.xacc, m.yacc, m.zacc];
+                let force = self.kind.hover([m.xacc, m.yacc, m.zacc]);
                 let stamp = (m.time_usec / 1000) as u32;
                 put(&mut self.specific_force, force, stamp, now, finite(&force))
             }
@@ -228,7 +249,7 @@ impl Inbox {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mavlink::dialects::common::{
+    use mavlink::dialects::ardupilotmega::{
         ATTITUDE_QUATERNION_DATA, HEARTBEAT_DATA, LOCAL_POSITION_NED_DATA, TIMESYNC_DATA,
     };
 
@@ -337,7 +358,7 @@ mod tests {
                 ..HEARTBEAT_DATA::default()
             };
             inbox.take(now, &header, &MavMessage::HEARTBEAT(message));
-            inbox.mode.unwrap().0
+            inbox.mode.unwrap() >> 16
         };
         assert_eq!(mode(0.0, 250, 4), 4);
         assert_eq!(mode(0.1, 3, 6), 6);

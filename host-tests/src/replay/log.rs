@@ -120,6 +120,7 @@ pub fn replay(
             let error = V3::from(x) - V3::from(r);
             current.within(error.into())
         });
+        let through = at(states.air_velocity.as_ref(), row);
         let wind = at(states.wind.as_ref(), row);
         let force = at(states.specific_force.as_ref(), row)
             .map(|(f, _)| BodyAxes::NoseForward.vector(f.map(|c| c as f32)));
@@ -129,7 +130,11 @@ pub fn replay(
                 velocity: current.within(velocity),
                 attitude: Attitude::from_angle(theta),
                 state_age: velocity_age.max(states.attitude.age[row]) as f32,
-                air: wind.map_or(Air::Unknown, |(w, _)| Air::Wind(current.within(w))),
+                air: match (through, wind) {
+                    (Some((v, _)), _) => Air::Velocity(current.within(v)),
+                    (None, Some((w, _))) => Air::Wind(current.within(w)),
+                    (None, None) => Air::Unknown,
+                },
                 specific_force: force.map(|f| Body::new(f.i, f.j)),
                 position_error,
                 reference: Reference {
