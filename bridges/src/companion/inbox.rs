@@ -2,6 +2,8 @@
 
 use alula::ned::{Ned, Quaternion};
 
+use mavlink::dialects::ardupilotmega::{MavCmd, MavResult};
+
 use super::clock::{Clock, Order};
 use super::setpoint::{Setpoint, setpoint};
 use super::{Kind, MavHeader, MavMessage, milliseconds};
@@ -36,6 +38,8 @@ pub struct Inbox {
     kind: Kind,
     /// Its mode.
     pub mode: Option<u32>,
+    /// The mode that was asked for and is awaited.
+    pub awaited: Option<u32>,
     order: Order,
     /// Place of the last heartbeat in the order of sending.
     heartbeat: i64,
@@ -129,6 +133,18 @@ impl Inbox {
                     (self.mode, self.heartbeat) = (Some(m.custom_mode), place);
                 }
                 newer
+            }
+            // The one mode that is asked for while it is awaited. Its heartbeat may be lost, and the next one is a second away.
+            MavMessage::COMMAND_ACK(m)
+                if m.command == MavCmd::MAV_CMD_DO_SET_MODE
+                    && m.result == MavResult::MAV_RESULT_ACCEPTED =>
+            {
+                let newer = place > self.heartbeat;
+                let asked = self.awaited.filter(|_| newer);
+                if asked.is_some() {
+                    (self.mode, self.heartbeat) = (asked, place);
+                }
+                asked.is_some()
             }
             MavMessage::ATTITUDE_QUATERNION(m) => {
                 let q = Quaternion {
@@ -345,6 +361,34 @@ mod tests {
             inbox.take(0.0, &FROM, &MavMessage::LOCAL_POSITION_NED(message));
         }
         assert!((inbox.acceleration.north - 3.0).abs() < 1e-3);
+    }
+
+    /// An answer that a mode is accepted stands for the heartbeat that says so, unless a later heartbeat came before it or nothing is awaited.
+    #[test]
+    fn an_accepted_mode_is_the_mode_until_a_later_heartbeat() {
+        use mavlink::dialects::ardupilotmega::COMMAND_ACK_DATA;
+        let mut inbox = Inbox::default();
+        let mut mode = |sequence: u8, message: &MavMessage, awaited: Option<u32>| {
+            inbox.awaited = awaited;
+            inbox.take(0.0, &MavHeader { sequence, ..FROM }, message);
+            inbox.mode
+        };
+        let heartbeat = |custom_mode: u32| {
+            MavMessage::HEARTBEAT(HEARTBEAT_DATA {
+                custom_mode,
+                ..HEARTBEAT_DATA::default()
+            })
+        };
+        let accepted = MavMessage::COMMAND_ACK(COMMAND_ACK_DATA {
+            command: MavCmd::MAV_CMD_DO_SET_MODE,
+            result: MavResult::MAV_RESULT_ACCEPTED,
+            ..COMMAND_ACK_DATA::default()
+        });
+        assert_eq!(mode(10, &heartbeat(4), None), Some(4));
+        assert_eq!(mode(11, &accepted, None), Some(4), "nothing is awaited");
+        assert_eq!(mode(12, &accepted, Some(6)), Some(6));
+        assert_eq!(mode(14, &heartbeat(2), Some(6)), Some(2));
+        assert_eq!(mode(13, &accepted, Some(6)), Some(2), "overtaken");
     }
 
     /// A heartbeat has no time stamp. One that was overtaken does not set the mode back, over the turn of the numbers too.

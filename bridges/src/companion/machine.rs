@@ -200,6 +200,7 @@ impl Companion {
             2.0 * (q.x * q.y - q.w * q.z),
             q.w * q.w - q.x * q.x + q.y * q.y - q.z * q.z,
         );
+        self.inbox.awaited = None;
         self.origin = motion.value.0;
         pilot.begin((-wing.0).atan2(wing.1));
         self.stage = Stage::Flying(now);

@@ -4,7 +4,7 @@ use std::net::UdpSocket;
 use std::time::Duration;
 
 use alula_bridges::companion::{
-    Autopilot, Companion, MavHeader, MavMessage, Pilot, Settings, Stage, wire,
+    Autopilot, Companion, Kind, MavHeader, MavMessage, Pilot, Settings, Stage, Sticks, wire,
 };
 use alula_sil::companion::Craft;
 use rand::{RngExt, SeedableRng};
@@ -111,6 +111,13 @@ impl Way {
         messages
     }
 }
+
+/// An ArduPlane whose sticks turn it at 360, 180 and 180 °/s.
+pub const ARDUPLANE: Kind = Kind::ArduPlane(Sticks {
+    roll: std::f32::consts::TAU,
+    pitch: std::f32::consts::PI,
+    yaw: std::f32::consts::PI,
+});
 
 /// Rate of the companion's steps \[Hz\], and of the vehicle's.
 pub const RATE: u32 = 50;

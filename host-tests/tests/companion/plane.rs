@@ -2,7 +2,7 @@
 
 use alula_bridges::companion::{
     Autopilot, Companion, End, HOLD, Kind, MavHeader, MavMessage, OFFBOARD, QACRO, QLOITER,
-    Settings, Stage, Sticks, Wanted,
+    Settings, Stage, Wanted,
 };
 use alula_sil::companion::Craft;
 use alula_sil::companion::plane::{keep, pilot, plan, settings};
@@ -10,7 +10,7 @@ use alula_sil::experiment::{Document, Experiment};
 use alula_sil::figures::Figures;
 use alula_sil::simulate::{Record, fly};
 
-use super::link::{BAD, Ended, GOOD, Quality, RATE, Way, flies, nothing};
+use super::link::{ARDUPLANE, BAD, Ended, GOOD, Quality, RATE, Way, flies, nothing};
 
 /// How a flight went.
 struct Flight {
@@ -349,12 +349,6 @@ fn asks_for_a_mode(message: &MavMessage) -> bool {
     matches!(message, MavMessage::COMMAND_LONG(m) if m.command == MavCmd::MAV_CMD_DO_SET_MODE)
 }
 
-const ARDUPLANE: Kind = Kind::ArduPlane(Sticks {
-    roll: std::f32::consts::TAU,
-    pitch: std::f32::consts::PI,
-    yaw: std::f32::consts::PI,
-});
-
 /// The round trip by overridden sticks: whole per cent of throttle, pulses of a microsecond, both read at 50 Hz, over the same links. The span of
 /// altitudes of the median is held to 1.5 times that in process, too, and single flights to the worst of eight noisy ones, as above.
 #[test]
@@ -472,4 +466,20 @@ fn the_command_waits_and_ctrl_c_ends_it() {
         !refused.status.success() && message.starts_with("error: carrier-pigeon"),
         "{message}"
     );
+}
+
+#[test]
+#[ignore = "measures"]
+fn distribution() {
+    let exact = experiment(&[]);
+    for seed in 0..40 {
+        let noisy = in_process(&experiment(&[
+            "sensors.theta_deg.noise=0.1",
+            "sensors.velocity_m_s.noise=0.02",
+            &format!("seed={seed}"),
+        ]));
+        let px4 = companion_flies(&exact, BAD, None, seed, nothing).altitude;
+        let qacro = companion_steers(&exact, ARDUPLANE, BAD, seed, nothing).altitude;
+        println!("D {seed} noisy {noisy:.2?} px4 {px4:.2?} qacro {qacro:.2?}");
+    }
 }

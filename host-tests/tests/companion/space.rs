@@ -1,12 +1,12 @@
 //! The guidance in space.
 
-use alula_bridges::companion::{End, HOLD, Stage};
+use alula_bridges::companion::{End, Kind, Settings, Stage};
 use alula_sil::companion::Craft;
 use alula_sil::companion::space::{OnPath, settings};
 use alula_sil::experiment::Document;
 use alula_sil::space::{Experiment, V3};
 
-use super::link::{BAD, Ended, GOOD, Quality, flies, nothing};
+use super::link::{ARDUPLANE, BAD, Ended, GOOD, flies, nothing};
 
 fn experiment(name: &str, changes: &[&str]) -> Experiment {
     let mut document = Document::load(name).unwrap();
@@ -26,8 +26,11 @@ struct Flight {
     altitude: [f64; 2],
 }
 
-fn companion_flies(experiment: &Experiment, quality: Quality, seed: u64) -> Flight {
-    let settings = settings(experiment, None).unwrap();
+fn companion_flies(experiment: &Experiment, kind: Kind, seed: u64) -> Flight {
+    let settings = Settings {
+        kind,
+        ..settings(experiment, None).unwrap()
+    };
     let mut pilot = OnPath::new(experiment, false).unwrap();
     let mut truth: Vec<(f64, V3, V3)> = Vec::new();
     let mut origin = None;
@@ -35,7 +38,7 @@ fn companion_flies(experiment: &Experiment, quality: Quality, seed: u64) -> Flig
         &mut pilot,
         Craft::in_space(experiment).unwrap(),
         (settings, experiment.duration_s + 6.0),
-        (quality, seed),
+        (BAD, seed),
         nothing,
         |t, _, craft| {
             let state = craft.spatial();
@@ -85,7 +88,7 @@ fn paths_in_space_are_flown_over_bad_links() {
     ] {
         let experiment = experiment(name, &[]);
         for seed in 0..3 {
-            let flight = companion_flies(&experiment, BAD, seed);
+            let flight = companion_flies(&experiment, Kind::Px4, seed);
             let [low, high] = flight.altitude;
             println!(
                 "{name} {seed}: {:.2} m/s, {:.2} m, {low:.2} to {high:.2} m",
@@ -102,7 +105,29 @@ fn paths_in_space_are_flown_over_bad_links() {
                 flight.position
             );
             assert!(low > lowest && high < 4.5, "{name} {seed}: {low} {high}");
-            ended_well(&flight.ended);
+            ended_well(&flight.ended, Kind::Px4);
+        }
+    }
+}
+
+/// The same links, by sticks in QACRO.
+#[test]
+fn paths_in_space_are_flown_in_qacro() {
+    for (name, [velocity, position], [lowest, highest]) in [
+        ("circle-40", [0.3, 1.5], [-2.0, 4.5]),
+        ("eight", [0.6, 1.5], [-0.8, 0.8]),
+    ] {
+        let experiment = experiment(name, &[]);
+        for seed in 0..3 {
+            let flight = companion_flies(&experiment, ARDUPLANE, seed);
+            let [low, high] = flight.altitude;
+            println!(
+                "QACRO {name} {seed}: {:.2} m/s, {:.2} m, {low:.2} to {high:.2} m",
+                flight.velocity, flight.position
+            );
+            assert!(flight.velocity < velocity && flight.position < position);
+            assert!(low > lowest && high < highest);
+            ended_well(&flight.ended, ARDUPLANE);
         }
     }
 }
@@ -113,14 +138,14 @@ fn paths_in_space_are_flown_over_bad_links() {
 fn a_wind_from_the_side_is_flown_in() {
     let experiment = experiment("mission", &["weather.steady_m_s=[-3,2,0]"]);
     for seed in 0..3 {
-        let flight = companion_flies(&experiment, BAD, seed);
+        let flight = companion_flies(&experiment, Kind::Px4, seed);
         println!(
             "mission in wind {seed}: {:.2} m/s, {:.2} m, {:.2?} m",
             flight.velocity, flight.position, flight.altitude
         );
         assert!(flight.velocity < 3.0 && flight.position < 6.0);
         assert!(flight.altitude[0] > -8.0, "{:?}", flight.altitude);
-        ended_well(&flight.ended);
+        ended_well(&flight.ended, Kind::Px4);
     }
 }
 
@@ -153,8 +178,29 @@ fn the_accelerometer_is_heard() {
     assert!((1.5..3.0).contains(&most), "{most}");
 }
 
-fn ended_well(ended: &Ended) {
+fn ended_well(ended: &Ended, kind: Kind) {
     assert_eq!(ended.stage, Stage::Ended(End::Finished));
-    assert_eq!((ended.mode, ended.losses, ended.after), (HOLD, 0, 0));
+    let found = (ended.mode, ended.losses, ended.after, ended.overridden);
+    assert_eq!(found, (kind.hold(), 0, 0, false));
     assert!(ended.dropped > 20, "late messages: {}", ended.dropped);
+}
+
+#[test]
+#[ignore = "measures"]
+fn distribution() {
+    for name in ["circle-40", "eight", "mission"] {
+        let experiment = experiment(name, &[]);
+        for seed in 0..20 {
+            for kind in [Kind::Px4, ARDUPLANE] {
+                let flight = companion_flies(&experiment, kind, seed);
+                println!(
+                    "S {name} {seed} {} {:.2} {:.2} {:.2?}",
+                    kind == Kind::Px4,
+                    flight.velocity,
+                    flight.position,
+                    flight.altitude
+                );
+            }
+        }
+    }
 }
