@@ -2,135 +2,16 @@
 
 use crate::error::output;
 use crate::fields::{Field, fields, rows_by_time, twice};
-use crate::{Column, Error, Log, Topic};
+use crate::{Error, Log, Topic};
 use ::mcap::records::MessageHeader;
-use ::mcap::{McapError, MessageStream, WriteOptions};
+use ::mcap::{McapError, WriteOptions};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use std::io::{Seek, Write};
 
-/// What every MCAP file begins with.
-const MAGIC: &[u8] = b"\x89MCAP0\r\n";
+mod read;
 
-/// Whether a file that begins with `head` is MCAP.
-#[must_use]
-pub fn is_mcap(head: &[u8]) -> bool {
-    head.starts_with(MAGIC)
-}
-
-/// The rows of one channel as they are read.
-struct Rows {
-    time: Vec<f64>,
-    columns: Vec<Column>,
-}
-
-/// The numbers of a message by their columns' names; those of an array are `name[0]`, `name[1]`, …
-fn numbers(fields: &Map<String, Value>) -> Vec<(String, f64)> {
-    let number = |value: &Value| value.as_f64().unwrap_or(f64::NAN);
-    let mut numbers = Vec::new();
-    for (name, value) in fields.iter().filter(|(name, _)| *name != "timestamp") {
-        match value {
-            Value::Array(values) => {
-                let elements = values.iter().enumerate();
-                numbers.extend(elements.map(|(i, v)| (format!("{name}[{i}]"), number(v))));
-            }
-            value => numbers.push((name.clone(), number(value))),
-        }
-    }
-    numbers
-}
-
-impl Rows {
-    /// Rows of the columns of a first message.
-    fn new(numbers: &[(String, f64)], units: &BTreeMap<String, String>) -> Self {
-        let unit = |name: &str| {
-            let field = name.split('[').next().unwrap_or_default();
-            units.get(field).map_or("", String::as_str)
-        };
-        let column = |(name, _): &(String, f64)| Column::new(name, unit(name), Vec::new());
-        Self {
-            time: Vec::new(),
-            columns: numbers.iter().map(column).collect(),
-        }
-    }
-
-    /// Adds a row; whether it has the columns of the first.
-    fn add(&mut self, time: f64, numbers: &[(String, f64)]) -> bool {
-        let names = self.columns.iter().map(|column| &column.name);
-        let same = names.eq(numbers.iter().map(|(name, _)| name));
-        if same {
-            self.time.push(time);
-            for (column, (_, value)) in self.columns.iter_mut().zip(numbers) {
-                column.values.push(*value);
-            }
-        }
-        same
-    }
-}
-
-/// Reads the channels of JSON messages in `bytes`, the file called `file` in errors, as [`write`] leaves them: a message's numbers are
-/// columns, those of an array `name[0]`, `name[1]`, …; its time is `timestamp` \[s\], or else the time at which it was logged. What is no
-/// number is NaN. Messages of another encoding, or with other fields than the first of their channel, are left out, and of a damaged file what
-/// follows the damage; both are noted.
-///
-/// # Errors
-/// [`Error::Format`]: not MCAP.
-pub fn read(file: &str, bytes: &[u8]) -> Result<Log, Error> {
-    let not = |problem: String| Error::Format {
-        file: file.into(),
-        offset: 0,
-        problem,
-    };
-    if !is_mcap(bytes) {
-        return Err(not("no MCAP file".into()));
-    }
-    let mut notes = Vec::new();
-    let mut channels: BTreeMap<String, Rows> = BTreeMap::new();
-    let mut others: BTreeMap<String, usize> = BTreeMap::new();
-    for message in MessageStream::new(bytes).map_err(|e| not(e.to_string()))? {
-        let message = match message {
-            Ok(message) => message,
-            Err(error) => {
-                notes.push(format!("read up to a damage: {error}"));
-                break;
-            }
-        };
-        let channel = &message.channel;
-        let json = channel.message_encoding == "json";
-        let object = json.then(|| serde_json::from_slice(&message.data).ok());
-        let Some(Value::Object(fields)) = object.flatten() else {
-            *others.entry(channel.topic.clone()).or_default() += 1;
-            continue;
-        };
-        let numbers = numbers(&fields);
-        let rows = channels
-            .entry(channel.topic.clone())
-            .or_insert_with(|| Rows::new(&numbers, &channel.metadata));
-        let logged = message.log_time as f64 * 1e-9;
-        let stamp = fields.get("timestamp").and_then(Value::as_f64);
-        if !rows.add(stamp.unwrap_or(logged), &numbers) {
-            *others.entry(channel.topic.clone()).or_default() += 1;
-        }
-    }
-    for (topic, count) in others {
-        notes.push(format!(
-            "{topic}: {count} messages left out: not of JSON, or of other fields than the first"
-        ));
-    }
-    let topic = |(name, rows): (String, Rows)| {
-        let (name, instance) = named(&name);
-        Topic::from_rows(name, instance, rows.time, rows.columns, &mut notes)
-    };
-    let topics = channels.into_iter().filter_map(topic).collect();
-    Ok(Log { topics, notes })
-}
-
-/// The topic and the instance of a channel, as [`channel`] names it.
-fn named(channel: &str) -> (&str, u8) {
-    let split = channel.rsplit_once('.');
-    let instance = split.and_then(|(name, instance)| Some((name, instance.parse().ok()?)));
-    instance.unwrap_or((channel, 0))
-}
+pub use read::{is_mcap, read};
 
 /// Writes `log` as MCAP, all topics in the order of time.
 ///
@@ -205,6 +86,13 @@ fn channel(topic: &Topic) -> String {
         0 => topic.name().into(),
         instance => format!("{}.{instance}", topic.name()),
     }
+}
+
+/// The topic and the instance of a channel of that name.
+fn named(channel: &str) -> (&str, u8) {
+    let split = channel.rsplit_once('.');
+    let instance = split.and_then(|(name, instance)| Some((name, instance.parse().ok()?)));
+    instance.unwrap_or((channel, 0))
 }
 
 fn unit<'a>(field: &Field<'a>) -> &'a str {
@@ -304,33 +192,6 @@ mod tests {
         assert_eq!(channel.metadata["x"], "m/s");
         let schema: Value = serde_json::from_slice(&channel.schema.as_ref().unwrap().data).unwrap();
         assert_eq!(schema["properties"]["x"]["description"], "m/s");
-    }
-
-    #[test]
-    fn what_was_written_is_read_back() {
-        let q = |i: usize| Column::new(&format!("q[{i}]"), "rad", vec![1.0 / 3.0, i as f64]);
-        let x = Column::new("x", "m/s", vec![-1e-7, f64::NAN]);
-        let topics = vec![
-            Topic::new("attitude", 0, vec![0.25, 1.5], vec![q(0), q(1)]).unwrap(),
-            Topic::new("wind", 1, vec![0.1, 2.0], vec![x]).unwrap(),
-        ];
-        let log = Log {
-            topics,
-            notes: Vec::new(),
-        };
-        let mut out = Cursor::new(Vec::new());
-        write(&log, &mut out).unwrap();
-        let back = read("x", out.get_ref()).unwrap();
-        assert_eq!(back.notes, [""; 0]);
-        assert_eq!(back.topics[0], log.topics[0]);
-        let wind = back.instance("wind", 1).unwrap();
-        assert_eq!(wind.time(), [0.1, 2.0]);
-        let x = wind.column("x").unwrap();
-        assert!(x.unit == "m/s" && x.values[0] == -1e-7 && x.values[1].is_nan());
-        // Cut off in the middle: what is before is there, and the rest is said to be missing.
-        let half = &out.get_ref()[..out.get_ref().len() / 3];
-        assert_eq!(read("x", half).unwrap().notes.len(), 1);
-        assert!(read("x", b"no log").is_err());
     }
 
     #[test]
