@@ -124,6 +124,7 @@ pub const RATE: u32 = 50;
 pub const PLANT: u32 = 500;
 
 /// How a flight went.
+#[derive(Clone, Copy)]
 pub struct Ended {
     pub stage: Stage,
     pub losses: u32,

@@ -139,36 +139,39 @@ fn worst_and_median(flights: &[[f64; 2]]) -> ([f64; 2], [f64; 2]) {
     )
 }
 
-/// Nine links of 20 ms and 2 % of loss. The span of altitudes of their median is held to 1.5 times that of the flight in process. A single flight is not:
-/// where the vehicle turns from cruise to hover, errors too small to see decide when it turns. Errors of 0.1° and 2 cm/s do so in
-/// process, too; each flight is held to 1.5 times the worst of eight such.
+/// With noise of 0.1° and 2 cm/s.
+fn noisy(seed: u64) -> Experiment {
+    experiment(&[
+        "sensors.theta_deg.noise=0.1",
+        "sensors.velocity_m_s.noise=0.02",
+        &format!("seed={seed}"),
+    ])
+}
+
+/// The span of altitudes of the median of nine flights is within 1.5 times that in process. A single flight is not: where the vehicle turns from
+/// cruise to hover, errors too small to see decide when it turns. Of forty links the worst is −2.9 and +1.9 m, and in process, with noise of
+/// 0.1° and 2 cm/s, −2.0 and +1.0 m (docs/autopilots.md): no flight is further off than that and 40 % more.
+fn within_one_and_a_half_times(flights: &[Flight], expected: [f64; 2], name: &str) {
+    let altitudes: Vec<_> = flights.iter().map(|f| f.altitude).collect();
+    let (worst, median) = worst_and_median(&altitudes);
+    println!("in process {expected:.2?}; {name} {median:.2?}, at worst {worst:.2?}");
+    let span = |range: [f64; 2]| range[1] - range[0];
+    assert!(
+        span(median) < 1.5 * span(expected),
+        "{name} {median:?}, in process {expected:?}"
+    );
+    assert!(worst[0] > -4.0 && worst[1] < 2.7, "{name} {worst:?}");
+}
+
+/// Nine links of 20 ms and 2 % of loss.
 #[test]
 fn the_round_trip_over_bad_links_is_within_one_and_a_half_times_that_in_process() {
     let exact = experiment(&[]);
     let expected = in_process(&exact);
-    let noisy = (0..8).map(|seed| {
-        in_process(&experiment(&[
-            "sensors.theta_deg.noise=0.1",
-            "sensors.velocity_m_s.noise=0.02",
-            &format!("seed={seed}"),
-        ]))
-    });
-    let (noisy, _) = worst_and_median(&noisy.collect::<Vec<_>>());
     let flights: Vec<Flight> = (0..9)
         .map(|seed| companion_flies(&exact, BAD, None, seed, nothing))
         .collect();
-    let altitudes: Vec<_> = flights.iter().map(|f| f.altitude).collect();
-    let (worst, median) = worst_and_median(&altitudes);
-    println!(
-        "in process {expected:.2?}, with noise at worst {noisy:.2?}; over the links {median:.2?}, at worst {worst:.2?}"
-    );
-    let span = |range: [f64; 2]| range[1] - range[0];
-    for (limit, found) in [(expected, median), (noisy, worst)] {
-        assert!(
-            span(found) < 1.5 * span(limit),
-            "{found:?}, in process {limit:?}"
-        );
-    }
+    within_one_and_a_half_times(&flights, expected, "over the links");
     for flight in &flights {
         assert_eq!(flight.ended.stage, Stage::Ended(End::Finished));
         assert_eq!(
@@ -349,8 +352,7 @@ fn asks_for_a_mode(message: &MavMessage) -> bool {
     matches!(message, MavMessage::COMMAND_LONG(m) if m.command == MavCmd::MAV_CMD_DO_SET_MODE)
 }
 
-/// The round trip by overridden sticks: whole per cent of throttle, pulses of a microsecond, both read at 50 Hz, over the same links. The span of
-/// altitudes of the median is held to 1.5 times that in process, too, and single flights to the worst of eight noisy ones, as above.
+/// The round trip by overridden sticks, over the same links: whole per cent of throttle, pulses of a microsecond, both read at 50 Hz.
 #[test]
 fn the_round_trip_is_flown_in_qacro_by_overridden_sticks() {
     let exact = experiment(&[]);
@@ -358,14 +360,8 @@ fn the_round_trip_is_flown_in_qacro_by_overridden_sticks() {
     let flights: Vec<Flight> = (0..9)
         .map(|seed| companion_steers(&exact, ARDUPLANE, BAD, seed, nothing))
         .collect();
-    let altitudes: Vec<_> = flights.iter().map(|f| f.altitude).collect();
-    let (worst, median) = worst_and_median(&altitudes);
-    println!("in process {expected:.2?}; in QACRO {median:.2?}, at worst {worst:.2?}");
+    within_one_and_a_half_times(&flights, expected, "in QACRO");
     for flight in &flights {
-        println!(
-            "{:.2?} forward {:.2?} across {:.3}",
-            flight.altitude, flight.forward, flight.across
-        );
         assert_eq!(flight.ended.stage, Stage::Ended(End::Finished));
         let ended = &flight.ended;
         assert_eq!((ended.mode, ended.losses, ended.after), (QLOITER, 0, 0));
@@ -468,18 +464,22 @@ fn the_command_waits_and_ctrl_c_ends_it() {
     );
 }
 
+/// What docs/autopilots.md says of the round trip: `--ignored --nocapture plane`.
 #[test]
-#[ignore = "measures"]
-fn distribution() {
+#[ignore = "minutes: measures what the documentation states"]
+fn measured_over_forty_links() {
     let exact = experiment(&[]);
-    for seed in 0..40 {
-        let noisy = in_process(&experiment(&[
-            "sensors.theta_deg.noise=0.1",
-            "sensors.velocity_m_s.noise=0.02",
-            &format!("seed={seed}"),
-        ]));
-        let px4 = companion_flies(&exact, BAD, None, seed, nothing).altitude;
-        let qacro = companion_steers(&exact, ARDUPLANE, BAD, seed, nothing).altitude;
-        println!("D {seed} noisy {noisy:.2?} px4 {px4:.2?} qacro {qacro:.2?}");
-    }
+    let of = |name: &str, flown: &dyn Fn(u64) -> [f64; 2]| {
+        let flights: Vec<_> = (0..40).map(flown).collect();
+        let (worst, median) = worst_and_median(&flights);
+        let tenth = flights.iter().filter(|[low, _]| *low < -2.0).count();
+        println!("{name}: median {median:.2?}, at worst {worst:.2?}; {tenth} of 40 below −2 m");
+    };
+    of("in process, with noise", &|seed| in_process(&noisy(seed)));
+    of("PX4", &|seed| {
+        companion_flies(&exact, BAD, None, seed, nothing).altitude
+    });
+    of("QACRO", &|seed| {
+        companion_steers(&exact, ARDUPLANE, BAD, seed, nothing).altitude
+    });
 }

@@ -4,9 +4,9 @@ use alula_bridges::companion::{End, Kind, Settings, Stage};
 use alula_sil::companion::Craft;
 use alula_sil::companion::space::{OnPath, settings};
 use alula_sil::experiment::Document;
-use alula_sil::space::{Experiment, V3};
+use alula_sil::space::{Experiment, Step, V3, fly};
 
-use super::link::{ARDUPLANE, BAD, Ended, GOOD, flies, nothing};
+use super::link::{ARDUPLANE, BAD, Ended, GOOD, Quality, flies, nothing};
 
 fn experiment(name: &str, changes: &[&str]) -> Experiment {
     let mut document = Document::load(name).unwrap();
@@ -22,11 +22,39 @@ struct Flight {
     /// Root mean squares after the entry: velocity \[m/s\] and position \[m\].
     velocity: f64,
     position: f64,
-    /// Lowest and highest over the path, all along \[m\].
+    /// Lowest and highest over the path \[m\]: all along, and after the entry.
     altitude: [f64; 2],
+    settled: [f64; 2],
 }
 
-fn companion_flies(experiment: &Experiment, kind: Kind, seed: u64) -> Flight {
+impl Flight {
+    fn text(&self) -> String {
+        let Self {
+            velocity,
+            position,
+            altitude,
+            settled,
+            ..
+        } = self;
+        format!(
+            "{velocity:.2} m/s, {position:.2} m, altitude {altitude:.1?}, after the entry {settled:.1?} m"
+        )
+    }
+
+    /// The worse of each.
+    fn worse(&self, other: &Self) -> Self {
+        let wider = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].max(b[1])];
+        Self {
+            ended: self.ended,
+            velocity: self.velocity.max(other.velocity),
+            position: self.position.max(other.position),
+            altitude: wider(self.altitude, other.altitude),
+            settled: wider(self.settled, other.settled),
+        }
+    }
+}
+
+fn companion_flies(experiment: &Experiment, kind: Kind, quality: Quality, seed: u64) -> Flight {
     let settings = Settings {
         kind,
         ..settings(experiment, None).unwrap()
@@ -38,7 +66,7 @@ fn companion_flies(experiment: &Experiment, kind: Kind, seed: u64) -> Flight {
         &mut pilot,
         Craft::in_space(experiment).unwrap(),
         (settings, experiment.duration_s + 6.0),
-        (BAD, seed),
+        (quality, seed),
         nothing,
         |t, _, craft| {
             let state = craft.spatial();
@@ -50,6 +78,7 @@ fn companion_flies(experiment: &Experiment, kind: Kind, seed: u64) -> Flight {
     let record = pilot.record();
     let (mut velocity, mut position, mut count) = (0.0, 0.0, 0);
     let mut altitude = [0.0_f64; 2];
+    let mut settled = [0.0_f64; 2];
     for (t, x, v) in truth {
         let next = record.partition_point(|step| step.t <= t);
         let (Some(a), Some(b)) = (next.checked_sub(1).map(|i| &record[i]), record.get(next)) else {
@@ -63,6 +92,7 @@ fn companion_flies(experiment: &Experiment, kind: Kind, seed: u64) -> Flight {
         if t >= experiment.entry_s {
             velocity += (v - speed).norm_squared();
             position += (x - wanted).norm_squared();
+            settled = [settled[0].min(above), settled[1].max(above)];
             count += 1;
         }
     }
@@ -72,62 +102,39 @@ fn companion_flies(experiment: &Experiment, kind: Kind, seed: u64) -> Flight {
         velocity: mean(velocity),
         position: mean(position),
         altitude,
+        settled,
     }
 }
 
-/// Links of 20 ms each way and 2 % of loss, of three seeds each. In process at 100 Hz (velocity, position rms) the circle has 0.05 m/s and
-/// 0.10 m, the eight 0.25 and 0.21, the mission 0.67 and 0.60; over the links at worst 0.12 and 0.83, 0.36 and 1.00, 1.11 and 1.57. A
-/// position is off along the path by the error of the clocks, some 10 ms at 20 m/s, and by what set-points at 50 Hz miss. With one of the
-/// links the circle is 3.4 m high for a moment.
+/// Path, greatest errors of velocity \[m/s\] and position \[m\] after the entry, and the altitudes \[m\] over the path that are left neither after the
+/// entry nor at all. What twenty links of either autopilot had at worst (docs/autopilots.md), and 40 % more; the circle begins in full flight
+/// with a set-point of hover under way, which lifts it or lets it sink before the first command arrives.
+const PATHS: [(&str, [f64; 2], [f64; 2], [f64; 2]); 3] = [
+    ("circle-40", [0.25, 1.2], [-0.5, 0.5], [-7.0, 9.0]),
+    ("eight", [0.55, 1.5], [-0.3, 0.3], [-0.3, 0.3]),
+    ("mission", [1.5, 2.1], [-2.1, 3.9], [-2.1, 3.9]),
+];
+
+/// Links of 20 ms each way and 2 % of loss, of three seeds each, to either autopilot. A position is off along the path by the error of the
+/// clocks, some 10 ms at 20 m/s, and by what set-points at 50 Hz miss.
 #[test]
 fn paths_in_space_are_flown_over_bad_links() {
-    for (name, [velocity, position], lowest) in [
-        ("circle-40", [0.2, 1.2], -1.5),
-        ("eight", [0.5, 1.5], -0.5),
-        ("mission", [1.4, 2.0], -1.5),
-    ] {
+    for (name, [velocity, position], settled, all_along) in PATHS {
         let experiment = experiment(name, &[]);
-        for seed in 0..3 {
-            let flight = companion_flies(&experiment, Kind::Px4, seed);
-            let [low, high] = flight.altitude;
-            println!(
-                "{name} {seed}: {:.2} m/s, {:.2} m, {low:.2} to {high:.2} m",
-                flight.velocity, flight.position
-            );
-            assert!(
-                flight.velocity < velocity,
-                "{name} {seed}: {}",
-                flight.velocity
-            );
-            assert!(
-                flight.position < position,
-                "{name} {seed}: {}",
-                flight.position
-            );
-            assert!(low > lowest && high < 4.5, "{name} {seed}: {low} {high}");
-            ended_well(&flight.ended, Kind::Px4);
-        }
-    }
-}
-
-/// The same links, by sticks in QACRO.
-#[test]
-fn paths_in_space_are_flown_in_qacro() {
-    for (name, [velocity, position], [lowest, highest]) in [
-        ("circle-40", [0.3, 1.5], [-2.0, 4.5]),
-        ("eight", [0.6, 1.5], [-0.8, 0.8]),
-    ] {
-        let experiment = experiment(name, &[]);
-        for seed in 0..3 {
-            let flight = companion_flies(&experiment, ARDUPLANE, seed);
-            let [low, high] = flight.altitude;
-            println!(
-                "QACRO {name} {seed}: {:.2} m/s, {:.2} m, {low:.2} to {high:.2} m",
-                flight.velocity, flight.position
-            );
-            assert!(flight.velocity < velocity && flight.position < position);
-            assert!(low > lowest && high < highest);
-            ended_well(&flight.ended, ARDUPLANE);
+        for (kind, seed) in [Kind::Px4, ARDUPLANE]
+            .into_iter()
+            .flat_map(|kind| [0, 1, 2].map(|seed| (kind, seed)))
+        {
+            let flight = companion_flies(&experiment, kind, BAD, seed);
+            let what = format!("{name} {:?} {seed}: {}", kind.flown(), flight.text());
+            println!("{what}");
+            let within =
+                |[low, high]: [f64; 2], [least, most]: [f64; 2]| low > least && high < most;
+            assert!(flight.velocity < velocity, "{what}");
+            assert!(flight.position < position, "{what}");
+            assert!(within(flight.settled, settled), "{what}");
+            assert!(within(flight.altitude, all_along), "{what}");
+            ended_well(&flight.ended, kind);
         }
     }
 }
@@ -138,7 +145,7 @@ fn paths_in_space_are_flown_in_qacro() {
 fn a_wind_from_the_side_is_flown_in() {
     let experiment = experiment("mission", &["weather.steady_m_s=[-3,2,0]"]);
     for seed in 0..3 {
-        let flight = companion_flies(&experiment, Kind::Px4, seed);
+        let flight = companion_flies(&experiment, Kind::Px4, BAD, seed);
         println!(
             "mission in wind {seed}: {:.2} m/s, {:.2} m, {:.2?} m",
             flight.velocity, flight.position, flight.altitude
@@ -185,22 +192,37 @@ fn ended_well(ended: &Ended, kind: Kind) {
     assert!(ended.dropped > 20, "late messages: {}", ended.dropped);
 }
 
+/// What docs/autopilots.md says of flights in space: `--ignored --nocapture space`.
 #[test]
-#[ignore = "measures"]
-fn distribution() {
-    for name in ["circle-40", "eight", "mission"] {
-        let experiment = experiment(name, &[]);
-        for seed in 0..20 {
-            for kind in [Kind::Px4, ARDUPLANE] {
-                let flight = companion_flies(&experiment, kind, seed);
-                println!(
-                    "S {name} {seed} {} {:.2} {:.2} {:.2?}",
-                    kind == Kind::Px4,
-                    flight.velocity,
-                    flight.position,
-                    flight.altitude
-                );
-            }
+#[ignore = "minutes: measures what the documentation states"]
+fn measured_over_ten_links_each() {
+    for (name, wind) in [
+        ("circle-40", ""),
+        ("eight", ""),
+        ("mission", ""),
+        ("waypoints", ""),
+        ("mission", "weather.steady_m_s=[-3,2,0]"),
+        ("circle-40", "weather.steady_m_s=[2,0,0]"),
+    ] {
+        let changes: Vec<&str> = Some(wind).into_iter().filter(|w| !w.is_empty()).collect();
+        let experiment = experiment(name, &changes);
+        let direct = fly(&experiment).unwrap();
+        let settled: Vec<_> = direct
+            .iter()
+            .filter(|s| s.t >= experiment.entry_s)
+            .collect();
+        let rms = |of: fn(&Step) -> f64| {
+            let sum: f64 = settled.iter().map(|step| of(step).powi(2)).sum();
+            (sum / settled.len() as f64).sqrt()
+        };
+        let [v, x] = [rms(Step::velocity_error), rms(Step::position_error)];
+        println!("{name} {wind}: in process {v:.2} m/s, {x:.2} m");
+        for kind in [Kind::Px4, ARDUPLANE] {
+            let clean = companion_flies(&experiment, kind, GOOD, 0);
+            println!("  {:?} clean {}", kind.flown(), clean.text());
+            let flights = (0..10).map(|seed| companion_flies(&experiment, kind, BAD, seed));
+            let worst = flights.reduce(|a, b| a.worse(&b)).unwrap();
+            println!("  {:?} worst {}", kind.flown(), worst.text());
         }
     }
 }
