@@ -136,14 +136,12 @@ impl<B: Body> Autopilot<B> {
                         true => MavResult::MAV_RESULT_ACCEPTED,
                         false => MavResult::MAV_RESULT_TEMPORARILY_REJECTED,
                     },
-                    ..COMMAND_ACK_DATA::default()
                 }));
             }
             (MavMessage::TIMESYNC(m), _) if m.tc1 == 0 => {
                 self.answers.push(MavMessage::TIMESYNC(TIMESYNC_DATA {
                     tc1: (now * 1e9) as i64,
                     ts1: m.ts1,
-                    ..TIMESYNC_DATA::default()
                 }));
             }
             _ => {}

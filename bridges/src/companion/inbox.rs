@@ -382,7 +382,6 @@ mod tests {
         let accepted = MavMessage::COMMAND_ACK(COMMAND_ACK_DATA {
             command: MavCmd::MAV_CMD_DO_SET_MODE,
             result: MavResult::MAV_RESULT_ACCEPTED,
-            ..COMMAND_ACK_DATA::default()
         });
         assert_eq!(mode(10, &heartbeat(4), None), Some(4));
         assert_eq!(mode(11, &accepted, None), Some(4), "nothing is awaited");

@@ -299,11 +299,9 @@ impl Companion {
                 // What rounding to a per cent leaves is added to the next one, so that the mean is the thrust wanted.
                 let wanted = share + self.rest;
                 let (pulses, sent) = sticks.pulses(rates, wanted);
-                self.rest = wanted - sent;
-                // Beyond the throttle's ends, and for what is no number, nothing is owed.
-                if !(self.rest.abs() <= 0.005) {
-                    self.rest = 0.0;
-                }
+                // Half a per cent at most: beyond the throttle's ends, and for what is no number, nothing is owed.
+                let rest = wanted - sent;
+                self.rest = if rest.abs() <= 0.005 { rest } else { 0.0 };
                 outbox::sticks(self.target(), pulses)
             }
         }

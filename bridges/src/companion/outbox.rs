@@ -24,7 +24,7 @@ pub fn set_point(target: u8, now: f64, rates: [f32; 3], share: f32) -> MavMessag
 }
 
 /// Pulses \[µs\] of channels 1 to 4, for the system `target`. A pulse of 0 gives a channel back to the transmitter; the other channels stay as
-/// they are: `u16::MAX` of the first eight, 0 of the others, which came later.
+/// they are.
 pub fn sticks(target: u8, [chan1_raw, chan2_raw, chan3_raw, chan4_raw]: [u16; 4]) -> MavMessage {
     MavMessage::RC_CHANNELS_OVERRIDE(RC_CHANNELS_OVERRIDE_DATA {
         chan1_raw,
@@ -37,7 +37,6 @@ pub fn sticks(target: u8, [chan1_raw, chan2_raw, chan3_raw, chan4_raw]: [u16; 4]
         chan8_raw: u16::MAX,
         target_system: target,
         target_component: 1,
-        ..RC_CHANNELS_OVERRIDE_DATA::default()
     })
 }
 

@@ -60,7 +60,6 @@ pub fn state(kind: Kind, now: f64, body: &BodyState) -> [MavMessage; 3] {
             rollspeed,
             pitchspeed,
             yawspeed,
-            ..ATTITUDE_QUATERNION_DATA::default()
         }),
         MavMessage::LOCAL_POSITION_NED(LOCAL_POSITION_NED_DATA {
             time_boot_ms,

@@ -110,7 +110,7 @@ fn companion_flies(experiment: &Experiment, kind: Kind, quality: Quality, seed: 
 /// entry nor at all. What twenty links of either autopilot had at worst (docs/autopilots.md), and 40 % more; the circle begins in full flight
 /// with a set-point of hover under way, which lifts it or lets it sink before the first command arrives.
 const PATHS: [(&str, [f64; 2], [f64; 2], [f64; 2]); 3] = [
-    ("circle-40", [0.25, 1.2], [-0.5, 0.5], [-7.0, 9.0]),
+    ("circle-40", [0.25, 1.2], [-0.3, 0.3], [-7.0, 9.0]),
     ("eight", [0.55, 1.5], [-0.3, 0.3], [-0.3, 0.3]),
     ("mission", [1.5, 2.1], [-2.1, 3.9], [-2.1, 3.9]),
 ];
@@ -139,8 +139,8 @@ fn paths_in_space_are_flown_over_bad_links() {
     }
 }
 
-/// From hover to hover with a turn, in 3.6 m/s of wind from ahead and the side. In process 1.05 m/s and 1.54 m; over bad links at worst
-/// 1.98 and 3.98, and 5.3 m below: it crosses the stall in the turn, sooner or later.
+/// From hover to hover with a turn, in 3.6 m/s of wind from ahead and the side. In process 1.45 m/s and 1.59 m; over ten bad links at worst
+/// 2.38 and 3.96, from 4.3 m below to 11.8 m above: it crosses the stall in the turn, sooner or later.
 #[test]
 fn a_wind_from_the_side_is_flown_in() {
     let experiment = experiment("mission", &["weather.steady_m_s=[-3,2,0]"]);
@@ -151,7 +151,8 @@ fn a_wind_from_the_side_is_flown_in() {
             flight.velocity, flight.position, flight.altitude
         );
         assert!(flight.velocity < 3.0 && flight.position < 6.0);
-        assert!(flight.altitude[0] > -8.0, "{:?}", flight.altitude);
+        let [low, high] = flight.altitude;
+        assert!(low > -8.0 && high < 16.0, "{low} {high}");
         ended_well(&flight.ended, Kind::Px4);
     }
 }
