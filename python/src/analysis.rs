@@ -7,7 +7,7 @@ use alula_sil::airframe::Airframe;
 use alula_sil::experiment::{DEFAULT, PlantSpec};
 use alula_sil::figures::FIGURES;
 use alula_sil::study::{self, Results};
-use alula_sil::sweep;
+use alula_sil::sweep as plan;
 use pyo3::prelude::*;
 
 use crate::campaign::interruptible;
@@ -66,9 +66,9 @@ pub fn sweep(
             let problem = "must be a finite number and not negative";
             return Err(error::field("min_fp_n", problem));
         }
-        None => sweep::least_fp(&experiment).map_err(error::of)?,
+        None => plan::least_fp(&experiment).map_err(error::of)?,
     };
-    let findings = py.detach(|| sweep::findings(&sweep::sweep(&experiment), least));
+    let findings = py.detach(|| plan::findings(&plan::sweep(&experiment), least));
     json(py, &findings)
 }
 
