@@ -4,7 +4,7 @@ SI units; names end in their unit. In the vertical plane vectors are (down, forw
 -pi/2 in level cruise. In space vectors are (north, east, down).
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from os import PathLike
 from typing import Any, Literal, TypedDict, final
 
@@ -351,3 +351,15 @@ def campaign(
     threads: int | None = None,
     out: _Source | None = None,
 ) -> Campaign: ...
+def margins(
+    source: _Source = ...,
+    set: _Set | None = None,
+    *,
+    speeds: Sequence[float] | None = None,
+    belief: bool = False,
+    bare: bool = False,
+) -> list[dict[str, Any]]: ...
+def sweep(
+    source: _Source = ..., set: _Set | None = None, *, min_fp_n: float | None = None
+) -> dict[str, Any]: ...
+def compare(source: _Source = ..., *, threads: int | None = None) -> Frame: ...

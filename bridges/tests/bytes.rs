@@ -6,8 +6,8 @@
 
 use alula::{Inertial, PlanarInput};
 use alula_bridges::companion::{
-    Autopilot, Body, BodyState, Companion, HoldParameters, InPlane, MavHeader, Planar, Settings,
-    Stage, Wanted, wire,
+    Autopilot, Body, BodyState, Companion, HoldParameters, InPlane, Kind, MavHeader, Planar,
+    Settings, Stage, Sticks, Wanted, wire,
 };
 use alula_bridges::sitl::client::{Client, parse};
 use alula_bridges::sitl::{ActuatorState, Actuators, Flow, Lockstep, Packet, Physics, Sample};
@@ -160,16 +160,17 @@ impl Planar for Echo {
 
 /// Both sides of the MAVLink bridge talk over a link that damages messages. What checksums let through may say anything: the payloads of
 /// messages are random, too.
-fn mavlink_messages(inputs: u32) {
+fn mavlink_messages(kind: Kind, inputs: u32) {
     let mut random = Random(9);
     let settings = Settings {
+        kind,
         weight: 50.0,
         hover_thrust: 0.5,
         engage: true,
         duration: 1e9,
         timeout: 1e9,
     };
-    let mut autopilot = Autopilot::new(Still);
+    let mut autopilot = Autopilot::new(Still, kind);
     let plan = |_: f64| [Inertial::ZERO; 3];
     let pilot = |wanted| InPlane::new(Echo, wanted, HoldParameters::default(), None);
     let mut companion = Companion::new(settings);
@@ -187,11 +188,13 @@ fn mavlink_messages(inputs: u32) {
             companion = Companion::new(settings);
         }
         for message in &up {
-            let bytes = random.damaged(&wire::bytes(Companion::HEADER, message));
+            let bytes = random.damaged(&wire::bytes(companion.header(), message));
             let (messages, _) = wire::parse(&bytes);
             read += 1;
             understood += messages.len();
-            messages.iter().for_each(|(_, m)| autopilot.receive(now, m));
+            messages
+                .iter()
+                .for_each(|(h, m)| autopilot.receive(now, h, m));
         }
         autopilot.advance(now, 0.02);
         for message in autopilot.send(now) {
@@ -237,6 +240,7 @@ fn reframed(frame: &[u8], random: &mut Random) -> Vec<u8> {
         77 => 143,
         105 => 93,
         111 => 34,
+        168 => 1,
         231 => 105,
         _ => return bytes,
     };
@@ -262,7 +266,8 @@ fn few_answers() {
 
 #[test]
 fn few_mavlink_messages() {
-    mavlink_messages(FEW);
+    mavlink_messages(Kind::Px4, FEW);
+    mavlink_messages(Kind::ArduPlane(Sticks::default()), FEW);
 }
 
 #[test]
@@ -280,5 +285,6 @@ fn many_answers() {
 #[test]
 #[ignore = "minutes"]
 fn many_mavlink_messages() {
-    mavlink_messages(MANY);
+    mavlink_messages(Kind::Px4, MANY);
+    mavlink_messages(Kind::ArduPlane(Sticks::default()), MANY);
 }

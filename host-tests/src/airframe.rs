@@ -2,12 +2,15 @@
 
 use std::path::Path;
 
+use alula::GainParameters;
+use serde::Serialize;
 use toml::Value;
 
 use crate::controllers::Choice;
 use crate::experiment::{
-    AerodynamicsSpec, Document, PlantSpec, Vehicle, VehicleSpec, thrust_limits,
+    AerodynamicsSpec, Document, FieldError, PlantSpec, Vehicle, VehicleSpec, thrust_limits,
 };
+use crate::margins::{Loop, LoopGains, Point};
 use crate::polar::{self, Polar};
 use crate::reference;
 
@@ -26,7 +29,58 @@ pub struct Airframe {
     pub controller: Choice,
 }
 
+/// How much lag and delay the loop bears with one choice of gains.
+#[derive(Clone, Debug, Serialize)]
+pub struct LoopMargins {
+    /// `paper` or `experiment`.
+    pub gains: &'static str,
+    /// The equilibria of level flight at each speed.
+    pub points: Vec<Point>,
+}
+
 impl Airframe {
+    /// The margins in level flight at `speeds` \[m/s\], or at 0 to 25 m/s if there are none, with the paper's gains and with those of its
+    /// controller, which takes its belief for the vehicle if `belief`, and the vehicle itself else.
+    ///
+    /// # Errors
+    /// `controller`: it has no gains. `speeds`: one is not from 0 to 1000 m/s.
+    pub fn margins(&self, speeds: &[f64], belief: bool) -> anyhow::Result<[LoopMargins; 2]> {
+        let vehicle = self.reference();
+        let spec = self.controller.spec()?;
+        let believed = spec.belief().unwrap_or(&self.spec);
+        let Some(gains) = spec.gains(believed) else {
+            let problem = format!("that of {} has no gains", self.name);
+            return Err(FieldError::new("controller", problem).into());
+        };
+        let belief = match belief {
+            true => believed.reference(),
+            false => vehicle,
+        };
+        let speeds = match speeds {
+            [] => (0..=25).map(f64::from).collect(),
+            speeds => speeds.to_vec(),
+        };
+        if let Some(bad) = speeds.iter().find(|v| !(0.0..=1000.0).contains(*v)) {
+            let problem = format!("{bad} is not from 0 to 1000 m/s");
+            return Err(FieldError::new("speeds", problem).into());
+        }
+        let paper = LoopGains::of(&GainParameters::PAPER);
+        Ok(
+            [("paper", paper), ("experiment", gains)].map(|(name, gains)| {
+                let of = Loop {
+                    vehicle,
+                    belief,
+                    gains,
+                    actuators: self.plant,
+                };
+                LoopMargins {
+                    gains: name,
+                    points: speeds.iter().flat_map(|&speed| of.at(speed)).collect(),
+                }
+            }),
+        )
+    }
+
     /// The vehicle that `argument` names: a built-in experiment, vehicle or polar, or else a file: an experiment's TOML (its true vehicle),
     /// or a polar's CSV. A polar is the section of the paper's vehicle.
     pub fn load(argument: &str) -> anyhow::Result<Self> {

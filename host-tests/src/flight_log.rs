@@ -1,9 +1,13 @@
-//! A record as a flight log, for ULog and MCAP: the columns of the trace, and the flight under the names that PX4 logs it by.
+//! A record as a flight log, for ULog and MCAP: the columns of the trace, the flight under the names that PX4 logs it by, and what the
+//! controller was told, so that a replay tells it the same. As CSV it is what a replay needs, on one time base.
 //!
 //! A flight in a vertical plane heads north: forward is north. Time is counted from [`BEGIN`], as viewers take a row at 0 for one that was never filled in.
 
 use std::io::{BufWriter, Seek, Write};
 
+use alula::Inertial;
+use alula::guidance::Air;
+use alula_logs::states::{TOLD, find};
 use alula_logs::{Column, Log, Topic};
 
 use crate::columns::{Cell, Flight};
@@ -23,6 +27,8 @@ pub enum Format {
     Ulog,
     /// MCAP.
     Mcap,
+    /// CSV.
+    Csv,
 }
 
 impl Format {
@@ -31,6 +37,7 @@ impl Format {
         match self {
             Self::Ulog => "flight.ulg",
             Self::Mcap => "flight.mcap",
+            Self::Csv => "flight.csv",
         }
     }
 
@@ -40,6 +47,7 @@ impl Format {
         match self {
             Self::Ulog => alula_logs::ulog::write(log, to)?,
             Self::Mcap => alula_logs::mcap::write(log, to)?,
+            Self::Csv => alula_logs::csv::write(&find(log)?.topic(), to)?,
         }
         Ok(())
     }
@@ -80,14 +88,51 @@ pub struct Row {
     pub wind: [f64; 3],
     /// Specific force \[m/s²\] along the axes of hover, if it is told.
     pub specific_force: Option<[f64; 3]>,
+    /// What the controller was told of the rest.
+    pub told: Told,
+}
+
+/// What a controller was told; NaN where nothing was.
+pub struct Told {
+    /// As [`Row::attitude`].
+    pub attitude: [f64; 4],
+    /// Velocity [m/s].
+    pub velocity: [f64; 3],
+    /// Position \[m\].
+    pub position: [f64; 3],
+    /// Wind, or velocity through the air [m/s].
+    pub air: Air<[f64; 3]>,
+    /// Heading asked for \[rad\].
+    pub heading: f64,
+}
+
+const NOTHING: [f64; 3] = [f64::NAN; 3];
+
+impl Told {
+    fn wind(&self) -> [f64; 3] {
+        match self.air {
+            Air::Wind(wind) => wind,
+            _ => NOTHING,
+        }
+    }
+
+    fn air_velocity(&self) -> [f64; 3] {
+        match self.air {
+            Air::Velocity(v) => v,
+            _ => NOTHING,
+        }
+    }
 }
 
 impl From<&Step> for Row {
     fn from(step: &Step) -> Self {
         let north = |v: Vector| [v.y, 0.0, v.x];
-        let half = 0.5 * step.truth.theta;
+        let attitude = |theta: f64| [(0.5 * theta).cos(), 0.0, (0.5 * theta).sin(), 0.0];
+        let double = |v: Inertial| Vector::new(v.down().into(), v.forward().into());
+        let sample = &step.input.sample;
+        let error = sample.position_error.map(double);
         Self {
-            attitude: [half.cos(), 0.0, half.sin(), 0.0],
+            attitude: attitude(step.truth.theta),
             motion: [north(step.truth.position), north(step.truth.velocity)],
             wanted: [
                 north(step.reference_position),
@@ -97,6 +142,17 @@ impl From<&Step> for Row {
             wind: north(step.wind),
             specific_force: (step.input.sample.specific_force)
                 .map(|f| [f.j(), 0.0, f.i()].map(f64::from)),
+            told: Told {
+                attitude: attitude(step.input.theta.into()),
+                velocity: north(double(sample.velocity)),
+                position: error.map_or(NOTHING, |error| north(step.reference_position + error)),
+                air: match sample.air {
+                    Air::Wind(wind) => Air::Wind(north(double(wind))),
+                    Air::Velocity(v) => Air::Velocity(north(double(v))),
+                    Air::Unknown => Air::Unknown,
+                },
+                heading: f64::NAN,
+            },
         }
     }
 }
@@ -158,6 +214,7 @@ fn log_of(time: &[f64], trace: Vec<Column>, rows: &[Row]) -> Result<Log, alula_l
             vec![of("true_airspeed_m_s", "m/s", &airspeed)],
         )?,
         Topic::new("vehicle_status", 0, vec![BEGIN], status.to_vec())?,
+        topic(TOLD, told(rows))?,
     ];
     if rows.iter().any(|row| row.specific_force.is_some()) {
         let force = |row: &Row| row.specific_force.unwrap_or([f64::NAN; 3]);
@@ -171,6 +228,30 @@ fn log_of(time: &[f64], trace: Vec<Column>, rows: &[Row]) -> Result<Log, alula_l
         topics,
         notes: Vec::new(),
     })
+}
+
+/// The columns of what was told.
+fn told(rows: &[Row]) -> Vec<Column> {
+    let column = |name: String, unit: &str, value: &dyn Fn(&Told) -> f64| {
+        let values = rows.iter().map(|row| value(&row.told)).collect();
+        Column::new(&name, unit, values)
+    };
+    let mut columns: Vec<Column> = (0..4)
+        .map(|i| column(format!("q[{i}]"), "", &|told| told.attitude[i]))
+        .collect();
+    type Part = fn(&Told) -> [f64; 3];
+    let parts: [(&str, &str, Part); 4] = [
+        ("v", "m/s", |told| told.velocity),
+        ("x", "m", |told| told.position),
+        ("wind", "m/s", Told::wind),
+        ("air", "m/s", Told::air_velocity),
+    ];
+    for (name, unit, part) in parts {
+        let axis = |i| column(format!("{name}[{i}]"), unit, &|told| part(told)[i]);
+        columns.extend((0..3).map(axis));
+    }
+    columns.push(column("heading".into(), "rad", &|told| told.heading));
+    columns
 }
 
 #[cfg(test)]
@@ -200,14 +281,16 @@ mod tests {
         for (row, step) in record.iter().enumerate() {
             let thrust = trace.column("thrust_n").unwrap().values[row];
             assert_eq!(thrust, f64::from(step.answer.thrust));
-            let velocity = states.velocity.as_ref().unwrap().values[row];
-            assert_eq!(
-                velocity,
-                [step.truth.velocity.y, 0.0, step.truth.velocity.x]
-            );
+            let flown = log.column("vehicle_local_position", "vz").unwrap();
+            assert_eq!(flown.values[row], step.truth.velocity.x);
+            // What was told, in single precision, goes before what was.
+            let [north, _, down] = states.velocity.as_ref().unwrap().values[row];
+            let told = step.input.sample.velocity;
+            assert_eq!([down, north], [told.down(), told.forward()].map(f64::from));
             let plane = crate::replay::log::Plane::of(states.attitude.values[row]).unwrap();
             // 1e-12: the way over the quaternion.
-            assert!((plane.theta(states.attitude.values[row]) - step.truth.theta).abs() < 1e-12);
+            let theta = f64::from(step.input.theta);
+            assert!((plane.theta(states.attitude.values[row]) - theta).abs() < 1e-12);
         }
     }
 }

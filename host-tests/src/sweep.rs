@@ -80,6 +80,13 @@ pub struct Findings {
     pub none: Vec<Span>,
 }
 
+/// The least |F_p| \[N\] that the law of the experiment's controller is to meet: its τ.
+pub fn least_fp(experiment: &Experiment) -> anyhow::Result<f64> {
+    let spec = experiment.spec()?;
+    let gains = spec.gains(spec.belief().unwrap_or(&experiment.vehicle));
+    Ok(gains.map_or(0.0, |gains| gains.tau()))
+}
+
 /// The equilibria of the experiment's true vehicle along its reference.
 pub fn sweep(experiment: &Experiment) -> Vec<Instant> {
     let vehicle = experiment.vehicle.core().expect("validated when loaded");

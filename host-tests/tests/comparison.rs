@@ -11,7 +11,7 @@ use alula_sil::study::{Cell, Flight, Outcome, Results, Source};
 
 static FLOWN: LazyLock<(Source, Results)> = LazyLock::new(|| {
     let source = Source::load("tail-sitter").unwrap();
-    let results = Results::of(&source.plan, None, || ()).unwrap();
+    let results = Results::of(&source.plan, None, || Ok(())).unwrap();
     (source, results)
 });
 

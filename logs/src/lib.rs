@@ -3,7 +3,7 @@
 //! A [`Log`] holds [`Topic`]s; a topic holds named [`Column`]s of numbers over one time base in seconds. The crate
 //! knows nothing of controllers or vehicles.
 //!
-//! - Readers: [`csv`] (any columns, through a map), [`ulog`] (PX4), [`dataflash`] (ArduPilot's `.bin` and `.log`).
+//! - Readers: [`csv`] (any columns, through a map), [`ulog`] (PX4), [`dataflash`] (ArduPilot's `.bin` and `.log`), [`mcap`] (JSON messages).
 //!   They take any bytes and never panic. What a reader had to leave out of a damaged file is said in [`Log::notes`].
 //! - Writers: [`ulog`], [`mcap`], [`csv`].
 //! - [`states`] finds attitude, velocity, position, wind and set-points under the names that PX4 and ArduPilot give them,
@@ -40,15 +40,15 @@ pub use log::{Column, Held, Log, Topic};
 
 use std::path::Path;
 
-/// Whether the file `path`, which begins with `head`, is an autopilot's log: ULog, or DataFlash (binary or text; also if the name ends
+/// Whether the file `path`, which begins with `head`, is a log of topics: ULog, MCAP, or DataFlash (binary or text; also if the name ends
 /// in `.bin`). Else it is taken for CSV.
 #[must_use]
 pub fn is_autopilots(path: &Path, head: &[u8]) -> bool {
     let bin = path.extension().is_some_and(|e| e == "bin");
-    bin || ulog::is_ulog(head) || dataflash::is_dataflash(head)
+    bin || ulog::is_ulog(head) || mcap::is_mcap(head) || dataflash::is_dataflash(head)
 }
 
-/// The log in the file `path`, of whatever kind its first bytes say that it is: ULog, DataFlash, else CSV with every column as it
+/// The log in the file `path`, of whatever kind its first bytes say that it is: ULog, MCAP, DataFlash, else CSV with every column as it
 /// stands.
 ///
 /// # Errors
@@ -58,6 +58,8 @@ pub fn read(path: &Path) -> Result<Log, Error> {
     let name = path.display().to_string();
     if ulog::is_ulog(&bytes) {
         ulog::read(&name, &bytes)
+    } else if mcap::is_mcap(&bytes) {
+        mcap::read(&name, &bytes)
     } else if is_autopilots(path, &bytes) {
         dataflash::read(&name, &bytes)
     } else {

@@ -1,4 +1,4 @@
-//! MCAP, written with JSON messages (<https://mcap.dev/spec>): opens in Foxglove and PlotJuggler.
+//! MCAP with JSON messages (<https://mcap.dev/spec>): what is written opens in Foxglove and PlotJuggler, and is read back.
 
 use crate::error::output;
 use crate::fields::{Field, fields, rows_by_time, twice};
@@ -8,6 +8,10 @@ use ::mcap::{McapError, WriteOptions};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use std::io::{Seek, Write};
+
+mod read;
+
+pub use read::{is_mcap, read};
 
 /// Writes `log` as MCAP, all topics in the order of time.
 ///
@@ -82,6 +86,13 @@ fn channel(topic: &Topic) -> String {
         0 => topic.name().into(),
         instance => format!("{}.{instance}", topic.name()),
     }
+}
+
+/// The topic and the instance of a channel of that name.
+fn named(channel: &str) -> (&str, u8) {
+    let split = channel.rsplit_once('.');
+    let instance = split.and_then(|(name, instance)| Some((name, instance.parse().ok()?)));
+    instance.unwrap_or((channel, 0))
 }
 
 fn unit<'a>(field: &Field<'a>) -> &'a str {

@@ -7,8 +7,12 @@
 //! |---|---|
 //! | `qw qx qy qz` | attitude |
 //! | `vn ve vd` [m/s], `pn pe pd` \[m\], `wn we wd` [m/s] | velocity, position, wind: north, east, down |
+//! | `van vae vad` [m/s] | velocity through the air |
+//! | `fx fy fz` [m/s²] | specific force: nose, right wing, belly |
 //! | `airspeed` [m/s] | airspeed |
-//! | `qw_sp …`, `pn_sp …`, `vn_sp …`, `an_sp …` [m/s²] | set-points of attitude, position, velocity, acceleration |
+//! | `qw_sp …`, `pn_sp …`, `vn_sp …`, `an_sp …` [m/s²], `heading_sp` \[rad\] | set-points of attitude, position, velocity, acceleration, heading |
+//!
+//! A flight that alula logged holds the topic [`TOLD`]: what its controller was told, which goes before what the vehicle did.
 
 mod ardupilot;
 mod attitude;
@@ -49,6 +53,8 @@ pub struct States {
     pub position: Option<Series<3>>,
     /// Velocity of the air over ground [m/s]. Estimators know no vertical wind: down is 0.
     pub wind: Option<Series<3>>,
+    /// Velocity through the air [m/s], where it is logged itself: as the controller was told it.
+    pub air_velocity: Option<Series<3>>,
     /// Airspeed as a sensor or the autopilot gives it [m/s].
     pub airspeed: Option<Series<1>>,
     /// Specific force [m/s²], along the axes of [`States::attitude`]: nose, right wing, belly.
@@ -61,6 +67,8 @@ pub struct States {
     pub velocity_setpoint: Option<Series<3>>,
     /// Acceleration asked for [m/s²].
     pub acceleration_setpoint: Option<Series<3>>,
+    /// Heading asked for \[rad\], where alula logged it.
+    pub heading_setpoint: Option<Series<1>>,
     /// What was not found, and where it was looked for.
     pub missing: Vec<Missing>,
     /// What the reader of these states must know of them.
@@ -84,23 +92,10 @@ impl fmt::Display for Missing {
 
 impl std::error::Error for Missing {}
 
-impl States {
-    /// Velocity through the air [m/s]: over ground, less the wind. Its age is that of the older of the two.
-    #[must_use]
-    pub fn air_velocity(&self) -> Option<Series<3>> {
-        let (velocity, wind) = (self.velocity.as_ref()?, self.wind.as_ref()?);
-        let less = |(v, w): (&[f64; 3], &[f64; 3])| [v[0] - w[0], v[1] - w[1], v[2] - w[2]];
-        Some(Series {
-            source: format!("{} − {}", velocity.source, wind.source),
-            values: std::iter::zip(&velocity.values, &wind.values)
-                .map(less)
-                .collect(),
-            age: std::iter::zip(&velocity.age, &wind.age)
-                .map(|(a, b)| a.max(*b))
-                .collect(),
-        })
-    }
-}
+/// The topic of what a controller of alula was told: `q[0]` to `q[3]` as in `vehicle_attitude`; `v`, `x`, `wind` and `air` of three components,
+/// north-east-down: velocity [m/s], position \[m\], wind [m/s] or velocity through the air [m/s], whichever was told; `heading` \[rad\] as asked for.
+/// What was not told is NaN.
+pub const TOLD: &str = "alula_told";
 
 /// Where a family of logs keeps each quantity, the best source first.
 struct Family {
@@ -109,12 +104,14 @@ struct Family {
     velocity: &'static [Source],
     position: &'static [Source],
     wind: &'static [Source],
+    air_velocity: &'static [Source],
     airspeed: &'static [Source],
     specific_force: &'static [Source],
     attitude_setpoint: &'static [Source],
     position_setpoint: &'static [Source],
     velocity_setpoint: &'static [Source],
     acceleration_setpoint: &'static [Source],
+    heading_setpoint: &'static [Source],
 }
 
 /// Finds the states in `log`.
@@ -165,6 +162,9 @@ pub fn find(log: &Log) -> Result<States, Missing> {
         velocity: source::first(log, &time, "velocity", family.velocity, &mut missing),
         position: source::first(log, &time, "position", family.position, &mut missing),
         wind: source::first(log, &time, "wind", family.wind, &mut missing),
+        // No autopilot logs these two: they are not missed.
+        air_velocity: source::any(log, &time, family.air_velocity),
+        heading_setpoint: source::any(log, &time, family.heading_setpoint),
         airspeed: source::first(log, &time, "airspeed", family.airspeed, &mut missing),
         specific_force: source::first(
             log,

@@ -158,8 +158,11 @@ fn run(inputs: usize) -> [usize; 3] {
     ulog_seed.extend(b"\x08\0S\x2f\x73\x13\x20\x25\x0c\xbb\x12");
     let csv_seed =
         b"t,qw,qx,qy,qz,vn [m/s],w,x\n0,1,0,0,0,\"2.5\",1,2\n1.5e0,.5,.5,.5,-.5,,3,nan\n";
+    let mut mcap_seed = Cursor::new(Vec::new());
+    mcap::write(&sample(), &mut mcap_seed).unwrap();
     let seeds = [
         ulog_seed,
+        mcap_seed.into_inner(),
         binary(),
         TEXT.into(),
         csv_seed.to_vec(),
@@ -178,8 +181,9 @@ fn run(inputs: usize) -> [usize; 3] {
         );
         let log = match which {
             0 => ulog::read("f", &bytes),
-            1 | 2 => dataflash::read("f", &bytes),
-            3 => csv::read("f", &bytes, (random.below(2) == 0).then_some(&map)),
+            1 => mcap::read("f", &bytes),
+            2 | 3 => dataflash::read("f", &bytes),
+            4 => csv::read("f", &bytes, (random.below(2) == 0).then_some(&map)),
             _ => match csv::Map::parse("m", &String::from_utf8_lossy(&bytes)) {
                 Ok(map) => csv::read("f", csv_seed, Some(&map)),
                 Err(e) => Err(e),

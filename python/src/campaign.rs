@@ -56,7 +56,7 @@ impl Campaign {
 }
 
 /// Does `work` while Python's signals are looked after: Ctrl-C makes `work`'s argument false, and is raised when it has ended.
-fn interruptible<R: Send>(
+pub fn interruptible<R: Send>(
     py: Python<'_>,
     work: impl FnOnce(&(dyn Fn() -> anyhow::Result<()> + Sync)) -> anyhow::Result<R> + Send,
 ) -> PyResult<R> {

@@ -3,6 +3,7 @@
 //! One file per thing that Python sees. What is checked, defaulted or named here is checked, defaulted and named by the
 //! core's table of parameters and by the harness; `alula.pyi` declares it for Python.
 
+mod analysis;
 mod arguments;
 mod campaign;
 mod equilibria;
@@ -29,6 +30,8 @@ use pyo3::prelude::*;
 /// negative from hover towards cruise. In space vectors are (north, east, down).
 #[pymodule]
 mod alula {
+    #[pymodule_export]
+    use crate::analysis::{compare, margins, sweep};
     #[pymodule_export]
     use crate::campaign::{Campaign, campaign, campaigns};
     #[pymodule_export]

@@ -21,7 +21,7 @@ pub struct Replay {
 }
 
 /// Runs the controller of the experiment `source`, with the fields in `set` changed, open loop over the log `file`: a CSV such as a
-/// flight's trace, a PX4 ULog, or an ArduPilot DataFlash log (.bin, .log).
+/// flight's trace, a PX4 ULog, MCAP, or an ArduPilot DataFlash log (.bin, .log).
 ///
 /// `map` is a TOML file that says which column of a foreign CSV is which; `heading_deg` the heading of the vertical plane of the
 /// flight, by default the plane that the wing is square to.

@@ -160,6 +160,68 @@ def test_an_interrupt_ends_a_campaign():
     assert errors.strip().endswith("KeyboardInterrupt")
 
 
+COMPARISON = """
+description = "two policies"
+base = "round-trip"
+[[policies]]
+name = "bandwidth"
+title = "the guidance"
+[[policies]]
+name = "paper"
+title = "the paper's law alone"
+[policies.controller.law]
+vehicle = "paper-belief"
+gains = { k1 = 0.1529, k2 = 0.0234, k3 = 6.0, tau_n = 80.0 }
+[[conditions]]
+name = "still"
+title = "no wind"
+"""
+
+
+def test_a_comparison_is_a_row_per_flight(tmp_path):
+    file = tmp_path / "two.toml"
+    file.write_text(COMPARISON)
+    frame = alula.compare(file)
+    table = frame.pandas().set_index("policy")
+    assert list(table["outcome"]) == ["flies", "departs"] and list(table["condition"]) == ["still", "still"]
+    # The same flight by itself.
+    figures = alula.fly("round-trip").figures
+    assert table.loc["bandwidth", "gain_back_m"] == figures["gain_back_m"]
+    with pytest.raises(alula.FieldError) as refused:
+        alula.compare(file, threads=0)
+    assert refused.value.field == "threads"
+
+
+def test_margins_are_the_command_lines(tmp_path):
+    loops = alula.margins("round-trip", speeds=[0, 20])
+    assert [loop["gains"] for loop in loops] == ["paper", "experiment"]
+    told, _ = command_line("margins", "round-trip", "--speeds", "0,20", "--out", str(tmp_path))
+    assert loops == told["loops"]
+    hover = loops[1]["points"][0]
+    assert hover["speed_m_s"] == 0 and abs(hover["theta_deg"]) < 1e-6
+    # Without the rate loop's lag the command may be later.
+    bare = alula.margins("round-trip", speeds=[0], bare=True)[1]["points"][0]
+    assert bare["delay_s"] > hover["delay_s"]
+    with pytest.raises(alula.FieldError) as refused:
+        alula.margins("round-trip", speeds=[-1])
+    assert refused.value.field == "speeds"
+
+
+def test_a_sweep_is_the_command_lines_and_counts_its_bound(tmp_path):
+    found = alula.sweep("round-trip")
+    told, _ = command_line("sweep", "round-trip", "--out", str(tmp_path))
+    assert found == {key: told[key] for key in found}
+    assert alula.sweep("round-trip", min_fp_n=1e6)["low_fp"] and not found["negative_thrust"]
+    with pytest.raises(alula.FieldError) as refused:
+        alula.sweep("round-trip", min_fp_n=-1)
+    assert refused.value.field == "min_fp_n"
+
+
+def test_a_field_is_swept_in_a_loop():
+    most = [alula.fly("round-trip", {"vehicle.mass_kg": mass}).figures["gain_back_m"] for mass in (9, 10, 11)]
+    assert len(set(most)) == 3 and all(gain < 5 for gain in most)
+
+
 def test_random_starts_in_space():
     flown = alula.campaign("attitudes", flights=3)
     assert flown.passed and len(flown.flights) == 6 and flown.samples.names == []

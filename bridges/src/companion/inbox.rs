@@ -2,9 +2,11 @@
 
 use alula::ned::{Ned, Quaternion};
 
+use mavlink::dialects::ardupilotmega::{MavCmd, MavResult};
+
 use super::clock::{Clock, Order};
 use super::setpoint::{Setpoint, setpoint};
-use super::{MavHeader, MavMessage, milliseconds, modes};
+use super::{Kind, MavHeader, MavMessage, milliseconds};
 
 /// What came.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -32,8 +34,12 @@ pub struct Stamped<T> {
 pub struct Inbox {
     /// System that is listened to: that of the first autopilot's heartbeat.
     pub system: Option<u32>,
-    /// Main mode and sub-mode.
-    pub mode: Option<(u8, u8)>,
+    /// The kind of autopilot that is listened to.
+    kind: Kind,
+    /// Its mode.
+    pub mode: Option<u32>,
+    /// The mode that was asked for and is awaited.
+    pub awaited: Option<u32>,
     order: Order,
     /// Place of the last heartbeat in the order of sending.
     heartbeat: i64,
@@ -85,6 +91,15 @@ fn finite(values: &[f32]) -> bool {
 }
 
 impl Inbox {
+    /// An empty one, for an autopilot of this kind.
+    #[must_use]
+    pub fn new(kind: Kind) -> Self {
+        Self {
+            kind,
+            ..Self::default()
+        }
+    }
+
     /// Takes a message that arrived `now` \[s\].
     pub fn take(&mut self, now: f64, header: &MavHeader, message: &MavMessage) {
         // Components with numbers of their own, as cameras, have heartbeats too: the autopilot is 1.
@@ -115,9 +130,21 @@ impl Inbox {
             MavMessage::HEARTBEAT(m) => {
                 let newer = self.mode.is_none() || place > self.heartbeat;
                 if newer {
-                    (self.mode, self.heartbeat) = (Some(modes(m.custom_mode)), place);
+                    (self.mode, self.heartbeat) = (Some(m.custom_mode), place);
                 }
                 newer
+            }
+            // The one mode that is asked for while it is awaited. Its heartbeat may be lost, and the next one is a second away.
+            MavMessage::COMMAND_ACK(m)
+                if m.command == MavCmd::MAV_CMD_DO_SET_MODE
+                    && m.result == MavResult::MAV_RESULT_ACCEPTED =>
+            {
+                let newer = place > self.heartbeat;
+                let asked = self.awaited.filter(|_| newer);
+                if asked.is_some() {
+                    (self.mode, self.heartbeat) = (asked, place);
+                }
+                asked.is_some()
             }
             MavMessage::ATTITUDE_QUATERNION(m) => {
                 let q = Quaternion {
@@ -126,8 +153,9 @@ impl Inbox {
                     y: m.q3,
                     z: m.q4,
                 };
-                let rates = [m.rollspeed, m.pitchspeed, m.yawspeed];
+                let rates = self.kind.hover([m.rollspeed, m.pitchspeed, m.yawspeed]);
                 let sound = finite(&[q.w, q.x, q.y, q.z]) && finite(&rates);
+                let q = self.kind.hover_attitude(q);
                 put(&mut self.attitude, (q, rates), m.time_boot_ms, now, sound)
             }
             MavMessage::LOCAL_POSITION_NED(m) => {
@@ -157,8 +185,17 @@ impl Inbox {
                     finite(&[m.wind_x, m.wind_y, m.wind_z]),
                 )
             }
+            // ArduPlane's: where it comes from, and its downward part.
+            MavMessage::WIND(m) => {
+                let (sin, cos) = m.direction.to_radians().sin_cos();
+                let level = (m.speed * m.speed - m.speed_z * m.speed_z).max(0.0).sqrt();
+                let wind = Ned::new(-level * cos, -level * sin, m.speed_z);
+                let sound = finite(&[m.direction, m.speed, m.speed_z]);
+                // It has no time stamp: the order of arrival stands for it.
+                put(&mut self.wind, wind, milliseconds(now), now, sound)
+            }
             MavMessage::HIGHRES_IMU(m) => {
-                let force = [m.xacc, m.yacc, m.zacc];
+                let force = self.kind.hover([m.xacc, m.yacc, m.zacc]);
                 let stamp = (m.time_usec / 1000) as u32;
                 put(&mut self.specific_force, force, stamp, now, finite(&force))
             }
@@ -228,7 +265,7 @@ impl Inbox {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mavlink::dialects::common::{
+    use mavlink::dialects::ardupilotmega::{
         ATTITUDE_QUATERNION_DATA, HEARTBEAT_DATA, LOCAL_POSITION_NED_DATA, TIMESYNC_DATA,
     };
 
@@ -326,6 +363,33 @@ mod tests {
         assert!((inbox.acceleration.north - 3.0).abs() < 1e-3);
     }
 
+    /// An answer that a mode is accepted stands for the heartbeat that says so, unless a later heartbeat came before it or nothing is awaited.
+    #[test]
+    fn an_accepted_mode_is_the_mode_until_a_later_heartbeat() {
+        use mavlink::dialects::ardupilotmega::COMMAND_ACK_DATA;
+        let mut inbox = Inbox::default();
+        let mut mode = |sequence: u8, message: &MavMessage, awaited: Option<u32>| {
+            inbox.awaited = awaited;
+            inbox.take(0.0, &MavHeader { sequence, ..FROM }, message);
+            inbox.mode
+        };
+        let heartbeat = |custom_mode: u32| {
+            MavMessage::HEARTBEAT(HEARTBEAT_DATA {
+                custom_mode,
+                ..HEARTBEAT_DATA::default()
+            })
+        };
+        let accepted = MavMessage::COMMAND_ACK(COMMAND_ACK_DATA {
+            command: MavCmd::MAV_CMD_DO_SET_MODE,
+            result: MavResult::MAV_RESULT_ACCEPTED,
+        });
+        assert_eq!(mode(10, &heartbeat(4), None), Some(4));
+        assert_eq!(mode(11, &accepted, None), Some(4), "nothing is awaited");
+        assert_eq!(mode(12, &accepted, Some(6)), Some(6));
+        assert_eq!(mode(14, &heartbeat(2), Some(6)), Some(2));
+        assert_eq!(mode(13, &accepted, Some(6)), Some(2), "overtaken");
+    }
+
     /// A heartbeat has no time stamp. One that was overtaken does not set the mode back, over the turn of the numbers too.
     #[test]
     fn the_mode_is_that_of_the_heartbeat_sent_last() {
@@ -337,7 +401,7 @@ mod tests {
                 ..HEARTBEAT_DATA::default()
             };
             inbox.take(now, &header, &MavMessage::HEARTBEAT(message));
-            inbox.mode.unwrap().0
+            inbox.mode.unwrap() >> 16
         };
         assert_eq!(mode(0.0, 250, 4), 4);
         assert_eq!(mode(0.1, 3, 6), 6);

@@ -2,7 +2,7 @@
 
 use super::inbox::Inbox;
 use super::stage::{Command, End, Pilot, Settings, Stage, Told};
-use super::{HOLD, MavHeader, MavMessage, OFFBOARD, OWN_SYSTEM, Setpoint, outbox};
+use super::{Kind, MavHeader, MavMessage, OWN_SYSTEM, Setpoint, outbox};
 use alula::guidance::Air;
 use alula::ned::{BodyAxes, Ned};
 use alula::spatial::Orientation;
@@ -16,6 +16,10 @@ pub struct Companion {
     last_step: f64,
     next_heartbeat: f64,
     next_request: f64,
+    /// How often channels are still to be given back.
+    releases: u32,
+    /// What was left of a per cent of throttle at the last step.
+    rest: f32,
 }
 
 /// Time \[s\] between heartbeats, and between requests for a mode; time of streaming before the first.
@@ -24,8 +28,12 @@ const SECOND: f64 = 1.0;
 const OLD_WIND: f64 = 10.0;
 /// Airspeed [m/s] below which it says nothing.
 const LEAST_AIRSPEED: f32 = 5.0;
-/// How long \[s\] a set-point is flown before the next one comes: the companion's steps are at 50 Hz.
+/// How long \[s\] a set-point is flown before the next one comes: the companion's steps are at 50 Hz. ArduPlane reads its sticks at 50 Hz, too, at
+/// times of its own.
 const HELD: f64 = 0.02;
+const READ: f64 = 0.01;
+/// How often channels are given back: of as many messages one arrives.
+const RELEASES: u32 = 10;
 /// Longest time \[s\] over which the state is predicted.
 const MOST_LEAD: f64 = 0.15;
 
@@ -36,25 +44,43 @@ const OLD_FORCE: f64 = 0.1;
 const LEAVE: f64 = 3.0;
 
 impl Companion {
-    /// Header of the companion's messages: the system of most autopilots, component ONBOARD_COMPUTER.
-    pub const HEADER: MavHeader = MavHeader {
-        system_id: OWN_SYSTEM as u32,
-        component_id: 191,
-        sequence: 0,
-    };
-
     /// A companion that waits for an autopilot.
     #[must_use]
     pub fn new(settings: Settings) -> Self {
         Self {
             settings,
-            inbox: Inbox::default(),
+            inbox: Inbox::new(settings.kind),
             stage: Stage::Waiting,
             origin: Ned::default(),
             last_step: f64::NEG_INFINITY,
             next_heartbeat: f64::NEG_INFINITY,
             next_request: 0.0,
+            releases: 0,
+            rest: 0.0,
         }
+    }
+
+    /// Header of its messages; the component is ONBOARD_COMPUTER.
+    #[must_use]
+    pub fn header(&self) -> MavHeader {
+        MavHeader {
+            system_id: self.settings.kind.own_system().into(),
+            component_id: 191,
+            sequence: 0,
+        }
+    }
+
+    /// Ends the flight, if there is one.
+    pub fn stop(&mut self) {
+        if !matches!(self.stage, Stage::Ended(_)) {
+            self.end(End::Stopped);
+        }
+    }
+
+    /// Whether it has ended and has nothing more to send.
+    #[must_use]
+    pub fn is_done(&self) -> bool {
+        matches!(self.stage, Stage::Ended(_)) && self.releases == 0
     }
 
     /// What it does.
@@ -74,15 +100,32 @@ impl Companion {
         self.inbox.take(now, header, message);
         // At once: what is on its way to the autopilot is of no effect in another mode.
         let flies = matches!(self.stage, Stage::Flying(_));
-        if flies && self.inbox.mode.is_some_and(|mode| mode.0 != OFFBOARD) {
-            self.stage = Stage::Ended(End::TakenOver);
+        if flies && self.inbox.mode.is_some() && !self.is_ours() {
+            self.end(End::TakenOver);
         }
+    }
+
+    /// Whether the autopilot is in the mode that the companion flies in.
+    fn is_ours(&self) -> bool {
+        let mode = self.inbox.mode;
+        mode.is_some_and(|mode| self.settings.kind.is_flown(mode))
+    }
+
+    /// Ends. ArduPlane's channels, if they were taken, are given back, unless the link is lost: then ArduPlane takes them back itself.
+    fn end(&mut self, end: End) {
+        let took = matches!(self.stage, Stage::Flying(_) | Stage::Leaving(_));
+        let sticks = matches!(self.settings.kind, Kind::ArduPlane(_));
+        if took && sticks && end != End::LinkLost {
+            self.releases = RELEASES;
+        }
+        self.stage = Stage::Ended(end);
     }
 
     /// One step, `now` \[s\]: messages to send, and what `pilot` commanded if it flies.
     pub fn step(&mut self, now: f64, pilot: &mut dyn Pilot) -> (Vec<MavMessage>, Option<Command>) {
         let mut messages = Vec::new();
         if matches!(self.stage, Stage::Ended(_)) {
+            self.release(&mut messages);
             return (messages, None);
         }
         let dt = (now - self.last_step) as f32;
@@ -90,43 +133,55 @@ impl Companion {
         if now >= self.next_heartbeat {
             self.next_heartbeat = now + SECOND;
             messages.extend([outbox::heartbeat(), outbox::time(now)]);
+            // A first heartbeat says whom to ask.
+            let waits = matches!(self.stage, Stage::Waiting | Stage::Streaming(_));
+            if waits && self.inbox.mode.is_some() {
+                messages.extend(outbox::requests_of_state(self.target()));
+            }
         }
         let known = self.inbox.age(now) <= self.settings.timeout;
-        let offboard = self.inbox.mode.is_some_and(|mode| mode.0 == OFFBOARD);
+        let (kind, ours) = (self.settings.kind, self.is_ours());
         match self.stage {
             Stage::Waiting if known && self.inbox.mode.is_some() => {
                 self.stage = Stage::Streaming(now);
                 self.next_request = now + SECOND;
             }
             Stage::Streaming(_) if !known => self.stage = Stage::Waiting,
-            Stage::Streaming(_) if offboard => self.start(now, pilot),
+            Stage::Streaming(_) if ours => self.start(now, pilot),
             Stage::Streaming(_) if self.settings.engage && now >= self.next_request => {
                 self.next_request = now + SECOND;
-                messages.push(outbox::request(self.target(), (OFFBOARD, 0)));
+                messages.push(outbox::request(
+                    self.target(),
+                    kind.parameters(kind.flown()),
+                ));
             }
             Stage::Flying(_) | Stage::Leaving(_) if !known => {
-                self.stage = Stage::Ended(End::LinkLost);
+                self.end(End::LinkLost);
             }
             Stage::Flying(since) if now - since > self.settings.duration => {
                 self.stage = Stage::Leaving(now);
                 self.next_request = now;
             }
-            Stage::Leaving(since) if !offboard || now - since > LEAVE => {
-                self.stage = Stage::Ended(End::Finished);
-            }
+            Stage::Leaving(since) if !ours || now - since > LEAVE => self.end(End::Finished),
             _ => {}
         }
         let commanded = match self.stage {
-            Stage::Waiting | Stage::Ended(_) => return (messages, None),
+            Stage::Waiting => return (messages, None),
+            Stage::Ended(_) => {
+                self.release(&mut messages);
+                return (messages, None);
+            }
             Stage::Streaming(_) => {
-                messages.push(self.set_point(now, [0.0; 3], self.settings.weight));
+                if kind == Kind::Px4 {
+                    messages.push(self.set_point(now, [0.0; 3], self.settings.weight));
+                }
                 None
             }
             Stage::Flying(since) => self.fly(now, now - since, dt, pilot, &mut messages),
             Stage::Leaving(_) => {
                 if now >= self.next_request {
                     self.next_request = now + SECOND;
-                    messages.push(outbox::request(self.target(), HOLD));
+                    messages.push(outbox::request(self.target(), kind.parameters(kind.hold())));
                 }
                 self.fly(now, self.settings.duration, dt, pilot, &mut messages)
             }
@@ -145,6 +200,7 @@ impl Companion {
             2.0 * (q.x * q.y - q.w * q.z),
             q.w * q.w - q.x * q.x + q.y * q.y - q.z * q.z,
         );
+        self.inbox.awaited = None;
         self.origin = motion.value.0;
         pilot.begin((-wing.0).atan2(wing.1));
         self.stage = Stage::Flying(now);
@@ -187,7 +243,8 @@ impl Companion {
                 Some(command)
             }
             Err(end) => {
-                self.stage = Stage::Ended(end);
+                self.end(end);
+                self.release(messages);
                 None
             }
         }
@@ -197,7 +254,11 @@ impl Companion {
     fn told(&self, now: f64, t: f64) -> Option<Told> {
         let (attitude, motion) = (self.inbox.attitude?, self.inbox.motion?);
         let (q, rates) = attitude.value;
-        let ahead = self.inbox.clock.latency() + HELD;
+        let read = match self.settings.kind {
+            Kind::Px4 => 0.0,
+            Kind::ArduPlane(_) => READ,
+        };
+        let ahead = self.inbox.clock.latency() + HELD + read;
         let lead = |age: f64| (age + ahead).min(MOST_LEAD) as f32;
         let turning = lead(self.inbox.age_of(&attitude, now));
         let axes = BodyAxes::NoseUp;
@@ -229,9 +290,29 @@ impl Companion {
         })
     }
 
-    fn set_point(&self, now: f64, rates: [f32; 3], thrust: f32) -> MavMessage {
+    /// The message of body rates about hover's axes and thrust \[N\].
+    fn set_point(&mut self, now: f64, rates: [f32; 3], thrust: f32) -> MavMessage {
         let share = thrust / self.settings.weight * self.settings.hover_thrust;
-        outbox::set_point(self.target(), now, rates, share)
+        match self.settings.kind {
+            Kind::Px4 => outbox::set_point(self.target(), now, rates, share),
+            Kind::ArduPlane(sticks) => {
+                // What rounding to a per cent leaves is added to the next one, so that the mean is the thrust wanted.
+                let wanted = share + self.rest;
+                let (pulses, sent) = sticks.pulses(rates, wanted);
+                // Half a per cent at most: beyond the throttle's ends, and for what is no number, nothing is owed.
+                let rest = wanted - sent;
+                self.rest = if rest.abs() <= 0.005 { rest } else { 0.0 };
+                outbox::sticks(self.target(), pulses)
+            }
+        }
+    }
+
+    /// Gives ArduPlane's channels back.
+    fn release(&mut self, messages: &mut Vec<MavMessage>) {
+        if self.releases > 0 {
+            self.releases -= 1;
+            messages.push(outbox::sticks(self.target(), [0; 4]));
+        }
     }
 
     /// The autopilot's system.

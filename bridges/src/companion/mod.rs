@@ -1,9 +1,10 @@
 //! A controller beside an autopilot, over MAVLink.
 //!
 //! [`Companion`] takes what the autopilot says of its state, asks its [`Pilot`], and gives body rates and thrust, as
-//! `SET_ATTITUDE_TARGET` (type mask 128), which PX4 follows in its OFFBOARD mode. [`InPlane`] makes a pilot of a controller in a
-//! vertical plane. [`Autopilot`] is a simulated one that keeps PX4's rules, around any [`Body`]. Both are state
-//! machines that are told the time: whoever owns a connection carries their messages. [`wire`] is messages from and to bytes.
+//! `SET_ATTITUDE_TARGET` (type mask 128), which PX4 follows in its OFFBOARD mode, or as the sticks of `RC_CHANNELS_OVERRIDE`, which ArduPlane
+//! follows in QACRO: [`Kind`]. [`InPlane`] makes a pilot of a controller in a vertical plane. [`Autopilot`] is a simulated one that keeps
+//! the rules of either, around any [`Body`]. Both are state machines that are told the time: whoever owns a connection carries their
+//! messages. [`wire`] is messages from and to bytes.
 //!
 //! Body axes are those of hover, as PX4 has a tail-sitter's: x to the belly, y along the right wing, z along the tail.
 
@@ -13,11 +14,16 @@ mod connection;
 mod hold;
 mod in_plane;
 mod inbox;
+mod kind;
 mod machine;
+mod offboard;
 mod outbox;
 mod plane;
+mod qacro;
 mod setpoint;
 mod stage;
+mod sticks;
+mod telemetry;
 pub mod wire;
 
 pub use autopilot::{Autopilot, Body, BodyState};
@@ -26,27 +32,18 @@ pub use connection::{Connection, Received};
 pub use hold::{Hold, HoldParameters};
 pub use in_plane::{Flown, InPlane, Planar, Wanted};
 pub use inbox::{Counts, Inbox};
+pub use kind::{HOLD, Kind, OFFBOARD, QACRO, QLOITER};
 pub use machine::Companion;
 pub use setpoint::Setpoint;
 pub use stage::{Command, End, Pilot, Settings, Stage, Told};
+pub use sticks::Sticks;
 
 pub use mavlink::MavHeader;
-pub use mavlink::dialects::common as messages;
+pub use mavlink::dialects::ardupilotmega as messages;
 pub use messages::MavMessage;
 
-/// The companion's own system.
+/// The system of most autopilots.
 const OWN_SYSTEM: u8 = 1;
-/// PX4's main mode OFFBOARD.
-pub const OFFBOARD: u8 = 6;
-/// PX4's main mode AUTO, and its sub-mode LOITER: hold.
-pub const HOLD: (u8, u8) = (4, 3);
-
-/// PX4's main mode and sub-mode in a heartbeat's custom mode.
-fn modes(custom_mode: u32) -> (u8, u8) {
-    let [_, _, main, sub] = custom_mode.to_le_bytes();
-    (main, sub)
-}
-
 /// The time stamp \[ms\] of `now` \[s\].
 fn milliseconds(now: f64) -> u32 {
     (now * 1e3) as u64 as u32

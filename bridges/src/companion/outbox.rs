@@ -1,8 +1,8 @@
 //! The companion's messages.
 
-use mavlink::dialects::common::{
+use mavlink::dialects::ardupilotmega::{
     AttitudeTargetTypemask, COMMAND_LONG_DATA, HEARTBEAT_DATA, MavAutopilot, MavCmd, MavModeFlag,
-    MavState, MavType, SET_ATTITUDE_TARGET_DATA, TIMESYNC_DATA,
+    MavState, MavType, RC_CHANNELS_OVERRIDE_DATA, SET_ATTITUDE_TARGET_DATA, TIMESYNC_DATA,
 };
 
 use super::{MavMessage, milliseconds};
@@ -23,14 +23,43 @@ pub fn set_point(target: u8, now: f64, rates: [f32; 3], share: f32) -> MavMessag
     })
 }
 
-/// Asks the system `target` for a main mode and sub-mode.
-pub fn request(target: u8, (main, sub): (u8, u8)) -> MavMessage {
+/// Pulses \[µs\] of channels 1 to 4, for the system `target`. A pulse of 0 gives a channel back to the transmitter; the other channels stay as
+/// they are.
+pub fn sticks(target: u8, [chan1_raw, chan2_raw, chan3_raw, chan4_raw]: [u16; 4]) -> MavMessage {
+    MavMessage::RC_CHANNELS_OVERRIDE(RC_CHANNELS_OVERRIDE_DATA {
+        chan1_raw,
+        chan2_raw,
+        chan3_raw,
+        chan4_raw,
+        chan5_raw: u16::MAX,
+        chan6_raw: u16::MAX,
+        chan7_raw: u16::MAX,
+        chan8_raw: u16::MAX,
+        target_system: target,
+        target_component: 1,
+    })
+}
+
+/// Asks the system `target` for a mode of its own.
+pub fn request(target: u8, [param2, param3]: [f32; 2]) -> MavMessage {
+    command(target, MavCmd::MAV_CMD_DO_SET_MODE, [1.0, param2, param3])
+}
+
+/// Asks the system `target` for its state at 50 Hz, and for the air at 5 Hz.
+pub fn requests_of_state(target: u8) -> impl Iterator<Item = MavMessage> {
+    // ATTITUDE_QUATERNION, LOCAL_POSITION_NED, HIGHRES_IMU; VFR_HUD, WIND, WIND_COV. A period is in microseconds.
+    let often = [31.0, 32.0, 105.0].map(|id| [id, 20e3, 0.0]);
+    let seldom = [74.0, 168.0, 231.0].map(|id| [id, 200e3, 0.0]);
+    let all = often.into_iter().chain(seldom);
+    all.map(move |parameters| command(target, MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL, parameters))
+}
+
+fn command(target: u8, command: MavCmd, [param1, param2, param3]: [f32; 3]) -> MavMessage {
     MavMessage::COMMAND_LONG(COMMAND_LONG_DATA {
-        command: MavCmd::MAV_CMD_DO_SET_MODE,
-        // A mode of the autopilot's own.
-        param1: 1.0,
-        param2: main.into(),
-        param3: sub.into(),
+        command,
+        param1,
+        param2,
+        param3,
         target_system: target,
         target_component: 1,
         ..COMMAND_LONG_DATA::default()

@@ -1,7 +1,9 @@
 //! What somebody asks for over the link.
 
 use alula::ned::Ned;
-use mavlink::dialects::common::{PositionTargetTypemask, SET_POSITION_TARGET_LOCAL_NED_DATA};
+use mavlink::dialects::ardupilotmega::{
+    PositionTargetTypemask, SET_POSITION_TARGET_LOCAL_NED_DATA,
+};
 
 use super::OWN_SYSTEM;
 
@@ -57,7 +59,7 @@ pub fn setpoint(m: &SET_POSITION_TARGET_LOCAL_NED_DATA) -> Option<Setpoint> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mavlink::dialects::common::MavFrame;
+    use mavlink::dialects::ardupilotmega::MavFrame;
 
     #[test]
     fn a_set_point_is_of_velocity_and_may_have_more() {

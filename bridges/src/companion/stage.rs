@@ -4,7 +4,7 @@ use alula::guidance::Air;
 use alula::ned::Ned;
 use alula::spatial::{Body, Orientation};
 
-use super::Setpoint;
+use super::{Kind, Setpoint};
 
 /// What is known of the vehicle when a command will act: it is predicted over the age of what came, the latency and the time
 /// for which a command is held.
@@ -54,11 +54,13 @@ pub trait Pilot {
 /// Settings of a companion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
+    /// The autopilot.
+    pub kind: Kind,
     /// Weight that the pilot believes in \[N\], and the autopilot's thrust in hover, in (0, 1): thrust is proportional between.
     pub weight: f32,
     /// See `weight`.
     pub hover_thrust: f32,
-    /// Whether OFFBOARD is asked for; else the flight begins when somebody else sets it.
+    /// Whether the mode that is flown in, OFFBOARD or QACRO, is asked for; else the flight begins when somebody else sets it.
     pub engage: bool,
     /// How long \[s\] the reference is flown.
     pub duration: f64,
@@ -71,14 +73,17 @@ pub struct Settings {
 pub enum End {
     /// The reference was flown; the autopilot was asked to hold.
     Finished,
-    /// Somebody took the autopilot out of OFFBOARD.
+    /// Somebody set another mode.
     TakenOver,
-    /// Nothing came for too long: nothing is sent any more, and the autopilot acts as on every loss of OFFBOARD.
+    /// Nothing came for too long: nothing is sent any more. PX4 acts as on every loss of OFFBOARD; ArduPlane takes the transmitter's sticks after
+    /// `RC_OVERRIDE_TIME`.
     LinkLost,
     /// The attitude is none; in a plane, the nose points across it.
     Attitude,
     /// The pilot does not answer.
     Pilot,
+    /// It was told to stop.
+    Stopped,
 }
 
 /// What the companion does.
@@ -86,12 +91,13 @@ pub enum End {
 pub enum Stage {
     /// Nothing is known of the autopilot's state, and nothing sent.
     Waiting,
-    /// Hover is sent, since this time \[s\]: PX4 wants to see set-points before it enters OFFBOARD.
+    /// The autopilot's state is known, since this time \[s\], and its mode awaited. PX4 is sent hover: it wants to see set-points before it enters
+    /// OFFBOARD. ArduPlane is sent nothing: its sticks are the pilot's.
     Streaming(f64),
     /// The reference is flown, since this time \[s\].
     Flying(f64),
     /// The end of the reference is flown until the autopilot holds, since this time \[s\].
     Leaving(f64),
-    /// Nothing is sent any more.
+    /// Nothing is sent any more, but that ArduPlane's channels are given back.
     Ended(End),
 }

@@ -40,7 +40,7 @@ pub fn bytes(header: MavHeader, message: &MavMessage) -> Vec<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mavlink::dialects::common::{HEARTBEAT_DATA, VFR_HUD_DATA};
+    use mavlink::dialects::ardupilotmega::{HEARTBEAT_DATA, VFR_HUD_DATA};
 
     #[test]
     fn several_messages_of_a_datagram_are_found_and_damage_is_noticed() {

@@ -4,7 +4,7 @@ use std::sync::atomic::Ordering;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use alula_bridges::companion::{self, Companion, Connection, Pilot, Stage, Wanted};
+use alula_bridges::companion::{self, Companion, Connection, Kind, Pilot, Stage, Wanted};
 use anyhow::{Context, ensure};
 
 use alula_sil::companion::{plane, space::OnPath, space::settings};
@@ -12,32 +12,35 @@ use alula_sil::experiment::Document;
 use alula_sil::simulate::Record;
 use alula_sil::space::Experiment;
 
+use super::autopilot::Choice;
 use super::fly::{Logs, report};
 use super::output::Output;
 use super::serve::interrupted;
 use super::settings::Settings;
 use super::space;
 
-/// Fly a PX4 over MAVLink in its OFFBOARD mode, by body rates and thrust; its pilot ends it at any time by a change of mode
+/// Fly a PX4 over MAVLink in its OFFBOARD mode, or an ArduPlane in QACRO, by body rates and thrust; its pilot ends it at any time by a change of mode
 #[derive(clap::Args)]
 pub struct Args {
     /// A built-in experiment or a TOML file: its controller and its reference, or the guidance and its path
     experiment: String,
     #[command(flatten)]
     settings: Settings,
+    #[command(flatten)]
+    autopilot: Choice,
     /// udpin:ADDRESS:PORT, udpout:HOST:PORT, tcpout:HOST:PORT or serial:DEVICE:BAUD
     #[arg(long, value_name = "ADDRESS", default_value = "udpin:127.0.0.1:14540")]
     connect: String,
     /// Fly what comes as SET_POSITION_TARGET_LOCAL_NED, and not the experiment's reference
     #[arg(long)]
     from_link: bool,
-    /// Ask for OFFBOARD; else the flight begins when somebody sets it
+    /// Ask for OFFBOARD, or QACRO; else the flight begins when somebody sets it
     #[arg(long)]
     engage: bool,
     /// The autopilot's thrust in hover, from 0 to 1 [default: by the experiment's belief and motors]
     #[arg(long, value_name = "SHARE")]
     hover_thrust: Option<f64>,
-    /// Heading of the plane of the flight [°] [default: the vehicle's when OFFBOARD begins]
+    /// Heading of the plane of the flight [°] [default: the vehicle's when the flight begins]
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     heading: Option<f32>,
     #[command(flatten)]
@@ -120,6 +123,7 @@ fn fly<P: Pilot>(
     mut keep: impl FnMut(&P),
 ) -> anyhow::Result<()> {
     settings.engage = args.engage;
+    settings.kind = args.autopilot.kind()?;
     let mut companion = Companion::new(settings);
     let mut link = Connection::open(&args.connect).with_context(|| args.connect.clone())?;
     let interrupted = interrupted()?;
@@ -128,7 +132,10 @@ fn fly<P: Pilot>(
     let mut next = begin;
     let mut malformed = 0_u64;
     let mut said = None;
-    while !interrupted.load(Ordering::Relaxed) {
+    while !companion.is_done() {
+        if interrupted.load(Ordering::Relaxed) {
+            companion.stop();
+        }
         for (when, came) in link.received() {
             match came {
                 Some((header, message)) => {
@@ -140,7 +147,7 @@ fn fly<P: Pilot>(
         let now = begin.elapsed().as_secs_f64();
         let (messages, commanded) = companion.step(now, pilot);
         for message in messages {
-            link.send(Companion::HEADER, &message);
+            link.send(companion.header(), &message);
         }
         if commanded.is_some() {
             keep(pilot);
@@ -148,10 +155,7 @@ fn fly<P: Pilot>(
         let stage = companion.stage();
         if said != Some(std::mem::discriminant(&stage)) {
             said = Some(std::mem::discriminant(&stage));
-            eprintln!("{now:8.2} s  {}", words(stage));
-        }
-        if matches!(stage, Stage::Ended(_)) {
-            break;
+            eprintln!("{now:8.2} s  {}", words(stage, settings.kind));
         }
         // Steps that were missed are not made up for.
         next = (next + PERIOD).max(Instant::now());
@@ -165,12 +169,13 @@ fn fly<P: Pilot>(
     Ok(())
 }
 
-fn words(stage: Stage) -> String {
-    match stage {
-        Stage::Waiting => "waits for an autopilot".to_owned(),
-        Stage::Streaming(_) => "sends hover, and waits for OFFBOARD".to_owned(),
-        Stage::Flying(_) => "flies the reference".to_owned(),
-        Stage::Leaving(_) => "asks the autopilot to hold".to_owned(),
-        Stage::Ended(end) => format!("has ended: {end:?}"),
+fn words(stage: Stage, kind: Kind) -> String {
+    match (stage, kind) {
+        (Stage::Waiting, _) => "waits for an autopilot".to_owned(),
+        (Stage::Streaming(_), Kind::Px4) => "sends hover, and waits for OFFBOARD".to_owned(),
+        (Stage::Streaming(_), Kind::ArduPlane(_)) => "waits for QACRO".to_owned(),
+        (Stage::Flying(_), _) => "flies the reference".to_owned(),
+        (Stage::Leaving(_), _) => "asks the autopilot to hold".to_owned(),
+        (Stage::Ended(end), _) => format!("has ended: {end:?}"),
     }
 }

@@ -39,7 +39,10 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let out = args.output.folder(&format!("compare-{}", source.name))?;
 
     let bar = progress_bar(source.plan.flights());
-    let results = Results::of(&source.plan, None, || bar.inc(1))?;
+    let results = Results::of(&source.plan, None, || {
+        bar.inc(1);
+        Ok(())
+    })?;
     bar.finish_and_clear();
 
     let comparison = &source.plan.comparison;

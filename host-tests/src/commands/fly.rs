@@ -39,7 +39,7 @@ pub struct Args {
 /// `--log`.
 #[derive(clap::Args, Default)]
 pub struct Logs {
-    /// Leave the flight as a log, too: ulog (flight.ulg), mcap (flight.mcap)
+    /// Leave the flight as a log, too: ulog (flight.ulg), mcap (flight.mcap), csv (flight.csv)
     #[arg(long = "log", value_name = "KIND,…", value_delimiter = ',')]
     kinds: Vec<LogKind>,
 }
@@ -48,6 +48,7 @@ pub struct Logs {
 enum LogKind {
     Ulog,
     Mcap,
+    Csv,
 }
 
 impl Logs {
@@ -65,6 +66,7 @@ impl Logs {
             let format = match kind {
                 LogKind::Ulog => Format::Ulog,
                 LogKind::Mcap => Format::Mcap,
+                LogKind::Csv => Format::Csv,
             };
             leave(&out.join(format.file()), |file| format.write(&log, file))?;
             Ok(format.file())

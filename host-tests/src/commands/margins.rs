@@ -5,11 +5,10 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use alula::GainParameters;
-use alula_sil::airframe::Airframe;
+use alula_sil::airframe::{Airframe, LoopMargins};
 use alula_sil::experiment::{PlantSpec, RateLoop};
 use alula_sil::files::leave;
-use alula_sil::margins::{LONGEST, Loop, LoopGains, Point};
+use alula_sil::margins::LONGEST;
 use alula_sil::page::margins_figure;
 
 use super::output::Output;
@@ -44,60 +43,23 @@ struct Summary<'a> {
     longest_s: f64,
     /// What is counted of the experiment's actuators.
     included: &'a str,
-    loops: &'a [Margins],
-}
-
-#[derive(Serialize)]
-struct Margins {
-    gains: &'static str,
-    points: Vec<Point>,
+    loops: &'a [LoopMargins],
 }
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
-    let airframe = args.settings.airframe(&args.vehicle)?;
-    let vehicle = airframe.reference();
-    let spec = airframe.controller.spec()?;
-    let believed = spec.belief().unwrap_or(&airframe.spec);
-    let Some(gains) = spec.gains(believed) else {
-        anyhow::bail!("{}: its controller has no gains", args.vehicle);
-    };
-    let belief = match args.belief {
-        true => believed.reference(),
-        false => vehicle,
-    };
-    let actuators = match args.bare {
-        true => PlantSpec::default(),
-        false => airframe.plant,
-    };
-    let speeds = match args.speeds.is_empty() {
-        true => (0..=25).map(f64::from).collect(),
-        false => args.speeds.clone(),
-    };
-    if let Some(bad) = speeds.iter().find(|v| !(0.0..=1000.0).contains(*v)) {
-        anyhow::bail!("--speeds: {bad} is not from 0 to 1000 m/s");
+    let mut airframe = args.settings.airframe(&args.vehicle)?;
+    if args.bare {
+        airframe.plant = PlantSpec::default();
     }
+    let loops = airframe.margins(&args.speeds, args.belief)?;
     let out = args.output.folder(&format!("margins/{}", airframe.name))?;
-
-    let paper = LoopGains::of(&GainParameters::PAPER);
-    let loops = [("paper", paper), ("experiment", gains)].map(|(name, gains)| {
-        let of = Loop {
-            vehicle,
-            belief,
-            gains,
-            actuators,
-        };
-        Margins {
-            gains: name,
-            points: speeds.iter().flat_map(|&speed| of.at(speed)).collect(),
-        }
-    });
 
     let curves: Vec<_> = loops.iter().map(|l| (l.gains, &l.points[..])).collect();
     let svg = margins_figure(&curves).svg();
     leave(&out.join("margins.svg"), |file| {
         Ok(file.write_all(svg.as_bytes())?)
     })?;
-    let included = included(&actuators);
+    let included = included(&airframe.plant);
     let mut stdout = std::io::stdout().lock();
     if args.output.json() {
         let summary = Summary {

@@ -17,7 +17,7 @@ use super::settings::Settings;
 /// Run a controller open loop over a logged flight; write its commands as CSV on standard output
 #[derive(clap::Args)]
 pub struct Args {
-    /// The log: a CSV file such as a flight's trace.csv, a PX4 ULog, or an ArduPilot DataFlash log (.bin, .log)
+    /// The log: a CSV file such as a flight's trace.csv, a PX4 ULog, MCAP, or an ArduPilot DataFlash log (.bin, .log)
     file: PathBuf,
     /// The experiment whose controller is run: a built-in or a TOML file
     #[arg(long, default_value = DEFAULT)]

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use alula_bridges::companion::{self, Connection};
+use alula_bridges::companion::{self, Connection, Kind};
 use alula_bridges::sitl::{self, Counts};
 use anyhow::Context;
 
@@ -15,6 +15,7 @@ use alula_sil::ardupilot::Vehicle;
 use alula_sil::companion::Craft;
 use alula_sil::space::Experiment;
 
+use super::autopilot::StickRates;
 use super::fly::{Logs, report};
 use super::output::Output;
 use super::settings::Settings;
@@ -29,12 +30,13 @@ pub struct Args {
 #[derive(clap::Subcommand)]
 enum Autopilot {
     Ardupilot(ArduPilot),
-    Px4(Px4),
+    Px4(Simulated),
+    Arduplane(ArduPlane),
 }
 
 /// Be a simulated PX4 with the vehicle of an experiment, in real time, for `companion` to be tried on; Ctrl-C ends
 #[derive(clap::Args)]
-struct Px4 {
+struct Simulated {
     /// A built-in experiment or a TOML file: its vehicle and weather
     experiment: String,
     #[command(flatten)]
@@ -42,6 +44,16 @@ struct Px4 {
     /// Whom to talk to
     #[arg(long, value_name = "ADDRESS", default_value = "udpout:127.0.0.1:14540")]
     connect: String,
+}
+
+/// Be a simulated ArduPlane in QACRO with the vehicle of an experiment, in real time, for `companion --autopilot arduplane` to be tried on;
+/// Ctrl-C ends
+#[derive(clap::Args)]
+struct ArduPlane {
+    #[command(flatten)]
+    simulated: Simulated,
+    #[command(flatten)]
+    sticks: StickRates,
 }
 
 /// Be the physics of ArduPilot's SITL (`--model JSON`); Ctrl-C ends, and leaves the flight as `fly` does
@@ -63,7 +75,8 @@ struct ArduPilot {
 pub fn run(args: &Args) -> anyhow::Result<()> {
     match &args.autopilot {
         Autopilot::Ardupilot(args) => ardupilot(args),
-        Autopilot::Px4(args) => px4(args),
+        Autopilot::Px4(args) => simulated(args, Kind::Px4),
+        Autopilot::Arduplane(args) => simulated(&args.simulated, args.sticks.kind()?),
     }
 }
 
@@ -116,26 +129,28 @@ fn ardupilot(args: &ArduPilot) -> anyhow::Result<()> {
     )
 }
 
-/// Time step of the simulated PX4's vehicle.
+/// Time step of a simulated autopilot's vehicle.
 const STEP: Duration = Duration::from_millis(2);
 
-fn px4(args: &Px4) -> anyhow::Result<()> {
+fn simulated(args: &Simulated, kind: Kind) -> anyhow::Result<()> {
     let document = args.settings.document(&args.experiment)?;
     let craft = match document.get("path") {
         Some(_) => Craft::in_space(&Experiment::of(&document)?)?,
         None => Craft::in_plane(&document.checked()?),
     };
     let mut link = Connection::open(&args.connect).with_context(|| args.connect.clone())?;
-    let mut autopilot = companion::Autopilot::new(craft);
+    let mut autopilot = companion::Autopilot::new(craft, kind);
     let interrupted = interrupted()?;
     let begin = Instant::now();
     let mut steps = 0_u32;
     let mut mode = None;
+    let mut malformed = 0_u64;
     while !interrupted.load(Ordering::Relaxed) {
         let now = (STEP * steps).as_secs_f64();
         for (_, came) in link.received() {
-            if let Some((_, message)) = came {
-                autopilot.receive(now, &message);
+            match came {
+                Some((header, message)) => autopilot.receive(now, &header, &message),
+                None => malformed += 1,
             }
         }
         autopilot.advance(now, STEP.as_secs_f64());
@@ -144,15 +159,18 @@ fn px4(args: &Px4) -> anyhow::Result<()> {
         }
         if mode != Some(autopilot.mode()) {
             mode = Some(autopilot.mode());
-            let (main, sub) = autopilot.mode();
-            eprintln!("{now:8.2} s  mode {main}/{sub}");
+            let [first, second] = kind.parameters(autopilot.mode());
+            match kind {
+                Kind::Px4 => eprintln!("{now:8.2} s  mode {first}/{second}"),
+                Kind::ArduPlane(_) => eprintln!("{now:8.2} s  mode {first}"),
+            }
         }
         steps += 1;
         thread::sleep((begin + STEP * steps).saturating_duration_since(Instant::now()));
     }
     let [north, east, down] = companion::Body::state(autopilot.body()).position;
     eprintln!(
-        "ended {north:.1} m north, {east:.1} m east, {:.1} m up",
+        "ended {north:.1} m north, {east:.1} m east, {:.1} m up; {malformed} messages malformed",
         -down
     );
     Ok(())

@@ -6,7 +6,7 @@ use serde::Serialize;
 use alula_sil::page::sweep::figure;
 use alula_sil::page::{Page, Table, fixed};
 use alula_sil::simulate::fly;
-use alula_sil::sweep::{Cause, Findings, Span, findings, sweep};
+use alula_sil::sweep::{Cause, Findings, Span, findings, least_fp, sweep};
 
 use super::output::Output;
 use super::settings::Settings;
@@ -37,10 +37,10 @@ struct Summary {
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let document = args.settings.document(&args.experiment)?;
     let experiment = &document.checked()?;
-    let spec = experiment.spec()?;
-    let gains = spec.gains(spec.belief().unwrap_or(&experiment.vehicle));
-    let tau = gains.map_or(0.0, |gains| gains.tau());
-    let least_fp = args.min_fp.unwrap_or(tau);
+    let least_fp = match args.min_fp {
+        Some(least) => least,
+        None => least_fp(experiment)?,
+    };
     if !least_fp.is_finite() || least_fp < 0.0 {
         return Err(anyhow!(
             "--min-fp: must be a finite number and not negative"

@@ -7,11 +7,11 @@ mod craft;
 pub mod plane;
 pub mod space;
 
-use alula_bridges::companion::Settings;
+use alula_bridges::companion::{Kind, Settings};
 
 pub use craft::Craft;
 
-/// Settings for flying for `duration` \[s\] under a controller that believes in `weight` \[N\]. If `hover_thrust` is none, thrust is taken
+/// Settings for flying a PX4 for `duration` \[s\] under a controller that believes in `weight` \[N\]. If `hover_thrust` is none, thrust is taken
 /// for proportional up to `most` \[N\].
 fn settings(
     weight: f64,
@@ -24,6 +24,7 @@ fn settings(
         anyhow::bail!("the thrust in hover is {hover_thrust}, must be from 0.05 to 0.95");
     }
     Ok(Settings {
+        kind: Kind::Px4,
         weight: weight as f32,
         hover_thrust: hover_thrust as f32,
         engage: false,

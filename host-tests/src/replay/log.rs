@@ -5,7 +5,6 @@
 
 use std::io::Write;
 
-use alula::guidance::Air;
 use alula::{Attitude, Body, FeedForward, Inertial, PlanarInput, Reference};
 use alula_logs::states::States;
 use anyhow::bail;
@@ -106,9 +105,7 @@ pub fn replay(
                 velocity: current.within(told.velocity),
                 attitude: Attitude::from_angle(theta),
                 state_age: told.velocity_age.max(states.attitude.age[row]) as f32,
-                air: told
-                    .wind
-                    .map_or(Air::Unknown, |w| Air::Wind(current.within(w))),
+                air: told.air(|v| current.within(v)),
                 specific_force: told.force().map(|f| Body::new(f.i, f.j)),
                 position_error: told.position_error().map(|e| current.within(e.into())),
                 reference: Reference {

@@ -27,7 +27,7 @@ enum Content {
 }
 
 impl Source {
-    /// Opens the log `file`: a CSV such as a flight's trace, a PX4 ULog, or an ArduPilot DataFlash log. `map` is a TOML file that says which
+    /// Opens the log `file`: a CSV such as a flight's trace, a PX4 ULog, MCAP of JSON, or an ArduPilot DataFlash log. `map` is a TOML file that says which
     /// column of a foreign CSV is which, `heading_deg` the heading of the vertical plane of the flight \[°\]; without it the plane that the
     /// wing is square to.
     pub fn open(
@@ -48,7 +48,9 @@ impl Source {
                 let bytes = std::fs::read(file).with_context(|| origin.clone())?;
                 Some(alula_logs::csv::read(&origin, &bytes, Some(&map))?)
             }
-            None if alula_logs::is_autopilots(file, &head) => Some(alula_logs::read(file)?),
+            None if alula_logs::is_autopilots(file, &head) || is_plain(&head) => {
+                Some(alula_logs::read(file)?)
+            }
             None => None,
         };
         let content = match log {
@@ -71,7 +73,7 @@ impl Source {
         match self.content {
             Content::Log(states) => Ok(*states),
             Content::Trace(_) => anyhow::bail!(
-                "{}: the guidance in space replays an autopilot's log, as `fly --log ulog` leaves one, or a CSV with --map",
+                "{}: the guidance in space replays an autopilot's log, as `fly --log ulog,mcap,csv` leaves one, or a CSV with --map",
                 self.origin
             ),
         }
@@ -94,4 +96,13 @@ impl Source {
             }
         }
     }
+}
+
+/// Whether a CSV that begins with `head` has its attitude in the columns that a plain table of states has.
+fn is_plain(head: &[u8]) -> bool {
+    let line = head.split(|byte| *byte == b'\n').next().unwrap_or_default();
+    let names = line.split(|byte| *byte == b',').map(<[u8]>::trim_ascii);
+    ["qw", "qx", "qy", "qz"]
+        .iter()
+        .all(|name| names.clone().any(|n| n == name.as_bytes()))
 }

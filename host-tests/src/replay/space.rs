@@ -2,7 +2,6 @@
 
 use std::io::Write;
 
-use alula::guidance::Air;
 use alula::ned::{BodyAxes, Quaternion};
 use alula::spatial::{Heading, Orientation, Reference};
 use alula::{GuidanceInput, GuidanceState};
@@ -47,20 +46,21 @@ pub fn replay(states: &States, experiment: &Experiment) -> anyhow::Result<(Recor
             position: told.wanted.unwrap_or(V3::repeat(f64::NAN)),
             velocity: told.reference.into(),
             acceleration: told.acceleration.into(),
-            heading: None,
+            heading: told.heading,
         };
-        let wind = told.wind.map(V3::from);
         let input = GuidanceInput {
             velocity: ned(told.velocity.into()),
             orientation,
             state_age: told.velocity_age.max(states.attitude.age[row]) as f32,
-            air: wind.map_or(Air::Unknown, |w| Air::Wind(ned(w))),
+            air: told.air(|v| ned(v.into())),
             specific_force: told.force(),
             position_error: told.position_error().map(ned),
             reference: Reference {
                 velocity: ned(target.velocity),
                 acceleration: ned(target.acceleration),
-                heading: Heading::FREE,
+                heading: told
+                    .heading
+                    .map_or(Heading::FREE, |h| Heading::from_angle(h as f32)),
             },
             reference_age: told.reference_age as f32,
         };
@@ -76,7 +76,7 @@ pub fn replay(states: &States, experiment: &Experiment) -> anyhow::Result<(Recor
                 rates: V3::repeat(f64::NAN),
                 thrust: f64::NAN,
             },
-            wind: wind.unwrap_or_default(),
+            wind: told.wind().map_or(V3::zeros(), V3::from),
             load_factor: told.specific_force.map_or(f64::NAN, |f| {
                 V3::from(f).norm() / experiment.vehicle.gravity_m_s2
             }),
@@ -115,47 +115,59 @@ mod tests {
         }
     }
 
-    /// A turn in a wind that blows level, which is what a log holds of it, and which the guidance was told: the same commands from its
-    /// ULog as in flight.
+    /// A turn in a wind off every axis, with errors of every sensor, the air told as the velocity through it: the same commands from the flight's
+    /// log as in flight, of each kind.
     #[test]
     fn a_flights_own_log_replays_to_the_commands_flown() {
-        let mut document = Document::load("circle-40").unwrap();
-        for change in [
-            "duration_s=20",
-            "entry_s=0",
-            "weather.steady_m_s=[0.5,-0.5,0]",
-            "sensors.air=\"steady-wind\"",
-        ] {
-            document.assign(change).unwrap();
+        for air in ["velocity", "steady-wind", "none"] {
+            let air = format!("sensors.air=\"{air}\"");
+            let mut document = Document::load("circle-40").unwrap();
+            for change in [
+                "duration_s=20",
+                "entry_s=0",
+                "weather.steady_m_s=[1.5,-1.5,0.5]",
+                "sensors.velocity_m_s.noise=0.05",
+                "sensors.position_m.noise=0.05",
+                "sensors.attitude_deg.noise=0.2",
+                "sensors.acceleration_m_s2.noise=0.1",
+                &air,
+            ] {
+                document.assign(change).unwrap();
+            }
+            let experiment = Experiment::of(&document).unwrap();
+            let flown = fly(&experiment).unwrap();
+            let log = flight_log::log(&experiment, &flown).unwrap();
+            for format in [Format::Ulog, Format::Mcap, Format::Csv] {
+                let mut file = std::io::Cursor::new(Vec::new());
+                format.write(&log, &mut file).unwrap();
+                let bytes = file.get_ref();
+                let log = match format {
+                    Format::Ulog => alula_logs::ulog::read("x", bytes),
+                    Format::Mcap => alula_logs::mcap::read("x", bytes),
+                    Format::Csv => alula_logs::csv::read("x", bytes, None),
+                };
+                let states = alula_logs::states::find(&log.unwrap()).unwrap();
+                same_commands(&flown, &states, &experiment, &format!("{air} {format:?}"));
+            }
         }
-        let experiment = Experiment::of(&document).unwrap();
-        let flown = fly(&experiment).unwrap();
-        let mut file = std::io::Cursor::new(Vec::new());
-        let log = flight_log::log(&experiment, &flown).unwrap();
-        Format::Ulog.write(&log, &mut file).unwrap();
-        let log = alula_logs::ulog::read("x", file.get_ref()).unwrap();
-        let states = alula_logs::states::find(&log).unwrap();
-        let (replayed, said) = replay(&states, &experiment).unwrap();
+    }
+
+    fn same_commands(flown: &[Step], states: &States, experiment: &Experiment, what: &str) {
+        let (replayed, _) = replay(states, experiment).unwrap();
         assert_eq!(flown.len(), replayed.len());
-        assert!(
-            !said.iter().any(|line| line.contains("specific force")),
-            "{said:?}"
-        );
+        let mut most = [0.0_f32; 2];
         for (a, b) in flown.iter().zip(&replayed) {
             let (a, b) = (a.guided.command, b.guided.command);
-            // Roundings of attitudes and times, over 20 s of the guidance's memory: 1e-4 of 200 N and of 3 rad/s. Found: 4e-3 N and
-            // 1e-4 rad/s.
-            assert!(
-                (a.thrust - b.thrust).abs() < 2e-2,
-                "{} {}",
-                a.thrust,
-                b.thrust
-            );
             let rates = a.rates - b.rates;
-            assert!(rates.norm_squared().sqrt() < 3e-4, "{rates:?}");
+            most[0] = most[0].max((a.thrust - b.thrust).abs());
+            most[1] = most[1].max(rates.norm_squared().sqrt());
         }
+        println!("{what}: {most:?}");
+        // Roundings of the attitude's quaternion in single precision, over 20 s of the guidance's memory, under noisy attitudes: 1e-3 of 200 N,
+        // and 1e-3 rad/s. Found: 0.05 N and 3e-4 rad/s.
+        assert!(most[0] < 0.2 && most[1] < 1e-3, "{what}: {most:?}");
         let mut csv = Vec::new();
-        write(&experiment, &replayed, &mut csv).unwrap();
+        write(experiment, &replayed, &mut csv).unwrap();
         let text = String::from_utf8(csv).unwrap();
         assert_eq!(text.lines().count(), replayed.len() + 1);
     }

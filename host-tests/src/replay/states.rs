@@ -1,5 +1,6 @@
 //! What an autopilot's log tells a controller, row by row.
 
+use alula::guidance::Air;
 use alula::ned::BodyAxes;
 use alula::spatial::Body;
 use alula_logs::states::{Series, States};
@@ -25,8 +26,12 @@ pub struct Row {
     pub position: Option<V3>,
     /// x_r \[m\].
     pub wanted: Option<V3>,
+    /// Heading asked for \[rad\].
+    pub heading: Option<f64>,
     /// Wind \[m/s\].
-    pub wind: Option<[f64; 3]>,
+    wind: Option<[f64; 3]>,
+    /// Velocity through the air \[m/s\].
+    through: Option<[f64; 3]>,
     /// Specific force along nose, right wing and belly \[m/s²\].
     pub specific_force: Option<[f64; 3]>,
 }
@@ -59,7 +64,9 @@ impl Row {
                 .unwrap_or_default(),
             position: value(states.position.as_ref()).map(V3::from),
             wanted: value(states.position_setpoint.as_ref()).map(V3::from),
+            heading: at(states.heading_setpoint.as_ref(), row).map(|([heading], _)| heading),
             wind: value(states.wind.as_ref()),
+            through: value(states.air_velocity.as_ref()),
             specific_force: value(states.specific_force.as_ref()),
         }
     }
@@ -67,6 +74,22 @@ impl Row {
     /// x − x_r \[m\], if both are known.
     pub fn position_error(&self) -> Option<V3> {
         self.position.zip(self.wanted).map(|(x, r)| x - r)
+    }
+
+    /// What is known of the air, in the axes of `within`. The velocity through it goes before the wind.
+    pub fn air<V>(&self, within: impl Fn([f64; 3]) -> V) -> Air<V> {
+        match (self.through, self.wind) {
+            (Some(velocity), _) => Air::Velocity(within(velocity)),
+            (None, Some(wind)) => Air::Wind(within(wind)),
+            (None, None) => Air::Unknown,
+        }
+    }
+
+    /// The wind \[m/s\], if it is known.
+    pub fn wind(&self) -> Option<[f64; 3]> {
+        let through = self.through.map(V3::from);
+        let wind = through.map(|v| (V3::from(self.velocity) - v).into());
+        wind.or(self.wind)
     }
 
     /// The specific force along the core's body axes \[m/s²\].

@@ -67,7 +67,7 @@ impl Outcome {
     }
 
     /// In words.
-    fn text(self) -> &'static str {
+    pub fn text(self) -> &'static str {
         match self {
             Self::Flies => "flies",
             Self::Oscillates => "oscillates",
@@ -248,17 +248,17 @@ pub fn header() -> Vec<String> {
 }
 
 impl Results {
-    /// Flies every experiment of `plan`; `visit` is told after each flight.
+    /// Flies every experiment of `plan`; `visit` is asked after each flight whether to go on.
     pub fn of(
         plan: &Plan,
         threads: Threads,
-        visit: impl Fn() + Sync + Send,
+        visit: impl Fn() -> anyhow::Result<()> + Sync + Send,
     ) -> anyhow::Result<Self> {
         let experiments: Vec<&Experiment> = plan.experiments.iter().flatten().flatten().collect();
         let flown = each(&experiments, threads, |experiment| {
-            let flight = Flight::of(experiment);
-            visit();
-            flight
+            let flight = Flight::of(experiment)?;
+            visit()?;
+            Ok(flight)
         })?;
         let mut flown = flown.into_iter();
         let comparison = &plan.comparison;
@@ -386,6 +386,7 @@ mod tests {
         let run = |threads| {
             let visit = || {
                 count.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+                Ok(())
             };
             Results::of(&plan, std::num::NonZero::new(threads), visit).unwrap()
         };

@@ -4,7 +4,7 @@ use std::net::UdpSocket;
 use std::time::Duration;
 
 use alula_bridges::companion::{
-    Autopilot, Companion, MavHeader, MavMessage, Pilot, Settings, Stage, wire,
+    Autopilot, Companion, Kind, MavHeader, MavMessage, Pilot, Settings, Stage, Sticks, wire,
 };
 use alula_sil::companion::Craft;
 use rand::{RngExt, SeedableRng};
@@ -112,18 +112,27 @@ impl Way {
     }
 }
 
+/// An ArduPlane whose sticks turn it at 360, 180 and 180 °/s.
+pub const ARDUPLANE: Kind = Kind::ArduPlane(Sticks {
+    roll: std::f32::consts::TAU,
+    pitch: std::f32::consts::PI,
+    yaw: std::f32::consts::PI,
+});
+
 /// Rate of the companion's steps \[Hz\], and of the vehicle's.
 pub const RATE: u32 = 50;
 pub const PLANT: u32 = 500;
 
 /// How a flight went.
+#[derive(Clone, Copy)]
 pub struct Ended {
     pub stage: Stage,
     pub losses: u32,
-    pub mode: (u8, u8),
+    pub mode: u32,
     pub dropped: u64,
-    /// Set-points sent after the end.
+    /// Messages sent after the end, but for those that give channels back; whether a channel is not given back.
     pub after: usize,
+    pub overridden: bool,
 }
 
 /// Lets `pilot` fly `craft` over two ways of this quality, for `duration` \[s\]. `event` may act at each step of the vehicle; `flown` is
@@ -138,7 +147,7 @@ pub fn flies<P: Pilot>(
 ) -> Ended {
     settings.engage = true;
     let mut companion = Companion::new(settings);
-    let mut autopilot = Autopilot::new(craft);
+    let mut autopilot = Autopilot::new(craft, settings.kind);
     let (mut down, mut up) = (Way::new(quality, 2 * seed), Way::new(quality, 2 * seed + 1));
     let mut after = 0;
     for step in 0..(duration * f64::from(PLANT)) as u32 {
@@ -154,17 +163,17 @@ pub fn flies<P: Pilot>(
             let ended = matches!(companion.stage(), Stage::Ended(_));
             let (messages, commanded) = companion.step(now, pilot);
             if ended {
-                after += messages.len();
+                after += messages.iter().filter(|m| !gives_back(m)).count();
             }
             for message in messages {
-                up.send(now, Companion::HEADER, &message);
+                up.send(now, companion.header(), &message);
             }
             if let (Some(_), Stage::Flying(since)) = (commanded, companion.stage()) {
                 flown(now - since, pilot, autopilot.body());
             }
         }
-        for (_, message) in up.receive(now) {
-            autopilot.receive(now, &message);
+        for (header, message) in up.receive(now) {
+            autopilot.receive(now, &header, &message);
         }
         autopilot.advance(now, 1.0 / f64::from(PLANT));
     }
@@ -174,7 +183,16 @@ pub fn flies<P: Pilot>(
         mode: autopilot.mode(),
         dropped: companion.inbox().counts.dropped,
         after,
+        overridden: autopilot.is_overridden(),
     }
+}
+
+/// Whether a message gives the channels back to the transmitter.
+fn gives_back(message: &MavMessage) -> bool {
+    let MavMessage::RC_CHANNELS_OVERRIDE(m) = message else {
+        return false;
+    };
+    [m.chan1_raw, m.chan2_raw, m.chan3_raw, m.chan4_raw] == [0; 4]
 }
 
 pub fn nothing(_: f64, _: &mut Autopilot<Craft>, _: &mut Way) {}

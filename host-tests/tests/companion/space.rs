@@ -1,12 +1,12 @@
 //! The guidance in space.
 
-use alula_bridges::companion::{End, HOLD, Stage};
+use alula_bridges::companion::{End, Kind, Settings, Stage};
 use alula_sil::companion::Craft;
 use alula_sil::companion::space::{OnPath, settings};
 use alula_sil::experiment::Document;
-use alula_sil::space::{Experiment, V3};
+use alula_sil::space::{Experiment, Step, V3, fly};
 
-use super::link::{BAD, Ended, GOOD, Quality, flies, nothing};
+use super::link::{ARDUPLANE, BAD, Ended, GOOD, Quality, flies, nothing};
 
 fn experiment(name: &str, changes: &[&str]) -> Experiment {
     let mut document = Document::load(name).unwrap();
@@ -22,12 +22,43 @@ struct Flight {
     /// Root mean squares after the entry: velocity \[m/s\] and position \[m\].
     velocity: f64,
     position: f64,
-    /// Lowest and highest over the path, all along \[m\].
+    /// Lowest and highest over the path \[m\]: all along, and after the entry.
     altitude: [f64; 2],
+    settled: [f64; 2],
 }
 
-fn companion_flies(experiment: &Experiment, quality: Quality, seed: u64) -> Flight {
-    let settings = settings(experiment, None).unwrap();
+impl Flight {
+    fn text(&self) -> String {
+        let Self {
+            velocity,
+            position,
+            altitude,
+            settled,
+            ..
+        } = self;
+        format!(
+            "{velocity:.2} m/s, {position:.2} m, altitude {altitude:.1?}, after the entry {settled:.1?} m"
+        )
+    }
+
+    /// The worse of each.
+    fn worse(&self, other: &Self) -> Self {
+        let wider = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].max(b[1])];
+        Self {
+            ended: self.ended,
+            velocity: self.velocity.max(other.velocity),
+            position: self.position.max(other.position),
+            altitude: wider(self.altitude, other.altitude),
+            settled: wider(self.settled, other.settled),
+        }
+    }
+}
+
+fn companion_flies(experiment: &Experiment, kind: Kind, quality: Quality, seed: u64) -> Flight {
+    let settings = Settings {
+        kind,
+        ..settings(experiment, None).unwrap()
+    };
     let mut pilot = OnPath::new(experiment, false).unwrap();
     let mut truth: Vec<(f64, V3, V3)> = Vec::new();
     let mut origin = None;
@@ -47,6 +78,7 @@ fn companion_flies(experiment: &Experiment, quality: Quality, seed: u64) -> Flig
     let record = pilot.record();
     let (mut velocity, mut position, mut count) = (0.0, 0.0, 0);
     let mut altitude = [0.0_f64; 2];
+    let mut settled = [0.0_f64; 2];
     for (t, x, v) in truth {
         let next = record.partition_point(|step| step.t <= t);
         let (Some(a), Some(b)) = (next.checked_sub(1).map(|i| &record[i]), record.get(next)) else {
@@ -60,6 +92,7 @@ fn companion_flies(experiment: &Experiment, quality: Quality, seed: u64) -> Flig
         if t >= experiment.entry_s {
             velocity += (v - speed).norm_squared();
             position += (x - wanted).norm_squared();
+            settled = [settled[0].min(above), settled[1].max(above)];
             count += 1;
         }
     }
@@ -69,58 +102,60 @@ fn companion_flies(experiment: &Experiment, quality: Quality, seed: u64) -> Flig
         velocity: mean(velocity),
         position: mean(position),
         altitude,
+        settled,
     }
 }
 
-/// Links of 20 ms each way and 2 % of loss, of three seeds each. In process at 100 Hz (velocity, position rms) the circle has 0.05 m/s and
-/// 0.10 m, the eight 0.25 and 0.21, the mission 0.67 and 0.60; over the links at worst 0.12 and 0.83, 0.36 and 1.00, 1.11 and 1.57. A
-/// position is off along the path by the error of the clocks, some 10 ms at 20 m/s, and by what set-points at 50 Hz miss. With one of the
-/// links the circle is 3.4 m high for a moment.
+type Held = (&'static str, [f64; 2], [f64; 2], [f64; 2]);
+
+/// Path, greatest errors of velocity \[m/s\] and position \[m\] after the entry, and the altitudes \[m\] over the path that are left neither after the
+/// entry nor at all. What twenty links of either autopilot had at worst (docs/autopilots.md), and 40 % more; the circle begins in full flight
+/// with a set-point of hover under way, which lifts it or lets it sink before the first command arrives.
+const PATHS: [Held; 3] = [
+    ("circle-40", [0.25, 1.2], [-0.3, 0.3], [-7.0, 9.0]),
+    ("eight", [0.55, 1.5], [-0.3, 0.3], [-0.3, 0.3]),
+    ("mission", [1.5, 2.1], [-2.1, 3.9], [-2.1, 3.9]),
+];
+
+/// Links of 20 ms each way and 2 % of loss, of three seeds each, to either autopilot. A position is off along the path by the error of the
+/// clocks, some 10 ms at 20 m/s, and by what set-points at 50 Hz miss.
 #[test]
 fn paths_in_space_are_flown_over_bad_links() {
-    for (name, [velocity, position], lowest) in [
-        ("circle-40", [0.2, 1.2], -1.5),
-        ("eight", [0.5, 1.5], -0.5),
-        ("mission", [1.4, 2.0], -1.5),
-    ] {
+    for (name, [velocity, position], settled, all_along) in PATHS {
         let experiment = experiment(name, &[]);
-        for seed in 0..3 {
-            let flight = companion_flies(&experiment, BAD, seed);
-            let [low, high] = flight.altitude;
-            println!(
-                "{name} {seed}: {:.2} m/s, {:.2} m, {low:.2} to {high:.2} m",
-                flight.velocity, flight.position
-            );
-            assert!(
-                flight.velocity < velocity,
-                "{name} {seed}: {}",
-                flight.velocity
-            );
-            assert!(
-                flight.position < position,
-                "{name} {seed}: {}",
-                flight.position
-            );
-            assert!(low > lowest && high < 4.5, "{name} {seed}: {low} {high}");
-            ended_well(&flight.ended);
+        for (kind, seed) in [Kind::Px4, ARDUPLANE]
+            .into_iter()
+            .flat_map(|kind| [0, 1, 2].map(|seed| (kind, seed)))
+        {
+            let flight = companion_flies(&experiment, kind, BAD, seed);
+            let what = format!("{name} {:?} {seed}: {}", kind.flown(), flight.text());
+            println!("{what}");
+            let within =
+                |[low, high]: [f64; 2], [least, most]: [f64; 2]| low > least && high < most;
+            assert!(flight.velocity < velocity, "{what}");
+            assert!(flight.position < position, "{what}");
+            assert!(within(flight.settled, settled), "{what}");
+            assert!(within(flight.altitude, all_along), "{what}");
+            ended_well(&flight.ended, kind);
         }
     }
 }
 
-/// From hover to hover with a turn, in 3.6 m/s of wind from ahead and the side. In process 1.05 m/s and 1.54 m; over bad links at worst
-/// 1.98 and 3.98, and 5.3 m below: it crosses the stall in the turn, sooner or later.
+/// From hover to hover with a turn, in 3.6 m/s of wind from ahead and the side. In process 1.45 m/s and 1.59 m; over ten bad links at worst
+/// 2.38 and 3.96, from 4.3 m below to 11.8 m above: it crosses the stall in the turn, sooner or later.
 #[test]
 fn a_wind_from_the_side_is_flown_in() {
     let experiment = experiment("mission", &["weather.steady_m_s=[-3,2,0]"]);
     for seed in 0..3 {
-        let flight = companion_flies(&experiment, BAD, seed);
+        let flight = companion_flies(&experiment, Kind::Px4, BAD, seed);
         println!(
             "mission in wind {seed}: {:.2} m/s, {:.2} m, {:.2?} m",
             flight.velocity, flight.position, flight.altitude
         );
         assert!(flight.velocity < 3.0 && flight.position < 6.0);
-        assert!(flight.altitude[0] > -8.0, "{:?}", flight.altitude);
-        ended_well(&flight.ended);
+        let [low, high] = flight.altitude;
+        assert!(low > -8.0 && high < 16.0, "{low} {high}");
+        ended_well(&flight.ended, Kind::Px4);
     }
 }
 
@@ -153,8 +188,44 @@ fn the_accelerometer_is_heard() {
     assert!((1.5..3.0).contains(&most), "{most}");
 }
 
-fn ended_well(ended: &Ended) {
+fn ended_well(ended: &Ended, kind: Kind) {
     assert_eq!(ended.stage, Stage::Ended(End::Finished));
-    assert_eq!((ended.mode, ended.losses, ended.after), (HOLD, 0, 0));
+    let found = (ended.mode, ended.losses, ended.after, ended.overridden);
+    assert_eq!(found, (kind.hold(), 0, 0, false));
     assert!(ended.dropped > 20, "late messages: {}", ended.dropped);
+}
+
+/// What docs/autopilots.md says of flights in space: `--ignored --nocapture space`.
+#[test]
+#[ignore = "minutes: measures what the documentation states"]
+fn measured_over_ten_links_each() {
+    for (name, wind) in [
+        ("circle-40", ""),
+        ("eight", ""),
+        ("mission", ""),
+        ("waypoints", ""),
+        ("mission", "weather.steady_m_s=[-3,2,0]"),
+        ("circle-40", "weather.steady_m_s=[2,0,0]"),
+    ] {
+        let changes: Vec<&str> = Some(wind).into_iter().filter(|w| !w.is_empty()).collect();
+        let experiment = experiment(name, &changes);
+        let direct = fly(&experiment).unwrap();
+        let settled: Vec<_> = direct
+            .iter()
+            .filter(|s| s.t >= experiment.entry_s)
+            .collect();
+        let rms = |of: fn(&Step) -> f64| {
+            let sum: f64 = settled.iter().map(|step| of(step).powi(2)).sum();
+            (sum / settled.len() as f64).sqrt()
+        };
+        let [v, x] = [rms(Step::velocity_error), rms(Step::position_error)];
+        println!("{name} {wind}: in process {v:.2} m/s, {x:.2} m");
+        for kind in [Kind::Px4, ARDUPLANE] {
+            let clean = companion_flies(&experiment, kind, GOOD, 0);
+            println!("  {:?} clean {}", kind.flown(), clean.text());
+            let flights = (0..10).map(|seed| companion_flies(&experiment, kind, BAD, seed));
+            let worst = flights.reduce(|a, b| a.worse(&b)).unwrap();
+            println!("  {:?} worst {}", kind.flown(), worst.text());
+        }
+    }
 }

@@ -60,6 +60,8 @@ pub(super) const FAMILY: Family = Family {
         Source::horizontal(&[("XKF2", "VWN"), ("XKF2", "VWE")]),
         Source::horizontal(&[("NKF2", "VWN"), ("NKF2", "VWE")]),
     ],
+    air_velocity: &[],
+    heading_setpoint: &[],
     airspeed: &[Source::scalar(&[("ARSP", "Airspeed")])],
     specific_force: &[Source::vector(&[
         ("IMU", "AccX"),

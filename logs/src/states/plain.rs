@@ -15,6 +15,8 @@ pub(super) const FAMILY: Family = Family {
     velocity: &[Source::vector(&[("", "vn"), ("", "ve"), ("", "vd")])],
     position: &[Source::vector(&[("", "pn"), ("", "pe"), ("", "pd")])],
     wind: &[Source::vector(&[("", "wn"), ("", "we"), ("", "wd")])],
+    air_velocity: &[Source::vector(&[("", "van"), ("", "vae"), ("", "vad")])],
+    heading_setpoint: &[Source::scalar(&[("", "heading_sp")])],
     airspeed: &[Source::scalar(&[("", "airspeed")])],
     specific_force: &[Source::vector(&[("", "fx"), ("", "fy"), ("", "fz")])],
     attitude_setpoint: &[Source::quaternion(&[
@@ -50,6 +52,8 @@ impl States {
         columns.add(&FAMILY.velocity[0], "m/s", self.velocity.as_ref());
         columns.add(&FAMILY.position[0], "m", self.position.as_ref());
         columns.add(&FAMILY.wind[0], "m/s", self.wind.as_ref());
+        let air = self.air_velocity.as_ref();
+        columns.add(&FAMILY.air_velocity[0], "m/s", air);
         columns.add(&FAMILY.airspeed[0], "m/s", self.airspeed.as_ref());
         let force = self.specific_force.as_ref();
         columns.add(&FAMILY.specific_force[0], "m/s/s", force);
@@ -63,6 +67,8 @@ impl States {
         columns.add(position, "m", self.position_setpoint.as_ref());
         columns.add(velocity, "m/s", self.velocity_setpoint.as_ref());
         columns.add(acceleration, "m/s/s", self.acceleration_setpoint.as_ref());
+        let heading = self.heading_setpoint.as_ref();
+        columns.add(&FAMILY.heading_setpoint[0], "rad", heading);
         Topic::unchecked("states", self.time.clone(), columns.0)
     }
 }
@@ -113,6 +119,8 @@ mod tests {
                 age: vec![0.0; 2],
             }),
             specific_force: Some(series(7.0)),
+            air_velocity: Some(series(8.0)),
+            heading_setpoint: None,
             attitude_setpoint: None,
             position_setpoint: Some(series(4.0)),
             velocity_setpoint: Some(series(5.0)),
@@ -141,6 +149,7 @@ mod tests {
             (&back.position, &states.position),
             (&back.wind, &states.wind),
             (&back.specific_force, &states.specific_force),
+            (&back.air_velocity, &states.air_velocity),
             (&back.position_setpoint, &states.position_setpoint),
             (&back.velocity_setpoint, &states.velocity_setpoint),
             (&back.acceleration_setpoint, &states.acceleration_setpoint),

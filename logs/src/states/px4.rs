@@ -8,34 +8,55 @@
 //! (`xyz`) and `SensorCombined.msg` (`accelerometer_m_s2`), forward-right-down of the same body.
 
 use super::source::Source;
-use super::{Family, Quaternion};
+use super::{Family, Quaternion, TOLD};
 use crate::Log;
 
 pub(super) const FAMILY: Family = Family {
     name: "PX4",
-    attitude: &[Source::quaternion(&[
-        ("vehicle_attitude", "q[0]"),
-        ("vehicle_attitude", "q[1]"),
-        ("vehicle_attitude", "q[2]"),
-        ("vehicle_attitude", "q[3]"),
-    ])],
-    velocity: &[Source::vector(&[
-        ("vehicle_local_position", "vx"),
-        ("vehicle_local_position", "vy"),
-        ("vehicle_local_position", "vz"),
-    ])],
-    position: &[Source::vector(&[
-        ("vehicle_local_position", "x"),
-        ("vehicle_local_position", "y"),
-        ("vehicle_local_position", "z"),
-    ])],
+    attitude: &[
+        Source::quaternion(&[
+            (TOLD, "q[0]"),
+            (TOLD, "q[1]"),
+            (TOLD, "q[2]"),
+            (TOLD, "q[3]"),
+        ]),
+        Source::quaternion(&[
+            ("vehicle_attitude", "q[0]"),
+            ("vehicle_attitude", "q[1]"),
+            ("vehicle_attitude", "q[2]"),
+            ("vehicle_attitude", "q[3]"),
+        ]),
+    ],
+    velocity: &[
+        Source::vector(&[(TOLD, "v[0]"), (TOLD, "v[1]"), (TOLD, "v[2]")]),
+        Source::vector(&[
+            ("vehicle_local_position", "vx"),
+            ("vehicle_local_position", "vy"),
+            ("vehicle_local_position", "vz"),
+        ]),
+    ],
+    position: &[
+        Source::vector(&[(TOLD, "x[0]"), (TOLD, "x[1]"), (TOLD, "x[2]")]),
+        Source::vector(&[
+            ("vehicle_local_position", "x"),
+            ("vehicle_local_position", "y"),
+            ("vehicle_local_position", "z"),
+        ]),
+    ],
     wind: &[
+        Source::vector(&[(TOLD, "wind[0]"), (TOLD, "wind[1]"), (TOLD, "wind[2]")]),
         Source::horizontal(&[("wind", "windspeed_north"), ("wind", "windspeed_east")]),
         Source::horizontal(&[
             ("wind_estimate", "windspeed_north"),
             ("wind_estimate", "windspeed_east"),
         ]),
     ],
+    air_velocity: &[Source::vector(&[
+        (TOLD, "air[0]"),
+        (TOLD, "air[1]"),
+        (TOLD, "air[2]"),
+    ])],
+    heading_setpoint: &[Source::scalar(&[(TOLD, "heading")])],
     airspeed: &[
         Source::scalar(&[("airspeed_validated", "true_airspeed_m_s")]),
         Source::scalar(&[("airspeed", "true_airspeed_m_s")]),
@@ -176,8 +197,7 @@ mod tests {
         let wind = states.wind.as_ref().unwrap();
         assert!(wind.values[1][0].is_nan() && wind.age[1].is_infinite());
         assert_eq!(wind.values[2], [1.5, -1.0, 0.0]);
-        assert_eq!(states.air_velocity().unwrap().values[2], [2.5, 6.0, 6.0]);
-        assert_eq!(states.air_velocity().unwrap().age[2], 1.25);
+        assert_eq!(states.air_velocity, None);
         let setpoint = states.velocity_setpoint.unwrap();
         assert!(
             setpoint

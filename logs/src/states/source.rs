@@ -190,12 +190,22 @@ pub(super) fn first<const N: usize>(
     sources: &[Source],
     missing: &mut Vec<Missing>,
 ) -> Option<Series<N>> {
-    let found = sources.iter().find_map(|source| source.find(log));
+    let found = any(log, time, sources);
     if found.is_none() {
         missing.push(Missing {
             what,
             tried: sources.iter().map(Source::to_string).collect(),
         });
     }
+    found
+}
+
+/// The first of `sources` that `log` has, held at `time`.
+pub(super) fn any<const N: usize>(
+    log: &Log,
+    time: &[f64],
+    sources: &[Source],
+) -> Option<Series<N>> {
+    let found = sources.iter().find_map(|source| source.find(log));
     found.map(|found| found.held(time))
 }

@@ -1,0 +1,56 @@
+//! Which autopilot, of `companion` and of the simulated ones.
+
+use alula_bridges::companion::{Kind, Sticks};
+use anyhow::ensure;
+
+/// The choice of an autopilot.
+#[derive(clap::Args)]
+pub struct Choice {
+    /// What flies: PX4 in OFFBOARD, or ArduPlane in QACRO by overridden sticks
+    #[arg(long, value_enum, default_value_t = Name::Px4)]
+    autopilot: Name,
+    #[command(flatten)]
+    sticks: StickRates,
+}
+
+#[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
+enum Name {
+    Px4,
+    Arduplane,
+}
+
+/// The rates of ArduPlane's sticks.
+#[derive(clap::Args)]
+pub struct StickRates {
+    /// ArduPlane's Q_ACRO_RLL_RATE, Q_ACRO_PIT_RATE and Q_ACRO_YAW_RATE [°/s], as its parameters say
+    #[arg(long, value_name = "ROLL,PITCH,YAW", value_delimiter = ',', default_values_t = [360.0, 180.0, 180.0])]
+    stick_rates: Vec<f32>,
+}
+
+/// Least and greatest rate [°/s] that ArduPlane's parameters take.
+const RATES: std::ops::RangeInclusive<f32> = 10.0..=500.0;
+
+impl StickRates {
+    /// The kind of autopilot that has these sticks.
+    pub fn kind(&self) -> anyhow::Result<Kind> {
+        let [roll, pitch, yaw] = self.stick_rates[..] else {
+            anyhow::bail!("--stick-rates: three rates, as in 360,180,180");
+        };
+        ensure!(
+            self.stick_rates.iter().all(|rate| RATES.contains(rate)),
+            "--stick-rates: from 10 to 500 °/s, as ArduPlane takes them"
+        );
+        let [roll, pitch, yaw] = [roll, pitch, yaw].map(f32::to_radians);
+        Ok(Kind::ArduPlane(Sticks { roll, pitch, yaw }))
+    }
+}
+
+impl Choice {
+    /// The kind of autopilot.
+    pub fn kind(&self) -> anyhow::Result<Kind> {
+        match self.autopilot {
+            Name::Px4 => Ok(Kind::Px4),
+            Name::Arduplane => self.sticks.kind(),
+        }
+    }
+}

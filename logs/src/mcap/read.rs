@@ -1,0 +1,269 @@
+//! Reading MCAP with JSON messages. By own code: the crate that writes it (`mcap` 0.26) panics on damaged files.
+
+use super::named;
+use crate::{Column, Error, Log, Topic};
+use serde_json::{Map, Value};
+use std::collections::BTreeMap;
+
+/// What every MCAP file begins with.
+const MAGIC: &[u8] = b"\x89MCAP0\r\n";
+
+/// Whether a file that begins with `head` is MCAP.
+#[must_use]
+pub fn is_mcap(head: &[u8]) -> bool {
+    head.starts_with(MAGIC)
+}
+
+/// The rows of one channel as they are read.
+struct Rows {
+    time: Vec<f64>,
+    columns: Vec<Column>,
+}
+
+/// The numbers of a message by their columns' names; those of an array are `name[0]`, `name[1]`, …
+fn numbers(fields: &Map<String, Value>) -> Vec<(String, f64)> {
+    let number = |value: &Value| value.as_f64().unwrap_or(f64::NAN);
+    let mut numbers = Vec::new();
+    for (name, value) in fields.iter().filter(|(name, _)| *name != "timestamp") {
+        match value {
+            Value::Array(values) => {
+                let elements = values.iter().enumerate();
+                numbers.extend(elements.map(|(i, v)| (format!("{name}[{i}]"), number(v))));
+            }
+            value => numbers.push((name.clone(), number(value))),
+        }
+    }
+    numbers
+}
+
+impl Rows {
+    /// Rows of the columns of a first message.
+    fn new(numbers: &[(String, f64)], units: &BTreeMap<String, String>) -> Self {
+        let unit = |name: &str| {
+            let field = name.split('[').next().unwrap_or_default();
+            units.get(field).map_or("", String::as_str)
+        };
+        let column = |(name, _): &(String, f64)| Column::new(name, unit(name), Vec::new());
+        Self {
+            time: Vec::new(),
+            columns: numbers.iter().map(column).collect(),
+        }
+    }
+
+    /// Adds a row; whether it has the columns of the first.
+    fn add(&mut self, time: f64, numbers: &[(String, f64)]) -> bool {
+        let names = self.columns.iter().map(|column| &column.name);
+        let same = names.eq(numbers.iter().map(|(name, _)| name));
+        if same {
+            self.time.push(time);
+            for (column, (_, value)) in self.columns.iter_mut().zip(numbers) {
+                column.values.push(*value);
+            }
+        }
+        same
+    }
+}
+
+/// Bytes yet to be read.
+#[derive(Clone, Copy)]
+struct Bytes<'a>(&'a [u8]);
+
+impl<'a> Bytes<'a> {
+    fn take(&mut self, count: usize) -> Option<&'a [u8]> {
+        let (first, rest) = self.0.split_at_checked(count)?;
+        self.0 = rest;
+        Some(first)
+    }
+
+    /// An unsigned number of this many bytes, the lowest first.
+    fn number(&mut self, bytes: usize) -> Option<u64> {
+        let taken = self.take(bytes)?;
+        let shifted = |sum: u64, (i, byte): (usize, &u8)| sum | u64::from(*byte) << (8 * i);
+        Some(taken.iter().enumerate().fold(0, shifted))
+    }
+
+    /// What has its length, of this many bytes, before it.
+    fn part(&mut self, bytes: usize) -> Option<&'a [u8]> {
+        let length = self.number(bytes)?;
+        self.take(length.try_into().ok()?)
+    }
+
+    fn text(&mut self) -> Option<String> {
+        Some(String::from_utf8_lossy(self.part(4)?).into_owned())
+    }
+}
+
+/// Kinds of records.
+const CHANNEL: u8 = 0x04;
+const MESSAGE: u8 = 0x05;
+const CHUNK: u8 = 0x06;
+const END_OF_DATA: u8 = 0x0f;
+
+/// A channel of JSON, or of something else.
+struct Channel {
+    topic: String,
+    json: bool,
+    /// Field → unit.
+    units: BTreeMap<String, String>,
+    /// None before the first message.
+    rows: Option<Rows>,
+    /// Messages left out.
+    others: usize,
+}
+
+impl Channel {
+    /// Its number, and what a record says of it.
+    fn of(mut record: Bytes) -> Option<(u64, Self)> {
+        let id = record.number(2)?;
+        record.number(2)?;
+        let (topic, encoding) = (record.text()?, record.text()?);
+        let mut metadata = Bytes(record.part(4)?);
+        let mut units = BTreeMap::new();
+        while let (Some(field), Some(unit)) = (metadata.text(), metadata.text()) {
+            units.insert(field, unit);
+        }
+        let channel = Self {
+            topic,
+            json: encoding == "json",
+            units,
+            rows: None,
+            others: 0,
+        };
+        Some((id, channel))
+    }
+
+    /// Takes the `data` of a message logged at `logged` \[s\].
+    fn take(&mut self, logged: f64, data: &[u8]) {
+        let object = self.json.then(|| serde_json::from_slice(data).ok());
+        let Some(Value::Object(fields)) = object.flatten() else {
+            self.others += 1;
+            return;
+        };
+        let numbers = numbers(&fields);
+        let stamp = fields.get("timestamp").and_then(Value::as_f64);
+        let units = &self.units;
+        let rows = self.rows.get_or_insert_with(|| Rows::new(&numbers, units));
+        self.others += usize::from(!rows.add(stamp.unwrap_or(logged), &numbers));
+    }
+}
+
+/// What was read so far.
+#[derive(Default)]
+struct Reading {
+    channels: BTreeMap<u64, Channel>,
+    compressed: usize,
+}
+
+impl Reading {
+    /// Takes records up to the end of the data; none if they are damaged.
+    fn take(&mut self, mut bytes: Bytes, nested: bool) -> Option<()> {
+        while !bytes.0.is_empty() {
+            let kind = bytes.number(1)? as u8;
+            let mut record = Bytes(bytes.part(8)?);
+            match kind {
+                CHANNEL => {
+                    let (id, channel) = Channel::of(record)?;
+                    self.channels.entry(id).or_insert(channel);
+                }
+                MESSAGE => {
+                    let id = record.number(2)?;
+                    record.number(4)?;
+                    let logged = record.number(8)? as f64 * 1e-9;
+                    record.number(8)?;
+                    self.channels.get_mut(&id)?.take(logged, record.0);
+                }
+                CHUNK if !nested => {
+                    record.take(28)?;
+                    match record.text()?.as_str() {
+                        "" => self.take(Bytes(record.part(8)?), true)?,
+                        _ => self.compressed += 1,
+                    }
+                }
+                END_OF_DATA => return Some(()),
+                _ => {}
+            }
+        }
+        nested.then_some(())
+    }
+}
+
+/// Reads the channels of JSON messages in `bytes`, the file called `file` in errors, as [`write`](super::write) leaves them: a message's numbers
+/// are columns, those of an array `name[0]`, `name[1]`, …; its time is `timestamp` \[s\], or else the time at which it was logged. What is no
+/// number is NaN. Messages of another encoding, or with other fields than the first of their channel, and compressed chunks are left out, and
+/// of a damaged file what follows the damage; all are noted.
+///
+/// # Errors
+/// [`Error::Format`]: not MCAP.
+pub fn read(file: &str, bytes: &[u8]) -> Result<Log, Error> {
+    let Some(records) = bytes.strip_prefix(MAGIC) else {
+        return Err(Error::Format {
+            file: file.into(),
+            offset: 0,
+            problem: "no MCAP file".into(),
+        });
+    };
+    let mut reading = Reading::default();
+    let whole = reading.take(Bytes(records), false);
+    let mut notes = Vec::new();
+    if whole.is_none() {
+        notes.push("damaged or cut off: read up to there".into());
+    }
+    if reading.compressed > 0 {
+        notes.push(format!("{} compressed chunks left out", reading.compressed));
+    }
+    let mut topics = Vec::new();
+    for channel in reading.channels.into_values() {
+        let (name, instance) = named(&channel.topic);
+        if channel.others > 0 {
+            notes.push(format!(
+                "{}: {} messages left out: not of JSON, or of other fields than the first",
+                channel.topic, channel.others
+            ));
+        }
+        let topic = channel
+            .rows
+            .and_then(|rows| Topic::from_rows(name, instance, rows.time, rows.columns, &mut notes));
+        // Two channels of one name: the first.
+        let new = |t: &Topic| {
+            topics
+                .iter()
+                .all(|o: &Topic| (o.name(), o.instance()) != (t.name(), t.instance()))
+        };
+        topics.extend(topic.filter(|t| new(t)));
+    }
+    Ok(Log { topics, notes })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::write;
+    use super::*;
+    use std::io::Cursor;
+
+    #[test]
+    fn what_was_written_is_read_back() {
+        let q = |i: usize| Column::new(&format!("q[{i}]"), "rad", vec![1.0 / 3.0, i as f64]);
+        let x = Column::new("x", "m/s", vec![-1e-7, f64::NAN]);
+        let topics = vec![
+            Topic::new("attitude", 0, vec![0.25, 1.5], vec![q(0), q(1)]).unwrap(),
+            Topic::new("wind", 1, vec![0.1, 2.0], vec![x]).unwrap(),
+        ];
+        let log = Log {
+            topics,
+            notes: Vec::new(),
+        };
+        let mut out = Cursor::new(Vec::new());
+        write(&log, &mut out).unwrap();
+        let back = read("x", out.get_ref()).unwrap();
+        assert_eq!(back.notes, [""; 0]);
+        assert_eq!(back.topics[0], log.topics[0]);
+        let wind = back.instance("wind", 1).unwrap();
+        assert_eq!(wind.time(), [0.1, 2.0]);
+        let x = wind.column("x").unwrap();
+        assert!(x.unit == "m/s" && x.values[0] == -1e-7 && x.values[1].is_nan());
+        // Cut off in the middle: said, and no more.
+        let half = &out.get_ref()[..out.get_ref().len() / 3];
+        assert_eq!(read("x", half).unwrap().notes.len(), 1);
+        assert!(read("x", b"no log").is_err());
+    }
+}
