@@ -273,8 +273,9 @@ mod tests {
         assert!((fold.alpha.to_degrees() - 2.5).abs() < 0.01, "{fold:?}");
         assert!((fold.a - 98.1 / (0.646 * 144.0 * 0.5)).abs() < 1e-4);
         for (before, after) in [
-            ((-0.1, 0.5), (0.1, -0.5)),
-            ((-0.1, -0.5), (0.1, 0.5)),
+            // Of these the denominator at the zero of the numerator would be positive, but not all around it.
+            ((-0.1, 0.5), (0.3, -0.5)),
+            ((-0.3, -0.5), (0.1, 0.5)),
             ((-0.1, -0.5), (0.1, -0.5)),
             ((0.1, 0.5), (0.1, 0.5)),
         ] {
