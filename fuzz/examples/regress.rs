@@ -1,6 +1,8 @@
 //! Runs every target, or those named, over its seed corpus and random inputs, and prints what was run. Stable Rust.
 //!
-//! `cargo run --release --example regress -- [--inputs N] [--seed N] [--seeds N] [target…]`; on a violation the input is written to `artifacts/`.
+//! `cargo run --release --example regress -- [--inputs N] [--seed N] [--seeds N] [--longest BYTES] [target…]`; on a violation the input
+//! is written to `artifacts/`. Of the corpus, which is always run, random inputs are made only from what is not longer than `--longest`:
+//! where reading takes long, short inputs have a change in every part of them, and there is time for more.
 //!
 //! Of more than a hundred thousand inputs each so many are a process of their own: the harness keeps polars for ever, and what ends a
 //! process (a stack that overflows, memory that does not suffice) is counted by that.
@@ -136,13 +138,15 @@ struct Piece<'a> {
     seed: u64,
     /// At most so many of the corpus.
     seeds: u64,
+    /// Of these, at most so many bytes are changed.
+    longest: u64,
     /// Whether the corpus itself is run as well.
     first: bool,
 }
 
 impl Piece<'_> {
     fn run(&self, target: Target) -> Count {
-        let seeds = seeds(self.name, self.seeds);
+        let mut seeds = seeds(self.name, self.seeds);
         let mut random = Random(self.seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1 << 63);
         let mut count = Count::default();
         let mut run = |input: &[u8]| {
@@ -156,6 +160,7 @@ impl Piece<'_> {
             seeds.iter().for_each(|seed| run(seed));
         }
         let parser = PARSERS.contains(&self.name);
+        seeds.retain(|seed| seed.len() as u64 <= self.longest);
         (0..self.inputs).for_each(|_| run(&random.input(&seeds, parser)));
         count
     }
@@ -163,7 +168,13 @@ impl Piece<'_> {
     /// The same in a process of its own, which prints its numbers. One that does not come to its end has failed once.
     fn run_apart(&self) -> Count {
         let own = std::env::current_exe().expect("a program has a path");
-        let numbers = [self.inputs, self.seed, self.seeds, u64::from(self.first)];
+        let numbers = [
+            self.inputs,
+            self.seed,
+            self.seeds,
+            self.longest,
+            u64::from(self.first),
+        ];
         let mut command = Command::new(own);
         command.arg("--piece").arg(self.name);
         command.args(numbers.map(|n| n.to_string()));
@@ -197,7 +208,7 @@ fn asked(arguments: &[String]) -> Option<()> {
         return None;
     };
     let (name, target) = TARGETS.iter().find(|t| mark == "--piece" && t.0 == name)?;
-    let &[inputs, seed, seeds, first] = numbers_in(&numbers.join(" ")).as_slice() else {
+    let &[inputs, seed, seeds, longest, first] = numbers_in(&numbers.join(" ")).as_slice() else {
         return None;
     };
     let piece = Piece {
@@ -205,6 +216,7 @@ fn asked(arguments: &[String]) -> Option<()> {
         inputs,
         seed,
         seeds,
+        longest,
         first: first == 1,
     };
     let count = piece.run(*target);
@@ -217,7 +229,8 @@ fn main() -> ExitCode {
     if asked(&arguments).is_some() {
         return ExitCode::SUCCESS;
     }
-    let (mut inputs, mut seed, mut most, mut chosen) = (10_000, 1, u64::MAX, Vec::new());
+    let (mut inputs, mut seed, mut chosen) = (10_000, 1, Vec::new());
+    let (mut most, mut longest) = (u64::MAX, u64::MAX);
     let mut arguments = arguments.into_iter();
     while let Some(argument) = arguments.next() {
         let mut number = |what: &mut u64| {
@@ -229,6 +242,7 @@ fn main() -> ExitCode {
             "--seed" => number(&mut seed),
             // At most so many of the corpus, where each takes long.
             "--seeds" => number(&mut most),
+            "--longest" => number(&mut longest),
             name if TARGETS.iter().any(|t| t.0 == name) => {
                 chosen.push(argument);
                 Some(())
@@ -236,7 +250,7 @@ fn main() -> ExitCode {
             _ => None,
         };
         if ok.is_none() {
-            eprintln!("regress [--inputs N] [--seed N] [--seeds N] [target…]");
+            eprintln!("regress [--inputs N] [--seed N] [--seeds N] [--longest BYTES] [target…]");
             return ExitCode::FAILURE;
         }
     }
@@ -256,6 +270,7 @@ fn main() -> ExitCode {
                 inputs: PIECE.min(inputs - n * PIECE),
                 seed: seed + n,
                 seeds: most,
+                longest,
                 first: n == 0,
             };
             let count = match inputs <= PIECE {

@@ -459,4 +459,113 @@ mod tests {
         let polar = std::boxed::Box::leak(Polar::<4>::new(&nodes).unwrap().into());
         assert_eq!(theorem_2(&Table::new(polar)), Err(Unmet::NoStallAngle));
     }
+
+    /// Coefficients as functions of α; the theorems do not look at derivatives.
+    struct Section<L, D>(L, D);
+
+    impl<L: Fn(f32) -> f32, D: Fn(f32) -> f32> Aerodynamics for Section<L, D> {
+        fn coefficients(&self, a: AngleOfAttack) -> Coefficients {
+            Coefficients {
+                c_l: (self.0)(a.rad),
+                c_d: (self.1)(a.rad),
+                ..Coefficients::default()
+            }
+        }
+    }
+
+    fn sin(x: f32) -> f32 {
+        math::sin_cos(x).0
+    }
+
+    fn cos(x: f32) -> f32 {
+        math::sin_cos(x).1
+    }
+
+    /// A thrust line that is off by the tolerance is parallel, one that is off by more is not.
+    #[test]
+    fn parallel_is_meant_to_the_tolerance() {
+        for (delta, parallel) in [(TOLERANCE, true), (1.1 * TOLERANCE, false)] {
+            let vehicle = Vehicle::new(VehicleParameters { delta, ..P }, large()).unwrap();
+            assert_eq!(theorem_1_symmetric(&vehicle).is_ok(), parallel, "{delta:e}");
+        }
+    }
+
+    /// Bisymmetry is asked of lift and drag, each by itself.
+    #[test]
+    fn lift_and_drag_each_have_to_repeat() {
+        let by_drag = Section(|a| sin(2.0 * a), |a| 2.0 - cos(a));
+        let by_lift = Section(sin, |_| 1.0);
+        let neither = Section(|a| sin(2.0 * a), |a| 2.0 - cos(2.0 * a));
+        let unmet = |answer| matches!(answer, Err(Unmet::NotBisymmetric { .. }));
+        assert!(unmet(theorem_1_bisymmetric(&by_drag)));
+        assert!(unmet(theorem_1_bisymmetric(&by_lift)));
+        assert!(theorem_1_bisymmetric(&neither).is_ok());
+    }
+
+    /// The difference of the drags is measured by the drag: 1e-6 is enough where the drag is 0.01, 5e-8 is a rounding of it.
+    #[test]
+    fn reverse_drag_is_compared_with_the_drag() {
+        let drag = |rise: f32| move |a: f32| 0.01 + rise * 0.5 * (1.0 - cos(a));
+        for (rise, enough) in [(1e-4, true), (1e-6, true), (5e-8, false)] {
+            let answer = theorem_2(&Section(|_| 0.0, drag(rise)));
+            let reverse = matches!(answer, Err(Unmet::ReverseDrag { .. }));
+            assert_eq!(!reverse, enough, "{rise}: {answer:?}");
+        }
+    }
+
+    /// A section without lift does not stall, however its drag rises. To know that takes the samples of the circle, two on its axis, and
+    /// those between 0 and 90°, half a degree apart.
+    #[test]
+    fn without_lift_there_is_no_stall() {
+        let evaluations = core::cell::Cell::new(0);
+        let plate = Section(
+            |_| {
+                evaluations.set(evaluations.get() + 1);
+                0.0
+            },
+            |a: f32| 1.0 - 0.1 * cos(a) + sin(a) * sin(a),
+        );
+        assert_eq!(theorem_2(&plate), Err(Unmet::NoStallAngle));
+        assert_eq!(evaluations.get(), SAMPLES + 2 + SAMPLES / 4 - 1);
+    }
+
+    /// The interval of α_s in closed form. Let c_D − c_D(π) = sin² α − 0.1 (1 + cos α). With c_L = 0.5 sin 2α the condition, over cos α, is
+    /// sin² α ≤ sin² α − 0.1 (1 + cos α), which never holds. With half of that lift it is 0.5 (1 − cos α) ≥ 0.1, hence cos α ≤ 0.8.
+    #[test]
+    fn the_stall_angles_are_those_of_the_closed_form() {
+        let drag = |a: f32| 0.3 + 0.1 * (1.0 - cos(a)) + sin(a) * sin(a);
+        let all = theorem_2(&Section(|a| 0.5 * sin(2.0 * a), drag));
+        assert_eq!(all, Err(Unmet::NoStallAngle));
+        let half = theorem_2(&Section(|a| 0.25 * sin(2.0 * a), drag));
+        let Ok(Guarantee::One { from, to }) = half else {
+            panic!("{half:?}")
+        };
+        // 1e-5: what 16 bisections leave of half a degree, and roundings of 1e-7 over a slope of 0.3.
+        assert!((from - 0.8f32.acos()).abs() < 1e-5, "{from}");
+        assert!((to - math::FRAC_PI_2).abs() < 1e-2, "{to}");
+        // The same, with lift that is gone from 60.2° on.
+        let edge = 60.2f32.to_radians();
+        let ends = Section(
+            |a: f32| {
+                if a.abs() < edge {
+                    0.25 * sin(2.0 * a)
+                } else {
+                    0.0
+                }
+            },
+            drag,
+        );
+        let Ok(Guarantee::One { from, to }) = theorem_2(&ends) else {
+            panic!("{:?}", theorem_2(&ends))
+        };
+        assert!((from - 0.8f32.acos()).abs() < 1e-5 && (to - edge).abs() < 1e-5);
+    }
+
+    /// No drag at all is passive: the air takes nothing, and gives nothing.
+    #[test]
+    fn no_drag_is_passive() {
+        assert_eq!(passive(&Section(sin, |_| 0.0)), Ok(()));
+        assert!(passive(&Section(sin, |_| -1e-9)).is_err());
+        assert!(passive(&Section(sin, |_| f32::NAN)).is_err());
+    }
 }

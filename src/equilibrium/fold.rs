@@ -255,4 +255,31 @@ mod tests {
         broken.air.alpha.rad = f32::NAN;
         assert_eq!(map.margin(&broken), None);
     }
+
+    /// Where numerator and denominator change sign between the same two nodes the fold may be at no airspeed: none is told. The map here is
+    /// made by hand, and the flight is a vertical fall: the weight lies along the air velocity.
+    #[test]
+    fn a_fold_at_no_airspeed_is_none() {
+        let vehicle = vehicle(0.0, combined());
+        let forces = forces(&vehicle, (math::FRAC_PI_2, 12.0, 0.0), 0.0087);
+        // c_L is the numerator then, c_D the denominator.
+        let map = |before: (f32, f32), after: (f32, f32)| FoldMap {
+            nodes: core::array::from_fn(|i| {
+                let middle = (CELLS + WINDOW) / 2;
+                if i < middle + 3 { before } else { after }
+            }),
+        };
+        let fold = map((-0.1, 0.5), (0.1, 0.5)).margin(&forces).unwrap();
+        assert!((fold.alpha.to_degrees() - 2.5).abs() < 0.01, "{fold:?}");
+        assert!((fold.a - 98.1 / (0.646 * 144.0 * 0.5)).abs() < 1e-4);
+        for (before, after) in [
+            // Of these the denominator at the zero of the numerator would be positive, but not all around it.
+            ((-0.1, 0.5), (0.3, -0.5)),
+            ((-0.3, -0.5), (0.1, 0.5)),
+            ((-0.1, -0.5), (0.1, -0.5)),
+            ((0.1, 0.5), (0.1, 0.5)),
+        ] {
+            assert_eq!(map(before, after).margin(&forces), None, "{before:?}");
+        }
+    }
 }

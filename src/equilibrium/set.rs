@@ -290,6 +290,9 @@ fn inside(x: f32, from: f32, to: f32) -> f32 {
 }
 
 #[cfg(test)]
+mod search;
+
+#[cfg(test)]
 mod tests {
     extern crate std;
     use super::*;

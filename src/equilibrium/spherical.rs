@@ -270,4 +270,68 @@ mod tests {
             Some(NotSpherical::EquivalentDrag { c_d: -1.0 })
         );
     }
+
+    /// F_p counts as zero below 1e-6 of the forces that it is made of: k_a |v_a|² times |c_L|, c_D and |λ|, and the weight. Here in f64, with
+    /// each of them the greatest in turn.
+    #[test]
+    fn what_roundings_leave_is_no_force() {
+        const GRAVITY: f32 = 0.5;
+        let mut checked = [0, 0];
+        for (c0, c1) in [(0.02f32, 0.9f32), (0.02, 0.1), (1.2, 0.1), (0.3, 4.0)] {
+            let model = LargeAngle::new(LargeAngleParameters { c0, c1 }).unwrap();
+            for mass in [0.05f32, 10.0, 400.0] {
+                let p = VehicleParameters {
+                    mass,
+                    gravity: GRAVITY,
+                    ..VehicleParameters::PAPER
+                };
+                let vehicle = Vehicle::new(p, model).unwrap();
+                let sphere = Spherical::new(&vehicle).unwrap();
+                for (speed, n) in [0.05f64, 0.7, 6.0, 40.0]
+                    .iter()
+                    .flat_map(|s| (0..24).map(move |n| (*s, n)))
+                {
+                    // Nose up, at the angle of attack α: towards (−cos α, sin α).
+                    let alpha = f64::from(n) * 0.26 + 0.03;
+                    let (down, forward) = (-libm::cos(alpha), libm::sin(alpha));
+                    let velocity = Inertial::new((speed * down) as f32, (speed * forward) as f32);
+                    let [c0, c1] = [c0, c1].map(f64::from);
+                    let c_l = c1 * libm::sin(2.0 * alpha);
+                    let c_d = c0 + 2.0 * c1 * libm::sin(alpha) * libm::sin(alpha);
+                    let lambda = 2.0 * c1 * libm::cos(alpha);
+                    let squared =
+                        [velocity.down(), velocity.forward()].map(|v| f64::from(v).powi(2));
+                    let pressure = 0.646 * (squared[0] + squared[1]);
+                    let weight = f64::from(mass) * f64::from(GRAVITY);
+                    let scale = pressure * (c_l.abs() + c_d + lambda.abs()) + weight;
+                    // Acceleration at which only `left` of the forces is left: m (g − a) = k_a |v_a|² c̄_D e_v + left.
+                    let drag = pressure * (c0 + 2.0 * c1) / f64::from(mass);
+                    for left in [0.4e-6, 0.6e-6, 1.6e-6, 2.5e-6] {
+                        let a = [
+                            f64::from(GRAVITY) - drag * down - left * scale / f64::from(mass),
+                            -drag * forward,
+                        ];
+                        let rounded = a.map(|x| x as f32);
+                        let lost = [0, 1].map(|k| f64::from(mass) * (f64::from(rounded[k]) - a[k]));
+                        // Where single precision cannot say the acceleration that exactly there is nothing to see.
+                        if lost[0].abs() + lost[1].abs() > 0.1e-6 * scale || drag > 990.0 {
+                            continue;
+                        }
+                        let reference = Reference {
+                            velocity,
+                            acceleration: Inertial::new(rounded[0], rounded[1]),
+                        };
+                        let found = sphere.equilibrium(&reference, Inertial::ZERO);
+                        assert_eq!(
+                            found.is_some(),
+                            left > 1e-6,
+                            "{c0} {c1} {mass} {speed} {n} {left}"
+                        );
+                        checked[usize::from(left > 1e-6)] += 1;
+                    }
+                }
+            }
+        }
+        assert!(checked[0] > 1000 && checked[1] > 1000, "{checked:?}");
+    }
 }
