@@ -40,9 +40,6 @@ const ARRIVED: f32 = 0.1;
 /// Gains are lowered in steps longer than these products of gain and step, which would overshoot.
 const ATTITUDE_STEP: f32 = 0.8;
 const VERTICAL_STEP: f32 = 0.6;
-/// Squared airspeed below which there is no course to turn [m²/s²].
-const STILL: f32 = 0.1;
-
 /// Where the virtual vehicle is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -185,7 +182,7 @@ impl VirtualVehicle {
             vehicle.gravity(),
             &Pace::new(h),
         );
-        self.step(
+        self.step::<A, true>(
             vehicle,
             flight,
             &mut attitude,
@@ -228,7 +225,7 @@ impl VirtualVehicle {
     /// it takes a part of a step only.
     #[inline(always)]
     #[expect(clippy::too_many_arguments)]
-    pub(super) fn step<A: Aerodynamics>(
+    pub(super) fn step<A: Aerodynamics, const STIFF: bool>(
         &self,
         vehicle: &Vehicle<A>,
         flight: &mut Flight,
@@ -263,40 +260,30 @@ impl VirtualVehicle {
         // then over T and θ, where F − T i changes by d per radian.
         let d = attitude.to_inertial(Body::new(forces.slope, -(alone + forces.change)));
         let damping = DAMPING * gravity;
-        let steep = d.down() * d.down() + weight * (d.forward() * d.forward());
-        let dd = steep + weight * (damping * damping);
+        let dd = d.down() * d.down() + weight * (d.forward() * d.forward() + damping * damping);
         let di = d.down() * attitude.cos + weight * d.forward() * attitude.sin;
         let fd = f.down() * d.down() + weight * f.forward() * d.forward();
         let both = math::clamp((fi * dd - di * fd) / (dd * ii - di * di), least, most);
         let (thrust, error, bound) = if turning && !pushing {
             (alone, plan.target - flight.theta, MAX_TURN)
         } else {
-            // The course turns with the acceleration wished for, and the attitude with it as far as the air's force asks.
-            // Left out of predictions, for its time.
-            let ahead = if slewed {
-                let course = (wish.forward() * air.down() - wish.down() * air.forward())
-                    / (air.norm_squared() + STILL);
-                let dj = weight * d.forward() * attitude.cos - d.down() * attitude.sin;
-                course / pace.attitude_gain * (steep + alone * dj)
-            } else {
-                0.0
-            };
-            (both, (di * both - fd + ahead) / dd, MAX_CORRECTION)
+            (both, (di * both - fd) / dd, MAX_CORRECTION)
         };
 
         let acceleration = forces.free - Inertial::new(attitude.cos, attitude.sin) * thrust;
         let h = pace.h;
         // Drag is stiff where the speed is high: implicit in it.
-        let mut gained = acceleration * (h / (1.0 + h * forces.drag_rate));
-        // So is lift where the wing is large for its weight: across the air velocity no step goes farther than to where
-        // the change of lift has stopped it.
-        if h * forces.change > forces.speed {
-            let stiff = h * forces.change / forces.speed - 1.0;
-            let across = Inertial::new(-air.forward(), air.down()) * (1.0 / forces.speed);
-            let part = across.down() * gained.down() + across.forward() * gained.forward();
-            gained -= across * (part * stiff / (1.0 + stiff));
-        }
+        let gained = acceleration * (h / (1.0 + h * forces.drag_rate));
         flight.velocity += gained;
+        // So is lift where the wing is large for its weight (`STIFF`): no step across the air velocity goes farther than to
+        // where the change of lift has stopped it.
+        let turned = h * forces.change;
+        if STIFF && turned > forces.speed {
+            let square = forces.speed * forces.speed;
+            let across = Inertial::new(-air.forward(), air.down());
+            let part = across.down() * gained.down() + across.forward() * gained.forward();
+            flight.velocity -= across * (part / square * (1.0 - forces.speed / turned));
+        }
         flight.position += (flight.velocity - reference) * h;
         let wanted = limited(pace.attitude_gain * limited(error, bound), self.rate);
         flight.rate = if (turning && !pushing) || slewed {
@@ -461,7 +448,7 @@ mod tests {
                 push: 0.0,
             };
             for _ in 0..28 {
-                virtual_vehicle.step(
+                virtual_vehicle.step::<_, true>(
                     &vehicle,
                     &mut flight,
                     &mut attitude,

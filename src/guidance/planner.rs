@@ -41,6 +41,9 @@ const LEVEL: f32 = 1.0 / (LEAN_SLEW * 9.81);
 const TURN_STEP: f32 = 0.055;
 /// How long a velocity error to the side counts \[s\], once the wing can close it.
 const CATCH_UP: f32 = 0.6;
+/// k_a |v_a|/m [1/s] from which on a change of lift may stop a velocity across the air's within a step: with the steepest
+/// lift there is, 2π, in two thirds of the longest step.
+const STIFF: f32 = 2.0;
 /// By how much another plan must cost less: this part, and this much besides.
 const BETTER: f32 = 0.1;
 /// Time of push-over before a turn \[s\], where there is one.
@@ -293,8 +296,26 @@ impl Planner {
     /// the same for the time after it: an error that closes at the rate of the last steps is there for as long as that
     /// takes. Without that time to go, coasting at a thrust limit for ever would look cheaper than a short crossing. A turn to
     /// an attitude far away costs the velocity to the side that is given up meanwhile.
-    #[inline(never)]
+    #[inline(always)]
     fn predict<A: Aerodynamics>(
+        &self,
+        vehicle: &Vehicle<A>,
+        start: &Start,
+        plan: &Plan,
+        missed: f32,
+        new: bool,
+    ) -> Prospect {
+        let air = (start.flight.velocity - start.wind) * (vehicle.k_a() / vehicle.mass());
+        if air.norm_squared() > STIFF * STIFF {
+            self.predict_with::<A, true>(vehicle, start, plan, missed, new)
+        } else {
+            self.predict_with::<A, false>(vehicle, start, plan, missed, new)
+        }
+    }
+
+    /// The same, with or without what steps of `STIFF` flights need, for its time.
+    #[inline(never)]
+    fn predict_with<A: Aerodynamics, const STIFF: bool>(
         &self,
         vehicle: &Vehicle<A>,
         start: &Start,
@@ -321,7 +342,7 @@ impl Planner {
                 let acceleration = start.acceleration * step.accelerating;
                 turning += u32::from(plan.turn);
                 let wish = virtual_vehicle.wish(error, acceleration, vehicle.gravity(), &step.pace);
-                virtual_vehicle.step(
+                virtual_vehicle.step::<A, STIFF>(
                     vehicle,
                     &mut flight,
                     &mut attitude,

@@ -197,14 +197,6 @@ impl Tracker {
         let held = Body::new(held.i, held.j * stiffness, held.w * stiffness);
         reference.velocity = reference.velocity - attitude.to_world(held);
         step.error += held.in_plane();
-        // Where the wing carries, the course follows the attitude: the air takes a velocity across itself away, at this
-        // rate. A velocity error has to turn the attitude on by as much as the course is to turn.
-        let forces = &step.forces;
-        let air = forces.lambda * forces.pressure / (plane.vehicle().mass() * forces.air.speed);
-        // Not in still air, where this is no number.
-        if air > 0.0 {
-            step.gains.k2 *= 1.0 + 4.0 * air / step.gains.k3;
-        }
         let in_plane = plane.robust_in_plane(&step, branch, None)?;
         let fed = (
             attitude.to_body(moved.acceleration),
