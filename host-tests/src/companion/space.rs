@@ -89,12 +89,13 @@ impl OnPath {
         let force = told
             .specific_force
             .map(|f| f64::from(f.norm_squared()).sqrt());
+        let attitude = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z));
         let step = Step {
             t: told.t,
             truth: SpatialState {
                 position: double(told.position),
                 velocity: double(told.velocity),
-                attitude: UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z)),
+                attitude,
                 rates: V3::from(told.rates.map(f64::from)),
                 thrust: guided.command.thrust.into(),
             },
@@ -104,6 +105,7 @@ impl OnPath {
             },
             load_factor: force.map_or(f64::NAN, |f| f / self.gravity),
             target,
+            measured_attitude: attitude,
             input,
             guided,
         };

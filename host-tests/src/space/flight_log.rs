@@ -1,7 +1,7 @@
 //! A record in space as a flight log, under the names that PX4 logs it by.
 
 use alula::guidance::Air;
-use alula::ned::{BodyAxes, Ned};
+use alula::ned::Ned;
 
 use super::{Step, V3};
 use crate::flight_log::{Row, Told};
@@ -12,7 +12,12 @@ impl From<&Step> for Row {
         let vector = |v: V3| [v.x, v.y, v.z];
         let (target, input) = (&step.target, &step.input);
         let told = |v: Ned| [v.north, v.east, v.down].map(f64::from);
-        let orientation = input.orientation.to_quaternion(BodyAxes::NoseUp);
+        let attitude = if input.orientation.i().down.is_nan() {
+            [f64::NAN; 4]
+        } else {
+            let q = &step.measured_attitude;
+            [q.w, q.i, q.j, q.k]
+        };
         let error = input.position_error.map(|e| V3::from(told(e)));
         Self {
             attitude: [q.w, q.i, q.j, q.k],
@@ -21,8 +26,7 @@ impl From<&Step> for Row {
             wind: vector(step.wind),
             specific_force: (step.input.specific_force).map(|f| [f.j, f.w, f.i].map(f64::from)),
             told: Told {
-                attitude: [orientation.w, orientation.x, orientation.y, orientation.z]
-                    .map(f64::from),
+                attitude,
                 velocity: told(input.velocity),
                 position: error.map_or([f64::NAN; 3], |e| vector(target.position + e)),
                 air: match input.air {

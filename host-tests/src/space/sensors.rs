@@ -1,5 +1,7 @@
 //! What the guidance is told of a flight in space.
 
+use std::f64::consts::FRAC_PI_2;
+
 use alula::guidance::Air;
 use alula::ned::{BodyAxes, Quaternion};
 use alula::spatial::{Body, Ned, Orientation};
@@ -54,12 +56,13 @@ pub struct Measured {
 }
 
 impl Measured {
-    /// The attitude as the core takes it.
+    /// The attitude as the core takes it: from a quaternion in single precision of the body whose x axis is the nose's, as logs are
+    /// read too, so that a replay sees the same bits.
     pub fn orientation(&self) -> Orientation {
-        let q = &self.attitude;
+        let q = self.attitude * UnitQuaternion::from_axis_angle(&V3::y_axis(), FRAC_PI_2);
         let [w, x, y, z] = [q.w, q.i, q.j, q.k].map(|x| x as f32);
         let orientation =
-            Orientation::from_quaternion(&Quaternion { w, x, y, z }, BodyAxes::NoseUp);
+            Orientation::from_quaternion(&Quaternion { w, x, y, z }, BodyAxes::NoseForward);
         orientation.expect("a unit quaternion")
     }
 }

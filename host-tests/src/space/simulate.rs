@@ -5,6 +5,7 @@ use std::collections::VecDeque;
 use alula::GuidanceInput;
 use alula::guidance::Guided;
 use alula::spatial::Body;
+use nalgebra::UnitQuaternion;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
@@ -29,6 +30,8 @@ pub struct Step {
     pub load_factor: f64,
     /// What is to be flown.
     pub target: Target,
+    /// The attitude measured: from (belly, right wing, tail) to north-east-down.
+    pub measured_attitude: UnitQuaternion<f64>,
     /// What the guidance was told.
     pub input: GuidanceInput,
     /// What it answered.
@@ -97,6 +100,7 @@ pub fn fly_by(experiment: &Experiment, pilot: &mut dyn Pilot) -> anyhow::Result<
             wind,
             load_factor: specific_force.norm() / experiment.vehicle.gravity_m_s2,
             target,
+            measured_attitude: measured.attitude,
             input,
             guided,
         });
