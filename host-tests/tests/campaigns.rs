@@ -397,8 +397,8 @@ fn a_dispersed_vehicle_does_not_disperse_the_belief() {
 }
 
 /// How wrong a belief may be. Half the mass and two and a half times the wing is a lift per weight five times too great: the wing believed in carries at an
-/// angle of attack at which the real one has not begun to, and without an accelerometer the flight sinks. An accelerometer tells. The same factors the other
-/// way round, and the truth, fly without one.
+/// angle of attack at which the real one has not begun to, and without an accelerometer the flight sinks by 9 m. An accelerometer tells. The same factors
+/// the other way round, and the truth, fly without one.
 #[test]
 fn too_much_lift_is_worse_than_too_little() {
     let mut source = source("mass-and-area", 1);
@@ -424,10 +424,12 @@ fn too_much_lift_is_worse_than_too_little() {
         without(10.0, 0.646),
         without(19.0, 0.2584),
     );
-    assert!(light < -50.0, "{light}");
     let told = flown("measured", 5.0, 1.615);
-    assert!(told > -15.0, "{told}");
-    assert!(true_ > -3.0 && heavy > -5.0, "{true_} {heavy}");
+    assert!(told > 0.5 * light, "{told} {light}");
+    assert!(
+        light < -5.0 && true_ > -2.0 && heavy > -2.0,
+        "{light} {true_} {heavy}"
+    );
 }
 
 /// Two vehicles whose lift is believed 1.4 and 1.5 times too great. A guidance without an accelerometer sank 54 and 234 m with them; now they lose 1.1 and 0.2 m.

@@ -26,9 +26,9 @@ fn late(segment: &Segment) -> &alula_sil::figures::Steady {
 }
 
 /// Hover, cruise, hover at 2 m/s² with a rate loop of 100 ms, a thrust lag of 50 ms, control at 100 Hz and wrong
-/// parameters: followed within 1.2 m of altitude and 3 m ahead, at T/W 2, 1.3 and 1.15 alike.
+/// parameters: followed within 0.8 m of altitude and 3.5 m ahead, at T/W 2, 1.3 and 1.15 alike.
 ///
-/// Measured: altitude −0.6…+1.0 m, 1.0 m behind to 2.4 m ahead, 2.8 rad/s (the limit). Without the virtual flight the
+/// Measured: altitude −0.6…+0.3 m, 0.5 m behind to 3.2 m ahead, 2.8 rad/s (the limit). Without the virtual flight the
 /// vehicle coasted 165 m ahead of this reference, and lost 7 m at T/W 1.15.
 #[test]
 fn the_round_trip_is_followed_whatever_the_thrust() {
@@ -38,9 +38,9 @@ fn the_round_trip_is_followed_whatever_the_thrust() {
         assert!(figures.get("peak_rate_rad_s") < 3.0 && figures.get("lost") == 0.0);
         for segment in &segments {
             let (low, high) = (segment.altitude_least_m, segment.altitude_most_m);
-            assert!(low > -1.2 && high < 1.2, "{most} {}", segment.line());
+            assert!(low > -0.8 && high < 0.8, "{most} {}", segment.line());
             let (behind, ahead) = (segment.forward_least_m, segment.forward_most_m);
-            assert!(behind > -10.0 && ahead < 3.0, "{most} {}", segment.line());
+            assert!(behind > -1.0 && ahead < 3.5, "{most} {}", segment.line());
         }
         for steady in [late(&segments[2]), late(&segments[4])] {
             assert!(steady.late_rate_rms_rad_s < 0.02);
@@ -50,7 +50,7 @@ fn the_round_trip_is_followed_whatever_the_thrust() {
 }
 
 /// Errors too small to see decide when the stall is crossed, and no such moment is a bad one: with 0.1° and 2 cm/s of noise, in calm air, in a
-/// tailwind of 4 m/s and with a rate lag of 150 ms, none of ten seeds each sinks 3 m or climbs 2 m (measured −1.9…+1.5 m over thirty each). While
+/// tailwind of 4 m/s and with a rate lag of 150 ms, none of ten seeds each is 1.5 m off (measured −1.2…+1.0 m over thirty each). While
 /// the lead of the rate loop's lag had all of the limits, a fifth of them sank more than 1.5 m, the worst 8 m.
 #[test]
 fn noise_does_not_choose_a_bad_moment_to_cross_the_stall() {
@@ -70,7 +70,7 @@ fn noise_does_not_choose_a_bad_moment_to_cross_the_stall() {
                 ],
             ));
             let [low, high] = ["altitude_least_m", "altitude_most_m"].map(|n| figures.get(n));
-            assert!(low > -3.0 && high < 2.0, "{condition} {seed}: {low} {high}");
+            assert!(low > -1.5 && high < 1.5, "{condition} {seed}: {low} {high}");
         }
     }
 }
@@ -96,27 +96,27 @@ fn braking_harder_than_drag_crosses_the_stall() {
 }
 
 /// A reference that brakes at 0.4 m/s² to 14 m/s, below the fold, and then at 2 m/s² is followed: within 7 m forward
-/// (measured 1.4), and ±2 m in altitude (−0.3…+1.0).
+/// (measured 4.3), and ±1 m in altitude (−0.6…+0.2).
 #[test]
 fn a_reference_within_drag_is_followed() {
     let (_, segments) = flown(&experiment("gentle-braking", &[]));
     let back = &segments[3..];
     for segment in back {
-        assert!(segment.forward_most_m < 7.0 && segment.altitude_least_m > -2.0);
-        assert!(segment.altitude_most_m < 2.0);
+        assert!(segment.forward_most_m < 7.0 && segment.altitude_least_m > -1.0);
+        assert!(segment.altitude_most_m < 1.0);
     }
     assert!(late(&back[2]).settling_s.unwrap() < 10.0);
 }
 
-/// A reference that brakes at 2 m/s² in a climb is followed too: within 3 m forward (measured 0.6) and ±2 m of its own altitude
-/// (−0.4…+0.8).
+/// A reference that brakes at 2 m/s² in a climb is followed too: within 3 m forward (measured 1.1) and ±1.2 m of its own altitude
+/// (−0.8…+0.2).
 #[test]
 fn a_climbing_reference_is_followed_at_two_metres_per_second_squared() {
     let experiment = experiment("climbing-braking", &[]);
     let (_, segments) = flown(&experiment);
     for segment in &segments[3..] {
-        assert!(segment.forward_most_m < 3.0 && segment.altitude_least_m > -2.0);
-        assert!(segment.altitude_most_m < 2.0);
+        assert!(segment.forward_most_m < 3.0 && segment.altitude_least_m > -1.2);
+        assert!(segment.altitude_most_m < 1.2);
     }
     assert!(late(segments.last().unwrap()).settling_s.unwrap() < 10.0);
     // What it costs: 11.4 m.
@@ -125,7 +125,7 @@ fn a_climbing_reference_is_followed_at_two_metres_per_second_squared() {
 }
 
 /// Descents beyond the velocity at which F_p vanishes, off the axis of symmetry: in horizontal wind from either side and light
-/// turbulence none is lost, and all are within 3 m of altitude (measured −0.8…+1.5 m). Without the virtual flight a wind of
+/// turbulence none is lost, and all are within 2 m of altitude (measured −1.2…+0.5 m). Without the virtual flight a wind of
 /// 1 m/s ended 4200 m low.
 #[test]
 fn steep_descents_are_flown_in_wind() {
@@ -140,21 +140,21 @@ fn steep_descents_are_flown_in_wind() {
             let light = "weather.turbulence={wind_at_20_ft_m_s=3.0,height_m=30.0}";
             let (figures, _) = flown(&experiment("steep-descent", &[&knots, &steady, light]));
             let [low, high] = ["altitude_least_m", "altitude_most_m"].map(|n| figures.get(n));
-            assert!(low > -3.0 && high < 3.0, "{sink} {wind}: {low} {high}");
+            assert!(low > -2.0 && high < 2.0, "{sink} {wind}: {low} {high}");
             assert!(figures.get("final_velocity_error_m_s") < 0.5);
         }
     }
 }
 
-/// Falls with hover asked: θ = 180° at 3 and 20 m/s, and pitch −80° at 20 m/s. Measured: 11.5, 25.6 and 22.7 m lost; the least
+/// Falls with hover asked: θ = 180° at 3 and 20 m/s, and pitch −80° at 20 m/s. Measured: 10.1, 25.2 and 22.6 m lost; the least
 /// possible are 7.0, 16.6 and 18.4 m. Without the virtual flight the last two fell for good.
 #[test]
 fn falls_are_left() {
     let hover = "reference.knots=[{t_s=0.0,down_m_s=0.0,forward_m_s=0.0}]";
     for (theta, down, forward, most) in [
-        (180.0, 3.0, 0.0, 13.0),
-        (180.0, 20.0, 0.0, 28.0),
-        (-170.0, 19.7, 3.5, 26.0),
+        (180.0, 3.0, 0.0, 11.0),
+        (180.0, 20.0, 0.0, 27.0),
+        (-170.0, 19.7, 3.5, 24.0),
     ] {
         let settings = [
             hover.to_owned(),
@@ -180,7 +180,7 @@ fn the_papers_gains_do_not_fly_this_vehicle() {
 }
 
 /// Headwind, gust, moderate turbulence, noise, delay and a dropout of air data, over ten seeds: the flight is rough, and none
-/// departs. Measured −1.3…+1.8 m of altitude with the first seed; a departure is tens of metres, or ends elsewhere than in hover.
+/// departs. Measured −1.9…+1.9 m of altitude; a departure is tens of metres, or ends elsewhere than in hover.
 #[test]
 fn a_rough_day_is_survived() {
     for seed in 1..=10 {
@@ -188,7 +188,7 @@ fn a_rough_day_is_survived() {
         let record = fly(&experiment).unwrap();
         let figures = Figures::of(&experiment, &record);
         let [low, high] = ["altitude_least_m", "altitude_most_m"].map(|name| figures.get(name));
-        assert!(low > -8.0 && high < 6.0, "{seed}: {low} {high}");
+        assert!(low > -4.0 && high < 4.0, "{seed}: {low} {high}");
         assert_eq!(figures.get("safe_s") + figures.get("holding_s"), 0.0);
         // Back in hover, in place.
         let late = record.iter().filter(|r| r.t > 105.0);
@@ -204,7 +204,7 @@ fn an_inertia_with_limited_torque_is_flown_as_a_lag_is() {
     let inertia = "{ inertia_kg_m2 = 0.3, bandwidth_1_s = 10.0, torque_max_n_m = 4.0 }";
     let setting = format!("plant.rate_loop.inertia={inertia}");
     let (figures, segments) = flown(&experiment("round-trip", &[&setting]));
-    assert!(figures.get("altitude_least_m") > -6.0 && figures.get("altitude_most_m") < 6.0);
+    assert!(figures.get("altitude_least_m") > -1.0 && figures.get("altitude_most_m") < 1.0);
     for segment in [&segments[2], &segments[4]] {
         let steady = late(segment);
         assert!(steady.late_rate_rms_rad_s < 0.02 && steady.late_velocity_error_m_s < 0.05);

@@ -1,7 +1,7 @@
 //! What the guidance is about, and what of the reference cannot be had.
 
 use super::flight::Flight;
-use super::planner::{Planner, PlannerState, Prospect, SPAN};
+use super::planner::{Planner, PlannerState, SPAN};
 use crate::aero::Aerodynamics;
 use crate::frame::Inertial;
 use crate::vehicle::Vehicle;
@@ -79,15 +79,13 @@ const NEVER: f32 = 10.0;
 const STEEP: f32 = 0.1;
 
 impl Progress {
-    /// The progress of a flight that is off the velocity wanted by `error` [m/s], at a reference velocity [m/s], with this
-    /// prospect.
+    /// The progress of a flight that is off the velocity wanted by `error` [m/s], at a reference velocity [m/s].
     #[inline(always)]
     pub(super) fn new<A: Aerodynamics>(
         vehicle: &Vehicle<A>,
         planner: &Planner,
         state: &PlannerState,
         flight: &Flight,
-        prospect: &Prospect,
         error: Inertial,
         reference: Inertial,
     ) -> Self {
@@ -108,6 +106,7 @@ impl Progress {
         } else {
             Phase::Tracking
         };
+        let prospect = &state.prospect;
         let (end_down, end_forward) = bands(prospect.error);
         let to_go = prospect.to_go;
         let unreachable = if end_down > 0.5 && to_go.down() > NEVER {

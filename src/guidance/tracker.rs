@@ -38,6 +38,9 @@ const LAG_SHARE: f32 = 0.36;
 /// Part of the greatest integral that is left as F_p grows: with the default gains an angle of 7°.
 const STIFF: f32 = 0.25;
 
+/// Least airspeed in the rate at which the air takes a velocity away [m/s]: in hover there is none.
+const SLOWEST: f32 = 0.1;
+
 /// What the tracker looks at.
 pub(super) struct TrackerInput<'a, A> {
     pub state: &'a State,
@@ -197,6 +200,15 @@ impl Tracker {
         let held = Body::new(held.i, held.j * stiffness, held.w * stiffness);
         reference.velocity = reference.velocity - attitude.to_world(held);
         step.error += held.in_plane();
+        // Where the wing carries, the air takes a velocity across itself away, at the rate ν [1/s], and turns F_p with it. A
+        // velocity error would then close at the rate k2|F_p|²/m / (k3/4 + ν). With the factor 1 + 4ν/k3 it closes no more slowly than in
+        // hover.
+        let forces = &step.forces;
+        let mass = plane.vehicle().mass();
+        let carried = forces.lambda * forces.pressure / (mass * (forces.air.speed + SLOWEST));
+        if carried > 0.0 {
+            step.gains.k2 *= 1.0 + 4.0 * carried / step.gains.k3;
+        }
         let in_plane = plane.robust_in_plane(&step, branch, None)?;
         let fed = (
             attitude.to_body(moved.acceleration),

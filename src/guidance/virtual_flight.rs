@@ -8,7 +8,7 @@ use super::course::{Axes, Course};
 use super::flight::{Flight, limited};
 use super::memory::memory;
 use super::parameters::GuidanceParameters;
-use super::planner::{LEAN_SLEW, Planner, PlannerState, Prospect};
+use super::planner::{LEAN_SLEW, Planner, PlannerState};
 use crate::aero::Aerodynamics;
 use crate::air::AngleOfAttack;
 use crate::control::Guard;
@@ -105,8 +105,6 @@ pub(super) struct Turning {
 
 /// What a step of the virtual flight gives.
 pub(super) struct Moved<'a, A> {
-    /// What the plan in force comes to.
-    pub prospect: Prospect,
     /// Velocity [m/s] and position \[m\] in the middle of the step, over which the command holds.
     pub velocity: Ned,
     pub position: Ned,
@@ -273,7 +271,7 @@ impl Turning {
             thrust: flight.thrust,
         };
         let missed = (1.0 - CROSSING) * lean_wanted.abs();
-        let prospect = planner.search(&heavier, state, &plane, &asked, wind, missed);
+        planner.search(&heavier, state, &plane, &asked, wind, missed);
         let in_plane = servo.advance(&heavier, &mut plane, &mut state.plan, &asked, wind, dt);
         let error = plane.velocity - servo.velocity_wanted(plane.position, asked.velocity);
 
@@ -323,7 +321,6 @@ impl Turning {
             thrust: plane.thrust,
         };
         Moved {
-            prospect,
             velocity: (before.velocity + flight.velocity) * 0.5,
             position: (before.position + flight.position) * 0.5,
             acceleration: course.lift(upright(in_plane), lean),

@@ -109,12 +109,12 @@ fn companion_flies(experiment: &Experiment, kind: Kind, quality: Quality, seed: 
 type Held = (&'static str, [f64; 2], [f64; 2], [f64; 2]);
 
 /// Path, greatest errors of velocity \[m/s\] and position \[m\] after the entry, and the altitudes \[m\] over the path that are left neither after the
-/// entry nor at all. What twenty links of either autopilot had at worst (docs/autopilots.md), and 40 % more; the circle begins in full flight
+/// entry nor at all. What these links had at worst, and 40 % more (of twenty: docs/autopilots.md); the circle begins in full flight
 /// with a set-point of hover under way, which lifts it or lets it sink before the first command arrives.
 const PATHS: [Held; 3] = [
     ("circle-40", [0.25, 1.2], [-0.3, 0.3], [-7.0, 9.0]),
     ("eight", [0.55, 1.5], [-0.3, 0.3], [-0.3, 0.3]),
-    ("mission", [1.5, 2.1], [-2.1, 3.9], [-2.1, 3.9]),
+    ("mission", [1.1, 1.0], [-3.5, 2.3], [-3.5, 2.3]),
 ];
 
 /// Links of 20 ms each way and 2 % of loss, of three seeds each, to either autopilot. A position is off along the path by the error of the
