@@ -137,23 +137,24 @@ mod tests {
     use crate::Column;
     use std::io::Cursor;
 
-    #[test]
-    fn messages_carry_every_number_and_channels_their_units() {
-        let q = |i: usize| Column::new(&format!("q[{i}]"), "", vec![1.0 / 3.0, i as f64]);
+    /// Two topics, of which one is a first instance, and a number that JSON does not have.
+    pub(super) fn log() -> Log {
+        let q = |i: usize| Column::new(&format!("q[{i}]"), "rad", vec![1.0 / 3.0, i as f64]);
         let x = Column::new("x", "m/s", vec![-1e-7, f64::NAN]);
         let topics = vec![
             Topic::new("attitude", 0, vec![0.25, 1.5], vec![q(0), q(1)]).unwrap(),
-            Topic::new("wind", 1, vec![0.0, 2.0], vec![x]).unwrap(),
+            Topic::new("wind", 1, vec![0.1, 2.0], vec![x]).unwrap(),
         ];
+        Log {
+            topics,
+            notes: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn messages_carry_every_number_and_channels_their_units() {
         let mut out = Cursor::new(Vec::new());
-        write(
-            &Log {
-                topics,
-                notes: Vec::new(),
-            },
-            &mut out,
-        )
-        .unwrap();
+        write(&log(), &mut out).unwrap();
         let messages: Vec<_> = ::mcap::MessageStream::new(out.get_ref())
             .unwrap()
             .collect::<Result<_, _>>()
@@ -169,7 +170,11 @@ mod tests {
             })
             .collect();
         let expected = [
-            ("wind.1", 0, json!({ "timestamp": 0.0, "x": -1e-7 })),
+            (
+                "wind.1",
+                100_000_000,
+                json!({ "timestamp": 0.1, "x": -1e-7 }),
+            ),
             (
                 "attitude",
                 250_000_000,

@@ -63,13 +63,7 @@ const PANELS_IN_SPACE: [Panel; 7] = [
         "|v − v_r| [m/s]",
         &[("to what was asked for", "velocity_error_m_s", BLUE, false)],
     ),
-    panel(
-        "angle of attack and sideslip [°]",
-        &[
-            ("α", "alpha_rad", BLUE, false),
-            ("sideslip", "sideslip_rad", ORANGE, false),
-        ],
-    ),
+    super::space::SIDESLIP,
     panel(
         "body rates commanded [rad/s]",
         &[

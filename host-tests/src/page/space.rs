@@ -7,6 +7,14 @@ use super::{Figure, Page, Table, columns};
 use crate::experiment::Document;
 use crate::space::{Experiment, Figures, Step};
 
+pub(super) const SIDESLIP: Panel = panel(
+    "angle of attack and sideslip [°]",
+    &[
+        ("α", "alpha_rad", BLUE, false),
+        ("sideslip", "sideslip_rad", ORANGE, false),
+    ],
+);
+
 const PANELS: &[Panel] = &[
     panel(
         "altitude [m]",
@@ -29,13 +37,7 @@ const PANELS: &[Panel] = &[
             ("bank", "bank_rad", ORANGE, false),
         ],
     ),
-    panel(
-        "angle of attack and sideslip [°]",
-        &[
-            ("α", "alpha_rad", BLUE, false),
-            ("sideslip", "sideslip_rad", ORANGE, false),
-        ],
-    ),
+    SIDESLIP,
     panel(
         "body rates [rad/s]",
         &[

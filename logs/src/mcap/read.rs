@@ -236,22 +236,13 @@ pub fn read(file: &str, bytes: &[u8]) -> Result<Log, Error> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::write;
+    use super::super::{tests::log, write};
     use super::*;
     use std::io::Cursor;
 
     #[test]
     fn what_was_written_is_read_back() {
-        let q = |i: usize| Column::new(&format!("q[{i}]"), "rad", vec![1.0 / 3.0, i as f64]);
-        let x = Column::new("x", "m/s", vec![-1e-7, f64::NAN]);
-        let topics = vec![
-            Topic::new("attitude", 0, vec![0.25, 1.5], vec![q(0), q(1)]).unwrap(),
-            Topic::new("wind", 1, vec![0.1, 2.0], vec![x]).unwrap(),
-        ];
-        let log = Log {
-            topics,
-            notes: Vec::new(),
-        };
+        let log = log();
         let mut out = Cursor::new(Vec::new());
         write(&log, &mut out).unwrap();
         let back = read("x", out.get_ref()).unwrap();
