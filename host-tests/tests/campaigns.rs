@@ -1,13 +1,15 @@
 //! Campaigns: the same results from any number of threads, shares and interruptions; and what the built-in ones show.
 
+mod common;
+
 use std::num::NonZero;
 use std::path::Path;
 
-use alula_sil::experiment::Experiment;
 use alula_sil::page::campaign::page;
 use alula_sil::simulate::fly;
 use alula_sil::space::PathSpec;
 use alula_sil::study::{CampaignSource, Column, Drawn, Flown, Place, Shard, Store, Summary, run};
+use common::experiment_of;
 
 /// The built-in campaign with so many flights.
 fn source(name: &str, flights: u64) -> CampaignSource {
@@ -116,7 +118,7 @@ fn a_flight_is_its_own() {
     assert_eq!(figure(&flown, "late_velocity_error_m_s"), late);
     assert_eq!(flown.samples.len(), 101);
     // The document's text says the same.
-    let again: Experiment = toml::from_str(&drawn.document.text()).unwrap();
+    let again = experiment_of(drawn.document.text());
     assert_eq!(again.vehicle, drawn.experiment.plane().unwrap().vehicle);
     assert!(fly(&again).unwrap() == record);
 

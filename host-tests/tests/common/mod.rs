@@ -7,9 +7,21 @@ use alula::{
     LargeAngle, LargeAngleParameters, Reference, State, VehicleParameters, VelocityControl,
 };
 use alula_sil::experiment::{Document, Experiment, Model, Vehicle};
+use alula_sil::named::Named;
 use alula_sil::reference::{self, Aerodynamics, Inputs, Vector};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
+
+/// The experiment of a text, read as the program reads it: to read it here compiles every reader of its parts again.
+pub fn experiment_of(text: String) -> Experiment {
+    let named = Named {
+        name: "text".to_owned(),
+        origin: "text.toml".to_owned(),
+        text,
+        file: None,
+    };
+    Document::new(&named).unwrap().experiment().unwrap()
+}
 
 pub fn combined(p: CombinedParameters) -> (Model, Aerodynamics) {
     let core = Model::Combined(Combined::new(p).unwrap());

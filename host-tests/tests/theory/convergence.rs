@@ -1,10 +1,11 @@
 //! Proposition 3: with the large-α model (almost) every initial state converges.
 
-use alula_sil::experiment::Experiment;
 use alula_sil::reference::wrap;
 use alula_sil::simulate::{Step, fly};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+
+use crate::common::experiment_of;
 
 /// From 100 random velocities, orientations, thrust lines and winds the robust law with
 /// feed-forward comes to the reference velocity with θ̃ = 0.
@@ -50,8 +51,7 @@ fn every_initial_state_converges_with_the_large_angle_model() {
             random(10.0),
             random(180.0),
         );
-        let experiment: Experiment = toml::from_str(&text).unwrap();
-        experiment.validate().unwrap();
+        let experiment = experiment_of(text.clone());
         let rows = fly(&experiment).unwrap();
         let law = |row: &Step| row.answer.diagnostics().unwrap();
         let theta_tilde = |row: &Step| f64::from(law(row).theta_tilde());
