@@ -4,12 +4,16 @@
 //! is written to `artifacts/`. Of the corpus, which is always run, random inputs are made only from what is not longer than `--longest`:
 //! where reading takes long, short inputs have a change in every part of them, and there is time for more.
 //!
+//! As many targets run at once as there are processors; a line is printed where one ends.
+//!
 //! Of more than a hundred thousand inputs each so many are a process of their own: the harness keeps polars for ever, and what ends a
 //! process (a stack that overflows, memory that does not suffice) is counted by that.
 
 use std::panic;
 use std::path::Path;
 use std::process::{Command, ExitCode, Stdio};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use alula_fuzz::{TARGETS, Target};
@@ -119,6 +123,9 @@ fn attempt(name: &str, target: Target, input: &[u8]) -> Option<u64> {
     }
     calls
 }
+
+/// Bytes of a thread's stack: those of a process.
+const STACK: usize = 8 << 20;
 
 /// Inputs of a process.
 const PIECE: u64 = 100_000;
@@ -231,6 +238,7 @@ fn main() -> ExitCode {
     }
     let (mut inputs, mut seed, mut chosen) = (10_000, 1, Vec::new());
     let (mut most, mut longest) = (u64::MAX, u64::MAX);
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let mut arguments = arguments.into_iter();
     while let Some(argument) = arguments.next() {
         let mut number = |what: &mut u64| {
@@ -254,42 +262,51 @@ fn main() -> ExitCode {
             return ExitCode::FAILURE;
         }
     }
-    let mut failed = 0u64;
     println!(
         "{:12} {:>10} {:>14} {:>7} {:>7}",
         "target", "inputs", "calls", "failed", "s"
     );
-    for (name, target) in TARGETS {
-        if !chosen.is_empty() && !chosen.iter().any(|c| c == *name) {
-            continue;
+    let asked_for = |name: &str| chosen.is_empty() || chosen.iter().any(|c| c == name);
+    let next = Mutex::new(TARGETS.iter().filter(|(name, _)| asked_for(name)));
+    let failed = AtomicU64::new(0);
+    // One target after the other on each processor, each with the stack of a process.
+    let work = || {
+        while let Some((name, target)) = { next.lock().expect("no panic holds it").next() } {
+            let (start, mut all) = (Instant::now(), Count::default());
+            for n in 0..inputs.div_ceil(PIECE).max(1) {
+                let piece = Piece {
+                    name,
+                    inputs: PIECE.min(inputs - n * PIECE),
+                    seed: seed + n,
+                    seeds: most,
+                    longest,
+                    first: n == 0,
+                };
+                let count = match inputs <= PIECE {
+                    true => piece.run(*target),
+                    false => piece.run_apart(),
+                };
+                all.inputs += count.inputs;
+                all.calls += count.calls;
+                all.failed += count.failed;
+            }
+            let seconds = start.elapsed().as_secs_f32();
+            let Count {
+                inputs,
+                calls,
+                failed: bad,
+            } = all;
+            println!("{name:12} {inputs:>10} {calls:>14} {bad:>7} {seconds:>7.1}");
+            failed.fetch_add(bad, Ordering::Relaxed);
         }
-        let (start, mut all) = (Instant::now(), Count::default());
-        for n in 0..inputs.div_ceil(PIECE).max(1) {
-            let piece = Piece {
-                name,
-                inputs: PIECE.min(inputs - n * PIECE),
-                seed: seed + n,
-                seeds: most,
-                longest,
-                first: n == 0,
-            };
-            let count = match inputs <= PIECE {
-                true => piece.run(*target),
-                false => piece.run_apart(),
-            };
-            all.inputs += count.inputs;
-            all.calls += count.calls;
-            all.failed += count.failed;
+    };
+    std::thread::scope(|scope| {
+        for _ in 0..threads {
+            let thread = std::thread::Builder::new().stack_size(STACK);
+            thread.spawn_scoped(scope, work).expect("a thread");
         }
-        let seconds = start.elapsed().as_secs_f32();
-        let Count {
-            inputs,
-            calls,
-            failed: bad,
-        } = all;
-        println!("{name:12} {inputs:>10} {calls:>14} {bad:>7} {seconds:>7.1}");
-        failed += bad;
-    }
+    });
+    let failed = failed.into_inner();
     if failed == 0 {
         ExitCode::SUCCESS
     } else {
