@@ -94,8 +94,20 @@ fn nearest<'a>(given: &str, names: &[&'a str]) -> Option<&'a str> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
+
+    /// Why `load` refuses the file `path` with this text, which is one line.
+    pub(crate) fn refusal<T: std::fmt::Debug>(
+        path: &Path,
+        text: &str,
+        load: impl FnOnce(&Path) -> anyhow::Result<T>,
+    ) -> String {
+        std::fs::write(path, text).unwrap();
+        let error = format!("{:#}", load(path).unwrap_err());
+        assert_eq!(error.lines().count(), 1, "{error}");
+        error
+    }
 
     #[test]
     fn a_name_with_a_line_break_is_refused_in_one_line() {

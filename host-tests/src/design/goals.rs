@@ -135,14 +135,8 @@ pub(super) mod tests {
 
     pub(in crate::design) fn facts(cruise: f64) -> Facts {
         let known = Known {
-            mass_kg: Some(9.0),
-            wing_m2: Some(0.83),
-            section: Some("naca-0021".to_owned()),
-            thrust_to_weight: Some(2.0),
-            thrust_lag_s: Some(0.05),
-            rate_lag_s: Some(0.1),
             cruise_m_s: Some(cruise),
-            ..Known::default()
+            ..Known::tail_sitter()
         };
         known.facts().unwrap()
     }

@@ -145,6 +145,21 @@ const SECTION: &str =
     "Section (naca-0012, naca-0015, naca-0018, naca-0021, flat-plate, or a polar's file)";
 
 impl Known {
+    /// A tail-sitter of 3 kg: that of docs/your-vehicle.md.
+    #[cfg(test)]
+    pub(super) fn tail_sitter() -> Self {
+        Self {
+            mass_kg: Some(3.0),
+            wing_m2: Some(0.35),
+            section: Some("naca-0012".to_owned()),
+            thrust_to_weight: Some(1.6),
+            thrust_lag_s: Some(0.08),
+            rate_lag_s: Some(0.06),
+            cruise_m_s: Some(18.0),
+            ..Self::default()
+        }
+    }
+
     /// What is known here, and of the rest what `other` knows.
     pub fn or(self, other: Self) -> Self {
         Self {
@@ -322,25 +337,13 @@ impl Facts {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn known() -> Known {
-        Known {
-            mass_kg: Some(3.0),
-            wing_m2: Some(0.35),
-            section: Some("naca-0012".to_owned()),
-            thrust_to_weight: Some(1.6),
-            thrust_lag_s: Some(0.08),
-            rate_lag_s: Some(0.06),
-            cruise_m_s: Some(18.0),
-            ..Known::default()
-        }
-    }
+    use crate::named::tests::refusal;
 
     #[test]
     fn what_is_missing_is_named_and_asked() {
-        let facts = known().facts().unwrap();
+        let facts = Known::tail_sitter().facts().unwrap();
         assert!((facts.k_a() - 0.214_375).abs() < 1e-12 && facts.control_rate_hz == 100.0);
-        let mut short = known();
+        let mut short = Known::tail_sitter();
         (short.mass_kg, short.section) = (None, None);
         let error = short.clone().facts().unwrap_err().to_string();
         assert!(
@@ -381,7 +384,7 @@ mod tests {
     #[test]
     fn what_nothing_flies_with_is_refused() {
         let refused = |change: fn(&mut Known)| {
-            let mut bad = known();
+            let mut bad = Known::tail_sitter();
             change(&mut bad);
             bad.facts().unwrap_err().field
         };
@@ -399,12 +402,7 @@ mod tests {
     fn a_file_is_refused_by_line_and_field() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("known.toml");
-        let error = |text: &str| {
-            std::fs::write(&path, text).unwrap();
-            let error = format!("{:#}", Known::load(&path).unwrap_err());
-            assert_eq!(error.lines().count(), 1, "{error}");
-            error
-        };
+        let error = |text: &str| refusal(&path, text, Known::load);
         let mass = error("wing_m2 = 0.3\nmass_kg = -3\n");
         assert!(
             mass.ends_with("known.toml:2: mass_kg: -3 is not from 0.01 to 10000"),

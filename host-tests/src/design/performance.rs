@@ -177,26 +177,11 @@ mod tests {
     /// A flat plate has its numbers in closed form: c_L = c_1 sin 2α, c_D = c_0 + 2 c_1 sin²α.
     #[test]
     fn a_flat_plate_is_what_theory_says() {
-        let known = Known {
-            mass_kg: Some(2.0),
-            wing_m2: Some(0.4),
-            section: Some("flat-plate".to_owned()),
-            thrust_to_weight: Some(1.8),
-            thrust_lag_s: Some(0.05),
-            rate_lag_s: Some(0.05),
-            cruise_m_s: Some(15.0),
-            ..Known::default()
-        };
-        let design = Design::new(known.facts().unwrap()).unwrap();
-        let document = Document::new(&Named {
-            name: "plate".to_owned(),
-            origin: "plate".to_owned(),
-            text: vehicle_text("plate", &design),
-            file: None,
+        let (design, p) = made(|known| {
+            known.section = Some("flat-plate".to_owned());
+            (known.mass_kg, known.wing_m2, known.cruise_m_s) = (Some(2.0), Some(0.4), Some(15.0));
         });
         let vehicle = design.vehicle();
-        let thrust = design.facts.thrust();
-        let p = Performance::of(&document.unwrap(), &vehicle, thrust, 15.0, 2.0).unwrap();
         assert_eq!(p.stall, None);
         // Level: q (c_L + c_D tan α) = W, and c_L + c_D tan α is (2 c_1 + c_0) tan α; angles are in steps of 0.06°.
         let pressure = vehicle.k_a_kg_m * 225.0;
@@ -217,18 +202,9 @@ mod tests {
         assert!(loss < 5.0 && gain < 10.0, "{loss} {gain}");
     }
 
-    /// The vehicle of `change`d facts: what it can do at its cruise speed.
-    fn performance(change: impl Fn(&mut Known)) -> Performance {
-        let mut known = Known {
-            mass_kg: Some(3.0),
-            wing_m2: Some(0.35),
-            section: Some("naca-0012".to_owned()),
-            thrust_to_weight: Some(1.6),
-            thrust_lag_s: Some(0.08),
-            rate_lag_s: Some(0.06),
-            cruise_m_s: Some(18.0),
-            ..Known::default()
-        };
+    /// The vehicle of `change`d facts, and what it can do at its cruise speed.
+    fn made(change: impl Fn(&mut Known)) -> (Design, Performance) {
+        let mut known = Known::tail_sitter();
         change(&mut known);
         let design = Design::new(known.facts().unwrap()).unwrap();
         let document = Document::new(&Named {
@@ -238,8 +214,18 @@ mod tests {
             file: None,
         });
         let (vehicle, facts) = (design.vehicle(), &design.facts);
-        let document = document.unwrap();
-        Performance::of(&document, &vehicle, facts.thrust(), facts.cruise_m_s, 2.0).unwrap()
+        let p = Performance::of(
+            &document.unwrap(),
+            &vehicle,
+            facts.thrust(),
+            facts.cruise_m_s,
+            2.0,
+        );
+        (design, p.unwrap())
+    }
+
+    fn performance(change: impl Fn(&mut Known)) -> Performance {
+        made(change).1
     }
 
     /// The speed of transition is one: where it falls off its wing when it slows down, and where level cruise on the wing ends.

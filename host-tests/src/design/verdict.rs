@@ -227,7 +227,7 @@ mod tests {
         };
         let why = why_no_cruise(&facts(60.0), &performance);
         assert!(
-            why.contains("needs 2.60 times the weight of thrust, and there is 2"),
+            why.contains("needs 2.60 times the weight of thrust, and there is 1.6"),
             "{why}"
         );
         assert_eq!(why_no_cruise(&facts(60.0), &PERFORMANCE), "");

@@ -169,14 +169,8 @@ mod tests {
         let file = tempfile::NamedTempFile::with_suffix(".csv").unwrap();
         std::fs::write(file.path(), text).unwrap();
         let mut known = Known {
-            mass_kg: Some(3.0),
-            wing_m2: Some(0.35),
             section: file.path().to_str().map(str::to_owned),
-            thrust_to_weight: Some(1.6),
-            thrust_lag_s: Some(0.08),
-            rate_lag_s: Some(0.06),
-            cruise_m_s: Some(18.0),
-            ..Known::default()
+            ..Known::tail_sitter()
         };
         change(&mut known);
         Wing::new(&known.facts()?)
