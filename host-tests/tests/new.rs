@@ -323,7 +323,7 @@ fn what_is_wrong_is_named() {
     assert!(error(&["--from", "bad.toml"]).contains("bad.toml:2: wing_m2: -1 is not from"));
     let mut flags = FLAGS;
     flags[5] = "naca-9999";
-    assert!(error(&flags).contains("naca-9999: neither a file nor a built-in polar"));
+    assert!(error(&flags).contains("naca-9999: neither a file nor a built-in section"));
 }
 
 /// Every command of docs/your-vehicle.md does what it says, in the order of the page.
