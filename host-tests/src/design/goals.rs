@@ -99,7 +99,8 @@ pub fn limits_text(facts: &Facts) -> String {
     let mut limit = |figure: &str, side: &str, value: f64, share: f64| {
         let _ = write!(
             text,
-            "[[limits]]\nfigure = \"{figure}\"\n{side} = {value:?}\nshare = {share}\n"
+            "[[limits]]\nfigure = \"{figure}\"\n{side} = {:?}\nshare = {share}\n",
+            value as f32
         );
     };
     limit("altitude_most_m", "most", LOST, back);
