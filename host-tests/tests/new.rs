@@ -197,8 +197,17 @@ fn a_first_flight_that_fails_is_told() {
     let summary: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(summary["verdict"]["outcome"], "fails");
     assert!(summary["performance"]["stop_m"].is_null());
+    let warnings = summary["warnings"].to_string();
+    assert!(
+        warnings.contains("The thrust is 1.1 times the weight"),
+        "{warnings}"
+    );
     let page = fs::read_to_string(folder.path().join("short/vehicle.html")).unwrap();
-    assert!(page.contains("THE FIRST FLIGHT FAILS") && page.contains("MORE than the 110 %"));
+    assert!(
+        page.contains("THE FIRST FLIGHT FAILS")
+            && page.contains("The thrust is 1.1 times")
+            && page.contains("MORE than the 110 %")
+    );
     // Nor do flights like it pass its campaign.
     let campaign = alula(
         folder.path(),

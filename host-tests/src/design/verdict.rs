@@ -124,6 +124,8 @@ mod tests {
     const PERFORMANCE: Performance = Performance {
         stall: None,
         cruise: Some([4.0, 0.1]),
+        carried: 2.0,
+        lift: 2.0,
         turn: None,
         glide: None,
         stop_m: None,
