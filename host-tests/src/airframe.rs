@@ -160,6 +160,7 @@ impl Airframe {
 mod tests {
     use super::*;
     use crate::experiment::BUILT_IN;
+    use crate::named::tests::refusal;
 
     #[test]
     fn every_built_in_loads_and_the_paper_is_the_papers() {
@@ -175,11 +176,8 @@ mod tests {
     fn errors_name_line_and_field() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("x.toml");
-        let error = |text: &str| {
-            std::fs::write(&path, text).unwrap();
-            let error = Airframe::load(path.to_str().unwrap()).unwrap_err();
-            format!("{error:#}")
-        };
+        let error =
+            |text: &str| refusal(&path, text, |path| Airframe::load(path.to_str().unwrap()));
         let negative = error("[vehicle]\nmass_kg = -1\nk_a_kg_m = 1\n");
         assert!(
             negative.ends_with("x.toml:2: vehicle.mass_kg: mass must be positive"),

@@ -29,16 +29,9 @@ impl Named {
                 file: None,
             });
         }
+        let names: Vec<_> = built_in.iter().map(|(name, _)| *name).collect();
+        check(noun, &names, argument)?;
         let path = Path::new(argument);
-        // A bare word is a mistyped name rather than a file.
-        if !path.exists() && path.extension().is_none() {
-            let names: Vec<_> = built_in.iter().map(|(name, _)| *name).collect();
-            let meant = nearest(argument, &names);
-            let meant = meant.map_or(String::new(), |name| format!("; did you mean {name}?"));
-            let names = names.join(", ");
-            let argument = on_one_line(argument);
-            bail!("{argument}: neither a file nor a built-in {noun} ({names}){meant}");
-        }
         let name = path.file_stem().unwrap_or(path.as_os_str());
         Ok(Self {
             name: name.to_string_lossy().into_owned(),
@@ -63,6 +56,19 @@ impl Named {
     }
 }
 
+/// Refuses what is neither one of `names` nor a file. A bare word is a mistyped name rather than a file that is missing.
+pub(crate) fn check(noun: &str, names: &[&str], argument: &str) -> anyhow::Result<()> {
+    let path = Path::new(argument);
+    if names.contains(&argument) || path.exists() || path.extension().is_some() {
+        return Ok(());
+    }
+    let meant = nearest(argument, names);
+    let meant = meant.map_or(String::new(), |name| format!("; did you mean {name}?"));
+    let names = names.join(", ");
+    let argument = on_one_line(argument);
+    bail!("{argument}: neither a file nor a built-in {noun} ({names}){meant}");
+}
+
 /// The text with its control characters escaped: a message that quotes what a file says stays on one line.
 pub(crate) fn on_one_line(text: &str) -> String {
     let mut line = String::with_capacity(text.len());
@@ -84,18 +90,30 @@ pub fn in_shell(word: &str) -> String {
     }
 }
 
-/// The name that was probably meant: as near to `given` as a slip or two.
+/// The name that was probably meant: as near to `given` as a slip or two, and of several the first.
 fn nearest<'a>(given: &str, names: &[&'a str]) -> Option<&'a str> {
     let given = given.to_lowercase();
     let likeness = |name: &&str| strsim::jaro_winkler(&given, name);
-    let all = names.iter().map(|name| (likeness(name), *name));
+    let all = names.iter().rev().map(|name| (likeness(name), *name));
     let (likeness, name) = all.max_by(|a, b| a.0.total_cmp(&b.0))?;
     (likeness > 0.85).then_some(name)
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
+
+    /// Why `load` refuses the file `path` with this text, which is one line.
+    pub(crate) fn refusal<T: std::fmt::Debug>(
+        path: &Path,
+        text: &str,
+        load: impl FnOnce(&Path) -> anyhow::Result<T>,
+    ) -> String {
+        std::fs::write(path, text).unwrap();
+        let error = format!("{:#}", load(path).unwrap_err());
+        assert_eq!(error.lines().count(), 1, "{error}");
+        error
+    }
 
     #[test]
     fn a_name_with_a_line_break_is_refused_in_one_line() {

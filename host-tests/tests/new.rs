@@ -197,8 +197,17 @@ fn a_first_flight_that_fails_is_told() {
     let summary: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(summary["verdict"]["outcome"], "fails");
     assert!(summary["performance"]["stop_m"].is_null());
+    let warnings = summary["warnings"].to_string();
+    assert!(
+        warnings.contains("The thrust is 1.1 times the weight"),
+        "{warnings}"
+    );
     let page = fs::read_to_string(folder.path().join("short/vehicle.html")).unwrap();
-    assert!(page.contains("THE FIRST FLIGHT FAILS") && page.contains("MORE than the 110 %"));
+    assert!(
+        page.contains("THE FIRST FLIGHT FAILS")
+            && page.contains("The thrust is 1.1 times")
+            && page.contains("MORE than the 110 %")
+    );
     // Nor do flights like it pass its campaign.
     let campaign = alula(
         folder.path(),
@@ -323,7 +332,7 @@ fn what_is_wrong_is_named() {
     assert!(error(&["--from", "bad.toml"]).contains("bad.toml:2: wing_m2: -1 is not from"));
     let mut flags = FLAGS;
     flags[5] = "naca-9999";
-    assert!(error(&flags).contains("naca-9999: neither a file nor a built-in polar"));
+    assert!(error(&flags).contains("naca-9999: neither a file nor a built-in section"));
 }
 
 /// Every command of docs/your-vehicle.md does what it says, in the order of the page.

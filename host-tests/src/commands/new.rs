@@ -105,7 +105,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let margins = margins(&experiment, facts.cruise_m_s)?;
     let verdict = Verdict::of(facts, &performance, &figures);
     let mut warnings = design.wing.warnings.clone();
-    warnings.extend(performance.doubts(facts.cruise_m_s));
+    warnings.extend(performance.doubts(facts));
     let results = Results {
         performance: &performance,
         margins: &margins,

@@ -12,6 +12,10 @@ use crate::named::on_one_line;
 
 /// Acceleration of the round trip [m/s²]: the one of the built-in round trip.
 const ACCELERATION: f64 = 2.0;
+/// What the campaign draws the true mass from, over the one given.
+pub(super) const MASS: [f64; 2] = [0.85, 1.1];
+/// As [`MASS`], of k_a.
+const K_A: [f64; 2] = [0.75, 1.25];
 
 /// `name` must do for files and folders, in TOML, in C and in a shell.
 pub fn check_name(name: &str) -> Result<(), FieldError> {
@@ -29,14 +33,14 @@ pub fn check_name(name: &str) -> Result<(), FieldError> {
 }
 
 /// A number in few digits: what single precision holds and no more.
-fn short(x: f32) -> String {
-    format!("{x}")
+pub(super) fn short(x: f64) -> String {
+    format!("{}", x as f32)
 }
 
 /// The vehicle's file: the vehicle, its actuators, its guidance with the reason for each number, and a round trip to fly.
 pub fn vehicle_text(name: &str, design: &Design) -> String {
     let (facts, parameters) = (&design.facts, &design.parameters);
-    let [least, most] = facts.thrust();
+    let [least, most] = facts.thrust().map(short);
     let mut text = format!(
         "# {name}, made by `alula-sil new` from {} kg, {} m², {}, T/W {}, lags of {} s (thrust) and {} s (rate), {} m/s.\n\
          # Every command takes this file: fly, margins, envelope, equilibria, sweep; {name}-campaign.toml flies it dispersed.\n\
@@ -57,10 +61,10 @@ pub fn vehicle_text(name: &str, design: &Design) -> String {
         "duration_s = {}\ncontrol_rate_hz = {}\n\n[vehicle]\nmass_kg = {}\n\
          k_a_kg_m = {} # ρΣ/2 with ρ = {} kg/m³ and Σ = {} m²\n\
          delta_deg = {} # from the zero-lift line to the thrust line\n\n",
-        times[3] + 60.0,
+        short(times[3] + 60.0),
         facts.control_rate_hz,
         facts.mass_kg,
-        facts.k_a(),
+        short(facts.k_a()),
         facts.air_kg_m3,
         facts.wing_m2,
         facts.delta_deg,
@@ -82,7 +86,7 @@ pub fn vehicle_text(name: &str, design: &Design) -> String {
         facts.weight(),
     );
     for (i, (row, (_, reason))) in GuidanceParameters::ROWS.iter().zip(REASONS).enumerate() {
-        let number = format!("{} = {}", file_name(row), short(parameters.get(i)));
+        let number = format!("{} = {}", file_name(row), short(parameters.get(i).into()));
         let _ = writeln!(text, "{number:<34} # {reason}");
     }
     text += "\n# Hover, cruise, hover. `--set` or a file with `base` flies something else.\n[reference]\nknots = [\n";
@@ -92,17 +96,24 @@ pub fn vehicle_text(name: &str, design: &Design) -> String {
     {
         let _ = writeln!(
             text,
-            "    {{ t_s = {time}, down_m_s = 0.0, forward_m_s = {speed} }},"
+            "    {{ t_s = {}, down_m_s = 0.0, forward_m_s = {speed} }},",
+            short(*time)
         );
     }
-    let _ = write!(text, "]\n\n[initial]\nthrust_n = {}\n", facts.weight());
+    let _ = write!(
+        text,
+        "]\n\n[initial]\nthrust_n = {}\n",
+        short(facts.weight())
+    );
     text
 }
 
 /// The vehicle's campaign: its round trip in wind and turbulence with a vehicle that differs from what the controller believes.
 pub fn campaign_text(name: &str, design: &Design) -> String {
     let facts = &design.facts;
-    let wind = 0.25 * facts.cruise_m_s;
+    let wind = short(0.25 * facts.cruise_m_s);
+    let [lightest, heaviest] = MASS;
+    let [least, most] = K_A;
     let limits = limits_text(facts);
     format!(
         "# {name} as it may really be: what is weighed and measured is off, and so is the day. The controller believes in {name}.toml.\n\
@@ -122,10 +133,10 @@ substeps = 2
 
 [[disperse]]
 field = \"vehicle.mass_kg\"
-scale.uniform = [0.85, 1.1]
+scale.uniform = [{lightest}, {heaviest}]
 [[disperse]]
 field = \"vehicle.k_a_kg_m\"
-scale.uniform = [0.75, 1.25]
+scale.uniform = [{least}, {most}]
 [[disperse]]
 field = \"vehicle.delta_deg\"
 add.uniform = [-2.0, 2.0]
@@ -155,16 +166,41 @@ y = {{ field = \"vehicle.k_a_kg_m\", from = {}, to = {}, bins = 12 }}
 figure = \"altitude_least_m\"
 levels = [-0.5, -1.5, -3.0, -10.0, -50.0]
 ",
-        0.85 * facts.mass_kg,
-        1.1 * facts.mass_kg,
-        0.75 * facts.k_a(),
-        1.25 * facts.k_a(),
+        short(lightest * facts.mass_kg),
+        short(heaviest * facts.mass_kg),
+        short(least * facts.k_a()),
+        short(most * facts.k_a()),
     )
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::design::Known;
+
+    /// No product of what was typed is written as 26.325000000000003.
+    #[test]
+    fn numbers_have_few_digits() {
+        for n in 1..20 {
+            let known = Known {
+                mass_kg: Some(0.1 * f64::from(n)),
+                wing_m2: Some(0.03 * f64::from(n)),
+                cruise_m_s: Some(20.0 + 0.15 * f64::from(n)),
+                ..Known::tail_sitter()
+            };
+            let facts = known.facts().unwrap();
+            let known = [facts.mass_kg, facts.wing_m2, facts.cruise_m_s].map(|x| x.to_string());
+            let design = Design::new(facts).unwrap();
+            for text in [vehicle_text("x", &design), campaign_text("x", &design)] {
+                let numbers = text.split(|c: char| !(c.is_ascii_digit() || c == '.'));
+                let long = numbers.filter(|number| number.len() > 11);
+                let made: Vec<&str> = long
+                    .filter(|number| !known.iter().any(|known| known == number))
+                    .collect();
+                assert_eq!(made, [""; 0]);
+            }
+        }
+    }
 
     #[test]
     fn names_that_would_break_a_file_are_refused() {

@@ -99,7 +99,8 @@ pub fn limits_text(facts: &Facts) -> String {
     let mut limit = |figure: &str, side: &str, value: f64, share: f64| {
         let _ = write!(
             text,
-            "[[limits]]\nfigure = \"{figure}\"\n{side} = {value:?}\nshare = {share}\n"
+            "[[limits]]\nfigure = \"{figure}\"\n{side} = {:?}\nshare = {share}\n",
+            value as f32
         );
     };
     limit("altitude_most_m", "most", LOST, back);
@@ -135,14 +136,8 @@ pub(super) mod tests {
 
     pub(in crate::design) fn facts(cruise: f64) -> Facts {
         let known = Known {
-            mass_kg: Some(9.0),
-            wing_m2: Some(0.83),
-            section: Some("naca-0021".to_owned()),
-            thrust_to_weight: Some(2.0),
-            thrust_lag_s: Some(0.05),
-            rate_lag_s: Some(0.1),
             cruise_m_s: Some(cruise),
-            ..Known::default()
+            ..Known::tail_sitter()
         };
         known.facts().unwrap()
     }

@@ -124,6 +124,8 @@ mod tests {
     const PERFORMANCE: Performance = Performance {
         stall: None,
         cruise: Some([4.0, 0.1]),
+        carried: 2.0,
+        lift: 2.0,
         turn: None,
         glide: None,
         stop_m: None,
@@ -227,7 +229,7 @@ mod tests {
         };
         let why = why_no_cruise(&facts(60.0), &performance);
         assert!(
-            why.contains("needs 2.60 times the weight of thrust, and there is 2"),
+            why.contains("needs 2.60 times the weight of thrust, and there is 1.6"),
             "{why}"
         );
         assert_eq!(why_no_cruise(&facts(60.0), &PERFORMANCE), "");

@@ -4,8 +4,8 @@ use anyhow::{Context, bail};
 
 use super::Facts;
 use crate::experiment::AerodynamicsSpec;
-use crate::named::on_one_line;
-use crate::polar::Polar;
+use crate::named::{check, on_one_line};
+use crate::polar::{BUILT_IN, Polar};
 use crate::reference::LargeAngle;
 
 /// Rows of the tables that fit on board: `ALULA_TABLE_ROWS` of the C interface.
@@ -44,8 +44,10 @@ impl Wing {
 
     /// The polar of that name or file.
     fn measured(section: &str) -> anyhow::Result<Polar> {
-        let presets = || format!("section is none of {}, {PLATE}", PRESETS.join(", "));
-        Polar::load(section).with_context(presets)
+        let polars = BUILT_IN.iter().map(|(name, _)| *name);
+        let names: Vec<&str> = PRESETS.into_iter().chain([PLATE]).chain(polars).collect();
+        check("section", &names, section)?;
+        Polar::load(section)
     }
 
     /// The wing of `facts`.
@@ -169,14 +171,8 @@ mod tests {
         let file = tempfile::NamedTempFile::with_suffix(".csv").unwrap();
         std::fs::write(file.path(), text).unwrap();
         let mut known = Known {
-            mass_kg: Some(3.0),
-            wing_m2: Some(0.35),
             section: file.path().to_str().map(str::to_owned),
-            thrust_to_weight: Some(1.6),
-            thrust_lag_s: Some(0.08),
-            rate_lag_s: Some(0.06),
-            cruise_m_s: Some(18.0),
-            ..Known::default()
+            ..Known::tail_sitter()
         };
         change(&mut known);
         Wing::new(&known.facts()?)
@@ -261,6 +257,17 @@ mod tests {
             "{story}"
         );
         assert!(made.warnings.is_empty());
+        let fine = (0..=160).map(|n| 0.1 * f64::from(n));
+        let fine: String = fine.map(|a| format!("{a} {} 0.01\n", round(a))).collect();
+        let thinned = wing(&format!("alpha CL CD\n{fine}"), |_| ()).unwrap();
+        assert!(
+            thinned
+                .story
+                .iter()
+                .any(|s| s.starts_with("Thinned to 96 of 19")),
+            "{:?}",
+            thinned.story
+        );
         assert!(preset(2.4).warnings[0].contains("far from the 160e3"));
         assert!(
             preset(2.4).story[0].contains("7797"),

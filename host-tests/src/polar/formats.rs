@@ -1,125 +1,107 @@
-//! Polars as files: this program's CSV, XFOIL's polar files, XFLR5's exports (of sections and wings), AVL's total forces.
+//! Polars as files: tables of spreadsheets and this program (CSV), of XFOIL and XFLR5 (of sections and wings), and AVL's total forces.
 
-use anyhow::{Context, anyhow, ensure};
+use anyhow::{anyhow, ensure};
 
 use super::Read;
 use super::made::WING;
 
-/// The rows of `text`; `origin` stands for it in errors. CSV with the columns `alpha_deg`, `cl` and `cd`, or one of these formats:
+/// The columns, as this program writes them.
+const NAMES: [&str; 3] = ["alpha_deg", "cl", "cd"];
+/// Coefficients of one angle in two rows that are the same: XFOIL comes to an angle from two sides.
+const AGAIN: f64 = 0.01;
+
+/// The rows of `text`; `origin` stands for it in errors. It is one of these:
 ///
-/// - XFOIL (`PACC`) and XFLR5: a line with the names `alpha`, `CL` and `CD`, and rows of numbers under it, parted by blanks, commas,
-///   semicolons or tabs. What stands above the names is a comment; rules of dashes are left out.
+/// - a table: a line with the names `alpha_deg` (or `alpha`), `cl` and `cd`, in small letters or capitals, and rows of numbers under it. Cells are parted
+///   by semicolons, tabs, commas or blanks; where it is not by commas, a comma may part decimals. What stands above the names or behind `#` is a
+///   comment; rules of dashes are left out. So write spreadsheets, XFOIL (`PACC`) and XFLR5.
 /// - AVL: one or several outputs of total forces (`FT`, `ST`), each with `Alpha =`, `CLtot =` and `CDtot =`.
 pub fn read(origin: &str, text: &str) -> anyhow::Result<Read> {
-    if text.contains("CLtot") {
-        return avl(origin, text);
-    }
-    let mut lines = text.lines().enumerate();
-    match lines.find_map(|(n, line)| Some((n, columns(line)?))) {
-        Some((place, columns)) => under(origin, text, place, columns),
-        None => table(origin, text),
+    match text.contains("CLtot") {
+        true => avl(origin, text),
+        false => table(origin, text),
     }
 }
 
-/// The cells of a line.
-fn cells(line: &str) -> impl Iterator<Item = &str> {
-    let parted = line.split(|c: char| c.is_whitespace() || matches!(c, ',' | ';'));
-    parted.filter(|cell| !cell.is_empty())
+/// The cells of a line. An empty one counts, but for those at the end.
+fn cells(line: &str) -> Vec<&str> {
+    let line = line.trim();
+    let separator = [';', '\t', ','].into_iter().find(|c| line.contains(*c));
+    let mut cells: Vec<&str> = match separator {
+        Some(separator) => (line.split(separator))
+            .map(|cell| cell.trim().trim_matches('"'))
+            .collect(),
+        None => line.split_whitespace().collect(),
+    };
+    let last = cells.iter().rposition(|cell| !cell.is_empty());
+    cells.truncate(last.map_or(0, |last| last + 1));
+    cells
 }
 
 /// Where α, c_L and c_D stand in a line of names.
-fn columns(line: &str) -> Option<[usize; 3]> {
-    if line.starts_with('#') {
-        return None;
-    }
-    let names: Vec<String> = cells(line).map(str::to_lowercase).collect();
-    let place = |name: &str| names.iter().position(|known| known == name);
-    Some([place("alpha")?, place("cl")?, place("cd")?])
-}
-
-/// A table with the columns `alpha_deg`, `cl` and `cd`.
-fn table(origin: &str, text: &str) -> anyhow::Result<Read> {
-    let mut reader = csv::ReaderBuilder::new()
-        .comment(Some(b'#'))
-        .trim(csv::Trim::All)
-        .from_reader(text.as_bytes());
-    let header = reader
-        .headers()
-        .with_context(|| format!("{origin}:1"))?
-        .clone();
-    // The reader places the header before the comments.
-    let above = text.lines().take_while(|line| line.starts_with('#'));
-    let header_line = 1 + above.count();
-    let column = |name: &'static str| {
-        let found = header.iter().position(|cell| cell == name);
-        found.ok_or_else(|| anyhow!("{origin}:{header_line}: no column {name}"))
-    };
-    let columns = [column("alpha_deg")?, column("cl")?, column("cd")?];
-    let (mut lines, mut rows) = (Vec::new(), Vec::new());
-    for record in reader.records() {
-        let record = record.map_err(|error| {
-            let line = error.position().map_or(1, csv::Position::line);
-            anyhow!("{origin}:{line}: not as many cells as columns")
-        })?;
-        let line = record.position().map_or(0, csv::Position::line);
-        let mut row = [0.0; 3];
-        for (value, index) in row.iter_mut().zip(columns) {
-            let cell = &record[index];
-            *value = cell
-                .parse()
-                .map_err(|_| anyhow!("{origin}:{line}: {cell:?} is not a number"))?;
-        }
-        lines.push(line);
-        rows.push(row);
-    }
-    let mut comments = text.lines().filter(|line| line.starts_with('#'));
-    Ok(Read {
-        lines,
-        rows,
-        of_wing: comments.any(|line| line.contains(WING)),
+fn columns(line: &str) -> [Option<usize>; 3] {
+    let names: Vec<String> = cells(line).iter().map(|name| name.to_lowercase()).collect();
+    NAMES.map(|name| {
+        let is = |known: &String| known == name || (name == NAMES[0] && known == "alpha");
+        names.iter().position(is)
     })
 }
 
-/// The rows under the names in line `place`, counted from 0. Induced drag is a wing's.
-fn under(origin: &str, text: &str, place: usize, columns: [usize; 3]) -> anyhow::Result<Read> {
-    let (mut numbers, mut rows) = (Vec::new(), Vec::new());
-    for (n, line) in text.lines().enumerate().skip(place + 1) {
-        let cells: Vec<&str> = cells(line).collect();
-        let is_rule = line.chars().all(|c| c == '-' || c.is_whitespace());
-        if is_rule || cells.first().is_none_or(|cell| cell.starts_with('#')) {
+/// The rows under a line of names. Induced drag is a wing's.
+fn table(origin: &str, text: &str) -> anyhow::Result<Read> {
+    let is_comment = |line: &str| line.trim_start().starts_with('#');
+    let is_rule = |line: &str| line.chars().all(|c| c == '-' || c.is_whitespace());
+    let lines: Vec<(u64, &str)> = (1..)
+        .zip(text.lines())
+        .filter(|(_, line)| !is_comment(line) && !is_rule(line))
+        .collect();
+    let named = |(_, line): &&(u64, &str)| columns(line).iter().flatten().count();
+    // The first with the most names.
+    let header = lines.iter().rev().max_by_key(named);
+    let &(place, header) = header.unwrap_or(&(1, ""));
+    let mut columns_of = [0; 3];
+    for ((column, found), name) in columns_of.iter_mut().zip(columns(header)).zip(NAMES) {
+        *column = found.ok_or_else(|| anyhow!("{origin}:{place}: no column {name}"))?;
+    }
+    let names = cells(header);
+    let mut rows = Vec::new();
+    for &(line, text) in lines.iter().filter(|(line, _)| *line > place) {
+        let cells = cells(text);
+        if cells.is_empty() {
             continue;
         }
         // XFLR5 puts several polars into one file, each under names of its own.
         ensure!(
-            self::columns(line).is_none(),
-            "{origin}:{}: a second polar begins here: one file, one polar",
-            n + 1
+            columns(text).contains(&None),
+            "{origin}:{line}: a second polar begins here: one file, one polar"
         );
         let mut row = [0.0; 3];
-        for (value, column) in row.iter_mut().zip(columns) {
-            let cell = cells.get(column);
+        for (value, column) in row.iter_mut().zip(columns_of) {
+            let cell = cells.get(column).filter(|_| cells.len() <= names.len());
             let cell =
-                cell.ok_or_else(|| anyhow!("{origin}:{}: not as many cells as names", n + 1))?;
-            *value = cell
-                .parse()
-                .map_err(|_| anyhow!("{origin}:{}: {cell:?} is not a number", n + 1))?;
+                cell.ok_or_else(|| anyhow!("{origin}:{line}: not as many cells as columns"))?;
+            *value = (cell.replace(',', ".").parse())
+                .map_err(|_| anyhow!("{origin}:{line}: {cell:?} is not a number"))?;
         }
-        numbers.push(n as u64 + 1);
-        rows.push(row);
+        rows.push((line, row));
     }
-    let names = text.lines().nth(place).unwrap_or_default();
-    let of_wing = cells(names).any(|name| name.eq_ignore_ascii_case("CDi"));
-    Ok(sorted(numbers, rows, of_wing))
+    let induced = names.iter().any(|name| name.eq_ignore_ascii_case("CDi"));
+    let mut comments = text.lines().filter(|line| is_comment(line));
+    sorted(
+        origin,
+        rows,
+        induced || comments.any(|line| line.contains(WING)),
+    )
 }
 
 /// The rows of AVL's outputs, one each.
 fn avl(origin: &str, text: &str) -> anyhow::Result<Read> {
-    let (mut numbers, mut rows) = (Vec::new(), Vec::new());
+    let mut rows = Vec::new();
     let mut alpha = None;
     let mut lift = None;
     for (n, line) in text.lines().enumerate() {
         let value = |name: &str| -> anyhow::Result<Option<f64>> {
-            let mut words = cells(line).skip_while(|word| *word != name);
+            let mut words = line.split_whitespace().skip_while(|word| *word != name);
             let after = words.nth(2);
             let parsed = after.map(|word| {
                 let bad = |_| anyhow!("{origin}:{}: {word:?} is not a number", n + 1);
@@ -136,25 +118,35 @@ fn avl(origin: &str, text: &str) -> anyhow::Result<Read> {
                     n + 1
                 ));
             };
-            numbers.push(n as u64 + 1);
-            rows.push([alpha, lift, drag]);
+            rows.push((n as u64 + 1, [alpha, lift, drag]));
         }
     }
     ensure!(!rows.is_empty(), "{origin}: no CDtot");
-    Ok(sorted(numbers, rows, true))
+    sorted(origin, rows, true)
 }
 
-/// By increasing angle: sweeps run either way, and from 0 both ways. An angle that comes again is left out.
-fn sorted(numbers: Vec<u64>, rows: Vec<[f64; 3]>, of_wing: bool) -> Read {
-    let mut all: Vec<(u64, [f64; 3])> = numbers.into_iter().zip(rows).collect();
-    all.sort_by(|a, b| a.1[0].total_cmp(&b.1[0]));
-    all.dedup_by(|again, first| (again.1[0] - first.1[0]).abs() < 1e-6);
-    let (lines, rows) = all.into_iter().unzip();
-    Read {
+/// By increasing angle: sweeps run either way, and from 0 both ways. An angle that comes again with the same coefficients is left out.
+fn sorted(origin: &str, mut rows: Vec<(u64, [f64; 3])>, of_wing: bool) -> anyhow::Result<Read> {
+    rows.sort_by(|a, b| a.1[0].total_cmp(&b.1[0]));
+    let comes_again = |first: &[f64; 3], again: &[f64; 3]| (again[0] - first[0]).abs() < 1e-6;
+    for pair in rows.windows(2) {
+        let [(first, a), (again, b)] = pair else {
+            continue;
+        };
+        let same = (1..3).all(|i| (a[i] - b[i]).abs() <= AGAIN);
+        ensure!(
+            same || !comes_again(a, b),
+            "{origin}:{again}: {}° stands in line {first} already, with other coefficients",
+            b[0]
+        );
+    }
+    rows.dedup_by(|again, first| comes_again(&first.1, &again.1));
+    let (lines, rows) = rows.into_iter().unzip();
+    Ok(Read {
         lines,
         rows,
         of_wing,
-    }
+    })
 }
 
 #[cfg(test)]
@@ -224,12 +216,49 @@ mod tests {
         );
         assert_eq!(
             error("alpha CL CD\n1 0.1\n"),
-            "x:2: not as many cells as names"
+            "x:2: not as many cells as columns"
         );
         let two = "alpha CL CD\n1 0.1 0.1\nalpha CL CD\n";
         assert!(error(two).starts_with("x:3: a second polar"));
         assert!(error("CLtot = 0.1\nCDtot = 0.1\n").contains("without Alpha"));
         // Separators alone are an empty line.
         assert_eq!(read("x", "alpha CL CD\n,,\n").unwrap().rows.len(), 0);
+        // A cell that is empty does not move those behind it, and a comma that parts decimals as well as cells makes too many.
+        let empty = "alpha,Re,cl,cd,cm\n1,,0.1,0.02,-0.1\n";
+        assert_eq!(read("x", empty).unwrap().rows, [[1.0, 0.1, 0.02]]);
+        assert_eq!(
+            error("alpha_deg,cl,cd\n0,5,0,1,0,02\n"),
+            "x:2: not as many cells as columns"
+        );
+        assert_eq!(
+            error("Polar of mine\n\nalpha;cl;drag\n"),
+            "x:3: no column cd"
+        );
+        assert_eq!(error(""), "x:1: no column alpha_deg");
+        let again = "alpha_deg,cl,cd\n0,0,0.01\n9,0.8,0.03\n5,0.5,0.02\n9,0.9,0.03\n";
+        assert_eq!(
+            error(again),
+            "x:5: 9° stands in line 3 already, with other coefficients"
+        );
+    }
+
+    /// Semicolons, tabs, commas, blanks and decimal commas, as spreadsheets have them, and rows in any order: the same table.
+    #[test]
+    fn every_separator_is_read() {
+        let comma = "alpha_deg,cl,cd\n9,0.8,0.03\n5,0.5,0.02\n5,0.505,0.02\n0,0,0.01\n";
+        let want = [[0.0, 0.0, 0.01], [5.0, 0.5, 0.02], [9.0, 0.8, 0.03]];
+        let decimal_commas = comma.replace(',', ";").replace('.', ",");
+        for text in [
+            comma.to_owned(),
+            comma.replace(',', ";"),
+            comma.replace(',', "\t"),
+            comma.replace(',', "  "),
+            comma.replace(',', " , ").replace('\n', ",\r\n"),
+            decimal_commas.replace(';', "\t"),
+            decimal_commas,
+            comma.replace("alpha_deg,cl,cd", "\"Alpha\",\"CL\",\"CD\""),
+        ] {
+            assert_eq!(read("x", &text).unwrap().rows, want, "{text}");
+        }
     }
 }

@@ -107,8 +107,8 @@ impl Polar {
         }
     }
 
-    /// The polar in `text`: CSV with the columns `alpha_deg`, `cl` and `cd` and comments behind `#`, or a format of XFOIL,
-    /// XFLR5 or AVL. One that ends at stall is extended to all angles, as of a wing of infinite span. `origin` stands for the text in errors,
+    /// The polar in `text`: a table with the columns `alpha_deg`, `cl` and `cd` and comments behind `#`, as spreadsheets, XFOIL and XFLR5
+    /// write it, or AVL's total forces. One that ends at stall is extended to all angles, as of a wing of infinite span. `origin` stands for the text in errors,
     /// which name line and column.
     pub fn from_text(origin: &str, text: &str) -> anyhow::Result<Self> {
         // Spreadsheets begin a file with a mark of its encoding.
@@ -143,7 +143,15 @@ impl Polar {
         let first = lines.first().copied().unwrap_or(1);
         let (rows, seam) = viterna::extended(&halved(rows.clone()), aspect_ratio)
             .map_err(|e| anyhow!("{origin}:{first}: {e}"))?;
-        let whole = Self::from_rows(origin, &read.lines, &rows)?;
+        // Some rows were left out, and others made: those of an error are found by their angle, the last of several.
+        let line = |[alpha, ..]: &[f64; 3]| {
+            let off = |row: &[f64; 3]| (row[0] - alpha).abs();
+            let all = read.lines.iter().zip(&read.rows).rev();
+            let nearest = all.min_by(|a, b| off(a.1).total_cmp(&off(b.1)));
+            nearest.map_or(first, |(line, _)| *line)
+        };
+        let made: Vec<u64> = rows.iter().map(line).collect();
+        let whole = Self::from_rows(origin, &made, &rows)?;
         Ok(Self {
             seam: Some(seam),
             read: Box::leak(Box::new(read)),
@@ -373,6 +381,20 @@ mod tests {
         assert!(short.starts_with("x.csv:2: goes from 0° to 2°"), "{short}");
         let drag = error("alpha CL CD\n-8 -1 0.1\n0 0.1 0\n9 1 0.1\n");
         assert!(drag.starts_with("x.csv:3: the drag"), "{drag}");
+        // Of a symmetric section the rows below 0 are left out, and of one with camber others come before them: the line is the file's.
+        for below in [
+            "",
+            "-9,-0.8,0.02\n-5,-0.5,0.01\n",
+            "-9,-0.7,0.02\n-5,-0.4,0.01\n",
+        ] {
+            let rows = "0,0,0.01\n5,0.5,0.01\n5.02,0.5,0.01\n9,0.8,0.02\n";
+            let near = error(&format!("alpha_deg,cl,cd\n{below}{rows}"));
+            let line = 4 + below.lines().count();
+            assert!(
+                near.starts_with(&format!("x.csv:{line}: angles must increase")),
+                "{near}"
+            );
+        }
         let missing = Polar::load("nonesuch").unwrap_err().to_string();
         assert!(missing.contains("naca-0021-re-160e3") && !missing.contains('\n'));
     }

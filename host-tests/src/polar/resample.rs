@@ -31,7 +31,7 @@ impl Apart {
         } = self;
         (rows < whole).then(|| {
             format!(
-                "{rows} of {whole} rows: c_L within {c_l:.4} (at {c_l_at_deg:.0}°), c_D within {c_d:.4} (at {c_d_at_deg:.0}°) of the whole table"
+                "Thinned to {rows} of {whole} rows: c_L within {c_l:.4} (at {c_l_at_deg:.0}°), c_D within {c_d:.4} (at {c_d_at_deg:.0}°) of the whole table"
             )
         })
     }
@@ -115,7 +115,7 @@ mod tests {
         assert_eq!(apart.text(96, 96), None);
         let text = apart.text(40, 96).unwrap();
         assert!(
-            text.starts_with("40 of 96 rows: c_L within 0.0123 (at 12°)"),
+            text.starts_with("Thinned to 40 of 96 rows: c_L within 0.0123 (at 12°)"),
             "{text}"
         );
     }
