@@ -1,6 +1,5 @@
 //! What the guidance is about, and what of the reference cannot be had.
 
-use super::flight::Flight;
 use super::planner::{Planner, PlannerState, SPAN};
 use crate::aero::Aerodynamics;
 use crate::frame::Inertial;
@@ -79,13 +78,13 @@ const NEVER: f32 = 10.0;
 const STEEP: f32 = 0.1;
 
 impl Progress {
-    /// The progress of a flight that is off the velocity wanted by `error` [m/s], at a reference velocity [m/s].
+    /// The progress of a flight with `thrust` \[N\] that is off the velocity wanted by `error` [m/s], at a reference velocity [m/s].
     #[inline(always)]
     pub(super) fn new<A: Aerodynamics>(
         vehicle: &Vehicle<A>,
         planner: &Planner,
         state: &PlannerState,
-        flight: &Flight,
+        thrust: f32,
         error: Inertial,
         reference: Inertial,
     ) -> Self {
@@ -95,8 +94,8 @@ impl Progress {
             (down, forward)
         };
         let (down, forward) = bands(error);
-        let low = flight.thrust <= vehicle.thrust_min();
-        let high = flight.thrust >= vehicle.thrust_max();
+        let low = thrust <= vehicle.thrust_min();
+        let high = thrust >= vehicle.thrust_max();
         let phase = if state.plan.turn == 1 {
             Phase::Crossing
         } else if down > 4.0 || forward > 4.0 {

@@ -559,14 +559,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             dt,
         );
 
-        guided.progress = Progress::new(
-            vehicle,
-            &self.planner,
-            &state.planner,
-            &moved.flight,
-            moved.error,
-            moved.reference,
-        );
+        guided.progress = moved.progress;
 
         // The real one after it.
         let tracked = self

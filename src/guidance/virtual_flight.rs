@@ -9,6 +9,7 @@ use super::flight::{Flight, limited};
 use super::memory::memory;
 use super::parameters::GuidanceParameters;
 use super::planner::{LEAN_SLEW, Planner, PlannerState};
+use super::progress::Progress;
 use crate::aero::Aerodynamics;
 use crate::air::AngleOfAttack;
 use crate::control::Guard;
@@ -122,12 +123,8 @@ pub(super) struct Moved<'a, A> {
     pub spin: Ned,
     /// The vehicle at the gravity of the plane of flight, with the air's force as measured.
     pub vehicle: Vehicle<&'a A>,
-    /// The flight in the plane.
-    pub flight: Flight,
-    /// Velocity error in the plane [m/s]: velocity less the velocity wanted.
-    pub error: Inertial,
-    /// The reference velocity in the plane [m/s].
-    pub reference: Inertial,
+    /// How far it has come.
+    pub progress: Progress,
 }
 
 /// The greatest lift coefficient on the way from zero lift to stall.
@@ -274,6 +271,7 @@ impl Turning {
         planner.search(&heavier, state, &plane, &asked, wind, missed);
         let in_plane = servo.advance(&heavier, &mut plane, &mut state.plan, &asked, wind, dt);
         let error = plane.velocity - servo.velocity_wanted(plane.position, asked.velocity);
+        let progress = Progress::new(vehicle, planner, state, plane.thrust, error, asked.velocity);
 
         // The plane turns with the air velocity, and towards the heading where there is little of it.
         let across = across + lean * dt;
@@ -333,9 +331,7 @@ impl Turning {
             spin: Ned::new(0.0, 0.0, turn) + axes.forward * roll,
             axes,
             vehicle: heavier,
-            flight: plane,
-            error,
-            reference: asked.velocity,
+            progress,
         }
     }
 }
