@@ -60,7 +60,7 @@ pub fn vehicle_text(name: &str, design: &Design) -> String {
         text,
         "duration_s = {}\ncontrol_rate_hz = {}\n\n[vehicle]\nmass_kg = {}\n\
          k_a_kg_m = {} # ρΣ/2 with ρ = {} kg/m³ and Σ = {} m²\n\
-         delta_deg = {} # from the zero-lift line to the thrust line\n\n",
+         delta_deg = {} # from where the polar's α is zero to the thrust line\n\n",
         short(times[3] + 60.0),
         facts.control_rate_hz,
         facts.mass_kg,

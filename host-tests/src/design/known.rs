@@ -14,43 +14,43 @@ use crate::named::on_one_line;
 #[serde(deny_unknown_fields)]
 pub struct Known {
     /// Mass, ready to fly (kg)
-    #[arg(long, value_name = "X")]
+    #[arg(long, value_name = "X", allow_negative_numbers = true)]
     pub mass_kg: Option<f64>,
     /// Area of the wing (m²)
-    #[arg(long, value_name = "X")]
+    #[arg(long, value_name = "X", allow_negative_numbers = true)]
     pub wing_m2: Option<f64>,
     /// Section: naca-0012, naca-0015, naca-0018, naca-0021, flat-plate, or a polar's file
     #[arg(long, value_name = "NAME|FILE")]
     pub section: Option<String>,
     /// Greatest thrust over weight
-    #[arg(long, value_name = "X")]
+    #[arg(long, value_name = "X", allow_negative_numbers = true)]
     pub thrust_to_weight: Option<f64>,
     /// Time until 63 % of a step of thrust is there (s)
-    #[arg(long, value_name = "X")]
+    #[arg(long, value_name = "X", allow_negative_numbers = true)]
     pub thrust_lag_s: Option<f64>,
     /// Time until 63 % of a step of angular rate is there (s)
-    #[arg(long, value_name = "X")]
+    #[arg(long, value_name = "X", allow_negative_numbers = true)]
     pub rate_lag_s: Option<f64>,
     /// Speed of cruise (m/s)
-    #[arg(long, value_name = "X")]
+    #[arg(long, value_name = "X", allow_negative_numbers = true)]
     pub cruise_m_s: Option<f64>,
     /// Rate at which the guidance is called (Hz; default: 100)
-    #[arg(long, value_name = "X")]
+    #[arg(long, value_name = "X", allow_negative_numbers = true)]
     pub control_rate_hz: Option<f64>,
-    /// Angle from the zero-lift line to the thrust line (°; default: 0)
+    /// Angle from where the polar's α is zero, the chord as a rule, to the thrust line (°; default: 0)
     #[arg(long, value_name = "X", allow_negative_numbers = true)]
     pub delta_deg: Option<f64>,
     /// Span squared over area (default: that of the polar as it is, of a section infinite)
-    #[arg(long, value_name = "X")]
+    #[arg(long, value_name = "X", allow_negative_numbers = true)]
     pub aspect_ratio: Option<f64>,
     /// Angle of attack of the greatest lift (°), of a polar that ends before the stall: rows beyond are left out
-    #[arg(long, value_name = "X")]
+    #[arg(long, value_name = "X", allow_negative_numbers = true)]
     pub stall_deg: Option<f64>,
     /// Least thrust over weight, that of motors that idle (default: 0)
-    #[arg(long, value_name = "X")]
+    #[arg(long, value_name = "X", allow_negative_numbers = true)]
     pub idle_to_weight: Option<f64>,
     /// Density of the air (kg/m³; default: 1.225)
-    #[arg(long, value_name = "X")]
+    #[arg(long, value_name = "X", allow_negative_numbers = true)]
     pub air_kg_m3: Option<f64>,
 }
 

@@ -123,7 +123,15 @@ impl Polar {
         let ends = rows.first().zip(rows.last());
         let at_stall = ends.is_some_and(|(first, last)| first[0] >= -90.0 && last[0] <= 90.0);
         if !at_stall {
-            let whole = Self::from_rows(origin, lines, rows)?;
+            let far = |row: &[f64; 3]| (90.0..179.95).contains(&row[0].abs());
+            let ends_between =
+                rows.len() > 4 && rows.first().into_iter().chain(rows.last()).any(far);
+            let whole = Self::from_rows(origin, lines, rows).map_err(|e| match ends_between {
+                true => {
+                    anyhow!("{e}; or leave out what is beyond 90°, and it is extended from there")
+                }
+                false => e,
+            })?;
             return Ok(Self {
                 read: Box::leak(Box::new(read)),
                 ..whole
@@ -161,6 +169,11 @@ impl Polar {
 
     /// The polar of whole `rows` \[°, c_L, c_D\], from these `lines` of `origin`.
     pub fn from_rows(origin: &str, lines: &[u64], degrees: &[[f64; 3]]) -> anyhow::Result<Self> {
+        ensure!(
+            degrees.len() <= ROWS,
+            "{origin}: comes to {} rows, and at most {ROWS} are read: leave out every second one",
+            degrees.len()
+        );
         let line = |row: usize| lines.get(row).or(lines.last()).copied().unwrap_or(1);
         Self::new(origin, degrees)
             .map_err(|e| anyhow!("{origin}:{}: {}", line(e.row), e.problem.text()))
@@ -376,7 +389,20 @@ mod tests {
             with("180,0,0.1\n", ""),
             "x.csv:6: at least five rows are needed"
         );
-        assert!(with("180,", "170,").starts_with("x.csv:7: the last angle"));
+        let between = with("180,", "170,");
+        assert!(
+            between.starts_with("x.csv:7: the last angle")
+                && between.ends_with("extended from there"),
+            "{between}"
+        );
+        let rows: String = (0..=720)
+            .map(|n| format!("{},0,0.1\n", 0.25 * f64::from(n)))
+            .collect();
+        let many = error(&format!("alpha_deg,cl,cd\n{rows}"));
+        assert!(
+            many.starts_with("x.csv: comes to 721 rows, and at most 512"),
+            "{many}"
+        );
         let short = error("alpha_deg,cl,cd\n0,0,0.1\n1,0.1,0.1\n2,0.2,0.1\n");
         assert!(short.starts_with("x.csv:2: goes from 0° to 2°"), "{short}");
         let drag = error("alpha CL CD\n-8 -1 0.1\n0 0.1 0\n9 1 0.1\n");

@@ -113,8 +113,10 @@ impl Side {
         };
         let count = ((180.0 - first) / STEP).round() as usize;
         let mut angles: Vec<f64> = (0..=count).map(|n| first + n as f64 * STEP).collect();
-        // Where the straight line begins.
-        angles.push(180.0 - stall);
+        // Where the straight line begins, if the table does not go as far.
+        if 180.0 - stall > first {
+            angles.push(180.0 - stall);
+        }
         angles.sort_by(f64::total_cmp);
         angles.dedup_by(|b, a| *b - *a < 0.2 * STEP);
         if let Some(last) = angles.last_mut() {
@@ -257,6 +259,26 @@ mod tests {
         }
         let short = extended(&cambered[..12], None).unwrap_err();
         assert!(short.contains("to 3°"), "{short}");
+    }
+
+    /// A table may end at 90° itself: no row is there twice.
+    #[test]
+    fn a_table_up_to_90_degrees_is_extended() {
+        for (step, cambered) in [(1, false), (2, true), (5, false), (5, true)] {
+            let lift = |a: f64| (2.0 * a.to_radians()).sin() + 0.02 * f64::from(u8::from(cambered));
+            let from = if cambered { -90 } else { 0 };
+            let given: Vec<[f64; 3]> = (from..=90)
+                .step_by(step)
+                .map(|a| {
+                    let a = f64::from(a);
+                    [a, lift(a), 0.02 + 1.9 * a.to_radians().sin().powi(2)]
+                })
+                .collect();
+            let (rows, seam) = extended(&given, None).unwrap();
+            assert_eq!(seam.given_deg, [f64::from(from), 90.0]);
+            let polar = super::super::Polar::from_rows("x", &[], &rows);
+            assert!(polar.is_ok(), "{step} {cambered}: {:?}", polar.err());
+        }
     }
 
     /// A section with camber that was run from 0° on looks like half of a symmetric one, and is not.
