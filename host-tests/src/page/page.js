@@ -227,14 +227,15 @@ function build(svg) {
                 ctx.font = font(12 * ratio);
                 const long = ctx.measureText(mark.label).width;
                 const before = x + long + 10 * ratio > left + width;
-                ctx.textAlign = before ? "right" : "left";
+                ctx.textAlign = "left";
                 ctx.textBaseline = "middle";
-                const [from, first] = [x + (before ? -8 * ratio - long : 8 * ratio), y > top + height / 2 ? -12 : 12];
+                /* A label that is longer than the room on either side begins at the edge. */
+                const [from, first] = [before ? Math.max(x - 8 * ratio - long, left + 2 * ratio) : x + 8 * ratio, y > top + height / 2 ? -12 : 12];
                 /* Where no label is yet. */
                 const free = (y) => labels.every(([other, otherLong, at]) => Math.abs(at - y) > 15 * ratio || other > from + long || from > other + otherLong);
                 const at = [first, -first, 2.4 * first, -2.4 * first, 3.8 * first].map((dy) => y + dy * ratio).find(free) ?? y + first * ratio;
                 labels.push([from, long, at]);
-                ctx.fillText(mark.label, x + (before ? -8 : 8) * ratio, at);
+                ctx.fillText(mark.label, from, at);
             }
         });
         /* What the axis is, and the strip under it. */
