@@ -91,7 +91,7 @@ pub fn in_shell(word: &str) -> String {
 }
 
 /// The name that was probably meant: as near to `given` as a slip or two, and of several the first.
-fn nearest<'a>(given: &str, names: &[&'a str]) -> Option<&'a str> {
+pub(crate) fn nearest<'a>(given: &str, names: &[&'a str]) -> Option<&'a str> {
     let given = given.to_lowercase();
     let likeness = |name: &&str| strsim::jaro_winkler(&given, name);
     let all = names.iter().rev().map(|name| (likeness(name), *name));

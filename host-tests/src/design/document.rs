@@ -21,6 +21,12 @@ const K_A: [f64; 2] = [0.75, 1.25];
 pub fn check_name(name: &str) -> Result<(), FieldError> {
     let fits = |c: char| c.is_alphanumeric() || matches!(c, '-' | '_' | '.');
     let begins = name.chars().next().is_some_and(char::is_alphanumeric);
+    if let Some(short) = name.strip_suffix(".toml") {
+        return Err(FieldError::new(
+            "name",
+            format!("{name:?}: the name is without the extension of its file: {short:?}"),
+        ));
+    }
     match begins && name.chars().all(fits) {
         true => Ok(()),
         false => Err(FieldError::new(
@@ -200,6 +206,13 @@ mod tests {
                 assert_eq!(made, [""; 0]);
             }
         }
+    }
+
+    /// x.toml.toml is nobody's wish.
+    #[test]
+    fn a_file_is_no_name() {
+        let error = check_name("x.toml").unwrap_err().to_string();
+        assert!(error.ends_with("extension of its file: \"x\""), "{error}");
     }
 
     #[test]

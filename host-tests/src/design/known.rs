@@ -238,29 +238,30 @@ impl Known {
         &mut self,
         mut ask: impl FnMut(&str) -> anyhow::Result<String>,
     ) -> anyhow::Result<()> {
-        let mut ask = |question: &str| {
-            let mut answer = ask(question)?;
+        // The problem with the answer before, if there was one, stands above the question.
+        let mut answer = |question: &str, problem: Option<String>| {
+            let above = |problem: &str| format!("{problem}\n{question}");
+            let mut answer = ask(&problem.map_or(question.to_owned(), |text| above(&text)))?;
             while answer.trim().is_empty() {
-                answer = ask(&format!("{NOTHING}\n{question}"))?;
+                answer = ask(&above(NOTHING))?;
             }
             anyhow::Ok(answer.trim().to_owned())
         };
         for question in &QUESTIONS {
-            let mut text = question.text.to_owned();
+            let mut problem = None;
             while (question.place)(self).is_none() {
-                let answer = ask(&text)?;
-                match number(question.name, &answer) {
+                match number(question.name, &answer(question.text, problem.take())?) {
                     Ok(number) => *(question.place)(self) = Some(number),
-                    Err(problem) => text = format!("{problem}\n{}", question.text),
+                    Err(error) => problem = Some(error),
                 }
             }
         }
-        let mut question = SECTION.to_owned();
+        let mut problem = None;
         while self.section.is_none() {
-            let answer = ask(&question)?;
-            match Wing::check(&answer) {
-                Ok(()) => self.section = Some(answer),
-                Err(error) => question = format!("{error:#}\n{SECTION}"),
+            let section = answer(SECTION, problem.take())?;
+            match Wing::check(&section) {
+                Ok(()) => self.section = Some(section),
+                Err(error) => problem = Some(format!("{error:#}")),
             }
         }
         Ok(())
@@ -360,7 +361,8 @@ mod tests {
             error.starts_with("mass_kg: is missing: --mass-kg"),
             "{error}"
         );
-        // Neither a word nor a mass below every range is one, and neither nothing nor a slip of the fingers a section.
+        // Neither a word nor a mass below every range is one, and neither nothing nor a slip of the fingers a section. What
+        // was said of one answer is not said of the next.
         let mut answers = ["much", "-3", "3,5", "", "3", "", "NACA0013", "flat-plate"].iter();
         let mut asked = Vec::new();
         short
@@ -382,7 +384,10 @@ mod tests {
                 3,
                 "\"3,5\" is not a number: decimals are parted by a point\n",
             ),
-            (4, "this must be known: there is no default\n"),
+            (
+                4,
+                "this must be known: there is no default\nMass, ready to fly [kg]",
+            ),
             (6, "this must be known: there is no default\nSection"),
         ] {
             assert!(asked[i].starts_with(why), "{asked:?}");

@@ -112,7 +112,16 @@ impl Performance {
                 self.lift
             )
         });
-        [weak, slow, fast].into_iter().flatten().collect()
+        let idle = self.cruise.map(|[_, thrust]| thrust);
+        let idle = idle.filter(|thrust| *thrust < facts.idle_to_weight);
+        let idle = idle.map(|thrust| {
+            format!(
+                "Level flight at {} m/s needs {thrust:.2} times the weight of thrust, and idle is {}: it climbs or runs ahead. Have motors that idle lower, or a \
+                 faster cruise",
+                facts.cruise_m_s, facts.idle_to_weight
+            )
+        });
+        [weak, slow, fast, idle].into_iter().flatten().collect()
     }
 
     /// Of the vehicle in `document`, which flies its reference, with `thrust` \[N\] (least, most) and at a `cruise` speed [m/s]; `max_turn`
@@ -337,6 +346,10 @@ mod tests {
                 && plate.contains("20 % of the weight"),
             "{plate}"
         );
+        // Level cruise needs c_D over c_L of thrust, some 0.03 of the weight.
+        let idle = one(|known| known.idle_to_weight = Some(0.1));
+        assert!(idle.contains("of thrust, and idle is 0.1"), "{idle}");
+        assert_eq!(doubts(|known| known.idle_to_weight = Some(0.01)), [""; 0]);
         // A wing ten times as large, with a sharp stall and without one.
         for change in [
             (|known| known.wing_m2 = Some(3.5)) as fn(&mut Known),

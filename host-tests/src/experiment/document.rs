@@ -13,7 +13,7 @@ use toml::{Table, Value};
 
 use super::{BUILT_IN, Experiment, VehicleSpec};
 use crate::controllers::KINDS;
-use crate::named::{Named, on_one_line};
+use crate::named::{Named, nearest, on_one_line};
 
 /// Tables of which exactly one entry is given.
 const CHOICES: [&str; 4] = ["controller", "aerodynamics", "rate_loop", "path"];
@@ -380,9 +380,27 @@ impl Document {
 pub(crate) fn read<T: DeserializeOwned>(value: Value) -> Result<T, FieldError> {
     serde_path_to_error::deserialize(value).map_err(|error| {
         let path = error.path().to_string();
-        let message: Vec<&str> = error.inner().message().lines().collect();
-        FieldError::new(path.trim_matches(['.', '?']), message.join(", "))
+        FieldError::new(
+            path.trim_matches(['.', '?']),
+            in_words(error.inner().message()),
+        )
     })
+}
+
+/// What the reader of a text says, on one line, and which name was probably meant by one that it does not know.
+fn in_words(message: &str) -> String {
+    let lines: Vec<&str> = message.lines().collect();
+    let mut text = lines.join(", ");
+    // serde: "unknown field `x`, expected one of `a`, `b`".
+    if text.starts_with("unknown ") {
+        let mut quoted = text.split('`').skip(1).step_by(2);
+        let given = quoted.next().unwrap_or_default();
+        let known: Vec<&str> = quoted.collect();
+        if let Some(name) = nearest(given, &known) {
+            text = format!("{text}; did you mean `{name}`?");
+        }
+    }
+    text
 }
 
 /// What `text` says, validated; `origin` stands for it in errors of one line.
@@ -398,10 +416,9 @@ pub(crate) fn from_toml<T: DeserializeOwned>(
             lines: true,
         };
         let line = line.unwrap_or_else(|| layer.line_of(field).0);
-        let message: Vec<&str> = message.lines().collect();
         anyhow::Error::new(Located {
             place: format!("{origin}:{line}"),
-            error: FieldError::new(field, message.join(", ")),
+            error: FieldError::new(field, in_words(message)),
         })
     };
     let at = |error: &toml::de::Error| error.span().map_or(1, |s| line_at(text, s.start));
@@ -667,6 +684,22 @@ mod tests {
             "form = \"robst\"",
             "controller.law.form: unknown variant",
         );
+        // What was probably meant stands behind what there is.
+        let meant = |line: &str| {
+            let error =
+                over(&format!("base = 'hover-to-cruise'\n{line}")).and_then(|d| d.checked());
+            let error = error.unwrap_err().to_string();
+            error
+                .split_once("; did you mean ")
+                .map(|(_, name)| name.to_owned())
+        };
+        assert_eq!(meant("vehicle.mass = 1").as_deref(), Some("`mass_kg`?"));
+        assert_eq!(meant("vehicel.mass_kg = 1").as_deref(), Some("`vehicle`?"));
+        assert_eq!(
+            meant("controller.law.form = 'robst'").as_deref(),
+            Some("`robust`?")
+        );
+        assert_eq!(meant("vehicle.colour = 1"), None);
         // In the base.
         let error = over("base = 'paper'\n[vehicle]\nmass = 1\n").and_then(|d| d.checked());
         let error = error.unwrap_err().to_string();

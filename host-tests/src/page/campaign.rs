@@ -251,16 +251,48 @@ pub fn maps(summary: &Summary) -> Option<Figure> {
     (!charts.is_empty()).then(|| Figure::new(&charts, 320.0))
 }
 
-/// The limits of the least and the greatest value of a column.
+/// Figures of a part of the flight: the column whose extreme they are, and which part.
+const PARTS: [(&str, &str, &str); 4] = [
+    ("ahead_m", "forward_m", " where it brakes"),
+    (
+        "cruise_error_m_s",
+        "velocity_error_m_s",
+        " at the end of cruise",
+    ),
+    (
+        "late_velocity_error_m_s",
+        "velocity_error_m_s",
+        " at the end",
+    ),
+    (
+        "late_mean_velocity_error_m_s",
+        "velocity_error_m_s",
+        " at the end",
+    ),
+];
+
+/// The column whose extreme the figure is, and of which part of the flight.
+fn drawn(figure: &str) -> (String, &'static str) {
+    match PARTS.iter().find(|(name, ..)| *name == figure) {
+        Some((_, column, part)) => ((*column).to_owned(), part),
+        None => {
+            let column = figure.trim_start_matches("max_");
+            (column.replace("_least", "").replace("_most", ""), "")
+        }
+    }
+}
+
+/// The limits of the extremes of a column.
 fn levels(campaign: &Campaign, column: &str) -> Vec<Level> {
     let mut levels = Vec::new();
     for limit in &campaign.limits {
-        if limit.figure.replace("_least", "").replace("_most", "") != column {
+        let (of, part) = drawn(&limit.figure);
+        if of != column {
             continue;
         }
         let label = match limit.share {
-            1.0 => "limit".to_owned(),
-            share => format!("limit of {} %", fixed(100.0 * share, 1)),
+            1.0 => format!("limit{part}"),
+            share => format!("limit of {} %{part}", fixed(100.0 * share, 1)),
         };
         let ends = limit.least.into_iter().chain(limit.most);
         levels.extend(ends.map(|at| Level {
@@ -358,4 +390,28 @@ fn fan<'a>(fan: &Fan, title: &'a str) -> Chart<'a> {
     let median = fan.points.iter().map(|(t, p)| (*t, scale * p[last / 2]));
     series.push(Series::line("median", BLUE, median.collect()));
     Chart::over_time(title, series)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A figure that is renamed, or a column that is no longer sampled, would lose its line without a word.
+    #[test]
+    fn limits_of_parts_are_in_a_chart() {
+        let places = [Place::Plane, Place::Space];
+        for (figure, column, _) in PARTS {
+            let drawn = places
+                .iter()
+                .any(|place| place.figure(figure).is_some() && place.sampled().contains(&column));
+            assert!(drawn, "{figure}");
+        }
+        for (figure, column) in [
+            ("altitude_least_m", "altitude_m"),
+            ("max_load_factor", "load_factor"),
+        ] {
+            assert_eq!(drawn(figure), (column.to_owned(), ""));
+        }
+        assert_eq!(drawn("ahead_m").0, "forward_m");
+    }
 }
