@@ -141,6 +141,7 @@ figures! {
     "late_position_error_m", "end position error", "m", 2, Late, Peak(|m| m.offset.norm()), "largest \\|x − x_r\\| in the last 5 s";
     "late_rate_rms_rad_s", "end ω", "rad/s", 5, Late, Rms(|m| m.step.truth.rate), "root mean square of ω in the last 5 s";
     "cruise_rate_rms_rad_s", "cruise ω", "rad/s", 5, LateCruise, Rms(|m| m.step.truth.rate), "root mean square of ω in the last 5 s of cruise";
+    "cruise_thrust_to_weight", "cruise thrust", "", 3, LateCruise, Mean(|m| m.step.truth.thrust / m.experiment.weight()), "mean thrust over the weight in the last 5 s of cruise: near one half, and it is flown behind the stall";
     "oscillation_rad_s", "late ω", "rad/s", 2, Flight, Of(|of| greater(of.get("cruise_rate_rms_rad_s"), of.get("late_rate_rms_rad_s"))), "the greater of the last two";
     "thrust_low_s", "thrust at its lower limit", "s", 2, Flight, Time(|m| flag(m, Status::THRUST_LOW)), "time with thrust at its lower limit";
     "thrust_high_s", "thrust at its upper limit", "s", 2, Flight, Time(|m| flag(m, Status::THRUST_HIGH)), "time with thrust at its upper limit";

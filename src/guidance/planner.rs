@@ -45,6 +45,13 @@ const CATCH_UP: f32 = 0.6;
 /// k_a |v_a|/m [1/s] from which on a change of lift may stop a velocity across the air's within a step: with the steepest
 /// lift there is, 2π, in two thirds of the longest step.
 const STIFF: f32 = 2.0;
+/// What thrust of the weight at its end costs a plan where the wing has lift in reserve: with 2 some wings stay behind the
+/// stall, and with 8 braking runs a metre and a half farther ahead.
+const DEAR: f32 = 4.0;
+/// Lift from which on thrust costs anything, and how much more it takes until it costs all of that, over the weight. With less
+/// in reserve a gust or a slow rate loop throws the wing back behind the stall.
+const RESERVE: f32 = 1.25;
+const SPARE: f32 = 0.25;
 /// By how much another plan must cost less: this part, and this much besides.
 const BETTER: f32 = 0.1;
 /// Time of push-over before a turn \[s\], where there is one.
@@ -252,7 +259,8 @@ impl Planner {
     /// costs are compared of plans from one start only. A candidate that is better takes over.
     ///
     /// In a turn of the course a plan that turns to an attitude far away gives up an acceleration `missed` to the side [m/s²]
-    /// meanwhile.
+    /// meanwhile. Where a wing with the lift coefficient `lift` could carry more than the weight, thrust at the end of a plan
+    /// costs too: what can be flown on either side of stall is flown on the wing, and not with half of the weight on the thrust.
     #[inline(always)]
     pub fn search<A: Aerodynamics>(
         &self,
@@ -262,6 +270,7 @@ impl Planner {
         reference: &Reference,
         wind: Inertial,
         missed: f32,
+        lift: f32,
     ) {
         let first = state.looked == 0 || state.looked >= ROUND;
         let plan = if first {
@@ -279,7 +288,12 @@ impl Planner {
             state.next = if n < CANDIDATES - 1 { n + 1 } else { 0 };
             candidate(vehicle, &state.start, n)
         };
-        let found = self.predict(vehicle, &state.start, &plan, missed, !first);
+        let mut found = self.predict(vehicle, &state.start, &plan, missed, !first);
+        let air = state.start.flight.velocity - state.start.wind;
+        let weight = vehicle.weight();
+        let spare = lift * vehicle.k_a() * air.norm_squared() - RESERVE * weight;
+        let spare = math::clamp(spare, 0.0, SPARE * weight);
+        found.cost += DEAR / SPARE * spare * found.thrust / (weight * weight);
         state.looked += 1;
         let cost = state.prospect.cost;
         if first {
@@ -454,7 +468,7 @@ pub(super) fn wrap(angle: f32) -> f32 {
 mod tests {
     extern crate std;
     use super::*;
-    use crate::aero::{Combined, CombinedParameters};
+    use crate::aero::{Combined, CombinedParameters, Node, Polar, Table};
     use crate::vehicle::VehicleParameters;
 
     const DT: f32 = 0.01;
@@ -486,6 +500,7 @@ mod tests {
                 &reference,
                 Inertial::ZERO,
                 0.0,
+                0.0,
             );
             let after = if next < CANDIDATES - 1 { next + 1 } else { 0 };
             assert_eq!(state.next, after);
@@ -507,6 +522,17 @@ mod tests {
         reference: impl Fn(f32) -> Reference,
         seconds: f32,
     ) -> Flown {
+        fly_on_wing(vehicle, start, reference, seconds, 0.0)
+    }
+
+    /// The same with a wing of this lift coefficient.
+    fn fly_on_wing<A: Aerodynamics>(
+        vehicle: &Vehicle<A>,
+        start: Flight,
+        reference: impl Fn(f32) -> Reference,
+        seconds: f32,
+        lift: f32,
+    ) -> Flown {
         let planner = Planner::new(&GuidanceParameters::default());
         let (mut state, mut flight) = (PlannerState::default(), start);
         let mut flown = Flown {
@@ -526,6 +552,7 @@ mod tests {
                 &reference,
                 Inertial::ZERO,
                 0.0,
+                lift,
             );
             planner.virtual_vehicle.advance(
                 vehicle,
@@ -658,7 +685,7 @@ mod tests {
         let (vehicle, planner) = (vehicle(2.0), Planner::new(&GuidanceParameters::default()));
         let mut state = PlannerState::default();
         let calm = Inertial::ZERO;
-        planner.search(&vehicle, &mut state, &cruise(), &hover(0.0), calm, 0.0);
+        planner.search(&vehicle, &mut state, &cruise(), &hover(0.0), calm, 0.0, 0.0);
         let first = state.prospect;
         // Elsewhere, and in wind: the plan in force is not looked at, and nothing of this counts.
         let mut elsewhere = state;
@@ -669,12 +696,13 @@ mod tests {
             &hover(0.0),
             Inertial::new(0.0, 9.0),
             0.0,
+            0.0,
         );
-        planner.search(&vehicle, &mut state, &cruise(), &hover(0.0), calm, 0.0);
+        planner.search(&vehicle, &mut state, &cruise(), &hover(0.0), calm, 0.0, 0.0);
         assert_eq!((elsewhere, state.prospect), (state, first));
         // From 20 m/s to a stop the first candidate, a turn past stall, is better: it takes over, and a round begins.
         assert_eq!((state.plan.turn, state.looked), (1, 0));
-        planner.search(&vehicle, &mut state, &cruise(), &hover(0.0), calm, 0.0);
+        planner.search(&vehicle, &mut state, &cruise(), &hover(0.0), calm, 0.0, 0.0);
         assert!(state.prospect.cost < first.cost);
     }
 
@@ -694,6 +722,50 @@ mod tests {
         let begun = cost(&crossing, 6.0, true) - level;
         assert!(on > 1.0 && begun > on, "{on} {begun}");
         assert_eq!(cost(&servo, 6.0, true), cost(&servo, 0.0, true));
+    }
+
+    /// A wing whose lift falls at once behind the stall can be flown level on either side of it. It is flown on the side that
+    /// takes less thrust, if thrust costs anything.
+    #[test]
+    fn of_two_attitudes_the_one_with_less_thrust_is_flown() {
+        let rows = [
+            (0.0, 0.0, 0.01),
+            (10.0, 0.9, 0.02),
+            (12.0, 0.3, 0.15),
+            (20.0, 0.55, 0.25),
+            (45.0, 1.1, 1.1),
+            (90.0, 0.0, 1.8),
+            (135.0, -1.0, 1.0),
+            (180.0, 0.0, 0.02),
+        ];
+        let nodes = rows.map(|(alpha, c_l, c_d)| Node::from_degrees(alpha, c_l, c_d));
+        let polar = Polar::<7>::new(&nodes).unwrap();
+        let p = VehicleParameters {
+            mass: 3.0,
+            k_a: 0.214,
+            thrust_max: 48.0,
+            ..VehicleParameters::PAPER
+        };
+        let vehicle = Vehicle::new(p, Table::new(&polar)).unwrap();
+        let weight = vehicle.weight();
+        let level = Reference {
+            velocity: Inertial::new(0.0, 18.0),
+            ..Reference::default()
+        };
+        let stalled = Flight {
+            velocity: level.velocity,
+            theta: (16.0f32 - 90.0).to_radians(),
+            thrust: 0.55 * weight,
+            ..Flight::default()
+        };
+        // Thrust costs nothing: it stays where it is, and follows.
+        let stays = fly_on_wing(&vehicle, stalled, |_| level, 4.0, 0.0);
+        let alpha = |flown: &Flown| flown.end.theta.to_degrees() + 90.0;
+        assert!(alpha(&stays) > 12.0 && stays.end.thrust > 0.4 * weight);
+        let crosses = fly_on_wing(&vehicle, stalled, |_| level, 4.0, 0.81);
+        // A drag coefficient of 0.014 over a lift coefficient of 0.42.
+        assert!((0.0..8.0).contains(&alpha(&crosses)) && crosses.end.thrust < 0.08 * weight);
+        assert!(f32::max(crosses.low, crosses.high) < 1.0);
     }
 
     /// Every candidate is looked at, and none so seldom that it comes too late: 27 looks take 0.4 s.

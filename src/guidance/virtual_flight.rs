@@ -94,7 +94,9 @@ pub(super) struct Turning {
     max: f32,
     /// ([`SHARE`] T_max/(m g))²: what of the greatest thrust carries a turn, in multiples of the weight, squared.
     thrust_squared: f32,
-    /// [`SHARE`] of the lift at stall, per weight and squared airspeed [s²/m²].
+    /// [`SHARE`] of the greatest lift coefficient short of stall.
+    stall: f32,
+    /// The lift with it, per weight and squared airspeed [s²/m²].
     lift: f32,
     /// Speed at which the wing carries the weight with a lift coefficient of 1 [m/s].
     speed: f32,
@@ -152,10 +154,12 @@ impl Turning {
         let thrust = SHARE * vehicle.thrust_max() / weight;
         // The absolute value of what is positive: the root then needs no call of the C library.
         let speed = math::sqrt((weight / k_a).abs());
+        let stall = SHARE * lift_at_stall(vehicle.model());
         Ok(Self {
             max: p.max_turn * vehicle.gravity(),
             thrust_squared: thrust * thrust,
-            lift: SHARE * lift_at_stall(vehicle.model()) * k_a / weight,
+            stall,
+            lift: stall * k_a / weight,
             speed,
             air: Guard::new(math::clamp(TAKEOVER * speed, 1e-3, 1e3))?,
             rate: SHARE_OF_RATE * p.max_rate,
@@ -268,7 +272,7 @@ impl Turning {
             thrust: flight.thrust,
         };
         let missed = (1.0 - CROSSING) * lean_wanted.abs();
-        planner.search(&heavier, state, &plane, &asked, wind, missed);
+        planner.search(&heavier, state, &plane, &asked, wind, missed, self.stall);
         let in_plane = servo.advance(&heavier, &mut plane, &mut state.plan, &asked, wind, dt);
         let error = plane.velocity - servo.velocity_wanted(plane.position, asked.velocity);
         let progress = Progress::new(vehicle, planner, state, plane.thrust, error, asked.velocity);

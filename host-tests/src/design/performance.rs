@@ -74,6 +74,9 @@ const MOST_LIFT: f64 = 6.0;
 /// docs/your-vehicle.md loses of 120 flights 17 at 1.04, 6 at 1.08, and none at 1.1, 1.12, 1.14 and 1.16.
 const THRUST_LEFT: f64 = 1.045;
 
+/// Speed over that of transition from which on the guidance prefers the wing to the thrust with all of its weight; it begins to at 1.18.
+const ON_WING: f64 = 1.3;
+
 impl Performance {
     /// What is to be doubted of the vehicle of `facts`, in words.
     pub fn doubts(&self, facts: &Facts) -> Vec<String> {
@@ -105,6 +108,21 @@ impl Performance {
                 facts.wing_m2 / self.carried
             )
         });
+        // `on_wing` is where the guidance begins to prefer the wing.
+        let near = self.stall.filter(|stall| {
+            let on_wing = ON_WING * stall.slow_m_s;
+            self.cruise.is_some() && facts.cruise_m_s < on_wing && facts.cruise_m_s < stall.fast_m_s
+        });
+        let near = near.map(|stall| {
+            format!(
+                "Cruise at {} m/s is within {:.0} % of the speed of transition, {:.1} m/s: too near for the guidance to leave the stall on purpose. It may cruise \
+                 behind it, with half of the weight on the thrust. From {:.1} m/s on it flies on the wing",
+                facts.cruise_m_s,
+                100.0 * (ON_WING - 1.0),
+                stall.slow_m_s,
+                ON_WING * stall.slow_m_s
+            )
+        });
         let fast = (self.lift > MOST_LIFT).then(|| {
             format!(
                 "In cruise the wing could lift {:.0} times the weight: with more than {MOST_LIFT} a vehicle climbs, sinks or runs ahead where it brakes. \
@@ -121,7 +139,10 @@ impl Performance {
                 facts.cruise_m_s, facts.idle_to_weight
             )
         });
-        [weak, slow, fast, idle].into_iter().flatten().collect()
+        [weak, slow, near, fast, idle]
+            .into_iter()
+            .flatten()
+            .collect()
     }
 
     /// Of the vehicle in `document`, which flies its reference, with `thrust` \[N\] (least, most) and at a `cruise` speed [m/s]; `max_turn`

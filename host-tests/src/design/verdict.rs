@@ -6,6 +6,9 @@ use super::goals::{BACK, LENGTHS, scale};
 use super::{Facts, Performance};
 use crate::figures::{Figures, LOST, REACHED};
 
+/// Thrust over weight beyond that of level flight on the wing from which on a cruise is behind the stall.
+const BEHIND_STALL: f64 = 0.2;
+
 /// What came of the first flight.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -69,6 +72,13 @@ impl Verdict {
             } else if !within(far, scale * length.goal) {
                 outside.push(text(scale * length.goal));
             }
+        }
+        let needed = performance.cruise.map(|[_, thrust]| thrust);
+        let thrust = get("cruise_thrust_to_weight");
+        if let Some(needed) = needed.filter(|needed| thrust - needed > BEHIND_STALL) {
+            outside.push(format!(
+                "it cruises behind the stall, with thrust of {thrust:.2} times the weight, where the wing needs {needed:.2}"
+            ));
         }
         let outcome = match (failures.is_empty(), outside.is_empty()) {
             (false, _) => Outcome::Fails,
