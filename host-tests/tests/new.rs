@@ -55,6 +55,9 @@ fn what_is_described_by_flags_flies() {
     assert!(figure("loss_out_m") < 1.0 && figure("gain_out_m") < 1.0);
     assert!(figure("loss_back_m") < 0.6 && figure("gain_back_m") < 0.6);
     assert!(figure("ahead_m") < 3.0 && figure("forward_least_m") > -10.0);
+    // It cruises on its wing, as level flight at that speed can, and not behind the stall with half of its weight on the thrust.
+    let needed = summary["performance"]["cruise"][1].as_f64().unwrap();
+    assert!(figure("cruise_thrust_to_weight") < needed + 0.02 && needed < 0.05);
     // Everybody takes the file.
     let file = place.join("my-vehicle.toml");
     let name = file.to_str().unwrap();
@@ -365,4 +368,25 @@ fn the_pages_commands_run() {
             "{file}"
         );
     }
+}
+
+/// Cruise so near to the speed of transition that the guidance stays behind the stall is warned of, and the flight says so.
+#[test]
+fn a_cruise_near_the_stall_is_warned_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut flags = FLAGS;
+    flags[13] = "14";
+    let summary = made(folder.path(), &flags);
+    let warnings = summary["warnings"].to_string();
+    assert!(
+        warnings.contains("within 30 % of the speed of transition, 12.7 m/s"),
+        "{warnings}"
+    );
+    let verdict = &summary["verdict"];
+    assert_eq!(verdict["outcome"], "outside-goals");
+    let findings = verdict["findings"].to_string();
+    assert!(
+        findings.contains("it cruises behind the stall"),
+        "{findings}"
+    );
 }

@@ -45,9 +45,10 @@ const CATCH_UP: f32 = 0.6;
 /// k_a |v_a|/m [1/s] from which on a change of lift may stop a velocity across the air's within a step: with the steepest
 /// lift there is, 2π, in two thirds of the longest step.
 const STIFF: f32 = 2.0;
-/// What thrust of the weight at its end costs a plan where the wing has lift in reserve: with 2 some wings stay behind the
-/// stall, and with 8 braking runs a metre and a half farther ahead.
-const DEAR: f32 = 4.0;
+/// What thrust of the weight costs a plan at its end where the wing has lift in reserve, if as much is spent at its beginning:
+/// with half of it some wings stay behind the stall. Without thrust at the beginning, as where the vehicle brakes or coasts, it
+/// costs nothing: plans that brake behind the stall would else come late.
+const DEAR: f32 = 8.0;
 /// Lift from which on thrust costs anything, and how much more it takes until it costs all of that, over the weight. With less
 /// in reserve a gust or a slow rate loop throws the wing back behind the stall.
 const RESERVE: f32 = 1.25;
@@ -259,8 +260,9 @@ impl Planner {
     /// costs are compared of plans from one start only. A candidate that is better takes over.
     ///
     /// In a turn of the course a plan that turns to an attitude far away gives up an acceleration `missed` to the side [m/s²]
-    /// meanwhile. Where a wing with the lift coefficient `lift` could carry more than the weight, thrust at the end of a plan
-    /// costs too: what can be flown on either side of stall is flown on the wing, and not with half of the weight on the thrust.
+    /// meanwhile. Where a wing with the lift coefficient `lift` could carry more than the weight, thrust from the beginning to
+    /// the end of a plan costs too: what can be flown on either side of stall is flown on the wing, and not with half of the
+    /// weight on the thrust.
     #[inline(always)]
     pub fn search<A: Aerodynamics>(
         &self,
@@ -292,8 +294,9 @@ impl Planner {
         let air = state.start.flight.velocity - state.start.wind;
         let weight = vehicle.weight();
         let spare = lift * vehicle.k_a() * air.norm_squared() - RESERVE * weight;
-        let spare = math::clamp(spare, 0.0, SPARE * weight);
-        found.cost += DEAR / SPARE * spare * found.thrust / (weight * weight);
+        let spare = math::clamp(spare, 0.0, SPARE * weight) / weight;
+        let (now, then) = (state.start.flight.thrust / weight, found.thrust / weight);
+        found.cost += DEAR / SPARE * spare * now * then;
         state.looked += 1;
         let cost = state.prospect.cost;
         if first {

@@ -22,9 +22,6 @@ use crate::spatial::{Body, Command, Heading, Orientation, Reference, State, Wing
 const REACH: f32 = 0.087;
 /// Slope of F̄_2 from which on an equilibrium is on a sheet, in multiples of the weight.
 const SHEET: f32 = 0.5;
-/// Squared speed, in multiples of that at which the wing carries the weight with a lift coefficient of 1, that is added where
-/// an angle is taken of a velocity: in hover it has none.
-const SLOW: f32 = 0.25;
 /// Distance from the virtual attitude \[rad\] up to which the vehicle is taken to be on the virtual vehicle's sheet, and
 /// beyond twice which it is not.
 const NEAR: f32 = 0.17;
@@ -158,19 +155,12 @@ impl Tracker {
         let weight = plane.vehicle().weight();
         let (axes, attitude) = (&moved.axes, &state.orientation);
 
-        // On which side of F_p the attitude aimed at lies, and how far from a fold.
+        // On which side of F_p the virtual attitude lies, and how far from a fold.
         let v_a = axes.project(state.velocity - state.wind);
-        // Which side of stall it is on is a matter of the angle of attack: where the air meets the real vehicle from another
-        // side than the virtual one, the attitude aimed at turns with it.
-        let meant = axes.project(moved.velocity - state.wind);
-        let turned = meant.down() * v_a.forward() - meant.forward() * v_a.down();
-        let slow = SLOW * weight / plane.vehicle().k_a();
-        let turned = limited(turned / (meant.norm_squared() + slow), 2.0 * NEAR);
-        let aim = flight.theta + turned;
         let at = |theta| across(&moved.vehicle, theta, v_a, moved.in_plane);
-        let middle = at(aim);
-        let left = (at(aim - REACH) - middle) / REACH;
-        let right = (middle - at(aim + REACH)) / REACH;
+        let middle = at(flight.theta);
+        let left = (at(flight.theta - REACH) - middle) / REACH;
+        let right = (middle - at(flight.theta + REACH)) / REACH;
         let (branch, slope) = if left > 0.0 && right > 0.0 {
             (Branch::Aligned, math::min(left, right))
         } else if left < 0.0 && right < 0.0 {
@@ -178,7 +168,7 @@ impl Tracker {
         } else {
             (Branch::Aligned, 0.0)
         };
-        let ahead = wrap(aim - input.theta);
+        let ahead = wrap(flight.theta - input.theta);
         let part = math::min(slope / (SHEET * weight), 1.0);
         let near = math::clamp(2.0 - ahead.abs() / NEAR, 0.0, 1.0);
         let wings = axes.right.dot(attitude.w());

@@ -13,7 +13,7 @@ use alula::{GuidanceParameters, ResponseParameters};
 pub use code::code_text;
 pub use document::{campaign_text, check_name, vehicle_text};
 pub use known::{Facts, Known};
-pub use performance::{Performance, Stall};
+pub use performance::{ON_WING, Performance, Stall};
 pub use verdict::{Outcome, Verdict};
 pub use wing::{ROWS, Wing};
 

@@ -75,7 +75,7 @@ const MOST_LIFT: f64 = 6.0;
 const THRUST_LEFT: f64 = 1.045;
 
 /// Speed over that of transition from which on the guidance prefers the wing to the thrust with all of its weight; it begins to at 1.18.
-const ON_WING: f64 = 1.3;
+pub const ON_WING: f64 = 1.3;
 
 impl Performance {
     /// What is to be doubted of the vehicle of `facts`, in words.

@@ -5,7 +5,7 @@ use alula::{GuidanceParameters, Parameters as _};
 
 use super::chart::{BLUE, Chart, ORANGE, Series};
 use super::{Figure, Page, Table, columns, fixed};
-use crate::design::{Design, Outcome, Performance, Verdict};
+use crate::design::{Design, ON_WING, Outcome, Performance, Verdict};
 use crate::experiment::file_name;
 use crate::figures::Figures;
 use crate::margins::{LONGEST, Point};
@@ -148,8 +148,12 @@ fn envelope(design: &Design, p: &Performance) -> Vec<[String; 2]> {
             |s| {
                 format!(
                     "{:.1} m/s (α = {:.1}°), the least of level flight on the wing: slowing down it falls off there; speeding up slowly it stays \
-                     behind the stall up to {:.1} m/s (α = {:.1}°). The guidance crosses at once",
-                    s.slow_m_s, s.alpha_deg[0], s.fast_m_s, s.alpha_deg[1]
+                     behind the stall up to {:.1} m/s (α = {:.1}°). The guidance crosses on purpose, from about {:.1} m/s on",
+                    s.slow_m_s,
+                    s.alpha_deg[0],
+                    s.fast_m_s,
+                    s.alpha_deg[1],
+                    ON_WING * s.slow_m_s
                 )
             },
         );
