@@ -271,8 +271,7 @@ impl Planner {
         flight: &Flight,
         reference: &Reference,
         wind: Inertial,
-        missed: f32,
-        lift: f32,
+        (missed, lift): (f32, f32),
     ) {
         let first = state.looked == 0 || state.looked >= ROUND;
         let plan = if first {
@@ -502,8 +501,7 @@ mod tests {
                 &flight,
                 &reference,
                 Inertial::ZERO,
-                0.0,
-                0.0,
+                (0.0, 0.0),
             );
             let after = if next < CANDIDATES - 1 { next + 1 } else { 0 };
             assert_eq!(state.next, after);
@@ -554,8 +552,7 @@ mod tests {
                 &flight,
                 &reference,
                 Inertial::ZERO,
-                0.0,
-                lift,
+                (0.0, lift),
             );
             planner.virtual_vehicle.advance(
                 vehicle,
@@ -688,7 +685,14 @@ mod tests {
         let (vehicle, planner) = (vehicle(2.0), Planner::new(&GuidanceParameters::default()));
         let mut state = PlannerState::default();
         let calm = Inertial::ZERO;
-        planner.search(&vehicle, &mut state, &cruise(), &hover(0.0), calm, 0.0, 0.0);
+        planner.search(
+            &vehicle,
+            &mut state,
+            &cruise(),
+            &hover(0.0),
+            calm,
+            (0.0, 0.0),
+        );
         let first = state.prospect;
         // Elsewhere, and in wind: the plan in force is not looked at, and nothing of this counts.
         let mut elsewhere = state;
@@ -698,14 +702,27 @@ mod tests {
             &Flight::default(),
             &hover(0.0),
             Inertial::new(0.0, 9.0),
-            0.0,
-            0.0,
+            (0.0, 0.0),
         );
-        planner.search(&vehicle, &mut state, &cruise(), &hover(0.0), calm, 0.0, 0.0);
+        planner.search(
+            &vehicle,
+            &mut state,
+            &cruise(),
+            &hover(0.0),
+            calm,
+            (0.0, 0.0),
+        );
         assert_eq!((elsewhere, state.prospect), (state, first));
         // From 20 m/s to a stop the first candidate, a turn past stall, is better: it takes over, and a round begins.
         assert_eq!((state.plan.turn, state.looked), (1, 0));
-        planner.search(&vehicle, &mut state, &cruise(), &hover(0.0), calm, 0.0, 0.0);
+        planner.search(
+            &vehicle,
+            &mut state,
+            &cruise(),
+            &hover(0.0),
+            calm,
+            (0.0, 0.0),
+        );
         assert!(state.prospect.cost < first.cost);
     }
 

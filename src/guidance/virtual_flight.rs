@@ -272,7 +272,7 @@ impl Turning {
             thrust: flight.thrust,
         };
         let missed = (1.0 - CROSSING) * lean_wanted.abs();
-        planner.search(&heavier, state, &plane, &asked, wind, missed, self.stall);
+        planner.search(&heavier, state, &plane, &asked, wind, (missed, self.stall));
         let in_plane = servo.advance(&heavier, &mut plane, &mut state.plan, &asked, wind, dt);
         let error = plane.velocity - servo.velocity_wanted(plane.position, asked.velocity);
         let progress = Progress::new(vehicle, planner, state, plane.thrust, error, asked.velocity);
