@@ -232,6 +232,13 @@ fn a_bad_log_is_named_with_line_and_column() {
         &[],
         &["log.csv:1: the cells are separated by semicolons"],
     );
+    // A damaged word must not be taken for the wind.
+    let told = format!("{HEADER},air_told\n{row},wind\n1{},velocitx\n", &row[1..]);
+    refused(
+        &told,
+        &[],
+        &["log.csv:3: air_told: \"velocitx\" is neither velocity nor"],
+    );
     // A law with feed-forward needs its columns.
     let forward = ["--experiment", "steep-climb"];
     refused(
@@ -585,21 +592,25 @@ fn a_campaign_goes_on_from_its_own_sound_parts_alone() {
     let other = CAMPAIGN.replace("flights", "seed = 9\nflights");
     fs::write(folder.path().join("d.toml"), other).unwrap();
     assert!(run("d.toml", "other").status.success());
-    let part = folder.path().join("own/flights/000001.parquet");
-    let sound = fs::read(&part).unwrap();
+    // Either part of a chunk: to delete the one that is named is enough.
+    for place in ["own/samples/000001.parquet", "own/flights/000001.parquet"] {
+        let part = folder.path().join(place);
+        let sound = fs::read(&part).unwrap();
+        let mut changed = sound.clone();
+        changed[sound.len() / 3] ^= 4;
+        fs::write(&part, changed).unwrap();
+        assert_refused(
+            &run("c.toml", "own"),
+            &[place, "has changed since it was written; delete it"],
+        );
+        fs::remove_file(&part).unwrap();
+        assert!(run("c.toml", "own").status.success());
+        assert_eq!(fs::read(&part).unwrap(), sound);
+    }
 
-    let mut changed = sound.clone();
-    changed[sound.len() / 3] ^= 4;
-    fs::write(&part, changed).unwrap();
     let place = "own/flights/000001.parquet";
-    assert_refused(
-        &run("c.toml", "own"),
-        &[place, "has changed since it was written; delete it"],
-    );
-    fs::remove_file(&part).unwrap();
-    assert!(run("c.toml", "own").status.success());
-    assert_eq!(fs::read(&part).unwrap(), sound);
-
+    let part = folder.path().join(place);
+    let sound = fs::read(&part).unwrap();
     fs::copy(folder.path().join("other/flights/000001.parquet"), &part).unwrap();
     assert_refused(
         &run("c.toml", "own"),
@@ -607,7 +618,13 @@ fn a_campaign_goes_on_from_its_own_sound_parts_alone() {
     );
     fs::write(&part, sound).unwrap();
 
-    fs::remove_file(folder.path().join("own/campaign.json")).unwrap();
+    let identity = folder.path().join("own/campaign.json");
+    for text in ["", "xyz"] {
+        fs::write(&identity, text).unwrap();
+        let parts = ["own/campaign.json: is no identity", "remove its folder"];
+        assert_refused(&run("c.toml", "own"), &parts);
+    }
+    fs::remove_file(&identity).unwrap();
     let parts = [
         "own: holds parts, but no campaign.json",
         "remove it, or choose another folder",

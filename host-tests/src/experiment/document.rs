@@ -15,6 +15,8 @@ use super::{BUILT_IN, Experiment, VehicleSpec};
 use crate::controllers::KINDS;
 use crate::named::{Named, nearest, on_one_line};
 
+/// Most tables that a dotted path goes through: as many as TOML's reader lets a text nest.
+const DEEPEST: usize = 80;
 /// Tables of which exactly one entry is given.
 const CHOICES: [&str; 4] = ["controller", "aerodynamics", "rate_loop", "path"];
 
@@ -243,6 +245,14 @@ impl Document {
     /// Puts `value` at `path`. Tables on the way are made; items of arrays must be there.
     pub fn set(&mut self, path: &str, value: Value) -> Result<(), FieldError> {
         let error = |problem: &str| FieldError::new(path, problem);
+        // Tables that lie deeper than what reads them can go would end the program.
+        if parts(path).count() > DEEPEST {
+            let begin: String = path.chars().take(40).collect();
+            return Err(FieldError::new(
+                begin,
+                format!("goes through more than {DEEPEST} tables"),
+            ));
+        }
         let mut found = &mut self.root;
         let mut around = "";
         for (key, index) in parts(path) {
@@ -624,6 +634,8 @@ mod tests {
         assert!(refused("seed=one").contains("not TOML"));
         assert!(refused("plant.thrust_n[2]=1").contains("plant.thrust_n[2]: no such item"));
         assert!(refused("duration_s.x=1").contains("duration_s.x: goes through"));
+        let deep = format!("{}=1", ["a"; 60_000].join("."));
+        assert!(refused(&deep).contains("goes through more than 80 tables"));
         let number = |path: &str| document.number(path).unwrap_err().problem;
         assert!(number("weather.gust.peak_m_s").contains("not in the experiment"));
         assert!(number("description").contains("not a number"));

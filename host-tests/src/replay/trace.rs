@@ -124,7 +124,12 @@ impl Log<'_> {
                         Air::Velocity(self.vector(record, ["va_down_m_s", "va_forward_m_s"])?)
                     }
                     Some("unknown") => Air::Unknown,
-                    _ => Air::Wind(wind),
+                    Some("wind" | "") | None => Air::Wind(wind),
+                    Some(other) => bail!(
+                        "{}:{}: air_told: {other:?} is neither velocity nor wind nor unknown",
+                        self.origin,
+                        record.position().map_or(0, csv::Position::line)
+                    ),
                 },
                 specific_force: match (number_or_none("f_i_m_s2")?, number_or_none("f_j_m_s2")?) {
                     (Some(i), Some(j)) => Some(Body::new(i, j)),

@@ -88,7 +88,8 @@ impl Store {
     fn texts(folder: &Path) -> anyhow::Result<Texts> {
         let path = folder.join(IDENTITY);
         let read = || anyhow::Ok(serde_json::from_slice(&std::fs::read(&path)?)?);
-        read().with_context(|| path.display().to_string())
+        let advice = "is no identity of a campaign: remove its folder, or choose another one";
+        read().with_context(|| format!("{}: {advice}", path.display()))
     }
 
     /// The folder.
@@ -108,9 +109,9 @@ impl Store {
         }
     }
 
-    /// Whether `chunk` has been flown. Its flights are written last.
+    /// Whether `chunk` has been flown, and neither of its parts was deleted since. Its flights are written last.
     pub fn has(&self, chunk: u64) -> bool {
-        self.part("flights", chunk).exists()
+        KINDS.iter().all(|kind| self.part(kind, chunk).exists())
     }
 
     /// The chunks that have been flown, in their order.
@@ -122,7 +123,8 @@ impl Store {
             let number = path
                 .file_stem()
                 .and_then(|stem| stem.to_str()?.parse().ok());
-            chunks.extend(number.filter(|&chunk| path == self.part("flights", chunk)));
+            let is_part = |&chunk: &u64| path == self.part("flights", chunk) && self.has(chunk);
+            chunks.extend(number.filter(is_part));
         }
         chunks.sort_unstable();
         Ok(chunks)
