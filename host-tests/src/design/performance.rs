@@ -77,6 +77,10 @@ const THRUST_LEFT: f64 = 1.045;
 /// Speed over that of transition from which on the guidance prefers the wing to the thrust with all of its weight; it begins to at 1.18.
 pub const ON_WING: f64 = 1.3;
 
+/// Rate lag \[s\] from which on a crossing of a sharp stall may fail: the vehicle of docs/your-vehicle.md does not reach a cruise of 17 m/s with 0.14
+/// and 0.16 s, and one with 0.12 s not one of 17.5 m/s.
+const SLOW_RATE: f64 = 0.1;
+
 impl Performance {
     /// What is to be doubted of the vehicle of `facts`, in words.
     pub fn doubts(&self, facts: &Facts) -> Vec<String> {
@@ -116,11 +120,19 @@ impl Performance {
         let near = near.map(|stall| {
             format!(
                 "Cruise at {} m/s is within {:.0} % of the speed of transition, {:.1} m/s: too near for the guidance to leave the stall on purpose. It may cruise \
-                 behind it, with half of the weight on the thrust. From {:.1} m/s on it flies on the wing",
+                 behind it, with half of the weight on the thrust. From {:.1} m/s on it prefers the wing",
                 facts.cruise_m_s,
                 100.0 * (ON_WING - 1.0),
                 stall.slow_m_s,
                 ON_WING * stall.slow_m_s
+            )
+        });
+        let sharp = self.stall.filter(|stall| facts.cruise_m_s < stall.fast_m_s);
+        let late = sharp.filter(|_| facts.rate_lag_s >= SLOW_RATE).map(|_| {
+            format!(
+                "Cruise at {} m/s can be flown behind the stall too, and with a rate lag of {} s the vehicle may be caught there on its way to the wing: it then sinks by \
+                 metres, cruises there with half of the weight on the thrust, or goes to and fro. A rate lag below {SLOW_RATE} s, or a wing with a softer stall, helps",
+                facts.cruise_m_s, facts.rate_lag_s
             )
         });
         let fast = (self.lift > MOST_LIFT).then(|| {
@@ -139,7 +151,7 @@ impl Performance {
                 facts.cruise_m_s, facts.idle_to_weight
             )
         });
-        [weak, slow, near, fast, idle]
+        [weak, slow, near, late, fast, idle]
             .into_iter()
             .flatten()
             .collect()
@@ -367,6 +379,8 @@ mod tests {
                 && plate.contains("20 % of the weight"),
             "{plate}"
         );
+        let late = one(|known| known.rate_lag_s = Some(0.15));
+        assert!(late.contains("a rate lag of 0.15 s"), "{late}");
         // Level cruise needs c_D over c_L of thrust, some 0.03 of the weight.
         let idle = one(|known| known.idle_to_weight = Some(0.1));
         assert!(idle.contains("of thrust, and idle is 0.1"), "{idle}");
