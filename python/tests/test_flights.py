@@ -151,7 +151,9 @@ def test_a_campaign_is_the_command_lines_whatever_the_threads(tmp_path):
 
 
 def test_an_interrupt_ends_a_campaign():
-    code = "import alula; print('begun', flush=True); alula.campaign('dispersed', flights=1_000_000)"
+    # A shell that starts jobs in the background has them ignore the interrupt: Python takes that over.
+    listen = "import alula, signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
+    code = f"{listen}; print('begun', flush=True); alula.campaign('dispersed', flights=1_000_000)"
     flying = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     flying.stdout.readline()
     time.sleep(0.5)
