@@ -683,16 +683,12 @@ mod tests {
     #[test]
     fn the_plans_of_a_round_have_one_start() {
         let (vehicle, planner) = (vehicle(2.0), Planner::new(&GuidanceParameters::default()));
+        let look = |state: &mut PlannerState| {
+            let calm = Inertial::ZERO;
+            planner.search(&vehicle, state, &cruise(), &hover(0.0), calm, (0.0, 0.0));
+        };
         let mut state = PlannerState::default();
-        let calm = Inertial::ZERO;
-        planner.search(
-            &vehicle,
-            &mut state,
-            &cruise(),
-            &hover(0.0),
-            calm,
-            (0.0, 0.0),
-        );
+        look(&mut state);
         let first = state.prospect;
         // Elsewhere, and in wind: the plan in force is not looked at, and nothing of this counts.
         let mut elsewhere = state;
@@ -704,25 +700,11 @@ mod tests {
             Inertial::new(0.0, 9.0),
             (0.0, 0.0),
         );
-        planner.search(
-            &vehicle,
-            &mut state,
-            &cruise(),
-            &hover(0.0),
-            calm,
-            (0.0, 0.0),
-        );
+        look(&mut state);
         assert_eq!((elsewhere, state.prospect), (state, first));
         // From 20 m/s to a stop the first candidate, a turn past stall, is better: it takes over, and a round begins.
         assert_eq!((state.plan.turn, state.looked), (1, 0));
-        planner.search(
-            &vehicle,
-            &mut state,
-            &cruise(),
-            &hover(0.0),
-            calm,
-            (0.0, 0.0),
-        );
+        look(&mut state);
         assert!(state.prospect.cost < first.cost);
     }
 
