@@ -170,7 +170,11 @@ class Guided:
 
 @final
 class Guidance:
-    """The law with everything around it that a real vehicle asks for."""
+    """The law with everything around it that a real vehicle asks for.
+
+    Its parameters by keyword, as `parameters()` names them; those left out are at their defaults. With
+    `for_vehicle={"rate_lag_s": …, "thrust_lag_s": …, "cruise_speed_m_s": …, "control_rate_hz": 100}` they follow by the rules of the library instead.
+    """
 
     def __new__(cls, vehicle: Vehicle, **parameters: Any) -> Guidance: ...
     @property

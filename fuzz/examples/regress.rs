@@ -77,7 +77,7 @@ impl Random {
 }
 
 /// The targets whose inputs are files.
-const PARSERS: [&str; 12] = [
+const PARSERS: [&str; 13] = [
     "experiment",
     "space",
     "vehicle",
@@ -86,6 +86,7 @@ const PARSERS: [&str; 12] = [
     "campaign",
     "replay",
     "ulog",
+    "mcap",
     "dataflash",
     "csv",
     "map",

@@ -1,17 +1,19 @@
 //! Every parser of files: experiments in the plane and in space, campaigns, comparisons, vehicles (TOML), logs to replay (CSV), polars, ULog,
-//! DataFlash, CSV of any columns. Any bytes are read or refused in words; what is read is used.
+//! MCAP, DataFlash, CSV of any columns. Any bytes are read or refused in words; what is read is used.
 
+use std::io::Cursor;
 use std::sync::LazyLock;
 
 use alula::AngleOfAttack;
 use alula::aero::Aerodynamics;
-use alula_logs::{Error, Log, csv, dataflash, states, ulog};
+use alula_logs::{Error, Log, csv, dataflash, mcap, states, ulog};
 use alula_sil::airframe::Airframe;
 use alula_sil::design::Known;
 use alula_sil::experiment::{Document, Experiment};
 use alula_sil::named::Named;
 use alula_sil::polar::Polar;
-use alula_sil::simulate::simulate;
+use alula_sil::replay;
+use alula_sil::simulate::{Step, simulate};
 use alula_sil::space;
 use alula_sil::study::{CampaignSource, Source};
 
@@ -161,7 +163,7 @@ static REPLAYED: LazyLock<[Experiment; 2]> = LazyLock::new(|| {
 pub fn replay(data: &[u8]) -> u64 {
     for experiment in &*REPLAYED {
         let mut out = Vec::new();
-        let done = alula_sil::replay::trace::replay("log.csv", data, &mut out, experiment, |_| ());
+        let done = replay::trace::replay("log.csv", data, &mut out, experiment, |_| ());
         if let Err(error) = done {
             refused(&format!("{error:#}"));
         }
@@ -170,25 +172,66 @@ pub fn replay(data: &[u8]) -> u64 {
     2
 }
 
-/// What was read is searched for states, written and read again.
-fn log(read: Result<Log, Error>) -> u64 {
-    let log = match read {
-        Ok(log) => log,
-        Err(error) => {
-            assert!(!error.to_string().is_empty());
-            return 1;
+static REPLAYED_IN_SPACE: LazyLock<space::Experiment> = LazyLock::new(|| {
+    let document = Document::load("circle-40").expect("a built-in experiment");
+    space::Experiment::of(&document).expect("a sound experiment")
+});
+
+/// A law, the guidance in the plane and the guidance in space over states.
+fn replay_states(states: &states::States) -> u64 {
+    for experiment in &*REPLAYED {
+        let visit = |step: Step| {
+            assert!(step.answer.thrust.is_finite() && step.answer.rate.is_finite());
+        };
+        let done = replay::log::replay(states, None, std::io::sink(), experiment, visit);
+        if let Err(error) = done {
+            refused(&format!("{error:#}"));
         }
-    };
-    let _ = states::find(&log);
-    let mut file = Vec::new();
-    if ulog::write(&log, &mut file).is_ok() {
-        assert!(ulog::read("again", &file).is_ok());
+    }
+    match replay::space::replay(states, &REPLAYED_IN_SPACE) {
+        Ok((record, _)) => {
+            for step in &record {
+                let (thrust, rates) = (step.guided.command.thrust, step.guided.command.rates);
+                crate::assert_finite(&[thrust, rates.i, rates.j, rates.w]);
+            }
+        }
+        Err(error) => refused(&format!("{error:#}")),
     }
     3
 }
 
+/// What was read is searched for states, which are replayed, and is written and read again.
+fn log(read: Result<Log, Error>) -> u64 {
+    let log = match read {
+        Ok(log) => log,
+        Err(error) => {
+            refused(&error.to_string());
+            return 1;
+        }
+    };
+    let mut calls = 3;
+    match states::find(&log) {
+        Ok(states) => calls += replay_states(&states),
+        Err(error) => refused(&error.to_string()),
+    }
+    let mut file = Vec::new();
+    if ulog::write(&log, &mut file).is_ok() {
+        assert!(ulog::read("again", &file).is_ok());
+    }
+    let mut file = Cursor::new(Vec::new());
+    if mcap::write(&log, &mut file).is_ok() {
+        let again = mcap::read("again", file.get_ref()).expect("as written");
+        assert_eq!(again.notes, [""; 0]);
+    }
+    calls
+}
+
 pub fn ulog(data: &[u8]) -> u64 {
     log(ulog::read("x.ulg", data))
+}
+
+pub fn mcap(data: &[u8]) -> u64 {
+    log(mcap::read("x.mcap", data))
 }
 
 pub fn dataflash(data: &[u8]) -> u64 {
@@ -201,7 +244,7 @@ pub fn map(data: &[u8]) -> u64 {
     match csv::Map::parse("m.toml", &text(data)) {
         Ok(map) => 1 + log(csv::read("x.csv", LOG, Some(&map))),
         Err(error) => {
-            assert!(!error.to_string().is_empty());
+            refused(&error.to_string());
             1
         }
     }

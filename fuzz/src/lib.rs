@@ -49,6 +49,8 @@ pub const TARGETS: &[(&str, Target)] = &[
     #[cfg(feature = "files")]
     ("ulog", files::ulog),
     #[cfg(feature = "files")]
+    ("mcap", files::mcap),
+    #[cfg(feature = "files")]
     ("dataflash", files::dataflash),
     #[cfg(feature = "files")]
     ("csv", files::csv),

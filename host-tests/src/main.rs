@@ -35,7 +35,10 @@ fn main() -> std::process::ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if is_closed_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {error:#}");
+            eprintln!(
+                "error: {}",
+                alula_sil::named::on_one_line(&format!("{error:#}"))
+            );
             ExitCode::FAILURE
         }
     }

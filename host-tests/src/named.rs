@@ -70,7 +70,7 @@ pub(crate) fn check(noun: &str, names: &[&str], argument: &str) -> anyhow::Resul
 }
 
 /// The text with its control characters escaped: a message that quotes what a file says stays on one line.
-pub(crate) fn on_one_line(text: &str) -> String {
+pub fn on_one_line(text: &str) -> String {
     let mut line = String::with_capacity(text.len());
     for c in text.chars() {
         match c.is_control() {

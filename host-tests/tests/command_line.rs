@@ -341,6 +341,10 @@ fn bad_arguments_are_refused_in_one_line() {
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");
         assert_refused(&output, &["error:", "--help"]);
     }
+    let heading = ["replay", "log.csv", "--heading", "nan"];
+    assert_refused(&alula(folder.path(), &heading), &["heading: must be"]);
+    let key = ["fly", "matched", "--set", "bad\"key\n=1"];
+    assert_refused(&alula(folder.path(), &key), &["error:", "bad\"key"]);
 }
 
 #[test]

@@ -34,6 +34,7 @@ pub fn read(file: &str, bytes: &[u8], map: Option<&Map>) -> Result<Log, Error> {
         Some(map) => {
             let problem = |problem| Error::Map {
                 file: file.into(),
+                line: None,
                 problem,
             };
             map.check().map_err(problem)?;
@@ -223,6 +224,9 @@ mod tests {
                 "f.csv: line 3: 1 cells, where the header has 2",
             ),
         ];
+        // A quoted cell may hold lines; the refusal is of one.
+        let found = refusal("t,\"x\ny\"\n0,\"1\n2\"\n");
+        assert_eq!(found, r"f.csv: line 3, column `x\ny`: `1\n2` is no number");
         for (text, expected) in cases {
             let found = refusal(text);
             assert!(found.starts_with(expected), "{found}\nfor {text:?}");

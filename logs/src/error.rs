@@ -28,6 +28,8 @@ pub enum Error {
     Map {
         /// The file.
         file: String,
+        /// Line, counted from 1, where the text itself is at fault.
+        line: Option<usize>,
         /// What is wrong.
         problem: String,
     },
@@ -55,34 +57,44 @@ pub enum Error {
 }
 
 impl fmt::Display for Error {
+    /// One line: control characters of what is quoted are escaped.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Io { file, source } => write!(f, "{file}: {source}"),
+        let text = match self {
+            Self::Io { file, source } => format!("{file}: {source}"),
             Self::Csv {
                 file,
                 line,
                 column: Some(column),
                 problem,
-            } => {
-                write!(f, "{file}: line {line}, column `{column}`: {problem}")
-            }
+            } => format!("{file}: line {line}, column `{column}`: {problem}"),
             Self::Csv {
                 file,
                 line,
                 column: None,
                 problem,
-            } => {
-                write!(f, "{file}: line {line}: {problem}")
-            }
-            Self::Map { file, problem } => write!(f, "{file}: {problem}"),
+            } => format!("{file}: line {line}: {problem}"),
+            Self::Map {
+                file,
+                line: Some(line),
+                problem,
+            } => format!("{file}: line {line}: {problem}"),
+            Self::Map {
+                file,
+                line: None,
+                problem,
+            } => format!("{file}: {problem}"),
             Self::Format {
                 file,
                 offset,
                 problem,
-            } => write!(f, "{file}: byte {offset}: {problem}"),
-            Self::Table { topic, problem } => write!(f, "topic `{topic}`: {problem}"),
-            Self::Write { problem } => write!(f, "cannot be written: {problem}"),
-        }
+            } => format!("{file}: byte {offset}: {problem}"),
+            Self::Table { topic, problem } => format!("topic `{topic}`: {problem}"),
+            Self::Write { problem } => format!("cannot be written: {problem}"),
+        };
+        text.chars().try_for_each(|c| match c.is_control() {
+            true => write!(f, "{}", c.escape_default()),
+            false => write!(f, "{c}"),
+        })
     }
 }
 

@@ -139,7 +139,7 @@ pub fn guided(guided: ::alula::guidance::Guided, axes: BodyAxes) -> Guided {
     }
 }
 
-/// The guidance of `vehicle` with these parameters by keyword, and all of them.
+/// The guidance of `vehicle` with these parameters by keyword, and all of them, those by rule too.
 pub fn made(
     vehicle: &Vehicle,
     parameters: Option<&Bound<'_, PyDict>>,
@@ -148,7 +148,8 @@ pub fn made(
     let made = GuidanceSpec::read(Value::Table(fields)).and_then(|spec| {
         let thrust = spec.thrust_n.unwrap_or(vehicle.thrust);
         let guidance = spec.build(&vehicle.spec, thrust, &spec.parameters)?;
-        Ok((guidance, spec.parameters))
+        let parameters = spec.ruled(&vehicle.spec.parameters(thrust), &spec.parameters)?;
+        Ok((guidance, parameters))
     });
     made.map_err(error::of_field)
 }

@@ -27,7 +27,13 @@ def test_parameters_come_from_the_one_table():
     assert set(vehicle.parameters) == set(rows)
     assert vehicle.parameters["delta_deg"] == pytest.approx(10.0) and vehicle.parameters["c_y"] == 0.0
     guidance = alula.Guidance(vehicle, damping=0.7)
-    assert {row["name"]: row["default"] for row in table["Guidance"]} | {"damping": 0.7} == guidance.parameters
+    defaults = {row["name"]: row["default"] for row in table["Guidance"]}
+    assert defaults | {"damping": 0.7} == guidance.parameters
+    # By rule: 0.95 over the lag and one step, 0.3 of cruise; what is given stays.
+    ruled = alula.Guidance(vehicle, damping=0.7, for_vehicle=dict(rate_lag_s=0.3, thrust_lag_s=0.08, cruise_speed_m_s=18, control_rate_hz=50)).parameters
+    assert ruled["natural_frequency_rad_s"] == pytest.approx(0.95 / 0.32)
+    assert ruled["max_velocity_forward_m_s"] == pytest.approx(5.4)
+    assert ruled["damping"] == pytest.approx(0.7) and set(ruled) == set(defaults)
     assert alula.Model.combined().parameters == {row["name"]: row["default"] for row in table["Combined model"]}
     assert alula.Vehicle(**PAPER).model == alula.Vehicle.load("paper").model == alula.Model.combined()
 
@@ -45,6 +51,8 @@ def test_parameters_come_from_the_one_table():
         (lambda: alula.Law(alula.Vehicle(**PAPER), gains={"k3": math.nan}), "gains.k3", "finite"),
         (lambda: alula.Law(alula.Vehicle(**PAPER), "robst"), "form", "unknown variant"),
         (lambda: alula.Guidance(alula.Vehicle(**PAPER), max_rate_rad_s=0), "max_rate_rad_s", "positive"),
+        (lambda: alula.Guidance(alula.Vehicle(**PAPER), max_rate_rads=1), "max_rate_rads", "did you mean `max_rate_rad_s`"),
+        (lambda: alula.Guidance(alula.Vehicle(**PAPER), for_vehicle=dict(rate_lag_s=0.1)), "for_vehicle.thrust_lag_s", "missing"),
         (lambda: alula.Guidance(alula.Vehicle(**{**PAPER, "thrust_max_n": 50})), "thrust_max_n", "contradicts"),
         (lambda: alula.Model.table([0, 90], [0, 0], [1, 1]), "row 2", "five rows"),
         (lambda: alula.Model.table([0, 90], [0], [1, 1]), "cl", "1 rows"),

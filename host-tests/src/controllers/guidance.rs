@@ -53,7 +53,7 @@ impl GuidanceSpec {
     }
 
     /// The parameters for `vehicle`, where `unruled` are those without the rules. The rules leave `max_turn` alone.
-    fn ruled(
+    pub fn ruled(
         &self,
         vehicle: &VehicleParameters,
         unruled: &GuidanceParameters,

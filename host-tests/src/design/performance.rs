@@ -112,11 +112,10 @@ impl Performance {
                 facts.wing_m2 / self.carried
             )
         });
-        // `on_wing` is where the guidance begins to prefer the wing.
-        let near = self.stall.filter(|stall| {
-            let on_wing = ON_WING * stall.slow_m_s;
-            self.cruise.is_some() && facts.cruise_m_s < on_wing && facts.cruise_m_s < stall.fast_m_s
-        });
+        // Where cruise can be flown on the wing and behind the stall.
+        let sharp = self.stall.filter(|stall| facts.cruise_m_s < stall.fast_m_s);
+        let near = sharp
+            .filter(|stall| self.cruise.is_some() && facts.cruise_m_s < ON_WING * stall.slow_m_s);
         let near = near.map(|stall| {
             format!(
                 "Cruise at {} m/s is within {:.0} % of the speed of transition, {:.1} m/s: too near for the guidance to leave the stall on purpose. It may cruise \
@@ -127,7 +126,6 @@ impl Performance {
                 ON_WING * stall.slow_m_s
             )
         });
-        let sharp = self.stall.filter(|stall| facts.cruise_m_s < stall.fast_m_s);
         let late = sharp.filter(|_| facts.rate_lag_s >= SLOW_RATE).map(|_| {
             format!(
                 "Cruise at {} m/s can be flown behind the stall too, and with a rate lag of {} s the vehicle may be caught there on its way to the wing: it then sinks by \

@@ -92,19 +92,36 @@ pub(crate) fn positive(field: &str, value: f64) -> Result<(), FieldError> {
     }
 }
 
-/// Greatest speed \[m/s\] of a reference, a start or a wind: that of sound. The models of the air know of none.
-const MAX_SPEED: f64 = 340.0;
-
-/// `value` must be a component of a velocity that the models can fly.
-pub(crate) fn speed(field: &str, value: f64) -> Result<(), FieldError> {
+/// `value` must be at most `most`, which is so many of what `what` says, either way.
+fn within(field: &str, value: f64, most: f64, what: &str) -> Result<(), FieldError> {
     finite(field, value)?;
-    match value.abs() <= MAX_SPEED {
+    match value.abs() <= most {
         true => Ok(()),
         false => Err(FieldError::new(
             field,
-            format!("must be at most {MAX_SPEED} m/s, the speed of sound, either way"),
+            format!("must be at most {most}{what}, either way"),
         )),
     }
+}
+
+/// `value` must be a component of a velocity that the models can fly: of a reference, a start or a wind. They know of no speed of sound.
+pub(crate) fn speed(field: &str, value: f64) -> Result<(), FieldError> {
+    within(field, value, 340.0, " m/s, the speed of sound")
+}
+
+/// `value` must be an angle of at most ten turns: beyond them it is of another unit, or a slip.
+pub(crate) fn angle(field: &str, value: f64) -> Result<(), FieldError> {
+    within(field, value, 3600.0, "°, ten turns")
+}
+
+/// `value` must be a rate of rotation that a vehicle may have.
+pub(crate) fn rate(field: &str, value: f64) -> Result<(), FieldError> {
+    within(field, value, 100.0, " rad/s")
+}
+
+/// `value` must be an error that a sensor may have, in the unit of the quantity.
+pub(crate) fn sensor_error(field: &str, value: f64) -> Result<(), FieldError> {
+    within(field, value, 1e4, "")
 }
 
 /// One of the texts that a document is made of.

@@ -7,7 +7,7 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
-use super::document::{FieldError, finite};
+use super::document::{FieldError, finite, sensor_error};
 
 /// What is wrong while a fault lasts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
@@ -112,7 +112,7 @@ impl FaultSpec {
             let problem = format!("this kind has {not} size");
             return Err(FieldError::new(format!("{field}.size"), problem));
         }
-        finite(&format!("{field}.size"), self.size.unwrap_or(0.0))
+        sensor_error(&format!("{field}.size"), self.size.unwrap_or(0.0))
     }
 
     /// Whether it lasts at `t` \[s\].

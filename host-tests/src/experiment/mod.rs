@@ -17,7 +17,7 @@ use alula_link::{Configuration, Pacing};
 use serde::Deserialize;
 
 pub use document::{Document, FieldError, Located};
-pub(crate) use document::{finite, from_toml, positive, read};
+pub(crate) use document::{angle, finite, from_toml, positive, rate, read, speed};
 pub use faults::{FaultKind, FaultSpec};
 pub(crate) use faults::{Faults, Lasting, Told};
 pub use parameters::{Fields, file_name, file_value, refused};
@@ -257,8 +257,8 @@ mod tests {
         assert!(refused("substeps=0").starts_with("substeps: must be from 1"));
     }
 
-    /// A time constant too short for the plant's steps, or a speed beyond its models, is refused by its field: the simulation would
-    /// diverge.
+    /// A time constant too short for the plant's steps, or a number beyond what a vehicle, its air and its sensors have, is refused by its field: the
+    /// simulation would diverge, or say nothing of a vehicle.
     #[test]
     fn fields_with_which_the_plant_would_diverge_are_refused() {
         let refused = |text: &str| {
@@ -278,5 +278,9 @@ mod tests {
         assert_eq!(refused(&format!("{knots}=1e30")), knots);
         assert_eq!(refused("weather.steady_m_s=[0,-500]"), "weather.steady_m_s");
         assert_eq!(refused("initial.down_m_s=1e6"), "initial.down_m_s");
+        assert_eq!(refused("initial.theta_deg=1e300"), "initial.theta_deg");
+        assert_eq!(refused("initial.rate_rad_s=-1e30"), "initial.rate_rad_s");
+        let noise = "sensors.velocity_m_s.noise";
+        assert_eq!(refused(&format!("{noise}=1e308")), noise);
     }
 }

@@ -6,6 +6,7 @@ use toml::{Table, Value};
 
 use super::document::{Document, FieldError, read};
 use super::vehicle::VehicleSpec;
+use crate::named::nearest;
 
 /// Name of a parameter in files: the core's name and its unit. Angles are in degrees there.
 pub fn file_name(row: &Row) -> String {
@@ -57,26 +58,38 @@ pub fn refused<P: Parameters>(error: ParameterError) -> FieldError {
 }
 
 /// A table whose fields are taken out one by one.
-pub struct Fields(Table);
+pub struct Fields {
+    table: Table,
+    /// The names that were asked for.
+    known: Vec<String>,
+}
+
+impl From<Table> for Fields {
+    fn from(table: Table) -> Self {
+        let known = Vec::new();
+        Self { table, known }
+    }
+}
 
 impl Fields {
     /// The fields of a table.
     pub fn new(table: Value) -> Result<Self, FieldError> {
-        Ok(Self(read(table)?))
+        Ok(read::<Table>(table)?.into())
     }
 
     /// The field `key`, if it is there.
     pub fn take<T: DeserializeOwned>(&mut self, key: &str) -> Result<Option<T>, FieldError> {
-        let value = self.0.remove(key).map(read::<T>).transpose();
+        self.known.push(key.to_owned());
+        let value = self.table.remove(key).map(read::<T>).transpose();
         value.map_err(|e| e.inside(key))
     }
 
     /// What a controller believes about the vehicle: a table, or the name of a document whose vehicle it is.
     pub fn belief(&mut self) -> Result<Option<VehicleSpec>, FieldError> {
-        let Some(Value::String(name)) = self.0.get("vehicle").cloned() else {
+        let Some(Value::String(name)) = self.table.get("vehicle").cloned() else {
             return self.take("vehicle");
         };
-        self.0.remove("vehicle");
+        self.table.remove("vehicle");
         let document = Document::load(&name);
         let vehicle = document.and_then(|d| d.vehicle().map_err(|e| d.located(e)));
         let error = |e: anyhow::Error| FieldError::new("vehicle", format!("{e:#}"));
@@ -104,7 +117,7 @@ impl Fields {
     /// The rows of the parameters of a table in the core that are there.
     pub fn given<P: Parameters>(&self) -> Vec<usize> {
         let rows = P::ROWS.iter().enumerate();
-        let there = rows.filter(|(_, row)| self.0.contains_key(&file_name(row)));
+        let there = rows.filter(|(_, row)| self.table.contains_key(&file_name(row)));
         there.map(|(i, _)| i).collect()
     }
 
@@ -113,7 +126,7 @@ impl Fields {
         let Some(table) = self.take::<Table>(key)? else {
             return Ok(None);
         };
-        let mut fields = Self(table);
+        let mut fields = Self::from(table);
         let parameters = fields.parameters();
         let all = parameters.and_then(|parameters| fields.end().map(|()| Some(parameters)));
         all.map_err(|e| e.inside(key))
@@ -121,10 +134,16 @@ impl Fields {
 
     /// Refuses what has not been taken.
     pub fn end(self) -> Result<(), FieldError> {
-        match self.0.keys().next() {
-            Some(name) => Err(FieldError::new(name, format!("unknown field `{name}`"))),
-            None => Ok(()),
-        }
+        let Some(name) = self.table.keys().next() else {
+            return Ok(());
+        };
+        let known: Vec<&str> = self.known.iter().map(String::as_str).collect();
+        let meant = nearest(name, &known);
+        let meant = meant.map_or(String::new(), |name| format!("; did you mean `{name}`?"));
+        Err(FieldError::new(
+            name,
+            format!("unknown field `{name}`{meant}"),
+        ))
     }
 }
 
@@ -134,7 +153,7 @@ mod tests {
     use alula::{CombinedParameters, GainParameters, GuidanceParameters};
 
     fn fields(text: &str) -> Fields {
-        Fields(text.parse().unwrap())
+        text.parse::<Table>().unwrap().into()
     }
 
     #[test]
@@ -167,6 +186,12 @@ mod tests {
         assert_eq!(
             table.end().unwrap_err().to_string(),
             "span_m: unknown field `span_m`"
+        );
+        let mut slip = fields("mass_kg = 2\nk_a_kg_m = 0.1\ndelta_dge = 90\nthrust_max_n = 50");
+        slip.parameters::<VehicleParameters>().unwrap();
+        assert_eq!(
+            slip.end().unwrap_err().to_string(),
+            "delta_dge: unknown field `delta_dge`; did you mean `delta_deg`?"
         );
         let error = |text: &str| {
             let read = fields(text).parameters::<VehicleParameters>();

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::document::{FieldError, finite, speed};
+use super::document::{FieldError, angle, finite, rate, speed};
 use crate::reference::Vector;
 
 /// `[reference]`: the reference velocity, linear between knots, constant before and after them.
@@ -120,9 +120,9 @@ impl InitialSpec {
         speed("initial.down_m_s", self.down_m_s)?;
         speed("initial.forward_m_s", self.forward_m_s)?;
         speed("initial.speed_m_s", self.speed_m_s)?;
-        finite("initial.path_deg", self.path_deg)?;
-        finite("initial.theta_deg", self.theta_deg)?;
-        finite("initial.rate_rad_s", self.rate_rad_s)?;
+        angle("initial.path_deg", self.path_deg)?;
+        angle("initial.theta_deg", self.theta_deg)?;
+        rate("initial.rate_rad_s", self.rate_rad_s)?;
         finite("initial.thrust_n", self.thrust_n)
     }
 

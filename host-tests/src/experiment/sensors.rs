@@ -6,7 +6,7 @@ use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 use serde::Deserialize;
 
-use super::document::{FieldError, finite};
+use super::document::{FieldError, sensor_error};
 use super::faults::{FaultKind, FaultSpec, Lasting, Told};
 use super::plant::State;
 use crate::controllers::inertial;
@@ -89,10 +89,10 @@ pub(crate) fn validate(
     faults: &[FaultSpec],
 ) -> Result<(), FieldError> {
     for (name, error) in errors {
-        finite(&format!("sensors.{name}.bias"), error.bias)?;
+        sensor_error(&format!("sensors.{name}.bias"), error.bias)?;
         for (part, value) in [("noise", error.noise), ("quantum", error.quantum)] {
             let field = format!("sensors.{name}.{part}");
-            finite(&field, value)?;
+            sensor_error(&field, value)?;
             if value < 0.0 {
                 return Err(FieldError::new(field, "must not be negative"));
             }

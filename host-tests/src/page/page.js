@@ -124,7 +124,9 @@ function build(svg) {
 
     /* One table of all abscissas. Straight lines between points: nothing is made up. */
     const lines = chart.series.filter((series) => series.kind === "line" || series.kind === "dash");
-    const xs = [...new Set(lines.flatMap((s) => s.curves.flat().map((p) => p[0])).concat(chart.x))].filter((x) => x >= chart.x[0] && x <= chart.x[1]).sort((a, b) => a - b);
+    /* Between two pieces of a curve there is nothing: an abscissa where it has no value. */
+    const gaps = (curves) => curves.slice(1).map((curve, i) => (curves[i][curves[i].length - 1][0] + curve[0][0]) / 2);
+    const xs = [...new Set(lines.flatMap((s) => s.curves.flat().map((p) => p[0]).concat(gaps(s.curves))).concat(chart.x))].filter((x) => x >= chart.x[0] && x <= chart.x[1]).sort((a, b) => a - b);
     const data = [xs, ...lines.map((series) => xs.map((x) => at(series.curves, x)))];
 
     const rowsHere = chart.time ? strip : [];

@@ -59,8 +59,13 @@ fn table(origin: &str, text: &str) -> anyhow::Result<Read> {
     // The first with the most names.
     let header = lines.iter().rev().max_by_key(named);
     let &(place, header) = header.unwrap_or(&(1, ""));
+    let found = columns(header);
+    ensure!(
+        found.iter().any(Option::is_some),
+        "{origin}: no line with the names alpha_deg (or alpha), cl and cd above the numbers"
+    );
     let mut columns_of = [0; 3];
-    for ((column, found), name) in columns_of.iter_mut().zip(columns(header)).zip(NAMES) {
+    for ((column, found), name) in columns_of.iter_mut().zip(found).zip(NAMES) {
         *column = found.ok_or_else(|| anyhow!("{origin}:{place}: no column {name}"))?;
     }
     let names = cells(header);
@@ -234,7 +239,12 @@ mod tests {
             error("Polar of mine\n\nalpha;cl;drag\n"),
             "x:3: no column cd"
         );
-        assert_eq!(error(""), "x:1: no column alpha_deg");
+        for nameless in ["", "0 0 0.01\n5 0.5 0.02\n"] {
+            assert_eq!(
+                error(nameless),
+                "x: no line with the names alpha_deg (or alpha), cl and cd above the numbers"
+            );
+        }
         let again = "alpha_deg,cl,cd\n0,0,0.01\n9,0.8,0.03\n5,0.5,0.02\n9,0.9,0.03\n";
         assert_eq!(
             error(again),

@@ -43,6 +43,8 @@ impl Seam {
     pub fn text(&self) -> String {
         let [from, to] = self.given_deg;
         let upto = match self.upto {
+            // What is symmetric has its rows from 0° on.
+            Upto::Given if from > -1e-6 => format!("Given up to {to:.1}° on both sides"),
             Upto::Given => format!("Given from {from:.1}° to {to:.1}°"),
             Upto::Section([least, most]) => format!(
                 "Of the section the rows from {least:.1}° to {most:.1}° are used, up to its stall: of the wing they are {from:.1}° to {to:.1}°"

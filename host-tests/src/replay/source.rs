@@ -9,7 +9,7 @@ use anyhow::Context;
 
 use super::log::{self, Plane};
 use super::trace;
-use crate::experiment::Experiment;
+use crate::experiment::{Experiment, angle};
 use crate::simulate::Step;
 
 /// A log, opened.
@@ -35,6 +35,9 @@ impl Source {
         map: Option<&PathBuf>,
         heading_deg: Option<f64>,
     ) -> anyhow::Result<Self> {
+        if let Some(heading) = heading_deg {
+            angle("heading", heading)?;
+        }
         let origin = file.display().to_string();
         let mut head = Vec::new();
         let opened = File::open(file).with_context(|| origin.clone())?;

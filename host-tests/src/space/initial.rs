@@ -7,8 +7,8 @@ use serde::Deserialize;
 
 use super::path::Target;
 use super::plant::SpatialState;
-use super::{V3, finite_vector};
-use crate::experiment::{FieldError, finite};
+use super::{V3, velocity};
+use crate::experiment::{FieldError, angle, finite, rate, speed};
 
 /// `[initial]`. The flight starts on the path.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
@@ -40,20 +40,21 @@ pub struct Scatter {
 
 impl InitialSpec {
     pub(super) fn validate(&self) -> Result<(), FieldError> {
-        let velocity = self.velocity_m_s.map_or(V3::zeros(), V3::from);
-        finite_vector("initial.velocity_m_s", &velocity)?;
-        finite("initial.course_deg", self.course_deg.unwrap_or(0.0))?;
-        finite("initial.theta_deg", self.theta_deg)?;
-        finite("initial.heading_deg", self.heading_deg.unwrap_or(0.0))?;
+        let start = self.velocity_m_s.map_or(V3::zeros(), V3::from);
+        velocity("initial.velocity_m_s", &start)?;
+        angle("initial.course_deg", self.course_deg.unwrap_or(0.0))?;
+        angle("initial.theta_deg", self.theta_deg)?;
+        angle("initial.heading_deg", self.heading_deg.unwrap_or(0.0))?;
         finite("initial.thrust_n", self.thrust_n)?;
         let Some(scatter) = &self.scatter else {
             return Ok(());
         };
+        speed("initial.scatter.velocity_m_s", scatter.velocity_m_s)?;
+        rate("initial.scatter.rate_rad_s", scatter.rate_rad_s)?;
         for (field, value) in [
             ("initial.scatter.velocity_m_s", scatter.velocity_m_s),
             ("initial.scatter.rate_rad_s", scatter.rate_rad_s),
         ] {
-            finite(field, value)?;
             if value < 0.0 {
                 return Err(FieldError::new(field, "must not be negative"));
             }

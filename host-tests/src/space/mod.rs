@@ -29,7 +29,7 @@ pub use weather::{Gust, Turbulence, Weather, WeatherSpec};
 
 use serde::{Deserialize, Deserializer};
 
-use crate::experiment::{FieldError, finite};
+use crate::experiment::{FieldError, speed};
 
 /// A vector in space.
 pub type V3 = nalgebra::Vector3<f64>;
@@ -39,9 +39,9 @@ fn vector<'de, D: Deserializer<'de>>(from: D) -> Result<V3, D::Error> {
     <[f64; 3]>::deserialize(from).map(V3::from)
 }
 
-/// Every component must be finite.
-fn finite_vector(field: &str, v: &V3) -> Result<(), FieldError> {
-    v.iter().try_for_each(|&x| finite(field, x))
+/// Every component must be one of a velocity that can be flown.
+fn velocity(field: &str, v: &V3) -> Result<(), FieldError> {
+    v.iter().try_for_each(|&x| speed(field, x))
 }
 
 /// A vector as the core takes it.

@@ -4,7 +4,7 @@ use serde::Deserialize;
 
 use super::V3;
 use super::route::{Leg, Route, Waypoint};
-use crate::experiment::{FieldError, finite, positive};
+use crate::experiment::{FieldError, angle, finite, positive, speed};
 
 /// What is to be flown at one time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -90,6 +90,12 @@ enum Shape {
     Curve(Box<dyn Fn(f64) -> [V3; 3]>, f64),
 }
 
+/// A speed along a path must be positive, and one that can be flown.
+fn forward(field: &str, value: f64) -> Result<(), FieldError> {
+    positive(field, value)?;
+    speed(field, value)
+}
+
 impl PathSpec {
     /// The path at its beginning. Fields in errors are whole paths.
     pub fn path(&self) -> Result<Path, FieldError> {
@@ -98,7 +104,7 @@ impl PathSpec {
                 for (i, step) in headings.iter().enumerate() {
                     let field = format!("path.hover.headings[{i}]");
                     finite(&field, step.t_s)?;
-                    finite(&field, step.heading_deg)?;
+                    angle(&field, step.heading_deg)?;
                     if i > 0 && step.t_s <= headings[i - 1].t_s {
                         return Err(FieldError::new(
                             field,
@@ -112,8 +118,8 @@ impl PathSpec {
                 course_deg,
                 speed_m_s,
             } => {
-                positive("path.track.speed_m_s", speed_m_s)?;
-                finite("path.track.course_deg", course_deg)?;
+                forward("path.track.speed_m_s", speed_m_s)?;
+                angle("path.track.course_deg", course_deg)?;
                 let (sin, cos) = course_deg.to_radians().sin_cos();
                 let ahead = V3::new(cos, sin, 0.0);
                 let line = move |s| [ahead * s, ahead, V3::zeros()];
@@ -125,8 +131,8 @@ impl PathSpec {
                 climb_m_s,
             } => {
                 positive("path.circle.radius_m", r)?;
-                positive("path.circle.speed_m_s", speed_m_s)?;
-                finite("path.circle.climb_m_s", climb_m_s)?;
+                forward("path.circle.speed_m_s", speed_m_s)?;
+                speed("path.circle.climb_m_s", climb_m_s)?;
                 let climb = r * climb_m_s / speed_m_s;
                 let circle = move |phase: f64| {
                     let (s, c) = phase.sin_cos();
@@ -146,7 +152,7 @@ impl PathSpec {
             } => {
                 positive("path.eight.length_m", length_m)?;
                 positive("path.eight.width_m", width_m)?;
-                positive("path.eight.speed_m_s", speed_m_s)?;
+                forward("path.eight.speed_m_s", speed_m_s)?;
                 let (a, b) = (0.5 * length_m, 0.5 * width_m);
                 let eight = move |phase: f64| {
                     let (s, c) = phase.sin_cos();

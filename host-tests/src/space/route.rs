@@ -4,7 +4,7 @@ use serde::Deserialize;
 
 use super::V3;
 use super::path::Target;
-use crate::experiment::{FieldError, finite, positive};
+use crate::experiment::{FieldError, angle, finite, positive};
 
 /// `path.legs`: one leg, flown in a given time.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
@@ -156,11 +156,11 @@ impl Route {
             if radius.is_nan() || radius.abs() < 1.0 {
                 return Err(FieldError::new(field("radius_m"), "must be 1 m at least"));
             }
-            for (name, angle) in [
+            for (name, value) in [
                 ("course_deg", leg.course_deg),
                 ("heading_deg", leg.heading_deg),
             ] {
-                finite(&field(name), angle.unwrap_or(0.0))?;
+                angle(&field(name), value.unwrap_or(0.0))?;
             }
             stretches.push(Stretch {
                 from,
@@ -193,10 +193,9 @@ impl Route {
         }
         let place = |p: &Waypoint| V3::new(p.north_m, p.east_m, 0.0);
         for (i, p) in points.iter().enumerate() {
-            super::finite_vector(
-                &format!("path.waypoints[{i}]"),
-                &V3::new(p.north_m, p.east_m, p.down_m),
-            )?;
+            for length in [p.north_m, p.east_m, p.down_m] {
+                finite(&format!("path.waypoints[{i}]"), length)?;
+            }
             if !(0.0..=200.0).contains(&p.speed_m_s) {
                 return error(i, ".speed_m_s", "must be from 0 to 200 m/s");
             }

@@ -3,9 +3,9 @@
 use rand::Rng;
 use serde::Deserialize;
 
-use super::{V3, finite_vector, vector};
+use super::{V3, vector, velocity};
 use crate::experiment::dryden::{LEAST_SPEED, Scales, Transverse, along, normal};
-use crate::experiment::{FieldError, TurbulenceSpec, finite};
+use crate::experiment::{FieldError, TurbulenceSpec, angle, finite};
 
 /// `[weather]`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
@@ -24,11 +24,11 @@ pub struct WeatherSpec {
 
 impl WeatherSpec {
     pub(super) fn validate(&self) -> Result<(), FieldError> {
-        finite_vector("weather.steady_m_s", &self.steady)?;
-        finite("weather.turned_deg", self.turned_deg)?;
+        velocity("weather.steady_m_s", &self.steady)?;
+        angle("weather.turned_deg", self.turned_deg)?;
         if let Some(gust) = &self.gust {
             finite("weather.gust.start_s", gust.start)?;
-            finite_vector("weather.gust.peak_m_s", &gust.peak)?;
+            velocity("weather.gust.peak_m_s", &gust.peak)?;
             // NaN is not positive. An infinite duration is a step's.
             if !matches!(
                 gust.duration.partial_cmp(&0.0),

@@ -87,9 +87,9 @@ impl Store {
 
     fn texts(folder: &Path) -> anyhow::Result<Texts> {
         let path = folder.join(IDENTITY);
-        let read = || anyhow::Ok(serde_json::from_slice(&std::fs::read(&path)?)?);
+        let text = std::fs::read(&path).with_context(|| path.display().to_string())?;
         let advice = "is no identity of a campaign: remove its folder, or choose another one";
-        read().with_context(|| format!("{}: {advice}", path.display()))
+        serde_json::from_slice(&text).with_context(|| format!("{}: {advice}", path.display()))
     }
 
     /// The folder.

@@ -71,12 +71,18 @@ impl Map {
     /// # Errors
     /// It is not TOML, a key is unknown or missing, it names no columns, a factor is zero or not finite.
     pub fn parse(file: &str, text: &str) -> Result<Self, Error> {
-        let fail = |problem| Error::Map {
+        let fail = |line, problem| Error::Map {
             file: file.into(),
+            line,
             problem,
         };
-        let map: Self = toml::from_str(text).map_err(|e| fail(e.to_string()))?;
-        map.check().map_err(fail)?;
+        let map: Self = toml::from_str(text).map_err(|error| {
+            let before = error.span().and_then(|span| text.get(..span.start));
+            let line = before.map(|before| 1 + before.matches('\n').count());
+            let words: Vec<&str> = error.message().lines().collect();
+            fail(line, words.join(", "))
+        })?;
+        map.check().map_err(|problem| fail(None, problem))?;
         Ok(map)
     }
 
@@ -132,7 +138,13 @@ mod tests {
     fn mistakes_in_a_map_are_named() {
         let refusal = |text: &str| Map::parse("m.toml", text).unwrap_err().to_string();
         assert!(refusal("time = { from = 't' }").contains("missing field `columns`"));
-        assert!(refusal("time = { form = 't' }\ncolumns = {}").contains("unknown field `form`"));
+        let unknown = refusal("\ntime = { form = 't' }\ncolumns = {}");
+        assert!(
+            unknown.starts_with("m.toml: line 2: unknown field `form`, expected one of"),
+            "{unknown}"
+        );
+        // Where TOML's own words are of two lines.
+        assert_eq!(refusal("time = 'a\n'").lines().count(), 1);
         assert_eq!(
             refusal("time = { from = 't' }\n[columns]"),
             "m.toml: the map names no columns"

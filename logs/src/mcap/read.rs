@@ -3,7 +3,7 @@
 use super::named;
 use crate::{Column, Error, Log, Topic};
 use serde_json::{Map, Value};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// What every MCAP file begins with.
 const MAGIC: &[u8] = b"\x89MCAP0\r\n";
@@ -147,17 +147,27 @@ impl Channel {
     }
 }
 
+/// Whether `checksum` is there and is not that of `bytes`.
+fn is_wrong(checksum: u64, bytes: &[u8]) -> bool {
+    checksum != 0 && checksum != u64::from(crc32fast::hash(bytes))
+}
+
 /// What was read so far.
 #[derive(Default)]
 struct Reading {
     channels: BTreeMap<u64, Channel>,
     compressed: usize,
+    /// Chunks whose checksum is wrong.
+    damaged: usize,
+    /// Where the data end: the bytes from there on, and the checksum of those before; 0 if there is none.
+    end: Option<(usize, u64)>,
 }
 
 impl Reading {
     /// Takes records up to the end of the data; none if they are damaged.
     fn take(&mut self, mut bytes: Bytes, nested: bool) -> Option<()> {
         while !bytes.0.is_empty() {
+            let rest = bytes.0.len();
             let kind = bytes.number(1)? as u8;
             let mut record = Bytes(bytes.part(8)?);
             match kind {
@@ -173,13 +183,20 @@ impl Reading {
                     self.channels.get_mut(&id)?.take(logged, record.0);
                 }
                 CHUNK if !nested => {
-                    record.take(28)?;
-                    match record.text()?.as_str() {
-                        "" => self.take(Bytes(record.part(8)?), true)?,
-                        _ => self.compressed += 1,
+                    record.take(24)?;
+                    let checksum = record.number(4)?;
+                    let compression = record.text()?;
+                    let records = record.part(8)?;
+                    match compression.is_empty() {
+                        true if is_wrong(checksum, records) => self.damaged += 1,
+                        true => self.take(Bytes(records), true)?,
+                        false => self.compressed += 1,
                     }
                 }
-                END_OF_DATA => return Some(()),
+                END_OF_DATA => {
+                    self.end = Some((rest, record.number(4)?));
+                    return Some(());
+                }
                 _ => {}
             }
         }
@@ -189,8 +206,8 @@ impl Reading {
 
 /// Reads the channels of JSON messages in `bytes`, the file called `file` in errors, as [`write`](super::write) leaves them: a message's numbers
 /// are columns, those of an array `name[0]`, `name[1]`, …; its time is `timestamp` \[s\], or else the time at which it was logged. What is no
-/// number is NaN. Messages of another encoding, or with other fields than the first of their channel, and compressed chunks are left out, and
-/// of a damaged file what follows the damage; all are noted.
+/// number is NaN. Messages of another encoding, or with other fields than the first of their channel, compressed chunks and those whose checksum
+/// is wrong are left out, and of a file that is damaged between its records what follows; all are noted, and a wrong checksum of the whole.
 ///
 /// # Errors
 /// [`Error::Format`]: not MCAP.
@@ -211,7 +228,19 @@ pub fn read(file: &str, bytes: &[u8]) -> Result<Log, Error> {
     if reading.compressed > 0 {
         notes.push(format!("{} compressed chunks left out", reading.compressed));
     }
+    let checked = |&(rest, checksum): &(usize, u64)| {
+        let before = bytes.get(..bytes.len().saturating_sub(rest));
+        before.is_some_and(|before| is_wrong(checksum, before))
+    };
+    match reading.damaged {
+        0 if reading.end.as_ref().is_some_and(checked) => {
+            notes.push("the checksum of the data is wrong: some of them are damaged".into());
+        }
+        0 => {}
+        damaged => notes.push(format!("chunks left out for a wrong checksum: {damaged}")),
+    }
     let mut topics = Vec::new();
+    let mut seen = BTreeSet::new();
     for channel in reading.channels.into_values() {
         let (name, instance) = named(&channel.topic);
         if channel.others > 0 {
@@ -224,12 +253,7 @@ pub fn read(file: &str, bytes: &[u8]) -> Result<Log, Error> {
             .rows
             .and_then(|rows| Topic::from_rows(name, instance, rows.time, rows.columns, &mut notes));
         // Two channels of one name: the first.
-        let new = |t: &Topic| {
-            topics
-                .iter()
-                .all(|o: &Topic| (o.name(), o.instance()) != (t.name(), t.instance()))
-        };
-        topics.extend(topic.filter(|t| new(t)));
+        topics.extend(topic.filter(|t| seen.insert((t.name().to_owned(), t.instance()))));
     }
     Ok(Log { topics, notes })
 }
@@ -256,5 +280,33 @@ mod tests {
         let half = &out.get_ref()[..out.get_ref().len() / 3];
         assert_eq!(read("x", half).unwrap().notes.len(), 1);
         assert!(read("x", b"no log").is_err());
+    }
+
+    /// A digit of a message changed: it is still JSON, and only the checksums know.
+    #[test]
+    fn what_its_checksums_do_not_hold_is_noted() {
+        let mut out = Cursor::new(Vec::new());
+        write(&log(), &mut out).unwrap();
+        let mut file = out.into_inner();
+        let text = b"\"x\":-1e-7";
+        let at = file.windows(text.len()).position(|w| w == text).unwrap();
+        file[at + 5] = b'3';
+        let log = read("x", &file).unwrap();
+        assert_eq!(log.notes, ["chunks left out for a wrong checksum: 1"]);
+        assert!(log.topics.is_empty());
+        // The same without the chunk's own checksum: what is there is read, and the checksum of the whole tells.
+        let mut chunk = MAGIC.len();
+        while file[chunk] != CHUNK {
+            let length = u64::from_le_bytes(file[chunk + 1..chunk + 9].try_into().unwrap());
+            chunk += 9 + length as usize;
+        }
+        file[chunk + 9 + 24..][..4].fill(0);
+        let log = read("x", &file).unwrap();
+        assert_eq!(
+            log.notes,
+            ["the checksum of the data is wrong: some of them are damaged"]
+        );
+        let wind = log.instance("wind", 1).unwrap();
+        assert_eq!(wind.column("x").unwrap().values[0], -3e-7);
     }
 }
