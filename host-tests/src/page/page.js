@@ -296,11 +296,13 @@ function build(svg) {
     const yAxis = axis({ size: 54 });
     if (chart.logarithmic) {
         delete yAxis.incrs;
-        const decades = Math.log10(chart.y[1] / chart.y[0]);
-        yAxis.filter = (u, all) => all.map((v) => {
-            const lead = v / 10 ** Math.floor(Math.log10(v) + 1e-9);
-            return (decades > 3 ? [1] : [1, 2, 5]).some((f) => Math.abs(lead - f) < 1e-6) ? v : null;
-        });
+        /* uPlot's own ticks need a range that begins at a power of ten. */
+        yAxis.splits = (u, axis, low, high) => {
+            const all = [];
+            for (let power = Math.floor(Math.log10(low)); 10 ** power <= high; power++)
+                for (const lead of Math.log10(high / low) > 3 ? [1] : [1, 2, 5]) all.push(lead * 10 ** power);
+            return all.filter((v) => v >= low && v <= high);
+        };
     }
     const u = new uPlot({
         ...size(),

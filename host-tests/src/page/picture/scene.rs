@@ -69,7 +69,7 @@ pub fn draw(
         view.vehicle(text, &step.truth, p);
         taken.take(view.pixel(p), [0.9 * SPAN, 0.9 * SPAN]);
     }
-    compass(text, record, view, frame, &mut taken);
+    compass(text, record, view, &mut taken);
     // The first and the last before the others.
     let ends = [0, vehicles.len() - 1];
     let order = ends.into_iter().chain(1..vehicles.len().max(2) - 1);
@@ -105,24 +105,22 @@ fn vehicles<'a>(record: &'a [Step], view: &View, spacing: f64) -> Vec<&'a Step> 
     drawn
 }
 
-/// North, and the mean wind.
-fn compass(
-    text: &mut String,
-    record: &[Step],
-    view: &View,
-    [left, top, ..]: [f64; 4],
-    taken: &mut Taken,
-) {
-    let at = [left + 40.0, top + 40.0];
-    arrow(text, view, at, V3::x(), "line black", "N");
-    taken.take(at, [80.0, 90.0]);
+/// North, and the mean wind, in a corner.
+fn compass(text: &mut String, record: &[Step], view: &View, taken: &mut Taken) {
     let wind: V3 = record.iter().map(|s| s.wind).sum::<V3>() / record.len() as f64;
     let level = V3::new(wind.x, wind.y, 0.0);
-    if level.norm() > 0.5 {
+    let is_windy = level.norm() > 0.5;
+    let [left, top] = taken.corner(if is_windy {
+        [220.0, 150.0]
+    } else {
+        [80.0, 90.0]
+    });
+    let at = [left + 40.0, top + 45.0];
+    arrow(text, view, at, V3::x(), "line black", "N");
+    if is_windy {
         let words = escape(&format!("mean wind {:.1} m/s", level.norm()));
-        let at = [left + 40.0, top + 115.0];
+        let at = [left + 40.0, top + 120.0];
         arrow(text, view, at, level.normalize(), "line green", &words);
-        taken.take([at[0] + 70.0, at[1]], [220.0, 60.0]);
     }
 }
 

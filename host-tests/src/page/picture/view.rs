@@ -147,6 +147,21 @@ impl Taken {
         inside && !self.boxes.iter().any(meets)
     }
 
+    /// The left upper end of a box in the first corner of the frame that is free, or else in its left upper one; it is taken.
+    pub fn corner(&mut self, [width, height]: [f64; 2]) -> [f64; 2] {
+        let [l, t, r, b] = self.frame;
+        let corners = [
+            [l, t],
+            [r - width, t],
+            [l, b - height],
+            [r - width, b - height],
+        ];
+        let is_free = |at: &&[f64; 2]| self.is_free([at[0], at[1], at[0] + width, at[1] + height]);
+        let at = *corners.iter().find(is_free).unwrap_or(&corners[0]);
+        self.take([at[0] + 0.5 * width, at[1] + 0.5 * height], [width, height]);
+        at
+    }
+
     /// Words beside the pixel `at`, on the first of its sides that is free: above, right, left, below, each `off` from it. None of
     /// them is, and they are left out.
     pub fn words(&mut self, text: &mut String, [x, y]: [f64; 2], off: f64, words: &str) {
