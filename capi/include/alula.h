@@ -938,25 +938,9 @@ typedef struct alula_goal {
      */
     uint32_t reached;
     /**
-     * Private: the goal of the last step, 0 for none.
+     * Private: what is remembered, and a copy of it.
      */
-    uint32_t last_kind;
-    /**
-     * Private: its target.
-     */
-    float last_target[3];
-    /**
-     * Private: the reference's position.
-     */
-    float position[3];
-    /**
-     * Private: the reference's velocity.
-     */
-    float velocity[3];
-    /**
-     * Private: whether a stop is over.
-     */
-    uint32_t stopped;
+    uint32_t opaque[23];
 } alula_goal;
 
 /**

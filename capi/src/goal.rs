@@ -33,16 +33,8 @@ pub struct Goal {
     pub acceleration: f32,
     /// Result: 1 if the reference stands at the goal, at rest there or at the velocity, else 0.
     pub reached: u32,
-    /// Private: the goal of the last step, 0 for none.
-    pub last_kind: u32,
-    /// Private: its target.
-    pub last_target: [f32; 3],
-    /// Private: the reference's position.
-    pub position: [f32; 3],
-    /// Private: the reference's velocity.
-    pub velocity: [f32; 3],
-    /// Private: whether a stop is over.
-    pub stopped: u32,
+    /// Private: what is remembered, and a copy of it.
+    pub opaque: [u32; 23],
 }
 
 // SAFETY: `repr(C)`, its first word is the header, and it holds nothing but u32 and f32.
@@ -58,11 +50,7 @@ impl Goal {
         climb: 3.0,
         acceleration: 2.0,
         reached: 0,
-        last_kind: 0,
-        last_target: [0.0; 3],
-        position: [0.0; 3],
-        velocity: [0.0; 3],
-        stopped: 0,
+        opaque: [0; 23],
     };
 
     /// The step from `position` \[m\] and `velocity` [m/s], `dt` \[s\] after the last: this afterwards, and the input's
@@ -72,7 +60,7 @@ impl Goal {
             return Err(code::ALULA_ERROR_TIME_STEP);
         }
         let target = ned(self.target);
-        // It would be remembered: the guidance refuses it only in the step in which it is told.
+        // By name here: the core hands it on.
         if !is_finite(position) || !is_finite(target) {
             return Err(code::ALULA_ERROR_GOAL);
         }
@@ -87,23 +75,11 @@ impl Goal {
             acceleration: self.acceleration,
         });
         let goals = goals.map_err(|_| code::ALULA_ERROR_GOAL)?;
-        let (at, moving) = (ned(self.position), ned(self.velocity));
-        // What is not a number would stay: it is forgotten.
-        let mut state = if is_finite(at) && is_finite(moving) {
-            let last = core(self.last_kind, ned(self.last_target));
-            GoalState::from_parts(last, at, moving, self.stopped != 0)
-        } else {
-            GoalState::default()
-        };
+        let mut state = GoalState::from_words(&self.opaque);
         let (reference, error) = goals.step(&mut state, &goal, position, velocity, dt);
-        let (_, position, velocity, stopped) = state.parts();
         let after = Self {
             reached: state.is_reached().into(),
-            last_kind: self.kind,
-            last_target: self.target,
-            position: components(position),
-            velocity: components(velocity),
-            stopped: stopped.into(),
+            opaque: state.to_words(),
             ..*self
         };
         let input = Input {

@@ -81,6 +81,12 @@ pub fn run(data: &[u8]) -> u64 {
     };
     known(code);
     let ready = code == ALULA_OK;
+    let mut goal = Goal::DEFAULT;
+    let mut map = Map {
+        header: Map::HEADER,
+        reserved: 0,
+        opaque: [0; 384],
+    };
     let mut calls = 2;
     while !bytes.is_empty() {
         calls += 1;
@@ -91,22 +97,99 @@ pub fn run(data: &[u8]) -> u64 {
         let mut command = Command::SAFE;
         // SAFETY: As above; nothing else uses the controller meanwhile.
         unsafe {
-            match bytes.byte() % 8 {
-                0..=2 => {
+            // Zeros are numbers.
+            let mut report = Report {
+                header: Report::HEADER,
+                ..std::mem::zeroed()
+            };
+            let about = match bytes.byte() % 2 {
+                0 => null_mut(),
+                _ => pointer(bytes, &raw mut report).cast_mut(),
+            };
+            match bytes.byte() % 16 {
+                0..=3 => {
                     let input = poked(bytes, Input::DEFAULT, 6);
                     let input = pointer(bytes, &input);
                     let from = pointer(bytes, &controller);
-                    let code = alula_step(from, input, dt, &mut command, null_mut());
+                    let code = alula_step(from, input, dt, &mut command, about);
                     known(code);
                     check(&command);
                     assert!(ready || code != ALULA_OK);
                 }
-                3 => known(alula_reset(&mut controller)),
+                4 => known(alula_reset(&mut controller)),
+                5..=7 => {
+                    // What its caller wants, and what it remembers.
+                    goal = poked(bytes, goal, 3);
+                    let mut input = poked(bytes, Input::DEFAULT, 2);
+                    let position = [(); 3].map(|()| bytes.number(200.0));
+                    let place = pointer(bytes, &raw const position).cast();
+                    let asked = pointer(bytes, &raw mut goal).cast_mut();
+                    let code = alula_goal_step(asked, place, dt, &mut input);
+                    known(code);
+                    if code == ALULA_OK {
+                        assert_finite(&input.position_error);
+                        known(alula_guide(
+                            &mut controller,
+                            &input,
+                            dt,
+                            &mut command,
+                            about,
+                        ));
+                        check(&command);
+                    }
+                    // A good goal is taken again, whatever is remembered.
+                    goal = Goal {
+                        opaque: goal.opaque,
+                        ..Goal::DEFAULT
+                    };
+                    let mut input = Input::DEFAULT;
+                    let position = [10.0f32, 20.0, -30.0];
+                    let code = alula_goal_step(&mut goal, position.as_ptr(), 0.01, &mut input);
+                    assert_eq!(code, ALULA_OK);
+                    assert_finite(&input.reference_velocity);
+                    assert_finite(&input.reference_acceleration);
+                    assert_finite(&input.position_error);
+                }
+                8 => {
+                    let mut ruled = poked(bytes, parameters, 1);
+                    let [a, b, c, d] = [(); 4].map(|()| bytes.number(1.0));
+                    let to = pointer(bytes, &raw mut ruled).cast_mut();
+                    known(alula_parameters_for_vehicle(to, a, b, 100.0 * c, 20.0 * d));
+                    let mut other = Controller::BLANK;
+                    known(alula_init(&mut other, &ruled, &table));
+                    known(alula_parameters_default(to));
+                    known(alula_input_default(&mut { Input::DEFAULT }));
+                    known(alula_command_default(&mut command));
+                    known(alula_goal_default(&mut goal));
+                    assert_eq!(alula_abi_version(), ALULA_ABI_VERSION);
+                }
+                9 => {
+                    let [x, v] = [(); 2].map(|()| [(); 3].map(|()| bytes.number(30.0)));
+                    let mut pace = 0.0;
+                    let code = alula_path_pace(
+                        pointer(bytes, &controller),
+                        pointer(bytes, &raw const x).cast(),
+                        pointer(bytes, &raw const v).cast(),
+                        &mut pace,
+                    );
+                    known(code);
+                    assert!((0.5..=1.25).contains(&pace), "{pace}");
+                }
+                // Some hundred evaluations of the model each: now and then.
+                10 if bytes.byte() < 16 => {
+                    let input = poked(bytes, Input::DEFAULT, 6);
+                    let mut set = poked(bytes, EquilibriumSet::EMPTY, 1);
+                    let from = pointer(bytes, &controller);
+                    known(alula_equilibria_at(from, &input, &mut set));
+                    known(alula_fold_map_init(&mut map, from));
+                    let mut margin = poked(bytes, FoldMargin::EMPTY, 1);
+                    known(alula_fold_margin_at(&map, from, &input, &mut margin));
+                }
                 _ => {
                     let input = poked(bytes, Input::DEFAULT, 6);
                     let input = pointer(bytes, &input);
                     let out = pointer(bytes, &raw mut command).cast_mut();
-                    let code = alula_guide(&mut controller, input, dt, out, null_mut());
+                    let code = alula_guide(&mut controller, input, dt, out, about);
                     known(code);
                     check(&command);
                     assert!(ready || code != ALULA_OK);

@@ -3,6 +3,8 @@
 //! A goal is turned into the reference and the position error of a [`GuidanceInput`](super::GuidanceInput), step by step. How
 //! it is reached is the guidance's matter: it starts, turns, brakes and crosses the stall by itself.
 
+use super::MAX_STEP;
+use super::memory::{Memory, Spare, Verdict, memory};
 use crate::error::{ParameterError, positive};
 use crate::math;
 use crate::ned::Ned;
@@ -41,21 +43,67 @@ pub struct Goals {
 }
 
 /// What is remembered between steps. The default is that of a flight that has no goal yet.
+///
+/// Any one word of it may change from outside: what the last step left is brought back. Where that is not known, or is none that a
+/// step leaves, the goal begins anew where the vehicle is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct GoalState {
-    goal: Option<Goal>,
+    way: Way,
+    spare: Spare<{ Way::WORDS }>,
+}
+
+/// How far a goal has come.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+struct Way {
+    /// Which goal it is, by its [`Goal::parts`]; 0 for none.
+    kind: u8,
+    target: Ned,
     /// Reference position \[m\] and velocity [m/s].
     position: Ned,
     velocity: Ned,
-    /// Whether a stop is over, and its place held.
-    stopped: bool,
+    /// 1 once a stop is over, and its place held.
+    stopped: u8,
 }
+
+memory!(Way {
+    kind: u8,
+    target: Ned,
+    position: Ned,
+    velocity: Ned,
+    stopped: u8,
+});
 
 /// The part of the braking that leads to a position that is planned: the rest is for what the vehicle does not follow.
 const BRAKING: f32 = 0.7;
 /// Speed [m/s] at which a vehicle has stopped.
 const STOPPED: f32 = 1.0;
+/// Places are no farther than this from where positions are counted from \[m\].
+const FARTHEST: f32 = 1e8;
+
+impl Goal {
+    /// Its kind, a word other than 0, and its place or velocity, zero if it has none.
+    fn parts(&self) -> (u8, Ned) {
+        match self {
+            Self::Hover(place) => (1, *place),
+            Self::Stop => (2, Ned::ZERO),
+            Self::Velocity(velocity) => (3, *velocity),
+        }
+    }
+}
+
+impl Way {
+    /// Whether it is one that a step leaves. NaN is not.
+    fn is_sound(&self) -> bool {
+        let far = FARTHEST * FARTHEST;
+        self.kind <= 3
+            && self.target.norm_squared() <= far
+            && self.position.norm_squared() <= far
+            && self.velocity.norm_squared() <= MAX_SPEED * MAX_SPEED
+            && self.stopped <= 1
+    }
+}
 
 impl Goals {
     /// Goals that are reached so.
@@ -70,7 +118,8 @@ impl Goals {
     }
 
     /// The reference and the position error \[m\] for `goal`, at a `position` \[m\] and a `velocity` [m/s], `dt` \[s\] after
-    /// the last. A new goal begins where the vehicle is. What is not finite is handed on, and refused by the guidance.
+    /// the last. A new goal begins where the vehicle is. What is not finite is handed on, to be refused by the guidance, and not
+    /// remembered; in a step of no time, or of one that the guidance refuses, the reference stands still.
     pub fn step(
         &self,
         state: &mut GoalState,
@@ -79,30 +128,36 @@ impl Goals {
         velocity: Ned,
         dt: f32,
     ) -> (Reference, Ned) {
-        if state.goal != Some(*goal) {
-            let moving = state.goal.is_some() && !matches!(state.goal, Some(Goal::Stop));
-            *state = GoalState {
-                goal: Some(*goal),
+        let dt = if dt > 0.0 && dt <= MAX_STEP { dt } else { 0.0 };
+        let mut way = state.left();
+        let (kind, target) = goal.parts();
+        if (way.kind, way.target) != (kind, target) {
+            way = Way {
+                kind,
+                target,
                 position,
                 // From one goal to the next the reference has no step, unless it is to stop.
-                velocity: if moving { state.velocity } else { velocity },
-                stopped: false,
+                velocity: match way.kind {
+                    1 | 3 => way.velocity,
+                    _ => velocity,
+                },
+                stopped: 0,
             };
         }
         let wanted = match goal {
-            Goal::Hover(place) => self.towards(*place - state.position),
+            Goal::Hover(place) => self.towards(*place - way.position),
             Goal::Stop => {
-                state.velocity = Ned::ZERO;
+                way.velocity = Ned::ZERO;
                 // Where it stops is where it is held.
-                if !state.stopped {
-                    (state.position.north, state.position.east) = (position.north, position.east);
-                    state.stopped = level(velocity) < STOPPED;
+                if way.stopped == 0 {
+                    (way.position.north, way.position.east) = (position.north, position.east);
+                    way.stopped = (level(velocity) < STOPPED).into();
                 }
                 Ned::ZERO
             }
             Goal::Velocity(velocity) => *velocity,
         };
-        let missing = wanted - state.velocity;
+        let missing = wanted - way.velocity;
         let length = math::sqrt(missing.norm_squared());
         let most = self.preferences.acceleration * dt;
         let change = if length > most {
@@ -110,10 +165,14 @@ impl Goals {
         } else {
             missing
         };
-        state.velocity += change;
-        state.position += state.velocity * dt;
+        way.velocity += change;
+        way.position += way.velocity * dt;
+        if way.is_sound() {
+            let spare = Spare::new(&way);
+            *state = GoalState { way, spare };
+        }
         let reference = Reference {
-            velocity: state.velocity,
+            velocity: way.velocity,
             acceleration: if dt > 0.0 {
                 change * (1.0 / dt)
             } else {
@@ -121,7 +180,7 @@ impl Goals {
             },
             heading: Heading::FREE,
         };
-        (reference, position - state.position)
+        (reference, position - way.position)
     }
 
     /// The velocity to have at this way to go \[m\]: as fast as can be braked from.
@@ -144,32 +203,53 @@ impl Goals {
 }
 
 impl GoalState {
-    /// What is remembered, as plain values: the goal, the reference's position \[m\] and velocity [m/s], and whether a stop is
-    /// over.
-    pub fn parts(&self) -> (Option<Goal>, Ned, Ned, bool) {
-        (self.goal, self.position, self.velocity, self.stopped)
+    /// Number of [`to_words`](Self::to_words).
+    pub const WORDS: usize = Way::WORDS + Spare::<{ Way::WORDS }>::WORDS;
+
+    /// What is remembered, a copy of that, and a check word.
+    pub fn to_words(&self) -> [u32; Self::WORDS] {
+        let mut words = [0; Self::WORDS];
+        let mut places = words.iter_mut();
+        let mut put = |word: u32| {
+            if let Some(place) = places.next() {
+                *place = word;
+            }
+        };
+        self.way.write(&mut put);
+        self.spare.write(&mut put);
+        words
     }
 
-    /// The state of these [`parts`](Self::parts).
-    pub fn from_parts(goal: Option<Goal>, position: Ned, velocity: Ned, stopped: bool) -> Self {
+    /// The state of these words. Any will do.
+    pub fn from_words(words: &[u32; Self::WORDS]) -> Self {
+        let mut words = words.iter().copied();
+        let mut next = || words.next().unwrap_or(0);
+        let way = Memory::read(&mut next);
         Self {
-            goal,
-            position,
-            velocity,
-            stopped,
+            way,
+            spare: Memory::read(&mut next),
         }
+    }
+
+    /// What the last step left.
+    fn left(&self) -> Way {
+        let way = match self.spare.judge(&self.way) {
+            Verdict::Sound => self.way,
+            Verdict::Changed(left) => left,
+            Verdict::Unknown => Way::default(),
+        };
+        if way.is_sound() { way } else { Way::default() }
     }
 
     /// Whether the reference stands at the goal: at rest there, or at the velocity asked for.
     pub fn is_reached(&self) -> bool {
         let near = |a: Ned, b: Ned, by: f32| (a - b).norm_squared() < by * by;
-        match self.goal {
-            Some(Goal::Hover(place)) => {
-                near(self.position, place, 0.1) && near(self.velocity, Ned::ZERO, 0.1)
-            }
-            Some(Goal::Stop) => self.stopped,
-            Some(Goal::Velocity(velocity)) => near(self.velocity, velocity, 0.1),
-            None => false,
+        let way = self.left();
+        match way.kind {
+            1 => near(way.position, way.target, 0.1) && near(way.velocity, Ned::ZERO, 0.1),
+            2 => way.stopped == 1,
+            3 => near(way.velocity, way.target, 0.1),
+            _ => false,
         }
     }
 }
@@ -262,6 +342,76 @@ mod tests {
             goals().step(&mut state, &Goal::Hover(Ned::ZERO), end.0, end.1, DT);
         assert!((reference.velocity - v).norm_squared() < 0.03 * 0.03);
         assert!(error.norm_squared() < 1.0);
+    }
+
+    /// A frame that is not finite, or of no time, in the middle of a flight or at its beginning: what follows is as without it, but for the one step
+    /// that the reference may have gone on.
+    #[test]
+    fn bad_frames_are_not_remembered() {
+        let (good, nan) = (Ned::new(0.5, -0.25, 2.0), Ned::new(0.0, f32::NAN, 0.0));
+        let place = Goal::Hover(Ned::new(120.0, -160.0, -15.0));
+        for begun in [0, 300] {
+            let mut undisturbed = GoalState::default();
+            for _ in 0..begun {
+                goals().step(&mut undisturbed, &place, good, good, DT);
+            }
+            let frames = [
+                (place, nan, good, DT),
+                (place, good, nan, DT),
+                (Goal::Hover(nan), good, good, DT),
+                (Goal::Velocity(Ned::new(1e30, 0.0, 0.0)), good, good, DT),
+                (place, good, good, f32::NAN),
+                (place, good, good, f32::INFINITY),
+                (place, good, good, -1.0),
+            ];
+            for (goal, x, v, dt) in frames {
+                let mut state = undisturbed;
+                goals().step(&mut state, &goal, x, v, dt);
+                let mut other = undisturbed;
+                for _ in 0..3 {
+                    let left = goals().step(&mut state, &place, good, good, DT);
+                    let expected = goals().step(&mut other, &place, good, good, DT);
+                    // 2 m/s² and 7 m/s for a step, and roundings.
+                    let off = (left.0.velocity - expected.0.velocity, left.1 - expected.1);
+                    assert!(
+                        off.0.norm_squared() <= 0.021 * 0.021,
+                        "{goal:?} {dt} {off:?}"
+                    );
+                    assert!(off.1.norm_squared() <= 0.08 * 0.08, "{goal:?} {dt} {off:?}");
+                }
+            }
+        }
+    }
+
+    /// Every bit flipped: the reference goes on as it was. Any other memory: it begins where the vehicle is, or where one may have been.
+    #[test]
+    fn changed_memory_is_restored_or_begun_anew() {
+        let (x, v) = (Ned::new(3.0, 4.0, -20.0), Ned::new(14.0, 0.5, 0.0));
+        let goal = Goal::Hover(Ned::new(300.0, 10.0, -40.0));
+        let mut left = GoalState::default();
+        for _ in 0..200 {
+            goals().step(&mut left, &goal, x, v, DT);
+        }
+        let (expected, error) = goals().step(&mut { left }, &goal, x, v, DT);
+        for bit in 0..32 * GoalState::WORDS {
+            let mut words = left.to_words();
+            words[bit / 32] ^= 1 << (bit % 32);
+            let mut state = GoalState::from_words(&words);
+            let (reference, off) = goals().step(&mut state, &goal, x, v, DT);
+            assert_eq!(
+                (reference.velocity, off),
+                (expected.velocity, error),
+                "{bit}"
+            );
+        }
+        assert_eq!(GoalState::from_words(&left.to_words()), left);
+        for any in [u32::MAX, 0x7fc0_0000, 0x4b18_967f] {
+            let mut state = GoalState::from_words(&[any; GoalState::WORDS]);
+            let (reference, off) = goals().step(&mut state, &goal, x, v, DT);
+            // One step from the vehicle's velocity and place.
+            assert!((reference.velocity - v).norm_squared() < 1e-3, "{any}");
+            assert!(off.norm_squared() < 0.1);
+        }
     }
 
     #[test]

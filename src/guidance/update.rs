@@ -96,8 +96,8 @@ pub struct GuidanceInput {
     pub reference_age: f32,
 }
 
-/// What the guidance remembers between steps. The default is power-on.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// What the guidance remembers between steps. The default is power-on. Equal are those whose [bytes](Self::to_bytes) are.
+#[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct GuidanceState {
     pub(super) supervision: SupervisionState,
@@ -121,7 +121,9 @@ pub struct GuidanceState {
     held_known: u8,
     /// What of the last command saturated.
     saturated: Status,
-    /// Copy of all the rest, as the last step left it.
+    /// Other than 0 if it was made of bytes: no step has looked whether they are sound.
+    foreign: u8,
+    /// Copy of all that stands above, as the last step left it.
     spare: Spare<WORDS>,
 }
 
@@ -182,6 +184,7 @@ impl Memory for GuidanceState {
             held,
             held_known,
             saturated,
+            foreign: _,
             spare: _,
         } = self;
         supervision.write(take);
@@ -213,8 +216,15 @@ impl Memory for GuidanceState {
             held: Memory::read(next),
             held_known: Memory::read(next),
             saturated: Memory::read(next),
+            foreign: 0,
             spare: Spare::default(),
         }
+    }
+}
+
+impl PartialEq for GuidanceState {
+    fn eq(&self, other: &Self) -> bool {
+        self.to_bytes() == other.to_bytes()
     }
 }
 
@@ -243,6 +253,7 @@ impl GuidanceState {
         let mut next = || words.next().map_or(0, |word| u32::from_le_bytes(*word));
         let state = Self::read(&mut next);
         Self {
+            foreign: 1,
             spare: Memory::read(&mut next),
             ..state
         }
@@ -251,6 +262,7 @@ impl GuidanceState {
     /// Makes the present memory the one that the next step expects.
     #[inline(always)]
     pub(super) fn seal(&mut self) {
+        self.foreign = 0;
         self.spare = Spare::new(self);
     }
 
@@ -369,9 +381,10 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
     /// within the limits comes out. It is the safe command, or the last one, where there is nothing better.
     #[inline]
     pub fn update(&self, state: &mut GuidanceState, input: &GuidanceInput, dt: f32) -> Guided {
-        // Before anything else reads the memory.
+        // Before anything else reads the memory. What the last step has left was looked at there.
         let (unchanged, known) = state.restore();
-        let sound = known & self.is_sound(state);
+        let left = unchanged & (state.foreign == 0);
+        let sound = known && (left || self.is_sound(state));
         if !sound {
             self.reset(state);
         }
@@ -400,7 +413,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
     }
 
     /// Whether every part's memory is inside that part's own bounds.
-    #[inline(always)]
+    #[inline(never)]
     fn is_sound(&self, state: &GuidanceState) -> bool {
         self.supervisor.is_sound(&state.supervision)
             & ((state.started != 1) | state.flight.is_sound())
@@ -518,9 +531,10 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             None => state.reckoned,
         };
 
-        // The virtual flight begins with the real one, and is counted from the same turn as its attitude.
+        // The virtual flight begins with the real one, and begins anew where it has nothing to do with it: after a jump of position or reference,
+        // or if the memory holds another flight's. It is counted from the same turn as the real attitude.
         let vehicle = self.control.plane().vehicle();
-        let begun = state.started == 1;
+        let begun = state.started == 1 && state.flight.is_near(input.velocity, position);
         if !begun {
             state.flight.course = Course::of(&input.orientation);
             state.flight.lean = 0.0;
@@ -1047,6 +1061,12 @@ mod tests {
         assert!((got - apparent).norm_squared().sqrt() < 1e-4);
     }
 
+    /// This memory, from bytes whose copy and check word are of it.
+    fn agreeing(mut state: GuidanceState) -> GuidanceState {
+        state.seal();
+        GuidanceState::from_bytes(&state.to_bytes())
+    }
+
     #[test]
     fn a_corrupt_state_is_reset_in_flight() {
         let guidance = guidance();
@@ -1065,14 +1085,34 @@ mod tests {
         for corrupt in corrupt {
             let mut state = airborne();
             corrupt(&mut state);
-            // As if the check word had missed it.
-            state.seal();
+            let mut state = agreeing(state);
             let guided = guidance.update_in_plane(&mut state, &HOVER, DT);
             assert_eq!(guided.mode, Mode::Flying);
             assert!(guided.status.contains(Status::STATE_RESET));
             let next = guidance.update_in_plane(&mut state, &HOVER, DT);
             assert_eq!(next.status, Status::empty());
             assert_eq!(next.command.thrust, 9.0 * 9.81);
+        }
+    }
+
+    /// A virtual flight that could be one, but of another vehicle: it begins anew from the real one, and nothing is flown to.
+    #[test]
+    fn a_virtual_flight_far_from_the_real_one_begins_anew() {
+        let guidance = guidance();
+        let corrupt: [fn(&mut GuidanceState); 3] = [
+            |s| s.flight.position.down = 9e4,
+            |s| s.flight.position.east = -51.0,
+            |s| s.flight.velocity.north = 26.0,
+        ];
+        for corrupt in corrupt {
+            let mut state = airborne();
+            corrupt(&mut state);
+            let mut state = agreeing(state);
+            let guided = guidance.update_in_plane(&mut state, &HOVER, DT);
+            assert_eq!(guided.command.thrust, 9.0 * 9.81);
+            // One step of the virtual flight away.
+            assert!(state.flight.position.norm_squared() < 1e-4);
+            assert!(state.flight.velocity.norm_squared() < 1e-2);
         }
     }
 
@@ -1092,7 +1132,7 @@ mod tests {
                 } else {
                     state.limits.rates.w = value;
                 }
-                state.seal();
+                let mut state = agreeing(state);
                 let guided = guidance.update_in_plane(&mut state, &bad, DT);
                 assert_eq!(guided.mode, Mode::Holding);
                 assert!(guided.status.contains(Status::STATE_RESET));
@@ -1111,11 +1151,10 @@ mod tests {
         };
         let model = Combined::new(CombinedParameters::PAPER_BELIEF).unwrap();
         let guidance = Guidance::new(Vehicle::new(vehicle, model).unwrap(), &parameters()).unwrap();
-        let mut state = GuidanceState {
+        let mut state = agreeing(GuidanceState {
             supervision: SupervisionState::in_mode(Mode::Holding),
             ..GuidanceState::default()
-        };
-        state.seal();
+        });
         let bad = PlanarInput {
             state_age: 1.0,
             ..HOVER

@@ -74,7 +74,19 @@ memory!(VirtualFlight {
     thrust: f32,
 });
 
+/// Farther \[m\] than this a vehicle is not behind its virtual flight, and not by more speed [m/s]. In 2,500 flights of campaigns it was 26 m,
+/// after a jump of the measured position, and 8 m/s.
+const APART: f32 = 50.0;
+const SLIPPING: f32 = 25.0;
+
 impl VirtualFlight {
+    /// Whether it may be the virtual flight of a vehicle with this velocity [m/s] and position \[m\].
+    #[inline(always)]
+    pub fn is_near(&self, velocity: Ned, position: Ned) -> bool {
+        (self.position - position).norm_squared() <= APART * APART
+            && (self.velocity - velocity).norm_squared() <= SLIPPING * SLIPPING
+    }
+
     /// Whether every number is one that a virtual flight can have left. NaN is not.
     pub fn is_sound(&self) -> bool {
         self.velocity.norm_squared() <= 1e8
