@@ -35,6 +35,8 @@ pub struct Series<const N: usize> {
     pub values: Vec<[f64; N]>,
     /// Time since the value was logged \[s\]; infinite before the first.
     pub age: Vec<f64>,
+    /// Usual time between two values in the log \[s\], the median; 0 if there are fewer than two.
+    pub interval: f64,
 }
 
 /// The state and the set-points of a flight. All vectors are north, east, down.

@@ -136,7 +136,7 @@ impl Refusal {
 /// | mode | command | entered | left |
 /// |---|---|---|---|
 /// | [`Mode::Flying`] | the law's | from holding by one good frame; from safe by good frames for `recovery` | by one bad frame |
-/// | [`Mode::Holding`] | the last one flown, unchanged | by one bad frame | by one good frame; to safe after `hold` |
+/// | [`Mode::Holding`] | the last one flown, unchanged | by one bad frame | by one good frame; to safe after `hold`, of which a step of no time counts [`MIN_STEP`] |
 /// | [`Mode::Safe`] | `safe_thrust`, no rotation | at power-on; from holding after `hold` | by good frames for `recovery` |
 ///
 /// A frame is bad if the velocity or the attitude is not finite, absurd, older than `state_age` or of negative age, if the time step

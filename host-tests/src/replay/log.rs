@@ -104,7 +104,7 @@ pub fn replay(
             sample: PlanarInput {
                 velocity: current.within(told.velocity),
                 attitude: Attitude::from_angle(theta),
-                state_age: told.velocity_age.max(states.attitude.age[row]) as f32,
+                state_age: told.velocity_age.max(states::age(&states.attitude, row)) as f32,
                 air: told.air(|v| current.within(v)),
                 specific_force: told.force().map(|f| Body::new(f.i, f.j)),
                 position_error: told.position_error().map(|e| current.within(e.into())),

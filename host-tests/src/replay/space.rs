@@ -51,7 +51,7 @@ pub fn replay(states: &States, experiment: &Experiment) -> anyhow::Result<(Recor
         let input = GuidanceInput {
             velocity: ned(told.velocity.into()),
             orientation,
-            state_age: told.velocity_age.max(states.attitude.age[row]) as f32,
+            state_age: told.velocity_age.max(states::age(&states.attitude, row)) as f32,
             air: told.air(|v| ned(v.into())),
             specific_force: told.force(),
             position_error: told.position_error().map(ned),

@@ -36,12 +36,25 @@ pub struct Row {
     pub specific_force: Option<[f64; 3]>,
 }
 
+/// A set-point that should have come so long ago \[s\] is asked for no longer.
+const CEASED: f64 = 1.0;
+
+/// How old a row of a series is \[s\]: since it should have come anew. A log that keeps every tenth value makes none old.
+pub fn age<const N: usize>(series: &Series<N>, row: usize) -> f64 {
+    (series.age[row] - series.interval).max(0.0)
+}
+
 /// One row of a series, with its age \[s\]; none if there is no such series, or no number in the row.
 fn at<const N: usize>(series: Option<&Series<N>>, row: usize) -> Option<([f64; N], f64)> {
     let series = series?;
     let value = series.values[row];
     let known = value.iter().all(|x| x.is_finite());
-    known.then_some((value, series.age[row]))
+    known.then_some((value, age(series, row)))
+}
+
+/// The same of what is asked for.
+fn asked<const N: usize>(series: Option<&Series<N>>, row: usize) -> Option<([f64; N], f64)> {
+    at(series, row).filter(|(_, age)| *age <= CEASED)
 }
 
 impl Row {
@@ -50,9 +63,9 @@ impl Row {
         let value = |series| at(series, row).map(|(value, _)| value);
         let unknown = ([f64::NAN; 3], f64::INFINITY);
         let flown = at(states.velocity.as_ref(), row).unwrap_or(unknown);
-        let setpoint = at(states.velocity_setpoint.as_ref(), row);
+        let setpoint = asked(states.velocity_setpoint.as_ref(), row);
         let (reference, reference_age) = setpoint.unwrap_or(flown);
-        let acceleration = value(states.acceleration_setpoint.as_ref());
+        let acceleration = asked(states.acceleration_setpoint.as_ref(), row);
         Self {
             velocity: flown.0,
             velocity_age: flown.1,
@@ -61,10 +74,10 @@ impl Row {
             reference_age,
             acceleration: acceleration
                 .filter(|_| setpoint.is_some())
-                .unwrap_or_default(),
+                .map_or([0.0; 3], |(acceleration, _)| acceleration),
             position: value(states.position.as_ref()).map(V3::from),
-            wanted: value(states.position_setpoint.as_ref()).map(V3::from),
-            heading: at(states.heading_setpoint.as_ref(), row).map(|([heading], _)| heading),
+            wanted: asked(states.position_setpoint.as_ref(), row).map(|(x, _)| V3::from(x)),
+            heading: asked(states.heading_setpoint.as_ref(), row).map(|([heading], _)| heading),
             wind: value(states.wind.as_ref()),
             through: value(states.air_velocity.as_ref()),
             specific_force: value(states.specific_force.as_ref()),
@@ -120,4 +133,60 @@ pub fn notes(states: &States, followed: usize) -> Vec<String> {
         ));
     }
     notes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use alula_logs::{Column, Log, Topic, states};
+
+    /// As PX4 logs unless told otherwise: attitude every 50 ms, position and velocity every 100 ms; with a gap, and a velocity asked for every 100 ms
+    /// until it ceases.
+    #[test]
+    fn what_the_log_thins_is_not_old_and_what_ceases_is_not_asked_for() {
+        let topic = |name: &str, times: Vec<f64>, columns: &[(&str, f64)]| {
+            let column =
+                |&(name, value): &(&str, f64)| Column::new(name, "", vec![value; times.len()]);
+            let columns = columns.iter().map(column).collect();
+            Topic::new(name, 0, times, columns).unwrap()
+        };
+        let times = |every: f64, n: usize| (0..n).map(move |i| i as f64 * every);
+        let nose_up = [("q[0]", 1.0), ("q[1]", 0.0), ("q[2]", 0.0), ("q[3]", 0.0)];
+        let velocity = [
+            ("vx", 1.0),
+            ("vy", 0.0),
+            ("vz", 0.0),
+            ("x", 0.0),
+            ("y", 0.0),
+            ("z", 0.0),
+        ];
+        let asked = [
+            ("velocity[0]", 1.0),
+            ("velocity[1]", 0.0),
+            ("velocity[2]", 0.0),
+        ];
+        let log = Log {
+            topics: vec![
+                topic("vehicle_attitude", times(0.05, 200).collect(), &nose_up),
+                // Nothing from 2 to 3 s.
+                topic(
+                    "vehicle_local_position",
+                    times(0.1, 100)
+                        .filter(|t| !(2.05..2.95).contains(t))
+                        .collect(),
+                    &velocity,
+                ),
+                topic("trajectory_setpoint", times(0.1, 50).collect(), &asked),
+            ],
+            notes: Vec::new(),
+        };
+        let states = states::find(&log).unwrap();
+        let row = |t: f64| Row::of(&states, (t / 0.05).round() as usize);
+        assert!((0..40).all(|n| row(0.05 * f64::from(n)).velocity_age < 1e-9));
+        // The gap is one: 0.9 s after the last, of which 0.1 s are usual.
+        assert!((row(2.9).velocity_age - 0.8).abs() < 1e-9);
+        // The last velocity asked for at 4.9 s.
+        assert!(row(5.9).is_followed && !row(6.1).is_followed);
+        assert_eq!(row(6.1).reference, row(6.1).velocity);
+    }
 }

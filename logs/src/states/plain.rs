@@ -101,6 +101,7 @@ mod tests {
             source: "somewhere".into(),
             values: vec![[f64::NAN; 3], [first, 0.5, -0.5]],
             age: vec![f64::INFINITY, 0.25],
+            interval: 0.5,
         };
         let states = States {
             family: "plain",
@@ -109,6 +110,7 @@ mod tests {
                 source: String::new(),
                 values: vec![[0.5; 4], [1.0, 0.0, 0.0, 0.0]],
                 age: vec![0.0; 2],
+                interval: 0.0,
             },
             velocity: Some(series(1.0)),
             position: Some(series(2.0)),
@@ -117,6 +119,7 @@ mod tests {
                 source: String::new(),
                 values: vec![[7.0], [8.0]],
                 age: vec![0.0; 2],
+                interval: 0.0,
             }),
             specific_force: Some(series(7.0)),
             air_velocity: Some(series(8.0)),

@@ -190,6 +190,7 @@ mod tests {
         let velocity = states.velocity.as_ref().unwrap();
         assert_eq!(velocity.values, [[4.0, 5.0, 6.0]; 3]);
         assert_eq!(velocity.age, [0.5, 0.25, 1.25]);
+        assert_eq!(velocity.interval, 1.25);
         assert_eq!(
             states.position.as_ref().unwrap().values[0],
             [1.0, 2.0, -3.0]

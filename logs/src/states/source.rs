@@ -170,8 +170,16 @@ impl Found<'_> {
             source: self.source.to_string(),
             values: values.collect(),
             age,
+            interval: usual_interval(self.base()),
         }
     }
+}
+
+/// The median of the times between neighbours; 0 if there are none.
+fn usual_interval(times: &[f64]) -> f64 {
+    let mut between: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    between.sort_by(f64::total_cmp);
+    between.get(between.len() / 2).copied().unwrap_or(0.0)
 }
 
 fn first_finite(values: &[f64]) -> f64 {
