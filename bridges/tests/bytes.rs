@@ -167,6 +167,7 @@ fn mavlink_messages(kind: Kind, inputs: u32) {
         weight: 50.0,
         hover_thrust: 0.5,
         engage: true,
+        led: true,
         duration: 1e9,
         timeout: 1e9,
     };

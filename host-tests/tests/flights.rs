@@ -25,6 +25,33 @@ fn late(segment: &Segment) -> &alula_sil::figures::Steady {
     segment.steady.as_ref().unwrap()
 }
 
+/// What host-tests/README.md says of the flights in the plane is what is flown.
+#[test]
+fn the_readme_has_the_figures_flown() {
+    let readme = include_str!("../README.md");
+    let flights = [
+        "round-trip",
+        "round-trip-weak",
+        "gentle-braking",
+        "climbing-braking",
+        "rough-day",
+    ];
+    for name in flights {
+        let (figures, _) = flown(&experiment(name, &[]));
+        let value = |name: &str| figures.get(name);
+        let said = format!(
+            "altitude −{:.2}…+{:.2} m, {:.1} m behind to {:.1} m ahead",
+            -value("altitude_least_m"),
+            value("altitude_most_m"),
+            -value("forward_least_m"),
+            value("forward_most_m"),
+        );
+        let row = format!("| `{name}` |");
+        let row = readme.lines().find(|line| line.starts_with(&row)).unwrap();
+        assert!(row.contains(&said), "{name}: {said}");
+    }
+}
+
 /// Hover, cruise, hover at 2 m/s² with a rate loop of 100 ms, a thrust lag of 50 ms, control at 100 Hz and wrong
 /// parameters: followed within 0.8 m of altitude and 3.5 m ahead, at T/W 2, 1.3 and 1.15 alike.
 ///

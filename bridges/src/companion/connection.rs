@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 use mavlink::error::MessageReadError;
 use mavlink::{MavConnection, MavHeader};
 
+use super::messages::MavAutopilot;
 use super::{MavMessage, wire};
 
 /// What came: when, from whom, and the message; no message if it was malformed.
@@ -26,8 +27,30 @@ pub struct Connection {
 /// no message is not answered.
 enum Link {
     Stream(Arc<mavlink::Connection<MavMessage>>),
-    /// The socket, and whom to answer: of a socket that waits, who sent the last message.
-    Udp(UdpSocket, Arc<Mutex<Option<SocketAddr>>>),
+    /// The socket, and whom to answer.
+    Udp(UdpSocket, Arc<Mutex<Peer>>),
+}
+
+/// Whom a socket answers: who sent the last heartbeat of an autopilot, or else, while there is none, the last message. Who leads the flight, or listens to it,
+/// may send to the same socket.
+#[derive(Clone, Copy, Debug, Default)]
+struct Peer {
+    at: Option<SocketAddr>,
+    is_autopilot: bool,
+}
+
+impl Peer {
+    fn heard(&mut self, from: SocketAddr, messages: &[(MavHeader, MavMessage)]) {
+        let is_autopilot = messages.iter().any(|(_, message)| {
+            matches!(message, MavMessage::HEARTBEAT(m) if m.autopilot != MavAutopilot::MAV_AUTOPILOT_INVALID)
+        });
+        if is_autopilot || (!self.is_autopilot && !messages.is_empty()) {
+            *self = Self {
+                at: Some(from),
+                is_autopilot,
+            };
+        }
+    }
 }
 
 /// Failed reads in a row after which a connection is taken for closed, and the time between them.
@@ -79,16 +102,19 @@ fn outgoing(to: SocketAddr) -> io::Result<UdpSocket> {
 
 /// The messages of `socket`, sent `to`.
 fn udp(socket: UdpSocket, to: Option<SocketAddr>, sender: Sender<Received>) -> io::Result<Link> {
-    let peer = Arc::new(Mutex::new(to));
+    let peer = Arc::new(Mutex::new(Peer {
+        at: to,
+        is_autopilot: false,
+    }));
     let (reads, answers) = (socket.try_clone()?, Arc::clone(&peer));
     let mut buffer = [0; LONGEST];
     keep_reading(move || {
         let (size, from) = reads.recv_from(&mut buffer)?;
         let now = Instant::now();
         let (messages, malformed) = wire::parse(buffer.get(..size).unwrap_or_default());
-        if !messages.is_empty() {
-            *answers.lock().unwrap_or_else(|e| e.into_inner()) = Some(from);
-        }
+        let mut peer = answers.lock().unwrap_or_else(|e| e.into_inner());
+        peer.heard(from, &messages);
+        drop(peer);
         let malformed = malformed.then_some(None);
         let mut came = messages.into_iter().map(Some).chain(malformed);
         Ok(came.all(|came| sender.send((now, came)).is_ok()))
@@ -158,7 +184,7 @@ impl Connection {
             }
             Link::Udp(socket, peer) => {
                 let bytes = wire::bytes(header, message);
-                let peer = *peer.lock().unwrap_or_else(|e| e.into_inner());
+                let peer = peer.lock().unwrap_or_else(|e| e.into_inner()).at;
                 // A connected socket takes no address.
                 let _ = match (socket.peer_addr(), peer) {
                     (Ok(_), _) => socket.send(&bytes),
@@ -174,6 +200,29 @@ impl Connection {
 mod tests {
     use super::super::messages;
     use super::*;
+
+    /// A ground station and somebody who leads send to the same socket: the autopilot is answered.
+    #[test]
+    fn the_autopilot_is_answered_whoever_else_sends() {
+        let [autopilot, other] =
+            [1, 2].map(|port| SocketAddr::new(Ipv4Addr::LOCALHOST.into(), port));
+        let heartbeat = |autopilot| {
+            let data = messages::HEARTBEAT_DATA {
+                autopilot,
+                ..messages::HEARTBEAT_DATA::default()
+            };
+            [(MavHeader::default(), MavMessage::HEARTBEAT(data))]
+        };
+        let station = heartbeat(MavAutopilot::MAV_AUTOPILOT_INVALID);
+        let mut peer = Peer::default();
+        peer.heard(autopilot, &[]);
+        assert_eq!(peer.at, None);
+        peer.heard(other, &station);
+        assert_eq!(peer.at, Some(other));
+        peer.heard(autopilot, &heartbeat(MavAutopilot::MAV_AUTOPILOT_PX4));
+        peer.heard(other, &station);
+        assert_eq!(peer.at, Some(autopilot));
+    }
 
     /// It goes out from loopback, waits for somebody to be there, and hears him alone.
     #[test]

@@ -40,6 +40,9 @@ const MOST_LEAD: f64 = 0.15;
 /// Age \[s\] of a specific force that is not used any more.
 const OLD_FORCE: f64 = 0.1;
 
+/// Time \[s\] without a set-point after which a flight that is led is over: PX4's own, `COM_OF_LOSS_T`, which does not see those that we are sent.
+const UNLED: f64 = 1.0;
+
 /// Time \[s\] after which the autopilot is left even if it does not hold.
 const LEAVE: f64 = 3.0;
 
@@ -105,6 +108,12 @@ impl Companion {
         }
     }
 
+    /// Whether what it was asked for over the link has ceased. Until something is asked for it stays.
+    fn is_unled(&self, now: f64) -> bool {
+        let asked = self.inbox.setpoint;
+        self.settings.led && asked.is_some_and(|asked| now - asked.arrived > UNLED)
+    }
+
     /// Whether the autopilot is in the mode that the companion flies in.
     fn is_ours(&self) -> bool {
         let mode = self.inbox.mode;
@@ -158,7 +167,7 @@ impl Companion {
             Stage::Flying(_) | Stage::Leaving(_) if !known => {
                 self.end(End::LinkLost);
             }
-            Stage::Flying(since) if now - since > self.settings.duration => {
+            Stage::Flying(since) if now - since > self.settings.duration || self.is_unled(now) => {
                 self.stage = Stage::Leaving(now);
                 self.next_request = now;
             }

@@ -62,6 +62,8 @@ pub struct Settings {
     pub hover_thrust: f32,
     /// Whether the mode that is flown in, OFFBOARD or QACRO, is asked for; else the flight begins when somebody else sets it.
     pub engage: bool,
+    /// Whether the flight is led over the link: it is over where what it is asked for ceases.
+    pub led: bool,
     /// How long \[s\] the reference is flown.
     pub duration: f64,
     /// Age \[s\] of the state at which the link is taken for lost.
@@ -71,7 +73,7 @@ pub struct Settings {
 /// Why a flight ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum End {
-    /// The reference was flown; the autopilot was asked to hold.
+    /// The reference was flown, or ceased; the autopilot was asked to hold.
     Finished,
     /// Somebody set another mode.
     TakenOver,

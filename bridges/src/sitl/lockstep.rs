@@ -27,13 +27,12 @@ pub struct Counts {
     pub restarts: u64,
 }
 
-/// A packet this far behind the last one is of an autopilot started anew, not late.
-const LATE: u32 = 10;
-
 /// The state of the conversation.
 #[derive(Debug, Default)]
 pub struct Lockstep {
     last: Option<u32>,
+    /// The count of the last packet that was dropped for being late, unless another was answered since.
+    late: Option<u32>,
     answer: String,
     counts: Counts,
 }
@@ -58,9 +57,10 @@ impl Lockstep {
                 return Some(self.answer.as_bytes());
             }
             Some(last) if count < last => {
-                // An autopilot counts from 0.
-                if count > 1 && last - count <= LATE {
+                // An autopilot counts from 0, and who sends the same again waits for an answer.
+                if count > 1 && self.late != Some(count) {
                     self.counts.late += 1;
+                    self.late = Some(count);
                     return None;
                 }
                 self.counts.restarts += 1;
@@ -70,6 +70,7 @@ impl Lockstep {
             None => {}
         }
         self.last = Some(count);
+        self.late = None;
         self.counts.steps += 1;
         self.answer = physics.step(&packet).text();
         Some(self.answer.as_bytes())
@@ -120,19 +121,22 @@ mod tests {
         // Three lost on the way: one step.
         assert!(send(25).unwrap().contains("\"timestamp\":3.0"));
         assert_eq!(send(24), None);
+        assert_eq!(send(11), None);
+        // One that waits: ours was lost, or another one's count was taken for it.
+        assert!(send(11).unwrap().contains("\"timestamp\":1.0"));
         assert!(send(0).unwrap().contains("\"timestamp\":1.0"));
         assert!(send(1).unwrap().contains("\"timestamp\":2.0"));
         assert!(send(0).unwrap().contains("\"timestamp\":1.0"));
         assert!(lockstep.receive(&[0; 41], &mut clock).is_none());
         let counts = Counts {
-            steps: 6,
+            steps: 7,
             repeated: 2,
             lost: 3,
-            late: 1,
+            late: 2,
             malformed: 1,
-            restarts: 2,
+            restarts: 3,
         };
         assert_eq!(lockstep.counts(), counts);
-        assert_eq!((clock.steps, clock.restarts), (1, 2));
+        assert_eq!((clock.steps, clock.restarts), (1, 3));
     }
 }

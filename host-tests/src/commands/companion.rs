@@ -123,6 +123,7 @@ fn fly<P: Pilot>(
     mut keep: impl FnMut(&P),
 ) -> anyhow::Result<()> {
     settings.engage = args.engage;
+    settings.led = args.from_link;
     settings.kind = args.autopilot.kind()?;
     let mut companion = Companion::new(settings);
     let mut link = Connection::open(&args.connect).with_context(|| args.connect.clone())?;

@@ -28,6 +28,7 @@ fn settings(
         weight: weight as f32,
         hover_thrust: hover_thrust as f32,
         engage: false,
+        led: false,
         duration,
         timeout: 0.5,
     })
