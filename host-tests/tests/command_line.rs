@@ -327,6 +327,21 @@ fn a_bad_experiment_is_named_with_line_and_field_and_leaves_nothing() {
     );
 }
 
+/// In bash a command's own flags are completed, not its name alone.
+#[test]
+fn bash_completes_flags() {
+    let folder = tempfile::tempdir().unwrap();
+    let script = alula(folder.path(), &["completions", "bash"]).stdout;
+    fs::write(folder.path().join("script"), script).unwrap();
+    let ask = "source script; COMP_WORDS=(alula-sil new --mas); COMP_CWORD=2; _alula__sil alula-sil --mas new; echo ${COMPREPLY[@]}";
+    let answer = Command::new("bash")
+        .args(["-c", ask])
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    assert_eq!(text(&answer.stdout).trim(), "--mass-kg", "{answer:?}");
+}
+
 #[test]
 fn bad_arguments_are_refused_in_one_line() {
     let folder = tempfile::tempdir().unwrap();

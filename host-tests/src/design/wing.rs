@@ -1,6 +1,6 @@
 //! The coefficients of a vehicle's wing: a preset, or a polar that somebody has.
 
-use anyhow::{Context, bail};
+use anyhow::{Context, bail, ensure};
 
 use super::Facts;
 use crate::experiment::AerodynamicsSpec;
@@ -53,6 +53,10 @@ impl Wing {
     /// The wing of `facts`.
     pub fn new(facts: &Facts) -> anyhow::Result<Self> {
         if facts.section == PLATE {
+            ensure!(
+                facts.stall_deg.is_none(),
+                "stall_deg: a flat plate has no stall"
+            );
             return Ok(Self::plate(facts));
         }
         let (mut story, mut warnings) = (Vec::new(), Vec::new());
@@ -75,7 +79,10 @@ impl Wing {
                     "The Reynolds number of cruise, {reynolds:.0}, is far from the {name} of the table: stall and drag will differ. A polar of your own is better"
                 ));
             }
-            Polar::load(&format!("{}-re-{name}", facts.section))?
+            stalling(
+                Polar::load(&format!("{}-re-{name}", facts.section))?,
+                facts.stall_deg,
+            )?
         } else {
             story.push(format!("From the polar {}", on_one_line(&facts.section)));
             let polar = plausible(Self::measured(&facts.section)?, &mut warnings)?;

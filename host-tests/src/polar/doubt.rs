@@ -44,9 +44,19 @@ fn line(points: &[(f64, f64)], x: f64) -> Option<(f64, f64, f64)> {
     Some((at(x), off.fold(0.0, f64::max), slope))
 }
 
-/// The straight line through the rows between ±[`ATTACHED`]: slope of lift per degree.
+/// Angle up to which the slope is taken \[°\]: [`ATTACHED`], or that of the second row from zero where rows are farther apart.
+fn attached(rows: &[[f64; 3]]) -> f64 {
+    let mut angles: Vec<f64> = rows.iter().map(|row| row[0].abs()).collect();
+    angles.sort_by(f64::total_cmp);
+    angles
+        .get(1)
+        .map_or(ATTACHED, |second| second.max(ATTACHED))
+}
+
+/// The straight line through the rows up to [`attached`]: slope of lift per degree.
 fn slope(rows: &[[f64; 3]]) -> Option<f64> {
-    let inside = rows.iter().filter(|row| row[0].abs() <= ATTACHED);
+    let most = attached(rows);
+    let inside = rows.iter().filter(|row| row[0].abs() <= most);
     let points: Vec<(f64, f64)> = inside.map(|row| (row[0], row[1])).collect();
     Some(line(&points, 0.0)?.2)
 }
@@ -84,10 +94,11 @@ pub fn doubts(lines: &[u64], rows: &[[f64; 3]]) -> Vec<Doubt> {
             ),
         );
     }
-    let first = rows.iter().position(|row| row[0].abs() <= ATTACHED);
+    let most_attached = attached(rows);
+    let first = rows.iter().position(|row| row[0].abs() <= most_attached);
     if let (Some(slope), Some(i)) = (slope(rows), first) {
         let [least, most] = SLOPES;
-        let grows = format!("from here to {ATTACHED}° c_L grows by {slope:.3} per degree");
+        let grows = format!("from here to {most_attached}° c_L grows by {slope:.3} per degree");
         if slope < 0.0 {
             add(
                 i,
@@ -201,6 +212,21 @@ mod tests {
         }
         assert_eq!(all(&section()), []);
         assert!(!ends_straight(&section()));
+    }
+
+    /// A straight table, however far apart its rows are.
+    #[test]
+    fn a_straight_table_ends_straight() {
+        for step in [1.0, 5.0, 8.0, 10.0] {
+            let row = |n: i32| {
+                let alpha = f64::from(n) * step;
+                [alpha, 0.08 * alpha, 0.012 + 3e-4 * alpha * alpha]
+            };
+            for first in [-1, 0] {
+                let rows: Vec<[f64; 3]> = (first..4).map(row).collect();
+                assert!(ends_straight(&rows), "{step} {first}");
+            }
+        }
     }
 
     /// Ten times, a tenth, mirrored, in radians, without friction: each is told with a line.
