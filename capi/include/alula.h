@@ -67,7 +67,7 @@
 #define ALULA_ERROR_CRUISE_SPEED -8
 
 /**
- * A goal is none: its kind has no such value, a number of it or the position is not finite, or its speed, climb or acceleration
+ * A goal is none: its kind has no such value, a number of it or the position is not finite or beyond 1e8 m, or its speed, climb or acceleration
  * is not from 0.01 to 1000.
  */
 #define ALULA_ERROR_GOAL -9

@@ -28,7 +28,7 @@ pub const ALULA_ERROR_SELECTOR: i32 = -6;
 pub const ALULA_ERROR_CONTROL_RATE: i32 = -7;
 /// The speed of cruise is not from 1 m/s to 340 m/s.
 pub const ALULA_ERROR_CRUISE_SPEED: i32 = -8;
-/// A goal is none: its kind has no such value, a number of it or the position is not finite, or its speed, climb or acceleration
+/// A goal is none: its kind has no such value, a number of it or the position is not finite or beyond 1e8 m, or its speed, climb or acceleration
 /// is not from 0.01 to 1000.
 pub const ALULA_ERROR_GOAL: i32 = -9;
 /// The velocity is not finite, or faster than 1000 m/s.

@@ -61,11 +61,11 @@ impl Goal {
         }
         let target = ned(self.target);
         // By name here: the core hands it on.
-        if !is_finite(position) || !is_finite(target) {
+        if !is_place(position) || !is_place(target) {
             return Err(code::ALULA_ERROR_GOAL);
         }
         let velocity = ned(input.velocity);
-        if !is_finite(velocity) {
+        if !is_place(velocity) {
             return Err(code::ALULA_ERROR_VELOCITY);
         }
         let goal = core(self.kind, target).ok_or(code::ALULA_ERROR_GOAL)?;
@@ -107,8 +107,9 @@ fn components(v: Ned) -> [f32; 3] {
     [v.north, v.east, v.down]
 }
 
-fn is_finite(v: Ned) -> bool {
-    v.north.is_finite() && v.east.is_finite() && v.down.is_finite()
+/// Whether a vector is one, no longer than 1e8 m, the farthest that the core remembers. NaN is not.
+fn is_place(v: Ned) -> bool {
+    v.norm_squared() <= 1e16
 }
 
 /// Fills in a stop without a past, with 20 m/s, 3 m/s up and down and 2 m/s² on the way to positions.

@@ -333,7 +333,7 @@ fn bash_completes_flags() {
     let folder = tempfile::tempdir().unwrap();
     let script = alula(folder.path(), &["completions", "bash"]).stdout;
     fs::write(folder.path().join("script"), script).unwrap();
-    let ask = "source script; COMP_WORDS=(alula-sil new --mas); COMP_CWORD=2; _alula__sil alula-sil --mas new; echo ${COMPREPLY[@]}";
+    let ask = "source ./script; COMP_WORDS=(alula-sil new --mas); COMP_CWORD=2; _alula__sil alula-sil --mas new; echo ${COMPREPLY[@]}";
     let answer = Command::new("bash")
         .args(["-c", ask])
         .current_dir(folder.path())
