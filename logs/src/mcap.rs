@@ -90,6 +90,8 @@ fn channel(topic: &Topic) -> String {
 
 /// The topic and the instance of a channel of that name.
 fn named(channel: &str) -> (&str, u8) {
+    // As ROS has it.
+    let channel = channel.strip_prefix('/').unwrap_or(channel);
     let split = channel.rsplit_once('.');
     let instance = split.and_then(|(name, instance)| Some((name, instance.parse().ok()?)));
     instance.unwrap_or((channel, 0))

@@ -40,7 +40,9 @@ pub struct Campaign {
 #[pymethods]
 impl Campaign {
     /// Flies one of its flights again, by number. Those of attitudes are `alula.fly("start-hover", {"seed": number})`.
-    fn refly(&self, py: Python<'_>, number: u64) -> PyResult<Flight> {
+    fn refly(&self, py: Python<'_>, number: i64) -> PyResult<Flight> {
+        // No text has a flight of this number.
+        let number = u64::try_from(number).unwrap_or(u64::MAX);
         let source = self.source.as_ref().filter(|s| number < s.campaign.flights);
         let source = source.ok_or_else(|| error::field("number", "is no flight of a text"))?;
         let drawn = source.campaign.draw(&source.base, number);
@@ -91,19 +93,19 @@ pub fn interruptible<R: Send>(
 pub fn campaign(
     py: Python<'_>,
     source: PathBuf,
-    flights: Option<u64>,
-    threads: Option<usize>,
+    flights: Option<i64>,
+    threads: Option<i64>,
     out: Option<PathBuf>,
 ) -> PyResult<Campaign> {
-    let threads = match threads {
-        None => None,
-        Some(n) => {
-            Some(NonZero::new(n).ok_or_else(|| error::field("threads", "must be positive"))?)
-        }
+    let positive = |field, given: Option<i64>| {
+        let checked = given.map(|n| {
+            let n = usize::try_from(n).ok().and_then(NonZero::new);
+            n.ok_or_else(|| error::field(field, "must be positive"))
+        });
+        checked.transpose()
     };
-    if flights == Some(0) {
-        return Err(error::field("flights", "must be positive"));
-    }
+    let threads = positive("threads", threads)?;
+    let flights = positive("flights", flights)?.map(|n| n.get() as u64);
     let name = source.to_string_lossy();
     if name == ATTITUDES.0 {
         return match out {

@@ -52,14 +52,14 @@ const WORDS: [Named<String>; 5] = [
 impl Fleet {
     #[new]
     #[pyo3(signature = (vehicle, n, **parameters))]
-    fn new(vehicle: &Vehicle, n: usize, parameters: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+    fn new(vehicle: &Vehicle, n: i64, parameters: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
         // A GiB of memories and more is a mistake.
         if !(1..=1_000_000).contains(&n) {
             return Err(error::field("n", "must be from 1 to 1000000"));
         }
         Ok(Self {
             guidance: made(vehicle, parameters)?.0,
-            states: vec![GuidanceState::default(); n],
+            states: vec![GuidanceState::default(); n as usize],
         })
     }
 

@@ -43,6 +43,8 @@ pub struct Inbox {
     order: Order,
     /// Place of the last heartbeat in the order of sending.
     heartbeat: i64,
+    /// When the last heartbeat came \[s\].
+    pub heard: f64,
     /// Attitude and body rates [rad/s], in the axes of hover.
     pub attitude: Option<Stamped<(Quaternion, [f32; 3])>>,
     /// Position \[m\] and velocity [m/s].
@@ -130,6 +132,7 @@ impl Inbox {
             MavMessage::HEARTBEAT(m) => {
                 let newer = self.mode.is_none() || place > self.heartbeat;
                 if newer {
+                    self.heard = now;
                     (self.mode, self.heartbeat) = (Some(m.custom_mode), place);
                 }
                 newer

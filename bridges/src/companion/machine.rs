@@ -43,6 +43,9 @@ const OLD_FORCE: f64 = 0.1;
 /// Time \[s\] without a set-point after which a flight that is led is over: PX4's own, `COM_OF_LOSS_T`, which does not see those that we are sent.
 const UNLED: f64 = 1.0;
 
+/// Time \[s\] without a heartbeat after which the mode is not known any more: a pilot who takes over would not be seen. They come every second.
+const UNHEARD: f64 = 3.5;
+
 /// Time \[s\] after which the autopilot is left even if it does not hold.
 const LEAVE: f64 = 3.0;
 
@@ -164,7 +167,7 @@ impl Companion {
                     kind.parameters(kind.flown()),
                 ));
             }
-            Stage::Flying(_) | Stage::Leaving(_) if !known => {
+            Stage::Flying(_) | Stage::Leaving(_) if !known || now - self.inbox.heard > UNHEARD => {
                 self.end(End::LinkLost);
             }
             Stage::Flying(since) if now - since > self.settings.duration || self.is_unled(now) => {
@@ -330,5 +333,81 @@ impl Companion {
             .system
             .and_then(|id| id.try_into().ok())
             .unwrap_or(OWN_SYSTEM)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::OFFBOARD;
+    use super::super::messages::{
+        ATTITUDE_QUATERNION_DATA, HEARTBEAT_DATA, LOCAL_POSITION_NED_DATA,
+    };
+    use super::*;
+
+    struct Still;
+
+    impl Pilot for Still {
+        fn begin(&mut self, _: f32) {}
+
+        fn answer(&mut self, _: &Told, _: f32) -> Result<Command, End> {
+            Ok(Command {
+                thrust: 10.0,
+                rates: [0.0; 3],
+            })
+        }
+    }
+
+    /// Attitude and motion come on, and heartbeats cease: whether the pilot has taken over would not be seen.
+    #[test]
+    fn without_heartbeats_the_flight_ends() {
+        let from = MavHeader {
+            system_id: 1,
+            component_id: 1,
+            sequence: 0,
+        };
+        let mut companion = Companion::new(Settings {
+            kind: Kind::Px4,
+            weight: 10.0,
+            hover_thrust: 0.5,
+            engage: false,
+            led: false,
+            duration: 60.0,
+            timeout: 0.5,
+        });
+        let mut ended = None;
+        for tick in 0..500_u32 {
+            let now = f64::from(tick) * 0.02;
+            let from = MavHeader {
+                sequence: (2 * tick) as u8,
+                ..from
+            };
+            if tick % 50 == 0 && now < 5.0 {
+                let data = HEARTBEAT_DATA {
+                    custom_mode: OFFBOARD,
+                    ..HEARTBEAT_DATA::default()
+                };
+                companion.receive(now, &from, &MavMessage::HEARTBEAT(data));
+            }
+            let (time_boot_ms, q1) = (20 * tick, 1.0);
+            let attitude = ATTITUDE_QUATERNION_DATA {
+                time_boot_ms,
+                q1,
+                ..ATTITUDE_QUATERNION_DATA::default()
+            };
+            companion.receive(now, &from, &MavMessage::ATTITUDE_QUATERNION(attitude));
+            let motion = LOCAL_POSITION_NED_DATA {
+                time_boot_ms,
+                ..LOCAL_POSITION_NED_DATA::default()
+            };
+            companion.receive(now, &from, &MavMessage::LOCAL_POSITION_NED(motion));
+            companion.step(now, &mut Still);
+            if let (Stage::Ended(end), None) = (companion.stage(), ended) {
+                ended = Some((now, end));
+            }
+        }
+        let (when, end) = ended.unwrap();
+        // The last heartbeat at 4 s.
+        assert_eq!(end, End::LinkLost);
+        assert!((when - 7.52).abs() < 0.03, "{when}");
     }
 }

@@ -5,7 +5,7 @@ use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
 use alula_logs::states::{self, States};
-use anyhow::Context;
+use anyhow::{Context, anyhow};
 
 use super::log::{self, Plane};
 use super::trace;
@@ -58,7 +58,11 @@ impl Source {
         };
         let content = match log {
             Some(log) => {
-                let mut states = states::find(&log).with_context(|| origin.clone())?;
+                let mut states = states::find(&log).map_err(|missing| {
+                    // What the reader has left out may be what is missing.
+                    let all = std::iter::once(missing.to_string()).chain(log.notes.clone());
+                    anyhow!("{origin}: {}", all.collect::<Vec<_>>().join("; "))
+                })?;
                 states.notes.splice(0..0, log.notes);
                 Content::Log(Box::new(states))
             }

@@ -22,7 +22,10 @@ struct Rows {
 
 /// The numbers of a message by their columns' names; those of an array are `name[0]`, `name[1]`, …
 fn numbers(fields: &Map<String, Value>) -> Vec<(String, f64)> {
-    let number = |value: &Value| value.as_f64().unwrap_or(f64::NAN);
+    let number = |value: &Value| match value {
+        Value::Bool(is) => f64::from(u8::from(*is)),
+        value => value.as_f64().unwrap_or(f64::NAN),
+    };
     let mut numbers = Vec::new();
     for (name, value) in fields.iter().filter(|(name, _)| *name != "timestamp") {
         match value {
@@ -280,6 +283,32 @@ mod tests {
         let half = &out.get_ref()[..out.get_ref().len() / 3];
         assert_eq!(read("x", half).unwrap().notes.len(), 1);
         assert!(read("x", b"no log").is_err());
+    }
+
+    /// Names as ROS has them, and what is true.
+    #[test]
+    fn a_slash_before_a_name_and_truth_are_understood() {
+        let mut out = Cursor::new(Vec::new());
+        let mut writer = mcap::WriteOptions::new()
+            .compression(None)
+            .create(&mut out)
+            .unwrap();
+        let channel = writer
+            .add_channel(0, "/vehicle_status", "json", &BTreeMap::new())
+            .unwrap();
+        let header = mcap::records::MessageHeader {
+            channel_id: channel,
+            sequence: 0,
+            log_time: 2_000_000_000,
+            publish_time: 2_000_000_000,
+        };
+        let text = br#"{"is_vtol_tailsitter": true, "armed": false}"#;
+        writer.write_to_known_channel(&header, text).unwrap();
+        writer.finish().unwrap();
+        drop(writer);
+        let log = read("x", out.get_ref()).unwrap();
+        let value = |name| log.column("vehicle_status", name).unwrap().values[0];
+        assert_eq!((value("is_vtol_tailsitter"), value("armed")), (1.0, 0.0));
     }
 
     /// A digit of a message changed: it is still JSON, and only the checksums know.
