@@ -53,3 +53,26 @@ fn parameters_have_names_that_fit_and_meanings() {
         assert_eq!((p.min, p.max), (0.0, (choices.len() - 1) as f32));
     }
 }
+
+/// Every code that the header names has a text of its own.
+#[test]
+fn every_code_has_a_text_of_its_own() {
+    let header = concat!(env!("CARGO_MANIFEST_DIR"), "/include/alula.h");
+    let header = std::fs::read_to_string(header).unwrap();
+    let text = |code: i32| {
+        // SAFETY: `alula_strerror` gives a text for every code.
+        let text = unsafe { std::ffi::CStr::from_ptr(alula_capi::alula_strerror(code)) };
+        text.to_str().unwrap()
+    };
+    let mut seen = std::collections::HashSet::from(["unknown code", text(0)]);
+    assert_eq!((seen.len(), text(1)), (2, "unknown code"));
+    let mut named = 0;
+    for line in header.lines() {
+        let code = line.strip_prefix("#define ALULA_ERROR_");
+        if let Some((_, code)) = code.and_then(|rest| rest.split_once(' ')) {
+            assert!(seen.insert(text(code.parse().unwrap())), "{line}");
+            named += 1;
+        }
+    }
+    assert!(named > 30, "{named}");
+}

@@ -791,6 +791,17 @@ fn the_parameters_by_rule_are_the_cores() {
         named(ruled(&mut parameters, f32::NAN)),
         "guidance.rate_lag must be a finite number"
     );
+    // Two numbers that are in no structure.
+    let asked = |parameters: &mut Parameters, rate, cruise| unsafe {
+        alula_parameters_for_vehicle(parameters, 0.3, 0.3, rate, cruise)
+    };
+    assert_eq!(
+        [
+            asked(&mut parameters, 1e9, 12.0),
+            asked(&mut parameters, 50.0, -1.0)
+        ],
+        [ALULA_ERROR_CONTROL_RATE, ALULA_ERROR_CRUISE_SPEED]
+    );
     parameters.vehicle.thrust_max = 90.0;
     let code = ruled(&mut parameters, 0.3);
     assert_eq!(
