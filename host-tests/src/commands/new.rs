@@ -105,14 +105,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let margins = margins(&experiment, facts.cruise_m_s)?;
     let verdict = Verdict::of(facts, &performance, &figures);
     let mut warnings = design.wing.warnings.clone();
-    warnings.extend(performance.doubts(facts));
-    let seam = design.wing.polar.as_ref().and_then(|(polar, _)| polar.seam);
-    if let (Some(seam), None, None) = (seam, performance.stall, facts.aspect_ratio) {
-        warnings.push(format!(
-            "Nothing stalls in level flight, by an extension beyond {:.1}° for an infinite span. That of a wing of finite span stalls: give its aspect ratio",
-            seam.given_deg[1]
-        ));
-    }
+    warnings.extend(performance.doubts(&design));
     let results = Results {
         performance: &performance,
         margins: &margins,

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::Facts;
+use super::Design;
 use super::document::MASS;
 use crate::envelope::Curve;
 use crate::experiment::{Document, VehicleSpec};
@@ -82,8 +82,9 @@ pub const ON_WING: f64 = 1.3;
 const SLOW_RATE: f64 = 0.1;
 
 impl Performance {
-    /// What is to be doubted of the vehicle of `facts`, in words.
-    pub fn doubts(&self, facts: &Facts) -> Vec<String> {
+    /// What is to be doubted of the vehicle of `design`, in words.
+    pub fn doubts(&self, design: &Design) -> Vec<String> {
+        let facts = &design.facts;
         let (given, heaviest) = (facts.thrust_to_weight, MASS[1]);
         let weak = (given < THRUST_LEFT * heaviest).then(|| {
             format!(
@@ -149,7 +150,16 @@ impl Performance {
                 facts.cruise_m_s, facts.idle_to_weight
             )
         });
-        [weak, slow, near, late, fast, idle]
+        let polar = design.wing.polar.as_ref().map(|(polar, _)| polar);
+        let extended = polar.and_then(|polar| polar.seam);
+        let endless = extended.filter(|_| self.stall.is_none() && facts.aspect_ratio.is_none());
+        let endless = endless.map(|seam| {
+            format!(
+                "Nothing stalls in level flight, by an extension beyond {:.1}° for an infinite span. That of a wing of finite span stalls: give its aspect ratio",
+                seam.given_deg[1]
+            )
+        });
+        [weak, slow, near, late, fast, idle, endless]
             .into_iter()
             .flatten()
             .collect()
@@ -252,7 +262,7 @@ fn stop(document: &Document, cruise: f64) -> anyhow::Result<Option<[f64; 3]>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::design::{Design, Known, vehicle_text};
+    use crate::design::{Known, vehicle_text};
 
     /// A flat plate has its numbers in closed form: c_L = c_1 sin 2α, c_D = c_0 + 2 c_1 sin²α.
     #[test]
@@ -339,7 +349,7 @@ mod tests {
     fn what_is_doubted_is_said() {
         let doubts = |change: fn(&mut Known)| {
             let (design, p) = made(change);
-            p.doubts(&design.facts)
+            p.doubts(&design)
         };
         let one = |change: fn(&mut Known)| {
             let doubts = doubts(change);
@@ -347,6 +357,21 @@ mod tests {
             doubts.into_iter().next().unwrap()
         };
         assert_eq!(doubts(|_| ()), [""; 0]);
+        // A table that ends at 10°, which an infinite span carries on to 45°, and one of 6 does not.
+        let file = tempfile::NamedTempFile::with_suffix(".csv").unwrap();
+        let rows = "alpha_deg,cl,cd\n0,0,.012\n5,.4,.02\n10,.8,.044\n15,1.2,.084\n";
+        std::fs::write(&file, rows).unwrap();
+        let ending = |known: &mut Known| {
+            known.section = Some(file.path().to_str().unwrap().to_owned());
+            known.stall_deg = Some(10.0);
+        };
+        let (design, p) = made(ending);
+        assert!(p.doubts(&design)[0].contains("give its aspect ratio"));
+        let (design, p) = made(|known| {
+            ending(known);
+            known.aspect_ratio = Some(6.0);
+        });
+        assert_eq!(p.doubts(&design), [""; 0]);
         // 1.04 / 1.1, which does not hover.
         let weak = one(|known| known.thrust_to_weight = Some(1.04));
         assert!(

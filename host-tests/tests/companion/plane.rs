@@ -31,8 +31,15 @@ fn companion_flies(
     event: impl FnMut(f64, &mut Autopilot<Craft>, &mut Way),
 ) -> Flight {
     let plan = plan(experiment);
-    let wanted = Wanted::Plan(&plan);
-    companion_follows(experiment, wanted, quality, hover_thrust, seed, event)
+    let settings = settings(experiment, hover_thrust).unwrap();
+    flight(
+        experiment,
+        Wanted::Plan(&plan),
+        settings,
+        quality,
+        seed,
+        event,
+    )
 }
 
 /// The same under an autopilot of another kind.
@@ -58,20 +65,16 @@ fn companion_steers(
     )
 }
 
-/// The same along what is `wanted`.
-fn companion_follows(
+/// Led over a good link.
+fn companion_is_led(
     experiment: &Experiment,
-    wanted: Wanted,
-    quality: Quality,
-    hover_thrust: Option<f64>,
-    seed: u64,
     event: impl FnMut(f64, &mut Autopilot<Craft>, &mut Way),
 ) -> Flight {
     let settings = Settings {
-        led: matches!(wanted, Wanted::Link),
-        ..settings(experiment, hover_thrust).unwrap()
+        led: true,
+        ..settings(experiment, None).unwrap()
     };
-    flight(experiment, wanted, settings, quality, seed, event)
+    flight(experiment, Wanted::Link, settings, GOOD, 0, event)
 }
 
 fn flight(
@@ -252,30 +255,23 @@ fn asks_for(now: f64, north: f32) -> (MavHeader, MavMessage) {
 fn what_comes_over_the_link_is_flown() {
     let experiment = experiment(&["duration_s=40"]);
     let mut fastest: f64 = 0.0;
-    let flight = companion_follows(
-        &experiment,
-        Wanted::Link,
-        GOOD,
-        None,
-        0,
-        |now, autopilot, down| {
-            let speed = autopilot.body().spatial().velocity.x;
-            fastest = fastest.max(speed);
-            // Until it is asked for something it stays, and then it does what it was asked for.
-            assert!(now > 5.0 || speed.abs() < 0.2, "{now}: {speed}");
-            let settled = (15.0..20.0).contains(&now);
-            assert!(!settled || (speed - 6.0).abs() < 0.5, "{now}: {speed}");
-            assert!(
-                !(35.0..40.0).contains(&now) || speed.abs() < 0.5,
-                "{now}: {speed}"
-            );
-            let tick = (now * 500.0).round() as u32;
-            if now > 5.0 && tick.is_multiple_of(50) {
-                let (station, message) = asks_for(now, if now < 20.0 { 6.0 } else { 0.0 });
-                down.send(now, station, &message);
-            }
-        },
-    );
+    let flight = companion_is_led(&experiment, |now, autopilot, down| {
+        let speed = autopilot.body().spatial().velocity.x;
+        fastest = fastest.max(speed);
+        // Until it is asked for something it stays, and then it does what it was asked for.
+        assert!(now > 5.0 || speed.abs() < 0.2, "{now}: {speed}");
+        let settled = (15.0..20.0).contains(&now);
+        assert!(!settled || (speed - 6.0).abs() < 0.5, "{now}: {speed}");
+        assert!(
+            !(35.0..40.0).contains(&now) || speed.abs() < 0.5,
+            "{now}: {speed}"
+        );
+        let tick = (now * 500.0).round() as u32;
+        if now > 5.0 && tick.is_multiple_of(50) {
+            let (station, message) = asks_for(now, if now < 20.0 { 6.0 } else { 0.0 });
+            down.send(now, station, &message);
+        }
+    });
     assert_eq!(flight.ended.stage, Stage::Ended(End::Finished));
     assert!(fastest < 8.0, "{fastest}");
 }
@@ -285,23 +281,16 @@ fn what_comes_over_the_link_is_flown() {
 fn a_flight_whose_leader_is_gone_is_over() {
     let experiment = experiment(&["duration_s=60"]);
     let mut held = None;
-    let flight = companion_follows(
-        &experiment,
-        Wanted::Link,
-        GOOD,
-        None,
-        0,
-        |now, autopilot, down| {
-            let tick = (now * 500.0).round() as u32;
-            if (5.0..15.0).contains(&now) && tick.is_multiple_of(50) {
-                let (station, message) = asks_for(now, 6.0);
-                down.send(now, station, &message);
-            }
-            if now > 5.0 && held.is_none() && autopilot.mode() != OFFBOARD {
-                held = Some(now);
-            }
-        },
-    );
+    let flight = companion_is_led(&experiment, |now, autopilot, down| {
+        let tick = (now * 500.0).round() as u32;
+        if (5.0..15.0).contains(&now) && tick.is_multiple_of(50) {
+            let (station, message) = asks_for(now, 6.0);
+            down.send(now, station, &message);
+        }
+        if now > 5.0 && held.is_none() && autopilot.mode() != OFFBOARD {
+            held = Some(now);
+        }
+    });
     assert_eq!(flight.ended.stage, Stage::Ended(End::Finished));
     let held = held.unwrap();
     // A second after the last, and the way of the messages.
