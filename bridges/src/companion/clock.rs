@@ -1,14 +1,22 @@
 //! The autopilot's time, and the order in which it sent what comes.
 
-/// The autopilot's clock, by `TIMESYNC`: of the answers that came, the quickest counts.
+/// The autopilot's clock, by `TIMESYNC`: of the last answers, the quickest counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Clock {
-    /// The autopilot's time less ours, the time there and back, and when it came \[s\].
-    best: Option<(f64, f64, f64)>,
+    /// The last answers, in turn.
+    answers: [Option<Answer>; ANSWERS],
+    next: usize,
 }
 
-/// Age \[s\] of an answer from which on a slower one takes its place: clocks drift.
-const OLD: f64 = 30.0;
+/// Time there and back, and the autopilot's time less ours \[s\].
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Answer {
+    there_and_back: f64,
+    ahead: f64,
+}
+
+/// Answers that are looked at, one a second: few enough that a clock may drift, or a simulation fall behind, enough that one of them was not held up.
+const ANSWERS: usize = 8;
 
 impl Clock {
     /// Takes an answer that arrived `now` \[s\]: sent at `ours` \[ns\] on our clock, answered at `theirs` on the autopilot's.
@@ -16,24 +24,32 @@ impl Clock {
         let (ours, theirs) = (ours as f64 * 1e-9, theirs as f64 * 1e-9);
         let there_and_back = now - ours;
         let sound = (0.0..1.0).contains(&there_and_back);
-        let better = |&(_, best, at): &(f64, f64, f64)| there_and_back <= best || now - at > OLD;
-        if sound && self.best.as_ref().is_none_or(better) {
-            self.best = Some((theirs - 0.5 * (now + ours), there_and_back, now));
+        if sound && let Some(place) = self.answers.get_mut(self.next) {
+            *place = Some(Answer {
+                there_and_back,
+                ahead: theirs - 0.5 * (now + ours),
+            });
+            self.next = (self.next + 1) % ANSWERS;
         }
         sound
+    }
+
+    fn quickest(&self) -> Option<Answer> {
+        let answers = self.answers.iter().flatten();
+        let by = |a: &&Answer, b: &&Answer| a.there_and_back.total_cmp(&b.there_and_back);
+        answers.min_by(by).copied()
     }
 
     /// Time \[s\] that a message takes; 0 if it is not known.
     #[must_use]
     pub fn latency(&self) -> f64 {
-        self.best
-            .map_or(0.0, |(_, there_and_back, _)| 0.5 * there_and_back)
+        self.quickest().map_or(0.0, |a| 0.5 * a.there_and_back)
     }
 
     /// The autopilot's time less ours \[s\], if it is known.
     #[must_use]
     pub fn ahead(&self) -> Option<f64> {
-        self.best.map(|(ahead, ..)| ahead)
+        self.quickest().map(|a| a.ahead)
     }
 }
 
@@ -71,7 +87,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_quickest_answer_counts_until_it_is_old() {
+    fn of_the_last_answers_the_quickest_counts() {
         let mut clock = Clock::default();
         assert_eq!((clock.ahead(), clock.latency()), (None, 0.0));
         let second = |t: f64| (t * 1e9) as i64;
@@ -82,8 +98,18 @@ mod tests {
         // From the future, and from long ago.
         assert!(!clock.take(3.0, second(5.0), second(105.0)));
         assert!(!clock.take(9.0, second(5.0), second(105.0)));
-        assert!(clock.take(32.1, second(32.0), second(132.1)));
+        for at in 10..15 {
+            let t = f64::from(at);
+            assert!(clock.take(t + 0.2, second(t), second(t + 100.1)));
+        }
+        let (slow, quick) = ((20.2, 20.0, 120.3), (21.1, 21.0, 121.25));
+        for (now, ours, theirs) in [slow, quick] {
+            assert!((clock.latency() - 0.02).abs() < 1e-9);
+            assert!(clock.take(now, second(ours), second(theirs)));
+        }
+        // The first is not among the last eight any more. The clocks drifted.
         assert!((clock.latency() - 0.05).abs() < 1e-9);
+        assert!((clock.ahead().unwrap() - 100.2).abs() < 1e-9);
     }
 
     #[test]

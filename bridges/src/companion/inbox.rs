@@ -2,7 +2,7 @@
 
 use alula::ned::{Ned, Quaternion};
 
-use mavlink::dialects::ardupilotmega::{MavCmd, MavResult};
+use mavlink::dialects::ardupilotmega::{MavAutopilot, MavCmd, MavResult};
 
 use super::clock::{Clock, Order};
 use super::setpoint::{Setpoint, setpoint};
@@ -13,7 +13,7 @@ use super::{Kind, MavHeader, MavMessage, milliseconds};
 pub struct Counts {
     /// Messages that were used.
     pub used: u64,
-    /// Messages that came after a later one of their kind, or were not of numbers, and were dropped.
+    /// Messages that came twice or after a later one of their kind, or were not of numbers, and were dropped.
     pub dropped: u64,
     /// Messages of others, or that say nothing of use here.
     pub ignored: u64,
@@ -51,6 +51,8 @@ pub struct Inbox {
     pub motion: Option<Stamped<(Ned, Ned)>>,
     /// Acceleration over the last few motions [m/s²].
     pub acceleration: Ned,
+    /// Angular acceleration over the last few attitudes [rad/s²], in the axes of hover.
+    pub angular_acceleration: [f32; 3],
     /// The autopilot's clock.
     pub clock: Clock,
     /// Specific force [m/s²] along hover's axes.
@@ -65,17 +67,36 @@ pub struct Inbox {
     pub counts: Counts,
 }
 
-/// Time constant \[s\] of the filter of accelerations.
+/// Time constants \[s\] of the filters of accelerations and of angular accelerations.
 const FILTER: f32 = 0.1;
+const ANGULAR_FILTER: f32 = 0.02;
 
-/// A time stamp that is older by more than this \[ms\] is of an autopilot started anew.
-const RESTART: u32 = 1000;
+/// Time \[s\] without a message of a kind after which a time stamp that went back is that of an autopilot started anew. Before that it is that of a
+/// message that was late.
+const SILENCE: f64 = 1.0;
 
-/// Puts a value into its place unless a later one is there.
-fn put<T>(place: &mut Option<Stamped<T>>, value: T, stamp: u32, now: f64, sound: bool) -> bool {
+/// Whether a message may bear the time stamp of the one before it.
+#[derive(Clone, Copy, PartialEq)]
+enum Repeats {
+    /// One that does came twice, or is of an estimator that stands still.
+    Dropped,
+    /// Stamps of arrival, and those of senders that leave theirs at 0.
+    Taken,
+}
+
+/// Puts a value into its place unless it is not sound, or late.
+fn put<T>(
+    place: &mut Option<Stamped<T>>,
+    value: T,
+    stamp: u32,
+    now: f64,
+    sound: bool,
+    repeats: Repeats,
+) -> bool {
     let late = place.as_ref().is_some_and(|old| {
-        let behind = old.stamp.wrapping_sub(stamp);
-        (1..RESTART).contains(&behind)
+        let ahead = stamp.wrapping_sub(old.stamp) as i32;
+        let repeated = ahead == 0 && repeats == Repeats::Dropped;
+        repeated || (ahead < 0 && now - old.arrived <= SILENCE)
     });
     let takes = sound && !late;
     if takes {
@@ -86,6 +107,24 @@ fn put<T>(place: &mut Option<Stamped<T>>, value: T, stamp: u32, now: f64, sound:
         });
     }
     takes
+}
+
+/// The rate of change of what was `old`, with the step from one value with its time stamp to the next, filtered.
+fn differences(
+    old: [f32; 3],
+    from: Option<([f32; 3], u32)>,
+    (to, stamp): ([f32; 3], u32),
+    filter: f32,
+) -> [f32; 3] {
+    let Some((from, since)) = from else {
+        return [0.0; 3];
+    };
+    let dt = stamp.wrapping_sub(since) as f32 * 1e-3;
+    if !(1e-3..0.5).contains(&dt) {
+        return [0.0; 3];
+    }
+    let share = dt / (dt + filter);
+    std::array::from_fn(|k| old[k] + share * ((to[k] - from[k]) / dt - old[k]))
 }
 
 fn finite(values: &[f32]) -> bool {
@@ -106,7 +145,10 @@ impl Inbox {
     pub fn take(&mut self, now: f64, header: &MavHeader, message: &MavMessage) {
         // Components with numbers of their own, as cameras, have heartbeats too: the autopilot is 1.
         let autopilots = header.component_id == 1;
-        if let (None, true, MavMessage::HEARTBEAT(_)) = (self.system, autopilots, message) {
+        // So may a ground station, but it says that it is none.
+        if let (None, true, MavMessage::HEARTBEAT(m)) = (self.system, autopilots, message)
+            && m.autopilot != MavAutopilot::MAV_AUTOPILOT_INVALID
+        {
             self.system = Some(header.system_id);
         }
         let from_it = autopilots && self.system == Some(header.system_id);
@@ -123,6 +165,7 @@ impl Inbox {
                     m.time_boot_ms,
                     now,
                     asked.is_finite(),
+                    Repeats::Taken,
                 )
             }),
             _ if !from_it => {
@@ -159,19 +202,34 @@ impl Inbox {
                 let rates = self.kind.hover([m.rollspeed, m.pitchspeed, m.yawspeed]);
                 let sound = finite(&[q.w, q.x, q.y, q.z]) && finite(&rates);
                 let q = self.kind.hover_attitude(q);
-                put(&mut self.attitude, (q, rates), m.time_boot_ms, now, sound)
+                let (last, stamp) = (self.attitude, m.time_boot_ms);
+                let place = &mut self.attitude;
+                let takes = put(place, (q, rates), stamp, now, sound, Repeats::Dropped);
+                if takes {
+                    let from = last.map(|last| (last.value.1, last.stamp));
+                    let old = self.angular_acceleration;
+                    self.angular_acceleration =
+                        differences(old, from, (rates, stamp), ANGULAR_FILTER);
+                }
+                takes
             }
             MavMessage::LOCAL_POSITION_NED(m) => {
                 let motion = (Ned::new(m.x, m.y, m.z), Ned::new(m.vx, m.vy, m.vz));
                 let sound = finite(&[m.x, m.y, m.z, m.vx, m.vy, m.vz]);
                 let last = self.motion;
-                let behind = last.map_or(0, |last| last.stamp.wrapping_sub(m.time_boot_ms) as i32);
-                if behind >= RESTART as i32 {
-                    self.clock = Clock::default();
-                }
-                let takes = put(&mut self.motion, motion, m.time_boot_ms, now, sound);
+                let stamp = m.time_boot_ms;
+                let place = &mut self.motion;
+                let takes = put(place, motion, stamp, now, sound, Repeats::Dropped);
                 if takes {
-                    self.acceleration = self.differences(last);
+                    // Started anew, its clock is another one.
+                    if last.is_some_and(|last| (stamp.wrapping_sub(last.stamp) as i32) < 0) {
+                        self.clock = Clock::default();
+                    }
+                    let parts = |v: Ned| [v.north, v.east, v.down];
+                    let from = last.map(|last| (parts(last.value.1), last.stamp));
+                    let old = parts(self.acceleration);
+                    let [n, e, d] = differences(old, from, ([m.vx, m.vy, m.vz], stamp), FILTER);
+                    self.acceleration = Ned::new(n, e, d);
                 }
                 takes
             }
@@ -186,6 +244,7 @@ impl Inbox {
                     stamp,
                     now,
                     finite(&[m.wind_x, m.wind_y, m.wind_z]),
+                    Repeats::Dropped,
                 )
             }
             // ArduPlane's: where it comes from, and its downward part.
@@ -195,12 +254,14 @@ impl Inbox {
                 let wind = Ned::new(-level * cos, -level * sin, m.speed_z);
                 let sound = finite(&[m.direction, m.speed, m.speed_z]);
                 // It has no time stamp: the order of arrival stands for it.
-                put(&mut self.wind, wind, milliseconds(now), now, sound)
+                let stamp = milliseconds(now);
+                put(&mut self.wind, wind, stamp, now, sound, Repeats::Taken)
             }
             MavMessage::HIGHRES_IMU(m) => {
                 let force = self.kind.hover([m.xacc, m.yacc, m.zacc]);
                 let stamp = (m.time_usec / 1000) as u32;
-                put(&mut self.specific_force, force, stamp, now, finite(&force))
+                let place = &mut self.specific_force;
+                put(place, force, stamp, now, finite(&force), Repeats::Dropped)
             }
             MavMessage::VFR_HUD(m) => {
                 // It has no time stamp: the order of arrival stands for it.
@@ -210,6 +271,7 @@ impl Inbox {
                     milliseconds(now),
                     now,
                     m.airspeed.is_finite(),
+                    Repeats::Taken,
                 )
             }
             _ => {
@@ -223,32 +285,17 @@ impl Inbox {
         }
     }
 
-    /// The acceleration, with the step from `last` to the motion that there is now.
-    fn differences(&self, last: Option<Stamped<(Ned, Ned)>>) -> Ned {
-        let (Some(last), Some(new)) = (last, self.motion) else {
-            return Ned::default();
-        };
-        let dt = new.stamp.wrapping_sub(last.stamp) as f32 * 1e-3;
-        if !(1e-3..0.5).contains(&dt) {
-            return Ned::default();
-        }
-        let share = dt / (dt + FILTER);
-        let part = |old: f32, from: f32, to: f32| old + share * ((to - from) / dt - old);
-        let (a, from, to) = (self.acceleration, last.value.1, new.value.1);
-        Ned::new(
-            part(a.north, from.north, to.north),
-            part(a.east, from.east, to.east),
-            part(a.down, from.down, to.down),
-        )
-    }
-
     /// How old a value is \[s\], by the autopilot's clock if that is known, else by its arrival.
     #[must_use]
     pub fn age_of<T>(&self, value: &Stamped<T>, now: f64) -> f64 {
-        let arrived = now - value.arrived;
+        self.age_at(now, value.arrived, value.stamp)
+    }
+
+    fn age_at(&self, now: f64, arrived: f64, stamp: u32) -> f64 {
+        let arrived = now - arrived;
         match self.clock.ahead() {
             Some(offset) => {
-                let behind = milliseconds(now + offset).wrapping_sub(value.stamp) as i32;
+                let behind = milliseconds(now + offset).wrapping_sub(stamp) as i32;
                 (f64::from(behind) * 1e-3).max(arrived)
             }
             None => arrived,
@@ -258,8 +305,19 @@ impl Inbox {
     /// Time since the older of attitude and motion arrived \[s\]; infinite before both are there.
     #[must_use]
     pub fn age(&self, now: f64) -> f64 {
+        self.older(|arrived, _| now - arrived)
+    }
+
+    /// How old the state is \[s\] by the autopilot's clock too: a link that lets messages queue up brings old ones that have just arrived.
+    #[must_use]
+    pub fn age_by_clock(&self, now: f64) -> f64 {
+        self.older(|arrived, stamp| self.age_at(now, arrived, stamp))
+    }
+
+    /// The greater of the ages of attitude and motion, by `age` of arrival and stamp; infinite before both are there.
+    fn older(&self, age: impl Fn(f64, u32) -> f64) -> f64 {
         match (&self.attitude, &self.motion) {
-            (Some(attitude), Some(motion)) => now - attitude.arrived.min(motion.arrived),
+            (Some(q), Some(x)) => age(q.arrived, q.stamp).max(age(x.arrived, x.stamp)),
             _ => f64::INFINITY,
         }
     }
@@ -271,6 +329,28 @@ mod tests {
     use mavlink::dialects::ardupilotmega::{
         ATTITUDE_QUATERNION_DATA, HEARTBEAT_DATA, LOCAL_POSITION_NED_DATA, TIMESYNC_DATA,
     };
+
+    /// A ground station may be component 1 of its system: its heartbeat says that it is no autopilot.
+    #[test]
+    fn a_ground_station_is_not_the_autopilot() {
+        let mut inbox = Inbox::default();
+        let station = MavHeader {
+            system_id: 255,
+            ..FROM
+        };
+        let none = HEARTBEAT_DATA {
+            autopilot: MavAutopilot::MAV_AUTOPILOT_INVALID,
+            ..HEARTBEAT_DATA::default()
+        };
+        inbox.take(0.0, &station, &MavMessage::HEARTBEAT(none));
+        assert_eq!(inbox.system, None);
+        inbox.take(
+            0.1,
+            &FROM,
+            &MavMessage::HEARTBEAT(HEARTBEAT_DATA::default()),
+        );
+        assert_eq!(inbox.system, Some(1));
+    }
 
     const FROM: MavHeader = MavHeader {
         system_id: 1,
@@ -310,12 +390,16 @@ mod tests {
         assert_eq!(x(0.3, &stranger, motion(300, 4.0)), Some((2.0, 0.2)));
         // Started anew.
         assert_eq!(x(9.0, &FROM, motion(5000, 5.0)), Some((5.0, 9.0)));
-        assert_eq!(x(9.5, &FROM, motion(10, 6.0)), Some((6.0, 9.5)));
-        assert_eq!((inbox.counts.used, inbox.counts.dropped), (4, 2));
-        assert_eq!(inbox.age(10.0), f64::INFINITY);
+        assert_eq!(x(10.5, &FROM, motion(10, 6.0)), Some((6.0, 10.5)));
+        // Far behind is late all the same while others come, and one that comes twice is no new state.
+        assert_eq!(x(10.6, &FROM, motion(2010, 7.0)), Some((7.0, 10.6)));
+        assert_eq!(x(10.7, &FROM, motion(510, 8.0)), Some((7.0, 10.6)));
+        assert_eq!(x(10.8, &FROM, motion(2010, 9.0)), Some((7.0, 10.6)));
+        assert_eq!((inbox.counts.used, inbox.counts.dropped), (5, 4));
+        assert_eq!(inbox.age(11.0), f64::INFINITY);
         let attitude = ATTITUDE_QUATERNION_DATA::default();
-        inbox.take(9.75, &FROM, &MavMessage::ATTITUDE_QUATERNION(attitude));
-        assert_eq!(inbox.age(10.0), 0.5);
+        inbox.take(10.75, &FROM, &MavMessage::ATTITUDE_QUATERNION(attitude));
+        assert_eq!(inbox.age(11.1), 0.5);
     }
 
     /// The autopilot's clock is 100 s ahead, and messages take 20 ms.

@@ -37,6 +37,9 @@ const RELEASES: u32 = 10;
 /// Longest time \[s\] over which the state is predicted.
 const MOST_LEAD: f64 = 0.15;
 
+/// Standard gravity [m/s²].
+const GRAVITY: f32 = 9.806_65;
+
 /// Age \[s\] of a specific force that is not used any more.
 const OLD_FORCE: f64 = 0.1;
 
@@ -151,17 +154,21 @@ impl Companion {
                 messages.extend(outbox::requests_of_state(self.target()));
             }
         }
-        let known = self.inbox.age(now) <= self.settings.timeout;
+        let known = self.inbox.age_by_clock(now) <= self.settings.timeout;
         let (kind, ours) = (self.settings.kind, self.is_ours());
         match self.stage {
             Stage::Waiting if known && self.inbox.mode.is_some() => {
                 self.stage = Stage::Streaming(now);
                 self.next_request = now + SECOND;
             }
-            Stage::Streaming(_) if !known => self.stage = Stage::Waiting,
+            Stage::Streaming(_) if !known => {
+                self.inbox.awaited = None;
+                self.stage = Stage::Waiting;
+            }
             Stage::Streaming(_) if ours => self.start(now, pilot),
             Stage::Streaming(_) if self.settings.engage && now >= self.next_request => {
                 self.next_request = now + SECOND;
+                self.inbox.awaited = Some(kind.flown());
                 messages.push(outbox::request(
                     self.target(),
                     kind.parameters(kind.flown()),
@@ -274,14 +281,26 @@ impl Companion {
         let lead = |age: f64| (age + ahead).min(MOST_LEAD) as f32;
         let turning = lead(self.inbox.age_of(&attitude, now));
         let axes = BodyAxes::NoseUp;
-        let turned = q.leading(axes, axes.vector(rates), turning).0;
+        // The mean rate over a time is that at its half.
+        let spin = self.inbox.angular_acceleration;
+        let led = |time: f32| {
+            let mean = std::array::from_fn(|k| rates[k] + 0.5 * time * spin[k]);
+            let turned = q.leading(axes, axes.vector(mean), time).0;
+            Orientation::from_quaternion(&turned, axes).ok()
+        };
         let moving = lead(self.inbox.age_of(&motion, now));
         let (x, v) = motion.value;
-        let velocity = v + self.inbox.acceleration * moving;
         let force = self
             .inbox
             .specific_force
-            .filter(|f| now - f.arrived < OLD_FORCE);
+            .filter(|f| now - f.arrived < OLD_FORCE)
+            .map(|f| axes.vector(f.value));
+        // The force turns with the body.
+        let acceleration = match force {
+            Some(force) => led(0.5 * turning)?.to_world(force) + Ned::new(0.0, 0.0, GRAVITY),
+            None => self.inbox.acceleration,
+        };
+        let velocity = v + acceleration * moving;
         let asked = self.inbox.setpoint.map(|asked| {
             let setpoint = Setpoint {
                 position: asked.value.position.map(|x| x - self.origin),
@@ -291,13 +310,13 @@ impl Companion {
         });
         Some(Told {
             t: t + ahead,
-            position: x + v * moving - self.origin,
+            position: x + (v + acceleration * (0.5 * moving)) * moving - self.origin,
             velocity,
-            orientation: Orientation::from_quaternion(&turned, axes).ok()?,
+            orientation: led(turning)?,
             rates,
             age: self.inbox.age(now) as f32,
             air: self.air(now, velocity),
-            specific_force: force.map(|f| axes.vector(f.value)),
+            specific_force: force,
             asked,
         })
     }
@@ -340,7 +359,7 @@ impl Companion {
 mod tests {
     use super::super::OFFBOARD;
     use super::super::messages::{
-        ATTITUDE_QUATERNION_DATA, HEARTBEAT_DATA, LOCAL_POSITION_NED_DATA,
+        ATTITUDE_QUATERNION_DATA, HEARTBEAT_DATA, LOCAL_POSITION_NED_DATA, TIMESYNC_DATA,
     };
     use super::*;
 
@@ -357,14 +376,8 @@ mod tests {
         }
     }
 
-    /// Attitude and motion come on, and heartbeats cease: whether the pilot has taken over would not be seen.
-    #[test]
-    fn without_heartbeats_the_flight_ends() {
-        let from = MavHeader {
-            system_id: 1,
-            component_id: 1,
-            sequence: 0,
-        };
+    /// When and how a flight ends whose heartbeats come until `heard` \[s\], and whose states, at 50 Hz, tell of `late` \[s\] before.
+    fn ends(heard: f64, late: impl Fn(f64) -> f64) -> (f64, End) {
         let mut companion = Companion::new(Settings {
             kind: Kind::Px4,
             weight: 10.0,
@@ -374,40 +387,64 @@ mod tests {
             duration: 60.0,
             timeout: 0.5,
         });
-        let mut ended = None;
         for tick in 0..500_u32 {
             let now = f64::from(tick) * 0.02;
-            let from = MavHeader {
+            let header = MavHeader {
+                system_id: 1,
+                component_id: 1,
                 sequence: (2 * tick) as u8,
-                ..from
             };
-            if tick % 50 == 0 && now < 5.0 {
-                let data = HEARTBEAT_DATA {
+            let mut take = |message| companion.receive(now, &header, &message);
+            if tick % 50 == 0 && now < heard {
+                take(MavMessage::HEARTBEAT(HEARTBEAT_DATA {
                     custom_mode: OFFBOARD,
                     ..HEARTBEAT_DATA::default()
-                };
-                companion.receive(now, &from, &MavMessage::HEARTBEAT(data));
+                }));
+                // The clocks are the same.
+                let at = (now * 1e9) as i64;
+                take(MavMessage::TIMESYNC(TIMESYNC_DATA { ts1: at, tc1: at }));
             }
-            let (time_boot_ms, q1) = (20 * tick, 1.0);
-            let attitude = ATTITUDE_QUATERNION_DATA {
+            let time_boot_ms = (10.0 + now - late(now)).mul_add(1e3, 0.5) as u32 - 10_000;
+            take(MavMessage::ATTITUDE_QUATERNION(ATTITUDE_QUATERNION_DATA {
                 time_boot_ms,
-                q1,
+                q1: 1.0,
                 ..ATTITUDE_QUATERNION_DATA::default()
-            };
-            companion.receive(now, &from, &MavMessage::ATTITUDE_QUATERNION(attitude));
-            let motion = LOCAL_POSITION_NED_DATA {
+            }));
+            take(MavMessage::LOCAL_POSITION_NED(LOCAL_POSITION_NED_DATA {
                 time_boot_ms,
                 ..LOCAL_POSITION_NED_DATA::default()
-            };
-            companion.receive(now, &from, &MavMessage::LOCAL_POSITION_NED(motion));
+            }));
             companion.step(now, &mut Still);
-            if let (Stage::Ended(end), None) = (companion.stage(), ended) {
-                ended = Some((now, end));
+            if let Stage::Ended(end) = companion.stage() {
+                return (now, end);
             }
         }
-        let (when, end) = ended.unwrap();
+        panic!("it flies on");
+    }
+
+    /// Attitude and motion come on, and heartbeats cease: whether the pilot has taken over would not be seen.
+    #[test]
+    fn without_heartbeats_the_flight_ends() {
+        let (when, end) = ends(5.0, |_| 0.0);
         // The last heartbeat at 4 s.
         assert_eq!(end, End::LinkLost);
+        assert!((when - 7.52).abs() < 0.03, "{when}");
+    }
+
+    /// States come on at 50 Hz, and are ever older: they queue up on the link. So they do when each bears the stamp of the last one.
+    #[test]
+    fn states_that_are_too_old_end_the_flight_though_they_arrive() {
+        for rate in [0.5, 1.0] {
+            let (when, end) = ends(60.0, |now| rate * (now - 3.0).max(0.0));
+            assert_eq!(end, End::LinkLost);
+            assert!((when - 3.0 - 0.5 / rate).abs() < 0.05, "{when}");
+        }
+    }
+
+    /// One state of 1.5 s ago among those of now is dropped: it does not make the vehicle jump back, nor the flight end.
+    #[test]
+    fn a_single_late_state_is_dropped() {
+        let (when, _) = ends(5.0, |now| if (now - 3.0).abs() < 1e-6 { 1.5 } else { 0.0 });
         assert!((when - 7.52).abs() < 0.03, "{when}");
     }
 }

@@ -349,6 +349,10 @@ impl Document {
 
     /// The experiment that the document describes, validated.
     pub fn experiment(&self) -> Result<Experiment, FieldError> {
+        if self.get("path").is_some() {
+            let problem = "is flown in space; here experiments in a vertical plane are taken, with a `reference`";
+            return Err(FieldError::new("path", problem));
+        }
         let experiment: Experiment = self.read()?;
         experiment.validate()?;
         Ok(experiment)
@@ -713,6 +717,10 @@ mod tests {
             "form = \"robst\"",
             "controller.law.form: unknown variant",
         );
+        // Of an experiment in space it says so, not what is wrong with its other fields.
+        let error = over("base = 'eight'").and_then(|d| d.checked());
+        let error = error.unwrap_err().to_string();
+        assert!(error.contains("path: is flown in space"), "{error}");
         // What was probably meant stands behind what there is.
         let meant = |line: &str| {
             let error =
