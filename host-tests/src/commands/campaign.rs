@@ -1,7 +1,7 @@
 //! `campaign`: one experiment many times over, dispersed.
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::ensure;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -21,7 +21,7 @@ use super::space;
 pub struct Args {
     #[command(subcommand)]
     merge: Option<Merge>,
-    /// A built-in campaign or a TOML file; without it, list the built-in ones
+    /// A built-in campaign or a TOML file, or for --refly the folder of its results; without it, list the built-in ones
     campaign: Option<String>,
     #[command(flatten)]
     output: Output,
@@ -77,7 +77,11 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         drop(stdout);
         return space::attitudes(args.flights, args.threads, &args.output);
     }
-    let source = CampaignSource::load(name, args.flights)?;
+    if let (Some(number), true) = (args.refly, Path::new(name).is_dir()) {
+        drop(stdout);
+        return refly(&Store::existing(Path::new(name))?.1, number, args);
+    }
+    let mut source = CampaignSource::load(name, args.flights)?;
     if args.print {
         write!(stdout, "{}", source.texts.campaign)?;
         return Ok(());
@@ -88,6 +92,9 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     }
     let out = args.output.folder(&format!("campaign/{}", source.stem()))?;
     let store = Store::open(&out, &source)?;
+    if args.flights.is_some() {
+        source.is_found_in(&out);
+    }
     let campaign = &source.campaign;
     let chunks = || args.shard.chunks(campaign.chunks());
     let flights = campaign.flights_in(chunks());
@@ -165,9 +172,10 @@ fn refly(source: &CampaignSource, number: u64, args: &Args) -> anyhow::Result<()
 }
 
 fn merge(shares: &[PathBuf], output: &Output) -> anyhow::Result<()> {
-    let (_, source) = Store::existing(&shares[0])?;
+    let (_, mut source) = Store::existing(&shares[0])?;
     let out = output.folder(&format!("campaign/{}", source.stem()))?;
     let store = Store::open(&out, &source)?;
+    source.is_found_in(&out);
     store.merge(shares)?;
     conclude(&source, &store, output)
 }

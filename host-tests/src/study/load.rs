@@ -44,7 +44,7 @@ pub struct CampaignSource {
     pub campaign: Campaign,
     /// The experiment that its flights depart from.
     pub base: Document,
-    /// How it was named, from the working directory; none of one that was found in a folder of results.
+    /// What the command line calls it, from the working directory, where that is not its name.
     argument: Option<String>,
 }
 
@@ -134,6 +134,18 @@ impl CampaignSource {
     /// Its name without an extension: that of its folder.
     pub fn stem(&self) -> &str {
         self.texts.name.trim_end_matches(".toml")
+    }
+
+    /// Its results are in `folder`: what names it from now on, unless it is a built-in one. A file alone may be elsewhere by then, or ask for another
+    /// number of flights.
+    pub fn is_found_in(&mut self, folder: &Path) {
+        let texts = &self.texts;
+        let built_in = |(name, text): &(&str, &str)| *name == texts.name && *text == texts.campaign;
+        let own = from_toml(&texts.name, &texts.campaign, |_: &Campaign| Ok(()))
+            .is_ok_and(|campaign| campaign.flights == texts.flights);
+        if !(own && BUILT_IN.iter().any(built_in)) {
+            self.argument = Some(folder.display().to_string());
+        }
     }
 
     /// The command that flies flight `number` again and leaves its trace.
