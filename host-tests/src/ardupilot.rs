@@ -55,6 +55,14 @@ pub struct Vehicle<'a> {
     across: f64,
 }
 
+/// The weather, and the random numbers of gusts and of sensors, as they begin.
+fn by_seed(experiment: &Experiment) -> (Weather, ChaCha8Rng, ChaCha8Rng) {
+    let noise = ChaCha8Rng::seed_from_u64(experiment.seed);
+    let mut gusts = noise.clone();
+    gusts.set_stream(1);
+    (Weather::new(experiment.weather, &mut gusts), gusts, noise)
+}
+
 /// What stands on the ground.
 fn standing(position: V3, heading: f64) -> SpatialState {
     SpatialState {
@@ -88,8 +96,7 @@ impl<'a> Vehicle<'a> {
         } else {
             2.0 * experiment.weight()
         };
-        let mut gusts = ChaCha8Rng::seed_from_u64(experiment.seed);
-        gusts.set_stream(1);
+        let (weather, gusts, noise) = by_seed(experiment);
         Ok(Self {
             experiment,
             plant: SpatialPlant {
@@ -101,9 +108,9 @@ impl<'a> Vehicle<'a> {
                 rate: f64::INFINITY,
                 rotation: Rotation::Torque(V3::new(belly, wing, nose)),
             },
-            weather: Weather::new(experiment.weather, &mut gusts),
+            weather,
             gusts,
-            noise: ChaCha8Rng::seed_from_u64(experiment.seed),
+            noise,
             dt,
             steps: 0,
             state: standing(V3::zeros(), 0.0),
@@ -328,5 +335,8 @@ impl Physics for Vehicle<'_> {
         self.pending.clear();
         (self.grounded, self.marked, self.start) = (true, false, None);
         self.theta = 0.0;
+        // The same outputs make the same flight again.
+        (self.weather, self.gusts, self.noise) = by_seed(self.experiment);
+        self.landings.clear();
     }
 }

@@ -216,13 +216,17 @@ fn accelerometer_attitude_and_velocity_agree() {
 
 #[test]
 fn a_restarted_autopilot_finds_the_vehicle_on_the_ground_and_time_at_its_beginning() {
-    let experiment = experiment(&[]);
+    let experiment =
+        experiment(&["weather.turbulence={ wind_at_20_ft_m_s = 15.4, height_m = 50 }"]);
     let mut vehicle = Vehicle::new(&experiment).unwrap();
     let mut lockstep = Lockstep::default();
+    let mut first = None;
     fly(|client, packet| {
-        client
+        let state = client
             .receive(lockstep.receive(packet, &mut vehicle).unwrap())
-            .unwrap()
+            .unwrap();
+        first.get_or_insert(state.velocity_wind);
+        state
     });
     let flown = vehicle.record().len();
     let mut client = Client::default();
@@ -231,6 +235,9 @@ fn a_restarted_autopilot_finds_the_vehicle_on_the_ground_and_time_at_its_beginni
     let state = client.receive(answer).unwrap();
     assert_eq!((state.timestamp, state.position), (1.0 / RATE, [0.0; 3]));
     assert_eq!(lockstep.counts().restarts, 1);
+    // The weather begins anew too.
+    assert!(first.flatten().is_some_and(|wind| wind != [0.0; 3]));
+    assert_eq!(Some(state.velocity_wind), first);
     // The record is that of the last flight until there is another one.
     assert_eq!(vehicle.record().len(), flown);
 }

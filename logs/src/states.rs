@@ -145,6 +145,8 @@ pub fn find(log: &Log) -> Result<States, Missing> {
     let turn = px4::turn(log);
     if turn.is_some() {
         notes.push("attitude turned from PX4's hover frame of a tail-sitter to the nose".into());
+    } else if family.name == px4::FAMILY.name && log.topic(TOLD).is_none() {
+        notes.push(px4::NOT_TURNED.into());
     }
     let turned = |mut series: Series<4>| {
         if let Some(turn) = turn {

@@ -202,7 +202,8 @@ impl Guidance {
     }
 
     /// One step in space, `dt` [s] after the last. Bad inputs raise nothing: they are bridged, and then the safe command is given;
-    /// `mode`, `status` and `refusal` say so.
+    /// `mode`, `status` and `refusal` say so. As at power-on, the command is the safe one until inputs have been good for the
+    /// parameter `recovery`, 0.05 s: the first steps are of mode "safe".
     ///
     /// World vectors are (north, east, down). velocity: over ground [m/s]. quaternion: (w, x, y, z), from the body axes `axes` to
     /// north-east-down; "nose-forward" is x along the nose and z to the belly, "nose-up" x to the belly and z along the tail.

@@ -376,7 +376,8 @@ mod tests {
             y: 0.0,
             z: 0.0,
         };
-        Course::of(&Orientation::from_quaternion(&up, BodyAxes::NoseUp).unwrap())
+        let up = Orientation::from_quaternion(&up, BodyAxes::NoseUp).unwrap();
+        Course::of(&up, Ned::ZERO, 1.0)
     }
 
     fn flight(velocity: Ned, theta: f32) -> VirtualFlight {

@@ -60,8 +60,8 @@ pub(super) struct Order {
     last: Option<(i64, f64)>,
 }
 
-/// Time \[s\] without any message after which the numbers say nothing of the order.
-const SILENCE: f64 = 0.5;
+/// Time \[s\] without any message after which the numbers say nothing of the order: 128 messages may have been lost.
+const SILENCE: f64 = 0.2;
 
 impl Order {
     /// The place of a message with this number.

@@ -2,7 +2,9 @@
 
 use alula::ned::{Ned, Quaternion};
 
-use mavlink::dialects::ardupilotmega::{MavAutopilot, MavCmd, MavResult};
+use mavlink::dialects::ardupilotmega::{
+    MavAutopilot, MavCmd, MavLandedState, MavModeFlag, MavResult,
+};
 
 use super::clock::{Clock, Order};
 use super::setpoint::{Setpoint, setpoint};
@@ -38,6 +40,10 @@ pub struct Inbox {
     kind: Kind,
     /// Its mode.
     pub mode: Option<u32>,
+    /// Whether it is armed.
+    pub armed: bool,
+    /// Whether it says that it flies.
+    pub in_air: bool,
     /// The mode that was asked for and is awaited.
     pub awaited: Option<u32>,
     order: Order,
@@ -177,6 +183,9 @@ impl Inbox {
                 if newer {
                     self.heard = now;
                     (self.mode, self.heartbeat) = (Some(m.custom_mode), place);
+                    self.armed = m
+                        .base_mode
+                        .contains(MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED);
                 }
                 newer
             }
@@ -232,6 +241,10 @@ impl Inbox {
                     self.acceleration = Ned::new(n, e, d);
                 }
                 takes
+            }
+            MavMessage::EXTENDED_SYS_STATE(m) => {
+                self.in_air = m.landed_state == MavLandedState::MAV_LANDED_STATE_IN_AIR;
+                true
             }
             // An answer to a request of this side.
             MavMessage::TIMESYNC(m) if m.tc1 != 0 => self.clock.take(now, m.ts1, m.tc1),

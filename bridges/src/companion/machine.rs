@@ -111,6 +111,8 @@ impl Companion {
         let flies = matches!(self.stage, Stage::Flying(_));
         if flies && self.inbox.mode.is_some() && !self.is_ours() {
             self.end(End::TakenOver);
+        } else if flies && !self.inbox.armed {
+            self.end(End::Disarmed);
         }
     }
 
@@ -124,6 +126,12 @@ impl Companion {
     fn is_ours(&self) -> bool {
         let mode = self.inbox.mode;
         mode.is_some_and(|mode| self.settings.kind.is_flown(mode))
+    }
+
+    /// Whether the autopilot has a vehicle to fly: armed, and in the air. The companion does not take off.
+    #[must_use]
+    pub fn is_ready(&self) -> bool {
+        self.inbox.armed && self.inbox.in_air
     }
 
     /// Ends. ArduPlane's channels, if they were taken, are given back, unless the link is lost: then ArduPlane takes them back itself.
@@ -165,6 +173,7 @@ impl Companion {
                 self.inbox.awaited = None;
                 self.stage = Stage::Waiting;
             }
+            Stage::Streaming(_) if !self.is_ready() => {}
             Stage::Streaming(_) if ours => self.start(now, pilot),
             Stage::Streaming(_) if self.settings.engage && now >= self.next_request => {
                 self.next_request = now + SECOND;
@@ -192,7 +201,11 @@ impl Companion {
             }
             Stage::Streaming(_) => {
                 if kind == Kind::Px4 {
-                    messages.push(self.set_point(now, [0.0; 3], self.settings.weight));
+                    let thrust = match self.is_ready() {
+                        true => self.settings.weight,
+                        false => 0.0,
+                    };
+                    messages.push(self.set_point(now, [0.0; 3], thrust));
                 }
                 None
             }
@@ -359,7 +372,8 @@ impl Companion {
 mod tests {
     use super::super::OFFBOARD;
     use super::super::messages::{
-        ATTITUDE_QUATERNION_DATA, HEARTBEAT_DATA, LOCAL_POSITION_NED_DATA, TIMESYNC_DATA,
+        ATTITUDE_QUATERNION_DATA, EXTENDED_SYS_STATE_DATA, HEARTBEAT_DATA, LOCAL_POSITION_NED_DATA,
+        MavLandedState, MavModeFlag, TIMESYNC_DATA,
     };
     use super::*;
 
@@ -376,8 +390,18 @@ mod tests {
         }
     }
 
-    /// When and how a flight ends whose heartbeats come until `heard` \[s\], and whose states, at 50 Hz, tell of `late` \[s\] before.
+    /// When and how a flight ends whose heartbeats come until `heard` \[s\], and whose states, at 50 Hz, tell of `late` \[s\] before. The vehicle is
+    /// in the air from the heartbeat at 2 s on.
     fn ends(heard: f64, late: impl Fn(f64) -> f64) -> (f64, End) {
+        ends_armed(heard, late, |_| true)
+    }
+
+    /// The same where it is `armed` at times \[s\].
+    fn ends_armed(
+        heard: f64,
+        late: impl Fn(f64) -> f64,
+        armed: impl Fn(f64) -> bool,
+    ) -> (f64, End) {
         let mut companion = Companion::new(Settings {
             kind: Kind::Px4,
             weight: 10.0,
@@ -398,7 +422,18 @@ mod tests {
             if tick % 50 == 0 && now < heard {
                 take(MavMessage::HEARTBEAT(HEARTBEAT_DATA {
                     custom_mode: OFFBOARD,
+                    base_mode: match armed(now) {
+                        true => MavModeFlag::MAV_MODE_FLAG_SAFETY_ARMED,
+                        false => MavModeFlag::empty(),
+                    },
                     ..HEARTBEAT_DATA::default()
+                }));
+                take(MavMessage::EXTENDED_SYS_STATE(EXTENDED_SYS_STATE_DATA {
+                    landed_state: match now > 1.5 {
+                        true => MavLandedState::MAV_LANDED_STATE_IN_AIR,
+                        false => MavLandedState::MAV_LANDED_STATE_ON_GROUND,
+                    },
+                    ..EXTENDED_SYS_STATE_DATA::default()
                 }));
                 // The clocks are the same.
                 let at = (now * 1e9) as i64;
@@ -414,7 +449,18 @@ mod tests {
                 time_boot_ms,
                 ..LOCAL_POSITION_NED_DATA::default()
             }));
-            companion.step(now, &mut Still);
+            let (sent, _) = companion.step(now, &mut Still);
+            // On the ground nothing is flown, and no thrust is asked for.
+            let thrust = sent.iter().find_map(|message| match message {
+                MavMessage::SET_ATTITUDE_TARGET(m) => Some(m.thrust),
+                _ => None,
+            });
+            if now < 2.0 || !armed(now.floor()) {
+                assert!(!matches!(companion.stage(), Stage::Flying(_)), "{now}");
+                assert!(thrust.is_none_or(|thrust| thrust == 0.0), "{now}");
+            } else if matches!(companion.stage(), Stage::Flying(_)) {
+                assert_eq!(thrust, Some(0.5));
+            }
             if let Stage::Ended(end) = companion.stage() {
                 return (now, end);
             }
@@ -429,6 +475,13 @@ mod tests {
         // The last heartbeat at 4 s.
         assert_eq!(end, End::LinkLost);
         assert!((when - 7.52).abs() < 0.03, "{when}");
+    }
+
+    /// OFFBOARD is set before the vehicle is armed, at 3 s: it flies from then on, and until it is disarmed.
+    #[test]
+    fn only_an_armed_vehicle_is_flown() {
+        let (when, end) = ends_armed(60.0, |_| 0.0, |t| (3.0..6.0).contains(&t));
+        assert_eq!((when, end), (6.0, End::Disarmed));
     }
 
     /// States come on at 50 Hz, and are ever older: they queue up on the link. So they do when each bears the stamp of the last one.

@@ -77,6 +77,8 @@ pub enum End {
     Finished,
     /// Somebody set another mode.
     TakenOver,
+    /// It was disarmed.
+    Disarmed,
     /// Nothing came for too long: nothing is sent any more. PX4 acts as on every loss of OFFBOARD; ArduPlane takes the transmitter's sticks after
     /// `RC_OVERRIDE_TIME`.
     LinkLost,
@@ -93,7 +95,7 @@ pub enum End {
 pub enum Stage {
     /// Nothing is known of the autopilot's state, and nothing sent.
     Waiting,
-    /// The autopilot's state is known, since this time \[s\], and its mode awaited. PX4 is sent hover: it wants to see set-points before it enters
+    /// The autopilot's state is known, since this time \[s\], and its mode awaited. PX4 is sent hover, or on the ground no thrust: it wants to see set-points before it enters
     /// OFFBOARD. ArduPlane is sent nothing: its sticks are the pilot's.
     Streaming(f64),
     /// The reference is flown, since this time \[s\].

@@ -1,8 +1,9 @@
 //! What the simulated autopilot says of its body.
 
 use mavlink::dialects::ardupilotmega::{
-    ATTITUDE_QUATERNION_DATA, HEARTBEAT_DATA, HIGHRES_IMU_DATA, LOCAL_POSITION_NED_DATA,
-    MavAutopilot, MavModeFlag, MavState, MavType, VFR_HUD_DATA, WIND_COV_DATA, WIND_DATA,
+    ATTITUDE_QUATERNION_DATA, EXTENDED_SYS_STATE_DATA, HEARTBEAT_DATA, HIGHRES_IMU_DATA,
+    LOCAL_POSITION_NED_DATA, MavAutopilot, MavLandedState, MavModeFlag, MavState, MavType,
+    VFR_HUD_DATA, WIND_COV_DATA, WIND_DATA,
 };
 
 use super::{BodyState, Kind, MavMessage, milliseconds};
@@ -80,8 +81,8 @@ pub fn state(kind: Kind, now: f64, body: &BodyState) -> [MavMessage; 3] {
     ]
 }
 
-/// Wind and airspeed.
-pub fn air(kind: Kind, now: f64, body: &BodyState) -> [MavMessage; 2] {
+/// Wind and airspeed, and that it flies.
+pub fn air(kind: Kind, now: f64, body: &BodyState) -> [MavMessage; 3] {
     let [wind_x, wind_y, wind_z] = single(body.wind);
     let wind = match kind {
         Kind::Px4 => MavMessage::WIND_COV(WIND_COV_DATA {
@@ -109,5 +110,9 @@ pub fn air(kind: Kind, now: f64, body: &BodyState) -> [MavMessage; 2] {
         climb: -body.velocity[2] as f32,
         ..VFR_HUD_DATA::default()
     });
-    [wind, hud]
+    let landed = MavMessage::EXTENDED_SYS_STATE(EXTENDED_SYS_STATE_DATA {
+        landed_state: MavLandedState::MAV_LANDED_STATE_IN_AIR,
+        ..EXTENDED_SYS_STATE_DATA::default()
+    });
+    [wind, hud, landed]
 }

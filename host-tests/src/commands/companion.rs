@@ -153,10 +153,10 @@ fn fly<P: Pilot>(
         if commanded.is_some() {
             keep(pilot);
         }
-        let stage = companion.stage();
-        if said != Some(std::mem::discriminant(&stage)) {
-            said = Some(std::mem::discriminant(&stage));
-            eprintln!("{now:8.2} s  {}", words(stage, settings.kind));
+        let words = words(&companion, settings.kind);
+        if said.as_ref() != Some(&words) {
+            eprintln!("{now:8.2} s  {words}");
+            said = Some(words);
         }
         // Steps that were missed are not made up for.
         next = (next + PERIOD).max(Instant::now());
@@ -170,9 +170,13 @@ fn fly<P: Pilot>(
     Ok(())
 }
 
-fn words(stage: Stage, kind: Kind) -> String {
-    match (stage, kind) {
+fn words(companion: &Companion, kind: Kind) -> String {
+    match (companion.stage(), kind) {
         (Stage::Waiting, _) => "waits for an autopilot".to_owned(),
+        (Stage::Streaming(_), _) if !companion.is_ready() => {
+            "waits for the autopilot to say that it is armed, and in the air (EXTENDED_SYS_STATE)"
+                .to_owned()
+        }
         (Stage::Streaming(_), Kind::Px4) => "sends hover, and waits for OFFBOARD".to_owned(),
         (Stage::Streaming(_), Kind::ArduPlane(_)) => "waits for QACRO".to_owned(),
         (Stage::Flying(_), _) => "flies the reference".to_owned(),

@@ -4,7 +4,7 @@ use alula::{FeedForward, Inertial, PlanarInput};
 use alula_bridges::companion::{HoldParameters, InPlane, Planar, Settings, Wanted};
 
 use crate::controllers::{Answer, Controller, Input, inertial};
-use crate::experiment::{Experiment, State};
+use crate::experiment::{Experiment, State, angle};
 use crate::reference::Vector;
 use crate::simulate::{Record, Step};
 
@@ -42,6 +42,9 @@ pub fn pilot<'a>(
     wanted: Wanted<'a>,
     heading: Option<f32>,
 ) -> anyhow::Result<InPlane<'a, Controlled>> {
+    if let Some(heading) = heading {
+        angle("heading", heading.to_degrees().into())?;
+    }
     let controlled = Controlled {
         controller: experiment.controller()?,
         last: None,

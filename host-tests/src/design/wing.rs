@@ -160,11 +160,17 @@ fn stalling(polar: Polar, stall_deg: Option<f64>) -> anyhow::Result<Polar> {
         Some(degrees) => polar.stalling_at(degrees).context("stall_deg"),
         None if polar.ends_straight() => bail!(
             "{}:{}: lift still grows in a straight line at the last row, so the table ends before the stall, and AVL and panel methods know none. \
-             Say where it stalls: --stall-deg",
+             Give rows up to the stall, or say at which of these it stalls: --stall-deg",
             on_one_line(polar.name),
             polar.last_line()
         ),
-        None => Ok(polar),
+        None => match polar.beyond_stall() {
+            Some([degrees, lift, _]) => bail!(
+                "{}: c_L is {lift} at {degrees}°, which no wing has without slats: AVL and panel methods know no stall. Say where it stalls: --stall-deg",
+                on_one_line(polar.name)
+            ),
+            None => Ok(polar),
+        },
     }
 }
 

@@ -20,7 +20,7 @@ impl Polar {
         ensure!(self.seam.is_some(), "{name} goes through its stall already");
         ensure!(
             degrees <= last,
-            "{name}:{}: ends at {last}°, before a stall at {degrees}°",
+            "{name}:{}: ends at {last}°, before a stall at {degrees}°: rows up to the stall are needed",
             self.last_line()
         );
         let inside = |row: &[f64; 3]| row[0].abs() < degrees - 1e-6;

@@ -228,6 +228,14 @@ impl Polar {
         self.seam.is_some() && doubt::ends_straight(&self.read.rows)
     }
 
+    /// The first row whose lift no wing without slats has, of a polar that ends before 180°.
+    pub fn beyond_stall(&self) -> Option<&[f64; 3]> {
+        let extended = self.seam.is_some();
+        extended
+            .then(|| doubt::beyond_stall(&self.read.rows))
+            .flatten()
+    }
+
     /// Whether its file says that it is that of a whole wing: XFLR5's of planes and AVL's are, and those that this program wrote.
     pub fn is_of_wing(&self) -> bool {
         self.read.of_wing

@@ -112,9 +112,9 @@ type Held = (&'static str, [f64; 2], [f64; 2], [f64; 2]);
 /// after the entry and at all. What these links had, and 40 % more (of twenty: docs/autopilots.md). The circle begins in full flight
 /// with a set-point of hover under way, which lifts it or lets it sink before the first command arrives.
 const PATHS: [Held; 3] = [
-    ("circle-40", [0.15, 0.8], [-2.7, 2.3], [-18.0, 11.2]),
+    ("circle-40", [0.15, 0.8], [-7.7, 8.0], [-18.0, 11.2]),
     ("eight", [0.41, 1.2], [-0.2, 0.2], [-0.2, 0.2]),
-    ("mission", [0.75, 0.9], [-4.5, 4.8], [-4.5, 4.8]),
+    ("mission", [1.14, 1.3], [-13.2, 4.9], [-13.2, 4.9]),
 ];
 
 /// Links of 20 ms each way and 2 % of loss, of three seeds each, to either autopilot. A position is off along the path by the error of the
@@ -148,7 +148,7 @@ fn paths_in_space_are_flown_over_bad_links() {
 }
 
 /// From hover to hover with a turn, in 3.6 m/s of wind from ahead and the side. In process 1.45 m/s and 1.59 m; over ten bad links at worst
-/// 2.39 and 2.85, from 2.9 m below to 6.0 m above: it crosses the stall in the turn, sooner or later.
+/// 2.24 and 2.06, from 6.4 m below to 6.8 m above: it crosses the stall in the turn, sooner or later.
 #[test]
 fn a_wind_from_the_side_is_flown_in() {
     let experiment = experiment("mission", &["weather.steady_m_s=[-3,2,0]"]);
@@ -160,7 +160,7 @@ fn a_wind_from_the_side_is_flown_in() {
         );
         assert!(flight.velocity < 3.4 && flight.position < 4.0);
         let [low, high] = flight.altitude;
-        assert!(low > -4.1 && high < 8.4, "{low} {high}");
+        assert!(low > -9.0 && high < 9.5, "{low} {high}");
         ended_well(&flight.ended, Kind::Px4);
     }
 }

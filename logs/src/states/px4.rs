@@ -117,6 +117,9 @@ pub(super) const FAMILY: Family = Family {
     ],
 };
 
+/// What is said of an attitude that is not turned.
+pub(super) const NOT_TURNED: &str = "attitude taken with x along the nose, as PX4 has it of all but tail-sitters: no vehicle_status.is_vtol_tailsitter says otherwise. The log of a tail-sitter without it is read 90° off";
+
 /// The rotation that turns PX4's attitude of a tail-sitter, whose body z axis points to the tail in hover, into that of a
 /// body whose x axis points along the nose: 90° about y, from the right. PX4's fixed-wing code turns it so
 /// (`R * Dcmf{Eulerf{0, π/2, 0}}` where `is_vtol_tailsitter`, `src/modules/fw_pos_control/FixedwingPositionControl.cpp`).
@@ -243,6 +246,6 @@ mod tests {
         level.topics.pop();
         let states = find(&level).unwrap();
         assert_eq!(states.attitude.values[0], [1.0, 0.0, 0.0, 0.0]);
-        assert!(states.notes.is_empty());
+        assert_eq!(states.notes, [super::NOT_TURNED]);
     }
 }
