@@ -376,8 +376,7 @@ mod tests {
             y: 0.0,
             z: 0.0,
         };
-        let up = Orientation::from_quaternion(&up, BodyAxes::NoseUp).unwrap();
-        Course::of(&up, Ned::ZERO, 1.0)
+        Course::of(&Orientation::from_quaternion(&up, BodyAxes::NoseUp).unwrap())
     }
 
     fn flight(velocity: Ned, theta: f32) -> VirtualFlight {
