@@ -32,6 +32,19 @@ fn text(summary: &Summary) -> String {
     serde_json::to_string(summary).unwrap()
 }
 
+/// A flight that the campaign itself does not have needs the number with which it was flown.
+#[test]
+fn the_command_to_fly_a_flight_again_is_one_that_works() {
+    let text = |flights, number| source("dispersed", flights).refly(number);
+    assert_eq!(text(60, 17), "alula-sil campaign dispersed --refly 17");
+    let far = "alula-sil campaign dispersed --flights 9000000 --refly 8999999";
+    assert_eq!(text(9_000_000, 8_999_999), far);
+    let mut merged = source("dispersed", 9_000_000);
+    merged.is_found_in(Path::new("own results"));
+    let there = "alula-sil campaign 'own results' --refly 8999999";
+    assert_eq!(merged.refly(8_999_999), there);
+}
+
 /// One thread, three threads, an interruption in the middle, and two shares merged: the same file to the byte, the same summary
 /// and the same page. 120 flights are three parts, the last one short.
 #[test]

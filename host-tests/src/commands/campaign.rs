@@ -81,7 +81,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         drop(stdout);
         return refly(&Store::existing(Path::new(name))?.1, number, args);
     }
-    let mut source = CampaignSource::load(name, args.flights)?;
+    let source = CampaignSource::load(name, args.flights)?;
     if args.print {
         write!(stdout, "{}", source.texts.campaign)?;
         return Ok(());
@@ -92,9 +92,6 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     }
     let out = args.output.folder(&format!("campaign/{}", source.stem()))?;
     let store = Store::open(&out, &source)?;
-    if args.flights.is_some() {
-        source.is_found_in(&out);
-    }
     let campaign = &source.campaign;
     let chunks = || args.shard.chunks(campaign.chunks());
     let flights = campaign.flights_in(chunks());

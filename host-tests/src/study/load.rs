@@ -46,6 +46,8 @@ pub struct CampaignSource {
     pub base: Document,
     /// What the command line calls it, from the working directory, where that is not its name.
     argument: Option<String>,
+    /// Number of flights of what the command line calls so.
+    own_flights: u64,
 }
 
 /// The texts that decide a campaign's results.
@@ -113,6 +115,7 @@ impl CampaignSource {
         let mut campaign: Campaign = from_toml(origin, &texts.campaign, |campaign: &Campaign| {
             campaign.validate(&base(campaign)?)
         })?;
+        let own_flights = campaign.flights;
         campaign.flights = texts.flights;
         if !(1..=MAX_FLIGHTS).contains(&campaign.flights) {
             anyhow::bail!("{origin}: flights: must be from 1 to {MAX_FLIGHTS}");
@@ -123,6 +126,7 @@ impl CampaignSource {
             campaign,
             base,
             argument: None,
+            own_flights,
         })
     }
 
@@ -136,22 +140,23 @@ impl CampaignSource {
         self.texts.name.trim_end_matches(".toml")
     }
 
-    /// Its results are in `folder`: what names it from now on, unless it is a built-in one. A file alone may be elsewhere by then, or ask for another
-    /// number of flights.
+    /// Its results are in `folder`, which names it from now on: where its file is, if it has one, is not known.
     pub fn is_found_in(&mut self, folder: &Path) {
-        let texts = &self.texts;
-        let built_in = |(name, text): &(&str, &str)| *name == texts.name && *text == texts.campaign;
-        let own = from_toml(&texts.name, &texts.campaign, |_: &Campaign| Ok(()))
-            .is_ok_and(|campaign| campaign.flights == texts.flights);
-        if !(own && BUILT_IN.iter().any(built_in)) {
-            self.argument = Some(folder.display().to_string());
-        }
+        self.argument = Some(folder.display().to_string());
+        self.own_flights = self.texts.flights;
     }
 
     /// The command that flies flight `number` again and leaves its trace.
     pub fn refly(&self, number: u64) -> String {
         let name = self.argument.as_ref().unwrap_or(&self.texts.name);
-        format!("alula-sil campaign {} --refly {number}", in_shell(name))
+        let more = match number < self.own_flights {
+            true => String::new(),
+            false => format!(" --flights {}", self.texts.flights),
+        };
+        format!(
+            "alula-sil campaign {}{more} --refly {number}",
+            in_shell(name)
+        )
     }
 }
 
