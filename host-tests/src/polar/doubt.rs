@@ -15,9 +15,9 @@ pub struct Doubt {
 const MOST_LIFT: f64 = 3.0;
 /// Greatest drag coefficient: that of a flat plate broadside is 2.01.
 const MOST_DRAG: f64 = 2.5;
-/// Slope of lift per degree: from that of a wing of aspect ratio 0.5, π AR/2, to nearly twice that of thin wing theory, 2π.
-/// Slope of lift from which on a table is warned of: sections of 10 to 20 % thickness have up to 0.115.
+/// Slope of lift per degree from which on a table is warned of: sections of 10 to 20 % thickness have up to 0.115.
 const STEEP: f64 = 0.125;
+/// Slope of lift per degree: from that of a wing of aspect ratio 0.5, π AR/2, to nearly twice that of thin wing theory, 2π.
 const SLOPES: [f64; 2] = [0.012, 0.2];
 /// Angles between which the slope is taken \[°\].
 const ATTACHED: f64 = 6.0;
@@ -296,7 +296,6 @@ mod tests {
         }
     }
 
-    /// AVL's lift is a straight line, and so is a sweep that ended before the stall.
     /// A vortex lattice's: 2πA/(A + 2) sin α cos α bends, and knows no stall. Full tables of sections have nothing such.
     #[test]
     fn lift_that_no_wing_has_is_told() {
@@ -326,6 +325,7 @@ mod tests {
         assert_eq!([steep(0.115), steep(0.15), steep(0.21)], [0, 1, 0]);
     }
 
+    /// AVL's lift is a straight line, and so is a sweep that ended before the stall.
     #[test]
     fn a_straight_end_is_no_stall() {
         let straight: Vec<[f64; 3]> = (-4..=12)

@@ -27,26 +27,6 @@ struct Flight {
 /// Flies `experiment` until 10 s after the end of the reference. `event` may act at each step of the vehicle.
 fn companion_flies(
     experiment: &Experiment,
-    quality: Quality,
-    hover_thrust: Option<f64>,
-    seed: u64,
-    event: impl FnMut(f64, &mut Autopilot<Craft>, &mut Way),
-) -> Flight {
-    let plan = plan(experiment);
-    let settings = settings(experiment, hover_thrust).unwrap();
-    flight(
-        experiment,
-        Wanted::Plan(&plan),
-        settings,
-        quality,
-        seed,
-        event,
-    )
-}
-
-/// The same under an autopilot of another kind.
-fn companion_steers(
-    experiment: &Experiment,
     kind: Kind,
     quality: Quality,
     seed: u64,
@@ -57,14 +37,8 @@ fn companion_steers(
         kind,
         ..settings(experiment, None).unwrap()
     };
-    flight(
-        experiment,
-        Wanted::Plan(&plan),
-        settings,
-        quality,
-        seed,
-        event,
-    )
+    let wanted = Wanted::Plan(&plan);
+    flight(experiment, wanted, settings, quality, seed, event)
 }
 
 /// Led over a good link.
@@ -185,7 +159,7 @@ fn forty_within_one_and_a_half_times(
 fn the_round_trip_over_bad_links_is_within_one_and_a_half_times_that_in_process() {
     let exact = experiment(&[]);
     let flights = forty_within_one_and_a_half_times(&exact, "over the links", |seed| {
-        companion_flies(&exact, BAD, None, seed, nothing)
+        companion_flies(&exact, Kind::Px4, BAD, seed, nothing)
     });
     for flight in &flights {
         assert_eq!(
@@ -218,7 +192,7 @@ fn the_round_trip_over_bad_links_is_within_one_and_a_half_times_that_in_process(
 #[test]
 fn a_steady_wind_is_flown_in() {
     let experiment = experiment(&["weather.steady_m_s=[0,-4]"]);
-    let flight = companion_flies(&experiment, GOOD, None, 0, nothing);
+    let flight = companion_flies(&experiment, Kind::Px4, GOOD, 0, nothing);
     assert_eq!(flight.ended.stage, Stage::Ended(End::Finished));
     let [low, high] = in_process(&experiment);
     // A flight of its own kind, see above: a metre more.
@@ -301,7 +275,7 @@ fn a_flight_whose_leader_is_gone_is_over() {
 #[test]
 fn the_pilot_takes_over_at_once_and_nothing_is_sent_any_more() {
     let experiment = experiment(&[]);
-    let flight = companion_flies(&experiment, GOOD, None, 0, |now, autopilot, _| {
+    let flight = companion_flies(&experiment, Kind::Px4, GOOD, 0, |now, autopilot, _| {
         if (now - 15.0).abs() < 1e-9 {
             autopilot.set_mode(2 << 16);
         }
@@ -316,7 +290,7 @@ fn the_pilot_takes_over_at_once_and_nothing_is_sent_any_more() {
 #[test]
 fn a_lost_link_ends_the_flight_and_the_autopilot_holds() {
     let experiment = experiment(&[]);
-    let flight = companion_flies(&experiment, GOOD, None, 0, |now, _, down| {
+    let flight = companion_flies(&experiment, Kind::Px4, GOOD, 0, |now, _, down| {
         if now > 15.0 {
             down.quality.lost = 1.0;
         }
@@ -387,7 +361,7 @@ fn asks_for_a_mode(message: &MavMessage) -> bool {
 fn the_round_trip_is_flown_in_qacro_by_overridden_sticks() {
     let exact = experiment(&[]);
     let flights = forty_within_one_and_a_half_times(&exact, "in QACRO", |seed| {
-        companion_steers(&exact, ARDUPLANE, BAD, seed, nothing)
+        companion_flies(&exact, ARDUPLANE, BAD, seed, nothing)
     });
     for flight in &flights {
         let ended = &flight.ended;
@@ -403,7 +377,7 @@ fn the_round_trip_is_flown_in_qacro_by_overridden_sticks() {
 fn the_pilot_takes_an_arduplane_over_and_has_his_sticks_at_once() {
     let experiment = experiment(&[]);
     let mut given_back = f64::NAN;
-    let flight = companion_steers(&experiment, ARDUPLANE, BAD, 0, |now, autopilot, _| {
+    let flight = companion_flies(&experiment, ARDUPLANE, BAD, 0, |now, autopilot, _| {
         if (now - 15.0).abs() < 1e-9 {
             assert!(autopilot.is_overridden());
             // FBWA.
@@ -426,7 +400,7 @@ fn the_pilot_takes_an_arduplane_over_and_has_his_sticks_at_once() {
 fn a_lost_link_gives_an_arduplanes_sticks_back_after_its_own_time() {
     let experiment = experiment(&[]);
     let (mut last, mut given_back) = (f64::NAN, f64::NAN);
-    let flight = companion_steers(&experiment, ARDUPLANE, GOOD, 0, |now, autopilot, down| {
+    let flight = companion_flies(&experiment, ARDUPLANE, GOOD, 0, |now, autopilot, down| {
         if now > 15.0 {
             down.quality.lost = 1.0;
             match autopilot.is_overridden() {
@@ -510,9 +484,9 @@ fn measured_over_forty_links() {
     };
     of("in process, with noise", &|seed| in_process(&noisy(seed)));
     of("PX4", &|seed| {
-        companion_flies(&exact, BAD, None, seed, nothing).altitude
+        companion_flies(&exact, Kind::Px4, BAD, seed, nothing).altitude
     });
     of("QACRO", &|seed| {
-        companion_steers(&exact, ARDUPLANE, BAD, seed, nothing).altitude
+        companion_flies(&exact, ARDUPLANE, BAD, seed, nothing).altitude
     });
 }
