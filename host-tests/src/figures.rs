@@ -563,7 +563,8 @@ impl Segment {
             let steps = inside.map(|step| tally.add(step)).count();
             let figures = tally.figures();
             let is_steady = experiment.reference.at(from).1.norm() == 0.0 && to - from > LATE;
-            Self {
+            // A flight that ended before has nothing to say of it.
+            (steps > 0).then(|| Self {
                 from_s: from,
                 to_s: to,
                 altitude_least_m: figures.get("altitude_least_m"),
@@ -571,14 +572,14 @@ impl Segment {
                 forward_least_m: figures.get("forward_least_m"),
                 forward_most_m: figures.get("forward_most_m"),
                 max_velocity_error_m_s: figures.get("max_velocity_error_m_s"),
-                steady: (is_steady && steps > 0).then(|| Steady {
+                steady: is_steady.then(|| Steady {
                     settling_s: Some(figures.get("settling_s")).filter(|t| t.is_finite()),
                     late_velocity_error_m_s: figures.get("late_velocity_error_m_s"),
                     late_rate_rms_rad_s: figures.get("late_rate_rms_rad_s"),
                 }),
-            }
+            })
         };
-        breaks.windows(2).map(segment).collect()
+        breaks.windows(2).filter_map(segment).collect()
     }
 
     /// One line of the table of segments.

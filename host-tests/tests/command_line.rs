@@ -357,7 +357,7 @@ fn bad_arguments_are_refused_in_one_line() {
         assert_refused(&output, &["error:", "--help"]);
     }
     let heading = ["replay", "log.csv", "--heading", "nan"];
-    assert_refused(&alula(folder.path(), &heading), &["heading: must be"]);
+    assert_refused(&alula(folder.path(), &heading), &["heading_deg: must be"]);
     let key = ["fly", "matched", "--set", "bad\"key\n=1"];
     assert_refused(&alula(folder.path(), &key), &["error:", "bad\"key"]);
 }

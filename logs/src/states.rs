@@ -88,7 +88,11 @@ pub struct Missing {
 
 impl fmt::Display for Missing {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "no {}: none of {}", self.what, self.tried.join(", "))
+        write!(f, "no {}", self.what)?;
+        if self.tried.is_empty() {
+            return Ok(());
+        }
+        write!(f, ": none of {}", self.tried.join(", "))
     }
 }
 

@@ -82,7 +82,8 @@ pub fn compare(py: Python<'_>, source: PathBuf, threads: Option<usize>) -> PyRes
     let threads = threads
         .map(|n| NonZero::new(n).ok_or_else(|| error::field("threads", "must be positive")))
         .transpose()?;
-    let source = study::Source::load(&source.to_string_lossy()).map_err(error::of)?;
+    let source = study::Source::load(&source.to_string_lossy());
+    let source = source.map_err(|e| error::of_argument("source", e))?;
     let results = interruptible(py, |go_on| Results::of(&source.plan, threads, go_on))?;
     let flights = || {
         let cells = results.cells.iter();

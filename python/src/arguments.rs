@@ -53,7 +53,16 @@ fn shape(field: &str, wanted: &str, shape: &[usize]) -> PyErr {
 
 /// The number of rows of several arguments, each with its name and the number of components in a row: of those that have rows.
 pub fn rows(arguments: &[(&str, &Numbers, usize)]) -> PyResult<usize> {
-    let mut found = None;
+    Ok(counted(None, arguments)?.unwrap_or(1))
+}
+
+/// Checks that each argument that has rows has as many as there are `vehicles`.
+pub fn rows_of_each(vehicles: usize, arguments: &[(&str, &Numbers, usize)]) -> PyResult<()> {
+    counted(Some(vehicles), arguments).map(|_| ())
+}
+
+fn counted(vehicles: Option<usize>, arguments: &[(&str, &Numbers, usize)]) -> PyResult<Option<usize>> {
+    let mut found = vehicles;
     for (field, value, row) in arguments {
         let value = value.array(field)?.as_array();
         let n = match (value.shape(), row) {
@@ -66,13 +75,16 @@ pub fn rows(arguments: &[(&str, &Numbers, usize)]) -> PyResult<usize> {
         };
         match found {
             Some(others) if others != n => {
-                let problem = format!("has {n} rows, arguments before it {others}");
+                let problem = match vehicles {
+                    Some(_) => format!("has {n} rows, there are {others} vehicles"),
+                    None => format!("has {n} rows, arguments before it {others}"),
+                };
                 return Err(error::field(field, problem));
             }
             _ => found = Some(n),
         }
     }
-    Ok(found.unwrap_or(1))
+    Ok(found)
 }
 
 /// The rows of an argument, a single one of which stands for all.

@@ -41,10 +41,15 @@ pub struct Campaign {
 impl Campaign {
     /// Flies one of its flights again, by number. Those of attitudes are `alula.fly("start-hover", {"seed": number})`.
     fn refly(&self, py: Python<'_>, number: i64) -> PyResult<Flight> {
-        // No text has a flight of this number.
+        // No campaign has a flight of this number.
         let number = u64::try_from(number).unwrap_or(u64::MAX);
-        let source = self.source.as_ref().filter(|s| number < s.campaign.flights);
-        let source = source.ok_or_else(|| error::field("number", "is no flight of a text"))?;
+        let Some(source) = self.source.as_ref() else {
+            return Err(error::field("number", "attitudes are flown again by alula.fly"));
+        };
+        let flights = source.campaign.flights;
+        if number >= flights {
+            return Err(error::field("number", format!("must be from 0 to {}", flights - 1)));
+        }
         let drawn = source.campaign.draw(&source.base, number);
         let mut document = drawn.map_err(error::of_field)?.document;
         document.name = format!("{}-{number}", source.stem());
@@ -113,7 +118,8 @@ pub fn campaign(
             Some(_) => Err(error::field("out", "attitudes leaves nothing")),
         };
     }
-    let source = CampaignSource::load(&name, flights).map_err(error::of)?;
+    let source = CampaignSource::load(&name, flights);
+    let source = source.map_err(|e| error::of_argument("source", e))?;
     let (summary, flights, samples) = interruptible(py, |go_on| {
         let temporary = tempfile::tempdir()?;
         let folder = out.as_deref().unwrap_or(temporary.path());

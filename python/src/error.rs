@@ -17,7 +17,7 @@ create_exception!(
     Fault,
     PyValueError,
     "A law has no command for its inputs: one is not finite or absurd, or the law is undefined there.\n\n\
-     Attribute: `name`, as in the column `status` of `Law.commands`."
+     Attributes: `name`, as in the column `status` of `Law.commands`; `field`, the argument, empty where the law is undefined."
 );
 
 /// An exception with attributes.
@@ -50,9 +50,27 @@ pub fn of_field(error: experiment::FieldError) -> PyErr {
     refusal(error.to_string(), &error)
 }
 
-/// A law's fault.
+/// A law's fault. The argument that it is about has its name, but for the attitude, which is `theta`.
 pub fn of_fault(fault: ::alula::Fault) -> PyErr {
-    with(Fault::new_err(fault.to_string()), &[("name", fault.name())])
+    let name = fault.name();
+    let field = match fault {
+        ::alula::Fault::Undefined => "",
+        ::alula::Fault::Attitude => "theta",
+        _ => name,
+    };
+    let attributes = [("name", name), ("field", field)];
+    with(Fault::new_err(fault.to_string()), &attributes)
+}
+
+/// An error about the argument `argument`: one that names no field of its own has its name.
+pub fn of_argument(argument: &str, error: anyhow::Error) -> PyErr {
+    let text = format!("{error:#}");
+    let error = of(error);
+    let names_none = Python::attach(|py| error.get_type(py).is(py.get_type::<PyValueError>()));
+    match names_none {
+        true => field(argument, text),
+        false => error,
+    }
 }
 
 /// An error of the harness, as the exception that it holds: Python's own, a field's, the operating system's.

@@ -20,6 +20,15 @@ use crate::flight::{self, Flight};
 #[pyclass(frozen, module = "alula")]
 pub struct Experiment(pub Document);
 
+/// Does what `PATH=VALUE` says.
+fn assign(document: &mut Document, assignment: &str) -> PyResult<()> {
+    if !assignment.contains('=') {
+        return Err(error::field("set", format!("{assignment}: must be PATH=VALUE")));
+    }
+    let done = document.assign(assignment);
+    done.map_err(|e| error::of_argument("set", e))
+}
+
 /// Changes what `set` says.
 fn change(document: &mut Document, set: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
     let Some(set) = set else { return Ok(()) };
@@ -33,11 +42,11 @@ fn change(document: &mut Document, set: Option<&Bound<'_, PyAny>>) -> PyResult<(
         return Ok(());
     }
     if let Ok(one) = set.cast::<PyString>() {
-        return document.assign(&one.to_string()).map_err(error::of);
+        return assign(document, &one.to_string());
     }
     for assignment in set.try_iter()? {
         let assignment: String = assignment?.extract()?;
-        document.assign(&assignment).map_err(error::of)?;
+        assign(document, &assignment)?;
     }
     Ok(())
 }
@@ -47,7 +56,8 @@ impl Experiment {
     #[new]
     #[pyo3(signature = (source=DEFAULT.into(), set=None))]
     pub fn new(source: PathBuf, set: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
-        let mut document = Document::load(&source.to_string_lossy()).map_err(error::of)?;
+        let document = Document::load(&source.to_string_lossy());
+        let mut document = document.map_err(|e| error::of_argument("source", e))?;
         change(&mut document, set)?;
         Ok(Self(document))
     }
@@ -62,7 +72,8 @@ impl Experiment {
             text,
             file: None,
         };
-        let mut document = Document::new(&named).map_err(error::of)?;
+        let document = Document::new(&named);
+        let mut document = document.map_err(|e| error::of_argument("text", e))?;
         change(&mut document, set)?;
         Ok(Self(document))
     }

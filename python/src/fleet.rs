@@ -8,7 +8,7 @@ use alula_sil::experiment::Model;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::arguments::{Numbers, Rows, rows};
+use crate::arguments::{Numbers, Rows, rows_of_each};
 use crate::error;
 use crate::frame::{Data, Frame};
 use crate::guidance::{Guided, body_axes, guided, made, ned};
@@ -119,11 +119,7 @@ impl Fleet {
             given.extend(value.as_ref().map(|value| (name, value, width)));
         }
         let n = self.states.len();
-        let found = rows(&given)?;
-        if found != 1 && found != n {
-            let problem = format!("has {found} rows, there are {n} vehicles");
-            return Err(error::field(many(&given, found), problem));
-        }
+        rows_of_each(n, &given)?;
         let fixed = [Rows::new(&velocity, 3), Rows::new(&reference_velocity, 3)];
         let quaternion = Rows::new(&quaternion, 4);
         let acceleration = optional_rows(reference_acceleration.as_ref(), 3);
@@ -179,10 +175,4 @@ impl Fleet {
 /// The rows of an argument that may be left out.
 fn optional_rows<'a>(value: Option<&'a Numbers<'_>>, width: usize) -> Option<Rows<'a>> {
     value.map(|value| Rows::new(value, width))
-}
-
-/// The name of the first argument with this many rows.
-fn many<'a>(given: &[(&'a str, &Numbers, usize)], found: usize) -> &'a str {
-    let has = |given: &&(&str, &Numbers, usize)| matches!(rows(&[**given]), Ok(n) if n == found);
-    given.iter().find(has).map_or("velocity", |given| given.0)
 }

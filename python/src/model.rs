@@ -1,6 +1,7 @@
 //! Aerodynamic models and measured tables.
 
 use ::alula::{Aerodynamics, AngleOfAttack, ModelParameters, Parameters};
+use ::alula::aero::TableProblem;
 use alula_sil::experiment::{AerodynamicsSpec, refused};
 use alula_sil::polar::{BUILT_IN, Polar};
 use pyo3::prelude::*;
@@ -81,17 +82,30 @@ impl Model {
                 ));
             }
         }
-        let rows = alpha_deg.iter().zip(cl).zip(cd);
-        let rows: Vec<[f64; 3]> = rows.map(|((alpha, cl), cd)| [*alpha, cl, cd]).collect();
-        let polar = Polar::new("table", &rows)
-            .map_err(|e| error::field(&format!("row {}", e.row), e.problem.text()))?;
+        let rows = alpha_deg.iter().zip(&cl).zip(&cd);
+        let rows: Vec<[f64; 3]> = rows.map(|((alpha, cl), cd)| [*alpha, *cl, *cd]).collect();
+        let polar = Polar::new("table", &rows).map_err(|e| {
+            let wrong = |column: &[f64]| column.get(e.row).is_none_or(|x| !x.is_finite());
+            let field = match e.problem {
+                TableProblem::NotFinite if !wrong(&alpha_deg) && wrong(&cl) => "cl",
+                TableProblem::NotFinite if !wrong(&alpha_deg) => "cd",
+                TableProblem::DragNotPositive => "cd",
+                TableProblem::LiftOnAxis => "cl",
+                TableProblem::NotPeriodic if cl.first() != cl.last() => "cl",
+                TableProblem::NotPeriodic => "cd",
+                TableProblem::OutOfRange => "cl, cd",
+                _ => "alpha_deg",
+            };
+            error::field(field, format!("row {}: {}", e.row, e.problem.text()))
+        })?;
         Ok(Self(AerodynamicsSpec::Table { polar }))
     }
 
     /// A table by name (`alula.polars()`), or from a CSV file with the columns `alpha_deg`, `cl` and `cd`.
     #[staticmethod]
     fn load(source: PathBuf) -> PyResult<Self> {
-        let polar = Polar::load(&source.to_string_lossy()).map_err(error::of)?;
+        let polar = Polar::load(&source.to_string_lossy());
+        let polar = polar.map_err(|e| error::of_argument("source", e))?;
         Ok(Self(AerodynamicsSpec::Table { polar }))
     }
 

@@ -43,7 +43,7 @@ pub fn replay(
         let notes = log.replay(std::io::sink(), &experiment, |step| record.push(step))?;
         Ok((columns(&experiment, &record), notes))
     });
-    let (columns, notes) = replayed.map_err(error::of)?;
+    let (columns, notes) = replayed.map_err(|e| error::of_argument("file", e))?;
     Ok(Replay {
         record: Py::new(py, Frame::new(py, columns))?,
         notes,

@@ -55,7 +55,8 @@ impl Vehicle {
     #[staticmethod]
     #[pyo3(signature = (source="paper".into()))]
     pub fn load(source: PathBuf) -> PyResult<Self> {
-        let airframe = Airframe::load(&source.to_string_lossy()).map_err(error::of)?;
+        let airframe = Airframe::load(&source.to_string_lossy());
+        let airframe = airframe.map_err(|e| error::of_argument("source", e))?;
         Ok(Self {
             thrust: airframe.thrust_limits(),
             spec: airframe.spec,

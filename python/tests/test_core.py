@@ -57,8 +57,17 @@ def test_parameters_come_from_the_one_table():
         (lambda: alula.Fleet(alula.Vehicle(**PAPER), -1), "n", "from 1"),
         (lambda: alula.campaign("dispersed", flights=-1), "flights", "positive"),
         (lambda: alula.campaign("dispersed", flights=1, threads=-1), "threads", "positive"),
-        (lambda: alula.Model.table([0, 90], [0, 0], [1, 1]), "row 2", "five rows"),
+        (lambda: alula.Model.table([0, 90], [0, 0], [1, 1]), "alpha_deg", "row 2: at least five rows"),
         (lambda: alula.Model.table([0, 90], [0], [1, 1]), "cl", "1 rows"),
+        (lambda: alula.Model.table([-180, -90, 0, 90, 180], [0, 0, math.nan, 0, 0], [1] * 5), "cl", "row 2: every number"),
+        (lambda: alula.Model.table([-180, -90, 0, 90, 180], [0] * 5, [1, 1, 1, 0, 1]), "cd", "row 3: the drag"),
+        (lambda: alula.Model.load("nope"), "source", "nope"),
+        (lambda: alula.Vehicle.load("nope"), "source", "nope"),
+        (lambda: alula.fly("nope"), "source", "nope"),
+        (lambda: alula.campaign("nope"), "source", "nope"),
+        (lambda: alula.compare("nope"), "source", "nope"),
+        (lambda: alula.fly("round-trip", ["vehicle.mass_kg"]), "set", "PATH=VALUE"),
+        (lambda: alula.campaign("dispersed", flights=2).refly(2), "number", "from 0 to 1"),
         (lambda: alula.envelope("paper", climb_deg=91), "climb_deg", "-90 to 90"),
         (lambda: alula.equilibria("paper", (0, math.nan)), "velocity", "finite"),
         (lambda: alula.equilibria("paper", (0, 1, 2)), "velocity", "shape"),
@@ -134,7 +143,10 @@ def test_a_fault_is_raised_by_one_and_told_by_many():
     assert not many["thrust_n"][1:3].any() and not many["rate_rad_s"][1:3].any() and many["thrust_n"][0] != 0.0
     with pytest.raises(alula.Fault, match="velocity is not finite") as fault:
         law.command(velocity[1], 0.0, (0, 0))
-    assert fault.value.name == "velocity"
+    assert (fault.value.name, fault.value.field) == ("velocity", "velocity")
+    with pytest.raises(alula.Fault) as fault:
+        law.command((0, 5), math.nan, (0, 6))
+    assert (fault.value.name, fault.value.field) == ("attitude", "theta")
 
 
 def test_feed_forward_and_gains_count():

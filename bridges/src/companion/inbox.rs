@@ -73,6 +73,15 @@ pub struct Inbox {
     pub counts: Counts,
 }
 
+/// The component that an autopilot is. Others, as cameras, have heartbeats and numbers of their own.
+const AUTOPILOT: u8 = 1;
+
+/// Whether a message is the heartbeat of an autopilot. A ground station's says that it is none.
+pub fn is_beat(header: &MavHeader, message: &MavMessage) -> bool {
+    header.component_id == AUTOPILOT
+        && matches!(message, MavMessage::HEARTBEAT(m) if m.autopilot != MavAutopilot::MAV_AUTOPILOT_INVALID)
+}
+
 /// Time constants \[s\] of the filters of accelerations and of angular accelerations.
 const FILTER: f32 = 0.1;
 const ANGULAR_FILTER: f32 = 0.02;
@@ -149,31 +158,25 @@ impl Inbox {
 
     /// Takes a message that arrived `now` \[s\].
     pub fn take(&mut self, now: f64, header: &MavHeader, message: &MavMessage) {
-        // Components with numbers of their own, as cameras, have heartbeats too: the autopilot is 1.
-        let autopilots = header.component_id == 1;
-        // So may a ground station, but it says that it is none.
-        if let (None, true, MavMessage::HEARTBEAT(m)) = (self.system, autopilots, message)
-            && m.autopilot != MavAutopilot::MAV_AUTOPILOT_INVALID
-        {
+        if self.system.is_none() && is_beat(header, message) {
             self.system = Some(header.system_id);
         }
-        let from_it = autopilots && self.system == Some(header.system_id);
+        let from_it = header.component_id == AUTOPILOT && self.system == Some(header.system_id);
         let place = match from_it {
             true => self.order.place(now, header.sequence),
             false => 0,
         };
         let used = match message {
-            // From a ground station.
-            MavMessage::SET_POSITION_TARGET_LOCAL_NED(m) => setpoint(m).is_some_and(|asked| {
-                put(
-                    &mut self.setpoint,
-                    asked,
-                    m.time_boot_ms,
-                    now,
-                    asked.is_finite(),
-                    Repeats::Taken,
-                )
-            }),
+            // From a ground station: to the autopilot's system or to the companion's own, which may be another.
+            MavMessage::SET_POSITION_TARGET_LOCAL_NED(m) => {
+                let own = self.kind.own_system().into();
+                let asked = setpoint(m, &[own, self.system.unwrap_or(own)]);
+                asked.is_some_and(|asked| {
+                    let place = &mut self.setpoint;
+                    let sound = asked.is_finite();
+                    put(place, asked, m.time_boot_ms, now, sound, Repeats::Taken)
+                })
+            }
             _ if !from_it => {
                 self.counts.ignored += 1;
                 return;

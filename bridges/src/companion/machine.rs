@@ -16,6 +16,8 @@ pub struct Companion {
     last_step: f64,
     next_heartbeat: f64,
     next_request: f64,
+    /// How long \[s\] the reference had been flown when the flight was over.
+    flown: f64,
     /// How often channels are still to be given back.
     releases: u32,
     /// What was left of a per cent of throttle at the last step.
@@ -64,6 +66,7 @@ impl Companion {
             last_step: f64::NEG_INFINITY,
             next_heartbeat: f64::NEG_INFINITY,
             next_request: 0.0,
+            flown: 0.0,
             releases: 0,
             rest: 0.0,
         }
@@ -188,6 +191,7 @@ impl Companion {
             }
             Stage::Flying(since) if now - since > self.settings.duration || self.is_unled(now) => {
                 self.stage = Stage::Leaving(now);
+                self.flown = (now - since).min(self.settings.duration);
                 self.next_request = now;
             }
             Stage::Leaving(since) if !ours || now - since > LEAVE => self.end(End::Finished),
@@ -215,7 +219,7 @@ impl Companion {
                     self.next_request = now + SECOND;
                     messages.push(outbox::request(self.target(), kind.parameters(kind.hold())));
                 }
-                self.fly(now, self.settings.duration, dt, pilot, &mut messages)
+                self.fly(now, self.flown, dt, pilot, &mut messages)
             }
         };
         (messages, commanded)

@@ -5,8 +5,6 @@ use mavlink::dialects::ardupilotmega::{
     PositionTargetTypemask, SET_POSITION_TARGET_LOCAL_NED_DATA,
 };
 
-use super::OWN_SYSTEM;
-
 /// A set-point from the link.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setpoint {
@@ -28,8 +26,8 @@ impl Setpoint {
     }
 }
 
-/// The set-point of a message in the local frame; none if it asks for no velocity.
-pub fn setpoint(m: &SET_POSITION_TARGET_LOCAL_NED_DATA) -> Option<Setpoint> {
+/// The set-point of a message in the local frame to one of `systems` or to all; none if it asks for no velocity.
+pub fn setpoint(m: &SET_POSITION_TARGET_LOCAL_NED_DATA, systems: &[u32]) -> Option<Setpoint> {
     type Mask = PositionTargetTypemask;
     let ignores = |mask: Mask| m.type_mask.intersects(mask);
     let position = Mask::POSITION_TARGET_TYPEMASK_X_IGNORE
@@ -41,8 +39,7 @@ pub fn setpoint(m: &SET_POSITION_TARGET_LOCAL_NED_DATA) -> Option<Setpoint> {
     let acceleration = Mask::POSITION_TARGET_TYPEMASK_AX_IGNORE
         | Mask::POSITION_TARGET_TYPEMASK_AY_IGNORE
         | Mask::POSITION_TARGET_TYPEMASK_AZ_IGNORE;
-    // To this system, or to all.
-    let meant = m.target_system == 0 || m.target_system == OWN_SYSTEM;
+    let meant = m.target_system == 0 || systems.contains(&m.target_system.into());
     if !meant || ignores(velocity) || m.coordinate_frame as u32 != 1 {
         return None;
     }
@@ -72,19 +69,20 @@ mod tests {
             coordinate_frame: MavFrame::MAV_FRAME_LOCAL_NED,
             ..SET_POSITION_TARGET_LOCAL_NED_DATA::default()
         };
-        let all = setpoint(&message(Mask::empty())).unwrap();
+        let all = setpoint(&message(Mask::empty()), &[]).unwrap();
         assert_eq!(all.position, Some(Ned::new(0.0, 0.0, -20.0)));
         assert_eq!((all.velocity.north, all.acceleration.north), (3.0, 1.0));
         let bare =
             Mask::POSITION_TARGET_TYPEMASK_Z_IGNORE | Mask::POSITION_TARGET_TYPEMASK_AY_IGNORE;
-        let bare = setpoint(&message(bare)).unwrap();
+        let bare = setpoint(&message(bare), &[]).unwrap();
         assert_eq!((bare.position, bare.acceleration), (None, Ned::default()));
         assert_eq!(
-            setpoint(&message(Mask::POSITION_TARGET_TYPEMASK_VX_IGNORE)),
+            setpoint(&message(Mask::POSITION_TARGET_TYPEMASK_VX_IGNORE), &[]),
             None
         );
         let mut elsewhere = message(Mask::empty());
         elsewhere.target_system = 2;
-        assert_eq!(setpoint(&elsewhere), None);
+        assert_eq!(setpoint(&elsewhere, &[1, 255]), None);
+        assert!(setpoint(&elsewhere, &[255, 2]).is_some());
     }
 }

@@ -1,32 +1,69 @@
 //! Messages from and to bytes.
 
-use mavlink::error::MessageReadError;
-use mavlink::{MAVLinkV2MessageRaw, MavHeader, MavlinkReader};
+use mavlink::{MAVLinkMessageRaw, MAVLinkV2MessageRaw, MavHeader, MavlinkReader, Message, consts};
 
 use super::MavMessage;
 
-/// The messages in the bytes of a datagram, and whether anything in it was none of ours: cut off, of a wrong checksum, unknown.
+/// A message with its header; none for bytes that are none of ours: cut off, of a wrong checksum, of an unknown kind.
+pub type Came = Option<(MavHeader, MavMessage)>;
+
+/// The messages in a stream of bytes.
+///
+/// Never panics, whatever the bytes.
+#[derive(Default)]
+pub struct Stream {
+    /// What may still become a message.
+    unread: Vec<u8>,
+}
+
+impl Stream {
+    /// What is in the stream up to these bytes and was not before. Bytes in a row that are no message count once.
+    pub fn push(&mut self, bytes: &[u8]) -> Vec<Came> {
+        self.unread.extend(bytes);
+        let mut came = Vec::new();
+        let mut rest = self.unread.as_slice();
+        let mut reader = MavlinkReader::new(rest);
+        // The reader passes over what has a wrong checksum, and does not say so: it is what stands before the next frame.
+        while let Ok(raw) = reader.read_any_raw_message::<MavMessage>() {
+            let frame = match &raw {
+                MAVLinkMessageRaw::V1(raw) => raw.raw_bytes(),
+                MAVLinkMessageRaw::V2(raw) => raw.raw_bytes(),
+            };
+            let at = rest.windows(frame.len()).position(|x| x == frame);
+            let at = at.unwrap_or_default();
+            if at > 0 {
+                came.push(None);
+            }
+            rest = rest.get(at + frame.len()..).unwrap_or_default();
+            let header = MavHeader {
+                system_id: raw.system_id(),
+                component_id: raw.component_id(),
+                sequence: raw.sequence(),
+            };
+            let message = MavMessage::parse(raw.version(), raw.message_id(), raw.payload());
+            came.push(message.ok().map(|message| (header, message)));
+        }
+        // No frame is longer.
+        if rest.len() > consts::MAX_FRAME_SIZE {
+            came.push(None);
+            rest = rest
+                .get(rest.len() - consts::MAX_FRAME_SIZE..)
+                .unwrap_or_default();
+        }
+        self.unread = rest.to_vec();
+        came
+    }
+}
+
+/// The messages in the bytes of a datagram, and whether anything in it was none of ours.
 ///
 /// Never panics, whatever the bytes.
 #[must_use]
 pub fn parse(bytes: &[u8]) -> (Vec<(MavHeader, MavMessage)>, bool) {
-    let mut messages = Vec::new();
-    let mut malformed = false;
-    let mut used = 0;
-    let mut reader = MavlinkReader::new(bytes);
-    // Each turn takes at least one byte.
-    for _ in 0..=bytes.len() {
-        match reader.read_any_message::<MavMessage>() {
-            Ok((header, message)) => {
-                used += 1;
-                messages.push((header, message));
-            }
-            Err(MessageReadError::Io(_)) => break,
-            Err(_) => malformed = true,
-        }
-    }
-    malformed |= used == 0;
-    (messages, malformed)
+    let mut stream = Stream::default();
+    let came = stream.push(bytes);
+    let malformed = bytes.is_empty() || !stream.unread.is_empty() || came.contains(&None);
+    (came.into_iter().flatten().collect(), malformed)
 }
 
 /// The bytes of a message in a MAVLink 2 frame.
@@ -64,8 +101,39 @@ mod tests {
         // A flipped bit of the second one's payload.
         let last = both.len() - 4;
         both[last] ^= 1;
-        assert_eq!(parse(&both).0, [(header, heartbeat)]);
+        assert_eq!(parse(&both), (vec![(header, heartbeat)], true));
         assert_eq!(parse(b"no message"), (Vec::new(), true));
         assert_eq!(parse(b""), (Vec::new(), true));
+    }
+
+    /// By one byte or by many at a time, with damage between them, which counts.
+    #[test]
+    fn a_stream_is_read_however_it_is_cut() {
+        let frame = |sequence: u8| {
+            let header = MavHeader {
+                system_id: 1,
+                component_id: 1,
+                sequence,
+            };
+            bytes(header, &MavMessage::HEARTBEAT(HEARTBEAT_DATA::default()))
+        };
+        let mut all = Vec::new();
+        for sequence in 0..20 {
+            all.extend(frame(sequence));
+            let mut damaged = frame(100);
+            damaged[12] ^= 4;
+            all.extend(damaged);
+            all.extend(b"\xfd\xff noise \xfe");
+        }
+        // What looks like the beginning of a long frame is known to be none once that frame would have ended.
+        all.extend([0; 2 * consts::MAX_FRAME_SIZE]);
+        for size in [1, 7, 64, all.len()] {
+            let mut stream = Stream::default();
+            let came: Vec<_> = all.chunks(size).flat_map(|x| stream.push(x)).collect();
+            let sequences = came.iter().flatten().map(|(header, _)| header.sequence);
+            assert!(sequences.eq(0..20), "{size}");
+            assert!(came.iter().filter(|x| x.is_none()).count() >= 20, "{size}");
+            assert!(stream.unread.len() <= consts::MAX_FRAME_SIZE);
+        }
     }
 }

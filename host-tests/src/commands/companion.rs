@@ -76,7 +76,7 @@ fn in_plane(args: &Args, document: &Document) -> anyhow::Result<()> {
     let settings = plane::settings(&experiment, args.hover_thrust)?;
     let mut record = Record::new();
     fly(args, settings, &mut pilot, |pilot| {
-        plane::keep(&mut record, pilot, &experiment);
+        plane::keep(&mut record, pilot);
     })?;
     if record.is_empty() {
         eprintln!("no flight");

@@ -71,11 +71,13 @@ impl Planar for Controlled {
 }
 
 /// The step that was commanded last. Of the truth nothing is known but what the autopilot says.
-fn step(pilot: &InPlane<Controlled>, experiment: &Experiment) -> Option<Step> {
+fn step(pilot: &InPlane<Controlled>) -> Option<Step> {
     let flown = pilot.flown()?;
     let (input, answer) = pilot.controller().last?;
-    let (velocity, acceleration) = experiment.reference.at(flown.t);
     let double = |v: Inertial| Vector::new(v.down().into(), v.forward().into());
+    let reference = flown.input.reference;
+    // Where no position is held it is the vehicle's own.
+    let position_error = flown.input.position_error.unwrap_or_default();
     Some(Step {
         t: flown.t,
         truth: State {
@@ -86,17 +88,17 @@ fn step(pilot: &InPlane<Controlled>, experiment: &Experiment) -> Option<Step> {
             thrust: answer.thrust.into(),
         },
         wind: double(flown.wind),
-        reference_velocity: velocity,
-        reference_acceleration: acceleration,
-        reference_position: experiment.reference.position(flown.t),
+        reference_velocity: double(reference.velocity),
+        reference_acceleration: double(reference.acceleration),
+        reference_position: double(flown.position - position_error),
         input,
         answer,
     })
 }
 
 /// Adds the step that was commanded last to the record.
-pub fn keep(record: &mut Record, pilot: &InPlane<Controlled>, experiment: &Experiment) {
-    let step = step(pilot, experiment);
+pub fn keep(record: &mut Record, pilot: &InPlane<Controlled>) {
+    let step = step(pilot);
     let later = |step: &Step| record.last().is_none_or(|last| step.t > last.t);
     let step = step.filter(later);
     record.extend(step);

@@ -14,6 +14,8 @@ pub const ROWS: usize = 96;
 const REYNOLDS: [(f64, &str); 2] = [(160e3, "160e3"), (5e6, "5e6")];
 /// How far the nearest of them may be from that of cruise, as a factor, before it is warned of.
 const NEAR: f64 = 3.0;
+/// Least aspect ratio of a wing that is made of a section without a warning: below it the whole of the wing is near its tips.
+const SLENDER: f64 = 3.0;
 /// The sections that need no table.
 const PRESETS: [&str; 4] = ["naca-0012", "naca-0015", "naca-0018", "naca-0021"];
 const PLATE: &str = "flat-plate";
@@ -88,6 +90,15 @@ impl Wing {
             let polar = plausible(Self::measured(&facts.section)?, &mut warnings)?;
             stalling(polar, facts.stall_deg)?
         };
+        if let Some(ratio) = facts.aspect_ratio
+            && ratio < SLENDER
+            && !section.is_of_wing()
+        {
+            warnings.push(format!(
+                "An aspect ratio of {ratio} is below {SLENDER}: Prandtl's lifting line, which makes the section a wing, has its stall too late and its lift too high there. Give \
+                 the polar of the whole wing"
+            ));
+        }
         let (wing, how) = section.finite(facts.aspect_ratio)?;
         story.extend(how);
         let (polar, apart) = wing.of_rows(ROWS)?;
@@ -270,6 +281,15 @@ mod tests {
             "{story}"
         );
         assert!(made.warnings.is_empty());
+        let slender = |aspect_ratio: f64| {
+            let known = |known: &mut Known| {
+                (known.section, known.wing_m2) = (Some("naca-0012".to_owned()), Some(0.35));
+                known.aspect_ratio = Some(aspect_ratio);
+            };
+            wing("", known).unwrap().warnings
+        };
+        assert!(slender(3.0).is_empty());
+        assert!(slender(2.9)[0].contains("below 3: Prandtl's lifting line"));
         let fine = (0..=160).map(|n| 0.1 * f64::from(n));
         let fine: String = fine.map(|a| format!("{a} {} 0.01\n", round(a))).collect();
         let thinned = wing(&format!("alpha CL CD\n{fine}"), |_| ()).unwrap();

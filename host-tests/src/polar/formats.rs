@@ -12,9 +12,10 @@ const AGAIN: f64 = 0.01;
 
 /// The rows of `text`; `origin` stands for it in errors. It is one of these:
 ///
-/// - a table: a line with the names `alpha_deg` (or `alpha`), `cl` and `cd`, in small letters or capitals, and rows of numbers under it. Cells are parted
+/// - a table: a line with the names `alpha_deg` (or `alpha`, `aoa`), `cl` and `cd`, in small letters or capitals, with a unit in brackets or without, and rows of
+///   numbers under it. Cells are parted
 ///   by semicolons, tabs, commas or blanks; where it is not by commas, a comma may part decimals. What stands above the names or behind `#` is a
-///   comment; rules of dashes are left out. So write spreadsheets, XFOIL (`PACC`) and XFLR5.
+///   comment; rules of dashes or underscores are left out. So write spreadsheets, XFOIL (`PACC`) and XFLR5.
 /// - AVL: one or several outputs of total forces (`FT`, `ST`), each with `Alpha =`, `CLtot =` and `CDtot =`.
 pub fn read(origin: &str, text: &str) -> anyhow::Result<Read> {
     match text.contains("CLtot") {
@@ -38,11 +39,24 @@ fn cells(line: &str) -> Vec<&str> {
     cells
 }
 
+/// The names in a line of names, in small letters, without units in brackets. Where cells are parted by blanks a unit is a cell.
+fn named(line: &str) -> Vec<String> {
+    let bare = |cell: &str| {
+        let end = cell.find(['(', '[']).unwrap_or(cell.len());
+        cell[..end].trim().to_lowercase()
+    };
+    let is_unit = |cell: &&str| cell.starts_with(['(', '[']);
+    let cells = cells(line).into_iter().filter(|cell| !is_unit(cell));
+    cells.map(bare).collect()
+}
+
 /// Where α, c_L and c_D stand in a line of names.
 fn columns(line: &str) -> [Option<usize>; 3] {
-    let names: Vec<String> = cells(line).iter().map(|name| name.to_lowercase()).collect();
+    let names = named(line);
     NAMES.map(|name| {
-        let is = |known: &String| known == name || (name == NAMES[0] && known == "alpha");
+        let is = |known: &String| {
+            known == name || (name == NAMES[0] && (known == "alpha" || known == "aoa"))
+        };
         names.iter().position(is)
     })
 }
@@ -50,25 +64,31 @@ fn columns(line: &str) -> [Option<usize>; 3] {
 /// The rows under a line of names. Induced drag is a wing's.
 fn table(origin: &str, text: &str) -> anyhow::Result<Read> {
     let is_comment = |line: &str| line.trim_start().starts_with('#');
-    let is_rule = |line: &str| line.chars().all(|c| c == '-' || c.is_whitespace());
+    let is_rule = |line: &str| {
+        line.chars()
+            .all(|c| matches!(c, '-' | '_') || c.is_whitespace())
+    };
     let lines: Vec<(u64, &str)> = (1..)
         .zip(text.lines())
         .filter(|(_, line)| !is_comment(line) && !is_rule(line))
         .collect();
-    let named = |(_, line): &&(u64, &str)| columns(line).iter().flatten().count();
+    let known = |(_, line): &&(u64, &str)| columns(line).iter().flatten().count();
     // The first with the most names.
-    let header = lines.iter().rev().max_by_key(named);
+    let header = lines.iter().rev().max_by_key(known);
     let &(place, header) = header.unwrap_or(&(1, ""));
     let found = columns(header);
     ensure!(
         found.iter().any(Option::is_some),
         "{origin}: no line with the names alpha_deg (or alpha), cl and cd above the numbers"
     );
+    let names = named(header);
     let mut columns_of = [0; 3];
     for ((column, found), name) in columns_of.iter_mut().zip(found).zip(NAMES) {
-        *column = found.ok_or_else(|| anyhow!("{origin}:{place}: no column {name}"))?;
+        *column = found.ok_or_else(|| {
+            let names = names.join(", ");
+            anyhow!("{origin}:{place}: no column {name} among {names}")
+        })?;
     }
-    let names = cells(header);
     let mut rows = Vec::new();
     for &(line, text) in lines.iter().filter(|(line, _)| *line > place) {
         let cells = cells(text);
@@ -90,7 +110,7 @@ fn table(origin: &str, text: &str) -> anyhow::Result<Read> {
         }
         rows.push((line, row));
     }
-    let induced = names.iter().any(|name| name.eq_ignore_ascii_case("CDi"));
+    let induced = names.iter().any(|name| name == "cdi");
     let mut comments = text.lines().filter(|line| is_comment(line));
     sorted(
         origin,
@@ -226,6 +246,13 @@ mod tests {
         let two = "alpha CL CD\n1 0.1 0.1\nalpha CL CD\n";
         assert!(error(two).starts_with("x:3: a second polar"));
         assert!(error("CLtot = 0.1\nCDtot = 0.1\n").contains("without Alpha"));
+        // Units in brackets, as cells of their own or in those of the names, and rules of underscores.
+        for units in [
+            "Alpha (deg),Cl,Cd [-]\n1,0.1,0.02\n",
+            "AoA (deg) CL CD\n_____ ____ ____\n1 0.1 0.02\n",
+        ] {
+            assert_eq!(read("x", units).unwrap().rows, [[1.0, 0.1, 0.02]]);
+        }
         // Separators alone are an empty line.
         assert_eq!(read("x", "alpha CL CD\n,,\n").unwrap().rows.len(), 0);
         // A cell that is empty does not move those behind it, and a comma that parts decimals as well as cells makes too many.
@@ -237,7 +264,7 @@ mod tests {
         );
         assert_eq!(
             error("Polar of mine\n\nalpha;cl;drag\n"),
-            "x:3: no column cd"
+            "x:3: no column cd among alpha, cl, drag"
         );
         for nameless in ["", "0 0 0.01\n5 0.5 0.02\n"] {
             assert_eq!(

@@ -383,7 +383,10 @@ mod tests {
             "# a comment\nalpha_deg,cl,cd\n0,0,0.1\n45,1,0.9\n90,0,1.8\n135,-1,0.9\n180,0,0.1\n";
         assert!(Polar::from_text("x.csv", good).is_ok());
         let with = |from: &str, to: &str| error(&good.replace(from, to));
-        assert_eq!(with("cd\n", "drag\n"), "x.csv:2: no column cd");
+        assert_eq!(
+            with("cd\n", "drag\n"),
+            "x.csv:2: no column cd among alpha_deg, cl, drag"
+        );
         assert_eq!(with("45,1,", "45,one,"), "x.csv:4: \"one\" is not a number");
         assert_eq!(
             with("45,1,0.9", "45,1"),

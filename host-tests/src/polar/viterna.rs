@@ -11,8 +11,6 @@
 
 /// Lift of a section that meets the air with its tail, relative to that with its nose (AirfoilPrep's `cl_adj`).
 const TAIL_FIRST: f64 = 0.7;
-/// Least drag coefficient that comes out (AirfoilPrep's `cdmin`).
-const LEAST_DRAG: f64 = 0.001;
 /// Least angle \[°\] to which a table must reach: below it stands no stall that could be met.
 pub const LEAST_STALL: f64 = 5.0;
 /// Distance of the rows made \[°\].
@@ -70,10 +68,12 @@ struct Side {
     b1: f64,
     b2: f64,
     a2: f64,
+    /// Least drag coefficient that comes out: the least of the table. It has friction tail first, too.
+    least_drag: f64,
 }
 
 impl Side {
-    fn new([degrees, lift, drag]: [f64; 3], most_drag: f64) -> Self {
+    fn new([degrees, lift, drag]: [f64; 3], [least_drag, most_drag]: [f64; 2]) -> Self {
         let stall = degrees.to_radians();
         let (sin, cos) = stall.sin_cos();
         Self {
@@ -82,6 +82,7 @@ impl Side {
             b1: most_drag,
             b2: (drag - most_drag * sin * sin) / cos,
             a2: (lift - most_drag * sin * cos) * sin / (cos * cos),
+            least_drag,
         }
     }
 
@@ -91,7 +92,7 @@ impl Side {
         let behind = std::f64::consts::PI - alpha;
         let mirrored = if degrees > 90.0 { behind } else { alpha };
         let (sin, cos) = mirrored.sin_cos();
-        let drag = (self.b1 * sin * sin + self.b2 * cos).max(LEAST_DRAG);
+        let drag = (self.b1 * sin * sin + self.b2 * cos).max(self.least_drag);
         let lift = 0.5 * self.b1 * (2.0 * mirrored).sin() + self.a2 * cos * cos / sin;
         let lift = if degrees <= 90.0 {
             lift
@@ -173,7 +174,9 @@ pub fn extended(
         upto: Upto::Given,
         most_drag: most,
     };
-    let above = Side::new(last, most);
+    let least = given.iter().fold(most, |least, row| least.min(row[2]));
+    let between = [least, most];
+    let above = Side::new(last, between);
     let mut rows = given.to_vec();
     rows.extend(above.rows());
     if first[0] > -1e-6 {
@@ -181,8 +184,8 @@ pub fn extended(
     }
     // Below, the table's own stall if it goes there, or else that of above, mirrored, with the lift of AirfoilPrep.
     let below = match -first[0] >= LEAST_STALL {
-        true => Side::new([-first[0], -first[1], first[2]], most),
-        false => Side::new([last[0], TAIL_FIRST * last[1], last[2]], most),
+        true => Side::new([-first[0], -first[1], first[2]], between),
+        false => Side::new([last[0], TAIL_FIRST * last[1], last[2]], between),
     };
     let stall = [
         -below.stall.to_degrees(),
@@ -214,7 +217,7 @@ mod tests {
     /// Against numbers worked out by hand from the printed equations: α_s = 15°, c_L 1.2, c_D 0.1, AR 10, so B_1 = 1.29.
     #[test]
     fn the_printed_equations() {
-        let side = Side::new([15.0, 1.2, 0.1], most_drag(Some(10.0)));
+        let side = Side::new([15.0, 1.2, 0.1], [0.001, most_drag(Some(10.0))]);
         let near = |got: f64, want: f64| assert!((got - want).abs() < 1e-3, "{got} {want}");
         near(side.b1, 1.29);
         near(side.b2, (0.1 - 1.29 * 0.066_987) / 0.965_926);

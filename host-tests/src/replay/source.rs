@@ -36,7 +36,7 @@ impl Source {
         heading_deg: Option<f64>,
     ) -> anyhow::Result<Self> {
         if let Some(heading) = heading_deg {
-            angle("heading", heading)?;
+            angle("heading_deg", heading)?;
         }
         let origin = file.display().to_string();
         let mut head = Vec::new();

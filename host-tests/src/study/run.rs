@@ -18,7 +18,8 @@ pub fn each<T: Sync, R: Send>(
     work: impl Fn(&T) -> anyhow::Result<R> + Sync + Send,
 ) -> anyhow::Result<Vec<R>> {
     let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads.map_or(0, NonZero::get))
+        // More threads than flights have nothing to do, and each takes time to begin.
+        .num_threads(threads.map_or(0, |n| n.get().min(items.len().max(1))))
         .build()?;
     pool.install(|| items.par_iter().with_max_len(1).map(work).collect())
 }

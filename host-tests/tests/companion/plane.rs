@@ -72,7 +72,7 @@ fn flight(
         (quality, seed),
         event,
         |t, pilot, craft| {
-            keep(&mut record, pilot, experiment);
+            keep(&mut record, pilot);
             let state = craft.spatial();
             let from = *origin.get_or_insert(state.position);
             let wanted = experiment.reference.position(t);

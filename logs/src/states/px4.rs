@@ -1,7 +1,7 @@
 //! PX4's topics.
 //!
 //! Read in PX4/PX4-Autopilot, `msg/` and `msg/versioned/`: `VehicleAttitude.msg` (`q`: w, x, y, z, from the body,
-//! forward-right-down, to north-east-down), `VehicleLocalPosition.msg` (`x y z`, `vx vy vz`, north-east-down),
+//! forward-right-down, to north-east-down), `VehicleLocalPosition.msg` (`x y z`, `vx vy vz`, north-east-down; `xy_valid z_valid`, `v_xy_valid v_z_valid`),
 //! `Wind.msg` and, of older versions, `wind_estimate.msg` (`windspeed_north`, `windspeed_east`), `AirspeedValidated.msg`
 //! (`true_airspeed_m_s`, NaN if invalid), `VehicleLocalPositionSetpoint.msg`, `TrajectorySetpoint.msg` (NaN: not
 //! controlled), `VehicleAttitudeSetpoint.msg` (`q_d`), `VehicleStatus.msg` (`is_vtol_tailsitter`), `VehicleAcceleration.msg`
@@ -33,7 +33,8 @@ pub(super) const FAMILY: Family = Family {
             ("vehicle_local_position", "vx"),
             ("vehicle_local_position", "vy"),
             ("vehicle_local_position", "vz"),
-        ]),
+        ])
+        .valid(&["v_xy_valid", "v_xy_valid", "v_z_valid"]),
     ],
     position: &[
         Source::vector(&[(TOLD, "x[0]"), (TOLD, "x[1]"), (TOLD, "x[2]")]),
@@ -41,7 +42,8 @@ pub(super) const FAMILY: Family = Family {
             ("vehicle_local_position", "x"),
             ("vehicle_local_position", "y"),
             ("vehicle_local_position", "z"),
-        ]),
+        ])
+        .valid(&["xy_valid", "xy_valid", "z_valid"]),
     ],
     wind: &[
         Source::vector(&[(TOLD, "wind[0]"), (TOLD, "wind[1]"), (TOLD, "wind[2]")]),
@@ -223,6 +225,28 @@ mod tests {
             states.missing[0].to_string(),
             "no airspeed: none of airspeed_validated.true_airspeed_m_s, airspeed.true_airspeed_m_s"
         );
+    }
+
+    /// Where the estimator says that it knows no velocity there is none, whatever number stands there.
+    #[test]
+    fn what_is_not_valid_is_no_number() {
+        let mut log = log();
+        let valid = |name, values: [f64; 2]| Column::new(name, "", values.to_vec());
+        let topic = log.topics.remove(2);
+        let mut columns = topic.columns().to_vec();
+        columns.push(valid("v_xy_valid", [1.0, 0.0]));
+        columns.push(valid("v_z_valid", [0.0, 1.0]));
+        columns.push(valid("xy_valid", [1.0, 0.0]));
+        let topic = Topic::new("vehicle_local_position", 0, vec![0.5, 1.75], columns).unwrap();
+        log.topics.push(topic);
+        let states = find(&log).unwrap();
+        let isnt = |values: [f64; 3]| values.map(f64::is_nan);
+        let velocity = states.velocity.unwrap().values;
+        assert_eq!(isnt(velocity[0]), [false, false, true]);
+        assert_eq!(isnt(velocity[1]), [true, true, false]);
+        let position = states.position.unwrap().values;
+        assert_eq!(isnt(position[0]), [false; 3]);
+        assert_eq!(isnt(position[1]), [true, true, false]);
     }
 
     #[test]

@@ -10,6 +10,8 @@ pub(super) struct Source {
     /// (topic, column) of each component. A topic without a name is the first that has the column.
     columns: &'static [(&'static str, &'static str)],
     form: Form,
+    /// A column for each in the same topic, that is 0 where it is not valid; logs without them have valid ones alone.
+    valid: &'static [&'static str],
 }
 
 /// What the columns hold.
@@ -36,6 +38,7 @@ impl Source {
         Self {
             columns,
             form: Form::Scalar,
+            valid: &[],
         }
     }
 
@@ -43,6 +46,7 @@ impl Source {
         Self {
             columns,
             form: Form::Vector,
+            valid: &[],
         }
     }
 
@@ -50,6 +54,7 @@ impl Source {
         Self {
             columns,
             form: Form::Horizontal,
+            valid: &[],
         }
     }
 
@@ -57,6 +62,7 @@ impl Source {
         Self {
             columns,
             form: Form::Quaternion,
+            valid: &[],
         }
     }
 
@@ -64,6 +70,7 @@ impl Source {
         Self {
             columns,
             form: Form::Degrees,
+            valid: &[],
         }
     }
 
@@ -71,7 +78,13 @@ impl Source {
         Self {
             columns,
             form: Form::Geodetic,
+            valid: &[],
         }
+    }
+
+    /// The same, with the columns that say where it is valid.
+    pub(super) const fn valid(self, valid: &'static [&'static str]) -> Self {
+        Self { valid, ..self }
     }
 
     /// The names of its columns.
@@ -133,9 +146,17 @@ impl Found<'_> {
     pub(super) fn held<const N: usize>(&self, base: &[f64]) -> Series<N> {
         let mut components: Vec<Vec<f64>> = Vec::new();
         let mut age = vec![0.0; base.len()];
-        for (topic, column) in &self.columns {
+        for (i, (topic, column)) in self.columns.iter().enumerate() {
             let held = topic.held_at(base);
-            components.push(held.values(column));
+            let mut values = held.values(column);
+            let flag = self.source.valid.get(i);
+            if let Some(flag) = flag.and_then(|name| topic.column(name)) {
+                let flagged = std::iter::zip(&mut values, held.values(flag));
+                flagged
+                    .filter(|(_, flag)| *flag == 0.0)
+                    .for_each(|(value, _)| *value = f64::NAN);
+            }
+            components.push(values);
             // The oldest component is the age of the whole.
             std::iter::zip(&mut age, held.age).for_each(|(age, own)| *age = f64::max(*age, own));
         }
