@@ -61,7 +61,10 @@ pub fn rows_of_each(vehicles: usize, arguments: &[(&str, &Numbers, usize)]) -> P
     counted(Some(vehicles), arguments).map(|_| ())
 }
 
-fn counted(vehicles: Option<usize>, arguments: &[(&str, &Numbers, usize)]) -> PyResult<Option<usize>> {
+fn counted(
+    vehicles: Option<usize>,
+    arguments: &[(&str, &Numbers, usize)],
+) -> PyResult<Option<usize>> {
     let mut found = vehicles;
     for (field, value, row) in arguments {
         let value = value.array(field)?.as_array();

@@ -44,11 +44,17 @@ impl Campaign {
         // No campaign has a flight of this number.
         let number = u64::try_from(number).unwrap_or(u64::MAX);
         let Some(source) = self.source.as_ref() else {
-            return Err(error::field("number", "attitudes are flown again by alula.fly"));
+            return Err(error::field(
+                "number",
+                "attitudes are flown again by alula.fly",
+            ));
         };
         let flights = source.campaign.flights;
         if number >= flights {
-            return Err(error::field("number", format!("must be from 0 to {}", flights - 1)));
+            return Err(error::field(
+                "number",
+                format!("must be from 0 to {}", flights - 1),
+            ));
         }
         let drawn = source.campaign.draw(&source.base, number);
         let mut document = drawn.map_err(error::of_field)?.document;

@@ -23,7 +23,10 @@ pub struct Experiment(pub Document);
 /// Does what `PATH=VALUE` says.
 fn assign(document: &mut Document, assignment: &str) -> PyResult<()> {
     if !assignment.contains('=') {
-        return Err(error::field("set", format!("{assignment}: must be PATH=VALUE")));
+        return Err(error::field(
+            "set",
+            format!("{assignment}: must be PATH=VALUE"),
+        ));
     }
     let done = document.assign(assignment);
     done.map_err(|e| error::of_argument("set", e))

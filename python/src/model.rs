@@ -1,7 +1,7 @@
 //! Aerodynamic models and measured tables.
 
-use ::alula::{Aerodynamics, AngleOfAttack, ModelParameters, Parameters};
 use ::alula::aero::TableProblem;
+use ::alula::{Aerodynamics, AngleOfAttack, ModelParameters, Parameters};
 use alula_sil::experiment::{AerodynamicsSpec, refused};
 use alula_sil::polar::{BUILT_IN, Polar};
 use pyo3::prelude::*;
