@@ -304,11 +304,13 @@ fn a_transition_keeps_any_heading_on_any_course() {
     }
 }
 
-/// Starts that were once lost, or nearly: the virtual flight was in a plane that the vehicle was not in.
+/// Starts that were once lost, or nearly: the virtual flight was in a plane that the vehicle was not in, or gave all of the thrust
+/// to an acceleration to the side while the vehicle fell.
 #[test]
 fn starts_that_were_lost_converge() {
-    for seed in ["seed=9892", "seed=186", "seed=561", "seed=1422"] {
-        let figures = flown(&experiment("start-cruise", &[seed]));
+    for seed in [9892, 186, 561, 1422, 1188, 4154, 8997, 3324, 7908] {
+        let seed = format!("seed={seed}");
+        let figures = flown(&experiment("start-cruise", &[&seed]));
         let least = figures.get("altitude_least_m");
         assert!(
             least > -30.0 && figures.get("final_belly_deg") < 80.0,
