@@ -153,6 +153,16 @@ fn a_file_and_a_polar_of_ones_own() {
     assert_eq!(fit("4415.txt")["suits"], false);
     let page = fs::read_to_string(folder.path().join("fit/fit.html")).unwrap();
     assert!(page.contains("DOES NOT SUIT") && page.contains("Viterna and Corrigan"));
+    // The section's stall is met to 1°; that of the finite wing, with its gentler slope, is moved by 5°, and that is said.
+    let of_section = ["fit", "naca-0012-re-160e3", "--out", "fit"];
+    let said = |more: &[&str]| {
+        let output = alula(folder.path(), &[&of_section, more].concat());
+        String::from_utf8(output.stdout).unwrap()
+    };
+    assert!(!said(&[]).contains("the model stalls"));
+    assert!(
+        said(&["--aspect-ratio", "4"]).contains("the model stalls at 18.0°, the table at 13.3°")
+    );
     let table = Airframe::load(folder.path().join("fit/polar.csv").to_str().unwrap());
     assert!(table.is_ok(), "{:?}", table.err());
 

@@ -12,8 +12,8 @@ use alula_sil::files;
 use alula_sil::fit::{Errors, Metric, Sphericity, fit};
 use alula_sil::page::fit::figure;
 use alula_sil::page::{Page, Table, fixed};
-use alula_sil::polar::Polar;
-use alula_sil::reference::{Aerodynamics, Combined, Vehicle};
+use alula_sil::polar::{Polar, stall};
+use alula_sil::reference::{Aerodynamics, Combined, Row, Vehicle};
 
 use super::output::Output;
 
@@ -34,6 +34,31 @@ pub struct Args {
 
 /// Largest root mean square of c_L up to 20° of a model that suits. Of the presets 0.14 is the worst, of NACA 4415 it is 0.4.
 const SUITS: f64 = 0.2;
+
+/// How far a fit may move the stall before that is said \[°\].
+const MOVED_DEG: f64 = 2.0;
+
+/// What is to be said where the stall of `model` is not that of the table `rows` that it was fitted to.
+fn stall_moved(model: &Aerodynamics, rows: &[Row]) -> Option<String> {
+    /// To 40°, beyond every stall, by a quarter of a degree.
+    const ANGLES: u32 = 160;
+    let measured: Vec<&Row> = rows
+        .iter()
+        .filter(|row| (0.0..0.7).contains(&row[0]))
+        .collect();
+    let table = measured[stall(measured.iter().map(|row| row[1]))?][0].to_degrees();
+    let angle = |n: u32| 0.25 * f64::from(n);
+    let lift = (0..=ANGLES).map(|n| model.at(angle(n).to_radians()).c_l);
+    let fitted = stall(lift).and_then(|at| u32::try_from(at).ok()).map(angle);
+    let stalls = match fitted {
+        Some(fitted) if (fitted - table).abs() <= MOVED_DEG => return None,
+        Some(fitted) => format!("stalls at {fitted:.1}°"),
+        None => "does not stall".to_owned(),
+    };
+    Some(format!(
+        "the model {stalls}, the table at {table:.1}°: fly the table, `[vehicle.aerodynamics.table] polar = \"polar.csv\"`, where the stall matters"
+    ))
+}
 
 #[derive(Serialize)]
 struct FoldSummary {
@@ -125,6 +150,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
             section.last_line()
         ));
     }
+    warnings.extend(stall_moved(&model, polar.rows));
     let page = Page {
         title: format!("Fit of {name}"),
         lead: format!("{lead}. polar.csv: {}", story.join(". ")),
