@@ -153,7 +153,7 @@ fn a_file_and_a_polar_of_ones_own() {
     assert_eq!(fit("4415.txt")["suits"], false);
     let page = fs::read_to_string(folder.path().join("fit/fit.html")).unwrap();
     assert!(page.contains("DOES NOT SUIT") && page.contains("Viterna and Corrigan"));
-    // The section's stall is met to 1°; that of the finite wing, with its gentler slope, is moved by 5°, and that is said.
+    // The section's stall is met to 2°; that of the finite wing, with its gentler slope, is moved by 5°, and that is said.
     let of_section = ["fit", "naca-0012-re-160e3", "--out", "fit"];
     let said = |more: &[&str]| {
         let output = alula(folder.path(), &[&of_section, more].concat());

@@ -23,11 +23,11 @@ memory!(Course {
 /// Length of the wing's horizontal part below which it says nothing of the course.
 const MIN_LENGTH: f32 = 1e-2;
 
-/// How much more the air velocity says of the course than the wing, where the wing is vertical. A level one alone says it.
+/// Weight of the air velocity in the course where the wing is vertical, over that of a level wing. With a level wing it has none.
 const STEEP: f32 = 3.0;
 
-/// How much the air velocity says besides, where it is against the course of the wing. It is below 1: a level wing that is
-/// flown backwards along its plane keeps the plane.
+/// Further weight of the air velocity where it is more than 90° off the course of the wing. It is below 1: a level wing that
+/// is flown backwards along its plane keeps the plane.
 const AGAINST: f32 = 0.9;
 
 /// π/4, below.
@@ -37,8 +37,8 @@ impl Course {
     /// The course with which a flight begins, of a vehicle in this attitude: across its right wing, and where the wing is steep
     /// along the horizontal part of `air`. Where both are zero, along the belly.
     ///
-    /// `air` is the air velocity over the speed at which it has its full say. Where it is against the course of the wing their
-    /// sum would point to a side of both: the air then either turns the plane around, or has no say.
+    /// `air` is the air velocity over the speed at which it has its full weight. Where it is more than 90° off the course of the
+    /// wing, their sum would point to a side of both: the air then either turns the plane around, or has no weight.
     pub fn of(orientation: &Orientation, air: Ned) -> Self {
         let (w, j) = (orientation.w(), orientation.j());
         let (north, east) = (w.east, -w.north);
@@ -245,6 +245,14 @@ mod tests {
         }
         let aside = Course::of(&rolled(0.0), Ned::new(1.0, 3.0, 0.0));
         assert_eq!((aside.north, aside.east), (1.0, 0.0));
+    }
+
+    /// From a tilt of 10° on, the air from behind turns the plane around; at 0.15 rad it does not yet.
+    #[test]
+    fn the_air_from_behind_turns_the_plane_of_a_tilted_wing_around() {
+        let behind = Ned::new(-1.0, 0.0, 0.0);
+        assert!(Course::of(&rolled(0.15), behind).north > 0.999);
+        assert!(Course::of(&rolled(0.2), behind).north < -0.999);
     }
 
     /// A steep wing is flown along the air velocity: within 30° of it, for an air velocity of every direction and enough speed.

@@ -197,8 +197,8 @@ impl Turning {
         } else {
             self.thrust_squared
         };
-        let upright = 1.0 + ARREST * math::max(sinking, 0.0) / gravity;
-        let square = upright * upright;
+        let vertical = 1.0 + ARREST * math::max(sinking, 0.0) / gravity;
+        let square = vertical * vertical;
         if load_squared > square {
             // The absolute value of what is positive: the compiler then knows that it has a root.
             math::min(
@@ -534,8 +534,8 @@ mod tests {
         assert!(slow > thrust_alone && fast > slow);
         // Climbing too fast leaves no more. Sinking at 10 m/s leaves what 3 m/s² upwards take; at 30 m/s, nothing.
         assert_eq!(most(0.0, -10.0), most(0.0, 0.0));
-        let upright = 1.0 + 3.0f32 / 9.81;
-        let arresting = 9.81 * (1.8f32 * 1.8 - upright * upright).sqrt();
+        let vertical = 1.0 + 3.0f32 / 9.81;
+        let arresting = 9.81 * (1.8f32 * 1.8 - vertical * vertical).sqrt();
         assert!((most(0.0, 10.0) - arresting).abs() < 1e-3);
         assert_eq!(most(0.0, 30.0), 0.0);
     }

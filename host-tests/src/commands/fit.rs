@@ -35,20 +35,23 @@ pub struct Args {
 /// Largest root mean square of c_L up to 20° of a model that suits. Of the presets 0.14 is the worst, of NACA 4415 it is 0.4.
 const SUITS: f64 = 0.2;
 
-/// How far a fit may move the stall before that is said \[°\].
+/// What to do where the model does not do.
+const FLY_TABLE: &str = "`[vehicle.aerodynamics.table] polar = \"polar.csv\"`";
+
+/// How far a fit may move the stall before that is said \[°\]. Rows of tables are 1° apart, and the greatest lift of a thick section is flat.
 const MOVED_DEG: f64 = 2.0;
 
 /// What is to be said where the stall of `model` is not that of the table `rows` that it was fitted to.
 fn stall_moved(model: &Aerodynamics, rows: &[Row]) -> Option<String> {
-    /// To 40°, beyond every stall, by a quarter of a degree.
-    const ANGLES: u32 = 160;
+    /// Beyond every stall \[°\].
+    const LAST: u32 = 40;
     let measured: Vec<&Row> = rows
         .iter()
-        .filter(|row| (0.0..0.7).contains(&row[0]))
+        .filter(|row| (0.0..=f64::from(LAST)).contains(&row[0].to_degrees()))
         .collect();
     let table = measured[stall(measured.iter().map(|row| row[1]))?][0].to_degrees();
     let angle = |n: u32| 0.25 * f64::from(n);
-    let lift = (0..=ANGLES).map(|n| model.at(angle(n).to_radians()).c_l);
+    let lift = (0..=4 * LAST).map(|n| model.at(angle(n).to_radians()).c_l);
     let fitted = stall(lift).and_then(|at| u32::try_from(at).ok()).map(angle);
     let stalls = match fitted {
         Some(fitted) if (fitted - table).abs() <= MOVED_DEG => return None,
@@ -56,7 +59,7 @@ fn stall_moved(model: &Aerodynamics, rows: &[Row]) -> Option<String> {
         None => "does not stall".to_owned(),
     };
     Some(format!(
-        "the model {stalls}, the table at {table:.1}°: fly the table, `[vehicle.aerodynamics.table] polar = \"polar.csv\"`, where the stall matters"
+        "the model {stalls}, the table at {table:.1}°: fly the table, {FLY_TABLE}, where the stall matters"
     ))
 }
 
@@ -117,7 +120,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let lead = match suits {
         true => "the combined model, nearest to the table by weighted least squares; vehicle.toml has it".to_owned(),
         false => format!(
-            "THE COMBINED MODEL DOES NOT SUIT this polar: c_L is off by {:.2} (RMS) up to 20°{}. Fly the table: `[vehicle.aerodynamics.table] polar = \"polar.csv\"`",
+            "THE COMBINED MODEL DOES NOT SUIT this polar: c_L is off by {:.2} (RMS) up to 20°{}. Fly the table: {FLY_TABLE}",
             errors.rms_cl,
             if polar.is_symmetric() { "" } else { ", as of every section with camber" }
         ),
