@@ -157,12 +157,12 @@ impl VirtualVehicle {
     pub fn velocity_wanted(&self, position: Inertial, reference: Inertial) -> Inertial {
         Inertial::new(
             reference.down()
-                - limited(
+                - rarely_limited(
                     self.position_gain.down() * position.down(),
                     self.max_velocity.down(),
                 ),
             reference.forward()
-                - limited(
+                - rarely_limited(
                     self.position_gain.forward() * position.forward(),
                     self.max_velocity.forward(),
                 ),
@@ -211,15 +211,29 @@ impl VirtualVehicle {
         pace: &Pace,
     ) -> Inertial {
         Inertial::new(
-            limited(
+            rarely_limited(
                 acceleration.down() - pace.vertical_gain * error.down(),
                 MAX_VERTICAL * gravity,
             ),
-            limited(
+            rarely_limited(
                 acceleration.forward() - FORWARD_GAIN * error.forward(),
                 MAX_FORWARD * gravity,
             ),
         )
+    }
+
+    /// The rate [rad/s] that closes an `error` of attitude \[rad\], counted up to `most`.
+    #[inline(always)]
+    fn rate_wanted(&self, error: f32, most: f32, pace: &Pace) -> f32 {
+        let bound = math::min(pace.attitude_gain * most, self.rate);
+        rarely_limited(pace.attitude_gain * error, bound)
+    }
+
+    /// The rate [rad/s] that is had after `h` \[s\], from `rate` on.
+    #[inline(always)]
+    fn slewed(&self, wanted: f32, rate: f32, h: f32) -> f32 {
+        let slew = self.slew * h;
+        math::clamp(wanted, rate - slew, rate + slew)
     }
 
     /// One step: `flight` and its `attitude` go on by `plan`, and where that leaves it to the servo, towards the acceleration
@@ -245,7 +259,6 @@ impl VirtualVehicle {
     ) -> Inertial {
         let (mass, gravity) = (vehicle.mass(), vehicle.gravity());
         let pushing = plan.push > 0.0;
-        let turning = plan.turn == 1 && !pushing;
         let (wish, weight) = if pushing {
             (
                 Inertial::new(PUSH_OVER * gravity, wish.forward()),
@@ -271,20 +284,34 @@ impl VirtualVehicle {
         let di = d.down() * attitude.cos + weight * d.forward() * attitude.sin;
         let fd = f.down() * d.down() + weight * f.forward() * d.forward();
         let both = math::clamp((fi * dd - di * fd) / (dd * ii - di * di), least, most);
-        let (thrust, error, bound) = if turning {
-            (alone, plan.target - flight.theta, MAX_TURN)
+        let h = pace.h;
+        // The rate belongs to this choice: one branch, where a flag kept for a second one costs registers.
+        let (thrust, error, rate) = if plan.turn == 1 && !pushing {
+            let error = plan.target - flight.theta;
+            let wanted = self.rate_wanted(error, MAX_TURN, pace);
+            (alone, error, self.slewed(wanted, flight.rate, h))
         } else {
             // The acceleration wished for turns the course. The attitude has to turn with it by F_a's part of the forces that
             // the servo balances, d·(d + alone j)/d·d: without this it stays behind by that rate over its gain.
             let course = (wish.forward() * air.down() - wish.down() * air.forward())
                 / (air.norm_squared() + SLOWEST_SQUARED);
             let dj = weight * d.forward() * attitude.cos - d.down() * attitude.sin;
-            let ahead = limited(course / pace.attitude_gain, MAX_AHEAD) * (steep + alone * dj);
-            (both, (di * both - fd + ahead) / dd, MAX_CORRECTION)
+            let ahead =
+                rarely_limited(course / pace.attitude_gain, MAX_AHEAD) * (steep + alone * dj);
+            let error = (di * both - fd + ahead) / dd;
+            let wanted = self.rate_wanted(error, MAX_CORRECTION, pace);
+            (
+                both,
+                error,
+                if slewed {
+                    self.slewed(wanted, flight.rate, h)
+                } else {
+                    wanted
+                },
+            )
         };
 
         let acceleration = forces.free - Inertial::new(attitude.cos, attitude.sin) * thrust;
-        let h = pace.h;
         // Drag is stiff where the speed is high: implicit in it.
         let gained = acceleration * (h / (1.0 + h * forces.drag_rate));
         flight.velocity += gained;
@@ -298,14 +325,7 @@ impl VirtualVehicle {
             flight.velocity -= across * (part / square * (1.0 - forces.speed / turned));
         }
         flight.position += (flight.velocity - reference) * h;
-        let bound = math::min(pace.attitude_gain * bound, self.rate);
-        let wanted = limited(pace.attitude_gain * error, bound);
-        flight.rate = if turning || slewed {
-            let slew = self.slew * h;
-            math::clamp(wanted, flight.rate - slew, flight.rate + slew)
-        } else {
-            wanted
-        };
+        flight.rate = rate;
         let turned = flight.rate * h;
         flight.theta += turned;
         *attitude = turn(*attitude, turned);
@@ -375,6 +395,18 @@ pub(super) fn across<A: Aerodynamics>(
 #[inline(always)]
 pub(super) fn limited(x: f32, bound: f32) -> f32 {
     math::clamp(x, -bound, bound)
+}
+
+/// The same for a `bound` ≥ 0, by one comparison where nothing is limited: a step of a prediction has six such limits, and
+/// most often none of them acts. Elsewhere it would only take room on the stack.
+#[inline(always)]
+fn rarely_limited(x: f32, bound: f32) -> f32 {
+    if x.abs() > bound {
+        core::hint::cold_path();
+        if x < 0.0 { -bound } else { bound }
+    } else {
+        x
+    }
 }
 
 #[cfg(test)]
