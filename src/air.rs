@@ -130,6 +130,8 @@ impl AirData {
                 },
             }
         } else {
+            // Not flight: nothing of it is to be made ahead of the choice.
+            core::hint::cold_path();
             Self {
                 speed,
                 sin: thrust_line.sin,
