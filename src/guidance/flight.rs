@@ -113,16 +113,22 @@ pub(super) struct Pace {
     pub h: f32,
     vertical_gain: f32,
     attitude_gain: f32,
+    /// Rates at [`MAX_TURN`] and [`MAX_CORRECTION`] [rad/s].
+    max_turn: f32,
+    max_correction: f32,
 }
 
 impl Pace {
     /// The pace of steps of `h` \[s\].
     #[inline(always)]
     pub const fn new(h: f32) -> Self {
+        let attitude_gain = math::min(ATTITUDE_GAIN, ATTITUDE_STEP / h);
         Self {
             h,
             vertical_gain: math::min(VERTICAL_GAIN, VERTICAL_STEP / h),
-            attitude_gain: math::min(ATTITUDE_GAIN, ATTITUDE_STEP / h),
+            attitude_gain,
+            max_turn: attitude_gain * MAX_TURN,
+            max_correction: attitude_gain * MAX_CORRECTION,
         }
     }
 }
@@ -222,11 +228,10 @@ impl VirtualVehicle {
         )
     }
 
-    /// The rate [rad/s] that closes an `error` of attitude \[rad\], counted up to `most`.
+    /// The rate [rad/s] that closes an `error` of attitude \[rad\], up to `most`.
     #[inline(always)]
     fn rate_wanted(&self, error: f32, most: f32, pace: &Pace) -> f32 {
-        let bound = math::min(pace.attitude_gain * most, self.rate);
-        rarely_limited(pace.attitude_gain * error, bound)
+        rarely_limited(pace.attitude_gain * error, math::min(most, self.rate))
     }
 
     /// The rate [rad/s] that is had after `h` \[s\], from `rate` on.
@@ -260,6 +265,8 @@ impl VirtualVehicle {
         let (mass, gravity) = (vehicle.mass(), vehicle.gravity());
         let pushing = plan.push > 0.0;
         let (wish, weight) = if pushing {
+            // Rare: a few steps of some plans.
+            core::hint::cold_path();
             (
                 Inertial::new(PUSH_OVER * gravity, wish.forward()),
                 0.02 * FORWARD_WEIGHT,
@@ -288,7 +295,7 @@ impl VirtualVehicle {
         // The rate belongs to this choice: one branch, where a flag kept for a second one costs registers.
         let (thrust, error, rate) = if plan.turn == 1 && !pushing {
             let error = plan.target - flight.theta;
-            let wanted = self.rate_wanted(error, MAX_TURN, pace);
+            let wanted = self.rate_wanted(error, pace.max_turn, pace);
             (alone, error, self.slewed(wanted, flight.rate, h))
         } else {
             // The acceleration wished for turns the course. The attitude has to turn with it by F_a's part of the forces that
@@ -299,7 +306,7 @@ impl VirtualVehicle {
             let ahead =
                 rarely_limited(course / pace.attitude_gain, MAX_AHEAD) * (steep + alone * dj);
             let error = (di * both - fd + ahead) / dd;
-            let wanted = self.rate_wanted(error, MAX_CORRECTION, pace);
+            let wanted = self.rate_wanted(error, pace.max_correction, pace);
             (
                 both,
                 error,
