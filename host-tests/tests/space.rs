@@ -278,8 +278,8 @@ fn turns_in_wind_do_not_end_in_the_stall() {
 }
 
 /// A heading that is off its course is kept through the transition, on any course. 2 m/s are asked for with 180°. With others the
-/// stall is crossed at other moments, which the wrong belief makes rough: of 60 drawn the half stay below 1.3 m/s, and the
-/// worst is 2.7 m/s.
+/// stall is crossed at other moments, which the wrong belief makes rough: of 60 drawn the half stay below 1.2 m/s, and the
+/// worst is 5.0 m/s.
 #[test]
 fn a_transition_keeps_any_heading_on_any_course() {
     let peak = |course: f64, off: f64| {
@@ -304,16 +304,26 @@ fn a_transition_keeps_any_heading_on_any_course() {
     }
 }
 
-/// Starts that were once lost, or nearly: the virtual flight was in a plane that the vehicle was not in, or gave all of the thrust
-/// to an acceleration to the side while the vehicle fell.
+/// Starts that were once lost, or lost 27 to 58 m: pitch, tilt and twist each went their own way to a plane of flight that the vehicle
+/// was not in, and it fell meanwhile. By the shortest way none loses 16 m.
 #[test]
 fn starts_that_were_lost_converge() {
-    for seed in [9892, 186, 561, 1422, 1188, 4154, 8997, 3324, 7908] {
-        let seed = format!("seed={seed}");
-        let figures = flown(&experiment("start-cruise", &[&seed]));
+    let cruise = [
+        9892, 186, 561, 1422, 1188, 4154, 8997, 3324, 7908, 834, 11059, 13089, 4640, 23835,
+    ];
+    for seed in cruise {
+        let figures = flown(&experiment("start-cruise", &[&format!("seed={seed}")]));
         let least = figures.get("altitude_least_m");
         assert!(
-            least > -30.0 && figures.get("final_belly_deg") < 80.0,
+            least > -16.0 && figures.get("final_belly_deg") < 80.0,
+            "{seed}: {least}"
+        );
+    }
+    for seed in [21619, 3201] {
+        let figures = flown(&experiment("start-hover", &[&format!("seed={seed}")]));
+        let least = figures.get("altitude_least_m");
+        assert!(
+            least > -16.0 && figures.get("final_nose_deg") < 80.0,
             "{seed}: {least}"
         );
     }

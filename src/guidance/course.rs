@@ -23,46 +23,14 @@ memory!(Course {
 /// Length of the wing's horizontal part below which it says nothing of the course.
 const MIN_LENGTH: f32 = 1e-2;
 
-/// Weight of the air velocity in the course where the wing is vertical, over that of a level wing. With a level wing it has none.
-const STEEP: f32 = 3.0;
-
-/// Further weight of the air velocity where it is more than 90° off the course of the wing. It is below 1: a level wing that
-/// is flown backwards along its plane keeps the plane.
-const AGAINST: f32 = 0.9;
-
 /// π/4, below.
 const QUARTER: f32 = 0.785;
 
 impl Course {
-    /// The course with which a flight begins, of a vehicle in this attitude: across its right wing, and where the wing is steep
-    /// along the horizontal part of `air`. Where both are zero, along the belly.
-    ///
-    /// `air` is the air velocity over the speed at which it has its full weight. Where it is more than 90° off the course of the
-    /// wing, their sum would point to a side of both: the air then either turns the plane around, or has no weight.
-    pub fn of(orientation: &Orientation, air: Ned) -> Self {
+    /// The course of a vehicle in this attitude: across its right wing. Where the wing is vertical, along its belly.
+    pub fn of(orientation: &Orientation) -> Self {
         let (w, j) = (orientation.w(), orientation.j());
-        let (north, east) = (w.east, -w.north);
-        let square = air.north * air.north + air.east * air.east;
-        let unit = if square > 1.0 {
-            1.0 / math::sqrt(square)
-        } else {
-            1.0
-        };
-        let steep = STEEP * w.down * w.down;
-        let (wing, share) = if air.north * north + air.east * east < 0.0 {
-            let share = unit * (steep + AGAINST);
-            if share * share * square > north * north + east * east {
-                (-1.0, share)
-            } else {
-                (1.0, 0.0)
-            }
-        } else {
-            (1.0, unit * steep)
-        };
-        let across = Self::unit(
-            wing * north + share * air.north,
-            wing * east + share * air.east,
-        );
+        let across = Self::unit(w.east, -w.north);
         let along = Self::unit(j.north, j.east);
         across.or(along).unwrap_or(Self {
             north: 1.0,
@@ -213,62 +181,14 @@ mod tests {
     fn the_course_is_across_the_wing() {
         use crate::frame::Attitude;
         let upright = Orientation::in_plane(Attitude::from_angle(-0.4));
-        assert_eq!(Course::of(&upright, Ned::ZERO).north, 1.0);
+        assert_eq!(Course::of(&upright).north, 1.0);
         let q = |w, x, y, z| {
             let q = crate::ned::Quaternion { w, x, y, z };
             Orientation::from_quaternion(&q, crate::ned::BodyAxes::NoseUp).unwrap()
         };
         let half = core::f32::consts::FRAC_1_SQRT_2;
-        assert!(Course::of(&q(half, 0.0, 0.0, half), Ned::ZERO).east > 0.999);
+        assert!(Course::of(&q(half, 0.0, 0.0, half)).east > 0.999);
         // Rolled by a quarter turn about north: the wing points down, the belly north.
-        assert!(Course::of(&q(half, half, 0.0, 0.0), Ned::ZERO).north > 0.999);
-    }
-
-    /// Rolled by `roll` \[rad\] about north, the nose to the north and the belly down at none.
-    fn rolled(roll: f32) -> Orientation {
-        let (sin, cos) = (0.5 * roll).sin_cos();
-        let q = crate::ned::Quaternion {
-            w: cos,
-            x: sin,
-            y: 0.0,
-            z: 0.0,
-        };
-        Orientation::from_quaternion(&q, crate::ned::BodyAxes::NoseForward).unwrap()
-    }
-
-    /// A level wing is flown in its plane, be it forwards or backwards, up to the greatest air velocity.
-    #[test]
-    fn the_air_does_not_turn_the_plane_of_a_level_wing() {
-        for air in [0.3, 1.0, 7.0, -0.3, -1.0, -7.0] {
-            let course = Course::of(&rolled(0.0), Ned::new(air, 0.0, 0.2));
-            assert_eq!((course.north, course.east), (1.0, 0.0), "{air}");
-        }
-        let aside = Course::of(&rolled(0.0), Ned::new(1.0, 3.0, 0.0));
-        assert_eq!((aside.north, aside.east), (1.0, 0.0));
-    }
-
-    /// From a tilt of 10° on, the air from behind turns the plane around; at 0.15 rad it does not yet.
-    #[test]
-    fn the_air_from_behind_turns_the_plane_of_a_tilted_wing_around() {
-        let behind = Ned::new(-1.0, 0.0, 0.0);
-        assert!(Course::of(&rolled(0.15), behind).north > 0.999);
-        assert!(Course::of(&rolled(0.2), behind).north < -0.999);
-    }
-
-    /// A steep wing is flown along the air velocity: within 30° of it, for an air velocity of every direction and enough speed.
-    /// It was flown across its wing alone before, and with the plain sum the air from behind gave courses of up to 90° off.
-    #[test]
-    fn a_steep_wing_is_flown_along_the_air() {
-        for roll in [1.2f32, 1.5, 1.62, 1.9, -1.2, -1.55] {
-            for n in 0..72u8 {
-                let (sin, cos) = (f32::from(n) * 0.087_266_46).sin_cos();
-                for speed in [1.0, 4.0] {
-                    let air = Ned::new(speed * cos, speed * sin, 0.0);
-                    let course = Course::of(&rolled(roll), air);
-                    let along = course.north * cos + course.east * sin;
-                    assert!(along > 0.866, "roll {roll}, air {n}: {along}");
-                }
-            }
-        }
+        assert!(Course::of(&q(half, half, 0.0, 0.0)).north > 0.999);
     }
 }

@@ -536,8 +536,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         let vehicle = self.control.plane().vehicle();
         let begun = state.started == 1 && state.flight.is_near(input.velocity, position);
         if !begun {
-            let air = (input.velocity - wind) * (1.0 / self.turning.takeover());
-            state.flight.course = Course::of(&input.orientation, air);
+            state.flight.course = Course::of(&input.orientation);
             state.flight.lean = 0.0;
         }
         let axes = Axes::new(&state.flight.course, vehicle.gravity(), state.flight.lean);

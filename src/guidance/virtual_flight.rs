@@ -27,9 +27,6 @@ const LATERAL_GAIN: f32 = 1.5;
 const CROSSING: f32 = 0.25;
 /// Part of thrust and lift that a turn may take. The rest holds the altitude.
 const SHARE: f32 = 0.9;
-/// Upward acceleration that a turn leaves besides the weight, per velocity downwards that is not wanted [1/s]. Without it a
-/// vehicle that falls tail first gave all of its thrust to the acceleration to the side, and fell on.
-const ARREST: f32 = 0.3;
 /// Speeds in multiples of that at which the wing carries the weight with a lift coefficient of 1: below the first, a velocity
 /// is moved sideways, from twice that on it is turned.
 const TURNING: f32 = 0.5;
@@ -187,9 +184,9 @@ impl Turning {
     }
 
     /// Greatest acceleration to the side [m/s²] that leaves enough of thrust, or of lift at this squared airspeed, to carry
-    /// the weight, and to arrest a velocity of `sinking` [m/s] downwards.
+    /// the weight.
     #[inline(always)]
-    fn most(&self, gravity: f32, airspeed_squared: f32, sinking: f32) -> f32 {
+    fn most(&self, gravity: f32, airspeed_squared: f32) -> f32 {
         let lift = self.lift * airspeed_squared;
         let lift_squared = lift * lift;
         let load_squared = if lift_squared > self.thrust_squared {
@@ -197,14 +194,9 @@ impl Turning {
         } else {
             self.thrust_squared
         };
-        let vertical = 1.0 + ARREST * math::max(sinking, 0.0) / gravity;
-        let square = vertical * vertical;
-        if load_squared > square {
+        if load_squared > 1.0 {
             // The absolute value of what is positive: the compiler then knows that it has a root.
-            math::min(
-                gravity * math::sqrt((load_squared - square).abs()),
-                self.max,
-            )
+            math::min(gravity * math::sqrt((load_squared - 1.0).abs()), self.max)
         } else {
             0.0
         }
@@ -237,8 +229,7 @@ impl Turning {
         let (a_r, a_r_across) = course.project(reference.acceleration);
 
         // The horizontal air velocity wanted: it is that which is turned.
-        let velocity_wanted = servo.velocity_wanted(position, v_r);
-        let forward = velocity_wanted.forward() - wind.forward();
+        let forward = servo.velocity_wanted(position, v_r).forward() - wind.forward();
         let right = v_r_across
             - limited(
                 servo.position_gain.forward() * aside,
@@ -264,11 +255,7 @@ impl Turning {
         };
         let lean_wanted = limited(
             a_r_across + LATERAL_GAIN * (beside - aslant),
-            self.most(
-                vehicle.gravity(),
-                air * airspeed_squared,
-                velocity.down() - velocity_wanted.down(),
-            ),
+            self.most(vehicle.gravity(), air * airspeed_squared),
         );
         let share = if state.plan.turn == 1 { CROSSING } else { 1.0 };
         let lean = share * lean_wanted;
@@ -389,10 +376,7 @@ mod tests {
             y: 0.0,
             z: 0.0,
         };
-        Course::of(
-            &Orientation::from_quaternion(&up, BodyAxes::NoseUp).unwrap(),
-            Ned::ZERO,
-        )
+        Course::of(&Orientation::from_quaternion(&up, BodyAxes::NoseUp).unwrap())
     }
 
     fn flight(velocity: Ned, theta: f32) -> VirtualFlight {
@@ -528,16 +512,9 @@ mod tests {
         )
         .unwrap();
         let thrust_alone = 9.81 * (1.8f32 * 1.8 - 1.0).sqrt();
-        let most = |speed: f32, sinking| turning.most(9.81, speed * speed, sinking);
-        assert!((most(0.0, 0.0) - thrust_alone).abs() < 1e-3);
-        let (slow, fast) = (most(25.0, 0.0), most(30.0, 0.0));
+        assert!((turning.most(9.81, 0.0) - thrust_alone).abs() < 1e-3);
+        let (slow, fast) = (turning.most(9.81, 25.0 * 25.0), turning.most(9.81, 900.0));
         assert!(slow > thrust_alone && fast > slow);
-        // Climbing too fast leaves no more. Sinking at 10 m/s leaves what 3 m/s² upwards take; at 30 m/s, nothing.
-        assert_eq!(most(0.0, -10.0), most(0.0, 0.0));
-        let vertical = 1.0 + 3.0f32 / 9.81;
-        let arresting = 9.81 * (1.8f32 * 1.8 - vertical * vertical).sqrt();
-        assert!((most(0.0, 10.0) - arresting).abs() < 1e-3);
-        assert_eq!(most(0.0, 30.0), 0.0);
     }
 
     #[test]

@@ -11,6 +11,8 @@ use crate::ned::{BodyAxes, Ned, Quaternion};
 const MAX_DEFECT: f32 = 1e-3;
 /// Most that a set-point leads the attitude by \[rad\].
 const MAX_LEAD: f32 = core::f32::consts::FRAC_PI_2;
+/// Added to 1 + cos φ where it is divided by, for a rotation by an angle φ.
+const MIN_COSINE: f32 = 0.02;
 /// Two directions whose sine is below this are taken for parallel.
 const MIN_SINE: f32 = 1e-3;
 
@@ -219,6 +221,16 @@ impl Orientation {
         Body::new(self.i.dot(v), self.j.dot(v), self.w.dot(v))
     }
 
+    /// The rotation, by the shortest way, that turns this attitude into the one with the axes `i`, `j` and `w`, in body components \[rad\]: along its axis, and
+    /// 2 tan(φ/2) long for an angle φ, which is φ where it is small. Within 0.2 rad of 180°, where there is no shortest way, it is at most 10 long, and zero at 180°.
+    #[inline(always)]
+    pub(crate) fn rotation_to(&self, i: Ned, j: Ned, w: Ned) -> Body {
+        let (i, j, w) = (self.to_body(i), self.to_body(j), self.to_body(w));
+        // The sum of the vector products of present and wanted axes is 2 sin φ long, that of their scalar products 1 + 2 cos φ.
+        let scale = 1.0 / (0.5 * (1.0 + i.i + j.j + w.w) + MIN_COSINE);
+        Body::new(j.w - w.j, w.i - i.w, i.j - j.i) * scale
+    }
+
     /// The world components of a body vector.
     #[inline(always)]
     pub fn to_world(&self, v: Body) -> Ned {
@@ -326,6 +338,75 @@ mod tests {
         let norm = raw.iter().map(|x| x * x).sum::<f32>().sqrt();
         let [w, x, y, z] = raw.map(|x| x / norm);
         Quaternion { w, x, y, z }
+    }
+
+    /// The shortest rotation from one attitude to another, against their quaternions: 2 tan(φ/2) along its axis is 2 v/w of q̄ p,
+    /// and short of it by the cosine added: by 1 % where 1 + cos φ = 2, by a tenth at 145°.
+    #[test]
+    fn the_shortest_rotation_is_that_of_the_quaternions() {
+        let of = |q: &Quaternion| Orientation::from_quaternion(q, BodyAxes::NoseUp).unwrap();
+        for n in 0..200 {
+            let (from, to) = (any(n), any(7 * n + 3));
+            let target = of(&to);
+            let Body { i, j, w } = of(&from).rotation_to(target.i, target.j, target.w);
+            let [a, x, y, z] = exact(&from);
+            let q = product([a, -x, -y, -z], exact(&to));
+            // Half of 1 + cos φ.
+            let half = q[0] * q[0];
+            if half < 0.05 {
+                continue;
+            }
+            let scale = 2.0 / q[0] * half / (half + 0.5 * f64::from(MIN_COSINE));
+            // Of these axes x, y, z are j, w, i.
+            for (got, part) in [(j, q[1]), (w, q[2]), (i, q[3])] {
+                let expected = scale * part;
+                assert!(
+                    (f64::from(got) - expected).abs() < 1e-5 * (1.0 + expected.abs()),
+                    "{n}: {got} {expected}"
+                );
+            }
+        }
+    }
+
+    /// Rates along the shortest rotation bring any attitude to any other, the angle between them falling at every step; also from
+    /// 179.9° off.
+    #[test]
+    fn along_the_shortest_rotation_every_attitude_is_reached() {
+        let target = Orientation::NOSE_UP;
+        let over = Quaternion {
+            w: 8.7e-4,
+            x: 0.6,
+            y: 0.0,
+            z: 0.8,
+        };
+        for start in (1..100).map(any).chain([over]) {
+            let mut at = Orientation::from_quaternion(&start, BodyAxes::NoseUp).unwrap();
+            let cosine =
+                |o: &Orientation| o.i.dot(target.i) + o.j.dot(target.j) + o.w.dot(target.w);
+            let mut before = cosine(&at);
+            for _ in 0..300 {
+                let rotation = at.rotation_to(target.i, target.j, target.w);
+                let rates = at.to_world(rotation) * 6.4;
+                let length = math::sqrt(rates.norm_squared());
+                let rates = rates * (3.5 / if length > 3.5 { length } else { 3.5 });
+                // A step of 10 ms by Rodrigues' formula, exact.
+                let turned = |v: Ned| {
+                    let angle = math::sqrt(rates.norm_squared()) * 0.01;
+                    let axis = rates * (0.01 / (angle + 1e-9));
+                    let (sin, cos) = math::sin_cos(angle);
+                    v * cos + axis.cross(v) * sin + axis * (axis.dot(v) * (1.0 - cos))
+                };
+                at = Orientation {
+                    i: turned(at.i),
+                    j: turned(at.j),
+                    w: turned(at.w),
+                };
+                let now = cosine(&at);
+                assert!(now > before - 1e-5, "{start:?}: {before} {now}");
+                before = now;
+            }
+            assert!(before > 2.9999, "{start:?}: {before}");
+        }
     }
 
     /// A quaternion (w, x, y, z) in double precision.

@@ -30,6 +30,10 @@ pub const BUILT_IN: &[(&str, &str)] = &[
         include_str!("../../campaigns/faults-in-space.toml"),
     ),
     ("paths", include_str!("../../campaigns/paths.toml")),
+    (
+        "fast-starts",
+        include_str!("../../campaigns/fast-starts.toml"),
+    ),
 ];
 
 /// Most flights of a campaign: months on one core.
