@@ -170,25 +170,6 @@ fn courses() {
     within(figures, [0.1, 0.1, 0.2]);
 }
 
-/// Without an accelerometer what is believed wrongly of the wing is found by the integral alone, which a turn turns away
-/// from: the circle is 1 to 2 m wider. What is left of the error may choose a crossing of the stall, as it does here: 2.0 m/s, 2.6 m and 4.6°,
-/// in `circle-40` itself 0.5 m/s, 1.3 m and 0.1°.
-#[test]
-fn a_circle_without_an_accelerometer() {
-    let flown = Flown {
-        accelerometer: false,
-        ..Flown::new(&parameters())
-    };
-    let figures = course(
-        &flown,
-        "circle 40 m, 20 m/s, no accelerometer",
-        course::circle_40,
-        20.0,
-        V3::zeros(),
-    );
-    within(figures, [3.0, 4.0, 8.0]);
-}
-
 #[test]
 fn side_winds() {
     let mut flown = Flown::new(&parameters());
