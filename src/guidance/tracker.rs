@@ -273,9 +273,9 @@ impl Tracker {
     }
 }
 
-/// The rotation by the shortest way, in body components \[rad\], from an `attitude` to that of a vehicle at θ in the plane whose course is
-/// `forward` and whose right wing is `right`. By pitch, tilt and twist, each on its own, a vehicle on its side nodded for two seconds and
-/// fell by more than 30 m.
+/// The shortest rotation, in body components \[rad\], from an `attitude` to that of a vehicle at θ in the plane whose course is
+/// `forward` and whose right wing is `right`. By pitch, tilt and twist, each on its own, a vehicle on its side nodded for two
+/// seconds and fell by more than 30 m.
 ///
 /// It is a function of its own because it is rarely called: within the tracker it takes 16 bytes more of stack.
 #[cold]

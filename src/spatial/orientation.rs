@@ -11,8 +11,8 @@ use crate::ned::{BodyAxes, Ned, Quaternion};
 const MAX_DEFECT: f32 = 1e-3;
 /// Most that a set-point leads the attitude by \[rad\].
 const MAX_LEAD: f32 = core::f32::consts::FRAC_PI_2;
-/// Added to 1 + cos φ where it is divided by, for a rotation by an angle φ.
-const MIN_COSINE: f32 = 0.02;
+/// Added to 1 + cos φ where that is divided by: it keeps a rotation by an angle φ near 180° finite.
+const REGULARISATION: f32 = 0.02;
 /// Two directions whose sine is below this are taken for parallel.
 const MIN_SINE: f32 = 1e-3;
 
@@ -221,13 +221,14 @@ impl Orientation {
         Body::new(self.i.dot(v), self.j.dot(v), self.w.dot(v))
     }
 
-    /// The rotation, by the shortest way, that turns this attitude into the one with the axes `i`, `j` and `w`, in body components \[rad\]: along its axis, and
-    /// 2 tan(φ/2) long for an angle φ, which is φ where it is small. Within 0.2 rad of 180°, where there is no shortest way, it is at most 10 long, and zero at 180°.
+    /// The shortest rotation from this attitude to the one with the axes `i`, `j` and `w`, in body components \[rad\]: along its
+    /// axis, and 2 tan(φ/2) long for an angle φ, which is φ where it is small. At 180° there is no shortest way and it is zero;
+    /// near that it is at most 10 long.
     #[inline(always)]
     pub(crate) fn rotation_to(&self, i: Ned, j: Ned, w: Ned) -> Body {
         let (i, j, w) = (self.to_body(i), self.to_body(j), self.to_body(w));
         // The sum of the vector products of present and wanted axes is 2 sin φ long, that of their scalar products 1 + 2 cos φ.
-        let scale = 1.0 / (0.5 * (1.0 + i.i + j.j + w.w) + MIN_COSINE);
+        let scale = 1.0 / (0.5 * (1.0 + i.i + j.j + w.w) + REGULARISATION);
         Body::new(j.w - w.j, w.i - i.w, i.j - j.i) * scale
     }
 
@@ -340,8 +341,9 @@ mod tests {
         Quaternion { w, x, y, z }
     }
 
-    /// The shortest rotation from one attitude to another, against their quaternions: 2 tan(φ/2) along its axis is 2 v/w of q̄ p,
-    /// and short of it by the cosine added: by 1 % where 1 + cos φ = 2, by a tenth at 145°.
+    /// The shortest rotation from one attitude to another, against their quaternions: 2 tan(φ/2) along its axis is 2 v/w of q̄ p. The
+    /// regularisation shortens it, by 1 % where φ is small and by a tenth at 145°. The tolerance is the rounding of nine products
+    /// in `f32`, divided by 1 + cos φ ≥ 0.1.
     #[test]
     fn the_shortest_rotation_is_that_of_the_quaternions() {
         let of = |q: &Quaternion| Orientation::from_quaternion(q, BodyAxes::NoseUp).unwrap();
@@ -356,7 +358,7 @@ mod tests {
             if half < 0.05 {
                 continue;
             }
-            let scale = 2.0 / q[0] * half / (half + 0.5 * f64::from(MIN_COSINE));
+            let scale = 2.0 / q[0] * half / (half + 0.5 * f64::from(REGULARISATION));
             // Of these axes x, y, z are j, w, i.
             for (got, part) in [(j, q[1]), (w, q[2]), (i, q[3])] {
                 let expected = scale * part;
@@ -368,8 +370,8 @@ mod tests {
         }
     }
 
-    /// Rates along the shortest rotation bring any attitude to any other, the angle between them falling at every step; also from
-    /// 179.9° off.
+    /// Rates along the shortest rotation bring any attitude to any other, the angle between them falling at every step but for the
+    /// rounding of 1 + 2 cos φ in `f32`; also from 179.9° off.
     #[test]
     fn along_the_shortest_rotation_every_attitude_is_reached() {
         let target = Orientation::NOSE_UP;
