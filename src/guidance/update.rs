@@ -1321,12 +1321,12 @@ mod tests {
         };
         assert_eq!(refused(v, &above), contradicts("safe_thrust"));
         let full = GuidanceParameters {
-            max_integral_down: 3.1,
+            max_integral_down: p.max_velocity_down + 0.1,
             ..p
         };
         assert_eq!(refused(v, &full), contradicts("max_integral_down"));
         let full = GuidanceParameters {
-            max_integral_forward: 6.1,
+            max_integral_forward: p.max_velocity_forward + 0.1,
             ..p
         };
         assert_eq!(refused(v, &full), contradicts("max_integral_forward"));
