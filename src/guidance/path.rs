@@ -48,17 +48,16 @@ mod tests {
     fn a_path_waits_for_who_is_behind() {
         let model = Combined::new(CombinedParameters::PAPER_BELIEF).unwrap();
         let vehicle = Vehicle::new(VehicleParameters::PAPER_BELIEF, model).unwrap();
-        let p = GuidanceParameters::default();
+        let p = GuidanceParameters {
+            position_gain_forward: 0.5,
+            ..GuidanceParameters::default()
+        };
         let guidance = Guidance::new(vehicle, &p).unwrap();
         let v = Ned::new(0.0, 20.0, 0.0);
         let at = |east: f32| guidance.pace(Ned::new(30.0, east, -5.0), v);
         assert_eq!(at(0.0), 1.0);
-        // 5 m behind the position hold takes 5 m times its gain out of 20 m/s, and the path gives back 0.8 of that.
-        let change = 0.8 * p.position_gain_forward * 5.0 / 20.0;
-        assert!(change > 0.0 && change < 0.25);
-        // 1e-6: eight roundings at 1.
-        assert!((at(-5.0) - (1.0 - change)).abs() < 1e-6);
-        assert!((at(5.0) - (1.0 + change)).abs() < 1e-6);
+        // 10 m behind at a position gain of 0.5 /s: 0.8 · 0.5 · 10 m/s less than 20 m/s.
+        assert!((at(-10.0) - 0.8).abs() < 1e-6 && (at(10.0) - 1.2).abs() < 1e-6);
         assert_eq!((at(-1e4), at(1e4)), (0.5, 1.25));
         for bad in [f32::NAN, f32::INFINITY] {
             assert_eq!(at(bad), 1.0);
