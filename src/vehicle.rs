@@ -139,16 +139,16 @@ impl<A: Aerodynamics> Vehicle<A> {
     }
 
     /// The same vehicle where gravity is `gravity` [m/s²], that of the plane of flight in a turn, and with the air's force
-    /// `air` times as large.
+    /// `air` times as large. Of the greatest thrust `missing` \[N\] is not there.
     #[inline(always)]
-    pub(crate) fn as_flown(&self, gravity: f32, air: f32) -> Vehicle<&A> {
+    pub(crate) fn as_flown(&self, gravity: f32, air: f32, missing: f32) -> Vehicle<&A> {
         Vehicle {
             mass: self.mass,
             k_a: air * self.k_a,
             c_y: self.c_y,
             gravity,
             thrust_min: self.thrust_min,
-            thrust_max: self.thrust_max,
+            thrust_max: self.thrust_max - missing,
             thrust_line: self.thrust_line,
             model: &self.model,
         }

@@ -99,6 +99,19 @@ impl Accelerometer {
             & (LEAST_EXCESS..=MOST_EXCESS).contains(excess)
     }
 
+    /// Begins with the thrust \[N\] that a specific force tells, within these limits: which thrust was commanded before is not known.
+    /// Until the lag has passed, a hover would else look like a force of the vehicle's weight.
+    pub fn begin(
+        &self,
+        state: &mut AccelerometerState,
+        specific_force: Option<Body>,
+        (mass, least, most): (f32, f32, f32),
+    ) {
+        if let Some(felt) = specific_force {
+            state.force.thrust = math::clamp(-mass * felt.i, least, most);
+        }
+    }
+
     /// What the law is to add: what is in proportion to the force of the air follows it at once, the rest by its low-pass.
     #[inline(always)]
     pub fn correction(&self, state: &AccelerometerState) -> Correction {
@@ -139,8 +152,8 @@ impl Accelerometer {
             MOST_EXCESS,
         );
         // A measured air velocity has its own lateral part.
-        match (&self.sideslip, air) {
-            (Some(sideslip), AirUse::Wind | AirUse::HeldWind) => sideslip.update(
+        match &self.sideslip {
+            Some(sideslip) if air != AirUse::Velocity => sideslip.update(
                 &mut state.sideslip,
                 command.diagnostics.v_a,
                 specific_force.w,
@@ -266,6 +279,27 @@ mod tests {
         // A measured air velocity has its own part to the side.
         fly(&e, &mut state, Body::default(), felt, AirUse::Velocity, DT);
         assert_eq!(e.correction(&state).sideslip(), 0.0);
+    }
+
+    /// A hover at power-on is a hover from the first sample on: no force is missing that the thrust before could explain.
+    #[test]
+    fn the_first_sample_tells_the_thrust() {
+        let (e, mut state) = (estimators(0.0), AccelerometerState::default());
+        let felt = Body::new(-9.81, 0.0, 0.0);
+        e.begin(&mut state, Some(felt), (10.0, 0.0, 196.2));
+        // 1e-4 N: an ulp of the weight.
+        assert!((state.force.thrust - 98.1).abs() < 1e-4);
+        let command = Command {
+            thrust: 98.1,
+            ..Command::default()
+        };
+        let up = Orientation::NOSE_UP;
+        e.update(&mut state, Some(felt), up, &command, AirUse::Wind, DT);
+        assert!(state.force.force.norm_squared() < 1e-8);
+        e.begin(&mut state, Some(felt * 9.0), (10.0, 0.0, 196.2));
+        assert_eq!(state.force.thrust, 196.2);
+        e.begin(&mut state, None, (10.0, 0.0, 196.2));
+        assert_eq!(state.force.thrust, 196.2);
     }
 
     #[test]

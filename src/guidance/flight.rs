@@ -14,35 +14,35 @@ use crate::reference::Reference;
 use crate::vehicle::Vehicle;
 
 /// Part of the actuators' limits that the virtual flight uses. The rest is left for corrections.
-const SHARE_OF_RATE: f32 = 0.965;
-const SHARE_OF_SLEW: f32 = 0.83;
+const SHARE_OF_RATE: f32 = 0.99;
+const SHARE_OF_SLEW: f32 = 0.47;
 /// Rate [1/s] with which the attitude goes to its target.
 const ATTITUDE_GAIN: f32 = 9.0;
 /// Greatest step of the servo \[rad\]: beyond it the linearisation says nothing.
-const MAX_CORRECTION: f32 = 0.3;
+const MAX_CORRECTION: f32 = 0.28;
 /// Distance from the target of a turn \[rad\] beyond which it is gone to no faster. With [`ATTITUDE_STEP`], less than π/4 a
 /// step.
 const MAX_TURN: f32 = 0.95;
 /// Servo: acceleration per velocity error [1/s].
-const VERTICAL_GAIN: f32 = 4.0;
-const FORWARD_GAIN: f32 = 1.0;
+const VERTICAL_GAIN: f32 = 4.8;
+const FORWARD_GAIN: f32 = 1.11;
 /// Greatest accelerations that the servo asks for, in g.
-const MAX_VERTICAL: f32 = 0.8;
-const MAX_FORWARD: f32 = 1.5;
+const MAX_VERTICAL: f32 = 1.24;
+const MAX_FORWARD: f32 = 1.02;
 /// Weight of forward accelerations against vertical ones.
-const FORWARD_WEIGHT: f32 = 0.1;
+const FORWARD_WEIGHT: f32 = 0.103;
 /// Damping of the servo's step, as a force in multiples of the weight, with [`FORWARD_WEIGHT`].
-const DAMPING: f32 = 0.3;
+const DAMPING: f32 = 0.41;
 /// Acceleration downwards of a push-over, in g.
-const PUSH_OVER: f32 = 0.8;
+const PUSH_OVER: f32 = 1.52;
 /// Distance from the target \[rad\] at which a turn is over.
-const ARRIVED: f32 = 0.1;
+const ARRIVED: f32 = 0.07;
 /// Gains are lowered in steps longer than these products of gain and step, which would overshoot.
 const ATTITUDE_STEP: f32 = 0.8;
 const VERTICAL_STEP: f32 = 0.6;
 /// Greatest angle \[rad\] by which the attitude is turned ahead with the course: 0.54 rad/s where it goes to its target at 9 1/s.
 /// Without a limit one of 60 missions in turbulence of which only the steady wind is known sinks 43 m, in place of 20.
-const MAX_AHEAD: f32 = 0.06;
+const MAX_AHEAD: f32 = 0.065;
 /// Squared airspeed [m²/s²] from which on the air has a course.
 const SLOWEST_SQUARED: f32 = 0.1;
 

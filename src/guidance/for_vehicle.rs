@@ -71,13 +71,13 @@ rules! { known, default;
         "As measured.";
     thrust_lag = known.thrust_lag,
         "As measured.";
-    position_gain_down = 0.5 * known.thrust_rate,
+    position_gain_down = default.position_gain_down / default.thrust_rate * known.thrust_rate,
         "Half of thrust_rate: the loop around the thrust is half as fast.";
     position_gain_forward = default.position_gain_forward,
         "An eighth of the fastest natural frequency: the loop around the attitude is slower by far.";
     max_velocity_down = default.max_velocity_down,
         "A sink that every vehicle can stop within a few metres.";
-    max_velocity_forward = math::min(6.0, 0.3 * known.cruise),
+    max_velocity_forward = math::min(default.max_velocity_forward, 0.2 * known.cruise),
         "Three tenths of cruise: catching up is not a flight of its own.";
     integral_gain_down = default.integral_gain_down,
         "A fifth of position_gain_down at its fastest.";
@@ -85,7 +85,7 @@ rules! { known, default;
         "A fifth of position_gain_forward.";
     max_integral_down = default.max_integral_down,
         "Times thrust_rate it is an acceleration of 6 m/s² at its fastest: a mass that is believed wrongly by half.";
-    max_integral_forward = math::min(1.0, 0.3 * known.cruise),
+    max_integral_forward = math::min(default.max_integral_forward, 0.2 * known.cruise),
         "Holds an angle of 7° and more against a belief that is wrong.";
     max_turn = default.max_turn,
         "The guidance itself stays below what thrust and wing carry.";
@@ -212,7 +212,8 @@ mod tests {
         let quick = ruled(&PAPER);
         assert!(slow.natural_frequency < 0.6 * quick.natural_frequency);
         assert!(slow.thrust_rate < 0.6 * quick.thrust_rate);
-        assert_eq!(slow.position_gain_down, 0.5 * slow.thrust_rate);
+        let share = |p: &GuidanceParameters| p.position_gain_down / p.thrust_rate;
+        assert!((share(&slow) / share(&quick) - 1.0).abs() < 1e-6);
         let rare = ruled(&ResponseParameters {
             control_rate: 10.0,
             ..PAPER

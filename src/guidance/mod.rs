@@ -2,6 +2,7 @@
 
 mod accelerometer;
 mod bandwidth;
+mod blind;
 mod course;
 mod flight;
 mod for_vehicle;

@@ -18,24 +18,24 @@ crate::parameters! {
         tau: "mg", 1e-3, 1e3, 0.91, "ALU_BW_TAU",
             "Force τ below which the guard μ_τ acts.";
 
-        altitude_band: "m", 1e-3, 1e3, 0.4, "ALU_BAND_ALT",
+        altitude_band: "m", 1e-3, 1e3, 0.33, "ALU_BAND_ALT",
             "Altitude error that a plan may cost as much as an error of one velocity band.";
-        velocity_band_down: "m/s", 1e-3, 1e3, 1.0, "ALU_BAND_V_D",
+        velocity_band_down: "m/s", 1e-3, 1e3, 1.58, "ALU_BAND_V_D",
             "Velocity error, down, that costs as much as one of velocity_band_forward.";
-        velocity_band_forward: "m/s", 1e-3, 1e3, 3.0, "ALU_BAND_V_F",
+        velocity_band_forward: "m/s", 1e-3, 1e3, 3.3, "ALU_BAND_V_F",
             "Velocity error, forward, that costs as much as one of velocity_band_down.";
         rate_lag: "s", 0.0, 1.0, 0.1, "ALU_RATE_LAG",
             "Lag of the rate loop, for which the fed forward rate is advanced.";
         thrust_lag: "s", 1e-3, 1.0, 0.05, "ALU_THR_LAG",
             "Lag of the thrust behind its command. Used with a specific force.";
 
-        position_gain_down: "1/s", 0.0, 100.0, 1.5, "ALU_POS_P_D",
+        position_gain_down: "1/s", 0.0, 100.0, 1.43, "ALU_POS_P_D",
             "Velocity per position error, down. Zero turns the hold off.";
-        position_gain_forward: "1/s", 0.0, 100.0, 0.5, "ALU_POS_P_F",
+        position_gain_forward: "1/s", 0.0, 100.0, 0.81, "ALU_POS_P_F",
             "Velocity per position error, horizontal. Zero turns the hold off.";
-        max_velocity_down: "m/s", 0.0, 1e3, 3.0, "ALU_POS_V_D",
+        max_velocity_down: "m/s", 0.0, 1e3, 4.7, "ALU_POS_V_D",
             "Greatest velocity towards the reference position, down.";
-        max_velocity_forward: "m/s", 0.0, 1e3, 6.0, "ALU_POS_V_F",
+        max_velocity_forward: "m/s", 0.0, 1e3, 3.9, "ALU_POS_V_F",
             "Greatest velocity towards the reference position, horizontal.";
         integral_gain_down: "1/s", 0.0, 100.0, 0.3, "ALU_INT_D",
             "Growth of the integral per velocity towards the reference position, down. Zero turns it off.";

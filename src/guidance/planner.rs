@@ -23,16 +23,16 @@ const GROWTH: f32 = 1.039;
 const LATE: usize = 6;
 /// How long the reference is taken to accelerate on \[s\]. With 0.75 s braking runs 5 m ahead in place of 3, with 0.68 s
 /// transitions with a heading held aside reach velocity errors of 4 m/s in place of 1.5.
-const AHEAD: f32 = 0.62;
+const AHEAD: f32 = 0.74;
 /// Errors count by their square, and from this many bands on in proportion.
 const KNEE: f32 = 4.0;
 /// Time to go: weight, greatest \[s\], least closing taken for it, in g.
-const TO_GO: f32 = 0.6;
+const TO_GO: f32 = 0.76;
 const MAX_TO_GO: f32 = 20.0;
-const LEAST_CLOSING: f32 = 0.03;
+const LEAST_CLOSING: f32 = 0.035;
 /// Being too high costs no more from this many altitude bands on, and sinking too slowly for a long time from this many
 /// velocity bands on: a reference that sinks more steeply than the vehicle can is not worth a dive.
-const HIGH: f32 = 3.75;
+const HIGH: f32 = 3.0;
 const SLOW: f32 = 8.0;
 /// Greatest change of the acceleration to the side, in g per second: a roll of 90° takes about as long as the rate allows.
 pub(super) const LEAN_SLEW: f32 = 3.0;
@@ -54,31 +54,31 @@ const DEAR: f32 = 8.0;
 const RESERVE: f32 = 1.25;
 const SPARE: f32 = 0.25;
 /// By how much another plan must cost less: this part, and this much besides.
-const BETTER: f32 = 0.1;
+const BETTER: f32 = 0.161;
 /// Time of push-over before a turn \[s\], where there is one.
-const PUSH: f32 = 0.3;
+const PUSH: f32 = 0.225;
 /// Plans looked at in a round, the plan in force first.
 const ROUND: u8 = 3;
 /// The turns that are looked at: to which angle of attack \[rad\], and whether after a push-over. From there on the servo
 /// finds the way; where there is no turn, from the start. Of three candidates two are of these,
 const OFTEN: [Option<(f32, bool)>; 8] = [
-    Some((1.3, false)),
-    Some((1.3, true)),
+    Some((0.78, false)),
+    Some((0.78, true)),
     Some((0.0, false)),
-    Some((0.14, false)),
-    Some((1.0, false)),
+    Some((0.116, false)),
+    Some((1.44, false)),
     None,
-    Some((-0.14, false)),
+    Some((-0.116, false)),
     Some((1.75, false)),
 ];
 /// and one is of these.
 const SELDOM: [Option<(f32, bool)>; 9] = [
-    Some((-1.3, false)),
+    Some((-0.78, false)),
     Some((1.75, true)),
     Some((2.3, false)),
-    Some((-1.0, false)),
+    Some((-1.44, false)),
     Some((math::PI, false)),
-    Some((-1.3, true)),
+    Some((-0.78, true)),
     Some((-1.75, false)),
     Some((-1.75, true)),
     Some((-2.3, false)),
@@ -785,9 +785,9 @@ mod tests {
         let different = plans.iter().map(|p| 1.0 / looks(p) as f32).sum::<f32>();
         assert!((different - 17.0).abs() < 1e-3);
         assert!(plans.iter().all(|p| looks(p) <= 3));
-        // To an angle of attack of 74° from a course that is level forward: nose 16° from up.
+        // To an angle of attack of 45° from a course that is level forward: nose 45° from up.
         let braking = plans.first().unwrap();
-        assert!((braking.target + 16f32.to_radians()).abs() < 0.01 && braking.push == 0.0);
+        assert!((braking.target + 45f32.to_radians()).abs() < 0.01 && braking.push == 0.0);
     }
 
     #[test]

@@ -87,7 +87,9 @@ pub enum AirUse {
     Wind,
     /// The last wind known.
     HeldWind,
-    /// Nothing: plain thrust vectoring.
+    /// Nothing for longer than `air_hold`, or never yet: the last wind known, or calm, stands in for it, and what the
+    /// accelerometer feels scales the air's force. Without an accelerometer the vehicle slows down, and is then flown by plain
+    /// thrust vectoring.
     #[default]
     None,
 }
@@ -150,7 +152,8 @@ impl Refusal {
 /// | air velocity, but wind known | velocity less wind: [`AirUse::Wind`] | it is measured again |
 /// | air data that imply a wind above `max_wind`, or a change of wind above `max_wind_step` | as if both were missing | they are plausible again; the change allowed grows by 1 m/s per second |
 /// | both, for less than `air_hold` | velocity less the last wind: [`AirUse::HeldWind`] | either comes back |
-/// | both | no air at all, as with k_a = 0, plain thrust vectoring: [`AirUse::None`] | either comes back |
+/// | both for longer, or from the beginning, but a specific force | velocity less the last wind, or less none: [`AirUse::None`]; the law scales the air's force by what is felt | either comes back |
+/// | all three | at most half of the speed at which the wing carries the weight with a lift coefficient of 1 is flown to, without horizontal position hold; once as slow as that over the air of the last wind, no air at all, as with k_a = 0: plain thrust vectoring | one comes back |
 /// | reference (not finite, absurd, older than `reference_age`, or of negative age) | the last velocity, no acceleration, no position hold | a good one comes |
 /// | position error | no position hold; the integral goes on from the velocity | it comes back |
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -302,7 +305,7 @@ impl Supervisor {
         let (given, used) = match *air {
             Air::Velocity(v_a) => (velocity - v_a, AirUse::Velocity),
             Air::Wind(wind) => (wind, AirUse::Wind),
-            Air::Unknown => return self.without_air(state, velocity, dt, false),
+            Air::Unknown => return self.without_air(state, dt, false),
         };
         // A blocked pitot makes the air stand still around a moving vehicle: as if a tailwind had come up at once.
         let allowed = self.max_wind_step + WIND_DRIFT * state.wind_age;
@@ -314,14 +317,25 @@ impl Supervisor {
             state.wind_age = 0.0;
             (given, used, false)
         } else {
-            self.without_air(state, velocity, dt, true)
+            self.without_air(state, dt, true)
         }
+    }
+
+    /// Takes `wind` [m/s] for the last one known, as far as it may be one.
+    pub(super) fn remember(&self, state: &mut SupervisionState, wind: Ned) {
+        let square = wind.norm_squared();
+        // 0.999: what is rounded stays inside.
+        let most = 0.999 * self.max_wind;
+        state.wind = if square > most * most {
+            wind * (most / math::sqrt(square))
+        } else {
+            wind
+        };
     }
 
     fn without_air(
         &self,
         state: &mut SupervisionState,
-        velocity: Ned,
         dt: f32,
         invalid: bool,
     ) -> (Ned, AirUse, bool) {
@@ -329,8 +343,7 @@ impl Supervisor {
         if state.wind_known == 1 && state.wind_age <= self.air_hold {
             (state.wind, AirUse::HeldWind, invalid)
         } else {
-            // Moving with the air there is no aerodynamic force: the law is that of k_a = 0.
-            (velocity, AirUse::None, invalid)
+            (state.wind, AirUse::None, invalid)
         }
     }
 }
@@ -410,8 +423,8 @@ mod tests {
         let v = Ned::new(12.0, -2.0, 1.0);
         let mut wind = |air: Air| supervisor.wind(&mut state, v, &air, 0.125);
         let w = Ned::new(-3.0, 0.0, 0.0);
-        // Nothing known yet: the air moves with the vehicle.
-        assert_eq!(wind(Air::Unknown), (v, AirUse::None, false));
+        // Nothing known yet: calm.
+        assert_eq!(wind(Air::Unknown), (Ned::ZERO, AirUse::None, false));
         assert_eq!(wind(Air::Velocity(v - w)), (w, AirUse::Velocity, false));
         assert_eq!(wind(Air::Wind(w)), (w, AirUse::Wind, false));
         // Held for 1 s.
@@ -424,10 +437,11 @@ mod tests {
             };
             assert_eq!(wind(air), (w, AirUse::HeldWind, invalid));
         }
-        assert_eq!(wind(Air::Unknown), (v, AirUse::None, false));
+        // Then it stands in for what is not known.
+        assert_eq!(wind(Air::Unknown), (w, AirUse::None, false));
         assert_eq!(
             wind(Air::Wind(Ned::new(0.0, 0.0, f32::INFINITY))),
-            (v, AirUse::None, true)
+            (w, AirUse::None, true)
         );
         assert_eq!(wind(Air::Wind(w)), (w, AirUse::Wind, false));
     }
@@ -459,7 +473,7 @@ mod tests {
         let mut state = SupervisionState::default();
         assert_eq!(
             supervisor.wind(&mut state, v, &far, 0.01),
-            (v, AirUse::None, true)
+            (Ned::ZERO, AirUse::None, true)
         );
         // A gust front of 8 m/s is one.
         let mut state = calm();

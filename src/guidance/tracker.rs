@@ -22,7 +22,7 @@ use crate::spatial::{Body, Command, Heading, Orientation, Reference, State, Wing
 /// How far to either side of the virtual attitude the slope of F̄_2 is looked at \[rad\].
 const REACH: f32 = 0.087;
 /// Slope of F̄_2 from which on an equilibrium is on a sheet, in multiples of the weight.
-const SHEET: f32 = 0.5;
+const SHEET: f32 = 0.29;
 /// Distance from the virtual attitude \[rad\] up to which the vehicle is taken to be on the virtual vehicle's sheet, and
 /// beyond twice which it is not.
 const NEAR: f32 = 0.17;
@@ -34,7 +34,7 @@ const ALONG: f32 = 0.8;
 /// Part of the greatest rate by which the lag of the rate loop is made up for. Where the servo meets stall the virtual rate
 /// goes to and fro at its slew limit. All of the lag's lead would then leave nothing of the limits to bring the attitude
 /// back: of 30 noisy round trips 6 sank more than 1.5 m, the worst 8 m.
-const LAG_SHARE: f32 = 0.36;
+const LAG_SHARE: f32 = 0.4;
 
 /// Part of the greatest integral that is left as F_p grows: with the default gains an angle of 7°.
 const STIFF: f32 = 0.25;

@@ -5,6 +5,7 @@
 
 use super::accelerometer::{Accelerometer, AccelerometerState};
 use super::bandwidth::BandwidthGains;
+use super::blind::Blind;
 use super::course::{Axes, Course};
 use super::flight::limited;
 use super::limits::{LimitState, Limits};
@@ -298,8 +299,8 @@ impl GuidanceState {
 /// Time constant \[s\] of the wind that is planned with.
 const GUSTS: f32 = 0.3;
 /// How fast the virtual velocity is drawn to the real one where the law has no say [1/s], and what part of that its position.
-const DRAW: f32 = 5.0;
-const DRAW_POSITION: f32 = 0.6;
+const DRAW: f32 = 4.6;
+const DRAW_POSITION: f32 = 0.59;
 /// Position errors beyond this \[m\] are taken as this.
 const MAX_DISTANCE: f32 = 1e4;
 
@@ -491,7 +492,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         // What to fly to.
         let fresh =
             self.supervisor.accepts_reference(input.reference_age) && is_sane(&input.reference);
-        let asked = if fresh {
+        let mut asked = if fresh {
             state.held = input.reference.velocity;
             state.held_known = 1;
             input.reference
@@ -503,16 +504,25 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         } else {
             return Err(Refusal::NoReference);
         };
-        let position_error = input
+        let mut position_error = input
             .position_error
             .filter(|x| fresh && x.norm_squared().is_finite());
-        let (wind, air, air_invalid) =
+        let (mut wind, air, air_invalid) =
             self.supervisor
                 .wind(&mut state.supervision, input.velocity, &input.air, dt);
         let specific_force = input
             .specific_force
             .filter(|f| f.norm_squared() < MAX_ACCELERATION * MAX_ACCELERATION);
         let correction = self.accelerometer.correction(&state.accelerometer);
+        if air == AirUse::None && specific_force.is_none() {
+            let slow = self.turning.slow();
+            let blind = Blind::new(&asked, input.velocity, wind, slow);
+            (asked, wind) = (blind.reference, blind.wind);
+            if blind.slow {
+                self.supervisor.remember(&mut state.supervision, wind);
+            }
+            position_error = position_error.map(|x| Ned::new(0.0, 0.0, x.down));
+        }
         at.wind = wind;
         at.correction = correction;
 
@@ -543,6 +553,11 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         let nose = axes.project(input.orientation.i());
         let theta = math::atan2(nose.forward(), nose.down());
         if !begun {
+            if state.started != 1 {
+                let limits = (vehicle.mass(), vehicle.thrust_min(), vehicle.thrust_max());
+                self.accelerometer
+                    .begin(&mut state.accelerometer, specific_force, limits);
+            }
             state.started = 1;
             state.planner = PlannerState::default();
             state.flight = VirtualFlight {
@@ -567,7 +582,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             (
                 &asked,
                 state.wind,
-                correction.air(),
+                &correction,
                 axes.right.dot(input.orientation.w()),
             ),
             dt,
@@ -1037,12 +1052,13 @@ mod tests {
         }
     }
 
-    /// Without air data the law is that of k_a = 0: the plain thrust vector of a multicopter.
+    /// With neither air data nor an accelerometer, and slow, the law is that of k_a = 0: the plain thrust vector of a multicopter.
     #[test]
-    fn without_air_data_thrust_is_vectored_plainly() {
+    fn who_is_slow_and_blind_is_flown_by_the_plain_thrust_vector() {
         let (guidance, mut state) = (guidance(), GuidanceState::default());
         let input = PlanarInput {
-            velocity: Inertial::new(0.5, 9.0),
+            // Half of the speed at which the believed wing carries the weight with a lift coefficient of 1 is 6.6 m/s.
+            velocity: Inertial::new(0.5, 6.0),
             attitude: Attitude::from_angle(-0.4),
             air: Air::Unknown,
             position_error: None,
