@@ -7,6 +7,7 @@ use super::supervision::AirUse;
 use crate::aero::Aerodynamics;
 use crate::error::ParameterError;
 use crate::math;
+use crate::ned::Ned;
 use crate::spatial::{
     Body, Command, Correction, ForceError, ForceErrorParameters, ForceErrorState, ForceSample,
     Orientation, Sideslip, SideslipParameters, SideslipState,
@@ -24,6 +25,9 @@ const LEAST_EXCESS: f32 = -0.4;
 const MOST_EXCESS: f32 = 0.6;
 /// Force of the air, in multiples of the weight, below which it counts less.
 const AIR_FORCE: f32 = 0.3;
+/// Greatest thrust that is taken for missing, and the least of the greatest thrust that is left, over the weight.
+const MOST_MISSING: f32 = 0.2;
+const LEAST_THRUST: f32 = 1.02;
 /// Side force coefficient below which an accelerometer says nothing of the sideslip.
 const LEAST_C_Y: f32 = 1e-3;
 
@@ -54,7 +58,7 @@ memory!(AccelerometerState {
     excess: f32,
 });
 memory!(ForceErrorState {
-    force: crate::ned::Ned,
+    force: Ned,
     thrust: f32,
 });
 memory!(SideslipState { velocity: f32 });
@@ -118,6 +122,21 @@ impl Accelerometer {
         Correction::new(state.force.force, state.sideslip.velocity).with_air(state.excess)
     }
 
+    /// Thrust \[N\] that the vehicle does not have for anything else: it holds the force along `down` that the belief leaves
+    /// out. However large that is, the vehicle still hovers.
+    #[inline(always)]
+    pub fn missing<A: Aerodynamics>(
+        &self,
+        state: &AccelerometerState,
+        down: Ned,
+        vehicle: &Vehicle<A>,
+    ) -> f32 {
+        let weight = vehicle.weight();
+        let left = vehicle.thrust_max() - LEAST_THRUST * weight;
+        let most = math::min(MOST_MISSING * weight, left);
+        math::clamp(down.dot(state.force.force), 0.0, most)
+    }
+
     /// One step of `dt` \[s\] after a command of the law in this attitude, with the specific force \[m/s²\] if it is
     /// measured. Where it is not, nothing is added any more.
     #[inline(always)]
@@ -168,7 +187,6 @@ impl Accelerometer {
 mod tests {
     use super::*;
     use crate::aero::{LargeAngle, LargeAngleParameters};
-    use crate::ned::Ned;
     use crate::spatial::Diagnostics;
     use crate::vehicle::VehicleParameters;
 
@@ -249,6 +267,31 @@ mod tests {
         assert_eq!(state.excess, MOST_EXCESS);
         let left = state.force.force.norm_squared();
         assert!((left - 39.2 * 39.2).abs() < 10.0, "{left}");
+    }
+
+    /// Only a force down takes of the thrust, and never so much that the vehicle does not hover.
+    #[test]
+    fn what_holds_a_missing_force_is_missing() {
+        let (e, model) = (
+            estimators(0.0),
+            LargeAngle::new(LargeAngleParameters::NACA_0021_RE_160E3).unwrap(),
+        );
+        let missing = |thrust_max: f32, force: Ned| {
+            let p = VehicleParameters {
+                thrust_max,
+                ..VehicleParameters::PAPER
+            };
+            let mut state = AccelerometerState::default();
+            state.force.force = force;
+            let down = Ned::new(0.0, 0.0, 1.0);
+            e.missing(&state, down, &Vehicle::new(p, model).unwrap())
+        };
+        let down = |force| Ned::new(7.0, 3.0, force);
+        assert_eq!(missing(196.2, down(9.81)), 9.81);
+        assert_eq!(missing(196.2, down(-9.81)), 0.0);
+        // 1e-4 N: roundings of the weight.
+        assert!((missing(196.2, down(50.0)) - 0.2 * 98.1).abs() < 1e-4);
+        assert!((missing(105.0, down(50.0)) - (105.0 - 1.02 * 98.1)).abs() < 1e-4);
     }
 
     /// In hover there is no force of the air to scale: thrust that is not what was asked for leaves the scale alone.

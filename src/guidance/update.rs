@@ -5,7 +5,7 @@
 
 use super::accelerometer::{Accelerometer, AccelerometerState};
 use super::bandwidth::BandwidthGains;
-use super::blind::Blind;
+use super::blind::fly_blind;
 use super::course::{Axes, Course};
 use super::flight::limited;
 use super::limits::{LimitState, Limits};
@@ -516,9 +516,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         let correction = self.accelerometer.correction(&state.accelerometer);
         if air == AirUse::None && specific_force.is_none() {
             let slow = self.turning.slow();
-            let blind = Blind::new(&asked, input.velocity, wind, slow);
-            (asked, wind) = (blind.reference, blind.wind);
-            if blind.slow {
+            if fly_blind(&mut asked, &mut wind, input.velocity, slow) {
                 self.supervisor.remember(&mut state.supervision, wind);
             }
             position_error = position_error.map(|x| Ned::new(0.0, 0.0, x.down));
@@ -582,7 +580,9 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             (
                 &asked,
                 state.wind,
-                &correction,
+                correction.air(),
+                self.accelerometer
+                    .missing(&state.accelerometer, axes.down, vehicle),
                 axes.right.dot(input.orientation.w()),
             ),
             dt,

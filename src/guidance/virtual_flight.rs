@@ -18,7 +18,7 @@ use crate::frame::Inertial;
 use crate::math;
 use crate::ned::Ned;
 use crate::reference;
-use crate::spatial::{Correction, Reference};
+use crate::spatial::Reference;
 use crate::vehicle::Vehicle;
 
 /// Lateral acceleration per lateral velocity error [1/s].
@@ -32,10 +32,6 @@ const SHARE: f32 = 0.9;
 const TURNING: f32 = 0.5;
 /// Speed, in the same measure, at which air and heading have an equal say in the course.
 const TAKEOVER: f32 = 0.8;
-/// Greatest part of the weight that the accelerometer may take from the greatest thrust of the virtual vehicle, and the least
-/// thrust that is left, over the weight: it hovers in any case.
-const MISSING: f32 = 0.2;
-const LEAST_THRUST: f32 = 1.02;
 /// Weight of the present course where no heading is asked for.
 const STAY: f32 = 0.3;
 /// Rate at which the course approaches its aim [1/s].
@@ -218,7 +214,7 @@ impl Turning {
     }
 
     /// Lets `flight` pass for `dt` \[s\] by the plan that `planner` has chosen: to a `reference`, in a `wind`, the air's force
-    /// and what else the belief leaves out being as `correction` says. `wings` is the cosine of the angle between the real wing and the virtual one.
+    /// being `air` times the believed one, and `missing` \[N\] of the greatest thrust not being there. `wings` is the cosine of the angle between the real wing and the virtual one.
     #[inline(always)]
     pub fn advance<'a, A: Aerodynamics>(
         &self,
@@ -226,10 +222,10 @@ impl Turning {
         vehicle: &'a Vehicle<A>,
         flight: &mut VirtualFlight,
         state: &mut PlannerState,
-        (reference, wind, correction, wings): (&Reference, Ned, &Correction, f32),
+        (reference, wind, air, missing, wings): (&Reference, Ned, f32, f32, f32),
         dt: f32,
     ) -> Moved<'a, A> {
-        let (servo, air) = (&planner.virtual_vehicle, correction.air());
+        let servo = &planner.virtual_vehicle;
         let course = flight.course;
         let (velocity, across) = course.project(flight.velocity);
         let (position, aside) = course.project(flight.position);
@@ -272,14 +268,6 @@ impl Turning {
         let lean = math::clamp(lean, flight.lean - step, flight.lean + step);
         let lean_rate = (lean - flight.lean) / dt;
         let axes = Axes::new(&course, vehicle.gravity(), lean);
-        // A force down that is not believed in needs thrust that the virtual vehicle does not have either.
-        let weight = vehicle.weight();
-        let left = vehicle.thrust_max() - LEAST_THRUST * weight;
-        let missing = math::clamp(
-            axes.down.dot(correction.force()),
-            0.0,
-            math::min(MISSING * weight, left),
-        );
         let heavier = vehicle.as_flown(axes.gravity, air, missing);
 
         // What is down leans with the plane: in it, down is shorter by the load factor.
@@ -420,14 +408,14 @@ mod tests {
         seconds: f32,
         see: impl FnMut(&VirtualFlight, &Moved<Combined>),
     ) -> VirtualFlight {
-        fly_with(start, reference, &Correction::default(), seconds, see)
+        fly_with(start, reference, 0.0, seconds, see)
     }
 
-    /// The same with what an accelerometer tells.
+    /// The same without a part of the greatest thrust.
     fn fly_with(
         start: VirtualFlight,
         reference: &Reference,
-        correction: &Correction,
+        missing: f32,
         seconds: f32,
         mut see: impl FnMut(&VirtualFlight, &Moved<Combined>),
     ) -> VirtualFlight {
@@ -436,7 +424,7 @@ mod tests {
         let turning = Turning::new(&p, &vehicle).unwrap();
         let (mut flight, mut state) = (start, PlannerState::default());
         for _ in 0..(seconds / DT) as usize {
-            let given = (reference, Ned::ZERO, correction, 1.0);
+            let given = (reference, Ned::ZERO, 1.0, missing, 1.0);
             let moved = turning.advance(&planner, &vehicle, &mut flight, &mut state, given, DT);
             assert!(flight.is_sound());
             see(&flight, &moved);
@@ -515,25 +503,18 @@ mod tests {
         assert!(along.forward() > 0.95, "{}", along.forward());
     }
 
-    /// A sink that full thrust has to stop: what holds a force that the belief leaves out is not there for it. However large
-    /// that force is, the virtual vehicle still hovers.
+    /// A sink that full thrust has to stop: what is not there of it is not counted on.
     #[test]
-    fn thrust_that_holds_a_missing_force_is_not_counted_on() {
+    fn thrust_that_is_not_there_is_not_counted_on() {
         let start = flight(Ned::new(0.0, 0.0, 12.0), 0.0);
-        let most = |down: f32| {
-            let correction = Correction::new(Ned::new(0.0, 0.0, down), 0.0);
+        for missing in [0.0, 9.81] {
             let mut most = 0f32;
-            fly_with(start, &cruise(0.0, 0.0), &correction, 1.0, |f, _| {
+            fly_with(start, &cruise(0.0, 0.0), missing, 1.0, |f, _| {
                 most = f32::max(most, f.thrust);
             });
-            most
-        };
-        let (full, weight) = (vehicle().thrust_max(), vehicle().weight());
-        // 1e-3 N: roundings of mass and thrust.
-        assert!((most(0.0) - full).abs() < 1e-3);
-        assert!((most(9.81) - (full - 9.81)).abs() < 1e-3);
-        assert!((most(-9.81) - full).abs() < 1e-3);
-        assert!((most(500.0) - (full - MISSING * weight)).abs() < 1e-3);
+            // 1e-3 N: roundings of mass and thrust.
+            assert!((most - (vehicle().thrust_max() - missing)).abs() < 1e-3);
+        }
     }
 
     /// The course waits for a wing that is elsewhere.
@@ -545,7 +526,7 @@ mod tests {
         let turned = |wings: f32| {
             let mut flight = flight(Ned::new(0.0, 20.0, 0.0), -1.5);
             let reference = cruise(0.0, 20.0);
-            let given = (&reference, Ned::ZERO, &Correction::default(), wings);
+            let given = (&reference, Ned::ZERO, 1.0, 0.0, wings);
             let mut state = PlannerState::default();
             turning.advance(&planner, &vehicle, &mut flight, &mut state, given, DT);
             flight.course.project(Ned::new(0.0, 1.0, 0.0)).0.forward()
