@@ -64,9 +64,13 @@ impl ThrustLine {
     /// # Errors
     /// `delta` not finite or out of range.
     pub fn new(delta: f32) -> Result<Self, ParameterError> {
-        let delta = in_range("delta", delta, -math::PI, math::PI)?;
+        in_range("delta", delta, -math::PI, math::PI).map(Self::of_checked)
+    }
+
+    /// The thrust line at a `delta` that [`new`](Self::new) would take.
+    pub(crate) fn of_checked(delta: f32) -> Self {
         let (sin, cos) = math::sin_cos(delta);
-        Ok(Self { delta, sin, cos })
+        Self { delta, sin, cos }
     }
 
     /// δ \[rad\].

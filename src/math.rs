@@ -1,6 +1,6 @@
 //! The elementary functions of a control step: bounded polynomials in single precision.
 //!
-//! Every function runs in constant time and gives the same bits on every target: only correctly rounded operations
+//! Every function runs in constant time, but for one short branch of [`angle`], and gives the same bits on every target: only correctly rounded operations
 //! (+, −, ×, ÷, √) and bit moves, in a fixed order, never contracted. The accuracies stated are measured by the tests
 //! below, against `f64` and against `libm`.
 //!
@@ -110,7 +110,13 @@ pub const fn angle(sin: f32, cos: f32) -> f32 {
 #[inline(always)]
 pub const fn angle_of_half(t: f32, cos: f32) -> f32 {
     let a = 2.0 * atan(t);
-    if cos < 0.0 { PI.copysign(t) - a } else { a }
+    if cos < 0.0 {
+        // Flight tail first is rare: its angle is not to be made ahead of the choice.
+        core::hint::cold_path();
+        PI.copysign(t) - a
+    } else {
+        a
+    }
 }
 
 /// atan `t` for |`t`| ≤ 1, relative error below 1.5e-7.

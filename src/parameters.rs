@@ -65,8 +65,13 @@ pub trait Parameters: Copy + 'static {
     /// Every parameter at its default; NaN where there is none.
     const DEFAULT: Self;
 
+    /// The values, in the order of the rows.
+    fn values(&self) -> impl AsRef<[f32]>;
+
     /// The value in row `row`, counted from 0; NaN beyond the last row.
-    fn get(&self, row: usize) -> f32;
+    fn get(&self, row: usize) -> f32 {
+        self.values().as_ref().get(row).copied().unwrap_or(f32::NAN)
+    }
 
     /// Sets the value in row `row`; beyond the last row nothing happens.
     fn set(&mut self, row: usize, value: f32);
@@ -76,16 +81,20 @@ pub trait Parameters: Copy + 'static {
     /// # Errors
     /// The first parameter that is not finite, not positive where it must be, or out of its range.
     fn check(&self) -> Result<(), ParameterError> {
-        for (row, range) in Self::RANGES.iter().enumerate() {
-            range
-                .check(self.get(row))
-                .map_err(|problem| ParameterError {
-                    parameter: range.name,
-                    problem,
-                })?;
-        }
-        Ok(())
+        check(Self::RANGES, self.values().as_ref())
     }
+}
+
+/// Checks each value against its range. The loop is there once, and not once for every table.
+#[inline(never)]
+fn check(ranges: &[Range], values: &[f32]) -> Result<(), ParameterError> {
+    for (range, value) in ranges.iter().zip(values) {
+        range.check(*value).map_err(|problem| ParameterError {
+            parameter: range.name,
+            problem,
+        })?;
+    }
+    Ok(())
 }
 
 /// Makes a structure of parameters from its rows:
@@ -132,8 +141,8 @@ macro_rules! parameters {
             }, )*];
             const DEFAULT: Self = Self { $( $name: $default, )* };
 
-            fn get(&self, row: usize) -> f32 {
-                [$( self.$name, )*].get(row).copied().unwrap_or(f32::NAN)
+            fn values(&self) -> impl AsRef<[f32]> {
+                [$( self.$name, )*]
             }
 
             fn set(&mut self, row: usize, value: f32) {

@@ -91,7 +91,7 @@ impl<A: Aerodynamics> Vehicle<A> {
             gravity: p.gravity,
             thrust_min: p.thrust_min,
             thrust_max: p.thrust_max,
-            thrust_line: ThrustLine::new(p.delta)?,
+            thrust_line: ThrustLine::of_checked(p.delta),
             model,
         })
     }

@@ -152,7 +152,10 @@ fn range(mut index: usize) -> Option<&'static Range> {
     None
 }
 
-/// The code of a parameter that the core refuses because of others: each one's own range has been checked before.
+/// The code of a parameter that the core refuses because of others: each one's own range has been checked before. Out of line:
+/// it is called for each constructor of the core.
+#[cold]
+#[inline(never)]
 pub(crate) fn refused(error: ParameterError) -> i32 {
     let named = |index| range(index).is_some_and(|range| range.name == error.parameter);
     let index = (0..COUNT).find(|index| named(*index));

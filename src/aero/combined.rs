@@ -162,6 +162,8 @@ struct Sigma {
 /// Exponents of two above this are cut off: σ is below 2e-17 there, and the product of both powers and of the largest
 /// coefficient must not overflow.
 const MAX_EXPONENT: f32 = 56.0;
+/// Two to that power.
+const MAX_POWER: f32 = (1u64 << 56) as f32;
 
 impl Blend {
     fn new(parameter: &'static str, k: f32, alpha_bar: f32) -> Result<Self, ParameterError> {
@@ -182,7 +184,13 @@ impl Blend {
     /// e = e^{2k(α² − ᾱ²)}, where `excess` = α² − ᾱ².
     #[inline(always)]
     fn power(&self, excess: f32) -> f32 {
-        math::exp2(math::min(self.exponent * excess, MAX_EXPONENT))
+        let exponent = self.exponent * excess;
+        // A branch and not the smaller of two numbers: far behind the stall, as around hover, there is nothing to compute.
+        if exponent < MAX_EXPONENT {
+            math::exp2(exponent)
+        } else {
+            MAX_POWER
+        }
     }
 
     /// σ at `alpha` \[rad\], where `e` is [`power`](Self::power) and `r` = 1/(1 + e).
@@ -203,6 +211,17 @@ impl Blend {
 mod tests {
     extern crate std;
     use super::*;
+
+    /// Where the exponent is cut off nothing is computed: the power is the one that would be.
+    #[test]
+    fn the_greatest_power_is_the_one_of_the_greatest_exponent() {
+        assert_eq!(math::exp2(MAX_EXPONENT).to_bits(), MAX_POWER.to_bits());
+        let blend = Blend::new("k_l", 28.0, 0.2).unwrap();
+        assert!(blend.power(56.0 / blend.exponent - 1e-3) < MAX_POWER);
+        for excess in [56.0 / blend.exponent + 1e-3, 9.0, f32::INFINITY, f32::NAN] {
+            assert_eq!(blend.power(excess), MAX_POWER);
+        }
+    }
 
     /// The printed equations, with tanh.
     fn printed(p: CombinedParameters, a: f64) -> (f64, f64) {

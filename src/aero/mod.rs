@@ -40,7 +40,7 @@ pub struct Coefficients {
 
 /// A model of the aerodynamic coefficients at every angle of attack.
 ///
-/// Implementations are total: finite for every angle. They compute everything by straight-line code and are
+/// Implementations are total: finite for every angle. They compute everything by code that hardly branches and are
 /// marked `#[inline]`, so that a caller that has no use for the second derivatives does not pay for them.
 pub trait Aerodynamics {
     /// The coefficients at `alpha`.

@@ -64,7 +64,7 @@ impl Gains {
             k1: p.k1,
             k2: p.k2,
             k3: p.k3,
-            guard: Guard::new(p.tau)?,
+            guard: Guard::of_checked(p.tau),
         })
     }
 

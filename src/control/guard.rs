@@ -17,11 +17,15 @@ impl Guard {
     /// # Errors
     /// `tau` not finite, not positive, or outside [1e-3, 1e6].
     pub fn new(tau: f32) -> Result<Self, ParameterError> {
-        let tau = positive("tau", tau, 1e-3, 1e6)?;
-        Ok(Self {
+        Ok(Self::of_checked(positive("tau", tau, 1e-3, 1e6)?))
+    }
+
+    /// The guard of a `tau` that [`new`](Self::new) would take.
+    pub(crate) fn of_checked(tau: f32) -> Self {
+        Self {
             tau,
             inverse_square: 1.0 / (tau * tau),
-        })
+        }
     }
 
     /// τ \[N\].

@@ -228,13 +228,14 @@ impl<A: Aerodynamics, G: GainLaw> VelocityControl<A, G> {
     /// What the law on `branch` starts from. The inputs are to have been checked.
     #[inline(always)]
     pub(crate) fn step(&self, branch: Branch, state: &State, reference: &Reference) -> Step {
+        // First, so that the velocities need not be kept while the forces are made.
+        let error = state.attitude.to_body(state.velocity - reference.velocity);
         let forces = ApparentForces::new(
             &self.vehicle,
             state.attitude,
             state.velocity - state.wind,
             reference.acceleration,
         );
-        let error = state.attitude.to_body(state.velocity - reference.velocity);
         self.step_in_plane(branch, forces, error)
     }
 

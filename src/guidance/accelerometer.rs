@@ -5,7 +5,6 @@ use super::memory::memory;
 use super::parameters::GuidanceParameters;
 use super::supervision::AirUse;
 use crate::aero::Aerodynamics;
-use crate::error::ParameterError;
 use crate::math;
 use crate::ned::Ned;
 use crate::spatial::{
@@ -65,10 +64,7 @@ memory!(SideslipState { velocity: f32 });
 
 impl Accelerometer {
     /// The estimators for `vehicle`, with parameters that have been checked.
-    pub fn new<A: Aerodynamics>(
-        p: &GuidanceParameters,
-        vehicle: &Vehicle<A>,
-    ) -> Result<Self, ParameterError> {
+    pub fn new<A: Aerodynamics>(p: &GuidanceParameters, vehicle: &Vehicle<A>) -> Self {
         let most = math::clamp(MOST * vehicle.weight(), 1e-3, 1e6);
         let force = ForceErrorParameters {
             time: TIME,
@@ -76,17 +72,17 @@ impl Accelerometer {
             most,
         };
         let sideslip = SideslipParameters::DEFAULT;
-        Ok(Self {
-            force: ForceError::new(force, vehicle.mass())?,
+        Self {
+            force: ForceError::of_checked(force, vehicle.mass()),
             most,
             air_force: AIR_FORCE * vehicle.weight(),
             sideslip: if vehicle.c_y() >= LEAST_C_Y {
-                Some(Sideslip::new(sideslip, vehicle)?)
+                Some(Sideslip::of_checked(sideslip, vehicle))
             } else {
                 None
             },
             most_sideslip: 2.0 * sideslip.most,
-        })
+        }
     }
 
     /// Whether every number is one that a step can have left. NaN is not.
@@ -200,7 +196,7 @@ mod tests {
             ..VehicleParameters::PAPER
         };
         let vehicle = Vehicle::new(p, model).unwrap();
-        Accelerometer::new(&GuidanceParameters::default(), &vehicle).unwrap()
+        Accelerometer::new(&GuidanceParameters::default(), &vehicle)
     }
 
     /// Flies for some seconds nose up, the believed force of the air being `believed`, without thrust, while the accelerometer

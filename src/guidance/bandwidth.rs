@@ -4,7 +4,6 @@ use super::parameters::GuidanceParameters;
 use crate::aero::Aerodynamics;
 use crate::control::{GainLaw, GainValues, Gains, Guard};
 use crate::error::ParameterError;
-use crate::parameters::Parameters;
 use crate::vehicle::Vehicle;
 
 /// Validated gains by bandwidth: the loop's natural frequency, damping and thrust-axis rate are what is set, and the
@@ -50,7 +49,7 @@ impl BandwidthGains {
         p: &GuidanceParameters,
         vehicle: &Vehicle<A>,
     ) -> Result<Self, ParameterError> {
-        p.check()?;
+        p.check_all()?;
         Ok(Self {
             along: vehicle.mass() * p.thrust_rate,
             across: vehicle.mass() * p.natural_frequency * p.natural_frequency,

@@ -1,5 +1,6 @@
 //! The parameters of the guidance.
 
+use crate::error::ParameterError;
 use crate::parameters::Parameters;
 
 crate::parameters! {
@@ -68,6 +69,17 @@ crate::parameters! {
             "Greatest change of the wind from one step to the next; air data that imply a greater one are invalid.";
         safe_thrust: "mg", -1e3, 1e3, 0.0, "ALU_SUP_THRUST",
             "Thrust of the safe command, inside the vehicle's limits. Zero: as near to none as these allow.";
+    }
+}
+
+impl GuidanceParameters {
+    /// [`check`](Parameters::check), compiled once: two constructors of generic types call it.
+    ///
+    /// # Errors
+    /// As `check`.
+    #[inline(never)]
+    pub(super) fn check_all(&self) -> Result<(), ParameterError> {
+        self.check()
     }
 }
 

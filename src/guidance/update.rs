@@ -24,7 +24,6 @@ use crate::control::{Fault, GainLaw, Margin};
 use crate::error::{ParameterError, Problem};
 use crate::math;
 use crate::ned::Ned;
-use crate::parameters::Parameters;
 use crate::reference::{MAX_ACCELERATION, MAX_SPEED};
 use crate::spatial::{
     Body, Command, Correction, Diagnostics, LateralGains, LateralParameters, Orientation, Rates,
@@ -343,12 +342,13 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         gains: G,
         p: &GuidanceParameters,
     ) -> Result<Self, ParameterError> {
-        p.check()?;
+        p.check_all()?;
         check_relations(&vehicle, p)?;
-        let turning = Turning::new(p, &vehicle)?;
+        let turning = Turning::new(p, &vehicle);
+        // What is made from here on of parameters that have been checked is in its own range: it is not checked again.
         // 2ζω_n and ω_n/(2ζ): tilt and lateral velocity make a loop of this frequency and damping.
         let rate = |x: f32| math::clamp(x, 1e-3, 1e3);
-        let lateral = LateralGains::new(LateralParameters {
+        let lateral = LateralGains::of_checked(LateralParameters {
             tilt: rate(2.0 * p.damping * p.natural_frequency),
             velocity: rate(0.5 * p.natural_frequency / p.damping),
             twist: rate(TWIST * p.natural_frequency),
@@ -356,12 +356,12 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             force: math::clamp(LATERAL_FORCE * vehicle.weight(), 1e-3, 1e6),
             airspeed: math::clamp(turning.takeover(), 1e-3, 1e3),
             heading: HEADING,
-        })?;
+        });
         Ok(Self {
             planner: Planner::new(p),
             turning,
             tracker: Tracker::new(p),
-            accelerometer: Accelerometer::new(p, &vehicle)?,
+            accelerometer: Accelerometer::new(p, &vehicle),
             limits: Limits::new(p, &vehicle),
             supervisor: Supervisor::new(p, &vehicle),
             control: WingedControl::new(vehicle, gains, lateral),
@@ -661,31 +661,23 @@ fn check_relations<A: Aerodynamics>(
 ) -> Result<(), ParameterError> {
     let weight = vehicle.weight();
     let safe = safe_thrust(p, vehicle);
-    let relations = [
-        ("thrust_max", vehicle.thrust_max() > weight),
-        ("thrust_min", vehicle.thrust_min() < weight),
-        (
-            "safe_thrust",
-            (vehicle.thrust_min()..=vehicle.thrust_max()).contains(&safe),
-        ),
-        (
-            "max_integral_down",
-            p.max_integral_down <= p.max_velocity_down,
-        ),
-        (
-            "max_integral_forward",
-            p.max_integral_forward <= p.max_velocity_forward,
-        ),
-    ];
-    for (parameter, kept) in relations {
-        if !kept {
-            return Err(ParameterError {
-                parameter,
-                problem: Problem::Contradiction,
-            });
-        }
-    }
-    Ok(())
+    let parameter = if vehicle.thrust_max() <= weight {
+        "thrust_max"
+    } else if vehicle.thrust_min() >= weight {
+        "thrust_min"
+    } else if !(vehicle.thrust_min()..=vehicle.thrust_max()).contains(&safe) {
+        "safe_thrust"
+    } else if p.max_integral_down > p.max_velocity_down {
+        "max_integral_down"
+    } else if p.max_integral_forward > p.max_velocity_forward {
+        "max_integral_forward"
+    } else {
+        return Ok(());
+    };
+    Err(ParameterError {
+        parameter,
+        problem: Problem::Contradiction,
+    })
 }
 
 #[cfg(test)]
@@ -698,6 +690,7 @@ mod tests {
     use crate::guidance::MIN_STEP;
     use crate::guidance::Phase;
     use crate::guidance::{PlanarGuided, PlanarInput};
+    use crate::parameters::Parameters;
     use crate::reference::Reference;
     use crate::vehicle::VehicleParameters;
     use rand::{RngExt, SeedableRng};

@@ -13,7 +13,6 @@ use super::progress::Progress;
 use crate::aero::Aerodynamics;
 use crate::air::AngleOfAttack;
 use crate::control::Guard;
-use crate::error::ParameterError;
 use crate::frame::Inertial;
 use crate::math;
 use crate::ned::Ned;
@@ -141,14 +140,15 @@ pub(super) struct Moved<'a, A> {
     pub progress: Progress,
 }
 
-/// The greatest lift coefficient on the way from zero lift to stall.
-fn lift_at_stall<A: Aerodynamics>(model: &A) -> f32 {
+/// The greatest lift coefficient `c_l` on the way from zero lift to stall. It is given as a function, and not as a model, so
+/// that the loop is compiled once and not once for each model that may be chosen.
+fn lift_at_stall(c_l: &dyn Fn(AngleOfAttack) -> f32) -> f32 {
     let mut most = 0.0;
     // Every half degree up to 20°, beyond which no wing of the library stalls.
     for n in 0..41u8 {
-        let c_l = model
-            .coefficients(AngleOfAttack::from_radians(f32::from(n) * 8.726_646e-3))
-            .c_l;
+        let rad = f32::from(n) * 8.726_646e-3;
+        let (sin, cos) = math::sin_cos(rad);
+        let c_l = c_l(AngleOfAttack { sin, cos, rad });
         if c_l > most {
             most = c_l;
         }
@@ -158,24 +158,21 @@ fn lift_at_stall<A: Aerodynamics>(model: &A) -> f32 {
 
 impl Turning {
     /// How `vehicle` turns with these parameters, which have been checked.
-    pub fn new<A: Aerodynamics>(
-        p: &GuidanceParameters,
-        vehicle: &Vehicle<A>,
-    ) -> Result<Self, ParameterError> {
+    pub fn new<A: Aerodynamics>(p: &GuidanceParameters, vehicle: &Vehicle<A>) -> Self {
         let (weight, k_a) = (vehicle.weight(), vehicle.k_a());
         let thrust = SHARE * vehicle.thrust_max() / weight;
         // The absolute value of what is positive: the root then needs no call of the C library.
         let speed = math::sqrt((weight / k_a).abs());
-        let stall = SHARE * lift_at_stall(vehicle.model());
-        Ok(Self {
+        let stall = SHARE * lift_at_stall(&|alpha| vehicle.model().coefficients(alpha).c_l);
+        Self {
             max: p.max_turn * vehicle.gravity(),
             thrust_squared: thrust * thrust,
             stall,
             lift: stall * k_a / weight,
             speed,
-            air: Guard::new(math::clamp(TAKEOVER * speed, 1e-3, 1e3))?,
+            air: Guard::of_checked(math::clamp(TAKEOVER * speed, 1e-3, 1e3)),
             rate: SHARE_OF_RATE * p.max_rate,
-        })
+        }
     }
 
     /// Speed below which a velocity is moved sideways and not turned [m/s]: the wing carries little yet.
@@ -421,7 +418,7 @@ mod tests {
     ) -> VirtualFlight {
         let (p, vehicle) = (GuidanceParameters::default(), vehicle());
         let planner = Planner::new(&p);
-        let turning = Turning::new(&p, &vehicle).unwrap();
+        let turning = Turning::new(&p, &vehicle);
         let (mut flight, mut state) = (start, PlannerState::default());
         for _ in 0..(seconds / DT) as usize {
             let given = (reference, Ned::ZERO, 1.0, missing, 1.0);
@@ -522,7 +519,7 @@ mod tests {
     fn the_course_waits_for_the_wing() {
         let (p, vehicle) = (GuidanceParameters::default(), vehicle());
         let planner = Planner::new(&p);
-        let turning = Turning::new(&p, &vehicle).unwrap();
+        let turning = Turning::new(&p, &vehicle);
         let turned = |wings: f32| {
             let mut flight = flight(Ned::new(0.0, 20.0, 0.0), -1.5);
             let reference = cruise(0.0, 20.0);
@@ -546,8 +543,7 @@ mod tests {
                 ..GuidanceParameters::default()
             },
             &vehicle(),
-        )
-        .unwrap();
+        );
         let thrust_alone = 9.81 * (1.8f32 * 1.8 - 1.0).sqrt();
         assert!((turning.most(9.81, 0.0) - thrust_alone).abs() < 1e-3);
         let (slow, fast) = (turning.most(9.81, 25.0 * 25.0), turning.most(9.81, 900.0));

@@ -147,16 +147,20 @@ impl Diagnostics {
     /// Tilt \[rad\], in (−π/2, π/2): the angle by which the wing is off the normal of F_y, 0 where lateral forces balance;
     /// positive where the force asked for leans to the right wing.
     pub fn tilt(&self) -> f32 {
-        let Body { i, j, w } = self.f_y;
-        math::atan2(w, math::sqrt(i * i + j * j))
+        out_of_plane(self.f_y)
     }
 
     /// Sideslip β \[rad\], in [−π/2, π/2]: the angle of the air velocity out of the plane of symmetry, positive where it
     /// points to the right wing.
     pub fn sideslip(&self) -> f32 {
-        let Body { i, j, w } = self.v_a;
-        math::atan2(w, math::sqrt(i * i + j * j))
+        out_of_plane(self.v_a)
     }
+}
+
+/// Angle from the plane of symmetry to `v`, positive towards the right wing \[rad\]. Of diagnostics alone: out of line for size.
+#[inline(never)]
+fn out_of_plane(v: Body) -> f32 {
+    math::atan2(v.w, math::sqrt(v.i * v.i + v.j * v.j))
 }
 
 /// Refuses inputs that are not finite or absurd.

@@ -64,12 +64,25 @@ impl ForceError {
     /// `mass` outside [1e-3, 1e6] kg, `time` or `thrust_lag` outside [1e-3, 1e3] s, `most` outside [1e-3, 1e6] N; or
     /// any not finite.
     pub fn new(p: ForceErrorParameters, mass: f32) -> Result<Self, ParameterError> {
-        Ok(Self {
-            mass: positive("mass", mass, 1e-3, 1e6)?,
-            time: positive("time", p.time, 1e-3, 1e3)?,
-            thrust_lag: positive("thrust_lag", p.thrust_lag, 1e-3, 1e3)?,
-            most: positive("most", p.most, 1e-3, 1e6)?,
-        })
+        for (name, value, max) in [
+            ("mass", mass, 1e6),
+            ("time", p.time, 1e3),
+            ("thrust_lag", p.thrust_lag, 1e3),
+            ("most", p.most, 1e6),
+        ] {
+            positive(name, value, 1e-3, max)?;
+        }
+        Ok(Self::of_checked(p, mass))
+    }
+
+    /// The estimator with parameters and a mass that [`new`](Self::new) would take.
+    pub(crate) fn of_checked(p: ForceErrorParameters, mass: f32) -> Self {
+        Self {
+            mass,
+            time: p.time,
+            thrust_lag: p.thrust_lag,
+            most: p.most,
+        }
     }
 
     /// One step of `dt` \[s\], after the law's. A sample that is not finite, or a `dt` that is not positive, changes nothing.

@@ -69,16 +69,31 @@ impl LateralGains {
     /// [1e-3, 1e6] N, `airspeed` outside [1e-3, 1e3] m/s, `heading` outside [1e-3, 1]; or any not finite or not
     /// positive.
     pub fn new(p: LateralParameters) -> Result<Self, ParameterError> {
-        let acceleration = positive("acceleration", p.acceleration, 1e-3, 1e3)?;
-        Ok(Self {
-            tilt: positive("tilt", p.tilt, 1e-3, 1e3)?,
-            velocity: positive("velocity", p.velocity, 1e-3, 1e3)?,
-            twice_twist: 2.0 * positive("twist", p.twist, 1e-3, 1e3)?,
-            over_acceleration: 1.0 / acceleration,
-            force: Guard::new(positive("force", p.force, 1e-3, 1e6)?)?,
-            airspeed: Guard::new(positive("airspeed", p.airspeed, 1e-3, 1e3)?)?,
-            heading: Guard::new(positive("heading", p.heading, 1e-3, 1.0)?)?,
-        })
+        for (name, value, max) in [
+            ("acceleration", p.acceleration, 1e3),
+            ("tilt", p.tilt, 1e3),
+            ("velocity", p.velocity, 1e3),
+            ("twist", p.twist, 1e3),
+            ("force", p.force, 1e6),
+            ("airspeed", p.airspeed, 1e3),
+            ("heading", p.heading, 1.0),
+        ] {
+            positive(name, value, 1e-3, max)?;
+        }
+        Ok(Self::of_checked(p))
+    }
+
+    /// The gains with parameters that [`new`](Self::new) would take.
+    pub(crate) fn of_checked(p: LateralParameters) -> Self {
+        Self {
+            tilt: p.tilt,
+            velocity: p.velocity,
+            twice_twist: 2.0 * p.twist,
+            over_acceleration: 1.0 / p.acceleration,
+            force: Guard::of_checked(p.force),
+            airspeed: Guard::of_checked(p.airspeed),
+            heading: Guard::of_checked(p.heading),
+        }
     }
 }
 

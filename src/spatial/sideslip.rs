@@ -61,14 +61,21 @@ impl Sideslip {
         p: SideslipParameters,
         vehicle: &Vehicle<A>,
     ) -> Result<Self, ParameterError> {
-        let c_y = positive("c_y", vehicle.c_y(), 1e-6, 1e3)?;
-        let airspeed = positive("airspeed", p.airspeed, 1e-1, 1e3)?;
-        Ok(Self {
-            length: vehicle.mass() / (vehicle.k_a() * c_y),
-            time: positive("time", p.time, 1e-3, 1e3)?,
-            over_square: 1.0 / (airspeed * airspeed),
-            most: positive("most", p.most, 1e-3, 1e3)?,
-        })
+        positive("c_y", vehicle.c_y(), 1e-6, 1e3)?;
+        positive("airspeed", p.airspeed, 1e-1, 1e3)?;
+        positive("time", p.time, 1e-3, 1e3)?;
+        positive("most", p.most, 1e-3, 1e3)?;
+        Ok(Self::of_checked(p, vehicle))
+    }
+
+    /// The estimator with parameters and a vehicle that [`new`](Self::new) would take.
+    pub(crate) fn of_checked<A: Aerodynamics>(p: SideslipParameters, vehicle: &Vehicle<A>) -> Self {
+        Self {
+            length: vehicle.mass() / (vehicle.k_a() * vehicle.c_y()),
+            time: p.time,
+            over_square: 1.0 / (p.airspeed * p.airspeed),
+            most: p.most,
+        }
     }
 
     /// One step of `dt` \[s\], with the air velocity `v_a` [m/s] of the known wind, and the specific force along the right

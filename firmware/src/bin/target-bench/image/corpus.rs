@@ -1,7 +1,7 @@
 //! The guidance over calls that the host has written to a file: those of the fuzz corpus. The file's format is that of
 //! `fuzz/examples/frames.rs`.
 
-use super::functions::{Fixture, Function, Output};
+use super::functions::{Fixture, Function, Output, keep};
 use super::measure::Meter;
 use super::sweep::{self, Case};
 use alula::{Combined, Guidance, GuidanceInput, GuidanceState, Model, ModelParameters, Vehicle};
@@ -98,20 +98,20 @@ unsafe impl Sync for Next {}
 static NEXT: Next = Next(Cell::new(core::ptr::null_mut()));
 
 #[inline(never)]
-fn combined(_: &Fixture, _: &Case, output: &mut Output) {
+fn combined(_: &Fixture, _: &Case, _: &mut Output) {
     // SAFETY: `measure` has put it there, and has it.
     let call = unsafe { &mut *NEXT.0.get() };
     if let Made::Combined(guidance) = &call.guidance {
-        output.guided = guidance.update(&mut call.memory, &call.input, call.dt);
+        keep(guidance.update(&mut call.memory, &call.input, call.dt));
     }
 }
 
 #[inline(never)]
-fn chosen(_: &Fixture, _: &Case, output: &mut Output) {
+fn chosen(_: &Fixture, _: &Case, _: &mut Output) {
     // SAFETY: As above.
     let call = unsafe { &mut *NEXT.0.get() };
     if let Made::Chosen(guidance) = &call.guidance {
-        output.guided = guidance.update(&mut call.memory, &call.input, call.dt);
+        keep(guidance.update(&mut call.memory, &call.input, call.dt));
     }
 }
 

@@ -3,17 +3,18 @@
 use super::sweep::Case;
 use alula::ned::BodyAxes;
 use alula::spatial::{
-    self, AxisymmetricControl, ForceError, ForceErrorParameters, ForceErrorState, LateralGains,
+    AxisymmetricControl, ForceError, ForceErrorParameters, ForceErrorState, LateralGains,
     LateralParameters, Orientation, Sideslip, SideslipParameters, SideslipState, WingedControl,
 };
 use alula::{
     Aerodynamics, AirData, AngleOfAttack, Attitude, BandwidthGains, Combined, CombinedParameters,
-    Command, Equilibria, EquilibriumError, Fault, FoldMap, FoldMargin, GainParameters, Gains,
-    Guidance, GuidanceParameters, GuidanceState, Guided, LargeAngle, LargeAngleParameters, Model,
-    Parameters, SmallAngle, SmallAngleParameters, Table, ThrustLine, Vehicle, VehicleParameters,
+    Equilibria, EquilibriumError, Fault, FoldMap, FoldMargin, GainParameters, Gains, Guidance,
+    GuidanceParameters, GuidanceState, LargeAngle, LargeAngleParameters, Model, Parameters,
+    SmallAngle, SmallAngleParameters, Table, ThrustLine, Vehicle, VehicleParameters,
     VelocityControl,
     aero::{Coefficients, NACA_0021_RE_160E3},
 };
+use core::hint::black_box;
 
 /// What the functions are called on.
 pub struct Fixture {
@@ -96,9 +97,8 @@ fn everything_on(vehicle: Vehicle<Combined>) -> Guidance<Combined, BandwidthGain
     Guidance::new(vehicle, &parameters).unwrap()
 }
 
-/// Where the functions leave their results.
+/// Where the functions leave their results, but for the commands.
 pub struct Output {
-    command: Result<Command, Fault>,
     coefficients: Coefficients,
     air: Option<AirData>,
     equilibria: Result<Equilibria, EquilibriumError>,
@@ -106,11 +106,16 @@ pub struct Output {
     attitude: Attitude,
     number: f32,
     memory: GuidanceState,
-    pub guided: Guided,
-    space: Result<spatial::Command, Fault>,
     orientation: Result<Orientation, Fault>,
     force_error: ForceErrorState,
     sideslip: SideslipState,
+}
+
+/// Takes a command where the law or the guidance has left it, in its caller's frame: a loop that controls something uses it
+/// there, and a copy of it would be measured too.
+#[inline(always)]
+pub fn keep<T>(command: T) {
+    let _ = black_box(command);
 }
 
 /// What a function with memory remembers when it is called.
@@ -125,7 +130,6 @@ pub enum Memory {
 impl Output {
     pub fn new() -> Self {
         Self {
-            command: Err(Fault::Undefined),
             coefficients: Coefficients::default(),
             air: None,
             equilibria: Err(EquilibriumError::Overflow),
@@ -133,8 +137,6 @@ impl Output {
             attitude: Attitude::NOSE_UP,
             number: 0.0,
             memory: GuidanceState::default(),
-            guided: Guided::default(),
-            space: Err(Fault::Undefined),
             orientation: Err(Fault::Undefined),
             force_error: ForceErrorState::default(),
             sideslip: SideslipState::default(),
@@ -172,37 +174,37 @@ macro_rules! functions {
 
 functions! {
     empty => |f, c, o| ();
-    robust => |f, c, o| o.command = f.combined_control.robust(&c.state, &c.reference, None);
+    robust => |f, c, o| keep(f.combined_control.robust(&c.state, &c.reference, None));
     robust_feed_forward => |f, c, o| {
-        o.command = f.combined_control.robust(&c.state, &c.reference, Some(&c.feed_forward));
+        keep(f.combined_control.robust(&c.state, &c.reference, Some(&c.feed_forward)));
     };
-    full => |f, c, o| o.command = f.combined_control.full(&c.state, &c.reference, None);
+    full => |f, c, o| keep(f.combined_control.full(&c.state, &c.reference, None));
     full_feed_forward => |f, c, o| {
-        o.command = f.combined_control.full(&c.state, &c.reference, Some(&c.feed_forward));
+        keep(f.combined_control.full(&c.state, &c.reference, Some(&c.feed_forward)));
     };
     robust_chosen_model => |f, c, o| {
-        o.command = f.chosen_control.robust(&c.state, &c.reference, None);
+        keep(f.chosen_control.robust(&c.state, &c.reference, None));
     };
     robust_large_angle => |f, c, o| {
-        o.command = f.large_angle_control.robust(&c.state, &c.reference, None);
+        keep(f.large_angle_control.robust(&c.state, &c.reference, None));
     };
     full_large_angle_feed_forward => |f, c, o| {
-        o.command = f.large_angle_control.full(&c.state, &c.reference, Some(&c.feed_forward));
+        keep(f.large_angle_control.full(&c.state, &c.reference, Some(&c.feed_forward)));
     };
     robust_bandwidth => |f, c, o| {
-        o.command = f.guidance.control().plane().robust(&c.state, &c.reference, None);
+        keep(f.guidance.control().plane().robust(&c.state, &c.reference, None));
     };
-    guidance => |f, c, o| o.guided = f.guidance.update(&mut o.memory, &c.space.input, 0.01);
+    guidance => |f, c, o| keep(f.guidance.update(&mut o.memory, &c.space.input, 0.01));
     winged => |f, c, o| {
-        o.space = f.winged.robust(&c.space.state, &c.space.reference, None);
+        keep(f.winged.robust(&c.space.state, &c.space.reference, None));
     };
     winged_feed_forward => |f, c, o| {
         let s = &c.space;
-        o.space = f.winged.robust(&s.state, &s.reference, Some(&s.feed_forward));
+        keep(f.winged.robust(&s.state, &s.reference, Some(&s.feed_forward)));
     };
     axisymmetric_feed_forward => |f, c, o| {
         let s = &c.space;
-        o.space = f.axisymmetric.robust(&s.state, &s.reference, Some(&s.feed_forward));
+        keep(f.axisymmetric.robust(&s.state, &s.reference, Some(&s.feed_forward)));
     };
     orientation => |f, c, o| {
         o.orientation = Orientation::from_quaternion(&c.space.quaternion, BodyAxes::NoseForward);
@@ -219,7 +221,7 @@ functions! {
         o.coefficients = f.table_control.vehicle().model().coefficients(c.alpha);
     };
     robust_table => |f, c, o| {
-        o.command = f.table_control.robust(&c.state, &c.reference, None);
+        keep(f.table_control.robust(&c.state, &c.reference, None));
     };
     equilibria => |f, c, o| {
         o.equilibria = Equilibria::find(f.combined_control.vehicle(), &c.reference, c.state.wind);
