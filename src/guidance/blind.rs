@@ -5,92 +5,50 @@
 //! what the air does is for position hold and integral.
 
 use crate::math;
-use crate::ned::Ned;
-use crate::spatial::Reference;
 
-/// Flies blind at a `velocity`: brings `reference` down to what can be flown so, and takes the air out of the belief below
-/// the speed `slow` over the last `wind` known [m/s], wholly, and from twice that on down in part.
-///
-/// Gives whether the vehicle is slow. The wind that comes out is then to be the last one known at the next step: it goes with
-/// the vehicle, and who was slow once stays without air, wherever the real wind takes him.
-#[cold]
-#[inline(never)]
-pub(super) fn fly_blind(
-    reference: &mut Reference,
-    wind: &mut Ned,
-    velocity: Ned,
-    slow: f32,
-) -> bool {
-    let asked = &mut reference.velocity;
-    let speed = math::sqrt(asked.north * asked.north + asked.east * asked.east);
-    if speed > slow {
-        let share = slow / speed;
-        (asked.north, asked.east) = (asked.north * share, asked.east * share);
-        let acceleration = &mut reference.acceleration;
-        (acceleration.north, acceleration.east) = (0.0, 0.0);
+/// What is flown blind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Blind {
+    /// Part of the horizontal velocity asked for that is flown. Less than 1 where that is too fast to be flown so; then no
+    /// horizontal acceleration is.
+    pub share: f32,
+    /// Part of the air velocity that is left out of the belief.
+    pub without: f32,
+}
+
+impl Blind {
+    /// What is flown blind where a horizontal velocity of this square is asked for, at this squared airspeed in the last wind
+    /// known [m²/s²]: no faster than `slow` [m/s], and below that over the air without air. From twice that on down the air
+    /// is left out in part.
+    ///
+    /// Once `without` is 1 the wind that is flown with, the vehicle's own velocity, is to be the last one known at the next
+    /// step. It goes with the vehicle: who was slow once stays without air, wherever the real wind takes him.
+    #[cold]
+    #[inline(never)]
+    pub fn new(asked_squared: f32, airspeed_squared: f32, slow: f32) -> Self {
+        let asked = math::sqrt(asked_squared);
+        let airspeed = math::sqrt(airspeed_squared);
+        Self {
+            share: if asked > slow { slow / asked } else { 1.0 },
+            without: math::clamp(2.0 - airspeed / slow, 0.0, 1.0),
+        }
     }
-    let air = velocity - *wind;
-    let airspeed = math::sqrt(air.norm_squared());
-    *wind += air * math::clamp(2.0 - airspeed / slow, 0.0, 1.0);
-    airspeed <= slow
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spatial::Heading;
-
-    fn asked(velocity: Ned) -> Reference {
-        Reference {
-            velocity,
-            acceleration: Ned::new(1.0, -0.5, 0.25),
-            heading: Heading::FREE,
-        }
-    }
 
     #[test]
-    fn the_reference_is_no_faster_than_slow_and_keeps_its_course_and_climb() {
-        let bounded = |velocity: Ned| {
-            let mut reference = asked(velocity);
-            let mut calm = Ned::ZERO;
-            fly_blind(&mut reference, &mut calm, Ned::ZERO, 6.0);
-            reference
-        };
-        let fast = bounded(Ned::new(12.0, -16.0, -1.5));
-        assert!((fast.velocity - Ned::new(3.6, -4.8, -1.5)).norm_squared() < 1e-10);
-        assert_eq!(fast.acceleration, Ned::new(0.0, 0.0, 0.25));
-        let slow = Ned::new(3.0, 4.0, 2.0);
-        assert_eq!(bounded(slow), asked(slow));
+    fn no_more_is_asked_than_what_is_slow() {
+        let share = |asked: f32| Blind::new(asked * asked, 0.0, 6.0).share;
+        assert_eq!((share(20.0), share(6.0), share(0.0)), (0.3, 1.0, 1.0));
     }
 
     #[test]
     fn the_air_is_left_out_once_the_vehicle_is_slow() {
-        let wind = Ned::new(0.0, 4.0, 0.0);
-        let with = |airspeed: f32| {
-            let velocity = wind + Ned::new(airspeed, 0.0, 0.0);
-            let mut flown = wind;
-            let slow = fly_blind(&mut asked(velocity), &mut flown, velocity, 6.0);
-            ((velocity - flown).north / airspeed, slow)
-        };
-        let near = |(share, slow): (f32, bool), wanted: f32, is_slow: bool| {
-            // 1e-6: roundings.
-            assert!((share - wanted).abs() < 1e-6 && slow == is_slow, "{share}");
-        };
-        near(with(20.0), 1.0, false);
-        near(with(12.0), 1.0, false);
-        near(with(9.0), 0.5, false);
-        near(with(5.9), 0.0, true);
-        near(with(2.0), 0.0, true);
-    }
-
-    /// A tailwind that nobody knows of blows the vehicle along. Its speed over ground is not taken for airspeed.
-    #[test]
-    fn who_was_slow_once_stays_without_air() {
-        let mut wind = Ned::ZERO;
-        for n in 0..2000 {
-            let velocity = Ned::new(0.01 * n as f32, 0.0, 0.0);
-            assert!(fly_blind(&mut asked(velocity), &mut wind, velocity, 6.0));
-            assert!((velocity - wind).norm_squared() < 1e-6);
-        }
+        let without = |airspeed: f32| Blind::new(0.0, airspeed * airspeed, 6.0).without;
+        assert_eq!((without(20.0), without(12.0)), (0.0, 0.0));
+        assert_eq!((without(9.0), without(6.0), without(2.0)), (0.5, 1.0, 1.0));
     }
 }

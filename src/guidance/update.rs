@@ -5,7 +5,7 @@
 
 use super::accelerometer::{Accelerometer, AccelerometerState};
 use super::bandwidth::BandwidthGains;
-use super::blind::fly_blind;
+use super::blind::Blind;
 use super::course::{Axes, Course};
 use super::flight::limited;
 use super::limits::{LimitState, Limits};
@@ -515,8 +515,17 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             .filter(|f| f.norm_squared() < MAX_ACCELERATION * MAX_ACCELERATION);
         let correction = self.accelerometer.correction(&state.accelerometer);
         if air == AirUse::None && specific_force.is_none() {
-            let slow = self.turning.slow();
-            if fly_blind(&mut asked, &mut wind, input.velocity, slow) {
+            core::hint::cold_path();
+            let (v, air) = (&mut asked.velocity, input.velocity - wind);
+            let level = v.north * v.north + v.east * v.east;
+            let blind = Blind::new(level, air.norm_squared(), self.turning.slow());
+            (v.north, v.east) = (v.north * blind.share, v.east * blind.share);
+            if blind.share < 1.0 {
+                let a = &mut asked.acceleration;
+                (a.north, a.east) = (0.0, 0.0);
+            }
+            wind += air * blind.without;
+            if blind.without == 1.0 {
                 self.supervisor.remember(&mut state.supervision, wind);
             }
             position_error = position_error.map(|x| Ned::new(0.0, 0.0, x.down));
