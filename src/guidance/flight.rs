@@ -28,7 +28,7 @@ const VERTICAL_GAIN: f32 = 4.8;
 const FORWARD_GAIN: f32 = 1.11;
 /// Greatest accelerations that the servo asks for, in g.
 const MAX_VERTICAL: f32 = 1.24;
-const MAX_FORWARD: f32 = 1.02;
+const MAX_FORWARD: f32 = 1.1;
 /// Weight of forward accelerations against vertical ones.
 const FORWARD_WEIGHT: f32 = 0.103;
 /// Damping of the servo's step, as a force in multiples of the weight, with [`FORWARD_WEIGHT`].

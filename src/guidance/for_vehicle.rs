@@ -72,27 +72,27 @@ rules! { known, default;
     thrust_lag = known.thrust_lag,
         "As measured.";
     position_gain_down = default.position_gain_down / default.thrust_rate * known.thrust_rate,
-        "Half of thrust_rate: the loop around the thrust is half as fast.";
+        "A little less than half of thrust_rate at any lag: the loop around the thrust is twice as fast.";
     position_gain_forward = default.position_gain_forward,
-        "An eighth of the fastest natural frequency: the loop around the attitude is slower by far.";
+        "A fifth of the fastest natural frequency: the loop around the attitude is faster by far.";
     max_velocity_down = default.max_velocity_down,
         "A sink that every vehicle can stop within a few metres.";
-    max_velocity_forward = math::min(default.max_velocity_forward, 0.2 * known.cruise),
-        "Three tenths of cruise: catching up is not a flight of its own.";
+    max_velocity_forward = math::min(default.max_velocity_forward, known.cruise / 5.0),
+        "A fifth of cruise: catching up is not a flight of its own.";
     integral_gain_down = default.integral_gain_down,
         "A fifth of position_gain_down at its fastest.";
     integral_gain_forward = default.integral_gain_forward,
-        "A fifth of position_gain_forward.";
+        "An eighth of position_gain_forward.";
     max_integral_down = default.max_integral_down,
         "Times thrust_rate it is an acceleration of 6 m/s² at its fastest: a mass that is believed wrongly by half.";
-    max_integral_forward = math::min(default.max_integral_forward, 0.2 * known.cruise),
+    max_integral_forward = math::min(default.max_integral_forward, known.cruise / 5.0),
         "Holds an angle of 7° and more against a belief that is wrong.";
     max_turn = default.max_turn,
         "The guidance itself stays below what thrust and wing carry.";
     max_rate = default.max_rate,
         "Crosses the stall in half a second; the plans of the guidance are laid out for it.";
-    max_slew = default.max_slew,
-        "Reaches the greatest rate in a tenth of a second; a slower rate loop smooths it.";
+    max_slew = math::clamp(3.0 / known.rate_lag, default.max_slew, 2.0 * default.max_slew),
+        "Reaches the greatest rate within the lag of the rate loop, between a twentieth and a tenth of a second: with 30 rad/s² a vehicle of 60 ms climbed by a metre where it braked. A slower rate loop smooths it.";
     hold = math::max(0.1, 5.0 * known.period),
         "Five steps, and a tenth of a second at least: a frame that is lost now and then.";
     recovery = math::max(0.05, 3.0 * known.period),
@@ -219,6 +219,21 @@ mod tests {
             ..PAPER
         });
         assert!(rare.state_age > 0.2 && rare.hold >= 0.5);
+    }
+
+    /// The greatest rate is reached within the lag, where that is 50 to 100 ms.
+    #[test]
+    fn quick_rate_loops_may_slew_faster() {
+        let slew = |rate_lag: f32| {
+            ruled(&ResponseParameters {
+                rate_lag,
+                ..PAPER
+            })
+            .max_slew
+        };
+        assert_eq!((slew(0.2), slew(0.1), slew(0.01)), (30.0, 30.0, 60.0));
+        assert!((slew(0.06) - 50.0).abs() < 1e-4);
+        assert_eq!(slew(0.0), 60.0);
     }
 
     #[test]
