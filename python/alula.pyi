@@ -200,6 +200,9 @@ class Guidance:
         state_age: float = 0.0,
         reference_age: float = 0.0,
         axes: _Axes = "nose-forward",
+        altitude_band: float = 0.0,
+        short_of_vertical: bool = False,
+        place_free: bool = False,
     ) -> Guided: ...
     def update_in_plane(
         self,
@@ -215,6 +218,9 @@ class Guidance:
         position_error: ArrayLike | None = None,
         state_age: float = 0.0,
         reference_age: float = 0.0,
+        altitude_band: float = 0.0,
+        short_of_vertical: bool = False,
+        place_free: bool = False,
     ) -> Guided: ...
 
 @final

@@ -84,6 +84,7 @@ impl World {
                 acceleration: Inertial::ZERO,
             },
             reference_age: if known { 0.0 } else { 1.0 },
+            ..PlanarInput::default()
         };
         let guided = self.guidance.update_in_plane(memory, &input, DT);
         for _ in 0..4 {

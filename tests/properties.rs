@@ -91,6 +91,7 @@ fn frame() -> impl Strategy<Value = (PlanarInput, f32)> {
                         acceleration: a_r,
                     },
                     reference_age,
+                    ..PlanarInput::default()
                 };
                 (input, dt)
             },

@@ -265,6 +265,17 @@
 #define ALULA_SPECIFIC_FORCE (1 << 4)
 
 /**
+ * Flag of an input, for `alula_guide`: the nose stays short of the vertical while the vehicle flies forward.
+ */
+#define ALULA_SHORT_OF_VERTICAL (1 << 5)
+
+/**
+ * Flag of an input, for `alula_guide`: the place does not matter, as in a stop; `position_error` to the north and east is that
+ * of a reference that goes along with the vehicle.
+ */
+#define ALULA_PLACE_FREE (1 << 6)
+
+/**
  * The guidance gives the safe command.
  */
 #define ALULA_MODE_SAFE 0
@@ -525,17 +536,17 @@ typedef struct alula_guidance_parameters {
     float tau;
     /**
      * Altitude error that a plan may cost as much as an error of one velocity band.
-     * Unit: m. From 0.001 to 1000.0, default 0.4.
+     * Unit: m. From 0.001 to 1000.0, default 0.33.
      */
     float altitude_band;
     /**
      * Velocity error, down, that costs as much as one of velocity_band_forward.
-     * Unit: m/s. From 0.001 to 1000.0, default 1.0.
+     * Unit: m/s. From 0.001 to 1000.0, default 1.58.
      */
     float velocity_band_down;
     /**
      * Velocity error, forward, that costs as much as one of velocity_band_down.
-     * Unit: m/s. From 0.001 to 1000.0, default 3.0.
+     * Unit: m/s. From 0.001 to 1000.0, default 3.3.
      */
     float velocity_band_forward;
     /**
@@ -550,22 +561,22 @@ typedef struct alula_guidance_parameters {
     float thrust_lag;
     /**
      * Velocity per position error, down. Zero turns the hold off.
-     * Unit: 1/s. From 0.0 to 100.0, default 1.5.
+     * Unit: 1/s. From 0.0 to 100.0, default 1.43.
      */
     float position_gain_down;
     /**
      * Velocity per position error, horizontal. Zero turns the hold off.
-     * Unit: 1/s. From 0.0 to 100.0, default 0.5.
+     * Unit: 1/s. From 0.0 to 100.0, default 0.81.
      */
     float position_gain_forward;
     /**
      * Greatest velocity towards the reference position, down.
-     * Unit: m/s. From 0.0 to 1000.0, default 3.0.
+     * Unit: m/s. From 0.0 to 1000.0, default 4.7.
      */
     float max_velocity_down;
     /**
      * Greatest velocity towards the reference position, horizontal.
-     * Unit: m/s. From 0.0 to 1000.0, default 6.0.
+     * Unit: m/s. From 0.0 to 1000.0, default 3.9.
      */
     float max_velocity_forward;
     /**
@@ -811,8 +822,8 @@ typedef struct alula_input {
      */
     uint32_t header;
     /**
-     * Sum of `ALULA_FEED_FORWARD`, `ALULA_POSITION`, `ALULA_SPECIFIC_FORCE` and one of `ALULA_AIR_VELOCITY` and
-     * `ALULA_AIR_UNKNOWN`, or 0.
+     * Sum of `ALULA_FEED_FORWARD`, `ALULA_POSITION`, `ALULA_SPECIFIC_FORCE`, `ALULA_SHORT_OF_VERTICAL`, `ALULA_PLACE_FREE` and
+     * one of `ALULA_AIR_VELOCITY` and `ALULA_AIR_UNKNOWN`, or 0.
      */
     uint32_t flags;
     /**
@@ -870,6 +881,11 @@ typedef struct alula_input {
      * For `alula_guide`: age of the reference [s].
      */
     float reference_age;
+    /**
+     * For `alula_guide`: altitude error [m] that a plan may cost as much as an error of one velocity band, in place of the
+     * parameter `altitude_band`. Outside 0.001 to 1000, as 0 is: the parameter's.
+     */
+    float altitude_band;
 } alula_input;
 
 /**
@@ -933,6 +949,15 @@ typedef struct alula_goal {
      * Greatest acceleration of the reference [m/s²], 0.01 to 1000. A stop does not mind it.
      */
     float acceleration;
+    /**
+     * Altitude error [m] that a plan may cost as much as an error of one velocity band, 0.001 to 1000. 0: the parameter
+     * `altitude_band`.
+     */
+    float altitude_band;
+    /**
+     * 1 if the nose is to stay short of the vertical while the vehicle flies forward, else 0.
+     */
+    uint32_t short_of_vertical;
     /**
      * Result: 1 if the reference stands at the goal, at rest there or at the velocity, else 0.
      */
@@ -1216,10 +1241,10 @@ int32_t alula_command_default(struct alula_command *command);
 int32_t alula_goal_default(struct alula_goal *goal);
 
 /**
- * The reference and the position error of `input` for `goal`, before `alula_guide` is called with it: at `position` [m],
+ * The reference, the position error and the wishes of `input` for `goal`, before `alula_guide` is called with it: at `position` [m],
  * north, east, down, and the velocity that is in `input`, `dt` [s] after the last. It sets `reference_velocity`,
- * `reference_acceleration`, `position_error` with `ALULA_POSITION`, and `reference_age`. A new goal begins where the vehicle
- * is. With any code but `ALULA_OK` neither `goal` nor `input` has changed.
+ * `reference_acceleration`, `position_error` with `ALULA_POSITION`, `reference_age`, `altitude_band`, `ALULA_SHORT_OF_VERTICAL`
+ * and `ALULA_PLACE_FREE`. A new goal begins where the vehicle is. With any code but `ALULA_OK` neither `goal` nor `input` has changed.
  *
  * Pointers:
  * `goal` and `input` are each null or point to memory of the caller's that holds at least the header word; the whole structure

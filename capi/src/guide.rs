@@ -1,6 +1,6 @@
 //! The step of the guidance.
 
-use alula::guidance::Mode;
+use alula::guidance::{Mode, Wishes};
 use alula::ned::{BodyAxes, Quaternion};
 use alula::spatial::Orientation;
 use alula::{GuidanceInput, Guided};
@@ -9,7 +9,9 @@ use crate::boundary;
 use crate::code;
 use crate::command::Command;
 use crate::controller::{Controller, Initialised, initialised_mut};
-use crate::input::{ALULA_POSITION, ALULA_SPECIFIC_FORCE, Input, ned};
+use crate::input::{
+    ALULA_PLACE_FREE, ALULA_POSITION, ALULA_SHORT_OF_VERTICAL, ALULA_SPECIFIC_FORCE, Input, ned,
+};
 use crate::report::Report;
 
 impl Input {
@@ -27,6 +29,11 @@ impl Input {
             position_error: (self.flags & ALULA_POSITION != 0).then(|| ned(self.position_error)),
             reference: self.reference(),
             reference_age: self.reference_age,
+            wishes: Wishes {
+                altitude_band: self.altitude_band,
+                short_of_vertical: self.flags & ALULA_SHORT_OF_VERTICAL != 0,
+                place_free: self.flags & ALULA_PLACE_FREE != 0,
+            },
         }
     }
 }

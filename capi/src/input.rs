@@ -25,6 +25,11 @@ pub const ALULA_AIR_VELOCITY: u32 = 1 << 2;
 pub const ALULA_AIR_UNKNOWN: u32 = 1 << 3;
 /// Flag of an input, for `alula_guide`: `specific_force` is to be used.
 pub const ALULA_SPECIFIC_FORCE: u32 = 1 << 4;
+/// Flag of an input, for `alula_guide`: the nose stays short of the vertical while the vehicle flies forward.
+pub const ALULA_SHORT_OF_VERTICAL: u32 = 1 << 5;
+/// Flag of an input, for `alula_guide`: the place does not matter, as in a stop; `position_error` to the north and east is that
+/// of a reference that goes along with the vehicle.
+pub const ALULA_PLACE_FREE: u32 = 1 << 6;
 
 /// State and reference in north-east-down world and forward-right-down body axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,8 +37,8 @@ pub const ALULA_SPECIFIC_FORCE: u32 = 1 << 4;
 pub struct Input {
     /// `ALULA_HEADER(alula_input)`.
     pub header: u32,
-    /// Sum of `ALULA_FEED_FORWARD`, `ALULA_POSITION`, `ALULA_SPECIFIC_FORCE` and one of `ALULA_AIR_VELOCITY` and
-    /// `ALULA_AIR_UNKNOWN`, or 0.
+    /// Sum of `ALULA_FEED_FORWARD`, `ALULA_POSITION`, `ALULA_SPECIFIC_FORCE`, `ALULA_SHORT_OF_VERTICAL`, `ALULA_PLACE_FREE` and
+    /// one of `ALULA_AIR_VELOCITY` and `ALULA_AIR_UNKNOWN`, or 0.
     pub flags: u32,
     /// Body axes of this input and of its command: `ALULA_BODY_NOSE_FORWARD` or `ALULA_BODY_NOSE_UP`.
     pub body_axes: u32,
@@ -64,6 +69,9 @@ pub struct Input {
     pub state_age: f32,
     /// For `alula_guide`: age of the reference \[s\].
     pub reference_age: f32,
+    /// For `alula_guide`: altitude error \[m\] that a plan may cost as much as an error of one velocity band, in place of the
+    /// parameter `altitude_band`. Outside 0.001 to 1000, as 0 is: the parameter's.
+    pub altitude_band: f32,
 }
 
 impl Input {
@@ -85,6 +93,7 @@ impl Input {
         reference_jerk: [0.0; 3],
         state_age: 0.0,
         reference_age: 0.0,
+        altitude_band: 0.0,
     };
 
     /// The body axes.
@@ -93,7 +102,8 @@ impl Input {
     /// The code of a selector that has no such value, which may be the flags.
     #[inline(always)]
     pub(crate) fn axes(&self) -> Result<BodyAxes, i32> {
-        const FLAGS: u32 = ALULA_FEED_FORWARD | ALULA_POSITION | ALULA_SPECIFIC_FORCE | AIR;
+        const FLAGS: u32 =
+            ALULA_FEED_FORWARD | ALULA_POSITION | ALULA_SPECIFIC_FORCE | WISHES | AIR;
         if self.flags & !FLAGS != 0 || self.flags & AIR == AIR {
             return Err(code::ALULA_ERROR_SELECTOR);
         }
@@ -161,6 +171,8 @@ unsafe impl Layout for Input {}
 
 /// Flags that say what `air` is.
 const AIR: u32 = ALULA_AIR_VELOCITY | ALULA_AIR_UNKNOWN;
+/// Flags of the wishes.
+pub(crate) const WISHES: u32 = ALULA_SHORT_OF_VERTICAL | ALULA_PLACE_FREE;
 
 #[inline(always)]
 pub(crate) const fn ned([north, east, down]: [f32; 3]) -> Ned {

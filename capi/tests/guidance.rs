@@ -150,6 +150,7 @@ fn a_guided_flight_is_the_cores_to_the_bit() {
                     heading: Heading::from_angle(input.heading),
                 },
                 reference_age: input.reference_age,
+                ..GuidanceInput::default()
             },
             DT,
         );
@@ -397,12 +398,22 @@ fn what_is_remembered_stays_where_it_is_when_the_vehicle_turns() {
 /// vehicle that lags behind; and the guidance flies it.
 #[test]
 fn goals_are_the_cores_to_the_bit() {
-    use alula::guidance::{Goal as Core, GoalState, Goals, Preferences};
-    let mut goal = Goal::DEFAULT;
+    use alula::guidance::{Goal as Core, GoalState, Goals, Preferences, Wishes};
+    let wishes = Wishes {
+        altitude_band: 0.5,
+        short_of_vertical: true,
+        ..Wishes::default()
+    };
+    let mut goal = Goal {
+        altitude_band: wishes.altitude_band,
+        short_of_vertical: 1,
+        ..Goal::DEFAULT
+    };
     let goals = Goals::new(Preferences {
         speed: 20.0,
         climb: 3.0,
         acceleration: 2.0,
+        wishes,
     });
     let (goals, mut state) = (goals.unwrap(), GoalState::default());
     let mut c = controller(&PAPER, null());
@@ -425,14 +436,22 @@ fn goals_are_the_cores_to_the_bit() {
         let code = unsafe { alula_goal_step(&mut goal, position.as_ptr(), DT, &mut input) };
         assert_eq!(code, ALULA_OK);
         let (x, v) = (ned(position), ned(velocity));
-        let (reference, error) = goals.step(&mut state, &asked.2, x, v, DT);
+        let (reference, error, wishes) = goals.step(&mut state, &asked.2, x, v, DT);
         let three = |v: Ned| [v.north, v.east, v.down];
         let core = Input {
             velocity,
-            flags: ALULA_SPECIFIC_FORCE | ALULA_POSITION,
+            flags: ALULA_SPECIFIC_FORCE
+                | ALULA_POSITION
+                | ALULA_SHORT_OF_VERTICAL
+                | if wishes.place_free {
+                    ALULA_PLACE_FREE
+                } else {
+                    0
+                },
             reference_velocity: three(reference.velocity),
             reference_acceleration: three(reference.acceleration),
             position_error: three(error),
+            altitude_band: wishes.altitude_band,
             ..Input::DEFAULT
         };
         // A free heading is NaN, which equals nothing.

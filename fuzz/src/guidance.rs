@@ -4,7 +4,7 @@
 //! number of the memory undone; and after good frames for the recovery time and two steps more the guidance flies, if one
 //! fresh from power-on does.
 
-use alula::guidance::{Air, GuidanceParameters, Mode, Refusal, Status};
+use alula::guidance::{Air, GuidanceParameters, Mode, Refusal, Status, Wishes};
 use alula::ned::{BodyAxes, Quaternion};
 use alula::spatial::{Body, Heading, Ned, Orientation, Reference};
 use alula::{Fault, Guidance, GuidanceInput, GuidanceState, Guided, Model, PlanarInput};
@@ -162,7 +162,8 @@ pub(crate) fn input(bytes: &mut Bytes) -> GuidanceInput {
         0..=23 => bytes.number(1.0),
         _ => 0.0,
     };
-    if bytes.byte() < 64 {
+    let kind = bytes.byte();
+    if kind < 64 {
         return GuidanceInput::from(&planar(bytes));
     }
     GuidanceInput {
@@ -195,6 +196,15 @@ pub(crate) fn input(bytes: &mut Bytes) -> GuidanceInput {
             }),
         },
         reference_age: age(bytes),
+        // Of the byte that says which kind of frame it is: what follows in the corpus is read as ever.
+        wishes: Wishes {
+            altitude_band: match kind {
+                240.. => bytes.number(1.0),
+                _ => 0.0,
+            },
+            short_of_vertical: kind % 8 == 7,
+            place_free: kind % 16 > 13,
+        },
     }
 }
 

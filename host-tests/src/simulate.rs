@@ -244,6 +244,7 @@ impl Telling {
             },
             reference: self.reference,
             reference_age: (t - self.reference_time) as f32,
+            ..PlanarInput::default()
         }
     }
 }

@@ -227,7 +227,7 @@ pub struct Status {
 mod tests {
     use super::*;
     use crate::{Counters, MAX_FRAME, Receiver, encode};
-    use alula::guidance::Air;
+    use alula::guidance::{Air, Wishes};
     use alula::ned::Ned;
     use alula::{Body, CombinedParameters, Diagnostics, Inertial, Parameters, PlanarInput};
 
@@ -308,6 +308,11 @@ mod tests {
             position_error: Some(numbers(9.0)),
             reference,
             reference_age: 0.02,
+            wishes: Wishes {
+                altitude_band: 0.5,
+                short_of_vertical: true,
+                place_free: true,
+            },
         };
         let law = |feed_forward| Input::Law {
             state,

@@ -154,6 +154,7 @@ impl Fleet {
                         heading: Heading::from_angle(heading),
                     },
                     reference_age: 0.0,
+                    ..GuidanceInput::default()
                 };
                 guided(guidance.update(state, &input, dt), axes)
             };

@@ -1,6 +1,6 @@
 //! The guidance, with what it remembers.
 
-use ::alula::guidance::Air;
+use ::alula::guidance::{Air, Wishes};
 use ::alula::ned::{BodyAxes, Ned, Quaternion};
 use ::alula::spatial::{Heading, Orientation, Reference};
 use ::alula::{
@@ -209,10 +209,14 @@ impl Guidance {
     /// north-east-down; "nose-forward" is x along the nose and z to the belly, "nose-up" x to the belly and z along the tail.
     /// heading: where the belly is to point in hover, from north towards east [rad]; None is free. air_velocity [m/s] if it is
     /// measured, or else wind [m/s] if it is known. specific_force: what an accelerometer feels, along `axes` [m/s²].
-    /// position_error: position less reference position [m], if position is to be held. Ages [s].
+    /// position_error: position less reference position [m], if position is to be held. Ages [s]. altitude_band [m]: the
+    /// parameter's place is taken by it, unless it is 0. short_of_vertical: whether the nose stays short of the vertical while
+    /// the vehicle flies forward. place_free: whether the place does not matter, as in a stop, and position_error to the north
+    /// and east is that of a reference that goes along with the vehicle.
     #[pyo3(signature = (
         dt, *, velocity, quaternion, reference_velocity, reference_acceleration=None, heading=None, air_velocity=None, wind=None,
-        specific_force=None, position_error=None, state_age=0.0, reference_age=0.0, axes="nose-forward"
+        specific_force=None, position_error=None, state_age=0.0, reference_age=0.0, axes="nose-forward",
+        altitude_band=0.0, short_of_vertical=false, place_free=false
     ))]
     #[expect(clippy::too_many_arguments, reason = "by keyword in Python")]
     fn update(
@@ -230,6 +234,9 @@ impl Guidance {
         state_age: f32,
         reference_age: f32,
         axes: &str,
+        altitude_band: f32,
+        short_of_vertical: bool,
+        place_free: bool,
     ) -> PyResult<Guided> {
         let axes = body_axes(axes)?;
         let [w, x, y, z] = vector("quaternion", &quaternion)?;
@@ -250,6 +257,11 @@ impl Guidance {
                 heading: heading.map_or(Heading::FREE, Heading::from_angle),
             },
             reference_age,
+            wishes: Wishes {
+                altitude_band,
+                short_of_vertical,
+                place_free,
+            },
         };
         Ok(self.step(&input, dt, axes))
     }
@@ -259,7 +271,7 @@ impl Guidance {
     /// (tail, belly) [m/s²]. The rate of theta commanded is `rate_rad_s`.
     #[pyo3(signature = (
         dt, *, velocity, theta, reference_velocity, reference_acceleration=None, air_velocity=None, wind=None, specific_force=None,
-        position_error=None, state_age=0.0, reference_age=0.0
+        position_error=None, state_age=0.0, reference_age=0.0, altitude_band=0.0, short_of_vertical=false, place_free=false
     ))]
     #[expect(clippy::too_many_arguments, reason = "by keyword in Python")]
     fn update_in_plane(
@@ -275,6 +287,9 @@ impl Guidance {
         position_error: Option<Numbers<'_>>,
         state_age: f32,
         reference_age: f32,
+        altitude_band: f32,
+        short_of_vertical: bool,
+        place_free: bool,
     ) -> PyResult<Guided> {
         let acceleration = reference_acceleration.as_ref();
         let error = position_error.as_ref().map(|v| vector("position_error", v));
@@ -291,6 +306,11 @@ impl Guidance {
                 acceleration: inertial(vector_or_zero("reference_acceleration", acceleration)?),
             },
             reference_age,
+            wishes: Wishes {
+                altitude_band,
+                short_of_vertical,
+                place_free,
+            },
         };
         // As the core's own step in the plane, which leaves out the other rates.
         Ok(self.step(&GuidanceInput::from(&input), dt, BodyAxes::NoseForward))

@@ -175,8 +175,10 @@ impl VirtualVehicle {
         )
     }
 
-    /// Lets `flight` pass for `h` \[s\] by `plan`, and gives its acceleration [m/s²].
+    /// Lets `flight` pass for `h` \[s\] by `plan`, with an attitude of at most `most_theta` \[rad\] while it goes forward, and
+    /// gives its acceleration [m/s²].
     #[inline(always)]
+    #[expect(clippy::too_many_arguments)]
     pub fn advance<A: Aerodynamics>(
         &self,
         vehicle: &Vehicle<A>,
@@ -184,6 +186,7 @@ impl VirtualVehicle {
         plan: &mut Plan,
         reference: &Reference,
         wind: Inertial,
+        most_theta: f32,
         h: f32,
     ) -> Inertial {
         let mut attitude = Attitude::from_angle(flight.theta);
@@ -202,6 +205,7 @@ impl VirtualVehicle {
             reference.velocity,
             wish,
             wind,
+            most_theta,
             &Pace::new(h),
             true,
         )
@@ -248,6 +252,10 @@ impl VirtualVehicle {
     /// F̄_2 = 0 and T = F̄_1; where thrust stands at a limit it goes to the attitude with the least weighted error. It looks
     /// at no sign of a slope, so it holds equilibria of either branch. In a prediction it is not `slewed`, limited in slew:
     /// it takes a part of a step only.
+    ///
+    /// Flying forward with the nose above the horizon, neither turn nor servo goes beyond `most_theta`: from there on thrust
+    /// alone is the servo's. Backward the vehicle leans against the air, and with the nose below the horizon it falls: that it
+    /// leaves by the shorter way. Predictions know nothing of it: stops are the same if they do, and there is no time for it.
     #[inline(always)]
     #[expect(clippy::too_many_arguments)]
     pub(super) fn step<A: Aerodynamics, const STIFF: bool>(
@@ -259,6 +267,7 @@ impl VirtualVehicle {
         reference: Inertial,
         wish: Inertial,
         wind: Inertial,
+        most_theta: f32,
         pace: &Pace,
         slewed: bool,
     ) -> Inertial {
@@ -292,9 +301,17 @@ impl VirtualVehicle {
         let fd = f.down() * d.down() + weight * f.forward() * d.forward();
         let both = math::clamp((fi * dd - di * fd) / (dd * ii - di * di), least, most);
         let h = pace.h;
+        // Without a branch: with one the whole step is compiled twice.
+        let forward = slewed & (air.forward() > 0.0) & (flight.theta < 0.5 * math::PI);
+        let room = if forward {
+            most_theta - flight.theta
+        } else {
+            f32::INFINITY
+        };
         // The rate belongs to this choice: one branch, where a flag kept for a second one costs registers.
         let (thrust, error, rate) = if plan.turn == 1 && !pushing {
             let error = plan.target - flight.theta;
+            let error = math::min(room, error);
             let wanted = self.rate_wanted(error, pace.max_turn, pace);
             (alone, error, self.slewed(wanted, flight.rate, h))
         } else {
@@ -306,9 +323,14 @@ impl VirtualVehicle {
             let ahead =
                 rarely_limited(course / pace.attitude_gain, MAX_AHEAD) * (steep + alone * dj);
             let error = (di * both - fd + ahead) / dd;
+            let (thrust, error) = if error > room {
+                (alone, room)
+            } else {
+                (both, error)
+            };
             let wanted = self.rate_wanted(error, pace.max_correction, pace);
             (
-                both,
+                thrust,
                 error,
                 if slewed {
                     self.slewed(wanted, flight.rate, h)
@@ -424,6 +446,8 @@ mod tests {
     use crate::vehicle::VehicleParameters;
     use rand::{RngExt, SeedableRng};
 
+    /// No limit of the attitude.
+    const FREE: f32 = f32::INFINITY;
     const DT: f32 = 0.01;
 
     fn vehicle() -> Vehicle<Combined> {
@@ -461,8 +485,15 @@ mod tests {
             let (reference, wind) = (still(draw(10.0), draw(20.0)), Inertial::new(0.0, draw(5.0)));
             for _ in 0..200 {
                 let before = flight;
-                let a =
-                    virtual_vehicle.advance(&vehicle, &mut flight, &mut plan, &reference, wind, DT);
+                let a = virtual_vehicle.advance(
+                    &vehicle,
+                    &mut flight,
+                    &mut plan,
+                    &reference,
+                    wind,
+                    FREE,
+                    DT,
+                );
                 let attitude = Attitude::from_angle(before.theta);
                 let body = attitude.to_body(before.velocity - wind);
                 let air = AirData::new(body, vehicle.thrust_line());
@@ -509,6 +540,7 @@ mod tests {
                     Inertial::ZERO,
                     Inertial::ZERO,
                     Inertial::ZERO,
+                    FREE,
                     &Pace::new(h),
                     false,
                 );
@@ -547,6 +579,7 @@ mod tests {
                 &mut plan,
                 &reference,
                 Inertial::ZERO,
+                FREE,
                 DT,
             );
             if t > 0.5 && pulling {
@@ -589,6 +622,7 @@ mod tests {
                     reference,
                     wish,
                     Inertial::ZERO,
+                    FREE,
                     &pace,
                     false,
                 );
@@ -624,8 +658,15 @@ mod tests {
             for n in 0..3000 {
                 let part = math::min(n as f32 / 1000.0, 1.0);
                 let reference = still(down * part, forward * part);
-                acceleration =
-                    virtual_vehicle.advance(&vehicle, &mut flight, &mut plan, &reference, wind, DT);
+                acceleration = virtual_vehicle.advance(
+                    &vehicle,
+                    &mut flight,
+                    &mut plan,
+                    &reference,
+                    wind,
+                    FREE,
+                    DT,
+                );
             }
             let error = flight.velocity - Inertial::new(down, forward);
             // 1 cm/s, 1 cm/s², 0.1 N: what is left of slow decays.

@@ -5,6 +5,7 @@
 
 use super::MAX_STEP;
 use super::memory::{Memory, Spare, Verdict, memory};
+use super::wishes::{LEAST_BAND, MOST_BAND, Wishes};
 use crate::error::{ParameterError, positive};
 use crate::math;
 use crate::ned::Ned;
@@ -33,6 +34,8 @@ pub struct Preferences {
     pub climb: f32,
     /// Greatest acceleration of the reference [m/s²]. A stop does not mind it.
     pub acceleration: f32,
+    /// What the plans are to mind, a stop's too.
+    pub wishes: Wishes,
 }
 
 /// Makes references of goals. Immutable and validated.
@@ -109,15 +112,19 @@ impl Goals {
     /// Goals that are reached so.
     ///
     /// # Errors
-    /// `speed`, `climb` or `acceleration` outside [1e-2, 1e3], or not a number.
+    /// `speed`, `climb` or `acceleration` outside [1e-2, 1e3], `altitude_band` outside [1e-3, 1e3] and not zero, or not a number.
     pub fn new(p: Preferences) -> Result<Self, ParameterError> {
         positive("speed", p.speed, 1e-2, 1e3)?;
         positive("climb", p.climb, 1e-2, 1e3)?;
         positive("acceleration", p.acceleration, 1e-2, 1e3)?;
+        let band = p.wishes.altitude_band;
+        if band != 0.0 {
+            positive("altitude_band", band, LEAST_BAND, MOST_BAND)?;
+        }
         Ok(Self { preferences: p })
     }
 
-    /// The reference and the position error \[m\] for `goal`, at a `position` \[m\] and a `velocity` [m/s], `dt` \[s\] after
+    /// The reference, the position error \[m\] and the wishes of the input for `goal`, at a `position` \[m\] and a `velocity` [m/s], `dt` \[s\] after
     /// the last. A new goal begins where the vehicle is. What is not finite is handed on, to be refused by the guidance, and not
     /// remembered; in a step of no time, or of one that the guidance refuses, the reference stands still.
     pub fn step(
@@ -127,7 +134,7 @@ impl Goals {
         position: Ned,
         velocity: Ned,
         dt: f32,
-    ) -> (Reference, Ned) {
+    ) -> (Reference, Ned, Wishes) {
         let dt = if dt > 0.0 && dt <= MAX_STEP { dt } else { 0.0 };
         let mut way = state.left();
         let (kind, target) = goal.parts();
@@ -180,7 +187,11 @@ impl Goals {
             },
             heading: Heading::FREE,
         };
-        (reference, position - way.position)
+        let wishes = Wishes {
+            place_free: *goal == Goal::Stop && way.stopped == 0,
+            ..self.preferences.wishes
+        };
+        (reference, position - way.position, wishes)
     }
 
     /// The velocity to have at this way to go \[m\]: as fast as can be braked from.
@@ -273,6 +284,7 @@ mod tests {
             speed: 20.0,
             climb: 3.0,
             acceleration: 2.0,
+            wishes: Wishes::default(),
         })
         .unwrap()
     }
@@ -286,7 +298,7 @@ mod tests {
     ) -> ((Ned, Ned), f32, f32) {
         let (mut fastest, mut hardest) = (0.0f32, 0.0f32);
         for _ in 0..(time / DT) as usize {
-            let (reference, error) = goals().step(state, &goal, x, v, DT);
+            let (reference, error, _) = goals().step(state, &goal, x, v, DT);
             x = x - error;
             v = reference.velocity;
             fastest = fastest.max(level(v));
@@ -313,7 +325,7 @@ mod tests {
         let mut x = Ned::new(0.0, 0.0, -30.0);
         let mut v = Ned::new(20.0, 0.0, 1.0);
         for n in 0..1000 {
-            let (reference, error) = goals().step(&mut state, &Goal::Stop, x, v, DT);
+            let (reference, error, _) = goals().step(&mut state, &Goal::Stop, x, v, DT);
             assert_eq!(reference.velocity, Ned::ZERO);
             assert_eq!(reference.acceleration, Ned::ZERO);
             // The altitude is that of the beginning.
@@ -326,7 +338,7 @@ mod tests {
         }
         assert!(state.is_reached());
         // Held from 1 m/s on, 5 cm before the end.
-        let (_, error) = goals().step(&mut state, &Goal::Stop, x, v, DT);
+        let (_, error, _) = goals().step(&mut state, &Goal::Stop, x, v, DT);
         assert!((error.north - 0.05).abs() < 0.02, "{}", error.north);
     }
 
@@ -338,7 +350,7 @@ mod tests {
         let (end, fastest, hardest) =
             follow(&mut state, Goal::Velocity(v), (Ned::ZERO, Ned::ZERO), 11.0);
         assert!(state.is_reached() && fastest < 20.001 && (hardest - 2.0).abs() < 1e-3);
-        let (reference, error) =
+        let (reference, error, _) =
             goals().step(&mut state, &Goal::Hover(Ned::ZERO), end.0, end.1, DT);
         assert!((reference.velocity - v).norm_squared() < 0.03 * 0.03);
         assert!(error.norm_squared() < 1.0);
@@ -392,12 +404,12 @@ mod tests {
         for _ in 0..200 {
             goals().step(&mut left, &goal, x, v, DT);
         }
-        let (expected, error) = goals().step(&mut { left }, &goal, x, v, DT);
+        let (expected, error, _) = goals().step(&mut { left }, &goal, x, v, DT);
         for bit in 0..32 * GoalState::WORDS {
             let mut words = left.to_words();
             words[bit / 32] ^= 1 << (bit % 32);
             let mut state = GoalState::from_words(&words);
-            let (reference, off) = goals().step(&mut state, &goal, x, v, DT);
+            let (reference, off, _) = goals().step(&mut state, &goal, x, v, DT);
             assert_eq!(
                 (reference.velocity, off),
                 (expected.velocity, error),
@@ -407,7 +419,7 @@ mod tests {
         assert_eq!(GoalState::from_words(&left.to_words()), left);
         for any in [u32::MAX, 0x7fc0_0000, 0x4b18_967f] {
             let mut state = GoalState::from_words(&[any; GoalState::WORDS]);
-            let (reference, off) = goals().step(&mut state, &goal, x, v, DT);
+            let (reference, off, _) = goals().step(&mut state, &goal, x, v, DT);
             // One step from the vehicle's velocity and place.
             assert!((reference.velocity - v).norm_squared() < 1e-3, "{any}");
             assert!(off.norm_squared() < 0.1);
@@ -420,6 +432,7 @@ mod tests {
             speed: 20.0,
             climb: 3.0,
             acceleration: 2.0,
+            wishes: Wishes::default(),
         };
         let name = |p| Goals::new(p).unwrap_err().parameter;
         assert_eq!(name(Preferences { speed: 0.0, ..good }), "speed");
@@ -437,5 +450,19 @@ mod tests {
             }),
             "acceleration"
         );
+        let band = |altitude_band| Preferences {
+            wishes: Wishes {
+                altitude_band,
+                ..Wishes::default()
+            },
+            ..good
+        };
+        for bad in [-1.0, 1e-4, 2e3, f32::NAN, f32::INFINITY] {
+            assert_eq!(name(band(bad)), "altitude_band");
+        }
+        for possible in [0.0, 1e-3, 1e3] {
+            let wishes = Goals::new(band(possible)).unwrap().preferences.wishes;
+            assert_eq!(wishes.altitude_band, possible);
+        }
     }
 }

@@ -19,6 +19,7 @@ mod supervision;
 mod tracker;
 mod update;
 mod virtual_flight;
+mod wishes;
 
 pub use crate::control::{Branch, Margin};
 pub use bandwidth::{BandwidthGains, GainChoice};
@@ -30,3 +31,4 @@ pub use progress::{Phase, Progress, Unreachable};
 pub use status::Status;
 pub use supervision::{Air, AirUse, MAX_STEP, MIN_STEP, Mode, Refusal};
 pub use update::{Guidance, GuidanceInput, GuidanceState, Guided};
+pub use wishes::Wishes;

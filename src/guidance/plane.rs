@@ -7,6 +7,7 @@ use super::progress::Progress;
 use super::status::Status;
 use super::supervision::{Air, AirUse, Mode, Refusal};
 use super::update::{Guidance, GuidanceInput, GuidanceState, Guided};
+use super::wishes::Wishes;
 use crate::aero::Aerodynamics;
 use crate::control::{Command, GainLaw, Margin};
 use crate::frame::{Attitude, Body, Inertial};
@@ -50,6 +51,8 @@ pub struct PlanarInput {
     pub reference: Reference,
     /// Age \[s\] of the reference, not negative.
     pub reference_age: f32,
+    /// What plans are to mind.
+    pub wishes: Wishes,
 }
 
 /// A [`Guided`] in one vertical plane.
@@ -97,6 +100,7 @@ impl From<&PlanarInput> for GuidanceInput {
                 heading: Heading::FREE,
             },
             reference_age: p.reference_age,
+            wishes: p.wishes,
         }
     }
 }

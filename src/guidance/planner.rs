@@ -7,6 +7,7 @@
 use super::flight::{Flight, Pace, Plan, VirtualVehicle, limited};
 use super::memory::memory;
 use super::parameters::GuidanceParameters;
+use super::wishes::{Wishes, altitude_band};
 use crate::aero::Aerodynamics;
 use crate::frame::{Attitude, Inertial};
 use crate::math;
@@ -271,6 +272,7 @@ impl Planner {
         flight: &Flight,
         reference: &Reference,
         wind: Inertial,
+        wishes: &Wishes,
         (missed, lift): (f32, f32),
     ) {
         let first = state.looked == 0 || state.looked >= ROUND;
@@ -289,7 +291,8 @@ impl Planner {
             state.next = if n < CANDIDATES - 1 { n + 1 } else { 0 };
             candidate(vehicle, &state.start, n)
         };
-        let mut found = self.predict(vehicle, &state.start, &plan, missed, !first);
+        let band = altitude_band(wishes.altitude_band, self.altitude_band);
+        let mut found = self.predict(vehicle, &state.start, &plan, band, missed, !first);
         let air = state.start.flight.velocity - state.start.wind;
         let weight = vehicle.weight();
         let spare = lift * vehicle.k_a() * air.norm_squared() - RESERVE * weight;
@@ -306,7 +309,7 @@ impl Planner {
         }
     }
 
-    /// What `plan` comes to if it is flown from `start`.
+    /// What `plan` comes to if it is flown from `start`, with an `altitude_band` \[m\].
     ///
     /// The cost is the integral over the prediction of the altitude error and of the velocity errors, each in its band, and
     /// the same for the time after it: an error that closes at the rate of the last steps is there for as long as that
@@ -318,14 +321,15 @@ impl Planner {
         vehicle: &Vehicle<A>,
         start: &Start,
         plan: &Plan,
+        altitude_band: f32,
         missed: f32,
         new: bool,
     ) -> Prospect {
         let air = (start.flight.velocity - start.wind) * (vehicle.k_a() / vehicle.mass());
         if air.norm_squared() > STIFF * STIFF {
-            self.predict_with::<A, true>(vehicle, start, plan, missed, new)
+            self.predict_with::<A, true>(vehicle, start, plan, altitude_band, missed, new)
         } else {
-            self.predict_with::<A, false>(vehicle, start, plan, missed, new)
+            self.predict_with::<A, false>(vehicle, start, plan, altitude_band, missed, new)
         }
     }
 
@@ -336,6 +340,7 @@ impl Planner {
         vehicle: &Vehicle<A>,
         start: &Start,
         plan: &Plan,
+        altitude_band: f32,
         missed: f32,
         new: bool,
     ) -> Prospect {
@@ -346,7 +351,10 @@ impl Planner {
             1.0 / (KNEE * self.velocity_band.down()),
             1.0 / (KNEE * self.velocity_band.forward()),
         );
-        let altitude_band = 1.0 / (KNEE * self.altitude_band);
+        // Too high is as many metres as with the parameter's band, or more.
+        let high = HIGH / KNEE * math::max(self.altitude_band / altitude_band, 1.0);
+        let altitude_band = 1.0 / (KNEE * altitude_band);
+
         let mut velocity = start.velocity;
         let mut error =
             flight.velocity - virtual_vehicle.velocity_wanted(flight.position, velocity);
@@ -366,13 +374,14 @@ impl Planner {
                     velocity,
                     wish,
                     wind,
+                    f32::INFINITY,
                     &step.pace,
                     false,
                 );
                 velocity += acceleration * step.pace.h;
                 error =
                     flight.velocity - virtual_vehicle.velocity_wanted(flight.position, velocity);
-                let altitude = math::min(-flight.position.down() * altitude_band, HIGH / KNEE);
+                let altitude = math::min(-flight.position.down() * altitude_band, high);
                 cost += step.pace.h
                     * (length(altitude)
                         + length(error.down() * band.down())
@@ -474,6 +483,11 @@ mod tests {
     use crate::vehicle::VehicleParameters;
 
     const DT: f32 = 0.01;
+    const NONE: Wishes = Wishes {
+        altitude_band: 0.0,
+        short_of_vertical: false,
+        place_free: false,
+    };
 
     fn vehicle(excess: f32) -> Vehicle<Combined> {
         let model = Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap();
@@ -501,6 +515,7 @@ mod tests {
                 &flight,
                 &reference,
                 Inertial::ZERO,
+                &NONE,
                 (0.0, 0.0),
             );
             let after = if next < CANDIDATES - 1 { next + 1 } else { 0 };
@@ -552,6 +567,7 @@ mod tests {
                 &flight,
                 &reference,
                 Inertial::ZERO,
+                &NONE,
                 (0.0, lift),
             );
             planner.virtual_vehicle.advance(
@@ -560,6 +576,7 @@ mod tests {
                 &mut state.plan,
                 &reference,
                 Inertial::ZERO,
+                f32::INFINITY,
                 DT,
             );
             flown.low = f32::max(flown.low, flight.position.down());
@@ -685,7 +702,15 @@ mod tests {
         let (vehicle, planner) = (vehicle(2.0), Planner::new(&GuidanceParameters::default()));
         let look = |state: &mut PlannerState| {
             let calm = Inertial::ZERO;
-            planner.search(&vehicle, state, &cruise(), &hover(0.0), calm, (0.0, 0.0));
+            planner.search(
+                &vehicle,
+                state,
+                &cruise(),
+                &hover(0.0),
+                calm,
+                &NONE,
+                (0.0, 0.0),
+            );
         };
         let mut state = PlannerState::default();
         look(&mut state);
@@ -698,6 +723,7 @@ mod tests {
             &Flight::default(),
             &hover(0.0),
             Inertial::new(0.0, 9.0),
+            &NONE,
             (0.0, 0.0),
         );
         look(&mut state);
@@ -716,8 +742,11 @@ mod tests {
             flight: cruise(),
             ..Start::default()
         };
-        let cost =
-            |plan: &Plan, missed, new| planner.predict(&vehicle, &start, plan, missed, new).cost;
+        let cost = |plan: &Plan, missed, new| {
+            planner
+                .predict(&vehicle, &start, plan, planner.altitude_band, missed, new)
+                .cost
+        };
         let (crossing, servo) = (candidate(&vehicle, &start, 0), Plan::default());
         let level = cost(&crossing, 0.0, true);
         let on = cost(&crossing, 6.0, false) - level;

@@ -19,6 +19,7 @@ use super::supervision::{
 };
 use super::tracker::{Tracker, TrackerInput};
 use super::virtual_flight::{Turning, VirtualFlight};
+use super::wishes::Wishes;
 use crate::aero::Aerodynamics;
 use crate::control::{Fault, GainLaw, Margin};
 use crate::error::{ParameterError, Problem};
@@ -94,6 +95,8 @@ pub struct GuidanceInput {
     pub reference: Reference,
     /// Age \[s\] of the reference, not negative.
     pub reference_age: f32,
+    /// What plans are to mind.
+    pub wishes: Wishes,
 }
 
 /// What the guidance remembers between steps. The default is power-on. Equal are those whose [bytes](Self::to_bytes) are.
@@ -578,6 +581,10 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             state.wind = wind;
         }
         state.wind += (wind - state.wind) * math::min(dt / GUSTS, 1.0);
+        if input.wishes.place_free {
+            let virtual_place = &mut state.flight.position;
+            (virtual_place.north, virtual_place.east) = (position.north, position.east);
+        }
         let turns = theta + wrap(state.flight.theta - theta) - state.flight.theta;
         state.flight.theta += turns;
         state.planner.shift(turns);
@@ -588,6 +595,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             &mut state.planner,
             (
                 &asked,
+                &input.wishes,
                 state.wind,
                 correction.air(),
                 self.accelerometer
@@ -742,6 +750,11 @@ mod tests {
             acceleration: Inertial::ZERO,
         },
         reference_age: 0.0,
+        wishes: Wishes {
+            altitude_band: 0.0,
+            short_of_vertical: false,
+            place_free: false,
+        },
     };
 
     /// Flying in hover for a while.

@@ -10,6 +10,7 @@ use super::memory::memory;
 use super::parameters::GuidanceParameters;
 use super::planner::{LEAN_SLEW, Planner, PlannerState};
 use super::progress::Progress;
+use super::wishes::{Wishes, most_theta};
 use crate::aero::Aerodynamics;
 use crate::air::AngleOfAttack;
 use crate::control::Guard;
@@ -210,7 +211,7 @@ impl Turning {
         math::clamp(speed / self.slow() - 1.0, 0.0, 1.0)
     }
 
-    /// Lets `flight` pass for `dt` \[s\] by the plan that `planner` has chosen: to a `reference`, in a `wind`, the air's force
+    /// Lets `flight` pass for `dt` \[s\] by the plan that `planner` has chosen: to a `reference` with `wishes`, in a `wind`, the air's force
     /// being `air` times the believed one, and `missing` \[N\] of the greatest thrust not being there. `wings` is the cosine of the angle between the real wing and the virtual one.
     #[inline(always)]
     pub fn advance<'a, A: Aerodynamics>(
@@ -219,7 +220,7 @@ impl Turning {
         vehicle: &'a Vehicle<A>,
         flight: &mut VirtualFlight,
         state: &mut PlannerState,
-        (reference, wind, air, missing, wings): (&Reference, Ned, f32, f32, f32),
+        (reference, wishes, wind, air, missing, wings): (&Reference, &Wishes, Ned, f32, f32, f32),
         dt: f32,
     ) -> Moved<'a, A> {
         let servo = &planner.virtual_vehicle;
@@ -286,8 +287,24 @@ impl Turning {
             thrust: flight.thrust,
         };
         let missed = (1.0 - CROSSING) * lean_wanted.abs();
-        planner.search(&heavier, state, &plane, &asked, wind, (missed, self.stall));
-        let in_plane = servo.advance(&heavier, &mut plane, &mut state.plan, &asked, wind, dt);
+        planner.search(
+            &heavier,
+            state,
+            &plane,
+            &asked,
+            wind,
+            wishes,
+            (missed, self.stall),
+        );
+        let in_plane = servo.advance(
+            &heavier,
+            &mut plane,
+            &mut state.plan,
+            &asked,
+            wind,
+            most_theta(wishes.short_of_vertical),
+            dt,
+        );
         let error = plane.velocity - servo.velocity_wanted(plane.position, asked.velocity);
         let progress = Progress::new(
             &heavier,
@@ -421,7 +438,7 @@ mod tests {
         let turning = Turning::new(&p, &vehicle);
         let (mut flight, mut state) = (start, PlannerState::default());
         for _ in 0..(seconds / DT) as usize {
-            let given = (reference, Ned::ZERO, 1.0, missing, 1.0);
+            let given = (reference, &Wishes::default(), Ned::ZERO, 1.0, missing, 1.0);
             let moved = turning.advance(&planner, &vehicle, &mut flight, &mut state, given, DT);
             assert!(flight.is_sound());
             see(&flight, &moved);
@@ -523,7 +540,7 @@ mod tests {
         let turned = |wings: f32| {
             let mut flight = flight(Ned::new(0.0, 20.0, 0.0), -1.5);
             let reference = cruise(0.0, 20.0);
-            let given = (&reference, Ned::ZERO, 1.0, 0.0, wings);
+            let given = (&reference, &Wishes::default(), Ned::ZERO, 1.0, 0.0, wings);
             let mut state = PlannerState::default();
             turning.advance(&planner, &vehicle, &mut flight, &mut state, given, DT);
             flight.course.project(Ned::new(0.0, 1.0, 0.0)).0.forward()

@@ -125,6 +125,7 @@ impl<P: Planar> Pilot for InPlane<'_, P> {
             position_error: wanted.map(|wanted| position - wanted),
             reference,
             reference_age,
+            ..PlanarInput::default()
         };
         self.flown = Some(Flown {
             t: told.t,

@@ -105,6 +105,7 @@ fn input(words: &Words) -> Result<GuidanceInput> {
             heading: Heading::from_angle(words.number(offset_of!(Input, heading) / 4 - 1)?),
         },
         reference_age: 0.0,
+        ..GuidanceInput::default()
     })
 }
 

@@ -143,6 +143,7 @@ impl Pilot for OnPath {
                 heading: Heading::from_angle(heading),
             },
             reference_age,
+            ..GuidanceInput::default()
         };
         let guided = self.guidance.update(&mut self.memory, &input, dt);
         self.keep(told, target, input, guided);

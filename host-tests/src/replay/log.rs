@@ -113,6 +113,7 @@ pub fn replay(
                     acceleration: current.within(told.acceleration),
                 },
                 reference_age: told.reference_age as f32,
+                ..PlanarInput::default()
             },
             feed_forward: None::<FeedForward>,
         };

@@ -63,6 +63,7 @@ pub fn replay(states: &States, experiment: &Experiment) -> anyhow::Result<(Recor
                     .map_or(Heading::FREE, |h| Heading::from_angle(h as f32)),
             },
             reference_age: told.reference_age as f32,
+            ..GuidanceInput::default()
         };
         let period = 1.0 / experiment.control_rate_hz;
         let dt = record.last().map_or(period, |last: &Step| t - last.t);

@@ -141,6 +141,7 @@ impl Log<'_> {
                     acceleration: self.vector(record, ["ar_down_m_s2", "ar_forward_m_s2"])?,
                 },
                 reference_age: number("reference_age_s")?,
+                ..PlanarInput::default()
             },
             feed_forward: feed_forward.then_some(forward),
         })

@@ -100,6 +100,7 @@ impl Telling {
                 heading: Heading::from_angle(heading),
             },
             reference_age: (t - sent_at) as f32,
+            ..GuidanceInput::default()
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The guidance in space on the six-degree-of-freedom plant, with the wrong belief of [`flown`](crate::flown) and, unless said
 //! otherwise, an accelerometer. Bounds are the requirement's: velocity rms [m/s], position rms [m], sideslip rms [°].
 
-use alula::guidance::{Air, Goal, GoalState, Goals, Mode, Preferences};
+use alula::guidance::{Air, Goal, GoalState, Goals, Mode, Preferences, Wishes};
 use alula::spatial::{Body, Heading, Ned, Reference};
 use alula::{
     Combined, CombinedParameters, Guidance, GuidanceInput, GuidanceParameters, GuidanceState,
@@ -88,6 +88,7 @@ impl Flown {
                     heading: Heading::from_angle(heading),
                 },
                 reference_age: 0.0,
+                ..GuidanceInput::default()
             };
             let guided = self.guidance.update(&mut memory, &input, PERIOD as f32);
             assert!(guided.mode == Mode::Flying || t < 0.1);
@@ -364,6 +365,7 @@ fn goals_are_reached() {
         speed: 18.0,
         climb: 2.0,
         acceleration: 2.0,
+        wishes: Wishes::default(),
     })
     .unwrap();
     let place = V3::new(-60.0, -200.0, -20.0);
@@ -380,7 +382,7 @@ fn goals_are_reached() {
         let velocity = (position - last.0) / PERIOD;
         last = (position, velocity);
         let at = |v: V3| ned(v.into());
-        let (reference, error) =
+        let (reference, error, _) =
             goals.step(&mut state, &goal, at(position), at(velocity), PERIOD as f32);
         Target {
             position: position - V3::from(triple(error)),

@@ -109,6 +109,7 @@ pub(crate) mod tests {
                 acceleration: Inertial::new(0.0, 0.5),
             },
             reference_age: 0.0,
+            ..PlanarInput::default()
         }
     }
 

@@ -117,6 +117,7 @@ pub fn case(n: usize) -> SpaceCase {
             )),
             reference,
             reference_age: 0.0,
+            ..GuidanceInput::default()
         },
     }
 }
