@@ -160,8 +160,8 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         warnings,
         figure: figure(polar.rows, &model),
         tables: tables(&summary),
-        text: None,
         notes: "A row weighs the range of α it stands for; rows up to 20° together weigh as much as all others. Folds are those of level flight.".to_owned(),
+        ..Page::default()
     };
     args.output.leave(&out, "fit", &page, &summary)
 }

@@ -36,6 +36,19 @@ pub fn fixed(value: impl Into<f64>, digits: usize) -> String {
 }
 
 impl Table {
+    /// A table with these `columns` and `rows`.
+    pub fn new<const N: usize>(
+        title: impl Into<String>,
+        columns: [&str; N],
+        rows: impl IntoIterator<Item = [String; N]>,
+    ) -> Self {
+        Self {
+            title: title.into(),
+            header: columns.map(str::to_owned).to_vec(),
+            rows: rows.into_iter().map(Vec::from).collect(),
+        }
+    }
+
     /// A table with one row about each of `all`.
     pub fn of<'a, T: 'a>(
         title: impl Into<String>,
@@ -81,7 +94,7 @@ fn templates() -> anyhow::Result<Environment<'static>> {
 }
 
 /// A page.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Page {
     /// Its title.
     pub title: String,

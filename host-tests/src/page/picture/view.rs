@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use crate::page::chart::ends;
 use crate::page::svg::width;
 use crate::space::{SpatialState, V3};
 
@@ -48,10 +49,7 @@ impl View {
     /// Scaled and shifted so that the points lie inside the frame (left, top, width, height).
     pub fn fitted(mut self, points: &[V3], [left, top, width, height]: [f64; 4]) -> Self {
         let range = |axis: V3| {
-            let values = points.iter().map(|p| p.dot(&axis));
-            let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| {
-                (l.min(x), h.max(x))
-            });
+            let (low, high) = ends(points.iter().map(|p| p.dot(&axis)));
             (0.5 * (low + high), (0.5 * (high - low)).max(LEAST))
         };
         let ((x, half_x), (y, half_y)) = (range(self.right), range(self.up));
