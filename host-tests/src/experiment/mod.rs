@@ -17,7 +17,7 @@ use alula_link::{Configuration, Pacing};
 use serde::Deserialize;
 
 pub use document::{Document, FieldError, Located};
-pub(crate) use document::{angle, finite, from_toml, positive, rate, read, speed};
+pub(crate) use document::{angle, finite, from_toml, positive, rate, read, require, speed};
 pub use faults::{FaultKind, FaultSpec};
 pub(crate) use faults::{Faults, Lasting, Told};
 pub use parameters::{Fields, file_name, file_value, refused};
@@ -134,14 +134,10 @@ pub(crate) fn check_steps(duration: f64, rate: f64, substeps: u32) -> Result<(),
     positive("duration_s", duration)?;
     positive("control_rate_hz", rate)?;
     let steps = duration * rate;
-    if !(0.5..=MAX_STEPS).contains(&steps) {
-        let problem = format!("{steps} control steps, must be from 1 to {MAX_STEPS}");
-        return Err(FieldError::new("duration_s", problem));
-    }
-    if !(1..=1000).contains(&substeps) {
-        return Err(FieldError::new("substeps", "must be from 1 to 1000"));
-    }
-    Ok(())
+    let problem = format_args!("{steps} control steps, must be from 1 to {MAX_STEPS}");
+    require((0.5..=MAX_STEPS).contains(&steps), "duration_s", problem)?;
+    let flown = (1..=1000).contains(&substeps);
+    require(flown, "substeps", "must be from 1 to 1000")
 }
 
 impl Experiment {
@@ -151,10 +147,9 @@ impl Experiment {
         // The guidance refuses every frame with a longer or shorter step; the vehicle would fall.
         let step = 1.0 / self.control_rate_hz;
         let flown = f64::from(MIN_STEP)..=f64::from(MAX_STEP);
-        if self.controller.name() == "guidance" && !flown.contains(&step) {
-            let problem = format!("the guidance flies steps of {MIN_STEP} to {MAX_STEP} s");
-            return Err(FieldError::new("control_rate_hz", problem));
-        }
+        let flown = self.controller.name() != "guidance" || flown.contains(&step);
+        let problem = format_args!("the guidance flies steps of {MIN_STEP} to {MAX_STEP} s");
+        require(flown, "control_rate_hz", problem)?;
         // A vehicle that the core would not control is not worth flying.
         self.vehicle.core().map_err(|e| e.inside("vehicle"))?;
         let dt = 1.0 / self.control_rate_hz / f64::from(self.substeps);

@@ -6,7 +6,7 @@ use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 use serde::Deserialize;
 
-use super::document::{FieldError, sensor_error};
+use super::document::{FieldError, require, sensor_error};
 use super::faults::{FaultKind, FaultSpec, Lasting, Told};
 use super::plant::State;
 use crate::controllers::inertial;
@@ -93,9 +93,7 @@ pub(crate) fn validate(
         for (part, value) in [("noise", error.noise), ("quantum", error.quantum)] {
             let field = format!("sensors.{name}.{part}");
             sensor_error(&field, value)?;
-            if value < 0.0 {
-                return Err(FieldError::new(field, "must not be negative"));
-            }
+            require(value >= 0.0, field, "must not be negative")?;
         }
     }
     for (i, fault) in faults.iter().enumerate() {
