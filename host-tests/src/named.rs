@@ -18,16 +18,21 @@ pub struct Named {
 }
 
 impl Named {
+    /// A text that is in no file; `origin` stands for it in errors.
+    pub fn new(name: &str, origin: &str, text: &str) -> Self {
+        Self {
+            name: name.to_owned(),
+            origin: origin.to_owned(),
+            text: text.to_owned(),
+            file: None,
+        }
+    }
+
     /// The text that `argument` names: one of `built_in`, (name, text) each, or else a file. `noun` is what there is
     /// to choose from, in errors.
     pub fn find(noun: &str, built_in: &[(&str, &str)], argument: &str) -> anyhow::Result<Self> {
         if let Some((name, text)) = built_in.iter().find(|(name, _)| *name == argument) {
-            return Ok(Self {
-                name: (*name).to_owned(),
-                origin: format!("built-in {name}"),
-                text: (*text).to_owned(),
-                file: None,
-            });
+            return Ok(Self::new(name, &format!("built-in {name}"), text));
         }
         let names: Vec<_> = built_in.iter().map(|(name, _)| *name).collect();
         check(noun, &names, argument)?;

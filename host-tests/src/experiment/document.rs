@@ -558,17 +558,8 @@ impl Layer {
 mod tests {
     use super::*;
 
-    fn named(text: &str) -> Named {
-        Named {
-            name: "x".to_owned(),
-            origin: "x.toml".to_owned(),
-            text: text.to_owned(),
-            file: None,
-        }
-    }
-
     fn over(text: &str) -> anyhow::Result<Document> {
-        Document::new(&named(text))
+        Document::new(&Named::new("x", "x.toml", text))
     }
 
     #[test]

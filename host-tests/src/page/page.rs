@@ -1,15 +1,13 @@
 //! A page about an analysis: a figure and tables, which also print as text.
 
 use std::fmt::Write as _;
-use std::fs::File;
-use std::io::Write as _;
 use std::path::Path;
 
 use anyhow::Context;
 use minijinja::{Environment, Value, context};
 
 use super::Figure;
-use crate::files;
+use crate::files::leave_all;
 
 /// A table of cells.
 #[derive(Clone, Debug)]
@@ -135,8 +133,7 @@ impl Page {
     /// Leaves the figure and the page in `folder`, under these names.
     pub fn leave(&self, folder: &Path, [svg, html]: [&str; 2]) -> anyhow::Result<()> {
         for (name, content) in [(svg, self.figure.svg()), (html, self.html()?)] {
-            let write = |file: &mut File| Ok(file.write_all(content.as_bytes())?);
-            files::leave(&folder.join(name), write)?;
+            leave_all(&folder.join(name), content)?;
         }
         Ok(())
     }

@@ -248,12 +248,7 @@ mod tests {
     use super::*;
 
     fn named(text: &str) -> Named {
-        Named {
-            name: "x".to_owned(),
-            origin: "x.toml".to_owned(),
-            text: text.to_owned(),
-            file: None,
-        }
+        Named::new("x", "x.toml", text)
     }
 
     const SMALL: &str = r#"

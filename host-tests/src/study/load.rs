@@ -95,12 +95,7 @@ impl CampaignSource {
 
     /// The campaign of `texts`; `origin` stands for the campaign's in errors.
     pub fn from_texts(texts: Texts, origin: &str) -> anyhow::Result<Self> {
-        let document = Document::new(&Named {
-            name: texts.name.clone(),
-            origin: origin.to_owned(),
-            text: texts.base.clone(),
-            file: None,
-        })?;
+        let document = Document::new(&Named::new(&texts.name, origin, &texts.base))?;
         let base = |campaign: &Campaign| {
             let mut base = document.clone();
             for (path, value) in &campaign.set {

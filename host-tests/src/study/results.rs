@@ -375,12 +375,7 @@ mod tests {
             seeds = 2
             set = { "weather.turbulence" = { wind_at_20_ft_m_s = 3.0, height_m = 30.0 } }
         "#;
-        let named = crate::named::Named {
-            name: "x".to_owned(),
-            origin: "x.toml".to_owned(),
-            text: text.to_owned(),
-            file: None,
-        };
+        let named = crate::named::Named::new("x", "x.toml", text);
         let plan = crate::study::Source::new(&named).unwrap().plan;
         let count = std::sync::atomic::AtomicUsize::new(0);
         let run = |threads| {
