@@ -120,6 +120,18 @@ pub(crate) mod tests {
         error
     }
 
+    /// `text` must hold each of the `parts`.
+    #[track_caller]
+    pub(crate) fn says(text: &str, parts: &[&str]) {
+        assert!(parts.iter().all(|part| text.contains(part)), "{text}");
+    }
+
+    /// `text` must begin so.
+    #[track_caller]
+    pub(crate) fn begins(text: &str, start: &str) {
+        assert!(text.starts_with(start), "{text}");
+    }
+
     #[test]
     fn a_name_with_a_line_break_is_refused_in_one_line() {
         for name in ["ro\nd-trip", "ro\r\nund.toml", "round\ttrip"] {

@@ -3,14 +3,12 @@
 use std::collections::VecDeque;
 
 use alula_bridges::companion::{Body, BodyState};
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::UnitQuaternion;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use crate::experiment::{Experiment, Weather, thrust_limits};
-use crate::space::{self, Rotation, SpatialPlant, SpatialState};
-
-type V3 = Vector3<f64>;
+use crate::space::{self, Rotation, SpatialPlant, SpatialState, V3};
 
 /// The vehicle, where its experiment begins.
 pub struct Craft {

@@ -129,6 +129,7 @@ mod tests {
     use super::*;
     use crate::design::goals::tests::facts;
     use crate::experiment::Document;
+    use crate::named::tests::says;
     use crate::simulate::{Step, fly};
 
     const PERFORMANCE: Performance = Performance {
@@ -175,11 +176,9 @@ mod tests {
                 0.0
             };
         });
-        assert!(
-            low.contains(
-                "sinks below its reference on the way out by 1.30 m (asked: 1.00 m at most)"
-            ),
-            "{low}"
+        says(
+            &low,
+            &["sinks below its reference on the way out by 1.30 m (asked: 1.00 m at most)"],
         );
         let high = finding(20.0, Outcome::Fails, |step| {
             step.truth.position.x -= if (50.0..60.0).contains(&step.t) {
@@ -188,17 +187,14 @@ mod tests {
                 0.0
             };
         });
-        assert!(
-            high.contains("climbs above its reference on the way back by 25.00 m"),
-            "{high}"
+        says(
+            &high,
+            &["climbs above its reference on the way back by 25.00 m"],
         );
         let behind = finding(20.0, Outcome::Fails, |step| {
             step.truth.position.y -= if step.t > 10.0 { 670.0 } else { 0.0 };
         });
-        assert!(
-            behind.contains("falls behind") && behind.contains("does not come back to hover"),
-            "{behind}"
-        );
+        says(&behind, &["falls behind", "does not come back to hover"]);
         let ahead = finding(20.0, Outcome::OutsideGoals, |step| {
             step.truth.position.y += if (50.0..60.0).contains(&step.t) {
                 5.0
@@ -238,9 +234,9 @@ mod tests {
             ..PERFORMANCE
         };
         let why = why_no_cruise(&facts(60.0), &performance);
-        assert!(
-            why.contains("needs 2.60 times the weight of thrust, and there is 1.6"),
-            "{why}"
+        says(
+            &why,
+            &["needs 2.60 times the weight of thrust, and there is 1.6"],
         );
         assert_eq!(why_no_cruise(&facts(60.0), &PERFORMANCE), "");
     }

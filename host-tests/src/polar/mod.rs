@@ -296,6 +296,7 @@ impl<'de> Deserialize<'de> for Polar {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::named::tests::begins;
     use alula::{Aerodynamics, AngleOfAttack};
 
     /// The CSV files and the core's constants are the same tables, to the bit.
@@ -410,10 +411,7 @@ mod tests {
             .map(|n| format!("{},0,0.1\n", 0.25 * f64::from(n)))
             .collect();
         let many = error(&format!("alpha_deg,cl,cd\n{rows}"));
-        assert!(
-            many.starts_with("x.csv: comes to 721 rows, and at most 512"),
-            "{many}"
-        );
+        begins(&many, "x.csv: comes to 721 rows, and at most 512");
         let short = error("alpha_deg,cl,cd\n0,0,0.1\n1,0.1,0.1\n2,0.2,0.1\n");
         assert!(short.starts_with("x.csv:2: goes from 0° to 2°"), "{short}");
         let drag = error("alpha CL CD\n-8 -1 0.1\n0 0.1 0\n9 1 0.1\n");

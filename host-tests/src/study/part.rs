@@ -111,6 +111,7 @@ fn digits(bytes: &[u8]) -> Option<std::ops::Range<usize>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::named::tests::says;
     use crate::study::Column;
 
     const SEAL: Seal = Seal {
@@ -143,10 +144,7 @@ mod tests {
         assert!(SEAL.check(&[]).is_err());
         std::fs::write(&path, &bytes[..20]).unwrap();
         let error = format!("{:#}", SEAL.read(&path).unwrap_err());
-        assert!(
-            error.contains("000007.parquet: has changed since"),
-            "{error}"
-        );
+        says(&error, &["000007.parquet: has changed since"]);
         assert!(error.contains("delete it"), "{error}");
     }
 

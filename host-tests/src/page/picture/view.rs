@@ -214,6 +214,7 @@ pub fn round_number(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::named::tests::says;
 
     #[test]
     fn from_above_north_is_up_and_east_is_right() {
@@ -252,10 +253,7 @@ mod tests {
         taken.words(&mut text, [100.0, 50.0], 20.0, "12 s");
         taken.words(&mut text, [100.0, 50.0], 20.0, "12 s");
         assert_eq!(place(&text), 2);
-        assert!(
-            text.contains("y=\"35.0\"") && text.contains("y=\"55.0\""),
-            "{text}"
-        );
+        says(&text, &["y=\"35.0\"", "y=\"55.0\""]);
         // Right, left and below are taken one after the other; then there is no room.
         for _ in 0..3 {
             taken.words(&mut text, [100.0, 50.0], 20.0, "12 s");
