@@ -17,6 +17,17 @@ pub struct Named {
     pub file: Option<PathBuf>,
 }
 
+/// Names and texts of the files in a folder beside `src`, whose names end so.
+macro_rules! built_in {
+    ($folder:literal, $end:literal; $($name:literal),+ $(,)?) => {
+        &[$((
+            $name,
+            include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/", $folder, "/", $name, $end)),
+        )),+]
+    };
+}
+pub(crate) use built_in;
+
 impl Named {
     /// A text that is in no file; `origin` stands for it in errors.
     pub fn new(name: &str, origin: &str, text: &str) -> Self {

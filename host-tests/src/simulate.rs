@@ -4,12 +4,10 @@ use std::collections::VecDeque;
 
 use alula::guidance::Air;
 use alula::{Attitude, FeedForward, Inertial, PlanarInput, Reference};
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
 
 use crate::controllers::{Answer, Controller, Input, inertial};
 use crate::experiment::{
-    Experiment, FaultKind, Faults, Measured, Plant, PositionSensor, State, Weather,
+    Experiment, FaultKind, Faults, Measured, Plant, PositionSensor, State, Weather, stream,
 };
 use crate::reference::{Vector, wrap};
 
@@ -95,10 +93,7 @@ pub fn simulate(
 ) -> anyhow::Result<End> {
     let feed_forward = experiment.spec()?.feed_forward();
     let plant = Plant::new(&experiment.vehicle.reference(), experiment.plant);
-    // Noise and turbulence are separate streams: a change of one leaves the other as it was.
-    let mut noise = ChaCha8Rng::seed_from_u64(experiment.seed);
-    let mut gusts = ChaCha8Rng::seed_from_u64(experiment.seed);
-    gusts.set_stream(1);
+    let [mut noise, mut gusts] = [0, 1].map(|number| stream(experiment.seed, number));
     let mut weather = Weather::new(experiment.weather, &mut gusts);
     let steady = Vector::from(experiment.weather.steady_m_s);
     let mut faults = Faults::new(&experiment.sensors.faults, experiment.seed, 2);

@@ -3,7 +3,7 @@
 use std::ops::{Add, Mul, Sub};
 
 use alula::guidance::Air;
-use rand::{Rng, RngExt, SeedableRng};
+use rand::{Rng, RngExt};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
@@ -191,13 +191,11 @@ pub(crate) struct Faults<'a, M> {
 impl<'a, M: Told> Faults<'a, M> {
     /// None has begun. `seed` is the experiment's; no other part of the flight draws from this `stream` of it.
     pub fn new(specs: &'a [FaultSpec], seed: u64, stream: u64) -> Self {
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
-        random.set_stream(stream);
         Self {
             specs,
             begun: vec![None; specs.len()],
             waited: 0.0,
-            random,
+            random: super::stream(seed, stream),
         }
     }
 

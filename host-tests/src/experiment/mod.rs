@@ -14,6 +14,8 @@ mod weather;
 use alula::guidance::{MAX_STEP, MIN_STEP};
 use alula_bridges::sitl::Actuators;
 use alula_link::{Configuration, Pacing};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
 use serde::Deserialize;
 
 pub use document::{Document, FieldError, Located};
@@ -29,19 +31,14 @@ pub use vehicle::{AerodynamicsSpec, Model, NO_LIMITS, Vehicle, VehicleSpec};
 pub use weather::{GustSpec, TurbulenceSpec, Weather, WeatherSpec};
 
 use crate::controllers::{Choice, Controller, Spec};
+use crate::named::built_in;
 
 /// What is flown when nothing is asked for.
 pub const DEFAULT: &str = "hover-to-cruise";
 
-macro_rules! built_in {
-    ($($name:literal),* $(,)?) => {
-        &[$(($name, include_str!(concat!("../../experiments/", $name, ".toml")))),*]
-    };
-}
-
 /// Name and TOML text of every built-in experiment. Those with a path are flown in space. Those with neither path nor reference are
 /// vehicles, for others to be based on.
-pub const BUILT_IN: &[(&str, &str)] = built_in![
+pub const BUILT_IN: &[(&str, &str)] = built_in! { "experiments", ".toml";
     "paper",
     "paper-re-5e6",
     "paper-belief",
@@ -74,7 +71,7 @@ pub const BUILT_IN: &[(&str, &str)] = built_in![
     "mission-turbulence",
     "start-hover",
     "start-cruise",
-];
+};
 
 /// A flight to simulate. The format is described in this package's README.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -124,6 +121,13 @@ pub(crate) fn hundred() -> f64 {
 
 pub(crate) fn five() -> u32 {
     5
+}
+
+/// The random numbers of an experiment's `seed`, of which every part of a flight draws from a stream of its own: a change of one part leaves the others as they were.
+pub(crate) fn stream(seed: u64, number: u64) -> ChaCha8Rng {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    random.set_stream(number);
+    random
 }
 
 /// Most control steps of one flight: a record is held in memory.

@@ -22,17 +22,11 @@ pub use resample::{Apart, resampled};
 pub use stall::stall;
 pub use viterna::{Seam, Upto, most_drag};
 
-use crate::named::{Named, on_one_line};
+use crate::named::{Named, built_in, on_one_line};
 use crate::reference::{Row, Table};
 
-macro_rules! built_in {
-    ($($name:literal),* $(,)?) => {
-        &[$(($name, include_str!(concat!("../../data/", $name, ".csv")))),*]
-    };
-}
-
 /// Name and CSV text of every built-in polar.
-pub const BUILT_IN: &[(&str, &str)] = built_in![
+pub const BUILT_IN: &[(&str, &str)] = built_in! { "data", ".csv";
     "naca-0021-re-160e3",
     "naca-0021-re-5e6",
     "naca-0012-re-160e3",
@@ -41,7 +35,7 @@ pub const BUILT_IN: &[(&str, &str)] = built_in![
     "naca-0015-re-5e6",
     "naca-0018-re-160e3",
     "naca-0018-re-5e6",
-];
+};
 
 /// What was read of a polar that is made, and not read.
 static UNREAD: Read = Read {

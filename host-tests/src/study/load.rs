@@ -8,33 +8,21 @@ use serde::{Deserialize, Serialize};
 use super::store::REFERENCE;
 use super::{Campaign, Dispersion, Expected, Experiment, FaultDraw, Limit, Place};
 use crate::experiment::{Document, FieldError, finite, from_toml, require};
-use crate::named::{Named, in_shell};
+use crate::named::{Named, built_in, in_shell};
 
 /// Name and TOML text of every built-in campaign.
-pub const BUILT_IN: &[(&str, &str)] = &[
-    ("dispersed", include_str!("../../campaigns/dispersed.toml")),
-    ("faults", include_str!("../../campaigns/faults.toml")),
-    ("envelope", include_str!("../../campaigns/envelope.toml")),
-    ("upsets", include_str!("../../campaigns/upsets.toml")),
-    ("vehicles", include_str!("../../campaigns/vehicles.toml")),
-    (
-        "mass-and-area",
-        include_str!("../../campaigns/mass-and-area.toml"),
-    ),
-    (
-        "lift-and-thrust-line",
-        include_str!("../../campaigns/lift-and-thrust-line.toml"),
-    ),
-    (
-        "faults-in-space",
-        include_str!("../../campaigns/faults-in-space.toml"),
-    ),
-    ("paths", include_str!("../../campaigns/paths.toml")),
-    (
-        "fast-starts",
-        include_str!("../../campaigns/fast-starts.toml"),
-    ),
-];
+pub const BUILT_IN: &[(&str, &str)] = built_in! { "campaigns", ".toml";
+    "dispersed",
+    "faults",
+    "envelope",
+    "upsets",
+    "vehicles",
+    "mass-and-area",
+    "lift-and-thrust-line",
+    "faults-in-space",
+    "paths",
+    "fast-starts",
+};
 
 /// Most flights of a campaign: months on one core.
 const MAX_FLIGHTS: u64 = 1_000_000_000;
