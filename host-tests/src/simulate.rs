@@ -6,9 +6,7 @@ use alula::guidance::Air;
 use alula::{Attitude, FeedForward, Inertial, PlanarInput, Reference};
 
 use crate::controllers::{Answer, Controller, Input, inertial};
-use crate::experiment::{
-    Experiment, FaultKind, Faults, Measured, Plant, PositionSensor, State, Weather, stream,
-};
+use crate::experiment::{Experiment, FaultKind, Faults, Measured, Plant, State, Weather, stream};
 use crate::reference::{Vector, wrap};
 
 /// One control step of a flight.
@@ -230,13 +228,10 @@ impl Telling {
             state_age: (t - measured_at) as f32,
             air: measured.air,
             specific_force: measured.specific_force,
-            position_error: match experiment.sensors.position {
-                PositionSensor::Measured => Some(Inertial::new(
-                    nan(error.down(), FaultKind::PositionNan),
-                    error.forward(),
-                )),
-                PositionSensor::None => None,
-            },
+            position_error: experiment.sensors.position.told(Inertial::new(
+                nan(error.down(), FaultKind::PositionNan),
+                error.forward(),
+            )),
             reference: self.reference,
             reference_age: (t - self.reference_time) as f32,
         }

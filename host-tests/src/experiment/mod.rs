@@ -26,7 +26,7 @@ pub use parameters::{Fields, file_name, file_value, refused};
 pub use plant::{Plant, PlantSpec, RateLoop, State};
 pub use reference::{InitialSpec, Knot, ReferenceSpec};
 pub(crate) use sensors::validate as validate_sensors;
-pub use sensors::{Accelerometer, AirSensor, ErrorSpec, Measured, PositionSensor, SensorSpec};
+pub use sensors::{AirSensor, ErrorSpec, Measured, Sensor, SensorSpec};
 pub use vehicle::{AerodynamicsSpec, Model, NO_LIMITS, Vehicle, VehicleSpec};
 pub use weather::{GustSpec, TurbulenceSpec, Weather, WeatherSpec};
 

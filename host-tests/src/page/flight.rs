@@ -1,9 +1,10 @@
 //! The page about a flight: charts of the record's columns, the figures, the experiment.
 
 use super::chart::{Band, Chart, Level, Mark, ends};
-use super::panel::{Panel, chart, column, panels, strip};
+use super::panel::{Panel, chart, panels, strip};
 use super::side::side;
 use super::{Figure, Page, Table};
+use crate::columns::Flight;
 use crate::envelope::Curve;
 use crate::experiment::{Document, Experiment};
 use crate::figures::{Figures, Segment};
@@ -131,7 +132,7 @@ fn marked(
     let mark = MARKS.iter().find(shown).and_then(|(figure, of)| {
         let at = figures.when(figure)?;
         let step = record.iter().find(|step| step.t == at)?;
-        let y = column::<Experiment>(of).number(experiment, step);
+        let y = Experiment::declared(of).number(experiment, step);
         let unit = chart.title.rsplit('[').next()?.trim_end_matches(']');
         Some(Mark {
             at: (at, y),

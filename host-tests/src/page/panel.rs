@@ -47,11 +47,6 @@ macro_rules! panels {
 }
 pub(super) use panels;
 
-/// The column of this name, which must be one.
-pub fn column<F: Flight>(name: &str) -> &'static Column<F> {
-    F::column(name).expect("a column")
-}
-
 /// The chart of a panel, if any of its columns applies to the flight.
 pub fn chart<F: Flight>(
     panel: &Panel,
@@ -59,7 +54,7 @@ pub fn chart<F: Flight>(
     record: &[F::Step],
 ) -> Option<Chart<'static>> {
     let lines = panel.lines.iter().filter_map(|line| {
-        let column = column(line.column);
+        let column = F::declared(line.column);
         column.applies(experiment, record).then(|| {
             let points = points(column, experiment, record);
             match line.dashed {
@@ -106,7 +101,7 @@ fn points<F: Flight>(column: &Column<F>, experiment: &F, record: &[F::Step]) -> 
 /// What the controller did and said.
 pub fn strip<F: Flight>(experiment: &F, record: &[F::Step]) -> Strip {
     let row = |name: &'static str| {
-        let column = column::<F>(name);
+        let column = F::declared(name);
         let word = |step| (F::time(step), column.word(experiment, step));
         Row::of(name, record.iter().map(word))
     };

@@ -293,7 +293,6 @@ mod tests {
     use crate::named::tests::begins;
     use alula::{Aerodynamics, AngleOfAttack};
 
-    /// The CSV files and the core's constants are the same tables, to the bit.
     /// The second time nothing is made anew; a file that has changed in between is.
     #[test]
     fn a_text_is_loaded_once() {
@@ -312,6 +311,7 @@ mod tests {
         assert_eq!(Polar::load(path).unwrap().rows.len(), first.rows.len() - 1);
     }
 
+    /// The CSV files and the core's constants are the same tables, to the bit.
     #[test]
     fn the_shipped_files_are_the_cores_tables() {
         let core = [

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::{Comparison, Plan, Threads, each};
-use crate::columns::column;
+use crate::columns::Flight as _;
 use crate::experiment::Experiment;
 use crate::figures::{FIGURES, Figure, Figures, Tally, index};
 use crate::simulate::simulate;
@@ -96,7 +96,7 @@ impl Flight {
     /// Flies `experiment`: its figures, and samples of it.
     pub fn of(experiment: &Experiment) -> anyhow::Result<(Self, Samples)> {
         let mut tally = Tally::new(experiment);
-        let drawn = DRAWN.map(|name| column(name).expect("a column"));
+        let drawn = DRAWN.map(Experiment::declared);
         let mut samples = Samples::new();
         let mut number = 0;
         simulate(experiment, experiment.controller()?.as_mut(), |step| {
