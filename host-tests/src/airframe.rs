@@ -160,7 +160,7 @@ impl Airframe {
 mod tests {
     use super::*;
     use crate::experiment::BUILT_IN;
-    use crate::named::tests::refusal;
+    use crate::named::tests::{refusal, says};
 
     #[test]
     fn every_built_in_loads_and_the_paper_is_the_papers() {
@@ -184,9 +184,9 @@ mod tests {
             "{negative}"
         );
         let missing = error("base = 'paper'\n[vehicle.aerodynamics.table]\npolar = 'nonesuch'\n");
-        assert!(
-            missing.contains("x.toml:3: vehicle.aerodynamics.table.polar: nonesuch: neither"),
-            "{missing}"
+        says(
+            &missing,
+            &["x.toml:3: vehicle.aerodynamics.table.polar: nonesuch: neither"],
         );
         let error = Airframe::load("nonesuch").unwrap_err().to_string();
         assert!(error.contains("paper") && !error.contains('\n'), "{error}");

@@ -9,17 +9,14 @@ use std::collections::VecDeque;
 
 use alula::{PlanarInput, Reference};
 use alula_bridges::sitl::{ActuatorState, Flow, Packet, Physics, Sample};
-use nalgebra::{UnitQuaternion, Vector3};
-use rand::SeedableRng;
+use nalgebra::UnitQuaternion;
 use rand_chacha::ChaCha8Rng;
 
 use crate::controllers::{Answer, Input, Report, inertial};
-use crate::experiment::{Experiment, State, Weather};
+use crate::experiment::{Experiment, State, Weather, stream};
 use crate::reference::{Vector, wrap};
 use crate::simulate::{Record, Step};
-use crate::space::{Rotation, SpatialPlant, SpatialState};
-
-type V3 = Vector3<f64>;
+use crate::space::{Rotation, SpatialPlant, SpatialState, V3};
 
 /// Longest time step \[s\]: ArduPilot takes one of 0.1 s for a break.
 const LONGEST_STEP: f64 = 0.02;
@@ -57,9 +54,7 @@ pub struct Vehicle<'a> {
 
 /// The weather, and the random numbers of gusts and of sensors, as they begin.
 fn by_seed(experiment: &Experiment) -> (Weather, ChaCha8Rng, ChaCha8Rng) {
-    let noise = ChaCha8Rng::seed_from_u64(experiment.seed);
-    let mut gusts = noise.clone();
-    gusts.set_stream(1);
+    let [noise, mut gusts] = [0, 1].map(|number| stream(experiment.seed, number));
     (Weather::new(experiment.weather, &mut gusts), gusts, noise)
 }
 
@@ -90,12 +85,7 @@ impl<'a> Vehicle<'a> {
         }
         let vehicle = experiment.vehicle.reference();
         let [nose, wing, belly] = experiment.ardupilot.inertia(vehicle.mass);
-        let most = experiment.plant.thrust_n[1];
-        let most = if most.is_finite() {
-            most
-        } else {
-            2.0 * experiment.weight()
-        };
+        let most = experiment.thrust_limits(None, experiment.weight())[1];
         let (weather, gusts, noise) = by_seed(experiment);
         Ok(Self {
             experiment,

@@ -41,6 +41,11 @@ pub trait Flight: Sized + 'static {
     fn column(name: &str) -> Option<&'static Column<Self>> {
         Self::columns().iter().find(|column| column.name == name)
     }
+
+    /// The column of this name, which must be one.
+    fn declared(name: &str) -> &'static Column<Self> {
+        Self::column(name).expect("a column")
+    }
 }
 
 /// A column of the record of a flight `F`.

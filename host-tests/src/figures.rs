@@ -8,7 +8,7 @@ use alula::guidance::{Mode, Phase, Progress, Status};
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-use crate::columns::column;
+use crate::columns::Flight;
 use crate::experiment::Experiment;
 use crate::reference::{Vector, wrap};
 use crate::simulate::Step;
@@ -196,8 +196,7 @@ fn mode(m: &Moment, mode: Mode) -> bool {
 
 /// A column's number.
 fn number(m: &Moment, name: &str) -> f64 {
-    let column = column(name).expect("a column");
-    column.number(m.experiment, m.step)
+    Experiment::declared(name).number(m.experiment, m.step)
 }
 
 /// Whether cruise is not reached: before cruise, by the error to the cruise velocity.

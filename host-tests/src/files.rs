@@ -1,6 +1,7 @@
 //! Files that appear only when they are complete.
 
 use std::fs::File;
+use std::io::Write;
 use std::path::Path;
 
 use anyhow::Context;
@@ -30,17 +31,21 @@ pub fn leave(
     written().with_context(|| path.display().to_string())
 }
 
+/// The same with a `content` that is there.
+pub fn leave_all(path: &Path, content: impl AsRef<[u8]>) -> anyhow::Result<()> {
+    leave(path, |file| Ok(file.write_all(content.as_ref())?))
+}
+
 #[cfg(all(test, unix))]
 mod tests {
     use super::*;
-    use std::io::Write;
     use std::os::unix::fs::FileTypeExt;
 
     /// A rename would replace the device by a file.
     #[test]
     fn a_device_stays_one() {
         let null = Path::new("/dev/null");
-        leave(null, |file| Ok(file.write_all(b"nothing")?)).unwrap();
+        leave_all(null, b"nothing").unwrap();
         assert!(null.metadata().unwrap().file_type().is_char_device());
     }
 }

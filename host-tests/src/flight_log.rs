@@ -5,12 +5,12 @@
 
 use std::io::{BufWriter, Seek, Write};
 
-use alula::Inertial;
 use alula::guidance::Air;
 use alula_logs::states::{TOLD, find};
 use alula_logs::{Column, Log, Topic};
 
 use crate::columns::{Cell, Flight};
+use crate::controllers::vector;
 use crate::reference::Vector;
 use crate::simulate::Step;
 
@@ -128,9 +128,8 @@ impl From<&Step> for Row {
     fn from(step: &Step) -> Self {
         let north = |v: Vector| [v.y, 0.0, v.x];
         let attitude = |theta: f64| [(0.5 * theta).cos(), 0.0, (0.5 * theta).sin(), 0.0];
-        let double = |v: Inertial| Vector::new(v.down().into(), v.forward().into());
         let sample = &step.input.sample;
-        let error = sample.position_error.map(double);
+        let error = sample.position_error.map(vector);
         Self {
             attitude: attitude(step.truth.theta),
             motion: [north(step.truth.position), north(step.truth.velocity)],
@@ -144,11 +143,11 @@ impl From<&Step> for Row {
                 .map(|f| [f.j(), 0.0, f.i()].map(f64::from)),
             told: Told {
                 attitude: attitude(step.input.theta.into()),
-                velocity: north(double(sample.velocity)),
+                velocity: north(vector(sample.velocity)),
                 position: error.map_or(NOTHING, |error| north(step.reference_position + error)),
                 air: match sample.air {
-                    Air::Wind(wind) => Air::Wind(north(double(wind))),
-                    Air::Velocity(v) => Air::Velocity(north(double(v))),
+                    Air::Wind(wind) => Air::Wind(north(vector(wind))),
+                    Air::Velocity(v) => Air::Velocity(north(vector(v))),
                     Air::Unknown => Air::Unknown,
                 },
                 heading: f64::NAN,

@@ -165,20 +165,13 @@ impl Loop {
         let angle = |n: i32| std::f64::consts::PI * f64::from(2 * n - STEPS) / f64::from(STEPS);
         let mut found = Vec::new();
         for n in 0..STEPS {
-            let (mut low, mut high) = (angle(n), angle(n + 1));
+            let (low, high) = (angle(n), angle(n + 1));
             let start = force(low).0.y;
             // A zero on the grid belongs to the interval that ends there.
             if start == 0.0 || start * force(high).0.y > 0.0 {
                 continue;
             }
-            for _ in 0..60 {
-                let middle = 0.5 * (low + high);
-                if start * force(middle).0.y > 0.0 {
-                    low = middle;
-                } else {
-                    high = middle;
-                }
-            }
+            let low = last(low, high, 60, |theta| start * force(theta).0.y > 0.0);
             if force(low).1.x > 0.0 {
                 found.push(low);
             }
@@ -247,6 +240,18 @@ impl Loop {
     }
 }
 
+/// The last place from `low` to before `high` at which something `holds`, by halving so many `times`.
+fn last(mut low: f64, mut high: f64, times: u32, holds: impl Fn(f64) -> bool) -> f64 {
+    for _ in 0..times {
+        let middle = 0.5 * (low + high);
+        match holds(middle) {
+            true => low = middle,
+            false => high = middle,
+        }
+    }
+    low
+}
+
 /// Central differences, of functions of size up to 1e4 whose third derivatives are up to 1e6: good to 1e-4.
 fn jacobian(x: &Vector3<f64>, f: &dyn Fn(&Vector3<f64>) -> Vector3<f64>) -> Matrix3<f64> {
     const H: f64 = 1e-6;
@@ -306,16 +311,7 @@ impl Linear {
                 return None;
             }
         }
-        let mut low = high / FACTOR;
-        for _ in 0..40 {
-            let middle = 0.5 * (low + high);
-            if stable(middle) {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
-        Some(low)
+        Some(last(high / FACTOR, high, 40, stable))
     }
 }
 
@@ -353,17 +349,10 @@ impl Lagged {
         let mut shortest = f64::INFINITY;
         let mut before = 0;
         for n in 0..STEPS {
-            let (mut low, mut high) = (f64::from(n) * step, f64::from(n + 1) * step);
+            let (low, high) = (f64::from(n) * step, f64::from(n + 1) * step);
             let after = unstable(high);
             if after != before {
-                for _ in 0..40 {
-                    let middle = 0.5 * (low + high);
-                    if unstable(middle) == before {
-                        low = middle;
-                    } else {
-                        high = middle;
-                    }
-                }
+                let low = last(low, high, 40, |phase| unstable(phase) == before);
                 let all = self.eigenvalues(low);
                 let crossing = all
                     .iter()

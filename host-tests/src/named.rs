@@ -17,17 +17,33 @@ pub struct Named {
     pub file: Option<PathBuf>,
 }
 
+/// Names and texts of the files in a folder beside `src`, whose names end so.
+macro_rules! built_in {
+    ($folder:literal, $end:literal; $($name:literal),+ $(,)?) => {
+        &[$((
+            $name,
+            include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/", $folder, "/", $name, $end)),
+        )),+]
+    };
+}
+pub(crate) use built_in;
+
 impl Named {
+    /// A text that is in no file; `origin` stands for it in errors.
+    pub fn new(name: &str, origin: &str, text: &str) -> Self {
+        Self {
+            name: name.to_owned(),
+            origin: origin.to_owned(),
+            text: text.to_owned(),
+            file: None,
+        }
+    }
+
     /// The text that `argument` names: one of `built_in`, (name, text) each, or else a file. `noun` is what there is
     /// to choose from, in errors.
     pub fn find(noun: &str, built_in: &[(&str, &str)], argument: &str) -> anyhow::Result<Self> {
         if let Some((name, text)) = built_in.iter().find(|(name, _)| *name == argument) {
-            return Ok(Self {
-                name: (*name).to_owned(),
-                origin: format!("built-in {name}"),
-                text: (*text).to_owned(),
-                file: None,
-            });
+            return Ok(Self::new(name, &format!("built-in {name}"), text));
         }
         let names: Vec<_> = built_in.iter().map(|(name, _)| *name).collect();
         check(noun, &names, argument)?;
@@ -113,6 +129,18 @@ pub(crate) mod tests {
         let error = format!("{:#}", load(path).unwrap_err());
         assert_eq!(error.lines().count(), 1, "{error}");
         error
+    }
+
+    /// `text` must hold each of the `parts`.
+    #[track_caller]
+    pub(crate) fn says(text: &str, parts: &[&str]) {
+        assert!(parts.iter().all(|part| text.contains(part)), "{text}");
+    }
+
+    /// `text` must begin so.
+    #[track_caller]
+    pub(crate) fn begins(text: &str, start: &str) {
+        assert!(text.starts_with(start), "{text}");
     }
 
     #[test]

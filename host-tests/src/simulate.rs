@@ -4,13 +4,9 @@ use std::collections::VecDeque;
 
 use alula::guidance::Air;
 use alula::{Attitude, FeedForward, Inertial, PlanarInput, Reference};
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
 
 use crate::controllers::{Answer, Controller, Input, inertial};
-use crate::experiment::{
-    Experiment, FaultKind, Faults, Measured, Plant, PositionSensor, State, Weather,
-};
+use crate::experiment::{Experiment, FaultKind, Faults, Measured, Plant, State, Weather, stream};
 use crate::reference::{Vector, wrap};
 
 /// One control step of a flight.
@@ -95,10 +91,7 @@ pub fn simulate(
 ) -> anyhow::Result<End> {
     let feed_forward = experiment.spec()?.feed_forward();
     let plant = Plant::new(&experiment.vehicle.reference(), experiment.plant);
-    // Noise and turbulence are separate streams: a change of one leaves the other as it was.
-    let mut noise = ChaCha8Rng::seed_from_u64(experiment.seed);
-    let mut gusts = ChaCha8Rng::seed_from_u64(experiment.seed);
-    gusts.set_stream(1);
+    let [mut noise, mut gusts] = [0, 1].map(|number| stream(experiment.seed, number));
     let mut weather = Weather::new(experiment.weather, &mut gusts);
     let steady = Vector::from(experiment.weather.steady_m_s);
     let mut faults = Faults::new(&experiment.sensors.faults, experiment.seed, 2);
@@ -235,13 +228,10 @@ impl Telling {
             state_age: (t - measured_at) as f32,
             air: measured.air,
             specific_force: measured.specific_force,
-            position_error: match experiment.sensors.position {
-                PositionSensor::Measured => Some(Inertial::new(
-                    nan(error.down(), FaultKind::PositionNan),
-                    error.forward(),
-                )),
-                PositionSensor::None => None,
-            },
+            position_error: experiment.sensors.position.told(Inertial::new(
+                nan(error.down(), FaultKind::PositionNan),
+                error.forward(),
+            )),
             reference: self.reference,
             reference_age: (t - self.reference_time) as f32,
             ..PlanarInput::default()

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::ensure;
 use indicatif::{ProgressBar, ProgressStyle};
 
-use alula_sil::files::leave;
+use alula_sil::files::{leave, leave_all};
 use alula_sil::page::campaign::{maps, page};
 use alula_sil::study::starts::ATTITUDES;
 use alula_sil::study::{BUILT_IN, CampaignSource, Place, Shard, Store, Summary, run as fly_all};
@@ -130,9 +130,7 @@ fn conclude(source: &CampaignSource, store: &Store, output: &Output) -> anyhow::
         Ok(serde_json::to_writer_pretty(file, &summary)?)
     })?;
     if let Some(maps) = maps(&summary) {
-        leave(&folder.join("maps.svg"), |file| {
-            Ok(file.write_all(maps.svg().as_bytes())?)
-        })?;
+        leave_all(&folder.join("maps.svg"), maps.svg())?;
     }
     output.leave(folder, "report", &page(source, &summary), &summary)?;
     ensure!(
@@ -156,9 +154,7 @@ fn refly(source: &CampaignSource, number: u64, args: &Args) -> anyhow::Result<()
     let title = format!("Flight {number} of campaign {}", source.stem());
     document.set("description", title.into())?;
     let out = args.output.folder(&document.name)?;
-    leave(&out.join("experiment.toml"), |file| {
-        Ok(file.write_all(document.text().as_bytes())?)
-    })?;
+    leave_all(&out.join("experiment.toml"), document.text())?;
     if source.place() == Place::Space {
         return space::fly(&document, &args.output, &fly::Logs::default());
     }

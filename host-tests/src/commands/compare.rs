@@ -1,11 +1,10 @@
 //! `compare`: policies against each other, in the same plant.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use alula_sil::files;
+use alula_sil::files::leave_all;
 use alula_sil::page::comparison::page;
 use alula_sil::page::markdown;
 use alula_sil::study::{Results, Source};
@@ -49,9 +48,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     if let Some(path) = &args.markdown {
         let text = markdown(&source.name, comparison, &results)?;
         // A bare file name has a folder, too.
-        files::leave(&Path::new(".").join(path), |file| {
-            Ok(file.write_all(text.as_bytes())?)
-        })?;
+        leave_all(&Path::new(".").join(path), text)?;
     }
     let summary = Summary {
         comparison: &source.name,

@@ -54,11 +54,10 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
             airframe.description.trim_end_matches('.'),
             flight(args, &ray)
         ),
-        warnings: Vec::new(),
         figure: figure(&shown),
         tables: tables(&summary, &ray),
-        text: None,
         notes: "Equilibria from hover to infinite airspeed; see docs/envelope.md.".to_owned(),
+        ..Page::default()
     };
     args.output.leave(&out, "envelope", &page, &summary)
 }

@@ -130,12 +130,11 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
             "velocity ({}, {}) m/s, acceleration ({}, {}) m/s², wind ({}, {}) m/s, each (down, forward)",
             args.velocity.0, args.velocity.1, args.accel.0, args.accel.1, args.wind.0, args.wind.1
         ),
-        warnings: Vec::new(),
         figure: figure(&airframe.reference(), vectors, &points),
         tables: tables(&summary),
-        text: None,
         notes: "The set is the core's, in single precision; the curves are in double precision."
             .to_owned(),
+        ..Page::default()
     };
     args.output.leave(&out, "equilibria", &page, &summary)
 }

@@ -1,6 +1,5 @@
 //! `fit`: the combined model's parameters from a table.
 
-use std::io::Write;
 use std::path::Path;
 
 use serde::Serialize;
@@ -8,7 +7,7 @@ use serde::Serialize;
 use alula_sil::airframe::Airframe;
 use alula_sil::design::ROWS;
 use alula_sil::envelope::{Curve, Fold};
-use alula_sil::files;
+use alula_sil::files::leave_all;
 use alula_sil::fit::{Errors, Metric, Sphericity, fit};
 use alula_sil::page::fit::figure;
 use alula_sil::page::{Page, Table, fixed};
@@ -112,9 +111,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     };
     let (on_board, apart) = polar.of_rows(args.rows)?;
     story.extend(apart.text(on_board.rows.len(), polar.rows.len()));
-    files::leave(&out.join("polar.csv"), |file| {
-        Ok(file.write_all(on_board.csv(&story).as_bytes())?)
-    })?;
+    leave_all(&out.join("polar.csv"), on_board.csv(&story))?;
     let errors = Errors::of(&model, polar.rows, 20.0);
     let suits = errors.rms_cl <= SUITS;
     let lead = match suits {
@@ -139,9 +136,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         folds_table: level(table),
     };
     let toml = toml(&name, &parameters, &paper);
-    files::leave(&out.join("vehicle.toml"), |file| {
-        Ok(file.write_all(toml.as_bytes())?)
-    })?;
+    leave_all(&out.join("vehicle.toml"), toml)?;
     let doubts = section.doubts().into_iter();
     let mut warnings: Vec<String> = doubts
         .map(|doubt| format!("{}:{}: {}", args.polar, doubt.line, doubt.problem))
@@ -160,8 +155,8 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         warnings,
         figure: figure(polar.rows, &model),
         tables: tables(&summary),
-        text: None,
         notes: "A row weighs the range of α it stands for; rows up to 20° together weigh as much as all others. Folds are those of level flight.".to_owned(),
+        ..Page::default()
     };
     args.output.leave(&out, "fit", &page, &summary)
 }

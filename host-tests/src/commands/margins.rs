@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use alula_sil::airframe::{Airframe, LoopMargins};
 use alula_sil::experiment::{PlantSpec, RateLoop};
-use alula_sil::files::leave;
+use alula_sil::files::leave_all;
 use alula_sil::margins::LONGEST;
 use alula_sil::page::margins_figure;
 
@@ -56,9 +56,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
 
     let curves: Vec<_> = loops.iter().map(|l| (l.gains, &l.points[..])).collect();
     let svg = margins_figure(&curves).svg();
-    leave(&out.join("margins.svg"), |file| {
-        Ok(file.write_all(svg.as_bytes())?)
-    })?;
+    leave_all(&out.join("margins.svg"), svg)?;
     let included = included(&airframe.plant);
     let mut stdout = std::io::stdout().lock();
     if args.output.json() {

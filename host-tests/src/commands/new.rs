@@ -13,7 +13,7 @@ use alula_sil::design::{
 };
 use alula_sil::experiment::Document;
 use alula_sil::figures::{Figures, Segment};
-use alula_sil::files::leave;
+use alula_sil::files::{leave, leave_all};
 use alula_sil::margins::{Loop, Point};
 use alula_sil::named::in_shell;
 use alula_sil::page::design::{Results, page};
@@ -73,12 +73,12 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     std::fs::create_dir_all(&out).with_context(|| out.display().to_string())?;
     let text = vehicle_text(name, &design);
     if let Some((polar, true)) = design.wing.polar {
-        write(&out.join("polar.csv"), &polar.csv(&design.wing.story))?;
+        leave_all(&out.join("polar.csv"), polar.csv(&design.wing.story))?;
     }
     let campaign = out.join(format!("{name}-campaign.toml"));
-    write(&campaign, &campaign_text(name, &design))?;
-    write(&out.join("vehicle.h"), &code_text(name, &design))?;
-    write(&file, &text)?;
+    leave_all(&campaign, campaign_text(name, &design))?;
+    leave_all(&out.join("vehicle.h"), code_text(name, &design))?;
+    leave_all(&file, &text)?;
 
     // From here on as everybody else takes it: from the file.
     let document = Document::load(&file.to_string_lossy())?;
@@ -152,10 +152,6 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         );
     }
     Ok(())
-}
-
-fn write(path: &Path, text: &str) -> anyhow::Result<()> {
-    leave(path, |file| Ok(file.write_all(text.as_bytes())?))
 }
 
 /// What the flags say, then the file, then who sits at the terminal.

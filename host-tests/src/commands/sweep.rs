@@ -61,11 +61,10 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
                 "not admissible"
             }
         ),
-        warnings: Vec::new(),
         figure: figure(experiment, &instants, &record, &findings, least_fp),
         tables: tables(&findings, least_fp),
-        text: None,
         notes: "Equilibria of the true vehicle at the reference; the followed one has θ̃ = 0 and is the nearest to the one before.".to_owned(),
+        ..Page::default()
     };
     let summary = Summary {
         experiment: document.name.clone(),

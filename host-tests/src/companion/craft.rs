@@ -3,14 +3,11 @@
 use std::collections::VecDeque;
 
 use alula_bridges::companion::{Body, BodyState};
-use nalgebra::{UnitQuaternion, Vector3};
-use rand::SeedableRng;
+use nalgebra::UnitQuaternion;
 use rand_chacha::ChaCha8Rng;
 
-use crate::experiment::{Experiment, Weather, thrust_limits};
-use crate::space::{self, Rotation, SpatialPlant, SpatialState};
-
-type V3 = Vector3<f64>;
+use crate::experiment::{Experiment, Weather, stream, thrust_limits};
+use crate::space::{self, Rotation, SpatialPlant, SpatialState, V3};
 
 /// The vehicle, where its experiment begins.
 pub struct Craft {
@@ -33,12 +30,6 @@ enum Blows {
 /// Lag \[s\] of what an experiment has no lag of.
 const LEAST_LAG: f64 = 0.005;
 
-fn gusts(seed: u64) -> ChaCha8Rng {
-    let mut gusts = ChaCha8Rng::seed_from_u64(seed);
-    gusts.set_stream(1);
-    gusts
-}
-
 impl Craft {
     /// The vehicle of an experiment in a vertical plane, which is that to the north.
     pub fn in_plane(experiment: &Experiment) -> Self {
@@ -46,7 +37,7 @@ impl Craft {
         let initial = &experiment.initial;
         let theta = initial.theta_deg.to_radians();
         let lag = experiment.plant.thrust_lag_s;
-        let mut gusts = gusts(experiment.seed);
+        let mut gusts = stream(experiment.seed, 1);
         Self {
             plant: SpatialPlant {
                 vehicle: experiment.vehicle.reference(),
@@ -82,10 +73,9 @@ impl Craft {
         let mut plant = experiment.plant();
         plant.thrust = thrust_limits(plant.thrust, weight);
         plant.thrust[0] = plant.thrust[0].max(0.0);
-        let mut gusts = gusts(experiment.seed);
+        let mut gusts = stream(experiment.seed, 1);
         let start = experiment.path.path()?.start();
-        let mut scatter = ChaCha8Rng::seed_from_u64(experiment.seed);
-        scatter.set_stream(2);
+        let mut scatter = stream(experiment.seed, 2);
         Ok(Self {
             plant,
             state: experiment.initial.state(&start, &mut scatter),

@@ -3,9 +3,8 @@
 use alula::{FeedForward, Inertial, PlanarInput};
 use alula_bridges::companion::{HoldParameters, InPlane, Planar, Settings, Wanted};
 
-use crate::controllers::{Answer, Controller, Input, inertial};
+use crate::controllers::{Answer, Controller, Input, inertial, vector};
 use crate::experiment::{Experiment, State, angle};
-use crate::reference::Vector;
 use crate::simulate::{Record, Step};
 
 /// Settings for flying `experiment`, of whose belief `hover_thrust` is the autopilot's thrust in hover.
@@ -74,23 +73,22 @@ impl Planar for Controlled {
 fn step(pilot: &InPlane<Controlled>) -> Option<Step> {
     let flown = pilot.flown()?;
     let (input, answer) = pilot.controller().last?;
-    let double = |v: Inertial| Vector::new(v.down().into(), v.forward().into());
     let reference = flown.input.reference;
     // Where no position is held it is the vehicle's own.
     let position_error = flown.input.position_error.unwrap_or_default();
     Some(Step {
         t: flown.t,
         truth: State {
-            velocity: double(flown.input.velocity),
-            position: double(flown.position),
+            velocity: vector(flown.input.velocity),
+            position: vector(flown.position),
             theta: input.theta.into(),
             rate: answer.rate.into(),
             thrust: answer.thrust.into(),
         },
-        wind: double(flown.wind),
-        reference_velocity: double(reference.velocity),
-        reference_acceleration: double(reference.acceleration),
-        reference_position: double(flown.position - position_error),
+        wind: vector(flown.wind),
+        reference_velocity: vector(reference.velocity),
+        reference_acceleration: vector(reference.acceleration),
+        reference_position: vector(flown.position - position_error),
         input,
         answer,
     })

@@ -10,7 +10,7 @@ use alula_bridges::companion::{Command, End, Pilot, Settings, Told};
 use nalgebra::{Quaternion, UnitQuaternion};
 
 use crate::experiment::{Model, thrust_limits};
-use crate::space::{Experiment, Path, Record, SpatialState, Step, Target, V3};
+use crate::space::{Experiment, Path, Record, SpatialState, Step, Target, V3, ned};
 
 /// Settings for flying `experiment`, of whose belief `hover_thrust` is the autopilot's thrust in hover.
 pub fn settings(experiment: &Experiment, hover_thrust: Option<f64>) -> anyhow::Result<Settings> {
@@ -73,10 +73,7 @@ impl OnPath {
         let mut pace = 1.0;
         let target = path.advance(0.0, |target| {
             let error = double(told.position) - target.position;
-            pace = self
-                .guidance
-                .pace(single(error), single(target.velocity))
-                .into();
+            pace = self.guidance.pace(ned(error), ned(target.velocity)).into();
             pace
         });
         self.last = (told.t, pace);
@@ -119,16 +116,12 @@ fn double(v: Ned) -> V3 {
     V3::new(v.north.into(), v.east.into(), v.down.into())
 }
 
-fn single(v: V3) -> Ned {
-    Ned::new(v.x as f32, v.y as f32, v.z as f32)
-}
-
 impl Pilot for OnPath {
     fn begin(&mut self, _: f32) {}
 
     fn answer(&mut self, told: &Told, dt: f32) -> Result<Command, End> {
         let (target, placed, reference_age) = self.target(told);
-        let error = told.position - single(target.position);
+        let error = told.position - ned(target.position);
         let heading = target.heading.map_or(f32::NAN, |h| h as f32);
         let input = GuidanceInput {
             velocity: told.velocity,
@@ -138,8 +131,8 @@ impl Pilot for OnPath {
             specific_force: told.specific_force,
             position_error: placed.then_some(error),
             reference: Reference {
-                velocity: single(target.velocity),
-                acceleration: single(target.acceleration),
+                velocity: ned(target.velocity),
+                acceleration: ned(target.acceleration),
                 heading: Heading::from_angle(heading),
             },
             reference_age,

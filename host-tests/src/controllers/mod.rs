@@ -291,6 +291,11 @@ pub(crate) fn inertial(v: Vector) -> Inertial {
     Inertial::new(v.x as f32, v.y as f32)
 }
 
+/// `v` as the plant takes it.
+pub(crate) fn vector(v: Inertial) -> Vector {
+    Vector::new(v.down().into(), v.forward().into())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

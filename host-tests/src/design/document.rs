@@ -7,7 +7,7 @@ use alula::{GuidanceParameters, Parameters as _};
 
 use super::Design;
 use super::goals::limits_text;
-use crate::experiment::{FieldError, file_name};
+use crate::experiment::{FieldError, file_name, require};
 use crate::named::on_one_line;
 
 /// Acceleration of the round trip [m/s²]: the one of the built-in round trip.
@@ -22,20 +22,13 @@ pub fn check_name(name: &str) -> Result<(), FieldError> {
     let fits = |c: char| c.is_alphanumeric() || matches!(c, '-' | '_' | '.');
     let begins = name.chars().next().is_some_and(char::is_alphanumeric);
     if let Some(short) = name.strip_suffix(".toml") {
-        return Err(FieldError::new(
-            "name",
-            format!("{name:?}: the name is without the extension of its file: {short:?}"),
-        ));
+        let problem = format!("{name:?}: the name is without the extension of its file: {short:?}");
+        return Err(FieldError::new("name", problem));
     }
-    match begins && name.chars().all(fits) {
-        true => Ok(()),
-        false => Err(FieldError::new(
-            "name",
-            format!(
-                "{name:?}: a name is of letters, digits, -, _ and ., and begins with one of the first two; another folder is --out"
-            ),
-        )),
-    }
+    let problem = format_args!(
+        "{name:?}: a name is of letters, digits, -, _ and ., and begins with one of the first two; another folder is --out"
+    );
+    require(begins && name.chars().all(fits), "name", problem)
 }
 
 /// A number in few digits: what single precision holds and no more.

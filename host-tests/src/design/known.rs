@@ -6,7 +6,7 @@ use anyhow::Context;
 use serde::{Deserialize, Serialize};
 
 use super::Wing;
-use crate::experiment::{FieldError, from_toml};
+use crate::experiment::{FieldError, from_toml, require};
 use crate::named::on_one_line;
 
 /// What is known. The flags and the fields of a file have the same names, with their units; what is left out has a default, or is asked.
@@ -85,13 +85,6 @@ pub struct Facts {
     pub air_kg_m3: f64,
 }
 
-/// A number that must be known: what is asked for it.
-struct Question {
-    name: &'static str,
-    text: &'static str,
-    place: fn(&mut Known) -> &mut Option<f64>,
-}
-
 /// What is believed of each number.
 const RANGES: [(&str, [f64; 2]); 12] = [
     ("mass_kg", [0.01, 1e4]),
@@ -108,37 +101,14 @@ const RANGES: [(&str, [f64; 2]); 12] = [
     ("air_kg_m3", [0.1, 10.0]),
 ];
 
-const QUESTIONS: [Question; 6] = [
-    Question {
-        name: "mass_kg",
-        text: "Mass, ready to fly [kg]",
-        place: |known| &mut known.mass_kg,
-    },
-    Question {
-        name: "wing_m2",
-        text: "Area of the wing [m²]",
-        place: |known| &mut known.wing_m2,
-    },
-    Question {
-        name: "thrust_to_weight",
-        text: "Greatest thrust over weight",
-        place: |known| &mut known.thrust_to_weight,
-    },
-    Question {
-        name: "thrust_lag_s",
-        text: "Time until 63 % of a step of thrust is there [s]",
-        place: |known| &mut known.thrust_lag_s,
-    },
-    Question {
-        name: "rate_lag_s",
-        text: "Time until 63 % of a step of angular rate is there [s]",
-        place: |known| &mut known.rate_lag_s,
-    },
-    Question {
-        name: "cruise_m_s",
-        text: "Speed of cruise [m/s]",
-        place: |known| &mut known.cruise_m_s,
-    },
+/// What is asked for the first of these numbers: they must be known.
+const QUESTIONS: [&str; 6] = [
+    "Mass, ready to fly [kg]",
+    "Area of the wing [m²]",
+    "Greatest thrust over weight",
+    "Time until 63 % of a step of thrust is there [s]",
+    "Time until 63 % of a step of angular rate is there [s]",
+    "Speed of cruise [m/s]",
 ];
 
 /// What is said to who types nothing.
@@ -163,22 +133,30 @@ impl Known {
     }
 
     /// What is known here, and of the rest what `other` knows.
-    pub fn or(self, other: Self) -> Self {
-        Self {
-            mass_kg: self.mass_kg.or(other.mass_kg),
-            wing_m2: self.wing_m2.or(other.wing_m2),
-            section: self.section.or(other.section),
-            thrust_to_weight: self.thrust_to_weight.or(other.thrust_to_weight),
-            thrust_lag_s: self.thrust_lag_s.or(other.thrust_lag_s),
-            rate_lag_s: self.rate_lag_s.or(other.rate_lag_s),
-            cruise_m_s: self.cruise_m_s.or(other.cruise_m_s),
-            control_rate_hz: self.control_rate_hz.or(other.control_rate_hz),
-            delta_deg: self.delta_deg.or(other.delta_deg),
-            aspect_ratio: self.aspect_ratio.or(other.aspect_ratio),
-            stall_deg: self.stall_deg.or(other.stall_deg),
-            idle_to_weight: self.idle_to_weight.or(other.idle_to_weight),
-            air_kg_m3: self.air_kg_m3.or(other.air_kg_m3),
+    pub fn or(mut self, mut other: Self) -> Self {
+        for (here, there) in self.numbers().into_iter().zip(other.numbers()) {
+            *here = here.or(*there);
         }
+        self.section = self.section.or(other.section);
+        self
+    }
+
+    /// The numbers, in the order of [`RANGES`].
+    fn numbers(&mut self) -> [&mut Option<f64>; RANGES.len()] {
+        [
+            &mut self.mass_kg,
+            &mut self.wing_m2,
+            &mut self.thrust_to_weight,
+            &mut self.thrust_lag_s,
+            &mut self.rate_lag_s,
+            &mut self.cruise_m_s,
+            &mut self.control_rate_hz,
+            &mut self.delta_deg,
+            &mut self.aspect_ratio,
+            &mut self.stall_deg,
+            &mut self.idle_to_weight,
+            &mut self.air_kg_m3,
+        ]
     }
 
     /// What the file `path` says: TOML, names as those of the flags. A polar is looked for beside the file. An error names file, line and field.
@@ -211,25 +189,9 @@ impl Known {
 
     /// Every number that is known is in its range.
     fn check(&self) -> Result<(), FieldError> {
-        let numbers = [
-            self.mass_kg,
-            self.wing_m2,
-            self.thrust_to_weight,
-            self.thrust_lag_s,
-            self.rate_lag_s,
-            self.cruise_m_s,
-            self.control_rate_hz,
-            self.delta_deg,
-            self.aspect_ratio,
-            self.stall_deg,
-            self.idle_to_weight,
-            self.air_kg_m3,
-        ];
-        let mut known = RANGES.iter().zip(numbers);
-        known.try_for_each(|((name, _), number)| match number {
-            Some(number) => ranged(name, number),
-            None => Ok(()),
-        })
+        let mut numbers = self.clone();
+        let mut known = RANGES.iter().zip(numbers.numbers());
+        known.try_for_each(|((name, _), number)| number.map_or(Ok(()), |x| ranged(name, x)))
     }
 
     /// Asks for what is missing: `ask` gives the answer to a question. Nothing, a number that is none, or one out of its range, is asked for again,
@@ -247,11 +209,12 @@ impl Known {
             }
             anyhow::Ok(answer.trim().to_owned())
         };
-        for question in &QUESTIONS {
+        let numbers = self.numbers().into_iter().zip(RANGES);
+        for ((place, (name, _)), question) in numbers.zip(QUESTIONS) {
             let mut problem = None;
-            while (question.place)(self).is_none() {
-                match number(question.name, &answer(question.text, problem.take())?) {
-                    Ok(number) => *(question.place)(self) = Some(number),
+            while place.is_none() {
+                match number(name, &answer(question, problem.take())?) {
+                    Ok(number) => *place = Some(number),
                     Err(error) => problem = Some(error),
                 }
             }
@@ -268,23 +231,20 @@ impl Known {
     }
 
     /// All of it, each number in its range.
-    pub fn facts(mut self) -> Result<Facts, FieldError> {
+    pub fn facts(self) -> Result<Facts, FieldError> {
         self.check()?;
         let missing = |name: &str| {
             let flag = name.replace('_', "-");
             FieldError::new(name, format!("is missing: --{flag}, or a line of the file"))
         };
-        let mut need = |name: &str| {
-            let question = QUESTIONS.iter().find(|q| q.name == name).expect("listed");
-            (question.place)(&mut self).ok_or_else(|| missing(name))
-        };
+        let need = |name: &str, number: Option<f64>| number.ok_or_else(|| missing(name));
         Ok(Facts {
-            mass_kg: need("mass_kg")?,
-            wing_m2: need("wing_m2")?,
-            thrust_to_weight: need("thrust_to_weight")?,
-            thrust_lag_s: need("thrust_lag_s")?,
-            rate_lag_s: need("rate_lag_s")?,
-            cruise_m_s: need("cruise_m_s")?,
+            mass_kg: need("mass_kg", self.mass_kg)?,
+            wing_m2: need("wing_m2", self.wing_m2)?,
+            thrust_to_weight: need("thrust_to_weight", self.thrust_to_weight)?,
+            thrust_lag_s: need("thrust_lag_s", self.thrust_lag_s)?,
+            rate_lag_s: need("rate_lag_s", self.rate_lag_s)?,
+            cruise_m_s: need("cruise_m_s", self.cruise_m_s)?,
             section: self.section.ok_or_else(|| missing("section"))?,
             control_rate_hz: self.control_rate_hz.unwrap_or(100.0),
             delta_deg: self.delta_deg.unwrap_or(0.0),
@@ -300,13 +260,8 @@ impl Known {
 fn ranged(name: &str, value: f64) -> Result<(), FieldError> {
     let range = RANGES.iter().find(|(known, _)| *known == name);
     let (_, [least, most]) = range.expect("listed");
-    match (least..=most).contains(&&value) {
-        true => Ok(()),
-        false => Err(FieldError::new(
-            name,
-            format!("{value} is not from {least} to {most}"),
-        )),
-    }
+    let problem = format_args!("{value} is not from {least} to {most}");
+    require((least..=most).contains(&&value), name, problem)
 }
 
 /// The number that somebody typed for `name`, or why it is none.
@@ -348,7 +303,7 @@ impl Facts {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::named::tests::refusal;
+    use crate::named::tests::{begins, refusal, says};
 
     #[test]
     fn what_is_missing_is_named_and_asked() {
@@ -357,10 +312,7 @@ mod tests {
         let mut short = Known::tail_sitter();
         (short.mass_kg, short.section) = (None, None);
         let error = short.clone().facts().unwrap_err().to_string();
-        assert!(
-            error.starts_with("mass_kg: is missing: --mass-kg"),
-            "{error}"
-        );
+        begins(&error, "mass_kg: is missing: --mass-kg");
         // Neither a word nor a mass below every range is one, and neither nothing nor a slip of the fingers a section. What
         // was said of one answer is not said of the next.
         let mut answers = ["much", "-3", "3,5", "", "3", "", "NACA0013", "flat-plate"].iter();
@@ -427,20 +379,11 @@ mod tests {
             "{mass}"
         );
         let stall = error("mass_kg = 3\n\nstall_deg = 2.0\n");
-        assert!(
-            stall.contains("known.toml:3: stall_deg: 2 is not from 5"),
-            "{stall}"
-        );
+        says(&stall, &["known.toml:3: stall_deg: 2 is not from 5"]);
         let section = error("mass_kg = 3\nsection = 'mine.csv'\n");
-        assert!(
-            section.contains("known.toml:2: section: mine.csv: No such file"),
-            "{section}"
-        );
+        says(&section, &["known.toml:2: section: mine.csv: No such file"]);
         std::fs::write(folder.path().join("mine.csv"), "alpha_deg,cl,cd\n0,0,x\n").unwrap();
         let polar = error("mass_kg = 3\nsection = 'mine.csv'\n");
-        assert!(
-            polar.contains("known.toml:2: section: /") && polar.contains("mine.csv:2: \"x\""),
-            "{polar}"
-        );
+        says(&polar, &["known.toml:2: section: /", "mine.csv:2: \"x\""]);
     }
 }

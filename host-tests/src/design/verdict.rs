@@ -129,6 +129,7 @@ mod tests {
     use super::*;
     use crate::design::goals::tests::facts;
     use crate::experiment::Document;
+    use crate::named::tests::says;
     use crate::simulate::{Step, fly};
 
     const PERFORMANCE: Performance = Performance {
@@ -158,6 +159,11 @@ mod tests {
         )
     }
 
+    /// `value` during this time \[s\], else nothing.
+    fn during(time: std::ops::Range<f64>, step: &Step, value: f64) -> f64 {
+        if time.contains(&step.t) { value } else { 0.0 }
+    }
+
     #[test]
     fn what_is_off_is_said() {
         let clean = judged(20.0, |_| ());
@@ -169,50 +175,29 @@ mod tests {
         };
         // The reference brakes from 45 s on.
         let low = finding(20.0, Outcome::OutsideGoals, |step| {
-            step.truth.position.x += if (20.0..30.0).contains(&step.t) {
-                1.3
-            } else {
-                0.0
-            };
+            step.truth.position.x += during(20.0..30.0, step, 1.3);
         });
-        assert!(
-            low.contains(
-                "sinks below its reference on the way out by 1.30 m (asked: 1.00 m at most)"
-            ),
-            "{low}"
+        says(
+            &low,
+            &["sinks below its reference on the way out by 1.30 m (asked: 1.00 m at most)"],
         );
         let high = finding(20.0, Outcome::Fails, |step| {
-            step.truth.position.x -= if (50.0..60.0).contains(&step.t) {
-                25.0
-            } else {
-                0.0
-            };
+            step.truth.position.x -= during(50.0..60.0, step, 25.0);
         });
-        assert!(
-            high.contains("climbs above its reference on the way back by 25.00 m"),
-            "{high}"
+        says(
+            &high,
+            &["climbs above its reference on the way back by 25.00 m"],
         );
         let behind = finding(20.0, Outcome::Fails, |step| {
             step.truth.position.y -= if step.t > 10.0 { 670.0 } else { 0.0 };
         });
-        assert!(
-            behind.contains("falls behind") && behind.contains("does not come back to hover"),
-            "{behind}"
-        );
+        says(&behind, &["falls behind", "does not come back to hover"]);
         let ahead = finding(20.0, Outcome::OutsideGoals, |step| {
-            step.truth.position.y += if (50.0..60.0).contains(&step.t) {
-                5.0
-            } else {
-                0.0
-            };
+            step.truth.position.y += during(50.0..60.0, step, 5.0);
         });
         assert!(ahead.contains("runs ahead"), "{ahead}");
         let slow = finding(20.0, Outcome::Fails, |step| {
-            step.truth.velocity.y -= if (20.0..45.0).contains(&step.t) {
-                2.0
-            } else {
-                0.0
-            };
+            step.truth.velocity.y -= during(20.0..45.0, step, 2.0);
         });
         assert!(slow.contains("the velocity is off by 2.0 m/s"), "{slow}");
         let nan = finding(20.0, Outcome::Fails, |step| {
@@ -220,13 +205,7 @@ mod tests {
         });
         assert!(nan.contains("lost"), "{nan}");
         // A faster vehicle may be farther off, a slower one may not.
-        let lower = |step: &mut Step| {
-            step.truth.position.x += if (20.0..30.0).contains(&step.t) {
-                1.3
-            } else {
-                0.0
-            }
-        };
+        let lower = |step: &mut Step| step.truth.position.x += during(20.0..30.0, step, 1.3);
         finding(30.0, Outcome::AsAsked, lower);
         finding(10.0, Outcome::OutsideGoals, lower);
     }
@@ -238,9 +217,9 @@ mod tests {
             ..PERFORMANCE
         };
         let why = why_no_cruise(&facts(60.0), &performance);
-        assert!(
-            why.contains("needs 2.60 times the weight of thrust, and there is 1.6"),
-            "{why}"
+        says(
+            &why,
+            &["needs 2.60 times the weight of thrust, and there is 1.6"],
         );
         assert_eq!(why_no_cruise(&facts(60.0), &PERFORMANCE), "");
     }

@@ -189,6 +189,7 @@ fn stalling(polar: Polar, stall_deg: Option<f64>) -> anyhow::Result<Polar> {
 mod tests {
     use super::*;
     use crate::design::Known;
+    use crate::named::tests::{begins, says};
 
     /// The wing with this polar as a file, and what else is changed.
     fn wing(text: &str, change: impl Fn(&mut Known)) -> anyhow::Result<Wing> {
@@ -219,10 +220,7 @@ mod tests {
     fn a_straight_polar_asks_for_its_stall() {
         let straight = polar(|a| 0.08 * a);
         let error = format!("{:#}", wing(&straight, |_| ()).unwrap_err());
-        assert!(
-            error.contains(".csv:18: ") && error.contains("--stall-deg"),
-            "{error}"
-        );
+        says(&error, &[".csv:18: ", "--stall-deg"]);
         for ratio in [None, Some(6.0)] {
             let made = wing(&straight, |known| {
                 (known.stall_deg, known.aspect_ratio) = (Some(12.0), ratio);
@@ -272,14 +270,8 @@ mod tests {
         };
         let made = preset(0.35);
         let story = &made.story[0];
-        assert!(
-            story.starts_with("naca-0012 at Re = 160e3: in cruise it is 297768"),
-            "{story}"
-        );
-        assert!(
-            story.contains("Built in are 160e3 and 5e6") && story.contains("360e3"),
-            "{story}"
-        );
+        begins(story, "naca-0012 at Re = 160e3: in cruise it is 297768");
+        says(story, &["Built in are 160e3 and 5e6", "360e3"]);
         assert!(made.warnings.is_empty());
         let slender = |aspect_ratio: f64| {
             let known = |known: &mut Known| {

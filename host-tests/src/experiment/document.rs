@@ -11,6 +11,7 @@ use serde::de::DeserializeOwned;
 use toml::de::{DeTable, DeValue};
 use toml::{Table, Value};
 
+use super::table::Range;
 use super::{BUILT_IN, Experiment, VehicleSpec};
 use crate::controllers::KINDS;
 use crate::named::{Named, nearest, on_one_line};
@@ -75,33 +76,33 @@ impl std::fmt::Display for Located {
 
 impl std::error::Error for Located {}
 
+/// What `holds` must hold, or `problem` is wrong with `field`.
+pub(crate) fn require(
+    holds: bool,
+    field: impl Into<String>,
+    problem: impl std::fmt::Display,
+) -> Result<(), FieldError> {
+    match holds {
+        true => Ok(()),
+        false => Err(FieldError::new(field, problem.to_string())),
+    }
+}
+
 /// `value` must be finite.
 pub(crate) fn finite(field: &str, value: f64) -> Result<(), FieldError> {
-    match value.is_finite() {
-        true => Ok(()),
-        false => Err(FieldError::new(field, "must be a finite number")),
-    }
+    Range::Finite.check(field, &value)
 }
 
 /// `value` must be finite and greater than 0.
 pub(crate) fn positive(field: &str, value: f64) -> Result<(), FieldError> {
-    finite(field, value)?;
-    match value > 0.0 {
-        true => Ok(()),
-        false => Err(FieldError::new(field, "must be positive")),
-    }
+    Range::Positive.check(field, &value)
 }
 
 /// `value` must be at most `most`, which is so many of what `what` says, either way.
 fn within(field: &str, value: f64, most: f64, what: &str) -> Result<(), FieldError> {
     finite(field, value)?;
-    match value.abs() <= most {
-        true => Ok(()),
-        false => Err(FieldError::new(
-            field,
-            format!("must be at most {most}{what}, either way"),
-        )),
-    }
+    let problem = format_args!("must be at most {most}{what}, either way");
+    require(value.abs() <= most, field, problem)
 }
 
 /// `value` must be a component of a velocity that the models can fly: of a reference, a start or a wind. They know of no speed of sound.
@@ -263,13 +264,9 @@ impl Document {
     pub fn set(&mut self, path: &str, value: Value) -> Result<(), FieldError> {
         let error = |problem: &str| FieldError::new(path, problem);
         // Tables that lie deeper than what reads them can go would end the program.
-        if parts(path).count() > DEEPEST {
-            let begin: String = path.chars().take(40).collect();
-            return Err(FieldError::new(
-                begin,
-                format!("goes through more than {DEEPEST} tables"),
-            ));
-        }
+        let begin: String = path.chars().take(40).collect();
+        let problem = format_args!("goes through more than {DEEPEST} tables");
+        require(parts(path).count() <= DEEPEST, begin, problem)?;
         let mut found = &mut self.root;
         let mut around = "";
         for (key, index) in parts(path) {
@@ -349,10 +346,9 @@ impl Document {
 
     /// The experiment that the document describes, validated.
     pub fn experiment(&self) -> Result<Experiment, FieldError> {
-        if self.get("path").is_some() {
-            let problem = "is flown in space; here experiments in a vertical plane are taken, with a `reference`";
-            return Err(FieldError::new("path", problem));
-        }
+        let problem =
+            "is flown in space; here experiments in a vertical plane are taken, with a `reference`";
+        require(self.get("path").is_none(), "path", problem)?;
         let experiment: Experiment = self.read()?;
         experiment.validate()?;
         Ok(experiment)
@@ -561,18 +557,10 @@ impl Layer {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn named(text: &str) -> Named {
-        Named {
-            name: "x".to_owned(),
-            origin: "x.toml".to_owned(),
-            text: text.to_owned(),
-            file: None,
-        }
-    }
+    use crate::named::tests::begins;
 
     fn over(text: &str) -> anyhow::Result<Document> {
-        Document::new(&named(text))
+        Document::new(&Named::new("x", "x.toml", text))
     }
 
     #[test]
@@ -740,9 +728,6 @@ mod tests {
         // In the base.
         let error = over("base = 'paper'\n[vehicle]\nmass = 1\n").and_then(|d| d.checked());
         let error = error.unwrap_err().to_string();
-        assert!(
-            error.starts_with("x.toml:3: vehicle.mass: unknown field"),
-            "{error}"
-        );
+        begins(&error, "x.toml:3: vehicle.mass: unknown field");
     }
 }

@@ -3,11 +3,11 @@
 use std::ops::{Add, Mul, Sub};
 
 use alula::guidance::Air;
-use rand::{Rng, RngExt, SeedableRng};
+use rand::{Rng, RngExt};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
-use super::document::{FieldError, finite, sensor_error};
+use super::document::{FieldError, finite, require, sensor_error};
 
 /// What is wrong while a fault lasts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
@@ -104,15 +104,13 @@ impl FaultSpec {
     pub(crate) fn validate(&self, field: &str) -> Result<(), FieldError> {
         finite(field, self.from_s)?;
         finite(field, self.to_s)?;
-        if self.from_s >= self.to_s {
-            return Err(FieldError::new(field, "from_s must be before to_s"));
-        }
-        if self.kind.has_size() != self.size.is_some() {
-            let not = if self.kind.has_size() { "a" } else { "no" };
-            let problem = format!("this kind has {not} size");
-            return Err(FieldError::new(format!("{field}.size"), problem));
-        }
-        sensor_error(&format!("{field}.size"), self.size.unwrap_or(0.0))
+        let problem = "from_s must be before to_s";
+        require(self.from_s < self.to_s, field, problem)?;
+        let field = format!("{field}.size");
+        let not = if self.kind.has_size() { "a" } else { "no" };
+        let given = self.kind.has_size() == self.size.is_some();
+        require(given, &field, format_args!("this kind has {not} size"))?;
+        sensor_error(&field, self.size.unwrap_or(0.0))
     }
 
     /// Whether it lasts at `t` \[s\].
@@ -193,13 +191,11 @@ pub(crate) struct Faults<'a, M> {
 impl<'a, M: Told> Faults<'a, M> {
     /// None has begun. `seed` is the experiment's; no other part of the flight draws from this `stream` of it.
     pub fn new(specs: &'a [FaultSpec], seed: u64, stream: u64) -> Self {
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
-        random.set_stream(stream);
         Self {
             specs,
             begun: vec![None; specs.len()],
             waited: 0.0,
-            random,
+            random: super::stream(seed, stream),
         }
     }
 

@@ -14,34 +14,31 @@ mod weather;
 use alula::guidance::{MAX_STEP, MIN_STEP};
 use alula_bridges::sitl::Actuators;
 use alula_link::{Configuration, Pacing};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
 use serde::Deserialize;
 
 pub use document::{Document, FieldError, Located};
-pub(crate) use document::{angle, finite, from_toml, positive, rate, read, speed};
+pub(crate) use document::{angle, finite, from_toml, positive, rate, read, require, speed};
 pub use faults::{FaultKind, FaultSpec};
 pub(crate) use faults::{Faults, Lasting, Told};
 pub use parameters::{Fields, file_name, file_value, refused};
 pub use plant::{Plant, PlantSpec, RateLoop, State};
 pub use reference::{InitialSpec, Knot, ReferenceSpec};
 pub(crate) use sensors::validate as validate_sensors;
-pub use sensors::{Accelerometer, AirSensor, ErrorSpec, Measured, PositionSensor, SensorSpec};
+pub use sensors::{AirSensor, ErrorSpec, Measured, Sensor, SensorSpec};
 pub use vehicle::{AerodynamicsSpec, Model, NO_LIMITS, Vehicle, VehicleSpec};
 pub use weather::{GustSpec, TurbulenceSpec, Weather, WeatherSpec};
 
 use crate::controllers::{Choice, Controller, Spec};
+use crate::named::built_in;
 
 /// What is flown when nothing is asked for.
 pub const DEFAULT: &str = "hover-to-cruise";
 
-macro_rules! built_in {
-    ($($name:literal),* $(,)?) => {
-        &[$(($name, include_str!(concat!("../../experiments/", $name, ".toml")))),*]
-    };
-}
-
 /// Name and TOML text of every built-in experiment. Those with a path are flown in space. Those with neither path nor reference are
 /// vehicles, for others to be based on.
-pub const BUILT_IN: &[(&str, &str)] = built_in![
+pub const BUILT_IN: &[(&str, &str)] = built_in! { "experiments", ".toml";
     "paper",
     "paper-re-5e6",
     "paper-belief",
@@ -74,7 +71,7 @@ pub const BUILT_IN: &[(&str, &str)] = built_in![
     "mission-turbulence",
     "start-hover",
     "start-cruise",
-];
+};
 
 /// A flight to simulate. The format is described in this package's README.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -126,6 +123,13 @@ pub(crate) fn five() -> u32 {
     5
 }
 
+/// The random numbers of an experiment's `seed`, of which every part of a flight draws from a stream of its own: a change of one part leaves the others as they were.
+pub(crate) fn stream(seed: u64, number: u64) -> ChaCha8Rng {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    random.set_stream(number);
+    random
+}
+
 /// Most control steps of one flight: a record is held in memory.
 const MAX_STEPS: f64 = 2e6;
 
@@ -134,14 +138,10 @@ pub(crate) fn check_steps(duration: f64, rate: f64, substeps: u32) -> Result<(),
     positive("duration_s", duration)?;
     positive("control_rate_hz", rate)?;
     let steps = duration * rate;
-    if !(0.5..=MAX_STEPS).contains(&steps) {
-        let problem = format!("{steps} control steps, must be from 1 to {MAX_STEPS}");
-        return Err(FieldError::new("duration_s", problem));
-    }
-    if !(1..=1000).contains(&substeps) {
-        return Err(FieldError::new("substeps", "must be from 1 to 1000"));
-    }
-    Ok(())
+    let problem = format_args!("{steps} control steps, must be from 1 to {MAX_STEPS}");
+    require((0.5..=MAX_STEPS).contains(&steps), "duration_s", problem)?;
+    let flown = (1..=1000).contains(&substeps);
+    require(flown, "substeps", "must be from 1 to 1000")
 }
 
 impl Experiment {
@@ -151,10 +151,9 @@ impl Experiment {
         // The guidance refuses every frame with a longer or shorter step; the vehicle would fall.
         let step = 1.0 / self.control_rate_hz;
         let flown = f64::from(MIN_STEP)..=f64::from(MAX_STEP);
-        if self.controller.name() == "guidance" && !flown.contains(&step) {
-            let problem = format!("the guidance flies steps of {MIN_STEP} to {MAX_STEP} s");
-            return Err(FieldError::new("control_rate_hz", problem));
-        }
+        let flown = self.controller.name() != "guidance" || flown.contains(&step);
+        let problem = format_args!("the guidance flies steps of {MIN_STEP} to {MAX_STEP} s");
+        require(flown, "control_rate_hz", problem)?;
         // A vehicle that the core would not control is not worth flying.
         self.vehicle.core().map_err(|e| e.inside("vehicle"))?;
         let dt = 1.0 / self.control_rate_hz / f64::from(self.substeps);

@@ -140,10 +140,8 @@ impl Fields {
         let known: Vec<&str> = self.known.iter().map(String::as_str).collect();
         let meant = nearest(name, &known);
         let meant = meant.map_or(String::new(), |name| format!("; did you mean `{name}`?"));
-        Err(FieldError::new(
-            name,
-            format!("unknown field `{name}`{meant}"),
-        ))
+        let problem = format!("unknown field `{name}`{meant}");
+        Err(FieldError::new(name, problem))
     }
 }
 

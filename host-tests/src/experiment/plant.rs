@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::document::{FieldError, finite, positive};
+use super::document::{FieldError, finite, positive, require};
 use super::table::{Numbers, Range};
 use crate::reference::{ForceModel, Vector, Vehicle};
 
@@ -60,13 +60,10 @@ const LONGEST_STEP: f64 = 2.0;
 
 /// A time constant of `tau` \[s\] must be one that steps of `dt` \[s\] can follow.
 fn followed(field: &str, tau: f64, dt: f64) -> Result<(), FieldError> {
-    if dt <= LONGEST_STEP * tau {
-        return Ok(());
-    }
-    let problem = format!(
+    let problem = format_args!(
         "a time constant of {tau} s is too short for the plant's steps of {dt} s: raise substeps or control_rate_hz, or leave it out"
     );
-    Err(FieldError::new(field, problem))
+    require(dt <= LONGEST_STEP * tau, field, problem)
 }
 
 impl<J: Numbers> PlantSpec<J> {
@@ -97,19 +94,15 @@ impl<J: Numbers> PlantSpec<J> {
             ("plant.delay_s", self.delay_s),
         ] {
             finite(field, value)?;
-            if !(0.0..=2.0).contains(&value) {
-                return Err(FieldError::new(field, "must be from 0 to 2 s"));
-            }
+            let problem = "must be from 0 to 2 s";
+            require((0.0..=2.0).contains(&value), field, problem)?;
         }
         if self.thrust_lag_s > 0.0 {
             followed("plant.thrust_lag_s", self.thrust_lag_s, dt)?;
         }
         let [least, most] = self.thrust_n;
-        // An infinite limit is none.
-        if least.is_nan() || most.is_nan() || least >= most {
-            return Err(FieldError::new("plant.thrust_n", "must be [least, most]"));
-        }
-        Ok(())
+        // An infinite limit is none, and a NaN is not less than anything.
+        require(least < most, "plant.thrust_n", "must be [least, most]")
     }
 }
 

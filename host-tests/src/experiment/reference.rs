@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::document::{FieldError, angle, finite, rate, speed};
+use super::document::{FieldError, angle, finite, rate, require, speed};
 use crate::reference::Vector;
 
 /// `[reference]`: the reference velocity, linear between knots, constant before and after them.
@@ -27,19 +27,15 @@ pub struct Knot {
 
 impl ReferenceSpec {
     pub(super) fn validate(&self) -> Result<(), FieldError> {
-        if self.knots.is_empty() {
-            let problem = "must have at least one knot";
-            return Err(FieldError::new("reference.knots", problem));
-        }
+        let problem = "must have at least one knot";
+        require(!self.knots.is_empty(), "reference.knots", problem)?;
         for (i, knot) in self.knots.iter().enumerate() {
             let field = format!("reference.knots[{i}]");
             finite(&field, knot.t_s)?;
             speed(&format!("{field}.down_m_s"), knot.down_m_s)?;
             speed(&format!("{field}.forward_m_s"), knot.forward_m_s)?;
-            if i > 0 && knot.t_s <= self.knots[i - 1].t_s {
-                let problem = "t_s must increase from knot to knot";
-                return Err(FieldError::new(field, problem));
-            }
+            let later = i == 0 || knot.t_s > self.knots[i - 1].t_s;
+            require(later, field, "t_s must increase from knot to knot")?;
         }
         Ok(())
     }

@@ -6,7 +6,7 @@ use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 use serde::Deserialize;
 
-use super::document::{FieldError, sensor_error};
+use super::document::{FieldError, require, sensor_error};
 use super::faults::{FaultKind, FaultSpec, Lasting, Told};
 use super::plant::State;
 use crate::controllers::inertial;
@@ -37,10 +37,21 @@ pub enum AirSensor {
     None,
 }
 
-/// Whether the position is measured.
+impl AirSensor {
+    /// What it tells of an air `velocity`, which is measured where it is told, and of a `steady` wind.
+    pub(crate) fn told<V>(self, velocity: impl FnOnce() -> V, steady: V) -> Air<V> {
+        match self {
+            Self::Velocity => Air::Velocity(velocity()),
+            Self::SteadyWind => Air::Wind(steady),
+            Self::None => Air::Unknown,
+        }
+    }
+}
+
+/// Whether the position, or the specific force, is measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum PositionSensor {
+pub enum Sensor {
     /// It is.
     #[default]
     Measured,
@@ -48,15 +59,11 @@ pub enum PositionSensor {
     None,
 }
 
-/// Whether the specific force is measured.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Accelerometer {
-    /// It is.
-    #[default]
-    Measured,
-    /// It is not.
-    None,
+impl Sensor {
+    /// What it tells of a `value`.
+    pub(crate) fn told<T>(self, value: T) -> Option<T> {
+        (self == Self::Measured).then_some(value)
+    }
 }
 
 /// `[sensors]`.
@@ -76,9 +83,9 @@ pub struct SensorSpec {
     /// What is known of the air.
     pub air: AirSensor,
     /// What is known of the position.
-    pub position: PositionSensor,
+    pub position: Sensor,
     /// What is known of the specific force.
-    pub accelerometer: Accelerometer,
+    pub accelerometer: Sensor,
     /// Faults injected.
     pub faults: Vec<FaultSpec>,
 }
@@ -93,9 +100,7 @@ pub(crate) fn validate(
         for (part, value) in [("noise", error.noise), ("quantum", error.quantum)] {
             let field = format!("sensors.{name}.{part}");
             sensor_error(&field, value)?;
-            if value < 0.0 {
-                return Err(FieldError::new(field, "must not be negative"));
-            }
+            require(value >= 0.0, field, "must not be negative")?;
         }
     }
     for (i, fault) in faults.iter().enumerate() {
@@ -134,19 +139,13 @@ impl SensorSpec {
                 _ if self.theta_deg == ErrorSpec::default() => truth.theta,
                 degrees => degrees.to_radians(),
             },
-            air: match self.air {
-                AirSensor::Velocity => {
-                    Air::Velocity(inertial(self.air_m_s.vector(truth.velocity - wind, random)))
-                }
-                AirSensor::SteadyWind => Air::Wind(inertial(steady)),
-                AirSensor::None => Air::Unknown,
+            air: {
+                let air = || inertial(self.air_m_s.vector(truth.velocity - wind, random));
+                self.air.told(air, inertial(steady))
             },
             specific_force: {
-                let told = self.acceleration_m_s2.vector(force.into(), random);
-                match self.accelerometer {
-                    Accelerometer::Measured => Some(Body::new(told.x as f32, told.y as f32)),
-                    Accelerometer::None => None,
-                }
+                let f = self.acceleration_m_s2.vector(force.into(), random);
+                self.accelerometer.told(Body::new(f.x as f32, f.y as f32))
             },
         }
     }

@@ -1,6 +1,6 @@
 //! Tables of numbers: each number once, with its range and its meaning.
 
-use super::FieldError;
+use super::document::{FieldError, require};
 
 /// What a number may be.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,10 +58,7 @@ impl Range {
 
 /// A pair must be the least and the greatest.
 pub fn ordered(field: &str, [least, greatest]: [f64; 2]) -> Result<(), FieldError> {
-    match least < greatest {
-        true => Ok(()),
-        false => Err(FieldError::new(field, "must be [least, greatest]")),
-    }
+    require(least < greatest, field, "must be [least, greatest]")
 }
 
 /// Makes a structure and its check from the rows: name, type, range, meaning.

@@ -3,7 +3,7 @@
 use rand::Rng;
 use serde::Deserialize;
 
-use super::document::{FieldError, finite, positive, speed};
+use super::document::{FieldError, finite, positive, require, speed};
 use super::dryden::{LEAST_SPEED, Scales, Transverse, along, normal};
 use crate::reference::Vector;
 
@@ -62,11 +62,8 @@ impl TurbulenceSpec {
         let field = "weather.turbulence.wind_at_20_ft_m_s";
         positive(field, self.wind_at_20_ft_m_s)?;
         speed(field, self.wind_at_20_ft_m_s)?;
-        if !(3.0..=305.0).contains(&self.height_m) {
-            let field = "weather.turbulence.height_m";
-            return Err(FieldError::new(field, "must be from 3 to 305 m"));
-        }
-        Ok(())
+        let (field, problem) = ("weather.turbulence.height_m", "must be from 3 to 305 m");
+        require((3.0..=305.0).contains(&self.height_m), field, problem)
     }
 }
 

@@ -54,8 +54,8 @@ pub fn page(source: &CampaignSource, summary: &Summary) -> Page {
         warnings: warnings(source, summary),
         figure: figure(source, summary),
         tables,
-        text: None,
         notes: NOTES.to_owned(),
+        ..Page::default()
     }
 }
 
@@ -113,7 +113,7 @@ fn bounds(limit: &LimitFound) -> String {
 
 fn limits(summary: &Summary) -> Table {
     let row = |limit: &LimitFound| {
-        vec![
+        [
             limit.figure.to_owned(),
             bounds(limit),
             format!("{:.2}", 100.0 * limit.share_required),
@@ -126,11 +126,8 @@ fn limits(summary: &Summary) -> Table {
             .to_owned(),
         ]
     };
-    Table {
-        title: "Limits".to_owned(),
-        header: columns(["figure", "inside", "required [%]", "flights [%]", ""]),
-        rows: summary.limits.iter().map(row).collect(),
-    }
+    let header = ["figure", "inside", "required [%]", "flights [%]", ""];
+    Table::new("Limits", header, summary.limits.iter().map(row))
 }
 
 fn worst(summary: &Summary) -> Table {
@@ -143,7 +140,7 @@ fn worst(summary: &Summary) -> Table {
     });
     let rows = first.flat_map(|(_, limit)| {
         limit.worst.iter().map(|worst| {
-            vec![
+            [
                 limit.figure.to_owned(),
                 worst.flight.to_string(),
                 number(worst.value),
@@ -151,18 +148,15 @@ fn worst(summary: &Summary) -> Table {
             ]
         })
     });
-    Table {
-        title: "Worst flights".to_owned(),
-        header: columns(["figure", "flight", "value", "fly it again"]),
-        rows: rows.collect(),
-    }
+    let header = ["figure", "flight", "value", "fly it again"];
+    Table::new("Worst flights", header, rows)
 }
 
 fn faults(summary: &Summary) -> Table {
     let rows = summary.faults.iter().map(|fault| {
         let kind = serde_json::to_value(fault.kind).expect("a name");
         let others: Vec<String> = fault.others.iter().map(ToString::to_string).collect();
-        vec![
+        [
             kind.as_str().unwrap_or_default().to_owned(),
             fault.during.clone(),
             fault.flights.to_string(),
@@ -171,18 +165,15 @@ fn faults(summary: &Summary) -> Table {
             others.join(", "),
         ]
     });
-    Table {
-        title: "Faults".to_owned(),
-        header: columns([
-            "kind",
-            "ends in",
-            "flights",
-            "as stated",
-            "least altitude [m]",
-            "flights that did not",
-        ]),
-        rows: rows.collect(),
-    }
+    let header = [
+        "kind",
+        "ends in",
+        "flights",
+        "as stated",
+        "least altitude [m]",
+        "flights that did not",
+    ];
+    Table::new("Faults", header, rows)
 }
 
 fn figures(summary: &Summary) -> Table {
@@ -208,23 +199,11 @@ fn dispersions(summary: &Summary) -> Table {
         let largest = by_size.first().map_or(String::new(), |(r, limit)| {
             format!("{r:+.2} {}", limit.figure)
         });
-        vec![
-            found.field.clone(),
-            number(found.least),
-            number(found.most),
-            largest,
-        ]
+        let [least, most] = [found.least, found.most].map(number);
+        [found.field.clone(), least, most, largest]
     });
-    Table {
-        title: "Dispersions".to_owned(),
-        header: columns([
-            "field",
-            "least",
-            "greatest",
-            "largest correlation with a limit's figure",
-        ]),
-        rows: rows.collect(),
-    }
+    let largest = "largest correlation with a limit's figure";
+    Table::new("Dispersions", ["field", "least", "greatest", largest], rows)
 }
 
 fn figure(source: &CampaignSource, summary: &Summary) -> Figure {
@@ -295,10 +274,7 @@ fn levels(campaign: &Campaign, column: &str) -> Vec<Level> {
             share => format!("limit of {} %{part}", fixed(100.0 * share, 1)),
         };
         let ends = limit.least.into_iter().chain(limit.most);
-        levels.extend(ends.map(|at| Level {
-            at,
-            label: label.clone(),
-        }));
+        levels.extend(ends.map(|at| Level::new(at, &*label)));
     }
     levels
 }

@@ -75,6 +75,14 @@ pub struct Level {
     pub label: String,
 }
 
+impl Level {
+    /// The value `at`, which is what `label` says.
+    pub fn new(at: f64, label: impl Into<String>) -> Self {
+        let label = label.into();
+        Self { at, label }
+    }
+}
+
 /// A range of values to be seen across the chart: where stall is.
 pub struct Band {
     /// Least value.
@@ -83,6 +91,13 @@ pub struct Band {
     pub to: f64,
     /// What it is.
     pub label: String,
+}
+
+/// The least and the greatest of `values`; the wrong way round if there are none.
+pub(super) fn ends(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
+    let start = (f64::INFINITY, f64::NEG_INFINITY);
+    let wider = |(low, high): (f64, f64), value| (low.min(value), high.max(value));
+    values.into_iter().fold(start, wider)
 }
 
 /// A chart over time, or over another quantity.
@@ -129,9 +144,8 @@ impl<'a> Chart<'a> {
 
     /// Least and greatest abscissa.
     pub(super) fn across(&self) -> (f64, f64) {
-        let abscissas = || self.series.iter().flat_map(|s| &s.points).map(|p| p.0);
-        let begin = abscissas().fold(f64::INFINITY, f64::min);
-        let end = abscissas().fold(f64::NEG_INFINITY, f64::max);
+        let points = self.series.iter().flat_map(|s| &s.points);
+        let (begin, end) = ends(points.map(|p| p.0));
         match begin < end {
             true => (begin, end),
             // One point, or none.
@@ -142,12 +156,9 @@ impl<'a> Chart<'a> {
     /// Least and greatest value with some room, near limits included. Of a logarithmic chart, of the decimal logarithm.
     pub(super) fn range(&self) -> (f64, f64) {
         let scaled = |y: f64| if self.logarithmic { y.log10() } else { y };
-        let values = || {
-            let all = self.series.iter().flat_map(|s| &s.points);
-            all.map(|p| scaled(p.1)).filter(|y| y.is_finite())
-        };
-        let mut low = values().fold(f64::INFINITY, f64::min);
-        let mut high = values().fold(f64::NEG_INFINITY, f64::max);
+        let points = self.series.iter().flat_map(|s| &s.points);
+        let values = points.map(|p| scaled(p.1));
+        let (mut low, mut high) = ends(values.filter(|y| y.is_finite()));
         if low > high {
             // Nothing to draw, as when every step was a fault.
             return if self.logarithmic {

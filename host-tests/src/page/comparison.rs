@@ -122,20 +122,14 @@ pub fn page(name: &str, comparison: &Comparison, results: &Results) -> Page {
     let mut all = vec![summary(comparison, results)];
     all.extend(tables(comparison, results));
     let policies = comparison.policies.iter();
-    all.push(Table {
-        title: "Policies".to_owned(),
-        header: columns(["name", ""]),
-        rows: policies
-            .map(|p| vec![p.name.clone(), p.title.clone()])
-            .collect(),
-    });
+    let policies = policies.map(|p| [p.name.clone(), p.title.clone()]);
+    all.push(Table::new("Policies", ["name", ""], policies));
     Page {
         title: format!("Comparison {name}"),
         lead: comparison.description.clone(),
-        warnings: Vec::new(),
         figure: figure(comparison, results),
         tables: all,
-        text: None,
         notes: definitions().replace("**", "").replace('\\', ""),
+        ..Page::default()
     }
 }

@@ -4,7 +4,7 @@ use alula::guidance::REASONS;
 use alula::{GuidanceParameters, Parameters as _};
 
 use super::chart::{BLUE, Chart, ORANGE, Series};
-use super::{Figure, Page, Table, columns, fixed};
+use super::{Figure, Page, Table, fixed};
 use crate::design::{Design, ON_WING, Outcome, Performance, Verdict};
 use crate::experiment::file_name;
 use crate::figures::Figures;
@@ -85,8 +85,11 @@ fn figure(design: &Design) -> Figure {
 }
 
 fn tables(name: &str, design: &Design, results: &Results) -> Vec<Table> {
-    let rows = |rows: Vec<[String; 2]>| rows.into_iter().map(|row| row.to_vec()).collect();
     let parameters = GuidanceParameters::ROWS.iter().zip(REASONS).enumerate();
+    let parameters = parameters.map(|(i, (row, (_, reason)))| {
+        let value = design.parameters.get(i).to_string();
+        [file_name(row), value, (*reason).to_owned()]
+    });
     let figures = [
         "altitude_least_m",
         "altitude_most_m",
@@ -97,16 +100,16 @@ fn tables(name: &str, design: &Design, results: &Results) -> Vec<Table> {
     ];
     let figures = figures.map(|name| [name.to_owned(), fixed(results.flight.get(name), 2)]);
     vec![
-        Table {
-            title: "What it can do".to_owned(),
-            header: columns(["", ""]),
-            rows: rows(envelope(design, results.performance)),
-        },
-        Table {
-            title: format!("First flight: the round trip of {name}.toml"),
-            header: columns(["figure", "value"]),
-            rows: rows(figures.to_vec()),
-        },
+        Table::new(
+            "What it can do",
+            ["", ""],
+            envelope(design, results.performance),
+        ),
+        Table::new(
+            format!("First flight: the round trip of {name}.toml"),
+            ["figure", "value"],
+            figures,
+        ),
         Table::of(
             "Margins in level flight, with its own lags",
             results.margins,
@@ -117,19 +120,11 @@ fn tables(name: &str, design: &Design, results: &Results) -> Vec<Table> {
                 ("largest delay [s]", &|p| limit(p.delay_s)),
             ],
         ),
-        Table {
-            title: "Parameters of the guidance, and why".to_owned(),
-            header: columns(["parameter", "value", "reason"]),
-            rows: parameters
-                .map(|(i, (row, (_, reason)))| {
-                    vec![
-                        file_name(row),
-                        design.parameters.get(i).to_string(),
-                        (*reason).to_owned(),
-                    ]
-                })
-                .collect(),
-        },
+        Table::new(
+            "Parameters of the guidance, and why",
+            ["parameter", "value", "reason"],
+            parameters,
+        ),
     ]
 }
 

@@ -1,7 +1,7 @@
 //! The figure of an envelope: the paper's bifurcation figure, the fold curves, the coefficients.
 
 use super::Figure;
-use super::chart::{BLUE, Chart, GREY, Mark, ORANGE, Series};
+use super::chart::{BLUE, Chart, GREY, Mark, ORANGE, Series, ends};
 use crate::envelope::{Curve, Cusp, Fold, FoldPoint};
 use crate::reference::{Coefficients, Vehicle};
 
@@ -35,18 +35,10 @@ pub fn figure(shown: &Shown) -> Figure {
 
 /// a against α: the branch θ̃ = 0 drawn solid, where a falls with α, the branch θ̃ = π dashed.
 fn bifurcation(shown: &Shown, close: bool) -> Chart<'static> {
-    let highest = shown.folds.iter().map(|fold| fold.a).fold(0.0, f64::max);
-    let lowest = shown
-        .folds
-        .iter()
-        .map(|f| f.a)
-        .fold(f64::INFINITY, f64::min);
+    let (lowest, highest) = ends(shown.folds.iter().map(|fold| fold.a));
+    let highest = highest.max(0.0);
     let (floor, ceiling, (first, last)) = if close {
-        let angles = || shown.folds.iter().map(|fold| fold.alpha.to_degrees());
-        let (low, high) = (
-            angles().fold(f64::INFINITY, f64::min),
-            angles().fold(f64::NEG_INFINITY, f64::max),
-        );
+        let (low, high) = ends(shown.folds.iter().map(|fold| fold.alpha.to_degrees()));
         let margin = 0.15 * (highest - lowest) + 0.02;
         let around = (high - low).max(4.0);
         (

@@ -1,140 +1,53 @@
 //! The page about a flight: charts of the record's columns, the figures, the experiment.
 
-use super::chart::{BLUE, Band, Chart, GREEN, GREY, Level, Mark, ORANGE};
-use super::panel::{Panel, chart, column, panel, strip};
+use super::chart::{Band, Chart, Level, Mark, ends};
+use super::panel::{Panel, chart, panels, strip};
 use super::side::side;
-use super::{Figure, Page, Table, columns};
+use super::{Figure, Page, Table};
+use crate::columns::Flight;
 use crate::envelope::Curve;
 use crate::experiment::{Document, Experiment};
 use crate::figures::{Figures, Segment};
 use crate::simulate::Step;
 
-/// A chart, and what is marked in it.
-struct Marked {
-    panel: Panel,
-    /// The figure whose extreme is marked, on a column.
-    mark: Option<(&'static str, &'static str)>,
-    /// What is to be seen across it.
-    across: Across,
-}
+const PANELS: &[Panel] = panels! {
+    ["forward velocity [m/s]"]
+    "true_v_forward_m_s", "v", BLUE;
+    "vr_forward_m_s", "v_r", ORANGE dashed;
+    "v_cmd_forward_m_s", "v_cmd", GREY dashed;
+    ["downward velocity [m/s]"]
+    "true_v_down_m_s", "v", BLUE;
+    "vr_down_m_s", "v_r", ORANGE dashed;
+    "v_cmd_down_m_s", "v_cmd", GREY dashed;
+    ["velocity error v − v_r [m/s]"]
+    "velocity_error_down_m_s", "down", BLUE;
+    "velocity_error_forward_m_s", "forward", ORANGE;
+    "velocity_error_m_s", "magnitude", GREY dashed;
+    ["altitude over the reference [m]"]
+    "altitude_m", "h", BLUE;
+    ["forward of the reference [m]"]
+    "forward_m", "x̃", BLUE;
+    ["orientation θ and angle of attack α [°]"]
+    "true_theta_rad", "θ", BLUE;
+    "true_alpha_rad", "α", ORANGE;
+    ["angular velocity ω [rad/s]"]
+    "true_rate_rad_s", "ω", BLUE;
+    "rate_rad_s", "command", ORANGE dashed;
+    ["thrust to weight T/(m g)"]
+    "thrust_to_weight", "T/(m g)", GREEN;
+    ["apparent force |F_p| of the controller, and the guard's τ [N]" logarithmic]
+    "fp_n", "|F_p|", BLUE;
+    ["θ̃, from the thrust axis to F_p [°]"]
+    "theta_tilde_rad", "θ̃", BLUE;
+    ["angle to the nearest fold, first order, within 45° [°]"]
+    "margin_fold_rad", "fold", BLUE;
+};
 
-/// What is to be seen across a chart.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Across {
-    Nothing,
-    /// The speeds between the folds of level flight, where it has more than one equilibrium.
-    FoldSpeeds,
-    /// The angles of attack between these folds: the equilibrium jumps over them.
-    StallBand,
-    /// The motors' limits.
-    Thrust,
-    /// The law's guard.
-    Guard,
-    /// Where a fold is.
-    Fold,
-    /// Right and straight angles.
-    HalfTurn,
-}
-
-const fn plain(panel: Panel) -> Marked {
-    Marked {
-        panel,
-        mark: None,
-        across: Across::Nothing,
-    }
-}
-
-const PANELS: &[Marked] = &[
-    Marked {
-        across: Across::FoldSpeeds,
-        ..plain(panel(
-            "forward velocity [m/s]",
-            &[
-                ("v", "true_v_forward_m_s", BLUE, false),
-                ("v_r", "vr_forward_m_s", ORANGE, true),
-                ("v_cmd", "v_cmd_forward_m_s", GREY, true),
-            ],
-        ))
-    },
-    plain(panel(
-        "downward velocity [m/s]",
-        &[
-            ("v", "true_v_down_m_s", BLUE, false),
-            ("v_r", "vr_down_m_s", ORANGE, true),
-            ("v_cmd", "v_cmd_down_m_s", GREY, true),
-        ],
-    )),
-    Marked {
-        mark: Some(("max_velocity_error_m_s", "velocity_error_m_s")),
-        ..plain(panel(
-            "velocity error v − v_r [m/s]",
-            &[
-                ("down", "velocity_error_down_m_s", BLUE, false),
-                ("forward", "velocity_error_forward_m_s", ORANGE, false),
-                ("magnitude", "velocity_error_m_s", GREY, true),
-            ],
-        ))
-    },
-    plain(panel(
-        "altitude over the reference [m]",
-        &[("h", "altitude_m", BLUE, false)],
-    )),
-    plain(panel(
-        "forward of the reference [m]",
-        &[("x̃", "forward_m", BLUE, false)],
-    )),
-    Marked {
-        across: Across::StallBand,
-        ..plain(panel(
-            "orientation θ and angle of attack α [°]",
-            &[
-                ("θ", "true_theta_rad", BLUE, false),
-                ("α", "true_alpha_rad", ORANGE, false),
-            ],
-        ))
-    },
-    Marked {
-        mark: Some(("max_rate_rad_s", "rate_rad_s")),
-        ..plain(panel(
-            "angular velocity ω [rad/s]",
-            &[
-                ("ω", "true_rate_rad_s", BLUE, false),
-                ("command", "rate_rad_s", ORANGE, true),
-            ],
-        ))
-    },
-    Marked {
-        across: Across::Thrust,
-        ..plain(panel(
-            "thrust to weight T/(m g)",
-            &[("T/(m g)", "thrust_to_weight", GREEN, false)],
-        ))
-    },
-    Marked {
-        mark: Some(("min_fp_n", "fp_n")),
-        across: Across::Guard,
-        ..plain(Panel {
-            logarithmic: true,
-            ..panel(
-                "apparent force |F_p| of the controller, and the guard's τ [N]",
-                &[("|F_p|", "fp_n", BLUE, false)],
-            )
-        })
-    },
-    Marked {
-        across: Across::HalfTurn,
-        ..plain(panel(
-            "θ̃, from the thrust axis to F_p [°]",
-            &[("θ̃", "theta_tilde_rad", BLUE, false)],
-        ))
-    },
-    Marked {
-        across: Across::Fold,
-        ..plain(panel(
-            "angle to the nearest fold, first order, within 45° [°]",
-            &[("fold", "margin_fold_rad", BLUE, false)],
-        ))
-    },
+/// Figures whose extremes are marked, on these columns.
+const MARKS: [(&str, &str); 3] = [
+    ("max_velocity_error_m_s", "velocity_error_m_s"),
+    ("max_rate_rad_s", "rate_rad_s"),
+    ("min_fp_n", "fp_n"),
 ];
 
 /// Height of a plot \[px\].
@@ -167,68 +80,59 @@ fn level_folds(experiment: &Experiment) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// What is to be seen across a panel.
-fn across(what: Across, experiment: &Experiment) -> (Vec<Level>, Vec<Band>) {
-    let level = |at: f64, label: &str| Level {
-        at,
-        label: label.to_owned(),
-    };
-    let mut bands = Vec::new();
-    let levels = match what {
-        Across::Nothing => Vec::new(),
-        Across::FoldSpeeds => {
+/// What is to be seen across the panel that begins with this column.
+fn across(column: &str, experiment: &Experiment) -> (Vec<Level>, Vec<Band>) {
+    let levels = match column {
+        // The speeds between the folds of level flight, where it has more than one equilibrium.
+        "true_v_forward_m_s" => {
             let speeds = level_folds(experiment).into_iter().map(|fold| fold.1);
             let wind = experiment.weather.steady_m_s[1];
-            let (from, to) = speeds.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
-                (l.min(v), h.max(v))
-            });
-            bands.push(Band {
+            let (from, to) = ends(speeds);
+            let band = Band {
                 from: from + wind,
                 to: to + wind,
                 label: format!("level flight folds at {from:.1} and {to:.1} m/s of air"),
-            });
-            Vec::new()
+            };
+            return (Vec::new(), vec![band]);
         }
-        Across::StallBand => {
-            let folds = level_folds(experiment);
-            let angles = || folds.iter().map(|fold| fold.0);
-            bands.push(Band {
-                from: angles().fold(f64::INFINITY, f64::min),
-                to: angles().fold(f64::NEG_INFINITY, f64::max),
-                label: "stall: α between these folds".to_owned(),
-            });
-            Vec::new()
+        // The equilibrium jumps over these angles of attack.
+        "true_theta_rad" => {
+            let (from, to) = ends(level_folds(experiment).into_iter().map(|fold| fold.0));
+            let label = "stall: α between these folds".to_owned();
+            return (Vec::new(), vec![Band { from, to, label }]);
         }
-        Across::Thrust => {
+        "thrust_to_weight" => {
             let [least, most] = experiment.plant.thrust_n.map(|n| n / experiment.weight());
-            vec![level(most, "greatest"), level(least, "least")]
+            vec![Level::new(most, "greatest"), Level::new(least, "least")]
         }
-        Across::Guard => {
+        "fp_n" => {
             let tau = experiment.spec().ok().and_then(|spec| {
                 let belief = spec.belief().unwrap_or(&experiment.vehicle);
                 spec.gains(belief).map(|gains| gains.tau())
             });
-            tau.map(|tau| level(tau, "τ")).into_iter().collect()
+            tau.map(|tau| Level::new(tau, "τ")).into_iter().collect()
         }
-        Across::Fold => vec![level(0.0, "fold")],
-        Across::HalfTurn => vec![level(180.0, "π"), level(-180.0, "−π")],
+        "margin_fold_rad" => vec![Level::new(0.0, "fold")],
+        "theta_tilde_rad" => vec![Level::new(180.0, "π"), Level::new(-180.0, "−π")],
+        _ => Vec::new(),
     };
-    (levels, bands)
+    (levels, Vec::new())
 }
 
 /// The chart of a panel, if any of its columns applies to the flight.
 fn marked(
-    marked: &Marked,
+    panel: &Panel,
     experiment: &Experiment,
     record: &[Step],
     figures: &Figures,
 ) -> Option<Chart<'static>> {
-    let chart = chart(&marked.panel, experiment, record)?;
-    let (levels, bands) = across(marked.across, experiment);
-    let mark = marked.mark.and_then(|(figure, of)| {
+    let chart = chart(panel, experiment, record)?;
+    let (levels, bands) = across(panel.lines[0].column, experiment);
+    let shown = |(_, of): &&(&str, &str)| panel.lines.iter().any(|line| line.column == *of);
+    let mark = MARKS.iter().find(shown).and_then(|(figure, of)| {
         let at = figures.when(figure)?;
         let step = record.iter().find(|step| step.t == at)?;
-        let y = column::<Experiment>(of).number(experiment, step);
+        let y = Experiment::declared(of).number(experiment, step);
         let unit = chart.title.rsplit('[').next()?.trim_end_matches(']');
         Some(Mark {
             at: (at, y),
@@ -252,17 +156,11 @@ pub fn page(
     figures: &Figures,
     segments: &[Segment],
 ) -> Page {
-    let mut tables = vec![Table {
-        title: "Figures of merit".to_owned(),
-        header: columns(["", "value", ""]),
-        rows: figures.table().iter().map(|row| row.to_vec()).collect(),
-    }];
+    let figures_of_merit = Table::new("Figures of merit", ["", "value", ""], figures.table());
+    let mut tables = vec![figures_of_merit];
     if segments.len() > 1 {
-        tables.push(Table {
-            title: "Segments of the reference [s]".to_owned(),
-            header: columns([""]),
-            rows: segments.iter().map(|s| vec![s.line()]).collect(),
-        });
+        let lines = segments.iter().map(|s| [s.line()]);
+        tables.push(Table::new("Segments of the reference [s]", [""], lines));
     }
     let (duration, rate) = (experiment.duration_s, experiment.control_rate_hz);
     Page {
@@ -276,7 +174,6 @@ pub fn page(
                 " · "
             },
         ),
-        warnings: Vec::new(),
         figure: figure(experiment, record, figures),
         tables,
         text: Some(("The experiment as flown (TOML)".to_owned(), document.text())),
@@ -285,5 +182,6 @@ pub fn page(
              trace.csv.",
             record.len()
         ),
+        ..Page::default()
     }
 }

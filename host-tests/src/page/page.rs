@@ -1,15 +1,13 @@
 //! A page about an analysis: a figure and tables, which also print as text.
 
 use std::fmt::Write as _;
-use std::fs::File;
-use std::io::Write as _;
 use std::path::Path;
 
 use anyhow::Context;
 use minijinja::{Environment, Value, context};
 
 use super::Figure;
-use crate::files;
+use crate::files::leave_all;
 
 /// A table of cells.
 #[derive(Clone, Debug)]
@@ -36,6 +34,19 @@ pub fn fixed(value: impl Into<f64>, digits: usize) -> String {
 }
 
 impl Table {
+    /// A table with these `columns` and `rows`.
+    pub fn new<const N: usize>(
+        title: impl Into<String>,
+        columns: [&str; N],
+        rows: impl IntoIterator<Item = [String; N]>,
+    ) -> Self {
+        Self {
+            title: title.into(),
+            header: columns.map(str::to_owned).to_vec(),
+            rows: rows.into_iter().map(Vec::from).collect(),
+        }
+    }
+
     /// A table with one row about each of `all`.
     pub fn of<'a, T: 'a>(
         title: impl Into<String>,
@@ -81,7 +92,7 @@ fn templates() -> anyhow::Result<Environment<'static>> {
 }
 
 /// A page.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Page {
     /// Its title.
     pub title: String,
@@ -122,8 +133,7 @@ impl Page {
     /// Leaves the figure and the page in `folder`, under these names.
     pub fn leave(&self, folder: &Path, [svg, html]: [&str; 2]) -> anyhow::Result<()> {
         for (name, content) in [(svg, self.figure.svg()), (html, self.html()?)] {
-            let write = |file: &mut File| Ok(file.write_all(content.as_bytes())?);
-            files::leave(&folder.join(name), write)?;
+            leave_all(&folder.join(name), content)?;
         }
         Ok(())
     }

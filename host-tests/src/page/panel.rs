@@ -12,26 +12,40 @@ const FOLD: f64 = 45.0;
 #[derive(Clone, Copy)]
 pub struct Panel {
     pub title: &'static str,
-    /// Name in the legend, column, colour, whether dashed.
-    pub lines: &'static [(&'static str, &'static str, Color, bool)],
+    pub lines: &'static [Line],
     pub logarithmic: bool,
 }
 
-pub const fn panel(
-    title: &'static str,
-    lines: &'static [(&'static str, &'static str, Color, bool)],
-) -> Panel {
-    Panel {
-        title,
-        lines,
-        logarithmic: false,
-    }
+/// A column in a chart.
+#[derive(Clone, Copy)]
+pub struct Line {
+    /// In the legend.
+    pub name: &'static str,
+    pub column: &'static str,
+    pub color: Color,
+    pub dashed: bool,
 }
 
-/// The column of this name, which must be one.
-pub fn column<F: Flight>(name: &str) -> &'static Column<F> {
-    F::column(name).expect("a column")
+/// Panels: above each its title, and whether it is `logarithmic`; then a row for each line: column, name in the legend, colour, and `dashed`
+/// of bounds and of what was asked for.
+macro_rules! panels {
+    ($([$title:literal $($logarithmic:ident)?] $($column:literal, $name:literal, $color:ident $($dashed:ident)?;)+)+) => {
+        &[$($crate::page::panel::Panel {
+            title: $title,
+            lines: &[$($crate::page::panel::Line {
+                name: $name,
+                column: $column,
+                color: $crate::page::chart::$color,
+                dashed: panels!(@is $($dashed)?),
+            }),+],
+            logarithmic: panels!(@is $($logarithmic)?),
+        }),+]
+    };
+    (@is) => { false };
+    (@is dashed) => { true };
+    (@is logarithmic) => { true };
 }
+pub(super) use panels;
 
 /// The chart of a panel, if any of its columns applies to the flight.
 pub fn chart<F: Flight>(
@@ -39,13 +53,13 @@ pub fn chart<F: Flight>(
     experiment: &F,
     record: &[F::Step],
 ) -> Option<Chart<'static>> {
-    let lines = panel.lines.iter().filter_map(|&(name, of, color, dashed)| {
-        let column = column(of);
+    let lines = panel.lines.iter().filter_map(|line| {
+        let column = F::declared(line.column);
         column.applies(experiment, record).then(|| {
             let points = points(column, experiment, record);
-            match dashed {
-                true => Series::dashed(name, color, points),
-                false => Series::line(name, color, points),
+            match line.dashed {
+                true => Series::dashed(line.name, line.color, points),
+                false => Series::line(line.name, line.color, points),
             }
         })
     });
@@ -87,7 +101,7 @@ fn points<F: Flight>(column: &Column<F>, experiment: &F, record: &[F::Step]) -> 
 /// What the controller did and said.
 pub fn strip<F: Flight>(experiment: &F, record: &[F::Step]) -> Strip {
     let row = |name: &'static str| {
-        let column = column::<F>(name);
+        let column = F::declared(name);
         let word = |step| (F::time(step), column.word(experiment, step));
         Row::of(name, record.iter().map(word))
     };

@@ -2,90 +2,60 @@
 
 use std::collections::BTreeMap;
 
-use super::chart::{BLUE, Chart, GREEN, Level, ORANGE};
-use super::panel::{Panel, chart, panel, strip};
-use super::{Figure, Page, Table, columns};
+use super::chart::{Chart, Level};
+use super::panel::{Panel, chart, panels, strip};
+use super::{Figure, Page, Table};
 use crate::columns::Flight;
 use crate::experiment::{Document, Experiment};
 use crate::{simulate, space};
 
-const PANELS: [Panel; 8] = [
-    panel(
-        "forward velocity [m/s]",
-        &[
-            ("flown", "v_forward_m_s", BLUE, false),
-            ("asked for", "vr_forward_m_s", ORANGE, false),
-        ],
-    ),
-    panel(
-        "downward velocity [m/s]",
-        &[
-            ("flown", "v_down_m_s", BLUE, false),
-            ("asked for", "vr_down_m_s", ORANGE, false),
-        ],
-    ),
-    panel(
-        "orientation θ and angle of attack α [°]",
-        &[
-            ("θ", "theta_rad", BLUE, false),
-            ("α", "alpha_rad", ORANGE, false),
-        ],
-    ),
-    panel(
-        "angular velocity commanded [rad/s]",
-        &[("ω", "rate_rad_s", BLUE, false)],
-    ),
-    panel("thrust commanded [N]", &[("T", "thrust_n", GREEN, false)]),
-    Panel {
-        logarithmic: true,
-        ..panel(
-            "apparent force |F_p| of the controller [N]",
-            &[("|F_p|", "fp_n", BLUE, false)],
-        )
-    },
-    panel("margin k", &[("k", "margin_k", BLUE, false)]),
-    panel(
-        "angle to the nearest fold, first order, within 45° [°]",
-        &[("fold", "margin_fold_rad", BLUE, false)],
-    ),
-];
+const PANELS: &[Panel] = panels! {
+    ["forward velocity [m/s]"]
+    "v_forward_m_s", "flown", BLUE;
+    "vr_forward_m_s", "asked for", ORANGE;
+    ["downward velocity [m/s]"]
+    "v_down_m_s", "flown", BLUE;
+    "vr_down_m_s", "asked for", ORANGE;
+    ["orientation θ and angle of attack α [°]"]
+    "theta_rad", "θ", BLUE;
+    "alpha_rad", "α", ORANGE;
+    ["angular velocity commanded [rad/s]"]
+    "rate_rad_s", "ω", BLUE;
+    ["thrust commanded [N]"]
+    "thrust_n", "T", GREEN;
+    ["apparent force |F_p| of the controller [N]" logarithmic]
+    "fp_n", "|F_p|", BLUE;
+    ["margin k"]
+    "margin_k", "k", BLUE;
+    ["angle to the nearest fold, first order, within 45° [°]"]
+    "margin_fold_rad", "fold", BLUE;
+};
 
-const PANELS_IN_SPACE: [Panel; 7] = [
-    panel(
-        "velocity flown [m/s]",
-        &[
-            ("north", "v_north_m_s", BLUE, false),
-            ("east", "v_east_m_s", ORANGE, false),
-            ("down", "v_down_m_s", GREEN, false),
-        ],
-    ),
-    panel(
-        "|v − v_r| [m/s]",
-        &[("to what was asked for", "velocity_error_m_s", BLUE, false)],
-    ),
-    super::space::SIDESLIP,
-    panel(
-        "body rates commanded [rad/s]",
-        &[
-            ("about the wing", "command_wing_rad_s", BLUE, false),
-            ("about the tail", "command_tail_rad_s", ORANGE, false),
-            ("about the belly", "command_belly_rad_s", GREEN, false),
-        ],
-    ),
-    panel("thrust commanded [N]", &[("T", "thrust_n", GREEN, false)]),
-    panel("margin k", &[("k", "margin_k", BLUE, false)]),
-    panel(
-        "angle to the nearest fold, first order, within 45° [°]",
-        &[("fold", "margin_fold_rad", BLUE, false)],
-    ),
-];
+const PANELS_IN_SPACE: &[Panel] = panels! {
+    ["velocity flown [m/s]"]
+    "v_north_m_s", "north", BLUE;
+    "v_east_m_s", "east", ORANGE;
+    "v_down_m_s", "down", GREEN;
+    ["|v − v_r| [m/s]"]
+    "velocity_error_m_s", "to what was asked for", BLUE;
+    ["angle of attack and sideslip [°]"]
+    "alpha_rad", "α", BLUE;
+    "sideslip_rad", "sideslip", ORANGE;
+    ["body rates commanded [rad/s]"]
+    "command_wing_rad_s", "about the wing", BLUE;
+    "command_tail_rad_s", "about the tail", ORANGE;
+    "command_belly_rad_s", "about the belly", GREEN;
+    ["thrust commanded [N]"]
+    "thrust_n", "T", GREEN;
+    ["margin k"]
+    "margin_k", "k", BLUE;
+    ["angle to the nearest fold, first order, within 45° [°]"]
+    "margin_fold_rad", "fold", BLUE;
+};
 
 fn figure<F: Flight>(panels: &[Panel], experiment: &F, record: &[F::Step]) -> Figure {
     let chart = |panel: &Panel| {
-        let fold = || Level {
-            at: 0.0,
-            label: "fold".to_owned(),
-        };
+        let fold = || Level::new(0.0, "fold");
         let levels = panel.title.contains("fold").then(fold);
         chart(panel, experiment, record).map(|chart| Chart {
             levels: levels.into_iter().collect(),
@@ -108,7 +78,7 @@ fn least<F: Flight>(of: &str, experiment: &F, record: &[F::Step]) -> Option<(f64
 }
 
 /// How many steps had each word of a column.
-fn counted<F: Flight>(of: &str, experiment: &F, record: &[F::Step]) -> Vec<Vec<String>> {
+fn counted<F: Flight>(of: &str, experiment: &F, record: &[F::Step]) -> Vec<[String; 3]> {
     let Some(column) = F::column(of) else {
         return Vec::new();
     };
@@ -121,7 +91,7 @@ fn counted<F: Flight>(of: &str, experiment: &F, record: &[F::Step]) -> Vec<Vec<S
     }
     let row = |(text, count): (String, usize)| {
         let share = 100.0 * count as f64 / record.len() as f64;
-        vec![text, count.to_string(), format!("{share:.1}")]
+        [text, count.to_string(), format!("{share:.1}")]
     };
     counts.into_iter().map(row).collect()
 }
@@ -143,14 +113,10 @@ fn tables<F: Flight>(experiment: &F, record: &[F::Step], said: &[String]) -> Vec
         if let Some((value, t)) = least(of, experiment, record) {
             let value = format!("{:.3} {unit}", scale * value);
             let t = format!("at {t:.3} s");
-            rows.push(vec![label.to_owned(), value.trim_end().to_owned(), t]);
+            rows.push([label.to_owned(), value.trim_end().to_owned(), t]);
         }
     }
-    let mut tables = vec![Table {
-        title: "Margins".to_owned(),
-        header: columns(["", "value", ""]),
-        rows,
-    }];
+    let mut tables = vec![Table::new("Margins", ["", "value", ""], rows)];
     for (of, title) in [
         ("status", "Status"),
         ("mode", "Mode"),
@@ -159,19 +125,12 @@ fn tables<F: Flight>(experiment: &F, record: &[F::Step], said: &[String]) -> Vec
     ] {
         let rows = counted(of, experiment, record);
         if !rows.is_empty() {
-            tables.push(Table {
-                title: title.to_owned(),
-                header: columns(["", "rows", "%"]),
-                rows,
-            });
+            tables.push(Table::new(title, ["", "rows", "%"], rows));
         }
     }
     if !said.is_empty() {
-        tables.push(Table {
-            title: "What the log holds".to_owned(),
-            header: columns([""]),
-            rows: said.iter().map(|line| vec![line.clone()]).collect(),
-        });
+        let lines = said.iter().map(|line| [line.clone()]);
+        tables.push(Table::new("What the log holds", [""], lines));
     }
     tables
 }
@@ -189,7 +148,6 @@ fn page_of(
             "{rows} rows of the log through the {controller} of {}, open loop: the log's vehicle did not follow these commands",
             document.name
         ),
-        warnings: Vec::new(),
         figure,
         tables,
         text: Some((
@@ -197,6 +155,7 @@ fn page_of(
             document.text(),
         )),
         notes: "The commands are in commands.csv.".to_owned(),
+        ..Page::default()
     }
 }
 
@@ -209,7 +168,7 @@ pub fn page(
     said: &[String],
 ) -> Page {
     let controller = format!("controller `{}`", experiment.controller.name());
-    let figure = figure(&PANELS, experiment, record);
+    let figure = figure(PANELS, experiment, record);
     let tables = tables(experiment, record, said);
     page_of(name, document, (record.len(), &controller), figure, tables)
 }
@@ -222,7 +181,7 @@ pub fn page_in_space(
     record: &[space::Step],
     said: &[String],
 ) -> Page {
-    let figure = figure(&PANELS_IN_SPACE, experiment, record);
+    let figure = figure(PANELS_IN_SPACE, experiment, record);
     let tables = tables(experiment, record, said);
     let controller = (record.len(), "guidance in space");
     page_of(name, document, controller, figure, tables)

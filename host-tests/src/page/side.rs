@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use super::chart::ends;
 use super::svg::Drawn;
 use super::ticks;
 use crate::experiment::Experiment;
@@ -106,9 +107,7 @@ pub fn side(experiment: &Experiment, record: &[Step]) -> Drawn {
     };
     let extent = |of: fn(&Vector) -> f64| {
         let values = all().map(|p| of(&p)).filter(|x| x.is_finite());
-        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| {
-            (l.min(x), h.max(x))
-        });
+        let (low, high) = ends(values);
         match low <= high {
             true => (0.5 * (low + high), (high - low).max(LEAST)),
             false => (0.0, LEAST),

@@ -1,72 +1,40 @@
 //! The page about a flight in space: the picture, charts of the record's columns, the figures, the experiment.
 
-use super::chart::{BLUE, Chart, GREEN, GREY, Level, ORANGE};
-use super::panel::{Panel, chart, panel, strip};
+use super::chart::{Chart, Level};
+use super::panel::{Panel, chart, panels, strip};
 use super::picture::picture;
-use super::{Figure, Page, Table, columns};
+use super::{Figure, Page, Table};
 use crate::experiment::Document;
 use crate::space::{Experiment, Figures, Step};
 
-pub(super) const SIDESLIP: Panel = panel(
-    "angle of attack and sideslip [°]",
-    &[
-        ("α", "alpha_rad", BLUE, false),
-        ("sideslip", "sideslip_rad", ORANGE, false),
-    ],
-);
-
-const PANELS: &[Panel] = &[
-    panel(
-        "altitude [m]",
-        &[
-            ("flown", "down_m", BLUE, false),
-            ("path", "path_down_m", ORANGE, true),
-        ],
-    ),
-    panel(
-        "errors of position [m] and velocity [m/s]",
-        &[
-            ("position", "position_error_m", BLUE, false),
-            ("velocity", "velocity_error_m_s", ORANGE, false),
-        ],
-    ),
-    panel(
-        "nose over the horizon and right wing below it [°]",
-        &[
-            ("nose", "pitch_rad", BLUE, false),
-            ("bank", "bank_rad", ORANGE, false),
-        ],
-    ),
-    SIDESLIP,
-    panel(
-        "body rates [rad/s]",
-        &[
-            ("about the wing", "rate_wing_rad_s", BLUE, false),
-            ("about the tail", "rate_tail_rad_s", ORANGE, false),
-            ("about the belly", "rate_belly_rad_s", GREEN, false),
-        ],
-    ),
-    panel(
-        "airspeed and wind [m/s]",
-        &[
-            ("airspeed", "airspeed_m_s", BLUE, false),
-            ("wind north", "wind_north_m_s", ORANGE, false),
-            ("wind east", "wind_east_m_s", GREEN, false),
-            ("wind down", "wind_down_m_s", GREY, false),
-        ],
-    ),
-    panel(
-        "thrust [N]",
-        &[
-            ("thrust", "true_thrust_n", BLUE, false),
-            ("command", "thrust_n", ORANGE, true),
-        ],
-    ),
-    panel(
-        "load factor",
-        &[("load factor", "load_factor", BLUE, false)],
-    ),
-];
+const PANELS: &[Panel] = panels! {
+    ["altitude [m]"]
+    "down_m", "flown", BLUE;
+    "path_down_m", "path", ORANGE dashed;
+    ["errors of position [m] and velocity [m/s]"]
+    "position_error_m", "position", BLUE;
+    "velocity_error_m_s", "velocity", ORANGE;
+    ["nose over the horizon and right wing below it [°]"]
+    "pitch_rad", "nose", BLUE;
+    "bank_rad", "bank", ORANGE;
+    ["angle of attack and sideslip [°]"]
+    "alpha_rad", "α", BLUE;
+    "sideslip_rad", "sideslip", ORANGE;
+    ["body rates [rad/s]"]
+    "rate_wing_rad_s", "about the wing", BLUE;
+    "rate_tail_rad_s", "about the tail", ORANGE;
+    "rate_belly_rad_s", "about the belly", GREEN;
+    ["airspeed and wind [m/s]"]
+    "airspeed_m_s", "airspeed", BLUE;
+    "wind_north_m_s", "wind north", ORANGE;
+    "wind_east_m_s", "wind east", GREEN;
+    "wind_down_m_s", "wind down", GREY;
+    ["thrust [N]"]
+    "true_thrust_n", "thrust", BLUE;
+    "thrust_n", "command", ORANGE dashed;
+    ["load factor"]
+    "load_factor", "load factor", BLUE;
+};
 
 /// Picture, charts, and what the guidance did.
 fn figure(experiment: &Experiment, record: &[Step]) -> Figure {
@@ -84,38 +52,24 @@ fn figure(experiment: &Experiment, record: &[Step]) -> Figure {
 fn levels(title: &str, experiment: &Experiment) -> Vec<Level> {
     let bound = |figure: &str, label: &str| {
         let bound = experiment.bounds.get(figure)?;
-        Some(Level {
-            at: *bound,
-            label: format!("bound: {label}"),
-        })
+        Some(Level::new(*bound, format!("bound: {label}")))
     };
-    let motors = || {
-        let ends = experiment
-            .plant
-            .thrust_n
-            .into_iter()
-            .zip(["least", "greatest"]);
-        ends.map(|(at, label)| Level {
-            at,
-            label: label.to_owned(),
-        })
-    };
-    match title {
-        "thrust [N]" => motors().collect(),
+    let [least, most] = experiment.plant.thrust_n;
+    let levels = match title {
+        "thrust [N]" => [
+            Some(Level::new(least, "least")),
+            Some(Level::new(most, "greatest")),
+        ],
         title if title.starts_with("errors") => [
             bound("max_position_error_m", "position"),
             bound("max_velocity_error_m_s", "velocity"),
-        ]
-        .into_iter()
-        .flatten()
-        .collect(),
-        title if title.contains("sideslip") => {
-            bound("max_sideslip_deg", "sideslip").into_iter().collect()
-        }
-        "body rates [rad/s]" => bound("peak_rate_rad_s", "rate").into_iter().collect(),
-        "load factor" => bound("max_load_factor", "load").into_iter().collect(),
-        _ => Vec::new(),
-    }
+        ],
+        title if title.contains("sideslip") => [bound("max_sideslip_deg", "sideslip"), None],
+        "body rates [rad/s]" => [bound("peak_rate_rad_s", "rate"), None],
+        "load factor" => [bound("max_load_factor", "load"), None],
+        _ => [None, None],
+    };
+    levels.into_iter().flatten().collect()
 }
 
 /// The page about a flight in space.
@@ -136,21 +90,17 @@ pub fn page(
             "{} · {duration} s, control at {rate} Hz",
             experiment.description
         ),
-        warnings: Vec::new(),
         figure: figure(experiment, record),
-        tables: vec![Table {
-            title: "Figures".to_owned(),
-            header: columns(["", "value", "bound"]),
-            rows: figures
-                .table(experiment)
-                .iter()
-                .map(|row| row.to_vec())
-                .collect(),
-        }],
+        tables: vec![Table::new(
+            "Figures",
+            ["", "value", "bound"],
+            figures.table(experiment),
+        )],
         text: Some(("The experiment as flown (TOML)".to_owned(), document.text())),
         notes: format!(
             "{entry}{} control steps; the same are in trace.csv. The vehicle is drawn larger than it is.",
             record.len()
         ),
+        ..Page::default()
     }
 }

@@ -2,7 +2,7 @@
 
 use super::Figure;
 use super::chart::{BLUE, Chart, GREY, Mark, ORANGE, Series, Stroke};
-use crate::columns::column;
+use crate::columns::Flight;
 use crate::experiment::Experiment;
 use crate::reference::wrap;
 use crate::simulate::Step;
@@ -33,7 +33,7 @@ pub fn figure(
         instants.iter().map(value).collect()
     };
     let flown = |name: &str| {
-        let column = column(name).expect("a column");
+        let column = Experiment::declared(name);
         let degrees = |step| wrap(column.number(experiment, step)).to_degrees();
         let points = record.iter().map(|step| (step.t, degrees(step)));
         Series::line("flown", ORANGE, points.collect())

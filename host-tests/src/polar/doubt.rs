@@ -74,61 +74,34 @@ pub fn doubts(lines: &[u64], rows: &[[f64; 3]]) -> Vec<Doubt> {
             impossible,
         });
     };
-    if let Some(i) = rows.iter().position(|row| row[1].abs() > MOST_LIFT) {
-        let lift = rows[i][1];
-        add(
-            i,
-            true,
-            format!(
-                "c_L is {lift} at {}°: no wing has more than {MOST_LIFT}",
-                rows[i][0]
-            ),
-        );
-    }
-    if let Some(i) = rows.iter().position(|row| row[2] > MOST_DRAG) {
-        let drag = rows[i][2];
-        add(
-            i,
-            true,
-            format!(
-                "c_D is {drag} at {}°: no wing has more than {MOST_DRAG}",
-                rows[i][0]
-            ),
-        );
+    // Drag is positive, or the polar would have been refused.
+    for (column, name, most) in [(1, "c_L", MOST_LIFT), (2, "c_D", MOST_DRAG)] {
+        if let Some(i) = rows.iter().position(|row| row[column].abs() > most) {
+            let (degrees, value) = (rows[i][0], rows[i][column]);
+            let problem = format!("{name} is {value} at {degrees}°: no wing has more than {most}");
+            add(i, true, problem);
+        }
     }
     let most_attached = attached(rows);
     let first = rows.iter().position(|row| row[0].abs() <= most_attached);
     if let (Some(slope), Some(i)) = (slope(rows), first) {
         let [least, most] = SLOPES;
         let grows = format!("from here to {most_attached}° c_L grows by {slope:.3} per degree");
-        if slope < 0.0 {
-            add(
-                i,
-                true,
-                format!("{grows}, so it falls: α or c_L has the wrong sign"),
-            );
+        let so = if slope < 0.0 {
+            ", so it falls: α or c_L has the wrong sign".to_owned()
         } else if slope < least {
-            add(
-                i,
-                true,
-                format!("{grows}: no wing has less than {least}. Are the coefficients scaled?"),
-            );
-        } else if slope > STEEP && slope <= most {
-            add(
-                i,
-                false,
-                format!(
-                    "{grows}: thin wing theory has 0.110. Lift that is overstated is what a flight bears worst"
-                ),
-            );
+            format!(": no wing has less than {least}. Are the coefficients scaled?")
         } else if slope > most {
-            add(
-                i,
-                true,
-                format!(
-                    "{grows}: thin wing theory has 0.110. Are the coefficients scaled, or the angles radians?"
-                ),
-            );
+            ": thin wing theory has 0.110. Are the coefficients scaled, or the angles radians?"
+                .to_owned()
+        } else if slope > STEEP {
+            ": thin wing theory has 0.110. Lift that is overstated is what a flight bears worst"
+                .to_owned()
+        } else {
+            String::new()
+        };
+        if !so.is_empty() {
+            add(i, !(least..=most).contains(&slope), grows + &so);
         }
     }
     for (column, name) in [(1, "c_L"), (2, "c_D")] {
@@ -156,19 +129,15 @@ pub fn doubts(lines: &[u64], rows: &[[f64; 3]]) -> Vec<Doubt> {
         .min_by(|a, b| a.1[2].total_cmp(&b.1[2]));
     if let Some((i, &[degrees, _, drag])) = best {
         let [least, most] = BEST_DRAG;
+        let is = format!("c_D is {drag} at {degrees}°");
         if drag < least {
-            add(
-                i,
-                false,
-                format!(
-                    "c_D is {drag} at {degrees}°: is there friction in it? AVL and panel methods have none unless it is given to them"
-                ),
-            );
+            let problem = "is there friction in it? AVL and panel methods have none unless it is given to them";
+            add(i, false, format!("{is}: {problem}"));
         } else if drag > most {
             add(
                 i,
                 false,
-                format!("c_D is {drag} at {degrees}° and nowhere less: wings have 0.006 to 0.03"),
+                format!("{is} and nowhere less: wings have 0.006 to 0.03"),
             );
         }
     }

@@ -22,17 +22,11 @@ pub use resample::{Apart, resampled};
 pub use stall::stall;
 pub use viterna::{Seam, Upto, most_drag};
 
-use crate::named::{Named, on_one_line};
+use crate::named::{Named, built_in, on_one_line};
 use crate::reference::{Row, Table};
 
-macro_rules! built_in {
-    ($($name:literal),* $(,)?) => {
-        &[$(($name, include_str!(concat!("../../data/", $name, ".csv")))),*]
-    };
-}
-
 /// Name and CSV text of every built-in polar.
-pub const BUILT_IN: &[(&str, &str)] = built_in![
+pub const BUILT_IN: &[(&str, &str)] = built_in! { "data", ".csv";
     "naca-0021-re-160e3",
     "naca-0021-re-5e6",
     "naca-0012-re-160e3",
@@ -41,7 +35,7 @@ pub const BUILT_IN: &[(&str, &str)] = built_in![
     "naca-0015-re-5e6",
     "naca-0018-re-160e3",
     "naca-0018-re-5e6",
-];
+};
 
 /// What was read of a polar that is made, and not read.
 static UNREAD: Read = Read {
@@ -296,9 +290,9 @@ impl<'de> Deserialize<'de> for Polar {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::named::tests::begins;
     use alula::{Aerodynamics, AngleOfAttack};
 
-    /// The CSV files and the core's constants are the same tables, to the bit.
     /// The second time nothing is made anew; a file that has changed in between is.
     #[test]
     fn a_text_is_loaded_once() {
@@ -317,6 +311,7 @@ mod tests {
         assert_eq!(Polar::load(path).unwrap().rows.len(), first.rows.len() - 1);
     }
 
+    /// The CSV files and the core's constants are the same tables, to the bit.
     #[test]
     fn the_shipped_files_are_the_cores_tables() {
         let core = [
@@ -410,10 +405,7 @@ mod tests {
             .map(|n| format!("{},0,0.1\n", 0.25 * f64::from(n)))
             .collect();
         let many = error(&format!("alpha_deg,cl,cd\n{rows}"));
-        assert!(
-            many.starts_with("x.csv: comes to 721 rows, and at most 512"),
-            "{many}"
-        );
+        begins(&many, "x.csv: comes to 721 rows, and at most 512");
         let short = error("alpha_deg,cl,cd\n0,0,0.1\n1,0.1,0.1\n2,0.2,0.1\n");
         assert!(short.starts_with("x.csv:2: goes from 0° to 2°"), "{short}");
         let drag = error("alpha CL CD\n-8 -1 0.1\n0 0.1 0\n9 1 0.1\n");

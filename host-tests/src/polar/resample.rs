@@ -103,6 +103,7 @@ fn apart(a: &[[f64; 3]], b: &[[f64; 3]]) -> Apart {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::named::tests::begins;
     use crate::polar::Polar;
 
     #[test]
@@ -114,9 +115,9 @@ mod tests {
         };
         assert_eq!(apart.text(96, 96), None);
         let text = apart.text(40, 96).unwrap();
-        assert!(
-            text.starts_with("Thinned to 40 of 96 rows: c_L within 0.0123 (at 12°)"),
-            "{text}"
+        begins(
+            &text,
+            "Thinned to 40 of 96 rows: c_L within 0.0123 (at 12°)",
         );
     }
 

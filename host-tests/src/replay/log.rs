@@ -8,15 +8,14 @@ use std::io::Write;
 use alula::{Attitude, Body, FeedForward, Inertial, PlanarInput, Reference};
 use alula_logs::states::States;
 use anyhow::bail;
-use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use nalgebra::{Quaternion, UnitQuaternion};
 
 use super::Commands;
 use super::states::{self, Row};
 use crate::controllers::Input;
 use crate::experiment::Experiment;
 use crate::simulate::Step;
-
-type V3 = Vector3<f64>;
+use crate::space::V3;
 
 /// A vertical plane by its horizontal unit vector, north-east-down.
 #[derive(Clone, Copy, Debug, PartialEq)]

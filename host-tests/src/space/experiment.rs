@@ -10,7 +10,7 @@ use super::plant::{Rotation, SpatialPlant};
 use super::weather::WeatherSpec;
 use super::{FIGURES, InitialSpec, PathSpec, SensorSpec, V3};
 use crate::experiment::{
-    self, Document, FieldError, VehicleSpec, check_steps, finite, thrust_limits,
+    self, Document, FieldError, VehicleSpec, check_steps, finite, require, thrust_limits,
 };
 
 /// A flight in space. The format is described in this package's README.
@@ -76,12 +76,8 @@ impl Experiment {
 
     fn validate(&self) -> Result<(), FieldError> {
         check_steps(self.duration_s, self.control_rate_hz, self.substeps)?;
-        if !(0.0..self.duration_s).contains(&self.entry_s) {
-            return Err(FieldError::new(
-                "entry_s",
-                "must be from 0 to before duration_s",
-            ));
-        }
+        let within = (0.0..self.duration_s).contains(&self.entry_s);
+        require(within, "entry_s", "must be from 0 to before duration_s")?;
         self.vehicle.core().map_err(|e| e.inside("vehicle"))?;
         let dt = 1.0 / self.control_rate_hz / f64::from(self.substeps);
         self.plant.validate(dt)?;
@@ -93,9 +89,8 @@ impl Experiment {
         for (name, &bound) in &self.bounds {
             let field = format!("bounds.{name}");
             finite(&field, bound)?;
-            if !FIGURES.iter().any(|figure| figure.name == name) {
-                return Err(FieldError::new(field, "is not the name of a figure"));
-            }
+            let known = FIGURES.iter().any(|figure| figure.name == name);
+            require(known, field, "is not the name of a figure")?;
         }
         Ok(())
     }

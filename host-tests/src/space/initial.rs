@@ -8,7 +8,7 @@ use serde::Deserialize;
 use super::path::Target;
 use super::plant::SpatialState;
 use super::{V3, velocity};
-use crate::experiment::{FieldError, angle, finite, rate, speed};
+use crate::experiment::{FieldError, angle, finite, rate, require, speed};
 
 /// `[initial]`. The flight starts on the path.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
@@ -55,9 +55,7 @@ impl InitialSpec {
             ("initial.scatter.velocity_m_s", scatter.velocity_m_s),
             ("initial.scatter.rate_rad_s", scatter.rate_rad_s),
         ] {
-            if value < 0.0 {
-                return Err(FieldError::new(field, "must not be negative"));
-            }
+            require(value >= 0.0, field, "must not be negative")?;
         }
         Ok(())
     }

@@ -4,7 +4,7 @@ use serde::Deserialize;
 
 use super::V3;
 use super::route::{Leg, Route, Waypoint};
-use crate::experiment::{FieldError, angle, finite, positive, speed};
+use crate::experiment::{FieldError, angle, finite, positive, require, speed};
 
 /// What is to be flown at one time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -105,12 +105,8 @@ impl PathSpec {
                     let field = format!("path.hover.headings[{i}]");
                     finite(&field, step.t_s)?;
                     angle(&field, step.heading_deg)?;
-                    if i > 0 && step.t_s <= headings[i - 1].t_s {
-                        return Err(FieldError::new(
-                            field,
-                            "t_s must increase from step to step",
-                        ));
-                    }
+                    let later = i == 0 || step.t_s > headings[i - 1].t_s;
+                    require(later, field, "t_s must increase from step to step")?;
                 }
                 (Shape::Headings(headings.clone()), false)
             }

@@ -4,7 +4,7 @@ use serde::Deserialize;
 
 use super::V3;
 use super::path::Target;
-use crate::experiment::{FieldError, angle, finite, positive};
+use crate::experiment::{FieldError, angle, finite, positive, require};
 
 /// `path.legs`: one leg, flown in a given time.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
@@ -148,14 +148,12 @@ impl Route {
             let begin = leg.from_m_s.unwrap_or(last.map_or(0.0, |l| l.speed[1]));
             let end = leg.speed_m_s.unwrap_or(begin);
             for (name, speed) in [("from_m_s", begin), ("speed_m_s", end)] {
-                if !(0.0..=200.0).contains(&speed) {
-                    return Err(FieldError::new(field(name), "must be from 0 to 200 m/s"));
-                }
+                let flown = (0.0..=200.0).contains(&speed);
+                require(flown, field(name), "must be from 0 to 200 m/s")?;
             }
             let radius = leg.radius_m.unwrap_or(f64::INFINITY);
-            if radius.is_nan() || radius.abs() < 1.0 {
-                return Err(FieldError::new(field("radius_m"), "must be 1 m at least"));
-            }
+            let wide = radius.abs() >= 1.0;
+            require(wide, field("radius_m"), "must be 1 m at least")?;
             for (name, value) in [
                 ("course_deg", leg.course_deg),
                 ("heading_deg", leg.heading_deg),
@@ -173,42 +171,31 @@ impl Route {
                 heading: leg.heading_deg.map(f64::to_radians),
             });
         }
-        match stretches.is_empty() {
-            true => Err(FieldError::new("path.legs", "must have at least one leg")),
-            false => Ok(Self(stretches)),
-        }
+        let problem = "must have at least one leg";
+        require(!stretches.is_empty(), "path.legs", problem)?;
+        Ok(Self(stretches))
     }
 
     /// The route past these waypoints, corners rounded by arcs.
     pub fn of_waypoints(points: &[Waypoint]) -> Result<Self, FieldError> {
-        let error = |i: usize, name: &str, problem: &str| {
-            Err(FieldError::new(
-                format!("path.waypoints[{i}]{name}"),
-                problem,
-            ))
-        };
-        if points.len() < 2 {
-            let problem = "must have at least two waypoints";
-            return Err(FieldError::new("path.waypoints", problem));
-        }
+        let at = |i: usize, name: &str| format!("path.waypoints[{i}]{name}");
+        let problem = "must have at least two waypoints";
+        require(points.len() > 1, "path.waypoints", problem)?;
         let place = |p: &Waypoint| V3::new(p.north_m, p.east_m, 0.0);
         for (i, p) in points.iter().enumerate() {
             for length in [p.north_m, p.east_m, p.down_m] {
-                finite(&format!("path.waypoints[{i}]"), length)?;
+                finite(&at(i, ""), length)?;
             }
-            if !(0.0..=200.0).contains(&p.speed_m_s) {
-                return error(i, ".speed_m_s", "must be from 0 to 200 m/s");
-            }
-            if p.radius_m.is_some_and(|r| r.is_nan() || r < 0.0) {
-                return error(i, ".radius_m", "must not be negative");
-            }
+            let (speed, radius) = (at(i, ".speed_m_s"), at(i, ".radius_m"));
+            let flown = (0.0..=200.0).contains(&p.speed_m_s);
+            require(flown, &speed, "must be from 0 to 200 m/s")?;
+            let turned = p.radius_m.is_none_or(|r| r >= 0.0);
+            require(turned, radius, "must not be negative")?;
             if i > 0 {
-                if (place(p) - place(&points[i - 1])).norm() < 1.0 {
-                    return error(i, "", "must be 1 m from the one before at least");
-                }
-                if p.speed_m_s + points[i - 1].speed_m_s == 0.0 {
-                    return error(i, ".speed_m_s", "one of two neighbours must have a speed");
-                }
+                let far = (place(p) - place(&points[i - 1])).norm() >= 1.0;
+                require(far, at(i, ""), "must be 1 m from the one before at least")?;
+                let moves = p.speed_m_s + points[i - 1].speed_m_s != 0.0;
+                require(moves, speed, "one of two neighbours must have a speed")?;
             }
         }
         let lines = points
@@ -237,7 +224,7 @@ impl Route {
             if line < 0.0 {
                 let worse = if before.2 > after.2 { i } else { i + 1 };
                 let problem = "the turn does not fit between its neighbours";
-                return error(worse, ".radius_m", problem);
+                return Err(FieldError::new(at(worse, ".radius_m"), problem));
             }
             let half = |(radius, turn, _): (f64, f64, f64)| {
                 (0.5 * radius * turn.abs(), turn.signum() / radius)

@@ -12,8 +12,7 @@ use serde::Deserialize;
 use super::plant::SpatialState;
 use super::{V3, ned};
 use crate::experiment::{
-    Accelerometer, AirSensor, ErrorSpec, FaultSpec, FieldError, PositionSensor,
-    validate_sensors as validate,
+    AirSensor, ErrorSpec, FaultSpec, FieldError, Sensor, validate_sensors as validate,
 };
 
 /// `[sensors]`: errors of each component.
@@ -33,9 +32,9 @@ pub struct SensorSpec {
     /// What is known of the air.
     pub air: AirSensor,
     /// What is known of the position.
-    pub position: PositionSensor,
+    pub position: Sensor,
     /// What is known of the specific force.
-    pub accelerometer: Accelerometer,
+    pub accelerometer: Sensor,
     /// Faults injected.
     pub faults: Vec<FaultSpec>,
 }
@@ -100,15 +99,9 @@ impl SensorSpec {
             velocity,
             position,
             attitude: q,
-            air: match self.air {
-                AirSensor::Velocity => Air::Velocity(ned(air)),
-                AirSensor::SteadyWind => Air::Wind(ned(steady)),
-                AirSensor::None => Air::Unknown,
-            },
-            specific_force: match self.accelerometer {
-                Accelerometer::Measured => Some(Body::new(f.x as f32, f.y as f32, f.z as f32)),
-                Accelerometer::None => None,
-            },
+            air: self.air.told(|| ned(air), ned(steady)),
+            specific_force: (self.accelerometer)
+                .told(Body::new(f.x as f32, f.y as f32, f.z as f32)),
         }
     }
 }

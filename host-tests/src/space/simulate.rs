@@ -6,8 +6,6 @@ use alula::GuidanceInput;
 use alula::guidance::Guided;
 use alula::spatial::Body;
 use nalgebra::UnitQuaternion;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
 
 use super::controller::Pilot;
 use super::path::Target;
@@ -15,7 +13,7 @@ use super::plant::SpatialState;
 use super::telling::Telling;
 use super::weather::Weather;
 use super::{Experiment, V3, ned};
-use crate::experiment::Faults;
+use crate::experiment::{Faults, stream};
 
 /// One control step of a flight.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,13 +49,7 @@ pub fn fly_by(experiment: &Experiment, pilot: &mut dyn Pilot) -> anyhow::Result<
     // How fast the path goes on is asked of the guidance here: it has no memory for that.
     let guidance = experiment.controller.guidance(experiment)?;
     let plant = experiment.plant();
-    // Separate streams: a change of one leaves the others as they were.
-    let stream = |number| {
-        let mut random = ChaCha8Rng::seed_from_u64(experiment.seed);
-        random.set_stream(number);
-        random
-    };
-    let (mut noise, mut gusts) = (stream(0), stream(1));
+    let [mut noise, mut gusts, mut start] = [0, 1, 2].map(|n| stream(experiment.seed, n));
     let mut weather = Weather::new(experiment.weather, &mut gusts);
     let sensors = &experiment.sensors;
     let mut faults = Faults::new(&sensors.faults, experiment.seed, 3);
@@ -66,7 +58,7 @@ pub fn fly_by(experiment: &Experiment, pilot: &mut dyn Pilot) -> anyhow::Result<
     let period = 1.0 / experiment.control_rate_hz;
     let dt = period / f64::from(experiment.substeps);
     let mut path = experiment.path.path()?;
-    let mut truth = experiment.initial.state(&path.start(), &mut stream(2));
+    let mut truth = experiment.initial.state(&path.start(), &mut start);
 
     // Commands on their way: the number of the plant's step from which each acts.
     let delay = (experiment.plant.delay_s / dt).round() as usize;

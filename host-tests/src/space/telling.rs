@@ -8,7 +8,7 @@ use nalgebra::UnitQuaternion;
 use super::path::Target;
 use super::sensors::Measured;
 use super::{SensorSpec, V3, ned};
-use crate::experiment::{FaultKind, Faults, Lasting, PositionSensor, Told};
+use crate::experiment::{FaultKind, Faults, Lasting, Told};
 
 impl Told for Measured {
     fn distort(&mut self, fault: &Lasting<Self>) {
@@ -90,10 +90,7 @@ impl Telling {
                 false => measured.air,
             },
             specific_force: measured.specific_force,
-            position_error: match sensors.position {
-                PositionSensor::Measured => Some(error),
-                PositionSensor::None => None,
-            },
+            position_error: sensors.position.told(error),
             reference: Reference {
                 velocity: ned(sent.velocity),
                 acceleration: ned(sent.acceleration),

@@ -5,7 +5,7 @@ use serde::Deserialize;
 
 use super::{V3, vector, velocity};
 use crate::experiment::dryden::{LEAST_SPEED, Scales, Transverse, along, normal};
-use crate::experiment::{FieldError, TurbulenceSpec, angle, finite};
+use crate::experiment::{FieldError, TurbulenceSpec, angle, finite, require};
 
 /// `[weather]`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
@@ -30,13 +30,8 @@ impl WeatherSpec {
             finite("weather.gust.start_s", gust.start)?;
             velocity("weather.gust.peak_m_s", &gust.peak)?;
             // NaN is not positive. An infinite duration is a step's.
-            if !matches!(
-                gust.duration.partial_cmp(&0.0),
-                Some(std::cmp::Ordering::Greater)
-            ) {
-                let field = "weather.gust.duration_s";
-                return Err(FieldError::new(field, "must be positive"));
-            }
+            let field = "weather.gust.duration_s";
+            require(gust.duration > 0.0, field, "must be positive")?;
         }
         self.turbulence.map_or(Ok(()), |t| t.validate())
     }

@@ -4,7 +4,7 @@ use anyhow::{Context, anyhow};
 use serde::Deserialize;
 use toml::{Table, Value};
 
-use crate::experiment::{Document, Experiment, FieldError, from_toml};
+use crate::experiment::{Document, Experiment, FieldError, from_toml, require};
 use crate::named::{Named, on_one_line};
 
 /// Name and TOML text of the built-in comparison.
@@ -100,38 +100,27 @@ const ANY: &str = "controller.*.";
 
 impl Comparison {
     fn validate(&self) -> Result<(), FieldError> {
-        let error = |field: String, problem: &str| Err(FieldError::new(field, problem));
-        if self.policies.is_empty() || self.conditions.is_empty() {
-            return error("policies".into(), "and conditions must not be empty");
-        }
+        let first = "is not the first of its name";
+        let given = !self.policies.is_empty() && !self.conditions.is_empty();
+        require(given, "policies", "and conditions must not be empty")?;
         for (i, policy) in self.policies.iter().enumerate() {
             let earlier = |name: &str| self.policies[..i].iter().any(|p| p.name == name);
-            if earlier(&policy.name) {
-                return error(
-                    format!("policies[{i}].name"),
-                    "is not the first of its name",
-                );
-            }
-            if policy.base.as_ref().is_some_and(|base| !earlier(base)) {
-                return error(format!("policies[{i}].base"), "is no earlier policy");
-            }
+            let field = format!("policies[{i}]");
+            require(!earlier(&policy.name), format!("{field}.name"), first)?;
+            let based = policy.base.as_deref().is_none_or(earlier);
+            require(based, format!("{field}.base"), "is no earlier policy")?;
         }
         for (i, condition) in self.conditions.iter().enumerate() {
             let same = |c: &Condition| c.name == condition.name;
-            if self.conditions[..i].iter().any(same) {
-                return error(
-                    format!("conditions[{i}].name"),
-                    "is not the first of its name",
-                );
-            }
-            if !(1..=MAX_SEEDS).contains(&condition.seeds) {
-                return error(format!("conditions[{i}].seeds"), "must be from 1 to 10000");
-            }
+            let field = format!("conditions[{i}]");
+            let again = self.conditions[..i].iter().any(same);
+            require(!again, format!("{field}.name"), first)?;
+            let flown = (1..=MAX_SEEDS).contains(&condition.seeds);
+            require(flown, format!("{field}.seeds"), "must be from 1 to 10000")?;
         }
         for (i, name) in self.charts.iter().enumerate() {
-            if !self.conditions.iter().any(|c| c.name == *name) {
-                return error(format!("charts[{i}]"), "is no condition");
-            }
+            let known = self.conditions.iter().any(|c| c.name == *name);
+            require(known, format!("charts[{i}]"), "is no condition")?;
         }
         Ok(())
     }
@@ -259,12 +248,7 @@ mod tests {
     use super::*;
 
     fn named(text: &str) -> Named {
-        Named {
-            name: "x".to_owned(),
-            origin: "x.toml".to_owned(),
-            text: text.to_owned(),
-            file: None,
-        }
+        Named::new("x", "x.toml", text)
     }
 
     const SMALL: &str = r#"

@@ -1,11 +1,10 @@
 //! The experiment that is drawn for one flight of a campaign.
 
-use rand::{Rng, RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
+use rand::{Rng, RngExt};
 use toml::Value;
 
 use super::{Campaign, Dispersion, DrawnReference, Experiment};
-use crate::experiment::{Document, FieldError};
+use crate::experiment::{Document, FieldError, stream};
 
 /// What was drawn for a flight.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,8 +65,7 @@ impl Campaign {
     /// What flight `number` flies, which is `base` but for what is drawn. Each flight has a stream of random numbers of
     /// its own, and depends on no other.
     pub fn draw(&self, base: &Document, number: u64) -> Result<Drawn, FieldError> {
-        let mut random = ChaCha8Rng::seed_from_u64(self.seed);
-        random.set_stream(number);
+        let mut random = stream(self.seed, number);
         let mut document = base.clone();
         // TOML's integers have a sign.
         let seed = i64::try_from(random.next_u64() >> 1).expect("63 bits");

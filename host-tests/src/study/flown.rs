@@ -5,7 +5,7 @@ use super::{Drawn, Expected, FaultDraw, Place};
 use crate::columns::Flight;
 use crate::figures::Tally;
 use crate::simulate::{End, simulate};
-use crate::{columns, experiment, space};
+use crate::{experiment, space};
 
 /// Intervals between the samples of a flight's course.
 const SAMPLES: usize = 100;
@@ -114,8 +114,7 @@ impl Flown {
         drawn: &Drawn,
         faults: &[FaultDraw],
     ) -> anyhow::Result<Self> {
-        let names = Place::Plane.sampled();
-        let sampled = names.map(|name| columns::column(name).expect("a column"));
+        let sampled = Place::Plane.sampled().map(experiment::Experiment::declared);
         let mut tally = Tally::new(experiment);
         let mut asked = Asked::new(drawn, faults, experiment.duration_s);
         let end = simulate(experiment, experiment.controller()?.as_mut(), |step| {
@@ -138,8 +137,7 @@ impl Flown {
         drawn: &Drawn,
         faults: &[FaultDraw],
     ) -> anyhow::Result<Self> {
-        let names = Place::Space.sampled();
-        let sampled = names.map(|name| space::Experiment::column(name).expect("a column"));
+        let sampled = Place::Space.sampled().map(space::Experiment::declared);
         let record = space::fly(experiment)?;
         let mut asked = Asked::new(drawn, faults, experiment.duration_s);
         for step in &record {

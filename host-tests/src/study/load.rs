@@ -7,34 +7,22 @@ use serde::{Deserialize, Serialize};
 
 use super::store::REFERENCE;
 use super::{Campaign, Dispersion, Expected, Experiment, FaultDraw, Limit, Place};
-use crate::experiment::{Document, FieldError, finite, from_toml};
-use crate::named::{Named, in_shell};
+use crate::experiment::{Document, FieldError, finite, from_toml, require};
+use crate::named::{Named, built_in, in_shell};
 
 /// Name and TOML text of every built-in campaign.
-pub const BUILT_IN: &[(&str, &str)] = &[
-    ("dispersed", include_str!("../../campaigns/dispersed.toml")),
-    ("faults", include_str!("../../campaigns/faults.toml")),
-    ("envelope", include_str!("../../campaigns/envelope.toml")),
-    ("upsets", include_str!("../../campaigns/upsets.toml")),
-    ("vehicles", include_str!("../../campaigns/vehicles.toml")),
-    (
-        "mass-and-area",
-        include_str!("../../campaigns/mass-and-area.toml"),
-    ),
-    (
-        "lift-and-thrust-line",
-        include_str!("../../campaigns/lift-and-thrust-line.toml"),
-    ),
-    (
-        "faults-in-space",
-        include_str!("../../campaigns/faults-in-space.toml"),
-    ),
-    ("paths", include_str!("../../campaigns/paths.toml")),
-    (
-        "fast-starts",
-        include_str!("../../campaigns/fast-starts.toml"),
-    ),
-];
+pub const BUILT_IN: &[(&str, &str)] = built_in! { "campaigns", ".toml";
+    "dispersed",
+    "faults",
+    "envelope",
+    "upsets",
+    "vehicles",
+    "mass-and-area",
+    "lift-and-thrust-line",
+    "faults-in-space",
+    "paths",
+    "fast-starts",
+};
 
 /// Most flights of a campaign: months on one core.
 const MAX_FLIGHTS: u64 = 1_000_000_000;
@@ -95,12 +83,7 @@ impl CampaignSource {
 
     /// The campaign of `texts`; `origin` stands for the campaign's in errors.
     pub fn from_texts(texts: Texts, origin: &str) -> anyhow::Result<Self> {
-        let document = Document::new(&Named {
-            name: texts.name.clone(),
-            origin: origin.to_owned(),
-            text: texts.base.clone(),
-            file: None,
-        })?;
+        let document = Document::new(&Named::new(&texts.name, origin, &texts.base))?;
         let base = |campaign: &Campaign| {
             let mut base = document.clone();
             for (path, value) in &campaign.set {
@@ -176,29 +159,18 @@ impl Campaign {
         for (i, dispersion) in self.disperse.iter().enumerate() {
             let field = format!("disperse[{i}]");
             dispersion.validate(&field, base)?;
-            if self.disperse[..i]
-                .iter()
-                .any(|d| d.field == dispersion.field)
-            {
-                return Err(FieldError::new(field, "this field is dispersed already"));
-            }
+            let mut earlier = self.disperse[..i].iter();
+            let again = earlier.any(|d| d.field == dispersion.field);
+            require(!again, field, "this field is dispersed already")?;
         }
-        if !self.faults.is_empty() && !experiment.is_guided() {
-            return Err(FieldError::new(
-                "faults",
-                "only the guidance can be given faults",
-            ));
-        }
+        let borne = self.faults.is_empty() || experiment.is_guided();
+        require(borne, "faults", "only the guidance can be given faults")?;
         for (i, fault) in self.faults.iter().enumerate() {
             fault.validate(&format!("faults[{i}]"))?;
         }
         if let Some(reference) = &self.reference {
-            if place == Place::Space {
-                return Err(FieldError::new(
-                    "reference",
-                    "cannot be drawn for an experiment with a path",
-                ));
-            }
+            let problem = "cannot be drawn for an experiment with a path";
+            require(place != Place::Space, "reference", problem)?;
             reference.validate()?;
         }
         for (i, map) in self.maps.iter().enumerate() {
@@ -228,10 +200,8 @@ impl Dispersion {
             return Err(FieldError::new(field, "needs one of scale, add and to"));
         };
         distribution.validate(&format!("{field}.{kind}"))?;
-        if self.field == "duration_s" {
-            let problem = "is the same in all flights: they are sampled together";
-            return Err(FieldError::new(field, format!("duration_s {problem}")));
-        }
+        let problem = "duration_s is the same in all flights: they are sampled together";
+        require(self.field != "duration_s", field, problem)?;
         if self.to.is_none() {
             base.number(&self.field).map_err(|e| at(field, e))?;
         }
@@ -262,11 +232,8 @@ impl FaultDraw {
 impl Expected {
     fn validate(&self, field: &str) -> Result<(), FieldError> {
         let known = |part: &str, name: Option<&str>, names: &[&str]| match name {
-            Some(name) if !names.contains(&name) => {
-                let problem = format!("{name} is none of {}", names.join(", "));
-                Err(FieldError::new(format!("{field}.{part}"), problem))
-            }
-            _ => Ok(()),
+            Some(name) => is_one_of(names, &format!("{field}.{part}"), name),
+            None => Ok(()),
         };
         let modes = ["safe", "holding", "flying"];
         known("mode", self.mode.as_deref(), &modes)?;
@@ -285,27 +252,21 @@ impl Expected {
 
 impl Limit {
     fn validate(&self, field: &str, place: Place) -> Result<(), FieldError> {
-        if place.figure(&self.figure).is_none() {
-            let names = place.figures().join(", ");
-            let problem = format!("{} is none of {names}", self.figure);
-            return Err(FieldError::new(format!("{field}.figure"), problem));
-        }
-        match (self.least, self.most) {
-            (None, None) => return Err(FieldError::new(field, "needs least or most")),
-            (Some(least), Some(most)) if least > most => {
-                return Err(FieldError::new(field, "least must not exceed most"));
-            }
-            _ => {}
-        }
+        is_one_of(&place.figures(), &format!("{field}.figure"), &self.figure)?;
+        let given = self.least.is_some() || self.most.is_some();
+        require(given, field, "needs least or most")?;
+        let crossed = self.least.zip(self.most).is_some_and(|(l, m)| l > m);
+        require(!crossed, field, "least must not exceed most")?;
         for (part, value) in [("least", self.least), ("most", self.most)] {
             finite(&format!("{field}.{part}"), value.unwrap_or(0.0))?;
         }
-        if !(0.0..=1.0).contains(&self.share) {
-            return Err(FieldError::new(
-                format!("{field}.share"),
-                "must be from 0 to 1",
-            ));
-        }
-        Ok(())
+        let share = (0.0..=1.0).contains(&self.share);
+        require(share, format!("{field}.share"), "must be from 0 to 1")
     }
+}
+
+/// `name` must be one of `names`.
+fn is_one_of(names: &[&str], field: &str, name: &str) -> Result<(), FieldError> {
+    let problem = format!("{name} is none of {}", names.join(", "));
+    require(names.contains(&name), field, problem)
 }

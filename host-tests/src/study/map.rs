@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::Frame;
-use crate::experiment::{FieldError, finite};
+use crate::experiment::{FieldError, finite, require};
 
 /// A map that a campaign asks for.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -69,13 +69,9 @@ impl Axis {
         finite(&format!("{field}.from"), self.from)?;
         finite(&format!("{field}.to"), self.to)?;
         finite(&format!("{field}.over"), self.over)?;
-        if self.over == 0.0 {
-            return Err(FieldError::new(format!("{field}.over"), "must not be 0"));
-        }
-        match self.from < self.to && (1..=100).contains(&self.bins) {
-            true => Ok(()),
-            false => Err(FieldError::new(field, "needs from < to, and 1 to 100 bins")),
-        }
+        require(self.over != 0.0, format!("{field}.over"), "must not be 0")?;
+        let drawn = self.from < self.to && (1..=100).contains(&self.bins);
+        require(drawn, field, "needs from < to, and 1 to 100 bins")
     }
 
     /// The bin of `value`.
@@ -108,25 +104,17 @@ impl Map {
         for (part, axis) in [("x", &self.x), ("y", &self.y)] {
             let field = format!("{field}.{part}");
             axis.validate(&field)?;
-            if !known(&axis.field) {
-                let problem = format!("{} is no column of the flights", axis.field);
-                return Err(FieldError::new(format!("{field}.field"), problem));
-            }
+            let problem = format_args!("{} is no column of the flights", axis.field);
+            require(known(&axis.field), format!("{field}.field"), problem)?;
         }
-        if !is_figure(&self.figure) {
-            let problem = format!("{} is not the name of a figure", self.figure);
-            return Err(FieldError::new(format!("{field}.figure"), problem));
-        }
+        let problem = format_args!("{} is not the name of a figure", self.figure);
+        require(is_figure(&self.figure), format!("{field}.figure"), problem)?;
         let rising = self.levels.windows(2).all(|pair| pair[0] < pair[1]);
         let falling = self.levels.windows(2).all(|pair| pair[0] > pair[1]);
         let finite = self.levels.iter().all(|level| level.is_finite());
-        match (2..=6).contains(&self.levels.len()) && finite && (rising || falling) {
-            true => Ok(()),
-            false => Err(FieldError::new(
-                format!("{field}.levels"),
-                "needs 2 to 6 numbers that rise, or fall",
-            )),
-        }
+        let classes = (2..=6).contains(&self.levels.len()) && finite && (rising || falling);
+        let problem = "needs 2 to 6 numbers that rise, or fall";
+        require(classes, format!("{field}.levels"), problem)
     }
 }
 

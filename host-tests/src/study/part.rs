@@ -4,14 +4,13 @@
 //! A part is complete or not there, but a disk may change it afterwards, and a hand may put it beside another campaign's. Either would
 //! go into the results unseen.
 
-use std::io::Write;
 use std::path::Path;
 
 use anyhow::{Context, bail};
 
 use super::Frame;
 use super::frame::{self, FrameWriter};
-use crate::files::leave;
+use crate::files::leave_all;
 
 /// What a part is of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,7 +58,7 @@ impl Seal {
         let place = digits(&bytes).context("the metadata were not written")?;
         let sum = format!("{:016x}", checksum(&bytes));
         bytes[place].copy_from_slice(sum.as_bytes());
-        leave(path, |file| Ok(file.write_all(&bytes)?))
+        leave_all(path, bytes)
     }
 
     /// The bytes of the part at `path`. One that has changed since it was written, or is another's, is an error that says what to delete.
@@ -112,6 +111,7 @@ fn digits(bytes: &[u8]) -> Option<std::ops::Range<usize>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::named::tests::says;
     use crate::study::Column;
 
     const SEAL: Seal = Seal {
@@ -144,10 +144,7 @@ mod tests {
         assert!(SEAL.check(&[]).is_err());
         std::fs::write(&path, &bytes[..20]).unwrap();
         let error = format!("{:#}", SEAL.read(&path).unwrap_err());
-        assert!(
-            error.contains("000007.parquet: has changed since"),
-            "{error}"
-        );
+        says(&error, &["000007.parquet: has changed since"]);
         assert!(error.contains("delete it"), "{error}");
     }
 

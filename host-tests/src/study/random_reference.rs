@@ -5,7 +5,7 @@ use serde::Deserialize;
 use toml::{Table, Value};
 
 use super::Distribution;
-use crate::experiment::{FieldError, finite};
+use crate::experiment::{FieldError, finite, require};
 
 /// `[reference]` of a campaign: how the references of its flights are drawn, in place of the base's.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -56,10 +56,8 @@ impl RandomReference {
                 return Err(FieldError::new(field, "must be positive"));
             }
         }
-        match (0.0..=1.0).contains(&self.steps) {
-            true => Ok(()),
-            false => Err(FieldError::new("reference.steps", "must be from 0 to 1")),
-        }
+        let share = (0.0..=1.0).contains(&self.steps);
+        require(share, "reference.steps", "must be from 0 to 1")
     }
 
     pub(super) fn draw(&self, random: &mut impl Rng) -> DrawnReference {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::{Comparison, Plan, Threads, each};
-use crate::columns::column;
+use crate::columns::Flight as _;
 use crate::experiment::Experiment;
 use crate::figures::{FIGURES, Figure, Figures, Tally, index};
 use crate::simulate::simulate;
@@ -96,7 +96,7 @@ impl Flight {
     /// Flies `experiment`: its figures, and samples of it.
     pub fn of(experiment: &Experiment) -> anyhow::Result<(Self, Samples)> {
         let mut tally = Tally::new(experiment);
-        let drawn = DRAWN.map(|name| column(name).expect("a column"));
+        let drawn = DRAWN.map(Experiment::declared);
         let mut samples = Samples::new();
         let mut number = 0;
         simulate(experiment, experiment.controller()?.as_mut(), |step| {
@@ -375,12 +375,7 @@ mod tests {
             seeds = 2
             set = { "weather.turbulence" = { wind_at_20_ft_m_s = 3.0, height_m = 30.0 } }
         "#;
-        let named = crate::named::Named {
-            name: "x".to_owned(),
-            origin: "x.toml".to_owned(),
-            text: text.to_owned(),
-            file: None,
-        };
+        let named = crate::named::Named::new("x", "x.toml", text);
         let plan = crate::study::Source::new(&named).unwrap().plan;
         let count = std::sync::atomic::AtomicUsize::new(0);
         let run = |threads| {

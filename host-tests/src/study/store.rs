@@ -1,6 +1,5 @@
 //! A folder of results: what decides them, and one part per chunk of flights, each complete or not there.
 
-use std::io::Write;
 use std::iter::repeat_n;
 use std::path::{Path, PathBuf};
 
@@ -9,7 +8,7 @@ use anyhow::{Context, bail};
 use super::load::Texts;
 use super::part::{Seal, checksum};
 use super::{Campaign, CampaignSource, Column, Drawn, DrawnReference, Flown, Frame, Place, Sample};
-use crate::files::leave;
+use crate::files::leave_all;
 
 /// Flights of a part: lost at most, per thread, if the campaign is interrupted.
 pub const CHUNK: u64 = 50;
@@ -54,7 +53,7 @@ impl Store {
                 }
             }
             let text = serde_json::to_string_pretty(&source.texts)?;
-            leave(&path, |file| Ok(file.write_all(text.as_bytes())?))?;
+            leave_all(&path, text)?;
         }
         Ok(store)
     }
@@ -157,7 +156,7 @@ impl Store {
     pub fn take(&self, other: &Self, chunk: u64) -> anyhow::Result<()> {
         for kind in KINDS {
             let bytes = self.seal(kind, chunk).bytes(&other.part(kind, chunk))?;
-            leave(&self.part(kind, chunk), |file| Ok(file.write_all(&bytes)?))?;
+            leave_all(&self.part(kind, chunk), bytes)?;
         }
         Ok(())
     }

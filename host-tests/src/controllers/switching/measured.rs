@@ -1,8 +1,9 @@
 //! What a baseline reads from one step's input.
 
+use alula::PlanarInput;
 use alula::guidance::Air;
-use alula::{Inertial, PlanarInput};
 
+use crate::controllers::vector;
 use crate::reference::Vector;
 
 /// Time constant of the estimate of the wind from its measurements \[s\]: gusts are flown through, not followed.
@@ -37,10 +38,6 @@ fn along_nose(v: Vector, theta: f64) -> f64 {
 /// The forward wind, low-passed \[m/s\].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Wind(Option<f64>);
-
-fn vector(v: Inertial) -> Vector {
-    Vector::new(v.down().into(), v.forward().into())
-}
 
 impl Wind {
     /// Reads `input`, `dt` \[s\] after the last; `None` if velocity, attitude or reference is not finite.
@@ -80,7 +77,7 @@ impl Wind {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use alula::{Attitude, Reference};
+    use alula::{Attitude, Inertial, Reference};
 
     /// Steady flight at `velocity` and `theta` in place along a reference at the same velocity, in still air.
     pub(crate) fn steady(velocity: [f64; 2], theta: f64) -> Measured {

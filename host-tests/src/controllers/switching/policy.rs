@@ -9,7 +9,7 @@ use super::measured::Wind;
 use super::{Hover, HoverSpec, LimitSpec, Measured, Output, Phase, Setpoint, Switch, SwitchSpec};
 use crate::controllers::{Answer, Controller, Input, Spec};
 use crate::experiment::table::ordered;
-use crate::experiment::{Experiment, FieldError};
+use crate::experiment::{Experiment, FieldError, require};
 
 /// The table of a policy, whose transitions are those of `T`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
@@ -50,11 +50,8 @@ pub fn in_order(
     ordered(&field("airspeed_m_s"), airspeed)?;
     ordered(&field("throttle"), throttle)?;
     ordered(&field("pitch_deg"), pitch)?;
-    if !(throttle[0]..throttle[1]).contains(&trim) {
-        let problem = "must be within throttle";
-        return Err(FieldError::new(field("trim_throttle"), problem));
-    }
-    Ok(())
+    let within = (throttle[0]..throttle[1]).contains(&trim);
+    require(within, field("trim_throttle"), "must be within throttle")
 }
 
 /// The way of an autopilot from hover to cruise and back.

@@ -94,6 +94,7 @@ fn legend(text: &mut String, [mut x, y]: [f64; 2]) {
 mod tests {
     use super::*;
     use crate::experiment::Document;
+    use crate::named::tests::says;
     use crate::space::{Experiment, fly};
 
     /// What a reader needs is written: the ground's altitude, its squares, the times, north; and the ground is where it says.
@@ -107,9 +108,9 @@ mod tests {
         let climb = record("climbing-turn", &["duration_s=30.0"]);
         let text = picture(&climb).body;
         // 120 m high, circles of 80 m: squares of 20 m, and the first whole number of them 0.8 squares under the start.
-        assert!(
-            text.contains("ground drawn 20 m below the start, squares of 20 m"),
-            "{text}"
+        says(
+            &text,
+            &["ground drawn 20 m below the start, squares of 20 m"],
         );
         assert!(text.contains(">N</text>") && text.contains(">80 m</text>"));
         assert!(text.contains("a vehicle every ") && text.contains(">0 s</text>"));

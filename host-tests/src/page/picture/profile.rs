@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use super::view::{SPAN, Taken, View, label, metres, round_number};
+use crate::page::chart::ends;
 use crate::space::{Step, V3};
 
 /// Vehicles drawn, at most.
@@ -18,9 +19,7 @@ pub fn draw(text: &mut String, record: &[Step], view: &View, frame: [f64; 4]) ->
         .iter()
         .flat_map(|s| [s.truth.position.z, s.target.position.z])
         .map(|down| 0.0 - down);
-    let (low, high) = altitudes.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| {
-        (l.min(x), h.max(x))
-    });
+    let (low, high) = ends(altitudes);
     let (middle, half) = (0.5 * (low + high), 0.5 * (high - low).max(LEAST));
     let x = |t: f64| left + width * t / duration;
     // Room for the vehicles above and below.

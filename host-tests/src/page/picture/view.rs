@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use crate::page::chart::ends;
 use crate::page::svg::width;
 use crate::space::{SpatialState, V3};
 
@@ -48,10 +49,7 @@ impl View {
     /// Scaled and shifted so that the points lie inside the frame (left, top, width, height).
     pub fn fitted(mut self, points: &[V3], [left, top, width, height]: [f64; 4]) -> Self {
         let range = |axis: V3| {
-            let values = points.iter().map(|p| p.dot(&axis));
-            let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| {
-                (l.min(x), h.max(x))
-            });
+            let (low, high) = ends(points.iter().map(|p| p.dot(&axis)));
             (0.5 * (low + high), (0.5 * (high - low)).max(LEAST))
         };
         let ((x, half_x), (y, half_y)) = (range(self.right), range(self.up));
@@ -216,6 +214,7 @@ pub fn round_number(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::named::tests::says;
 
     #[test]
     fn from_above_north_is_up_and_east_is_right() {
@@ -254,10 +253,7 @@ mod tests {
         taken.words(&mut text, [100.0, 50.0], 20.0, "12 s");
         taken.words(&mut text, [100.0, 50.0], 20.0, "12 s");
         assert_eq!(place(&text), 2);
-        assert!(
-            text.contains("y=\"35.0\"") && text.contains("y=\"55.0\""),
-            "{text}"
-        );
+        says(&text, &["y=\"35.0\"", "y=\"55.0\""]);
         // Right, left and below are taken one after the other; then there is no room.
         for _ in 0..3 {
             taken.words(&mut text, [100.0, 50.0], 20.0, "12 s");
