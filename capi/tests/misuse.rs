@@ -252,7 +252,7 @@ fn every_bad_number_is_named_and_gives_the_safe_command() {
         assert_eq!(step(all, dt), ALULA_ERROR_TIME_STEP);
     }
     let selectors = [
-        Input { flags: 32, ..all },
+        Input { flags: 128, ..all },
         Input {
             flags: ALULA_AIR_VELOCITY | ALULA_AIR_UNKNOWN,
             ..all

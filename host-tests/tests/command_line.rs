@@ -671,7 +671,7 @@ fn a_flight_that_diverges_says_so() {
     let output = alula(folder.path(), &arguments);
     assert_refused(
         &output,
-        &["round-trip: diverged at 5.", "trace.csv ends there"],
+        &["round-trip: diverged at 0.", "trace.csv ends there"],
     );
     let left = names(&folder.path().join("out/round-trip"));
     assert_eq!(left, ["trace.csv".to_owned()].into());

@@ -224,13 +224,7 @@ mod tests {
     /// The greatest rate is reached within the lag, where that is 50 to 100 ms.
     #[test]
     fn quick_rate_loops_may_slew_faster() {
-        let slew = |rate_lag: f32| {
-            ruled(&ResponseParameters {
-                rate_lag,
-                ..PAPER
-            })
-            .max_slew
-        };
+        let slew = |rate_lag: f32| ruled(&ResponseParameters { rate_lag, ..PAPER }).max_slew;
         assert_eq!((slew(0.2), slew(0.1), slew(0.01)), (30.0, 30.0, 60.0));
         assert!((slew(0.06) - 50.0).abs() < 1e-4);
         assert_eq!(slew(0.0), 60.0);
