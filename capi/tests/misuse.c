@@ -194,6 +194,8 @@ static int32_t call_goal(void)
     CHECK(are_finite(command, sizeof *command));
     goal->kind = ALULA_GOAL_STOP;
     goal->speed = goal->climb = goal->acceleration = 2.0f;
+    goal->altitude_band = 0.0f;
+    goal->short_of_vertical = 0;
     goal->target[0] = goal->target[1] = goal->target[2] = 0.0f;
     CHECK(alula_input_default(input) == ALULA_OK);
     for (int n = 0; n < 2; n++)

@@ -26,8 +26,9 @@ impl Blind {
     #[cold]
     #[inline(never)]
     pub fn new(asked_squared: f32, airspeed_squared: f32, slow: f32) -> Self {
-        let asked = math::sqrt(asked_squared);
-        let airspeed = math::sqrt(airspeed_squared);
+        // The absolute values of what is positive: the roots then need no call of the C library.
+        let asked = math::sqrt(asked_squared.abs());
+        let airspeed = math::sqrt(airspeed_squared.abs());
         Self {
             share: if asked > slow { slow / asked } else { 1.0 },
             without: math::clamp(2.0 - airspeed / slow, 0.0, 1.0),

@@ -327,7 +327,7 @@ impl Supervisor {
         // 0.999: what is rounded stays inside.
         let most = 0.999 * self.max_wind;
         state.wind = if square > most * most {
-            wind * (most / math::sqrt(square))
+            wind * (most / math::sqrt(square.abs()))
         } else {
             wind
         };
