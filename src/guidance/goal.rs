@@ -80,8 +80,8 @@ memory!(Way {
 
 /// The part of the braking that leads to a position that is planned: the rest is for what the vehicle does not follow.
 const BRAKING: f32 = 0.7;
-/// Speed [m/s] at which a vehicle has stopped.
-const STOPPED: f32 = 1.0;
+/// Speed [m/s] at which a vehicle has stopped. With 1 m/s one of eight stops in 5 m/s of tailwind drifted on at 1.4 m/s.
+const STOPPED: f32 = 2.0;
 /// Places are no farther than this from where positions are counted from \[m\].
 const FARTHEST: f32 = 1e8;
 
@@ -330,16 +330,16 @@ mod tests {
             assert_eq!(reference.acceleration, Ned::ZERO);
             // The altitude is that of the beginning.
             assert!((error.down - (x.down + 30.0)).abs() < 1e-4);
-            if n < 190 {
+            if n < 180 {
                 assert_eq!((error.north, error.east), (0.0, 0.0));
             }
             v = Ned::new((v.north - 0.1).max(0.0), 0.0, 0.0);
             x += v * DT;
         }
         assert!(state.is_reached());
-        // Held from 1 m/s on, 5 cm before the end.
+        // Held from 2 m/s on, 20 cm before the end.
         let (_, error, _) = goals().step(&mut state, &Goal::Stop, x, v, DT);
-        assert!((error.north - 0.05).abs() < 0.02, "{}", error.north);
+        assert!((error.north - 0.2).abs() < 0.03, "{}", error.north);
     }
 
     /// From one velocity to the next with the acceleration preferred, and no step between two goals.

@@ -272,8 +272,7 @@ impl Planner {
         flight: &Flight,
         reference: &Reference,
         wind: Inertial,
-        wishes: &Wishes,
-        (missed, lift): (f32, f32),
+        (wishes, missed, lift): (&Wishes, f32, f32),
     ) {
         let first = state.looked == 0 || state.looked >= ROUND;
         let plan = if first {
@@ -515,8 +514,7 @@ mod tests {
                 &flight,
                 &reference,
                 Inertial::ZERO,
-                &NONE,
-                (0.0, 0.0),
+                (&NONE, 0.0, 0.0),
             );
             let after = if next < CANDIDATES - 1 { next + 1 } else { 0 };
             assert_eq!(state.next, after);
@@ -567,8 +565,7 @@ mod tests {
                 &flight,
                 &reference,
                 Inertial::ZERO,
-                &NONE,
-                (0.0, lift),
+                (&NONE, 0.0, lift),
             );
             planner.virtual_vehicle.advance(
                 vehicle,
@@ -708,8 +705,7 @@ mod tests {
                 &cruise(),
                 &hover(0.0),
                 calm,
-                &NONE,
-                (0.0, 0.0),
+                (&NONE, 0.0, 0.0),
             );
         };
         let mut state = PlannerState::default();
@@ -723,8 +719,7 @@ mod tests {
             &Flight::default(),
             &hover(0.0),
             Inertial::new(0.0, 9.0),
-            &NONE,
-            (0.0, 0.0),
+            (&NONE, 0.0, 0.0),
         );
         look(&mut state);
         assert_eq!((elsewhere, state.prospect), (state, first));

@@ -293,8 +293,7 @@ impl Turning {
             &plane,
             &asked,
             wind,
-            wishes,
-            (missed, self.stall),
+            (wishes, missed, self.stall),
         );
         let in_plane = servo.advance(
             &heavier,

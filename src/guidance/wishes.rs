@@ -244,6 +244,19 @@ mod tests {
         }
     }
 
+    /// In wind from either side a stop ends, and does not drift on: at most 8 mm/s are left.
+    #[test]
+    fn a_stop_in_wind_is_a_stop() {
+        for (wind, farthest) in [(-5.0, 36.0), (-3.0, 30.0), (3.0, 26.0), (5.0, 26.0)] {
+            let how = How {
+                wind,
+                ..How::default()
+            };
+            assert!(last(&spread(how, |s| s.speed)) < 0.05, "{wind}");
+            assert!(last(&spread(how, |s| s.farthest)) < farthest, "{wind}");
+        }
+    }
+
     /// The altitude is off by 0.58 m in the middle and 0.71 m at most with a band of 1 cm, which takes 135 m in the middle; by 1.30 m and
     /// 1.42 m with the parameter's.
     #[test]
