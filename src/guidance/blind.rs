@@ -21,8 +21,8 @@ impl Blind {
     /// known [m²/s²]: no faster than `slow` [m/s], and below that over the air without air. From twice that on down the air
     /// is left out in part.
     ///
-    /// Once `without` is 1 the wind that is flown with, the vehicle's own velocity, is to be the last one known at the next
-    /// step. It goes with the vehicle: who was slow once stays without air, wherever the real wind takes him.
+    /// Once `without` is 1 the wind that is flown with is the vehicle's own velocity, and is to be the last one known at the
+    /// next step. So a vehicle that was slow once stays without air, wherever the real wind takes it.
     #[cold]
     #[inline(never)]
     pub fn new(asked_squared: f32, airspeed_squared: f32, slow: f32) -> Self {

@@ -1069,7 +1069,7 @@ mod tests {
 
     /// With neither air data nor an accelerometer, and slow, the law is that of k_a = 0: the plain thrust vector of a multicopter.
     #[test]
-    fn who_is_slow_and_blind_is_flown_by_the_plain_thrust_vector() {
+    fn slow_and_blind_is_flown_by_the_plain_thrust_vector() {
         let (guidance, mut state) = (guidance(), GuidanceState::default());
         let input = PlanarInput {
             // Half of the speed at which the believed wing carries the weight with a lift coefficient of 1 is 6.6 m/s.
