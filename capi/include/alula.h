@@ -291,7 +291,7 @@
 #define ALULA_MODE_FLYING 2
 
 /**
- * Flown without air data: plain thrust vectoring.
+ * Flown without air data: with the last wind known, or calm; without a specific force slowly, and by plain thrust vectoring.
  */
 #define ALULA_AIR_USE_NONE 0
 
@@ -638,7 +638,8 @@ typedef struct alula_guidance_parameters {
      */
     float reference_age;
     /**
-     * How long the last known wind stands in for missing air data.
+     * How long the last known wind counts as known without air data. After that it stands in for
+     * what is not known: see the supervision.
      * Unit: s. From 0.0 to 1000.0, default 2.0.
      */
     float air_hold;

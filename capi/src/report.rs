@@ -13,7 +13,7 @@ pub const ALULA_MODE_HOLDING: u32 = 1;
 /// The law is flown.
 pub const ALULA_MODE_FLYING: u32 = 2;
 
-/// Flown without air data: plain thrust vectoring.
+/// Flown without air data: with the last wind known, or calm; without a specific force slowly, and by plain thrust vectoring.
 pub const ALULA_AIR_USE_NONE: u32 = 0;
 /// Flown with the measured air velocity.
 pub const ALULA_AIR_USE_VELOCITY: u32 = 1;

@@ -2,7 +2,7 @@
 //!
 //! A wind that is believed wrongly is a wrong force of the air, and it grows with the speed. So the vehicle flies on in the last
 //! wind known only as long as it takes to slow down. Once it is slow, the air is left out of the belief, as with k_a = 0, and
-//! what the air does is for position hold and integral.
+//! what the air does is for the integral; the place is not held.
 
 use crate::math;
 
@@ -17,21 +17,21 @@ pub(super) struct Blind {
 }
 
 impl Blind {
-    /// What is flown blind where a horizontal velocity of this square is asked for, at this squared airspeed in the last wind
-    /// known [m²/s²]: no faster than `slow` [m/s], and below that over the air without air. From twice that on down the air
+    /// What is flown blind where a horizontal velocity of this square is asked for, at this squared speed, the lesser of those over
+    /// ground and over the air of the last wind known [m²/s²]: no faster than `slow` [m/s], and below that without air. From twice that on down the air
     /// is left out in part.
     ///
     /// Once `without` is 1 the wind that is flown with is the vehicle's own velocity, and is to be the last one known at the
     /// next step. So a vehicle that was slow once stays without air, wherever the real wind takes it.
     #[cold]
     #[inline(never)]
-    pub fn new(asked_squared: f32, airspeed_squared: f32, slow: f32) -> Self {
+    pub fn new(asked_squared: f32, speed_squared: f32, slow: f32) -> Self {
         // The absolute values of what is positive: the roots then need no call of the C library.
         let asked = math::sqrt(asked_squared.abs());
-        let airspeed = math::sqrt(airspeed_squared.abs());
+        let speed = math::sqrt(speed_squared.abs());
         Self {
             share: if asked > slow { slow / asked } else { 1.0 },
-            without: math::clamp(2.0 - airspeed / slow, 0.0, 1.0),
+            without: math::clamp(2.0 - speed / slow, 0.0, 1.0),
         }
     }
 }

@@ -62,7 +62,7 @@ crate::parameters! {
         reference_age: "s", 0.0, 3600.0, 0.5, "ALU_SUP_REF",
             "Age beyond which a reference is no longer followed.";
         air_hold: "s", 0.0, 1000.0, 2.0, "ALU_SUP_AIR",
-            "How long the last known wind stands in for missing air data.";
+            "How long the last known wind counts as known without air data. After that it stands in for what is not known: see the supervision.";
         max_wind: "m/s", 0.0, 1e3, 40.0, "ALU_SUP_WIND",
             "Greatest wind that air data may imply; air data that imply more are invalid.";
         max_wind_step: "m/s", 0.0, 1e3, 10.0, "ALU_SUP_GUST",

@@ -153,7 +153,7 @@ impl Refusal {
 /// | air data that imply a wind above `max_wind`, or a change of wind above `max_wind_step` | as if both were missing | they are plausible again; the change allowed grows by 1 m/s per second |
 /// | both, for less than `air_hold` | velocity less the last wind: [`AirUse::HeldWind`] | either comes back |
 /// | both for longer, or from the beginning, but a specific force | velocity less the last wind, or less none: [`AirUse::None`]; the law scales the air's force by what is felt | either comes back |
-/// | all three | at most half of the speed at which the wing carries the weight with a lift coefficient of 1 is flown to, without horizontal position hold; once as slow as that over the air of the last wind, no air at all, as with k_a = 0: plain thrust vectoring | one comes back |
+/// | all three | at most half of the speed at which the wing carries the weight with a lift coefficient of 1 is flown to, without horizontal position hold; once as slow as that over ground or over the air of the last wind, no air at all, as with k_a = 0: plain thrust vectoring | one comes back |
 /// | reference (not finite, absurd, older than `reference_age`, or of negative age) | the last velocity, no acceleration, no position hold | a good one comes |
 /// | position error | no position hold; the integral goes on from the velocity | it comes back |
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -521,7 +521,9 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             core::hint::cold_path();
             let (v, air) = (&mut asked.velocity, input.velocity - wind);
             let level = v.north * v.north + v.east * v.east;
-            let blind = Blind::new(level, air.norm_squared(), self.turning.slow());
+            // Slow over ground or over the air believed in: the wind may have changed since, and the ground is known.
+            let speed = math::min(input.velocity.norm_squared(), air.norm_squared());
+            let blind = Blind::new(level, speed, self.turning.slow());
             (v.north, v.east) = (v.north * blind.share, v.east * blind.share);
             if blind.share < 1.0 {
                 let a = &mut asked.acceleration;
