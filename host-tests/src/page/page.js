@@ -221,6 +221,8 @@ function build(svg) {
             const labels = [];
             for (const mark of chart.marks) {
                 const [x, y] = [px(u, mark.at[0]), py(u, mark.at[1])];
+                /* What a zoom has left outside has no label: it would lie on the axis. */
+                if (x < left || x > left + width) continue;
                 ctx.strokeStyle = ctx.fillStyle = ink;
                 ctx.lineWidth = 1.6 * ratio;
                 ctx.beginPath();
