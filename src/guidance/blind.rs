@@ -17,9 +17,10 @@ pub(super) struct Blind {
 }
 
 impl Blind {
-    /// What is flown blind where a horizontal velocity of this square is asked for, at this squared speed, the lesser of those over
-    /// ground and over the air of the last wind known [m²/s²]: no faster than `slow` [m/s], and below that without air. From twice that on down the air
-    /// is left out in part.
+    /// What is flown blind where the square of the horizontal velocity asked for is `asked_squared` [m²/s²].
+    ///
+    /// No more than `slow` [m/s] is flown. The air is left out below that speed, and in part below twice that speed. The speed
+    /// is the lesser of the vehicle's speeds over ground and over the air of the last wind known: `speed_squared` is its square.
     ///
     /// Once `without` is 1 the wind that is flown with is the vehicle's own velocity, and is to be the last one known at the
     /// next step. So a vehicle that was slow once stays without air, wherever the real wind takes it.
@@ -48,7 +49,7 @@ mod tests {
 
     #[test]
     fn the_air_is_left_out_once_the_vehicle_is_slow() {
-        let without = |airspeed: f32| Blind::new(0.0, airspeed * airspeed, 6.0).without;
+        let without = |speed: f32| Blind::new(0.0, speed * speed, 6.0).without;
         assert_eq!((without(20.0), without(12.0)), (0.0, 0.0));
         assert_eq!((without(9.0), without(6.0), without(2.0)), (0.5, 1.0, 1.0));
     }

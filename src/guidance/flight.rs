@@ -456,6 +456,18 @@ mod tests {
         Vehicle::new(VehicleParameters::PAPER, model).unwrap()
     }
 
+    /// A step of the virtual flight of `vehicle` with the default parameters: its acceleration.
+    fn advance(
+        vehicle: &Vehicle<Combined>,
+        flight: &mut Flight,
+        plan: &mut Plan,
+        reference: &Reference,
+        wind: Inertial,
+    ) -> Inertial {
+        let virtual_vehicle = VirtualVehicle::new(&GuidanceParameters::default());
+        virtual_vehicle.advance(vehicle, flight, plan, reference, wind, FREE, DT)
+    }
+
     fn still(down: f32, forward: f32) -> Reference {
         Reference {
             velocity: Inertial::new(down, forward),
@@ -467,7 +479,7 @@ mod tests {
     #[test]
     fn the_virtual_flight_can_be_flown() {
         let p = GuidanceParameters::default();
-        let (vehicle, virtual_vehicle) = (vehicle(), VirtualVehicle::new(&p));
+        let vehicle = vehicle();
         let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(3);
         for _ in 0..200 {
             let mut draw = |x: f32| random.random_range(-x..x);
@@ -486,15 +498,7 @@ mod tests {
             let (reference, wind) = (still(draw(10.0), draw(20.0)), Inertial::new(0.0, draw(5.0)));
             for _ in 0..200 {
                 let before = flight;
-                let a = virtual_vehicle.advance(
-                    &vehicle,
-                    &mut flight,
-                    &mut plan,
-                    &reference,
-                    wind,
-                    FREE,
-                    DT,
-                );
+                let a = advance(&vehicle, &mut flight, &mut plan, &reference, wind);
                 let attitude = Attitude::from_angle(before.theta);
                 let body = attitude.to_body(before.velocity - wind);
                 let air = AirData::new(body, vehicle.thrust_line());
@@ -557,10 +561,7 @@ mod tests {
     /// The attitude turns with the course: a pull-up at 20 m/s of 4 m/s² is followed closely.
     #[test]
     fn the_attitude_turns_with_the_course() {
-        let (vehicle, virtual_vehicle) = (
-            vehicle(),
-            VirtualVehicle::new(&GuidanceParameters::default()),
-        );
+        let vehicle = vehicle();
         let mut flight = Flight {
             velocity: Inertial::new(0.0, 20.0),
             theta: -1.5,
@@ -574,15 +575,7 @@ mod tests {
                 velocity: Inertial::new(-4.0 * math::clamp(t, 0.0, 1.5), 20.0),
                 acceleration: Inertial::new(if pulling { -4.0 } else { 0.0 }, 0.0),
             };
-            virtual_vehicle.advance(
-                &vehicle,
-                &mut flight,
-                &mut plan,
-                &reference,
-                Inertial::ZERO,
-                FREE,
-                DT,
-            );
+            advance(&vehicle, &mut flight, &mut plan, &reference, Inertial::ZERO);
             if t > 0.5 && pulling {
                 worst = f32::max(worst, (flight.velocity - reference.velocity).down().abs());
             }
@@ -648,10 +641,7 @@ mod tests {
     /// descent tail first, which is on the other branch.
     #[test]
     fn the_servo_settles_in_equilibria_of_both_branches() {
-        let (vehicle, virtual_vehicle) = (
-            vehicle(),
-            VirtualVehicle::new(&GuidanceParameters::default()),
-        );
+        let vehicle = vehicle();
         for (down, forward, wind) in [(0.0, 10.0, 0.0), (0.0, 0.0, -6.0), (12.0, 0.0, 0.0)] {
             let (mut flight, mut plan) = (Flight::default(), Plan::default());
             let wind = Inertial::new(0.0, wind);
@@ -659,15 +649,7 @@ mod tests {
             for n in 0..3000 {
                 let part = math::min(n as f32 / 1000.0, 1.0);
                 let reference = still(down * part, forward * part);
-                acceleration = virtual_vehicle.advance(
-                    &vehicle,
-                    &mut flight,
-                    &mut plan,
-                    &reference,
-                    wind,
-                    FREE,
-                    DT,
-                );
+                acceleration = advance(&vehicle, &mut flight, &mut plan, &reference, wind);
             }
             let error = flight.velocity - Inertial::new(down, forward);
             // 1 cm/s, 1 cm/s², 0.1 N: what is left of slow decays.
