@@ -35,7 +35,7 @@ const FORWARD_WEIGHT: f32 = 0.103;
 /// Damping of the servo's step, as a force in multiples of the weight, with [`FORWARD_WEIGHT`].
 const DAMPING: f32 = 0.41;
 /// Acceleration downwards of a push-over, in g.
-const PUSH_OVER: f32 = 1.52;
+pub(super) const PUSH_OVER: f32 = 1.52;
 /// Distance from the target \[rad\] at which a turn is over.
 const ARRIVED: f32 = 0.07;
 /// Gains are lowered in steps longer than these products of gain and step, which would overshoot.

@@ -4,7 +4,7 @@
 //! plan may be to turn to an attitude far away, past stall for example, and to go on from there: so a fold is crossed where that
 //! is worth while, and nothing else decides it. The work is the same at every step.
 
-use super::flight::{Flight, Pace, Plan, VirtualVehicle, limited};
+use super::flight::{Flight, PUSH_OVER, Pace, Plan, VirtualVehicle, limited};
 use super::memory::memory;
 use super::parameters::GuidanceParameters;
 use super::wishes::{Wishes, altitude_band};
@@ -57,34 +57,48 @@ const RESERVE: f32 = 1.25;
 const SPARE: f32 = 0.25;
 /// By how much another plan must cost less: this part, and this much besides.
 const BETTER: f32 = 0.161;
-/// Time of push-over before a turn \[s\], where there is one.
-const PUSH: f32 = 0.225;
+/// Push-overs before a turn: their time \[s\] per load factor that the wing could carry short of stall, counted from
+/// −[`LEVEL_LOAD`]. The faster a wing flies, and the more lift it has, the more it climbs on its way through stall, and the
+/// longer is the push-over that makes up for it. With one of 0.225 s, whatever the load factor, a wing of twice the area left
+/// its altitude by up to 7.7 m where a level reference slows down, in place of 1.8 m.
+const SHORT_PUSH: f32 = 0.0206;
+const LONG_PUSH: f32 = 0.086;
+const LEVEL_LOAD: f32 = 0.74;
+/// The longest push-over \[s\].
+const MAX_PUSH: f32 = 0.5;
+/// Part of the velocity of a push-over that is there already where the vehicle sinks faster than wanted: who falls does not
+/// push over before the nose is turned up.
+const SINKING: f32 = 0.4;
 /// Plans looked at in a round, the plan in force first.
 const ROUND: u8 = 3;
-/// The turns that are looked at: to which angle of attack \[rad\], and whether after a push-over. From there on the servo
-/// finds the way; where there is no turn, from the start. Of three candidates two are of these,
-const OFTEN: [Option<(f32, bool)>; 8] = [
-    Some((0.78, false)),
-    Some((0.78, true)),
-    Some((0.0, false)),
-    Some((0.116, false)),
-    Some((1.44, false)),
+/// A turn that is looked at: to which angle of attack \[rad\], and after which push-over.
+type Turn = Option<(f32, f32)>;
+/// The turns. From there on the servo finds the way; where there is no turn, from the start. Of three candidates two are of
+/// these,
+const OFTEN: [Turn; 8] = [
+    Some((0.82, 0.0)),
+    Some((0.78, LONG_PUSH)),
+    Some((0.0, 0.0)),
+    Some((0.116, 0.0)),
+    Some((1.24, SHORT_PUSH)),
     None,
-    Some((-0.116, false)),
-    Some((1.75, false)),
+    Some((-0.116, 0.0)),
+    Some((1.75, 0.0)),
 ];
 /// and one is of these.
-const SELDOM: [Option<(f32, bool)>; 9] = [
-    Some((-0.78, false)),
-    Some((1.75, true)),
-    Some((2.3, false)),
-    Some((-1.44, false)),
-    Some((math::PI, false)),
-    Some((-0.78, true)),
-    Some((-1.75, false)),
-    Some((-1.75, true)),
-    Some((-2.3, false)),
+const SELDOM: [Turn; 9] = [
+    Some((-0.78, 0.0)),
+    Some((1.75, LONG_PUSH)),
+    Some((2.3, 0.0)),
+    Some((-1.44, 0.0)),
+    Some((math::PI, 0.0)),
+    Some((-0.78, LONG_PUSH)),
+    Some((-1.75, 0.0)),
+    Some((-1.75, LONG_PUSH)),
+    Some((-2.3, 0.0)),
 ];
+/// The candidate with which a stop at once is flown, that with [`SHORT_PUSH`]: a reference that jumps is answered by it.
+const AT_ONCE: u8 = 6;
 /// Candidates until all have been looked at.
 const CANDIDATES: u8 = 3 * SELDOM.len() as u8;
 
@@ -259,7 +273,8 @@ impl Planner {
     /// Looks at one plan. What the plan in force comes to is remembered when that is looked at.
     ///
     /// The first of a round is the plan in force, and then come candidates, flown ahead from where and when the round began:
-    /// costs are compared of plans from one start only. A candidate that is better takes over.
+    /// costs are compared of plans from one start only. A candidate that is better takes over. A reference that jumps begins a
+    /// round, and the candidates anew: so a stop at once is flown alike whenever it is asked for.
     ///
     /// In a turn of the course a plan that turns to an attitude far away gives up an acceleration `missed` to the side [m/s²]
     /// meanwhile. Where a wing with the lift coefficient `lift` could carry more than the weight, thrust from the beginning to
@@ -275,6 +290,13 @@ impl Planner {
         wind: Inertial,
         (wishes, missed, lift): (&Wishes, f32, f32),
     ) {
+        // More than a band of the velocity in the few steps since a round began.
+        let jump = reference.velocity - state.start.velocity;
+        let band = self.velocity_band.forward();
+        if jump.norm_squared() > band * band {
+            core::hint::cold_path();
+            (state.looked, state.next) = (0, AT_ONCE);
+        }
         let first = state.looked == 0 || state.looked >= ROUND;
         let plan = if first {
             state.looked = 0;
@@ -289,7 +311,7 @@ impl Planner {
             let n = state.next;
             // What was remembered may be any number.
             state.next = if n < CANDIDATES - 1 { n + 1 } else { 0 };
-            candidate(vehicle, &state.start, n)
+            self.candidate(vehicle, &state.start, lift, n)
         };
         let band = altitude_band(wishes.altitude_band, self.altitude_band);
         let mut found = self.predict(vehicle, &state.start, &plan, band, missed, !first);
@@ -412,27 +434,41 @@ impl Planner {
             thrust: flight.thrust,
         }
     }
-}
 
-/// Candidate `n`: to turn to an angle of attack, with and without a push-over, or to do nothing but servo.
-#[inline(always)]
-fn candidate<A: Aerodynamics>(vehicle: &Vehicle<A>, start: &Start, n: u8) -> Plan {
-    let n = usize::from(n);
-    let turn = if n % 3 == 2 {
-        SELDOM.get(n / 3)
-    } else {
-        OFTEN.get((n - n / 3) % OFTEN.len())
-    };
-    let Some(&Some((alpha, push))) = turn else {
-        return Plan::default();
-    };
-    let v_a = start.flight.velocity - start.wind;
-    let gamma = math::atan2(v_a.forward(), v_a.down());
-    let target = gamma - math::PI + vehicle.thrust_line().delta() + alpha;
-    Plan {
-        push: if push { PUSH } else { 0.0 },
-        target: start.flight.theta + wrap(target - start.flight.theta),
-        turn: 1,
+    /// Candidate `n`: to turn to an angle of attack, with and without a push-over, or to do nothing but servo. `lift` is the
+    /// wing's lift coefficient short of stall.
+    #[inline(always)]
+    fn candidate<A: Aerodynamics>(
+        &self,
+        vehicle: &Vehicle<A>,
+        start: &Start,
+        lift: f32,
+        n: u8,
+    ) -> Plan {
+        let n = usize::from(n);
+        let turn = if n % 3 == 2 {
+            SELDOM.get(n / 3)
+        } else {
+            OFTEN.get((n - n / 3) % OFTEN.len())
+        };
+        let Some(&Some((alpha, push))) = turn else {
+            return Plan::default();
+        };
+        let flight = &start.flight;
+        let v_a = flight.velocity - start.wind;
+        let gamma = math::atan2(v_a.forward(), v_a.down());
+        let target = gamma - math::PI + vehicle.thrust_line().delta() + alpha;
+        let load = lift * vehicle.k_a() * v_a.norm_squared() / vehicle.weight();
+        let wanted = self
+            .virtual_vehicle
+            .velocity_wanted(flight.position, start.velocity);
+        let sinking = math::max(flight.velocity.down() - wanted.down(), 0.0);
+        let there = SINKING / PUSH_OVER * sinking / vehicle.gravity();
+        Plan {
+            push: math::clamp(push * (load + LEVEL_LOAD) - there, 0.0, MAX_PUSH),
+            target: flight.theta + wrap(target - flight.theta),
+            turn: 1,
+        }
     }
 }
 
@@ -488,6 +524,9 @@ mod tests {
         short_of_vertical: false,
         place_free: false,
     };
+
+    /// Lift coefficient short of stall, about that of the vehicles below.
+    const LIFT: f32 = 0.7;
 
     fn vehicle(excess: f32) -> Vehicle<Combined> {
         let model = Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap();
@@ -743,7 +782,8 @@ mod tests {
                 .predict(&vehicle, &start, plan, planner.altitude_band, missed, new)
                 .cost
         };
-        let (crossing, servo) = (candidate(&vehicle, &start, 0), Plan::default());
+        let crossing = planner.candidate(&vehicle, &start, LIFT, AT_ONCE);
+        let servo = Plan::default();
         let level = cost(&crossing, 0.0, true);
         let on = cost(&crossing, 6.0, false) - level;
         let begun = cost(&crossing, 6.0, true) - level;
@@ -798,21 +838,104 @@ mod tests {
     /// Every candidate is looked at, and none so seldom that it comes too late: 27 looks take 0.4 s.
     #[test]
     fn all_candidates_are_looked_at() {
-        let vehicle = vehicle(2.0);
+        let (vehicle, planner) = (vehicle(2.0), Planner::new(&GuidanceParameters::default()));
         let start = Start {
             flight: cruise(),
             ..Start::default()
         };
         let plans: std::vec::Vec<_> = (0..CANDIDATES)
-            .map(|n| candidate(&vehicle, &start, n))
+            .map(|n| planner.candidate(&vehicle, &start, LIFT, n))
             .collect();
         let looks = |plan: &Plan| plans.iter().filter(|p| *p == plan).count();
         let different = plans.iter().map(|p| 1.0 / looks(p) as f32).sum::<f32>();
         assert!((different - 17.0).abs() < 1e-3);
         assert!(plans.iter().all(|p| looks(p) <= 3));
-        // To an angle of attack of 45° from a course that is level forward: nose 45° from up.
+        // To an angle of attack of 47° from a course that is level forward: nose 43° from up.
         let braking = plans.first().unwrap();
-        assert!((braking.target + 45f32.to_radians()).abs() < 0.01 && braking.push == 0.0);
+        assert!((braking.target + 43f32.to_radians()).abs() < 0.01 && braking.push == 0.0);
+    }
+
+    /// The wing climbs on its way through stall, the more so the more lift it has: the push-over is the longer. Who sinks
+    /// already pushes over less, and who falls not at all.
+    #[test]
+    fn a_push_over_is_as_long_as_the_wing_is_strong() {
+        let (vehicle, planner) = (vehicle(2.0), Planner::new(&GuidanceParameters::default()));
+        let push = |sink: f32, lift: f32, n: u8| {
+            let mut start = Start {
+                flight: cruise(),
+                ..Start::default()
+            };
+            start.flight.velocity += Inertial::new(sink, 0.0);
+            planner.candidate(&vehicle, &start, lift, n).push
+        };
+        // k_a |v_a|²/(m g) = 0.646·400/98.1: the load factor at a lift coefficient of 1.
+        let load = 2.634;
+        // The second of the candidates has the long one.
+        for (n, factor) in [(AT_ONCE, SHORT_PUSH), (1, LONG_PUSH)] {
+            // 1e-4 s: 2.634 has four digits.
+            for lift in [0.7, 1.4] {
+                let expected = factor * (lift * load + LEVEL_LOAD);
+                assert!((push(0.0, lift, n) - math::min(expected, MAX_PUSH)).abs() < 1e-4);
+            }
+            assert!(push(0.0, 1.4, n) > push(0.0, 0.7, n));
+        }
+        // 2 m/s of sink that nobody asked for is 0.4 of that in a push-over at 1.52 g.
+        let less = push(0.0, LIFT, 1) - push(2.0, LIFT, 1);
+        assert!((0.03..0.06).contains(&less), "{less}");
+        assert_eq!((push(20.0, LIFT, AT_ONCE), push(20.0, LIFT, 1)), (0.0, 0.0));
+        // A turn back to the wing begins at once.
+        assert_eq!(push(0.0, LIFT, 3), 0.0);
+    }
+
+    /// A stop at once is flown alike, whichever candidate is next when it is asked for.
+    #[test]
+    fn a_reference_that_jumps_begins_the_candidates_anew() {
+        let (vehicle, planner) = (vehicle(2.0), Planner::new(&GuidanceParameters::default()));
+        let level = Reference {
+            velocity: cruise().velocity,
+            ..Reference::default()
+        };
+        let look = |state: &mut PlannerState, reference: &Reference| {
+            let calm = Inertial::ZERO;
+            planner.search(
+                &vehicle,
+                state,
+                &cruise(),
+                reference,
+                calm,
+                (&NONE, 0.0, LIFT),
+            );
+        };
+        let mut plans = std::vec![];
+        for before in 1..40 {
+            let mut state = PlannerState::default();
+            for _ in 0..before {
+                look(&mut state, &level);
+            }
+            assert_eq!(state.plan, Plan::default());
+            for _ in 0..2 {
+                look(&mut state, &hover(0.0));
+            }
+            plans.push((state.plan, state.next, state.looked));
+            // A reference that changes as references do does not: 2 m/s² for a step.
+            let (next, mut slower) = (state.next, hover(0.0));
+            slower.velocity += Inertial::new(0.0, 0.02);
+            look(&mut state, &slower);
+            assert_eq!(state.next, next);
+        }
+        assert!(plans.iter().all(|p| *p == plans[0]));
+        assert_eq!(
+            plans[0].0,
+            planner.candidate(
+                &vehicle,
+                &Start {
+                    flight: cruise(),
+                    ..Start::default()
+                },
+                LIFT,
+                AT_ONCE
+            )
+        );
     }
 
     #[test]
