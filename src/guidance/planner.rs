@@ -57,17 +57,16 @@ const RESERVE: f32 = 1.25;
 const SPARE: f32 = 0.25;
 /// By how much another plan must cost less: this part, and this much besides.
 const BETTER: f32 = 0.161;
-/// Push-overs before a turn: their time \[s\] per load factor that the wing could carry short of stall, counted from
-/// −[`LEVEL_LOAD`]. The faster a wing flies, and the more lift it has, the more it climbs on its way through stall, and the
-/// longer is the push-over that makes up for it. With one of 0.225 s, whatever the load factor, a wing of twice the area left
+/// Time of a push-over before a turn \[s\], per unit of n + [`MORE_LOAD`], where n is the load factor that the wing can carry
+/// short of stall: a short push-over and a long one. The faster a wing flies and the more lift it has, the more it climbs on its
+/// way through stall, and the more a push-over has to make up for. With 0.225 s whatever n is, a wing of twice the area left
 /// its altitude by up to 7.7 m where a level reference slows down, in place of 1.8 m.
-const SHORT_PUSH: f32 = 0.0206;
-const LONG_PUSH: f32 = 0.086;
-const LEVEL_LOAD: f32 = 0.74;
+const SHORT_PUSH: f32 = 0.022;
+const LONG_PUSH: f32 = 0.088;
+const MORE_LOAD: f32 = 0.8;
 /// The longest push-over \[s\].
 const MAX_PUSH: f32 = 0.5;
-/// Part of the velocity of a push-over that is there already where the vehicle sinks faster than wanted: who falls does not
-/// push over before the nose is turned up.
+/// Part of the sink velocity beyond the one wanted that a push-over need not make: who falls turns the nose up at once.
 const SINKING: f32 = 0.4;
 /// Plans looked at in a round, the plan in force first.
 const ROUND: u8 = 3;
@@ -76,23 +75,23 @@ type Turn = Option<(f32, f32)>;
 /// The turns. From there on the servo finds the way; where there is no turn, from the start. Of three candidates two are of
 /// these,
 const OFTEN: [Turn; 8] = [
-    Some((0.82, 0.0)),
-    Some((0.78, LONG_PUSH)),
+    Some((0.8, 0.0)),
+    Some((0.8, LONG_PUSH)),
     Some((0.0, 0.0)),
     Some((0.116, 0.0)),
-    Some((1.24, SHORT_PUSH)),
+    Some((1.4, SHORT_PUSH)),
     None,
     Some((-0.116, 0.0)),
     Some((1.75, 0.0)),
 ];
 /// and one is of these.
 const SELDOM: [Turn; 9] = [
-    Some((-0.78, 0.0)),
+    Some((-0.8, 0.0)),
     Some((1.75, LONG_PUSH)),
     Some((2.3, 0.0)),
-    Some((-1.44, 0.0)),
+    Some((-1.4, 0.0)),
     Some((math::PI, 0.0)),
-    Some((-0.78, LONG_PUSH)),
+    Some((-0.8, LONG_PUSH)),
     Some((-1.75, 0.0)),
     Some((-1.75, LONG_PUSH)),
     Some((-2.3, 0.0)),
@@ -463,9 +462,9 @@ impl Planner {
             .virtual_vehicle
             .velocity_wanted(flight.position, start.velocity);
         let sinking = math::max(flight.velocity.down() - wanted.down(), 0.0);
-        let there = SINKING / PUSH_OVER * sinking / vehicle.gravity();
+        let saved = SINKING / PUSH_OVER * sinking / vehicle.gravity();
         Plan {
-            push: math::clamp(push * (load + LEVEL_LOAD) - there, 0.0, MAX_PUSH),
+            push: math::clamp(push * (load + MORE_LOAD) - saved, 0.0, MAX_PUSH),
             target: flight.theta + wrap(target - flight.theta),
             turn: 1,
         }
@@ -850,9 +849,9 @@ mod tests {
         let different = plans.iter().map(|p| 1.0 / looks(p) as f32).sum::<f32>();
         assert!((different - 17.0).abs() < 1e-3);
         assert!(plans.iter().all(|p| looks(p) <= 3));
-        // To an angle of attack of 47° from a course that is level forward: nose 43° from up.
+        // To an angle of attack of 46° from a course that is level forward: nose 44° from up.
         let braking = plans.first().unwrap();
-        assert!((braking.target + 43f32.to_radians()).abs() < 0.01 && braking.push == 0.0);
+        assert!((braking.target + 44.2f32.to_radians()).abs() < 0.01 && braking.push == 0.0);
     }
 
     /// The wing climbs on its way through stall, the more so the more lift it has: the push-over is the longer. Who sinks
@@ -874,7 +873,7 @@ mod tests {
         for (n, factor) in [(AT_ONCE, SHORT_PUSH), (1, LONG_PUSH)] {
             // 1e-4 s: 2.634 has four digits.
             for lift in [0.7, 1.4] {
-                let expected = factor * (lift * load + LEVEL_LOAD);
+                let expected = factor * (lift * load + MORE_LOAD);
                 assert!((push(0.0, lift, n) - math::min(expected, MAX_PUSH)).abs() < 1e-4);
             }
             assert!(push(0.0, 1.4, n) > push(0.0, 0.7, n));
