@@ -62,8 +62,8 @@ const BETTER: f32 = 0.161;
 /// way through stall, and the more a push-over has to make up for. With 0.225 s whatever n is, a wing of twice the area left
 /// its altitude by up to 7.7 m where a level reference slows down, in place of 1.8 m.
 const SHORT_PUSH: f32 = 0.022;
-const LONG_PUSH: f32 = 0.088;
-const MORE_LOAD: f32 = 0.8;
+const LONG_PUSH: f32 = 0.0885;
+const MORE_LOAD: f32 = 0.78;
 /// The longest push-over \[s\].
 const MAX_PUSH: f32 = 0.5;
 /// Part of the sink velocity beyond the one wanted that a push-over need not make: who falls turns the nose up at once.
