@@ -330,8 +330,9 @@ fn starts_that_were_lost_converge() {
 }
 
 /// Without an accelerometer what is believed wrongly of the wing is found by the integral alone, which a turn turns away
-/// from. What is left of the error chooses crossings of the stall on some courses: of twelve, begun 30° apart, seven keep 0.53 m/s
-/// (rms), two 0.8 m/s, and three are 2.4 to 3.9 m/s off; the deepest sinks 9.2 m.
+/// from. What is left of the error chooses crossings of the stall on some courses: of twelve, begun 30° apart, six keep 0.4 m/s
+/// (rms), and the others are 0.7 to 3.3 m/s off; the deepest sinks 7.9 m. Which ones cross is decided by little: of 36 courses 17
+/// keep 0.4 m/s, and the mean is 1.1 m/s.
 #[test]
 fn a_circle_without_an_accelerometer() {
     let mut errors: Vec<f64> = (0..12)
@@ -345,7 +346,11 @@ fn a_circle_without_an_accelerometer() {
         })
         .collect();
     errors.sort_by(f64::total_cmp);
-    assert!(errors[6] < 0.6 && errors[11] < 5.0, "{errors:?}");
+    let mean = errors.iter().sum::<f64>() / 12.0;
+    assert!(
+        errors[4] < 0.5 && errors[11] < 5.0 && mean < 1.5,
+        "{errors:?}"
+    );
 }
 
 /// The same seed gives the same start and the same flight, another one another.
