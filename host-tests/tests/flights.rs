@@ -206,6 +206,32 @@ fn stops_at_once_are_short_at_any_moment() {
     }
 }
 
+/// The measured table of the NACA 0021 in place of the fitted model, parameters by rule, braking begun at four moments: within 1.5 m of
+/// altitude and 5 m ahead. Measured at twelve moments: −1.2…+0.9 m, 2.4 m ahead.
+#[test]
+fn the_measured_wing_is_flown_as_the_fitted_one() {
+    let table = "vehicle.aerodynamics.table={polar=\"naca-0021-re-160e3\"}";
+    let rule = "controller.guidance={for_vehicle={rate_lag_s=0.1,thrust_lag_s=0.05,cruise_speed_m_s=20.0}}";
+    for step in 0..4 {
+        let t = 30.0 + 0.05 * f64::from(step);
+        let knots = format!(
+            "reference.knots=[{{t_s=5.0,down_m_s=0.0,forward_m_s=0.0}},{{t_s=15.0,down_m_s=0.0,forward_m_s=20.0}},\
+             {{t_s={t:.2},down_m_s=0.0,forward_m_s=20.0}},{{t_s={:.2},down_m_s=0.0,forward_m_s=0.0}}]",
+            t + 10.0
+        );
+        let (figures, _) = flown(&experiment(
+            "round-trip",
+            &[table, rule, &knots, "duration_s=60.0"],
+        ));
+        let [low, high, ahead] =
+            ["altitude_least_m", "altitude_most_m", "forward_most_m"].map(|n| figures.get(n));
+        assert!(
+            low > -1.5 && high < 1.5 && ahead < 5.0,
+            "{t}: {low} {high} {ahead}"
+        );
+    }
+}
+
 /// Falls with hover asked: θ = 180° at 3 and 20 m/s, and pitch −80° at 20 m/s. Measured: 9.5, 24.6 and 21.7 m lost; the least
 /// possible are 7.0, 16.6 and 18.4 m, and one and a half times that is asked for. Without the virtual flight the last two fell for good.
 #[test]
