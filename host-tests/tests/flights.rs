@@ -232,7 +232,7 @@ fn the_measured_wing_is_flown_as_the_fitted_one() {
     }
 }
 
-/// Falls with hover asked: θ = 180° at 3 and 20 m/s, and pitch −80° at 20 m/s. Measured: 9.5, 24.6 and 21.7 m lost; the least
+/// Falls with hover asked: θ = 180° at 3 and 20 m/s, and pitch −80° at 20 m/s. Measured at T/W 2: 9.5, 24.6 and 21.7 m lost; the least
 /// possible are 7.0, 16.6 and 18.4 m, and one and a half times that is asked for. Without the virtual flight the last two fell for good.
 #[test]
 fn falls_are_left() {
