@@ -14,7 +14,7 @@ use toml::{Table, Value};
 use super::table::Range;
 use super::{BUILT_IN, Experiment, VehicleSpec};
 use crate::controllers::KINDS;
-use crate::named::{Named, nearest, on_one_line};
+use crate::named::{Named, hint, on_one_line};
 
 /// Most tables that a dotted path goes through: as many as TOML's reader lets a text nest.
 const DEEPEST: usize = 80;
@@ -423,9 +423,7 @@ fn in_words(message: &str) -> String {
         let mut quoted = text.split('`').skip(1).step_by(2);
         let given = quoted.next().unwrap_or_default();
         let known: Vec<&str> = quoted.collect();
-        if let Some(name) = nearest(given, &known) {
-            text = format!("{text}; did you mean `{name}`?");
-        }
+        text += &hint(given, &known);
     }
     text
 }
