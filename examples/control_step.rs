@@ -10,8 +10,8 @@ use alula::spatial::{
 };
 use alula::{
     Combined, Command, Equilibria, EquilibriumError, Fault, FeedForward, FoldMap, FoldMargin,
-    GainChoice, Guidance, GuidanceInput, GuidanceState, Guided, Inertial, Model, Reference, State,
-    Vehicle, VelocityControl,
+    GainChoice, Guidance, GuidanceInput, GuidanceOutput, GuidanceState, Inertial, Model, Reference,
+    State, Vehicle, VelocityControl,
 };
 
 /// The robust law on the combined model.
@@ -53,7 +53,7 @@ pub fn guidance(
     state: &mut GuidanceState,
     input: &GuidanceInput,
     dt: f32,
-) -> Guided {
+) -> GuidanceOutput {
     guidance.update(state, input, dt)
 }
 
@@ -108,7 +108,7 @@ pub fn estimates(
 /// How fast a path may go on.
 #[inline(never)]
 pub fn pace(guidance: &Guidance<Model, GainChoice>, position_error: Ned, velocity: Ned) -> f32 {
-    guidance.pace(position_error, velocity)
+    guidance.path_time_scale(position_error, velocity)
 }
 
 /// What the search must find, when it is asked to prove that it can.

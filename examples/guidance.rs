@@ -30,7 +30,7 @@ fn main() -> Result<(), ParameterError> {
         };
         let speed = (2.0 * (t - 1.0)).clamp(0.0, 18.0) - (2.0 * (t - 20.0)).clamp(0.0, 18.0);
         let attitude = Attitude::from_angle(theta);
-        let input = PlanarInput {
+        let input = PlanarGuidanceInput {
             velocity,
             attitude,
             air: Air::Velocity(velocity),
@@ -38,7 +38,7 @@ fn main() -> Result<(), ParameterError> {
                 velocity: Inertial::new(0.0, speed),
                 acceleration: Inertial::new(0.0, acceleration),
             },
-            ..PlanarInput::default()
+            ..PlanarGuidanceInput::default()
         };
         let command = guidance.update_in_plane(&mut memory, &input, DT).command;
 

@@ -29,12 +29,12 @@ fn fly(board: &mut impl Board) -> Result<(), ParameterError> {
     let mut memory = GuidanceState::default();
     while board.next_period() {
         let (velocity, air, theta) = board.measured();
-        let input = PlanarInput {
+        let input = PlanarGuidanceInput {
             velocity,
             attitude: Attitude::from_angle(theta),
             air: Air::Velocity(air),
             reference: board.reference(),
-            ..PlanarInput::default()
+            ..PlanarGuidanceInput::default()
         };
         let guided = guidance.update_in_plane(&mut memory, &input, PERIOD);
         // In every mode the command is one to be flown. It begins with the safe one, no thrust, until good inputs have come for a while.

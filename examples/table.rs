@@ -48,7 +48,7 @@ fn main() -> Result<(), ParameterError> {
     )?;
     let guidance = Guidance::new(vehicle, &GuidanceParameters::DEFAULT)?;
     // It stands in still air. The guidance wants to have seen good inputs for a while before it flies.
-    let (input, mut memory) = (PlanarInput::default(), GuidanceState::default());
+    let (input, mut memory) = (PlanarGuidanceInput::default(), GuidanceState::default());
     let mut thrust = 0.0;
     for _ in 0..100 {
         let guided = guidance.update_in_plane(&mut memory, &input, 0.01);

@@ -136,7 +136,7 @@ class Law:
     ) -> Frame: ...
 
 @final
-class Guided:
+class GuidanceOutput:
     """What a step of the guidance gives: always a command."""
 
     @property
@@ -152,7 +152,7 @@ class Guided:
     @property
     def status(self) -> list[str]: ...
     @property
-    def refusal(self) -> str | None: ...
+    def reject_reason(self) -> str | None: ...
     @property
     def phase(self) -> Literal["tracking", "crossing", "coasting", "recovering"]: ...
     @property
@@ -201,9 +201,9 @@ class Guidance:
         reference_age: float = 0.0,
         axes: _Axes = "nose-forward",
         altitude_band: float = 0.0,
-        short_of_vertical: bool = False,
-        place_free: bool = False,
-    ) -> Guided: ...
+        nose_below_vertical: bool = False,
+        hold_altitude_only: bool = False,
+    ) -> GuidanceOutput: ...
     def update_in_plane(
         self,
         dt: float,
@@ -219,9 +219,9 @@ class Guidance:
         state_age: float = 0.0,
         reference_age: float = 0.0,
         altitude_band: float = 0.0,
-        short_of_vertical: bool = False,
-        place_free: bool = False,
-    ) -> Guided: ...
+        nose_below_vertical: bool = False,
+        hold_altitude_only: bool = False,
+    ) -> GuidanceOutput: ...
 
 @final
 class Fleet:

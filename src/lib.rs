@@ -73,8 +73,8 @@ pub use equilibrium::{Equilibria, Equilibrium, EquilibriumError, FoldMap, FoldMa
 pub use error::{ParameterError, Problem};
 pub use frame::{Attitude, Body, Inertial};
 pub use guidance::{
-    BandwidthGains, GainChoice, Guidance, GuidanceInput, GuidanceParameters, GuidanceState, Guided,
-    PlanarGuided, PlanarInput, ResponseParameters,
+    BandwidthGains, GainChoice, Guidance, GuidanceInput, GuidanceOutput, GuidanceParameters,
+    GuidanceState, PlanarGuidanceInput, PlanarGuidanceOutput, ResponseParameters,
 };
 pub use parameters::{Parameters, Range, Row};
 pub use reference::Reference;

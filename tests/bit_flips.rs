@@ -69,10 +69,10 @@ impl World {
         n: usize,
         plant: &mut Plant,
         memory: &mut GuidanceState,
-    ) -> PlanarGuided {
+    ) -> PlanarGuidanceOutput {
         let known = n < mission.link_lost;
         let stage = mission.stages[n.min(mission.link_lost) * 2 / 1000];
-        let input = PlanarInput {
+        let input = PlanarGuidanceInput {
             velocity: plant.velocity,
             attitude: Attitude::from_angle(plant.theta),
             state_age: 0.0,
@@ -84,7 +84,7 @@ impl World {
                 acceleration: Inertial::ZERO,
             },
             reference_age: if known { 0.0 } else { 1.0 },
-            ..PlanarInput::default()
+            ..PlanarGuidanceInput::default()
         };
         let guided = self.guidance.update_in_plane(memory, &input, DT);
         for _ in 0..4 {

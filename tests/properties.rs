@@ -45,7 +45,7 @@ fn mirrored(v: Inertial) -> Inertial {
     Inertial::new(v.down(), -v.forward())
 }
 
-fn frame() -> impl Strategy<Value = (PlanarInput, f32)> {
+fn frame() -> impl Strategy<Value = (PlanarGuidanceInput, f32)> {
     let number = prop_oneof![8 => -30.0f32..30.0, 1 => any::<f32>()];
     let vector =
         (number.clone(), number.clone()).prop_map(|(down, forward)| Inertial::new(down, forward));
@@ -79,7 +79,7 @@ fn frame() -> impl Strategy<Value = (PlanarInput, f32)> {
                 reference_age,
                 dt,
             )| {
-                let input = PlanarInput {
+                let input = PlanarGuidanceInput {
                     velocity,
                     attitude: Attitude::from_angle(theta),
                     state_age,
@@ -91,7 +91,7 @@ fn frame() -> impl Strategy<Value = (PlanarInput, f32)> {
                         acceleration: a_r,
                     },
                     reference_age,
-                    ..PlanarInput::default()
+                    ..PlanarGuidanceInput::default()
                 };
                 (input, dt)
             },

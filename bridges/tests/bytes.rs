@@ -4,7 +4,7 @@
 //! `cargo test --release -p alula-bridges --test bytes -- --ignored` reads ten million.
 #![cfg(not(target_os = "none"))]
 
-use alula::{Inertial, PlanarInput};
+use alula::{Inertial, PlanarGuidanceInput};
 use alula_bridges::companion::{
     Autopilot, Body, BodyState, Companion, HoldParameters, InPlane, Kind, MavHeader, Planar,
     Settings, Stage, Sticks, Wanted, wire,
@@ -153,7 +153,7 @@ impl Body for Still {
 struct Echo;
 
 impl Planar for Echo {
-    fn answer(&mut self, input: &PlanarInput, _: f32) -> Option<(f32, f32)> {
+    fn answer(&mut self, input: &PlanarGuidanceInput, _: f32) -> Option<(f32, f32)> {
         Some((input.velocity.forward() * 1e3, input.velocity.down()))
     }
 }

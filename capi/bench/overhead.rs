@@ -10,7 +10,8 @@ use alula::ned::{BodyAxes, Quaternion};
 use alula::spatial::{Body, Command, Heading, Ned, Orientation, Reference, State};
 use alula::{
     BandwidthGains, Combined, CombinedParameters, Fault, GainChoice, Guidance, GuidanceInput,
-    GuidanceParameters, GuidanceState, Guided, Model, ParameterError, Vehicle, VehicleParameters,
+    GuidanceOutput, GuidanceParameters, GuidanceState, Model, ParameterError, Vehicle,
+    VehicleParameters,
 };
 
 /// What the calls need.
@@ -42,7 +43,8 @@ pub struct Flown {
 /// Room that the C side keeps for a `Fixture`, a `Case` and a result \[bytes\].
 const ROOM: usize = 1280;
 const _: () = assert!(size_of::<Fixture>() <= ROOM && size_of::<Case>() <= ROOM);
-const _: () = assert!(size_of::<Result<Command, Fault>>() <= ROOM && size_of::<Guided>() <= ROOM);
+const _: () =
+    assert!(size_of::<Result<Command, Fault>>() <= ROOM && size_of::<GuidanceOutput>() <= ROOM);
 const _: () = assert!(size_of::<Result<Flown, Fault>>() <= ROOM);
 
 fn fixture() -> Result<Fixture, ParameterError> {
@@ -186,7 +188,7 @@ pub extern "C" fn overhead_guide_combined(
     fixture: &mut Fixture,
     case: &Case,
     dt: f32,
-    guided: &mut Guided,
+    guided: &mut GuidanceOutput,
 ) -> i32 {
     *guided = fixture.combined.update(&mut fixture.state, &case.input, dt);
     0
@@ -198,7 +200,7 @@ pub extern "C" fn overhead_guide_any(
     fixture: &mut Fixture,
     case: &Case,
     dt: f32,
-    guided: &mut Guided,
+    guided: &mut GuidanceOutput,
 ) -> i32 {
     *guided = fixture.any.update(&mut fixture.state, &case.input, dt);
     0
@@ -212,7 +214,7 @@ fn numbers(command: &Command) -> [f32; 4] {
 
 /// Thrust and rates of a step of the guidance, for comparison.
 #[unsafe(no_mangle)]
-pub extern "C" fn overhead_guided(guided: &Guided, out: &mut [f32; 4]) {
+pub extern "C" fn overhead_guided(guided: &GuidanceOutput, out: &mut [f32; 4]) {
     *out = numbers(&guided.command);
 }
 

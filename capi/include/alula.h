@@ -267,13 +267,13 @@
 /**
  * Flag of an input, for `alula_guide`: the nose stays short of the vertical while the vehicle flies forward.
  */
-#define ALULA_SHORT_OF_VERTICAL (1 << 5)
+#define ALULA_NOSE_BELOW_VERTICAL (1 << 5)
 
 /**
  * Flag of an input, for `alula_guide`: the place does not matter, as in a stop; `position_error` to the north and east is that
  * of a reference that goes along with the vehicle.
  */
-#define ALULA_PLACE_FREE (1 << 6)
+#define ALULA_HOLD_ALTITUDE_ONLY (1 << 6)
 
 /**
  * The guidance gives the safe command.
@@ -528,7 +528,7 @@ typedef struct alula_guidance_parameters {
      * |F_p| below which the gains grow no further.
      * Unit: the vehicle's weight m g. From 0.001 to 1000.0, default 0.57.
      */
-    float force_floor;
+    float gain_schedule_floor;
     /**
      * Force τ below which the guard μ_τ acts.
      * Unit: the vehicle's weight m g. From 0.001 to 1000.0, default 0.91.
@@ -606,7 +606,7 @@ typedef struct alula_guidance_parameters {
      * flights in one plane.
      * Unit: g. From 0.0 to 100.0, default 2.0.
      */
-    float max_turn;
+    float max_lateral_acceleration;
     /**
      * Greatest angular rate commanded, about each body axis.
      * Unit: rad/s. From 0.001 to 1000.0, default 2.8.
@@ -823,7 +823,7 @@ typedef struct alula_input {
      */
     uint32_t header;
     /**
-     * Sum of `ALULA_FEED_FORWARD`, `ALULA_POSITION`, `ALULA_SPECIFIC_FORCE`, `ALULA_SHORT_OF_VERTICAL`, `ALULA_PLACE_FREE` and
+     * Sum of `ALULA_FEED_FORWARD`, `ALULA_POSITION`, `ALULA_SPECIFIC_FORCE`, `ALULA_NOSE_BELOW_VERTICAL`, `ALULA_HOLD_ALTITUDE_ONLY` and
      * one of `ALULA_AIR_VELOCITY` and `ALULA_AIR_UNKNOWN`, or 0.
      */
     uint32_t flags;
@@ -958,7 +958,7 @@ typedef struct alula_goal {
     /**
      * 1 if the nose is to stay short of the vertical while the vehicle flies forward, else 0.
      */
-    uint32_t short_of_vertical;
+    uint32_t nose_below_vertical;
     /**
      * Result: 1 if the reference stands at the goal, at rest there or at the velocity, else 0.
      */
@@ -1244,8 +1244,8 @@ int32_t alula_goal_default(struct alula_goal *goal);
 /**
  * The reference, the position error and the wishes of `input` for `goal`, before `alula_guide` is called with it: at `position` [m],
  * north, east, down, and the velocity that is in `input`, `dt` [s] after the last. It sets `reference_velocity`,
- * `reference_acceleration`, `position_error` with `ALULA_POSITION`, `reference_age`, `altitude_band`, `ALULA_SHORT_OF_VERTICAL`
- * and `ALULA_PLACE_FREE`. A new goal begins where the vehicle is. With any code but `ALULA_OK` neither `goal` nor `input` has changed.
+ * `reference_acceleration`, `position_error` with `ALULA_POSITION`, `reference_age`, `altitude_band`, `ALULA_NOSE_BELOW_VERTICAL`
+ * and `ALULA_HOLD_ALTITUDE_ONLY`. A new goal begins where the vehicle is. With any code but `ALULA_OK` neither `goal` nor `input` has changed.
  *
  * Pointers:
  * `goal` and `input` are each null or point to memory of the caller's that holds at least the header word; the whole structure
@@ -1299,7 +1299,7 @@ int32_t alula_step(const struct alula_controller *controller,
  * Pointers:
  * `controller` as in `alula_step`. Each vector is null or points to three numbers, `pace` is null or points to one.
  */
-int32_t alula_path_pace(const struct alula_controller *controller,
+int32_t alula_path_time_scale(const struct alula_controller *controller,
                         const float *position_error,
                         const float *velocity,
                         float *pace);

@@ -4,7 +4,7 @@
 use core::ffi::{CStr, c_char};
 
 use alula::aero::TableProblem;
-use alula::guidance::{Refusal, Status};
+use alula::guidance::{RejectReason, Status};
 use alula::{EquilibriumError, Fault, Problem};
 
 use crate::parameters;
@@ -111,12 +111,12 @@ pub(crate) const fn of_fault(fault: Fault) -> i32 {
 }
 
 /// The code of a refused frame.
-pub(crate) const fn of_refusal(refusal: Refusal) -> i32 {
-    match refusal {
-        Refusal::TimeStep => ALULA_ERROR_TIME_STEP,
-        Refusal::StateAge => ALULA_ERROR_STATE_AGE,
-        Refusal::NoReference => ALULA_ERROR_NO_REFERENCE,
-        Refusal::Law(fault) => of_fault(fault),
+pub(crate) const fn of_reject_reason(reason: RejectReason) -> i32 {
+    match reason {
+        RejectReason::TimeStep => ALULA_ERROR_TIME_STEP,
+        RejectReason::StateAge => ALULA_ERROR_STATE_AGE,
+        RejectReason::NoReference => ALULA_ERROR_NO_REFERENCE,
+        RejectReason::Law(fault) => of_fault(fault),
     }
 }
 

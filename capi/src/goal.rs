@@ -1,11 +1,14 @@
 //! Goals beside references: the input's reference and position error for a place, a stop or a velocity.
 
-use alula::guidance::{Goal as Core, GoalState, Goals, Preferences, Wishes};
+use alula::guidance::{Goal as Core, GoalState, Goals, PlannerOptions, Preferences};
 use alula::spatial::Ned;
 
 use crate::boundary::{self, Layout};
 use crate::code;
-use crate::input::{ALULA_PLACE_FREE, ALULA_POSITION, ALULA_SHORT_OF_VERTICAL, Input, WISHES, ned};
+use crate::input::{
+    ALULA_HOLD_ALTITUDE_ONLY, ALULA_NOSE_BELOW_VERTICAL, ALULA_POSITION, Input, PLANNER_OPTIONS,
+    ned,
+};
 
 /// Goal: to hover at the position `target` \[m\].
 pub const ALULA_GOAL_HOVER: u32 = 1;
@@ -35,7 +38,7 @@ pub struct Goal {
     /// `altitude_band`.
     pub altitude_band: f32,
     /// 1 if the nose is to stay short of the vertical while the vehicle flies forward, else 0.
-    pub short_of_vertical: u32,
+    pub nose_below_vertical: u32,
     /// Result: 1 if the reference stands at the goal, at rest there or at the velocity, else 0.
     pub reached: u32,
     /// Private: what is remembered, and a copy of it.
@@ -55,7 +58,7 @@ impl Goal {
         climb: 3.0,
         acceleration: 2.0,
         altitude_band: 0.0,
-        short_of_vertical: 0,
+        nose_below_vertical: 0,
         reached: 0,
         opaque: [0; 23],
     };
@@ -80,31 +83,32 @@ impl Goal {
             speed: self.speed,
             climb: self.climb,
             acceleration: self.acceleration,
-            wishes: Wishes {
+            planner_options: PlannerOptions {
                 altitude_band: self.altitude_band,
-                short_of_vertical: match self.short_of_vertical {
+                nose_below_vertical: match self.nose_below_vertical {
                     0 => false,
                     1 => true,
                     _ => return Err(code::ALULA_ERROR_GOAL),
                 },
-                ..Wishes::default()
+                ..PlannerOptions::default()
             },
         });
         let goals = goals.map_err(|_| code::ALULA_ERROR_GOAL)?;
         let mut state = GoalState::from_words(&self.opaque);
-        let (reference, error, wishes) = goals.step(&mut state, &goal, position, velocity, dt);
+        let (reference, error, planner_options) =
+            goals.step(&mut state, &goal, position, velocity, dt);
         let after = Self {
             reached: state.is_reached().into(),
             opaque: state.to_words(),
             ..*self
         };
         let input = Input {
-            flags: input.flags & !WISHES | ALULA_POSITION | flags(&wishes),
+            flags: input.flags & !PLANNER_OPTIONS | ALULA_POSITION | flags(&planner_options),
             reference_velocity: components(reference.velocity),
             reference_acceleration: components(reference.acceleration),
             position_error: components(error),
             reference_age: 0.0,
-            altitude_band: wishes.altitude_band,
+            altitude_band: planner_options.altitude_band,
             ..*input
         };
         Ok((after, input))
@@ -120,10 +124,12 @@ fn core(kind: u32, target: Ned) -> Option<Core> {
     }
 }
 
-fn flags(wishes: &Wishes) -> u32 {
+fn flags(planner_options: &PlannerOptions) -> u32 {
     let flag = |wished, flag| if wished { flag } else { 0 };
-    flag(wishes.short_of_vertical, ALULA_SHORT_OF_VERTICAL)
-        | flag(wishes.place_free, ALULA_PLACE_FREE)
+    flag(
+        planner_options.nose_below_vertical,
+        ALULA_NOSE_BELOW_VERTICAL,
+    ) | flag(planner_options.hold_altitude_only, ALULA_HOLD_ALTITUDE_ONLY)
 }
 
 fn components(v: Ned) -> [f32; 3] {
@@ -148,8 +154,8 @@ pub unsafe extern "C" fn alula_goal_default(goal: *mut Goal) -> i32 {
 
 /// The reference, the position error and the wishes of `input` for `goal`, before `alula_guide` is called with it: at `position` \[m\],
 /// north, east, down, and the velocity that is in `input`, `dt` \[s\] after the last. It sets `reference_velocity`,
-/// `reference_acceleration`, `position_error` with `ALULA_POSITION`, `reference_age`, `altitude_band`, `ALULA_SHORT_OF_VERTICAL`
-/// and `ALULA_PLACE_FREE`. A new goal begins where the vehicle is. With any code but `ALULA_OK` neither `goal` nor `input` has changed.
+/// `reference_acceleration`, `position_error` with `ALULA_POSITION`, `reference_age`, `altitude_band`, `ALULA_NOSE_BELOW_VERTICAL`
+/// and `ALULA_HOLD_ALTITUDE_ONLY`. A new goal begins where the vehicle is. With any code but `ALULA_OK` neither `goal` nor `input` has changed.
 ///
 /// # Safety
 /// `goal` and `input` are each null or point to memory of the caller's that holds at least the header word; the whole structure

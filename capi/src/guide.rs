@@ -1,16 +1,17 @@
 //! The step of the guidance.
 
-use alula::guidance::{Mode, Wishes};
+use alula::guidance::{Mode, PlannerOptions};
 use alula::ned::{BodyAxes, Quaternion};
 use alula::spatial::Orientation;
-use alula::{GuidanceInput, Guided};
+use alula::{GuidanceInput, GuidanceOutput};
 
 use crate::boundary;
 use crate::code;
 use crate::command::Command;
 use crate::controller::{Controller, Initialised, initialised_mut};
 use crate::input::{
-    ALULA_PLACE_FREE, ALULA_POSITION, ALULA_SHORT_OF_VERTICAL, ALULA_SPECIFIC_FORCE, Input, ned,
+    ALULA_HOLD_ALTITUDE_ONLY, ALULA_NOSE_BELOW_VERTICAL, ALULA_POSITION, ALULA_SPECIFIC_FORCE,
+    Input, ned,
 };
 use crate::report::Report;
 
@@ -29,10 +30,10 @@ impl Input {
             position_error: (self.flags & ALULA_POSITION != 0).then(|| ned(self.position_error)),
             reference: self.reference(),
             reference_age: self.reference_age,
-            wishes: Wishes {
+            planner_options: PlannerOptions {
                 altitude_band: self.altitude_band,
-                short_of_vertical: self.flags & ALULA_SHORT_OF_VERTICAL != 0,
-                place_free: self.flags & ALULA_PLACE_FREE != 0,
+                nose_below_vertical: self.flags & ALULA_NOSE_BELOW_VERTICAL != 0,
+                hold_altitude_only: self.flags & ALULA_HOLD_ALTITUDE_ONLY != 0,
             },
         }
     }
@@ -41,7 +42,12 @@ impl Input {
 impl Initialised<'_> {
     /// The command of a step of the guidance. Its attitude set-point is kept in case that it is to be held.
     #[inline(always)]
-    fn guided_command(&mut self, input: &Input, axes: BodyAxes, guided: &Guided) -> Command {
+    fn guided_command(
+        &mut self,
+        input: &Input,
+        axes: BodyAxes,
+        guided: &GuidanceOutput,
+    ) -> Command {
         if guided.mode == Mode::Flying {
             let status = u32::from(guided.status.bits());
             let command = self.flown(input, axes, &guided.command, status);
@@ -57,7 +63,7 @@ impl Initialised<'_> {
     /// one.
     #[cold]
     #[inline(never)]
-    fn substitute(&mut self, input: &Input, axes: BodyAxes, guided: &Guided) -> Command {
+    fn substitute(&mut self, input: &Input, axes: BodyAxes, guided: &GuidanceOutput) -> Command {
         const ALIGNED: Quaternion = Quaternion {
             w: 1.0,
             x: 0.0,
@@ -122,7 +128,9 @@ pub unsafe extern "C" fn alula_guide(
         if !report.is_null() {
             report.write(Report::of_guidance(&guided));
         }
-        guided.refusal.map_or(code::ALULA_OK, code::of_refusal)
+        guided
+            .reject_reason
+            .map_or(code::ALULA_OK, code::of_reject_reason)
     }
 }
 

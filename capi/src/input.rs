@@ -26,10 +26,10 @@ pub const ALULA_AIR_UNKNOWN: u32 = 1 << 3;
 /// Flag of an input, for `alula_guide`: `specific_force` is to be used.
 pub const ALULA_SPECIFIC_FORCE: u32 = 1 << 4;
 /// Flag of an input, for `alula_guide`: the nose stays short of the vertical while the vehicle flies forward.
-pub const ALULA_SHORT_OF_VERTICAL: u32 = 1 << 5;
+pub const ALULA_NOSE_BELOW_VERTICAL: u32 = 1 << 5;
 /// Flag of an input, for `alula_guide`: the place does not matter, as in a stop; `position_error` to the north and east is that
 /// of a reference that goes along with the vehicle.
-pub const ALULA_PLACE_FREE: u32 = 1 << 6;
+pub const ALULA_HOLD_ALTITUDE_ONLY: u32 = 1 << 6;
 
 /// State and reference in north-east-down world and forward-right-down body axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,7 +37,7 @@ pub const ALULA_PLACE_FREE: u32 = 1 << 6;
 pub struct Input {
     /// `ALULA_HEADER(alula_input)`.
     pub header: u32,
-    /// Sum of `ALULA_FEED_FORWARD`, `ALULA_POSITION`, `ALULA_SPECIFIC_FORCE`, `ALULA_SHORT_OF_VERTICAL`, `ALULA_PLACE_FREE` and
+    /// Sum of `ALULA_FEED_FORWARD`, `ALULA_POSITION`, `ALULA_SPECIFIC_FORCE`, `ALULA_NOSE_BELOW_VERTICAL`, `ALULA_HOLD_ALTITUDE_ONLY` and
     /// one of `ALULA_AIR_VELOCITY` and `ALULA_AIR_UNKNOWN`, or 0.
     pub flags: u32,
     /// Body axes of this input and of its command: `ALULA_BODY_NOSE_FORWARD` or `ALULA_BODY_NOSE_UP`.
@@ -103,7 +103,7 @@ impl Input {
     #[inline(always)]
     pub(crate) fn axes(&self) -> Result<BodyAxes, i32> {
         const FLAGS: u32 =
-            ALULA_FEED_FORWARD | ALULA_POSITION | ALULA_SPECIFIC_FORCE | WISHES | AIR;
+            ALULA_FEED_FORWARD | ALULA_POSITION | ALULA_SPECIFIC_FORCE | PLANNER_OPTIONS | AIR;
         if self.flags & !FLAGS != 0 || self.flags & AIR == AIR {
             return Err(code::ALULA_ERROR_SELECTOR);
         }
@@ -171,8 +171,8 @@ unsafe impl Layout for Input {}
 
 /// Flags that say what `air` is.
 const AIR: u32 = ALULA_AIR_VELOCITY | ALULA_AIR_UNKNOWN;
-/// Flags of the wishes.
-pub(crate) const WISHES: u32 = ALULA_SHORT_OF_VERTICAL | ALULA_PLACE_FREE;
+/// Flags of the planner_options.
+pub(crate) const PLANNER_OPTIONS: u32 = ALULA_NOSE_BELOW_VERTICAL | ALULA_HOLD_ALTITUDE_ONLY;
 
 #[inline(always)]
 pub(crate) const fn ned([north, east, down]: [f32; 3]) -> Ned {

@@ -40,7 +40,7 @@ pub use parameters::{
     ALULA_GAINS_BANDWIDTH, ALULA_GAINS_CONSTANT, ALULA_MODEL_TABLE, CHOICES, ControllerParameters,
     Parameters, SECTIONS, Section, alula_parameters_default,
 };
-pub use path::alula_path_pace;
+pub use path::alula_path_time_scale;
 pub use report::*;
 pub use step::alula_step;
 pub use table::{ALULA_TABLE_ROWS, Table, TableRow, alula_table_init};

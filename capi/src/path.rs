@@ -12,18 +12,18 @@ use crate::input::ned;
 /// code but `ALULA_OK`.
 ///
 /// # Safety
-/// `controller` as in `alula_step`. Each vector is null or points to three numbers, `pace` is null or points to one.
+/// `controller` as in `alula_step`. Each vector is null or points to three numbers, `time_scale` is null or points to one.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn alula_path_pace(
+pub unsafe extern "C" fn alula_path_time_scale(
     controller: *const Controller,
     position_error: *const f32,
     velocity: *const f32,
-    pace: *mut f32,
+    time_scale: *mut f32,
 ) -> i32 {
     // SAFETY: Every pointer that passes its check points to what it is to point to, by the condition above: the controller
-    // to what its header word says, the vectors to three numbers each, `pace` to one.
+    // to what its header word says, the vectors to three numbers each, `time_scale` to one.
     unsafe {
-        if let Err(code) = boundary::check_pointer(pace) {
+        if let Err(code) = boundary::check_pointer(time_scale) {
             return code;
         }
         let made = boundary::check_pointer(position_error)
@@ -32,9 +32,11 @@ pub unsafe extern "C" fn alula_path_pace(
             .map(|controller| {
                 let position_error = ned(position_error.cast::<[f32; 3]>().read());
                 let velocity = ned(velocity.cast::<[f32; 3]>().read());
-                controller.guidance.pace(position_error, velocity)
+                controller
+                    .guidance
+                    .path_time_scale(position_error, velocity)
             });
-        pace.write(made.unwrap_or(1.0));
+        time_scale.write(made.unwrap_or(1.0));
         made.map_or_else(|code| code, |_| code::ALULA_OK)
     }
 }

@@ -1,6 +1,6 @@
 //! What a flight log needs of a step.
 
-use alula::Guided;
+use alula::GuidanceOutput;
 use alula::guidance::{AirUse, Mode, Phase, Unreachable};
 use alula::spatial::{Command, Ned, Reference};
 
@@ -119,7 +119,7 @@ impl Report {
     }
 
     /// Of a step of the guidance.
-    pub(crate) fn of_guidance(guided: &Guided) -> Self {
+    pub(crate) fn of_guidance(guided: &GuidanceOutput) -> Self {
         Self {
             mode: match guided.mode {
                 Mode::Safe => ALULA_MODE_SAFE,

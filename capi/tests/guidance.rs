@@ -155,7 +155,7 @@ fn a_guided_flight_is_the_cores_to_the_bit() {
             DT,
         );
         let (code, command, report) = guide(&mut c, &input);
-        assert_eq!(code == ALULA_OK, guided.refusal.is_none(), "{n}");
+        assert_eq!(code == ALULA_OK, guided.reject_reason.is_none(), "{n}");
         let rates = guided.command.rates;
         let rates = match axes {
             BodyAxes::NoseUp => [rates.j, rates.w, rates.i],
@@ -398,22 +398,22 @@ fn what_is_remembered_stays_where_it_is_when_the_vehicle_turns() {
 /// vehicle that lags behind; and the guidance flies it.
 #[test]
 fn goals_are_the_cores_to_the_bit() {
-    use alula::guidance::{Goal as Core, GoalState, Goals, Preferences, Wishes};
-    let wishes = Wishes {
+    use alula::guidance::{Goal as Core, GoalState, Goals, PlannerOptions, Preferences};
+    let planner_options = PlannerOptions {
         altitude_band: 0.5,
-        short_of_vertical: true,
-        ..Wishes::default()
+        nose_below_vertical: true,
+        ..PlannerOptions::default()
     };
     let mut goal = Goal {
-        altitude_band: wishes.altitude_band,
-        short_of_vertical: 1,
+        altitude_band: planner_options.altitude_band,
+        nose_below_vertical: 1,
         ..Goal::DEFAULT
     };
     let goals = Goals::new(Preferences {
         speed: 20.0,
         climb: 3.0,
         acceleration: 2.0,
-        wishes,
+        planner_options,
     });
     let (goals, mut state) = (goals.unwrap(), GoalState::default());
     let mut c = controller(&PAPER, null());
@@ -436,22 +436,22 @@ fn goals_are_the_cores_to_the_bit() {
         let code = unsafe { alula_goal_step(&mut goal, position.as_ptr(), DT, &mut input) };
         assert_eq!(code, ALULA_OK);
         let (x, v) = (ned(position), ned(velocity));
-        let (reference, error, wishes) = goals.step(&mut state, &asked.2, x, v, DT);
+        let (reference, error, planner_options) = goals.step(&mut state, &asked.2, x, v, DT);
         let three = |v: Ned| [v.north, v.east, v.down];
         let core = Input {
             velocity,
             flags: ALULA_SPECIFIC_FORCE
                 | ALULA_POSITION
-                | ALULA_SHORT_OF_VERTICAL
-                | if wishes.place_free {
-                    ALULA_PLACE_FREE
+                | ALULA_NOSE_BELOW_VERTICAL
+                | if planner_options.hold_altitude_only {
+                    ALULA_HOLD_ALTITUDE_ONLY
                 } else {
                     0
                 },
             reference_velocity: three(reference.velocity),
             reference_acceleration: three(reference.acceleration),
             position_error: three(error),
-            altitude_band: wishes.altitude_band,
+            altitude_band: planner_options.altitude_band,
             ..Input::DEFAULT
         };
         // A free heading is NaN, which equals nothing.
@@ -535,9 +535,10 @@ fn a_path_waits_for_who_is_behind() {
     for along in [-40.0, -1.0, 0.0, 7.0, 100.0, f32::NAN] {
         let (error, velocity) = ([0.6 * along, 0.8 * along, 3.0], [12.0, 16.0, 0.0]);
         let mut pace = 9.0;
-        let code = unsafe { alula_path_pace(&c, error.as_ptr(), velocity.as_ptr(), &mut pace) };
+        let code =
+            unsafe { alula_path_time_scale(&c, error.as_ptr(), velocity.as_ptr(), &mut pace) };
         assert_eq!(code, ALULA_OK);
-        assert_eq!(pace, core.pace(ned(error), ned(velocity)));
+        assert_eq!(pace, core.path_time_scale(ned(error), ned(velocity)));
         paces.push(pace);
     }
     assert!(paces[0] < paces[1] && paces[1] < 1.0 && paces[3] > 1.0);

@@ -93,7 +93,7 @@ static void call_all(int which, void *wrong, int32_t code)
     if (which == 1) {
         const float vector[3] = {1.0f, 2.0f, 3.0f};
         float pace = 9.0f;
-        CHECK(alula_path_pace(p[1], vector, vector, &pace) == code && pace == 1.0f);
+        CHECK(alula_path_time_scale(p[1], vector, vector, &pace) == code && pace == 1.0f);
         CHECK(alula_init(p[1], p[0], NULL) == code);
         CHECK(alula_reset(p[1]) == code);
         CHECK(alula_fold_map_init(p[5], p[1]) == code);
@@ -195,7 +195,7 @@ static int32_t call_goal(void)
     goal->kind = ALULA_GOAL_STOP;
     goal->speed = goal->climb = goal->acceleration = 2.0f;
     goal->altitude_band = 0.0f;
-    goal->short_of_vertical = 0;
+    goal->nose_below_vertical = 0;
     goal->target[0] = goal->target[1] = goal->target[2] = 0.0f;
     CHECK(alula_input_default(input) == ALULA_OK);
     for (int n = 0; n < 2; n++)

@@ -1,6 +1,6 @@
 //! The control loop, supervised: bytes and ticks in, replies and the command in force out.
 
-use alula::guidance::Refusal;
+use alula::guidance::RejectReason;
 use alula_link::{
     Admission, Answer, Configuration, Controller, Counters, Envelope, FromTarget, InForce, Input,
     Order, Pacing, Phase, Receiver, Status, ToTarget,
@@ -32,7 +32,7 @@ pub struct Flight {
     /// An input that waits for the next tick.
     pending: Option<Envelope<Input>>,
     command: InForce,
-    refusal: Option<Refusal>,
+    refusal: Option<RejectReason>,
     /// The last input is younger than the limit.
     fresh: bool,
     /// Ticks since the last input.
@@ -139,7 +139,7 @@ impl Flight {
     }
 
     /// Why the controller refused the last input, if it did.
-    pub fn refusal(&self) -> Option<Refusal> {
+    pub fn refusal(&self) -> Option<RejectReason> {
         self.refusal
     }
 
@@ -226,7 +226,7 @@ mod tests {
     use alula::guidance::{Air, Mode};
     use alula::{
         Attitude, CombinedParameters, Fault, GainParameters, GuidanceParameters, Inertial,
-        ModelParameters, Parameters, PlanarInput, Reference, State, VehicleParameters,
+        ModelParameters, Parameters, PlanarGuidanceInput, Reference, State, VehicleParameters,
     };
     use alula_link::damage::Mangler;
     use alula_link::{ControllerParameters, Law, LawGains, MAX_FRAME, RefusedParameter, encode};
@@ -276,11 +276,11 @@ mod tests {
     }
 
     fn guidance_input(n: u32) -> Input {
-        let input = PlanarInput {
+        let input = PlanarGuidanceInput {
             velocity: state(n).velocity,
             attitude: state(n).attitude,
             air: Air::Wind(Inertial::ZERO),
-            ..PlanarInput::default()
+            ..PlanarGuidanceInput::default()
         };
         Input::Guidance {
             input: (&input).into(),
@@ -433,7 +433,7 @@ mod tests {
         let answer = FromTarget::Answer(Answer::Law(Err(Fault::Wind)));
         assert_eq!(reply, Some(envelope(1, 3, answer)));
         assert_eq!(flight.command(), InForce::default());
-        assert_eq!(flight.refusal(), Some(Refusal::Law(Fault::Wind)));
+        assert_eq!(flight.refusal(), Some(RejectReason::Law(Fault::Wind)));
         send(&mut flight, 4, ToTarget::Input(input(4)));
         assert_eq!(
             (flight.refusal(), flight.command()),
@@ -466,7 +466,7 @@ mod tests {
             }
             // It needs some frames to leave the safe command, and does so twice.
             let mode = |n: usize| match &flown[n] {
-                Answer::Guided(guided) => guided.mode,
+                Answer::Guidance(guided) => guided.mode,
                 other => panic!("{other:?}"),
             };
             for start in [0, 20] {

@@ -4,10 +4,10 @@
 //! number of the memory undone; and after good frames for the recovery time and two steps more the guidance flies, if one
 //! fresh from power-on does.
 
-use alula::guidance::{Air, GuidanceParameters, Mode, Refusal, Status, Wishes};
+use alula::guidance::{Air, GuidanceParameters, Mode, RejectReason, Status, PlannerOptions};
 use alula::ned::{BodyAxes, Quaternion};
 use alula::spatial::{Body, Heading, Ned, Orientation, Reference};
-use alula::{Fault, Guidance, GuidanceInput, GuidanceState, Guided, Model, PlanarInput};
+use alula::{Fault, Guidance, GuidanceInput, GuidanceState, GuidanceOutput, Model, PlanarGuidanceInput};
 
 use crate::assert_finite;
 use crate::bytes::Bytes;
@@ -197,21 +197,21 @@ pub(crate) fn input(bytes: &mut Bytes) -> GuidanceInput {
         },
         reference_age: age(bytes),
         // Of the byte that says which kind of frame it is: what follows in the corpus is read as ever.
-        wishes: Wishes {
+        planner_options: PlannerOptions {
             altitude_band: match kind {
                 240.. => bytes.number(1.0),
                 _ => 0.0,
             },
-            short_of_vertical: kind % 8 == 7,
-            place_free: kind % 16 > 13,
+            nose_below_vertical: kind % 8 == 7,
+            hold_altitude_only: kind % 16 > 13,
         },
     }
 }
 
 /// A frame in one vertical plane, whose attitude may be none.
-fn planar(bytes: &mut Bytes) -> PlanarInput {
+fn planar(bytes: &mut Bytes) -> PlanarGuidanceInput {
     let position = bytes.inertial(50.0);
-    PlanarInput {
+    PlanarGuidanceInput {
         velocity: bytes.inertial(30.0),
         attitude: bytes.attitude(),
         air: Air::Velocity(bytes.inertial(30.0)),
@@ -220,7 +220,7 @@ fn planar(bytes: &mut Bytes) -> PlanarInput {
             velocity: bytes.inertial(30.0),
             acceleration: bytes.inertial(10.0),
         },
-        ..PlanarInput::default()
+        ..PlanarGuidanceInput::default()
     }
 }
 
@@ -236,13 +236,13 @@ fn orientation(bytes: &mut Bytes) -> Orientation {
     Orientation::from_quaternion(&Quaternion { w, x, y, z }, BodyAxes::NoseUp).unwrap_or_default()
 }
 
-fn bits(guided: &Guided) -> ([u32; 4], Mode) {
+fn bits(guided: &GuidanceOutput) -> ([u32; 4], Mode) {
     let c = guided.command;
     let numbers = [c.thrust, c.rates.i, c.rates.j, c.rates.w];
     (numbers.map(f32::to_bits), guided.mode)
 }
 
-fn check(guidance: &Guidance<Model>, p: &GuidanceParameters, guided: &Guided) {
+fn check(guidance: &Guidance<Model>, p: &GuidanceParameters, guided: &GuidanceOutput) {
     let vehicle = guidance.vehicle();
     let (thrust, rates) = (guided.command.thrust, guided.command.rates);
     assert!(
@@ -266,7 +266,7 @@ fn check(guidance: &Guidance<Model>, p: &GuidanceParameters, guided: &Guided) {
     ]);
     assert_finite(&[d.v_a.w, d.aerodynamic.w, d.f_y.norm_squared()]);
     assert_eq!(guided.mode != Mode::Flying, d.plane.k == 0.0);
-    assert!(guided.mode != Mode::Flying || guided.refusal.is_none());
+    assert!(guided.mode != Mode::Flying || guided.reject_reason.is_none());
 }
 
 /// Good frames, until the guidance flies as one fresh from power-on does.
@@ -282,7 +282,7 @@ fn recover(guidance: &Guidance<Model>, p: &GuidanceParameters, mut state: Guidan
         let guided = guidance.update(&mut state, &hover, DT);
         check(guidance, p, &guided);
         // The wind remembered may be one in which an absurd vehicle has no command; a fresh memory has none.
-        undefined |= guided.refusal == Some(Refusal::Law(Fault::Undefined));
+        undefined |= guided.reject_reason == Some(RejectReason::Law(Fault::Undefined));
         modes = (guided.mode, guidance.update(&mut fresh, &hover, DT).mode);
     }
     assert!(modes.0 == Mode::Flying || modes.1 != Mode::Flying || undefined);

@@ -79,7 +79,7 @@ impl Target {
                 "{answer:?}"
             );
         }
-        if let Answer::Guided(guided) = &answer {
+        if let Answer::Guidance(guided) = &answer {
             let vehicle = &configuration.vehicle;
             let limits = vehicle.thrust_min..=vehicle.thrust_max;
             assert!(limits.contains(&guided.command.thrust), "{guided:?}");

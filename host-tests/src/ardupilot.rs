@@ -7,7 +7,7 @@
 
 use std::collections::VecDeque;
 
-use alula::{PlanarInput, Reference};
+use alula::{PlanarGuidanceInput, Reference};
 use alula_bridges::sitl::{ActuatorState, Flow, Packet, Physics, Sample};
 use nalgebra::UnitQuaternion;
 use rand_chacha::ChaCha8Rng;
@@ -270,7 +270,7 @@ impl Physics for Vehicle<'_> {
                 let theta = wrap(measured.theta) as f32;
                 let input = Input {
                     theta,
-                    sample: PlanarInput {
+                    sample: PlanarGuidanceInput {
                         velocity: inertial(measured.velocity),
                         attitude: alula::Attitude::from_angle(theta),
                         air: measured.air,
@@ -280,7 +280,7 @@ impl Physics for Vehicle<'_> {
                             velocity: inertial(velocity),
                             acceleration: inertial(acceleration),
                         },
-                        ..PlanarInput::default()
+                        ..PlanarGuidanceInput::default()
                     },
                     feed_forward: None,
                 };

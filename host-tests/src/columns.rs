@@ -106,7 +106,7 @@ fn law(answer: &Answer, of: fn(&Diagnostics) -> f32) -> Option<Cell> {
 }
 
 /// Something that only the guidance reports.
-fn guided(answer: &Answer, of: fn(&alula::PlanarGuided) -> f32) -> Option<Cell> {
+fn guided(answer: &Answer, of: fn(&alula::PlanarGuidanceOutput) -> f32) -> Option<Cell> {
     answer.guided().map(|g| Cell::Single(of(g)))
 }
 

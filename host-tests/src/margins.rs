@@ -34,7 +34,7 @@ pub struct Bandwidth {
     /// ω_v \[1/s\].
     pub thrust_rate: f64,
     /// Floor of |F_p| \[N\].
-    pub force_floor: f64,
+    pub gain_schedule_floor: f64,
     /// τ \[N\].
     pub tau: f64,
 }
@@ -56,7 +56,7 @@ impl LoopGains {
             natural_frequency: p.natural_frequency.into(),
             damping: p.damping.into(),
             thrust_rate: p.thrust_rate.into(),
-            force_floor: f64::from(p.force_floor) * weight,
+            gain_schedule_floor: f64::from(p.gain_schedule_floor) * weight,
             tau: f64::from(p.tau) * weight,
         })
     }
@@ -74,7 +74,7 @@ impl LoopGains {
         match self {
             Self::Constant(gains) => *gains,
             Self::Bandwidth(p) => {
-                let force = norm.max(p.force_floor);
+                let force = norm.max(p.gain_schedule_floor);
                 Gains {
                     k1: mass * p.thrust_rate / force,
                     k2: mass * (p.natural_frequency / force).powi(2),

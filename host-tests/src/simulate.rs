@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use alula::guidance::Air;
-use alula::{Attitude, FeedForward, Inertial, PlanarInput, Reference};
+use alula::{Attitude, FeedForward, Inertial, PlanarGuidanceInput, Reference};
 
 use crate::controllers::{Answer, Controller, Input, inertial};
 use crate::experiment::{Experiment, FaultKind, Faults, Measured, Plant, State, Weather, stream};
@@ -202,7 +202,7 @@ impl Telling {
         faults: &mut Faults<Measured>,
         t: f64,
         (fresh, reference, reference_position): (Measured, Reference, Vector),
-    ) -> PlanarInput {
+    ) -> PlanarGuidanceInput {
         let fresh = faults.distort(t, fresh);
         let fails = |kind| faults.lasts(kind, t);
         let (measured_at, mut measured) = match self.measured {
@@ -219,7 +219,7 @@ impl Telling {
         let nan = |value: f32, kind| if fails(kind) { f32::NAN } else { value };
         self.theta = nan(wrap(measured.theta) as f32, FaultKind::AttitudeNan);
         let error = inertial(measured.position - reference_position);
-        PlanarInput {
+        PlanarGuidanceInput {
             velocity: Inertial::new(
                 nan(measured.velocity.x as f32, FaultKind::VelocityNan),
                 measured.velocity.y as f32,
@@ -234,7 +234,7 @@ impl Telling {
             )),
             reference: self.reference,
             reference_age: (t - self.reference_time) as f32,
-            ..PlanarInput::default()
+            ..PlanarGuidanceInput::default()
         }
     }
 }

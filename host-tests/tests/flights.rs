@@ -1,14 +1,14 @@
 //! The whole guidance in closed loop: what it reaches on the vehicle of the built-in experiments.
 mod common;
 
-use alula::PlanarGuided;
+use alula::PlanarGuidanceOutput;
 use alula::guidance::{AirUse, Mode, Phase, Status};
 use alula_sil::experiment::Experiment;
 use alula_sil::figures::{Figures, Segment};
 use alula_sil::simulate::{Record, Step, fly};
 use common::{PAPER_GAINS, experiment};
 
-fn guided(step: &Step) -> &PlanarGuided {
+fn guided(step: &Step) -> &PlanarGuidanceOutput {
     step.answer.guided().unwrap()
 }
 
@@ -387,7 +387,7 @@ fn faults_end_in_their_stated_states() {
     let recovered = |rows: &[Step]| {
         let last = rows.last().unwrap();
         assert_eq!(
-            (guided(last).mode, guided(last).refusal),
+            (guided(last).mode, guided(last).reject_reason),
             (Mode::Flying, None)
         );
         assert!(

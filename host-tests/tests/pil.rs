@@ -9,7 +9,7 @@ use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 
 use alula::spatial::Rates;
-use alula::{GuidanceInput, Guided, Inertial, PlanarInput};
+use alula::{GuidanceInput, GuidanceOutput, Inertial, PlanarGuidanceInput};
 use alula_link::damage::Mangler;
 use alula_link::{Configuration, Envelope, MAX_FRAME, Pacing, Phase, Status, ToTarget, encode};
 use alula_sil::controllers::{Answer, Controller, Flying, Input};
@@ -156,13 +156,13 @@ struct ComparedInSpace {
 }
 
 impl Pilot for ComparedInSpace {
-    fn guided(&mut self, input: &GuidanceInput, dt: f32) -> anyhow::Result<Guided> {
+    fn guided(&mut self, input: &GuidanceInput, dt: f32) -> anyhow::Result<GuidanceOutput> {
         let there = self.target.guided(input, dt)?;
         let here = self
             .here
             .step(&alula_link::Input::Guidance { input: *input, dt });
-        let own = alula_link::Answer::Guided(self.own.guided(input, dt)?);
-        let (answer, step) = (alula_link::Answer::Guided(there), self.steps);
+        let own = alula_link::Answer::Guidance(self.own.guided(input, dt)?);
+        let (answer, step) = (alula_link::Answer::Guidance(there), self.steps);
         for other in [here, own] {
             ensure!(
                 bits(&answer) == bits(&other),
@@ -481,10 +481,10 @@ fn input(n: usize) -> Input {
     let theta = n as f32 * 1e-5;
     Input {
         theta,
-        sample: PlanarInput {
+        sample: PlanarGuidanceInput {
             velocity: Inertial::new(n as f32 * 1e-4, 8.0),
             attitude: alula::Attitude::from_angle(theta),
-            ..PlanarInput::default()
+            ..PlanarGuidanceInput::default()
         },
         feed_forward: None,
     }

@@ -453,8 +453,8 @@ fn wrong_fields_are_refused_by_file_line_and_name() {
         "plant.thrust_n: must be [least, most]",
     );
     refused(
-        "controller.guidance.max_turn_g = -1.0",
-        "controller.guidance.max_turn_g: max_turn",
+        "controller.guidance.max_lateral_acceleration_g = -1.0",
+        "controller.guidance.max_lateral_acceleration_g: max_lateral_acceleration",
     );
     refused(
         "controller.law.form = \"full\"",

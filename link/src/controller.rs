@@ -73,7 +73,7 @@ impl Controller {
                 })
             }
             (Self::Guidance(guidance, state), Input::Guidance { input, dt }) => {
-                Answer::Guided(guidance.update(state, input, *dt))
+                Answer::Guidance(guidance.update(state, input, *dt))
             }
             _ => Answer::WrongInput,
         }
@@ -87,8 +87,8 @@ mod tests {
     use alula::guidance::Air;
     use alula::{
         Attitude, Combined, CombinedParameters, GuidanceInput, GuidanceParameters, Inertial,
-        LargeAngle, LargeAngleParameters, ModelParameters, Parameters, PlanarInput, Problem,
-        Reference, SmallAngle, SmallAngleParameters, State, VehicleParameters,
+        LargeAngle, LargeAngleParameters, ModelParameters, Parameters, PlanarGuidanceInput,
+        Problem, Reference, SmallAngle, SmallAngleParameters, State, VehicleParameters,
     };
 
     const LAW: ControllerParameters = ControllerParameters::Law {
@@ -148,7 +148,7 @@ mod tests {
     }
 
     fn input() -> GuidanceInput {
-        (&PlanarInput {
+        (&PlanarGuidanceInput {
             velocity: Inertial::new(0.5, 4.0),
             attitude: Attitude::from_angle(-0.3),
             air: Air::Wind(Inertial::new(0.1, -1.0)),
@@ -157,7 +157,7 @@ mod tests {
                 velocity: Inertial::new(0.0, 5.0),
                 acceleration: Inertial::new(0.0, 1.0),
             },
-            ..PlanarInput::default()
+            ..PlanarGuidanceInput::default()
         })
             .into()
     }
@@ -188,7 +188,7 @@ mod tests {
                     Some(_) => constant.update(&mut held, &input, 0.01),
                 };
                 let got = linked.step(&Input::Guidance { input, dt: 0.01 });
-                assert_eq!(got, Answer::Guided(want), "{n}");
+                assert_eq!(got, Answer::Guidance(want), "{n}");
             }
         };
         step_of(None);

@@ -1,9 +1,9 @@
 //! The messages. What they carry are the core's own types.
 
-use alula::guidance::Refusal;
+use alula::guidance::RejectReason;
 use alula::spatial::{self, Rates};
 use alula::{
-    Command, Fault, FeedForward, GainParameters, GuidanceInput, GuidanceParameters, Guided,
+    Command, Fault, FeedForward, GainParameters, GuidanceInput, GuidanceOutput, GuidanceParameters,
     ModelParameters, ParameterError, Problem, Reference, State, VehicleParameters,
 };
 use serde::{Deserialize, Serialize};
@@ -136,7 +136,7 @@ pub enum Answer {
     /// A law's command, or the fault for which the safe command is in force.
     Law(Result<Command, Fault>),
     /// What the guidance gives.
-    Guided(Guided),
+    Guidance(GuidanceOutput),
     /// There is no configuration to fly. The safe command is in force.
     NotConfigured,
     /// The input is of another kind than the controller takes. It was not flown.
@@ -154,17 +154,17 @@ pub struct InForce {
 
 impl Answer {
     /// What this answer puts in force, and why it is not the law's, if it is not. `None` if nothing was flown.
-    pub fn in_force(&self) -> Option<(InForce, Option<Refusal>)> {
+    pub fn in_force(&self) -> Option<(InForce, Option<RejectReason>)> {
         match self {
             Self::Law(Ok(command)) => {
                 let rates = Rates::new(0.0, 0.0, command.rate);
                 let thrust = command.thrust;
                 Some((InForce { thrust, rates }, None))
             }
-            Self::Law(Err(fault)) => Some((InForce::default(), Some(Refusal::Law(*fault)))),
-            Self::Guided(guided) => {
+            Self::Law(Err(fault)) => Some((InForce::default(), Some(RejectReason::Law(*fault)))),
+            Self::Guidance(guided) => {
                 let spatial::Command { thrust, rates, .. } = guided.command;
-                Some((InForce { thrust, rates }, guided.refusal))
+                Some((InForce { thrust, rates }, guided.reject_reason))
             }
             Self::NotConfigured | Self::WrongInput => None,
         }
@@ -227,9 +227,9 @@ pub struct Status {
 mod tests {
     use super::*;
     use crate::{Counters, MAX_FRAME, Receiver, encode};
-    use alula::guidance::{Air, Wishes};
+    use alula::guidance::{Air, PlannerOptions};
     use alula::ned::Ned;
-    use alula::{Body, CombinedParameters, Diagnostics, Inertial, Parameters, PlanarInput};
+    use alula::{Body, CombinedParameters, Diagnostics, Inertial, Parameters, PlanarGuidanceInput};
 
     fn through_the_wire<M>(message: &M) -> M
     where
@@ -299,7 +299,7 @@ mod tests {
             attitude: alula::Attitude { cos: 0.6, sin: 0.8 },
             wind: numbers(3.0),
         };
-        let input = PlanarInput {
+        let input = PlanarGuidanceInput {
             velocity: state.velocity,
             attitude: state.attitude,
             state_age: 0.01,
@@ -308,10 +308,10 @@ mod tests {
             position_error: Some(numbers(9.0)),
             reference,
             reference_age: 0.02,
-            wishes: Wishes {
+            planner_options: PlannerOptions {
                 altitude_band: 0.5,
-                short_of_vertical: true,
-                place_free: true,
+                nose_below_vertical: true,
+                hold_altitude_only: true,
             },
         };
         let law = |feed_forward| Input::Law {
@@ -329,18 +329,18 @@ mod tests {
         ] {
             assert_eq!(through_the_wire(&input), input);
         }
-        let guided = Guided {
+        let guided = GuidanceOutput {
             command: spatial::Command {
                 thrust: 1.0,
                 rates: Rates::new(2.0, 3.0, 4.0),
                 ..spatial::Command::default()
             },
-            refusal: Some(Refusal::Law(Fault::Wind)),
-            ..Guided::default()
+            reject_reason: Some(RejectReason::Law(Fault::Wind)),
+            ..GuidanceOutput::default()
         };
         for answer in [
             Answer::Law(Err(Fault::Undefined)),
-            Answer::Guided(guided),
+            Answer::Guidance(guided),
             Answer::NotConfigured,
             Answer::WrongInput,
         ] {
@@ -358,28 +358,28 @@ mod tests {
         let rates = Rates::new(0.0, 0.0, 2.0);
         let in_force = InForce { thrust: 3.0, rates };
         assert_eq!(Answer::Law(Ok(command)).in_force(), Some((in_force, None)));
-        let fault = Some(Refusal::Law(Fault::Wind));
+        let fault = Some(RejectReason::Law(Fault::Wind));
         assert_eq!(
             Answer::Law(Err(Fault::Wind)).in_force(),
             Some((InForce::default(), fault))
         );
-        let guided = Guided {
+        let guided = GuidanceOutput {
             command: spatial::Command {
                 thrust: 3.0,
                 rates: Rates::new(2.0, 3.0, 4.0),
                 ..spatial::Command::default()
             },
-            refusal: Some(Refusal::StateAge),
-            ..Guided::default()
+            reject_reason: Some(RejectReason::StateAge),
+            ..GuidanceOutput::default()
         };
         assert_eq!(
-            Answer::Guided(guided).in_force(),
+            Answer::Guidance(guided).in_force(),
             Some((
                 InForce {
                     thrust: 3.0,
                     rates: guided.command.rates
                 },
-                Some(Refusal::StateAge)
+                Some(RejectReason::StateAge)
             ))
         );
         assert_eq!(Answer::NotConfigured.in_force(), None);
@@ -415,15 +415,15 @@ mod tests {
             parameter: "a parameter with the longest name there is",
             problem: Problem::OutOfRange,
         };
-        let guided = Guided {
-            refusal: Some(Refusal::Law(Fault::Undefined)),
-            ..Guided::default()
+        let guided = GuidanceOutput {
+            reject_reason: Some(RejectReason::Law(Fault::Undefined)),
+            ..GuidanceOutput::default()
         };
         for message in [
             FromTarget::Status(status),
             FromTarget::Refused(refused),
             FromTarget::Answer(Answer::Law(Ok(Command::default()))),
-            FromTarget::Answer(Answer::Guided(guided)),
+            FromTarget::Answer(Answer::Guidance(guided)),
         ] {
             assert!(encode(&envelope(message), &mut buffer).is_ok());
         }

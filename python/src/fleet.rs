@@ -11,7 +11,7 @@ use pyo3::types::PyDict;
 use crate::arguments::{Numbers, Rows, rows_of_each};
 use crate::error;
 use crate::frame::{Data, Frame};
-use crate::guidance::{Guided, body_axes, guided, made, ned};
+use crate::guidance::{GuidanceOutput, body_axes, guided, made, ned};
 use crate::vehicle::Vehicle;
 
 /// `n` vehicles of one kind, each under a `Guidance` of its own with the same parameters: they are stepped side by side, arrays in
@@ -23,7 +23,7 @@ pub struct Fleet {
 }
 
 /// A name, and how what it names is read.
-type Named<T> = (&'static str, fn(&Guided) -> T);
+type Named<T> = (&'static str, fn(&GuidanceOutput) -> T);
 
 /// The numbers of a step, in the order of the columns.
 const COLUMNS: [Named<f32>; 8] = [
@@ -76,7 +76,7 @@ impl Fleet {
     /// quaternion and (n,) for the heading. One vector or number stands for all; a heading that is NaN is free.
     ///
     /// The columns are `thrust_n`, `rate_x_rad_s`, `rate_y_rad_s`, `rate_z_rad_s` about `axes`, `rate_rad_s` about the right wing,
-    /// the margins, and `mode`, `air`, `phase`, `unreachable`, `status` as in `Guided`, flags with | between. Python's lock is
+    /// the margins, and `mode`, `air`, `phase`, `unreachable`, `status` as in `GuidanceOutput`, flags with | between. Python's lock is
     /// released meanwhile.
     #[pyo3(signature = (
         dt, *, velocity, quaternion, reference_velocity, reference_acceleration=None, heading=None, air_velocity=None, wind=None,
@@ -131,7 +131,7 @@ impl Fleet {
         let at = |rows: Option<Rows>, k| rows.map(|rows| ned(rows.get(k)));
 
         let Self { guidance, states } = self;
-        let steps: Vec<Guided> = py.detach(|| {
+        let steps: Vec<GuidanceOutput> = py.detach(|| {
             let step = |(k, state): (usize, &mut GuidanceState)| {
                 let [w, x, y, z] = quaternion.get(k);
                 let orientation = Orientation::from_quaternion(&Quaternion { w, x, y, z }, axes);

@@ -1,10 +1,10 @@
 //! The guidance, with what it remembers.
 
-use ::alula::guidance::{Air, Wishes};
+use ::alula::guidance::{Air, PlannerOptions};
 use ::alula::ned::{BodyAxes, Ned, Quaternion};
 use ::alula::spatial::{Heading, Orientation, Reference};
 use ::alula::{
-    Attitude, GainChoice, GuidanceInput, GuidanceParameters, GuidanceState, Inertial, PlanarInput,
+    Attitude, GainChoice, GuidanceInput, GuidanceParameters, GuidanceState, Inertial, PlanarGuidanceInput,
 };
 use alula_sil::controllers::GuidanceSpec;
 use alula_sil::experiment::Model;
@@ -21,7 +21,7 @@ use crate::vehicle::Vehicle;
 ///
 /// Parameters by keyword, those left out at their defaults: `alula.parameters()["Guidance"]`; and as in the table
 /// `[controller.guidance]` of an experiment `gains`, a dictionary of constant gains in place of those by bandwidth, and
-/// `thrust_n`, (least, most) in place of the vehicle's. For flights in one plane `max_turn_g=0` keeps the plane.
+/// `thrust_n`, (least, most) in place of the vehicle's. For flights in one plane `max_lateral_acceleration_g=0` keeps the plane.
 ///
 /// It remembers from step to step; `reset` is power-on.
 #[pyclass(module = "alula")]
@@ -36,7 +36,7 @@ pub struct Guidance {
 /// Rates are about the body axes x, y, z that were asked for; y is the right wing. References are (north, east, down), the
 /// vertical plane being the one to the north.
 #[pyclass(frozen, get_all, module = "alula")]
-pub struct Guided {
+pub struct GuidanceOutput {
     /// Thrust along the nose [N], inside the vehicle's limits.
     pub thrust_n: f32,
     /// Body rates about x, y and z [rad/s].
@@ -50,7 +50,7 @@ pub struct Guided {
     /// Flags of what limited the step.
     pub status: Vec<String>,
     /// Why the frame was refused, or None.
-    refusal: Option<&'static str>,
+    reject_reason: Option<&'static str>,
     /// What is done: "tracking", "crossing", "coasting" or "recovering".
     pub phase: &'static str,
     /// Why the reference cannot be had, "sink", "speed" or "thrust", or None.
@@ -68,7 +68,7 @@ pub struct Guided {
 }
 
 #[pymethods]
-impl Guided {
+impl GuidanceOutput {
     fn __repr__(&self) -> String {
         let Self {
             thrust_n,
@@ -76,7 +76,7 @@ impl Guided {
             mode,
             ..
         } = self;
-        format!("Guided(thrust_n={thrust_n}, rates_rad_s={rates_rad_s:?}, mode={mode:?}, …)")
+        format!("GuidanceOutput(thrust_n={thrust_n}, rates_rad_s={rates_rad_s:?}, mode={mode:?}, …)")
     }
 }
 
@@ -118,17 +118,17 @@ pub fn body_axes(name: &str) -> PyResult<BodyAxes> {
 }
 
 /// A step's answer as Python has it, with rates about `axes`.
-pub fn guided(guided: ::alula::guidance::Guided, axes: BodyAxes) -> Guided {
+pub fn guided(guided: ::alula::guidance::GuidanceOutput, axes: BodyAxes) -> GuidanceOutput {
     let names = guided.status.to_string();
     let flags = names.split('|').filter(|name| !name.is_empty());
-    Guided {
+    GuidanceOutput {
         thrust_n: guided.command.thrust,
         rates_rad_s: axes.components(guided.command.rates),
         rate_rad_s: guided.command.rates.w,
         mode: guided.mode.name(),
         air: guided.air.name(),
         status: flags.map(str::to_owned).collect(),
-        refusal: guided.refusal.map(|refusal| refusal.name()),
+        reject_reason: guided.reject_reason.map(|refusal| refusal.name()),
         phase: guided.progress.phase.name(),
         unreachable: guided.progress.unreachable.map(|why| why.name()),
         margin_force: guided.margin.force,
@@ -155,7 +155,7 @@ pub fn made(
 }
 
 impl Guidance {
-    fn step(&mut self, input: &GuidanceInput, dt: f32, axes: BodyAxes) -> Guided {
+    fn step(&mut self, input: &GuidanceInput, dt: f32, axes: BodyAxes) -> GuidanceOutput {
         guided(self.guidance.update(&mut self.state, input, dt), axes)
     }
 }
@@ -202,7 +202,7 @@ impl Guidance {
     }
 
     /// One step in space, `dt` [s] after the last. Bad inputs raise nothing: they are bridged, and then the safe command is given;
-    /// `mode`, `status` and `refusal` say so. As at power-on, the command is the safe one until inputs have been good for the
+    /// `mode`, `status` and `reject_reason` say so. As at power-on, the command is the safe one until inputs have been good for the
     /// parameter `recovery`, 0.05 s: the first steps are of mode "safe".
     ///
     /// World vectors are (north, east, down). velocity: over ground [m/s]. quaternion: (w, x, y, z), from the body axes `axes` to
@@ -210,13 +210,13 @@ impl Guidance {
     /// heading: where the belly is to point in hover, from north towards east [rad]; None is free. air_velocity [m/s] if it is
     /// measured, or else wind [m/s] if it is known. specific_force: what an accelerometer feels, along `axes` [m/s²].
     /// position_error: position less reference position [m], if position is to be held. Ages [s]. altitude_band [m]: the
-    /// parameter's place is taken by it, unless it is 0. short_of_vertical: whether the nose stays short of the vertical while
-    /// the vehicle flies forward. place_free: whether the place does not matter, as in a stop, and position_error to the north
+    /// parameter's place is taken by it, unless it is 0. nose_below_vertical: whether the nose stays short of the vertical while
+    /// the vehicle flies forward. hold_altitude_only: whether the place does not matter, as in a stop, and position_error to the north
     /// and east is that of a reference that goes along with the vehicle.
     #[pyo3(signature = (
         dt, *, velocity, quaternion, reference_velocity, reference_acceleration=None, heading=None, air_velocity=None, wind=None,
         specific_force=None, position_error=None, state_age=0.0, reference_age=0.0, axes="nose-forward",
-        altitude_band=0.0, short_of_vertical=false, place_free=false
+        altitude_band=0.0, nose_below_vertical=false, hold_altitude_only=false
     ))]
     #[expect(clippy::too_many_arguments, reason = "by keyword in Python")]
     fn update(
@@ -235,9 +235,9 @@ impl Guidance {
         reference_age: f32,
         axes: &str,
         altitude_band: f32,
-        short_of_vertical: bool,
-        place_free: bool,
-    ) -> PyResult<Guided> {
+        nose_below_vertical: bool,
+        hold_altitude_only: bool,
+    ) -> PyResult<GuidanceOutput> {
         let axes = body_axes(axes)?;
         let [w, x, y, z] = vector("quaternion", &quaternion)?;
         let orientation = Orientation::from_quaternion(&Quaternion { w, x, y, z }, axes);
@@ -257,10 +257,10 @@ impl Guidance {
                 heading: heading.map_or(Heading::FREE, Heading::from_angle),
             },
             reference_age,
-            wishes: Wishes {
+            planner_options: PlannerOptions {
                 altitude_band,
-                short_of_vertical,
-                place_free,
+                nose_below_vertical,
+                hold_altitude_only,
             },
         };
         Ok(self.step(&input, dt, axes))
@@ -271,7 +271,7 @@ impl Guidance {
     /// (tail, belly) [m/s²]. The rate of theta commanded is `rate_rad_s`.
     #[pyo3(signature = (
         dt, *, velocity, theta, reference_velocity, reference_acceleration=None, air_velocity=None, wind=None, specific_force=None,
-        position_error=None, state_age=0.0, reference_age=0.0, altitude_band=0.0, short_of_vertical=false, place_free=false
+        position_error=None, state_age=0.0, reference_age=0.0, altitude_band=0.0, nose_below_vertical=false, hold_altitude_only=false
     ))]
     #[expect(clippy::too_many_arguments, reason = "by keyword in Python")]
     fn update_in_plane(
@@ -288,13 +288,13 @@ impl Guidance {
         state_age: f32,
         reference_age: f32,
         altitude_band: f32,
-        short_of_vertical: bool,
-        place_free: bool,
-    ) -> PyResult<Guided> {
+        nose_below_vertical: bool,
+        hold_altitude_only: bool,
+    ) -> PyResult<GuidanceOutput> {
         let acceleration = reference_acceleration.as_ref();
         let error = position_error.as_ref().map(|v| vector("position_error", v));
         let force = specific_force.as_ref().map(|v| vector("specific_force", v));
-        let input = PlanarInput {
+        let input = PlanarGuidanceInput {
             velocity: inertial(vector("velocity", &velocity)?),
             attitude: Attitude::from_angle(theta),
             state_age,
@@ -306,10 +306,10 @@ impl Guidance {
                 acceleration: inertial(vector_or_zero("reference_acceleration", acceleration)?),
             },
             reference_age,
-            wishes: Wishes {
+            planner_options: PlannerOptions {
                 altitude_band,
-                short_of_vertical,
-                place_free,
+                nose_below_vertical,
+                hold_altitude_only,
             },
         };
         // As the core's own step in the plane, which leaves out the other rates.

@@ -47,7 +47,7 @@ mod alula {
     #[pymodule_export]
     use crate::frame::Frame;
     #[pymodule_export]
-    use crate::guidance::{Guidance, Guided};
+    use crate::guidance::{Guidance, GuidanceOutput};
     #[pymodule_export]
     use crate::law::{Command, Law};
     #[pymodule_export]

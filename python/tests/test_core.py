@@ -193,7 +193,7 @@ def test_the_guidance_gives_the_commands_of_a_flight():
     belief = table.pop("vehicle", None)
     vehicle = alula.Vehicle.load(belief if isinstance(belief, str) else "round-trip")
     table.setdefault("thrust_n", experiment.get("plant.thrust_n"))
-    guidance = alula.Guidance(vehicle, **table, max_turn_g=0)
+    guidance = alula.Guidance(vehicle, **table, max_lateral_acceleration_g=0)
     pair = lambda name, unit: np.column_stack([record[f"{name}_down_{unit}"], record[f"{name}_forward_{unit}"]])
     told = {"velocity": pair("v", "m_s"), "reference_velocity": pair("vr", "m_s")}
     told["reference_acceleration"] = pair("ar", "m_s2")
@@ -256,7 +256,7 @@ def test_the_guidance_in_space_hovers_and_remembers():
     assert again.rates_rad_s == north.rates_rad_s
     # A bad frame is bridged, then safe.
     bad = guidance.update(0.01, **{**hover, "velocity": (math.nan, 0, 0)})
-    assert bad.mode == "holding" and bad.refusal == "velocity"
+    assert bad.mode == "holding" and bad.reject_reason == "velocity"
     guidance.reset()
     assert guidance.update(0.01, **hover).mode == "safe"
     with pytest.raises(alula.FieldError, match="axes"):

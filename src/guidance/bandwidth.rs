@@ -35,13 +35,13 @@ pub struct BandwidthGains {
     /// m ω_n² [kg/s²].
     across: f32,
     k3: f32,
-    force_floor: f32,
+    gain_schedule_floor: f32,
     guard: Guard,
 }
 
 impl BandwidthGains {
     /// The gains that give `vehicle` the loop of these parameters: `natural_frequency`, `damping`, `thrust_rate`,
-    /// `force_floor`, `tau`.
+    /// `gain_schedule_floor`, `tau`.
     ///
     /// # Errors
     /// A parameter outside its range.
@@ -54,7 +54,7 @@ impl BandwidthGains {
             along: vehicle.mass() * p.thrust_rate,
             across: vehicle.mass() * p.natural_frequency * p.natural_frequency,
             k3: 8.0 * p.damping * p.natural_frequency,
-            force_floor: p.force_floor * vehicle.weight(),
+            gain_schedule_floor: p.gain_schedule_floor * vehicle.weight(),
             guard: Guard::new(p.tau * vehicle.weight())?,
         })
     }
@@ -63,10 +63,10 @@ impl BandwidthGains {
 impl GainLaw for BandwidthGains {
     #[inline(always)]
     fn at(&self, f_p_norm: f32) -> GainValues {
-        let force = if f_p_norm > self.force_floor {
+        let force = if f_p_norm > self.gain_schedule_floor {
             f_p_norm
         } else {
-            self.force_floor
+            self.gain_schedule_floor
         };
         let inverse = 1.0 / force;
         GainValues {
@@ -155,7 +155,7 @@ mod tests {
         for (theta, forward) in [(0.0, 0.0), (low, 20.0)] {
             let (state, command) = j(theta, forward);
             let norm = command.diagnostics.f_p_norm;
-            assert!(norm > p.force_floor * vehicle.weight());
+            assert!(norm > p.gain_schedule_floor * vehicle.weight());
             // A velocity error of 0.1 m/s along j, then along i.
             let error = |i, j| {
                 let offset = state.attitude.to_inertial(crate::frame::Body::new(i, j));
@@ -183,7 +183,7 @@ mod tests {
     fn below_the_floor_the_gains_are_those_at_the_floor() {
         let (p, vehicle) = (GuidanceParameters::default(), vehicle());
         let gains = BandwidthGains::new(&p, &vehicle).unwrap();
-        let floor = p.force_floor * vehicle.weight();
+        let floor = p.gain_schedule_floor * vehicle.weight();
         assert_eq!(gains.at(0.0), gains.at(floor));
         assert!(gains.at(1.02 * floor).k2 < gains.at(floor).k2);
         assert!(gains.at(f32::NAN).k1.is_finite());

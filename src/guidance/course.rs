@@ -1,7 +1,7 @@
 //! The vertical plane in which the virtual vehicle flies, and the axes of that plane when it is banked.
 
-use super::flight::limited;
 use super::memory::memory;
+use super::reference_model::limited;
 use crate::frame::Inertial;
 use crate::math;
 use crate::ned::Ned;
@@ -102,11 +102,11 @@ pub(super) struct Axes {
 }
 
 impl Axes {
-    /// The axes of the plane through `course`, banked so that it accelerates to the right by `lean` [m/s²].
+    /// The axes of the plane through `course`, banked so that it accelerates to the right by `lateral_acceleration` [m/s²].
     #[inline(always)]
-    pub fn new(course: &Course, gravity: f32, lean: f32) -> Self {
-        let apparent = math::sqrt(gravity * gravity + lean * lean);
-        let (cos, sin) = (gravity / apparent, lean / apparent);
+    pub fn new(course: &Course, gravity: f32, lateral_acceleration: f32) -> Self {
+        let apparent = math::sqrt(gravity * gravity + lateral_acceleration * lateral_acceleration);
+        let (cos, sin) = (gravity / apparent, lateral_acceleration / apparent);
         Self {
             down: course.lift(Inertial::new(cos, 0.0), -sin),
             forward: course.lift(Inertial::new(0.0, 1.0), 0.0),

@@ -57,12 +57,12 @@ rules! { known, default;
         "Little overshoot where the lag has taken a part of it.";
     thrust_rate = known.thrust_rate,
         "As fast as flights were tried with, and with slow motors 0.75 over their lag and one step, which leaves a damping ratio of 0.6.";
-    force_floor = default.force_floor,
+    gain_schedule_floor = default.gain_schedule_floor,
         "A multiple of the weight: the same for every vehicle.";
     tau = default.tau,
         "A multiple of the weight: the same for every vehicle.";
     altitude_band = default.altitude_band,
-        "What may be seen of a crossing: a wish of the pilot's, not of the vehicle.";
+        "What may be seen of a crossing: for the pilot to choose, not the vehicle.";
     velocity_band_down = default.velocity_band_down,
         "As the altitude band.";
     velocity_band_forward = default.velocity_band_forward,
@@ -87,7 +87,7 @@ rules! { known, default;
         "Times thrust_rate it is an acceleration of 6 m/s² at its fastest: a mass that is believed wrongly by half.";
     max_integral_forward = math::min(default.max_integral_forward, known.cruise / 5.0),
         "Holds an angle of 7° and more against a belief that is wrong.";
-    max_turn = default.max_turn,
+    max_lateral_acceleration = default.max_lateral_acceleration,
         "The guidance itself stays below what thrust and wing carry.";
     max_rate = default.max_rate,
         "Crosses the stall in half a second; the plans of the guidance are laid out for it.";

@@ -4,8 +4,8 @@
 //! it is reached is the guidance's matter: it starts, turns, brakes and crosses the stall by itself.
 
 use super::MAX_STEP;
-use super::memory::{Memory, Spare, Verdict, memory};
-use super::wishes::{LEAST_BAND, MOST_BAND, Wishes};
+use super::memory::{Integrity, Memory, ShadowCopy, memory};
+use super::planner_options::{LEAST_BAND, MOST_BAND, PlannerOptions};
 use crate::error::{ParameterError, positive};
 use crate::math;
 use crate::ned::Ned;
@@ -35,7 +35,7 @@ pub struct Preferences {
     /// Greatest acceleration of the reference [m/s²]. A stop does not mind it.
     pub acceleration: f32,
     /// What the plans are to mind, a stop's too.
-    pub wishes: Wishes,
+    pub planner_options: PlannerOptions,
 }
 
 /// Makes references of goals. Immutable and validated.
@@ -52,14 +52,14 @@ pub struct Goals {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct GoalState {
-    way: Way,
-    spare: Spare<{ Way::WORDS }>,
+    set_point: SetPointState,
+    shadow: ShadowCopy<{ SetPointState::WORDS }>,
 }
 
 /// How far a goal has come.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-struct Way {
+struct SetPointState {
     /// Which goal it is, by its [`Goal::parts`]; 0 for none.
     kind: u8,
     target: Ned,
@@ -70,7 +70,7 @@ struct Way {
     stopped: u8,
 }
 
-memory!(Way {
+memory!(SetPointState {
     kind: u8,
     target: Ned,
     position: Ned,
@@ -96,7 +96,7 @@ impl Goal {
     }
 }
 
-impl Way {
+impl SetPointState {
     /// Whether it is one that a step leaves. NaN is not.
     fn is_sound(&self) -> bool {
         let far = FARTHEST * FARTHEST;
@@ -117,14 +117,14 @@ impl Goals {
         positive("speed", p.speed, 1e-2, 1e3)?;
         positive("climb", p.climb, 1e-2, 1e3)?;
         positive("acceleration", p.acceleration, 1e-2, 1e3)?;
-        let band = p.wishes.altitude_band;
+        let band = p.planner_options.altitude_band;
         if band != 0.0 {
             positive("altitude_band", band, LEAST_BAND, MOST_BAND)?;
         }
         Ok(Self { preferences: p })
     }
 
-    /// The reference, the position error \[m\] and the wishes of the input for `goal`, at a `position` \[m\] and a `velocity` [m/s], `dt` \[s\] after
+    /// The reference, the position error \[m\] and the planner options of the input for `goal`, at a `position` \[m\] and a `velocity` [m/s], `dt` \[s\] after
     /// the last. A new goal begins where the vehicle is. What is not finite is handed on, to be refused by the guidance, and not
     /// remembered; in a step of no time, or of one that the guidance refuses, the reference stands still.
     pub fn step(
@@ -134,37 +134,38 @@ impl Goals {
         position: Ned,
         velocity: Ned,
         dt: f32,
-    ) -> (Reference, Ned, Wishes) {
+    ) -> (Reference, Ned, PlannerOptions) {
         let dt = if dt > 0.0 && dt <= MAX_STEP { dt } else { 0.0 };
-        let mut way = state.left();
+        let mut set_point = state.left();
         let (kind, target) = goal.parts();
-        if (way.kind, way.target) != (kind, target) {
-            way = Way {
+        if (set_point.kind, set_point.target) != (kind, target) {
+            set_point = SetPointState {
                 kind,
                 target,
                 position,
                 // From one goal to the next the reference has no step, unless it is to stop.
-                velocity: match way.kind {
-                    1 | 3 => way.velocity,
+                velocity: match set_point.kind {
+                    1 | 3 => set_point.velocity,
                     _ => velocity,
                 },
                 stopped: 0,
             };
         }
         let wanted = match goal {
-            Goal::Hover(place) => self.towards(*place - way.position),
+            Goal::Hover(place) => self.towards(*place - set_point.position),
             Goal::Stop => {
-                way.velocity = Ned::ZERO;
+                set_point.velocity = Ned::ZERO;
                 // Where it stops is where it is held.
-                if way.stopped == 0 {
-                    (way.position.north, way.position.east) = (position.north, position.east);
-                    way.stopped = (level(velocity) < STOPPED).into();
+                if set_point.stopped == 0 {
+                    (set_point.position.north, set_point.position.east) =
+                        (position.north, position.east);
+                    set_point.stopped = (level(velocity) < STOPPED).into();
                 }
                 Ned::ZERO
             }
             Goal::Velocity(velocity) => *velocity,
         };
-        let missing = wanted - way.velocity;
+        let missing = wanted - set_point.velocity;
         let length = math::sqrt(missing.norm_squared());
         let most = self.preferences.acceleration * dt;
         let change = if length > most {
@@ -172,14 +173,14 @@ impl Goals {
         } else {
             missing
         };
-        way.velocity += change;
-        way.position += way.velocity * dt;
-        if way.is_sound() {
-            let spare = Spare::new(&way);
-            *state = GoalState { way, spare };
+        set_point.velocity += change;
+        set_point.position += set_point.velocity * dt;
+        if set_point.is_sound() {
+            let shadow = ShadowCopy::new(&set_point);
+            *state = GoalState { set_point, shadow };
         }
         let reference = Reference {
-            velocity: way.velocity,
+            velocity: set_point.velocity,
             acceleration: if dt > 0.0 {
                 change * (1.0 / dt)
             } else {
@@ -187,35 +188,35 @@ impl Goals {
             },
             heading: Heading::FREE,
         };
-        let wishes = Wishes {
-            place_free: *goal == Goal::Stop && way.stopped == 0,
-            ..self.preferences.wishes
+        let planner_options = PlannerOptions {
+            hold_altitude_only: *goal == Goal::Stop && set_point.stopped == 0,
+            ..self.preferences.planner_options
         };
-        (reference, position - way.position, wishes)
+        (reference, position - set_point.position, planner_options)
     }
 
-    /// The velocity to have at this way to go \[m\]: as fast as can be braked from.
-    fn towards(&self, way: Ned) -> Ned {
+    /// The velocity towards a position at this offset \[m\]: as fast as can be braked from.
+    fn towards(&self, offset: Ned) -> Ned {
         let p = &self.preferences;
         let speed = |distance: f32, most: f32| {
             let braked = math::sqrt((2.0 * BRAKING * p.acceleration * distance).abs());
             // Near the goal in proportion: the square root has no end.
             math::min(math::min(braked, distance * p.acceleration), most)
         };
-        let distance = level(way);
+        let distance = level(offset);
         let along = if distance > 0.0 {
             speed(distance, p.speed) / distance
         } else {
             0.0
         };
-        let down = speed(way.down.abs(), p.climb).copysign(way.down);
-        Ned::new(way.north * along, way.east * along, down)
+        let down = speed(offset.down.abs(), p.climb).copysign(offset.down);
+        Ned::new(offset.north * along, offset.east * along, down)
     }
 }
 
 impl GoalState {
     /// Number of [`to_words`](Self::to_words).
-    pub const WORDS: usize = Way::WORDS + Spare::<{ Way::WORDS }>::WORDS;
+    pub const WORDS: usize = SetPointState::WORDS + ShadowCopy::<{ SetPointState::WORDS }>::WORDS;
 
     /// What is remembered, a copy of that, and a check word.
     pub fn to_words(&self) -> [u32; Self::WORDS] {
@@ -226,8 +227,8 @@ impl GoalState {
                 *place = word;
             }
         };
-        self.way.write(&mut put);
-        self.spare.write(&mut put);
+        self.set_point.write(&mut put);
+        self.shadow.write(&mut put);
         words
     }
 
@@ -235,31 +236,38 @@ impl GoalState {
     pub fn from_words(words: &[u32; Self::WORDS]) -> Self {
         let mut words = words.iter().copied();
         let mut next = || words.next().unwrap_or(0);
-        let way = Memory::read(&mut next);
+        let set_point = Memory::read(&mut next);
         Self {
-            way,
-            spare: Memory::read(&mut next),
+            set_point,
+            shadow: Memory::read(&mut next),
         }
     }
 
     /// What the last step left.
-    fn left(&self) -> Way {
-        let way = match self.spare.judge(&self.way) {
-            Verdict::Sound => self.way,
-            Verdict::Changed(left) => left,
-            Verdict::Unknown => Way::default(),
+    fn left(&self) -> SetPointState {
+        let set_point = match self.shadow.verify(&self.set_point) {
+            Integrity::Intact => self.set_point,
+            Integrity::Restored(left) => left,
+            Integrity::Lost => SetPointState::default(),
         };
-        if way.is_sound() { way } else { Way::default() }
+        if set_point.is_sound() {
+            set_point
+        } else {
+            SetPointState::default()
+        }
     }
 
     /// Whether the reference stands at the goal: at rest there, or at the velocity asked for.
     pub fn is_reached(&self) -> bool {
         let near = |a: Ned, b: Ned, by: f32| (a - b).norm_squared() < by * by;
-        let way = self.left();
-        match way.kind {
-            1 => near(way.position, way.target, 0.1) && near(way.velocity, Ned::ZERO, 0.1),
-            2 => way.stopped == 1,
-            3 => near(way.velocity, way.target, 0.1),
+        let set_point = self.left();
+        match set_point.kind {
+            1 => {
+                near(set_point.position, set_point.target, 0.1)
+                    && near(set_point.velocity, Ned::ZERO, 0.1)
+            }
+            2 => set_point.stopped == 1,
+            3 => near(set_point.velocity, set_point.target, 0.1),
             _ => false,
         }
     }
@@ -284,7 +292,7 @@ mod tests {
             speed: 20.0,
             climb: 3.0,
             acceleration: 2.0,
-            wishes: Wishes::default(),
+            planner_options: PlannerOptions::default(),
         })
         .unwrap()
     }
@@ -432,7 +440,7 @@ mod tests {
             speed: 20.0,
             climb: 3.0,
             acceleration: 2.0,
-            wishes: Wishes::default(),
+            planner_options: PlannerOptions::default(),
         };
         let name = |p| Goals::new(p).unwrap_err().parameter;
         assert_eq!(name(Preferences { speed: 0.0, ..good }), "speed");
@@ -451,9 +459,9 @@ mod tests {
             "acceleration"
         );
         let band = |altitude_band| Preferences {
-            wishes: Wishes {
+            planner_options: PlannerOptions {
                 altitude_band,
-                ..Wishes::default()
+                ..PlannerOptions::default()
             },
             ..good
         };
@@ -461,8 +469,11 @@ mod tests {
             assert_eq!(name(band(bad)), "altitude_band");
         }
         for possible in [0.0, 1e-3, 1e3] {
-            let wishes = Goals::new(band(possible)).unwrap().preferences.wishes;
-            assert_eq!(wishes.altitude_band, possible);
+            let planner_options = Goals::new(band(possible))
+                .unwrap()
+                .preferences
+                .planner_options;
+            assert_eq!(planner_options.altitude_band, possible);
         }
     }
 }

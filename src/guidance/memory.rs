@@ -1,4 +1,4 @@
-//! What a part remembers as words of 32 bits: the spare copy that undoes a change of memory from outside, and the way to
+//! What a part remembers as words of 32 bits: the shadow copy that undoes a change of memory from outside, and the way to
 //! bytes and back.
 
 use super::status::Status;
@@ -92,23 +92,23 @@ impl Memory for Inertial {
 /// check word, the memory that was left is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub(super) struct Spare<const N: usize> {
+pub(super) struct ShadowCopy<const N: usize> {
     words: [u32; N],
     check: u32,
 }
 
-/// What a [`Spare`] says of a memory.
+/// What a [`ShadowCopy`] says of a memory.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Verdict<M> {
+pub(super) enum Integrity<M> {
     /// It is as it was left.
-    Sound,
+    Intact,
     /// It has changed, and this is what was left.
-    Changed(M),
+    Restored(M),
     /// Two of the three have changed.
-    Unknown,
+    Lost,
 }
 
-impl<const N: usize> Default for Spare<N> {
+impl<const N: usize> Default for ShadowCopy<N> {
     /// Of a memory of zeros.
     fn default() -> Self {
         Self {
@@ -118,8 +118,8 @@ impl<const N: usize> Default for Spare<N> {
     }
 }
 
-impl<const N: usize> Spare<N> {
-    /// The spare of `memory`, which has `N` words.
+impl<const N: usize> ShadowCopy<N> {
+    /// The shadow of `memory`, which has `N` words.
     #[inline(always)]
     pub fn new(memory: &impl Memory) -> Self {
         let mut words = [0; N];
@@ -136,11 +136,11 @@ impl<const N: usize> Spare<N> {
 
     /// Compares `memory` with what was left.
     #[inline(always)]
-    pub fn judge<M: Memory>(&self, memory: &M) -> Verdict<M> {
+    pub fn verify<M: Memory>(&self, memory: &M) -> Integrity<M> {
         let (mut words, mut different) = (self.words.iter(), 0);
         memory.write(&mut |word| different |= words.next().map_or(0, |left| word ^ left));
         if different == 0 {
-            Verdict::Sound
+            Integrity::Intact
         } else {
             self.restore(memory)
         }
@@ -149,22 +149,22 @@ impl<const N: usize> Spare<N> {
     /// Which of a memory and its copy, that differ, the check word is of. If it is of both or of neither, that is not known.
     #[cold]
     #[inline(never)]
-    fn restore<M: Memory>(&self, memory: &M) -> Verdict<M> {
+    fn restore<M: Memory>(&self, memory: &M) -> Integrity<M> {
         let mut sum = 0;
         memory.write(&mut |word| sum = fold(sum, word));
         let left = self.words.iter().copied().fold(0, fold);
         if left == sum || (left != self.check && sum != self.check) {
-            Verdict::Unknown
+            Integrity::Lost
         } else if sum == self.check {
-            Verdict::Sound
+            Integrity::Intact
         } else {
             let mut words = self.words.iter().copied();
-            Verdict::Changed(M::read(&mut || words.next().unwrap_or(0)))
+            Integrity::Restored(M::read(&mut || words.next().unwrap_or(0)))
         }
     }
 }
 
-impl<const N: usize> Memory for Spare<N> {
+impl<const N: usize> Memory for ShadowCopy<N> {
     const WORDS: usize = N + 1;
 
     fn write(&self, take: &mut impl FnMut(u32)) {
@@ -230,7 +230,7 @@ mod tests {
         assert_eq!(Part::read(&mut || rest.next().unwrap()), part);
     }
 
-    type Kept = Spare<{ Part::WORDS }>;
+    type Kept = ShadowCopy<{ Part::WORDS }>;
 
     fn part() -> Part {
         let mut next = 1u32;
@@ -240,7 +240,7 @@ mod tests {
         })
     }
 
-    /// A memory and its spare, some of whose bits have flipped.
+    /// A memory and its shadow, some of whose bits have flipped.
     fn flipped(bits: &[usize]) -> (Part, Kept) {
         let part = part();
         let mut all = words(&part);
@@ -258,15 +258,15 @@ mod tests {
         let all = 32 * (2 * Part::WORDS + 1);
         let mut restored = 0;
         for bit in 0..all {
-            let (memory, spare) = flipped(&[bit]);
-            match spare.judge(&memory) {
+            let (memory, shadow) = flipped(&[bit]);
+            match shadow.verify(&memory) {
                 // The unused bits of short numbers are not there to be changed.
-                Verdict::Sound => assert_eq!(memory, part(), "{bit}"),
-                Verdict::Changed(left) => {
+                Integrity::Intact => assert_eq!(memory, part(), "{bit}"),
+                Integrity::Restored(left) => {
                     assert_eq!(left, part(), "{bit}");
                     restored += 1;
                 }
-                Verdict::Unknown => panic!("{bit}"),
+                Integrity::Lost => panic!("{bit}"),
             }
         }
         // A byte, four numbers and 16 flags.
@@ -276,8 +276,8 @@ mod tests {
     #[test]
     fn memory_and_spare_both_changed_are_not_taken_for_sound() {
         for bit in 32..64 {
-            let (memory, spare) = flipped(&[bit, 32 * Part::WORDS + (bit + 5) % 160]);
-            assert_eq!(spare.judge(&memory), Verdict::Unknown, "{bit}");
+            let (memory, shadow) = flipped(&[bit, 32 * Part::WORDS + (bit + 5) % 160]);
+            assert_eq!(shadow.verify(&memory), Integrity::Lost, "{bit}");
         }
     }
 
@@ -286,17 +286,20 @@ mod tests {
     fn two_flips_that_the_check_word_does_not_see_are_found() {
         for bit in 0..32 {
             // A number of the vector, and the one after it, which the check word turns by seven bits less.
-            let (memory, spare) = flipped(&[32 + bit, 64 + (bit + 7) % 32]);
+            let (memory, shadow) = flipped(&[32 + bit, 64 + (bit + 7) % 32]);
             let sums =
                 [words(&memory), words(&part())].map(|words| words.into_iter().fold(0, fold));
             assert_eq!(sums[0], sums[1]);
-            assert_eq!(spare.judge(&memory), Verdict::Unknown, "{bit}");
+            assert_eq!(shadow.verify(&memory), Integrity::Lost, "{bit}");
         }
     }
 
     #[test]
     fn zeros_are_sound() {
-        assert_eq!(Spare::<3>::default(), Spare::new(&Ned::ZERO));
-        assert_eq!(Spare::<3>::default().judge(&Ned::ZERO), Verdict::Sound);
+        assert_eq!(ShadowCopy::<3>::default(), ShadowCopy::new(&Ned::ZERO));
+        assert_eq!(
+            ShadowCopy::<3>::default().verify(&Ned::ZERO),
+            Integrity::Intact
+        );
     }
 }

@@ -1,34 +1,34 @@
 //! Guidance: the velocity law with everything around it that a real vehicle asks for.
 
 mod accelerometer;
+mod air_data_fallback;
 mod bandwidth;
-mod blind;
 mod course;
-mod flight;
 mod for_vehicle;
 mod goal;
+mod lateral_guidance;
 mod limits;
 mod memory;
 mod parameters;
 mod path;
 mod plane;
 mod planner;
+mod planner_options;
 mod progress;
+mod reference_model;
 mod status;
 mod supervision;
 mod tracker;
 mod update;
-mod virtual_flight;
-mod wishes;
 
 pub use crate::control::{Branch, Margin};
 pub use bandwidth::{BandwidthGains, GainChoice};
 pub use for_vehicle::{REASONS, ResponseParameters};
 pub use goal::{Goal, GoalState, Goals, Preferences};
 pub use parameters::GuidanceParameters;
-pub use plane::{PlanarGuided, PlanarInput};
+pub use plane::{PlanarGuidanceInput, PlanarGuidanceOutput};
+pub use planner_options::PlannerOptions;
 pub use progress::{Phase, Progress, Unreachable};
 pub use status::Status;
-pub use supervision::{Air, AirUse, MAX_STEP, MIN_STEP, Mode, Refusal};
-pub use update::{Guidance, GuidanceInput, GuidanceState, Guided};
-pub use wishes::Wishes;
+pub use supervision::{Air, AirUse, MAX_STEP, MIN_STEP, Mode, RejectReason};
+pub use update::{Guidance, GuidanceInput, GuidanceOutput, GuidanceState};

@@ -14,7 +14,7 @@ crate::parameters! {
             "Damping ratio ζ of the loop across the thrust line.";
         thrust_rate: "1/s", 1e-3, 1e3, 3.0, "ALU_BW_THR",
             "Rate ω_v of the loop along the thrust line.";
-        force_floor: "mg", 1e-3, 1e3, 0.57, "ALU_BW_FLOOR",
+        gain_schedule_floor: "mg", 1e-3, 1e3, 0.57, "ALU_BW_FLOOR",
             "|F_p| below which the gains grow no further.";
         tau: "mg", 1e-3, 1e3, 0.91, "ALU_BW_TAU",
             "Force τ below which the guard μ_τ acts.";
@@ -46,7 +46,7 @@ crate::parameters! {
             "Greatest integral, down; at most max_velocity_down.";
         max_integral_forward: "m/s", 0.0, 1e3, 1.0, "ALU_INT_MAX_F",
             "Greatest integral, horizontal; at most max_velocity_forward.";
-        max_turn: "g", 0.0, 100.0, 2.0, "ALU_TURN_MAX",
+        max_lateral_acceleration: "g", 0.0, 100.0, 2.0, "ALU_TURN_MAX",
             "Greatest acceleration to the side of the plane of flight. Zero: the plane is kept, for flights in one plane.";
         max_rate: "rad/s", 1e-3, 1e3, 2.8, "ALU_RATE_MAX",
             "Greatest angular rate commanded, about each body axis.";

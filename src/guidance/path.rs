@@ -7,7 +7,7 @@ use crate::ned::Ned;
 /// How much of what the position hold takes out of the velocity the path gives back by waiting. Below 1: with more, a
 /// vehicle that is ahead would be asked to fly faster still.
 const SHARE: f32 = 0.8;
-/// Bounds of the pace.
+/// Bounds of the time scale.
 const SLOWEST: f32 = 0.5;
 const FASTEST: f32 = 1.25;
 /// Velocities of a path below this [m/s] have no direction to be ahead in.
@@ -20,7 +20,7 @@ impl<A, G> Guidance<A, G> {
     /// `position_error` \[m\] is the position less the path's, `velocity` [m/s] the path's velocity at its own speed. With the
     /// pace p the reference is p times that velocity and p² times its acceleration, and the path's parameter advances at p
     /// times its own rate. What is not finite gives 1.
-    pub fn pace(&self, position_error: Ned, velocity: Ned) -> f32 {
+    pub fn path_time_scale(&self, position_error: Ned, velocity: Ned) -> f32 {
         let square = velocity.norm_squared();
         let ahead = position_error.dot(velocity);
         let least = if square > LEAST_SPEED * LEAST_SPEED {
@@ -28,9 +28,9 @@ impl<A, G> Guidance<A, G> {
         } else {
             LEAST_SPEED * LEAST_SPEED
         };
-        let pace = 1.0 + SHARE * self.tracker.position_gain[1] * ahead / least;
-        if pace.is_finite() {
-            math::clamp(pace, SLOWEST, FASTEST)
+        let scale = 1.0 + SHARE * self.tracker.position_gain[1] * ahead / least;
+        if scale.is_finite() {
+            math::clamp(scale, SLOWEST, FASTEST)
         } else {
             1.0
         }
@@ -54,7 +54,7 @@ mod tests {
         };
         let guidance = Guidance::new(vehicle, &p).unwrap();
         let v = Ned::new(0.0, 20.0, 0.0);
-        let at = |east: f32| guidance.pace(Ned::new(30.0, east, -5.0), v);
+        let at = |east: f32| guidance.path_time_scale(Ned::new(30.0, east, -5.0), v);
         assert_eq!(at(0.0), 1.0);
         // 10 m behind at a position gain of 0.5 /s: 0.8 · 0.5 · 10 m/s less than 20 m/s.
         assert!((at(-10.0) - 0.8).abs() < 1e-6 && (at(10.0) - 1.2).abs() < 1e-6);
@@ -62,6 +62,6 @@ mod tests {
         for bad in [f32::NAN, f32::INFINITY] {
             assert_eq!(at(bad), 1.0);
         }
-        assert_eq!(guidance.pace(v, Ned::ZERO), 1.0);
+        assert_eq!(guidance.path_time_scale(v, Ned::ZERO), 1.0);
     }
 }

@@ -1,13 +1,13 @@
 //! The guidance in one vertical plane: the plane to the north stands for it.
 //!
 //! For simulations in a plane, and for callers that know of one plane only. Nothing points out of it, so nothing turns out
-//! of it; with `max_turn` zero no reference does that either.
+//! of it; with `max_lateral_acceleration` zero no reference does that either.
 
+use super::planner_options::PlannerOptions;
 use super::progress::Progress;
 use super::status::Status;
-use super::supervision::{Air, AirUse, Mode, Refusal};
-use super::update::{Guidance, GuidanceInput, GuidanceState, Guided};
-use super::wishes::Wishes;
+use super::supervision::{Air, AirUse, Mode, RejectReason};
+use super::update::{Guidance, GuidanceInput, GuidanceOutput, GuidanceState};
 use crate::aero::Aerodynamics;
 use crate::control::{Command, GainLaw, Margin};
 use crate::frame::{Attitude, Body, Inertial};
@@ -33,7 +33,7 @@ impl Ned {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct PlanarInput {
+pub struct PlanarGuidanceInput {
     /// Velocity v over ground [m/s].
     pub velocity: Inertial,
     /// Attitude θ.
@@ -52,13 +52,13 @@ pub struct PlanarInput {
     /// Age \[s\] of the reference, not negative.
     pub reference_age: f32,
     /// What plans are to mind.
-    pub wishes: Wishes,
+    pub planner_options: PlannerOptions,
 }
 
-/// A [`Guided`] in one vertical plane.
+/// A [`GuidanceOutput`] in one vertical plane.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct PlanarGuided {
+pub struct PlanarGuidanceOutput {
     /// The command, inside its limits. Its diagnostics are those of the law, before the limits; in
     /// [`Mode::Holding`] and [`Mode::Safe`] they are zero.
     pub command: Command,
@@ -75,12 +75,12 @@ pub struct PlanarGuided {
     /// What is being done, and what of the reference cannot be had.
     pub progress: Progress,
     /// Why the frame was refused, if it was.
-    pub refusal: Option<Refusal>,
+    pub reject_reason: Option<RejectReason>,
 }
 
-impl From<&PlanarInput> for GuidanceInput {
+impl From<&PlanarGuidanceInput> for GuidanceInput {
     #[inline(always)]
-    fn from(p: &PlanarInput) -> Self {
+    fn from(p: &PlanarGuidanceInput) -> Self {
         Self {
             velocity: Ned::in_plane(p.velocity),
             orientation: Orientation::in_plane(p.attitude),
@@ -100,14 +100,14 @@ impl From<&PlanarInput> for GuidanceInput {
                 heading: Heading::FREE,
             },
             reference_age: p.reference_age,
-            wishes: p.wishes,
+            planner_options: p.planner_options,
         }
     }
 }
 
-impl From<&Guided> for PlanarGuided {
+impl From<&GuidanceOutput> for PlanarGuidanceOutput {
     #[inline(always)]
-    fn from(g: &Guided) -> Self {
+    fn from(g: &GuidanceOutput) -> Self {
         Self {
             command: Command {
                 thrust: g.command.thrust,
@@ -123,7 +123,7 @@ impl From<&Guided> for PlanarGuided {
                 acceleration: g.reference.acceleration.to_plane(),
             },
             progress: g.progress,
-            refusal: g.refusal,
+            reject_reason: g.reject_reason,
         }
     }
 }
@@ -134,9 +134,9 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
     pub fn update_in_plane(
         &self,
         state: &mut GuidanceState,
-        input: &PlanarInput,
+        input: &PlanarGuidanceInput,
         dt: f32,
-    ) -> PlanarGuided {
-        PlanarGuided::from(&self.update(state, &GuidanceInput::from(input), dt))
+    ) -> PlanarGuidanceOutput {
+        PlanarGuidanceOutput::from(&self.update(state, &GuidanceInput::from(input), dt))
     }
 }

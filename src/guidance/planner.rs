@@ -4,10 +4,12 @@
 //! plan may be to turn to an attitude far away, past stall for example, and to go on from there: so a fold is crossed where that
 //! is worth while, and nothing else decides it. The work is the same at every step.
 
-use super::flight::{Flight, PUSH_OVER, Pace, Plan, VirtualVehicle, limited};
 use super::memory::memory;
 use super::parameters::GuidanceParameters;
-use super::wishes::{Wishes, altitude_band};
+use super::planner_options::{PlannerOptions, altitude_band};
+use super::reference_model::{
+    PUSH_OVER, Plan, PlanarModelState, ReferenceModel, StepGains, limited,
+};
 use crate::aero::Aerodynamics;
 use crate::frame::{Attitude, Inertial};
 use crate::math;
@@ -22,12 +24,12 @@ const FIRST_STEP: f32 = 0.045;
 const GROWTH: f32 = 1.039;
 /// Steps at the end over which it is measured how fast an error closes.
 const LATE: usize = 6;
-/// How long the reference is taken to accelerate on \[s\]. This, and what follows to [`BETTER`], the servo's constants and the
+/// How long the reference is taken to accelerate on \[s\]. This, and what follows to [`SWITCHING_HYSTERESIS`], the servo's constants and the
 /// tracker's, was searched for together, over short flights in calm air, wind, noise and turbulence with right and wrong
 /// beliefs: one changed alone moves every crossing of the stall.
 const AHEAD: f32 = 0.74;
 /// Errors count by their square, and from this many bands on in proportion.
-const KNEE: f32 = 4.0;
+const LINEAR_FROM: f32 = 4.0;
 /// Time to go: weight, greatest \[s\], least closing taken for it, in g.
 const TO_GO: f32 = 0.76;
 const MAX_TO_GO: f32 = 20.0;
@@ -37,26 +39,26 @@ const LEAST_CLOSING: f32 = 0.035;
 const HIGH: f32 = 3.0;
 const SLOW: f32 = 8.0;
 /// Greatest change of the acceleration to the side, in g per second: a roll of 90° takes about as long as the rate allows.
-pub(super) const LEAN_SLEW: f32 = 3.0;
+pub(super) const MAX_LATERAL_JERK: f32 = 3.0;
 /// Velocity to the side that it takes to level the wing and to bank it again, per squared acceleration to the side [s³/m].
-const LEVEL: f32 = 1.0 / (LEAN_SLEW * 9.81);
+const LEVEL: f32 = 1.0 / (MAX_LATERAL_JERK * 9.81);
 /// Length of a step of a turn, in the mean \[s\]: most take 5 to 15.
 const TURN_STEP: f32 = 0.055;
 /// How long a velocity error to the side counts \[s\], once the wing can close it.
-const CATCH_UP: f32 = 0.6;
+const LATERAL_RECOVERY_TIME: f32 = 0.6;
 /// k_a |v_a|/m [1/s] from which on a change of lift may stop a velocity across the air's within a step: with the steepest
 /// lift there is, 2π, in two thirds of the longest step.
 const STIFF: f32 = 2.0;
 /// What thrust of the weight costs a plan at its end where the wing has lift in reserve, if as much is spent at its beginning:
 /// with half of it some wings stay behind the stall. Without thrust at the beginning, as where the vehicle brakes or coasts, it
 /// costs nothing: plans that brake behind the stall would else come late.
-const DEAR: f32 = 8.0;
+const TERMINAL_THRUST_WEIGHT: f32 = 8.0;
 /// Lift from which on thrust costs anything, and how much more it takes until it costs all of that, over the weight. With less
 /// in reserve a gust or a slow rate loop throws the wing back behind the stall.
-const RESERVE: f32 = 1.25;
-const SPARE: f32 = 0.25;
+const LIFT_RESERVE_START: f32 = 1.25;
+const LIFT_RESERVE_SPAN: f32 = 0.25;
 /// By how much another plan must cost less: this part, and this much besides.
-const BETTER: f32 = 0.161;
+const SWITCHING_HYSTERESIS: f32 = 0.161;
 /// Time of a push-over before a turn \[s\], per unit of n + [`MORE_LOAD`], where n is the load factor that the wing can carry
 /// short of stall: a short push-over and a long one. The faster a wing flies and the more lift it has, the more it climbs on its
 /// way through stall, and the more a push-over has to make up for. With 0.225 s whatever n is, a wing of twice the area left
@@ -69,12 +71,12 @@ const MAX_PUSH: f32 = 0.5;
 /// Part of the sink velocity beyond the one wanted that a push-over need not make: who falls turns the nose up at once.
 const SINKING: f32 = 0.4;
 /// Plans looked at in a round, the plan in force first.
-const ROUND: u8 = 3;
+const ROUND_LENGTH: u8 = 3;
 /// A turn that is looked at: to which angle of attack \[rad\], and after which push-over.
 type Turn = Option<(f32, f32)>;
 /// The turns. From there on the servo finds the way; where there is no turn, from the start. Of three candidates two are of
 /// these,
-const OFTEN: [Turn; 8] = [
+const FREQUENT_CANDIDATES: [Turn; 8] = [
     Some((0.8, 0.0)),
     Some((0.8, LONG_PUSH)),
     Some((0.0, 0.0)),
@@ -85,7 +87,7 @@ const OFTEN: [Turn; 8] = [
     Some((1.75, 0.0)),
 ];
 /// and one is of these.
-const SELDOM: [Turn; 9] = [
+const RARE_CANDIDATES: [Turn; 9] = [
     Some((-0.8, 0.0)),
     Some((1.75, LONG_PUSH)),
     Some((2.3, 0.0)),
@@ -97,13 +99,13 @@ const SELDOM: [Turn; 9] = [
     Some((-2.3, 0.0)),
 ];
 /// The candidate with which a stop at once is flown, that with [`SHORT_PUSH`]: a reference that jumps is answered by it.
-const AT_ONCE: u8 = 6;
+const EMERGENCY_STOP: u8 = 6;
 /// Candidates until all have been looked at.
-const CANDIDATES: u8 = 3 * SELDOM.len() as u8;
+const CANDIDATES: u8 = 3 * RARE_CANDIDATES.len() as u8;
 
 /// A step of a prediction.
 struct AheadStep {
-    pace: Pace,
+    gains: StepGains,
     /// 1 while the reference is taken to accelerate, then 0, and a part of the step between.
     accelerating: f32,
 }
@@ -123,13 +125,13 @@ pub(super) const SPAN: f32 = ahead_steps().2;
 const fn ahead_steps() -> ([AheadStep; STEPS], f32, f32) {
     let mut steps = [const {
         AheadStep {
-            pace: Pace::new(FIRST_STEP),
+            gains: StepGains::new(FIRST_STEP),
             accelerating: 1.0,
         }
     }; STEPS];
     let (mut n, mut h, mut time, mut late) = (0, FIRST_STEP, 0.0, 0.0);
     while n < STEPS {
-        steps[n].pace = Pace::new(h);
+        steps[n].gains = StepGains::new(h);
         steps[n].accelerating = math::clamp((AHEAD - time) / h, 0.0, 1.0);
         if n + LATE >= STEPS {
             late += h;
@@ -152,32 +154,32 @@ pub struct PlannerState {
     /// How many plans of the round have been looked at.
     looked: u8,
     /// From where the plans of the round are flown ahead.
-    start: Start,
+    initial: InitialState,
     /// What the plan in force comes to.
-    pub(super) prospect: Prospect,
+    pub(super) rollout: Rollout,
 }
 
 memory!(PlannerState {
     plan: Plan,
     next: u8,
     looked: u8,
-    start: Start,
-    prospect: Prospect,
+    initial: InitialState,
+    rollout: Rollout,
 });
 
 /// From where plans are flown ahead.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-struct Start {
-    flight: Flight,
+struct InitialState {
+    flight: PlanarModelState,
     wind: Inertial,
     /// Reference velocity [m/s] and acceleration [m/s²].
     velocity: Inertial,
     acceleration: Inertial,
 }
 
-memory!(Start {
-    flight: Flight,
+memory!(InitialState {
+    flight: PlanarModelState,
     wind: Inertial,
     velocity: Inertial,
     acceleration: Inertial,
@@ -186,7 +188,7 @@ memory!(Start {
 /// What a plan comes to.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Prospect {
+pub struct Rollout {
     /// Its cost.
     pub cost: f32,
     /// Velocity error at the end of the prediction [m/s]: velocity less the velocity wanted.
@@ -199,7 +201,7 @@ pub struct Prospect {
     pub thrust: f32,
 }
 
-memory!(Prospect {
+memory!(Rollout {
     cost: f32,
     error: Inertial,
     to_go: Inertial,
@@ -211,7 +213,7 @@ memory!(Prospect {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Planner {
-    pub(super) virtual_vehicle: VirtualVehicle,
+    pub(super) reference_model: ReferenceModel,
     pub(super) altitude_band: f32,
     pub(super) velocity_band: Inertial,
 }
@@ -227,7 +229,7 @@ impl Plan {
     }
 }
 
-impl Start {
+impl InitialState {
     fn is_sound(&self) -> bool {
         self.flight.is_sound()
             && self.wind.norm_squared()
@@ -237,7 +239,7 @@ impl Start {
     }
 }
 
-impl Prospect {
+impl Rollout {
     fn is_sound(&self) -> bool {
         self.error.norm_squared() <= MAX_NUMBER
             && self.to_go.norm_squared() <= 2.1 * MAX_TO_GO * MAX_TO_GO
@@ -248,14 +250,14 @@ impl Prospect {
 impl PlannerState {
     /// Whether every number is one that a planner can have left. NaN is not.
     pub(super) fn is_sound(&self) -> bool {
-        self.plan.is_sound() && self.start.is_sound() && self.prospect.is_sound()
+        self.plan.is_sound() && self.initial.is_sound() && self.rollout.is_sound()
     }
 
     /// Counts the attitude of the plans from `by` \[rad\] further on: θ has been wrapped.
     #[inline(always)]
     pub(super) fn shift(&mut self, by: f32) {
         self.plan.target += by;
-        self.start.flight.theta += by;
+        self.initial.flight.theta += by;
     }
 }
 
@@ -263,7 +265,7 @@ impl Planner {
     /// The planner with these parameters, which have been checked.
     pub fn new(p: &GuidanceParameters) -> Self {
         Self {
-            virtual_vehicle: VirtualVehicle::new(p),
+            reference_model: ReferenceModel::new(p),
             altitude_band: p.altitude_band,
             velocity_band: Inertial::new(p.velocity_band_down, p.velocity_band_forward),
         }
@@ -284,22 +286,22 @@ impl Planner {
         &self,
         vehicle: &Vehicle<A>,
         state: &mut PlannerState,
-        flight: &Flight,
+        flight: &PlanarModelState,
         reference: &Reference,
         wind: Inertial,
-        (wishes, missed, lift): (&Wishes, f32, f32),
+        (planner_options, missed, lift): (&PlannerOptions, f32, f32),
     ) {
         // More than a band of the velocity in the few steps since a round began.
-        let jump = reference.velocity - state.start.velocity;
+        let jump = reference.velocity - state.initial.velocity;
         let band = self.velocity_band.forward();
         if jump.norm_squared() > band * band {
             core::hint::cold_path();
-            (state.looked, state.next) = (0, AT_ONCE);
+            (state.looked, state.next) = (0, EMERGENCY_STOP);
         }
-        let first = state.looked == 0 || state.looked >= ROUND;
+        let first = state.looked == 0 || state.looked >= ROUND_LENGTH;
         let plan = if first {
             state.looked = 0;
-            state.start = Start {
+            state.initial = InitialState {
                 flight: *flight,
                 wind,
                 velocity: reference.velocity,
@@ -310,27 +312,27 @@ impl Planner {
             let n = state.next;
             // What was remembered may be any number.
             state.next = if n < CANDIDATES - 1 { n + 1 } else { 0 };
-            self.candidate(vehicle, &state.start, lift, n)
+            self.candidate(vehicle, &state.initial, lift, n)
         };
-        let band = altitude_band(wishes.altitude_band, self.altitude_band);
-        let mut found = self.predict(vehicle, &state.start, &plan, band, missed, !first);
-        let air = state.start.flight.velocity - state.start.wind;
+        let band = altitude_band(planner_options.altitude_band, self.altitude_band);
+        let mut found = self.predict(vehicle, &state.initial, &plan, band, missed, !first);
+        let air = state.initial.flight.velocity - state.initial.wind;
         let weight = vehicle.weight();
-        let spare = lift * vehicle.k_a() * air.norm_squared() - RESERVE * weight;
-        let spare = math::clamp(spare, 0.0, SPARE * weight) / weight;
-        let (now, then) = (state.start.flight.thrust / weight, found.thrust / weight);
-        found.cost += DEAR / SPARE * spare * now * then;
+        let lift_reserve = lift * vehicle.k_a() * air.norm_squared() - LIFT_RESERVE_START * weight;
+        let lift_reserve = math::clamp(lift_reserve, 0.0, LIFT_RESERVE_SPAN * weight) / weight;
+        let (now, then) = (state.initial.flight.thrust / weight, found.thrust / weight);
+        found.cost += TERMINAL_THRUST_WEIGHT / LIFT_RESERVE_SPAN * lift_reserve * now * then;
         state.looked += 1;
-        let cost = state.prospect.cost;
+        let cost = state.rollout.cost;
         if first {
-            state.prospect = found;
-        } else if found.cost < cost - BETTER * (1.0 + cost) {
+            state.rollout = found;
+        } else if found.cost < cost - SWITCHING_HYSTERESIS * (1.0 + cost) {
             state.plan = plan;
             state.looked = 0;
         }
     }
 
-    /// What `plan` comes to if it is flown from `start`, with an `altitude_band` \[m\].
+    /// What `plan` comes to if it is flown from `initial`, with an `altitude_band` \[m\].
     ///
     /// The cost is the integral over the prediction of the altitude error and of the velocity errors, each in its band, and
     /// the same for the time after it: an error that closes at the rate of the last steps is there for as long as that
@@ -340,17 +342,17 @@ impl Planner {
     fn predict<A: Aerodynamics>(
         &self,
         vehicle: &Vehicle<A>,
-        start: &Start,
+        initial: &InitialState,
         plan: &Plan,
         altitude_band: f32,
         missed: f32,
         new: bool,
-    ) -> Prospect {
-        let air = (start.flight.velocity - start.wind) * (vehicle.k_a() / vehicle.mass());
+    ) -> Rollout {
+        let air = (initial.flight.velocity - initial.wind) * (vehicle.k_a() / vehicle.mass());
         if air.norm_squared() > STIFF * STIFF {
-            self.predict_with::<A, true>(vehicle, start, plan, altitude_band, missed, new)
+            self.predict_with::<A, true>(vehicle, initial, plan, altitude_band, missed, new)
         } else {
-            self.predict_with::<A, false>(vehicle, start, plan, altitude_band, missed, new)
+            self.predict_with::<A, false>(vehicle, initial, plan, altitude_band, missed, new)
         }
     }
 
@@ -359,57 +361,62 @@ impl Planner {
     fn predict_with<A: Aerodynamics, const STIFF: bool>(
         &self,
         vehicle: &Vehicle<A>,
-        start: &Start,
+        initial: &InitialState,
         plan: &Plan,
         altitude_band: f32,
         missed: f32,
         new: bool,
-    ) -> Prospect {
-        let virtual_vehicle = &self.virtual_vehicle;
-        let (mut flight, mut plan, wind) = (start.flight, *plan, start.wind);
+    ) -> Rollout {
+        let reference_model = &self.reference_model;
+        let (mut flight, mut plan, wind) = (initial.flight, *plan, initial.wind);
         let mut attitude = Attitude::from_angle(flight.theta);
         let band = Inertial::new(
-            1.0 / (KNEE * self.velocity_band.down()),
-            1.0 / (KNEE * self.velocity_band.forward()),
+            1.0 / (LINEAR_FROM * self.velocity_band.down()),
+            1.0 / (LINEAR_FROM * self.velocity_band.forward()),
         );
         // Too high is as many metres as with the parameter's band, or more.
-        let high = HIGH / KNEE * math::max(self.altitude_band / altitude_band, 1.0);
-        let altitude_band = 1.0 / (KNEE * altitude_band);
+        let high = HIGH / LINEAR_FROM * math::max(self.altitude_band / altitude_band, 1.0);
+        let altitude_band = 1.0 / (LINEAR_FROM * altitude_band);
 
-        let mut velocity = start.velocity;
+        let mut velocity = initial.velocity;
         let mut error =
-            flight.velocity - virtual_vehicle.velocity_wanted(flight.position, velocity);
+            flight.velocity - reference_model.desired_velocity(flight.position, velocity);
         // Of the three penalties of a step what is the same at every step.
         let (mut late, mut cost, mut turning) = (flight.velocity, -3.0 * SPAN, 0u32);
         for steps in &PARTS {
             late = flight.velocity;
             for step in *steps {
-                let acceleration = start.acceleration * step.accelerating;
+                let acceleration = initial.acceleration * step.accelerating;
                 turning += u32::from(plan.turn);
-                let wish = virtual_vehicle.wish(error, acceleration, vehicle.gravity(), &step.pace);
-                virtual_vehicle.step::<A, STIFF>(
+                let desired = reference_model.desired_acceleration(
+                    error,
+                    acceleration,
+                    vehicle.gravity(),
+                    &step.gains,
+                );
+                reference_model.step::<A, STIFF>(
                     vehicle,
                     &mut flight,
                     &mut attitude,
                     &mut plan,
                     velocity,
-                    wish,
+                    desired,
                     wind,
                     f32::INFINITY,
-                    &step.pace,
+                    &step.gains,
                     false,
                 );
-                velocity += acceleration * step.pace.h;
+                velocity += acceleration * step.gains.h;
                 error =
-                    flight.velocity - virtual_vehicle.velocity_wanted(flight.position, velocity);
+                    flight.velocity - reference_model.desired_velocity(flight.position, velocity);
                 let altitude = math::min(-flight.position.down() * altitude_band, high);
-                cost += step.pace.h
+                cost += step.gains.h
                     * (length(altitude)
                         + length(error.down() * band.down())
                         + length(error.forward() * band.forward()));
             }
         }
-        let mean = (flight.velocity - late) * (1.0 / LATE_TIME) - start.acceleration;
+        let mean = (flight.velocity - late) * (1.0 / LATE_TIME) - initial.acceleration;
         let least = LEAST_CLOSING * vehicle.gravity();
         let to_go = Inertial::new(
             to_go(error.down(), mean.down(), least),
@@ -423,13 +430,13 @@ impl Planner {
             // It grows as long as the wing is nearly level, and has then to be closed.
             let begun = if new { missed * missed * LEVEL } else { 0.0 };
             let beside = begun + missed * turning;
-            cost += penalty(beside * band.down()) * (0.5 * turning + CATCH_UP);
+            cost += penalty(beside * band.down()) * (0.5 * turning + LATERAL_RECOVERY_TIME);
         }
-        Prospect {
-            cost: math::min(2.0 * KNEE * KNEE * cost, MAX_COST),
+        Rollout {
+            cost: math::min(2.0 * LINEAR_FROM * LINEAR_FROM * cost, MAX_COST),
             error,
             to_go,
-            distance: flight.position.forward() - start.flight.position.forward(),
+            distance: flight.position.forward() - initial.flight.position.forward(),
             thrust: flight.thrust,
         }
     }
@@ -440,27 +447,27 @@ impl Planner {
     fn candidate<A: Aerodynamics>(
         &self,
         vehicle: &Vehicle<A>,
-        start: &Start,
+        initial: &InitialState,
         lift: f32,
         n: u8,
     ) -> Plan {
         let n = usize::from(n);
         let turn = if n % 3 == 2 {
-            SELDOM.get(n / 3)
+            RARE_CANDIDATES.get(n / 3)
         } else {
-            OFTEN.get((n - n / 3) % OFTEN.len())
+            FREQUENT_CANDIDATES.get((n - n / 3) % FREQUENT_CANDIDATES.len())
         };
         let Some(&Some((alpha, push))) = turn else {
             return Plan::default();
         };
-        let flight = &start.flight;
-        let v_a = flight.velocity - start.wind;
+        let flight = &initial.flight;
+        let v_a = flight.velocity - initial.wind;
         let gamma = math::atan2(v_a.forward(), v_a.down());
         let target = gamma - math::PI + vehicle.thrust_line().delta() + alpha;
         let load = lift * vehicle.k_a() * v_a.norm_squared() / vehicle.weight();
         let wanted = self
-            .virtual_vehicle
-            .velocity_wanted(flight.position, start.velocity);
+            .reference_model
+            .desired_velocity(flight.position, initial.velocity);
         let sinking = math::max(flight.velocity.down() - wanted.down(), 0.0);
         let saved = SINKING / PUSH_OVER * sinking / vehicle.gravity();
         Plan {
@@ -495,10 +502,10 @@ fn length(z: f32) -> f32 {
     math::sqrt(1.0 + z * z)
 }
 
-/// The same for a velocity error down, in [`KNEE`] bands. Sinking too slowly costs no more beyond [`SLOW`].
+/// The same for a velocity error down, in [`LINEAR_FROM`] bands. Sinking too slowly costs no more beyond [`SLOW`].
 #[inline(always)]
 fn sinking(z: f32) -> f32 {
-    penalty(-math::min(-z, SLOW / KNEE))
+    penalty(-math::min(-z, SLOW / LINEAR_FROM))
 }
 
 /// `angle` \[rad\] within ±π.
@@ -518,10 +525,10 @@ mod tests {
     use crate::vehicle::VehicleParameters;
 
     const DT: f32 = 0.01;
-    const NONE: Wishes = Wishes {
+    const NONE: PlannerOptions = PlannerOptions {
         altitude_band: 0.0,
-        short_of_vertical: false,
-        place_free: false,
+        nose_below_vertical: false,
+        hold_altitude_only: false,
     };
 
     /// Lift coefficient short of stall, about that of the vehicles below.
@@ -546,7 +553,7 @@ mod tests {
                 next,
                 ..PlannerState::default()
             };
-            let (flight, reference) = (Flight::default(), Reference::default());
+            let (flight, reference) = (PlanarModelState::default(), Reference::default());
             planner.search(
                 &vehicle(2.0),
                 &mut state,
@@ -562,7 +569,7 @@ mod tests {
 
     /// A virtual flight on its own: what it did at worst.
     struct Flown {
-        end: Flight,
+        end: PlanarModelState,
         low: f32,
         high: f32,
         farthest: f32,
@@ -571,25 +578,25 @@ mod tests {
 
     fn fly(
         vehicle: &Vehicle<Combined>,
-        start: Flight,
+        initial: PlanarModelState,
         reference: impl Fn(f32) -> Reference,
         seconds: f32,
     ) -> Flown {
-        fly_on_wing(vehicle, start, reference, seconds, 0.0)
+        fly_on_wing(vehicle, initial, reference, seconds, 0.0)
     }
 
     /// The same with a wing of this lift coefficient.
     fn fly_on_wing<A: Aerodynamics>(
         vehicle: &Vehicle<A>,
-        start: Flight,
+        initial: PlanarModelState,
         reference: impl Fn(f32) -> Reference,
         seconds: f32,
         lift: f32,
     ) -> Flown {
         let planner = Planner::new(&GuidanceParameters::default());
-        let (mut state, mut flight) = (PlannerState::default(), start);
+        let (mut state, mut flight) = (PlannerState::default(), initial);
         let mut flown = Flown {
-            end: start,
+            end: initial,
             low: 0.0,
             high: 0.0,
             farthest: 0.0,
@@ -606,7 +613,7 @@ mod tests {
                 Inertial::ZERO,
                 (&NONE, 0.0, lift),
             );
-            planner.virtual_vehicle.advance(
+            planner.reference_model.advance(
                 vehicle,
                 &mut flight,
                 &mut state.plan,
@@ -629,11 +636,11 @@ mod tests {
         Reference::default()
     }
 
-    fn cruise() -> Flight {
-        Flight {
+    fn cruise() -> PlanarModelState {
+        PlanarModelState {
             velocity: Inertial::new(0.0, 20.0),
             theta: -86f32.to_radians(),
-            ..Flight::default()
+            ..PlanarModelState::default()
         }
     }
 
@@ -646,7 +653,7 @@ mod tests {
             assert!(flown.turns > 0);
             assert!(flown.farthest < farthest, "{}", flown.farthest);
             assert!(flown.low < altitude && flown.high < altitude);
-            let Flight {
+            let PlanarModelState {
                 velocity, position, ..
             } = flown.end;
             assert!(velocity.norm() < 0.05 && position.norm() < 0.2);
@@ -663,19 +670,22 @@ mod tests {
         assert_eq!(flown.turns, 0);
         // 0.1 m: the start is not quite the trim.
         assert!(flown.low < 0.1 && flown.high < 0.1);
-        assert_eq!(fly(&vehicle(2.0), Flight::default(), hover, 10.0).turns, 0);
+        assert_eq!(
+            fly(&vehicle(2.0), PlanarModelState::default(), hover, 10.0).turns,
+            0
+        );
     }
 
     /// Nose down at 20 m/s, and upside down at 3 m/s: the least height in which that can be left is 16.6 m and 7.0 m.
     #[test]
     fn a_fall_is_left_nose_up() {
         for (speed, height) in [(20.0, 28.0), (3.0, 11.0)] {
-            let start = Flight {
+            let initial = PlanarModelState {
                 velocity: Inertial::new(speed, 0.0),
                 theta: 3.1,
-                ..Flight::default()
+                ..PlanarModelState::default()
             };
-            let flown = fly(&vehicle(2.0), start, hover, 25.0);
+            let flown = fly(&vehicle(2.0), initial, hover, 25.0);
             assert!(flown.low < height, "{}", flown.low);
             assert!(flown.end.velocity.norm() < 0.05 && wrap(flown.end.theta).abs() < 0.05);
         }
@@ -692,7 +702,7 @@ mod tests {
                 Inertial::ZERO
             },
         };
-        let flown = fly(&vehicle(2.0), Flight::default(), steep, 40.0);
+        let flown = fly(&vehicle(2.0), PlanarModelState::default(), steep, 40.0);
         assert!(flown.low < 3.0 && flown.end.velocity.norm() < 35.0);
     }
 
@@ -726,9 +736,9 @@ mod tests {
     fn a_prediction_spans_two_seconds_and_its_reference_accelerates_for_a_part_of_them() {
         let sum = |f: &dyn Fn(&AheadStep) -> f32| AHEAD_STEPS.iter().map(f).sum::<f32>();
         // 1e-5: roundings of 28 sums of seconds.
-        assert!((sum(&|s| s.pace.h) - SPAN).abs() < 1e-5 && (SPAN - 2.08).abs() < 0.01);
-        assert!((sum(&|s| s.pace.h * s.accelerating) - AHEAD).abs() < 1e-5);
-        let late = |s: &[AheadStep]| s.iter().map(|s| s.pace.h).sum::<f32>();
+        assert!((sum(&|s| s.gains.h) - SPAN).abs() < 1e-5 && (SPAN - 2.08).abs() < 0.01);
+        assert!((sum(&|s| s.gains.h * s.accelerating) - AHEAD).abs() < 1e-5);
+        let late = |s: &[AheadStep]| s.iter().map(|s| s.gains.h).sum::<f32>();
         assert!((late(&AHEAD_STEPS[STEPS - LATE..]) - LATE_TIME).abs() < 1e-5);
     }
 
@@ -749,39 +759,39 @@ mod tests {
         };
         let mut state = PlannerState::default();
         look(&mut state);
-        let first = state.prospect;
+        let first = state.rollout;
         // Elsewhere, and in wind: the plan in force is not looked at, and nothing of this counts.
         let mut elsewhere = state;
         planner.search(
             &vehicle,
             &mut elsewhere,
-            &Flight::default(),
+            &PlanarModelState::default(),
             &hover(0.0),
             Inertial::new(0.0, 9.0),
             (&NONE, 0.0, 0.0),
         );
         look(&mut state);
-        assert_eq!((elsewhere, state.prospect), (state, first));
+        assert_eq!((elsewhere, state.rollout), (state, first));
         // From 20 m/s to a stop the first candidate, a turn past stall, is better: it takes over, and a round begins.
         assert_eq!((state.plan.turn, state.looked), (1, 0));
         look(&mut state);
-        assert!(state.prospect.cost < first.cost);
+        assert!(state.rollout.cost < first.cost);
     }
 
     /// A turn past stall gives up what the wing does for a turn of the course: it costs the velocity to the side that is lost.
     #[test]
     fn crossing_the_stall_costs_more_in_a_turn() {
         let (vehicle, planner) = (vehicle(2.0), Planner::new(&GuidanceParameters::default()));
-        let start = Start {
+        let initial = InitialState {
             flight: cruise(),
-            ..Start::default()
+            ..InitialState::default()
         };
         let cost = |plan: &Plan, missed, new| {
             planner
-                .predict(&vehicle, &start, plan, planner.altitude_band, missed, new)
+                .predict(&vehicle, &initial, plan, planner.altitude_band, missed, new)
                 .cost
         };
-        let crossing = planner.candidate(&vehicle, &start, LIFT, AT_ONCE);
+        let crossing = planner.candidate(&vehicle, &initial, LIFT, EMERGENCY_STOP);
         let servo = Plan::default();
         let level = cost(&crossing, 0.0, true);
         let on = cost(&crossing, 6.0, false) - level;
@@ -818,11 +828,11 @@ mod tests {
             velocity: Inertial::new(0.0, 18.0),
             ..Reference::default()
         };
-        let stalled = Flight {
+        let stalled = PlanarModelState {
             velocity: level.velocity,
             theta: (16.0f32 - 90.0).to_radians(),
             thrust: 0.55 * weight,
-            ..Flight::default()
+            ..PlanarModelState::default()
         };
         // Thrust costs nothing: it stays where it is, and follows.
         let stays = fly_on_wing(&vehicle, stalled, |_| level, 4.0, 0.0);
@@ -838,12 +848,12 @@ mod tests {
     #[test]
     fn all_candidates_are_looked_at() {
         let (vehicle, planner) = (vehicle(2.0), Planner::new(&GuidanceParameters::default()));
-        let start = Start {
+        let initial = InitialState {
             flight: cruise(),
-            ..Start::default()
+            ..InitialState::default()
         };
         let plans: std::vec::Vec<_> = (0..CANDIDATES)
-            .map(|n| planner.candidate(&vehicle, &start, LIFT, n))
+            .map(|n| planner.candidate(&vehicle, &initial, LIFT, n))
             .collect();
         let looks = |plan: &Plan| plans.iter().filter(|p| *p == plan).count();
         let different = plans.iter().map(|p| 1.0 / looks(p) as f32).sum::<f32>();
@@ -860,17 +870,17 @@ mod tests {
     fn a_push_over_is_as_long_as_the_wing_is_strong() {
         let (vehicle, planner) = (vehicle(2.0), Planner::new(&GuidanceParameters::default()));
         let push = |sink: f32, lift: f32, n: u8| {
-            let mut start = Start {
+            let mut initial = InitialState {
                 flight: cruise(),
-                ..Start::default()
+                ..InitialState::default()
             };
-            start.flight.velocity += Inertial::new(sink, 0.0);
-            planner.candidate(&vehicle, &start, lift, n).push
+            initial.flight.velocity += Inertial::new(sink, 0.0);
+            planner.candidate(&vehicle, &initial, lift, n).push
         };
         // k_a |v_a|²/(m g) = 0.646·400/98.1: the load factor at a lift coefficient of 1.
         let load = 2.634;
         // The second of the candidates has the long one.
-        for (n, factor) in [(AT_ONCE, SHORT_PUSH), (1, LONG_PUSH)] {
+        for (n, factor) in [(EMERGENCY_STOP, SHORT_PUSH), (1, LONG_PUSH)] {
             // 1e-4 s: 2.634 has four digits.
             for lift in [0.7, 1.4] {
                 let expected = factor * (lift * load + MORE_LOAD);
@@ -881,7 +891,10 @@ mod tests {
         // 2 m/s of sink that nobody asked for is 0.4 of that in a push-over at 1.52 g.
         let less = push(0.0, LIFT, 1) - push(2.0, LIFT, 1);
         assert!((0.03..0.06).contains(&less), "{less}");
-        assert_eq!((push(20.0, LIFT, AT_ONCE), push(20.0, LIFT, 1)), (0.0, 0.0));
+        assert_eq!(
+            (push(20.0, LIFT, EMERGENCY_STOP), push(20.0, LIFT, 1)),
+            (0.0, 0.0)
+        );
         // A turn back to the wing begins at once.
         assert_eq!(push(0.0, LIFT, 3), 0.0);
     }
@@ -927,12 +940,12 @@ mod tests {
             plans[0].0,
             planner.candidate(
                 &vehicle,
-                &Start {
+                &InitialState {
                     flight: cruise(),
-                    ..Start::default()
+                    ..InitialState::default()
                 },
                 LIFT,
-                AT_ONCE
+                EMERGENCY_STOP
             )
         );
     }

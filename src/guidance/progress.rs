@@ -105,17 +105,17 @@ impl Progress {
         } else {
             Phase::Tracking
         };
-        let prospect = &state.prospect;
-        let (end_down, end_forward) = bands(prospect.error);
-        let to_go = prospect.to_go;
+        let rollout = &state.rollout;
+        let (end_down, end_forward) = bands(rollout.error);
+        let to_go = rollout.to_go;
         let unreachable = if end_down > 0.5 && to_go.down() > NEVER {
-            Some(if prospect.error.down() < 0.0 {
+            Some(if rollout.error.down() < 0.0 {
                 Unreachable::Sink
             } else {
                 Unreachable::Thrust
             })
         } else if end_forward > 0.5 && to_go.forward() > NEVER {
-            Some(if prospect.thrust >= vehicle.thrust_max() {
+            Some(if rollout.thrust >= vehicle.thrust_max() {
                 Unreachable::Thrust
             } else if reference.down() > STEEP * reference.forward().abs() {
                 Unreachable::Sink
@@ -138,7 +138,7 @@ impl Progress {
             distance: if there {
                 0.0
             } else {
-                prospect.distance + 0.5 * prospect.error.forward() * to_go.forward()
+                rollout.distance + 0.5 * rollout.error.forward() * to_go.forward()
             },
         }
     }
@@ -175,13 +175,13 @@ mod tests {
         for n in 0..(seconds * 100.0) as usize {
             let part = (n as f32 / 1000.0).min(1.0);
             let velocity = reference * part;
-            let (v, mut theta) = state.virtual_flight();
+            let (v, mut theta) = state.reference_model();
             let mut v = v.to_plane();
             if n < 10 {
                 (v, theta) = (Inertial::ZERO, 0.0);
             }
             position += (v - velocity) * 0.01;
-            let input = PlanarInput {
+            let input = PlanarGuidanceInput {
                 velocity: v,
                 attitude: Attitude::from_angle(theta),
                 air: Air::Wind(wind),
@@ -194,7 +194,7 @@ mod tests {
                         Inertial::ZERO
                     },
                 },
-                ..PlanarInput::default()
+                ..PlanarGuidanceInput::default()
             };
             progress.push(guidance.update_in_plane(&mut state, &input, 0.01).progress);
         }

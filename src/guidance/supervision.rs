@@ -110,7 +110,7 @@ impl AirUse {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Refusal {
+pub enum RejectReason {
     /// The time step is not in [[`MIN_STEP`], [`MAX_STEP`]].
     TimeStep,
     /// The state is older than `state_age`.
@@ -121,7 +121,7 @@ pub enum Refusal {
     Law(Fault),
 }
 
-impl Refusal {
+impl RejectReason {
     /// Name for logs.
     pub const fn name(self) -> &'static str {
         match self {

@@ -5,11 +5,11 @@
 //! it. Near a fold that law would turn the vehicle to whichever equilibrium is nearer, so there the pitch gives way to the
 //! attitude alone.
 
-use super::flight::{across, limited};
+use super::lateral_guidance::{ReferenceModelOutput, ReferenceModelState};
 use super::parameters::GuidanceParameters;
 use super::planner::wrap;
+use super::reference_model::{limited, transverse_force};
 use super::status::Status;
-use super::virtual_flight::{Moved, VirtualFlight};
 use crate::aero::Aerodynamics;
 use crate::branch::Branch;
 use crate::control::{Fault, GainLaw, Step};
@@ -47,10 +47,10 @@ pub(super) struct TrackerInput<'a, A> {
     pub state: &'a State,
     /// Position less reference position \[m\].
     pub position: Ned,
-    pub flight: &'a VirtualFlight,
+    pub flight: &'a ReferenceModelState,
     /// Attitude θ of the real vehicle in the plane of flight \[rad\].
     pub theta: f32,
-    pub moved: &'a Moved<'a, A>,
+    pub model: &'a ReferenceModelOutput<'a, A>,
     /// What of the last command saturated.
     pub saturated: Status,
     /// The last pitch rate commanded [rad/s] if it stands at its limit, else zero.
@@ -58,7 +58,7 @@ pub(super) struct TrackerInput<'a, A> {
 }
 
 /// What the tracker comes to.
-pub(super) struct Tracked {
+pub(super) struct TrackerOutput {
     pub command: Command,
     pub step: Step,
     pub branch: Branch,
@@ -80,7 +80,7 @@ pub struct Tracker {
     /// Greatest rate [rad/s] by which that lag is made up for.
     lead: f32,
     /// Force below which the damping along the thrust line does not fall, in multiples of the weight.
-    force_floor: f32,
+    gain_schedule_floor: f32,
 }
 
 /// `v` with its part down within ±`down`, and its horizontal part no longer than `horizontal`; and whether it was.
@@ -112,7 +112,7 @@ impl Tracker {
             max_integral: [p.max_integral_down, p.max_integral_forward],
             rate_lag: p.rate_lag,
             lead: LAG_SHARE * p.max_rate,
-            force_floor: p.force_floor,
+            gain_schedule_floor: p.gain_schedule_floor,
         }
     }
 
@@ -145,20 +145,20 @@ impl Tracker {
         integral: &mut Ned,
         input: &TrackerInput<A>,
         dt: f32,
-    ) -> Result<Tracked, Fault> {
+    ) -> Result<TrackerOutput, Fault> {
         let TrackerInput {
             state,
             flight,
-            moved,
+            model,
             ..
         } = input;
         let plane = control.plane();
         let weight = plane.vehicle().weight();
-        let (axes, attitude) = (&moved.axes, &state.orientation);
+        let (axes, attitude) = (&model.axes, &state.orientation);
 
         // On which side of F_p the virtual attitude lies, and how far from a fold.
         let v_a = axes.project(state.velocity - state.wind);
-        let at = |theta| across(&moved.vehicle, theta, v_a, moved.in_plane);
+        let at = |theta| transverse_force(&model.vehicle, theta, v_a, model.in_plane);
         let middle = at(flight.theta);
         let left = (at(flight.theta - REACH) - middle) / REACH;
         let right = (middle - at(flight.theta + REACH)) / REACH;
@@ -177,14 +177,14 @@ impl Tracker {
         let law = part * part * (3.0 - 2.0 * part) * near * aligned;
 
         // The velocity asked for.
-        let slip = input.position - moved.position;
+        let slip = input.position - model.position;
         let (pull, _) = bounded(scaled(slip, self.position_gain), self.max_velocity);
         let mut reference = Reference {
-            velocity: moved.velocity - pull,
-            acceleration: moved.acceleration,
+            velocity: model.velocity - pull,
+            acceleration: model.acceleration,
             heading: Heading::of_unit(axes.forward),
         };
-        let seen = control.see(state, &reference);
+        let seen = control.observe(state, &reference);
         let mut step = plane.step_in_plane(branch, seen.forces, seen.error.in_plane());
         // What is not known of the wing is an angle. It takes the more velocity error to hold an angle the larger F_p is.
         let stiffness = step.norm / weight;
@@ -212,33 +212,33 @@ impl Tracker {
         }
         let in_plane = plane.robust_in_plane(&step, branch, None)?;
         let fed = (
-            attitude.to_body(moved.acceleration),
-            attitude.w().dot(moved.jerk),
+            attitude.to_body(model.acceleration),
+            attitude.w().dot(model.jerk),
         );
         let error = seen.error.w + held.w;
         let lateral = control.across(&seen, error, state, reference.heading, Some(fed));
-        let mut command = control.whole(&seen, in_plane, &lateral);
+        let mut command = control.assemble(&seen, in_plane, &lateral);
 
         let gains = &step.gains;
         // Along the thrust line the damping does not vanish with F_p.
-        let floor = self.force_floor * weight;
+        let floor = self.gain_schedule_floor * weight;
         if step.norm < floor {
             command.thrust += gains.k1 * (floor - step.norm) * step.error.i();
         }
         let gain = 0.25 * gains.k3;
-        let rate = flight.rate + limited(self.rate_lag * moved.rate_change, self.lead);
+        let rate = flight.rate + limited(self.rate_lag * model.rate_change, self.lead);
         let attitude_rate = wings * (gain * ahead);
         command.rates.w = wings * rate
-            + attitude.w().dot(moved.spin)
+            + attitude.w().dot(model.spin)
             + law * command.rates.w
             + (1.0 - law) * attitude_rate;
         // Out of the plane of flight pitch, tilt and twist would each go their own way.
         if aligned < 1.0 {
             let shortest = by_the_shortest_way(attitude, axes.forward, axes.right, flight.theta);
-            let shortest = shortest * gain + attitude.to_body(axes.right * rate + moved.spin);
+            let shortest = shortest * gain + attitude.to_body(axes.right * rate + model.spin);
             command.rates = command.rates * aligned + shortest * (1.0 - aligned);
         }
-        Ok(Tracked {
+        Ok(TrackerOutput {
             command,
             step,
             branch,

@@ -4,22 +4,22 @@
 //! [`GuidanceState`], and nowhere else.
 
 use super::accelerometer::{Accelerometer, AccelerometerState};
+use super::air_data_fallback::AirDataFallback;
 use super::bandwidth::BandwidthGains;
-use super::blind::Blind;
 use super::course::{Axes, Course};
-use super::flight::limited;
+use super::lateral_guidance::{LateralGuidance, ReferenceModelState};
 use super::limits::{LimitState, Limits};
-use super::memory::{self, Memory, Spare};
+use super::memory::{self, Memory, ShadowCopy};
 use super::parameters::GuidanceParameters;
 use super::planner::{Planner, PlannerState, wrap};
+use super::planner_options::PlannerOptions;
 use super::progress::Progress;
+use super::reference_model::limited;
 use super::status::Status;
 use super::supervision::{
-    Air, AirUse, Mode, Refusal, SupervisionState, Supervisor, safe_thrust, time_passed,
+    Air, AirUse, Mode, RejectReason, SupervisionState, Supervisor, safe_thrust, time_passed,
 };
 use super::tracker::{Tracker, TrackerInput};
-use super::virtual_flight::{Turning, VirtualFlight};
-use super::wishes::Wishes;
 use crate::aero::Aerodynamics;
 use crate::control::{Fault, GainLaw, Margin};
 use crate::error::{ParameterError, Problem};
@@ -46,7 +46,7 @@ use crate::vehicle::Vehicle;
 /// // At 100 Hz. The safe command is left once the inputs have been good for 50 ms.
 /// let mut state = GuidanceState::default();
 /// let input = GuidanceInput { air: Air::Wind(Ned::ZERO), ..GuidanceInput::default() };
-/// let mut guided = Guided::default();
+/// let mut guided = GuidanceOutput::default();
 /// for _ in 0..10 {
 ///     guided = guidance.update(&mut state, &input, 0.01);
 /// }
@@ -62,7 +62,7 @@ pub struct Guidance<A, G = BandwidthGains> {
     /// Which plan the virtual vehicle flies by.
     planner: Planner,
     /// How the plane turns in which it does.
-    turning: Turning,
+    lateral_guidance: LateralGuidance,
     /// How the real vehicle follows.
     pub(super) tracker: Tracker,
     /// What the accelerometer tells.
@@ -96,7 +96,7 @@ pub struct GuidanceInput {
     /// Age \[s\] of the reference, not negative.
     pub reference_age: f32,
     /// What plans are to mind.
-    pub wishes: Wishes,
+    pub planner_options: PlannerOptions,
 }
 
 /// What the guidance remembers between steps. The default is power-on. Equal are those whose [bytes](Self::to_bytes) are.
@@ -105,7 +105,7 @@ pub struct GuidanceInput {
 pub struct GuidanceState {
     pub(super) supervision: SupervisionState,
     /// The virtual flight.
-    pub(super) flight: VirtualFlight,
+    pub(super) flight: ReferenceModelState,
     /// The plan it flies by.
     planner: PlannerState,
     /// Integral I [m/s], as it is in hover.
@@ -127,14 +127,14 @@ pub struct GuidanceState {
     /// Other than 0 if it was made of bytes: no step has looked whether they are sound.
     foreign: u8,
     /// Copy of all that stands above, as the last step left it.
-    spare: Spare<WORDS>,
+    shadow: ShadowCopy<WORDS>,
 }
 
 /// What a guidance step gives: always a command.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Guided {
+pub struct GuidanceOutput {
     /// The command, inside its limits. Its diagnostics are those of the law, before the limits; in
     /// [`Mode::Holding`] and [`Mode::Safe`] they are zero.
     pub command: Command,
@@ -151,12 +151,12 @@ pub struct Guided {
     /// What is being done, and what of the reference cannot be had.
     pub progress: Progress,
     /// Why the frame was refused, if it was.
-    pub refusal: Option<Refusal>,
+    pub reject_reason: Option<RejectReason>,
 }
 
 /// Words of the memory without its copy.
 const WORDS: usize = SupervisionState::WORDS
-    + VirtualFlight::WORDS
+    + ReferenceModelState::WORDS
     + PlannerState::WORDS
     + Ned::WORDS
     + Ned::WORDS
@@ -188,7 +188,7 @@ impl Memory for GuidanceState {
             held_known,
             saturated,
             foreign: _,
-            spare: _,
+            shadow: _,
         } = self;
         supervision.write(take);
         flight.write(take);
@@ -220,7 +220,7 @@ impl Memory for GuidanceState {
             held_known: Memory::read(next),
             saturated: Memory::read(next),
             foreign: 0,
-            spare: Spare::default(),
+            shadow: ShadowCopy::default(),
         }
     }
 }
@@ -233,7 +233,7 @@ impl PartialEq for GuidanceState {
 
 impl GuidanceState {
     /// Length of [`to_bytes`](Self::to_bytes).
-    pub const BYTES: usize = 4 * (WORDS + Spare::<WORDS>::WORDS);
+    pub const BYTES: usize = 4 * (WORDS + ShadowCopy::<WORDS>::WORDS);
 
     /// The state as little-endian words of 32 bits: what is remembered, a copy of that, and a check word. To log it, or to
     /// go on with it after a restart. The order belongs to this version of the library.
@@ -246,7 +246,7 @@ impl GuidanceState {
             }
         };
         self.write(&mut put);
-        self.spare.write(&mut put);
+        self.shadow.write(&mut put);
         bytes
     }
 
@@ -257,7 +257,7 @@ impl GuidanceState {
         let state = Self::read(&mut next);
         Self {
             foreign: 1,
-            spare: Memory::read(&mut next),
+            shadow: Memory::read(&mut next),
             ..state
         }
     }
@@ -266,19 +266,19 @@ impl GuidanceState {
     #[inline(always)]
     pub(super) fn seal(&mut self) {
         self.foreign = 0;
-        self.spare = Spare::new(self);
+        self.shadow = ShadowCopy::new(self);
     }
 
     /// Brings back what the last step left, where it has changed: whether it had not, and whether it is known.
     #[inline(always)]
     pub(super) fn restore(&mut self) -> (bool, bool) {
-        match self.spare.judge(self) {
-            memory::Verdict::Sound => (true, true),
-            memory::Verdict::Changed(left) => {
+        match self.shadow.verify(self) {
+            memory::Integrity::Intact => (true, true),
+            memory::Integrity::Restored(left) => {
                 *self = left;
                 (false, true)
             }
-            memory::Verdict::Unknown => (false, false),
+            memory::Integrity::Lost => (false, false),
         }
     }
 
@@ -293,16 +293,16 @@ impl GuidanceState {
     }
 
     /// Velocity [m/s] of the virtual flight, and its attitude θ \[rad\] in the plane of flight.
-    pub fn virtual_flight(&self) -> (Ned, f32) {
+    pub fn reference_model(&self) -> (Ned, f32) {
         (self.flight.velocity, self.flight.theta)
     }
 }
 
 /// Time constant \[s\] of the wind that is planned with.
 const GUSTS: f32 = 0.3;
-/// How fast the virtual velocity is drawn to the real one where the law has no say [1/s], and what part of that its position.
-const DRAW: f32 = 4.6;
-const DRAW_POSITION: f32 = 0.59;
+/// How fast the virtual velocity is resynchronised to the real one where the law has no say [1/s], and what part of that its position.
+const RESYNCHRONISATION_RATE: f32 = 4.6;
+const RESYNCHRONISATION_POSITION_SHARE: f32 = 0.59;
 /// Position errors beyond this \[m\] are taken as this.
 const MAX_DISTANCE: f32 = 1e4;
 
@@ -347,7 +347,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
     ) -> Result<Self, ParameterError> {
         p.check_all()?;
         check_relations(&vehicle, p)?;
-        let turning = Turning::new(p, &vehicle);
+        let lateral_guidance = LateralGuidance::new(p, &vehicle);
         // What is made from here on of parameters that have been checked is in its own range: it is not checked again.
         // 2ζω_n and ω_n/(2ζ): tilt and lateral velocity make a loop of this frequency and damping.
         let rate = |x: f32| math::clamp(x, 1e-3, 1e3);
@@ -357,12 +357,12 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             twist: rate(TWIST * p.natural_frequency),
             acceleration: math::clamp(LATERAL_ACCELERATION * vehicle.gravity(), 1e-3, 1e3),
             force: math::clamp(LATERAL_FORCE * vehicle.weight(), 1e-3, 1e6),
-            airspeed: math::clamp(turning.takeover(), 1e-3, 1e3),
+            airspeed: math::clamp(lateral_guidance.takeover(), 1e-3, 1e3),
             heading: HEADING,
         });
         Ok(Self {
             planner: Planner::new(p),
-            turning,
+            lateral_guidance,
             tracker: Tracker::new(p),
             accelerometer: Accelerometer::new(p, &vehicle),
             limits: Limits::new(p, &vehicle),
@@ -384,7 +384,12 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
     /// One step, `dt` \[s\] after the last. Total: whatever comes in and whatever the memory holds, a finite command
     /// within the limits comes out. It is the safe command, or the last one, where there is nothing better.
     #[inline]
-    pub fn update(&self, state: &mut GuidanceState, input: &GuidanceInput, dt: f32) -> Guided {
+    pub fn update(
+        &self,
+        state: &mut GuidanceState,
+        input: &GuidanceInput,
+        dt: f32,
+    ) -> GuidanceOutput {
         // Before anything else reads the memory. What the last step has left was looked at there.
         let (unchanged, known) = state.restore();
         let left = unchanged & (state.foreign == 0);
@@ -393,11 +398,11 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             self.reset(state);
         }
         let (dt, timed) = time_passed(dt);
-        let mut guided = Guided::default();
+        let mut guided = GuidanceOutput::default();
         let flown = if timed {
             self.fly(state, input, dt, &mut guided)
         } else {
-            Err(Refusal::TimeStep)
+            Err(RejectReason::TimeStep)
         };
         // An absurd vehicle or reference takes the virtual flight beyond all bounds: it begins anew from the real one.
         if !self.is_sound(state) {
@@ -411,7 +416,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         }
         state.seal();
         guided.mode = mode;
-        guided.refusal = flown.err();
+        guided.reject_reason = flown.err();
         guided.status |= Status::STATE_RESET.when(!(unchanged & sound));
         guided
     }
@@ -449,7 +454,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
 
     /// The command in any mode but flying.
     #[cold]
-    fn substitute(&self, state: &mut GuidanceState, mode: Mode) -> Guided {
+    fn substitute(&self, state: &mut GuidanceState, mode: Mode) -> GuidanceOutput {
         if mode == Mode::Safe {
             *state = GuidanceState {
                 supervision: state.supervision,
@@ -460,13 +465,13 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
                 ..GuidanceState::default()
             };
         }
-        Guided {
+        GuidanceOutput {
             command: Command {
                 thrust: state.limits.thrust,
                 rates: state.limits.rates,
                 diagnostics: Diagnostics::default(),
             },
-            ..Guided::default()
+            ..GuidanceOutput::default()
         }
     }
 
@@ -476,20 +481,20 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         state: &mut GuidanceState,
         input: &GuidanceInput,
         dt: f32,
-        guided: &mut Guided,
-    ) -> Result<(), Refusal> {
+        guided: &mut GuidanceOutput,
+    ) -> Result<(), RejectReason> {
         let mut at = State {
             velocity: input.velocity,
             orientation: input.orientation,
             wind: Ned::ZERO,
             correction: Correction::default(),
         };
-        check_input(&at, &Reference::default()).map_err(Refusal::Law)?;
+        check_input(&at, &Reference::default()).map_err(RejectReason::Law)?;
         if !input.orientation.is_sound() {
-            return Err(Refusal::Law(Fault::Attitude));
+            return Err(RejectReason::Law(Fault::Attitude));
         }
         if !self.supervisor.accepts_state(input.state_age) {
-            return Err(Refusal::StateAge);
+            return Err(RejectReason::StateAge);
         }
 
         // What to fly to.
@@ -505,7 +510,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
                 ..Reference::default()
             }
         } else {
-            return Err(Refusal::NoReference);
+            return Err(RejectReason::NoReference);
         };
         let mut position_error = input
             .position_error
@@ -523,14 +528,17 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             let level = v.north * v.north + v.east * v.east;
             // Slow over ground or over the air believed in: the wind may have changed since, and the ground is known.
             let speed = math::min(input.velocity.norm_squared(), air.norm_squared());
-            let blind = Blind::new(level, speed, self.turning.slow());
-            (v.north, v.east) = (v.north * blind.share, v.east * blind.share);
-            if blind.share < 1.0 {
+            let fallback = AirDataFallback::new(level, speed, self.lateral_guidance.slow());
+            (v.north, v.east) = (
+                v.north * fallback.speed_scale,
+                v.east * fallback.speed_scale,
+            );
+            if fallback.speed_scale < 1.0 {
                 let a = &mut asked.acceleration;
                 (a.north, a.east) = (0.0, 0.0);
             }
-            wind += air * blind.without;
-            if blind.without == 1.0 {
+            wind += air * fallback.air_removed;
+            if fallback.air_removed == 1.0 {
                 self.supervisor.remember(&mut state.supervision, wind);
             }
             position_error = position_error.map(|x| Ned::new(0.0, 0.0, x.down));
@@ -559,9 +567,13 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         let begun = state.started == 1 && state.flight.is_near(input.velocity, position);
         if !begun {
             state.flight.course = Course::of(&input.orientation);
-            state.flight.lean = 0.0;
+            state.flight.lateral_acceleration = 0.0;
         }
-        let axes = Axes::new(&state.flight.course, vehicle.gravity(), state.flight.lean);
+        let axes = Axes::new(
+            &state.flight.course,
+            vehicle.gravity(),
+            state.flight.lateral_acceleration,
+        );
         let nose = axes.project(input.orientation.i());
         let theta = math::atan2(nose.forward(), nose.down());
         if !begun {
@@ -572,7 +584,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             }
             state.started = 1;
             state.planner = PlannerState::default();
-            state.flight = VirtualFlight {
+            state.flight = ReferenceModelState {
                 velocity: input.velocity,
                 position,
                 theta,
@@ -583,21 +595,21 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             state.wind = wind;
         }
         state.wind += (wind - state.wind) * math::min(dt / GUSTS, 1.0);
-        if input.wishes.place_free {
+        if input.planner_options.hold_altitude_only {
             let virtual_place = &mut state.flight.position;
             (virtual_place.north, virtual_place.east) = (position.north, position.east);
         }
         let turns = theta + wrap(state.flight.theta - theta) - state.flight.theta;
         state.flight.theta += turns;
         state.planner.shift(turns);
-        let moved = self.turning.advance(
+        let model = self.lateral_guidance.advance(
             &self.planner,
             vehicle,
             &mut state.flight,
             &mut state.planner,
             (
                 &asked,
-                &input.wishes,
+                &input.planner_options,
                 state.wind,
                 correction.air(),
                 self.accelerometer
@@ -607,7 +619,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             dt,
         );
 
-        guided.progress = moved.progress;
+        guided.progress = model.progress;
 
         // The real one after it.
         let tracked = self
@@ -620,13 +632,13 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
                     position,
                     flight: &state.flight,
                     theta,
-                    moved: &moved,
+                    model: &model,
                     saturated: state.saturated,
                     rate: self.limits.pitch_at_limit(&state.limits),
                 },
                 dt,
             )
-            .map_err(Refusal::Law)?;
+            .map_err(RejectReason::Law)?;
         let (thrust, rates, saturated) = self.limits.apply(
             &mut state.limits,
             tracked.command.thrust,
@@ -634,11 +646,12 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             dt,
         );
         state.saturated = saturated;
-        // Where the law has no say the virtual flight is drawn to the real one: that is how it is planned anew.
-        let drawn = math::min((1.0 - tracked.law) * DRAW * dt, 1.0);
+        // Where the law has no say the virtual flight is resynchronised to the real one: that is how it is planned anew.
+        let resynchronised = math::min((1.0 - tracked.law) * RESYNCHRONISATION_RATE * dt, 1.0);
         let flight = &mut state.flight;
-        flight.velocity += (input.velocity - flight.velocity) * drawn;
-        flight.position += (position - flight.position) * (DRAW_POSITION * drawn);
+        flight.velocity += (input.velocity - flight.velocity) * resynchronised;
+        flight.position +=
+            (position - flight.position) * (RESYNCHRONISATION_POSITION_SHARE * resynchronised);
 
         guided.command = Command {
             thrust,
@@ -708,7 +721,7 @@ mod tests {
     use crate::frame::{Attitude, Inertial};
     use crate::guidance::MIN_STEP;
     use crate::guidance::Phase;
-    use crate::guidance::{PlanarGuided, PlanarInput};
+    use crate::guidance::{PlanarGuidanceInput, PlanarGuidanceOutput};
     use crate::parameters::Parameters;
     use crate::reference::Reference;
     use crate::vehicle::VehicleParameters;
@@ -740,7 +753,7 @@ mod tests {
         with(&parameters())
     }
 
-    const HOVER: PlanarInput = PlanarInput {
+    const HOVER: PlanarGuidanceInput = PlanarGuidanceInput {
         velocity: Inertial::ZERO,
         attitude: Attitude::NOSE_UP,
         state_age: 0.0,
@@ -752,10 +765,10 @@ mod tests {
             acceleration: Inertial::ZERO,
         },
         reference_age: 0.0,
-        wishes: Wishes {
+        planner_options: PlannerOptions {
             altitude_band: 0.0,
-            short_of_vertical: false,
-            place_free: false,
+            nose_below_vertical: false,
+            hold_altitude_only: false,
         },
     };
 
@@ -774,7 +787,7 @@ mod tests {
     #[test]
     fn on_a_sheet_the_command_is_the_laws_to_the_bit() {
         let mut state = airborne();
-        let input = PlanarInput {
+        let input = PlanarGuidanceInput {
             velocity: Inertial::new(0.05, -0.1),
             attitude: Attitude::from_angle(0.02),
             ..HOVER
@@ -788,7 +801,7 @@ mod tests {
             ..parameters()
         });
         // The rate's slew is met at first.
-        let mut guided = PlanarGuided::default();
+        let mut guided = PlanarGuidanceOutput::default();
         for _ in 0..3 {
             guided = guidance.update_in_plane(&mut state, &input, DT);
         }
@@ -802,7 +815,10 @@ mod tests {
             None,
         );
         assert_eq!(Ok(guided.command), law);
-        assert_eq!((guided.status, guided.refusal), (Status::empty(), None));
+        assert_eq!(
+            (guided.status, guided.reject_reason),
+            (Status::empty(), None)
+        );
         assert_eq!(guided.progress.phase, Phase::Tracking);
         assert!(guided.margin.force > 1.0 && guided.margin.fold > 1.0);
     }
@@ -812,7 +828,7 @@ mod tests {
     fn fly(
         guidance: &Guidance<Combined>,
         state: &mut GuidanceState,
-        input: &mut PlanarInput,
+        input: &mut PlanarGuidanceInput,
         seconds: f32,
         mut each: impl FnMut(f32, Inertial),
     ) {
@@ -820,7 +836,7 @@ mod tests {
         let mut theta = math::atan2(input.attitude.sin, input.attitude.cos);
         for n in 1..=(seconds / DT) as usize {
             let guided = guidance.update_in_plane(state, input, DT);
-            assert_eq!(guided.refusal, None);
+            assert_eq!(guided.reject_reason, None);
             let air = crate::air::AirData::new(
                 input.attitude.to_body(input.velocity),
                 vehicle.thrust_line(),
@@ -851,7 +867,7 @@ mod tests {
         let time = |speed: f32, theta: f32, across: Inertial| {
             let mut state = GuidanceState::default();
             let cruise = Inertial::new(0.0, speed);
-            let mut input = PlanarInput {
+            let mut input = PlanarGuidanceInput {
                 velocity: cruise,
                 attitude: Attitude::from_angle(theta),
                 reference: Reference {
@@ -888,7 +904,7 @@ mod tests {
                 ..GuidanceInput::default()
             };
             let guided = guidance().update(&mut airborne(), &input, DT);
-            assert_eq!((guided.mode, guided.refusal), (Mode::Flying, None));
+            assert_eq!((guided.mode, guided.reject_reason), (Mode::Flying, None));
             guided.status.contains(Status::FORCE_INVALID)
         };
         assert!(!told(None) && !told(Some(Body::new(-9.81, 0.0, 0.0))));
@@ -913,14 +929,14 @@ mod tests {
         }
         // Without a reference there is nothing to fly to.
         let mut state = GuidanceState::default();
-        let late = PlanarInput {
+        let late = PlanarGuidanceInput {
             reference_age: 1.0,
             ..HOVER
         };
         for _ in 0..20 {
             let guided = guidance.update_in_plane(&mut state, &late, DT);
             assert_eq!(guided.mode, Mode::Safe);
-            assert_eq!(guided.refusal, Some(Refusal::NoReference));
+            assert_eq!(guided.reject_reason, Some(RejectReason::NoReference));
         }
     }
 
@@ -930,47 +946,47 @@ mod tests {
         let nan = Inertial::new(f32::NAN, 0.0);
         let bad = [
             (
-                PlanarInput {
+                PlanarGuidanceInput {
                     velocity: nan,
                     ..HOVER
                 },
                 DT,
-                Refusal::Law(Fault::Velocity),
+                RejectReason::Law(Fault::Velocity),
             ),
             (
-                PlanarInput {
+                PlanarGuidanceInput {
                     attitude: Attitude { cos: 0.5, sin: 0.5 },
                     ..HOVER
                 },
                 DT,
-                Refusal::Law(Fault::Attitude),
+                RejectReason::Law(Fault::Attitude),
             ),
             (
-                PlanarInput {
+                PlanarGuidanceInput {
                     state_age: 0.06,
                     ..HOVER
                 },
                 DT,
-                Refusal::StateAge,
+                RejectReason::StateAge,
             ),
             (
-                PlanarInput {
+                PlanarGuidanceInput {
                     state_age: f32::NAN,
                     ..HOVER
                 },
                 DT,
-                Refusal::StateAge,
+                RejectReason::StateAge,
             ),
-            (HOVER, 0.0, Refusal::TimeStep),
-            (HOVER, f32::NAN, Refusal::TimeStep),
-            (HOVER, -DT, Refusal::TimeStep),
+            (HOVER, 0.0, RejectReason::TimeStep),
+            (HOVER, f32::NAN, RejectReason::TimeStep),
+            (HOVER, -DT, RejectReason::TimeStep),
             (
-                PlanarInput {
+                PlanarGuidanceInput {
                     state_age: -0.01,
                     ..HOVER
                 },
                 DT,
-                Refusal::StateAge,
+                RejectReason::StateAge,
             ),
         ];
         for (input, dt, refusal) in bad {
@@ -980,7 +996,10 @@ mod tests {
                 state.integral,
             );
             let held = guidance.update_in_plane(&mut state, &input, dt);
-            assert_eq!((held.mode, held.refusal), (Mode::Holding, Some(refusal)));
+            assert_eq!(
+                (held.mode, held.reject_reason),
+                (Mode::Holding, Some(refusal))
+            );
             assert_eq!(held.command.thrust, before.command.thrust);
             assert_eq!(held.command.rate, before.command.rate);
             assert_eq!(state.integral, integral);
@@ -991,7 +1010,7 @@ mod tests {
     #[test]
     fn sustained_failure_ends_in_the_safe_command_and_recovers_from_where_the_vehicle_is() {
         let (guidance, mut state) = (guidance(), airborne());
-        let bad = PlanarInput {
+        let bad = PlanarGuidanceInput {
             velocity: Inertial::new(f32::INFINITY, 0.0),
             ..HOVER
         };
@@ -1008,23 +1027,23 @@ mod tests {
                 );
             }
         }
-        let moving = PlanarInput {
+        let moving = PlanarGuidanceInput {
             velocity: Inertial::new(3.0, 1.0),
             ..HOVER
         };
-        let mut guided = PlanarGuided::default();
+        let mut guided = PlanarGuidanceOutput::default();
         while guided.mode != Mode::Flying {
             guided = guidance.update_in_plane(&mut state, &moving, DT);
         }
         // The virtual flight sets out from the velocity there is. 0.1 m/s: one step at 1 g.
-        let (velocity, _) = state.virtual_flight();
+        let (velocity, _) = state.reference_model();
         assert!((velocity.to_plane() - moving.velocity).norm() < 0.1);
     }
 
     #[test]
     fn a_stale_reference_is_held_without_acceleration() {
         let (guidance, mut state) = (guidance(), airborne());
-        let fresh = PlanarInput {
+        let fresh = PlanarGuidanceInput {
             velocity: Inertial::new(0.0, 5.0),
             reference: Reference {
                 velocity: Inertial::new(0.0, 5.0),
@@ -1037,15 +1056,15 @@ mod tests {
         }
         let nan = Inertial::new(0.0, f32::NAN);
         for stale in [
-            PlanarInput {
+            PlanarGuidanceInput {
                 reference_age: 0.6,
                 ..fresh
             },
-            PlanarInput {
+            PlanarGuidanceInput {
                 reference_age: f32::NAN,
                 ..fresh
             },
-            PlanarInput {
+            PlanarGuidanceInput {
                 reference: Reference {
                     acceleration: nan,
                     ..fresh.reference
@@ -1054,7 +1073,7 @@ mod tests {
             },
         ] {
             let mut state = state;
-            let mut guided = PlanarGuided::default();
+            let mut guided = PlanarGuidanceOutput::default();
             for _ in 0..1000 {
                 guided = guidance.update_in_plane(&mut state, &stale, DT);
             }
@@ -1062,7 +1081,7 @@ mod tests {
             assert!(guided.status.contains(Status::REFERENCE_HELD));
             // The virtual flight has settled on the last one. 0.05 m/s: the vehicle itself does not move, so the position
             // reckoned is at its bound, and a little of the virtual one's with it.
-            let (velocity, _) = state.virtual_flight();
+            let (velocity, _) = state.reference_model();
             assert!((velocity.to_plane() - fresh.reference.velocity).norm() < 0.05);
             let back = guidance.update_in_plane(&mut state, &fresh, DT);
             assert!(!back.status.contains(Status::REFERENCE_HELD));
@@ -1073,7 +1092,7 @@ mod tests {
     #[test]
     fn slow_and_blind_is_flown_by_the_plain_thrust_vector() {
         let (guidance, mut state) = (guidance(), GuidanceState::default());
-        let input = PlanarInput {
+        let input = PlanarGuidanceInput {
             // Half of the speed at which the believed wing carries the weight with a lift coefficient of 1 is 6.6 m/s.
             velocity: Inertial::new(0.5, 6.0),
             attitude: Attitude::from_angle(-0.4),
@@ -1081,7 +1100,7 @@ mod tests {
             position_error: None,
             ..HOVER
         };
-        let mut guided = PlanarGuided::default();
+        let mut guided = PlanarGuidanceOutput::default();
         while guided.mode != Mode::Flying {
             guided = guidance.update_in_plane(&mut state, &input, DT);
         }
@@ -1153,7 +1172,7 @@ mod tests {
     #[test]
     fn a_corrupt_last_command_is_not_held() {
         let guidance = guidance();
-        let bad = PlanarInput {
+        let bad = PlanarGuidanceInput {
             velocity: Inertial::new(f32::NAN, 0.0),
             ..HOVER
         };
@@ -1188,7 +1207,7 @@ mod tests {
             supervision: SupervisionState::in_mode(Mode::Holding),
             ..GuidanceState::default()
         });
-        let bad = PlanarInput {
+        let bad = PlanarGuidanceInput {
             state_age: 1.0,
             ..HOVER
         };
@@ -1202,7 +1221,7 @@ mod tests {
     #[test]
     fn a_flipped_bit_is_found_wherever_it_is() {
         let guidance = guidance();
-        let input = PlanarInput {
+        let input = PlanarGuidanceInput {
             velocity: Inertial::new(0.1, 5.0),
             attitude: Attitude::from_angle(-0.6),
             air: Air::Wind(Inertial::new(0.3, -2.0)),
@@ -1266,7 +1285,7 @@ mod tests {
     #[test]
     fn an_extreme_reference_does_not_reset_the_memory() {
         let guidance = guidance();
-        let input = PlanarInput {
+        let input = PlanarGuidanceInput {
             velocity: Inertial::new(0.0, 700.0),
             reference: Reference {
                 velocity: Inertial::new(0.0, 710.0),
@@ -1303,8 +1322,8 @@ mod tests {
             for _ in 0..3 {
                 let held = guidance.update_in_plane(&mut state, &HOVER, 0.0);
                 assert_eq!(
-                    (held.mode, held.refusal),
-                    (Mode::Holding, Some(Refusal::TimeStep))
+                    (held.mode, held.reject_reason),
+                    (Mode::Holding, Some(RejectReason::TimeStep))
                 );
             }
             assert_eq!(

@@ -29,7 +29,7 @@ pub struct WingedControl<A, G = Gains> {
 }
 
 /// A step's vectors in body components.
-pub(crate) struct Seen {
+pub(crate) struct Observation {
     /// Air velocity.
     v_a: Body,
     /// |v_a|.
@@ -103,7 +103,7 @@ impl<A: Aerodynamics, G: GainLaw> WingedControl<A, G> {
     /// As [`robust`](Self::robust).
     pub fn forces(&self, state: &State, reference: &Reference) -> Result<ApparentForces, Fault> {
         check_input(state, reference)?;
-        Ok(self.see(state, reference).forces)
+        Ok(self.observe(state, reference).forces)
     }
 
     /// The margins of well-posedness at these [`forces`](Self::forces).
@@ -114,7 +114,7 @@ impl<A: Aerodynamics, G: GainLaw> WingedControl<A, G> {
 
     /// What a step looks at. The inputs are to have been checked.
     #[inline(always)]
-    pub(crate) fn see(&self, state: &State, reference: &Reference) -> Seen {
+    pub(crate) fn observe(&self, state: &State, reference: &Reference) -> Observation {
         let plane = self.plane.vehicle();
         let o = &state.orientation;
         let v_a = o.to_body(state.velocity - state.wind);
@@ -123,7 +123,7 @@ impl<A: Aerodynamics, G: GainLaw> WingedControl<A, G> {
         let weight = o.to_body(pull + state.correction.force());
         let airspeed = math::sqrt(v_a.norm_squared());
         let air = AirData::new(v_a.in_plane(), plane.thrust_line());
-        Seen {
+        Observation {
             v_a,
             airspeed,
             weight,
@@ -151,8 +151,8 @@ impl<A: Aerodynamics, G: GainLaw> WingedControl<A, G> {
             self.plane.vehicle().k_a() * state.correction.air(),
         );
         let o = &state.orientation;
-        let seen = self.see(state, reference);
-        let forces = &seen.forces;
+        let observed = self.observe(state, reference);
+        let forces = &observed.forces;
 
         let (mut in_plane, mut across) = (None, None);
         if let Some(ff) = feed_forward {
@@ -163,19 +163,25 @@ impl<A: Aerodynamics, G: GainLaw> WingedControl<A, G> {
                 Law::Full => condition_residual(&forces.coefficients, &forces.air),
             };
             let (a_s, jerk_s) = (a.in_plane(), jerk.in_plane());
-            let f_delta = f_delta_in_plane(forces, mass, k_a * seen.airspeed, h, a_s, jerk_s);
+            let f_delta = f_delta_in_plane(forces, mass, k_a * observed.airspeed, h, a_s, jerk_s);
             in_plane = Some(f_delta);
             across = Some((a, jerk.w));
         }
-        let lateral = self.across(&seen, seen.error.w, state, reference.heading, across);
-        let step = self
-            .plane
-            .step_in_plane(Branch::Aligned, seen.forces, seen.error.in_plane());
+        let lateral = self.across(
+            &observed,
+            observed.error.w,
+            state,
+            reference.heading,
+            across,
+        );
+        let step =
+            self.plane
+                .step_in_plane(Branch::Aligned, observed.forces, observed.error.in_plane());
         let command = match law {
             Law::Robust => self.plane.robust_in_plane(&step, Branch::Aligned, in_plane),
             Law::Full => self.plane.full_in_plane(&step, in_plane),
         }?;
-        check_output(self.whole(&seen, command, &lateral))
+        check_output(self.assemble(&observed, command, &lateral))
     }
 
     /// Tilt and twist for a lateral velocity error [m/s]. The feed-forward is the derivative of the air velocity [m/s²], and
@@ -183,7 +189,7 @@ impl<A: Aerodynamics, G: GainLaw> WingedControl<A, G> {
     #[inline(always)]
     pub(crate) fn across(
         &self,
-        seen: &Seen,
+        observed: &Observation,
         error: f32,
         state: &State,
         heading: Heading,
@@ -192,8 +198,8 @@ impl<A: Aerodynamics, G: GainLaw> WingedControl<A, G> {
         self.lateral.rates(&LateralInput {
             mass: self.plane.vehicle().mass(),
             side: self.plane.vehicle().side(),
-            v_a: seen.v_a + Body::new(0.0, 0.0, state.correction.sideslip()),
-            weight: seen.weight,
+            v_a: observed.v_a + Body::new(0.0, 0.0, state.correction.sideslip()),
+            weight: observed.weight,
             error,
             heading: state.orientation.to_body(heading.vector()),
             feed_forward,
@@ -202,14 +208,14 @@ impl<A: Aerodynamics, G: GainLaw> WingedControl<A, G> {
 
     /// The command of a planar one and a lateral one.
     #[inline(always)]
-    pub(crate) fn whole(
+    pub(crate) fn assemble(
         &self,
-        seen: &Seen,
+        observed: &Observation,
         in_plane: control::Command,
         lateral: &Lateral,
     ) -> Command {
-        let Seen { v_a, weight, .. } = *seen;
-        let force = seen.forces.f;
+        let Observation { v_a, weight, .. } = *observed;
+        let force = observed.forces.f;
         Command {
             thrust: in_plane.thrust,
             rates: Body::new(lateral.i, lateral.j, in_plane.rate),
@@ -219,7 +225,7 @@ impl<A: Aerodynamics, G: GainLaw> WingedControl<A, G> {
                 aerodynamic: Body::new(
                     force.i() - weight.i,
                     force.j() - weight.j,
-                    -self.plane.vehicle().side() * seen.airspeed * v_a.w,
+                    -self.plane.vehicle().side() * observed.airspeed * v_a.w,
                 ),
                 f_y: lateral.f_y,
             },

@@ -1,7 +1,7 @@
 //! A pilot whose controller flies in a vertical plane: the controller has pitch and thrust, and the hold what is left open.
 
 use alula::guidance::Air;
-use alula::{Body, Inertial, PlanarInput, Reference};
+use alula::{Body, Inertial, PlanarGuidanceInput, Reference};
 
 use super::plane::VerticalPlane;
 use super::stage::{Command, End, Pilot, Told};
@@ -10,7 +10,7 @@ use super::{Hold, HoldParameters};
 /// Whoever controls the flight in its vertical plane.
 pub trait Planar {
     /// Thrust \[N\] and θ̇ [rad/s], `dt` \[s\] after the last answer; none if it cannot be reached.
-    fn answer(&mut self, input: &PlanarInput, dt: f32) -> Option<(f32, f32)>;
+    fn answer(&mut self, input: &PlanarGuidanceInput, dt: f32) -> Option<(f32, f32)>;
 }
 
 /// What is to be flown in a plane.
@@ -27,7 +27,7 @@ pub struct Flown {
     /// Time since the start \[s\].
     pub t: f64,
     /// What it was told.
-    pub input: PlanarInput,
+    pub input: PlanarGuidanceInput,
     /// Position from the start \[m\], (down, forward).
     pub position: Inertial,
     /// Wind as used [m/s], zero if it is not known.
@@ -116,7 +116,7 @@ impl<P: Planar> Pilot for InPlane<'_, P> {
             Air::Unknown => Air::Unknown,
         };
         let velocity = plane.project(told.velocity).0;
-        let input = PlanarInput {
+        let input = PlanarGuidanceInput {
             velocity,
             attitude: projected.attitude,
             state_age: told.age,
@@ -125,7 +125,7 @@ impl<P: Planar> Pilot for InPlane<'_, P> {
             position_error: wanted.map(|wanted| position - wanted),
             reference,
             reference_age,
-            ..PlanarInput::default()
+            ..PlanarGuidanceInput::default()
         };
         self.flown = Some(Flown {
             t: told.t,

@@ -153,7 +153,7 @@ static void aim(const alula_controller *controller, double *phase, const double 
         error[n] = (float)(position[n] - point[n]);
         velocity[n] = (float)(first[n] * rate);
     }
-    must(alula_path_pace(controller, error, velocity, &waits), "pace");
+    must(alula_path_time_scale(controller, error, velocity, &waits), "pace");
     double pace = (double)waits;
     *phase += rate * pace * STEP;
     for (int n = 0; n < 3; n++) {
@@ -212,7 +212,7 @@ static void flight(int by_attitude, FILE *trace, uint32_t *sum)
     believe(&parameters);
     parameters.vehicle.c_y = 0.35f;
     parameters.guidance.max_rate = 3.5f;
-    parameters.guidance.max_turn = 3.0f;
+    parameters.guidance.max_lateral_acceleration = 3.0f;
 
     static alula_controller controller;
     controller.header = ALULA_HEADER(alula_controller);

@@ -99,7 +99,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         &experiment.vehicle,
         facts.thrust(),
         facts.cruise_m_s,
-        design.parameters.max_turn.into(),
+        design.parameters.max_lateral_acceleration.into(),
     )?;
     let margins = margins(&experiment, facts.cruise_m_s)?;
     let verdict = Verdict::of(facts, &performance, &figures);

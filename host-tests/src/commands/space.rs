@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::Path;
 
-use alula::{GuidanceInput, Guided};
+use alula::{GuidanceInput, GuidanceOutput};
 use anyhow::ensure;
 use indicatif::ProgressBar;
 use serde::Serialize;
@@ -46,7 +46,7 @@ struct Counted {
 }
 
 impl Pilot for Counted {
-    fn guided(&mut self, input: &GuidanceInput, dt: f32) -> anyhow::Result<Guided> {
+    fn guided(&mut self, input: &GuidanceInput, dt: f32) -> anyhow::Result<GuidanceOutput> {
         self.bar.inc(1);
         self.pilot.guided(input, dt)
     }

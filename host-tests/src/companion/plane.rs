@@ -1,6 +1,6 @@
 //! The controller of an experiment in a vertical plane, as a companion's pilot.
 
-use alula::{FeedForward, Inertial, PlanarInput};
+use alula::{FeedForward, Inertial, PlanarGuidanceInput};
 use alula_bridges::companion::{HoldParameters, InPlane, Planar, Settings, Wanted};
 
 use crate::controllers::{Answer, Controller, Input, inertial, vector};
@@ -57,7 +57,7 @@ pub fn pilot<'a>(
 }
 
 impl Planar for Controlled {
-    fn answer(&mut self, sample: &PlanarInput, dt: f32) -> Option<(f32, f32)> {
+    fn answer(&mut self, sample: &PlanarGuidanceInput, dt: f32) -> Option<(f32, f32)> {
         let input = Input {
             theta: sample.attitude.angle(),
             sample: *sample,

@@ -2,7 +2,7 @@
 //!
 //! The path's north is north, and it begins where the vehicle is when the flight begins.
 
-use alula::guidance::Guided;
+use alula::guidance::GuidanceOutput;
 use alula::ned::{BodyAxes, Ned};
 use alula::spatial::{Heading, Reference};
 use alula::{GainChoice, Guidance, GuidanceInput, GuidanceState};
@@ -73,14 +73,17 @@ impl OnPath {
         let mut pace = 1.0;
         let target = path.advance(0.0, |target| {
             let error = double(told.position) - target.position;
-            pace = self.guidance.pace(ned(error), ned(target.velocity)).into();
+            pace = self
+                .guidance
+                .path_time_scale(ned(error), ned(target.velocity))
+                .into();
             pace
         });
         self.last = (told.t, pace);
         (target, true, 0.0)
     }
 
-    fn keep(&mut self, told: &Told, target: Target, input: GuidanceInput, guided: Guided) {
+    fn keep(&mut self, told: &Told, target: Target, input: GuidanceInput, guided: GuidanceOutput) {
         let q = told.orientation.to_quaternion(BodyAxes::NoseUp);
         let [w, x, y, z] = [q.w, q.x, q.y, q.z].map(f64::from);
         let force = told

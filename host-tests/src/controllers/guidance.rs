@@ -52,7 +52,7 @@ impl GuidanceSpec {
         Ok(spec)
     }
 
-    /// The parameters for `vehicle`, where `unruled` are those without the rules. The rules leave `max_turn` alone.
+    /// The parameters for `vehicle`, where `unruled` are those without the rules. The rules leave `max_lateral_acceleration` alone.
     pub fn ruled(
         &self,
         vehicle: &VehicleParameters,
@@ -66,14 +66,14 @@ impl GuidanceSpec {
         for row in &self.given {
             ruled.set(*row, unruled.get(*row));
         }
-        ruled.max_turn = unruled.max_turn;
+        ruled.max_lateral_acceleration = unruled.max_lateral_acceleration;
         Ok(ruled)
     }
 
     /// The parameters for a plant that moves in one vertical plane, before the rules.
     fn in_plane(&self) -> GuidanceParameters {
         GuidanceParameters {
-            max_turn: 0.0,
+            max_lateral_acceleration: 0.0,
             ..self.parameters
         }
     }

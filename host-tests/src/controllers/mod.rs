@@ -13,7 +13,9 @@ use std::borrow::Cow;
 
 use alula::control::Diagnostics;
 use alula::guidance::{Air, Mode};
-use alula::{Command, Fault, FeedForward, Inertial, PlanarGuided, PlanarInput, State};
+use alula::{
+    Command, Fault, FeedForward, Inertial, PlanarGuidanceInput, PlanarGuidanceOutput, State,
+};
 use alula_link::{Configuration, Pacing};
 use serde::{Deserialize, de};
 use toml::{Table, Value};
@@ -34,7 +36,7 @@ pub struct Input {
     /// θ \[rad\] in [−π, π) as measured, of which the attitude in `sample` is the cosine and sine.
     pub theta: f32,
     /// State, air and reference, as the core's guidance takes them.
-    pub sample: PlanarInput,
+    pub sample: PlanarGuidanceInput,
     /// Air acceleration and the reference's jerk, if the controller is flown with feed-forward.
     pub feed_forward: Option<FeedForward>,
 }
@@ -76,7 +78,7 @@ pub enum Report {
     /// One of the bare laws: a command, or the fault for which the safe command was flown.
     Law(Result<Command, Fault>),
     /// The guidance.
-    Guided(PlanarGuided),
+    Guidance(PlanarGuidanceOutput),
     /// A switching policy.
     Switching(Phase),
     /// Someone who reports nothing.
@@ -95,21 +97,21 @@ impl From<Result<Command, Fault>> for Answer {
     }
 }
 
-impl From<PlanarGuided> for Answer {
-    fn from(guided: PlanarGuided) -> Self {
+impl From<PlanarGuidanceOutput> for Answer {
+    fn from(guided: PlanarGuidanceOutput) -> Self {
         Self {
             thrust: guided.command.thrust,
             rate: guided.command.rate,
-            report: Report::Guided(guided),
+            report: Report::Guidance(guided),
         }
     }
 }
 
 impl Answer {
     /// What the guidance reports, if it flies.
-    pub fn guided(&self) -> Option<&PlanarGuided> {
+    pub fn guided(&self) -> Option<&PlanarGuidanceOutput> {
         match &self.report {
-            Report::Guided(guided) => Some(guided),
+            Report::Guidance(guided) => Some(guided),
             _ => None,
         }
     }
@@ -126,7 +128,7 @@ impl Answer {
     pub fn diagnostics(&self) -> Option<Diagnostics> {
         match self.report {
             Report::Law(answer) => Some(answer.unwrap_or_default().diagnostics),
-            Report::Guided(guided) => Some(guided.command.diagnostics),
+            Report::Guidance(guided) => Some(guided.command.diagnostics),
             Report::Switching(_) | Report::Outside => None,
         }
     }
@@ -135,7 +137,7 @@ impl Answer {
     pub fn flown(&self) -> Option<&Diagnostics> {
         match &self.report {
             Report::Law(Ok(command)) => Some(&command.diagnostics),
-            Report::Guided(guided) if guided.mode == Mode::Flying => {
+            Report::Guidance(guided) if guided.mode == Mode::Flying => {
                 Some(&guided.command.diagnostics)
             }
             _ => None,
@@ -146,7 +148,7 @@ impl Answer {
     pub fn mode(&self) -> Option<&'static str> {
         match &self.report {
             Report::Law(_) | Report::Outside => None,
-            Report::Guided(guided) => Some(guided.mode.name()),
+            Report::Guidance(guided) => Some(guided.mode.name()),
             Report::Switching(phase) => Some(phase.name()),
         }
     }
@@ -160,7 +162,7 @@ impl Answer {
     pub fn status(&self) -> Option<Cow<'static, str>> {
         match &self.report {
             Report::Law(answer) => Some(answer.map_or_else(Fault::name, |_| "ok").into()),
-            Report::Guided(guided) => Some(guided.status.to_string().into()),
+            Report::Guidance(guided) => Some(guided.status.to_string().into()),
             Report::Switching(_) | Report::Outside => None,
         }
     }
@@ -315,7 +317,7 @@ mod tests {
     fn the_wind_follows_from_what_is_told() {
         let mut input = Input {
             theta: 0.0,
-            sample: PlanarInput::default(),
+            sample: PlanarGuidanceInput::default(),
             feed_forward: None,
         };
         input.sample.velocity = Inertial::new(1.0, 12.0);

@@ -167,14 +167,14 @@ impl Performance {
             .collect()
     }
 
-    /// Of the vehicle in `document`, which flies its reference, with `thrust` \[N\] (least, most) and at a `cruise` speed [m/s]; `max_turn`
+    /// Of the vehicle in `document`, which flies its reference, with `thrust` \[N\] (least, most) and at a `cruise` speed [m/s]; `max_lateral_acceleration`
     /// \[g\] is the guidance's limit to the side.
     pub fn of(
         document: &Document,
         spec: &VehicleSpec,
         thrust: [f64; 2],
         cruise: f64,
-        max_turn: f64,
+        max_lateral_acceleration: f64,
     ) -> anyhow::Result<Self> {
         let vehicle = &spec.reference();
         let weight = spec.weight();
@@ -203,7 +203,7 @@ impl Performance {
         let lift = most(&|alpha| pressure * vehicle.aerodynamics.at(alpha).c_l / weight);
         let within = attached().filter(|alpha| level(*alpha).0 <= thrust[1]);
         let load = within.map(|alpha| level(alpha).1).fold(0.0, f64::max);
-        let load = load.min(f64::hypot(1.0, max_turn));
+        let load = load.min(f64::hypot(1.0, max_lateral_acceleration));
         let turn = (load > 1.0).then(|| {
             let side = vehicle.gravity * (load * load - 1.0).sqrt();
             [load, cruise * cruise / side]

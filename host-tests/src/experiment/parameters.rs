@@ -167,11 +167,9 @@ mod tests {
             names(CombinedParameters::ROWS),
             "c0 c1 c2 c3 alpha_bar_deg k_l k_d"
         );
-        assert!(
-            names(GuidanceParameters::ROWS).starts_with(
-                "natural_frequency_rad_s damping thrust_rate_1_s force_floor_mg tau_mg"
-            )
-        );
+        assert!(names(GuidanceParameters::ROWS).starts_with(
+            "natural_frequency_rad_s damping thrust_rate_1_s gain_schedule_floor_mg tau_mg"
+        ));
     }
 
     #[test]

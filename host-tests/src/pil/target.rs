@@ -4,7 +4,7 @@ use std::io::{ErrorKind, Read, Write};
 use std::os::unix::net::UnixStream;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-use alula::{GuidanceInput, Guided};
+use alula::{GuidanceInput, GuidanceOutput};
 use alula_link::{
     Configuration, ControllerParameters, Counters, Envelope, FromTarget, MAX_FRAME, Receiver,
     RefusedParameter, Status, ToTarget, encode,
@@ -214,17 +214,19 @@ pub fn link_input(guided: bool, input: &Input, dt: f32) -> alula_link::Input {
 pub fn core_answer(answer: alula_link::Answer) -> anyhow::Result<Answer> {
     match answer {
         alula_link::Answer::Law(result) => Ok(result.into()),
-        alula_link::Answer::Guided(guided) => Ok(alula::PlanarGuided::from(&guided).into()),
+        alula_link::Answer::Guidance(guided) => {
+            Ok(alula::PlanarGuidanceOutput::from(&guided).into())
+        }
         alula_link::Answer::NotConfigured => bail!("the target is not configured"),
         alula_link::Answer::WrongInput => bail!("the target flies another kind of controller"),
     }
 }
 
 impl Pilot for Target {
-    fn guided(&mut self, input: &GuidanceInput, dt: f32) -> anyhow::Result<Guided> {
+    fn guided(&mut self, input: &GuidanceInput, dt: f32) -> anyhow::Result<GuidanceOutput> {
         let input = alula_link::Input::Guidance { input: *input, dt };
         match self.ask(ToTarget::Input(input))? {
-            Heard::Answer(alula_link::Answer::Guided(guided)) => Ok(guided),
+            Heard::Answer(alula_link::Answer::Guidance(guided)) => Ok(guided),
             other => bail!("the target answers the guidance's input by {other:?}"),
         }
     }

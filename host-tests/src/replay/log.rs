@@ -5,7 +5,7 @@
 
 use std::io::Write;
 
-use alula::{Attitude, Body, FeedForward, Inertial, PlanarInput, Reference};
+use alula::{Attitude, Body, FeedForward, Inertial, PlanarGuidanceInput, Reference};
 use alula_logs::states::States;
 use anyhow::bail;
 use nalgebra::{Quaternion, UnitQuaternion};
@@ -100,7 +100,7 @@ pub fn replay(
         followed += usize::from(told.is_followed);
         let input = Input {
             theta,
-            sample: PlanarInput {
+            sample: PlanarGuidanceInput {
                 velocity: current.within(told.velocity),
                 attitude: Attitude::from_angle(theta),
                 state_age: told.velocity_age.max(states::age(&states.attitude, row)) as f32,
@@ -112,7 +112,7 @@ pub fn replay(
                     acceleration: current.within(told.acceleration),
                 },
                 reference_age: told.reference_age as f32,
-                ..PlanarInput::default()
+                ..PlanarGuidanceInput::default()
             },
             feed_forward: None::<FeedForward>,
         };

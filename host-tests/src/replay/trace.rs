@@ -3,7 +3,7 @@
 use std::io::{Read, Write};
 
 use alula::guidance::Air;
-use alula::{Attitude, Body, FeedForward, Inertial, PlanarInput, Reference};
+use alula::{Attitude, Body, FeedForward, Inertial, PlanarGuidanceInput, Reference};
 use anyhow::{anyhow, bail};
 use csv::StringRecord;
 
@@ -115,7 +115,7 @@ impl Log<'_> {
         };
         Ok(Input {
             theta,
-            sample: PlanarInput {
+            sample: PlanarGuidanceInput {
                 velocity: self.vector(record, ["v_down_m_s", "v_forward_m_s"])?,
                 attitude: Attitude::from_angle(theta),
                 state_age: number("state_age_s")?,
@@ -141,7 +141,7 @@ impl Log<'_> {
                     acceleration: self.vector(record, ["ar_down_m_s2", "ar_forward_m_s2"])?,
                 },
                 reference_age: number("reference_age_s")?,
-                ..PlanarInput::default()
+                ..PlanarGuidanceInput::default()
             },
             feed_forward: feed_forward.then_some(forward),
         })

@@ -1,6 +1,8 @@
 //! `[controller.guidance]` in space: the same table as in the plane. And whoever flies: the guidance here, or on a target.
 
-use alula::{GainChoice, Guidance, GuidanceInput, GuidanceParameters, GuidanceState, Guided};
+use alula::{
+    GainChoice, Guidance, GuidanceInput, GuidanceOutput, GuidanceParameters, GuidanceState,
+};
 use alula_link::{Configuration, Pacing};
 use serde::Deserialize;
 use toml::{Table, Value};
@@ -75,14 +77,14 @@ impl Controller {
 /// Whoever answers a control step in space.
 pub trait Pilot {
     /// The command for `input`, `dt` \[s\] after the last. The error is a pilot that cannot be reached.
-    fn guided(&mut self, input: &GuidanceInput, dt: f32) -> anyhow::Result<Guided>;
+    fn guided(&mut self, input: &GuidanceInput, dt: f32) -> anyhow::Result<GuidanceOutput>;
 
     /// One bit of its memory flips.
     fn flip(&mut self, _bit: u64) {}
 }
 
 impl Pilot for Flying {
-    fn guided(&mut self, input: &GuidanceInput, dt: f32) -> anyhow::Result<Guided> {
+    fn guided(&mut self, input: &GuidanceInput, dt: f32) -> anyhow::Result<GuidanceOutput> {
         Ok(self.guidance.update(&mut self.state, input, dt))
     }
 

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use alula::GuidanceInput;
-use alula::guidance::Guided;
+use alula::guidance::GuidanceOutput;
 use alula::spatial::Body;
 use nalgebra::UnitQuaternion;
 
@@ -33,7 +33,7 @@ pub struct Step {
     /// What the guidance was told.
     pub input: GuidanceInput,
     /// What it answered.
-    pub guided: Guided,
+    pub guided: GuidanceOutput,
 }
 
 /// A flight: one row per control step, the last at its end.
@@ -75,7 +75,9 @@ pub fn fly_by(experiment: &Experiment, pilot: &mut dyn Pilot) -> anyhow::Result<
         let measured = telling.state(&mut faults, t, measured);
         let target = path.advance(period, |target| {
             let error = measured.position - target.position;
-            guidance.pace(ned(error), ned(target.velocity)).into()
+            guidance
+                .path_time_scale(ned(error), ned(target.velocity))
+                .into()
         });
         let input = telling.input(sensors, &faults, t, &target);
         let clock = faults.clock(t, period);

@@ -1,7 +1,7 @@
 //! The guidance in space on the six-degree-of-freedom plant, with the wrong belief of [`flown`](crate::flown) and, unless said
 //! otherwise, an accelerometer. Bounds are the requirement's: velocity rms [m/s], position rms [m], sideslip rms [°].
 
-use alula::guidance::{Air, Goal, GoalState, Goals, Mode, Preferences, Wishes};
+use alula::guidance::{Air, Goal, GoalState, Goals, Mode, PlannerOptions, Preferences};
 use alula::spatial::{Body, Heading, Ned, Reference};
 use alula::{
     Combined, CombinedParameters, Guidance, GuidanceInput, GuidanceParameters, GuidanceState,
@@ -34,7 +34,7 @@ pub struct Flown {
 pub fn parameters() -> GuidanceParameters {
     GuidanceParameters {
         max_rate: 3.5,
-        max_turn: 3.0,
+        max_lateral_acceleration: 3.0,
         ..GuidanceParameters::default()
     }
 }
@@ -106,7 +106,7 @@ impl Flown {
 fn paced(flown: &Flown, curve: Curve, speed: f64) -> Course {
     let guidance = flown.guidance;
     Course::paced(curve, speed, move |error, velocity| {
-        let pace = guidance.pace(ned(error.into()), ned(velocity.into()));
+        let pace = guidance.path_time_scale(ned(error.into()), ned(velocity.into()));
         pace.into()
     })
 }
@@ -365,7 +365,7 @@ fn goals_are_reached() {
         speed: 18.0,
         climb: 2.0,
         acceleration: 2.0,
-        wishes: Wishes::default(),
+        planner_options: PlannerOptions::default(),
     })
     .unwrap();
     let place = V3::new(-60.0, -200.0, -20.0);

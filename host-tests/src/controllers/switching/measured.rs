@@ -1,6 +1,6 @@
 //! What a baseline reads from one step's input.
 
-use alula::PlanarInput;
+use alula::PlanarGuidanceInput;
 use alula::guidance::Air;
 
 use crate::controllers::vector;
@@ -41,7 +41,7 @@ pub struct Wind(Option<f64>);
 
 impl Wind {
     /// Reads `input`, `dt` \[s\] after the last; `None` if velocity, attitude or reference is not finite.
-    pub fn read(&mut self, input: &PlanarInput, dt: f64) -> Option<Measured> {
+    pub fn read(&mut self, input: &PlanarGuidanceInput, dt: f64) -> Option<Measured> {
         let velocity = vector(input.velocity);
         let theta = f64::from(input.attitude.angle());
         let air_velocity = match input.air {
@@ -93,8 +93,8 @@ pub(crate) mod tests {
         }
     }
 
-    fn input(air: Air<Inertial>) -> PlanarInput {
-        PlanarInput {
+    fn input(air: Air<Inertial>) -> PlanarGuidanceInput {
+        PlanarGuidanceInput {
             velocity: Inertial::new(0.0, 12.0),
             attitude: Attitude::from_angle(-1.0),
             state_age: 0.0,
@@ -106,7 +106,7 @@ pub(crate) mod tests {
                 acceleration: Inertial::new(0.0, 0.5),
             },
             reference_age: 0.0,
-            ..PlanarInput::default()
+            ..PlanarGuidanceInput::default()
         }
     }
 

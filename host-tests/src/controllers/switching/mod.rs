@@ -6,7 +6,7 @@
 //! other by an open-loop pitch ramp, each in its own way. Each module says which documented parameter a field
 //! stands for, and its stock value.
 //!
-//! They see what the guidance sees, a [`PlanarInput`](alula::PlanarInput), command the same rate loop under the same
+//! They see what the guidance sees, a [`PlanarGuidanceInput`](alula::PlanarGuidanceInput), command the same rate loop under the same
 //! limits, and know of the vehicle only what a user sets: the hover thrust, and of the aeroplane its trim throttle, pitch
 //! and speeds. Frames are the core's: vectors (down, forward), θ = 0 nose up, −90° nose forward.
 //!
@@ -72,7 +72,7 @@ pub struct Setpoint {
 #[cfg(test)]
 pub(crate) mod tests {
     use alula::guidance::Air;
-    use alula::{Attitude, Inertial, PlanarInput, Reference};
+    use alula::{Attitude, Inertial, PlanarGuidanceInput, Reference};
 
     use crate::controllers::Input;
 
@@ -80,7 +80,7 @@ pub(crate) mod tests {
     pub(crate) fn level(speed: f32, theta: f32, reference: f32, acceleration: f32) -> Input {
         Input {
             theta: theta.to_radians(),
-            sample: PlanarInput {
+            sample: PlanarGuidanceInput {
                 velocity: Inertial::new(0.0, speed),
                 attitude: Attitude::from_angle(theta.to_radians()),
                 air: Air::Velocity(Inertial::new(0.0, speed)),
@@ -88,7 +88,7 @@ pub(crate) mod tests {
                     velocity: Inertial::new(0.0, reference),
                     acceleration: Inertial::new(0.0, acceleration),
                 },
-                ..PlanarInput::default()
+                ..PlanarGuidanceInput::default()
             },
             feed_forward: None,
         }

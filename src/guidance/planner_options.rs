@@ -4,21 +4,21 @@
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Wishes {
+pub struct PlannerOptions {
     /// Altitude error \[m\] that a plan may cost as much as an error of one velocity band, in place of the parameter
     /// `altitude_band`: a narrow band keeps the altitude, a wide one gives it up to stop sooner. Outside [1e-3, 1e3], as zero
     /// is, or not a number: the parameter's.
     pub altitude_band: f32,
     /// Whether the nose stays short of the vertical while the vehicle flies forward through the air: it then brakes with the
     /// wing across the flow at most, and not by its thrust. For what may not be turned over: a camera, a load, a passenger.
-    pub short_of_vertical: bool,
+    pub nose_below_vertical: bool,
     /// Whether the place does not matter, but the altitude: position errors to the north and east are those of a reference
     /// that goes along with the vehicle, as in a stop, and the virtual flight goes along, too. Else it would be left ahead and
     /// pull the vehicle after it.
-    pub place_free: bool,
+    pub hold_altitude_only: bool,
 }
 
-/// Bands of a wish, as of the parameter \[m\].
+/// Bands an option may give, as the parameter \[m\].
 pub(super) const LEAST_BAND: f32 = 1e-3;
 pub(super) const MOST_BAND: f32 = 1e3;
 
@@ -26,11 +26,11 @@ pub(super) const MOST_BAND: f32 = 1e3;
 /// the wing brakes no more: with 0 the vehicle would go on for long.
 const UPRIGHT: f32 = 0.1;
 
-/// The altitude band of a wish, or else the `parameter`'s \[m\].
+/// The altitude band of the options, or else the `parameter`'s \[m\].
 #[inline(always)]
-pub(super) fn altitude_band(wish: f32, parameter: f32) -> f32 {
-    if (LEAST_BAND..=MOST_BAND).contains(&wish) {
-        wish
+pub(super) fn altitude_band(option: f32, parameter: f32) -> f32 {
+    if (LEAST_BAND..=MOST_BAND).contains(&option) {
+        option
     } else {
         parameter
     }
@@ -38,9 +38,9 @@ pub(super) fn altitude_band(wish: f32, parameter: f32) -> f32 {
 
 /// The greatest attitude θ \[rad\] of a flight forward, which may be to stay short of the vertical.
 #[inline(always)]
-pub(super) fn most_theta(short_of_vertical: bool) -> f32 {
+pub(super) fn most_theta(nose_below_vertical: bool) -> f32 {
     // Else the compiler makes two steps of one, for either value: 3 KB.
-    core::hint::black_box(if short_of_vertical {
+    core::hint::black_box(if nose_below_vertical {
         UPRIGHT
     } else {
         f32::INFINITY
@@ -56,7 +56,7 @@ mod tests {
     use crate::frame::{Attitude, Body, Inertial};
     use crate::guidance::{
         Air, Goal, GoalState, Goals, Guidance, GuidanceParameters, GuidanceState, Mode,
-        PlanarInput, Preferences,
+        PlanarGuidanceInput, Preferences,
     };
     use crate::math;
     use crate::ned::Ned;
@@ -68,10 +68,10 @@ mod tests {
     /// How a stop is flown.
     #[derive(Clone, Copy)]
     struct How {
-        wishes: Wishes,
+        planner_options: PlannerOptions,
         /// Wind from ahead [m/s].
         wind: f32,
-        /// Whether the wishes go by way of the goals, and are checked there.
+        /// Whether the options go by way of the goals, and are checked there.
         checked: bool,
         /// Whether the guidance is not told that the place does not matter.
         held: bool,
@@ -80,7 +80,7 @@ mod tests {
     impl Default for How {
         fn default() -> Self {
             Self {
-                wishes: Wishes::default(),
+                planner_options: PlannerOptions::default(),
                 wind: 0.0,
                 checked: true,
                 held: false,
@@ -112,15 +112,15 @@ mod tests {
         let p = GuidanceParameters::default();
         let guidance = Guidance::new(vehicle, &p).unwrap();
         let preferred = if how.checked {
-            how.wishes
+            how.planner_options
         } else {
-            Wishes::default()
+            PlannerOptions::default()
         };
         let goals = Goals::new(Preferences {
             speed: 20.0,
             climb: 3.0,
             acceleration: 2.0,
-            wishes: preferred,
+            planner_options: preferred,
         })
         .unwrap();
         let (mut state, mut goal) = (GuidanceState::default(), GoalState::default());
@@ -143,15 +143,15 @@ mod tests {
                 began = position;
             }
             let (at, v) = (Ned::in_plane(position), Ned::in_plane(velocity));
-            let (reference, error, mut wishes) = goals.step(&mut goal, &asked, at, v, DT);
+            let (reference, error, mut planner_options) = goals.step(&mut goal, &asked, at, v, DT);
             if !how.checked {
-                wishes = Wishes {
-                    place_free: wishes.place_free,
-                    ..how.wishes
+                planner_options = PlannerOptions {
+                    hold_altitude_only: planner_options.hold_altitude_only,
+                    ..how.planner_options
                 };
             }
-            wishes.place_free &= !how.held;
-            let input = PlanarInput {
+            planner_options.hold_altitude_only &= !how.held;
+            let input = PlanarGuidanceInput {
                 velocity,
                 attitude: Attitude::from_angle(theta),
                 air: Air::Wind(wind),
@@ -160,8 +160,8 @@ mod tests {
                     velocity: reference.velocity.to_plane(),
                     acceleration: reference.acceleration.to_plane(),
                 },
-                wishes,
-                ..PlanarInput::default()
+                planner_options,
+                ..PlanarGuidanceInput::default()
             };
             let guided = guidance.update_in_plane(&mut state, &input, DT);
             assert!(guided.mode == Mode::Flying || n < 10);
@@ -188,7 +188,7 @@ mod tests {
                 if s.way == 0.0 && velocity.forward() < 1.0 {
                     s.way = gone.forward();
                 }
-                let (virtual_velocity, virtual_theta) = state.virtual_flight();
+                let (virtual_velocity, virtual_theta) = state.reference_model();
                 if virtual_velocity.north > wind.forward() {
                     s.theta = math::max(s.theta, virtual_theta);
                     s.real = math::max(s.real, theta);
@@ -214,10 +214,10 @@ mod tests {
         figures[figures.len() - 1]
     }
 
-    const SHORT: Wishes = Wishes {
+    const SHORT: PlannerOptions = PlannerOptions {
         altitude_band: 0.0,
-        short_of_vertical: true,
-        place_free: false,
+        nose_below_vertical: true,
+        hold_altitude_only: false,
     };
 
     /// 27 m without wind, in place of 23 m; against 3 m/s of wind 22 m in place of 21 m. The altitude is the same.
@@ -230,7 +230,7 @@ mod tests {
             };
             assert!(middle(&spread(how, |s| s.theta)) > 0.25);
             let how = How {
-                wishes: SHORT,
+                planner_options: SHORT,
                 ..how
             };
             // 0.01 rad: where the limit is met the rate takes a few steps to end.
@@ -269,9 +269,9 @@ mod tests {
     #[test]
     fn a_narrow_band_keeps_the_altitude() {
         let narrow = How {
-            wishes: Wishes {
+            planner_options: PlannerOptions {
                 altitude_band: 0.01,
-                ..Wishes::default()
+                ..PlannerOptions::default()
             },
             ..How::default()
         };
@@ -303,15 +303,15 @@ mod tests {
     /// A band that is none is the parameter's, and so is one that equals it: to the bit.
     #[test]
     fn a_band_that_is_none_is_the_parameters() {
-        let flown = |altitude_band: f32, short_of_vertical: bool| {
-            let wishes = Wishes {
+        let flown = |altitude_band: f32, nose_below_vertical: bool| {
+            let planner_options = PlannerOptions {
                 altitude_band,
-                short_of_vertical,
-                place_free: false,
+                nose_below_vertical,
+                hold_altitude_only: false,
             };
             let how = How {
                 checked: false,
-                wishes,
+                planner_options,
                 ..How::default()
             };
             stop(how, 0).commands

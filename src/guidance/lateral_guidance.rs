@@ -5,12 +5,12 @@
 //! vehicle at n times the gravity. A velocity is turned at flying speed, and slowed down or moved sideways below it.
 
 use super::course::{Axes, Course};
-use super::flight::{Flight, limited};
 use super::memory::memory;
 use super::parameters::GuidanceParameters;
-use super::planner::{LEAN_SLEW, Planner, PlannerState};
+use super::planner::{MAX_LATERAL_JERK, Planner, PlannerState};
+use super::planner_options::{PlannerOptions, most_theta};
 use super::progress::Progress;
-use super::wishes::{Wishes, most_theta};
+use super::reference_model::{PlanarModelState, limited};
 use crate::aero::Aerodynamics;
 use crate::air::AngleOfAttack;
 use crate::control::Guard;
@@ -47,7 +47,7 @@ const SHARE_OF_RATE: f32 = 0.5;
 /// Where the virtual vehicle is, in world axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub(super) struct VirtualFlight {
+pub(super) struct ReferenceModelState {
     /// Velocity [m/s].
     pub velocity: Ned,
     /// Position less reference position \[m\].
@@ -55,7 +55,7 @@ pub(super) struct VirtualFlight {
     /// Course of the plane of flight.
     pub course: Course,
     /// Acceleration to the right of that plane [m/s²].
-    pub lean: f32,
+    pub lateral_acceleration: f32,
     /// Attitude θ in the plane \[rad\].
     pub theta: f32,
     /// Its rate ω [rad/s].
@@ -64,11 +64,11 @@ pub(super) struct VirtualFlight {
     pub thrust: f32,
 }
 
-memory!(VirtualFlight {
+memory!(ReferenceModelState {
     velocity: Ned,
     position: Ned,
     course: Course,
-    lean: f32,
+    lateral_acceleration: f32,
     theta: f32,
     rate: f32,
     thrust: f32,
@@ -79,7 +79,7 @@ memory!(VirtualFlight {
 const APART: f32 = 50.0;
 const SLIPPING: f32 = 25.0;
 
-impl VirtualFlight {
+impl ReferenceModelState {
     /// Whether it may be the virtual flight of a vehicle with this velocity [m/s] and position \[m\].
     #[inline(always)]
     pub fn is_near(&self, velocity: Ned, position: Ned) -> bool {
@@ -92,7 +92,7 @@ impl VirtualFlight {
         self.velocity.norm_squared() <= 1e8
             && self.position.norm_squared() <= 1e10
             && self.course.is_sound()
-            && self.lean.abs() <= 1e4
+            && self.lateral_acceleration.abs() <= 1e4
             && self.theta.abs() + self.rate.abs() <= 1e3
             && self.thrust.abs() <= 1e7
     }
@@ -101,7 +101,7 @@ impl VirtualFlight {
 /// How the plane of flight turns.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub(super) struct Turning {
+pub(super) struct LateralGuidance {
     /// Greatest acceleration to the side [m/s²]. Zero: the plane is not turned.
     max: f32,
     /// ([`SHARE`] T_max/(m g))²: what of the greatest thrust carries a turn, in multiples of the weight, squared.
@@ -119,7 +119,7 @@ pub(super) struct Turning {
 }
 
 /// What a step of the virtual flight gives.
-pub(super) struct Moved<'a, A> {
+pub(super) struct ReferenceModelOutput<'a, A> {
     /// Velocity [m/s] and position \[m\] in the middle of the step, over which the command holds.
     pub velocity: Ned,
     pub position: Ned,
@@ -157,7 +157,7 @@ fn lift_at_stall(c_l: &dyn Fn(AngleOfAttack) -> f32) -> f32 {
     most
 }
 
-impl Turning {
+impl LateralGuidance {
     /// How `vehicle` turns with these parameters, which have been checked.
     pub fn new<A: Aerodynamics>(p: &GuidanceParameters, vehicle: &Vehicle<A>) -> Self {
         let (weight, k_a) = (vehicle.weight(), vehicle.k_a());
@@ -166,7 +166,7 @@ impl Turning {
         let speed = math::sqrt((weight / k_a).abs());
         let stall = SHARE * lift_at_stall(&|alpha| vehicle.model().coefficients(alpha).c_l);
         Self {
-            max: p.max_turn * vehicle.gravity(),
+            max: p.max_lateral_acceleration * vehicle.gravity(),
             thrust_squared: thrust * thrust,
             stall,
             lift: stall * k_a / weight,
@@ -211,19 +211,26 @@ impl Turning {
         math::clamp(speed / self.slow() - 1.0, 0.0, 1.0)
     }
 
-    /// Lets `flight` pass for `dt` \[s\] by the plan that `planner` has chosen: to a `reference` with `wishes`, in a `wind`, the air's force
+    /// Lets `flight` pass for `dt` \[s\] by the plan that `planner` has chosen: to a `reference` with `options`, in a `wind`, the air's force
     /// being `air` times the believed one, and `missing` \[N\] of the greatest thrust not being there. `wings` is the cosine of the angle between the real wing and the virtual one.
     #[inline(always)]
     pub fn advance<'a, A: Aerodynamics>(
         &self,
         planner: &Planner,
         vehicle: &'a Vehicle<A>,
-        flight: &mut VirtualFlight,
+        flight: &mut ReferenceModelState,
         state: &mut PlannerState,
-        (reference, wishes, wind, air, missing, wings): (&Reference, &Wishes, Ned, f32, f32, f32),
+        (reference, planner_options, wind, air, missing, wings): (
+            &Reference,
+            &PlannerOptions,
+            Ned,
+            f32,
+            f32,
+            f32,
+        ),
         dt: f32,
-    ) -> Moved<'a, A> {
-        let servo = &planner.virtual_vehicle;
+    ) -> ReferenceModelOutput<'a, A> {
+        let servo = &planner.reference_model;
         let course = flight.course;
         let (velocity, across) = course.project(flight.velocity);
         let (position, aside) = course.project(flight.position);
@@ -232,7 +239,7 @@ impl Turning {
         let (a_r, a_r_across) = course.project(reference.acceleration);
 
         // The horizontal air velocity wanted: it is that which is turned.
-        let forward = servo.velocity_wanted(position, v_r).forward() - wind.forward();
+        let forward = servo.desired_velocity(position, v_r).forward() - wind.forward();
         let right = v_r_across
             - limited(
                 servo.position_gain.forward() * aside,
@@ -256,44 +263,48 @@ impl Turning {
         } else {
             right
         };
-        let lean_wanted = limited(
+        let desired_lateral_acceleration = limited(
             a_r_across + LATERAL_GAIN * (beside - aslant),
             self.most(vehicle.gravity(), air * airspeed_squared),
         );
         let share = if state.plan.turn == 1 { CROSSING } else { 1.0 };
-        let lean = share * lean_wanted;
-        let step = LEAN_SLEW * vehicle.gravity() * dt;
-        let lean = math::clamp(lean, flight.lean - step, flight.lean + step);
-        let lean_rate = (lean - flight.lean) / dt;
-        let axes = Axes::new(&course, vehicle.gravity(), lean);
+        let lateral_acceleration = share * desired_lateral_acceleration;
+        let step = MAX_LATERAL_JERK * vehicle.gravity() * dt;
+        let lateral_acceleration = math::clamp(
+            lateral_acceleration,
+            flight.lateral_acceleration - step,
+            flight.lateral_acceleration + step,
+        );
+        let lateral_jerk = (lateral_acceleration - flight.lateral_acceleration) / dt;
+        let axes = Axes::new(&course, vehicle.gravity(), lateral_acceleration);
         let heavier = vehicle.as_flown(axes.gravity, air, missing);
 
         // What is down leans with the plane: in it, down is shorter by the load factor.
         let load = axes.gravity / vehicle.gravity();
-        let leant = |v: Inertial| Inertial::new(v.down() / load, v.forward());
-        let upright = |v: Inertial| Inertial::new(v.down() * load, v.forward());
+        let to_banked = |v: Inertial| Inertial::new(v.down() / load, v.forward());
+        let to_level = |v: Inertial| Inertial::new(v.down() * load, v.forward());
         // The length of the velocity wanted is had in the plane, its direction by turning the plane.
         let faster = Inertial::new(0.0, turning * (wanted - forward));
         let asked = reference::Reference {
-            velocity: leant(v_r) + faster,
-            acceleration: leant(a_r),
+            velocity: to_banked(v_r) + faster,
+            acceleration: to_banked(a_r),
         };
-        let wind = leant(wind);
-        let mut plane = Flight {
-            velocity: leant(velocity),
-            position: leant(position),
+        let wind = to_banked(wind);
+        let mut plane = PlanarModelState {
+            velocity: to_banked(velocity),
+            position: to_banked(position),
             theta: flight.theta,
             rate: flight.rate,
             thrust: flight.thrust,
         };
-        let missed = (1.0 - CROSSING) * lean_wanted.abs();
+        let missed = (1.0 - CROSSING) * desired_lateral_acceleration.abs();
         planner.search(
             &heavier,
             state,
             &plane,
             &asked,
             wind,
-            (wishes, missed, self.stall),
+            (planner_options, missed, self.stall),
         );
         let in_plane = servo.advance(
             &heavier,
@@ -301,10 +312,10 @@ impl Turning {
             &mut state.plan,
             &asked,
             wind,
-            most_theta(wishes.short_of_vertical),
+            most_theta(planner_options.nose_below_vertical),
             dt,
         );
-        let error = plane.velocity - servo.velocity_wanted(plane.position, asked.velocity);
+        let error = plane.velocity - servo.desired_velocity(plane.position, asked.velocity);
         let progress = Progress::new(
             &heavier,
             planner,
@@ -315,7 +326,7 @@ impl Turning {
         );
 
         // The plane turns with the air velocity, and towards the heading where there is little of it.
-        let across = across + lean * dt;
+        let across = across + lateral_acceleration * dt;
         let (ahead, aslant) = (
             plane.velocity.forward() - wind.forward(),
             across - wind_across,
@@ -335,37 +346,41 @@ impl Turning {
             rest * facing_right + air * aslant,
             rest * facing + air * ahead,
         );
-        let turn_per_lean = ahead / (square + SLOW * SLOW);
+        let turn_rate_per_acceleration = ahead / (square + SLOW * SLOW);
         let turn = if self.max > 0.0 {
             let waiting = math::clamp(wings / WAIT, 0.0, 1.0);
-            waiting * limited(COURSE_GAIN * aim + lean * turn_per_lean, self.rate)
+            waiting
+                * limited(
+                    COURSE_GAIN * aim + lateral_acceleration * turn_rate_per_acceleration,
+                    self.rate,
+                )
         } else {
             0.0
         };
 
-        let moved = course.lift(upright(plane.velocity), across);
-        let roll = lean_rate * vehicle.gravity() / (axes.gravity * axes.gravity);
+        let moved = course.lift(to_level(plane.velocity), across);
+        let roll = lateral_jerk * vehicle.gravity() / (axes.gravity * axes.gravity);
         // In a turn the wing turns about itself with the part of the course's rate that bank puts there.
-        let turn_change =
-            lean_rate * turn_per_lean * axes.right.down + turn * roll * axes.down.down;
+        let turn_change = lateral_jerk * turn_rate_per_acceleration * axes.right.down
+            + turn * roll * axes.down.down;
         let rate_change = (plane.rate - flight.rate) / dt + turn_change;
         let before = *flight;
-        *flight = VirtualFlight {
+        *flight = ReferenceModelState {
             velocity: moved,
             position: flight.position + (moved - reference.velocity) * dt,
             course: course.turned(turn * dt),
-            lean,
+            lateral_acceleration,
             theta: plane.theta,
             rate: plane.rate,
             thrust: plane.thrust,
         };
-        Moved {
+        ReferenceModelOutput {
             velocity: (before.velocity + flight.velocity) * 0.5,
             position: (before.position + flight.position) * 0.5,
-            acceleration: course.lift(upright(in_plane), lean),
+            acceleration: course.lift(to_level(in_plane), lateral_acceleration),
             jerk: course.lift(
-                Inertial::new(0.0, -lean * turn),
-                lean_rate + in_plane.forward() * turn,
+                Inertial::new(0.0, -lateral_acceleration * turn),
+                lateral_jerk + in_plane.forward() * turn,
             ),
             in_plane,
             rate_change,
@@ -404,40 +419,47 @@ mod tests {
         Course::of(&Orientation::from_quaternion(&up, BodyAxes::NoseUp).unwrap())
     }
 
-    fn flight(velocity: Ned, theta: f32) -> VirtualFlight {
-        VirtualFlight {
+    fn flight(velocity: Ned, theta: f32) -> ReferenceModelState {
+        ReferenceModelState {
             velocity,
             course: north(),
             theta,
             thrust: 10.0,
-            ..VirtualFlight::default()
+            ..ReferenceModelState::default()
         }
     }
 
     /// Flies to `reference` in still air with the wing where the virtual one is; gives what is seen at every step.
     fn fly(
-        start: VirtualFlight,
+        start: ReferenceModelState,
         reference: &Reference,
         seconds: f32,
-        see: impl FnMut(&VirtualFlight, &Moved<Combined>),
-    ) -> VirtualFlight {
+        see: impl FnMut(&ReferenceModelState, &ReferenceModelOutput<Combined>),
+    ) -> ReferenceModelState {
         fly_with(start, reference, 0.0, seconds, see)
     }
 
     /// The same without a part of the greatest thrust.
     fn fly_with(
-        start: VirtualFlight,
+        start: ReferenceModelState,
         reference: &Reference,
         missing: f32,
         seconds: f32,
-        mut see: impl FnMut(&VirtualFlight, &Moved<Combined>),
-    ) -> VirtualFlight {
+        mut see: impl FnMut(&ReferenceModelState, &ReferenceModelOutput<Combined>),
+    ) -> ReferenceModelState {
         let (p, vehicle) = (GuidanceParameters::default(), vehicle());
         let planner = Planner::new(&p);
-        let turning = Turning::new(&p, &vehicle);
+        let turning = LateralGuidance::new(&p, &vehicle);
         let (mut flight, mut state) = (start, PlannerState::default());
         for _ in 0..(seconds / DT) as usize {
-            let given = (reference, &Wishes::default(), Ned::ZERO, 1.0, missing, 1.0);
+            let given = (
+                reference,
+                &PlannerOptions::default(),
+                Ned::ZERO,
+                1.0,
+                missing,
+                1.0,
+            );
             let moved = turning.advance(&planner, &vehicle, &mut flight, &mut state, given, DT);
             assert!(flight.is_sound());
             see(&flight, &moved);
@@ -457,7 +479,10 @@ mod tests {
     fn flight_in_the_plane_stays_there() {
         let start = flight(Ned::new(20.0, 0.0, 0.0), -1.5);
         let end = fly(start, &cruise(12.0, 0.0), 5.0, |f, moved| {
-            assert_eq!((f.velocity.east, f.position.east, f.lean), (0.0, 0.0, 0.0));
+            assert_eq!(
+                (f.velocity.east, f.position.east, f.lateral_acceleration),
+                (0.0, 0.0, 0.0)
+            );
             assert_eq!(f.course, north());
             assert_eq!((moved.acceleration.east, moved.jerk.east), (0.0, 0.0));
             assert_eq!(moved.axes.gravity, 9.81);
@@ -476,9 +501,9 @@ mod tests {
             assert!(north * north + east * east > 14.0 * 14.0);
             assert!(f.position.down.abs() < 2.0);
             let load = moved.axes.gravity / 9.81;
-            let lean = f.lean / 9.81;
+            let lateral_acceleration = f.lateral_acceleration / 9.81;
             // 1e-4: roundings of a root.
-            assert!((load * load - 1.0 - lean * lean).abs() < 1e-4);
+            assert!((load * load - 1.0 - lateral_acceleration * lateral_acceleration).abs() < 1e-4);
             assert!(load < 2.3, "2 g to the side at most");
             let mean = (f.velocity - before.velocity) * (1.0 / DT);
             // The plane is implicit in drag, which is some 0.1 m/s² here.
@@ -501,7 +526,7 @@ mod tests {
     /// is.
     #[test]
     fn at_hover_a_velocity_to_the_side_is_moved_to() {
-        let start = VirtualFlight {
+        let start = ReferenceModelState {
             thrust: 98.1,
             ..flight(Ned::ZERO, 0.0)
         };
@@ -535,11 +560,18 @@ mod tests {
     fn the_course_waits_for_the_wing() {
         let (p, vehicle) = (GuidanceParameters::default(), vehicle());
         let planner = Planner::new(&p);
-        let turning = Turning::new(&p, &vehicle);
+        let turning = LateralGuidance::new(&p, &vehicle);
         let turned = |wings: f32| {
             let mut flight = flight(Ned::new(0.0, 20.0, 0.0), -1.5);
             let reference = cruise(0.0, 20.0);
-            let given = (&reference, &Wishes::default(), Ned::ZERO, 1.0, 0.0, wings);
+            let given = (
+                &reference,
+                &PlannerOptions::default(),
+                Ned::ZERO,
+                1.0,
+                0.0,
+                wings,
+            );
             let mut state = PlannerState::default();
             turning.advance(&planner, &vehicle, &mut flight, &mut state, given, DT);
             flight.course.project(Ned::new(0.0, 1.0, 0.0)).0.forward()
@@ -553,9 +585,9 @@ mod tests {
     /// Nine tenths of what thrust or lift carries: 19.62·0.9 N per kg give √(1.8² − 1) g.
     #[test]
     fn a_turn_leaves_what_carries_the_weight() {
-        let turning = Turning::new(
+        let turning = LateralGuidance::new(
             &GuidanceParameters {
-                max_turn: 10.0,
+                max_lateral_acceleration: 10.0,
                 ..GuidanceParameters::default()
             },
             &vehicle(),
@@ -571,27 +603,27 @@ mod tests {
         let good = flight(Ned::new(20.0, 1.0, 0.0), -1.5);
         assert!(good.is_sound());
         for bad in [
-            VirtualFlight {
+            ReferenceModelState {
                 velocity: Ned::new(f32::NAN, 0.0, 0.0),
                 ..good
             },
-            VirtualFlight {
+            ReferenceModelState {
                 position: Ned::new(0.0, 0.0, 1e6),
                 ..good
             },
-            VirtualFlight {
-                lean: f32::INFINITY,
+            ReferenceModelState {
+                lateral_acceleration: f32::INFINITY,
                 ..good
             },
-            VirtualFlight {
+            ReferenceModelState {
                 theta: f32::NAN,
                 ..good
             },
-            VirtualFlight {
+            ReferenceModelState {
                 thrust: -1e8,
                 ..good
             },
-            VirtualFlight {
+            ReferenceModelState {
                 course: Course::default(),
                 ..good
             },

@@ -22,7 +22,7 @@ const ATTITUDE_GAIN: f32 = 9.0;
 const MAX_CORRECTION: f32 = 0.28;
 /// Distance from the target of a turn \[rad\] beyond which it is gone to no faster. With [`ATTITUDE_STEP`], less than π/4 a
 /// step.
-const MAX_TURN: f32 = 0.95;
+const MAX_ROTATION: f32 = 0.95;
 /// Servo: acceleration per velocity error [1/s].
 const VERTICAL_GAIN: f32 = 4.8;
 const FORWARD_GAIN: f32 = 1.11;
@@ -50,7 +50,7 @@ const SLOWEST_SQUARED: f32 = 0.1;
 /// Where the virtual vehicle is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Flight {
+pub struct PlanarModelState {
     /// Velocity [m/s].
     pub velocity: Inertial,
     /// Position less reference position \[m\].
@@ -81,7 +81,7 @@ memory!(Plan {
     turn: u8,
 });
 
-memory!(Flight {
+memory!(PlanarModelState {
     velocity: Inertial,
     position: Inertial,
     theta: f32,
@@ -89,7 +89,7 @@ memory!(Flight {
     thrust: f32,
 });
 
-impl Flight {
+impl PlanarModelState {
     /// Whether every number is one that a virtual flight can have left. NaN is not.
     pub(super) fn is_sound(&self) -> bool {
         self.velocity.norm_squared() <= 1e8
@@ -102,7 +102,7 @@ impl Flight {
 /// The virtual vehicle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct VirtualVehicle {
+pub struct ReferenceModel {
     rate: f32,
     slew: f32,
     pub(super) position_gain: Inertial,
@@ -110,17 +110,17 @@ pub struct VirtualVehicle {
 }
 
 /// A step's length, and the gains at that length.
-pub(super) struct Pace {
+pub(super) struct StepGains {
     pub h: f32,
     vertical_gain: f32,
     attitude_gain: f32,
-    /// Rates at [`MAX_TURN`] and [`MAX_CORRECTION`] [rad/s].
-    max_turn: f32,
-    max_correction: f32,
+    /// Rates at [`MAX_ROTATION`] and [`MAX_CORRECTION`] [rad/s].
+    max_rotation_rate: f32,
+    max_correction_rate: f32,
 }
 
-impl Pace {
-    /// The pace of steps of `h` \[s\].
+impl StepGains {
+    /// The gains of steps of `h` \[s\].
     #[inline(always)]
     pub const fn new(h: f32) -> Self {
         let attitude_gain = math::min(ATTITUDE_GAIN, ATTITUDE_STEP / h);
@@ -128,8 +128,8 @@ impl Pace {
             h,
             vertical_gain: math::min(VERTICAL_GAIN, VERTICAL_STEP / h),
             attitude_gain,
-            max_turn: attitude_gain * MAX_TURN,
-            max_correction: attitude_gain * MAX_CORRECTION,
+            max_rotation_rate: attitude_gain * MAX_ROTATION,
+            max_correction_rate: attitude_gain * MAX_CORRECTION,
         }
     }
 }
@@ -148,7 +148,7 @@ struct Forces {
     speed: f32,
 }
 
-impl VirtualVehicle {
+impl ReferenceModel {
     /// The virtual vehicle with these parameters, which have been checked.
     pub fn new(p: &GuidanceParameters) -> Self {
         Self {
@@ -161,7 +161,7 @@ impl VirtualVehicle {
 
     /// The velocity to be had at a `position` error: the reference's, and towards the reference position.
     #[inline(always)]
-    pub fn velocity_wanted(&self, position: Inertial, reference: Inertial) -> Inertial {
+    pub fn desired_velocity(&self, position: Inertial, reference: Inertial) -> Inertial {
         Inertial::new(
             reference.down()
                 - rarely_limited(
@@ -183,7 +183,7 @@ impl VirtualVehicle {
     pub fn advance<A: Aerodynamics>(
         &self,
         vehicle: &Vehicle<A>,
-        flight: &mut Flight,
+        flight: &mut PlanarModelState,
         plan: &mut Plan,
         reference: &Reference,
         wind: Inertial,
@@ -191,12 +191,12 @@ impl VirtualVehicle {
         h: f32,
     ) -> Inertial {
         let mut attitude = Attitude::from_angle(flight.theta);
-        let error = flight.velocity - self.velocity_wanted(flight.position, reference.velocity);
-        let wish = self.wish(
+        let error = flight.velocity - self.desired_velocity(flight.position, reference.velocity);
+        let desired = self.desired_acceleration(
             error,
             reference.acceleration,
             vehicle.gravity(),
-            &Pace::new(h),
+            &StepGains::new(h),
         );
         self.step::<A, true>(
             vehicle,
@@ -204,26 +204,26 @@ impl VirtualVehicle {
             &mut attitude,
             plan,
             reference.velocity,
-            wish,
+            desired,
             wind,
             most_theta,
-            &Pace::new(h),
+            &StepGains::new(h),
             true,
         )
     }
 
     /// The acceleration that the servo wants [m/s²] at an `error` of velocity, velocity less velocity wanted [m/s].
     #[inline(always)]
-    pub(super) fn wish(
+    pub(super) fn desired_acceleration(
         &self,
         error: Inertial,
         acceleration: Inertial,
         gravity: f32,
-        pace: &Pace,
+        gains: &StepGains,
     ) -> Inertial {
         Inertial::new(
             rarely_limited(
-                acceleration.down() - pace.vertical_gain * error.down(),
+                acceleration.down() - gains.vertical_gain * error.down(),
                 MAX_VERTICAL * gravity,
             ),
             rarely_limited(
@@ -235,8 +235,8 @@ impl VirtualVehicle {
 
     /// The rate [rad/s] that closes an `error` of attitude \[rad\], up to `most`.
     #[inline(always)]
-    fn rate_wanted(&self, error: f32, most: f32, pace: &Pace) -> f32 {
-        rarely_limited(pace.attitude_gain * error, math::min(most, self.rate))
+    fn desired_rate(&self, error: f32, most: f32, gains: &StepGains) -> f32 {
+        rarely_limited(gains.attitude_gain * error, math::min(most, self.rate))
     }
 
     /// The rate [rad/s] that is had after `h` \[s\], from `rate` on.
@@ -247,7 +247,7 @@ impl VirtualVehicle {
     }
 
     /// One step: `flight` and its `attitude` go on by `plan`, and where that leaves it to the servo, towards the acceleration
-    /// that it `wish`es for [m/s²]. Gives the acceleration had [m/s²].
+    /// that it `desired`es for [m/s²]. Gives the acceleration had [m/s²].
     ///
     /// The servo's step is one Gauss–Newton step over (θ, T), damped, with T in its limits: where thrust is free it goes to
     /// F̄_2 = 0 and T = F̄_1; where thrust stands at a limit it goes to the attitude with the least weighted error. It looks
@@ -262,31 +262,31 @@ impl VirtualVehicle {
     pub(super) fn step<A: Aerodynamics, const STIFF: bool>(
         &self,
         vehicle: &Vehicle<A>,
-        flight: &mut Flight,
+        flight: &mut PlanarModelState,
         attitude: &mut Attitude,
         plan: &mut Plan,
         reference: Inertial,
-        wish: Inertial,
+        desired: Inertial,
         wind: Inertial,
         most_theta: f32,
-        pace: &Pace,
+        gains: &StepGains,
         slewed: bool,
     ) -> Inertial {
         let (mass, gravity) = (vehicle.mass(), vehicle.gravity());
         let pushing = plan.push > 0.0;
-        let (wish, weight) = if pushing {
+        let (desired, weight) = if pushing {
             // Rare: a few steps of some plans.
             core::hint::cold_path();
             (
-                Inertial::new(PUSH_OVER * gravity, wish.forward()),
+                Inertial::new(PUSH_OVER * gravity, desired.forward()),
                 0.02 * FORWARD_WEIGHT,
             )
         } else {
-            (wish, FORWARD_WEIGHT)
+            (desired, FORWARD_WEIGHT)
         };
         let air = flight.velocity - wind;
         let forces = Forces::new(vehicle, *attitude, air);
-        let f = forces.free - wish;
+        let f = forces.free - desired;
         let (least, most) = (vehicle.thrust_min() / mass, vehicle.thrust_max() / mass);
 
         // Least squares of F − T i, per mass, down and forward weighted: first over T alone,
@@ -301,7 +301,7 @@ impl VirtualVehicle {
         let di = d.down() * attitude.cos + weight * d.forward() * attitude.sin;
         let fd = f.down() * d.down() + weight * f.forward() * d.forward();
         let both = math::clamp((fi * dd - di * fd) / (dd * ii - di * di), least, most);
-        let h = pace.h;
+        let h = gains.h;
         // Without a branch: with one the whole step is compiled twice.
         let forward = slewed & (air.forward() > 0.0) & (flight.theta < 0.5 * math::PI);
         let room = if forward {
@@ -313,23 +313,23 @@ impl VirtualVehicle {
         let (thrust, error, rate) = if plan.turn == 1 && !pushing {
             let error = plan.target - flight.theta;
             let error = math::min(room, error);
-            let wanted = self.rate_wanted(error, pace.max_turn, pace);
+            let wanted = self.desired_rate(error, gains.max_rotation_rate, gains);
             (alone, error, self.slewed(wanted, flight.rate, h))
         } else {
-            // The acceleration wished for turns the course. The attitude has to turn with it by F_a's part of the forces that
+            // The desired acceleration turns the course. The attitude has to turn with it by F_a's part of the forces that
             // the servo balances, d·(d + alone j)/d·d: without this it stays behind by that rate over its gain.
-            let course = (wish.forward() * air.down() - wish.down() * air.forward())
+            let course = (desired.forward() * air.down() - desired.down() * air.forward())
                 / (air.norm_squared() + SLOWEST_SQUARED);
             let dj = weight * d.forward() * attitude.cos - d.down() * attitude.sin;
             let ahead =
-                rarely_limited(course / pace.attitude_gain, MAX_AHEAD) * (steep + alone * dj);
+                rarely_limited(course / gains.attitude_gain, MAX_AHEAD) * (steep + alone * dj);
             let error = (di * both - fd + ahead) / dd;
             let (thrust, error) = if error > room {
                 (alone, room)
             } else {
                 (both, error)
             };
-            let wanted = self.rate_wanted(error, pace.max_correction, pace);
+            let wanted = self.desired_rate(error, gains.max_correction_rate, gains);
             (
                 thrust,
                 error,
@@ -410,7 +410,7 @@ impl Forces {
 
 /// F̄_2 \[N\] at an attitude `theta` \[rad\] for an acceleration [m/s²]: zero in equilibrium.
 #[inline(always)]
-pub(super) fn across<A: Aerodynamics>(
+pub(super) fn transverse_force<A: Aerodynamics>(
     vehicle: &Vehicle<A>,
     theta: f32,
     air_velocity: Inertial,
@@ -459,13 +459,13 @@ mod tests {
     /// A step of the virtual flight of `vehicle` with the default parameters: its acceleration.
     fn advance(
         vehicle: &Vehicle<Combined>,
-        flight: &mut Flight,
+        flight: &mut PlanarModelState,
         plan: &mut Plan,
         reference: &Reference,
         wind: Inertial,
     ) -> Inertial {
-        let virtual_vehicle = VirtualVehicle::new(&GuidanceParameters::default());
-        virtual_vehicle.advance(vehicle, flight, plan, reference, wind, FREE, DT)
+        let model = ReferenceModel::new(&GuidanceParameters::default());
+        model.advance(vehicle, flight, plan, reference, wind, FREE, DT)
     }
 
     fn still(down: f32, forward: f32) -> Reference {
@@ -483,7 +483,7 @@ mod tests {
         let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(3);
         for _ in 0..200 {
             let mut draw = |x: f32| random.random_range(-x..x);
-            let mut flight = Flight {
+            let mut flight = PlanarModelState {
                 velocity: Inertial::new(draw(25.0), draw(25.0)),
                 position: Inertial::new(draw(20.0), draw(50.0)),
                 theta: draw(3.1),
@@ -523,12 +523,12 @@ mod tests {
             max_slew: 1e4,
             ..GuidanceParameters::default()
         };
-        let (vehicle, virtual_vehicle) = (vehicle(), VirtualVehicle::new(&p));
+        let (vehicle, model) = (vehicle(), ReferenceModel::new(&p));
         for (target, h) in [(3.0, 0.045), (-3.0, 0.2), (0.5, 0.115)] {
-            let mut flight = Flight {
+            let mut flight = PlanarModelState {
                 velocity: Inertial::new(0.0, 15.0),
                 theta: -1.5,
-                ..Flight::default()
+                ..PlanarModelState::default()
             };
             let mut attitude = Attitude::from_angle(flight.theta);
             let mut plan = Plan {
@@ -537,7 +537,7 @@ mod tests {
                 push: 0.0,
             };
             for _ in 0..28 {
-                virtual_vehicle.step::<_, true>(
+                model.step::<_, true>(
                     &vehicle,
                     &mut flight,
                     &mut attitude,
@@ -546,7 +546,7 @@ mod tests {
                     Inertial::ZERO,
                     Inertial::ZERO,
                     FREE,
-                    &Pace::new(h),
+                    &StepGains::new(h),
                     false,
                 );
                 let exact = Attitude::from_angle(flight.theta);
@@ -562,10 +562,10 @@ mod tests {
     #[test]
     fn the_attitude_turns_with_the_course() {
         let vehicle = vehicle();
-        let mut flight = Flight {
+        let mut flight = PlanarModelState {
             velocity: Inertial::new(0.0, 20.0),
             theta: -1.5,
-            ..Flight::default()
+            ..PlanarModelState::default()
         };
         let (mut plan, mut worst) = (Plan::default(), 0f32);
         for n in 0..600 {
@@ -589,35 +589,35 @@ mod tests {
     #[test]
     fn predictions_of_a_light_wing_stay_bounded() {
         let flown = |vehicle: &Vehicle<Combined>, stiff: bool| {
-            let virtual_vehicle = VirtualVehicle::new(&GuidanceParameters::default());
-            let mut flight = Flight {
+            let model = ReferenceModel::new(&GuidanceParameters::default());
+            let mut flight = PlanarModelState {
                 velocity: Inertial::new(1.0, 20.0),
                 theta: -1.57,
-                ..Flight::default()
+                ..PlanarModelState::default()
             };
             let mut attitude = Attitude::from_angle(flight.theta);
-            let (mut plan, pace) = (Plan::default(), Pace::new(0.1));
+            let (mut plan, gains) = (Plan::default(), StepGains::new(0.1));
             let mut steepest = 0f32;
             for _ in 0..25 {
                 let reference = Inertial::new(0.0, 20.0);
                 let step = if stiff {
-                    VirtualVehicle::step::<Combined, true>
+                    ReferenceModel::step::<Combined, true>
                 } else {
-                    VirtualVehicle::step::<Combined, false>
+                    ReferenceModel::step::<Combined, false>
                 };
                 let error = flight.velocity - reference;
-                let wish = virtual_vehicle.wish(error, Inertial::ZERO, 9.81, &pace);
+                let desired = model.desired_acceleration(error, Inertial::ZERO, 9.81, &gains);
                 step(
-                    &virtual_vehicle,
+                    &model,
                     vehicle,
                     &mut flight,
                     &mut attitude,
                     &mut plan,
                     reference,
-                    wish,
+                    desired,
                     Inertial::ZERO,
                     FREE,
-                    &pace,
+                    &gains,
                     false,
                 );
                 steepest = f32::max(steepest, flight.velocity.down().abs());
@@ -643,7 +643,7 @@ mod tests {
     fn the_servo_settles_in_equilibria_of_both_branches() {
         let vehicle = vehicle();
         for (down, forward, wind) in [(0.0, 10.0, 0.0), (0.0, 0.0, -6.0), (12.0, 0.0, 0.0)] {
-            let (mut flight, mut plan) = (Flight::default(), Plan::default());
+            let (mut flight, mut plan) = (PlanarModelState::default(), Plan::default());
             let wind = Inertial::new(0.0, wind);
             let mut acceleration = Inertial::ZERO;
             for n in 0..3000 {
@@ -655,9 +655,9 @@ mod tests {
             // 1 cm/s, 1 cm/s², 0.1 N: what is left of slow decays.
             assert!(error.norm() < 0.01 && acceleration.norm() < 0.01);
             let v_a = flight.velocity - wind;
-            let left = across(&vehicle, flight.theta, v_a, Inertial::ZERO);
+            let left = transverse_force(&vehicle, flight.theta, v_a, Inertial::ZERO);
             assert!(left.abs() < 0.1, "{left}");
-            let slope = across(&vehicle, flight.theta + 0.01, v_a, Inertial::ZERO);
+            let slope = transverse_force(&vehicle, flight.theta + 0.01, v_a, Inertial::ZERO);
             // ∂_θ F̄_2 = −F̄_p1: negative on θ̃ = 0.
             assert_eq!(slope > 0.0, down > 9.0);
         }

@@ -8,15 +8,15 @@ use crate::math;
 
 /// What is flown blind.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Blind {
+pub(super) struct AirDataFallback {
     /// Part of the horizontal velocity asked for that is flown. Less than 1 where that is too fast to be flown so; then no
     /// horizontal acceleration is.
-    pub share: f32,
+    pub speed_scale: f32,
     /// Part of the air velocity that is left out of the belief.
-    pub without: f32,
+    pub air_removed: f32,
 }
 
-impl Blind {
+impl AirDataFallback {
     /// What is flown blind where the square of the horizontal velocity asked for is `asked_squared` [m²/s²].
     ///
     /// No more than `slow` [m/s] is flown. The air is left out below that speed, and in part below twice that speed. The speed
@@ -31,8 +31,8 @@ impl Blind {
         let asked = math::sqrt(asked_squared.abs());
         let speed = math::sqrt(speed_squared.abs());
         Self {
-            share: if asked > slow { slow / asked } else { 1.0 },
-            without: math::clamp(2.0 - speed / slow, 0.0, 1.0),
+            speed_scale: if asked > slow { slow / asked } else { 1.0 },
+            air_removed: math::clamp(2.0 - speed / slow, 0.0, 1.0),
         }
     }
 }
@@ -43,14 +43,20 @@ mod tests {
 
     #[test]
     fn no_more_is_asked_than_what_is_slow() {
-        let share = |asked: f32| Blind::new(asked * asked, 0.0, 6.0).share;
-        assert_eq!((share(20.0), share(6.0), share(0.0)), (0.3, 1.0, 1.0));
+        let speed_scale = |asked: f32| AirDataFallback::new(asked * asked, 0.0, 6.0).speed_scale;
+        assert_eq!(
+            (speed_scale(20.0), speed_scale(6.0), speed_scale(0.0)),
+            (0.3, 1.0, 1.0)
+        );
     }
 
     #[test]
     fn the_air_is_left_out_once_the_vehicle_is_slow() {
-        let without = |speed: f32| Blind::new(0.0, speed * speed, 6.0).without;
-        assert_eq!((without(20.0), without(12.0)), (0.0, 0.0));
-        assert_eq!((without(9.0), without(6.0), without(2.0)), (0.5, 1.0, 1.0));
+        let air_removed = |speed: f32| AirDataFallback::new(0.0, speed * speed, 6.0).air_removed;
+        assert_eq!((air_removed(20.0), air_removed(12.0)), (0.0, 0.0));
+        assert_eq!(
+            (air_removed(9.0), air_removed(6.0), air_removed(2.0)),
+            (0.5, 1.0, 1.0)
+        );
     }
 }
