@@ -1242,7 +1242,7 @@ int32_t alula_command_default(struct alula_command *command);
 int32_t alula_goal_default(struct alula_goal *goal);
 
 /**
- * The reference, the position error and the wishes of `input` for `goal`, before `alula_guide` is called with it: at `position` [m],
+ * The reference, the position error and the planner options of `input` for `goal`, before `alula_guide` is called with it: at `position` [m],
  * north, east, down, and the velocity that is in `input`, `dt` [s] after the last. It sets `reference_velocity`,
  * `reference_acceleration`, `position_error` with `ALULA_POSITION`, `reference_age`, `altitude_band`, `ALULA_NOSE_BELOW_VERTICAL`
  * and `ALULA_HOLD_ALTITUDE_ONLY`. A new goal begins where the vehicle is. With any code but `ALULA_OK` neither `goal` nor `input` has changed.
@@ -1292,12 +1292,12 @@ int32_t alula_step(const struct alula_controller *controller,
 /**
  * How fast a path may go on, in multiples of its own speed, between 0.5 and 1.25: slower where the vehicle is behind, faster
  * where it is ahead. `position_error` is the position less the path's [m], `velocity` the path's velocity at its own
- * speed [m/s], both north, east, down. With the pace p the reference is p times that velocity and p² times its
+ * speed [m/s], both north, east, down. With the scale p the reference is p times that velocity and p² times its
  * acceleration, and the path's parameter advances at p times its own rate. What is not finite gives 1, and so does every
  * code but `ALULA_OK`.
  *
  * Pointers:
- * `controller` as in `alula_step`. Each vector is null or points to three numbers, `pace` is null or points to one.
+ * `controller` as in `alula_step`. Each vector is null or points to three numbers, `time_scale` is null or points to one.
  */
 int32_t alula_path_time_scale(const struct alula_controller *controller,
                         const float *position_error,

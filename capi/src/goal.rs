@@ -152,7 +152,7 @@ pub unsafe extern "C" fn alula_goal_default(goal: *mut Goal) -> i32 {
     unsafe { boundary::write(goal, Goal::DEFAULT) }
 }
 
-/// The reference, the position error and the wishes of `input` for `goal`, before `alula_guide` is called with it: at `position` \[m\],
+/// The reference, the position error and the planner options of `input` for `goal`, before `alula_guide` is called with it: at `position` \[m\],
 /// north, east, down, and the velocity that is in `input`, `dt` \[s\] after the last. It sets `reference_velocity`,
 /// `reference_acceleration`, `position_error` with `ALULA_POSITION`, `reference_age`, `altitude_band`, `ALULA_NOSE_BELOW_VERTICAL`
 /// and `ALULA_HOLD_ALTITUDE_ONLY`. A new goal begins where the vehicle is. With any code but `ALULA_OK` neither `goal` nor `input` has changed.

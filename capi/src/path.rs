@@ -7,7 +7,7 @@ use crate::input::ned;
 
 /// How fast a path may go on, in multiples of its own speed, between 0.5 and 1.25: slower where the vehicle is behind, faster
 /// where it is ahead. `position_error` is the position less the path's \[m\], `velocity` the path's velocity at its own
-/// speed [m/s], both north, east, down. With the pace p the reference is p times that velocity and p² times its
+/// speed [m/s], both north, east, down. With the scale p the reference is p times that velocity and p² times its
 /// acceleration, and the path's parameter advances at p times its own rate. What is not finite gives 1, and so does every
 /// code but `ALULA_OK`.
 ///

@@ -140,6 +140,21 @@ pub fn in_shell(word: &str) -> String {
     }
 }
 
+/// Names that fields of files had before, and the ones that they have now.
+pub(crate) const RENAMED: &[(&str, &str)] = &[
+    ("force_floor_mg", "gain_schedule_floor_mg"),
+    ("max_turn_g", "max_lateral_acceleration_g"),
+];
+
+/// What an error adds to the unknown name `given`: the field's new name, or the one of `names` that was probably meant, or nothing.
+pub(crate) fn hint(given: &str, names: &[&str]) -> String {
+    let renamed = RENAMED.iter().find(|(old, _)| *old == given);
+    if let Some((_, new)) = renamed.filter(|(_, new)| names.contains(new)) {
+        return format!("; its name is `{new}` now");
+    }
+    nearest(given, names).map_or(String::new(), |name| format!("; did you mean `{name}`?"))
+}
+
 /// The name that was probably meant: as near to `given` as a slip or two, and of several the first.
 pub(crate) fn nearest<'a>(given: &str, names: &[&'a str]) -> Option<&'a str> {
     let given = given.to_lowercase();

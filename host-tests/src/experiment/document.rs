@@ -430,9 +430,7 @@ fn in_words(message: &str) -> String {
         let mut quoted = text.split('`').skip(1).step_by(2);
         let given = quoted.next().unwrap_or_default();
         let known: Vec<&str> = quoted.collect();
-        if let Some(name) = nearest(given, &known) {
-            text = format!("{text}; did you mean `{name}`?");
-        }
+        text += &hint(given, &known);
     }
     text
 }

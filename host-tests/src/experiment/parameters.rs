@@ -6,7 +6,7 @@ use toml::{Table, Value};
 
 use super::document::{Document, FieldError, read};
 use super::vehicle::VehicleSpec;
-use crate::named::nearest;
+use crate::named::hint;
 
 /// Name of a parameter in files: the core's name and its unit. Angles are in degrees there.
 pub fn file_name(row: &Row) -> String {
@@ -138,9 +138,7 @@ impl Fields {
             return Ok(());
         };
         let known: Vec<&str> = self.known.iter().map(String::as_str).collect();
-        let meant = nearest(name, &known);
-        let meant = meant.map_or(String::new(), |name| format!("; did you mean `{name}`?"));
-        let problem = format!("unknown field `{name}`{meant}");
+        let problem = format!("unknown field `{name}`{}", hint(name, &known));
         Err(FieldError::new(name, problem))
     }
 }
@@ -188,6 +186,13 @@ mod tests {
         assert_eq!(
             slip.end().unwrap_err().to_string(),
             "delta_dge: unknown field `delta_dge`; did you mean `delta_deg`?"
+        );
+        // An old name is refused with the new one, even where it is near to another.
+        let mut old = fields("force_floor_mg = 0.5");
+        old.parameters::<GuidanceParameters>().unwrap();
+        assert_eq!(
+            old.end().unwrap_err().to_string(),
+            "force_floor_mg: unknown field `force_floor_mg`; its name is `gain_schedule_floor_mg` now"
         );
         let error = |text: &str| {
             let read = fields(text).parameters::<VehicleParameters>();
