@@ -120,7 +120,7 @@ pub fn known(data: &[u8]) -> u64 {
     }
 }
 
-/// Policies under conditions: refused, or every flight is planned.
+/// Variants under conditions: refused, or every flight is planned.
 pub fn comparison(data: &[u8]) -> u64 {
     match Source::new(&named(data)) {
         Ok(source) => 1 + source.plan.flights() as u64,

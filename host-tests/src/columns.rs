@@ -157,7 +157,7 @@ columns! { Experiment, Step;
     "alpha_rad", "the law's angle of attack", |_, s| law(&s.answer, |d| d.alpha);
     "fp_n", "the law's \\|F_p\\|", |_, s| law(&s.answer, |d| d.f_p_norm);
     "status", "`ok`, or the fault for which a law's safe command (no thrust, no rotation) was flown; the guidance's flags", |_, s| s.answer.status().map(Cell::Word);
-    "mode", "the guidance's mode, or a switching policy's phase", |_, s| word(s.answer.mode());
+    "mode", "the guidance's mode", |_, s| word(s.answer.mode());
     "phase", "what the guidance does: `tracking`, `crossing`, `coasting` or `recovering`", |_, s| word(s.answer.guided().map(|g| g.progress.phase.name()));
     "unreachable", "why the reference cannot be had: `sink`, `speed` or `thrust`; empty if it can", |_, s| word(s.answer.guided().map(|g| g.progress.unreachable.map_or("", alula::guidance::Unreachable::name)));
     "air", "what of the air the guidance uses", |_, s| word(s.answer.air());

@@ -72,12 +72,12 @@ pub fn sweep(
     json(py, &findings)
 }
 
-/// Flies policies under the same conditions, on all cores or on `threads`: what `alula-sil compare` flies.
+/// Flies the variants of a comparison under the same conditions, on all cores or on `threads`: what `alula-sil compare` flies.
 ///
-/// `source` is the built-in comparison or a TOML file. One row per flight: `policy`, `condition`, `seed`, `outcome` ("flies",
+/// `source` is the built-in comparison or a TOML file. One row per flight: `variant`, `condition`, `seed`, `outcome` ("flies",
 /// "oscillates", "strays" or "departs") and the figures of the table, NaN where there is none. Ctrl-C ends it.
 #[pyfunction]
-#[pyo3(signature = (source="tail-sitter".into(), *, threads=None))]
+#[pyo3(signature = (source="laws".into(), *, threads=None))]
 pub fn compare(py: Python<'_>, source: PathBuf, threads: Option<usize>) -> PyResult<Frame> {
     let threads = threads
         .map(|n| NonZero::new(n).ok_or_else(|| error::field("threads", "must be positive")))
@@ -93,7 +93,7 @@ pub fn compare(py: Python<'_>, source: PathBuf, threads: Option<usize>) -> PyRes
         Data::words(flights().map(|flight| of(&flight)))
     };
     let mut columns = vec![
-        ("policy", words(|(cell, _)| cell.policy.clone())),
+        ("variant", words(|(cell, _)| cell.variant.clone())),
         ("condition", words(|(cell, _)| cell.condition.clone())),
         (
             "seed",

@@ -163,15 +163,15 @@ def test_an_interrupt_ends_a_campaign():
 
 
 COMPARISON = """
-description = "two policies"
+description = "two variants"
 base = "round-trip"
-[[policies]]
-name = "bandwidth"
+[[variants]]
+name = "guidance"
 title = "the guidance"
-[[policies]]
+[[variants]]
 name = "paper"
 title = "the paper's law alone"
-[policies.controller.law]
+[variants.controller.law]
 vehicle = "paper-belief"
 gains = { k1 = 0.1529, k2 = 0.0234, k3 = 6.0, tau_n = 80.0 }
 [[conditions]]
@@ -184,11 +184,11 @@ def test_a_comparison_is_a_row_per_flight(tmp_path):
     file = tmp_path / "two.toml"
     file.write_text(COMPARISON)
     frame = alula.compare(file)
-    table = frame.pandas().set_index("policy")
+    table = frame.pandas().set_index("variant")
     assert list(table["outcome"]) == ["flies", "departs"] and list(table["condition"]) == ["still", "still"]
     # The same flight by itself.
     figures = alula.fly("round-trip").figures
-    assert table.loc["bandwidth", "gain_back_m"] == figures["gain_back_m"]
+    assert table.loc["guidance", "gain_back_m"] == figures["gain_back_m"]
     with pytest.raises(alula.FieldError) as refused:
         alula.compare(file, threads=0)
     assert refused.value.field == "threads"

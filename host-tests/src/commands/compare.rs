@@ -1,28 +1,27 @@
-//! `compare`: policies against each other, in the same plant.
+//! `compare`: flights against each other.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
+use anyhow::bail;
 use serde::Serialize;
 
-use alula_sil::files::leave_all;
 use alula_sil::page::comparison::page;
-use alula_sil::page::markdown;
 use alula_sil::study::{Results, Source};
 
 use super::fly::progress_bar;
 use super::output::Output;
+use super::settings::Settings;
 
-/// Fly several policies under the same conditions: gains against gains, and against switching transitions
+/// Fly experiments against each other, or the variants of a comparison under its conditions
 #[derive(clap::Args)]
 pub struct Args {
-    /// The built-in comparison, or a TOML file
-    #[arg(default_value = "tail-sitter")]
-    comparison: String,
+    /// Experiments, two or more (built-in or TOML files); or one comparison: the built-in one, or a TOML file
+    #[arg(value_name = "EXPERIMENT", default_value = "laws")]
+    names: Vec<String>,
+    #[command(flatten)]
+    settings: Settings,
     #[command(flatten)]
     output: Output,
-    /// Write the results as Markdown, too
-    #[arg(long, value_name = "FILE")]
-    markdown: Option<PathBuf>,
 }
 
 /// What `--json` prints.
@@ -33,8 +32,22 @@ struct Summary<'a> {
     cells: &'a Results,
 }
 
+impl Args {
+    fn source(&self) -> anyhow::Result<Source> {
+        match &self.names[..] {
+            [one] if self.settings.is_empty() => Source::load(one),
+            [_] => bail!("--set changes experiments; a comparison sets fields in its file"),
+            several => {
+                let load = |name: &String| Ok((name.clone(), self.settings.document(name)?));
+                let named: anyhow::Result<Vec<_>> = several.iter().map(load).collect();
+                Source::experiments(&named?)
+            }
+        }
+    }
+}
+
 pub fn run(args: &Args) -> anyhow::Result<()> {
-    let source = Source::load(&args.comparison)?;
+    let source = args.source()?;
     let out = args.output.folder(&format!("compare-{}", source.name))?;
 
     let bar = progress_bar(source.plan.flights());
@@ -44,17 +57,11 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     })?;
     bar.finish_and_clear();
 
-    let comparison = &source.plan.comparison;
-    if let Some(path) = &args.markdown {
-        let text = markdown(&source.name, comparison, &results)?;
-        // A bare file name has a folder, too.
-        leave_all(&Path::new(".").join(path), text)?;
-    }
     let summary = Summary {
         comparison: &source.name,
         out: &out,
         cells: &results,
     };
-    let page = page(&source.name, comparison, &results);
+    let page = page(&source.name, &source.plan.comparison, &results);
     args.output.leave(&out, "compare", &page, &summary)
 }

@@ -3,11 +3,8 @@
 //! A controller answers one [`Input`] per control step. What an experiment says of it is a [`Spec`], read from the table
 //! `[controller.KIND]`; [`KINDS`] has one row per kind. To add one: its file, and its row.
 
-mod ardupilot_like;
 mod guidance;
 mod law;
-mod px4_like;
-pub mod switching;
 
 use std::borrow::Cow;
 
@@ -20,11 +17,8 @@ use alula_link::{Configuration, Pacing};
 use serde::{Deserialize, de};
 use toml::{Table, Value};
 
-pub use ardupilot_like::ArduPilotLikeSpec;
 pub use guidance::{Flying, GuidanceSpec};
 pub use law::{Form, Law, LawSpec};
-pub use px4_like::Px4LikeSpec;
-use switching::Phase;
 
 use crate::experiment::{Experiment, FieldError, VehicleSpec};
 use crate::margins::LoopGains;
@@ -79,8 +73,6 @@ pub enum Report {
     Law(Result<Command, Fault>),
     /// The guidance.
     Guidance(PlanarGuidanceOutput),
-    /// A switching policy.
-    Switching(Phase),
     /// Someone who reports nothing.
     Outside,
 }
@@ -129,7 +121,7 @@ impl Answer {
         match self.report {
             Report::Law(answer) => Some(answer.unwrap_or_default().diagnostics),
             Report::Guidance(guided) => Some(guided.command.diagnostics),
-            Report::Switching(_) | Report::Outside => None,
+            Report::Outside => None,
         }
     }
 
@@ -149,7 +141,6 @@ impl Answer {
         match &self.report {
             Report::Law(_) | Report::Outside => None,
             Report::Guidance(guided) => Some(guided.mode.name()),
-            Report::Switching(phase) => Some(phase.name()),
         }
     }
 
@@ -163,7 +154,7 @@ impl Answer {
         match &self.report {
             Report::Law(answer) => Some(answer.map_or_else(Fault::name, |_| "ok").into()),
             Report::Guidance(guided) => Some(guided.status.to_string().into()),
-            Report::Switching(_) | Report::Outside => None,
+            Report::Outside => None,
         }
     }
 }
@@ -222,12 +213,7 @@ pub struct Kind {
 }
 
 /// Every kind. The first is flown if an experiment names none.
-pub const KINDS: &[Kind] = &[
-    guidance::KIND,
-    law::KIND,
-    px4_like::KIND,
-    ardupilot_like::KIND,
-];
+pub const KINDS: &[Kind] = &[guidance::KIND, law::KIND];
 
 /// `[controller.KIND]`: exactly one.
 #[derive(Clone, Debug, PartialEq)]
@@ -305,7 +291,7 @@ mod tests {
     #[test]
     fn exactly_one_known_controller_is_chosen() {
         let read = |text: &str| Choice::deserialize(text.parse::<Table>().unwrap());
-        assert_eq!(read("[px4-like]").unwrap().name(), "px4-like");
+        assert_eq!(read("[law]").unwrap().name(), "law");
         let error = |text: &str| read(text).unwrap_err().to_string();
         assert!(error("").contains("exactly one of guidance, law"));
         assert!(error("[law]\n[guidance]").contains("exactly one of"));

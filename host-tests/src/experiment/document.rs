@@ -11,7 +11,7 @@ use serde::de::DeserializeOwned;
 use toml::de::{DeTable, DeValue};
 use toml::{Table, Value};
 
-use super::table::Range;
+use super::range::Range;
 use super::{BUILT_IN, Experiment, VehicleSpec};
 use crate::controllers::KINDS;
 use crate::named::{Named, nearest, on_one_line};

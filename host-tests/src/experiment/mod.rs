@@ -5,9 +5,9 @@ pub(crate) mod dryden;
 mod faults;
 mod parameters;
 mod plant;
+mod range;
 mod reference;
 mod sensors;
-pub(crate) mod table;
 mod vehicle;
 mod weather;
 

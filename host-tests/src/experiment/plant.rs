@@ -3,7 +3,7 @@
 use serde::Deserialize;
 
 use super::document::{FieldError, finite, positive, require};
-use super::table::{Numbers, Range};
+use super::range::{Numbers, Range};
 use crate::reference::{ForceModel, Vector, Vehicle};
 
 /// How the angular rate follows its command. In space `J` is a number for each of belly, right wing and tail.

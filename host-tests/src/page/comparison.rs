@@ -4,30 +4,30 @@ use super::chart::{BLACK, BLUE, Chart, Color, GREEN, GREY, ORANGE, PURPLE, RED, 
 use super::{Figure, Page, Table, columns};
 use crate::figures::{LATE, LOST, REACHED};
 use crate::study::{
-    ASTRAY, Cell, Comparison, Condition, FAR, OSCILLATION, Policy, Results, header,
+    ASTRAY, Cell, Comparison, Condition, FAR, OSCILLATION, Results, Variant, header,
 };
 
 const PALETTE: [Color; 6] = [RED, BLUE, ORANGE, GREEN, PURPLE, BLACK];
 
 /// What the columns are.
-pub(super) fn definitions() -> String {
+fn definitions() -> String {
     format!(
-        "**Loss** and **gain** are the greatest altitude below and above the reference, **out** until the reference slows \
-         down and **back** from then on. **Cruise after** is the time from the reference's first change until \\|v − v_r\\| \
-         to the cruise velocity stays under {REACHED} m/s to the end of cruise. **Cruise error** and **end error** are the \
-         largest \\|v − v_r\\| in the last {LATE} s of cruise and of the flight. **Peak ω** is the largest of the true and the \
-         commanded \\|ω\\|. **Ahead** is how far the vehicle runs ahead of the reference from where it slows down on.\n\n\
-         A flight **departs** if it sinks more than {LOST} m below the reference or ends, over its last {LATE} s, with a \
-         mean velocity error above {ASTRAY} m/s; its figures are left out. It **strays** if it ends more than {FAR} m from \
-         the reference altitude, and **oscillates** if ω is above {OSCILLATION} rad/s root mean square in the last \
-         {LATE} s of cruise or of the flight, which is **late ω**. Of several seeds the median is given, and the worst in brackets."
+        "Loss and gain are the greatest altitude below and above the reference, out until the reference slows \
+         down and back from then on. Cruise after is the time from the reference's first change until |v − v_r| \
+         to the cruise velocity stays under {REACHED} m/s to the end of cruise. Cruise error and end error are the \
+         largest |v − v_r| in the last {LATE} s of cruise and of the flight. Peak ω is the largest of the true and the \
+         commanded |ω|. Ahead is how far the vehicle runs ahead of the reference from where it slows down on.\n\n\
+         A flight departs if it sinks more than {LOST} m below the reference or ends, over its last {LATE} s, with a \
+         mean velocity error above {ASTRAY} m/s; its figures are left out. It strays if it ends more than {FAR} m from \
+         the reference altitude, and oscillates if ω is above {OSCILLATION} rad/s root mean square in the last \
+         {LATE} s of cruise or of the flight, which is late ω. Of several seeds the median is given, and the worst in brackets."
     )
 }
 
 /// The summary: the greatest distance from the reference altitude, or how the flight ended.
-pub(super) fn summary(comparison: &Comparison, results: &Results) -> Table {
+fn summary(comparison: &Comparison, results: &Results) -> Table {
     let mut header = columns(["condition"]);
-    header.extend(comparison.policies.iter().map(|p| p.name.clone()));
+    header.extend(comparison.variants.iter().map(|p| p.name.clone()));
     let rows = comparison
         .conditions
         .iter()
@@ -35,7 +35,7 @@ pub(super) fn summary(comparison: &Comparison, results: &Results) -> Table {
         .map(|(c, condition)| {
             let verdict = |p| Results::verdict(results.cell(comparison, c, p));
             std::iter::once(condition.name.clone())
-                .chain((0..comparison.policies.len()).map(verdict))
+                .chain((0..comparison.variants.len()).map(verdict))
                 .collect()
         });
     Table {
@@ -46,17 +46,17 @@ pub(super) fn summary(comparison: &Comparison, results: &Results) -> Table {
 }
 
 /// The table of each condition.
-pub(super) fn tables(comparison: &Comparison, results: &Results) -> Vec<Table> {
+fn tables(comparison: &Comparison, results: &Results) -> Vec<Table> {
     let table = |(c, condition): (usize, &Condition)| {
-        let row = |(p, policy): (usize, &Policy)| {
-            std::iter::once(policy.name.clone())
+        let row = |(p, variant): (usize, &Variant)| {
+            std::iter::once(variant.name.clone())
                 .chain(results.cell(comparison, c, p).texts())
                 .collect()
         };
         Table {
             title: format!("{}: {}", condition.name, condition.title),
-            header: columns(["policy"]).into_iter().chain(header()).collect(),
-            rows: comparison.policies.iter().enumerate().map(row).collect(),
+            header: columns(["variant"]).into_iter().chain(header()).collect(),
+            rows: comparison.variants.iter().enumerate().map(row).collect(),
         }
     };
     comparison
@@ -96,9 +96,9 @@ fn figure<'a>(comparison: &'a Comparison, results: &Results) -> Figure {
             points.map(|(t, value)| (*t, drawn(value))).collect()
         };
         let named = |of: &str, most: f64| -> Vec<Series<'a>> {
-            let policies = comparison.policies.iter().enumerate();
-            let curve = |(p, policy): (usize, &'a Policy)| {
-                let name = policy.name.as_str();
+            let variants = comparison.variants.iter().enumerate();
+            let curve = |(p, variant): (usize, &'a Variant)| {
+                let name = variant.name.as_str();
                 let points = line(results.cell(comparison, c, p), of, most);
                 let color = PALETTE[p % PALETTE.len()];
                 match p < PALETTE.len() {
@@ -106,7 +106,7 @@ fn figure<'a>(comparison: &'a Comparison, results: &Results) -> Figure {
                     false => Series::dashed(name, color, points),
                 }
             };
-            policies.map(curve).collect()
+            variants.map(curve).collect()
         };
         charts.push(Chart::over_time(altitude, named("altitude_m", DRAWN)));
         let reference = line(results.cell(comparison, c, 0), "vr_forward_m_s", FASTEST);
@@ -121,15 +121,15 @@ fn figure<'a>(comparison: &'a Comparison, results: &Results) -> Figure {
 pub fn page(name: &str, comparison: &Comparison, results: &Results) -> Page {
     let mut all = vec![summary(comparison, results)];
     all.extend(tables(comparison, results));
-    let policies = comparison.policies.iter();
-    let policies = policies.map(|p| [p.name.clone(), p.title.clone()]);
-    all.push(Table::new("Policies", ["name", ""], policies));
+    let variants = comparison.variants.iter();
+    let variants = variants.map(|p| [p.name.clone(), p.title.clone()]);
+    all.push(Table::new("Variants", ["name", ""], variants));
     Page {
         title: format!("Comparison {name}"),
         lead: comparison.description.clone(),
         figure: figure(comparison, results),
         tables: all,
-        notes: definitions().replace("**", "").replace('\\', ""),
+        notes: definitions(),
         ..Page::default()
     }
 }

@@ -10,7 +10,6 @@ mod figure;
 pub mod fit;
 pub mod flight;
 mod margins;
-mod markdown;
 #[allow(clippy::module_inception, reason = "the page itself")]
 mod page;
 mod panel;
@@ -26,6 +25,5 @@ mod trace;
 
 pub use figure::Figure;
 pub use margins::margins_figure;
-pub use markdown::markdown;
 pub use page::{Page, Table, columns, fixed};
 pub(crate) use strip::{Row, Strip};

@@ -1,4 +1,4 @@
-//! Comparisons: policies flown in the same plant under the same conditions. TOML in, validated experiments out.
+//! Comparisons: variants flown in the same plant under the same conditions. TOML in, validated experiments out.
 
 use anyhow::{Context, anyhow};
 use serde::Deserialize;
@@ -8,10 +8,7 @@ use crate::experiment::{Document, Experiment, FieldError, from_toml, require};
 use crate::named::{Named, on_one_line};
 
 /// Name and TOML text of the built-in comparison.
-const BUILT_IN: &[(&str, &str)] = &[(
-    "tail-sitter",
-    include_str!("../../comparisons/tail-sitter.toml"),
-)];
+const BUILT_IN: &[(&str, &str)] = &[("laws", include_str!("../../comparisons/laws.toml"))];
 
 /// A comparison to fly. The format is described in this package's README.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -23,29 +20,23 @@ pub struct Comparison {
     /// The experiment that all start from: a built-in, or a TOML file beside this one.
     pub base: String,
     /// Who flies.
-    pub policies: Vec<Policy>,
+    pub variants: Vec<Variant>,
     /// Under which conditions.
     pub conditions: Vec<Condition>,
     /// Names of the conditions that are drawn.
     #[serde(default)]
     pub charts: Vec<String>,
-    /// Markdown before the tables: a template that knows the results.
-    #[serde(default)]
-    pub introduction: String,
-    /// Markdown after the summary: a template that knows the results.
-    #[serde(default)]
-    pub discussion: String,
 }
 
-/// `[[policies]]`.
+/// `[[variants]]`.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Policy {
+pub struct Variant {
     /// Its name.
     pub name: String,
     /// One line for reports.
     pub title: String,
-    /// An earlier policy that it starts from; the comparison's base if left out.
+    /// What it starts from, an earlier variant or an experiment; the comparison's base if left out.
     pub base: Option<String>,
     /// The controller, in place of the one it starts from.
     pub controller: Option<Table>,
@@ -82,7 +73,7 @@ const MAX_SEEDS: u64 = 10_000;
 pub struct Plan {
     /// What was asked for.
     pub comparison: Comparison,
-    /// Of every condition, of every policy, of every seed.
+    /// Of every condition, of every variant, of every seed.
     pub experiments: Vec<Vec<Vec<Experiment>>>,
 }
 
@@ -101,14 +92,12 @@ const ANY: &str = "controller.*.";
 impl Comparison {
     fn validate(&self) -> Result<(), FieldError> {
         let first = "is not the first of its name";
-        let given = !self.policies.is_empty() && !self.conditions.is_empty();
-        require(given, "policies", "and conditions must not be empty")?;
-        for (i, policy) in self.policies.iter().enumerate() {
-            let earlier = |name: &str| self.policies[..i].iter().any(|p| p.name == name);
-            let field = format!("policies[{i}]");
-            require(!earlier(&policy.name), format!("{field}.name"), first)?;
-            let based = policy.base.as_deref().is_none_or(earlier);
-            require(based, format!("{field}.base"), "is no earlier policy")?;
+        let given = !self.variants.is_empty() && !self.conditions.is_empty();
+        require(given, "variants", "and conditions must not be empty")?;
+        for (i, variant) in self.variants.iter().enumerate() {
+            let earlier = |name: &str| self.variants[..i].iter().any(|p| p.name == name);
+            let field = format!("variants[{i}]");
+            require(!earlier(&variant.name), format!("{field}.name"), first)?;
         }
         for (i, condition) in self.conditions.iter().enumerate() {
             let same = |c: &Condition| c.name == condition.name;
@@ -125,24 +114,27 @@ impl Comparison {
         Ok(())
     }
 
-    /// The base with the fields of policy `i`.
-    fn policy(&self, i: usize, base: &Document) -> Result<Document, FieldError> {
-        let policy = &self.policies[i];
-        let before = |name: &String| self.policies.iter().position(|p| p.name == *name);
-        let mut document = match policy.base.as_ref().and_then(before) {
-            Some(earlier) => self.policy(earlier, base)?,
+    /// The experiment of variant `i`; the comparison's `base` is that of `text`.
+    fn variant(&self, i: usize, text: &Named, base: &Document) -> anyhow::Result<Document> {
+        let variant = &self.variants[i];
+        let before = |name: &str| self.variants[..i].iter().position(|v| v.name == name);
+        let mut document = match &variant.base {
             None => base.clone(),
+            Some(name) => match before(name) {
+                Some(earlier) => self.variant(earlier, text, base)?,
+                None => Document::named_in(text, name).context("base")?,
+            },
         };
-        if let Some(table) = &policy.controller {
+        if let Some(table) = &variant.controller {
             document.set("controller", Value::Table(table.clone()))?;
         }
-        for (path, value) in &policy.set {
+        for (path, value) in &variant.set {
             document.set(path, value.clone())?;
         }
         Ok(document)
     }
 
-    /// The experiments of `condition`, flown by the policy of `document`: one per seed.
+    /// The experiments of `condition`, flown by the variant of `document`: one per seed.
     fn seeded(condition: &Condition, document: &Document) -> Result<Vec<Experiment>, FieldError> {
         let mut document = document.clone();
         // A vehicle that a condition changes is not what the controller believes in.
@@ -168,13 +160,14 @@ impl Comparison {
         Ok((0..condition.seeds).map(seed).collect())
     }
 
-    /// The experiments, on the `base`.
-    fn experiments(&self, base: &Document) -> anyhow::Result<Vec<Vec<Vec<Experiment>>>> {
-        let policies = self.policies.iter().enumerate().map(|(i, policy)| {
-            let made = self.policy(i, base);
-            made.map_err(|e| anyhow!("policy {}: {e}", on_one_line(&policy.name)))
+    /// The experiments of a comparison that stands in `text`.
+    fn experiments(&self, text: &Named) -> anyhow::Result<Vec<Vec<Vec<Experiment>>>> {
+        let base = Document::named_in(text, &self.base).context("base")?;
+        let variants = self.variants.iter().enumerate().map(|(i, variant)| {
+            let made = self.variant(i, text, &base);
+            made.with_context(|| format!("variant {}", on_one_line(&variant.name)))
         });
-        let policies = policies.collect::<anyhow::Result<Vec<_>>>()?;
+        let variants = variants.collect::<anyhow::Result<Vec<_>>>()?;
         for condition in &self.conditions {
             let anybody = condition
                 .set
@@ -185,7 +178,7 @@ impl Comparison {
                     let path = format!("controller.{}.{rest}", document.controller());
                     document.number(&path).is_ok()
                 };
-                if !policies.iter().any(has) {
+                if !variants.iter().any(has) {
                     let (name, rest) = (on_one_line(&condition.name), on_one_line(rest));
                     return Err(anyhow!(
                         "condition {name}: {ANY}{rest}: no controller has this number"
@@ -195,14 +188,14 @@ impl Comparison {
         }
         let of_condition = |condition: &Condition| {
             let flown = self
-                .policies
+                .variants
                 .iter()
-                .zip(&policies)
-                .map(|(policy, document)| {
+                .zip(&variants)
+                .map(|(variant, document)| {
                     let made = Self::seeded(condition, document);
                     made.map_err(|e| {
-                        let (policy, condition) = (&policy.name, &condition.name);
-                        let names = format!("policy {policy}, condition {condition}");
+                        let (variant, condition) = (&variant.name, &condition.name);
+                        let names = format!("variant {variant}, condition {condition}");
                         anyhow!("{}: {e}", on_one_line(&names))
                     })
                 });
@@ -225,13 +218,48 @@ impl Source {
         Self::new(&Named::find("comparison", BUILT_IN, argument)?)
     }
 
+    /// Experiments against each other, each as it is, by the names that they were asked for by.
+    pub fn experiments(named: &[(String, Document)]) -> anyhow::Result<Self> {
+        let mut comparison = Comparison {
+            description: "Experiments against each other".to_owned(),
+            base: String::new(),
+            variants: Vec::new(),
+            conditions: vec![Condition {
+                name: "as-given".to_owned(),
+                title: "each experiment as it is".to_owned(),
+                set: Table::new(),
+                seeds: 1,
+            }],
+            charts: vec!["as-given".to_owned()],
+        };
+        let mut experiments = Vec::new();
+        for (name, document) in named {
+            let experiment = document.checked().with_context(|| on_one_line(name))?;
+            comparison.variants.push(Variant {
+                name: name.clone(),
+                title: experiment.description.clone(),
+                base: None,
+                controller: None,
+                set: Table::new(),
+            });
+            experiments.push(vec![experiment]);
+        }
+        comparison.validate()?;
+        let names: Vec<&str> = named.iter().map(|(_, document)| &*document.name).collect();
+        Ok(Self {
+            name: names.join("-"),
+            plan: Plan {
+                comparison,
+                experiments: vec![experiments],
+            },
+        })
+    }
+
     /// The comparison in the text.
     pub fn new(text: &Named) -> anyhow::Result<Self> {
         let origin = &text.origin;
         let comparison: Comparison = from_toml(origin, &text.text, Comparison::validate)?;
-        let base = Document::named_in(text, &comparison.base);
-        let base = base.with_context(|| format!("{origin}: base"))?;
-        let experiments = comparison.experiments(&base);
+        let experiments = comparison.experiments(text);
         let experiments = experiments.with_context(|| origin.to_owned())?;
         Ok(Self {
             name: text.name.clone(),
@@ -253,10 +281,10 @@ mod tests {
 
     const SMALL: &str = r#"
         base = "round-trip"
-        [[policies]]
+        [[variants]]
         name = "a"
         title = "as it is"
-        [[policies]]
+        [[variants]]
         name = "b"
         title = "with other gains"
         base = "a"
@@ -275,7 +303,7 @@ mod tests {
     }
 
     #[test]
-    fn policies_and_conditions_set_fields_by_name() {
+    fn variants_and_conditions_set_fields_by_name() {
         let plan = Source::new(&named(SMALL)).unwrap().plan;
         assert_eq!(plan.flights(), 4);
         let [weak] = &plan.experiments[..] else {
@@ -310,26 +338,47 @@ mod tests {
     }
 
     #[test]
-    fn the_built_in_sets_each_policys_own_switch() {
-        let source = Source::load("tail-sitter").unwrap();
-        let conditions = &source.plan.comparison.conditions;
-        let slow = conditions.iter().position(|c| c.name == "stall-band");
-        let slow = &source.plan.experiments[slow.unwrap()];
-        let speed = |experiments: &Vec<Experiment>| {
-            let text = format!("{:?}", experiments[0].controller);
-            text.contains("\"cruise_m_s\": Float(14.5)")
+    fn a_variant_may_start_from_an_experiment_of_its_own() {
+        let text = SMALL.replace("base = \"a\"", "base = \"matched\"");
+        let text = text.replace("controller.guidance.damping", "seed");
+        let text = text.replace("0.7", "7");
+        let text = text.replace("plant.thrust_n[1]", "duration_s");
+        let plan = Source::new(&named(&text)).unwrap().plan;
+        let [a, b] = &plan.experiments[0][..] else {
+            panic!("two variants")
         };
-        assert_eq!(slow.iter().filter(|flown| speed(flown)).count(), 5);
+        assert_eq!(
+            (a[0].controller.name(), b[0].controller.name()),
+            ("guidance", "law")
+        );
+        assert_eq!((b[0].seed, b[0].duration_s), (7, 112.8));
+    }
+
+    #[test]
+    fn experiments_are_compared_as_they_are() {
+        let load = |name: &str| (name.to_owned(), Document::load(name).unwrap());
+        let both = ["round-trip", "matched"].map(load);
+        let source = Source::experiments(&both).unwrap();
+        assert_eq!(source.name, "round-trip-matched");
+        let [experiments] = &source.plan.experiments[..] else {
+            panic!("one condition")
+        };
+        for ((_, document), flown) in both.iter().zip(experiments) {
+            assert_eq!(flown[..], [document.checked().unwrap()]);
+        }
+        let twice = ["matched", "matched"].map(load);
+        let error = Source::experiments(&twice).unwrap_err().to_string();
+        assert!(error.contains("variants[1].name: is not the first"));
     }
 
     #[test]
     fn errors_say_where() {
         assert!(refused("\"weak\"", "\"weak\"\nseed = 1").contains("conditions[0].seed: unknown"));
         assert!(refused("seeds = 2", "seeds = 0").contains("conditions[0].seeds: must be"));
-        assert!(refused("base = \"a\"", "base = \"c\"").contains("policies[1].base: is no"));
-        assert!(refused("\"b\"", "\"a\"").contains("policies[1].name: is not the first"));
+        assert!(refused("base = \"a\"", "base = \"c\"").contains("variant b: base: c: neither"));
+        assert!(refused("\"b\"", "\"a\"").contains("variants[1].name: is not the first"));
         let unknown = refused(".damping\"", ".dampness\"");
-        assert!(unknown.contains("policy b, condition weak: controller.guidance.dampness"));
+        assert!(unknown.contains("variant b, condition weak: controller.guidance.dampness"));
         let nobody = refused("*.recovery_s", "*.switch");
         assert!(nobody.contains("condition weak: controller.*.switch: no"));
         assert!(refused("round-trip", "round").contains("neither a file nor a built-in"));

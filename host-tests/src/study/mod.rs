@@ -1,6 +1,6 @@
 //! Studies: an experiment flown many times, varied.
 //!
-//! A [`Campaign`] draws its variations at random and judges them against limits; a [`Comparison`] names them: policies under conditions.
+//! A [`Campaign`] draws its variations at random and judges them against limits; a [`Comparison`] names them: variants under conditions.
 //! Both are data, both start from a `base` and `[set]` its fields, and both are flown by [`each`] on all cores: flights share nothing, so
 //! that threads, shards and interruptions change no result. A campaign's results go to a [`Store`] of [`Frame`]s, which a [`Summary`] reads.
 
@@ -23,7 +23,7 @@ mod store;
 mod summary;
 
 pub use campaign::{Campaign, Dispersion, Expected, FaultDraw, Limit};
-pub use comparison::{Comparison, Condition, Plan, Policy, Source};
+pub use comparison::{Comparison, Condition, Plan, Source, Variant};
 pub use distribution::Distribution;
 pub use draw::{Drawn, DrawnFault};
 pub use flown::{Flown, Sample};
@@ -32,7 +32,7 @@ pub use load::{BUILT_IN, CampaignSource};
 pub use map::{Axis, Map, MapFound};
 pub use place::{Experiment, Place};
 pub use random_reference::{DrawnReference, RandomReference};
-pub(crate) use results::{ASTRAY, FAR, OSCILLATION, header, names};
+pub(crate) use results::{ASTRAY, FAR, OSCILLATION, header};
 pub use results::{COLUMNS, Cell, Flight, Outcome, Results};
 pub use run::{Shard, Threads, each, run};
 pub use store::{CHUNK, Store};

@@ -139,11 +139,11 @@ impl Flight {
     }
 }
 
-/// The flights of one policy under one condition: one per seed.
+/// The flights of one variant under one condition: one per seed.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Cell {
-    /// The policy's name.
-    pub policy: String,
+    /// The variant's name.
+    pub variant: String,
     /// The condition's name.
     pub condition: String,
     /// The flights.
@@ -153,7 +153,7 @@ pub struct Cell {
     pub samples: Samples,
 }
 
-/// All cells: of every condition, of every policy.
+/// All cells: of every condition, of every variant.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(transparent)]
 pub struct Results {
@@ -232,15 +232,6 @@ fn columns() -> impl Iterator<Item = &'static Figure> {
     COLUMNS.iter().map(figure)
 }
 
-/// The names of a table's columns, without units.
-pub fn names() -> Vec<String> {
-    let labels = columns().map(|figure| figure.label);
-    std::iter::once("outcome")
-        .chain(labels)
-        .map(str::to_owned)
-        .collect()
-}
-
 /// The names of a table's columns, with units.
 pub fn header() -> Vec<String> {
     let named = columns().map(|figure| format!("{} [{}]", figure.label, figure.unit));
@@ -264,11 +255,11 @@ impl Results {
         let comparison = &plan.comparison;
         let mut cells = Vec::new();
         for (condition, experiments) in comparison.conditions.iter().zip(&plan.experiments) {
-            for (policy, experiments) in comparison.policies.iter().zip(experiments) {
+            for (variant, experiments) in comparison.variants.iter().zip(experiments) {
                 let (flights, mut samples): (Vec<_>, Vec<_>) =
                     flown.by_ref().take(experiments.len()).unzip();
                 cells.push(Cell {
-                    policy: policy.name.clone(),
+                    variant: variant.name.clone(),
                     condition: condition.name.clone(),
                     flights,
                     samples: samples.swap_remove(0),
@@ -278,15 +269,15 @@ impl Results {
         Ok(Self { cells })
     }
 
-    /// The cell of a policy and a condition, by their numbers in `comparison`.
-    pub fn cell(&self, comparison: &Comparison, condition: usize, policy: usize) -> &Cell {
-        &self.cells[condition * comparison.policies.len() + policy]
+    /// The cell of a variant and a condition, by their numbers in `comparison`.
+    pub fn cell(&self, comparison: &Comparison, condition: usize, variant: usize) -> &Cell {
+        &self.cells[condition * comparison.variants.len() + variant]
     }
 
-    /// The cell of a policy and a condition, by their names.
-    pub fn named(&self, policy: &str, condition: &str) -> Option<&Cell> {
+    /// The cell of a variant and a condition, by their names.
+    pub fn named(&self, variant: &str, condition: &str) -> Option<&Cell> {
         let mut cells = self.cells.iter();
-        cells.find(|c| c.policy == policy && c.condition == condition)
+        cells.find(|c| c.variant == variant && c.condition == condition)
     }
 
     /// In one word or number: the greatest distance from the reference altitude \[m\], or how the flight ended.
@@ -327,7 +318,7 @@ mod tests {
 
     fn cell(flights: Vec<Flight>) -> Cell {
         Cell {
-            policy: "p".to_owned(),
+            variant: "p".to_owned(),
             condition: "c".to_owned(),
             flights,
             samples: Samples::new(),
@@ -362,10 +353,10 @@ mod tests {
     fn a_fall_departs_and_threads_change_nothing() {
         let text = r#"
             base = "round-trip"
-            [[policies]]
+            [[variants]]
             name = "a"
             title = "as it is"
-            [[policies]]
+            [[variants]]
             name = "b"
             title = "a law alone"
             controller.law.vehicle = "paper-belief"
@@ -390,7 +381,7 @@ mod tests {
         // A NaN is not equal to itself, but its text is.
         assert_eq!(format!("{:?}", run(3)), format!("{one:?}"));
         let [with, without] = &one.cells[..] else {
-            panic!("two policies")
+            panic!("two variants")
         };
         assert_eq!(without.outcome(), Outcome::Departs);
         assert!(without.flights[0].get("cruise_after_s").is_nan());
