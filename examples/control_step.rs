@@ -107,7 +107,11 @@ pub fn estimates(
 
 /// How fast a path may go on.
 #[inline(never)]
-pub fn pace(guidance: &Guidance<Model, GainChoice>, position_error: Ned, velocity: Ned) -> f32 {
+pub fn path_time_scale(
+    guidance: &Guidance<Model, GainChoice>,
+    position_error: Ned,
+    velocity: Ned,
+) -> f32 {
     guidance.path_time_scale(position_error, velocity)
 }
 

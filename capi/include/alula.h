@@ -1300,9 +1300,9 @@ int32_t alula_step(const struct alula_controller *controller,
  * `controller` as in `alula_step`. Each vector is null or points to three numbers, `time_scale` is null or points to one.
  */
 int32_t alula_path_time_scale(const struct alula_controller *controller,
-                        const float *position_error,
-                        const float *velocity,
-                        float *pace);
+                              const float *position_error,
+                              const float *velocity,
+                              float *time_scale);
 
 /**
  * The attitudes at which the reference of `input` can be held in its wind without sideslip, in a turn banked as its

@@ -125,7 +125,7 @@ fn core(kind: u32, target: Ned) -> Option<Core> {
 }
 
 fn flags(planner_options: &PlannerOptions) -> u32 {
-    let flag = |wished, flag| if wished { flag } else { 0 };
+    let flag = |set, flag| if set { flag } else { 0 };
     flag(
         planner_options.nose_below_vertical,
         ALULA_NOSE_BELOW_VERTICAL,

@@ -171,7 +171,7 @@ unsafe impl Layout for Input {}
 
 /// Flags that say what `air` is.
 const AIR: u32 = ALULA_AIR_VELOCITY | ALULA_AIR_UNKNOWN;
-/// Flags of the planner_options.
+/// Flags of the planner options.
 pub(crate) const PLANNER_OPTIONS: u32 = ALULA_NOSE_BELOW_VERTICAL | ALULA_HOLD_ALTITUDE_ONLY;
 
 #[inline(always)]

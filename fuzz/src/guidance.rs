@@ -4,10 +4,12 @@
 //! number of the memory undone; and after good frames for the recovery time and two steps more the guidance flies, if one
 //! fresh from power-on does.
 
-use alula::guidance::{Air, GuidanceParameters, Mode, RejectReason, Status, PlannerOptions};
+use alula::guidance::{Air, GuidanceParameters, Mode, PlannerOptions, RejectReason, Status};
 use alula::ned::{BodyAxes, Quaternion};
 use alula::spatial::{Body, Heading, Ned, Orientation, Reference};
-use alula::{Fault, Guidance, GuidanceInput, GuidanceState, GuidanceOutput, Model, PlanarGuidanceInput};
+use alula::{
+    Fault, Guidance, GuidanceInput, GuidanceOutput, GuidanceState, Model, PlanarGuidanceInput,
+};
 
 use crate::assert_finite;
 use crate::bytes::Bytes;

@@ -4,7 +4,8 @@ use ::alula::guidance::{Air, PlannerOptions};
 use ::alula::ned::{BodyAxes, Ned, Quaternion};
 use ::alula::spatial::{Heading, Orientation, Reference};
 use ::alula::{
-    Attitude, GainChoice, GuidanceInput, GuidanceParameters, GuidanceState, Inertial, PlanarGuidanceInput,
+    Attitude, GainChoice, GuidanceInput, GuidanceParameters, GuidanceState, Inertial,
+    PlanarGuidanceInput,
 };
 use alula_sil::controllers::GuidanceSpec;
 use alula_sil::experiment::Model;
@@ -76,7 +77,9 @@ impl GuidanceOutput {
             mode,
             ..
         } = self;
-        format!("GuidanceOutput(thrust_n={thrust_n}, rates_rad_s={rates_rad_s:?}, mode={mode:?}, …)")
+        format!(
+            "GuidanceOutput(thrust_n={thrust_n}, rates_rad_s={rates_rad_s:?}, mode={mode:?}, …)"
+        )
     }
 }
 
@@ -128,7 +131,7 @@ pub fn guided(guided: ::alula::guidance::GuidanceOutput, axes: BodyAxes) -> Guid
         mode: guided.mode.name(),
         air: guided.air.name(),
         status: flags.map(str::to_owned).collect(),
-        reject_reason: guided.reject_reason.map(|refusal| refusal.name()),
+        reject_reason: guided.reject_reason.map(|reason| reason.name()),
         phase: guided.progress.phase.name(),
         unreachable: guided.progress.unreachable.map(|why| why.name()),
         margin_force: guided.margin.force,
