@@ -14,7 +14,7 @@ use toml::{Table, Value};
 use super::range::Range;
 use super::{BUILT_IN, Experiment, VehicleSpec};
 use crate::controllers::KINDS;
-use crate::named::{Named, nearest, on_one_line};
+use crate::named::{Named, hint, on_one_line};
 use crate::polar::holds_polar;
 
 /// Most tables that a dotted path goes through: as many as TOML's reader lets a text nest.
