@@ -357,3 +357,33 @@ fn a_time_in_another_unit_is_doubted() {
         text(&output.stderr)
     );
 }
+
+/// What is wrong with a log stands before the names that were looked for.
+#[test]
+fn the_cause_of_an_empty_log_stands_first() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    for name in ["x.bin", "x.ulg", "x.mcap", "x.csv"] {
+        for (content, cause) in [
+            (vec![0; 5000], "nothing but zeros"),
+            (Vec::new(), "the file is empty"),
+        ] {
+            fs::write(path.join(name), content).unwrap();
+            let message = text(&alula(path, &["replay", name, "--out", "out"]).stderr);
+            assert!(
+                message.starts_with(&format!("error: {name}: byte 0: {cause}")),
+                "{message}"
+            );
+        }
+    }
+    fs::write(
+        path.join("x.csv"),
+        "t,qw,qx,qy,qz\n0,1,0,0,0\n0.1,1,0,0,0\n",
+    )
+    .unwrap();
+    let message = text(&alula(path, &["replay", "x.csv", "--out", "out"]).stderr);
+    assert!(
+        message.starts_with("error: x.csv: no velocity: none of vn ve vd"),
+        "{message}"
+    );
+}

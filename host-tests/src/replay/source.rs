@@ -44,6 +44,7 @@ impl Source {
         let opened = File::open(file).with_context(|| origin.clone())?;
         let read = opened.take(1 << 16).read_to_end(&mut head);
         read.with_context(|| origin.clone())?;
+        alula_logs::blank(&origin, &head)?;
         let log = match map {
             Some(map) => {
                 let name = map.display().to_string();
@@ -62,7 +63,8 @@ impl Source {
             Some(log) => {
                 let mut states = states::find(&log).map_err(|missing| {
                     // What the reader has left out may be what is missing: it stands before the names that were looked for.
-                    let all = log.notes.iter().cloned().chain([missing.to_string()]);
+                    let all = log.notes.iter().cloned();
+                    let all = all.chain([held(&log), missing.to_string()]);
                     anyhow!("{origin}: {}", all.collect::<Vec<_>>().join("; "))
                 })?;
                 states.notes.splice(0..0, log.notes);
@@ -124,6 +126,25 @@ fn is_plain(head: &[u8]) -> bool {
     let names: Vec<String> = line.split(|byte| *byte == b',').map(name).collect();
     let has = |wanted: &[&str]| wanted.iter().all(|name| names.iter().any(|n| n == name));
     has(&["qw", "qx", "qy", "qz"]) || has(&["roll", "pitch", "yaw"])
+}
+
+/// What a log holds, in words.
+fn held(log: &alula_logs::Log) -> String {
+    /// Topics that are named.
+    const NAMED: usize = 8;
+    let mut names: Vec<&str> = log.topics.iter().map(|topic| topic.name()).collect();
+    names.dedup();
+    let more = match names.len() > NAMED {
+        true => ", …",
+        false => "",
+    };
+    match names.is_empty() {
+        true => "it holds no messages of numbers".to_owned(),
+        false => format!(
+            "it holds {}{more}",
+            names[..names.len().min(NAMED)].join(", ")
+        ),
+    }
 }
 
 /// Refuses a name of the map's `[columns]` that no quantity has: it would be read for nothing.
