@@ -197,7 +197,7 @@ fn a_bad_log_is_named_with_line_and_column() {
     let row = "0,0,0,0,0,0,0,0,0,0";
     let short = HEADER.replace(",wind_down_m_s", "");
     refused(&short, &[], &["log.csv:1:", "wind_down_m_s"]);
-    refused("", &[], &["log.csv:1: no header"]);
+    refused("", &[], &["log.csv: byte 0: the file is empty"]);
     refused(
         &format!("{HEADER}\n{row}\n0,0,0,up,0,0,0,0,0,0\n"),
         &[],
