@@ -10,7 +10,7 @@ fn exact(gains: Option<&str>) -> Document {
     let mut document = Document::load("round-trip").unwrap();
     let law = match gains {
         Some(gains) => format!("[law.gains]\n{gains}"),
-        None => "[law.bandwidth]\nforce_floor_mg = 0.51\ntau_mg = 0.8155".to_owned(),
+        None => "[law.bandwidth]\ngain_schedule_floor_mg = 0.51\ntau_mg = 0.8155".to_owned(),
     };
     let law: toml::Table = law.parse().unwrap();
     set(&mut document, "controller", law);
