@@ -1,7 +1,5 @@
 //! Vehicles by name or file, for analyses that need no flight.
 
-use std::path::Path;
-
 use alula::GainParameters;
 use serde::Serialize;
 use toml::Value;
@@ -11,6 +9,7 @@ use crate::experiment::{
     AerodynamicsSpec, Document, FieldError, PlantSpec, Vehicle, VehicleSpec, thrust_limits,
 };
 use crate::margins::{Loop, LoopGains, Point};
+use crate::named::Named;
 use crate::polar::{self, Polar};
 use crate::reference;
 
@@ -82,19 +81,15 @@ impl Airframe {
     }
 
     /// The vehicle that `argument` names: a built-in experiment, vehicle or polar, or else a file: an experiment's TOML (its true vehicle),
-    /// or a polar's CSV. A polar is the section of the paper's vehicle.
+    /// or a polar, of whatever name: what it holds decides. A polar is the section of the paper's vehicle.
     pub fn load(argument: &str) -> anyhow::Result<Self> {
-        let is_csv = Path::new(argument)
-            .extension()
-            .is_some_and(|extension| extension == "csv");
-        if is_csv || polar::BUILT_IN.iter().any(|(name, _)| *name == argument) {
-            let stem = Path::new(argument).file_stem().unwrap_or_default();
-            return Ok(Self::of_polar(
-                &stem.to_string_lossy(),
-                Polar::load(argument)?,
-            ));
+        let built_in = [crate::experiment::BUILT_IN, polar::BUILT_IN].concat();
+        let found = Named::find("experiment, vehicle or polar", &built_in, argument)?;
+        if polar::is_document(&found.text) {
+            return Self::of(&Document::new(&found)?);
         }
-        Self::of(&Document::load(argument)?)
+        let name = found.name.clone();
+        Ok(Self::of_polar(&name, Polar::named(argument, found)?))
     }
 
     /// The vehicle of a document, of which nothing else need be there.
@@ -190,5 +185,42 @@ mod tests {
         );
         let error = Airframe::load("nonesuch").unwrap_err().to_string();
         assert!(error.contains("paper") && !error.contains('\n'), "{error}");
+    }
+
+    /// The same polar under any name, and a document under that of a polar: what a file holds decides.
+    #[test]
+    fn what_a_file_is_is_told_by_what_it_holds() {
+        let folder = tempfile::tempdir().unwrap();
+        let rows: String = (-8..=16)
+            .map(f64::from)
+            .map(|a: f64| format!("{a} {} 0.02\n", (0.15 * a).sin()))
+            .collect();
+        let polar = format!("  XFOIL Version 6.99\n\n alpha CL CD\n ----- ---- ----\n{rows}");
+        let load = |name: &str, text: &str| {
+            let path = folder.path().join(name);
+            std::fs::write(&path, text).unwrap();
+            Airframe::load(path.to_str().unwrap())
+        };
+        for name in ["x.csv", "x.txt", "x.pol", "x.polar", "x", "x.toml"] {
+            let found = load(name, &polar).unwrap();
+            assert_eq!(found.name, "x");
+            assert!(matches!(
+                found.spec.aerodynamics,
+                AerodynamicsSpec::Table { .. }
+            ));
+            let vehicle = "[vehicle]\nmass_kg = 3\nk_a_kg_m = 1\n[vehicle.aerodynamics.large-angle]\nc0 = 0.02\nc1 = 1.0\n";
+            assert_eq!(load(name, vehicle).unwrap().spec.mass_kg, 3.0, "{name}");
+            // Damaged, each has the error of its kind.
+            let error = |text: &str| format!("{:#}", load(name, text).unwrap_err());
+            let damaged = error(&polar.replace("\n0 0 ", "\n0 zero "));
+            says(&damaged, &["\"zero\" is not a number"]);
+            let damaged = error("[vehicle]\nmass_kg = \n");
+            says(&damaged, &[":2: "]);
+            // And the other way round.
+            let path = folder.path().join(name);
+            std::fs::write(&path, vehicle).unwrap();
+            let error = Polar::load(path.to_str().unwrap()).unwrap_err();
+            says(&error.to_string(), &["and no polar"]);
+        }
     }
 }

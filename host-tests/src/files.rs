@@ -4,10 +4,8 @@ use std::fs::File;
 use std::io::Write;
 use std::path::Path;
 
-use anyhow::Context;
-
 /// Lets `write` fill the file `path` under a temporary name in the same folder, and then renames
-/// it. On failure nothing is left, and the error names `path`. The content is synchronised to disk before the file is renamed, so that a loss of power leaves
+/// it. On failure nothing is left; the error names `path` if it is of writing, and else is what `write` says. The content is synchronised to disk before the file is renamed, so that a loss of power leaves
 /// the whole file or none. If `path` exists and is not a regular file, such as `/dev/null` or a pipe, it is written to directly.
 pub fn leave(
     path: &Path,
@@ -28,7 +26,18 @@ pub fn leave(
         file.persist(path).map_err(|e| e.error)?;
         anyhow::Ok(())
     };
-    written().with_context(|| path.display().to_string())
+    written().map_err(|error| match is_of_writing(&error) {
+        true => error.context(path.display().to_string()),
+        false => error,
+    })
+}
+
+/// Whether an error comes of the system, and not of what was to be written.
+fn is_of_writing(error: &anyhow::Error) -> bool {
+    error.chain().any(|cause| {
+        let csv = cause.downcast_ref::<csv::Error>().map(csv::Error::kind);
+        matches!(csv, Some(csv::ErrorKind::Io(_))) || cause.is::<std::io::Error>()
+    })
 }
 
 /// The same with a `content` that is there.
@@ -47,5 +56,18 @@ mod tests {
         let null = Path::new("/dev/null");
         leave_all(null, b"nothing").unwrap();
         assert!(null.metadata().unwrap().file_type().is_char_device());
+    }
+
+    /// What is wrong with the content does not hide behind the file that it was meant for; what is wrong with the file names it.
+    #[test]
+    fn the_cause_stands_first() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("x.csv");
+        let error = leave(&path, |_| anyhow::bail!("no velocity")).unwrap_err();
+        assert_eq!(format!("{error:#}"), "no velocity");
+        assert!(!path.exists());
+        let missing = folder.path().join("none/x.csv");
+        let error = format!("{:#}", leave_all(&missing, "x").unwrap_err());
+        assert!(error.starts_with(missing.to_str().unwrap()), "{error}");
     }
 }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, bail};
+use anyhow::{Context, anyhow, bail};
 
 /// A text with where it came from.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -52,7 +52,7 @@ impl Named {
         Ok(Self {
             name: name.to_string_lossy().into_owned(),
             origin: argument.to_owned(),
-            text: std::fs::read_to_string(path).with_context(|| on_one_line(argument))?,
+            text: text_of(path)?,
             file: Some(path.to_owned()),
         })
     }
@@ -70,6 +70,40 @@ impl Named {
             None => Self::find(noun, built_in, argument),
         }
     }
+}
+
+/// The text in the file `path`, in the code page that it is in: UTF-8, UTF-16 with its mark, or else that of Windows for the West, which has Latin-1
+/// in it. An error names the file, and the line of what is no text.
+pub fn text_of(path: &Path) -> anyhow::Result<String> {
+    let origin = || on_one_line(&path.display().to_string());
+    let bytes = std::fs::read(path).with_context(origin)?;
+    decoded(&bytes).map_err(|(line, what)| anyhow!("{}:{line}: {what}", origin()))
+}
+
+/// The text of `bytes`, or the line of what is none, and what it is.
+fn decoded(bytes: &[u8]) -> Result<String, (usize, &'static str)> {
+    if bytes.starts_with(b"PK\x03\x04") {
+        return Err((1, "a spreadsheet or another archive: save its table as CSV"));
+    }
+    if let Some((code, mark)) = encoding_rs::Encoding::for_bom(bytes) {
+        let (text, damaged) = code.decode_without_bom_handling(&bytes[mark..]);
+        // What cannot be read is replaced by a sign of its own.
+        let line = text.lines().position(|line| line.contains('\u{fffd}'));
+        return match line.filter(|_| damaged) {
+            Some(line) => Err((line + 1, "damaged text")),
+            None => Ok(text.into_owned()),
+        };
+    }
+    if let Some(zero) = bytes.iter().position(|byte| *byte == 0) {
+        let line = 1 + bytes[..zero].iter().filter(|b| **b == b'\n').count();
+        let what = match bytes.iter().all(|byte| *byte == 0) {
+            true => "nothing but zeros: the file was never written, or its disk lost it",
+            false => "no text",
+        };
+        return Err((line, what));
+    }
+    let text = std::str::from_utf8(bytes).map(str::to_owned);
+    Ok(text.unwrap_or_else(|_| encoding_rs::WINDOWS_1252.decode(bytes).0.into_owned()))
 }
 
 /// Refuses what is neither one of `names` nor a file. A bare word is a mistyped name rather than a file that is missing.
@@ -156,6 +190,31 @@ pub(crate) mod tests {
     #[track_caller]
     pub(crate) fn begins(text: &str, start: &str) {
         assert!(text.starts_with(start), "{text}");
+    }
+
+    #[test]
+    fn other_code_pages_are_read_and_what_is_no_text_has_a_line() {
+        let text = "# Flügel, 5 °\nx\n";
+        assert_eq!(decoded(text.as_bytes()).unwrap(), text);
+        let marked = [b"\xef\xbb\xbf", text.as_bytes()].concat();
+        assert_eq!(decoded(&marked).unwrap(), text);
+        assert_eq!(decoded(b"# Fl\xfcgel, 5 \xb0\nx\n").unwrap(), text);
+        let units = || text.encode_utf16();
+        let little: Vec<u8> = units().flat_map(u16::to_le_bytes).collect();
+        let big: Vec<u8> = units().flat_map(u16::to_be_bytes).collect();
+        assert_eq!(decoded(&[b"\xff\xfe", &little[..]].concat()).unwrap(), text);
+        assert_eq!(decoded(&[b"\xfe\xff", &big[..]].concat()).unwrap(), text);
+        // Half of a pair of surrogates.
+        let broken = b"\xff\xfex\0\n\0\x00\xd8x\0";
+        assert_eq!(decoded(broken), Err((2, "damaged text")));
+        assert_eq!(decoded(b"a\nb\0c"), Err((2, "no text")));
+        assert!(
+            decoded(&[0; 9])
+                .unwrap_err()
+                .1
+                .starts_with("nothing but zeros")
+        );
+        assert!(decoded(b"PK\x03\x04...").unwrap_err().1.contains("CSV"));
     }
 
     #[test]

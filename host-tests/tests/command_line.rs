@@ -197,7 +197,7 @@ fn a_bad_log_is_named_with_line_and_column() {
     let row = "0,0,0,0,0,0,0,0,0,0";
     let short = HEADER.replace(",wind_down_m_s", "");
     refused(&short, &[], &["log.csv:1:", "wind_down_m_s"]);
-    refused("", &[], &["log.csv:1: no header"]);
+    refused("", &[], &["log.csv: byte 0: the file is empty"]);
     refused(
         &format!("{HEADER}\n{row}\n0,0,0,up,0,0,0,0,0,0\n"),
         &[],
@@ -725,4 +725,48 @@ fn a_slip_of_the_fingers_is_told_what_was_meant() {
             ],
         );
     }
+}
+
+/// What no wing has every command that takes a polar refuses, with file and line, and what is odd each says.
+#[test]
+fn every_command_judges_a_polar_alike() {
+    let folder = tempfile::tempdir().unwrap();
+    let polar = |drag: f64| -> String {
+        let rows = (-12..=18).map(f64::from);
+        let rows: String = rows
+            .map(|a| format!("{a} {:.4} {}\n", (0.12 * a).sin(), drag + 3e-4 * a * a))
+            .collect();
+        format!("alpha CL CD\n{rows}")
+    };
+    let vehicle =
+        "base = 'hover-to-cruise'\nduration_s = 1\nvehicle.aerodynamics.table.polar = 'x.txt'\n";
+    fs::write(folder.path().join("x.toml"), vehicle).unwrap();
+    let section: Vec<&str> = "new y --mass-kg 3 --wing-m2 0.35 --section x.txt --thrust-to-weight 1.6 --thrust-lag-s 0.08 --rate-lag-s 0.06 --cruise-m-s 18"
+        .split(' ')
+        .collect();
+    let commands: [&[&str]; 8] = [
+        &["fit", "x.txt"],
+        &["envelope", "x.txt"],
+        &["equilibria", "x.txt", "--velocity", "0,20"],
+        &["margins", "x.txt", "--speeds", "20"],
+        &["envelope", "x.toml"],
+        &["sweep", "x.toml"],
+        &["fly", "x.toml"],
+        &section,
+    ];
+    fs::write(folder.path().join("x.txt"), polar(12.0)).unwrap();
+    for command in commands {
+        let output = alula(folder.path(), command);
+        assert_refused(&output, &["x.txt:2: c_D is 12.0432 at -12°"]);
+    }
+    fs::write(folder.path().join("x.txt"), polar(0.001)).unwrap();
+    for command in commands {
+        let output = alula(folder.path(), command);
+        let said = text(&output.stdout) + &text(&output.stderr);
+        let told = said.matches("x.txt:14: c_D is 0.001 at 0°: is there friction in it?");
+        assert_eq!(told.count(), 1, "{command:?}: {said}");
+    }
+    // A polar is no experiment, under whatever name.
+    let output = alula(folder.path(), &["sweep", "x.txt"]);
+    assert_refused(&output, &["x.txt: a polar, and no experiment"]);
 }

@@ -207,3 +207,183 @@ fn a_foreign_csv_is_read_through_its_map() {
     let forward = [&arguments[..], &["--experiment", "steep-climb"]].concat();
     refused(&forward, "air acceleration");
 }
+
+/// Nose up, then over to the north in 4 s, at 20 Hz: as roll, pitch and yaw in degrees, at times `per_second`.
+fn pitching(per_second: f64) -> String {
+    let row = |n: i32| {
+        let t = 2.0 + 0.05 * f64::from(n);
+        let pitch = 85.0 - f64::from(n);
+        format!(
+            "{},0,{pitch},0,{},0,0\n",
+            t * per_second,
+            0.1 * f64::from(n)
+        )
+    };
+    let rows: String = (0..80).map(row).collect();
+    format!("t,r,p,y,vn,ve,vd\n{rows}")
+}
+
+const MAP: &str = "time = { from = \"t\" }\n[columns]\nroll.from = \"r\"\npitch.from = \"p\"\nyaw.from = \"y\"\nvn.from = \"vn\"\nve.from = \"ve\"\nvd.from = \"vd\"\n";
+
+/// Angles of a foreign CSV, as its map names them, in degrees or radians, come to the commands of the same quaternions; a name that no quantity has is refused.
+#[test]
+fn a_map_knows_angles_and_its_names() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    fs::write(path.join("x.csv"), pitching(1.0)).unwrap();
+    fs::write(path.join("map.toml"), MAP).unwrap();
+    let replay = |map: &str| {
+        fs::write(path.join("map.toml"), map).unwrap();
+        alula(path, &["replay", "x.csv", "--map", "map.toml"])
+    };
+    let degrees = replay(MAP);
+    assert!(degrees.status.success(), "{}", text(&degrees.stderr));
+    let radians = MAP.replace(
+        "roll.from = \"r\"",
+        "roll = { from = \"r\", unit = \"rad\", scale = 0.017453292519943295 }",
+    );
+    let radians = radians.replace(
+        "pitch.from = \"p\"",
+        "pitch = { from = \"p\", unit = \"rad\", scale = 0.017453292519943295 }",
+    );
+    let radians = radians.replace(
+        "yaw.from = \"y\"",
+        "yaw = { from = \"y\", unit = \"rad\", scale = 0.017453292519943295 }",
+    );
+    let of = |output: &Output, name: &str| column(&text(&output.stdout), name);
+    // Roundings of double precision in single.
+    for (a, b) in of(&degrees, "rate_rad_s")
+        .iter()
+        .zip(of(&replay(&radians), "rate_rad_s"))
+    {
+        assert!((a - b).abs() < 1e-4, "{a} {b}");
+    }
+    let half = |n: f64| (85.0 - n).to_radians() / 2.0;
+    let rows: String = (0..80)
+        .map(f64::from)
+        .map(|n| {
+            format!(
+                "{},{},0,{},0,{},0,0\n",
+                2.0 + 0.05 * n,
+                half(n).cos(),
+                half(n).sin(),
+                0.1 * n
+            )
+        })
+        .collect();
+    fs::write(
+        path.join("q.csv"),
+        format!("t,qw,qx,qy,qz,vn,ve,vd\n{rows}"),
+    )
+    .unwrap();
+    let quaternions = alula(path, &["replay", "q.csv"]);
+    for (a, b) in of(&degrees, "thrust_n")
+        .iter()
+        .zip(of(&quaternions, "thrust_n"))
+    {
+        assert!((a - b).abs() < 1e-3, "{a} {b}");
+    }
+    let unknown = replay(&MAP.replace("pitch.from", "ptich.from"));
+    let message = text(&unknown.stderr);
+    assert!(
+        message.starts_with(
+            "error: map.toml:4: columns.ptich: no quantity has this name; did you mean `pitch`?"
+        ),
+        "{message}"
+    );
+}
+
+/// A time that is not in seconds has steps that no controller runs on: the unit is asked for, and a header that says it is believed.
+#[test]
+fn a_time_in_another_unit_is_doubted() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    fs::write(path.join("map.toml"), MAP).unwrap();
+    for (per_second, name, scale) in [
+        (1e3, "milliseconds", "0.001"),
+        (1e6, "microseconds", "1e-6"),
+    ] {
+        fs::write(path.join("x.csv"), pitching(per_second)).unwrap();
+        let output = alula(
+            path,
+            &["replay", "x.csv", "--map", "map.toml", "--out", "out"],
+        );
+        let message = text(&output.stderr);
+        assert!(!output.status.success());
+        // The log stands first, and not what was to be written.
+        assert!(
+            message.starts_with("error: x.csv: the usual step is"),
+            "{message}"
+        );
+        assert!(
+            message.contains(name) && message.contains(&format!("scale = {scale}")),
+            "{message}"
+        );
+    }
+    let header = "t [us],roll,pitch,yaw,vn,ve,vd";
+    let text_of = pitching(1e6).replace("t,r,p,y,vn,ve,vd", header);
+    fs::write(path.join("x.csv"), text_of).unwrap();
+    let times = column(&succeeds(path, &["replay", "x.csv"]), "t_s");
+    assert!(
+        (times[0] - 2.0).abs() < 1e-9 && (times[79] - 5.95).abs() < 1e-9,
+        "{times:?}"
+    );
+    // A trace of our own, whose name says seconds.
+    succeeds(
+        path,
+        &[
+            "fly",
+            "round-trip",
+            "--set",
+            "duration_s=1",
+            "--out",
+            "flown",
+        ],
+    );
+    let trace = fs::read_to_string(path.join("flown/trace.csv")).unwrap();
+    let rows: String = trace
+        .lines()
+        .enumerate()
+        .map(|(n, line)| match (n, line.split_once(',')) {
+            (0, _) | (_, None) => format!("{line}\n"),
+            (_, Some((time, rest))) => format!("{},{rest}\n", 1e3 * time.parse::<f64>().unwrap()),
+        })
+        .collect();
+    fs::write(path.join("x.csv"), rows).unwrap();
+    let output = alula(path, &["replay", "x.csv"]);
+    assert!(
+        text(&output.stderr).contains("in milliseconds?"),
+        "{}",
+        text(&output.stderr)
+    );
+}
+
+/// What is wrong with a log stands before the names that were looked for.
+#[test]
+fn the_cause_of_an_empty_log_stands_first() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    for name in ["x.bin", "x.ulg", "x.mcap", "x.csv"] {
+        for (content, cause) in [
+            (vec![0; 5000], "nothing but zeros"),
+            (Vec::new(), "the file is empty"),
+        ] {
+            fs::write(path.join(name), content).unwrap();
+            let message = text(&alula(path, &["replay", name, "--out", "out"]).stderr);
+            assert!(
+                message.starts_with(&format!("error: {name}: byte 0: {cause}")),
+                "{message}"
+            );
+        }
+    }
+    fs::write(
+        path.join("x.csv"),
+        "t,qw,qx,qy,qz\n0,1,0,0,0\n0.1,1,0,0,0\n",
+    )
+    .unwrap();
+    let message = text(&alula(path, &["replay", "x.csv", "--out", "out"]).stderr);
+    assert!(
+        message.starts_with("error: x.csv: no velocity: none of vn ve vd"),
+        "{message}"
+    );
+}

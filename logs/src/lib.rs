@@ -48,6 +48,26 @@ pub fn is_autopilots(path: &Path, head: &[u8]) -> bool {
     bin || ulog::is_ulog(head) || mcap::is_mcap(head) || dataflash::is_dataflash(head)
 }
 
+/// Refuses a file, or the head of one, that holds nothing: no byte, or zeros alone, as a card leaves them that lost its power.
+///
+/// # Errors
+/// [`Error::Format`]: that.
+pub fn blank(file: &str, bytes: &[u8]) -> Result<(), Error> {
+    let problem = match bytes {
+        [] => "the file is empty".to_owned(),
+        bytes if bytes.iter().all(|byte| *byte == 0) => format!(
+            "nothing but zeros in its first {} bytes: the file was made, and never written",
+            bytes.len()
+        ),
+        _ => return Ok(()),
+    };
+    Err(Error::Format {
+        file: file.into(),
+        offset: 0,
+        problem,
+    })
+}
+
 /// The log in the file `path`, of whatever kind its first bytes say that it is: ULog, MCAP, DataFlash, else CSV with every column as it
 /// stands.
 ///
@@ -56,6 +76,7 @@ pub fn is_autopilots(path: &Path, head: &[u8]) -> bool {
 pub fn read(path: &Path) -> Result<Log, Error> {
     let bytes = error::read_file(path)?;
     let name = path.display().to_string();
+    blank(&name, &bytes)?;
     if ulog::is_ulog(&bytes) {
         ulog::read(&name, &bytes)
     } else if mcap::is_mcap(&bytes) {

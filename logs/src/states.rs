@@ -5,17 +5,18 @@
 //!
 //! | columns | quantity |
 //! |---|---|
-//! | `qw qx qy qz` | attitude |
+//! | `qw qx qy qz`, or `roll pitch yaw` \[°\], \[rad\] if that is their unit | attitude |
 //! | `vn ve vd` [m/s], `pn pe pd` \[m\], `wn we wd` [m/s] | velocity, position, wind: north, east, down |
 //! | `van vae vad` [m/s] | velocity through the air |
 //! | `fx fy fz` [m/s²] | specific force: nose, right wing, belly |
 //! | `airspeed` [m/s] | airspeed |
-//! | `qw_sp …`, `pn_sp …`, `vn_sp …`, `an_sp …` [m/s²], `heading_sp` \[rad\] | set-points of attitude, position, velocity, acceleration, heading |
+//! | `qw_sp …` or `roll_sp …`, `pn_sp …`, `vn_sp …`, `an_sp …` [m/s²], `heading_sp` \[rad\] | set-points of attitude, position, velocity, acceleration, heading |
 //!
 //! A flight that alula logged holds the topic [`TOLD`]: what its controller was told, which goes before what the vehicle did.
 
 mod ardupilot;
 mod attitude;
+mod in_force;
 mod plain;
 mod px4;
 mod source;
@@ -23,6 +24,7 @@ mod source;
 pub use attitude::{Quaternion, multiply};
 
 use crate::Log;
+use in_force::Topics;
 use source::Source;
 use std::fmt;
 
@@ -120,16 +122,65 @@ struct Family {
     heading_setpoint: &'static [Source],
 }
 
+/// The families, in the order in which they are looked for.
+const FAMILIES: [Family; 3] = [px4::FAMILY, ardupilot::FAMILY, plain::FAMILY];
+
+/// What is missing where angles have no unit and may be of either.
+const UNSAID: &str = "unit of roll, pitch and yaw, of which none is beyond 6.3: degrees or radians? In a map say `unit = \"deg\"` or `unit = \"rad\"` with each, in a header `roll [deg]`";
+
+impl Family {
+    /// All of its sources.
+    fn sources(&self) -> impl Iterator<Item = &Source> {
+        [
+            self.attitude,
+            self.velocity,
+            self.position,
+            self.wind,
+            self.air_velocity,
+            self.airspeed,
+            self.specific_force,
+            self.attitude_setpoint,
+            self.position_setpoint,
+            self.velocity_setpoint,
+            self.acceleration_setpoint,
+            self.heading_setpoint,
+        ]
+        .into_iter()
+        .flatten()
+    }
+}
+
+/// The columns of the topic `topic` that are looked for; of a topic of no autopilot's, such as a CSV, those of a plain table.
+#[must_use]
+pub fn names(topic: &str) -> Vec<&'static str> {
+    let of = |topic: &str| {
+        let sources = FAMILIES.iter().flat_map(Family::sources);
+        let mut names: Vec<&str> = Vec::new();
+        for name in sources.flat_map(|source| source.names_in(topic)) {
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        names
+    };
+    let own = of(topic);
+    if own.is_empty() { of("") } else { own }
+}
+
 /// Finds the states in `log`.
 ///
 /// # Errors
 /// No attitude under any name that is looked for. Every other quantity may be missing and is then named.
 pub fn find(log: &Log) -> Result<States, Missing> {
-    let families = [px4::FAMILY, ardupilot::FAMILY, plain::FAMILY];
+    let families = FAMILIES;
+    let topics = &Topics::new(log);
     let Some((family, found)) = families.iter().find_map(|family| {
         Some((
             family,
-            family.attitude.iter().find_map(|source| source.find(log))?,
+            family
+                .attitude
+                .iter()
+                .find_map(|source| source.find(topics))?,
         ))
     }) else {
         let tried = families
@@ -142,8 +193,18 @@ pub fn find(log: &Log) -> Result<States, Missing> {
             tried,
         });
     };
+    // In degrees a flight has more somewhere, unless it is level, and north, all the time.
+    if family.name == plain::FAMILY.name && found.is_unsaid() {
+        return Err(Missing {
+            what: UNSAID,
+            tried: Vec::new(),
+        });
+    }
     let time = found.base().to_vec();
     let mut notes = Vec::new();
+    if family.name == ardupilot::FAMILY.name {
+        notes.clone_from(&topics.notes);
+    }
     let mut missing = Vec::new();
 
     let turn = px4::turn(log);
@@ -165,17 +226,24 @@ pub fn find(log: &Log) -> Result<States, Missing> {
     if family.name == ardupilot::FAMILY.name && attitude.source.starts_with("ATT.") {
         notes.push(ardupilot::ATT_NOTE.into());
     }
+    let velocity = source::first(topics, &time, "velocity", family.velocity, &mut missing);
+    if velocity
+        .as_ref()
+        .is_some_and(|v: &Series<3>| v.source.starts_with("GPS."))
+    {
+        notes.push(ardupilot::GPS_NOTE.into());
+    }
     Ok(States {
         family: family.name,
-        velocity: source::first(log, &time, "velocity", family.velocity, &mut missing),
-        position: source::first(log, &time, "position", family.position, &mut missing),
-        wind: source::first(log, &time, "wind", family.wind, &mut missing),
+        velocity,
+        position: source::first(topics, &time, "position", family.position, &mut missing),
+        wind: source::first(topics, &time, "wind", family.wind, &mut missing),
         // No autopilot logs these two: they are not missed.
-        air_velocity: source::any(log, &time, family.air_velocity),
-        heading_setpoint: source::any(log, &time, family.heading_setpoint),
-        airspeed: source::first(log, &time, "airspeed", family.airspeed, &mut missing),
+        air_velocity: source::any(topics, &time, family.air_velocity),
+        heading_setpoint: source::any(topics, &time, family.heading_setpoint),
+        airspeed: source::first(topics, &time, "airspeed", family.airspeed, &mut missing),
         specific_force: source::first(
-            log,
+            topics,
             &time,
             "specific force",
             family.specific_force,
@@ -192,7 +260,7 @@ pub fn find(log: &Log) -> Result<States, Missing> {
             series
         }),
         attitude_setpoint: source::first(
-            log,
+            topics,
             &time,
             "attitude set-point",
             family.attitude_setpoint,
@@ -200,21 +268,21 @@ pub fn find(log: &Log) -> Result<States, Missing> {
         )
         .map(turned),
         position_setpoint: source::first(
-            log,
+            topics,
             &time,
             "position set-point",
             family.position_setpoint,
             &mut missing,
         ),
         velocity_setpoint: source::first(
-            log,
+            topics,
             &time,
             "velocity set-point",
             family.velocity_setpoint,
             &mut missing,
         ),
         acceleration_setpoint: source::first(
-            log,
+            topics,
             &time,
             "acceleration set-point",
             family.acceleration_setpoint,

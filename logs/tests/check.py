@@ -7,7 +7,7 @@
 Writes a CSV, a ULog and a DataFlash log here, has `examples/convert.rs` turn them into ULog, MCAP and CSV, and compares
 every number that the other programs read with the number that was meant. Also: a ULog that pyulog wrote is read; a flight that
 `alula-sil fly --log` left is compared with its trace; the ULog written here goes through `alula-sil replay`. Of each ULog
-named, every number is compared with pyulog's.
+named, every number is compared with pyulog's. MCAP as its own writer packs it, by zstd and lz4, is read, with stamps in any unit.
 """
 
 import csv
@@ -23,6 +23,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from mcap.reader import make_reader
+from mcap.writer import CompressionType, Writer
 from pymavlink import DFReader
 from pyulog import ULog
 from pyulog.px4 import PX4ULog
@@ -393,10 +394,35 @@ def check_replay(source, directory):
         assert "angle to the nearest fold" in (out / "replay.html").read_text()
 
 
+def check_mcap(directory):
+    """MCAP as its own writer packs it, in many chunks, with stamps in each unit."""
+    draw = random.Random(2)
+    times = [2 + 0.05 * row for row in range(ROWS)]
+    values = [[draw.gauss(0, 10) for _ in range(4)] for _ in range(ROWS)]
+    for compression in CompressionType:
+        for unit in [1, 1e3, 1e6]:
+            source, target = directory / "packed.mcap", directory / "packed.csv"
+            with open(source, "wb") as file:
+                writer = Writer(file, compression=compression, chunk_size=4096)
+                writer.start()
+                schema = writer.register_schema(name="t", encoding="jsonschema", data=b"{}")
+                channel = writer.register_channel(topic="t", message_encoding="json", schema_id=schema)
+                for time, row in zip(times, values):
+                    data = json.dumps({"timestamp": round(time * unit, 6), "q": row}).encode()
+                    writer.add_message(channel_id=channel, log_time=round(time * 1e9), publish_time=0, data=data)
+                writer.finish()
+            convert(source, target, "t")
+            found = read_csv(target)
+            same(found["time"], times, f"{compression} time", 1e-9)
+            for i in range(4):
+                same(found[f"q[{i}]"], [row[i] for row in values], f"{compression} q[{i}]")
+
+
 def main():
     with tempfile.TemporaryDirectory() as directory:
         directory = Path(directory)
         check_csv(directory)
+        check_mcap(directory)
         write_ulog(directory / "px4.ulg")
         assert check_ulog(directory / "px4.ulg", directory) == 9
         check_states(directory / "px4.ulg", directory)

@@ -4,8 +4,8 @@ use std::sync::atomic::Ordering;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use alula_bridges::companion::{self, Companion, Connection, Kind, Pilot, Stage, Wanted};
-use anyhow::{Context, ensure};
+use alula_bridges::companion::{self, Companion, Connection, End, Kind, Pilot, Stage, Wanted};
+use anyhow::{Context, bail, ensure};
 
 use alula_sil::companion::{plane, space::OnPath, space::settings};
 use alula_sil::experiment::Document;
@@ -75,12 +75,12 @@ fn in_plane(args: &Args, document: &Document) -> anyhow::Result<()> {
     let mut pilot = plane::pilot(&experiment, wanted, heading)?;
     let settings = plane::settings(&experiment, args.hover_thrust)?;
     let mut record = Record::new();
-    fly(args, settings, &mut pilot, |pilot| {
+    let end = fly(args, settings, &mut pilot, |pilot| {
         plane::keep(&mut record, pilot);
     })?;
     if record.is_empty() {
         eprintln!("no flight");
-        return Ok(());
+        return verdict(end);
     }
     report(
         document,
@@ -89,7 +89,8 @@ fn in_plane(args: &Args, document: &Document) -> anyhow::Result<()> {
         &out,
         &args.output,
         &args.logs,
-    )
+    )?;
+    verdict(end)
 }
 
 /// The guidance along the experiment's path.
@@ -101,10 +102,10 @@ fn in_space(args: &Args, document: &Document) -> anyhow::Result<()> {
         .folder(&format!("companion/{}", document.name))?;
     let mut pilot = OnPath::new(&experiment, args.from_link)?;
     let settings = settings(&experiment, args.hover_thrust)?;
-    fly(args, settings, &mut pilot, |_| ())?;
+    let end = fly(args, settings, &mut pilot, |_| ())?;
     if pilot.record().is_empty() {
         eprintln!("no flight");
-        return Ok(());
+        return verdict(end);
     }
     space::report(
         document,
@@ -112,16 +113,27 @@ fn in_space(args: &Args, document: &Document) -> anyhow::Result<()> {
         pilot.record(),
         &out,
         (&args.output, &args.logs),
-    )
+    )?;
+    verdict(end)
 }
 
-/// Lets `pilot` fly over the link until the flight ends or Ctrl-C is pressed; `keep` is called after each of its steps.
+/// Success where the flight ended as somebody wanted it; else an error that says how it did. The page is there either way.
+fn verdict(end: End) -> anyhow::Result<()> {
+    match end {
+        End::Finished | End::TakenOver | End::Disarmed | End::Stopped => Ok(()),
+        End::LinkLost => bail!("the link was lost in flight: what came last was too old to fly by"),
+        End::Attitude => bail!("the attitude was none to fly by: the flight was given up"),
+        End::Pilot => bail!("the guidance did not answer: the flight was given up"),
+    }
+}
+
+/// Lets `pilot` fly over the link until the flight ends or Ctrl-C is pressed, and says how it ended; `keep` is called after each of its steps.
 fn fly<P: Pilot>(
     args: &Args,
     mut settings: companion::Settings,
     pilot: &mut P,
     mut keep: impl FnMut(&P),
-) -> anyhow::Result<()> {
+) -> anyhow::Result<End> {
     settings.engage = args.engage;
     settings.led = args.from_link;
     settings.kind = args.autopilot.kind()?;
@@ -167,7 +179,10 @@ fn fly<P: Pilot>(
         "{} messages used, {} dropped, {} ignored, {malformed} malformed",
         counts.used, counts.dropped, counts.ignored
     );
-    Ok(())
+    match companion.stage() {
+        Stage::Ended(end) => Ok(end),
+        _ => Ok(End::Stopped),
+    }
 }
 
 fn words(companion: &Companion, kind: Kind) -> String {

@@ -12,7 +12,7 @@ use super::output::Output;
 /// Where a vehicle's equilibria fold and jump, in level flight, in a climb or in an acceleration
 #[derive(clap::Args)]
 pub struct Args {
-    /// A built-in experiment, vehicle or polar, a TOML file of an experiment or vehicle, or a polar CSV
+    /// A built-in experiment, vehicle or polar, or a file: of an experiment or vehicle (TOML), or a polar as `fit` reads it
     #[arg(default_value = "paper")]
     vehicle: String,
     /// Steady climb angle [°], from -90 to 90

@@ -15,7 +15,7 @@ use super::output::Output;
 /// The orientations that hold a reference velocity, with thrust and branch
 #[derive(clap::Args)]
 pub struct Args {
-    /// A built-in experiment, vehicle or polar, a TOML file of an experiment or vehicle, or a polar CSV
+    /// A built-in experiment, vehicle or polar, or a file: of an experiment or vehicle (TOML), or a polar as `fit` reads it
     vehicle: String,
     /// Reference velocity over ground, down and forward [m/s]
     #[arg(long, value_name = "D,F", value_parser = pair, allow_hyphen_values = true)]

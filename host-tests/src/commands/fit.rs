@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use anyhow::Context;
 use serde::Serialize;
 
 use alula_sil::airframe::Airframe;
@@ -19,11 +20,14 @@ use super::output::Output;
 /// Identify the combined model's parameters from a table of coefficients
 #[derive(clap::Args)]
 pub struct Args {
-    /// A built-in polar, a CSV file (alpha_deg,cl,cd), or an export of XFOIL, XFLR5 or AVL
+    /// A built-in polar, or a file: a table of alpha, cl and cd, or an export of XFOIL, XFLR5, AVL, VSPAERO, AeroDyn or QBlade
     polar: String,
     /// Take the polar for the section of a wing of this aspect ratio
     #[arg(long, value_name = "X")]
     aspect_ratio: Option<f64>,
+    /// Angle of attack of the greatest lift (°): rows beyond are left out [default: as the polar shows it]
+    #[arg(long, value_name = "X")]
+    stall_deg: Option<f64>,
     /// Rows of the table left in polar.csv, at most
     #[arg(long, value_name = "N", default_value_t = ROWS)]
     rows: usize,
@@ -48,9 +52,10 @@ fn stall_moved(model: &Aerodynamics, rows: &[Row]) -> Option<String> {
         .iter()
         .filter(|row| (0.0..=f64::from(LAST)).contains(&row[0].to_degrees()))
         .collect();
-    let table = measured[stall(measured.iter().map(|row| row[1]))?][0].to_degrees();
+    let degrees = |row: &[f64; 3]| (row[0].to_degrees(), row[1]);
+    let table = measured[stall(measured.iter().map(|row| degrees(row)))?][0].to_degrees();
     let angle = |n: u32| 0.25 * f64::from(n);
-    let lift = (0..=4 * LAST).map(|n| model.at(angle(n).to_radians()).c_l);
+    let lift = (0..=4 * LAST).map(|n| (angle(n), model.at(angle(n).to_radians()).c_l));
     let fitted = stall(lift).and_then(|at| u32::try_from(at).ok()).map(angle);
     let stalls = match fitted {
         Some(fitted) if (fitted - table).abs() <= MOVED_DEG => return None,
@@ -93,7 +98,15 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     if let Some(ratio) = args.aspect_ratio.filter(|x| !(0.5..=50.0).contains(x)) {
         anyhow::bail!("--aspect-ratio: {ratio} is not from 0.5 to 50");
     }
-    let (polar, mut story) = section.finite(args.aspect_ratio)?;
+    if let Some(degrees) = args.stall_deg.filter(|x| !(5.0..=60.0).contains(x)) {
+        anyhow::bail!("--stall-deg: {degrees} is not from 5 to 60");
+    }
+    let (section, cut) = match args.stall_deg {
+        Some(degrees) => section.stalling_at(degrees).context("--stall-deg")?,
+        None => (section, None),
+    };
+    let (polar, how) = section.finite(args.aspect_ratio)?;
+    let mut story: Vec<String> = cut.into_iter().chain(how).collect();
     let name = Path::new(polar.name).file_stem().unwrap_or_default();
     let name = name.to_string_lossy();
     let parameters = fit(polar.rows).map_err(|e| e.context(args.polar.clone()))?;
@@ -137,17 +150,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     };
     let toml = toml(&name, &parameters, &paper);
     leave_all(&out.join("vehicle.toml"), toml)?;
-    let doubts = section.doubts().into_iter();
-    let mut warnings: Vec<String> = doubts
-        .map(|doubt| format!("{}:{}: {}", args.polar, doubt.line, doubt.problem))
-        .collect();
-    if section.ends_straight() {
-        warnings.push(format!(
-            "{}:{}: lift still grows in a straight line at the last row: that the wing stalls there is not known",
-            args.polar,
-            section.last_line()
-        ));
-    }
+    let mut warnings = section.warnings();
     warnings.extend(stall_moved(&model, polar.rows));
     let page = Page {
         title: format!("Fit of {name}"),

@@ -17,7 +17,7 @@ use super::settings::Settings;
 /// Eigenvalues and the largest stable lag and delay in level flight, for the paper's gains and the experiment's
 #[derive(clap::Args)]
 pub struct Args {
-    /// A built-in experiment, vehicle or polar, a TOML file of an experiment or vehicle, or a polar CSV
+    /// A built-in experiment, vehicle or polar, or a file: of an experiment or vehicle (TOML), or a polar as `fit` reads it
     #[arg(default_value = "round-trip")]
     vehicle: String,
     #[command(flatten)]

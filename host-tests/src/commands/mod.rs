@@ -50,8 +50,17 @@ enum Command {
 }
 
 impl Cli {
-    /// Does what was asked.
+    /// Does what was asked. What is odd about a polar is said on standard error, where the command's own page does not.
     pub fn run(self) -> anyhow::Result<()> {
+        let shown = matches!(self.command, Some(Command::New(_) | Command::Fit(_)));
+        let done = self.act();
+        for warning in alula_sil::polar::warnings().iter().filter(|_| !shown) {
+            eprintln!("warning: {warning}");
+        }
+        done
+    }
+
+    fn act(self) -> anyhow::Result<()> {
         match self.command {
             None => fly::run(&fly::Args::default()),
             Some(Command::New(args)) => new::run(&args),

@@ -2,12 +2,11 @@
 
 use std::path::Path;
 
-use anyhow::Context;
 use serde::{Deserialize, Serialize};
 
 use super::Wing;
 use crate::experiment::{FieldError, from_toml, require};
-use crate::named::on_one_line;
+use crate::named::{on_one_line, text_of};
 
 /// What is known. The flags and the fields of a file have the same names, with their units; what is left out has a default, or is asked.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize, clap::Args)]
@@ -162,7 +161,7 @@ impl Known {
     /// What the file `path` says: TOML, names as those of the flags. A polar is looked for beside the file. An error names file, line and field.
     pub fn load(path: &Path) -> anyhow::Result<Self> {
         let origin = path.display().to_string();
-        let text = std::fs::read_to_string(path).with_context(|| on_one_line(&origin))?;
+        let text = text_of(path)?;
         let beside = |section: &String| {
             let beside = path.with_file_name(section);
             match beside.is_file() {

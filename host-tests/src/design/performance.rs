@@ -51,8 +51,10 @@ fn stall(vehicle: &Vehicle, speed: impl Fn(f64) -> f64) -> Option<Stall> {
     let curve = Curve::new(vehicle, 0.0)?;
     let points = curve.points();
     // 1/a is the vertical force for a dynamic pressure: it stalls as lift does, and a kink of it is no stall.
-    let force = || points.iter().map(|(_, a)| 1.0 / a);
-    let at = polar::stall(force())?;
+    let force = points
+        .iter()
+        .map(|(alpha, a)| (alpha.to_degrees(), 1.0 / a));
+    let at = polar::stall_of_force(force, vehicle.delta)?;
     let (slow, least) = points[at];
     let behind = points[at..]
         .iter()
@@ -344,6 +346,34 @@ mod tests {
         let want = (29.43 / (0.214_375 * (0.8527 + 0.0203 * 9_f64.to_radians().tan()))).sqrt();
         let slow = performance(|_| ()).stall.unwrap().slow_m_s;
         assert!((slow / want - 1.0).abs() < 1e-3, "{slow} {want}");
+    }
+
+    /// A section whose lift falls by 0.12 at 6° and comes back: the speed of transition is that of its stall, at 13°, by hand, as above.
+    #[test]
+    fn a_kink_is_not_the_speed_of_transition() {
+        let lift = |a: f64| match a {
+            a if a <= 6.0 => 0.1 * a,
+            a if a <= 13.0 => 0.1 * a - 0.12,
+            _ => 0.7,
+        };
+        let file = tempfile::NamedTempFile::new().unwrap();
+        let rows: String = (0..=36)
+            .map(|n| 0.5 * f64::from(n))
+            .map(|a| format!("{a} {:.4} 0.02\n", lift(a)))
+            .collect();
+        std::fs::write(&file, format!("alpha CL CD\n{rows}")).unwrap();
+        let found = performance(|known| {
+            known.section = Some(file.path().to_str().unwrap().to_owned());
+        });
+        let stall = found.stall.unwrap();
+        let most = 1.18 + 0.02 * 13_f64.to_radians().tan();
+        let want = (29.43 / (0.214_375 * most)).sqrt();
+        // The table's interpolation is round at its greatest lift.
+        assert!(
+            (stall.slow_m_s / want - 1.0).abs() < 5e-3,
+            "{stall:?} {want}"
+        );
+        assert!((stall.alpha_deg[0] - 13.0).abs() < 0.2, "{stall:?}");
     }
 
     #[test]

@@ -81,14 +81,13 @@ impl Wing {
                     "The Reynolds number of cruise, {reynolds:.0}, is far from the {name} of the table: stall and drag will differ. A polar of your own is better"
                 ));
             }
-            stalling(
-                Polar::load(&format!("{}-re-{name}", facts.section))?,
-                facts.stall_deg,
-            )?
+            let polar = Polar::load(&format!("{}-re-{name}", facts.section))?;
+            stalling(polar, facts.stall_deg, &mut story)?
         } else {
             story.push(format!("From the polar {}", on_one_line(&facts.section)));
-            let polar = plausible(Self::measured(&facts.section)?, &mut warnings)?;
-            stalling(polar, facts.stall_deg)?
+            let polar = Self::measured(&facts.section)?;
+            warnings.extend(polar.odd());
+            stalling(polar, facts.stall_deg, &mut story)?
         };
         if let Some(ratio) = facts.aspect_ratio
             && ratio < SLENDER
@@ -148,27 +147,18 @@ impl Wing {
     }
 }
 
-/// The polar, if no row of it is one that no wing can have; what is merely odd is warned of.
-fn plausible(polar: Polar, warnings: &mut Vec<String>) -> anyhow::Result<Polar> {
-    for doubt in polar.doubts() {
-        let text = format!(
-            "{}:{}: {}",
-            on_one_line(polar.name),
-            doubt.line,
-            doubt.problem
-        );
-        if doubt.impossible {
-            bail!("{text}");
-        }
-        warnings.push(text);
-    }
-    Ok(polar)
-}
-
-/// The polar up to its stall, which must be in it or be told.
-fn stalling(polar: Polar, stall_deg: Option<f64>) -> anyhow::Result<Polar> {
+/// The polar up to its stall, which must be in it or be told; what that leaves out is said in the `story`.
+fn stalling(
+    polar: Polar,
+    stall_deg: Option<f64>,
+    story: &mut Vec<String>,
+) -> anyhow::Result<Polar> {
     match stall_deg {
-        Some(degrees) => polar.stalling_at(degrees).context("stall_deg"),
+        Some(degrees) => {
+            let (polar, cut) = polar.stalling_at(degrees).context("stall_deg")?;
+            story.extend(cut);
+            Ok(polar)
+        }
         None if polar.ends_straight() => bail!(
             "{}:{}: lift still grows in a straight line at the last row, so the table ends before the stall, and AVL and panel methods know none. \
              Give rows up to the stall, or say at which of these it stalls: --stall-deg",

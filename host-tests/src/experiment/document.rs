@@ -15,6 +15,7 @@ use super::range::Range;
 use super::{BUILT_IN, Experiment, VehicleSpec};
 use crate::controllers::KINDS;
 use crate::named::{Named, hint, on_one_line};
+use crate::polar::holds_polar;
 
 /// Most tables that a dotted path goes through: as many as TOML's reader lets a text nest.
 const DEEPEST: usize = 80;
@@ -179,6 +180,12 @@ impl Document {
     /// The document of a text that `above` are based on.
     fn over_base(text: &Named, above: &mut Vec<String>) -> anyhow::Result<Self> {
         let origin = &text.origin;
+        if holds_polar(&text.text) {
+            bail!(
+                "{}: a polar, and no experiment or vehicle: a vehicle's file names it, `[vehicle.aerodynamics.table] polar = \"…\"`",
+                on_one_line(origin)
+            );
+        }
         let mut own: Table = text.text.parse().map_err(|error: toml::de::Error| {
             let line = error.span().map_or(1, |s| line_at(&text.text, s.start));
             let message: Vec<&str> = error.message().lines().collect();

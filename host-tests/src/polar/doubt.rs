@@ -1,5 +1,7 @@
 //! What no wing is known to do: polars that are scaled, mirrored, in other units, or have a row that is wild.
 
+use super::stall::stall;
+
 /// A reason to doubt a polar.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Doubt {
@@ -145,16 +147,30 @@ pub fn doubts(lines: &[u64], rows: &[[f64; 3]]) -> Vec<Doubt> {
     found
 }
 
-/// The first row of which no wing without slats or flaps can have the lift: it comes of a method that knows no stall, though it bends.
+/// The first row of which no wing without slats or flaps can have the lift: it comes of a method that knows no stall, though it bends. Lift that is high
+/// behind a stall is none of it.
 pub fn beyond_stall(rows: &[[f64; 3]]) -> Option<&[f64; 3]> {
     /// Angle \[°\] beyond every stall of an unslotted section, and lift that none has there. Sections have 1.2 at most, delta wings 1.3.
     const LATE: f64 = 22.0;
     const LIFT: f64 = 1.5;
-    rows.iter()
-        .find(|row| row[0].abs() >= LATE && row[1].abs() > LIFT)
+    let late = |row: &&[f64; 3]| row[0].abs() >= LATE && row[1].abs() > LIFT;
+    [-1.0, 1.0].into_iter().find_map(|sign| {
+        let side = rows.iter().filter(|row| sign * row[0] >= 0.0);
+        let mut side: Vec<&[f64; 3]> = side.collect();
+        side.sort_by(|a, b| a[0].abs().total_cmp(&b[0].abs()));
+        let lift = |row: &[f64; 3]| sign * row[1];
+        let greatest = || {
+            let all = side.iter().enumerate();
+            let most = all.max_by(|a, b| lift(a.1).total_cmp(&lift(b.1)));
+            most.map_or(0, |(at, _)| at)
+        };
+        let stalls = stall(side.iter().map(|row| (row[0].abs(), lift(row))));
+        let at = side.get(stalls.unwrap_or_else(greatest))?;
+        (at[0].abs() >= LATE).then(|| side.iter().copied().find(late))?
+    })
 }
 
-/// Whether lift still grows at the last row as it does at small angles: that is no stall, but the end of a table.
+/// Whether lift still grows at the last row as it does at small angles, and no stall stands before: that is the end of a table alone.
 pub fn ends_straight(rows: &[[f64; 3]]) -> bool {
     /// Part of the slope that is left where a stall begins.
     const LEFT: f64 = 0.7;
@@ -163,6 +179,10 @@ pub fn ends_straight(rows: &[[f64; 3]]) -> bool {
     let Some(&[last, lift, _]) = rows.last() else {
         return false;
     };
+    let above = rows.iter().filter(|row| row[0] >= 0.0);
+    if stall(above.map(|row| (row[0], row[1]))).is_some() {
+        return false;
+    }
     let before = rows.iter().rfind(|row| row[0] <= last - END);
     let end = before.map(|row| (lift - row[1]) / (last - row[0]));
     match (end, slope(rows)) {
@@ -303,5 +323,33 @@ mod tests {
         assert!(ends_straight(&straight));
         assert!(ends_straight(&section()[..16]));
         assert!(!ends_straight(&section()[..20]));
+    }
+
+    /// A stall in the table is one, whatever comes behind it: lift that grows at the end, and lift that stays high.
+    #[test]
+    fn what_comes_behind_a_stall_is_not_doubted() {
+        let with = |lift: fn(f64) -> f64| -> Vec<[f64; 3]> {
+            let angles = (-10..=30).map(f64::from);
+            angles.map(|a| [a, lift(a), 0.02]).collect()
+        };
+        let grows = with(|a| match a {
+            a if a <= 11.0 => 0.1 * a,
+            a if a <= 26.0 => 0.62,
+            a => 0.62 + 0.1 * (a - 26.0),
+        });
+        assert!(!ends_straight(&grows) && beyond_stall(&grows).is_none());
+        let high = with(|a| match a {
+            a if a <= 18.0 => 0.3 + 0.1 * a,
+            a => 2.1 - 0.03 * (a - 18.0),
+        });
+        assert!(!ends_straight(&high) && beyond_stall(&high).is_none());
+        // The kink of a table that goes on growing is no stall.
+        let kink = with(|a| 0.1 * a - if a > 6.0 { 0.09 } else { 0.0 });
+        assert!(ends_straight(&kink));
+        let mirrored: Vec<[f64; 3]> = (-30..=14)
+            .map(f64::from)
+            .map(|a: f64| [a, 4.0 * a.to_radians().sin() * a.to_radians().cos(), 0.02])
+            .collect();
+        assert_eq!(beyond_stall(&mirrored).map(|row| row[0]), Some(-25.0));
     }
 }

@@ -1,27 +1,71 @@
-//! Polars as files: tables of spreadsheets and this program (CSV), of XFOIL and XFLR5 (of sections and wings), and AVL's total forces.
+//! Polars as files: tables with names above them (of spreadsheets, XFOIL, XFLR5, VSPAERO, AeroDyn and this program), tables without (of AeroDyn 13 and
+//! QBlade), and AVL's total forces.
 
-use anyhow::{anyhow, ensure};
+mod foreign;
+
+use anyhow::{anyhow, bail, ensure};
 
 use super::Read;
 use super::made::WING;
 
-/// The columns, as this program writes them.
-const NAMES: [&str; 3] = ["alpha_deg", "cl", "cd"];
+/// The columns, as this program writes them, and what other programs call them: the first that is there is taken. VSPAERO and XFLR5 have parts
+/// of lift and drag besides the whole.
+const NAMES: [(&str, &[&str]); 3] = [
+    (
+        "alpha_deg",
+        &[
+            "alpha_deg",
+            "alpha",
+            "aoa",
+            "α",
+            "alfa",
+            "aoa_deg",
+            "alpha_rad",
+        ],
+    ),
+    ("cl", &["cltot", "cl_tot", "cl", "c_l"]),
+    ("cd", &["cdtot", "cd_tot", "cd", "c_d"]),
+];
 /// Coefficients of one angle in two rows that are the same: XFOIL comes to an angle from two sides.
 const AGAIN: f64 = 0.01;
+/// What comments begin with.
+const SIGNS: [&str; 4] = ["#", "!", "%", "//"];
 
 /// The rows of `text`; `origin` stands for it in errors. It is one of these:
 ///
-/// - a table: a line with the names `alpha_deg` (or `alpha`, `aoa`), `cl` and `cd`, in small letters or capitals, with a unit in brackets or without, and rows of
-///   numbers under it. Cells are parted
-///   by semicolons, tabs, commas or blanks; where it is not by commas, a comma may part decimals. What stands above the names or behind `#` is a
-///   comment; rules of dashes or underscores are left out. So write spreadsheets, XFOIL (`PACC`) and XFLR5.
+/// - a table: a line with the names `alpha_deg` (or `alpha`, `aoa`), `cl` and `cd` (or `CLtot`, `CDtot`), in small letters or capitals, with a unit in brackets or without, and
+///   rows of numbers under it. The names may stand behind the sign of a comment, and under them a row of units. Cells are parted by semicolons, tabs,
+///   commas or blanks; where it is not by commas, a comma may part decimals. What stands above the names or behind such a sign is a comment;
+///   rules of dashes or underscores are left out. So write spreadsheets, XFOIL (`PACC`), XFLR5, VSPAERO (`.polar`) and AeroDyn 14 and 15.
+/// - AeroDyn 13's or QBlade's: numbers without names, α, c_L, c_D and others.
 /// - AVL: one or several outputs of total forces (`FT`, `ST`), each with `Alpha =`, `CLtot =` and `CDtot =`.
 pub fn read(origin: &str, text: &str) -> anyhow::Result<Read> {
-    match text.contains("CLtot") {
-        true => avl(origin, text),
-        false => table(origin, text),
+    if let Some((line, what)) = foreign::named(text) {
+        bail!("{origin}:{line}: {what}");
     }
+    match (foreign::is_avl(text), Header::find(text)) {
+        (true, _) => foreign::avl(origin, text),
+        (false, Some(header)) if header.is_whole() => table(origin, text, &header),
+        (false, _) if foreign::is_nameless(text) => foreign::nameless(origin, text),
+        (false, Some(header)) => table(origin, text, &header),
+        (false, None) => bail!(
+            "{origin}: no line with the names alpha_deg (or alpha), cl and cd above the numbers"
+        ),
+    }
+}
+
+/// Whether `text` holds a polar, readable or not: names over numbers, or a form of another program.
+pub fn is_polar(text: &str) -> bool {
+    let numbers = |header: &Header| {
+        let below = text.lines().skip(header.place as usize);
+        below.take(4).any(|line| {
+            let cells = cells(line);
+            cells.len() > 2 && cells.iter().all(|cell| number(cell).is_some())
+        })
+    };
+    let table = Header::find(text)
+        .is_some_and(|header| header.is_whole() && (!header.commented || numbers(&header)));
+    table || foreign::is_avl(text) || foreign::is_nameless(text)
 }
 
 /// The cells of a line. An empty one counts, but for those at the end.
@@ -39,8 +83,28 @@ fn cells(line: &str) -> Vec<&str> {
     cells
 }
 
+/// The number in a cell: with a point or a comma, and an exponent of E or, as FORTRAN has it, D.
+fn number(cell: &str) -> Option<f64> {
+    cell.replace(',', ".").replace(['D', 'd'], "e").parse().ok()
+}
+
+/// A line without the sign of a comment, and whether it had one.
+fn bare(line: &str) -> (&str, bool) {
+    let line = line.trim();
+    match SIGNS.iter().any(|sign| line.starts_with(sign)) {
+        true => (line.trim_start_matches(['#', '!', '%', '/']).trim(), true),
+        false => (line, false),
+    }
+}
+
+/// A rule of dashes or underscores, or an empty line.
+fn is_rule(line: &str) -> bool {
+    let drawn = |c: char| matches!(c, '-' | '_' | '=') || c.is_whitespace();
+    line.chars().all(drawn)
+}
+
 /// The names in a line of names, in small letters, without units in brackets. Where cells are parted by blanks a unit is a cell.
-fn named(line: &str) -> Vec<String> {
+fn names_in(line: &str) -> Vec<String> {
     let bare = |cell: &str| {
         let end = cell.find(['(', '[']).unwrap_or(cell.len());
         cell[..end].trim().to_lowercase()
@@ -50,104 +114,131 @@ fn named(line: &str) -> Vec<String> {
     cells.map(bare).collect()
 }
 
-/// Where α, c_L and c_D stand in a line of names.
-fn columns(line: &str) -> [Option<usize>; 3] {
-    let names = named(line);
-    NAMES.map(|name| {
-        let is = |known: &String| {
-            known == name || (name == NAMES[0] && (known == "alpha" || known == "aoa"))
+/// The line of names above a table.
+struct Header {
+    /// Its line.
+    place: u64,
+    names: Vec<String>,
+    /// Where α, c_L and c_D stand.
+    columns: [Option<usize>; 3],
+    /// Whether it stands behind the sign of a comment.
+    commented: bool,
+    /// Whether angles are in radians.
+    radians: bool,
+}
+
+impl Header {
+    fn of(place: u64, line: &str) -> Self {
+        let (text, commented) = bare(line);
+        let names = names_in(text);
+        let columns = NAMES.map(|(_, known)| {
+            let place = |known: &&str| names.iter().position(|name| name == known);
+            known.iter().find_map(place)
+        });
+        let alpha = columns[0].and_then(|at| names.get(at));
+        let lower = text.to_lowercase();
+        let radians = alpha.is_some_and(|name| name == "alpha_rad")
+            || ["(rad", "[rad"].iter().any(|unit| lower.contains(unit));
+        Self {
+            place,
+            names,
+            columns,
+            commented,
+            radians,
+        }
+    }
+
+    /// The first line with the most names; of several one that is no comment.
+    fn find(text: &str) -> Option<Self> {
+        let lines = (1..).zip(text.lines());
+        let lines = lines.filter(|(_, line)| !is_rule(line));
+        let mut all: Vec<Self> = lines.map(|(place, line)| Self::of(place, line)).collect();
+        all.reverse();
+        let rank = |header: &Self| {
+            let known = header.columns.iter().flatten().count();
+            // What is said in a comment of one or two names is a sentence.
+            let said = header.commented && known < 3;
+            (if said { 0 } else { known }, !header.commented)
         };
-        names.iter().position(is)
-    })
+        let best = all.into_iter().max_by_key(rank)?;
+        (rank(&best).0 > 0).then_some(best)
+    }
+
+    /// Whether every column is named.
+    fn is_whole(&self) -> bool {
+        self.columns.iter().all(Option::is_some)
+    }
+}
+
+/// Whether every cell of a line under the names is a unit, and whether the angles are in radians.
+fn units(line: &str) -> Option<bool> {
+    const KNOWN: [&str; 10] = [
+        "deg", "degree", "degrees", "°", "rad", "radians", "-", "–", "1", "none",
+    ];
+    let (text, _) = bare(line);
+    let cells: Vec<String> = cells(text)
+        .iter()
+        .map(|cell| cell.trim_matches(|c| "()[]\"".contains(c)).to_lowercase())
+        .collect();
+    let is_unit = |cell: &String| cell.is_empty() || KNOWN.contains(&cell.as_str());
+    let one = cells.iter().any(|cell| cell != "1" && !cell.is_empty());
+    let all = one && cells.len() > 1 && cells.iter().all(is_unit);
+    all.then(|| cells.iter().any(|cell| cell.starts_with("rad")))
 }
 
 /// The rows under a line of names. Induced drag is a wing's.
-fn table(origin: &str, text: &str) -> anyhow::Result<Read> {
-    let is_comment = |line: &str| line.trim_start().starts_with('#');
-    let is_rule = |line: &str| {
-        line.chars()
-            .all(|c| matches!(c, '-' | '_') || c.is_whitespace())
-    };
-    let lines: Vec<(u64, &str)> = (1..)
-        .zip(text.lines())
-        .filter(|(_, line)| !is_comment(line) && !is_rule(line))
-        .collect();
-    let known = |(_, line): &&(u64, &str)| columns(line).iter().flatten().count();
-    // The first with the most names.
-    let header = lines.iter().rev().max_by_key(known);
-    let &(place, header) = header.unwrap_or(&(1, ""));
-    let found = columns(header);
-    ensure!(
-        found.iter().any(Option::is_some),
-        "{origin}: no line with the names alpha_deg (or alpha), cl and cd above the numbers"
-    );
-    let names = named(header);
-    let mut columns_of = [0; 3];
-    for ((column, found), name) in columns_of.iter_mut().zip(found).zip(NAMES) {
+fn table(origin: &str, text: &str, header: &Header) -> anyhow::Result<Read> {
+    let place = header.place;
+    let mut columns = [0; 3];
+    for ((column, found), (name, _)) in columns.iter_mut().zip(header.columns).zip(NAMES) {
         *column = found.ok_or_else(|| {
-            let names = names.join(", ");
+            let names = header.names.join(", ");
             anyhow!("{origin}:{place}: no column {name} among {names}")
         })?;
     }
     let mut rows = Vec::new();
-    for &(line, text) in lines.iter().filter(|(line, _)| *line > place) {
-        let cells = cells(text);
-        if cells.is_empty() {
+    let mut radians = header.radians;
+    for (line, text) in (1..).zip(text.lines()).skip(place as usize) {
+        if is_rule(text) {
             continue;
         }
         // XFLR5 puts several polars into one file, each under names of its own.
+        let another = Header::of(line, text);
         ensure!(
-            columns(text).contains(&None),
+            !another.is_whole() || another.commented != header.commented,
             "{origin}:{line}: a second polar begins here: one file, one polar"
         );
+        if rows.is_empty()
+            && let Some(unit) = units(text)
+        {
+            radians |= unit;
+            continue;
+        }
+        let cells = cells(text);
+        if another.commented && number(cells.first().unwrap_or(&"")).is_none() || cells.is_empty() {
+            continue;
+        }
+        if foreign::is_end(text) {
+            break;
+        }
         let mut row = [0.0; 3];
-        for (value, column) in row.iter_mut().zip(columns_of) {
-            let cell = cells.get(column).filter(|_| cells.len() <= names.len());
+        for (value, column) in row.iter_mut().zip(columns) {
+            let cell = cells.get(column);
+            let cell = cell.filter(|_| cells.len() <= header.names.len());
             let cell =
                 cell.ok_or_else(|| anyhow!("{origin}:{line}: not as many cells as columns"))?;
-            *value = (cell.replace(',', ".").parse())
-                .map_err(|_| anyhow!("{origin}:{line}: {cell:?} is not a number"))?;
+            *value =
+                number(cell).ok_or_else(|| anyhow!("{origin}:{line}: {cell:?} is not a number"))?;
+        }
+        if radians {
+            row[0] = row[0].to_degrees();
         }
         rows.push((line, row));
     }
-    let induced = names.iter().any(|name| name == "cdi");
-    let mut comments = text.lines().filter(|line| is_comment(line));
-    sorted(
-        origin,
-        rows,
-        induced || comments.any(|line| line.contains(WING)),
-    )
-}
-
-/// The rows of AVL's outputs, one each.
-fn avl(origin: &str, text: &str) -> anyhow::Result<Read> {
-    let mut rows = Vec::new();
-    let mut alpha = None;
-    let mut lift = None;
-    for (n, line) in text.lines().enumerate() {
-        let value = |name: &str| -> anyhow::Result<Option<f64>> {
-            let mut words = line.split_whitespace().skip_while(|word| *word != name);
-            let after = words.nth(2);
-            let parsed = after.map(|word| {
-                let bad = |_| anyhow!("{origin}:{}: {word:?} is not a number", n + 1);
-                word.parse().map_err(bad)
-            });
-            parsed.transpose()
-        };
-        alpha = value("Alpha")?.or(alpha);
-        lift = value("CLtot")?.or(lift);
-        if let Some(drag) = value("CDtot")? {
-            let (Some(alpha), Some(lift)) = (alpha.take(), lift.take()) else {
-                return Err(anyhow!(
-                    "{origin}:{}: CDtot without Alpha and CLtot above it",
-                    n + 1
-                ));
-            };
-            rows.push((n as u64 + 1, [alpha, lift, drag]));
-        }
-    }
-    ensure!(!rows.is_empty(), "{origin}: no CDtot");
-    sorted(origin, rows, true)
+    let induced = header.names.iter().any(|name| name == "cdi");
+    let mut comments = text.lines().filter(|line| bare(line).1);
+    let of_wing = induced || comments.any(|line| line.contains(WING));
+    sorted(origin, rows, of_wing)
 }
 
 /// By increasing angle: sweeps run either way, and from 0 both ways. An angle that comes again with the same coefficients is left out.
@@ -297,5 +388,78 @@ mod tests {
         ] {
             assert_eq!(read("x", &text).unwrap().rows, want, "{text}");
         }
+    }
+
+    /// As AeroDyn 15 has it: a table behind numbers, with names and units behind the sign of a comment.
+    #[test]
+    fn names_and_units_behind_the_sign_of_a_comment_are_read() {
+        let rows = "-180.0 0.0 0.02 0.0\n 0.0 0.1 0.01 0.0\n 180.0 0.0 0.02 0.0\n";
+        let want = [[-180.0, 0.0, 0.02], [0.0, 0.1, 0.01], [180.0, 0.0, 0.02]];
+        for sign in ["!", "#", "%", "//", "!!  ", ""] {
+            for units in ["(deg) (-) (-) (-)", "[deg] [-] [-] [-]", "deg - - -", ""] {
+                let above = "! of mine\n 0.75 Re ! in millions\n 3 NumAlf ! rows of the table\n";
+                let text = format!("{above}{sign} Alpha Cl Cd Cm\n{sign} {units}\n{rows}");
+                assert_eq!(read("x", &text).unwrap().rows, want, "{text}");
+                assert!(is_polar(&text), "{text}");
+                let twice = format!("{text}{sign} Alpha Cl Cd Cm\n{rows}");
+                let error = read("x", &twice).unwrap_err().to_string();
+                assert!(error.contains("a second polar begins here"), "{error}");
+            }
+        }
+        // Radians are said to be some, by name or unit; FORTRAN's exponents; names that stand without a sign go before.
+        let radians = "# alpha cl cd\nalpha_rad,CL,CD\n0.5,1.0D-1,2.0d-02\n";
+        for text in [
+            radians.to_owned(),
+            radians.replace("alpha_rad,CL,CD", "alpha (rad),CL,CD"),
+            radians.replace("alpha_rad,CL,CD", "alpha,CL,CD\nrad,-,-"),
+        ] {
+            let found = read("x", &text).unwrap().rows;
+            assert_eq!(found, [[0.5_f64.to_degrees(), 0.1, 0.02]], "{text}");
+        }
+    }
+
+    /// VSPAERO's `.polar`, of before and after OpenVSP 3.3: of a whole wing, its whole lift and drag.
+    #[test]
+    fn both_forms_of_vspaero_are_read() {
+        let old = "  Beta  Mach  AoA  Re/1e6  CL  CDo  CDi  CDtot  CS\n 0.0 0.05 2.0 0.4 0.2 0.01 0.004 0.014 0.0\n";
+        let new = " Surface Integration Forces and Moments\nBeta Mach AoA Re/1e6 CLo CLi CLtot CDo CDi CDtot CSo\n0 0.05 2.0 0.4 0.0 0.2 0.2 0.01 0.004 0.014 0\n";
+        for text in [old, new] {
+            let read = read("x", text).unwrap();
+            assert_eq!((read.rows, read.of_wing), (vec![[2.0, 0.2, 0.014]], true));
+        }
+    }
+
+    /// AeroDyn 13's and QBlade's tables have no names.
+    #[test]
+    fn tables_without_names_are_read_where_the_form_is_known() {
+        let rows = "-180.0 0.0 0.02 0.0\n0.0 0.1 0.01 0.0\n180.0 0.0 0.02 0.0\n";
+        let want = [[-180.0, 0.0, 0.02], [0.0, 0.1, 0.01], [180.0, 0.0, 0.02]];
+        let thirteen = "AeroDyn airfoil file. Compatible with AeroDyn v13.0.\nof mine\nof mine\n 1 Number of airfoil tables in this file\n 0.0 Table ID parameter\n 8.0 Stall angle (deg)\n";
+        let qblade = "---QBlade Polar File---\nmine POLARNAME - the name\nNACA_0018 FOILNAME\n18 THICKNESS\n0 ISDECOMPOSED\n1e6 REYNOLDS\n";
+        for above in [thirteen, qblade] {
+            let text = format!("{above}{rows}EOT\n1 2 3 4\n");
+            assert_eq!(read("x", &text).unwrap().rows, want);
+            assert!(is_polar(&text));
+        }
+        for several in [
+            thirteen.replace(" 1 Number", " 2 Number"),
+            qblade.replace("1e6 REY", "1e6 2e6 REY"),
+        ] {
+            let error = read("x", &format!("{several}{rows}")).unwrap_err();
+            assert!(error.to_string().contains("several polars"), "{error}");
+        }
+    }
+
+    #[test]
+    fn forms_that_are_not_read_are_named() {
+        let error = |text: &str| read("x", text).unwrap_err().to_string();
+        let jsbsim = "\n<?xml version=\"1.0\"?>\n<fdm_config name=\"mine\">\n<tableData>\n-0.2 -0.6\n</tableData>\n";
+        let found = error(jsbsim);
+        assert!(
+            found.starts_with("x:2: JSBSim's XML") && found.contains("alpha_deg"),
+            "{found}"
+        );
+        assert!(error("<html>").contains("HTML"));
+        assert!(!is_polar("base = 'paper'\n# alpha cl cd\nx = 1\n"));
     }
 }

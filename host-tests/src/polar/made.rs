@@ -2,14 +2,16 @@
 
 use anyhow::{anyhow, ensure};
 
-use super::{Apart, Polar, Read, resampled, wing};
+use super::spacing::CLOSEST;
+use super::stall::kinks;
+use super::{Apart, Polar, Read, Upto, resampled, wing};
 
 /// What stands in the comments of a table of a wing that this program wrote.
 pub(super) const WING: &str = "For an aspect ratio of";
 
 impl Polar {
-    /// The polar that stalls at `degrees`: what was read beyond is left out, on both sides.
-    pub fn stalling_at(&self, degrees: f64) -> anyhow::Result<Self> {
+    /// The polar that stalls at `degrees`, and in a sentence what was left out: what was read beyond, on both sides.
+    pub fn stalling_at(&self, degrees: f64) -> anyhow::Result<(Self, Option<String>)> {
         let name = self.name;
         let Read {
             lines,
@@ -17,16 +19,15 @@ impl Polar {
             of_wing,
         } = self.read;
         let last = rows.last().map_or(0.0, |row| row[0]);
-        ensure!(self.seam.is_some(), "{name} goes through its stall already");
         ensure!(
-            degrees <= last,
+            degrees <= last + 1e-6,
             "{name}:{}: ends at {last}°, before a stall at {degrees}°: rows up to the stall are needed",
             self.last_line()
         );
-        let inside = |row: &[f64; 3]| row[0].abs() < degrees - 1e-6;
+        // A row at the stall itself, on the straight line between its neighbours, and none that comes close to it.
+        let inside = |row: &[f64; 3]| (-degrees - 1e-6..degrees - CLOSEST).contains(&row[0]);
         let kept = lines.iter().zip(rows).filter(|(_, row)| inside(row));
         let (mut lines, mut cut): (Vec<u64>, Vec<[f64; 3]>) = kept.unzip();
-        // A row at the stall itself, on the straight line between its neighbours.
         let above = rows.partition_point(|row| row[0] < degrees - 1e-6);
         if let (Some(low), Some(high)) = (rows.get(above.wrapping_sub(1)), rows.get(above)) {
             let part = (degrees - low[0]) / (high[0] - low[0]);
@@ -34,12 +35,19 @@ impl Polar {
             cut.push([degrees, between(1), between(2)]);
             lines.push(self.read.lines[above]);
         }
+        let left_out = left_out(rows, [-degrees, degrees]);
         let read = Read {
             lines,
             rows: cut,
             of_wing: *of_wing,
         };
-        Self::of_read(name, read, None)
+        let cut = Self {
+            told: true,
+            ..Self::of_read(name, read, None)?
+        };
+        let sentence =
+            left_out.map(|left_out| format!("The stall was told, {degrees}°: {left_out}"));
+        Ok((cut, sentence))
     }
 
     /// The polar of a wing of `aspect_ratio` with this section. That of a whole wing has its induced drag already: the ratio counts for how it
@@ -50,7 +58,7 @@ impl Polar {
             return Self::of_read(name, self.read.clone(), Some(aspect_ratio));
         }
         let given = self.seam.map(|seam| seam.given_deg);
-        let (rows, seam) = wing::of_section(&self.degrees(), given, aspect_ratio)
+        let (rows, seam) = wing::of_section(&self.degrees(), given, self.told, aspect_ratio)
             .map_err(|e| anyhow!("{name}: of the wing: {e}"))?;
         Ok(Self {
             seam: Some(seam),
@@ -79,8 +87,44 @@ impl Polar {
                 ),
             ),
         };
+        let cut = wing.seam.map_or(Vec::new(), |seam| self.cut(seam.upto));
         let seam = wing.seam.map(|seam| seam.text());
-        Ok((wing, [sentence].into_iter().chain(seam).collect()))
+        let sentences = [sentence].into_iter().chain(seam).chain(cut);
+        Ok((wing, sentences.collect()))
+    }
+
+    /// In sentences what was left out of this section where it became a wing, and the falls of lift that were not taken for its stall.
+    fn cut(&self, upto: Upto) -> Vec<String> {
+        let Upto::Section(used) = upto else {
+            return Vec::new();
+        };
+        let rows = &self.read.rows;
+        // Of a symmetric section the rows below 0° are used as those above.
+        let used = match used {
+            [first, last] if first > -1e-6 => [-last, last],
+            used => used,
+        };
+        let inside = |row: &&[f64; 3]| (used[0] - 1e-6..=used[1] + 1e-6).contains(&row[0]);
+        let most = rows.iter().filter(inside);
+        let most = most.max_by(|a, b| a[1].total_cmp(&b[1]));
+        let most = most.map(|[at, lift, _]| format!("Its greatest c_L is {lift:.3}, at {at:.1}°"));
+        let above: Vec<&[f64; 3]> = rows.iter().filter(|row| row[0] >= 0.0).collect();
+        let kinks = kinks(above.iter().map(|row| (row[0], row[1])));
+        let kinks = kinks.into_iter().filter(|at| inside(&above[*at]));
+        let kinks = kinks.map(|at| {
+            let [from, lift, _] = *above[at];
+            let behind = above[at..].iter().take_while(|row| row[1] <= lift);
+            let least = behind.fold(lift, |least, row| least.min(row[1]));
+            format!(
+                "Behind {from:.1}° c_L falls by {:.3} and comes back: no stall",
+                lift - least
+            )
+        });
+        let left_out = left_out(rows, used);
+        most.into_iter()
+            .chain(left_out.map(|text| format!("Of the section {text}")))
+            .chain(kinks)
+            .collect()
     }
 
     /// The polar of at most `count` of its rows, and how far it is from this one.
@@ -99,6 +143,32 @@ impl Polar {
             apart,
         ))
     }
+}
+
+/// How many of the `rows` are not used, beyond these angles \[°\], and what lift they have.
+fn left_out(rows: &[[f64; 3]], used: [f64; 2]) -> Option<String> {
+    let below = rows.iter().filter(|row| row[0] < used[0] - 1e-6);
+    let above = rows.iter().filter(|row| row[0] > used[1] + 1e-6);
+    let sides = [below.collect::<Vec<_>>(), above.collect()];
+    let count: usize = sides.iter().map(Vec::len).sum();
+    let ranges = sides.iter().filter_map(|side| {
+        let (first, last) = side.first().zip(side.last())?;
+        let lift = |row: &&[f64; 3]| row[1];
+        let least = side.iter().map(lift).fold(f64::INFINITY, f64::min);
+        let most = side.iter().map(lift).fold(f64::NEG_INFINITY, f64::max);
+        Some(format!(
+            "{:.1}° to {:.1}° (c_L from {least:.3} to {most:.3})",
+            first[0], last[0]
+        ))
+    });
+    let ranges: Vec<String> = ranges.collect();
+    (count > 0).then(|| {
+        format!(
+            "{count} of {} rows are left out: {}",
+            rows.len(),
+            ranges.join(" and ")
+        )
+    })
 }
 
 #[cfg(test)]
@@ -145,7 +215,11 @@ mod tests {
         let text = format!("alpha CL CD\n{rows}");
         let polar = Polar::from_text("x", &text).unwrap();
         assert!(polar.ends_straight());
-        let cut = polar.stalling_at(11.5).unwrap();
+        let (cut, said) = polar.stalling_at(11.5).unwrap();
+        assert_eq!(
+            said.unwrap(),
+            "The stall was told, 11.5°: 5 of 27 rows are left out: 12.0° to 16.0° (c_L from 1.200 to 1.600)"
+        );
         assert_eq!(cut.seam.unwrap().given_deg, [0.0, 11.5]);
         let most = cut
             .degrees()
@@ -154,11 +228,14 @@ mod tests {
             .fold(0.0, |m: f64, r| m.max(r[1]));
         assert!((most - 1.15).abs() < 1e-9);
         assert!(polar.stalling_at(20.0).is_err());
-        assert!(
-            Polar::load("naca-0012-re-160e3")
-                .unwrap()
-                .stalling_at(8.0)
-                .is_err()
-        );
+        // A whole table is cut, too, and extended.
+        let whole = Polar::load("naca-0012-re-160e3").unwrap();
+        let (cut, _) = whole.stalling_at(8.0).unwrap();
+        assert_eq!(cut.seam.unwrap().given_deg, [0.0, 8.0]);
+        // At a row, and next to one.
+        for degrees in [11.0, 11.01, 11.99] {
+            let (cut, _) = polar.stalling_at(degrees).unwrap();
+            assert_eq!(cut.seam.unwrap().given_deg[1], degrees);
+        }
     }
 }

@@ -6,6 +6,7 @@ mod doubt;
 mod formats;
 mod made;
 mod resample;
+mod spacing;
 mod stall;
 mod viterna;
 mod wing;
@@ -14,12 +15,12 @@ use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
 use alula::aero::TableError;
-use anyhow::{anyhow, ensure};
+use anyhow::{anyhow, bail, ensure};
 use serde::Deserialize;
 
 pub use doubt::Doubt;
 pub use resample::{Apart, resampled};
-pub use stall::stall;
+pub use stall::{stall, stall_of_force};
 pub use viterna::{Seam, Upto, most_drag};
 
 use crate::named::{Named, built_in, on_one_line};
@@ -44,8 +45,39 @@ static UNREAD: Read = Read {
     of_wing: false,
 };
 
-/// Most rows of a polar.
+/// Every polar loaded so far, by its text.
+static LOADED: Mutex<BTreeMap<String, Polar>> = Mutex::new(BTreeMap::new());
+
+/// What is odd about the polars that were loaded so far: [`Polar::warnings`] of each.
+pub fn warnings() -> Vec<String> {
+    let loaded = LOADED.lock().unwrap_or_else(PoisonError::into_inner);
+    loaded.values().flat_map(Polar::warnings).collect()
+}
+
+/// Whether a text holds a polar, though perhaps a damaged one: what it holds decides, and not the name of its file.
+pub fn holds_polar(text: &str) -> bool {
+    formats::is_polar(text) && text.parse::<toml::Table>().is_err()
+}
+
+/// Whether a text is a document, of a vehicle or an experiment, though perhaps a damaged one, and no polar.
+pub fn is_document(text: &str) -> bool {
+    // Documents have tables in brackets and assignments.
+    let begins = |line: &str| {
+        let line = line.trim();
+        let key = line.split_once('=').map(|(key, _)| key.trim());
+        let is_key = |key: &str| {
+            let fits = |c: char| c.is_ascii_alphanumeric() || "_-.\"'".contains(c);
+            !key.is_empty() && key.chars().all(fits)
+        };
+        line.starts_with('[') || key.is_some_and(is_key)
+    };
+    text.parse::<toml::Table>().is_ok() || !formats::is_polar(text) && text.lines().any(begins)
+}
+
+/// Most rows of a polar that is read.
 const ROWS: usize = 512;
+/// Most rows of one that is made of it: with those of an extension, every 5° and a few.
+const MADE: usize = ROWS + 88;
 
 /// A polar, as the core and as the plant take it.
 ///
@@ -65,6 +97,8 @@ pub struct Polar {
     pub seam: Option<Seam>,
     /// What was read of a file.
     read: &'static Read,
+    /// Whether its stall was told: its last row.
+    told: bool,
 }
 
 /// What a file holds.
@@ -85,10 +119,19 @@ impl PartialEq for Polar {
 }
 
 impl Polar {
-    /// The polar that `argument` names: a built-in, or else a CSV file.
+    /// The polar that `argument` names: a built-in, or else a file.
     pub fn load(argument: &str) -> anyhow::Result<Self> {
-        static LOADED: Mutex<BTreeMap<String, Polar>> = Mutex::new(BTreeMap::new());
-        let found = Named::find("polar", BUILT_IN, argument)?;
+        Self::named(argument, Named::find("polar", BUILT_IN, argument)?)
+    }
+
+    /// The polar in the text `found` under the name `argument`.
+    pub(crate) fn named(argument: &str, found: Named) -> anyhow::Result<Self> {
+        if is_document(&found.text) {
+            bail!(
+                "{}: a vehicle or an experiment, and no polar",
+                on_one_line(argument)
+            );
+        }
         let mut loaded = LOADED.lock().unwrap_or_else(PoisonError::into_inner);
         match loaded.get(&found.text) {
             // Of another name, perhaps.
@@ -108,7 +151,18 @@ impl Polar {
         // Spreadsheets begin a file with a mark of its encoding.
         let text = text.trim_start_matches('\u{feff}');
         let read = formats::read(origin, text)?;
-        Self::of_read(origin, read, None)
+        ensure!(
+            read.rows.len() <= ROWS,
+            "{origin}: comes to {} rows, and at most {ROWS} are read: leave out every second one",
+            read.rows.len()
+        );
+        let polar = Self::of_read(origin, read, None)?;
+        // What no wing has no command takes.
+        let doubts = polar.doubts();
+        if let Some(doubt) = doubts.iter().find(|doubt| doubt.impossible) {
+            bail!("{origin}:{}: {}", doubt.line, doubt.problem);
+        }
+        Ok(polar)
     }
 
     /// The polar of what was read; extended as of a wing of `aspect_ratio`, if it ends at stall.
@@ -164,8 +218,8 @@ impl Polar {
     /// The polar of whole `rows` \[°, c_L, c_D\], from these `lines` of `origin`.
     pub fn from_rows(origin: &str, lines: &[u64], degrees: &[[f64; 3]]) -> anyhow::Result<Self> {
         ensure!(
-            degrees.len() <= ROWS,
-            "{origin}: comes to {} rows, and at most {ROWS} are read: leave out every second one",
+            degrees.len() <= MADE,
+            "{origin}: comes to {} rows, and at most {MADE} are taken: leave out every second one",
             degrees.len()
         );
         let line = |row: usize| lines.get(row).or(lines.last()).copied().unwrap_or(1);
@@ -184,7 +238,7 @@ impl Polar {
                 alula::aero::Node::from_degrees(alpha as f32, c_l as f32, c_d as f32)
             })
             .collect();
-        let core = alula::aero::Polar::<{ ROWS - 1 }>::new(&nodes)?;
+        let core = alula::aero::Polar::<{ MADE - 1 }>::new(&nodes)?;
         let rows: Vec<Row> = degrees
             .iter()
             .map(|&[alpha, c_l, c_d]| [alpha.to_radians(), c_l, c_d])
@@ -196,6 +250,7 @@ impl Polar {
             rows: rows.leak(),
             seam: None,
             read: &UNREAD,
+            told: false,
         })
     }
 
@@ -215,6 +270,34 @@ impl Polar {
     /// Why it is to be doubted that these are the coefficients of a wing: the worst first.
     pub fn doubts(&self) -> Vec<Doubt> {
         doubt::doubts(&self.read.lines, &self.read.rows)
+    }
+
+    /// What is odd about it, but not impossible, in lines that begin with its name.
+    pub fn odd(&self) -> Vec<String> {
+        let name = on_one_line(self.name);
+        let possible = self.doubts().into_iter().filter(|d| !d.impossible);
+        let lines = possible.map(|doubt| format!("{name}:{}: {}", doubt.line, doubt.problem));
+        lines.collect()
+    }
+
+    /// What is odd about it, and what its end says of its stall: what every command says that takes it as it is.
+    pub fn warnings(&self) -> Vec<String> {
+        let name = on_one_line(self.name);
+        let mut warnings = self.odd();
+        if self.told {
+            return warnings;
+        }
+        if self.ends_straight() {
+            let line = self.last_line();
+            warnings.push(format!(
+                "{name}:{line}: lift still grows in a straight line at the last row: that the wing stalls there is not known"
+            ));
+        } else if let Some([degrees, lift, _]) = self.beyond_stall() {
+            warnings.push(format!(
+                "{name}: c_L is {lift} at {degrees}°, which no wing has without slats: AVL and panel methods know no stall"
+            ));
+        }
+        warnings
     }
 
     /// Whether it ends where lift still grows in a straight line: at the end of a sweep, but not at stall.
@@ -449,7 +532,7 @@ mod tests {
         let whole =
             "alpha_deg,cl,cd\n0,-9e-17,0.1\n45,1,0.9\n90,0,1.8\n135,-1,0.9\n180,2e-16,0.1\n";
         assert!(Polar::from_text("x", whole).unwrap().is_symmetric());
-        let cambered = text(-5).replace("0 -0.00000000000000009", "0 0.4");
+        let cambered = text(-5).replace("0 -0.00000000000000009", "0 0.04");
         assert!(!Polar::from_text("x", &cambered).unwrap().is_symmetric());
     }
 

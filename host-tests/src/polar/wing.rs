@@ -6,6 +6,7 @@
 
 use std::f64::consts::PI;
 
+use super::spacing::spaced;
 use super::stall::stall;
 use super::viterna::{Seam, Upto, extended};
 
@@ -15,26 +16,36 @@ pub const SPAN_EFFICIENCY: f64 = 0.9;
 const FARTHEST: f64 = 30.0;
 
 /// The rows of a wing of `aspect_ratio` with the section `rows` \[°, c_L, c_D\], from 0 or from below. Of a section that was extended itself,
-/// the rows that were `given`, from and to, alone can be attached.
+/// the rows that were `given`, from and to, alone can be attached; they go up to the stall if it was `told`.
 pub fn of_section(
     rows: &[[f64; 3]],
     given: Option<[f64; 2]>,
+    told: bool,
     aspect_ratio: f64,
 ) -> Result<(Vec<[f64; 3]>, Seam), String> {
     let induced = 1.0 / (PI * aspect_ratio * SPAN_EFFICIENCY);
     let [from, to] = given.unwrap_or([-FARTHEST, FARTHEST]);
-    let (from, to) = (from.max(-FARTHEST) - 1e-9, to.min(FARTHEST) + 1e-9);
+    // A stall that was told may be later than any that is looked for.
+    let farthest = if told { 90.0 } else { FARTHEST };
+    let (from, to) = (from.max(-FARTHEST) - 1e-9, to.min(farthest) + 1e-9);
     let inside: Vec<[f64; 3]> = (rows.iter().copied())
         .filter(|row| (from..=to).contains(&row[0]))
         .collect();
-    let attached = attached(&inside);
-    let mut wing: Vec<[f64; 3]> = Vec::new();
-    for &[degrees, lift, drag] in attached {
+    let attached = attached(&inside, told);
+    let of_wing = |&[degrees, lift, drag]: &[f64; 3]| {
         let alpha = degrees + (lift * induced).to_degrees();
-        // In a kink, where lift falls, a wing of small span would go back to smaller angles: that row is left out.
-        if wing.last().is_none_or(|last| alpha > last[0] + 1e-3) {
-            wing.push([alpha, lift, drag + lift * lift * induced]);
-        }
+        [alpha, lift, drag + lift * lift * induced]
+    };
+    // In a kink, where lift falls, rows come closer, and those of a wing of small span go back to smaller angles.
+    let wing = spaced(attached.iter().map(of_wing).collect());
+    if let (Some(first), Some([degrees, ..])) = (wing.first(), attached.first())
+        && *degrees < 0.0
+        && first[0] > 0.0
+    {
+        return Err(format!(
+            "its rows begin at {:.1}°, of the section at {degrees}°: rows below are needed, down to where it has no lift",
+            first[0]
+        ));
     }
     let (rows, seam) = extended(&wing, Some(aspect_ratio))?;
     let section = attached.first().zip(attached.last());
@@ -43,25 +54,30 @@ pub fn of_section(
     Ok((rows, Seam { upto, ..seam }))
 }
 
-/// The rows from the stall below to the stall above.
-fn attached(rows: &[[f64; 3]]) -> &[[f64; 3]] {
+/// The rows from the stall below to the stall above: the last of them if it was `told`.
+fn attached(rows: &[[f64; 3]], told: bool) -> &[[f64; 3]] {
     let zero = rows.partition_point(|row| row[0] < -1e-9);
     let (below, above) = rows.split_at(zero);
-    let last = zero + greatest(above.iter().map(|row| row[1]).collect());
+    let last = match told {
+        true => rows.len().saturating_sub(1),
+        false => zero + greatest(above.iter().map(|row| (row[0], row[1])).collect()),
+    };
     let first = match zero {
         0 => 0,
-        _ => zero - 1 - greatest(below.iter().rev().map(|row| -row[1]).collect()),
+        _ => zero - 1 - greatest(below.iter().rev().map(|row| (-row[0], -row[1])).collect()),
     };
     rows.get(first..=last).unwrap_or(rows)
 }
 
-/// Place of the stall, or of the greatest lift where nothing stalls.
-fn greatest(lift: Vec<f64>) -> usize {
+/// Place of the stall, or of the greatest lift where nothing stalls, in rows of angle and lift.
+fn greatest(rows: Vec<(f64, f64)>) -> usize {
     let most = || {
-        let all = lift.iter().enumerate();
-        all.max_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(i, _)| i)
+        let all = rows.iter().enumerate();
+        let lift = |(_, row): &(usize, &(f64, f64))| row.1;
+        all.max_by(|a, b| lift(a).total_cmp(&lift(b)))
+            .map_or(0, |(i, _)| i)
     };
-    stall(lift.iter().copied()).unwrap_or_else(most)
+    stall(rows.iter().copied()).unwrap_or_else(most)
 }
 
 #[cfg(test)]
@@ -77,7 +93,7 @@ mod tests {
             .map(f64::from)
             .map(|a: f64| [a, slope * a.to_radians(), 0.01])
             .collect();
-        let (wing, seam) = of_section(&rows, None, 6.0).unwrap();
+        let (wing, seam) = of_section(&rows, None, false, 6.0).unwrap();
         let [degrees, lift, drag] = wing[5];
         let want = slope / (1.0 + 2.0 / (6.0 * SPAN_EFFICIENCY));
         assert!((lift / degrees.to_radians() / want - 1.0).abs() < 1e-12);
@@ -89,7 +105,7 @@ mod tests {
     fn the_presets_become_wings() {
         for (name, _) in crate::polar::BUILT_IN {
             let section = Polar::load(name).unwrap();
-            let (rows, seam) = of_section(&section.degrees(), None, 5.0).unwrap();
+            let (rows, seam) = of_section(&section.degrees(), None, false, 5.0).unwrap();
             // The greatest lift stays; what lies behind it is made.
             let most = rows
                 .iter()
@@ -119,8 +135,8 @@ mod tests {
     #[test]
     fn a_kink_does_not_cut_the_wing() {
         for ratio in [0.5, 6.0, 50.0] {
-            let (_, clean) = of_section(&section(-0.05), None, ratio).unwrap();
-            let (rows, kinked) = of_section(&section(0.005), None, ratio).unwrap();
+            let (_, clean) = of_section(&section(-0.05), None, false, ratio).unwrap();
+            let (rows, kinked) = of_section(&section(0.005), None, false, ratio).unwrap();
             assert_eq!(kinked.upto, Upto::Section([0.0, 12.0]));
             assert_eq!(clean.given_deg, kinked.given_deg);
             assert!(rows.windows(2).all(|pair| pair[1][0] > pair[0][0]));
@@ -140,7 +156,46 @@ mod tests {
                 .iter()
                 .any(|row| row[0] > 12.0 && row[1] > given[9][1])
         );
-        let (_, wing) = of_section(&whole, Some(seam.given_deg), 6.0).unwrap();
+        let (_, wing) = of_section(&whole, Some(seam.given_deg), false, 6.0).unwrap();
         assert_eq!(wing.upto, Upto::Section([0.0, 9.0]));
+    }
+
+    /// Rows every tenth of a degree, with ripples: a wing of small span has them where they are read.
+    #[test]
+    fn fine_rows_stay_apart() {
+        for ratio in [1.0, 3.0, 6.0, 12.0] {
+            let lift = |a: f64| section(0.0)[(2.0 * a) as usize][1];
+            let rows: Vec<[f64; 3]> = (0..=200)
+                .map(|n| 0.1 * f64::from(n))
+                .map(|a| [a, lift(a) - 0.02 * (7.0 * a).sin(), 0.01])
+                .collect();
+            let (wing, _) = of_section(&rows, None, false, ratio).unwrap();
+            let polar = Polar::from_rows("x", &[], &wing);
+            assert!(polar.is_ok(), "{ratio}: {:?}", polar.err());
+        }
+    }
+
+    /// Where the stall is told, no fall before it is one.
+    #[test]
+    fn a_stall_that_is_told_decides() {
+        let rows = section(0.3);
+        let (_, found) = of_section(&rows[..23], None, false, 6.0).unwrap();
+        let (_, told) = of_section(&rows[..23], None, true, 6.0).unwrap();
+        assert_eq!(found.upto, Upto::Section([0.0, 11.0]));
+        assert_eq!(told.upto, Upto::Section([0.0, 11.0]));
+        let (_, told) = of_section(&rows[..30], None, true, 6.0).unwrap();
+        assert_eq!(told.upto, Upto::Section([0.0, 14.5]));
+    }
+
+    /// A cambered section from -2° on, with lift there: of a wing of small span it begins above 0°, and that is what is said.
+    #[test]
+    fn a_wing_that_begins_above_zero_says_what_is_missing() {
+        let rows: Vec<[f64; 3]> = (-2..=12)
+            .map(f64::from)
+            .map(|a: f64| [a, 0.5 + 0.1 * a, 0.01])
+            .collect();
+        let error = of_section(&rows, None, false, 1.0).unwrap_err();
+        assert!(error.contains("of the section at -2°"), "{error}");
+        assert!(of_section(&rows, None, false, 6.0).is_ok());
     }
 }

@@ -83,7 +83,7 @@ pub fn replay(
     let mut commands = Commands::new(experiment, to)?;
     let mut current = plane.unwrap_or(Plane::through(0.0));
     let mut across = (0.0, 0usize);
-    let mut followed = 0;
+    let mut followed = states::Followed::default();
     for (row, &t) in states.time.iter().enumerate() {
         let attitude = states.attitude.values[row];
         if plane.is_none() {
@@ -97,7 +97,7 @@ pub fn replay(
                 across.1 + 1,
             );
         }
-        followed += usize::from(told.is_followed);
+        followed.count(&told);
         let input = Input {
             theta,
             sample: PlanarGuidanceInput {

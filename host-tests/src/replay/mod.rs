@@ -5,6 +5,7 @@ pub mod log;
 mod source;
 pub mod space;
 mod states;
+mod steps;
 pub mod trace;
 
 pub use source::Source;

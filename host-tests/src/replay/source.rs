@@ -8,8 +8,9 @@ use alula_logs::states::{self, States};
 use anyhow::{Context, anyhow};
 
 use super::log::{self, Plane};
-use super::trace;
+use super::{steps, trace};
 use crate::experiment::{Experiment, angle};
+use crate::named::{hint, text_of};
 use crate::simulate::Step;
 
 /// A log, opened.
@@ -43,11 +44,13 @@ impl Source {
         let opened = File::open(file).with_context(|| origin.clone())?;
         let read = opened.take(1 << 16).read_to_end(&mut head);
         read.with_context(|| origin.clone())?;
+        alula_logs::blank(&origin, &head)?;
         let log = match map {
             Some(map) => {
                 let name = map.display().to_string();
-                let text = std::fs::read_to_string(map).with_context(|| name.clone())?;
+                let text = text_of(map)?;
                 let map = alula_logs::csv::Map::parse(&name, &text)?;
+                known(&name, &text, &map)?;
                 let bytes = std::fs::read(file).with_context(|| origin.clone())?;
                 Some(alula_logs::csv::read(&origin, &bytes, Some(&map))?)
             }
@@ -59,14 +62,21 @@ impl Source {
         let content = match log {
             Some(log) => {
                 let mut states = states::find(&log).map_err(|missing| {
-                    // What the reader has left out may be what is missing.
-                    let all = std::iter::once(missing.to_string()).chain(log.notes.clone());
+                    // What the reader has left out may be what is missing: it stands before the names that were looked for.
+                    let all = log.notes.iter().cloned();
+                    let all = all.chain([held(&log), missing.to_string()]);
                     anyhow!("{origin}: {}", all.collect::<Vec<_>>().join("; "))
                 })?;
                 states.notes.splice(0..0, log.notes);
                 Content::Log(Box::new(states))
             }
-            None => Content::Trace(File::open(file).with_context(|| origin.clone())?),
+            None => {
+                steps::check(&trace::times(
+                    File::open(file).with_context(|| origin.clone())?,
+                ))
+                .with_context(|| origin.clone())?;
+                Content::Trace(File::open(file).with_context(|| origin.clone())?)
+            }
         };
         Ok(Self {
             origin,
@@ -105,11 +115,57 @@ impl Source {
     }
 }
 
-/// Whether a CSV that begins with `head` has its attitude in the columns that a plain table of states has.
+/// Whether a CSV that begins with `head` has its attitude in the columns that a plain table of states has, their units in brackets or not.
 fn is_plain(head: &[u8]) -> bool {
     let line = head.split(|byte| *byte == b'\n').next().unwrap_or_default();
-    let names = line.split(|byte| *byte == b',').map(<[u8]>::trim_ascii);
-    ["qw", "qx", "qy", "qz"]
-        .iter()
-        .all(|name| names.clone().any(|n| n == name.as_bytes()))
+    let name = |cell: &[u8]| {
+        let text = String::from_utf8_lossy(cell);
+        let name = text.split(" [").next().unwrap_or_default();
+        name.trim().trim_matches('"').to_owned()
+    };
+    let names: Vec<String> = line.split(|byte| *byte == b',').map(name).collect();
+    let has = |wanted: &[&str]| wanted.iter().all(|name| names.iter().any(|n| n == name));
+    has(&["qw", "qx", "qy", "qz"]) || has(&["roll", "pitch", "yaw"])
+}
+
+/// What a log holds, in words.
+fn held(log: &alula_logs::Log) -> String {
+    /// Topics that are named.
+    const NAMED: usize = 8;
+    let mut names: Vec<&str> = log.topics.iter().map(|topic| topic.name()).collect();
+    names.dedup();
+    let more = match names.len() > NAMED {
+        true => ", …",
+        false => "",
+    };
+    match names.is_empty() {
+        true => "it holds no messages of numbers".to_owned(),
+        false => format!(
+            "it holds {}{more}",
+            names[..names.len().min(NAMED)].join(", ")
+        ),
+    }
+}
+
+/// Refuses a name of the map's `[columns]` that no quantity has: it would be read for nothing.
+fn known(file: &str, text: &str, map: &alula_logs::csv::Map) -> anyhow::Result<()> {
+    let names = states::names(&map.topic);
+    let unknown = map
+        .columns
+        .keys()
+        .find(|name| !names.contains(&name.as_str()));
+    let Some(name) = unknown.filter(|_| !names.is_empty()) else {
+        return Ok(());
+    };
+    let begins = |line: &str| {
+        let key = line.trim_start().trim_start_matches(['"', '\'']);
+        key.strip_prefix(name.as_str())
+            .is_some_and(|rest| !rest.starts_with(|c: char| c.is_alphanumeric() || c == '_'))
+    };
+    let line = text.lines().position(begins).map_or(1, |line| line + 1);
+    anyhow::bail!(
+        "{file}:{line}: columns.{name}: no quantity has this name{}; the names are {}",
+        hint(name, &names),
+        names.join(", ")
+    )
 }

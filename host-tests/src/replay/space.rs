@@ -33,7 +33,7 @@ pub fn replay(states: &States, experiment: &Experiment) -> anyhow::Result<(Recor
     let guidance = experiment.controller.guidance(experiment)?;
     let mut memory = GuidanceState::default();
     let mut record = Record::with_capacity(states.time.len());
-    let mut followed = 0;
+    let mut followed = states::Followed::default();
     for (row, &t) in states.time.iter().enumerate() {
         let attitude = states.attitude.values[row];
         let [w, x, y, z] = attitude.map(|c| c as f32);
@@ -41,7 +41,7 @@ pub fn replay(states: &States, experiment: &Experiment) -> anyhow::Result<(Recor
             Orientation::from_quaternion(&Quaternion { w, x, y, z }, BodyAxes::NoseForward)
                 .unwrap_or(Orientation::UNKNOWN);
         let told = Row::of(states, row);
-        followed += usize::from(told.is_followed);
+        followed.count(&told);
         let target = Target {
             position: told.wanted.unwrap_or(V3::repeat(f64::NAN)),
             velocity: told.reference.into(),

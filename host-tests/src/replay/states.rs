@@ -6,6 +6,7 @@ use alula::spatial::Body;
 use alula_logs::states::{Series, States};
 use anyhow::bail;
 
+use super::steps;
 use crate::space::V3;
 
 /// A row of the states. World vectors are north-east-down.
@@ -14,17 +15,20 @@ pub struct Row {
     pub velocity: [f64; 3],
     /// Its age \[s\].
     pub velocity_age: f64,
-    /// Whether the autopilot asks for a velocity. Where it asks for none, the one flown stands for it.
+    /// Whether the autopilot asks for a velocity, and whether on some axes alone. Where it asks for none, the one flown stands for it, or rest
+    /// on an axis on which it asks for a position.
     pub is_followed: bool,
+    /// See `is_followed`.
+    pub is_partly: bool,
     /// v_r \[m/s\].
     pub reference: [f64; 3],
     /// Its age \[s\].
     pub reference_age: f64,
     /// a_r \[m/s²\].
     pub acceleration: [f64; 3],
-    /// x \[m\].
+    /// x \[m\]; NaN on an axis on which it is not known.
     pub position: Option<V3>,
-    /// x_r \[m\].
+    /// x_r \[m\]; NaN on an axis on which none is asked for.
     pub wanted: Option<V3>,
     /// Heading asked for \[rad\].
     pub heading: Option<f64>,
@@ -44,17 +48,22 @@ pub fn age<const N: usize>(series: &Series<N>, row: usize) -> f64 {
     (series.age[row] - series.interval).max(0.0)
 }
 
-/// One row of a series, with its age \[s\]; none if there is no such series, or no number in the row.
-fn at<const N: usize>(series: Option<&Series<N>>, row: usize) -> Option<([f64; N], f64)> {
+/// One row of a series, with its age \[s\], if any component of it is known: the others are NaN.
+fn any<const N: usize>(series: Option<&Series<N>>, row: usize) -> Option<([f64; N], f64)> {
     let series = series?;
     let value = series.values[row];
-    let known = value.iter().all(|x| x.is_finite());
+    let known = value.iter().any(|x| x.is_finite());
     known.then_some((value, age(series, row)))
 }
 
-/// The same of what is asked for.
+/// The same if every component is known.
+fn at<const N: usize>(series: Option<&Series<N>>, row: usize) -> Option<([f64; N], f64)> {
+    any(series, row).filter(|(value, _)| value.iter().all(|x| x.is_finite()))
+}
+
+/// The same of what is asked for, on any axis.
 fn asked<const N: usize>(series: Option<&Series<N>>, row: usize) -> Option<([f64; N], f64)> {
-    at(series, row).filter(|(_, age)| *age <= CEASED)
+    any(series, row).filter(|(_, age)| *age <= CEASED)
 }
 
 impl Row {
@@ -63,20 +72,35 @@ impl Row {
         let value = |series| at(series, row).map(|(value, _)| value);
         let unknown = ([f64::NAN; 3], f64::INFINITY);
         let flown = at(states.velocity.as_ref(), row).unwrap_or(unknown);
-        let setpoint = asked(states.velocity_setpoint.as_ref(), row);
-        let (reference, reference_age) = setpoint.unwrap_or(flown);
+        let wanted = asked(states.position_setpoint.as_ref(), row);
+        // An autopilot that logs no velocity asked for may ask for one, and one that logs it without a number does not.
+        let logged = states.velocity_setpoint.is_some();
+        let held = wanted.filter(|_| logged);
+        let setpoint = asked(states.velocity_setpoint.as_ref(), row).or_else(|| {
+            let (_, age) = held?;
+            Some(([f64::NAN; 3], age))
+        });
+        let asked_on = |i: usize| {
+            let own = setpoint.map(|(v, _)| v[i]).filter(|v| v.is_finite());
+            let rest = held.filter(|(x, _)| x[i].is_finite()).map(|_| 0.0);
+            own.or(rest)
+        };
+        let reference = std::array::from_fn(|i| asked_on(i).unwrap_or(flown.0[i]));
+        let axes = (0..3).filter(|i| asked_on(*i).is_some()).count();
         let acceleration = asked(states.acceleration_setpoint.as_ref(), row);
+        let or_none = |x: f64| if x.is_finite() { x } else { 0.0 };
         Self {
             velocity: flown.0,
             velocity_age: flown.1,
-            is_followed: setpoint.is_some(),
+            is_followed: axes > 0,
+            is_partly: axes > 0 && axes < 3,
             reference,
-            reference_age,
+            reference_age: setpoint.unwrap_or(flown).1,
             acceleration: acceleration
-                .filter(|_| setpoint.is_some())
-                .map_or([0.0; 3], |(acceleration, _)| acceleration),
-            position: value(states.position.as_ref()).map(V3::from),
-            wanted: asked(states.position_setpoint.as_ref(), row).map(|(x, _)| V3::from(x)),
+                .filter(|_| axes > 0)
+                .map_or([0.0; 3], |(acceleration, _)| acceleration.map(or_none)),
+            position: any(states.position.as_ref(), row).map(|(x, _)| V3::from(x)),
+            wanted: wanted.map(|(x, _)| V3::from(x)),
             heading: asked(states.heading_setpoint.as_ref(), row).map(|([heading], _)| heading),
             wind: value(states.wind.as_ref()),
             through: value(states.air_velocity.as_ref()),
@@ -84,9 +108,11 @@ impl Row {
         }
     }
 
-    /// x − x_r \[m\], if both are known.
+    /// x − x_r \[m\], if both are known on any axis; 0 on the others, on which no position is held.
     pub fn position_error(&self) -> Option<V3> {
-        self.position.zip(self.wanted).map(|(x, r)| x - r)
+        let error = self.position? - self.wanted?;
+        let known = error.iter().any(|e| e.is_finite());
+        known.then(|| error.map(|e| if e.is_finite() { e } else { 0.0 }))
     }
 
     /// What is known of the air, in the axes of `within`. The velocity through it goes before the wind.
@@ -115,21 +141,45 @@ impl Row {
 /// Without a velocity there is nothing to replay.
 pub fn check(states: &States) -> anyhow::Result<()> {
     if states.velocity.is_none() {
-        let missing = states.missing.iter().map(ToString::to_string);
-        bail!("{}", missing.collect::<Vec<_>>().join("; "));
+        // What the reader left out may be the cause: it stands before the names that were looked for.
+        let missing = states.missing.iter().filter(|m| m.what == "velocity");
+        let all = states.notes.iter().cloned();
+        let all = all.chain(missing.map(ToString::to_string));
+        bail!("{}", all.collect::<Vec<_>>().join("; "));
     }
-    Ok(())
+    steps::check(&states.time)
 }
 
-/// What had to be assumed of the states, where the autopilot asked for a velocity in `followed` rows.
-pub fn notes(states: &States, followed: usize) -> Vec<String> {
+/// In how many rows the autopilot asked for a velocity, and in how many on some axes alone.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Followed {
+    any: usize,
+    partly: usize,
+}
+
+impl Followed {
+    /// Counts a row.
+    pub fn count(&mut self, row: &Row) {
+        self.any += usize::from(row.is_followed);
+        self.partly += usize::from(row.is_partly);
+    }
+}
+
+/// What had to be assumed of the states, where the autopilot asked for a velocity in the rows `followed`.
+pub fn notes(states: &States, followed: Followed) -> Vec<String> {
     let mut notes = states.notes.clone();
     notes.extend(states.missing.iter().map(ToString::to_string));
     let rows = states.time.len();
-    if followed < rows {
-        let flown = rows - followed;
+    if followed.any < rows {
+        let flown = rows - followed.any;
         notes.push(format!(
             "no velocity asked for in {flown} of {rows} rows: the velocity flown stands for it there"
+        ));
+    }
+    if followed.partly > 0 {
+        notes.push(format!(
+            "a velocity asked for on some axes alone in {} of {rows} rows: on the others the velocity flown stands for it",
+            followed.partly
         ));
     }
     notes
@@ -188,5 +238,70 @@ mod tests {
         // The last velocity asked for at 4.9 s.
         assert!(row(5.9).is_followed && !row(6.1).is_followed);
         assert_eq!(row(6.1).reference, row(6.1).velocity);
+    }
+
+    /// PX4's habit: NaN where nothing is asked for. The other axes are asked for all the same, and a position on an axis is rest there.
+    #[test]
+    fn what_is_asked_for_on_some_axes_is_followed_there() {
+        let nan = f64::NAN;
+        let topic = |name: &str, columns: &[(&str, f64)]| {
+            let column = |&(name, value): &(&str, f64)| Column::new(name, "", vec![value]);
+            let columns = columns.iter().map(column).collect();
+            Topic::new(name, 0, vec![0.0], columns).unwrap()
+        };
+        let row = |position: [f64; 3], asked: [f64; 3], wanted: [f64; 3]| {
+            let topics = vec![
+                topic(
+                    "vehicle_attitude",
+                    &[("q[0]", 1.0), ("q[1]", 0.0), ("q[2]", 0.0), ("q[3]", 0.0)],
+                ),
+                topic(
+                    "vehicle_local_position",
+                    &[
+                        ("x", position[0]),
+                        ("y", position[1]),
+                        ("z", position[2]),
+                        ("vx", 1.0),
+                        ("vy", 2.0),
+                        ("vz", 3.0),
+                    ],
+                ),
+                topic(
+                    "trajectory_setpoint",
+                    &[
+                        ("velocity[0]", asked[0]),
+                        ("velocity[1]", asked[1]),
+                        ("velocity[2]", asked[2]),
+                        ("position[0]", wanted[0]),
+                        ("position[1]", wanted[1]),
+                        ("position[2]", wanted[2]),
+                        ("acceleration[0]", 0.5),
+                        ("acceleration[1]", nan),
+                        ("acceleration[2]", nan),
+                    ],
+                ),
+            ];
+            let log = Log {
+                topics,
+                notes: Vec::new(),
+            };
+            Row::of(&states::find(&log).unwrap(), 0)
+        };
+        let level = row([7.0, 8.0, -20.0], [5.0, 0.0, nan], [nan, nan, -25.0]);
+        assert_eq!(level.reference, [5.0, 0.0, 0.0]);
+        assert_eq!(level.acceleration, [0.5, 0.0, 0.0]);
+        assert_eq!(level.position_error(), Some(V3::new(0.0, 0.0, 5.0)));
+        assert!(level.is_followed && !level.is_partly);
+        // Nothing at all is asked for downwards.
+        let free = row([7.0, 8.0, -20.0], [5.0, 0.0, nan], [nan; 3]);
+        assert_eq!(free.reference, [5.0, 0.0, 3.0]);
+        assert!(free.is_followed && free.is_partly && free.position_error().is_none());
+        // A place to hold, without a velocity; and an altitude, where that alone is known.
+        let hold = row([7.0, 8.0, -20.0], [nan; 3], [6.0, 8.0, -20.0]);
+        assert_eq!((hold.reference, hold.is_followed), ([0.0; 3], true));
+        let baro = row([nan, nan, -20.0], [5.0, 0.0, 0.0], [1.0, 2.0, -25.0]);
+        assert_eq!(baro.position_error(), Some(V3::new(0.0, 0.0, 5.0)));
+        let none = row([7.0, 8.0, -20.0], [nan; 3], [nan; 3]);
+        assert_eq!((none.reference, none.is_followed), ([1.0, 2.0, 3.0], false));
     }
 }

@@ -148,6 +148,20 @@ impl Log<'_> {
     }
 }
 
+/// The times of a log \[s\], as far as it has any; what is wrong with it [`replay`] says.
+pub(super) fn times(from: impl Read) -> Vec<f64> {
+    let mut reader = csv::ReaderBuilder::new()
+        .trim(csv::Trim::All)
+        .flexible(true)
+        .from_reader(from);
+    let header = reader.headers().cloned().unwrap_or_default();
+    let Some(place) = header.iter().position(|name| name == "t_s") else {
+        return Vec::new();
+    };
+    let time = |record: csv::Result<StringRecord>| record.ok()?.get(place)?.parse().ok();
+    reader.records().map_while(time).collect()
+}
+
 /// Runs the controller of `experiment` over the log `from` and writes its commands `to`, holding one row at a time; `visit` is given every
 /// step. `origin` stands for the log in errors, which name line and column. Columns are found by name; what is not known is ignored.
 pub fn replay(

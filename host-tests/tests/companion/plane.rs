@@ -466,6 +466,42 @@ fn the_command_waits_and_ctrl_c_ends_it() {
     );
 }
 
+/// A link that is lost in flight is no success: the page is there, and the exit code says so.
+#[test]
+fn a_link_lost_in_flight_is_a_failure_of_the_command() {
+    use std::io::{BufRead, BufReader};
+    use std::process::{Command, Stdio};
+    let folder = tempfile::tempdir().unwrap();
+    let free = std::net::UdpSocket::bind("127.0.0.1:0").unwrap();
+    let address = free.local_addr().unwrap().to_string();
+    drop(free);
+    let alula = |arguments: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_alula-sil"));
+        command.current_dir(folder.path()).args(arguments);
+        command.stdout(Stdio::null()).stderr(Stdio::piped());
+        command.spawn().unwrap()
+    };
+    let here = format!("udpin:{address}");
+    let arguments = ["companion", "round-trip", "--engage", "--out", "here"];
+    let mut companion = alula(&[&arguments[..], &["--connect", &here]].concat());
+    let mut said = BufReader::new(companion.stderr.take().unwrap()).lines();
+    let there = format!("udpout:{address}");
+    let mut autopilot = alula(&["serve", "px4", "round-trip", "--connect", &there]);
+    let flies = said.by_ref().map_while(Result::ok);
+    assert!({ flies }.any(|line| line.contains("flies the reference")));
+    std::thread::sleep(std::time::Duration::from_millis(500));
+    autopilot.kill().unwrap();
+    autopilot.wait().unwrap();
+    let rest: Vec<String> = said.map_while(Result::ok).collect();
+    assert_eq!(companion.wait().unwrap().code(), Some(1), "{rest:?}");
+    let last = rest.last().unwrap();
+    assert!(
+        last.starts_with("error: the link was lost in flight"),
+        "{rest:?}"
+    );
+    assert!(folder.path().join("here/report.html").exists());
+}
+
 /// What docs/autopilots.md says of the round trip: `--ignored --nocapture plane`.
 #[test]
 #[ignore = "minutes: measures what the documentation states"]

@@ -124,10 +124,27 @@ pub(super) fn identity(headers: &[String]) -> (Source, Vec<(String, Source)>) {
         .skip(1)
         .map(column)
         .collect();
-    (
-        Source::same(headers.first().map_or("", String::as_str), "s"),
-        columns,
-    )
+    let first = headers.first().map_or("", String::as_str);
+    let time = Source {
+        scale: seconds(first),
+        ..Source::same(first, "s")
+    };
+    (time, columns)
+}
+
+/// What one unit of the time under this header is in seconds, by a unit in brackets or at the end of its name.
+fn seconds(header: &str) -> f64 {
+    let lower = header.to_lowercase();
+    let unit = lower
+        .trim_end_matches([']', ')'])
+        .rsplit(['[', '(', '_', ' '])
+        .next();
+    match unit {
+        Some("ms") => 1e-3,
+        Some("us" | "µs" | "μs") => 1e-6,
+        Some("ns") => 1e-9,
+        _ => 1.0,
+    }
 }
 
 #[cfg(test)]
@@ -165,5 +182,22 @@ mod tests {
         };
         assert_eq!(names(&["time [s]", "b [m]", "a[0] [m]"]), ["b", "a[0]"]);
         assert_eq!(names(&["t", "h [m]", "h [ft]"]), ["h [m]", "h [ft]"]);
+    }
+
+    #[test]
+    fn the_unit_of_time_is_taken_from_the_header() {
+        for (header, unit) in [
+            ("time [s]", 1.0),
+            ("time [ms]", 1e-3),
+            ("t (us)", 1e-6),
+            ("Time [µs]", 1e-6),
+            ("timestamp_us", 1e-6),
+            ("t_ns", 1e-9),
+            ("t", 1.0),
+            ("items", 1.0),
+            ("us", 1e-6),
+        ] {
+            assert_eq!(identity(&[header.into()]).0.scale, unit, "{header}");
+        }
     }
 }

@@ -1,5 +1,8 @@
 //! Reading MCAP with JSON messages. By own code: the crate that writes it (`mcap` 0.26) panics on damaged files.
 
+mod chunk;
+mod clock;
+
 use super::named;
 use crate::{Column, Error, Log, Topic};
 use serde_json::{Map, Value};
@@ -16,7 +19,10 @@ pub fn is_mcap(head: &[u8]) -> bool {
 
 /// The rows of one channel as they are read.
 struct Rows {
-    time: Vec<f64>,
+    /// When each was logged \[s\].
+    logged: Vec<f64>,
+    /// What its `timestamp` says, in a unit of its own; NaN if it has none.
+    stamps: Vec<f64>,
     columns: Vec<Column>,
 }
 
@@ -48,17 +54,19 @@ impl Rows {
         };
         let column = |(name, _): &(String, f64)| Column::new(name, unit(name), Vec::new());
         Self {
-            time: Vec::new(),
+            logged: Vec::new(),
+            stamps: Vec::new(),
             columns: numbers.iter().map(column).collect(),
         }
     }
 
     /// Adds a row; whether it has the columns of the first.
-    fn add(&mut self, time: f64, numbers: &[(String, f64)]) -> bool {
+    fn add(&mut self, logged: f64, stamp: f64, numbers: &[(String, f64)]) -> bool {
         let names = self.columns.iter().map(|column| &column.name);
         let same = names.eq(numbers.iter().map(|(name, _)| name));
         if same {
-            self.time.push(time);
+            self.logged.push(logged);
+            self.stamps.push(stamp);
             for (column, (_, value)) in self.columns.iter_mut().zip(numbers) {
                 column.values.push(*value);
             }
@@ -105,7 +113,7 @@ const END_OF_DATA: u8 = 0x0f;
 /// A channel of JSON, or of something else.
 struct Channel {
     topic: String,
-    json: bool,
+    encoding: String,
     /// Field → unit.
     units: BTreeMap<String, String>,
     /// None before the first message.
@@ -127,7 +135,7 @@ impl Channel {
         }
         let channel = Self {
             topic,
-            json: encoding == "json",
+            encoding,
             units,
             rows: None,
             others: 0,
@@ -137,7 +145,8 @@ impl Channel {
 
     /// Takes the `data` of a message logged at `logged` \[s\].
     fn take(&mut self, logged: f64, data: &[u8]) {
-        let object = self.json.then(|| serde_json::from_slice(data).ok());
+        let json = self.encoding == "json";
+        let object = json.then(|| serde_json::from_slice(data).ok());
         let Some(Value::Object(fields)) = object.flatten() else {
             self.others += 1;
             return;
@@ -146,7 +155,8 @@ impl Channel {
         let stamp = fields.get("timestamp").and_then(Value::as_f64);
         let units = &self.units;
         let rows = self.rows.get_or_insert_with(|| Rows::new(&numbers, units));
-        self.others += usize::from(!rows.add(stamp.unwrap_or(logged), &numbers));
+        let stamp = stamp.unwrap_or(f64::NAN);
+        self.others += usize::from(!rows.add(logged, stamp, &numbers));
     }
 }
 
@@ -159,9 +169,8 @@ fn is_wrong(checksum: u64, bytes: &[u8]) -> bool {
 #[derive(Default)]
 struct Reading {
     channels: BTreeMap<u64, Channel>,
-    compressed: usize,
-    /// Chunks whose checksum is wrong.
-    damaged: usize,
+    /// Chunks left out, by the reason.
+    left_out: BTreeMap<String, usize>,
     /// Where the data end: the bytes from there on, and the checksum of those before; 0 if there is none.
     end: Option<(usize, u64)>,
 }
@@ -186,14 +195,18 @@ impl Reading {
                     self.channels.get_mut(&id)?.take(logged, record.0);
                 }
                 CHUNK if !nested => {
-                    record.take(24)?;
+                    record.take(16)?;
+                    let size = record.number(8)?;
                     let checksum = record.number(4)?;
                     let compression = record.text()?;
-                    let records = record.part(8)?;
-                    match compression.is_empty() {
-                        true if is_wrong(checksum, records) => self.damaged += 1,
-                        true => self.take(Bytes(records), true)?,
-                        false => self.compressed += 1,
+                    let records = chunk::records(&compression, record.part(8)?, size);
+                    let records = records.and_then(|records| match is_wrong(checksum, &records) {
+                        true => Err("a wrong checksum".to_owned()),
+                        false => Ok(records),
+                    });
+                    match records {
+                        Ok(records) => self.take(Bytes(&records), true)?,
+                        Err(why) => *self.left_out.entry(why).or_default() += 1,
                     }
                 }
                 END_OF_DATA => {
@@ -208,12 +221,12 @@ impl Reading {
 }
 
 /// Reads the channels of JSON messages in `bytes`, the file called `file` in errors, as [`write`](super::write) leaves them: a message's numbers
-/// are columns, those of an array `name[0]`, `name[1]`, …; its time is `timestamp` \[s\], or else the time at which it was logged. What is no
-/// number is NaN. Messages of another encoding, or with other fields than the first of their channel, compressed chunks and those whose checksum
+/// are columns, those of an array `name[0]`, `name[1]`, …; its time is `timestamp`, in the unit that the times at which messages were logged tell, or
+/// else that time itself. What is no number is NaN. Chunks may be compressed by zstd or lz4. Messages of another encoding, or with other fields than the first of their channel, and chunks whose checksum
 /// is wrong are left out, and of a file that is damaged between its records what follows; all are noted, and a wrong checksum of the whole.
 ///
 /// # Errors
-/// [`Error::Format`]: not MCAP.
+/// [`Error::Format`]: not MCAP, or no message of JSON in it, and why.
 pub fn read(file: &str, bytes: &[u8]) -> Result<Log, Error> {
     let Some(records) = bytes.strip_prefix(MAGIC) else {
         return Err(Error::Format {
@@ -228,23 +241,35 @@ pub fn read(file: &str, bytes: &[u8]) -> Result<Log, Error> {
     if whole.is_none() {
         notes.push("damaged or cut off: read up to there".into());
     }
-    if reading.compressed > 0 {
-        notes.push(format!("{} compressed chunks left out", reading.compressed));
+    for (why, count) in &reading.left_out {
+        notes.push(format!("chunks left out for {why}: {count}"));
     }
     let checked = |&(rest, checksum): &(usize, u64)| {
         let before = bytes.get(..bytes.len().saturating_sub(rest));
         before.is_some_and(|before| is_wrong(checksum, before))
     };
-    match reading.damaged {
-        0 if reading.end.as_ref().is_some_and(checked) => {
-            notes.push("the checksum of the data is wrong: some of them are damaged".into());
-        }
-        0 => {}
-        damaged => notes.push(format!("chunks left out for a wrong checksum: {damaged}")),
+    if reading.left_out.is_empty() && reading.end.as_ref().is_some_and(checked) {
+        notes.push("the checksum of the data is wrong: some of them are damaged".into());
     }
+    let mut channels: Vec<Channel> = reading.channels.into_values().collect();
+    if channels.iter().all(|channel| channel.rows.is_none()) {
+        let why = nothing(&channels, notes);
+        return Err(Error::Format {
+            file: file.into(),
+            offset: 0,
+            problem: format!("no messages of JSON, which alone are read: {why}"),
+        });
+    }
+    let times = clock::times(
+        channels
+            .iter()
+            .filter_map(|channel| Some((channel.topic.as_str(), channel.rows.as_ref()?))),
+        &mut notes,
+    );
+    let mut times = times.into_iter();
     let mut topics = Vec::new();
     let mut seen = BTreeSet::new();
-    for channel in reading.channels.into_values() {
+    for channel in channels.drain(..) {
         let (name, instance) = named(&channel.topic);
         if channel.others > 0 {
             notes.push(format!(
@@ -252,13 +277,31 @@ pub fn read(file: &str, bytes: &[u8]) -> Result<Log, Error> {
                 channel.topic, channel.others
             ));
         }
-        let topic = channel
-            .rows
-            .and_then(|rows| Topic::from_rows(name, instance, rows.time, rows.columns, &mut notes));
+        let topic = channel.rows.and_then(|rows| {
+            let time = times.next().unwrap_or(rows.logged);
+            Topic::from_rows(name, instance, time, rows.columns, &mut notes)
+        });
         // Two channels of one name: the first.
         topics.extend(topic.filter(|t| seen.insert((t.name().to_owned(), t.instance()))));
     }
     Ok(Log { topics, notes })
+}
+
+/// Why a file has no message of JSON.
+fn nothing(channels: &[Channel], notes: Vec<String>) -> String {
+    let mut encodings: BTreeMap<&str, usize> = BTreeMap::new();
+    for channel in channels.iter().filter(|channel| channel.encoding != "json") {
+        *encodings.entry(&channel.encoding).or_default() += 1;
+    }
+    let of = |(encoding, count): (&&str, &usize)| match *encoding {
+        "" => format!("channels of no stated encoding: {count}"),
+        encoding => format!("channels of {encoding}: {count}"),
+    };
+    let all: Vec<String> = notes.into_iter().chain(encodings.iter().map(of)).collect();
+    match all.is_empty() {
+        true => "it has none at all".to_owned(),
+        false => all.join(", "),
+    }
 }
 
 #[cfg(test)]
@@ -281,7 +324,11 @@ mod tests {
         assert!(x.unit == "m/s" && x.values[0] == -1e-7 && x.values[1].is_nan());
         // Cut off in the middle: said, and no more.
         let half = &out.get_ref()[..out.get_ref().len() / 3];
-        assert_eq!(read("x", half).unwrap().notes.len(), 1);
+        let cut = read("x", half).unwrap_err().to_string();
+        assert!(
+            cut.ends_with("are read: damaged or cut off: read up to there"),
+            "{cut}"
+        );
         assert!(read("x", b"no log").is_err());
     }
 
@@ -320,9 +367,10 @@ mod tests {
         let text = b"\"x\":-1e-7";
         let at = file.windows(text.len()).position(|w| w == text).unwrap();
         file[at + 5] = b'3';
-        let log = read("x", &file).unwrap();
-        assert_eq!(log.notes, ["chunks left out for a wrong checksum: 1"]);
-        assert!(log.topics.is_empty());
+        let error = read("x", &file).unwrap_err().to_string();
+        let why =
+            "no messages of JSON, which alone are read: chunks left out for a wrong checksum: 1";
+        assert!(error.contains(why), "{error}");
         // The same without the chunk's own checksum: what is there is read, and the checksum of the whole tells.
         let mut chunk = MAGIC.len();
         while file[chunk] != CHUNK {
@@ -337,5 +385,34 @@ mod tests {
         );
         let wind = log.instance("wind", 1).unwrap();
         assert_eq!(wind.column("x").unwrap().values[0], -3e-7);
+    }
+
+    /// Channels of another encoding alone: that is the first thing said.
+    #[test]
+    fn what_is_not_read_is_said_first() {
+        let mut out = Cursor::new(Vec::new());
+        let mut writer = mcap::WriteOptions::new()
+            .compression(None)
+            .create(&mut out)
+            .unwrap();
+        for name in ["/a", "/b"] {
+            let channel = writer
+                .add_channel(0, name, "cdr", &BTreeMap::new())
+                .unwrap();
+            let header = mcap::records::MessageHeader {
+                channel_id: channel,
+                sequence: 0,
+                log_time: 0,
+                publish_time: 0,
+            };
+            writer.write_to_known_channel(&header, &[0; 4]).unwrap();
+        }
+        writer.finish().unwrap();
+        drop(writer);
+        let error = read("x", out.get_ref()).unwrap_err().to_string();
+        assert_eq!(
+            error,
+            "x: byte 0: no messages of JSON, which alone are read: channels of cdr: 2"
+        );
     }
 }

@@ -6,40 +6,29 @@ use crate::{Column, Topic};
 
 pub(super) const FAMILY: Family = Family {
     name: "plain",
-    attitude: &[Source::quaternion(&[
-        ("", "qw"),
-        ("", "qx"),
-        ("", "qy"),
-        ("", "qz"),
-    ])],
+    attitude: &[
+        Source::quaternion(&[("", "qw"), ("", "qx"), ("", "qy"), ("", "qz")]),
+        Source::angles(&[("", "roll"), ("", "pitch"), ("", "yaw")]),
+    ],
     velocity: &[Source::vector(&[("", "vn"), ("", "ve"), ("", "vd")])],
-    position: &[Source::vector(&[("", "pn"), ("", "pe"), ("", "pd")])],
-    wind: &[Source::vector(&[("", "wn"), ("", "we"), ("", "wd")])],
+    position: &[Source::vector(&[("", "pn"), ("", "pe"), ("", "pd")]).partly()],
+    wind: &[
+        Source::vector(&[("", "wn"), ("", "we"), ("", "wd")]),
+        Source::horizontal(&[("", "wn"), ("", "we")]),
+    ],
     air_velocity: &[Source::vector(&[("", "van"), ("", "vae"), ("", "vad")])],
     heading_setpoint: &[Source::scalar(&[("", "heading_sp")])],
     airspeed: &[Source::scalar(&[("", "airspeed")])],
     specific_force: &[Source::vector(&[("", "fx"), ("", "fy"), ("", "fz")])],
-    attitude_setpoint: &[Source::quaternion(&[
-        ("", "qw_sp"),
-        ("", "qx_sp"),
-        ("", "qy_sp"),
-        ("", "qz_sp"),
-    ])],
-    position_setpoint: &[Source::vector(&[
-        ("", "pn_sp"),
-        ("", "pe_sp"),
-        ("", "pd_sp"),
-    ])],
-    velocity_setpoint: &[Source::vector(&[
-        ("", "vn_sp"),
-        ("", "ve_sp"),
-        ("", "vd_sp"),
-    ])],
-    acceleration_setpoint: &[Source::vector(&[
-        ("", "an_sp"),
-        ("", "ae_sp"),
-        ("", "ad_sp"),
-    ])],
+    attitude_setpoint: &[
+        Source::quaternion(&[("", "qw_sp"), ("", "qx_sp"), ("", "qy_sp"), ("", "qz_sp")]),
+        Source::angles(&[("", "roll_sp"), ("", "pitch_sp"), ("", "yaw_sp")]),
+    ],
+    position_setpoint: &[Source::vector(&[("", "pn_sp"), ("", "pe_sp"), ("", "pd_sp")]).partly()],
+    velocity_setpoint: &[Source::vector(&[("", "vn_sp"), ("", "ve_sp"), ("", "vd_sp")]).partly()],
+    acceleration_setpoint: &[
+        Source::vector(&[("", "an_sp"), ("", "ae_sp"), ("", "ad_sp")]).partly(),
+    ],
 };
 
 impl States {
@@ -93,7 +82,7 @@ impl Columns {
 #[cfg(test)]
 mod tests {
     use super::super::{Series, States, find};
-    use crate::Log;
+    use crate::{Column, Log, Topic};
 
     #[test]
     fn a_plain_table_holds_the_states_it_was_made_of() {
@@ -163,7 +152,61 @@ mod tests {
         assert_eq!(back.missing.len(), 1);
         assert_eq!(
             back.missing[0].to_string(),
-            "no attitude set-point: none of qw_sp qx_sp qy_sp qz_sp"
+            "no attitude set-point: none of qw_sp qx_sp qy_sp qz_sp, roll_sp pitch_sp yaw_sp"
         );
+    }
+
+    /// Roll, pitch and yaw in degrees, in radians where that is their unit; where nothing says which and all may be either, that is asked.
+    #[test]
+    fn angles_are_read_in_their_unit() {
+        let table = |unit: &str, pitch: f64| {
+            let column = |name: &str, value: f64| Column::new(name, unit, vec![value]);
+            let columns = vec![
+                column("roll", 0.0),
+                column("pitch", pitch),
+                column("yaw", 0.0),
+            ];
+            find(&Log {
+                topics: vec![Topic::new("csv", 0, vec![1.0], columns).unwrap()],
+                notes: Vec::new(),
+            })
+        };
+        let half = std::f64::consts::FRAC_1_SQRT_2;
+        let quarter = std::f64::consts::FRAC_PI_2;
+        for (unit, pitch) in [("", 90.0), ("deg", 90.0), ("°", 90.0), ("rad", quarter)] {
+            let q = table(unit, pitch).unwrap().attitude.values[0];
+            // Two roundings.
+            assert!(
+                (q[0] - half).abs() < 1e-15 && (q[2] - half).abs() < 1e-15,
+                "{unit}: {q:?}"
+            );
+        }
+        let asked = table("", quarter).unwrap_err().to_string();
+        assert!(
+            asked.starts_with("no unit of roll, pitch and yaw"),
+            "{asked}"
+        );
+        assert!(table("deg", quarter).is_ok());
+    }
+
+    /// What a map may name: of a plain table, or of an autopilot's topic.
+    #[test]
+    fn the_names_that_are_known_are_those_looked_for() {
+        let plain = super::super::names("csv");
+        for name in [
+            "qw",
+            "roll",
+            "yaw",
+            "vn",
+            "wn",
+            "airspeed",
+            "pn_sp",
+            "roll_sp",
+            "heading_sp",
+        ] {
+            assert!(plain.contains(&name), "{name}");
+        }
+        assert!(!plain.contains(&"Q1") && plain.iter().filter(|name| **name == "wn").count() == 1);
+        assert_eq!(super::super::names("XKQ"), ["Q1", "Q2", "Q3", "Q4"]);
     }
 }

@@ -1,7 +1,8 @@
 //! One place where a quantity may be logged.
 
+use super::in_force::Topics;
 use super::{Missing, Series, attitude};
-use crate::{Column, Log, Topic};
+use crate::{Column, Topic};
 use std::fmt;
 
 /// Columns that together are a quantity.
@@ -12,6 +13,8 @@ pub(super) struct Source {
     form: Form,
     /// A column for each in the same topic, that is 0 where it is not valid; logs without them have valid ones alone.
     valid: &'static [&'static str],
+    /// Whether it is there if some of the columns are: the others are NaN.
+    partly: bool,
 }
 
 /// What the columns hold.
@@ -25,8 +28,10 @@ enum Form {
     Horizontal,
     /// w, x, y, z.
     Quaternion,
-    /// Roll, pitch, yaw [deg].
-    Degrees,
+    /// Roll, pitch, yaw, in degrees unless their unit is radians.
+    Angles,
+    /// Speed over ground, course [deg], velocity down.
+    Course,
     /// Latitude [deg], longitude [deg], altitude [m]; becomes metres from the first row.
     Geodetic,
 }
@@ -39,6 +44,7 @@ impl Source {
             columns,
             form: Form::Scalar,
             valid: &[],
+            partly: false,
         }
     }
 
@@ -47,6 +53,7 @@ impl Source {
             columns,
             form: Form::Vector,
             valid: &[],
+            partly: false,
         }
     }
 
@@ -55,6 +62,7 @@ impl Source {
             columns,
             form: Form::Horizontal,
             valid: &[],
+            partly: false,
         }
     }
 
@@ -63,14 +71,25 @@ impl Source {
             columns,
             form: Form::Quaternion,
             valid: &[],
+            partly: false,
         }
     }
 
-    pub(super) const fn degrees(columns: Columns) -> Self {
+    pub(super) const fn angles(columns: Columns) -> Self {
         Self {
             columns,
-            form: Form::Degrees,
+            form: Form::Angles,
             valid: &[],
+            partly: false,
+        }
+    }
+
+    pub(super) const fn course(columns: Columns) -> Self {
+        Self {
+            columns,
+            form: Form::Course,
+            valid: &[],
+            partly: false,
         }
     }
 
@@ -79,6 +98,7 @@ impl Source {
             columns,
             form: Form::Geodetic,
             valid: &[],
+            partly: false,
         }
     }
 
@@ -87,26 +107,38 @@ impl Source {
         Self { valid, ..self }
     }
 
+    /// The same, of which some columns are enough.
+    pub(super) const fn partly(self) -> Self {
+        Self {
+            partly: true,
+            ..self
+        }
+    }
+
     /// The names of its columns.
     pub(super) fn names(&self) -> impl Iterator<Item = &'static str> {
         self.columns.iter().map(|(_, column)| *column)
     }
 
-    /// The columns in `log`, if all are there.
-    pub(super) fn find<'a>(&self, log: &'a Log) -> Option<Found<'a>> {
+    /// The names of its columns that are of the topic `topic`.
+    pub(super) fn names_in(&self, topic: &str) -> impl Iterator<Item = &'static str> {
+        let own = move |(of, _): &&(&str, &str)| *of == topic;
+        self.columns.iter().filter(own).map(|(_, column)| *column)
+    }
+
+    /// The columns in the log, if all are there, or some and some are enough.
+    pub(super) fn find<'a>(&self, topics: &'a Topics) -> Option<Found<'a>> {
         let column = |&(topic, column): &(&str, &str)| {
             let topic = match topic {
-                "" => log.topics.iter().find(|t| t.column(column).is_some())?,
-                _ => super::ardupilot::instance(log, topic)?,
+                "" => (topics.log.topics.iter()).find(|t| t.column(column).is_some())?,
+                _ => topics.get(topic)?,
             };
             Some((topic, topic.column(column)?))
         };
-        let columns = self
-            .columns
-            .iter()
-            .map(column)
-            .collect::<Option<Vec<_>>>()?;
-        Some(Found {
+        let columns: Vec<_> = self.columns.iter().map(column).collect();
+        let found = columns.iter().flatten().count();
+        let enough = found == columns.len() || self.partly && found > 0;
+        enough.then_some(Found {
             source: *self,
             columns,
         })
@@ -129,7 +161,8 @@ impl fmt::Display for Source {
 /// A source that a log has.
 pub(super) struct Found<'a> {
     source: Source,
-    columns: Vec<(&'a Topic, &'a Column)>,
+    /// None where some are enough and this one is not there.
+    columns: Vec<Option<(&'a Topic, &'a Column)>>,
 }
 
 /// Metres per degree of latitude, and of longitude at the equator: ArduPilot's own figure (`LOCATION_SCALING_FACTOR` of
@@ -139,14 +172,38 @@ const METRES_PER_DEGREE: f64 = 111_318.845_021_450_34;
 impl Found<'_> {
     /// The times of the first column's topic.
     pub(super) fn base(&self) -> &[f64] {
-        self.columns.first().map_or(&[], |(topic, _)| topic.time())
+        let first = self.columns.iter().flatten().next();
+        first.map_or(&[], |(topic, _)| topic.time())
+    }
+
+    /// Whether angles are in radians, by the unit of their columns; none if it is not said, and degrees are but taken for granted.
+    fn is_in_radians(&self) -> Option<bool> {
+        let units = self
+            .columns
+            .iter()
+            .flatten()
+            .map(|(_, column)| column.unit.as_str());
+        let mut units = units.filter(|unit| !unit.is_empty()).peekable();
+        units.peek()?;
+        Some(units.all(|unit| unit.starts_with("rad")))
+    }
+
+    /// Whether it is of angles whose unit nothing says, and all of which may be radians.
+    pub(super) fn is_unsaid(&self) -> bool {
+        let values = self.columns.iter().flatten().flat_map(|(_, c)| &c.values);
+        let greatest = values.fold(0.0, |most, value| f64::max(most, value.abs()));
+        self.source.form == Form::Angles && self.is_in_radians().is_none() && greatest <= 6.3
     }
 
     /// The quantity held at the times `base`. `N` is the number of its components; those not logged are 0.
     pub(super) fn held<const N: usize>(&self, base: &[f64]) -> Series<N> {
         let mut components: Vec<Vec<f64>> = Vec::new();
         let mut age = vec![0.0; base.len()];
-        for (i, (topic, column)) in self.columns.iter().enumerate() {
+        for (i, column) in self.columns.iter().enumerate() {
+            let Some((topic, column)) = column else {
+                components.push(vec![f64::NAN; base.len()]);
+                continue;
+            };
             let held = topic.held_at(base);
             let mut values = held.values(column);
             let flag = self.source.valid.get(i);
@@ -164,8 +221,9 @@ impl Found<'_> {
         let origin: Vec<f64> = self
             .columns
             .iter()
-            .map(|(_, c)| first_finite(&c.values))
+            .map(|column| column.map_or(f64::NAN, |(_, c)| first_finite(&c.values)))
             .collect();
+        let radians = self.is_in_radians() == Some(true);
         let values = (0..base.len()).map(|row| {
             let three = [logged(row, 0), logged(row, 1), logged(row, 2)];
             let four = [
@@ -177,7 +235,12 @@ impl Found<'_> {
             let all = match self.source.form {
                 Form::Scalar | Form::Vector | Form::Horizontal => four,
                 Form::Quaternion => attitude::normalized(four),
-                Form::Degrees => attitude::from_degrees(three),
+                Form::Angles if radians => attitude::from_degrees(three.map(f64::to_degrees)),
+                Form::Angles => attitude::from_degrees(three),
+                Form::Course => {
+                    let (east, north) = three[1].to_radians().sin_cos();
+                    [three[0] * north, three[0] * east, three[2], 0.0]
+                }
                 Form::Geodetic => {
                     let north = (three[0] - origin[0]) * METRES_PER_DEGREE;
                     let east =
@@ -211,15 +274,15 @@ fn first_finite(values: &[f64]) -> f64 {
         .unwrap_or(f64::NAN)
 }
 
-/// The first of `sources` that `log` has, held at `time`. If it has none, `what` is missing.
+/// The first of `sources` that the log has, held at `time`. If it has none, `what` is missing.
 pub(super) fn first<const N: usize>(
-    log: &Log,
+    topics: &Topics,
     time: &[f64],
     what: &'static str,
     sources: &[Source],
     missing: &mut Vec<Missing>,
 ) -> Option<Series<N>> {
-    let found = any(log, time, sources);
+    let found = any(topics, time, sources);
     if found.is_none() {
         missing.push(Missing {
             what,
@@ -229,12 +292,12 @@ pub(super) fn first<const N: usize>(
     found
 }
 
-/// The first of `sources` that `log` has, held at `time`.
+/// The first of `sources` that the log has, held at `time`.
 pub(super) fn any<const N: usize>(
-    log: &Log,
+    topics: &Topics,
     time: &[f64],
     sources: &[Source],
 ) -> Option<Series<N>> {
-    let found = sources.iter().find_map(|source| source.find(log));
+    let found = sources.iter().find_map(|source| source.find(topics));
     found.map(|found| found.held(time))
 }

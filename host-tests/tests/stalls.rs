@@ -1,0 +1,298 @@
+//! Where the stall of a polar is taken, against where it is: polars made to look like published ones, of ten kinds.
+#![cfg(not(target_os = "none"))]
+
+use std::fmt::Write as _;
+
+use alula_sil::polar::{Polar, Upto, stall};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// Polars of each kind.
+const EACH: usize = 8;
+/// Where the table stands.
+const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/your-vehicle.md");
+
+/// A way in which published polars differ from a textbook's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    Round,
+    Sharp,
+    SawTeeth,
+    Bubble,
+    Double,
+    HighLift,
+    Noise,
+    EndRises,
+    DeepStall,
+    Late,
+}
+
+const KINDS: [(Kind, &str); 10] = [
+    (Kind::Round, "round stall"),
+    (Kind::Sharp, "sharp stall"),
+    (Kind::SawTeeth, "saw-teeth of 0.05 to 0.15"),
+    (
+        Kind::Bubble,
+        "a bubble bursts at 2° to 7°: a fall of 0.06 to 0.25",
+    ),
+    (Kind::Double, "double stall, the second higher"),
+    (
+        Kind::HighLift,
+        "high lift, to 2.5, and high behind the stall",
+    ),
+    (Kind::Noise, "noise of ±0.02 to ±0.05"),
+    (Kind::EndRises, "lift grows again at the end of the table"),
+    (
+        Kind::DeepStall,
+        "whole circle, more lift at 45° than at the stall",
+    ),
+    (Kind::Late, "thick: stall at 18° to 25°, a bubble before"),
+];
+
+/// A polar, and what is known of it by its making.
+struct Made {
+    rows: Vec<[f64; 3]>,
+    /// Angle of the stall \[°\]: the greatest lift of the rows up to where the flow leaves the wing.
+    stall: f64,
+    /// Lift without noise, and the noise's amplitude.
+    clean: Vec<f64>,
+    noise: f64,
+}
+
+/// Lift of attached flow up to its round top at `top` \[°\]: a straight line from `zero` on, and a parabola from 0.65 of the way.
+fn attached(alpha: f64, slope: f64, zero: f64, top: f64) -> f64 {
+    let bend = zero + 0.65 * (top - zero);
+    match alpha {
+        alpha if alpha <= bend => slope * (alpha - zero),
+        alpha => {
+            let (width, left) = (top - bend, (top - alpha) / (top - bend));
+            slope * (bend - zero) + 0.5 * slope * width * (1.0 - left * left)
+        }
+    }
+}
+
+fn made(kind: Kind, seed: u64) -> Made {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut between = |low: f64, high: f64| low + (high - low) * random.random::<f64>();
+    let step: f64 = [0.1, 0.25, 0.5, 1.0][(4.0 * between(0.0, 1.0)) as usize];
+    // A table has 512 rows at most.
+    let step = if kind == Kind::DeepStall {
+        step.max(0.25)
+    } else {
+        step
+    };
+    let slope = between(0.085, 0.108);
+    let (zero, stall) = match kind {
+        Kind::HighLift => (between(-12.0, -7.0), between(12.0, 17.0)),
+        Kind::Late => (between(-2.0, 0.0), between(18.0, 25.0)),
+        Kind::DeepStall => (between(-1.0, 0.0), between(7.0, 10.0)),
+        _ => (between(-5.0, 0.0), between(9.0, 15.0)),
+    };
+    let stall = (stall / step).round() * step;
+    // Unslotted sections that stall so late have little lift there.
+    let slope = match kind {
+        Kind::Late => between(1.1, 1.45) / (0.825 * (stall - zero)),
+        _ => slope,
+    };
+    let depth = between(0.06, 0.25);
+    let burst = between(2.0, 7.0);
+    let (tooth, spacing) = (between(0.05, 0.15), between(1.2, 3.0));
+    let second = stall;
+    let first = stall - between(3.0, 6.0);
+    let (kept, over) = (between(0.55, 0.8), between(1.0, 4.0));
+    let plate = between(1.0, 1.25);
+    let noise = match kind {
+        Kind::Noise => between(0.02, 0.05),
+        _ => 0.0,
+    };
+    // From the angle of zero lift on, of either side.
+    let side = |alpha: f64, zero: f64, stall: f64| -> f64 {
+        let greatest = attached(stall, slope, zero, stall);
+        let behind = |from: f64| {
+            // Lift falls to a part of the greatest, and then follows that of separated flow.
+            let (kept, over) = match kind {
+                Kind::Sharp => (0.9 * kept, 0.3 * over),
+                Kind::HighLift => (0.85, 8.0),
+                _ => (kept, over),
+            };
+            let part = 1.0 - (1.0 - kept) * ((alpha - from) / over).min(1.0);
+            let separated = plate * (2.0 * alpha).to_radians().sin();
+            let rises = match kind {
+                Kind::EndRises => 0.5 * slope * (alpha - from - 8.0).max(0.0),
+                _ => 0.0,
+            };
+            let held = greatest * part + rises.min(greatest * (0.97 - kept));
+            match kind {
+                Kind::DeepStall if alpha > from + over => {
+                    separated.max(if alpha < 30.0 { greatest * kept } else { -9.0 })
+                }
+                _ => held,
+            }
+        };
+        if alpha > stall {
+            return behind(stall);
+        }
+        let clean = attached(alpha, slope, zero, stall);
+        match kind {
+            // The last tooth ends where the wing stalls.
+            Kind::SawTeeth => {
+                let teeth = (stall - alpha) / spacing;
+                clean
+                    - tooth
+                        * (1.0 - teeth.fract())
+                        * f64::from(u8::from(teeth.fract() > 0.0))
+                        * f64::from(u8::from(alpha > zero + 2.0))
+            }
+            Kind::Bubble | Kind::Late if alpha > burst => {
+                // The fall is made good for up to the stall.
+                let left = (stall - alpha) / (stall - burst);
+                clean - depth * left.sqrt()
+            }
+            Kind::Double if alpha > first => {
+                let top = attached(first, slope, zero, stall);
+                let dip = 0.07 + 0.5 * depth;
+                let u = (alpha - first) / (second - first);
+                top + (greatest - top) * u - dip * (std::f64::consts::PI * u).sin()
+            }
+            _ => clean,
+        }
+    };
+    let [begin, end] = match kind {
+        Kind::DeepStall => [-180.0, 180.0],
+        Kind::EndRises => [-12.0, 30.0],
+        Kind::HighLift | Kind::Late => [-18.0, 32.0],
+        _ => [-14.0, (stall + between(2.0, 8.0)).round()],
+    };
+    // The inverted stall is of the same kind, and comes sooner.
+    let inverted = ((0.6 * (stall - zero) - zero) / step).round() * step;
+    let lift = |alpha: f64| -> f64 {
+        let upright = |alpha: f64| match alpha >= zero {
+            true => side(alpha, zero, stall),
+            false => -side(-alpha, -zero, inverted),
+        };
+        match alpha.abs() {
+            magnitude if magnitude <= 90.0 => upright(alpha),
+            magnitude if magnitude >= 179.999 => 0.0,
+            // Tail first.
+            _ => 0.7 * plate * (2.0 * alpha).to_radians().sin(),
+        }
+    };
+    let far = if kind == Kind::DeepStall { 5.0 } else { step };
+    let count = ((end - begin) / step).round() as i32;
+    let angles = (0..=count).map(|n| begin + step * f64::from(n));
+    // Rows of a whole circle are far apart where the flow is separated.
+    let angles = angles.filter(|a| a.abs() < 30.0 || (a / far - (a / far).round()).abs() < 1e-9);
+    let angles: Vec<f64> = angles.map(|a| (a * 1e6).round() / 1e6).collect();
+    let short = |x: f64| (x * 1e4).round() / 1e4;
+    let clean: Vec<f64> = angles.iter().map(|a| short(lift(*a))).collect();
+    let rows = angles.iter().zip(&clean).map(|(a, lift)| {
+        let drag = 0.012
+            + 0.006 * lift * lift
+            + 1.9 * (a.to_radians().sin().powi(2)) * f64::from(u8::from(a.abs() > stall));
+        let wild = noise * (2.0 * between(0.0, 1.0) - 1.0);
+        [*a, short(lift + wild), short(drag)]
+    });
+    Made {
+        rows: rows.collect(),
+        stall,
+        clean,
+        noise,
+    }
+}
+
+/// The polar as a file.
+fn text(rows: &[[f64; 3]]) -> String {
+    let rows = rows.iter();
+    let lines: String = rows.map(|[a, l, d]| format!("{a} {l} {d}\n")).collect();
+    format!("alpha CL CD\n{lines}")
+}
+
+/// Row of the stall, as it is taken.
+fn taken(rows: &[[f64; 3]]) -> Option<usize> {
+    let zero = rows.partition_point(|row| row[0] < -1e-9);
+    stall(rows[zero..].iter().map(|row| (row[0], row[1]))).map(|at| zero + at)
+}
+
+/// Where the stall is taken in a polar of this kind, and whether that is where it is, in a cell of the table.
+fn judged(kind: Kind, seed: u64) -> String {
+    let made = made(kind, seed);
+    let what = format!("{kind:?} {seed}");
+    let at = taken(&made.rows).unwrap_or_else(|| panic!("{what}: nothing stalls"));
+    let is = made
+        .rows
+        .iter()
+        .position(|row| (row[0] - made.stall).abs() < 1e-6);
+    let is = is.unwrap_or_else(|| panic!("{what}: no row at {}", made.stall));
+    // Without noise it is that row, or one before it with the same four digits of lift. With noise another row may have more lift than that at the
+    // stall, but not by more than the noise of both.
+    let less = made.clean[is] - made.clean[at];
+    assert!(
+        less <= 2.0 * made.noise + 1e-9,
+        "{what}: {less} at {}",
+        made.rows[at][0]
+    );
+
+    // The whole way: the file is read, as a section and as a wing, which has the lift of the section at its stall.
+    let polar =
+        Polar::from_text("x", &text(&made.rows)).unwrap_or_else(|e| panic!("{what}: {e:#}"));
+    assert_eq!(
+        polar
+            .warnings()
+            .iter()
+            .filter(|w| w.contains("stall"))
+            .count(),
+        0,
+        "{what}"
+    );
+    for ratio in [2.0, 6.0, 20.0] {
+        let (wing, story) = polar
+            .finite(Some(ratio))
+            .unwrap_or_else(|e| panic!("{what}: {e:#}"));
+        let seam = wing.seam.unwrap();
+        let Upto::Section([_, last]) = seam.upto else {
+            panic!("{what}: not of the section");
+        };
+        assert_eq!(last, made.rows[at][0], "{what}");
+        let rows = wing.degrees();
+        let end = rows
+            .iter()
+            .find(|row| (row[0] - seam.given_deg[1]).abs() < 1e-9);
+        assert_eq!(end.unwrap()[1], made.rows[at][1], "{what}");
+        assert!(
+            story.iter().any(|s| s.contains("rows are left out")),
+            "{what}: {story:?}"
+        );
+        // What is made of it is read again.
+        let written = Polar::from_text("x", &wing.csv(&story));
+        assert!(written.is_ok(), "{what} {ratio}: {:?}", written.err());
+    }
+    match made.noise > 0.0 {
+        true => format!("{:.1} {:.1}", made.stall, made.rows[at][0]),
+        false => format!("{:.1}", made.stall),
+    }
+}
+
+/// Eighty polars. The table of docs/your-vehicle.md says where each stalls, and where that is taken to be.
+#[test]
+fn the_stall_is_where_lift_falls_for_good() {
+    let mut table = "| polars | stall \\[°\\]; with noise also as taken |\n|---|---|\n".to_owned();
+    for (i, (kind, name)) in KINDS.into_iter().enumerate() {
+        let cells: Vec<String> = (0..EACH)
+            .map(|n| judged(kind, (EACH * i + n) as u64))
+            .collect();
+        let _ = writeln!(table, "| {name} | {} |", cells.join(", "));
+    }
+    println!("{table}");
+    let page = std::fs::read_to_string(PAGE).unwrap();
+    let begin = page.find("| polars | stall").expect("the table");
+    let length = page[begin..].find("\n\n").expect("its end") + 1;
+    if std::env::var_os("ALULA_WRITE_TABLES").is_some() {
+        let page = format!("{}{table}{}", &page[..begin], &page[begin + length..]);
+        std::fs::write(PAGE, page).unwrap();
+        return;
+    }
+    assert!(
+        page[begin..begin + length] == table,
+        "docs/your-vehicle.md is not current: ALULA_WRITE_TABLES=1 cargo test -p alula-sil --test stalls"
+    );
+}

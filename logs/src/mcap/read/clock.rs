@@ -1,0 +1,179 @@
+//! The time of messages: their own `timestamp`, whose unit the times at which they were logged tell.
+
+use super::Rows;
+
+/// Units that a `timestamp` may have: parts of a second.
+const UNITS: [(f64, &str); 4] = [
+    (1.0, "seconds"),
+    (1e3, "milliseconds"),
+    (1e6, "microseconds"),
+    (1e9, "nanoseconds"),
+];
+/// How far the two clocks may be apart \[s\] from one channel to the next, and be two of one time.
+const APART: f64 = 1.0;
+
+/// The time \[s\] of each row of the channels, named. What was assumed is added to `notes`.
+pub(super) fn times<'a>(
+    channels: impl Iterator<Item = (&'a str, &'a Rows)>,
+    notes: &mut Vec<String>,
+) -> Vec<Vec<f64>> {
+    let channels: Vec<(&str, &Rows)> = channels.collect();
+    let logged = || {
+        channels
+            .iter()
+            .map(|(_, rows)| rows.logged.clone())
+            .collect()
+    };
+    let stamped = |rows: &Rows| rows.stamps.iter().filter(|stamp| stamp.is_finite()).count();
+    if channels.iter().all(|(_, rows)| stamped(rows) == 0) {
+        return logged();
+    }
+    // Where the log has one time for all there is no second clock.
+    let all = channels.iter().flat_map(|(_, rows)| &rows.logged);
+    if span(all.copied()) == 0.0 {
+        return channels
+            .iter()
+            .map(|(_, rows)| rows.stamps.clone())
+            .collect();
+    }
+    // That of the channel that lasts longest counts for those that do not last.
+    let longest = channels
+        .iter()
+        .filter(|(_, rows)| stamped(rows) > 1)
+        .max_by(|a, b| {
+            span(a.1.logged.iter().copied()).total_cmp(&span(b.1.logged.iter().copied()))
+        });
+    let common = longest.map_or(Some(UNITS[0]), |(_, rows)| {
+        unit(rows).unwrap_or(Some(UNITS[0]))
+    });
+    let mut found = Vec::new();
+    let mut offsets: Vec<f64> = Vec::new();
+    let mut units: Vec<&str> = Vec::new();
+    for (name, rows) in &channels {
+        let Some((per_second, word)) = unit(rows).unwrap_or(common) else {
+            notes.push(format!(
+                "{name}: its `timestamp` runs over {} where it was logged over {:.3} s: the time logged is taken",
+                span(rows.stamps.iter().copied()),
+                span(rows.logged.iter().copied())
+            ));
+            return logged();
+        };
+        let time: Vec<f64> = rows.stamps.iter().map(|stamp| stamp / per_second).collect();
+        let off = std::iter::zip(&time, &rows.logged).map(|(time, logged)| time - logged);
+        let mut off: Vec<f64> = off.filter(|off| off.is_finite()).collect();
+        off.sort_by(f64::total_cmp);
+        offsets.extend(off.get(off.len() / 2));
+        if stamped(rows) < rows.stamps.len() {
+            // Rows without one have the time logged.
+            offsets.push(0.0);
+        }
+        if stamped(rows) > 0 && per_second != 1.0 && !units.contains(&word) {
+            units.push(word);
+        }
+        let time = std::iter::zip(time, &rows.logged);
+        found.push(
+            time.map(|(time, logged)| if time.is_finite() { time } else { *logged })
+                .collect(),
+        );
+    }
+    if span(offsets.iter().copied()) > APART {
+        notes.push(
+            "`timestamp` and the time logged are of different clocks, and not every message has the one: the time logged is taken".into(),
+        );
+        return logged();
+    }
+    if !units.is_empty() {
+        notes.push(format!(
+            "`timestamp` is in {}, by the times at which messages were logged",
+            units.join(" and ")
+        ));
+    }
+    found
+}
+
+/// The unit of the stamps, by how long they last: none if they do not, and `Some(None)` if none fits.
+fn unit(rows: &Rows) -> Option<Option<(f64, &'static str)>> {
+    let both = std::iter::zip(&rows.logged, &rows.stamps).filter(|(_, stamp)| stamp.is_finite());
+    let (logged, stamps): (Vec<f64>, Vec<f64>) = both.map(|(a, b)| (*a, *b)).unzip();
+    let (logged, stamps) = (span(logged.into_iter()), span(stamps.into_iter()));
+    if logged <= 0.0 {
+        return None;
+    }
+    let fits = |(per_second, _): &(f64, &str)| (0.5..2.0).contains(&(stamps / logged / per_second));
+    Some(UNITS.into_iter().find(fits))
+}
+
+/// From the least to the greatest of the finite values.
+fn span(values: impl Iterator<Item = f64>) -> f64 {
+    let finite = values.filter(|v| v.is_finite());
+    let ends = finite.fold(None, |ends, v| match ends {
+        None => Some((v, v)),
+        Some((least, most)) => Some((f64::min(least, v), f64::max(most, v))),
+    });
+    ends.map_or(0.0, |(least, most)| most - least)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rows(logged: &[f64], stamps: &[f64]) -> Rows {
+        Rows {
+            logged: logged.to_vec(),
+            stamps: stamps.to_vec(),
+            columns: Vec::new(),
+        }
+    }
+
+    fn of(channels: &[Rows]) -> (Vec<Vec<f64>>, Vec<String>) {
+        let mut notes = Vec::new();
+        let times = times(channels.iter().map(|rows| ("x", rows)), &mut notes);
+        (times, notes)
+    }
+
+    #[test]
+    fn the_unit_is_told_by_the_second_clock() {
+        let logged = [2.0, 2.05, 2.1];
+        for (per_second, word) in UNITS {
+            let stamps = logged.map(|t| t * per_second);
+            // A channel of one message has the unit of the others.
+            let (found, notes) = of(&[rows(&logged, &stamps), rows(&[2.0], &[2.0 * per_second])]);
+            let close = |a: f64, b: f64| (a - b).abs() < 1e-12;
+            assert!(
+                std::iter::zip(&found[0], logged).all(|(a, b)| close(*a, b)),
+                "{found:?}"
+            );
+            assert_eq!(found[1], [2.0]);
+            assert_eq!(notes.len(), usize::from(per_second != 1.0));
+            assert!(notes.iter().all(|note| note.contains(word)), "{notes:?}");
+        }
+        // Of an epoch of its own, as since power-on.
+        let (found, notes) = of(&[rows(&[1e9, 1e9 + 1.0], &[5e6, 6e6])]);
+        assert_eq!((&found[0][..], notes.len()), (&[5.0, 6.0][..], 1));
+    }
+
+    #[test]
+    fn clocks_that_disagree_are_said_to() {
+        let (found, notes) = of(&[rows(&[0.0, 1.0], &[0.0, 30.0])]);
+        assert_eq!(found, [[0.0, 1.0]]);
+        assert!(
+            notes[0].contains("runs over 30 where it was logged over 1.000 s"),
+            "{notes:?}"
+        );
+        // A channel without stamps beside one with those of another epoch.
+        let without = rows(&[1e9, 1e9 + 1.0], &[f64::NAN; 2]);
+        let (found, notes) = of(&[rows(&[1e9, 1e9 + 1.0], &[5.0, 6.0]), without]);
+        assert_eq!(found, [[1e9, 1e9 + 1.0]; 2]);
+        assert!(notes[0].contains("different clocks"), "{notes:?}");
+        // Of one epoch, each has its own.
+        let without = rows(&[5.1, 6.1], &[f64::NAN; 2]);
+        let (found, notes) = of(&[rows(&[5.1, 6.1], &[5.0, 6.0]), without]);
+        assert_eq!(
+            (found, notes.len()),
+            (vec![vec![5.0, 6.0], vec![5.1, 6.1]], 0)
+        );
+        // Without a second clock the stamps are seconds.
+        let (found, notes) = of(&[rows(&[0.0, 0.0], &[5.0, 6.0])]);
+        assert_eq!((found, notes.len()), (vec![vec![5.0, 6.0]], 0));
+    }
+}
