@@ -53,6 +53,9 @@ mod tests {
     use super::*;
     use std::io::{Cursor, Write};
 
+    /// Packs bytes.
+    type Pack = fn(&[u8]) -> Vec<u8>;
+
     /// The file with its one chunk packed by `pack` as `compression`: what follows it, an index, is not read.
     fn packed(file: &[u8], compression: &str, pack: impl Fn(&[u8]) -> Vec<u8>) -> Vec<u8> {
         let number = |at: usize| u64::from_le_bytes(file[at..at + 8].try_into().unwrap()) as usize;
@@ -93,7 +96,7 @@ mod tests {
         let mut out = Cursor::new(Vec::new());
         write(&log(), &mut out).unwrap();
         let plain = read("x", out.get_ref()).unwrap();
-        let packs: [(&str, fn(&[u8]) -> Vec<u8>); 2] = [("zstd", zstd), ("lz4", lz4)];
+        let packs = [("zstd", zstd as Pack), ("lz4", lz4)];
         for (name, pack) in packs {
             let file = packed(out.get_ref(), name, pack);
             let found = read("x", &file).unwrap();
