@@ -25,7 +25,7 @@ pub fn is_dataflash(bytes: &[u8]) -> bool {
 /// only describe others are left out. Damaged parts are passed over, and a note left.
 ///
 /// # Errors
-/// [`Error::Format`]: nothing in it is a DataFlash message.
+/// [`Error::Format`]: nothing in it is a DataFlash message, or no message has a time.
 pub fn read(file: &str, bytes: &[u8]) -> Result<Log, Error> {
     let tables = if text::begins(bytes) {
         text::read(bytes)
@@ -40,5 +40,5 @@ pub fn read(file: &str, bytes: &[u8]) -> Result<Log, Error> {
             problem,
         });
     }
-    Ok(tables.finish())
+    tables.finish().not_empty(file)
 }

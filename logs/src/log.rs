@@ -34,6 +34,19 @@ impl Log {
     pub fn column(&self, topic: &str, column: &str) -> Option<&Column> {
         self.topic(topic)?.column(column)
     }
+
+    /// Refuses a log without a row: nothing can be done with it, and its notes say why.
+    pub(crate) fn not_empty(self, file: &str) -> Result<Self, Error> {
+        if self.topics.iter().any(|topic| !topic.time.is_empty()) {
+            return Ok(self);
+        }
+        let why = self.notes.iter().map(|note| format!("; {note}"));
+        Err(Error::Format {
+            file: file.into(),
+            offset: 0,
+            problem: format!("no row of data{}", why.collect::<String>()),
+        })
+    }
 }
 
 /// A table: columns over one time base.

@@ -13,6 +13,9 @@ mod read;
 
 pub use read::{is_mcap, read};
 
+/// The first time \[s\] whose nanoseconds are more than 64 bits hold.
+const LAST: f64 = u64::MAX as f64 / 1e9;
+
 /// Writes `log` as MCAP, all topics in the order of time.
 ///
 /// Each topic is a channel of its name, a second instance `name.1`. A message is a JSON object of `timestamp` \[s\] and the
@@ -20,7 +23,8 @@ pub use read::{is_mcap, read};
 /// unit, and the channel's metadata holds field → unit. NaN and infinities, which JSON has not, are `null`.
 ///
 /// # Errors
-/// [`Error::Write`]: a time before 0; two channels of one name; two columns whose names become one.
+/// [`Error::Write`]: a time before 0, or beyond what 64 bits of nanoseconds hold (584 years); two channels of one name; two
+/// columns whose names become one.
 /// [`Error::Io`]: `out` refuses.
 pub fn write(log: &Log, out: impl Write + Seek) -> Result<(), Error> {
     let names: Vec<String> = log.topics.iter().map(channel).collect();
@@ -49,7 +53,7 @@ pub fn write(log: &Log, out: impl Write + Seek) -> Result<(), Error> {
         channels.push((id, fields, 0));
     }
     for (time, topic, row) in rows_by_time(&log.topics) {
-        if time < 0.0 {
+        if !(0.0..LAST).contains(&time) {
             return problem(format!("a row at the time {time} s"));
         }
         let (channel_id, fields, sequence) = &mut channels[topic];
@@ -222,6 +226,7 @@ mod tests {
                 .to_string()
         };
         assert!(refusal(vec![topic("t", 0, -1.0, "x")]).contains("time -1 s"));
+        assert!(refusal(vec![topic("t", 0, LAST, "x")]).contains("time 18446744073.709553 s"));
         assert!(
             refusal(vec![topic("t", 1, 0.0, "x"), topic("t.1", 0, 0.0, "x")])
                 .contains("`t.1` is there twice")

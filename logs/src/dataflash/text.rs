@@ -93,6 +93,12 @@ mod tests {
         FMTU, 0, 9, sd-m, FB-B\n";
 
     #[test]
+    fn formats_without_a_message_are_refused() {
+        let refusal = read("f", LOG.as_bytes()).unwrap_err();
+        assert_eq!(refusal.to_string(), "f: byte 0: no row of data");
+    }
+
+    #[test]
     fn text_is_read_with_units_and_without_scaling_twice() {
         let text = format!(
             "{LOG}ATT, 1500000, -12.5, AUTO, 250\nMSG, 1, one, two\nATT, 2000000, 3, 10, nan\n"

@@ -13,7 +13,7 @@ use std::rc::Rc;
 /// the rest. A message that is damaged is left out, and reading goes on where it can.
 ///
 /// # Errors
-/// [`Error::Format`]: no ULog header, or flags that forbid reading.
+/// [`Error::Format`]: no ULog header, flags that forbid reading, or no row of data.
 pub fn read(file: &str, bytes: &[u8]) -> Result<Log, Error> {
     let fail = |offset, problem: &str| Error::Format {
         file: file.into(),
@@ -59,7 +59,7 @@ pub fn read(file: &str, bytes: &[u8]) -> Result<Log, Error> {
         reader.section(bytes.get(..end).unwrap_or_default(), start);
         start = start.max(end);
     }
-    Ok(reader.finish())
+    reader.finish().not_empty(file)
 }
 
 /// Type and payload of the message at `at`, and where the next begins. None if `bytes` end before.
@@ -362,5 +362,8 @@ mod tests {
                     .contains("not a ULog file")
             );
         }
+        let header = [&MAGIC[..], &[0; 16 - MAGIC.len()]].concat();
+        let empty = read("f", &header).unwrap_err();
+        assert_eq!(empty.to_string(), "f: byte 0: no row of data");
     }
 }

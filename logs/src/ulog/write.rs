@@ -6,6 +6,9 @@ use crate::fields::{Field, fields, identifier, rows_by_time, twice};
 use crate::{Error, Log, Topic};
 use std::io::Write;
 
+/// The first time \[s\] whose microseconds are more than 64 bits hold.
+const LAST: f64 = u64::MAX as f64 / 1e6;
+
 /// Writes `log` as ULog, all topics in the order of time.
 ///
 /// Neighbouring columns `q[0]`, `q[1]`, … become one array; in other names what ULog does not allow becomes an
@@ -14,17 +17,17 @@ use std::io::Write;
 /// the time 0 for one that was never filled in, so let time begin later.
 ///
 /// # Errors
-/// [`Error::Write`]: a time before 0; two topics of one name and instance, or of one name and different columns;
+/// [`Error::Write`]: a time before 0, or beyond what 64 bits of microseconds hold; two topics of one name and instance, or of one name and different columns;
 /// two columns whose names become one; a row of more than 65,533 bytes; more than 65,536 topics.
 /// [`Error::Io`]: `out` refuses.
 pub fn write(log: &Log, mut out: impl Write) -> Result<(), Error> {
     let plans = plan(log)?;
     let rows = rows_by_time(&log.topics);
-    let start = match rows.first() {
-        Some(&(time, ..)) if time < 0.0 => return problem(format!("a row at the time {time} s")),
-        Some(&(time, ..)) => microseconds(time),
-        None => 0,
-    };
+    let beyond = |&&(time, ..): &&(f64, _, _)| !(0.0..LAST).contains(&time);
+    if let Some((time, ..)) = rows.iter().find(beyond) {
+        return problem(format!("a row at the time {time} s"));
+    }
+    let start = rows.first().map_or(0, |&(time, ..)| microseconds(time));
 
     let mut bytes = [&MAGIC[..], &[1]].concat();
     bytes.extend(start.to_le_bytes());
@@ -276,6 +279,7 @@ mod tests {
             .to_string()
         };
         assert!(refusal(vec![topic("t", 0, -1.0, &["x"])]).contains("time -1 s"));
+        assert!(refusal(vec![topic("t", 0, LAST, &["x"])]).contains("time 18446744073709.55 s"));
         assert!(refusal(vec![topic("t", 0, 0.0, &["a.b", "a-b"])]).contains("two fields `a_b`"));
         assert!(
             refusal(vec![topic("t", 0, 0.0, &["timestamp"])]).contains("two fields `timestamp`")
