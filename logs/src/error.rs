@@ -107,6 +107,11 @@ impl std::error::Error for Error {
     }
 }
 
+/// A log that the format cannot hold.
+pub(crate) fn problem<T>(problem: String) -> Result<T, Error> {
+    Err(Error::Write { problem })
+}
+
 /// What writing to a writer that failed is.
 pub(crate) fn output(source: std::io::Error) -> Error {
     Error::Io {

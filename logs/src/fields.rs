@@ -1,6 +1,7 @@
 //! The columns of a topic as the fields of a message: elements of an array together again.
 
-use crate::{Column, Topic};
+use crate::error::problem;
+use crate::{Column, Error, Topic};
 
 /// One field: one column, or the elements of an array.
 pub(crate) struct Field<'a> {
@@ -65,21 +66,41 @@ pub(crate) fn twice<'a>(names: impl Iterator<Item = &'a str>) -> Option<&'a str>
     names.into_iter().find(|name| !seen.insert(*name))
 }
 
-/// The instances of each row of all topics in the order of their times: (time, topic, row).
-pub(crate) fn rows_by_time(topics: &[Topic]) -> Vec<(f64, usize, usize)> {
-    let mut rows: Vec<_> = topics
-        .iter()
-        .enumerate()
-        .flat_map(|(index, topic)| {
-            topic
-                .time()
-                .iter()
-                .enumerate()
-                .map(move |(row, &t)| (t, index, row))
-        })
-        .collect();
-    rows.sort_by(|a, b| a.0.total_cmp(&b.0));
-    rows
+/// A row of a log, to be written.
+pub(crate) struct TimedRow {
+    /// Its time \[s\].
+    pub time: f64,
+    /// Its time in the ticks of the format.
+    pub ticks: u64,
+    /// Index of its topic in the log.
+    pub topic: usize,
+    /// Its index in the topic.
+    pub row: usize,
+}
+
+/// The rows of all topics in the order of their times, which the format counts in so many ticks `per_second`.
+///
+/// # Errors
+/// [`Error::Write`]: a time before 0, or of more ticks than 64 bits hold.
+pub(crate) fn rows_by_time(topics: &[Topic], per_second: f64) -> Result<Vec<TimedRow>, Error> {
+    let mut timed = Vec::new();
+    for (topic, of) in topics.iter().enumerate() {
+        for (row, &time) in of.time().iter().enumerate() {
+            let ticks = (time * per_second).round() as u64;
+            timed.push(TimedRow {
+                time,
+                ticks,
+                topic,
+                row,
+            });
+        }
+    }
+    timed.sort_by(|a, b| a.time.total_cmp(&b.time));
+    let held = 0.0..u64::MAX as f64 / per_second;
+    match timed.iter().find(|row| !held.contains(&row.time)) {
+        Some(row) => problem(format!("a row at the time {} s", row.time)),
+        None => Ok(timed),
+    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! MCAP with JSON messages (<https://mcap.dev/spec>): what is written opens in Foxglove and PlotJuggler, and is read back.
 
-use crate::error::output;
+use crate::error::{output, problem};
 use crate::fields::{Field, fields, rows_by_time, twice};
 use crate::{Error, Log, Topic};
 use ::mcap::records::MessageHeader;
@@ -12,9 +12,6 @@ use std::io::{Seek, Write};
 mod read;
 
 pub use read::{is_mcap, read};
-
-/// The first time \[s\] whose nanoseconds are more than 64 bits hold.
-const LAST: f64 = u64::MAX as f64 / 1e9;
 
 /// Writes `log` as MCAP, all topics in the order of time.
 ///
@@ -52,15 +49,12 @@ pub fn write(log: &Log, out: impl Write + Seek) -> Result<(), Error> {
             .map_err(failed)?;
         channels.push((id, fields, 0));
     }
-    for (time, topic, row) in rows_by_time(&log.topics) {
-        if !(0.0..LAST).contains(&time) {
-            return problem(format!("a row at the time {time} s"));
-        }
-        let (channel_id, fields, sequence) = &mut channels[topic];
+    for timed in rows_by_time(&log.topics, 1e9)? {
+        let (channel_id, fields, sequence) = &mut channels[timed.topic];
         let mut message = Map::new();
-        message.insert("timestamp".into(), json!(time));
+        message.insert("timestamp".into(), json!(timed.time));
         for field in fields {
-            let mut values = field.columns.iter().map(|c| json!(c.values[row]));
+            let mut values = field.columns.iter().map(|c| json!(c.values[timed.row]));
             let value = if field.array {
                 values.collect()
             } else {
@@ -68,12 +62,11 @@ pub fn write(log: &Log, out: impl Write + Seek) -> Result<(), Error> {
             };
             message.insert(field.name.clone(), value);
         }
-        let nanoseconds = (time * 1e9).round() as u64;
         let header = MessageHeader {
             channel_id: *channel_id,
             sequence: *sequence,
-            log_time: nanoseconds,
-            publish_time: nanoseconds,
+            log_time: timed.ticks,
+            publish_time: timed.ticks,
         };
         *sequence += 1;
         let text = Value::Object(message).to_string();
@@ -122,10 +115,6 @@ fn schema(name: &str, fields: &[Field]) -> Value {
         properties.insert(field.name.clone(), property);
     }
     json!({ "title": name, "type": "object", "properties": properties })
-}
-
-fn problem<T>(problem: String) -> Result<T, Error> {
-    Err(Error::Write { problem })
 }
 
 fn failed(error: McapError) -> Error {
@@ -226,7 +215,10 @@ mod tests {
                 .to_string()
         };
         assert!(refusal(vec![topic("t", 0, -1.0, "x")]).contains("time -1 s"));
-        assert!(refusal(vec![topic("t", 0, LAST, "x")]).contains("time 18446744073.709553 s"));
+        assert!(
+            refusal(vec![topic("t", 0, u64::MAX as f64 / 1e9, "x")])
+                .contains("time 18446744073.709553 s")
+        );
         assert!(
             refusal(vec![topic("t", 1, 0.0, "x"), topic("t.1", 0, 0.0, "x")])
                 .contains("`t.1` is there twice")

@@ -1,13 +1,10 @@
 //! The writer.
 
 use super::{MAGIC, UNITS};
-use crate::error::output;
+use crate::error::{output, problem};
 use crate::fields::{Field, fields, identifier, rows_by_time, twice};
 use crate::{Error, Log, Topic};
 use std::io::Write;
-
-/// The first time \[s\] whose microseconds are more than 64 bits hold.
-const LAST: f64 = u64::MAX as f64 / 1e6;
 
 /// Writes `log` as ULog, all topics in the order of time.
 ///
@@ -17,17 +14,13 @@ const LAST: f64 = u64::MAX as f64 / 1e6;
 /// the time 0 for one that was never filled in, so let time begin later.
 ///
 /// # Errors
-/// [`Error::Write`]: a time before 0, or beyond what 64 bits of microseconds hold; two topics of one name and instance, or of one name and different columns;
-/// two columns whose names become one; a row of more than 65,533 bytes; more than 65,536 topics.
+/// [`Error::Write`]: a time before 0, or beyond what 64 bits of microseconds hold; two topics of one name and instance, or of one
+/// name and different columns; two columns whose names become one; a row of more than 65,533 bytes; more than 65,536 topics.
 /// [`Error::Io`]: `out` refuses.
 pub fn write(log: &Log, mut out: impl Write) -> Result<(), Error> {
     let plans = plan(log)?;
-    let rows = rows_by_time(&log.topics);
-    let beyond = |&&(time, ..): &&(f64, _, _)| !(0.0..LAST).contains(&time);
-    if let Some((time, ..)) = rows.iter().find(beyond) {
-        return problem(format!("a row at the time {time} s"));
-    }
-    let start = rows.first().map_or(0, |&(time, ..)| microseconds(time));
+    let rows = rows_by_time(&log.topics, 1e6)?;
+    let start = rows.first().map_or(0, |first| first.ticks);
 
     let mut bytes = [&MAGIC[..], &[1]].concat();
     bytes.extend(start.to_le_bytes());
@@ -63,12 +56,12 @@ pub fn write(log: &Log, mut out: impl Write) -> Result<(), Error> {
         )?;
     }
     let mut payload = Vec::new();
-    for (time, topic, row) in rows {
+    for timed in rows {
         payload.clear();
-        payload.extend(number(topic)?.to_le_bytes());
-        payload.extend(microseconds(time).to_le_bytes());
-        for (field, single) in &plans[topic].fields {
-            for value in field.columns.iter().map(|column| column.values[row]) {
+        payload.extend(number(timed.topic)?.to_le_bytes());
+        payload.extend(timed.ticks.to_le_bytes());
+        for (field, single) in &plans[timed.topic].fields {
+            for value in field.columns.iter().map(|column| column.values[timed.row]) {
                 if *single {
                     payload.extend((value as f32).to_le_bytes());
                 } else {
@@ -167,15 +160,6 @@ fn plan(log: &Log) -> Result<Vec<Plan<'_>>, Error> {
         });
     }
     Ok(plans)
-}
-
-fn problem<T>(problem: String) -> Result<T, Error> {
-    Err(Error::Write { problem })
-}
-
-/// `time` [s], not negative, in microseconds.
-fn microseconds(time: f64) -> u64 {
-    (time * 1e6).round() as u64
 }
 
 /// The number of a topic.
@@ -279,7 +263,10 @@ mod tests {
             .to_string()
         };
         assert!(refusal(vec![topic("t", 0, -1.0, &["x"])]).contains("time -1 s"));
-        assert!(refusal(vec![topic("t", 0, LAST, &["x"])]).contains("time 18446744073709.55 s"));
+        assert!(
+            refusal(vec![topic("t", 0, u64::MAX as f64 / 1e6, &["x"])])
+                .contains("time 18446744073709.55 s")
+        );
         assert!(refusal(vec![topic("t", 0, 0.0, &["a.b", "a-b"])]).contains("two fields `a_b`"));
         assert!(
             refusal(vec![topic("t", 0, 0.0, &["timestamp"])]).contains("two fields `timestamp`")
