@@ -35,7 +35,7 @@ const LIMITS: [(&str, u32, f64, u64, u32); 5] = [
     ("winged_feed_forward", 900, 1.15, 6 * 1024, 512),
 ];
 
-/// Lines of a README between which the table stands.
+/// Lines of a page (`docs/results.md`) between which the table stands.
 const BEGIN: &str = "<!-- cargo target-bench: begin -->\n";
 const END: &str = "<!-- cargo target-bench: end -->\n";
 
