@@ -132,7 +132,7 @@ fn noisy(seed: u64) -> Experiment {
 
 /// The median of how far forty flights are off their altitude, below or above, is within 1.5 times what it is in process. A single flight may not be: where the vehicle turns
 /// from cruise to hover, errors too small to see decide when it turns. Of forty flights each the worst are −2.0 and +1.7 m off, and in process, with noise of
-/// 0.1° and 2 cm/s, −1.3 and +0.6 m (docs/autopilots.md).
+/// 0.1° and 2 cm/s, −1.3 and +0.6 m (docs/results.md).
 fn forty_within_one_and_a_half_times(
     exact: &Experiment,
     name: &str,
@@ -502,7 +502,7 @@ fn a_link_lost_in_flight_is_a_failure_of_the_command() {
     assert!(folder.path().join("here/report.html").exists());
 }
 
-/// What docs/autopilots.md says of the round trip: `--ignored --nocapture plane`.
+/// What docs/results.md says of the round trip: `--ignored --nocapture plane`.
 #[test]
 #[ignore = "minutes: measures what the documentation states"]
 fn measured_over_forty_links() {

@@ -109,7 +109,7 @@ fn companion_flies(experiment: &Experiment, kind: Kind, quality: Quality, seed: 
 type Held = (&'static str, [f64; 2], [f64; 2], [f64; 2]);
 
 /// Path, medians of the errors of velocity \[m/s\] and position \[m\] after the entry, and the altitudes \[m\] over the path that no flight leaves
-/// after the entry and at all. What these links had, and 40 % more (of twenty: docs/autopilots.md). The circle begins in full flight
+/// after the entry and at all. What these links had, and 40 % more (of twenty: docs/results.md). The circle begins in full flight
 /// with a set-point of hover under way, which lifts it or lets it sink before the first command arrives.
 const PATHS: [Held; 3] = [
     ("circle-40", [0.15, 0.8], [-7.7, 8.0], [-18.0, 11.2]),
@@ -201,7 +201,7 @@ fn ended_well(ended: &Ended, kind: Kind) {
     assert!(ended.dropped > 20, "late messages: {}", ended.dropped);
 }
 
-/// What docs/autopilots.md says of flights in space: `--ignored --nocapture space`.
+/// What docs/results.md says of flights in space: `--ignored --nocapture space`.
 #[test]
 #[ignore = "minutes: measures what the documentation states"]
 fn measured_over_ten_links_each() {
