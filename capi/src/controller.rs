@@ -1,8 +1,8 @@
 //! The controller: a vehicle's guidance and its memory, in memory of the caller's.
 
+use alula::planar::Gains;
 use alula::{
-    BandwidthGains, GainChoice, Gains, Guidance, Model, ModelParameters, ParameterError, Problem,
-    Vehicle,
+    BandwidthGains, GainChoice, Guidance, Model, ModelParameters, ParameterError, Problem, Vehicle,
 };
 
 use crate::boundary::{self, Layout};

@@ -6,10 +6,12 @@ use std::ptr::{null, null_mut};
 use alula::aero::Node;
 use alula::guidance::{Air, Status};
 use alula::ned::{BodyAxes, Quaternion};
+use alula::planar::equilibrium::Equilibria;
+use alula::planar::{Inertial, Reference};
 use alula::spatial::{self, Heading, Ned, Orientation};
 use alula::{
-    Combined, CombinedParameters, Equilibria, Guidance, GuidanceInput, GuidanceParameters,
-    GuidanceState, Inertial, Reference, Vehicle, VehicleParameters,
+    Combined, CombinedParameters, Guidance, GuidanceInput, GuidanceParameters, GuidanceState,
+    Vehicle, VehicleParameters,
 };
 use alula_capi::*;
 

@@ -7,7 +7,7 @@ use std::mem::offset_of;
 use std::ptr::{null, null_mut};
 
 use alula::VehicleParameters;
-use alula::control::GainLaw;
+use alula::planar::GainLaw;
 use alula_capi::*;
 
 /// The defaults, of the paper's vehicle.
@@ -289,8 +289,11 @@ fn every_bad_number_is_named_and_gives_the_safe_command() {
 fn commands_are_the_cores() {
     use alula::guidance::BandwidthGains;
     use alula::ned::{BodyAxes, Quaternion};
+    use alula::planar::{Command, GainParameters, Gains};
     use alula::spatial::{Body, FeedForward, Heading, Ned, Orientation, Reference, State};
-    use alula::*;
+    use alula::{
+        Combined, CombinedParameters, GainChoice, Guidance, GuidanceParameters, Parameters, Vehicle,
+    };
     let vehicle = VehicleParameters {
         c_y: 0.4,
         ..VehicleParameters::PAPER

@@ -6,10 +6,9 @@
 
 use alula::guidance::{Air, GuidanceParameters, Mode, PlannerOptions, RejectReason, Status};
 use alula::ned::{BodyAxes, Quaternion};
+use alula::planar::PlanarGuidanceInput;
 use alula::spatial::{Body, Heading, Ned, Orientation, Reference};
-use alula::{
-    Fault, Guidance, GuidanceInput, GuidanceOutput, GuidanceState, Model, PlanarGuidanceInput,
-};
+use alula::{Fault, Guidance, GuidanceInput, GuidanceOutput, GuidanceState, Model};
 
 use crate::assert_finite;
 use crate::bytes::Bytes;
@@ -218,7 +217,7 @@ fn planar(bytes: &mut Bytes) -> PlanarGuidanceInput {
         attitude: bytes.attitude(),
         air: Air::Velocity(bytes.inertial(30.0)),
         position_error: (bytes.byte() % 4 > 0).then_some(position),
-        reference: alula::Reference {
+        reference: alula::planar::Reference {
             velocity: bytes.inertial(30.0),
             acceleration: bytes.inertial(10.0),
         },

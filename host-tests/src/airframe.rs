@@ -1,6 +1,6 @@
 //! Vehicles by name or file, for analyses that need no flight.
 
-use alula::GainParameters;
+use alula::planar::GainParameters;
 use serde::Serialize;
 use toml::Value;
 

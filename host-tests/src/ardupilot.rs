@@ -7,7 +7,7 @@
 
 use std::collections::VecDeque;
 
-use alula::{PlanarGuidanceInput, Reference};
+use alula::planar::{PlanarGuidanceInput, Reference};
 use alula_bridges::sitl::{ActuatorState, Flow, Packet, Physics, Sample};
 use nalgebra::UnitQuaternion;
 use rand_chacha::ChaCha8Rng;
@@ -272,7 +272,7 @@ impl Physics for Vehicle<'_> {
                     theta,
                     sample: PlanarGuidanceInput {
                         velocity: inertial(measured.velocity),
-                        attitude: alula::Attitude::from_angle(theta),
+                        attitude: alula::planar::Attitude::from_angle(theta),
                         air: measured.air,
                         specific_force: measured.specific_force,
                         position_error: Some(inertial(position)),

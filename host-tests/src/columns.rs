@@ -5,9 +5,9 @@
 use std::borrow::Cow;
 use std::io::Write;
 
-use alula::Inertial;
-use alula::control::Diagnostics;
 use alula::guidance::Air;
+use alula::planar::Diagnostics;
+use alula::planar::Inertial;
 
 use crate::controllers::Answer;
 use crate::decimal;
@@ -106,7 +106,7 @@ fn law(answer: &Answer, of: fn(&Diagnostics) -> f32) -> Option<Cell> {
 }
 
 /// Something that only the guidance reports.
-fn guided(answer: &Answer, of: fn(&alula::PlanarGuidanceOutput) -> f32) -> Option<Cell> {
+fn guided(answer: &Answer, of: fn(&alula::planar::PlanarGuidanceOutput) -> f32) -> Option<Cell> {
     answer.guided().map(|g| Cell::Single(of(g)))
 }
 
@@ -117,7 +117,7 @@ fn told_air(step: &Step) -> Option<Inertial> {
     }
 }
 
-fn force(step: &Step, of: fn(&alula::Body) -> f32) -> Option<Cell> {
+fn force(step: &Step, of: fn(&alula::planar::Body) -> f32) -> Option<Cell> {
     step.input
         .sample
         .specific_force

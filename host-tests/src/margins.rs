@@ -5,7 +5,8 @@
 //! The largest lag is that of the rate loop, in place of its own, with the own thrust lag and delay. The largest delay is that of thrust
 //! and rate alike, in place of the own, with both own lags. Ideal actuators give the bare loop.
 
-use alula::{GainParameters, GuidanceParameters};
+use alula::GuidanceParameters;
+use alula::planar::GainParameters;
 use nalgebra::{Complex, DMatrix, Matrix2x3, Matrix3, Matrix3x2, Vector3};
 use serde::Serialize;
 

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use alula::guidance::Air;
-use alula::{Attitude, FeedForward, Inertial, PlanarGuidanceInput, Reference};
+use alula::planar::{Attitude, FeedForward, Inertial, PlanarGuidanceInput, Reference};
 
 use crate::controllers::{Answer, Controller, Input, inertial};
 use crate::experiment::{Experiment, FaultKind, Faults, Measured, Plant, State, Weather, stream};

@@ -1,7 +1,8 @@
 //! The equilibria along an experiment's reference: is the flight as planned admissible?
 
-use alula::equilibrium::{Branch, Equilibrium, EquilibriumError};
-use alula::{Equilibria, Inertial, Reference};
+use alula::planar::equilibrium::Equilibria;
+use alula::planar::equilibrium::{Branch, Equilibrium, EquilibriumError};
+use alula::planar::{Inertial, Reference};
 use serde::Serialize;
 
 use crate::experiment::Experiment;

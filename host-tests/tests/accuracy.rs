@@ -7,7 +7,8 @@ mod common;
 
 use std::f64::consts::PI;
 
-use alula::{Attitude, CombinedParameters, Fault, GainParameters};
+use alula::planar::{Attitude, GainParameters};
+use alula::{CombinedParameters, Fault};
 use alula_sil::reference::{self, Angle, full, magnitudes, robust, wrap};
 use common::{Point, combined, control, disc, gains, vehicles};
 use rand::{RngExt, SeedableRng};

@@ -1,8 +1,8 @@
 //! The whole guidance in closed loop: what it reaches on the vehicle of the built-in experiments.
 mod common;
 
-use alula::PlanarGuidanceOutput;
 use alula::guidance::{AirUse, Mode, Phase, Status};
+use alula::planar::PlanarGuidanceOutput;
 use alula_sil::experiment::Experiment;
 use alula_sil::figures::{Figures, Segment};
 use alula_sil::simulate::{Record, Step, fly};

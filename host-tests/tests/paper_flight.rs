@@ -6,7 +6,8 @@ mod common;
 
 use std::f32::consts::FRAC_PI_2;
 
-use alula::{Attitude, CombinedParameters, GainParameters, VehicleParameters};
+use alula::planar::{Attitude, GainParameters};
+use alula::{CombinedParameters, VehicleParameters};
 use alula_sil::controllers::{Answer, Controller, Input, Law, LawSpec};
 use alula_sil::experiment::{BUILT_IN, DEFAULT, Document, Experiment, PlantSpec};
 use alula_sil::figures::Figures;
@@ -187,7 +188,7 @@ fn the_default_experiment_is_the_papers() {
         VehicleParameters::PAPER_BELIEF,
         CombinedParameters::PAPER_BELIEF,
     );
-    let gains = alula::Gains::new(GainParameters::PAPER).unwrap();
+    let gains = alula::planar::Gains::new(GainParameters::PAPER).unwrap();
     let control = law(&experiment, DEFAULT).control;
     assert_eq!(control.vehicle(), &belief);
     assert_eq!(control.gains(), &alula::GainChoice::Constant(gains));

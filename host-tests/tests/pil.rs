@@ -8,8 +8,9 @@ use std::path::PathBuf;
 use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 
+use alula::planar::{Inertial, PlanarGuidanceInput};
 use alula::spatial::Rates;
-use alula::{GuidanceInput, GuidanceOutput, Inertial, PlanarGuidanceInput};
+use alula::{GuidanceInput, GuidanceOutput};
 use alula_link::damage::Mangler;
 use alula_link::{Configuration, Envelope, MAX_FRAME, Pacing, Phase, Status, ToTarget, encode};
 use alula_sil::controllers::{Answer, Controller, Flying, Input};
@@ -294,7 +295,7 @@ impl<C: Controller> Controller for Outage<C> {
         let step = self.step;
         self.step += 1;
         if self.cut.contains(&step) {
-            return Ok(Ok(alula::Command::default()).into());
+            return Ok(Ok(alula::planar::Command::default()).into());
         }
         self.controller.answer(input, dt)
     }
@@ -483,7 +484,7 @@ fn input(n: usize) -> Input {
         theta,
         sample: PlanarGuidanceInput {
             velocity: Inertial::new(n as f32 * 1e-4, 8.0),
-            attitude: alula::Attitude::from_angle(theta),
+            attitude: alula::planar::Attitude::from_angle(theta),
             ..PlanarGuidanceInput::default()
         },
         feed_forward: None,

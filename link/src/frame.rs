@@ -186,7 +186,8 @@ mod tests {
         Admission, Configuration, ControllerParameters, Envelope, Law, LawGains, Order, Pacing,
         ToTarget,
     };
-    use alula::{GainParameters, LargeAngleParameters, ModelParameters, VehicleParameters};
+    use alula::planar::GainParameters;
+    use alula::{LargeAngleParameters, ModelParameters, VehicleParameters};
     use std::vec::Vec;
 
     fn message(session: u32, sequence: u32) -> Envelope<ToTarget> {

@@ -1,10 +1,11 @@
 //! The messages. What they carry are the core's own types.
 
 use alula::guidance::RejectReason;
+use alula::planar::{Command, FeedForward, GainParameters, Reference, State};
 use alula::spatial::{self, Rates};
 use alula::{
-    Command, Fault, FeedForward, GainParameters, GuidanceInput, GuidanceOutput, GuidanceParameters,
-    ModelParameters, ParameterError, Problem, Reference, State, VehicleParameters,
+    Fault, GuidanceInput, GuidanceOutput, GuidanceParameters, ModelParameters, ParameterError,
+    Problem, VehicleParameters,
 };
 use serde::{Deserialize, Serialize};
 
@@ -51,9 +52,9 @@ pub enum FromTarget<'a> {
 /// A law of the core.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Law {
-    /// [`VelocityControl::robust`](alula::VelocityControl::robust).
+    /// [`VelocityControl::robust`](alula::planar::VelocityControl::robust).
     Robust,
-    /// [`VelocityControl::full`](alula::VelocityControl::full).
+    /// [`VelocityControl::full`](alula::planar::VelocityControl::full).
     Full,
 }
 
@@ -229,7 +230,8 @@ mod tests {
     use crate::{Counters, MAX_FRAME, Receiver, encode};
     use alula::guidance::{Air, PlannerOptions};
     use alula::ned::Ned;
-    use alula::{Body, CombinedParameters, Diagnostics, Inertial, Parameters, PlanarGuidanceInput};
+    use alula::planar::{Body, Diagnostics, Inertial, PlanarGuidanceInput};
+    use alula::{CombinedParameters, Parameters};
 
     fn through_the_wire<M>(message: &M) -> M
     where
@@ -296,7 +298,7 @@ mod tests {
         };
         let state = State {
             velocity: numbers(1.0),
-            attitude: alula::Attitude { cos: 0.6, sin: 0.8 },
+            attitude: alula::planar::Attitude { cos: 0.6, sin: 0.8 },
             wind: numbers(3.0),
         };
         let input = PlanarGuidanceInput {

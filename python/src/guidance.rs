@@ -2,11 +2,9 @@
 
 use ::alula::guidance::{Air, PlannerOptions};
 use ::alula::ned::{BodyAxes, Ned, Quaternion};
+use ::alula::planar::{Attitude, Inertial, PlanarGuidanceInput};
 use ::alula::spatial::{Heading, Orientation, Reference};
-use ::alula::{
-    Attitude, GainChoice, GuidanceInput, GuidanceParameters, GuidanceState, Inertial,
-    PlanarGuidanceInput,
-};
+use ::alula::{GainChoice, GuidanceInput, GuidanceParameters, GuidanceState};
 use alula_sil::controllers::GuidanceSpec;
 use alula_sil::experiment::Model;
 use pyo3::prelude::*;
@@ -302,9 +300,11 @@ impl Guidance {
             attitude: Attitude::from_angle(theta),
             state_age,
             air: air(air_velocity.as_ref(), wind.as_ref(), inertial)?,
-            specific_force: force.transpose()?.map(|[i, j]| ::alula::Body::new(i, j)),
+            specific_force: force
+                .transpose()?
+                .map(|[i, j]| ::alula::planar::Body::new(i, j)),
             position_error: error.transpose()?.map(inertial),
-            reference: ::alula::Reference {
+            reference: ::alula::planar::Reference {
                 velocity: inertial(vector("reference_velocity", &reference_velocity)?),
                 acceleration: inertial(vector_or_zero("reference_acceleration", acceleration)?),
             },

@@ -1,7 +1,8 @@
 //! Parameters by keyword: names, defaults, ranges and meanings are those of the core's table.
 
+use ::alula::planar::GainParameters;
 use ::alula::{
-    CombinedParameters, GainParameters, GuidanceParameters, LargeAngleParameters, Parameters, Row,
+    CombinedParameters, GuidanceParameters, LargeAngleParameters, Parameters, Row,
     SmallAngleParameters, VehicleParameters,
 };
 use alula_sil::experiment::{Fields, file_name, file_value};

@@ -35,9 +35,7 @@ use crate::vehicle::Vehicle;
 /// The velocity law with everything around it that a real vehicle asks for. Immutable and validated.
 ///
 /// ```
-/// use alula::guidance::*;
-/// use alula::spatial::Ned;
-/// use alula::*;
+/// use alula::prelude::*;
 ///
 /// let model = Combined::new(CombinedParameters::PAPER_BELIEF)?;
 /// let vehicle = Vehicle::new(VehicleParameters::PAPER_BELIEF, model)?;
@@ -721,7 +719,7 @@ mod tests {
     use crate::frame::{Attitude, Inertial};
     use crate::guidance::MIN_STEP;
     use crate::guidance::Phase;
-    use crate::guidance::{PlanarGuidanceInput, PlanarGuidanceOutput};
+    use crate::guidance::plane::{PlanarGuidanceInput, PlanarGuidanceOutput};
     use crate::parameters::Parameters;
     use crate::reference::Reference;
     use crate::vehicle::VehicleParameters;
@@ -806,7 +804,7 @@ mod tests {
             guided = guidance.update_in_plane(&mut state, &input, DT);
         }
         let law = guidance.control.plane().robust(
-            &crate::State {
+            &crate::planar::State {
                 velocity: input.velocity,
                 attitude: input.attitude,
                 wind: Inertial::ZERO,

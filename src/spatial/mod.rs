@@ -8,7 +8,7 @@
 //! theory carries over it is said so.
 
 mod aerodynamic_force;
-mod axisymmetric;
+pub mod axisymmetric;
 mod command;
 mod force_error;
 mod heading;
@@ -22,7 +22,6 @@ mod winged;
 const MAX_STEP: f32 = 0.2;
 
 pub use crate::ned::Ned;
-pub use axisymmetric::AxisymmetricControl;
 pub(crate) use command::check_input;
 pub use command::{Command, Correction, Diagnostics, FeedForward, Rates, Reference, State};
 pub use force_error::{ForceError, ForceErrorParameters, ForceErrorState, ForceSample};

@@ -96,7 +96,7 @@ impl<A: Aerodynamics, G: GainLaw> WingedControl<A, G> {
         self.step(Law::Full, state, reference, feed_forward)
     }
 
-    /// Forces in the plane of symmetry: what [`FoldMap::margin`](crate::FoldMap::margin) is asked with. With W in place
+    /// Forces in the plane of symmetry: what [`FoldMap::margin`](crate::planar::equilibrium::FoldMap::margin) is asked with. With W in place
     /// of weight its folds are those of the turn flown: a turn of load factor n has every fold airspeed √n higher.
     ///
     /// # Errors

@@ -11,10 +11,11 @@ use std::mem::offset_of;
 
 use alula::guidance::Air;
 use alula::ned::{BodyAxes, Ned, Quaternion};
+use alula::planar::{GainParameters, Gains};
 use alula::spatial::{self, Body, Heading, Orientation};
 use alula::{
-    BandwidthGains, Combined, CombinedParameters, GainChoice, GainParameters, Gains, Guidance,
-    GuidanceInput, GuidanceParameters, GuidanceState, Parameters, Vehicle, VehicleParameters,
+    BandwidthGains, Combined, CombinedParameters, GainChoice, Guidance, GuidanceInput,
+    GuidanceParameters, GuidanceState, Parameters, Vehicle, VehicleParameters,
 };
 use alula_capi::{
     ALULA_GAINS_CONSTANT, ALULA_POSITION, ALULA_SPECIFIC_FORCE, Command, ControllerParameters,

@@ -1,7 +1,8 @@
 //! `equilibria`: the orientations that hold one reference, as the core finds them on board.
 
-use alula::equilibrium::{Branch, Equilibrium, Spherical, existence};
-use alula::{Equilibria, FoldMap, FoldMargin, Inertial, Reference};
+use alula::planar::equilibrium::{Branch, Equilibrium, Spherical, existence};
+use alula::planar::equilibrium::{Equilibria, FoldMap, FoldMargin};
+use alula::planar::{Inertial, Reference};
 use anyhow::anyhow;
 use serde::Serialize;
 
@@ -101,7 +102,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         .map_err(|e| anyhow!("{}: {e}", airframe.name))?;
     let map = FoldMap::new(&vehicle);
     let margin = |e: &Equilibrium| {
-        map.margin(&alula::equivalency::ApparentForces::new(
+        map.margin(&alula::planar::equivalency::ApparentForces::new(
             &vehicle,
             e.attitude,
             reference.velocity - wind,

@@ -1,6 +1,6 @@
 //! The controller of an experiment in a vertical plane, as a companion's pilot.
 
-use alula::{FeedForward, Inertial, PlanarGuidanceInput};
+use alula::planar::{FeedForward, Inertial, PlanarGuidanceInput};
 use alula_bridges::companion::{HoldParameters, InPlane, Planar, Settings, Wanted};
 
 use crate::controllers::{Answer, Controller, Input, inertial, vector};

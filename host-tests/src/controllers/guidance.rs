@@ -1,8 +1,9 @@
 //! `[controller.guidance]`: the core's whole guidance. Its parameters stand in the core's own table.
 
+use alula::planar::{GainParameters, Gains};
 use alula::{
-    BandwidthGains, GainChoice, GainParameters, Gains, Guidance, GuidanceParameters, GuidanceState,
-    ParameterError, Parameters as _, ResponseParameters, VehicleParameters,
+    BandwidthGains, GainChoice, Guidance, GuidanceParameters, GuidanceState, ParameterError,
+    Parameters as _, ResponseParameters, VehicleParameters,
 };
 use alula_link::{Configuration, ControllerParameters, Pacing};
 use toml::Value;

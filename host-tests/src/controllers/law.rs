@@ -1,6 +1,7 @@
 //! `[controller.law]`: one of the paper's laws, bare.
 
-use alula::{BandwidthGains, GainChoice, GainParameters, GuidanceParameters, VelocityControl};
+use alula::planar::{GainParameters, VelocityControl};
+use alula::{BandwidthGains, GainChoice, GuidanceParameters};
 use alula_link::{Configuration, ControllerParameters, LawGains, Pacing};
 use serde::Deserialize;
 use toml::Value;
@@ -84,7 +85,7 @@ impl LawSpec {
                     .map_err(|e| refused::<GuidanceParameters>(e).inside("bandwidth"))?,
             ),
             None => GainChoice::Constant(
-                alula::Gains::new(self.gains)
+                alula::planar::Gains::new(self.gains)
                     .map_err(|e| refused::<GainParameters>(e).inside("gains"))?,
             ),
         };

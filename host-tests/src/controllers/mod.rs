@@ -8,10 +8,11 @@ mod law;
 
 use std::borrow::Cow;
 
-use alula::control::Diagnostics;
+use alula::Fault;
 use alula::guidance::{Air, Mode};
-use alula::{
-    Command, Fault, FeedForward, Inertial, PlanarGuidanceInput, PlanarGuidanceOutput, State,
+use alula::planar::Diagnostics;
+use alula::planar::{
+    Command, FeedForward, Inertial, PlanarGuidanceInput, PlanarGuidanceOutput, State,
 };
 use alula_link::{Configuration, Pacing};
 use serde::{Deserialize, de};

@@ -255,7 +255,7 @@ mod tests {
     use super::super::sensors::Measured;
     use super::*;
     use crate::reference::Vector;
-    use alula::Inertial;
+    use alula::planar::Inertial;
 
     fn spec(kind: FaultKind, size: Option<f64>) -> FaultSpec {
         FaultSpec {

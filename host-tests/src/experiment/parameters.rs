@@ -146,7 +146,8 @@ impl Fields {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use alula::{CombinedParameters, GainParameters, GuidanceParameters};
+    use alula::planar::GainParameters;
+    use alula::{CombinedParameters, GuidanceParameters};
 
     fn fields(text: &str) -> Fields {
         text.parse::<Table>().unwrap().into()

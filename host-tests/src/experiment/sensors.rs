@@ -1,7 +1,7 @@
 //! Sensors: noise, bias and quantisation of what the controller is told.
 
 use alula::guidance::Air;
-use alula::{Body, Inertial};
+use alula::planar::{Body, Inertial};
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 use serde::Deserialize;

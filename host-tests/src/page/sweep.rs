@@ -18,7 +18,7 @@ pub fn figure(
 ) -> Figure {
     let weight = experiment.weight();
     let end = experiment.duration_s;
-    let equilibria = |of: fn(&alula::Equilibrium) -> f32| {
+    let equilibria = |of: fn(&alula::planar::equilibrium::Equilibrium) -> f32| {
         // A dot every so often.
         let every = instants.len().div_ceil(200);
         let sets = instants.iter().step_by(every).filter_map(|instant| {
@@ -28,10 +28,11 @@ pub fn figure(
         sets.flat_map(|(t, set)| set.as_slice().iter().map(move |e| (t, f64::from(of(e)))))
             .collect::<Vec<_>>()
     };
-    let followed = |of: &dyn Fn(&alula::Equilibrium) -> f64| -> Vec<(f64, f64)> {
-        let value = |i: &Instant| (i.t, i.followed.as_ref().map_or(f64::NAN, of));
-        instants.iter().map(value).collect()
-    };
+    let followed =
+        |of: &dyn Fn(&alula::planar::equilibrium::Equilibrium) -> f64| -> Vec<(f64, f64)> {
+            let value = |i: &Instant| (i.t, i.followed.as_ref().map_or(f64::NAN, of));
+            instants.iter().map(value).collect()
+        };
     let flown = |name: &str| {
         let column = Experiment::declared(name);
         let degrees = |step| wrap(column.number(experiment, step)).to_degrees();
@@ -77,11 +78,12 @@ pub fn figure(
         ..Chart::over_time(title, series)
     };
     // Without air velocity there is no angle of attack.
-    let angle = |e: &alula::Equilibrium| match e.alpha {
+    let angle = |e: &alula::planar::equilibrium::Equilibrium| match e.alpha {
         0.0 => f64::NAN,
         alpha => f64::from(alpha).to_degrees(),
     };
-    let theta = |e: &alula::Equilibrium| f64::from(e.attitude.angle()).to_degrees();
+    let theta =
+        |e: &alula::planar::equilibrium::Equilibrium| f64::from(e.attitude.angle()).to_degrees();
     Figure::new(
         &[
             chart(

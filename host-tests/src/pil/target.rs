@@ -215,7 +215,7 @@ pub fn core_answer(answer: alula_link::Answer) -> anyhow::Result<Answer> {
     match answer {
         alula_link::Answer::Law(result) => Ok(result.into()),
         alula_link::Answer::Guidance(guided) => {
-            Ok(alula::PlanarGuidanceOutput::from(&guided).into())
+            Ok(alula::planar::PlanarGuidanceOutput::from(&guided).into())
         }
         alula_link::Answer::NotConfigured => bail!("the target is not configured"),
         alula_link::Answer::WrongInput => bail!("the target flies another kind of controller"),

@@ -5,7 +5,7 @@
 
 use std::io::Write;
 
-use alula::{Attitude, Body, FeedForward, Inertial, PlanarGuidanceInput, Reference};
+use alula::planar::{Attitude, Body, FeedForward, Inertial, PlanarGuidanceInput, Reference};
 use alula_logs::states::States;
 use anyhow::bail;
 use nalgebra::{Quaternion, UnitQuaternion};

@@ -3,7 +3,7 @@
 use std::io::{Read, Write};
 
 use alula::guidance::Air;
-use alula::{Attitude, Body, FeedForward, Inertial, PlanarGuidanceInput, Reference};
+use alula::planar::{Attitude, Body, FeedForward, Inertial, PlanarGuidanceInput, Reference};
 use anyhow::{anyhow, bail};
 use csv::StringRecord;
 

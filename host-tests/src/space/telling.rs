@@ -1,8 +1,9 @@
 //! What the guidance is told at a step: what was measured, with the faults that last.
 
+use alula::GuidanceInput;
 use alula::guidance::Air;
+use alula::planar::Attitude;
 use alula::spatial::{Body, Heading, Reference};
-use alula::{Attitude, GuidanceInput};
 use nalgebra::UnitQuaternion;
 
 use super::path::Target;

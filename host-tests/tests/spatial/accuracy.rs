@@ -4,8 +4,10 @@
 //! divided by N of `alula_sil::reference::Number`, which counts every rounding to first order. The figures are printed
 //! with `--nocapture`.
 
-use alula::spatial::{AxisymmetricControl, Rates, WingedControl};
-use alula::{CombinedParameters, Fault, GainParameters};
+use alula::planar::GainParameters;
+use alula::spatial::axisymmetric::AxisymmetricControl;
+use alula::spatial::{Rates, WingedControl};
+use alula::{CombinedParameters, Fault};
 use alula_sil::reference::{
     Number, SpatialEvaluation, axisymmetric_full, axisymmetric_robust, winged_full, winged_robust,
 };

@@ -1,10 +1,11 @@
 //! In a vertical plane the law in space is the planar law.
 
+use alula::CombinedParameters;
 use alula::ned::{BodyAxes, Quaternion};
+use alula::planar::{Attitude, GainParameters, Inertial};
 use alula::spatial::{
     Correction, FeedForward, Heading, Ned, Orientation, Reference, State, WingedControl,
 };
-use alula::{Attitude, CombinedParameters, GainParameters, Inertial};
 use alula_sil::reference::{full, robust, winged_full, winged_robust};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

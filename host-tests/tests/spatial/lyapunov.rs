@@ -1,6 +1,7 @@
 //! What is proved of the laws in space, by finite differences in double precision.
 
-use alula::{CombinedParameters, GainParameters};
+use alula::CombinedParameters;
+use alula::planar::GainParameters;
 use alula_sil::reference::{
     Gains, SpatialEvaluation, SpatialInputs, Vehicle, axes, axisymmetric_full, winged_full,
     winged_robust,

@@ -2,8 +2,8 @@
 
 use std::f64::consts::PI;
 
-use alula::equivalency::ApparentForces;
-use alula::{Attitude, FeedForward, GainParameters};
+use alula::planar::equivalency::ApparentForces;
+use alula::planar::{Attitude, FeedForward, GainParameters};
 use alula_sil::reference::{
     Angle, Gains, Inputs, Vector, Vehicle, full, magnitudes, rotation, wrap,
 };
