@@ -5,7 +5,33 @@
 //!
 //! # Quick start
 //! ```
-#![doc = include_str!("../examples/guidance.rs")]
+//! use alula::prelude::*;
+//!
+//! fn main() -> Result<(), Box<dyn std::error::Error>> {
+//!     // 9 kg, k_a = ρΣ/2 = 0.51 kg/m, thrust to 196 N, a NACA 0021 wing.
+//!     let model = Combined::new(CombinedParameters::NACA_0021_RE_160E3)?;
+//!     let vehicle = Vehicle::new(VehicleParameters::PAPER_BELIEF, model)?;
+//!     let guidance = Guidance::new(vehicle, &GuidanceParameters::default())?;
+//!     let mut state = GuidanceState::default();
+//!
+//!     // Hovering with the nose up in still air, asked to fly north at 10 m/s.
+//!     let input = GuidanceInput {
+//!         velocity: Ned::ZERO,
+//!         orientation: Orientation::NOSE_UP,
+//!         air: Air::Wind(Ned::ZERO),
+//!         reference: Reference {
+//!             velocity: Ned::new(10.0, 0.0, 0.0),
+//!             ..Reference::default()
+//!         },
+//!         ..GuidanceInput::default()
+//!     };
+//!     for _ in 0..10 {
+//!         let Command { thrust, rates, .. } = guidance.update(&mut state, &input, 0.01).command;
+//!         let BodyRates { roll, pitch, yaw } = rates;
+//!         println!("{thrust} N, {roll} {pitch} {yaw} rad/s");
+//!     }
+//!     Ok(())
+//! }
 //! ```
 //!
 //! # Axes and signs
@@ -62,7 +88,7 @@ pub use guidance::{
     BandwidthGains, GainChoice, Guidance, GuidanceInput, GuidanceOutput, GuidanceParameters,
     GuidanceState, ResponseParameters,
 };
-pub use ned::{BodyAxes, Ned, Quaternion};
+pub use ned::{BodyAxes, BodyRates, Frd, Ned, Quaternion};
 pub use parameters::{Parameters, Range, Row};
 pub use spatial::{Command, Heading, Orientation, Reference};
 pub use vehicle::{Vehicle, VehicleParameters, aerodynamic_constant};
@@ -77,7 +103,7 @@ pub mod prelude {
         Air, AirUse, Guidance, GuidanceInput, GuidanceOutput, GuidanceParameters, GuidanceState,
         Mode, PlannerOptions, Status,
     };
-    pub use crate::ned::{BodyAxes, Ned, Quaternion};
+    pub use crate::ned::{BodyAxes, BodyRates, Frd, Ned, Quaternion};
     pub use crate::parameters::Parameters;
     pub use crate::spatial::{Command, Heading, Orientation, Reference};
     pub use crate::vehicle::{Vehicle, VehicleParameters, aerodynamic_constant};

@@ -24,6 +24,66 @@ impl Ned {
     }
 }
 
+/// A vector by its components along the body axes of a fixed wing: forward, right, down.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Frd {
+    /// Component along the nose, which is where thrust points.
+    pub forward: f32,
+    /// Component along the right wing.
+    pub right: f32,
+    /// Component towards the belly.
+    pub down: f32,
+}
+
+impl Frd {
+    /// The vector with these components.
+    #[inline(always)]
+    pub const fn new(forward: f32, right: f32, down: f32) -> Self {
+        Self {
+            forward,
+            right,
+            down,
+        }
+    }
+}
+
+/// Body rates [rad/s] about the forward, right and down axes, right-handed: p, q, r.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct BodyRates {
+    /// Rate p about the nose: positive right wing down in cruise.
+    pub roll: f32,
+    /// Rate q about the right wing: positive nose towards the back of the vehicle, up in cruise.
+    pub pitch: f32,
+    /// Rate r about the belly axis: positive nose right in cruise.
+    pub yaw: f32,
+}
+
+impl BodyRates {
+    /// The rates p, q and r.
+    #[inline(always)]
+    pub const fn new(roll: f32, pitch: f32, yaw: f32) -> Self {
+        Self { roll, pitch, yaw }
+    }
+}
+
+impl From<BodyRates> for Frd {
+    #[inline(always)]
+    fn from(r: BodyRates) -> Self {
+        Self::new(r.roll, r.pitch, r.yaw)
+    }
+}
+
+impl From<Frd> for BodyRates {
+    #[inline(always)]
+    fn from(v: Frd) -> Self {
+        Self::new(v.forward, v.right, v.down)
+    }
+}
+
 /// Attitude quaternion: turns forward-right-down body components into north-east-down components.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

@@ -5,7 +5,7 @@ use std::ptr::{null, null_mut};
 
 use alula::aero::Node;
 use alula::guidance::{Air, Status};
-use alula::ned::{BodyAxes, Quaternion};
+use alula::ned::{BodyAxes, Frd, Quaternion};
 use alula::planar::equilibrium::Equilibria;
 use alula::planar::{Inertial, Reference};
 use alula::spatial::{self, Heading, Ned, Orientation};
@@ -129,8 +129,8 @@ fn a_guided_flight_is_the_cores_to_the_bit() {
         let [x, y, z] = input.specific_force;
         // The tables of body axes in `Orientation`, written out.
         let along = match axes {
-            BodyAxes::NoseUp => spatial::Body::new(z, x, y),
-            BodyAxes::NoseForward => spatial::Body::new(-x, z, y),
+            BodyAxes::NoseUp => Frd::new(-z, y, x),
+            BodyAxes::NoseForward => Frd::new(x, y, z),
         };
         let guided = core.update(
             &mut state,
@@ -160,8 +160,8 @@ fn a_guided_flight_is_the_cores_to_the_bit() {
         assert_eq!(code == ALULA_OK, guided.reject_reason.is_none(), "{n}");
         let rates = guided.command.rates;
         let rates = match axes {
-            BodyAxes::NoseUp => [rates.j, rates.w, rates.i],
-            BodyAxes::NoseForward => [-rates.i, rates.w, rates.j],
+            BodyAxes::NoseUp => [rates.yaw, rates.pitch, -rates.roll],
+            BodyAxes::NoseForward => [rates.roll, rates.pitch, rates.yaw],
         };
         assert_eq!(
             (command.thrust, command.body_rate),
@@ -666,7 +666,7 @@ fn a_table_flies_as_the_cores_does_and_says_which_row_is_bad() {
         let r = wanted.rates;
         assert_eq!(
             (command.thrust, command.body_rate),
-            (wanted.thrust, [-r.i, r.w, r.j])
+            (wanted.thrust, [r.roll, r.pitch, r.yaw])
         );
     }
 }

@@ -288,12 +288,10 @@ fn every_bad_number_is_named_and_gives_the_safe_command() {
 #[test]
 fn commands_are_the_cores() {
     use alula::guidance::BandwidthGains;
-    use alula::ned::{BodyAxes, Quaternion};
-    use alula::planar::{Command, GainParameters, Gains};
-    use alula::spatial::{Body, FeedForward, Heading, Ned, Orientation, Reference, State};
-    use alula::{
-        Combined, CombinedParameters, GainChoice, Guidance, GuidanceParameters, Parameters, Vehicle,
-    };
+    use alula::ned::{BodyAxes, BodyRates, Quaternion};
+    use alula::planar::{GainParameters, Gains};
+    use alula::spatial::{FeedForward, Heading, Ned, Orientation, Reference, State};
+    use alula::{Combined, CombinedParameters, GainChoice, Guidance, GuidanceParameters, Vehicle};
     let vehicle = VehicleParameters {
         c_y: 0.4,
         ..VehicleParameters::PAPER
@@ -363,10 +361,10 @@ fn commands_are_the_cores() {
             report.header = Report::HEADER;
             let code = unsafe { alula_step(&c, &input, 0.01, &mut out, &mut report) };
             assert_eq!(code, ALULA_OK);
-            let Body { i, j, w } = wanted.rates;
+            let BodyRates { roll, pitch, yaw } = wanted.rates;
             let rates = match axes {
-                BodyAxes::NoseForward => [-i, w, j],
-                BodyAxes::NoseUp => [j, w, i],
+                BodyAxes::NoseForward => [roll, pitch, yaw],
+                BodyAxes::NoseUp => [yaw, pitch, -roll],
             };
             assert_eq!((out.thrust, out.body_rate), (wanted.thrust, rates));
             let d = wanted.diagnostics;

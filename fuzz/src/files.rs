@@ -75,7 +75,7 @@ pub fn space(data: &[u8]) -> u64 {
         Ok(record) => {
             for step in &record {
                 let (thrust, rates) = (step.guided.command.thrust, step.guided.command.rates);
-                crate::assert_finite(&[thrust, rates.i, rates.j, rates.w]);
+                crate::assert_finite(&[thrust, rates.roll, rates.pitch, rates.yaw]);
             }
             1 + record.len() as u64
         }
@@ -192,7 +192,7 @@ fn replay_states(states: &states::States) -> u64 {
         Ok((record, _)) => {
             for step in &record {
                 let (thrust, rates) = (step.guided.command.thrust, step.guided.command.rates);
-                crate::assert_finite(&[thrust, rates.i, rates.j, rates.w]);
+                crate::assert_finite(&[thrust, rates.roll, rates.pitch, rates.yaw]);
             }
         }
         Err(error) => refused(&format!("{error:#}")),

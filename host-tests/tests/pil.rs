@@ -8,8 +8,8 @@ use std::path::PathBuf;
 use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 
+use alula::BodyRates;
 use alula::planar::{Inertial, PlanarGuidanceInput};
-use alula::spatial::Rates;
 use alula::{GuidanceInput, GuidanceOutput};
 use alula_link::damage::Mangler;
 use alula_link::{Configuration, Envelope, MAX_FRAME, Pacing, Phase, Status, ToTarget, encode};
@@ -302,7 +302,7 @@ impl<C: Controller> Controller for Outage<C> {
 }
 
 fn is_safe(status: &Status) -> bool {
-    (status.thrust, status.rates) == (0.0, Rates::default())
+    (status.thrust, status.rates) == (0.0, BodyRates::default())
 }
 
 #[test]

@@ -1,8 +1,9 @@
 //! The messages. What they carry are the core's own types.
 
 use alula::guidance::RejectReason;
+use alula::ned::BodyRates;
 use alula::planar::{Command, FeedForward, GainParameters, Reference, State};
-use alula::spatial::{self, Rates};
+use alula::spatial;
 use alula::{
     Fault, GuidanceInput, GuidanceOutput, GuidanceParameters, ModelParameters, ParameterError,
     Problem, VehicleParameters,
@@ -150,7 +151,7 @@ pub struct InForce {
     /// Thrust \[N\].
     pub thrust: f32,
     /// Body rates [rad/s].
-    pub rates: Rates,
+    pub rates: BodyRates,
 }
 
 impl Answer {
@@ -158,7 +159,7 @@ impl Answer {
     pub fn in_force(&self) -> Option<(InForce, Option<RejectReason>)> {
         match self {
             Self::Law(Ok(command)) => {
-                let rates = Rates::new(0.0, 0.0, command.rate);
+                let rates = BodyRates::new(0.0, command.rate, 0.0);
                 let thrust = command.thrust;
                 Some((InForce { thrust, rates }, None))
             }
@@ -213,7 +214,7 @@ pub struct Status {
     /// Thrust in force \[N\].
     pub thrust: f32,
     /// Body rates in force \[rad/s\].
-    pub rates: Rates,
+    pub rates: BodyRates,
     /// Ticks of the timer since power-on.
     pub ticks: u32,
     /// How often the link was lost.
@@ -334,7 +335,7 @@ mod tests {
         let guided = GuidanceOutput {
             command: spatial::Command {
                 thrust: 1.0,
-                rates: Rates::new(2.0, 3.0, 4.0),
+                rates: BodyRates::new(2.0, 3.0, 4.0),
                 ..spatial::Command::default()
             },
             reject_reason: Some(RejectReason::Law(Fault::Wind)),
@@ -357,7 +358,7 @@ mod tests {
             rate: 2.0,
             ..Command::default()
         };
-        let rates = Rates::new(0.0, 0.0, 2.0);
+        let rates = BodyRates::new(0.0, 2.0, 0.0);
         let in_force = InForce { thrust: 3.0, rates };
         assert_eq!(Answer::Law(Ok(command)).in_force(), Some((in_force, None)));
         let fault = Some(RejectReason::Law(Fault::Wind));
@@ -368,7 +369,7 @@ mod tests {
         let guided = GuidanceOutput {
             command: spatial::Command {
                 thrust: 3.0,
-                rates: Rates::new(2.0, 3.0, 4.0),
+                rates: BodyRates::new(2.0, 3.0, 4.0),
                 ..spatial::Command::default()
             },
             reject_reason: Some(RejectReason::StateAge),
@@ -398,7 +399,7 @@ mod tests {
         let status = Status {
             phase: Phase::LinkLost,
             thrust: 1.0,
-            rates: Rates::new(1.0, 1.0, 1.0),
+            rates: BodyRates::new(1.0, 1.0, 1.0),
             ticks: u32::MAX,
             losses: u32::MAX,
             dropped: u32::MAX,

@@ -125,7 +125,7 @@ pub fn guided(guided: ::alula::guidance::GuidanceOutput, axes: BodyAxes) -> Guid
     GuidanceOutput {
         thrust_n: guided.command.thrust,
         rates_rad_s: axes.components(guided.command.rates),
-        rate_rad_s: guided.command.rates.w,
+        rate_rad_s: guided.command.rates.pitch,
         mode: guided.mode.name(),
         air: guided.air.name(),
         status: flags.map(str::to_owned).collect(),

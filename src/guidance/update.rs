@@ -24,10 +24,10 @@ use crate::aero::Aerodynamics;
 use crate::control::{Fault, GainLaw, Margin};
 use crate::error::{ParameterError, Problem};
 use crate::math;
-use crate::ned::Ned;
+use crate::ned::{Frd, Ned};
 use crate::reference::{MAX_ACCELERATION, MAX_SPEED};
 use crate::spatial::{
-    Body, Command, Correction, Diagnostics, LateralGains, LateralParameters, Orientation, Rates,
+    Body, Command, Correction, Diagnostics, LateralGains, LateralParameters, Orientation,
     Reference, State, WingedControl, check_input,
 };
 use crate::vehicle::Vehicle;
@@ -84,9 +84,9 @@ pub struct GuidanceInput {
     pub state_age: f32,
     /// What is known of the air.
     pub air: Air,
-    /// Specific force in body components [m/s²], if it is measured: what an accelerometer feels, gravity not included. With
+    /// Specific force [m/s²], if it is measured: what an accelerometer feels, acceleration less gravity. With
     /// it the law makes up for what is not known of mass, wing and thrust, and of the wind across.
-    pub specific_force: Option<Body>,
+    pub specific_force: Option<Frd>,
     /// Position less reference position, x̃ \[m\], if position is to be held.
     pub position_error: Option<Ned>,
     /// Reference.
@@ -457,7 +457,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             *state = GuidanceState {
                 supervision: state.supervision,
                 limits: LimitState {
-                    rates: Rates::default(),
+                    rates: Body::default(),
                     thrust: self.supervisor.safe_thrust(),
                 },
                 ..GuidanceState::default()
@@ -466,7 +466,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         GuidanceOutput {
             command: Command {
                 thrust: state.limits.thrust,
-                rates: state.limits.rates,
+                rates: state.limits.rates.into(),
                 diagnostics: Diagnostics::default(),
             },
             ..GuidanceOutput::default()
@@ -518,6 +518,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
                 .wind(&mut state.supervision, input.velocity, &input.air, dt);
         let specific_force = input
             .specific_force
+            .map(Body::from)
             .filter(|f| f.norm_squared() < MAX_ACCELERATION * MAX_ACCELERATION);
         let correction = self.accelerometer.correction(&state.accelerometer);
         if air == AirUse::None && specific_force.is_none() {
@@ -640,7 +641,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         let (thrust, rates, saturated) = self.limits.apply(
             &mut state.limits,
             tracked.command.thrust,
-            tracked.command.rates,
+            tracked.command.rates.into(),
             dt,
         );
         state.saturated = saturated;
@@ -653,7 +654,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
 
         guided.command = Command {
             thrust,
-            rates,
+            rates: rates.into(),
             ..tracked.command
         };
         self.accelerometer.update(
@@ -905,9 +906,9 @@ mod tests {
             assert_eq!((guided.mode, guided.reject_reason), (Mode::Flying, None));
             guided.status.contains(Status::FORCE_INVALID)
         };
-        assert!(!told(None) && !told(Some(Body::new(-9.81, 0.0, 0.0))));
-        assert!(told(Some(Body::new(f32::NAN, 0.0, 0.0))));
-        assert!(told(Some(Body::new(0.0, 1e30, 0.0))));
+        assert!(!told(None) && !told(Some(Frd::new(9.81, 0.0, 0.0))));
+        assert!(told(Some(Frd::new(f32::NAN, 0.0, 0.0))));
+        assert!(told(Some(Frd::new(0.0, 1e30, 0.0))));
     }
 
     #[test]

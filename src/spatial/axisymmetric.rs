@@ -245,7 +245,7 @@ impl<A: Aerodynamics, G: GainLaw> AxisymmetricControl<A, G> {
         let force = f_p - step.weight;
         check_output(Command {
             thrust: f_p.i - step.lift + push,
-            rates: Body::new(twist, -m_3, m_2),
+            rates: Body::new(twist, -m_3, m_2).into(),
             diagnostics: Diagnostics {
                 plane: control::Diagnostics {
                     alpha: step.alpha.rad,
@@ -336,10 +336,10 @@ mod tests {
         let command = control()
             .robust(&State::default(), &reference, None)
             .unwrap();
-        assert_eq!((command.thrust, command.rates.j), (10.0 * 9.81, 0.0));
+        assert_eq!((command.thrust, command.rates.yaw), (10.0 * 9.81, 0.0));
         // 2 k_ψ sin/(1 + cos).
         let want = 10.0 * 0.3f32.sin() / (1.0 + 0.3f32.cos());
-        assert!((command.rates.i - want).abs() < 1e-5);
+        assert!((-command.rates.roll - want).abs() < 1e-5);
         assert_eq!(
             control().full(
                 &State {
@@ -407,7 +407,7 @@ mod tests {
             for law in [AxisymmetricControl::robust, AxisymmetricControl::full] {
                 match law(&control, &state, &reference, Some(&ff)) {
                     Ok(c) => {
-                        let sum = c.thrust + c.rates.i + c.rates.j + c.rates.w;
+                        let sum = c.thrust + c.rates.roll + c.rates.yaw + c.rates.pitch;
                         assert!(sum.is_finite(), "{x:?}");
                         flown += 1;
                     }

@@ -1,6 +1,7 @@
 //! Control in space: one law from hover to cruise, in any direction.
 //!
-//! World vectors are north-east-down ([`Ned`]), body vectors along the tail, the belly and the right wing ([`Body`]).
+//! World vectors are north-east-down ([`Ned`]). What goes in and comes out is forward-right-down ([`Frd`](crate::Frd),
+//! [`BodyRates`](crate::BodyRates)); inside, body vectors are along the tail, the belly and the right wing ([`Body`]).
 //! [`WingedControl`] flies a vehicle with a wing: the planar law in the plane of symmetry, and two scalars, tilt and
 //! twist, that keep this plane where lateral forces balance and there is no sideslip. [`AxisymmetricControl`] flies a
 //! body of revolution. [`Sideslip`] and [`ForceError`] learn from the accelerometer what wind and model leave out.
@@ -23,7 +24,7 @@ const MAX_STEP: f32 = 0.2;
 
 pub use crate::ned::Ned;
 pub(crate) use command::check_input;
-pub use command::{Command, Correction, Diagnostics, FeedForward, Rates, Reference, State};
+pub use command::{Command, Correction, Diagnostics, FeedForward, Reference, State};
 pub use force_error::{ForceError, ForceErrorParameters, ForceErrorState, ForceSample};
 pub use heading::Heading;
 pub use lateral::{LateralGains, LateralParameters};

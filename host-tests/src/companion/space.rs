@@ -131,7 +131,7 @@ impl Pilot for OnPath {
             orientation: told.orientation,
             state_age: told.age,
             air: told.air,
-            specific_force: told.specific_force,
+            specific_force: told.specific_force.map(Into::into),
             position_error: placed.then_some(error),
             reference: Reference {
                 velocity: ned(target.velocity),

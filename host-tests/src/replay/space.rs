@@ -53,7 +53,7 @@ pub fn replay(states: &States, experiment: &Experiment) -> anyhow::Result<(Recor
             orientation,
             state_age: told.velocity_age.max(states::age(&states.attitude, row)) as f32,
             air: told.air(|v| ned(v.into())),
-            specific_force: told.force(),
+            specific_force: told.force().map(Into::into),
             position_error: told.position_error().map(ned),
             reference: Reference {
                 velocity: ned(target.velocity),

@@ -1,7 +1,7 @@
 //! A record in space as a flight log, under the names that PX4 logs it by.
 
 use alula::guidance::Air;
-use alula::ned::Ned;
+use alula::ned::{BodyAxes, Ned};
 
 use super::{Step, V3};
 use crate::flight_log::{Row, Told};
@@ -24,7 +24,8 @@ impl From<&Step> for Row {
             motion: [step.truth.position, step.truth.velocity].map(vector),
             wanted: [target.position, target.velocity, target.acceleration].map(vector),
             wind: vector(step.wind),
-            specific_force: (step.input.specific_force).map(|f| [f.j, f.w, f.i].map(f64::from)),
+            specific_force: (step.input.specific_force)
+                .map(|f| BodyAxes::NoseUp.components(f).map(f64::from)),
             told: Told {
                 attitude,
                 velocity: told(input.velocity),
@@ -80,7 +81,7 @@ mod tests {
             // Nose, wing, belly: against the tail, along the wing, along the belly.
             let force = states.specific_force.as_ref().unwrap().values[row];
             let told = step.input.specific_force.unwrap();
-            assert_eq!(force, [-told.i, told.w, told.j].map(f64::from));
+            assert_eq!(force, [told.forward, told.right, told.down].map(f64::from));
             let wanted = states.acceleration_setpoint.as_ref().unwrap().values[row];
             assert_eq!(V3::from(wanted), step.target.acceleration);
         }

@@ -99,7 +99,7 @@ pub fn fly_by(experiment: &Experiment, pilot: &mut dyn Pilot) -> anyhow::Result<
             guided,
         });
 
-        let Body { i, j, w } = guided.command.rates;
+        let Body { i, j, w } = guided.command.rates.into();
         let asked = V3::new(j.into(), w.into(), i.into());
         pending.push_back((plant_step + delay, guided.command.thrust.into(), asked));
         for _ in 0..experiment.substeps {

@@ -90,7 +90,7 @@ impl Telling {
                 true => Air::Unknown,
                 false => measured.air,
             },
-            specific_force: measured.specific_force,
+            specific_force: measured.specific_force.map(Into::into),
             position_error: sensors.position.told(error),
             reference: Reference {
                 velocity: ned(sent.velocity),

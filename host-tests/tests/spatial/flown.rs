@@ -244,7 +244,7 @@ impl Setup {
             }
 
             samples.push(Sample::new(t, &state, &target, air, &start));
-            let r = command.rates;
+            let r = Body::from(command.rates);
             let rates = V3::new(r.j.into(), r.w.into(), r.i.into());
             state = self.plant.step(&state, thrust, rates, air, PERIOD);
             assert!(state.velocity.norm() < 1e3, "diverged at {t} s");

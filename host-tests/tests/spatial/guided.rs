@@ -79,7 +79,7 @@ impl Flown {
                 air: Air::Wind(ned(told.into())),
                 specific_force: self.accelerometer.then(|| {
                     let [i, j, w] = self.plant.specific_force(&state, air);
-                    Body::new(i as f32, j as f32, w as f32)
+                    Body::new(i as f32, j as f32, w as f32).into()
                 }),
                 position_error: Some(ned((state.position - target.position).into())),
                 reference: Reference {
@@ -93,7 +93,7 @@ impl Flown {
             let guided = self.guidance.update(&mut memory, &input, PERIOD as f32);
             assert!(guided.mode == Mode::Flying || t < 0.1);
             samples.push(Sample::new(t, &state, &target, air, &start));
-            let Body { i, j, w } = guided.command.rates;
+            let Body { i, j, w } = guided.command.rates.into();
             let rates = V3::new(j.into(), w.into(), i.into());
             let thrust = guided.command.thrust.into();
             state = self.plant.step(&state, thrust, rates, air, PERIOD);

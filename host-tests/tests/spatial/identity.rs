@@ -74,8 +74,8 @@ fn in_the_north_plane_the_core_gives_the_planar_laws_bits() {
             match (got, want) {
                 (Ok(got), Ok(want)) => {
                     assert_eq!(got.thrust.to_bits(), want.thrust.to_bits(), "{point:?}");
-                    assert_eq!(got.rates.w.to_bits(), want.rate.to_bits(), "{point:?}");
-                    assert_eq!((got.rates.i, got.rates.j), (0.0, 0.0), "{point:?}");
+                    assert_eq!(got.rates.pitch.to_bits(), want.rate.to_bits(), "{point:?}");
+                    assert_eq!((got.rates.roll, got.rates.yaw), (0.0, 0.0), "{point:?}");
                     assert_eq!(got.diagnostics.plane, want.diagnostics);
                     assert_eq!(got.diagnostics.sideslip(), 0.0);
                 }
@@ -164,9 +164,12 @@ fn in_any_vertical_plane_the_law_is_the_planar_law() {
                 worst_core = worst_core.max(difference.abs() / size);
             };
             note(f64::from(command.thrust) - want.thrust, got.thrust.size);
-            note(f64::from(command.rates.w) - want.rate, got.rates[2].size);
-            note(command.rates.i.into(), got.rates[0].size);
-            note(command.rates.j.into(), got.rates[1].size);
+            note(
+                f64::from(command.rates.pitch) - want.rate,
+                got.rates[2].size,
+            );
+            note(command.rates.roll.into(), got.rates[0].size);
+            note(command.rates.yaw.into(), got.rates[1].size);
         }
     }
     println!("worst: reference {worst:.1e} of N, core {worst_core:.1e} of N");
