@@ -83,7 +83,7 @@ pub use aero::{
 };
 pub use air::AngleOfAttack;
 pub use control::Fault;
-pub use error::{ParameterError, Problem};
+pub use error::{ParameterError, Problem, Requirement};
 pub use guidance::{
     BandwidthGains, GainChoice, Guidance, GuidanceInput, GuidanceOutput, GuidanceParameters,
     GuidanceState, ResponseParameters,

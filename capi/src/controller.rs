@@ -65,10 +65,12 @@ fn model<'a>(
         return Ok(Model::Table(table()?));
     }
     let parameters = ModelParameters::numbered(number, &p.coefficients);
-    let parameters = parameters.ok_or(refused(ParameterError {
-        parameter: "model",
-        problem: Problem::OutOfRange,
-    }))?;
+    let parameters = parameters.ok_or(refused(ParameterError::range(
+        "model",
+        Problem::OutOfRange,
+        [0.0, ALULA_MODEL_TABLE as f32],
+        "",
+    )))?;
     parameters.model().map_err(refused)
 }
 

@@ -175,7 +175,9 @@ mod tests {
             |text: &str| refusal(&path, text, |path| Airframe::load(path.to_str().unwrap()));
         let negative = error("[vehicle]\nmass_kg = -1\nk_a_kg_m = 1\n");
         assert!(
-            negative.ends_with("x.toml:2: vehicle.mass_kg: mass must be positive"),
+            negative.ends_with(
+                "x.toml:2: vehicle.mass_kg: mass must be positive, from 0.001 to 1000000 kg"
+            ),
             "{negative}"
         );
         let missing = error("base = 'paper'\n[vehicle.aerodynamics.table]\npolar = 'nonesuch'\n");

@@ -300,7 +300,7 @@ fn a_bad_experiment_is_named_with_line_and_field_and_leaves_nothing() {
         "mass_kg = 0.0",
         &[
             &line("mass_kg = 9.0"),
-            "controller.law.vehicle.mass_kg: mass must be positive",
+            "controller.law.vehicle.mass_kg: mass must be positive, from 0.001 to 1000000 kg",
         ],
     );
     refused(
@@ -584,7 +584,7 @@ fn a_bad_campaign_is_named_with_line_and_field() {
     // What the first draw does not show is found in flight.
     let parts = [
         "bad.toml: flight ",
-        ": vehicle.mass_kg: mass must be positive",
+        ": vehicle.mass_kg: mass must be positive, from 0.001 to 1000000 kg",
     ];
     refused("0.9", "-0.9", &parts);
 

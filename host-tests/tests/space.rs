@@ -430,7 +430,7 @@ fn wrong_fields_are_refused_by_file_line_and_name() {
     refused("entry_s = 40.0", "entry_s: must be from 0");
     refused(
         "vehicle.mass_kg = -1",
-        "vehicle.mass_kg: mass must be positive",
+        "vehicle.mass_kg: mass must be positive, from 0.001 to 1000000 kg",
     );
     refused(
         "weather.steady_m_s = [1.0, 2.0]",

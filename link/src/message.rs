@@ -228,8 +228,10 @@ pub struct Status {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Counters, MAX_FRAME, Receiver, encode};
+    use crate::{Counters, MAX_FRAME, Receiver, VERSION, encode};
+    use alula::Parameters as _;
     use alula::guidance::{Air, PlannerOptions};
+    use alula::ned::Frd;
     use alula::ned::Ned;
     use alula::planar::{Body, Diagnostics, Inertial, PlanarGuidanceInput};
     use alula::{CombinedParameters, Parameters};
@@ -464,5 +466,39 @@ mod tests {
             };
             assert!(encode(&envelope, &mut buffer).is_ok(), "{message:?}");
         }
+    }
+
+    /// What a receiver of this version reads: the rows of the parameters by name, in order, and examples of the other messages.
+    /// Where one changes, [`VERSION`] is to be raised, and the number here with it.
+    #[test]
+    fn the_layout_is_that_of_the_version() {
+        let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISCSI);
+        let mut digest = crc.digest();
+        for rows in [
+            VehicleParameters::ROWS,
+            CombinedParameters::ROWS,
+            GainParameters::ROWS,
+            GuidanceParameters::ROWS,
+        ] {
+            for row in rows {
+                digest.update(row.name.as_bytes());
+                digest.update(b";");
+            }
+        }
+        let mut buffer = [0; MAX_FRAME];
+        let input = Input::Guidance {
+            input: GuidanceInput {
+                air: Air::Wind(Ned::ZERO),
+                specific_force: Some(Frd::new(1.0, 2.0, 3.0)),
+                position_error: Some(Ned::ZERO),
+                ..GuidanceInput::default()
+            },
+            dt: 0.01,
+        };
+        digest.update(encode(&input, &mut buffer).unwrap());
+        let mut output = GuidanceOutput::default();
+        output.command.rates = BodyRates::new(1.0, 2.0, 3.0);
+        digest.update(encode(&Answer::Guidance(output), &mut buffer).unwrap());
+        assert_eq!((VERSION, digest.finalize()), (3, 3_257_429_147));
     }
 }

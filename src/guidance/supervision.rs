@@ -139,7 +139,7 @@ impl RejectReason {
 /// |---|---|---|---|
 /// | [`Mode::Flying`] | the law's | from holding by one good frame; from safe by good frames for `recovery` | by one bad frame |
 /// | [`Mode::Holding`] | the last one flown, unchanged | by one bad frame | by one good frame; to safe after `hold`, of which a step of no time counts [`MIN_STEP`] |
-/// | [`Mode::Safe`] | `safe_thrust`, no rotation | at power-on; from holding after `hold` | by good frames for `recovery` |
+/// | [`Mode::Safe`] | `safe_thrust`, before the first flight none; no rotation | at power-on; from holding after `hold` | by good frames for `recovery` |
 ///
 /// A frame is bad if the velocity or the attitude is not finite, absurd, older than `state_age` or of negative age, if the time step
 /// is not in [[`MIN_STEP`], [`MAX_STEP`]], if there is no reference to fly to, or if the law has no answer. In holding the
@@ -166,8 +166,10 @@ pub struct Supervisor {
     air_hold: f32,
     max_wind: f32,
     max_wind_step: f32,
-    /// Thrust of the safe command \[N\].
+    /// Thrust of the safe command after flying \[N\].
     safe_thrust: f32,
+    /// Thrust nearest to none \[N\]: that of the safe command before.
+    idle_thrust: f32,
 }
 
 /// What supervision remembers. Numbers, not `enum` and `Option`: every bit pattern has a meaning.
@@ -176,6 +178,8 @@ pub struct Supervisor {
 pub struct SupervisionState {
     /// Mode of the last step: 2 flying, 1 holding, else safe.
     mode: u8,
+    /// 1 once the law has flown.
+    airborne: u8,
     /// 1 if a wind has been known.
     wind_known: u8,
     /// Time \[s\] of bad frames while holding, of good ones while safe.
@@ -188,6 +192,7 @@ pub struct SupervisionState {
 
 memory!(SupervisionState {
     mode: u8,
+    airborne: u8,
     wind_known: u8,
     elapsed: f32,
     wind: Ned,
@@ -205,7 +210,18 @@ impl SupervisionState {
         }
     }
 
+    /// Power-on, but for the mode and whether the law has flown.
+    pub(super) fn restarted(&self) -> Self {
+        let mut state = Self {
+            airborne: self.airborne,
+            ..Self::default()
+        };
+        state.set_mode(self.mode());
+        state
+    }
+
     /// Power-on, but in `mode`.
+    #[cfg(test)]
     pub(super) fn in_mode(mode: Mode) -> Self {
         let mut state = Self::default();
         state.set_mode(mode);
@@ -219,13 +235,21 @@ impl SupervisionState {
             Mode::Holding => 1,
             Mode::Flying => 2,
         };
+        if mode == Mode::Flying {
+            self.airborne = 1;
+        }
     }
 }
 
-/// Thrust \[N\] of the safe command; with none asked for, the thrust nearest to none.
+/// The thrust nearest to none \[N\].
+fn idle_thrust<A: Aerodynamics>(vehicle: &Vehicle<A>) -> f32 {
+    math::clamp(0.0, vehicle.thrust_min(), vehicle.thrust_max())
+}
+
+/// Thrust \[N\] of the safe command after flying; with none asked for, the thrust nearest to none.
 pub(super) fn safe_thrust<A: Aerodynamics>(p: &GuidanceParameters, vehicle: &Vehicle<A>) -> f32 {
     if p.safe_thrust == 0.0 {
-        math::clamp(0.0, vehicle.thrust_min(), vehicle.thrust_max())
+        idle_thrust(vehicle)
     } else {
         p.safe_thrust * vehicle.weight()
     }
@@ -243,13 +267,18 @@ impl Supervisor {
             max_wind: p.max_wind,
             max_wind_step: p.max_wind_step,
             safe_thrust: safe_thrust(p, vehicle),
+            idle_thrust: idle_thrust(vehicle),
         }
     }
 
-    /// Thrust of the safe command \[N\].
+    /// Thrust of the safe command \[N\]: none on the ground before the first flight, `safe_thrust` after it.
     #[inline(always)]
-    pub fn safe_thrust(&self) -> f32 {
-        self.safe_thrust
+    pub fn safe_thrust(&self, state: &SupervisionState) -> f32 {
+        if state.airborne == 1 {
+            self.safe_thrust
+        } else {
+            self.idle_thrust
+        }
     }
 
     /// Whether a state of this age \[s\] may be flown on. A negative age is a fault of the clock.

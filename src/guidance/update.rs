@@ -22,7 +22,7 @@ use super::supervision::{
 use super::tracker::{Tracker, TrackerInput};
 use crate::aero::Aerodynamics;
 use crate::control::{Fault, GainLaw, Margin};
-use crate::error::{ParameterError, Problem};
+use crate::error::ParameterError;
 use crate::math;
 use crate::ned::{Frd, Ned};
 use crate::reference::{MAX_ACCELERATION, MAX_SPEED};
@@ -444,7 +444,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             self.limits.at_rest()
         };
         *state = GuidanceState {
-            supervision: SupervisionState::in_mode(state.supervision.mode()),
+            supervision: state.supervision.restarted(),
             limits,
             ..GuidanceState::default()
         };
@@ -458,7 +458,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
                 supervision: state.supervision,
                 limits: LimitState {
                     rates: Body::default(),
-                    thrust: self.supervisor.safe_thrust(),
+                    thrust: self.supervisor.safe_thrust(&state.supervision),
                 },
                 ..GuidanceState::default()
             };
@@ -685,30 +685,39 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
     }
 }
 
+/// Refuses limits of the thrust \[N\] between which the `weight` \[N\] is not.
+pub(super) fn check_thrust(weight: f32, min: f32, max: f32) -> Result<(), ParameterError> {
+    if max <= weight {
+        let relation = "above the weight, mass times gravity";
+        Err(ParameterError::contradiction("thrust_max", relation))
+    } else if min >= weight {
+        let relation = "below the weight, mass times gravity";
+        Err(ParameterError::contradiction("thrust_min", relation))
+    } else {
+        Ok(())
+    }
+}
+
 /// Refuses parameters that contradict each other or the vehicle.
 fn check_relations<A: Aerodynamics>(
     vehicle: &Vehicle<A>,
     p: &GuidanceParameters,
 ) -> Result<(), ParameterError> {
-    let weight = vehicle.weight();
+    check_thrust(vehicle.weight(), vehicle.thrust_min(), vehicle.thrust_max())?;
     let safe = safe_thrust(p, vehicle);
-    let parameter = if vehicle.thrust_max() <= weight {
-        "thrust_max"
-    } else if vehicle.thrust_min() >= weight {
-        "thrust_min"
-    } else if !(vehicle.thrust_min()..=vehicle.thrust_max()).contains(&safe) {
-        "safe_thrust"
+    let refused = |parameter, relation| Err(ParameterError::contradiction(parameter, relation));
+    if !(vehicle.thrust_min()..=vehicle.thrust_max()).contains(&safe) {
+        refused(
+            "safe_thrust",
+            "such that it is from thrust_min to thrust_max",
+        )
     } else if p.max_integral_down > p.max_velocity_down {
-        "max_integral_down"
+        refused("max_integral_down", "at most max_velocity_down")
     } else if p.max_integral_forward > p.max_velocity_forward {
-        "max_integral_forward"
+        refused("max_integral_forward", "at most max_velocity_forward")
     } else {
-        return Ok(());
-    };
-    Err(ParameterError {
-        parameter,
-        problem: Problem::Contradiction,
-    })
+        Ok(())
+    }
 }
 
 #[cfg(test)]
@@ -717,6 +726,7 @@ mod tests {
     use super::*;
     use crate::aero::{Combined, CombinedParameters};
     use crate::control::Command;
+    use crate::error::Problem;
     use crate::frame::{Attitude, Inertial};
     use crate::guidance::MIN_STEP;
     use crate::guidance::Phase;
@@ -920,6 +930,20 @@ mod tests {
             let flying = n >= 6;
             assert_eq!(guided.mode == Mode::Flying, flying, "{n}");
             if !flying {
+                // Nothing has flown yet: no thrust.
+                assert_eq!((guided.command.thrust, guided.command.rate), (0.0, 0.0));
+            }
+        }
+        // Inputs that fail for longer than `hold` end in the safe thrust, and after a recovery that was cut short as well.
+        let bad = PlanarGuidanceInput {
+            state_age: 1.0,
+            ..HOVER
+        };
+        for n in 0..40 {
+            let input = if n == 20 { HOVER } else { bad };
+            let guided = guidance.update_in_plane(&mut state, &input, DT);
+            if n >= 12 {
+                assert_eq!(guided.mode, Mode::Safe, "{n}");
                 assert_eq!(
                     (guided.command.thrust, guided.command.rate),
                     (SAFE_THRUST, 0.0)
@@ -1248,8 +1272,8 @@ mod tests {
             let next = guidance.update_in_plane(&mut state, &input, DT);
             assert!(!next.status.contains(Status::STATE_RESET), "{bit}");
         }
-        // Seven short numbers of 8 bits and one of 16, the rest of 32. A flip in the copy changes nothing.
-        assert_eq!(found as usize, 32 * (WORDS - 8) + 7 * 8 + 16);
+        // Eight short numbers of 8 bits and one of 16, the rest of 32. A flip in the copy changes nothing.
+        assert_eq!(found as usize, 32 * (WORDS - 9) + 8 * 8 + 16);
     }
 
     /// More than one change is not undone: the memory is as at power-on, and flies on.
@@ -1365,7 +1389,10 @@ mod tests {
         // None asked for: the least there is.
         let model = Combined::new(CombinedParameters::PAPER_BELIEF).unwrap();
         let least = Guidance::new(Vehicle::new(idle, model).unwrap(), &p).unwrap();
-        assert_eq!(least.supervisor.safe_thrust(), 3.0);
+        assert_eq!(
+            least.supervisor.safe_thrust(&SupervisionState::default()),
+            3.0
+        );
         let above = GuidanceParameters {
             safe_thrust: 2.1,
             ..p

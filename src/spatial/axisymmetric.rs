@@ -9,7 +9,7 @@ use crate::aero::{Aerodynamics, Coefficients};
 use crate::air::AngleOfAttack;
 use crate::control::{self, Fault, GainLaw, Gains, Guard};
 use crate::equivalency::{lambda_parallel, parallel_condition_residual};
-use crate::error::{ParameterError, Problem, positive};
+use crate::error::{ParameterError, in_range};
 use crate::math;
 use crate::ned::Ned;
 use crate::vehicle::Vehicle;
@@ -63,16 +63,16 @@ impl<A: Aerodynamics, G: GainLaw> AxisymmetricControl<A, G> {
         heading: f32,
     ) -> Result<Self, ParameterError> {
         if vehicle.thrust_line().delta() != 0.0 {
-            return Err(ParameterError {
-                parameter: "delta",
-                problem: Problem::OutOfRange,
-            });
+            return Err(ParameterError::contradiction(
+                "delta",
+                "zero for a body of revolution",
+            ));
         }
         Ok(Self {
             vehicle,
             gains,
-            twice_twist: 2.0 * positive("twist", twist, 1e-3, 1e3)?,
-            heading: Guard::new(positive("heading", heading, 1e-3, 1.0)?)?,
+            twice_twist: 2.0 * in_range("twist", twist, [1e-3, 1e3], "1/s")?,
+            heading: Guard::new(in_range("heading", heading, [1e-3, 1.0], "")?)?,
         })
     }
 

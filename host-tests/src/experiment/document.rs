@@ -641,7 +641,7 @@ mod tests {
         document.assign("vehicle.mass_kg=-1").unwrap();
         assert_eq!(
             document.checked().unwrap_err().to_string(),
-            "--set vehicle.mass_kg=-1: vehicle.mass_kg: mass must be positive"
+            "--set vehicle.mass_kg=-1: vehicle.mass_kg: mass must be positive, from 0.001 to 1000000 kg"
         );
         let refused = |text: &str| format!("{:#}", document.clone().assign(text).unwrap_err());
         assert!(refused("seed").contains("must be PATH=VALUE"));
@@ -677,7 +677,7 @@ mod tests {
         expect(
             "mass_kg = 9",
             "mass_kg = -9",
-            "controller.law.vehicle.mass_kg: mass must be positive",
+            "controller.law.vehicle.mass_kg: mass must be positive, from 0.001 to 1000000 kg",
         );
         expect(
             "mass_kg = 10",
