@@ -229,10 +229,8 @@ pub struct Status {
 mod tests {
     use super::*;
     use crate::{Counters, MAX_FRAME, Receiver, VERSION, encode};
-    use alula::Parameters as _;
     use alula::guidance::{Air, PlannerOptions};
-    use alula::ned::Frd;
-    use alula::ned::Ned;
+    use alula::ned::{Frd, Ned};
     use alula::planar::{Body, Diagnostics, Inertial, PlanarGuidanceInput};
     use alula::{CombinedParameters, Parameters};
 

@@ -168,8 +168,6 @@ pub struct Supervisor {
     max_wind_step: f32,
     /// Thrust of the safe command after flying \[N\].
     safe_thrust: f32,
-    /// Thrust nearest to none \[N\]: that of the safe command before.
-    idle_thrust: f32,
 }
 
 /// What supervision remembers. Numbers, not `enum` and `Option`: every bit pattern has a meaning.
@@ -228,6 +226,12 @@ impl SupervisionState {
         state
     }
 
+    /// Whether the law has flown since power-on.
+    #[inline(always)]
+    pub(super) fn has_flown(&self) -> bool {
+        self.airborne == 1
+    }
+
     #[inline(always)]
     fn set_mode(&mut self, mode: Mode) {
         self.mode = match mode {
@@ -241,15 +245,10 @@ impl SupervisionState {
     }
 }
 
-/// The thrust nearest to none \[N\].
-fn idle_thrust<A: Aerodynamics>(vehicle: &Vehicle<A>) -> f32 {
-    math::clamp(0.0, vehicle.thrust_min(), vehicle.thrust_max())
-}
-
 /// Thrust \[N\] of the safe command after flying; with none asked for, the thrust nearest to none.
 pub(super) fn safe_thrust<A: Aerodynamics>(p: &GuidanceParameters, vehicle: &Vehicle<A>) -> f32 {
     if p.safe_thrust == 0.0 {
-        idle_thrust(vehicle)
+        math::clamp(0.0, vehicle.thrust_min(), vehicle.thrust_max())
     } else {
         p.safe_thrust * vehicle.weight()
     }
@@ -267,18 +266,13 @@ impl Supervisor {
             max_wind: p.max_wind,
             max_wind_step: p.max_wind_step,
             safe_thrust: safe_thrust(p, vehicle),
-            idle_thrust: idle_thrust(vehicle),
         }
     }
 
-    /// Thrust of the safe command \[N\]: none on the ground before the first flight, `safe_thrust` after it.
+    /// Thrust of the safe command after flying \[N\].
     #[inline(always)]
-    pub fn safe_thrust(&self, state: &SupervisionState) -> f32 {
-        if state.airborne == 1 {
-            self.safe_thrust
-        } else {
-            self.idle_thrust
-        }
+    pub fn safe_thrust(&self) -> f32 {
+        self.safe_thrust
     }
 
     /// Whether a state of this age \[s\] may be flown on. A negative age is a fault of the clock.

@@ -454,12 +454,19 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
     #[cold]
     fn substitute(&self, state: &mut GuidanceState, mode: Mode) -> GuidanceOutput {
         if mode == Mode::Safe {
+            // Before the first flight there is no thrust, afterwards that of the safe command.
+            let at_rest = self.limits.at_rest();
+            let limits = if state.supervision.has_flown() {
+                LimitState {
+                    thrust: self.supervisor.safe_thrust(),
+                    ..at_rest
+                }
+            } else {
+                at_rest
+            };
             *state = GuidanceState {
                 supervision: state.supervision,
-                limits: LimitState {
-                    rates: Body::default(),
-                    thrust: self.supervisor.safe_thrust(&state.supervision),
-                },
+                limits,
                 ..GuidanceState::default()
             };
         }
@@ -1388,11 +1395,12 @@ mod tests {
         assert_eq!(refused(idle, &below), contradicts("safe_thrust"));
         // None asked for: the least there is.
         let model = Combined::new(CombinedParameters::PAPER_BELIEF).unwrap();
-        let least = Guidance::new(Vehicle::new(idle, model).unwrap(), &p).unwrap();
-        assert_eq!(
-            least.supervisor.safe_thrust(&SupervisionState::default()),
-            3.0
-        );
+        let none = GuidanceParameters {
+            safe_thrust: 0.0,
+            ..p
+        };
+        let least = Guidance::new(Vehicle::new(idle, model).unwrap(), &none).unwrap();
+        assert_eq!(least.supervisor.safe_thrust(), 3.0);
         let above = GuidanceParameters {
             safe_thrust: 2.1,
             ..p

@@ -1,4 +1,4 @@
-//! The law of the axisymmetric vehicle.
+//! The law of the axisymmetric vehicle: theory, as the paper's, which no guidance flies.
 
 use super::command::{
     Command, Diagnostics, FeedForward, Reference, State, check_feed_forward, check_input,
