@@ -655,9 +655,9 @@ typedef struct alula_guidance_parameters {
      */
     float max_wind_step;
     /**
-     * Thrust of the safe command, inside the vehicle's limits. Zero: as near to none as these
-     * allow.
-     * Unit: the vehicle's weight m g. From -1000.0 to 1000.0, default 0.0.
+     * Thrust of the safe command once the law has flown, inside the vehicle's limits: below 1
+     * sinks. Zero, and before the first flight: as near to none as these allow.
+     * Unit: the vehicle's weight m g. From -1000.0 to 1000.0, default 0.95.
      */
     float safe_thrust;
 } alula_guidance_parameters;
