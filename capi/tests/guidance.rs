@@ -15,6 +15,9 @@ use alula::{
 };
 use alula_capi::*;
 
+/// Thrust of the safe command once the paper's vehicle has flown \[N\]: 0.95 of its weight.
+const SINKING: f32 = 0.95 * (10.0 * 9.81);
+
 const DT: f32 = 0.01;
 const REFERENCE_HELD: u32 = Status::REFERENCE_HELD.bits() as u32;
 const HALF: f32 = std::f32::consts::FRAC_1_SQRT_2;
@@ -219,7 +222,7 @@ fn bad_frames_are_bridged_and_then_the_command_is_safe() {
     assert_eq!(code, ALULA_ERROR_STATE_AGE);
     assert_eq!(
         (safe.status, safe.thrust, safe.body_rate),
-        (ALULA_STATUS_SAFE, 0.0, [0.0; 3])
+        (ALULA_STATUS_SAFE, SINKING, [0.0; 3])
     );
     assert_eq!(report.mode, ALULA_MODE_SAFE);
     // A fault of the call itself is no step.
@@ -338,7 +341,7 @@ fn a_held_command_is_the_last_one_as_a_whole() {
             guide(&mut held_by, &input);
         }
         let (_, safe, _) = guide(&mut held_by, &input);
-        assert_eq!((safe.status, safe.thrust), (ALULA_STATUS_SAFE, 0.0));
+        assert_eq!((safe.status, safe.thrust), (ALULA_STATUS_SAFE, SINKING));
         assert_eq!(safe.body_rate, [0.0; 3]);
         let attitude_known = input.velocity[0].is_nan() || input.state_age > 0.0;
         let wanted = if attitude_known {

@@ -189,7 +189,7 @@ fn every_refused_parameter_is_named() {
     sharp.coefficients.k_d = 9000.0;
     assert_eq!(
         text(controller(&sharp).err().unwrap()),
-        c"coefficients.k_d is out of range"
+        c"coefficients.k_d contradicts another parameter"
     );
     let mut table = PAPER;
     table.controller.model = ALULA_MODEL_TABLE as f32;
