@@ -6,16 +6,16 @@ use std::sync::LazyLock;
 
 use alula::AngleOfAttack;
 use alula::aero::Aerodynamics;
+use alula_design::Known;
 use alula_logs::{Error, Log, csv, dataflash, mcap, states, ulog};
-use alula_sil::airframe::Airframe;
-use alula_sil::design::Known;
-use alula_sil::experiment::{Document, Experiment};
-use alula_sil::named::Named;
-use alula_sil::polar::Polar;
-use alula_sil::replay;
-use alula_sil::simulate::{Step, simulate};
-use alula_sil::space;
-use alula_sil::study::{CampaignSource, Source};
+use alula_sim::airframe::Airframe;
+use alula_sim::experiment::{Document, Experiment};
+use alula_sim::named::Named;
+use alula_sim::polar::Polar;
+use alula_sim::replay;
+use alula_sim::simulate::{Step, simulate};
+use alula_sim::space;
+use alula_study::{CampaignSource, Source};
 
 /// Bytes that are no UTF-8 are no text file to begin with.
 fn text(data: &[u8]) -> String {

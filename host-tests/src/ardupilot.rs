@@ -12,11 +12,11 @@ use alula_bridges::sitl::{ActuatorState, Flow, Packet, Physics, Sample};
 use nalgebra::UnitQuaternion;
 use rand_chacha::ChaCha8Rng;
 
-use crate::controllers::{Answer, Input, Report, inertial};
-use crate::experiment::{Experiment, State, Weather, stream};
-use crate::reference::{Vector, wrap};
-use crate::simulate::{Record, Step};
-use crate::space::{Rotation, SpatialPlant, SpatialState, V3};
+use alula_sim::controllers::{Answer, Input, Report, inertial};
+use alula_sim::experiment::{Experiment, State, Weather, stream};
+use alula_sim::reference::{Vector, wrap};
+use alula_sim::simulate::{Record, Step};
+use alula_sim::space::{Rotation, SpatialPlant, SpatialState, V3};
 
 /// Longest time step \[s\]: ArduPilot takes one of 0.1 s for a break.
 const LONGEST_STEP: f64 = 0.02;

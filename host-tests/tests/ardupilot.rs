@@ -10,7 +10,7 @@ use std::time::Duration;
 use alula_bridges::sitl::client::Client;
 use alula_bridges::sitl::{Lockstep, Physics, Sample};
 use alula_sil::ardupilot::Vehicle;
-use alula_sil::experiment::{Document, Experiment};
+use alula_sim::experiment::{Document, Experiment};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

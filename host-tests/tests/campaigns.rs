@@ -5,10 +5,10 @@ mod common;
 use std::num::NonZero;
 use std::path::Path;
 
-use alula_sil::page::campaign::page;
-use alula_sil::simulate::fly;
-use alula_sil::space::PathSpec;
-use alula_sil::study::{CampaignSource, Column, Drawn, Flown, Place, Shard, Store, Summary, run};
+use alula_report::campaign::page;
+use alula_sim::simulate::fly;
+use alula_sim::space::PathSpec;
+use alula_study::{CampaignSource, Column, Drawn, Flown, Place, Shard, Store, Summary, run};
 use common::experiment_of;
 
 /// The built-in campaign with so many flights.
@@ -296,7 +296,7 @@ fn a_random_circle_is_flown_as_drawn() {
         let toward = wind.y.atan2(wind.x).to_degrees().rem_euclid(360.0);
         assert!((toward - turned).abs() < 1e-6, "{toward} {turned}");
         quarters[(turned / 90.0) as usize] += 1;
-        let start = alula_sil::space::fly(&alula_sil::space::Experiment {
+        let start = alula_sim::space::fly(&alula_sim::space::Experiment {
             duration_s: 0.01,
             entry_s: 0.0,
             ..experiment.clone()

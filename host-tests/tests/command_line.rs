@@ -6,7 +6,7 @@ use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
-use alula_sil::experiment::BUILT_IN;
+use alula_sim::experiment::BUILT_IN;
 use serde_json::Value;
 
 fn alula(folder: &Path, arguments: &[&str]) -> Output {

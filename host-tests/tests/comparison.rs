@@ -3,7 +3,7 @@
 use std::process::Command;
 use std::sync::LazyLock;
 
-use alula_sil::study::{Cell, Flight, Outcome, Results, Source};
+use alula_study::{Cell, Flight, Outcome, Results, Source};
 
 static FLOWN: LazyLock<Results> = LazyLock::new(|| {
     let source = Source::load("laws").unwrap();

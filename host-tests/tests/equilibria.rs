@@ -10,10 +10,10 @@ use alula::{
     Aerodynamics as _, CombinedParameters, Equilibria, Inertial, LargeAngle, LargeAngleParameters,
     Reference, SmallAngle, SmallAngleParameters, Vehicle, VehicleParameters,
 };
-use alula_sil::envelope::Curve;
-use alula_sil::experiment::Model;
-use alula_sil::polar::{BUILT_IN, Polar};
-use alula_sil::reference::{self, Aerodynamics, wrap};
+use alula_design::envelope::Curve;
+use alula_sim::experiment::Model;
+use alula_sim::polar::{BUILT_IN, Polar};
+use alula_sim::reference::{self, Aerodynamics, wrap};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 

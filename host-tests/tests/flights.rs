@@ -3,9 +3,9 @@ mod common;
 
 use alula::PlanarGuidanceOutput;
 use alula::guidance::{AirUse, Mode, Phase, Status};
-use alula_sil::experiment::Experiment;
-use alula_sil::figures::{Figures, Segment};
-use alula_sil::simulate::{Record, Step, fly};
+use alula_sim::experiment::Experiment;
+use alula_sim::figures::{Figures, Segment};
+use alula_sim::simulate::{Record, Step, fly};
 use common::{PAPER_GAINS, experiment};
 
 fn guided(step: &Step) -> &PlanarGuidanceOutput {
@@ -21,7 +21,7 @@ fn flown(experiment: &Experiment) -> (Figures, Vec<Segment>) {
     )
 }
 
-fn late(segment: &Segment) -> &alula_sil::figures::Steady {
+fn late(segment: &Segment) -> &alula_sim::figures::Steady {
     segment.steady.as_ref().unwrap()
 }
 

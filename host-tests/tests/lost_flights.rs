@@ -3,9 +3,9 @@
 //! A row is an experiment and the fields that are changed of it. A campaign's flight is kept as it was drawn: `campaign NAME --refly N`
 //! leaves it as `experiment.toml`.
 
-use alula_sil::experiment::Document;
-use alula_sil::figures::Figures;
-use alula_sil::simulate::fly;
+use alula_sim::experiment::Document;
+use alula_sim::figures::Figures;
+use alula_sim::simulate::fly;
 
 /// What was lost, the experiment, its changes.
 const LOST: &[(&str, &str, &[&str])] = &[

@@ -7,11 +7,11 @@ mod common;
 use std::f32::consts::FRAC_PI_2;
 
 use alula::{Attitude, CombinedParameters, GainParameters, VehicleParameters};
-use alula_sil::controllers::{Answer, Controller, Input, Law, LawSpec};
-use alula_sil::experiment::{BUILT_IN, DEFAULT, Document, Experiment, PlantSpec};
-use alula_sil::figures::Figures;
-use alula_sil::reference::{self, ForceModel, Inputs, Vector, robust};
-use alula_sil::simulate::{Record, Step, fly, simulate};
+use alula_sim::controllers::{Answer, Controller, Input, Law, LawSpec};
+use alula_sim::experiment::{BUILT_IN, DEFAULT, Document, Experiment, PlantSpec};
+use alula_sim::figures::Figures;
+use alula_sim::reference::{self, ForceModel, Inputs, Vector, robust};
+use alula_sim::simulate::{Record, Step, fly, simulate};
 use common::experiment;
 
 /// What the paper's controller believes of the vehicle, in double precision.

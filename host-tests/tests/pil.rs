@@ -12,11 +12,11 @@ use alula::spatial::Rates;
 use alula::{GuidanceInput, GuidanceOutput, Inertial, PlanarGuidanceInput};
 use alula_link::damage::Mangler;
 use alula_link::{Configuration, Envelope, MAX_FRAME, Pacing, Phase, Status, ToTarget, encode};
-use alula_sil::controllers::{Answer, Controller, Flying, Input};
-use alula_sil::experiment::{BUILT_IN, Document, Experiment};
 use alula_sil::pil::{Build, Heard, Qemu, Target, build, core_answer, link_input};
-use alula_sil::simulate::{Step, simulate};
-use alula_sil::space::{self, Pilot};
+use alula_sim::controllers::{Answer, Controller, Flying, Input};
+use alula_sim::experiment::{BUILT_IN, Document, Experiment};
+use alula_sim::simulate::{Step, simulate};
+use alula_sim::space::{self, Pilot};
 use anyhow::{Context, ensure};
 
 /// The built-in experiment of this name.

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use alula_sil::study::{CHUNK, CampaignSource, Drawn, Flown, Store, Summary};
+use alula_study::{CHUNK, CampaignSource, Drawn, Flown, Store, Summary};
 use peak_alloc::PeakAlloc;
 
 #[global_allocator]

@@ -1,8 +1,8 @@
 //! Every built-in experiment in space is flown; its bounds are those of its own file.
 
-use alula_sil::experiment::{BUILT_IN, Document};
-use alula_sil::space::{Experiment, Figures, fly};
-use alula_sil::study::starts::starts;
+use alula_sim::experiment::{BUILT_IN, Document};
+use alula_sim::space::{Experiment, Figures, fly};
+use alula_study::starts::starts;
 
 fn document(name: &str, settings: &[&str]) -> Document {
     let mut document = Document::load(name).unwrap();
@@ -382,7 +382,7 @@ fn what_is_not_measured_is_not_told() {
         assert!(step.input.specific_force.is_none() && step.input.position_error.is_none());
     }
     // White noise of 0.05 m/s on each component, over 51 steps.
-    let noise = |s: &alula_sil::space::Step| f64::from(s.input.velocity.north) - s.truth.velocity.x;
+    let noise = |s: &alula_sim::space::Step| f64::from(s.input.velocity.north) - s.truth.velocity.x;
     let mean = record.iter().map(|s| noise(s).powi(2)).sum::<f64>() / record.len() as f64;
     assert!((0.03..0.07).contains(&mean.sqrt()), "{mean}");
 }

@@ -3,7 +3,7 @@
 
 use std::fmt::Write as _;
 
-use alula_sil::polar::{Polar, Upto, stall};
+use alula_sim::polar::{Polar, Upto, stall};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 

@@ -6,8 +6,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
 
-use alula_sil::study::starts::{ATTITUDES, BASES, FLIGHTS, Start, Starts, starts};
-use alula_sil::study::{self, BUILT_IN, CampaignSource, Shard, Store, Summary, Threads};
+use alula_study::starts::{ATTITUDES, BASES, FLIGHTS, Start, Starts, starts};
+use alula_study::{self as study, BUILT_IN, CampaignSource, Shard, Store, Summary, Threads};
 use anyhow::ensure;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

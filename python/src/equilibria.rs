@@ -3,7 +3,7 @@
 use ::alula::equilibrium::Branch;
 use ::alula::equivalency::ApparentForces;
 use ::alula::{Equilibria, EquilibriumError, FoldMap, Inertial, Reference};
-use alula_sil::envelope::{self as theory, Ray};
+use alula_design::envelope::{self as theory, Ray};
 use pyo3::prelude::*;
 
 use crate::arguments::{Numbers, vector, vector_or_zero};

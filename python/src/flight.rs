@@ -1,10 +1,10 @@
 //! A flight that has been flown: its record and its figures.
 
-use alula_sil::columns::COLUMNS;
-use alula_sil::experiment::{Document, Experiment};
-use alula_sil::figures::{Figures, Segment};
-use alula_sil::simulate::{End, Step, simulate};
-use alula_sil::space;
+use alula_sim::columns::COLUMNS;
+use alula_sim::experiment::{Document, Experiment};
+use alula_sim::figures::{Figures, Segment};
+use alula_sim::simulate::{End, Step, simulate};
+use alula_sim::space;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 

@@ -7,8 +7,8 @@ use ::alula::{
     Attitude, GainChoice, GuidanceInput, GuidanceParameters, GuidanceState, Inertial,
     PlanarGuidanceInput,
 };
-use alula_sil::controllers::GuidanceSpec;
-use alula_sil::experiment::Model;
+use alula_sim::controllers::GuidanceSpec;
+use alula_sim::experiment::Model;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use toml::Value;

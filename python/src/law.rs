@@ -2,7 +2,7 @@
 
 use ::alula::control::Diagnostics;
 use ::alula::{Attitude, Fault, FeedForward, Inertial, Reference, State};
-use alula_sil::controllers::{Form, LawSpec};
+use alula_sim::controllers::{Form, LawSpec};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use toml::{Table, Value};
@@ -17,7 +17,7 @@ use crate::vehicle::Vehicle;
 /// `form` is "robust" (defined everywhere) or "full". The gains are `gains`, `alula.parameters()["Constant gains"]`, the
 /// paper's where left out; or, by `bandwidth`, follow from the parameters of that name in `alula.parameters()["Guidance"]`.
 #[pyclass(frozen, module = "alula")]
-pub struct Law(alula_sil::controllers::Law);
+pub struct Law(alula_sim::controllers::Law);
 
 /// Command of one step of a law.
 #[pyclass(frozen, get_all, module = "alula")]

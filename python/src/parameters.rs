@@ -4,7 +4,7 @@ use ::alula::{
     CombinedParameters, GainParameters, GuidanceParameters, LargeAngleParameters, Parameters, Row,
     SmallAngleParameters, VehicleParameters,
 };
-use alula_sil::experiment::{Fields, file_name, file_value};
+use alula_sim::experiment::{Fields, file_name, file_value};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use toml::Value;

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use alula_sil::experiment::DEFAULT;
-use alula_sil::replay::Source;
+use alula_sim::experiment::DEFAULT;
+use alula_sim::replay::Source;
 use pyo3::prelude::*;
 
 use crate::error;

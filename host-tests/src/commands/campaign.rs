@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 use anyhow::ensure;
 use indicatif::{ProgressBar, ProgressStyle};
 
-use alula_sil::files::{leave, leave_all};
-use alula_sil::page::campaign::{maps, page};
-use alula_sil::study::starts::ATTITUDES;
-use alula_sil::study::{BUILT_IN, CampaignSource, Place, Shard, Store, Summary, run as fly_all};
+use alula_report::campaign::{maps, page};
+use alula_study::files::{leave, leave_all};
+use alula_study::starts::ATTITUDES;
+use alula_study::{BUILT_IN, CampaignSource, Place, Shard, Store, Summary, run as fly_all};
 
 use super::fly;
 use super::output::Output;

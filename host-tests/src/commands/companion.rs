@@ -8,9 +8,9 @@ use alula_bridges::companion::{self, Companion, Connection, End, Kind, Pilot, St
 use anyhow::{Context, bail, ensure};
 
 use alula_sil::companion::{plane, space::OnPath, space::settings};
-use alula_sil::experiment::Document;
-use alula_sil::simulate::Record;
-use alula_sil::space::Experiment;
+use alula_sim::experiment::Document;
+use alula_sim::simulate::Record;
+use alula_sim::space::Experiment;
 
 use super::autopilot::Choice;
 use super::fly::{Logs, report};

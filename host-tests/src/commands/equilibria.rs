@@ -5,10 +5,10 @@ use alula::{Equilibria, FoldMap, FoldMargin, Inertial, Reference};
 use anyhow::anyhow;
 use serde::Serialize;
 
-use alula_sil::airframe::Airframe;
-use alula_sil::page::equilibria::figure;
-use alula_sil::page::{Page, Table, fixed};
-use alula_sil::reference::Vector;
+use alula_report::equilibria::figure;
+use alula_report::{Page, Table, fixed};
+use alula_sim::airframe::Airframe;
+use alula_sim::reference::Vector;
 
 use super::output::Output;
 
@@ -158,7 +158,7 @@ fn row(e: &Equilibrium, margin: Option<FoldMargin>, weight: f32) -> Row {
     }
 }
 
-fn existence(vehicle: &alula_sil::experiment::Vehicle) -> Vec<Answer> {
+fn existence(vehicle: &alula_sim::experiment::Vehicle) -> Vec<Answer> {
     fn answer<T: ToString, E: ToString>(theorem: &'static str, result: Result<T, E>) -> Answer {
         Answer {
             theorem,

@@ -5,15 +5,15 @@ use std::path::Path;
 use anyhow::Context;
 use serde::Serialize;
 
-use alula_sil::airframe::Airframe;
-use alula_sil::design::ROWS;
-use alula_sil::envelope::{Curve, Fold};
-use alula_sil::files::leave_all;
-use alula_sil::fit::{Errors, Metric, Sphericity, fit};
-use alula_sil::page::fit::figure;
-use alula_sil::page::{Page, Table, fixed};
-use alula_sil::polar::{Polar, stall};
-use alula_sil::reference::{Aerodynamics, Combined, Row, Vehicle};
+use alula_design::ROWS;
+use alula_design::envelope::{Curve, Fold};
+use alula_design::fit::{Errors, Metric, Sphericity, fit};
+use alula_report::fit::figure;
+use alula_report::{Page, Table, fixed};
+use alula_sim::airframe::Airframe;
+use alula_sim::polar::{Polar, stall};
+use alula_sim::reference::{Aerodynamics, Combined, Row, Vehicle};
+use alula_study::files::leave_all;
 
 use super::output::Output;
 

@@ -8,15 +8,15 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
 use alula_logs::Log;
-use alula_sil::columns::write_trace;
-use alula_sil::controllers::Controller;
-use alula_sil::experiment::{DEFAULT, Document, Experiment};
-use alula_sil::figures::{Figures, Segment};
-use alula_sil::files::leave;
-use alula_sil::flight_log::{self, Format};
-use alula_sil::page::flight::page;
-use alula_sil::simulate::{End, Record, Step, simulate};
-use alula_sil::study::Place;
+use alula_report::flight::page;
+use alula_sim::columns::write_trace;
+use alula_sim::controllers::Controller;
+use alula_sim::experiment::{DEFAULT, Document, Experiment};
+use alula_sim::figures::{Figures, Segment};
+use alula_sim::flight_log::{self, Format};
+use alula_sim::simulate::{End, Record, Step, simulate};
+use alula_study::Place;
+use alula_study::files::leave;
 
 use super::output::Output;
 use super::settings::Settings;

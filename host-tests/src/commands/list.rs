@@ -2,8 +2,8 @@
 
 use std::io::Write;
 
-use alula_sil::experiment::{BUILT_IN, Document};
-use alula_sil::named::Named;
+use alula_sim::experiment::{BUILT_IN, Document};
+use alula_sim::named::Named;
 
 /// List the built-in experiments and vehicles, or print the TOML of one
 #[derive(clap::Args)]

@@ -54,7 +54,7 @@ impl Cli {
     pub fn run(self) -> anyhow::Result<()> {
         let shown = matches!(self.command, Some(Command::New(_) | Command::Fit(_)));
         let done = self.act();
-        for warning in alula_sil::polar::warnings().iter().filter(|_| !shown) {
+        for warning in alula_sim::polar::warnings().iter().filter(|_| !shown) {
             eprintln!("warning: {warning}");
         }
         done

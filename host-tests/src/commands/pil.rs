@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use alula_link::{Configuration, Pacing};
 use anyhow::Context;
 
-use alula_sil::controllers::Controller;
 use alula_sil::pil::{Build, Qemu, Target, build, open_serial};
-use alula_sil::space::Pilot;
-use alula_sil::study::Place;
+use alula_sim::controllers::Controller;
+use alula_sim::space::Pilot;
+use alula_study::Place;
 
 use super::{fly, space};
 

@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, ensure};
 
-use alula_sil::experiment::{DEFAULT, Document, Experiment};
-use alula_sil::files::leave;
-use alula_sil::page::Page;
-use alula_sil::page::replay::{page, page_in_space};
-use alula_sil::replay::{self, Source};
-use alula_sil::space;
+use alula_report::Page;
+use alula_report::replay::{page, page_in_space};
+use alula_sim::experiment::{DEFAULT, Document, Experiment};
+use alula_sim::replay::{self, Source};
+use alula_sim::space;
+use alula_study::files::leave;
 
 use super::settings::Settings;
 

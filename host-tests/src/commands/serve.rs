@@ -13,7 +13,7 @@ use anyhow::Context;
 
 use alula_sil::ardupilot::Vehicle;
 use alula_sil::companion::Craft;
-use alula_sil::space::Experiment;
+use alula_sim::space::Experiment;
 
 use super::autopilot::StickRates;
 use super::fly::{Logs, report};

@@ -9,14 +9,14 @@ use indicatif::ProgressBar;
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-use alula_sil::columns::write_trace;
-use alula_sil::experiment::Document;
-use alula_sil::files::leave;
-use alula_sil::flight_log;
-use alula_sil::page::space::page;
-use alula_sil::space::{Experiment, Figures, Pilot, Record, fly_by as simulate};
-use alula_sil::study::Threads;
-use alula_sil::study::starts::{BASES, FLIGHTS, LIMITS, Starts, starts};
+use alula_report::space::page;
+use alula_sim::columns::write_trace;
+use alula_sim::experiment::Document;
+use alula_sim::flight_log;
+use alula_sim::space::{Experiment, Figures, Pilot, Record, fly_by as simulate};
+use alula_study::Threads;
+use alula_study::files::leave;
+use alula_study::starts::{BASES, FLIGHTS, LIMITS, Starts, starts};
 
 use super::fly::{Logs, progress_bar};
 use super::output::Output;

@@ -3,10 +3,10 @@
 use anyhow::anyhow;
 use serde::Serialize;
 
-use alula_sil::page::sweep::figure;
-use alula_sil::page::{Page, Table, fixed};
-use alula_sil::simulate::fly;
-use alula_sil::sweep::{Cause, Findings, Span, findings, least_fp, sweep};
+use alula_design::sweep::{Cause, Findings, Span, findings, least_fp, sweep};
+use alula_report::sweep::figure;
+use alula_report::{Page, Table, fixed};
+use alula_sim::simulate::fly;
 
 use super::output::Output;
 use super::settings::Settings;

@@ -6,8 +6,8 @@ use alula_bridges::companion::{Body, BodyState};
 use nalgebra::UnitQuaternion;
 use rand_chacha::ChaCha8Rng;
 
-use crate::experiment::{Experiment, Weather, stream, thrust_limits};
-use crate::space::{self, Rotation, SpatialPlant, SpatialState, V3};
+use alula_sim::experiment::{Experiment, Weather, stream, thrust_limits};
+use alula_sim::space::{self, Rotation, SpatialPlant, SpatialState, V3};
 
 /// The vehicle, where its experiment begins.
 pub struct Craft {

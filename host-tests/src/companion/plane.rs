@@ -3,9 +3,9 @@
 use alula::{FeedForward, Inertial, PlanarGuidanceInput};
 use alula_bridges::companion::{HoldParameters, InPlane, Planar, Settings, Wanted};
 
-use crate::controllers::{Answer, Controller, Input, inertial, vector};
-use crate::experiment::{Experiment, State, angle};
-use crate::simulate::{Record, Step};
+use alula_sim::controllers::{Answer, Controller, Input, inertial, vector};
+use alula_sim::experiment::{Experiment, State, angle};
+use alula_sim::simulate::{Record, Step};
 
 /// Settings for flying `experiment`, of whose belief `hover_thrust` is the autopilot's thrust in hover.
 pub fn settings(experiment: &Experiment, hover_thrust: Option<f64>) -> anyhow::Result<Settings> {

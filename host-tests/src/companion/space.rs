@@ -9,8 +9,8 @@ use alula::{GainChoice, Guidance, GuidanceInput, GuidanceState};
 use alula_bridges::companion::{Command, End, Pilot, Settings, Told};
 use nalgebra::{Quaternion, UnitQuaternion};
 
-use crate::experiment::{Model, thrust_limits};
-use crate::space::{Experiment, Path, Record, SpatialState, Step, Target, V3, ned};
+use alula_sim::experiment::{Model, thrust_limits};
+use alula_sim::space::{Experiment, Path, Record, SpatialState, Step, Target, V3, ned};
 
 /// Settings for flying `experiment`, of whose belief `hover_thrust` is the autopilot's thrust in hover.
 pub fn settings(experiment: &Experiment, hover_thrust: Option<f64>) -> anyhow::Result<Settings> {

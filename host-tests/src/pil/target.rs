@@ -11,8 +11,8 @@ use alula_link::{
 };
 use anyhow::{Context, anyhow, bail};
 
-use crate::controllers::{Answer, Controller, Input};
-use crate::space::Pilot;
+use alula_sim::controllers::{Answer, Controller, Input};
+use alula_sim::space::Pilot;
 
 /// Longest wait for an answer: of a busy machine's emulator, not of a target.
 const PATIENCE: Duration = Duration::from_secs(5);

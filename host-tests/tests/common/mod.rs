@@ -6,9 +6,9 @@ use alula::{
     Attitude, Combined, CombinedParameters, FeedForward, GainParameters, Gains, Inertial,
     LargeAngle, LargeAngleParameters, Reference, State, VehicleParameters, VelocityControl,
 };
-use alula_sil::experiment::{Document, Experiment, Model, Vehicle};
-use alula_sil::named::Named;
-use alula_sil::reference::{self, Aerodynamics, Inputs, Vector};
+use alula_sim::experiment::{Document, Experiment, Model, Vehicle};
+use alula_sim::named::Named;
+use alula_sim::reference::{self, Aerodynamics, Inputs, Vector};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 

@@ -6,9 +6,9 @@ use alula_bridges::companion::{
 };
 use alula_sil::companion::Craft;
 use alula_sil::companion::plane::{keep, pilot, plan, settings};
-use alula_sil::experiment::{Document, Experiment};
-use alula_sil::figures::Figures;
-use alula_sil::simulate::{Record, fly};
+use alula_sim::experiment::{Document, Experiment};
+use alula_sim::figures::Figures;
+use alula_sim::simulate::{Record, fly};
 
 use rayon::prelude::*;
 

@@ -3,8 +3,8 @@
 use alula_bridges::companion::{End, Kind, Settings, Stage};
 use alula_sil::companion::Craft;
 use alula_sil::companion::space::{OnPath, settings};
-use alula_sil::experiment::Document;
-use alula_sil::space::{Experiment, Step, V3, fly};
+use alula_sim::experiment::Document;
+use alula_sim::space::{Experiment, Step, V3, fly};
 
 use super::link::{ARDUPLANE, BAD, Ended, GOOD, Quality, flies, nothing};
 

@@ -1,12 +1,12 @@
 //! Accuracy of the core's laws in space against the double-precision reference, over a million random states.
 //!
 //! Both are given the same inputs and parameters: the reference the core's f32 values, quaternion included. Errors are
-//! divided by N of `alula_sil::reference::Number`, which counts every rounding to first order. The figures are printed
+//! divided by N of `alula_sim::reference::Number`, which counts every rounding to first order. The figures are printed
 //! with `--nocapture`.
 
 use alula::spatial::{AxisymmetricControl, Rates, WingedControl};
 use alula::{CombinedParameters, Fault, GainParameters};
-use alula_sil::reference::{
+use alula_sim::reference::{
     Number, SpatialEvaluation, axisymmetric_full, axisymmetric_robust, winged_full, winged_robust,
 };
 use rand::{RngExt, SeedableRng};

@@ -12,7 +12,7 @@ use alula::spatial::{
 use alula::{
     BandwidthGains, Combined, CombinedParameters, GuidanceParameters, Vehicle, VehicleParameters,
 };
-use alula_sil::space::{Rotation, SpatialPlant, SpatialState};
+use alula_sim::space::{Rotation, SpatialPlant, SpatialState};
 use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::common::{combined, vehicles};

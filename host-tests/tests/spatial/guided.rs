@@ -7,9 +7,9 @@ use alula::{
     Combined, CombinedParameters, Guidance, GuidanceInput, GuidanceParameters, GuidanceState,
     Vehicle, VehicleParameters,
 };
-use alula_sil::space::{SpatialPlant, SpatialState};
+use alula_sim::space::{SpatialPlant, SpatialState};
 
-use alula_sil::space::{Gust, Turbulence};
+use alula_sim::space::{Gust, Turbulence};
 use nalgebra::{Quaternion, UnitQuaternion};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -5,7 +5,7 @@ use alula::spatial::{
     Correction, FeedForward, Heading, Ned, Orientation, Reference, State, WingedControl,
 };
 use alula::{Attitude, CombinedParameters, GainParameters, Inertial};
-use alula_sil::reference::{full, robust, winged_full, winged_robust};
+use alula_sim::reference::{full, robust, winged_full, winged_robust};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -100,10 +100,10 @@ fn in_any_vertical_plane_the_law_is_the_planar_law() {
         let (sin, cos) = heading.sin_cos();
         let (sin_half, cos_half) = (0.5 * heading).sin_cos();
         let (s, c) = (0.5 * theta(point.state.attitude)).sin_cos();
-        let lift = |v: alula_sil::reference::Vector| [v.y * cos, v.y * sin, v.x];
+        let lift = |v: alula_sim::reference::Vector| [v.y * cos, v.y * sin, v.x];
         for fed in [false, true] {
             let planar_inputs = point.inputs(fed);
-            let mut inputs = alula_sil::reference::SpatialInputs {
+            let mut inputs = alula_sim::reference::SpatialInputs {
                 velocity: lift(planar_inputs.velocity),
                 // Pitch about the right side of the plane, then heading about down.
                 quaternion: [cos_half * c, -sin_half * s, cos_half * s, sin_half * c],

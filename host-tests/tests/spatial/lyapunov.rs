@@ -1,11 +1,11 @@
 //! What is proved of the laws in space, by finite differences in double precision.
 
 use alula::{CombinedParameters, GainParameters};
-use alula_sil::reference::{
+use alula_sim::reference::{
     Gains, SpatialEvaluation, SpatialInputs, Vehicle, axes, axisymmetric_full, winged_full,
     winged_robust,
 };
-use alula_sil::space::{Rotation, SpatialPlant};
+use alula_sim::space::{Rotation, SpatialPlant};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -5,7 +5,7 @@ use nalgebra::{Quaternion, UnitQuaternion};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use alula_sil::space::SpatialState;
+use alula_sim::space::SpatialState;
 
 use crate::course::{self, Course};
 use crate::flown::{Setup, Target, Task, V3, calm, rms};

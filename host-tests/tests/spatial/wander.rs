@@ -4,7 +4,7 @@
 use alula::{
     Combined, CombinedParameters, Guidance, GuidanceParameters, Vehicle, VehicleParameters,
 };
-use alula_sil::space::Turbulence;
+use alula_sim::space::Turbulence;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 

@@ -2,8 +2,8 @@
 
 use std::f64::consts::PI;
 
-use alula_sil::space::Rotation;
-use alula_sil::space::{Gust, Turbulence};
+use alula_sim::space::Rotation;
+use alula_sim::space::{Gust, Turbulence};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 

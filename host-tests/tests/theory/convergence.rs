@@ -1,7 +1,7 @@
 //! Proposition 3: with the large-α model (almost) every initial state converges.
 
-use alula_sil::reference::wrap;
-use alula_sil::simulate::{Step, fly};
+use alula_sim::reference::wrap;
+use alula_sim::simulate::{Step, fly};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 

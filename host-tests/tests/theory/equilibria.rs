@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use alula::{Attitude, GainParameters};
-use alula_sil::reference::{Inputs, Vehicle, rotation};
+use alula_sim::reference::{Inputs, Vehicle, rotation};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use alula::equivalency::ApparentForces;
 use alula::{Attitude, FeedForward, GainParameters};
-use alula_sil::reference::{
+use alula_sim::reference::{
     Angle, Gains, Inputs, Vector, Vehicle, full, magnitudes, rotation, wrap,
 };
 use rand::{RngExt, SeedableRng};

@@ -1,0 +1,286 @@
+//! Experiments: what is flown, by whom, along which reference, in which weather. TOML in, validated values out.
+
+mod document;
+pub(crate) mod dryden;
+mod faults;
+mod parameters;
+mod plant;
+mod range;
+mod reference;
+mod sensors;
+mod vehicle;
+mod weather;
+
+use alula::guidance::{MAX_STEP, MIN_STEP};
+use alula_bridges::sitl::Actuators;
+use alula_link::{Configuration, Pacing};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use serde::Deserialize;
+
+pub use document::{Document, FieldError, Located};
+pub use document::{angle, finite, from_toml, require};
+pub(crate) use document::{positive, rate, read, speed};
+pub use faults::{FaultKind, FaultSpec};
+pub(crate) use faults::{Faults, Lasting, Told};
+pub use parameters::{Fields, file_name, file_value, refused};
+pub use plant::{Plant, PlantSpec, RateLoop, State};
+pub use reference::{InitialSpec, Knot, ReferenceSpec};
+pub(crate) use sensors::validate as validate_sensors;
+pub use sensors::{AirSensor, ErrorSpec, Measured, Sensor, SensorSpec};
+pub use vehicle::{AerodynamicsSpec, Model, NO_LIMITS, Vehicle, VehicleSpec};
+pub use weather::{GustSpec, TurbulenceSpec, Weather, WeatherSpec};
+
+use crate::controllers::{Choice, Controller, Spec};
+use crate::named::built_in;
+
+/// What is flown when nothing is asked for.
+pub const DEFAULT: &str = "hover-to-cruise";
+
+/// Name and TOML text of every built-in experiment. Those with a path are flown in space. Those with neither path nor reference are
+/// vehicles, for others to be based on.
+pub const BUILT_IN: &[(&str, &str)] = built_in! { "experiments", ".toml";
+    "paper",
+    "paper-re-5e6",
+    "paper-belief",
+    "hover-to-cruise",
+    "matched",
+    "large-angle",
+    "cruise-to-hover",
+    "steep-climb",
+    "round-trip",
+    "round-trip-weak",
+    "gentle-braking",
+    "climbing-braking",
+    "steep-descent",
+    "rough-day",
+    "space",
+    "circle-40",
+    "circle-40-slow",
+    "circle-33",
+    "eight",
+    "climbing-turn",
+    "waypoints",
+    "cross-wind",
+    "side-gust",
+    "unknown-side-wind",
+    "hover-cross-wind",
+    "heading-steps",
+    "transition-turned",
+    "reversal",
+    "mission",
+    "mission-turbulence",
+    "start-hover",
+    "start-cruise",
+};
+
+/// A flight to simulate. The format is described in this package's README.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Experiment {
+    /// One line for reports.
+    #[serde(default)]
+    pub description: String,
+    /// Length of the flight \[s\].
+    pub duration_s: f64,
+    /// Rate of the control steps \[Hz\]; commands are held in between.
+    #[serde(default = "hundred")]
+    pub control_rate_hz: f64,
+    /// Runge–Kutta steps of the plant per control step.
+    #[serde(default = "five")]
+    pub substeps: u32,
+    /// Seed of noise and turbulence.
+    #[serde(default)]
+    pub seed: u64,
+    /// The true vehicle.
+    pub vehicle: VehicleSpec,
+    /// Its actuators.
+    #[serde(default)]
+    pub plant: PlantSpec,
+    /// What the controller is told.
+    #[serde(default)]
+    pub sensors: SensorSpec,
+    /// The air.
+    #[serde(default)]
+    pub weather: WeatherSpec,
+    /// Who closes the loop.
+    #[serde(default)]
+    pub controller: Choice,
+    /// The reference velocity; the reference position is its integral.
+    pub reference: ReferenceSpec,
+    /// Where the flight starts.
+    #[serde(default)]
+    pub initial: InitialSpec,
+    /// Elevons and motors, for an ArduPilot that flies the vehicle.
+    #[serde(default)]
+    pub ardupilot: Actuators,
+}
+
+pub(crate) fn hundred() -> f64 {
+    100.0
+}
+
+pub(crate) fn five() -> u32 {
+    5
+}
+
+/// The random numbers of an experiment's `seed`, of which every part of a flight draws from a stream of its own: a change of one part leaves the others as they were.
+pub fn stream(seed: u64, number: u64) -> ChaCha8Rng {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    random.set_stream(number);
+    random
+}
+
+/// Most control steps of one flight: a record is held in memory.
+const MAX_STEPS: f64 = 2e6;
+
+/// Checks the number of control steps, and of the plant's steps in each.
+pub(crate) fn check_steps(duration: f64, rate: f64, substeps: u32) -> Result<(), FieldError> {
+    positive("duration_s", duration)?;
+    positive("control_rate_hz", rate)?;
+    let steps = duration * rate;
+    let problem = format_args!("{steps} control steps, must be from 1 to {MAX_STEPS}");
+    require((0.5..=MAX_STEPS).contains(&steps), "duration_s", problem)?;
+    let flown = (1..=1000).contains(&substeps);
+    require(flown, "substeps", "must be from 1 to 1000")
+}
+
+impl Experiment {
+    /// Checks every field that the type system does not.
+    pub fn validate(&self) -> Result<(), FieldError> {
+        check_steps(self.duration_s, self.control_rate_hz, self.substeps)?;
+        // The guidance refuses every frame with a longer or shorter step; the vehicle would fall.
+        let step = 1.0 / self.control_rate_hz;
+        let flown = f64::from(MIN_STEP)..=f64::from(MAX_STEP);
+        let flown = self.controller.name() != "guidance" || flown.contains(&step);
+        let problem = format_args!("the guidance flies steps of {MIN_STEP} to {MAX_STEP} s");
+        require(flown, "control_rate_hz", problem)?;
+        // A vehicle that the core would not control is not worth flying.
+        self.vehicle.core().map_err(|e| e.inside("vehicle"))?;
+        let dt = 1.0 / self.control_rate_hz / f64::from(self.substeps);
+        self.plant.validate(dt)?;
+        self.controller()?;
+        self.sensors.validate()?;
+        self.weather.validate()?;
+        self.reference.validate()?;
+        self.initial.validate()?;
+        let refused = |e: alula_bridges::sitl::Refused| FieldError::new(e.field, e.problem);
+        let actuators = self.ardupilot.validate();
+        actuators.map_err(|e| refused(e).inside("ardupilot"))
+    }
+
+    /// What the experiment says of its controller.
+    pub fn spec(&self) -> Result<Box<dyn Spec>, FieldError> {
+        self.controller.spec()
+    }
+
+    /// The controller, at power-on.
+    pub fn controller(&self) -> Result<Box<dyn Controller>, FieldError> {
+        let path = self.controller.path();
+        self.spec()?.controller(self).map_err(|e| e.inside(&path))
+    }
+
+    /// What its controller is made of on a target.
+    pub fn configuration(&self, pacing: Pacing) -> Result<Configuration, FieldError> {
+        let path = self.controller.path();
+        let configuration = self.spec()?.configuration(self, pacing);
+        configuration.map_err(|e| e.inside(&path))
+    }
+
+    /// Least and most thrust \[N\] that a controller may command: `given`, or else what the motors give. Motors without limits are taken for
+    /// those of twice the `weight` \[N\] that the controller believes in.
+    pub fn thrust_limits(&self, given: Option<[f64; 2]>, weight: f64) -> [f64; 2] {
+        thrust_limits(given.unwrap_or(self.plant.thrust_n), weight)
+    }
+
+    /// Number of control periods flown.
+    pub fn steps(&self) -> usize {
+        (self.duration_s * self.control_rate_hz).round() as usize
+    }
+
+    /// The vehicle's weight m g \[N\].
+    pub fn weight(&self) -> f64 {
+        self.vehicle.weight()
+    }
+}
+
+/// Least and most thrust \[N\] without infinities: in their place none, and twice the `weight` \[N\].
+pub fn thrust_limits([least, most]: [f64; 2], weight: f64) -> [f64; 2] {
+    let bounded = |value: f64, else_value| if value.is_finite() { value } else { else_value };
+    [bounded(least, 0.0), bounded(most, 2.0 * weight)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_built_in_is_valid() {
+        for (name, _) in BUILT_IN {
+            let document = Document::load(name).unwrap();
+            if document.get("reference").is_some() {
+                document.checked().unwrap();
+            }
+            if document.get("path").is_some() {
+                crate::space::Experiment::of(&document).unwrap();
+            }
+        }
+    }
+
+    /// An experiment of one's own takes ten lines.
+    #[test]
+    fn omitted_fields_have_defaults() {
+        let text = "duration_s = 20\n\
+            [vehicle]\nmass_kg = 3.0\nk_a_kg_m = 0.2\n\
+            [plant]\nthrust_n = [0.0, 47.0]\n\
+            [reference]\nknots = [{ t_s = 0, down_m_s = 0, forward_m_s = 0 }]\n";
+        assert!(text.lines().count() < 10);
+        let experiment: Experiment = from_toml("x", text, Experiment::validate).unwrap();
+        assert_eq!(
+            (experiment.control_rate_hz, experiment.substeps),
+            (100.0, 5)
+        );
+        assert_eq!(experiment.controller.name(), "guidance");
+        assert_eq!(experiment.plant.rate_loop, RateLoop::Ideal);
+        assert_eq!(experiment.vehicle.gravity_m_s2, 9.81);
+    }
+
+    #[test]
+    fn lengths_are_bounded() {
+        let refused = |text: &str| {
+            let mut document = Document::load("round-trip").unwrap();
+            document.assign(text).unwrap();
+            document.experiment().unwrap_err().to_string()
+        };
+        assert!(refused("control_rate_hz=1e9").starts_with("duration_s: 115"));
+        assert!(refused("duration_s=-2").starts_with("duration_s: must be positive"));
+        assert!(refused("substeps=0").starts_with("substeps: must be from 1"));
+    }
+
+    /// A time constant too short for the plant's steps, or a number beyond what a vehicle, its air and its sensors have, is refused by its field: the
+    /// simulation would diverge, or say nothing of a vehicle.
+    #[test]
+    fn fields_with_which_the_plant_would_diverge_are_refused() {
+        let refused = |text: &str| {
+            let mut document = Document::load("round-trip").unwrap();
+            document.assign(text).unwrap();
+            document.experiment().unwrap_err().field
+        };
+        let lag = "plant.rate_loop.lag.time_constant_s";
+        assert_eq!(refused(&format!("{lag}=1e-9")), lag);
+        assert_eq!(refused("plant.thrust_lag_s=1e-9"), "plant.thrust_lag_s");
+        assert_eq!(refused("control_rate_hz=1"), "control_rate_hz");
+        let inertia = "plant.rate_loop.inertia";
+        let table = "{inertia_kg_m2=1.0,bandwidth_1_s=1e6,torque_max_n_m=1.0}";
+        let field = format!("{inertia}.bandwidth_1_s");
+        assert_eq!(refused(&format!("{inertia}={table}")), field);
+        let knots = "reference.knots[2].forward_m_s";
+        assert_eq!(refused(&format!("{knots}=1e30")), knots);
+        assert_eq!(refused("weather.steady_m_s=[0,-500]"), "weather.steady_m_s");
+        assert_eq!(refused("initial.down_m_s=1e6"), "initial.down_m_s");
+        assert_eq!(refused("initial.theta_deg=1e300"), "initial.theta_deg");
+        assert_eq!(refused("initial.rate_rad_s=-1e30"), "initial.rate_rad_s");
+        let noise = "sensors.velocity_m_s.noise";
+        assert_eq!(refused(&format!("{noise}=1e308")), noise);
+    }
+}
