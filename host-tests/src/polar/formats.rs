@@ -2,6 +2,7 @@
 //! QBlade), and AVL's total forces.
 
 mod foreign;
+mod several;
 
 use anyhow::{anyhow, bail, ensure};
 
@@ -28,6 +29,8 @@ const NAMES: [(&str, &[&str]); 3] = [
 ];
 /// Coefficients of one angle in two rows that are the same: XFOIL comes to an angle from two sides.
 const AGAIN: f64 = 0.01;
+/// Greatest angle that is taken for radians: more than π, of which tables of a whole circle may have roundings.
+const RADIANS: f64 = 3.2;
 /// What comments begin with.
 const SIGNS: [&str; 4] = ["#", "!", "%", "//"];
 
@@ -103,28 +106,54 @@ fn is_rule(line: &str) -> bool {
     line.chars().all(drawn)
 }
 
-/// The names in a line of names, in small letters, without units in brackets. Where cells are parted by blanks a unit is a cell.
-fn names_in(line: &str) -> Vec<String> {
-    let bare = |cell: &str| {
-        let end = cell.find(['(', '[']).unwrap_or(cell.len());
-        cell[..end].trim().to_lowercase()
-    };
-    let is_unit = |cell: &&str| cell.starts_with(['(', '[']);
-    let cells = cells(line).into_iter().filter(|cell| !is_unit(cell));
-    cells.map(bare).collect()
+/// A name in a line of names, in small letters, and its unit in brackets.
+#[derive(Clone, Debug, PartialEq)]
+struct Name {
+    text: String,
+    unit: String,
+}
+
+/// The names in a line of names. Where cells are parted by blanks a unit is a cell, behind that of its name.
+fn names_in(line: &str) -> Vec<Name> {
+    let mut names: Vec<Name> = Vec::new();
+    for cell in cells(line) {
+        let (text, unit) = cell.split_at(cell.find(['(', '[']).unwrap_or(cell.len()));
+        let unit = bare_unit(unit);
+        match names.last_mut() {
+            Some(last) if text.is_empty() && !unit.is_empty() => last.unit = unit,
+            _ => names.push(Name {
+                text: text.trim().to_lowercase(),
+                unit,
+            }),
+        }
+    }
+    names
+}
+
+/// A unit without its brackets, in small letters.
+fn bare_unit(unit: &str) -> String {
+    let unit = unit.trim_matches(|c: char| "()[]\"".contains(c) || c.is_whitespace());
+    unit.to_lowercase()
+}
+
+/// Whether angles of this unit are radians; none if it is no unit of angles.
+fn is_radians(unit: &str) -> Option<bool> {
+    match unit {
+        "" | "deg" | "deg." | "degree" | "degrees" | "°" | "-" | "–" | "none" => Some(false),
+        "rad" | "radian" | "radians" => Some(true),
+        _ => None,
+    }
 }
 
 /// The line of names above a table.
 struct Header {
     /// Its line.
     place: u64,
-    names: Vec<String>,
+    names: Vec<Name>,
     /// Where α, c_L and c_D stand.
     columns: [Option<usize>; 3],
     /// Whether it stands behind the sign of a comment.
     commented: bool,
-    /// Whether angles are in radians.
-    radians: bool,
 }
 
 impl Header {
@@ -132,19 +161,14 @@ impl Header {
         let (text, commented) = bare(line);
         let names = names_in(text);
         let columns = NAMES.map(|(_, known)| {
-            let place = |known: &&str| names.iter().position(|name| name == known);
+            let place = |known: &&str| names.iter().position(|name| name.text == **known);
             known.iter().find_map(place)
         });
-        let alpha = columns[0].and_then(|at| names.get(at));
-        let lower = text.to_lowercase();
-        let radians = alpha.is_some_and(|name| name == "alpha_rad")
-            || ["(rad", "[rad"].iter().any(|unit| lower.contains(unit));
         Self {
             place,
             names,
             columns,
             commented,
-            radians,
         }
     }
 
@@ -170,35 +194,38 @@ impl Header {
     }
 }
 
-/// Whether every cell of a line under the names is a unit, and whether the angles are in radians.
-fn units(line: &str) -> Option<bool> {
-    const KNOWN: [&str; 10] = [
-        "deg", "degree", "degrees", "°", "rad", "radians", "-", "–", "1", "none",
-    ];
-    let (text, _) = bare(line);
-    let cells: Vec<String> = cells(text)
-        .iter()
-        .map(|cell| cell.trim_matches(|c| "()[]\"".contains(c)).to_lowercase())
-        .collect();
-    let is_unit = |cell: &String| cell.is_empty() || KNOWN.contains(&cell.as_str());
-    let one = cells.iter().any(|cell| cell != "1" && !cell.is_empty());
-    let all = one && cells.len() > 1 && cells.iter().all(is_unit);
-    all.then(|| cells.iter().any(|cell| cell.starts_with("rad")))
+/// The unit of the angles in a line of units under the names, where α stands in the column `alpha`; none if it is no such line.
+fn units(line: &str, alpha: usize) -> Option<String> {
+    let cells: Vec<String> = cells(bare(line).0).into_iter().map(bare_unit).collect();
+    let is_number = |cell: &String| cell != "1" && number(cell).is_some();
+    let unit = cells.get(alpha)?;
+    let all = cells.len() > 1 && !cells.iter().any(is_number) && is_radians(unit).is_some();
+    all.then(|| unit.clone())
 }
 
 /// The rows under a line of names. Induced drag is a wing's.
-fn table(origin: &str, text: &str, header: &Header) -> anyhow::Result<Read> {
+fn table(origin: &str, all: &str, header: &Header) -> anyhow::Result<Read> {
     let place = header.place;
     let mut columns = [0; 3];
     for ((column, found), (name, _)) in columns.iter_mut().zip(header.columns).zip(NAMES) {
         *column = found.ok_or_else(|| {
-            let names = header.names.join(", ");
-            anyhow!("{origin}:{place}: no column {name} among {names}")
+            let names: Vec<&str> = header.names.iter().map(|name| &*name.text).collect();
+            anyhow!(
+                "{origin}:{place}: no column {name} among {}",
+                names.join(", ")
+            )
         })?;
     }
-    let mut rows = Vec::new();
-    let mut radians = header.radians;
-    for (line, text) in (1..).zip(text.lines()).skip(place as usize) {
+    let (mut rows, mut whole) = (Vec::new(), Vec::new());
+    let alpha = &header.names[columns[0]];
+    let mut radians = is_radians(&alpha.unit).ok_or_else(|| {
+        anyhow!(
+            "{origin}:{place}: the angles' unit is {:?}, which is neither deg nor rad",
+            alpha.unit
+        )
+    })?;
+    radians |= alpha.text == "alpha_rad";
+    for (line, text) in (1..).zip(all.lines()).skip(place as usize) {
         if is_rule(text) {
             continue;
         }
@@ -206,12 +233,13 @@ fn table(origin: &str, text: &str, header: &Header) -> anyhow::Result<Read> {
         let another = Header::of(line, text);
         ensure!(
             !another.is_whole() || another.commented != header.commented,
-            "{origin}:{line}: a second polar begins here: one file, one polar"
+            "{origin}:{line}: a second polar begins here{}",
+            several::listed(all)
         );
         if rows.is_empty()
-            && let Some(unit) = units(text)
+            && let Some(unit) = units(text, columns[0])
         {
-            radians |= unit;
+            radians |= is_radians(&unit) == Some(true);
             continue;
         }
         let cells = cells(text);
@@ -219,7 +247,19 @@ fn table(origin: &str, text: &str, header: &Header) -> anyhow::Result<Read> {
             continue;
         }
         if foreign::is_end(text) {
+            ensure!(
+                !several::goes_on(all, line as usize),
+                "{origin}:{line}: another table follows{}",
+                several::listed(all)
+            );
             break;
+        }
+        if !rows.is_empty() && cells.iter().any(|cell| number(cell).is_none()) {
+            let several = several::listed_if_several(all);
+            ensure!(
+                several.is_empty(),
+                "{origin}:{line}: another table begins here{several}"
+            );
         }
         let mut row = [0.0; 3];
         for (value, column) in row.iter_mut().zip(columns) {
@@ -234,15 +274,30 @@ fn table(origin: &str, text: &str, header: &Header) -> anyhow::Result<Read> {
             row[0] = row[0].to_degrees();
         }
         rows.push((line, row));
+        let numbers = cells.iter().map(|cell| number(cell).unwrap_or(f64::NAN));
+        whole.push((line, numbers.collect()));
     }
-    let induced = header.names.iter().any(|name| name == "cdi");
-    let mut comments = text.lines().filter(|line| bare(line).1);
-    let of_wing = induced || comments.any(|line| line.contains(WING));
-    sorted(origin, rows, of_wing)
+    let names: Vec<&str> = header.names.iter().map(|name| &*name.text).collect();
+    several::by_column(origin, &names, &whole)?;
+    let farthest = rows
+        .iter()
+        .fold(0.0, |most, row| f64::max(most, row.1[0].abs()));
+    ensure!(
+        !radians || farthest < RADIANS.to_degrees(),
+        "{origin}:{place}: the angles' unit is rad, and there are some beyond {RADIANS}: are they degrees?"
+    );
+    let mut comments = all.lines().filter(|line| bare(line).1);
+    let of_wing = names.contains(&"cdi") || comments.any(|line| line.contains(WING));
+    sorted(origin, all, rows, of_wing)
 }
 
 /// By increasing angle: sweeps run either way, and from 0 both ways. An angle that comes again with the same coefficients is left out.
-fn sorted(origin: &str, mut rows: Vec<(u64, [f64; 3])>, of_wing: bool) -> anyhow::Result<Read> {
+fn sorted(
+    origin: &str,
+    all: &str,
+    mut rows: Vec<(u64, [f64; 3])>,
+    of_wing: bool,
+) -> anyhow::Result<Read> {
     rows.sort_by(|a, b| a.1[0].total_cmp(&b.1[0]));
     let comes_again = |first: &[f64; 3], again: &[f64; 3]| (again[0] - first[0]).abs() < 1e-6;
     for pair in rows.windows(2) {
@@ -252,8 +307,9 @@ fn sorted(origin: &str, mut rows: Vec<(u64, [f64; 3])>, of_wing: bool) -> anyhow
         let same = (1..3).all(|i| (a[i] - b[i]).abs() <= AGAIN);
         ensure!(
             same || !comes_again(a, b),
-            "{origin}:{again}: {}° stands in line {first} already, with other coefficients",
-            b[0]
+            "{origin}:{again}: {}° stands in line {first} already, with other coefficients{}",
+            b[0],
+            several::listed_if_several(all)
         );
     }
     rows.dedup_by(|again, first| comes_again(&first.1, &again.1));
@@ -461,5 +517,95 @@ mod tests {
         );
         assert!(error("<html>").contains("HTML"));
         assert!(!is_polar("base = 'paper'\n# alpha cl cd\nx = 1\n"));
+    }
+
+    /// A unit of another column is none of the angles'; and what is none of angles is refused.
+    #[test]
+    fn the_unit_of_the_angles_is_their_own() {
+        let rows = "0,0,0.01,0\n2,0.2,0.01,-0.1\n5,0.5,0.02,-0.2\n";
+        let angles = |text: &str| -> anyhow::Result<Vec<f64>> {
+            Ok(read("x", text)?.rows.iter().map(|row| row[0]).collect())
+        };
+        for names in [
+            "alpha [deg],cl,cd,cm [1/rad]",
+            "alpha,cl,cd,cm (rad)",
+            "alpha,cl,cd,cm\ndeg,-,-,1/rad",
+            "alpha (deg),cl (-),cd (-),cma (per rad)",
+        ] {
+            assert_eq!(
+                angles(&format!("{names}\n{rows}")).unwrap(),
+                [0.0, 2.0, 5.0]
+            );
+            let blanks = format!("{names}\n{rows}").replace(',', "  ");
+            if !names.contains("per rad") {
+                assert_eq!(angles(&blanks).unwrap(), [0.0, 2.0, 5.0], "{blanks}");
+            }
+        }
+        let small = rows.replace("\n5,", "\n0.5,").replace("\n2,", "\n0.2,");
+        for names in [
+            "alpha [rad],cl,cd,cm [1/deg]",
+            "alpha,cl,cd,cm\nrad,-,-,1/deg",
+        ] {
+            let found = angles(&format!("{names}\n{small}")).unwrap();
+            assert_eq!(found[2], 0.5_f64.to_degrees());
+            let error = angles(&format!("{names}\n{rows}")).unwrap_err().to_string();
+            assert!(error.contains("are they degrees?"), "{error}");
+        }
+        let error = angles(&format!("alpha [mil],cl,cd,cm\n{rows}")).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "x:1: the angles' unit is \"mil\", which is neither deg nor rad"
+        );
+    }
+
+    /// Several polars in a file: where each begins, and its Reynolds number.
+    #[test]
+    fn several_polars_are_listed() {
+        let error = |text: &str| read("x", text).unwrap_err().to_string();
+        let rows = "-2 -0.2 0.01\n0 0 0.01\n2 0.2 0.01\n";
+        let more = "-2 -0.3 0.02\n0 0.1 0.03\n2 0.3 0.02\n";
+        let names = " alpha CL CD\n ----- --- ---\n";
+        let above = |re: &str| format!(" Mach = 0.000   Re = {re}   Ncrit = 9.000\n");
+        // Under names of their own, as XFLR5 has them, and under the same.
+        for again in [names, ""] {
+            let text = [
+                &above("0.100 e 6"),
+                names,
+                rows,
+                "\n",
+                &above("200000"),
+                again,
+                more,
+            ]
+            .concat();
+            let found = error(&text);
+            assert!(
+                found.contains("tables begin in line 4 (Re 100000), line ")
+                    && found.contains("(Re 200000). One file, one polar"),
+                "{found}"
+            );
+        }
+        // By a column.
+        let with = |re: &str, rows: &str| rows.replace('\n', &format!(" {re}\n"));
+        let text = format!("alpha CL CD Re\n{}{}", with("1e5", rows), with("2e5", more));
+        assert_eq!(
+            error(&text),
+            "x:2: several polars, by the column re: 100000 (lines 2 to 4), 200000 (lines 5 to 7). One file, one polar: leave the rows of one of them"
+        );
+        // A sweep at a fixed lift has another in every row.
+        let text = "alpha CL CD Re\n0 0 0.01 1e5\n2 0.2 0.01 9e4\n4 0.4 0.01 8e4\n";
+        assert_eq!(read("x", text).unwrap().rows.len(), 3);
+        // AeroDyn 15's, each behind its own number in millions; and 14's, behind an end.
+        let table = format!("0.75 Re ! Reynolds number in millions\n! Alpha Cl Cd\n{rows}");
+        let found = error(&format!("{table}{}", table.replace("0.75", "1.5")));
+        assert!(
+            found.contains("(Re 750000), line 8 (Re 1500000)"),
+            "{found}"
+        );
+        let found = error(&format!("alpha CL CD\n{rows}EOT\n{more}EOT\n"));
+        assert!(
+            found.starts_with("x:5: another table follows: tables begin in line 2, line 6"),
+            "{found}"
+        );
     }
 }

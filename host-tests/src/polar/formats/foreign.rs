@@ -3,7 +3,7 @@
 use anyhow::{anyhow, ensure};
 
 use super::super::Read;
-use super::{cells, number, sorted};
+use super::{cells, number, several, sorted};
 
 /// What a file is that is no polar but is taken for one: its line, and what to do.
 pub fn named(text: &str) -> Option<(usize, String)> {
@@ -61,8 +61,8 @@ pub fn is_nameless(text: &str) -> bool {
 }
 
 /// The rows of such a form: lines of numbers alone, α, c_L, c_D and others.
-pub fn nameless(origin: &str, text: &str) -> anyhow::Result<Read> {
-    let several = |line: &str| {
+pub fn nameless(origin: &str, all: &str) -> anyhow::Result<Read> {
+    let is_several = |line: &str| {
         let first = cells(line).first().and_then(|cell| number(cell));
         let tables = line.to_lowercase().contains(TABLES);
         // QBlade has a Reynolds number for each.
@@ -74,12 +74,18 @@ pub fn nameless(origin: &str, text: &str) -> anyhow::Result<Read> {
         tables && first.is_some_and(|n| n > 1.0) || reynolds && numbers > 1
     };
     let mut rows = Vec::new();
-    for (line, text) in (1..).zip(text.lines()) {
+    for (line, text) in (1..).zip(all.lines()) {
         ensure!(
-            !several(text),
-            "{origin}:{line}: several polars in one file: one file, one polar"
+            !is_several(text),
+            "{origin}:{line}: several polars in one file{}",
+            several::listed(all)
         );
         if is_end(text) {
+            ensure!(
+                !several::goes_on(all, line as usize),
+                "{origin}:{line}: another table follows{}",
+                several::listed(all)
+            );
             break;
         }
         let numbers: Option<Vec<f64>> = cells(text).iter().map(|cell| number(cell)).collect();
@@ -91,7 +97,7 @@ pub fn nameless(origin: &str, text: &str) -> anyhow::Result<Read> {
         !rows.is_empty(),
         "{origin}: AeroDyn 13's or QBlade's, and no rows of numbers in it: α, c_L, c_D"
     );
-    sorted(origin, rows, false)
+    sorted(origin, all, rows, false)
 }
 
 /// The rows of AVL's outputs, one each.
@@ -122,5 +128,5 @@ pub fn avl(origin: &str, text: &str) -> anyhow::Result<Read> {
         }
     }
     ensure!(!rows.is_empty(), "{origin}: no CDtot");
-    sorted(origin, rows, true)
+    sorted(origin, text, rows, true)
 }
