@@ -97,6 +97,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let performance = Performance::of(
         &document,
         &experiment.vehicle,
+        design.wing.stall_deg(),
         facts.thrust(),
         facts.cruise_m_s,
         design.parameters.max_lateral_acceleration.into(),

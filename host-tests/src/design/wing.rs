@@ -127,6 +127,12 @@ impl Wing {
         }
     }
 
+    /// Angle of attack at which it stalls \[°\]; none if it does not.
+    pub fn stall_deg(&self) -> Option<f64> {
+        let (polar, _) = self.polar.as_ref()?;
+        polar.stall_deg()
+    }
+
     /// Its table of the vehicle's file.
     pub fn toml(&self) -> String {
         match (&self.aerodynamics, &self.polar) {

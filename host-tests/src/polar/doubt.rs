@@ -1,6 +1,6 @@
 //! What no wing is known to do: polars that are scaled, mirrored, in other units, or have a row that is wild.
 
-use super::stall::stall;
+use super::stall::{Attached, stall};
 
 /// A reason to doubt a polar.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,6 +23,8 @@ const STEEP: f64 = 0.125;
 const SLOPES: [f64; 2] = [0.012, 0.2];
 /// Angles between which the slope is taken \[°\].
 const ATTACHED: f64 = 6.0;
+/// Angle up to which lift is looked for where it does not grow about 0 \[°\].
+const REACH: f64 = 25.0;
 /// Least and greatest drag coefficient of the best row: below stands no friction, above no wing.
 const BEST_DRAG: [f64; 2] = [0.003, 0.1];
 /// How far a row may be from the straight line through its neighbours, besides [`ROUGH`] times how far they are from it themselves: odd,
@@ -65,6 +67,16 @@ fn slope(rows: &[[f64; 3]]) -> Option<f64> {
     Some(line(&points, 0.0)?.2)
 }
 
+/// Lift per degree from the least to the greatest lift up to [`REACH`]; negative where the greatest comes first.
+fn reach(rows: &[[f64; 3]]) -> f64 {
+    let inside = || rows.iter().filter(|row| row[0].abs() <= REACH);
+    let lift = |a: &&[f64; 3], b: &&[f64; 3]| a[1].total_cmp(&b[1]);
+    match inside().min_by(lift).zip(inside().max_by(lift)) {
+        Some((least, most)) => (most[1] - least[1]) / (most[0] - least[0]),
+        None => 0.0,
+    }
+}
+
 /// Why the `rows` \[°, c_L, c_D\] from these `lines` of a file are to be doubted; the worst first.
 pub fn doubts(lines: &[u64], rows: &[[f64; 3]]) -> Vec<Doubt> {
     let mut found = Vec::new();
@@ -88,6 +100,13 @@ pub fn doubts(lines: &[u64], rows: &[[f64; 3]]) -> Vec<Doubt> {
     let first = rows.iter().position(|row| row[0].abs() <= most_attached);
     if let (Some(slope), Some(i)) = (slope(rows), first) {
         let [least, most] = SLOPES;
+        // Lift may stand still about 0, or go against the angle: then it grows beyond.
+        let beyond = || (reach(rows) >= least).then_some(least);
+        let slope = if slope < least {
+            beyond().unwrap_or(slope)
+        } else {
+            slope
+        };
         let grows = format!("from here to {most_attached}° c_L grows by {slope:.3} per degree");
         let so = if slope < 0.0 {
             ", so it falls: α or c_L has the wrong sign".to_owned()
@@ -154,20 +173,16 @@ pub fn beyond_stall(rows: &[[f64; 3]]) -> Option<&[f64; 3]> {
     const LATE: f64 = 22.0;
     const LIFT: f64 = 1.5;
     let late = |row: &&[f64; 3]| row[0].abs() >= LATE && row[1].abs() > LIFT;
-    [-1.0, 1.0].into_iter().find_map(|sign| {
-        let side = rows.iter().filter(|row| sign * row[0] >= 0.0);
-        let mut side: Vec<&[f64; 3]> = side.collect();
-        side.sort_by(|a, b| a[0].abs().total_cmp(&b[0].abs()));
-        let lift = |row: &[f64; 3]| sign * row[1];
-        let greatest = || {
-            let all = side.iter().enumerate();
-            let most = all.max_by(|a, b| lift(a.1).total_cmp(&lift(b.1)));
-            most.map_or(0, |(at, _)| at)
-        };
-        let stalls = stall(side.iter().map(|row| (row[0].abs(), lift(row))));
-        let at = side.get(stalls.unwrap_or_else(greatest))?;
-        (at[0].abs() >= LATE).then(|| side.iter().copied().find(late))?
-    })
+    [Attached::inverted(rows), Attached::of(rows)]
+        .into_iter()
+        .flatten()
+        .map(|attached| rows[attached.top][0])
+        .filter(|top| top.abs() >= LATE)
+        .find_map(|top| {
+            let side = rows.iter().filter(|row| row[0].signum() == top.signum());
+            side.filter(late)
+                .min_by(|a, b| a[0].abs().total_cmp(&b[0].abs()))
+        })
 }
 
 /// Whether lift still grows at the last row as it does at small angles, and no stall stands before: that is the end of a table alone.
@@ -179,13 +194,12 @@ pub fn ends_straight(rows: &[[f64; 3]]) -> bool {
     let Some(&[last, lift, _]) = rows.last() else {
         return false;
     };
-    let above = rows.iter().filter(|row| row[0] >= 0.0);
-    if stall(above.map(|row| (row[0], row[1]))).is_some() {
+    if stall(rows).is_some() {
         return false;
     }
     let before = rows.iter().rfind(|row| row[0] <= last - END);
     let end = before.map(|row| (lift - row[1]) / (last - row[0]));
-    match (end, slope(rows)) {
+    match (end, Attached::of(rows).map(|attached| attached.slope)) {
         (Some(end), Some(slope)) => last < 90.0 && end > LEFT * slope,
         _ => false,
     }

@@ -3,8 +3,8 @@
 use anyhow::{anyhow, ensure};
 
 use super::spacing::CLOSEST;
-use super::stall::kinks;
-use super::{Apart, Polar, Read, Upto, resampled, wing};
+use super::stall::{kinks, stall};
+use super::{Apart, Polar, Read, Seam, Upto, resampled, wing};
 
 /// What stands in the comments of a table of a wing that this program wrote.
 pub(super) const WING: &str = "For an aspect ratio of";
@@ -55,13 +55,18 @@ impl Polar {
     pub(super) fn of_wing(&self, aspect_ratio: f64) -> anyhow::Result<Self> {
         let name = self.name;
         if self.is_of_wing() {
-            return Self::of_read(name, self.read.clone(), Some(aspect_ratio));
+            let wing = Self::of_read(name, self.read.clone(), Some(aspect_ratio))?;
+            return Ok(Self {
+                told: self.told,
+                ..wing
+            });
         }
         let given = self.seam.map(|seam| seam.given_deg);
         let (rows, seam) = wing::of_section(&self.degrees(), given, self.told, aspect_ratio)
             .map_err(|e| anyhow!("{name}: of the wing: {e}"))?;
         Ok(Self {
             seam: Some(seam),
+            told: self.told,
             ..Self::from_rows(name, &[], &rows)?
         })
     }
@@ -108,11 +113,12 @@ impl Polar {
         let most = rows.iter().filter(inside);
         let most = most.max_by(|a, b| a[1].total_cmp(&b[1]));
         let most = most.map(|[at, lift, _]| format!("Its greatest c_L is {lift:.3}, at {at:.1}°"));
-        let above: Vec<&[f64; 3]> = rows.iter().filter(|row| row[0] >= 0.0).collect();
-        let kinks = kinks(above.iter().map(|row| (row[0], row[1])));
-        let kinks = kinks.into_iter().filter(|at| inside(&above[*at]));
-        let kinks = kinks.map(|at| {
-            let [from, lift, _] = *above[at];
+        let top = rows.partition_point(|row| row[0] <= used[1] + 1e-6);
+        let zero = rows.partition_point(|row| row[0] < -1e-6);
+        let above = rows.get(zero..top).unwrap_or_default();
+        let kinks = kinks(above, above.len().saturating_sub(1));
+        let kinks = kinks.into_iter().map(|at| {
+            let [from, lift, _] = above[at];
             let behind = above[at..].iter().take_while(|row| row[1] <= lift);
             let least = behind.fold(lift, |least, row| least.min(row[1]));
             format!(
@@ -127,6 +133,16 @@ impl Polar {
             .collect()
     }
 
+    /// Angle of the stall \[°\]: as it was told, or where the section that became this wing ends, or as its rows show it; none if they show none.
+    pub fn stall_deg(&self) -> Option<f64> {
+        let cut = |seam: &Seam| self.told || seam.upto != Upto::Given;
+        let cut = self.seam.filter(cut).map(|seam| seam.given_deg[1]);
+        // What was read goes before its extension.
+        let of = |rows: &[[f64; 3]]| stall(rows).map(|at| rows[at][0]);
+        cut.or_else(|| of(&self.read.rows))
+            .or_else(|| of(&self.degrees()))
+    }
+
     /// The polar of at most `count` of its rows, and how far it is from this one.
     pub fn of_rows(&self, count: usize) -> anyhow::Result<(Self, Apart)> {
         let (rows, apart) = resampled(self.rows, count);
@@ -138,6 +154,7 @@ impl Polar {
             Self {
                 seam: self.seam,
                 read: self.read,
+                told: self.told,
                 ..Self::from_rows(self.name, &[], &degrees)?
             },
             apart,

@@ -20,7 +20,7 @@ use serde::Deserialize;
 
 pub use doubt::Doubt;
 pub use resample::{Apart, resampled};
-pub use stall::{stall, stall_of_force};
+pub use stall::stall;
 pub use viterna::{Seam, Upto, most_drag};
 
 use crate::named::{Named, built_in, on_one_line};
@@ -97,7 +97,7 @@ pub struct Polar {
     pub seam: Option<Seam>,
     /// What was read of a file.
     read: &'static Read,
-    /// Whether its stall was told: its last row.
+    /// Whether its stall was told: its last row before the extension.
     told: bool,
 }
 

@@ -7,13 +7,11 @@
 use std::f64::consts::PI;
 
 use super::spacing::spaced;
-use super::stall::stall;
+use super::stall::Attached;
 use super::viterna::{Seam, Upto, extended};
 
 /// Span efficiency e.
 pub const SPAN_EFFICIENCY: f64 = 0.9;
-/// Farthest from 0 that a section's flow is taken for attached \[°\]: lift grows again behind the stall, up to 45°.
-const FARTHEST: f64 = 30.0;
 
 /// The rows of a wing of `aspect_ratio` with the section `rows` \[°, c_L, c_D\], from 0 or from below. Of a section that was extended itself,
 /// the rows that were `given`, from and to, alone can be attached; they go up to the stall if it was `told`.
@@ -24,10 +22,8 @@ pub fn of_section(
     aspect_ratio: f64,
 ) -> Result<(Vec<[f64; 3]>, Seam), String> {
     let induced = 1.0 / (PI * aspect_ratio * SPAN_EFFICIENCY);
-    let [from, to] = given.unwrap_or([-FARTHEST, FARTHEST]);
-    // A stall that was told may be later than any that is looked for.
-    let farthest = if told { 90.0 } else { FARTHEST };
-    let (from, to) = (from.max(-FARTHEST) - 1e-9, to.min(farthest) + 1e-9);
+    let [from, to] = given.unwrap_or([-90.0, 90.0]);
+    let (from, to) = (from - 1e-9, to + 1e-9);
     let inside: Vec<[f64; 3]> = (rows.iter().copied())
         .filter(|row| (from..=to).contains(&row[0]))
         .collect();
@@ -56,28 +52,13 @@ pub fn of_section(
 
 /// The rows from the stall below to the stall above: the last of them if it was `told`.
 fn attached(rows: &[[f64; 3]], told: bool) -> &[[f64; 3]] {
-    let zero = rows.partition_point(|row| row[0] < -1e-9);
-    let (below, above) = rows.split_at(zero);
     let last = match told {
-        true => rows.len().saturating_sub(1),
-        false => zero + greatest(above.iter().map(|row| (row[0], row[1])).collect()),
+        true => rows.len().checked_sub(1),
+        false => Attached::of(rows).map(|attached| attached.top),
     };
-    let first = match zero {
-        0 => 0,
-        _ => zero - 1 - greatest(below.iter().rev().map(|row| (-row[0], -row[1])).collect()),
-    };
-    rows.get(first..=last).unwrap_or(rows)
-}
-
-/// Place of the stall, or of the greatest lift where nothing stalls, in rows of angle and lift.
-fn greatest(rows: Vec<(f64, f64)>) -> usize {
-    let most = || {
-        let all = rows.iter().enumerate();
-        let lift = |(_, row): &(usize, &(f64, f64))| row.1;
-        all.max_by(|a, b| lift(a).total_cmp(&lift(b)))
-            .map_or(0, |(i, _)| i)
-    };
-    stall(rows.iter().copied()).unwrap_or_else(most)
+    let below = Attached::inverted(rows).filter(|attached| rows[attached.top][0] < 0.0);
+    let first = below.map_or(0, |attached| attached.top);
+    last.and_then(|last| rows.get(first..=last)).unwrap_or(rows)
 }
 
 #[cfg(test)]
