@@ -44,7 +44,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let experiment = document.checked()?;
     let Some(out) = &args.out else {
         let stdout = std::io::stdout().lock();
-        source.replay(stdout, &experiment, |_| ())?;
+        tell(&source.replay(stdout, &experiment, |_| ())?);
         return Ok(());
     };
     std::fs::create_dir_all(out).with_context(|| out.display().to_string())?;
@@ -79,6 +79,7 @@ impl Args {
         let experiment = space::Experiment::of(document)?;
         let (record, said) = replay::space::replay(&source.states()?, &experiment)?;
         let Some(out) = &self.out else {
+            tell(&said);
             return Ok(replay::space::write(
                 &experiment,
                 &record,
@@ -97,6 +98,13 @@ impl Args {
     fn name(&self) -> String {
         let name = self.file.file_name().unwrap_or(self.file.as_os_str());
         name.to_string_lossy().into_owned()
+    }
+}
+
+/// What had to be assumed, where no page says it.
+fn tell(said: &[String]) {
+    for line in said {
+        eprintln!("note: {line}");
     }
 }
 

@@ -7,6 +7,7 @@ pub mod space;
 mod states;
 mod steps;
 pub mod trace;
+mod unknown;
 
 pub use source::Source;
 

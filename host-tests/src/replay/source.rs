@@ -8,7 +8,8 @@ use alula_logs::states::{self, States};
 use anyhow::{Context, anyhow};
 
 use super::log::{self, Plane};
-use super::{steps, trace};
+use super::steps::{self, Times};
+use super::trace;
 use crate::experiment::{Experiment, angle};
 use crate::named::{hint, text_of};
 use crate::simulate::Step;
@@ -45,12 +46,14 @@ impl Source {
         let read = opened.take(1 << 16).read_to_end(&mut head);
         read.with_context(|| origin.clone())?;
         alula_logs::blank(&origin, &head)?;
+        let mut factor = None;
         let log = match map {
             Some(map) => {
                 let name = map.display().to_string();
                 let text = text_of(map)?;
                 let map = alula_logs::csv::Map::parse(&name, &text)?;
                 known(&name, &text, &map)?;
+                factor = Some(map.time.scale);
                 let bytes = std::fs::read(file).with_context(|| origin.clone())?;
                 Some(alula_logs::csv::read(&origin, &bytes, Some(&map))?)
             }
@@ -68,13 +71,18 @@ impl Source {
                     anyhow!("{origin}: {}", all.collect::<Vec<_>>().join("; "))
                 })?;
                 states.notes.splice(0..0, log.notes);
+                let header = first_name(&head);
+                let said = match factor {
+                    Some(factor) => Times::Map(factor),
+                    None if is_plain(&head) => Times::Header(&header),
+                    None => Times::Own,
+                };
+                steps::check(&states.time, &said).with_context(|| origin.clone())?;
                 Content::Log(Box::new(states))
             }
             None => {
-                steps::check(&trace::times(
-                    File::open(file).with_context(|| origin.clone())?,
-                ))
-                .with_context(|| origin.clone())?;
+                let times = trace::times(File::open(file).with_context(|| origin.clone())?);
+                steps::check(&times, &Times::Trace).with_context(|| origin.clone())?;
                 Content::Trace(File::open(file).with_context(|| origin.clone())?)
             }
         };
@@ -104,15 +112,20 @@ impl Source {
         visit: impl FnMut(Step),
     ) -> anyhow::Result<Vec<String>> {
         match self.content {
-            Content::Trace(file) => {
-                trace::replay(&self.origin, file, to, experiment, visit)?;
-                Ok(Vec::new())
-            }
+            Content::Trace(file) => trace::replay(&self.origin, file, to, experiment, visit),
             Content::Log(states) => {
                 log::replay(&states, self.plane, to, experiment, visit).context(self.origin)
             }
         }
     }
+}
+
+/// The name of the first column of a CSV that begins with `head`, without a unit.
+fn first_name(head: &[u8]) -> String {
+    let end = head.iter().position(|byte| b",\r\n".contains(byte));
+    let text = String::from_utf8_lossy(&head[..end.unwrap_or(head.len())]);
+    let name = text.split(['[', '(']).next().unwrap_or_default();
+    name.trim().trim_matches('"').to_owned()
 }
 
 /// Whether a CSV that begins with `head` has its attitude in the columns that a plain table of states has, their units in brackets or not.
@@ -168,4 +181,62 @@ fn known(file: &str, text: &str, map: &alula_logs::csv::Map) -> anyhow::Result<(
         hint(name, &names),
         names.join(", ")
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Opens a CSV of five rows, `step` apart, under this header, with a map or without.
+    fn open(header: &str, step: f64, map: Option<&str>) -> anyhow::Result<Source> {
+        let folder = tempfile::tempdir().unwrap();
+        let (file, map_file) = (folder.path().join("x.csv"), folder.path().join("map.toml"));
+        let row = |n: u32| format!("{},0,90,0,0,0,0\n", 10.0 + f64::from(n) * step);
+        let rows: String = (0..5).map(row).collect();
+        std::fs::write(&file, format!("{header}\n{rows}")).unwrap();
+        let map = map.map(|map| {
+            std::fs::write(&map_file, map).unwrap();
+            map_file
+        });
+        Source::open(&file, map.as_ref(), None)
+    }
+
+    /// What stands last between the signs of code in an error.
+    fn advised(source: anyhow::Result<Source>) -> String {
+        let error = format!("{:#}", source.err().expect("an error"));
+        let code = error.split('`').rev().nth(1);
+        code.unwrap_or_else(|| panic!("{error}")).to_owned()
+    }
+
+    /// Times in another unit, of few rows, too: what the error advises is followed to the letter, and the log is read with the right times.
+    #[test]
+    fn the_advice_on_the_unit_of_time_can_be_followed() {
+        for per_second in [1e3, 1e6, 1e9, 1.0 / 60.0, 1.0 / 3600.0] {
+            let apart = if per_second < 1.0 { 0.003 } else { 0.1 };
+            let step = apart * per_second;
+            let right = |source: anyhow::Result<Source>| {
+                let times = source.unwrap().states().unwrap().time;
+                assert!((times[1] - times[0] - apart).abs() < 1e-6, "{times:?}");
+            };
+            let columns = "roll [deg],pitch [deg],yaw [deg],vn,ve,vd";
+            let header = advised(open(&format!("Time,{columns}"), step, None));
+            right(open(&format!("{header},{columns}"), step, None));
+
+            let map = |scale: &str| {
+                let names = ["roll", "pitch", "yaw", "vn", "ve", "vd"];
+                let unit = |name: &str| if name.len() > 2 { "deg" } else { "m/s" };
+                let columns: String = names
+                    .iter()
+                    .map(|n| format!("{n} = {{ from = \"{n}\", unit = \"{}\" }}\n", unit(n)))
+                    .collect();
+                format!("time = {{ from = \"T\"{scale} }}\n[columns]\n{columns}")
+            };
+            let header = "T,roll,pitch,yaw,vn,ve,vd";
+            let scale = advised(open(header, step, Some(&map(""))));
+            right(open(header, step, Some(&map(&format!(", {scale}")))));
+        }
+        let trace = "t_s,v_down_m_s,v_forward_m_s,theta_rad,a,b,c";
+        let error = format!("{:#}", open(trace, 1e5, None).err().unwrap());
+        assert!(error.ends_with("multiply it by 1e-6"), "{error}");
+    }
 }

@@ -6,7 +6,7 @@ use alula::spatial::Body;
 use alula_logs::states::{Series, States};
 use anyhow::bail;
 
-use super::steps;
+use super::unknown::Unknown;
 use crate::space::V3;
 
 /// A row of the states. World vectors are north-east-down.
@@ -147,7 +147,7 @@ pub fn check(states: &States) -> anyhow::Result<()> {
         let all = all.chain(missing.map(ToString::to_string));
         bail!("{}", all.collect::<Vec<_>>().join("; "));
     }
-    steps::check(&states.time)
+    Ok(())
 }
 
 /// In how many rows the autopilot asked for a velocity, and in how many on some axes alone.
@@ -170,6 +170,21 @@ pub fn notes(states: &States, followed: Followed) -> Vec<String> {
     let mut notes = states.notes.clone();
     notes.extend(states.missing.iter().map(ToString::to_string));
     let rows = states.time.len();
+    let (mut velocity, mut attitude) = (Unknown::of("velocity"), Unknown::of("attitude"));
+    for (row, t) in states.time.iter().enumerate() {
+        let known = states.velocity.as_ref().map(|series| series.values[row]);
+        velocity.count(
+            *t,
+            ["north", "east", "down"],
+            known.unwrap_or([f64::NAN; 3]),
+        );
+        attitude.count(*t, ["w", "x", "y", "z"], states.attitude.values[row]);
+    }
+    notes.extend(
+        [velocity, attitude]
+            .iter()
+            .filter_map(|unknown| unknown.note(rows)),
+    );
     if followed.any < rows {
         let flown = rows - followed.any;
         notes.push(format!(
@@ -303,5 +318,36 @@ mod tests {
         assert_eq!(baro.position_error(), Some(V3::new(0.0, 0.0, 5.0)));
         let none = row([7.0, 8.0, -20.0], [nan; 3], [nan; 3]);
         assert_eq!((none.reference, none.is_followed), ([1.0, 2.0, 3.0], false));
+    }
+
+    /// A velocity that lacks one axis is none: which, in how many rows and when, is said.
+    #[test]
+    fn a_missing_axis_is_said() {
+        let column = |name: &str, values: [f64; 3]| Column::new(name, "", values.to_vec());
+        let columns = vec![
+            column("qw", [1.0; 3]),
+            column("qx", [0.0; 3]),
+            column("qy", [0.0; 3]),
+            column("qz", [0.0; 3]),
+            column("vn", [5.0; 3]),
+            column("ve", [0.0; 3]),
+            column("vd", [0.0, f64::NAN, f64::NAN]),
+        ];
+        let topic = Topic::new("csv", 0, vec![1.0, 1.1, 1.2], columns).unwrap();
+        let log = Log {
+            topics: vec![topic],
+            notes: Vec::new(),
+        };
+        let notes = notes(&states::find(&log).unwrap(), Followed::default());
+        let wanted = "velocity not known in 2 of 3 rows, from 1.1 to 1.2 s (down)";
+        assert!(
+            notes.iter().any(|note| note.starts_with(wanted)),
+            "{notes:?}"
+        );
+        assert!(
+            !notes
+                .iter()
+                .any(|note| note.starts_with("attitude not known"))
+        );
     }
 }

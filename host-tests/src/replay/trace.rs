@@ -8,6 +8,7 @@ use anyhow::{anyhow, bail};
 use csv::StringRecord;
 
 use super::Commands;
+use super::unknown::Unknown;
 use crate::controllers::Input;
 use crate::experiment::Experiment;
 use crate::simulate::Step;
@@ -163,14 +164,15 @@ pub(super) fn times(from: impl Read) -> Vec<f64> {
 }
 
 /// Runs the controller of `experiment` over the log `from` and writes its commands `to`, holding one row at a time; `visit` is given every
-/// step. `origin` stands for the log in errors, which name line and column. Columns are found by name; what is not known is ignored.
+/// step. `origin` stands for the log in errors, which name line and column. Columns are found by name; what is not known is ignored. What had to be
+/// assumed is said in the words returned.
 pub fn replay(
     origin: &str,
     from: impl Read,
     to: impl Write,
     experiment: &Experiment,
     mut visit: impl FnMut(Step),
-) -> anyhow::Result<()> {
+) -> anyhow::Result<Vec<String>> {
     let mut reader = csv::ReaderBuilder::new()
         .trim(csv::Trim::All)
         .from_reader(from);
@@ -196,18 +198,34 @@ pub fn replay(
 
     let mut commands = Commands::new(experiment, to)?;
     let mut last_time = None;
+    let mut rows = 0;
+    let mut unknown = ["velocity", "attitude", "reference velocity"].map(Unknown::of);
     let mut record = StringRecord::new();
     while reader.read_record(&mut record).map_err(at)? {
         let input = log.input(&record, feed_forward)?;
         let time = log.text(&record, "t_s").unwrap_or_default();
         let t = log.time(&record, last_time)?;
         last_time = Some(t);
+        rows += 1;
+        let axes = |v: Inertial| [v.down(), v.forward()].map(f64::from);
+        let [velocity, attitude, reference] = &mut unknown;
+        velocity.count(t, ["down", "forward"], axes(input.sample.velocity));
+        attitude.count(t, ["theta"], [f64::from(input.theta)]);
+        reference.count(
+            t,
+            ["down", "forward"],
+            axes(input.sample.reference.velocity),
+        );
         visit(commands.row(time, t, input)?);
     }
     if last_time.is_none() {
         bail!("{origin}: no rows under the header");
     }
-    commands.end()
+    commands.end()?;
+    Ok(unknown
+        .iter()
+        .filter_map(|unknown| unknown.note(rows))
+        .collect())
 }
 
 #[cfg(test)]
