@@ -4,9 +4,8 @@ use alula::GainParameters;
 use serde::Serialize;
 use toml::Value;
 
-use crate::controllers::Choice;
 use crate::experiment::{
-    AerodynamicsSpec, Document, FieldError, PlantSpec, Vehicle, VehicleSpec, thrust_limits,
+    AerodynamicsSpec, ControllerSpec, Document, FieldError, PlantSpec, Vehicle, VehicleSpec,
 };
 use crate::margins::{Loop, LoopGains, Point};
 use crate::named::Named;
@@ -25,7 +24,7 @@ pub struct Airframe {
     /// Its actuators.
     pub plant: PlantSpec,
     /// Its controller.
-    pub controller: Choice,
+    pub controller: ControllerSpec,
 }
 
 /// How much lag and delay the loop bears with one choice of gains.
@@ -95,7 +94,7 @@ impl Airframe {
     /// The vehicle of a document, of which nothing else need be there.
     pub fn of(document: &Document) -> anyhow::Result<Self> {
         // A whole experiment is judged as one.
-        if document.get("reference").is_some() {
+        if ["path", "reference"].iter().any(|key| document.get(key).is_some()) {
             document.checked()?;
         }
         let read = || {
@@ -113,7 +112,7 @@ impl Airframe {
                 },
                 controller: match part("controller") {
                     Some(table) => crate::experiment::read(table)?,
-                    None => Choice::default(),
+                    None => ControllerSpec::default(),
                 },
             })
         };
@@ -142,7 +141,7 @@ impl Airframe {
 
     /// Least and most thrust \[N\] that a guidance may command; of motors without limits none, and twice the weight.
     pub fn thrust_limits(&self) -> [f64; 2] {
-        thrust_limits(self.plant.thrust_n, self.spec.weight())
+        self.plant.thrust_limits(None, self.spec.weight())
     }
 
     /// The vehicle in double precision.

@@ -8,9 +8,9 @@ use alula::guidance::{Mode, Phase, Progress, Status};
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-use crate::columns::Flight;
-use crate::experiment::Experiment;
-use crate::reference::{Vector, wrap};
+use crate::experiment::{Experiment, Knots, V3};
+use crate::named::hint;
+use crate::reference::wrap;
 use crate::simulate::Step;
 
 /// Sinking further below the reference than this is a loss \[m\].
@@ -28,7 +28,7 @@ pub struct Moment<'a> {
     phases: &'a Phases,
     step: &'a Step,
     /// x − x_r \[m\].
-    offset: Vector,
+    offset: V3,
     /// |v − v_r| \[m/s\].
     error: f64,
 }
@@ -50,6 +50,8 @@ impl<'a> Moment<'a> {
 pub enum Part {
     /// All of it.
     Flight,
+    /// What comes after the entry.
+    Entered,
     /// Its last 5 s.
     Late,
     /// Until the reference slows down.
@@ -126,44 +128,56 @@ macro_rules! figures {
 use Fold::{Count, Last, Least, Mean, Most, Of, Peak, Rms, Time, Until};
 
 figures! {
-    "max_velocity_error_m_s", "largest velocity error", "m/s", 4, Flight, Peak(|m| m.error), "largest \\|v − v_r\\| at a control step", when "max_velocity_error_time_s";
+    "velocity_error_rms_m_s", "velocity error, rms", "m/s", 3, Entered, Rms(|m| m.error), "root mean square of \\|v − v_r\\|";
+    "max_velocity_error_m_s", "velocity error, peak", "m/s", 4, Entered, Peak(|m| m.error), "largest \\|v − v_r\\| at a control step", when "max_velocity_error_time_s";
+    "position_error_rms_m", "position error, rms", "m", 3, Entered, Rms(|m| m.offset.norm()), "root mean square of \\|x − x_r\\|";
+    "max_position_error_m", "position error, peak", "m", 3, Entered, Peak(|m| m.offset.norm()), "largest \\|x − x_r\\|";
+    "sideslip_rms_deg", "sideslip, rms", "°", 3, Entered, Rms(|m| m.step.sideslip().to_degrees()), "root mean square of the sideslip";
+    "max_sideslip_deg", "sideslip, peak", "°", 2, Entered, Peak(|m| m.step.sideslip().to_degrees().abs()), "largest sideslip, either way";
+    "max_bank_deg", "bank, peak", "°", 1, Entered, Peak(|m| m.step.bank().to_degrees().abs()), "largest angle of the right wing from the horizontal, either way";
+    "max_load_factor", "load factor, peak", "", 2, Entered, Peak(|m| m.step.load_factor), "largest specific force over g";
+    "rate_rms_rad_s", "body rate, rms", "rad/s", 3, Entered, Rms(|m| m.step.truth.rates.norm()), "root mean square of \\|ω\\|";
     "min_fp_n", "smallest |F_p|", "N", 2, Flight, Least(|m| m.step.answer.flown().map(|d| d.f_p_norm.into())), "smallest \\|F_p\\| while the law is flown, as the controller computes it", when "min_fp_time_s";
     "min_k", "smallest k", "", 3, Flight, Least(|m| m.step.answer.guided().filter(|g| g.mode == Mode::Flying).map(|g| g.margin.k.into())), "smallest margin k while the guidance flies its law";
-    "max_rate_rad_s", "largest rate commanded", "rad/s", 3, Flight, Peak(|m| f64::from(m.step.answer.rate).abs()), "largest \\|ω\\| commanded", when "max_rate_time_s";
-    "peak_rate_rad_s", "peak ω", "rad/s", 1, Flight, Peak(rate), "largest \\|ω\\|, true or commanded";
-    "altitude_least_m", "least altitude", "m", 2, Flight, Least(|m| Some(-m.offset.x)), "least altitude over the reference";
-    "altitude_most_m", "greatest altitude", "m", 2, Flight, Most(|m| Some(-m.offset.x)), "greatest altitude over the reference";
-    "forward_least_m", "farthest behind", "m", 2, Flight, Least(|m| Some(m.offset.y)), "least forward position over the reference";
-    "forward_most_m", "farthest ahead", "m", 2, Flight, Most(|m| Some(m.offset.y)), "greatest forward position over the reference";
-    "turn_deg", "farthest from nose up", "°", 1, Flight, Peak(|m| m.step.truth.theta.to_degrees().abs()), "farthest that θ has turned from nose up, either way: over 180° the vehicle has turned over";
-    "late_velocity_error_m_s", "end error", "m/s", 2, Late, Peak(|m| m.error), "largest \\|v − v_r\\| in the last 5 s";
+    "max_rate_command_rad_s", "body rate commanded, peak", "rad/s", 3, Flight, Peak(|m| command(m).amax()), "largest body rate commanded about one axis", when "max_rate_command_time_s";
+    "peak_rate_rad_s", "body rate, peak", "rad/s", 2, Flight, Peak(|m| m.step.truth.rates.amax()), "largest true body rate about one axis";
+    "altitude_least_m", "least altitude", "m", 2, Flight, Least(|m| Some(-m.offset.z)), "least altitude over the path";
+    "altitude_most_m", "greatest altitude", "m", 2, Flight, Most(|m| Some(-m.offset.z)), "greatest altitude over the path";
+    "forward_least_m", "farthest behind", "m", 2, Flight, Least(|m| in_plane(m, m.offset.x)), "in a vertical plane: least position ahead of the path";
+    "forward_most_m", "farthest ahead", "m", 2, Flight, Most(|m| in_plane(m, m.offset.x)), "in a vertical plane: greatest position ahead of the path";
+    "turn_deg", "farthest from nose up", "°", 1, Flight, Most(|m| in_plane(m, m.step.theta.to_degrees().abs())), "in a vertical plane: farthest that θ has turned from nose up, either way: over 180° the vehicle has turned over";
+    "max_late_velocity_error_m_s", "end error, peak", "m/s", 2, Late, Peak(|m| m.error), "largest \\|v − v_r\\| in the last 5 s";
+    "late_velocity_error_rms_m_s", "end error, rms", "m/s", 3, Late, Rms(|m| m.error), "root mean square of \\|v − v_r\\| in the last 5 s";
     "late_mean_velocity_error_m_s", "mean end error", "m/s", 2, Late, Mean(|m| m.error), "mean \\|v − v_r\\| in the last 5 s";
-    "late_position_error_m", "end position error", "m", 2, Late, Peak(|m| m.offset.norm()), "largest \\|x − x_r\\| in the last 5 s";
-    "late_rate_rms_rad_s", "end ω", "rad/s", 5, Late, Rms(|m| m.step.truth.rate), "root mean square of ω in the last 5 s";
-    "cruise_rate_rms_rad_s", "cruise ω", "rad/s", 5, LateCruise, Rms(|m| m.step.truth.rate), "root mean square of ω in the last 5 s of cruise";
+    "max_late_position_error_m", "end position error, peak", "m", 2, Late, Peak(|m| m.offset.norm()), "largest \\|x − x_r\\| in the last 5 s";
+    "late_rate_rms_rad_s", "end ω, rms", "rad/s", 5, Late, Rms(|m| m.step.truth.rates.norm()), "root mean square of \\|ω\\| in the last 5 s";
+    "cruise_rate_rms_rad_s", "cruise ω, rms", "rad/s", 5, LateCruise, Rms(|m| m.step.truth.rates.norm()), "root mean square of \\|ω\\| in the last 5 s of cruise";
     "cruise_thrust_to_weight", "cruise thrust", "", 3, LateCruise, Mean(|m| m.step.truth.thrust / m.experiment.weight()), "mean thrust over the weight in the last 5 s of cruise: near one half, and it is flown behind the stall";
-    "oscillation_rad_s", "late ω", "rad/s", 2, Flight, Of(|of| greater(of.get("cruise_rate_rms_rad_s"), of.get("late_rate_rms_rad_s"))), "the greater of the last two";
+    "oscillation_rad_s", "late ω", "rad/s", 2, Flight, Of(|of| greater(of.get("cruise_rate_rms_rad_s"), of.get("late_rate_rms_rad_s"))), "the greater of both root mean squares of \\|ω\\|";
     "thrust_low_s", "thrust at its lower limit", "s", 2, Flight, Time(|m| flag(m, Status::THRUST_LOW)), "time with thrust at its lower limit";
     "thrust_high_s", "thrust at its upper limit", "s", 2, Flight, Time(|m| flag(m, Status::THRUST_HIGH)), "time with thrust at its upper limit";
-    "crossing_s", "crossing", "s", 2, Flight, Time(|m| progress(m, |p| p.phase == Phase::Crossing)), "time in which the guidance turns to an attitude far away, as across a fold";
-    "unreachable_s", "reference unreachable", "s", 2, Flight, Time(|m| progress(m, |p| p.unreachable.is_some())), "time in which the guidance says that the reference cannot be had";
+    "crossing_s", "crossing", "s", 2, Flight, Time(crossing), "time in which the guidance turns to an attitude far away, as across a fold";
+    "crossing_on_path_s", "crossing after the entry", "s", 2, Entered, Time(crossing), "the same after the entry";
+    "unreachable_s", "path unreachable", "s", 2, Flight, Time(|m| progress(m, |p| p.unreachable.is_some())), "time in which the guidance says that the path cannot be had";
     "holding_s", "holding the last command", "s", 2, Flight, Time(|m| mode(m, Mode::Holding)), "time in which the guidance holds its last command";
     "safe_s", "safe command", "s", 2, Flight, Time(|m| mode(m, Mode::Safe)), "time in which the guidance gives its safe command";
-    "loss_out_m", "loss out", "m", 1, Out, Peak(|m| at_least_zero(m.offset.x)), "greatest altitude below the reference until that slows down";
-    "gain_out_m", "gain out", "m", 1, Out, Peak(|m| at_least_zero(-m.offset.x)), "greatest altitude above the reference until that slows down";
-    "loss_back_m", "loss back", "m", 1, Back, Peak(|m| at_least_zero(m.offset.x)), "greatest altitude below the reference from where that slows down";
-    "gain_back_m", "gain back", "m", 1, Back, Peak(|m| at_least_zero(-m.offset.x)), "greatest altitude above the reference from where that slows down";
-    "ahead_m", "ahead", "m", 0, Back, Peak(|m| at_least_zero(m.offset.y)), "farthest ahead of the reference from where that slows down";
-    "cruise_after_s", "cruise after", "s", 1, Flight, Until(not_in_cruise), "from the reference's first change until \\|v − v_r\\| to the cruise velocity stays under 1 m/s to the end of cruise";
-    "settling_s", "settling", "s", 1, Flight, Until(not_settled), "from the reference's first change until \\|v − v_r\\| stays under 0.05 m/s to the end of cruise";
-    "cruise_error_m_s", "cruise error", "m/s", 2, LateCruise, Peak(|m| m.error), "largest \\|v − v_r\\| in the last 5 s of cruise";
+    "loss_out_m", "loss out", "m", 1, Out, Peak(|m| at_least_zero(m.offset.z)), "greatest altitude below the path until that slows down";
+    "gain_out_m", "gain out", "m", 1, Out, Peak(|m| at_least_zero(-m.offset.z)), "greatest altitude above the path until that slows down";
+    "loss_back_m", "loss back", "m", 1, Back, Peak(|m| at_least_zero(m.offset.z)), "greatest altitude below the path from where that slows down";
+    "gain_back_m", "gain back", "m", 1, Back, Peak(|m| at_least_zero(-m.offset.z)), "greatest altitude above the path from where that slows down";
+    "ahead_m", "ahead", "m", 0, Back, Peak(|m| at_least_zero(m.offset.x)), "in a vertical plane: farthest ahead of the path from where that slows down";
+    "cruise_after_s", "cruise after", "s", 1, Flight, Until(not_in_cruise), "from the path's first change of speed until \\|v − v_r\\| to the cruise velocity stays under 1 m/s to the end of cruise";
+    "settling_s", "settling", "s", 1, Flight, Until(not_settled), "from the path's first change of speed until \\|v − v_r\\| stays under 0.05 m/s to the end of cruise";
+    "max_cruise_error_m_s", "cruise error, peak", "m/s", 2, LateCruise, Peak(|m| m.error), "largest \\|v − v_r\\| in the last 5 s of cruise";
     "final_velocity_error_m_s", "final velocity error", "m/s", 4, Flight, Last(|m| m.error), "\\|v − v_r\\| at the end";
-    "final_altitude_m", "final altitude", "m", 2, Flight, Last(|m| -m.offset.x), "altitude over the reference at the end";
-    "final_alpha_deg", "final angle of attack", "°", 3, Flight, Last(|m| number(m, "true_alpha_rad").to_degrees()), "true angle of attack at the end";
-    "final_theta_deg", "final orientation", "°", 3, Flight, Last(|m| wrap(m.step.truth.theta).to_degrees()), "θ at the end, in [−180°, 180°)";
+    "final_altitude_m", "final altitude", "m", 2, Flight, Last(|m| -m.offset.z), "altitude over the path at the end";
+    "final_alpha_deg", "final angle of attack", "°", 3, Flight, Last(|m| m.step.wing_alpha(m.experiment).to_degrees()), "true angle of attack of the wing at the end";
+    "final_theta_deg", "final orientation", "°", 3, Flight, Last(|m| in_plane(m, wrap(m.step.theta).to_degrees()).unwrap_or(f64::NAN)), "in a vertical plane: θ at the end, in [−180°, 180°)";
+    "final_nose_deg", "nose from upright, end", "°", 2, Flight, Last(|m| 90.0 - m.step.pitch().to_degrees()), "angle of the nose from upright at the end";
+    "final_belly_deg", "belly from down, end", "°", 2, Flight, Last(|m| m.step.truth.axes()[1].z.clamp(-1.0, 1.0).acos().to_degrees()), "angle of the belly from straight down at the end: in cruise that of attack and bank";
     "final_thrust_to_weight", "final thrust to weight", "", 4, Flight, Last(|m| m.step.truth.thrust / m.experiment.weight()), "thrust over the weight at the end";
     "faults", "steps with a fault", "steps", 0, Flight, Count(|m| m.step.answer.fault().is_some()), "control steps in which a bare law ended in a fault and its safe command was flown";
-    "lost", "lost", "flag", 0, Flight, Of(|of| f64::from(of.get("altitude_least_m").is_nan() || of.get("altitude_least_m") < -LOST)), "whether the flight sank more than 50 m below its reference, or came to no number";
+    "lost", "lost", "flag", 0, Flight, Of(|of| f64::from(of.get("altitude_least_m").is_nan() || of.get("altitude_least_m") < -LOST)), "whether the flight sank more than 50 m below its path, or came to no number";
 }
 
 /// The greater of both; NaN if either is.
@@ -176,8 +190,19 @@ fn at_least_zero(value: f64) -> f64 {
     if value < 0.0 { 0.0 } else { value }
 }
 
-fn rate(m: &Moment) -> f64 {
-    greater(m.step.truth.rate.abs(), f64::from(m.step.answer.rate).abs())
+/// Body rates commanded.
+fn command(m: &Moment) -> V3 {
+    let rates = m.step.answer.rates;
+    V3::new(rates.j.into(), rates.w.into(), rates.i.into())
+}
+
+/// Something that has a meaning in a vertical plane only.
+fn in_plane(m: &Moment, value: f64) -> Option<f64> {
+    m.phases.in_plane.then_some(value)
+}
+
+fn crossing(m: &Moment) -> bool {
+    progress(m, |p| p.phase == Phase::Crossing)
 }
 
 fn flag(m: &Moment, flag: Status) -> bool {
@@ -192,11 +217,6 @@ fn progress(m: &Moment, holds: fn(&Progress) -> bool) -> bool {
 
 fn mode(m: &Moment, mode: Mode) -> bool {
     m.step.answer.guided().is_some_and(|g| g.mode == mode)
-}
-
-/// A column's number.
-fn number(m: &Moment, name: &str) -> f64 {
-    Experiment::declared(name).number(m.experiment, m.step)
 }
 
 /// Whether cruise is not reached: before cruise, by the error to the cruise velocity.
@@ -216,31 +236,52 @@ fn not_settled(m: &Moment) -> bool {
     m.step.t < m.phases.cruise[1] && (m.error.is_nan() || m.error >= SETTLED)
 }
 
-/// The phases of a reference, or of a segment of it.
+/// The phases of a path that is given by knots, or of a segment of it. Any other path is at cruise from the beginning.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Phases {
+    /// Whether the flight is in a vertical plane.
+    in_plane: bool,
+    /// Where the entry ends \[s\].
+    entry: f64,
     /// Where the part ends that is looked at \[s\].
     end: f64,
-    /// When the reference begins to change \[s\].
+    /// When the path begins to change its speed \[s\].
     pub start: f64,
     /// Its fastest steady phase, the first of them \[s\]; without one, the end.
     pub cruise: [f64; 2],
     /// The velocity there \[m/s\].
-    cruise_velocity: Vector,
+    cruise_velocity: V3,
     /// When it slows down for the first time \[s\].
     pub back: f64,
 }
 
 impl Phases {
-    /// The phases of an experiment's reference.
+    /// The phases of an experiment's path.
     pub fn of(experiment: &Experiment) -> Self {
-        let (reference, end) = (&experiment.reference, experiment.duration_s);
-        let breaks = reference.breaks(end);
-        let speed = |t: f64| reference.at(t).0.norm();
+        let end = experiment.duration_s;
+        let entry = experiment.entry_s;
+        let Some(knots) = experiment.path.knots() else {
+            return Self {
+                in_plane: false,
+                entry,
+                back: end,
+                ..Self::segment(0.0, end)
+            };
+        };
+        Self {
+            in_plane: experiment.in_plane(),
+            entry,
+            ..Self::of_knots(knots, end)
+        }
+    }
+
+    fn of_knots(knots: &Knots, end: f64) -> Self {
+        let breaks = knots.breaks(end);
+        let speed = |t: f64| knots.at(t).0.norm();
         let mut cruise = [end, end];
         let mut fastest = 0.0;
         for ends in breaks.windows(2) {
-            if reference.at(ends[0]).1.norm() == 0.0 && speed(ends[0]) > fastest {
+            if knots.at(ends[0]).1.norm() == 0.0 && speed(ends[0]) > fastest {
                 fastest = speed(ends[0]);
                 cruise = [ends[0], ends[1]];
             }
@@ -252,21 +293,23 @@ impl Phases {
                 .map(|e| e[0])
         };
         Self {
-            end,
             start: first(&|change| change != 0.0).unwrap_or(0.0),
             cruise,
-            cruise_velocity: reference.at(cruise[0]).0,
+            cruise_velocity: knots.at(cruise[0]).0,
             back: first(&|change| change < -1e-9).unwrap_or(end),
+            ..Self::segment(0.0, end)
         }
     }
 
     /// A segment by itself: it is its own cruise.
     fn segment(from: f64, to: f64) -> Self {
         Self {
+            in_plane: true,
+            entry: from,
             end: to,
             start: from,
             cruise: [from, to],
-            cruise_velocity: Vector::zeros(),
+            cruise_velocity: V3::zeros(),
             back: to,
         }
     }
@@ -280,6 +323,7 @@ impl Phases {
     fn has(&self, part: Part, t: f64) -> bool {
         match part {
             Part::Flight => true,
+            Part::Entered => t >= self.entry,
             Part::Late => t >= self.end - LATE,
             Part::Out => t < self.back,
             Part::Back => t >= self.back,
@@ -377,7 +421,7 @@ impl<'a> Tally<'a> {
                 Until(_) | Last(_) | Of(_) => {}
             }
         }
-        self.last = Some(*step);
+        self.last = Some(step.clone());
     }
 
     /// The figures; NaN in the place of one that is not asked for.
@@ -402,8 +446,8 @@ impl<'a> Tally<'a> {
                 Until(_) if self.phases.late_cruise().contains(&state.time) => f64::NAN,
                 Until(_) => state.time - self.phases.start,
                 Of(of) => of(&figures),
-                Last(read) => self.last.map_or(f64::NAN, |step| {
-                    read(&Moment::new(self.experiment, &self.phases, &step))
+                Last(read) => self.last.as_ref().map_or(f64::NAN, |step| {
+                    read(&Moment::new(self.experiment, &self.phases, step))
                 }),
                 Peak(_) | Least(_) | Most(_) => state.value,
             };
@@ -426,6 +470,12 @@ impl Serialize for Figures {
     fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         self.json().serialize(serializer)
     }
+}
+
+/// What an error says of a name that no figure has.
+pub fn unknown(name: &str) -> String {
+    let names: Vec<&str> = FIGURES.iter().map(|figure| figure.name).collect();
+    format!("{name} is not the name of a figure{}", hint(name, &names))
 }
 
 /// Place of a figure in [`FIGURES`].
@@ -477,29 +527,48 @@ impl Figures {
         map
     }
 
-    /// Label, value with unit, and where an extreme lies its time: one line of the table each.
-    pub fn table(&self) -> Vec<[String; 3]> {
+    /// The bounds of `experiment` that are not kept: name, value, bound.
+    pub fn beyond<'a>(&self, experiment: &'a Experiment) -> Vec<(&'a str, f64, f64)> {
+        let bounds = experiment.bounds.iter();
+        let all = bounds.map(|(name, &bound)| (name.as_str(), self.get(name), bound));
+        // A NaN keeps no bound.
+        all.filter(|(_, value, bound)| value.is_nan() || value > bound)
+            .collect()
+    }
+
+    /// Label, value with unit, and where an extreme lies its time, or the bound if there is one: one line of the table each. Figures of parts of
+    /// the flight, and those that are 0 or have no value, are left out if they have no bound.
+    pub fn table(&self, experiment: &Experiment) -> Vec<[String; 3]> {
         let mut lines = Vec::new();
         for (i, figure) in FIGURES.iter().enumerate() {
             let value = self.values[i];
-            let alone = matches!(figure.fold, Until(_)) || figure.part != Part::Flight;
-            let optional = matches!(figure.fold, Least(_) | Time(_) | Count(_) | Of(_));
-            if alone || (optional && (value.is_nan() || value == 0.0)) {
+            let bound = experiment.bounds.get(figure.name);
+            let whole = matches!(figure.part, Part::Flight | Part::Entered);
+            let alone = matches!(figure.fold, Until(_)) || !whole;
+            let optional = !matches!(figure.fold, Last(_));
+            let nothing = value.is_nan() || (optional && value == 0.0);
+            if bound.is_none() && (alone || nothing) {
                 continue;
             }
             let number = match (figure.unit, value) {
                 (_, value) if value.is_nan() => "none".to_owned(),
-                ("flag", _) => "yes".to_owned(),
+                ("flag", value) => if value == 0.0 { "no" } else { "yes" }.to_owned(),
                 _ => format!("{value:.*} {}", figure.digits, figure.unit),
             };
-            let at = match figure.when {
-                Some(_) if self.times[i].is_finite() => format!("at {:.3} s", self.times[i]),
+            let note = match (bound, figure.when) {
+                (Some(bound), _) => {
+                    let kept = if value <= *bound { "" } else { ": not kept" };
+                    format!("at most {bound}{kept}")
+                }
+                (None, Some(_)) if self.times[i].is_finite() => {
+                    format!("at {:.3} s", self.times[i])
+                }
                 _ => String::new(),
             };
             lines.push([
                 figure.label.to_owned(),
                 number.trim_end().replace(" °", "°"),
-                at,
+                note,
             ]);
         }
         lines
@@ -533,7 +602,7 @@ pub struct Steady {
     /// Time from the beginning until |v − v_r| stays under 0.05 m/s \[s\]; none if it does not.
     pub settling_s: Option<f64>,
     /// Largest |v − v_r| in the last 5 s \[m/s\].
-    pub late_velocity_error_m_s: f64,
+    pub max_late_velocity_error_m_s: f64,
     /// Root mean square of ω in the last 5 s \[rad/s\].
     pub late_rate_rms_rad_s: f64,
 }
@@ -546,14 +615,18 @@ const SEGMENT: [&str; 8] = [
     "forward_most_m",
     "max_velocity_error_m_s",
     "settling_s",
-    "late_velocity_error_m_s",
+    "max_late_velocity_error_m_s",
     "late_rate_rms_rad_s",
 ];
 
 impl Segment {
-    /// The segments of a flight.
+    /// The segments of a flight in a vertical plane, between its knots; of any other none.
     pub fn of(experiment: &Experiment, record: &[Step]) -> Vec<Self> {
-        let breaks = experiment.reference.breaks(experiment.duration_s);
+        let knots = experiment.path.knots().filter(|_| experiment.in_plane());
+        let Some(knots) = knots else {
+            return Vec::new();
+        };
+        let breaks = knots.breaks(experiment.duration_s);
         let segment = |ends: &[f64]| {
             let (from, to) = (ends[0], ends[1]);
             let wanted = |name: &str| SEGMENT.contains(&name);
@@ -561,7 +634,7 @@ impl Segment {
             let inside = record.iter().filter(|step| (from..to).contains(&step.t));
             let steps = inside.map(|step| tally.add(step)).count();
             let figures = tally.figures();
-            let is_steady = experiment.reference.at(from).1.norm() == 0.0 && to - from > LATE;
+            let is_steady = knots.at(from).1.norm() == 0.0 && to - from > LATE;
             // A flight that ended before has nothing to say of it.
             (steps > 0).then(|| Self {
                 from_s: from,
@@ -573,7 +646,7 @@ impl Segment {
                 max_velocity_error_m_s: figures.get("max_velocity_error_m_s"),
                 steady: is_steady.then(|| Steady {
                     settling_s: Some(figures.get("settling_s")).filter(|t| t.is_finite()),
-                    late_velocity_error_m_s: figures.get("late_velocity_error_m_s"),
+                    max_late_velocity_error_m_s: figures.get("max_late_velocity_error_m_s"),
                     late_rate_rms_rad_s: figures.get("late_rate_rms_rad_s"),
                 }),
             })
@@ -599,7 +672,7 @@ impl Segment {
             };
             line += &format!(
                 "; last 5 s: {:.4} m/s, {:.5} rad/s; {settling}",
-                steady.late_velocity_error_m_s, steady.late_rate_rms_rad_s
+                steady.max_late_velocity_error_m_s, steady.late_rate_rms_rad_s
             );
         }
         line
@@ -662,9 +735,9 @@ mod tests {
         assert_eq!(figures.get("gain_out_m"), most(&altitude, 0.0, 45.0));
         assert_eq!(figures.get("gain_back_m"), most(&altitude, 45.0, 200.0));
         assert_eq!(figures.get("altitude_most_m"), most(&altitude, 0.0, 200.0));
-        assert_eq!(figures.get("cruise_error_m_s"), most(&error, 40.0, 45.0));
+        assert_eq!(figures.get("max_cruise_error_m_s"), most(&error, 40.0, 45.0));
         assert_eq!(
-            figures.get("late_velocity_error_m_s"),
+            figures.get("max_late_velocity_error_m_s"),
             most(&error, 110.0, 200.0)
         );
         let worst = figures.get("max_velocity_error_m_s");

@@ -1,17 +1,17 @@
 //! A record as a flight log, for ULog and MCAP: the columns of the trace, the flight under the names that PX4 logs it by, and what the
 //! controller was told, so that a replay tells it the same. As CSV it is what a replay needs, on one time base.
 //!
-//! A flight in a vertical plane heads north: forward is north. Time is counted from [`BEGIN`], as viewers take a row at 0 for one that was never filled in.
+//! Time is counted from [`BEGIN`], as viewers take a row at 0 for one that was never filled in.
 
 use std::io::{BufWriter, Seek, Write};
 
 use alula::guidance::Air;
+use alula::ned::Ned;
 use alula_logs::states::{TOLD, find};
 use alula_logs::{Column, Log, Topic};
 
-use crate::columns::{Cell, Flight};
-use crate::controllers::vector;
-use crate::reference::Vector;
+use crate::columns::{self, COLUMNS, Cell};
+use crate::experiment::{Experiment, V3};
 use crate::simulate::Step;
 
 /// Time in the log at the start of the flight \[s\].
@@ -54,12 +54,9 @@ impl Format {
 }
 
 /// The record as a log.
-pub fn log<F: Flight>(experiment: &F, record: &[F::Step]) -> Result<Log, alula_logs::Error>
-where
-    Row: for<'a> From<&'a F::Step>,
-{
-    let time: Vec<f64> = record.iter().map(|step| BEGIN + F::time(step)).collect();
-    let is_number = |column: &&crate::columns::Column<F>| {
+pub fn log(experiment: &Experiment, record: &[Step]) -> Result<Log, alula_logs::Error> {
+    let time: Vec<f64> = record.iter().map(|step| BEGIN + step.t).collect();
+    let is_number = |column: &&columns::Column| {
         let mut cells = record
             .iter()
             .filter_map(|step| (column.read)(experiment, step));
@@ -67,7 +64,7 @@ where
             .next()
             .is_some_and(|cell| !matches!(cell, Cell::Word(_)))
     };
-    let trace = F::columns().iter().filter(is_number).map(|column| {
+    let trace = COLUMNS.iter().filter(is_number).map(|column| {
         let number = |step| column.number(experiment, step);
         let unit = column.unit().replace('²', "^2").replace('³', "^3");
         Column::new(column.name, &unit, record.iter().map(number).collect())
@@ -126,31 +123,33 @@ impl Told {
 
 impl From<&Step> for Row {
     fn from(step: &Step) -> Self {
-        let north = |v: Vector| [v.y, 0.0, v.x];
-        let attitude = |theta: f64| [(0.5 * theta).cos(), 0.0, (0.5 * theta).sin(), 0.0];
-        let sample = &step.input.sample;
-        let error = sample.position_error.map(vector);
+        let q = &step.truth.attitude;
+        let vector = |v: V3| [v.x, v.y, v.z];
+        let (target, input) = (&step.target, &step.input.sample);
+        let told = |v: Ned| [v.north, v.east, v.down].map(f64::from);
+        let attitude = if input.orientation.i().down.is_nan() {
+            [f64::NAN; 4]
+        } else {
+            let q = &step.measured_attitude;
+            [q.w, q.i, q.j, q.k]
+        };
+        let error = input.position_error.map(|e| V3::from(told(e)));
         Self {
-            attitude: attitude(step.truth.theta),
-            motion: [north(step.truth.position), north(step.truth.velocity)],
-            wanted: [
-                north(step.reference_position),
-                north(step.reference_velocity),
-                north(step.reference_acceleration),
-            ],
-            wind: north(step.wind),
-            specific_force: (step.input.sample.specific_force)
-                .map(|f| [f.j(), 0.0, f.i()].map(f64::from)),
+            attitude: [q.w, q.i, q.j, q.k],
+            motion: [step.truth.position, step.truth.velocity].map(vector),
+            wanted: [target.position, target.velocity, target.acceleration].map(vector),
+            wind: vector(step.wind),
+            specific_force: input.specific_force.map(|f| [f.j, f.w, f.i].map(f64::from)),
             told: Told {
-                attitude: attitude(step.input.theta.into()),
-                velocity: north(vector(sample.velocity)),
-                position: error.map_or(NOTHING, |error| north(step.reference_position + error)),
-                air: match sample.air {
-                    Air::Wind(wind) => Air::Wind(north(vector(wind))),
-                    Air::Velocity(v) => Air::Velocity(north(vector(v))),
+                attitude,
+                velocity: told(input.velocity),
+                position: error.map_or([f64::NAN; 3], |e| vector(target.position + e)),
+                air: match input.air {
+                    Air::Wind(wind) => Air::Wind(told(wind)),
+                    Air::Velocity(v) => Air::Velocity(told(v)),
                     Air::Unknown => Air::Unknown,
                 },
-                heading: f64::NAN,
+                heading: target.heading.unwrap_or(f64::NAN),
             },
         }
     }
@@ -256,40 +255,45 @@ fn told(rows: &[Row]) -> Vec<Column> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::experiment::Document;
+    use crate::experiment::{Document, ned};
     use crate::simulate::fly;
-    use alula_logs::states::find;
 
     /// What is written as ULog reads back as the trace's numbers, and the states found in it are the flight's.
     #[test]
     fn a_written_flight_reads_back_as_the_trace_and_as_states() {
-        let mut document = Document::load("round-trip").unwrap();
-        document.assign("duration_s=12").unwrap();
+        let mut document = Document::load("circle-40").unwrap();
+        for change in ["duration_s=8", "entry_s=0", "weather.steady_m_s=[1,-2,0]"] {
+            document.assign(change).unwrap();
+        }
         let experiment = document.checked().unwrap();
         let record = fly(&experiment).unwrap();
         let mut file = std::io::Cursor::new(Vec::new());
-        let log = log(&experiment, &record).unwrap();
-        Format::Ulog.write(&log, &mut file).unwrap();
+        Format::Ulog
+            .write(&log(&experiment, &record).unwrap(), &mut file)
+            .unwrap();
         let log = alula_logs::ulog::read("x", file.get_ref()).unwrap();
         let trace = log.topic(TRACE).unwrap();
         assert!(trace.column("mode").is_none());
-        assert_eq!(trace.column("thrust_n").unwrap().unit, "N");
-        assert_eq!(trace.column("xe_down_m").unwrap().unit, "m");
-        let states = find(&log).unwrap();
-        assert_eq!(states.time.len(), record.len());
+        assert_eq!(trace.column("bank_rad").unwrap().unit, "rad");
+        let states = alula_logs::states::find(&log).unwrap();
         for (row, step) in record.iter().enumerate() {
-            let thrust = trace.column("thrust_n").unwrap().values[row];
-            assert_eq!(thrust, f64::from(step.answer.thrust));
-            let flown = log.column("vehicle_local_position", "vz").unwrap();
-            assert_eq!(flown.values[row], step.truth.velocity.x);
+            let bank = trace.column("bank_rad").unwrap().values[row];
+            assert_eq!(bank, step.bank());
             // What was told, in single precision, goes before what was.
-            let [north, _, down] = states.velocity.as_ref().unwrap().values[row];
-            let told = step.input.sample.velocity;
-            assert_eq!([down, north], [told.down(), told.forward()].map(f64::from));
-            let plane = crate::replay::log::Plane::of(states.attitude.values[row]).unwrap();
-            // 1e-12: the way over the quaternion.
-            let theta = f64::from(step.input.theta);
-            assert!((plane.theta(states.attitude.values[row]) - theta).abs() < 1e-12);
+            let velocity = states.velocity.as_ref().unwrap().values[row];
+            assert_eq!(ned(velocity.into()), step.input.sample.velocity);
+            let flown = log.column("vehicle_local_position", "vx").unwrap();
+            assert_eq!(flown.values[row], step.truth.velocity.x);
+            let wind = log.column("wind", "windspeed_east").unwrap();
+            assert_eq!(wind.values[row], -2.0);
+            let air = states.air_velocity.as_ref().unwrap().values[row];
+            assert_eq!(Air::Velocity(ned(air.into())), step.input.sample.air);
+            // Nose, wing, belly: against the tail, along the wing, along the belly.
+            let force = states.specific_force.as_ref().unwrap().values[row];
+            let told = step.input.sample.specific_force.unwrap();
+            assert_eq!(force, [-told.i, told.w, told.j].map(f64::from));
+            let wanted = states.acceleration_setpoint.as_ref().unwrap().values[row];
+            assert_eq!(V3::from(wanted), step.target.acceleration);
         }
     }
 }

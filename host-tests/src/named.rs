@@ -144,6 +144,14 @@ pub fn in_shell(word: &str) -> String {
 pub(crate) const RENAMED: &[(&str, &str)] = &[
     ("force_floor_mg", "gain_schedule_floor_mg"),
     ("max_turn_g", "max_lateral_acceleration_g"),
+    ("theta_deg", "attitude_deg"),
+    ("down_m_s", "velocity_m_s"),
+    ("forward_m_s", "velocity_m_s"),
+    ("rate_rad_s", "rates_rad_s"),
+    ("late_velocity_error_m_s", "max_late_velocity_error_m_s"),
+    ("late_position_error_m", "max_late_position_error_m"),
+    ("cruise_error_m_s", "max_cruise_error_m_s"),
+    ("max_rate_rad_s", "max_rate_command_rad_s"),
 ];
 
 /// What an error adds to the unknown name `given`: the field's new name, or the one of `names` that was probably meant, or nothing.

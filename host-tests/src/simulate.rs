@@ -2,28 +2,35 @@
 
 use std::collections::VecDeque;
 
-use alula::guidance::Air;
-use alula::{Attitude, FeedForward, Inertial, PlanarGuidanceInput, Reference};
+use alula::ned::Ned;
+use alula::spatial::FeedForward;
+use nalgebra::UnitQuaternion;
 
-use crate::controllers::{Answer, Controller, Input, inertial};
-use crate::experiment::{Experiment, FaultKind, Faults, Measured, Plant, State, Weather, stream};
-use crate::reference::{Vector, wrap};
+use crate::controllers::{Answer, Controller, Input};
+use crate::experiment::{Experiment, Faults, State, Target, V3, Weather, ned, stream};
+use crate::plant::Command;
+use crate::reference::wrap;
+use crate::sensor_hold::SensorHold;
 
 /// One control step of a flight.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Step {
     /// Time \[s\].
     pub t: f64,
     /// The plant's state when the controller was asked.
     pub truth: State,
+    /// θ of that state \[rad\], counted on through full turns.
+    pub theta: f64,
     /// The wind there \[m/s\].
-    pub wind: Vector,
-    /// Reference velocity \[m/s\].
-    pub reference_velocity: Vector,
-    /// Reference acceleration \[m/s²\].
-    pub reference_acceleration: Vector,
-    /// Reference position \[m\]: the reference velocity's integral.
-    pub reference_position: Vector,
+    pub wind: V3,
+    /// Specific force over g.
+    pub load_factor: f64,
+    /// What the plant says in columns of its own.
+    pub readings: Vec<f64>,
+    /// What is to be flown.
+    pub target: Target,
+    /// The attitude measured: from (belly, right wing, tail) to north-east-down.
+    pub measured_attitude: UnitQuaternion<f64>,
     /// What the controller was told.
     pub input: Input,
     /// What it answered.
@@ -32,13 +39,18 @@ pub struct Step {
 
 impl Step {
     /// v − v_r \[m/s\].
-    pub fn velocity_error(&self) -> Vector {
-        self.truth.velocity - self.reference_velocity
+    pub fn velocity_error(&self) -> V3 {
+        self.truth.velocity - self.target.velocity
     }
 
-    /// x − x_r \[m\]. Its first component is the loss of altitude.
-    pub fn position_error(&self) -> Vector {
-        self.truth.position - self.reference_position
+    /// x − x_r \[m\].
+    pub fn position_error(&self) -> V3 {
+        self.truth.position - self.target.position
+    }
+
+    /// Altitude over the path \[m\].
+    pub fn altitude(&self) -> f64 {
+        -self.position_error().z
     }
 }
 
@@ -53,30 +65,19 @@ pub enum End {
     Diverged(f64),
 }
 
-/// Speed \[m/s\] from which a simulation has diverged: ten minutes of free fall do not reach it.
-const DIVERGED: f64 = 1e4;
-
-/// Whether the state is one of an aircraft.
-fn is_sound(state: &State) -> bool {
-    let State {
-        theta,
-        rate,
-        thrust,
-        ..
-    } = *state;
-    let finite = [theta, rate, thrust].iter().all(|x| x.is_finite());
-    finite && state.position.iter().all(|x| x.is_finite()) && state.velocity.norm() < DIVERGED
-}
-
 /// A flight: one row per control step, the last at its end.
 pub type Record = Vec<Step>;
 
 /// Flies `experiment` under its own controller.
 pub fn fly(experiment: &Experiment) -> anyhow::Result<Record> {
-    let mut controller = experiment.controller()?;
+    fly_by(experiment, experiment.controller()?.as_mut())
+}
+
+/// Flies `experiment` under `controller`. The error is a controller that cannot be reached.
+pub fn fly_by(experiment: &Experiment, controller: &mut dyn Controller) -> anyhow::Result<Record> {
     let mut record = Record::with_capacity(experiment.steps() + 1);
-    simulate(experiment, controller.as_mut(), |step| {
-        record.push(*step);
+    simulate(experiment, controller, |step| {
+        record.push(step.clone());
         true
     })?;
     Ok(record)
@@ -89,58 +90,54 @@ pub fn simulate(
     controller: &mut dyn Controller,
     mut visit: impl FnMut(&Step) -> bool,
 ) -> anyhow::Result<End> {
+    let in_plane = experiment.in_plane();
     let feed_forward = experiment.spec()?.feed_forward();
-    let plant = Plant::new(&experiment.vehicle.reference(), experiment.plant);
-    let [mut noise, mut gusts] = [0, 1].map(|number| stream(experiment.seed, number));
-    let mut weather = Weather::new(experiment.weather, &mut gusts);
-    let steady = Vector::from(experiment.weather.steady_m_s);
-    let mut faults = Faults::new(&experiment.sensors.faults, experiment.seed, 2);
-    let mut telling = Telling::default();
+    let gravity = experiment.vehicle.gravity_m_s2;
+    let [mut noise, mut gusts, mut start] = [0, 1, 2].map(|n| stream(experiment.seed, n));
+    let mut weather = Weather::new(experiment.weather, in_plane, &mut gusts);
+    let steady = experiment.weather.steady();
+    let sensors = &experiment.sensors;
+    let mut faults = Faults::new(&sensors.faults, experiment.seed, in_plane);
+    let mut hold = SensorHold::default();
     let mut last_answer = None;
-    let mut reference_position = experiment.reference.positions();
-
     let period = 1.0 / experiment.control_rate_hz;
     let dt = period / f64::from(experiment.substeps);
+    let mut path = experiment.path.path()?;
+    let start = experiment.initial.state(&path.start(), &mut start);
+    let mut plant = experiment.plant(start);
+
     // Commands on their way: the number of the plant's step from which each acts.
     let delay = (experiment.plant.delay_s / dt).round() as usize;
-    let mut pending: VecDeque<(usize, f64, f64)> = VecDeque::new();
-    let (mut thrust, mut rate) = (experiment.initial.thrust_n, 0.0);
-    let mut plant_step = 0;
-
-    let initial = &experiment.initial;
-    let mut truth = State {
-        velocity: initial.velocity(),
-        position: Vector::zeros(),
-        theta: initial.theta_deg.to_radians(),
-        rate: initial.rate_rad_s,
-        thrust,
+    let mut pending: VecDeque<(usize, Command)> = VecDeque::new();
+    let mut command = Command {
+        thrust: start.thrust,
+        rates: V3::zeros(),
     };
+    let mut plant_step = 0;
+    let mut theta = experiment.initial.theta_deg.to_radians();
     for step in 0..=experiment.steps() {
         let t = step as f64 / experiment.control_rate_hz;
+        let truth = *plant.state();
+        theta += wrap(truth.theta() - theta);
         let wind = weather.wind(t);
-        let (velocity, acceleration) = experiment.reference.at(t);
-        let reference_position = reference_position(t);
-        let measured = experiment.sensors.measure(
-            &truth,
-            plant.specific_force(&truth, wind),
-            wind,
-            steady,
-            &mut noise,
-        );
-        let reference = Reference {
-            velocity: inertial(velocity),
-            acceleration: inertial(acceleration),
-        };
-        let told = (measured, reference, reference_position);
-        let sample = telling.sample(experiment, &mut faults, t, told);
+        let force = plant.specific_force(wind);
+        let measured = sensors.measure(&truth, force, wind, steady, in_plane, &mut noise);
+        let measured = hold.state(&mut faults, t, measured);
+        let target = path.advance(t, period, |target| {
+            let error = measured.position - target.position;
+            controller.pace(ned(error), ned(target.velocity)).into()
+        });
         let input = Input {
-            theta: telling.theta,
-            sample,
-            feed_forward: feed_forward.then(|| FeedForward {
-                // As an accelerometer gives it; the air's own acceleration is not known to it.
-                air_acceleration: inertial(plant.acceleration(&truth, wind)),
-                // The reference is piecewise linear.
-                jerk: Inertial::ZERO,
+            sample: hold.input(sensors, &faults, t, &target),
+            feed_forward: feed_forward.then(|| {
+                let [i, j, w] = truth.axes();
+                let acceleration = force.x * i + force.y * j + force.z * w + gravity * V3::z();
+                FeedForward {
+                    // As an accelerometer gives it; the air's own acceleration is not known to it.
+                    air_acceleration: ned(acceleration),
+                    // The reference is piecewise linear.
+                    jerk: Ned::default(),
+                }
             }),
         };
         let clock = faults.clock(t, period);
@@ -154,87 +151,42 @@ pub fn simulate(
         let go_on = visit(&Step {
             t,
             truth,
+            theta,
             wind,
-            reference_velocity: velocity,
-            reference_acceleration: acceleration,
-            reference_position,
+            load_factor: force.norm() / gravity,
+            readings: plant.readings(),
+            target,
+            measured_attitude: measured.attitude,
             input,
             answer,
         });
-        if !is_sound(&truth) {
+        if !truth.is_sound() {
             return Ok(End::Diverged(t));
         }
         if !go_on {
             return Ok(End::Left);
         }
 
-        let command = (f64::from(answer.thrust), f64::from(answer.rate));
-        pending.push_back((plant_step + delay, command.0, command.1));
+        pending.push_back((plant_step + delay, (&answer).into()));
         for _ in 0..experiment.substeps {
-            while let Some(&(_, t, r)) = pending.front().filter(|c| c.0 <= plant_step) {
-                (thrust, rate) = (t, r);
+            while let Some(&(_, next)) = pending.front().filter(|c| c.0 <= plant_step) {
+                command = next;
                 pending.pop_front();
             }
-            truth = plant.step(&truth, thrust, rate, wind, dt);
+            plant.step(&command, wind, dt);
             plant_step += 1;
         }
-        weather.advance((truth.velocity - wind).norm(), period, &mut gusts);
+        weather.advance((plant.state().velocity - wind).norm(), period, &mut gusts);
     }
     Ok(End::Flown)
 }
 
-/// What the controller was told last, which a fault may repeat.
-#[derive(Default)]
-struct Telling {
-    /// θ as told last \[rad\].
-    theta: f32,
-    measured: Option<(f64, Measured)>,
-    reference: Reference,
-    /// When that was sent \[s\].
-    reference_time: f64,
-}
-
-impl Telling {
-    /// What the controller is told at `t`, with the faults that last then.
-    fn sample(
-        &mut self,
-        experiment: &Experiment,
-        faults: &mut Faults<Measured>,
-        t: f64,
-        (fresh, reference, reference_position): (Measured, Reference, Vector),
-    ) -> PlanarGuidanceInput {
-        let fresh = faults.distort(t, fresh);
-        let fails = |kind| faults.lasts(kind, t);
-        let (measured_at, mut measured) = match self.measured {
-            Some(old) if fails(FaultKind::StateStale) => old,
-            _ => (t, fresh),
-        };
-        self.measured = Some((measured_at, measured));
-        if fails(FaultKind::Air) {
-            measured.air = Air::Unknown;
-        }
-        if !fails(FaultKind::ReferenceStale) {
-            (self.reference, self.reference_time) = (reference, t);
-        }
-        let nan = |value: f32, kind| if fails(kind) { f32::NAN } else { value };
-        self.theta = nan(wrap(measured.theta) as f32, FaultKind::AttitudeNan);
-        let error = inertial(measured.position - reference_position);
-        PlanarGuidanceInput {
-            velocity: Inertial::new(
-                nan(measured.velocity.x as f32, FaultKind::VelocityNan),
-                measured.velocity.y as f32,
-            ),
-            attitude: Attitude::from_angle(self.theta),
-            state_age: (t - measured_at) as f32,
-            air: measured.air,
-            specific_force: measured.specific_force,
-            position_error: experiment.sensors.position.told(Inertial::new(
-                nan(error.down(), FaultKind::PositionNan),
-                error.forward(),
-            )),
-            reference: self.reference,
-            reference_age: (t - self.reference_time) as f32,
-            ..PlanarGuidanceInput::default()
+impl From<&Answer> for Command {
+    fn from(answer: &Answer) -> Self {
+        let rates = answer.rates;
+        Self {
+            thrust: answer.thrust.into(),
+            rates: V3::new(rates.j.into(), rates.w.into(), rates.i.into()),
         }
     }
 }

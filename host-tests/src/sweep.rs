@@ -1,11 +1,12 @@
 //! The equilibria along an experiment's reference: is the flight as planned admissible?
 
 use alula::equilibrium::{Branch, Equilibrium, EquilibriumError};
-use alula::{Equilibria, Inertial, Reference};
+use alula::{Equilibria, Reference};
+use anyhow::Context;
 use serde::Serialize;
 
-use crate::experiment::Experiment;
-use crate::reference::{Vector, wrap};
+use crate::experiment::{Experiment, V3, ned};
+use crate::reference::wrap;
 
 /// Most instants looked at.
 const INSTANTS: usize = 4000;
@@ -20,7 +21,7 @@ pub struct Instant {
     /// Time \[s\].
     pub t: f64,
     /// Reference acceleration \[m/s²\].
-    pub acceleration: Vector,
+    pub acceleration: V3,
     /// The set, or why there is none.
     pub set: Result<Equilibria, EquilibriumError>,
     /// The equilibrium that the vehicle is to follow: on the branch θ̃ = 0, the nearest to the one before.
@@ -88,19 +89,20 @@ pub fn least_fp(experiment: &Experiment) -> anyhow::Result<f64> {
 }
 
 /// The equilibria of the experiment's true vehicle along its reference.
-pub fn sweep(experiment: &Experiment) -> Vec<Instant> {
+pub fn sweep(experiment: &Experiment) -> anyhow::Result<Vec<Instant>> {
+    let knots = experiment.path.knots().filter(|_| experiment.in_plane());
+    let knots = knots.context("the sweep is of experiments in a vertical plane, with knots")?;
     let vehicle = experiment.vehicle.core().expect("validated when loaded");
-    let [down, forward] = experiment.weather.steady_m_s;
-    let wind = Inertial::new(down as f32, forward as f32);
+    let wind = ned(experiment.weather.steady()).to_plane();
     let steps = experiment.steps().min(INSTANTS);
     let mut theta = experiment.initial.theta_deg.to_radians();
-    (0..=steps)
+    let instants = (0..=steps)
         .map(|i| {
             let t = experiment.duration_s * i as f64 / steps as f64;
-            let (velocity, acceleration) = experiment.reference.at(t);
+            let (velocity, acceleration) = knots.at(t);
             let reference = Reference {
-                velocity: Inertial::new(velocity.x as f32, velocity.y as f32),
-                acceleration: Inertial::new(acceleration.x as f32, acceleration.y as f32),
+                velocity: ned(velocity).to_plane(),
+                acceleration: ned(acceleration).to_plane(),
             };
             let set = Equilibria::find(&vehicle, &reference, wind);
             let distance = |e: &Equilibrium| wrap(f64::from(e.attitude.angle()) - theta).abs();
@@ -123,7 +125,8 @@ pub fn sweep(experiment: &Experiment) -> Vec<Instant> {
                 followed,
             }
         })
-        .collect()
+        .collect();
+    Ok(instants)
 }
 
 /// What stands against the flight: jumps, |F_p| below `least_fp` \[N\], negative thrust.

@@ -128,7 +128,7 @@ fn a_flight_is_its_own() {
     assert_eq!(record.len(), 3001);
     assert_eq!(figure(&flown, "altitude_least_m"), altitude[0]);
     assert_eq!(figure(&flown, "altitude_most_m"), altitude[1]);
-    assert_eq!(figure(&flown, "late_velocity_error_m_s"), late);
+    assert_eq!(figure(&flown, "max_late_velocity_error_m_s"), late);
     assert_eq!(flown.samples.len(), 101);
     // The document's text says the same.
     let again = experiment_of(drawn.document.text());
@@ -182,7 +182,7 @@ fn every_flight_ends_in_hover() {
     let folder = tempfile::tempdir().unwrap();
     let summary = flown(&source, folder.path(), 2);
     let figure = |name: &str| summary.figures.iter().find(|f| f.figure == name).unwrap();
-    assert!(figure("late_position_error_m").percentiles[8] < 3.0);
+    assert!(figure("max_late_position_error_m").percentiles[8] < 3.0);
     assert!(figure("forward_most_m").percentiles[8] > 3.0);
 }
 

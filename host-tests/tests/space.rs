@@ -47,7 +47,7 @@ fn every_built_in_keeps_its_bounds() {
         assert_eq!(figures.get("lost"), 0.0, "{name}");
         assert!(least > -10.0, "{name}: {least}");
         let turbulent = experiment.weather.turbulence.is_some();
-        let end = figures.get("late_velocity_error_m_s");
+        let end = figures.get("max_late_velocity_error_m_s");
         assert!(end < if turbulent { 5.0 } else { 0.5 }, "{name}: {end}");
     }
     assert!(flights > 15);

@@ -1,5 +1,6 @@
 //! The command line: one file per subcommand, each with its arguments and a `run`.
 
+mod attitudes;
 mod autopilot;
 mod campaign;
 mod companion;
@@ -17,7 +18,6 @@ mod pil;
 mod replay;
 mod serve;
 mod settings;
-mod space;
 mod sweep;
 
 use clap::{Parser, Subcommand};

@@ -47,7 +47,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         ));
     }
     let out = args.output.folder(&format!("sweep-{}", document.name))?;
-    let instants = sweep(experiment);
+    let instants = sweep(experiment)?;
     let findings = findings(&instants, least_fp);
     let record = fly(experiment)?;
     let page = Page {

@@ -4,6 +4,7 @@ use alula::{
     BandwidthGains, GainChoice, GainParameters, Gains, Guidance, GuidanceParameters, GuidanceState,
     ParameterError, Parameters as _, ResponseParameters, VehicleParameters,
 };
+use alula::ned::Ned;
 use alula_link::{Configuration, ControllerParameters, Pacing};
 use toml::Value;
 
@@ -70,12 +71,13 @@ impl GuidanceSpec {
         Ok(ruled)
     }
 
-    /// The parameters for a plant that moves in one vertical plane, before the rules.
-    fn in_plane(&self) -> GuidanceParameters {
-        GuidanceParameters {
-            max_lateral_acceleration: 0.0,
-            ..self.parameters
+    /// The parameters for `experiment`, before the rules: in a vertical plane nothing turns out of it.
+    fn for_flight(&self, experiment: &Experiment) -> GuidanceParameters {
+        let mut parameters = self.parameters;
+        if experiment.in_plane() {
+            parameters.max_lateral_acceleration = 0.0;
         }
+        parameters
     }
 
     /// The guidance of `experiment`.
@@ -85,7 +87,7 @@ impl GuidanceSpec {
     ) -> Result<Guidance<Model, GainChoice>, FieldError> {
         let belief = self.vehicle.as_ref().unwrap_or(&experiment.vehicle);
         let thrust = experiment.thrust_limits(self.thrust_n, belief.weight());
-        self.build(belief, thrust, &self.in_plane())
+        self.build(belief, thrust, &self.for_flight(experiment))
     }
 
     /// The guidance of a vehicle that is believed to be `belief`, with `thrust` \[N\] (least, most).
@@ -106,26 +108,6 @@ impl GuidanceSpec {
             }
         };
         Guidance::with_gains(vehicle, gains, parameters).map_err(under)
-    }
-
-    /// The same guidance as a target is told of it.
-    pub fn configured(
-        &self,
-        belief: &VehicleSpec,
-        thrust: [f64; 2],
-        parameters: &GuidanceParameters,
-        pacing: Pacing,
-    ) -> Result<Configuration, FieldError> {
-        let vehicle = belief.parameters(thrust);
-        Ok(Configuration {
-            vehicle,
-            model: belief.model_parameters().map_err(|e| e.inside("vehicle"))?,
-            controller: ControllerParameters::Guidance {
-                parameters: self.ruled(&vehicle, parameters)?,
-                gains: self.gains,
-            },
-            pacing,
-        })
     }
 }
 
@@ -159,7 +141,16 @@ impl Spec for GuidanceSpec {
     ) -> Result<Configuration, FieldError> {
         let belief = self.vehicle.as_ref().unwrap_or(&experiment.vehicle);
         let thrust = experiment.thrust_limits(self.thrust_n, belief.weight());
-        self.configured(belief, thrust, &self.in_plane(), pacing)
+        let vehicle = belief.parameters(thrust);
+        Ok(Configuration {
+            vehicle,
+            model: belief.model_parameters().map_err(|e| e.inside("vehicle"))?,
+            controller: ControllerParameters::Guidance {
+                parameters: self.ruled(&vehicle, &self.for_flight(experiment))?,
+                gains: self.gains,
+            },
+            pacing,
+        })
     }
 }
 
@@ -183,10 +174,12 @@ impl Flying {
 
 impl Controller for Flying {
     fn answer(&mut self, input: &Input, dt: f32) -> anyhow::Result<Answer> {
-        let guided = self
-            .guidance
-            .update_in_plane(&mut self.state, &input.sample, dt);
+        let guided = self.guidance.update(&mut self.state, &input.sample, dt);
         Ok(guided.into())
+    }
+
+    fn pace(&self, error: Ned, velocity: Ned) -> f32 {
+        self.guidance.path_time_scale(error, velocity)
     }
 
     fn flip(&mut self, bit: u64) {

@@ -1,6 +1,11 @@
 //! `[controller.law]`: one of the paper's laws, bare.
+//!
+//! The laws work in a vertical plane. [`Planar`] is what they are told: the input in the plane that the right wing is square to.
 
-use alula::{BandwidthGains, GainChoice, GainParameters, GuidanceParameters, VelocityControl};
+use alula::ned::Ned;
+use alula::{
+    Attitude, BandwidthGains, FeedForward, GainChoice, GainParameters, GuidanceParameters, Inertial, Reference, State, VelocityControl,
+};
 use alula_link::{Configuration, ControllerParameters, LawGains, Pacing};
 use serde::Deserialize;
 use toml::Value;
@@ -139,13 +144,60 @@ impl Spec for LawSpec {
     }
 }
 
+/// What a law is told, in one vertical plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Planar {
+    /// Velocity, attitude and wind.
+    pub state: State,
+    /// What is to be flown.
+    pub reference: Reference,
+    /// Air acceleration and jerk, if they are told.
+    pub feed_forward: Option<FeedForward>,
+}
+
+impl From<&Input> for Planar {
+    /// The plane is the vertical one that the right wing is square to: it holds the nose of an unbanked vehicle at any pitch.
+    fn from(input: &Input) -> Self {
+        let orientation = &input.sample.orientation;
+        let (tail, wing) = (orientation.i(), orientation.w());
+        // Of a wing that is level to the east this is the north, exactly.
+        let length = (wing.east * wing.east + wing.north * wing.north).sqrt();
+        let ahead = Ned::new(wing.east / length, -wing.north / length, 0.0);
+        let within =
+            |v: Ned| Inertial::new(v.down, ahead.north * v.north + ahead.east * v.east);
+        let theta = within(tail);
+        Self {
+            state: State {
+                velocity: within(input.sample.velocity),
+                attitude: Attitude {
+                    cos: theta.down(),
+                    sin: theta.forward(),
+                },
+                wind: within(input.wind()),
+            },
+            reference: Reference {
+                velocity: within(input.sample.reference.velocity),
+                acceleration: within(input.sample.reference.acceleration),
+            },
+            feed_forward: input.feed_forward.map(|f| FeedForward {
+                air_acceleration: within(f.air_acceleration),
+                jerk: within(f.jerk),
+            }),
+        }
+    }
+}
+
 impl Controller for Law {
     fn answer(&mut self, input: &Input, _: f32) -> anyhow::Result<Answer> {
-        let (state, reference) = (input.state(), &input.sample.reference);
-        let forward = input.feed_forward.as_ref();
+        let Planar {
+            state,
+            reference,
+            feed_forward,
+        } = input.into();
+        let forward = feed_forward.as_ref();
         Ok(match self.form {
-            Form::Robust => self.control.robust(&state, reference, forward),
-            Form::Full => self.control.full(&state, reference, forward),
+            Form::Robust => self.control.robust(&state, &reference, forward),
+            Form::Full => self.control.full(&state, &reference, forward),
         }
         .into())
     }

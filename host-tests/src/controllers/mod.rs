@@ -10,47 +10,34 @@ use std::borrow::Cow;
 
 use alula::control::Diagnostics;
 use alula::guidance::{Air, Mode};
-use alula::{
-    Command, Fault, FeedForward, Inertial, PlanarGuidanceInput, PlanarGuidanceOutput, State,
-};
+use alula::ned::Ned;
+use alula::spatial::{Body, FeedForward};
+use alula::{Command, Fault, GuidanceInput, GuidanceOutput};
 use alula_link::{Configuration, Pacing};
-use serde::{Deserialize, de};
-use toml::{Table, Value};
+use toml::Value;
 
 pub use guidance::{Flying, GuidanceSpec};
-pub use law::{Form, Law, LawSpec};
+pub use law::{Form, Law, LawSpec, Planar};
 
-use crate::experiment::{Experiment, FieldError, VehicleSpec};
+use crate::experiment::{ControllerSpec, Experiment, FieldError, VehicleSpec};
 use crate::margins::LoopGains;
-use crate::reference::Vector;
 
 /// What a controller is told at one step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Input {
-    /// θ \[rad\] in [−π, π) as measured, of which the attitude in `sample` is the cosine and sine.
-    pub theta: f32,
     /// State, air and reference, as the core's guidance takes them.
-    pub sample: PlanarGuidanceInput,
+    pub sample: GuidanceInput,
     /// Air acceleration and the reference's jerk, if the controller is flown with feed-forward.
     pub feed_forward: Option<FeedForward>,
 }
 
 impl Input {
     /// The wind \[m/s\] told to the controller, directly or by an air velocity; none if the air is unknown.
-    pub fn wind(&self) -> Inertial {
+    pub fn wind(&self) -> Ned {
         match self.sample.air {
             Air::Velocity(velocity) => self.sample.velocity - velocity,
             Air::Wind(wind) => wind,
-            Air::Unknown => Inertial::ZERO,
-        }
-    }
-
-    /// The state as the bare laws take it.
-    pub fn state(&self) -> State {
-        State {
-            velocity: self.sample.velocity,
-            attitude: self.sample.attitude,
-            wind: self.wind(),
+            Air::Unknown => Ned::default(),
         }
     }
 }
@@ -60,8 +47,8 @@ impl Input {
 pub struct Answer {
     /// Thrust T \[N\].
     pub thrust: f32,
-    /// Angular rate ω \[rad/s\].
-    pub rate: f32,
+    /// Body rates \[rad/s\].
+    pub rates: Body,
     /// What else it says.
     pub report: Report,
 }
@@ -72,7 +59,7 @@ pub enum Report {
     /// One of the bare laws: a command, or the fault for which the safe command was flown.
     Law(Result<Command, Fault>),
     /// The guidance.
-    Guidance(PlanarGuidanceOutput),
+    Guidance(GuidanceOutput),
     /// Someone who reports nothing.
     Outside,
 }
@@ -83,17 +70,17 @@ impl From<Result<Command, Fault>> for Answer {
         let command = answer.unwrap_or_default();
         Self {
             thrust: command.thrust,
-            rate: command.rate,
+            rates: Body::new(0.0, 0.0, command.rate),
             report: Report::Law(answer),
         }
     }
 }
 
-impl From<PlanarGuidanceOutput> for Answer {
-    fn from(guided: PlanarGuidanceOutput) -> Self {
+impl From<GuidanceOutput> for Answer {
+    fn from(guided: GuidanceOutput) -> Self {
         Self {
             thrust: guided.command.thrust,
-            rate: guided.command.rate,
+            rates: guided.command.rates,
             report: Report::Guidance(guided),
         }
     }
@@ -101,7 +88,7 @@ impl From<PlanarGuidanceOutput> for Answer {
 
 impl Answer {
     /// What the guidance reports, if it flies.
-    pub fn guided(&self) -> Option<&PlanarGuidanceOutput> {
+    pub fn guided(&self) -> Option<&GuidanceOutput> {
         match &self.report {
             Report::Guidance(guided) => Some(guided),
             _ => None,
@@ -120,7 +107,7 @@ impl Answer {
     pub fn diagnostics(&self) -> Option<Diagnostics> {
         match self.report {
             Report::Law(answer) => Some(answer.unwrap_or_default().diagnostics),
-            Report::Guidance(guided) => Some(guided.command.diagnostics),
+            Report::Guidance(guided) => Some(guided.command.diagnostics.plane),
             Report::Outside => None,
         }
     }
@@ -130,7 +117,7 @@ impl Answer {
         match &self.report {
             Report::Law(Ok(command)) => Some(&command.diagnostics),
             Report::Guidance(guided) if guided.mode == Mode::Flying => {
-                Some(&guided.command.diagnostics)
+                Some(&guided.command.diagnostics.plane)
             }
             _ => None,
         }
@@ -163,6 +150,11 @@ impl Answer {
 pub trait Controller {
     /// The answer to `input`, `dt` \[s\] after the last. The error is a controller that cannot be reached.
     fn answer(&mut self, input: &Input, dt: f32) -> anyhow::Result<Answer>;
+
+    /// How fast a path that waits may go on, in multiples of its own speed, at `error` \[m\] from where it moves at `velocity` \[m/s\].
+    fn pace(&self, _error: Ned, _velocity: Ned) -> f32 {
+        1.0
+    }
 
     /// Flips a bit of what it remembers: the one of this number, counted through its memory again and again.
     fn flip(&mut self, _bit: u64) {}
@@ -215,105 +207,80 @@ pub struct Kind {
 /// Every kind. The first is flown if an experiment names none.
 pub const KINDS: &[Kind] = &[guidance::KIND, law::KIND];
 
-/// `[controller.KIND]`: exactly one.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Choice {
-    /// Index in [`KINDS`].
-    kind: usize,
-    table: Value,
-}
-
-impl Default for Choice {
-    fn default() -> Self {
-        Self {
-            kind: 0,
-            table: Value::Table(Table::new()),
-        }
-    }
-}
-
-impl<'de> Deserialize<'de> for Choice {
-    fn deserialize<D: de::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let mut given = Table::deserialize(deserializer)?.into_iter();
-        let names = || KINDS.iter().map(|kind| kind.name).collect::<Vec<_>>();
-        let (Some((name, table)), None) = (given.next(), given.next()) else {
-            let names = names().join(", ");
-            return Err(de::Error::custom(format!("must be exactly one of {names}")));
-        };
-        let kind = KINDS.iter().position(|kind| kind.name == name);
-        let unknown = || {
-            let names = names().join(", ");
-            de::Error::custom(format!("{name} is none of {names}"))
-        };
-        Ok(Self {
-            kind: kind.ok_or_else(unknown)?,
-            table,
+impl ControllerSpec {
+    /// The row of its kind.
+    fn row(&self) -> Result<&'static Kind, FieldError> {
+        let row = KINDS.iter().find(|kind| kind.name == self.kind);
+        row.ok_or_else(|| {
+            let names: Vec<&str> = KINDS.iter().map(|kind| kind.name).collect();
+            let problem = format!("{} is none of {}", self.kind, names.join(", "));
+            FieldError::new("controller", problem)
         })
     }
-}
 
-impl Choice {
-    /// The kind's name.
-    pub fn name(&self) -> &'static str {
-        KINDS[self.kind].name
+    /// What its table says.
+    pub fn spec(&self) -> Result<Box<dyn Spec>, FieldError> {
+        (self.row()?.read)(self.table.clone()).map_err(|e| e.inside(&self.path()))
     }
 
     /// Whether the controller has a belief about the vehicle.
     pub fn believes(&self) -> bool {
-        KINDS[self.kind].believes
+        self.row().is_ok_and(|kind| kind.believes)
     }
+}
 
-    /// Where the table stands in the document.
-    pub fn path(&self) -> String {
-        format!("controller.{}", self.name())
-    }
-
-    /// What the table says.
+impl Experiment {
+    /// What the experiment says of its controller.
     pub fn spec(&self) -> Result<Box<dyn Spec>, FieldError> {
-        (KINDS[self.kind].read)(self.table.clone()).map_err(|e| e.inside(&self.path()))
+        self.controller.spec()
     }
-}
 
-/// `v` as the core takes it.
-pub(crate) fn inertial(v: Vector) -> Inertial {
-    Inertial::new(v.x as f32, v.y as f32)
-}
+    /// The controller, at power-on.
+    pub fn controller(&self) -> Result<Box<dyn Controller>, FieldError> {
+        let made = self.spec()?.controller(self);
+        made.map_err(|e| e.inside(&self.controller.path()))
+    }
 
-/// `v` as the plant takes it.
-pub(crate) fn vector(v: Inertial) -> Vector {
-    Vector::new(v.down().into(), v.forward().into())
+    /// What its controller is made of on a target.
+    pub fn configuration(&self, pacing: Pacing) -> Result<Configuration, FieldError> {
+        let configuration = self.spec()?.configuration(self, pacing);
+        configuration.map_err(|e| e.inside(&self.controller.path()))
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::experiment::Document;
 
     #[test]
     fn exactly_one_known_controller_is_chosen() {
-        let read = |text: &str| Choice::deserialize(text.parse::<Table>().unwrap());
-        assert_eq!(read("[law]").unwrap().name(), "law");
-        let error = |text: &str| read(text).unwrap_err().to_string();
-        assert!(error("").contains("exactly one of guidance, law"));
-        assert!(error("[law]\n[guidance]").contains("exactly one of"));
+        let error = |text: &str| {
+            let mut document = Document::load("round-trip").unwrap();
+            let value = text.parse::<toml::Table>().unwrap();
+            document.set("controller", Value::Table(value)).unwrap();
+            document.experiment().unwrap_err().to_string()
+        };
+        assert!(error("").starts_with("controller: must be exactly one"));
+        assert!(error("[law]\n[guidance]").starts_with("controller: must be exactly one"));
         assert!(error("[autopilot]").contains("autopilot is none of guidance, law"));
-        assert_eq!(Choice::default().name(), "guidance");
+        assert_eq!(KINDS[0].name, ControllerSpec::default().kind);
     }
 
     #[test]
     fn the_wind_follows_from_what_is_told() {
         let mut input = Input {
-            theta: 0.0,
-            sample: PlanarGuidanceInput::default(),
+            sample: GuidanceInput::default(),
             feed_forward: None,
         };
-        input.sample.velocity = Inertial::new(1.0, 12.0);
+        input.sample.velocity = Ned::new(12.0, 2.0, 1.0);
         let mut wind = |air| {
             input.sample.air = air;
             input.wind()
         };
-        let expected = Inertial::new(1.0, -3.0);
-        assert_eq!(wind(Air::Velocity(Inertial::new(0.0, 15.0))), expected);
+        let expected = Ned::new(-3.0, 1.0, 1.0);
+        assert_eq!(wind(Air::Velocity(Ned::new(15.0, 1.0, 0.0))), expected);
         assert_eq!(wind(Air::Wind(expected)), expected);
-        assert_eq!(wind(Air::Unknown), Inertial::ZERO);
+        assert_eq!(wind(Air::Unknown), Ned::default());
     }
 }

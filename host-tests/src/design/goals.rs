@@ -104,10 +104,10 @@ pub fn limits_text(facts: &Facts) -> String {
         );
     };
     limit("altitude_most_m", "most", LOST, back);
-    limit("late_position_error_m", "most", BACK[1], back);
+    limit("max_late_position_error_m", "most", BACK[1], back);
     limit("late_mean_velocity_error_m_s", "most", BACK[0], back);
     limit(
-        "cruise_error_m_s",
+        "max_cruise_error_m_s",
         "most",
         MISSED * facts.cruise_m_s,
         within,
@@ -159,9 +159,9 @@ pub(super) mod tests {
         assert_eq!(of("altitude_most_m", "most"), [50.0, 15.0]);
         assert_eq!(of("forward_least_m", "least"), [-45.0]);
         assert_eq!(of("ahead_m", "most"), [22.5]);
-        assert_eq!(of("late_position_error_m", "most"), [5.0]);
+        assert_eq!(of("max_late_position_error_m", "most"), [5.0]);
         assert_eq!(of("late_mean_velocity_error_m_s", "most"), [0.5]);
-        assert_eq!(of("cruise_error_m_s", "most"), [7.5]);
+        assert_eq!(of("max_cruise_error_m_s", "most"), [7.5]);
         assert_eq!(limits.len(), 9);
     }
 }

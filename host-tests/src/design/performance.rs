@@ -258,7 +258,7 @@ fn stop(document: &Document, cruise: f64) -> anyhow::Result<Option<[f64; 3]>> {
     let experiment = document.checked()?;
     let figures = Figures::of(&experiment, &fly(&experiment)?);
     let found = ["ahead_m", "loss_back_m", "gain_back_m"].map(|name| figures.get(name));
-    Ok((figures.get("cruise_error_m_s") < REACHED).then_some(found))
+    Ok((figures.get("max_cruise_error_m_s") < REACHED).then_some(found))
 }
 
 #[cfg(test)]

@@ -43,7 +43,7 @@ impl Verdict {
                 "it is lost: more than {LOST} m below its reference"
             ));
         }
-        let missed = get("cruise_error_m_s");
+        let missed = get("max_cruise_error_m_s");
         if !within(missed, REACHED) {
             failures.push(format!(
                 "it does not reach cruise: at the end of cruise at {} m/s the velocity is off by {missed:.1} m/s{}",
@@ -51,7 +51,7 @@ impl Verdict {
                 why_no_cruise(facts, performance)
             ));
         }
-        let end = ["late_velocity_error_m_s", "late_position_error_m"].map(get);
+        let end = ["max_late_velocity_error_m_s", "max_late_position_error_m"].map(get);
         if !(within(end[0], BACK[0]) && within(end[1], BACK[1])) {
             failures.push(format!(
                 "it does not come back to hover: {:.1} m/s and {:.0} m off its reference at the end",

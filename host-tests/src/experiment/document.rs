@@ -11,16 +11,16 @@ use serde::de::DeserializeOwned;
 use toml::de::{DeTable, DeValue};
 use toml::{Table, Value};
 
-use super::range::Range;
-use super::{BUILT_IN, Experiment, VehicleSpec};
-use crate::controllers::KINDS;
+use super::{BUILT_IN, ControllerSpec, Experiment, VehicleSpec};
 use crate::named::{Named, hint, on_one_line};
 use crate::polar::holds_polar;
 
 /// Most tables that a dotted path goes through: as many as TOML's reader lets a text nest.
 const DEEPEST: usize = 80;
 /// Tables of which exactly one entry is given.
-const CHOICES: [&str; 4] = ["controller", "aerodynamics", "rate_loop", "path"];
+const CHOICES: [&str; 5] = ["controller", "aerodynamics", "rate_loop", "path", "reference"];
+/// Two names of one table: a text that has one takes the place of the other in its base.
+const NAMES_OF_PATH: [&str; 2] = ["path", "reference"];
 
 /// A value that was refused: the field's dotted path, and why.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -91,12 +91,13 @@ pub(crate) fn require(
 
 /// `value` must be finite.
 pub(crate) fn finite(field: &str, value: f64) -> Result<(), FieldError> {
-    Range::Finite.check(field, &value)
+    require(value.is_finite(), field, "must be a finite number")
 }
 
 /// `value` must be finite and greater than 0.
 pub(crate) fn positive(field: &str, value: f64) -> Result<(), FieldError> {
-    Range::Positive.check(field, &value)
+    finite(field, value)?;
+    require(value > 0.0, field, "must be positive")
 }
 
 /// `value` must be at most `most`, which is so many of what `what` says, either way.
@@ -231,6 +232,7 @@ impl Document {
         if let Value::Table(root) = &mut document.root {
             root.remove("description");
         }
+        own.keys().for_each(|key| document.supersede(key));
         merge("", &mut document.root, Value::Table(own));
         match set {
             None => {}
@@ -274,6 +276,9 @@ impl Document {
         let begin: String = path.chars().take(40).collect();
         let problem = format_args!("goes through more than {DEEPEST} tables");
         require(parts(path).count() <= DEEPEST, begin, problem)?;
+        if let Some((key, _)) = parts(path).next() {
+            self.supersede(key);
+        }
         let mut found = &mut self.root;
         let mut around = "";
         for (key, index) in parts(path) {
@@ -298,25 +303,6 @@ impl Document {
         }
         *found = value;
         Ok(())
-    }
-
-    /// Writes down what the controller believes about the vehicle, where that is left out: the vehicle as it stands here. What is
-    /// changed of the vehicle from then on is not known to the controller.
-    pub fn pin_belief(&mut self) -> Result<(), FieldError> {
-        // In space the guidance is the only controller.
-        let (believes, controller) = match self.get("path") {
-            Some(_) => (true, "controller.guidance".to_owned()),
-            None => {
-                let experiment: Experiment = self.read()?;
-                let controller = &experiment.controller;
-                (controller.believes(), controller.path())
-            }
-        };
-        let path = format!("{controller}.vehicle");
-        match self.get("vehicle").cloned() {
-            Some(vehicle) if believes && self.get(&path).is_none() => self.set(&path, vehicle),
-            _ => Ok(()),
-        }
     }
 
     /// Does what `PATH=VALUE` says; the value is TOML.
@@ -351,19 +337,29 @@ impl Document {
         read(self.root.clone())
     }
 
-    /// The experiment that the document describes, validated.
-    pub fn experiment(&self) -> Result<Experiment, FieldError> {
-        let problem =
-            "is flown in space; here experiments in a vertical plane are taken, with a `reference`";
-        require(self.get("path").is_none(), "path", problem)?;
+    /// The experiment that the document describes, validated but for its controller.
+    pub fn data(&self) -> Result<Experiment, FieldError> {
         let experiment: Experiment = self.read()?;
-        experiment.validate()?;
+        experiment.validate().map_err(|error| self.as_written(error))?;
         Ok(experiment)
     }
 
-    /// The experiment; an error names file and line.
-    pub fn checked(&self) -> anyhow::Result<Experiment> {
-        self.experiment().map_err(|error| self.located(error))
+    /// The error with the name that the document has for the path.
+    fn as_written(&self, error: FieldError) -> FieldError {
+        let [path, reference] = NAMES_OF_PATH;
+        match error.field.strip_prefix(path) {
+            Some(rest) if self.get(reference).is_some() => {
+                FieldError::new(format!("{reference}{rest}"), error.problem)
+            }
+            _ => error,
+        }
+    }
+
+    /// Takes the other name of the path out, where `key` is one of its names.
+    fn supersede(&mut self, key: &str) {
+        if let (Value::Table(root), true) = (&mut self.root, NAMES_OF_PATH.contains(&key)) {
+            root.retain(|other, _| other == key || !NAMES_OF_PATH.iter().any(|name| *name == other));
+        }
     }
 
     /// The error with the text and the line that it is about: `file:line: field: problem`.
@@ -380,10 +376,10 @@ impl Document {
     }
 
     /// The kind of controller that the document names, or the default one.
-    pub fn controller(&self) -> &str {
+    pub fn controller(&self) -> String {
         let table = self.get("controller").and_then(Value::as_table);
-        let named = table.and_then(|table| table.keys().next());
-        named.map_or(KINDS[0].name, String::as_str)
+        let named = table.and_then(|table| table.keys().next().cloned());
+        named.unwrap_or_else(|| ControllerSpec::default().kind)
     }
 
     /// The vehicle that the document describes, validated.

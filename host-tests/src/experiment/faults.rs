@@ -1,13 +1,17 @@
 //! Faults of what the controller is told, of its clock, and of its memory.
 
-use std::ops::{Add, Mul, Sub};
-
 use alula::guidance::Air;
+use alula::ned::Ned;
+use alula::spatial::Body;
+use nalgebra::UnitQuaternion;
 use rand::{Rng, RngExt};
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
+use super::V3;
 use super::document::{FieldError, finite, require, sensor_error};
+use super::sensors::Measured;
+use super::vector::ned;
 
 /// What is wrong while a fault lasts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
@@ -128,34 +132,58 @@ pub(crate) struct Clock {
     pub flips: Option<u64>,
 }
 
-/// What sensors tell, and faults of sensors change.
-pub(crate) trait Told: Copy {
-    /// What is told under `fault`.
-    fn distort(&mut self, fault: &Lasting<Self>);
-}
-
 /// A fault that lasts.
-pub(crate) struct Lasting<M> {
-    pub kind: FaultKind,
+struct Lasting {
+    kind: FaultKind,
     /// What was measured when it began.
-    pub first: M,
+    first: Measured,
     /// Its size, or 0.
-    pub size: f64,
+    size: f64,
     /// Its size times the seconds since it began.
-    pub drift: f64,
+    drift: f64,
+    /// Whether it stays in the vertical plane to the north.
+    in_plane: bool,
 }
 
-impl<M> Lasting<M> {
-    /// What is told of the `air` under this fault. When the fault began, it was `first`, and the ground velocity `velocity`; a drift has
-    /// come to `off` \[m/s\].
-    pub fn air<V>(&self, air: Air<V>, first: Air<V>, velocity: V, off: V) -> Air<V>
-    where
-        V: Add<Output = V> + Sub<Output = V> + Mul<f32, Output = V>,
-    {
-        match (self.kind, air, first) {
+impl Lasting {
+    /// `x` on every component of a world vector.
+    fn every(&self, x: f64) -> V3 {
+        V3::new(x, if self.in_plane { 0.0 } else { x }, x)
+    }
+
+    /// A turn by `angle` \[°\] about every body axis.
+    fn turn(&self, angle: f64) -> UnitQuaternion<f64> {
+        let angle = angle.to_radians();
+        let across = if self.in_plane { 0.0 } else { angle };
+        UnitQuaternion::from_scaled_axis(V3::new(across, angle, across))
+    }
+
+    /// Changes what is told.
+    fn distort(&self, told: &mut Measured) {
+        let first = &self.first;
+        match self.kind {
+            FaultKind::VelocityFrozen => told.velocity = first.velocity,
+            FaultKind::VelocityDrift => told.velocity += self.every(self.drift),
+            FaultKind::AttitudeFrozen => told.attitude = first.attitude,
+            FaultKind::AttitudeDrift => told.attitude *= self.turn(self.drift),
+            FaultKind::AttitudeOffset => told.attitude *= self.turn(self.size),
+            FaultKind::PositionDrift => told.position += self.every(self.drift),
+            FaultKind::PositionJump => told.position += self.every(self.size),
+            _ => {}
+        }
+        told.air = self.air(told.air);
+        told.specific_force = self.force(told.specific_force);
+    }
+
+    fn air(&self, air: Air<Ned>) -> Air<Ned> {
+        match (self.kind, air, self.first.air) {
             (FaultKind::AirFrozen, _, first) => first,
-            (FaultKind::WindStuck, _, Air::Velocity(first)) => Air::Wind(velocity - first),
-            (FaultKind::AirDrift, Air::Velocity(air), _) => Air::Velocity(air + off),
+            (FaultKind::WindStuck, _, Air::Velocity(first)) => {
+                Air::Wind(ned(self.first.velocity) - first)
+            }
+            (FaultKind::AirDrift, Air::Velocity(air), _) => {
+                Air::Velocity(air + ned(self.every(self.drift)))
+            }
             (FaultKind::AirScale, Air::Velocity(air), _) => {
                 Air::Velocity(air * (1.0 + self.size) as f32)
             }
@@ -163,15 +191,13 @@ impl<M> Lasting<M> {
         }
     }
 
-    /// What is told of the specific `force` under this fault. When the fault began, it was `first`; a drift has come to `off` \[m/s²\].
-    pub fn force<F>(&self, force: Option<F>, first: Option<F>, off: F) -> Option<F>
-    where
-        F: Default + Add<Output = F>,
-    {
+    fn force(&self, force: Option<Body>) -> Option<Body> {
+        let by = self.drift as f32;
+        let off = Body::new(by, by, if self.in_plane { 0.0 } else { by });
         match self.kind {
             FaultKind::Accelerometer => None,
-            FaultKind::AccelerometerDead => force.map(|_| F::default()),
-            FaultKind::AccelerometerFrozen => first,
+            FaultKind::AccelerometerDead => force.map(|_| Body::default()),
+            FaultKind::AccelerometerFrozen => self.first.specific_force,
             FaultKind::AccelerometerDrift => force.map(|f| f + off),
             _ => force,
         }
@@ -179,23 +205,25 @@ impl<M> Lasting<M> {
 }
 
 /// The faults of a flight, as far as it has come.
-pub(crate) struct Faults<'a, M> {
+pub(crate) struct Faults<'a> {
     specs: &'a [FaultSpec],
     /// What was measured when each began.
-    begun: Vec<Option<M>>,
+    begun: Vec<Option<Measured>>,
+    in_plane: bool,
     /// Time \[s\] since the controller was asked last, before this step.
     waited: f64,
     random: ChaCha8Rng,
 }
 
-impl<'a, M: Told> Faults<'a, M> {
+impl<'a> Faults<'a> {
     /// None has begun. `seed` is the experiment's; no other part of the flight draws from this `stream` of it.
-    pub fn new(specs: &'a [FaultSpec], seed: u64, stream: u64) -> Self {
+    pub fn new(specs: &'a [FaultSpec], seed: u64, in_plane: bool) -> Self {
         Self {
             specs,
             begun: vec![None; specs.len()],
             waited: 0.0,
-            random: super::stream(seed, stream),
+            in_plane,
+            random: super::stream(seed, 3),
         }
     }
 
@@ -205,19 +233,21 @@ impl<'a, M: Told> Faults<'a, M> {
     }
 
     /// What the sensors say at `t` \[s\] of what was `measured`.
-    pub fn distort(&mut self, t: f64, measured: M) -> M {
+    pub fn distort(&mut self, t: f64, measured: Measured) -> Measured {
         let mut told = measured;
         for (fault, begun) in self.specs.iter().zip(&mut self.begun) {
             if !fault.lasts(t) {
                 continue;
             }
             let size = fault.size.unwrap_or(0.0);
-            told.distort(&Lasting {
+            let lasting = Lasting {
+                in_plane: self.in_plane,
                 kind: fault.kind,
                 first: *begun.get_or_insert(measured),
                 size,
                 drift: size * (t - fault.from_s),
-            });
+            };
+            lasting.distort(&mut told);
         }
         told
     }
@@ -252,10 +282,7 @@ impl<'a, M: Told> Faults<'a, M> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::sensors::Measured;
     use super::*;
-    use crate::reference::Vector;
-    use alula::Inertial;
 
     fn spec(kind: FaultKind, size: Option<f64>) -> FaultSpec {
         FaultSpec {
@@ -269,7 +296,7 @@ mod tests {
     #[test]
     fn a_fault_lasts_from_its_beginning_to_before_its_end() {
         let specs = [spec(FaultKind::Air, None)];
-        let faults = Faults::<Measured>::new(&specs, 0, 2);
+        let faults = Faults::new(&specs, 0, false);
         let lasts = |t| faults.lasts(FaultKind::Air, t);
         assert!(!lasts(0.99) && lasts(1.0) && lasts(1.99) && !lasts(2.0));
         assert!(!faults.lasts(FaultKind::StateStale, 1.5));
@@ -286,62 +313,95 @@ mod tests {
         assert!(refused(FaultKind::AirDrift, Some(f64::NAN)).is_err());
     }
 
-    /// Measured at `t` on a flight along the sum of all axes.
+    /// Measured at `t` \[s\] of a climbing turn.
     fn measured(t: f64) -> Measured {
         Measured {
-            velocity: Vector::new(t, 10.0 + t),
-            position: Vector::new(0.0, 10.0 * t),
-            theta: 0.1 * t,
-            air: Air::Velocity(Inertial::new(t as f32, 8.0 + t as f32)),
-            specific_force: None,
+            velocity: V3::new(10.0 + t, t, -1.0),
+            position: V3::new(10.0 * t, 0.0, -t),
+            attitude: UnitQuaternion::from_scaled_axis(V3::new(0.1 * t, 0.2, 0.3)),
+            air: Air::Velocity(Ned::new(8.0 + t as f32, t as f32, -1.0)),
+            specific_force: Some(Body::new(9.0, t as f32, 0.5)),
         }
     }
 
-    #[test]
-    fn sensors_freeze_drift_and_jump() {
-        let told = |kind, size| {
-            let specs = [spec(kind, size)];
-            let mut faults = Faults::new(&specs, 0, 2);
-            let at = |t, faults: &mut Faults<Measured>| faults.distort(t, measured(t));
-            // As it is before, and again afterwards.
-            assert_eq!(at(0.5, &mut faults), measured(0.5), "{kind:?}");
-            at(1.0, &mut faults);
-            let during = at(1.5, &mut faults);
-            assert_eq!(at(2.0, &mut faults), measured(2.0), "{kind:?}");
-            during
-        };
-        let (first, fresh) = (measured(1.0), measured(1.5));
-        assert_eq!(told(FaultKind::AirFrozen, None).air, first.air);
-        // The wind is 2 m/s; that it is told is what differs.
-        let wind = Air::Wind(Inertial::new(0.0, 2.0));
-        assert_eq!(told(FaultKind::WindStuck, None).air, wind);
-        let frozen = told(FaultKind::VelocityFrozen, None);
+    /// What is told of `measured(1.5)` under a fault that begins at 1 s and ends at 2 s; before and after nothing is changed.
+    fn told(kind: FaultKind, size: Option<f64>, in_plane: bool) -> Measured {
+        let specs = [FaultSpec {
+            kind,
+            from_s: 1.0,
+            to_s: 2.0,
+            size,
+        }];
+        let mut faults = Faults::new(&specs, 0, in_plane);
         assert_eq!(
-            (frozen.velocity, frozen.theta),
-            (first.velocity, fresh.theta)
+            faults.distort(0.5, measured(0.5)),
+            measured(0.5),
+            "{kind:?}"
         );
-        assert_eq!(told(FaultKind::AttitudeFrozen, None).theta, first.theta);
-        let off = told(FaultKind::AttitudeOffset, Some(10.0)).theta - fresh.theta;
-        assert!((off.to_degrees() - 10.0).abs() < 1e-9);
-        let off = told(FaultKind::AttitudeDrift, Some(10.0)).theta - fresh.theta;
-        assert!((off.to_degrees() - 5.0).abs() < 1e-9);
-        let off = told(FaultKind::PositionJump, Some(4.0)).position - fresh.position;
-        assert_eq!(off, Vector::new(4.0, 4.0));
-        let off = told(FaultKind::PositionDrift, Some(4.0)).position - fresh.position;
-        assert_eq!(off, Vector::new(2.0, 2.0));
-        let off = told(FaultKind::VelocityDrift, Some(-2.0)).velocity - fresh.velocity;
-        assert_eq!(off, Vector::new(-1.0, -1.0));
-        let scaled = Air::Velocity(Inertial::new(0.75, 4.75));
-        assert_eq!(told(FaultKind::AirScale, Some(-0.5)).air, scaled);
-        let drifted = Air::Velocity(Inertial::new(2.5, 10.5));
-        assert_eq!(told(FaultKind::AirDrift, Some(2.0)).air, drifted);
+        faults.distort(1.0, measured(1.0));
+        let during = faults.distort(1.5, measured(1.5));
+        assert_eq!(
+            faults.distort(2.0, measured(2.0)),
+            measured(2.0),
+            "{kind:?}"
+        );
+        during
+    }
+
+    #[test]
+    fn sensors_in_space_freeze_drift_and_jump() {
+        use FaultKind::{
+            Accelerometer, AccelerometerDead, AccelerometerDrift, AccelerometerFrozen, AirDrift,
+            AirFrozen, AirScale, AttitudeDrift, AttitudeFrozen, AttitudeOffset, PositionDrift,
+            PositionJump, VelocityDrift, VelocityFrozen, WindStuck,
+        };
+        let told = |kind, size| told(kind, size, false);
+        let (first, fresh) = (measured(1.0), measured(1.5));
+        assert_eq!(told(AirFrozen, None).air, first.air);
+        assert_eq!(
+            told(WindStuck, None).air,
+            Air::Wind(Ned::new(2.0, 0.0, 0.0))
+        );
+        let half = Air::Velocity(Ned::new(4.75, 0.75, -0.5));
+        assert_eq!(told(AirScale, Some(-0.5)).air, half);
+        let off = Air::Velocity(Ned::new(10.5, 2.5, 0.0));
+        assert_eq!(told(AirDrift, Some(2.0)).air, off);
+        assert_eq!(told(VelocityFrozen, None).velocity, first.velocity);
+        let drifted = told(VelocityDrift, Some(-2.0)).velocity - fresh.velocity;
+        assert_eq!(drifted, V3::repeat(-1.0));
+        assert_eq!(
+            told(PositionJump, Some(4.0)).position - fresh.position,
+            V3::repeat(4.0)
+        );
+        assert_eq!(
+            told(PositionDrift, Some(4.0)).position - fresh.position,
+            V3::repeat(2.0)
+        );
+        assert_eq!(told(AttitudeFrozen, None).attitude, first.attitude);
+        // About each of three body axes.
+        for (kind, size) in [(AttitudeOffset, 3.0), (AttitudeDrift, 6.0)] {
+            let turned = fresh.attitude.inverse() * told(kind, Some(size)).attitude;
+            let degrees = turned.scaled_axis().map(f64::to_degrees);
+            assert!((degrees - V3::repeat(3.0)).norm() < 1e-9, "{degrees}");
+        }
+        assert_eq!(told(Accelerometer, None).specific_force, None);
+        assert_eq!(
+            told(AccelerometerDead, None).specific_force,
+            Some(Body::default())
+        );
+        assert_eq!(
+            told(AccelerometerFrozen, None).specific_force,
+            first.specific_force
+        );
+        let drifted = Some(Body::new(10.0, 2.5, 1.5));
+        assert_eq!(told(AccelerometerDrift, Some(2.0)).specific_force, drifted);
     }
 
     #[test]
     fn clocks_stand_still_run_backwards_jump_and_jitter() {
         let run = |kind, size| {
             let specs = [spec(kind, size)];
-            let mut faults = Faults::<Measured>::new(&specs, 0, 2);
+            let mut faults = Faults::new(&specs, 0, false);
             [0.75, 1.0, 1.25, 1.5, 1.75, 2.0, 2.25].map(|t| faults.clock(t, 0.25).steps)
         };
         let (one, two) = ([Some(0.25), None], [Some(0.25), Some(0.0)]);
@@ -374,11 +434,23 @@ mod tests {
     #[test]
     fn a_bit_flips_at_every_step() {
         let specs = [spec(FaultKind::MemoryBit, None)];
-        let mut faults = Faults::<Measured>::new(&specs, 0, 2);
+        let mut faults = Faults::new(&specs, 0, false);
         let mut flips = |t| faults.clock(t, 0.25).flips;
         assert_eq!(flips(0.5), None);
         let (a, b) = (flips(1.0), flips(1.25));
         assert!(a.is_some() && b.is_some() && a != b);
         assert_eq!(flips(2.0), None);
+    }
+
+    #[test]
+    fn in_a_plane_faults_stay_in_it() {
+        let fresh = measured(1.5);
+        let jump = told(FaultKind::PositionJump, Some(4.0), true).position - fresh.position;
+        assert_eq!(jump, V3::new(4.0, 0.0, 4.0));
+        let told_attitude = told(FaultKind::AttitudeOffset, Some(3.0), true).attitude;
+        let turned = (fresh.attitude.inverse() * told_attitude).scaled_axis();
+        assert!((turned - V3::new(0.0, 3.0_f64.to_radians(), 0.0)).norm() < 1e-12);
+        let force = told(FaultKind::AccelerometerDrift, Some(2.0), true).specific_force;
+        assert_eq!(force, Some(Body::new(10.0, 2.5, 0.5)));
     }
 }

@@ -1,43 +1,55 @@
-//! Experiments: what is flown, by whom, along which reference, in which weather. TOML in, validated values out.
+//! Experiments: what is flown, by whom, along which path, in which weather. TOML in, validated values out; plain data.
+//!
+//! World vectors are [north, east, down]. An experiment of which nothing points to the east, with its path given by knots, is one in the
+//! vertical plane to the north ([`Experiment::in_plane`]).
 
+mod controller;
 mod document;
-pub(crate) mod dryden;
+mod dryden;
 mod faults;
+mod initial;
+mod knots;
 mod parameters;
+mod path;
 mod plant;
-mod range;
-mod reference;
+mod route;
 mod sensors;
+mod vector;
 mod vehicle;
 mod weather;
 
+use std::collections::BTreeMap;
+
 use alula::guidance::{MAX_STEP, MIN_STEP};
 use alula_bridges::sitl::Actuators;
-use alula_link::{Configuration, Pacing};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use serde::Deserialize;
 
+pub use controller::ControllerSpec;
 pub use document::{Document, FieldError, Located};
-pub(crate) use document::{angle, finite, from_toml, positive, rate, read, require, speed};
+pub(crate) use document::{angle, finite, from_toml, read, require};
+use document::positive;
 pub use faults::{FaultKind, FaultSpec};
-pub(crate) use faults::{Faults, Lasting, Told};
+pub(crate) use faults::Faults;
+pub use initial::{InitialSpec, Scatter};
+pub use knots::{Knot, Knots};
 pub use parameters::{Fields, file_name, file_value, refused};
-pub use plant::{Plant, PlantSpec, RateLoop, State};
-pub use reference::{InitialSpec, Knot, ReferenceSpec};
-pub(crate) use sensors::validate as validate_sensors;
+pub use path::{Path, PathSpec, Target};
+pub use plant::{PlantSpec, RateLoop, State};
+pub(crate) use sensors::orientation;
 pub use sensors::{AirSensor, ErrorSpec, Measured, Sensor, SensorSpec};
+pub use vector::V3;
+pub(crate) use vector::{double, ned};
 pub use vehicle::{AerodynamicsSpec, Model, NO_LIMITS, Vehicle, VehicleSpec};
-pub use weather::{GustSpec, TurbulenceSpec, Weather, WeatherSpec};
+pub use weather::{Gust, Turbulence, TurbulenceSpec, Weather, WeatherSpec};
 
-use crate::controllers::{Choice, Controller, Spec};
 use crate::named::built_in;
 
 /// What is flown when nothing is asked for.
 pub const DEFAULT: &str = "hover-to-cruise";
 
-/// Name and TOML text of every built-in experiment. Those with a path are flown in space. Those with neither path nor reference are
-/// vehicles, for others to be based on.
+/// Name and TOML text of every built-in experiment. Those without a path are vehicles, for others to be based on.
 pub const BUILT_IN: &[(&str, &str)] = built_in! { "experiments", ".toml";
     "paper",
     "paper-re-5e6",
@@ -82,13 +94,16 @@ pub struct Experiment {
     pub description: String,
     /// Length of the flight \[s\].
     pub duration_s: f64,
+    /// Length of its beginning that root mean squares and peaks leave out \[s\].
+    #[serde(default)]
+    pub entry_s: f64,
     /// Rate of the control steps \[Hz\]; commands are held in between.
     #[serde(default = "hundred")]
     pub control_rate_hz: f64,
     /// Runge–Kutta steps of the plant per control step.
     #[serde(default = "five")]
     pub substeps: u32,
-    /// Seed of noise and turbulence.
+    /// Seed of noise, turbulence and scatter.
     #[serde(default)]
     pub seed: u64,
     /// The true vehicle.
@@ -104,22 +119,26 @@ pub struct Experiment {
     pub weather: WeatherSpec,
     /// Who closes the loop.
     #[serde(default)]
-    pub controller: Choice,
-    /// The reference velocity; the reference position is its integral.
-    pub reference: ReferenceSpec,
+    pub controller: ControllerSpec,
+    /// What is to be flown: `[path]`, or `[reference]`.
+    #[serde(alias = "reference")]
+    pub path: PathSpec,
     /// Where the flight starts.
     #[serde(default)]
     pub initial: InitialSpec,
     /// Elevons and motors, for an ArduPilot that flies the vehicle.
     #[serde(default)]
     pub ardupilot: Actuators,
+    /// Greatest values of figures, by name.
+    #[serde(default)]
+    pub bounds: BTreeMap<String, f64>,
 }
 
-pub(crate) fn hundred() -> f64 {
+fn hundred() -> f64 {
     100.0
 }
 
-pub(crate) fn five() -> u32 {
+fn five() -> u32 {
     5
 }
 
@@ -134,7 +153,7 @@ pub(crate) fn stream(seed: u64, number: u64) -> ChaCha8Rng {
 const MAX_STEPS: f64 = 2e6;
 
 /// Checks the number of control steps, and of the plant's steps in each.
-pub(crate) fn check_steps(duration: f64, rate: f64, substeps: u32) -> Result<(), FieldError> {
+fn check_steps(duration: f64, rate: f64, substeps: u32) -> Result<(), FieldError> {
     positive("duration_s", duration)?;
     positive("control_rate_hz", rate)?;
     let steps = duration * rate;
@@ -145,51 +164,44 @@ pub(crate) fn check_steps(duration: f64, rate: f64, substeps: u32) -> Result<(),
 }
 
 impl Experiment {
-    /// Checks every field that the type system does not.
+    /// Checks every field that the type system does not, but for the controller's.
     pub fn validate(&self) -> Result<(), FieldError> {
         check_steps(self.duration_s, self.control_rate_hz, self.substeps)?;
+        let within = (0.0..self.duration_s).contains(&self.entry_s);
+        require(within, "entry_s", "must be from 0 to before duration_s")?;
         // The guidance refuses every frame with a longer or shorter step; the vehicle would fall.
         let step = 1.0 / self.control_rate_hz;
         let flown = f64::from(MIN_STEP)..=f64::from(MAX_STEP);
-        let flown = self.controller.name() != "guidance" || flown.contains(&step);
+        let flown = self.controller.kind != "guidance" || flown.contains(&step);
         let problem = format_args!("the guidance flies steps of {MIN_STEP} to {MAX_STEP} s");
         require(flown, "control_rate_hz", problem)?;
         // A vehicle that the core would not control is not worth flying.
         self.vehicle.core().map_err(|e| e.inside("vehicle"))?;
         let dt = 1.0 / self.control_rate_hz / f64::from(self.substeps);
         self.plant.validate(dt)?;
-        self.controller()?;
         self.sensors.validate()?;
         self.weather.validate()?;
-        self.reference.validate()?;
+        self.path.path()?;
         self.initial.validate()?;
+        for (name, &bound) in &self.bounds {
+            finite(&format!("bounds.{name}"), bound)?;
+        }
         let refused = |e: alula_bridges::sitl::Refused| FieldError::new(e.field, e.problem);
         let actuators = self.ardupilot.validate();
         actuators.map_err(|e| refused(e).inside("ardupilot"))
     }
 
-    /// What the experiment says of its controller.
-    pub fn spec(&self) -> Result<Box<dyn Spec>, FieldError> {
-        self.controller.spec()
-    }
-
-    /// The controller, at power-on.
-    pub fn controller(&self) -> Result<Box<dyn Controller>, FieldError> {
-        let path = self.controller.path();
-        self.spec()?.controller(self).map_err(|e| e.inside(&path))
-    }
-
-    /// What its controller is made of on a target.
-    pub fn configuration(&self, pacing: Pacing) -> Result<Configuration, FieldError> {
-        let path = self.controller.path();
-        let configuration = self.spec()?.configuration(self, pacing);
-        configuration.map_err(|e| e.inside(&path))
+    /// Whether nothing of it points out of the vertical plane to the north: path, steady wind, gust and start. Errors of sensors and
+    /// turbulence stay in the plane then, and so does the flight.
+    pub fn in_plane(&self) -> bool {
+        let path = self.path.knots().is_some_and(Knots::in_plane);
+        path && self.weather.in_plane() && self.initial.in_plane()
     }
 
     /// Least and most thrust \[N\] that a controller may command: `given`, or else what the motors give. Motors without limits are taken for
-    /// those of twice the `weight` \[N\] that the controller believes in.
+    /// none at least, and for those of twice the `weight` \[N\] that the controller believes in.
     pub fn thrust_limits(&self, given: Option<[f64; 2]>, weight: f64) -> [f64; 2] {
-        thrust_limits(given.unwrap_or(self.plant.thrust_n), weight)
+        self.plant.thrust_limits(given, weight)
     }
 
     /// Number of control periods flown.
@@ -203,12 +215,6 @@ impl Experiment {
     }
 }
 
-/// Least and most thrust \[N\] without infinities: in their place none, and twice the `weight` \[N\].
-pub(crate) fn thrust_limits([least, most]: [f64; 2], weight: f64) -> [f64; 2] {
-    let bounded = |value: f64, else_value| if value.is_finite() { value } else { else_value };
-    [bounded(least, 0.0), bounded(most, 2.0 * weight)]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -217,11 +223,8 @@ mod tests {
     fn every_built_in_is_valid() {
         for (name, _) in BUILT_IN {
             let document = Document::load(name).unwrap();
-            if document.get("reference").is_some() {
+            if ["path", "reference"].iter().any(|key| document.get(key).is_some()) {
                 document.checked().unwrap();
-            }
-            if document.get("path").is_some() {
-                crate::space::Experiment::of(&document).unwrap();
             }
         }
     }
@@ -239,7 +242,7 @@ mod tests {
             (experiment.control_rate_hz, experiment.substeps),
             (100.0, 5)
         );
-        assert_eq!(experiment.controller.name(), "guidance");
+        assert_eq!(experiment.controller.kind, "guidance");
         assert_eq!(experiment.plant.rate_loop, RateLoop::Ideal);
         assert_eq!(experiment.vehicle.gravity_m_s2, 9.81);
     }
@@ -275,10 +278,13 @@ mod tests {
         assert_eq!(refused(&format!("{inertia}={table}")), field);
         let knots = "reference.knots[2].forward_m_s";
         assert_eq!(refused(&format!("{knots}=1e30")), knots);
-        assert_eq!(refused("weather.steady_m_s=[0,-500]"), "weather.steady_m_s");
-        assert_eq!(refused("initial.down_m_s=1e6"), "initial.down_m_s");
+        assert_eq!(refused("weather.steady_m_s=[-500,0,0]"), "weather.steady_m_s");
+        assert_eq!(refused("initial.speed_m_s=1e6"), "initial.speed_m_s");
+        let velocity = "initial.velocity_m_s";
+        assert_eq!(refused(&format!("{velocity}=[0,0,1e6]")), velocity);
         assert_eq!(refused("initial.theta_deg=1e300"), "initial.theta_deg");
-        assert_eq!(refused("initial.rate_rad_s=-1e30"), "initial.rate_rad_s");
+        let rates = "initial.rates_rad_s";
+        assert_eq!(refused(&format!("{rates}=[0,-1e30,0]")), rates);
         let noise = "sensors.velocity_m_s.noise";
         assert_eq!(refused(&format!("{noise}=1e308")), noise);
     }

@@ -1,15 +1,15 @@
-//! The vehicle with its actuators: `m v̇ = m g i0 + F_a − T i`, `θ̇ = ω`, thrust and rate behind lags.
+//! The actuators of a vehicle, and the state of a body with six degrees of freedom.
 
-use serde::Deserialize;
+use nalgebra::UnitQuaternion;
+use serde::{Deserialize, Deserializer};
 
+use super::V3;
 use super::document::{FieldError, finite, positive, require};
-use super::range::{Numbers, Range};
-use crate::reference::{ForceModel, Vector, Vehicle};
 
-/// How the angular rate follows its command. In space `J` is a number for each of belly, right wing and tail.
+/// How the body rates follow their commands.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
-pub enum RateLoop<J = f64> {
+pub enum RateLoop {
     /// ω = ω_c.
     #[default]
     Ideal,
@@ -19,23 +19,39 @@ pub enum RateLoop<J = f64> {
         time_constant_s: f64,
     },
     /// A rotational inertia under a proportional inner loop with limited torque:
-    /// J ω̇ = sat(J b (ω_c − ω)). In space about each axis by itself.
+    /// J ω̇ = sat(J b (ω_c − ω) + ω × J ω) − ω × J ω, about each axis by itself.
     Inertia {
-        /// J \[kg·m²\].
-        inertia_kg_m2: J,
+        /// J \[kg·m²\] about belly, right wing and tail; one number for all of them.
+        #[serde(deserialize_with = "each_axis")]
+        inertia_kg_m2: V3,
         /// b \[1/s\].
         bandwidth_1_s: f64,
-        /// Largest torque \[N·m\].
-        torque_max_n_m: J,
+        /// Largest torque \[N·m\], as the inertia.
+        #[serde(deserialize_with = "each_axis")]
+        torque_max_n_m: V3,
     },
+}
+
+/// One number for every axis, or one for each.
+fn each_axis<'de, D: Deserializer<'de>>(from: D) -> Result<V3, D::Error> {
+    #[derive(Deserialize)]
+    #[serde(untagged, expecting = "must be a number, or [belly, right wing, tail]")]
+    enum Axes {
+        All(f64),
+        Each([f64; 3]),
+    }
+    Ok(match Axes::deserialize(from)? {
+        Axes::All(number) => V3::repeat(number),
+        Axes::Each(numbers) => numbers.into(),
+    })
 }
 
 /// `[plant]`: the actuators. Ideal if left out: no lag, no delay, any thrust.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields, default, bound = "J: Deserialize<'de>")]
-pub struct PlantSpec<J = f64> {
+#[serde(deny_unknown_fields, default)]
+pub struct PlantSpec {
     /// The rate loop.
-    pub rate_loop: RateLoop<J>,
+    pub rate_loop: RateLoop,
     /// First-order lag of thrust \[s\]; 0 for none.
     pub thrust_lag_s: f64,
     /// Transport delay of the command \[s\], in whole steps of the plant.
@@ -44,7 +60,7 @@ pub struct PlantSpec<J = f64> {
     pub thrust_n: [f64; 2],
 }
 
-impl<J> Default for PlantSpec<J> {
+impl Default for PlantSpec {
     fn default() -> Self {
         Self {
             rate_loop: RateLoop::Ideal,
@@ -66,7 +82,7 @@ fn followed(field: &str, tau: f64, dt: f64) -> Result<(), FieldError> {
     require(dt <= LONGEST_STEP * tau, field, problem)
 }
 
-impl<J: Numbers> PlantSpec<J> {
+impl PlantSpec {
     /// Checks every field, for steps of `dt` \[s\].
     pub(crate) fn validate(&self, dt: f64) -> Result<(), FieldError> {
         match &self.rate_loop {
@@ -84,7 +100,7 @@ impl<J: Numbers> PlantSpec<J> {
                 let field = "plant.rate_loop.inertia.bandwidth_1_s";
                 positive(field, *bandwidth_1_s)?;
                 followed(field, 1.0 / bandwidth_1_s, dt)?;
-                let each = |field, of: &J| Range::Positive.check(field, of);
+                let each = |field: &str, of: &V3| of.iter().try_for_each(|&x| positive(field, x));
                 each("plant.rate_loop.inertia.inertia_kg_m2", inertia_kg_m2)?;
                 each("plant.rate_loop.inertia.torque_max_n_m", torque_max_n_m)?;
             }
@@ -104,228 +120,51 @@ impl<J: Numbers> PlantSpec<J> {
         // An infinite limit is none, and a NaN is not less than anything.
         require(least < most, "plant.thrust_n", "must be [least, most]")
     }
+
+    /// Least and most thrust \[N\] that a controller may command: `given`, or else what the motors give; in place of infinities none, and
+    /// twice the `weight` \[N\].
+    pub(crate) fn thrust_limits(&self, given: Option<[f64; 2]>, weight: f64) -> [f64; 2] {
+        let bounded = |value: f64, else_value| if value.is_finite() { value } else { else_value };
+        let [least, most] = given.unwrap_or(self.thrust_n);
+        [bounded(least, 0.0), bounded(most, 2.0 * weight)]
+    }
 }
 
-/// State of the vehicle and its actuators.
+/// State of a body with six degrees of freedom. World vectors are north-east-down.
+///
+/// The body's axes are x = belly (j), y = right wing (w), z = tail (i), so that (p, q, r) = (ω_j, ω_w, ω_i).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct State {
-    /// v \[m/s\], inertial (down, forward).
-    pub velocity: Vector,
     /// x \[m\].
-    pub position: Vector,
-    /// θ \[rad\], not wrapped.
-    pub theta: f64,
-    /// ω \[rad/s\].
-    pub rate: f64,
+    pub position: V3,
+    /// v \[m/s\].
+    pub velocity: V3,
+    /// From the body's axes to north-east-down.
+    pub attitude: UnitQuaternion<f64>,
+    /// (p, q, r) \[rad/s\].
+    pub rates: V3,
     /// T \[N\].
     pub thrust: f64,
 }
 
-/// The true vehicle and its actuators.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Plant {
-    vehicle: ForceModel,
-    actuators: PlantSpec,
-}
-
-impl Plant {
-    /// `vehicle` with its actuators.
-    pub fn new(vehicle: &Vehicle, actuators: PlantSpec) -> Self {
-        Self {
-            vehicle: ForceModel::new(vehicle),
-            actuators,
-        }
-    }
-
-    /// v̇ \[m/s²\] at `state` in `wind` \[m/s\].
-    pub fn acceleration(&self, state: &State, wind: Vector) -> Vector {
-        let State {
-            velocity,
-            theta,
-            thrust,
-            ..
-        } = *state;
-        self.vehicle.acceleration(velocity, wind, theta, thrust)
-    }
-
-    /// Specific force \[m/s²\] in components along (i, j) in `wind` \[m/s\]: what an accelerometer measures.
-    pub fn specific_force(&self, state: &State, wind: Vector) -> [f64; 2] {
-        let f = self.acceleration(state, wind) - Vector::new(self.vehicle.gravity, 0.0);
-        let (sin, cos) = state.theta.sin_cos();
-        [f.x * cos + f.y * sin, f.y * cos - f.x * sin]
-    }
-
-    /// The state after `dt` \[s\] under a constant command and `wind` \[m/s\]: one step of the classical
-    /// Runge–Kutta method of order 4.
-    pub fn step(&self, state: &State, thrust: f64, rate: f64, wind: Vector, dt: f64) -> State {
-        let [least, most] = self.actuators.thrust_n;
-        let thrust = thrust.clamp(least, most);
-        let mut start = *state;
-        // Actuators without lag are where they are told to be.
-        if self.actuators.rate_loop == RateLoop::Ideal {
-            start.rate = rate;
-        }
-        if self.actuators.thrust_lag_s == 0.0 {
-            start.thrust = thrust;
-        }
-        let slope = |s: &State| self.slope(s, thrust, rate, wind);
-        let a = slope(&start);
-        let b = slope(&start.moved(&a, 0.5 * dt));
-        let c = slope(&start.moved(&b, 0.5 * dt));
-        let d = slope(&start.moved(&c, dt));
-        start
-            .moved(&a, dt / 6.0)
-            .moved(&b, dt / 3.0)
-            .moved(&c, dt / 3.0)
-            .moved(&d, dt / 6.0)
-    }
-
-    /// The derivative of the state.
-    fn slope(&self, s: &State, thrust: f64, rate: f64, wind: Vector) -> State {
-        let lag = self.actuators.thrust_lag_s;
-        State {
-            velocity: self.acceleration(s, wind),
-            position: s.velocity,
-            theta: s.rate,
-            rate: match self.actuators.rate_loop {
-                RateLoop::Ideal => 0.0,
-                RateLoop::Lag { time_constant_s } => (rate - s.rate) / time_constant_s,
-                RateLoop::Inertia {
-                    inertia_kg_m2,
-                    bandwidth_1_s,
-                    torque_max_n_m,
-                } => {
-                    let most = torque_max_n_m / inertia_kg_m2;
-                    (bandwidth_1_s * (rate - s.rate)).clamp(-most, most)
-                }
-            },
-            thrust: if lag == 0.0 {
-                0.0
-            } else {
-                (thrust - s.thrust) / lag
-            },
-        }
-    }
-}
-
 impl State {
-    fn moved(&self, slope: &Self, dt: f64) -> Self {
-        Self {
-            velocity: self.velocity + dt * slope.velocity,
-            position: self.position + dt * slope.position,
-            theta: self.theta + dt * slope.theta,
-            rate: self.rate + dt * slope.rate,
-            thrust: self.thrust + dt * slope.thrust,
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::reference::{Aerodynamics, LargeAngle};
-
-    fn plant(rate_loop: RateLoop, thrust_lag_s: f64) -> Plant {
-        let vehicle = Vehicle {
-            mass: 2.0,
-            k_a: 0.5,
-            delta: 0.0,
-            gravity: 9.81,
-            aerodynamics: Aerodynamics::LargeAngle(LargeAngle { c0: 0.4, c1: 0.0 }),
-        };
-        let actuators = PlantSpec {
-            rate_loop,
-            thrust_lag_s,
-            delay_s: 0.0,
-            thrust_n: [0.0, 100.0],
-        };
-        Plant::new(&vehicle, actuators)
+    /// (i, j, w): tail, belly and right wing in world components.
+    pub fn axes(&self) -> [V3; 3] {
+        [V3::z(), V3::x(), V3::y()].map(|axis| self.attitude * axis)
     }
 
-    const REST: State = State {
-        velocity: Vector::new(0.0, 0.0),
-        position: Vector::new(0.0, 0.0),
-        theta: 0.0,
-        rate: 0.0,
-        thrust: 0.0,
-    };
-
-    fn after(plant: &Plant, thrust: f64, rate: f64, steps: usize) -> State {
-        let mut state = REST;
-        for _ in 0..steps {
-            state = plant.step(&state, thrust, rate, Vector::zeros(), 0.01);
-        }
-        state
+    /// θ \[rad\] in [−π, π): from down to the tail, about the east. 0 is nose up, −π/2 nose to the north.
+    pub fn theta(&self) -> f64 {
+        let [tail, ..] = self.axes();
+        tail.x.atan2(tail.z)
     }
 
-    /// In hover an accelerometer feels gravity towards the nose. Anywhere, turned back into inertial axes and with gravity, it
-    /// says how the vehicle accelerates.
-    #[test]
-    fn an_accelerometer_feels_all_but_gravity() {
-        let plant = plant(RateLoop::Ideal, 0.0);
-        let hover = State {
-            thrust: 2.0 * 9.81,
-            ..REST
-        };
-        let [i, j] = plant.specific_force(&hover, Vector::zeros());
-        assert!((i + 9.81).abs() < 1e-12 && j.abs() < 1e-12);
-        let (state, wind) = (
-            State {
-                velocity: Vector::new(-2.0, 12.0),
-                theta: -1.1,
-                thrust: 7.0,
-                ..REST
-            },
-            Vector::new(1.0, -3.0),
-        );
-        let [i, j] = plant.specific_force(&state, wind);
-        let axes = nalgebra::Rotation2::new(state.theta);
-        let felt = axes * Vector::new(i, j) + Vector::new(9.81, 0.0);
-        assert!((felt - plant.acceleration(&state, wind)).norm() < 1e-12);
-    }
-
-    #[test]
-    fn lags_are_first_order() {
-        let lag = RateLoop::Lag {
-            time_constant_s: 0.1,
-        };
-        let state = after(&plant(lag, 0.05), 10.0, 2.0, 20);
-        // 1e-5: Runge–Kutta with a fifth and a tenth of the lag per step.
-        assert!((state.rate - 2.0 * (1.0 - (-2.0_f64).exp())).abs() < 1e-5);
-        assert!((state.thrust - 10.0 * (1.0 - (-4.0_f64).exp())).abs() < 1e-4);
-        let angle = 2.0 * (0.2 - 0.1 * (1.0 - (-2.0_f64).exp()));
-        assert!((state.theta - angle).abs() < 1e-5);
-    }
-
-    #[test]
-    fn without_lags_the_actuators_are_where_they_are_told() {
-        let state = after(&plant(RateLoop::Ideal, 0.0), 150.0, 0.5, 10);
-        assert_eq!((state.rate, state.thrust), (0.5, 100.0));
-        assert!((state.theta - 0.05).abs() < 1e-12);
-    }
-
-    #[test]
-    fn torque_limits_the_angular_acceleration() {
-        let inertia = RateLoop::Inertia {
-            inertia_kg_m2: 0.5,
-            bandwidth_1_s: 20.0,
-            torque_max_n_m: 2.0,
-        };
-        // 4 rad/s² until 0.2 rad/s are left.
-        let state = after(&plant(inertia, 0.0), 0.0, 3.0, 50);
-        assert!((state.rate - 2.0).abs() < 1e-9);
-        let settled = after(&plant(inertia, 0.0), 0.0, 3.0, 200);
-        assert!((settled.rate - 3.0).abs() < 1e-6);
-    }
-
-    /// A vertical fall of a body with c_L = 0 and constant c_D: v(t) = v_∞ tanh(g t / v_∞), and
-    /// x(t) = v_∞²/g · ln cosh(g t / v_∞).
-    #[test]
-    fn a_fall_with_constant_drag_is_the_textbook_one() {
-        let state = after(&plant(RateLoop::Ideal, 0.0), 0.0, 0.0, 300);
-        let terminal = (2.0_f64 * 9.81 / (0.5 * 0.4)).sqrt();
-        let x = 9.81 * 3.0 / terminal;
-        assert!((state.velocity.x - terminal * x.tanh()).abs() < 1e-8);
-        assert!((state.position.x - terminal * terminal / 9.81 * x.cosh().ln()).abs() < 1e-7);
+    /// Whether it is one of an aircraft: finite, and slower than any fall.
+    pub fn is_sound(&self) -> bool {
+        /// Speed \[m/s\] from which a simulation has diverged: ten minutes of free fall do not reach it.
+        const DIVERGED: f64 = 1e4;
+        let parts = [self.position, self.rates, self.attitude.imag()];
+        let finite = parts.iter().flatten().all(|x| x.is_finite()) && self.thrust.is_finite();
+        finite && self.velocity.norm() < DIVERGED
     }
 }

@@ -1,16 +1,21 @@
 //! Sensors: noise, bias and quantisation of what the controller is told.
 
+
+use std::f64::consts::FRAC_PI_2;
+
 use alula::guidance::Air;
-use alula::{Body, Inertial};
+use alula::ned::{BodyAxes, Ned, Quaternion};
+use alula::spatial::{Body, Orientation};
+use nalgebra::UnitQuaternion;
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 use serde::Deserialize;
 
+use super::V3;
 use super::document::{FieldError, require, sensor_error};
-use super::faults::{FaultKind, FaultSpec, Lasting, Told};
+use super::faults::FaultSpec;
 use super::plant::State;
-use crate::controllers::inertial;
-use crate::reference::Vector;
+use super::vector::ned;
 
 /// Errors of one measured quantity, in its unit: value + bias + noise, rounded to whole steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
@@ -66,19 +71,19 @@ impl Sensor {
     }
 }
 
-/// `[sensors]`.
+/// `[sensors]`: errors of each component.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SensorSpec {
-    /// Of each component of the velocity \[m/s\].
+    /// Of the velocity \[m/s\].
     pub velocity_m_s: ErrorSpec,
-    /// Of each component of the position \[m\].
+    /// Of the position \[m\].
     pub position_m: ErrorSpec,
-    /// Of the attitude \[°\].
-    pub theta_deg: ErrorSpec,
-    /// Of each component of the air velocity \[m/s\].
+    /// Of the attitude, as rotations about the body axes \[°\].
+    pub attitude_deg: ErrorSpec,
+    /// Of the air velocity \[m/s\].
     pub air_m_s: ErrorSpec,
-    /// Of each component of the specific force \[m/s²\].
+    /// Of the specific force \[m/s²\].
     pub acceleration_m_s2: ErrorSpec,
     /// What is known of the air.
     pub air: AirSensor,
@@ -90,8 +95,21 @@ pub struct SensorSpec {
     pub faults: Vec<FaultSpec>,
 }
 
+impl ErrorSpec {
+    pub(crate) fn apply(&self, value: f64, random: &mut impl Rng) -> f64 {
+        // Drawn in any case: the stream of numbers does not depend on which errors are on.
+        let normal: f64 = StandardNormal.sample(random);
+        let value = value + self.bias + self.noise * normal;
+        if self.quantum > 0.0 {
+            (value / self.quantum).round() * self.quantum
+        } else {
+            value
+        }
+    }
+}
+
 /// Checks `[sensors]`: its `errors` by their names, and its faults.
-pub(crate) fn validate(
+fn validate(
     errors: &[(&str, &ErrorSpec)],
     faults: &[FaultSpec],
 ) -> Result<(), FieldError> {
@@ -109,97 +127,85 @@ pub(crate) fn validate(
     Ok(())
 }
 
+/// What was measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measured {
+    /// v \[m/s\].
+    pub velocity: V3,
+    /// x \[m\].
+    pub position: V3,
+    /// Attitude: from (belly, right wing, tail) to north-east-down.
+    pub attitude: UnitQuaternion<f64>,
+    /// What is known of the air.
+    pub air: Air<Ned>,
+    /// Specific force along tail, belly and right wing \[m/s²\].
+    pub specific_force: Option<Body>,
+}
+
+impl Measured {
+    /// The attitude as the core takes it.
+    pub(crate) fn orientation(&self) -> Orientation {
+        orientation(&self.attitude)
+    }
+}
+
+/// An attitude (from belly, right wing and tail to north-east-down) as the core takes it: from a quaternion in single precision of the body
+/// whose x axis is the nose's, as logs are read too, so that a replay sees the same bits.
+pub(crate) fn orientation(attitude: &nalgebra::Quaternion<f64>) -> Orientation {
+    let nose_forward = UnitQuaternion::from_axis_angle(&V3::y_axis(), FRAC_PI_2);
+    let q = attitude * nose_forward.quaternion();
+    let [w, x, y, z] = [q.w, q.i, q.j, q.k].map(|x| x as f32);
+    let q = Quaternion { w, x, y, z };
+    Orientation::from_quaternion(&q, BodyAxes::NoseForward).unwrap_or(Orientation::UNKNOWN)
+}
+
 impl SensorSpec {
     pub(super) fn validate(&self) -> Result<(), FieldError> {
         let errors = [
             ("velocity_m_s", &self.velocity_m_s),
             ("position_m", &self.position_m),
-            ("theta_deg", &self.theta_deg),
+            ("attitude_deg", &self.attitude_deg),
             ("air_m_s", &self.air_m_s),
             ("acceleration_m_s2", &self.acceleration_m_s2),
         ];
         validate(&errors, &self.faults)
     }
 
-    /// What is measured of `truth` and its specific force (along i, j) in `wind` \[m/s\], which is `steady` but for gusts and
-    /// turbulence.
+    /// What is measured of `truth` and its specific force `force` along (i, j, w) in `wind`, which is `steady` but for gusts and
+    /// turbulence. `in_plane` keeps the errors in the vertical plane to the north.
     pub(crate) fn measure(
         &self,
         truth: &State,
-        force: [f64; 2],
-        wind: Vector,
-        steady: Vector,
+        force: V3,
+        wind: V3,
+        steady: V3,
+        in_plane: bool,
         random: &mut impl Rng,
     ) -> Measured {
+        // The components that have errors, in the order in which these are drawn.
+        let (world, turns, along): (&[usize], &[usize], &[usize]) = match in_plane {
+            true => (&[2, 0], &[1], &[0, 1]),
+            false => (&[0, 1, 2], &[0, 1, 2], &[0, 1, 2]),
+        };
+        let mut told = |error: &ErrorSpec, mut v: V3, components: &[usize]| {
+            for &i in components {
+                v[i] = error.apply(v[i], random);
+            }
+            v
+        };
+        let velocity = told(&self.velocity_m_s, truth.velocity, world);
+        let position = told(&self.position_m, truth.position, world);
+        let turn = told(&self.attitude_deg, V3::zeros(), turns).map(f64::to_radians);
+        let air = told(&self.air_m_s, truth.velocity - wind, world);
+        let f = told(&self.acceleration_m_s2, force, along);
         Measured {
-            velocity: self.velocity_m_s.vector(truth.velocity, random),
-            position: self.position_m.vector(truth.position, random),
-            theta: match self.theta_deg.apply(truth.theta.to_degrees(), random) {
-                // Exactly, where nothing is wrong.
-                _ if self.theta_deg == ErrorSpec::default() => truth.theta,
-                degrees => degrees.to_radians(),
-            },
-            air: {
-                let air = || inertial(self.air_m_s.vector(truth.velocity - wind, random));
-                self.air.told(air, inertial(steady))
-            },
-            specific_force: {
-                let f = self.acceleration_m_s2.vector(force.into(), random);
-                self.accelerometer.told(Body::new(f.x as f32, f.y as f32))
-            },
+            velocity,
+            position,
+            attitude: truth.attitude * UnitQuaternion::from_scaled_axis(turn),
+            air: self.air.told(|| ned(air), ned(steady)),
+            specific_force: (self.accelerometer)
+                .told(Body::new(f.x as f32, f.y as f32, f.z as f32)),
         }
-    }
-}
-
-/// What was measured.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Measured {
-    /// v \[m/s\].
-    pub velocity: Vector,
-    /// x \[m\].
-    pub position: Vector,
-    /// θ \[rad\], not wrapped.
-    pub theta: f64,
-    /// What is known of the air.
-    pub air: Air<Inertial>,
-    /// Specific force along tail and belly \[m/s²\].
-    pub specific_force: Option<Body>,
-}
-
-impl Told for Measured {
-    fn distort(&mut self, fault: &Lasting<Self>) {
-        let (first, every) = (fault.first, Vector::from_element);
-        match fault.kind {
-            FaultKind::VelocityFrozen => self.velocity = first.velocity,
-            FaultKind::VelocityDrift => self.velocity += every(fault.drift),
-            FaultKind::AttitudeFrozen => self.theta = first.theta,
-            FaultKind::AttitudeDrift => self.theta += fault.drift.to_radians(),
-            FaultKind::AttitudeOffset => self.theta += fault.size.to_radians(),
-            FaultKind::PositionDrift => self.position += every(fault.drift),
-            FaultKind::PositionJump => self.position += every(fault.size),
-            _ => {}
-        }
-        let off = inertial(every(fault.drift));
-        self.air = fault.air(self.air, first.air, inertial(first.velocity), off);
-        let off = Body::new(fault.drift as f32, fault.drift as f32);
-        self.specific_force = fault.force(self.specific_force, first.specific_force, off);
-    }
-}
-
-impl ErrorSpec {
-    pub(crate) fn apply(&self, value: f64, random: &mut impl Rng) -> f64 {
-        // Drawn in any case: the stream of numbers does not depend on which errors are on.
-        let normal: f64 = StandardNormal.sample(random);
-        let value = value + self.bias + self.noise * normal;
-        if self.quantum > 0.0 {
-            (value / self.quantum).round() * self.quantum
-        } else {
-            value
-        }
-    }
-
-    fn vector(&self, value: Vector, random: &mut impl Rng) -> Vector {
-        value.map(|x| self.apply(x, random))
     }
 }
 

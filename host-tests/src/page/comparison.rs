@@ -109,9 +109,9 @@ fn figure<'a>(comparison: &'a Comparison, results: &Results) -> Figure {
             variants.map(curve).collect()
         };
         charts.push(Chart::over_time(altitude, named("altitude_m", DRAWN)));
-        let reference = line(results.cell(comparison, c, 0), "vr_forward_m_s", FASTEST);
+        let reference = line(results.cell(comparison, c, 0), "path_v_north_m_s", FASTEST);
         let mut speeds = vec![Series::dashed("reference", GREY, reference)];
-        speeds.extend(named("true_v_forward_m_s", FASTEST));
+        speeds.extend(named("v_north_m_s", FASTEST));
         charts.push(Chart::over_time(speed, speeds));
     }
     Figure::new(&charts, 280.0)

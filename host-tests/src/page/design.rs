@@ -96,7 +96,7 @@ fn tables(name: &str, design: &Design, results: &Results) -> Vec<Table> {
         "forward_least_m",
         "ahead_m",
         "peak_rate_rad_s",
-        "late_velocity_error_m_s",
+        "max_late_velocity_error_m_s",
     ];
     let figures = figures.map(|name| [name.to_owned(), fixed(results.flight.get(name), 2)]);
     vec![

@@ -16,7 +16,6 @@ mod panel;
 mod picture;
 pub mod replay;
 mod side;
-pub mod space;
 mod strip;
 pub(crate) mod svg;
 pub mod sweep;

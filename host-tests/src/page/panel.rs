@@ -2,8 +2,10 @@
 
 use super::chart::{Chart, Color, Series};
 use super::{Row, Strip};
-use crate::columns::{Column, Flight};
+use crate::columns::{Column, declared};
+use crate::experiment::Experiment;
 use crate::reference::wrap;
+use crate::simulate::Step;
 
 /// Angles to a fold beyond this are not drawn \[°\].
 const FOLD: f64 = 45.0;
@@ -48,13 +50,13 @@ macro_rules! panels {
 pub(super) use panels;
 
 /// The chart of a panel, if any of its columns applies to the flight.
-pub fn chart<F: Flight>(
+pub fn chart(
     panel: &Panel,
-    experiment: &F,
-    record: &[F::Step],
+    experiment: &Experiment,
+    record: &[Step],
 ) -> Option<Chart<'static>> {
     let lines = panel.lines.iter().filter_map(|line| {
-        let column = F::declared(line.column);
+        let column = declared(line.column);
         column.applies(experiment, record).then(|| {
             let points = points(column, experiment, record);
             match line.dashed {
@@ -71,12 +73,12 @@ pub fn chart<F: Flight>(
 }
 
 /// The points of a column; heights upward, angles in degrees and broken where they wrap.
-fn points<F: Flight>(column: &Column<F>, experiment: &F, record: &[F::Step]) -> Vec<(f64, f64)> {
+fn points(column: &Column, experiment: &Experiment, record: &[Step]) -> Vec<(f64, f64)> {
     let is_depth = column.name.ends_with("down_m");
     let is_angle = column.name.ends_with("_rad");
     let is_fold = column.name == "margin_fold_rad";
     let mut last = f64::NAN;
-    let point = |step: &F::Step| {
+    let point = |step: &Step| {
         let mut value = column.number(experiment, step);
         if is_depth {
             value = -value;
@@ -93,20 +95,20 @@ fn points<F: Flight>(column: &Column<F>, experiment: &F, record: &[F::Step]) -> 
                 value = f64::NAN;
             }
         }
-        (F::time(step), value)
+        (step.t, value)
     };
     record.iter().map(point).collect()
 }
 
 /// What the controller did and said.
-pub fn strip<F: Flight>(experiment: &F, record: &[F::Step]) -> Strip {
+pub fn strip(experiment: &Experiment, record: &[Step]) -> Strip {
     let row = |name: &'static str| {
-        let column = F::declared(name);
-        let word = |step| (F::time(step), column.word(experiment, step));
+        let column = declared(name);
+        let word = |step: &Step| (step.t, column.word(experiment, step));
         Row::of(name, record.iter().map(word))
     };
     Strip {
-        duration: record.last().map_or(0.0, F::time),
+        duration: record.last().map_or(0.0, |step| step.t),
         rows: ["mode", "phase", "status"]
             .into_iter()
             .filter_map(row)

@@ -5,33 +5,11 @@ use std::collections::BTreeMap;
 use super::chart::{Chart, Level};
 use super::panel::{Panel, chart, panels, strip};
 use super::{Figure, Page, Table};
-use crate::columns::Flight;
+use crate::columns::column;
 use crate::experiment::{Document, Experiment};
-use crate::{simulate, space};
+use crate::simulate::Step;
 
 const PANELS: &[Panel] = panels! {
-    ["forward velocity [m/s]"]
-    "v_forward_m_s", "flown", BLUE;
-    "vr_forward_m_s", "asked for", ORANGE;
-    ["downward velocity [m/s]"]
-    "v_down_m_s", "flown", BLUE;
-    "vr_down_m_s", "asked for", ORANGE;
-    ["orientation θ and angle of attack α [°]"]
-    "theta_rad", "θ", BLUE;
-    "alpha_rad", "α", ORANGE;
-    ["angular velocity commanded [rad/s]"]
-    "rate_rad_s", "ω", BLUE;
-    ["thrust commanded [N]"]
-    "thrust_n", "T", GREEN;
-    ["apparent force |F_p| of the controller [N]" logarithmic]
-    "fp_n", "|F_p|", BLUE;
-    ["margin k"]
-    "margin_k", "k", BLUE;
-    ["angle to the nearest fold, first order, within 45° [°]"]
-    "margin_fold_rad", "fold", BLUE;
-};
-
-const PANELS_IN_SPACE: &[Panel] = panels! {
     ["velocity flown [m/s]"]
     "v_north_m_s", "north", BLUE;
     "v_east_m_s", "east", ORANGE;
@@ -47,13 +25,15 @@ const PANELS_IN_SPACE: &[Panel] = panels! {
     "command_belly_rad_s", "about the belly", GREEN;
     ["thrust commanded [N]"]
     "thrust_n", "T", GREEN;
+    ["apparent force |F_p| of the controller [N]" logarithmic]
+    "fp_n", "|F_p|", BLUE;
     ["margin k"]
     "margin_k", "k", BLUE;
     ["angle to the nearest fold, first order, within 45° [°]"]
     "margin_fold_rad", "fold", BLUE;
 };
 
-fn figure<F: Flight>(panels: &[Panel], experiment: &F, record: &[F::Step]) -> Figure {
+fn figure(experiment: &Experiment, record: &[Step]) -> Figure {
     let chart = |panel: &Panel| {
         let fold = || Level::new(0.0, "fold");
         let levels = panel.title.contains("fold").then(fold);
@@ -62,14 +42,14 @@ fn figure<F: Flight>(panels: &[Panel], experiment: &F, record: &[F::Step]) -> Fi
             ..chart
         })
     };
-    let charts: Vec<Chart> = panels.iter().filter_map(chart).collect();
+    let charts: Vec<Chart> = PANELS.iter().filter_map(chart).collect();
     Figure::new(&charts, 210.0).with_strip(&strip(experiment, record))
 }
 
 /// The least finite value of a column and its time \[s\].
-fn least<F: Flight>(of: &str, experiment: &F, record: &[F::Step]) -> Option<(f64, f64)> {
-    let column = F::column(of)?;
-    let value = |step| (column.number(experiment, step).abs(), F::time(step));
+fn least(of: &str, experiment: &Experiment, record: &[Step]) -> Option<(f64, f64)> {
+    let column = column(of)?;
+    let value = |step| (column.number(experiment, step).abs(), step.t);
     let finite = record
         .iter()
         .map(value)
@@ -78,8 +58,8 @@ fn least<F: Flight>(of: &str, experiment: &F, record: &[F::Step]) -> Option<(f64
 }
 
 /// How many steps had each word of a column.
-fn counted<F: Flight>(of: &str, experiment: &F, record: &[F::Step]) -> Vec<[String; 3]> {
-    let Some(column) = F::column(of) else {
+fn counted(of: &str, experiment: &Experiment, record: &[Step]) -> Vec<[String; 3]> {
+    let Some(column) = column(of) else {
         return Vec::new();
     };
     let mut counts = BTreeMap::new();
@@ -97,7 +77,7 @@ fn counted<F: Flight>(of: &str, experiment: &F, record: &[F::Step]) -> Vec<[Stri
 }
 
 /// Least margins, counted words, and what had to be assumed.
-fn tables<F: Flight>(experiment: &F, record: &[F::Step], said: &[String]) -> Vec<Table> {
+fn tables(experiment: &Experiment, record: &[Step], said: &[String]) -> Vec<Table> {
     let mut rows = Vec::new();
     let margins = [
         ("least margin k", "margin_k", "", 1.0),
@@ -164,25 +144,11 @@ pub fn page(
     name: &str,
     document: &Document,
     experiment: &Experiment,
-    record: &[simulate::Step],
+    record: &[Step],
     said: &[String],
 ) -> Page {
-    let controller = format!("controller `{}`", experiment.controller.name());
-    let figure = figure(PANELS, experiment, record);
+    let controller = format!("controller `{}`", experiment.controller.kind);
+    let figure = figure(experiment, record);
     let tables = tables(experiment, record, said);
     page_of(name, document, (record.len(), &controller), figure, tables)
-}
-
-/// The same by the guidance in space.
-pub fn page_in_space(
-    name: &str,
-    document: &Document,
-    experiment: &space::Experiment,
-    record: &[space::Step],
-    said: &[String],
-) -> Page {
-    let figure = figure(PANELS_IN_SPACE, experiment, record);
-    let tables = tables(experiment, record, said);
-    let controller = (record.len(), "guidance in space");
-    page_of(name, document, controller, figure, tables)
 }

@@ -5,8 +5,7 @@ use std::fmt::Write as _;
 use super::chart::ends;
 use super::svg::Drawn;
 use super::ticks;
-use crate::experiment::Experiment;
-use crate::reference::Vector;
+use crate::experiment::{Experiment, V3};
 use crate::simulate::Step;
 
 /// Width, and greatest height of the track \[px\].
@@ -38,14 +37,14 @@ struct View {
 }
 
 impl View {
-    fn pixel(&self, position: Vector) -> [f64; 2] {
+    fn pixel(&self, position: V3) -> [f64; 2] {
         [
-            self.origin[0] + self.scale * position.y,
-            self.origin[1] + self.scale * position.x,
+            self.origin[0] + self.scale * position.x,
+            self.origin[1] + self.scale * position.z,
         ]
     }
 
-    fn line(&self, text: &mut String, class: &str, points: impl Iterator<Item = Vector>) {
+    fn line(&self, text: &mut String, class: &str, points: impl Iterator<Item = V3>) {
         // A point where the last one is would show nothing.
         let mut last = [f64::NAN; 2];
         let mut data = String::new();
@@ -103,9 +102,9 @@ fn vehicle(text: &mut String, [x, y]: [f64; 2], theta: f64, thrust_to_weight: f6
 pub fn side(experiment: &Experiment, record: &[Step]) -> Drawn {
     let all = || {
         let pairs = record.iter();
-        pairs.flat_map(|s| [s.truth.position, s.reference_position])
+        pairs.flat_map(|s| [s.truth.position, s.target.position])
     };
-    let extent = |of: fn(&Vector) -> f64| {
+    let extent = |of: fn(&V3) -> f64| {
         let values = all().map(|p| of(&p)).filter(|x| x.is_finite());
         let (low, high) = ends(values);
         match low <= high {
@@ -113,7 +112,7 @@ pub fn side(experiment: &Experiment, record: &[Step]) -> Drawn {
             false => (0.0, LEAST),
         }
     };
-    let ((forward, long), (down, deep)) = (extent(|p| p.y), extent(|p| p.x));
+    let ((forward, long), (down, deep)) = (extent(|p| p.x), extent(|p| p.z));
     let scale = ((WIDE - 2.0 * ROOM) / long).min(HIGHEST / deep);
     let top = 30.0;
     let bottom = top + 2.0 * ROOM + scale * deep;
@@ -130,7 +129,7 @@ pub fn side(experiment: &Experiment, record: &[Step]) -> Drawn {
     // Distance over ground.
     let ends = [0.0, WIDE].map(|x| (x - view.origin[0]) / scale);
     for x in ticks::linear((ends[0], ends[1]), 14.0, false) {
-        let at = view.pixel(Vector::new(0.0, x))[0];
+        let at = view.pixel(V3::new(x, 0.0, 0.0))[0];
         if !(24.0..WIDE - 24.0).contains(&at) {
             continue;
         }
@@ -144,7 +143,7 @@ pub fn side(experiment: &Experiment, record: &[Step]) -> Drawn {
     view.line(
         &mut text,
         "line dash orange",
-        record.iter().map(|s| s.reference_position),
+        record.iter().map(|s| s.target.position),
     );
     view.line(
         &mut text,
@@ -164,7 +163,7 @@ pub fn side(experiment: &Experiment, record: &[Step]) -> Drawn {
         }
         drawn.push(at);
         let thrust = step.truth.thrust / experiment.weight();
-        vehicle(&mut text, at, step.truth.theta, thrust);
+        vehicle(&mut text, at, step.theta, thrust);
         if !written.iter().any(|there| near(there, 2.2 * LONG)) {
             written.push(at);
             let _ = writeln!(
@@ -202,6 +201,6 @@ mod tests {
             scale: 2.0,
             origin: [10.0, 20.0],
         };
-        assert_eq!(view.pixel(Vector::new(3.0, 5.0)), [20.0, 26.0]);
+        assert_eq!(view.pixel(V3::new(5.0, 0.0, 3.0)), [20.0, 26.0]);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::Figure;
 use super::chart::{BLUE, Chart, GREY, Mark, ORANGE, Series, Stroke};
-use crate::columns::Flight;
+use crate::columns::declared;
 use crate::experiment::Experiment;
 use crate::reference::wrap;
 use crate::simulate::Step;
@@ -33,7 +33,7 @@ pub fn figure(
         instants.iter().map(value).collect()
     };
     let flown = |name: &str| {
-        let column = Experiment::declared(name);
+        let column = declared(name);
         let degrees = |step| wrap(column.number(experiment, step)).to_degrees();
         let points = record.iter().map(|step| (step.t, degrees(step)));
         Series::line("flown", ORANGE, points.collect())
@@ -89,7 +89,7 @@ pub fn figure(
                 vec![
                     dots(equilibria(|e| e.attitude.angle().to_degrees())),
                     line("followed", followed(&theta)),
-                    flown("true_theta_rad"),
+                    flown("theta_rad"),
                 ],
                 jumps(|jump| jump.to_theta_deg),
             ),
@@ -98,7 +98,7 @@ pub fn figure(
                 vec![
                     dots(equilibria(|e| e.alpha.to_degrees())),
                     line("followed", followed(&angle)),
-                    flown("true_alpha_rad"),
+                    flown("wing_alpha_rad"),
                 ],
                 jumps(|jump| jump.to_alpha_deg),
             ),

@@ -4,64 +4,55 @@
 //! two to each other. α is the direction of v_a seen from the body, and its sine and cosine come from the components.
 
 use super::coefficients::Values;
-use super::{Vector, Vehicle};
+use super::Vehicle;
 
 /// A vehicle, prepared.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ForceModel {
-    mass: f64,
     k_a: f64,
-    pub(crate) gravity: f64,
+    c_y: f64,
     /// sin δ, cos δ.
     delta: (f64, f64),
     values: Values,
 }
 
 impl ForceModel {
-    /// The model of `vehicle`.
-    pub fn new(vehicle: &Vehicle) -> Self {
+    /// The model of `vehicle` with this side force coefficient.
+    pub fn new(vehicle: &Vehicle, c_y: f64) -> Self {
         Self {
-            mass: vehicle.mass,
             k_a: vehicle.k_a,
-            gravity: vehicle.gravity,
+            c_y,
             delta: vehicle.delta.sin_cos(),
             values: Values::new(&vehicle.aerodynamics),
         }
     }
 
-    /// v̇ = g i0 + (F_a − T i)/m \[m/s²\], inertial coordinates.
-    pub fn acceleration(&self, velocity: Vector, wind: Vector, theta: f64, thrust: f64) -> Vector {
-        let (sin, cos) = theta.sin_cos();
-        let v = velocity - wind;
-        let speed = v.norm();
-        // At zero air speed there is no force, whatever the angle.
-        let unit = if speed > 0.0 {
-            v / speed
-        } else {
-            Vector::new(-1.0, 0.0)
+    /// F_a \[N\] in components along (i, j, w), at the velocity through the air `v` \[m/s\] in the same.
+    pub fn force(&self, [along, across, side]: [f64; 3]) -> [f64; 3] {
+        let in_symmetry = along.hypot(across);
+        // α + δ is π less the angle from the thrust line to v_a. At zero air speed there is no force, whatever the angle.
+        let (cos, sin) = match in_symmetry > 0.0 {
+            true => (along / in_symmetry, across / in_symmetry),
+            false => (-1.0, 0.0),
         };
-        // α + δ is π less the angle from the thrust line to v_a.
-        let (along, across) = (cos * unit.x + sin * unit.y, cos * unit.y - sin * unit.x);
         let (sin_delta, cos_delta) = self.delta;
-        let sin_alpha = across * cos_delta + along * sin_delta;
-        let cos_alpha = across * sin_delta - along * cos_delta;
+        let sin_alpha = sin * cos_delta + cos * sin_delta;
+        let cos_alpha = sin * sin_delta - cos * cos_delta;
         let (c_l, c_d) = self.values.at(sin_alpha, cos_alpha);
-        let pressure = self.k_a * speed;
-        let force = Vector::new(
-            pressure * (-c_l * v.y - c_d * v.x),
-            pressure * (c_l * v.x - c_d * v.y),
-        );
-        Vector::new(
-            self.gravity + (force.x - thrust * cos) / self.mass,
-            (force.y - thrust * sin) / self.mass,
-        )
+        let pressure = self.k_a * (in_symmetry.powi(2) + side * side).sqrt();
+        [
+            -pressure * (c_l * across + c_d * along),
+            pressure * (c_l * along - c_d * across),
+            -pressure * self.c_y * side,
+        ]
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Aerodynamics, Combined, LargeAngle};
+    use super::super::{Aerodynamics, Combined, LargeAngle, rotation};
     use super::*;
+    use crate::reference::Vector;
     use crate::polar::Polar;
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
@@ -92,7 +83,12 @@ mod tests {
                 let v = Vector::new(number(30.0), number(30.0));
                 let wind = Vector::new(number(5.0), number(5.0));
                 let (theta, thrust) = (number(7.0), number(200.0));
-                let got = ForceModel::new(&vehicle).acceleration(v, wind, theta, thrust);
+                let to_body = rotation(theta).transpose();
+                let air = to_body * (v - wind);
+                let [i, j, side] = ForceModel::new(&vehicle, 0.5).force([air.x, air.y, 0.0]);
+                assert_eq!(side, 0.0);
+                let force = to_body.transpose() * Vector::new(i - thrust, j);
+                let got = force / 10.0 + Vector::new(9.81, 0.0);
                 let want = vehicle.acceleration(v, wind, theta, thrust);
                 assert!((got - want).norm() < 1e-10, "{vehicle:?} {v} {theta}");
             }
@@ -103,9 +99,10 @@ mod tests {
                 gravity: 9.81,
                 aerodynamics,
             };
-            let still = Vector::zeros();
-            let got = ForceModel::new(&vehicle).acceleration(still, still, 0.0, 2.0);
-            assert_eq!(got, Vector::new(8.81, 0.0));
+            let model = ForceModel::new(&vehicle, 0.5);
+            assert_eq!(model.force([0.0; 3]), [0.0; 3]);
+            // Wing first: only the side force acts, k_a c_Y v².
+            assert_eq!(model.force([0.0, 0.0, 4.0]), [0.0, 0.0, -4.0]);
         }
     }
 }

@@ -1,165 +1,127 @@
-//! The states of an autopilot's log, as a controller is told them.
-//!
-//! The controllers work in a vertical plane. Here it is the one that the right wing is square to, row by row: it holds the nose of an
-//! unbanked vehicle at any pitch. What is across it is left out, and its size told.
+//! A controller run open loop over an autopilot's log.
 
-use std::io::Write;
-
-use alula::{Attitude, Body, FeedForward, Inertial, PlanarGuidanceInput, Reference};
+use alula::GuidanceInput;
+use alula::ned::{BodyAxes, Quaternion};
+use alula::spatial::{Heading, Orientation, Reference};
 use alula_logs::states::States;
-use anyhow::bail;
-use nalgebra::{Quaternion, UnitQuaternion};
+use anyhow::ensure;
 
-use super::Commands;
 use super::states::{self, Row};
+use super::{Logged, OpenLoop};
 use crate::controllers::Input;
-use crate::experiment::Experiment;
-use crate::simulate::Step;
-use crate::space::V3;
+use crate::experiment::{Experiment, Target, V3, ned};
+use crate::simulate::Record;
 
-/// A vertical plane by its horizontal unit vector, north-east-down.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Plane {
-    forward: V3,
-}
-
-impl Plane {
-    /// The plane through `heading` \[rad\], from north towards east.
-    pub fn through(heading: f64) -> Self {
-        Self {
-            forward: V3::new(heading.cos(), heading.sin(), 0.0),
-        }
-    }
-
-    /// The plane that the right wing is square to, of a body with x along the nose; none if the wing points up or down, or the
-    /// attitude is not known.
-    pub fn of(attitude: [f64; 4]) -> Option<Self> {
-        let wing = unit(attitude)? * V3::y();
-        let forward = V3::new(wing.y, -wing.x, 0.0);
-        let length = forward.norm();
-        (length > 0.1).then(|| Self {
-            forward: forward / length,
-        })
-    }
-
-    fn within(&self, v: [f64; 3]) -> Inertial {
-        let v = V3::from(v);
-        Inertial::new(v.z as f32, v.dot(&self.forward) as f32)
-    }
-
-    fn across(&self, v: [f64; 3]) -> f64 {
-        V3::from(v).dot(&V3::z().cross(&self.forward))
-    }
-
-    /// θ of the nose's projection \[rad\]; NaN if the attitude is not known.
-    pub fn theta(&self, attitude: [f64; 4]) -> f64 {
-        let Some(q) = unit(attitude) else {
-            return f64::NAN;
-        };
-        let tail = q * -V3::x();
-        tail.dot(&self.forward).atan2(tail.z)
-    }
-}
-
-fn unit([w, x, y, z]: [f64; 4]) -> Option<UnitQuaternion<f64>> {
-    UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 1e-6)
-}
-
-/// Runs the controller of `experiment` over `states` and writes its commands `to`; `visit` is given every step. `plane` is the vertical
-/// plane of the flight; if there is none, that of the wing. What had to be assumed is said in the words returned.
-pub fn replay(
-    states: &States,
-    plane: Option<Plane>,
-    to: impl Write,
-    experiment: &Experiment,
-    mut visit: impl FnMut(Step),
-) -> anyhow::Result<Vec<String>> {
-    if experiment.spec()?.feed_forward() {
-        bail!(
-            "the controller wants the air acceleration and the reference's jerk, which a log does not hold"
-        );
-    }
+/// Runs the controller of `experiment` over `states`: each step, with what the log says for the truth, and in words what had to be assumed.
+pub fn replay(states: &States, experiment: &Experiment) -> anyhow::Result<(Record, Vec<String>)> {
+    ensure!(
+        !experiment.spec()?.feed_forward(),
+        "the controller wants the air acceleration and the reference's jerk, which a log does not hold"
+    );
     states::check(states)?;
-    let mut commands = Commands::new(experiment, to)?;
-    let mut current = plane.unwrap_or(Plane::through(0.0));
-    let mut across = (0.0, 0usize);
+    let mut open_loop = OpenLoop::new(experiment)?;
     let mut followed = states::Followed::default();
     for (row, &t) in states.time.iter().enumerate() {
-        let attitude = states.attitude.values[row];
-        if plane.is_none() {
-            current = Plane::of(attitude).unwrap_or(current);
-        }
-        let theta = current.theta(attitude) as f32;
+        let [w, x, y, z] = states.attitude.values[row].map(|c| c as f32);
+        let orientation =
+            Orientation::from_quaternion(&Quaternion { w, x, y, z }, BodyAxes::NoseForward)
+                .unwrap_or(Orientation::UNKNOWN);
         let told = Row::of(states, row);
-        if told.velocity_age.is_finite() {
-            across = (
-                across.0 + current.across(told.velocity).powi(2),
-                across.1 + 1,
-            );
-        }
         followed.count(&told);
-        let input = Input {
-            theta,
-            sample: PlanarGuidanceInput {
-                velocity: current.within(told.velocity),
-                attitude: Attitude::from_angle(theta),
-                state_age: told.velocity_age.max(states::age(&states.attitude, row)) as f32,
-                air: told.air(|v| current.within(v)),
-                specific_force: told.force().map(|f| Body::new(f.i, f.j)),
-                position_error: told.position_error().map(|e| current.within(e.into())),
-                reference: Reference {
-                    velocity: current.within(told.reference),
-                    acceleration: current.within(told.acceleration),
-                },
-                reference_age: told.reference_age as f32,
-                ..PlanarGuidanceInput::default()
-            },
-            feed_forward: None::<FeedForward>,
+        let target = Target {
+            position: told.wanted.unwrap_or(V3::repeat(f64::NAN)),
+            velocity: told.reference.into(),
+            acceleration: told.acceleration.into(),
+            heading: told.heading,
         };
-        visit(commands.row(&t.to_string(), t, input)?);
+        let sample = GuidanceInput {
+            velocity: ned(told.velocity.into()),
+            orientation,
+            state_age: told.velocity_age.max(states::age(&states.attitude, row)) as f32,
+            air: told.air(|v| ned(v.into())),
+            specific_force: told.force(),
+            position_error: told.position_error().map(ned),
+            reference: Reference {
+                velocity: ned(target.velocity),
+                acceleration: ned(target.acceleration),
+                heading: told
+                    .heading
+                    .map_or(Heading::FREE, |h| Heading::from_angle(h as f32)),
+            },
+            reference_age: told.reference_age as f32,
+            ..GuidanceInput::default()
+        };
+        let input = Input {
+            sample,
+            feed_forward: None,
+        };
+        let gravity = experiment.vehicle.gravity_m_s2;
+        let logged = Logged {
+            position: told.position.unwrap_or(V3::repeat(f64::NAN)),
+            wind: told.wind().map_or(V3::zeros(), V3::from),
+            load_factor: (told.specific_force)
+                .map_or(f64::NAN, |f| V3::from(f).norm() / gravity),
+            target,
+        };
+        open_loop.row(t, input, logged)?;
     }
-    commands.end()?;
-    let mut notes = states::notes(states, followed);
-    if across.1 > 0 {
-        let rms = (across.0 / across.1 as f64).sqrt();
-        notes.push(format!(
-            "velocity across the vertical plane, left out: {rms:.2} m/s (root mean square)"
-        ));
-    }
-    Ok(notes)
+    Ok((open_loop.record, states::notes(states, followed)))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::experiment::Document;
+    use crate::flight_log::{self, Format};
+    use crate::replay::write;
+    use crate::simulate::{Step, fly};
 
-    /// Nose up, nose level and nose level but rolled onto the left wing's side by 30°, each on heading east.
+    /// A turn in a wind off every axis, with errors of every sensor, however the air is told: from the flight's log, of each kind, the commands
+    /// flown, to the bit. One rounding more, and another plan is chosen somewhere.
     #[test]
-    fn the_plane_is_that_of_the_wing_at_any_pitch() {
-        let east = UnitQuaternion::from_axis_angle(&V3::z_axis(), 90.0_f64.to_radians());
-        let of = |pitch: f64, roll: f64| {
-            let turned = east
-                * UnitQuaternion::from_axis_angle(&V3::y_axis(), pitch.to_radians())
-                * UnitQuaternion::from_axis_angle(&V3::x_axis(), roll.to_radians());
-            let q = turned.quaternion();
-            [q.w, q.i, q.j, q.k]
-        };
-        // 1e-12: roundings.
-        for (pitch, roll, theta) in [
-            (90.0, 0.0, 0.0),
-            (0.0, 0.0, -90.0),
-            (0.0, -30.0, -90.0),
-            (120.0, 0.0, 30.0),
-        ] {
-            let plane = Plane::of(of(pitch, roll)).unwrap();
-            assert!((plane.forward - V3::y()).norm() < 1e-12, "{plane:?}");
-            let found = plane.theta(of(pitch, roll)).to_degrees();
-            assert!((found - theta).abs() < 1e-10, "{found}");
+    fn a_flights_own_log_replays_to_the_commands_flown() {
+        for air in ["velocity", "steady-wind", "none"] {
+            let air = format!("sensors.air=\"{air}\"");
+            let mut document = Document::load("circle-40").unwrap();
+            for change in [
+                "duration_s=20",
+                "entry_s=0",
+                "weather.steady_m_s=[1.5,-1.5,0.5]",
+                "sensors.velocity_m_s.noise=0.05",
+                "sensors.position_m.noise=0.05",
+                "sensors.attitude_deg.noise=0.2",
+                "sensors.acceleration_m_s2.noise=0.1",
+                &air,
+            ] {
+                document.assign(change).unwrap();
+            }
+            let experiment = document.checked().unwrap();
+            let flown = fly(&experiment).unwrap();
+            let log = flight_log::log(&experiment, &flown).unwrap();
+            for format in [Format::Ulog, Format::Mcap, Format::Csv] {
+                let mut file = std::io::Cursor::new(Vec::new());
+                format.write(&log, &mut file).unwrap();
+                let bytes = file.get_ref();
+                let log = match format {
+                    Format::Ulog => alula_logs::ulog::read("x", bytes),
+                    Format::Mcap => alula_logs::mcap::read("x", bytes),
+                    Format::Csv => alula_logs::csv::read("x", bytes, None),
+                };
+                let states = alula_logs::states::find(&log.unwrap()).unwrap();
+                same_commands(&flown, &states, &experiment, &format!("{air} {format:?}"));
+            }
         }
-        assert_eq!(Plane::of(of(0.0, 90.0)), None);
-        assert_eq!(Plane::of([f64::NAN; 4]), None);
-        let plane = Plane::through(90.0_f64.to_radians());
-        assert!((plane.across([-3.0, 5.0, 1.0]) - 3.0).abs() < 1e-12);
-        assert_eq!(plane.within([0.0, 5.0, 1.0]), Inertial::new(1.0, 5.0));
+    }
+
+    fn same_commands(flown: &[Step], states: &States, experiment: &Experiment, what: &str) {
+        let (replayed, _) = replay(states, experiment).unwrap();
+        assert_eq!(flown.len(), replayed.len());
+        for (a, b) in flown.iter().zip(&replayed) {
+            assert_eq!(a.answer, b.answer, "{what} {}", a.t);
+        }
+        let mut csv = Vec::new();
+        write(experiment, &replayed, &mut csv).unwrap();
+        let text = String::from_utf8(csv).unwrap();
+        assert_eq!(text.lines().count(), replayed.len() + 1);
     }
 }

@@ -1,9 +1,7 @@
-//! A controller run open loop over logged inputs: of a trace ([`trace`]), or of an autopilot's log ([`log`],
-//! [`space`]).
+//! A controller run open loop over logged inputs: of a trace ([`trace`]), or of an autopilot's log ([`log`]).
 
 pub mod log;
 mod source;
-pub mod space;
 mod states;
 mod steps;
 pub mod trace;
@@ -12,91 +10,90 @@ pub use source::Source;
 
 use std::io::Write;
 
-use crate::columns::{Column, column};
-use crate::controllers::{Controller, Input};
-use crate::experiment::{Experiment, State};
-use crate::reference::Vector;
-use crate::simulate::Step;
+use alula::ned::BodyAxes;
+use nalgebra::UnitQuaternion;
 
-/// What is written after the time. The last two for controllers with modes alone.
-const OUTPUTS: [&str; 7] = [
+use crate::columns::{declared, write_columns};
+use crate::controllers::{Controller, Input};
+use crate::experiment::{Experiment, State, Target, V3, double};
+use crate::simulate::{Record, Step};
+
+/// What is written, as far as it applies to the controller.
+const OUTPUTS: [&str; 14] = [
+    "t_s",
     "thrust_n",
-    "rate_rad_s",
-    "alpha_rad",
+    "command_belly_rad_s",
+    "command_wing_rad_s",
+    "command_tail_rad_s",
+    "law_alpha_rad",
     "fp_n",
-    "status",
+    "margin_k",
+    "margin_fold_rad",
     "mode",
+    "phase",
+    "unreachable",
     "air",
+    "status",
 ];
 
-/// The controller of an experiment, and the CSV that its commands are written as.
-pub struct Commands<'a, W: Write> {
+/// The controller of an experiment, open loop.
+struct OpenLoop<'a> {
     experiment: &'a Experiment,
     controller: Box<dyn Controller>,
-    outputs: Vec<&'static Column>,
-    writer: csv::Writer<W>,
-    last_time: Option<f64>,
-    cell: Vec<u8>,
+    record: Record,
 }
 
-impl<'a, W: Write> Commands<'a, W> {
-    /// The controller of `experiment` at power-on; the header is written `to`.
-    pub fn new(experiment: &'a Experiment, to: W) -> anyhow::Result<Self> {
-        let has_mode = experiment.controller.name() != "law";
-        let outputs = OUTPUTS.iter().take(if has_mode { 7 } else { 5 });
-        let outputs: Vec<&Column> = outputs.filter_map(|name| column(name)).collect();
-        let mut writer = csv::Writer::from_writer(to);
-        let names = outputs.iter().map(|column| column.name);
-        writer.write_record(std::iter::once("t_s").chain(names))?;
+/// What a log says of the vehicle besides the controller's input; NaN where it says nothing.
+struct Logged {
+    position: V3,
+    wind: V3,
+    load_factor: f64,
+    target: Target,
+}
+
+impl<'a> OpenLoop<'a> {
+    fn new(experiment: &'a Experiment) -> anyhow::Result<Self> {
         Ok(Self {
             experiment,
             controller: experiment.controller()?,
-            outputs,
-            writer,
-            last_time: None,
-            cell: Vec::new(),
+            record: Record::new(),
         })
     }
 
-    /// Asks the controller at `t` \[s\], which is written as `time`. Of the truth nothing is known.
-    pub fn row(&mut self, time: &str, t: f64, input: Input) -> anyhow::Result<Step> {
+    /// One row of the log: what it says stands for the truth.
+    fn row(&mut self, t: f64, input: Input, logged: Logged) -> anyhow::Result<()> {
         let period = 1.0 / self.experiment.control_rate_hz;
-        let dt = self.last_time.map_or(period, |last| t - last);
-        self.last_time = Some(t);
+        let dt = self.record.last().map_or(period, |last| t - last.t);
         let answer = self.controller.answer(&input, dt as f32)?;
-        let nowhere = Vector::from_element(f64::NAN);
-        let step = Step {
+        let q = input.sample.orientation.to_quaternion(BodyAxes::NoseUp);
+        let [w, x, y, z] = [q.w, q.x, q.y, q.z].map(f64::from);
+        let attitude = UnitQuaternion::new_normalize(nalgebra::Quaternion::new(w, x, y, z));
+        let truth = State {
+            position: logged.position,
+            velocity: double(input.sample.velocity),
+            attitude,
+            rates: V3::repeat(f64::NAN),
+            thrust: f64::NAN,
+        };
+        self.record.push(Step {
             t,
-            truth: State {
-                velocity: nowhere,
-                position: nowhere,
-                theta: f64::NAN,
-                rate: f64::NAN,
-                thrust: f64::NAN,
-            },
-            wind: nowhere,
-            reference_velocity: nowhere,
-            reference_acceleration: nowhere,
-            reference_position: nowhere,
+            truth,
+            theta: truth.theta(),
+            wind: logged.wind,
+            load_factor: logged.load_factor,
+            readings: Vec::new(),
+            target: logged.target,
+            measured_attitude: attitude,
             input,
             answer,
-        };
-        self.writer.write_field(time)?;
-        for column in &self.outputs {
-            self.cell.clear();
-            if let Some(value) = (column.read)(self.experiment, &step) {
-                value.push(&mut self.cell);
-            }
-            self.writer.write_field(&self.cell)?;
-        }
-        self.writer.write_record(None::<&[u8]>)?;
-        Ok(step)
+        });
+        Ok(())
     }
+}
 
-    /// Writes what is left.
-    pub fn end(mut self) -> anyhow::Result<()> {
-        Ok(self.writer.flush()?)
-    }
+/// Writes the commands of a replay as CSV.
+pub fn write(experiment: &Experiment, record: &[Step], to: impl Write) -> std::io::Result<()> {
+    write_columns(&OUTPUTS.map(declared), experiment, record, to)
 }
 
 #[cfg(test)]
@@ -106,7 +103,7 @@ mod tests {
     #[test]
     fn every_column_written_is_declared() {
         for name in OUTPUTS {
-            assert!(column(name).is_some(), "{name} is no column");
+            declared(name);
         }
     }
 }

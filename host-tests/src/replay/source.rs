@@ -1,22 +1,20 @@
 //! What is replayed: a trace, or an autopilot's log.
 
 use std::fs::File;
-use std::io::{Read, Write};
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use alula_logs::states::{self, States};
 use anyhow::{Context, anyhow};
 
-use super::log::{self, Plane};
-use super::{steps, trace};
-use crate::experiment::{Experiment, angle};
+use super::{log, steps, trace};
+use crate::experiment::Experiment;
 use crate::named::{hint, text_of};
-use crate::simulate::Step;
+use crate::simulate::Record;
 
 /// A log, opened.
 pub struct Source {
     origin: String,
-    plane: Option<Plane>,
     content: Content,
 }
 
@@ -29,16 +27,8 @@ enum Content {
 
 impl Source {
     /// Opens the log `file`: a CSV such as a flight's trace, a PX4 ULog, MCAP of JSON, or an ArduPilot DataFlash log. `map` is a TOML file that says which
-    /// column of a foreign CSV is which, `heading_deg` the heading of the vertical plane of the flight \[°\]; without it the plane that the
-    /// wing is square to.
-    pub fn open(
-        file: &Path,
-        map: Option<&PathBuf>,
-        heading_deg: Option<f64>,
-    ) -> anyhow::Result<Self> {
-        if let Some(heading) = heading_deg {
-            angle("heading_deg", heading)?;
-        }
+    /// column of a foreign CSV is which.
+    pub fn open(file: &Path, map: Option<&PathBuf>) -> anyhow::Result<Self> {
         let origin = file.display().to_string();
         let mut head = Vec::new();
         let opened = File::open(file).with_context(|| origin.clone())?;
@@ -80,37 +70,18 @@ impl Source {
         };
         Ok(Self {
             origin,
-            plane: heading_deg.map(|heading| Plane::through(heading.to_radians())),
             content,
         })
     }
 
-    /// The states in it, for the guidance in space.
-    pub fn states(self) -> anyhow::Result<States> {
-        match self.content {
-            Content::Log(states) => Ok(*states),
-            Content::Trace(_) => anyhow::bail!(
-                "{}: the guidance in space replays an autopilot's log, as `fly --log ulog,mcap,csv` leaves one, or a CSV with --map",
-                self.origin
-            ),
-        }
-    }
-
-    /// Runs the controller of `experiment` over it, and writes its commands `to` as CSV; what had to be assumed.
-    pub fn replay(
-        self,
-        to: impl Write,
-        experiment: &Experiment,
-        visit: impl FnMut(Step),
-    ) -> anyhow::Result<Vec<String>> {
+    /// Runs the controller of `experiment` over it: each step, and what had to be assumed.
+    pub fn replay(self, experiment: &Experiment) -> anyhow::Result<(Record, Vec<String>)> {
         match self.content {
             Content::Trace(file) => {
-                trace::replay(&self.origin, file, to, experiment, visit)?;
-                Ok(Vec::new())
+                let record = trace::replay(&self.origin, file, experiment)?;
+                Ok((record, Vec::new()))
             }
-            Content::Log(states) => {
-                log::replay(&states, self.plane, to, experiment, visit).context(self.origin)
-            }
+            Content::Log(states) => log::replay(&states, experiment).context(self.origin),
         }
     }
 }

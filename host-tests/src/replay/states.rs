@@ -7,7 +7,7 @@ use alula_logs::states::{Series, States};
 use anyhow::bail;
 
 use super::steps;
-use crate::space::V3;
+use crate::experiment::V3;
 
 /// A row of the states. World vectors are north-east-down.
 pub struct Row {

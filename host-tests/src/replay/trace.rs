@@ -1,38 +1,43 @@
 //! The rows of a trace, or of any CSV that has its columns, by their names.
 
-use std::io::{Read, Write};
+use std::io::Read;
 
+use alula::GuidanceInput;
 use alula::guidance::Air;
-use alula::{Attitude, Body, FeedForward, Inertial, PlanarGuidanceInput, Reference};
+use alula::ned::Ned;
+use alula::spatial::{Body, FeedForward, Heading, Reference};
 use anyhow::{anyhow, bail};
 use csv::StringRecord;
+use nalgebra::Quaternion;
 
-use super::Commands;
+use super::{Logged, OpenLoop};
 use crate::controllers::Input;
-use crate::experiment::Experiment;
-use crate::simulate::Step;
+use crate::experiment::{Experiment, Target, V3, double, ned, orientation};
+use crate::simulate::Record;
 
 /// Columns that a log must have.
-const REQUIRED: [&str; 10] = [
+const REQUIRED: [&str; 17] = [
     "t_s",
-    "v_down_m_s",
-    "v_forward_m_s",
-    "theta_rad",
-    "wind_down_m_s",
-    "wind_forward_m_s",
-    "vr_down_m_s",
-    "vr_forward_m_s",
-    "ar_down_m_s2",
-    "ar_forward_m_s2",
+    "told_v_north_m_s",
+    "told_v_east_m_s",
+    "told_v_down_m_s",
+    "told_q_w",
+    "told_q_x",
+    "told_q_y",
+    "told_q_z",
+    "told_wind_north_m_s",
+    "told_wind_east_m_s",
+    "told_wind_down_m_s",
+    "told_vr_north_m_s",
+    "told_vr_east_m_s",
+    "told_vr_down_m_s",
+    "told_ar_north_m_s2",
+    "told_ar_east_m_s2",
+    "told_ar_down_m_s2",
 ];
 
-/// Columns that it must have if the controller is flown with feed-forward.
-const FEED_FORWARD: [&str; 4] = [
-    "aa_down_m_s2",
-    "aa_forward_m_s2",
-    "jr_down_m_s3",
-    "jr_forward_m_s3",
-];
+/// A column that it must have if the controller is flown with feed-forward.
+const FEED_FORWARD: &str = "told_aa_north_m_s2";
 
 /// Where the columns of a log are.
 struct Log<'a> {
@@ -84,7 +89,7 @@ impl Log<'_> {
     }
 
     /// The number under `name`. A value that is not finite is a log's reality; a cell that is not a number is an error.
-    fn number(&self, record: &StringRecord, name: &str) -> anyhow::Result<Option<f32>> {
+    fn number(&self, record: &StringRecord, name: &str) -> anyhow::Result<Option<f64>> {
         let Some(cell) = self.text(record, name) else {
             return Ok(None);
         };
@@ -93,57 +98,77 @@ impl Log<'_> {
         parsed.map_err(|_| anyhow!("{}:{line}: {name}: {cell:?} is not a number", self.origin))
     }
 
-    /// The vector under both names; a component that is not there is NaN.
-    fn vector(&self, record: &StringRecord, names: [&str; 2]) -> anyhow::Result<Inertial> {
-        let [down, forward] = names.map(|name| self.number(record, name));
-        let or_nan = |value: Option<f32>| value.unwrap_or(f32::NAN);
-        Ok(Inertial::new(or_nan(down?), or_nan(forward?)))
+    /// The numbers under the names that begin with `begin` and end with `end`; one that is not there is NaN.
+    fn numbers<const N: usize>(
+        &self,
+        record: &StringRecord,
+        begin: &str,
+        middle: [&str; N],
+        end: &str,
+    ) -> anyhow::Result<[f64; N]> {
+        let mut numbers = [f64::NAN; N];
+        for (number, middle) in numbers.iter_mut().zip(middle) {
+            let name = format!("{begin}_{middle}{end}");
+            *number = self.number(record, &name)?.unwrap_or(f64::NAN);
+        }
+        Ok(numbers)
     }
 
-    /// What a row tells. Controllers that are told more than the bare laws have columns of their own, which need not be there: without
-    /// them the air is known by its wind, the position is not known, and nothing is old.
+    /// The vector, north-east-down, under the names that begin with `told_` and `begin`.
+    fn vector(&self, record: &StringRecord, begin: &str, unit: &str) -> anyhow::Result<V3> {
+        let begin = format!("told_{begin}");
+        let axes = ["north", "east", "down"];
+        Ok(self.numbers(record, &begin, axes, unit)?.into())
+    }
+
+    /// What a row tells. What controllers are told besides the bare laws' inputs need not be there: without it the air is known by its wind,
+    /// the position is not known, and nothing is old.
     fn input(&self, record: &StringRecord, feed_forward: bool) -> anyhow::Result<Input> {
-        let number = |name| Ok::<f32, anyhow::Error>(self.number(record, name)?.unwrap_or(0.0));
-        let number_or_none = |name| self.number(record, name);
-        let theta = number("theta_rad")?;
-        let wind = self.vector(record, ["wind_down_m_s", "wind_forward_m_s"])?;
-        let known_position = self.place("xe_down_m").is_some();
-        let position_error = self.vector(record, ["xe_down_m", "xe_forward_m"])?;
-        let forward = FeedForward {
-            air_acceleration: self.vector(record, ["aa_down_m_s2", "aa_forward_m_s2"])?,
-            jerk: self.vector(record, ["jr_down_m_s3", "jr_forward_m_s3"])?,
-        };
+        let age = |name| Ok::<f64, anyhow::Error>(self.number(record, name)?.unwrap_or(0.0));
+        let velocity = |begin| self.vector(record, begin, "_m_s").map(ned);
+        let acceleration = |begin| self.vector(record, begin, "_m_s2").map(ned);
+        let [w, x, y, z] = self.numbers(record, "told_q", ["w", "x", "y", "z"], "")?;
+        let force = ["tail", "belly", "wing"];
+        let [i, j, side] = self.numbers(record, "told_f", force, "_m_s2")?;
+        let known_position = self.place("told_x_error_north_m").is_some();
+        let position_error = ned(self.vector(record, "x_error", "_m")?);
         Ok(Input {
-            theta,
-            sample: PlanarGuidanceInput {
-                velocity: self.vector(record, ["v_down_m_s", "v_forward_m_s"])?,
-                attitude: Attitude::from_angle(theta),
-                state_age: number("state_age_s")?,
-                air: match self.text(record, "air_told") {
-                    Some("velocity") => {
-                        Air::Velocity(self.vector(record, ["va_down_m_s", "va_forward_m_s"])?)
-                    }
+            sample: GuidanceInput {
+                velocity: velocity("v")?,
+                orientation: orientation(&Quaternion::new(w, x, y, z)),
+                state_age: age("state_age_s")? as f32,
+                air: match self.text(record, "told_air") {
+                    Some("velocity") => Air::Velocity(velocity("va")?),
                     Some("unknown") => Air::Unknown,
-                    Some("wind" | "") | None => Air::Wind(wind),
+                    Some("wind" | "") | None => Air::Wind(velocity("wind")?),
                     Some(other) => bail!(
-                        "{}:{}: air_told: {other:?} is neither velocity nor wind nor unknown",
+                        "{}:{}: told_air: {other:?} is neither velocity nor wind nor unknown",
                         self.origin,
                         record.position().map_or(0, csv::Position::line)
                     ),
                 },
-                specific_force: match (number_or_none("f_i_m_s2")?, number_or_none("f_j_m_s2")?) {
-                    (Some(i), Some(j)) => Some(Body::new(i, j)),
-                    _ => None,
-                },
+                specific_force: (self.place("told_f_tail_m_s2").is_some() && !i.is_nan())
+                    .then(|| Body::new(i as f32, j as f32, side as f32)),
                 position_error: known_position.then_some(position_error),
                 reference: Reference {
-                    velocity: self.vector(record, ["vr_down_m_s", "vr_forward_m_s"])?,
-                    acceleration: self.vector(record, ["ar_down_m_s2", "ar_forward_m_s2"])?,
+                    velocity: velocity("vr")?,
+                    acceleration: acceleration("ar")?,
+                    heading: match self.number(record, "heading_rad")? {
+                        Some(heading) => Heading::from_angle(heading as f32),
+                        None => Heading::FREE,
+                    },
                 },
-                reference_age: number("reference_age_s")?,
-                ..PlanarGuidanceInput::default()
+                reference_age: age("reference_age_s")? as f32,
+                ..GuidanceInput::default()
             },
-            feed_forward: feed_forward.then_some(forward),
+            feed_forward: match feed_forward {
+                true => Some(FeedForward {
+                    air_acceleration: acceleration("aa")?,
+                    // The reference is piecewise linear.
+                    jerk: Ned::default(),
+                }),
+                false => None,
+            },
         })
     }
 }
@@ -162,15 +187,9 @@ pub(super) fn times(from: impl Read) -> Vec<f64> {
     reader.records().map_while(time).collect()
 }
 
-/// Runs the controller of `experiment` over the log `from` and writes its commands `to`, holding one row at a time; `visit` is given every
-/// step. `origin` stands for the log in errors, which name line and column. Columns are found by name; what is not known is ignored.
-pub fn replay(
-    origin: &str,
-    from: impl Read,
-    to: impl Write,
-    experiment: &Experiment,
-    mut visit: impl FnMut(Step),
-) -> anyhow::Result<()> {
+/// Runs the controller of `experiment` over the log `from`: each step. `origin` stands for the log in errors, which name line and column.
+/// Columns are found by name; what is not known is ignored.
+pub fn replay(origin: &str, from: impl Read, experiment: &Experiment) -> anyhow::Result<Record> {
     let mut reader = csv::ReaderBuilder::new()
         .trim(csv::Trim::All)
         .from_reader(from);
@@ -188,26 +207,37 @@ pub fn replay(
     let log = Log { origin, header };
     log.check_header()?;
     let feed_forward = experiment.spec()?.feed_forward();
-    let forward = FEED_FORWARD.iter().filter(|_| feed_forward);
+    let forward = feed_forward.then_some(&FEED_FORWARD);
     for name in REQUIRED.iter().chain(forward) {
         log.place(name)
             .ok_or_else(|| anyhow!("{origin}:1: no column {name}"))?;
     }
 
-    let mut commands = Commands::new(experiment, to)?;
+    let mut open_loop = OpenLoop::new(experiment)?;
     let mut last_time = None;
     let mut record = StringRecord::new();
     while reader.read_record(&mut record).map_err(at)? {
         let input = log.input(&record, feed_forward)?;
-        let time = log.text(&record, "t_s").unwrap_or_default();
         let t = log.time(&record, last_time)?;
         last_time = Some(t);
-        visit(commands.row(time, t, input)?);
+        let reference = &input.sample.reference;
+        let logged = Logged {
+            position: V3::repeat(f64::NAN),
+            wind: double(input.wind()),
+            load_factor: f64::NAN,
+            target: Target {
+                position: V3::repeat(f64::NAN),
+                velocity: double(reference.velocity),
+                acceleration: double(reference.acceleration),
+                heading: None,
+            },
+        };
+        open_loop.row(t, input, logged)?;
     }
     if last_time.is_none() {
         bail!("{origin}: no rows under the header");
     }
-    commands.end()
+    Ok(open_loop.record)
 }
 
 #[cfg(test)]
@@ -218,13 +248,16 @@ mod tests {
     #[test]
     fn every_column_read_is_declared() {
         let optional = [
-            "air_told",
-            "va_down_m_s",
-            "xe_down_m",
+            "told_air",
+            "told_va_down_m_s",
+            "told_f_wing_m_s2",
+            "told_x_error_down_m",
+            "heading_rad",
             "state_age_s",
             "reference_age_s",
+            FEED_FORWARD,
         ];
-        for name in [&REQUIRED[..], &FEED_FORWARD, &optional].concat() {
+        for name in [&REQUIRED[..], &optional].concat() {
             assert!(column(name).is_some(), "{name} is no column");
         }
     }

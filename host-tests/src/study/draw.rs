@@ -3,8 +3,8 @@
 use rand::{Rng, RngExt};
 use toml::Value;
 
-use super::{Campaign, Dispersion, DrawnReference, Experiment};
-use crate::experiment::{Document, FieldError, stream};
+use super::{Campaign, Dispersion, DrawnReference};
+use crate::experiment::{Document, Experiment, FieldError, stream};
 
 /// What was drawn for a flight.
 #[derive(Clone, Debug, PartialEq)]
@@ -78,7 +78,7 @@ impl Campaign {
         }
         let reference = self.reference.as_ref().map(|r| r.draw(&mut random));
         if let Some(reference) = &reference {
-            document.set("reference.knots", reference.value())?;
+            document.set("reference", reference.value())?;
         }
         let mut fault = None;
         if !self.faults.is_empty() {
@@ -104,7 +104,7 @@ impl Campaign {
             });
         }
         Ok(Drawn {
-            experiment: Experiment::of(&document)?,
+            experiment: document.experiment()?,
             document,
             values,
             reference,
@@ -116,7 +116,7 @@ impl Campaign {
 impl DrawnFault {
     /// The fault's last control step of `experiment`; none if no step falls into it.
     pub(super) fn last_step(&self, experiment: &Experiment) -> Option<usize> {
-        let (steps, rate) = experiment.steps();
+        let (steps, rate) = (experiment.steps(), experiment.control_rate_hz);
         let lasts = |step: &usize| {
             let t = *step as f64 / rate;
             (self.from_s..self.to_s).contains(&t)

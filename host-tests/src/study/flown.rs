@@ -1,24 +1,34 @@
 //! A flight of a campaign, in numbers: its figures, and samples of its course.
 
-use super::place::{Experiment, SAMPLED};
-use super::{Drawn, Expected, FaultDraw, Place};
-use crate::columns::Flight;
-use crate::figures::Tally;
-use crate::simulate::{End, simulate};
-use crate::{experiment, space};
+use super::{Drawn, Expected, FaultDraw};
+use crate::columns::declared;
+use crate::controllers::Answer;
+use crate::figures::{self, Tally};
+use crate::simulate::{End, Step, simulate};
+
+/// Columns that are sampled over a flight.
+pub const SAMPLED: [&str; 9] = [
+    "altitude_m",
+    "forward_m",
+    "position_error_m",
+    "velocity_error_m_s",
+    "airspeed_m_s",
+    "pitch_rad",
+    "bank_rad",
+    "load_factor",
+    "thrust_to_weight",
+];
 
 /// Intervals between the samples of a flight's course.
 const SAMPLES: usize = 100;
 
-/// Time \[s\], and the values of [`Place::sampled`].
-pub type Sample = (f32, [f32; SAMPLED]);
+/// Time \[s\], and the values of [`SAMPLED`].
+pub type Sample = (f32, [f32; SAMPLED.len()]);
 
 /// A flight of a campaign.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Flown {
-    /// Where it was flown.
-    pub place: Place,
-    /// In the order of [`Place::figures`].
+    /// In the order of [`figures::FIGURES`].
     pub figures: Vec<f64>,
     /// Samples, equally spaced.
     pub samples: Vec<Sample>,
@@ -41,7 +51,7 @@ struct Asked<'a> {
 
 impl<'a> Asked<'a> {
     fn new(drawn: &Drawn, faults: &'a [FaultDraw], duration: f64) -> Self {
-        let (steps, _) = drawn.experiment.steps();
+        let steps = drawn.experiment.steps();
         let stated = drawn.fault.map(|fault| {
             let last = fault.last_step(&drawn.experiment);
             (&faults[fault.index], last, steps)
@@ -56,116 +66,68 @@ impl<'a> Asked<'a> {
     }
 
     /// A step, its sample if one is due, and the guidance's state.
-    fn step(&mut self, t: f64, sample: impl Fn() -> [f32; SAMPLED], state: Option<&State>) {
+    fn step(&mut self, step: &Step, sample: impl Fn() -> [f32; SAMPLED.len()]) {
         // A rounding error early rather than a step late.
-        if t >= self.samples.len() as f64 * self.spacing - 1e-9 {
-            self.samples.push((t as f32, sample()));
+        if step.t >= self.samples.len() as f64 * self.spacing - 1e-9 {
+            self.samples.push((step.t as f32, sample()));
         }
         if let Some((stated, last, steps)) = self.stated {
-            let holds = |expected: &Expected| state.is_some_and(|state| expected.holds(state));
             if Some(self.number) == last {
-                self.as_stated &= holds(&stated.during);
+                self.as_stated &= stated.during.holds(&step.answer);
             }
             if self.number == steps {
-                self.as_stated &= holds(&stated.after);
+                self.as_stated &= stated.after.holds(&step.answer);
             }
         }
         self.number += 1;
     }
-
-    fn flown(self, place: Place, figures: Vec<f64>, diverged: bool) -> Flown {
-        let mut flown = Flown {
-            place,
-            figures,
-            samples: self.samples,
-            fault_as_stated: self.as_stated,
-            diverged,
-        };
-        let most = self.stated.and_then(|(stated, ..)| stated.sinks_m);
-        let sunk = -flown.figure("altitude_least_m");
-        flown.fault_as_stated &= most.is_none_or(|most| sunk <= most);
-        flown
-    }
-}
-
-/// Mode, air and flags of the guidance, by their names in a trace.
-struct State {
-    mode: &'static str,
-    air: &'static str,
-    status: String,
 }
 
 impl Flown {
-    /// Flies what was drawn; `faults` are the campaign's.
+    /// Flies `drawn`, of a campaign with these `faults`.
     pub fn fly(drawn: &Drawn, faults: &[FaultDraw]) -> anyhow::Result<Self> {
-        match &drawn.experiment {
-            Experiment::Plane(experiment) => Self::in_plane(experiment, drawn, faults),
-            Experiment::Space(experiment) => Self::in_space(experiment, drawn, faults),
-        }
-    }
-
-    /// A figure, which must be one.
-    pub fn figure(&self, name: &str) -> f64 {
-        self.figures[self.place.figure(name).expect("a figure")]
-    }
-
-    fn in_plane(
-        experiment: &experiment::Experiment,
-        drawn: &Drawn,
-        faults: &[FaultDraw],
-    ) -> anyhow::Result<Self> {
-        let sampled = Place::Plane.sampled().map(experiment::Experiment::declared);
+        let experiment = &drawn.experiment;
+        let sampled = SAMPLED.map(declared);
         let mut tally = Tally::new(experiment);
         let mut asked = Asked::new(drawn, faults, experiment.duration_s);
         let end = simulate(experiment, experiment.controller()?.as_mut(), |step| {
             tally.add(step);
-            let sample = || sampled.map(|column| column.number(experiment, step) as f32);
-            let state = step.answer.guided().map(|guided| State {
-                mode: guided.mode.name(),
-                air: guided.air.name(),
-                status: guided.status.to_string(),
+            asked.step(step, || {
+                sampled.map(|column| column.number(experiment, step) as f32)
             });
-            asked.step(step.t, sample, state.as_ref());
             true
         })?;
-        let diverged = matches!(end, End::Diverged(_));
-        Ok(asked.flown(Place::Plane, tally.figures().values, diverged))
+        let mut flown = Self {
+            figures: tally.figures().values,
+            samples: asked.samples,
+            fault_as_stated: asked.as_stated,
+            diverged: matches!(end, End::Diverged(_)),
+        };
+        let most = asked.stated.and_then(|(stated, ..)| stated.sinks_m);
+        let sunk = -flown.figure("altitude_least_m");
+        flown.fault_as_stated &= most.is_none_or(|most| sunk <= most);
+        Ok(flown)
     }
 
-    fn in_space(
-        experiment: &space::Experiment,
-        drawn: &Drawn,
-        faults: &[FaultDraw],
-    ) -> anyhow::Result<Self> {
-        let sampled = Place::Space.sampled().map(space::Experiment::declared);
-        let record = space::fly(experiment)?;
-        let mut asked = Asked::new(drawn, faults, experiment.duration_s);
-        for step in &record {
-            let sample = || sampled.map(|column| column.number(experiment, step) as f32);
-            let state = State {
-                mode: step.guided.mode.name(),
-                air: step.guided.air.name(),
-                status: step.guided.status.to_string(),
-            };
-            asked.step(step.t, sample, Some(&state));
-        }
-        let figures = space::Figures::of(experiment, &record).values;
-        let diverged = record
-            .iter()
-            .any(|step| !step.truth.velocity.norm().is_finite());
-        Ok(asked.flown(Place::Space, figures, diverged))
+    /// The figure of this name, which must be one.
+    pub fn figure(&self, name: &str) -> f64 {
+        self.figures[figures::index(name).expect("a figure")]
     }
 }
 
 impl Expected {
-    /// Whether the guidance was in this state.
-    fn holds(&self, state: &State) -> bool {
+    /// Whether the guidance is in the stated state; any other controller is in none.
+    fn holds(&self, answer: &Answer) -> bool {
+        let Some(guided) = answer.guided() else {
+            return false;
+        };
         let is = |expected: &Option<String>, name: &str| {
             expected.as_deref().is_none_or(|expected| expected == name)
         };
-        let set = |flag: &String| state.status.split('|').any(|name| name == flag);
-        is(&self.mode, state.mode)
-            && is(&self.air, state.air)
+        let status = guided.status.to_string();
+        let set = |flag: &String| status.split('|').any(|name| name == flag);
+        is(&self.mode, guided.mode.name())
+            && is(&self.air, guided.air.name())
             && self.status.iter().all(set)
             && !self.not_status.iter().any(set)
     }

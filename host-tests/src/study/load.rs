@@ -6,8 +6,9 @@ use anyhow::Context;
 use serde::{Deserialize, Serialize};
 
 use super::store::REFERENCE;
-use super::{Campaign, Dispersion, Expected, Experiment, FaultDraw, Limit, Place};
+use super::{Campaign, Dispersion, Expected, FaultDraw, Limit};
 use crate::experiment::{Document, FieldError, finite, from_toml, require};
+use crate::figures;
 use crate::named::{Named, built_in, in_shell};
 
 /// Name and TOML text of every built-in campaign.
@@ -117,11 +118,6 @@ impl CampaignSource {
         })
     }
 
-    /// Where it flies.
-    pub fn place(&self) -> Place {
-        Place::of(&self.base)
-    }
-
     /// Its name without an extension: that of its folder.
     pub fn stem(&self) -> &str {
         self.texts.name.trim_end_matches(".toml")
@@ -154,8 +150,7 @@ fn at(field: &str, error: FieldError) -> FieldError {
 
 impl Campaign {
     fn validate(&self, base: &Document) -> Result<(), FieldError> {
-        let experiment = Experiment::of(base).map_err(|e| at("set", e))?;
-        let place = Place::of(base);
+        let experiment = base.experiment().map_err(|e| at("set", e))?;
         for (i, dispersion) in self.disperse.iter().enumerate() {
             let field = format!("disperse[{i}]");
             dispersion.validate(&field, base)?;
@@ -163,25 +158,25 @@ impl Campaign {
             let again = earlier.any(|d| d.field == dispersion.field);
             require(!again, field, "this field is dispersed already")?;
         }
-        let borne = self.faults.is_empty() || experiment.is_guided();
+        let borne = self.faults.is_empty() || experiment.controller.kind == "guidance";
         require(borne, "faults", "only the guidance can be given faults")?;
         for (i, fault) in self.faults.iter().enumerate() {
             fault.validate(&format!("faults[{i}]"))?;
         }
         if let Some(reference) = &self.reference {
-            let problem = "cannot be drawn for an experiment with a path";
-            require(place != Place::Space, "reference", problem)?;
+            let problem = "can be drawn only for an experiment in a vertical plane, with knots";
+            require(experiment.in_plane(), "reference", problem)?;
             reference.validate()?;
         }
         for (i, map) in self.maps.iter().enumerate() {
             let dispersed = |name: &str| self.disperse.iter().any(|d| d.field == name);
             let drawn = |name: &str| self.reference.is_some() && REFERENCE.contains(&name);
-            let figure = |name: &str| place.figure(name).is_some();
+            let figure = |name: &str| figures::index(name).is_some();
             let known = |name: &str| dispersed(name) || drawn(name) || figure(name);
             map.validate(&format!("maps[{i}]"), known, figure)?;
         }
         for (i, limit) in self.limits.iter().enumerate() {
-            limit.validate(&format!("limits[{i}]"), place)?;
+            limit.validate(&format!("limits[{i}]"))?;
         }
         // The first flight stands for what ranges cannot tell.
         self.draw(base, 0)
@@ -251,8 +246,9 @@ impl Expected {
 }
 
 impl Limit {
-    fn validate(&self, field: &str, place: Place) -> Result<(), FieldError> {
-        is_one_of(&place.figures(), &format!("{field}.figure"), &self.figure)?;
+    fn validate(&self, field: &str) -> Result<(), FieldError> {
+        let known = figures::index(&self.figure).is_some();
+        require(known, format!("{field}.figure"), figures::unknown(&self.figure))?;
         let given = self.least.is_some() || self.most.is_some();
         require(given, field, "needs least or most")?;
         let crossed = self.least.zip(self.most).is_some_and(|(l, m)| l > m);

@@ -87,14 +87,15 @@ impl RandomReference {
 }
 
 impl DrawnReference {
-    /// The knots as a document has them.
+    /// The reference as a document has it.
     pub(super) fn value(&self) -> Value {
         let table = |[t, down, forward]: &[f64; 3]| {
             let fields = [("t_s", t), ("down_m_s", down), ("forward_m_s", forward)];
             let fields = fields.map(|(key, value)| (key.to_owned(), Value::Float(*value)));
             Value::Table(fields.into_iter().collect::<Table>())
         };
-        Value::Array(self.knots.iter().map(table).collect())
+        let knots = Value::Array(self.knots.iter().map(table).collect());
+        Value::Table(Table::from_iter([("knots".to_owned(), knots)]))
     }
 
     /// Greatest speed [m/s].

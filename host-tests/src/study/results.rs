@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::{Comparison, Plan, Threads, each};
-use crate::columns::Flight as _;
+use crate::columns::declared;
 use crate::experiment::Experiment;
 use crate::figures::{FIGURES, Figure, Figures, Tally, index};
 use crate::simulate::simulate;
@@ -24,15 +24,15 @@ pub const COLUMNS: [&str; 10] = [
     "loss_back_m",
     "gain_back_m",
     "cruise_after_s",
-    "cruise_error_m_s",
-    "late_velocity_error_m_s",
+    "max_cruise_error_m_s",
+    "max_late_velocity_error_m_s",
     "oscillation_rad_s",
     "peak_rate_rad_s",
     "ahead_m",
 ];
 
 /// The columns of the record that are drawn.
-const DRAWN: [&str; 4] = ["t_s", "altitude_m", "true_v_forward_m_s", "vr_forward_m_s"];
+const DRAWN: [&str; 4] = ["t_s", "altitude_m", "v_north_m_s", "path_v_north_m_s"];
 
 /// Every how many control steps a flight is sampled for the charts.
 const SAMPLING: usize = 10;
@@ -96,7 +96,7 @@ impl Flight {
     /// Flies `experiment`: its figures, and samples of it.
     pub fn of(experiment: &Experiment) -> anyhow::Result<(Self, Samples)> {
         let mut tally = Tally::new(experiment);
-        let drawn = DRAWN.map(Experiment::declared);
+        let drawn = DRAWN.map(declared);
         let mut samples = Samples::new();
         let mut number = 0;
         simulate(experiment, experiment.controller()?.as_mut(), |step| {
@@ -109,7 +109,7 @@ impl Flight {
             }
             number += 1;
             // A fall of 1 km, or a position that is not finite, is lost whatever follows.
-            step.position_error().x < 1000.0
+            step.position_error().z < 1000.0
         })?;
         let figures = tally.figures();
         let flight = Self {

@@ -85,7 +85,7 @@ pub fn run(
             flights.push((number, drawn, flight));
             flown()?;
         }
-        let (flights, samples) = campaign.frames(source.place(), &flights);
+        let (flights, samples) = campaign.frames(&flights);
         store.keep(chunk, &flights, &samples)
     };
     each(&missing, threads, fly).map(|_| ())

@@ -3,8 +3,9 @@
 use serde::Serialize;
 
 use super::{Threads, each};
-use crate::experiment::Document;
-use crate::space::{Experiment, Figures, PathSpec, fly};
+use crate::experiment::{Document, Experiment, PathSpec};
+use crate::figures::Figures;
+use crate::simulate::fly;
 
 /// The campaign's name, and its line in the list.
 pub const ATTITUDES: (&str, &str) = (
@@ -26,7 +27,7 @@ pub struct Start {
     /// Most altitude lost under the path \[m\].
     pub height_lost_m: f64,
     /// Root mean square of the velocity error in the last 5 s \[m/s\].
-    pub late_velocity_error_m_s: f64,
+    pub late_velocity_error_rms_m_s: f64,
     /// Whether it ended near its velocity, and upright.
     pub converged: bool,
 }
@@ -43,7 +44,7 @@ pub fn starts(
     threads: Threads,
     flown: impl Fn() -> anyhow::Result<()> + Sync + Send,
 ) -> anyhow::Result<Vec<Start>> {
-    let experiment = Experiment::of(&Document::load(name)?)?;
+    let experiment = Document::load(name)?.checked()?;
     let seeds: Vec<u64> = (0..flights).collect();
     let upright = match experiment.path {
         PathSpec::Hover { .. } => "final_nose_deg",
@@ -56,11 +57,11 @@ pub fn starts(
         };
         let figures = Figures::of(&experiment, &fly(&experiment)?);
         flown()?;
-        let error = figures.get("late_velocity_error_m_s");
+        let error = figures.get("late_velocity_error_rms_m_s");
         Ok(Start {
             seed,
             height_lost_m: -figures.get("altitude_least_m"),
-            late_velocity_error_m_s: error,
+            late_velocity_error_rms_m_s: error,
             converged: error < CONVERGED.0
                 && figures.get(upright) < CONVERGED.1
                 && figures.get("lost") == 0.0,

@@ -7,7 +7,8 @@ use anyhow::{Context, bail};
 
 use super::load::Texts;
 use super::part::{Seal, checksum};
-use super::{Campaign, CampaignSource, Column, Drawn, DrawnReference, Flown, Frame, Place, Sample};
+use super::{Campaign, CampaignSource, Column, Drawn, DrawnReference, Flown, Frame, SAMPLED, Sample};
+use crate::figures::FIGURES;
 use crate::files::leave_all;
 
 /// Flights of a part: lost at most, per thread, if the campaign is interrupted.
@@ -186,8 +187,8 @@ impl Campaign {
         chunks.map(|chunk| size(self.chunk(chunk))).sum()
     }
 
-    /// Flights and samples, flown in `place`, as columns.
-    pub fn frames(&self, place: Place, flown: &[(u64, Drawn, Flown)]) -> (Frame, Frame) {
+    /// Flights and samples as columns.
+    pub fn frames(&self, flown: &[(u64, Drawn, Flown)]) -> (Frame, Frame) {
         let mut flights = Frame::default();
         let real = |of: &dyn Fn(&Drawn, &Flown) -> f64| {
             Column::Real(flown.iter().map(|(_, d, f)| of(d, f)).collect())
@@ -219,8 +220,8 @@ impl Campaign {
             );
             flights.push("fault_to_s", real(&|d, _| d.fault.map_or(nan, |x| x.to_s)));
         }
-        for (i, figure) in place.figures().into_iter().enumerate() {
-            flights.push(figure, real(&|_, f| f.figures[i]));
+        for (i, figure) in FIGURES.iter().enumerate() {
+            flights.push(figure.name, real(&|_, f| f.figures[i]));
         }
         flights.push("passed", flag(&|f| self.passed(f)));
         flights.push("departed", flag(&|f| self.departed(f)));
@@ -236,7 +237,7 @@ impl Campaign {
             Column::Single(rows.map(of).collect())
         };
         samples.push("t_s", single(&|row| row.0));
-        for (i, name) in place.sampled().into_iter().enumerate() {
+        for (i, name) in SAMPLED.into_iter().enumerate() {
             samples.push(name, single(&|row| row.1[i]));
         }
         (flights, samples)

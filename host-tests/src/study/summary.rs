@@ -7,8 +7,8 @@ use serde::Serialize;
 use sketches_ddsketch::{Config, DDSketch};
 
 use super::frame::FrameWriter;
-use super::place::SAMPLED;
-use super::{CampaignSource, Frame, MapFound, Store};
+use super::{CampaignSource, Frame, MapFound, SAMPLED, Store};
+use crate::figures::FIGURES;
 use crate::files::leave;
 
 /// The percentiles that are given of every figure.
@@ -245,7 +245,7 @@ struct Gathered<'a> {
 impl<'a> Gathered<'a> {
     fn new(source: &'a CampaignSource) -> Self {
         let campaign = &source.campaign;
-        let names = source.place().figures();
+        let names: Vec<&str> = FIGURES.iter().map(|figure| figure.name).collect();
         let name = |limit: &super::Limit| {
             let name = names.iter().find(|name| **name == limit.figure);
             *name.expect("validated when loaded")
@@ -387,8 +387,7 @@ impl<'a> Gathered<'a> {
     fn samples(&mut self, frame: &Frame) -> anyhow::Result<()> {
         let numbers = frame.integer("flight")?;
         let times = frame.single("t_s")?;
-        let names = self.source.place().sampled();
-        let columns = names.map(|name| frame.single(name));
+        let columns = SAMPLED.map(|name| frame.single(name));
         let mut place = 0;
         for row in 0..frame.rows() {
             place = match row {
@@ -398,7 +397,7 @@ impl<'a> Gathered<'a> {
             };
             if place == self.fans.len() {
                 let time = f64::from(times[row]);
-                self.fans.push((time, vec![sketch(); SAMPLED]));
+                self.fans.push((time, vec![sketch(); SAMPLED.len()]));
             }
             for (values, sketch) in columns.iter().zip(&mut self.fans[place].1) {
                 let value = match values {
@@ -426,12 +425,15 @@ impl<'a> Gathered<'a> {
         for (found, correlations) in dispersions.zip(&self.correlations) {
             found.correlations = correlations.iter().map(Correlation::value).collect();
         }
-        for (i, column) in self.source.place().sampled().into_iter().enumerate() {
+        for (i, column) in SAMPLED.into_iter().enumerate() {
             let at = |(t, sketches): &(f64, Vec<DDSketch>)| (*t, percentiles(&sketches[i]));
-            self.summary.fans.push(Fan {
-                column,
-                points: self.fans.iter().map(at).collect(),
-            });
+            // A column that applies to none of the flights has no values.
+            if self.fans.iter().any(|(_, sketches)| sketches[i].count() > 0) {
+                self.summary.fans.push(Fan {
+                    column,
+                    points: self.fans.iter().map(at).collect(),
+                });
+            }
         }
         self.summary
     }

@@ -1,7 +1,8 @@
 //! The ground that a flight is drawn over: a level plane at a stated altitude, in squares, with a ruler for the altitude.
 
 use super::view::{Taken, View, label, metres, round_number};
-use crate::space::{Step, V3};
+use crate::experiment::V3;
+use crate::simulate::Step;
 
 /// Between two marks of the ruler, at least \[px\].
 const APART: f64 = 18.0;

@@ -11,7 +11,7 @@ use std::fmt::Write as _;
 use self::ground::Ground;
 use self::view::{BACK, BELLY, View, label, metres};
 use super::svg::{Drawn, width};
-use crate::space::Step;
+use crate::simulate::Step;
 
 /// Width of the picture, and height of the views and of the whole \[px\].
 const WIDE: f64 = 1280.0;
@@ -95,7 +95,7 @@ mod tests {
     use super::*;
     use crate::experiment::Document;
     use crate::named::tests::says;
-    use crate::space::{Experiment, fly};
+    use crate::simulate::fly;
 
     /// What a reader needs is written: the ground's altitude, its squares, the times, north; and the ground is where it says.
     #[test]
@@ -103,7 +103,7 @@ mod tests {
         let record = |name: &str, settings: &[&str]| {
             let mut document = Document::load(name).unwrap();
             settings.iter().for_each(|s| document.assign(s).unwrap());
-            fly(&Experiment::of(&document).unwrap()).unwrap()
+            fly(&document.checked().unwrap()).unwrap()
         };
         let climb = record("climbing-turn", &["duration_s=30.0"]);
         let text = picture(&climb).body;

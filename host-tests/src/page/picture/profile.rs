@@ -4,7 +4,8 @@ use std::fmt::Write as _;
 
 use super::view::{SPAN, Taken, View, label, metres, round_number};
 use crate::page::chart::ends;
-use crate::space::{Step, V3};
+use crate::experiment::V3;
+use crate::simulate::Step;
 
 /// Vehicles drawn, at most.
 const VEHICLES: f64 = 20.0;

@@ -3,7 +3,8 @@
 use super::ground::Ground;
 use super::view::{SPAN, Taken, View, arrow};
 use crate::page::svg::escape;
-use crate::space::{Step, V3};
+use crate::experiment::V3;
+use crate::simulate::Step;
 
 /// Between two vehicles along the way \[spans\], about.
 const APART: f64 = 1.5;
@@ -128,7 +129,7 @@ fn compass(text: &mut String, record: &[Step], view: &View, taken: &mut Taken) {
 mod tests {
     use super::*;
     use crate::experiment::Document;
-    use crate::space::{Experiment, fly};
+    use crate::simulate::fly;
 
     /// On a circle of which a lap takes 12.6 s a vehicle stands every so many seconds, none on another one, none between; the
     /// time is round.
@@ -136,7 +137,7 @@ mod tests {
     fn vehicles_stand_at_equal_times_and_apart() {
         let mut document = Document::load("circle-40").unwrap();
         document.assign("duration_s=40.0").unwrap();
-        let record = fly(&Experiment::of(&document).unwrap()).unwrap();
+        let record = fly(&document.checked().unwrap()).unwrap();
         let view = View {
             scale: 4.0,
             ..View::along(0.0, 90.0)

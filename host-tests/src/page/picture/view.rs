@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use crate::page::chart::ends;
 use crate::page::svg::width;
-use crate::space::{SpatialState, V3};
+use crate::experiment::{State, V3};
 
 /// Span of a drawn vehicle \[px\].
 pub const SPAN: f64 = 46.0;
@@ -81,7 +81,7 @@ impl View {
     }
 
     /// The vehicle at `p`: a delta with the nose in front, its belly in another colour than its back.
-    pub fn vehicle(&self, text: &mut String, state: &SpatialState, p: V3) {
+    pub fn vehicle(&self, text: &mut String, state: &State, p: V3) {
         let [tail, belly, right] = state.axes();
         let size = SPAN / self.scale;
         let at = |ahead: f64, across: f64| p + size * (across * right - ahead * tail);
@@ -227,7 +227,7 @@ mod tests {
 
     #[test]
     fn the_belly_is_seen_from_below() {
-        let state = SpatialState {
+        let state = State {
             position: V3::zeros(),
             velocity: V3::zeros(),
             // Level: nose to the north, belly down.

@@ -3,8 +3,9 @@
 use serde::Deserialize;
 
 use super::V3;
+use super::document::{FieldError, angle, finite, positive, require, speed};
+use super::knots::Knots;
 use super::route::{Leg, Route, Waypoint};
-use crate::experiment::{FieldError, angle, finite, positive, require, speed};
 
 /// What is to be flown at one time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -19,10 +20,12 @@ pub struct Target {
     pub heading: Option<f64>,
 }
 
-/// `[path.KIND]`: exactly one.
+/// `[path.KIND]`: exactly one. `[reference]` is another name for `[path]`.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum PathSpec {
+    /// A velocity by knots, from the origin; the position is its integral.
+    Knots(Knots),
     /// Stays at the origin.
     Hover {
         /// Headings to hold, by increasing time; free before the first.
@@ -74,7 +77,7 @@ pub struct HeadingStep {
 
 /// A path that is being flown.
 ///
-/// Where it waits for the vehicle, its parameter advances at the guidance's pace times its own rate; velocity and
+/// A path without a wait is a function of time. Where it waits for the vehicle, its parameter advances at the guidance's pace times its own rate; velocity and
 /// acceleration scale with the pace and its square.
 pub struct Path {
     shape: Shape,
@@ -84,6 +87,7 @@ pub struct Path {
 }
 
 enum Shape {
+    Knots(Knots),
     Headings(Vec<HeadingStep>),
     Route(Route),
     /// The curve with its first two derivatives over the parameter, and the speed along it.
@@ -100,6 +104,10 @@ impl PathSpec {
     /// The path at its beginning. Fields in errors are whole paths.
     pub fn path(&self) -> Result<Path, FieldError> {
         let (shape, waits) = match self {
+            Self::Knots(knots) => {
+                knots.validate()?;
+                (Shape::Knots(knots.clone()), false)
+            }
             Self::Hover { headings } => {
                 for (i, step) in headings.iter().enumerate() {
                     let field = format!("path.hover.headings[{i}]");
@@ -172,6 +180,16 @@ impl PathSpec {
     }
 }
 
+impl PathSpec {
+    /// The knots, if it is given by them.
+    pub fn knots(&self) -> Option<&Knots> {
+        match self {
+            Self::Knots(knots) => Some(knots),
+            _ => None,
+        }
+    }
+}
+
 impl Path {
     /// The target at the present parameter, and the parameter's rate \[1/s\].
     fn at(&self, phase: f64) -> (Target, f64) {
@@ -187,6 +205,7 @@ impl Path {
                 };
                 (target, 1.0)
             }
+            Shape::Knots(knots) => (knots.target(phase), 1.0),
             Shape::Route(route) => (route.at(phase), 1.0),
             Shape::Curve(curve, speed) => {
                 let [position, d1, d2] = curve(phase);
@@ -209,11 +228,14 @@ impl Path {
         self.at(0.0).0
     }
 
-    /// The target now; the next call is for `dt` \[s\] later. `pace` is asked how fast the path may go on, in multiples of
+    /// The target at `t` \[s\]; the next call is for `dt` \[s\] later. `pace` is asked how fast a path that waits may go on, in multiples of
     /// its own speed.
-    pub fn advance(&mut self, dt: f64, pace: impl FnOnce(&Target) -> f64) -> Target {
+    pub fn advance(&mut self, t: f64, dt: f64, pace: impl FnOnce(&Target) -> f64) -> Target {
+        if !self.waits {
+            return self.at(t).0;
+        }
         let (target, rate) = self.at(self.phase);
-        let pace = if self.waits { pace(&target) } else { 1.0 };
+        let pace = pace(&target);
         // The rate in the middle of the step.
         let (_, middle) = self.at(self.phase + 0.5 * rate * pace * dt);
         self.phase += middle * pace * dt;
@@ -253,8 +275,8 @@ mod tests {
             let mut path = path(text).unwrap();
             let dt = 1e-3;
             let (mut last, mut jumps) = (None::<Target>, 0);
-            for _ in 0..20_000 {
-                let target = path.advance(dt, |_| 1.0);
+            for n in 0..20_000 {
+                let target = path.advance(dt * f64::from(n), dt, |_| 1.0);
                 if let Some(last) = last {
                     let v = (target.position - last.position) / dt;
                     let mean = 0.5 * (target.velocity + last.velocity);
@@ -302,9 +324,9 @@ mod tests {
             ("path.legs = [{ lasts_s = 9, from_m_s = 20 }]", 1.0),
         ] {
             let mut path = path(text).unwrap();
-            let first = path.advance(0.01, |_| 0.5);
+            let first = path.advance(0.0, 0.01, |_| 0.5);
             assert!((first.velocity.norm() - 20.0 * pace).abs() < 1e-9);
-            let next = path.advance(0.01, |_| 0.5);
+            let next = path.advance(0.01, 0.01, |_| 0.5);
             let moved = (next.position - first.position).norm();
             assert!((moved - 0.2 * pace).abs() < 1e-6, "{text} {moved}");
         }

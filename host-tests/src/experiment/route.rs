@@ -3,8 +3,8 @@
 use serde::Deserialize;
 
 use super::V3;
+use super::document::{FieldError, angle, finite, positive, require};
 use super::path::Target;
-use crate::experiment::{FieldError, angle, finite, positive, require};
 
 /// `path.legs`: one leg, flown in a given time.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
