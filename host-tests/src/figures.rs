@@ -730,7 +730,7 @@ mod tests {
             let inside = record.iter().filter(|s| (from..to).contains(&s.t));
             inside.map(of).fold(f64::NEG_INFINITY, f64::max)
         };
-        let altitude = |s: &Step| -s.position_error().x;
+        let altitude = Step::altitude;
         let error = |s: &Step| s.velocity_error().norm();
         assert_eq!(figures.get("gain_out_m"), most(&altitude, 0.0, 45.0));
         assert_eq!(figures.get("gain_back_m"), most(&altitude, 45.0, 200.0));
@@ -767,7 +767,7 @@ mod tests {
         let experiment = experiment("round-trip");
         let mut record = fly(&experiment).unwrap();
         record.truncate(200);
-        record[100].truth.position.x = f64::NAN;
+        record[100].truth.position.z = f64::NAN;
         let figures = Figures::of(&experiment, &record);
         for name in ["altitude_least_m", "altitude_most_m", "gain_out_m"] {
             assert!(figures.get(name).is_nan(), "{name}");

@@ -206,7 +206,7 @@ mod tests {
     #[test]
     fn the_papers_flight_jumps_at_the_fold_and_nowhere_else() {
         let experiment = Document::load("hover-to-cruise").unwrap().checked();
-        let instants = sweep(&experiment.unwrap());
+        let instants = sweep(&experiment.unwrap()).unwrap();
         let found = findings(&instants, 80.0);
         assert!(!found.admissible && found.negative_thrust.is_empty() && found.none.is_empty());
         // Level acceleration at 2 m/s²: ε = 11.5°, |W| = 100.1 N. The fold is at α = 16.56°, a = 1.40657: 14.76 m/s at 7.38 s.
@@ -230,7 +230,7 @@ mod tests {
     #[test]
     fn a_sphere_jumps_at_corners_alone() {
         let experiment = Document::load("large-angle").unwrap().checked();
-        let found = findings(&sweep(&experiment.unwrap()), 20.0);
+        let found = findings(&sweep(&experiment.unwrap()).unwrap(), 20.0);
         assert!(found.admissible, "{found:?}");
         let corners = [6.0, 11.0, 13.0, 18.0];
         assert_eq!(found.jumps.len(), corners.len());

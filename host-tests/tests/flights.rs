@@ -1,14 +1,14 @@
 //! The whole guidance in closed loop: what it reaches on the vehicle of the built-in experiments.
 mod common;
 
-use alula::PlanarGuidanceOutput;
+use alula::GuidanceOutput;
 use alula::guidance::{AirUse, Mode, Phase, Status};
 use alula_sil::experiment::Experiment;
 use alula_sil::figures::{Figures, Segment};
 use alula_sil::simulate::{Record, Step, fly};
 use common::{PAPER_GAINS, experiment};
 
-fn guided(step: &Step) -> &PlanarGuidanceOutput {
+fn guided(step: &Step) -> &GuidanceOutput {
     step.answer.guided().unwrap()
 }
 
@@ -83,8 +83,8 @@ fn the_round_trip_is_followed_whatever_the_thrust() {
 #[test]
 fn noise_does_not_choose_a_bad_moment_to_cross_the_stall() {
     for (condition, farther_off) in [
-        ("weather.steady_m_s=[0.0,0.0]", 0),
-        ("weather.steady_m_s=[0.0,4.0]", 0),
+        ("weather.steady_m_s=[0.0,0.0,0.0]", 0),
+        ("weather.steady_m_s=[4.0,0.0,0.0]", 0),
         ("plant.rate_loop.lag.time_constant_s=0.15", 1),
     ] {
         let mut beyond = Vec::new();
@@ -92,7 +92,7 @@ fn noise_does_not_choose_a_bad_moment_to_cross_the_stall() {
             let (figures, _) = flown(&experiment(
                 "round-trip",
                 &[
-                    "sensors.theta_deg.noise=0.1",
+                    "sensors.attitude_deg.noise=0.1",
                     "sensors.velocity_m_s.noise=0.02",
                     condition,
                     &format!("seed={seed}"),
@@ -153,7 +153,7 @@ fn a_climbing_reference_is_followed_at_two_metres_per_second_squared() {
     }
     assert!(late(segments.last().unwrap()).settling_s.unwrap() < 10.0);
     // What it costs: 11.4 m.
-    let climbed = -experiment.reference.position(experiment.duration_s).x;
+    let climbed = -experiment.path.knots().unwrap().position(experiment.duration_s).z;
     assert!((climbed - 11.4).abs() < 0.1);
 }
 
@@ -169,7 +169,7 @@ fn steep_descents_are_flown_in_wind() {
                  {{t_s=31.0,down_m_s={sink:.1},forward_m_s=0.0}},{{t_s=37.0,down_m_s=0.0,forward_m_s=0.0}}]",
                 t = 5.0 + 0.5 * sink
             );
-            let steady = format!("weather.steady_m_s=[0.0,{wind:.1}]");
+            let steady = format!("weather.steady_m_s=[{wind:.1},0.0,0.0]");
             let light = "weather.turbulence={wind_at_20_ft_m_s=3.0,height_m=30.0}";
             let (figures, _) = flown(&experiment("steep-descent", &[&knots, &steady, light]));
             let [low, high] = ["altitude_least_m", "altitude_most_m"].map(|n| figures.get(n));
@@ -245,8 +245,7 @@ fn falls_are_left() {
         let settings = [
             hover.to_owned(),
             format!("initial.theta_deg={theta:.1}"),
-            format!("initial.down_m_s={down:.1}"),
-            format!("initial.forward_m_s={forward:.1}"),
+            format!("initial.velocity_m_s=[{forward:.1},0.0,{down:.1}]"),
             "duration_s=40.0".to_owned(),
         ];
         let settings: Vec<&str> = settings.iter().map(String::as_str).collect();
@@ -265,7 +264,7 @@ fn winds_that_nobody_tells_of_are_survived() {
     let air = "{kind=\"air\",from_s=0.0,to_s=200.0}";
     let both = format!("{air},{{kind=\"accelerometer\",from_s=0.0,to_s=200.0}}");
     let flown = |wind: f64, faults: &str| {
-        let wind = format!("weather.steady_m_s=[0.0,{wind:.1}]");
+        let wind = format!("weather.steady_m_s=[{wind:.1},0.0,0.0]");
         let faults = format!("sensors.faults=[{faults}]");
         let (figures, _) = flown(&experiment("round-trip", &[&wind, &faults]));
         ["altitude_least_m", "altitude_most_m"].map(|n| figures.get(n))
@@ -279,7 +278,7 @@ fn winds_that_nobody_tells_of_are_survived() {
         assert!(low > -3.0 && high < 9.0, "{wind}: {low} {high}");
     }
     // Everything lost at the peak of a gust in calm air: 94 m.
-    let gust = "weather.gust={start_s=6.0,duration_s=4.0,peak_m_s=[0.0,18.0]}";
+    let gust = "weather.gust={start_s=6.0,duration_s=4.0,peak_m_s=[18.0,0.0,0.0]}";
     let faults = format!(
         "sensors.faults=[{}]",
         both.replace("from_s=0.0", "from_s=8.0")
@@ -288,9 +287,9 @@ fn winds_that_nobody_tells_of_are_survived() {
     assert!(figures.get("altitude_least_m") > -5.0);
     // Winds that reverse after everything is lost: while slow was judged over the believed air alone, 210 and 160 m were lost.
     for (wind, change) in [(15.0, -30.0), (-15.0, 25.0)] {
-        let steady = format!("weather.steady_m_s=[0.0,{wind:.1}]");
+        let steady = format!("weather.steady_m_s=[{wind:.1},0.0,0.0]");
         let gust =
-            format!("weather.gust={{start_s=63.0,duration_s=60.0,peak_m_s=[0.0,{change:.1}]}}");
+            format!("weather.gust={{start_s=63.0,duration_s=60.0,peak_m_s=[{change:.1},0.0,0.0]}}");
         let faults = format!(
             "sensors.faults=[{}]",
             both.replace("from_s=0.0", "from_s=60.0")

@@ -12,27 +12,27 @@ const LOST: &[(&str, &str, &[&str])] = &[
     (
         "a steep descent in 1 m/s of wind: nose down, 4200 m lower",
         "steep-descent",
-        &["weather.steady_m_s=[0.0,1.0]"],
+        &["weather.steady_m_s=[1.0,0.0,0.0]"],
     ),
     (
         "the same with the exact belief",
         "steep-descent",
-        &["weather.steady_m_s=[0.0,1.0]", "controller.guidance={}"],
+        &["weather.steady_m_s=[1.0,0.0,0.0]", "controller.guidance={}"],
     ),
     (
         "a steep descent in 5 m/s of headwind",
         "steep-descent",
-        &["weather.steady_m_s=[0.0,-5.0]"],
+        &["weather.steady_m_s=[-5.0,0.0,0.0]"],
     ),
     (
         "hover asked of a nose-down fall at 20 m/s: never left",
         "round-trip",
-        &[HOVER, "initial.theta_deg=-170", "initial.down_m_s=20"],
+        &[HOVER, "initial.theta_deg=-170", "initial.velocity_m_s=[0,0,20]"],
     ),
     (
         "hover asked upside down at 3 m/s: never left",
         "round-trip",
-        &[HOVER, "initial.theta_deg=180", "initial.down_m_s=3"],
+        &[HOVER, "initial.theta_deg=180", "initial.velocity_m_s=[0,0,3]"],
     ),
     (
         "from a sink of 12 m/s to level cruise: 42 m lower",
@@ -46,7 +46,7 @@ const LOST: &[(&str, &str, &[&str])] = &[
     (
         "level braking in half a metre per second of updraft: never back",
         "round-trip",
-        &["weather.steady_m_s=[-0.5,0.0]"],
+        &["weather.steady_m_s=[0.0,0.0,-0.5]"],
     ),
     (
         "level braking with an idle thrust of 3 % of the weight: never back",
@@ -57,7 +57,7 @@ const LOST: &[(&str, &str, &[&str])] = &[
         "both, in an updraft of 1 m/s",
         "round-trip",
         &[
-            "weather.steady_m_s=[-1.0,0.0]",
+            "weather.steady_m_s=[0.0,0.0,-1.0]",
             "plant.thrust_n=[2.943,196.2]",
         ],
     ),

@@ -28,7 +28,7 @@ fn shares(source: &CampaignSource, folder: &Path) -> Vec<PathBuf> {
         for (flight, number) in flights.iter_mut().zip(source.campaign.chunk(chunk)) {
             flight.0 = number;
         }
-        let (flights, samples) = source.campaign.frames(source.place(), &flights);
+        let (flights, samples) = source.campaign.frames(&flights);
         store.keep(chunk, &flights, &samples).unwrap();
         path
     };

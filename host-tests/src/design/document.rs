@@ -124,10 +124,10 @@ seed = 1
 [set]
 substeps = 2
 \"weather.turbulence\" = {{ wind_at_20_ft_m_s = 5.0, height_m = 30.0 }}
-\"weather.steady_m_s\" = [0.0, 0.0]
+\"weather.steady_m_s\" = [0.0, 0.0, 0.0]
 \"sensors.velocity_m_s\" = {{ noise = 0.05, bias = 0.0, quantum = 0.01 }}
 \"sensors.position_m\" = {{ noise = 0.1, bias = 0.0 }}
-\"sensors.theta_deg\" = {{ noise = 0.2, bias = 0.0 }}
+\"sensors.attitude_deg\" = {{ noise = 0.2, bias = 0.0 }}
 \"sensors.air_m_s\" = {{ noise = 0.3, bias = 0.0 }}
 
 [[disperse]]
@@ -149,10 +149,10 @@ scale.uniform = [0.8, 1.25]
 field = \"plant.delay_s\"
 to.uniform = [0.0, 0.02]
 [[disperse]]
-field = \"sensors.theta_deg.bias\"
+field = \"sensors.attitude_deg.bias\"
 to.normal = {{ mean = 0.0, deviation = 0.5, within = 3.0 }}
 [[disperse]]
-field = \"weather.steady_m_s[1]\"
+field = \"weather.steady_m_s[0]\"
 to.uniform = [-{wind}, {wind}]
 [[disperse]]
 field = \"weather.turbulence.wind_at_20_ft_m_s\"

@@ -148,8 +148,8 @@ mod tests {
         let mut record = fly(&experiment).unwrap();
         // On the reference, exactly: what is judged is what the test puts there.
         for step in &mut record {
-            step.truth.position = step.reference_position;
-            step.truth.velocity = step.reference_velocity;
+            step.truth.position = step.target.position;
+            step.truth.velocity = step.target.velocity;
             change(step);
         }
         Verdict::of(
@@ -175,37 +175,37 @@ mod tests {
         };
         // The reference brakes from 45 s on.
         let low = finding(20.0, Outcome::OutsideGoals, |step| {
-            step.truth.position.x += during(20.0..30.0, step, 1.3);
+            step.truth.position.z += during(20.0..30.0, step, 1.3);
         });
         says(
             &low,
             &["sinks below its reference on the way out by 1.30 m (asked: 1.00 m at most)"],
         );
         let high = finding(20.0, Outcome::Fails, |step| {
-            step.truth.position.x -= during(50.0..60.0, step, 25.0);
+            step.truth.position.z -= during(50.0..60.0, step, 25.0);
         });
         says(
             &high,
             &["climbs above its reference on the way back by 25.00 m"],
         );
         let behind = finding(20.0, Outcome::Fails, |step| {
-            step.truth.position.y -= if step.t > 10.0 { 670.0 } else { 0.0 };
+            step.truth.position.x -= if step.t > 10.0 { 670.0 } else { 0.0 };
         });
         says(&behind, &["falls behind", "does not come back to hover"]);
         let ahead = finding(20.0, Outcome::OutsideGoals, |step| {
-            step.truth.position.y += during(50.0..60.0, step, 5.0);
+            step.truth.position.x += during(50.0..60.0, step, 5.0);
         });
         assert!(ahead.contains("runs ahead"), "{ahead}");
         let slow = finding(20.0, Outcome::Fails, |step| {
-            step.truth.velocity.y -= during(20.0..45.0, step, 2.0);
+            step.truth.velocity.x -= during(20.0..45.0, step, 2.0);
         });
         assert!(slow.contains("the velocity is off by 2.0 m/s"), "{slow}");
         let nan = finding(20.0, Outcome::Fails, |step| {
-            step.truth.position.x = f64::NAN
+            step.truth.position.z = f64::NAN
         });
         assert!(nan.contains("lost"), "{nan}");
         // A faster vehicle may be farther off, a slower one may not.
-        let lower = |step: &mut Step| step.truth.position.x += during(20.0..30.0, step, 1.3);
+        let lower = |step: &mut Step| step.truth.position.z += during(20.0..30.0, step, 1.3);
         finding(30.0, Outcome::AsAsked, lower);
         finding(10.0, Outcome::OutsideGoals, lower);
     }

@@ -626,14 +626,14 @@ mod tests {
     fn fields_are_assigned_by_path() {
         let mut document = Document::load("round-trip").unwrap();
         document.assign("plant.thrust_n[1]=112.8").unwrap();
-        document.assign("weather.steady_m_s = [0.0, -1.0]").unwrap();
+        document.assign("weather.steady_m_s = [-1.0, 0.0, 0.0]").unwrap();
         document.assign("weather.turbulence.height_m=30").unwrap();
         document
             .assign("weather.turbulence.wind_at_20_ft_m_s=8")
             .unwrap();
         let experiment = document.checked().unwrap();
         assert_eq!(experiment.plant.thrust_n, [0.0, 112.8]);
-        assert_eq!(experiment.weather.steady_m_s, [0.0, -1.0]);
+        assert_eq!(experiment.weather.steady, super::super::V3::new(-1.0, 0.0, 0.0));
         document.assign("vehicle.mass_kg=-1").unwrap();
         assert_eq!(
             document.checked().unwrap_err().to_string(),

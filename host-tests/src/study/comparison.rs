@@ -348,7 +348,7 @@ mod tests {
             panic!("two variants")
         };
         assert_eq!(
-            (a[0].controller.name(), b[0].controller.name()),
+            (&*a[0].controller.kind, &*b[0].controller.kind),
             ("guidance", "law")
         );
         assert_eq!((b[0].seed, b[0].duration_s), (7, 112.8));

@@ -306,9 +306,9 @@ mod tests {
         let experiment = document.checked().unwrap();
         let mut record = fly(&experiment).unwrap();
         for step in &mut record {
-            step.truth.position = step.reference_position;
+            step.truth.position = step.target.position;
         }
-        record[50].truth.position.x -= low;
+        record[50].truth.position.z -= low;
         Flight {
             seed: 0,
             outcome,

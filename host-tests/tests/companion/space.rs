@@ -3,8 +3,8 @@
 use alula_bridges::companion::{End, Kind, Settings, Stage};
 use alula_sil::companion::Craft;
 use alula_sil::companion::space::{OnPath, settings};
-use alula_sil::experiment::Document;
-use alula_sil::space::{Experiment, Step, V3, fly};
+use alula_sil::experiment::{Document, Experiment, V3};
+use alula_sil::simulate::{Step, fly};
 
 use super::link::{ARDUPLANE, BAD, Ended, GOOD, Quality, flies, nothing};
 
@@ -13,7 +13,7 @@ fn experiment(name: &str, changes: &[&str]) -> Experiment {
     for change in changes {
         document.assign(change).unwrap();
     }
-    Experiment::of(&document).unwrap()
+    document.checked().unwrap()
 }
 
 /// How a flight went: of the vehicle itself, less what was to be flown at that time.
@@ -64,7 +64,7 @@ fn companion_flies(experiment: &Experiment, kind: Kind, quality: Quality, seed: 
     let mut origin = None;
     let ended = flies(
         &mut pilot,
-        Craft::in_space(experiment).unwrap(),
+        Craft::new(experiment).unwrap(),
         (settings, experiment.duration_s + 6.0),
         (quality, seed),
         nothing,
@@ -173,7 +173,7 @@ fn the_accelerometer_is_heard() {
     let settings = settings(&experiment, None).unwrap();
     flies(
         &mut pilot,
-        Craft::in_space(&experiment).unwrap(),
+        Craft::new(&experiment).unwrap(),
         (settings, 45.0),
         (GOOD, 0),
         nothing,
@@ -184,7 +184,7 @@ fn the_accelerometer_is_heard() {
     assert!(
         record
             .iter()
-            .all(|step| step.input.specific_force.is_some())
+            .all(|step| step.input.sample.specific_force.is_some())
     );
     // 20 m/s around an eight of 65 m: it is felt in the turns.
     let most = record
@@ -224,7 +224,10 @@ fn measured_over_ten_links_each() {
             let sum: f64 = settled.iter().map(|step| of(step).powi(2)).sum();
             (sum / settled.len() as f64).sqrt()
         };
-        let [v, x] = [rms(Step::velocity_error), rms(Step::position_error)];
+        let [v, x] = [
+            rms(|s| s.velocity_error().norm()),
+            rms(|s| s.position_error().norm()),
+        ];
         println!("{name} {wind}: in process {v:.2} m/s, {x:.2} m");
         for kind in [Kind::Px4, ARDUPLANE] {
             let clean = companion_flies(&experiment, kind, GOOD, 0);
