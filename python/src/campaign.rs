@@ -181,8 +181,8 @@ fn attitudes(py: Python<'_>, flights: u64, threads: Threads) -> PyResult<Campaig
             Data::Real(rows().map(|(_, s)| s.height_lost_m).collect()),
         ),
         (
-            "max_late_velocity_error_m_s",
-            Data::Real(rows().map(|(_, s)| s.max_late_velocity_error_m_s).collect()),
+            "late_velocity_error_rms_m_s",
+            Data::Real(rows().map(|(_, s)| s.late_velocity_error_rms_m_s).collect()),
         ),
     ];
     let columns = columns.map(|(name, data)| (name.to_owned(), data));
