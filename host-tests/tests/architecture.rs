@@ -42,10 +42,6 @@ fn files(path: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// Rooms of the harness that know each other: an experiment names its controller, which is made from the experiment, and
-/// the margins are those of the controller's gains on the experiment's plant.
-const TOGETHER: [&str; 3] = ["margins", "experiment", "controllers"];
-
 /// Imports by `crate::` from a room further down the list, outside tests.
 fn arrows_back(folder: &str, order: &[String]) -> Vec<String> {
     let mut wrong = Vec::new();
@@ -68,8 +64,7 @@ fn arrows_back(folder: &str, order: &[String]) -> Vec<String> {
                         .take_while(|c| c.is_ascii_alphanumeric() || *c == '_')
                         .collect();
                     let back = order.iter().position(|name| *name == to);
-                    let together = [room.as_str(), &to].iter().all(|r| TOGETHER.contains(r));
-                    if back.is_some_and(|back| back > place) && !together {
+                    if back.is_some_and(|back| back > place) {
                         wrong.push(format!("{room} -> {to} in {}", file.display()));
                     }
                 }

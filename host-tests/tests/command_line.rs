@@ -89,7 +89,7 @@ fn json_is_one_object_with_the_figures() {
         "max_velocity_error_m_s",
         "max_velocity_error_time_s",
         "min_fp_n",
-        "max_rate_rad_s",
+        "max_rate_command_rad_s",
         "final_velocity_error_m_s",
         "final_alpha_deg",
         "final_theta_deg",
