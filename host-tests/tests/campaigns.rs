@@ -328,16 +328,20 @@ fn a_dispersed_vehicle_in_space_does_not_disperse_the_belief() {
     assert!(drawn.experiment.vehicle.mass_kg < 9.01);
     let believed = drawn.document.number("controller.guidance.vehicle.mass_kg");
     assert_eq!(believed.unwrap(), 10.0);
-    // Figures and references of the plane are refused.
+    // Figures that are none, and random references out of a plane, are refused.
     for (line, problem) in [
         (
-            "[[limits]]\nfigure = 'turn_deg'\nmost = 1.0\n",
-            "turn_deg is none of",
+            "[[limits]]\nfigure = 'turns_deg'\nmost = 1.0\n",
+            "turns_deg is not the name of a figure; did you mean `turn_deg`?",
+        ),
+        (
+            "[[limits]]\nfigure = 'late_position_error_m'\nmost = 1.0\n",
+            "its name is `max_late_position_error_m` now",
         ),
         (
             "[reference]\nuntil_s = 1.0\nforward_m_s.uniform = [0.0, 1.0]\ndown_m_s.uniform = [0.0, 1.0]\n\
           acceleration_m_s2.uniform = [1.0, 2.0]\nhold_s.uniform = [1.0, 2.0]\nsteps = 0.0\n",
-            "cannot be drawn for an experiment with a path",
+            "can be drawn only for an experiment in a vertical plane",
         ),
     ] {
         std::fs::write(&file, format!("{text}{line}")).unwrap();

@@ -162,7 +162,11 @@ impl From<&Input> for Planar {
         let (tail, wing) = (orientation.i(), orientation.w());
         // Of a wing that is level to the east this is the north, exactly.
         let length = (wing.east * wing.east + wing.north * wing.north).sqrt();
-        let ahead = Ned::new(wing.east / length, -wing.north / length, 0.0);
+        // The north stands for the plane of a wing that points up or down, or is not known.
+        let ahead = match length > 0.1 {
+            true => Ned::new(wing.east / length, -wing.north / length, 0.0),
+            false => Ned::new(1.0, 0.0, 0.0),
+        };
         let within =
             |v: Ned| Inertial::new(v.down, ahead.north * v.north + ahead.east * v.east);
         let theta = within(tail);
