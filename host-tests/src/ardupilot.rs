@@ -200,7 +200,9 @@ impl<'a> Vehicle<'a> {
     fn keep(&mut self, truth: State, told: Measured, force: V3, wind: V3, asked: f64) {
         let experiment = self.experiment;
         let t = self.clock();
-        let target = self.path.advance(t, 1.0 / experiment.control_rate_hz, |_| 1.0);
+        let target = self
+            .path
+            .advance(t, 1.0 / experiment.control_rate_hz, |_| 1.0);
         let mut faults = Faults::new(&[], experiment.seed, experiment.in_plane());
         let mut hold = SensorHold::default();
         hold.state(&mut faults, t, told);

@@ -10,7 +10,11 @@ impl Document {
         experiment.controller()?;
         for name in experiment.bounds.keys() {
             let field = format!("bounds.{name}");
-            require(figures::index(name).is_some(), field, figures::unknown(name))?;
+            require(
+                figures::index(name).is_some(),
+                field,
+                figures::unknown(name),
+            )?;
         }
         Ok(experiment)
     }

@@ -88,13 +88,20 @@ fn told_air(step: &Step) -> Option<Ned> {
 
 /// The specific force as told.
 fn force(step: &Step, of: fn(&Body) -> f32) -> Option<Cell> {
-    step.input.sample.specific_force.map(|f| Cell::Single(of(&f)))
+    step.input
+        .sample
+        .specific_force
+        .map(|f| Cell::Single(of(&f)))
 }
 
 /// A component of the attitude as told: that measured, or NaN where none was told.
 fn told_attitude(step: &Step, of: fn(&Quaternion<f64>) -> f64) -> Option<Cell> {
     let told = !step.input.sample.orientation.i().down.is_nan();
-    double(if told { of(&step.measured_attitude) } else { f64::NAN })
+    double(if told {
+        of(&step.measured_attitude)
+    } else {
+        f64::NAN
+    })
 }
 
 /// Something that has a meaning in a vertical plane only.
@@ -421,6 +428,8 @@ mod tests {
         assert!(!law.contains("aa_down") && !law.contains("margin_k") && law.contains(",k"));
         assert!(header("large-angle").contains(",told_aa_down_m_s2,"));
         let guided = header("round-trip");
-        assert!(guided.contains(",margin_k,") && guided.contains(",status,mode,phase,unreachable,air,"));
+        assert!(
+            guided.contains(",margin_k,") && guided.contains(",status,mode,phase,unreachable,air,")
+        );
     }
 }

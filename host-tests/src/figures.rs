@@ -735,7 +735,10 @@ mod tests {
         assert_eq!(figures.get("gain_out_m"), most(&altitude, 0.0, 45.0));
         assert_eq!(figures.get("gain_back_m"), most(&altitude, 45.0, 200.0));
         assert_eq!(figures.get("altitude_most_m"), most(&altitude, 0.0, 200.0));
-        assert_eq!(figures.get("max_cruise_error_m_s"), most(&error, 40.0, 45.0));
+        assert_eq!(
+            figures.get("max_cruise_error_m_s"),
+            most(&error, 40.0, 45.0)
+        );
         assert_eq!(
             figures.get("max_late_velocity_error_m_s"),
             most(&error, 110.0, 200.0)

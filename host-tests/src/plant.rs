@@ -315,7 +315,12 @@ mod tests {
             // Roundings of 100 m/s².
             assert!((plane(got) - want).norm() < 1e-11);
             state = dynamics.step(&state, &command, wind, 0.01);
-            let across = [state.position.y, state.velocity.y, state.rates.x, state.rates.z];
+            let across = [
+                state.position.y,
+                state.velocity.y,
+                state.rates.x,
+                state.rates.z,
+            ];
             assert_eq!(across, [0.0; 4]);
             assert_eq!([state.attitude.i, state.attitude.k], [0.0; 2]);
         }

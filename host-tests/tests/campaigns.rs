@@ -5,9 +5,9 @@ mod common;
 use std::num::NonZero;
 use std::path::Path;
 
+use alula_sil::experiment::{Experiment, PathSpec};
 use alula_sil::page::campaign::page;
 use alula_sil::simulate::fly;
-use alula_sil::experiment::{Experiment, PathSpec};
 use alula_sil::study::{CampaignSource, Column, Drawn, Flown, Shard, Store, Summary, run};
 use common::experiment_of;
 
@@ -377,8 +377,7 @@ fn a_dispersed_field_follows_the_powers_of_others() {
     for number in 0..50 {
         let drawn = source.campaign.draw(&source.base, number).unwrap();
         let vehicle = &drawn.experiment.vehicle;
-        let weight_ratio =
-            drawn.experiment.plant.thrust_n[1] / (vehicle.mass_kg * 9.81);
+        let weight_ratio = drawn.experiment.plant.thrust_n[1] / (vehicle.mass_kg * 9.81);
         assert!((1.0999..=3.0001).contains(&weight_ratio), "{weight_ratio}");
         let knots = &drawn.experiment.path.knots().unwrap().0;
         let cruise = knots[1].forward_m_s;
@@ -390,9 +389,7 @@ fn a_dispersed_field_follows_the_powers_of_others() {
         let belief = spec.belief().unwrap();
         let believed = belief.mass_kg / vehicle.mass_kg;
         assert!((0.85..=1.15).contains(&believed) && believed != 1.0);
-        assert!(
-            drawn.experiment.plant.thrust_n[1] > 1.0299 * 9.81 * belief.mass_kg
-        );
+        assert!(drawn.experiment.plant.thrust_n[1] > 1.0299 * 9.81 * belief.mass_kg);
         let off = belief.delta_deg - vehicle.delta_deg;
         assert!(off.abs() <= 2.0 && off != 0.0);
     }

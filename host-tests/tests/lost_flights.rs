@@ -27,12 +27,20 @@ const LOST: &[(&str, &str, &[&str])] = &[
     (
         "hover asked of a nose-down fall at 20 m/s: never left",
         "round-trip",
-        &[HOVER, "initial.theta_deg=-170", "initial.velocity_m_s=[0,0,20]"],
+        &[
+            HOVER,
+            "initial.theta_deg=-170",
+            "initial.velocity_m_s=[0,0,20]",
+        ],
     ),
     (
         "hover asked upside down at 3 m/s: never left",
         "round-trip",
-        &[HOVER, "initial.theta_deg=180", "initial.velocity_m_s=[0,0,3]"],
+        &[
+            HOVER,
+            "initial.theta_deg=180",
+            "initial.velocity_m_s=[0,0,3]",
+        ],
     ),
     (
         "from a sink of 12 m/s to level cruise: 42 m lower",

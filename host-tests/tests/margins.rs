@@ -60,7 +60,10 @@ fn growth(document: &Document, point: &Point, lag: Option<f64>, delay: f64) -> f
         Some(lag) => put("plant.rate_loop.lag.time_constant_s", lag.into()),
         None => put("plant.rate_loop", "ideal".into()),
     }
-    put("initial.velocity_m_s", vec![point.speed_m_s, 0.0, 0.0].into());
+    put(
+        "initial.velocity_m_s",
+        vec![point.speed_m_s, 0.0, 0.0].into(),
+    );
     put("initial.theta_deg", (point.theta_deg + 0.1).into());
     let knots = format!(
         "knots = [{{ t_s = 0.0, down_m_s = 0.0, forward_m_s = {:?} }}]",

@@ -214,7 +214,10 @@ fn every_flight_of_a_bare_law_settles() {
             "{name}: {figures:?}"
         );
         let tail = &rows[rows.len() - 500..];
-        let fastest = tail.iter().map(|s| s.answer.rates.w.abs()).fold(0.0, f32::max);
+        let fastest = tail
+            .iter()
+            .map(|s| s.answer.rates.w.abs())
+            .fold(0.0, f32::max);
         assert!(
             fastest < 0.2,
             "{name}: {fastest} rad/s in the last half second"

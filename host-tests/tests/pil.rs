@@ -28,7 +28,11 @@ fn core_experiments(pacing: Pacing) -> Vec<(&'static str, Experiment, Configurat
     let mut all = Vec::new();
     for (name, _) in BUILT_IN {
         // Documents without a reference are vehicles.
-        if !Document::load(name).unwrap().data().is_ok_and(|e| e.in_plane()) {
+        if !Document::load(name)
+            .unwrap()
+            .data()
+            .is_ok_and(|e| e.in_plane())
+        {
             continue;
         }
         let experiment = experiment(name);

@@ -180,8 +180,22 @@ fn sensors_fail_in_a_turn() {
     let off = told - (during.truth.position - during.target.position).y;
     assert!((off - 10.0).abs() < 1e-4, "{off}");
     let (_, during, after) = flown("kind = \"position-nan\"");
-    assert!(during.answer.guided().unwrap().status.contains(Status::POSITION_INVALID));
-    assert!(!after.answer.guided().unwrap().status.contains(Status::POSITION_INVALID));
+    assert!(
+        during
+            .answer
+            .guided()
+            .unwrap()
+            .status
+            .contains(Status::POSITION_INVALID)
+    );
+    assert!(
+        !after
+            .answer
+            .guided()
+            .unwrap()
+            .status
+            .contains(Status::POSITION_INVALID)
+    );
     let (_, during, _) = flown("kind = \"accelerometer\"");
     assert!(during.input.sample.specific_force.is_none());
     let (_, during, _) = flown("kind = \"accelerometer-dead\"");
@@ -219,7 +233,14 @@ fn a_frozen_accelerometer_stands_still() {
     let first = record.iter().find(|s| s.t >= 1.0 - 1e-9).unwrap();
     let last = record.iter().rfind(|s| s.t < 3.0 - 1e-9).unwrap();
     assert_eq!(told(first), told(last));
-    let felt = first.load_factor - V3::new(told(first).i.into(), told(first).j.into(), told(first).w.into()).norm() / 9.81;
+    let felt = first.load_factor
+        - V3::new(
+            told(first).i.into(),
+            told(first).j.into(),
+            told(first).w.into(),
+        )
+        .norm()
+            / 9.81;
     // Three standard deviations of 0.1 m/s².
     assert!(felt.abs() < 0.031, "{felt}");
 }
@@ -464,7 +485,10 @@ fn what_is_not_measured_is_not_told() {
     let record = fly(&experiment("mission-turbulence", &settings)).unwrap();
     for step in &record {
         assert_eq!(step.input.sample.air, Air::Unknown);
-        assert!(step.input.sample.specific_force.is_none() && step.input.sample.position_error.is_none());
+        assert!(
+            step.input.sample.specific_force.is_none()
+                && step.input.sample.position_error.is_none()
+        );
     }
     // White noise of 0.05 m/s on each component, over 51 steps.
     let noise = |s: &Step| f64::from(s.input.sample.velocity.north) - s.truth.velocity.x;

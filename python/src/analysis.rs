@@ -68,7 +68,8 @@ pub fn sweep(
         }
         None => plan::least_fp(&experiment).map_err(error::of)?,
     };
-    let findings = py.detach(|| plan::anyhow::Ok(plan::findings(&plan::sweep(&experiment)?, least)));
+    let findings =
+        py.detach(|| plan::sweep(&experiment).map(|instants| plan::findings(&instants, least)));
     let findings = findings.map_err(error::of)?;
     json(py, &findings)
 }

@@ -64,11 +64,10 @@ impl Craft {
 impl Body for Craft {
     fn step(&mut self, thrust: f64, rates: [f64; 3], dt: f64) {
         let delay = (self.delay / dt).round() as usize;
-        self.pending
-            .push_back(Command {
-                thrust: thrust * self.dynamics.thrust[1],
-                rates: rates.into(),
-            });
+        self.pending.push_back(Command {
+            thrust: thrust * self.dynamics.thrust[1],
+            rates: rates.into(),
+        });
         let arrived = self.pending.len() > delay;
         let hover = Command {
             thrust: self.weight,

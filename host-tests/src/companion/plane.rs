@@ -1,8 +1,8 @@
 //! The controller of an experiment in a vertical plane, as a companion's pilot.
 
 use alula::{GuidanceInput, Inertial, PlanarGuidanceInput, ned::Ned};
-use nalgebra::UnitQuaternion;
 use alula_bridges::companion::{HoldParameters, InPlane, Planar, Settings, Wanted};
+use nalgebra::UnitQuaternion;
 
 use crate::controllers::{Answer, Controller, Input};
 use crate::experiment::{Experiment, State, Target, V3, angle, double, ned};

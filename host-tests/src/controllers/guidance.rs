@@ -1,10 +1,10 @@
 //! `[controller.guidance]`: the core's whole guidance. Its parameters stand in the core's own table.
 
+use alula::ned::Ned;
 use alula::{
     BandwidthGains, GainChoice, GainParameters, Gains, Guidance, GuidanceParameters, GuidanceState,
     ParameterError, Parameters as _, ResponseParameters, VehicleParameters,
 };
-use alula::ned::Ned;
 use alula_link::{Configuration, ControllerParameters, Pacing};
 use toml::Value;
 

@@ -4,7 +4,8 @@
 
 use alula::ned::Ned;
 use alula::{
-    Attitude, BandwidthGains, FeedForward, GainChoice, GainParameters, GuidanceParameters, Inertial, Reference, State, VelocityControl,
+    Attitude, BandwidthGains, FeedForward, GainChoice, GainParameters, GuidanceParameters,
+    Inertial, Reference, State, VelocityControl,
 };
 use alula_link::{Configuration, ControllerParameters, LawGains, Pacing};
 use serde::Deserialize;
@@ -167,8 +168,7 @@ impl From<&Input> for Planar {
             true => Ned::new(wing.east / length, -wing.north / length, 0.0),
             false => Ned::new(1.0, 0.0, 0.0),
         };
-        let within =
-            |v: Ned| Inertial::new(v.down, ahead.north * v.north + ahead.east * v.east);
+        let within = |v: Ned| Inertial::new(v.down, ahead.north * v.north + ahead.east * v.east);
         let theta = within(tail);
         Self {
             state: State {

@@ -18,7 +18,13 @@ use crate::polar::holds_polar;
 /// Most tables that a dotted path goes through: as many as TOML's reader lets a text nest.
 const DEEPEST: usize = 80;
 /// Tables of which exactly one entry is given.
-const CHOICES: [&str; 5] = ["controller", "aerodynamics", "rate_loop", "path", "reference"];
+const CHOICES: [&str; 5] = [
+    "controller",
+    "aerodynamics",
+    "rate_loop",
+    "path",
+    "reference",
+];
 /// Two names of one table: a text that has one takes the place of the other in its base.
 const NAMES_OF_PATH: [&str; 2] = ["path", "reference"];
 
@@ -340,7 +346,9 @@ impl Document {
     /// The experiment that the document describes, validated but for its controller.
     pub fn data(&self) -> Result<Experiment, FieldError> {
         let experiment: Experiment = self.read()?;
-        experiment.validate().map_err(|error| self.as_written(error))?;
+        experiment
+            .validate()
+            .map_err(|error| self.as_written(error))?;
         Ok(experiment)
     }
 
@@ -358,7 +366,9 @@ impl Document {
     /// Takes the other name of the path out, where `key` is one of its names.
     fn supersede(&mut self, key: &str) {
         if let (Value::Table(root), true) = (&mut self.root, NAMES_OF_PATH.contains(&key)) {
-            root.retain(|other, _| other == key || !NAMES_OF_PATH.iter().any(|name| *name == other));
+            root.retain(|other, _| {
+                other == key || !NAMES_OF_PATH.iter().any(|name| *name == other)
+            });
         }
     }
 
@@ -645,14 +655,19 @@ mod tests {
     fn fields_are_assigned_by_path() {
         let mut document = Document::load("round-trip").unwrap();
         document.assign("plant.thrust_n[1]=112.8").unwrap();
-        document.assign("weather.steady_m_s = [-1.0, 0.0, 0.0]").unwrap();
+        document
+            .assign("weather.steady_m_s = [-1.0, 0.0, 0.0]")
+            .unwrap();
         document.assign("weather.turbulence.height_m=30").unwrap();
         document
             .assign("weather.turbulence.wind_at_20_ft_m_s=8")
             .unwrap();
         let experiment = document.checked().unwrap();
         assert_eq!(experiment.plant.thrust_n, [0.0, 112.8]);
-        assert_eq!(experiment.weather.steady, super::super::V3::new(-1.0, 0.0, 0.0));
+        assert_eq!(
+            experiment.weather.steady,
+            super::super::V3::new(-1.0, 0.0, 0.0)
+        );
         document.assign("vehicle.mass_kg=-1").unwrap();
         assert_eq!(
             document.checked().unwrap_err().to_string(),

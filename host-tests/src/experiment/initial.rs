@@ -49,14 +49,19 @@ pub struct Scatter {
 
 impl InitialSpec {
     pub(super) fn validate(&self) -> Result<(), FieldError> {
-        velocity("initial.velocity_m_s", &self.velocity_m_s.unwrap_or_default())?;
+        velocity(
+            "initial.velocity_m_s",
+            &self.velocity_m_s.unwrap_or_default(),
+        )?;
         speed("initial.speed_m_s", self.speed_m_s)?;
         angle("initial.path_deg", self.path_deg)?;
         angle("initial.course_deg", self.course_deg.unwrap_or(0.0))?;
         angle("initial.theta_deg", self.theta_deg)?;
         angle("initial.heading_deg", self.heading_deg.unwrap_or(0.0))?;
         let rates = self.rates_rad_s.iter();
-        rates.copied().try_for_each(|x| rate("initial.rates_rad_s", x))?;
+        rates
+            .copied()
+            .try_for_each(|x| rate("initial.rates_rad_s", x))?;
         finite("initial.thrust_n", self.thrust_n)?;
         let Some(scatter) = &self.scatter else {
             return Ok(());
@@ -74,7 +79,11 @@ impl InitialSpec {
 
     /// Whether nothing points out of the vertical plane to the north.
     pub(super) fn in_plane(&self) -> bool {
-        let Self { velocity_m_s, rates_rad_s: rates, .. } = self;
+        let Self {
+            velocity_m_s,
+            rates_rad_s: rates,
+            ..
+        } = self;
         let level = velocity_m_s.is_none_or(|v| v.y == 0.0) && rates.x == 0.0 && rates.z == 0.0;
         level && self.course_deg.is_none() && self.heading_deg.is_none() && self.scatter.is_none()
     }

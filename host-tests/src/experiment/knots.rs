@@ -133,5 +133,4 @@ mod tests {
         assert_eq!(reference.breaks(9.0), [0.0, 1.0, 3.0, 9.0]);
         assert_eq!(reference.breaks(2.0), [0.0, 1.0, 2.0]);
     }
-
 }

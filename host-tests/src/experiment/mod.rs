@@ -27,11 +27,11 @@ use rand_chacha::ChaCha8Rng;
 use serde::Deserialize;
 
 pub use controller::ControllerSpec;
+use document::positive;
 pub use document::{Document, FieldError, Located};
 pub(crate) use document::{angle, finite, from_toml, read, require};
-use document::positive;
-pub use faults::{FaultKind, FaultSpec};
 pub(crate) use faults::Faults;
+pub use faults::{FaultKind, FaultSpec};
 pub use initial::{InitialSpec, Scatter};
 pub use knots::{Knot, Knots};
 pub use parameters::{Fields, file_name, file_value, refused};
@@ -223,7 +223,10 @@ mod tests {
     fn every_built_in_is_valid() {
         for (name, _) in BUILT_IN {
             let document = Document::load(name).unwrap();
-            if ["path", "reference"].iter().any(|key| document.get(key).is_some()) {
+            if ["path", "reference"]
+                .iter()
+                .any(|key| document.get(key).is_some())
+            {
                 document.checked().unwrap();
             }
         }
@@ -278,7 +281,10 @@ mod tests {
         assert_eq!(refused(&format!("{inertia}={table}")), field);
         let knots = "reference.knots[2].forward_m_s";
         assert_eq!(refused(&format!("{knots}=1e30")), knots);
-        assert_eq!(refused("weather.steady_m_s=[-500,0,0]"), "weather.steady_m_s");
+        assert_eq!(
+            refused("weather.steady_m_s=[-500,0,0]"),
+            "weather.steady_m_s"
+        );
         assert_eq!(refused("initial.speed_m_s=1e6"), "initial.speed_m_s");
         let velocity = "initial.velocity_m_s";
         assert_eq!(refused(&format!("{velocity}=[0,0,1e6]")), velocity);

@@ -1,6 +1,5 @@
 //! Sensors: noise, bias and quantisation of what the controller is told.
 
-
 use std::f64::consts::FRAC_PI_2;
 
 use alula::guidance::Air;
@@ -109,10 +108,7 @@ impl ErrorSpec {
 }
 
 /// Checks `[sensors]`: its `errors` by their names, and its faults.
-fn validate(
-    errors: &[(&str, &ErrorSpec)],
-    faults: &[FaultSpec],
-) -> Result<(), FieldError> {
+fn validate(errors: &[(&str, &ErrorSpec)], faults: &[FaultSpec]) -> Result<(), FieldError> {
     for (name, error) in errors {
         sensor_error(&format!("sensors.{name}.bias"), error.bias)?;
         for (part, value) in [("noise", error.noise), ("quantum", error.quantum)] {

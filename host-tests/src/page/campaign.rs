@@ -2,9 +2,9 @@
 
 use super::chart::{BLUE, Chart, HEAT, Level, Series, Stroke, TINTS};
 use super::{Figure, Page, Table, columns, fixed};
+use crate::columns::declared;
 use crate::figures::LOST;
 use crate::study::Campaign;
-use crate::columns::declared;
 use crate::study::{CampaignSource, Fan, LimitFound, MapFound, PERCENTILES, Summary};
 
 const NOTES: &str = "Percentiles are within half a percent; the least and the greatest are exact. A fan shows the range of all \

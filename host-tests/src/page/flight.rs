@@ -210,7 +210,11 @@ pub fn page(
     figures: &Figures,
     segments: &[Segment],
 ) -> Page {
-    let figures_of_merit = Table::new("Figures of merit", ["", "value", "bound or time"], figures.table(experiment));
+    let figures_of_merit = Table::new(
+        "Figures of merit",
+        ["", "value", "bound or time"],
+        figures.table(experiment),
+    );
     let mut tables = vec![figures_of_merit];
     if segments.len() > 1 {
         let lines = segments.iter().map(|s| [s.line()]);

@@ -50,11 +50,7 @@ macro_rules! panels {
 pub(super) use panels;
 
 /// The chart of a panel, if any of its columns applies to the flight.
-pub fn chart(
-    panel: &Panel,
-    experiment: &Experiment,
-    record: &[Step],
-) -> Option<Chart<'static>> {
+pub fn chart(panel: &Panel, experiment: &Experiment, record: &[Step]) -> Option<Chart<'static>> {
     let lines = panel.lines.iter().filter_map(|line| {
         let column = declared(line.column);
         column.applies(experiment, record).then(|| {

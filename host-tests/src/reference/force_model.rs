@@ -3,8 +3,8 @@
 //! The same printed formulas as [`super::Vehicle`] evaluates, with what does not depend on the state computed once; a test holds the
 //! two to each other. α is the direction of v_a seen from the body, and its sine and cosine come from the components.
 
-use super::coefficients::Values;
 use super::Vehicle;
+use super::coefficients::Values;
 
 /// A vehicle, prepared.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,8 +52,8 @@ impl ForceModel {
 mod tests {
     use super::super::{Aerodynamics, Combined, LargeAngle, rotation};
     use super::*;
-    use crate::reference::Vector;
     use crate::polar::Polar;
+    use crate::reference::Vector;
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
 

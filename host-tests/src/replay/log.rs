@@ -59,8 +59,7 @@ pub fn replay(states: &States, experiment: &Experiment) -> anyhow::Result<(Recor
         let logged = Logged {
             position: told.position.unwrap_or(V3::repeat(f64::NAN)),
             wind: told.wind().map_or(V3::zeros(), V3::from),
-            load_factor: (told.specific_force)
-                .map_or(f64::NAN, |f| V3::from(f).norm() / gravity),
+            load_factor: (told.specific_force).map_or(f64::NAN, |f| V3::from(f).norm() / gravity),
             target,
         };
         open_loop.row(t, input, logged)?;

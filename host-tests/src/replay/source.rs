@@ -68,10 +68,7 @@ impl Source {
                 Content::Trace(File::open(file).with_context(|| origin.clone())?)
             }
         };
-        Ok(Self {
-            origin,
-            content,
-        })
+        Ok(Self { origin, content })
     }
 
     /// Runs the controller of `experiment` over it: each step, and what had to be assumed.

@@ -248,7 +248,11 @@ impl Expected {
 impl Limit {
     fn validate(&self, field: &str) -> Result<(), FieldError> {
         let known = figures::index(&self.figure).is_some();
-        require(known, format!("{field}.figure"), figures::unknown(&self.figure))?;
+        require(
+            known,
+            format!("{field}.figure"),
+            figures::unknown(&self.figure),
+        )?;
         let given = self.least.is_some() || self.most.is_some();
         require(given, field, "needs least or most")?;
         let crossed = self.least.zip(self.most).is_some_and(|(l, m)| l > m);

@@ -7,7 +7,9 @@ use anyhow::{Context, bail};
 
 use super::load::Texts;
 use super::part::{Seal, checksum};
-use super::{Campaign, CampaignSource, Column, Drawn, DrawnReference, Flown, Frame, SAMPLED, Sample};
+use super::{
+    Campaign, CampaignSource, Column, Drawn, DrawnReference, Flown, Frame, SAMPLED, Sample,
+};
 use crate::figures::FIGURES;
 use crate::files::leave_all;
 

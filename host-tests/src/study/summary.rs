@@ -428,7 +428,11 @@ impl<'a> Gathered<'a> {
         for (i, column) in SAMPLED.into_iter().enumerate() {
             let at = |(t, sketches): &(f64, Vec<DDSketch>)| (*t, percentiles(&sketches[i]));
             // A column that applies to none of the flights has no values.
-            if self.fans.iter().any(|(_, sketches)| sketches[i].count() > 0) {
+            if self
+                .fans
+                .iter()
+                .any(|(_, sketches)| sketches[i].count() > 0)
+            {
                 self.summary.fans.push(Fan {
                     column,
                     points: self.fans.iter().map(at).collect(),

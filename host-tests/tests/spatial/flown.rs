@@ -61,13 +61,7 @@ pub struct Sample {
 }
 
 impl Sample {
-    pub fn new(
-        t: f64,
-        state: &Truth,
-        target: &Target,
-        wind: V3,
-        start: &Truth,
-    ) -> Self {
+    pub fn new(t: f64, state: &Truth, target: &Target, wind: V3, start: &Truth) -> Self {
         let [tail, belly, right] = state.axes();
         let v_a = state.velocity - wind;
         Self {
@@ -253,8 +247,8 @@ impl Controller for Bare<'_> {
             let side = specific_force.w;
             setup.sideslip.update(&mut self.sideslip, v_a, side, dt);
         }
-        let [i, j, w] = [command.rates.i, command.rates.j, command.rates.w]
-            .map(|x| x.clamp(-rate, rate));
+        let [i, j, w] =
+            [command.rates.i, command.rates.j, command.rates.w].map(|x| x.clamp(-rate, rate));
         Ok(Answer {
             thrust,
             rates: Body::new(i, j, w),

@@ -2,9 +2,8 @@
 
 use alula::{CombinedParameters, GainParameters};
 use alula_sil::reference::{
-    ForceModel,
-    Gains, SpatialEvaluation, SpatialInputs, Vehicle, axes, axisymmetric_full, winged_full,
-    winged_robust,
+    ForceModel, Gains, SpatialEvaluation, SpatialInputs, Vehicle, axes, axisymmetric_full,
+    winged_full, winged_robust,
 };
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};

@@ -86,8 +86,16 @@ fn fly(seed: u64, accelerometer: bool) -> Option<Record> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut u = |a: f64, b: f64| rng.random_range(a..b);
     let most = 98.1 * u(1.25, 2.0);
-    let (mass, k_a, c_y) = (10.0 * u(0.85, 1.15), 0.646 * u(0.75, 1.3), 0.5 * u(0.5, 1.5));
-    let wing = if u(0.0, 1.0) < 0.5 { "paper-belief" } else { "paper" };
+    let (mass, k_a, c_y) = (
+        10.0 * u(0.85, 1.15),
+        0.646 * u(0.75, 1.3),
+        0.5 * u(0.5, 1.5),
+    );
+    let wing = if u(0.0, 1.0) < 0.5 {
+        "paper-belief"
+    } else {
+        "paper"
+    };
     if most < 1.02 * mass * 9.81 {
         return None;
     }
@@ -102,19 +110,32 @@ fn fly(seed: u64, accelerometer: bool) -> Option<Record> {
     set("substeps=1".to_owned());
     set(format!("plant.thrust_n=[0.0, {most:?}]"));
     set("controller.guidance={ max_rate_rad_s = 3.5 }".to_owned());
-    set(format!("controller.guidance.vehicle={{ mass_kg = {mass:?}, k_a_kg_m = {k_a:?}, c_y = {c_y:?} }}"));
-    set(format!("weather.steady_m_s=[{:?}, {:?}, 0.0]", speed * from.cos(), speed * from.sin()));
+    set(format!(
+        "controller.guidance.vehicle={{ mass_kg = {mass:?}, k_a_kg_m = {k_a:?}, c_y = {c_y:?} }}"
+    ));
+    set(format!(
+        "weather.steady_m_s=[{:?}, {:?}, 0.0]",
+        speed * from.cos(),
+        speed * from.sin()
+    ));
     if strength > 0.0 {
-        set(format!("weather.turbulence={{ wind_at_20_ft_m_s = {strength:?}, height_m = 50.0 }}"));
+        set(format!(
+            "weather.turbulence={{ wind_at_20_ft_m_s = {strength:?}, height_m = 50.0 }}"
+        ));
     }
     set(format!("initial.heading_deg={:?}", facing.to_degrees()));
     set("initial.thrust_n=98.1".to_owned());
     if !accelerometer {
         set("sensors.accelerometer=\"none\"".to_owned());
     }
-    let wing = Document::load(wing).unwrap().get("vehicle.aerodynamics").cloned();
+    let wing = Document::load(wing)
+        .unwrap()
+        .get("vehicle.aerodynamics")
+        .cloned();
     let wing = wing.unwrap();
-    document.set("controller.guidance.vehicle.aerodynamics", wing).unwrap();
+    document
+        .set("controller.guidance.vehicle.aerodynamics", wing)
+        .unwrap();
     Some(fly_experiment(&document.checked().unwrap()).unwrap())
 }
 
@@ -154,7 +175,8 @@ fn random_missions_are_not_lost() {
 fn the_integral_asks_for_no_thrust_that_grows_with_the_speed() {
     for seed in [371, 946, 1184] {
         let record = fly(seed, false).unwrap();
-        let calm = |s: &Step| (s.truth.velocity - s.wind).norm() < 40.0 && s.altitude().abs() < 40.0;
+        let calm =
+            |s: &Step| (s.truth.velocity - s.wind).norm() < 40.0 && s.altitude().abs() < 40.0;
         assert!(record.iter().all(calm), "{seed}");
     }
 }

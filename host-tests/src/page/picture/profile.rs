@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 
 use super::view::{SPAN, Taken, View, label, metres, round_number};
-use crate::page::chart::ends;
 use crate::experiment::V3;
+use crate::page::chart::ends;
 use crate::simulate::Step;
 
 /// Vehicles drawn, at most.

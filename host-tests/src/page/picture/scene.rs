@@ -2,8 +2,8 @@
 
 use super::ground::Ground;
 use super::view::{SPAN, Taken, View, arrow};
-use crate::page::svg::escape;
 use crate::experiment::V3;
+use crate::page::svg::escape;
 use crate::simulate::Step;
 
 /// Between two vehicles along the way \[spans\], about.

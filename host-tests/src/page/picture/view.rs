@@ -2,9 +2,9 @@
 
 use std::fmt::Write as _;
 
+use crate::experiment::{State, V3};
 use crate::page::chart::ends;
 use crate::page::svg::width;
-use crate::experiment::{State, V3};
 
 /// Span of a drawn vehicle \[px\].
 pub const SPAN: f64 = 46.0;
