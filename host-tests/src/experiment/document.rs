@@ -367,7 +367,7 @@ impl Document {
     fn supersede(&mut self, key: &str) {
         if let (Value::Table(root), true) = (&mut self.root, NAMES_OF_PATH.contains(&key)) {
             root.retain(|other, _| {
-                other == key || !NAMES_OF_PATH.iter().any(|name| *name == other)
+                other == key || !NAMES_OF_PATH.contains(&&**other)
             });
         }
     }
