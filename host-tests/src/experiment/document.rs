@@ -366,7 +366,7 @@ impl Document {
     /// Takes the other name of the path out, where `key` is one of its names.
     fn supersede(&mut self, key: &str) {
         if let (Value::Table(root), true) = (&mut self.root, NAMES_OF_PATH.contains(&key)) {
-            root.retain(|other, _| other == key || !NAMES_OF_PATH.contains(&&*other));
+            root.retain(|other, _| other == key || !NAMES_OF_PATH.contains(&other));
         }
     }
 
