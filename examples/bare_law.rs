@@ -1,5 +1,8 @@
 //! The paper's law, bare: a state and a reference in, thrust and angular rate out. `cargo run --example bare_law`
-use alula::*;
+use alula::planar::{Attitude, GainParameters, Gains, Inertial, Reference, State, VelocityControl};
+use alula::{
+    Combined, CombinedParameters, ParameterError, Vehicle, VehicleParameters, aerodynamic_constant,
+};
 
 fn main() -> Result<(), ParameterError> {
     // What the controller believes of the aircraft: a 3 kg tail-sitter, 0.35 m² of wing in air of 1.2 kg/m³.

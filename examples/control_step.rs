@@ -2,16 +2,18 @@
 //! software double precision and panics. See `.ci/check-symbols`, which also proves that it would find them.
 #![no_std]
 
-use alula::equivalency::ApparentForces;
 use alula::ned::{BodyAxes, Quaternion};
+use alula::planar::equilibrium::{Equilibria, EquilibriumError, FoldMap, FoldMargin};
+use alula::planar::equivalency::ApparentForces;
+use alula::planar::{Command, FeedForward, Inertial, Reference, State, VelocityControl};
+use alula::spatial::axisymmetric::AxisymmetricControl;
 use alula::spatial::{
-    self, AxisymmetricControl, ForceError, ForceErrorState, ForceSample, Ned, Orientation,
-    Sideslip, SideslipState, WingedControl,
+    self, ForceError, ForceErrorState, ForceSample, Ned, Orientation, Sideslip, SideslipState,
+    WingedControl,
 };
 use alula::{
-    Combined, Command, Equilibria, EquilibriumError, Fault, FeedForward, FoldMap, FoldMargin,
-    GainChoice, Guidance, GuidanceInput, GuidanceOutput, GuidanceState, Inertial, Model, Reference,
-    State, Vehicle, VelocityControl,
+    Combined, Fault, GainChoice, Guidance, GuidanceInput, GuidanceOutput, GuidanceState, Model,
+    Vehicle,
 };
 
 /// The robust law on the combined model.

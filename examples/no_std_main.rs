@@ -4,7 +4,11 @@
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 use alula::guidance::Air;
-use alula::*;
+use alula::planar::{Attitude, Inertial, PlanarGuidanceInput, Reference};
+use alula::{
+    Combined, CombinedParameters, Guidance, GuidanceParameters, GuidanceState, ParameterError,
+    Vehicle, VehicleParameters,
+};
 
 /// Period of the control loop [s].
 const PERIOD: f32 = 0.01;
@@ -25,7 +29,7 @@ trait Board {
 fn fly(board: &mut impl Board) -> Result<(), ParameterError> {
     let model = Combined::new(CombinedParameters::NACA_0021_RE_160E3)?;
     let vehicle = Vehicle::new(VehicleParameters::PAPER_BELIEF, model)?;
-    let guidance = Guidance::new(vehicle, &GuidanceParameters::DEFAULT)?;
+    let guidance = Guidance::new(vehicle, &GuidanceParameters::default())?;
     let mut memory = GuidanceState::default();
     while board.next_period() {
         let (velocity, air, theta) = board.measured();

@@ -1,6 +1,9 @@
 //! An aerodynamic model of one's own: the trait has one function, of six numbers. `cargo run --example own_model`
 use alula::aero::Coefficients;
-use alula::*;
+use alula::planar::{GainParameters, Gains, Reference, State, VelocityControl};
+use alula::{
+    Aerodynamics, AngleOfAttack, ParameterError, Vehicle, VehicleParameters, aerodynamic_constant,
+};
 
 /// A thin plate of aspect ratio that is far from small: c_L = s sin 2α, c_D = c_0 + 2 s sin²α.
 struct Plate {

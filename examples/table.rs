@@ -1,6 +1,10 @@
 //! Measured coefficients: a table of rows, checked and made into polynomials by the compiler. `cargo run --example table`
 use alula::aero::{Node, Polar};
-use alula::*;
+use alula::planar::PlanarGuidanceInput;
+use alula::{
+    Aerodynamics as _, AngleOfAttack, Guidance, GuidanceParameters, GuidanceState, ParameterError,
+    Table, Vehicle, VehicleParameters, aerodynamic_constant,
+};
 
 /// A symmetric section from 0 to 180°: angle of attack [°], c_L, c_D. Room for sixteen rows.
 const POLAR: Polar<15> = match Polar::new(&[
@@ -46,7 +50,7 @@ fn main() -> Result<(), ParameterError> {
         },
         model,
     )?;
-    let guidance = Guidance::new(vehicle, &GuidanceParameters::DEFAULT)?;
+    let guidance = Guidance::new(vehicle, &GuidanceParameters::default())?;
     // It stands in still air. The guidance wants to have seen good inputs for a while before it flies.
     let (input, mut memory) = (PlanarGuidanceInput::default(), GuidanceState::default());
     let mut thrust = 0.0;

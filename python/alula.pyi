@@ -352,7 +352,6 @@ def replay(
     set: _Set | None = None,
     *,
     map: _Source | None = None,
-    heading_deg: float | None = None,
 ) -> Replay: ...
 def campaign(
     source: _Source,

@@ -64,7 +64,7 @@ impl ThrustLine {
     /// # Errors
     /// `delta` not finite or out of range.
     pub fn new(delta: f32) -> Result<Self, ParameterError> {
-        in_range("delta", delta, -math::PI, math::PI).map(Self::of_checked)
+        in_range("delta", delta, [-math::PI, math::PI], "rad").map(Self::of_checked)
     }
 
     /// The thrust line at a `delta` that [`new`](Self::new) would take.

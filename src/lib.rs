@@ -1,43 +1,58 @@
-//! Longitudinal flight control from hover to cruise, at any angle of attack, through stall.
+//! Flight control from hover to cruise, at any angle of attack, through stall.
 //!
-//! `alula` turns (state, reference) into (thrust, angular rate) for aircraft that thrust along their body: tail-sitters
-//! and other convertibles. It implements the unified controller of D. Pucci, *Analysis and Control of Aircraft
-//! Longitudinal Dynamics with Large Flight Envelopes*; names in `code font` such as `eq:pGC` are that paper's labels.
+//! [`Guidance`] turns a velocity or position reference into thrust and body rates, for aircraft that thrust along their
+//! body: tail-sitters and other convertibles. A step is bounded in time, needs no heap, and cannot panic.
 //!
-//! # A step
+//! # Quick start
 //! ```
-//! use alula::*;
+//! use alula::prelude::*;
 //!
-//! // What the controller believes of the aircraft: NACA 0021 wing, 9 kg, k_a = ρΣ/2 = 0.51 kg/m.
-//! let model = Combined::new(CombinedParameters::NACA_0021_RE_160E3)?;
-//! let vehicle = Vehicle::new(VehicleParameters::PAPER_BELIEF, model)?;
-//! let control = VelocityControl::new(vehicle, Gains::new(GainParameters::PAPER)?);
+//! fn main() -> Result<(), Box<dyn std::error::Error>> {
+//!     // 9 kg, k_a = ρΣ/2 = 0.51 kg/m, thrust to 196 N, a NACA 0021 wing.
+//!     let model = Combined::new(CombinedParameters::NACA_0021_RE_160E3)?;
+//!     let vehicle = Vehicle::new(VehicleParameters::PAPER_BELIEF, model)?;
+//!     let guidance = Guidance::new(vehicle, &GuidanceParameters::default())?;
+//!     let mut state = GuidanceState::default();
 //!
-//! // Hovering nose up in still air, asked to fly forward at 2 m/s and to gain 2 m/s² on the way.
-//! let state = State { attitude: Attitude::from_angle(0.0), ..State::default() };
-//! let reference = Reference {
-//!     velocity: Inertial::new(0.0, 2.0),
-//!     acceleration: Inertial::new(0.0, 2.0),
-//! };
-//!
-//! // A fault never comes with a command; the default command is the safe one, no thrust and no rotation.
-//! let command = control.robust(&state, &reference, None).unwrap_or_default();
-//! assert!(command.thrust > 80.0); // about the weight [N]
-//! assert!(command.rate < 0.0); // nose forward [rad/s]
-//! # Ok::<(), ParameterError>(())
+//!     // Hovering with the nose up in still air, asked to fly north at 10 m/s.
+//!     let input = GuidanceInput {
+//!         velocity: Ned::ZERO,
+//!         orientation: Orientation::NOSE_UP,
+//!         air: Air::Wind(Ned::ZERO),
+//!         reference: Reference {
+//!             velocity: Ned::new(10.0, 0.0, 0.0),
+//!             ..Reference::default()
+//!         },
+//!         ..GuidanceInput::default()
+//!     };
+//!     for _ in 0..10 {
+//!         let Command { thrust, rates, .. } = guidance.update(&mut state, &input, 0.01).command;
+//!         let BodyRates { roll, pitch, yaw } = rates;
+//!         println!("{thrust} N, {roll} {pitch} {yaw} rad/s");
+//!     }
+//!     Ok(())
+//! }
 //! ```
-//!
-//! The law alone flies an ideal aircraft. [`Guidance`] puts around it what a real one asks for: position hold and integral
-//! action, limits, supervision; and [`BandwidthGains`] bear the lags of real rate loops.
 //!
 //! # Axes and signs
-//! Inertial vectors are (down, forward); θ = 0 is hover with the nose up, θ = −90° cruise with the nose forward;
-//! thrust acts along the nose. See [`frame`] and [`air`], and [`ned`] for the axes of autopilots.
+//! World vectors are north-east-down ([`Ned`]). Body vectors are forward-right-down: x along the nose, which is where thrust
+//! points, y along the right wing, z to the belly. In hover the nose points up: pitch is 90°. [`BodyAxes`] converts from and
+//! to the axes of a multicopter, whose z points to the tail.
 //!
-//! # Layers
-//! [`Parameters`], [`frame`] ← [`air`] ← [`aero`] ← [`Vehicle`] ← [`equivalency`] ← {[`control`] ← [`spatial`] ← [`guidance`], [`equilibrium`]};
-//! no arrow points back. The core sees no
-//! clock, global, allocator or peripheral, holds no panic and no double precision, and gives the same bits on every
+//! # Modules
+//! | module | what is in it |
+//! |---|---|
+//! | [`prelude`] | what a user of the guidance needs |
+//! | [`guidance`] | the guidance: planner, tracker, limits, supervision |
+//! | [`aero`] | aerodynamic models, and tables of measured coefficients |
+//! | [`ned`] | the axes of autopilots |
+//! | [`spatial`] | the law in space that the guidance flies, and its estimators |
+//! | [`planar`] | the paper's laws in a vertical plane, and the theory of their equilibria |
+//!
+//! The law is the unified controller of D. Pucci, *Analysis and Control of Aircraft Longitudinal Dynamics with Large Flight
+//! Envelopes*. Names in `code font` such as `eq:pGC` are that paper's labels.
+//!
+//! The core sees no clock, global, allocator or peripheral, and holds no double precision. It gives the same bits on every
 //! target: its few elementary functions are its own.
 //!
 //! # Features
@@ -46,17 +61,18 @@
 #![deny(unsafe_code)]
 
 pub mod aero;
-pub mod air;
+mod air;
 mod branch;
-pub mod control;
-pub mod equilibrium;
-pub mod equivalency;
+mod control;
+mod equilibrium;
+mod equivalency;
 mod error;
-pub mod frame;
+mod frame;
 pub mod guidance;
 mod math;
 pub mod ned;
 mod parameters;
+pub mod planar;
 mod reference;
 pub mod spatial;
 mod vehicle;
@@ -65,20 +81,33 @@ pub use aero::{
     Aerodynamics, Combined, CombinedParameters, LargeAngle, LargeAngleParameters, Model,
     ModelParameters, SmallAngle, SmallAngleParameters, Table,
 };
-pub use air::{AirData, AngleOfAttack, ThrustLine};
-pub use control::{
-    Command, Diagnostics, Fault, FeedForward, GainParameters, Gains, State, VelocityControl,
-};
-pub use equilibrium::{Equilibria, Equilibrium, EquilibriumError, FoldMap, FoldMargin};
-pub use error::{ParameterError, Problem};
-pub use frame::{Attitude, Body, Inertial};
+pub use air::AngleOfAttack;
+pub use control::Fault;
+pub use error::{ParameterError, Problem, Requirement};
 pub use guidance::{
     BandwidthGains, GainChoice, Guidance, GuidanceInput, GuidanceOutput, GuidanceParameters,
-    GuidanceState, PlanarGuidanceInput, PlanarGuidanceOutput, ResponseParameters,
+    GuidanceState, ResponseParameters,
 };
+pub use ned::{BodyAxes, BodyRates, Frd, Ned, Quaternion};
 pub use parameters::{Parameters, Range, Row};
-pub use reference::Reference;
+pub use spatial::{Command, Heading, Orientation, Reference};
 pub use vehicle::{Vehicle, VehicleParameters, aerodynamic_constant};
+
+/// What a user of the guidance needs: `use alula::prelude::*`.
+pub mod prelude {
+    pub use crate::aero::{
+        Aerodynamics, Combined, CombinedParameters, LargeAngle, LargeAngleParameters, Table,
+    };
+    pub use crate::error::ParameterError;
+    pub use crate::guidance::{
+        Air, AirUse, Guidance, GuidanceInput, GuidanceOutput, GuidanceParameters, GuidanceState,
+        Mode, PlannerOptions, Status,
+    };
+    pub use crate::ned::{BodyAxes, BodyRates, Frd, Ned, Quaternion};
+    pub use crate::parameters::Parameters;
+    pub use crate::spatial::{Command, Heading, Orientation, Reference};
+    pub use crate::vehicle::{Vehicle, VehicleParameters, aerodynamic_constant};
+}
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

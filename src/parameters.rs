@@ -4,7 +4,7 @@
 //! parameter is read from [`Parameters::ROWS`]: names in experiment files, the C structure and its comments, the
 //! parameter file of PX4, the page in the documentation.
 
-use crate::error::{ParameterError, Problem};
+use crate::error::{ParameterError, Problem, in_range, problem};
 
 /// What is known of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,6 +30,8 @@ pub struct Row {
 pub struct Range {
     /// Name of the field.
     pub name: &'static str,
+    /// Unit, as in [`Row::unit`].
+    pub unit: &'static str,
     /// Least value accepted.
     pub min: f32,
     /// Greatest value accepted.
@@ -42,15 +44,7 @@ impl Range {
     /// # Errors
     /// What is wrong with it.
     pub fn check(&self, value: f32) -> Result<(), Problem> {
-        if value <= 0.0 && self.min > 0.0 {
-            Err(Problem::NotPositive)
-        } else if !value.is_finite() {
-            Err(Problem::NotFinite)
-        } else if value < self.min || value > self.max {
-            Err(Problem::OutOfRange)
-        } else {
-            Ok(())
-        }
+        problem(value, self.min, self.max).map_or(Ok(()), Err)
     }
 }
 
@@ -89,10 +83,7 @@ pub trait Parameters: Copy + 'static {
 #[inline(never)]
 fn check(ranges: &[Range], values: &[f32]) -> Result<(), ParameterError> {
     for (range, value) in ranges.iter().zip(values) {
-        range.check(*value).map_err(|problem| ParameterError {
-            parameter: range.name,
-            problem,
-        })?;
+        in_range(range.name, *value, [range.min, range.max], range.unit)?;
     }
     Ok(())
 }
@@ -136,6 +127,7 @@ macro_rules! parameters {
             }, )*];
             const RANGES: &'static [$crate::Range] = &[$( $crate::Range {
                 name: stringify!($name),
+                unit: $unit,
                 min: $min,
                 max: $max,
             }, )*];

@@ -2,7 +2,7 @@
 
 use crate::aero::Aerodynamics;
 use crate::air::{AirData, ThrustLine};
-use crate::error::{ParameterError, Problem, positive};
+use crate::error::{ParameterError, in_range};
 use crate::frame::Body;
 use crate::math;
 use crate::parameters::Parameters;
@@ -12,8 +12,8 @@ use crate::parameters::Parameters;
 /// # Errors
 /// `density` or `area` not finite, not positive, or above 1e4.
 pub fn aerodynamic_constant(density: f32, area: f32) -> Result<f32, ParameterError> {
-    let density = positive("density", density, 1e-6, 1e4)?;
-    let area = positive("area", area, 1e-6, 1e4)?;
+    let density = in_range("density", density, [1e-6, 1e4], "kg/m^3")?;
+    let area = in_range("area", area, [1e-6, 1e4], "m^2")?;
     Ok(0.5 * density * area)
 }
 
@@ -79,10 +79,10 @@ impl<A: Aerodynamics> Vehicle<A> {
     pub fn new(p: VehicleParameters, model: A) -> Result<Self, ParameterError> {
         p.check()?;
         if p.thrust_max <= p.thrust_min {
-            return Err(ParameterError {
-                parameter: "thrust_max",
-                problem: Problem::OutOfRange,
-            });
+            return Err(ParameterError::contradiction(
+                "thrust_max",
+                "above thrust_min",
+            ));
         }
         Ok(Self {
             mass: p.mass,

@@ -9,7 +9,13 @@
 #![cfg(not(target_os = "none"))]
 
 use alula::guidance::{Air, Mode, Status};
-use alula::*;
+use alula::planar::{
+    Attitude, Body, Command, Inertial, PlanarGuidanceInput, PlanarGuidanceOutput, Reference,
+};
+use alula::{
+    Combined, CombinedParameters, Guidance, GuidanceParameters, GuidanceState, Vehicle,
+    VehicleParameters,
+};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -91,7 +97,7 @@ impl World {
             let h = DT / 4.0;
             let attitude = Attitude::from_angle(plant.theta);
             let air = attitude.to_body(plant.velocity - mission.wind);
-            let air = alula::AirData::new(air, self.truth.thrust_line());
+            let air = alula::planar::AirData::new(air, self.truth.thrust_line());
             let force = self.truth.aerodynamic_force(&air) - Body::new(guided.command.thrust, 0.0);
             let acceleration = attitude.to_inertial(force) / self.truth.mass()
                 + Inertial::new(self.truth.gravity(), 0.0);

@@ -6,7 +6,14 @@ use core::f32::consts::PI;
 
 use alula::aero::{Aerodynamics, Node, Polar};
 use alula::guidance::{Air, GuidanceParameters, Mode, Status};
-use alula::*;
+use alula::planar::{
+    Attitude, Body, Command, FeedForward, GainParameters, Gains, Inertial, PlanarGuidanceInput,
+    Reference, State, VelocityControl,
+};
+use alula::{
+    AngleOfAttack, Combined, CombinedParameters, Guidance, GuidanceState, Table, Vehicle,
+    VehicleParameters,
+};
 use proptest::prelude::*;
 
 fn vehicle(p: VehicleParameters) -> Vehicle<Combined> {

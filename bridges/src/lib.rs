@@ -9,5 +9,6 @@
 #![cfg(not(target_os = "none"))]
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "companion")]
 pub mod companion;
 pub mod sitl;

@@ -4,7 +4,7 @@
 //! `cargo test --release -p alula-bridges --test bytes -- --ignored` reads ten million.
 #![cfg(not(target_os = "none"))]
 
-use alula::{Inertial, PlanarGuidanceInput};
+use alula::planar::{Inertial, PlanarGuidanceInput};
 use alula_bridges::companion::{
     Autopilot, Body, BodyState, Companion, HoldParameters, InPlane, Kind, MavHeader, Planar,
     Settings, Stage, Sticks, Wanted, wire,

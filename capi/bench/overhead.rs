@@ -6,8 +6,8 @@
 extern crate std;
 
 use alula::guidance::Air;
-use alula::ned::{BodyAxes, Quaternion};
-use alula::spatial::{Body, Command, Heading, Ned, Orientation, Reference, State};
+use alula::ned::{BodyAxes, Frd, Quaternion};
+use alula::spatial::{Command, Heading, Ned, Orientation, Reference, State};
 use alula::{
     BandwidthGains, Combined, CombinedParameters, Fault, GainChoice, Guidance, GuidanceInput,
     GuidanceOutput, GuidanceParameters, GuidanceState, Model, ParameterError, Vehicle,
@@ -41,7 +41,7 @@ pub struct Flown {
 }
 
 /// Room that the C side keeps for a `Fixture`, a `Case` and a result \[bytes\].
-const ROOM: usize = 1280;
+const ROOM: usize = 1296;
 const _: () = assert!(size_of::<Fixture>() <= ROOM && size_of::<Case>() <= ROOM);
 const _: () =
     assert!(size_of::<Result<Command, Fault>>() <= ROOM && size_of::<GuidanceOutput>() <= ROOM);
@@ -114,7 +114,7 @@ pub unsafe extern "C" fn overhead_case(case: *mut Case, x: &[f32; 20]) {
             velocity,
             orientation,
             air: Air::Wind(wind),
-            specific_force: Some(Body::new(-x[17], x[19], x[18])),
+            specific_force: Some(Frd::new(x[17], x[18], x[19])),
             reference,
             ..GuidanceInput::default()
         },

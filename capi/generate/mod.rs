@@ -230,7 +230,7 @@ fn listed(choices: &[String]) -> String {
 fn table() -> Result<String> {
     let mut text = String::from(
         "# Parameters\n\n\
-         Fields of `alula_parameters`, in order, with the names they have in PX4's parameter file. The unit mg is a multiple\n\
+         For anyone who sets parameters. Fields of `alula_parameters`, in order, with the names they have in PX4's parameter file. The unit mg is a multiple\n\
          of the vehicle's weight. A parameter without a default must be set.\n\n\
          Made by `cargo run --package alula-capi --example generate` from the tables in `src`, and of the controller in\n\
          `capi/src/parameters.rs`; do not edit.\n",

@@ -655,9 +655,10 @@ typedef struct alula_guidance_parameters {
      */
     float max_wind_step;
     /**
-     * Thrust of the safe command, inside the vehicle's limits. Zero: as near to none as these
-     * allow.
-     * Unit: the vehicle's weight m g. From -1000.0 to 1000.0, default 0.0.
+     * Thrust of the safe command with the nose up, inside the vehicle's limits: below 1 sinks.
+     * Less by as much as the nose leaned when the law flew last; none before. Zero: as near to
+     * none as the limits allow.
+     * Unit: the vehicle's weight m g. From -1000.0 to 1000.0, default 0.95.
      */
     float safe_thrust;
 } alula_guidance_parameters;

@@ -5,7 +5,8 @@ use core::ffi::{CStr, c_char};
 
 use alula::aero::TableProblem;
 use alula::guidance::{RejectReason, Status};
-use alula::{EquilibriumError, Fault, Problem};
+use alula::planar::equilibrium::EquilibriumError;
+use alula::{Fault, Problem};
 
 use crate::parameters;
 

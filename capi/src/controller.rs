@@ -1,8 +1,8 @@
 //! The controller: a vehicle's guidance and its memory, in memory of the caller's.
 
+use alula::planar::Gains;
 use alula::{
-    BandwidthGains, GainChoice, Gains, Guidance, Model, ModelParameters, ParameterError, Problem,
-    Vehicle,
+    BandwidthGains, GainChoice, Guidance, Model, ModelParameters, ParameterError, Problem, Vehicle,
 };
 
 use crate::boundary::{self, Layout};
@@ -65,10 +65,12 @@ fn model<'a>(
         return Ok(Model::Table(table()?));
     }
     let parameters = ModelParameters::numbered(number, &p.coefficients);
-    let parameters = parameters.ok_or(refused(ParameterError {
-        parameter: "model",
-        problem: Problem::OutOfRange,
-    }))?;
+    let parameters = parameters.ok_or(refused(ParameterError::range(
+        "model",
+        Problem::OutOfRange,
+        [0.0, ALULA_MODEL_TABLE as f32],
+        "",
+    )))?;
     parameters.model().map_err(refused)
 }
 

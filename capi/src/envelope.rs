@@ -1,9 +1,10 @@
 //! The envelope: which attitudes hold a reference, and how far the next jump is.
 
-use alula::equilibrium::{Branch, CAPACITY};
 use alula::ned::{BodyAxes, Quaternion};
+use alula::planar::equilibrium::{Branch, CAPACITY};
+use alula::planar::equilibrium::{Equilibria, Equilibrium, FoldMap};
+use alula::planar::{Inertial, Reference};
 use alula::spatial::{Ned, Orientation};
-use alula::{Equilibria, Equilibrium, FoldMap, Inertial, Reference};
 
 use crate::boundary::{self, Layout};
 use crate::code;

@@ -2,7 +2,7 @@
 
 use core::f32::consts::FRAC_1_SQRT_2;
 
-use alula::control::Fault;
+use alula::Fault;
 use alula::guidance::Air;
 use alula::ned::{BodyAxes, Quaternion};
 use alula::spatial::{Correction, FeedForward, Heading, Ned, Orientation, Reference, State};

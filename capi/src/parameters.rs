@@ -5,9 +5,10 @@
 
 use core::ffi::CStr;
 
+use alula::planar::GainParameters;
 use alula::{
-    CombinedParameters, GainParameters, GuidanceParameters, ModelParameters, ParameterError,
-    Parameters as _, Problem, Range, Row, VehicleParameters,
+    CombinedParameters, GuidanceParameters, ModelParameters, ParameterError, Parameters as _,
+    Problem, Range, Row, VehicleParameters,
 };
 
 use crate::boundary::{self, Layout};

@@ -3,9 +3,9 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use alula::planar::{Attitude, Inertial, Reference, State, VelocityControl};
 use alula::{
-    Attitude, BandwidthGains, Combined, CombinedParameters, GuidanceParameters, Inertial,
-    Reference, State, Vehicle, VehicleParameters, VelocityControl,
+    BandwidthGains, Combined, CombinedParameters, GuidanceParameters, Vehicle, VehicleParameters,
 };
 use alula_capi::*;
 use nalgebra::{UnitQuaternion, Vector3};

@@ -43,6 +43,7 @@ fn parameters_have_names_that_fit_and_meanings() {
         assert!(p.meaning.ends_with('.'), "{}", p.name);
         let range = Range {
             name: p.name,
+            unit: p.unit,
             min: p.min,
             max: p.max,
         };

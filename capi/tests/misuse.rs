@@ -7,7 +7,7 @@ use std::mem::offset_of;
 use std::ptr::{null, null_mut};
 
 use alula::VehicleParameters;
-use alula::control::GainLaw;
+use alula::planar::GainLaw;
 use alula_capi::*;
 
 /// The defaults, of the paper's vehicle.
@@ -189,7 +189,7 @@ fn every_refused_parameter_is_named() {
     sharp.coefficients.k_d = 9000.0;
     assert_eq!(
         text(controller(&sharp).err().unwrap()),
-        c"coefficients.k_d is out of range"
+        c"coefficients.k_d contradicts another parameter"
     );
     let mut table = PAPER;
     table.controller.model = ALULA_MODEL_TABLE as f32;
@@ -288,9 +288,10 @@ fn every_bad_number_is_named_and_gives_the_safe_command() {
 #[test]
 fn commands_are_the_cores() {
     use alula::guidance::BandwidthGains;
-    use alula::ned::{BodyAxes, Quaternion};
-    use alula::spatial::{Body, FeedForward, Heading, Ned, Orientation, Reference, State};
-    use alula::*;
+    use alula::ned::{BodyAxes, BodyRates, Quaternion};
+    use alula::planar::{GainParameters, Gains};
+    use alula::spatial::{FeedForward, Heading, Ned, Orientation, Reference, State};
+    use alula::{Combined, CombinedParameters, GainChoice, Guidance, GuidanceParameters, Vehicle};
     let vehicle = VehicleParameters {
         c_y: 0.4,
         ..VehicleParameters::PAPER
@@ -360,10 +361,10 @@ fn commands_are_the_cores() {
             report.header = Report::HEADER;
             let code = unsafe { alula_step(&c, &input, 0.01, &mut out, &mut report) };
             assert_eq!(code, ALULA_OK);
-            let Body { i, j, w } = wanted.rates;
+            let BodyRates { roll, pitch, yaw } = wanted.rates;
             let rates = match axes {
-                BodyAxes::NoseForward => [-i, w, j],
-                BodyAxes::NoseUp => [j, w, i],
+                BodyAxes::NoseForward => [roll, pitch, yaw],
+                BodyAxes::NoseUp => [yaw, pitch, -roll],
             };
             assert_eq!((out.thrust, out.body_rate), (wanted.thrust, rates));
             let d = wanted.diagnostics;

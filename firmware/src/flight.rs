@@ -224,9 +224,12 @@ fn perturbed(mut configuration: Configuration) -> Configuration {
 mod tests {
     use super::*;
     use alula::guidance::{Air, Mode};
+    use alula::planar::{
+        Attitude, GainParameters, Inertial, PlanarGuidanceInput, Reference, State,
+    };
     use alula::{
-        Attitude, CombinedParameters, Fault, GainParameters, GuidanceParameters, Inertial,
-        ModelParameters, Parameters, PlanarGuidanceInput, Reference, State, VehicleParameters,
+        CombinedParameters, Fault, GuidanceParameters, ModelParameters, Parameters,
+        VehicleParameters,
     };
     use alula_link::damage::Mangler;
     use alula_link::{ControllerParameters, Law, LawGains, MAX_FRAME, RefusedParameter, encode};

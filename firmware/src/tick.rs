@@ -35,9 +35,8 @@ pub fn tick<P: SetDutyCycle>(
 mod tests {
     use super::*;
     use crate::thrust::{MotorCurve, Pulse};
-    use alula::{
-        GainParameters, LargeAngleParameters, ModelParameters, Reference, State, VehicleParameters,
-    };
+    use alula::planar::{GainParameters, Reference, State};
+    use alula::{LargeAngleParameters, ModelParameters, VehicleParameters};
     use alula_link::{
         Configuration, ControllerParameters, Envelope, Input, Law, LawGains, MAX_FRAME, Pacing,
         ToTarget, encode,

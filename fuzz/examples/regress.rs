@@ -77,9 +77,8 @@ impl Random {
 }
 
 /// The targets whose inputs are files.
-const PARSERS: [&str; 13] = [
+const PARSERS: [&str; 12] = [
     "experiment",
-    "space",
     "vehicle",
     "known",
     "comparison",

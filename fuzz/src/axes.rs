@@ -28,7 +28,7 @@ pub fn run(data: &[u8]) -> u64 {
             assert_unit(&o.to_quaternion(axes));
             // Rates within the guidance's limits.
             if rates.norm_squared() < 1e6 {
-                assert_unit(&q.leading(axes, rates, 0.15).0);
+                assert_unit(&q.leading(axes, rates.into(), 0.15).0);
             }
             if v.norm_squared() < 1e12 {
                 let off = (o.to_world(o.to_body(v)) - v).norm_squared();

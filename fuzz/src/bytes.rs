@@ -1,8 +1,9 @@
 //! Inputs out of bytes. When the bytes are used up, zeros follow.
 
+use alula::Parameters;
 use alula::ned::{BodyAxes, Ned, Quaternion};
+use alula::planar::{Attitude, Inertial};
 use alula::spatial::Orientation;
-use alula::{Attitude, Inertial, Parameters};
 
 /// Reads numbers from bytes, front to back.
 pub struct Bytes<'a>(&'a [u8]);

@@ -1,8 +1,10 @@
 //! Sets of equilibria, folds, and what the theorems of existence say.
 
-use alula::equilibrium::{CAPACITY, Ratio, Spherical, existence};
-use alula::equivalency::ApparentForces;
-use alula::{AngleOfAttack, Equilibria, FoldMap, Reference};
+use alula::AngleOfAttack;
+use alula::planar::Reference;
+use alula::planar::equilibrium::{CAPACITY, Ratio, Spherical, existence};
+use alula::planar::equilibrium::{Equilibria, FoldMap};
+use alula::planar::equivalency::ApparentForces;
 
 use crate::assert_finite;
 use crate::bytes::Bytes;

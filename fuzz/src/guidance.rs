@@ -6,10 +6,9 @@
 
 use alula::guidance::{Air, GuidanceParameters, Mode, PlannerOptions, RejectReason, Status};
 use alula::ned::{BodyAxes, Quaternion};
+use alula::planar::PlanarGuidanceInput;
 use alula::spatial::{Body, Heading, Ned, Orientation, Reference};
-use alula::{
-    Fault, Guidance, GuidanceInput, GuidanceOutput, GuidanceState, Model, PlanarGuidanceInput,
-};
+use alula::{Fault, Guidance, GuidanceInput, GuidanceOutput, GuidanceState, Model};
 
 use crate::assert_finite;
 use crate::bytes::Bytes;
@@ -179,11 +178,7 @@ pub(crate) fn input(bytes: &mut Bytes) -> GuidanceInput {
         },
         specific_force: match bytes.byte() % 2 {
             0 => None,
-            _ => Some(Body::new(
-                bytes.number(30.0),
-                bytes.number(30.0),
-                bytes.number(10.0),
-            )),
+            _ => Some(Body::new(bytes.number(30.0), bytes.number(30.0), bytes.number(10.0)).into()),
         },
         position_error: match bytes.byte() % 4 {
             0 => None,
@@ -218,7 +213,7 @@ fn planar(bytes: &mut Bytes) -> PlanarGuidanceInput {
         attitude: bytes.attitude(),
         air: Air::Velocity(bytes.inertial(30.0)),
         position_error: (bytes.byte() % 4 > 0).then_some(position),
-        reference: alula::Reference {
+        reference: alula::planar::Reference {
             velocity: bytes.inertial(30.0),
             acceleration: bytes.inertial(10.0),
         },
@@ -240,7 +235,7 @@ fn orientation(bytes: &mut Bytes) -> Orientation {
 
 fn bits(guided: &GuidanceOutput) -> ([u32; 4], Mode) {
     let c = guided.command;
-    let numbers = [c.thrust, c.rates.i, c.rates.j, c.rates.w];
+    let numbers = [c.thrust, c.rates.roll, c.rates.pitch, c.rates.yaw];
     (numbers.map(f32::to_bits), guided.mode)
 }
 
@@ -251,7 +246,7 @@ fn check(guidance: &Guidance<Model>, p: &GuidanceParameters, guided: &GuidanceOu
         (vehicle.thrust_min()..=vehicle.thrust_max()).contains(&thrust),
         "{guided:?}"
     );
-    for rate in [rates.i, rates.j, rates.w] {
+    for rate in [rates.roll, rates.pitch, rates.yaw] {
         assert!(rate.abs() <= p.max_rate, "{guided:?}");
     }
     for v in [guided.reference.velocity, guided.reference.acceleration] {

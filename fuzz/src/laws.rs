@@ -1,10 +1,8 @@
 //! The two laws: whatever goes in, a finite command comes out, or the name of what is wrong.
 
 use alula::guidance::GuidanceParameters;
-use alula::{
-    BandwidthGains, FeedForward, GainChoice, GainParameters, Gains, Reference, State,
-    VelocityControl,
-};
+use alula::planar::{FeedForward, GainParameters, Gains, Reference, State, VelocityControl};
+use alula::{BandwidthGains, GainChoice};
 
 use crate::assert_finite;
 use crate::bytes::Bytes;

@@ -35,8 +35,6 @@ pub const TARGETS: &[(&str, Target)] = &[
     #[cfg(feature = "files")]
     ("experiment", files::experiment),
     #[cfg(feature = "files")]
-    ("space", files::space),
-    #[cfg(feature = "files")]
     ("vehicle", files::vehicle),
     #[cfg(feature = "files")]
     ("known", files::known),

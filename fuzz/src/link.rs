@@ -1,5 +1,6 @@
 //! The link's decoder: any bytes, whole frames of any content, and genuine messages, in any order. What is decoded is flown.
 
+use alula::spatial::Body;
 use alula::{CombinedParameters, GuidanceParameters, ModelParameters, VehicleParameters};
 use alula_link::{
     Answer, Configuration, Controller, ControllerParameters, Counters, Envelope, FromTarget, Input,
@@ -73,7 +74,7 @@ impl Target {
         self.calls += 1;
         let answer = controller.step(input);
         if let Some((command, _)) = answer.in_force() {
-            let turning = command.rates.norm_squared();
+            let turning = Body::from(command.rates).norm_squared();
             assert!(
                 command.thrust.is_finite() && turning.is_finite(),
                 "{answer:?}"

@@ -7,16 +7,18 @@
 
 use std::collections::VecDeque;
 
-use alula::{PlanarGuidanceInput, Reference};
 use alula_bridges::sitl::{ActuatorState, Flow, Packet, Physics, Sample};
 use nalgebra::UnitQuaternion;
 use rand_chacha::ChaCha8Rng;
 
-use crate::controllers::{Answer, Input, Report, inertial};
-use crate::experiment::{Experiment, State, Weather, stream};
-use crate::reference::{Vector, wrap};
-use crate::simulate::{Record, Step};
-use crate::space::{Rotation, SpatialPlant, SpatialState, V3};
+use alula_sim::controllers::{Answer, Input, Report};
+use alula_sim::experiment::{
+    Experiment, Faults, Measured, Path, State, V3, Weather, double, stream,
+};
+use alula_sim::plant::{Command, Dynamics, Rotation};
+use alula_sim::reference::{ForceModel, wrap};
+use alula_sim::sensor_hold::SensorHold;
+use alula_sim::simulate::{Record, Step};
 
 /// Longest time step \[s\]: ArduPilot takes one of 0.1 s for a break.
 const LONGEST_STEP: f64 = 0.02;
@@ -26,7 +28,9 @@ const MARK: u16 = 1700;
 /// The vehicle.
 pub struct Vehicle<'a> {
     experiment: &'a Experiment,
-    plant: SpatialPlant,
+    mass_and_area: (f64, f64),
+    dynamics: Dynamics,
+    path: Path,
     weather: Weather,
     gusts: ChaCha8Rng,
     noise: ChaCha8Rng,
@@ -34,7 +38,7 @@ pub struct Vehicle<'a> {
     dt: f64,
     /// Steps since the last restart.
     steps: u64,
-    state: SpatialState,
+    state: State,
     motors: ActuatorState,
     /// Outputs on their way.
     pending: VecDeque<Packet>,
@@ -48,19 +52,18 @@ pub struct Vehicle<'a> {
     record: Record,
     /// How each landing was: speed [m/s], and angle from upright \[rad\].
     landings: Vec<(f64, f64)>,
-    /// Largest distance \[m\] east or west of the plane while the clock runs.
-    across: f64,
 }
 
 /// The weather, and the random numbers of gusts and of sensors, as they begin.
 fn by_seed(experiment: &Experiment) -> (Weather, ChaCha8Rng, ChaCha8Rng) {
     let [noise, mut gusts] = [0, 1].map(|number| stream(experiment.seed, number));
-    (Weather::new(experiment.weather, &mut gusts), gusts, noise)
+    let weather = Weather::new(experiment.weather, experiment.in_plane(), &mut gusts);
+    (weather, gusts, noise)
 }
 
 /// What stands on the ground.
-fn standing(position: V3, heading: f64) -> SpatialState {
-    SpatialState {
+fn standing(position: V3, heading: f64) -> State {
+    State {
         position: V3::new(position.x, position.y, 0.0),
         velocity: V3::zeros(),
         attitude: UnitQuaternion::from_axis_angle(&V3::z_axis(), heading),
@@ -89,15 +92,16 @@ impl<'a> Vehicle<'a> {
         let (weather, gusts, noise) = by_seed(experiment);
         Ok(Self {
             experiment,
-            plant: SpatialPlant {
-                vehicle,
-                c_y: experiment.ardupilot.side_force,
+            mass_and_area: (vehicle.mass, vehicle.k_a),
+            dynamics: Dynamics {
+                air: ForceModel::new(&vehicle, experiment.ardupilot.side_force),
                 // The motors lag here, each for itself.
                 thrust_lag: 1.0,
                 thrust: [0.0, most],
-                rate: f64::INFINITY,
                 rotation: Rotation::Torque(V3::new(belly, wing, nose)),
+                ..Dynamics::of(experiment)
             },
+            path: experiment.path.path()?,
             weather,
             gusts,
             noise,
@@ -113,7 +117,6 @@ impl<'a> Vehicle<'a> {
             theta: 0.0,
             record: Record::new(),
             landings: Vec::new(),
-            across: 0.0,
         })
     }
 
@@ -127,18 +130,13 @@ impl<'a> Vehicle<'a> {
         &self.landings
     }
 
-    /// Largest distance \[m\] from the plane of the record.
-    pub fn across(&self) -> f64 {
-        self.across
-    }
-
     /// Time since the start of the clock \[s\].
     fn clock(&self) -> f64 {
         let since = |(step, _)| (self.steps - step) as f64 * self.dt;
         self.start.map_or(0.0, since)
     }
 
-    fn wind(&self) -> Vector {
+    fn wind(&self) -> V3 {
         self.weather.wind(self.clock())
     }
 
@@ -146,13 +144,12 @@ impl<'a> Vehicle<'a> {
         self.start = Some((self.steps, self.state.position));
         self.theta = wrap(self.theta);
         self.record.clear();
-        self.across = 0.0;
     }
 
     /// The vehicle after a time step under these outputs, on the ground or in the air.
     fn advance(&mut self, outputs: &Packet, wind: V3) {
         let actuators = &self.experiment.ardupilot;
-        let asked = actuators.thrust(outputs, self.plant.thrust[1]);
+        let asked = actuators.thrust(outputs, self.dynamics.thrust[1]);
         let lag = self.experiment.plant.thrust_lag_s;
         let share = if lag > 0.0 {
             1.0 - (-self.dt / lag).exp()
@@ -167,8 +164,7 @@ impl<'a> Vehicle<'a> {
             air: body(state.attitude.inverse() * (state.velocity - wind)),
             rates: body(state.rates),
         };
-        let vehicle = &self.plant.vehicle;
-        let wrench = actuators.wrench(outputs, self.motors, (vehicle.mass, vehicle.k_a), &flow);
+        let wrench = actuators.wrench(outputs, self.motors, self.mass_and_area, &flow);
         if self.grounded && wrench.thrust <= self.experiment.weight() {
             return;
         }
@@ -178,10 +174,11 @@ impl<'a> Vehicle<'a> {
         }
         self.state.thrust = wrench.thrust;
         let [roll, pitch, yaw] = wrench.torque;
-        let torque = V3::new(yaw, pitch, -roll);
-        self.state = self
-            .plant
-            .step(&self.state, wrench.thrust, torque, wind, self.dt);
+        let command = Command {
+            thrust: wrench.thrust,
+            rates: V3::new(yaw, pitch, -roll),
+        };
+        self.state = self.dynamics.step(&self.state, &command, wind, self.dt);
         if self.state.position.z > 0.0 {
             let [tail, _, wing] = self.state.axes();
             self.landings
@@ -191,49 +188,57 @@ impl<'a> Vehicle<'a> {
         }
     }
 
-    /// The state in the north-down plane, from the start of the clock.
-    fn planar(&self) -> State {
+    /// The state from where the clock was started, thrust as that of both motors.
+    fn since_start(&self) -> State {
         let origin = self.start.map_or(V3::zeros(), |(_, position)| position);
-        let (position, velocity) = (self.state.position - origin, self.state.velocity);
         State {
-            velocity: Vector::new(velocity.z, velocity.x),
-            position: Vector::new(position.z, position.x),
-            theta: self.theta,
-            rate: self.state.rates.y,
+            position: self.state.position - origin,
             thrust: self.motors.iter().sum(),
+            ..self.state
         }
     }
 
-    fn keep(&mut self, input: Input, truth: State, wind: Vector, asked: f64) {
+    /// Keeps a step of the record, of which `told` is what the sensors say.
+    fn keep(&mut self, truth: State, told: Measured, force: V3, wind: V3, asked: f64) {
+        let experiment = self.experiment;
         let t = self.clock();
-        let (velocity, acceleration) = self.experiment.reference.at(t);
-        self.across = self.across.max(
-            (self.state.position - self.start.map_or(V3::zeros(), |s| s.1))
-                .y
-                .abs(),
-        );
+        let target = self
+            .path
+            .advance(t, 1.0 / experiment.control_rate_hz, |_| 1.0);
+        let mut faults = Faults::new(&[], experiment.seed, experiment.in_plane());
+        let mut hold = SensorHold::default();
+        hold.state(&mut faults, t, told);
         self.record.push(Step {
             t,
             truth,
+            theta: self.theta,
             wind,
-            reference_velocity: velocity,
-            reference_acceleration: acceleration,
-            reference_position: self.experiment.reference.position(t),
-            input,
+            load_factor: force.norm() / self.dynamics.gravity,
+            readings: Vec::new(),
+            target,
+            measured_attitude: told.attitude,
+            input: Input {
+                sample: hold.input(&experiment.sensors, &faults, t, &target),
+                feed_forward: None,
+            },
             answer: Answer {
                 thrust: asked as f32,
-                rate: truth.rate as f32,
+                rates: body_rates(truth.rates),
                 report: Report::Outside,
             },
         });
     }
 }
 
+/// Rates (p, q, r) as a controller commands them.
+fn body_rates(rates: V3) -> alula::spatial::Body {
+    alula::spatial::Body::new(rates.z as f32, rates.x as f32, rates.y as f32)
+}
+
 impl Physics for Vehicle<'_> {
     fn step(&mut self, packet: &Packet) -> Sample {
         let experiment = self.experiment;
         let wind = self.wind();
-        let wind_3 = V3::new(wind.y, 0.0, wind.x);
         let mark = (experiment.ardupilot.mark_channel).is_some_and(|n| packet.channel(n) > MARK);
         if mark && !std::mem::replace(&mut self.marked, mark) {
             self.start_clock();
@@ -243,78 +248,48 @@ impl Physics for Vehicle<'_> {
         let none = Packet::new(0, 0, &[]);
         let arrived = self.pending.len() > self.delay;
         let outputs = arrived.then(|| self.pending.pop_front()).flatten();
-        self.advance(&outputs.unwrap_or(none), wind_3);
+        self.advance(&outputs.unwrap_or(none), wind);
         self.steps += 1;
 
-        let tail = self.state.attitude * V3::z();
-        let theta = tail.x.atan2(tail.z);
-        self.theta += wrap(theta - self.theta);
-        let truth = self.planar();
-        let steady = Vector::from(experiment.weather.steady_m_s);
+        self.theta += wrap(self.state.theta() - self.theta);
+        let truth = self.since_start();
+        let steady = experiment.weather.steady();
         let force = match self.grounded {
-            true => [-self.plant.vehicle.gravity, 0.0, 0.0],
-            false => self.plant.specific_force(&self.state, wind_3),
+            true => V3::new(-self.dynamics.gravity, 0.0, 0.0),
+            false => self.dynamics.specific_force(&self.state, wind),
         };
-        let [i, j, w] = force;
-        let measured = experiment
-            .sensors
-            .measure(&truth, [i, j], wind, steady, &mut self.noise);
+        let in_plane = experiment.in_plane();
+        let sensors = &experiment.sensors;
+        let told = sensors.measure(&truth, force, wind, steady, in_plane, &mut self.noise);
         if self.steps.is_multiple_of(experiment.substeps.into()) {
-            let airspeed = (self.state.velocity - wind_3).norm();
+            let airspeed = (self.state.velocity - wind).norm();
             let period = 1.0 / experiment.control_rate_hz;
             self.weather.advance(airspeed, period, &mut self.gusts);
-            let t = self.clock();
-            if self.start.is_some() && t <= experiment.duration_s {
-                let (velocity, acceleration) = experiment.reference.at(t);
-                let position = measured.position - experiment.reference.position(t);
-                let theta = wrap(measured.theta) as f32;
-                let input = Input {
-                    theta,
-                    sample: PlanarGuidanceInput {
-                        velocity: inertial(measured.velocity),
-                        attitude: alula::Attitude::from_angle(theta),
-                        air: measured.air,
-                        specific_force: measured.specific_force,
-                        position_error: Some(inertial(position)),
-                        reference: Reference {
-                            velocity: inertial(velocity),
-                            acceleration: inertial(acceleration),
-                        },
-                        ..PlanarGuidanceInput::default()
-                    },
-                    feed_forward: None,
-                };
-                let asked = experiment.ardupilot.thrust(packet, self.plant.thrust[1]);
-                self.keep(input, truth, wind, asked.iter().sum());
+            if self.start.is_some() && self.clock() <= experiment.duration_s {
+                let asked = experiment.ardupilot.thrust(packet, self.dynamics.thrust[1]);
+                self.keep(truth, told, force, wind, asked.iter().sum());
             }
         }
 
-        // Errors of the sensors in the plane; across it nothing is wrong.
         let nose_forward =
             UnitQuaternion::from_axis_angle(&V3::y_axis(), std::f64::consts::FRAC_PI_2);
-        let turned = UnitQuaternion::from_axis_angle(&V3::y_axis(), measured.theta - truth.theta);
-        let attitude = (self.state.attitude * turned * nose_forward).into_inner();
-        let error = measured.velocity - truth.velocity;
-        let airspeed = match measured.air {
+        let attitude = (told.attitude * nose_forward).into_inner();
+        let airspeed = match told.air {
             alula::guidance::Air::Velocity(air) => {
-                let exact = self.state.velocity - wind_3;
-                let air = V3::new(air.forward().into(), exact.y, air.down().into());
-                Some(body(self.state.attitude.inverse() * air)[0])
+                Some(body(self.state.attitude.inverse() * double(air))[0])
             }
             _ => None,
         };
-        let error_of_position = measured.position - truth.position;
+        let position = self.state.position + told.position - truth.position;
         Sample {
             timestamp: self.steps as f64 * self.dt,
             gyro: body(self.state.rates),
-            accel_body: [-i, w, j],
-            position: (self.state.position
-                + V3::new(error_of_position.y, 0.0, error_of_position.x))
-            .into(),
-            velocity: (self.state.velocity + V3::new(error.y, 0.0, error.x)).into(),
+            accel_body: [-force.x, force.z, force.y],
+            position: position.into(),
+            velocity: told.velocity.into(),
             quaternion: [attitude.w, attitude.i, attitude.j, attitude.k],
             airspeed,
-            velocity_wind: Some(wind_3.into()),
+            velocity_wind: Some(wind.into()),
         }
     }
 

@@ -37,7 +37,7 @@ fn main() -> std::process::ExitCode {
         Err(error) => {
             eprintln!(
                 "error: {}",
-                alula_sil::named::on_one_line(&format!("{error:#}"))
+                alula_sim::named::on_one_line(&format!("{error:#}"))
             );
             ExitCode::FAILURE
         }

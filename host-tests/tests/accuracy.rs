@@ -2,13 +2,14 @@
 //!
 //! Both are given the same inputs and parameters: the reference the core's f32 values. Errors of
 //! thrust and angular rate are divided by the sum of the magnitudes of the terms that make them up,
-//! as `alula_sil::reference::magnitudes` defines it. The figures are printed with `--nocapture`.
+//! as `alula_sim::reference::magnitudes` defines it. The figures are printed with `--nocapture`.
 mod common;
 
 use std::f64::consts::PI;
 
-use alula::{Attitude, CombinedParameters, Fault, GainParameters};
-use alula_sil::reference::{self, Angle, full, magnitudes, robust, wrap};
+use alula::planar::{Attitude, GainParameters};
+use alula::{CombinedParameters, Fault};
+use alula_sim::reference::{self, Angle, full, magnitudes, robust, wrap};
 use common::{Point, combined, control, disc, gains, vehicles};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -1,4 +1,4 @@
-//! `docs/architecture.md` is true: its lists of rooms are complete, and the arrows between rooms point one way.
+//! `docs/architecture.md` is true: its lists of crates and rooms are complete, and the arrows between them point one way.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -7,27 +7,45 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// The rooms listed on the page under `heading`, in order: the first cell of each row, up to the next heading.
-fn listed(heading: &str) -> Vec<String> {
+/// The page under `heading`, up to the next one.
+fn section(heading: &str) -> String {
     let page = fs::read_to_string(root().join("docs/architecture.md")).unwrap();
-    let section = page.split_once(heading).expect(heading).1;
-    let section = section.split("\n## ").next().unwrap();
-    let cells = section.lines().filter_map(|line| {
-        let cell = line.strip_prefix("| `")?.split('`').next()?;
-        Some(cell.to_owned())
-    });
-    cells.collect()
+    let section = page
+        .split_once(&format!("\n{heading}\n"))
+        .expect(heading)
+        .1
+        .to_owned();
+    section.split("\n##").next().unwrap().to_owned()
 }
 
-/// The rooms that are there: files and folders of `folder`, but for the roots of crates.
+/// The rows of a section's table whose first cell is a name: that, and the other cells.
+fn rows(section: &str) -> Vec<(String, Vec<String>)> {
+    let rows = section.lines().filter_map(|line| {
+        let (name, rest) = line.strip_prefix("| `")?.split_once("` |")?;
+        Some((
+            name.to_owned(),
+            rest.split('|').map(|cell| cell.trim().to_owned()).collect(),
+        ))
+    });
+    rows.collect()
+}
+
+/// The rooms that are there: files and folders of `folder` that hold Rust, but for the roots of crates.
 fn rooms(folder: &str) -> Vec<String> {
-    let mut rooms: Vec<String> = fs::read_dir(root().join(folder))
-        .unwrap()
-        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-        .map(|name| name.trim_end_matches(".rs").to_owned())
+    let entries = fs::read_dir(root().join(folder)).unwrap();
+    let paths = entries.map(|entry| entry.unwrap().path());
+    let mut rooms: Vec<String> = paths
+        .filter(|path| path.is_dir() || path.extension().is_some_and(|e| e == "rs"))
+        .filter(|path| {
+            let mut of_room = Vec::new();
+            files(path, &mut of_room);
+            !of_room.is_empty()
+        })
+        .map(|path| path.file_stem().unwrap().to_str().unwrap().to_owned())
         .filter(|name| !matches!(name.as_str(), "lib" | "main"))
         .collect();
     rooms.sort();
+    rooms.dedup();
     rooms
 }
 
@@ -42,10 +60,6 @@ fn files(path: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// Rooms of the harness that know each other: an experiment names its controller, which is made from the experiment, and
-/// the margins are those of the controller's gains on the experiment's plant.
-const TOGETHER: [&str; 3] = ["margins", "experiment", "controllers"];
-
 /// Imports by `crate::` from a room further down the list, outside tests.
 fn arrows_back(folder: &str, order: &[String]) -> Vec<String> {
     let mut wrong = Vec::new();
@@ -53,23 +67,26 @@ fn arrows_back(folder: &str, order: &[String]) -> Vec<String> {
         let base = root().join(folder).join(room);
         let mut of_room = Vec::new();
         files(&base, &mut of_room);
-        let file = base.with_extension("rs");
-        if file.is_file() {
-            of_room.push(file);
+        let alone = base.with_extension("rs");
+        if alone.is_file() {
+            of_room.push(alone.clone());
         }
         for file in of_room {
             let text = fs::read_to_string(&file).unwrap();
             let code = text.split("#[cfg(test)]").next().unwrap();
+            let roots: &[&str] = match file == alone || file == base.join("mod.rs") {
+                true => &["crate::", "super::"],
+                false => &["crate::"],
+            };
             let lines = code.lines().map(str::trim_start);
             for line in lines.filter(|line| !line.starts_with("//")) {
-                for after in line.split("crate::").skip(1) {
+                for after in roots.iter().flat_map(|root| line.split(root).skip(1)) {
                     let to: String = after
                         .chars()
                         .take_while(|c| c.is_ascii_alphanumeric() || *c == '_')
                         .collect();
                     let back = order.iter().position(|name| *name == to);
-                    let together = [room.as_str(), &to].iter().all(|r| TOGETHER.contains(r));
-                    if back.is_some_and(|back| back > place) && !together {
+                    if back.is_some_and(|back| back > place) {
                         wrong.push(format!("{room} -> {to} in {}", file.display()));
                     }
                 }
@@ -80,7 +97,7 @@ fn arrows_back(folder: &str, order: &[String]) -> Vec<String> {
 }
 
 fn check(heading: &str, folder: &str) {
-    let order = listed(heading);
+    let order: Vec<String> = rows(&section(heading)).into_iter().map(|r| r.0).collect();
     let mut sorted = order.clone();
     sorted.sort();
     assert_eq!(sorted, rooms(folder), "rooms of {folder}");
@@ -97,7 +114,53 @@ fn the_rooms_of_the_core_are_listed_and_its_arrows_point_one_way() {
     check("## The core", "src");
 }
 
+/// The folder of a crate of the harness.
+fn folder(name: &str) -> String {
+    match name {
+        "sil" => "host-tests".to_owned(),
+        _ => format!("host-tests/{name}"),
+    }
+}
+
 #[test]
 fn the_rooms_of_the_harness_are_listed_and_its_arrows_point_one_way() {
-    check("## The harness", "host-tests/src");
+    for (name, _) in rows(&section("## The harness")) {
+        check(&format!("### `{name}`"), &format!("{}/src", folder(&name)));
+    }
+}
+
+/// Each crate of the harness depends on those that its row says, which stand above it.
+#[test]
+fn the_crates_of_the_harness_use_only_those_above_them() {
+    let crates = rows(&section("## The harness"));
+    assert!(crates.len() > 2, "{crates:?}");
+    for (place, (name, cells)) in crates.iter().enumerate() {
+        let above: Vec<&str> = crates[..place].iter().map(|(name, _)| &**name).collect();
+        let said: Vec<&str> = match cells[0].as_str() {
+            "all" => above.clone(),
+            cell => cell
+                .split(", ")
+                .map(|name| name.trim_matches('`'))
+                .collect(),
+        };
+        let manifest = root().join(folder(name)).join("Cargo.toml");
+        let manifest = fs::read_to_string(manifest).unwrap();
+        for (other, _) in &crates {
+            let uses = manifest.contains(&format!("\nalula-{other} = "));
+            assert_eq!(uses, said.contains(&&**other), "{name} uses {other}");
+            assert!(
+                !uses || above.contains(&&**other),
+                "{name} is above {other}"
+            );
+        }
+    }
+    let members = fs::read_to_string(root().join("Cargo.toml")).unwrap();
+    for (name, _) in &crates {
+        let member = format!("\"{}\"", folder(name));
+        assert_eq!(
+            members.matches(&member).count(),
+            2,
+            "{member} in Cargo.toml"
+        );
+    }
 }

@@ -10,7 +10,7 @@ use std::time::Duration;
 use alula_bridges::sitl::client::Client;
 use alula_bridges::sitl::{Lockstep, Physics, Sample};
 use alula_sil::ardupilot::Vehicle;
-use alula_sil::experiment::{Document, Experiment};
+use alula_sim::experiment::{Document, Experiment};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -187,7 +187,7 @@ fn a_bad_link_changes_nothing_of_the_flight() {
 /// Positions are the second integral of what the simulated accelerometer says: what ArduPilot's filter reckons with.
 #[test]
 fn accelerometer_attitude_and_velocity_agree() {
-    let experiment = experiment(&["weather.steady_m_s=[0,-3]"]);
+    let experiment = experiment(&["weather.steady_m_s=[-3,0,0]"]);
     let mut vehicle = Vehicle::new(&experiment).unwrap();
     let mut lockstep = Lockstep::default();
     let states = fly(|client, packet| {

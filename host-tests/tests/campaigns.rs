@@ -5,10 +5,10 @@ mod common;
 use std::num::NonZero;
 use std::path::Path;
 
-use alula_sil::page::campaign::page;
-use alula_sil::simulate::fly;
-use alula_sil::space::PathSpec;
-use alula_sil::study::{CampaignSource, Column, Drawn, Flown, Place, Shard, Store, Summary, run};
+use alula_report::campaign::page;
+use alula_sim::experiment::{Experiment, PathSpec};
+use alula_sim::simulate::fly;
+use alula_study::{CampaignSource, Column, Drawn, Flown, Shard, Store, Summary, run};
 use common::experiment_of;
 
 /// The built-in campaign with so many flights.
@@ -115,11 +115,11 @@ fn a_flight_is_its_own() {
     );
 
     let flown = Flown::fly(&drawn, &[]).unwrap();
-    let record = fly(drawn.experiment.plane().unwrap()).unwrap();
+    let record = fly(&drawn.experiment).unwrap();
     let mut altitude = [f64::INFINITY, f64::NEG_INFINITY];
     let mut late = 0.0_f64;
     for step in &record {
-        let height = -step.position_error().x;
+        let height = step.altitude();
         altitude = [altitude[0].min(height), altitude[1].max(height)];
         if step.t >= 25.0 {
             late = late.max(step.velocity_error().norm());
@@ -128,18 +128,18 @@ fn a_flight_is_its_own() {
     assert_eq!(record.len(), 3001);
     assert_eq!(figure(&flown, "altitude_least_m"), altitude[0]);
     assert_eq!(figure(&flown, "altitude_most_m"), altitude[1]);
-    assert_eq!(figure(&flown, "late_velocity_error_m_s"), late);
+    assert_eq!(figure(&flown, "max_late_velocity_error_m_s"), late);
     assert_eq!(flown.samples.len(), 101);
     // The document's text says the same.
     let again = experiment_of(drawn.document.text());
-    assert_eq!(again.vehicle, drawn.experiment.plane().unwrap().vehicle);
+    assert_eq!(again.vehicle, drawn.experiment.vehicle);
     assert!(fly(&again).unwrap() == record);
 
     // What is drawn is what is flown, and what the file says.
-    let mass = drawn.experiment.plane().unwrap().vehicle.mass_kg;
+    let mass = drawn.experiment.vehicle.mass_kg;
     assert_eq!(drawn.values[0], mass);
     assert!((8.5..=11.5).contains(&mass));
-    let frame = few.campaign.frames(Place::Plane, &[(2, drawn, flown)]).0;
+    let frame = few.campaign.frames(&[(2, drawn, flown)]).0;
     assert_eq!(
         frame.column("vehicle.mass_kg").unwrap(),
         &Column::Real(vec![mass])
@@ -182,7 +182,7 @@ fn every_flight_ends_in_hover() {
     let folder = tempfile::tempdir().unwrap();
     let summary = flown(&source, folder.path(), 2);
     let figure = |name: &str| summary.figures.iter().find(|f| f.figure == name).unwrap();
-    assert!(figure("late_position_error_m").percentiles[8] < 3.0);
+    assert!(figure("max_late_position_error_m").percentiles[8] < 3.0);
     assert!(figure("forward_most_m").percentiles[8] > 3.0);
 }
 
@@ -287,7 +287,7 @@ fn a_random_circle_is_flown_as_drawn() {
     let mut quarters = [0; 4];
     for number in 0..20 {
         let drawn = source.campaign.draw(&source.base, number).unwrap();
-        let experiment = drawn.experiment.space().unwrap();
+        let experiment = &drawn.experiment;
         let PathSpec::Circle { speed_m_s, .. } = experiment.path else {
             panic!("a circle");
         };
@@ -296,12 +296,12 @@ fn a_random_circle_is_flown_as_drawn() {
         let toward = wind.y.atan2(wind.x).to_degrees().rem_euclid(360.0);
         assert!((toward - turned).abs() < 1e-6, "{toward} {turned}");
         quarters[(turned / 90.0) as usize] += 1;
-        let start = alula_sil::space::fly(&alula_sil::space::Experiment {
+        let start = fly(&Experiment {
             duration_s: 0.01,
             entry_s: 0.0,
             ..experiment.clone()
         });
-        let start = start.unwrap()[0];
+        let start = start.unwrap().remove(0);
         let course = start.truth.velocity.y.atan2(start.truth.velocity.x);
         let asked = experiment.initial.course_deg.unwrap();
         assert!((course.to_degrees().rem_euclid(360.0) - asked).abs() < 1e-6);
@@ -325,19 +325,23 @@ fn a_dispersed_vehicle_in_space_does_not_disperse_the_belief() {
     std::fs::write(&file, text).unwrap();
     let source = CampaignSource::load(file.to_str().unwrap(), None).unwrap();
     let drawn = source.campaign.draw(&source.base, 1).unwrap();
-    assert!(drawn.experiment.space().unwrap().vehicle.mass_kg < 9.01);
+    assert!(drawn.experiment.vehicle.mass_kg < 9.01);
     let believed = drawn.document.number("controller.guidance.vehicle.mass_kg");
     assert_eq!(believed.unwrap(), 10.0);
-    // Figures and references of the plane are refused.
+    // Figures that are none, and random references out of a plane, are refused.
     for (line, problem) in [
         (
-            "[[limits]]\nfigure = 'turn_deg'\nmost = 1.0\n",
-            "turn_deg is none of",
+            "[[limits]]\nfigure = 'turns_deg'\nmost = 1.0\n",
+            "turns_deg is not the name of a figure; did you mean `turn_deg`?",
+        ),
+        (
+            "[[limits]]\nfigure = 'late_position_error_m'\nmost = 1.0\n",
+            "its name is `max_late_position_error_m` now",
         ),
         (
             "[reference]\nuntil_s = 1.0\nforward_m_s.uniform = [0.0, 1.0]\ndown_m_s.uniform = [0.0, 1.0]\n\
           acceleration_m_s2.uniform = [1.0, 2.0]\nhold_s.uniform = [1.0, 2.0]\nsteps = 0.0\n",
-            "cannot be drawn for an experiment with a path",
+            "can be drawn only for an experiment in a vertical plane",
         ),
     ] {
         std::fs::write(&file, format!("{text}{line}")).unwrap();
@@ -353,11 +357,11 @@ fn a_random_reference_is_flown_as_drawn() {
     for number in 0..10 {
         let drawn = source.campaign.draw(&source.base, number).unwrap();
         let reference = drawn.reference.as_ref().unwrap();
-        let experiment = drawn.experiment.plane().unwrap();
-        let at = |t: f64| experiment.reference.at(t).0;
+        let experiment = &drawn.experiment;
+        let at = |t: f64| experiment.path.knots().unwrap().at(t).0;
         let times = || (0..12_000).map(|i| 0.01 * f64::from(i));
         let fastest = times().map(|t| at(t).norm()).fold(0.0, f64::max);
-        let sink = times().map(|t| at(t).x).fold(0.0, f64::max);
+        let sink = times().map(|t| at(t).z).fold(0.0, f64::max);
         // A peak between two of the times is missed by 0.01 s of 3 m/s².
         assert!((fastest - reference.speed()).abs() < 0.04);
         assert!((sink - reference.sink()).abs() < 0.04);
@@ -372,23 +376,20 @@ fn a_dispersed_field_follows_the_powers_of_others() {
     let source = source("vehicles", 50);
     for number in 0..50 {
         let drawn = source.campaign.draw(&source.base, number).unwrap();
-        let vehicle = &drawn.experiment.plane().unwrap().vehicle;
-        let weight_ratio =
-            drawn.experiment.plane().unwrap().plant.thrust_n[1] / (vehicle.mass_kg * 9.81);
+        let vehicle = &drawn.experiment.vehicle;
+        let weight_ratio = drawn.experiment.plant.thrust_n[1] / (vehicle.mass_kg * 9.81);
         assert!((1.0999..=3.0001).contains(&weight_ratio), "{weight_ratio}");
-        let knots = &drawn.experiment.plane().unwrap().reference.knots;
+        let knots = &drawn.experiment.path.knots().unwrap().0;
         let cruise = knots[1].forward_m_s;
         let lift = vehicle.weight() / (vehicle.k_a_kg_m * cruise * cruise);
         assert!((0.249..=0.601).contains(&lift), "{lift}");
         // Times are added up: cruise lasts 10 s.
         assert!((knots[2].t_s - knots[1].t_s - 10.0).abs() < 1e-9 && knots[3].t_s < 90.0);
-        let spec = drawn.experiment.plane().unwrap().spec().unwrap();
+        let spec = drawn.experiment.spec().unwrap();
         let belief = spec.belief().unwrap();
         let believed = belief.mass_kg / vehicle.mass_kg;
         assert!((0.85..=1.15).contains(&believed) && believed != 1.0);
-        assert!(
-            drawn.experiment.plane().unwrap().plant.thrust_n[1] > 1.0299 * 9.81 * belief.mass_kg
-        );
+        assert!(drawn.experiment.plant.thrust_n[1] > 1.0299 * 9.81 * belief.mass_kg);
         let off = belief.delta_deg - vehicle.delta_deg;
         assert!(off.abs() <= 2.0 && off != 0.0);
     }
@@ -405,8 +406,8 @@ fn a_dispersed_vehicle_does_not_disperse_the_belief() {
     let source = CampaignSource::load(file.to_str().unwrap(), None).unwrap();
     for number in 0..3 {
         let drawn = source.campaign.draw(&source.base, number).unwrap();
-        let spec = drawn.experiment.plane().unwrap().spec().unwrap();
-        assert_ne!(drawn.experiment.plane().unwrap().vehicle.mass_kg, 10.0);
+        let spec = drawn.experiment.spec().unwrap();
+        assert_ne!(drawn.experiment.vehicle.mass_kg, 10.0);
         assert_eq!(spec.belief().unwrap().mass_kg, 10.0);
     }
 }

@@ -1,8 +1,8 @@
 //! Folds, counts, jumps and cusps of the models and of the tables, in double precision.
 
-use alula_sil::envelope::{Curve, Fold, FoldCurve, Interval, jump_down, jump_up};
-use alula_sil::polar::Polar;
-use alula_sil::reference::{Aerodynamics, Combined, LargeAngle, Table, Vehicle};
+use alula_design::envelope::{Curve, Fold, FoldCurve, Interval, jump_down, jump_up};
+use alula_sim::polar::Polar;
+use alula_sim::reference::{Aerodynamics, Combined, LargeAngle, Table, Vehicle};
 
 fn vehicle(aerodynamics: Aerodynamics) -> Vehicle {
     Vehicle {
@@ -50,7 +50,8 @@ fn the_combined_model_folds_where_theory_says() {
 fn the_cusp_is_where_the_folds_vanish() {
     let vehicle = vehicle(COMBINED);
     let cusps = FoldCurve::new(&vehicle).cusps();
-    let between = |c: &&alula_sil::envelope::Cusp| (50.0..60.0).contains(&c.epsilon.to_degrees());
+    let between =
+        |c: &&alula_design::envelope::Cusp| (50.0..60.0).contains(&c.epsilon.to_degrees());
     let cusp = cusps.iter().find(between).expect("a cusp");
     let epsilon = cusp.epsilon.to_degrees();
     println!("{epsilon}° {} {}°", cusp.a, cusp.alpha.to_degrees());

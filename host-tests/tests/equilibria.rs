@@ -6,14 +6,16 @@ mod common;
 
 use std::f64::consts::{PI, TAU};
 
+use alula::planar::equilibrium::Equilibria;
+use alula::planar::{Inertial, Reference};
 use alula::{
-    Aerodynamics as _, CombinedParameters, Equilibria, Inertial, LargeAngle, LargeAngleParameters,
-    Reference, SmallAngle, SmallAngleParameters, Vehicle, VehicleParameters,
+    Aerodynamics as _, CombinedParameters, LargeAngle, LargeAngleParameters, SmallAngle,
+    SmallAngleParameters, Vehicle, VehicleParameters,
 };
-use alula_sil::envelope::Curve;
-use alula_sil::experiment::Model;
-use alula_sil::polar::{BUILT_IN, Polar};
-use alula_sil::reference::{self, Aerodynamics, wrap};
+use alula_design::envelope::Curve;
+use alula_sim::experiment::Model;
+use alula_sim::polar::{BUILT_IN, Polar};
+use alula_sim::reference::{self, Aerodynamics, wrap};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -303,7 +305,7 @@ fn every_equilibrium_is_found_and_no_false_one() {
     // The exception is one: rarer than 1 in 10 000.
     for t in tallies {
         assert!((t.missed_pairs + t.extra_pairs) * 10_000 < t.equilibria);
-        assert!(t.most <= alula::equilibrium::CAPACITY);
+        assert!(t.most <= alula::planar::equilibrium::CAPACITY);
     }
 }
 

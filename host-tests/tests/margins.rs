@@ -1,8 +1,8 @@
 //! The linear margins against flights: a lag, or a delay, a tenth below the limit dies out, a tenth above it grows.
 
-use alula_sil::experiment::{Document, Experiment, PlantSpec};
-use alula_sil::margins::{Loop, Point};
-use alula_sil::simulate::simulate;
+use alula_sim::experiment::{Document, Experiment, PlantSpec};
+use alula_sim::margins::{Loop, Point};
+use alula_sim::simulate::simulate;
 use toml::Value;
 
 /// The round trip's vehicle, known exactly, under these gains of the bare law, or else under the guidance's gains by bandwidth.
@@ -60,7 +60,10 @@ fn growth(document: &Document, point: &Point, lag: Option<f64>, delay: f64) -> f
         Some(lag) => put("plant.rate_loop.lag.time_constant_s", lag.into()),
         None => put("plant.rate_loop", "ideal".into()),
     }
-    put("initial.forward_m_s", point.speed_m_s.into());
+    put(
+        "initial.velocity_m_s",
+        vec![point.speed_m_s, 0.0, 0.0].into(),
+    );
     put("initial.theta_deg", (point.theta_deg + 0.1).into());
     let knots = format!(
         "knots = [{{ t_s = 0.0, down_m_s = 0.0, forward_m_s = {:?} }}]",
@@ -70,9 +73,9 @@ fn growth(document: &Document, point: &Point, lag: Option<f64>, delay: f64) -> f
     put("reference", reference.into());
     // Thrust of level flight, for the time until the first command arrives.
     let vehicle = document.experiment().unwrap().vehicle.reference();
-    let v = alula_sil::reference::Vector::new(0.0, point.speed_m_s);
+    let v = alula_sim::reference::Vector::new(0.0, point.speed_m_s);
     let theta = point.theta_deg.to_radians();
-    let still = alula_sil::reference::Vector::zeros();
+    let still = alula_sim::reference::Vector::zeros();
     let free = vehicle.acceleration(v, still, theta, 0.0);
     let level = vehicle.mass * (free.x * theta.cos() + free.y * theta.sin());
     set(&mut document, "initial.thrust_n", level);

@@ -4,9 +4,9 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
-use alula_sil::airframe::Airframe;
-use alula_sil::experiment::Document;
-use alula_sil::study::{CampaignSource, Shard, Store, Summary, run};
+use alula_sim::airframe::Airframe;
+use alula_sim::experiment::Document;
+use alula_study::{CampaignSource, Shard, Store, Summary, run};
 use serde_json::Value;
 
 /// A tail-sitter of 3 kg, as one would describe it.

@@ -8,15 +8,15 @@ use std::path::PathBuf;
 use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 
-use alula::spatial::Rates;
-use alula::{GuidanceInput, GuidanceOutput, Inertial, PlanarGuidanceInput};
+use alula::BodyRates;
+use alula::GuidanceInput;
+use alula::planar::{Inertial, PlanarGuidanceInput};
 use alula_link::damage::Mangler;
 use alula_link::{Configuration, Envelope, MAX_FRAME, Pacing, Phase, Status, ToTarget, encode};
-use alula_sil::controllers::{Answer, Controller, Flying, Input};
-use alula_sil::experiment::{BUILT_IN, Document, Experiment};
 use alula_sil::pil::{Build, Heard, Qemu, Target, build, core_answer, link_input};
-use alula_sil::simulate::{Step, simulate};
-use alula_sil::space::{self, Pilot};
+use alula_sim::controllers::{Answer, Controller, Input};
+use alula_sim::experiment::{BUILT_IN, Document, Experiment};
+use alula_sim::simulate::{Record, Step, fly_by, simulate};
 use anyhow::{Context, ensure};
 
 /// The built-in experiment of this name.
@@ -29,7 +29,11 @@ fn core_experiments(pacing: Pacing) -> Vec<(&'static str, Experiment, Configurat
     let mut all = Vec::new();
     for (name, _) in BUILT_IN {
         // Documents without a reference are vehicles.
-        if Document::load(name).unwrap().get("reference").is_none() {
+        if !Document::load(name)
+            .unwrap()
+            .data()
+            .is_ok_and(|e| e.in_plane())
+        {
             continue;
         }
         let experiment = experiment(name);
@@ -38,7 +42,7 @@ fn core_experiments(pacing: Pacing) -> Vec<(&'static str, Experiment, Configurat
         }
     }
     // Laws and guidance are both among them.
-    let kinds: HashSet<_> = all.iter().map(|(_, e, _)| e.controller.name()).collect();
+    let kinds: HashSet<_> = all.iter().map(|(_, e, _)| &*e.controller.kind).collect();
     assert_eq!(kinds, HashSet::from(["law", "guidance"]));
     all
 }
@@ -147,33 +151,6 @@ fn every_built_in_experiment_of_the_core_flies_the_same_bits() {
     }
 }
 
-/// In space: asks the target, the controller of its configuration in this process, and the experiment's own pilot.
-struct ComparedInSpace {
-    target: Target,
-    here: alula_link::Controller,
-    own: Flying,
-    steps: usize,
-}
-
-impl Pilot for ComparedInSpace {
-    fn guided(&mut self, input: &GuidanceInput, dt: f32) -> anyhow::Result<GuidanceOutput> {
-        let there = self.target.guided(input, dt)?;
-        let here = self
-            .here
-            .step(&alula_link::Input::Guidance { input: *input, dt });
-        let own = alula_link::Answer::Guidance(self.own.guided(input, dt)?);
-        let (answer, step) = (alula_link::Answer::Guidance(there), self.steps);
-        for other in [here, own] {
-            ensure!(
-                bits(&answer) == bits(&other),
-                "step {step}: {answer:?} is not {other:?}"
-            );
-        }
-        self.steps += 1;
-        Ok(there)
-    }
-}
-
 /// Flies the beginning of the built-in experiment `name` in space, `seconds` long, on the image of `which`; an error at the first
 /// answer that is not the one in this process.
 fn same_bits_in_space(
@@ -181,20 +158,20 @@ fn same_bits_in_space(
     name: &str,
     seconds: f64,
     pacing: Pacing,
-) -> anyhow::Result<Vec<space::Step>> {
-    let mut experiment = space::Experiment::of(&Document::load(name)?)?;
+) -> anyhow::Result<Record> {
+    let mut experiment = Document::load(name)?.checked()?;
     (experiment.duration_s, experiment.entry_s) = (seconds, 0.0);
-    let configuration = experiment.controller.configuration(&experiment, pacing)?;
+    let configuration = experiment.configuration(pacing)?;
     let (_qemu, mut target) = boot(which);
     target.configure(configuration)?;
-    let mut compared = ComparedInSpace {
+    let mut compared = Compared {
         target,
-        here: alula_link::Controller::new(&configuration).unwrap(),
-        own: experiment.pilot()?,
+        here: Here::new(&configuration),
+        own: experiment.controller()?,
         steps: 0,
     };
     let begin = Instant::now();
-    let record = space::fly_by(&experiment, &mut compared)?;
+    let record = fly_by(&experiment, &mut compared)?;
     let (steps, took) = (compared.steps, begin.elapsed());
     assert_eq!(steps, experiment.steps() + 1);
     println!("{name}: {steps} answers the same to the bit, in {took:.1?}");
@@ -218,7 +195,7 @@ fn flights_in_space_are_the_same_bits() {
     assert!(
         mission
             .iter()
-            .all(|step| step.input.specific_force.is_some())
+            .all(|step| step.input.sample.specific_force.is_some())
     );
 }
 
@@ -227,7 +204,7 @@ fn flights_in_space_are_the_same_bits() {
 #[ignore = "takes minutes: cargo pil-check-whole"]
 fn whole_flights_in_space_are_the_same_bits() {
     for name in ["circle-40", "eight", "mission", "mission-turbulence"] {
-        let experiment = space::Experiment::of(&Document::load(name).unwrap()).unwrap();
+        let experiment = Document::load(name).unwrap().checked().unwrap();
         let (duration, pacing) = (experiment.duration_s, Pacing::Lockstep);
         same_bits_in_space(Build::Release, name, duration, pacing)
             .context(name)
@@ -294,14 +271,14 @@ impl<C: Controller> Controller for Outage<C> {
         let step = self.step;
         self.step += 1;
         if self.cut.contains(&step) {
-            return Ok(Ok(alula::Command::default()).into());
+            return Ok(Ok(alula::planar::Command::default()).into());
         }
         self.controller.answer(input, dt)
     }
 }
 
 fn is_safe(status: &Status) -> bool {
-    (status.thrust, status.rates) == (0.0, Rates::default())
+    (status.thrust, status.rates) == (0.0, BodyRates::default())
 }
 
 #[test]
@@ -355,7 +332,7 @@ fn without_a_link_it_is_safe_and_with_it_it_flies_again() {
 fn fly(experiment: &Experiment, controller: &mut dyn Controller) -> Vec<Step> {
     let mut steps = Vec::new();
     simulate(experiment, controller, |step| {
-        steps.push(*step);
+        steps.push(step.clone());
         true
     })
     .unwrap();
@@ -480,12 +457,11 @@ fn place(envelope: &Envelope<ToTarget>) -> (u32, u32) {
 fn input(n: usize) -> Input {
     let theta = n as f32 * 1e-5;
     Input {
-        theta,
-        sample: PlanarGuidanceInput {
+        sample: GuidanceInput::from(&PlanarGuidanceInput {
             velocity: Inertial::new(n as f32 * 1e-4, 8.0),
-            attitude: alula::Attitude::from_angle(theta),
+            attitude: alula::planar::Attitude::from_angle(theta),
             ..PlanarGuidanceInput::default()
-        },
+        }),
         feed_forward: None,
     }
 }

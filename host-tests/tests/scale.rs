@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use alula_sil::study::{CHUNK, CampaignSource, Drawn, Flown, Store, Summary};
+use alula_study::{CHUNK, CampaignSource, Drawn, Flown, Store, Summary};
 use peak_alloc::PeakAlloc;
 
 #[global_allocator]
@@ -28,7 +28,7 @@ fn shares(source: &CampaignSource, folder: &Path) -> Vec<PathBuf> {
         for (flight, number) in flights.iter_mut().zip(source.campaign.chunk(chunk)) {
             flight.0 = number;
         }
-        let (flights, samples) = source.campaign.frames(source.place(), &flights);
+        let (flights, samples) = source.campaign.frames(&flights);
         store.keep(chunk, &flights, &samples).unwrap();
         path
     };

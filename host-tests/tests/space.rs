@@ -1,8 +1,9 @@
 //! Every built-in experiment in space is flown; its bounds are those of its own file.
 
-use alula_sil::experiment::{BUILT_IN, Document};
-use alula_sil::space::{Experiment, Figures, fly};
-use alula_sil::study::starts::starts;
+use alula_sim::experiment::{BUILT_IN, Document, Experiment, V3};
+use alula_sim::figures::Figures;
+use alula_sim::simulate::{Step, fly, fly_by};
+use alula_study::starts::starts;
 
 fn document(name: &str, settings: &[&str]) -> Document {
     let mut document = Document::load(name).unwrap();
@@ -13,7 +14,7 @@ fn document(name: &str, settings: &[&str]) -> Document {
 }
 
 fn experiment(name: &str, settings: &[&str]) -> Experiment {
-    Experiment::of(&document(name, settings)).unwrap()
+    document(name, settings).checked().unwrap()
 }
 
 fn flown(experiment: &Experiment) -> Figures {
@@ -29,7 +30,7 @@ fn every_built_in_keeps_its_bounds() {
             continue;
         }
         flights += 1;
-        let experiment = Experiment::of(&document).unwrap();
+        let experiment = document.checked().unwrap();
         let figures = flown(&experiment);
         let values = [
             "velocity_error_rms_m_s",
@@ -47,7 +48,7 @@ fn every_built_in_keeps_its_bounds() {
         assert_eq!(figures.get("lost"), 0.0, "{name}");
         assert!(least > -10.0, "{name}: {least}");
         let turbulent = experiment.weather.turbulence.is_some();
-        let end = figures.get("late_velocity_error_m_s");
+        let end = figures.get("late_velocity_error_rms_m_s");
         assert!(end < if turbulent { 5.0 } else { 0.5 }, "{name}: {end}");
     }
     assert!(flights > 15);
@@ -136,7 +137,7 @@ fn braking_out_of_a_turn_is_level() {
     let first = braking().next().unwrap();
     assert!(first.bank().abs() > 0.5 && first.truth.velocity.norm() > 19.0);
     let after = record.iter().filter(|s| s.t > end + 3.0);
-    let off = after.map(|s| s.position_error()).fold(0.0, f64::max);
+    let off = after.map(|s| s.position_error().norm()).fold(0.0, f64::max);
     assert!(off < 3.0, "{off}");
 }
 
@@ -150,24 +151,24 @@ fn sensors_fail_in_a_turn() {
         let record = fly(&experiment("circle-40", &[&fault])).unwrap();
         let worst = |from: f64, to: f64| {
             let part = record.iter().filter(|s| (from..to).contains(&s.t));
-            part.map(|s| s.position_error()).fold(0.0, f64::max)
+            part.map(|s| s.position_error().norm()).fold(0.0, f64::max)
         };
         let (during, after) = (worst(10.0, 20.0), worst(40.0, 50.0));
         println!("{fault}: {during:.1} m, then {after:.2} m");
-        let at = |t: f64| *record.iter().find(|s| s.t >= t - 1e-9).unwrap();
+        let at = |t: f64| record.iter().find(|s| s.t >= t - 1e-9).unwrap().clone();
         assert!(during < 30.0 && after < 3.0, "{fault}: {during} {after}");
         (at(9.99), at(12.9), at(20.0))
     };
     let (before, during, after) = flown("kind = \"air\"");
-    assert_eq!(before.guided.air, AirUse::Velocity);
-    assert_eq!(during.guided.air, AirUse::None);
-    assert_eq!(after.guided.air, AirUse::Velocity);
+    assert_eq!(before.answer.guided().unwrap().air, AirUse::Velocity);
+    assert_eq!(during.answer.guided().unwrap().air, AirUse::None);
+    assert_eq!(after.answer.guided().unwrap().air, AirUse::Velocity);
     let (.., during, _) = flown("kind = \"wind-stuck\"");
-    assert_eq!(during.guided.air, AirUse::Wind);
+    assert_eq!(during.answer.guided().unwrap().air, AirUse::Wind);
     flown("kind = \"air-scale\", size = -0.2");
     flown("kind = \"air-drift\", size = 0.5");
     let (_, during, _) = flown("kind = \"attitude-offset\", size = 3.0");
-    let told = during.input.orientation.w();
+    let told = during.input.sample.orientation.w();
     let [.., right] = during.truth.axes();
     let turned = f64::from(told.north) * right.x
         + f64::from(told.east) * right.y
@@ -175,19 +176,30 @@ fn sensors_fail_in_a_turn() {
     // 3° about each of three axes turn the wing by √2 times that.
     assert!((turned.acos().to_degrees() - 4.24).abs() < 0.1, "{turned}");
     let (_, during, _) = flown("kind = \"position-jump\", size = 10.0");
-    let told = f64::from(during.input.position_error.unwrap().east);
+    let told = f64::from(during.input.sample.position_error.unwrap().east);
     let off = told - (during.truth.position - during.target.position).y;
     assert!((off - 10.0).abs() < 1e-4, "{off}");
     let (_, during, after) = flown("kind = \"position-nan\"");
-    assert!(during.guided.status.contains(Status::POSITION_INVALID));
-    assert!(!after.guided.status.contains(Status::POSITION_INVALID));
+    assert!(
+        during
+            .answer
+            .guided()
+            .unwrap()
+            .status
+            .contains(Status::POSITION_INVALID)
+    );
+    assert!(
+        !after
+            .answer
+            .guided()
+            .unwrap()
+            .status
+            .contains(Status::POSITION_INVALID)
+    );
     let (_, during, _) = flown("kind = \"accelerometer\"");
-    assert!(during.input.specific_force.is_none());
+    assert!(during.input.sample.specific_force.is_none());
     let (_, during, _) = flown("kind = \"accelerometer-dead\"");
-    assert_eq!(during.input.specific_force, Some(Default::default()));
-    let (before, during, _) = flown("kind = \"accelerometer-frozen\"");
-    let [old, held] = [before, during].map(|s| s.input.specific_force.unwrap());
-    assert!((old.j - held.j).abs() < 0.5);
+    assert_eq!(during.input.sample.specific_force, Some(Default::default()));
     flown("kind = \"accelerometer-drift\", size = 0.5");
     // A bit of the memory at every step: the spare copy undoes it, and the flight is the same.
     let (_, _, after) = flown("kind = \"memory-bit\"");
@@ -198,6 +210,100 @@ fn sensors_fail_in_a_turn() {
     .unwrap();
     let same = clean.iter().find(|s| s.t >= 20.0 - 1e-9).unwrap();
     assert_eq!(after.truth, same.truth);
+}
+
+/// What an accelerometer tells stands still to the bit while it is frozen, in noise that changes it at every step before and after.
+#[test]
+fn a_frozen_accelerometer_stands_still() {
+    let settings = [
+        "duration_s=4.0",
+        "entry_s=0.0",
+        "sensors.acceleration_m_s2.noise=0.1",
+        "sensors.faults=[{ kind = \"accelerometer-frozen\", from_s = 1.0, to_s = 3.0 }]",
+    ];
+    let record = fly(&experiment("circle-40", &settings)).unwrap();
+    let told = |step: &Step| step.input.sample.specific_force.unwrap();
+    let changes = |from: f64, to: f64| {
+        let steps = record.windows(2).filter(|w| from <= w[0].t && w[1].t < to);
+        steps.filter(|w| told(&w[0]) != told(&w[1])).count()
+    };
+    assert_eq!(changes(1.0, 3.0 - 1e-9), 0);
+    assert_eq!((changes(0.0, 1.0 - 1e-9), changes(3.0, 4.0)), (99, 99));
+    // What is held is what was measured first, while the vehicle goes on to feel its turn: 1.4 g of it.
+    let first = record.iter().find(|s| s.t >= 1.0 - 1e-9).unwrap();
+    let last = record.iter().rfind(|s| s.t < 3.0 - 1e-9).unwrap();
+    assert_eq!(told(first), told(last));
+    let felt = first.load_factor
+        - V3::new(
+            told(first).forward.into(),
+            told(first).right.into(),
+            told(first).down.into(),
+        )
+        .norm()
+            / 9.81;
+    // Three standard deviations of 0.1 m/s².
+    assert!(felt.abs() < 0.031, "{felt}");
+}
+
+/// To a velocity, to a place behind, and a stop on the way, told in goals alone.
+#[test]
+fn goals_are_reached() {
+    use alula::guidance::{Goal, GoalState, Goals, PlannerOptions, Preferences};
+    use alula::ned::Ned;
+    use alula_sim::controllers::{Answer, Controller, Input};
+
+    /// The experiment's controller, told goals in place of its path.
+    struct ByGoals {
+        controller: Box<dyn Controller>,
+        goals: Goals,
+        state: GoalState,
+        t: f32,
+    }
+
+    impl Controller for ByGoals {
+        fn answer(&mut self, input: &Input, dt: f32) -> anyhow::Result<Answer> {
+            let goal = match self.t {
+                t if t < 20.0 => Goal::Velocity(Ned::new(0.0, 20.0, 0.0)),
+                t if t < 40.0 => Goal::Stop,
+                _ => Goal::Hover(Ned::new(-60.0, -200.0, -20.0)),
+            };
+            self.t += dt;
+            let mut input = *input;
+            let sample = &mut input.sample;
+            // The experiment's path stays at the origin.
+            let position = sample.position_error.unwrap();
+            let (reference, error, _) =
+                (self.goals).step(&mut self.state, &goal, position, sample.velocity, dt);
+            (sample.reference, sample.position_error) = (reference, Some(error));
+            self.controller.answer(&input, dt)
+        }
+    }
+
+    let hover = ["path.hover={}", "duration_s=110.0", "initial.thrust_n=98.1"];
+    let experiment = experiment("space", &hover);
+    let mut controller = ByGoals {
+        controller: experiment.controller().unwrap(),
+        goals: Goals::new(Preferences {
+            speed: 18.0,
+            climb: 2.0,
+            acceleration: 2.0,
+            planner_options: PlannerOptions::default(),
+        })
+        .unwrap(),
+        state: GoalState::default(),
+        t: 0.0,
+    };
+    let record = fly_by(&experiment, &mut controller).unwrap();
+    let at = |t: f64| &record[(100.0 * t) as usize].truth;
+    // The velocity asked for to 2.5 %, and a stop at rest.
+    assert!((at(19.9).velocity.y - 20.0).abs() < 0.5);
+    assert!(at(39.9).velocity.norm() < 0.1);
+    // A stop from 20 m/s takes 20 to 25 m: one that coasts takes 165 m. Its altitude is to be the one at which it began.
+    let stop = at(39.9).position - at(20.0).position;
+    assert!(stop.xy().norm() < 30.0 && stop.z.abs() < 2.0, "{stop}");
+    let last = record.last().unwrap().truth;
+    let off = last.position - V3::new(-60.0, -200.0, -20.0);
+    assert!(off.norm() < 0.5 && last.velocity.norm() < 0.1, "{off}");
 }
 
 /// It never slows down to cross the stall: the speed is what the errors leave of 20 m/s. At the end it flies south, belly down.
@@ -378,11 +484,14 @@ fn what_is_not_measured_is_not_told() {
     ];
     let record = fly(&experiment("mission-turbulence", &settings)).unwrap();
     for step in &record {
-        assert_eq!(step.input.air, Air::Unknown);
-        assert!(step.input.specific_force.is_none() && step.input.position_error.is_none());
+        assert_eq!(step.input.sample.air, Air::Unknown);
+        assert!(
+            step.input.sample.specific_force.is_none()
+                && step.input.sample.position_error.is_none()
+        );
     }
     // White noise of 0.05 m/s on each component, over 51 steps.
-    let noise = |s: &alula_sil::space::Step| f64::from(s.input.velocity.north) - s.truth.velocity.x;
+    let noise = |s: &Step| f64::from(s.input.sample.velocity.north) - s.truth.velocity.x;
     let mean = record.iter().map(|s| noise(s).powi(2)).sum::<f64>() / record.len() as f64;
     assert!((0.03..0.07).contains(&mean.sqrt()), "{mean}");
 }
@@ -413,7 +522,7 @@ fn wrong_fields_are_refused_by_file_line_and_name() {
         let text = format!("base = \"circle-40\"\nduration_s = 30.0\n{line}\n");
         std::fs::write(&file, text).unwrap();
         let document = Document::load(file.to_str().unwrap());
-        let error = document.and_then(|d| Experiment::of(&d)).unwrap_err();
+        let error = document.and_then(|d| d.checked()).unwrap_err();
         let (error, place) = (format!("{error:#}"), format!("{}:3: ", file.display()));
         let rest = error.strip_prefix(&place);
         assert!(
@@ -430,11 +539,11 @@ fn wrong_fields_are_refused_by_file_line_and_name() {
     refused("entry_s = 40.0", "entry_s: must be from 0");
     refused(
         "vehicle.mass_kg = -1",
-        "vehicle.mass_kg: mass must be positive",
+        "vehicle.mass_kg: mass must be positive, from 0.001 to 1000000 kg",
     );
     refused(
         "weather.steady_m_s = [1.0, 2.0]",
-        "weather.steady_m_s: invalid length 2",
+        "weather.steady_m_s: has 2 numbers, must be [north, east, down]",
     );
     refused(
         "weather.gust = { start_s = 1.0, duration_s = 0.0, peak_m_s = [1.0, 0.0, 0.0] }",
@@ -442,7 +551,7 @@ fn wrong_fields_are_refused_by_file_line_and_name() {
     );
     refused(
         "sensors.theta_deg.noise = 1.0",
-        "sensors.theta_deg: unknown field",
+        "sensors.theta_deg: unknown field `theta_deg`",
     );
     refused(
         "sensors.attitude_deg.noise = -1.0",
@@ -457,20 +566,16 @@ fn wrong_fields_are_refused_by_file_line_and_name() {
         "controller.guidance.max_lateral_acceleration_g: max_lateral_acceleration",
     );
     refused(
-        "controller.law.form = \"full\"",
-        "controller.law: unknown field",
-    );
-    refused(
         "initial.scatter = { velocity_m_s = -1.0, rate_rad_s = 1.0 }",
         "initial.scatter.velocity_m_s: must",
     );
     refused(
         "bounds.altitude = 3.0",
-        "bounds.altitude: is not the name of a figure",
+        "bounds.altitude: altitude is not the name of a figure",
     );
     refused(
         "sensors.faults = [{ kind = \"air-drift\", from_s = 1.0, to_s = 2.0 }]",
         "sensors.faults[0].size: this kind has a size",
     );
-    refused("reference.knots = []", "reference: unknown field");
+    refused("reference.knots = []", "reference.knots: must have");
 }

@@ -1,9 +1,7 @@
 //! The controller that a configuration describes: the same code on the target and on its host.
 
-use alula::{
-    BandwidthGains, GainChoice, GainParameters, Gains, Guidance, GuidanceState, Model,
-    ParameterError, Vehicle, VelocityControl,
-};
+use alula::planar::{GainParameters, Gains, VelocityControl};
+use alula::{BandwidthGains, GainChoice, Guidance, GuidanceState, Model, ParameterError, Vehicle};
 
 use crate::{Answer, Configuration, ControllerParameters, Input, Law, LawGains};
 
@@ -85,10 +83,11 @@ mod tests {
     use super::*;
     use crate::Pacing;
     use alula::guidance::Air;
+    use alula::planar::{Attitude, Inertial, PlanarGuidanceInput, Reference, State};
     use alula::{
-        Attitude, Combined, CombinedParameters, GuidanceInput, GuidanceParameters, Inertial,
-        LargeAngle, LargeAngleParameters, ModelParameters, Parameters, PlanarGuidanceInput,
-        Problem, Reference, SmallAngle, SmallAngleParameters, State, VehicleParameters,
+        Combined, CombinedParameters, GuidanceInput, GuidanceParameters, LargeAngle,
+        LargeAngleParameters, ModelParameters, Parameters, Problem, SmallAngle,
+        SmallAngleParameters, VehicleParameters,
     };
 
     const LAW: ControllerParameters = ControllerParameters::Law {

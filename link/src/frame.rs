@@ -8,7 +8,7 @@ use crc::{CRC_32_ISCSI, Crc, Table};
 use serde::{Deserialize, Serialize};
 
 /// Version of the protocol: first byte of every frame, at the same place in every version.
-pub const VERSION: u8 = 2;
+pub const VERSION: u8 = 3;
 
 /// Longest frame \[bytes\], stuffed and with its closing zero: one block of COBS.
 pub const MAX_FRAME: usize = 254;
@@ -186,7 +186,8 @@ mod tests {
         Admission, Configuration, ControllerParameters, Envelope, Law, LawGains, Order, Pacing,
         ToTarget,
     };
-    use alula::{GainParameters, LargeAngleParameters, ModelParameters, VehicleParameters};
+    use alula::planar::GainParameters;
+    use alula::{LargeAngleParameters, ModelParameters, VehicleParameters};
     use std::vec::Vec;
 
     fn message(session: u32, sequence: u32) -> Envelope<ToTarget> {

@@ -1,10 +1,12 @@
 //! The messages. What they carry are the core's own types.
 
 use alula::guidance::RejectReason;
-use alula::spatial::{self, Rates};
+use alula::ned::BodyRates;
+use alula::planar::{Command, FeedForward, GainParameters, Reference, State};
+use alula::spatial;
 use alula::{
-    Command, Fault, FeedForward, GainParameters, GuidanceInput, GuidanceOutput, GuidanceParameters,
-    ModelParameters, ParameterError, Problem, Reference, State, VehicleParameters,
+    Fault, GuidanceInput, GuidanceOutput, GuidanceParameters, ModelParameters, ParameterError,
+    Problem, VehicleParameters,
 };
 use serde::{Deserialize, Serialize};
 
@@ -51,9 +53,9 @@ pub enum FromTarget<'a> {
 /// A law of the core.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Law {
-    /// [`VelocityControl::robust`](alula::VelocityControl::robust).
+    /// [`VelocityControl::robust`](alula::planar::VelocityControl::robust).
     Robust,
-    /// [`VelocityControl::full`](alula::VelocityControl::full).
+    /// [`VelocityControl::full`](alula::planar::VelocityControl::full).
     Full,
 }
 
@@ -149,7 +151,7 @@ pub struct InForce {
     /// Thrust \[N\].
     pub thrust: f32,
     /// Body rates [rad/s].
-    pub rates: Rates,
+    pub rates: BodyRates,
 }
 
 impl Answer {
@@ -157,7 +159,7 @@ impl Answer {
     pub fn in_force(&self) -> Option<(InForce, Option<RejectReason>)> {
         match self {
             Self::Law(Ok(command)) => {
-                let rates = Rates::new(0.0, 0.0, command.rate);
+                let rates = BodyRates::new(0.0, command.rate, 0.0);
                 let thrust = command.thrust;
                 Some((InForce { thrust, rates }, None))
             }
@@ -212,7 +214,7 @@ pub struct Status {
     /// Thrust in force \[N\].
     pub thrust: f32,
     /// Body rates in force \[rad/s\].
-    pub rates: Rates,
+    pub rates: BodyRates,
     /// Ticks of the timer since power-on.
     pub ticks: u32,
     /// How often the link was lost.
@@ -226,10 +228,11 @@ pub struct Status {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Counters, MAX_FRAME, Receiver, encode};
+    use crate::{Counters, MAX_FRAME, Receiver, VERSION, encode};
     use alula::guidance::{Air, PlannerOptions};
-    use alula::ned::Ned;
-    use alula::{Body, CombinedParameters, Diagnostics, Inertial, Parameters, PlanarGuidanceInput};
+    use alula::ned::{Frd, Ned};
+    use alula::planar::{Body, Diagnostics, Inertial, PlanarGuidanceInput};
+    use alula::{CombinedParameters, Parameters};
 
     fn through_the_wire<M>(message: &M) -> M
     where
@@ -296,7 +299,7 @@ mod tests {
         };
         let state = State {
             velocity: numbers(1.0),
-            attitude: alula::Attitude { cos: 0.6, sin: 0.8 },
+            attitude: alula::planar::Attitude { cos: 0.6, sin: 0.8 },
             wind: numbers(3.0),
         };
         let input = PlanarGuidanceInput {
@@ -332,7 +335,7 @@ mod tests {
         let guided = GuidanceOutput {
             command: spatial::Command {
                 thrust: 1.0,
-                rates: Rates::new(2.0, 3.0, 4.0),
+                rates: BodyRates::new(2.0, 3.0, 4.0),
                 ..spatial::Command::default()
             },
             reject_reason: Some(RejectReason::Law(Fault::Wind)),
@@ -355,7 +358,7 @@ mod tests {
             rate: 2.0,
             ..Command::default()
         };
-        let rates = Rates::new(0.0, 0.0, 2.0);
+        let rates = BodyRates::new(0.0, 2.0, 0.0);
         let in_force = InForce { thrust: 3.0, rates };
         assert_eq!(Answer::Law(Ok(command)).in_force(), Some((in_force, None)));
         let fault = Some(RejectReason::Law(Fault::Wind));
@@ -366,7 +369,7 @@ mod tests {
         let guided = GuidanceOutput {
             command: spatial::Command {
                 thrust: 3.0,
-                rates: Rates::new(2.0, 3.0, 4.0),
+                rates: BodyRates::new(2.0, 3.0, 4.0),
                 ..spatial::Command::default()
             },
             reject_reason: Some(RejectReason::StateAge),
@@ -396,7 +399,7 @@ mod tests {
         let status = Status {
             phase: Phase::LinkLost,
             thrust: 1.0,
-            rates: Rates::new(1.0, 1.0, 1.0),
+            rates: BodyRates::new(1.0, 1.0, 1.0),
             ticks: u32::MAX,
             losses: u32::MAX,
             dropped: u32::MAX,
@@ -461,5 +464,39 @@ mod tests {
             };
             assert!(encode(&envelope, &mut buffer).is_ok(), "{message:?}");
         }
+    }
+
+    /// What a receiver of this version reads: the rows of the parameters by name, in order, and examples of the other messages.
+    /// Where one changes, [`VERSION`] is to be raised, and the number here with it.
+    #[test]
+    fn the_layout_is_that_of_the_version() {
+        let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISCSI);
+        let mut digest = crc.digest();
+        for rows in [
+            VehicleParameters::ROWS,
+            CombinedParameters::ROWS,
+            GainParameters::ROWS,
+            GuidanceParameters::ROWS,
+        ] {
+            for row in rows {
+                digest.update(row.name.as_bytes());
+                digest.update(b";");
+            }
+        }
+        let mut buffer = [0; MAX_FRAME];
+        let input = Input::Guidance {
+            input: GuidanceInput {
+                air: Air::Wind(Ned::ZERO),
+                specific_force: Some(Frd::new(1.0, 2.0, 3.0)),
+                position_error: Some(Ned::ZERO),
+                ..GuidanceInput::default()
+            },
+            dt: 0.01,
+        };
+        digest.update(encode(&input, &mut buffer).unwrap());
+        let mut output = GuidanceOutput::default();
+        output.command.rates = BodyRates::new(1.0, 2.0, 3.0);
+        digest.update(encode(&Answer::Guidance(output), &mut buffer).unwrap());
+        assert_eq!((VERSION, digest.finalize()), (3, 3_257_429_147));
     }
 }

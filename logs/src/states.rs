@@ -5,12 +5,14 @@
 //!
 //! | columns | quantity |
 //! |---|---|
-//! | `qw qx qy qz`, or `roll pitch yaw` \[°\], \[rad\] if that is their unit | attitude |
+//! | `qw qx qy qz`, or `roll pitch yaw` in deg or rad, each as its own unit says, pitch to 90.5° | attitude |
 //! | `vn ve vd` [m/s], `pn pe pd` \[m\], `wn we wd` [m/s] | velocity, position, wind: north, east, down |
 //! | `van vae vad` [m/s] | velocity through the air |
 //! | `fx fy fz` [m/s²] | specific force: nose, right wing, belly |
 //! | `airspeed` [m/s] | airspeed |
 //! | `qw_sp …` or `roll_sp …`, `pn_sp …`, `vn_sp …`, `an_sp …` [m/s²], `heading_sp` \[rad\] | set-points of attitude, position, velocity, acceleration, heading |
+//!
+//! A unit that is another than these is refused. Roll and yaw may go on beyond a turn.
 //!
 //! A flight that alula logged holds the topic [`TOLD`]: what its controller was told, which goes before what the vehicle did.
 
@@ -26,6 +28,7 @@ pub use attitude::{Quaternion, multiply};
 use crate::Log;
 use in_force::Topics;
 use source::Source;
+use std::borrow::Cow;
 use std::fmt;
 
 /// A quantity of `N` components at each time of the base: the last value logged.
@@ -82,8 +85,8 @@ pub struct States {
 /// A quantity that the log does not hold.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Missing {
-    /// The quantity.
-    pub what: &'static str,
+    /// The quantity, or what of it is not known.
+    pub what: Cow<'static, str>,
     /// The columns that would have held it, in the order in which they were looked for.
     pub tried: Vec<String>,
 }
@@ -124,9 +127,6 @@ struct Family {
 
 /// The families, in the order in which they are looked for.
 const FAMILIES: [Family; 3] = [px4::FAMILY, ardupilot::FAMILY, plain::FAMILY];
-
-/// What is missing where angles have no unit and may be of either.
-const UNSAID: &str = "unit of roll, pitch and yaw, of which none is beyond 6.3: degrees or radians? In a map say `unit = \"deg\"` or `unit = \"rad\"` with each, in a header `roll [deg]`";
 
 impl Family {
     /// All of its sources.
@@ -189,14 +189,15 @@ pub fn find(log: &Log) -> Result<States, Missing> {
             .map(Source::to_string)
             .collect();
         return Err(Missing {
-            what: "attitude",
+            what: "attitude".into(),
             tried,
         });
     };
-    // In degrees a flight has more somewhere, unless it is level, and north, all the time.
-    if family.name == plain::FAMILY.name && found.is_unsaid() {
+    if family.name == plain::FAMILY.name
+        && let Some(what) = plain::doubt(topics)
+    {
         return Err(Missing {
-            what: UNSAID,
+            what: what.into(),
             tried: Vec::new(),
         });
     }

@@ -365,7 +365,7 @@ def alula(*arguments):
 def check_flight(directory, experiment, some):
     """What `fly --log` leaves holds the numbers of the trace, with units, of which `some`, and every curve of the PlotJuggler layout."""
     alula("fly", experiment, "--log", "ulog,mcap", "--out", directory)
-    words = {"air_told", "status", "mode", "phase", "unreachable", "air"}
+    words = {"told_air", "status", "mode", "phase", "unreachable", "air"}
     with open(directory / "trace.csv", newline="") as file:
         trace = {column: cells for column, *cells in zip(*csv.reader(file)) if column not in words}
     ulog, units = read_ulog(directory / "flight.ulg")
@@ -428,7 +428,7 @@ def main():
         check_states(directory / "px4.ulg", directory)
         check_layout(directory / "px4.ulg")
         check_dataflash(directory)
-        check_flight(directory / "flight", "round-trip", {"rate_rad_s": "rad/s", "vr_down_m_s": "m/s"})
+        check_flight(directory / "flight", "round-trip", {"rate_wing_rad_s": "rad/s", "told_vr_down_m_s": "m/s"})
         check_flight(directory / "in-space", "eight", {"bank_rad": "rad", "path_v_east_m_s": "m/s"})
         check_replay(directory / "px4.ulg", directory)
         for source in sys.argv[1:]:

@@ -22,9 +22,9 @@ for fold in folds:
 # The law itself, at the state of that moment.
 law = alula.Law(alula.Vehicle.load("paper-belief"))
 command = law.command(
-    velocity=(record["v_down_m_s"][lowest], record["v_forward_m_s"][lowest]),
+    velocity=(record["told_v_down_m_s"][lowest], record["told_v_north_m_s"][lowest]),
     theta=record["theta_rad"][lowest],
-    reference_velocity=(record["vr_down_m_s"][lowest], record["vr_forward_m_s"][lowest]),
-    reference_acceleration=(record["ar_down_m_s2"][lowest], record["ar_forward_m_s2"][lowest]),
+    reference_velocity=(record["told_vr_down_m_s"][lowest], record["told_vr_north_m_s"][lowest]),
+    reference_acceleration=(record["told_ar_down_m_s2"][lowest], record["told_ar_north_m_s2"][lowest]),
 )
 print(f"there the law commands {command.thrust_n:.1f} N and {command.rate_rad_s:.2f} rad/s")

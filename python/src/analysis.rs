@@ -3,11 +3,11 @@
 use std::num::NonZero;
 use std::path::PathBuf;
 
-use alula_sil::airframe::Airframe;
-use alula_sil::experiment::{DEFAULT, PlantSpec};
-use alula_sil::figures::FIGURES;
-use alula_sil::study::{self, Results};
-use alula_sil::sweep as plan;
+use alula_design::sweep as plan;
+use alula_sim::airframe::Airframe;
+use alula_sim::experiment::{DEFAULT, PlantSpec};
+use alula_sim::figures::FIGURES;
+use alula_study::{self as study, Results};
 use pyo3::prelude::*;
 
 use crate::campaign::interruptible;
@@ -68,7 +68,9 @@ pub fn sweep(
         }
         None => plan::least_fp(&experiment).map_err(error::of)?,
     };
-    let findings = py.detach(|| plan::findings(&plan::sweep(&experiment), least));
+    let findings =
+        py.detach(|| plan::sweep(&experiment).map(|instants| plan::findings(&instants, least)));
+    let findings = findings.map_err(error::of)?;
     json(py, &findings)
 }
 

@@ -6,8 +6,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
 
-use alula_sil::study::starts::{ATTITUDES, BASES, FLIGHTS, Start, Starts, starts};
-use alula_sil::study::{self, BUILT_IN, CampaignSource, Shard, Store, Summary, Threads};
+use alula_study::starts::{ATTITUDES, BASES, FLIGHTS, Start, Starts, starts};
+use alula_study::{self as study, BUILT_IN, CampaignSource, Shard, Store, Summary, Threads};
 use anyhow::ensure;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -181,8 +181,8 @@ fn attitudes(py: Python<'_>, flights: u64, threads: Threads) -> PyResult<Campaig
             Data::Real(rows().map(|(_, s)| s.height_lost_m).collect()),
         ),
         (
-            "late_velocity_error_m_s",
-            Data::Real(rows().map(|(_, s)| s.late_velocity_error_m_s).collect()),
+            "late_velocity_error_rms_m_s",
+            Data::Real(rows().map(|(_, s)| s.late_velocity_error_rms_m_s).collect()),
         ),
     ];
     let columns = columns.map(|(name, data)| (name.to_owned(), data));

@@ -1,9 +1,10 @@
 //! Equilibria of a reference, and the envelope of a vehicle.
 
-use ::alula::equilibrium::Branch;
-use ::alula::equivalency::ApparentForces;
-use ::alula::{Equilibria, EquilibriumError, FoldMap, Inertial, Reference};
-use alula_sil::envelope::{self as theory, Ray};
+use ::alula::planar::equilibrium::Branch;
+use ::alula::planar::equilibrium::{Equilibria, EquilibriumError, FoldMap};
+use ::alula::planar::equivalency::ApparentForces;
+use ::alula::planar::{Inertial, Reference};
+use alula_design::envelope::{self as theory, Ray};
 use pyo3::prelude::*;
 
 use crate::arguments::{Numbers, vector, vector_or_zero};

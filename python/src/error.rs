@@ -1,6 +1,6 @@
 //! Errors as exceptions that name the parameter.
 
-use alula_sil::experiment::{self, Located};
+use alula_sim::experiment::{self, Located};
 use pyo3::create_exception;
 use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use alula_sil::experiment::{BUILT_IN, DEFAULT, Document};
-use alula_sil::named::Named;
+use alula_sim::experiment::{BUILT_IN, DEFAULT, Document};
+use alula_sim::named::Named;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 use pythonize::pythonize;

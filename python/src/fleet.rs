@@ -4,7 +4,7 @@ use ::alula::guidance::Air;
 use ::alula::ned::{Ned, Quaternion};
 use ::alula::spatial::{Heading, Orientation, Reference};
 use ::alula::{GainChoice, GuidanceInput, GuidanceState};
-use alula_sil::experiment::Model;
+use alula_sim::experiment::Model;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 

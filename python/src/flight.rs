@@ -1,10 +1,9 @@
 //! A flight that has been flown: its record and its figures.
 
-use alula_sil::columns::COLUMNS;
-use alula_sil::experiment::{Document, Experiment};
-use alula_sil::figures::{Figures, Segment};
-use alula_sil::simulate::{End, Step, simulate};
-use alula_sil::space;
+use alula_sim::columns::COLUMNS;
+use alula_sim::experiment::{Document, Experiment};
+use alula_sim::figures::{Figures, Segment};
+use alula_sim::simulate::{End, Step, simulate};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
@@ -50,14 +49,6 @@ impl Flight {
     }
 }
 
-/// Flies what `document` says, in space if it has a path, else in the vertical plane.
-pub fn fly(py: Python<'_>, document: &Document) -> PyResult<Flight> {
-    match document.get("path") {
-        Some(_) => in_space(py, document),
-        None => in_plane(py, document),
-    }
-}
-
 /// The columns of a record that apply to it.
 pub fn columns(experiment: &Experiment, record: &[Step]) -> Vec<(String, Data)> {
     let columns = COLUMNS.iter().filter_map(|column| {
@@ -67,13 +58,14 @@ pub fn columns(experiment: &Experiment, record: &[Step]) -> Vec<(String, Data)> 
     columns.collect()
 }
 
-fn in_plane(py: Python<'_>, document: &Document) -> PyResult<Flight> {
+/// Flies what `document` says.
+pub fn fly(py: Python<'_>, document: &Document) -> PyResult<Flight> {
     let experiment = document.checked().map_err(error::of)?;
     let flown = py.detach(|| {
         let mut record = Vec::with_capacity(experiment.steps() + 1);
         let mut controller = experiment.controller()?;
         let end = simulate(&experiment, controller.as_mut(), |step| {
-            record.push(*step);
+            record.push(step.clone());
             true
         });
         let figures = Figures::of(&experiment, &record);
@@ -88,33 +80,11 @@ fn in_plane(py: Python<'_>, document: &Document) -> PyResult<Flight> {
         );
         return Err(PyRuntimeError::new_err(text));
     }
+    let beyond = figures.beyond(&experiment).into_iter();
     Ok(Flight {
         name: document.name.clone(),
         figures: json(py, &figures)?,
         segments: json(py, &segments)?,
-        record: Py::new(py, Frame::new(py, columns))?,
-        beyond: Vec::new(),
-        lines: figures.table(),
-    })
-}
-
-fn in_space(py: Python<'_>, document: &Document) -> PyResult<Flight> {
-    let experiment = space::Experiment::of(document).map_err(error::of)?;
-    let flown = py.detach(|| -> anyhow::Result<_> {
-        let record = space::fly(&experiment)?;
-        let columns = space::columns::COLUMNS.iter().filter_map(|column| {
-            let cells = record.iter().map(|step| (column.read)(&experiment, step));
-            Some((column.name.to_owned(), Data::of(cells)?))
-        });
-        let columns: Vec<_> = columns.collect();
-        Ok((space::Figures::of(&experiment, &record), columns))
-    });
-    let (figures, columns) = flown.map_err(error::of)?;
-    let beyond = figures.beyond(&experiment).into_iter();
-    Ok(Flight {
-        name: document.name.clone(),
-        figures: json(py, &figures.json())?,
-        segments: json(py, &[(); 0])?,
         record: Py::new(py, Frame::new(py, columns))?,
         beyond: beyond
             .map(|(name, value, bound)| (name.to_owned(), value, bound))

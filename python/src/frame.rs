@@ -2,8 +2,8 @@
 
 use std::collections::HashMap;
 
-use alula_sil::columns::Cell;
-use alula_sil::study;
+use alula_sim::columns::Cell;
+use alula_study as study;
 use numpy::{Element, PyArray1};
 use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::prelude::*;

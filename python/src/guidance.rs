@@ -2,13 +2,11 @@
 
 use ::alula::guidance::{Air, PlannerOptions};
 use ::alula::ned::{BodyAxes, Ned, Quaternion};
+use ::alula::planar::{Attitude, Inertial, PlanarGuidanceInput};
 use ::alula::spatial::{Heading, Orientation, Reference};
-use ::alula::{
-    Attitude, GainChoice, GuidanceInput, GuidanceParameters, GuidanceState, Inertial,
-    PlanarGuidanceInput,
-};
-use alula_sil::controllers::GuidanceSpec;
-use alula_sil::experiment::Model;
+use ::alula::{GainChoice, GuidanceInput, GuidanceParameters, GuidanceState};
+use alula_sim::controllers::GuidanceSpec;
+use alula_sim::experiment::Model;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use toml::Value;
@@ -127,7 +125,7 @@ pub fn guided(guided: ::alula::guidance::GuidanceOutput, axes: BodyAxes) -> Guid
     GuidanceOutput {
         thrust_n: guided.command.thrust,
         rates_rad_s: axes.components(guided.command.rates),
-        rate_rad_s: guided.command.rates.w,
+        rate_rad_s: guided.command.rates.pitch,
         mode: guided.mode.name(),
         air: guided.air.name(),
         status: flags.map(str::to_owned).collect(),
@@ -302,9 +300,11 @@ impl Guidance {
             attitude: Attitude::from_angle(theta),
             state_age,
             air: air(air_velocity.as_ref(), wind.as_ref(), inertial)?,
-            specific_force: force.transpose()?.map(|[i, j]| ::alula::Body::new(i, j)),
+            specific_force: force
+                .transpose()?
+                .map(|[i, j]| ::alula::planar::Body::new(i, j)),
             position_error: error.transpose()?.map(inertial),
-            reference: ::alula::Reference {
+            reference: ::alula::planar::Reference {
                 velocity: inertial(vector("reference_velocity", &reference_velocity)?),
                 acceleration: inertial(vector_or_zero("reference_acceleration", acceleration)?),
             },

@@ -1,8 +1,9 @@
 //! The paper's laws: one step, and arrays of steps.
 
-use ::alula::control::Diagnostics;
-use ::alula::{Attitude, Fault, FeedForward, Inertial, Reference, State};
-use alula_sil::controllers::{Form, LawSpec};
+use ::alula::Fault;
+use ::alula::planar::Diagnostics;
+use ::alula::planar::{Attitude, FeedForward, Inertial, Reference, State};
+use alula_sim::controllers::{Form, LawSpec};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use toml::{Table, Value};
@@ -17,7 +18,7 @@ use crate::vehicle::Vehicle;
 /// `form` is "robust" (defined everywhere) or "full". The gains are `gains`, `alula.parameters()["Constant gains"]`, the
 /// paper's where left out; or, by `bandwidth`, follow from the parameters of that name in `alula.parameters()["Guidance"]`.
 #[pyclass(frozen, module = "alula")]
-pub struct Law(alula_sil::controllers::Law);
+pub struct Law(alula_sim::controllers::Law);
 
 /// Command of one step of a law.
 #[pyclass(frozen, get_all, module = "alula")]
@@ -42,8 +43,8 @@ pub struct Command {
     k: f32,
 }
 
-impl From<::alula::Command> for Command {
-    fn from(command: ::alula::Command) -> Self {
+impl From<::alula::planar::Command> for Command {
+    fn from(command: ::alula::planar::Command) -> Self {
         let d: Diagnostics = command.diagnostics;
         Self {
             thrust_n: command.thrust,
@@ -93,7 +94,7 @@ impl Law {
         state: &State,
         reference: &Reference,
         feed_forward: Option<&FeedForward>,
-    ) -> Result<::alula::Command, Fault> {
+    ) -> Result<::alula::planar::Command, Fault> {
         match self.0.form {
             Form::Robust => self.0.control.robust(state, reference, feed_forward),
             Form::Full => self.0.control.full(state, reference, feed_forward),

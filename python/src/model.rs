@@ -2,8 +2,8 @@
 
 use ::alula::aero::TableProblem;
 use ::alula::{Aerodynamics, AngleOfAttack, ModelParameters, Parameters};
-use alula_sil::experiment::{AerodynamicsSpec, refused};
-use alula_sil::polar::{BUILT_IN, Polar};
+use alula_sim::experiment::{AerodynamicsSpec, refused};
+use alula_sim::polar::{BUILT_IN, Polar};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;

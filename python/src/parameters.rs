@@ -1,10 +1,11 @@
 //! Parameters by keyword: names, defaults, ranges and meanings are those of the core's table.
 
+use ::alula::planar::GainParameters;
 use ::alula::{
-    CombinedParameters, GainParameters, GuidanceParameters, LargeAngleParameters, Parameters, Row,
+    CombinedParameters, GuidanceParameters, LargeAngleParameters, Parameters, Row,
     SmallAngleParameters, VehicleParameters,
 };
-use alula_sil::experiment::{Fields, file_name, file_value};
+use alula_sim::experiment::{Fields, file_name, file_value};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use toml::Value;

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use alula_sil::experiment::DEFAULT;
-use alula_sil::replay::Source;
+use alula_sim::experiment::DEFAULT;
+use alula_sim::replay::Source;
 use pyo3::prelude::*;
 
 use crate::error;
@@ -23,24 +23,20 @@ pub struct Replay {
 /// Runs the controller of the experiment `source`, with the fields in `set` changed, open loop over the log `file`: a CSV such as a
 /// flight's trace, a PX4 ULog, MCAP, or an ArduPilot DataFlash log (.bin, .log).
 ///
-/// `map` is a TOML file that says which column of a foreign CSV is which; `heading_deg` the heading of the vertical plane of the
-/// flight, by default the plane that the wing is square to.
+/// `map` is a TOML file that says which column of a foreign CSV is which.
 #[pyfunction]
-#[pyo3(signature = (file, source=DEFAULT.into(), set=None, *, map=None, heading_deg=None))]
+#[pyo3(signature = (file, source=DEFAULT.into(), set=None, *, map=None))]
 pub fn replay(
     py: Python<'_>,
     file: PathBuf,
     source: PathBuf,
     set: Option<&Bound<'_, PyAny>>,
     map: Option<PathBuf>,
-    heading_deg: Option<f64>,
 ) -> PyResult<Replay> {
     let experiment = Experiment::new(source, set)?.0.checked();
     let experiment = experiment.map_err(error::of)?;
     let replayed = py.detach(|| {
-        let mut record = Vec::new();
-        let log = Source::open(&file, map.as_ref(), heading_deg)?;
-        let notes = log.replay(std::io::sink(), &experiment, |step| record.push(step))?;
+        let (record, notes) = Source::open(&file, map.as_ref())?.replay(&experiment)?;
         Ok((columns(&experiment, &record), notes))
     });
     let (columns, notes) = replayed.map_err(|e| error::of_argument("file", e))?;

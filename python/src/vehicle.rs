@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use ::alula::VehicleParameters;
-use alula_sil::airframe::Airframe;
-use alula_sil::experiment::{self, VehicleSpec};
+use alula_sim::airframe::Airframe;
+use alula_sim::experiment::{self, VehicleSpec};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 

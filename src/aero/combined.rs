@@ -2,7 +2,7 @@
 
 use super::{Aerodynamics, Coefficients};
 use crate::air::AngleOfAttack;
-use crate::error::{ParameterError, Problem, in_range};
+use crate::error::ParameterError;
 use crate::math;
 use crate::parameters::Parameters;
 
@@ -165,12 +165,14 @@ const MAX_EXPONENT: f32 = 56.0;
 /// Two to that power.
 const MAX_POWER: f32 = (1u64 << 56) as f32;
 
+/// What the steepness of a blend must be.
+const STEEPEST: &str = "at most 40 over the square of alpha_bar";
+
 impl Blend {
     fn new(parameter: &'static str, k: f32, alpha_bar: f32) -> Result<Self, ParameterError> {
-        in_range(parameter, k * alpha_bar * alpha_bar, 0.0, 40.0).map_err(|_| ParameterError {
-            parameter,
-            problem: Problem::OutOfRange,
-        })?;
+        if !matches!(k * alpha_bar * alpha_bar, x if x <= 40.0) {
+            return Err(ParameterError::contradiction(parameter, STEEPEST));
+        }
         let exponent = 2.0 * k * core::f32::consts::LOG2_E;
         let scale = 1.0 + math::exp2(-exponent * alpha_bar * alpha_bar);
         Ok(Self {
@@ -291,7 +293,7 @@ mod tests {
             let e = Combined::new(p).unwrap_err();
             (e.parameter, e.problem)
         };
-        use Problem::{NotFinite, NotPositive, OutOfRange};
+        use crate::error::Problem::{Contradiction, NotFinite, NotPositive, OutOfRange};
         assert_eq!(
             error(CombinedParameters { c1: 0.0, ..good }),
             ("c1", NotPositive)
@@ -312,7 +314,7 @@ mod tests {
         );
         assert_eq!(
             error(CombinedParameters { k_d: 5e3, ..good }),
-            ("k_d", OutOfRange)
+            ("k_d", Contradiction)
         );
     }
 }

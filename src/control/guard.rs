@@ -1,6 +1,6 @@
 //! The guard μ_τ (`eq:mu2D`), which keeps the robust law defined where the paper's divides by zero.
 
-use crate::error::{ParameterError, positive};
+use crate::error::{ParameterError, in_range};
 
 /// `μ_τ(s) = sin(π s²/(2τ²))` for s ≤ τ, else 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,7 +17,7 @@ impl Guard {
     /// # Errors
     /// `tau` not finite, not positive, or outside [1e-3, 1e6].
     pub fn new(tau: f32) -> Result<Self, ParameterError> {
-        Ok(Self::of_checked(positive("tau", tau, 1e-3, 1e6)?))
+        Ok(Self::of_checked(in_range("tau", tau, [1e-3, 1e6], "N")?))
     }
 
     /// The guard of a `tau` that [`new`](Self::new) would take.

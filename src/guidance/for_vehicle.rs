@@ -4,7 +4,8 @@
 //! says why it may.
 
 use super::parameters::GuidanceParameters;
-use crate::error::{ParameterError, Problem};
+use super::update::check_thrust;
+use crate::error::ParameterError;
 use crate::math;
 use crate::parameters::Parameters;
 use crate::vehicle::VehicleParameters;
@@ -108,7 +109,7 @@ rules! { known, default;
     max_wind_step = default.max_wind_step,
         "No gust grows so fast.";
     safe_thrust = default.safe_thrust,
-        "None: the vehicle FALLS when its inputs have failed for longer than `hold`. Whether to cut, to hover blindly (1) or to sink slowly (0.9) is yours to decide.";
+        "Hover thrust less a twentieth: in hover the vehicle sinks slowly, its attitude kept, when its inputs have failed for longer than `hold`; with the nose forward it glides. Zero cuts the thrust.";
 }
 
 impl GuidanceParameters {
@@ -125,17 +126,7 @@ impl GuidanceParameters {
         vehicle.check()?;
         response.check()?;
         let weight = vehicle.mass * vehicle.gravity;
-        for (parameter, kept) in [
-            ("thrust_max", vehicle.thrust_max > weight),
-            ("thrust_min", vehicle.thrust_min < weight),
-        ] {
-            if !kept {
-                return Err(ParameterError {
-                    parameter,
-                    problem: Problem::Contradiction,
-                });
-            }
-        }
+        check_thrust(weight, vehicle.thrust_min, vehicle.thrust_max)?;
         let period = 1.0 / response.control_rate;
         Ok(ruled(&Known {
             rate_lag: response.rate_lag,
@@ -238,7 +229,7 @@ mod tests {
             let error = GuidanceParameters::for_vehicle(&vehicle, &response).unwrap_err();
             (error.parameter, error.problem)
         };
-        use Problem::*;
+        use crate::error::Problem::*;
         assert_eq!(refused(&|v, _| v.mass = -1.0), ("mass", NotPositive));
         assert_eq!(
             refused(&|v, _| v.thrust_max = 90.0),

@@ -6,7 +6,7 @@
 use super::MAX_STEP;
 use super::memory::{Integrity, Memory, ShadowCopy, memory};
 use super::planner_options::{LEAST_BAND, MOST_BAND, PlannerOptions};
-use crate::error::{ParameterError, positive};
+use crate::error::{ParameterError, in_range};
 use crate::math;
 use crate::ned::Ned;
 use crate::reference::MAX_SPEED;
@@ -114,12 +114,12 @@ impl Goals {
     /// # Errors
     /// `speed`, `climb` or `acceleration` outside [1e-2, 1e3], `altitude_band` outside [1e-3, 1e3] and not zero, or not a number.
     pub fn new(p: Preferences) -> Result<Self, ParameterError> {
-        positive("speed", p.speed, 1e-2, 1e3)?;
-        positive("climb", p.climb, 1e-2, 1e3)?;
-        positive("acceleration", p.acceleration, 1e-2, 1e3)?;
+        in_range("speed", p.speed, [1e-2, 1e3], "m/s")?;
+        in_range("climb", p.climb, [1e-2, 1e3], "m/s")?;
+        in_range("acceleration", p.acceleration, [1e-2, 1e3], "m/s^2")?;
         let band = p.planner_options.altitude_band;
         if band != 0.0 {
-            positive("altitude_band", band, LEAST_BAND, MOST_BAND)?;
+            in_range("altitude_band", band, [LEAST_BAND, MOST_BAND], "m")?;
         }
         Ok(Self { preferences: p })
     }

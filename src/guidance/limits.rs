@@ -5,7 +5,7 @@ use super::parameters::GuidanceParameters;
 use super::status::Status;
 use crate::aero::Aerodynamics;
 use crate::math;
-use crate::spatial::{Body, Rates};
+use crate::spatial::Body;
 use crate::vehicle::Vehicle;
 
 /// The limits of a command.
@@ -83,9 +83,9 @@ impl Limits {
         &self,
         state: &mut LimitState,
         thrust: f32,
-        rates: Rates,
+        rates: Body,
         dt: f32,
-    ) -> (f32, Rates, Status) {
+    ) -> (f32, Body, Status) {
         let step = self.slew * dt;
         let mut status = Status::empty();
         let mut limit = |rate: f32, last: f32| {

@@ -67,8 +67,8 @@ crate::parameters! {
             "Greatest wind that air data may imply; air data that imply more are invalid.";
         max_wind_step: "m/s", 0.0, 1e3, 10.0, "ALU_SUP_GUST",
             "Greatest change of the wind from one step to the next; air data that imply a greater one are invalid.";
-        safe_thrust: "mg", -1e3, 1e3, 0.0, "ALU_SUP_THRUST",
-            "Thrust of the safe command, inside the vehicle's limits. Zero: as near to none as these allow.";
+        safe_thrust: "mg", -1e3, 1e3, 0.95, "ALU_SUP_THRUST",
+            "Thrust of the safe command with the nose up, inside the vehicle's limits: below 1 sinks. Less by as much as the nose leaned when the law flew last; none before. Zero: as near to none as the limits allow.";
     }
 }
 

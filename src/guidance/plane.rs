@@ -11,7 +11,7 @@ use super::update::{Guidance, GuidanceInput, GuidanceOutput, GuidanceState};
 use crate::aero::Aerodynamics;
 use crate::control::{Command, GainLaw, Margin};
 use crate::frame::{Attitude, Body, Inertial};
-use crate::ned::Ned;
+use crate::ned::{Frd, Ned};
 use crate::reference::Reference;
 use crate::spatial::{self, Heading, Orientation};
 
@@ -90,9 +90,7 @@ impl From<&PlanarGuidanceInput> for GuidanceInput {
                 Air::Wind(v) => Air::Wind(Ned::in_plane(v)),
                 Air::Unknown => Air::Unknown,
             },
-            specific_force: p
-                .specific_force
-                .map(|f| spatial::Body::new(f.i(), f.j(), 0.0)),
+            specific_force: p.specific_force.map(|f| Frd::new(-f.i(), 0.0, f.j())),
             position_error: p.position_error.map(Ned::in_plane),
             reference: spatial::Reference {
                 velocity: Ned::in_plane(p.reference.velocity),
@@ -111,7 +109,7 @@ impl From<&GuidanceOutput> for PlanarGuidanceOutput {
         Self {
             command: Command {
                 thrust: g.command.thrust,
-                rate: g.command.rates.w,
+                rate: g.command.rates.pitch,
                 diagnostics: g.command.diagnostics.plane,
             },
             mode: g.mode,

@@ -735,7 +735,7 @@ mod tests {
     #[test]
     fn a_prediction_spans_two_seconds_and_its_reference_accelerates_for_a_part_of_them() {
         let sum = |f: &dyn Fn(&AheadStep) -> f32| AHEAD_STEPS.iter().map(f).sum::<f32>();
-        // 1e-5: roundings of 28 sums of seconds.
+        // 1e-5: the rounding of 27 sums of seconds, 2 s · 6e-8 each, three times over.
         assert!((sum(&|s| s.gains.h) - SPAN).abs() < 1e-5 && (SPAN - 2.08).abs() < 0.01);
         assert!((sum(&|s| s.gains.h * s.accelerating) - AHEAD).abs() < 1e-5);
         let late = |s: &[AheadStep]| s.iter().map(|s| s.gains.h).sum::<f32>();

@@ -54,9 +54,9 @@ mod tests {
     use crate::aero::{Combined, CombinedParameters};
     use crate::air::AirData;
     use crate::frame::{Attitude, Body, Inertial};
+    use crate::guidance::plane::PlanarGuidanceInput;
     use crate::guidance::{
-        Air, Goal, GoalState, Goals, Guidance, GuidanceParameters, GuidanceState, Mode,
-        PlanarGuidanceInput, Preferences,
+        Air, Goal, GoalState, Goals, Guidance, GuidanceParameters, GuidanceState, Mode, Preferences,
     };
     use crate::math;
     use crate::ned::Ned;

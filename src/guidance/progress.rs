@@ -148,7 +148,8 @@ impl Progress {
 mod tests {
     extern crate std;
     use crate::guidance::*;
-    use crate::*;
+    use crate::planar::*;
+    use crate::{Combined, CombinedParameters, Vehicle, VehicleParameters};
     use std::vec::Vec;
 
     /// A guidance that is told where the virtual vehicle is: what it says over `seconds`.

@@ -139,7 +139,7 @@ impl RejectReason {
 /// |---|---|---|---|
 /// | [`Mode::Flying`] | the law's | from holding by one good frame; from safe by good frames for `recovery` | by one bad frame |
 /// | [`Mode::Holding`] | the last one flown, unchanged | by one bad frame | by one good frame; to safe after `hold`, of which a step of no time counts [`MIN_STEP`] |
-/// | [`Mode::Safe`] | `safe_thrust`, no rotation | at power-on; from holding after `hold` | by good frames for `recovery` |
+/// | [`Mode::Safe`] | `safe_thrust`, as far as the nose pointed up when the law flew last, and none before; no rotation | at power-on; from holding after `hold` | by good frames for `recovery` |
 ///
 /// A frame is bad if the velocity or the attitude is not finite, absurd, older than `state_age` or of negative age, if the time step
 /// is not in [[`MIN_STEP`], [`MAX_STEP`]], if there is no reference to fly to, or if the law has no answer. In holding the
@@ -166,7 +166,7 @@ pub struct Supervisor {
     air_hold: f32,
     max_wind: f32,
     max_wind_step: f32,
-    /// Thrust of the safe command \[N\].
+    /// Thrust of the safe command with the nose up \[N\].
     safe_thrust: f32,
 }
 
@@ -176,6 +176,8 @@ pub struct Supervisor {
 pub struct SupervisionState {
     /// Mode of the last step: 2 flying, 1 holding, else safe.
     mode: u8,
+    /// Upward part of the nose's direction when the law flew last, 0 to 1: how much of a thrust carries. 0 before it has flown.
+    pub(super) upright: f32,
     /// 1 if a wind has been known.
     wind_known: u8,
     /// Time \[s\] of bad frames while holding, of good ones while safe.
@@ -188,6 +190,7 @@ pub struct SupervisionState {
 
 memory!(SupervisionState {
     mode: u8,
+    upright: f32,
     wind_known: u8,
     elapsed: f32,
     wind: Ned,
@@ -205,7 +208,22 @@ impl SupervisionState {
         }
     }
 
+    /// Power-on, but for the mode and how upright the vehicle flew last.
+    pub(super) fn restarted(&self) -> Self {
+        let mut state = Self {
+            upright: if (0.0..=1.0).contains(&self.upright) {
+                self.upright
+            } else {
+                0.0
+            },
+            ..Self::default()
+        };
+        state.set_mode(self.mode());
+        state
+    }
+
     /// Power-on, but in `mode`.
+    #[cfg(test)]
     pub(super) fn in_mode(mode: Mode) -> Self {
         let mut state = Self::default();
         state.set_mode(mode);
@@ -222,7 +240,7 @@ impl SupervisionState {
     }
 }
 
-/// Thrust \[N\] of the safe command; with none asked for, the thrust nearest to none.
+/// Thrust \[N\] of the safe command with the nose up; with none asked for, the thrust nearest to none.
 pub(super) fn safe_thrust<A: Aerodynamics>(p: &GuidanceParameters, vehicle: &Vehicle<A>) -> f32 {
     if p.safe_thrust == 0.0 {
         math::clamp(0.0, vehicle.thrust_min(), vehicle.thrust_max())
@@ -246,7 +264,7 @@ impl Supervisor {
         }
     }
 
-    /// Thrust of the safe command \[N\].
+    /// Thrust of the safe command with the nose up \[N\].
     #[inline(always)]
     pub fn safe_thrust(&self) -> f32 {
         self.safe_thrust
@@ -268,6 +286,7 @@ impl Supervisor {
     #[inline(always)]
     pub(super) fn is_sound(&self, state: &SupervisionState) -> bool {
         (0.0..=MAX_ELAPSED).contains(&state.elapsed)
+            && (0.0..=1.0).contains(&state.upright)
             && (0.0..=MAX_AGE).contains(&state.wind_age)
             && state.wind.norm_squared() <= self.max_wind * self.max_wind
     }

@@ -228,15 +228,16 @@ impl Tracker {
         let gain = 0.25 * gains.k3;
         let rate = flight.rate + limited(self.rate_lag * model.rate_change, self.lead);
         let attitude_rate = wings * (gain * ahead);
-        command.rates.w = wings * rate
+        command.rates.pitch = wings * rate
             + attitude.w().dot(model.spin)
-            + law * command.rates.w
+            + law * command.rates.pitch
             + (1.0 - law) * attitude_rate;
         // Out of the plane of flight pitch, tilt and twist would each go their own way.
         if aligned < 1.0 {
             let shortest = by_the_shortest_way(attitude, axes.forward, axes.right, flight.theta);
             let shortest = shortest * gain + attitude.to_body(axes.right * rate + model.spin);
-            command.rates = command.rates * aligned + shortest * (1.0 - aligned);
+            let mixed = Body::from(command.rates) * aligned + shortest * (1.0 - aligned);
+            command.rates = mixed.into();
         }
         Ok(TrackerOutput {
             command,

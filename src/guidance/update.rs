@@ -22,12 +22,12 @@ use super::supervision::{
 use super::tracker::{Tracker, TrackerInput};
 use crate::aero::Aerodynamics;
 use crate::control::{Fault, GainLaw, Margin};
-use crate::error::{ParameterError, Problem};
+use crate::error::ParameterError;
 use crate::math;
-use crate::ned::Ned;
+use crate::ned::{Frd, Ned};
 use crate::reference::{MAX_ACCELERATION, MAX_SPEED};
 use crate::spatial::{
-    Body, Command, Correction, Diagnostics, LateralGains, LateralParameters, Orientation, Rates,
+    Body, Command, Correction, Diagnostics, LateralGains, LateralParameters, Orientation,
     Reference, State, WingedControl, check_input,
 };
 use crate::vehicle::Vehicle;
@@ -35,9 +35,7 @@ use crate::vehicle::Vehicle;
 /// The velocity law with everything around it that a real vehicle asks for. Immutable and validated.
 ///
 /// ```
-/// use alula::guidance::*;
-/// use alula::spatial::Ned;
-/// use alula::*;
+/// use alula::prelude::*;
 ///
 /// let model = Combined::new(CombinedParameters::PAPER_BELIEF)?;
 /// let vehicle = Vehicle::new(VehicleParameters::PAPER_BELIEF, model)?;
@@ -86,9 +84,9 @@ pub struct GuidanceInput {
     pub state_age: f32,
     /// What is known of the air.
     pub air: Air,
-    /// Specific force in body components [m/s²], if it is measured: what an accelerometer feels, gravity not included. With
+    /// Specific force [m/s²], if it is measured: what an accelerometer feels, acceleration less gravity. With
     /// it the law makes up for what is not known of mass, wing and thrust, and of the wind across.
-    pub specific_force: Option<Body>,
+    pub specific_force: Option<Frd>,
     /// Position less reference position, x̃ \[m\], if position is to be held.
     pub position_error: Option<Ned>,
     /// Reference.
@@ -411,7 +409,9 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         let mode = self
             .supervisor
             .advance(&mut state.supervision, flown.is_ok(), dt);
-        if mode != Mode::Flying {
+        if mode == Mode::Flying {
+            state.supervision.upright = math::clamp(input.orientation.i().down, 0.0, 1.0);
+        } else {
             guided = self.substitute(state, mode);
         }
         state.seal();
@@ -446,7 +446,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             self.limits.at_rest()
         };
         *state = GuidanceState {
-            supervision: SupervisionState::in_mode(state.supervision.mode()),
+            supervision: state.supervision.restarted(),
             limits,
             ..GuidanceState::default()
         };
@@ -454,21 +454,29 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
 
     /// The command in any mode but flying.
     #[cold]
+    #[inline(never)]
     fn substitute(&self, state: &mut GuidanceState, mode: Mode) -> GuidanceOutput {
         if mode == Mode::Safe {
+            // The attitude is kept blindly: of a nose that points forward all thrust would go into speed.
+            let vehicle = self.control.plane().vehicle();
+            let limits = LimitState {
+                thrust: math::clamp(
+                    self.supervisor.safe_thrust() * state.supervision.upright,
+                    vehicle.thrust_min(),
+                    vehicle.thrust_max(),
+                ),
+                ..self.limits.at_rest()
+            };
             *state = GuidanceState {
                 supervision: state.supervision,
-                limits: LimitState {
-                    rates: Rates::default(),
-                    thrust: self.supervisor.safe_thrust(),
-                },
+                limits,
                 ..GuidanceState::default()
             };
         }
         GuidanceOutput {
             command: Command {
                 thrust: state.limits.thrust,
-                rates: state.limits.rates,
+                rates: state.limits.rates.into(),
                 diagnostics: Diagnostics::default(),
             },
             ..GuidanceOutput::default()
@@ -520,6 +528,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
                 .wind(&mut state.supervision, input.velocity, &input.air, dt);
         let specific_force = input
             .specific_force
+            .map(Body::from)
             .filter(|f| f.norm_squared() < MAX_ACCELERATION * MAX_ACCELERATION);
         let correction = self.accelerometer.correction(&state.accelerometer);
         if air == AirUse::None && specific_force.is_none() {
@@ -642,7 +651,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         let (thrust, rates, saturated) = self.limits.apply(
             &mut state.limits,
             tracked.command.thrust,
-            tracked.command.rates,
+            tracked.command.rates.into(),
             dt,
         );
         state.saturated = saturated;
@@ -655,7 +664,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
 
         guided.command = Command {
             thrust,
-            rates,
+            rates: rates.into(),
             ..tracked.command
         };
         self.accelerometer.update(
@@ -686,30 +695,39 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
     }
 }
 
+/// Refuses limits of the thrust \[N\] between which the `weight` \[N\] is not.
+pub(super) fn check_thrust(weight: f32, min: f32, max: f32) -> Result<(), ParameterError> {
+    if max <= weight {
+        let relation = "above the weight, mass times gravity";
+        Err(ParameterError::contradiction("thrust_max", relation))
+    } else if min >= weight {
+        let relation = "below the weight, mass times gravity";
+        Err(ParameterError::contradiction("thrust_min", relation))
+    } else {
+        Ok(())
+    }
+}
+
 /// Refuses parameters that contradict each other or the vehicle.
 fn check_relations<A: Aerodynamics>(
     vehicle: &Vehicle<A>,
     p: &GuidanceParameters,
 ) -> Result<(), ParameterError> {
-    let weight = vehicle.weight();
+    check_thrust(vehicle.weight(), vehicle.thrust_min(), vehicle.thrust_max())?;
     let safe = safe_thrust(p, vehicle);
-    let parameter = if vehicle.thrust_max() <= weight {
-        "thrust_max"
-    } else if vehicle.thrust_min() >= weight {
-        "thrust_min"
-    } else if !(vehicle.thrust_min()..=vehicle.thrust_max()).contains(&safe) {
-        "safe_thrust"
+    let refused = |parameter, relation| Err(ParameterError::contradiction(parameter, relation));
+    if !(vehicle.thrust_min()..=vehicle.thrust_max()).contains(&safe) {
+        refused(
+            "safe_thrust",
+            "such that it is from thrust_min to thrust_max",
+        )
     } else if p.max_integral_down > p.max_velocity_down {
-        "max_integral_down"
+        refused("max_integral_down", "at most max_velocity_down")
     } else if p.max_integral_forward > p.max_velocity_forward {
-        "max_integral_forward"
+        refused("max_integral_forward", "at most max_velocity_forward")
     } else {
-        return Ok(());
-    };
-    Err(ParameterError {
-        parameter,
-        problem: Problem::Contradiction,
-    })
+        Ok(())
+    }
 }
 
 #[cfg(test)]
@@ -718,10 +736,11 @@ mod tests {
     use super::*;
     use crate::aero::{Combined, CombinedParameters};
     use crate::control::Command;
+    use crate::error::Problem;
     use crate::frame::{Attitude, Inertial};
     use crate::guidance::MIN_STEP;
     use crate::guidance::Phase;
-    use crate::guidance::{PlanarGuidanceInput, PlanarGuidanceOutput};
+    use crate::guidance::plane::{PlanarGuidanceInput, PlanarGuidanceOutput};
     use crate::parameters::Parameters;
     use crate::reference::Reference;
     use crate::vehicle::VehicleParameters;
@@ -806,7 +825,7 @@ mod tests {
             guided = guidance.update_in_plane(&mut state, &input, DT);
         }
         let law = guidance.control.plane().robust(
-            &crate::State {
+            &crate::planar::State {
                 velocity: input.velocity,
                 attitude: input.attitude,
                 wind: Inertial::ZERO,
@@ -907,9 +926,9 @@ mod tests {
             assert_eq!((guided.mode, guided.reject_reason), (Mode::Flying, None));
             guided.status.contains(Status::FORCE_INVALID)
         };
-        assert!(!told(None) && !told(Some(Body::new(-9.81, 0.0, 0.0))));
-        assert!(told(Some(Body::new(f32::NAN, 0.0, 0.0))));
-        assert!(told(Some(Body::new(0.0, 1e30, 0.0))));
+        assert!(!told(None) && !told(Some(Frd::new(9.81, 0.0, 0.0))));
+        assert!(told(Some(Frd::new(f32::NAN, 0.0, 0.0))));
+        assert!(told(Some(Frd::new(0.0, 1e30, 0.0))));
     }
 
     #[test]
@@ -921,6 +940,20 @@ mod tests {
             let flying = n >= 6;
             assert_eq!(guided.mode == Mode::Flying, flying, "{n}");
             if !flying {
+                // Nothing has flown yet: no thrust.
+                assert_eq!((guided.command.thrust, guided.command.rate), (0.0, 0.0));
+            }
+        }
+        // Inputs that fail for longer than `hold` end in the safe thrust, and after a recovery that was cut short as well.
+        let bad = PlanarGuidanceInput {
+            state_age: 1.0,
+            ..HOVER
+        };
+        for n in 0..40 {
+            let input = if n == 20 { HOVER } else { bad };
+            let guided = guidance.update_in_plane(&mut state, &input, DT);
+            if n >= 12 {
+                assert_eq!(guided.mode, Mode::Safe, "{n}");
                 assert_eq!(
                     (guided.command.thrust, guided.command.rate),
                     (SAFE_THRUST, 0.0)
@@ -1365,7 +1398,11 @@ mod tests {
         assert_eq!(refused(idle, &below), contradicts("safe_thrust"));
         // None asked for: the least there is.
         let model = Combined::new(CombinedParameters::PAPER_BELIEF).unwrap();
-        let least = Guidance::new(Vehicle::new(idle, model).unwrap(), &p).unwrap();
+        let none = GuidanceParameters {
+            safe_thrust: 0.0,
+            ..p
+        };
+        let least = Guidance::new(Vehicle::new(idle, model).unwrap(), &none).unwrap();
         assert_eq!(least.supervisor.safe_thrust(), 3.0);
         let above = GuidanceParameters {
             safe_thrust: 2.1,

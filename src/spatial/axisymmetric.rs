@@ -1,4 +1,4 @@
-//! The law of the axisymmetric vehicle.
+//! The law of the axisymmetric vehicle: theory, as the paper's, which no guidance flies.
 
 use super::command::{
     Command, Diagnostics, FeedForward, Reference, State, check_feed_forward, check_input,
@@ -9,7 +9,7 @@ use crate::aero::{Aerodynamics, Coefficients};
 use crate::air::AngleOfAttack;
 use crate::control::{self, Fault, GainLaw, Gains, Guard};
 use crate::equivalency::{lambda_parallel, parallel_condition_residual};
-use crate::error::{ParameterError, Problem, positive};
+use crate::error::{ParameterError, in_range};
 use crate::math;
 use crate::ned::Ned;
 use crate::vehicle::Vehicle;
@@ -63,16 +63,16 @@ impl<A: Aerodynamics, G: GainLaw> AxisymmetricControl<A, G> {
         heading: f32,
     ) -> Result<Self, ParameterError> {
         if vehicle.thrust_line().delta() != 0.0 {
-            return Err(ParameterError {
-                parameter: "delta",
-                problem: Problem::OutOfRange,
-            });
+            return Err(ParameterError::contradiction(
+                "delta",
+                "zero for a body of revolution",
+            ));
         }
         Ok(Self {
             vehicle,
             gains,
-            twice_twist: 2.0 * positive("twist", twist, 1e-3, 1e3)?,
-            heading: Guard::new(positive("heading", heading, 1e-3, 1.0)?)?,
+            twice_twist: 2.0 * in_range("twist", twist, [1e-3, 1e3], "1/s")?,
+            heading: Guard::new(in_range("heading", heading, [1e-3, 1.0], "")?)?,
         })
     }
 
@@ -245,7 +245,7 @@ impl<A: Aerodynamics, G: GainLaw> AxisymmetricControl<A, G> {
         let force = f_p - step.weight;
         check_output(Command {
             thrust: f_p.i - step.lift + push,
-            rates: Body::new(twist, -m_3, m_2),
+            rates: Body::new(twist, -m_3, m_2).into(),
             diagnostics: Diagnostics {
                 plane: control::Diagnostics {
                     alpha: step.alpha.rad,
@@ -336,10 +336,10 @@ mod tests {
         let command = control()
             .robust(&State::default(), &reference, None)
             .unwrap();
-        assert_eq!((command.thrust, command.rates.j), (10.0 * 9.81, 0.0));
+        assert_eq!((command.thrust, command.rates.yaw), (10.0 * 9.81, 0.0));
         // 2 k_ψ sin/(1 + cos).
         let want = 10.0 * 0.3f32.sin() / (1.0 + 0.3f32.cos());
-        assert!((command.rates.i - want).abs() < 1e-5);
+        assert!((-command.rates.roll - want).abs() < 1e-5);
         assert_eq!(
             control().full(
                 &State {
@@ -407,7 +407,7 @@ mod tests {
             for law in [AxisymmetricControl::robust, AxisymmetricControl::full] {
                 match law(&control, &state, &reference, Some(&ff)) {
                     Ok(c) => {
-                        let sum = c.thrust + c.rates.i + c.rates.j + c.rates.w;
+                        let sum = c.thrust + c.rates.roll + c.rates.yaw + c.rates.pitch;
                         assert!(sum.is_finite(), "{x:?}");
                         flown += 1;
                     }

@@ -5,7 +5,7 @@ use super::orientation::Orientation;
 use super::vector::Body;
 use crate::control::{self, Fault, MAX_ACCELERATION, MAX_SPEED};
 use crate::math;
-use crate::ned::Ned;
+use crate::ned::{BodyRates, Ned};
 
 /// Thrusts \[N\] and rates [rad/s] above this are refused: the law has no answer there.
 const MAX_OUTPUT: f32 = 1e9;
@@ -112,23 +112,20 @@ pub struct FeedForward {
     pub jerk: Ned,
 }
 
-/// Body rates ω_i i + ω_j j + ω_w w [rad/s].
-pub type Rates = Body;
-
 /// Command of one step. The default is the safe command: no thrust, no rotation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Command {
-    /// Thrust T \[N\] along −i. Not limited: it may be negative.
+    /// Thrust T \[N\] along the nose. Not limited: it may be negative.
     pub thrust: f32,
-    /// Body rates [rad/s]. See [`Orientation`] for those of an autopilot's axes.
-    pub rates: Rates,
+    /// Body rates [rad/s]. [`BodyAxes`](crate::BodyAxes) makes those of a multicopter's axes of them.
+    pub rates: BodyRates,
     /// How the command came about.
     pub diagnostics: Diagnostics,
 }
 
-/// What a flight log wants to know of a step.
+/// What a flight log wants to know of a step, in the axes of the laws.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -210,7 +207,7 @@ pub(super) fn check_feed_forward(ff: &FeedForward) -> Result<(), Fault> {
 /// Refuses a result that is not a number to fly.
 #[inline(always)]
 pub(super) fn check_output(command: Command) -> Result<Command, Fault> {
-    let Body { i, j, w } = command.rates;
+    let Body { i, j, w } = command.rates.into();
     if (command.thrust.abs() + w.abs()) + (i.abs() + j.abs()) < MAX_OUTPUT {
         Ok(command)
     } else {

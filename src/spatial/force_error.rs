@@ -3,7 +3,7 @@
 use super::MAX_STEP;
 use super::orientation::Orientation;
 use super::vector::Body;
-use crate::error::{ParameterError, positive};
+use crate::error::{ParameterError, in_range};
 use crate::math;
 use crate::ned::Ned;
 
@@ -64,14 +64,10 @@ impl ForceError {
     /// `mass` outside [1e-3, 1e6] kg, `time` or `thrust_lag` outside [1e-3, 1e3] s, `most` outside [1e-3, 1e6] N; or
     /// any not finite.
     pub fn new(p: ForceErrorParameters, mass: f32) -> Result<Self, ParameterError> {
-        for (name, value, max) in [
-            ("mass", mass, 1e6),
-            ("time", p.time, 1e3),
-            ("thrust_lag", p.thrust_lag, 1e3),
-            ("most", p.most, 1e6),
-        ] {
-            positive(name, value, 1e-3, max)?;
-        }
+        in_range("mass", mass, [1e-3, 1e6], "kg")?;
+        in_range("time", p.time, [1e-3, 1e3], "s")?;
+        in_range("thrust_lag", p.thrust_lag, [1e-3, 1e3], "s")?;
+        in_range("most", p.most, [1e-3, 1e6], "N")?;
         Ok(Self::of_checked(p, mass))
     }
 

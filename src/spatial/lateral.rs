@@ -7,7 +7,7 @@
 
 use super::vector::Body;
 use crate::control::Guard;
-use crate::error::{ParameterError, positive};
+use crate::error::{ParameterError, in_range};
 use crate::math;
 
 /// Added to an airspeed that is divided by [m/s]: where it counts there is no force.
@@ -69,17 +69,13 @@ impl LateralGains {
     /// [1e-3, 1e6] N, `airspeed` outside [1e-3, 1e3] m/s, `heading` outside [1e-3, 1]; or any not finite or not
     /// positive.
     pub fn new(p: LateralParameters) -> Result<Self, ParameterError> {
-        for (name, value, max) in [
-            ("acceleration", p.acceleration, 1e3),
-            ("tilt", p.tilt, 1e3),
-            ("velocity", p.velocity, 1e3),
-            ("twist", p.twist, 1e3),
-            ("force", p.force, 1e6),
-            ("airspeed", p.airspeed, 1e3),
-            ("heading", p.heading, 1.0),
-        ] {
-            positive(name, value, 1e-3, max)?;
-        }
+        in_range("acceleration", p.acceleration, [1e-3, 1e3], "m/s^2")?;
+        in_range("tilt", p.tilt, [1e-3, 1e3], "1/s")?;
+        in_range("velocity", p.velocity, [1e-3, 1e3], "1/s")?;
+        in_range("twist", p.twist, [1e-3, 1e3], "1/s")?;
+        in_range("force", p.force, [1e-3, 1e6], "N")?;
+        in_range("airspeed", p.airspeed, [1e-3, 1e3], "m/s")?;
+        in_range("heading", p.heading, [1e-3, 1.0], "")?;
         Ok(Self::of_checked(p))
     }
 

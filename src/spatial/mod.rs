@@ -1,14 +1,15 @@
 //! Control in space: one law from hover to cruise, in any direction.
 //!
-//! World vectors are north-east-down ([`Ned`]), body vectors along the tail, the belly and the right wing ([`Body`]).
+//! World vectors are north-east-down ([`Ned`]). What goes in and comes out is forward-right-down ([`Frd`](crate::Frd),
+//! [`BodyRates`](crate::BodyRates)); inside, body vectors are along the tail, the belly and the right wing ([`Body`]).
 //! [`WingedControl`] flies a vehicle with a wing: the planar law in the plane of symmetry, and two scalars, tilt and
-//! twist, that keep this plane where lateral forces balance and there is no sideslip. [`AxisymmetricControl`] flies a
+//! twist, that keep this plane where lateral forces balance and there is no sideslip. [`axisymmetric`] flies a
 //! body of revolution. [`Sideslip`] and [`ForceError`] learn from the accelerometer what wind and model leave out.
 //! The paper names three dimensions as its next step; the laws here are not in it, and where an identity of the planar
 //! theory carries over it is said so.
 
 mod aerodynamic_force;
-mod axisymmetric;
+pub mod axisymmetric;
 mod command;
 mod force_error;
 mod heading;
@@ -22,9 +23,8 @@ mod winged;
 const MAX_STEP: f32 = 0.2;
 
 pub use crate::ned::Ned;
-pub use axisymmetric::AxisymmetricControl;
 pub(crate) use command::check_input;
-pub use command::{Command, Correction, Diagnostics, FeedForward, Rates, Reference, State};
+pub use command::{Command, Correction, Diagnostics, FeedForward, Reference, State};
 pub use force_error::{ForceError, ForceErrorParameters, ForceErrorState, ForceSample};
 pub use heading::Heading;
 pub use lateral::{LateralGains, LateralParameters};

@@ -1,11 +1,10 @@
 //! Attitude in space: the body axes by their world components.
 
-use super::command::Rates;
 use super::vector::Body;
 use crate::control::Fault;
 use crate::frame::Attitude;
 use crate::math;
-use crate::ned::{BodyAxes, Ned, Quaternion};
+use crate::ned::{BodyAxes, BodyRates, Frd, Ned, Quaternion};
 
 /// Quaternions whose |q|² is further from 1 than this are refused: they are no attitude.
 const MAX_DEFECT: f32 = 1e-3;
@@ -246,22 +245,27 @@ impl Default for Orientation {
 }
 
 impl BodyAxes {
-    /// The components along these axes, (x, y, z), of a body vector.
+    /// The components along these axes, (x, y, z), of a body vector or of body rates.
     #[inline(always)]
-    pub const fn components(self, v: Body) -> [f32; 3] {
+    pub fn components(self, v: impl Into<Frd>) -> [f32; 3] {
+        let Frd {
+            forward,
+            right,
+            down,
+        } = v.into();
         match self {
-            Self::NoseUp => [v.j, v.w, v.i],
-            Self::NoseForward => [-v.i, v.w, v.j],
+            Self::NoseUp => [down, right, -forward],
+            Self::NoseForward => [forward, right, down],
         }
     }
 
-    /// The body vector with these components (x, y, z) along these axes.
+    /// The body vector, or the body rates, with these components (x, y, z) along these axes.
     #[inline(always)]
-    pub const fn vector(self, [x, y, z]: [f32; 3]) -> Body {
-        match self {
-            Self::NoseUp => Body::new(z, x, y),
-            Self::NoseForward => Body::new(-x, z, y),
-        }
+    pub fn vector<V: From<Frd>>(self, [x, y, z]: [f32; 3]) -> V {
+        V::from(match self {
+            Self::NoseUp => Frd::new(-z, y, x),
+            Self::NoseForward => Frd::new(x, y, z),
+        })
     }
 }
 
@@ -270,10 +274,10 @@ impl Quaternion {
     /// axes `axes`, turned by `rates` times `time` \[s\], and whether that turn has been limited to 90°. Of unit length, if
     /// this quaternion is that of an [`Orientation`]; continuous in it and in the rates.
     #[inline]
-    pub fn leading(&self, axes: BodyAxes, rates: Rates, time: f32) -> (Self, bool) {
+    pub fn leading(&self, axes: BodyAxes, rates: BodyRates, time: f32) -> (Self, bool) {
         let Self { w, x, y, z } = *self;
         let square = (w * w + x * x) + (y * y + z * z);
-        let rate = math::sqrt(rates.norm_squared());
+        let rate = math::sqrt(Body::from(rates).norm_squared());
         let lead = rate * time;
         let limited = lead > MAX_LEAD;
         let half = 0.5 * if limited { MAX_LEAD } else { lead };
@@ -474,7 +478,7 @@ mod tests {
             let rates = Body::new((a * 0.9).sin(), (a * 0.4).cos(), (a * 1.7).sin()) * scale;
             let time = 0.15;
             for axes in BOTH {
-                let (led, limited) = q.leading(axes, rates, time);
+                let (led, limited) = q.leading(axes, rates.into(), time);
                 let [x, y, z] = axes.components(rates).map(f64::from);
                 let rate = x.hypot(y).hypot(z);
                 let angle = rate * f64::from(time);
@@ -509,13 +513,13 @@ mod tests {
             };
             // 0.1 rad: the sine, and its rounding.
             let near = |a: f32| (a - 0.1f32.sin()).abs() < 1e-6;
-            assert!(near(turned(Body::new(0.0, 0.0, 1.0)).i().down));
+            assert!(near(turned(BodyRates::new(0.0, 1.0, 0.0)).i().down));
             // About the tail: the belly moves to the right wing.
-            assert!(near(turned(Body::new(1.0, 0.0, 0.0)).j().east));
+            assert!(near(turned(BodyRates::new(-1.0, 0.0, 0.0)).j().east));
             // About the belly: the right wing turns to the tail, w × … : the nose turns right.
-            assert!(near(-turned(Body::new(0.0, 1.0, 0.0)).i().east));
+            assert!(near(-turned(BodyRates::new(0.0, 0.0, 1.0)).i().east));
             assert_eq!(
-                axes.vector(axes.components(Body::new(1.0, 2.0, 3.0))),
+                axes.vector::<Body>(axes.components(Body::new(1.0, 2.0, 3.0))),
                 Body::new(1.0, 2.0, 3.0)
             );
         }

@@ -3,7 +3,7 @@
 use super::MAX_STEP;
 use super::vector::Body;
 use crate::aero::Aerodynamics;
-use crate::error::{ParameterError, positive};
+use crate::error::{ParameterError, in_range};
 use crate::math;
 use crate::vehicle::Vehicle;
 
@@ -61,10 +61,10 @@ impl Sideslip {
         p: SideslipParameters,
         vehicle: &Vehicle<A>,
     ) -> Result<Self, ParameterError> {
-        positive("c_y", vehicle.c_y(), 1e-6, 1e3)?;
-        positive("airspeed", p.airspeed, 1e-1, 1e3)?;
-        positive("time", p.time, 1e-3, 1e3)?;
-        positive("most", p.most, 1e-3, 1e3)?;
+        in_range("c_y", vehicle.c_y(), [1e-6, 1e3], "")?;
+        in_range("airspeed", p.airspeed, [1e-1, 1e3], "m/s")?;
+        in_range("time", p.time, [1e-3, 1e3], "s")?;
+        in_range("most", p.most, [1e-3, 1e3], "m/s")?;
         Ok(Self::of_checked(p, vehicle))
     }
 

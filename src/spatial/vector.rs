@@ -3,7 +3,7 @@
 use core::ops::{Add, AddAssign, Mul, Neg, Sub};
 
 use crate::frame;
-use crate::ned::Ned;
+use crate::ned::{BodyRates, Frd, Ned};
 
 impl Ned {
     /// The zero vector.
@@ -116,6 +116,34 @@ impl Body {
     #[inline(always)]
     pub const fn in_plane(&self) -> frame::Body {
         frame::Body::new(self.i, self.j)
+    }
+}
+
+impl From<Frd> for Body {
+    #[inline(always)]
+    fn from(v: Frd) -> Self {
+        Self::new(-v.forward, v.down, v.right)
+    }
+}
+
+impl From<Body> for Frd {
+    #[inline(always)]
+    fn from(v: Body) -> Self {
+        Self::new(-v.i, v.w, v.j)
+    }
+}
+
+impl From<BodyRates> for Body {
+    #[inline(always)]
+    fn from(rates: BodyRates) -> Self {
+        Self::from(Frd::from(rates))
+    }
+}
+
+impl From<Body> for BodyRates {
+    #[inline(always)]
+    fn from(rates: Body) -> Self {
+        Self::from(Frd::from(rates))
     }
 }
 

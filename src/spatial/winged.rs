@@ -96,7 +96,7 @@ impl<A: Aerodynamics, G: GainLaw> WingedControl<A, G> {
         self.step(Law::Full, state, reference, feed_forward)
     }
 
-    /// Forces in the plane of symmetry: what [`FoldMap::margin`](crate::FoldMap::margin) is asked with. With W in place
+    /// Forces in the plane of symmetry: what [`FoldMap::margin`](crate::planar::equilibrium::FoldMap::margin) is asked with. With W in place
     /// of weight its folds are those of the turn flown: a turn of load factor n has every fold airspeed √n higher.
     ///
     /// # Errors
@@ -218,7 +218,7 @@ impl<A: Aerodynamics, G: GainLaw> WingedControl<A, G> {
         let force = observed.forces.f;
         Command {
             thrust: in_plane.thrust,
-            rates: Body::new(lateral.i, lateral.j, in_plane.rate),
+            rates: Body::new(lateral.i, lateral.j, in_plane.rate).into(),
             diagnostics: Diagnostics {
                 plane: in_plane.diagnostics,
                 v_a,
@@ -240,7 +240,7 @@ mod tests {
     use crate::aero::{Combined, CombinedParameters};
     use crate::control::GainParameters;
     use crate::equilibrium::FoldMap;
-    use crate::ned::{BodyAxes, Quaternion};
+    use crate::ned::{BodyAxes, BodyRates, Quaternion};
     use crate::spatial::{Correction, LateralParameters, Orientation};
     use crate::vehicle::VehicleParameters;
     use rand::{RngExt, SeedableRng};
@@ -269,7 +269,7 @@ mod tests {
             .robust(&State::default(), &Reference::default(), None)
             .unwrap();
         assert_eq!(command.thrust, 10.0 * 9.81);
-        assert_eq!(command.rates, Body::default());
+        assert_eq!(command.rates, BodyRates::default());
         assert_eq!(command.diagnostics.tilt(), 0.0);
     }
 
@@ -286,7 +286,7 @@ mod tests {
         assert!((command.thrust - 108.1).abs() < 1e-3);
         assert!((command.diagnostics.tilt() - (20f32 / 108.1).atan()).abs() < 1e-6);
         // The tail, i, turns to where the sum of weight and force points.
-        assert!(command.rates.j < 0.0);
+        assert!(command.rates.yaw < 0.0);
         // The true aerodynamic force is none the less zero here.
         assert_eq!(command.diagnostics.aerodynamic.norm_squared(), 0.0);
     }
@@ -410,7 +410,7 @@ mod tests {
                 match law(&control, &state, &reference, Some(&ff)) {
                     Ok(c) => {
                         let d = c.diagnostics;
-                        let sum = c.thrust + c.rates.i + c.rates.j + c.rates.w;
+                        let sum = c.thrust + c.rates.roll + c.rates.yaw + c.rates.pitch;
                         assert!(sum.is_finite(), "{x:?}");
                         assert!(!d.tilt().is_nan() && !d.sideslip().is_nan());
                         assert!(d.aerodynamic.norm_squared().is_finite());

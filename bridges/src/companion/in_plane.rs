@@ -1,7 +1,7 @@
 //! A pilot whose controller flies in a vertical plane: the controller has pitch and thrust, and the hold what is left open.
 
 use alula::guidance::Air;
-use alula::{Body, Inertial, PlanarGuidanceInput, Reference};
+use alula::planar::{Body, Inertial, PlanarGuidanceInput, Reference};
 
 use super::plane::VerticalPlane;
 use super::stage::{Command, End, Pilot, Told};

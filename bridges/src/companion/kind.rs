@@ -112,7 +112,7 @@ impl Kind {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use alula::ned::BodyAxes;
+    use alula::ned::{BodyAxes, Frd};
     use alula::spatial::Orientation;
 
     #[test]
@@ -152,7 +152,7 @@ mod tests {
         }
         let v = [1.0, 2.0, 3.0];
         let (direct, turned) = (
-            BodyAxes::NoseForward.vector(v),
+            BodyAxes::NoseForward.vector::<Frd>(v),
             BodyAxes::NoseUp.vector(plane.hover(v)),
         );
         assert_eq!(direct, turned);

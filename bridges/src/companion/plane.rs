@@ -1,8 +1,8 @@
 //! The vertical plane that a planar controller flies in, in the autopilot's axes.
 
 use alula::ned::Ned;
+use alula::planar::{Attitude, Inertial};
 use alula::spatial::Orientation;
-use alula::{Attitude, Inertial};
 
 /// Length of the nose's part in the plane below which an attitude has no pitch.
 const LEAST: f32 = 1e-3;

@@ -10,11 +10,12 @@ use std::error::Error;
 use std::mem::offset_of;
 
 use alula::guidance::Air;
-use alula::ned::{BodyAxes, Ned, Quaternion};
-use alula::spatial::{self, Body, Heading, Orientation};
+use alula::ned::{BodyAxes, Frd, Ned, Quaternion};
+use alula::planar::{GainParameters, Gains};
+use alula::spatial::{self, Heading, Orientation};
 use alula::{
-    BandwidthGains, Combined, CombinedParameters, GainChoice, GainParameters, Gains, Guidance,
-    GuidanceInput, GuidanceParameters, GuidanceState, Parameters, Vehicle, VehicleParameters,
+    BandwidthGains, Combined, CombinedParameters, GainChoice, Guidance, GuidanceInput,
+    GuidanceParameters, GuidanceState, Parameters, Vehicle, VehicleParameters,
 };
 use alula_capi::{
     ALULA_GAINS_CONSTANT, ALULA_POSITION, ALULA_SPECIFIC_FORCE, Command, ControllerParameters,
@@ -95,9 +96,8 @@ fn input(words: &Words) -> Result<GuidanceInput> {
         orientation: Orientation::from_quaternion(&q, BodyAxes::NoseForward)?,
         state_age: 0.0,
         air: Air::Wind(words.vector(offset_of!(Input, air))?),
-        // The fixed wing's x, y, z are −i, w, j.
         specific_force: (flags & ALULA_SPECIFIC_FORCE != 0)
-            .then(|| Body::new(-force.north, force.down, force.east)),
+            .then(|| Frd::new(force.north, force.east, force.down)),
         position_error: (flags & ALULA_POSITION != 0).then_some(position),
         reference: spatial::Reference {
             velocity: words.vector(offset_of!(Input, reference_velocity))?,
@@ -139,9 +139,9 @@ fn numbers(command: &spatial::Command) -> [(&'static str, usize, f32); 9] {
     let rate = given(offset_of!(Command, body_rate));
     [
         ("thrust", given(offset_of!(Command, thrust)), command.thrust),
-        ("roll rate", rate, -command.rates.i),
-        ("pitch rate", rate + 1, command.rates.w),
-        ("yaw rate", rate + 2, command.rates.j),
+        ("roll rate", rate, command.rates.roll),
+        ("pitch rate", rate + 1, command.rates.pitch),
+        ("yaw rate", rate + 2, command.rates.yaw),
         ("alpha", told(offset_of!(Report, alpha)), d.plane.alpha),
         ("sideslip", told(offset_of!(Report, sideslip)), d.sideslip()),
         ("tilt", told(offset_of!(Report, tilt)), d.tilt()),

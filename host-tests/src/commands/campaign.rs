@@ -6,14 +6,14 @@ use std::path::{Path, PathBuf};
 use anyhow::ensure;
 use indicatif::{ProgressBar, ProgressStyle};
 
-use alula_sil::files::{leave, leave_all};
-use alula_sil::page::campaign::{maps, page};
-use alula_sil::study::starts::ATTITUDES;
-use alula_sil::study::{BUILT_IN, CampaignSource, Place, Shard, Store, Summary, run as fly_all};
+use alula_report::campaign::{maps, page};
+use alula_study::files::{leave, leave_all};
+use alula_study::starts::ATTITUDES;
+use alula_study::{BUILT_IN, CampaignSource, Shard, Store, Summary, run as fly_all};
 
+use super::attitudes;
 use super::fly;
 use super::output::Output;
-use super::space;
 
 /// Fly an experiment many times, with its fields drawn at random: percentiles, limits, worst flights
 #[derive(clap::Args)]
@@ -75,7 +75,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
             "attitudes: has no text, shares or flights to refly; its flights are those of start-hover and start-cruise by seed"
         );
         drop(stdout);
-        return space::attitudes(args.flights, args.threads, &args.output);
+        return attitudes::attitudes(args.flights, args.threads, &args.output);
     }
     if let (Some(number), true) = (args.refly, Path::new(name).is_dir()) {
         drop(stdout);
@@ -155,9 +155,6 @@ fn refly(source: &CampaignSource, number: u64, args: &Args) -> anyhow::Result<()
     document.set("description", title.into())?;
     let out = args.output.folder(&document.name)?;
     leave_all(&out.join("experiment.toml"), document.text())?;
-    if source.place() == Place::Space {
-        return space::fly(&document, &args.output, &fly::Logs::default());
-    }
     let files = (&args.output, &fly::Logs::default());
     fly::fly(&document, &document.name, files, |experiment| {
         Ok(experiment.controller()?)

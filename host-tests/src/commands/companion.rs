@@ -8,16 +8,14 @@ use alula_bridges::companion::{self, Companion, Connection, End, Kind, Pilot, St
 use anyhow::{Context, bail, ensure};
 
 use alula_sil::companion::{plane, space::OnPath, space::settings};
-use alula_sil::experiment::Document;
-use alula_sil::simulate::Record;
-use alula_sil::space::Experiment;
+use alula_sim::experiment::{Document, Experiment};
+use alula_sim::simulate::Record;
 
 use super::autopilot::Choice;
 use super::fly::{Logs, report};
 use super::output::Output;
 use super::serve::interrupted;
 use super::settings::Settings;
-use super::space;
 
 /// Fly a PX4 over MAVLink in its OFFBOARD mode, or an ArduPlane in QACRO, by body rates and thrust; its pilot ends it at any time by a change of mode
 #[derive(clap::Args)]
@@ -54,26 +52,26 @@ const PERIOD: Duration = Duration::from_millis(20);
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let document = args.settings.document(&args.experiment)?;
-    match document.get("path") {
-        Some(_) => in_space(args, &document),
-        None => in_plane(args, &document),
+    let experiment = document.checked()?;
+    match experiment.in_plane() {
+        true => in_plane(args, &document, &experiment),
+        false => in_space(args, &document, &experiment),
     }
 }
 
 /// The experiment's controller in the plane of a heading.
-fn in_plane(args: &Args, document: &Document) -> anyhow::Result<()> {
-    let experiment = document.checked()?;
+fn in_plane(args: &Args, document: &Document, experiment: &Experiment) -> anyhow::Result<()> {
     let out = args
         .output
         .folder(&format!("companion/{}", document.name))?;
-    let plan = plane::plan(&experiment);
+    let plan = plane::plan(experiment);
     let wanted = match args.from_link {
         true => Wanted::Link,
         false => Wanted::Plan(&plan),
     };
     let heading = args.heading.map(f32::to_radians);
-    let mut pilot = plane::pilot(&experiment, wanted, heading)?;
-    let settings = plane::settings(&experiment, args.hover_thrust)?;
+    let mut pilot = plane::pilot(experiment, wanted, heading)?;
+    let settings = plane::settings(experiment, args.hover_thrust)?;
     let mut record = Record::new();
     let end = fly(args, settings, &mut pilot, |pilot| {
         plane::keep(&mut record, pilot);
@@ -84,7 +82,7 @@ fn in_plane(args: &Args, document: &Document) -> anyhow::Result<()> {
     }
     report(
         document,
-        &experiment,
+        experiment,
         &record,
         &out,
         &args.output,
@@ -94,25 +92,25 @@ fn in_plane(args: &Args, document: &Document) -> anyhow::Result<()> {
 }
 
 /// The guidance along the experiment's path.
-fn in_space(args: &Args, document: &Document) -> anyhow::Result<()> {
+fn in_space(args: &Args, document: &Document, experiment: &Experiment) -> anyhow::Result<()> {
     ensure!(args.heading.is_none(), "--heading: a path has its own");
-    let experiment = Experiment::of(document)?;
     let out = args
         .output
         .folder(&format!("companion/{}", document.name))?;
-    let mut pilot = OnPath::new(&experiment, args.from_link)?;
-    let settings = settings(&experiment, args.hover_thrust)?;
+    let mut pilot = OnPath::new(experiment, args.from_link)?;
+    let settings = settings(experiment, args.hover_thrust)?;
     let end = fly(args, settings, &mut pilot, |_| ())?;
     if pilot.record().is_empty() {
         eprintln!("no flight");
         return verdict(end);
     }
-    space::report(
+    report(
         document,
-        &experiment,
+        experiment,
         pilot.record(),
         &out,
-        (&args.output, &args.logs),
+        &args.output,
+        &args.logs,
     )?;
     verdict(end)
 }

@@ -5,8 +5,8 @@ use std::path::Path;
 use anyhow::bail;
 use serde::Serialize;
 
-use alula_sil::page::comparison::page;
-use alula_sil::study::{Results, Source};
+use alula_report::comparison::page;
+use alula_study::{Results, Source};
 
 use super::fly::progress_bar;
 use super::output::Output;

@@ -2,10 +2,10 @@
 
 use anyhow::{Context, anyhow};
 
-use alula_sil::airframe::Airframe;
-use alula_sil::envelope::{Envelope, Ray, Refused, Summary};
-use alula_sil::page::envelope::{Shown, figure};
-use alula_sil::page::{Page, Table, fixed};
+use alula_design::envelope::{Envelope, Ray, Refused, Summary};
+use alula_report::envelope::{Shown, figure};
+use alula_report::{Page, Table, fixed};
+use alula_sim::airframe::Airframe;
 
 use super::output::Output;
 

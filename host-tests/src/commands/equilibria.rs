@@ -1,14 +1,15 @@
 //! `equilibria`: the orientations that hold one reference, as the core finds them on board.
 
-use alula::equilibrium::{Branch, Equilibrium, Spherical, existence};
-use alula::{Equilibria, FoldMap, FoldMargin, Inertial, Reference};
+use alula::planar::equilibrium::{Branch, Equilibrium, Spherical, existence};
+use alula::planar::equilibrium::{Equilibria, FoldMap, FoldMargin};
+use alula::planar::{Inertial, Reference};
 use anyhow::anyhow;
 use serde::Serialize;
 
-use alula_sil::airframe::Airframe;
-use alula_sil::page::equilibria::figure;
-use alula_sil::page::{Page, Table, fixed};
-use alula_sil::reference::Vector;
+use alula_report::equilibria::figure;
+use alula_report::{Page, Table, fixed};
+use alula_sim::airframe::Airframe;
+use alula_sim::reference::Vector;
 
 use super::output::Output;
 
@@ -101,7 +102,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         .map_err(|e| anyhow!("{}: {e}", airframe.name))?;
     let map = FoldMap::new(&vehicle);
     let margin = |e: &Equilibrium| {
-        map.margin(&alula::equivalency::ApparentForces::new(
+        map.margin(&alula::planar::equivalency::ApparentForces::new(
             &vehicle,
             e.attitude,
             reference.velocity - wind,
@@ -158,7 +159,7 @@ fn row(e: &Equilibrium, margin: Option<FoldMargin>, weight: f32) -> Row {
     }
 }
 
-fn existence(vehicle: &alula_sil::experiment::Vehicle) -> Vec<Answer> {
+fn existence(vehicle: &alula_sim::experiment::Vehicle) -> Vec<Answer> {
     fn answer<T: ToString, E: ToString>(theorem: &'static str, result: Result<T, E>) -> Answer {
         Answer {
             theorem,

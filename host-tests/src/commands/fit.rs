@@ -5,15 +5,15 @@ use std::path::Path;
 use anyhow::Context;
 use serde::Serialize;
 
-use alula_sil::airframe::Airframe;
-use alula_sil::design::ROWS;
-use alula_sil::envelope::{Curve, Fold};
-use alula_sil::files::leave_all;
-use alula_sil::fit::{Errors, Metric, Sphericity, fit};
-use alula_sil::page::fit::figure;
-use alula_sil::page::{Page, Table, fixed};
-use alula_sil::polar::{Polar, stall};
-use alula_sil::reference::{Aerodynamics, Combined, Row, Vehicle};
+use alula_design::ROWS;
+use alula_design::envelope::{Curve, Fold};
+use alula_design::fit::{Errors, Metric, Sphericity, fit};
+use alula_report::fit::figure;
+use alula_report::{Page, Table, fixed};
+use alula_sim::airframe::Airframe;
+use alula_sim::polar::{Polar, stall};
+use alula_sim::reference::{Aerodynamics, Combined, Vehicle};
+use alula_study::files::leave_all;
 
 use super::output::Output;
 
@@ -44,19 +44,13 @@ const FLY_TABLE: &str = "`[vehicle.aerodynamics.table] polar = \"polar.csv\"`";
 /// How far a fit may move the stall before that is said \[°\]. Rows of tables are 1° apart, and the greatest lift of a thick section is flat.
 const MOVED_DEG: f64 = 2.0;
 
-/// What is to be said where the stall of `model` is not that of the table `rows` that it was fitted to.
-fn stall_moved(model: &Aerodynamics, rows: &[Row]) -> Option<String> {
-    /// Beyond every stall \[°\].
-    const LAST: u32 = 40;
-    let measured: Vec<&Row> = rows
-        .iter()
-        .filter(|row| (0.0..=f64::from(LAST)).contains(&row[0].to_degrees()))
+/// What is to be said where the stall of `model` is not that of the `table`, at this angle \[°\], that it was fitted to.
+fn stall_moved(model: &Aerodynamics, table: f64) -> Option<String> {
+    let angles = (-120..=360).map(|n| 0.25 * f64::from(n));
+    let lift: Vec<[f64; 2]> = angles
+        .map(|angle| [angle, model.at(angle.to_radians()).c_l])
         .collect();
-    let degrees = |row: &[f64; 3]| (row[0].to_degrees(), row[1]);
-    let table = measured[stall(measured.iter().map(|row| degrees(row)))?][0].to_degrees();
-    let angle = |n: u32| 0.25 * f64::from(n);
-    let lift = (0..=4 * LAST).map(|n| (angle(n), model.at(angle(n).to_radians()).c_l));
-    let fitted = stall(lift).and_then(|at| u32::try_from(at).ok()).map(angle);
+    let fitted = stall(&lift).map(|at| lift[at][0]);
     let stalls = match fitted {
         Some(fitted) if (fitted - table).abs() <= MOVED_DEG => return None,
         Some(fitted) => format!("stalls at {fitted:.1}°"),
@@ -151,7 +145,10 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let toml = toml(&name, &parameters, &paper);
     leave_all(&out.join("vehicle.toml"), toml)?;
     let mut warnings = section.warnings();
-    warnings.extend(stall_moved(&model, polar.rows));
+    let moved = polar
+        .stall_deg()
+        .and_then(|table| stall_moved(&model, table));
+    warnings.extend(moved);
     let page = Page {
         title: format!("Fit of {name}"),
         lead: format!("{lead}. polar.csv: {}", story.join(". ")),

@@ -8,19 +8,17 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
 use alula_logs::Log;
-use alula_sil::columns::write_trace;
-use alula_sil::controllers::Controller;
-use alula_sil::experiment::{DEFAULT, Document, Experiment};
-use alula_sil::figures::{Figures, Segment};
-use alula_sil::files::leave;
-use alula_sil::flight_log::{self, Format};
-use alula_sil::page::flight::page;
-use alula_sil::simulate::{End, Record, Step, simulate};
-use alula_sil::study::Place;
+use alula_report::flight::page;
+use alula_sim::columns::write_trace;
+use alula_sim::controllers::Controller;
+use alula_sim::experiment::{DEFAULT, Document, Experiment};
+use alula_sim::figures::{Figures, Segment};
+use alula_sim::flight_log::{self, Format};
+use alula_sim::simulate::{End, Record, Step, simulate};
+use alula_study::files::leave;
 
 use super::output::Output;
 use super::settings::Settings;
-use super::space;
 
 /// Fly an experiment; leave its trace and report in a folder
 #[derive(clap::Args)]
@@ -93,31 +91,23 @@ struct Summary<'a> {
     out: &'a Path,
     #[serde(flatten)]
     figures: &'a Figures,
+    /// Whether every bound of the experiment is kept.
+    bounds_kept: bool,
     segments: &'a [Segment],
 }
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let document = args.document()?;
-    if Place::of(&document) == Place::Space {
-        return space::fly(&document, &args.output, &args.logs);
-    }
-    fly(
-        &document,
-        &document.name,
-        (&args.output, &args.logs),
-        |experiment| Ok(experiment.controller()?),
-    )
+    let output = (&args.output, &args.logs);
+    fly(&document, &document.name, output, |experiment| {
+        Ok(experiment.controller()?)
+    })
 }
 
 impl Args {
     /// The experiment, as changed.
     pub fn document(&self) -> anyhow::Result<Document> {
         self.settings.document(&self.experiment)
-    }
-
-    /// Where the flight leaves its files, and as which logs besides.
-    pub fn output(&self) -> (&Output, &Logs) {
-        (&self.output, &self.logs)
     }
 }
 
@@ -145,7 +135,7 @@ pub fn fly(
     let bar = progress_bar(experiment.steps());
     let mut record = Record::with_capacity(experiment.steps() + 1);
     let end = simulate(experiment, controller.as_mut(), |step| {
-        record.push(*step);
+        record.push(step.clone());
         if record.len().is_multiple_of(100) {
             bar.set_position(record.len() as u64);
         }
@@ -187,13 +177,14 @@ pub fn report(
             experiment: &document.name,
             out,
             figures: &figures,
+            bounds_kept: figures.beyond(experiment).is_empty(),
             segments: &segments,
         };
         writeln!(stdout, "{}", serde_json::to_string_pretty(&summary)?)?;
         return Ok(());
     }
     writeln!(stdout, "{}: {}", document.name, experiment.description)?;
-    for [label, value, at] in figures.table() {
+    for [label, value, at] in figures.table(experiment) {
         let line = format!("  {label:<28} {value:>14}  {at}");
         writeln!(stdout, "{}", line.trim_end())?;
     }

@@ -2,8 +2,8 @@
 
 use std::io::Write;
 
-use alula_sil::experiment::{BUILT_IN, Document};
-use alula_sil::named::Named;
+use alula_sim::experiment::{BUILT_IN, Document};
+use alula_sim::named::Named;
 
 /// List the built-in experiments and vehicles, or print the TOML of one
 #[derive(clap::Args)]
@@ -28,10 +28,10 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     for (name, _) in BUILT_IN {
         let document = Document::load(name)?;
         let description = document.get("description").and_then(|text| text.as_str());
-        let kind = match ["reference", "path"].map(|key| document.get(key).is_some()) {
-            [true, _] => "",
-            [_, true] => "in space: ",
-            _ => "vehicle: ",
+        let kind = match document.data() {
+            Ok(experiment) if experiment.in_plane() => "",
+            Ok(_) => "in space: ",
+            Err(_) => "vehicle: ",
         };
         let description = description.unwrap_or_default();
         writeln!(stdout, "{name:<18} {kind}{description}")?;

@@ -5,11 +5,11 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use alula_sil::airframe::{Airframe, LoopMargins};
-use alula_sil::experiment::{PlantSpec, RateLoop};
-use alula_sil::files::leave_all;
-use alula_sil::margins::LONGEST;
-use alula_sil::page::margins_figure;
+use alula_report::margins_figure;
+use alula_sim::airframe::{Airframe, LoopMargins};
+use alula_sim::experiment::{PlantSpec, RateLoop};
+use alula_sim::margins::LONGEST;
+use alula_study::files::leave_all;
 
 use super::output::Output;
 use super::settings::Settings;

@@ -1,5 +1,6 @@
 //! The command line: one file per subcommand, each with its arguments and a `run`.
 
+mod attitudes;
 mod autopilot;
 mod campaign;
 mod companion;
@@ -17,7 +18,6 @@ mod pil;
 mod replay;
 mod serve;
 mod settings;
-mod space;
 mod sweep;
 
 use clap::{Parser, Subcommand};
@@ -54,7 +54,7 @@ impl Cli {
     pub fn run(self) -> anyhow::Result<()> {
         let shown = matches!(self.command, Some(Command::New(_) | Command::Fit(_)));
         let done = self.act();
-        for warning in alula_sil::polar::warnings().iter().filter(|_| !shown) {
+        for warning in alula_sim::polar::warnings().iter().filter(|_| !shown) {
             eprintln!("warning: {warning}");
         }
         done

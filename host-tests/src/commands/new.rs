@@ -6,19 +6,19 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail, ensure};
 use serde::Serialize;
 
-use alula_sil::columns::write_trace;
-use alula_sil::design::{
+use alula_design::{
     Design, Facts, Known, Outcome, Performance, Verdict, campaign_text, check_name, code_text,
     vehicle_text,
 };
-use alula_sil::experiment::Document;
-use alula_sil::figures::{Figures, Segment};
-use alula_sil::files::{leave, leave_all};
-use alula_sil::margins::{Loop, Point};
-use alula_sil::named::in_shell;
-use alula_sil::page::design::{Results, page};
-use alula_sil::page::flight;
-use alula_sil::simulate::fly;
+use alula_report::design::{Results, page};
+use alula_report::flight;
+use alula_sim::columns::write_trace;
+use alula_sim::experiment::Document;
+use alula_sim::figures::{Figures, Segment};
+use alula_sim::margins::{Loop, Point};
+use alula_sim::named::in_shell;
+use alula_sim::simulate::fly;
+use alula_study::files::{leave, leave_all};
 
 /// Make a vehicle's files from what is known of it: vehicle, gains and limits with their reasons, margins, envelope, a first flight
 #[derive(clap::Args)]
@@ -97,6 +97,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let performance = Performance::of(
         &document,
         &experiment.vehicle,
+        design.wing.stall_deg(),
         facts.thrust(),
         facts.cruise_m_s,
         design.parameters.max_lateral_acceleration.into(),
@@ -175,7 +176,7 @@ fn known(args: &Args) -> anyhow::Result<Known> {
 }
 
 fn margins(
-    experiment: &alula_sil::experiment::Experiment,
+    experiment: &alula_sim::experiment::Experiment,
     cruise: f64,
 ) -> anyhow::Result<Vec<Point>> {
     let spec = experiment.spec()?;

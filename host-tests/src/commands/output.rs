@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use serde::Serialize;
 
-use alula_sil::page::Page;
+use alula_report::Page;
 
 /// Where results go.
 #[derive(clap::Args, Default)]

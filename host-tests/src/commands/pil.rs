@@ -3,14 +3,12 @@
 use std::path::PathBuf;
 
 use alula_link::{Configuration, Pacing};
+use alula_sim::controllers::Controller;
 use anyhow::Context;
 
-use alula_sil::controllers::Controller;
 use alula_sil::pil::{Build, Qemu, Target, build, open_serial};
-use alula_sil::space::Pilot;
-use alula_sil::study::Place;
 
-use super::{fly, space};
+use super::fly;
 
 /// Fly an experiment with the core on its target: emulated, or a board on a serial device
 // Groups are named after their types, and this one holds another `Args`.
@@ -51,18 +49,11 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
             }
         };
         target.configure(configuration)?;
-        anyhow::Ok(Box::new(target))
+        anyhow::Ok(Box::new(target) as Box<dyn Controller>)
     };
-    let document = args.flight.document()?;
-    let flown = match Place::of(&document) {
-        Place::Plane => fly::with(&args.flight, "pil", |experiment| {
-            Ok(connect(experiment.configuration(pacing)?)? as Box<dyn Controller>)
-        }),
-        Place::Space => space::fly_by(&document, "pil", args.flight.output(), |experiment| {
-            let configuration = experiment.controller.configuration(experiment, pacing)?;
-            Ok(connect(configuration)? as Box<dyn Pilot>)
-        }),
-    };
+    let flown = fly::with(&args.flight, "pil", |experiment| {
+        connect(experiment.configuration(pacing)?)
+    });
     match emulator.as_mut().and_then(Qemu::complaint) {
         Some(complaint) => flown.with_context(|| format!("the image stopped: {complaint}")),
         None => flown,

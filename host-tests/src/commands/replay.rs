@@ -3,14 +3,13 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, ensure};
+use anyhow::Context;
 
-use alula_sil::experiment::{DEFAULT, Document, Experiment};
-use alula_sil::files::leave;
-use alula_sil::page::Page;
-use alula_sil::page::replay::{page, page_in_space};
-use alula_sil::replay::{self, Source};
-use alula_sil::space;
+use alula_report::Page;
+use alula_report::replay::page;
+use alula_sim::experiment::DEFAULT;
+use alula_sim::replay::{self, Source};
+use alula_study::files::leave;
 
 use super::settings::Settings;
 
@@ -27,9 +26,6 @@ pub struct Args {
     /// A TOML file that says which column of a foreign CSV is which
     #[arg(long, value_name = "FILE")]
     map: Option<PathBuf>,
-    /// Heading of the vertical plane of the flight [°] [default: the plane that the wing is square to]
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
-    heading: Option<f64>,
     /// Leave commands.csv, replay.svg and replay.html in this folder, and nothing on standard output
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -37,66 +33,34 @@ pub struct Args {
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let document = args.settings.document(&args.experiment)?;
-    let source = Source::open(&args.file, args.map.as_ref(), args.heading)?;
-    if document.get("path").is_some() {
-        return args.in_space(source, &document);
-    }
+    let source = Source::open(&args.file, args.map.as_ref())?;
     let experiment = document.checked()?;
+    let (record, said) = source.replay(&experiment)?;
     let Some(out) = &args.out else {
         let stdout = std::io::stdout().lock();
-        source.replay(stdout, &experiment, |_| ())?;
-        return Ok(());
+        tell(&said);
+        return Ok(replay::write(&experiment, &record, stdout)?);
     };
     std::fs::create_dir_all(out).with_context(|| out.display().to_string())?;
-    args.leave(source, out, &document, &experiment)
+    leave(&out.join("commands.csv"), |file| {
+        Ok(replay::write(&experiment, &record, file)?)
+    })?;
+    let page = page(&args.name(), &document, &experiment, &record, &said);
+    show(&page, out)
 }
 
 impl Args {
-    /// Leaves commands and page in `out`.
-    fn leave(
-        &self,
-        source: Source,
-        out: &Path,
-        document: &Document,
-        experiment: &Experiment,
-    ) -> anyhow::Result<()> {
-        let mut record = Vec::new();
-        let mut said = Vec::new();
-        leave(&out.join("commands.csv"), |file| {
-            said = source.replay(file, experiment, |step| record.push(step))?;
-            Ok(())
-        })?;
-        let page = page(&self.name(), document, experiment, &record, &said);
-        show(&page, out)
-    }
-
-    /// The guidance of an experiment with a path.
-    fn in_space(&self, source: Source, document: &Document) -> anyhow::Result<()> {
-        ensure!(
-            self.heading.is_none(),
-            "--heading: the guidance in space needs no plane"
-        );
-        let experiment = space::Experiment::of(document)?;
-        let (record, said) = replay::space::replay(&source.states()?, &experiment)?;
-        let Some(out) = &self.out else {
-            return Ok(replay::space::write(
-                &experiment,
-                &record,
-                std::io::stdout().lock(),
-            )?);
-        };
-        std::fs::create_dir_all(out).with_context(|| out.display().to_string())?;
-        leave(&out.join("commands.csv"), |file| {
-            Ok(replay::space::write(&experiment, &record, file)?)
-        })?;
-        let page = page_in_space(&self.name(), document, &experiment, &record, &said);
-        show(&page, out)
-    }
-
     /// The log's name.
     fn name(&self) -> String {
         let name = self.file.file_name().unwrap_or(self.file.as_os_str());
         name.to_string_lossy().into_owned()
+    }
+}
+
+/// What had to be assumed, where no page says it.
+fn tell(said: &[String]) {
+    for line in said {
+        eprintln!("note: {line}");
     }
 }
 

@@ -13,7 +13,6 @@ use anyhow::Context;
 
 use alula_sil::ardupilot::Vehicle;
 use alula_sil::companion::Craft;
-use alula_sil::space::Experiment;
 
 use super::autopilot::StickRates;
 use super::fly::{Logs, report};
@@ -115,10 +114,6 @@ fn ardupilot(args: &ArduPilot) -> anyhow::Result<()> {
         eprintln!("no flight: the experiment's clock was not started");
         return Ok(std::io::stdout().flush()?);
     }
-    eprintln!(
-        "at most {:.1} m beside the plane of the record",
-        vehicle.across()
-    );
     report(
         &document,
         &experiment,
@@ -134,10 +129,7 @@ const STEP: Duration = Duration::from_millis(2);
 
 fn simulated(args: &Simulated, kind: Kind) -> anyhow::Result<()> {
     let document = args.settings.document(&args.experiment)?;
-    let craft = match document.get("path") {
-        Some(_) => Craft::in_space(&Experiment::of(&document)?)?,
-        None => Craft::in_plane(&document.checked()?),
-    };
+    let craft = Craft::new(&document.checked()?)?;
     let mut link = Connection::open(&args.connect).with_context(|| args.connect.clone())?;
     let mut autopilot = companion::Autopilot::new(craft, kind);
     let interrupted = interrupted()?;

@@ -1,6 +1,6 @@
 //! Fields of an experiment changed on the command line.
 
-use alula_sil::experiment::Document;
+use alula_sim::experiment::Document;
 
 /// `--set`.
 #[derive(clap::Args, Default)]

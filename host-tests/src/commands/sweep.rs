@@ -3,10 +3,10 @@
 use anyhow::anyhow;
 use serde::Serialize;
 
-use alula_sil::page::sweep::figure;
-use alula_sil::page::{Page, Table, fixed};
-use alula_sil::simulate::fly;
-use alula_sil::sweep::{Cause, Findings, Span, findings, least_fp, sweep};
+use alula_design::sweep::{Cause, Findings, Span, findings, least_fp, sweep};
+use alula_report::sweep::figure;
+use alula_report::{Page, Table, fixed};
+use alula_sim::simulate::fly;
 
 use super::output::Output;
 use super::settings::Settings;
@@ -47,7 +47,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         ));
     }
     let out = args.output.folder(&format!("sweep-{}", document.name))?;
-    let instants = sweep(experiment);
+    let instants = sweep(experiment)?;
     let findings = findings(&instants, least_fp);
     let record = fly(experiment)?;
     let page = Page {

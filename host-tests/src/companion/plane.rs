@@ -1,11 +1,14 @@
 //! The controller of an experiment in a vertical plane, as a companion's pilot.
 
-use alula::{FeedForward, Inertial, PlanarGuidanceInput};
+use alula::GuidanceInput;
+use alula::ned::Ned;
+use alula::planar::{Inertial, PlanarGuidanceInput};
 use alula_bridges::companion::{HoldParameters, InPlane, Planar, Settings, Wanted};
+use nalgebra::UnitQuaternion;
 
-use crate::controllers::{Answer, Controller, Input, inertial, vector};
-use crate::experiment::{Experiment, State, angle};
-use crate::simulate::{Record, Step};
+use alula_sim::controllers::{Answer, Controller, Input};
+use alula_sim::experiment::{Experiment, State, Target, V3, angle, double, ned};
+use alula_sim::simulate::{Record, Step};
 
 /// Settings for flying `experiment`, of whose belief `hover_thrust` is the autopilot's thrust in hover.
 pub fn settings(experiment: &Experiment, hover_thrust: Option<f64>) -> anyhow::Result<Settings> {
@@ -20,12 +23,12 @@ pub fn settings(experiment: &Experiment, hover_thrust: Option<f64>) -> anyhow::R
     super::settings(weight, most, hover_thrust, experiment.duration_s)
 }
 
-/// The plan of an experiment: velocity, acceleration and position at each time \[s\].
+/// Reference velocity, acceleration and position of `experiment`, which is in a vertical plane.
 pub fn plan(experiment: &Experiment) -> impl Fn(f64) -> [Inertial; 3] {
-    |t| {
-        let (velocity, acceleration) = experiment.reference.at(t);
-        let position = experiment.reference.position(t);
-        [velocity, acceleration, position].map(inertial)
+    let knots = experiment.path.knots();
+    move |t| {
+        let target = knots.map_or_else(Target::default, |knots| knots.target(t));
+        [target.velocity, target.acceleration, target.position].map(|v| ned(v).to_plane())
     }
 }
 
@@ -59,13 +62,12 @@ pub fn pilot<'a>(
 impl Planar for Controlled {
     fn answer(&mut self, sample: &PlanarGuidanceInput, dt: f32) -> Option<(f32, f32)> {
         let input = Input {
-            theta: sample.attitude.angle(),
-            sample: *sample,
-            feed_forward: None::<FeedForward>,
+            sample: GuidanceInput::from(sample),
+            feed_forward: None,
         };
         let answer = self.controller.answer(&input, dt).ok()?;
         self.last = Some((input, answer));
-        Some((answer.thrust, answer.rate))
+        Some((answer.thrust, answer.rates.w))
     }
 }
 
@@ -73,22 +75,32 @@ impl Planar for Controlled {
 fn step(pilot: &InPlane<Controlled>) -> Option<Step> {
     let flown = pilot.flown()?;
     let (input, answer) = pilot.controller().last?;
+    let world = |v: Inertial| double(Ned::in_plane(v));
     let reference = flown.input.reference;
     // Where no position is held it is the vehicle's own.
     let position_error = flown.input.position_error.unwrap_or_default();
+    let theta = flown.input.attitude.angle().into();
+    let attitude = UnitQuaternion::from_axis_angle(&V3::y_axis(), theta);
     Some(Step {
         t: flown.t,
         truth: State {
-            velocity: vector(flown.input.velocity),
-            position: vector(flown.position),
-            theta: input.theta.into(),
-            rate: answer.rate.into(),
+            velocity: world(flown.input.velocity),
+            position: world(flown.position),
+            attitude,
+            rates: V3::new(0.0, answer.rates.w.into(), 0.0),
             thrust: answer.thrust.into(),
         },
-        wind: vector(flown.wind),
-        reference_velocity: vector(reference.velocity),
-        reference_acceleration: vector(reference.acceleration),
-        reference_position: vector(flown.position - position_error),
+        theta,
+        wind: world(flown.wind),
+        load_factor: f64::NAN,
+        readings: Vec::new(),
+        target: Target {
+            position: world(flown.position - position_error),
+            velocity: world(reference.velocity),
+            acceleration: world(reference.acceleration),
+            heading: None,
+        },
+        measured_attitude: attitude,
         input,
         answer,
     })

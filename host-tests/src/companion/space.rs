@@ -2,28 +2,27 @@
 //!
 //! The path's north is north, and it begins where the vehicle is when the flight begins.
 
-use alula::guidance::GuidanceOutput;
-use alula::ned::{BodyAxes, Ned};
+use alula::GuidanceInput;
+use alula::ned::BodyAxes;
 use alula::spatial::{Heading, Reference};
-use alula::{GainChoice, Guidance, GuidanceInput, GuidanceState};
 use alula_bridges::companion::{Command, End, Pilot, Settings, Told};
 use nalgebra::{Quaternion, UnitQuaternion};
 
-use crate::experiment::{Model, thrust_limits};
-use crate::space::{Experiment, Path, Record, SpatialState, Step, Target, V3, ned};
+use alula_sim::controllers::{Answer, Controller, Input};
+use alula_sim::experiment::{Experiment, Path, State, Target, V3, double, ned};
+use alula_sim::simulate::{Record, Step};
 
 /// Settings for flying `experiment`, of whose belief `hover_thrust` is the autopilot's thrust in hover.
 pub fn settings(experiment: &Experiment, hover_thrust: Option<f64>) -> anyhow::Result<Settings> {
-    let belief = experiment.controller.belief()?;
-    let weight = belief.unwrap_or(experiment.vehicle.clone()).weight();
-    let most = thrust_limits(experiment.plant.thrust_n, weight)[1];
+    let spec = experiment.spec()?;
+    let weight = spec.belief().unwrap_or(&experiment.vehicle).weight();
+    let most = experiment.thrust_limits(None, weight)[1];
     super::settings(weight, most, hover_thrust, experiment.duration_s)
 }
 
 /// The guidance on its path.
 pub struct OnPath {
-    guidance: Guidance<Model, GainChoice>,
-    memory: GuidanceState,
+    controller: Box<dyn Controller>,
     /// None where what comes over the link is followed.
     path: Option<Path>,
     gravity: f64,
@@ -36,8 +35,7 @@ impl OnPath {
     /// The guidance of `experiment` along its path, or, if it is led `from_link`, along what comes over the link.
     pub fn new(experiment: &Experiment, from_link: bool) -> anyhow::Result<Self> {
         Ok(Self {
-            guidance: experiment.controller.guidance(experiment)?,
-            memory: GuidanceState::default(),
+            controller: experiment.controller()?,
             path: match from_link {
                 true => None,
                 false => Some(experiment.path.path()?),
@@ -69,36 +67,37 @@ impl OnPath {
             return (target, asked.position.is_some(), *age);
         };
         let (last, pace) = self.last;
-        path.advance((told.t - last).max(0.0), |_| pace);
+        path.advance(last, (told.t - last).max(0.0), |_| pace);
         let mut pace = 1.0;
-        let target = path.advance(0.0, |target| {
+        let target = path.advance(told.t, 0.0, |target| {
             let error = double(told.position) - target.position;
-            pace = self
-                .guidance
-                .path_time_scale(ned(error), ned(target.velocity))
-                .into();
+            let controller = &self.controller;
+            pace = controller.pace(ned(error), ned(target.velocity)).into();
             pace
         });
         self.last = (told.t, pace);
         (target, true, 0.0)
     }
 
-    fn keep(&mut self, told: &Told, target: Target, input: GuidanceInput, guided: GuidanceOutput) {
+    fn keep(&mut self, told: &Told, target: Target, input: Input, answer: Answer) {
         let q = told.orientation.to_quaternion(BodyAxes::NoseUp);
         let [w, x, y, z] = [q.w, q.x, q.y, q.z].map(f64::from);
         let force = told
             .specific_force
             .map(|f| f64::from(f.norm_squared()).sqrt());
         let attitude = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z));
+        let truth = State {
+            position: double(told.position),
+            velocity: double(told.velocity),
+            attitude,
+            rates: V3::from(told.rates.map(f64::from)),
+            thrust: answer.thrust.into(),
+        };
         let step = Step {
             t: told.t,
-            truth: SpatialState {
-                position: double(told.position),
-                velocity: double(told.velocity),
-                attitude,
-                rates: V3::from(told.rates.map(f64::from)),
-                thrust: guided.command.thrust.into(),
-            },
+            truth,
+            theta: truth.theta(),
+            readings: Vec::new(),
             wind: match told.air {
                 alula::guidance::Air::Wind(wind) => double(wind),
                 _ => V3::zeros(),
@@ -107,16 +106,12 @@ impl OnPath {
             target,
             measured_attitude: attitude,
             input,
-            guided,
+            answer,
         };
         if self.record.last().is_none_or(|last| step.t > last.t) {
             self.record.push(step);
         }
     }
-}
-
-fn double(v: Ned) -> V3 {
-    V3::new(v.north.into(), v.east.into(), v.down.into())
 }
 
 impl Pilot for OnPath {
@@ -126,12 +121,12 @@ impl Pilot for OnPath {
         let (target, placed, reference_age) = self.target(told);
         let error = told.position - ned(target.position);
         let heading = target.heading.map_or(f32::NAN, |h| h as f32);
-        let input = GuidanceInput {
+        let sample = GuidanceInput {
             velocity: told.velocity,
             orientation: told.orientation,
             state_age: told.age,
             air: told.air,
-            specific_force: told.specific_force,
+            specific_force: told.specific_force.map(Into::into),
             position_error: placed.then_some(error),
             reference: Reference {
                 velocity: ned(target.velocity),
@@ -141,11 +136,15 @@ impl Pilot for OnPath {
             reference_age,
             ..GuidanceInput::default()
         };
-        let guided = self.guidance.update(&mut self.memory, &input, dt);
-        self.keep(told, target, input, guided);
+        let input = Input {
+            sample,
+            feed_forward: None,
+        };
+        let answer = self.controller.answer(&input, dt).map_err(|_| End::Pilot)?;
+        self.keep(told, target, input, answer);
         Ok(Command {
-            thrust: guided.command.thrust,
-            rates: BodyAxes::NoseUp.components(guided.command.rates),
+            thrust: answer.thrust,
+            rates: BodyAxes::NoseUp.components(answer.rates),
         })
     }
 }

@@ -4,15 +4,13 @@ use std::io::{ErrorKind, Read, Write};
 use std::os::unix::net::UnixStream;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-use alula::{GuidanceInput, GuidanceOutput};
 use alula_link::{
     Configuration, ControllerParameters, Counters, Envelope, FromTarget, MAX_FRAME, Receiver,
     RefusedParameter, Status, ToTarget, encode,
 };
 use anyhow::{Context, anyhow, bail};
 
-use crate::controllers::{Answer, Controller, Input};
-use crate::space::Pilot;
+use alula_sim::controllers::{Answer, Controller, Input, Planar};
 
 /// Longest wait for an answer: of a busy machine's emulator, not of a target.
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -198,14 +196,19 @@ impl Target {
 pub fn link_input(guided: bool, input: &Input, dt: f32) -> alula_link::Input {
     if guided {
         alula_link::Input::Guidance {
-            input: (&input.sample).into(),
+            input: input.sample,
             dt,
         }
     } else {
+        let Planar {
+            state,
+            reference,
+            feed_forward,
+        } = input.into();
         alula_link::Input::Law {
-            state: input.state(),
-            reference: input.sample.reference,
-            feed_forward: input.feed_forward,
+            state,
+            reference,
+            feed_forward,
         }
     }
 }
@@ -214,21 +217,9 @@ pub fn link_input(guided: bool, input: &Input, dt: f32) -> alula_link::Input {
 pub fn core_answer(answer: alula_link::Answer) -> anyhow::Result<Answer> {
     match answer {
         alula_link::Answer::Law(result) => Ok(result.into()),
-        alula_link::Answer::Guidance(guided) => {
-            Ok(alula::PlanarGuidanceOutput::from(&guided).into())
-        }
+        alula_link::Answer::Guidance(guided) => Ok(guided.into()),
         alula_link::Answer::NotConfigured => bail!("the target is not configured"),
         alula_link::Answer::WrongInput => bail!("the target flies another kind of controller"),
-    }
-}
-
-impl Pilot for Target {
-    fn guided(&mut self, input: &GuidanceInput, dt: f32) -> anyhow::Result<GuidanceOutput> {
-        let input = alula_link::Input::Guidance { input: *input, dt };
-        match self.ask(ToTarget::Input(input))? {
-            Heard::Answer(alula_link::Answer::Guidance(guided)) => Ok(guided),
-            other => bail!("the target answers the guidance's input by {other:?}"),
-        }
     }
 }
 

@@ -2,13 +2,13 @@
 //! reference (f64), where every f64 is the f32 itself.
 #![allow(dead_code, reason = "each test uses its part")]
 
-use alula::{
-    Attitude, Combined, CombinedParameters, FeedForward, GainParameters, Gains, Inertial,
-    LargeAngle, LargeAngleParameters, Reference, State, VehicleParameters, VelocityControl,
+use alula::planar::{
+    Attitude, FeedForward, GainParameters, Gains, Inertial, Reference, State, VelocityControl,
 };
-use alula_sil::experiment::{Document, Experiment, Model, Vehicle};
-use alula_sil::named::Named;
-use alula_sil::reference::{self, Aerodynamics, Inputs, Vector};
+use alula::{Combined, CombinedParameters, LargeAngle, LargeAngleParameters, VehicleParameters};
+use alula_sim::experiment::{Document, Experiment, Model, Vehicle};
+use alula_sim::named::Named;
+use alula_sim::reference::{self, Aerodynamics, Inputs, Vector};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 

@@ -6,9 +6,9 @@ use alula_bridges::companion::{
 };
 use alula_sil::companion::Craft;
 use alula_sil::companion::plane::{keep, pilot, plan, settings};
-use alula_sil::experiment::{Document, Experiment};
-use alula_sil::figures::Figures;
-use alula_sil::simulate::{Record, fly};
+use alula_sim::experiment::{Document, Experiment};
+use alula_sim::figures::Figures;
+use alula_sim::simulate::{Record, fly};
 
 use rayon::prelude::*;
 
@@ -67,7 +67,7 @@ fn flight(
     let mut origin = None;
     let ended = flies(
         &mut pilot,
-        Craft::in_plane(experiment),
+        Craft::new(experiment).unwrap(),
         (settings, experiment.duration_s + 10.0),
         (quality, seed),
         event,
@@ -75,11 +75,11 @@ fn flight(
             keep(&mut record, pilot);
             let state = craft.spatial();
             let from = *origin.get_or_insert(state.position);
-            let wanted = experiment.reference.position(t);
+            let wanted = experiment.path.knots().unwrap().position(t);
             let x = state.position - from;
             let extend = |[least, most]: [f64; 2], v: f64| [least.min(v), most.max(v)];
-            altitude = extend(altitude, wanted.x - x.z);
-            forward = extend(forward, x.x - wanted.y);
+            altitude = extend(altitude, wanted.z - x.z);
+            forward = extend(forward, x.x - wanted.x);
             across = across.max(x.y.abs());
         },
     );
@@ -124,7 +124,7 @@ fn worst_and_median(flights: &[[f64; 2]]) -> ([f64; 2], [f64; 2]) {
 /// With noise of 0.1° and 2 cm/s.
 fn noisy(seed: u64) -> Experiment {
     experiment(&[
-        "sensors.theta_deg.noise=0.1",
+        "sensors.attitude_deg.noise=0.1",
         "sensors.velocity_m_s.noise=0.02",
         &format!("seed={seed}"),
     ])
@@ -132,7 +132,7 @@ fn noisy(seed: u64) -> Experiment {
 
 /// The median of how far forty flights are off their altitude, below or above, is within 1.5 times what it is in process. A single flight may not be: where the vehicle turns
 /// from cruise to hover, errors too small to see decide when it turns. Of forty flights each the worst are −2.0 and +1.7 m off, and in process, with noise of
-/// 0.1° and 2 cm/s, −1.3 and +0.6 m (docs/autopilots.md).
+/// 0.1° and 2 cm/s, −1.3 and +0.6 m (docs/results.md).
 fn forty_within_one_and_a_half_times(
     exact: &Experiment,
     name: &str,
@@ -192,7 +192,7 @@ fn the_round_trip_over_bad_links_is_within_one_and_a_half_times_that_in_process(
 
 #[test]
 fn a_steady_wind_is_flown_in() {
-    let experiment = experiment(&["weather.steady_m_s=[0,-4]"]);
+    let experiment = experiment(&["weather.steady_m_s=[-4,0,0]"]);
     let flight = companion_flies(&experiment, Kind::Px4, GOOD, 0, nothing);
     assert_eq!(flight.ended.stage, Stage::Ended(End::Finished));
     let [low, high] = in_process(&experiment);
@@ -308,7 +308,7 @@ fn a_lost_link_ends_the_flight_and_the_autopilot_holds() {
 #[test]
 fn the_simulated_autopilot_keeps_px4s_rules() {
     let experiment = experiment(&[]);
-    let mut autopilot = Autopilot::new(Craft::in_plane(&experiment), Kind::Px4);
+    let mut autopilot = Autopilot::new(Craft::new(&experiment).unwrap(), Kind::Px4);
     let settings = settings(&experiment, None).unwrap();
     let plan = plan(&experiment);
     let mut companion = Companion::new(settings);
@@ -502,7 +502,7 @@ fn a_link_lost_in_flight_is_a_failure_of_the_command() {
     assert!(folder.path().join("here/report.html").exists());
 }
 
-/// What docs/autopilots.md says of the round trip: `--ignored --nocapture plane`.
+/// What docs/results.md says of the round trip: `--ignored --nocapture plane`.
 #[test]
 #[ignore = "minutes: measures what the documentation states"]
 fn measured_over_forty_links() {

@@ -3,8 +3,8 @@
 use alula_bridges::companion::{End, Kind, Settings, Stage};
 use alula_sil::companion::Craft;
 use alula_sil::companion::space::{OnPath, settings};
-use alula_sil::experiment::Document;
-use alula_sil::space::{Experiment, Step, V3, fly};
+use alula_sim::experiment::{Document, Experiment, V3};
+use alula_sim::simulate::{Step, fly};
 
 use super::link::{ARDUPLANE, BAD, Ended, GOOD, Quality, flies, nothing};
 
@@ -13,7 +13,7 @@ fn experiment(name: &str, changes: &[&str]) -> Experiment {
     for change in changes {
         document.assign(change).unwrap();
     }
-    Experiment::of(&document).unwrap()
+    document.checked().unwrap()
 }
 
 /// How a flight went: of the vehicle itself, less what was to be flown at that time.
@@ -64,7 +64,7 @@ fn companion_flies(experiment: &Experiment, kind: Kind, quality: Quality, seed: 
     let mut origin = None;
     let ended = flies(
         &mut pilot,
-        Craft::in_space(experiment).unwrap(),
+        Craft::new(experiment).unwrap(),
         (settings, experiment.duration_s + 6.0),
         (quality, seed),
         nothing,
@@ -109,7 +109,7 @@ fn companion_flies(experiment: &Experiment, kind: Kind, quality: Quality, seed: 
 type Held = (&'static str, [f64; 2], [f64; 2], [f64; 2]);
 
 /// Path, medians of the errors of velocity \[m/s\] and position \[m\] after the entry, and the altitudes \[m\] over the path that no flight leaves
-/// after the entry and at all. What these links had, and 40 % more (of twenty: docs/autopilots.md). The circle begins in full flight
+/// after the entry and at all. What these links had, and 40 % more (of twenty: docs/results.md). The circle begins in full flight
 /// with a set-point of hover under way, which lifts it or lets it sink before the first command arrives.
 const PATHS: [Held; 3] = [
     ("circle-40", [0.15, 0.8], [-7.7, 8.0], [-18.0, 11.2]),
@@ -173,7 +173,7 @@ fn the_accelerometer_is_heard() {
     let settings = settings(&experiment, None).unwrap();
     flies(
         &mut pilot,
-        Craft::in_space(&experiment).unwrap(),
+        Craft::new(&experiment).unwrap(),
         (settings, 45.0),
         (GOOD, 0),
         nothing,
@@ -184,7 +184,7 @@ fn the_accelerometer_is_heard() {
     assert!(
         record
             .iter()
-            .all(|step| step.input.specific_force.is_some())
+            .all(|step| step.input.sample.specific_force.is_some())
     );
     // 20 m/s around an eight of 65 m: it is felt in the turns.
     let most = record
@@ -201,7 +201,7 @@ fn ended_well(ended: &Ended, kind: Kind) {
     assert!(ended.dropped > 20, "late messages: {}", ended.dropped);
 }
 
-/// What docs/autopilots.md says of flights in space: `--ignored --nocapture space`.
+/// What docs/results.md says of flights in space: `--ignored --nocapture space`.
 #[test]
 #[ignore = "minutes: measures what the documentation states"]
 fn measured_over_ten_links_each() {
@@ -224,7 +224,10 @@ fn measured_over_ten_links_each() {
             let sum: f64 = settled.iter().map(|step| of(step).powi(2)).sum();
             (sum / settled.len() as f64).sqrt()
         };
-        let [v, x] = [rms(Step::velocity_error), rms(Step::position_error)];
+        let [v, x] = [
+            rms(|s| s.velocity_error().norm()),
+            rms(|s| s.position_error().norm()),
+        ];
         println!("{name} {wind}: in process {v:.2} m/s, {x:.2} m");
         for kind in [Kind::Px4, ARDUPLANE] {
             let clean = companion_flies(&experiment, kind, GOOD, 0);

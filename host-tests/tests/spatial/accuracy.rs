@@ -1,12 +1,15 @@
 //! Accuracy of the core's laws in space against the double-precision reference, over a million random states.
 //!
 //! Both are given the same inputs and parameters: the reference the core's f32 values, quaternion included. Errors are
-//! divided by N of `alula_sil::reference::Number`, which counts every rounding to first order. The figures are printed
+//! divided by N of `alula_sim::reference::Number`, which counts every rounding to first order. The figures are printed
 //! with `--nocapture`.
 
-use alula::spatial::{AxisymmetricControl, Rates, WingedControl};
-use alula::{CombinedParameters, Fault, GainParameters};
-use alula_sil::reference::{
+use alula::BodyRates;
+use alula::planar::GainParameters;
+use alula::spatial::WingedControl;
+use alula::spatial::axisymmetric::AxisymmetricControl;
+use alula::{CombinedParameters, Fault};
+use alula_sim::reference::{
     Number, SpatialEvaluation, axisymmetric_full, axisymmetric_robust, winged_full, winged_robust,
 };
 use rand::{RngExt, SeedableRng};
@@ -50,13 +53,13 @@ struct Cell {
 }
 
 impl Cell {
-    fn add(&mut self, thrust: f32, rates: Rates, want: &SpatialEvaluation) {
+    fn add(&mut self, thrust: f32, rates: BodyRates, want: &SpatialEvaluation) {
         let [i, j, w] = want.rates;
         let pairs = [
             (thrust, want.thrust),
-            (rates.i, i),
-            (rates.j, j),
-            (rates.w, w),
+            (-rates.roll, i),
+            (rates.yaw, j),
+            (rates.pitch, w),
         ];
         for (n, (got, Number { value, size })) in pairs.into_iter().enumerate() {
             let difference = (f64::from(got) - value).abs();

@@ -1,24 +1,22 @@
-//! The loop: the core's law in single precision at 100 Hz, with an outer loop, on the six-degree-of-freedom plant.
+//! The core's law in single precision at 100 Hz, with an outer loop and estimators of force and sideslip, as a controller of the one loop.
 //!
-//! Unless said otherwise: rate lag 100 ms, thrust lag 50 ms, T in [0, 2 mg], rates within ±3.5 rad/s, and a controller that
-//! believes m = 9 of 10 kg, k_a = 0.51 of 0.646 kg/m, c_Y = 0.35 of 0.5 and the paper's wrong coefficients.
+//! The vehicle is that of the built-in `space`. Unless said otherwise the controller keeps rates within ±3.5 rad/s and believes m = 9 of 10 kg, k_a = 0.51 of 0.646 kg/m, c_Y = 0.35 of 0.5 and the paper's wrong coefficients.
 
-use alula::ned::{BodyAxes, Quaternion};
 use alula::spatial::{
     Body, Correction, FeedForward, ForceError, ForceErrorParameters, ForceErrorState, ForceSample,
-    Heading, LateralGains, LateralParameters, Orientation, Reference, Sideslip, SideslipParameters,
+    Heading, LateralGains, LateralParameters, Reference, Sideslip, SideslipParameters,
     SideslipState, State, WingedControl,
 };
 use alula::{
     BandwidthGains, Combined, CombinedParameters, GuidanceParameters, Vehicle, VehicleParameters,
 };
-use alula_sil::space::{Rotation, SpatialPlant, SpatialState};
-use nalgebra::{UnitQuaternion, Vector3};
+use alula_sim::controllers::{Answer, Controller, Input, Report};
+use alula_sim::experiment::{Document, State as Truth};
+use alula_sim::simulate::fly_by;
 
-use crate::common::{combined, vehicles};
-use crate::support::ned;
+use crate::support::{ned, triple};
 
-pub type V3 = Vector3<f64>;
+pub use alula_sim::experiment::V3;
 
 /// Control period \[s\].
 pub const PERIOD: f64 = 0.01;
@@ -54,13 +52,6 @@ pub struct Sample {
     pub sideslip: f64,
     /// Altitude over the start \[m\].
     pub altitude: f64,
-    /// Position \[m\], and velocity over ground \[m/s\].
-    pub place: V3,
-    pub ground: V3,
-    /// \[m/s\].
-    pub airspeed: f64,
-    /// How far under the target \[m\].
-    pub below: f64,
     /// Cosine of the angle between nose and up.
     pub nose_up: f64,
     /// Cosine of the angle between belly and down.
@@ -70,13 +61,7 @@ pub struct Sample {
 }
 
 impl Sample {
-    pub fn new(
-        t: f64,
-        state: &SpatialState,
-        target: &Target,
-        wind: V3,
-        start: &SpatialState,
-    ) -> Self {
+    pub fn new(t: f64, state: &Truth, target: &Target, wind: V3, start: &Truth) -> Self {
         let [tail, belly, right] = state.axes();
         let v_a = state.velocity - wind;
         Self {
@@ -85,22 +70,11 @@ impl Sample {
             position_error: (state.position - target.position).norm(),
             sideslip: (v_a.dot(&right) / v_a.norm().max(1.0)).asin(),
             altitude: start.position.z - state.position.z,
-            place: state.position,
-            ground: state.velocity,
-            airspeed: v_a.norm(),
-            below: state.position.z - target.position.z,
             nose_up: tail.z,
             belly_down: belly.z,
             heading: belly.y.atan2(belly.x),
         }
     }
-}
-
-/// The attitude as the core takes it.
-pub fn orientation(state: &SpatialState) -> Orientation {
-    let q = state.attitude;
-    let [w, x, y, z] = [q.w, q.i, q.j, q.k].map(|x| x as f32);
-    Orientation::from_quaternion(&Quaternion { w, x, y, z }, BodyAxes::NoseUp).unwrap()
 }
 
 /// What is known of the wind.
@@ -114,7 +88,6 @@ pub enum Wind {
 
 /// What is flown with.
 pub struct Setup {
-    pub plant: SpatialPlant,
     pub control: WingedControl<Combined, BandwidthGains>,
     pub force: ForceError,
     pub sideslip: Sideslip,
@@ -144,7 +117,6 @@ impl Setup {
     }
 
     fn believing(vehicle: VehicleParameters, model: CombinedParameters, c_y: f32) -> Self {
-        let (_, truth) = vehicles(0.0, combined(CombinedParameters::NACA_0021_RE_160E3));
         let p = VehicleParameters { c_y, ..vehicle };
         let vehicle = Vehicle::new(p, Combined::new(model).unwrap()).unwrap();
         let gains = BandwidthGains::new(&GuidanceParameters::default(), &vehicle).unwrap();
@@ -154,14 +126,6 @@ impl Setup {
             most: 60.0,
         };
         Self {
-            plant: SpatialPlant {
-                vehicle: truth,
-                c_y: 0.5,
-                thrust_lag: 0.05,
-                thrust: [0.0, 2.0 * 98.1],
-                rate: 3.5,
-                rotation: Rotation::Lag(0.1),
-            },
             force: ForceError::new(force, vehicle.mass()).unwrap(),
             sideslip: Sideslip::new(SideslipParameters::DEFAULT, &vehicle).unwrap(),
             control: WingedControl::new(
@@ -174,82 +138,122 @@ impl Setup {
         }
     }
 
-    /// Flies `task` from `start` for `duration` \[s\] in `wind`.
-    pub fn fly(
-        &self,
-        task: &mut dyn Task,
-        start: SpatialState,
-        duration: f64,
-        wind: &mut dyn FnMut(f64, f64) -> V3,
-    ) -> Vec<Sample> {
-        let mut state = start;
-        let mut integral = V3::zeros();
-        let (mut force, mut sideslip) = (ForceErrorState::default(), SideslipState::default());
-        force.thrust = start.thrust as f32;
-        let mut samples = Vec::new();
-        let mut last_wind = None;
-        for n in 0..(duration / PERIOD).round() as usize {
-            let t = n as f64 * PERIOD;
-            let air = wind(t, state.velocity.norm());
-            let target = task.target(t, state.position);
-            let (velocity, acceleration) = outer_loop(&mut integral, &target, &state);
-            let known = match self.wind_known {
-                Wind::All => air,
-                Wind::Only(wind) => wind,
-            };
-            let wind_rate = (known - last_wind.unwrap_or(known)) / PERIOD;
-            last_wind = Some(known);
-
-            let orientation = orientation(&state);
-            let law_state = State {
-                velocity: ned(state.velocity.into()),
-                orientation,
-                wind: ned(known.into()),
-                correction: Correction::new(force.force, sideslip.velocity),
-            };
-            let heading = target.heading.map_or(f32::NAN, |h| h as f32);
-            let reference = Reference {
-                velocity: ned(velocity.into()),
-                acceleration: ned(acceleration.into()),
-                heading: Heading::from_angle(heading),
-            };
-            let [tail, belly, right] = state.axes();
-            let [f_i, f_j, f_w] = self.plant.specific_force(&state, air);
-            let a = if self.measured_acceleration {
-                f_i * tail + f_j * belly + f_w * right + V3::new(0.0, 0.0, 9.81)
-            } else {
-                acceleration
-            };
-            let feed_forward = FeedForward {
-                air_acceleration: ned((a - wind_rate).into()),
-                jerk: ned(target.jerk.into()),
-            };
-            let command = self
-                .control
-                .robust(&law_state, &reference, Some(&feed_forward))
-                .unwrap();
-            let thrust =
-                f64::from(command.thrust).clamp(self.plant.thrust[0], self.plant.thrust[1]);
-            let sample = ForceSample {
-                specific_force: Body::new(f_i as f32, f_j as f32, f_w as f32),
-                orientation,
-                aerodynamic: command.diagnostics.aerodynamic,
-                thrust: thrust as f32,
-            };
-            let dt = PERIOD as f32;
-            self.force.update(&mut force, &sample, dt);
-            if self.wind_known != Wind::All {
-                let v_a = command.diagnostics.v_a;
-                self.sideslip.update(&mut sideslip, v_a, f_w as f32, dt);
-            }
-
-            samples.push(Sample::new(t, &state, &target, air, &start));
-            let r = command.rates;
-            let rates = V3::new(r.j.into(), r.w.into(), r.i.into());
-            state = self.plant.step(&state, thrust, rates, air, PERIOD);
-            assert!(state.velocity.norm() < 1e3, "diverged at {t} s");
+    /// Flies `task` for `duration` \[s\] in the built-in `space`, changed by `settings`.
+    pub fn fly(&self, task: &mut dyn Task, duration: f64, settings: &[String]) -> Vec<Sample> {
+        let mut document = Document::load("space").unwrap();
+        let fixed = [
+            "path.hover={}".to_owned(),
+            "substeps=1".to_owned(),
+            format!("duration_s={duration:?}"),
+        ];
+        for setting in fixed.iter().chain(settings) {
+            document.assign(setting).unwrap();
         }
-        samples
+        let experiment = document.checked().unwrap();
+        let mut controller = Bare {
+            setup: self,
+            task,
+            t: 0.0,
+            integral: V3::zeros(),
+            force: ForceErrorState {
+                thrust: experiment.initial.thrust_n as f32,
+                ..ForceErrorState::default()
+            },
+            sideslip: SideslipState::default(),
+            last_wind: None,
+            targets: Vec::new(),
+        };
+        let record = fly_by(&experiment, &mut controller).unwrap();
+        let last = record.last().unwrap();
+        assert!(last.truth.is_sound(), "diverged at {} s", last.t);
+        let start = record[0].truth;
+        let pairs = record.iter().zip(&controller.targets);
+        pairs
+            .map(|(step, target)| Sample::new(step.t, &step.truth, target, step.wind, &start))
+            .collect()
+    }
+}
+
+/// The law with its outer loop and its estimators, on a flight.
+struct Bare<'a> {
+    setup: &'a Setup,
+    task: &'a mut dyn Task,
+    t: f64,
+    integral: V3,
+    force: ForceErrorState,
+    sideslip: SideslipState,
+    last_wind: Option<V3>,
+    targets: Vec<Target>,
+}
+
+/// Largest body rate \[rad/s\], and thrust \[N\], commanded.
+const MOST: (f32, f32) = (3.5, 2.0 * 98.1);
+
+impl Controller for Bare<'_> {
+    fn answer(&mut self, input: &Input, dt: f32) -> anyhow::Result<Answer> {
+        let (setup, sample) = (self.setup, &input.sample);
+        // The experiment's path stays at the origin.
+        let position = V3::from(triple(sample.position_error.unwrap()));
+        let measured = V3::from(triple(sample.velocity));
+        let target = self.task.target(self.t, position);
+        self.t += PERIOD;
+        self.targets.push(target);
+        let (velocity, acceleration) = outer_loop(&mut self.integral, &target, position, measured);
+        let known = match setup.wind_known {
+            Wind::All => V3::from(triple(input.wind())),
+            Wind::Only(wind) => wind,
+        };
+        let wind_rate = (known - self.last_wind.unwrap_or(known)) / PERIOD;
+        self.last_wind = Some(known);
+
+        let orientation = sample.orientation;
+        let law_state = State {
+            velocity: sample.velocity,
+            orientation,
+            wind: ned(known.into()),
+            correction: Correction::new(self.force.force, self.sideslip.velocity),
+        };
+        let heading = target.heading.map_or(f32::NAN, |h| h as f32);
+        let reference = Reference {
+            velocity: ned(velocity.into()),
+            acceleration: ned(acceleration.into()),
+            heading: Heading::from_angle(heading),
+        };
+        let specific_force = Body::from(sample.specific_force.unwrap());
+        let a = if setup.measured_acceleration {
+            V3::from(triple(orientation.to_world(specific_force))) + V3::new(0.0, 0.0, 9.81)
+        } else {
+            acceleration
+        };
+        let feed_forward = FeedForward {
+            air_acceleration: ned((a - wind_rate).into()),
+            jerk: ned(target.jerk.into()),
+        };
+        let command = setup
+            .control
+            .robust(&law_state, &reference, Some(&feed_forward))
+            .unwrap();
+        let (rate, most) = MOST;
+        let thrust = command.thrust.clamp(0.0, most);
+        let sample = ForceSample {
+            specific_force,
+            orientation,
+            aerodynamic: command.diagnostics.aerodynamic,
+            thrust,
+        };
+        setup.force.update(&mut self.force, &sample, dt);
+        if setup.wind_known != Wind::All {
+            let v_a = command.diagnostics.v_a;
+            let side = specific_force.w;
+            setup.sideslip.update(&mut self.sideslip, v_a, side, dt);
+        }
+        let Body { i, j, w } = command.rates.into();
+        let [i, j, w] = [i, j, w].map(|x| x.clamp(-rate, rate));
+        Ok(Answer {
+            thrust,
+            rates: Body::new(i, j, w),
+            report: Report::Outside,
+        })
     }
 }
 
@@ -260,9 +264,9 @@ const INTEGRAL: f64 = 0.2;
 
 /// v_cmd = v_s − sat(K_p x̃) − I, İ = K_i sat(K_p x̃) where it is not saturated, and a_r = a_s − d/dt(sat + I); saturated
 /// on the horizontal length and on the vertical.
-fn outer_loop(integral: &mut V3, target: &Target, state: &SpatialState) -> (V3, V3) {
-    let x = state.position - target.position;
-    let v = state.velocity - target.velocity;
+fn outer_loop(integral: &mut V3, target: &Target, position: V3, velocity: V3) -> (V3, V3) {
+    let x = position - target.position;
+    let v = velocity - target.velocity;
     let level = |x: V3| V3::new(x.x, x.y, 0.0) * GAIN[0];
     let (mut pull, mut rate, mut grow) = (level(x), level(v), V3::repeat(INTEGRAL));
     let length = pull.norm();
@@ -322,29 +326,25 @@ pub fn report(name: &str, samples: &[Sample], after: f64) -> [f64; 3] {
     figures
 }
 
-/// Hover at the origin, nose up, the belly to `heading` \[rad\].
-pub fn hover(heading: f64) -> SpatialState {
-    SpatialState {
-        position: V3::zeros(),
-        velocity: V3::zeros(),
-        attitude: UnitQuaternion::from_axis_angle(&V3::z_axis(), heading),
-        rates: V3::zeros(),
-        thrust: 98.1,
-    }
+/// Settings of a start in hover at the origin, nose up, the belly to `heading` \[rad\].
+pub fn hover(heading: f64) -> Vec<String> {
+    vec![
+        format!("initial.heading_deg={:?}", heading.to_degrees()),
+        "initial.thrust_n=98.1".to_owned(),
+    ]
 }
 
-/// Level cruise to the north at this speed, 4° nose up.
-pub fn cruise(speed: f64) -> SpatialState {
-    SpatialState {
-        position: V3::zeros(),
-        velocity: V3::new(speed, 0.0, 0.0),
-        attitude: UnitQuaternion::from_axis_angle(&V3::y_axis(), -86.0_f64.to_radians()),
-        rates: V3::zeros(),
-        thrust: 5.0,
-    }
+/// Settings of a start in level cruise to the north at this speed, 4° nose up.
+pub fn cruise(speed: f64) -> Vec<String> {
+    vec![
+        format!("initial.velocity_m_s=[{speed:?}, 0.0, 0.0]"),
+        "initial.theta_deg=-86.0".to_owned(),
+        "initial.thrust_n=5.0".to_owned(),
+    ]
 }
 
-/// No wind.
-pub fn calm() -> impl FnMut(f64, f64) -> V3 {
-    |_, _| V3::zeros()
+/// A start, with more settings.
+pub fn with<const N: usize>(mut start: Vec<String>, more: [&str; N]) -> Vec<String> {
+    start.extend(more.map(str::to_owned));
+    start
 }

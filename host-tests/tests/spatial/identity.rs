@@ -1,11 +1,12 @@
 //! In a vertical plane the law in space is the planar law.
 
+use alula::CombinedParameters;
 use alula::ned::{BodyAxes, Quaternion};
+use alula::planar::{Attitude, GainParameters, Inertial};
 use alula::spatial::{
     Correction, FeedForward, Heading, Ned, Orientation, Reference, State, WingedControl,
 };
-use alula::{Attitude, CombinedParameters, GainParameters, Inertial};
-use alula_sil::reference::{full, robust, winged_full, winged_robust};
+use alula_sim::reference::{full, robust, winged_full, winged_robust};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -73,8 +74,8 @@ fn in_the_north_plane_the_core_gives_the_planar_laws_bits() {
             match (got, want) {
                 (Ok(got), Ok(want)) => {
                     assert_eq!(got.thrust.to_bits(), want.thrust.to_bits(), "{point:?}");
-                    assert_eq!(got.rates.w.to_bits(), want.rate.to_bits(), "{point:?}");
-                    assert_eq!((got.rates.i, got.rates.j), (0.0, 0.0), "{point:?}");
+                    assert_eq!(got.rates.pitch.to_bits(), want.rate.to_bits(), "{point:?}");
+                    assert_eq!((got.rates.roll, got.rates.yaw), (0.0, 0.0), "{point:?}");
                     assert_eq!(got.diagnostics.plane, want.diagnostics);
                     assert_eq!(got.diagnostics.sideslip(), 0.0);
                 }
@@ -100,10 +101,10 @@ fn in_any_vertical_plane_the_law_is_the_planar_law() {
         let (sin, cos) = heading.sin_cos();
         let (sin_half, cos_half) = (0.5 * heading).sin_cos();
         let (s, c) = (0.5 * theta(point.state.attitude)).sin_cos();
-        let lift = |v: alula_sil::reference::Vector| [v.y * cos, v.y * sin, v.x];
+        let lift = |v: alula_sim::reference::Vector| [v.y * cos, v.y * sin, v.x];
         for fed in [false, true] {
             let planar_inputs = point.inputs(fed);
-            let mut inputs = alula_sil::reference::SpatialInputs {
+            let mut inputs = alula_sim::reference::SpatialInputs {
                 velocity: lift(planar_inputs.velocity),
                 // Pitch about the right side of the plane, then heading about down.
                 quaternion: [cos_half * c, -sin_half * s, cos_half * s, sin_half * c],
@@ -163,9 +164,12 @@ fn in_any_vertical_plane_the_law_is_the_planar_law() {
                 worst_core = worst_core.max(difference.abs() / size);
             };
             note(f64::from(command.thrust) - want.thrust, got.thrust.size);
-            note(f64::from(command.rates.w) - want.rate, got.rates[2].size);
-            note(command.rates.i.into(), got.rates[0].size);
-            note(command.rates.j.into(), got.rates[1].size);
+            note(
+                f64::from(command.rates.pitch) - want.rate,
+                got.rates[2].size,
+            );
+            note(command.rates.roll.into(), got.rates[0].size);
+            note(command.rates.yaw.into(), got.rates[1].size);
         }
     }
     println!("worst: reference {worst:.1e} of N, core {worst_core:.1e} of N");

@@ -1,11 +1,11 @@
 //! What is proved of the laws in space, by finite differences in double precision.
 
-use alula::{CombinedParameters, GainParameters};
-use alula_sil::reference::{
-    Gains, SpatialEvaluation, SpatialInputs, Vehicle, axes, axisymmetric_full, winged_full,
-    winged_robust,
+use alula::CombinedParameters;
+use alula::planar::GainParameters;
+use alula_sim::reference::{
+    ForceModel, Gains, SpatialEvaluation, SpatialInputs, Vehicle, axes, axisymmetric_full,
+    winged_full, winged_robust,
 };
-use alula_sil::space::{Rotation, SpatialPlant};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -17,15 +17,11 @@ type V3 = Vector3<f64>;
 
 const E3: V3 = V3::new(0.0, 0.0, 1.0);
 
-fn plant(vehicle: Vehicle) -> SpatialPlant {
-    SpatialPlant {
-        vehicle,
-        c_y: C_Y.into(),
-        thrust_lag: 1.0,
-        thrust: [0.0, 0.0],
-        rate: 0.0,
-        rotation: Rotation::Lag(1.0),
-    }
+/// F_a \[N\] of the plant's own model, world components.
+fn aerodynamic_force(vehicle: &Vehicle, v_a: V3, attitude: &UnitQuaternion<f64>) -> V3 {
+    let v = attitude.inverse_transform_vector(&v_a);
+    let [i, j, w] = ForceModel::new(vehicle, C_Y.into()).force([v.z, v.x, v.y]);
+    attitude * V3::new(j, w, i)
 }
 
 fn attitude([w, x, y, z]: [f64; 4]) -> UnitQuaternion<f64> {
@@ -140,7 +136,6 @@ fn the_lyapunov_identity_holds_in_every_plane_of_flight() {
     let (_, l) = lateral();
     for delta in [0.0, 0.3] {
         let (_, vehicle) = vehicles(delta, combined(CombinedParameters::NACA_0021_RE_160E3));
-        let plant = plant(vehicle);
         let draw = || {
             let mut inputs = Point::random(&mut rng).inputs(true);
             let [i, j, w] = body(&inputs);
@@ -170,7 +165,7 @@ fn the_lyapunov_identity_holds_in_every_plane_of_flight() {
             draw,
             |i| {
                 let v_a = V3::from(i.velocity) - V3::from(i.wind);
-                plant.aerodynamic_force(v_a, &attitude(i.quaternion))
+                aerodynamic_force(&vehicle, v_a, &attitude(i.quaternion))
             },
             |i| winged_full(&vehicle, C_Y.into(), &g, &l, i),
         );
@@ -226,7 +221,6 @@ fn tilt_decays_as_stated_and_coordination_is_invariant() {
     let (_, g) = gains(GainParameters::PAPER);
     let (_, l) = lateral();
     let (_, vehicle) = vehicles(0.0, combined(CombinedParameters::NACA_0021_RE_160E3));
-    let plant = plant(vehicle);
     let side = vehicle.k_a * f64::from(C_Y);
     let (mut tilted, mut coordinated) = (0, 0);
     for n in 0..60_000 {
@@ -259,7 +253,7 @@ fn tilt_decays_as_stated_and_coordination_is_invariant() {
         }
         let law = |i: &SpatialInputs| winged_robust(&vehicle, C_Y.into(), &g, &l, i);
         let thrust = law(&inputs).thrust.value;
-        let drag = plant.aerodynamic_force(v_a, &attitude(inputs.quaternion));
+        let drag = aerodynamic_force(&vehicle, v_a, &attitude(inputs.quaternion));
         let [i, ..] = body(&inputs);
         let a = vehicle.gravity * E3 + (drag - thrust * i) / vehicle.mass;
         let jerk = V3::from(inputs.feed_forward.unwrap().1);

@@ -5,7 +5,6 @@ mod common;
 mod accuracy;
 mod course;
 mod flown;
-mod guided;
 mod identity;
 mod lyapunov;
 mod paths;

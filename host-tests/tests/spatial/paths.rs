@@ -1,7 +1,7 @@
 //! Paths flown in space. Bounds are the requirement's: velocity rms [m/s], position rms [m], sideslip rms [°], from 20 s on: the entry, from level flight, is over.
 
 use crate::course::{self, Course, Curve};
-use crate::flown::{Setup, V3, calm, cruise, report};
+use crate::flown::{Setup, cruise, report, with};
 
 fn within(figures: [f64; 3], bounds: [f64; 3]) {
     for (figure, bound) in figures.into_iter().zip(bounds) {
@@ -15,12 +15,7 @@ fn fly(name: &str, curve: Curve, speed: f64, bounds: [f64; 3]) {
 }
 
 fn fly_with(setup: &Setup, name: &str, curve: Curve, speed: f64, bounds: [f64; 3]) {
-    let samples = setup.fly(
-        &mut Course::new(curve, speed),
-        cruise(speed),
-        50.0,
-        &mut calm(),
-    );
+    let samples = setup.fly(&mut Course::new(curve, speed), 50.0, &cruise(speed));
     within(report(name, &samples, 20.0), bounds);
 }
 
@@ -60,13 +55,8 @@ fn eight_and_climbing_turn() {
 
 #[test]
 fn track_in_cross_wind() {
-    let wind = V3::new(0.0, 8.0, 0.0);
-    let samples = Setup::new().fly(
-        &mut Course::new(course::north, 20.0),
-        cruise(20.0),
-        50.0,
-        &mut |_, _| wind,
-    );
+    let windy = with(cruise(20.0), ["weather.steady_m_s=[0.0, 8.0, 0.0]"]);
+    let samples = Setup::new().fly(&mut Course::new(course::north, 20.0), 50.0, &windy);
     let figures = report("track, 8 m/s cross wind", &samples, 20.0);
     within(figures, [0.1, 0.1, 0.2]);
 }

@@ -1,15 +1,8 @@
 //! Random starts: attitudes uniform over the rotations, rates of ±2 rad/s on each axis, velocities within 5 m/s of the
 //! reference.
 
-use nalgebra::{Quaternion, UnitQuaternion};
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
-
-use alula_sil::space::SpatialState;
-
 use crate::course::{self, Course};
-use crate::flown::{Setup, Target, Task, V3, calm, rms};
-use crate::support::{ball, rotation, triple};
+use crate::flown::{Setup, Target, Task, rms, with};
 
 /// Share that converges, and the most altitude lost \[m\], of `n` starts about hover or a level 20 m/s to the north.
 /// Converged: within 0.1 m/s rms after 23 s, nose up or belly down to 8°.
@@ -18,24 +11,18 @@ fn starts(n: usize, speed: f64) -> (f64, f64) {
     let fly = |seeds: std::ops::Range<usize>| {
         let (mut converged, mut lost) = (0, 0.0_f64);
         for seed in seeds {
-            let mut rng = ChaCha8Rng::seed_from_u64(seed as u64);
-            let q = rotation(&mut rng);
-            let q = Quaternion::new(q.w, q.x, q.y, q.z).cast::<f64>();
-            let velocity = V3::new(speed, 0.0, 0.0);
-            let mut rate = || rng.random_range(-2.0..2.0);
-            let rates = V3::new(rate(), rate(), rate());
-            let start = SpatialState {
-                position: V3::zeros(),
-                velocity: velocity + V3::from(triple(ball(&mut rng, 5.0))),
-                attitude: UnitQuaternion::from_quaternion(q),
-                rates,
-                thrust: 0.0,
-            };
+            let start = with(
+                vec![format!("initial.velocity_m_s=[{speed:?}, 0.0, 0.0]")],
+                [
+                    &*format!("seed={seed}"),
+                    "initial.scatter={ velocity_m_s = 5.0, rate_rad_s = 2.0 }",
+                ],
+            );
             // In cruise along a track: how far along is not held, for a clean aircraft can only brake by its drag.
             let mut hold = |_: f64| Target::default();
             let mut track = Course::new(course::north, 20.0);
             let task: &mut dyn Task = if speed == 0.0 { &mut hold } else { &mut track };
-            let samples = setup.fly(task, start, 25.0, &mut calm());
+            let samples = setup.fly(task, 25.0, &start);
             let last = samples[samples.len() - 1];
             let lowest = samples.iter().map(|s| s.altitude).fold(0.0, f64::min);
             let upright = if speed == 0.0 {

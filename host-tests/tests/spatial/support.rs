@@ -5,7 +5,7 @@ use alula::spatial::{
     Correction, FeedForward, Heading, LateralGains, LateralParameters, Ned, Orientation, Reference,
     State,
 };
-use alula_sil::reference::{self, SpatialInputs};
+use alula_sim::reference::{self, SpatialInputs};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};

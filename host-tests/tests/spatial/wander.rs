@@ -1,15 +1,10 @@
 //! Random missions of the guidance in space: velocities in any direction, as steps and ramps; wind from anywhere, turbulence;
 //! beliefs off by 15 % of mass, 30 % of k_a, half of c_Y, and the wrong coefficients; thrust from 1.25 times the weight.
 
-use alula::{
-    Combined, CombinedParameters, Guidance, GuidanceParameters, Vehicle, VehicleParameters,
-};
-use alula_sil::space::Turbulence;
+use alula_sim::experiment::{Document, V3};
+use alula_sim::simulate::{Record, Step, fly as fly_experiment};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-
-use crate::flown::{PERIOD, Sample, Setup, Target, V3, hover};
-use crate::guided::Flown;
 
 /// From a time \[s\] on: a velocity, and the acceleration that leads to it. A step has no acceleration that could be told.
 struct Leg {
@@ -25,8 +20,6 @@ const REST: f64 = 60.0;
 
 struct Mission {
     legs: Vec<Leg>,
-    position: V3,
-    velocity: V3,
 }
 
 impl Mission {
@@ -51,83 +44,99 @@ impl Mission {
             from += u(4.0, 14.0);
         }
         legs.push(leg(from, V3::zeros(), u(1.0, 4.0)));
-        Self {
-            legs,
-            position: V3::zeros(),
-            velocity: V3::zeros(),
-        }
+        Self { legs }
     }
 
     fn duration(&self) -> f64 {
         self.legs.last().unwrap().from + REST
     }
 
-    fn target(&mut self, t: f64) -> Target {
-        let leg = self.legs.iter().rev().find(|leg| leg.from <= t).unwrap();
-        let missing = leg.velocity - self.velocity;
-        let step = leg.acceleration * PERIOD;
-        let change = missing * (step / missing.norm().max(step));
-        let target = Target {
-            position: self.position,
-            velocity: self.velocity,
-            acceleration: if leg.acceleration < STEP {
-                change / PERIOD
-            } else {
-                V3::zeros()
-            },
-            ..Target::default()
+    /// The knots of its path.
+    fn knots(&self) -> String {
+        /// How long a step takes \[s\]: at no control step but by chance.
+        const AT_ONCE: f64 = 1e-6;
+        let mut knots = Vec::new();
+        let mut velocity = V3::zeros();
+        for (n, leg) in self.legs.iter().enumerate() {
+            let change = leg.velocity - velocity;
+            let lasts = match leg.acceleration < STEP {
+                true => (change.norm() / leg.acceleration).max(AT_ONCE),
+                false => AT_ONCE,
+            };
+            // The next leg may begin before this one is there.
+            let next = self.legs.get(n + 1).map_or(f64::INFINITY, |next| next.from);
+            let share = ((next - leg.from - AT_ONCE) / lasts).min(1.0);
+            knots.push((leg.from, velocity));
+            velocity += share * change;
+            knots.push((leg.from + share * lasts, velocity));
+        }
+        let knot = |(t, v): &(f64, V3)| {
+            format!(
+                "{{ t_s = {t:?}, forward_m_s = {:?}, east_m_s = {:?}, down_m_s = {:?} }}",
+                v.x, v.y, v.z
+            )
         };
-        self.velocity += change;
-        self.position += self.velocity * PERIOD;
-        target
+        let knots: Vec<String> = knots.iter().map(knot).collect();
+        format!("path.knots=[{}]", knots.join(", "))
     }
 }
 
 /// The flight of this seed; none if its belief cannot hover.
-fn fly(seed: u64, accelerometer: bool) -> Option<Vec<Sample>> {
+fn fly(seed: u64, accelerometer: bool) -> Option<Record> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut u = |a: f64, b: f64| rng.random_range(a..b);
-    let excess = u(1.25, 2.0);
-    let belief = VehicleParameters {
-        mass: (10.0 * u(0.85, 1.15)) as f32,
-        k_a: (0.646 * u(0.75, 1.3)) as f32,
-        c_y: (0.5 * u(0.5, 1.5)) as f32,
-        thrust_max: (98.1 * excess) as f32,
-        ..VehicleParameters::PAPER
-    };
-    let model = Combined::new(if u(0.0, 1.0) < 0.5 {
-        CombinedParameters::PAPER_BELIEF
+    let most = 98.1 * u(1.25, 2.0);
+    let (mass, k_a, c_y) = (
+        10.0 * u(0.85, 1.15),
+        0.646 * u(0.75, 1.3),
+        0.5 * u(0.5, 1.5),
+    );
+    let wing = if u(0.0, 1.0) < 0.5 {
+        "paper-belief"
     } else {
-        CombinedParameters::NACA_0021_RE_160E3
-    });
-    if belief.thrust_max < 1.02 * belief.mass * 9.81 {
+        "paper"
+    };
+    if most < 1.02 * mass * 9.81 {
         return None;
     }
-    let parameters = GuidanceParameters {
-        max_rate: 3.5,
-        ..GuidanceParameters::default()
-    };
-    let mut plant = Setup::new().plant;
-    plant.thrust = [0.0, 98.1 * excess];
-    let flown = Flown {
-        plant,
-        guidance: Guidance::new(Vehicle::new(belief, model.unwrap()).unwrap(), &parameters)
-            .unwrap(),
-        wind_told: None,
-        accelerometer,
-    };
     let (speed, from, facing) = (u(0.0, 6.0), u(-3.2, 3.2), u(-3.2, 3.2));
-    let steady = V3::new(speed * from.cos(), speed * from.sin(), 0.0);
     let strength = [0.0, 3.0, 7.7][u(0.0, 2.999) as usize];
-    let mut mission = Mission::random(&mut rng);
-    let mut air = Turbulence::new(strength, 50.0, from, &mut rng);
-    let mut blow = |_: f64, speed: f64| {
-        air.advance(speed, PERIOD, &mut rng);
-        steady + air.velocity()
-    };
-    let duration = mission.duration();
-    let mut task = |t: f64| mission.target(t);
-    Some(flown.fly(&mut task, hover(facing), duration, &mut blow))
+    let mission = Mission::random(&mut rng);
+    let mut document = Document::load("space").unwrap();
+    let mut set = |setting: String| document.assign(&setting).unwrap();
+    set(mission.knots());
+    set(format!("duration_s={:?}", mission.duration()));
+    set(format!("seed={seed}"));
+    set("substeps=1".to_owned());
+    set(format!("plant.thrust_n=[0.0, {most:?}]"));
+    set("controller.guidance={ max_rate_rad_s = 3.5 }".to_owned());
+    set(format!(
+        "controller.guidance.vehicle={{ mass_kg = {mass:?}, k_a_kg_m = {k_a:?}, c_y = {c_y:?} }}"
+    ));
+    set(format!(
+        "weather.steady_m_s=[{:?}, {:?}, 0.0]",
+        speed * from.cos(),
+        speed * from.sin()
+    ));
+    if strength > 0.0 {
+        set(format!(
+            "weather.turbulence={{ wind_at_20_ft_m_s = {strength:?}, height_m = 50.0 }}"
+        ));
+    }
+    set(format!("initial.heading_deg={:?}", facing.to_degrees()));
+    set("initial.thrust_n=98.1".to_owned());
+    if !accelerometer {
+        set("sensors.accelerometer=\"none\"".to_owned());
+    }
+    let wing = Document::load(wing)
+        .unwrap()
+        .get("vehicle.aerodynamics")
+        .cloned();
+    let wing = wing.unwrap();
+    document
+        .set("controller.guidance.vehicle.aerodynamics", wing)
+        .unwrap();
+    Some(fly_experiment(&document.checked().unwrap()).unwrap())
 }
 
 /// Not one is 50 m under its reference, or as far over it, and all but a few are back on it a minute after it has stopped.
@@ -138,19 +147,19 @@ fn random_missions_are_not_lost() {
             .filter_map(|seed| fly(seed, accelerometer))
             .collect();
         let most =
-            |samples: &[Sample], of: fn(&Sample) -> f64| samples.iter().map(of).fold(0.0, f64::max);
+            |record: &[Step], of: fn(&Step) -> f64| record.iter().map(of).fold(0.0, f64::max);
         let low = flights
             .iter()
-            .map(|s| most(s, |s| s.below))
+            .map(|s| most(s, |s| -s.altitude()))
             .fold(0.0, f64::max);
         let high = flights
             .iter()
-            .map(|s| most(s, |s| -s.below))
+            .map(|s| most(s, Step::altitude))
             .fold(0.0, f64::max);
         // Turbulence leaves a metre.
         let back = flights
             .iter()
-            .filter(|s| most(&s[s.len() - 300..], |s| s.position_error) < 5.0)
+            .filter(|s| most(&s[s.len() - 300..], |s| s.position_error().norm()) < 5.0)
             .count();
         let n = flights.len();
         println!(
@@ -165,8 +174,9 @@ fn random_missions_are_not_lost() {
 #[test]
 fn the_integral_asks_for_no_thrust_that_grows_with_the_speed() {
     for seed in [371, 946, 1184] {
-        let samples = fly(seed, false).unwrap();
-        let calm = |s: &Sample| s.airspeed < 40.0 && s.below.abs() < 40.0;
-        assert!(samples.iter().all(calm), "{seed}");
+        let record = fly(seed, false).unwrap();
+        let calm =
+            |s: &Step| (s.truth.velocity - s.wind).norm() < 40.0 && s.altitude().abs() < 40.0;
+        assert!(record.iter().all(calm), "{seed}");
     }
 }

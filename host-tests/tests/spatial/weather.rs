@@ -2,32 +2,23 @@
 
 use std::f64::consts::PI;
 
-use alula_sil::space::Rotation;
-use alula_sil::space::{Gust, Turbulence};
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-
 use crate::course::{self, Course};
-use crate::flown::{PERIOD, Sample, Setup, Target, V3, Wind, calm, cruise, hover, report, rms};
+use crate::flown::{Sample, Setup, Target, V3, Wind, cruise, hover, report, rms, with};
 
 /// Cruise to the north at 20 m/s through a gust that begins at 10 s; figures from then on, for 20 s.
-fn through(name: &str, gust: Gust, known: Wind) -> [f64; 3] {
+fn through(name: &str, gust: &str, known: Wind) -> [f64; 3] {
     let setup = Setup {
         wind_known: known,
         ..Setup::new()
     };
     let mut course = Course::new(course::north, 20.0);
-    let samples = setup.fly(&mut course, cruise(20.0), 30.0, &mut |t, _| gust.at(t));
+    let samples = setup.fly(&mut course, 30.0, &with(cruise(20.0), [gust]));
     report(name, &samples, 10.0)
 }
 
 #[test]
 fn an_unknown_side_wind_is_found_out() {
-    let gust = Gust {
-        start: 10.0,
-        duration: f64::INFINITY,
-        peak: V3::new(0.0, 6.0, 0.0),
-    };
+    let gust = "weather.gust={ start_s = 10.0, duration_s = inf, peak_m_s = [0.0, 6.0, 0.0] }";
     let [velocity, position, sideslip] = through(
         "unknown side wind, step of 6 m/s",
         gust,
@@ -38,11 +29,7 @@ fn an_unknown_side_wind_is_found_out() {
 
 #[test]
 fn a_known_side_gust_is_flown_through() {
-    let gust = Gust {
-        start: 10.0,
-        duration: 4.0,
-        peak: V3::new(0.0, 8.0, 0.0),
-    };
+    let gust = "weather.gust={ start_s = 10.0, duration_s = 4.0, peak_m_s = [0.0, 8.0, 0.0] }";
     let [velocity, position, sideslip] = through("known side gust of 8 m/s", gust, Wind::All);
     assert!(velocity <= 0.2 && position <= 0.2 && sideslip <= 2.0);
 }
@@ -57,9 +44,8 @@ fn stay(heading: impl Fn(f64) -> f64) -> impl FnMut(f64) -> Target {
 
 #[test]
 fn hover_in_a_cross_wind() {
-    let wind = V3::new(0.0, 8.0, 0.0);
-    let setup = Setup::new();
-    let samples = setup.fly(&mut stay(|_| 0.0), hover(0.0), 40.0, &mut |_, _| wind);
+    let windy = with(hover(0.0), ["weather.steady_m_s=[0.0, 8.0, 0.0]"]);
+    let samples = Setup::new().fly(&mut stay(|_| 0.0), 40.0, &windy);
     let [velocity, ..] = report("hover, 8 m/s of cross wind", &samples, 15.0);
     assert!(velocity <= 0.05);
 }
@@ -77,7 +63,7 @@ fn heading_steps_in_hover() {
         ("heading step of 180°, hover", PI),
     ] {
         let mut task = stay(|t| if t < 5.0 { 0.0 } else { step });
-        let samples = Setup::new().fly(&mut task, hover(0.0), 15.0, &mut calm());
+        let samples = Setup::new().fly(&mut task, 15.0, &hover(0.0));
         let [velocity, ..] = report(name, &samples, 5.0);
         assert!(velocity <= 0.1);
         faces(&samples, step);
@@ -99,7 +85,7 @@ fn transition(name: &str, off: f64, held: bool) -> f64 {
             ..Target::default()
         }
     };
-    let samples = Setup::new().fly(&mut task, hover(heading), 25.0, &mut calm());
+    let samples = Setup::new().fly(&mut task, 25.0, &hover(heading));
     report(name, &samples, 0.0);
     // In cruise the belly is down: turned the right way up.
     let last = samples[samples.len() - 1];
@@ -121,18 +107,16 @@ fn transition_with_the_heading_behind() {
 fn lowest_in_turbulence(name: &str, wind_at_20_ft: f64, known: Wind) -> f64 {
     let mut lowest = f64::INFINITY;
     for seed in 0..8 {
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
-        let mut air = Turbulence::new(wind_at_20_ft, 50.0, 0.5 * PI, &mut random);
-        let mut course = Course::new(course::circle_40, 20.0);
-        let mut blow = |_: f64, speed: f64| {
-            air.advance(speed, PERIOD, &mut random);
-            STEADY + air.velocity()
-        };
         let setup = Setup {
             wind_known: known,
             ..Setup::new()
         };
-        let samples = setup.fly(&mut course, cruise(20.0), 60.0, &mut blow);
+        let mut course = Course::new(course::circle_40, 20.0);
+        let turbulence = format!(
+            "weather.turbulence={{ wind_at_20_ft_m_s = {wind_at_20_ft:?}, height_m = 50.0 }}"
+        );
+        let settings = [&format!("seed={seed}"), STEADY_WIND, &turbulence];
+        let samples = setup.fly(&mut course, 60.0, &with(cruise(20.0), settings));
         report(&format!("{name} {seed}"), &samples, 10.0);
         lowest = samples.iter().map(|s| s.altitude).fold(lowest, f64::min);
     }
@@ -140,6 +124,7 @@ fn lowest_in_turbulence(name: &str, wind_at_20_ft: f64, known: Wind) -> f64 {
 }
 
 const STEADY: V3 = V3::new(0.0, 5.0, 0.0);
+const STEADY_WIND: &str = "weather.steady_m_s=[0.0, 5.0, 0.0]";
 
 /// Airspeeds are from 10 to 30 m/s in moderate turbulence, the folds at 15 and 17 m/s among them; and a constant ground
 /// speed asks for 1.6 m/s² of braking, where drag gives 0.6. Measured 2.8 m below the start at most: what is lost goes on
@@ -154,14 +139,10 @@ fn a_circle_in_turbulence_is_not_lost() {
 /// With torques behind the rates the figures are those of the lag.
 #[test]
 fn a_circle_with_bounded_torques() {
-    let mut setup = Setup::new();
-    setup.plant.rotation = Rotation::Inertia {
-        lag: 0.1,
-        inertia: V3::new(0.6, 0.4, 0.8),
-        torque: V3::repeat(15.0),
-    };
+    let torques = "plant.rate_loop={ inertia = { inertia_kg_m2 = [0.6, 0.4, 0.8], bandwidth_1_s = 10.0, \
+                   torque_max_n_m = 15.0 } }";
     let mut course = Course::new(course::circle_40, 20.0);
-    let samples = setup.fly(&mut course, cruise(20.0), 40.0, &mut calm());
+    let samples = Setup::new().fly(&mut course, 40.0, &with(cruise(20.0), [torques]));
     let [velocity, position, sideslip] =
         report("circle 40 m, 20 m/s, torques within 15 N m", &samples, 10.0);
     assert!(velocity <= 0.15 && position <= 0.3 && sideslip <= 0.2);

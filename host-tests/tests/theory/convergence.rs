@@ -1,7 +1,7 @@
 //! Proposition 3: with the large-α model (almost) every initial state converges.
 
-use alula_sil::reference::wrap;
-use alula_sil::simulate::{Step, fly};
+use alula_sim::reference::wrap;
+use alula_sim::simulate::{Step, fly};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -26,7 +26,7 @@ fn every_initial_state_converges_with_the_large_angle_model() {
              [vehicle]
              mass_kg = 10.0
              k_a_kg_m = 0.6460
-             delta_deg = {}
+             delta_deg = {0}
              [vehicle.aerodynamics.large-angle]
              c0 = 0.0139
              c1 = 0.9430
@@ -34,15 +34,14 @@ fn every_initial_state_converges_with_the_large_angle_model() {
              form = 'robust'
              feed_forward = true
              [reference]
-             knots = [{{ t_s = 0.0, down_m_s = -3.0, forward_m_s = {} }}]
+             knots = [{{ t_s = 0.0, down_m_s = -3.0, forward_m_s = {1} }}]
              [sensors]
              air = 'steady-wind'
              [weather]
-             steady_m_s = [{}, {}]
+             steady_m_s = [{3}, 0.0, {2}]
              [initial]
-             down_m_s = {}
-             forward_m_s = {}
-             theta_deg = {}",
+             velocity_m_s = [{5}, 0.0, {4}]
+             theta_deg = {6}",
             random(90.0),
             random(8.0),
             random(2.0),

@@ -2,8 +2,8 @@
 
 use std::f64::consts::PI;
 
-use alula::{Attitude, GainParameters};
-use alula_sil::reference::{Inputs, Vehicle, rotation};
+use alula::planar::{Attitude, GainParameters};
+use alula_sim::reference::{Inputs, Vehicle, rotation};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 

@@ -2,9 +2,9 @@
 
 use std::f64::consts::PI;
 
-use alula::equivalency::ApparentForces;
-use alula::{Attitude, FeedForward, GainParameters};
-use alula_sil::reference::{
+use alula::planar::equivalency::ApparentForces;
+use alula::planar::{Attitude, FeedForward, GainParameters};
+use alula_sim::reference::{
     Angle, Gains, Inputs, Vector, Vehicle, full, magnitudes, rotation, wrap,
 };
 use rand::{RngExt, SeedableRng};

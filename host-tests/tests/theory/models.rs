@@ -3,13 +3,14 @@
 use std::f64::consts::PI;
 
 use alula::aero::Coefficients;
-use alula::equivalency::{
+use alula::planar::equivalency::{
     condition_residual, equivalent_coefficients, lambda, lambda_parallel,
     parallel_condition_residual,
 };
+use alula::planar::{AirData, Attitude, Body, ThrustLine};
 use alula::{
-    Aerodynamics, AirData, AngleOfAttack, Attitude, Body, Combined, LargeAngle,
-    LargeAngleParameters, SmallAngle, SmallAngleParameters, ThrustLine,
+    Aerodynamics, AngleOfAttack, Combined, LargeAngle, LargeAngleParameters, SmallAngle,
+    SmallAngleParameters,
 };
 
 use crate::SETS;

@@ -143,6 +143,8 @@ fn seconds(header: &str) -> f64 {
         Some("ms") => 1e-3,
         Some("us" | "µs" | "μs") => 1e-6,
         Some("ns") => 1e-9,
+        Some("min") => 60.0,
+        Some("h") => 3600.0,
         _ => 1.0,
     }
 }
@@ -193,6 +195,8 @@ mod tests {
             ("Time [µs]", 1e-6),
             ("timestamp_us", 1e-6),
             ("t_ns", 1e-9),
+            ("time [min]", 60.0),
+            ("time [h]", 3600.0),
             ("t", 1.0),
             ("items", 1.0),
             ("us", 1e-6),

@@ -8,6 +8,8 @@ use std::collections::{BTreeMap, HashMap};
 pub(super) const FMT: u8 = 128;
 /// The unit of the column that tells instances apart.
 const INSTANCE: char = '#';
+/// What that column is called where a log has no units: it stands behind the time.
+const INSTANCES: [&str; 4] = ["C", "I", "Inst", "Instance"];
 
 /// A message as its reader sees it.
 pub(super) trait Message {
@@ -146,7 +148,12 @@ impl Tables {
 
     fn topics_of(&mut self, kind: u8, table: Table, topics: &mut Vec<Topic>) {
         let none = (Vec::new(), Vec::new());
-        let (units, multipliers) = self.assigned.get(&kind).unwrap_or(&none);
+        let assigned = self.assigned.get(&kind);
+        let (units, multipliers) = assigned.unwrap_or(&none);
+        let instance = |place: usize, label: &str| match assigned {
+            Some((units, _)) => units.get(place) == Some(&INSTANCE),
+            None => place == 1 && INSTANCES.contains(&label),
+        };
         let mut time = None;
         let mut instances = None;
         let mut columns = Vec::new();
@@ -175,7 +182,7 @@ impl Tables {
                     );
                     continue;
                 }
-                if unit == INSTANCE && instances.is_none() {
+                if instance(place, &field.label) && instances.is_none() {
                     instances = Some(values.clone());
                 }
                 // 1 / 1e-2 is exactly 100, and a quotient is rounded once.

@@ -24,7 +24,12 @@ struct Rows {
     /// What its `timestamp` says, in a unit of its own; NaN if it has none.
     stamps: Vec<f64>,
     columns: Vec<Column>,
+    /// Name → place among the columns.
+    places: BTreeMap<String, usize>,
 }
+
+/// Most columns of a channel: a message whose fields would make more is left out.
+const COLUMNS: usize = 4096;
 
 /// The numbers of a message by their columns' names; those of an array are `name[0]`, `name[1]`, …
 fn numbers(fields: &Map<String, Value>) -> Vec<(String, f64)> {
@@ -45,33 +50,106 @@ fn numbers(fields: &Map<String, Value>) -> Vec<(String, f64)> {
     numbers
 }
 
+/// The value in the text of a message. Python and C++ write `NaN` and `Infinity`, which JSON has not: they are null.
+fn value(data: &[u8]) -> Option<Value> {
+    serde_json::from_slice(data)
+        .or_else(|_| serde_json::from_slice(&without_tokens(data)))
+        .ok()
+}
+
+/// The text with null in place of what is no number of JSON, outside of strings.
+fn without_tokens(data: &[u8]) -> Vec<u8> {
+    const TOKENS: [&[u8]; 8] = [
+        b"NaN",
+        b"nan",
+        b"-NaN",
+        b"-nan",
+        b"Infinity",
+        b"-Infinity",
+        b"inf",
+        b"-inf",
+    ];
+    let mut text = Vec::with_capacity(data.len());
+    let (mut rest, mut quoted) = (data, false);
+    while let [first, more @ ..] = rest {
+        let token = TOKENS
+            .iter()
+            .filter(|token| !quoted && rest.starts_with(token));
+        if let Some(token) = token.max_by_key(|token| token.len()) {
+            text.extend_from_slice(b"null");
+            rest = &rest[token.len()..];
+            continue;
+        }
+        text.push(*first);
+        rest = more;
+        match first {
+            b'"' => quoted = !quoted,
+            b'\\' if quoted => {
+                text.extend(rest.first());
+                rest = rest.get(1..).unwrap_or_default();
+            }
+            _ => {}
+        }
+    }
+    text
+}
+
 impl Rows {
-    /// Rows of the columns of a first message.
-    fn new(numbers: &[(String, f64)], units: &BTreeMap<String, String>) -> Self {
-        let unit = |name: &str| {
-            let field = name.split('[').next().unwrap_or_default();
-            units.get(field).map_or("", String::as_str)
-        };
-        let column = |(name, _): &(String, f64)| Column::new(name, unit(name), Vec::new());
+    fn new() -> Self {
         Self {
             logged: Vec::new(),
             stamps: Vec::new(),
-            columns: numbers.iter().map(column).collect(),
+            columns: Vec::new(),
+            places: BTreeMap::new(),
         }
     }
 
-    /// Adds a row; whether it has the columns of the first.
-    fn add(&mut self, logged: f64, stamp: f64, numbers: &[(String, f64)]) -> bool {
-        let names = self.columns.iter().map(|column| &column.name);
-        let same = names.eq(numbers.iter().map(|(name, _)| name));
-        if same {
-            self.logged.push(logged);
-            self.stamps.push(stamp);
-            for (column, (_, value)) in self.columns.iter_mut().zip(numbers) {
+    /// Adds a row, and the columns that no row before it had; whether there is room for them.
+    fn add(
+        &mut self,
+        logged: f64,
+        stamp: f64,
+        numbers: &[(String, f64)],
+        units: &BTreeMap<String, String>,
+    ) -> bool {
+        let unknown = numbers
+            .iter()
+            .filter(|(name, _)| !self.places.contains_key(name));
+        if self.columns.len() + unknown.count() > COLUMNS {
+            return false;
+        }
+        let row = self.logged.len();
+        self.logged.push(logged);
+        self.stamps.push(stamp);
+        for (name, value) in numbers {
+            let columns = &mut self.columns;
+            let place = *self.places.entry(name.clone()).or_insert_with(|| {
+                let field = name.split('[').next().unwrap_or_default();
+                let unit = units.get(field).map_or("", String::as_str);
+                columns.push(Column::new(name, unit, Vec::new()));
+                columns.len() - 1
+            });
+            if let Some(column) = columns.get_mut(place) {
+                column.values.resize(row, f64::NAN);
                 column.values.push(*value);
             }
         }
-        same
+        true
+    }
+
+    /// Its columns, NaN where a row has none. A field that is null where it is no array is that array.
+    fn columns(self) -> Vec<Column> {
+        let rows = self.logged.len();
+        let places = self.places;
+        let mut columns = self.columns;
+        for column in &mut columns {
+            column.values.resize(rows, f64::NAN);
+        }
+        columns.retain(|column| {
+            let array = places.contains_key(&format!("{}[0]", column.name));
+            !array || column.values.iter().any(|v| !v.is_nan())
+        });
+        columns
     }
 }
 
@@ -146,17 +224,16 @@ impl Channel {
     /// Takes the `data` of a message logged at `logged` \[s\].
     fn take(&mut self, logged: f64, data: &[u8]) {
         let json = self.encoding == "json";
-        let object = json.then(|| serde_json::from_slice(data).ok());
+        let object = json.then(|| value(data));
         let Some(Value::Object(fields)) = object.flatten() else {
             self.others += 1;
             return;
         };
         let numbers = numbers(&fields);
         let stamp = fields.get("timestamp").and_then(Value::as_f64);
-        let units = &self.units;
-        let rows = self.rows.get_or_insert_with(|| Rows::new(&numbers, units));
+        let rows = self.rows.get_or_insert_with(Rows::new);
         let stamp = stamp.unwrap_or(f64::NAN);
-        self.others += usize::from(!rows.add(logged, stamp, &numbers));
+        self.others += usize::from(!rows.add(logged, stamp, &numbers, &self.units));
     }
 }
 
@@ -222,7 +299,7 @@ impl Reading {
 
 /// Reads the channels of JSON messages in `bytes`, the file called `file` in errors, as [`write`](super::write) leaves them: a message's numbers
 /// are columns, those of an array `name[0]`, `name[1]`, …; its time is `timestamp`, in the unit that the times at which messages were logged tell, or
-/// else that time itself. What is no number is NaN. Chunks may be compressed by zstd or lz4. Messages of another encoding, or with other fields than the first of their channel, and chunks whose checksum
+/// else that time itself. What is no number, `NaN` as Python writes it too, or not in a message, is NaN. Chunks may be compressed by zstd or lz4. Messages of another encoding, and chunks whose checksum
 /// is wrong are left out, and of a file that is damaged between its records what follows; all are noted, and a wrong checksum of the whole.
 ///
 /// # Errors
@@ -273,13 +350,13 @@ pub fn read(file: &str, bytes: &[u8]) -> Result<Log, Error> {
         let (name, instance) = named(&channel.topic);
         if channel.others > 0 {
             notes.push(format!(
-                "{}: {} messages left out: not of JSON, or of other fields than the first",
+                "{}: {} messages left out: not of JSON, or of too many fields",
                 channel.topic, channel.others
             ));
         }
         let topic = channel.rows.and_then(|rows| {
-            let time = times.next().unwrap_or(rows.logged);
-            Topic::from_rows(name, instance, time, rows.columns, &mut notes)
+            let time = times.next().unwrap_or_else(|| rows.logged.clone());
+            Topic::from_rows(name, instance, time, rows.columns(), &mut notes)
         });
         // Two channels of one name: the first.
         topics.extend(topic.filter(|t| seen.insert((t.name().to_owned(), t.instance()))));
@@ -413,6 +490,84 @@ mod tests {
         assert_eq!(
             error,
             "x: byte 0: no messages of JSON, which alone are read: channels of cdr: 2"
+        );
+    }
+
+    /// The file of these messages of one channel, 0.1 s apart from 2 s on.
+    fn file(messages: &[&str]) -> Vec<u8> {
+        let mut out = Cursor::new(Vec::new());
+        let mut writer = mcap::WriteOptions::new().create(&mut out).unwrap();
+        let none = BTreeMap::new();
+        let channel_id = writer.add_channel(0, "x", "json", &none).unwrap();
+        for (sequence, text) in (0..).zip(messages) {
+            let log_time = 2_000_000_000 + u64::from(sequence) * 100_000_000;
+            let header = mcap::records::MessageHeader {
+                channel_id,
+                sequence,
+                log_time,
+                publish_time: log_time,
+            };
+            writer
+                .write_to_known_channel(&header, text.as_bytes())
+                .unwrap();
+        }
+        writer.finish().unwrap();
+        drop(writer);
+        out.into_inner()
+    }
+
+    /// What Python writes for a number that is none, and what stands in a text.
+    #[test]
+    fn nan_and_infinity_are_read_as_none() {
+        let log = read(
+            "x",
+            &file(&[
+                r#"{"v": [1.5, NaN, -Infinity], "note": "NaN \" Infinity"}"#,
+                r#"{"v": [1.5, 2.5, 3.5], "note": "NaN"}"#,
+                r#"{"v": [nan, inf, -nan], "note": ""}"#,
+            ]),
+        )
+        .unwrap();
+        assert_eq!(log.notes, [""; 0]);
+        let values = |name: &str| &log.column("x", name).unwrap().values;
+        assert!(values("v[0]")[..2] == [1.5, 1.5] && values("v[0]")[2].is_nan());
+        for (row, known) in [(0, false), (1, true), (2, false)] {
+            assert_eq!(values("v[1]")[row].is_finite(), known);
+            assert_eq!(values("v[2]")[row].is_finite(), known);
+        }
+    }
+
+    /// A field that is null in one message and an array in another is one field; a field that is in some messages alone is known in those.
+    #[test]
+    fn fields_may_come_and_go() {
+        let log = read(
+            "x",
+            &file(&[
+                r#"{"a": 1, "v": null, "w": null}"#,
+                r#"{"v": [1, 2], "a": 2}"#,
+                r#"{"a": 3, "v": null, "later": 7}"#,
+            ]),
+        )
+        .unwrap();
+        assert_eq!(log.notes, [""; 0]);
+        let names: Vec<&str> = log.topics[0].columns().iter().map(|c| &*c.name).collect();
+        assert_eq!(names, ["a", "w", "v[0]", "v[1]", "later"]);
+        let known = |name: &str| -> Vec<f64> {
+            let values = &log.column("x", name).unwrap().values;
+            values.iter().copied().filter(|v| v.is_finite()).collect()
+        };
+        assert_eq!(known("a"), [1.0, 2.0, 3.0]);
+        assert_eq!(known("v[1]"), [2.0]);
+        assert_eq!((known("later"), known("w")), (vec![7.0], vec![]));
+        assert!(log.column("x", "v[0]").unwrap().values[0].is_nan());
+        // More fields than a message can have.
+        let many: Vec<String> = (0..=COLUMNS).map(|i| format!("\"f{i}\": 0")).collect();
+        let many = format!("{{{}}}", many.join(","));
+        let log = read("x", &file(&[r#"{"a": 1}"#, &many])).unwrap();
+        assert!(
+            log.notes[0].contains("x: 1 messages left out"),
+            "{:?}",
+            log.notes
         );
     }
 }

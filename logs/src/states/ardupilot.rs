@@ -436,4 +436,37 @@ mod tests {
         assert!(north.is_nan() && east.is_nan() && down == -20.0);
         assert_eq!(states.velocity_setpoint.unwrap().values[0][2], 1.0);
     }
+
+    /// The estimator names a core that the log does not hold: that is said, and no other core stands for it. What ArduPilot flies by is in ATT, too.
+    #[test]
+    fn a_core_that_is_not_logged_is_said() {
+        let still = [("VE", 0.0), ("VD", 0.0), ("Roll", 0.0), ("Yaw", 0.0)];
+        let core = |instance: u8, pitch: f64| {
+            let same = [&still[..], &[("Pitch", pitch)]].concat();
+            rows("XKF1", instance, ("VN", [5.0; 4]), &same)
+        };
+        let attitude = || rows("ATT", 0, ("Pitch", [70.0; 4]), &still[2..]);
+        let of = |primary: [f64; 4]| {
+            let status = rows("XKF4", 0, ("PI", primary), &[]);
+            find_in(vec![core(0, 80.0), core(1, 90.0), status, attitude()])
+        };
+        let never = of([2.0; 4]);
+        assert!(never.velocity.is_none() && never.attitude.source.starts_with("ATT."));
+        let note = "EKF3 core 2, in force from 0 s on, has no XKF1 in the log";
+        assert!(never.notes[0].starts_with(note), "{:?}", never.notes);
+        // From 3 s on: the rows before are those of core 1.
+        let later = of([1.0, 1.0, 2.0, 2.0]);
+        assert_eq!(later.time, [1.0, 2.0]);
+        assert!(
+            later
+                .notes
+                .iter()
+                .any(|note| note.contains("core 2, in force from 3 s on"))
+        );
+        // Nothing says which is in force: the first, and that is said.
+        let unsaid = find_in(vec![core(1, 90.0), core(3, 80.0), attitude()]);
+        assert!((unsaid.attitude.values[0][0] - 45_f64.to_radians().cos()).abs() < 1e-12);
+        let note = "EKF3: no XKF4.PI says which of its 2 cores was in force: core 1 is taken";
+        assert_eq!(unsaid.notes[0], note);
+    }
 }

@@ -6,7 +6,7 @@
 
 use crate::{Column, Log, Topic};
 use std::borrow::Cow;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The topics of a log, with what is in force in place of several.
 pub(super) struct Topics<'a> {
@@ -50,7 +50,7 @@ impl Choice {
                 _ if before.0 == after.0 => core.to_string(),
                 _ => format!("EKF{estimator} {core}"),
             };
-            let time = (time * 1e3).round() / 1e3;
+            let time = rounded(time);
             format!("from {} to {} at {time} s", word(before), word(after))
         });
         let all: Vec<String> = changes.collect();
@@ -65,6 +65,11 @@ impl Choice {
             )
         })
     }
+}
+
+/// A time to the millisecond.
+fn rounded(time: f64) -> f64 {
+    (time * 1e3).round() / 1e3
 }
 
 /// The messages of estimators that are looked for, and what the second and the third core have in their place in old logs. X stands for EKF3, N for EKF2.
@@ -116,96 +121,105 @@ impl<'a> Topics<'a> {
         all.collect()
     }
 
+    /// What is logged of an estimator's message under each of its `names`, X of EKF3 and N of EKF2.
+    fn cores(&self, names: [&str; 2], later: [[&str; 2]; 2]) -> Vec<(Key, &'a Topic)> {
+        let mut parts: Vec<(Key, &Topic)> = Vec::new();
+        for (index, estimator) in FAMILIES.into_iter().enumerate() {
+            let own = self.instances(names[index]);
+            let cores = own
+                .iter()
+                .map(|topic| ((estimator, topic.instance()), *topic));
+            parts.extend(cores);
+            for (core, names) in (1..).zip(later).filter(|_| own.len() == 1) {
+                let topic = self.log.topic(names[index]);
+                parts.extend(topic.map(|topic| ((estimator, core), topic)));
+            }
+        }
+        parts
+    }
+
     fn estimators(&mut self) {
-        let primary = |status: &str| {
+        let messages = ESTIMATORS.map(|(names, later)| (names, self.cores(names, later)));
+        let logged = || messages.iter().flat_map(|(_, parts)| parts);
+        let first = |estimator: u8| {
+            let own = logged().filter(|(key, _)| key.0 == estimator);
+            own.map(|(key, _)| key.1).min().unwrap_or(0)
+        };
+        // The core in force of each estimator, and the estimator in force.
+        let primaries = [0, 1].map(|index| {
+            let (status, estimator) = (["XKF4", "NKF4"][index], FAMILIES[index]);
             let rows = self.numbers(status, "PI").into_iter();
-            Choice::of(rows.map(|(t, core)| (t, (0, core))).collect(), (0, 0))
-        };
-        let cores = ["XKF4", "NKF4"].map(primary);
+            let rows: Vec<(f64, Key)> = rows.map(|(t, core)| (t, (estimator, core))).collect();
+            let cores: BTreeSet<Key> = logged()
+                .map(|(key, _)| *key)
+                .filter(|key| key.0 == estimator)
+                .collect();
+            if rows.is_empty() && cores.len() > 1 {
+                self.notes.push(format!(
+                    "EKF{estimator}: no {status}.PI says which of its {} cores was in force: core {} is taken",
+                    cores.len(),
+                    first(estimator)
+                ));
+            }
+            Choice::of(rows, (estimator, first(estimator)))
+        });
         let active: Vec<(f64, u8)> = self.numbers("ATT", "AEKF");
-        let both = FAMILIES.map(|family| active.iter().any(|(_, active)| *active == family));
-        // Every time at which something changes.
-        let family = Choice::of(
-            active
-                .iter()
-                .filter(|(_, active)| FAMILIES.contains(active))
-                .map(|(t, active)| (*t, (*active, 0)))
-                .collect(),
-            (0, 0),
-        );
-        let all = cores.iter().chain([&family]).flat_map(|choice| &choice.0);
-        let times: Vec<f64> = all.map(|(time, _)| *time).collect();
-        let of = |index: usize| {
-            let rows = times
-                .iter()
-                .map(|t| (*t, (FAMILIES[index], cores[index].at(*t).1)));
-            Choice::of(rows.collect(), (FAMILIES[index], 0))
-        };
-        // One estimator where one is in force, or logged; else the one that is said to be.
-        let choices = match both {
-            [true, true] => {
-                let rows = times.iter().map(|t| {
-                    let estimator = family.at(*t).0;
-                    let index = FAMILIES.iter().position(|f| *f == estimator).unwrap_or(0);
-                    (*t, (estimator, cores[index].at(*t).1))
-                });
-                let both = || Choice::of(rows.clone().collect(), (3, 0));
-                [Some(both()), Some(both())]
+        let known = active.iter().filter(|(_, a)| FAMILIES.contains(a));
+        let family = Choice::of(known.map(|(t, a)| (*t, (*a, 0))).collect(), (0, 0));
+        let changes = primaries.iter().chain([&family]);
+        let times: Vec<f64> = changes
+            .flat_map(|choice| choice.0.iter().map(|(time, _)| *time))
+            .collect();
+        // Where nothing says which estimator is in force, EKF3 goes before EKF2.
+        let default = FAMILIES
+            .into_iter()
+            .find(|estimator| logged().any(|(key, _)| key.0 == *estimator));
+        let rows = times.iter().filter_map(|time| {
+            let estimator = match family.at(*time).0 {
+                0 => default?,
+                estimator => estimator,
+            };
+            let index = FAMILIES.iter().position(|f| *f == estimator)?;
+            Some((*time, primaries[index].at(*time)))
+        });
+        let Some(default) = default else { return };
+        let choice = Choice::of(rows.collect(), (default, first(default)));
+        let mut missing: BTreeMap<Key, (f64, Vec<&str>)> = BTreeMap::new();
+        for (names, parts) in &messages {
+            if parts.is_empty() {
+                continue;
             }
-            [false, true] => [None, Some(of(1))],
-            [true, false] => [Some(of(0)), None],
-            [false, false] => [Some(of(0)), Some(of(1))],
-        };
-        for (names, later) in ESTIMATORS {
-            let mut parts: Vec<(Key, &Topic)> = Vec::new();
-            for (index, name) in names.into_iter().enumerate() {
-                let estimator = FAMILIES[index];
-                let own = self.instances(name);
-                parts.extend(
-                    own.iter()
-                        .map(|topic| ((estimator, topic.instance()), *topic)),
-                );
-                for (core, names) in (1..).zip(later).filter(|_| own.len() == 1) {
-                    let topic = self.log.topic(names[index]);
-                    parts.extend(topic.map(|topic| ((estimator, core), topic)));
+            for (from, key) in &choice.0 {
+                if !parts.iter().any(|(own, _)| own == key) {
+                    let index = usize::from(key.0 != FAMILIES[0]);
+                    let entry = missing.entry(*key).or_insert((*from, Vec::new()));
+                    entry.1.push(names[index]);
                 }
             }
-            for (index, name) in names.into_iter().enumerate() {
-                let Some(choice) = &choices[index] else {
-                    self.chosen.insert(name, None);
-                    continue;
-                };
-                let own = |(key, _): &&(Key, &Topic)| both == [true; 2] || key.0 == FAMILIES[index];
-                let parts: Vec<(Key, &Topic)> = parts.iter().filter(own).copied().collect();
-                if !parts.is_empty() {
-                    self.chosen.insert(name, merged(name, &parts, choice));
-                }
+            for (name, estimator) in names.iter().zip(FAMILIES) {
+                let used = choice.0.iter().any(|(_, key)| key.0 == estimator);
+                let rows = used.then(|| merged(name, parts, &choice)).flatten();
+                self.chosen.insert(name, rows);
             }
         }
-        // An estimator's core has the accelerometer of its own number, unless the vehicle is told otherwise.
-        let used = choices.iter().flatten().find(|choice| {
-            let estimator = choice.at(0.0).0;
-            let logged = |name: &&str| self.log.topic(name).is_some();
-            let index = FAMILIES.iter().position(|f| *f == estimator);
-            index.is_some_and(|i| ESTIMATORS.iter().any(|(names, _)| logged(&names[i])))
-        });
-        let used = used.map(|choice| {
-            let cores = choice.0.iter().map(|(t, (_, core))| (*t, (0, *core)));
-            Choice::of(cores.collect(), (0, 0))
-        });
-        if let Some(choice) = used {
-            self.sensors("IMU", ["IMU2", "IMU3"], &choice);
+        self.notes.extend(choice.note("the estimator's core"));
+        for ((estimator, core), (from, names)) in missing {
+            let mut names = names;
+            names.dedup();
+            self.notes.push(format!(
+                "EKF{estimator} core {core}, in force from {} s on, has no {} in the log: of no other core they are taken there",
+                rounded(from),
+                names.join(", ")
+            ));
         }
-        let told = choices.iter().flatten().find_map(|choice| {
-            let estimator = choice.at(0.0).0;
-            choice.note(&match both {
-                [true, true] => "the estimator".to_owned(),
-                _ => format!("EKF{estimator}"),
-            })
-        });
-        self.notes.extend(told);
+        // Of several accelerometers an estimator's core has that of its own number, unless the vehicle is told otherwise.
+        let cores = choice.0.iter().map(|(t, (_, core))| (*t, (0, *core)));
+        let cores = Choice::of(cores.collect(), (0, 0));
+        if self.instances("IMU").len() > 1 || self.log.topic("IMU2").is_some() {
+            self.sensors("IMU", ["IMU2", "IMU3"], &cores);
+        }
         let others = active.iter().filter(|(_, a)| !FAMILIES.contains(a)).count();
-        if others > 0 && others < active.len() {
+        if others > 0 {
             self.notes.push(format!(
                 "ATT.AEKF: in {others} of {} rows another estimator than EKF2 and EKF3 was in force; what those say is taken there, too",
                 active.len()
@@ -215,7 +229,9 @@ impl<'a> Topics<'a> {
 
     fn airspeed(&mut self) {
         let rows = self.numbers("ARSP", "Pri").into_iter();
-        let choice = Choice::of(rows.map(|(t, sensor)| (t, (0, sensor))).collect(), (0, 0));
+        let first = self.log.topic("ARSP").map_or(0, Topic::instance);
+        let rows = rows.map(|(t, sensor)| (t, (0, sensor)));
+        let choice = Choice::of(rows.collect(), (0, first));
         self.notes.extend(choice.note("airspeed"));
         self.sensors("ARSP", ["ASP2", ""], &choice);
     }
@@ -276,30 +292,28 @@ impl<'a> Topics<'a> {
         for (n, other) in (1..).zip(others).filter(|_| own.len() == 1) {
             parts.extend(self.log.topic(other).map(|topic| ((0, n), topic)));
         }
-        if parts.len() > 1 {
+        let logged = |key: &Key| parts.iter().any(|(own, _)| own == key);
+        if let Some((from, (_, number))) = choice.0.iter().find(|(_, key)| !logged(key))
+            && !parts.is_empty()
+        {
+            self.notes.push(format!(
+                "{name} {number}, in force from {} s on, is not in the log: of no other it is taken there",
+                rounded(*from)
+            ));
+        }
+        if !parts.is_empty() {
             self.chosen.insert(name, merged(name, &parts, choice));
         }
     }
 }
 
-/// Of the topics `parts` the rows that are in force. Where the one in force is not logged, those of the first.
+/// Of the topics `parts` the rows that are in force; none where that one is not logged.
 fn merged<'a>(name: &str, parts: &[(Key, &'a Topic)], choice: &Choice) -> Option<Cow<'a, Topic>> {
-    let logged = |key: Key| parts.iter().any(|(own, _)| *own == key);
-    let first = parts.iter().min_by_key(|(key, _)| *key)?;
-    let in_force = |time: f64| {
-        let key = choice.at(time);
-        if logged(key) { key } else { first.0 }
-    };
-    let mut used = choice
-        .0
-        .iter()
-        .map(|(_, key)| if logged(*key) { *key } else { first.0 });
-    let one = used.next()?;
-    if used.all(|key| key == one) {
+    if let [(_, one)] = choice.0[..] {
         let topic = parts.iter().find(|(key, _)| *key == one)?;
         return Some(Cow::Borrowed(topic.1));
     }
-    let taken = |key: Key, topic: &Topic, row: usize| in_force(topic.time()[row]) == key;
+    let taken = |key: Key, topic: &Topic, row: usize| choice.at(topic.time()[row]) == key;
     rows(name, parts, taken).map(Cow::Owned)
 }
 

@@ -1,5 +1,6 @@
 //! States as a plain table: how a CSV with a column map holds them, and how they are written as one.
 
+use super::in_force::Topics;
 use super::source::Source;
 use super::{Family, Series, States};
 use crate::{Column, Topic};
@@ -30,6 +31,35 @@ pub(super) const FAMILY: Family = Family {
         Source::vector(&[("", "an_sp"), ("", "ae_sp"), ("", "ad_sp")]).partly(),
     ],
 };
+
+/// Units of its quantities, as they may be written: the first is that which is wanted.
+const SPEED: &[&str] = &["m/s", "m s-1", "m*s^-1"];
+const LENGTH: &[&str] = &["m"];
+const ACCELERATION: &[&str] = &["m/s/s", "m/s²", "m/s^2", "m/s2"];
+const ANGLE: &[&str] = &["rad", "radians"];
+const NUMBER: &[&str] = &["1", "-"];
+
+/// What of its columns is not to be read, if anything.
+pub(super) fn doubt(topics: &Topics) -> Option<String> {
+    let of = [
+        (FAMILY.attitude, NUMBER),
+        (FAMILY.velocity, SPEED),
+        (FAMILY.position, LENGTH),
+        (FAMILY.wind, SPEED),
+        (FAMILY.air_velocity, SPEED),
+        (FAMILY.airspeed, SPEED),
+        (FAMILY.specific_force, ACCELERATION),
+        (FAMILY.attitude_setpoint, NUMBER),
+        (FAMILY.position_setpoint, LENGTH),
+        (FAMILY.velocity_setpoint, SPEED),
+        (FAMILY.acceleration_setpoint, ACCELERATION),
+        (FAMILY.heading_setpoint, ANGLE),
+    ];
+    of.iter().find_map(|(sources, units)| {
+        let found = sources.iter().find_map(|source| source.find(topics))?;
+        found.doubt(units)
+    })
+}
 
 impl States {
     /// The states as one plain table, `states`: each quantity that was found, and the age \[s\] of each as `qw_age`, `vn_age`
@@ -183,10 +213,96 @@ mod tests {
         }
         let asked = table("", quarter).unwrap_err().to_string();
         assert!(
-            asked.starts_with("no unit of roll, pitch and yaw"),
+            asked.starts_with("no unit of roll, pitch, yaw, of which none is beyond 6.3"),
             "{asked}"
         );
         assert!(table("deg", quarter).is_ok());
+    }
+
+    /// Each axis has its own unit; words that are none are refused, and a pitch beyond 90°. Yaw and roll may go on beyond a turn.
+    #[test]
+    fn each_axis_has_its_own_unit() {
+        let table = |units: [&str; 3], angles: [f64; 3], speed: &str| {
+            let names = ["roll", "pitch", "yaw"].into_iter().zip(units);
+            let angles = names.zip(angles);
+            let columns = angles.map(|((name, unit), value)| Column::new(name, unit, vec![value]));
+            let speeds = ["vn", "ve", "vd"].map(|name| Column::new(name, speed, vec![0.0]));
+            find(&Log {
+                topics: vec![
+                    Topic::new("csv", 0, vec![1.0], columns.chain(speeds).collect()).unwrap(),
+                ],
+                notes: Vec::new(),
+            })
+        };
+        let want = table(["deg"; 3], [20.0, 60.0, 30.0], "m/s")
+            .unwrap()
+            .attitude
+            .values[0];
+        let radians = [20.0, 60.0, 30.0_f64].map(f64::to_radians);
+        for bits in 0..8 {
+            let in_radians = |i: usize| bits >> i & 1 == 1;
+            let units = [0, 1, 2].map(|i| if in_radians(i) { "rad" } else { "Degrees" });
+            let angles = [0, 1, 2].map(|i| match in_radians(i) {
+                true => radians[i],
+                false => [20.0, 60.0, 30.0][i],
+            });
+            let got = table(units, angles, "").unwrap().attitude.values[0];
+            // A few roundings.
+            let close = std::iter::zip(got, want).all(|(a, b)| (a - b).abs() < 1e-14);
+            assert!(close, "{units:?} {got:?} {want:?}");
+        }
+        let refusal = |units: [&str; 3], angles: [f64; 3], speed: &str| {
+            table(units, angles, speed).unwrap_err().to_string()
+        };
+        for (units, angles, speed, says) in [
+            (
+                ["deg", "grad", "deg"],
+                [0.0; 3],
+                "m/s",
+                "no unit `grad` known for pitch",
+            ),
+            (
+                ["deg/s", "deg", "deg"],
+                [0.0; 3],
+                "m/s",
+                "no unit `deg/s` known for roll",
+            ),
+            (
+                ["deg"; 3],
+                [0.0; 3],
+                "km/h",
+                "no unit `km/h` known for vn, which is read in m/s",
+            ),
+            (
+                ["deg", "deg", ""],
+                [0.0; 3],
+                "m/s",
+                "no unit of yaw, of which none",
+            ),
+            (
+                ["deg"; 3],
+                [0.0, 800.0, 0.0],
+                "m/s",
+                "no attitude: the pitch in pitch is 800.0°",
+            ),
+            (
+                ["rad"; 3],
+                [0.0, 1.7, 0.0],
+                "m/s",
+                "no attitude: the pitch in pitch is 97.4°",
+            ),
+            (
+                [""; 3],
+                [0.0, 120.0, 0.0],
+                "m/s",
+                "no attitude: the pitch in pitch is 120.0°",
+            ),
+        ] {
+            let found = refusal(units, angles, speed);
+            assert!(found.starts_with(says), "{found}");
+        }
+        assert!(table(["deg"; 3], [-400.0, 90.4, 4000.0], "m/s").is_ok());
+        assert!(table(["deg", "deg", ""], [0.0, 0.0, 350.0], "m/s").is_ok());
     }
 
     /// What a map may name: of a plain table, or of an autopilot's topic.

@@ -216,7 +216,7 @@ mod tests {
         // From belly, wing and tail to nose, wing and belly.
         let force = states.specific_force.as_ref().unwrap();
         assert_eq!(force.values[0], [9.5, 2.0, 1.0]);
-        let missing: Vec<&str> = states.missing.iter().map(|m| m.what).collect();
+        let missing: Vec<&str> = states.missing.iter().map(|m| &*m.what).collect();
         assert_eq!(
             missing,
             ["airspeed", "position set-point", "acceleration set-point"]

@@ -165,6 +165,21 @@ pub(super) struct Found<'a> {
     columns: Vec<Option<(&'a Topic, &'a Column)>>,
 }
 
+/// A turn in radians, and a little: angles that go on beyond are degrees.
+const TURN: f64 = 6.3;
+/// Greatest pitch \[°\] of Euler angles: 90°, and roundings. Roll and yaw may go on beyond a turn.
+const MOST_PITCH: f64 = 90.5;
+
+/// What one of this unit is in degrees; none if it is no unit of angles.
+fn degrees(unit: &str) -> Option<f64> {
+    match unit.trim().to_lowercase().as_str() {
+        // The last is ArduPilot's, of a heading.
+        "deg" | "degree" | "degrees" | "°" | "degheading" => Some(1.0),
+        "rad" | "radian" | "radians" => Some(1_f64.to_degrees()),
+        _ => None,
+    }
+}
+
 /// Metres per degree of latitude, and of longitude at the equator: ArduPilot's own figure (`LOCATION_SCALING_FACTOR` of
 /// AP_Math's `location.cpp`: 0.011131884502145034 m per 1e-7°), so that positions come out as it has them.
 const METRES_PER_DEGREE: f64 = 111_318.845_021_450_34;
@@ -176,23 +191,57 @@ impl Found<'_> {
         first.map_or(&[], |(topic, _)| topic.time())
     }
 
-    /// Whether angles are in radians, by the unit of their columns; none if it is not said, and degrees are but taken for granted.
-    fn is_in_radians(&self) -> Option<bool> {
-        let units = self
-            .columns
-            .iter()
-            .flatten()
-            .map(|(_, column)| column.unit.as_str());
-        let mut units = units.filter(|unit| !unit.is_empty()).peekable();
-        units.peek()?;
-        Some(units.all(|unit| unit.starts_with("rad")))
+    /// What one of each column's unit is in degrees, of angles; 1 where no unit is said.
+    fn degrees_each(&self) -> [f64; 3] {
+        std::array::from_fn(|i| {
+            let column = self.columns.get(i).copied().flatten();
+            column
+                .and_then(|(_, column)| degrees(&column.unit))
+                .unwrap_or(1.0)
+        })
     }
 
-    /// Whether it is of angles whose unit nothing says, and all of which may be radians.
-    pub(super) fn is_unsaid(&self) -> bool {
-        let values = self.columns.iter().flatten().flat_map(|(_, c)| &c.values);
+    /// What of the columns is not to be read: a unit that is none of theirs, angles whose unit nothing says and that may be of either, a pitch beyond
+    /// 90°. None if all is well. `units` are those of its columns.
+    pub(super) fn doubt(&self, units: &[&str]) -> Option<String> {
+        let columns = || self.columns.iter().flatten().map(|(_, column)| *column);
+        let angles = self.source.form == Form::Angles;
+        let known = |unit: &str| match angles {
+            true => degrees(unit).is_some(),
+            false => units.contains(&unit),
+        };
+        let other = columns().find(|column| !column.unit.is_empty() && !known(&column.unit));
+        if let Some(Column { name, unit, .. }) = other {
+            let wanted = if angles { "deg or rad" } else { units.first()? };
+            return Some(format!(
+                "unit `{unit}` known for {name}, which is read in {wanted}: in a map convert it with `scale` and `offset`, and name the unit that it then has"
+            ));
+        }
+        if !angles {
+            return None;
+        }
+        let unsaid: Vec<&Column> = columns().filter(|column| column.unit.is_empty()).collect();
+        let values = unsaid.iter().flat_map(|column| &column.values);
         let greatest = values.fold(0.0, |most, value| f64::max(most, value.abs()));
-        self.source.form == Form::Angles && self.is_in_radians().is_none() && greatest <= 6.3
+        if !unsaid.is_empty() && greatest <= TURN {
+            let names: Vec<&str> = unsaid.iter().map(|column| column.name.as_str()).collect();
+            return Some(format!(
+                "unit of {}, of which none is beyond {TURN}: degrees or radians? In a map say `unit = \"deg\"` or `unit = \"rad\"` with each, in a header `{} [deg]`",
+                names.join(", "),
+                names.first()?
+            ));
+        }
+        let pitch = self.columns.get(1).copied().flatten()?.1;
+        let each = self.degrees_each()[1];
+        let beyond = pitch
+            .values
+            .iter()
+            .find(|v| (*v * each).abs() > MOST_PITCH)?;
+        Some(format!(
+            "attitude: the pitch in {} is {:.1}°, and none is beyond 90°: its unit, or its column, is another",
+            pitch.name,
+            beyond * each
+        ))
     }
 
     /// The quantity held at the times `base`. `N` is the number of its components; those not logged are 0.
@@ -223,7 +272,7 @@ impl Found<'_> {
             .iter()
             .map(|column| column.map_or(f64::NAN, |(_, c)| first_finite(&c.values)))
             .collect();
-        let radians = self.is_in_radians() == Some(true);
+        let each = self.degrees_each();
         let values = (0..base.len()).map(|row| {
             let three = [logged(row, 0), logged(row, 1), logged(row, 2)];
             let four = [
@@ -235,8 +284,7 @@ impl Found<'_> {
             let all = match self.source.form {
                 Form::Scalar | Form::Vector | Form::Horizontal => four,
                 Form::Quaternion => attitude::normalized(four),
-                Form::Angles if radians => attitude::from_degrees(three.map(f64::to_degrees)),
-                Form::Angles => attitude::from_degrees(three),
+                Form::Angles => attitude::from_degrees(std::array::from_fn(|i| three[i] * each[i])),
                 Form::Course => {
                     let (east, north) = three[1].to_radians().sin_cos();
                     [three[0] * north, three[0] * east, three[2], 0.0]
@@ -285,7 +333,7 @@ pub(super) fn first<const N: usize>(
     let found = any(topics, time, sources);
     if found.is_none() {
         missing.push(Missing {
-            what,
+            what: what.into(),
             tried: sources.iter().map(Source::to_string).collect(),
         });
     }

@@ -30,12 +30,12 @@ const LIMITS: [(&str, u32, f64, u64, u32); 5] = [
     ("robust", 400, 1.15, 6 * 1024, 512),
     ("full_feed_forward", 900, 1.15, 6 * 1024, 512),
     // The predictions' loop is there twice, for large wings at high speed and without: 3 kB, and 300 instructions less.
-    ("guidance", 20_000, 1.5, 37 * 1024, 2048),
-    ("guidance_in_flight", 20_000, 1.5, 37 * 1024, 2048),
+    ("guidance", 20_000, 1.5, 38 * 1024, 2080),
+    ("guidance_in_flight", 20_000, 1.5, 38 * 1024, 2080),
     ("winged_feed_forward", 900, 1.15, 6 * 1024, 512),
 ];
 
-/// Lines of a README between which the table stands.
+/// Lines of a page (`docs/results.md`) between which the table stands.
 const BEGIN: &str = "<!-- cargo target-bench: begin -->\n";
 const END: &str = "<!-- cargo target-bench: end -->\n";
 

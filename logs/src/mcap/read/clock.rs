@@ -2,8 +2,11 @@
 
 use super::Rows;
 
-/// Units that a `timestamp` may have: parts of a second.
-const UNITS: [(f64, &str); 4] = [
+/// A unit: how many are a second, and its name.
+type Unit = (f64, &'static str);
+
+/// Units that a `timestamp` may have.
+const UNITS: [Unit; 4] = [
     (1.0, "seconds"),
     (1e3, "milliseconds"),
     (1e6, "microseconds"),
@@ -36,21 +39,22 @@ pub(super) fn times<'a>(
             .map(|(_, rows)| rows.stamps.clone())
             .collect();
     }
-    // That of the channel that lasts longest counts for those that do not last.
-    let longest = channels
-        .iter()
-        .filter(|(_, rows)| stamped(rows) > 1)
-        .max_by(|a, b| {
-            span(a.1.logged.iter().copied()).total_cmp(&span(b.1.logged.iter().copied()))
-        });
-    let common = longest.map_or(Some(UNITS[0]), |(_, rows)| {
-        unit(rows).unwrap_or(Some(UNITS[0]))
-    });
+    // That of all messages counts for a channel that does not last, as where each message has a channel of its own.
+    let pairs = |rows: &Rows| pairs(rows).collect::<Vec<_>>();
+    let common = by_span(
+        &channels
+            .iter()
+            .flat_map(|(_, rows)| pairs(rows))
+            .collect::<Vec<_>>(),
+    );
+    let common = common.unwrap_or(Some(UNITS[0]));
     let mut found = Vec::new();
     let mut offsets: Vec<f64> = Vec::new();
     let mut units: Vec<&str> = Vec::new();
     for (name, rows) in &channels {
-        let Some((per_second, word)) = unit(rows).unwrap_or(common) else {
+        let own = pairs(rows);
+        let unit = by_span(&own).unwrap_or_else(|| by_epoch(&own).or(common));
+        let Some((per_second, word)) = unit else {
             notes.push(format!(
                 "{name}: its `timestamp` runs over {} where it was logged over {:.3} s: the time logged is taken",
                 span(rows.stamps.iter().copied()),
@@ -91,16 +95,32 @@ pub(super) fn times<'a>(
     found
 }
 
+/// Both times of each message that has a stamp: when it was logged \[s\], and the stamp.
+fn pairs(rows: &Rows) -> impl Iterator<Item = (f64, f64)> {
+    let both = std::iter::zip(&rows.logged, &rows.stamps);
+    both.filter(|(_, stamp)| stamp.is_finite())
+        .map(|(logged, stamp)| (*logged, *stamp))
+}
+
 /// The unit of the stamps, by how long they last: none if they do not, and `Some(None)` if none fits.
-fn unit(rows: &Rows) -> Option<Option<(f64, &'static str)>> {
-    let both = std::iter::zip(&rows.logged, &rows.stamps).filter(|(_, stamp)| stamp.is_finite());
-    let (logged, stamps): (Vec<f64>, Vec<f64>) = both.map(|(a, b)| (*a, *b)).unzip();
-    let (logged, stamps) = (span(logged.into_iter()), span(stamps.into_iter()));
+fn by_span(pairs: &[(f64, f64)]) -> Option<Option<Unit>> {
+    let logged = span(pairs.iter().map(|pair| pair.0));
+    let stamps = span(pairs.iter().map(|pair| pair.1));
     if logged <= 0.0 {
         return None;
     }
-    let fits = |(per_second, _): &(f64, &str)| (0.5..2.0).contains(&(stamps / logged / per_second));
+    let fits = |(per_second, _): &Unit| (0.5..2.0).contains(&(stamps / logged / per_second));
     Some(UNITS.into_iter().find(fits))
+}
+
+/// The unit in which a stamp is about the time at which its message was logged, if there is one.
+fn by_epoch(pairs: &[(f64, f64)]) -> Option<Unit> {
+    let &(logged, stamp) = pairs.first()?;
+    let apart = |unit: &Unit| (stamp / unit.0 - logged).abs();
+    let nearest = UNITS
+        .into_iter()
+        .min_by(|a, b| apart(a).total_cmp(&apart(b)))?;
+    (apart(&nearest) <= f64::min(APART, 0.1 * logged)).then_some(nearest)
 }
 
 /// From the least to the greatest of the finite values.
@@ -122,6 +142,7 @@ mod tests {
             logged: logged.to_vec(),
             stamps: stamps.to_vec(),
             columns: Vec::new(),
+            places: std::collections::BTreeMap::new(),
         }
     }
 
@@ -175,5 +196,35 @@ mod tests {
         // Without a second clock the stamps are seconds.
         let (found, notes) = of(&[rows(&[0.0, 0.0], &[5.0, 6.0])]);
         assert_eq!((found, notes.len()), (vec![vec![5.0, 6.0]], 0));
+    }
+
+    /// Each message a channel of its own: the unit is that of all, or told by the second clock at each.
+    #[test]
+    fn channels_of_one_message_have_the_unit_of_all() {
+        for epoch in [2.0, 1.7e9] {
+            for (per_second, word) in UNITS {
+                let times = [epoch, epoch + 0.05, epoch + 4.0];
+                let channels = times.map(|t| rows(&[t], &[t * per_second]));
+                let (found, notes) = of(&channels);
+                for (found, want) in std::iter::zip(found, times) {
+                    // Nanoseconds since 1970 have 61 bits, and a float 53.
+                    assert!((found[0] - want).abs() < 1e-6, "{found:?} {want}");
+                }
+                assert_eq!(notes.len(), usize::from(per_second != 1.0));
+                assert!(notes.iter().all(|note| note.contains(word)), "{notes:?}");
+            }
+        }
+        // Since power-on, and the log's since 1970.
+        let channels = [0.0, 0.05, 4.0].map(|t| rows(&[1.7e9 + t], &[(t + 7.0) * 1e6]));
+        let (found, _) = of(&channels);
+        assert_eq!(found, [[7.0], [7.05], [11.0]]);
+        // A channel in milliseconds beside one in microseconds, of one message each, and one that lasts.
+        let channels = [rows(&[20.0, 21.0], &[20e6, 21e6]), rows(&[20.5], &[20.5e3])];
+        let (found, notes) = of(&channels);
+        assert_eq!(found, [vec![20.0, 21.0], vec![20.5]]);
+        assert!(
+            notes[0].contains("microseconds and milliseconds"),
+            "{notes:?}"
+        );
     }
 }

@@ -1,18 +1,19 @@
 //! The functions measured, each behind a call that is not inlined.
 
 use super::sweep::Case;
+use alula::aero::{Coefficients, NACA_0021_RE_160E3};
 use alula::ned::BodyAxes;
+use alula::planar::equilibrium::{Equilibria, EquilibriumError, FoldMap, FoldMargin};
+use alula::planar::{AirData, Attitude, GainParameters, Gains, ThrustLine, VelocityControl};
+use alula::spatial::axisymmetric::AxisymmetricControl;
 use alula::spatial::{
-    AxisymmetricControl, ForceError, ForceErrorParameters, ForceErrorState, LateralGains,
-    LateralParameters, Orientation, Sideslip, SideslipParameters, SideslipState, WingedControl,
+    ForceError, ForceErrorParameters, ForceErrorState, LateralGains, LateralParameters,
+    Orientation, Sideslip, SideslipParameters, SideslipState, WingedControl,
 };
 use alula::{
-    Aerodynamics, AirData, AngleOfAttack, Attitude, BandwidthGains, Combined, CombinedParameters,
-    Equilibria, EquilibriumError, Fault, FoldMap, FoldMargin, GainParameters, Gains, Guidance,
+    Aerodynamics, AngleOfAttack, BandwidthGains, Combined, CombinedParameters, Fault, Guidance,
     GuidanceParameters, GuidanceState, LargeAngle, LargeAngleParameters, Model, Parameters,
-    SmallAngle, SmallAngleParameters, Table, ThrustLine, Vehicle, VehicleParameters,
-    VelocityControl,
-    aero::{Coefficients, NACA_0021_RE_160E3},
+    SmallAngle, SmallAngleParameters, Table, Vehicle, VehicleParameters,
 };
 use core::hint::black_box;
 

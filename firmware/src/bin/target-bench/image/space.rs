@@ -3,7 +3,7 @@
 use super::sweep::Random;
 use alula::GuidanceInput;
 use alula::guidance::Air;
-use alula::ned::{Ned, Quaternion};
+use alula::ned::{Frd, Ned, Quaternion};
 use alula::spatial::{
     Body, Correction, FeedForward, ForceSample, Heading, Orientation, Reference, State,
 };
@@ -109,7 +109,7 @@ pub fn case(n: usize) -> SpaceCase {
             orientation,
             state_age: 0.0,
             air: Air::Velocity(state.velocity - state.wind),
-            specific_force: Some(Body::new(-9.0, 2.0, 0.5)),
+            specific_force: Some(Frd::new(9.0, 0.5, 2.0)),
             position_error: Some(Ned::new(
                 random.within(12.0),
                 random.within(12.0),

@@ -2,8 +2,9 @@
 
 use super::functions::Fixture;
 use super::space::{self, SpaceCase};
-use alula::equivalency::ApparentForces;
-use alula::{AngleOfAttack, Attitude, Body, FeedForward, Inertial, Reference, State};
+use alula::AngleOfAttack;
+use alula::planar::equivalency::ApparentForces;
+use alula::planar::{Attitude, Body, FeedForward, Inertial, Reference, State};
 use core::f32::consts::PI;
 
 /// How many.

@@ -1,0 +1,88 @@
+//! A vehicle of one's own: from what a person knows of it to its file, a flight, a campaign, and what it can do.
+//! Of a vehicle alone: its [`envelope`], a [`sweep`](mod@sweep) of its equilibria along a reference, the [`fit`](mod@fit) of a model to a table.
+//! On a target without an operating system the package is empty.
+#![cfg_attr(target_os = "none", no_std)]
+#![cfg(not(target_os = "none"))]
+
+mod code;
+mod document;
+pub mod envelope;
+pub mod fit;
+mod goals;
+mod known;
+mod performance;
+pub mod sweep;
+mod verdict;
+mod wing;
+
+use alula::{GuidanceParameters, ResponseParameters};
+
+pub use code::code_text;
+pub use document::{campaign_text, check_name, vehicle_text};
+pub use known::{Facts, Known};
+pub use performance::{ON_WING, Performance, Stall};
+pub use verdict::{Outcome, Verdict};
+pub use wing::{ROWS, Wing};
+
+use alula_sim::experiment::{VehicleSpec, refused};
+
+/// A vehicle worked out from what is known.
+#[derive(Clone, Debug)]
+pub struct Design {
+    /// What is known.
+    pub facts: Facts,
+    /// Its wing.
+    pub wing: Wing,
+    /// The parameters of its guidance.
+    pub parameters: GuidanceParameters,
+}
+
+impl Design {
+    /// The vehicle of `facts`.
+    pub fn new(facts: Facts) -> anyhow::Result<Self> {
+        let wing = Wing::new(&facts)?;
+        // A model that is refused is told before the parameters.
+        let spec = spec(&facts, &wing);
+        spec.limited(facts.thrust())?;
+        let vehicle = spec.parameters(facts.thrust());
+        let response = ResponseParameters {
+            rate_lag: facts.rate_lag_s as f32,
+            thrust_lag: facts.thrust_lag_s as f32,
+            control_rate: facts.control_rate_hz as f32,
+            cruise_speed: facts.cruise_m_s as f32,
+        };
+        let parameters = GuidanceParameters::for_vehicle(&vehicle, &response);
+        Ok(Self {
+            parameters: parameters.map_err(refused::<ResponseParameters>)?,
+            facts,
+            wing,
+        })
+    }
+
+    /// The vehicle.
+    pub fn vehicle(&self) -> VehicleSpec {
+        spec(&self.facts, &self.wing)
+    }
+}
+
+impl Facts {
+    /// Least and greatest thrust \[N\].
+    pub fn thrust(&self) -> [f64; 2] {
+        [self.idle_to_weight, self.thrust_to_weight].map(|part| part * self.weight())
+    }
+}
+
+fn spec(facts: &Facts, wing: &Wing) -> VehicleSpec {
+    VehicleSpec {
+        mass_kg: facts.mass_kg,
+        k_a_kg_m: facts.k_a(),
+        delta_deg: facts.delta_deg,
+        c_y: 0.0,
+        gravity_m_s2: 9.81,
+        aerodynamics: wing.aerodynamics,
+    }
+}
+
+#[cfg(test)]
+#[path = "../../tests/common/refusals.rs"]
+pub mod refusals;

@@ -1,0 +1,193 @@
+//! The page about a vehicle of one's own: what was said, what follows, and the polar that it rests on.
+
+use alula::guidance::REASONS;
+use alula::{GuidanceParameters, Parameters as _};
+
+use super::chart::{BLUE, Chart, ORANGE, Series};
+use super::{Figure, Page, Table, fixed};
+use alula_design::{Design, ON_WING, Outcome, Performance, Verdict};
+use alula_sim::experiment::file_name;
+use alula_sim::figures::Figures;
+use alula_sim::margins::{LONGEST, Point};
+use alula_sim::polar::Upto;
+
+/// What a vehicle comes to.
+#[derive(Clone, Copy, Debug)]
+pub struct Results<'a> {
+    /// What it can do.
+    pub performance: &'a Performance,
+    /// Its margins in level flight.
+    pub margins: &'a [Point],
+    /// Its first flight.
+    pub flight: &'a Figures,
+    /// What came of that.
+    pub verdict: &'a Verdict,
+    /// What is to be doubted of it all.
+    pub warnings: &'a [String],
+}
+
+/// The page of the vehicle `name`, whose file is `text`.
+pub fn page(name: &str, design: &Design, results: &Results, text: &str) -> Page {
+    let mut lead = design.wing.story.clone();
+    let mut warnings = results.warnings.to_vec();
+    match results.verdict.outcome {
+        Outcome::AsAsked => lead.insert(0, results.verdict.text()),
+        Outcome::OutsideGoals | Outcome::Fails => warnings.insert(0, results.verdict.text()),
+    }
+    Page {
+        title: name.to_owned(),
+        lead: format!("{}.", lead.join(". ")),
+        warnings,
+        figure: figure(design),
+        tables: tables(name, design, results),
+        text: Some((format!("{name}.toml"), text.to_owned())),
+        notes: format!(
+            "Envelope and margins are of the vehicle as it was described, in still air. The first flight has no wind and no noise: {name}-campaign.toml has both."
+        ),
+    }
+}
+
+/// c_L and c_D over all angles and near stall; what was extended in another colour.
+fn figure(design: &Design) -> Figure {
+    let model = design.vehicle().reference().aerodynamics;
+    let polar = design.wing.polar.map(|(polar, _)| polar);
+    let symmetric = polar.is_none_or(|polar| polar.is_symmetric());
+    let seam = polar.and_then(|polar| polar.seam);
+    let given = seam.map(|seam| seam.given_deg);
+    let upto = match seam.map(|seam| seam.upto) {
+        Some(Upto::Section(_)) => "from the section given",
+        Some(Upto::Given) | None => "given",
+    };
+    let chart = |title, most: f64, of: fn(&alula_sim::reference::Coefficients) -> f64| {
+        let least = if symmetric { 0.0 } else { -most };
+        let points = |inside: bool| {
+            let angles = (0..=1000).map(|n| least + (most - least) * f64::from(n) / 1000.0);
+            let point = |degrees: f64| {
+                let there = given.is_none_or(|[from, to]| (from..=to).contains(&degrees));
+                let value = of(&model.at(alula_sim::reference::wrap(degrees.to_radians())));
+                (degrees, if there == inside { value } else { f64::NAN })
+            };
+            angles.map(point).collect()
+        };
+        let mut series = vec![Series::line(upto, BLUE, points(true))];
+        if given.is_some() {
+            series.push(Series::line("extended", ORANGE, points(false)));
+        }
+        Chart::over(title, "angle of attack α [°]", series)
+    };
+    let charts = [
+        chart("c_L", 179.9, |c| c.c_l),
+        chart("c_D", 179.9, |c| c.c_d),
+        chart("c_L near stall", 30.0, |c| c.c_l),
+        chart("c_D near stall", 30.0, |c| c.c_d),
+    ];
+    Figure::new(&charts, 250.0)
+}
+
+fn tables(name: &str, design: &Design, results: &Results) -> Vec<Table> {
+    let parameters = GuidanceParameters::ROWS.iter().zip(REASONS).enumerate();
+    let parameters = parameters.map(|(i, (row, (_, reason)))| {
+        let value = design.parameters.get(i).to_string();
+        [file_name(row), value, (*reason).to_owned()]
+    });
+    let figures = [
+        "altitude_least_m",
+        "altitude_most_m",
+        "forward_least_m",
+        "ahead_m",
+        "peak_rate_rad_s",
+        "max_late_velocity_error_m_s",
+    ];
+    let figures = figures.map(|name| [name.to_owned(), fixed(results.flight.get(name), 2)]);
+    vec![
+        Table::new(
+            "What it can do",
+            ["", ""],
+            envelope(design, results.performance),
+        ),
+        Table::new(
+            format!("First flight: the round trip of {name}.toml"),
+            ["figure", "value"],
+            figures,
+        ),
+        Table::of(
+            "Margins in level flight, with its own lags",
+            results.margins,
+            &[
+                ("v [m/s]", &|p| fixed(p.speed_m_s, 1)),
+                ("α [°]", &|p| fixed(p.alpha_deg, 1)),
+                ("largest rate-loop lag [s]", &|p| limit(p.lag_s)),
+                ("largest delay [s]", &|p| limit(p.delay_s)),
+            ],
+        ),
+        Table::new(
+            "Parameters of the guidance, and why",
+            ["parameter", "value", "reason"],
+            parameters,
+        ),
+    ]
+}
+
+fn limit(time: Option<f64>) -> String {
+    time.map_or(format!("> {LONGEST}"), |time| fixed(time, 3))
+}
+
+/// The envelope in words and numbers.
+fn envelope(design: &Design, p: &Performance) -> Vec<[String; 2]> {
+    let cruise = design.facts.cruise_m_s;
+    let row = |what: &str, value: String| [what.to_owned(), value];
+    let stall = p
+        .stall
+        .map_or(
+            "none: nothing stalls in level flight, and hover becomes cruise without a jump".to_owned(),
+            |s| {
+                format!(
+                    "{:.1} m/s (α = {:.1}°), the least of level flight on the wing: slowing down it falls off there; speeding up slowly it stays \
+                     behind the stall up to {:.1} m/s (α = {:.1}°). The guidance crosses on purpose, from about {:.1} m/s on",
+                    s.slow_m_s,
+                    s.alpha_deg[0],
+                    s.fast_m_s,
+                    s.alpha_deg[1],
+                    ON_WING * s.slow_m_s
+                )
+            },
+        );
+    let none = |why: &str| why.to_owned();
+    let stop = p.stop_m.map_or(
+        none("not known: it does not reach cruise"),
+        |[stop, loss, gain]| {
+            format!("within {stop:.1} m, {loss:.1} m lower and {gain:.1} m higher at most")
+        },
+    );
+    let off = match p.stall {
+        Some(_) => "not on the wing: below the speed of transition",
+        None => "not on the wing: at more than 40° of angle of attack",
+    };
+    vec![
+        row("speed of transition", stall),
+        row(
+            "level cruise",
+            p.cruise.map_or(none(off), |[alpha, thrust]| {
+                let most = design.facts.thrust_to_weight;
+                let short = match thrust > most {
+                    true => format!(": MORE than the {:.0} % there are", 100.0 * most),
+                    false => String::new(),
+                };
+                format!("{cruise} m/s at α = {alpha:.1}°, thrust {:.0} % of the weight{short}", 100.0 * thrust)
+            }),
+        ),
+        row(
+            "smallest turn in cruise",
+            p.turn.map_or(none("none on the wing"), |[load, radius]| {
+                format!("radius {radius:.0} m, load factor {load:.2}")
+            }),
+        ),
+        row(
+            "steepest glide in cruise",
+            p.glide.map_or(none("none: least thrust holds it up"), |[angle, sink]| {
+                format!("{angle:.1}°, {sink:.1} m/s of sink; steeper descents are flown behind the stall or tail first")
+            }),
+        ),
+        row("stops from cruise, flown", stop),
+    ]
+}

@@ -1,0 +1,189 @@
+//! `[controller.guidance]`: the core's whole guidance. Its parameters stand in the core's own table.
+
+use alula::ned::Ned;
+use alula::planar::{GainParameters, Gains};
+use alula::{
+    BandwidthGains, GainChoice, Guidance, GuidanceParameters, GuidanceState, ParameterError,
+    Parameters as _, ResponseParameters, VehicleParameters,
+};
+use alula_link::{Configuration, ControllerParameters, Pacing};
+use toml::Value;
+
+use super::{Answer, Controller, Input, Kind, Spec};
+use crate::experiment::{Experiment, FieldError, Fields, Model, NO_LIMITS, VehicleSpec, refused};
+use crate::margins::LoopGains;
+
+/// The row in the list of controllers.
+pub const KIND: Kind = Kind {
+    name: "guidance",
+    meaning: "the core's whole guidance",
+    believes: true,
+    read: |table| Ok(Box::new(GuidanceSpec::read(table)?)),
+};
+
+/// `[controller.guidance]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GuidanceSpec {
+    /// What the controller believes about the vehicle; the experiment's vehicle if left out.
+    pub vehicle: Option<VehicleSpec>,
+    /// Least and most thrust that it commands \[N\]; what the motors give if left out.
+    pub thrust_n: Option<[f64; 2]>,
+    /// Constant gains, in place of those by bandwidth.
+    pub gains: Option<GainParameters>,
+    /// The parameters: those given, and all others at their defaults.
+    pub parameters: GuidanceParameters,
+    /// From which those that are not given follow by the core's rules, in place of the defaults.
+    pub response: Option<ResponseParameters>,
+    /// Which are given, by their rows.
+    given: Vec<usize>,
+}
+
+impl GuidanceSpec {
+    /// What the table says.
+    pub fn read(table: Value) -> Result<Self, FieldError> {
+        let mut fields = Fields::new(table)?;
+        let spec = Self {
+            vehicle: fields.belief()?,
+            thrust_n: fields.take("thrust_n")?,
+            gains: fields.inner("gains")?,
+            response: fields.inner("for_vehicle")?,
+            given: fields.given::<GuidanceParameters>(),
+            parameters: fields.parameters()?,
+        };
+        fields.end()?;
+        Ok(spec)
+    }
+
+    /// The parameters for `vehicle`, where `unruled` are those without the rules. The rules leave `max_lateral_acceleration` alone.
+    pub fn ruled(
+        &self,
+        vehicle: &VehicleParameters,
+        unruled: &GuidanceParameters,
+    ) -> Result<GuidanceParameters, FieldError> {
+        let Some(response) = &self.response else {
+            return Ok(*unruled);
+        };
+        let ruled = GuidanceParameters::for_vehicle(vehicle, response);
+        let mut ruled = ruled.map_err(refused::<ResponseParameters>)?;
+        for row in &self.given {
+            ruled.set(*row, unruled.get(*row));
+        }
+        ruled.max_lateral_acceleration = unruled.max_lateral_acceleration;
+        Ok(ruled)
+    }
+
+    /// The parameters for `experiment`, before the rules: in a vertical plane nothing turns out of it.
+    fn for_flight(&self, experiment: &Experiment) -> GuidanceParameters {
+        let mut parameters = self.parameters;
+        if experiment.in_plane() {
+            parameters.max_lateral_acceleration = 0.0;
+        }
+        parameters
+    }
+
+    /// The guidance of `experiment`.
+    pub fn guidance(
+        &self,
+        experiment: &Experiment,
+    ) -> Result<Guidance<Model, GainChoice>, FieldError> {
+        let belief = self.vehicle.as_ref().unwrap_or(&experiment.vehicle);
+        let thrust = experiment.thrust_limits(self.thrust_n, belief.weight());
+        self.build(belief, thrust, &self.for_flight(experiment))
+    }
+
+    /// The guidance of a vehicle that is believed to be `belief`, with `thrust` \[N\] (least, most).
+    pub fn build(
+        &self,
+        belief: &VehicleSpec,
+        thrust: [f64; 2],
+        parameters: &GuidanceParameters,
+    ) -> Result<Guidance<Model, GainChoice>, FieldError> {
+        let vehicle = belief.limited(thrust).map_err(|e| e.inside("vehicle"))?;
+        let parameters = &self.ruled(&belief.parameters(thrust), parameters)?;
+        let under = |e: ParameterError| refused::<GuidanceParameters>(e);
+        let gains = match self.gains {
+            Some(p) => GainChoice::Constant(Gains::new(p).map_err(refused::<GainParameters>)?),
+            None => {
+                let gains = BandwidthGains::new(parameters, &vehicle);
+                GainChoice::Bandwidth(gains.map_err(under)?)
+            }
+        };
+        Guidance::with_gains(vehicle, gains, parameters).map_err(under)
+    }
+}
+
+impl Spec for GuidanceSpec {
+    fn controller(&self, experiment: &Experiment) -> Result<Box<dyn Controller>, FieldError> {
+        Ok(Box::new(Flying {
+            guidance: self.guidance(experiment)?,
+            state: GuidanceState::default(),
+        }))
+    }
+
+    fn belief(&self) -> Option<&VehicleSpec> {
+        self.vehicle.as_ref()
+    }
+
+    fn gains(&self, belief: &VehicleSpec) -> Option<LoopGains> {
+        Some(match &self.gains {
+            Some(gains) => LoopGains::of(gains),
+            None => {
+                let parameters = self.ruled(&belief.parameters(NO_LIMITS), &self.parameters);
+                let parameters = parameters.ok()?;
+                LoopGains::by_bandwidth(&parameters, belief.weight())
+            }
+        })
+    }
+
+    fn configuration(
+        &self,
+        experiment: &Experiment,
+        pacing: Pacing,
+    ) -> Result<Configuration, FieldError> {
+        let belief = self.vehicle.as_ref().unwrap_or(&experiment.vehicle);
+        let thrust = experiment.thrust_limits(self.thrust_n, belief.weight());
+        let vehicle = belief.parameters(thrust);
+        Ok(Configuration {
+            vehicle,
+            model: belief.model_parameters().map_err(|e| e.inside("vehicle"))?,
+            controller: ControllerParameters::Guidance {
+                parameters: self.ruled(&vehicle, &self.for_flight(experiment))?,
+                gains: self.gains,
+            },
+            pacing,
+        })
+    }
+}
+
+/// The guidance with its memory.
+pub struct Flying {
+    /// The guidance.
+    pub guidance: Guidance<Model, GainChoice>,
+    /// Its memory.
+    pub state: GuidanceState,
+}
+
+impl Flying {
+    /// One bit of its memory flips.
+    pub fn flip_bit(&mut self, bit: u64) {
+        let mut bytes = self.state.to_bytes();
+        let bit = bit % (8 * bytes.len() as u64);
+        bytes[bit as usize / 8] ^= 1 << (bit % 8);
+        self.state = GuidanceState::from_bytes(&bytes);
+    }
+}
+
+impl Controller for Flying {
+    fn answer(&mut self, input: &Input, dt: f32) -> anyhow::Result<Answer> {
+        let guided = self.guidance.update(&mut self.state, &input.sample, dt);
+        Ok(guided.into())
+    }
+
+    fn pace(&self, error: Ned, velocity: Ned) -> f32 {
+        self.guidance.path_time_scale(error, velocity)
+    }
+
+    fn flip(&mut self, bit: u64) {
+        self.flip_bit(bit);
+    }
+}

@@ -1,0 +1,763 @@
+//! An experiment as a TOML document: a text over its base, with fields changed by dotted path.
+//!
+//! `base = "NAME or FILE"` takes over another document, which may have a base of its own; a file is looked for beside the text that
+//! names it. The text's own tables are put over the base's, key by key. Where a table chooses one of several kinds ([`CHOICES`]), another
+//! kind replaces the base's. `[set]` then changes single fields by dotted path.
+
+use std::path::Path;
+
+use anyhow::{Context, anyhow, bail, ensure};
+use serde::de::DeserializeOwned;
+use toml::de::{DeTable, DeValue};
+use toml::{Table, Value};
+
+use super::{BUILT_IN, ControllerSpec, Experiment, VehicleSpec};
+use crate::named::{Named, hint, on_one_line};
+use crate::polar::holds_polar;
+
+/// Most tables that a dotted path goes through: as many as TOML's reader lets a text nest.
+const DEEPEST: usize = 80;
+/// Tables of which exactly one entry is given.
+const CHOICES: [&str; 5] = [
+    "controller",
+    "aerodynamics",
+    "rate_loop",
+    "path",
+    "reference",
+];
+/// Two names of one table: a text that has one takes the place of the other in its base.
+const NAMES_OF_PATH: [&str; 2] = ["path", "reference"];
+
+/// A value that was refused: the field's dotted path, and why.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FieldError {
+    /// Dotted path in the document.
+    pub field: String,
+    /// What is wrong.
+    pub problem: String,
+}
+
+impl FieldError {
+    /// `problem` is wrong with `field`.
+    pub fn new(field: impl Into<String>, problem: impl Into<String>) -> Self {
+        Self {
+            field: field.into(),
+            problem: problem.into(),
+        }
+    }
+
+    /// The error of a field in the table `table`.
+    pub fn inside(self, table: &str) -> Self {
+        let dot = if self.field.is_empty() { "" } else { "." };
+        Self::new(format!("{table}{dot}{}", self.field), self.problem)
+    }
+}
+
+impl std::fmt::Display for FieldError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let (field, problem) = (on_one_line(&self.field), on_one_line(&self.problem));
+        write!(f, "{field}: {problem}")
+    }
+}
+
+impl std::error::Error for FieldError {}
+
+/// A refusal with the text that it is about.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Located {
+    /// `file:line`, or what stands for the text.
+    pub place: String,
+    /// Field and problem.
+    pub error: FieldError,
+}
+
+impl std::fmt::Display for Located {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { place, error } = self;
+        match error.field.is_empty() {
+            // What is wrong is no field, but the text itself.
+            true => write!(f, "{place}: {}", on_one_line(&error.problem)),
+            false => write!(f, "{place}: {error}"),
+        }
+    }
+}
+
+impl std::error::Error for Located {}
+
+/// What `holds` must hold, or `problem` is wrong with `field`.
+pub fn require(
+    holds: bool,
+    field: impl Into<String>,
+    problem: impl std::fmt::Display,
+) -> Result<(), FieldError> {
+    match holds {
+        true => Ok(()),
+        false => Err(FieldError::new(field, problem.to_string())),
+    }
+}
+
+/// `value` must be finite.
+pub fn finite(field: &str, value: f64) -> Result<(), FieldError> {
+    require(value.is_finite(), field, "must be a finite number")
+}
+
+/// `value` must be finite and greater than 0.
+pub(crate) fn positive(field: &str, value: f64) -> Result<(), FieldError> {
+    finite(field, value)?;
+    require(value > 0.0, field, "must be positive")
+}
+
+/// `value` must be at most `most`, which is so many of what `what` says, either way.
+fn within(field: &str, value: f64, most: f64, what: &str) -> Result<(), FieldError> {
+    finite(field, value)?;
+    let problem = format_args!("must be at most {most}{what}, either way");
+    require(value.abs() <= most, field, problem)
+}
+
+/// `value` must be a component of a velocity that the models can fly: of a reference, a start or a wind. They know of no speed of sound.
+pub(crate) fn speed(field: &str, value: f64) -> Result<(), FieldError> {
+    within(field, value, 340.0, " m/s, the speed of sound")
+}
+
+/// `value` must be an angle of at most ten turns: beyond them it is of another unit, or a slip.
+pub fn angle(field: &str, value: f64) -> Result<(), FieldError> {
+    within(field, value, 3600.0, "°, ten turns")
+}
+
+/// `value` must be a rate of rotation that a vehicle may have.
+pub(crate) fn rate(field: &str, value: f64) -> Result<(), FieldError> {
+    within(field, value, 100.0, " rad/s")
+}
+
+/// `value` must be an error that a sensor may have, in the unit of the quantity.
+pub(crate) fn sensor_error(field: &str, value: f64) -> Result<(), FieldError> {
+    within(field, value, 1e4, "")
+}
+
+/// One of the texts that a document is made of.
+#[derive(Clone, Debug)]
+struct Layer {
+    /// What stands for it in errors.
+    origin: String,
+    text: String,
+    /// Whether errors name a line of it.
+    lines: bool,
+}
+
+/// A document with the texts that it is made of.
+#[derive(Clone, Debug)]
+pub struct Document {
+    /// Built-in name, or the file's name without its extension.
+    pub name: String,
+    root: Value,
+    /// The document's own text, its base's, and so on.
+    layers: Vec<Layer>,
+}
+
+/// Where a document comes from is not what it says.
+impl PartialEq for Document {
+    fn eq(&self, other: &Self) -> bool {
+        self.root == other.root
+    }
+}
+
+/// The parts of a dotted path: each a key, and perhaps the index of an item.
+fn parts(path: &str) -> impl Iterator<Item = (&str, Option<&str>)> {
+    path.split('.').map(|part| match part.split_once('[') {
+        Some((key, rest)) => (key, Some(rest.trim_end_matches(']'))),
+        None => (part, None),
+    })
+}
+
+impl Document {
+    /// The document that `argument` names: a built-in, or else a TOML file.
+    pub fn load(argument: &str) -> anyhow::Result<Self> {
+        Self::new(&Named::find("experiment", BUILT_IN, argument)?)
+    }
+
+    /// The document that the text `of` names: a file beside its own, or else what [`Self::load`] finds.
+    pub fn named_in(of: &Named, argument: &str) -> anyhow::Result<Self> {
+        Self::new(&of.beside("experiment", BUILT_IN, argument)?)
+    }
+
+    /// The document of a text.
+    pub fn new(text: &Named) -> anyhow::Result<Self> {
+        Self::over_base(text, &mut Vec::new())
+    }
+
+    /// The document of a text that `above` are based on.
+    fn over_base(text: &Named, above: &mut Vec<String>) -> anyhow::Result<Self> {
+        let origin = &text.origin;
+        if holds_polar(&text.text) {
+            bail!(
+                "{}: a polar, and no experiment or vehicle: a vehicle's file names it, `[vehicle.aerodynamics.table] polar = \"…\"`",
+                on_one_line(origin)
+            );
+        }
+        let mut own: Table = text.text.parse().map_err(|error: toml::de::Error| {
+            let line = error.span().map_or(1, |s| line_at(&text.text, s.start));
+            let message: Vec<&str> = error.message().lines().collect();
+            anyhow!("{origin}:{line}: {}", message.join(", "))
+        })?;
+        let place = match &text.file {
+            Some(file) => std::fs::canonicalize(file)?.display().to_string(),
+            None => origin.clone(),
+        };
+        ensure!(
+            !above.contains(&place),
+            "{origin}: base: leads back to itself"
+        );
+        above.push(place);
+        if let Some(folder) = text.file.as_deref().and_then(Path::parent) {
+            let fields = own.iter_mut();
+            fields.for_each(|(key, value)| find_files(key, value, folder));
+        }
+        let set = own.remove("set");
+        let mut document = match own.remove("base") {
+            None => Self {
+                name: String::new(),
+                root: Value::Table(Table::new()),
+                layers: Vec::new(),
+            },
+            Some(Value::String(base)) => {
+                let named = text.beside("experiment", BUILT_IN, &base);
+                let named = named.with_context(|| format!("{origin}: base"))?;
+                Self::over_base(&named, above)?
+            }
+            Some(_) => bail!("{origin}: base: must be a name or a file"),
+        };
+        document.name.clone_from(&text.name);
+        document.layers.insert(
+            0,
+            Layer {
+                origin: origin.clone(),
+                text: text.text.clone(),
+                lines: true,
+            },
+        );
+        // A base is described by its own line, which is not true of what is built on it.
+        if let Value::Table(root) = &mut document.root {
+            root.remove("description");
+        }
+        own.keys().for_each(|key| document.supersede(key));
+        merge("", &mut document.root, Value::Table(own));
+        match set {
+            None => {}
+            Some(Value::Table(fields)) => {
+                for (path, value) in fields {
+                    let done = document.set(&path, value);
+                    done.map_err(|e| document.located(e))?;
+                }
+            }
+            Some(_) => bail!("{origin}: set: must be a table"),
+        }
+        Ok(document)
+    }
+
+    /// The value at `path`, as in `plant.thrust_n[1]`.
+    pub fn get(&self, path: &str) -> Option<&Value> {
+        let mut found = &self.root;
+        for (key, index) in parts(path) {
+            found = found.get(key)?;
+            if let Some(index) = index {
+                found = found.get(index.parse::<usize>().ok()?)?;
+            }
+        }
+        Some(found)
+    }
+
+    /// The number at `path`.
+    pub fn number(&self, path: &str) -> Result<f64, FieldError> {
+        match self.get(path) {
+            Some(Value::Integer(n)) => Ok(*n as f64),
+            Some(Value::Float(x)) => Ok(*x),
+            Some(_) => Err(FieldError::new(path, "is not a number")),
+            None => Err(FieldError::new(path, "is not in the experiment")),
+        }
+    }
+
+    /// Puts `value` at `path`. Tables on the way are made; items of arrays must be there.
+    pub fn set(&mut self, path: &str, value: Value) -> Result<(), FieldError> {
+        let error = |problem: &str| FieldError::new(path, problem);
+        // Tables that lie deeper than what reads them can go would end the program.
+        let begin: String = path.chars().take(40).collect();
+        let problem = format_args!("goes through more than {DEEPEST} tables");
+        require(parts(path).count() <= DEEPEST, begin, problem)?;
+        if let Some((key, _)) = parts(path).next() {
+            self.supersede(key);
+        }
+        let mut found = &mut self.root;
+        let mut around = "";
+        for (key, index) in parts(path) {
+            // A word stands for a kind without fields.
+            if CHOICES.contains(&around) && found.is_str() {
+                *found = Value::Table(Table::new());
+            }
+            let Value::Table(table) = found else {
+                return Err(error("goes through a value that is no table"));
+            };
+            if CHOICES.contains(&around) {
+                table.retain(|kind, _| kind == key);
+            }
+            found = table
+                .entry(key)
+                .or_insert_with(|| Value::Table(Table::new()));
+            if let Some(index) = index {
+                let item = index.parse().ok().and_then(|i: usize| found.get_mut(i));
+                found = item.ok_or_else(|| error("no such item of an array"))?;
+            }
+            around = key;
+        }
+        *found = value;
+        Ok(())
+    }
+
+    /// Does what `PATH=VALUE` says; the value is TOML.
+    pub fn assign(&mut self, assignment: &str) -> anyhow::Result<()> {
+        let (path, value) = assignment
+            .split_once('=')
+            .with_context(|| format!("--set {assignment}: must be PATH=VALUE"))?;
+        let parsed = format!("value = {value}").parse::<Table>();
+        let value = parsed.ok().and_then(|mut table| table.remove("value"));
+        let value = value.with_context(|| format!("--set {assignment}: the value is not TOML"))?;
+        self.change(&format!("--set {assignment}"), path.trim(), value)
+    }
+
+    /// Puts `value` at `path`, over all texts; `origin` stands for this in errors.
+    pub fn change(&mut self, origin: &str, path: &str, value: Value) -> anyhow::Result<()> {
+        let located = |error| Located {
+            place: origin.to_owned(),
+            error,
+        };
+        self.set(path, value).map_err(located)?;
+        let layer = Layer {
+            origin: origin.to_owned(),
+            text: format!("[set]\n\"{path}\" = 0\n"),
+            lines: false,
+        };
+        self.layers.insert(0, layer);
+        Ok(())
+    }
+
+    /// What the document says, without judging it.
+    pub fn read<T: DeserializeOwned>(&self) -> Result<T, FieldError> {
+        read(self.root.clone())
+    }
+
+    /// The experiment that the document describes, validated but for its controller.
+    pub fn data(&self) -> Result<Experiment, FieldError> {
+        let experiment: Experiment = self.read()?;
+        experiment
+            .validate()
+            .map_err(|error| self.as_written(error))?;
+        Ok(experiment)
+    }
+
+    /// The error with the name that the document has for the path.
+    fn as_written(&self, error: FieldError) -> FieldError {
+        let [path, reference] = NAMES_OF_PATH;
+        match error.field.strip_prefix(path) {
+            Some(rest) if self.get(reference).is_some() => {
+                FieldError::new(format!("{reference}{rest}"), error.problem)
+            }
+            _ => error,
+        }
+    }
+
+    /// Takes the other name of the path out, where `key` is one of its names.
+    fn supersede(&mut self, key: &str) {
+        if let (Value::Table(root), true) = (&mut self.root, NAMES_OF_PATH.contains(&key)) {
+            root.retain(|other, _| other == key || !NAMES_OF_PATH.contains(&other));
+        }
+    }
+
+    /// The error with the text and the line that it is about: `file:line: field: problem`.
+    pub fn located(&self, error: FieldError) -> anyhow::Error {
+        let mut places = self.layers.iter().map(|l| (l, l.line_of(&error.field)));
+        let first = places.clone().next();
+        let place = places.find(|(_, (_, complete))| *complete).or(first);
+        let place = match place {
+            Some((layer, (line, _))) if layer.lines => format!("{}:{line}", layer.origin),
+            Some((layer, _)) => layer.origin.clone(),
+            None => return error.into(),
+        };
+        Located { place, error }.into()
+    }
+
+    /// The kind of controller that the document names, or the default one.
+    pub fn controller(&self) -> String {
+        let table = self.get("controller").and_then(Value::as_table);
+        let named = table.and_then(|table| table.keys().next().cloned());
+        named.unwrap_or_else(|| ControllerSpec::default().kind)
+    }
+
+    /// The vehicle that the document describes, validated.
+    pub fn vehicle(&self) -> Result<VehicleSpec, FieldError> {
+        let vehicle = self.get("vehicle").cloned();
+        let vehicle = vehicle.ok_or_else(|| FieldError::new("vehicle", "is missing"))?;
+        let vehicle: VehicleSpec = read(vehicle).map_err(|e| e.inside("vehicle"))?;
+        vehicle.core().map_err(|e| e.inside("vehicle"))?;
+        Ok(vehicle)
+    }
+
+    /// The whole document as TOML text, without a base, and with the belief that it names written out.
+    pub fn text(&self) -> String {
+        let mut whole = self.clone();
+        let path = format!("controller.{}.vehicle", self.controller());
+        if let Some(Value::String(name)) = self.get(&path)
+            && let Ok(named) = Self::load(name)
+            && let Some(vehicle) = named.get("vehicle")
+        {
+            let done = whole.set(&path, vehicle.clone());
+            done.expect("a path that is there");
+        }
+        toml::to_string(&whole.root).expect("a TOML document")
+    }
+}
+
+/// What `value` says; an error has the field's path in it.
+pub(crate) fn read<T: DeserializeOwned>(value: Value) -> Result<T, FieldError> {
+    serde_path_to_error::deserialize(value).map_err(|error| {
+        let path = error.path().to_string();
+        FieldError::new(
+            path.trim_matches(['.', '?']),
+            in_words(error.inner().message()),
+        )
+    })
+}
+
+/// What the reader of a text says, on one line, and which name was probably meant by one that it does not know.
+fn in_words(message: &str) -> String {
+    let lines: Vec<&str> = message.lines().collect();
+    let mut text = lines.join(", ");
+    // serde: "unknown field `x`, expected one of `a`, `b`".
+    if text.starts_with("unknown ") {
+        let mut quoted = text.split('`').skip(1).step_by(2);
+        let given = quoted.next().unwrap_or_default();
+        let known: Vec<&str> = quoted.collect();
+        text += &hint(given, &known);
+    }
+    text
+}
+
+/// What `text` says, validated; `origin` stands for it in errors of one line.
+pub fn from_toml<T: DeserializeOwned>(
+    origin: &str,
+    text: &str,
+    validate: impl Fn(&T) -> Result<(), FieldError>,
+) -> anyhow::Result<T> {
+    let refused = |field: &str, message: &str, line: Option<usize>| {
+        let layer = Layer {
+            origin: origin.to_owned(),
+            text: text.to_owned(),
+            lines: true,
+        };
+        let line = line.unwrap_or_else(|| layer.line_of(field).0);
+        anyhow::Error::new(Located {
+            place: format!("{origin}:{line}"),
+            error: FieldError::new(field, in_words(message)),
+        })
+    };
+    let at = |error: &toml::de::Error| error.span().map_or(1, |s| line_at(text, s.start));
+    let deserializer = toml::Deserializer::parse(text)
+        .map_err(|error| refused("", error.message(), Some(at(&error))))?;
+    let value: T = serde_path_to_error::deserialize(deserializer).map_err(|error| {
+        let path = error.path().to_string();
+        let inner = error.inner();
+        refused(
+            path.trim_matches(['.', '?']),
+            inner.message(),
+            Some(at(inner)),
+        )
+    })?;
+    validate(&value).map_err(|e| refused(&e.field, &e.problem, None))?;
+    Ok(value)
+}
+
+/// Puts `over` over `base`, the value of `key`.
+fn merge(key: &str, base: &mut Value, over: Value) {
+    match (base, over) {
+        (Value::Table(base), Value::Table(over)) => {
+            if CHOICES.contains(&key) && over.keys().any(|kind| !base.contains_key(kind)) {
+                base.clear();
+            }
+            for (key, value) in over {
+                match base.get_mut(&key) {
+                    Some(there) => merge(&key, there, value),
+                    None => {
+                        base.insert(key, value);
+                    }
+                }
+            }
+        }
+        (base, over) => *base = over,
+    }
+}
+
+/// A file that a polar or a belief is in, beside the text that names it, is named by its whole path.
+fn find_files(key: &str, value: &mut Value, folder: &Path) {
+    let last = key.rsplit('.').next();
+    match value {
+        Value::String(name) if matches!(last, Some("polar" | "vehicle")) => {
+            let beside = folder.join(&*name);
+            if beside.is_file() {
+                *name = beside.display().to_string();
+            }
+        }
+        Value::Table(table) => {
+            let inner = table.iter_mut();
+            inner.for_each(|(key, value)| find_files(key, value, folder));
+        }
+        _ => {}
+    }
+}
+
+fn line_at(text: &str, offset: usize) -> usize {
+    let end = offset.min(text.len());
+    let before = &text.as_bytes()[..end];
+    1 + before.iter().filter(|&&byte| byte == b'\n').count()
+}
+
+impl Layer {
+    /// The line of the dotted `field`, or of the nearest table around it, and whether the text has the field.
+    fn line_of(&self, field: &str) -> (usize, bool) {
+        let Ok(document) = DeTable::parse(&self.text) else {
+            return (1, false);
+        };
+        let root = document.get_ref();
+        let begins = |long: &str, short: &str| {
+            let rest = long.strip_prefix(short);
+            rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
+        };
+        if let Some(DeValue::Table(set)) = root.get("set").map(|set| set.get_ref()) {
+            let found = set
+                .iter()
+                .find(|(key, _)| begins(field, key.get_ref()) || begins(key.get_ref(), field));
+            if let Some((key, _)) = found {
+                return (line_at(&self.text, key.span().start), true);
+            }
+        }
+        let mut offset = 0;
+        let mut table = Some(root);
+        let mut array = None;
+        let mut complete = true;
+        for part in field.split(['.', '[']) {
+            let value = if let Some(index) = part.strip_suffix(']') {
+                let items: Option<&toml::de::DeArray> = array;
+                index.parse().ok().and_then(|i: usize| items?.get(i))
+            } else {
+                table.and_then(|t| t.get(part))
+            };
+            let Some(value) = value else {
+                // The value is not a table: the rest of the path cannot be followed into it.
+                complete = table.is_none() && array.is_none();
+                break;
+            };
+            offset = value.span().start;
+            (table, array) = match value.get_ref() {
+                DeValue::Table(inner) => (Some(inner), None),
+                DeValue::Array(inner) => (None, Some(inner)),
+                _ => (None, None),
+            };
+        }
+        (line_at(&self.text, offset), complete)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::refusals::begins;
+
+    fn over(text: &str) -> anyhow::Result<Document> {
+        Document::new(&Named::new("x", "x.toml", text))
+    }
+
+    #[test]
+    fn a_text_goes_over_its_base_and_set_over_both() {
+        let text =
+            "base = 'steep-descent'\n[vehicle]\nmass_kg = 11\n[set]\n'plant.thrust_n[1]' = 150\n";
+        let document = over(text).unwrap();
+        assert_eq!(document.number("vehicle.mass_kg").unwrap(), 11.0);
+        assert_eq!(document.number("vehicle.k_a_kg_m").unwrap(), 0.646);
+        assert_eq!(document.number("plant.thrust_n[0]").unwrap(), 0.0);
+        assert_eq!(document.number("plant.thrust_n[1]").unwrap(), 150.0);
+        let experiment = document.checked().unwrap();
+        assert_eq!(experiment.vehicle.mass_kg, 11.0);
+        assert_eq!(experiment.description, "");
+        // The whole text says the same without a base.
+        let whole = over(&document.text()).unwrap().checked().unwrap();
+        let belief = |experiment: &Experiment| experiment.spec().unwrap().belief().cloned();
+        assert_eq!(belief(&whole), belief(&experiment));
+        assert_eq!(whole.vehicle, experiment.vehicle);
+        assert!(!document.text().contains("paper-belief"));
+    }
+
+    #[test]
+    fn another_kind_replaces_the_bases() {
+        let document = over("base = 'round-trip'\n[controller.law.gains]\nk1 = 1\n").unwrap();
+        assert!(document.get("controller.guidance").is_none());
+        let table = "[vehicle.aerodynamics.table]\npolar = 'naca-0021-re-5e6'\n";
+        let mut document = over(&format!("base = 'round-trip'\n{table}")).unwrap();
+        assert!(document.get("vehicle.aerodynamics.combined").is_none());
+        document.set("plant.rate_loop", "ideal".into()).unwrap();
+        let path = "plant.rate_loop.lag.time_constant_s";
+        document.set(path, 0.2.into()).unwrap();
+        assert!(document.checked().is_ok());
+        // More of the same kind is added to the base's.
+        let more = over("base = 'round-trip'\n[controller.guidance]\ndamping = 0.7\n").unwrap();
+        assert!(more.number("controller.guidance.tau_mg").is_ok());
+    }
+
+    #[test]
+    fn a_file_is_found_beside_the_one_that_names_it_and_a_circle_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        let polar = include_str!("../../../data/naca-0021-re-5e6.csv");
+        std::fs::write(at("mine.csv"), polar).unwrap();
+        std::fs::write(
+            at("a.toml"),
+            "base = 'round-trip'\nvehicle.aerodynamics.table.polar = 'mine.csv'\n",
+        )
+        .unwrap();
+        std::fs::write(at("b.toml"), "base = 'a.toml'\nduration_s = 3\n").unwrap();
+        let load = |name: &str| Document::load(at(name).to_str().unwrap());
+        assert_eq!(load("b.toml").unwrap().checked().unwrap().duration_s, 3.0);
+        std::fs::write(at("a.toml"), "base = 'b.toml'\n").unwrap();
+        let error = load("b.toml").unwrap_err().to_string();
+        assert!(error.ends_with("base: leads back to itself"), "{error}");
+        std::fs::write(at("a.toml"), "base = 'c.toml'\n").unwrap();
+        let error = format!("{:#}", load("a.toml").unwrap_err());
+        assert!(error.contains("a.toml: base: c.toml"), "{error}");
+    }
+
+    /// `[path]` and `[reference]` are two names of one table: the text's stands in place of its base's, and errors have the name that is written.
+    #[test]
+    fn a_path_replaces_the_reference_of_the_base() {
+        let path = over("base = 'round-trip'\n[path.circle]\nradius_m = 40\nspeed_m_s = 20\n");
+        let mut document = path.unwrap();
+        assert!(document.get("reference").is_none() && !document.checked().unwrap().in_plane());
+        document.set("path.circle.radius_m", 0.into()).unwrap();
+        let error = document.experiment().unwrap_err();
+        assert_eq!(error.field, "path.circle.radius_m");
+        let knots = "knots = [{ t_s = 0, down_m_s = 0, forward_m_s = 5 }]";
+        let mut document = over(&format!("base = 'eight'\n[reference]\n{knots}\n")).unwrap();
+        assert!(document.checked().unwrap().in_plane());
+        let east = "reference.knots[0].east_m_s";
+        document.set(east, 1.0.into()).unwrap();
+        assert!(!document.checked().unwrap().in_plane());
+        document.set(east, 1e9.into()).unwrap();
+        assert_eq!(document.experiment().unwrap_err().field, east);
+    }
+
+    #[test]
+    fn fields_are_assigned_by_path() {
+        let mut document = Document::load("round-trip").unwrap();
+        document.assign("plant.thrust_n[1]=112.8").unwrap();
+        document
+            .assign("weather.steady_m_s = [-1.0, 0.0, 0.0]")
+            .unwrap();
+        document.assign("weather.turbulence.height_m=30").unwrap();
+        document
+            .assign("weather.turbulence.wind_at_20_ft_m_s=8")
+            .unwrap();
+        let experiment = document.checked().unwrap();
+        assert_eq!(experiment.plant.thrust_n, [0.0, 112.8]);
+        assert_eq!(
+            experiment.weather.steady,
+            super::super::V3::new(-1.0, 0.0, 0.0)
+        );
+        document.assign("vehicle.mass_kg=-1").unwrap();
+        assert_eq!(
+            document.checked().unwrap_err().to_string(),
+            "--set vehicle.mass_kg=-1: vehicle.mass_kg: mass must be positive, from 0.001 to 1000000 kg"
+        );
+        let refused = |text: &str| format!("{:#}", document.clone().assign(text).unwrap_err());
+        assert!(refused("seed").contains("must be PATH=VALUE"));
+        assert!(refused("seed=one").contains("not TOML"));
+        assert!(refused("plant.thrust_n[2]=1").contains("plant.thrust_n[2]: no such item"));
+        assert!(refused("duration_s.x=1").contains("duration_s.x: goes through"));
+        let deep = format!("{}=1", ["a"; 60_000].join("."));
+        assert!(refused(&deep).contains("goes through more than 80 tables"));
+        let number = |path: &str| document.number(path).unwrap_err().problem;
+        assert!(number("weather.gust.peak_m_s").contains("not in the experiment"));
+        assert!(number("description").contains("not a number"));
+    }
+
+    /// A valid text with one line replaced: the message names that line.
+    #[test]
+    fn errors_name_line_and_field() {
+        let named = |name: &str| BUILT_IN.iter().find(|b| b.0 == name).unwrap().1;
+        // In one text, with the belief spelled out.
+        let (_, vehicle) = named("paper").split_once("[vehicle]").unwrap();
+        let text = named("hover-to-cruise").replace("base = \"paper\"", "");
+        let belief = "[controller.law.vehicle]\nmass_kg = 9.0\nk_a_kg_m = 0.51\n";
+        let text = text.replace("vehicle = \"paper-belief\"", "") + belief + "[vehicle]" + vehicle;
+        let expect = |needle: &str, with: &str, message: &str| {
+            let swap = |l| if str::contains(l, needle) { with } else { l };
+            let lines: Vec<_> = text.lines().map(swap).collect();
+            let document = over(&lines.join("\n"));
+            let actual = document.and_then(|d| d.checked()).unwrap_err().to_string();
+            let line = 1 + text.lines().position(|l| l.contains(needle)).unwrap();
+            let expected = format!("x.toml:{line}: {message}");
+            assert!(actual.starts_with(&expected), "{actual}\n{expected}");
+            assert!(!actual.contains('\n'), "{actual}");
+        };
+        expect(
+            "mass_kg = 9",
+            "mass_kg = -9",
+            "controller.law.vehicle.mass_kg: mass must be positive, from 0.001 to 1000000 kg",
+        );
+        expect(
+            "mass_kg = 10",
+            "mass_kg = \"ten\"",
+            "vehicle.mass_kg: invalid type: string",
+        );
+        expect(
+            "duration_s",
+            "duration_s = nan",
+            "duration_s: must be a finite number",
+        );
+        expect(
+            "tau_n",
+            "tau_n = 0",
+            "controller.law.gains.tau_n: tau must be",
+        );
+        expect(
+            "tau_n",
+            "tau = 80",
+            "controller.law.gains.tau: unknown field `tau`",
+        );
+        expect("substeps", "substeps = 0", "substeps: must be from 1");
+        expect(
+            "t_s = 10",
+            "    { t_s = 0, down_m_s = 0, forward_m_s = 20 },",
+            "reference.knots[1]: t_s must increase",
+        );
+        expect(
+            "form =",
+            "form = \"robst\"",
+            "controller.law.form: unknown variant",
+        );
+        // What was probably meant stands behind what there is.
+        let meant = |line: &str| {
+            let error =
+                over(&format!("base = 'hover-to-cruise'\n{line}")).and_then(|d| d.checked());
+            let error = error.unwrap_err().to_string();
+            error
+                .split_once("; did you mean ")
+                .map(|(_, name)| name.to_owned())
+        };
+        assert_eq!(meant("vehicle.mass = 1").as_deref(), Some("`mass_kg`?"));
+        assert_eq!(meant("vehicel.mass_kg = 1").as_deref(), Some("`vehicle`?"));
+        assert_eq!(
+            meant("controller.law.form = 'robst'").as_deref(),
+            Some("`robust`?")
+        );
+        assert_eq!(meant("vehicle.colour = 1"), None);
+        // In the base.
+        let error = over("base = 'paper'\n[vehicle]\nmass = 1\n").and_then(|d| d.checked());
+        let error = error.unwrap_err().to_string();
+        begins(&error, "x.toml:3: vehicle.mass: unknown field");
+    }
+}

@@ -1,0 +1,275 @@
+//! A route in stretches of straight lines and arcs, along each of which the speed changes linearly with time.
+
+use serde::Deserialize;
+
+use super::V3;
+use super::document::{FieldError, angle, finite, positive, require};
+use super::path::Target;
+
+/// `path.legs`: one leg, flown in a given time.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Leg {
+    /// How long it lasts \[s\].
+    pub lasts_s: f64,
+    /// Speed at its end \[m/s\]; that at its beginning if left out.
+    pub speed_m_s: Option<f64>,
+    /// Speed at its beginning \[m/s\]; that at the end of the one before if left out.
+    pub from_m_s: Option<f64>,
+    /// Course at its beginning \[°\]; that at the end of the one before if left out.
+    pub course_deg: Option<f64>,
+    /// Radius \[m\] of an arc to the right, negative to the left; straight if left out.
+    pub radius_m: Option<f64>,
+    /// Altitude gained \[m\], smoothly.
+    #[serde(default)]
+    pub climb_m: f64,
+    /// Heading to hold \[°\]; free if left out.
+    pub heading_deg: Option<f64>,
+}
+
+/// `path.waypoints`: one waypoint.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Waypoint {
+    /// Position \[m\].
+    pub north_m: f64,
+    /// Position \[m\].
+    pub east_m: f64,
+    /// Position \[m\].
+    #[serde(default)]
+    pub down_m: f64,
+    /// Speed there \[m/s\].
+    pub speed_m_s: f64,
+    /// Radius \[m\] of the arc that rounds the corner; that of a turn at 6 m/s² if left out.
+    pub radius_m: Option<f64>,
+}
+
+/// Lateral acceleration \[m/s²\] in corners without a radius.
+const TURN: f64 = 6.0;
+
+/// A stretch: its pieces are of constant curvature.
+#[derive(Clone, Debug, PartialEq)]
+struct Stretch {
+    /// When it begins, and how long it lasts \[s\].
+    from: f64,
+    lasts: f64,
+    /// Speeds at its ends \[m/s\].
+    speed: [f64; 2],
+    /// Altitude gained \[m\].
+    climb: f64,
+    /// Length \[m\] and curvature \[1/m\], positive to the right.
+    pieces: Vec<(f64, f64)>,
+    start: V3,
+    course: f64,
+    heading: Option<f64>,
+}
+
+/// A route, a function of time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Route(Vec<Stretch>);
+
+/// Where an arc or a line from `start` is after a length `s`, and its course there.
+fn along(start: V3, course: f64, curvature: f64, s: f64) -> (V3, f64) {
+    let half = 0.5 * curvature * s;
+    // The chord has the mean course.
+    let chord = if half.abs() < 1e-9 {
+        s
+    } else {
+        s * half.sin() / half
+    };
+    let (sin, cos) = (course + half).sin_cos();
+    (
+        start + chord * V3::new(cos, sin, 0.0),
+        course + curvature * s,
+    )
+}
+
+impl Stretch {
+    /// Position, course and curvature after a length `s` of the way; the last piece goes on.
+    fn place(&self, mut s: f64) -> (V3, f64, f64) {
+        let (mut position, mut course) = (self.start, self.course);
+        for (i, &(length, curvature)) in self.pieces.iter().enumerate() {
+            if s <= length || i + 1 == self.pieces.len() {
+                (position, course) = along(position, course, curvature, s);
+                return (position, course, curvature);
+            }
+            (position, course) = along(position, course, curvature, length);
+            s -= length;
+        }
+        (position, course, 0.0)
+    }
+
+    /// The target `t` after the beginning.
+    fn at(&self, t: f64) -> Target {
+        let [begin, end] = self.speed;
+        let gain = (end - begin) / self.lasts;
+        let speed = begin + gain * t;
+        let (level, course, curvature) = self.place(0.5 * (begin + speed) * t);
+        let (sin, cos) = course.sin_cos();
+        let (ahead, right) = (V3::new(cos, sin, 0.0), V3::new(-sin, cos, 0.0));
+        // Up by 3u² − 2u³: without a vertical velocity at either end.
+        let u = t / self.lasts;
+        let up = self.climb
+            * V3::new(
+                u * u * (3.0 - 2.0 * u),
+                6.0 * u * (1.0 - u) / self.lasts,
+                (6.0 - 12.0 * u) / self.lasts.powi(2),
+            );
+        Target {
+            position: level - up.x * V3::z(),
+            velocity: speed * ahead - up.y * V3::z(),
+            acceleration: gain * ahead + speed * speed * curvature * right - up.z * V3::z(),
+            heading: self.heading,
+        }
+    }
+
+    /// Where the next stretch begins: time, position, course.
+    fn end(&self) -> (f64, V3, f64) {
+        let s = 0.5 * (self.speed[0] + self.speed[1]) * self.lasts;
+        let (position, course, _) = self.place(s);
+        (
+            self.from + self.lasts,
+            position - self.climb * V3::z(),
+            course,
+        )
+    }
+}
+
+impl Route {
+    /// The route of these legs, from the origin.
+    pub fn of_legs(legs: &[Leg]) -> Result<Self, FieldError> {
+        let mut stretches: Vec<Stretch> = Vec::new();
+        for (i, leg) in legs.iter().enumerate() {
+            let field = |name: &str| format!("path.legs[{i}].{name}");
+            positive(&field("lasts_s"), leg.lasts_s)?;
+            finite(&field("climb_m"), leg.climb_m)?;
+            let last = stretches.last();
+            let (from, start, course) = last.map_or((0.0, V3::zeros(), 0.0), Stretch::end);
+            let begin = leg.from_m_s.unwrap_or(last.map_or(0.0, |l| l.speed[1]));
+            let end = leg.speed_m_s.unwrap_or(begin);
+            for (name, speed) in [("from_m_s", begin), ("speed_m_s", end)] {
+                let flown = (0.0..=200.0).contains(&speed);
+                require(flown, field(name), "must be from 0 to 200 m/s")?;
+            }
+            let radius = leg.radius_m.unwrap_or(f64::INFINITY);
+            let wide = radius.abs() >= 1.0;
+            require(wide, field("radius_m"), "must be 1 m at least")?;
+            for (name, value) in [
+                ("course_deg", leg.course_deg),
+                ("heading_deg", leg.heading_deg),
+            ] {
+                angle(&field(name), value.unwrap_or(0.0))?;
+            }
+            stretches.push(Stretch {
+                from,
+                lasts: leg.lasts_s,
+                speed: [begin, end],
+                climb: leg.climb_m,
+                pieces: vec![(f64::INFINITY, 1.0 / radius)],
+                start,
+                course: leg.course_deg.map_or(course, f64::to_radians),
+                heading: leg.heading_deg.map(f64::to_radians),
+            });
+        }
+        let problem = "must have at least one leg";
+        require(!stretches.is_empty(), "path.legs", problem)?;
+        Ok(Self(stretches))
+    }
+
+    /// The route past these waypoints, corners rounded by arcs.
+    pub fn of_waypoints(points: &[Waypoint]) -> Result<Self, FieldError> {
+        let at = |i: usize, name: &str| format!("path.waypoints[{i}]{name}");
+        let problem = "must have at least two waypoints";
+        require(points.len() > 1, "path.waypoints", problem)?;
+        let place = |p: &Waypoint| V3::new(p.north_m, p.east_m, 0.0);
+        for (i, p) in points.iter().enumerate() {
+            for length in [p.north_m, p.east_m, p.down_m] {
+                finite(&at(i, ""), length)?;
+            }
+            let (speed, radius) = (at(i, ".speed_m_s"), at(i, ".radius_m"));
+            let flown = (0.0..=200.0).contains(&p.speed_m_s);
+            require(flown, &speed, "must be from 0 to 200 m/s")?;
+            let turned = p.radius_m.is_none_or(|r| r >= 0.0);
+            require(turned, radius, "must not be negative")?;
+            if i > 0 {
+                let far = (place(p) - place(&points[i - 1])).norm() >= 1.0;
+                require(far, at(i, ""), "must be 1 m from the one before at least")?;
+                let moves = p.speed_m_s + points[i - 1].speed_m_s != 0.0;
+                require(moves, speed, "one of two neighbours must have a speed")?;
+            }
+        }
+        let lines = points
+            .windows(2)
+            .map(|ends| place(&ends[1]) - place(&ends[0]));
+        let (lengths, courses): (Vec<f64>, Vec<f64>) = lines
+            .map(|line| (line.norm(), line.y.atan2(line.x)))
+            .unzip();
+        // Of every waypoint: radius of its arc, the angle it turns, and how much of both lines it takes.
+        let corners: Vec<(f64, f64, f64)> = (0..points.len())
+            .map(|i| {
+                if i == 0 || i + 1 == points.len() {
+                    return (0.0, 0.0, 0.0);
+                }
+                let turn = courses[i] - courses[i - 1];
+                let turn = turn.sin().atan2(turn.cos());
+                let fast = points[i].speed_m_s.powi(2) / TURN;
+                let radius = points[i].radius_m.unwrap_or(fast);
+                (radius, turn, radius * (0.5 * turn.abs()).tan())
+            })
+            .collect();
+        let mut stretches: Vec<Stretch> = Vec::new();
+        for i in 0..lengths.len() {
+            let (before, after) = (corners[i], corners[i + 1]);
+            let line = lengths[i] - before.2 - after.2;
+            if line < 0.0 {
+                let worse = if before.2 > after.2 { i } else { i + 1 };
+                let problem = "the turn does not fit between its neighbours";
+                return Err(FieldError::new(at(worse, ".radius_m"), problem));
+            }
+            let half = |(radius, turn, _): (f64, f64, f64)| {
+                (0.5 * radius * turn.abs(), turn.signum() / radius)
+            };
+            let mut pieces = vec![(line, 0.0)];
+            if before.0 > 0.0 {
+                pieces.insert(0, half(before));
+            }
+            if after.0 > 0.0 {
+                pieces.push(half(after));
+            }
+            let length: f64 = pieces.iter().map(|piece| piece.0).sum();
+            let speed = [points[i].speed_m_s, points[i + 1].speed_m_s];
+            let first = (0.0, place(&points[0]) + points[0].down_m * V3::z(), 0.0);
+            let (from, start, course) = stretches.last().map_or(first, Stretch::end);
+            stretches.push(Stretch {
+                from,
+                lasts: 2.0 * length / (speed[0] + speed[1]),
+                speed,
+                climb: points[i].down_m - points[i + 1].down_m,
+                // Without an arc the course changes at once.
+                course: if before.0 > 0.0 { course } else { courses[i] },
+                pieces,
+                start,
+                heading: None,
+            });
+        }
+        Ok(Self(stretches))
+    }
+
+    /// The target at `t` \[s\]; from the end on straight ahead at the last speed.
+    pub fn at(&self, t: f64) -> Target {
+        let next = self.0.partition_point(|stretch| stretch.from <= t);
+        let stretch = &self.0[next.max(1) - 1];
+        let late = t - stretch.from - stretch.lasts;
+        if late <= 0.0 {
+            return stretch.at(t - stretch.from);
+        }
+        let (_, position, course) = stretch.end();
+        let velocity = stretch.speed[1] * V3::new(course.cos(), course.sin(), 0.0);
+        Target {
+            position: position + late * velocity,
+            velocity,
+            acceleration: V3::zeros(),
+            heading: stretch.heading,
+        }
+    }
+}

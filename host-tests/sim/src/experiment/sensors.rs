@@ -1,0 +1,233 @@
+//! Sensors: noise, bias and quantisation of what the controller is told.
+
+use std::f64::consts::FRAC_PI_2;
+
+use alula::guidance::Air;
+use alula::ned::{BodyAxes, Ned, Quaternion};
+use alula::spatial::{Body, Orientation};
+use nalgebra::UnitQuaternion;
+use rand::Rng;
+use rand_distr::{Distribution, StandardNormal};
+use serde::Deserialize;
+
+use super::V3;
+use super::document::{FieldError, require, sensor_error};
+use super::faults::FaultSpec;
+use super::plant::State;
+use super::vector::ned;
+
+/// Errors of one measured quantity, in its unit: value + bias + noise, rounded to whole steps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ErrorSpec {
+    /// Constant.
+    pub bias: f64,
+    /// Standard deviation of white noise, anew at every control step.
+    pub noise: f64,
+    /// Quantum; 0 for none.
+    pub quantum: f64,
+}
+
+/// Which knowledge of the air reaches the controller.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum AirSensor {
+    /// The air velocity, as of a probe.
+    #[default]
+    Velocity,
+    /// The steady wind, as of a forecast.
+    SteadyWind,
+    /// Nothing.
+    None,
+}
+
+impl AirSensor {
+    /// What it tells of an air `velocity`, which is measured where it is told, and of a `steady` wind.
+    pub(crate) fn told<V>(self, velocity: impl FnOnce() -> V, steady: V) -> Air<V> {
+        match self {
+            Self::Velocity => Air::Velocity(velocity()),
+            Self::SteadyWind => Air::Wind(steady),
+            Self::None => Air::Unknown,
+        }
+    }
+}
+
+/// Whether the position, or the specific force, is measured.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Sensor {
+    /// It is.
+    #[default]
+    Measured,
+    /// Nothing is known of it.
+    None,
+}
+
+impl Sensor {
+    /// What it tells of a `value`.
+    pub(crate) fn told<T>(self, value: T) -> Option<T> {
+        (self == Self::Measured).then_some(value)
+    }
+}
+
+/// `[sensors]`: errors of each component.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SensorSpec {
+    /// Of the velocity \[m/s\].
+    pub velocity_m_s: ErrorSpec,
+    /// Of the position \[m\].
+    pub position_m: ErrorSpec,
+    /// Of the attitude, as rotations about the body axes \[°\].
+    pub attitude_deg: ErrorSpec,
+    /// Of the air velocity \[m/s\].
+    pub air_m_s: ErrorSpec,
+    /// Of the specific force \[m/s²\].
+    pub acceleration_m_s2: ErrorSpec,
+    /// What is known of the air.
+    pub air: AirSensor,
+    /// What is known of the position.
+    pub position: Sensor,
+    /// What is known of the specific force.
+    pub accelerometer: Sensor,
+    /// Faults injected.
+    pub faults: Vec<FaultSpec>,
+}
+
+impl ErrorSpec {
+    pub(crate) fn apply(&self, value: f64, random: &mut impl Rng) -> f64 {
+        // Drawn in any case: the stream of numbers does not depend on which errors are on.
+        let normal: f64 = StandardNormal.sample(random);
+        let value = value + self.bias + self.noise * normal;
+        if self.quantum > 0.0 {
+            (value / self.quantum).round() * self.quantum
+        } else {
+            value
+        }
+    }
+}
+
+/// Checks `[sensors]`: its `errors` by their names, and its faults.
+fn validate(errors: &[(&str, &ErrorSpec)], faults: &[FaultSpec]) -> Result<(), FieldError> {
+    for (name, error) in errors {
+        sensor_error(&format!("sensors.{name}.bias"), error.bias)?;
+        for (part, value) in [("noise", error.noise), ("quantum", error.quantum)] {
+            let field = format!("sensors.{name}.{part}");
+            sensor_error(&field, value)?;
+            require(value >= 0.0, field, "must not be negative")?;
+        }
+    }
+    for (i, fault) in faults.iter().enumerate() {
+        fault.validate(&format!("sensors.faults[{i}]"))?;
+    }
+    Ok(())
+}
+
+/// What was measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measured {
+    /// v \[m/s\].
+    pub velocity: V3,
+    /// x \[m\].
+    pub position: V3,
+    /// Attitude: from (belly, right wing, tail) to north-east-down.
+    pub attitude: UnitQuaternion<f64>,
+    /// What is known of the air.
+    pub air: Air<Ned>,
+    /// Specific force along tail, belly and right wing \[m/s²\].
+    pub specific_force: Option<Body>,
+}
+
+impl Measured {
+    /// The attitude as the core takes it.
+    pub(crate) fn orientation(&self) -> Orientation {
+        orientation(&self.attitude)
+    }
+}
+
+/// An attitude (from belly, right wing and tail to north-east-down) as the core takes it: from a quaternion in single precision of the body
+/// whose x axis is the nose's, as logs are read too, so that a replay sees the same bits.
+pub(crate) fn orientation(attitude: &nalgebra::Quaternion<f64>) -> Orientation {
+    let nose_forward = UnitQuaternion::from_axis_angle(&V3::y_axis(), FRAC_PI_2);
+    let q = attitude * nose_forward.quaternion();
+    let [w, x, y, z] = [q.w, q.i, q.j, q.k].map(|x| x as f32);
+    let q = Quaternion { w, x, y, z };
+    Orientation::from_quaternion(&q, BodyAxes::NoseForward).unwrap_or(Orientation::UNKNOWN)
+}
+
+impl SensorSpec {
+    pub(super) fn validate(&self) -> Result<(), FieldError> {
+        let errors = [
+            ("velocity_m_s", &self.velocity_m_s),
+            ("position_m", &self.position_m),
+            ("attitude_deg", &self.attitude_deg),
+            ("air_m_s", &self.air_m_s),
+            ("acceleration_m_s2", &self.acceleration_m_s2),
+        ];
+        validate(&errors, &self.faults)
+    }
+
+    /// What is measured of `truth` and its specific force `force` along (i, j, w) in `wind`, which is `steady` but for gusts and
+    /// turbulence. `in_plane` keeps the errors in the vertical plane to the north.
+    pub fn measure(
+        &self,
+        truth: &State,
+        force: V3,
+        wind: V3,
+        steady: V3,
+        in_plane: bool,
+        random: &mut impl Rng,
+    ) -> Measured {
+        // The components that have errors, in the order in which these are drawn.
+        let (world, turns, along): (&[usize], &[usize], &[usize]) = match in_plane {
+            true => (&[2, 0], &[1], &[0, 1]),
+            false => (&[0, 1, 2], &[0, 1, 2], &[0, 1, 2]),
+        };
+        let mut told = |error: &ErrorSpec, mut v: V3, components: &[usize]| {
+            for &i in components {
+                v[i] = error.apply(v[i], random);
+            }
+            v
+        };
+        let velocity = told(&self.velocity_m_s, truth.velocity, world);
+        let position = told(&self.position_m, truth.position, world);
+        let turn = told(&self.attitude_deg, V3::zeros(), turns).map(f64::to_radians);
+        let air = told(&self.air_m_s, truth.velocity - wind, world);
+        let f = told(&self.acceleration_m_s2, force, along);
+        Measured {
+            velocity,
+            position,
+            attitude: truth.attitude * UnitQuaternion::from_scaled_axis(turn),
+            air: self.air.told(|| ned(air), ned(steady)),
+            specific_force: (self.accelerometer)
+                .told(Body::new(f.x as f32, f.y as f32, f.z as f32)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+
+    #[test]
+    fn errors_add_up_and_are_rounded() {
+        let random = &mut ChaCha8Rng::seed_from_u64(3);
+        let exact = ErrorSpec::default();
+        assert_eq!(exact.apply(1.234, random), 1.234);
+        let error = ErrorSpec {
+            bias: 0.5,
+            noise: 0.2,
+            quantum: 0.25,
+        };
+        let n = 20_000;
+        let values: Vec<_> = (0..n).map(|_| error.apply(1.0, random)).collect();
+        assert!(values.iter().all(|v| (v / 0.25).fract() == 0.0));
+        let mean = values.iter().sum::<f64>() / f64::from(n);
+        let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / f64::from(n);
+        // Four standard errors. Sheppard's correction adds quantum²/12 to the variance.
+        assert!((mean - 1.5).abs() < 6e-3);
+        assert!((variance - (0.04 + 0.25 * 0.25 / 12.0)).abs() < 2e-3);
+    }
+}

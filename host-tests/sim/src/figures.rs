@@ -1,0 +1,788 @@
+//! Figures of merit, each declared once: for the terminal, `--json`, limits of campaigns, columns of comparisons and the README.
+//!
+//! A figure is a fold over the control steps of a flight, or of a part of it. One rule for missing values and NaN: a value that is
+//! missing, such as |F_p| of a controller without one, is left out; a NaN makes the figure NaN. An extreme without any value is NaN, and a
+//! peak, a sum or a mean without any value is 0. A figure that is NaN is `null` in JSON, and outside of every limit.
+
+use alula::guidance::{Mode, Phase, Progress, Status};
+use serde::Serialize;
+use serde_json::{Map, Value};
+
+use crate::experiment::{Experiment, Knots, V3};
+use crate::named::hint;
+use crate::reference::wrap;
+use crate::simulate::Step;
+
+/// Sinking further below the reference than this is a loss \[m\].
+pub const LOST: f64 = 50.0;
+/// Length of the end of a flight, of cruise or of a segment that counts as late \[s\].
+pub const LATE: f64 = 5.0;
+/// Velocity error below which cruise is reached \[m/s\].
+pub const REACHED: f64 = 1.0;
+/// Velocity error below which a flight counts as settled \[m/s\].
+pub const SETTLED: f64 = 0.05;
+
+/// A control step, with what several figures need of it.
+pub struct Moment<'a> {
+    experiment: &'a Experiment,
+    phases: &'a Phases,
+    step: &'a Step,
+    /// x − x_r \[m\].
+    offset: V3,
+    /// |v − v_r| \[m/s\].
+    error: f64,
+}
+
+impl<'a> Moment<'a> {
+    fn new(experiment: &'a Experiment, phases: &'a Phases, step: &'a Step) -> Self {
+        Self {
+            experiment,
+            phases,
+            step,
+            offset: step.position_error(),
+            error: step.velocity_error().norm(),
+        }
+    }
+}
+
+/// A part of a flight.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// All of it.
+    Flight,
+    /// What comes after the entry.
+    Entered,
+    /// Its last 5 s.
+    Late,
+    /// Until the reference slows down.
+    Out,
+    /// From then on.
+    Back,
+    /// The last 5 s of cruise: of the fastest steady part of the reference.
+    LateCruise,
+}
+
+/// How a figure is made of the steps.
+pub enum Fold {
+    /// The greatest of values that are not negative.
+    Peak(fn(&Moment) -> f64),
+    /// The least value.
+    Least(fn(&Moment) -> Option<f64>),
+    /// The greatest value.
+    Most(fn(&Moment) -> Option<f64>),
+    /// The last value.
+    Last(fn(&Moment) -> f64),
+    /// The mean.
+    Mean(fn(&Moment) -> f64),
+    /// The root mean square.
+    Rms(fn(&Moment) -> f64),
+    /// The time in which something holds \[s\].
+    Time(fn(&Moment) -> bool),
+    /// The number of steps in which something holds.
+    Count(fn(&Moment) -> bool),
+    /// The last time at which something holds, from the reference's first change \[s\]; 0 if it never does, NaN if it does in the last 5 s of
+    /// cruise.
+    Until(fn(&Moment) -> bool),
+    /// Made of figures declared before it.
+    Of(fn(&Figures) -> f64),
+}
+
+/// A figure.
+pub struct Figure {
+    /// Its name, with its unit.
+    pub name: &'static str,
+    /// Its name in tables.
+    pub label: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Digits after the point in tables.
+    pub digits: usize,
+    /// What it is.
+    pub meaning: &'static str,
+    /// The part of the flight that it is of.
+    pub part: Part,
+    /// How it is made.
+    pub fold: Fold,
+    /// The name of the time at which the extreme lies, if that is a figure, too.
+    pub when: Option<&'static str>,
+}
+
+macro_rules! figures {
+    ($($name:literal, $label:literal, $unit:literal, $digits:literal, $part:ident, $fold:expr, $meaning:literal $(, when $when:literal)?;)*) => {
+        /// Every figure.
+        pub static FIGURES: &[Figure] = &[$(Figure {
+            name: $name,
+            label: $label,
+            unit: $unit,
+            digits: $digits,
+            meaning: $meaning,
+            part: Part::$part,
+            fold: $fold,
+            when: figures!(@when $($when)?),
+        }),*];
+    };
+    (@when) => { None };
+    (@when $when:literal) => { Some($when) };
+}
+
+use Fold::{Count, Last, Least, Mean, Most, Of, Peak, Rms, Time, Until};
+
+figures! {
+    "velocity_error_rms_m_s", "velocity error, rms", "m/s", 3, Entered, Rms(|m| m.error), "root mean square of \\|v − v_r\\|";
+    "max_velocity_error_m_s", "velocity error, peak", "m/s", 4, Entered, Peak(|m| m.error), "largest \\|v − v_r\\| at a control step", when "max_velocity_error_time_s";
+    "position_error_rms_m", "position error, rms", "m", 3, Entered, Rms(|m| m.offset.norm()), "root mean square of \\|x − x_r\\|";
+    "max_position_error_m", "position error, peak", "m", 3, Entered, Peak(|m| m.offset.norm()), "largest \\|x − x_r\\|";
+    "sideslip_rms_deg", "sideslip, rms", "°", 3, Entered, Rms(|m| m.step.sideslip().to_degrees()), "root mean square of the sideslip";
+    "max_sideslip_deg", "sideslip, peak", "°", 2, Entered, Peak(|m| m.step.sideslip().to_degrees().abs()), "largest sideslip, either way";
+    "max_bank_deg", "bank, peak", "°", 1, Entered, Peak(|m| m.step.bank().to_degrees().abs()), "largest angle of the right wing from the horizontal, either way";
+    "max_load_factor", "load factor, peak", "", 2, Entered, Peak(|m| m.step.load_factor), "largest specific force over g";
+    "rate_rms_rad_s", "body rate, rms", "rad/s", 3, Entered, Rms(|m| m.step.truth.rates.norm()), "root mean square of \\|ω\\|";
+    "min_fp_n", "smallest |F_p|", "N", 2, Flight, Least(|m| m.step.answer.flown().map(|d| d.f_p_norm.into())), "smallest \\|F_p\\| while the law is flown, as the controller computes it", when "min_fp_time_s";
+    "min_k", "smallest k", "", 3, Flight, Least(|m| m.step.answer.guided().filter(|g| g.mode == Mode::Flying).map(|g| g.margin.k.into())), "smallest margin k while the guidance flies its law";
+    "max_rate_command_rad_s", "body rate commanded, peak", "rad/s", 3, Flight, Peak(|m| command(m).amax()), "largest body rate commanded about one axis", when "max_rate_command_time_s";
+    "peak_rate_rad_s", "body rate, peak", "rad/s", 2, Flight, Peak(|m| m.step.truth.rates.amax()), "largest true body rate about one axis";
+    "altitude_least_m", "least altitude", "m", 2, Flight, Least(|m| Some(-m.offset.z)), "least altitude over the path";
+    "altitude_most_m", "greatest altitude", "m", 2, Flight, Most(|m| Some(-m.offset.z)), "greatest altitude over the path";
+    "forward_least_m", "farthest behind", "m", 2, Flight, Least(|m| in_plane(m, m.offset.x)), "in a vertical plane: least position ahead of the path";
+    "forward_most_m", "farthest ahead", "m", 2, Flight, Most(|m| in_plane(m, m.offset.x)), "in a vertical plane: greatest position ahead of the path";
+    "turn_deg", "farthest from nose up", "°", 1, Flight, Most(|m| in_plane(m, m.step.theta.to_degrees().abs())), "in a vertical plane: farthest that θ has turned from nose up, either way: over 180° the vehicle has turned over";
+    "max_late_velocity_error_m_s", "end error, peak", "m/s", 2, Late, Peak(|m| m.error), "largest \\|v − v_r\\| in the last 5 s";
+    "late_velocity_error_rms_m_s", "end error, rms", "m/s", 3, Late, Rms(|m| m.error), "root mean square of \\|v − v_r\\| in the last 5 s";
+    "late_mean_velocity_error_m_s", "mean end error", "m/s", 2, Late, Mean(|m| m.error), "mean \\|v − v_r\\| in the last 5 s";
+    "max_late_position_error_m", "end position error, peak", "m", 2, Late, Peak(|m| m.offset.norm()), "largest \\|x − x_r\\| in the last 5 s";
+    "late_rate_rms_rad_s", "end ω, rms", "rad/s", 5, Late, Rms(|m| m.step.truth.rates.norm()), "root mean square of \\|ω\\| in the last 5 s";
+    "cruise_rate_rms_rad_s", "cruise ω, rms", "rad/s", 5, LateCruise, Rms(|m| m.step.truth.rates.norm()), "root mean square of \\|ω\\| in the last 5 s of cruise";
+    "cruise_thrust_to_weight", "cruise thrust", "", 3, LateCruise, Mean(|m| m.step.truth.thrust / m.experiment.weight()), "mean thrust over the weight in the last 5 s of cruise: near one half, and it is flown behind the stall";
+    "oscillation_rad_s", "late ω", "rad/s", 2, Flight, Of(|of| greater(of.get("cruise_rate_rms_rad_s"), of.get("late_rate_rms_rad_s"))), "the greater of both root mean squares of \\|ω\\|";
+    "thrust_low_s", "thrust at its lower limit", "s", 2, Flight, Time(|m| flag(m, Status::THRUST_LOW)), "time with thrust at its lower limit";
+    "thrust_high_s", "thrust at its upper limit", "s", 2, Flight, Time(|m| flag(m, Status::THRUST_HIGH)), "time with thrust at its upper limit";
+    "crossing_s", "crossing", "s", 2, Flight, Time(crossing), "time in which the guidance turns to an attitude far away, as across a fold";
+    "crossing_on_path_s", "crossing after the entry", "s", 2, Entered, Time(crossing), "the same after the entry";
+    "unreachable_s", "path unreachable", "s", 2, Flight, Time(|m| progress(m, |p| p.unreachable.is_some())), "time in which the guidance says that the path cannot be had";
+    "holding_s", "holding the last command", "s", 2, Flight, Time(|m| mode(m, Mode::Holding)), "time in which the guidance holds its last command";
+    "safe_s", "safe command", "s", 2, Flight, Time(|m| mode(m, Mode::Safe)), "time in which the guidance gives its safe command";
+    "loss_out_m", "loss out", "m", 1, Out, Peak(|m| at_least_zero(m.offset.z)), "greatest altitude below the path until that slows down";
+    "gain_out_m", "gain out", "m", 1, Out, Peak(|m| at_least_zero(-m.offset.z)), "greatest altitude above the path until that slows down";
+    "loss_back_m", "loss back", "m", 1, Back, Peak(|m| at_least_zero(m.offset.z)), "greatest altitude below the path from where that slows down";
+    "gain_back_m", "gain back", "m", 1, Back, Peak(|m| at_least_zero(-m.offset.z)), "greatest altitude above the path from where that slows down";
+    "ahead_m", "ahead", "m", 0, Back, Peak(|m| at_least_zero(m.offset.x)), "in a vertical plane: farthest ahead of the path from where that slows down";
+    "cruise_after_s", "cruise after", "s", 1, Flight, Until(not_in_cruise), "from the path's first change of speed until \\|v − v_r\\| to the cruise velocity stays under 1 m/s to the end of cruise";
+    "settling_s", "settling", "s", 1, Flight, Until(not_settled), "from the path's first change of speed until \\|v − v_r\\| stays under 0.05 m/s to the end of cruise";
+    "max_cruise_error_m_s", "cruise error, peak", "m/s", 2, LateCruise, Peak(|m| m.error), "largest \\|v − v_r\\| in the last 5 s of cruise";
+    "final_velocity_error_m_s", "final velocity error", "m/s", 4, Flight, Last(|m| m.error), "\\|v − v_r\\| at the end";
+    "final_altitude_m", "final altitude", "m", 2, Flight, Last(|m| -m.offset.z), "altitude over the path at the end";
+    "final_alpha_deg", "final angle of attack", "°", 3, Flight, Last(|m| m.step.wing_alpha(m.experiment).to_degrees()), "true angle of attack of the wing at the end";
+    "final_theta_deg", "final orientation", "°", 3, Flight, Last(|m| in_plane(m, wrap(m.step.theta).to_degrees()).unwrap_or(f64::NAN)), "in a vertical plane: θ at the end, in [−180°, 180°)";
+    "final_nose_deg", "nose from upright, end", "°", 2, Flight, Last(|m| 90.0 - m.step.pitch().to_degrees()), "angle of the nose from upright at the end";
+    "final_belly_deg", "belly from down, end", "°", 2, Flight, Last(|m| m.step.truth.axes()[1].z.clamp(-1.0, 1.0).acos().to_degrees()), "angle of the belly from straight down at the end: in cruise that of attack and bank";
+    "final_thrust_to_weight", "final thrust to weight", "", 4, Flight, Last(|m| m.step.truth.thrust / m.experiment.weight()), "thrust over the weight at the end";
+    "faults", "steps with a fault", "steps", 0, Flight, Count(|m| m.step.answer.fault().is_some()), "control steps in which a bare law ended in a fault and its safe command was flown";
+    "lost", "lost", "flag", 0, Flight, Of(|of| f64::from(of.get("altitude_least_m").is_nan() || of.get("altitude_least_m") < -LOST)), "whether the flight sank more than 50 m below its path, or came to no number";
+}
+
+/// The greater of both; NaN if either is.
+fn greater(a: f64, b: f64) -> f64 {
+    if a > b || a.is_nan() { a } else { b }
+}
+
+/// `value`, but 0 if it is negative; NaN stays.
+fn at_least_zero(value: f64) -> f64 {
+    if value < 0.0 { 0.0 } else { value }
+}
+
+/// Body rates commanded.
+fn command(m: &Moment) -> V3 {
+    let rates = m.step.answer.rates;
+    V3::new(rates.j.into(), rates.w.into(), rates.i.into())
+}
+
+/// Something that has a meaning in a vertical plane only.
+fn in_plane(m: &Moment, value: f64) -> Option<f64> {
+    m.phases.in_plane.then_some(value)
+}
+
+fn crossing(m: &Moment) -> bool {
+    progress(m, |p| p.phase == Phase::Crossing)
+}
+
+fn flag(m: &Moment, flag: Status) -> bool {
+    let guided = m.step.answer.guided();
+    guided.is_some_and(|g| g.status.contains(flag))
+}
+
+fn progress(m: &Moment, holds: fn(&Progress) -> bool) -> bool {
+    let guided = m.step.answer.guided();
+    guided.is_some_and(|g| g.mode == Mode::Flying && holds(&g.progress))
+}
+
+fn mode(m: &Moment, mode: Mode) -> bool {
+    m.step.answer.guided().is_some_and(|g| g.mode == mode)
+}
+
+/// Whether cruise is not reached: before cruise, by the error to the cruise velocity.
+fn not_in_cruise(m: &Moment) -> bool {
+    let [begin, end] = m.phases.cruise;
+    let error = match m.step.t {
+        t if t >= end => return false,
+        t if t >= begin => m.error,
+        _ => (m.step.truth.velocity - m.phases.cruise_velocity).norm(),
+    };
+    error >= REACHED
+}
+
+/// Whether the velocity error is not small, up to the end of cruise.
+fn not_settled(m: &Moment) -> bool {
+    // A NaN is no small error.
+    m.step.t < m.phases.cruise[1] && (m.error.is_nan() || m.error >= SETTLED)
+}
+
+/// The phases of a path that is given by knots, or of a segment of it. Any other path is at cruise from the beginning.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Phases {
+    /// Whether the flight is in a vertical plane.
+    in_plane: bool,
+    /// Where the entry ends \[s\].
+    entry: f64,
+    /// Where the part ends that is looked at \[s\].
+    end: f64,
+    /// When the path begins to change its speed \[s\].
+    pub start: f64,
+    /// Its fastest steady phase, the first of them \[s\]; without one, the end.
+    pub cruise: [f64; 2],
+    /// The velocity there \[m/s\].
+    cruise_velocity: V3,
+    /// When it slows down for the first time \[s\].
+    pub back: f64,
+}
+
+impl Phases {
+    /// The phases of an experiment's path.
+    pub fn of(experiment: &Experiment) -> Self {
+        let end = experiment.duration_s;
+        let entry = experiment.entry_s;
+        let Some(knots) = experiment.path.knots() else {
+            return Self {
+                in_plane: false,
+                entry,
+                back: end,
+                ..Self::segment(0.0, end)
+            };
+        };
+        Self {
+            in_plane: experiment.in_plane(),
+            entry,
+            ..Self::of_knots(knots, end)
+        }
+    }
+
+    fn of_knots(knots: &Knots, end: f64) -> Self {
+        let breaks = knots.breaks(end);
+        let speed = |t: f64| knots.at(t).0.norm();
+        let mut cruise = [end, end];
+        let mut fastest = 0.0;
+        for ends in breaks.windows(2) {
+            if knots.at(ends[0]).1.norm() == 0.0 && speed(ends[0]) > fastest {
+                fastest = speed(ends[0]);
+                cruise = [ends[0], ends[1]];
+            }
+        }
+        let first = |holds: &dyn Fn(f64) -> bool| {
+            let mut pieces = breaks.windows(2);
+            pieces
+                .find(|e| holds(speed(e[1]) - speed(e[0])))
+                .map(|e| e[0])
+        };
+        Self {
+            start: first(&|change| change != 0.0).unwrap_or(0.0),
+            cruise,
+            cruise_velocity: knots.at(cruise[0]).0,
+            back: first(&|change| change < -1e-9).unwrap_or(end),
+            ..Self::segment(0.0, end)
+        }
+    }
+
+    /// A segment by itself: it is its own cruise.
+    fn segment(from: f64, to: f64) -> Self {
+        Self {
+            in_plane: true,
+            entry: from,
+            end: to,
+            start: from,
+            cruise: [from, to],
+            cruise_velocity: V3::zeros(),
+            back: to,
+        }
+    }
+
+    /// The end of cruise that counts as late \[s\].
+    fn late_cruise(&self) -> std::ops::Range<f64> {
+        let [begin, end] = self.cruise;
+        begin.max(end - LATE)..end
+    }
+
+    fn has(&self, part: Part, t: f64) -> bool {
+        match part {
+            Part::Flight => true,
+            Part::Entered => t >= self.entry,
+            Part::Late => t >= self.end - LATE,
+            Part::Out => t < self.back,
+            Part::Back => t >= self.back,
+            Part::LateCruise => self.late_cruise().contains(&t),
+        }
+    }
+}
+
+/// A fold's state.
+#[derive(Clone, Copy)]
+struct State {
+    value: f64,
+    /// Where the value was taken \[s\]; NaN before the first one.
+    time: f64,
+    count: u32,
+}
+
+impl State {
+    /// Takes `value` if it is the first one, is `beyond` the one before, or is NaN. A NaN is never replaced.
+    fn extreme(&mut self, value: f64, t: f64, beyond: bool) {
+        if beyond || self.time.is_nan() || (value.is_nan() && !self.value.is_nan()) {
+            (self.value, self.time) = (value, t);
+        }
+    }
+}
+
+/// The figures of the steps so far.
+pub struct Tally<'a> {
+    experiment: &'a Experiment,
+    phases: Phases,
+    /// In the order of [`FIGURES`]; `None` for a figure that is not asked for.
+    states: Vec<Option<State>>,
+    /// The last step.
+    last: Option<Step>,
+}
+
+impl<'a> Tally<'a> {
+    /// No steps so far.
+    pub fn new(experiment: &'a Experiment) -> Self {
+        Self::within(experiment, Phases::of(experiment), |_| true)
+    }
+
+    /// No steps so far of a part with these phases, of which the figures that are `wanted` are asked for.
+    fn within(
+        experiment: &'a Experiment,
+        phases: Phases,
+        wanted: impl Fn(&'static str) -> bool,
+    ) -> Self {
+        let start = |figure: &Figure| {
+            wanted(figure.name).then_some(State {
+                value: match figure.fold {
+                    Least(_) | Most(_) => f64::NAN,
+                    _ => 0.0,
+                },
+                time: f64::NAN,
+                count: 0,
+            })
+        };
+        Self {
+            experiment,
+            phases,
+            states: FIGURES.iter().map(start).collect(),
+            last: None,
+        }
+    }
+
+    /// One step more.
+    pub fn add(&mut self, step: &Step) {
+        let m = &Moment::new(self.experiment, &self.phases, step);
+        for (figure, state) in FIGURES.iter().zip(&mut self.states) {
+            let Some(state) = state else { continue };
+            if figure.part != Part::Flight && !self.phases.has(figure.part, step.t) {
+                continue;
+            }
+            let last = state.value;
+            match figure.fold {
+                Peak(read) => {
+                    let value = read(m);
+                    state.extreme(value, step.t, value > last);
+                }
+                Least(read) => {
+                    if let Some(value) = read(m) {
+                        state.extreme(value, step.t, value < last);
+                    }
+                }
+                Most(read) => {
+                    if let Some(value) = read(m) {
+                        state.extreme(value, step.t, value > last);
+                    }
+                }
+                Mean(read) => (state.value, state.count) = (last + read(m), state.count + 1),
+                Rms(read) => (state.value, state.count) = (last + read(m).powi(2), state.count + 1),
+                Time(holds) | Count(holds) => state.count += u32::from(holds(m)),
+                Until(holds) if holds(m) => state.time = step.t,
+                Until(_) | Last(_) | Of(_) => {}
+            }
+        }
+        self.last = Some(step.clone());
+    }
+
+    /// The figures; NaN in the place of one that is not asked for.
+    pub fn figures(&self) -> Figures {
+        let time = |state: &Option<State>| state.map_or(f64::NAN, |state| state.time);
+        let mut figures = Figures {
+            values: Vec::with_capacity(FIGURES.len()),
+            times: self.states.iter().map(time).collect(),
+        };
+        for (figure, state) in FIGURES.iter().zip(&self.states) {
+            let Some(state) = state else {
+                figures.values.push(f64::NAN);
+                continue;
+            };
+            let count = f64::from(state.count);
+            let value = match figure.fold {
+                Mean(_) => state.value / count.max(1.0),
+                Rms(_) => (state.value / count.max(1.0)).sqrt(),
+                Time(_) => count / self.experiment.control_rate_hz,
+                Count(_) => count,
+                Until(_) if state.time.is_nan() => 0.0,
+                Until(_) if self.phases.late_cruise().contains(&state.time) => f64::NAN,
+                Until(_) => state.time - self.phases.start,
+                Of(of) => of(&figures),
+                Last(read) => self.last.as_ref().map_or(f64::NAN, |step| {
+                    read(&Moment::new(self.experiment, &self.phases, step))
+                }),
+                Peak(_) | Least(_) | Most(_) => state.value,
+            };
+            figures.values.push(value);
+        }
+        figures
+    }
+}
+
+/// The figures of a flight.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figures {
+    /// In the order of [`FIGURES`].
+    pub values: Vec<f64>,
+    /// Where the extremes lie \[s\].
+    times: Vec<f64>,
+}
+
+impl Serialize for Figures {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.json().serialize(serializer)
+    }
+}
+
+/// What an error says of a name that no figure has.
+pub fn unknown(name: &str) -> String {
+    let names: Vec<&str> = FIGURES.iter().map(|figure| figure.name).collect();
+    format!("{name} is not the name of a figure{}", hint(name, &names))
+}
+
+/// Place of a figure in [`FIGURES`].
+pub fn index(name: &str) -> Option<usize> {
+    FIGURES.iter().position(|figure| figure.name == name)
+}
+
+impl Figures {
+    /// The figures of a record.
+    pub fn of(experiment: &Experiment, record: &[Step]) -> Self {
+        let mut tally = Tally::new(experiment);
+        record.iter().for_each(|step| tally.add(step));
+        tally.figures()
+    }
+
+    /// The figure of this name, which must be one; or the time of an extreme.
+    pub fn get(&self, name: &str) -> f64 {
+        if let Some(i) = index(name) {
+            return self.values[i];
+        }
+        let timed = FIGURES.iter().position(|f| f.when == Some(name));
+        self.times[timed.expect("a figure")]
+    }
+
+    /// Where the extreme of a figure lies \[s\], if it has one.
+    pub fn when(&self, name: &str) -> Option<f64> {
+        let figure = &FIGURES[index(name)?];
+        figure
+            .when
+            .map(|when| self.get(when))
+            .filter(|t| t.is_finite())
+    }
+
+    /// The figures as a JSON object.
+    pub fn json(&self) -> Map<String, Value> {
+        let mut map = Map::new();
+        for (i, figure) in FIGURES.iter().enumerate() {
+            let value = self.values[i];
+            let json = match figure.unit {
+                "flag" => Value::from(value != 0.0),
+                "steps" => Value::from(value as u64),
+                _ => Value::from(value),
+            };
+            map.insert(figure.name.to_owned(), json);
+            if let Some(name) = figure.when {
+                map.insert(name.to_owned(), Value::from(self.times[i]));
+            }
+        }
+        map
+    }
+
+    /// The bounds of `experiment` that are not kept: name, value, bound.
+    pub fn beyond<'a>(&self, experiment: &'a Experiment) -> Vec<(&'a str, f64, f64)> {
+        let bounds = experiment.bounds.iter();
+        let all = bounds.map(|(name, &bound)| (name.as_str(), self.get(name), bound));
+        // A NaN keeps no bound.
+        all.filter(|(_, value, bound)| value.is_nan() || value > bound)
+            .collect()
+    }
+
+    /// Label, value with unit, and where an extreme lies its time, or the bound if there is one: one line of the table each. Figures of parts of
+    /// the flight, and those that are 0 or have no value, are left out if they have no bound.
+    pub fn table(&self, experiment: &Experiment) -> Vec<[String; 3]> {
+        let mut lines = Vec::new();
+        for (i, figure) in FIGURES.iter().enumerate() {
+            let value = self.values[i];
+            let bound = experiment.bounds.get(figure.name);
+            let whole = matches!(figure.part, Part::Flight | Part::Entered);
+            let alone = matches!(figure.fold, Until(_)) || !whole;
+            let optional = !matches!(figure.fold, Last(_));
+            let nothing = value.is_nan() || (optional && value == 0.0);
+            if bound.is_none() && (alone || nothing) {
+                continue;
+            }
+            let number = match (figure.unit, value) {
+                (_, value) if value.is_nan() => "none".to_owned(),
+                ("flag", value) => if value == 0.0 { "no" } else { "yes" }.to_owned(),
+                _ => format!("{value:.*} {}", figure.digits, figure.unit),
+            };
+            let note = match (bound, figure.when) {
+                (Some(bound), _) => {
+                    let kept = if value <= *bound { "" } else { ": not kept" };
+                    format!("at most {bound}{kept}")
+                }
+                (None, Some(_)) if self.times[i].is_finite() => {
+                    format!("at {:.3} s", self.times[i])
+                }
+                _ => String::new(),
+            };
+            lines.push([
+                figure.label.to_owned(),
+                number.trim_end().replace(" °", "°"),
+                note,
+            ]);
+        }
+        lines
+    }
+}
+
+/// The figures along one segment of the reference, between its knots.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Segment {
+    /// Beginning \[s\].
+    pub from_s: f64,
+    /// End \[s\].
+    pub to_s: f64,
+    /// Least altitude over the reference \[m\].
+    pub altitude_least_m: f64,
+    /// Greatest altitude over the reference \[m\].
+    pub altitude_most_m: f64,
+    /// Least forward position over the reference \[m\].
+    pub forward_least_m: f64,
+    /// Greatest forward position over the reference \[m\].
+    pub forward_most_m: f64,
+    /// Largest |v − v_r| \[m/s\].
+    pub max_velocity_error_m_s: f64,
+    /// If the reference is constant for longer than 5 s.
+    pub steady: Option<Steady>,
+}
+
+/// The figures along a segment of constant reference.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Steady {
+    /// Time from the beginning until |v − v_r| stays under 0.05 m/s \[s\]; none if it does not.
+    pub settling_s: Option<f64>,
+    /// Largest |v − v_r| in the last 5 s \[m/s\].
+    pub max_late_velocity_error_m_s: f64,
+    /// Root mean square of ω in the last 5 s \[rad/s\].
+    pub late_rate_rms_rad_s: f64,
+}
+
+/// The figures of a segment.
+const SEGMENT: [&str; 8] = [
+    "altitude_least_m",
+    "altitude_most_m",
+    "forward_least_m",
+    "forward_most_m",
+    "max_velocity_error_m_s",
+    "settling_s",
+    "max_late_velocity_error_m_s",
+    "late_rate_rms_rad_s",
+];
+
+impl Segment {
+    /// The segments of a flight in a vertical plane, between its knots; of any other none.
+    pub fn of(experiment: &Experiment, record: &[Step]) -> Vec<Self> {
+        let knots = experiment.path.knots().filter(|_| experiment.in_plane());
+        let Some(knots) = knots else {
+            return Vec::new();
+        };
+        let breaks = knots.breaks(experiment.duration_s);
+        let segment = |ends: &[f64]| {
+            let (from, to) = (ends[0], ends[1]);
+            let wanted = |name: &str| SEGMENT.contains(&name);
+            let mut tally = Tally::within(experiment, Phases::segment(from, to), wanted);
+            let inside = record.iter().filter(|step| (from..to).contains(&step.t));
+            let steps = inside.map(|step| tally.add(step)).count();
+            let figures = tally.figures();
+            let is_steady = knots.at(from).1.norm() == 0.0 && to - from > LATE;
+            // A flight that ended before has nothing to say of it.
+            (steps > 0).then(|| Self {
+                from_s: from,
+                to_s: to,
+                altitude_least_m: figures.get("altitude_least_m"),
+                altitude_most_m: figures.get("altitude_most_m"),
+                forward_least_m: figures.get("forward_least_m"),
+                forward_most_m: figures.get("forward_most_m"),
+                max_velocity_error_m_s: figures.get("max_velocity_error_m_s"),
+                steady: is_steady.then(|| Steady {
+                    settling_s: Some(figures.get("settling_s")).filter(|t| t.is_finite()),
+                    max_late_velocity_error_m_s: figures.get("max_late_velocity_error_m_s"),
+                    late_rate_rms_rad_s: figures.get("late_rate_rms_rad_s"),
+                }),
+            })
+        };
+        breaks.windows(2).filter_map(segment).collect()
+    }
+
+    /// One line of the table of segments.
+    pub fn line(&self) -> String {
+        let mut line = format!(
+            "{:6.1}–{:<6.1} altitude {:+6.2} to {:+6.2} m, forward {:+7.2} to {:+7.2} m",
+            self.from_s,
+            self.to_s,
+            self.altitude_least_m,
+            self.altitude_most_m,
+            self.forward_least_m,
+            self.forward_most_m
+        );
+        if let Some(steady) = &self.steady {
+            let settling = match steady.settling_s {
+                Some(t) => format!("{t:.1} s to settle"),
+                None => "not settled".to_owned(),
+            };
+            line += &format!(
+                "; last 5 s: {:.4} m/s, {:.5} rad/s; {settling}",
+                steady.max_late_velocity_error_m_s, steady.late_rate_rms_rad_s
+            );
+        }
+        line
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::controllers::Report;
+    use crate::experiment::Document;
+    use crate::simulate::fly;
+
+    fn experiment(name: &str) -> Experiment {
+        Document::load(name).unwrap().checked().unwrap()
+    }
+
+    #[test]
+    fn names_are_unique() {
+        for (i, figure) in FIGURES.iter().enumerate() {
+            assert_eq!(index(figure.name), Some(i));
+        }
+    }
+
+    /// The README's table of figures is this one.
+    #[test]
+    fn the_readme_lists_every_figure() {
+        let readme = include_str!("../../README.md");
+        for figure in FIGURES {
+            let line = format!(
+                "| `{}` | {} | {} |",
+                figure.name, figure.unit, figure.meaning
+            );
+            assert!(readme.contains(&line), "README.md lacks the line {line}");
+        }
+    }
+
+    #[test]
+    fn phases_are_read_from_the_reference() {
+        let phases = Phases::of(&experiment("round-trip"));
+        assert_eq!((phases.start, phases.back), (5.0, 45.0));
+        assert_eq!(phases.cruise, [15.0, 45.0]);
+        let phases = Phases::of(&experiment("steep-descent"));
+        assert_eq!((phases.start, phases.back), (5.0, 31.0));
+        assert_eq!(phases.cruise, [11.0, 31.0]);
+    }
+
+    /// Figures of the round trip against folds over the record by hand.
+    #[test]
+    fn figures_are_folds_over_the_record() {
+        let experiment = experiment("round-trip");
+        let record = fly(&experiment).unwrap();
+        let figures = Figures::of(&experiment, &record);
+        let most = |of: &dyn Fn(&Step) -> f64, from: f64, to: f64| {
+            let inside = record.iter().filter(|s| (from..to).contains(&s.t));
+            inside.map(of).fold(f64::NEG_INFINITY, f64::max)
+        };
+        let altitude = Step::altitude;
+        let error = |s: &Step| s.velocity_error().norm();
+        assert_eq!(figures.get("gain_out_m"), most(&altitude, 0.0, 45.0));
+        assert_eq!(figures.get("gain_back_m"), most(&altitude, 45.0, 200.0));
+        assert_eq!(figures.get("altitude_most_m"), most(&altitude, 0.0, 200.0));
+        assert_eq!(
+            figures.get("max_cruise_error_m_s"),
+            most(&error, 40.0, 45.0)
+        );
+        assert_eq!(
+            figures.get("max_late_velocity_error_m_s"),
+            most(&error, 110.0, 200.0)
+        );
+        let worst = figures.get("max_velocity_error_m_s");
+        let at = figures.get("max_velocity_error_time_s");
+        assert!(record.iter().any(|s| s.t == at && error(s) == worst));
+        // The reference needs 10 s.
+        assert!((9.0..14.0).contains(&figures.get("cruise_after_s")));
+        assert_eq!(figures.get("lost"), 0.0);
+        let low = |s: &&Step| flag_of(s, Status::THRUST_LOW);
+        let steps = record.iter().filter(low).count();
+        assert!((figures.get("thrust_low_s") - 0.01 * steps as f64).abs() < 1e-9);
+        let segments = Segment::of(&experiment, &record);
+        assert_eq!(segments.len(), 5);
+        assert_eq!(segments[1].altitude_most_m, most(&altitude, 5.0, 15.0));
+        assert!(segments[1].steady.is_none() && segments[2].steady.is_some());
+    }
+
+    fn flag_of(step: &Step, flag: Status) -> bool {
+        step.answer
+            .guided()
+            .is_some_and(|g| g.status.contains(flag))
+    }
+
+    /// One NaN makes every figure of that quantity NaN, and the flight lost. An extreme without any value is NaN, a time without any step 0.
+    #[test]
+    fn a_nan_stays_and_is_null() {
+        let experiment = experiment("round-trip");
+        let mut record = fly(&experiment).unwrap();
+        record.truncate(200);
+        record[100].truth.position.z = f64::NAN;
+        let figures = Figures::of(&experiment, &record);
+        for name in ["altitude_least_m", "altitude_most_m", "gain_out_m"] {
+            assert!(figures.get(name).is_nan(), "{name}");
+        }
+        assert!(figures.get("forward_most_m").is_finite());
+        assert_eq!(figures.get("lost"), 1.0);
+        let json = figures.json();
+        assert!(json["altitude_least_m"].is_null() && json["lost"] == true);
+        for step in &mut record {
+            step.answer.report = Report::Outside;
+        }
+        let outside = Figures::of(&experiment, &record);
+        assert!(outside.get("min_fp_n").is_nan() && outside.get("safe_s") == 0.0);
+    }
+}

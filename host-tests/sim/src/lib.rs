@@ -1,0 +1,32 @@
+//! Simulation: vehicles, plants, weather, sensors, experiments, and what a flight of one leaves.
+//!
+//! `Experiment → simulate → Record → figures`, each using only those before it: [`named`], [`decimal`] (texts),
+//! [`reference`](mod@reference) (aerodynamics and laws in double precision, independent of the core), [`polar`] (measured coefficients),
+//! [`experiment`] (what is flown), [`plant`] (the vehicle), [`controllers`] (by whom), [`simulate`](mod@simulate) (the loop), [`columns`] (what a record
+//! holds), [`figures`] (what a flight is judged by), [`flight_log`] (a record as ULog and MCAP), [`replay`](mod@replay) (a
+//! controller over a log).
+//! Of a vehicle alone: [`airframe`], asked for by name or file; [`margins`], the linear theory of the law's loop.
+//! On a target without an operating system the package is empty.
+#![cfg_attr(target_os = "none", no_std)]
+#![cfg(not(target_os = "none"))]
+
+pub mod airframe;
+mod checked;
+pub mod columns;
+pub mod controllers;
+pub mod decimal;
+pub mod experiment;
+pub mod figures;
+pub mod flight_log;
+pub mod margins;
+pub mod named;
+pub mod plant;
+pub mod polar;
+pub mod reference;
+pub mod replay;
+pub mod sensor_hold;
+pub mod simulate;
+
+#[cfg(test)]
+#[path = "../../tests/common/refusals.rs"]
+pub mod refusals;

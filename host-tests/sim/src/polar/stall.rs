@@ -1,0 +1,255 @@
+//! Where a wing stalls: at the greatest lift of attached flow, if lift falls behind it, or the flow separates.
+//!
+//! Polars at Reynolds numbers of 1e5 to 3e5 have saw-teeth, steps where a laminar bubble bursts, and double stalls: lift falls and comes back.
+//! Behind the stall lift grows again, too, up to 45°, and may exceed that at the stall. Both are told apart by the secant, lift per degree from the
+//! angle of zero lift: attached flow keeps near its steepest, and that of separated flow is less than half of it.
+
+/// Part of the steepest secant that attached flow keeps. At their stalls sections keep 0.7 to 1, and the thickest, which stall at 25°, 0.49; separated
+/// flow has 0.2 to 0.45.
+const ATTACHED: f64 = 0.48;
+/// Part of the greatest lift from which on a secant counts: near zero lift noise makes it steep.
+const COUNTS: f64 = 1.0 / 3.0;
+/// What lift falls by behind a stall, relative to the greatest. Less than that is a ripple.
+const FALL: f64 = 0.05;
+/// Length over which a slope is taken where a table begins above zero lift \[°\].
+const CHORD: f64 = 4.0;
+
+/// Attached flow of a table, upright.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Attached {
+    /// Steepest secant: lift per degree from the angle of zero lift.
+    pub slope: f64,
+    /// Place of the greatest lift of attached flow.
+    pub top: usize,
+    /// Whether lift falls behind it, or the flow separates: then it is the stall.
+    pub stalls: bool,
+}
+
+impl Attached {
+    /// Of `rows` \[°, c_L, …\] by increasing angle. None without lift above 0.
+    pub fn of<const N: usize>(rows: &[[f64; N]]) -> Option<Self> {
+        let zero = zero_lift(rows)?;
+        let lifts = |row: &[f64; N]| row[0] > zero && row[0] <= 90.0 && row[1] > 0.0;
+        let side = || rows.iter().enumerate().filter(|(_, row)| lifts(row));
+        let secant = |row: &[f64; N]| row[1] / (row[0] - zero);
+        let most = side().fold(0.0, |most, (_, row)| f64::max(most, row[1]));
+        let counted = side().filter(|(_, row)| row[1] >= COUNTS * most);
+        let slope = counted.fold(0.0, |steepest, (_, row)| f64::max(steepest, secant(row)));
+        // Of several with the same lift the first.
+        let (top, _) = side()
+            .filter(|(_, row)| secant(row) >= ATTACHED * slope)
+            .rev()
+            .max_by(|a, b| a.1[1].total_cmp(&b.1[1]))?;
+        let (at, lift) = (rows[top][0], rows[top][1]);
+        let mut behind = rows.iter().filter(|row| row[0] > at && row[0] <= 90.0);
+        let fallen = |row: &[f64; N]| row[1] < (1.0 - FALL) * lift;
+        let stalls = behind.any(|row| fallen(row) || secant(row) < ATTACHED * slope);
+        Some(Self { slope, top, stalls })
+    }
+
+    /// The same of the flow from above, upside down: `top` is a place in `rows`.
+    pub fn inverted<const N: usize>(rows: &[[f64; N]]) -> Option<Self> {
+        let turned: Vec<[f64; 2]> = rows.iter().rev().map(|row| [-row[0], -row[1]]).collect();
+        let attached = Attached::of(&turned)?;
+        Some(Self {
+            top: rows.len() - 1 - attached.top,
+            ..attached
+        })
+    }
+}
+
+/// Place of the stall in `rows` \[°, c_L, …\] by increasing angle. None if lift does not fall and the flow stays attached.
+pub fn stall<const N: usize>(rows: &[[f64; N]]) -> Option<usize> {
+    let attached = Attached::of(rows).filter(|attached| attached.stalls);
+    attached.map(|attached| attached.top)
+}
+
+/// The angle of zero lift \[°\]: the one nearest to 0 at which lift becomes positive, or where that would be below the first row.
+fn zero_lift<const N: usize>(rows: &[[f64; N]]) -> Option<f64> {
+    let first = rows.first()?;
+    if first[0] > -1e-6 && first[1].abs() < 1e-3 {
+        return Some(first[0]);
+    }
+    let crossings = rows.windows(2).filter_map(|pair| {
+        let [a, b] = [pair[0], pair[1]];
+        let crosses = a[1] < 0.0 && b[1] >= 0.0;
+        crosses.then(|| a[0] - a[1] * (b[0] - a[0]) / (b[1] - a[1]))
+    });
+    let nearest = crossings.min_by(|a, b| a.abs().total_cmp(&b.abs()));
+    nearest.or_else(|| {
+        let next = rows.iter().find(|row| row[0] >= first[0] + CHORD)?;
+        let slope = (next[1] - first[1]) / (next[0] - first[0]);
+        let below = first[1] / slope;
+        Some(first[0] - if below > 0.0 { below } else { 0.0 })
+    })
+}
+
+/// Places before that of the greatest lift, `top`, behind which lift falls and comes back.
+pub fn kinks<const N: usize>(rows: &[[f64; N]], top: usize) -> Vec<usize> {
+    let Some(least) = rows.get(top).map(|row| FALL * row[1]) else {
+        return Vec::new();
+    };
+    let mut kinks = Vec::new();
+    let (mut greatest, mut fallen) = (0, false);
+    for (i, row) in rows.iter().enumerate().take(top + 1) {
+        fallen |= row[1] < rows[greatest][1] - least;
+        if row[1] > rows[greatest][1] {
+            kinks.extend(fallen.then_some(greatest));
+            (greatest, fallen) = (i, false);
+        }
+    }
+    kinks
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::polar::Polar;
+
+    /// Lift with its greatest value of 1 at 12°, every half degree to 24°.
+    fn rounded(degrees: f64) -> f64 {
+        1.0 - ((degrees - 12.0) / 12.0).powi(2)
+    }
+
+    fn angles() -> impl Iterator<Item = f64> {
+        (0..=48).map(|n| 0.5 * f64::from(n))
+    }
+
+    fn rows(angles: impl Iterator<Item = f64>, lift: impl Fn(f64) -> f64) -> Vec<[f64; 2]> {
+        angles.map(|a| [a, lift(a)]).collect()
+    }
+
+    /// The stall of what lifts so, in rows.
+    fn of(lift: impl Fn(f64) -> f64) -> Option<usize> {
+        stall(&rows(angles(), lift))
+    }
+
+    #[test]
+    fn a_kink_is_no_stall() {
+        let clean = of(rounded).unwrap();
+        assert_eq!(clean, 24);
+        // A row that is 0.005 lower than the one before it, at 5.5°.
+        let kinked = |a: f64| match a {
+            5.5 => rounded(5.0) - 0.005,
+            a => rounded(a),
+        };
+        assert_eq!(of(kinked), Some(24));
+        assert_eq!(of(|a| 0.1 * a), None);
+        assert_eq!(stall::<2>(&[]), None);
+    }
+
+    /// Noise of ±0.02, as of a balance: the stall moves by no more than what is as flat as the noise is high, 12° · √0.04.
+    #[test]
+    fn noise_moves_the_stall_by_little() {
+        for seed in 0..200_u32 {
+            let mut state = seed.wrapping_mul(2_654_435_761).wrapping_add(1);
+            let noisy = angles().map(|a| {
+                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                let noise = f64::from(state >> 8) / f64::from(1 << 24) - 0.5;
+                [a, rounded(a) + 0.04 * noise]
+            });
+            let at = 0.5 * stall(&noisy.collect::<Vec<_>>()).unwrap() as f64;
+            assert!((at - 12.0).abs() <= 2.4, "{seed}: {at}");
+        }
+    }
+
+    /// The presets' stall angles, as their tables say: NACA 0021 at Re = 5e6 has a dent of 0.001 at 20° and its greatest lift at 25°.
+    #[test]
+    fn the_presets_stall_where_their_tables_do() {
+        let expected = [
+            ("naca-0012-re-160e3", 9.0),
+            ("naca-0012-re-5e6", 14.0),
+            ("naca-0015-re-160e3", 10.0),
+            ("naca-0015-re-5e6", 15.0),
+            ("naca-0018-re-160e3", 10.0),
+            ("naca-0018-re-5e6", 16.0),
+            ("naca-0021-re-160e3", 11.0),
+            ("naca-0021-re-5e6", 25.0),
+        ];
+        for (name, degrees) in expected {
+            let rows = Polar::load(name).unwrap().degrees();
+            let at = stall(&rows).unwrap();
+            assert_eq!(rows[at][0], degrees, "{name}");
+        }
+    }
+
+    /// A step of a tenth at 6°, saw-teeth, and a double stall: lift comes back above what it was, and the stall is where it falls for good.
+    #[test]
+    fn lift_that_comes_back_is_no_stall() {
+        let step = |a: f64| if a > 6.0 { 0.1 * a - 0.12 } else { 0.1 * a };
+        let stalls = |a: f64| if a > 13.0 { 0.8 } else { step(a) };
+        assert_eq!(of(stalls), Some(26));
+        assert_eq!(kinks(&rows(angles(), stalls), 26), [12]);
+        assert_eq!(of(step), None);
+        let teeth = |a: f64| rounded(a) - 0.1 * (a / 3.0).fract();
+        assert_eq!(of(teeth), Some(24));
+        // 1.2 at 10°, 1.05 at 12°, 1.25 at 16°, and down.
+        let double = |a: f64| match a {
+            a if a <= 10.0 => 0.12 * a,
+            a if a <= 12.0 => 1.2 - 0.075 * (a - 10.0),
+            a if a <= 16.0 => 1.05 + 0.05 * (a - 12.0),
+            a => 1.25 - 0.05 * (a - 16.0),
+        };
+        assert_eq!(of(double), Some(32));
+    }
+
+    /// Lift of a plate behind a stall exceeds that at the stall, at 20° as at 45°; and the end of a table may grow at the rate of attached flow.
+    #[test]
+    fn lift_behind_the_stall_is_none() {
+        let plate = |a: f64| match a {
+            a if a <= 8.0 => 0.085 * a,
+            a => f64::max(0.5, 1.2 * (2.0 * a).to_radians().sin()),
+        };
+        let whole = (0..=180).map(|n| 0.5 * f64::from(n));
+        assert_eq!(stall(&rows(whole, plate)), Some(16));
+        // Without a fall of a twentieth before it grows on.
+        let soft = |a: f64| match a {
+            a if a <= 10.0 => 0.09 * a,
+            a if a <= 20.0 => 0.88,
+            a => 0.88 + 0.02 * (a - 20.0),
+        };
+        let whole = (0..=80).map(|n| 0.5 * f64::from(n));
+        assert_eq!(stall(&rows(whole, soft)), Some(20));
+        let grows = |a: f64| match a {
+            a if a <= 11.0 => 0.1 * a,
+            a if a <= 22.0 => 0.6,
+            a => 0.6 + 0.1 * (a - 22.0),
+        };
+        assert_eq!(of(grows), Some(22));
+    }
+
+    /// A step of a bubble is none, however small the slope of lift is: a wing of an aspect ratio of 1.5 has a third of a section's.
+    #[test]
+    fn a_bubble_on_a_small_slope_is_no_stall() {
+        for slope in [0.03, 0.045, 0.11] {
+            let lift = |a: f64| match a {
+                a if a <= 6.0 => slope * a,
+                a if a <= 20.0 => slope * (a - 2.0),
+                a => slope * (18.0 - (a - 20.0)),
+            };
+            assert_eq!(of(lift), Some(40), "{slope}");
+        }
+    }
+
+    /// Reflexed: lift begins above 0°. And a dead zone, without lift up to 4°, or against the angle up to 3°.
+    #[test]
+    fn zero_lift_may_be_late() {
+        let whole = || (-28..=48).map(|n| 0.5 * f64::from(n));
+        let at = |lift: &dyn Fn(f64) -> f64| -> [f64; 2] {
+            let rows = rows(whole(), lift);
+            let below = Attached::inverted(&rows).unwrap();
+            [rows[below.top][0], rows[stall(&rows).unwrap()][0]]
+        };
+        let reflexed = |a: f64| match a {
+            a if a < -9.0 => -0.6,
+            a if a <= 5.0 => 0.1 * (a - 1.5),
+            a if a <= 12.0 => 0.1 * (a - 2.7),
+            a => 0.93 - 0.05 * (a - 12.0),
+        };
+        assert_eq!(at(&reflexed), [-9.0, 12.0]);
+        let dead = |a: f64| a.signum() * (0.1 * (a.abs() - 4.0).max(0.0)).min(1.7 - 0.1 * a.abs());
+        assert_eq!(at(&|a| dead(a)), [-10.5, 10.5]);
+        let against = |a: f64| if a.abs() < 3.0 { -0.02 * a } else { dead(a) };
+        assert_eq!(at(&|a| against(a)), [-10.5, 10.5]);
+    }
+}

@@ -1,0 +1,140 @@
+//! The steps of a log, which tell whether its time is in seconds.
+
+use anyhow::bail;
+
+/// Shortest and longest step \[s\] that the guidance runs on: `MIN_STEP` and `MAX_STEP` of the core.
+const STEPS: [f64; 2] = [1e-4, 0.2];
+/// What the usual step may be beyond those, as a factor: of a log at 5 Hz every second step is a little longer.
+const BEYOND: f64 = 1.5;
+
+/// Units that a time may be in instead: seconds each, the name, and how a header says it.
+const UNITS: [(f64, &str, &str); 5] = [
+    (1e-3, "milliseconds", "ms"),
+    (1e-6, "microseconds", "us"),
+    (1e-9, "nanoseconds", "ns"),
+    (60.0, "minutes", "min"),
+    (3600.0, "hours", "h"),
+];
+
+/// How a user may say the unit of a log's times.
+pub enum Times<'a> {
+    /// In the column of a trace: in no way.
+    Trace,
+    /// In the header of a table, of which this is the name of the time.
+    Header(&'a str),
+    /// In a map, of which this is the factor.
+    Map(f64),
+    /// The log says it itself.
+    Own,
+}
+
+/// Refuses times \[s\] whose usual step, the median, no controller runs on, and says what can be done. Those that run backwards or are none are left to
+/// the reader of the rows, who names the line.
+pub fn check(times: &[f64], said: &Times) -> anyhow::Result<()> {
+    let steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    if steps.len() > 1 && steps.iter().all(|step| *step == 0.0) {
+        bail!("the time stands still at {} s in every row", times[0]);
+    }
+    // A log may repeat rows.
+    let mut moving: Vec<f64> = steps.into_iter().filter(|step| *step > 0.0).collect();
+    moving.sort_by(f64::total_cmp);
+    let Some(&usual) = moving.get(moving.len().saturating_sub(1) / 2) else {
+        return Ok(());
+    };
+    let [least, most] = STEPS;
+    if (least / BEYOND..=most * BEYOND).contains(&usual) {
+        return Ok(());
+    }
+    let fits = |(scale, ..): &(f64, &str, &str)| (least..=most).contains(&(usual * scale));
+    let unit = UNITS.into_iter().find(fits);
+    let advice = match (unit, said) {
+        (None, _) => "is the time in another unit?".to_owned(),
+        (Some((scale, name, _)), Times::Trace) => {
+            format!("is the time in {name}? The column t_s is in seconds: multiply it by {scale:?}")
+        }
+        (Some((_, name, unit)), Times::Header(header)) => {
+            format!("is the time in {name}? The header says so by `{header} [{unit}]`")
+        }
+        (Some((scale, name, _)), Times::Map(factor)) => format!(
+            "is the time in {name}? In the map's `time` that is `scale = {:?}`",
+            factor * scale
+        ),
+        (Some((_, name, _)), Times::Own) => {
+            format!("its times seem to be in {name}, where its format has seconds")
+        }
+    };
+    bail!(
+        "the usual step is {usual} s, and no controller runs on less than {least} s or more than {most} s: {advice}"
+    );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::refusals::says;
+
+    /// Of so many rows.
+    fn rows(count: u32, step: f64) -> anyhow::Result<()> {
+        let times: Vec<f64> = (0..count).map(|n| 2.0 + f64::from(n) * step).collect();
+        check(&times, &Times::Own)
+    }
+
+    fn ok(times: &[f64]) -> bool {
+        check(times, &Times::Own).is_ok()
+    }
+
+    /// However few rows there are.
+    #[test]
+    fn steps_that_no_controller_runs_on_ask_for_the_unit() {
+        for count in [2, 3, 5, 11, 100] {
+            for fine in [0.001, 0.0025, 0.02, 0.1, 0.2, 0.201] {
+                assert!(rows(count, fine).is_ok(), "{fine}");
+            }
+            for (seconds, name, _) in UNITS {
+                // At 50 Hz; minutes at less than 250 Hz may be seconds at some kHz.
+                let step = if seconds > 1.0 { 0.002 } else { 0.02 };
+                let error = rows(count, step / seconds).unwrap_err().to_string();
+                says(&error, &[name]);
+            }
+        }
+        says(
+            &rows(9, 1e30).unwrap_err().to_string(),
+            &["in another unit?"],
+        );
+        assert!([0, 1, 2].iter().all(|n| ok(&vec![1.0; *n])));
+        // One gap among few rows.
+        assert!(ok(&[0.0, 0.02, 9.0]) && !ok(&[0.0, 1.0]));
+        // What only runs backwards, or is no number, has no step forward: its line is named elsewhere.
+        let backwards: Vec<f64> = (0..20).rev().map(f64::from).collect();
+        assert!(ok(&backwards) && ok(&[f64::NAN; 20]));
+        says(
+            &check(&[1.0; 3], &Times::Own).unwrap_err().to_string(),
+            &["stands still at 1 s"],
+        );
+        // Rows that are repeated, and one gap.
+        let repeated: Vec<f64> = (0..100).map(|n| f64::from(n / 5) * 0.02).collect();
+        assert!(ok(&repeated));
+        let gap: Vec<f64> = (0..20)
+            .map(|n| f64::from(n) * 0.02 + if n < 10 { 0.0 } else { 50.0 })
+            .collect();
+        assert!(ok(&gap));
+    }
+
+    /// The core's limits are what stands here.
+    #[test]
+    fn the_limits_are_the_cores() {
+        let [least, most] = STEPS;
+        let source = concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/../../src/guidance/supervision.rs"
+        );
+        let source = std::fs::read_to_string(source).unwrap();
+        says(
+            &source,
+            &[
+                &format!("MIN_STEP: f32 = {least:e};"),
+                &format!("MAX_STEP: f32 = {most};"),
+            ],
+        );
+    }
+}
