@@ -62,6 +62,7 @@
 
 pub mod aero;
 mod air;
+mod authority;
 mod branch;
 mod control;
 mod equilibrium;
@@ -73,6 +74,7 @@ mod math;
 pub mod ned;
 mod parameters;
 pub mod planar;
+mod propeller;
 mod reference;
 pub mod spatial;
 mod vehicle;

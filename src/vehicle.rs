@@ -2,10 +2,12 @@
 
 use crate::aero::Aerodynamics;
 use crate::air::{AirData, ThrustLine};
+use crate::authority::Authority;
 use crate::error::{ParameterError, in_range};
 use crate::frame::Body;
 use crate::math;
 use crate::parameters::Parameters;
+use crate::propeller::Propeller;
 
 /// The aerodynamic constant k_a = ρΣ/2 [kg/m] of an air density ρ [kg/m³] and a reference area Σ \[m²\].
 ///
@@ -34,6 +36,22 @@ crate::parameters! {
             "Least thrust. The guidance keeps to it; the laws alone do not.";
         thrust_max: "N", 1e-3, 1e6, f32::NAN, "ALU_THR_MAX",
             "Greatest thrust, above the least. The guidance keeps to it; the laws alone do not.";
+        authority: "rad/s^2", 0.0, 1e6, 1e6, "ALU_AUTH",
+            "Greatest angular acceleration in pitch at no thrust and no airflow. The default is full authority.";
+        authority_slipstream: "rad/s^2", 0.0, 1e6, 0.0, "ALU_AUTH_SLIP",
+            "What a thrust of the weight adds to it: surfaces in the slipstream.";
+        authority_difference: "rad/s^2", 0.0, 1e6, 0.0, "ALU_AUTH_DIFF",
+            "What differences of thrust add to it, where they may be as large as the weight. They are at most the thrust, and what is left of the greatest thrust.";
+        authority_airflow: "rad/m^2", 0.0, 1e6, 0.0, "ALU_AUTH_AIR",
+            "What the airflow along the nose adds to it, per squared speed: surfaces outside the slipstream.";
+        wing_moment: "rad/m^2", 0.0, 1e6, 0.0, "ALU_WING_MOM",
+            "Angular acceleration by which the wing across the flow turns the nose to the air velocity, per squared airspeed: its centre of pressure moves aft behind stall.";
+        surface_reaction: "m", 0.0, 10.0, 0.0, "ALU_SURF_REACT",
+            "Acceleration towards the belly by the surfaces that turn the nose up, per angular acceleration: the squared radius of gyration in pitch over their distance behind the centre of mass.";
+        hover_downwash: "m/s", 0.0, 1e3, 0.0, "ALU_DOWNWASH",
+            "Speed that the propellers give the air in hover, at their discs. Tail first at 0.6 of it the surfaces in the slipstream have no effect; at 0 they always have.";
+        zero_thrust_speed: "m/s", 0.0, 1e4, 0.0, "ALU_THR_SPEED",
+            "Airspeed along the nose at which full throttle gives no thrust: pitch of the propeller times its speed. At 0 thrust does not fall with speed.";
     }
 }
 
@@ -47,6 +65,7 @@ impl VehicleParameters {
         gravity: 9.81,
         thrust_min: 0.0,
         thrust_max: 196.2,
+        ..Self::DEFAULT
     };
 
     /// What the paper's controller believes of it: wrong on purpose (§VII).
@@ -67,6 +86,9 @@ pub struct Vehicle<A> {
     gravity: f32,
     thrust_min: f32,
     thrust_max: f32,
+    authority: Authority,
+    propeller: Propeller,
+    surface_reaction: f32,
     thrust_line: ThrustLine,
     model: A,
 }
@@ -91,6 +113,9 @@ impl<A: Aerodynamics> Vehicle<A> {
             gravity: p.gravity,
             thrust_min: p.thrust_min,
             thrust_max: p.thrust_max,
+            authority: Authority::of_checked(&p),
+            propeller: Propeller::of_checked(&p),
+            surface_reaction: p.surface_reaction,
             thrust_line: ThrustLine::of_checked(p.delta),
             model,
         })
@@ -106,6 +131,24 @@ impl<A: Aerodynamics> Vehicle<A> {
     #[inline]
     pub fn thrust_max(&self) -> f32 {
         self.thrust_max
+    }
+
+    /// Authority in pitch.
+    #[inline]
+    pub(crate) fn authority(&self) -> &Authority {
+        &self.authority
+    }
+
+    /// Acceleration by the surfaces, per angular acceleration in pitch \[m\].
+    #[inline]
+    pub(crate) fn surface_reaction(&self) -> f32 {
+        self.surface_reaction
+    }
+
+    /// Thrust over airspeed.
+    #[inline]
+    pub(crate) fn propeller(&self) -> &Propeller {
+        &self.propeller
     }
 
     /// Weight m g \[N\].
@@ -149,6 +192,9 @@ impl<A: Aerodynamics> Vehicle<A> {
             gravity,
             thrust_min: self.thrust_min,
             thrust_max: self.thrust_max - missing,
+            authority: self.authority,
+            propeller: self.propeller,
+            surface_reaction: self.surface_reaction,
             thrust_line: self.thrust_line,
             model: &self.model,
         }

@@ -39,6 +39,8 @@ pub(super) struct Accelerometer {
     air_force: f32,
     sideslip: Option<Sideslip>,
     most_sideslip: f32,
+    rate_lag: f32,
+    surface_reaction: f32,
 }
 
 /// What they remember.
@@ -49,12 +51,15 @@ pub(super) struct AccelerometerState {
     pub sideslip: SideslipState,
     /// Force of the air that is measured, as a multiple of the believed one, less 1.
     pub excess: f32,
+    /// Pitch rate that the commands should have given by now [rad/s].
+    pub rate: f32,
 }
 
 memory!(AccelerometerState {
     force: ForceErrorState,
     sideslip: SideslipState,
     excess: f32,
+    rate: f32,
 });
 memory!(ForceErrorState {
     force: Ned,
@@ -82,6 +87,8 @@ impl Accelerometer {
                 None
             },
             most_sideslip: 2.0 * sideslip.most,
+            rate_lag: p.rate_lag,
+            surface_reaction: vehicle.surface_reaction(),
         }
     }
 
@@ -92,11 +99,13 @@ impl Accelerometer {
             force,
             sideslip,
             excess,
+            rate,
         } = state;
         (force.force.norm_squared() <= 1.000_01 * self.most * self.most)
             & (force.thrust.abs() <= 1e7)
             & (sideslip.velocity.abs() <= self.most_sideslip)
             & (LEAST_EXCESS..=MOST_EXCESS).contains(excess)
+            & (rate.abs() <= 1e3)
     }
 
     /// Begins with the thrust \[N\] that a specific force tells, within these limits: which thrust was commanded before is not known.
@@ -145,11 +154,19 @@ impl Accelerometer {
         air: AirUse,
         dt: f32,
     ) {
-        let Some(specific_force) = specific_force else {
-            *state = AccelerometerState::default();
+        let lag = self.rate_lag + dt;
+        let change = (command.rates.pitch - state.rate) / lag;
+        state.rate += change * dt;
+        let Some(mut specific_force) = specific_force else {
+            *state = AccelerometerState {
+                rate: state.rate,
+                ..AccelerometerState::default()
+            };
             state.force.thrust = command.thrust;
             return;
         };
+        // The force by which surfaces turn the vehicle is no error of the belief.
+        specific_force.j -= self.surface_reaction * change;
         let sample = ForceSample {
             specific_force,
             orientation,

@@ -5,6 +5,7 @@ use super::parameters::GuidanceParameters;
 use super::status::Status;
 use crate::aero::Aerodynamics;
 use crate::math;
+use crate::propeller::Propeller;
 use crate::spatial::Body;
 use crate::vehicle::Vehicle;
 
@@ -16,6 +17,7 @@ pub struct Limits {
     thrust_max: f32,
     rate: f32,
     slew: f32,
+    propeller: Propeller,
 }
 
 /// The last command inside the limits.
@@ -46,6 +48,7 @@ impl Limits {
             thrust_max: vehicle.thrust_max(),
             rate: p.max_rate,
             slew: p.max_slew,
+            propeller: *vehicle.propeller(),
         }
     }
 
@@ -77,12 +80,13 @@ impl Limits {
         }
     }
 
-    /// `thrust` \[N\] and body `rates` [rad/s] brought inside the limits after `dt` \[s\], and what saturated.
+    /// `thrust` \[N\], at an airspeed `along` the nose [m/s], and body `rates` [rad/s] brought inside the limits after `dt` \[s\], and what
+    /// saturated. The memory keeps the static thrust to command for it.
     #[inline(always)]
     pub fn apply(
         &self,
         state: &mut LimitState,
-        thrust: f32,
+        (thrust, along): (f32, f32),
         rates: Body,
         dt: f32,
     ) -> (f32, Body, Status) {
@@ -99,13 +103,18 @@ impl Limits {
             limit(rates.j, state.rates.j),
             limit(rates.w, state.rates.w),
         );
-        let bounded_thrust = math::clamp(thrust, self.thrust_min, self.thrust_max);
+        let most = self.thrust_max * self.propeller.available(along);
+        let least = math::min(self.thrust_min, most);
+        let bounded_thrust = math::clamp(thrust, least, most);
         *state = LimitState {
             rates,
-            thrust: bounded_thrust,
+            thrust: math::clamp(
+                self.propeller.command(bounded_thrust, along),
+                self.thrust_min,
+                self.thrust_max,
+            ),
         };
-        status |= Status::THRUST_LOW.when(thrust < self.thrust_min)
-            | Status::THRUST_HIGH.when(thrust > self.thrust_max);
+        status |= Status::THRUST_LOW.when(thrust < least) | Status::THRUST_HIGH.when(thrust > most);
         (bounded_thrust, rates, status)
     }
 }

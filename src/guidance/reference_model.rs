@@ -6,6 +6,7 @@
 use super::memory::memory;
 use super::parameters::GuidanceParameters;
 use crate::aero::Aerodynamics;
+use crate::authority::Airflow;
 use crate::air::AirData;
 use crate::equivalency::lambda;
 use crate::frame::{Attitude, Body, Inertial};
@@ -44,6 +45,12 @@ const VERTICAL_STEP: f32 = 0.6;
 /// Greatest angle \[rad\] by which the attitude is turned ahead with the course: 0.59 rad/s where it goes to its target at 9 1/s.
 /// Without a limit one of 60 missions in turbulence of which only the steady wind is known sinks 43 m, in place of 20.
 const MAX_AHEAD: f32 = 0.065;
+/// Greatest rate to which the air turns the virtual vehicle [rad/s].
+const MOST_RATE: f32 = 6.0;
+/// Angular acceleration [rad/s²] that thrust is raised for, besides what the wing takes.
+const RAISED: f32 = 5.0;
+/// Least angular acceleration [rad/s²] that a turn is stopped with.
+const STOPPING: f32 = 1.0;
 /// Squared airspeed [m²/s²] from which on the air has a course.
 const SLOWEST_SQUARED: f32 = 0.1;
 
@@ -287,7 +294,13 @@ impl ReferenceModel {
         let air = flight.velocity - wind;
         let forces = Forces::new(vehicle, *attitude, air);
         let f = forces.free - desired;
-        let (least, most) = (vehicle.thrust_min() / mass, vehicle.thrust_max() / mass);
+        let flow = Airflow {
+            along: -(air.down() * attitude.cos + air.forward() * attitude.sin),
+            across: air.forward() * attitude.cos - air.down() * attitude.sin,
+            speed: forces.speed,
+        };
+        let most = vehicle.thrust_max() / mass * vehicle.propeller().available(flow.along);
+        let least = math::min(vehicle.thrust_min() / mass, most);
 
         // Least squares of F − T i, per mass, down and forward weighted: first over T alone,
         let ii = attitude.cos * attitude.cos + weight * attitude.sin * attitude.sin;
@@ -310,11 +323,11 @@ impl ReferenceModel {
             f32::INFINITY
         };
         // The rate belongs to this choice: one branch, where a flag kept for a second one costs registers.
-        let (thrust, error, rate) = if plan.turn == 1 && !pushing {
+        let (thrust, error, wanted, turning) = if plan.turn == 1 && !pushing {
             let error = plan.target - flight.theta;
             let error = math::min(room, error);
             let wanted = self.desired_rate(error, gains.max_rotation_rate, gains);
-            (alone, error, self.slewed(wanted, flight.rate, h))
+            (alone, error, wanted, true)
         } else {
             // The desired acceleration turns the course. The attitude has to turn with it by F_a's part of the forces that
             // the servo balances, d·(d + alone j)/d·d: without this it stays behind by that rate over its gain.
@@ -330,16 +343,25 @@ impl ReferenceModel {
                 (both, error)
             };
             let wanted = self.desired_rate(error, gains.max_correction_rate, gains);
-            (
-                thrust,
-                error,
-                if slewed {
-                    self.slewed(wanted, flight.rate, h)
-                } else {
-                    wanted
-                },
-            )
+            (thrust, error, wanted, false)
         };
+        let wanted = if turning | slewed {
+            self.slewed(wanted, flight.rate, h)
+        } else {
+            wanted
+        };
+        // What the surfaces cannot turn stays where the air holds it, and what they cannot stop does not begin to turn.
+        let (thrust, available) = (mass * thrust, mass * most);
+        let authority = vehicle.authority();
+        let there = authority.with_thrust(0.0, flow, thrust, available);
+        let stopping = if wanted > 0.0 { -there.least } else { there.most };
+        let fastest = math::sqrt(math::max(stopping, STOPPING) * error.abs());
+        let wanted = math::clamp(wanted, -fastest, fastest);
+        let change = math::clamp((wanted - flight.rate) / h, -RAISED, RAISED);
+        let allowed = authority.with_thrust(change, flow, thrust, available);
+        let rate = math::clamp(wanted, flight.rate + h * allowed.least, flight.rate + h * allowed.most);
+        let rate = math::clamp(rate, -MOST_RATE, MOST_RATE);
+        let thrust = allowed.thrust / mass;
 
         let acceleration = forces.free - Inertial::new(attitude.cos, attitude.sin) * thrust;
         // Drag is stiff where the speed is high: implicit in it.

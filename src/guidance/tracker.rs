@@ -11,6 +11,7 @@ use super::planner::wrap;
 use super::reference_model::{limited, transverse_force};
 use super::status::Status;
 use crate::aero::Aerodynamics;
+use crate::authority::Airflow;
 use crate::branch::Branch;
 use crate::control::{Fault, GainLaw, Step};
 use crate::frame::Attitude;
@@ -38,6 +39,9 @@ const LAG_SHARE: f32 = 0.4;
 
 /// Part of the greatest integral that is left as F_p grows: with the default gains an angle of 7°.
 const STIFF: f32 = 0.25;
+
+/// Greatest change of the pitch rate that thrust is given for [rad/s²].
+const MAX_CHANGE: f32 = 15.0;
 
 /// Least airspeed in the rate at which the air takes a velocity away [m/s]: in hover there is none.
 const SLOWEST: f32 = 0.1;
@@ -232,6 +236,17 @@ impl Tracker {
             + attitude.w().dot(model.spin)
             + law * command.rates.pitch
             + (1.0 - law) * attitude_rate;
+        // Thrust to turn with, where surfaces have none of it: the attitude goes first.
+        let body = attitude.to_body(state.velocity - state.wind);
+        let flow = Airflow { along: -body.i, across: body.j, speed: math::sqrt(body.i * body.i + body.j * body.j) };
+        let vehicle = &model.vehicle;
+        let available = vehicle.thrust_max() * vehicle.propeller().available(flow.along);
+        let asked = math::clamp(command.thrust, math::min(vehicle.thrust_min(), available), available);
+        let change = limited(gain * gain * ahead, MAX_CHANGE);
+        let allowed = vehicle.authority().with_thrust(change, flow, asked, available);
+        if allowed.thrust != asked {
+            command.thrust = allowed.thrust;
+        }
         // Out of the plane of flight pitch, tilt and twist would each go their own way.
         if aligned < 1.0 {
             let shortest = by_the_shortest_way(attitude, axes.forward, axes.right, flight.theta);

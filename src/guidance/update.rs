@@ -301,6 +301,10 @@ const GUSTS: f32 = 0.3;
 /// How fast the virtual velocity is resynchronised to the real one where the law has no say [1/s], and what part of that its position.
 const RESYNCHRONISATION_RATE: f32 = 4.6;
 const RESYNCHRONISATION_POSITION_SHARE: f32 = 0.59;
+/// Distance of the virtual attitude from the real one \[rad\] beyond which it is drawn to that, and how fast [1/s]. A rate loop of 100 ms stays
+/// 0.3 rad behind at the greatest rate.
+const ATTITUDE_APART: f32 = 0.45;
+const ATTITUDE_RESYNCHRONISATION: f32 = 20.0;
 /// Position errors beyond this \[m\] are taken as this.
 const MAX_DISTANCE: f32 = 1e4;
 
@@ -650,7 +654,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             .map_err(RejectReason::Law)?;
         let (thrust, rates, saturated) = self.limits.apply(
             &mut state.limits,
-            tracked.command.thrust,
+            (tracked.command.thrust, -input.orientation.to_body(input.velocity - wind).i),
             tracked.command.rates.into(),
             dt,
         );
@@ -661,6 +665,11 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         flight.velocity += (input.velocity - flight.velocity) * resynchronised;
         flight.position +=
             (position - flight.position) * (RESYNCHRONISATION_POSITION_SHARE * resynchronised);
+
+        // An attitude that does not follow is where plans begin: the air may hold it.
+        let ahead = wrap(flight.theta - theta);
+        let apart = ahead - math::clamp(ahead, -ATTITUDE_APART, ATTITUDE_APART);
+        flight.theta -= apart * math::min(ATTITUDE_RESYNCHRONISATION * dt, 1.0);
 
         guided.command = Command {
             thrust,
@@ -675,6 +684,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             air,
             dt,
         );
+        guided.command.thrust = state.limits.thrust;
         guided.air = air;
         guided.reference = tracked.reference;
         guided.margin = Margin::new(
