@@ -59,7 +59,11 @@ impl Authority {
             difference: p.authority_difference / weight,
             airflow: p.authority_airflow,
             wing: p.wing_moment,
-            reversed: if gone > 0.0 { weight / (gone * gone) } else { 0.0 },
+            reversed: if gone > 0.0 {
+                weight / (gone * gone)
+            } else {
+                0.0
+            },
         }
     }
 
@@ -83,11 +87,19 @@ impl Authority {
         let slope = self.slipstream + self.difference;
         let thrust = if (lacking > 0.0) & (slope > 0.0) {
             let needed = math::max(thrust, blown) + lacking / slope;
-            if self.difference > self.slipstream {
+            if self.slipstream == 0.0 {
                 // Differences are greatest at half of the thrust: from above it is lowered.
                 let half = 0.5 * available;
-                let towards = if thrust > half { thrust - lacking / (self.difference - self.slipstream) } else { needed };
-                if thrust > half { math::max(towards, half) } else { math::min(towards, half) }
+                let towards = if thrust > half {
+                    thrust - lacking / self.difference
+                } else {
+                    needed
+                };
+                if thrust > half {
+                    math::max(towards, half)
+                } else {
+                    math::min(towards, half)
+                }
             } else {
                 math::max(thrust, math::min(needed, available))
             }
@@ -95,14 +107,28 @@ impl Authority {
             thrust
         };
         let given = given(thrust);
-        Allowed { thrust, least: wing - given, most: wing + given }
+        Allowed {
+            thrust,
+            least: wing - given,
+            most: wing + given,
+        }
+    }
+
+    /// What there is in hover, at a thrust of the `weight` \[N\] of at most `most` [rad/s²].
+    pub fn in_hover(&self, weight: f32, most: f32) -> f32 {
+        self.constant
+            + self.slipstream * weight
+            + self.difference * math::min(weight, most - weight)
     }
 
     /// What there is without thrust [rad/s²].
     #[inline(always)]
     fn unpowered(&self, flow: Airflow) -> f32 {
         let flow = if flow.along > 0.0 {
-            math::max(flow.along * flow.along - STALLED * flow.across * flow.across, 0.0)
+            math::max(
+                flow.along * flow.along - STALLED * flow.across * flow.across,
+                0.0,
+            )
         } else {
             0.0
         };
@@ -112,6 +138,12 @@ impl Authority {
     /// Angular acceleration that the wing makes [rad/s²]: it turns the nose to the air velocity.
     #[inline(always)]
     fn wing(&self, flow: Airflow) -> f32 {
-        -self.wing * flow.across * flow.across.abs()
+        // Its centre of pressure is at a quarter of the chord short of stall, at half of it across the flow, and at three quarters tail first.
+        let arm = if flow.along < 0.0 {
+            flow.speed
+        } else {
+            flow.across.abs()
+        };
+        -self.wing * flow.across * arm
     }
 }

@@ -25,7 +25,11 @@ impl Propeller {
     /// That of a vehicle with these parameters, which have been checked.
     pub fn of_checked(p: &VehicleParameters) -> Self {
         Self {
-            per_speed: if p.zero_thrust_speed > 0.0 { 1.0 / p.zero_thrust_speed } else { 0.0 },
+            per_speed: if p.zero_thrust_speed > 0.0 {
+                1.0 / p.zero_thrust_speed
+            } else {
+                0.0
+            },
             most: p.thrust_max,
         }
     }

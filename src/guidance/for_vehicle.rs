@@ -5,6 +5,7 @@
 
 use super::parameters::GuidanceParameters;
 use super::update::check_thrust;
+use crate::authority::Authority;
 use crate::error::ParameterError;
 use crate::math;
 use crate::parameters::Parameters;
@@ -34,6 +35,10 @@ struct Known {
     thrust_rate: f32,
     /// Speed of cruise [m/s].
     cruise: f32,
+    /// Angular acceleration in pitch that there is in hover [rad/s²].
+    authority: f32,
+    /// Speed that the propellers give the air in hover [m/s]; 0 if no surface needs it.
+    downwash: f32,
 }
 
 /// Makes the function that gives every parameter, and the list of reasons, from one list.
@@ -78,6 +83,12 @@ rules! { known, default;
         "A fifth of the fastest natural frequency: the loop around the attitude is faster by far.";
     max_velocity_down = default.max_velocity_down,
         "A sink that every vehicle can stop within a few metres.";
+    max_sink = if known.downwash > 0.0 {
+        math::min(default.max_sink, 0.15 * known.downwash)
+    } else {
+        default.max_sink
+    },
+        "Less where surfaces need the slipstream: tail first at 0.6 of the speed that the propellers give the air they have no effect.";
     max_velocity_forward = math::min(default.max_velocity_forward, known.cruise / 5.0),
         "A fifth of cruise: catching up is not a flight of its own.";
     integral_gain_down = default.integral_gain_down,
@@ -90,10 +101,13 @@ rules! { known, default;
         "Holds an angle of 7° and more against a belief that is wrong.";
     max_lateral_acceleration = default.max_lateral_acceleration,
         "The guidance itself stays below what thrust and wing carry.";
-    max_rate = default.max_rate,
-        "Crosses the stall in half a second; the plans of the guidance are laid out for it.";
-    max_slew = math::clamp(3.0 / known.rate_lag, default.max_slew, 2.0 * default.max_slew),
-        "Reaches the greatest rate within the lag of the rate loop, between a twentieth and a tenth of a second: with 30 rad/s² a vehicle of 60 ms climbed by a metre where it braked. A slower rate loop smooths it.";
+    max_rate = math::min(default.max_rate, math::sqrt(0.056 * known.authority)),
+        "Crosses the stall in half a second; the plans of the guidance are laid out for it. Less where the surfaces could not stop it within 2°.";
+    max_slew = math::min(
+        math::clamp(3.0 / known.rate_lag, default.max_slew, 2.0 * default.max_slew),
+        0.7 * known.authority,
+    ),
+        "At most 0.7 of what turns the vehicle in hover. Reaches the greatest rate within the lag of the rate loop, between a twentieth and a tenth of a second: with 30 rad/s² a vehicle of 60 ms climbed by a metre where it braked. A slower rate loop smooths it.";
     hold = math::max(0.1, 5.0 * known.period),
         "Five steps, and a tenth of a second at least: a frame that is lost now and then.";
     recovery = math::max(0.05, 3.0 * known.period),
@@ -134,6 +148,12 @@ impl GuidanceParameters {
             period,
             thrust_rate: math::min(3.0, 0.75 / (response.thrust_lag + period)),
             cruise: response.cruise_speed,
+            authority: Authority::of_checked(vehicle).in_hover(weight, vehicle.thrust_max),
+            downwash: if vehicle.authority_slipstream > 0.0 {
+                vehicle.hover_downwash
+            } else {
+                0.0
+            },
         }))
     }
 }

@@ -36,6 +36,8 @@ crate::parameters! {
             "Velocity per position error, horizontal. Zero turns the hold off.";
         max_velocity_down: "m/s", 0.0, 1e3, 4.7, "ALU_POS_V_D",
             "Greatest velocity towards the reference position, down.";
+        max_sink: "m/s", 0.0, 1e3, 4.7, "ALU_POS_SINK",
+            "Greatest velocity towards a reference position that is below. Tail first the slipstream does not reach the surfaces.";
         max_velocity_forward: "m/s", 0.0, 1e3, 3.9, "ALU_POS_V_F",
             "Greatest velocity towards the reference position, horizontal.";
         integral_gain_down: "1/s", 0.0, 100.0, 0.3, "ALU_INT_D",

@@ -6,8 +6,8 @@
 use super::memory::memory;
 use super::parameters::GuidanceParameters;
 use crate::aero::Aerodynamics;
-use crate::authority::Airflow;
 use crate::air::AirData;
+use crate::authority::Airflow;
 use crate::equivalency::lambda;
 use crate::frame::{Attitude, Body, Inertial};
 use crate::math;
@@ -114,6 +114,7 @@ pub struct ReferenceModel {
     slew: f32,
     pub(super) position_gain: Inertial,
     pub(super) max_velocity: Inertial,
+    max_sink: f32,
 }
 
 /// A step's length, and the gains at that length.
@@ -163,6 +164,7 @@ impl ReferenceModel {
             slew: SHARE_OF_SLEW * p.max_slew,
             position_gain: Inertial::new(p.position_gain_down, p.position_gain_forward),
             max_velocity: Inertial::new(p.max_velocity_down, p.max_velocity_forward),
+            max_sink: p.max_sink,
         }
     }
 
@@ -171,9 +173,12 @@ impl ReferenceModel {
     pub fn desired_velocity(&self, position: Inertial, reference: Inertial) -> Inertial {
         Inertial::new(
             reference.down()
-                - rarely_limited(
-                    self.position_gain.down() * position.down(),
-                    self.max_velocity.down(),
+                - math::max(
+                    rarely_limited(
+                        self.position_gain.down() * position.down(),
+                        self.max_velocity.down(),
+                    ),
+                    -self.max_sink,
                 ),
             reference.forward()
                 - rarely_limited(
@@ -354,13 +359,22 @@ impl ReferenceModel {
         let (thrust, available) = (mass * thrust, mass * most);
         let authority = vehicle.authority();
         let there = authority.with_thrust(0.0, flow, thrust, available);
-        let stopping = if wanted > 0.0 { -there.least } else { there.most };
+        let stopping = if wanted > 0.0 {
+            -there.least
+        } else {
+            there.most
+        };
         let fastest = math::sqrt(math::max(stopping, STOPPING) * error.abs());
         let wanted = math::clamp(wanted, -fastest, fastest);
         let change = math::clamp((wanted - flight.rate) / h, -RAISED, RAISED);
         let allowed = authority.with_thrust(change, flow, thrust, available);
-        let rate = math::clamp(wanted, flight.rate + h * allowed.least, flight.rate + h * allowed.most);
-        let rate = math::clamp(rate, -MOST_RATE, MOST_RATE);
+        let rate = math::clamp(
+            wanted,
+            flight.rate + h * allowed.least,
+            flight.rate + h * allowed.most,
+        );
+        let most_rate = math::max(MOST_RATE, self.rate);
+        let rate = math::clamp(rate, -most_rate, most_rate);
         let thrust = allowed.thrust / mass;
 
         let acceleration = forces.free - Inertial::new(attitude.cos, attitude.sin) * thrust;

@@ -238,12 +238,22 @@ impl Tracker {
             + (1.0 - law) * attitude_rate;
         // Thrust to turn with, where surfaces have none of it: the attitude goes first.
         let body = attitude.to_body(state.velocity - state.wind);
-        let flow = Airflow { along: -body.i, across: body.j, speed: math::sqrt(body.i * body.i + body.j * body.j) };
+        let flow = Airflow {
+            along: -body.i,
+            across: body.j,
+            speed: math::sqrt(body.i * body.i + body.j * body.j),
+        };
         let vehicle = &model.vehicle;
         let available = vehicle.thrust_max() * vehicle.propeller().available(flow.along);
-        let asked = math::clamp(command.thrust, math::min(vehicle.thrust_min(), available), available);
+        let asked = math::clamp(
+            command.thrust,
+            math::min(vehicle.thrust_min(), available),
+            available,
+        );
         let change = limited(gain * gain * ahead, MAX_CHANGE);
-        let allowed = vehicle.authority().with_thrust(change, flow, asked, available);
+        let allowed = vehicle
+            .authority()
+            .with_thrust(change, flow, asked, available);
         if allowed.thrust != asked {
             command.thrust = allowed.thrust;
         }

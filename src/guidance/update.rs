@@ -654,7 +654,10 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             .map_err(RejectReason::Law)?;
         let (thrust, rates, saturated) = self.limits.apply(
             &mut state.limits,
-            (tracked.command.thrust, -input.orientation.to_body(input.velocity - wind).i),
+            (
+                tracked.command.thrust,
+                -input.orientation.to_body(input.velocity - wind).i,
+            ),
             tracked.command.rates.into(),
             dt,
         );
