@@ -160,7 +160,7 @@ mod tests {
     fn what_is_inside_passes_unchanged() {
         for n in 0..3 {
             let (mut state, rates) = (last(n, 0.4), axis(n, 0.5));
-            let out = limits().apply(&mut state, 50.0, rates, 0.01);
+            let out = limits().apply(&mut state, (50.0, 0.0), rates, 0.01);
             assert_eq!(out, (50.0, rates, Status::empty()));
             assert_eq!((state.rates, state.thrust), (rates, 50.0));
         }
@@ -171,7 +171,7 @@ mod tests {
         for n in 0..3 {
             let apply = |from, thrust, rate| {
                 let (thrust, rates, status) =
-                    limits().apply(&mut last(n, from), thrust, axis(n, rate), 1.0 / 128.0);
+                    limits().apply(&mut last(n, from), (thrust, 0.0), axis(n, rate), 1.0 / 128.0);
                 (thrust, rates.i + rates.j + rates.w, status)
             };
             assert_eq!(apply(0.0, 0.0, 0.0), (1.0, 0.0, Status::THRUST_LOW));
