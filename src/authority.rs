@@ -147,3 +147,151 @@ impl Authority {
         -self.wing * flow.across * arm
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parameters::Parameters;
+
+    /// 2 kg with elevons: 30 rad/s² at a thrust of the weight, a wing of 0.5 rad/m², propellers that give the air 10 m/s in hover.
+    fn elevons() -> VehicleParameters {
+        VehicleParameters {
+            mass: 2.0,
+            k_a: 0.2,
+            gravity: 10.0,
+            thrust_max: 40.0,
+            authority: 0.0,
+            authority_slipstream: 30.0,
+            authority_airflow: 0.25,
+            wing_moment: 0.5,
+            hover_downwash: 10.0,
+            ..VehicleParameters::DEFAULT
+        }
+    }
+
+    fn flow(along: f32, across: f32) -> Airflow {
+        let speed = math::sqrt(along * along + across * across);
+        Airflow {
+            along,
+            across,
+            speed,
+        }
+    }
+
+    fn at(p: &VehicleParameters, wanted: f32, flow: Airflow, thrust: f32) -> Allowed {
+        Authority::of_checked(p).with_thrust(wanted, flow, thrust, p.thrust_max)
+    }
+
+    /// By default nothing is bounded and no thrust is raised: the vehicle is the one of the laws.
+    #[test]
+    fn the_default_is_full_authority() {
+        let p = VehicleParameters {
+            mass: 2.0,
+            k_a: 0.2,
+            thrust_max: 40.0,
+            ..VehicleParameters::DEFAULT
+        };
+        let allowed = at(&p, 900.0, flow(-20.0, 30.0), 0.0);
+        assert_eq!(
+            (allowed.thrust, allowed.least, allowed.most),
+            (0.0, -1e6, 1e6)
+        );
+    }
+
+    /// In hover surfaces have what the thrust gives them, and thrust is raised to what is wanted and not beyond.
+    #[test]
+    fn thrust_is_raised_for_what_is_wanted() {
+        let p = elevons();
+        let hover = flow(0.0, 0.0);
+        let enough = at(&p, 29.0, hover, 20.0);
+        assert_eq!((enough.thrust, enough.most), (20.0, 30.0));
+        for wanted in [45.0, -45.0] {
+            let raised = at(&p, wanted, hover, 20.0);
+            assert!((raised.thrust - 30.0).abs() < 1e-4 && (raised.most - 45.0).abs() < 1e-4);
+        }
+        assert_eq!(at(&p, 900.0, hover, 20.0).thrust, 40.0);
+    }
+
+    /// Across the flow the wing turns the nose to the air velocity, whichever side it comes from. The thrust that holds the nose there grows
+    /// as the squared airspeed.
+    #[test]
+    fn a_stalled_wing_takes_authority() {
+        let p = elevons();
+        let (up, down) = (
+            at(&p, 0.0, flow(0.0, 6.0), 0.0),
+            at(&p, 0.0, flow(0.0, -6.0), 0.0),
+        );
+        // 0.5 · 6² = 18 rad/s² of the wing: 12 N of thrust hold it.
+        assert!(
+            (up.thrust - 12.0).abs() < 1e-4
+                && up.most.abs() < 1e-4
+                && (up.least + 36.0).abs() < 1e-3
+        );
+        assert_eq!(
+            (down.thrust, down.least, down.most),
+            (up.thrust, -up.most, -up.least)
+        );
+        let faster = at(&p, 0.0, flow(0.0, 8.0), 0.0);
+        assert!((faster.thrust / up.thrust - 64.0 / 36.0).abs() < 1e-4);
+    }
+
+    /// The airflow along the nose gives authority until the surfaces stall with the wing.
+    #[test]
+    fn surfaces_stall_with_the_wing() {
+        let p = VehicleParameters {
+            wing_moment: 0.0,
+            ..elevons()
+        };
+        assert!((at(&p, 0.0, flow(12.0, 0.0), 0.0).most - 36.0).abs() < 1e-3);
+        let half = |across| {
+            let a = at(&p, 0.0, flow(12.0, across), 0.0);
+            0.5 * (a.most - a.least)
+        };
+        assert!(half(5.0) < 0.7 * half(0.0) && half(9.0) == 0.0);
+    }
+
+    /// Tail first the slipstream does not reach the surfaces: at 6 m/s, 0.6 of what the propellers give the air, a thrust of the weight gives
+    /// nothing.
+    #[test]
+    fn tail_first_the_slipstream_is_lost() {
+        let p = VehicleParameters {
+            wing_moment: 0.0,
+            ..elevons()
+        };
+        let given = |along| at(&p, 0.0, flow(along, 0.0), 20.0).most;
+        assert!(
+            (given(-3.0) - 22.5).abs() < 1e-4 && given(-6.0).abs() < 1e-4 && given(-9.0) == 0.0
+        );
+        // To have 15 rad/s² there it takes half of the weight more.
+        assert!((at(&p, 15.0, flow(-6.0, 0.0), 20.0).thrust - 30.0).abs() < 1e-4);
+    }
+
+    /// Differences of thrust are greatest at half of it: from below thrust is raised, from above it is lowered.
+    #[test]
+    fn differences_of_thrust_need_room_on_both_sides() {
+        let p = VehicleParameters {
+            authority_slipstream: 0.0,
+            authority_airflow: 0.0,
+            authority_difference: 60.0,
+            ..elevons()
+        };
+        let hover = flow(0.0, 0.0);
+        for (thrust, wanted, right) in [
+            (0.0, 30.0, 10.0),
+            (40.0, 30.0, 30.0),
+            (0.0, 900.0, 20.0),
+            (40.0, 900.0, 20.0),
+            (15.0, 30.0, 15.0),
+        ] {
+            let a = at(&p, wanted, hover, thrust);
+            assert!(
+                (a.thrust - right).abs() < 1e-4,
+                "{thrust} {wanted}: {}",
+                a.thrust
+            );
+            assert!((a.most - 3.0 * math::min(a.thrust, 40.0 - a.thrust)).abs() < 1e-3);
+        }
+        assert_eq!(Authority::of_checked(&p).in_hover(20.0, 40.0), 60.0);
+        assert_eq!(Authority::of_checked(&p).in_hover(30.0, 40.0), 30.0);
+    }
+}

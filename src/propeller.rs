@@ -54,3 +54,84 @@ impl Propeller {
         self.most * math::min(s * s, 1.0) * math::min(share / IDLE, 1.0)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use crate::parameters::Parameters;
+
+    fn propeller(zero_thrust_speed: f32) -> Propeller {
+        Propeller::of_checked(&VehicleParameters {
+            zero_thrust_speed,
+            thrust_max: 40.0,
+            ..VehicleParameters::DEFAULT
+        })
+    }
+
+    /// Without a speed of no thrust the command is the thrust, to the bit.
+    #[test]
+    fn thrust_that_does_not_fall_is_its_own_command() {
+        let p = propeller(0.0);
+        for (thrust, along) in [(13.7, 25.0), (-3.0, 25.0), (0.3, -4.0)] {
+            assert_eq!(
+                (p.command(thrust, along), p.available(along)),
+                (thrust, 1.0)
+            );
+        }
+        // Tail first thrust is taken for static.
+        assert_eq!(
+            (
+                propeller(30.0).command(13.7, -8.0),
+                propeller(30.0).available(-8.0)
+            ),
+            (13.7, 1.0)
+        );
+    }
+
+    /// The command gives the thrust by the quadratic of C_T(J): ρD⁴(c0 n² + c1 n u/D + c2 u²/D²), in double precision.
+    #[test]
+    fn the_command_inverts_the_thrust_coefficient() {
+        let (rho, d, c0) = (1.225_f64, 0.3, 0.12);
+        let n_max = (40.0 / (rho * f64::powi(d, 4) * c0)).sqrt();
+        // C_T = c0 (1 − 0.6 x/s − 0.4 x²/s²) where J = (x/s) u_0/(n_max D).
+        let u_0 = 26.0;
+        let j_0 = u_0 / (n_max * d);
+        let (c1, c2) = (-0.6 * c0 / j_0, -0.4 * c0 / (j_0 * j_0));
+        let p = propeller(u_0 as f32);
+        for along in [0.0, 4.0, 13.0, 20.0, 25.0] {
+            let most = 40.0 * f64::from(p.available(along));
+            for share in [0.1, 0.5, 0.9, 1.0] {
+                let wanted = share * most;
+                // Below 2 % of the greatest static thrust the command goes to none.
+                if wanted < 0.8 {
+                    continue;
+                }
+                let n = n_max * (f64::from(p.command(wanted as f32, along)) / 40.0).sqrt();
+                let j = f64::from(along) / (n * d);
+                let thrust = rho * n * n * d.powi(4) * (c0 + c1 * j + c2 * j * j);
+                // 1e-4 N: single precision of a root of a share, times 40 N.
+                assert!(
+                    (thrust - wanted).abs() < 1e-4,
+                    "{along} {share}: {thrust} {wanted}"
+                );
+            }
+        }
+        // At the speed of no thrust there is none left, but for rounding.
+        assert!(p.available(26.0).abs() < 1e-6);
+    }
+
+    /// The command grows with the thrust, begins at none, and stays within the greatest static thrust.
+    #[test]
+    fn the_command_is_monotone() {
+        let p = propeller(20.0);
+        for along in [0.5, 10.0, 19.9, 40.0] {
+            let mut last = 0.0;
+            for n in 0..=100u8 {
+                let command = p.command(0.4 * f32::from(n), along);
+                assert!((last..=40.0).contains(&command), "{along} {n}");
+                last = command;
+            }
+        }
+    }
+}

@@ -170,8 +170,12 @@ mod tests {
     fn each_limit_is_kept_and_told() {
         for n in 0..3 {
             let apply = |from, thrust, rate| {
-                let (thrust, rates, status) =
-                    limits().apply(&mut last(n, from), (thrust, 0.0), axis(n, rate), 1.0 / 128.0);
+                let (thrust, rates, status) = limits().apply(
+                    &mut last(n, from),
+                    (thrust, 0.0),
+                    axis(n, rate),
+                    1.0 / 128.0,
+                );
                 (thrust, rates.i + rates.j + rates.w, status)
             };
             assert_eq!(apply(0.0, 0.0, 0.0), (1.0, 0.0, Status::THRUST_LOW));

@@ -551,6 +551,114 @@ mod tests {
         }
     }
 
+    /// 10 kg with elevons in the slipstream, which turn the vehicle at up to 20 rad/s² in hover, and a wing whose centre of pressure moves aft.
+    fn elevons(wing_moment: f32) -> Vehicle<Combined> {
+        let model = Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap();
+        let p = VehicleParameters {
+            authority: 0.0,
+            authority_slipstream: 20.0,
+            wing_moment,
+            hover_downwash: 8.0,
+            ..VehicleParameters::PAPER
+        };
+        Vehicle::new(p, model).unwrap()
+    }
+
+    /// A turn to an attitude far away begins and ends within what the surfaces give, and does not go beyond it.
+    #[test]
+    fn a_turn_is_stopped_within_authority() {
+        let vehicle = elevons(0.0);
+        let mut flight = PlanarModelState {
+            thrust: vehicle.weight(),
+            ..PlanarModelState::default()
+        };
+        let mut plan = Plan {
+            push: 0.0,
+            target: -1.2,
+            turn: 1,
+        };
+        let (mut last, mut farthest) = (0.0_f32, 0.0_f32);
+        for _ in 0..200 {
+            advance(
+                &vehicle,
+                &mut flight,
+                &mut plan,
+                &still(0.0, 0.0),
+                Inertial::ZERO,
+            );
+            let change = (flight.rate - last).abs() / DT;
+            // 20 rad/s² at the thrust of the weight, and 1 % for the rounding of a rate over a step.
+            let most = 20.2 * flight.thrust / vehicle.weight();
+            assert!(change <= most, "{change} {most}");
+            last = flight.rate;
+            farthest = math::min(farthest, flight.theta);
+        }
+        // 0.07 rad: where a turn is over, and the servo goes on.
+        assert!(farthest > -1.27 && farthest < -1.13, "{farthest}");
+    }
+
+    /// At speed the wing holds the nose near the air velocity: a turn past stall does not get there, and asks for thrust.
+    #[test]
+    fn the_air_holds_the_attitude() {
+        let turned = |vehicle: Vehicle<Combined>| {
+            let level = -core::f32::consts::FRAC_PI_2;
+            let mut flight = PlanarModelState {
+                velocity: Inertial::new(0.0, 18.0),
+                theta: level + 0.1,
+                ..PlanarModelState::default()
+            };
+            let mut plan = Plan {
+                push: 0.0,
+                target: level + 1.4,
+                turn: 1,
+            };
+            let mut farthest = level;
+            let mut thrust = 0.0;
+            for _ in 0..80 {
+                advance(
+                    &vehicle,
+                    &mut flight,
+                    &mut plan,
+                    &still(0.0, 18.0),
+                    Inertial::ZERO,
+                );
+                farthest = if flight.theta > farthest {
+                    flight.theta
+                } else {
+                    farthest
+                };
+                thrust = if flight.thrust > thrust {
+                    flight.thrust
+                } else {
+                    thrust
+                };
+            }
+            (farthest - level, thrust / vehicle.weight())
+        };
+        let (free, _) = turned(vehicle());
+        let (held, thrust) = turned(elevons(1.0));
+        assert!(
+            free > 1.2 && held < 0.8 && thrust > 1.9,
+            "{free} {held} {thrust}"
+        );
+    }
+
+    /// Too high by 50 m the vehicle sinks no faster than it may, and climbs as fast as before.
+    #[test]
+    fn it_sinks_no_faster_than_it_may() {
+        let p = GuidanceParameters {
+            max_sink: 1.5,
+            ..GuidanceParameters::default()
+        };
+        let model = ReferenceModel::new(&p);
+        let wanted = |down| {
+            model
+                .desired_velocity(Inertial::new(down, 0.0), Inertial::ZERO)
+                .down()
+        };
+        assert_eq!((wanted(-50.0), wanted(50.0)), (1.5, -p.max_velocity_down));
+    }
+
     /// The attitude of a prediction is turned step by step, also by an agile vehicle, whose rate would take it further than π/4 in a step.
     #[test]
     fn the_attitude_keeps_to_its_angle() {
