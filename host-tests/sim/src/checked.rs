@@ -161,3 +161,103 @@ impl Belief {
         ]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::tail_sitter::VEHICLES;
+
+    /// A file of the plant's vehicle is named by its own line, and a field that is set by the assignment.
+    #[test]
+    fn errors_of_a_vehicle_name_its_file_line_and_field() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        let document = "base = 'tail-sitter-hover'\nplant.vehicle = 'mine.toml'\n";
+        std::fs::write(at("flight.toml"), document).unwrap();
+        let mapping = VEHICLES
+            .iter()
+            .find(|(name, _)| *name == "mapping")
+            .unwrap()
+            .1;
+        let error = |needle: &str, with: &str| {
+            let swap = |line| {
+                if str::starts_with(line, needle) {
+                    with
+                } else {
+                    line
+                }
+            };
+            let lines: Vec<&str> = mapping.lines().map(swap).collect();
+            std::fs::write(at("mine.toml"), lines.join("\n")).unwrap();
+            let loaded = Document::load(at("flight.toml").to_str().unwrap());
+            let error = loaded.unwrap().checked().unwrap_err().to_string();
+            let line = 1 + mapping.lines().position(|l| l.starts_with(needle)).unwrap();
+            let (place, problem) = error.split_once(": ").unwrap();
+            assert!(place.ends_with(&format!("mine.toml:{line}")), "{error}");
+            problem.to_owned()
+        };
+        assert_eq!(
+            error("mass_kg", "mass_kg = -1"),
+            "plant.vehicle.mass_kg: must be from 0.01 to 1000"
+        );
+        assert_eq!(
+            error("rate_hz", "rate_hz = 50"),
+            "plant.vehicle.rate_loop.rate_hz: must be from 200 to 2000"
+        );
+        assert_eq!(
+            error("travel_deg", "travel_deg = 90"),
+            "plant.vehicle.servo.travel_deg: must be from 0 to 70"
+        );
+    }
+
+    #[test]
+    fn the_plant_is_changed_by_path_and_described_once() {
+        let load = || Document::load("tail-sitter-hover").unwrap();
+        let mut heavier = load();
+        heavier.assign("plant.vehicle.mass_kg=2.6").unwrap();
+        let experiment = heavier.checked().unwrap();
+        let plant = experiment.tail_sitter.unwrap();
+        assert_eq!(
+            (plant.vehicle.mass_kg, experiment.vehicle.mass_kg),
+            (2.6, 2.6)
+        );
+        let mut other = load();
+        other.assign("plant.vehicle='biplane'").unwrap();
+        assert_eq!(other.checked().unwrap().vehicle.mass_kg, 1.6);
+        let refused = |assignment: &str| {
+            let mut document = load();
+            let done = document.assign(assignment);
+            done.and_then(|()| document.checked().map(|_| ()))
+                .unwrap_err()
+                .to_string()
+        };
+        assert!(refused("vehicle.mass_kg=3").contains("vehicle: stands in plant.vehicle"));
+        assert!(refused("plant.kind='glider'").contains("plant.kind: must be"));
+        assert!(refused("plant.vehicle='maping'").contains("did you mean mapping?"));
+        assert!(refused("plant.thrust_lag_s=0.1").contains("plant.thrust_lag_s: unknown field"));
+    }
+
+    /// Static thrust by C_T, a lag within those of real rate loops, the wing's area, and a greatest lift of a wing.
+    #[test]
+    fn the_belief_is_what_a_person_measures() {
+        for (name, text) in VEHICLES {
+            let spec: TailSitterSpec = toml::from_str(text).unwrap();
+            spec.validate().unwrap();
+            let belief = Belief::of(&spec);
+            let thrust = |p: &crate::experiment::tail_sitter::Propeller| {
+                p.c_t[0] * 1.225 * p.speed_max_rev_s.powi(2) * p.diameter_m.powi(4)
+            };
+            let thrust: f64 = spec.propellers.iter().map(thrust).sum();
+            assert!((belief.thrust_max_n / thrust - 1.0).abs() < 1e-12, "{name}");
+            assert!(
+                (0.02..0.6).contains(&belief.rate_lag_s),
+                "{name}: {}",
+                belief.rate_lag_s
+            );
+            assert!(belief.slew_rad_s2 > 5.0, "{name}: {}", belief.slew_rad_s2);
+            let most = belief.polar.iter().map(|row| row[1]).fold(0.0, f64::max);
+            assert!((0.7..1.6).contains(&most), "{name}: {most}");
+            assert!(belief.polar.iter().all(|row| row[2] > 0.0), "{name}");
+        }
+    }
+}
