@@ -101,6 +101,7 @@ impl Airframe {
             document.checked()?;
         }
         let read = || {
+            let document = &document.believed()?.document;
             let part = |key: &str| document.get(key).cloned();
             Ok(Self {
                 name: document.name.clone(),

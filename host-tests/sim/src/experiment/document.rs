@@ -11,7 +11,8 @@ use serde::de::DeserializeOwned;
 use toml::de::{DeTable, DeValue};
 use toml::{Table, Value};
 
-use super::{BUILT_IN, ControllerSpec, Experiment, VehicleSpec};
+use super::tail_sitter::{VEHICLE, VEHICLES};
+use super::{BUILT_IN, ControllerSpec, VehicleSpec};
 use crate::named::{Named, hint, on_one_line};
 use crate::polar::holds_polar;
 
@@ -142,6 +143,8 @@ struct Layer {
     text: String,
     /// Whether errors name a line of it.
     lines: bool,
+    /// Path of the table that the text is; empty for a whole document.
+    inside: &'static str,
 }
 
 /// A document with the texts that it is made of.
@@ -233,6 +236,7 @@ impl Document {
                 origin: origin.clone(),
                 text: text.text.clone(),
                 lines: true,
+                inside: "",
             },
         );
         // A base is described by its own line, which is not true of what is built on it.
@@ -240,7 +244,10 @@ impl Document {
             root.remove("description");
         }
         own.keys().for_each(|key| document.supersede(key));
+        document.supersede_plant(own.get("plant"));
         merge("", &mut document.root, Value::Table(own));
+        let done = document.expand_vehicle();
+        done.map_err(|e| document.located(e))?;
         match set {
             None => {}
             Some(Value::Table(fields)) => {
@@ -309,7 +316,45 @@ impl Document {
             around = key;
         }
         *found = value;
-        Ok(())
+        self.expand_vehicle()
+    }
+
+    /// Puts the table of the vehicle that `plant.vehicle` names in place of its name.
+    fn expand_vehicle(&mut self) -> Result<(), FieldError> {
+        let Some(Value::String(name)) = self.get(VEHICLE) else {
+            return Ok(());
+        };
+        let refused = |problem: String| FieldError::new(VEHICLE, problem);
+        let named = Named::find("vehicle of the plant", VEHICLES, name);
+        let named = named.map_err(|e| refused(format!("{e:#}")))?;
+        let table = named.text.parse::<Table>().map_err(|e| {
+            let line = e.span().map_or(1, |s| line_at(&named.text, s.start));
+            refused(format!(
+                "{}:{line}: {}",
+                named.origin,
+                in_words(e.message())
+            ))
+        })?;
+        let layer = Layer {
+            origin: named.origin,
+            text: named.text,
+            lines: true,
+            inside: VEHICLE,
+        };
+        self.layers.insert(0, layer);
+        self.set(VEHICLE, Value::Table(table))
+    }
+
+    /// Takes out of the base what another kind of plant, which `own` names, does not have.
+    fn supersede_plant(&mut self, own: Option<&Value>) {
+        let kind = own.and_then(|plant| plant.get("kind"));
+        if kind.is_some()
+            && kind != self.get("plant.kind")
+            && let Value::Table(root) = &mut self.root
+        {
+            root.remove("plant");
+            root.remove("vehicle");
+        }
     }
 
     /// Does what `PATH=VALUE` says; the value is TOML.
@@ -334,6 +379,7 @@ impl Document {
             origin: origin.to_owned(),
             text: format!("[set]\n\"{path}\" = 0\n"),
             lines: false,
+            inside: "",
         };
         self.layers.insert(0, layer);
         Ok(())
@@ -344,17 +390,8 @@ impl Document {
         read(self.root.clone())
     }
 
-    /// The experiment that the document describes, validated but for its controller.
-    pub fn data(&self) -> Result<Experiment, FieldError> {
-        let experiment: Experiment = self.read()?;
-        experiment
-            .validate()
-            .map_err(|error| self.as_written(error))?;
-        Ok(experiment)
-    }
-
     /// The error with the name that the document has for the path.
-    fn as_written(&self, error: FieldError) -> FieldError {
+    pub(crate) fn as_written(&self, error: FieldError) -> FieldError {
         let [path, reference] = NAMES_OF_PATH;
         match error.field.strip_prefix(path) {
             Some(rest) if self.get(reference).is_some() => {
@@ -451,6 +488,7 @@ pub fn from_toml<T: DeserializeOwned>(
             origin: origin.to_owned(),
             text: text.to_owned(),
             lines: true,
+            inside: "",
         };
         let line = line.unwrap_or_else(|| layer.line_of(field).0);
         anyhow::Error::new(Located {
@@ -521,6 +559,11 @@ fn line_at(text: &str, offset: usize) -> usize {
 impl Layer {
     /// The line of the dotted `field`, or of the nearest table around it, and whether the text has the field.
     fn line_of(&self, field: &str) -> (usize, bool) {
+        let dotted = self.inside.is_empty() || field.starts_with(self.inside);
+        if !dotted {
+            return (1, false);
+        }
+        let field = field[self.inside.len()..].trim_start_matches('.');
         let Ok(document) = DeTable::parse(&self.text) else {
             return (1, false);
         };
@@ -567,6 +610,7 @@ impl Layer {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::experiment::Experiment;
     use crate::refusals::begins;
 
     fn over(text: &str) -> anyhow::Result<Document> {

@@ -14,6 +14,7 @@ mod path;
 mod plant;
 mod route;
 mod sensors;
+pub mod tail_sitter;
 mod vector;
 mod vehicle;
 mod weather;
@@ -40,6 +41,7 @@ pub use path::{Path, PathSpec, Target};
 pub use plant::{PlantSpec, RateLoop, State};
 pub(crate) use sensors::orientation;
 pub use sensors::{AirSensor, ErrorSpec, Measured, Sensor, SensorSpec};
+pub use tail_sitter::{TailSitterPlant, TailSitterSpec};
 pub use vector::V3;
 pub use vector::{double, ned};
 pub use vehicle::{AerodynamicsSpec, Model, NO_LIMITS, Vehicle, VehicleSpec};
@@ -84,6 +86,13 @@ pub const BUILT_IN: &[(&str, &str)] = built_in! { "experiments", ".toml";
     "mission-turbulence",
     "start-hover",
     "start-cruise",
+    "tail-sitter",
+    "tail-sitter-hover",
+    "tail-sitter-hover-wind",
+    "tail-sitter-braking",
+    "tail-sitter-climbing-braking",
+    "tail-sitter-fall",
+    "tail-sitter-circle",
 };
 
 /// A flight to simulate. The format is described in this package's README.
@@ -112,6 +121,9 @@ pub struct Experiment {
     /// Its actuators.
     #[serde(default)]
     pub plant: PlantSpec,
+    /// The plant of kind `tail-sitter`, of which `vehicle` and `plant` are then what is believed.
+    #[serde(skip)]
+    pub tail_sitter: Option<TailSitterPlant>,
     /// What the controller is told.
     #[serde(default)]
     pub sensors: SensorSpec,

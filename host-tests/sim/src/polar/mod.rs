@@ -227,6 +227,18 @@ impl Polar {
             .map_err(|e| anyhow!("{origin}:{}: {}", line(e.row), e.problem.text()))
     }
 
+    /// The polar of rows in a document, each table once.
+    fn of_table(rows: &[[f64; 3]]) -> anyhow::Result<Self> {
+        let text = format!("{rows:?}");
+        let mut loaded = LOADED.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(polar) = loaded.get(&text) {
+            return Ok(*polar);
+        }
+        let polar = Self::from_rows("rows", &[], rows)?;
+        loaded.insert(text, polar);
+        Ok(polar)
+    }
+
     /// The polar through `degrees`: α \[°\], c_L, c_D; `name` is its name.
     ///
     /// # Errors
@@ -363,10 +375,22 @@ fn halved(rows: Vec<[f64; 3]>) -> Vec<[f64; 3]> {
 }
 
 impl<'de> Deserialize<'de> for Polar {
-    /// From the name of a built-in polar, or of a CSV file relative to the working directory.
+    /// From the name of a built-in polar, or of a CSV file relative to the working directory, or from rows of α \[°\], c_L and c_D.
     fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let argument = String::deserialize(deserializer)?;
-        Self::load(&argument).map_err(|e| serde::de::Error::custom(format!("{e:#}")))
+        #[derive(Deserialize)]
+        #[serde(
+            untagged,
+            expecting = "must be a name, a file, or rows of [alpha_deg, c_l, c_d]"
+        )]
+        enum Given {
+            Named(String),
+            Rows(Vec<[f64; 3]>),
+        }
+        let polar = match Given::deserialize(deserializer)? {
+            Given::Named(argument) => Self::load(&argument),
+            Given::Rows(rows) => Self::of_table(&rows),
+        };
+        polar.map_err(|e| serde::de::Error::custom(format!("{e:#}")))
     }
 }
 

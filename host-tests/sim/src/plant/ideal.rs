@@ -1,46 +1,13 @@
-//! Plants: what a controller flies, in double precision. Nothing here comes from the core.
-//!
-//! A plant is a body with six degrees of freedom, with its inner loop and its actuators. [`IdealPlant`] is the one of `[plant]`:
-//! `m v̇ = m g e3 + F_a − T i` and the kinematics of a quaternion, with thrust behind a lag, and body rates behind a lag or behind inertia
-//! and bounded torques. Axes are those of [`State`].
+//! The ideal plant: `m v̇ = m g e3 + F_a − T i` and the kinematics of a quaternion, with thrust behind a lag, and body rates behind a lag
+//! or behind inertia and bounded torques. Axes are those of [`State`].
 
 use nalgebra::{Quaternion, UnitQuaternion};
 
+use super::{Command, Plant};
 use crate::experiment::{Experiment, RateLoop, State, V3};
 use crate::reference::ForceModel;
 
-/// What a plant is asked for.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Command {
-    /// Thrust \[N\].
-    pub thrust: f64,
-    /// Body rates (p, q, r) \[rad/s\].
-    pub rates: V3,
-}
-
-/// A vehicle with its inner loop and its actuators.
-pub trait Plant {
-    /// The state of its body.
-    fn state(&self) -> &State;
-
-    /// Specific force \[m/s²\] in components along (i, j, w) in `wind` \[m/s\]: what an accelerometer measures.
-    fn specific_force(&self, wind: V3) -> V3;
-
-    /// Goes on by `dt` \[s\] under a constant command and `wind` \[m/s\].
-    fn step(&mut self, command: &Command, wind: V3, dt: f64);
-
-    /// Columns of its own in a record: name, with its unit, and meaning.
-    fn columns(&self) -> &'static [(&'static str, &'static str)] {
-        &[]
-    }
-
-    /// What these columns read now.
-    fn readings(&self) -> Vec<f64> {
-        Vec::new()
-    }
-}
-
-/// The plant of `[plant]`.
+/// The plant of `[plant]` of kind `ideal`.
 pub struct IdealPlant {
     /// How it moves.
     pub dynamics: Dynamics,
@@ -59,16 +26,6 @@ impl Plant for IdealPlant {
 
     fn step(&mut self, command: &Command, wind: V3, dt: f64) {
         self.state = self.dynamics.step(&self.state, command, wind, dt);
-    }
-}
-
-impl Experiment {
-    /// The true vehicle, at `state`.
-    pub fn plant(&self, state: State) -> Box<dyn Plant> {
-        Box::new(IdealPlant {
-            dynamics: Dynamics::of(self),
-            state,
-        })
     }
 }
 

@@ -1,0 +1,131 @@
+//! What a person measures of a tail-sitter before its first flight, and what a controller believes of it then.
+
+use nalgebra::UnitQuaternion;
+
+use super::{GRAVITY, RHO, TailSitter, TailSitterState, V3};
+use crate::experiment::tail_sitter::TailSitterSpec;
+use crate::plant::Command;
+
+/// Step of the table of the wing \[°\], short of 30° and from there on.
+const STEPS: [f64; 2] = [1.0, 5.0];
+/// Where the step changes \[°\].
+const FINE: f64 = 30.0;
+/// Step of the rate with which the lag is measured \[rad/s\].
+const STEP: f64 = 0.2;
+
+/// The quantities of a belief: of the whole vehicle without slipstream, elevons at rest.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Belief {
+    /// k_a = ρ Σ/2 \[kg/m\].
+    pub k_a_kg_m: f64,
+    /// Side force coefficient.
+    pub c_y: f64,
+    /// Rows of α \[°\] to the thrust line, c_L and c_D, from −180° to 180°.
+    pub polar: Vec<[f64; 3]>,
+    /// Static thrust \[N\].
+    pub thrust_max_n: f64,
+    /// Time until 63 % of a step of the pitch rate is there, in hover \[s\].
+    pub rate_lag_s: f64,
+    /// Lag of the motors' speed \[s\].
+    pub thrust_lag_s: f64,
+    /// Angular acceleration at full pitch torque in hover, nose up \[rad/s²\].
+    pub slew_rad_s2: f64,
+}
+
+impl Belief {
+    /// The belief about a vehicle.
+    pub fn of(spec: &TailSitterSpec) -> Self {
+        let vehicle = TailSitter::new(spec.clone(), None);
+        let level = spec.wing.strips.iter().filter(|strip| !strip.upright);
+        let area: f64 = level.map(|strip| strip.span_m * strip.chord_m).sum();
+        let k_a_kg_m = 0.5 * RHO * area;
+        let force = |air: V3| {
+            let still = TailSitterState {
+                velocity: air,
+                ..TailSitterState::at_rest()
+            };
+            vehicle.wrench(&still, V3::zeros()).force / k_a_kg_m
+        };
+        let row = |degrees: f64| {
+            let (sin, cos) = degrees.to_radians().sin_cos();
+            let f = force(V3::new(cos, 0.0, sin));
+            let lift = f.x * sin - f.z * cos;
+            let drag = -(f.x * cos + f.z * sin);
+            [degrees, lift, drag]
+        };
+        let mut polar: Vec<[f64; 3]> = angles().map(row).collect();
+        // At 180° stands what stands at −180°, to the last bit.
+        let [_, lift, drag] = polar[0];
+        polar.push([180.0, lift, drag]);
+        let (sin, cos) = SIDESLIP.sin_cos();
+        Self {
+            k_a_kg_m,
+            c_y: -force(V3::new(cos, sin, 0.0)).y / sin,
+            polar,
+            thrust_max_n: vehicle.static_thrust(),
+            rate_lag_s: rate_lag(&vehicle),
+            thrust_lag_s: spec.motors.lag_s,
+            slew_rad_s2: slew(&vehicle),
+        }
+    }
+}
+
+/// Sideslip at which the side force is measured \[rad\].
+const SIDESLIP: f64 = 0.1;
+
+/// Angles of the table \[°\] from −180° to before 180°.
+fn angles() -> impl Iterator<Item = f64> {
+    let mut next = -180.0;
+    std::iter::from_fn(move || {
+        let angle: f64 = next;
+        let [fine, coarse] = STEPS;
+        let inside = (-FINE..FINE).contains(&angle);
+        next += if inside { fine } else { coarse };
+        (angle < 180.0).then_some(angle)
+    })
+}
+
+/// Time until 63 % of a step of the pitch rate is there, in hover \[s\]; at most 1 s.
+fn rate_lag(vehicle: &TailSitter) -> f64 {
+    let dt = 1.0 / vehicle.spec().rate_loop.rate_hz;
+    let weight = vehicle.spec().mass_kg * GRAVITY;
+    let command = Command {
+        thrust: weight,
+        rates: V3::new(0.0, STEP, 0.0),
+    };
+    let mut state = vehicle.hover();
+    let mut t = 0.0;
+    while t < 1.0 && state.rates.y < 0.63 * STEP {
+        state = vehicle.step(&state, &command, V3::zeros(), dt);
+        t += dt;
+    }
+    t
+}
+
+/// Angular acceleration that full pitch torque adds in hover \[rad/s²\].
+fn slew(vehicle: &TailSitter) -> f64 {
+    let hover = vehicle.hover();
+    let share = vehicle.spec().mass_kg * GRAVITY / vehicle.static_thrust();
+    let turned = |pitch: f64| {
+        let state = vehicle.settled(&hover, share, V3::new(0.0, pitch, 0.0));
+        vehicle.wrench(&state, V3::zeros()).torque.y
+    };
+    (turned(1.0) - turned(0.0)) / vehicle.spec().inertia_kg_m2[1]
+}
+
+impl TailSitterState {
+    /// At rest, nose to the north and level, motors and elevons at rest.
+    pub fn at_rest() -> Self {
+        Self {
+            position: V3::zeros(),
+            velocity: V3::zeros(),
+            attitude: UnitQuaternion::identity(),
+            rates: V3::zeros(),
+            motors: [0.0; super::MOTORS],
+            elevons: [0.0; 2],
+            rate_loop: super::RateLoopState::default(),
+            targets: super::Targets::default(),
+            tick: 0.0,
+        }
+    }
+}

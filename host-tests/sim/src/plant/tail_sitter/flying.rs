@@ -1,0 +1,136 @@
+//! A tail-sitter as a [`Plant`].
+
+use std::f64::consts::FRAC_PI_2;
+
+use nalgebra::UnitQuaternion;
+
+use super::{MOTORS, TailSitter, TailSitterState, V3};
+use crate::experiment::State;
+use crate::experiment::tail_sitter::TailSitterPlant;
+use crate::plant::{Command, Plant};
+
+/// Columns of its own.
+const COLUMNS: &[(&str, &str)] = &[
+    ("motor_1_rev_s", "speed of the first propeller [rev/s]"),
+    ("motor_2_rev_s", "of the second"),
+    ("motor_3_rev_s", "of the third"),
+    ("motor_4_rev_s", "of the fourth"),
+    (
+        "elevon_left_deg",
+        "left elevon, trailing edge to the belly positive",
+    ),
+    ("elevon_right_deg", "right elevon"),
+    (
+        "battery",
+        "speed at full throttle over that on a full battery",
+    ),
+    (
+        "saturated",
+        "1 where the mixer could not give what the inner loop asked for",
+    ),
+    (
+        "missing_pitch",
+        "torque about the right wing that it could not give, a share of full torque",
+    ),
+    ("missing_roll", "the same about the nose"),
+    ("missing_yaw", "the same about the belly"),
+    ("grounded", "1 where the vehicle touches the ground"),
+];
+
+/// A tail-sitter with where it is.
+pub struct Flying {
+    vehicle: TailSitter,
+    own: TailSitterState,
+    /// The state as the trait has it.
+    state: State,
+}
+
+/// From (forward, right, down) to (belly, right wing, tail): components of the same vector.
+fn to_body(v: V3) -> V3 {
+    V3::new(v.z, v.y, -v.x)
+}
+
+/// From (belly, right wing, tail) to (forward, right, down).
+fn to_vehicle(v: V3) -> V3 {
+    V3::new(-v.z, v.y, v.x)
+}
+
+/// The rotation from (forward, right, down) to (belly, right wing, tail).
+fn nose_forward() -> UnitQuaternion<f64> {
+    UnitQuaternion::from_axis_angle(&V3::y_axis(), FRAC_PI_2)
+}
+
+impl Flying {
+    /// The vehicle of `plant` at `state`: motors at the thrust of the state, elevons at rest.
+    pub fn new(plant: &TailSitterPlant, state: State) -> Self {
+        let vehicle = TailSitter::new(plant.vehicle.clone(), plant.ground_m);
+        let share = (state.thrust / vehicle.static_thrust()).clamp(0.0, 1.0);
+        let mut motors = [0.0; MOTORS];
+        for (speed, propeller) in motors.iter_mut().zip(&plant.vehicle.propellers) {
+            *speed = propeller.speed_max_rev_s * share.sqrt();
+        }
+        let own = TailSitterState {
+            position: state.position,
+            velocity: state.velocity,
+            attitude: state.attitude * nose_forward(),
+            rates: to_vehicle(state.rates),
+            motors,
+            ..TailSitterState::at_rest()
+        };
+        Self {
+            vehicle,
+            own,
+            state,
+        }
+    }
+}
+
+impl Plant for Flying {
+    fn state(&self) -> &State {
+        &self.state
+    }
+
+    fn specific_force(&self, wind: V3) -> V3 {
+        let force = self.vehicle.wrench(&self.own, wind).force;
+        let body = to_body(force) / self.vehicle.spec().mass_kg;
+        V3::new(body.z, body.x, body.y)
+    }
+
+    fn step(&mut self, command: &Command, wind: V3, dt: f64) {
+        let own = Command {
+            thrust: command.thrust,
+            rates: to_vehicle(command.rates),
+        };
+        self.own = self.vehicle.step(&self.own, &own, wind, dt);
+        self.state = State {
+            position: self.own.position,
+            velocity: self.own.velocity,
+            attitude: self.own.attitude * nose_forward().inverse(),
+            rates: to_body(self.own.rates),
+            thrust: self.vehicle.thrust(&self.own, wind),
+        };
+    }
+
+    fn columns(&self) -> &'static [(&'static str, &'static str)] {
+        COLUMNS
+    }
+
+    fn readings(&self) -> Vec<f64> {
+        let own = &self.own;
+        let motors = self.vehicle.spec().propellers.len();
+        let speeds = (0..MOTORS).map(|k| if k < motors { own.motors[k] } else { f64::NAN });
+        let missing = own.rate_loop.missing();
+        let is = |condition: bool| f64::from(u8::from(condition));
+        let rest = [
+            own.elevons[0].to_degrees(),
+            own.elevons[1].to_degrees(),
+            self.vehicle.battery(own),
+            is(missing.norm() > 1e-6),
+            missing.y,
+            missing.x,
+            missing.z,
+            is(self.vehicle.is_grounded(own)),
+        ];
+        speeds.chain(rest).collect()
+    }
+}
