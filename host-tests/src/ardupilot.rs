@@ -94,7 +94,6 @@ impl<'a> Vehicle<'a> {
             experiment,
             mass_and_area: (vehicle.mass, vehicle.k_a),
             dynamics: Dynamics {
-                air: ForceModel::new(&vehicle, experiment.ardupilot.side_force),
                 // The motors lag here, each for itself.
                 thrust_lag: 1.0,
                 thrust: [0.0, most],
