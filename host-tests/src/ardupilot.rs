@@ -16,7 +16,7 @@ use alula_sim::experiment::{
     Experiment, Faults, Measured, Path, State, V3, Weather, double, stream,
 };
 use alula_sim::plant::{Command, Dynamics, Rotation};
-use alula_sim::reference::{ForceModel, wrap};
+use alula_sim::reference::wrap;
 use alula_sim::sensor_hold::SensorHold;
 use alula_sim::simulate::{Record, Step};
 
