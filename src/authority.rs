@@ -27,6 +27,11 @@ const STALLED: f32 = 1.9;
 /// Speed tail first at which surfaces in the slipstream have no effect, over the speed that the propellers give the air.
 const GONE: f32 = 0.6;
 
+/// Part of what is measured at rest that a flight may count on: the air across the nose blows a slipstream aside, and other axes need some of
+/// every actuator.
+const IN_SLIPSTREAM: f32 = 0.7;
+const SHARE: f32 = 0.8;
+
 /// The motion that authority is asked for.
 #[derive(Clone, Copy)]
 pub(crate) struct Airflow {
@@ -55,9 +60,9 @@ impl Authority {
         let gone = GONE * p.hover_downwash;
         Self {
             constant: p.authority,
-            slipstream: p.authority_slipstream / weight,
-            difference: p.authority_difference / weight,
-            airflow: p.authority_airflow,
+            slipstream: IN_SLIPSTREAM * p.authority_slipstream / weight,
+            difference: SHARE * p.authority_difference / weight,
+            airflow: SHARE * p.authority_airflow,
             wing: p.wing_moment,
             reversed: if gone > 0.0 {
                 weight / (gone * gone)
@@ -161,8 +166,8 @@ mod tests {
             gravity: 10.0,
             thrust_max: 40.0,
             authority: 0.0,
-            authority_slipstream: 30.0,
-            authority_airflow: 0.25,
+            authority_slipstream: 30.0 / IN_SLIPSTREAM,
+            authority_airflow: 0.25 / SHARE,
             wing_moment: 0.5,
             hover_downwash: 10.0,
             ..VehicleParameters::DEFAULT
@@ -204,7 +209,7 @@ mod tests {
         let p = elevons();
         let hover = flow(0.0, 0.0);
         let enough = at(&p, 29.0, hover, 20.0);
-        assert_eq!((enough.thrust, enough.most), (20.0, 30.0));
+        assert!(enough.thrust == 20.0 && (enough.most - 30.0).abs() < 1e-4);
         for wanted in [45.0, -45.0] {
             let raised = at(&p, wanted, hover, 20.0);
             assert!((raised.thrust - 30.0).abs() < 1e-4 && (raised.most - 45.0).abs() < 1e-4);
@@ -272,7 +277,7 @@ mod tests {
         let p = VehicleParameters {
             authority_slipstream: 0.0,
             authority_airflow: 0.0,
-            authority_difference: 60.0,
+            authority_difference: 60.0 / SHARE,
             ..elevons()
         };
         let hover = flow(0.0, 0.0);
@@ -291,7 +296,7 @@ mod tests {
             );
             assert!((a.most - 3.0 * math::min(a.thrust, 40.0 - a.thrust)).abs() < 1e-3);
         }
-        assert_eq!(Authority::of_checked(&p).in_hover(20.0, 40.0), 60.0);
-        assert_eq!(Authority::of_checked(&p).in_hover(30.0, 40.0), 30.0);
+        assert!((Authority::of_checked(&p).in_hover(20.0, 40.0) - 60.0).abs() < 1e-4);
+        assert!((Authority::of_checked(&p).in_hover(30.0, 40.0) - 30.0).abs() < 1e-4);
     }
 }

@@ -39,11 +39,11 @@ crate::parameters! {
         authority: "rad/s^2", 0.0, 1e6, 1e6, "ALU_AUTH",
             "Greatest angular acceleration in pitch at no thrust and no airflow. The default is full authority.";
         authority_slipstream: "rad/s^2", 0.0, 1e6, 0.0, "ALU_AUTH_SLIP",
-            "What a thrust of the weight adds to it: surfaces in the slipstream.";
+            "What a thrust of the weight adds to it: surfaces in the slipstream, at full deflection, in hover. Flights count on 0.7 of it.";
         authority_difference: "rad/s^2", 0.0, 1e6, 0.0, "ALU_AUTH_DIFF",
-            "What differences of thrust add to it, where they may be as large as the weight. They are at most the thrust, and what is left of the greatest thrust.";
+            "What differences of thrust would add to it that are as large as the weight. They are at most the thrust, and what is left of the greatest thrust. Flights count on 0.8 of it.";
         authority_airflow: "rad/m^2", 0.0, 1e6, 0.0, "ALU_AUTH_AIR",
-            "What the airflow along the nose adds to it, per squared speed: surfaces outside the slipstream.";
+            "What the airflow along the nose adds to it, per squared speed: surfaces at full deflection without thrust. Flights count on 0.8 of it.";
         wing_moment: "rad/m^2", 0.0, 1e6, 0.0, "ALU_WING_MOM",
             "Angular acceleration by which the wing across the flow turns the nose to the air velocity, per squared airspeed: its centre of pressure moves aft behind stall.";
         surface_reaction: "m", 0.0, 10.0, 0.0, "ALU_SURF_REACT",

@@ -16,7 +16,7 @@ use alula_sim::experiment::{
     Experiment, Faults, Measured, Path, State, V3, Weather, double, stream,
 };
 use alula_sim::plant::{Command, Dynamics, Rotation};
-use alula_sim::reference::{ForceModel, wrap};
+use alula_sim::reference::wrap;
 use alula_sim::sensor_hold::SensorHold;
 use alula_sim::simulate::{Record, Step};
 
@@ -94,7 +94,6 @@ impl<'a> Vehicle<'a> {
             experiment,
             mass_and_area: (vehicle.mass, vehicle.k_a),
             dynamics: Dynamics {
-                air: ForceModel::new(&vehicle, experiment.ardupilot.side_force),
                 // The motors lag here, each for itself.
                 thrust_lag: 1.0,
                 thrust: [0.0, most],

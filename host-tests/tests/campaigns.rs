@@ -8,7 +8,9 @@ use std::path::Path;
 use alula_report::campaign::page;
 use alula_sim::experiment::{Experiment, PathSpec};
 use alula_sim::simulate::fly;
-use alula_study::{CampaignSource, Column, Drawn, Flown, Shard, Store, Summary, run};
+use alula_study::{
+    CampaignFlight, CampaignSource, Column, Drawn, FlightResult, Shard, Store, Summary, run,
+};
 use common::experiment_of;
 
 /// The built-in campaign with so many flights.
@@ -17,7 +19,7 @@ fn source(name: &str, flights: u64) -> CampaignSource {
 }
 
 /// Flies and summarises into `folder`.
-fn flown(source: &CampaignSource, folder: &Path, threads: usize) -> Summary {
+fn summary_of(source: &CampaignSource, folder: &Path, threads: usize) -> Summary {
     let threads = NonZero::new(threads);
     let store = Store::open(folder, source).unwrap();
     run(source, &store, Shard::default(), threads, || Ok(())).unwrap();
@@ -52,10 +54,10 @@ fn threads_interruptions_and_shares_change_nothing() {
     let source = source("dispersed", 120);
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
-    let whole = flown(&source, &at("whole"), 1);
+    let whole = summary_of(&source, &at("whole"), 1);
     let expected = bytes(&at("whole"));
 
-    let threaded = flown(&source, &at("threaded"), 3);
+    let threaded = summary_of(&source, &at("threaded"), 3);
     assert_eq!(bytes(&at("threaded")), expected);
     assert_eq!(text(&threaded), text(&whole));
 
@@ -99,8 +101,8 @@ fn threads_interruptions_and_shares_change_nothing() {
 }
 
 /// A figure of a flight.
-fn figure(flown: &Flown, name: &str) -> f64 {
-    flown.figure(name)
+fn figure(result: &FlightResult, name: &str) -> f64 {
+    result.figure(name)
 }
 
 /// A flight depends on its number alone, and its figures are those of the experiment that was drawn, flown by itself.
@@ -114,7 +116,7 @@ fn a_flight_is_its_own() {
         drawn.values
     );
 
-    let flown = Flown::fly(&drawn, &[]).unwrap();
+    let result = FlightResult::fly(&drawn, &[]).unwrap();
     let record = fly(&drawn.experiment).unwrap();
     let mut altitude = [f64::INFINITY, f64::NEG_INFINITY];
     let mut late = 0.0_f64;
@@ -126,10 +128,10 @@ fn a_flight_is_its_own() {
         }
     }
     assert_eq!(record.len(), 3001);
-    assert_eq!(figure(&flown, "altitude_least_m"), altitude[0]);
-    assert_eq!(figure(&flown, "altitude_most_m"), altitude[1]);
-    assert_eq!(figure(&flown, "max_late_velocity_error_m_s"), late);
-    assert_eq!(flown.samples.len(), 101);
+    assert_eq!(figure(&result, "altitude_least_m"), altitude[0]);
+    assert_eq!(figure(&result, "altitude_most_m"), altitude[1]);
+    assert_eq!(figure(&result, "max_late_velocity_error_m_s"), late);
+    assert_eq!(result.samples.len(), 101);
     // The document's text says the same.
     let again = experiment_of(drawn.document.text());
     assert_eq!(again.vehicle, drawn.experiment.vehicle);
@@ -139,7 +141,14 @@ fn a_flight_is_its_own() {
     let mass = drawn.experiment.vehicle.mass_kg;
     assert_eq!(drawn.values[0], mass);
     assert!((8.5..=11.5).contains(&mass));
-    let frame = few.campaign.frames(&[(2, drawn, flown)]).0;
+    let frame = few
+        .campaign
+        .frames(&[CampaignFlight {
+            number: 2,
+            drawn,
+            result,
+        }])
+        .0;
     assert_eq!(
         frame.column("vehicle.mass_kg").unwrap(),
         &Column::Real(vec![mass])
@@ -150,7 +159,7 @@ fn a_flight_is_its_own() {
 #[test]
 fn no_dispersed_flight_departs() {
     let folder = tempfile::tempdir().unwrap();
-    let summary = flown(&source("dispersed", 200), folder.path(), 2);
+    let summary = summary_of(&source("dispersed", 200), folder.path(), 2);
     assert_eq!(summary.departed, 0);
     assert!(summary.verdict());
     assert_eq!(summary.limits.iter().filter(|l| l.departure).count(), 2);
@@ -167,7 +176,7 @@ fn no_dispersed_flight_departs() {
 fn a_glide_does_not_turn_away() {
     let source = source("dispersed", 10_000);
     let drawn: Drawn = source.campaign.draw(&source.base, 5385).unwrap();
-    let altitude = figure(&Flown::fly(&drawn, &[]).unwrap(), "altitude_least_m");
+    let altitude = figure(&FlightResult::fly(&drawn, &[]).unwrap(), "altitude_least_m");
     assert!(altitude > -12.0, "{altitude}");
 }
 
@@ -180,7 +189,7 @@ fn every_flight_ends_in_hover() {
         .set("duration_s", toml::Value::Float(90.0))
         .unwrap();
     let folder = tempfile::tempdir().unwrap();
-    let summary = flown(&source, folder.path(), 2);
+    let summary = summary_of(&source, folder.path(), 2);
     let figure = |name: &str| summary.figures.iter().find(|f| f.figure == name).unwrap();
     assert!(figure("max_late_position_error_m").percentiles[8] < 3.0);
     assert!(figure("forward_most_m").percentiles[8] > 3.0);
@@ -196,7 +205,7 @@ fn the_papers_gains_do_not_pass() {
     let path = "controller.guidance.gains";
     source.base.set(path, toml::Value::Table(gains)).unwrap();
     let folder = tempfile::tempdir().unwrap();
-    let summary = flown(&source, folder.path(), 2);
+    let summary = summary_of(&source, folder.path(), 2);
     assert!(!summary.verdict());
     let found = |figure: &str| summary.figures.iter().find(|f| f.figure == figure);
     assert!(found("max_velocity_error_m_s").unwrap().percentiles[4] > 5.0);
@@ -206,7 +215,7 @@ fn the_papers_gains_do_not_pass() {
 #[test]
 fn every_fault_ends_as_stated() {
     let folder = tempfile::tempdir().unwrap();
-    let summary = flown(&source("faults", 250), folder.path(), 2);
+    let summary = summary_of(&source("faults", 250), folder.path(), 2);
     assert_eq!(summary.faults.len(), 29);
     for fault in &summary.faults {
         assert!(fault.flights > 1, "{fault:?}");
@@ -219,7 +228,7 @@ fn every_fault_ends_as_stated() {
 #[test]
 fn every_fault_in_space_ends_as_stated() {
     let folder = tempfile::tempdir().unwrap();
-    let summary = flown(&source("faults-in-space", 60), folder.path(), 2);
+    let summary = summary_of(&source("faults-in-space", 60), folder.path(), 2);
     assert_eq!(summary.faults.len(), 19);
     assert_eq!(summary.faults.iter().map(|f| f.flights).sum::<u64>(), 60);
     for fault in &summary.faults {
@@ -236,7 +245,7 @@ fn a_wrong_statement_is_found() {
         fault.during.mode = Some("flying".to_owned());
     }
     let folder = tempfile::tempdir().unwrap();
-    let summary = flown(&source, folder.path(), 2);
+    let summary = summary_of(&source, folder.path(), 2);
     let wrong: u64 = summary.faults.iter().map(|f| f.flights - f.as_stated).sum();
     assert!(wrong > 10 && !summary.verdict());
 }
@@ -247,7 +256,7 @@ fn no_flight_is_lost() {
     for (name, flights) in [("upsets", 60), ("envelope", 40), ("vehicles", 40)] {
         let folder = tempfile::tempdir().unwrap();
         let source = source(name, flights);
-        let summary = flown(&source, folder.path(), 2);
+        let summary = summary_of(&source, folder.path(), 2);
         assert_eq!((summary.departed, summary.diverged), (0, 0), "{name}");
         // Shares of 80 to 99 % say nothing of 40 flights: those limits are for the whole campaign.
         assert!(name != "upsets" || summary.verdict());
@@ -269,7 +278,7 @@ fn no_flight_is_lost() {
 fn no_random_circle_is_lost() {
     let folder = tempfile::tempdir().unwrap();
     let source = source("paths", 40);
-    let summary = flown(&source, folder.path(), 2);
+    let summary = summary_of(&source, folder.path(), 2);
     assert_eq!((summary.departed, summary.diverged), (0, 0));
     let figure = |name: &str| summary.figures.iter().find(|f| f.figure == name).unwrap();
     // Half of them keep to a few metres; they are no copies.
@@ -418,7 +427,7 @@ fn a_dispersed_vehicle_does_not_disperse_the_belief() {
 #[test]
 fn too_much_lift_is_worse_than_too_little() {
     let mut source = source("mass-and-area", 1);
-    let mut flown = |accelerometer: &str, mass: f64, k_a: f64| {
+    let mut altitude_of = |accelerometer: &str, mass: f64, k_a: f64| {
         let belief = "controller.guidance.vehicle";
         let mut document = source.base.clone();
         document
@@ -432,15 +441,15 @@ fn too_much_lift_is_worse_than_too_little() {
             .unwrap();
         source.campaign.disperse.clear();
         let drawn = source.campaign.draw(&document, 0).unwrap();
-        figure(&Flown::fly(&drawn, &[]).unwrap(), "altitude_least_m")
+        figure(&FlightResult::fly(&drawn, &[]).unwrap(), "altitude_least_m")
     };
-    let mut without = |mass, k_a| flown("none", mass, k_a);
+    let mut without = |mass, k_a| altitude_of("none", mass, k_a);
     let (light, true_, heavy) = (
         without(5.0, 1.615),
         without(10.0, 0.646),
         without(19.0, 0.2584),
     );
-    let told = flown("measured", 5.0, 1.615);
+    let told = altitude_of("measured", 5.0, 1.615);
     assert!(told > 0.7 * light, "{told} {light}");
     assert!(
         light < -5.0 && true_ > -2.0 && heavy > -2.0,
@@ -454,7 +463,7 @@ fn vehicles_that_were_lost_are_not() {
     let source = source("vehicles", 1000);
     for number in [390, 623] {
         let drawn = source.campaign.draw(&source.base, number).unwrap();
-        let low = figure(&Flown::fly(&drawn, &[]).unwrap(), "altitude_least_m");
+        let low = figure(&FlightResult::fly(&drawn, &[]).unwrap(), "altitude_least_m");
         assert!(low > -3.0, "{number}: {low}");
     }
 }

@@ -13,7 +13,7 @@ fn guided(step: &Step) -> &GuidanceOutput {
 }
 
 /// Figures and segments of a flight.
-fn flown(experiment: &Experiment) -> (Figures, Vec<Segment>) {
+fn figures_and_segments(experiment: &Experiment) -> (Figures, Vec<Segment>) {
     let record = fly(experiment).unwrap();
     (
         Figures::of(experiment, &record),
@@ -37,7 +37,7 @@ fn the_readme_has_the_figures_flown() {
         "rough-day",
     ];
     for name in flights {
-        let (figures, _) = flown(&experiment(name, &[]));
+        let (figures, _) = figures_and_segments(&experiment(name, &[]));
         let value = |name: &str| figures.get(name);
         let said = format!(
             "altitude −{:.2}…+{:.2} m, {:.1} m behind to {:.1} m ahead",
@@ -61,7 +61,7 @@ fn the_readme_has_the_figures_flown() {
 fn the_round_trip_is_followed_whatever_the_thrust() {
     for most in [196.2, 127.5, 112.8] {
         let thrust = format!("plant.thrust_n[1]={most}");
-        let (figures, segments) = flown(&experiment("round-trip", &[&thrust]));
+        let (figures, segments) = figures_and_segments(&experiment("round-trip", &[&thrust]));
         assert!(figures.get("peak_rate_rad_s") < 3.0 && figures.get("lost") == 0.0);
         for segment in &segments {
             let (low, high) = (segment.altitude_least_m, segment.altitude_most_m);
@@ -89,7 +89,7 @@ fn noise_does_not_choose_a_bad_moment_to_cross_the_stall() {
     ] {
         let mut beyond = Vec::new();
         for seed in 1..=10 {
-            let (figures, _) = flown(&experiment(
+            let (figures, _) = figures_and_segments(&experiment(
                 "round-trip",
                 &[
                     "sensors.attitude_deg.noise=0.1",
@@ -132,7 +132,7 @@ fn braking_harder_than_drag_crosses_the_stall() {
 /// (measured 4.4), and ±1 m in altitude (−0.7…+0.2).
 #[test]
 fn a_reference_within_drag_is_followed() {
-    let (_, segments) = flown(&experiment("gentle-braking", &[]));
+    let (_, segments) = figures_and_segments(&experiment("gentle-braking", &[]));
     let back = &segments[3..];
     for segment in back {
         assert!(segment.forward_most_m < 7.0 && segment.altitude_least_m > -1.0);
@@ -146,7 +146,7 @@ fn a_reference_within_drag_is_followed() {
 #[test]
 fn a_climbing_reference_is_followed_at_two_metres_per_second_squared() {
     let experiment = experiment("climbing-braking", &[]);
-    let (_, segments) = flown(&experiment);
+    let (_, segments) = figures_and_segments(&experiment);
     for segment in &segments[3..] {
         assert!(segment.forward_most_m < 3.0 && segment.altitude_least_m > -1.2);
         assert!(segment.altitude_most_m < 1.2);
@@ -176,7 +176,8 @@ fn steep_descents_are_flown_in_wind() {
             );
             let steady = format!("weather.steady_m_s=[{wind:.1},0.0,0.0]");
             let light = "weather.turbulence={wind_at_20_ft_m_s=3.0,height_m=30.0}";
-            let (figures, _) = flown(&experiment("steep-descent", &[&knots, &steady, light]));
+            let (figures, _) =
+                figures_and_segments(&experiment("steep-descent", &[&knots, &steady, light]));
             let [low, high] = ["altitude_least_m", "altitude_most_m"].map(|n| figures.get(n));
             assert!(low > -2.0 && high < 2.0, "{sink} {wind}: {low} {high}");
             assert!(figures.get("final_velocity_error_m_s") < 0.5);
@@ -197,7 +198,7 @@ fn stops_at_once_are_short_at_any_moment() {
                 t + 0.001
             );
             let thrust = format!("plant.thrust_n[1]={thrust}");
-            let (figures, _) = flown(&experiment(
+            let (figures, _) = figures_and_segments(&experiment(
                 "round-trip",
                 &[&knots, &thrust, "duration_s=50.0"],
             ));
@@ -225,7 +226,7 @@ fn the_measured_wing_is_flown_as_the_fitted_one() {
              {{t_s={t:.2},down_m_s=0.0,forward_m_s=20.0}},{{t_s={:.2},down_m_s=0.0,forward_m_s=0.0}}]",
             t + 10.0
         );
-        let (figures, _) = flown(&experiment(
+        let (figures, _) = figures_and_segments(&experiment(
             "round-trip",
             &[table, rule, &knots, "duration_s=60.0"],
         ));
@@ -255,7 +256,7 @@ fn falls_are_left() {
             "duration_s=40.0".to_owned(),
         ];
         let settings: Vec<&str> = settings.iter().map(String::as_str).collect();
-        let (figures, _) = flown(&experiment("round-trip", &settings));
+        let (figures, _) = figures_and_segments(&experiment("round-trip", &settings));
         let low = figures.get("altitude_least_m");
         assert!(low > -most, "{theta} {down}: {low}");
         assert!(figures.get("final_velocity_error_m_s") < 0.01);
@@ -271,18 +272,18 @@ fn falls_are_left() {
 fn winds_that_nobody_tells_of_are_survived() {
     let air = "{kind=\"air\",from_s=0.0,to_s=200.0}";
     let both = format!("{air},{{kind=\"accelerometer\",from_s=0.0,to_s=200.0}}");
-    let flown = |wind: f64, faults: &str| {
+    let altitudes = |wind: f64, faults: &str| {
         let wind = format!("weather.steady_m_s=[{wind:.1},0.0,0.0]");
         let faults = format!("sensors.faults=[{faults}]");
-        let (figures, _) = flown(&experiment("round-trip", &[&wind, &faults]));
+        let (figures, _) = figures_and_segments(&experiment("round-trip", &[&wind, &faults]));
         ["altitude_least_m", "altitude_most_m"].map(|n| figures.get(n))
     };
     for wind in [-10.0, -5.0, 0.0, 5.0, 10.0] {
-        let [low, high] = flown(wind, air);
+        let [low, high] = altitudes(wind, air);
         assert!(low > -4.0 && high < 12.0, "{wind}: {low} {high}");
     }
     for wind in [-20.0, -10.0, 0.0, 10.0, 20.0] {
-        let [low, high] = flown(wind, &both);
+        let [low, high] = altitudes(wind, &both);
         assert!(low > -5.0 && high < 12.0, "{wind}: {low} {high}");
     }
     // Everything lost at the peak of a gust in calm air: 94 m.
@@ -291,7 +292,7 @@ fn winds_that_nobody_tells_of_are_survived() {
         "sensors.faults=[{}]",
         both.replace("from_s=0.0", "from_s=8.0")
     );
-    let (figures, _) = self::flown(&experiment("round-trip", &[gust, &faults]));
+    let (figures, _) = figures_and_segments(&experiment("round-trip", &[gust, &faults]));
     assert!(figures.get("altitude_least_m") > -5.0);
     // Winds that reverse after everything is lost: while slow was judged over the believed air alone, 210 and 160 m were lost.
     for (wind, change) in [(15.0, -30.0), (-15.0, 25.0)] {
@@ -302,7 +303,8 @@ fn winds_that_nobody_tells_of_are_survived() {
             "sensors.faults=[{}]",
             both.replace("from_s=0.0", "from_s=60.0")
         );
-        let (figures, _) = self::flown(&experiment("round-trip", &[&steady, &gust, &faults]));
+        let (figures, _) =
+            figures_and_segments(&experiment("round-trip", &[&steady, &gust, &faults]));
         assert!(figures.get("altitude_least_m") > -3.0, "{wind} {change}");
     }
 }
@@ -310,7 +312,7 @@ fn winds_that_nobody_tells_of_are_survived() {
 /// The paper's gains in the same flight: a limit cycle in cruise, as was measured before there was another choice.
 #[test]
 fn the_papers_gains_do_not_fly_this_vehicle() {
-    let (_, segments) = flown(&experiment("round-trip", &[PAPER_GAINS]));
+    let (_, segments) = figures_and_segments(&experiment("round-trip", &[PAPER_GAINS]));
     let cruise = late(&segments[2]);
     assert!(cruise.late_rate_rms_rad_s > 1.0 && cruise.max_late_velocity_error_m_s > 1.0);
 }
@@ -339,7 +341,7 @@ fn a_rough_day_is_survived() {
 fn an_inertia_with_limited_torque_is_flown_as_a_lag_is() {
     let inertia = "{ inertia_kg_m2 = 0.3, bandwidth_1_s = 10.0, torque_max_n_m = 4.0 }";
     let setting = format!("plant.rate_loop.inertia={inertia}");
-    let (figures, segments) = flown(&experiment("round-trip", &[&setting]));
+    let (figures, segments) = figures_and_segments(&experiment("round-trip", &[&setting]));
     assert!(figures.get("altitude_least_m") > -1.0 && figures.get("altitude_most_m") < 1.0);
     for segment in [&segments[2], &segments[4]] {
         let steady = late(segment);

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use alula_study::{CHUNK, CampaignSource, Drawn, Flown, Store, Summary};
+use alula_study::{CHUNK, CampaignFlight, CampaignSource, Drawn, FlightResult, Store, Summary};
 use peak_alloc::PeakAlloc;
 
 #[global_allocator]
@@ -19,14 +19,18 @@ fn source(shares: u64) -> CampaignSource {
 /// Leaves the shares of `source` under `folder`, each with the first flight in place of all of its own: what is in them is not looked at.
 fn shares(source: &CampaignSource, folder: &Path) -> Vec<PathBuf> {
     let drawn: Drawn = source.campaign.draw(&source.base, 0).unwrap();
-    let flown = Flown::fly(&drawn, &[]).unwrap();
-    let copy = |number: u64| (number, drawn.clone(), flown.clone());
+    let result = FlightResult::fly(&drawn, &[]).unwrap();
+    let copy = |number: u64| CampaignFlight {
+        number,
+        drawn: drawn.clone(),
+        result: result.clone(),
+    };
     let mut flights: Vec<_> = source.campaign.chunk(0).map(copy).collect();
     let share = |chunk: u64| {
         let path = folder.join(format!("shard={chunk:04}"));
         let store = Store::open(&path, source).unwrap();
         for (flight, number) in flights.iter_mut().zip(source.campaign.chunk(chunk)) {
-            flight.0 = number;
+            flight.number = number;
         }
         let (flights, samples) = source.campaign.frames(&flights);
         store.keep(chunk, &flights, &samples).unwrap();

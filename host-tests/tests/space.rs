@@ -17,7 +17,7 @@ fn experiment(name: &str, settings: &[&str]) -> Experiment {
     document(name, settings).checked().unwrap()
 }
 
-fn flown(experiment: &Experiment) -> Figures {
+fn figures_of(experiment: &Experiment) -> Figures {
     Figures::of(experiment, &fly(experiment).unwrap())
 }
 
@@ -35,7 +35,7 @@ fn every_built_in_keeps_its_bounds() {
             continue;
         }
         flights += 1;
-        let figures = flown(&experiment);
+        let figures = figures_of(&experiment);
         let values = [
             "velocity_error_rms_m_s",
             "position_error_rms_m",
@@ -150,7 +150,7 @@ fn braking_out_of_a_turn_is_level() {
 #[test]
 fn sensors_fail_in_a_turn() {
     use alula::guidance::{AirUse, Status};
-    let flown = |fault: &str| {
+    let with_fault = |fault: &str| {
         let fault = format!("sensors.faults=[{{ {fault}, from_s = 10.0, to_s = 13.0 }}]");
         let record = fly(&experiment("circle-40", &[&fault])).unwrap();
         let worst = |from: f64, to: f64| {
@@ -163,15 +163,15 @@ fn sensors_fail_in_a_turn() {
         assert!(during < 30.0 && after < 3.0, "{fault}: {during} {after}");
         (at(9.99), at(12.9), at(20.0))
     };
-    let (before, during, after) = flown("kind = \"air\"");
+    let (before, during, after) = with_fault("kind = \"air\"");
     assert_eq!(before.answer.guided().unwrap().air, AirUse::Velocity);
     assert_eq!(during.answer.guided().unwrap().air, AirUse::None);
     assert_eq!(after.answer.guided().unwrap().air, AirUse::Velocity);
-    let (.., during, _) = flown("kind = \"wind-stuck\"");
+    let (.., during, _) = with_fault("kind = \"wind-stuck\"");
     assert_eq!(during.answer.guided().unwrap().air, AirUse::Wind);
-    flown("kind = \"air-scale\", size = -0.2");
-    flown("kind = \"air-drift\", size = 0.5");
-    let (_, during, _) = flown("kind = \"attitude-offset\", size = 3.0");
+    with_fault("kind = \"air-scale\", size = -0.2");
+    with_fault("kind = \"air-drift\", size = 0.5");
+    let (_, during, _) = with_fault("kind = \"attitude-offset\", size = 3.0");
     let told = during.input.sample.orientation.w();
     let [.., right] = during.truth.axes();
     let turned = f64::from(told.north) * right.x
@@ -179,11 +179,11 @@ fn sensors_fail_in_a_turn() {
         + f64::from(told.down) * right.z;
     // 3° about each of three axes turn the wing by √2 times that.
     assert!((turned.acos().to_degrees() - 4.24).abs() < 0.1, "{turned}");
-    let (_, during, _) = flown("kind = \"position-jump\", size = 10.0");
+    let (_, during, _) = with_fault("kind = \"position-jump\", size = 10.0");
     let told = f64::from(during.input.sample.position_error.unwrap().east);
     let off = told - (during.truth.position - during.target.position).y;
     assert!((off - 10.0).abs() < 1e-4, "{off}");
-    let (_, during, after) = flown("kind = \"position-nan\"");
+    let (_, during, after) = with_fault("kind = \"position-nan\"");
     assert!(
         during
             .answer
@@ -200,13 +200,13 @@ fn sensors_fail_in_a_turn() {
             .status
             .contains(Status::POSITION_INVALID)
     );
-    let (_, during, _) = flown("kind = \"accelerometer\"");
+    let (_, during, _) = with_fault("kind = \"accelerometer\"");
     assert!(during.input.sample.specific_force.is_none());
-    let (_, during, _) = flown("kind = \"accelerometer-dead\"");
+    let (_, during, _) = with_fault("kind = \"accelerometer-dead\"");
     assert_eq!(during.input.sample.specific_force, Some(Default::default()));
-    flown("kind = \"accelerometer-drift\", size = 0.5");
+    with_fault("kind = \"accelerometer-drift\", size = 0.5");
     // A bit of the memory at every step: the spare copy undoes it, and the flight is the same.
-    let (_, _, after) = flown("kind = \"memory-bit\"");
+    let (_, _, after) = with_fault("kind = \"memory-bit\"");
     let clean = fly(&experiment(
         "circle-40",
         &["duration_s=21.0", "entry_s=0.0"],
@@ -329,7 +329,7 @@ fn a_reversal_is_a_turn() {
 fn missions_in_turbulence_are_not_lost() {
     for seed in 1..9 {
         let seed = format!("seed={seed}");
-        let figures = flown(&experiment("mission-turbulence", &[&seed]));
+        let figures = figures_of(&experiment("mission-turbulence", &[&seed]));
         let least = figures.get("altitude_least_m");
         println!("{seed}: {least:.2} m");
         assert!(
@@ -343,8 +343,8 @@ fn missions_in_turbulence_are_not_lost() {
 #[test]
 fn random_starts_converge() {
     for name in ["start-hover", "start-cruise"] {
-        let flown = starts(name, 60, None, || Ok(())).unwrap();
-        for start in flown {
+        let starts = starts(name, 60, None, || Ok(())).unwrap();
+        for start in starts {
             assert!(
                 start.converged && start.height_lost_m < 30.0,
                 "{name} {start:?}"
@@ -361,7 +361,7 @@ fn turns_in_wind_do_not_end_in_the_stall() {
     let turbulent = "weather.turbulence={ wind_at_20_ft_m_s = 7.7, height_m = 50.0 }";
     let scatter = "initial.scatter={ velocity_m_s = 5.0, rate_rad_s = 2.0 }";
     let worst = |name: &str, settings: &[&str]| {
-        let figures = flown(&experiment(name, settings));
+        let figures = figures_of(&experiment(name, settings));
         let [off, load] = ["max_position_error_m", "max_load_factor"].map(|n| figures.get(n));
         println!("{name} {settings:?}: {off:.1} m, load factor {load:.2}");
         (off, load)
@@ -402,7 +402,7 @@ fn a_transition_keeps_any_heading_on_any_course() {
             set("initial.heading_deg", heading),
         ];
         let settings: Vec<&str> = settings.iter().map(String::as_str).collect();
-        flown(&experiment("transition-turned", &settings)).get("max_velocity_error_m_s")
+        figures_of(&experiment("transition-turned", &settings)).get("max_velocity_error_m_s")
     };
     for course in [7.0, 45.0, 123.0, 250.0] {
         let peak = peak(course, 180.0);
@@ -422,7 +422,7 @@ fn starts_that_were_lost_converge() {
         9892, 186, 561, 1422, 1188, 4154, 8997, 3324, 7908, 834, 11059, 13089, 4640, 23835,
     ];
     for seed in cruise {
-        let figures = flown(&experiment("start-cruise", &[&format!("seed={seed}")]));
+        let figures = figures_of(&experiment("start-cruise", &[&format!("seed={seed}")]));
         let least = figures.get("altitude_least_m");
         assert!(
             least > -23.0 && figures.get("final_belly_deg") < 80.0,
@@ -430,7 +430,7 @@ fn starts_that_were_lost_converge() {
         );
     }
     for seed in [21619, 3201] {
-        let figures = flown(&experiment("start-hover", &[&format!("seed={seed}")]));
+        let figures = figures_of(&experiment("start-hover", &[&format!("seed={seed}")]));
         let least = figures.get("altitude_least_m");
         assert!(
             least > -16.0 && figures.get("final_nose_deg") < 80.0,
@@ -449,7 +449,7 @@ fn a_circle_without_an_accelerometer() {
         .map(|n| {
             let course = format!("initial.course_deg={}.0", 30 * n);
             let none = "sensors.accelerometer='none'";
-            let figures = flown(&experiment("circle-40", &[none, &course]));
+            let figures = figures_of(&experiment("circle-40", &[none, &course]));
             let least = figures.get("altitude_least_m");
             assert!(least > -15.0, "{course}: {least}");
             figures.get("velocity_error_rms_m_s")

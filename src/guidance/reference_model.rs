@@ -556,7 +556,7 @@ mod tests {
         let model = Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap();
         let p = VehicleParameters {
             authority: 0.0,
-            authority_slipstream: 20.0,
+            authority_slipstream: 20.0 / 0.7,
             wing_moment,
             hover_downwash: 8.0,
             ..VehicleParameters::PAPER

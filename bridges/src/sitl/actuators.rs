@@ -29,8 +29,6 @@ pub struct Actuators {
     pub damping_1_m: [f64; 3],
     /// Torque about the belly that turns the nose into the wind, over moment of inertia, airspeed and its lateral part [1/m²].
     pub weathercock_1_m2: f64,
-    /// Coefficient of the side force, over k_a, airspeed and its lateral part.
-    pub side_force: f64,
     /// The channel whose rise over 1700 µs starts the experiment's clock. Without it the lift-off does.
     pub mark_channel: Option<u8>,
 }
@@ -47,7 +45,6 @@ impl Default for Actuators {
             damping_1_s: [1.0, 1.0, 0.5],
             damping_1_m: [0.2, 0.1, 0.1],
             weathercock_1_m2: 0.01,
-            side_force: 0.5,
             mark_channel: None,
         }
     }
@@ -117,14 +114,13 @@ impl Actuators {
         if !self.gyration_m.iter().all(|r| *r > 0.0 && r.is_finite()) {
             return refuse("gyration_m", "must be positive");
         }
-        let fields: [(&'static str, &[f64]); 7] = [
+        let fields: [(&'static str, &[f64]); 6] = [
             ("elevon_slipstream_m", &self.elevon_slipstream_m),
             ("elevon_airflow_m", &self.elevon_airflow_m),
             ("motor_arm_m", &[self.motor_arm_m]),
             ("damping_1_s", &self.damping_1_s),
             ("damping_1_m", &self.damping_1_m),
             ("weathercock_1_m2", &[self.weathercock_1_m2]),
-            ("side_force", &[self.side_force]),
         ];
         for (field, values) in fields {
             if !values.iter().all(|v| *v >= 0.0 && v.is_finite()) {

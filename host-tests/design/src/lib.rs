@@ -24,7 +24,7 @@ pub use performance::{ON_WING, Performance, Stall};
 pub use verdict::{Outcome, Verdict};
 pub use wing::{ROWS, Wing};
 
-use alula_sim::experiment::{VehicleSpec, refused};
+use alula_sim::experiment::{AuthoritySpec, VehicleSpec, refused};
 
 /// A vehicle worked out from what is known.
 #[derive(Clone, Debug)]
@@ -80,6 +80,7 @@ fn spec(facts: &Facts, wing: &Wing) -> VehicleSpec {
         c_y: 0.0,
         gravity_m_s2: 9.81,
         aerodynamics: wing.aerodynamics,
+        authority: AuthoritySpec::default(),
     }
 }
 

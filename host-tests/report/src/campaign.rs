@@ -5,7 +5,7 @@ use super::{Figure, Page, Table, columns, fixed};
 use alula_sim::columns::declared;
 use alula_sim::figures::LOST;
 use alula_study::Campaign;
-use alula_study::{CampaignSource, Fan, LimitFound, MapFound, PERCENTILES, Summary};
+use alula_study::{CampaignSource, Fan, LimitResult, MapResult, PERCENTILES, Summary};
 
 const NOTES: &str = "Percentiles are within half a percent; the least and the greatest are exact. A fan shows the range of all \
     flights, 1–99 %, 5–95 % and 25–75 % of them, and the median, each at its instant: no flight need follow its edges. \
@@ -103,7 +103,7 @@ fn number(value: f64) -> String {
     }
 }
 
-fn bounds(limit: &LimitFound) -> String {
+fn bounds(limit: &LimitResult) -> String {
     match (limit.least, limit.most) {
         (Some(least), Some(most)) => format!("{least} to {most}"),
         (Some(least), None) => format!("≥ {least}"),
@@ -113,7 +113,7 @@ fn bounds(limit: &LimitFound) -> String {
 }
 
 fn limits(summary: &Summary) -> Table {
-    let row = |limit: &LimitFound| {
+    let row = |limit: &LimitResult| {
         [
             limit.figure.to_owned(),
             bounds(limit),
@@ -132,11 +132,11 @@ fn limits(summary: &Summary) -> Table {
 }
 
 fn worst(summary: &Summary) -> Table {
-    let sides = |limit: &LimitFound| (limit.figure, limit.least.is_some(), limit.most.is_some());
+    let sides = |limit: &LimitResult| (limit.figure, limit.least.is_some(), limit.most.is_some());
     let limits = summary.limits.iter().enumerate();
     // A stricter limit of the same figure has the same worst flights.
     let first = limits.filter(|(i, limit)| {
-        let same = |earlier: &LimitFound| sides(earlier) == sides(limit);
+        let same = |earlier: &LimitResult| sides(earlier) == sides(limit);
         !summary.limits[..*i].iter().any(same)
     });
     let rows = first.flat_map(|(_, limit)| {
@@ -308,8 +308,8 @@ struct MapTexts {
 }
 
 impl MapTexts {
-    fn new(map: &MapFound) -> Self {
-        let MapFound {
+    fn new(map: &MapResult) -> Self {
+        let MapResult {
             x,
             y,
             figure,
@@ -327,7 +327,7 @@ impl MapTexts {
 }
 
 /// A map: every bin in the colour of its worst flight, and none where nothing flew.
-fn map<'a>(map: &'a MapFound, texts: &'a MapTexts) -> Chart<'a> {
+fn map<'a>(map: &'a MapResult, texts: &'a MapTexts) -> Chart<'a> {
     let cell = |bin: usize| {
         let (left, right) = map.x.ends(bin % map.x.bins);
         let (low, high) = map.y.ends(bin / map.x.bins);

@@ -131,6 +131,7 @@ impl Belief {
                 "aerodynamics",
                 table([("table", table([("polar", rows.into())]))]),
             ),
+            ("authority", self.authority.table()),
         ])
     }
 
@@ -146,7 +147,7 @@ impl Belief {
     }
 
     /// What `[controller.guidance]` says where it says nothing else.
-    fn guidance(&self, spec: &TailSitterSpec, document: &Document) -> [(&'static str, Value); 3] {
+    fn guidance(&self, spec: &TailSitterSpec, document: &Document) -> [(&'static str, Value); 1] {
         let control_rate = document.number("control_rate_hz").unwrap_or(100.0);
         let for_vehicle = table([
             ("rate_lag_s", self.rate_lag_s.into()),
@@ -154,11 +155,7 @@ impl Belief {
             ("control_rate_hz", control_rate.into()),
             ("cruise_speed_m_s", spec.cruise_speed_m_s.into()),
         ]);
-        [
-            ("for_vehicle", for_vehicle),
-            ("max_rate_rad_s", spec.rate_loop.rate_max_rad_s.into()),
-            ("max_slew_rad_s2", self.slew_rad_s2.into()),
-        ]
+        [("for_vehicle", for_vehicle)]
     }
 }
 
@@ -254,7 +251,15 @@ mod tests {
                 "{name}: {}",
                 belief.rate_lag_s
             );
-            assert!(belief.slew_rad_s2 > 5.0, "{name}: {}", belief.slew_rad_s2);
+            let a = &belief.authority;
+            let hover = a.slipstream_rad_s2 + a.difference_rad_s2;
+            assert!((5.0..200.0).contains(&hover), "{name}: {hover}");
+            assert!((0.05..5.0).contains(&a.wing_moment_rad_m2), "{name}");
+            // Thrust is left at the cruise that the vehicle is made for.
+            assert!(
+                a.zero_thrust_speed_m_s > 1.1 * spec.cruise_speed_m_s,
+                "{name}"
+            );
             let most = belief.polar.iter().map(|row| row[1]).fold(0.0, f64::max);
             assert!((0.7..1.6).contains(&most), "{name}: {most}");
             assert!(belief.polar.iter().all(|row| row[2] > 0.0), "{name}");

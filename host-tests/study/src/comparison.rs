@@ -104,8 +104,8 @@ impl Comparison {
             let field = format!("conditions[{i}]");
             let again = self.conditions[..i].iter().any(same);
             require(!again, format!("{field}.name"), first)?;
-            let flown = (1..=MAX_SEEDS).contains(&condition.seeds);
-            require(flown, format!("{field}.seeds"), "must be from 1 to 10000")?;
+            let within = (1..=MAX_SEEDS).contains(&condition.seeds);
+            require(within, format!("{field}.seeds"), "must be from 1 to 10000")?;
         }
         for (i, name) in self.charts.iter().enumerate() {
             let known = self.conditions.iter().any(|c| c.name == *name);
@@ -187,7 +187,7 @@ impl Comparison {
             }
         }
         let of_condition = |condition: &Condition| {
-            let flown = self
+            let experiments = self
                 .variants
                 .iter()
                 .zip(&variants)
@@ -199,7 +199,7 @@ impl Comparison {
                         anyhow!("{}: {e}", on_one_line(&names))
                     })
                 });
-            flown.collect()
+            experiments.collect()
         };
         self.conditions.iter().map(of_condition).collect()
     }
@@ -363,8 +363,8 @@ mod tests {
         let [experiments] = &source.plan.experiments[..] else {
             panic!("one condition")
         };
-        for ((_, document), flown) in both.iter().zip(experiments) {
-            assert_eq!(flown[..], [document.checked().unwrap()]);
+        for ((_, document), seeds) in both.iter().zip(experiments) {
+            assert_eq!(seeds[..], [document.checked().unwrap()]);
         }
         let twice = ["matched", "matched"].map(load);
         let error = Source::experiments(&twice).unwrap_err().to_string();

@@ -12,7 +12,7 @@ mod comparison;
 mod distribution;
 mod draw;
 pub mod files;
-mod flown;
+mod flight_result;
 mod frame;
 mod load;
 mod map;
@@ -29,15 +29,15 @@ pub use campaign::{Campaign, Dispersion, Expected, FaultDraw, Limit};
 pub use comparison::{Comparison, Condition, Plan, Source, Variant};
 pub use distribution::Distribution;
 pub use draw::{Drawn, DrawnFault};
-pub use flown::{Flown, SAMPLED, Sample};
+pub use flight_result::{CampaignFlight, FlightResult, SAMPLED, Sample};
 pub use frame::{Column, Frame};
 pub use load::{BUILT_IN, CampaignSource};
-pub use map::{Axis, Map, MapFound};
+pub use map::{Axis, Map, MapResult};
 pub use random_reference::{DrawnReference, RandomReference};
 pub use results::{ASTRAY, COLUMNS, Cell, FAR, Flight, OSCILLATION, Outcome, Results, header};
 pub use run::{Shard, Threads, each, run};
 pub use store::{CHUNK, Store};
-pub use summary::{Fan, LimitFound, PERCENTILES, Summary, Worst};
+pub use summary::{Fan, LimitResult, PERCENTILES, Summary, Worst};
 
 #[cfg(test)]
 #[path = "../../tests/common/refusals.rs"]

@@ -49,7 +49,7 @@ fn twelve() -> usize {
 
 /// A map of the flights.
 #[derive(Clone, Debug, Serialize)]
-pub struct MapFound {
+pub struct MapResult {
     /// Its axes.
     pub x: Axis,
     /// Its axes.
@@ -118,7 +118,7 @@ impl Map {
     }
 }
 
-impl MapFound {
+impl MapResult {
     /// Nothing has flown.
     pub(super) fn new(map: &Map) -> Self {
         let Map {
@@ -208,7 +208,7 @@ mod tests {
         frame.push("b", Column::Real(vec![0.0, 1.9, 2.0, 3.9, 4.0, 10.0]));
         let altitudes = vec![-1.0, -7.0, -3.0, 0.5, f64::NAN, -0.5];
         frame.push("altitude_least_m", Column::Real(altitudes));
-        let mut found = MapFound::new(&map(&[-2.0, -5.0]));
+        let mut found = MapResult::new(&map(&[-2.0, -5.0]));
         found.add(&frame).unwrap();
         assert_eq!(found.worst[0], Some(-7.0));
         assert_eq!(found.worst[5 + 4], Some(-3.0));
@@ -222,10 +222,10 @@ mod tests {
         // Half the values are half as far along.
         let mut halved = map(&[-2.0, -5.0]);
         halved.x.over = 2.0;
-        let mut halved = MapFound::new(&halved);
+        let mut halved = MapResult::new(&halved);
         halved.add(&frame).unwrap();
         assert_eq!((halved.worst[4], halved.worst[5 + 2]), (None, Some(-3.0)));
-        let mut rising = MapFound::new(&map(&[-5.0, -2.0]));
+        let mut rising = MapResult::new(&map(&[-5.0, -2.0]));
         rising.add(&frame).unwrap();
         assert_eq!((rising.worst[0], rising.class(0)), (Some(-1.0), Some(2)));
     }

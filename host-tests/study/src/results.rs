@@ -246,18 +246,18 @@ impl Results {
         visit: impl Fn() -> anyhow::Result<()> + Sync + Send,
     ) -> anyhow::Result<Self> {
         let experiments: Vec<&Experiment> = plan.experiments.iter().flatten().flatten().collect();
-        let flown = each(&experiments, threads, |experiment| {
+        let flights = each(&experiments, threads, |experiment| {
             let flight = Flight::of(experiment)?;
             visit()?;
             Ok(flight)
         })?;
-        let mut flown = flown.into_iter();
+        let mut rest = flights.into_iter();
         let comparison = &plan.comparison;
         let mut cells = Vec::new();
         for (condition, experiments) in comparison.conditions.iter().zip(&plan.experiments) {
             for (variant, experiments) in comparison.variants.iter().zip(experiments) {
                 let (flights, mut samples): (Vec<_>, Vec<_>) =
-                    flown.by_ref().take(experiments.len()).unzip();
+                    rest.by_ref().take(experiments.len()).unzip();
                 cells.push(Cell {
                     variant: variant.name.clone(),
                     condition: condition.name.clone(),

@@ -6,7 +6,7 @@ use std::str::FromStr;
 use anyhow::{anyhow, bail};
 use rayon::prelude::*;
 
-use super::{CampaignSource, Drawn, Flown, Store};
+use super::{CampaignFlight, CampaignSource, FlightResult, Store};
 
 /// Number of threads; one per core if none is given.
 pub type Threads = Option<NonZero<usize>>;
@@ -64,26 +64,30 @@ impl Shard {
     }
 }
 
-/// Flies what `store` lacks of `shard`. `flown` is called once per flight; an error of its own ends the campaign there.
+/// Flies what `store` lacks of `shard`. `after_each` is called once per flight; an error of its own ends the campaign there.
 pub fn run(
     source: &CampaignSource,
     store: &Store,
     shard: Shard,
     threads: Threads,
-    flown: impl Fn() -> anyhow::Result<()> + Sync + Send,
+    after_each: impl Fn() -> anyhow::Result<()> + Sync + Send,
 ) -> anyhow::Result<()> {
     let campaign = &source.campaign;
     let lacks = |chunk: &u64| !store.has(*chunk);
     let missing: Vec<u64> = shard.chunks(campaign.chunks()).filter(lacks).collect();
     let fly = |&chunk: &u64| {
-        let mut flights: Vec<(u64, Drawn, Flown)> = Vec::new();
+        let mut flights: Vec<CampaignFlight> = Vec::new();
         for number in campaign.chunk(chunk) {
             let drawn = campaign.draw(&source.base, number);
             let drawn =
                 drawn.map_err(|e| anyhow!("{}: flight {number}: {e}", source.texts.name))?;
-            let flight = Flown::fly(&drawn, &campaign.faults)?;
-            flights.push((number, drawn, flight));
-            flown()?;
+            let result = FlightResult::fly(&drawn, &campaign.faults)?;
+            flights.push(CampaignFlight {
+                number,
+                drawn,
+                result,
+            });
+            after_each()?;
         }
         let (flights, samples) = campaign.frames(&flights);
         store.keep(chunk, &flights, &samples)

@@ -37,12 +37,12 @@ pub struct Start {
 /// leave errors of up to 3 m/s along the track. In hover it leans into 9 m/s of wind by 55°.
 pub const CONVERGED: (f64, f64) = (5.0, 80.0);
 
-/// Flies the experiment `name` from the seeds 0 to `flights`; `flown` is called after each, and an error of its own ends it.
+/// Flies the experiment `name` from the seeds 0 to `flights`; `after_each` is called after each, and an error of its own ends it.
 pub fn starts(
     name: &str,
     flights: u64,
     threads: Threads,
-    flown: impl Fn() -> anyhow::Result<()> + Sync + Send,
+    after_each: impl Fn() -> anyhow::Result<()> + Sync + Send,
 ) -> anyhow::Result<Vec<Start>> {
     let experiment = Document::load(name)?.checked()?;
     let seeds: Vec<u64> = (0..flights).collect();
@@ -56,7 +56,7 @@ pub fn starts(
             ..experiment.clone()
         };
         let figures = Figures::of(&experiment, &fly(&experiment)?);
-        flown()?;
+        after_each()?;
         let error = figures.get("late_velocity_error_rms_m_s");
         Ok(Start {
             seed,

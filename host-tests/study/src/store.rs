@@ -9,7 +9,8 @@ use super::load::Texts;
 use super::part::{Seal, checksum};
 use super::random_reference::REFERENCE;
 use super::{
-    Campaign, CampaignSource, Column, Drawn, DrawnReference, Flown, Frame, SAMPLED, Sample,
+    Campaign, CampaignFlight, CampaignSource, Column, Drawn, DrawnReference, FlightResult, Frame,
+    SAMPLED, Sample,
 };
 use crate::files::leave_all;
 use alula_sim::figures::FIGURES;
@@ -184,15 +185,15 @@ impl Campaign {
     }
 
     /// Flights and samples as columns.
-    pub fn frames(&self, flown: &[(u64, Drawn, Flown)]) -> (Frame, Frame) {
+    pub fn frames(&self, all: &[CampaignFlight]) -> (Frame, Frame) {
         let mut flights = Frame::default();
-        let real = |of: &dyn Fn(&Drawn, &Flown) -> f64| {
-            Column::Real(flown.iter().map(|(_, d, f)| of(d, f)).collect())
+        let real = |of: &dyn Fn(&Drawn, &FlightResult) -> f64| {
+            Column::Real(all.iter().map(|x| of(&x.drawn, &x.result)).collect())
         };
-        let flag = |of: &dyn Fn(&Flown) -> bool| {
-            Column::Flag(flown.iter().map(|(_, _, f)| of(f)).collect())
+        let flag = |of: &dyn Fn(&FlightResult) -> bool| {
+            Column::Flag(all.iter().map(|x| of(&x.result)).collect())
         };
-        let numbers = flown.iter().map(|(n, ..)| *n as i64);
+        let numbers = all.iter().map(|x| x.number as i64);
         flights.push("flight", Column::Integer(numbers.collect()));
         for (i, dispersion) in self.disperse.iter().enumerate() {
             flights.push(&dispersion.field, real(&|d, _| d.values[i]));
@@ -207,7 +208,7 @@ impl Campaign {
         }
         if !self.faults.is_empty() {
             let index = |d: &Drawn| d.fault.map_or(-1, |fault| fault.index as i64);
-            let indices = flown.iter().map(|(_, d, _)| index(d));
+            let indices = all.iter().map(|x| index(&x.drawn));
             flights.push("fault", Column::Integer(indices.collect()));
             let nan = f64::NAN;
             flights.push(
@@ -225,11 +226,11 @@ impl Campaign {
         flights.push("diverged", flag(&|f| f.diverged));
 
         let mut samples = Frame::default();
-        let number = |(n, _, f): &(u64, Drawn, Flown)| repeat_n(*n as i64, f.samples.len());
-        let numbers = flown.iter().flat_map(number);
+        let number = |x: &CampaignFlight| repeat_n(x.number as i64, x.result.samples.len());
+        let numbers = all.iter().flat_map(number);
         samples.push("flight", Column::Integer(numbers.collect()));
         let single = |of: &dyn Fn(&Sample) -> f32| {
-            let rows = flown.iter().flat_map(|(_, _, f)| &f.samples);
+            let rows = all.iter().flat_map(|x| &x.result.samples);
             Column::Single(rows.map(of).collect())
         };
         samples.push("t_s", single(&|row| row.0));
@@ -239,21 +240,21 @@ impl Campaign {
         (flights, samples)
     }
 
-    /// Whether `flown` keeps every limit, whatever share of the flights has to.
-    fn passed(&self, flown: &Flown) -> bool {
+    /// Whether `result` keeps every limit, whatever share of the flights has to.
+    fn passed(&self, result: &FlightResult) -> bool {
         self.limits
             .iter()
-            .all(|limit| limit.excess(limit.of(flown)) <= 0.0)
+            .all(|limit| limit.excess(limit.of(result)) <= 0.0)
     }
 
-    fn departed(&self, flown: &Flown) -> bool {
-        let outside = |l: &super::Limit| l.departure && l.excess(l.of(flown)) > 0.0;
+    fn departed(&self, result: &FlightResult) -> bool {
+        let outside = |l: &super::Limit| l.departure && l.excess(l.of(result)) > 0.0;
         self.limits.iter().any(outside)
     }
 }
 
 impl super::Limit {
-    fn of(&self, flown: &Flown) -> f64 {
-        flown.figure(&self.figure)
+    fn of(&self, result: &FlightResult) -> f64 {
+        result.figure(&self.figure)
     }
 }

@@ -7,7 +7,7 @@ use serde::Serialize;
 use sketches_ddsketch::{Config, DDSketch};
 
 use super::frame::FrameWriter;
-use super::{CampaignSource, Frame, MapFound, SAMPLED, Store};
+use super::{CampaignSource, Frame, MapResult, SAMPLED, Store};
 use crate::files::leave;
 use alula_sim::figures::FIGURES;
 
@@ -34,7 +34,7 @@ pub struct Summary {
     /// Flights that keep every limit and yet were lost: what is asked of them does not say how far they may sink.
     pub passed_yet_lost: u64,
     /// By limit.
-    pub limits: Vec<LimitFound>,
+    pub limits: Vec<LimitResult>,
     /// By fault of the campaign.
     pub faults: Vec<FaultFound>,
     /// By figure.
@@ -42,7 +42,7 @@ pub struct Summary {
     /// By dispersed field.
     pub dispersions: Vec<DispersionFound>,
     /// The campaign's maps.
-    pub maps: Vec<MapFound>,
+    pub maps: Vec<MapResult>,
     /// By sampled column.
     #[serde(skip)]
     pub fans: Vec<Fan>,
@@ -50,7 +50,7 @@ pub struct Summary {
 
 /// How a limit was kept.
 #[derive(Clone, Debug, Serialize)]
-pub struct LimitFound {
+pub struct LimitResult {
     /// Its figure.
     pub figure: &'static str,
     /// Its bounds.
@@ -250,7 +250,7 @@ impl<'a> Gathered<'a> {
             let name = names.iter().find(|name| **name == limit.figure);
             *name.expect("validated when loaded")
         };
-        let limit = |limit: &super::Limit| LimitFound {
+        let limit = |limit: &super::Limit| LimitResult {
             figure: name(limit),
             least: limit.least,
             most: limit.most,
@@ -299,7 +299,7 @@ impl<'a> Gathered<'a> {
                         correlations: Vec::new(),
                     })
                     .collect(),
-                maps: campaign.maps.iter().map(MapFound::new).collect(),
+                maps: campaign.maps.iter().map(MapResult::new).collect(),
                 fans: Vec::new(),
             },
             figures: vec![sketch(); names.len()],
@@ -369,8 +369,8 @@ impl<'a> Gathered<'a> {
             let faults = frame.integer("fault")?.iter();
             let as_stated = frame.flag("fault_as_stated")?;
             let altitudes = frame.real("altitude_least_m")?;
-            let flown = faults.zip(as_stated).zip(altitudes).zip(numbers);
-            for (((&fault, &as_stated), &altitude), &flight) in flown {
+            let flights = faults.zip(as_stated).zip(altitudes).zip(numbers);
+            for (((&fault, &as_stated), &altitude), &flight) in flights {
                 let fault = usize::try_from(fault).context("a flight without a fault")?;
                 let found = &mut self.summary.faults[fault];
                 found.flights += 1;

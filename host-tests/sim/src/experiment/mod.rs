@@ -44,7 +44,7 @@ pub use sensors::{AirSensor, ErrorSpec, Measured, Sensor, SensorSpec};
 pub use tail_sitter::{TailSitterPlant, TailSitterSpec};
 pub use vector::V3;
 pub use vector::{double, ned};
-pub use vehicle::{AerodynamicsSpec, Model, NO_LIMITS, Vehicle, VehicleSpec};
+pub use vehicle::{AerodynamicsSpec, AuthoritySpec, Model, NO_LIMITS, Vehicle, VehicleSpec};
 pub use weather::{Gust, Turbulence, TurbulenceSpec, Weather, WeatherSpec};
 
 use crate::named::built_in;

@@ -1,10 +1,10 @@
 //! Vehicles, and what each becomes in the plant and in the core.
 
 use alula::{
-    CombinedParameters, LargeAngleParameters, ModelParameters, SmallAngleParameters,
-    VehicleParameters,
+    CombinedParameters, LargeAngleParameters, ModelParameters, ParameterError, Parameters,
+    SmallAngleParameters, VehicleParameters,
 };
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::FieldError;
 use super::parameters::{degrees, double, refused};
@@ -36,6 +36,75 @@ pub struct VehicleSpec {
     /// c_L and c_D; those of NACA 0021 at Re = 160e3 if left out.
     #[serde(default)]
     pub aerodynamics: AerodynamicsSpec,
+    /// What turns it, and thrust over airspeed, as a controller believes; full authority and thrust that never falls if left out.
+    #[serde(default)]
+    pub authority: AuthoritySpec,
+}
+
+/// `[….authority]`: the core's parameters of authority, surfaces and propellers.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct AuthoritySpec {
+    /// Angular acceleration in pitch without thrust and airflow \[rad/s²\].
+    pub constant_rad_s2: f64,
+    /// Per thrust of the weight, of surfaces in the slipstream \[rad/s²\].
+    pub slipstream_rad_s2: f64,
+    /// Per difference of thrust of the weight \[rad/s²\].
+    pub difference_rad_s2: f64,
+    /// Per squared airspeed along the nose \[rad/m²\].
+    pub airflow_rad_m2: f64,
+    /// That of the wing across the flow, per squared airspeed \[rad/m²\].
+    pub wing_moment_rad_m2: f64,
+    /// Acceleration by the surfaces per angular acceleration \[m\].
+    pub surface_reaction_m: f64,
+    /// Speed that the propellers give the air in hover \[m/s\].
+    pub hover_downwash_m_s: f64,
+    /// Airspeed at which full throttle gives no thrust \[m/s\]; 0 if thrust never falls.
+    pub zero_thrust_speed_m_s: f64,
+}
+
+impl Default for AuthoritySpec {
+    fn default() -> Self {
+        Self::of(&VehicleParameters::DEFAULT)
+    }
+}
+
+impl AuthoritySpec {
+    /// As `[….authority]`.
+    pub fn table(&self) -> toml::Value {
+        toml::Value::try_from(self).expect("numbers are values")
+    }
+
+    /// Those of the core's parameters.
+    pub fn of(p: &VehicleParameters) -> Self {
+        Self {
+            constant_rad_s2: double(p.authority),
+            slipstream_rad_s2: double(p.authority_slipstream),
+            difference_rad_s2: double(p.authority_difference),
+            airflow_rad_m2: double(p.authority_airflow),
+            wing_moment_rad_m2: double(p.wing_moment),
+            surface_reaction_m: double(p.surface_reaction),
+            hover_downwash_m_s: double(p.hover_downwash),
+            zero_thrust_speed_m_s: double(p.zero_thrust_speed),
+        }
+    }
+}
+
+/// A refusal of the core's vehicle under the name that the field has in files.
+fn vehicle_refused(error: ParameterError) -> FieldError {
+    let refused = refused::<VehicleParameters>(error);
+    let inside = match refused.field.as_str() {
+        "authority_rad_s2" => Some("constant_rad_s2".to_owned()),
+        "wing_moment_rad_m2"
+        | "surface_reaction_m"
+        | "hover_downwash_m_s"
+        | "zero_thrust_speed_m_s" => Some(refused.field.clone()),
+        name => name.strip_prefix("authority_").map(str::to_owned),
+    };
+    match inside {
+        Some(name) => FieldError::new(name, refused.problem).inside("authority"),
+        None => refused,
+    }
 }
 
 fn standard_gravity() -> f64 {
@@ -159,6 +228,7 @@ impl VehicleSpec {
             c_y: double(p.c_y),
             gravity_m_s2: double(p.gravity),
             aerodynamics,
+            authority: AuthoritySpec::of(p),
         }
     }
 
@@ -176,7 +246,7 @@ impl VehicleSpec {
     /// The vehicle as the guidance takes it, with `thrust` \[N\] (least, most).
     pub fn limited(&self, thrust: [f64; 2]) -> Result<Vehicle, FieldError> {
         let model = self.aerodynamics.core()?;
-        alula::Vehicle::new(self.parameters(thrust), model).map_err(refused::<VehicleParameters>)
+        alula::Vehicle::new(self.parameters(thrust), model).map_err(vehicle_refused)
     }
 
     /// The core's parameters, with `thrust` \[N\] (least, most).
@@ -189,6 +259,14 @@ impl VehicleSpec {
             gravity: self.gravity_m_s2 as f32,
             thrust_min: thrust[0] as f32,
             thrust_max: thrust[1] as f32,
+            authority: self.authority.constant_rad_s2 as f32,
+            authority_slipstream: self.authority.slipstream_rad_s2 as f32,
+            authority_difference: self.authority.difference_rad_s2 as f32,
+            authority_airflow: self.authority.airflow_rad_m2 as f32,
+            wing_moment: self.authority.wing_moment_rad_m2 as f32,
+            surface_reaction: self.authority.surface_reaction_m as f32,
+            hover_downwash: self.authority.hover_downwash_m_s as f32,
+            zero_thrust_speed: self.authority.zero_thrust_speed_m_s as f32,
         }
     }
 

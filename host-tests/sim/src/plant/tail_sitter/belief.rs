@@ -1,9 +1,12 @@
 //! What a person measures of a tail-sitter before its first flight, and what a controller believes of it then.
 
+use std::f64::consts::FRAC_PI_4;
+
 use nalgebra::UnitQuaternion;
 
 use super::{GRAVITY, RHO, TailSitter, TailSitterState, V3};
-use crate::experiment::tail_sitter::TailSitterSpec;
+use crate::experiment::AuthoritySpec;
+use crate::experiment::tail_sitter::{Propeller, TailSitterSpec};
 use crate::plant::Command;
 
 /// Step of the table of the wing \[°\], short of 30° and from there on.
@@ -28,8 +31,8 @@ pub struct Belief {
     pub rate_lag_s: f64,
     /// Lag of the motors' speed \[s\].
     pub thrust_lag_s: f64,
-    /// Angular acceleration at full pitch torque in hover, nose up \[rad/s²\].
-    pub slew_rad_s2: f64,
+    /// What turns it in pitch, and thrust over airspeed.
+    pub authority: AuthoritySpec,
 }
 
 impl Belief {
@@ -65,7 +68,7 @@ impl Belief {
             thrust_max_n: vehicle.static_thrust(),
             rate_lag_s: rate_lag(&vehicle),
             thrust_lag_s: spec.motors.lag_s,
-            slew_rad_s2: slew(&vehicle),
+            authority: authority(&vehicle),
         }
     }
 }
@@ -102,15 +105,70 @@ fn rate_lag(vehicle: &TailSitter) -> f64 {
     t
 }
 
-/// Angular acceleration that full pitch torque adds in hover \[rad/s²\].
-fn slew(vehicle: &TailSitter) -> f64 {
-    let hover = vehicle.hover();
-    let share = vehicle.spec().mass_kg * GRAVITY / vehicle.static_thrust();
-    let turned = |pitch: f64| {
-        let state = vehicle.settled(&hover, share, V3::new(0.0, pitch, 0.0));
-        vehicle.wrench(&state, V3::zeros()).torque.y
+/// What turns it in pitch: moments of elevons and of motors in hover and in a glide, of the wing across the flow, and the propellers' geometry.
+fn authority(vehicle: &TailSitter) -> AuthoritySpec {
+    let spec = vehicle.spec();
+    let weight = spec.mass_kg * GRAVITY;
+    let share = weight / vehicle.static_thrust();
+    let inertia = spec.inertia_kg_m2[1];
+    let travel = spec.servo.travel_deg.to_radians();
+    let half = |one: TailSitterState, other: TailSitterState| {
+        let [a, b] = [one, other].map(|state| vehicle.wrench(&state, V3::zeros()));
+        let turned = 0.5 * (a.torque.y - b.torque.y) / inertia;
+        (turned, 0.5 * (a.force.z - b.force.z) / spec.mass_kg)
     };
-    (turned(1.0) - turned(0.0)) / vehicle.spec().inertia_kg_m2[1]
+    // Trailing edges up turn the nose up.
+    let elevons = |state: &TailSitterState, part: f64| TailSitterState {
+        elevons: [-part * travel; 2],
+        ..*state
+    };
+    let hover = vehicle.hover();
+    let (slipstream, force) = half(elevons(&hover, 1.0), elevons(&hover, -1.0));
+    let motors = |part: f64| TailSitterState {
+        elevons: [0.0; 2],
+        ..vehicle.settled(&hover, share, V3::new(0.0, part, 0.0))
+    };
+    let (difference, _) = half(motors(1.0), motors(-1.0));
+    let glide = TailSitterState {
+        velocity: V3::new(spec.cruise_speed_m_s, 0.0, 0.0),
+        ..TailSitterState::at_rest()
+    };
+    let (airflow, _) = half(elevons(&glide, 1.0), elevons(&glide, -1.0));
+    let across = TailSitterState {
+        velocity: V3::new(0.0, 0.0, spec.cruise_speed_m_s),
+        ..TailSitterState::at_rest()
+    };
+    let wing = -vehicle.wrench(&across, V3::zeros()).torque.y / inertia;
+    let square = spec.cruise_speed_m_s * spec.cruise_speed_m_s;
+    let discs: f64 = spec
+        .propellers
+        .iter()
+        .map(|p| FRAC_PI_4 * p.diameter_m * p.diameter_m)
+        .sum();
+    AuthoritySpec {
+        constant_rad_s2: 0.0,
+        slipstream_rad_s2: slipstream,
+        difference_rad_s2: difference * share / share.min(1.0 - share),
+        airflow_rad_m2: airflow / square,
+        wing_moment_rad_m2: (wing / square).max(0.0),
+        surface_reaction_m: if slipstream > 0.0 {
+            force / slipstream
+        } else {
+            0.0
+        },
+        hover_downwash_m_s: (weight / (2.0 * RHO * discs)).sqrt(),
+        zero_thrust_speed_m_s: zero_thrust_speed(spec),
+    }
+}
+
+/// Airspeed at which full throttle gives no thrust, in the mean of the propellers \[m/s\].
+fn zero_thrust_speed(spec: &TailSitterSpec) -> f64 {
+    let speed = |p: &Propeller| {
+        let [c0, c1, c2] = p.c_t;
+        let j = 2.0 * c0 / (-c1 + (c1 * c1 - 4.0 * c2 * c0).sqrt());
+        j * p.speed_max_rev_s * p.diameter_m
+    };
+    spec.propellers.iter().map(speed).sum::<f64>() / spec.propellers.len() as f64
 }
 
 impl TailSitterState {

@@ -27,7 +27,7 @@ pub type Sample = (f32, [f32; SAMPLED.len()]);
 
 /// A flight of a campaign.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Flown {
+pub struct FlightResult {
     /// In the order of [`figures::FIGURES`].
     pub figures: Vec<f64>,
     /// Samples, equally spaced.
@@ -83,7 +83,18 @@ impl<'a> Asked<'a> {
     }
 }
 
-impl Flown {
+/// A flight of a campaign.
+#[derive(Clone, Debug)]
+pub struct CampaignFlight {
+    /// From 0 on.
+    pub number: u64,
+    /// What was drawn for it.
+    pub drawn: Drawn,
+    /// What came of it.
+    pub result: FlightResult,
+}
+
+impl FlightResult {
     /// Flies `drawn`, of a campaign with these `faults`.
     pub fn fly(drawn: &Drawn, faults: &[FaultDraw]) -> anyhow::Result<Self> {
         let experiment = &drawn.experiment;
@@ -97,16 +108,16 @@ impl Flown {
             });
             true
         })?;
-        let mut flown = Self {
+        let mut result = Self {
             figures: tally.figures().values,
             samples: asked.samples,
             fault_as_stated: asked.as_stated,
             diverged: matches!(end, End::Diverged(_)),
         };
         let most = asked.stated.and_then(|(stated, ..)| stated.sinks_m);
-        let sunk = -flown.figure("altitude_least_m");
-        flown.fault_as_stated &= most.is_none_or(|most| sunk <= most);
-        Ok(flown)
+        let sunk = -result.figure("altitude_least_m");
+        result.fault_as_stated &= most.is_none_or(|most| sunk <= most);
+        Ok(result)
     }
 
     /// The figure of this name, which must be one.
