@@ -15,7 +15,7 @@
 #include <alula.h>
 
 #define CASES 2000
-#define ROOM 1360
+#define ROOM 1472
 
 typedef int32_t (*step)(void *controller, const void *input, float dt, void *command);
 

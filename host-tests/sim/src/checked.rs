@@ -244,7 +244,8 @@ mod tests {
             let thrust = |p: &crate::experiment::tail_sitter::Propeller| {
                 p.c_t[0] * 1.225 * p.speed_max_rev_s.powi(2) * p.diameter_m.powi(4)
             };
-            let thrust: f64 = spec.propellers.iter().map(thrust).sum();
+            let full = (1.0 - spec.motors.sag).powi(2);
+            let thrust: f64 = full * spec.propellers.iter().map(thrust).sum::<f64>();
             assert!((belief.thrust_max_n / thrust - 1.0).abs() < 1e-12, "{name}");
             assert!(
                 (0.02..0.6).contains(&belief.rate_lag_s),

@@ -25,7 +25,7 @@ pub struct Belief {
     pub c_y: f64,
     /// Rows of α \[°\] to the thrust line, c_L and c_D, from −180° to 180°.
     pub polar: Vec<[f64; 3]>,
-    /// Static thrust \[N\].
+    /// Static thrust at full throttle, on the battery that sags \[N\].
     pub thrust_max_n: f64,
     /// Time until 63 % of a step of the pitch rate is there, in hover \[s\].
     pub rate_lag_s: f64,
@@ -65,7 +65,7 @@ impl Belief {
             k_a_kg_m,
             c_y: -force(V3::new(cos, sin, 0.0)).y / sin,
             polar,
-            thrust_max_n: vehicle.static_thrust(),
+            thrust_max_n: vehicle.static_thrust() * (1.0 - spec.motors.sag).powi(2),
             rate_lag_s: rate_lag(&vehicle),
             thrust_lag_s: spec.motors.lag_s,
             authority: authority(&vehicle),
