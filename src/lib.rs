@@ -88,7 +88,7 @@ pub use control::Fault;
 pub use error::{ParameterError, Problem, Requirement};
 pub use guidance::{
     BandwidthGains, GainChoice, Guidance, GuidanceInput, GuidanceOutput, GuidanceParameters,
-    GuidanceState, ResponseParameters,
+    GuidanceState, Hardened, HardenedState, ResponseParameters,
 };
 pub use ned::{BodyAxes, BodyRates, Frd, Ned, Quaternion};
 pub use parameters::{Parameters, Range, Row};
@@ -103,7 +103,7 @@ pub mod prelude {
     pub use crate::error::ParameterError;
     pub use crate::guidance::{
         Air, AirUse, Guidance, GuidanceInput, GuidanceOutput, GuidanceParameters, GuidanceState,
-        Mode, PlannerOptions, Status,
+        Hardened, HardenedState, Mode, PlannerOptions, Status,
     };
     pub use crate::ned::{BodyAxes, BodyRates, Frd, Ned, Quaternion};
     pub use crate::parameters::Parameters;

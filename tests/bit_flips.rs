@@ -1,4 +1,4 @@
-//! Flights in which one bit of the guidance's memory flips, as radiation or a stray pointer does it.
+//! Flights in which one bit of the hardened guidance's state flips, as radiation or a stray pointer does it.
 //!
 //! Random flights (hover, cruise in wind, descent, stop) are flown once and recorded step by step. A trial sets out from a
 //! random step of one of them, flips one random bit of the memory, or several, and flies on beside the recording.
@@ -13,7 +13,7 @@ use alula::planar::{
     Attitude, Body, Command, Inertial, PlanarGuidanceInput, PlanarGuidanceOutput, Reference,
 };
 use alula::{
-    Combined, CombinedParameters, Guidance, GuidanceParameters, GuidanceState, Vehicle,
+    Combined, CombinedParameters, Guidance, GuidanceParameters, Hardened, HardenedState, Vehicle,
     VehicleParameters,
 };
 use rand::{RngExt, SeedableRng};
@@ -50,11 +50,11 @@ struct Mission {
 
 struct Flight {
     mission: Mission,
-    steps: Vec<(Plant, GuidanceState)>,
+    steps: Vec<(Plant, HardenedState)>,
 }
 
 struct World {
-    guidance: Guidance<Combined>,
+    guidance: Hardened<Guidance<Combined>>,
     truth: Vehicle<Combined>,
 }
 
@@ -64,7 +64,7 @@ impl World {
         let belief = Vehicle::new(VehicleParameters::PAPER_BELIEF, belief).unwrap();
         let truth = Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap();
         Self {
-            guidance: Guidance::new(belief, &GuidanceParameters::default()).unwrap(),
+            guidance: Hardened::new(Guidance::new(belief, &GuidanceParameters::default()).unwrap()),
             truth: Vehicle::new(VehicleParameters::PAPER, truth).unwrap(),
         }
     }
@@ -74,7 +74,7 @@ impl World {
         mission: &Mission,
         n: usize,
         plant: &mut Plant,
-        memory: &mut GuidanceState,
+        memory: &mut HardenedState,
     ) -> PlanarGuidanceOutput {
         let known = n < mission.link_lost;
         let stage = mission.stages[n.min(mission.link_lost) * 2 / 1000];
@@ -92,7 +92,8 @@ impl World {
             reference_age: if known { 0.0 } else { 1.0 },
             ..PlanarGuidanceInput::default()
         };
-        let guided = self.guidance.update_in_plane(memory, &input, DT);
+        let guided = self.guidance.update(memory, &(&input).into(), DT);
+        let guided = PlanarGuidanceOutput::from(&guided);
         for _ in 0..4 {
             let h = DT / 4.0;
             let attitude = Attitude::from_angle(plant.theta);
@@ -138,7 +139,7 @@ impl World {
             position: Inertial::ZERO,
             target: Inertial::ZERO,
         };
-        let mut memory = GuidanceState::default();
+        let mut memory = HardenedState::default();
         let mut steps = Vec::with_capacity(STEPS);
         for n in 0..STEPS {
             steps.push((plant, memory));
@@ -182,12 +183,12 @@ impl Flips {
         match self {
             Self::Random(range) => {
                 for _ in 0..rng.random_range(range.clone()) {
-                    flip(rng.random_range(0..8 * GuidanceState::BYTES));
+                    flip(rng.random_range(0..8 * HardenedState::BYTES));
                 }
             }
             Self::Cancelling => {
                 // Memory and copy have as many words, and the check word is one more.
-                let words = (GuidanceState::BYTES / 4 - 1) / 2;
+                let words = (HardenedState::BYTES / 4 - 1) / 2;
                 let first = rng.random_range(0..words - 1);
                 let second = rng.random_range(first + 1..words);
                 let bit = rng.random_range(0..32);
@@ -205,7 +206,7 @@ fn attack(trials: u64, flips: &Flips, seed: u64) -> Count {
     // Without a reference, a memory that is gone ends in the safe command: that is stated, and not tried here.
     let one = matches!(flips, Flips::Random(range) if *range.end() == 1);
     let flights: Vec<_> = (0..FLIGHTS).map(|_| world.fly(&mut rng, one)).collect();
-    let vehicle = world.guidance.vehicle();
+    let vehicle = world.guidance.guidance().vehicle();
     let (min, max) = (vehicle.thrust_min(), vehicle.thrust_max());
     let mut count = Count::default();
     for _ in 0..trials {
@@ -214,7 +215,7 @@ fn attack(trials: u64, flips: &Flips, seed: u64) -> Count {
         let (mut plant, before) = flight.steps[start];
         let mut bytes = before.to_bytes();
         flips.flip(&mut bytes, &mut rng);
-        let mut memory = GuidanceState::from_bytes(&bytes);
+        let mut memory = HardenedState::from_bytes(&bytes);
         count.trials += 1;
         let (mut worse, mut never, mut unseen) = (0.0, false, true);
         for n in start..start + AFTER {

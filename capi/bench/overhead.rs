@@ -10,15 +10,15 @@ use alula::ned::{BodyAxes, Frd, Quaternion};
 use alula::spatial::{Command, Heading, Ned, Orientation, Reference, State};
 use alula::{
     BandwidthGains, Combined, CombinedParameters, Fault, GainChoice, Guidance, GuidanceInput,
-    GuidanceOutput, GuidanceParameters, GuidanceState, Model, ParameterError, Vehicle,
+    GuidanceOutput, GuidanceParameters, Hardened, HardenedState, Model, ParameterError, Vehicle,
     VehicleParameters,
 };
 
 /// What the calls need.
 pub struct Fixture {
-    any: Guidance<Model<'static>, GainChoice>,
-    combined: Guidance<Combined>,
-    state: GuidanceState,
+    any: Hardened<Guidance<Model<'static>, GainChoice>>,
+    combined: Hardened<Guidance<Combined>>,
+    state: HardenedState,
 }
 
 /// What the calls are given.
@@ -57,9 +57,12 @@ fn fixture() -> Result<Fixture, ParameterError> {
     let any = Vehicle::new(vehicle, Model::Combined(combined))?;
     let gains = GainChoice::Bandwidth(BandwidthGains::new(&parameters, &any)?);
     Ok(Fixture {
-        any: Guidance::with_gains(any, gains, &parameters)?,
-        combined: Guidance::new(Vehicle::new(vehicle, combined)?, &parameters)?,
-        state: GuidanceState::default(),
+        any: Hardened::new(Guidance::with_gains(any, gains, &parameters)?),
+        combined: Hardened::new(Guidance::new(
+            Vehicle::new(vehicle, combined)?,
+            &parameters,
+        )?),
+        state: HardenedState::default(),
     })
 }
 
@@ -131,7 +134,7 @@ pub extern "C" fn overhead_combined(
     _: f32,
     result: &mut Result<Command, Fault>,
 ) -> i32 {
-    let control = fixture.combined.control();
+    let control = fixture.combined.guidance().control();
     *result = control.robust(&case.state, &case.input.reference, None);
     0
 }
@@ -144,7 +147,7 @@ pub extern "C" fn overhead_any(
     _: f32,
     result: &mut Result<Command, Fault>,
 ) -> i32 {
-    let control = fixture.any.control();
+    let control = fixture.any.guidance().control();
     *result = control.robust(&case.state, &case.input.reference, None);
     0
 }
@@ -173,7 +176,7 @@ fn flown(fixture: &Fixture, case: &Case) -> Result<Flown, Fault> {
         heading: Heading::from_angle(case.heading),
         ..case.input.reference
     };
-    let control = fixture.any.control();
+    let control = fixture.any.guidance().control();
     let command = control.robust(&state, &reference, None)?;
     Ok(Flown {
         command,

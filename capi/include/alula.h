@@ -417,7 +417,7 @@
 #define ALULA_STATUS_AIR_INVALID 256
 
 /**
- * The guidance state was corrupt: it has been restored from its copy or, where that was not possible, reset.
+ * The guidance state was corrupt: it has been reset or, by `Hardened`, restored from its copy.
  */
 #define ALULA_STATUS_STATE_RESET 512
 

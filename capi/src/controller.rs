@@ -2,7 +2,8 @@
 
 use alula::planar::Gains;
 use alula::{
-    BandwidthGains, GainChoice, Guidance, Model, ModelParameters, ParameterError, Problem, Vehicle,
+    BandwidthGains, GainChoice, Guidance, Hardened, Model, ModelParameters, ParameterError,
+    Problem, Vehicle,
 };
 
 use crate::boundary::{self, Layout};
@@ -44,7 +45,7 @@ const INITIALISED: u32 = Controller::HEADER | 1 << 31;
 #[repr(C)]
 pub(crate) struct Initialised<'a> {
     header: u32,
-    pub guidance: Guidance<Model<'a>, GainChoice>,
+    pub guidance: Hardened<Guidance<Model<'a>, GainChoice>>,
     pub memory: Memory,
     /// One over the thrust of normalised thrust 1 [1/N].
     pub inverse_thrust_max: f32,
@@ -83,7 +84,7 @@ impl<'a> Initialised<'a> {
         let model = model(p, table)?;
         Ok(Self {
             header: INITIALISED,
-            guidance: guidance(p, model).map_err(refused)?,
+            guidance: Hardened::new(guidance(p, model).map_err(refused)?),
             memory: Memory::default(),
             inverse_thrust_max: 1.0 / p.vehicle.thrust_max,
             inverse_attitude_gain: 1.0 / p.controller.attitude_gain,

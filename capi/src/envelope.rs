@@ -156,9 +156,9 @@ pub unsafe extern "C" fn alula_equilibria_at(
                 velocity: Ned::ZERO,
                 ..state
             };
-            let control = controller.guidance.control();
+            let control = controller.guidance.guidance().control();
             control.forces(&still, &reference).map_err(code::of_fault)?;
-            let vehicle = controller.guidance.vehicle();
+            let vehicle = controller.guidance.guidance().vehicle();
             let pull = Ned::new(0.0, 0.0, vehicle.gravity()) - reference.acceleration;
             let v_a = reference.velocity - state.wind;
             let o = &state.orientation;
@@ -201,7 +201,7 @@ pub unsafe extern "C" fn alula_fold_map_init(map: *mut Map, controller: *const C
         map.cast::<u32>().write(Map::HEADER);
         match initialised(controller) {
             Ok(controller) => {
-                let value = FoldMap::new(controller.guidance.vehicle());
+                let value = FoldMap::new(controller.guidance.guidance().vehicle());
                 (&raw mut (*map.cast::<Initialised>()).map).write(value);
                 map.cast::<u32>().write(INITIALISED);
                 code::ALULA_OK
@@ -231,7 +231,7 @@ pub unsafe extern "C" fn alula_fold_margin_at(
             let controller = initialised(controller)?;
             let input = boundary::read(input)?;
             let state = input.state(input.axes()?)?;
-            let control = controller.guidance.control();
+            let control = controller.guidance.guidance().control();
             let forces = control
                 .forces(&state, &input.reference())
                 .map_err(code::of_fault)?;

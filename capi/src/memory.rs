@@ -1,13 +1,13 @@
 //! What `alula_guide` remembers between calls.
 
-use alula::GuidanceState;
+use alula::HardenedState;
 use alula::ned::{BodyAxes, Quaternion};
 use alula::spatial::Orientation;
 
 /// The guidance's state, and the last attitude set-point.
 #[derive(Clone, Copy)]
 pub(crate) struct Memory {
-    pub state: GuidanceState,
+    pub state: HardenedState,
     set_point: [f32; 4],
     /// The body axes that it is in: 1 nose forward, 2 nose up, else there is none. A number, not `Option`: every bit pattern
     /// has a meaning.
@@ -17,7 +17,7 @@ pub(crate) struct Memory {
 impl Default for Memory {
     fn default() -> Self {
         Self {
-            state: GuidanceState::default(),
+            state: HardenedState::default(),
             set_point: [1.0, 0.0, 0.0, 0.0],
             axes: 0,
         }

@@ -34,6 +34,7 @@ pub unsafe extern "C" fn alula_path_time_scale(
                 let velocity = ned(velocity.cast::<[f32; 3]>().read());
                 controller
                     .guidance
+                    .guidance()
                     .path_time_scale(position_error, velocity)
             });
         time_scale.write(made.unwrap_or(1.0));

@@ -64,7 +64,7 @@ unsafe fn step(
         }
         let (state, reference) = (input.state(axes)?, input.reference());
         let feed_forward = input.feed_forward();
-        let control = controller.guidance.control();
+        let control = controller.guidance.guidance().control();
         let value = control
             .robust(&state, &reference, feed_forward.as_ref())
             .map_err(code::of_fault)?;

@@ -1,19 +1,20 @@
 //! The guidance over sequences of frames, with its memory changed between steps.
 //!
 //! What must hold: every command finite and inside the limits; no memory called corrupt that was not touched; one changed
-//! number of the memory undone; and after good frames for the recovery time and two steps more the guidance flies, if one
+//! number of the hardened memory undone; the bare guidance gives the same command, or one inside the limits where more has
+//! changed; and after good frames for the recovery time and two steps more the guidance flies, if one
 //! fresh from power-on does.
 
 use alula::guidance::{Air, GuidanceParameters, Mode, PlannerOptions, RejectReason, Status};
 use alula::ned::{BodyAxes, Quaternion};
 use alula::planar::PlanarGuidanceInput;
 use alula::spatial::{Body, Heading, Ned, Orientation, Reference};
-use alula::{Fault, Guidance, GuidanceInput, GuidanceOutput, GuidanceState, Model};
+use alula::{Fault, Guidance, GuidanceInput, GuidanceOutput, Hardened, HardenedState, Model};
 
 use crate::assert_finite;
 use crate::bytes::Bytes;
 
-type Memory = [u8; GuidanceState::BYTES];
+type Memory = [u8; HardenedState::BYTES];
 
 /// Frames at most: a longer sequence finds nothing new, and slows the search.
 const FRAMES: usize = 64;
@@ -24,7 +25,7 @@ pub fn run(data: &[u8]) -> u64 {
     crate::vehicle::with(&mut Bytes::new(data), |bytes, vehicle| {
         let p = bytes.parameters(GuidanceParameters::default());
         match Guidance::new(vehicle, &p) {
-            Ok(guidance) => fly(&guidance, &p, bytes, &mut |_, _, _| ()),
+            Ok(guidance) => fly(&Hardened::new(guidance), &p, bytes, &mut |_, _, _| ()),
             Err(_) => 1,
         }
     })
@@ -32,7 +33,7 @@ pub fn run(data: &[u8]) -> u64 {
 }
 
 /// A call of the guidance: the memory before it, the frame, and the time step.
-type Call<'a> = &'a mut dyn FnMut(&GuidanceState, &GuidanceInput, f32);
+type Call<'a> = &'a mut dyn FnMut(&HardenedState, &GuidanceInput, f32);
 
 /// Of what the input's guidance is made, and its calls without those at the end; nothing of one with a table.
 #[cfg(feature = "boundaries")]
@@ -48,12 +49,19 @@ pub fn calls(
     let (vehicle, model) = crate::vehicle::parameters(&mut bytes)?;
     let p = bytes.parameters(GuidanceParameters::default());
     let made = alula::Vehicle::new(vehicle, model.model().ok()?).ok()?;
-    fly(&Guidance::new(made, &p).ok()?, &p, &mut bytes, call);
+    let guidance = Hardened::new(Guidance::new(made, &p).ok()?);
+    fly(&guidance, &p, &mut bytes, call);
     Some((vehicle, model, p))
 }
 
-fn fly(guidance: &Guidance<Model>, p: &GuidanceParameters, bytes: &mut Bytes, call: Call) -> u64 {
-    let mut state = GuidanceState::default();
+fn fly(
+    hardened: &Hardened<Guidance<Model>>,
+    p: &GuidanceParameters,
+    bytes: &mut Bytes,
+    call: Call,
+) -> u64 {
+    let guidance = hardened.guidance();
+    let mut state = HardenedState::default();
     let mut calls = 0;
     for _ in 0..FRAMES {
         if bytes.is_empty() {
@@ -67,37 +75,43 @@ fn fly(guidance: &Guidance<Model>, p: &GuidanceParameters, bytes: &mut Bytes, ca
         };
         let untouched = state;
         call(&state, &input, dt);
-        let guided = guidance.update(&mut state, &input, dt);
-        calls += 1;
+        let guided = hardened.update(&mut state, &input, dt);
+        let mut bare = *untouched.guidance();
+        let unhardened = guidance.update(&mut bare, &input, dt);
+        calls += 2;
         check(guidance, p, &guided);
         let reset = guided.status.contains(Status::STATE_RESET);
         match change {
-            Change::None => assert!(!reset, "a reset without a reason"),
+            Change::None => {
+                assert!(!reset, "a reset without a reason");
+                assert_eq!(bits(&guided), bits(&unhardened));
+                assert_eq!(bare.to_bytes(), state.guidance().to_bytes());
+            }
             Change::One(before) => {
                 // The step is that of the memory there was, to the bit.
                 let mut state_before = before;
-                let expected = guidance.update(&mut state_before, &input, dt);
+                let expected = hardened.update(&mut state_before, &input, dt);
                 calls += 1;
                 assert_eq!(bits(&guided), bits(&expected), "{untouched:?}");
                 assert_eq!(state_before.to_bytes(), state.to_bytes());
             }
-            Change::Any => (),
+            Change::Any => check(guidance, p, &unhardened),
         }
     }
-    calls + recover(guidance, p, state)
+    calls + recover(hardened, p, state)
 }
 
 /// What was done to the memory before a step.
 enum Change {
     None,
     /// One number was changed; this was the memory before.
-    One(GuidanceState),
+    One(HardenedState),
     /// Anything.
     Any,
 }
 
 impl Change {
-    fn of(bytes: &mut Bytes, state: &mut GuidanceState) -> Self {
+    fn of(bytes: &mut Bytes, state: &mut HardenedState) -> Self {
         let before = *state;
         let mut memory = before.to_bytes();
         let change = match bytes.byte() {
@@ -137,7 +151,7 @@ impl Change {
             }
             _ => return Self::None,
         };
-        *state = GuidanceState::from_bytes(&memory);
+        *state = HardenedState::from_bytes(&memory);
         change
     }
 }
@@ -145,7 +159,7 @@ impl Change {
 /// These bytes with the copy and the check word that belong to them, as if the check had missed the change: so that the
 /// bounds behind it are attacked too.
 fn sealed(memory: Memory) -> Memory {
-    let mut memory = GuidanceState::from_bytes(&memory).to_bytes();
+    let mut memory = HardenedState::from_bytes(&memory).to_bytes();
     let words = (memory.len() / 4 - 1) / 2;
     let (left, rest) = memory.split_at_mut(4 * words);
     let (copy, check) = rest.split_at_mut(4 * words);
@@ -267,17 +281,21 @@ fn check(guidance: &Guidance<Model>, p: &GuidanceParameters, guided: &GuidanceOu
 }
 
 /// Good frames, until the guidance flies as one fresh from power-on does.
-fn recover(guidance: &Guidance<Model>, p: &GuidanceParameters, mut state: GuidanceState) -> u64 {
+fn recover(
+    guidance: &Hardened<Guidance<Model>>,
+    p: &GuidanceParameters,
+    mut state: HardenedState,
+) -> u64 {
     let hover = GuidanceInput {
         air: Air::Wind(Ned::ZERO),
         ..GuidanceInput::default()
     };
-    let mut fresh = GuidanceState::default();
+    let mut fresh = HardenedState::default();
     let frames = (p.recovery / DT) as u64 + 2;
     let (mut modes, mut undefined) = ((Mode::Safe, Mode::Safe), false);
     for _ in 0..frames {
         let guided = guidance.update(&mut state, &hover, DT);
-        check(guidance, p, &guided);
+        check(guidance.guidance(), p, &guided);
         // The wind remembered may be one in which an absurd vehicle has no command; a fresh memory has none.
         undefined |= guided.reject_reason == Some(RejectReason::Law(Fault::Undefined));
         modes = (guided.mode, guidance.update(&mut fresh, &hover, DT).mode);

@@ -1,7 +1,9 @@
 //! The controller that a configuration describes: the same code on the target and on its host.
 
 use alula::planar::{GainParameters, Gains, VelocityControl};
-use alula::{BandwidthGains, GainChoice, Guidance, GuidanceState, Model, ParameterError, Vehicle};
+use alula::{
+    BandwidthGains, GainChoice, Guidance, Hardened, HardenedState, Model, ParameterError, Vehicle,
+};
 
 use crate::{Answer, Configuration, ControllerParameters, Input, Law, LawGains};
 
@@ -12,8 +14,11 @@ use crate::{Answer, Configuration, ControllerParameters, Input, Law, LawGains};
 pub enum Controller {
     /// A law.
     Law(Law, VelocityControl<Model<'static>, GainChoice>),
-    /// The guidance, and what it remembers.
-    Guidance(Guidance<Model<'static>, GainChoice>, GuidanceState),
+    /// The guidance, and its state.
+    Guidance(
+        Hardened<Guidance<Model<'static>, GainChoice>>,
+        HardenedState,
+    ),
 }
 
 impl Controller {
@@ -40,7 +45,7 @@ impl Controller {
                     None => GainChoice::Bandwidth(BandwidthGains::new(parameters, &vehicle)?),
                 };
                 let guidance = Guidance::with_gains(vehicle, gains, parameters)?;
-                Self::Guidance(guidance, GuidanceState::default())
+                Self::Guidance(Hardened::new(guidance), HardenedState::default())
             }
         })
     }
@@ -85,7 +90,7 @@ mod tests {
     use alula::guidance::Air;
     use alula::planar::{Attitude, Inertial, PlanarGuidanceInput, Reference, State};
     use alula::{
-        Combined, CombinedParameters, GuidanceInput, GuidanceParameters, LargeAngle,
+        Combined, CombinedParameters, GuidanceInput, GuidanceParameters, GuidanceState, LargeAngle,
         LargeAngleParameters, ModelParameters, Parameters, Problem, SmallAngle,
         SmallAngleParameters, VehicleParameters,
     };

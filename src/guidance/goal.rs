@@ -245,12 +245,9 @@ impl GoalState {
 
     /// What the last step left.
     fn left(&self) -> SetPointState {
-        let set_point = match self.shadow.verify(&self.set_point) {
-            Integrity::Intact => self.set_point,
-            Integrity::Restored(left) => left,
-            Integrity::Lost => SetPointState::default(),
-        };
-        if set_point.is_sound() {
+        let mut set_point = self.set_point;
+        let integrity = self.shadow.restore(&mut set_point);
+        if integrity != Integrity::Lost && set_point.is_sound() {
             set_point
         } else {
             SetPointState::default()

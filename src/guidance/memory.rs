@@ -86,6 +86,24 @@ impl Memory for Inertial {
     }
 }
 
+/// The words of `memory`, little-endian.
+pub(super) fn to_bytes<const N: usize>(memory: &impl Memory) -> [u8; N] {
+    let mut bytes = [0; N];
+    let mut places = bytes.as_chunks_mut().0.iter_mut();
+    memory.write(&mut |word| {
+        if let Some(place) = places.next() {
+            *place = word.to_le_bytes();
+        }
+    });
+    bytes
+}
+
+/// The value of these bytes; zeros stand for those that are missing.
+pub(super) fn from_bytes<M: Memory>(bytes: &[u8]) -> M {
+    let mut words = bytes.as_chunks().0.iter();
+    M::read(&mut || words.next().map_or(0, |word| u32::from_le_bytes(*word)))
+}
+
 /// A copy of a memory of `N` words and a check word of both.
 ///
 /// Whatever changes in memory or copy makes them differ, unless the same changes in both. If it is one word of one of them, or the
@@ -97,14 +115,14 @@ pub(super) struct ShadowCopy<const N: usize> {
     check: u32,
 }
 
-/// What a [`ShadowCopy`] says of a memory.
+/// What a [`ShadowCopy`] has made of a memory.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Integrity<M> {
-    /// It is as it was left.
+pub(super) enum Integrity {
+    /// It was as it had been left.
     Intact,
-    /// It has changed, and this is what was left.
-    Restored(M),
-    /// Two of the three have changed.
+    /// It had changed, and is again as it had been left.
+    Restored,
+    /// Two of memory, copy and check word have changed: nothing was restored.
     Lost,
 }
 
@@ -122,8 +140,15 @@ impl<const N: usize> ShadowCopy<N> {
     /// The shadow of `memory`, which has `N` words.
     #[inline(always)]
     pub fn new(memory: &impl Memory) -> Self {
-        let mut words = [0; N];
-        let mut places = words.iter_mut();
+        let mut shadow = Self::default();
+        shadow.renew(memory);
+        shadow
+    }
+
+    /// Makes this the shadow of `memory`, in place.
+    #[inline(always)]
+    pub fn renew(&mut self, memory: &impl Memory) {
+        let mut places = self.words.iter_mut();
         let mut sum = 0;
         memory.write(&mut |word| {
             sum = fold(sum, word);
@@ -131,25 +156,25 @@ impl<const N: usize> ShadowCopy<N> {
                 *place = word;
             }
         });
-        Self { words, check: sum }
+        self.check = sum;
     }
 
-    /// Compares `memory` with what was left.
+    /// Makes `memory` what was left, where it has changed and that is known.
     #[inline(always)]
-    pub fn verify<M: Memory>(&self, memory: &M) -> Integrity<M> {
+    pub fn restore<M: Memory>(&self, memory: &mut M) -> Integrity {
         let (mut words, mut different) = (self.words.iter(), 0);
         memory.write(&mut |word| different |= words.next().map_or(0, |left| word ^ left));
         if different == 0 {
             Integrity::Intact
         } else {
-            self.restore(memory)
+            self.restore_changed(memory)
         }
     }
 
-    /// Which of a memory and its copy, that differ, the check word is of. If it is of both or of neither, that is not known.
+    /// Of a memory and its copy, that differ, the one that the check word is of. If it is of both or of neither, that is not known.
     #[cold]
     #[inline(never)]
-    fn restore<M: Memory>(&self, memory: &M) -> Integrity<M> {
+    fn restore_changed<M: Memory>(&self, memory: &mut M) -> Integrity {
         let mut sum = 0;
         memory.write(&mut |word| sum = fold(sum, word));
         let left = self.words.iter().copied().fold(0, fold);
@@ -159,7 +184,8 @@ impl<const N: usize> ShadowCopy<N> {
             Integrity::Intact
         } else {
             let mut words = self.words.iter().copied();
-            Integrity::Restored(M::read(&mut || words.next().unwrap_or(0)))
+            *memory = M::read(&mut || words.next().unwrap_or(0));
+            Integrity::Restored
         }
     }
 }
@@ -258,16 +284,10 @@ mod tests {
         let all = 32 * (2 * Part::WORDS + 1);
         let mut restored = 0;
         for bit in 0..all {
-            let (memory, shadow) = flipped(&[bit]);
-            match shadow.verify(&memory) {
-                // The unused bits of short numbers are not there to be changed.
-                Integrity::Intact => assert_eq!(memory, part(), "{bit}"),
-                Integrity::Restored(left) => {
-                    assert_eq!(left, part(), "{bit}");
-                    restored += 1;
-                }
-                Integrity::Lost => panic!("{bit}"),
-            }
+            let (mut memory, shadow) = flipped(&[bit]);
+            // The unused bits of short numbers are not there to be changed.
+            restored += u32::from(shadow.restore(&mut memory) == Integrity::Restored);
+            assert_eq!(memory, part(), "{bit}");
         }
         // A byte, four numbers and 16 flags.
         assert_eq!(restored, 8 + 4 * 32 + 16);
@@ -276,8 +296,8 @@ mod tests {
     #[test]
     fn memory_and_spare_both_changed_are_not_taken_for_sound() {
         for bit in 32..64 {
-            let (memory, shadow) = flipped(&[bit, 32 * Part::WORDS + (bit + 5) % 160]);
-            assert_eq!(shadow.verify(&memory), Integrity::Lost, "{bit}");
+            let (mut memory, shadow) = flipped(&[bit, 32 * Part::WORDS + (bit + 5) % 160]);
+            assert_eq!(shadow.restore(&mut memory), Integrity::Lost, "{bit}");
         }
     }
 
@@ -286,11 +306,11 @@ mod tests {
     fn two_flips_that_the_check_word_does_not_see_are_found() {
         for bit in 0..32 {
             // A number of the vector, and the one after it, which the check word turns by seven bits less.
-            let (memory, shadow) = flipped(&[32 + bit, 64 + (bit + 7) % 32]);
+            let (mut memory, shadow) = flipped(&[32 + bit, 64 + (bit + 7) % 32]);
             let sums =
                 [words(&memory), words(&part())].map(|words| words.into_iter().fold(0, fold));
             assert_eq!(sums[0], sums[1]);
-            assert_eq!(shadow.verify(&memory), Integrity::Lost, "{bit}");
+            assert_eq!(shadow.restore(&mut memory), Integrity::Lost, "{bit}");
         }
     }
 
@@ -298,7 +318,7 @@ mod tests {
     fn zeros_are_sound() {
         assert_eq!(ShadowCopy::<3>::default(), ShadowCopy::new(&Ned::ZERO));
         assert_eq!(
-            ShadowCopy::<3>::default().verify(&Ned::ZERO),
+            ShadowCopy::<3>::default().restore(&mut { Ned::ZERO }),
             Integrity::Intact
         );
     }

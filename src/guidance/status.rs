@@ -28,7 +28,7 @@ bitflags::bitflags! {
         const POSITION_INVALID = 1 << 7;
         /// The air data were invalid and are left out.
         const AIR_INVALID = 1 << 8;
-        /// The guidance state was corrupt: it has been restored from its copy or, where that was not possible, reset.
+        /// The guidance state was corrupt: it has been reset or, by `Hardened`, restored from its copy.
         const STATE_RESET = 1 << 9;
         /// The specific force was invalid and is left out.
         const FORCE_INVALID = 1 << 10;

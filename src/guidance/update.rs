@@ -9,7 +9,7 @@ use super::bandwidth::BandwidthGains;
 use super::course::{Axes, Course};
 use super::lateral_guidance::{LateralGuidance, ReferenceModelState};
 use super::limits::{LimitState, Limits};
-use super::memory::{self, Memory, ShadowCopy};
+use super::memory::{self, Memory, memory};
 use super::parameters::GuidanceParameters;
 use super::planner::{Planner, PlannerState, wrap};
 use super::planner_options::PlannerOptions;
@@ -33,6 +33,9 @@ use crate::spatial::{
 use crate::vehicle::Vehicle;
 
 /// The velocity law with everything around it that a real vehicle asks for. Immutable and validated.
+///
+/// Every step checks the bounds of its state, and resets a state outside them to power-on. A change of memory that stays
+/// inside the bounds is not seen: [`Hardened`](super::Hardened) finds and undoes it.
 ///
 /// ```
 /// use alula::prelude::*;
@@ -122,10 +125,6 @@ pub struct GuidanceState {
     held_known: u8,
     /// What of the last command saturated.
     saturated: Status,
-    /// Other than 0 if it was made of bytes: no step has looked whether they are sound.
-    foreign: u8,
-    /// Copy of all that stands above, as the last step left it.
-    shadow: ShadowCopy<WORDS>,
 }
 
 /// What a guidance step gives: always a command.
@@ -152,76 +151,20 @@ pub struct GuidanceOutput {
     pub reject_reason: Option<RejectReason>,
 }
 
-/// Words of the memory without its copy.
-const WORDS: usize = SupervisionState::WORDS
-    + ReferenceModelState::WORDS
-    + PlannerState::WORDS
-    + Ned::WORDS
-    + Ned::WORDS
-    + Ned::WORDS
-    + AccelerometerState::WORDS
-    + LimitState::WORDS
-    + u8::WORDS
-    + Ned::WORDS
-    + u8::WORDS
-    + Status::WORDS;
-
-/// All but the copy.
-impl Memory for GuidanceState {
-    const WORDS: usize = WORDS;
-
-    #[inline(always)]
-    fn write(&self, take: &mut impl FnMut(u32)) {
-        let Self {
-            supervision,
-            flight,
-            planner,
-            integral,
-            wind,
-            reckoned,
-            accelerometer,
-            limits,
-            started,
-            held,
-            held_known,
-            saturated,
-            foreign: _,
-            shadow: _,
-        } = self;
-        supervision.write(take);
-        flight.write(take);
-        planner.write(take);
-        integral.write(take);
-        wind.write(take);
-        reckoned.write(take);
-        accelerometer.write(take);
-        limits.write(take);
-        started.write(take);
-        held.write(take);
-        held_known.write(take);
-        saturated.write(take);
-    }
-
-    #[inline(always)]
-    fn read(next: &mut impl FnMut() -> u32) -> Self {
-        Self {
-            supervision: Memory::read(next),
-            flight: Memory::read(next),
-            planner: Memory::read(next),
-            integral: Memory::read(next),
-            wind: Memory::read(next),
-            reckoned: Memory::read(next),
-            accelerometer: Memory::read(next),
-            limits: Memory::read(next),
-            started: Memory::read(next),
-            held: Memory::read(next),
-            held_known: Memory::read(next),
-            saturated: Memory::read(next),
-            foreign: 0,
-            shadow: ShadowCopy::default(),
-        }
-    }
-}
+memory!(GuidanceState {
+    supervision: SupervisionState,
+    flight: ReferenceModelState,
+    planner: PlannerState,
+    integral: Ned,
+    wind: Ned,
+    reckoned: Ned,
+    accelerometer: AccelerometerState,
+    limits: LimitState,
+    started: u8,
+    held: Ned,
+    held_known: u8,
+    saturated: Status,
+});
 
 impl PartialEq for GuidanceState {
     fn eq(&self, other: &Self) -> bool {
@@ -231,53 +174,17 @@ impl PartialEq for GuidanceState {
 
 impl GuidanceState {
     /// Length of [`to_bytes`](Self::to_bytes).
-    pub const BYTES: usize = 4 * (WORDS + ShadowCopy::<WORDS>::WORDS);
+    pub const BYTES: usize = 4 * Self::WORDS;
 
-    /// The state as little-endian words of 32 bits: what is remembered, a copy of that, and a check word. To log it, or to
-    /// go on with it after a restart. The order belongs to this version of the library.
+    /// The state as little-endian words of 32 bits: to log it, or to go on with it after a restart. The order belongs to
+    /// this version of the library.
     pub fn to_bytes(&self) -> [u8; Self::BYTES] {
-        let mut bytes = [0; Self::BYTES];
-        let mut places = bytes.as_chunks_mut().0.iter_mut();
-        let mut put = |word: u32| {
-            if let Some(place) = places.next() {
-                *place = word.to_le_bytes();
-            }
-        };
-        self.write(&mut put);
-        self.shadow.write(&mut put);
-        bytes
+        memory::to_bytes(self)
     }
 
-    /// The state of these bytes. Any will do: what no step has left is found at the next step, and restored or reset.
+    /// The state of these bytes. Any will do: a state outside its bounds is reset at the next step.
     pub fn from_bytes(bytes: &[u8; Self::BYTES]) -> Self {
-        let mut words = bytes.as_chunks().0.iter();
-        let mut next = || words.next().map_or(0, |word| u32::from_le_bytes(*word));
-        let state = Self::read(&mut next);
-        Self {
-            foreign: 1,
-            shadow: Memory::read(&mut next),
-            ..state
-        }
-    }
-
-    /// Makes the present memory the one that the next step expects.
-    #[inline(always)]
-    pub(super) fn seal(&mut self) {
-        self.foreign = 0;
-        self.shadow = ShadowCopy::new(self);
-    }
-
-    /// Brings back what the last step left, where it has changed: whether it had not, and whether it is known.
-    #[inline(always)]
-    pub(super) fn restore(&mut self) -> (bool, bool) {
-        match self.shadow.verify(self) {
-            memory::Integrity::Intact => (true, true),
-            memory::Integrity::Restored(left) => {
-                *self = left;
-                (false, true)
-            }
-            memory::Integrity::Lost => (false, false),
-        }
+        memory::from_bytes(bytes)
     }
 
     /// Mode of the last step.
@@ -392,10 +299,8 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         input: &GuidanceInput,
         dt: f32,
     ) -> GuidanceOutput {
-        // Before anything else reads the memory. What the last step has left was looked at there.
-        let (unchanged, known) = state.restore();
-        let left = unchanged & (state.foreign == 0);
-        let sound = known && (left || self.is_sound(state));
+        // Before anything else reads the state.
+        let sound = self.is_sound(state);
         if !sound {
             self.reset(state);
         }
@@ -418,10 +323,9 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         } else {
             guided = self.substitute(state, mode);
         }
-        state.seal();
         guided.mode = mode;
         guided.reject_reason = flown.err();
-        guided.status |= Status::STATE_RESET.when(!(unchanged & sound));
+        guided.status |= Status::STATE_RESET.when(!sound);
         guided
     }
 
@@ -443,7 +347,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
     /// Back to power-on, but for the mode, and for the last command if that is inside the limits: it is what a bad frame is
     /// bridged with.
     #[cold]
-    fn reset(&self, state: &mut GuidanceState) {
+    pub(super) fn reset(&self, state: &mut GuidanceState) {
         let limits = if self.limits.is_sound(&state.limits) {
             state.limits
         } else {
@@ -1159,12 +1063,6 @@ mod tests {
         assert!((got - apparent).norm_squared().sqrt() < 1e-4);
     }
 
-    /// This memory, from bytes whose copy and check word are of it.
-    fn agreeing(mut state: GuidanceState) -> GuidanceState {
-        state.seal();
-        GuidanceState::from_bytes(&state.to_bytes())
-    }
-
     #[test]
     fn a_corrupt_state_is_reset_in_flight() {
         let guidance = guidance();
@@ -1183,7 +1081,6 @@ mod tests {
         for corrupt in corrupt {
             let mut state = airborne();
             corrupt(&mut state);
-            let mut state = agreeing(state);
             let guided = guidance.update_in_plane(&mut state, &HOVER, DT);
             assert_eq!(guided.mode, Mode::Flying);
             assert!(guided.status.contains(Status::STATE_RESET));
@@ -1205,7 +1102,6 @@ mod tests {
         for corrupt in corrupt {
             let mut state = airborne();
             corrupt(&mut state);
-            let mut state = agreeing(state);
             let guided = guidance.update_in_plane(&mut state, &HOVER, DT);
             assert_eq!(guided.command.thrust, 9.0 * 9.81);
             // One step of the virtual flight away.
@@ -1230,7 +1126,6 @@ mod tests {
                 } else {
                     state.limits.rates.w = value;
                 }
-                let mut state = agreeing(state);
                 let guided = guidance.update_in_plane(&mut state, &bad, DT);
                 assert_eq!(guided.mode, Mode::Holding);
                 assert!(guided.status.contains(Status::STATE_RESET));
@@ -1249,10 +1144,10 @@ mod tests {
         };
         let model = Combined::new(CombinedParameters::PAPER_BELIEF).unwrap();
         let guidance = Guidance::new(Vehicle::new(vehicle, model).unwrap(), &parameters()).unwrap();
-        let mut state = agreeing(GuidanceState {
+        let mut state = GuidanceState {
             supervision: SupervisionState::in_mode(Mode::Holding),
             ..GuidanceState::default()
-        });
+        };
         let bad = PlanarGuidanceInput {
             state_age: 1.0,
             ..HOVER
@@ -1260,59 +1155,6 @@ mod tests {
         let guided = guidance.update_in_plane(&mut state, &bad, DT);
         assert_eq!(guided.mode, Mode::Holding);
         assert_eq!(guided.command.thrust, 5.0);
-    }
-
-    /// Every bit of the memory of a flight in wind, at speed, with an integral: what flips is found, flown through, and
-    /// forgotten.
-    #[test]
-    fn a_flipped_bit_is_found_wherever_it_is() {
-        let guidance = guidance();
-        let input = PlanarGuidanceInput {
-            velocity: Inertial::new(0.1, 5.0),
-            attitude: Attitude::from_angle(-0.6),
-            air: Air::Wind(Inertial::new(0.3, -2.0)),
-            position_error: Some(Inertial::new(0.5, -0.4)),
-            reference: Reference {
-                velocity: Inertial::new(0.0, 5.0),
-                acceleration: Inertial::ZERO,
-            },
-            ..HOVER
-        };
-        let mut flown = airborne();
-        for _ in 0..100 {
-            guidance.update_in_plane(&mut flown, &input, DT);
-        }
-        let undisturbed = guidance.update_in_plane(&mut { flown }, &input, DT);
-        let mut found = 0;
-        for bit in 0..8 * GuidanceState::BYTES {
-            let mut bytes = flown.to_bytes();
-            bytes[bit / 8] ^= 1 << (bit % 8);
-            let mut state = GuidanceState::from_bytes(&bytes);
-            let guided = guidance.update_in_plane(&mut state, &input, DT);
-            assert_eq!(guided.command, undisturbed.command, "{bit}");
-            assert_eq!(guided.mode, Mode::Flying);
-            found += u32::from(guided.status.contains(Status::STATE_RESET));
-            let next = guidance.update_in_plane(&mut state, &input, DT);
-            assert!(!next.status.contains(Status::STATE_RESET), "{bit}");
-        }
-        // Seven short numbers of 8 bits and one of 16, the rest of 32. A flip in the copy changes nothing.
-        assert_eq!(found as usize, 32 * (WORDS - 8) + 7 * 8 + 16);
-    }
-
-    /// More than one change is not undone: the memory is as at power-on, and flies on.
-    #[test]
-    fn what_cannot_be_restored_is_reset() {
-        let guidance = guidance();
-        let mut bytes = airborne().to_bytes();
-        bytes[4 * 3] ^= 1;
-        bytes[4 * (WORDS + 5)] ^= 1;
-        let mut state = GuidanceState::from_bytes(&bytes);
-        let guided = guidance.update_in_plane(&mut state, &HOVER, DT);
-        assert!(guided.status.contains(Status::STATE_RESET));
-        assert_eq!(guided.mode, Mode::Flying);
-        assert_eq!(state.supervision.wind, Ned::ZERO);
-        let next = guidance.update_in_plane(&mut state, &HOVER, DT);
-        assert_eq!(next.status, Status::empty());
     }
 
     #[test]

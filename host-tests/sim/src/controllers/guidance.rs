@@ -3,14 +3,16 @@
 use alula::ned::Ned;
 use alula::planar::{GainParameters, Gains};
 use alula::{
-    BandwidthGains, GainChoice, Guidance, GuidanceParameters, GuidanceState, ParameterError,
-    Parameters as _, ResponseParameters, VehicleParameters,
+    BandwidthGains, GainChoice, Guidance, GuidanceParameters, GuidanceState, Hardened,
+    HardenedState, ParameterError, Parameters as _, ResponseParameters, VehicleParameters,
 };
 use alula_link::{Configuration, ControllerParameters, Pacing};
 use toml::Value;
 
 use super::{Answer, Controller, Input, Kind, Spec};
-use crate::experiment::{Experiment, FieldError, Fields, Model, NO_LIMITS, VehicleSpec, refused};
+use crate::experiment::{
+    Experiment, FaultKind, FieldError, Fields, Model, NO_LIMITS, VehicleSpec, refused,
+};
 use crate::margins::LoopGains;
 
 /// The row in the list of controllers.
@@ -114,10 +116,24 @@ impl GuidanceSpec {
 
 impl Spec for GuidanceSpec {
     fn controller(&self, experiment: &Experiment) -> Result<Box<dyn Controller>, FieldError> {
-        Ok(Box::new(Flying {
-            guidance: self.guidance(experiment)?,
-            state: GuidanceState::default(),
-        }))
+        let guidance = self.guidance(experiment)?;
+        let faults = &experiment.sensors.faults;
+        Ok(
+            if faults
+                .iter()
+                .any(|fault| fault.kind == FaultKind::MemoryBit)
+            {
+                Box::new(HardenedFlight {
+                    guidance: Hardened::new(guidance),
+                    state: HardenedState::default(),
+                })
+            } else {
+                Box::new(Flight {
+                    guidance,
+                    state: GuidanceState::default(),
+                })
+            },
+        )
     }
 
     fn belief(&self) -> Option<&VehicleSpec> {
@@ -155,25 +171,13 @@ impl Spec for GuidanceSpec {
     }
 }
 
-/// The guidance with its memory.
-pub struct Flying {
-    /// The guidance.
-    pub guidance: Guidance<Model, GainChoice>,
-    /// Its memory.
-    pub state: GuidanceState,
+/// The guidance with its state.
+struct Flight {
+    guidance: Guidance<Model, GainChoice>,
+    state: GuidanceState,
 }
 
-impl Flying {
-    /// One bit of its memory flips.
-    pub fn flip_bit(&mut self, bit: u64) {
-        let mut bytes = self.state.to_bytes();
-        let bit = bit % (8 * bytes.len() as u64);
-        bytes[bit as usize / 8] ^= 1 << (bit % 8);
-        self.state = GuidanceState::from_bytes(&bytes);
-    }
-}
-
-impl Controller for Flying {
+impl Controller for Flight {
     fn answer(&mut self, input: &Input, dt: f32) -> anyhow::Result<Answer> {
         let guided = self.guidance.update(&mut self.state, &input.sample, dt);
         Ok(guided.into())
@@ -182,8 +186,28 @@ impl Controller for Flying {
     fn pace(&self, error: Ned, velocity: Ned) -> f32 {
         self.guidance.path_time_scale(error, velocity)
     }
+}
+
+/// The hardened guidance with its state, of which bits flip.
+struct HardenedFlight {
+    guidance: Hardened<Guidance<Model, GainChoice>>,
+    state: HardenedState,
+}
+
+impl Controller for HardenedFlight {
+    fn answer(&mut self, input: &Input, dt: f32) -> anyhow::Result<Answer> {
+        let guided = self.guidance.update(&mut self.state, &input.sample, dt);
+        Ok(guided.into())
+    }
+
+    fn pace(&self, error: Ned, velocity: Ned) -> f32 {
+        self.guidance.guidance().path_time_scale(error, velocity)
+    }
 
     fn flip(&mut self, bit: u64) {
-        self.flip_bit(bit);
+        let mut bytes = self.state.to_bytes();
+        let bit = bit % (8 * bytes.len() as u64);
+        bytes[bit as usize / 8] ^= 1 << (bit % 8);
+        self.state = HardenedState::from_bytes(&bytes);
     }
 }

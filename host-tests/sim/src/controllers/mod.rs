@@ -17,7 +17,7 @@ use alula::{GuidanceInput, GuidanceOutput};
 use alula_link::{Configuration, Pacing};
 use toml::Value;
 
-pub use guidance::{Flying, GuidanceSpec};
+pub use guidance::GuidanceSpec;
 pub use law::{Form, Law, LawSpec, Planar};
 
 use crate::experiment::{ControllerSpec, Experiment, FieldError, VehicleSpec};

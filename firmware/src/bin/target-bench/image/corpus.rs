@@ -4,7 +4,9 @@
 use super::functions::{Fixture, Function, Output, keep};
 use super::measure::Meter;
 use super::sweep::{self, Case};
-use alula::{Combined, Guidance, GuidanceInput, GuidanceState, Model, ModelParameters, Vehicle};
+use alula::{
+    Combined, Guidance, GuidanceInput, Hardened, HardenedState, Model, ModelParameters, Vehicle,
+};
 use alula_link::{Configuration, ControllerParameters, Counters, Input, Receiver, ToTarget};
 use core::cell::Cell;
 use cortex_m_semihosting::{hprintln, nr, syscall};
@@ -61,7 +63,7 @@ struct Next(Cell<*mut Call>);
 
 struct Call {
     guidance: Made,
-    memory: GuidanceState,
+    memory: HardenedState,
     input: GuidanceInput,
     dt: f32,
 }
@@ -69,8 +71,8 @@ struct Call {
 /// A guidance with the model that the bench's table is of, and one with a model that is chosen at run time.
 #[allow(clippy::large_enum_variant)]
 enum Made {
-    Combined(Guidance<Combined>),
-    Chosen(Guidance<Model<'static>>),
+    Combined(Hardened<Guidance<Combined>>),
+    Chosen(Hardened<Guidance<Model<'static>>>),
 }
 
 impl Made {
@@ -82,11 +84,11 @@ impl Made {
         Some(match configuration.model {
             ModelParameters::Combined(model) => {
                 let vehicle = Vehicle::new(p, Combined::new(model).ok()?).ok()?;
-                Self::Combined(Guidance::new(vehicle, parameters).ok()?)
+                Self::Combined(Hardened::new(Guidance::new(vehicle, parameters).ok()?))
             }
             other => {
                 let vehicle = Vehicle::new(p, other.model().ok()?).ok()?;
-                Self::Chosen(Guidance::new(vehicle, parameters).ok()?)
+                Self::Chosen(Hardened::new(Guidance::new(vehicle, parameters).ok()?))
             }
         })
     }
@@ -130,7 +132,7 @@ pub fn measure(fixture: &Fixture, meter: &Meter, name: &[u8]) {
             configuration = Some(heard);
             continue;
         }
-        let mut bytes = [0; GuidanceState::BYTES];
+        let mut bytes = [0; HardenedState::BYTES];
         bytes.fill_with(|| file.byte().expect("a whole memory"));
         let ToTarget::Input(Input::Guidance { input, dt }) = file.message() else {
             panic!("not an input");
@@ -138,7 +140,7 @@ pub fn measure(fixture: &Fixture, meter: &Meter, name: &[u8]) {
         let made = configuration.as_ref().and_then(Made::of);
         let mut call = Call {
             guidance: made.expect("accepted on the host"),
-            memory: GuidanceState::from_bytes(&bytes),
+            memory: HardenedState::from_bytes(&bytes),
             input,
             dt,
         };
@@ -149,7 +151,7 @@ pub fn measure(fixture: &Fixture, meter: &Meter, name: &[u8]) {
         NEXT.0.set(&mut call);
         let count = meter.instructions(function, &case, output);
         // SAFETY: NEXT points to it, and nothing else does.
-        unsafe { (*NEXT.0.get()).memory = GuidanceState::from_bytes(&bytes) };
+        unsafe { (*NEXT.0.get()).memory = HardenedState::from_bytes(&bytes) };
         let stack = meter.stack(function, &case, output);
         *found = (found.0 + 1, found.1.max(count), found.2.max(stack));
     }

@@ -12,8 +12,8 @@ use alula::spatial::{
 };
 use alula::{
     Aerodynamics, AngleOfAttack, BandwidthGains, Combined, CombinedParameters, Fault, Guidance,
-    GuidanceParameters, GuidanceState, LargeAngle, LargeAngleParameters, Model, Parameters,
-    SmallAngle, SmallAngleParameters, Table, Vehicle, VehicleParameters,
+    GuidanceParameters, GuidanceState, Hardened, HardenedState, LargeAngle, LargeAngleParameters,
+    Model, Parameters, SmallAngle, SmallAngleParameters, Table, Vehicle, VehicleParameters,
 };
 use core::hint::black_box;
 
@@ -29,6 +29,7 @@ pub struct Fixture {
     thrust_line: ThrustLine,
     /// Everything on.
     guidance: Guidance<Combined, BandwidthGains>,
+    hardened: Hardened<Guidance<Combined, BandwidthGains>>,
     winged: WingedControl<Combined, BandwidthGains>,
     axisymmetric: AxisymmetricControl<Combined, BandwidthGains>,
     force_error: ForceError,
@@ -77,6 +78,7 @@ impl Fixture {
             small_angle: SmallAngle::new(SmallAngleParameters { c0, c2, c3 }).unwrap(),
             thrust_line: ThrustLine::new(delta).unwrap(),
             guidance: everything_on(Vehicle::new(vehicle, combined).unwrap()),
+            hardened: Hardened::new(everything_on(Vehicle::new(vehicle, combined).unwrap())),
             winged: WingedControl::new(
                 plane,
                 bandwidth,
@@ -107,6 +109,7 @@ pub struct Output {
     attitude: Attitude,
     number: f32,
     memory: GuidanceState,
+    hardened: HardenedState,
     orientation: Result<Orientation, Fault>,
     force_error: ForceErrorState,
     sideslip: SideslipState,
@@ -138,6 +141,7 @@ impl Output {
             attitude: Attitude::NOSE_UP,
             number: 0.0,
             memory: GuidanceState::default(),
+            hardened: HardenedState::default(),
             orientation: Err(Fault::Undefined),
             force_error: ForceErrorState::default(),
             sideslip: SideslipState::default(),
@@ -148,6 +152,7 @@ impl Output {
     pub fn prepare(&mut self, memory: Memory) {
         if memory == Memory::Fresh {
             self.memory = GuidanceState::default();
+            self.hardened = HardenedState::default();
         }
     }
 }
@@ -196,6 +201,7 @@ functions! {
         keep(f.guidance.control().plane().robust(&c.state, &c.reference, None));
     };
     guidance => |f, c, o| keep(f.guidance.update(&mut o.memory, &c.space.input, 0.01));
+    hardened => |f, c, o| keep(f.hardened.update(&mut o.hardened, &c.space.input, 0.01));
     winged => |f, c, o| {
         keep(f.winged.robust(&c.space.state, &c.space.reference, None));
     };
@@ -238,6 +244,7 @@ functions! {
     norm => |f, c, o| o.number = c.v_a.norm();
     ;
     guidance_in_flight => guidance;
+    hardened_in_flight => hardened;
 }
 
 /// The function called `name`.
