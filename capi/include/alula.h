@@ -503,6 +503,55 @@ typedef struct alula_vehicle_parameters {
      * Unit: N. From 0.001 to 1.0e6, no default.
      */
     float thrust_max;
+    /**
+     * Greatest angular acceleration in pitch at no thrust and no airflow. The default is full
+     * authority.
+     * Unit: rad/s^2. From 0.0 to 1.0e6, default 1.0e6.
+     */
+    float authority;
+    /**
+     * What a thrust of the weight adds to it: surfaces in the slipstream, at full deflection, in
+     * hover. Flights count on 0.7 of it.
+     * Unit: rad/s^2. From 0.0 to 1.0e6, default 0.0.
+     */
+    float authority_slipstream;
+    /**
+     * What differences of thrust would add to it that are as large as the weight. They are at
+     * most the thrust, and what is left of the greatest thrust. Flights count on 0.8 of it.
+     * Unit: rad/s^2. From 0.0 to 1.0e6, default 0.0.
+     */
+    float authority_difference;
+    /**
+     * What the airflow along the nose adds to it, per squared speed: surfaces at full deflection
+     * without thrust. Flights count on 0.8 of it.
+     * Unit: rad/m^2. From 0.0 to 1.0e6, default 0.0.
+     */
+    float authority_airflow;
+    /**
+     * Angular acceleration by which the wing across the flow turns the nose to the air velocity,
+     * per squared airspeed: its centre of pressure moves aft behind stall.
+     * Unit: rad/m^2. From 0.0 to 1.0e6, default 0.0.
+     */
+    float wing_moment;
+    /**
+     * Acceleration towards the belly by the surfaces that turn the nose up, per angular
+     * acceleration: the squared radius of gyration in pitch over their distance behind the centre
+     * of mass.
+     * Unit: m. From 0.0 to 10.0, default 0.0.
+     */
+    float surface_reaction;
+    /**
+     * Speed that the propellers give the air in hover, at their discs. Tail first at 0.6 of it
+     * the surfaces in the slipstream have no effect; at 0 they always have.
+     * Unit: m/s. From 0.0 to 1000.0, default 0.0.
+     */
+    float hover_downwash;
+    /**
+     * Airspeed along the nose at which full throttle gives no thrust: pitch of the propeller
+     * times its speed. At 0 thrust does not fall with speed.
+     * Unit: m/s. From 0.0 to 10000.0, default 0.0.
+     */
+    float zero_thrust_speed;
 } alula_vehicle_parameters;
 
 /**
@@ -574,6 +623,12 @@ typedef struct alula_guidance_parameters {
      * Unit: m/s. From 0.0 to 1000.0, default 4.7.
      */
     float max_velocity_down;
+    /**
+     * Greatest velocity towards a reference position that is below. Tail first the slipstream
+     * does not reach the surfaces.
+     * Unit: m/s. From 0.0 to 1000.0, default 4.7.
+     */
+    float max_sink;
     /**
      * Greatest velocity towards the reference position, horizontal.
      * Unit: m/s. From 0.0 to 1000.0, default 3.9.
