@@ -1,0 +1,183 @@
+//! Vehicles as people own them, with limited authority: random flights of the four vehicle files.
+//!
+//! The draws: a speed of 0.7 to 1.05 of cruise, an acceleration and a braking of 1 to 3 m/s², a mass that is believed wrongly by up to
+//! 5 %, any heading; falls at any attitude.
+
+use alula_sim::experiment::Document;
+use alula_sim::experiment::tail_sitter::TailSitterSpec;
+use alula_sim::figures::Figures;
+use alula_sim::simulate::fly;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+const VEHICLES: [&str; 4] = ["small-flying-wing", "mapping", "biplane", "heavy"];
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    /// To speed and back to hover at one altitude.
+    LevelBraking,
+    /// The same in a climb of about v²/2g.
+    ClimbingBraking,
+    /// Any attitude, up to 6 m/s any way: to hover.
+    Fall,
+    /// Hover in calm air.
+    Hover,
+}
+
+/// How flights ended.
+#[derive(Default)]
+struct Outcome {
+    lost: Vec<u64>,
+    /// Altitude under and over the path \[m\], and body rate at the end \[rad/s\].
+    low: Vec<f64>,
+    high: Vec<f64>,
+    rate: Vec<f64>,
+}
+
+fn document(vehicle: &str, kind: Kind, seed: u64) -> Document {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut uniform = |from: f64, to: f64| random.random_range(from..to);
+    let heading = uniform(-180.0, 180.0);
+    let scale = uniform(0.95, 1.05);
+    let base = if kind == Kind::Fall || kind == Kind::Hover {
+        "tail-sitter-fall"
+    } else {
+        "tail-sitter-braking"
+    };
+    let mut document = Document::load(base).unwrap();
+    let mut set = |text: String| document.assign(&text).unwrap();
+    set(format!("plant.vehicle='{vehicle}'"));
+    set(format!("seed={seed}"));
+    match kind {
+        Kind::LevelBraking | Kind::ClimbingBraking => {
+            let cruise = cruise(vehicle);
+            let speed = cruise * uniform(0.7, 1.05);
+            let up = speed / uniform(1.0, 3.0);
+            let braking = speed / uniform(1.0, 3.0);
+            let on = up + 6.0;
+            let climb = if kind == Kind::ClimbingBraking {
+                uniform(0.8, 1.2) * speed * speed / 19.6
+            } else {
+                0.0
+            };
+            // A climb that grows over a third of the braking and falls over another: two thirds of the time at the greatest rate.
+            let rate = climb / (braking * 2.0 / 3.0);
+            let knot = |t: f64, down: f64, forward: f64| {
+                format!("{{t_s={t:.3},down_m_s={down:.4},forward_m_s={forward:.4}}}")
+            };
+            let third = braking / 3.0;
+            let knots = [
+                knot(0.0, 0.0, 0.0),
+                knot(up, 0.0, speed),
+                knot(on, 0.0, speed),
+                knot(on + third, -rate, speed * 2.0 / 3.0),
+                knot(on + 2.0 * third, -rate, speed / 3.0),
+                knot(on + braking, 0.0, 0.0),
+            ];
+            set(format!("reference.knots=[{}]", knots.join(",")));
+            set(format!("duration_s={:.1}", on + braking + 20.0));
+            set("initial={}".to_owned());
+        }
+        Kind::Fall => {
+            set(format!(
+                "initial={{velocity_m_s=[0,0,2],heading_deg={heading},scatter={{velocity_m_s=6,rate_rad_s=0.5}}}}"
+            ));
+        }
+        Kind::Hover => {
+            set(format!(
+                "initial={{velocity_m_s=[0.3,0.2,0],heading_deg={heading}}}"
+            ));
+            set("duration_s=15".to_owned());
+            set("entry_s=5".to_owned());
+        }
+    }
+    let mut document = document;
+    document.pin_belief().unwrap();
+    let path = "plant.vehicle.mass_kg";
+    let mass = document.number(path).unwrap();
+    document
+        .assign(&format!("{path}={}", mass * scale))
+        .unwrap();
+    document
+}
+
+fn cruise(vehicle: &str) -> f64 {
+    let texts = alula_sim::experiment::tail_sitter::VEHICLES;
+    let (_, text) = texts.iter().find(|(name, _)| *name == vehicle).unwrap();
+    let spec: TailSitterSpec = toml::from_str(text).unwrap();
+    spec.cruise_speed_m_s
+}
+
+fn flights(vehicle: &str, kind: Kind, seeds: std::ops::Range<u64>) -> Outcome {
+    let mut outcome = Outcome::default();
+    for seed in seeds {
+        let experiment = document(vehicle, kind, seed).checked().unwrap();
+        let figures = Figures::of(&experiment, &fly(&experiment).unwrap());
+        let value = |name: &str| figures.get(name);
+        let (low, end) = (
+            value("altitude_least_m"),
+            value("late_velocity_error_rms_m_s"),
+        );
+        // A fall ends in hover within 100 m; no other flight sinks by 10 m.
+        let deepest = if kind == Kind::Fall { -100.0 } else { -10.0 };
+        if !(low > deepest && end < 5.0) {
+            outcome.lost.push(seed);
+        }
+        outcome.low.push(low);
+        outcome.high.push(value("altitude_most_m"));
+        outcome.rate.push(value("late_rate_rms_rad_s"));
+    }
+    for values in [&mut outcome.low, &mut outcome.high, &mut outcome.rate] {
+        values.sort_by(f64::total_cmp);
+    }
+    outcome
+}
+
+fn row(vehicle: &str, kind: Kind, seeds: std::ops::Range<u64>) -> Outcome {
+    let count = seeds.end - seeds.start;
+    let o = flights(vehicle, kind, seeds);
+    let n = o.low.len();
+    println!(
+        "| {vehicle} | {kind:?} | {} of {count} {:?} | {:.1} | {:.1} | {:.1} | {:.3} |",
+        o.lost.len(),
+        o.lost,
+        o.low[n / 2],
+        o.low[0],
+        o.high[n - 1],
+        o.rate[n - 1]
+    );
+    o
+}
+
+const KINDS: [Kind; 4] = [
+    Kind::LevelBraking,
+    Kind::ClimbingBraking,
+    Kind::Fall,
+    Kind::Hover,
+];
+
+/// Three draws of each: hover is quiet, and whatever lasts is not lost.
+#[test]
+fn vehicles_with_limited_authority_are_not_lost() {
+    for vehicle in VEHICLES {
+        for kind in KINDS {
+            let o = row(vehicle, kind, 0..3);
+            assert!(o.lost.is_empty(), "{vehicle} {kind:?} {:?}", o.lost);
+            if kind == Kind::Hover {
+                // Nods of 1.9 rad/s were seen where the surfaces' force was taken for an error of the belief.
+                assert!(o.rate[2] < 0.1, "{vehicle}: {}", o.rate[2]);
+            }
+        }
+    }
+}
+
+/// The distribution, on seeds that nothing was tuned on.
+#[test]
+#[ignore = "minutes: cargo test --release -p alula-sil --test tail_sitters -- --ignored --show-output"]
+fn the_distribution() {
+    for vehicle in VEHICLES {
+        for kind in KINDS {
+            row(vehicle, kind, 1000..1050);
+        }
+    }
+}
