@@ -1,36 +1,35 @@
 //! Authority in pitch: how fast the rate of the attitude can change.
 
 use crate::math;
-use crate::vehicle::VehicleParameters;
 
 /// What surfaces and differences of thrust can do, and what the wing does against them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Authority {
     /// Without thrust and airflow [rad/s²].
-    constant: f32,
+    pub constant: f32,
     /// Of surfaces in the slipstream, per thrust [rad/s² N].
-    slipstream: f32,
+    pub slipstream: f32,
     /// Of a difference of thrust, per difference [rad/s² N].
-    difference: f32,
+    pub difference: f32,
     /// Of surfaces in the airflow, per squared airspeed along the nose [rad/m²].
-    airflow: f32,
+    pub airflow: f32,
     /// Of the wing, per squared airspeed [rad/m²].
-    wing: f32,
+    pub wing: f32,
     /// Thrust \[N\] whose slipstream is gone at 1 m/s tail first, per squared speed [kg/m]; 0 if it never is.
-    reversed: f32,
+    pub reversed: f32,
 }
 
 /// Squared airspeed across the wing that takes the airflow's authority away, over that along the nose: surfaces stall with the wing, at 36°.
 const STALLED: f32 = 1.9;
 
 /// Speed tail first at which surfaces in the slipstream have no effect, over the speed that the propellers give the air.
-const GONE: f32 = 0.6;
+pub(crate) const GONE: f32 = 0.6;
 
 /// Part of what is measured at rest that a flight may count on: the air across the nose blows a slipstream aside, and other axes need some of
 /// every actuator.
-const IN_SLIPSTREAM: f32 = 0.7;
-const SHARE: f32 = 0.8;
+pub(crate) const IN_SLIPSTREAM: f32 = 0.7;
+pub(crate) const SHARE: f32 = 0.8;
 
 /// The motion that authority is asked for.
 #[derive(Clone, Copy)]
@@ -54,24 +53,6 @@ pub(crate) struct Allowed {
 }
 
 impl Authority {
-    /// That of a vehicle with these parameters, which have been checked.
-    pub fn of_checked(p: &VehicleParameters) -> Self {
-        let weight = p.mass * p.gravity;
-        let gone = GONE * p.hover_downwash;
-        Self {
-            constant: p.authority,
-            slipstream: IN_SLIPSTREAM * p.authority_slipstream / weight,
-            difference: SHARE * p.authority_difference / weight,
-            airflow: SHARE * p.authority_airflow,
-            wing: p.wing_moment,
-            reversed: if gone > 0.0 {
-                weight / (gone * gone)
-            } else {
-                0.0
-            },
-        }
-    }
-
     /// Raises `thrust` \[N\], up to `available`, until an angular acceleration of `wanted` [rad/s²] is allowed.
     #[inline(always)]
     pub fn with_thrust(&self, wanted: f32, flow: Airflow, thrust: f32, available: f32) -> Allowed {
@@ -157,6 +138,7 @@ impl Authority {
 mod tests {
     use super::*;
     use crate::parameters::Parameters;
+    use crate::vehicle::VehicleParameters;
 
     /// 2 kg with elevons: 30 rad/s² at a thrust of the weight, a wing of 0.5 rad/m², propellers that give the air 10 m/s in hover.
     fn elevons() -> VehicleParameters {
@@ -184,7 +166,8 @@ mod tests {
     }
 
     fn at(p: &VehicleParameters, wanted: f32, flow: Airflow, thrust: f32) -> Allowed {
-        Authority::of_checked(p).with_thrust(wanted, flow, thrust, p.thrust_max)
+        p.authority()
+            .with_thrust(wanted, flow, thrust, p.thrust_max)
     }
 
     /// By default nothing is bounded and no thrust is raised: the vehicle is the one of the laws.
@@ -296,7 +279,7 @@ mod tests {
             );
             assert!((a.most - 3.0 * math::min(a.thrust, 40.0 - a.thrust)).abs() < 1e-3);
         }
-        assert!((Authority::of_checked(&p).in_hover(20.0, 40.0) - 60.0).abs() < 1e-4);
-        assert!((Authority::of_checked(&p).in_hover(30.0, 40.0) - 30.0).abs() < 1e-4);
+        assert!((p.authority().in_hover(20.0, 40.0) - 60.0).abs() < 1e-4);
+        assert!((p.authority().in_hover(30.0, 40.0) - 30.0).abs() < 1e-4);
     }
 }

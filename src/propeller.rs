@@ -1,7 +1,6 @@
 //! Thrust of a propeller of fixed pitch over the airspeed along it.
 
 use crate::math;
-use crate::vehicle::VehicleParameters;
 
 /// Thrust over static thrust at full throttle and x = u/u_0 is s² − 0.6 s x − 0.4 x², where s² is the throttle: the static thrust it
 /// commands, over the greatest. Propellers of published tables lie within 0.5 to 0.7 and 0.3 to 0.5.
@@ -16,24 +15,12 @@ const IDLE: f32 = 0.02;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Propeller {
     /// 1/u_0 [s/m]; 0 for thrust that does not fall.
-    per_speed: f32,
+    pub per_speed: f32,
     /// Greatest static thrust \[N\].
-    most: f32,
+    pub most: f32,
 }
 
 impl Propeller {
-    /// That of a vehicle with these parameters, which have been checked.
-    pub fn of_checked(p: &VehicleParameters) -> Self {
-        Self {
-            per_speed: if p.zero_thrust_speed > 0.0 {
-                1.0 / p.zero_thrust_speed
-            } else {
-                0.0
-            },
-            most: p.thrust_max,
-        }
-    }
-
     /// Part of the greatest static thrust that is there at an airspeed `along` the nose [m/s].
     #[inline(always)]
     pub fn available(&self, along: f32) -> f32 {
@@ -60,13 +47,15 @@ mod tests {
     extern crate std;
     use super::*;
     use crate::parameters::Parameters;
+    use crate::vehicle::VehicleParameters;
 
     fn propeller(zero_thrust_speed: f32) -> Propeller {
-        Propeller::of_checked(&VehicleParameters {
+        VehicleParameters {
             zero_thrust_speed,
             thrust_max: 40.0,
             ..VehicleParameters::DEFAULT
-        })
+        }
+        .propeller()
     }
 
     /// Without a speed of no thrust the command is the thrust, to the bit.

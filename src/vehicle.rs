@@ -2,7 +2,7 @@
 
 use crate::aero::Aerodynamics;
 use crate::air::{AirData, ThrustLine};
-use crate::authority::Authority;
+use crate::authority::{Authority, GONE, IN_SLIPSTREAM, SHARE};
 use crate::error::{ParameterError, in_range};
 use crate::frame::Body;
 use crate::math;
@@ -56,6 +56,36 @@ crate::parameters! {
 }
 
 impl VehicleParameters {
+    /// Authority in pitch of a vehicle with these parameters, which have been checked.
+    pub(crate) fn authority(&self) -> Authority {
+        let weight = self.mass * self.gravity;
+        let gone = GONE * self.hover_downwash;
+        Authority {
+            constant: self.authority,
+            slipstream: IN_SLIPSTREAM * self.authority_slipstream / weight,
+            difference: SHARE * self.authority_difference / weight,
+            airflow: SHARE * self.authority_airflow,
+            wing: self.wing_moment,
+            reversed: if gone > 0.0 {
+                weight / (gone * gone)
+            } else {
+                0.0
+            },
+        }
+    }
+
+    /// Thrust over airspeed of a vehicle with these parameters, which have been checked.
+    pub(crate) fn propeller(&self) -> Propeller {
+        Propeller {
+            per_speed: if self.zero_thrust_speed > 0.0 {
+                1.0 / self.zero_thrust_speed
+            } else {
+                0.0
+            },
+            most: self.thrust_max,
+        }
+    }
+
     /// The vehicle of the paper's simulation (§VII).
     pub const PAPER: Self = Self {
         mass: 10.0,
@@ -113,8 +143,8 @@ impl<A: Aerodynamics> Vehicle<A> {
             gravity: p.gravity,
             thrust_min: p.thrust_min,
             thrust_max: p.thrust_max,
-            authority: Authority::of_checked(&p),
-            propeller: Propeller::of_checked(&p),
+            authority: p.authority(),
+            propeller: p.propeller(),
             surface_reaction: p.surface_reaction,
             thrust_line: ThrustLine::of_checked(p.delta),
             model,

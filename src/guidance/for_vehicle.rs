@@ -5,7 +5,6 @@
 
 use super::parameters::GuidanceParameters;
 use super::update::check_thrust;
-use crate::authority::Authority;
 use crate::error::ParameterError;
 use crate::math;
 use crate::parameters::Parameters;
@@ -148,7 +147,7 @@ impl GuidanceParameters {
             period,
             thrust_rate: math::min(3.0, 0.75 / (response.thrust_lag + period)),
             cruise: response.cruise_speed,
-            authority: Authority::of_checked(vehicle).in_hover(weight, vehicle.thrust_max),
+            authority: vehicle.authority().in_hover(weight, vehicle.thrust_max),
             downwash: if vehicle.authority_slipstream > 0.0 {
                 vehicle.hover_downwash
             } else {

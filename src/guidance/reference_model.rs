@@ -350,15 +350,10 @@ impl ReferenceModel {
             let wanted = self.desired_rate(error, gains.max_correction_rate, gains);
             (thrust, error, wanted, false)
         };
-        let wanted = if turning | slewed {
-            self.slewed(wanted, flight.rate, h)
-        } else {
-            wanted
-        };
         // What the surfaces cannot turn stays where the air holds it, and what they cannot stop does not begin to turn.
-        let (thrust, available) = (mass * thrust, mass * most);
+        let (asked, available) = (mass * thrust, mass * most);
         let authority = vehicle.authority();
-        let there = authority.with_thrust(0.0, flow, thrust, available);
+        let there = authority.with_thrust(0.0, flow, asked, available);
         let stopping = if wanted > 0.0 {
             -there.least
         } else {
@@ -366,8 +361,13 @@ impl ReferenceModel {
         };
         let fastest = math::sqrt(math::max(stopping, STOPPING) * error.abs());
         let wanted = math::clamp(wanted, -fastest, fastest);
+        let wanted = if turning | slewed {
+            self.slewed(wanted, flight.rate, h)
+        } else {
+            wanted
+        };
         let change = math::clamp((wanted - flight.rate) / h, -RAISED, RAISED);
-        let allowed = authority.with_thrust(change, flow, thrust, available);
+        let allowed = authority.with_thrust(change, flow, asked, available);
         let rate = math::clamp(
             wanted,
             flight.rate + h * allowed.least,
@@ -375,7 +375,7 @@ impl ReferenceModel {
         );
         let most_rate = math::max(MOST_RATE, self.rate);
         let rate = math::clamp(rate, -most_rate, most_rate);
-        let thrust = allowed.thrust / mass;
+        let thrust = thrust + (allowed.thrust - asked) / mass;
 
         let acceleration = forces.free - Inertial::new(attitude.cos, attitude.sin) * thrust;
         // Drag is stiff where the speed is high: implicit in it.
