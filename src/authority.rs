@@ -42,61 +42,56 @@ pub(crate) struct Airflow {
     pub speed: f32,
 }
 
-/// Thrust, and the angular accelerations that it allows.
+/// The angular accelerations that a thrust allows: from `wing` − `given` to `wing` + `given`.
 #[derive(Clone, Copy)]
 pub(crate) struct Allowed {
-    /// Thrust \[N\].
-    pub thrust: f32,
-    /// Least and greatest angular acceleration in pitch [rad/s²], positive nose up.
-    pub least: f32,
-    pub most: f32,
+    /// What the wing makes [rad/s²], positive nose up.
+    pub wing: f32,
+    /// What the actuators can add to either side [rad/s²].
+    pub given: f32,
+    /// Thrust that the slipstream loses tail first \[N\].
+    blown: f32,
 }
 
 impl Authority {
-    /// Raises `thrust` \[N\], up to `available`, until an angular acceleration of `wanted` [rad/s²] is allowed.
+    /// What a `thrust` \[N\] of at most `available` allows.
     #[inline(always)]
-    pub fn with_thrust(&self, wanted: f32, flow: Airflow, thrust: f32, available: f32) -> Allowed {
-        let wing = self.wing(flow);
+    pub fn at(&self, flow: Airflow, thrust: f32, available: f32) -> Allowed {
         // Tail first the slipstream does not reach the surfaces: w_h² falls as T, so what counts is T less what is blown back.
-        let blown = if flow.along < 0.0 {
-            self.reversed * flow.along * flow.along
+        let (blown, airflow) = if flow.along < 0.0 {
+            (self.reversed * flow.along * flow.along, 0.0)
         } else {
-            0.0
+            let flow = flow.along * flow.along - STALLED * flow.across * flow.across;
+            (0.0, math::max(flow, 0.0))
         };
-        let without = self.unpowered(flow);
-        let given = |thrust: f32| {
-            without
-                + self.slipstream * math::max(thrust - blown, 0.0)
-                + self.difference * math::max(math::min(thrust, available - thrust), 0.0)
-        };
-        let lacking = (wanted - wing).abs() - given(thrust);
-        let slope = self.slipstream + self.difference;
-        let thrust = if (lacking > 0.0) & (slope > 0.0) {
-            let needed = math::max(thrust, blown) + lacking / slope;
-            if self.slipstream == 0.0 {
-                // Differences are greatest at half of the thrust: from above it is lowered.
-                let half = 0.5 * available;
-                let towards = if thrust > half {
-                    thrust - lacking / self.difference
-                } else {
-                    needed
-                };
-                if thrust > half {
-                    math::max(towards, half)
-                } else {
-                    math::min(towards, half)
-                }
-            } else {
-                math::max(thrust, math::min(needed, available))
-            }
-        } else {
-            thrust
-        };
-        let given = given(thrust);
         Allowed {
-            thrust,
-            least: wing - given,
-            most: wing + given,
+            wing: self.wing(flow),
+            given: self.constant
+                + self.airflow * airflow
+                + self.slipstream * math::max(thrust - blown, 0.0)
+                + self.difference * math::max(math::min(thrust, available - thrust), 0.0),
+            blown,
+        }
+    }
+
+    /// The thrust \[N\], up to `available`, that gives `lacking` [rad/s²] more than `thrust` does.
+    #[cold]
+    #[inline(never)]
+    pub fn raised(&self, allowed: &Allowed, lacking: f32, thrust: f32, available: f32) -> f32 {
+        let slope = self.slipstream + self.difference;
+        if slope <= 0.0 {
+            return thrust;
+        }
+        let needed = math::max(thrust, allowed.blown) + lacking / slope;
+        if self.slipstream > 0.0 {
+            return math::max(thrust, math::min(needed, available));
+        }
+        // Differences are greatest at half of the thrust: from above it is lowered.
+        let half = 0.5 * available;
+        if thrust > half {
+            math::max(thrust - lacking / self.difference, half)
+        } else {
+            math::min(needed, half)
         }
     }
 
@@ -105,20 +100,6 @@ impl Authority {
         self.constant
             + self.slipstream * weight
             + self.difference * math::min(weight, most - weight)
-    }
-
-    /// What there is without thrust [rad/s²].
-    #[inline(always)]
-    fn unpowered(&self, flow: Airflow) -> f32 {
-        let flow = if flow.along > 0.0 {
-            math::max(
-                flow.along * flow.along - STALLED * flow.across * flow.across,
-                0.0,
-            )
-        } else {
-            0.0
-        };
-        self.constant + self.airflow * flow
     }
 
     /// Angular acceleration that the wing makes [rad/s²]: it turns the nose to the air velocity.
@@ -165,9 +146,28 @@ mod tests {
         }
     }
 
-    fn at(p: &VehicleParameters, wanted: f32, flow: Airflow, thrust: f32) -> Allowed {
-        p.authority()
-            .with_thrust(wanted, flow, thrust, p.thrust_max)
+    /// The thrust that `wanted` takes, and what it allows.
+    struct Taken {
+        thrust: f32,
+        least: f32,
+        most: f32,
+    }
+
+    fn at(p: &VehicleParameters, wanted: f32, flow: Airflow, thrust: f32) -> Taken {
+        let (authority, available) = (p.authority(), p.thrust_max);
+        let before = authority.at(flow, thrust, available);
+        let lacking = (wanted - before.wing).abs() - before.given;
+        let thrust = if lacking > 0.0 {
+            authority.raised(&before, lacking, thrust, available)
+        } else {
+            thrust
+        };
+        let Allowed { wing, given, .. } = authority.at(flow, thrust, available);
+        Taken {
+            thrust,
+            least: wing - given,
+            most: wing + given,
+        }
     }
 
     /// By default nothing is bounded and no thrust is raised: the vehicle is the one of the laws.

@@ -94,7 +94,6 @@ fn document(vehicle: &str, kind: Kind, seed: u64) -> Document {
             set("entry_s=5".to_owned());
         }
     }
-    let mut document = document;
     document.pin_belief().unwrap();
     let path = "plant.vehicle.mass_kg";
     let mass = document.number(path).unwrap();

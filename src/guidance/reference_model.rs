@@ -353,29 +353,39 @@ impl ReferenceModel {
         // What the surfaces cannot turn stays where the air holds it, and what they cannot stop does not begin to turn.
         let (asked, available) = (mass * thrust, mass * most);
         let authority = vehicle.authority();
-        let there = authority.with_thrust(0.0, flow, asked, available);
+        let mut allowed = authority.at(flow, asked, available);
         let stopping = if wanted > 0.0 {
-            -there.least
+            allowed.given - allowed.wing
         } else {
-            there.most
+            allowed.given + allowed.wing
         };
-        let fastest = math::sqrt(math::max(stopping, STOPPING) * error.abs());
-        let wanted = math::clamp(wanted, -fastest, fastest);
+        let reach = math::max(stopping, STOPPING) * error.abs();
+        let wanted = if wanted * wanted > reach {
+            core::hint::cold_path();
+            let fastest = math::sqrt(reach.abs());
+            if wanted < 0.0 { -fastest } else { fastest }
+        } else {
+            wanted
+        };
         let wanted = if turning | slewed {
             self.slewed(wanted, flight.rate, h)
         } else {
             wanted
         };
-        let change = math::clamp((wanted - flight.rate) / h, -RAISED, RAISED);
-        let allowed = authority.with_thrust(change, flow, asked, available);
-        let rate = math::clamp(
-            wanted,
-            flight.rate + h * allowed.least,
-            flight.rate + h * allowed.most,
-        );
+        let change = math::clamp(wanted - flight.rate, -RAISED * h, RAISED * h);
+        let lacking = (change - h * allowed.wing).abs() - h * allowed.given;
+        let mut thrust = thrust;
+        if lacking > 0.0 {
+            core::hint::cold_path();
+            let raised = authority.raised(&allowed, lacking / h, asked, available);
+            allowed = authority.at(flow, raised, available);
+            thrust = raised / mass;
+        }
+        let middle = flight.rate + h * allowed.wing;
+        let span = h * allowed.given;
+        let rate = math::clamp(wanted, middle - span, middle + span);
         let most_rate = math::max(MOST_RATE, self.rate);
         let rate = math::clamp(rate, -most_rate, most_rate);
-        let thrust = thrust + (allowed.thrust - asked) / mass;
 
         let acceleration = forces.free - Inertial::new(attitude.cos, attitude.sin) * thrust;
         // Drag is stiff where the speed is high: implicit in it.

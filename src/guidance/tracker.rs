@@ -251,11 +251,11 @@ impl Tracker {
             available,
         );
         let change = limited(gain * gain * ahead, MAX_CHANGE);
-        let allowed = vehicle
-            .authority()
-            .with_thrust(change, flow, asked, available);
-        if allowed.thrust != asked {
-            command.thrust = allowed.thrust;
+        let authority = vehicle.authority();
+        let allowed = authority.at(flow, asked, available);
+        let lacking = (change - allowed.wing).abs() - allowed.given;
+        if lacking > 0.0 {
+            command.thrust = authority.raised(&allowed, lacking, asked, available);
         }
         // Out of the plane of flight pitch, tilt and twist would each go their own way.
         if aligned < 1.0 {
