@@ -30,10 +30,10 @@ const LIMITS: [(&str, u32, f64, u64, u32); 7] = [
     ("robust", 400, 1.15, 6 * 1024, 512),
     ("full_feed_forward", 900, 1.15, 6 * 1024, 512),
     // The predictions' loop is there twice, for large wings at high speed and without: 3 kB, and 300 instructions less.
-    ("guidance", 18_500, 1.5, 32 * 1024, 1536),
-    ("guidance_in_flight", 18_500, 1.5, 32 * 1024, 1536),
-    ("hardened", 20_000, 1.5, 38 * 1024, 2048),
-    ("hardened_in_flight", 20_000, 1.5, 38 * 1024, 2048),
+    ("guidance", 23_000, 1.5, 38 * 1024, 1600),
+    ("guidance_in_flight", 23_000, 1.5, 38 * 1024, 1600),
+    ("hardened", 24_000, 1.5, 42 * 1024, 2112),
+    ("hardened_in_flight", 24_000, 1.5, 42 * 1024, 2112),
     ("winged_feed_forward", 900, 1.15, 6 * 1024, 512),
 ];
 
