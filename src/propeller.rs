@@ -37,7 +37,8 @@ impl Propeller {
         }
         let share = thrust / self.most;
         let held = math::max(share, IDLE);
-        let s = HALF_LINEAR * x + math::sqrt(QUADRATIC * x * x + held);
+        // The absolute value of what is positive: the root then needs no call of the C library.
+        let s = HALF_LINEAR * x + math::sqrt((QUADRATIC * x * x + held).abs());
         self.most * math::min(s * s, 1.0) * math::min(share / IDLE, 1.0)
     }
 }

@@ -100,7 +100,7 @@ rules! { known, default;
         "Holds an angle of 7° and more against a belief that is wrong.";
     max_lateral_acceleration = default.max_lateral_acceleration,
         "The guidance itself stays below what thrust and wing carry.";
-    max_rate = math::min(default.max_rate, math::sqrt(0.056 * known.authority)),
+    max_rate = math::min(default.max_rate, math::sqrt((0.056 * known.authority).abs())),
         "Crosses the stall in half a second; the plans of the guidance are laid out for it. Less where the surfaces could not stop it within 2°.";
     max_slew = math::min(
         math::clamp(3.0 / known.rate_lag, default.max_slew, 2.0 * default.max_slew),

@@ -241,7 +241,7 @@ impl Tracker {
         let flow = Airflow {
             along: -body.i,
             across: body.j,
-            speed: math::sqrt(body.i * body.i + body.j * body.j),
+            speed: math::sqrt((body.i * body.i + body.j * body.j).abs()),
         };
         let vehicle = &model.vehicle;
         let available = vehicle.thrust_max() * vehicle.propeller().available(flow.along);
