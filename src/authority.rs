@@ -74,10 +74,16 @@ impl Authority {
         }
     }
 
-    /// The thrust \[N\], up to `available`, that gives `lacking` [rad/s²] more than `thrust` does.
+    /// The thrust \[N\], up to `available`, that gives `lacking` [rad/s²] more than `thrust` does: more thrust, or less where differences of it turn.
     #[cold]
     #[inline(never)]
-    pub fn raised(&self, allowed: &Allowed, lacking: f32, thrust: f32, available: f32) -> f32 {
+    pub fn thrust_giving(
+        &self,
+        allowed: &Allowed,
+        lacking: f32,
+        thrust: f32,
+        available: f32,
+    ) -> f32 {
         let slope = self.slipstream + self.difference;
         if slope <= 0.0 {
             return thrust;
@@ -158,7 +164,7 @@ mod tests {
         let before = authority.at(flow, thrust, available);
         let lacking = (wanted - before.wing).abs() - before.given;
         let thrust = if lacking > 0.0 {
-            authority.raised(&before, lacking, thrust, available)
+            authority.thrust_giving(&before, lacking, thrust, available)
         } else {
             thrust
         };

@@ -255,7 +255,7 @@ impl Tracker {
         let allowed = authority.at(flow, asked, available);
         let lacking = (change - allowed.wing).abs() - allowed.given;
         if lacking > 0.0 {
-            command.thrust = authority.raised(&allowed, lacking, asked, available);
+            command.thrust = authority.thrust_giving(&allowed, lacking, asked, available);
         }
         // Out of the plane of flight pitch, tilt and twist would each go their own way.
         if aligned < 1.0 {

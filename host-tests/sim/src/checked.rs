@@ -61,11 +61,9 @@ impl Document {
         document.set("vehicle", belief.vehicle(spec.mass_kg))?;
         document.set("plant", belief.plant(tail_sitter.delay_s))?;
         if document.controller() == "guidance" {
-            for (name, value) in belief.guidance(spec, &document) {
-                let path = format!("controller.guidance.{name}");
-                if document.get(&path).is_none() {
-                    document.set(&path, value)?;
-                }
+            let path = "controller.guidance.for_vehicle";
+            if document.get(path).is_none() {
+                document.set(path, belief.response(spec, &document))?;
             }
         }
         Ok(Believed {
@@ -146,16 +144,15 @@ impl Belief {
         ])
     }
 
-    /// What `[controller.guidance]` says where it says nothing else.
-    fn guidance(&self, spec: &TailSitterSpec, document: &Document) -> [(&'static str, Value); 1] {
+    /// `[controller.guidance.for_vehicle]`, where it is left out.
+    fn response(&self, spec: &TailSitterSpec, document: &Document) -> Value {
         let control_rate = document.number("control_rate_hz").unwrap_or(100.0);
-        let for_vehicle = table([
+        table([
             ("rate_lag_s", self.rate_lag_s.into()),
             ("thrust_lag_s", self.thrust_lag_s.into()),
             ("control_rate_hz", control_rate.into()),
             ("cruise_speed_m_s", spec.cruise_speed_m_s.into()),
-        ]);
-        [("for_vehicle", for_vehicle)]
+        ])
     }
 }
 
