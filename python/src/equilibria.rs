@@ -63,7 +63,7 @@ fn refused(error: EquilibriumError) -> PyErr {
 #[pyfunction]
 #[pyo3(signature = (vehicle, velocity, acceleration=None, wind=None))]
 pub fn equilibria(
-    vehicle: VehicleArgument,
+    vehicle: VehicleArgument<'_>,
     velocity: Numbers<'_>,
     acceleration: Option<Numbers<'_>>,
     wind: Option<Numbers<'_>>,
@@ -115,7 +115,7 @@ pub struct Envelope {
 #[pyo3(signature = (vehicle, *, climb_deg=None, accel=None))]
 pub fn envelope(
     py: Python<'_>,
-    vehicle: VehicleArgument,
+    vehicle: VehicleArgument<'_>,
     climb_deg: Option<f64>,
     accel: Option<f64>,
 ) -> PyResult<Envelope> {

@@ -95,18 +95,18 @@ impl Vehicle {
 
 /// A vehicle, or what `Vehicle.load` takes.
 #[derive(FromPyObject)]
-pub enum VehicleArgument {
+pub enum VehicleArgument<'py> {
     /// A vehicle.
-    Vehicle(Vehicle),
+    Vehicle(PyRef<'py, Vehicle>),
     /// A name or a file.
     Source(PathBuf),
 }
 
-impl VehicleArgument {
+impl VehicleArgument<'_> {
     /// The vehicle.
     pub fn vehicle(self) -> PyResult<Vehicle> {
         match self {
-            Self::Vehicle(vehicle) => Ok(vehicle),
+            Self::Vehicle(vehicle) => Ok(vehicle.clone()),
             Self::Source(source) => Vehicle::load(source),
         }
     }
