@@ -4,10 +4,9 @@ use serde::Serialize;
 
 use super::Design;
 use super::document::MASS;
-use crate::envelope::Curve;
+use crate::envelope::{Curve, Fold, JumpSummary, jump_down, jumps_down, widest};
 use alula_sim::experiment::{Document, VehicleSpec};
 use alula_sim::figures::{Figures, REACHED};
-use alula_sim::reference::Vehicle;
 use alula_sim::simulate::fly;
 
 /// Where level flight stalls: between these speeds there is no equilibrium to be followed slowly.
@@ -24,8 +23,10 @@ pub struct Stall {
 /// What a vehicle can do.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Performance {
-    /// The speed of transition, and the stall band of level flight; none where nothing stalls, and hover becomes cruise without a jump.
+    /// The speed of transition, and the stall band of level flight; none where nothing stalls.
     pub stall: Option<Stall>,
+    /// The widest jump of level flight that slows down, as the envelope has it; none where hover becomes cruise without one.
+    pub jump: Option<JumpSummary>,
     /// Angle of attack \[°\] and thrust over weight of level cruise; none if it is below the speed of transition.
     pub cruise: Option<[f64; 2]>,
     /// Part of the weight that the wing carries in level cruise at most, with thrust that balances drag: below 1 none of it is on the wing.
@@ -44,44 +45,24 @@ pub struct Performance {
 /// Angles of attack that are looked at where nothing stalls \[rad\]: below zero lift, and to 40°.
 const ANGLES: [f64; 2] = [-0.1, 0.7];
 
-/// What the vertical force falls by where level flight stalls, relative to the greatest: less is rounding.
-const FALL: f64 = 1e-3;
+/// What a grows by behind the stall of level flight, relative to the least: less is rounding.
+const RISE: f64 = 1e-3;
+/// How far before the wing's stall that of level flight may be \[rad\]: between two rows the table is round.
+const ROUND: f64 = 0.01;
 
-/// The airspeed of level flight over α, from cruise to hover: where it stalls, of a wing that stalls at `wing` \[rad\]. Thrust balances drag and
-/// carries a part of the weight, which is what `envelope` calls the curve a(α) at ε = 0.
-fn stall(vehicle: &Vehicle, wing: f64, speed: impl Fn(f64) -> f64) -> Option<Stall> {
-    let curve = Curve::new(vehicle, 0.0)?;
-    let points = curve.points();
-    // 1/a is the vertical force for a dynamic pressure. Drag adds to it: it may grow on behind the wing's stall, and without end.
-    let mut at = points
-        .partition_point(|point| point.0 <= wing)
-        .checked_sub(1)?;
-    let mut fallen = false;
-    for (i, (_, a)) in points.iter().enumerate().skip(at) {
-        let relative = points[at].1 / a;
-        fallen |= relative < 1.0 - FALL;
-        if relative > 1.0 {
-            if fallen {
-                break;
-            }
-            at = i;
-        }
-    }
-    if !fallen {
-        return None;
-    }
-    let (slow, least) = points[at];
-    let behind = points[at..]
+/// The stall of level flight of a wing that stalls at `wing` \[rad\]: the widest jump of the envelope's from there on, of those while the airspeed falls.
+fn stall(curve: &Curve, folds: &[Fold], wing: f64, speed: impl Fn(f64) -> f64) -> Option<Stall> {
+    let down = jumps_down(curve, folds).into_iter();
+    let down = widest(down.filter(|jump| jump.from_alpha >= wing - ROUND))?;
+    // Between there is the fold up to which one that speeds up stays behind the stall.
+    let between = folds
         .iter()
-        .take_while(|(_, a)| 1.0 / a <= 1.0 / least);
-    let (fast, most) = behind.fold((slow, least), |worst, point| match point.1 > worst.1 {
-        true => *point,
-        false => worst,
-    });
-    Some(Stall {
-        slow_m_s: speed(least),
-        fast_m_s: speed(most),
-        alpha_deg: [slow, fast].map(f64::to_degrees),
+        .filter(|fold| (down.from_alpha..down.to_alpha).contains(&fold.alpha));
+    let up = between.max_by(|a, b| a.a.total_cmp(&b.a))?;
+    (up.a > (1.0 + RISE) * down.a).then(|| Stall {
+        slow_m_s: speed(down.a),
+        fast_m_s: speed(up.a),
+        alpha_deg: [down.from_alpha, up.alpha].map(f64::to_degrees),
     })
 }
 
@@ -196,7 +177,12 @@ impl Performance {
         let weight = spec.weight();
         let pressure = vehicle.k_a * cruise * cruise;
         let speed = |a: f64| (a * weight / vehicle.k_a).sqrt();
-        let stall = stall_deg.and_then(|degrees| stall(vehicle, degrees.to_radians(), speed));
+        let curve = Curve::new(vehicle, 0.0).map(|curve| (curve, curve.folds()));
+        let stall = curve.as_ref().zip(stall_deg).and_then(|(level, degrees)| {
+            let (curve, folds) = level;
+            stall(curve, folds, degrees.to_radians(), speed)
+        });
+        let jump = curve.and_then(|(curve, folds)| jump_down(&curve, &folds));
         // On the wing: below the angle of attack at which level flight stalls.
         let last = stall.map_or(ANGLES[1], |stall| stall.alpha_deg[0].to_radians());
         let attached = || {
@@ -245,6 +231,7 @@ impl Performance {
         });
         Ok(Self {
             stall,
+            jump: jump.map(|jump| JumpSummary::new(&jump, speed(jump.a))),
             cruise: cruises,
             carried,
             lift,
@@ -419,6 +406,45 @@ mod tests {
             0.02,
             13.0,
         );
+    }
+
+    /// What `new` says of a jump is what the envelope has: of a section whose lift falls at 6° alone, of infinite span, told to stall at 12°, where its
+    /// extension goes on.
+    #[test]
+    fn a_jump_is_that_of_the_envelope() {
+        let endless = |deep: f64| {
+            let lift = |a: f64| match a {
+                a if a <= 6.0 => 0.1 * a,
+                a => 0.6 - deep * (a - 6.0).min(1.0) + 0.04 * (a - 6.0),
+            };
+            let rows: String = (0..=48)
+                .map(|n| 0.25 * f64::from(n))
+                .map(|a| format!("{a} {:.4} 0.02\n", lift(a)))
+                .collect();
+            let file = tempfile::NamedTempFile::new().unwrap();
+            std::fs::write(&file, format!("alpha CL CD\n{rows}")).unwrap();
+            file
+        };
+        for deep in [0.0, 0.12, 0.3] {
+            let file = endless(deep);
+            let (design, p) = made(|known| {
+                known.section = file.path().to_str().map(str::to_owned);
+                known.stall_deg = Some(12.0);
+            });
+            let vehicle = design.vehicle().reference();
+            let curve = Curve::new(&vehicle, 0.0).unwrap();
+            let folds = curve.folds();
+            assert_eq!(p.jump.is_some(), !folds.is_empty(), "{deep}");
+            assert_eq!(p.jump.is_some(), deep > 0.0, "{deep}");
+            // The wing's stall is told to be at 12°, and what is before it is none.
+            assert_eq!(p.stall, None, "{deep}");
+            if let Some(jump) = p.jump {
+                let nearest = folds.iter().map(|fold| fold.alpha.to_degrees());
+                let off = nearest.map(|fold| (fold - jump.from_alpha_deg).abs());
+                assert!(off.fold(f64::INFINITY, f64::min) < 1e-9, "{jump:?}");
+                assert!((5.5..6.5).contains(&jump.from_alpha_deg), "{jump:?}");
+            }
+        }
     }
 
     #[test]

@@ -134,6 +134,7 @@ mod tests {
 
     const PERFORMANCE: Performance = Performance {
         stall: None,
+        jump: None,
         cruise: Some([4.0, 0.1]),
         carried: 2.0,
         lift: 2.0,

@@ -136,22 +136,25 @@ fn limit(time: Option<f64>) -> String {
 fn envelope(design: &Design, p: &Performance) -> Vec<[String; 2]> {
     let cruise = design.facts.cruise_m_s;
     let row = |what: &str, value: String| [what.to_owned(), value];
-    let stall = p
-        .stall
-        .map_or(
-            "none: nothing stalls in level flight, and hover becomes cruise without a jump".to_owned(),
-            |s| {
-                format!(
-                    "{:.1} m/s (α = {:.1}°), the least of level flight on the wing: slowing down it falls off there; speeding up slowly it stays \
-                     behind the stall up to {:.1} m/s (α = {:.1}°). The guidance crosses on purpose, from about {:.1} m/s on",
-                    s.slow_m_s,
-                    s.alpha_deg[0],
-                    s.fast_m_s,
-                    s.alpha_deg[1],
-                    ON_WING * s.slow_m_s
-                )
-            },
-        );
+    let stall = match (p.stall, p.jump) {
+        (Some(s), _) => format!(
+            "{:.1} m/s (α = {:.1}°), the least of level flight on the wing: slowing down it falls off there; speeding up slowly it stays \
+             behind the stall up to {:.1} m/s (α = {:.1}°). The guidance crosses on purpose, from about {:.1} m/s on",
+            s.slow_m_s,
+            s.alpha_deg[0],
+            s.fast_m_s,
+            s.alpha_deg[1],
+            ON_WING * s.slow_m_s
+        ),
+        (None, Some(jump)) => format!(
+            "none: nothing stalls in level flight; but slowing down it jumps at {:.1} m/s, from α = {:.1}° to {:.1}°",
+            jump.speed_m_s, jump.from_alpha_deg, jump.to_alpha_deg
+        ),
+        (None, None) => {
+            "none: nothing stalls in level flight, and hover becomes cruise without a jump"
+                .to_owned()
+        }
+    };
     let none = |why: &str| why.to_owned();
     let stop = p.stop_m.map_or(
         none("not known: it does not reach cruise"),

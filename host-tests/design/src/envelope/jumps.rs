@@ -33,6 +33,11 @@ pub fn jump_up(curve: &Curve, folds: &[Fold]) -> Option<Jump> {
 
 /// The widest jump on the way back.
 pub fn jump_down(curve: &Curve, folds: &[Fold]) -> Option<Jump> {
+    widest(jumps_down(curve, folds))
+}
+
+/// Every jump on the way back.
+pub fn jumps_down(curve: &Curve, folds: &[Fold]) -> Vec<Jump> {
     let mut jumps = Vec::new();
     let mut a = f64::INFINITY;
     for fold in folds.iter().filter(|f| !is_maximum(curve, f)) {
@@ -45,7 +50,7 @@ pub fn jump_down(curve: &Curve, folds: &[Fold]) -> Option<Jump> {
             jumps.extend(next.map(|alpha| jump(fold, alpha)));
         }
     }
-    widest(jumps)
+    jumps
 }
 
 /// Whether a(α) has a maximum at the fold.
@@ -67,7 +72,8 @@ fn jump(fold: &Fold, to_alpha: f64) -> Jump {
     }
 }
 
-fn widest(jumps: Vec<Jump>) -> Option<Jump> {
+/// The widest of `jumps`.
+pub fn widest(jumps: impl IntoIterator<Item = Jump>) -> Option<Jump> {
     let width = |j: &Jump| (j.to_alpha - j.from_alpha).abs();
     jumps
         .into_iter()

@@ -37,7 +37,7 @@ pub struct FoldSummary {
 }
 
 /// A jump.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct JumpSummary {
     /// Angle of attack before it \[°\].
     pub from_alpha_deg: f64,
@@ -47,6 +47,18 @@ pub struct JumpSummary {
     pub a: f64,
     /// Airspeed \[m/s\].
     pub speed_m_s: f64,
+}
+
+impl JumpSummary {
+    /// Of a jump at this airspeed \[m/s\].
+    pub fn new(jump: &Jump, speed_m_s: f64) -> Self {
+        Self {
+            from_alpha_deg: jump.from_alpha.to_degrees(),
+            to_alpha_deg: jump.to_alpha.to_degrees(),
+            a: jump.a,
+            speed_m_s,
+        }
+    }
 }
 
 /// A cusp, where two folds meet and vanish.
@@ -155,12 +167,7 @@ impl<'a> Envelope<'a> {
 
     /// What there is to say of it; `vehicle` is the vehicle's name.
     pub fn summary(&self, vehicle: &str) -> Summary {
-        let jump = |jump: Jump| JumpSummary {
-            from_alpha_deg: jump.from_alpha.to_degrees(),
-            to_alpha_deg: jump.to_alpha.to_degrees(),
-            a: jump.a,
-            speed_m_s: self.ray.speed(jump.a),
-        };
+        let jump = |jump: Jump| JumpSummary::new(&jump, self.ray.speed(jump.a));
         let fold = |fold: &Fold| FoldSummary {
             alpha_deg: fold.alpha.to_degrees(),
             a: fold.a,

@@ -133,14 +133,26 @@ impl Polar {
             .collect()
     }
 
-    /// Angle of the stall \[°\]: as it was told, or where the section that became this wing ends, or as its rows show it; none if they show none.
+    /// Angle of the stall \[°\]: as it was told, or of the greatest lift of the section that became this wing, or as its rows show it; none if they show
+    /// none.
     pub fn stall_deg(&self) -> Option<f64> {
-        let cut = |seam: &Seam| self.told || seam.upto != Upto::Given;
-        let cut = self.seam.filter(cut).map(|seam| seam.given_deg[1]);
-        // What was read goes before its extension.
-        let of = |rows: &[[f64; 3]]| stall(rows).map(|at| rows[at][0]);
-        cut.or_else(|| of(&self.read.rows))
-            .or_else(|| of(&self.degrees()))
+        let of_section = |seam: &Seam| seam.upto != Upto::Given;
+        match self.seam {
+            Some(seam) if self.told => Some(seam.given_deg[1]),
+            Some(seam) if of_section(&seam) => {
+                let rows = self.degrees();
+                let [from, to] = seam.given_deg.map(|end| end.abs() + 1e-9);
+                let given = rows.iter().filter(|row| (-from..=to).contains(&row[0]));
+                // Of several with the same lift the first.
+                let most = given.rev().max_by(|a, b| a[1].total_cmp(&b[1]));
+                most.map(|row| row[0])
+            }
+            // What was read goes before its extension.
+            _ => {
+                let of = |rows: &[[f64; 3]]| stall(rows).map(|at| rows[at][0]);
+                of(&self.read.rows).or_else(|| of(&self.degrees()))
+            }
+        }
     }
 
     /// The polar of at most `count` of its rows, and how far it is from this one.

@@ -74,9 +74,9 @@ pub fn is_document(text: &str) -> bool {
     text.parse::<toml::Table>().is_ok() || !formats::is_polar(text) && text.lines().any(begins)
 }
 
-/// Most rows of a polar that is read.
+/// Most rows of a polar that is read and extended.
 const ROWS: usize = 512;
-/// Most rows of one that is made of it: with those of an extension, every 5° and a few.
+/// Most rows of a whole one: with those of an extension, every 5° and a few. What is made is read again.
 const MADE: usize = ROWS + 88;
 
 /// A polar, as the core and as the plant take it.
@@ -151,11 +151,6 @@ impl Polar {
         // Spreadsheets begin a file with a mark of its encoding.
         let text = text.trim_start_matches('\u{feff}');
         let read = formats::read(origin, text)?;
-        ensure!(
-            read.rows.len() <= ROWS,
-            "{origin}: comes to {} rows, and at most {ROWS} are read: leave out every second one",
-            read.rows.len()
-        );
         let polar = Self::of_read(origin, read, None)?;
         // What no wing has no command takes.
         let doubts = polar.doubts();
@@ -185,6 +180,11 @@ impl Polar {
                 ..whole
             });
         }
+        ensure!(
+            rows.len() <= ROWS,
+            "{origin}: comes to {} rows, and at most {ROWS} are read of a table that is extended: leave out every second one",
+            rows.len()
+        );
         // Of the rows that are made from them no error could name the line.
         for (line, row) in lines.iter().zip(rows) {
             ensure!(
@@ -512,7 +512,7 @@ mod tests {
             .map(|n| format!("{},0,0.1\n", 0.25 * f64::from(n)))
             .collect();
         let many = error(&format!("alpha_deg,cl,cd\n{rows}"));
-        begins(&many, "x.csv: comes to 721 rows, and at most 512");
+        begins(&many, "x.csv: comes to 721 rows, and at most 600");
         let short = error("alpha_deg,cl,cd\n0,0,0.1\n1,0.1,0.1\n2,0.2,0.1\n");
         assert!(short.starts_with("x.csv:2: goes from 0° to 2°"), "{short}");
         let drag = error("alpha CL CD\n-8 -1 0.1\n0 0.1 0\n9 1 0.1\n");

@@ -2,11 +2,16 @@
 //!
 //! Polars at Reynolds numbers of 1e5 to 3e5 have saw-teeth, steps where a laminar bubble bursts, and double stalls: lift falls and comes back.
 //! Behind the stall lift grows again, too, up to 45°, and may exceed that at the stall. Both are told apart by the secant, lift per degree from the
-//! angle of zero lift: attached flow keeps near its steepest, and that of separated flow is less than half of it.
+//! angle of zero lift, where lift has come back: attached flow keeps near its steepest, and the deeper the fall, the nearer. That of separated flow is
+//! less than half of it, and somewhat more where a section with a small slope of lift stalls early.
 
 /// Part of the steepest secant that attached flow keeps. At their stalls sections keep 0.7 to 1, and the thickest, which stall at 25°, 0.49; separated
 /// flow has 0.2 to 0.45.
 const ATTACHED: f64 = 0.48;
+/// What that grows by with the depth of a fall, relative to the greatest lift before it, up to [`REATTACHED`].
+const DEEPER: f64 = 0.6;
+/// Part of the steepest secant that lift has at least where it comes back behind the burst of a bubble, however deep it fell.
+const REATTACHED: f64 = 0.7;
 /// Part of the greatest lift from which on a secant counts: near zero lift noise makes it steep.
 const COUNTS: f64 = 1.0 / 3.0;
 /// What lift falls by behind a stall, relative to the greatest. Less than that is a ripple.
@@ -21,7 +26,9 @@ pub struct Attached {
     pub slope: f64,
     /// Place of the greatest lift of attached flow.
     pub top: usize,
-    /// Whether lift falls behind it, or the flow separates: then it is the stall.
+    /// Place of the last row before lift has fallen behind it, or the flow has separated.
+    pub end: usize,
+    /// Whether there is a row behind that: then lift stalls at the top.
     pub stalls: bool,
 }
 
@@ -35,24 +42,41 @@ impl Attached {
         let most = side().fold(0.0, |most, (_, row)| f64::max(most, row[1]));
         let counted = side().filter(|(_, row)| row[1] >= COUNTS * most);
         let slope = counted.fold(0.0, |steepest, (_, row)| f64::max(steepest, secant(row)));
-        // Of several with the same lift the first.
-        let (top, _) = side()
-            .filter(|(_, row)| secant(row) >= ATTACHED * slope)
-            .rev()
-            .max_by(|a, b| a.1[1].total_cmp(&b.1[1]))?;
-        let (at, lift) = (rows[top][0], rows[top][1]);
-        let mut behind = rows.iter().filter(|row| row[0] > at && row[0] <= 90.0);
-        let fallen = |row: &[f64; N]| row[1] < (1.0 - FALL) * lift;
-        let stalls = behind.any(|row| fallen(row) || secant(row) < ATTACHED * slope);
-        Some(Self { slope, top, stalls })
+        let part = |row: &[f64; N]| secant(row) / slope;
+        // Up to its top, and the least lift behind that; of several with the same lift the first.
+        let mut flow: Option<(usize, f64)> = None;
+        for (i, row) in side() {
+            let needed = flow.map_or(ATTACHED, |(top, least)| {
+                let depth = 1.0 - least / rows[top][1];
+                (ATTACHED + DEEPER * depth).min(REATTACHED)
+            });
+            let higher = flow.is_none_or(|(top, _)| row[1] > rows[top][1]);
+            flow = match flow {
+                _ if higher && part(row) >= needed => Some((i, row[1])),
+                Some((top, least)) => Some((top, least.min(row[1]))),
+                None => None,
+            };
+        }
+        let (top, _) = flow?;
+        let behind = || rows.iter().enumerate().skip(top + 1);
+        let upright = || behind().take_while(|(_, row)| row[0] <= 90.0);
+        let held = |row: &[f64; N]| row[1] >= (1.0 - FALL) * rows[top][1] && part(row) >= ATTACHED;
+        let end = upright().take_while(|(_, row)| held(row)).last();
+        Some(Self {
+            slope,
+            top,
+            end: end.map_or(top, |(end, _)| end),
+            stalls: upright().any(|(_, row)| !held(row)),
+        })
     }
 
-    /// The same of the flow from above, upside down: `top` is a place in `rows`.
+    /// The same of the flow from above, upside down: `top` and `end` are places in `rows`.
     pub fn inverted<const N: usize>(rows: &[[f64; N]]) -> Option<Self> {
         let turned: Vec<[f64; 2]> = rows.iter().rev().map(|row| [-row[0], -row[1]]).collect();
         let attached = Attached::of(&turned)?;
         Some(Self {
             top: rows.len() - 1 - attached.top,
+            end: rows.len() - 1 - attached.end,
             ..attached
         })
     }
@@ -191,6 +215,49 @@ mod tests {
             a => 1.25 - 0.05 * (a - 16.0),
         };
         assert_eq!(of(double), Some(32));
+    }
+
+    /// Saw-teeth, a stall at 9° with 0.95, a fall to 0.6 at 12°, and a rise as of a plate to 1.05 at 20°, where the secant is 0.49 of the steepest: the
+    /// fall was too deep for that to be attached. Where it was a twentieth, it is.
+    #[test]
+    fn lift_of_a_plate_behind_a_deep_fall_is_none() {
+        let rises = |least: f64| {
+            move |a: f64| match a {
+                a if a <= 3.0 => 0.95 / 9.0 * a,
+                a if a <= 9.0 => 0.95 / 9.0 * a - 0.06 * ((9.0 - a) / 2.0).fract(),
+                a if a <= 12.0 => 0.95 + (least - 0.95) * (a - 9.0) / 3.0,
+                a if a <= 20.0 => least + (1.05 - least) * (a - 12.0) / 8.0,
+                a => 1.05 - 0.05 * (a - 20.0),
+            }
+        };
+        let deep = rows(angles(), rises(0.6));
+        let [_, lift] = deep[40];
+        let attached = Attached::of(&deep).unwrap();
+        assert!(lift / 20.0 > ATTACHED * attached.slope);
+        assert_eq!((attached.top, attached.stalls), (18, true));
+        // Where the table ends on the rise, too.
+        assert_eq!(stall(&deep[..40]), Some(18));
+        assert_eq!(of(rises(0.9)), Some(40));
+    }
+
+    /// A plateau, with the greatest lift where it begins: the stall is there, and the rows are attached up to where it falls. Without a fall there is none.
+    #[test]
+    fn a_plateau_is_attached_to_its_end() {
+        let thin = |a: f64| match a {
+            a if a <= 7.0 => 0.1 * a,
+            a if a <= 12.0 => 0.7 - 0.004 * (a - 7.0),
+            a => 0.68 - 0.08 * (a - 12.0),
+        };
+        let rows = rows(angles(), thin);
+        let found = |rows: &[[f64; 2]]| {
+            let attached = Attached::of(rows).unwrap();
+            (attached.top, attached.end, attached.stalls)
+        };
+        assert_eq!(found(&rows), (14, 24, true));
+        assert_eq!(found(&rows[..23]), (14, 22, false));
+        let turned: Vec<[f64; 2]> = rows.iter().rev().map(|[a, l]| [-a, -l]).collect();
+        let below = Attached::inverted(&turned).unwrap();
+        assert_eq!((below.top, below.end), (48 - 14, 48 - 24));
     }
 
     /// Lift of a plate behind a stall exceeds that at the stall, at 20° as at 45°; and the end of a table may grow at the rate of attached flow.

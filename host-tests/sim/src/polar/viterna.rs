@@ -21,7 +21,7 @@ const STEP: f64 = 5.0;
 pub enum Upto {
     /// The rows of the table, as they were given.
     Given,
-    /// A wing made of the rows of a section, from its stall below to its stall above, these \[°\].
+    /// A wing made of the rows of a section between these \[°\], before its lift has fallen behind its stall below and above.
     Section([f64; 2]),
 }
 
@@ -45,7 +45,7 @@ impl Seam {
             Upto::Given if from > -1e-6 => format!("Given up to {to:.1}° on both sides"),
             Upto::Given => format!("Given from {from:.1}° to {to:.1}°"),
             Upto::Section([least, most]) => format!(
-                "Of the section the rows from {least:.1}° to {most:.1}° are used, up to its stall: of the wing they are {from:.1}° to {to:.1}°"
+                "Of the section the rows from {least:.1}° to {most:.1}° are used, up to where lift falls behind its stall: of the wing they are {from:.1}° to {to:.1}°"
             ),
         };
         format!(

@@ -1,12 +1,12 @@
 //! From a section to a wing of finite span: Prandtl's lifting line up to stall, Viterna and Corrigan from there on.
 //!
 //! At the section's c_L the wing meets the air at α + c_L/(π AR e) and has the drag c_D + c_L²/(π AR e) (L. Prandtl, *Applications of
-//! Modern Hydrodynamics to Aeronautics*, NACA TR 116, 1921), with a span efficiency e of 0.9, that of a plain wing. From the greatest lift on
-//! the table follows [`viterna`](super::viterna) with the wing's c_Dmax.
+//! Modern Hydrodynamics to Aeronautics*, NACA TR 116, 1921), with a span efficiency e of 0.9, that of a plain wing. From where lift has fallen
+//! behind its greatest the table follows [`viterna`](super::viterna) with the wing's c_Dmax.
 
 use std::f64::consts::PI;
 
-use super::spacing::spaced;
+use super::spacing::{CLOSEST, spaced};
 use super::stall::Attached;
 use super::viterna::{Seam, Upto, extended};
 
@@ -27,38 +27,54 @@ pub fn of_section(
     let inside: Vec<[f64; 3]> = (rows.iter().copied())
         .filter(|row| (from..=to).contains(&row[0]))
         .collect();
-    let attached = attached(&inside, told);
+    let [least, low, high, most] = attached(&inside, told).ok_or("there are no rows")?;
     let of_wing = |&[degrees, lift, drag]: &[f64; 3]| {
         let alpha = degrees + (lift * induced).to_degrees();
         [alpha, lift, drag + lift * lift * induced]
     };
     // In a kink, where lift falls, rows come closer, and those of a wing of small span go back to smaller angles.
-    let wing = spaced(attached.iter().map(of_wing).collect());
-    if let (Some(first), Some([degrees, ..])) = (wing.first(), attached.first())
-        && *degrees < 0.0
-        && first[0] > 0.0
-    {
+    let mut wing = spaced(inside[low..=high].iter().map(of_wing).collect());
+    // Behind the stalls, those that go on.
+    let mut used = [low, high];
+    for i in high + 1..=most {
+        let row = of_wing(&inside[i]);
+        if wing.last().is_some_and(|last| row[0] - last[0] >= CLOSEST) {
+            wing.push(row);
+            used[1] = i;
+        }
+    }
+    for i in (least..low).rev() {
+        let row = of_wing(&inside[i]);
+        if wing
+            .first()
+            .is_some_and(|first| first[0] - row[0] >= CLOSEST)
+        {
+            wing.insert(0, row);
+            used[0] = i;
+        }
+    }
+    let section = used.map(|i| inside[i][0]);
+    let [degrees, _] = section;
+    if let Some(first) = wing.first().filter(|first| degrees < 0.0 && first[0] > 0.0) {
         return Err(format!(
             "its rows begin at {:.1}°, of the section at {degrees}°: rows below are needed, down to where it has no lift",
             first[0]
         ));
     }
     let (rows, seam) = extended(&wing, Some(aspect_ratio))?;
-    let section = attached.first().zip(attached.last());
-    let section = section.map(|(first, last)| [first[0], last[0]]);
-    let upto = section.map_or(seam.upto, Upto::Section);
+    let upto = Upto::Section(section);
     Ok((rows, Seam { upto, ..seam }))
 }
 
-/// The rows from the stall below to the stall above: the last of them if it was `told`.
-fn attached(rows: &[[f64; 3]], told: bool) -> &[[f64; 3]] {
-    let last = match told {
-        true => rows.len().checked_sub(1),
-        false => Attached::of(rows).map(|attached| attached.top),
-    };
-    let below = Attached::inverted(rows).filter(|attached| rows[attached.top][0] < 0.0);
-    let first = below.map_or(0, |attached| attached.top);
-    last.and_then(|last| rows.get(first..=last)).unwrap_or(rows)
+/// The places in `rows` up to which they are used below, of the stalls below and above, and up to which they are used above: as long as lift has not
+/// fallen behind a stall. The last is the stall if it was `told`. None without rows.
+fn attached(rows: &[[f64; 3]], told: bool) -> Option<[usize; 4]> {
+    let last = rows.len().checked_sub(1)?;
+    let above = Attached::of(rows).filter(|_| !told);
+    let [high, most] = above.map_or([last; 2], |above| [above.top, above.end]);
+    let below = Attached::inverted(rows).filter(|below| rows[below.top][0] < 0.0);
+    let [least, low] = below.map_or([0; 2], |below| [below.end, below.top]);
+    Some([least, low.min(high), high, most])
 }
 
 #[cfg(test)]
@@ -118,9 +134,33 @@ mod tests {
         for ratio in [0.5, 6.0, 50.0] {
             let (_, clean) = of_section(&section(-0.05), None, false, ratio).unwrap();
             let (rows, kinked) = of_section(&section(0.005), None, false, ratio).unwrap();
-            assert_eq!(kinked.upto, Upto::Section([0.0, 12.0]));
-            assert_eq!(clean.given_deg, kinked.given_deg);
+            assert_eq!(clean, kinked);
+            let most = rows.iter().filter(|row| row[0] <= kinked.given_deg[1]);
+            assert_eq!(most.fold(0.0, |most, row| f64::max(most, row[1])), 1.0);
             assert!(rows.windows(2).all(|pair| pair[1][0] > pair[0][0]));
+        }
+    }
+
+    /// A thin section has a plateau, with its greatest lift where that begins: the wing has all of it, down to where lift falls, on both sides.
+    #[test]
+    fn a_plateau_stays_in_the_wing() {
+        let lift = |a: f64| match a {
+            a if a <= 7.0 => 0.1 * a,
+            a if a <= 12.0 => 0.7 - 0.004 * (a - 7.0),
+            a => 0.68 - 0.08 * (a - 12.0),
+        };
+        let rows = |last: i32| -> Vec<[f64; 3]> {
+            let row = |a: f64| [a, lift(a.abs()).copysign(a), 0.01 + 0.0002 * a * a];
+            (-last..=last).map(|n| row(0.5 * f64::from(n))).collect()
+        };
+        // Cut where lift has fallen by a twentieth; and at the end of a table that ends before.
+        for (last, used) in [(32, 12.0), (22, 11.0)] {
+            for ratio in [1.5, 6.0, 20.0] {
+                let (wing, seam) = of_section(&rows(last), None, false, ratio).unwrap();
+                assert_eq!(seam.upto, Upto::Section([-used, used]), "{ratio}");
+                let end = wing.iter().find(|row| row[0] > seam.given_deg[1] - 1e-9);
+                assert_eq!(end.unwrap()[1], lift(used), "{ratio}");
+            }
         }
     }
 
