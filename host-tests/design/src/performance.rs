@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::Design;
 use super::document::MASS;
-use crate::envelope::{Curve, Fold, JumpSummary, jump_down, jumps_down, widest};
+use crate::envelope::{Curve, Fold, Jump, JumpSummary, jump_down, jumps_down};
 use alula_sim::experiment::{Document, VehicleSpec};
 use alula_sim::figures::{Figures, REACHED};
 use alula_sim::simulate::fly;
@@ -47,19 +47,32 @@ const ANGLES: [f64; 2] = [-0.1, 0.7];
 
 /// What a grows by behind the stall of level flight, relative to the least: less is rounding.
 const RISE: f64 = 1e-3;
+/// The same where a then becomes less than it was: less is a ripple, behind which level flight is still on the wing.
+const RIPPLE: f64 = 0.05;
 /// How far before the wing's stall that of level flight may be \[rad\]: between two rows the table is round.
 const ROUND: f64 = 0.01;
 
-/// The stall of level flight of a wing that stalls at `wing` \[rad\]: the widest jump of the envelope's from there on, of those while the airspeed falls.
+/// The stall of level flight of a wing that stalls at `wing` \[rad\]: the first jump of the envelope's from there on, of those while the airspeed falls,
+/// but for ripples.
 fn stall(curve: &Curve, folds: &[Fold], wing: f64, speed: impl Fn(f64) -> f64) -> Option<Stall> {
-    let down = jumps_down(curve, folds).into_iter();
-    let down = widest(down.filter(|jump| jump.from_alpha >= wing - ROUND))?;
+    let worst = |from: f64, to: f64| {
+        let between = folds.iter().filter(|fold| (from..to).contains(&fold.alpha));
+        between.copied().max_by(|a, b| a.a.total_cmp(&b.a))
+    };
+    let rise =
+        |from: &Jump, to: f64| worst(from.from_alpha, to).map_or(0.0, |up| up.a / from.a - 1.0);
+    let jumps = jumps_down(curve, folds).into_iter();
+    let mut jumps = jumps.filter(|jump| jump.from_alpha >= wing - ROUND);
+    let mut down = jumps.next()?;
+    for next in jumps {
+        if rise(&down, next.from_alpha) >= RIPPLE {
+            break;
+        }
+        down = next;
+    }
     // Between there is the fold up to which one that speeds up stays behind the stall.
-    let between = folds
-        .iter()
-        .filter(|fold| (down.from_alpha..down.to_alpha).contains(&fold.alpha));
-    let up = between.max_by(|a, b| a.a.total_cmp(&b.a))?;
-    (up.a > (1.0 + RISE) * down.a).then(|| Stall {
+    let up = worst(down.from_alpha, down.to_alpha)?;
+    (rise(&down, down.to_alpha) > RISE).then(|| Stall {
         slow_m_s: speed(down.a),
         fast_m_s: speed(up.a),
         alpha_deg: [down.from_alpha, up.alpha].map(f64::to_degrees),
@@ -406,6 +419,29 @@ mod tests {
             0.02,
             13.0,
         );
+    }
+
+    /// A deep fall behind 9°, and a rise as of a plate to more lift at 20°: the least speed of level flight on the wing is at 9°, and the envelope's widest
+    /// jump is another.
+    #[test]
+    fn a_plates_lift_behind_the_stall_is_not_on_the_wing() {
+        let lift = |a: f64| match a {
+            a if a <= 9.0 => 0.95 / 9.0 * a,
+            a if a <= 12.0 => 0.95 - 0.35 * (a - 9.0) / 3.0,
+            a if a <= 20.0 => 0.6 + 0.45 * (a - 12.0) / 8.0,
+            a => 1.05 - 0.06 * (a - 20.0),
+        };
+        let rows: String = (0..=50)
+            .map(|n| 0.5 * f64::from(n))
+            .map(|a| format!("{a} {:.4} 0.02\n", lift(a)))
+            .collect();
+        let file = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(&file, format!("alpha CL CD\n{rows}")).unwrap();
+        let found = performance(|known| known.section = file.path().to_str().map(str::to_owned));
+        let stall = found.stall.unwrap();
+        assert!((stall.alpha_deg[0] - 9.0).abs() < 0.1, "{stall:?}");
+        assert!((stall.alpha_deg[1] - 12.0).abs() < 0.1, "{stall:?}");
+        assert!(found.jump.unwrap().from_alpha_deg > 19.0, "{found:?}");
     }
 
     /// What `new` says of a jump is what the envelope has: of a section whose lift falls at 6° alone, of infinite span, told to stall at 12°, where its

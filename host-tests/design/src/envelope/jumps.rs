@@ -72,8 +72,7 @@ fn jump(fold: &Fold, to_alpha: f64) -> Jump {
     }
 }
 
-/// The widest of `jumps`.
-pub fn widest(jumps: impl IntoIterator<Item = Jump>) -> Option<Jump> {
+fn widest(jumps: Vec<Jump>) -> Option<Jump> {
     let width = |j: &Jump| (j.to_alpha - j.from_alpha).abs();
     jumps
         .into_iter()

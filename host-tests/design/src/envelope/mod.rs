@@ -12,7 +12,7 @@ mod summary;
 
 pub use curve::{Curve, Fold, Interval};
 pub use fold_curve::{Cusp, FoldCurve, FoldPoint};
-pub use jumps::{Jump, jump_down, jump_up, jumps_down, widest};
+pub use jumps::{Jump, jump_down, jump_up, jumps_down};
 pub use summary::{CuspSummary, Envelope, FoldSummary, JumpSummary, Ray, Refused, Summary};
 
 use alula_sim::reference::{Coefficients, Vehicle};

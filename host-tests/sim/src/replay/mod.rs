@@ -1,6 +1,7 @@
 //! A controller run open loop over logged inputs: of a trace ([`trace`]), or of an autopilot's log ([`log`]).
 
 pub mod log;
+mod rejected;
 mod source;
 mod states;
 mod steps;

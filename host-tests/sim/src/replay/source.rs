@@ -8,7 +8,7 @@ use alula_logs::states::{self, States};
 use anyhow::{Context, anyhow};
 
 use super::steps::{self, Times};
-use super::{log, trace};
+use super::{log, rejected, trace};
 use crate::experiment::Experiment;
 use crate::named::{hint, text_of};
 use crate::simulate::Record;
@@ -81,10 +81,12 @@ impl Source {
 
     /// Runs the controller of `experiment` over it: each step, and what had to be assumed.
     pub fn replay(self, experiment: &Experiment) -> anyhow::Result<(Record, Vec<String>)> {
-        match self.content {
-            Content::Trace(file) => trace::replay(&self.origin, file, experiment),
-            Content::Log(states) => log::replay(&states, experiment).context(self.origin),
-        }
+        let (record, mut said) = match self.content {
+            Content::Trace(file) => trace::replay(&self.origin, file, experiment)?,
+            Content::Log(states) => log::replay(&states, experiment).context(self.origin)?,
+        };
+        said.extend(rejected::notes(&record));
+        Ok((record, said))
     }
 }
 

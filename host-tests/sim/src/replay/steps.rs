@@ -16,6 +16,9 @@ const UNITS: [(f64, &str, &str); 5] = [
     (3600.0, "hours", "h"),
 ];
 
+/// What formats have whose times have a unit.
+const CLOCKS: &str = "ULog and DataFlash have microseconds; MCAP has nanoseconds, and a `timestamp` of its messages seconds";
+
 /// How a user may say the unit of a log's times.
 pub enum Times<'a> {
     /// In the column of a trace: in no way.
@@ -48,7 +51,9 @@ pub fn check(times: &[f64], said: &Times) -> anyhow::Result<()> {
     let fits = |(scale, ..): &(f64, &str, &str)| (least..=most).contains(&(usual * scale));
     let unit = UNITS.into_iter().find(fits);
     let advice = match (unit, said) {
-        (None, _) => "is the time in another unit?".to_owned(),
+        (None, Times::Trace | Times::Header(_) | Times::Map(_)) => {
+            "is the time in another unit?".to_owned()
+        }
         (Some((scale, name, _)), Times::Trace) => {
             format!("is the time in {name}? The column t_s is in seconds: multiply it by {scale:?}")
         }
@@ -59,8 +64,18 @@ pub fn check(times: &[f64], said: &Times) -> anyhow::Result<()> {
             "is the time in {name}? In the map's `time` that is `scale = {:?}`",
             factor * scale
         ),
-        (Some((_, name, _)), Times::Own) => {
-            format!("its times seem to be in {name}, where its format has seconds")
+        (_, Times::Own) => {
+            let times = [1e3, 1e6, 1e9, 1e-3, 1e-6, 1e-9];
+            let factor = times.into_iter().find(|factor| fits(&(*factor, "", "")));
+            let off = factor.map_or("is its clock in another unit?".to_owned(), |factor| {
+                let (by, wrong) = if factor > 1.0 {
+                    (factor, "slow")
+                } else {
+                    (factor.recip().round(), "fast")
+                };
+                format!("its clock seems to run {by} times too {wrong}.")
+            });
+            format!("{off} {CLOCKS}")
         }
     };
     bail!(
@@ -76,7 +91,7 @@ mod tests {
     /// Of so many rows.
     fn rows(count: u32, step: f64) -> anyhow::Result<()> {
         let times: Vec<f64> = (0..count).map(|n| 2.0 + f64::from(n) * step).collect();
-        check(&times, &Times::Own)
+        check(&times, &Times::Trace)
     }
 
     fn ok(times: &[f64]) -> bool {
@@ -118,6 +133,29 @@ mod tests {
             .map(|n| f64::from(n) * 0.02 + if n < 10 { 0.0 } else { 50.0 })
             .collect();
         assert!(ok(&gap));
+    }
+
+    /// A log that has its own clock says how far that is off, and which units its format has: whichever of two clocks is wrong.
+    #[test]
+    fn a_clock_of_its_own_is_said_to_be_off() {
+        for (step, words) in [
+            (2e-5, "run 1000 times too slow"),
+            (2e-8, "run 1000000 times too slow"),
+            (20.0, "run 1000 times too fast"),
+            (2e7, "run 1000000000 times too fast"),
+            (1e30, "in another unit?"),
+        ] {
+            let times: Vec<f64> = (0..9).map(|n| f64::from(n) * step).collect();
+            let error = check(&times, &Times::Own).unwrap_err().to_string();
+            says(
+                &error,
+                &[
+                    words,
+                    "MCAP has nanoseconds",
+                    "`timestamp` of its messages seconds",
+                ],
+            );
+        }
     }
 
     /// The core's limits are what stands here.
