@@ -20,7 +20,7 @@ pub fn is_dataflash(bytes: &[u8]) -> bool {
 
 /// Reads the DataFlash log `bytes`, called `file` in errors.
 ///
-/// Each kind of message with a time (`TimeUS`, or `TimeMS` of old logs) becomes a topic; of a kind with an instance (a
+/// Each kind of message with a time (`TimeUS`, or `TimeMS` of old logs, and `T` of their `GPS`) becomes a topic; of a kind with an instance (a
 /// column of the unit `#`) each instance becomes one, with that instance's number. Text, parameters and the messages that
 /// only describe others are left out. Damaged parts are passed over, and a note left.
 ///

@@ -154,6 +154,7 @@ impl Tables {
             Some((units, _)) => units.get(place) == Some(&INSTANCE),
             None => place == 1 && INSTANCES.contains(&label),
         };
+        let clock = clock(&table.format.fields);
         let mut time = None;
         let mut instances = None;
         let mut columns = Vec::new();
@@ -168,12 +169,8 @@ impl Tables {
                 multiplier.filter(|m| m.is_finite() && *m != 0.0 && !field.is_scaled());
             for element in 0..field.numbers() {
                 let mut values = values.next().unwrap_or_default();
-                let per_second = match field.label.as_str() {
-                    "TimeUS" => Some(1e6),
-                    "TimeMS" => Some(1e3),
-                    _ => None,
-                };
-                if let (None, Some(per_second)) = (&time, per_second) {
+                let per_second = clock.filter(|(at, _)| *at == place);
+                if let (None, Some((_, per_second))) = (&time, per_second) {
                     time = Some(
                         values
                             .into_iter()
@@ -238,4 +235,18 @@ impl Tables {
             ));
         }
     }
+}
+
+/// Place of the field that holds the time since boot, and its units per second; none if there is no such field. Of the old `GPS`, whose `TimeMS` is the
+/// time in the `Week` of the receiver, it is `T`.
+fn clock(fields: &[Field]) -> Option<(usize, f64)> {
+    let place = |label: &str| fields.iter().position(|field| field.label == label);
+    let received = place("Week").and(place("TimeMS")).and(place("T"));
+    let clocks = [
+        (place("TimeUS"), 1e6),
+        (received, 1e3),
+        (place("TimeMS"), 1e3),
+    ];
+    let found = |(place, per_second): (Option<usize>, f64)| Some((place?, per_second));
+    clocks.into_iter().find_map(found)
 }

@@ -118,6 +118,26 @@ mod tests {
         assert!(att.column("Mode").unwrap().values[0].is_nan());
     }
 
+    /// Logs of before 2015 have milliseconds since boot in `TimeMS`, but for `GPS`, where that is the receiver's time of the week.
+    #[test]
+    fn the_clock_of_an_old_receiver_is_its_last_column() {
+        let text = "FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns\n\
+            FMT, 1, 17, ATT, Icc, TimeMS,Roll,Pitch\n\
+            FMT, 130, 24, GPS, BIHLLeI, Status,TimeMS,Week,Lat,Lng,VZ,T\n\
+            ATT, 121000, 1, 2\n\
+            GPS, 3, 425610200, 1769, 47.1, 8.2, 0.5, 121040\n\
+            GPS, 3, 425610400, 1769, 47.1, 8.2, 0.5, 121240\n";
+        let log = read("f", text.as_bytes()).unwrap();
+        assert_eq!(log.topic("ATT").unwrap().time(), [121.0]);
+        let gps = log.topic("GPS").unwrap();
+        assert_eq!(gps.time(), [121.04, 121.24]);
+        assert_eq!(gps.column("TimeMS").unwrap().values[0], 425_610_200.0);
+        // Later ones have the week under another name, and a clock since boot first.
+        let later = text.replace("Status,TimeMS,Week", "Status,TimeMS,GWk");
+        let log = read("f", later.as_bytes()).unwrap();
+        assert_eq!(log.topic("GPS").unwrap().time()[0], 425_610.2);
+    }
+
     #[test]
     fn lines_that_are_no_message_are_counted() {
         let text = format!("{LOG}ATT, 1, 2\nWHAT, 1\nATT, 1, 2, 3, 4\n");

@@ -15,6 +15,9 @@ const UNITS: [Unit; 4] = [
 /// How far the two clocks may be apart \[s\] from one channel to the next, and be two of one time.
 const APART: f64 = 1.0;
 
+/// Steps \[s\] that rows of a flight log may have.
+const STEPS: [f64; 2] = [1e-4, 2.0];
+
 /// The time \[s\] of each row of the channels, named. What was assumed is added to `notes`.
 pub(super) fn times<'a>(
     channels: impl Iterator<Item = (&'a str, &'a Rows)>,
@@ -34,6 +37,25 @@ pub(super) fn times<'a>(
     // Where the log has one time for all there is no second clock.
     let all = channels.iter().flat_map(|(_, rows)| &rows.logged);
     if span(all.copied()) == 0.0 {
+        return channels
+            .iter()
+            .map(|(_, rows)| rows.stamps.clone())
+            .collect();
+    }
+    // The time logged is nanoseconds by the format, and some writers have others: it then tells no unit.
+    let whole = channels
+        .iter()
+        .all(|(_, rows)| stamped(rows) == rows.stamps.len());
+    let longest = channels.iter().max_by_key(|(_, rows)| rows.stamps.len());
+    if let Some((_, rows)) = longest.filter(|_| whole)
+        && !is_step(&rows.logged)
+        && is_step(&rows.stamps)
+    {
+        notes.push(format!(
+            "the time logged runs over {} s where `timestamp` runs over {}: the time logged is none, and `timestamp` is taken for seconds",
+            span(rows.logged.iter().copied()),
+            span(rows.stamps.iter().copied())
+        ));
         return channels
             .iter()
             .map(|(_, rows)| rows.stamps.clone())
@@ -93,6 +115,15 @@ pub(super) fn times<'a>(
         ));
     }
     found
+}
+
+/// Whether the usual step of these times, if there is one, is one of a flight log in seconds.
+fn is_step(times: &[f64]) -> bool {
+    let steps = times.windows(2).map(|pair| pair[1] - pair[0]);
+    let mut steps: Vec<f64> = steps.filter(|step| *step > 0.0).collect();
+    steps.sort_by(f64::total_cmp);
+    let usual = steps.get(steps.len() / 2);
+    usual.is_none_or(|usual| (STEPS[0]..=STEPS[1]).contains(usual))
 }
 
 /// Both times of each message that has a stamp: when it was logged \[s\], and the stamp.
@@ -171,6 +202,21 @@ mod tests {
         // Of an epoch of its own, as since power-on.
         let (found, notes) = of(&[rows(&[1e9, 1e9 + 1.0], &[5e6, 6e6])]);
         assert_eq!((&found[0][..], notes.len()), (&[5.0, 6.0][..], 1));
+    }
+
+    /// A writer of MCAP that puts microseconds, milliseconds or seconds where nanoseconds belong, beside a right `timestamp`.
+    #[test]
+    fn a_time_logged_in_another_unit_tells_none() {
+        let stamps = [2.0, 2.05, 2.1];
+        for wrong in [1e3, 1e6, 1e9] {
+            let logged = stamps.map(|t| t / wrong);
+            let (found, notes) = of(&[rows(&logged, &stamps), rows(&logged[..1], &stamps[..1])]);
+            assert_eq!(found, [&stamps[..], &[2.0]]);
+            assert!(notes[0].contains("`timestamp` is taken"), "{notes:?}");
+        }
+        // Where neither is right, it is the time logged that is converted.
+        let (found, _) = of(&[rows(&[2e-3, 2.05e-3], &[2e3, 2.05e3])]);
+        assert!((found[0][0] - 2e-3).abs() < 1e-12, "{found:?}");
     }
 
     #[test]
