@@ -91,13 +91,21 @@ pub struct Missing {
     pub tried: Vec<String>,
 }
 
+impl Missing {
+    /// The columns that were looked for, in words, if any were.
+    #[must_use]
+    pub fn looked_for(&self) -> Option<String> {
+        (!self.tried.is_empty()).then(|| format!("none of {}", self.tried.join(", ")))
+    }
+}
+
 impl fmt::Display for Missing {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "no {}", self.what)?;
-        if self.tried.is_empty() {
-            return Ok(());
+        match self.looked_for() {
+            Some(tried) => write!(f, ": {tried}"),
+            None => Ok(()),
         }
-        write!(f, ": none of {}", self.tried.join(", "))
     }
 }
 
@@ -183,14 +191,18 @@ pub fn find(log: &Log) -> Result<States, Missing> {
                 .find_map(|source| source.find(topics))?,
         ))
     }) else {
-        let tried = families
-            .iter()
-            .flat_map(|family| family.attitude)
-            .map(Source::to_string)
-            .collect();
+        let sources = || families.iter().flat_map(|family| family.attitude);
+        // The one that is nearly there is meant.
+        let parts = sources().map(|source| source.parts(topics));
+        let nearest = parts
+            .filter(|[has, _]| !has.is_empty())
+            .min_by_key(|[_, lacks]| lacks.len());
+        let what = nearest.map_or("attitude".to_owned(), |[has, lacks]| {
+            format!("{} beside {}: no attitude", lacks.join(" "), has.join(" "))
+        });
         return Err(Missing {
-            what: "attitude".into(),
-            tried,
+            what: what.into(),
+            tried: sources().map(Source::to_string).collect(),
         });
     };
     if family.name == plain::FAMILY.name

@@ -73,20 +73,52 @@ impl Named {
     }
 }
 
-/// The text in the file `path`, in the code page that it is in: UTF-8, UTF-16 with its mark, or else that of Windows for the West, which has Latin-1
-/// in it. An error names the file, and the line of what is no text.
+/// The text in the file `path`, in the code page that it is in: UTF-8, UTF-16, or else that of Windows for the West, which has Latin-1
+/// in it. Lines may end as they did on a Macintosh. An error names the file, and the line of what is no text.
 pub fn text_of(path: &Path) -> anyhow::Result<String> {
     let origin = || on_one_line(&path.display().to_string());
     let bytes = std::fs::read(path).with_context(origin)?;
     decoded(&bytes).map_err(|(line, what)| anyhow!("{}:{line}: {what}", origin()))
 }
 
-/// The text of `bytes`, or the line of what is none, and what it is.
+/// The code of UTF-16 without a mark: Latin letters, digits and signs have a zero on one side.
+fn utf16(bytes: &[u8]) -> Option<&'static encoding_rs::Encoding> {
+    let zeros = |side: usize| {
+        bytes
+            .iter()
+            .skip(side)
+            .step_by(2)
+            .filter(|b| **b == 0)
+            .count()
+    };
+    let most = bytes.len() / 4;
+    match [zeros(0), zeros(1)] {
+        _ if bytes.len() % 2 > 0 => None,
+        [0, behind] if behind > most => Some(encoding_rs::UTF_16LE),
+        [before, 0] if before > most => Some(encoding_rs::UTF_16BE),
+        _ => None,
+    }
+}
+
+/// The text of `bytes` with line ends of today.
 fn decoded(bytes: &[u8]) -> Result<String, (usize, &'static str)> {
+    let text = text_in(bytes)?;
+    if text.trim().is_empty() {
+        return Err((1, "the file is empty"));
+    }
+    Ok(match text.contains('\n') {
+        true => text,
+        false => text.replace('\r', "\n"),
+    })
+}
+
+/// The text of `bytes`, or the line of what is none, and what it is.
+fn text_in(bytes: &[u8]) -> Result<String, (usize, &'static str)> {
     if bytes.starts_with(b"PK\x03\x04") {
         return Err((1, "a spreadsheet or another archive: save its table as CSV"));
     }
-    if let Some((code, mark)) = encoding_rs::Encoding::for_bom(bytes) {
+    let marked = encoding_rs::Encoding::for_bom(bytes);
+    if let Some((code, mark)) = marked.or_else(|| Some((utf16(bytes)?, 0))) {
         let (text, damaged) = code.decode_without_bom_handling(&bytes[mark..]);
         // What cannot be read is replaced by a sign of its own.
         let line = text.lines().position(|line| line.contains('\u{fffd}'));
@@ -189,6 +221,16 @@ mod tests {
         let big: Vec<u8> = units().flat_map(u16::to_be_bytes).collect();
         assert_eq!(decoded(&[b"\xff\xfe", &little[..]].concat()).unwrap(), text);
         assert_eq!(decoded(&[b"\xfe\xff", &big[..]].concat()).unwrap(), text);
+        // Without a mark, too; and where text ends within a letter it is none.
+        assert_eq!(decoded(&little).unwrap(), text);
+        assert_eq!(decoded(&big).unwrap(), text);
+        assert_eq!(decoded(&little[1..]), Err((1, "no text")));
+        // Lines that end as on a Macintosh, and files without any.
+        assert_eq!(decoded(b"a\rb\r").unwrap(), "a\nb\n");
+        assert_eq!(decoded(b"a\r\nb\r\n").unwrap(), "a\r\nb\r\n");
+        for empty in [&b""[..], b"\n \r\n", b"\xef\xbb\xbf"] {
+            assert_eq!(decoded(empty), Err((1, "the file is empty")));
+        }
         // Half of a pair of surrogates.
         let broken = b"\xff\xfex\0\n\0\x00\xd8x\0";
         assert_eq!(decoded(broken), Err((2, "damaged text")));

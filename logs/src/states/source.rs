@@ -126,16 +126,32 @@ impl Source {
         self.columns.iter().filter(own).map(|(_, column)| *column)
     }
 
+    /// The names of its columns that the log has and of those that it has not.
+    pub(super) fn parts(&self, topics: &Topics) -> [Vec<&'static str>; 2] {
+        [true, false].map(|there| {
+            let columns = self.columns.iter();
+            let columns = columns.filter(|column| self.column(topics, column).is_some() == there);
+            columns.map(|(_, name)| *name).collect()
+        })
+    }
+
+    /// One of its columns in the log.
+    fn column<'a>(
+        &self,
+        topics: &'a Topics,
+        &(topic, column): &(&str, &str),
+    ) -> Option<(&'a Topic, &'a Column)> {
+        let topic = match topic {
+            "" => (topics.log.topics.iter()).find(|t| t.column(column).is_some())?,
+            _ => topics.get(topic)?,
+        };
+        Some((topic, topic.column(column)?))
+    }
+
     /// The columns in the log, if all are there, or some and some are enough.
     pub(super) fn find<'a>(&self, topics: &'a Topics) -> Option<Found<'a>> {
-        let column = |&(topic, column): &(&str, &str)| {
-            let topic = match topic {
-                "" => (topics.log.topics.iter()).find(|t| t.column(column).is_some())?,
-                _ => topics.get(topic)?,
-            };
-            Some((topic, topic.column(column)?))
-        };
-        let columns: Vec<_> = self.columns.iter().map(column).collect();
+        let columns = self.columns.iter();
+        let columns: Vec<_> = columns.map(|column| self.column(topics, column)).collect();
         let found = columns.iter().flatten().count();
         let enough = found == columns.len() || self.partly && found > 0;
         enough.then_some(Found {

@@ -14,7 +14,7 @@ use toml::{Table, Value};
 use super::tail_sitter::{VEHICLE, VEHICLES};
 use super::{BUILT_IN, ControllerSpec, VehicleSpec};
 use crate::named::{Named, hint, on_one_line};
-use crate::polar::holds_polar;
+use crate::polar::{foreign, holds_polar};
 
 /// Most tables that a dotted path goes through: as many as TOML's reader lets a text nest.
 const DEEPEST: usize = 80;
@@ -196,6 +196,9 @@ impl Document {
                 "{}: a polar, and no experiment or vehicle: a vehicle's file names it, `[vehicle.aerodynamics.table] polar = \"…\"`",
                 on_one_line(origin)
             );
+        }
+        if let Some((line, what)) = foreign(&text.text) {
+            bail!("{origin}:{line}: {what}");
         }
         let mut own: Table = text.text.parse().map_err(|error: toml::de::Error| {
             let line = error.span().map_or(1, |s| line_at(&text.text, s.start));

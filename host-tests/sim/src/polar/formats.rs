@@ -1,7 +1,7 @@
 //! Polars as files: tables with names above them (of spreadsheets, XFOIL, XFLR5, VSPAERO, AeroDyn and this program), tables without (of AeroDyn 13 and
 //! QBlade), and AVL's total forces.
 
-mod foreign;
+pub(super) mod foreign;
 mod several;
 
 use anyhow::{anyhow, bail, ensure};
@@ -71,19 +71,54 @@ pub fn is_polar(text: &str) -> bool {
     table || foreign::is_avl(text) || foreign::is_nameless(text)
 }
 
-/// The cells of a line. An empty one counts, but for those at the end.
+/// The cells of a line. An empty one counts, but for those at the end. What stands in quotes parts none.
 fn cells(line: &str) -> Vec<&str> {
     let line = line.trim();
-    let separator = [';', '\t', ','].into_iter().find(|c| line.contains(*c));
-    let mut cells: Vec<&str> = match separator {
-        Some(separator) => (line.split(separator))
-            .map(|cell| cell.trim().trim_matches('"'))
-            .collect(),
-        None => line.split_whitespace().collect(),
+    let mut quoted = false;
+    let outside = |c: char| {
+        quoted ^= c == '"';
+        if quoted { '"' } else { c }
     };
+    // The same without what stands in quotes, place by place.
+    let bare: Vec<(usize, char)> = std::iter::zip(
+        line.char_indices().map(|(place, _)| place),
+        line.chars().map(outside),
+    )
+    .collect();
+    let has = |wanted: &char| bare.iter().any(|(_, c)| c == wanted);
+    let separator = [';', '\t', ','].into_iter().find(has);
+    let separator = separator.filter(|separator| *separator != ',' || !parts_decimals(line));
+    let parts = |c: char| separator.map_or(c.is_whitespace(), |separator| c == separator);
+    let mut cells = Vec::new();
+    let mut begin = 0;
+    for (place, c) in bare {
+        if parts(c) {
+            cells.push(&line[begin..place]);
+            begin = place + c.len_utf8();
+        }
+    }
+    cells.push(&line[begin..]);
+    // Several blanks part no more than one.
+    cells.retain(|cell| separator.is_some() || !cell.is_empty());
+    let mut cells: Vec<&str> = cells
+        .into_iter()
+        .map(|cell| cell.trim().trim_matches('"').trim())
+        .collect();
     let last = cells.iter().rposition(|cell| !cell.is_empty());
     cells.truncate(last.map_or(0, |last| last + 1));
     cells
+}
+
+/// Whether the commas of a line part decimals: each stands between two digits, one in a word, and blanks part the words.
+fn parts_decimals(line: &str) -> bool {
+    let digit = |c: Option<char>| c.is_some_and(|c| c.is_ascii_digit());
+    let decimal = |word: &str| match word.split_once(',') {
+        Some((whole, part)) => {
+            digit(whole.chars().last()) && digit(part.chars().next()) && !part.contains(',')
+        }
+        None => true,
+    };
+    line.split_whitespace().count() > 2 && line.split_whitespace().all(decimal)
 }
 
 /// The number in a cell: with a point or a comma, and an exponent of E or, as FORTRAN has it, D.
@@ -106,10 +141,11 @@ fn is_rule(line: &str) -> bool {
     line.chars().all(drawn)
 }
 
-/// A name in a line of names, in small letters, and its unit in brackets.
+/// A name in a line of names, in small letters, how many it had in capitals, and its unit in brackets.
 #[derive(Clone, Debug, PartialEq)]
 struct Name {
     text: String,
+    capitals: usize,
     unit: String,
 }
 
@@ -123,6 +159,7 @@ fn names_in(line: &str) -> Vec<Name> {
             Some(last) if text.is_empty() && !unit.is_empty() => last.unit = unit,
             _ => names.push(Name {
                 text: text.trim().to_lowercase(),
+                capitals: text.chars().filter(|c| c.is_uppercase()).count(),
                 unit,
             }),
         }
@@ -161,8 +198,13 @@ impl Header {
         let (text, commented) = bare(line);
         let names = names_in(text);
         let columns = NAMES.map(|(_, known)| {
-            let place = |known: &&str| names.iter().position(|name| name.text == **known);
-            known.iter().find_map(place)
+            // `Cl` beside `CL` is the rolling moment.
+            let place = |known: &&str| {
+                let same = names.iter().enumerate().rev();
+                let same = same.filter(|(_, name)| name.text == **known);
+                same.max_by_key(|(_, name)| name.capitals)
+            };
+            Some(known.iter().find_map(place)?.0)
         });
         Self {
             place,
@@ -444,6 +486,55 @@ mod tests {
         ] {
             assert_eq!(read("x", &text).unwrap().rows, want, "{text}");
         }
+    }
+
+    /// Decimal commas between blanks, and numbers in quotes, whatever parts them.
+    #[test]
+    fn decimal_commas_are_read_between_blanks_and_in_quotes() {
+        let want = [[-2.5, -0.25, 0.0123], [0.0, 0.0, 0.01], [5.0, 0.5, 0.02]];
+        let blanks =
+            "alpha   CL    CD\n-2,5  -0,25  0,0123\n 0 0,000 1,00E-02\n5,0\u{a0} 0,5 0,02\n";
+        let quotes = "\"alpha\",\"CL\",\"CD\"\n\"-2,5\",\"-0,25\",\"0,0123\"\n\"0\",\"0,000\",\"0,01\"\n\"5,0\",\"0,5\",\"0,02\"\n";
+        for text in [
+            blanks.to_owned(),
+            quotes.to_owned(),
+            quotes.replace("\",\"", "\" \""),
+            quotes.replace("\",\"", "\";\""),
+            quotes.replace("\",\"", "\"\t\""),
+        ] {
+            assert_eq!(read("x", &text).unwrap().rows, want, "{text}");
+        }
+        // A comma beside a blank parts cells.
+        let cells = "alpha, CL, CD\n-2.5, -0.25, 0.0123\n0 ,0 ,0.01\n5, 0.5, 0.02\n";
+        assert_eq!(read("x", cells).unwrap().rows, want);
+    }
+
+    /// `Cl` is the lift of a section where there is no `CL`, and the rolling moment beside one, whichever stands first.
+    #[test]
+    fn the_rolling_moment_is_no_lift() {
+        for names in [
+            "alpha Cl CL CD",
+            "alpha Cl CL Cd",
+            "alpha Cltot CLtot CDtot",
+        ] {
+            let text = format!("{names}\n0 0.001 0 0.01\n5 0.002 0.5 0.02\n");
+            assert_eq!(
+                read("x", &text).unwrap().rows[1],
+                [5.0, 0.5, 0.02],
+                "{names}"
+            );
+            let turned = format!("{}\n0 0 0.001 0.01\n5 0.5 0.002 0.02\n", {
+                let words: Vec<&str> = names.split(' ').collect();
+                [words[0], words[2], words[1], words[3]].join(" ")
+            });
+            assert_eq!(
+                read("x", &turned).unwrap().rows[1],
+                [5.0, 0.5, 0.02],
+                "{turned}"
+            );
+        }
+        let section = "alpha Cl Cd Cm\n0 0 0.01 0\n5 0.5 0.02 0\n";
+        assert_eq!(read("x", section).unwrap().rows[1], [5.0, 0.5, 0.02]);
     }
 
     /// As AeroDyn 15 has it: a table behind numbers, with names and units behind the sign of a comment.

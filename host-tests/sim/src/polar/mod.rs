@@ -59,6 +59,11 @@ pub fn holds_polar(text: &str) -> bool {
     formats::is_polar(text) && text.parse::<toml::Table>().is_err()
 }
 
+/// What a text is, with its line, that is of another program and none that is read.
+pub fn foreign(text: &str) -> Option<(usize, String)> {
+    formats::foreign::named(text)
+}
+
 /// Whether a text is a document, of a vehicle or an experiment, though perhaps a damaged one, and no polar.
 pub fn is_document(text: &str) -> bool {
     // Documents have tables in brackets and assignments.

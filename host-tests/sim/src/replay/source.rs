@@ -56,8 +56,9 @@ impl Source {
             Some(log) => {
                 let mut states = states::find(&log).map_err(|missing| {
                     // What the reader has left out may be what is missing: it stands before the names that were looked for.
-                    let all = log.notes.iter().cloned();
-                    let all = all.chain([held(&log), missing.to_string()]);
+                    let cause = [format!("no {}", missing.what)].into_iter();
+                    let all = cause.chain(log.notes.iter().cloned());
+                    let all = all.chain([held(&log)]).chain(missing.looked_for());
                     anyhow!("{origin}: {}", all.collect::<Vec<_>>().join("; "))
                 })?;
                 states.notes.splice(0..0, log.notes);
@@ -100,7 +101,10 @@ fn first_name(head: &[u8]) -> String {
 
 /// Whether a CSV that begins with `head` has its attitude in the columns that a plain table of states has, their units in brackets or not.
 fn is_plain(head: &[u8]) -> bool {
-    let line = head.split(|byte| *byte == b'\n').next().unwrap_or_default();
+    let line = head
+        .split(|byte| b"\r\n".contains(byte))
+        .next()
+        .unwrap_or_default();
     let name = |cell: &[u8]| {
         let text = String::from_utf8_lossy(cell);
         let name = text.split(" [").next().unwrap_or_default();
@@ -178,6 +182,19 @@ mod tests {
         let error = format!("{:#}", source.err().expect("an error"));
         let code = error.split('`').rev().nth(1);
         code.unwrap_or_else(|| panic!("{error}")).to_owned()
+    }
+
+    /// A map without one of the three angles: that is said first, before what the log holds and what was looked for.
+    #[test]
+    fn an_angle_that_is_missing_is_named_first() {
+        let map = "time = { from = \"T\" }\n[columns]\nroll = { from = \"a\" }\npitch = { from = \"b\" }\n";
+        let source = open("T,a,b,c", 0.02, Some(map));
+        let error = format!("{:#}", source.err().expect("an error"));
+        let (_, cause) = error.split_once(": ").unwrap();
+        assert!(
+            cause.starts_with("no yaw beside roll pitch: no attitude; "),
+            "{error}"
+        );
     }
 
     /// Times in another unit, of few rows, too: what the error advises is followed to the letter, and the log is read with the right times.
