@@ -219,6 +219,59 @@ mod tests {
         assert!(table("deg", quarter).is_ok());
     }
 
+    /// An attitude asked for on some axes alone is none: no other stands for the angle that is not there. The rows beside it stay, and so does what is flown.
+    #[test]
+    fn an_attitude_set_point_without_an_axis_is_none() {
+        let flown = ["roll", "pitch", "yaw"].map(|n| Column::new(n, "deg", vec![10.0; 5]));
+        let rest = [0.0, 0.0, 90.0];
+        let all = |columns: Vec<Column>| {
+            let columns = flown.iter().cloned().chain(columns).collect();
+            let time = vec![1.0, 2.0, 3.0, 4.0, 5.0];
+            let log = Log {
+                topics: vec![Topic::new("csv", 0, time, columns).unwrap()],
+                notes: Vec::new(),
+            };
+            let states = find(&log).unwrap();
+            assert!(
+                states
+                    .attitude
+                    .values
+                    .iter()
+                    .flatten()
+                    .all(|q| q.is_finite())
+            );
+            states.attitude_setpoint.unwrap().values
+        };
+        // In each row but the first and the last another angle is not asked for.
+        let angle = |i: usize, name: &str| {
+            let mut values = vec![rest[i]; 5];
+            values[i + 1] = f64::NAN;
+            Column::new(name, "deg", values)
+        };
+        let names = ["roll_sp", "pitch_sp", "yaw_sp"].into_iter().enumerate();
+        let euler = all(names.map(|(i, name)| angle(i, name)).collect());
+        let half = std::f64::consts::FRAC_1_SQRT_2;
+        let quaternion = ["qw_sp", "qx_sp", "qy_sp", "qz_sp"].into_iter().enumerate();
+        let quaternion = all(quaternion
+            .map(|(i, name)| {
+                let mut values = vec![[half, 0.0, 0.0, half][i]; 5];
+                if (1..4).contains(&i) {
+                    values[i] = f64::NAN;
+                }
+                Column::new(name, "", values)
+            })
+            .collect());
+        for values in [euler, quaternion] {
+            for row in [0, 4] {
+                let [w, x, y, z] = values[row];
+                assert!((w - half).abs() + x.abs() + y.abs() + (z - half).abs() < 1e-15);
+            }
+            for row in &values[1..4] {
+                assert!(row.iter().all(|q| q.is_nan()), "{values:?}");
+            }
+        }
+    }
+
     /// Each axis has its own unit; words that are none are refused, and a pitch beyond 90°. Yaw and roll may go on beyond a turn.
     #[test]
     fn each_axis_has_its_own_unit() {
