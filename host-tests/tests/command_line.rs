@@ -789,3 +789,36 @@ fn every_command_judges_a_polar_alike() {
     let output = alula(folder.path(), &["sweep", "x.txt"]);
     assert_refused(&output, &["x.txt: a polar, and no experiment"]);
 }
+
+/// A file that no command reads is named for what it is by each, and an empty one by its name.
+#[test]
+fn every_command_names_what_it_cannot_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let jsbsim = "<?xml version=\"1.0\"?>\n<fdm_config name=\"mine\">\n</fdm_config>\n";
+    let facts = "--mass-kg 3 --wing-m2 0.35 --thrust-to-weight 1.6 --thrust-lag-s 0.08 --rate-lag-s 0.06 --cruise-m-s 18";
+    let known = |more: &str| format!("new y {more} {facts}");
+    let commands = [
+        "fit x.xml",
+        "envelope x.xml",
+        "equilibria x.xml --velocity 0,20",
+        "margins x.xml",
+        "sweep x.xml",
+        "fly x.xml",
+        "campaign x.xml",
+        "compare x.xml",
+        "replay x.csv --experiment x.xml",
+        &known("--section x.xml"),
+        &known("--from x.xml"),
+    ];
+    fs::write(folder.path().join("x.csv"), "t_s\n0\n").unwrap();
+    for (text, says) in [
+        (jsbsim, "x.xml:1: JSBSim's XML"),
+        ("", "x.xml:1: the file is empty"),
+    ] {
+        fs::write(folder.path().join("x.xml"), text).unwrap();
+        for command in commands {
+            let words: Vec<&str> = command.split_whitespace().collect();
+            assert_refused(&alula(folder.path(), &words), &[says]);
+        }
+    }
+}

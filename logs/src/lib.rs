@@ -48,17 +48,28 @@ pub fn is_autopilots(path: &Path, head: &[u8]) -> bool {
     bin || ulog::is_ulog(head) || mcap::is_mcap(head) || dataflash::is_dataflash(head)
 }
 
-/// Refuses a file, or the head of one, that holds nothing: no byte, or zeros alone, as a card leaves them that lost its power.
+/// Whether a text begins here with Latin letters, digits and signs in UTF-16, with its mark or without: every second byte is zero.
+fn is_utf16(head: &[u8]) -> bool {
+    let marked = head.starts_with(b"\xff\xfe") || head.starts_with(b"\xfe\xff");
+    let text = if marked { &head[2..] } else { head };
+    let units = || text.as_chunks::<2>().0.iter().take(16);
+    let zero = |side: usize| units().all(|unit| unit[side] == 0 && unit[1 - side] != 0);
+    units().count() >= 4 && (zero(0) || zero(1))
+}
+
+/// Refuses a file, or the head of one, that no reader can read: without a byte, of zeros alone, as a card leaves them that lost its power, or text in
+/// UTF-16.
 ///
 /// # Errors
-/// [`Error::Format`]: that.
-pub fn blank(file: &str, bytes: &[u8]) -> Result<(), Error> {
+/// [`Error::Format`]: which of these.
+pub fn refused(file: &str, bytes: &[u8]) -> Result<(), Error> {
     let problem = match bytes {
         [] => "the file is empty".to_owned(),
         bytes if bytes.iter().all(|byte| *byte == 0) => format!(
             "nothing but zeros in its first {} bytes: the file was made, and never written",
             bytes.len()
         ),
+        bytes if is_utf16(bytes) => "text in UTF-16: save it as UTF-8".to_owned(),
         _ => return Ok(()),
     };
     Err(Error::Format {
@@ -76,7 +87,7 @@ pub fn blank(file: &str, bytes: &[u8]) -> Result<(), Error> {
 pub fn read(path: &Path) -> Result<Log, Error> {
     let bytes = error::read_file(path)?;
     let name = path.display().to_string();
-    blank(&name, &bytes)?;
+    refused(&name, &bytes)?;
     if ulog::is_ulog(&bytes) {
         ulog::read(&name, &bytes)
     } else if mcap::is_mcap(&bytes) {
@@ -85,5 +96,31 @@ pub fn read(path: &Path) -> Result<Log, Error> {
         dataflash::read(&name, &bytes)
     } else {
         csv::read(&name, &bytes, None)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Each is refused with its reason, and what a reader may read is not.
+    #[test]
+    fn what_no_reader_reads_is_refused_with_its_reason() {
+        let refusal = |bytes: &[u8]| refused("x.csv", bytes).err().map(|e| e.to_string());
+        let text = "t,qw,qx,qy,qz\n0,1,0,0,0\n";
+        assert_eq!(refusal(text.as_bytes()), None);
+        let units = || text.encode_utf16();
+        let little: Vec<u8> = units().flat_map(u16::to_le_bytes).collect();
+        let big: Vec<u8> = units().flat_map(u16::to_be_bytes).collect();
+        for (mark, text) in [(b"\xff\xfe", little), (b"\xfe\xff", big)] {
+            for bytes in [&[&mark[..], &text].concat(), &text] {
+                let refusal = refusal(bytes).expect("a refusal");
+                assert!(refusal.contains("UTF-16: save it as UTF-8"), "{refusal}");
+            }
+        }
+        assert!(refusal(b"").unwrap().contains("the file is empty"));
+        assert!(refusal(&[0; 40]).unwrap().contains("nothing but zeros"));
+        // A damaged log in binary.
+        assert_eq!(refusal(b"\xff\xfe\0\x01\x02\0\0\x03\xa3\x95"), None);
     }
 }

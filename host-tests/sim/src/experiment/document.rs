@@ -499,6 +499,9 @@ pub fn from_toml<T: DeserializeOwned>(
             error: FieldError::new(field, in_words(message)),
         })
     };
+    if let Some((line, what)) = foreign(text) {
+        return Err(refused("", &what, Some(line)));
+    }
     let at = |error: &toml::de::Error| error.span().map_or(1, |s| line_at(text, s.start));
     let deserializer = toml::Deserializer::parse(text)
         .map_err(|error| refused("", error.message(), Some(at(&error))))?;

@@ -35,7 +35,7 @@ impl Source {
         let opened = File::open(file).with_context(|| origin.clone())?;
         let read = opened.take(1 << 16).read_to_end(&mut head);
         read.with_context(|| origin.clone())?;
-        alula_logs::blank(&origin, &head)?;
+        alula_logs::refused(&origin, &head)?;
         let mut factor = None;
         let log = match map {
             Some(map) => {
