@@ -196,7 +196,7 @@ fn a_foreign_csv_is_read_through_its_map() {
     );
     refused(
         &["replay", "log.csv", "--map", "bare.toml"],
-        "no attitude: none of",
+        "no attitude; it holds csv; none of",
     );
     // This law is told the air's acceleration, which no log holds.
     let forward = [&arguments[..], &["--experiment", "steep-climb"]].concat();
