@@ -93,7 +93,7 @@ fn utf16(bytes: &[u8]) -> Option<&'static encoding_rs::Encoding> {
     };
     let most = bytes.len() / 4;
     match [zeros(0), zeros(1)] {
-        _ if bytes.len() % 2 > 0 => None,
+        _ if !bytes.len().is_multiple_of(2) => None,
         [0, behind] if behind > most => Some(encoding_rs::UTF_16LE),
         [before, 0] if before > most => Some(encoding_rs::UTF_16BE),
         _ => None,

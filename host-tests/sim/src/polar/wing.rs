@@ -36,15 +36,16 @@ pub fn of_section(
     let mut wing = spaced(inside[low..=high].iter().map(of_wing).collect());
     // Behind the stalls, those that go on.
     let mut used = [low, high];
-    for i in high + 1..=most {
-        let row = of_wing(&inside[i]);
+    let places = || inside.iter().enumerate();
+    for (i, row) in places().take(most + 1).skip(high + 1) {
+        let row = of_wing(row);
         if wing.last().is_some_and(|last| row[0] - last[0] >= CLOSEST) {
             wing.push(row);
             used[1] = i;
         }
     }
-    for i in (least..low).rev() {
-        let row = of_wing(&inside[i]);
+    for (i, row) in places().take(low).skip(least).rev() {
+        let row = of_wing(row);
         if wing
             .first()
             .is_some_and(|first| first[0] - row[0] >= CLOSEST)

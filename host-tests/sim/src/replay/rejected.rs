@@ -41,7 +41,6 @@ pub fn notes(record: &[Step]) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::columns;
     use crate::experiment::Document;
     use crate::refusals::says;
