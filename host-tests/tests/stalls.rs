@@ -31,9 +31,10 @@ enum Kind {
     PlateRise,
     ThinPlateau,
     WholeWing,
+    SteepFoot,
 }
 
-const KINDS: [(Kind, &str); 16] = [
+const KINDS: [(Kind, &str); 17] = [
     (Kind::Round, "round stall"),
     (Kind::Sharp, "sharp stall"),
     (Kind::SawTeeth, "saw-teeth of 0.05 to 0.15"),
@@ -73,6 +74,10 @@ const KINDS: [(Kind, &str); 16] = [
     (
         Kind::WholeWing,
         "whole wing of an aspect ratio of 0.7 to 1.5, steeper up to its stall at 22° to 36°",
+    ),
+    (
+        Kind::SteepFoot,
+        "symmetric, lift of 0.1 to 0.2 more from 1° to 1.5° on, as at a Reynolds number of 1e5",
     ),
 ];
 
@@ -121,6 +126,7 @@ fn made(kind: Kind, seed: u64) -> Made {
     let slope = match kind {
         Kind::SmallSlope => between(0.03, 0.05),
         Kind::WholeWing => between(0.025, 0.045),
+        Kind::SteepFoot => between(0.075, 0.09),
         _ => between(0.085, 0.108),
     };
     let (zero, stall) = match kind {
@@ -128,6 +134,7 @@ fn made(kind: Kind, seed: u64) -> Made {
         Kind::DeadZone => (0.0, between(9.0, 15.0)),
         Kind::SmallSlope => (between(-3.0, 0.0), between(18.0, 28.0)),
         Kind::WholeWing => (between(-2.0, 0.0), between(22.0, 36.0)),
+        Kind::SteepFoot => (0.0, between(9.0, 12.0)),
         Kind::PlateRise => (between(-3.0, 0.0), between(7.0, 12.0)),
         Kind::ThinPlateau => (between(-3.0, 0.0), between(6.0, 8.0)),
         Kind::HighLift => (between(-12.0, -7.0), between(12.0, 17.0)),
@@ -184,9 +191,14 @@ fn made(kind: Kind, seed: u64) -> Made {
         Kind::WholeWing => between(0.0, 0.5),
         _ => 0.0,
     };
+    let [foot, reach] = match kind {
+        Kind::SteepFoot => [between(0.1, 0.2), between(1.0, 1.5)],
+        _ => [0.0, 1.0],
+    };
     // From the angle of zero lift on, of either side.
     let side = |alpha: f64, zero: f64, stall: f64| -> f64 {
         let greatest = match kind {
+            Kind::SteepFoot => attached(stall, slope, zero, stall) + foot,
             Kind::DeadZone => attached(stall, slope, dead, stall),
             _ => attached(stall, slope, zero, stall),
         };
@@ -254,6 +266,7 @@ fn made(kind: Kind, seed: u64) -> Made {
                 let left = (stall - alpha) / (stall - burst);
                 clean - depth * left.sqrt()
             }
+            Kind::SteepFoot => clean + foot * ((alpha - zero) / reach).min(1.0),
             Kind::WholeWing => clean * (1.0 - steeper * (stall - alpha) / (stall - zero)),
             Kind::DeadZone => attached(alpha.max(dead), slope, dead, stall),
             Kind::Double if alpha > first => {

@@ -14,6 +14,9 @@ const DEEPER: f64 = 0.6;
 const REATTACHED: f64 = 0.7;
 /// Part of the greatest lift from which on a secant counts: near zero lift noise makes it steep.
 const COUNTS: f64 = 1.0 / 3.0;
+/// Distance from the angle of zero lift from which on it counts \[°\]: thin sections at a Reynolds number of 1e5 are three times as steep up to 1° or 2° as
+/// from there on.
+const FOOT: f64 = 3.0;
 /// What lift falls by behind a stall, relative to the greatest. Less than that is a ripple.
 const FALL: f64 = 0.05;
 /// Length over which a slope is taken where a table begins above zero lift \[°\].
@@ -40,7 +43,7 @@ impl Attached {
         let side = || rows.iter().enumerate().filter(|(_, row)| lifts(row));
         let secant = |row: &[f64; N]| row[1] / (row[0] - zero);
         let most = side().fold(0.0, |most, (_, row)| f64::max(most, row[1]));
-        let counted = side().filter(|(_, row)| row[1] >= COUNTS * most);
+        let counted = side().filter(|(_, row)| row[1] >= COUNTS * most && row[0] >= zero + FOOT);
         let slope = counted.fold(0.0, |steepest, (_, row)| f64::max(steepest, secant(row)));
         let part = |row: &[f64; N]| secant(row) / slope;
         // Up to its top, and the least lift behind that; of several with the same lift the first.
@@ -238,6 +241,18 @@ mod tests {
         // Where the table ends on the rise, too.
         assert_eq!(stall(&deep[..40]), Some(18));
         assert_eq!(of(rises(0.9)), Some(40));
+    }
+
+    /// A thin section at a Reynolds number of 1e5: 0.25 per degree up to 1.5°, and 0.07 from there on.
+    #[test]
+    fn a_steep_foot_is_not_the_slope() {
+        let lift = |a: f64| match a {
+            a if a <= 1.5 => 0.25 * a,
+            a if a <= 10.5 => 0.375 + 0.07 * (a - 1.5),
+            _ => 0.6,
+        };
+        assert!(lift(10.5) / 10.5 < ATTACHED * 0.25);
+        assert_eq!(of(lift), Some(21));
     }
 
     /// A plateau, with the greatest lift where it begins: the stall is there, and the rows are attached up to where it falls. Without a fall there is none.
