@@ -403,3 +403,36 @@ fn a_cruise_near_the_stall_is_warned_of() {
         "{findings}"
     );
 }
+
+/// A polar whose lift falls at 6° alone, told to stall at 12°, of infinite span: what the page says of a jump is what `envelope` says of the vehicle's file.
+#[test]
+fn the_page_and_the_envelope_agree_on_a_jump() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut flags = FLAGS;
+    flags[5] = "x.txt";
+    for fall in [0.0, 0.12] {
+        let lift = |a: f64| match a {
+            a if a <= 6.0 => 0.1 * a,
+            a => 0.6 - fall * (a - 6.0).min(1.0) + 0.04 * (a - 6.0),
+        };
+        let rows = (0..=48).map(|n| 0.25 * f64::from(n));
+        let rows: String = rows.map(|a| format!("{a} {:.4} 0.02\n", lift(a))).collect();
+        fs::write(folder.path().join("x.txt"), format!("alpha CL CD\n{rows}")).unwrap();
+        let name = if fall > 0.0 { "falls" } else { "grows" };
+        let told = ["new", name, "--stall-deg", "12"];
+        let output = alula(folder.path(), &[&told[..], &flags].concat());
+        let page = String::from_utf8(output.stdout).unwrap();
+        let file = format!("{name}/{name}.toml");
+        let output = alula(folder.path(), &["envelope", &file, "--json"]);
+        let envelope: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let says = match envelope["jump_down"]["speed_m_s"].as_f64() {
+            Some(speed) => format!("slowing down it jumps at {speed:.1} m/s, from α = 6.0°"),
+            None => "hover becomes cruise without a jump".to_owned(),
+        };
+        assert_eq!(
+            envelope["folds"].as_array().unwrap().is_empty(),
+            fall == 0.0
+        );
+        assert!(page.contains(&says), "{says}: {page}");
+    }
+}
