@@ -101,6 +101,16 @@ impl Authority {
         }
     }
 
+    /// Thrust \[N\] at rest that gives `wanted` [rad/s²]; 0 if none is needed or none helps.
+    pub fn thrust_to_turn(&self, wanted: f32) -> f32 {
+        let slope = self.slipstream + self.difference;
+        if slope > 0.0 {
+            math::max(wanted - self.constant, 0.0) / slope
+        } else {
+            0.0
+        }
+    }
+
     /// What there is in hover, at a thrust of the `weight` \[N\] of at most `most` [rad/s²].
     pub fn in_hover(&self, weight: f32, most: f32) -> f32 {
         self.constant
@@ -285,6 +295,8 @@ mod tests {
             );
             assert!((a.most - 3.0 * math::min(a.thrust, 40.0 - a.thrust)).abs() < 1e-3);
         }
+        // 15 rad/s² of 3 rad/s² N.
+        assert!((p.authority().thrust_to_turn(15.0) - 5.0).abs() < 1e-5);
         assert!((p.authority().in_hover(20.0, 40.0) - 60.0).abs() < 1e-4);
         assert!((p.authority().in_hover(30.0, 40.0) - 30.0).abs() < 1e-4);
     }

@@ -448,7 +448,7 @@ mod tests {
         mut see: impl FnMut(&ReferenceModelState, &ReferenceModelOutput<Combined>),
     ) -> ReferenceModelState {
         let (p, vehicle) = (GuidanceParameters::default(), vehicle());
-        let planner = Planner::new(&p);
+        let planner = Planner::new(&p, &vehicle);
         let turning = LateralGuidance::new(&p, &vehicle);
         let (mut flight, mut state) = (start, PlannerState::default());
         for _ in 0..(seconds / DT) as usize {
@@ -559,7 +559,7 @@ mod tests {
     #[test]
     fn the_course_waits_for_the_wing() {
         let (p, vehicle) = (GuidanceParameters::default(), vehicle());
-        let planner = Planner::new(&p);
+        let planner = Planner::new(&p, &vehicle);
         let turning = LateralGuidance::new(&p, &vehicle);
         let turned = |wings: f32| {
             let mut flight = flight(Ned::new(0.0, 20.0, 0.0), -1.5);

@@ -262,10 +262,10 @@ impl PlannerState {
 }
 
 impl Planner {
-    /// The planner with these parameters, which have been checked.
-    pub fn new(p: &GuidanceParameters) -> Self {
+    /// The planner for `vehicle` with these parameters, which have been checked.
+    pub fn new<A: Aerodynamics>(p: &GuidanceParameters, vehicle: &Vehicle<A>) -> Self {
         Self {
-            reference_model: ReferenceModel::new(p),
+            reference_model: ReferenceModel::new(p, vehicle),
             altitude_band: p.altitude_band,
             velocity_band: Inertial::new(p.velocity_band_down, p.velocity_band_forward),
         }
@@ -534,6 +534,10 @@ mod tests {
     /// Lift coefficient short of stall, about that of the vehicles below.
     const LIFT: f32 = 0.7;
 
+    fn planner() -> Planner {
+        Planner::new(&GuidanceParameters::default(), &vehicle(2.0))
+    }
+
     fn vehicle(excess: f32) -> Vehicle<Combined> {
         let model = Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap();
         let p = VehicleParameters {
@@ -546,7 +550,7 @@ mod tests {
     /// The next candidate is remembered, and any byte may stand there.
     #[test]
     fn a_candidate_that_is_none_is_followed_by_the_first() {
-        let planner = Planner::new(&GuidanceParameters::default());
+        let planner = planner();
         for next in 0..=u8::MAX {
             let mut state = PlannerState {
                 looked: 1,
@@ -593,7 +597,7 @@ mod tests {
         seconds: f32,
         lift: f32,
     ) -> Flown {
-        let planner = Planner::new(&GuidanceParameters::default());
+        let planner = planner();
         let (mut state, mut flight) = (PlannerState::default(), initial);
         let mut flown = Flown {
             end: initial,
@@ -745,7 +749,7 @@ mod tests {
     /// The plans of a round are compared from where it began, wherever the flight has got to meanwhile.
     #[test]
     fn the_plans_of_a_round_have_one_start() {
-        let (vehicle, planner) = (vehicle(2.0), Planner::new(&GuidanceParameters::default()));
+        let (vehicle, planner) = (vehicle(2.0), planner());
         let look = |state: &mut PlannerState| {
             let calm = Inertial::ZERO;
             planner.search(
@@ -781,7 +785,7 @@ mod tests {
     /// A turn past stall gives up what the wing does for a turn of the course: it costs the velocity to the side that is lost.
     #[test]
     fn crossing_the_stall_costs_more_in_a_turn() {
-        let (vehicle, planner) = (vehicle(2.0), Planner::new(&GuidanceParameters::default()));
+        let (vehicle, planner) = (vehicle(2.0), planner());
         let initial = InitialState {
             flight: cruise(),
             ..InitialState::default()
@@ -847,7 +851,7 @@ mod tests {
     /// Every candidate is looked at, and none so seldom that it comes too late: 27 looks take 0.4 s.
     #[test]
     fn all_candidates_are_looked_at() {
-        let (vehicle, planner) = (vehicle(2.0), Planner::new(&GuidanceParameters::default()));
+        let (vehicle, planner) = (vehicle(2.0), planner());
         let initial = InitialState {
             flight: cruise(),
             ..InitialState::default()
@@ -868,7 +872,7 @@ mod tests {
     /// already pushes over less, and who falls not at all.
     #[test]
     fn a_push_over_is_as_long_as_the_wing_is_strong() {
-        let (vehicle, planner) = (vehicle(2.0), Planner::new(&GuidanceParameters::default()));
+        let (vehicle, planner) = (vehicle(2.0), planner());
         let push = |sink: f32, lift: f32, n: u8| {
             let mut initial = InitialState {
                 flight: cruise(),
@@ -902,7 +906,7 @@ mod tests {
     /// A stop at once is flown alike, whichever candidate is next when it is asked for.
     #[test]
     fn a_reference_that_jumps_begins_the_candidates_anew() {
-        let (vehicle, planner) = (vehicle(2.0), Planner::new(&GuidanceParameters::default()));
+        let (vehicle, planner) = (vehicle(2.0), planner());
         let level = Reference {
             velocity: cruise().velocity,
             ..Reference::default()

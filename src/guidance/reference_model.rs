@@ -31,6 +31,11 @@ const FORWARD_GAIN: f32 = 1.11;
 /// place of 17 m at most.
 const MAX_VERTICAL: f32 = 1.24;
 const MAX_FORWARD: f32 = 1.1;
+/// Angular acceleration [rad/s²] that is left to a vehicle that turns by its thrust, where it accelerates down.
+const TURNING: f32 = 15.0;
+/// Acceleration down, in g, that such a vehicle has in any case. With 1.24 g a third of the level brakings of an elevon wing did not end in
+/// hover: at the top of their climb they had no thrust, and so no elevons.
+const LEAST_DOWN: f32 = 0.4;
 /// Weight of forward accelerations against vertical ones.
 const FORWARD_WEIGHT: f32 = 0.103;
 /// Damping of the servo's step, as a force in multiples of the weight, with [`FORWARD_WEIGHT`].
@@ -115,6 +120,8 @@ pub struct ReferenceModel {
     pub(super) position_gain: Inertial,
     pub(super) max_velocity: Inertial,
     max_sink: f32,
+    /// Greatest acceleration down that the servo asks for [m/s²].
+    max_down: f32,
 }
 
 /// A step's length, and the gains at that length.
@@ -157,14 +164,21 @@ struct Forces {
 }
 
 impl ReferenceModel {
-    /// The virtual vehicle with these parameters, which have been checked.
-    pub fn new(p: &GuidanceParameters) -> Self {
+    /// The virtual `vehicle` with these parameters, which have been checked.
+    pub fn new<A: Aerodynamics>(p: &GuidanceParameters, vehicle: &Vehicle<A>) -> Self {
+        let left = vehicle.authority().thrust_to_turn(TURNING) / vehicle.weight();
+        let most = if left > 0.0 {
+            math::max(1.0 - left, LEAST_DOWN)
+        } else {
+            MAX_VERTICAL
+        };
         Self {
             rate: SHARE_OF_RATE * p.max_rate,
             slew: SHARE_OF_SLEW * p.max_slew,
             position_gain: Inertial::new(p.position_gain_down, p.position_gain_forward),
             max_velocity: Inertial::new(p.max_velocity_down, p.max_velocity_forward),
             max_sink: p.max_sink,
+            max_down: most * vehicle.gravity(),
         }
     }
 
@@ -233,11 +247,14 @@ impl ReferenceModel {
         gravity: f32,
         gains: &StepGains,
     ) -> Inertial {
+        let down = acceleration.down() - gains.vertical_gain * error.down();
         Inertial::new(
-            rarely_limited(
-                acceleration.down() - gains.vertical_gain * error.down(),
-                MAX_VERTICAL * gravity,
-            ),
+            if down.abs() > self.max_down {
+                core::hint::cold_path();
+                math::clamp(down, -MAX_VERTICAL * gravity, self.max_down)
+            } else {
+                down
+            },
             rarely_limited(
                 acceleration.forward() - FORWARD_GAIN * error.forward(),
                 MAX_FORWARD * gravity,
@@ -510,7 +527,7 @@ mod tests {
         reference: &Reference,
         wind: Inertial,
     ) -> Inertial {
-        let model = ReferenceModel::new(&GuidanceParameters::default());
+        let model = ReferenceModel::new(&GuidanceParameters::default(), vehicle);
         model.advance(vehicle, flight, plan, reference, wind, FREE, DT)
     }
 
@@ -660,13 +677,41 @@ mod tests {
             max_sink: 1.5,
             ..GuidanceParameters::default()
         };
-        let model = ReferenceModel::new(&p);
+        let model = ReferenceModel::new(&p, &vehicle());
         let wanted = |down| {
             model
                 .desired_velocity(Inertial::new(down, 0.0), Inertial::ZERO)
                 .down()
         };
         assert_eq!((wanted(-50.0), wanted(50.0)), (1.5, -p.max_velocity_down));
+    }
+
+    /// Too high and climbing at 20 m/s, a vehicle whose surfaces need the slipstream keeps the thrust that turns it by 15 rad/s², of 40 rad/s²
+    /// in hover; one that turns without thrust is pushed down.
+    #[test]
+    fn an_acceleration_down_leaves_the_thrust_to_turn() {
+        let down = |authority: f32, slipstream: f32| {
+            let p = VehicleParameters {
+                authority,
+                authority_slipstream: slipstream / crate::authority::IN_SLIPSTREAM,
+                ..VehicleParameters::PAPER
+            };
+            let airfoil = Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap();
+            let vehicle = Vehicle::new(p, airfoil).unwrap();
+            let model = ReferenceModel::new(&GuidanceParameters::default(), &vehicle);
+            let rising = Inertial::new(-20.0, 0.0);
+            let gains = StepGains::new(DT);
+            model
+                .desired_acceleration(rising, Inertial::ZERO, 9.81, &gains)
+                .down()
+                / 9.81
+        };
+        let constant = VehicleParameters::PAPER.authority;
+        assert_eq!(down(constant, 0.0), MAX_VERTICAL);
+        assert!((down(0.0, 40.0) - (1.0 - 15.0 / 40.0)).abs() < 1e-5);
+        assert!((down(5.0, 40.0) - (1.0 - 10.0 / 40.0)).abs() < 1e-5);
+        // What never turns as fast keeps 0.6 of the weight.
+        assert!((down(0.0, 10.0) - LEAST_DOWN).abs() < 1e-5);
     }
 
     /// The attitude of a prediction is turned step by step, also by an agile vehicle, whose rate would take it further than π/4 in a step.
@@ -677,7 +722,8 @@ mod tests {
             max_slew: 1e4,
             ..GuidanceParameters::default()
         };
-        let (vehicle, model) = (vehicle(), ReferenceModel::new(&p));
+        let vehicle = vehicle();
+        let model = ReferenceModel::new(&p, &vehicle);
         for (target, h) in [(3.0, 0.045), (-3.0, 0.2), (0.5, 0.115)] {
             let mut flight = PlanarModelState {
                 velocity: Inertial::new(0.0, 15.0),
@@ -743,7 +789,7 @@ mod tests {
     #[test]
     fn predictions_of_a_light_wing_stay_bounded() {
         let flown = |vehicle: &Vehicle<Combined>, stiff: bool| {
-            let model = ReferenceModel::new(&GuidanceParameters::default());
+            let model = ReferenceModel::new(&GuidanceParameters::default(), vehicle);
             let mut flight = PlanarModelState {
                 velocity: Inertial::new(1.0, 20.0),
                 theta: -1.57,

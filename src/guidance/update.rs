@@ -270,7 +270,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             heading: HEADING,
         });
         Ok(Self {
-            planner: Planner::new(p),
+            planner: Planner::new(p, &vehicle),
             lateral_guidance,
             tracker: Tracker::new(p),
             accelerometer: Accelerometer::new(p, &vehicle),
