@@ -43,6 +43,11 @@ const STIFF: f32 = 0.25;
 /// Greatest change of the pitch rate that thrust is given for [rad/s²].
 const MAX_CHANGE: f32 = 15.0;
 
+/// Attitude behind the virtual one \[rad\] from which on less authority is believed in, and at which none is: the air holds the nose, and
+/// it takes thrust to turn it. Without, an elevon wing circled down on its back at the elevons' stop, motors at rest.
+const BEHIND: f32 = 0.3;
+const HELD: f32 = 0.5;
+
 /// Least airspeed in the rate at which the air takes a velocity away [m/s]: in hover there is none.
 const SLOWEST: f32 = 0.1;
 
@@ -253,9 +258,13 @@ impl Tracker {
         let change = limited(gain * gain * ahead, MAX_CHANGE);
         let authority = vehicle.authority();
         let allowed = authority.at(flow, asked, available);
-        let lacking = (change - allowed.wing).abs() - allowed.given;
+        let held = math::clamp((ahead.abs() - BEHIND) / (HELD - BEHIND), 0.0, 1.0);
+        let lacking = (change - allowed.wing).abs() - allowed.given * (1.0 - held);
         if lacking > 0.0 {
-            command.thrust = authority.thrust_giving(&allowed, lacking, asked, available);
+            let raised = authority.thrust_giving(&allowed, lacking, asked, available);
+            if raised != asked {
+                command.thrust = raised;
+            }
         }
         // Out of the plane of flight pitch, tilt and twist would each go their own way.
         if aligned < 1.0 {

@@ -830,6 +830,35 @@ mod tests {
         assert!(carried < 0.8 * hover, "{hover} {carried}");
     }
 
+    /// On its back at 16 m/s, the nose held by the air whatever is commanded: a vehicle that turns by its slipstream gets thrust, though it
+    /// believes that the airflow alone turns it.
+    #[test]
+    fn an_attitude_that_does_not_follow_gets_thrust() {
+        let vehicle = VehicleParameters {
+            thrust_max: 1.7 * 98.1,
+            authority: 0.0,
+            authority_slipstream: 40.0,
+            authority_airflow: 0.5,
+            wing_moment: 0.5,
+            hover_downwash: 8.0,
+            ..VehicleParameters::PAPER
+        };
+        let model = Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap();
+        let guidance = Guidance::new(Vehicle::new(vehicle, model).unwrap(), &parameters()).unwrap();
+        let input = PlanarGuidanceInput {
+            velocity: Inertial::new(5.0, -16.0),
+            attitude: Attitude::from_angle(1.6),
+            ..HOVER
+        };
+        let mut state = GuidanceState::default();
+        let mut guided = PlanarGuidanceOutput::default();
+        for _ in 0..200 {
+            guided = guidance.update_in_plane(&mut state, &input, DT);
+            assert_eq!(guided.reject_reason, None);
+        }
+        assert!(guided.command.thrust > 0.5 * 98.1, "{guided:?}");
+    }
+
     /// A specific force that is no number is left out and told; none at all is only left out.
     #[test]
     fn a_bad_specific_force_is_told() {
