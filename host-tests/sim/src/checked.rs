@@ -56,7 +56,7 @@ impl Document {
         let inside = |e: FieldError| e.inside("plant");
         let tail_sitter: TailSitterPlant = read(Value::Table(plant)).map_err(inside)?;
         tail_sitter.validate().map_err(inside)?;
-        let spec = &tail_sitter.vehicle;
+        let spec = &tail_sitter.measured();
         let belief = Belief::of(spec);
         document.set("vehicle", belief.vehicle(spec.mass_kg))?;
         document.set("plant", belief.plant(tail_sitter.delay_s))?;

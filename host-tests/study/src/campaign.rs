@@ -43,7 +43,7 @@ pub struct Campaign {
     pub maps: Vec<Map>,
 }
 
-/// A field of the experiment that is drawn for each flight: scaled by, added to or replaced by a random number.
+/// A field of the experiment that is drawn for each flight: scaled by, added to or replaced by a random number, or one of several names.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Dispersion {
@@ -55,6 +55,8 @@ pub struct Dispersion {
     pub add: Option<Distribution>,
     /// Value.
     pub to: Option<Distribution>,
+    /// Texts, one of which is drawn with equal chances: the vehicle of a plant is an example. Its place in this list is what is recorded.
+    pub names: Option<Vec<String>>,
     /// Other fields, each with an exponent: the number drawn is multiplied by the powers of their drawn values. An area that grows with
     /// mass^(2/3) is an example.
     #[serde(default)]

@@ -13,7 +13,7 @@ pub struct Drawn {
     pub experiment: Experiment,
     /// The same as a document.
     pub document: Document,
-    /// Values of the dispersed fields, in the campaign's order.
+    /// Values of the dispersed fields, in the campaign's order; of a name its place in the list.
     pub values: Vec<f64>,
     /// The reference, if the campaign draws it.
     pub reference: Option<DrawnReference>,
@@ -72,9 +72,18 @@ impl Campaign {
         document.set("seed", Value::Integer(seed))?;
         let mut values = Vec::with_capacity(self.disperse.len());
         for dispersion in &self.disperse {
-            let value = dispersion.draw(base, &document, &mut random)?;
-            document.set(&dispersion.field, Value::Float(value))?;
-            values.push(value);
+            let (value, number) = match &dispersion.names {
+                Some(names) => {
+                    let index = random.random_range(0..names.len());
+                    (Value::String(names[index].clone()), index as f64)
+                }
+                None => {
+                    let number = dispersion.draw(base, &document, &mut random)?;
+                    (Value::Float(number), number)
+                }
+            };
+            document.set(&dispersion.field, value)?;
+            values.push(number);
         }
         let reference = self.reference.as_ref().map(|r| r.draw(&mut random));
         if let Some(reference) = &reference {

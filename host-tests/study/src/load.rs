@@ -187,12 +187,30 @@ impl Campaign {
 
 impl Dispersion {
     fn validate(&self, field: &str, base: &Document) -> Result<(), FieldError> {
+        if let Some(names) = &self.names {
+            let others = [&self.scale, &self.add, &self.to];
+            let alone = others.iter().all(|other| other.is_none())
+                && self.powers.is_empty()
+                && self.plus.is_none()
+                && self.at_most.is_empty();
+            require(alone, field, "names stand alone")?;
+            require(!names.is_empty(), format!("{field}.names"), "is empty")?;
+            return names.iter().try_for_each(|name| {
+                let mut document = base.clone();
+                document
+                    .set(&self.field, toml::Value::String(name.clone()))
+                    .map_err(|e| at(&format!("{field}.names"), e))
+            });
+        }
         let kinds = [("scale", &self.scale), ("add", &self.add), ("to", &self.to)];
         let mut given = kinds
             .iter()
             .filter_map(|(kind, d)| Some((kind, d.as_ref()?)));
         let (Some((kind, distribution)), None) = (given.next(), given.next()) else {
-            return Err(FieldError::new(field, "needs one of scale, add and to"));
+            return Err(FieldError::new(
+                field,
+                "needs one of scale, add, to and names",
+            ));
         };
         distribution.validate(&format!("{field}.{kind}"))?;
         let problem = "duration_s is the same in all flights: they are sampled together";

@@ -3,6 +3,7 @@
 use serde::Deserialize;
 
 use super::document::{FieldError, finite, positive, require};
+use super::variation::Variation;
 use crate::named::built_in;
 
 /// Name and TOML text of every built-in vehicle.
@@ -192,6 +193,12 @@ pub enum Mixer {
 pub struct TailSitterPlant {
     /// The vehicle.
     pub vehicle: TailSitterSpec,
+    /// How it differs from that.
+    #[serde(default)]
+    pub variation: Variation,
+    /// How it differs besides, which the controller is not told of.
+    #[serde(default)]
+    pub unknown: Variation,
     /// Transport delay of the command \[s\], in whole steps of the plant.
     #[serde(default)]
     pub delay_s: f64,
@@ -200,9 +207,28 @@ pub struct TailSitterPlant {
 }
 
 impl TailSitterPlant {
+    /// The vehicle that the controller is told of.
+    pub fn measured(&self) -> TailSitterSpec {
+        self.variation.of(&self.vehicle)
+    }
+
+    /// The vehicle that flies.
+    pub fn flown(&self) -> TailSitterSpec {
+        self.unknown.of(&self.measured())
+    }
+
     /// Checks every field. Errors name it inside `[plant]`.
     pub(crate) fn validate(&self) -> Result<(), FieldError> {
         self.vehicle.validate().map_err(|e| e.inside("vehicle"))?;
+        for (field, variation, varied) in [
+            ("variation", &self.variation, self.measured()),
+            ("unknown", &self.unknown, self.flown()),
+        ] {
+            variation.validate().map_err(|e| e.inside(field))?;
+            varied.validate().map_err(|e| {
+                FieldError::new(field, format!("{} of the vehicle {}", e.field, e.problem))
+            })?;
+        }
         within("ground_m", self.ground_m.unwrap_or(0.0), [-1e4, 1e4])
     }
 }
@@ -250,6 +276,15 @@ impl TailSitterSpec {
 const LAG: [f64; 2] = [0.005, 1.0];
 
 impl Wing {
+    /// Mean chord of its strips without fins \[m\].
+    pub(crate) fn mean_chord(&self) -> f64 {
+        let level = self.strips.iter().filter(|strip| !strip.upright);
+        let (area, span) = level.fold((0.0, 0.0), |(area, span), strip| {
+            (area + strip.span_m * strip.chord_m, span + strip.span_m)
+        });
+        area / span
+    }
+
     fn validate(&self) -> Result<(), FieldError> {
         within("aspect_ratio", self.aspect_ratio, [0.5, 50.0])?;
         let section = &self.section;

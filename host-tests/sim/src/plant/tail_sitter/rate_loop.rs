@@ -6,6 +6,9 @@
 use crate::experiment::V3;
 use crate::experiment::tail_sitter::{Mixer, RateLaw, RateLoop};
 
+/// What is missing of a full torque and is not meant: with the sign of a rounding the integral would wait now and then.
+const ROUNDING: f64 = 1e-9;
+
 /// What the inner loop remembers.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RateLoopState {
@@ -63,7 +66,7 @@ impl RateLoop {
     pub fn given(&self, state: &mut RateLoopState, asked: V3, given: V3) {
         let dt = 1.0 / self.rate_hz;
         let share = 1.0 - (-2.0 * std::f64::consts::PI * self.cutoff_hz * dt).exp();
-        state.missing = asked - given;
+        state.missing = (asked - given).map(|x| if x.abs() > ROUNDING { x } else { 0.0 });
         state.torque += share * (given - state.torque);
     }
 }
