@@ -23,6 +23,9 @@ pub const BUILT_IN: &[(&str, &str)] = built_in! { "campaigns", ".toml";
     "faults-in-space",
     "paths",
     "fast-starts",
+    "tail-sitters",
+    "tail-sitter-falls",
+    "tail-sitter-hover",
 };
 
 /// Most flights of a campaign: months on one core.
