@@ -56,8 +56,11 @@ macro_rules! rules {
 }
 
 rules! { known, default;
-    natural_frequency = math::min(4.0, 0.95 / (known.rate_lag + known.period)),
-        "As fast as flights were tried with, and with a slow rate loop 0.95 over its lag and one step: with the damping ratio of 0.8 the loop is stable up to 1.6.";
+    natural_frequency = math::min(
+        math::min(4.0, 0.95 / (known.rate_lag + known.period)),
+        math::sqrt((0.6 * known.authority).abs()),
+    ),
+        "As fast as flights were tried with, and with a slow rate loop 0.95 over its lag and one step: with the damping ratio of 0.8 the loop is stable up to 1.6. Less where it takes more than what turns the vehicle in hover to turn back from 0.6 rad: a loop that asks for more swings.";
     damping = default.damping,
         "Little overshoot where the lag has taken a part of it.";
     thrust_rate = known.thrust_rate,
@@ -183,6 +186,19 @@ mod tests {
         for (i, row) in GuidanceParameters::ROWS.iter().enumerate() {
             assert_eq!(ruled.get(i), default.get(i), "{}", row.name);
         }
+    }
+
+    /// A vehicle of 10 rad/s² turns back from 0.6 rad with all that it has.
+    #[test]
+    fn the_loop_asks_for_no_more_than_there_is_to_turn_with() {
+        let vehicle = VehicleParameters {
+            authority: 10.0,
+            ..VehicleParameters::PAPER
+        };
+        let p = GuidanceParameters::for_vehicle(&vehicle, &PAPER).unwrap();
+        // 1e-3 rad/s²: roundings.
+        assert!((p.natural_frequency * p.natural_frequency - 6.0).abs() < 1e-3);
+        assert!(p.max_slew <= 7.0 + 1e-3 && p.max_rate < 1.0);
     }
 
     /// At every corner of what is accepted a guidance can be made of what comes out, and the loops are stable by what the gains' own page
