@@ -1,15 +1,14 @@
-//! What the accelerometer tells: the force that the believed vehicle leaves out, and the lateral air velocity that the known
-//! wind leaves out.
+//! What the accelerometer tells of the vehicle: the force that the believed one leaves out. What it tells of the air is in
+//! [`air_estimate`](super::air_estimate).
 
 use super::memory::memory;
 use super::parameters::GuidanceParameters;
-use super::supervision::AirUse;
 use crate::aero::Aerodynamics;
 use crate::math;
 use crate::ned::Ned;
 use crate::spatial::{
     Body, Command, Correction, ForceError, ForceErrorParameters, ForceErrorState, ForceSample,
-    Orientation, Sideslip, SideslipParameters, SideslipState,
+    Orientation,
 };
 use crate::vehicle::Vehicle;
 
@@ -20,6 +19,8 @@ const MOST: f32 = 0.6;
 /// Time in which the force of the air takes over what is left of the force error along it \[s\], and the bounds of what is
 /// believed of it.
 const AIR_TIME: f32 = 0.5;
+/// Time in which the force of the air takes over what is taken for a gust \[s\]: no gust lasts as long.
+const GUST_TIME: f32 = 5.0;
 const LEAST_EXCESS: f32 = -0.4;
 const MOST_EXCESS: f32 = 0.6;
 /// Force of the air, in multiples of the weight, below which it counts less.
@@ -27,8 +28,6 @@ const AIR_FORCE: f32 = 0.3;
 /// Greatest thrust that is taken for missing, and the least of the greatest thrust that is left, over the weight.
 const MOST_MISSING: f32 = 0.2;
 const LEAST_THRUST: f32 = 1.02;
-/// Side force coefficient below which an accelerometer says nothing of the sideslip.
-const LEAST_C_Y: f32 = 1e-3;
 
 /// The estimators.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,8 +36,6 @@ pub(super) struct Accelerometer {
     force: ForceError,
     most: f32,
     air_force: f32,
-    sideslip: Option<Sideslip>,
-    most_sideslip: f32,
     rate_lag: f32,
     surface_reaction: f32,
 }
@@ -48,7 +45,6 @@ pub(super) struct Accelerometer {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct AccelerometerState {
     pub force: ForceErrorState,
-    pub sideslip: SideslipState,
     /// Force of the air that is measured, as a multiple of the believed one, less 1.
     pub excess: f32,
     /// Pitch rate that the commands should have given by now [rad/s].
@@ -57,7 +53,6 @@ pub(super) struct AccelerometerState {
 
 memory!(AccelerometerState {
     force: ForceErrorState,
-    sideslip: SideslipState,
     excess: f32,
     rate: f32,
 });
@@ -65,7 +60,6 @@ memory!(ForceErrorState {
     force: Ned,
     thrust: f32,
 });
-memory!(SideslipState { velocity: f32 });
 
 impl Accelerometer {
     /// The estimators for `vehicle`, with parameters that have been checked.
@@ -76,17 +70,10 @@ impl Accelerometer {
             thrust_lag: p.thrust_lag,
             most,
         };
-        let sideslip = SideslipParameters::DEFAULT;
         Self {
             force: ForceError::of_checked(force, vehicle.mass()),
             most,
             air_force: AIR_FORCE * vehicle.weight(),
-            sideslip: if vehicle.c_y() >= LEAST_C_Y {
-                Some(Sideslip::of_checked(sideslip, vehicle))
-            } else {
-                None
-            },
-            most_sideslip: 2.0 * sideslip.most,
             rate_lag: p.rate_lag,
             surface_reaction: vehicle.surface_reaction(),
         }
@@ -97,13 +84,11 @@ impl Accelerometer {
     pub fn is_sound(&self, state: &AccelerometerState) -> bool {
         let AccelerometerState {
             force,
-            sideslip,
             excess,
             rate,
         } = state;
         (force.force.norm_squared() <= 1.000_01 * self.most * self.most)
             & (force.thrust.abs() <= 1e7)
-            & (sideslip.velocity.abs() <= self.most_sideslip)
             & (LEAST_EXCESS..=MOST_EXCESS).contains(excess)
             & (rate.abs() <= 1e3)
     }
@@ -124,7 +109,7 @@ impl Accelerometer {
     /// What the law is to add: what is in proportion to the force of the air follows it at once, the rest by its low-pass.
     #[inline(always)]
     pub fn correction(&self, state: &AccelerometerState) -> Correction {
-        Correction::new(state.force.force, state.sideslip.velocity).with_air(state.excess)
+        Correction::new(state.force.force, 0.0).with_air(state.excess)
     }
 
     /// Thrust \[N\] that the vehicle does not have for anything else: it holds the force along `down` that the belief leaves
@@ -142,8 +127,17 @@ impl Accelerometer {
         math::clamp(down.dot(state.force.force), 0.0, most)
     }
 
+    /// The specific force \[m/s²\] without that by which surfaces turn the vehicle, where this pitch rate was `commanded` last
+    /// \[rad/s\].
+    #[inline(always)]
+    pub fn without_surfaces(&self, state: &AccelerometerState, felt: Body, commanded: f32) -> Body {
+        let change = (commanded - state.rate) / self.rate_lag;
+        Body::new(felt.i, felt.j - self.surface_reaction * change, felt.w)
+    }
+
     /// One step of `dt` \[s\] after a command of the law in this attitude, with the specific force \[m/s²\] if it is
-    /// measured. Where it is not, nothing is added any more.
+    /// measured, and the part of the force along the belly that is taken for a `gust`'s \[N\]. Where nothing is measured nothing is
+    /// added any more.
     #[inline(always)]
     pub fn update(
         &self,
@@ -151,7 +145,7 @@ impl Accelerometer {
         specific_force: Option<Body>,
         orientation: Orientation,
         command: &Command,
-        air: AirUse,
+        gust: f32,
         dt: f32,
     ) {
         let lag = self.rate_lag + dt;
@@ -174,25 +168,19 @@ impl Accelerometer {
             thrust: command.thrust,
         };
         self.force.update(&mut state.force, &sample, dt);
+        let force = sample.aerodynamic.norm_squared() + self.air_force * self.air_force;
         let left = orientation
             .to_body(state.force.force)
             .dot(sample.aerodynamic)
-            / (sample.aerodynamic.norm_squared() + self.air_force * self.air_force);
+            / force;
+        let lasting = gust * sample.aerodynamic.j / force;
         state.excess = math::clamp(
-            state.excess + left * math::min(dt / AIR_TIME, 1.0),
+            state.excess
+                + left * math::min(dt / AIR_TIME, 1.0)
+                + lasting * math::min(dt / GUST_TIME, 1.0),
             LEAST_EXCESS,
             MOST_EXCESS,
         );
-        // A measured air velocity has its own lateral part.
-        match &self.sideslip {
-            Some(sideslip) if air != AirUse::Velocity => sideslip.update(
-                &mut state.sideslip,
-                command.diagnostics.v_a,
-                specific_force.w,
-                dt,
-            ),
-            _ => state.sideslip = SideslipState::default(),
-        }
     }
 }
 
@@ -224,7 +212,6 @@ mod tests {
         state: &mut AccelerometerState,
         believed: Body,
         felt: Option<Body>,
-        air: AirUse,
         seconds: f32,
     ) {
         for _ in 0..(seconds / DT) as usize {
@@ -237,7 +224,7 @@ mod tests {
                 ..Command::default()
             };
             let up = Orientation::NOSE_UP;
-            estimators.update(state, felt.map(|f| f * 0.1), up, &command, air, DT);
+            estimators.update(state, felt.map(|f| f * 0.1), up, &command, 0.0, DT);
             assert!(estimators.is_sound(state));
         }
     }
@@ -247,14 +234,7 @@ mod tests {
     fn what_is_in_proportion_to_the_air_scales_it() {
         let (e, mut state) = (estimators(0.0), AccelerometerState::default());
         let believed = Body::new(0.0, -98.1, 0.0);
-        fly(
-            &e,
-            &mut state,
-            believed,
-            Some(believed * 1.3),
-            AirUse::Wind,
-            10.0,
-        );
+        fly(&e, &mut state, believed, Some(believed * 1.3), 10.0);
         assert!((state.excess - 0.3).abs() < 1e-3);
         assert!(state.force.force.norm_squared() < 0.1);
         assert!((e.correction(&state).air() - 1.3).abs() < 1e-3);
@@ -284,14 +264,7 @@ mod tests {
                 let change = (command.rates.pitch - rate) / (parameters.rate_lag + DT);
                 rate += change * DT;
                 let felt = Some(Body::new(0.0, 0.15 * change, 0.0));
-                e.update(
-                    &mut state,
-                    felt,
-                    Orientation::NOSE_UP,
-                    &command,
-                    AirUse::Wind,
-                    DT,
-                );
+                e.update(&mut state, felt, Orientation::NOSE_UP, &command, 0.0, DT);
                 if n >= 200 {
                     most = math::max(most, state.force.force.norm_squared());
                 }
@@ -309,18 +282,11 @@ mod tests {
         let (e, mut state) = (estimators(0.0), AccelerometerState::default());
         let believed = Body::new(0.0, -98.1, 0.0);
         let felt = believed + Body::new(20.0, 0.0, 0.0);
-        fly(&e, &mut state, believed, Some(felt), AirUse::Wind, 10.0);
+        fly(&e, &mut state, believed, Some(felt), 10.0);
         assert!(state.excess.abs() < 1e-3);
         // Nose up, i is down.
         assert!((state.force.force - Ned::new(0.0, 0.0, 20.0)).norm_squared() < 0.01);
-        fly(
-            &e,
-            &mut state,
-            believed,
-            Some(believed * 2.0),
-            AirUse::Wind,
-            10.0,
-        );
+        fly(&e, &mut state, believed, Some(believed * 2.0), 10.0);
         assert_eq!(state.excess, MOST_EXCESS);
         let left = state.force.force.norm_squared();
         assert!((left - 39.2 * 39.2).abs() < 10.0, "{left}");
@@ -356,29 +322,9 @@ mod tests {
     fn without_air_nothing_is_scaled() {
         let (e, mut state) = (estimators(0.0), AccelerometerState::default());
         let felt = Body::new(-10.0, 0.0, 0.0);
-        fly(
-            &e,
-            &mut state,
-            Body::default(),
-            Some(felt),
-            AirUse::Wind,
-            5.0,
-        );
+        fly(&e, &mut state, Body::default(), Some(felt), 5.0);
         assert_eq!(state.excess, 0.0);
         assert!((state.force.force.down + 10.0).abs() < 0.01);
-    }
-
-    /// A side force of air that comes from the side, at 20 m/s: F_w = −k_a c_Y |v_a| v_w.
-    #[test]
-    fn the_sideslip_is_that_of_the_side_force() {
-        let (e, mut state) = (estimators(0.5), AccelerometerState::default());
-        let side = VehicleParameters::PAPER.k_a * 0.5 * 20.0;
-        let felt = Some(Body::new(0.0, 0.0, -side * 2.0));
-        fly(&e, &mut state, Body::default(), felt, AirUse::Wind, 10.0);
-        assert!((e.correction(&state).sideslip() - 2.0).abs() < 0.2);
-        // A measured air velocity has its own part to the side.
-        fly(&e, &mut state, Body::default(), felt, AirUse::Velocity, DT);
-        assert_eq!(e.correction(&state).sideslip(), 0.0);
     }
 
     /// A hover at power-on is a hover from the first sample on: no force is missing that the thrust before could explain.
@@ -394,7 +340,7 @@ mod tests {
             ..Command::default()
         };
         let up = Orientation::NOSE_UP;
-        e.update(&mut state, Some(felt), up, &command, AirUse::Wind, DT);
+        e.update(&mut state, Some(felt), up, &command, 0.0, DT);
         assert!(state.force.force.norm_squared() < 1e-8);
         e.begin(&mut state, Some(felt * 9.0), (10.0, 0.0, 196.2));
         assert_eq!(state.force.thrust, 196.2);
@@ -406,16 +352,9 @@ mod tests {
     fn without_a_specific_force_nothing_is_added() {
         let (e, mut state) = (estimators(0.5), AccelerometerState::default());
         let believed = Body::new(0.0, -98.1, 0.0);
-        fly(
-            &e,
-            &mut state,
-            believed,
-            Some(believed * 1.3),
-            AirUse::Wind,
-            1.0,
-        );
+        fly(&e, &mut state, believed, Some(believed * 1.3), 1.0);
         assert_ne!(e.correction(&state), Correction::default());
-        fly(&e, &mut state, believed, None, AirUse::Wind, DT);
+        fly(&e, &mut state, believed, None, 0.0, DT);
         assert_eq!(e.correction(&state), Correction::default());
     }
 
@@ -427,10 +366,6 @@ mod tests {
         for excess in [f32::NAN, 0.7, -0.5] {
             assert!(!e.is_sound(&AccelerometerState { excess, ..good }));
         }
-        let sideslip = SideslipState {
-            velocity: f32::INFINITY,
-        };
-        assert!(!e.is_sound(&AccelerometerState { sideslip, ..good }));
         let force = ForceErrorState {
             force: Ned::new(0.0, 0.0, 60.0),
             thrust: 0.0,

@@ -2,6 +2,7 @@
 
 mod accelerometer;
 mod air_data_fallback;
+mod air_estimate;
 mod bandwidth;
 mod course;
 mod for_vehicle;

@@ -89,6 +89,10 @@ impl From<&PlanarGuidanceInput> for GuidanceInput {
                 Air::Velocity(v) => Air::Velocity(Ned::in_plane(v)),
                 Air::Wind(v) => Air::Wind(Ned::in_plane(v)),
                 Air::Unknown => Air::Unknown,
+                Air::Pitot { airspeed, wind } => Air::Pitot {
+                    airspeed,
+                    wind: Ned::in_plane(wind),
+                },
             },
             specific_force: p.specific_force.map(|f| Frd::new(-f.i(), 0.0, f.j())),
             position_error: p.position_error.map(Ned::in_plane),

@@ -74,6 +74,13 @@ pub enum Air<V = Ned> {
     /// Nothing.
     #[default]
     Unknown,
+    /// A pitot tube, and a wind as of an autopilot's estimator, which follows slowly.
+    Pitot {
+        /// Airspeed along the nose [m/s]; NaN where the tube tells nothing: too slow, or too far from the nose.
+        airspeed: f32,
+        /// The wind v_w [m/s].
+        wind: V,
+    },
 }
 
 /// What of the air is used.
@@ -92,6 +99,8 @@ pub enum AirUse {
     /// thrust vectoring.
     #[default]
     None,
+    /// The air velocity estimated from pitot tube, wind and accelerometer.
+    Pitot,
 }
 
 impl AirUse {
@@ -102,6 +111,7 @@ impl AirUse {
             Self::Wind => "wind",
             Self::HeldWind => "held-wind",
             Self::None => "none",
+            Self::Pitot => "pitot",
         }
     }
 }
@@ -324,6 +334,7 @@ impl Supervisor {
         let (given, used) = match *air {
             Air::Velocity(v_a) => (velocity - v_a, AirUse::Velocity),
             Air::Wind(wind) => (wind, AirUse::Wind),
+            Air::Pitot { wind, .. } => (wind, AirUse::Pitot),
             Air::Unknown => return self.without_air(state, dt, false),
         };
         // A blocked pitot makes the air stand still around a moving vehicle: as if a tailwind had come up at once.

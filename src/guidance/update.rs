@@ -5,6 +5,7 @@
 
 use super::accelerometer::{Accelerometer, AccelerometerState};
 use super::air_data_fallback::AirDataFallback;
+use super::air_estimate::{AirEstimateState, AirSample};
 use super::bandwidth::BandwidthGains;
 use super::course::{Axes, Course};
 use super::lateral_guidance::{LateralGuidance, ReferenceModelState};
@@ -116,6 +117,7 @@ pub struct GuidanceState {
     /// Position less reference position \[m\], reckoned from the velocity where it is not measured.
     pub(super) reckoned: Ned,
     accelerometer: AccelerometerState,
+    air: AirEstimateState,
     pub(super) limits: LimitState,
     /// 1 once the virtual flight has begun.
     pub(super) started: u8,
@@ -159,6 +161,7 @@ memory!(GuidanceState {
     wind: Ned,
     reckoned: Ned,
     accelerometer: AccelerometerState,
+    air: AirEstimateState,
     limits: LimitState,
     started: u8,
     held: Ned,
@@ -337,6 +340,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             & state.planner.is_sound()
             & self.tracker.is_sound(state.integral)
             & self.accelerometer.is_sound(&state.accelerometer)
+            & state.air.is_sound()
             & (state.wind.norm_squared() + state.reckoned.norm_squared()
                 <= 4.0 * MAX_SPEED * MAX_SPEED)
             & (self.limits.is_sound(&state.limits)
@@ -459,6 +463,31 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
                 self.supervisor.remember(&mut state.supervision, wind);
             }
             position_error = position_error.map(|x| Ned::new(0.0, 0.0, x.down));
+        }
+        // What the known wind leaves out, where the air's velocity itself is not known.
+        let mut gust = 0.0;
+        if air == AirUse::Pitot || (air != AirUse::Velocity && specific_force.is_some()) {
+            gust = state.air.update(
+                self.control.plane().vehicle(),
+                &AirSample {
+                    air: input.velocity - wind,
+                    orientation: input.orientation,
+                    airspeed: match input.air {
+                        Air::Pitot { airspeed, .. } if air == AirUse::Pitot => airspeed,
+                        _ => f32::NAN,
+                    },
+                    specific_force: specific_force.map(|felt| {
+                        let commanded = state.limits.rates.w;
+                        self.accelerometer
+                            .without_surfaces(&state.accelerometer, felt, commanded)
+                    }),
+                    scale: correction.air(),
+                },
+                dt,
+            );
+            wind += state.air.gust;
+        } else {
+            state.air = AirEstimateState::default();
         }
         at.wind = wind;
         at.correction = correction;
@@ -588,7 +617,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             specific_force,
             input.orientation,
             &guided.command,
-            air,
+            gust,
             dt,
         );
         guided.command.thrust = state.limits.thrust;

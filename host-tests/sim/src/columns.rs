@@ -162,6 +162,7 @@ columns! {
         Air::Velocity(_) => "velocity",
         Air::Wind(_) => "wind",
         Air::Unknown => "unknown",
+        Air::Pitot { .. } => "pitot",
     }));
     "told_va_north_m_s", "air velocity as told", |_, s| part(told_air(s), |v| v.north);
     "told_va_east_m_s", "air velocity as told", |_, s| part(told_air(s), |v| v.east);

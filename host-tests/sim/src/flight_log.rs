@@ -108,7 +108,7 @@ const NOTHING: [f64; 3] = [f64::NAN; 3];
 impl Told {
     fn wind(&self) -> [f64; 3] {
         match self.air {
-            Air::Wind(wind) => wind,
+            Air::Wind(wind) | Air::Pitot { wind, .. } => wind,
             _ => NOTHING,
         }
     }
@@ -150,6 +150,10 @@ impl From<&Step> for Row {
                     Air::Wind(wind) => Air::Wind(told(wind)),
                     Air::Velocity(v) => Air::Velocity(told(v)),
                     Air::Unknown => Air::Unknown,
+                    Air::Pitot { airspeed, wind } => Air::Pitot {
+                        airspeed,
+                        wind: told(wind),
+                    },
                 },
                 heading: target.heading.unwrap_or(f64::NAN),
             },

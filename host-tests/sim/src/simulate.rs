@@ -7,7 +7,7 @@ use alula::spatial::FeedForward;
 use nalgebra::UnitQuaternion;
 
 use crate::controllers::{Answer, Controller, Input};
-use crate::experiment::{Experiment, Faults, State, Target, V3, Weather, ned, stream};
+use crate::experiment::{Estimates, Experiment, Faults, State, Target, V3, Weather, ned, stream};
 use crate::plant::Command;
 use crate::reference::wrap;
 use crate::sensor_hold::SensorHold;
@@ -98,8 +98,11 @@ pub fn simulate(
     let steady = experiment.weather.steady();
     let sensors = &experiment.sensors;
     let mut faults = Faults::new(&sensors.faults, experiment.seed, in_plane);
+    let mut estimates = Estimates::new(experiment.seed);
     let mut hold = SensorHold::default();
     let mut last_answer = None;
+    // How far the wind has carried the path [m].
+    let mut drift = V3::zeros();
     let period = 1.0 / experiment.control_rate_hz;
     let dt = period / f64::from(experiment.substeps);
     let mut path = experiment.path.path()?;
@@ -121,12 +124,28 @@ pub fn simulate(
         theta += wrap(truth.theta() - theta);
         let wind = weather.wind(t);
         let force = plant.specific_force(wind);
-        let measured = sensors.measure(&truth, force, wind, steady, in_plane, &mut noise);
+        let measured = sensors.measure(
+            &truth,
+            force,
+            wind,
+            steady,
+            in_plane,
+            (&mut noise, &mut estimates),
+            period,
+        );
         let measured = hold.state(&mut faults, t, measured);
-        let target = path.advance(t, period, |target| {
-            let error = measured.position - target.position;
+        let mut target = path.advance(t, period, |target| {
+            let error = measured.position - drift - target.position;
             controller.pace(ned(error), ned(target.velocity)).into()
         });
+        if experiment.path_in_air {
+            let along = target.velocity.normalize();
+            let ahead = (measured.position - drift - target.position).dot(&along);
+            drift += ahead * along;
+            target.position += drift;
+            target.velocity += estimates.last_wind();
+            drift += estimates.last_wind() * period;
+        }
         let input = Input {
             sample: hold.input(sensors, &faults, t, &target),
             feed_forward: feed_forward.then(|| {

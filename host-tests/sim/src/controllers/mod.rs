@@ -37,7 +37,7 @@ impl Input {
     pub fn wind(&self) -> Ned {
         match self.sample.air {
             Air::Velocity(velocity) => self.sample.velocity - velocity,
-            Air::Wind(wind) => wind,
+            Air::Wind(wind) | Air::Pitot { wind, .. } => wind,
             Air::Unknown => Ned::default(),
         }
     }

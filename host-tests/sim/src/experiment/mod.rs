@@ -6,6 +6,7 @@
 mod controller;
 mod document;
 mod dryden;
+mod estimates;
 mod faults;
 mod initial;
 mod knots;
@@ -33,6 +34,7 @@ use document::positive;
 pub(crate) use document::read;
 pub use document::{Document, FieldError, Located};
 pub use document::{angle, finite, from_toml, require};
+pub use estimates::{Estimates, EstimatorSpec};
 pub use faults::Faults;
 pub use faults::{FaultKind, FaultSpec};
 pub use initial::{InitialSpec, Scatter};
@@ -41,7 +43,7 @@ pub use parameters::{Fields, file_name, file_value, refused};
 pub use path::{Path, PathSpec, Target};
 pub use plant::{PlantSpec, RateLoop, State};
 pub(crate) use sensors::orientation;
-pub use sensors::{AirSensor, ErrorSpec, Measured, Sensor, SensorSpec};
+pub use sensors::{AirSensor, ErrorSpec, Measured, PitotSpec, Sensor, SensorSpec};
 pub use tail_sitter::{TailSitterPlant, TailSitterSpec};
 pub use variation::Variation;
 pub use vector::V3;
@@ -138,6 +140,9 @@ pub struct Experiment {
     /// What is to be flown: `[path]`, or `[reference]`.
     #[serde(alias = "reference")]
     pub path: PathSpec,
+    /// Whether the path goes along with the level wind, as an autopilot estimates it: its speed is then an airspeed.
+    #[serde(default)]
+    pub path_in_air: bool,
     /// Where the flight starts.
     #[serde(default)]
     pub initial: InitialSpec,

@@ -12,6 +12,7 @@ use serde::Deserialize;
 
 use super::V3;
 use super::document::{FieldError, require, sensor_error};
+use super::estimates::{Estimates, EstimatorSpec};
 use super::faults::FaultSpec;
 use super::plant::State;
 use super::vector::ned;
@@ -37,17 +38,50 @@ pub enum AirSensor {
     Velocity,
     /// The steady wind, as of a forecast.
     SteadyWind,
+    /// The level wind, as an autopilot estimates it: behind by `estimator.wind_lag_s`.
+    WindEstimate,
+    /// The airspeed along the nose, as a pitot tube tells it, and the level wind estimated.
+    Pitot,
     /// Nothing.
     None,
 }
 
-impl AirSensor {
-    /// What it tells of an air `velocity`, which is measured where it is told, and of a `steady` wind.
-    pub(crate) fn told<V>(self, velocity: impl FnOnce() -> V, steady: V) -> Air<V> {
-        match self {
-            Self::Velocity => Air::Velocity(velocity()),
-            Self::SteadyWind => Air::Wind(steady),
-            Self::None => Air::Unknown,
+/// `[sensors.pitot]`: where a pitot tube along the nose tells the airspeed. Both numbers are assumed.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct PitotSpec {
+    /// Airspeed along the nose \[m/s\] below which the pressure is too small.
+    pub least_m_s: f64,
+    /// Angle between nose and air velocity \[°\] beyond which the tube tells nothing.
+    pub cone_deg: f64,
+}
+
+impl Default for PitotSpec {
+    fn default() -> Self {
+        Self {
+            least_m_s: 5.0,
+            cone_deg: 35.0,
+        }
+    }
+}
+
+impl PitotSpec {
+    fn validate(&self) -> Result<(), FieldError> {
+        let (least, cone) = ("sensors.pitot.least_m_s", "sensors.pitot.cone_deg");
+        sensor_error(least, self.least_m_s)?;
+        require(self.least_m_s >= 0.0, least, "must not be negative")?;
+        let held = (0.0..=90.0).contains(&self.cone_deg);
+        require(held, cone, "must be from 0 to 90 degrees")
+    }
+
+    /// The airspeed along the `nose` \[m/s\] in an air velocity `air`; NaN where the tube tells nothing.
+    fn told(&self, nose: V3, air: V3) -> f64 {
+        let along = nose.dot(&air);
+        let inside = along >= air.norm() * self.cone_deg.to_radians().cos();
+        if inside && along >= self.least_m_s {
+            along
+        } else {
+            f64::NAN
         }
     }
 }
@@ -86,6 +120,10 @@ pub struct SensorSpec {
     pub acceleration_m_s2: ErrorSpec,
     /// What is known of the air.
     pub air: AirSensor,
+    /// The pitot tube.
+    pub pitot: PitotSpec,
+    /// The estimator.
+    pub estimator: EstimatorSpec,
     /// What is known of the position.
     pub position: Sensor,
     /// What is known of the specific force.
@@ -164,11 +202,14 @@ impl SensorSpec {
             ("air_m_s", &self.air_m_s),
             ("acceleration_m_s2", &self.acceleration_m_s2),
         ];
+        self.pitot.validate()?;
+        self.estimator.validate()?;
         validate(&errors, &self.faults)
     }
 
     /// What is measured of `truth` and its specific force `force` along (i, j, w) in `wind`, which is `steady` but for gusts and
-    /// turbulence. `in_plane` keeps the errors in the vertical plane to the north.
+    /// turbulence, `dt` \[s\] after the last. `in_plane` keeps the errors in the vertical plane to the north.
+    #[expect(clippy::too_many_arguments)]
     pub fn measure(
         &self,
         truth: &State,
@@ -176,7 +217,8 @@ impl SensorSpec {
         wind: V3,
         steady: V3,
         in_plane: bool,
-        random: &mut impl Rng,
+        (random, estimates): (&mut impl Rng, &mut Estimates),
+        dt: f64,
     ) -> Measured {
         // The components that have errors, in the order in which these are drawn.
         let (world, turns, along): (&[usize], &[usize], &[usize]) = match in_plane {
@@ -194,11 +236,24 @@ impl SensorSpec {
         let turn = told(&self.attitude_deg, V3::zeros(), turns).map(f64::to_radians);
         let air = told(&self.air_m_s, truth.velocity - wind, world);
         let f = told(&self.acceleration_m_s2, force, along);
+        let wind = estimates.wind(&self.estimator, truth.velocity - air, steady, dt);
+        let [velocity, position] = estimates.motion(&self.estimator, [velocity, position], dt);
+        let drift = estimates.turn(&self.estimator, in_plane, dt);
+        let [tail, ..] = truth.axes();
         Measured {
             velocity,
             position,
-            attitude: truth.attitude * UnitQuaternion::from_scaled_axis(turn),
-            air: self.air.told(|| ned(air), ned(steady)),
+            attitude: truth.attitude * UnitQuaternion::from_scaled_axis(turn) * drift,
+            air: match self.air {
+                AirSensor::Velocity => Air::Velocity(ned(air)),
+                AirSensor::SteadyWind => Air::Wind(ned(steady)),
+                AirSensor::WindEstimate => Air::Wind(ned(wind)),
+                AirSensor::Pitot => Air::Pitot {
+                    airspeed: self.pitot.told(-tail, air) as f32,
+                    wind: ned(wind),
+                },
+                AirSensor::None => Air::Unknown,
+            },
             specific_force: (self.accelerometer)
                 .told(Body::new(f.x as f32, f.y as f32, f.z as f32)),
         }

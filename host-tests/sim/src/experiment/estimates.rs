@@ -1,0 +1,132 @@
+//! What an autopilot's estimator makes of what is measured: lags, and an attitude error that drifts.
+
+use nalgebra::UnitQuaternion;
+use rand_chacha::ChaCha8Rng;
+use serde::Deserialize;
+
+use super::document::{FieldError, require, sensor_error};
+use super::dryden::normal;
+use super::{V3, stream};
+
+/// `[sensors.estimator]`.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct EstimatorSpec {
+    /// Time constant of velocity and position \[s\]; 0 for none.
+    pub lag_s: f64,
+    /// Standard deviation of the attitude error that drifts, about each axis \[°\].
+    pub drift_deg: f64,
+    /// Its correlation time \[s\]. Assumed.
+    pub drift_time_s: f64,
+    /// Time constant of the level wind \[s\]. Assumed: how fast PX4's `ekf2` follows a change of wind in flight.
+    pub wind_lag_s: f64,
+}
+
+impl Default for EstimatorSpec {
+    fn default() -> Self {
+        Self {
+            lag_s: 0.0,
+            drift_deg: 0.0,
+            drift_time_s: 60.0,
+            wind_lag_s: 4.0,
+        }
+    }
+}
+
+impl EstimatorSpec {
+    pub(super) fn validate(&self) -> Result<(), FieldError> {
+        let numbers = [
+            ("lag_s", self.lag_s),
+            ("drift_deg", self.drift_deg),
+            ("drift_time_s", self.drift_time_s),
+            ("wind_lag_s", self.wind_lag_s),
+        ];
+        for (name, value) in numbers {
+            let field = format!("sensors.estimator.{name}");
+            sensor_error(&field, value)?;
+            require(value >= 0.0, field, "must not be negative")?;
+        }
+        Ok(())
+    }
+}
+
+/// The estimator's memory.
+pub struct Estimates {
+    random: ChaCha8Rng,
+    wind: Option<V3>,
+    /// How far velocity and position are behind: estimate less value [m/s], \[m\].
+    last: Option<[V3; 2]>,
+    /// Attitude error \[rad\].
+    drift: Option<V3>,
+}
+
+/// The part of a change that a lag of `time` \[s\] lets through in `dt` \[s\].
+fn passed(dt: f64, time: f64) -> f64 {
+    if time > 0.0 {
+        1.0 - (-dt / time).exp()
+    } else {
+        1.0
+    }
+}
+
+impl Estimates {
+    /// None so far, for a flight with this `seed`.
+    pub fn new(seed: u64) -> Self {
+        Self {
+            random: stream(seed, 4),
+            wind: None,
+            last: None,
+            drift: None,
+        }
+    }
+
+    /// The level part of the `wind` \[m/s\], `dt` \[s\] after the last; at first the `steady` one.
+    pub(super) fn wind(&mut self, spec: &EstimatorSpec, wind: V3, steady: V3, dt: f64) -> V3 {
+        let level = |v: V3| V3::new(v.x, v.y, 0.0);
+        let last = self.wind.unwrap_or(level(steady));
+        let next = last + (level(wind) - last) * passed(dt, spec.wind_lag_s);
+        self.wind = Some(next);
+        next
+    }
+
+    /// The level wind estimated last \[m/s\].
+    pub fn last_wind(&self) -> V3 {
+        self.wind.unwrap_or_default()
+    }
+
+    /// Velocity \[m/s\] and position \[m\], `dt` \[s\] after the last.
+    pub(super) fn motion(&mut self, spec: &EstimatorSpec, now: [V3; 2], dt: f64) -> [V3; 2] {
+        // Exactly, where nothing lags.
+        if spec.lag_s == 0.0 {
+            return now;
+        }
+        let part = passed(dt, spec.lag_s);
+        let last = self.last.unwrap_or(now);
+        let next = [0, 1].map(|n| last[n] + (now[n] - last[n]) * part);
+        self.last = Some(next);
+        next
+    }
+
+    /// The turn from the attitude to its estimate, `dt` \[s\] after the last; in a vertical plane about the right wing alone.
+    pub(super) fn turn(
+        &mut self,
+        spec: &EstimatorSpec,
+        in_plane: bool,
+        dt: f64,
+    ) -> UnitQuaternion<f64> {
+        if spec.drift_deg == 0.0 {
+            return UnitQuaternion::identity();
+        }
+        let deviation = spec.drift_deg.to_radians();
+        let part = passed(dt, spec.drift_time_s);
+        let random = &mut self.random;
+        let mut drawn = || V3::from_fn(|i, _| if in_plane && i != 1 { 0.0 } else { normal(random) });
+        let next = match self.drift {
+            None => drawn() * deviation,
+            // Stationary: the variance lost is the variance that comes.
+            Some(last) => last * (1.0 - part) + drawn() * (deviation * (part * (2.0 - part)).sqrt()),
+        };
+        self.drift = Some(next);
+        UnitQuaternion::from_scaled_axis(next)
+    }
+}

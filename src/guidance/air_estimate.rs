@@ -1,0 +1,259 @@
+//! The air velocity from what vehicles have: a wind that follows slowly or not at all, a pitot tube along the nose, the accelerometer.
+//!
+//! What the known wind leaves out is a gust. Each step moves it by a part of one damped Gauss–Newton step towards what is measured:
+//! along the nose the airspeed, across the chord the normal force of the believed wing, along the wing its side force. At the top
+//! of its curve the normal force does not tell the angle of attack, and the damping leaves nothing of the step. What is not told
+//! fades, and the known wind is left.
+//!
+//! A gust is fast, and an error of the belief lasts: the force of a gust that lasts is handed to the scale of the air's force, so that a
+//! wing that is better than believed is not taken for one that is near its stall.
+
+use super::memory::memory;
+use crate::aero::Aerodynamics;
+use crate::air::AirData;
+use crate::frame;
+use crate::math;
+use crate::ned::Ned;
+use crate::spatial::{Body, Orientation};
+use crate::vehicle::Vehicle;
+
+/// Time constant of the gust, and that in which it fades \[s\].
+const TIME: f32 = 0.07;
+const FADING: f32 = 8.0;
+/// Slope of the normal force coefficient below which it tells less of the angle of attack \[1/rad\].
+const LEAST_SLOPE: f32 = 2.5;
+/// Force k_a|v_a|² below which forces tell less, in multiples of the weight.
+const AIR_FORCE: f32 = 0.3;
+/// Greatest gust \[m/s\]. An airspeed that is farther from that of the known wind is no airspeed: the tube is blocked.
+const MOST: f32 = 10.0;
+/// Greatest step towards what is measured \[m/s\].
+const MOST_STEP: f32 = 5.0;
+
+/// What is remembered.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(super) struct AirEstimateState {
+    /// Wind less the known wind \[m/s\].
+    pub gust: Ned,
+}
+
+memory!(AirEstimateState { gust: Ned });
+
+/// What is known in a step.
+pub(super) struct AirSample {
+    /// Velocity less the known wind \[m/s\].
+    pub air: Ned,
+    /// Attitude.
+    pub orientation: Orientation,
+    /// Airspeed along the nose \[m/s\]; NaN where it is not measured.
+    pub airspeed: f32,
+    /// Specific force \[m/s²\], if it is measured.
+    pub specific_force: Option<Body>,
+    /// Force of the air over what is believed of it.
+    pub scale: f32,
+}
+
+impl AirEstimateState {
+    /// Whether the gust is one that a step can have left. NaN is not.
+    #[inline(always)]
+    pub fn is_sound(&self) -> bool {
+        self.gust.norm_squared() <= 1.000_01 * MOST * MOST
+    }
+
+    /// One step of `dt` \[s\] of what is believed to be `vehicle`; gives the part of the force along the belly that is taken for the
+    /// gust's \[N\].
+    #[inline(never)]
+    pub fn update<A: Aerodynamics>(
+        &mut self,
+        vehicle: &Vehicle<A>,
+        sample: &AirSample,
+        dt: f32,
+    ) -> f32 {
+        let known = sample.orientation.to_body(sample.air);
+        let gust = sample.orientation.to_body(self.gust);
+        let Body { i, j, w } = known - gust;
+        let (mut step, mut force) = (gust * (TIME / FADING), 0.0);
+        // A NaN is not within anything.
+        if (sample.airspeed + known.i).abs() <= MOST {
+            step.i -= sample.airspeed + i;
+        }
+        if let Some(felt) = sample.specific_force {
+            let air = AirData::new(frame::Body::new(i, j), vehicle.thrust_line());
+            let c = vehicle.model().coefficients(air.alpha);
+            // k_a|v_a|², the normal force over it, and the slope of that over the angle of attack where the airspeed along the nose
+            // stays as it is.
+            let pressure = sample.scale * vehicle.k_a() * air.speed * air.speed;
+            let normal = -(c.c_l * air.cos + c.c_d * air.sin);
+            let turned = (c.c_l - c.dc_d) * air.sin - (c.dc_l + c.c_d) * air.cos;
+            let slope = pressure * (turned * air.cos + 2.0 * air.sin * normal);
+            let damping = LEAST_SLOPE * pressure;
+            let floor = AIR_FORCE * vehicle.weight();
+            let over = slope / (slope * slope + damping * damping + floor * floor);
+            let left = vehicle.mass() * felt.j - normal * pressure;
+            step.j += math::clamp(air.speed * left * over, -MOST_STEP, MOST_STEP);
+            // As far as the force tells it.
+            force = -(slope * over) * slope * gust.j / (air.speed + 1.0);
+            let side = sample.scale * vehicle.side() * air.speed;
+            if side > 0.0 {
+                let left = -vehicle.mass() * felt.w / side - w;
+                let told = pressure * pressure / (pressure * pressure + floor * floor);
+                step.w += told * math::clamp(left, -MOST_STEP, MOST_STEP);
+            }
+        }
+        let gust = self.gust - sample.orientation.to_world(step * (dt / (TIME + dt)));
+        let square = gust.norm_squared();
+        self.gust = if square <= MOST * MOST {
+            gust
+        } else if square.is_finite() {
+            gust * (MOST / math::sqrt(square.abs()))
+        } else {
+            Ned::ZERO
+        };
+        if force.is_finite() { force } else { 0.0 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::aero::{Combined, CombinedParameters};
+    use crate::vehicle::VehicleParameters;
+
+    const DT: f32 = 0.01;
+
+    fn vehicle() -> Vehicle<Combined> {
+        let p = VehicleParameters {
+            c_y: 0.5,
+            ..VehicleParameters::PAPER
+        };
+        Vehicle::new(
+            p,
+            Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap(),
+        )
+        .unwrap()
+    }
+
+    /// Specific force of the vehicle, without thrust, with the nose level and its air velocity `v_a` in body components.
+    fn felt(v_a: Body) -> Body {
+        let vehicle = vehicle();
+        let air = AirData::new(frame::Body::new(v_a.i, v_a.j), vehicle.thrust_line());
+        let force = vehicle.aerodynamic_force(&air);
+        let side = -vehicle.side() * math::sqrt(v_a.norm_squared()) * v_a.w;
+        Body::new(force.i(), force.j(), side) * (1.0 / vehicle.mass())
+    }
+
+    /// Level at 20 m/s to the north with the nose level, in no wind that is known, while the wind is `wind`.
+    fn fly(state: &mut AirEstimateState, wind: Ned, pitot: bool, accelerometer: bool, time: f32) {
+        let orientation = level();
+        let ground = Ned::new(20.0, 0.0, 0.0);
+        let v_a = orientation.to_body(ground - wind);
+        for _ in 0..(time / DT) as usize {
+            let sample = AirSample {
+                air: ground,
+                orientation,
+                airspeed: if pitot { -v_a.i } else { f32::NAN },
+                specific_force: accelerometer.then(|| felt(v_a)),
+                scale: 1.0,
+            };
+            state.update(&vehicle(), &sample, DT);
+            assert!(state.is_sound());
+        }
+    }
+
+    /// Nose to the north, belly down.
+    fn level() -> Orientation {
+        Orientation::from_directions(Ned::new(-1.0, 0.0, 0.0), Ned::new(0.0, 0.0, 1.0)).unwrap()
+    }
+
+    fn near(gust: Ned, wind: Ned, by: f32) -> bool {
+        (gust - wind).norm_squared() <= by * by
+    }
+
+    /// An updraught of 2 m/s, 3 m/s of wind from ahead and 2 m/s from the side, within three time constants to 5 %, and then to
+    /// what a fading of 8 s leaves.
+    #[test]
+    fn pitot_and_forces_tell_the_gust() {
+        let wind = Ned::new(-3.0, 2.0, -1.0);
+        let mut state = AirEstimateState::default();
+        fly(&mut state, wind, true, true, 0.35);
+        assert!(near(state.gust, wind, 0.4), "{:?}", state.gust);
+        fly(&mut state, wind, true, true, 2.0);
+        assert!(near(state.gust, wind, 0.15), "{:?}", state.gust);
+    }
+
+    /// Without the tube the part along the nose is not known; without the accelerometer it is all that is.
+    #[test]
+    fn each_tells_its_own_part() {
+        let wind = Ned::new(-3.0, 2.0, -1.0);
+        let mut state = AirEstimateState::default();
+        fly(&mut state, wind, true, false, 2.0);
+        assert!(
+            near(state.gust, Ned::new(-3.0, 0.0, 0.0), 0.1),
+            "{:?}",
+            state.gust
+        );
+        let mut state = AirEstimateState::default();
+        fly(&mut state, Ned::new(0.0, 2.0, -1.0), false, true, 2.0);
+        assert!(
+            near(state.gust, Ned::new(0.0, 2.0, -1.0), 0.1),
+            "{:?}",
+            state.gust
+        );
+    }
+
+    /// A gust of which nothing is told any more is half gone after 8 s · ln 2.
+    #[test]
+    fn what_is_not_told_fades() {
+        let mut state = AirEstimateState {
+            gust: Ned::new(1.0, -2.0, 2.0),
+        };
+        fly(&mut state, Ned::ZERO, false, false, 5.5);
+        assert!(
+            near(state.gust, Ned::new(0.5, -1.0, 1.0), 0.03),
+            "{:?}",
+            state.gust
+        );
+    }
+
+    /// A blocked tube tells 0 m/s at 20, and is not believed.
+    #[test]
+    fn a_blocked_tube_is_not_believed() {
+        let mut state = AirEstimateState::default();
+        let sample = AirSample {
+            air: Ned::new(20.0, 0.0, 0.0),
+            orientation: level(),
+            airspeed: 0.0,
+            specific_force: None,
+            scale: 1.0,
+        };
+        for _ in 0..100 {
+            state.update(&vehicle(), &sample, DT);
+        }
+        assert_eq!(state.gust, Ned::ZERO);
+    }
+
+    /// Behind the stall the normal force grows with the angle of attack again, and is told by the slope there.
+    #[test]
+    fn it_is_bounded_and_leaves_nonsense_out() {
+        let mut state = AirEstimateState::default();
+        for (n, force) in [1e3, -1e3, 3e38, f32::NAN, 0.0].into_iter().enumerate() {
+            for airspeed in [f32::INFINITY, f32::NEG_INFINITY, 15.0, 25.0] {
+                let sample = AirSample {
+                    air: Ned::new(20.0, n as f32, -3.0),
+                    orientation: level(),
+                    airspeed,
+                    specific_force: Some(Body::new(force, -force, force)),
+                    scale: 1.6,
+                };
+                for _ in 0..50 {
+                    assert!(state.update(&vehicle(), &sample, DT).is_finite());
+                    assert!(state.is_sound());
+                }
+            }
+        }
+        let gust = Ned::new(f32::NAN, 0.0, 0.0);
+        assert!(!AirEstimateState { gust }.is_sound());
+        let gust = Ned::new(0.0, 0.0, 10.1);
+        assert!(!AirEstimateState { gust }.is_sound());
+    }
+}
