@@ -60,6 +60,7 @@ fn frame() -> impl Strategy<Value = (PlanarGuidanceInput, f32)> {
         vector.clone().prop_map(Air::Velocity),
         vector.clone().prop_map(Air::Wind),
         Just(Air::Unknown),
+        (number.clone(), vector.clone()).prop_map(|(airspeed, wind)| Air::Pitot { airspeed, wind }),
     ];
     let age = prop_oneof![6 => Just(0.0f32), 1 => 0.0f32..1.0, 1 => any::<f32>()];
     let dt = prop_oneof![8 => 1e-4f32..0.2, 1 => any::<f32>()];

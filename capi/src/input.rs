@@ -31,6 +31,9 @@ pub const ALULA_NOSE_BELOW_VERTICAL: u32 = 1 << 5;
 /// of a reference that goes along with the vehicle.
 pub const ALULA_HOLD_ALTITUDE_ONLY: u32 = 1 << 6;
 
+/// Flag of an input: `air` is the wind, and `airspeed` is to be used; `alula_step` uses the wind alone.
+pub const ALULA_AIR_PITOT: u32 = 1 << 7;
+
 /// State and reference in north-east-down world and forward-right-down body axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
@@ -38,7 +41,7 @@ pub struct Input {
     /// `ALULA_HEADER(alula_input)`.
     pub header: u32,
     /// Sum of `ALULA_FEED_FORWARD`, `ALULA_POSITION`, `ALULA_SPECIFIC_FORCE`, `ALULA_NOSE_BELOW_VERTICAL`, `ALULA_HOLD_ALTITUDE_ONLY` and
-    /// one of `ALULA_AIR_VELOCITY` and `ALULA_AIR_UNKNOWN`, or 0.
+    /// one of `ALULA_AIR_VELOCITY`, `ALULA_AIR_UNKNOWN` and `ALULA_AIR_PITOT`, or 0.
     pub flags: u32,
     /// Body axes of this input and of its command: `ALULA_BODY_NOSE_FORWARD` or `ALULA_BODY_NOSE_UP`.
     pub body_axes: u32,
@@ -72,6 +75,8 @@ pub struct Input {
     /// For `alula_guide`: altitude error \[m\] that a plan may cost as much as an error of one velocity band, in place of the
     /// parameter `altitude_band`. Outside 0.001 to 1000, as 0 is: the parameter's.
     pub altitude_band: f32,
+    /// With `ALULA_AIR_PITOT`, for `alula_guide`: airspeed along the nose [m/s]. NaN: the tube tells nothing now.
+    pub airspeed: f32,
 }
 
 impl Input {
@@ -94,6 +99,7 @@ impl Input {
         state_age: 0.0,
         reference_age: 0.0,
         altitude_band: 0.0,
+        airspeed: f32::NAN,
     };
 
     /// The body axes.
@@ -104,7 +110,7 @@ impl Input {
     pub(crate) fn axes(&self) -> Result<BodyAxes, i32> {
         const FLAGS: u32 =
             ALULA_FEED_FORWARD | ALULA_POSITION | ALULA_SPECIFIC_FORCE | PLANNER_OPTIONS | AIR;
-        if self.flags & !FLAGS != 0 || self.flags & AIR == AIR {
+        if self.flags & !FLAGS != 0 || (self.flags & AIR).count_ones() > 1 {
             return Err(code::ALULA_ERROR_SELECTOR);
         }
         match self.body_axes {
@@ -125,6 +131,10 @@ impl Input {
         match self.flags & AIR {
             0 => Air::Wind(ned(self.air)),
             ALULA_AIR_VELOCITY => Air::Velocity(ned(self.air)),
+            ALULA_AIR_PITOT => Air::Pitot {
+                airspeed: self.airspeed,
+                wind: ned(self.air),
+            },
             _ => Air::Unknown,
         }
     }
@@ -150,7 +160,7 @@ impl Input {
             orientation: Orientation::from_quaternion(&self.quaternion(), axes)
                 .map_err(|_: Fault| code::ALULA_ERROR_ATTITUDE)?,
             wind: match self.air() {
-                Air::Wind(wind) => wind,
+                Air::Wind(wind) | Air::Pitot { wind, .. } => wind,
                 Air::Velocity(v_a) => velocity - v_a,
                 Air::Unknown => return Err(code::ALULA_ERROR_WIND),
             },
@@ -170,7 +180,7 @@ impl Input {
 unsafe impl Layout for Input {}
 
 /// Flags that say what `air` is.
-const AIR: u32 = ALULA_AIR_VELOCITY | ALULA_AIR_UNKNOWN;
+const AIR: u32 = ALULA_AIR_VELOCITY | ALULA_AIR_UNKNOWN | ALULA_AIR_PITOT;
 /// Flags of the planner options.
 pub(crate) const PLANNER_OPTIONS: u32 = ALULA_NOSE_BELOW_VERTICAL | ALULA_HOLD_ALTITUDE_ONLY;
 

@@ -21,6 +21,8 @@ pub const ALULA_AIR_USE_VELOCITY: u32 = 1;
 pub const ALULA_AIR_USE_WIND: u32 = 2;
 /// Flown with the last wind known.
 pub const ALULA_AIR_USE_HELD_WIND: u32 = 3;
+/// Of the air: the airspeed along the nose, beside the wind given.
+pub const ALULA_AIR_USE_PITOT: u32 = 4;
 
 /// The reference is followed.
 pub const ALULA_PHASE_TRACKING: u32 = 0;
@@ -131,6 +133,7 @@ impl Report {
                 AirUse::Velocity => ALULA_AIR_USE_VELOCITY,
                 AirUse::Wind => ALULA_AIR_USE_WIND,
                 AirUse::HeldWind => ALULA_AIR_USE_HELD_WIND,
+                AirUse::Pitot => ALULA_AIR_USE_PITOT,
             },
             phase: match guided.progress.phase {
                 Phase::Tracking => ALULA_PHASE_TRACKING,

@@ -105,7 +105,13 @@ fn a_guided_flight_is_the_cores_to_the_bit() {
         );
         let q = quaternion(q).in_axes(BodyAxes::NoseForward, axes);
         let bad = n % 400 > 385 || n % 97 == 0;
-        let kind = [0, ALULA_AIR_VELOCITY, ALULA_AIR_UNKNOWN, ALULA_POSITION][n as usize / 150 % 4];
+        let kind = [
+            0,
+            ALULA_AIR_VELOCITY,
+            ALULA_AIR_UNKNOWN,
+            ALULA_AIR_PITOT,
+            ALULA_POSITION,
+        ][n as usize / 150 % 5];
         let measured = if n / 500 % 2 == 1 {
             ALULA_SPECIFIC_FORCE
         } else {
@@ -121,6 +127,7 @@ fn a_guided_flight_is_the_cores_to_the_bit() {
                 (0.7 * t).sin(),
             ],
             air: [0.4 * t, 1.0, 0.2],
+            airspeed: if n % 50 > 40 { f32::NAN } else { 0.3 * t },
             reference_velocity: [0.5 * t, 2.0 * (0.3 * t).sin(), 0.0],
             reference_acceleration: [0.5, 0.6 * (0.3 * t).cos(), 0.0],
             heading: if n / 300 % 2 == 0 { f32::NAN } else { 0.01 * t },
@@ -145,6 +152,10 @@ fn a_guided_flight_is_the_cores_to_the_bit() {
                 air: match kind {
                     ALULA_AIR_VELOCITY => Air::Velocity(ned(input.air)),
                     ALULA_AIR_UNKNOWN => Air::Unknown,
+                    ALULA_AIR_PITOT => Air::Pitot {
+                        airspeed: input.airspeed,
+                        wind: ned(input.air),
+                    },
                     _ => Air::Wind(ned(input.air)),
                 },
                 specific_force: (measured != 0).then_some(along),
@@ -194,7 +205,7 @@ fn a_guided_flight_is_the_cores_to_the_bit() {
     assert!(modes.iter().all(|count| *count > 10), "{modes:?}");
     let seen = ALULA_STATUS_HOLDING | ALULA_STATUS_SAFE | REFERENCE_HELD;
     assert_eq!(statuses & seen, seen);
-    assert!(phases > 1 && uses > 0b1000, "{phases:b} {uses:b}");
+    assert!(phases > 1 && uses > 0b10000, "{phases:b} {uses:b}");
 }
 
 #[test]

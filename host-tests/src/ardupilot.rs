@@ -13,7 +13,7 @@ use rand_chacha::ChaCha8Rng;
 
 use alula_sim::controllers::{Answer, Input, Report};
 use alula_sim::experiment::{
-    Experiment, Faults, Measured, Path, State, V3, Weather, double, stream,
+    Estimates, Experiment, Faults, Measured, Path, State, V3, Weather, double, stream,
 };
 use alula_sim::plant::{Command, Dynamics, Rotation};
 use alula_sim::reference::wrap;
@@ -34,6 +34,7 @@ pub struct Vehicle<'a> {
     weather: Weather,
     gusts: ChaCha8Rng,
     noise: ChaCha8Rng,
+    estimates: Estimates,
     /// Time step \[s\].
     dt: f64,
     /// Steps since the last restart.
@@ -104,6 +105,7 @@ impl<'a> Vehicle<'a> {
             weather,
             gusts,
             noise,
+            estimates: Estimates::new(experiment.seed),
             dt,
             steps: 0,
             state: standing(V3::zeros(), 0.0),
@@ -259,7 +261,15 @@ impl Physics for Vehicle<'_> {
         };
         let in_plane = experiment.in_plane();
         let sensors = &experiment.sensors;
-        let told = sensors.measure(&truth, force, wind, steady, in_plane, &mut self.noise);
+        let told = sensors.measure(
+            &truth,
+            force,
+            wind,
+            steady,
+            in_plane,
+            (&mut self.noise, &mut self.estimates),
+            self.dt,
+        );
         if self.steps.is_multiple_of(experiment.substeps.into()) {
             let airspeed = (self.state.velocity - wind).norm();
             let period = 1.0 / experiment.control_rate_hz;
@@ -276,6 +286,9 @@ impl Physics for Vehicle<'_> {
         let airspeed = match told.air {
             alula::guidance::Air::Velocity(air) => {
                 Some(body(self.state.attitude.inverse() * double(air))[0])
+            }
+            alula::guidance::Air::Pitot { airspeed, .. } if airspeed.is_finite() => {
+                Some(airspeed.into())
             }
             _ => None,
         };
@@ -301,6 +314,7 @@ impl Physics for Vehicle<'_> {
         self.theta = 0.0;
         // The same outputs make the same flight again.
         (self.weather, self.gusts, self.noise) = by_seed(self.experiment);
+        self.estimates = Estimates::new(self.experiment.seed);
         self.landings.clear();
     }
 }

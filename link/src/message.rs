@@ -486,7 +486,10 @@ mod tests {
         let mut buffer = [0; MAX_FRAME];
         let input = Input::Guidance {
             input: GuidanceInput {
-                air: Air::Wind(Ned::ZERO),
+                air: Air::Pitot {
+                    airspeed: 4.0,
+                    wind: Ned::ZERO,
+                },
                 specific_force: Some(Frd::new(1.0, 2.0, 3.0)),
                 position_error: Some(Ned::ZERO),
                 ..GuidanceInput::default()
@@ -497,6 +500,6 @@ mod tests {
         let mut output = GuidanceOutput::default();
         output.command.rates = BodyRates::new(1.0, 2.0, 3.0);
         digest.update(encode(&Answer::Guidance(output), &mut buffer).unwrap());
-        assert_eq!((VERSION, digest.finalize()), (4, 2_680_551_102));
+        assert_eq!((VERSION, digest.finalize()), (5, 2_680_551_102));
     }
 }

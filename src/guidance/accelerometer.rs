@@ -317,6 +317,32 @@ mod tests {
         assert!((missing(105.0, down(50.0)) - (105.0 - 1.02 * 98.1)).abs() < 1e-4);
     }
 
+    /// The force of a gust of a tenth of the air's force, that lasts, becomes a tenth of its scale after 5 s and more: what is not known
+    /// of the wing is no gust.
+    #[test]
+    fn a_gust_that_lasts_scales_the_air() {
+        let (e, mut state) = (estimators(0.0), AccelerometerState::default());
+        let believed = Body::new(0.0, -98.1, 0.0);
+        let mut scaled = |seconds: f32| {
+            for _ in 0..(seconds / DT) as usize {
+                let command = Command {
+                    diagnostics: Diagnostics {
+                        aerodynamic: believed,
+                        ..Diagnostics::default()
+                    },
+                    ..Command::default()
+                };
+                let gust = believed.j * (0.1 - state.excess);
+                let felt = Some(believed * 0.1);
+                e.update(&mut state, felt, Orientation::NOSE_UP, &command, gust, DT);
+            }
+            state.excess
+        };
+        // Of the force below 0.3 of the weight an eleventh is left out.
+        assert!((scaled(5.0) - 0.06).abs() < 5e-3);
+        assert!((scaled(25.0) - 0.1).abs() < 2e-3);
+    }
+
     /// In hover there is no force of the air to scale: thrust that is not what was asked for leaves the scale alone.
     #[test]
     fn without_air_nothing_is_scaled() {
@@ -354,7 +380,7 @@ mod tests {
         let believed = Body::new(0.0, -98.1, 0.0);
         fly(&e, &mut state, believed, Some(believed * 1.3), 1.0);
         assert_ne!(e.correction(&state), Correction::default());
-        fly(&e, &mut state, believed, None, 0.0, DT);
+        fly(&e, &mut state, believed, None, DT);
         assert_eq!(e.correction(&state), Correction::default());
     }
 

@@ -72,7 +72,7 @@ impl AirEstimateState {
         let known = sample.orientation.to_body(sample.air);
         let gust = sample.orientation.to_body(self.gust);
         let Body { i, j, w } = known - gust;
-        let (mut step, mut force) = (gust * (TIME / FADING), 0.0);
+        let (mut step, mut force) = (Body::default(), 0.0);
         // A NaN is not within anything.
         if (sample.airspeed + known.i).abs() <= MOST {
             step.i -= sample.airspeed + i;
@@ -100,7 +100,8 @@ impl AirEstimateState {
                 step.w += told * math::clamp(left, -MOST_STEP, MOST_STEP);
             }
         }
-        let gust = self.gust - sample.orientation.to_world(step * (dt / (TIME + dt)));
+        let gust = self.gust * (1.0 - dt / FADING)
+            - sample.orientation.to_world(step * (dt / (TIME + dt)));
         let square = gust.norm_squared();
         self.gust = if square <= MOST * MOST {
             gust

@@ -114,6 +114,10 @@ impl<P: Planar> Pilot for InPlane<'_, P> {
             Air::Wind(wind) => Air::Wind(plane.project(wind).0),
             Air::Velocity(v) => Air::Velocity(plane.project(v).0),
             Air::Unknown => Air::Unknown,
+            Air::Pitot { airspeed, wind } => Air::Pitot {
+                airspeed,
+                wind: plane.project(wind).0,
+            },
         };
         let velocity = plane.project(told.velocity).0;
         let input = PlanarGuidanceInput {
@@ -132,7 +136,7 @@ impl<P: Planar> Pilot for InPlane<'_, P> {
             input,
             position,
             wind: match air {
-                Air::Wind(wind) => wind,
+                Air::Wind(wind) | Air::Pitot { wind, .. } => wind,
                 Air::Velocity(v) => velocity - v,
                 Air::Unknown => Inertial::ZERO,
             },

@@ -86,6 +86,14 @@ fn told_air(step: &Step) -> Option<Ned> {
     }
 }
 
+/// The airspeed along the nose as told.
+fn told_airspeed(step: &Step) -> Option<f32> {
+    match step.input.sample.air {
+        Air::Pitot { airspeed, .. } => Some(airspeed),
+        _ => None,
+    }
+}
+
 /// The specific force as told.
 fn force(step: &Step, of: fn(&Body) -> f32) -> Option<Cell> {
     step.input
@@ -158,7 +166,7 @@ columns! {
     "told_q_x", "attitude as told", |_, s| told_attitude(s, |q| q.i);
     "told_q_y", "attitude as told", |_, s| told_attitude(s, |q| q.j);
     "told_q_z", "attitude as told", |_, s| told_attitude(s, |q| q.k);
-    "told_air", "`velocity`, `wind` or `unknown`: what is told of the air", |_, s| word(Some(match s.input.sample.air {
+    "told_air", "`velocity`, `wind`, `pitot` or `unknown`: what is told of the air", |_, s| word(Some(match s.input.sample.air {
         Air::Velocity(_) => "velocity",
         Air::Wind(_) => "wind",
         Air::Unknown => "unknown",
@@ -167,6 +175,7 @@ columns! {
     "told_va_north_m_s", "air velocity as told", |_, s| part(told_air(s), |v| v.north);
     "told_va_east_m_s", "air velocity as told", |_, s| part(told_air(s), |v| v.east);
     "told_va_down_m_s", "air velocity as told", |_, s| part(told_air(s), |v| v.down);
+    "told_airspeed_m_s", "airspeed along the nose as told by a pitot tube", |_, s| told_airspeed(s).map(Cell::Single);
     "told_wind_north_m_s", "wind as told, or as it follows from the air velocity", |_, s| single(s.input.wind().north);
     "told_wind_east_m_s", "wind as told, or as it follows from the air velocity", |_, s| single(s.input.wind().east);
     "told_wind_down_m_s", "wind as told, or as it follows from the air velocity", |_, s| single(s.input.wind().down);

@@ -99,7 +99,9 @@ impl OnPath {
             theta: truth.theta(),
             readings: Vec::new(),
             wind: match told.air {
-                alula::guidance::Air::Wind(wind) => double(wind),
+                alula::guidance::Air::Wind(wind) | alula::guidance::Air::Pitot { wind, .. } => {
+                    double(wind)
+                }
                 _ => V3::zeros(),
             },
             load_factor: force.map_or(f64::NAN, |f| f / self.gravity),

@@ -120,11 +120,21 @@ impl Estimates {
         let deviation = spec.drift_deg.to_radians();
         let part = passed(dt, spec.drift_time_s);
         let random = &mut self.random;
-        let mut drawn = || V3::from_fn(|i, _| if in_plane && i != 1 { 0.0 } else { normal(random) });
+        let mut drawn = || {
+            V3::from_fn(|i, _| {
+                if in_plane && i != 1 {
+                    0.0
+                } else {
+                    normal(random)
+                }
+            })
+        };
         let next = match self.drift {
             None => drawn() * deviation,
             // Stationary: the variance lost is the variance that comes.
-            Some(last) => last * (1.0 - part) + drawn() * (deviation * (part * (2.0 - part)).sqrt()),
+            Some(last) => {
+                last * (1.0 - part) + drawn() * (deviation * (part * (2.0 - part)).sqrt())
+            }
         };
         self.drift = Some(next);
         UnitQuaternion::from_scaled_axis(next)

@@ -144,9 +144,15 @@ impl Log<'_> {
                 air: match self.text(record, "told_air") {
                     Some("velocity") => Air::Velocity(velocity("va")?),
                     Some("unknown") => Air::Unknown,
+                    Some("pitot") => Air::Pitot {
+                        airspeed: self
+                            .number(record, "told_airspeed_m_s")?
+                            .map_or(f32::NAN, |v| v as f32),
+                        wind: velocity("wind")?,
+                    },
                     Some("wind" | "") | None => Air::Wind(velocity("wind")?),
                     Some(other) => bail!(
-                        "{}:{}: told_air: {other:?} is neither velocity nor wind nor unknown",
+                        "{}:{}: told_air: {other:?} is neither velocity nor wind nor pitot nor unknown",
                         self.origin,
                         record.position().map_or(0, csv::Position::line)
                     ),
