@@ -28,6 +28,9 @@ pub struct Args {
     /// Number of flights, in place of the campaign's own
     #[arg(long, value_name = "N")]
     flights: Option<u64>,
+    /// Change a field that all flights have, in place of the campaign's own `set`
+    #[arg(long, value_name = "PATH=VALUE")]
+    set: Vec<String>,
     /// Fly one of n shares alone, to be merged with the others
     #[arg(long, value_name = "I/N", default_value = "1/1")]
     shard: Shard,
@@ -81,7 +84,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         drop(stdout);
         return refly(&Store::existing(Path::new(name))?.1, number, args);
     }
-    let source = CampaignSource::load(name, args.flights)?;
+    let source = CampaignSource::load_changed(name, args.flights, &args.set)?;
     if args.print {
         write!(stdout, "{}", source.texts.campaign)?;
         return Ok(());

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::random_reference::REFERENCE;
 use super::{Campaign, Dispersion, Expected, FaultDraw, Limit};
-use alula_sim::experiment::{Document, FieldError, finite, from_toml, require};
+use alula_sim::experiment::{Document, FieldError, assigned, finite, from_toml, require};
 use alula_sim::figures;
 use alula_sim::named::{Named, built_in, in_shell};
 
@@ -26,6 +26,7 @@ pub const BUILT_IN: &[(&str, &str)] = built_in! { "campaigns", ".toml";
     "tail-sitters",
     "tail-sitter-falls",
     "tail-sitter-hover",
+    "cruise",
 };
 
 /// Most flights of a campaign: months on one core.
@@ -42,6 +43,8 @@ pub struct CampaignSource {
     pub base: Document,
     /// What the command line calls it, from the working directory, where that is not its name.
     argument: Option<String>,
+    /// What the command line changes.
+    changes: Vec<String>,
     /// Number of flights of what the command line calls so.
     own_flights: u64,
 }
@@ -65,7 +68,19 @@ pub struct Texts {
 impl CampaignSource {
     /// The campaign that `argument` names, a built-in or else a TOML file, with `flights` in place of its own number.
     pub fn load(argument: &str, flights: Option<u64>) -> anyhow::Result<Self> {
-        let named = Named::find("campaign", BUILT_IN, argument)?;
+        Self::load_changed(argument, flights, &[])
+    }
+
+    /// The same with `changes`, each `PATH=VALUE`, to what all flights have.
+    pub fn load_changed(
+        argument: &str,
+        flights: Option<u64>,
+        changes: &[String],
+    ) -> anyhow::Result<Self> {
+        let mut named = Named::find("campaign", BUILT_IN, argument)?;
+        if !changes.is_empty() {
+            named.text = changed(&named.text, changes).context(named.origin.clone())?;
+        }
         // Where the base is, the text itself must say.
         let campaign: Campaign = from_toml(&named.origin, &named.text, |_| Ok(()))?;
         let base = Document::named_in(&named, &campaign.base);
@@ -81,6 +96,7 @@ impl CampaignSource {
         };
         Ok(Self {
             argument: Some(argument.to_owned()),
+            changes: changes.to_vec(),
             ..Self::from_texts(texts, &named.origin)?
         })
     }
@@ -117,6 +133,7 @@ impl CampaignSource {
             campaign,
             base,
             argument: None,
+            changes: Vec::new(),
             own_flights,
         })
     }
@@ -129,21 +146,36 @@ impl CampaignSource {
     /// Its results are in `folder`, which names it from now on: where its file is, if it has one, is not known.
     pub fn is_found_in(&mut self, folder: &Path) {
         self.argument = Some(folder.display().to_string());
+        self.changes.clear();
         self.own_flights = self.texts.flights;
     }
 
     /// The command that flies flight `number` again and leaves its trace.
     pub fn refly(&self, number: u64) -> String {
         let name = self.argument.as_ref().unwrap_or(&self.texts.name);
+        let set = self.changes.iter();
+        let set: String = set.map(|c| format!(" --set {}", in_shell(c))).collect();
         let more = match number < self.own_flights {
             true => String::new(),
             false => format!(" --flights {}", self.texts.flights),
         };
         format!(
-            "alula-sil campaign {}{more} --refly {number}",
+            "alula-sil campaign {}{set}{more} --refly {number}",
             in_shell(name)
         )
     }
+}
+
+/// A campaign's `text` with these changes in its table `set`.
+fn changed(text: &str, changes: &[String]) -> anyhow::Result<String> {
+    let mut campaign: toml::Table = text.parse()?;
+    let set = campaign.entry("set").or_insert(toml::Table::new().into());
+    let set = set.as_table_mut().context("set: must be a table")?;
+    for change in changes {
+        let (path, value) = assigned(change)?;
+        set.insert(path.to_owned(), value);
+    }
+    Ok(toml::to_string(&campaign)?)
 }
 
 /// The experiment's error under the campaign's field.
@@ -253,7 +285,7 @@ impl Expected {
         };
         let modes = ["safe", "holding", "flying"];
         known("mode", self.mode.as_deref(), &modes)?;
-        let airs = ["velocity", "wind", "held-wind", "none"];
+        let airs = ["velocity", "wind", "held-wind", "none", "pitot"];
         known("air", self.air.as_deref(), &airs)?;
         let all = alula::guidance::Status::all().to_string();
         let flags: Vec<&str> = all.split('|').collect();

@@ -362,13 +362,8 @@ impl Document {
 
     /// Does what `PATH=VALUE` says; the value is TOML.
     pub fn assign(&mut self, assignment: &str) -> anyhow::Result<()> {
-        let (path, value) = assignment
-            .split_once('=')
-            .with_context(|| format!("--set {assignment}: must be PATH=VALUE"))?;
-        let parsed = format!("value = {value}").parse::<Table>();
-        let value = parsed.ok().and_then(|mut table| table.remove("value"));
-        let value = value.with_context(|| format!("--set {assignment}: the value is not TOML"))?;
-        self.change(&format!("--set {assignment}"), path.trim(), value)
+        let (path, value) = assigned(assignment)?;
+        self.change(&format!("--set {assignment}"), path, value)
     }
 
     /// Puts `value` at `path`, over all texts; `origin` stands for this in errors.
@@ -516,6 +511,17 @@ pub fn from_toml<T: DeserializeOwned>(
     })?;
     validate(&value).map_err(|e| refused(&e.field, &e.problem, None))?;
     Ok(value)
+}
+
+/// Path and value of `PATH=VALUE`; the value is TOML.
+pub fn assigned(assignment: &str) -> anyhow::Result<(&str, Value)> {
+    let (path, value) = assignment
+        .split_once('=')
+        .with_context(|| format!("--set {assignment}: must be PATH=VALUE"))?;
+    let parsed = format!("value = {value}").parse::<Table>();
+    let value = parsed.ok().and_then(|mut table| table.remove("value"));
+    let value = value.with_context(|| format!("--set {assignment}: the value is not TOML"))?;
+    Ok((path.trim(), value))
 }
 
 /// Puts `over` over `base`, the value of `key`.

@@ -33,7 +33,7 @@ pub use controller::ControllerSpec;
 use document::positive;
 pub(crate) use document::read;
 pub use document::{Document, FieldError, Located};
-pub use document::{angle, finite, from_toml, require};
+pub use document::{angle, assigned, finite, from_toml, require};
 pub use estimates::{Estimates, EstimatorSpec};
 pub use faults::Faults;
 pub use faults::{FaultKind, FaultSpec};
@@ -90,6 +90,7 @@ pub const BUILT_IN: &[(&str, &str)] = built_in! { "experiments", ".toml";
     "mission-turbulence",
     "start-hover",
     "start-cruise",
+    "cruise-in-air",
     "tail-sitter",
     "tail-sitter-hover",
     "tail-sitter-hover-wind",
