@@ -148,7 +148,7 @@ class GuidanceOutput:
     @property
     def mode(self) -> Literal["safe", "holding", "flying"]: ...
     @property
-    def air(self) -> Literal["velocity", "wind", "held-wind", "none"]: ...
+    def air(self) -> Literal["velocity", "wind", "pitot", "held-wind", "none"]: ...
     @property
     def status(self) -> list[str]: ...
     @property
@@ -195,6 +195,7 @@ class Guidance:
         heading: float | None = None,
         air_velocity: ArrayLike | None = None,
         wind: ArrayLike | None = None,
+        airspeed: float | None = None,
         specific_force: ArrayLike | None = None,
         position_error: ArrayLike | None = None,
         state_age: float = 0.0,
@@ -214,6 +215,7 @@ class Guidance:
         reference_acceleration: ArrayLike | None = None,
         air_velocity: ArrayLike | None = None,
         wind: ArrayLike | None = None,
+        airspeed: float | None = None,
         specific_force: ArrayLike | None = None,
         position_error: ArrayLike | None = None,
         state_age: float = 0.0,

@@ -276,6 +276,11 @@
 #define ALULA_HOLD_ALTITUDE_ONLY (1 << 6)
 
 /**
+ * Flag of an input: `air` is the wind, and `airspeed` is to be used; `alula_step` uses the wind alone.
+ */
+#define ALULA_AIR_PITOT (1 << 7)
+
+/**
  * The guidance gives the safe command.
  */
 #define ALULA_MODE_SAFE 0
@@ -309,6 +314,11 @@
  * Flown with the last wind known.
  */
 #define ALULA_AIR_USE_HELD_WIND 3
+
+/**
+ * Of the air: the airspeed along the nose, beside the wind given.
+ */
+#define ALULA_AIR_USE_PITOT 4
 
 /**
  * The reference is followed.
@@ -880,7 +890,7 @@ typedef struct alula_input {
     uint32_t header;
     /**
      * Sum of `ALULA_FEED_FORWARD`, `ALULA_POSITION`, `ALULA_SPECIFIC_FORCE`, `ALULA_NOSE_BELOW_VERTICAL`, `ALULA_HOLD_ALTITUDE_ONLY` and
-     * one of `ALULA_AIR_VELOCITY` and `ALULA_AIR_UNKNOWN`, or 0.
+     * one of `ALULA_AIR_VELOCITY`, `ALULA_AIR_UNKNOWN` and `ALULA_AIR_PITOT`, or 0.
      */
     uint32_t flags;
     /**
@@ -943,6 +953,10 @@ typedef struct alula_input {
      * parameter `altitude_band`. Outside 0.001 to 1000, as 0 is: the parameter's.
      */
     float altitude_band;
+    /**
+     * With `ALULA_AIR_PITOT`, for `alula_guide`: airspeed along the nose [m/s]. NaN: the tube tells nothing now.
+     */
+    float airspeed;
 } alula_input;
 
 /**

@@ -44,7 +44,7 @@ pub struct GuidanceOutput {
     pub rate_rad_s: f32,
     /// "safe", "holding" or "flying".
     pub mode: &'static str,
-    /// What of the air is used: "velocity", "wind", "held-wind" or "none".
+    /// What of the air is used: "velocity", "wind", "pitot", "held-wind" or "none".
     pub air: &'static str,
     /// Flags of what limited the step.
     pub status: Vec<String>,
@@ -97,13 +97,19 @@ fn inertial([down, forward]: [f32; 2]) -> Inertial {
 fn air<const N: usize, V>(
     velocity: Option<&Numbers>,
     wind: Option<&Numbers>,
+    airspeed: Option<f32>,
     make: fn([f32; N]) -> V,
 ) -> PyResult<Air<V>> {
-    Ok(match (velocity, wind) {
-        (Some(_), Some(_)) => return Err(error::field("wind", "cannot go with air_velocity")),
-        (Some(v), None) => Air::Velocity(make(vector("air_velocity", v)?)),
-        (None, Some(v)) => Air::Wind(make(vector("wind", v)?)),
-        (None, None) => Air::Unknown,
+    Ok(match (velocity, wind, airspeed) {
+        (Some(_), Some(_), _) => return Err(error::field("wind", "cannot go with air_velocity")),
+        (Some(v), None, None) => Air::Velocity(make(vector("air_velocity", v)?)),
+        (None, Some(v), None) => Air::Wind(make(vector("wind", v)?)),
+        (None, Some(v), Some(airspeed)) => Air::Pitot {
+            airspeed,
+            wind: make(vector("wind", v)?),
+        },
+        (None, None, None) => Air::Unknown,
+        (_, None, Some(_)) => return Err(error::field("airspeed", "goes with wind alone")),
     })
 }
 
@@ -209,14 +215,15 @@ impl Guidance {
     /// World vectors are (north, east, down). velocity: over ground [m/s]. quaternion: (w, x, y, z), from the body axes `axes` to
     /// north-east-down; "nose-forward" is x along the nose and z to the belly, "nose-up" x to the belly and z along the tail.
     /// heading: where the belly is to point in hover, from north towards east [rad]; None is free. air_velocity [m/s] if it is
-    /// measured, or else wind [m/s] if it is known. specific_force: what an accelerometer feels, along `axes` [m/s²].
+    /// measured, or else wind [m/s] if it is known, and beside it the airspeed along the nose [m/s], NaN where the tube tells nothing.
+    /// specific_force: what an accelerometer feels, along `axes` [m/s²].
     /// position_error: position less reference position [m], if position is to be held. Ages [s]. altitude_band [m]: the
     /// parameter's place is taken by it, unless it is 0. nose_below_vertical: whether the nose stays short of the vertical while
     /// the vehicle flies forward. hold_altitude_only: whether the place does not matter, as in a stop, and position_error to the north
     /// and east is that of a reference that goes along with the vehicle.
     #[pyo3(signature = (
         dt, *, velocity, quaternion, reference_velocity, reference_acceleration=None, heading=None, air_velocity=None, wind=None,
-        specific_force=None, position_error=None, state_age=0.0, reference_age=0.0, axes="nose-forward",
+        airspeed=None, specific_force=None, position_error=None, state_age=0.0, reference_age=0.0, axes="nose-forward",
         altitude_band=0.0, nose_below_vertical=false, hold_altitude_only=false
     ))]
     #[expect(clippy::too_many_arguments, reason = "by keyword in Python")]
@@ -230,6 +237,7 @@ impl Guidance {
         heading: Option<f32>,
         air_velocity: Option<Numbers<'_>>,
         wind: Option<Numbers<'_>>,
+        airspeed: Option<f32>,
         specific_force: Option<Numbers<'_>>,
         position_error: Option<Numbers<'_>>,
         state_age: f32,
@@ -249,7 +257,7 @@ impl Guidance {
             velocity: ned(vector("velocity", &velocity)?),
             orientation: orientation.unwrap_or(Orientation::UNKNOWN),
             state_age,
-            air: air(air_velocity.as_ref(), wind.as_ref(), ned)?,
+            air: air(air_velocity.as_ref(), wind.as_ref(), airspeed, ned)?,
             specific_force: force.transpose()?.map(|force| axes.vector(force)),
             position_error: error.transpose()?.map(ned),
             reference: Reference {
@@ -271,8 +279,8 @@ impl Guidance {
     /// hover with the nose up, -pi/2 with the nose forward. specific_force: along
     /// (tail, belly) [m/s²]. The rate of theta commanded is `rate_rad_s`.
     #[pyo3(signature = (
-        dt, *, velocity, theta, reference_velocity, reference_acceleration=None, air_velocity=None, wind=None, specific_force=None,
-        position_error=None, state_age=0.0, reference_age=0.0, altitude_band=0.0, nose_below_vertical=false, hold_altitude_only=false
+        dt, *, velocity, theta, reference_velocity, reference_acceleration=None, air_velocity=None, wind=None, airspeed=None,
+        specific_force=None, position_error=None, state_age=0.0, reference_age=0.0, altitude_band=0.0, nose_below_vertical=false, hold_altitude_only=false
     ))]
     #[expect(clippy::too_many_arguments, reason = "by keyword in Python")]
     fn update_in_plane(
@@ -284,6 +292,7 @@ impl Guidance {
         reference_acceleration: Option<Numbers<'_>>,
         air_velocity: Option<Numbers<'_>>,
         wind: Option<Numbers<'_>>,
+        airspeed: Option<f32>,
         specific_force: Option<Numbers<'_>>,
         position_error: Option<Numbers<'_>>,
         state_age: f32,
@@ -299,7 +308,7 @@ impl Guidance {
             velocity: inertial(vector("velocity", &velocity)?),
             attitude: Attitude::from_angle(theta),
             state_age,
-            air: air(air_velocity.as_ref(), wind.as_ref(), inertial)?,
+            air: air(air_velocity.as_ref(), wind.as_ref(), airspeed, inertial)?,
             specific_force: force
                 .transpose()?
                 .map(|[i, j]| ::alula::planar::Body::new(i, j)),

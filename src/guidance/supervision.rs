@@ -159,7 +159,7 @@ impl RejectReason {
 ///
 /// | missing | flown instead | until |
 /// |---|---|---|
-/// | air velocity, but wind known | velocity less wind: [`AirUse::Wind`] | it is measured again |
+/// | air velocity, but wind known, and perhaps an airspeed along the nose | velocity less wind and gust: [`AirUse::Wind`], [`AirUse::Pitot`] | it is measured again |
 /// | air data that imply a wind above `max_wind`, or a change of wind above `max_wind_step` | as if both were missing | they are plausible again; the change allowed grows by 1 m/s per second |
 /// | both, for less than `air_hold` | velocity less the last wind: [`AirUse::HeldWind`] | either comes back |
 /// | both for longer, or from the beginning, but a specific force | velocity less the last wind, or less none: [`AirUse::None`]; the law scales the air's force by what is felt | either comes back |
