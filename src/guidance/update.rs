@@ -482,6 +482,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
                             .without_surfaces(&state.accelerometer, felt, commanded)
                     }),
                     scale: correction.air(),
+                    wind_known: matches!(air, AirUse::Wind | AirUse::Pitot),
                 },
                 dt,
             );
