@@ -109,6 +109,13 @@ impl AirEstimateState {
         }
         let gust = self.gust * (1.0 - dt / FADING)
             - sample.orientation.to_world(step * (dt / (TIME + dt)));
+        // The rest of it is not told, and would turn with the vehicle.
+        let gust = if sample.wind_known {
+            gust
+        } else {
+            let wing = sample.orientation.w();
+            wing * wing.dot(gust)
+        };
         let square = gust.norm_squared();
         self.gust = if square <= MOST * MOST {
             gust
