@@ -255,7 +255,11 @@ fn every_bad_number_is_named_and_gives_the_safe_command() {
         assert_eq!(step(all, dt), ALULA_ERROR_TIME_STEP);
     }
     let selectors = [
-        Input { flags: 128, ..all },
+        Input { flags: 256, ..all },
+        Input {
+            flags: ALULA_AIR_PITOT | ALULA_AIR_UNKNOWN,
+            ..all
+        },
         Input {
             flags: ALULA_AIR_VELOCITY | ALULA_AIR_UNKNOWN,
             ..all
