@@ -128,10 +128,16 @@ impl Accelerometer {
     }
 
     /// The specific force \[m/s²\] without that by which surfaces turn the vehicle, where this pitch rate was `commanded` last
-    /// \[rad/s\].
+    /// \[rad/s\], in a step of `dt` \[s\].
     #[inline(always)]
-    pub fn without_surfaces(&self, state: &AccelerometerState, felt: Body, commanded: f32) -> Body {
-        let change = (commanded - state.rate) / self.rate_lag;
+    pub fn without_surfaces(
+        &self,
+        state: &AccelerometerState,
+        felt: Body,
+        commanded: f32,
+        dt: f32,
+    ) -> Body {
+        let change = (commanded - state.rate) / (self.rate_lag + dt);
         Body::new(felt.i, felt.j - self.surface_reaction * change, felt.w)
     }
 
@@ -274,6 +280,19 @@ mod tests {
         assert!(left(0.15) < 0.1 * left(0.0), "{} {}", left(0.15), left(0.0));
         // Believed wrongly by a third, a third of it is left.
         assert!((left(0.1) / left(0.0) - 1.0 / 3.0).abs() < 0.01);
+    }
+
+    /// A rate loop without lag divides by nothing.
+    #[test]
+    fn without_a_lag_there_is_still_a_force() {
+        let mut e = estimators(0.0);
+        (e.rate_lag, e.surface_reaction) = (0.0, 0.15);
+        let state = AccelerometerState::default();
+        let felt = Body::new(-9.8, 0.3, 0.0);
+        assert_eq!(e.without_surfaces(&state, felt, 0.0, DT), felt);
+        // 0.02 rad/s in a step are 2 rad/s².
+        let j = e.without_surfaces(&state, felt, 0.02, DT).j;
+        assert!(j.abs() < 1e-6, "{j}");
     }
 
     /// A force across the believed one stays a force; so does one beyond the bounds of the scale.

@@ -25,8 +25,9 @@ const FADING: f32 = 8.0;
 const AIRSPEED_SHARE: f32 = 0.25;
 /// Slope of the normal force coefficient below which it tells less of the angle of attack \[1/rad\].
 const LEAST_SLOPE: f32 = 2.5;
-/// Force k_a|v_a|² below which forces tell less, in multiples of the weight.
-const AIR_FORCE: f32 = 0.3;
+/// Force k_a|v_a|² below which forces tell less, in multiples of the weight: that at which c_L = 0.5 carries it. Slower, the slipstream on a real wing
+/// makes as much force as the air that is believed in.
+const AIR_FORCE: f32 = 2.0;
 /// Greatest gust \[m/s\]. An airspeed that is farther from that of the known wind is no airspeed: the tube is blocked.
 const MOST: f32 = 10.0;
 /// Greatest step towards what is measured \[m/s\].

@@ -120,7 +120,7 @@ pub struct ReferenceModel {
     pub(super) position_gain: Inertial,
     pub(super) max_velocity: Inertial,
     max_sink: f32,
-    /// Greatest acceleration down that the servo asks for [m/s²].
+    /// Greatest acceleration down that the servo asks for, in g.
     max_down: f32,
 }
 
@@ -167,7 +167,7 @@ impl ReferenceModel {
     /// The virtual `vehicle` with these parameters, which have been checked.
     pub fn new<A: Aerodynamics>(p: &GuidanceParameters, vehicle: &Vehicle<A>) -> Self {
         let left = vehicle.authority().thrust_to_turn(TURNING) / vehicle.weight();
-        let most = if left > 0.0 {
+        let max_down = if left > 0.0 {
             math::max(1.0 - left, LEAST_DOWN)
         } else {
             MAX_VERTICAL
@@ -178,7 +178,7 @@ impl ReferenceModel {
             position_gain: Inertial::new(p.position_gain_down, p.position_gain_forward),
             max_velocity: Inertial::new(p.max_velocity_down, p.max_velocity_forward),
             max_sink: p.max_sink,
-            max_down: most * vehicle.gravity(),
+            max_down,
         }
     }
 
@@ -249,9 +249,9 @@ impl ReferenceModel {
     ) -> Inertial {
         let down = acceleration.down() - gains.vertical_gain * error.down();
         Inertial::new(
-            if down.abs() > self.max_down {
+            if down.abs() > self.max_down * gravity {
                 core::hint::cold_path();
-                math::clamp(down, -MAX_VERTICAL * gravity, self.max_down)
+                math::clamp(down, -MAX_VERTICAL * gravity, self.max_down * gravity)
             } else {
                 down
             },

@@ -478,8 +478,12 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
                     },
                     specific_force: specific_force.map(|felt| {
                         let commanded = state.limits.rates.w;
-                        self.accelerometer
-                            .without_surfaces(&state.accelerometer, felt, commanded)
+                        self.accelerometer.without_surfaces(
+                            &state.accelerometer,
+                            felt,
+                            commanded,
+                            dt,
+                        )
                     }),
                     scale: correction.air(),
                     wind_known: matches!(air, AirUse::Wind | AirUse::Pitot),
