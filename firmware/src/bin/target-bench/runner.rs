@@ -32,8 +32,8 @@ const LIMITS: [(&str, u32, f64, u64, u32); 7] = [
     // The predictions' loop is there twice, for large wings at high speed and without: 3 kB, and 300 instructions less.
     ("guidance", 23_000, 1.5, 38 * 1024, 1600),
     ("guidance_in_flight", 23_000, 1.5, 38 * 1024, 1600),
-    ("hardened", 24_000, 1.5, 42 * 1024, 2112),
-    ("hardened_in_flight", 24_000, 1.5, 42 * 1024, 2112),
+    ("hardened", 24_000, 1.5, 44 * 1024, 2112),
+    ("hardened_in_flight", 24_000, 1.5, 44 * 1024, 2112),
     ("winged_feed_forward", 900, 1.15, 6 * 1024, 512),
 ];
 
