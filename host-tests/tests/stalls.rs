@@ -32,9 +32,10 @@ enum Kind {
     ThinPlateau,
     WholeWing,
     SteepFoot,
+    EarlyBurst,
 }
 
-const KINDS: [(Kind, &str); 17] = [
+const KINDS: [(Kind, &str); 18] = [
     (Kind::Round, "round stall"),
     (Kind::Sharp, "sharp stall"),
     (Kind::SawTeeth, "saw-teeth of 0.05 to 0.15"),
@@ -78,6 +79,10 @@ const KINDS: [(Kind, &str); 17] = [
     (
         Kind::SteepFoot,
         "symmetric, lift of 0.1 to 0.2 more from 1° to 1.5° on, as at a Reynolds number of 1e5",
+    ),
+    (
+        Kind::EarlyBurst,
+        "0.1 to 0.12 per degree up to 2° to 5°, a fall of 0.15 to 0.25 over 1°, and attached flow of 0.095 to 0.105 per degree to the stall",
     ),
 ];
 
@@ -127,6 +132,7 @@ fn made(kind: Kind, seed: u64) -> Made {
         Kind::SmallSlope => between(0.03, 0.05),
         Kind::WholeWing => between(0.025, 0.045),
         Kind::SteepFoot => between(0.075, 0.09),
+        Kind::EarlyBurst => between(0.095, 0.105),
         _ => between(0.085, 0.108),
     };
     let (zero, stall) = match kind {
@@ -135,6 +141,7 @@ fn made(kind: Kind, seed: u64) -> Made {
         Kind::SmallSlope => (between(-3.0, 0.0), between(18.0, 28.0)),
         Kind::WholeWing => (between(-2.0, 0.0), between(22.0, 36.0)),
         Kind::SteepFoot => (0.0, between(9.0, 12.0)),
+        Kind::EarlyBurst => (between(-1.0, 0.0), between(12.0, 14.0)),
         Kind::PlateRise => (between(-3.0, 0.0), between(7.0, 12.0)),
         Kind::ThinPlateau => (between(-3.0, 0.0), between(6.0, 8.0)),
         Kind::HighLift => (between(-12.0, -7.0), between(12.0, 17.0)),
@@ -151,10 +158,12 @@ fn made(kind: Kind, seed: u64) -> Made {
     };
     let depth = match kind {
         Kind::SmallSlope => between(0.06, 0.12),
+        Kind::EarlyBurst => between(0.15, 0.25),
         _ => between(0.06, 0.25),
     };
     let burst = match kind {
         Kind::Reflexed | Kind::SmallSlope => between(4.0, 7.0),
+        Kind::EarlyBurst => between(2.0, 5.0),
         _ => between(2.0, 7.0),
     };
     let dead = between(2.0, 5.0);
@@ -195,11 +204,23 @@ fn made(kind: Kind, seed: u64) -> Made {
         Kind::SteepFoot => [between(0.1, 0.2), between(1.0, 1.5)],
         _ => [0.0, 1.0],
     };
+    // Lift per degree before a laminar bubble bursts.
+    let laminar = match kind {
+        Kind::EarlyBurst => between(0.1, 0.12),
+        _ => slope,
+    };
     // From the angle of zero lift on, of either side.
     let side = |alpha: f64, zero: f64, stall: f64| -> f64 {
+        // Of a laminar bubble that bursts: the fall, and from where it ends on the flow that is attached again.
+        let again = |alpha: f64| {
+            let fall = depth * (alpha - burst).min(1.0);
+            let from = burst + 1.0;
+            laminar * (burst - zero) - fall + attached(alpha.max(from), slope, from, stall)
+        };
         let greatest = match kind {
             Kind::SteepFoot => attached(stall, slope, zero, stall) + foot,
             Kind::DeadZone => attached(stall, slope, dead, stall),
+            Kind::EarlyBurst => again(stall),
             _ => attached(stall, slope, zero, stall),
         };
         let fallen = |greatest: f64, kept: f64, from: f64| {
@@ -266,6 +287,8 @@ fn made(kind: Kind, seed: u64) -> Made {
                 let left = (stall - alpha) / (stall - burst);
                 clean - depth * left.sqrt()
             }
+            Kind::EarlyBurst if alpha > burst => again(alpha),
+            Kind::EarlyBurst => laminar * (alpha - zero),
             Kind::SteepFoot => clean + foot * ((alpha - zero) / reach).min(1.0),
             Kind::WholeWing => clean * (1.0 - steeper * (stall - alpha) / (stall - zero)),
             Kind::DeadZone => attached(alpha.max(dead), slope, dead, stall),
@@ -438,4 +461,20 @@ fn the_stall_is_where_lift_falls_for_good() {
         page[begin..begin + length] == table,
         "docs/your-vehicle.md is not current: ALULA_WRITE_TABLES=1 cargo test -p alula-sil --test stalls"
     );
+}
+
+/// A fall is that of a bubble or that of a stall by what lift comes back to: neither is taken for the other in many more draws.
+#[test]
+fn a_bubble_and_a_plate_are_told_apart() {
+    for kind in [Kind::EarlyBurst, Kind::PlateRise] {
+        for seed in 10_000..11_000 {
+            let made = made(kind, seed);
+            let at = made.rows[stall(&made.rows).unwrap()][0];
+            assert!(
+                (at - made.stall).abs() <= made.step,
+                "{kind:?} {seed}: {at} for {}",
+                made.stall
+            );
+        }
+    }
 }

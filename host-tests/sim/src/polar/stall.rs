@@ -2,13 +2,15 @@
 //!
 //! Polars at Reynolds numbers of 1e5 to 3e5 have saw-teeth, steps where a laminar bubble bursts, and double stalls: lift falls and comes back.
 //! Behind the stall lift grows again, too, up to 45°, and may exceed that at the stall. Both are told apart by the secant, lift per degree from the
-//! angle of zero lift, where lift has come back: attached flow keeps near its steepest, and the deeper the fall, the nearer. That of separated flow is
+//! angle of zero lift, where lift has come back: attached flow keeps near its steepest, and the deeper the fall, the nearer, unless lift grows far beyond
+//! what it was. That of separated flow is
 //! less than half of it, and somewhat more where a section with a small slope of lift stalls early.
 
 /// Part of the steepest secant that attached flow keeps. At their stalls sections keep 0.7 to 1, and the thickest, which stall at 25°, 0.49; separated
 /// flow has 0.2 to 0.45.
 const ATTACHED: f64 = 0.48;
-/// What that grows by with the depth of a fall, relative to the greatest lift before it, up to [`REATTACHED`].
+/// What that grows by with the depth of a fall, up to [`REATTACHED`]. The depth is relative to the lift that comes back, and counts in proportion to
+/// the lift before the fall over that: a plate has hardly more than the wing had at its stall, and a bubble bursts where it had half of what follows.
 const DEEPER: f64 = 0.6;
 /// Part of the steepest secant that lift has at least where it comes back behind the burst of a bubble, however deep it fell.
 const REATTACHED: f64 = 0.7;
@@ -50,7 +52,8 @@ impl Attached {
         let mut flow: Option<(usize, f64)> = None;
         for (i, row) in side() {
             let needed = flow.map_or(ATTACHED, |(top, least)| {
-                let depth = 1.0 - least / rows[top][1];
+                let [before, lift] = [rows[top][1], row[1]];
+                let depth = (before - least) * before / (lift * lift);
                 (ATTACHED + DEEPER * depth).min(REATTACHED)
             });
             let higher = flow.is_none_or(|(top, _)| row[1] > rows[top][1]);
@@ -298,6 +301,32 @@ mod tests {
             a => 0.6 + 0.1 * (a - 22.0),
         };
         assert_eq!(of(grows), Some(22));
+    }
+
+    /// A laminar bubble that bursts at 3° to 5° takes up to half of the little lift there; attached flow follows to 13°. As much of the lift lost at 10° is
+    /// a stall, though it grows on at the same rate.
+    #[test]
+    fn a_fall_from_little_lift_is_no_stall() {
+        for burst in [3.0, 4.0, 5.0] {
+            for slope in [0.11, 0.12, 0.13] {
+                for fall in [0.15, 0.2, 0.25] {
+                    let grows = |a: f64| match a {
+                        a if a <= burst => slope * a,
+                        a if a <= burst + 1.0 => slope * burst - fall * (a - burst),
+                        a => slope * burst - fall + 0.1 * (a - burst - 1.0),
+                    };
+                    let lift = |a: f64| grows(a.min(13.0)) - 0.08 * (a - 13.0).max(0.0);
+                    assert_eq!(of(lift), Some(26), "{burst} {slope} {fall}");
+                }
+            }
+        }
+        let late = |a: f64| match a {
+            a if a <= 10.0 => 0.11 * a,
+            a if a <= 12.0 => 1.1 - 0.25 * (a - 10.0),
+            a => 0.6 + 0.07 * (a - 12.0),
+        };
+        assert!(late(24.0) > late(10.0));
+        assert_eq!(of(late), Some(20));
     }
 
     /// A step of a bubble is none, however small the slope of lift is: a wing of an aspect ratio of 1.5 has a third of a section's.
