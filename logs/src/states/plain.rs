@@ -186,7 +186,7 @@ mod tests {
         );
     }
 
-    /// Roll, pitch and yaw in degrees, in radians where that is their unit; where nothing says which and all may be either, that is asked.
+    /// Roll, pitch and yaw in degrees, in radians where that is their unit; where nothing says which and one may be either, that is asked.
     #[test]
     fn angles_are_read_in_their_unit() {
         let table = |unit: &str, pitch: f64| {
@@ -213,7 +213,7 @@ mod tests {
         }
         let asked = table("", quarter).unwrap_err().to_string();
         assert!(
-            asked.starts_with("no unit of roll, pitch, yaw, of which none is beyond 6.3"),
+            asked.starts_with("no unit of pitch: degrees or radians?"),
             "{asked}"
         );
         assert!(table("deg", quarter).is_ok());
@@ -328,9 +328,35 @@ mod tests {
             ),
             (
                 ["deg", "deg", ""],
-                [0.0; 3],
+                [0.0, 0.0, 6.2],
                 "m/s",
-                "no unit of yaw, of which none",
+                "no unit of yaw: degrees or radians? It may be either with yaw within 6.3",
+            ),
+            // In radians, with the nose at 80°, and a yaw that goes on beyond a turn or is in degrees.
+            (
+                [""; 3],
+                [0.09, 1.396, 7.0],
+                "m/s",
+                "no unit of roll, pitch: degrees or radians?",
+            ),
+            (
+                ["", "", "deg"],
+                [-3.1, -1.57, 30.0],
+                "m/s",
+                "no unit of roll, pitch: degrees or radians?",
+            ),
+            (
+                [""; 3],
+                [0.0, 0.0, 7.0],
+                "m/s",
+                "no unit of pitch: degrees or radians?",
+            ),
+            // Each by itself.
+            (
+                [""; 3],
+                [0.09, 20.0, 30.0],
+                "m/s",
+                "no unit of roll: degrees or radians?",
             ),
             (
                 ["deg"; 3],
@@ -356,6 +382,9 @@ mod tests {
         }
         assert!(table(["deg"; 3], [-400.0, 90.4, 4000.0], "m/s").is_ok());
         assert!(table(["deg", "deg", ""], [0.0, 0.0, 350.0], "m/s").is_ok());
+        // Each says by itself that it is in degrees.
+        let unsaid = table([""; 3], [20.0, 60.0, 30.0], "m/s").unwrap();
+        assert_eq!(unsaid.attitude.values[0], want);
     }
 
     /// What a map may name: of a plain table, or of an autopilot's topic.

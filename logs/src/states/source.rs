@@ -181,8 +181,9 @@ pub(super) struct Found<'a> {
     columns: Vec<Option<(&'a Topic, &'a Column)>>,
 }
 
-/// A turn in radians, and a little: angles that go on beyond are degrees.
-const TURN: f64 = 6.3;
+/// Roll, pitch and yaw beyond which each is of degrees by itself: a turn in radians, of pitch a quarter, and roundings. Roll and yaw may go on beyond a
+/// turn in radians, too, but pitch tells them: what all is in radians is never taken for degrees.
+const RADIANS: [f64; 3] = [6.3, 1.58, 6.3];
 /// Greatest pitch \[°\] of Euler angles: 90°, and roundings. Roll and yaw may go on beyond a turn.
 const MOST_PITCH: f64 = 90.5;
 
@@ -236,15 +237,27 @@ impl Found<'_> {
         if !angles {
             return None;
         }
-        let unsaid: Vec<&Column> = columns().filter(|column| column.unit.is_empty()).collect();
-        let values = unsaid.iter().flat_map(|column| &column.values);
-        let greatest = values.fold(0.0, |most, value| f64::max(most, value.abs()));
-        if !unsaid.is_empty() && greatest <= TURN {
-            let names: Vec<&str> = unsaid.iter().map(|column| column.name.as_str()).collect();
+        let mut asked: Vec<(f64, &str)> = Vec::new();
+        for (i, (most, column)) in std::iter::zip(RADIANS, &self.columns).enumerate() {
+            let Some((_, column)) = column else { continue };
+            let values = column.values.iter();
+            let greatest = values.fold(0.0, |greatest, value| f64::max(greatest, value.abs()));
+            // 0 is 0 in either, but a pitch of 0 tells nothing of the others.
+            let zero = i != 1 && greatest == 0.0;
+            if column.unit.is_empty() && greatest <= most && !zero {
+                asked.push((most, &column.name));
+            }
+        }
+        if let Some((_, first)) = asked.first() {
+            let names: Vec<&str> = asked.iter().map(|(_, name)| *name).collect();
+            let within: Vec<String> = asked
+                .iter()
+                .map(|(most, name)| format!("{name} within {most}"))
+                .collect();
             return Some(format!(
-                "unit of {}, of which none is beyond {TURN}: degrees or radians? In a map say `unit = \"deg\"` or `unit = \"rad\"` with each, in a header `{} [deg]`",
+                "unit of {}: degrees or radians? It may be either with {}. In a map say `unit = \"deg\"` or `unit = \"rad\"` with each, in a header `{first} [deg]`",
                 names.join(", "),
-                names.first()?
+                within.join(", "),
             ));
         }
         let pitch = self.columns.get(1).copied().flatten()?.1;
