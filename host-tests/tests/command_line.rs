@@ -785,6 +785,31 @@ fn every_command_judges_a_polar_alike() {
         let told = said.matches("x.txt:14: c_D is 0.001 at 0°: is there friction in it?");
         assert_eq!(told.count(), 1, "{command:?}: {said}");
     }
+    // Without a stall `new` has no wing, and the others go by the extension: each says so with the same line. With one, however late, none does.
+    let bent = |last: i32, stalls: f64| -> String {
+        let lift = |a: f64| match a {
+            a if a <= stalls => 2.0 * (2.0 * a.to_radians()).sin(),
+            a => 2.0 * (2.0 * stalls.to_radians()).sin() - 0.1 * (a - stalls),
+        };
+        let rows = (-10..=last).map(f64::from);
+        let rows: String = rows
+            .map(|a| format!("{a} {:.4} {}\n", lift(a), 0.01 + 3e-4 * a * a))
+            .collect();
+        format!("alpha CL CD\n{rows}")
+    };
+    let (refuses, warn) = commands.split_last().unwrap();
+    for (stalls, count) in [(90.0, 1), (26.0, 0)] {
+        fs::remove_dir_all(folder.path().join("y")).unwrap_or_default();
+        fs::write(folder.path().join("x.txt"), bent(34, stalls)).unwrap();
+        for command in warn.iter().chain([refuses]) {
+            let output = alula(folder.path(), command);
+            let said = text(&output.stdout) + &text(&output.stderr);
+            let told = said.matches("x.txt:37: c_L is 1.5321 at 25°, and lift does not fall");
+            assert_eq!(told.count(), count, "{command:?}: {said}");
+            let refused = command == refuses && count == 1;
+            assert_eq!(output.status.success(), !refused, "{command:?}: {said}");
+        }
+    }
     // A polar is no experiment, under whatever name.
     let output = alula(folder.path(), &["sweep", "x.txt"]);
     assert_refused(&output, &["x.txt: a polar, and no experiment"]);

@@ -165,16 +165,9 @@ fn stalling(
             story.extend(cut);
             Ok(polar)
         }
-        None if polar.ends_straight() => bail!(
-            "{}:{}: lift still grows in a straight line at the last row, so the table ends before the stall, and AVL and panel methods know none. \
-             Give rows up to the stall, or say at which of these it stalls: --stall-deg",
-            on_one_line(polar.name),
-            polar.last_line()
-        ),
-        None => match polar.beyond_stall() {
-            Some([degrees, lift, _]) => bail!(
-                "{}: c_L is {lift} at {degrees}°, which no wing has without slats: AVL and panel methods know no stall. Say where it stalls: --stall-deg",
-                on_one_line(polar.name)
+        None => match polar.no_stall() {
+            Some(problem) => bail!(
+                "{problem}. Give rows up to the stall, or say at which of these it stalls: --stall-deg"
             ),
             None => Ok(polar),
         },

@@ -166,27 +166,47 @@ pub fn doubts(lines: &[u64], rows: &[[f64; 3]]) -> Vec<Doubt> {
     found
 }
 
-/// The first row of which no wing without slats or flaps can have the lift: it comes of a method that knows no stall, though it bends. Lift that is high
-/// behind a stall is none of it.
-pub fn beyond_stall(rows: &[[f64; 3]]) -> Option<&[f64; 3]> {
-    /// Angle \[°\] beyond every stall of an unslotted section, and lift that none has there. Sections have 1.2 at most, delta wings 1.3.
+/// Why the stall is not in the `rows` from these `lines`, by the line that shows it: lift still grows at the last, or is a method's that knows no stall.
+pub fn no_stall(lines: &[u64], rows: &[[f64; 3]]) -> Option<(u64, String)> {
+    let at = |i: usize| lines.get(i).or(lines.last()).copied().unwrap_or(1);
+    if ends_straight(rows) {
+        let problem = "lift still grows in a straight line at the last row: that the wing stalls there is not known";
+        return Some((at(rows.len()), problem.to_owned()));
+    }
+    let i = beyond_stall(rows)?;
+    let [degrees, lift, _] = rows[i];
+    let problem = format!(
+        "c_L is {lift} at {degrees}°, and lift does not fall for good from below {LATEST}°: AVL and panel methods know no stall"
+    );
+    Some((at(i), problem))
+}
+
+/// Angle \[°\] short of which every wing stalls.
+const LATEST: f64 = 40.0;
+
+/// The first row whose lift no wing without slats or flaps has without a stall behind it: it comes of a method that knows none, though it bends.
+fn beyond_stall(rows: &[[f64; 3]]) -> Option<usize> {
+    /// Angle \[°\] beyond the stalls of most unslotted sections, and lift that none has there. Sections have 1.2 at most, delta wings 1.3.
     const LATE: f64 = 22.0;
     const LIFT: f64 = 1.5;
-    let late = |row: &&[f64; 3]| row[0].abs() >= LATE && row[1].abs() > LIFT;
+    let late = |row: &[f64; 3]| row[0].abs() >= LATE && row[1].abs() > LIFT;
+    let nearest = |a: &usize, b: &usize| rows[*a][0].abs().total_cmp(&rows[*b][0].abs());
     [Attached::inverted(rows), Attached::of(rows)]
         .into_iter()
         .flatten()
-        .map(|attached| rows[attached.top][0])
-        .filter(|top| top.abs() >= LATE)
-        .find_map(|top| {
-            let side = rows.iter().filter(|row| row[0].signum() == top.signum());
-            side.filter(late)
-                .min_by(|a, b| a[0].abs().total_cmp(&b[0].abs()))
+        .filter(|attached| {
+            let top = rows[attached.top][0].abs();
+            top >= LATEST || top >= LATE && !attached.stalls
+        })
+        .find_map(|attached| {
+            let side = rows[attached.top][0].signum();
+            let side = (0..rows.len()).filter(|i| rows[*i][0].signum() == side);
+            side.filter(|i| late(&rows[*i])).min_by(nearest)
         })
 }
 
 /// Whether lift still grows at the last row as it does at small angles, and no stall stands before: that is the end of a table alone.
-pub fn ends_straight(rows: &[[f64; 3]]) -> bool {
+fn ends_straight(rows: &[[f64; 3]]) -> bool {
     /// Part of the slope that is left where a stall begins.
     const LEFT: f64 = 0.7;
     /// Length of the end that is looked at \[°\].
@@ -310,10 +330,14 @@ mod tests {
             };
             (-10..=last).map(row).collect()
         };
-        assert_eq!(
-            beyond_stall(&lattice(6.0, 30)).map(|row| row[0]),
-            Some(22.0)
-        );
+        let first = |rows: &[[f64; 3]]| beyond_stall(rows).map(|i| rows[i][0]);
+        assert_eq!(first(&lattice(6.0, 30)), Some(22.0));
+        // It is named by its own line.
+        let lines: Vec<u64> = (10..=50).collect();
+        let (line, problem) = no_stall(&lines, &lattice(6.0, 30)).unwrap();
+        assert!(line == 42 && problem.contains("at 22°"), "{line} {problem}");
+        // At 45° it turns, and that is no stall.
+        assert_eq!(first(&lattice(6.0, 70)), Some(22.0));
         assert!(beyond_stall(&lattice(3.0, 30)).is_some());
         assert!(beyond_stall(&lattice(6.0, 20)).is_none() && ends_straight(&lattice(6.0, 20)));
         let steep = |slope: f64| {
@@ -357,6 +381,29 @@ mod tests {
             a => 2.1 - 0.03 * (a - 18.0),
         });
         assert!(!ends_straight(&high) && beyond_stall(&high).is_none());
+        // High lift that stalls late: 2.07 at 22°, and 1.65 at 23° of a section.
+        for (top, most) in [(22.0, 2.07), (23.0, 1.65)] {
+            let rise = |a: f64| most * (1.0 - ((top - a) / (top + 6.0)).powi(2));
+            let rows: Vec<[f64; 3]> = (-6..=32)
+                .map(f64::from)
+                .map(|a| {
+                    [
+                        a,
+                        if a <= top {
+                            rise(a)
+                        } else {
+                            most - 0.08 * (a - top)
+                        },
+                        0.02,
+                    ]
+                })
+                .collect();
+            assert_eq!(no_stall(&[], &rows), None);
+            assert_eq!(stall(&rows).map(|at| rows[at][0]), Some(top));
+            // Up to its top alone nothing says that it stalls.
+            let upto: Vec<[f64; 3]> = rows.iter().copied().filter(|row| row[0] <= top).collect();
+            assert!(no_stall(&[], &upto).is_some());
+        }
         // The kink of a table that goes on growing is no stall.
         let kink = with(|a| 0.1 * a - if a > 6.0 { 0.09 } else { 0.0 });
         assert!(ends_straight(&kink));
@@ -364,6 +411,6 @@ mod tests {
             .map(f64::from)
             .map(|a: f64| [a, 4.0 * a.to_radians().sin() * a.to_radians().cos(), 0.02])
             .collect();
-        assert_eq!(beyond_stall(&mirrored).map(|row| row[0]), Some(-25.0));
+        assert_eq!(beyond_stall(&mirrored).map(|i| mirrored[i][0]), Some(-25.0));
     }
 }

@@ -243,7 +243,12 @@ mod tests {
             .collect();
         let text = format!("alpha CL CD\n{rows}");
         let polar = Polar::from_text("x", &text).unwrap();
-        assert!(polar.ends_straight());
+        assert!(
+            polar
+                .no_stall()
+                .unwrap()
+                .starts_with("x:28: lift still grows")
+        );
         let (cut, said) = polar.stalling_at(11.5).unwrap();
         assert_eq!(
             said.unwrap(),

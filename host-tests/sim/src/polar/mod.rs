@@ -299,45 +299,28 @@ impl Polar {
 
     /// What is odd about it, and what its end says of its stall: what every command says that takes it as it is.
     pub fn warnings(&self) -> Vec<String> {
-        let name = on_one_line(self.name);
         let mut warnings = self.odd();
-        if self.told {
-            return warnings;
-        }
-        if self.ends_straight() {
-            let line = self.last_line();
-            warnings.push(format!(
-                "{name}:{line}: lift still grows in a straight line at the last row: that the wing stalls there is not known"
-            ));
-        } else if let Some([degrees, lift, _]) = self.beyond_stall() {
-            warnings.push(format!(
-                "{name}: c_L is {lift} at {degrees}°, which no wing has without slats: AVL and panel methods know no stall"
-            ));
+        if !self.told {
+            warnings.extend(self.no_stall());
         }
         warnings
-    }
-
-    /// Whether it ends where lift still grows in a straight line: at the end of a sweep, but not at stall.
-    pub fn ends_straight(&self) -> bool {
-        self.seam.is_some() && doubt::ends_straight(&self.read.rows)
-    }
-
-    /// The first row whose lift no wing without slats has, of a polar that ends before 180°.
-    pub fn beyond_stall(&self) -> Option<&[f64; 3]> {
-        let extended = self.seam.is_some();
-        extended
-            .then(|| doubt::beyond_stall(&self.read.rows))
-            .flatten()
-    }
-
-    /// Whether its file says that it is that of a whole wing: XFLR5's of planes and AVL's are, and those that this program wrote.
-    pub fn is_of_wing(&self) -> bool {
-        self.read.of_wing
     }
 
     /// The line of its last row.
     pub fn last_line(&self) -> u64 {
         self.read.lines.last().copied().unwrap_or(1)
+    }
+
+    /// Why its stall is not in it, in a line that begins with its name: of a polar that ends before 180°.
+    pub fn no_stall(&self) -> Option<String> {
+        self.seam.as_ref()?;
+        let (line, problem) = doubt::no_stall(&self.read.lines, &self.read.rows)?;
+        Some(format!("{}:{line}: {problem}", on_one_line(self.name)))
+    }
+
+    /// Whether its file says that it is that of a whole wing: XFLR5's of planes and AVL's are, and those that this program wrote.
+    pub fn is_of_wing(&self) -> bool {
+        self.read.of_wing
     }
 
     /// The polar as a CSV file, under these comments.
