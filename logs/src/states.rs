@@ -44,6 +44,17 @@ pub struct Series<const N: usize> {
     pub interval: f64,
 }
 
+/// A set-point that should have come so long ago \[s\] is asked for no longer.
+pub const CEASED: f64 = 1.0;
+
+impl<const N: usize> Series<N> {
+    /// How long ago a row should have come anew \[s\]. A log that keeps every tenth value makes none old.
+    #[must_use]
+    pub fn overdue(&self, row: usize) -> f64 {
+        (self.age[row] - self.interval).max(0.0)
+    }
+}
+
 /// The state and the set-points of a flight. All vectors are north, east, down.
 #[derive(Clone, Debug, PartialEq)]
 pub struct States {
@@ -280,21 +291,21 @@ pub fn find(log: &Log) -> Result<States, Missing> {
             &mut missing,
         )
         .map(turned),
-        position_setpoint: source::first(
+        position_setpoint: source::each(
             topics,
             &time,
             "position set-point",
             family.position_setpoint,
             &mut missing,
         ),
-        velocity_setpoint: source::first(
+        velocity_setpoint: source::each(
             topics,
             &time,
             "velocity set-point",
             family.velocity_setpoint,
             &mut missing,
         ),
-        acceleration_setpoint: source::first(
+        acceleration_setpoint: source::each(
             topics,
             &time,
             "acceleration set-point",

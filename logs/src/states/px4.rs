@@ -86,36 +86,42 @@ pub(super) const FAMILY: Family = Family {
             ("vehicle_local_position_setpoint", "x"),
             ("vehicle_local_position_setpoint", "y"),
             ("vehicle_local_position_setpoint", "z"),
-        ]),
+        ])
+        .partly(),
         Source::vector(&[
             ("trajectory_setpoint", "position[0]"),
             ("trajectory_setpoint", "position[1]"),
             ("trajectory_setpoint", "position[2]"),
-        ]),
+        ])
+        .partly(),
     ],
     velocity_setpoint: &[
         Source::vector(&[
             ("vehicle_local_position_setpoint", "vx"),
             ("vehicle_local_position_setpoint", "vy"),
             ("vehicle_local_position_setpoint", "vz"),
-        ]),
+        ])
+        .partly(),
         Source::vector(&[
             ("trajectory_setpoint", "velocity[0]"),
             ("trajectory_setpoint", "velocity[1]"),
             ("trajectory_setpoint", "velocity[2]"),
-        ]),
+        ])
+        .partly(),
     ],
     acceleration_setpoint: &[
         Source::vector(&[
             ("vehicle_local_position_setpoint", "acceleration[0]"),
             ("vehicle_local_position_setpoint", "acceleration[1]"),
             ("vehicle_local_position_setpoint", "acceleration[2]"),
-        ]),
+        ])
+        .partly(),
         Source::vector(&[
             ("trajectory_setpoint", "acceleration[0]"),
             ("trajectory_setpoint", "acceleration[1]"),
             ("trajectory_setpoint", "acceleration[2]"),
-        ]),
+        ])
+        .partly(),
     ],
 };
 
@@ -225,6 +231,64 @@ mod tests {
             states.missing[0].to_string(),
             "no airspeed: none of airspeed_validated.true_airspeed_m_s, airspeed.true_airspeed_m_s"
         );
+    }
+
+    /// Of two topics of set-points each row and axis is of the first that gives it: one may have no number, know some axes alone, or end early.
+    #[test]
+    fn a_set_point_is_of_the_topic_that_gives_it() {
+        let with = |others: Vec<Topic>| {
+            let mut log = log();
+            log.topics
+                .retain(|topic| topic.name() != "trajectory_setpoint");
+            let all = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0];
+            let attitude = ["q[0]", "q[1]", "q[2]", "q[3]"].map(|name| (name, 0.5));
+            log.topics[0] = topic("vehicle_attitude", &all, &attitude);
+            let asked = [
+                ("velocity[0]", 5.0),
+                ("velocity[1]", f64::NAN),
+                ("velocity[2]", -1.0),
+            ];
+            log.topics.push(topic("trajectory_setpoint", &all, &asked));
+            log.topics.extend(others);
+            let series = find(&log).unwrap().velocity_setpoint.unwrap();
+            // NaN is not equal to itself.
+            let values = series
+                .values
+                .iter()
+                .map(|row| row.map(|x| (!x.is_nan()).then_some(x)));
+            values.collect::<Vec<_>>()
+        };
+        let of = |time: &[f64], columns: &[(&str, f64)]| {
+            with(vec![topic(
+                "vehicle_local_position_setpoint",
+                time,
+                columns,
+            )])
+        };
+        let all = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0];
+        let none = [("vx", f64::NAN), ("vy", f64::NAN), ("vz", f64::NAN)];
+        assert_eq!(of(&all, &none), [[Some(5.0), None, Some(-1.0)]; 6]);
+        let one = [("vx", f64::NAN), ("vy", 3.0), ("vz", -2.0)];
+        assert_eq!(of(&all, &one), [[Some(5.0), Some(3.0), Some(-2.0)]; 6]);
+        assert_eq!(
+            of(&all, &[("vz", -2.0)]),
+            [[Some(5.0), None, Some(-2.0)]; 6]
+        );
+        // It ends at 2 s, and is asked for until it is overdue by a second: two after that.
+        let early = of(&[0.0, 1.0, 2.0], &one);
+        assert_eq!(early[..5], [[Some(5.0), Some(3.0), Some(-2.0)]; 5]);
+        assert_eq!(early[5..], [[Some(5.0), None, Some(-1.0)]]);
+        // Where nothing is asked for any longer, that shows in the age.
+        let mut log = log();
+        log.topics[0] = topic(
+            "vehicle_attitude",
+            &all,
+            &[("q[0]", 1.0), ("q[1]", 0.0), ("q[2]", 0.0), ("q[3]", 0.0)],
+        );
+        let both = topic("vehicle_local_position_setpoint", &[0.0, 1.5], &one);
+        log.topics.push(both);
+        let series = find(&log).unwrap().velocity_setpoint.unwrap();
+        assert_eq!(series.age[5], 3.5);
     }
 
     /// Where the estimator says that it knows no velocity there is none, whatever number stands there.

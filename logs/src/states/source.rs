@@ -1,7 +1,7 @@
 //! One place where a quantity may be logged.
 
 use super::in_force::Topics;
-use super::{Missing, Series, attitude};
+use super::{CEASED, Missing, Series, attitude};
 use crate::{Column, Topic};
 use std::fmt;
 
@@ -367,6 +367,49 @@ pub(super) fn first<const N: usize>(
         });
     }
     found
+}
+
+/// All of `sources` that the log has, held at `time`: each row and axis of the first that gives it there. If it has none, `what` is missing.
+pub(super) fn each<const N: usize>(
+    topics: &Topics,
+    time: &[f64],
+    what: &'static str,
+    sources: &[Source],
+    missing: &mut Vec<Missing>,
+) -> Option<Series<N>> {
+    let first = first(topics, time, what, sources, missing)?;
+    let found = sources.iter().filter_map(|source| source.find(topics));
+    let all: Vec<Series<N>> = found.map(|found| found.held(time)).collect();
+    let known = |series: &Series<N>| series.values.iter().flatten().any(|x| x.is_finite());
+    let all: Vec<Series<N>> = all.into_iter().filter(known).collect();
+    let [_, _, ..] = all[..] else {
+        return Some(all.into_iter().next().unwrap_or(first));
+    };
+    let mut merged = Series {
+        source: all
+            .iter()
+            .map(|s| &*s.source)
+            .collect::<Vec<_>>()
+            .join(", or "),
+        interval: all.iter().fold(0.0, |most, s| f64::max(most, s.interval)),
+        ..first
+    };
+    for row in 0..time.len() {
+        let of = std::array::from_fn::<_, N, _>(|i| {
+            all.iter()
+                .find(|s| s.overdue(row) <= CEASED && s.values[row][i].is_finite())
+        });
+        let ages = of.iter().flatten().map(|s| s.age[row]);
+        let age = ages.fold(f64::NEG_INFINITY, f64::max);
+        if age >= 0.0 {
+            merged.values[row] =
+                std::array::from_fn(|i| of[i].map_or(f64::NAN, |s| s.values[row][i]));
+            merged.age[row] = age;
+        } else if let Some(youngest) = all.iter().min_by(|a, b| a.age[row].total_cmp(&b.age[row])) {
+            (merged.values[row], merged.age[row]) = (youngest.values[row], youngest.age[row]);
+        }
+    }
+    Some(merged)
 }
 
 /// The first of `sources` that the log has, held at `time`.

@@ -37,7 +37,7 @@ pub fn replay(states: &States, experiment: &Experiment) -> anyhow::Result<(Recor
         let sample = GuidanceInput {
             velocity: ned(told.velocity.into()),
             orientation,
-            state_age: told.velocity_age.max(states::age(&states.attitude, row)) as f32,
+            state_age: told.velocity_age.max(states.attitude.overdue(row)) as f32,
             air: told.air(|v| ned(v.into())),
             specific_force: told.force().map(Into::into),
             position_error: told.position_error().map(ned),

@@ -3,7 +3,7 @@
 use alula::guidance::Air;
 use alula::ned::BodyAxes;
 use alula::spatial::Body;
-use alula_logs::states::{Series, States};
+use alula_logs::states::{CEASED, Series, States};
 use anyhow::bail;
 
 use super::unknown::Unknown;
@@ -40,20 +40,12 @@ pub struct Row {
     pub specific_force: Option<[f64; 3]>,
 }
 
-/// A set-point that should have come so long ago \[s\] is asked for no longer.
-const CEASED: f64 = 1.0;
-
-/// How old a row of a series is \[s\]: since it should have come anew. A log that keeps every tenth value makes none old.
-pub fn age<const N: usize>(series: &Series<N>, row: usize) -> f64 {
-    (series.age[row] - series.interval).max(0.0)
-}
-
 /// One row of a series, with its age \[s\], if any component of it is known: the others are NaN.
 fn any<const N: usize>(series: Option<&Series<N>>, row: usize) -> Option<([f64; N], f64)> {
     let series = series?;
     let value = series.values[row];
     let known = value.iter().any(|x| x.is_finite());
-    known.then_some((value, age(series, row)))
+    known.then_some((value, series.overdue(row)))
 }
 
 /// The same if every component is known.
