@@ -111,6 +111,31 @@ mod tests {
         [("VN", vn), ("VE", 0.0), ("VD", 0.0)]
     }
 
+    /// Firmware before `ATT.AEKF`: of EKF2 and EKF3 the one that is taken is named, and of either alone nothing is said.
+    #[test]
+    fn an_estimator_that_nothing_says_to_be_in_force_is_noted() {
+        let q = [("Roll", 0.0), ("Pitch", 0.0), ("Yaw", 0.0)];
+        let of = |name: &str, vn: f64| topic(name, 0, &[1.0], &[&velocity(vn)[..], &q].concat());
+        let found = |topics: &[Topic]| {
+            let topics = topics.to_vec();
+            let states = find(&Log {
+                topics,
+                notes: Vec::new(),
+            })
+            .unwrap();
+            let told = states.notes.iter().any(|note| {
+                note == "EKF2 and EKF3: no ATT.AEKF says which of them was in force: EKF3 is taken"
+            });
+            (states.velocity.unwrap().values[0][0], told)
+        };
+        let (two, three) = (of("NKF1", 5.0), of("XKF1", 50.0));
+        assert_eq!(found(&[two.clone(), three.clone()]), (50.0, true));
+        assert_eq!(found(std::slice::from_ref(&two)), (5.0, false));
+        assert_eq!(found(std::slice::from_ref(&three)), (50.0, false));
+        let says = topic("ATT", 0, &[0.0], &[&q[..], &[("AEKF", 2.0)]].concat());
+        assert_eq!(found(&[two, three, says]), (5.0, false));
+    }
+
     #[test]
     fn the_primary_estimator_is_taken() {
         let q = |q1: f64| [("Q1", q1), ("Q2", 0.0), ("Q3", 1.0), ("Q4", 0.0)];

@@ -183,6 +183,12 @@ impl<'a> Topics<'a> {
             Some((*time, primaries[index].at(*time)))
         });
         let Some(default) = default else { return };
+        let both = FAMILIES.map(|estimator| logged().any(|(key, _)| key.0 == estimator));
+        if both == [true; 2] && active.is_empty() {
+            self.notes.push(format!(
+                "EKF2 and EKF3: no ATT.AEKF says which of them was in force: EKF{default} is taken"
+            ));
+        }
         let choice = Choice::of(rows.collect(), (default, first(default)));
         let mut missing: BTreeMap<Key, (f64, Vec<&str>)> = BTreeMap::new();
         for (names, parts) in &messages {
