@@ -140,3 +140,77 @@ impl Estimates {
         UnitQuaternion::from_scaled_axis(next)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DT: f64 = 0.01;
+
+    /// A wind that begins at once is estimated by 63 % after 4 s, without its vertical part; a flight begins with the steady one.
+    #[test]
+    fn the_wind_lags_and_is_level() {
+        let spec = EstimatorSpec::default();
+        let mut estimates = Estimates::new(1);
+        let steady = V3::new(1.0, 0.0, 0.0);
+        assert_eq!(estimates.wind(&spec, steady, steady, DT), steady);
+        let mut told = V3::zeros();
+        for _ in 0..400 {
+            told = estimates.wind(&spec, V3::new(1.0, 5.0, -2.0), steady, DT);
+        }
+        let expected = V3::new(1.0, 5.0 * (1.0 - (-1.0_f64).exp()), 0.0);
+        assert!((told - expected).norm() < 1e-9, "{told}");
+    }
+
+    /// On a ramp velocity and position are behind by the lag.
+    #[test]
+    fn on_a_ramp_motion_is_behind_by_the_lag() {
+        let spec = EstimatorSpec {
+            lag_s: 0.2,
+            ..EstimatorSpec::default()
+        };
+        let mut estimates = Estimates::new(1);
+        let at = |t: f64| [V3::new(3.0 * t, 0.0, 0.0), V3::new(0.0, 7.0 * t, 0.0)];
+        let mut behind = [V3::zeros(); 2];
+        for n in 0..500 {
+            let now = at(f64::from(n) * DT);
+            let told = estimates.motion(&spec, now, DT);
+            behind = [now[0] - told[0], now[1] - told[1]];
+        }
+        // A step of a lag that is exact in steps is behind by half a step less.
+        assert!((behind[0].x - 3.0 * 0.2).abs() < 3.0 * DT, "{behind:?}");
+        assert!((behind[1].y - 7.0 * 0.2).abs() < 7.0 * DT, "{behind:?}");
+        let exact = EstimatorSpec::default();
+        assert_eq!(Estimates::new(1).motion(&exact, at(2.0), DT), at(2.0));
+    }
+
+    /// The attitude error has its deviation from the first step on, and after its correlation time 1/e of it is left.
+    #[test]
+    fn the_attitude_drifts_with_its_deviation_and_time() {
+        let spec = EstimatorSpec {
+            drift_deg: 1.5,
+            drift_time_s: 10.0,
+            ..EstimatorSpec::default()
+        };
+        let flights = 4000;
+        let (mut first, mut last, mut product) = (0.0, 0.0, 0.0);
+        for seed in 0..flights {
+            let mut estimates = Estimates::new(seed);
+            let mut next = || estimates.turn(&spec, true, 5.0).scaled_axis();
+            let (a, _, b) = (next(), next(), next());
+            assert_eq!((a.x, a.z), (0.0, 0.0));
+            first += a.y * a.y;
+            last += b.y * b.y;
+            product += a.y * b.y;
+        }
+        let variance = 1.5_f64.to_radians().powi(2) * flights as f64;
+        // Four standard errors of a variance and of a correlation.
+        assert!((first / variance - 1.0).abs() < 0.09 && (last / variance - 1.0).abs() < 0.09);
+        assert!((product / variance - (-1.0_f64).exp()).abs() < 0.07);
+        let exact = EstimatorSpec::default();
+        assert_eq!(
+            Estimates::new(1).turn(&exact, false, DT),
+            UnitQuaternion::identity()
+        );
+    }
+}

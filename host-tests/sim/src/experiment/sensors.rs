@@ -266,6 +266,17 @@ mod tests {
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
 
+    /// The tube tells the part along the nose, from its least speed on and inside its cone.
+    #[test]
+    fn a_pitot_tube_tells_the_airspeed_along_the_nose() {
+        let pitot = PitotSpec::default();
+        let told = |along: f64, across: f64| pitot.told(V3::x(), V3::new(along, across, 0.0));
+        assert_eq!(told(12.0, 6.0), 12.0);
+        // 36° and 34°; too slow; from behind.
+        assert!(told(10.0, 7.27).is_nan() && told(10.0, 6.74) == 10.0);
+        assert!(told(4.9, 0.0).is_nan() && told(-12.0, 0.0).is_nan());
+    }
+
     #[test]
     fn errors_add_up_and_are_rounded() {
         let random = &mut ChaCha8Rng::seed_from_u64(3);
