@@ -25,9 +25,11 @@ const FADING: f32 = 8.0;
 const AIRSPEED_SHARE: f32 = 0.25;
 /// Slope of the normal force coefficient below which it tells less of the angle of attack \[1/rad\].
 const LEAST_SLOPE: f32 = 2.5;
-/// Force k_a|v_a|² below which forces tell less, in multiples of the weight: that at which c_L = 0.5 carries it. Slower, the slipstream on a real wing
+/// Force k_a|v_a|² below which forces tell less, in multiples of the weight: that at which c_L = 0.7 carries it. Slower, the slipstream on a real wing
 /// makes as much force as the air that is believed in.
-const AIR_FORCE: f32 = 2.0;
+const AIR_FORCE: f32 = 1.5;
+/// The same of the side force, which is that of fins and fuselage.
+const SIDE_FORCE: f32 = 0.3;
 /// Greatest gust \[m/s\]. An airspeed that is farther from that of the known wind is no airspeed: the tube is blocked.
 const MOST: f32 = 10.0;
 /// Greatest step towards what is measured \[m/s\].
@@ -104,6 +106,7 @@ impl AirEstimateState {
             let side = sample.scale * vehicle.side() * air.speed;
             if side > 0.0 {
                 let left = -vehicle.mass() * felt.w / side - w;
+                let floor = SIDE_FORCE * vehicle.weight();
                 let told = pressure * pressure / (pressure * pressure + floor * floor);
                 step.w += told * math::clamp(left, -MOST_STEP, MOST_STEP);
             }
