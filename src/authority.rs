@@ -84,7 +84,7 @@ impl Authority {
         thrust: f32,
         available: f32,
     ) -> f32 {
-        let slope = self.slipstream + self.difference;
+        let slope = self.per_thrust();
         if slope <= 0.0 {
             return thrust;
         }
@@ -101,9 +101,15 @@ impl Authority {
         }
     }
 
+    /// What a thrust gives, per thrust [rad/s² N].
+    #[inline(always)]
+    fn per_thrust(&self) -> f32 {
+        self.slipstream + self.difference
+    }
+
     /// Thrust \[N\] at rest that gives `wanted` [rad/s²]; 0 if none is needed or none helps.
     pub fn thrust_to_turn(&self, wanted: f32) -> f32 {
-        let slope = self.slipstream + self.difference;
+        let slope = self.per_thrust();
         if slope > 0.0 {
             math::max(wanted - self.constant, 0.0) / slope
         } else {

@@ -137,8 +137,14 @@ impl Accelerometer {
         commanded: f32,
         dt: f32,
     ) -> Body {
-        let change = (commanded - state.rate) / (self.rate_lag + dt);
+        let change = self.change(state, commanded, dt);
         Body::new(felt.i, felt.j - self.surface_reaction * change, felt.w)
+    }
+
+    /// Change of the pitch rate \[rad/s²\] by which the rate loop follows this one `commanded` \[rad/s\], in a step of `dt` \[s\].
+    #[inline(always)]
+    fn change(&self, state: &AccelerometerState, commanded: f32, dt: f32) -> f32 {
+        (commanded - state.rate) / (self.rate_lag + dt)
     }
 
     /// One step of `dt` \[s\] after a command of the law in this attitude, with the specific force \[m/s²\] if it is
@@ -154,10 +160,11 @@ impl Accelerometer {
         gust: f32,
         dt: f32,
     ) {
-        let lag = self.rate_lag + dt;
-        let change = (command.rates.pitch - state.rate) / lag;
-        state.rate += change * dt;
-        let Some(mut specific_force) = specific_force else {
+        let commanded = command.rates.pitch;
+        // The force by which surfaces turn the vehicle is no error of the belief.
+        let felt = specific_force.map(|felt| self.without_surfaces(state, felt, commanded, dt));
+        state.rate += self.change(state, commanded, dt) * dt;
+        let Some(specific_force) = felt else {
             *state = AccelerometerState {
                 rate: state.rate,
                 ..AccelerometerState::default()
@@ -165,8 +172,6 @@ impl Accelerometer {
             state.force.thrust = command.thrust;
             return;
         };
-        // The force by which surfaces turn the vehicle is no error of the belief.
-        specific_force.j -= self.surface_reaction * change;
         let sample = ForceSample {
             specific_force,
             orientation,
