@@ -3,8 +3,8 @@
 /// Remembers what the arming switch did.
 ///
 /// A switch that is on at power-on, or is put on before inputs arrive, does not arm: it must be off while the vehicle is
-/// ready, and then be put on. What arms is that change, once. After it the motor may stop because inputs stop, and goes on
-/// when they come back: a gap in the link is not to end a flight. The switch off disarms at once.
+/// ready, and then be put on. What arms is that change, once. It lasts while inputs fail: a gap in the link is not to end a
+/// flight. The switch off disarms at once.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Arming {
     armed: bool,

@@ -20,8 +20,8 @@ pub const ANNOUNCE_PERIOD: u32 = 500;
 /// What the target sends.
 pub type Reply = Envelope<FromTarget<'static>>;
 
-/// The state of the image. The command in force is the safe one, zero thrust and zero rate, unless the last
-/// valid input is younger than [`SILENCE_LIMIT`] and the controller had an answer to it.
+/// The state of the image. The command in force is the controller's safe one, unless the last valid input is younger than
+/// [`SILENCE_LIMIT`] and the controller had an answer to it. Without a controller there is no thrust.
 #[derive(Default)]
 pub struct Flight {
     receiver: Receiver,
@@ -145,12 +145,12 @@ impl Flight {
 
     /// Whether the motor may turn, `switch` being whether the arming switch is on; to be called once per tick.
     ///
-    /// It may turn while inputs are fresh, and not in lockstep, where the vehicle that the thrust is meant for is
-    /// simulated. [`Arming`] says what the switch must have done.
+    /// It may turn once inputs have come, with a safe thrust when they stop, and not in lockstep, where the vehicle that the
+    /// thrust is meant for is simulated. [`Arming`] says what the switch must have done.
     pub fn drives_motor(&mut self, switch: bool) -> bool {
         let timed = |c: &Configured| c.pacing == Pacing::Timer;
         let ready = self.fresh && self.configured.as_ref().is_some_and(timed);
-        self.arming.update(switch, ready) && ready
+        self.arming.update(switch, ready)
     }
 
     /// Counts a reply that the port did not take.
@@ -175,7 +175,7 @@ impl Flight {
     fn fly(&mut self, input: Envelope<Input>) -> Option<Reply> {
         let configured = self.configured.as_mut()?;
         let answer = configured.controller.step(&input.message);
-        if let Some((command, refusal)) = answer.in_force() {
+        if let Some((command, refusal)) = answer.in_force(configured.controller.safe()) {
             configured.flown = true;
             (self.fresh, self.silence) = (true, 0);
             (self.command, self.refusal) = (command, refusal);
@@ -188,7 +188,8 @@ impl Flight {
     }
 
     fn safe(&mut self) {
-        self.command = InForce::default();
+        let safe = |configured: &Configured| configured.controller.safe();
+        self.command = self.configured.as_ref().map(safe).unwrap_or_default();
         self.refusal = None;
     }
 
@@ -228,7 +229,7 @@ mod tests {
         Attitude, GainParameters, Inertial, PlanarGuidanceInput, Reference, State,
     };
     use alula::{
-        CombinedParameters, Fault, GuidanceParameters, ModelParameters, Parameters,
+        BodyRates, CombinedParameters, Fault, GuidanceParameters, ModelParameters, Parameters,
         VehicleParameters,
     };
     use alula_link::damage::Mangler;
@@ -298,7 +299,19 @@ mod tests {
     }
 
     fn law_command(input: &Input) -> InForce {
-        law(input).in_force().unwrap().0
+        law(input).in_force(InForce::default()).unwrap().0
+    }
+
+    /// Weight [N] that the configurations believe in.
+    const WEIGHT: f32 = 9.0 * 9.81;
+
+    /// Nearly upright: 0.95 of the weight, no rotation.
+    fn safe_command() -> InForce {
+        let thrust = 0.95 * WEIGHT * state(2).attitude.angle().cos();
+        InForce {
+            thrust,
+            rates: BodyRates::default(),
+        }
     }
 
     fn envelope<M>(session: u32, sequence: u32, message: M) -> Envelope<M> {
@@ -363,7 +376,7 @@ mod tests {
         // The arming switch is put on while it flies.
         flight.drives_motor(false);
         assert_eq!(reply, envelope(1, 2, FromTarget::Answer(expected)));
-        assert_eq!(flight.command(), expected.in_force().unwrap().0);
+        assert_eq!(flight.command(), law_command(&input(2)));
         assert!(flight.drives_motor(true));
         // The newest of several is flown.
         assert_eq!(send(&mut flight, 3, ToTarget::Input(input(3))), None);
@@ -397,8 +410,7 @@ mod tests {
                 assert_eq!(flight.command(), law_command(&input(2)));
             }
             assert_eq!(phase_announced(flight.tick()), Some(Phase::LinkLost));
-            assert_eq!(flight.command(), InForce::default());
-            assert!(!flight.drives_motor(true));
+            assert_eq!(flight.command(), safe_command());
             assert_eq!(flight.status().losses, 1);
             let announced = (0..ANNOUNCE_PERIOD).find_map(|_| phase_announced(flight.tick()));
             assert_eq!(announced, Some(Phase::LinkLost));
@@ -408,6 +420,55 @@ mod tests {
             assert_eq!(flight.phase(), Phase::Flying);
             assert_eq!(flight.command(), law_command(&input(9)));
         }
+    }
+
+    #[test]
+    fn the_motor_goes_on_without_a_link_until_the_switch_is_put_off() {
+        let mut flight = configured(Pacing::Timer);
+        send(&mut flight, 2, ToTarget::Input(input(2)));
+        flight.tick();
+        flight.drives_motor(false);
+        for _ in 0..10 * SILENCE_LIMIT {
+            flight.tick();
+            assert!(flight.drives_motor(true));
+        }
+        assert_eq!(flight.phase(), Phase::LinkLost);
+        assert_eq!(flight.command(), safe_command());
+        assert!(!flight.drives_motor(false));
+        // Without a link it is not armed again.
+        assert!(!flight.drives_motor(true));
+    }
+
+    /// The guidance's own: in hover it sinks, in cruise it glides, and before it has flown there is none.
+    #[test]
+    fn a_lost_link_leaves_the_thrust_that_the_attitude_can_use() {
+        let after = |n: u32, theta: f32| {
+            let mut flight = Flight::default();
+            send(
+                &mut flight,
+                1,
+                ToTarget::Configure(guidance(Pacing::Lockstep)),
+            );
+            let air = PlanarGuidanceInput {
+                attitude: Attitude::from_angle(theta),
+                air: Air::Wind(Inertial::ZERO),
+                ..PlanarGuidanceInput::default()
+            };
+            for n in 0..n {
+                let input = Input::Guidance {
+                    input: (&air).into(),
+                    dt: 0.01,
+                };
+                send(&mut flight, 2 + n, ToTarget::Input(input));
+            }
+            (0..SILENCE_LIMIT).for_each(|_| drop(flight.tick()));
+            assert_eq!(flight.phase(), Phase::LinkLost);
+            assert_eq!(flight.command().rates, BodyRates::default());
+            flight.command().thrust / WEIGHT
+        };
+        assert_eq!(after(1, 0.0), 0.0);
+        assert!((after(20, 0.0) - 0.95).abs() < 1e-3);
+        assert!((after(20, -1.3) - 0.95 * 1.3f32.cos()).abs() < 1e-3);
     }
 
     #[test]
@@ -435,7 +496,7 @@ mod tests {
         let reply = send(&mut flight, 3, ToTarget::Input(bad));
         let answer = FromTarget::Answer(Answer::Law(Err(Fault::Wind)));
         assert_eq!(reply, Some(envelope(1, 3, answer)));
-        assert_eq!(flight.command(), InForce::default());
+        assert_eq!(flight.command(), safe_command());
         assert_eq!(flight.refusal(), Some(RejectReason::Law(Fault::Wind)));
         send(&mut flight, 4, ToTarget::Input(input(4)));
         assert_eq!(
@@ -477,7 +538,7 @@ mod tests {
                 assert_eq!(mode(start + 19), Mode::Flying);
             }
             let last = guidance_input(19);
-            let (command, _) = flown[39].in_force().unwrap();
+            let (command, _) = flown[39].in_force(InForce::default()).unwrap();
             assert_eq!(flight.command(), command);
             assert!(command.thrust > 50.0, "{last:?}");
         }
@@ -497,7 +558,7 @@ mod tests {
                 let lost = (n == SILENCE_LIMIT).then_some(Phase::LinkLost);
                 assert_eq!(announced, lost, "{n}");
             }
-            assert_eq!(flight.command(), InForce::default());
+            assert_eq!(flight.command(), safe_command());
         }
     }
 

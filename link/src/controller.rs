@@ -1,11 +1,12 @@
 //! The controller that a configuration describes: the same code on the target and on its host.
 
-use alula::planar::{GainParameters, Gains, VelocityControl};
+use alula::planar::{Body, GainParameters, Gains, VelocityControl};
 use alula::{
-    BandwidthGains, GainChoice, Guidance, Hardened, HardenedState, Model, ParameterError, Vehicle,
+    BandwidthGains, BodyRates, GainChoice, Guidance, GuidanceParameters, Hardened, HardenedState,
+    Model, ParameterError, Parameters, Vehicle,
 };
 
-use crate::{Answer, Configuration, ControllerParameters, Input, Law, LawGains};
+use crate::{Answer, Configuration, ControllerParameters, InForce, Input, Law, LawGains};
 
 /// One of the core's controllers, with its memory.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,7 +14,14 @@ use crate::{Answer, Configuration, ControllerParameters, Input, Law, LawGains};
 #[allow(clippy::large_enum_variant)]
 pub enum Controller {
     /// A law.
-    Law(Law, VelocityControl<Model<'static>, GainChoice>),
+    Law {
+        /// Which.
+        law: Law,
+        /// With its vehicle and gains.
+        control: VelocityControl<Model<'static>, GainChoice>,
+        /// Upward part of the nose's direction when it flew last, 0 to 1; 0 before it has flown.
+        upright: f32,
+    },
     /// The guidance, and its state.
     Guidance(
         Hardened<Guidance<Model<'static>, GainChoice>>,
@@ -37,7 +45,11 @@ impl Controller {
                         GainChoice::Bandwidth(BandwidthGains::new(p, &vehicle)?)
                     }
                 };
-                Self::Law(*law, VelocityControl::new(vehicle, gains))
+                Self::Law {
+                    law: *law,
+                    control: VelocityControl::new(vehicle, gains),
+                    upright: 0.0,
+                }
             }
             ControllerParameters::Guidance { parameters, gains } => {
                 let gains = match gains {
@@ -54,7 +66,7 @@ impl Controller {
     pub fn takes(&self, input: &Input) -> bool {
         matches!(
             (self, input),
-            (Self::Law(..), Input::Law { .. }) | (Self::Guidance(..), Input::Guidance { .. })
+            (Self::Law { .. }, Input::Law { .. }) | (Self::Guidance(..), Input::Guidance { .. })
         )
     }
 
@@ -62,7 +74,11 @@ impl Controller {
     pub fn step(&mut self, input: &Input) -> Answer {
         match (self, input) {
             (
-                Self::Law(law, control),
+                Self::Law {
+                    law,
+                    control,
+                    upright,
+                },
                 Input::Law {
                     state,
                     reference,
@@ -70,16 +86,38 @@ impl Controller {
                 },
             ) => {
                 let feed_forward = feed_forward.as_ref();
-                Answer::Law(match law {
+                let command = match law {
                     Law::Robust => control.robust(state, reference, feed_forward),
                     Law::Full => control.full(state, reference, feed_forward),
-                })
+                };
+                if command.is_ok() {
+                    let tail = state.attitude.to_inertial(Body::new(1.0, 0.0));
+                    *upright = tail.down().clamp(0.0, 1.0);
+                }
+                Answer::Law(command)
             }
             (Self::Guidance(guidance, state), Input::Guidance { input, dt }) => {
                 Answer::Guidance(guidance.update(state, input, *dt))
             }
             _ => Answer::WrongInput,
         }
+    }
+
+    /// What is flown without inputs: no rotation, and a thrust at which the vehicle sinks slowly in hover and glides in cruise;
+    /// none before the first step. The guidance's is [`Guidance::safe_thrust`]; a law's is the same by the default parameters.
+    pub fn safe(&self) -> InForce {
+        let thrust = match self {
+            Self::Law {
+                control, upright, ..
+            } => {
+                let vehicle = control.vehicle();
+                let thrust = GuidanceParameters::DEFAULT.safe_thrust * vehicle.weight() * upright;
+                thrust.max(vehicle.thrust_min()).min(vehicle.thrust_max())
+            }
+            Self::Guidance(guidance, state) => guidance.safe_thrust(state),
+        };
+        let rates = BodyRates::default();
+        InForce { thrust, rates }
     }
 }
 
@@ -136,10 +174,11 @@ mod tests {
             let gains = GainChoice::Constant(Gains::new(GainParameters::PAPER).unwrap());
             assert_eq!(
                 Controller::new(&configuration(parameters, LAW)),
-                Ok(Controller::Law(
-                    Law::Full,
-                    VelocityControl::new(vehicle, gains)
-                ))
+                Ok(Controller::Law {
+                    law: Law::Full,
+                    control: VelocityControl::new(vehicle, gains),
+                    upright: 0.0,
+                })
             );
         }
     }
@@ -233,6 +272,7 @@ mod tests {
         };
         assert_eq!(law.step(&guidance), Answer::WrongInput);
         assert!(!law.takes(&guidance));
+        assert_eq!(law.safe(), InForce::default());
         let parameters = GuidanceParameters::DEFAULT;
         let configured = combined(ControllerParameters::Guidance {
             parameters,

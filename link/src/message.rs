@@ -139,13 +139,14 @@ pub enum Answer {
     Law(Result<Command, Fault>),
     /// What the guidance gives.
     Guidance(GuidanceOutput),
-    /// There is no configuration to fly. The safe command is in force.
+    /// There is no configuration to fly. No thrust is in force.
     NotConfigured,
     /// The input is of another kind than the controller takes. It was not flown.
     WrongInput,
 }
 
-/// What is in force: thrust \[N\] and body rates [rad/s]. The default is the safe command.
+/// What is in force: thrust \[N\] and body rates [rad/s]. The default is none of either: what is in force before anything has
+/// flown.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct InForce {
     /// Thrust \[N\].
@@ -155,15 +156,16 @@ pub struct InForce {
 }
 
 impl Answer {
-    /// What this answer puts in force, and why it is not the law's, if it is not. `None` if nothing was flown.
-    pub fn in_force(&self) -> Option<(InForce, Option<RejectReason>)> {
+    /// What this answer puts in force, and why it is not the law's, if it is not: `safe` where a law has no answer. `None` if
+    /// nothing was flown.
+    pub fn in_force(&self, safe: InForce) -> Option<(InForce, Option<RejectReason>)> {
         match self {
             Self::Law(Ok(command)) => {
                 let rates = BodyRates::new(0.0, command.rate, 0.0);
                 let thrust = command.thrust;
                 Some((InForce { thrust, rates }, None))
             }
-            Self::Law(Err(fault)) => Some((InForce::default(), Some(RejectReason::Law(*fault)))),
+            Self::Law(Err(fault)) => Some((safe, Some(RejectReason::Law(*fault)))),
             Self::Guidance(guided) => {
                 let spatial::Command { thrust, rates, .. } = guided.command;
                 Some((InForce { thrust, rates }, guided.reject_reason))
@@ -360,11 +362,18 @@ mod tests {
         };
         let rates = BodyRates::new(0.0, 2.0, 0.0);
         let in_force = InForce { thrust: 3.0, rates };
-        assert_eq!(Answer::Law(Ok(command)).in_force(), Some((in_force, None)));
+        let safe = InForce {
+            thrust: 2.0,
+            ..InForce::default()
+        };
+        assert_eq!(
+            Answer::Law(Ok(command)).in_force(safe),
+            Some((in_force, None))
+        );
         let fault = Some(RejectReason::Law(Fault::Wind));
         assert_eq!(
-            Answer::Law(Err(Fault::Wind)).in_force(),
-            Some((InForce::default(), fault))
+            Answer::Law(Err(Fault::Wind)).in_force(safe),
+            Some((safe, fault))
         );
         let guided = GuidanceOutput {
             command: spatial::Command {
@@ -376,7 +385,7 @@ mod tests {
             ..GuidanceOutput::default()
         };
         assert_eq!(
-            Answer::Guidance(guided).in_force(),
+            Answer::Guidance(guided).in_force(safe),
             Some((
                 InForce {
                     thrust: 3.0,
@@ -385,8 +394,8 @@ mod tests {
                 Some(RejectReason::StateAge)
             ))
         );
-        assert_eq!(Answer::NotConfigured.in_force(), None);
-        assert_eq!(Answer::WrongInput.in_force(), None);
+        assert_eq!(Answer::NotConfigured.in_force(safe), None);
+        assert_eq!(Answer::WrongInput.in_force(safe), None);
     }
 
     #[test]

@@ -95,6 +95,11 @@ impl<G> Hardened<G> {
 }
 
 impl<A: Aerodynamics, G: GainLaw> Hardened<Guidance<A, G>> {
+    /// Thrust \[N\] of the safe command, as [`Guidance::safe_thrust`].
+    pub fn safe_thrust(&self, state: &HardenedState) -> f32 {
+        self.0.safe_thrust(&state.state)
+    }
+
     /// One step, as [`Guidance::update`].
     #[inline]
     pub fn update(

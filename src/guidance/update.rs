@@ -293,6 +293,18 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         &self.control
     }
 
+    /// Thrust \[N\] of the safe command after the step that left `state`, for a program that has to fly on without inputs: with
+    /// it go body rates of zero. `safe_thrust`, as far as the nose pointed up when the law flew last; before it has flown, the
+    /// thrust nearest to none.
+    pub fn safe_thrust(&self, state: &GuidanceState) -> f32 {
+        let vehicle = self.control.plane().vehicle();
+        math::clamp(
+            self.supervisor.safe_thrust() * state.supervision.upright,
+            vehicle.thrust_min(),
+            vehicle.thrust_max(),
+        )
+    }
+
     /// One step, `dt` \[s\] after the last. Total: whatever comes in and whatever the memory holds, a finite command
     /// within the limits comes out. It is the safe command, or the last one, where there is nothing better.
     #[inline]
@@ -370,13 +382,8 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
     fn substitute(&self, state: &mut GuidanceState, mode: Mode) -> GuidanceOutput {
         if mode == Mode::Safe {
             // The attitude is kept blindly: of a nose that points forward all thrust would go into speed.
-            let vehicle = self.control.plane().vehicle();
             let limits = LimitState {
-                thrust: math::clamp(
-                    self.supervisor.safe_thrust() * state.supervision.upright,
-                    vehicle.thrust_min(),
-                    vehicle.thrust_max(),
-                ),
+                thrust: self.safe_thrust(state),
                 ..self.limits.at_rest()
             };
             *state = GuidanceState {
