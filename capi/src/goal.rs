@@ -1,6 +1,6 @@
 //! Goals beside references: the input's reference and position error for a place, a stop or a velocity.
 
-use alula::guidance::{Goal as Core, GoalState, Goals, PlannerOptions, Preferences};
+use alula::guidance::{Goal as Core, GoalOutput, GoalState, Goals, PlannerOptions, Preferences};
 use alula::spatial::Ned;
 
 use crate::boundary::{self, Layout};
@@ -95,8 +95,11 @@ impl Goal {
         });
         let goals = goals.map_err(|_| code::ALULA_ERROR_GOAL)?;
         let mut state = GoalState::from_words(&self.opaque);
-        let (reference, error, planner_options) =
-            goals.step(&mut state, &goal, position, velocity, dt);
+        let GoalOutput {
+            reference,
+            position_error,
+            planner_options,
+        } = goals.step(&mut state, &goal, position, velocity, dt);
         let after = Self {
             reached: state.is_reached().into(),
             opaque: state.to_words(),
@@ -106,7 +109,7 @@ impl Goal {
             flags: input.flags & !PLANNER_OPTIONS | ALULA_POSITION | flags(&planner_options),
             reference_velocity: components(reference.velocity),
             reference_acceleration: components(reference.acceleration),
-            position_error: components(error),
+            position_error: components(position_error),
             reference_age: 0.0,
             altitude_band: planner_options.altitude_band,
             ..*input

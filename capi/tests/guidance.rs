@@ -416,7 +416,9 @@ fn what_is_remembered_stays_where_it_is_when_the_vehicle_turns() {
 /// vehicle that lags behind; and the guidance flies it.
 #[test]
 fn goals_are_the_cores_to_the_bit() {
-    use alula::guidance::{Goal as Core, GoalState, Goals, PlannerOptions, Preferences};
+    use alula::guidance::{
+        Goal as Core, GoalOutput, GoalState, Goals, PlannerOptions, Preferences,
+    };
     let planner_options = PlannerOptions {
         altitude_band: 0.5,
         nose_below_vertical: true,
@@ -454,7 +456,11 @@ fn goals_are_the_cores_to_the_bit() {
         let code = unsafe { alula_goal_step(&mut goal, position.as_ptr(), DT, &mut input) };
         assert_eq!(code, ALULA_OK);
         let (x, v) = (ned(position), ned(velocity));
-        let (reference, error, planner_options) = goals.step(&mut state, &asked.2, x, v, DT);
+        let GoalOutput {
+            reference,
+            position_error: error,
+            planner_options,
+        } = goals.step(&mut state, &asked.2, x, v, DT);
         let three = |v: Ned| [v.north, v.east, v.down];
         let core = Input {
             velocity,

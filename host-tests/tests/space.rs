@@ -276,9 +276,9 @@ fn goals_are_reached() {
             let sample = &mut input.sample;
             // The experiment's path stays at the origin.
             let position = sample.position_error.unwrap();
-            let (reference, error, _) =
-                (self.goals).step(&mut self.state, &goal, position, sample.velocity, dt);
-            (sample.reference, sample.position_error) = (reference, Some(error));
+            let output = (self.goals).step(&mut self.state, &goal, position, sample.velocity, dt);
+            sample.reference = output.reference;
+            sample.position_error = Some(output.position_error);
             self.controller.answer(&input, dt)
         }
     }

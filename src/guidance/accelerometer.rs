@@ -93,16 +93,17 @@ impl Accelerometer {
             & (rate.abs() <= 1e3)
     }
 
-    /// Begins with the thrust \[N\] that a specific force tells, within these limits: which thrust was commanded before is not known.
+    /// Begins with the thrust \[N\] that a specific force tells, within the limits of `vehicle`: which was commanded before is not known.
     /// Until the lag has passed, a hover would else look like a force of the vehicle's weight.
-    pub fn begin(
+    pub fn begin<A: Aerodynamics>(
         &self,
         state: &mut AccelerometerState,
         specific_force: Option<Body>,
-        (mass, least, most): (f32, f32, f32),
+        vehicle: &Vehicle<A>,
     ) {
         if let Some(felt) = specific_force {
-            state.force.thrust = math::clamp(-mass * felt.i, least, most);
+            let thrust = -vehicle.mass() * felt.i;
+            state.force.thrust = math::clamp(thrust, vehicle.thrust_min(), vehicle.thrust_max());
         }
     }
 
@@ -206,14 +207,17 @@ mod tests {
     const DT: f32 = 0.01;
 
     /// 10 kg that weigh 98.1 N.
-    fn estimators(c_y: f32) -> Accelerometer {
+    fn vehicle(c_y: f32) -> Vehicle<LargeAngle> {
         let model = LargeAngle::new(LargeAngleParameters::NACA_0021_RE_160E3).unwrap();
         let p = VehicleParameters {
             c_y,
             ..VehicleParameters::PAPER
         };
-        let vehicle = Vehicle::new(p, model).unwrap();
-        Accelerometer::new(&GuidanceParameters::default(), &vehicle)
+        Vehicle::new(p, model).unwrap()
+    }
+
+    fn estimators(c_y: f32) -> Accelerometer {
+        Accelerometer::new(&GuidanceParameters::default(), &vehicle(c_y))
     }
 
     /// Flies for some seconds nose up, the believed force of the air being `believed`, without thrust, while the accelerometer
@@ -382,7 +386,7 @@ mod tests {
     fn the_first_sample_tells_the_thrust() {
         let (e, mut state) = (estimators(0.0), AccelerometerState::default());
         let felt = Body::new(-9.81, 0.0, 0.0);
-        e.begin(&mut state, Some(felt), (10.0, 0.0, 196.2));
+        e.begin(&mut state, Some(felt), &vehicle(0.0));
         // 1e-4 N: an ulp of the weight.
         assert!((state.force.thrust - 98.1).abs() < 1e-4);
         let command = Command {
@@ -392,9 +396,9 @@ mod tests {
         let up = Orientation::NOSE_UP;
         e.update(&mut state, Some(felt), up, &command, 0.0, DT);
         assert!(state.force.force.norm_squared() < 1e-8);
-        e.begin(&mut state, Some(felt * 9.0), (10.0, 0.0, 196.2));
+        e.begin(&mut state, Some(felt * 9.0), &vehicle(0.0));
         assert_eq!(state.force.thrust, 196.2);
-        e.begin(&mut state, None, (10.0, 0.0, 196.2));
+        e.begin(&mut state, None, &vehicle(0.0));
         assert_eq!(state.force.thrust, 196.2);
     }
 

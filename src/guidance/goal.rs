@@ -108,6 +108,17 @@ impl SetPointState {
     }
 }
 
+/// What of the guidance's input makes a goal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GoalOutput {
+    /// Where to fly to.
+    pub reference: Reference,
+    /// Position less that of the reference \[m\].
+    pub position_error: Ned,
+    /// Those preferred, and what the goal needs.
+    pub planner_options: PlannerOptions,
+}
+
 impl Goals {
     /// Goals that are reached so.
     ///
@@ -124,7 +135,7 @@ impl Goals {
         Ok(Self { preferences: p })
     }
 
-    /// The reference, the position error \[m\] and the planner options of the input for `goal`, at a `position` \[m\] and a `velocity` [m/s], `dt` \[s\] after
+    /// What the input is given for `goal`, at a `position` \[m\] and a `velocity` [m/s], `dt` \[s\] after
     /// the last. A new goal begins where the vehicle is. What is not finite is handed on, to be refused by the guidance, and not
     /// remembered; in a step of no time, or of one that the guidance refuses, the reference stands still.
     pub fn step(
@@ -134,7 +145,7 @@ impl Goals {
         position: Ned,
         velocity: Ned,
         dt: f32,
-    ) -> (Reference, Ned, PlannerOptions) {
+    ) -> GoalOutput {
         let dt = if dt > 0.0 && dt <= MAX_STEP { dt } else { 0.0 };
         let mut set_point = state.left();
         let (kind, target) = goal.parts();
@@ -192,7 +203,11 @@ impl Goals {
             hold_altitude_only: *goal == Goal::Stop && set_point.stopped == 0,
             ..self.preferences.planner_options
         };
-        (reference, position - set_point.position, planner_options)
+        GoalOutput {
+            reference,
+            position_error: position - set_point.position,
+            planner_options,
+        }
     }
 
     /// The velocity towards a position at this offset \[m\]: as fast as can be braked from.
@@ -303,7 +318,11 @@ mod tests {
     ) -> ((Ned, Ned), f32, f32) {
         let (mut fastest, mut hardest) = (0.0f32, 0.0f32);
         for _ in 0..(time / DT) as usize {
-            let (reference, error, _) = goals().step(state, &goal, x, v, DT);
+            let GoalOutput {
+                reference,
+                position_error: error,
+                ..
+            } = goals().step(state, &goal, x, v, DT);
             x = x - error;
             v = reference.velocity;
             fastest = fastest.max(level(v));
@@ -330,7 +349,11 @@ mod tests {
         let mut x = Ned::new(0.0, 0.0, -30.0);
         let mut v = Ned::new(20.0, 0.0, 1.0);
         for n in 0..1000 {
-            let (reference, error, _) = goals().step(&mut state, &Goal::Stop, x, v, DT);
+            let GoalOutput {
+                reference,
+                position_error: error,
+                ..
+            } = goals().step(&mut state, &Goal::Stop, x, v, DT);
             assert_eq!(reference.velocity, Ned::ZERO);
             assert_eq!(reference.acceleration, Ned::ZERO);
             // The altitude is that of the beginning.
@@ -343,7 +366,9 @@ mod tests {
         }
         assert!(state.is_reached());
         // Held from 2 m/s on, 20 cm before the end.
-        let (_, error, _) = goals().step(&mut state, &Goal::Stop, x, v, DT);
+        let error = goals()
+            .step(&mut state, &Goal::Stop, x, v, DT)
+            .position_error;
         assert!((error.north - 0.2).abs() < 0.03, "{}", error.north);
     }
 
@@ -355,8 +380,11 @@ mod tests {
         let (end, fastest, hardest) =
             follow(&mut state, Goal::Velocity(v), (Ned::ZERO, Ned::ZERO), 11.0);
         assert!(state.is_reached() && fastest < 20.001 && (hardest - 2.0).abs() < 1e-3);
-        let (reference, error, _) =
-            goals().step(&mut state, &Goal::Hover(Ned::ZERO), end.0, end.1, DT);
+        let GoalOutput {
+            reference,
+            position_error: error,
+            ..
+        } = goals().step(&mut state, &Goal::Hover(Ned::ZERO), end.0, end.1, DT);
         assert!((reference.velocity - v).norm_squared() < 0.03 * 0.03);
         assert!(error.norm_squared() < 1.0);
     }
@@ -389,7 +417,10 @@ mod tests {
                     let left = goals().step(&mut state, &place, good, good, DT);
                     let expected = goals().step(&mut other, &place, good, good, DT);
                     // 2 m/s² and 7 m/s for a step, and roundings.
-                    let off = (left.0.velocity - expected.0.velocity, left.1 - expected.1);
+                    let off = (
+                        left.reference.velocity - expected.reference.velocity,
+                        left.position_error - expected.position_error,
+                    );
                     assert!(
                         off.0.norm_squared() <= 0.021 * 0.021,
                         "{goal:?} {dt} {off:?}"
@@ -409,12 +440,20 @@ mod tests {
         for _ in 0..200 {
             goals().step(&mut left, &goal, x, v, DT);
         }
-        let (expected, error, _) = goals().step(&mut { left }, &goal, x, v, DT);
+        let GoalOutput {
+            reference: expected,
+            position_error: error,
+            ..
+        } = goals().step(&mut { left }, &goal, x, v, DT);
         for bit in 0..32 * GoalState::WORDS {
             let mut words = left.to_words();
             words[bit / 32] ^= 1 << (bit % 32);
             let mut state = GoalState::from_words(&words);
-            let (reference, off, _) = goals().step(&mut state, &goal, x, v, DT);
+            let GoalOutput {
+                reference,
+                position_error: off,
+                ..
+            } = goals().step(&mut state, &goal, x, v, DT);
             assert_eq!(
                 (reference.velocity, off),
                 (expected.velocity, error),
@@ -424,7 +463,11 @@ mod tests {
         assert_eq!(GoalState::from_words(&left.to_words()), left);
         for any in [u32::MAX, 0x7fc0_0000, 0x4b18_967f] {
             let mut state = GoalState::from_words(&[any; GoalState::WORDS]);
-            let (reference, off, _) = goals().step(&mut state, &goal, x, v, DT);
+            let GoalOutput {
+                reference,
+                position_error: off,
+                ..
+            } = goals().step(&mut state, &goal, x, v, DT);
             // One step from the vehicle's velocity and place.
             assert!((reference.velocity - v).norm_squared() < 1e-3, "{any}");
             assert!(off.norm_squared() < 0.1);

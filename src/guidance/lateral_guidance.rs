@@ -7,7 +7,7 @@
 use super::course::{Axes, Course};
 use super::memory::memory;
 use super::parameters::GuidanceParameters;
-use super::planner::{MAX_LATERAL_JERK, Planner, PlannerState};
+use super::planner::{MAX_LATERAL_JERK, Planner, PlannerState, SearchTerms};
 use super::planner_options::{PlannerOptions, most_theta};
 use super::progress::Progress;
 use super::reference_model::{PlanarModelState, limited};
@@ -118,6 +118,20 @@ pub(super) struct LateralGuidance {
     rate: f32,
 }
 
+/// What a step of the virtual flight goes by.
+pub(super) struct LateralGuidanceInput<'a> {
+    pub reference: &'a Reference,
+    pub planner_options: &'a PlannerOptions,
+    /// v_w [m/s].
+    pub wind: Ned,
+    /// The air's force over the believed one.
+    pub air_force_scale: f32,
+    /// Part \[N\] of the greatest thrust that is not there.
+    pub missing_thrust: f32,
+    /// Cosine of the angle between the real wing and the virtual one.
+    pub wing_alignment: f32,
+}
+
 /// What a step of the virtual flight gives.
 pub(super) struct ReferenceModelOutput<'a, A> {
     /// Velocity [m/s] and position \[m\] in the middle of the step, over which the command holds.
@@ -211,8 +225,7 @@ impl LateralGuidance {
         math::clamp(speed / self.slow() - 1.0, 0.0, 1.0)
     }
 
-    /// Lets `flight` pass for `dt` \[s\] by the plan that `planner` has chosen: to a `reference` with `options`, in a `wind`, the air's force
-    /// being `air` times the believed one, and `missing` \[N\] of the greatest thrust not being there. `wings` is the cosine of the angle between the real wing and the virtual one.
+    /// Lets `flight` pass for `dt` \[s\] by the plan that `planner` has chosen.
     #[inline(always)]
     pub fn advance<'a, A: Aerodynamics>(
         &self,
@@ -220,21 +233,15 @@ impl LateralGuidance {
         vehicle: &'a Vehicle<A>,
         flight: &mut ReferenceModelState,
         state: &mut PlannerState,
-        (reference, planner_options, wind, air, missing, wings): (
-            &Reference,
-            &PlannerOptions,
-            Ned,
-            f32,
-            f32,
-            f32,
-        ),
+        input: &LateralGuidanceInput,
         dt: f32,
     ) -> ReferenceModelOutput<'a, A> {
         let servo = &planner.reference_model;
+        let reference = input.reference;
         let course = flight.course;
         let (velocity, across) = course.project(flight.velocity);
         let (position, aside) = course.project(flight.position);
-        let (wind, wind_across) = course.project(wind);
+        let (wind, wind_across) = course.project(input.wind);
         let (v_r, v_r_across) = course.project(reference.velocity);
         let (a_r, a_r_across) = course.project(reference.acceleration);
 
@@ -265,7 +272,7 @@ impl LateralGuidance {
         };
         let desired_lateral_acceleration = limited(
             a_r_across + LATERAL_GAIN * (beside - aslant),
-            self.most(vehicle.gravity(), air * airspeed_squared),
+            self.most(vehicle.gravity(), input.air_force_scale * airspeed_squared),
         );
         let share = if state.plan.turn == 1 { CROSSING } else { 1.0 };
         let lateral_acceleration = share * desired_lateral_acceleration;
@@ -277,7 +284,7 @@ impl LateralGuidance {
         );
         let lateral_jerk = (lateral_acceleration - flight.lateral_acceleration) / dt;
         let axes = Axes::new(&course, vehicle.gravity(), lateral_acceleration);
-        let heavier = vehicle.as_flown(axes.gravity, air, missing);
+        let heavier = vehicle.as_flown(axes.gravity, input.air_force_scale, input.missing_thrust);
 
         // What is down leans with the plane: in it, down is shorter by the load factor.
         let load = axes.gravity / vehicle.gravity();
@@ -297,14 +304,18 @@ impl LateralGuidance {
             rate: flight.rate,
             thrust: flight.thrust,
         };
-        let missed = (1.0 - CROSSING) * desired_lateral_acceleration.abs();
+        let missed_lateral_acceleration = (1.0 - CROSSING) * desired_lateral_acceleration.abs();
         planner.search(
             &heavier,
             state,
             &plane,
             &asked,
             wind,
-            (planner_options, missed, self.stall),
+            &SearchTerms {
+                planner_options: input.planner_options,
+                missed_lateral_acceleration,
+                lift_coefficient: self.stall,
+            },
         );
         let in_plane = servo.advance(
             &heavier,
@@ -312,7 +323,7 @@ impl LateralGuidance {
             &mut state.plan,
             &asked,
             wind,
-            most_theta(planner_options.nose_below_vertical),
+            most_theta(input.planner_options.nose_below_vertical),
             dt,
         );
         let error = plane.velocity - servo.desired_velocity(plane.position, asked.velocity);
@@ -348,7 +359,7 @@ impl LateralGuidance {
         );
         let turn_rate_per_acceleration = ahead / (square + SLOW * SLOW);
         let turn = if self.max > 0.0 {
-            let waiting = math::clamp(wings / WAIT, 0.0, 1.0);
+            let waiting = math::clamp(input.wing_alignment / WAIT, 0.0, 1.0);
             waiting
                 * limited(
                     COURSE_GAIN * aim + lateral_acceleration * turn_rate_per_acceleration,
@@ -402,6 +413,11 @@ mod tests {
     use crate::vehicle::VehicleParameters;
 
     const DT: f32 = 0.01;
+    const NO_OPTIONS: PlannerOptions = PlannerOptions {
+        nose_below_vertical: false,
+        hold_altitude_only: false,
+        altitude_band: 0.0,
+    };
 
     fn vehicle() -> Vehicle<Combined> {
         let model = Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap();
@@ -429,6 +445,18 @@ mod tests {
         }
     }
 
+    /// Still air, all of the thrust, the wing where the virtual one is.
+    fn calm(reference: &Reference) -> LateralGuidanceInput<'_> {
+        LateralGuidanceInput {
+            reference,
+            planner_options: &NO_OPTIONS,
+            wind: Ned::ZERO,
+            air_force_scale: 1.0,
+            missing_thrust: 0.0,
+            wing_alignment: 1.0,
+        }
+    }
+
     /// Flies to `reference` in still air with the wing where the virtual one is; gives what is seen at every step.
     fn fly(
         start: ReferenceModelState,
@@ -443,7 +471,7 @@ mod tests {
     fn fly_with(
         start: ReferenceModelState,
         reference: &Reference,
-        missing: f32,
+        missing_thrust: f32,
         seconds: f32,
         mut see: impl FnMut(&ReferenceModelState, &ReferenceModelOutput<Combined>),
     ) -> ReferenceModelState {
@@ -452,17 +480,13 @@ mod tests {
         let turning = LateralGuidance::new(&p, &vehicle);
         let (mut flight, mut state) = (start, PlannerState::default());
         for _ in 0..(seconds / DT) as usize {
-            let given = (
-                reference,
-                &PlannerOptions::default(),
-                Ned::ZERO,
-                1.0,
-                missing,
-                1.0,
-            );
-            let moved = turning.advance(&planner, &vehicle, &mut flight, &mut state, given, DT);
+            let input = LateralGuidanceInput {
+                missing_thrust,
+                ..calm(reference)
+            };
+            let output = turning.advance(&planner, &vehicle, &mut flight, &mut state, &input, DT);
             assert!(flight.is_sound());
-            see(&flight, &moved);
+            see(&flight, &output);
         }
         flight
     }
@@ -561,19 +585,15 @@ mod tests {
         let (p, vehicle) = (GuidanceParameters::default(), vehicle());
         let planner = Planner::new(&p, &vehicle);
         let turning = LateralGuidance::new(&p, &vehicle);
-        let turned = |wings: f32| {
+        let turned = |wing_alignment: f32| {
             let mut flight = flight(Ned::new(0.0, 20.0, 0.0), -1.5);
             let reference = cruise(0.0, 20.0);
-            let given = (
-                &reference,
-                &PlannerOptions::default(),
-                Ned::ZERO,
-                1.0,
-                0.0,
-                wings,
-            );
+            let input = LateralGuidanceInput {
+                wing_alignment,
+                ..calm(&reference)
+            };
             let mut state = PlannerState::default();
-            turning.advance(&planner, &vehicle, &mut flight, &mut state, given, DT);
+            turning.advance(&planner, &vehicle, &mut flight, &mut state, &input, DT);
             flight.course.project(Ned::new(0.0, 1.0, 0.0)).0.forward()
         };
         assert!(turned(1.0) > 0.01);

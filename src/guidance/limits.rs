@@ -40,6 +40,17 @@ memory!(Body {
     w: f32,
 });
 
+/// A command inside the limits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct LimitedCommand {
+    /// Thrust \[N\].
+    pub thrust: f32,
+    /// Body rates [rad/s].
+    pub rates: Body,
+    /// Which limits it was brought to.
+    pub saturated: Status,
+}
+
 impl Limits {
     /// The limits of `vehicle` and of these parameters, which have been checked.
     pub fn new<A: Aerodynamics>(p: &GuidanceParameters, vehicle: &Vehicle<A>) -> Self {
@@ -80,22 +91,23 @@ impl Limits {
         }
     }
 
-    /// `thrust` \[N\], at an airspeed `along` the nose [m/s], and body `rates` [rad/s] brought inside the limits after `dt` \[s\], and what
-    /// saturated. The memory keeps the static thrust to command for it.
+    /// `thrust` \[N\], at an airspeed `along` the nose [m/s], and body `rates` [rad/s] brought inside the limits after `dt` \[s\].
+    /// The memory keeps the static thrust to command for it.
     #[inline(always)]
     pub fn apply(
         &self,
         state: &mut LimitState,
-        (thrust, along): (f32, f32),
+        thrust: f32,
+        along: f32,
         rates: Body,
         dt: f32,
-    ) -> (f32, Body, Status) {
+    ) -> LimitedCommand {
         let step = self.slew * dt;
-        let mut status = Status::empty();
+        let mut saturated = Status::empty();
         let mut limit = |rate: f32, last: f32| {
             let bounded = math::clamp(rate, -self.rate, self.rate);
             let slewed = math::clamp(bounded, last - step, last + step);
-            status |= Status::RATE.when(bounded != rate) | Status::SLEW.when(slewed != bounded);
+            saturated |= Status::RATE.when(bounded != rate) | Status::SLEW.when(slewed != bounded);
             slewed
         };
         let rates = Body::new(
@@ -114,8 +126,13 @@ impl Limits {
                 self.thrust_max,
             ),
         };
-        status |= Status::THRUST_LOW.when(thrust < least) | Status::THRUST_HIGH.when(thrust > most);
-        (bounded_thrust, rates, status)
+        saturated |=
+            Status::THRUST_LOW.when(thrust < least) | Status::THRUST_HIGH.when(thrust > most);
+        LimitedCommand {
+            thrust: bounded_thrust,
+            rates,
+            saturated,
+        }
     }
 }
 
@@ -160,8 +177,13 @@ mod tests {
     fn what_is_inside_passes_unchanged() {
         for n in 0..3 {
             let (mut state, rates) = (last(n, 0.4), axis(n, 0.5));
-            let out = limits().apply(&mut state, (50.0, 0.0), rates, 0.01);
-            assert_eq!(out, (50.0, rates, Status::empty()));
+            let limited = limits().apply(&mut state, 50.0, 0.0, rates, 0.01);
+            let unchanged = LimitedCommand {
+                thrust: 50.0,
+                rates,
+                saturated: Status::empty(),
+            };
+            assert_eq!(limited, unchanged);
             assert_eq!((state.rates, state.thrust), (rates, 50.0));
         }
     }
@@ -170,13 +192,12 @@ mod tests {
     fn each_limit_is_kept_and_told() {
         for n in 0..3 {
             let apply = |from, thrust, rate| {
-                let (thrust, rates, status) = limits().apply(
-                    &mut last(n, from),
-                    (thrust, 0.0),
-                    axis(n, rate),
-                    1.0 / 128.0,
-                );
-                (thrust, rates.i + rates.j + rates.w, status)
+                let LimitedCommand {
+                    thrust,
+                    rates,
+                    saturated,
+                } = limits().apply(&mut last(n, from), thrust, 0.0, axis(n, rate), 1.0 / 128.0);
+                (thrust, rates.i + rates.j + rates.w, saturated)
             };
             assert_eq!(apply(0.0, 0.0, 0.0), (1.0, 0.0, Status::THRUST_LOW));
             assert_eq!(apply(0.0, 101.0, 0.0), (100.0, 0.0, Status::THRUST_HIGH));

@@ -26,7 +26,7 @@ mod update;
 pub use crate::control::{Branch, Margin};
 pub use bandwidth::{BandwidthGains, GainChoice};
 pub use for_vehicle::{REASONS, ResponseParameters};
-pub use goal::{Goal, GoalState, Goals, Preferences};
+pub use goal::{Goal, GoalOutput, GoalState, Goals, Preferences};
 pub use hardened::{Hardened, HardenedState};
 pub use parameters::GuidanceParameters;
 pub use planner_options::PlannerOptions;

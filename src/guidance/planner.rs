@@ -111,18 +111,29 @@ struct AheadStep {
 }
 
 /// The steps of a prediction.
-const AHEAD_STEPS: [AheadStep; STEPS] = ahead_steps().0;
+const AHEAD_STEPS: [AheadStep; STEPS] = AHEAD_TABLE.steps;
 /// The first of them, and the last [`LATE`].
 static PARTS: [&[AheadStep]; 2] = [
     AHEAD_STEPS.split_at(STEPS - LATE).0,
     AHEAD_STEPS.split_at(STEPS - LATE).1,
 ];
 /// The time of the last [`LATE`] of them \[s\].
-const LATE_TIME: f32 = ahead_steps().1;
+const LATE_TIME: f32 = AHEAD_TABLE.late_time;
 /// The time of all \[s\].
-pub(super) const SPAN: f32 = ahead_steps().2;
+pub(super) const SPAN: f32 = AHEAD_TABLE.span;
 
-const fn ahead_steps() -> ([AheadStep; STEPS], f32, f32) {
+/// What is known of a prediction when it is compiled.
+struct AheadTable {
+    steps: [AheadStep; STEPS],
+    /// Time of the last [`LATE`] steps \[s\].
+    late_time: f32,
+    /// Time of all \[s\].
+    span: f32,
+}
+
+const AHEAD_TABLE: AheadTable = ahead_table();
+
+const fn ahead_table() -> AheadTable {
     let mut steps = [const {
         AheadStep {
             gains: StepGains::new(FIRST_STEP),
@@ -140,7 +151,11 @@ const fn ahead_steps() -> ([AheadStep; STEPS], f32, f32) {
         h *= GROWTH;
         n += 1;
     }
-    (steps, late, time)
+    AheadTable {
+        steps,
+        late_time: late,
+        span: time,
+    }
 }
 
 /// What the planner remembers.
@@ -166,6 +181,16 @@ memory!(PlannerState {
     initial: InitialState,
     rollout: Rollout,
 });
+
+/// What weighs plans beside the flight and its reference.
+pub(super) struct SearchTerms<'a> {
+    /// Of the caller.
+    pub planner_options: &'a PlannerOptions,
+    /// Acceleration to the side [m/s²] that a plan gives up while it turns to an attitude far away.
+    pub missed_lateral_acceleration: f32,
+    /// Lift coefficient of the wing short of stall.
+    pub lift_coefficient: f32,
+}
 
 /// From where plans are flown ahead.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -277,10 +302,8 @@ impl Planner {
     /// costs are compared of plans from one start only. A candidate that is better takes over. A reference that jumps begins a
     /// round, and the candidates anew: so a stop at once is flown alike whenever it is asked for.
     ///
-    /// In a turn of the course a plan that turns to an attitude far away gives up an acceleration `missed` to the side [m/s²]
-    /// meanwhile. Where a wing with the lift coefficient `lift` could carry more than the weight, thrust from the beginning to
-    /// the end of a plan costs too: what can be flown on either side of stall is flown on the wing, and not with half of the
-    /// weight on the thrust.
+    /// Where the wing could carry more than the weight, thrust from the beginning to the end of a plan costs too: what can be
+    /// flown on either side of stall is flown on the wing, and not with half of the weight on the thrust.
     #[inline(always)]
     pub fn search<A: Aerodynamics>(
         &self,
@@ -289,7 +312,7 @@ impl Planner {
         flight: &PlanarModelState,
         reference: &Reference,
         wind: Inertial,
-        (planner_options, missed, lift): (&PlannerOptions, f32, f32),
+        terms: &SearchTerms,
     ) {
         // More than a band of the velocity in the few steps since a round began.
         let jump = reference.velocity - state.initial.velocity;
@@ -312,21 +335,26 @@ impl Planner {
             let n = state.next;
             // What was remembered may be any number.
             state.next = if n < CANDIDATES - 1 { n + 1 } else { 0 };
-            self.candidate(vehicle, &state.initial, lift, n)
+            self.candidate(vehicle, &state.initial, terms.lift_coefficient, n)
         };
-        let band = altitude_band(planner_options.altitude_band, self.altitude_band);
-        let mut found = self.predict(vehicle, &state.initial, &plan, band, missed, !first);
+        let band = altitude_band(terms.planner_options.altitude_band, self.altitude_band);
+        let missed = terms.missed_lateral_acceleration;
+        let mut rollout = self.predict(vehicle, &state.initial, &plan, band, missed, !first);
         let air = state.initial.flight.velocity - state.initial.wind;
         let weight = vehicle.weight();
-        let lift_reserve = lift * vehicle.k_a() * air.norm_squared() - LIFT_RESERVE_START * weight;
+        let lift = terms.lift_coefficient * vehicle.k_a() * air.norm_squared();
+        let lift_reserve = lift - LIFT_RESERVE_START * weight;
         let lift_reserve = math::clamp(lift_reserve, 0.0, LIFT_RESERVE_SPAN * weight) / weight;
-        let (now, then) = (state.initial.flight.thrust / weight, found.thrust / weight);
-        found.cost += TERMINAL_THRUST_WEIGHT / LIFT_RESERVE_SPAN * lift_reserve * now * then;
+        let (now, then) = (
+            state.initial.flight.thrust / weight,
+            rollout.thrust / weight,
+        );
+        rollout.cost += TERMINAL_THRUST_WEIGHT / LIFT_RESERVE_SPAN * lift_reserve * now * then;
         state.looked += 1;
         let cost = state.rollout.cost;
         if first {
-            state.rollout = found;
-        } else if found.cost < cost - SWITCHING_HYSTERESIS * (1.0 + cost) {
+            state.rollout = rollout;
+        } else if rollout.cost < cost - SWITCHING_HYSTERESIS * (1.0 + cost) {
             state.plan = plan;
             state.looked = 0;
         }
@@ -538,6 +566,14 @@ mod tests {
         Planner::new(&GuidanceParameters::default(), &vehicle(2.0))
     }
 
+    fn terms(lift_coefficient: f32) -> SearchTerms<'static> {
+        SearchTerms {
+            planner_options: &NONE,
+            missed_lateral_acceleration: 0.0,
+            lift_coefficient,
+        }
+    }
+
     fn vehicle(excess: f32) -> Vehicle<Combined> {
         let model = Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap();
         let p = VehicleParameters {
@@ -564,7 +600,7 @@ mod tests {
                 &flight,
                 &reference,
                 Inertial::ZERO,
-                (&NONE, 0.0, 0.0),
+                &terms(0.0),
             );
             let after = if next < CANDIDATES - 1 { next + 1 } else { 0 };
             assert_eq!(state.next, after);
@@ -615,7 +651,7 @@ mod tests {
                 &flight,
                 &reference,
                 Inertial::ZERO,
-                (&NONE, 0.0, lift),
+                &terms(lift),
             );
             planner.reference_model.advance(
                 vehicle,
@@ -752,14 +788,7 @@ mod tests {
         let (vehicle, planner) = (vehicle(2.0), planner());
         let look = |state: &mut PlannerState| {
             let calm = Inertial::ZERO;
-            planner.search(
-                &vehicle,
-                state,
-                &cruise(),
-                &hover(0.0),
-                calm,
-                (&NONE, 0.0, 0.0),
-            );
+            planner.search(&vehicle, state, &cruise(), &hover(0.0), calm, &terms(0.0));
         };
         let mut state = PlannerState::default();
         look(&mut state);
@@ -772,7 +801,7 @@ mod tests {
             &PlanarModelState::default(),
             &hover(0.0),
             Inertial::new(0.0, 9.0),
-            (&NONE, 0.0, 0.0),
+            &terms(0.0),
         );
         look(&mut state);
         assert_eq!((elsewhere, state.rollout), (state, first));
@@ -913,14 +942,7 @@ mod tests {
         };
         let look = |state: &mut PlannerState, reference: &Reference| {
             let calm = Inertial::ZERO;
-            planner.search(
-                &vehicle,
-                state,
-                &cruise(),
-                reference,
-                calm,
-                (&NONE, 0.0, LIFT),
-            );
+            planner.search(&vehicle, state, &cruise(), reference, calm, &terms(LIFT));
         };
         let mut plans = std::vec![];
         for before in 1..40 {

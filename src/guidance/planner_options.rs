@@ -56,7 +56,8 @@ mod tests {
     use crate::frame::{Attitude, Body, Inertial};
     use crate::guidance::plane::PlanarGuidanceInput;
     use crate::guidance::{
-        Air, Goal, GoalState, Goals, Guidance, GuidanceParameters, GuidanceState, Mode, Preferences,
+        Air, Goal, GoalOutput, GoalState, Goals, Guidance, GuidanceParameters, GuidanceState, Mode,
+        Preferences,
     };
     use crate::math;
     use crate::ned::Ned;
@@ -143,7 +144,11 @@ mod tests {
                 began = position;
             }
             let (at, v) = (Ned::in_plane(position), Ned::in_plane(velocity));
-            let (reference, error, mut planner_options) = goals.step(&mut goal, &asked, at, v, DT);
+            let GoalOutput {
+                reference,
+                position_error: error,
+                mut planner_options,
+            } = goals.step(&mut goal, &asked, at, v, DT);
             if !how.checked {
                 planner_options = PlannerOptions {
                     hold_altitude_only: planner_options.hold_altitude_only,

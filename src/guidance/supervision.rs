@@ -250,6 +250,17 @@ impl SupervisionState {
     }
 }
 
+/// The wind that is flown with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct WindUse {
+    /// v_w [m/s].
+    pub wind: Ned,
+    /// What it stands on.
+    pub air: AirUse,
+    /// The air data that were given are not used.
+    pub air_invalid: bool,
+}
+
 /// Thrust \[N\] of the safe command with the nose up; with none asked for, the thrust nearest to none.
 pub(super) fn safe_thrust<A: Aerodynamics>(p: &GuidanceParameters, vehicle: &Vehicle<A>) -> f32 {
     if p.safe_thrust == 0.0 {
@@ -322,7 +333,7 @@ impl Supervisor {
         mode
     }
 
-    /// The wind [m/s] to fly with at a `velocity` over ground, what it stands on, and whether `air` was invalid.
+    /// The wind to fly with at a `velocity` [m/s] over ground.
     #[inline(always)]
     pub(super) fn wind(
         &self,
@@ -330,8 +341,8 @@ impl Supervisor {
         velocity: Ned,
         air: &Air,
         dt: f32,
-    ) -> (Ned, AirUse, bool) {
-        let (given, used) = match *air {
+    ) -> WindUse {
+        let (given, air) = match *air {
             Air::Velocity(v_a) => (velocity - v_a, AirUse::Velocity),
             Air::Wind(wind) => (wind, AirUse::Wind),
             Air::Pitot { wind, .. } => (wind, AirUse::Pitot),
@@ -345,7 +356,11 @@ impl Supervisor {
             state.wind = given;
             state.wind_known = 1;
             state.wind_age = 0.0;
-            (given, used, false)
+            WindUse {
+                wind: given,
+                air,
+                air_invalid: false,
+            }
         } else {
             self.without_air(state, dt, true)
         }
@@ -363,17 +378,16 @@ impl Supervisor {
         };
     }
 
-    fn without_air(
-        &self,
-        state: &mut SupervisionState,
-        dt: f32,
-        invalid: bool,
-    ) -> (Ned, AirUse, bool) {
+    fn without_air(&self, state: &mut SupervisionState, dt: f32, air_invalid: bool) -> WindUse {
         state.age_wind(dt);
-        if state.wind_known == 1 && state.wind_age <= self.air_hold {
-            (state.wind, AirUse::HeldWind, invalid)
-        } else {
-            (state.wind, AirUse::None, invalid)
+        WindUse {
+            wind: state.wind,
+            air: if state.wind_known == 1 && state.wind_age <= self.air_hold {
+                AirUse::HeldWind
+            } else {
+                AirUse::None
+            },
+            air_invalid,
         }
     }
 }
@@ -391,6 +405,11 @@ mod tests {
     use super::*;
     use crate::aero::{LargeAngle, LargeAngleParameters};
     use crate::vehicle::VehicleParameters;
+
+    /// Wind, what it stands on, and whether the air data were invalid.
+    fn parts(found: WindUse) -> (Ned, AirUse, bool) {
+        (found.wind, found.air, found.air_invalid)
+    }
 
     /// 0.1 s of hold, 50 ms of recovery, 1 s of air hold, a wind of 40 m/s that changes by 10 m/s.
     fn supervisor() -> Supervisor {
@@ -451,7 +470,7 @@ mod tests {
         let supervisor = supervisor();
         let mut state = SupervisionState::default();
         let v = Ned::new(12.0, -2.0, 1.0);
-        let mut wind = |air: Air| supervisor.wind(&mut state, v, &air, 0.125);
+        let mut wind = |air: Air| parts(supervisor.wind(&mut state, v, &air, 0.125));
         let w = Ned::new(-3.0, 0.0, 0.0);
         // Nothing known yet: calm.
         assert_eq!(wind(Air::Unknown), (Ned::ZERO, AirUse::None, false));
@@ -483,33 +502,33 @@ mod tests {
         let v = Ned::new(20.0, 0.0, 0.0);
         let calm = || {
             let mut state = SupervisionState::default();
-            let first = supervisor.wind(&mut state, v, &Air::Velocity(v), 0.01);
+            let first = parts(supervisor.wind(&mut state, v, &Air::Velocity(v), 0.01));
             assert_eq!(first, (Ned::ZERO, AirUse::Velocity, false));
             state
         };
         let mut state = calm();
         let blocked = Air::Velocity(Ned::ZERO);
         for _ in 0..90 {
-            let (wind, used, invalid) = supervisor.wind(&mut state, v, &blocked, 0.01);
-            assert_eq!((wind, used, invalid), (Ned::ZERO, AirUse::HeldWind, true));
+            let blocked = parts(supervisor.wind(&mut state, v, &blocked, 0.01));
+            assert_eq!(blocked, (Ned::ZERO, AirUse::HeldWind, true));
         }
         let far = Air::Velocity(v + Ned::new(1000.0, 0.0, 0.0));
         let mut state = calm();
         assert_eq!(
-            supervisor.wind(&mut state, v, &far, 0.01),
+            parts(supervisor.wind(&mut state, v, &far, 0.01)),
             (Ned::ZERO, AirUse::HeldWind, true)
         );
         // At power-on too.
         let mut state = SupervisionState::default();
         assert_eq!(
-            supervisor.wind(&mut state, v, &far, 0.01),
+            parts(supervisor.wind(&mut state, v, &far, 0.01)),
             (Ned::ZERO, AirUse::None, true)
         );
         // A gust front of 8 m/s is one.
         let mut state = calm();
         let gust = Ned::new(8.0, 0.0, 0.0);
         assert_eq!(
-            supervisor.wind(&mut state, v, &Air::Wind(gust), 0.01),
+            parts(supervisor.wind(&mut state, v, &Air::Wind(gust), 0.01)),
             (gust, AirUse::Wind, false)
         );
         // After 15 s without air data the wind may be another.
@@ -519,7 +538,7 @@ mod tests {
         }
         let other = Ned::new(20.0, 0.0, 0.0);
         assert_eq!(
-            supervisor.wind(&mut state, v, &Air::Wind(other), 0.01),
+            parts(supervisor.wind(&mut state, v, &Air::Wind(other), 0.01)),
             (other, AirUse::Wind, false)
         );
     }

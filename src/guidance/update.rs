@@ -8,7 +8,7 @@ use super::air_data_fallback::AirDataFallback;
 use super::air_estimate::{AirEstimateState, AirSample};
 use super::bandwidth::BandwidthGains;
 use super::course::{Axes, Course};
-use super::lateral_guidance::{LateralGuidance, ReferenceModelState};
+use super::lateral_guidance::{LateralGuidance, LateralGuidanceInput, ReferenceModelState};
 use super::limits::{LimitState, Limits};
 use super::memory::{self, Memory, memory};
 use super::parameters::GuidanceParameters;
@@ -18,7 +18,8 @@ use super::progress::Progress;
 use super::reference_model::limited;
 use super::status::Status;
 use super::supervision::{
-    Air, AirUse, Mode, RejectReason, SupervisionState, Supervisor, safe_thrust, time_passed,
+    Air, AirUse, Mode, RejectReason, SupervisionState, Supervisor, WindUse, safe_thrust,
+    time_passed,
 };
 use super::tracker::{Tracker, TrackerInput};
 use crate::aero::Aerodynamics;
@@ -442,9 +443,13 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         let mut position_error = input
             .position_error
             .filter(|x| fresh && x.norm_squared().is_finite());
-        let (mut wind, air, air_invalid) =
-            self.supervisor
-                .wind(&mut state.supervision, input.velocity, &input.air, dt);
+        let WindUse {
+            mut wind,
+            air,
+            air_invalid,
+        } = self
+            .supervisor
+            .wind(&mut state.supervision, input.velocity, &input.air, dt);
         let specific_force = input
             .specific_force
             .map(Body::from)
@@ -536,9 +541,8 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         let theta = math::atan2(nose.forward(), nose.down());
         if !begun {
             if state.started != 1 {
-                let limits = (vehicle.mass(), vehicle.thrust_min(), vehicle.thrust_max());
                 self.accelerometer
-                    .begin(&mut state.accelerometer, specific_force, limits);
+                    .begin(&mut state.accelerometer, specific_force, vehicle);
             }
             state.started = 1;
             state.planner = PlannerState::default();
@@ -565,15 +569,18 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             vehicle,
             &mut state.flight,
             &mut state.planner,
-            (
-                &asked,
-                &input.planner_options,
-                state.wind,
-                correction.air(),
-                self.accelerometer
-                    .missing(&state.accelerometer, axes.down, vehicle),
-                axes.right.dot(input.orientation.w()),
-            ),
+            &LateralGuidanceInput {
+                reference: &asked,
+                planner_options: &input.planner_options,
+                wind: state.wind,
+                air_force_scale: correction.air(),
+                missing_thrust: self.accelerometer.missing(
+                    &state.accelerometer,
+                    axes.down,
+                    vehicle,
+                ),
+                wing_alignment: axes.right.dot(input.orientation.w()),
+            },
             dt,
         );
 
@@ -597,16 +604,14 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
                 dt,
             )
             .map_err(RejectReason::Law)?;
-        let (thrust, rates, saturated) = self.limits.apply(
+        let limited = self.limits.apply(
             &mut state.limits,
-            (
-                tracked.command.thrust,
-                -input.orientation.to_body(input.velocity - wind).i,
-            ),
+            tracked.command.thrust,
+            -input.orientation.to_body(input.velocity - wind).i,
             tracked.command.rates.into(),
             dt,
         );
-        state.saturated = saturated;
+        state.saturated = limited.saturated;
         // Where the law has no say the virtual flight is resynchronised to the real one: that is how it is planned anew.
         let resynchronised = math::min((1.0 - tracked.law) * RESYNCHRONISATION_RATE * dt, 1.0);
         let flight = &mut state.flight;
@@ -620,8 +625,8 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         flight.theta -= apart * math::min(ATTITUDE_RESYNCHRONISATION * dt, 1.0);
 
         guided.command = Command {
-            thrust,
-            rates: rates.into(),
+            thrust: limited.thrust,
+            rates: limited.rates.into(),
             ..tracked.command
         };
         self.accelerometer.update(
@@ -642,7 +647,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             tracked.branch.sign(),
         );
         guided.status = tracked.status
-            | saturated
+            | limited.saturated
             | Status::REFERENCE_HELD.when(!fresh)
             | Status::POSITION_INVALID
                 .when(fresh && position_error.is_none() && input.position_error.is_some())
