@@ -1,18 +1,17 @@
 //! The paper's law, bare: a state and a reference in, thrust and angular rate out. `cargo run --example bare_law`
 use alula::planar::{Attitude, GainParameters, Gains, Inertial, Reference, State, VelocityControl};
 use alula::{
-    Combined, CombinedParameters, ParameterError, Vehicle, VehicleParameters, aerodynamic_constant,
+    Combined, CombinedParameters, ParameterError, Parameters, Vehicle, VehicleParameters,
+    aerodynamic_constant,
 };
 
 fn main() -> Result<(), ParameterError> {
     // What the controller believes of the aircraft: a 3 kg tail-sitter, 0.35 m² of wing in air of 1.2 kg/m³.
     let vehicle = Vehicle::new(
-        VehicleParameters {
-            mass: 3.0,
-            k_a: aerodynamic_constant(1.2, 0.35)?,
-            thrust_max: 47.0,
-            ..VehicleParameters::PAPER
-        },
+        VehicleParameters::DEFAULT
+            .mass(3.0)
+            .k_a(aerodynamic_constant(1.2, 0.35)?)
+            .thrust_max(47.0),
         Combined::new(CombinedParameters::NACA_0021_RE_160E3)?,
     )?;
     let control = VelocityControl::new(vehicle, Gains::new(GainParameters::PAPER)?);

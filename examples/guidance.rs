@@ -9,16 +9,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut state = GuidanceState::default();
 
     // Hovering with the nose up in still air, asked to fly north at 10 m/s.
-    let input = GuidanceInput {
-        velocity: Ned::ZERO,
-        orientation: Orientation::NOSE_UP,
-        air: Air::Wind(Ned::ZERO),
-        reference: Reference {
+    let input = GuidanceInput::default()
+        .velocity(Ned::ZERO)
+        .orientation(Orientation::NOSE_UP)
+        .air(Air::Wind(Ned::ZERO))
+        .reference(Reference {
             velocity: Ned::new(10.0, 0.0, 0.0),
             ..Reference::default()
-        },
-        ..GuidanceInput::default()
-    };
+        });
     for _ in 0..10 {
         let Command { thrust, rates, .. } = guidance.update(&mut state, &input, 0.01).command;
         let BodyRates { roll, pitch, yaw } = rates;

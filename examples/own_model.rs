@@ -2,7 +2,8 @@
 use alula::aero::Coefficients;
 use alula::planar::{GainParameters, Gains, Reference, State, VelocityControl};
 use alula::{
-    Aerodynamics, AngleOfAttack, ParameterError, Vehicle, VehicleParameters, aerodynamic_constant,
+    Aerodynamics, AngleOfAttack, ParameterError, Parameters, Vehicle, VehicleParameters,
+    aerodynamic_constant,
 };
 
 /// A thin plate of aspect ratio that is far from small: c_L = s sin 2α, c_D = c_0 + 2 s sin²α.
@@ -42,12 +43,10 @@ fn main() -> Result<(), ParameterError> {
     }
 
     let vehicle = Vehicle::new(
-        VehicleParameters {
-            mass: 3.0,
-            k_a: aerodynamic_constant(1.2, 0.35)?,
-            thrust_max: 47.0,
-            ..VehicleParameters::PAPER
-        },
+        VehicleParameters::DEFAULT
+            .mass(3.0)
+            .k_a(aerodynamic_constant(1.2, 0.35)?)
+            .thrust_max(47.0),
         plate,
     )?;
     let control = VelocityControl::new(vehicle, Gains::new(GainParameters::PAPER)?);

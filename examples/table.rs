@@ -3,7 +3,7 @@ use alula::aero::{Node, Polar};
 use alula::planar::PlanarGuidanceInput;
 use alula::{
     Aerodynamics as _, AngleOfAttack, Guidance, GuidanceParameters, GuidanceState, ParameterError,
-    Table, Vehicle, VehicleParameters, aerodynamic_constant,
+    Parameters, Table, Vehicle, VehicleParameters, aerodynamic_constant,
 };
 
 /// A symmetric section from 0 to 180°: angle of attack [°], c_L, c_D. Room for sixteen rows.
@@ -42,12 +42,10 @@ fn main() -> Result<(), ParameterError> {
     assert!((at(8.0).c_l - 0.75).abs() < 1e-4 && (at(-8.0).c_l + 0.75).abs() < 1e-4);
 
     let vehicle = Vehicle::new(
-        VehicleParameters {
-            mass: 3.0,
-            k_a: aerodynamic_constant(1.2, 0.35)?,
-            thrust_max: 47.0,
-            ..VehicleParameters::PAPER
-        },
+        VehicleParameters::DEFAULT
+            .mass(3.0)
+            .k_a(aerodynamic_constant(1.2, 0.35)?)
+            .thrust_max(47.0),
         model,
     )?;
     let guidance = Guidance::new(vehicle, &GuidanceParameters::default())?;

@@ -176,7 +176,7 @@ mod tests {
     }
 
     fn at(p: &VehicleParameters, wanted: f32, flow: Airflow, thrust: f32) -> Taken {
-        let (authority, available) = (p.authority(), p.thrust_max);
+        let (authority, available) = (p.pitch_authority(), p.thrust_max);
         let before = authority.at(flow, thrust, available);
         let lacking = (wanted - before.wing).abs() - before.given;
         let thrust = if lacking > 0.0 {
@@ -302,8 +302,8 @@ mod tests {
             assert!((a.most - 3.0 * math::min(a.thrust, 40.0 - a.thrust)).abs() < 1e-3);
         }
         // 15 rad/s² of 3 rad/s² N.
-        assert!((p.authority().thrust_to_turn(15.0) - 5.0).abs() < 1e-5);
-        assert!((p.authority().in_hover(20.0, 40.0) - 60.0).abs() < 1e-4);
-        assert!((p.authority().in_hover(30.0, 40.0) - 30.0).abs() < 1e-4);
+        assert!((p.pitch_authority().thrust_to_turn(15.0) - 5.0).abs() < 1e-5);
+        assert!((p.pitch_authority().in_hover(20.0, 40.0) - 60.0).abs() < 1e-4);
+        assert!((p.pitch_authority().in_hover(30.0, 40.0) - 30.0).abs() < 1e-4);
     }
 }

@@ -6,6 +6,7 @@ use core::fmt;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum Problem {
     /// NaN or infinite.
     NotFinite,
@@ -20,6 +21,7 @@ pub enum Problem {
 /// What a parameter must be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum Requirement {
     /// Finite and within a range.
     Within {
@@ -42,8 +44,8 @@ pub enum Requirement {
 /// let model = Combined::new(CombinedParameters::NACA_0021_RE_160E3)?;
 /// let refused = |p| Vehicle::new(p, model).unwrap_err().to_string();
 /// let p = VehicleParameters::PAPER;
-/// assert_eq!(refused(VehicleParameters { mass: -1.0, ..p }), "mass must be positive, from 0.001 to 1000000 kg");
-/// assert_eq!(refused(VehicleParameters { thrust_min: 300.0, ..p }), "thrust_max must be above thrust_min");
+/// assert_eq!(refused(p.mass(-1.0)), "mass must be positive, from 0.001 to 1000000 kg");
+/// assert_eq!(refused(p.thrust_min(300.0)), "thrust_max must be above thrust_min");
 /// # Ok::<(), alula::ParameterError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]

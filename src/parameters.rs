@@ -90,6 +90,7 @@ fn check(ranges: &[Range], values: &[f32]) -> Result<(), ParameterError> {
 
 /// Makes a structure of parameters from its rows:
 /// name: unit, least value, greatest value, default, name for PX4, meaning.
+/// Each row is a field, and a method of the same name that gives the structure with another value of it.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! parameters {
@@ -111,6 +112,17 @@ macro_rules! parameters {
                     "`, default `", stringify!($default), "`."
                 )]
                 pub $name: f32,
+            )*
+        }
+
+        impl $structure {
+            $(
+                #[doc = concat!("The same with another `", stringify!($name), "` \\[", $unit, "\\].")]
+                #[must_use]
+                pub const fn $name(mut self, $name: f32) -> Self {
+                    self.$name = $name;
+                    self
+                }
             )*
         }
 

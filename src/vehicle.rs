@@ -21,6 +21,18 @@ pub fn aerodynamic_constant(density: f32, area: f32) -> Result<f32, ParameterErr
 
 crate::parameters! {
     /// Parameters of a vehicle: what can be weighed and measured of it.
+    ///
+    /// They are begun from [`DEFAULT`](Parameters::DEFAULT), and given by name. `mass`, `k_a` and `thrust_max` have no default: a
+    /// vehicle without one of them is refused.
+    ///
+    /// ```
+    /// use alula::prelude::*;
+    ///
+    /// let aircraft = VehicleParameters::DEFAULT.mass(3.0).k_a(0.21);
+    /// assert_eq!(aircraft.check().unwrap_err().parameter, "thrust_max");
+    /// assert!(aircraft.thrust_max(47.0).check().is_ok());
+    /// ```
+    #[non_exhaustive]
     pub struct VehicleParameters, "Vehicle" {
         mass: "kg", 1e-3, 1e6, f32::NAN, "ALU_MASS",
             "Mass m.";
@@ -57,7 +69,7 @@ crate::parameters! {
 
 impl VehicleParameters {
     /// Authority in pitch of a vehicle with these parameters, which have been checked.
-    pub(crate) fn authority(&self) -> Authority {
+    pub(crate) fn pitch_authority(&self) -> Authority {
         let weight = self.mass * self.gravity;
         let gone = GONE * self.hover_downwash;
         Authority {
@@ -143,7 +155,7 @@ impl<A: Aerodynamics> Vehicle<A> {
             gravity: p.gravity,
             thrust_min: p.thrust_min,
             thrust_max: p.thrust_max,
-            authority: p.authority(),
+            authority: p.pitch_authority(),
             propeller: p.propeller(),
             surface_reaction: p.surface_reaction,
             thrust_line: ThrustLine::of_checked(p.delta),

@@ -172,13 +172,8 @@ proptest! {
         // A power of two: products are exact.
         let scale = 4f32.powi(power);
         let p = VehicleParameters::PAPER;
-        let scaled = VehicleParameters {
-            mass: scale * p.mass,
-            k_a: scale * p.k_a,
-            thrust_max: scale * p.thrust_max,
-            ..p
-        };
-        let parameters = GuidanceParameters { safe_thrust: 0.25, ..GuidanceParameters::default() };
+        let scaled = p.mass(scale * p.mass).k_a(scale * p.k_a).thrust_max(scale * p.thrust_max);
+        let parameters = GuidanceParameters::default().safe_thrust(0.25);
         let small = Guidance::new(vehicle(p), &parameters).unwrap();
         let large = Guidance::new(vehicle(scaled), &parameters).unwrap();
         let mut states = (GuidanceState::default(), GuidanceState::default());

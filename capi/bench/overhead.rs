@@ -49,10 +49,7 @@ const _: () = assert!(size_of::<Result<Flown, Fault>>() <= ROOM);
 
 fn fixture() -> Result<Fixture, ParameterError> {
     let (vehicle, parameters) = (VehicleParameters::PAPER, GuidanceParameters::default());
-    let vehicle = VehicleParameters {
-        c_y: 0.5,
-        ..vehicle
-    };
+    let vehicle = vehicle.c_y(0.5);
     let combined = Combined::new(CombinedParameters::NACA_0021_RE_160E3)?;
     let any = Vehicle::new(vehicle, Model::Combined(combined))?;
     let gains = GainChoice::Bandwidth(BandwidthGains::new(&parameters, &any)?);
@@ -113,14 +110,12 @@ pub unsafe extern "C" fn overhead_case(case: *mut Case, x: &[f32; 20]) {
             wind,
             ..State::default()
         },
-        input: GuidanceInput {
-            velocity,
-            orientation,
-            air: Air::Wind(wind),
-            specific_force: Some(Frd::new(x[17], x[18], x[19])),
-            reference,
-            ..GuidanceInput::default()
-        },
+        input: GuidanceInput::default()
+            .velocity(velocity)
+            .orientation(orientation)
+            .air(Air::Wind(wind))
+            .specific_force(Some(Frd::new(x[17], x[18], x[19])))
+            .reference(reference),
     };
     // SAFETY: There is room for a case, by the condition above.
     unsafe { case.write(value) };

@@ -138,6 +138,11 @@
 #define ALULA_ERROR_NO_FOLD -23
 
 /**
+ * It was refused for a reason that this header has no code for.
+ */
+#define ALULA_ERROR_OTHER -24
+
+/**
  * Table: a number is not finite.
  */
 #define ALULA_ERROR_TABLE_NOT_FINITE -30

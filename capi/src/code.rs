@@ -58,6 +58,8 @@ pub const ALULA_ERROR_EVERY_ORIENTATION: i32 = -21;
 pub const ALULA_ERROR_TOO_MANY_EQUILIBRIA: i32 = -22;
 /// The state lies beyond every fold, or too far from the nearest for the map.
 pub const ALULA_ERROR_NO_FOLD: i32 = -23;
+/// It was refused for a reason that this header has no code for.
+pub const ALULA_ERROR_OTHER: i32 = -24;
 /// Table: a number is not finite.
 pub const ALULA_ERROR_TABLE_NOT_FINITE: i32 = -30;
 /// Table: a coefficient is above 1000 in magnitude.
@@ -108,6 +110,7 @@ pub(crate) const fn of_fault(fault: Fault) -> i32 {
         Fault::AirAcceleration => ALULA_ERROR_AIR_ACCELERATION,
         Fault::Jerk => ALULA_ERROR_JERK,
         Fault::Undefined => ALULA_ERROR_UNDEFINED,
+        _ => ALULA_ERROR_OTHER,
     }
 }
 
@@ -118,6 +121,7 @@ pub(crate) const fn of_reject_reason(reason: RejectReason) -> i32 {
         RejectReason::StateAge => ALULA_ERROR_STATE_AGE,
         RejectReason::NoReference => ALULA_ERROR_NO_REFERENCE,
         RejectReason::Law(fault) => of_fault(fault),
+        _ => ALULA_ERROR_OTHER,
     }
 }
 
@@ -129,6 +133,7 @@ pub(crate) const fn of_equilibrium(error: EquilibriumError) -> i32 {
         EquilibriumError::Wind => ALULA_ERROR_WIND,
         EquilibriumError::EveryOrientation => ALULA_ERROR_EVERY_ORIENTATION,
         EquilibriumError::Overflow => ALULA_ERROR_TOO_MANY_EQUILIBRIA,
+        _ => ALULA_ERROR_OTHER,
     }
 }
 
@@ -145,6 +150,7 @@ pub(crate) const fn of_table(problem: TableProblem) -> i32 {
         TableProblem::NotPeriodic => ALULA_ERROR_TABLE_NOT_PERIODIC,
         TableProblem::TooFew => ALULA_ERROR_TABLE_TOO_FEW,
         TableProblem::TooMany => ALULA_ERROR_TABLE_TOO_MANY,
+        _ => ALULA_ERROR_OTHER,
     }
 }
 
@@ -155,6 +161,7 @@ pub(crate) const fn of_parameter(index: usize, problem: Problem) -> i32 {
         Problem::NotPositive => 1,
         Problem::OutOfRange => 2,
         Problem::Contradiction => 3,
+        _ => return ALULA_ERROR_OTHER,
     };
     ALULA_ERROR_PARAMETER - 4 * index as i32 - problem
 }
@@ -193,6 +200,7 @@ fn text(code: i32) -> &'static CStr {
         ALULA_ERROR_EVERY_ORIENTATION => c"every orientation is an equilibrium",
         ALULA_ERROR_TOO_MANY_EQUILIBRIA => c"there are more equilibria than the set can hold",
         ALULA_ERROR_NO_FOLD => c"there is no fold near this state",
+        ALULA_ERROR_OTHER => c"refused for a reason that this header has no code for",
         ALULA_ERROR_TABLE_NOT_FINITE => c"table: every number must be finite",
         ALULA_ERROR_TABLE_OUT_OF_RANGE => c"table: coefficients must be within +-1000",
         ALULA_ERROR_TABLE_DRAG => c"table: the drag coefficient must be positive",

@@ -1,6 +1,6 @@
 //! The parameters of the guidance for a vehicle, by the core's rules.
 
-use alula::{GuidanceParameters, ParameterError, ResponseParameters};
+use alula::{GuidanceParameters, ParameterError, Parameters as _, ResponseParameters};
 
 use crate::boundary;
 use crate::code;
@@ -22,12 +22,11 @@ pub unsafe extern "C" fn alula_parameters_for_vehicle(
     control_rate: f32,
     cruise_speed: f32,
 ) -> i32 {
-    let response = ResponseParameters {
-        rate_lag,
-        thrust_lag,
-        control_rate,
-        cruise_speed,
-    };
+    let response = ResponseParameters::DEFAULT
+        .rate_lag(rate_lag)
+        .thrust_lag(thrust_lag)
+        .control_rate(control_rate)
+        .cruise_speed(cruise_speed);
     // SAFETY: `parameters` is null or points to its header word, and to the whole structure if that is right, which is what
     // `read` and `write` ask for; what is read is copied before anything is written.
     unsafe {

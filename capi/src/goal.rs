@@ -83,15 +83,13 @@ impl Goal {
             speed: self.speed,
             climb: self.climb,
             acceleration: self.acceleration,
-            planner_options: PlannerOptions {
-                altitude_band: self.altitude_band,
-                nose_below_vertical: match self.nose_below_vertical {
+            planner_options: PlannerOptions::default()
+                .altitude_band(self.altitude_band)
+                .nose_below_vertical(match self.nose_below_vertical {
                     0 => false,
                     1 => true,
                     _ => return Err(code::ALULA_ERROR_GOAL),
-                },
-                ..PlannerOptions::default()
-            },
+                }),
         });
         let goals = goals.map_err(|_| code::ALULA_ERROR_GOAL)?;
         let mut state = GoalState::from_words(&self.opaque);
@@ -99,6 +97,7 @@ impl Goal {
             reference,
             position_error,
             planner_options,
+            ..
         } = goals.step(&mut state, &goal, position, velocity, dt);
         let after = Self {
             reached: state.is_reached().into(),

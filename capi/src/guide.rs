@@ -19,23 +19,26 @@ impl Input {
     /// The input of the core's guidance.
     #[inline(always)]
     fn guidance_input(&self, axes: BodyAxes) -> GuidanceInput {
-        GuidanceInput {
-            velocity: ned(self.velocity),
-            orientation: Orientation::from_quaternion(&self.quaternion(), axes)
-                .unwrap_or(Orientation::UNKNOWN),
-            state_age: self.state_age,
-            air: self.air(),
-            specific_force: (self.flags & ALULA_SPECIFIC_FORCE != 0)
-                .then(|| axes.vector(self.specific_force)),
-            position_error: (self.flags & ALULA_POSITION != 0).then(|| ned(self.position_error)),
-            reference: self.reference(),
-            reference_age: self.reference_age,
-            planner_options: PlannerOptions {
-                altitude_band: self.altitude_band,
-                nose_below_vertical: self.flags & ALULA_NOSE_BELOW_VERTICAL != 0,
-                hold_altitude_only: self.flags & ALULA_HOLD_ALTITUDE_ONLY != 0,
-            },
-        }
+        GuidanceInput::default()
+            .velocity(ned(self.velocity))
+            .orientation(
+                Orientation::from_quaternion(&self.quaternion(), axes)
+                    .unwrap_or(Orientation::UNKNOWN),
+            )
+            .state_age(self.state_age)
+            .air(self.air())
+            .specific_force(
+                (self.flags & ALULA_SPECIFIC_FORCE != 0).then(|| axes.vector(self.specific_force)),
+            )
+            .position_error((self.flags & ALULA_POSITION != 0).then(|| ned(self.position_error)))
+            .reference(self.reference())
+            .reference_age(self.reference_age)
+            .planner_options(
+                PlannerOptions::default()
+                    .altitude_band(self.altitude_band)
+                    .nose_below_vertical(self.flags & ALULA_NOSE_BELOW_VERTICAL != 0)
+                    .hold_altitude_only(self.flags & ALULA_HOLD_ALTITUDE_ONLY != 0),
+            )
     }
 }
 

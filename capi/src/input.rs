@@ -159,11 +159,7 @@ impl Input {
             velocity,
             orientation: Orientation::from_quaternion(&self.quaternion(), axes)
                 .map_err(|_: Fault| code::ALULA_ERROR_ATTITUDE)?,
-            wind: match self.air() {
-                Air::Wind(wind) | Air::Pitot { wind, .. } => wind,
-                Air::Velocity(v_a) => velocity - v_a,
-                Air::Unknown => return Err(code::ALULA_ERROR_WIND),
-            },
+            wind: self.air().wind(velocity).ok_or(code::ALULA_ERROR_WIND)?,
             correction: Correction::default(),
         })
     }

@@ -15,6 +15,7 @@ mod boundary;
 mod code;
 mod command;
 mod controller;
+mod decimal;
 mod envelope;
 mod for_vehicle;
 mod goal;

@@ -13,6 +13,7 @@ use alula::{
 
 use crate::boundary::{self, Layout};
 use crate::code;
+use crate::decimal::Decimal;
 
 /// Gains that follow |F_p|, so that the loop keeps its bandwidth: the parameters of the guidance.
 pub const ALULA_GAINS_BANDWIDTH: u32 = 0;
@@ -163,44 +164,85 @@ pub(crate) fn refused(error: ParameterError) -> i32 {
     code::of_parameter(index.unwrap_or(COUNT), error.problem)
 }
 
-/// What is said of a refused parameter, by the number of its [`Problem`] in the code.
-const PROBLEMS: [&str; 4] = [
-    "must be a finite number",
-    "must be positive",
-    "is out of range",
-    "contradicts another parameter",
+/// What a parameter must be that its range does not say, as the core's constructors ask for it.
+const RELATIONS: &[(&str, &str)] = &[
+    ("thrust_min", "below the weight, mass times gravity"),
+    (
+        "thrust_max",
+        "above thrust_min, and above the weight, mass times gravity",
+    ),
+    (
+        "safe_thrust",
+        "such that it is from thrust_min to thrust_max",
+    ),
+    ("max_integral_down", "at most max_velocity_down"),
+    ("max_integral_forward", "at most max_velocity_forward"),
+    ("k_l", "at most 40 over the square of alpha_bar"),
+    ("k_d", "at most 40 over the square of alpha_bar"),
 ];
 
-/// Copies `text` to `out` from `at` on, if `out` is long enough, and returns where it ends.
-const fn append<const N: usize>(out: &mut [u8; N], at: usize, text: &str) -> usize {
-    let bytes = text.as_bytes();
+/// What is said of parameters without one.
+const NO_RELATION: &str = "in agreement with the others";
+
+const fn same(a: &str, b: &str) -> bool {
+    let (a, b) = (a.as_bytes(), b.as_bytes());
     let mut n = 0;
-    while n < bytes.len() {
+    while n < a.len() && n < b.len() && a[n] == b[n] {
+        n += 1;
+    }
+    n == a.len() && n == b.len()
+}
+
+const fn relation(name: &str) -> &'static str {
+    let mut n = 0;
+    while n < RELATIONS.len() {
+        if same(RELATIONS[n].0, name) {
+            return RELATIONS[n].1;
+        }
+        n += 1;
+    }
+    NO_RELATION
+}
+
+/// Copies `text` to `out` from `at` on, if `out` is long enough, and returns where it ends.
+const fn append<const N: usize>(out: &mut [u8; N], at: usize, text: &[u8]) -> usize {
+    let mut n = 0;
+    while n < text.len() {
         if at + n < N {
-            out[at + n] = bytes[n];
+            out[at + n] = text[n];
         }
         n += 1;
     }
     at + n
 }
 
-/// "vehicle.mass must be positive" and so on, for each parameter and problem in order, each with a zero behind it; and the
-/// length of it all.
+/// "vehicle.mass must be from 0.001 to 1000000 kg", and of thrust_max what it must be besides: for each parameter in order
+/// both, each with a zero behind it; and the length of it all.
 const fn texts<const N: usize>() -> ([u8; N], usize) {
     let (mut out, mut at) = ([0; N], 0);
     let mut table = 0;
     while table < RANGES.len() {
         let mut row = 0;
         while row < RANGES[table].len() {
-            let mut problem = 0;
-            while problem < PROBLEMS.len() {
-                at = append(&mut out, at, FIELDS[table]);
-                at = append(&mut out, at, ".");
-                at = append(&mut out, at, RANGES[table][row].name);
-                at = append(&mut out, at, " ");
-                at = append(&mut out, at, PROBLEMS[problem]);
+            let range = &RANGES[table][row];
+            let mut text = 0;
+            while text < 2 {
+                at = append(&mut out, at, FIELDS[table].as_bytes());
+                at = append(&mut out, at, b".");
+                at = append(&mut out, at, range.name.as_bytes());
+                at = append(&mut out, at, b" must be ");
+                if text == 0 {
+                    at = append(&mut out, at, b"from ");
+                    at = append(&mut out, at, Decimal::new(range.min).digits());
+                    at = append(&mut out, at, b" to ");
+                    at = append(&mut out, at, Decimal::new(range.max).digits());
+                    at = append(&mut out, at, if range.unit.is_empty() { b"" } else { b" " });
+                    at = append(&mut out, at, range.unit.as_bytes());
+                } else {
+                    at = append(&mut out, at, relation(range.name).as_bytes());
+                }
                 at += 1;
-                problem += 1;
+                text += 1;
             }
             row += 1;
         }
@@ -214,8 +256,10 @@ static TEXTS: [u8; texts::<0>().1] = texts().0;
 
 /// What the code `ALULA_ERROR_PARAMETER - number` means.
 pub(crate) fn text(number: usize) -> Option<&'static CStr> {
+    // A number that is not finite, not positive or out of range is told the range.
+    let related = number % 4 == 3;
     let mut rest: &[u8] = &TEXTS;
-    for _ in 0..number {
+    for _ in 0..2 * (number / 4) + usize::from(related) {
         let text = CStr::from_bytes_until_nul(rest).ok()?;
         rest = rest.get(text.count_bytes() + 1..)?;
     }

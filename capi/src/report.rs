@@ -42,6 +42,22 @@ pub const ALULA_UNREACHABLE_SPEED: u32 = 2;
 /// The reference asks for more thrust than there is.
 pub const ALULA_UNREACHABLE_THRUST: u32 = 3;
 
+// The core's numbers are these.
+const _: () = {
+    assert!(AirUse::None as u32 == ALULA_AIR_USE_NONE);
+    assert!(AirUse::Velocity as u32 == ALULA_AIR_USE_VELOCITY);
+    assert!(AirUse::Wind as u32 == ALULA_AIR_USE_WIND);
+    assert!(AirUse::HeldWind as u32 == ALULA_AIR_USE_HELD_WIND);
+    assert!(AirUse::Pitot as u32 == ALULA_AIR_USE_PITOT);
+    assert!(Phase::Tracking as u32 == ALULA_PHASE_TRACKING);
+    assert!(Phase::Crossing as u32 == ALULA_PHASE_CROSSING);
+    assert!(Phase::Coasting as u32 == ALULA_PHASE_COASTING);
+    assert!(Phase::Recovering as u32 == ALULA_PHASE_RECOVERING);
+    assert!(Unreachable::Sink as u32 == ALULA_UNREACHABLE_SINK);
+    assert!(Unreachable::Speed as u32 == ALULA_UNREACHABLE_SPEED);
+    assert!(Unreachable::Thrust as u32 == ALULA_UNREACHABLE_THRUST);
+};
+
 /// The quantities that a command is made of. What is not known is zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
@@ -128,25 +144,12 @@ impl Report {
                 Mode::Holding => ALULA_MODE_HOLDING,
                 Mode::Flying => ALULA_MODE_FLYING,
             },
-            air_use: match guided.air {
-                AirUse::None => ALULA_AIR_USE_NONE,
-                AirUse::Velocity => ALULA_AIR_USE_VELOCITY,
-                AirUse::Wind => ALULA_AIR_USE_WIND,
-                AirUse::HeldWind => ALULA_AIR_USE_HELD_WIND,
-                AirUse::Pitot => ALULA_AIR_USE_PITOT,
-            },
-            phase: match guided.progress.phase {
-                Phase::Tracking => ALULA_PHASE_TRACKING,
-                Phase::Crossing => ALULA_PHASE_CROSSING,
-                Phase::Coasting => ALULA_PHASE_COASTING,
-                Phase::Recovering => ALULA_PHASE_RECOVERING,
-            },
-            unreachable: match guided.progress.unreachable {
-                None => ALULA_UNREACHABLE_NOTHING,
-                Some(Unreachable::Sink) => ALULA_UNREACHABLE_SINK,
-                Some(Unreachable::Speed) => ALULA_UNREACHABLE_SPEED,
-                Some(Unreachable::Thrust) => ALULA_UNREACHABLE_THRUST,
-            },
+            air_use: guided.air as u32,
+            phase: guided.progress.phase as u32,
+            unreachable: guided
+                .progress
+                .unreachable
+                .map_or(ALULA_UNREACHABLE_NOTHING, |reason| reason as u32),
             margin_force: guided.margin.force,
             margin_k: guided.margin.k,
             margin_fold: guided.margin.fold,

@@ -20,10 +20,7 @@ const ATTITUDE_GAIN: f64 = 6.5;
 /// A vehicle with side force.
 fn controller() -> Controller {
     let parameters = Parameters {
-        vehicle: VehicleParameters {
-            c_y: 0.5,
-            ..VehicleParameters::PAPER
-        },
+        vehicle: VehicleParameters::PAPER.c_y(0.5),
         ..Parameters::DEFAULT
     };
     let mut controller = Controller::BLANK;

@@ -27,10 +27,7 @@ const PAPER: Parameters = Parameters {
     vehicle: VEHICLE,
     ..Parameters::DEFAULT
 };
-const VEHICLE: VehicleParameters = VehicleParameters {
-    c_y: 0.5,
-    ..VehicleParameters::PAPER
-};
+const VEHICLE: VehicleParameters = VehicleParameters::PAPER.c_y(0.5);
 
 fn controller(parameters: &Parameters, table: *const Table) -> Controller {
     let mut controller = Controller::BLANK;
@@ -144,12 +141,14 @@ fn a_guided_flight_is_the_cores_to_the_bit() {
         };
         let guided = core.update(
             &mut state,
-            &GuidanceInput {
-                velocity: ned(input.velocity),
-                orientation: Orientation::from_quaternion(&quaternion(input.quaternion), axes)
-                    .unwrap_or(Orientation::UNKNOWN),
-                state_age: 0.0,
-                air: match kind {
+            &GuidanceInput::default()
+                .velocity(ned(input.velocity))
+                .orientation(
+                    Orientation::from_quaternion(&quaternion(input.quaternion), axes)
+                        .unwrap_or(Orientation::UNKNOWN),
+                )
+                .state_age(0.0)
+                .air(match kind {
                     ALULA_AIR_VELOCITY => Air::Velocity(ned(input.air)),
                     ALULA_AIR_UNKNOWN => Air::Unknown,
                     ALULA_AIR_PITOT => Air::Pitot {
@@ -157,17 +156,15 @@ fn a_guided_flight_is_the_cores_to_the_bit() {
                         wind: ned(input.air),
                     },
                     _ => Air::Wind(ned(input.air)),
-                },
-                specific_force: (measured != 0).then_some(along),
-                position_error: (kind == ALULA_POSITION).then_some(ned(input.position_error)),
-                reference: spatial::Reference {
+                })
+                .specific_force((measured != 0).then_some(along))
+                .position_error((kind == ALULA_POSITION).then_some(ned(input.position_error)))
+                .reference(spatial::Reference {
                     velocity: ned(input.reference_velocity),
                     acceleration: ned(input.reference_acceleration),
                     heading: Heading::from_angle(input.heading),
-                },
-                reference_age: input.reference_age,
-                ..GuidanceInput::default()
-            },
+                })
+                .reference_age(input.reference_age),
             DT,
         );
         let (code, command, report) = guide(&mut c, &input);
@@ -419,11 +416,9 @@ fn goals_are_the_cores_to_the_bit() {
     use alula::guidance::{
         Goal as Core, GoalOutput, GoalState, Goals, PlannerOptions, Preferences,
     };
-    let planner_options = PlannerOptions {
-        altitude_band: 0.5,
-        nose_below_vertical: true,
-        ..PlannerOptions::default()
-    };
+    let planner_options = PlannerOptions::default()
+        .altitude_band(0.5)
+        .nose_below_vertical(true);
     let mut goal = Goal {
         altitude_band: planner_options.altitude_band,
         nose_below_vertical: 1,
@@ -460,6 +455,7 @@ fn goals_are_the_cores_to_the_bit() {
             reference,
             position_error: error,
             planner_options,
+            ..
         } = goals.step(&mut state, &asked.2, x, v, DT);
         let three = |v: Ned| [v.north, v.east, v.down];
         let core = Input {
@@ -810,12 +806,12 @@ fn the_fold_is_the_cores_and_moves_with_the_load_factor() {
 /// The rules through the ABI are the core's; a refusal names the parameter, and changes nothing.
 #[test]
 fn the_parameters_by_rule_are_the_cores() {
-    let response = alula::ResponseParameters {
-        rate_lag: 0.3,
-        thrust_lag: 0.3,
-        control_rate: 50.0,
-        cruise_speed: 12.0,
-    };
+    use alula::Parameters as _;
+    let response = alula::ResponseParameters::DEFAULT
+        .rate_lag(0.3)
+        .thrust_lag(0.3)
+        .control_rate(50.0)
+        .cruise_speed(12.0);
     let ruled = |parameters: &mut Parameters, rate_lag| unsafe {
         alula_parameters_for_vehicle(parameters, rate_lag, 0.3, 50.0, 12.0)
     };
@@ -833,7 +829,7 @@ fn the_parameters_by_rule_are_the_cores() {
     let before = parameters;
     assert_eq!(
         named(ruled(&mut parameters, f32::NAN)),
-        "guidance.rate_lag must be a finite number"
+        "guidance.rate_lag must be from 0 to 1 s"
     );
     // Two numbers that are in no structure.
     let asked = |parameters: &mut Parameters, rate, cruise| unsafe {
@@ -850,7 +846,7 @@ fn the_parameters_by_rule_are_the_cores() {
     let code = ruled(&mut parameters, 0.3);
     assert_eq!(
         named(code),
-        "vehicle.thrust_max contradicts another parameter"
+        "vehicle.thrust_max must be above thrust_min, and above the weight, mass times gravity"
     );
     assert_eq!(parameters.guidance, before.guidance);
 }

@@ -181,42 +181,42 @@ pub(crate) fn input(bytes: &mut Bytes) -> GuidanceInput {
     if kind < 64 {
         return GuidanceInput::from(&planar(bytes));
     }
-    GuidanceInput {
-        velocity: ned(bytes, 30.0),
-        orientation: orientation(bytes),
-        state_age: age(bytes),
-        air: match bytes.byte() % 3 {
+    GuidanceInput::default()
+        .velocity(ned(bytes, 30.0))
+        .orientation(orientation(bytes))
+        .state_age(age(bytes))
+        .air(match bytes.byte() % 3 {
             0 => Air::Velocity(ned(bytes, 30.0)),
             1 => Air::Wind(ned(bytes, 15.0)),
             _ => Air::Unknown,
-        },
-        specific_force: match bytes.byte() % 2 {
+        })
+        .specific_force(match bytes.byte() % 2 {
             0 => None,
             _ => Some(Body::new(bytes.number(30.0), bytes.number(30.0), bytes.number(10.0)).into()),
-        },
-        position_error: match bytes.byte() % 4 {
+        })
+        .position_error(match bytes.byte() % 4 {
             0 => None,
             _ => Some(ned(bytes, 50.0)),
-        },
-        reference: Reference {
+        })
+        .reference(Reference {
             velocity: ned(bytes, 30.0),
             acceleration: ned(bytes, 10.0),
             heading: Heading::from_angle(match bytes.byte() % 2 {
                 0 => f32::NAN,
                 _ => bytes.number(4.0),
             }),
-        },
-        reference_age: age(bytes),
+        })
+        .reference_age(age(bytes))
         // Of the byte that says which kind of frame it is: what follows in the corpus is read as ever.
-        planner_options: PlannerOptions {
-            altitude_band: match kind {
-                240.. => bytes.number(1.0),
-                _ => 0.0,
-            },
-            nose_below_vertical: kind % 8 == 7,
-            hold_altitude_only: kind % 16 > 13,
-        },
-    }
+        .planner_options(
+            PlannerOptions::default()
+                .altitude_band(match kind {
+                    240.. => bytes.number(1.0),
+                    _ => 0.0,
+                })
+                .nose_below_vertical(kind % 8 == 7)
+                .hold_altitude_only(kind % 16 > 13),
+        )
 }
 
 /// A frame in one vertical plane, whose attitude may be none.
@@ -286,10 +286,7 @@ fn recover(
     p: &GuidanceParameters,
     mut state: HardenedState,
 ) -> u64 {
-    let hover = GuidanceInput {
-        air: Air::Wind(Ned::ZERO),
-        ..GuidanceInput::default()
-    };
+    let hover = GuidanceInput::default().air(Air::Wind(Ned::ZERO));
     let mut fresh = HardenedState::default();
     let frames = (p.recovery / DT) as u64 + 2;
     let (mut modes, mut undefined) = ((Mode::Safe, Mode::Safe), false);

@@ -73,7 +73,10 @@ impl Target {
         };
         self.calls += 1;
         let answer = controller.step(input);
-        if let Some((command, _)) = answer.in_force() {
+        let safe = controller.safe();
+        let limits = configuration.vehicle.thrust_min..=configuration.vehicle.thrust_max;
+        assert!(limits.contains(&safe.thrust), "{safe:?}");
+        if let Some((command, _)) = answer.in_force(safe) {
             let turning = Body::from(command.rates).norm_squared();
             assert!(
                 command.thrust.is_finite() && turning.is_finite(),
@@ -81,8 +84,6 @@ impl Target {
             );
         }
         if let Answer::Guidance(guided) = &answer {
-            let vehicle = &configuration.vehicle;
-            let limits = vehicle.thrust_min..=vehicle.thrust_max;
             assert!(limits.contains(&guided.command.thrust), "{guided:?}");
         }
         let answer = Envelope {

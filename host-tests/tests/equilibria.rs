@@ -211,17 +211,15 @@ struct Tally {
 
 fn check(scan: &Scan, core: Model, rng: &mut ChaCha8Rng, tally: &mut Tally) {
     let half = std::f32::consts::FRAC_PI_2;
-    let p = VehicleParameters {
-        mass: rng.random_range(0.5..50.0),
-        k_a: 10.0f32.powf(rng.random_range(-2.0..0.5)),
-        delta: if rng.random_bool(0.4) {
+    let p = VehicleParameters::PAPER
+        .mass(rng.random_range(0.5..50.0))
+        .k_a(10.0f32.powf(rng.random_range(-2.0..0.5)))
+        .delta(if rng.random_bool(0.4) {
             0.0
         } else {
             rng.random_range(-half..half)
-        },
-        gravity: 9.81,
-        ..VehicleParameters::PAPER
-    };
+        })
+        .gravity(9.81);
     // As fast as makes the air's force up to 30 times the weight, or 40 m/s.
     let fast = (30.0 * p.mass * p.gravity / p.k_a).sqrt().min(40.0);
     let reference = Reference {

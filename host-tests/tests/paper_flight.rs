@@ -172,11 +172,7 @@ fn the_default_experiment_is_the_papers() {
     let truth = experiment.vehicle.core().unwrap();
     let paper = |p: VehicleParameters, set| {
         // The bare laws know of no thrust limits.
-        let p = VehicleParameters {
-            thrust_min: -1e6,
-            thrust_max: 1e6,
-            ..p
-        };
+        let p = p.thrust_min(-1e6).thrust_max(1e6);
         alula::Vehicle::new(p, common::combined(set).0).unwrap()
     };
     let expected = paper(

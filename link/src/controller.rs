@@ -300,10 +300,7 @@ mod tests {
             ("mass", Problem::NotFinite)
         );
         // A contradiction between the vehicle and the guidance.
-        let parameters = GuidanceParameters {
-            safe_thrust: 100.0,
-            ..GuidanceParameters::DEFAULT
-        };
+        let parameters = GuidanceParameters::DEFAULT.safe_thrust(100.0);
         let unsafe_thrust = combined(ControllerParameters::Guidance {
             parameters,
             gains: None,

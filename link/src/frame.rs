@@ -195,10 +195,7 @@ mod tests {
             session,
             sequence,
             message: ToTarget::Configure(Configuration {
-                vehicle: VehicleParameters {
-                    mass: sequence as f32,
-                    ..VehicleParameters::PAPER
-                },
+                vehicle: VehicleParameters::PAPER.mass(sequence as f32),
                 model: ModelParameters::LargeAngle(LargeAngleParameters {
                     c0: 0.014,
                     c1: 0.95,

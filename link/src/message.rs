@@ -313,11 +313,10 @@ mod tests {
             position_error: Some(numbers(9.0)),
             reference,
             reference_age: 0.02,
-            planner_options: PlannerOptions {
-                altitude_band: 0.5,
-                nose_below_vertical: true,
-                hold_altitude_only: true,
-            },
+            planner_options: PlannerOptions::default()
+                .altitude_band(0.5)
+                .nose_below_vertical(true)
+                .hold_altitude_only(true),
         };
         let law = |feed_forward| Input::Law {
             state,
@@ -334,15 +333,10 @@ mod tests {
         ] {
             assert_eq!(through_the_wire(&input), input);
         }
-        let guided = GuidanceOutput {
-            command: spatial::Command {
-                thrust: 1.0,
-                rates: BodyRates::new(2.0, 3.0, 4.0),
-                ..spatial::Command::default()
-            },
-            reject_reason: Some(RejectReason::Law(Fault::Wind)),
-            ..GuidanceOutput::default()
-        };
+        let mut guided = GuidanceOutput::default();
+        guided.command.thrust = 1.0;
+        guided.command.rates = BodyRates::new(2.0, 3.0, 4.0);
+        guided.reject_reason = Some(RejectReason::Law(Fault::Wind));
         for answer in [
             Answer::Law(Err(Fault::Undefined)),
             Answer::Guidance(guided),
@@ -375,15 +369,10 @@ mod tests {
             Answer::Law(Err(Fault::Wind)).in_force(safe),
             Some((safe, fault))
         );
-        let guided = GuidanceOutput {
-            command: spatial::Command {
-                thrust: 3.0,
-                rates: BodyRates::new(2.0, 3.0, 4.0),
-                ..spatial::Command::default()
-            },
-            reject_reason: Some(RejectReason::StateAge),
-            ..GuidanceOutput::default()
-        };
+        let mut guided = GuidanceOutput::default();
+        guided.command.thrust = 3.0;
+        guided.command.rates = BodyRates::new(2.0, 3.0, 4.0);
+        guided.reject_reason = Some(RejectReason::StateAge);
         assert_eq!(
             Answer::Guidance(guided).in_force(safe),
             Some((
@@ -427,10 +416,8 @@ mod tests {
             parameter: "a parameter with the longest name there is",
             problem: Problem::OutOfRange,
         };
-        let guided = GuidanceOutput {
-            reject_reason: Some(RejectReason::Law(Fault::Undefined)),
-            ..GuidanceOutput::default()
-        };
+        let mut guided = GuidanceOutput::default();
+        guided.reject_reason = Some(RejectReason::Law(Fault::Undefined));
         for message in [
             FromTarget::Status(status),
             FromTarget::Refused(refused),
@@ -454,11 +441,9 @@ mod tests {
             feed_forward: Some(FeedForward::default()),
         };
         let guidance = Input::Guidance {
-            input: GuidanceInput {
-                air: Air::Wind(Ned::ZERO),
-                position_error: Some(Ned::ZERO),
-                ..GuidanceInput::default()
-            },
+            input: GuidanceInput::default()
+                .air(Air::Wind(Ned::ZERO))
+                .position_error(Some(Ned::ZERO)),
             dt: 0.01,
         };
         for message in [
@@ -494,15 +479,13 @@ mod tests {
         }
         let mut buffer = [0; MAX_FRAME];
         let input = Input::Guidance {
-            input: GuidanceInput {
-                air: Air::Pitot {
+            input: GuidanceInput::default()
+                .air(Air::Pitot {
                     airspeed: 4.0,
                     wind: Ned::ZERO,
-                },
-                specific_force: Some(Frd::new(1.0, 2.0, 3.0)),
-                position_error: Some(Ned::ZERO),
-                ..GuidanceInput::default()
-            },
+                })
+                .specific_force(Some(Frd::new(1.0, 2.0, 3.0)))
+                .position_error(Some(Ned::ZERO)),
             dt: 0.01,
         };
         digest.update(encode(&input, &mut buffer).unwrap());

@@ -137,25 +137,23 @@ impl Fleet {
                 let orientation = Orientation::from_quaternion(&Quaternion { w, x, y, z }, axes);
                 let free = f32::NAN;
                 let [heading] = heading.map_or([free], |heading| heading.get(k));
-                let input = GuidanceInput {
-                    velocity: ned(fixed[0].get(k)),
-                    orientation: orientation.unwrap_or(Orientation::UNKNOWN),
-                    state_age: 0.0,
-                    air: match (at(air_velocity, k), at(wind, k)) {
+                let input = GuidanceInput::default()
+                    .velocity(ned(fixed[0].get(k)))
+                    .orientation(orientation.unwrap_or(Orientation::UNKNOWN))
+                    .state_age(0.0)
+                    .air(match (at(air_velocity, k), at(wind, k)) {
                         (Some(v), _) => Air::Velocity(v),
                         (None, Some(wind)) => Air::Wind(wind),
                         (None, None) => Air::Unknown,
-                    },
-                    specific_force: force.map(|force| axes.vector(force.get(k))),
-                    position_error: at(error, k),
-                    reference: Reference {
+                    })
+                    .specific_force(force.map(|force| axes.vector(force.get(k))))
+                    .position_error(at(error, k))
+                    .reference(Reference {
                         velocity: ned(fixed[1].get(k)),
                         acceleration: at(acceleration, k).unwrap_or(Ned::ZERO),
                         heading: Heading::from_angle(heading),
-                    },
-                    reference_age: 0.0,
-                    ..GuidanceInput::default()
-                };
+                    })
+                    .reference_age(0.0);
                 guided(guidance.update(state, &input, dt), axes)
             };
             states.iter_mut().enumerate().map(step).collect()

@@ -253,25 +253,25 @@ impl Guidance {
         let acceleration = reference_acceleration.as_ref();
         let force = specific_force.as_ref().map(|v| vector("specific_force", v));
         let error = position_error.as_ref().map(|v| vector("position_error", v));
-        let input = GuidanceInput {
-            velocity: ned(vector("velocity", &velocity)?),
-            orientation: orientation.unwrap_or(Orientation::UNKNOWN),
-            state_age,
-            air: air(air_velocity.as_ref(), wind.as_ref(), airspeed, ned)?,
-            specific_force: force.transpose()?.map(|force| axes.vector(force)),
-            position_error: error.transpose()?.map(ned),
-            reference: Reference {
+        let input = GuidanceInput::default()
+            .velocity(ned(vector("velocity", &velocity)?))
+            .orientation(orientation.unwrap_or(Orientation::UNKNOWN))
+            .state_age(state_age)
+            .air(air(air_velocity.as_ref(), wind.as_ref(), airspeed, ned)?)
+            .specific_force(force.transpose()?.map(|force| axes.vector(force)))
+            .position_error(error.transpose()?.map(ned))
+            .reference(Reference {
                 velocity: ned(vector("reference_velocity", &reference_velocity)?),
                 acceleration: ned(vector_or_zero("reference_acceleration", acceleration)?),
                 heading: heading.map_or(Heading::FREE, Heading::from_angle),
-            },
-            reference_age,
-            planner_options: PlannerOptions {
-                altitude_band,
-                nose_below_vertical,
-                hold_altitude_only,
-            },
-        };
+            })
+            .reference_age(reference_age)
+            .planner_options(
+                PlannerOptions::default()
+                    .altitude_band(altitude_band)
+                    .nose_below_vertical(nose_below_vertical)
+                    .hold_altitude_only(hold_altitude_only),
+            );
         Ok(self.step(&input, dt, axes))
     }
 
@@ -318,11 +318,10 @@ impl Guidance {
                 acceleration: inertial(vector_or_zero("reference_acceleration", acceleration)?),
             },
             reference_age,
-            planner_options: PlannerOptions {
-                altitude_band,
-                nose_below_vertical,
-                hold_altitude_only,
-            },
+            planner_options: PlannerOptions::default()
+                .altitude_band(altitude_band)
+                .nose_below_vertical(nose_below_vertical)
+                .hold_altitude_only(hold_altitude_only),
         };
         // As the core's own step in the plane, which leaves out the other rates.
         Ok(self.step(&GuidanceInput::from(&input), dt, BodyAxes::NoseForward))

@@ -33,6 +33,7 @@ impl Node {
 /// Why a table was refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum TableProblem {
     /// A number is NaN or infinite.
     NotFinite,

@@ -79,6 +79,7 @@ impl Diagnostics {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum Fault {
     /// The velocity is not finite, or longer than [`MAX_SPEED`].
     Velocity,

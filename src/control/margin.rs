@@ -7,6 +7,7 @@ use crate::math;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Margin {
     /// |F_p|/τ. Below 1 the guard acts, at 0 there is no equilibrium attitude.
     pub force: f32,

@@ -72,6 +72,7 @@ impl Equilibrium {
 /// Why there is no set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum EquilibriumError {
     /// The reference velocity is not finite, or absurdly large.
     ReferenceVelocity,

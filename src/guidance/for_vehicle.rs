@@ -12,6 +12,7 @@ use crate::vehicle::VehicleParameters;
 
 crate::parameters! {
     /// How fast a vehicle answers, and how fast it is to fly: what [`GuidanceParameters::for_vehicle`] needs besides the vehicle.
+    #[non_exhaustive]
     pub struct ResponseParameters, "Response" {
         rate_lag: "s", 0.0, 1.0, f32::NAN, "ALU_RATE_LAG",
             "Lag of the rate loop: time until 63 % of a step of the rate commanded is there.";
@@ -150,7 +151,9 @@ impl GuidanceParameters {
             period,
             thrust_rate: math::min(3.0, 0.75 / (response.thrust_lag + period)),
             cruise: response.cruise_speed,
-            authority: vehicle.authority().in_hover(weight, vehicle.thrust_max),
+            authority: vehicle
+                .pitch_authority()
+                .in_hover(weight, vehicle.thrust_max),
             downwash: if vehicle.authority_slipstream > 0.0 {
                 vehicle.hover_downwash
             } else {

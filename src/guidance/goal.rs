@@ -15,6 +15,7 @@ use crate::spatial::{Heading, Reference};
 /// What is to be reached.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum Goal {
     /// To hover at this position \[m\].
     Hover(Ned),
@@ -110,6 +111,7 @@ impl SetPointState {
 
 /// What of the guidance's input makes a goal.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct GoalOutput {
     /// Where to fly to.
     pub reference: Reference,

@@ -18,6 +18,7 @@ mod planner;
 mod planner_options;
 mod progress;
 mod reference_model;
+mod setters;
 mod status;
 mod supervision;
 mod tracker;

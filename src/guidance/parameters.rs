@@ -7,6 +7,7 @@ crate::parameters! {
     /// Parameters of the guidance. Forces are multiples of the vehicle's weight, so that the defaults suit a vehicle of
     /// any size; what is a fact of the vehicle, its thrust limits among them, is in
     /// [`VehicleParameters`](crate::VehicleParameters).
+    #[non_exhaustive]
     pub struct GuidanceParameters, "Guidance" {
         natural_frequency: "rad/s", 1e-3, 1e3, 4.0, "ALU_BW_FREQ",
             "Natural frequency ω_n of the loop across the thrust line.";

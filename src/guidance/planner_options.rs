@@ -1,9 +1,12 @@
 //! What plans are to mind, for the time being.
 
+use super::setters::setters;
+
 /// How a reference is to be flown, where that can be chosen. The default is what the parameters say, and nothing besides.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct PlannerOptions {
     /// Altitude error \[m\] that a plan may cost as much as an error of one velocity band, in place of the parameter
     /// `altitude_band`: a narrow band keeps the altitude, a wide one gives it up to stop sooner. Outside [1e-3, 1e3], as zero
@@ -16,6 +19,14 @@ pub struct PlannerOptions {
     /// that goes along with the vehicle, as in a stop, and the virtual flight goes along, too. Else it would be left ahead and
     /// pull the vehicle after it.
     pub hold_altitude_only: bool,
+}
+
+setters! {
+    PlannerOptions {
+        altitude_band: f32,
+        nose_below_vertical: bool,
+        hold_altitude_only: bool,
+    }
 }
 
 /// Bands an option may give, as the parameter \[m\].

@@ -5,20 +5,21 @@ use crate::aero::Aerodynamics;
 use crate::frame::Inertial;
 use crate::vehicle::Vehicle;
 
-/// What the virtual flight does.
+/// What the virtual flight does. The numbers are those of the library for C.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum Phase {
     /// Follows the reference.
     #[default]
-    Tracking,
+    Tracking = 0,
     /// Turns to an attitude far away, as across a fold.
-    Crossing,
+    Crossing = 1,
     /// Goes to the reference with its thrust at a limit.
-    Coasting,
+    Coasting = 2,
     /// Comes back from far off the reference: no error is within four of its bands.
-    Recovering,
+    Recovering = 3,
 }
 
 impl Phase {
@@ -33,17 +34,18 @@ impl Phase {
     }
 }
 
-/// Why the velocity wanted cannot be had, as far as the prediction shows.
+/// Why the velocity wanted cannot be had, as far as the prediction shows. The numbers are those of the library for C, where 0 is none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum Unreachable {
     /// Sink steeper than the vehicle can at that speed.
-    Sink,
+    Sink = 1,
     /// Lower speed than the vehicle can at that sink rate, with least thrust: a gap between two sheets.
-    Speed,
+    Speed = 2,
     /// More thrust than there is.
-    Thrust,
+    Thrust = 3,
 }
 
 impl Unreachable {
@@ -61,6 +63,7 @@ impl Unreachable {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Progress {
     /// What it does.
     pub phase: Phase,

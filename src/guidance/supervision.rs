@@ -1,5 +1,7 @@
 //! Supervision: what is commanded when the inputs are not fit to fly on.
 
+use core::ops::Sub;
+
 use super::memory::memory;
 use super::parameters::GuidanceParameters;
 use crate::aero::Aerodynamics;
@@ -66,6 +68,7 @@ impl Mode {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum Air<V = Ned> {
     /// The air velocity v_a = v − v_w [m/s] is measured.
     Velocity(V),
@@ -83,24 +86,61 @@ pub enum Air<V = Ned> {
     },
 }
 
-/// What of the air is used.
+impl<V: Copy> Air<V> {
+    /// Name for logs.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::Velocity(_) => "velocity",
+            Self::Wind(_) => "wind",
+            Self::Unknown => "unknown",
+            Self::Pitot { .. } => "pitot",
+        }
+    }
+
+    /// The same with other vectors, as their projections to a plane.
+    pub fn map<W>(&self, f: impl Fn(V) -> W) -> Air<W> {
+        match *self {
+            Self::Velocity(v_a) => Air::Velocity(f(v_a)),
+            Self::Wind(wind) => Air::Wind(f(wind)),
+            Self::Unknown => Air::Unknown,
+            Self::Pitot { airspeed, wind } => Air::Pitot {
+                airspeed,
+                wind: f(wind),
+            },
+        }
+    }
+}
+
+impl<V: Copy + Sub<Output = V>> Air<V> {
+    /// The wind v_w [m/s] that this tells at a `velocity` v [m/s] over ground, if it tells one.
+    pub fn wind(&self, velocity: V) -> Option<V> {
+        match *self {
+            Self::Velocity(v_a) => Some(velocity - v_a),
+            Self::Wind(wind) | Self::Pitot { wind, .. } => Some(wind),
+            Self::Unknown => None,
+        }
+    }
+}
+
+/// What of the air is used. The numbers are those of the library for C.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum AirUse {
     /// The measured air velocity.
-    Velocity,
+    Velocity = 1,
     /// The wind given.
-    Wind,
+    Wind = 2,
     /// The last wind known.
-    HeldWind,
+    HeldWind = 3,
     /// Nothing for longer than `air_hold`, or never yet: the last wind known, or calm, stands in for it, and what the
     /// accelerometer feels scales the air's force. Without an accelerometer the vehicle slows down, and is then flown by plain
     /// thrust vectoring.
     #[default]
-    None,
+    None = 0,
     /// The air velocity estimated from pitot tube, wind and accelerometer.
-    Pitot,
+    Pitot = 4,
 }
 
 impl AirUse {
@@ -120,6 +160,7 @@ impl AirUse {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum RejectReason {
     /// The time step is not in [[`MIN_STEP`], [`MAX_STEP`]].
     TimeStep,

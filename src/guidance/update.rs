@@ -16,6 +16,7 @@ use super::planner::{Planner, PlannerState, wrap};
 use super::planner_options::PlannerOptions;
 use super::progress::Progress;
 use super::reference_model::limited;
+use super::setters::setters;
 use super::status::Status;
 use super::supervision::{
     Air, AirUse, Mode, RejectReason, SupervisionState, Supervisor, WindUse, safe_thrust,
@@ -48,7 +49,7 @@ use crate::vehicle::Vehicle;
 ///
 /// // At 100 Hz. The safe command is left once the inputs have been good for 50 ms.
 /// let mut state = GuidanceState::default();
-/// let input = GuidanceInput { air: Air::Wind(Ned::ZERO), ..GuidanceInput::default() };
+/// let input = GuidanceInput::default().air(Air::Wind(Ned::ZERO));
 /// let mut guided = GuidanceOutput::default();
 /// for _ in 0..10 {
 ///     guided = guidance.update(&mut state, &input, 0.01);
@@ -76,10 +77,22 @@ pub struct Guidance<A, G = BandwidthGains> {
     pub(super) supervisor: Supervisor,
 }
 
-/// What a guidance step is told.
+/// What a guidance step is told. The default hovers where it is, nose up, and knows no more.
+///
+/// ```
+/// use alula::prelude::*;
+///
+/// let input = GuidanceInput::default()
+///     .velocity(Ned::new(2.0, 0.0, 0.0))
+///     .air(Air::Wind(Ned::ZERO))
+///     .position_error(Ned::new(0.0, 0.5, 0.0));
+/// assert_eq!(input.position_error, Some(Ned::new(0.0, 0.5, 0.0)));
+/// assert_eq!(input.specific_force, None);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct GuidanceInput {
     /// Velocity v over ground [m/s].
     pub velocity: Ned,
@@ -100,6 +113,20 @@ pub struct GuidanceInput {
     pub reference_age: f32,
     /// What plans are to mind.
     pub planner_options: PlannerOptions,
+}
+
+setters! {
+    GuidanceInput {
+        velocity: Ned,
+        orientation: Orientation,
+        state_age: f32,
+        air: Air,
+        specific_force: impl Into<Option<Frd>>,
+        position_error: impl Into<Option<Ned>>,
+        reference: Reference,
+        reference_age: f32,
+        planner_options: PlannerOptions,
+    }
 }
 
 /// What the guidance remembers between steps. The default is power-on. Equal are those whose [bytes](Self::to_bytes) are.
@@ -134,6 +161,7 @@ pub struct GuidanceState {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct GuidanceOutput {
     /// The command, inside its limits. Its diagnostics are those of the law, before the limits; in
     /// [`Mode::Holding`] and [`Mode::Safe`] they are zero.

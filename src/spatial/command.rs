@@ -116,6 +116,7 @@ pub struct FeedForward {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Command {
     /// Thrust T \[N\] along the nose. Not limited: it may be negative.
     pub thrust: f32,
@@ -129,6 +130,7 @@ pub struct Command {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Diagnostics {
     /// The planar law's, in the plane of symmetry; for the axisymmetric vehicle in the plane of i and v_a.
     pub plane: control::Diagnostics,

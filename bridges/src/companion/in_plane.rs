@@ -1,6 +1,5 @@
 //! A pilot whose controller flies in a vertical plane: the controller has pitch and thrust, and the hold what is left open.
 
-use alula::guidance::Air;
 use alula::planar::{Body, Inertial, PlanarGuidanceInput, Reference};
 
 use super::plane::VerticalPlane;
@@ -110,15 +109,7 @@ impl<P: Planar> Pilot for InPlane<'_, P> {
         let projected = plane.attitude(&told.orientation).ok_or(End::Attitude)?;
         let position = plane.project(told.position).0;
         let (reference, wanted, reference_age) = self.reference(told, plane);
-        let air = match told.air {
-            Air::Wind(wind) => Air::Wind(plane.project(wind).0),
-            Air::Velocity(v) => Air::Velocity(plane.project(v).0),
-            Air::Unknown => Air::Unknown,
-            Air::Pitot { airspeed, wind } => Air::Pitot {
-                airspeed,
-                wind: plane.project(wind).0,
-            },
-        };
+        let air = told.air.map(|v| plane.project(v).0);
         let velocity = plane.project(told.velocity).0;
         let input = PlanarGuidanceInput {
             velocity,
@@ -135,11 +126,7 @@ impl<P: Planar> Pilot for InPlane<'_, P> {
             t: told.t,
             input,
             position,
-            wind: match air {
-                Air::Wind(wind) | Air::Pitot { wind, .. } => wind,
-                Air::Velocity(v) => velocity - v,
-                Air::Unknown => Inertial::ZERO,
-            },
+            wind: air.wind(velocity).unwrap_or(Inertial::ZERO),
         });
         let (thrust, rate) = self.controller.answer(&input, dt).ok_or(End::Pilot)?;
         Ok(Command {

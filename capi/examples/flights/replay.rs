@@ -91,22 +91,22 @@ fn input(words: &Words) -> Result<GuidanceInput> {
     };
     let force = words.vector(offset_of!(Input, specific_force))?;
     let position = words.vector(offset_of!(Input, position_error))?;
-    Ok(GuidanceInput {
-        velocity: words.vector(offset_of!(Input, velocity))?,
-        orientation: Orientation::from_quaternion(&q, BodyAxes::NoseForward)?,
-        state_age: 0.0,
-        air: Air::Wind(words.vector(offset_of!(Input, air))?),
-        specific_force: (flags & ALULA_SPECIFIC_FORCE != 0)
-            .then(|| Frd::new(force.north, force.east, force.down)),
-        position_error: (flags & ALULA_POSITION != 0).then_some(position),
-        reference: spatial::Reference {
+    Ok(GuidanceInput::default()
+        .velocity(words.vector(offset_of!(Input, velocity))?)
+        .orientation(Orientation::from_quaternion(&q, BodyAxes::NoseForward)?)
+        .state_age(0.0)
+        .air(Air::Wind(words.vector(offset_of!(Input, air))?))
+        .specific_force(
+            (flags & ALULA_SPECIFIC_FORCE != 0)
+                .then(|| Frd::new(force.north, force.east, force.down)),
+        )
+        .position_error((flags & ALULA_POSITION != 0).then_some(position))
+        .reference(spatial::Reference {
             velocity: words.vector(offset_of!(Input, reference_velocity))?,
             acceleration: words.vector(offset_of!(Input, reference_acceleration))?,
             heading: Heading::from_angle(words.number(offset_of!(Input, heading) / 4 - 1)?),
-        },
-        reference_age: 0.0,
-        ..GuidanceInput::default()
-    })
+        })
+        .reference_age(0.0))
 }
 
 /// One step of the law or of the guidance.

@@ -15,7 +15,7 @@ pub mod sweep;
 mod verdict;
 mod wing;
 
-use alula::{GuidanceParameters, ResponseParameters};
+use alula::{GuidanceParameters, Parameters, ResponseParameters};
 
 pub use code::code_text;
 pub use document::{campaign_text, check_name, vehicle_text};
@@ -45,12 +45,11 @@ impl Design {
         let spec = spec(&facts, &wing);
         spec.limited(facts.thrust())?;
         let vehicle = spec.parameters(facts.thrust());
-        let response = ResponseParameters {
-            rate_lag: facts.rate_lag_s as f32,
-            thrust_lag: facts.thrust_lag_s as f32,
-            control_rate: facts.control_rate_hz as f32,
-            cruise_speed: facts.cruise_m_s as f32,
-        };
+        let response = ResponseParameters::DEFAULT
+            .rate_lag(facts.rate_lag_s as f32)
+            .thrust_lag(facts.thrust_lag_s as f32)
+            .control_rate(facts.control_rate_hz as f32)
+            .cruise_speed(facts.cruise_m_s as f32);
         let parameters = GuidanceParameters::for_vehicle(&vehicle, &response);
         Ok(Self {
             parameters: parameters.map_err(refused::<ResponseParameters>)?,

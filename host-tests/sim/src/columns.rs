@@ -166,12 +166,7 @@ columns! {
     "told_q_x", "attitude as told", |_, s| told_attitude(s, |q| q.i);
     "told_q_y", "attitude as told", |_, s| told_attitude(s, |q| q.j);
     "told_q_z", "attitude as told", |_, s| told_attitude(s, |q| q.k);
-    "told_air", "`velocity`, `wind`, `pitot` or `unknown`: what is told of the air", |_, s| word(Some(match s.input.sample.air {
-        Air::Velocity(_) => "velocity",
-        Air::Wind(_) => "wind",
-        Air::Unknown => "unknown",
-        Air::Pitot { .. } => "pitot",
-    }));
+    "told_air", "`velocity`, `wind`, `pitot` or `unknown`: what is told of the air", |_, s| word(Some(s.input.sample.air.name()));
     "told_va_north_m_s", "air velocity as told", |_, s| part(told_air(s), |v| v.north);
     "told_va_east_m_s", "air velocity as told", |_, s| part(told_air(s), |v| v.east);
     "told_va_down_m_s", "air velocity as told", |_, s| part(told_air(s), |v| v.down);

@@ -146,15 +146,7 @@ impl From<&Step> for Row {
                 attitude,
                 velocity: told(input.velocity),
                 position: error.map_or([f64::NAN; 3], |e| vector(target.position + e)),
-                air: match input.air {
-                    Air::Wind(wind) => Air::Wind(told(wind)),
-                    Air::Velocity(v) => Air::Velocity(told(v)),
-                    Air::Unknown => Air::Unknown,
-                    Air::Pitot { airspeed, wind } => Air::Pitot {
-                        airspeed,
-                        wind: told(wind),
-                    },
-                },
+                air: input.air.map(told),
                 heading: target.heading.unwrap_or(f64::NAN),
             },
         }

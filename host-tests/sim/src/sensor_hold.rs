@@ -56,23 +56,21 @@ impl SensorHold {
             error.north = f32::NAN;
         }
         let heading = sent.heading.map_or(f32::NAN, |h| h as f32);
-        GuidanceInput {
-            velocity,
-            orientation,
-            state_age: (t - measured_at) as f32,
-            air: match fails(FaultKind::Air) {
+        GuidanceInput::default()
+            .velocity(velocity)
+            .orientation(orientation)
+            .state_age((t - measured_at) as f32)
+            .air(match fails(FaultKind::Air) {
                 true => Air::Unknown,
                 false => measured.air,
-            },
-            specific_force: measured.specific_force.map(Into::into),
-            position_error: sensors.position.told(error),
-            reference: Reference {
+            })
+            .specific_force(measured.specific_force.map(Into::into))
+            .position_error(sensors.position.told(error))
+            .reference(Reference {
                 velocity: ned(sent.velocity),
                 acceleration: ned(sent.acceleration),
                 heading: Heading::from_angle(heading),
-            },
-            reference_age: (t - sent_at) as f32,
-            ..GuidanceInput::default()
-        }
+            })
+            .reference_age((t - sent_at) as f32)
     }
 }

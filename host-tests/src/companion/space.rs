@@ -123,21 +123,19 @@ impl Pilot for OnPath {
         let (target, placed, reference_age) = self.target(told);
         let error = told.position - ned(target.position);
         let heading = target.heading.map_or(f32::NAN, |h| h as f32);
-        let sample = GuidanceInput {
-            velocity: told.velocity,
-            orientation: told.orientation,
-            state_age: told.age,
-            air: told.air,
-            specific_force: told.specific_force.map(Into::into),
-            position_error: placed.then_some(error),
-            reference: Reference {
+        let sample = GuidanceInput::default()
+            .velocity(told.velocity)
+            .orientation(told.orientation)
+            .state_age(told.age)
+            .air(told.air)
+            .specific_force(told.specific_force.map(Into::into))
+            .position_error(placed.then_some(error))
+            .reference(Reference {
                 velocity: ned(target.velocity),
                 acceleration: ned(target.acceleration),
                 heading: Heading::from_angle(heading),
-            },
-            reference_age,
-            ..GuidanceInput::default()
-        };
+            })
+            .reference_age(reference_age);
         let input = Input {
             sample,
             feed_forward: None,

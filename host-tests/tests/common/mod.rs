@@ -51,12 +51,10 @@ pub fn vehicles(
     delta: f32,
     (core, reference): (Model, Aerodynamics),
 ) -> (Vehicle, reference::Vehicle) {
-    let p = VehicleParameters {
-        delta,
+    let p = VehicleParameters::PAPER
+        .delta(delta)
         // Used in space only.
-        c_y: 0.5,
-        ..VehicleParameters::PAPER
-    };
+        .c_y(0.5);
     let reference = reference::Vehicle {
         mass: p.mass.into(),
         k_a: p.k_a.into(),

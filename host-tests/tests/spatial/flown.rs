@@ -117,7 +117,7 @@ impl Setup {
     }
 
     fn believing(vehicle: VehicleParameters, model: CombinedParameters, c_y: f32) -> Self {
-        let p = VehicleParameters { c_y, ..vehicle };
+        let p = vehicle.c_y(c_y);
         let vehicle = Vehicle::new(p, Combined::new(model).unwrap()).unwrap();
         let gains = BandwidthGains::new(&GuidanceParameters::default(), &vehicle).unwrap();
         let force = ForceErrorParameters {

@@ -9,7 +9,7 @@ mod law;
 use std::borrow::Cow;
 
 use alula::Fault;
-use alula::guidance::{Air, Mode};
+use alula::guidance::Mode;
 use alula::ned::Ned;
 use alula::planar::{Command, Diagnostics};
 use alula::spatial::{Body, FeedForward};
@@ -35,11 +35,10 @@ pub struct Input {
 impl Input {
     /// The wind \[m/s\] told to the controller, directly or by an air velocity; none if the air is unknown.
     pub fn wind(&self) -> Ned {
-        match self.sample.air {
-            Air::Velocity(velocity) => self.sample.velocity - velocity,
-            Air::Wind(wind) | Air::Pitot { wind, .. } => wind,
-            Air::Unknown => Ned::default(),
-        }
+        self.sample
+            .air
+            .wind(self.sample.velocity)
+            .unwrap_or_default()
     }
 }
 
@@ -253,6 +252,7 @@ impl Experiment {
 mod tests {
     use super::*;
     use crate::experiment::Document;
+    use alula::guidance::Air;
 
     #[test]
     fn exactly_one_known_controller_is_chosen() {

@@ -251,23 +251,22 @@ impl VehicleSpec {
 
     /// The core's parameters, with `thrust` \[N\] (least, most).
     pub fn parameters(&self, thrust: [f64; 2]) -> VehicleParameters {
-        VehicleParameters {
-            mass: self.mass_kg as f32,
-            k_a: self.k_a_kg_m as f32,
-            delta: self.delta_deg.to_radians() as f32,
-            c_y: self.c_y as f32,
-            gravity: self.gravity_m_s2 as f32,
-            thrust_min: thrust[0] as f32,
-            thrust_max: thrust[1] as f32,
-            authority: self.authority.constant_rad_s2 as f32,
-            authority_slipstream: self.authority.slipstream_rad_s2 as f32,
-            authority_difference: self.authority.difference_rad_s2 as f32,
-            authority_airflow: self.authority.airflow_rad_m2 as f32,
-            wing_moment: self.authority.wing_moment_rad_m2 as f32,
-            surface_reaction: self.authority.surface_reaction_m as f32,
-            hover_downwash: self.authority.hover_downwash_m_s as f32,
-            zero_thrust_speed: self.authority.zero_thrust_speed_m_s as f32,
-        }
+        VehicleParameters::DEFAULT
+            .mass(self.mass_kg as f32)
+            .k_a(self.k_a_kg_m as f32)
+            .delta(self.delta_deg.to_radians() as f32)
+            .c_y(self.c_y as f32)
+            .gravity(self.gravity_m_s2 as f32)
+            .thrust_min(thrust[0] as f32)
+            .thrust_max(thrust[1] as f32)
+            .authority(self.authority.constant_rad_s2 as f32)
+            .authority_slipstream(self.authority.slipstream_rad_s2 as f32)
+            .authority_difference(self.authority.difference_rad_s2 as f32)
+            .authority_airflow(self.authority.airflow_rad_m2 as f32)
+            .wing_moment(self.authority.wing_moment_rad_m2 as f32)
+            .surface_reaction(self.authority.surface_reaction_m as f32)
+            .hover_downwash(self.authority.hover_downwash_m_s as f32)
+            .zero_thrust_speed(self.authority.zero_thrust_speed_m_s as f32)
     }
 
     /// Weight m g \[N\].
@@ -292,7 +291,26 @@ mod tests {
     use super::*;
     use alula::Parameters;
 
-    /// There and back again, to the bit.
+    /// There and back again, to the bit, every one with a value of its own.
+    #[test]
+    fn every_parameter_of_the_core_comes_back() {
+        let mut p = VehicleParameters::PAPER;
+        for (row, range) in VehicleParameters::RANGES.iter().enumerate() {
+            // Halves and quarters: degrees and radians of the one angle aside, nothing is rounded.
+            p.set(
+                row,
+                if range.unit == "rad" {
+                    -0.3
+                } else {
+                    1.0 + 0.25 * row as f32
+                },
+            );
+        }
+        let spec = VehicleSpec::of(&p, AerodynamicsSpec::default());
+        let thrust = [p.thrust_min, p.thrust_max].map(f64::from);
+        assert_eq!(spec.parameters(thrust), p);
+    }
+
     #[test]
     fn the_cores_parameters_come_back() {
         let models = [
@@ -301,10 +319,7 @@ mod tests {
             ModelParameters::Combined(CombinedParameters::PAPER_BELIEF),
         ];
         for (model, delta) in models.into_iter().zip([0.0, -0.3, 2.1]) {
-            let p = VehicleParameters {
-                delta,
-                ..VehicleParameters::PAPER_BELIEF
-            };
+            let p = VehicleParameters::PAPER_BELIEF.delta(delta);
             let spec = VehicleSpec::of(&p, AerodynamicsSpec::of(model));
             let thrust = [p.thrust_min, p.thrust_max].map(f64::from);
             assert_eq!(spec.parameters(thrust), p);

@@ -34,23 +34,21 @@ pub fn replay(states: &States, experiment: &Experiment) -> anyhow::Result<(Recor
             acceleration: told.acceleration.into(),
             heading: told.heading,
         };
-        let sample = GuidanceInput {
-            velocity: ned(told.velocity.into()),
-            orientation,
-            state_age: told.velocity_age.max(states.attitude.overdue(row)) as f32,
-            air: told.air(|v| ned(v.into())),
-            specific_force: told.force().map(Into::into),
-            position_error: told.position_error().map(ned),
-            reference: Reference {
+        let sample = GuidanceInput::default()
+            .velocity(ned(told.velocity.into()))
+            .orientation(orientation)
+            .state_age(told.velocity_age.max(states.attitude.overdue(row)) as f32)
+            .air(told.air(|v| ned(v.into())))
+            .specific_force(told.force().map(Into::into))
+            .position_error(told.position_error().map(ned))
+            .reference(Reference {
                 velocity: ned(target.velocity),
                 acceleration: ned(target.acceleration),
                 heading: told
                     .heading
                     .map_or(Heading::FREE, |h| Heading::from_angle(h as f32)),
-            },
-            reference_age: told.reference_age as f32,
-            ..GuidanceInput::default()
-        };
+            })
+            .reference_age(told.reference_age as f32);
         let input = Input {
             sample,
             feed_forward: None,

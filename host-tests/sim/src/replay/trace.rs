@@ -137,11 +137,7 @@ impl Log<'_> {
         let known_position = self.place("told_x_error_north_m").is_some();
         let position_error = ned(self.vector(record, "x_error", "_m")?);
         Ok(Input {
-            sample: GuidanceInput {
-                velocity: velocity("v")?,
-                orientation: orientation(&Quaternion::new(w, x, y, z)),
-                state_age: age("state_age_s")? as f32,
-                air: match self.text(record, "told_air") {
+            sample: GuidanceInput::default().velocity(velocity("v")?).orientation(orientation(&Quaternion::new(w, x, y, z))).state_age(age("state_age_s")? as f32).air(match self.text(record, "told_air") {
                     Some("velocity") => Air::Velocity(velocity("va")?),
                     Some("unknown") => Air::Unknown,
                     Some("pitot") => Air::Pitot {
@@ -156,21 +152,15 @@ impl Log<'_> {
                         self.origin,
                         record.position().map_or(0, csv::Position::line)
                     ),
-                },
-                specific_force: (self.place("told_f_tail_m_s2").is_some() && !i.is_nan())
-                    .then(|| Body::new(i as f32, j as f32, side as f32).into()),
-                position_error: known_position.then_some(position_error),
-                reference: Reference {
+                }).specific_force((self.place("told_f_tail_m_s2").is_some() && !i.is_nan())
+                    .then(|| Body::new(i as f32, j as f32, side as f32).into())).position_error(known_position.then_some(position_error)).reference(Reference {
                     velocity: velocity("vr")?,
                     acceleration: acceleration("ar")?,
                     heading: match self.number(record, "heading_rad")? {
                         Some(heading) => Heading::from_angle(heading as f32),
                         None => Heading::FREE,
                     },
-                },
-                reference_age: age("reference_age_s")? as f32,
-                ..GuidanceInput::default()
-            },
+                }).reference_age(age("reference_age_s")? as f32),
             feed_forward: match feed_forward {
                 true => Some(FeedForward {
                     air_acceleration: acceleration("aa")?,

@@ -41,18 +41,11 @@ impl Fixture {
         let p = CombinedParameters::NACA_0021_RE_160E3;
         let (c0, c1, c2, c3) = (p.c0, p.c1, p.c2, p.c3);
         let delta = 0.1;
-        let vehicle = VehicleParameters {
-            delta,
-            c_y: 0.5,
-            ..VehicleParameters::PAPER
-        };
+        let vehicle = VehicleParameters::PAPER.delta(delta).c_y(0.5);
         let gains = Gains::new(GainParameters::PAPER).unwrap();
         let combined = Combined::new(p).unwrap();
         let large_angle = LargeAngle::new(LargeAngleParameters { c0, c1 }).unwrap();
-        let plane = VehicleParameters {
-            c_y: 0.5,
-            ..VehicleParameters::PAPER
-        };
+        let plane = VehicleParameters::PAPER.c_y(0.5);
         let plane = Vehicle::new(plane, combined).unwrap();
         let bandwidth = BandwidthGains::new(&GuidanceParameters::DEFAULT, &plane).unwrap();
         let force = ForceErrorParameters {
@@ -93,10 +86,7 @@ impl Fixture {
 
 fn everything_on(vehicle: Vehicle<Combined>) -> Guidance<Combined, BandwidthGains> {
     // Without a recovery time the first good frame is flown.
-    let parameters = GuidanceParameters {
-        recovery: 0.0,
-        ..GuidanceParameters::DEFAULT
-    };
+    let parameters = GuidanceParameters::DEFAULT.recovery(0.0);
     Guidance::new(vehicle, &parameters).unwrap()
 }
 

@@ -104,21 +104,19 @@ pub fn case(n: usize) -> SpaceCase {
             thrust: 60.0 + random.within(60.0),
         },
         v_a,
-        input: GuidanceInput {
-            velocity: state.velocity,
-            orientation,
-            state_age: 0.0,
-            air: Air::Velocity(state.velocity - state.wind),
-            specific_force: Some(Frd::new(9.0, 0.5, 2.0)),
-            position_error: Some(Ned::new(
+        input: GuidanceInput::default()
+            .velocity(state.velocity)
+            .orientation(orientation)
+            .state_age(0.0)
+            .air(Air::Velocity(state.velocity - state.wind))
+            .specific_force(Some(Frd::new(9.0, 0.5, 2.0)))
+            .position_error(Some(Ned::new(
                 random.within(12.0),
                 random.within(12.0),
                 random.within(3.0),
-            )),
-            reference,
-            reference_age: 0.0,
-            ..GuidanceInput::default()
-        },
+            )))
+            .reference(reference)
+            .reference_age(0.0),
     }
 }
 
