@@ -176,11 +176,11 @@ fn mavlink_messages(kind: Kind, inputs: u32) {
     let pilot = |wanted| InPlane::new(Echo, wanted, HoldParameters::default(), None);
     let mut companion = Companion::new(settings);
     let mut echo = pilot(Wanted::Plan(&plan));
-    let (mut read, mut understood, mut flown, mut now, mut sequence) = (0, 0, 0, 0.0, 0_u8);
+    let (mut read, mut understood, mut commands, mut now, mut sequence) = (0, 0, 0, 0.0, 0_u8);
     while read < inputs {
         now += 0.02;
         let (up, commanded) = companion.step(now, &mut echo);
-        flown += u32::from(commanded.is_some());
+        commands += u32::from(commanded.is_some());
         if matches!(companion.stage(), Stage::Ended(_)) {
             echo = pilot(match random.below(2) {
                 0 => Wanted::Link,
@@ -218,7 +218,10 @@ fn mavlink_messages(kind: Kind, inputs: u32) {
                 .for_each(|(h, m)| companion.receive(now, h, m));
         }
     }
-    assert!(understood > 10_000 && flown > 100, "{understood} {flown}");
+    assert!(
+        understood > 10_000 && commands > 100,
+        "{understood} {commands}"
+    );
 }
 
 /// The frame with a random payload, its checksum made anew.

@@ -31,7 +31,7 @@ pub struct Case {
 
 /// A command as an autopilot flies it.
 #[repr(C)]
-pub struct Flown {
+pub struct SetPoint {
     /// The law's own.
     pub command: Command,
     /// Rates about the body axes [rad/s].
@@ -45,7 +45,7 @@ const ROOM: usize = 1472;
 const _: () = assert!(size_of::<Fixture>() <= ROOM && size_of::<Case>() <= ROOM);
 const _: () =
     assert!(size_of::<Result<Command, Fault>>() <= ROOM && size_of::<GuidanceOutput>() <= ROOM);
-const _: () = assert!(size_of::<Result<Flown, Fault>>() <= ROOM);
+const _: () = assert!(size_of::<Result<SetPoint, Fault>>() <= ROOM);
 
 fn fixture() -> Result<Fixture, ParameterError> {
     let (vehicle, parameters) = (VehicleParameters::PAPER, GuidanceParameters::default());
@@ -154,14 +154,14 @@ pub extern "C" fn overhead_step(
     fixture: &Fixture,
     case: &Case,
     _: f32,
-    result: &mut Result<Flown, Fault>,
+    result: &mut Result<SetPoint, Fault>,
 ) -> i32 {
-    *result = flown(fixture, case);
+    *result = command(fixture, case);
     0
 }
 
 #[inline(always)]
-fn flown(fixture: &Fixture, case: &Case) -> Result<Flown, Fault> {
+fn command(fixture: &Fixture, case: &Case) -> Result<SetPoint, Fault> {
     let axes = BodyAxes::NoseForward;
     let state = State {
         orientation: Orientation::from_quaternion(&case.attitude, axes)?,
@@ -173,7 +173,7 @@ fn flown(fixture: &Fixture, case: &Case) -> Result<Flown, Fault> {
     };
     let control = fixture.any.guidance().control();
     let command = control.robust(&state, &reference, None)?;
-    Ok(Flown {
+    Ok(SetPoint {
         command,
         body_rate: axes.components(command.rates),
         set_point: case.attitude.leading(axes, command.rates, 1.0 / 6.5),

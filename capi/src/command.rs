@@ -48,7 +48,7 @@ unsafe impl Layout for Command {}
 impl Initialised<'_> {
     /// The command of a law that was flown on `input`, with `status` and the status bits of what is cut off in it.
     #[inline(always)]
-    pub(crate) fn flown(
+    pub(crate) fn of_law(
         &self,
         input: &Input,
         axes: BodyAxes,

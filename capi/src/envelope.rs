@@ -173,10 +173,10 @@ pub unsafe extern "C" fn alula_equilibria_at(
                 velocity: Inertial::new(v_a.i, v_a.j),
                 acceleration: Inertial::new(vehicle.gravity() - weight, 0.0),
             };
-            let found = Equilibria::find(vehicle, &reference, Inertial::ZERO)
+            let equilibria = Equilibria::find(vehicle, &reference, Inertial::ZERO)
                 .map_err(code::of_equilibrium)?;
             let mut set = EquilibriumSet::EMPTY;
-            for (item, equilibrium) in set.items.iter_mut().zip(found.as_slice()) {
+            for (item, equilibrium) in set.items.iter_mut().zip(equilibria.as_slice()) {
                 *item = EquilibriumAttitude::new(equilibrium, &base, axes);
                 set.count += 1;
             }
@@ -235,11 +235,11 @@ pub unsafe extern "C" fn alula_fold_margin_at(
             let forces = control
                 .forces(&state, &input.reference())
                 .map_err(code::of_fault)?;
-            let found = map.margin(&forces).ok_or(code::ALULA_ERROR_NO_FOLD)?;
+            let margin = map.margin(&forces).ok_or(code::ALULA_ERROR_NO_FOLD)?;
             Ok(FoldMargin {
                 header: FoldMargin::HEADER,
-                alpha: found.alpha,
-                a: found.a,
+                alpha: margin.alpha,
+                a: margin.a,
             })
         })
     }

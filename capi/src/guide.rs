@@ -53,7 +53,7 @@ impl Initialised<'_> {
     ) -> Command {
         if guided.mode == Mode::Flying {
             let status = u32::from(guided.status.bits());
-            let command = self.flown(input, axes, &guided.command, status);
+            let command = self.of_law(input, axes, &guided.command, status);
             self.memory.keep(command.quaternion, axes);
             command
         } else {

@@ -71,7 +71,7 @@ unsafe fn step(
         if !report.is_null() {
             report.write(Report::of_law(&reference, &value));
         }
-        command.write(controller.flown(input, axes, &value, 0));
+        command.write(controller.of_law(input, axes, &value, 0));
         Ok(())
     }
 }

@@ -212,8 +212,8 @@ fn bad_frames_are_bridged_and_then_the_command_is_safe() {
     for _ in 0..20 {
         guide(&mut c, &hover);
     }
-    let (code, flown, _) = guide(&mut c, &hover);
-    assert!(code == ALULA_OK && flown.status == 0 && (flown.thrust - 98.1).abs() < 0.1);
+    let (code, hovering, _) = guide(&mut c, &hover);
+    assert!(code == ALULA_OK && hovering.status == 0 && (hovering.thrust - 98.1).abs() < 0.1);
     for heading in [f32::NAN, f32::INFINITY, 1e6] {
         // No heading is no fault: it is free.
         let (code, free, _) = guide(&mut c, &Input { heading, ..hover });
@@ -245,7 +245,7 @@ fn bad_frames_are_bridged_and_then_the_command_is_safe() {
     assert_eq!((code, command), (ALULA_ERROR_SELECTOR, Command::SAFE));
     let mut wrong = report;
     wrong.header ^= 4;
-    let mut command = flown;
+    let mut command = hovering;
     let code = unsafe { alula_guide(&mut c, &hover, DT, &mut command, &mut wrong) };
     assert_eq!((code, command), (ALULA_ERROR_LAYOUT, Command::SAFE));
     assert_eq!(c.opaque, before);
@@ -278,15 +278,15 @@ fn a_held_command_is_the_last_one_as_a_whole() {
         velocity: [0.3, 0.4, 0.2],
         ..Input::DEFAULT
     };
-    let mut flown = Command::SAFE;
+    let mut last = Command::SAFE;
     for _ in 0..50 {
-        flown = guide(&mut c, &hover).1;
+        last = guide(&mut c, &hover).1;
     }
     assert!(
-        flown.body_rate.iter().all(|rate| rate.abs() > 0.01),
-        "{flown:?}"
+        last.body_rate.iter().all(|rate| rate.abs() > 0.01),
+        "{last:?}"
     );
-    assert_eq!(flown.status & 0x30000, 0);
+    assert_eq!(last.status & 0x30000, 0);
     let nan = f32::NAN;
     let bad = [
         Input {
@@ -313,7 +313,7 @@ fn a_held_command_is_the_last_one_as_a_whole() {
             assert!(code != ALULA_OK);
             let wanted = Command {
                 status: ALULA_STATUS_HOLDING,
-                ..flown
+                ..last
             };
             assert_eq!(held, wanted);
         }
@@ -323,7 +323,7 @@ fn a_held_command_is_the_last_one_as_a_whole() {
             ..input
         };
         let (_, held, _) = guide(&mut held_by, &other);
-        let [w, x, y, z] = flown.quaternion;
+        let [w, x, y, z] = last.quaternion;
         let turned = [
             HALF * (w + y),
             HALF * (x + z),
@@ -337,9 +337,9 @@ fn a_held_command_is_the_last_one_as_a_whole() {
         );
         assert_eq!(
             held.body_rate,
-            [flown.body_rate[2], flown.body_rate[1], -flown.body_rate[0]]
+            [last.body_rate[2], last.body_rate[1], -last.body_rate[0]]
         );
-        assert_eq!(held.thrust, flown.thrust);
+        assert_eq!(held.thrust, last.thrust);
         // A good frame is flown as if there had been no bad one.
         let mut undisturbed = c;
         let (code, next, _) = guide(&mut held_by, &hover);

@@ -47,7 +47,7 @@ struct Configured {
     controller: Controller,
     pacing: Pacing,
     /// It has had an input.
-    flown: bool,
+    stepped: bool,
 }
 
 impl Flight {
@@ -68,7 +68,7 @@ impl Flight {
                         self.configured = Some(Configured {
                             controller,
                             pacing: configuration.pacing,
-                            flown: false,
+                            stepped: false,
                         });
                         FromTarget::Configured
                     }
@@ -128,7 +128,7 @@ impl Flight {
         match &self.configured {
             None => Phase::NotConfigured,
             Some(_) if self.fresh => Phase::Flying,
-            Some(configured) if configured.flown => Phase::LinkLost,
+            Some(configured) if configured.stepped => Phase::LinkLost,
             Some(_) => Phase::Waiting,
         }
     }
@@ -176,7 +176,7 @@ impl Flight {
         let configured = self.configured.as_mut()?;
         let answer = configured.controller.step(&input.message);
         if let Some((command, refusal)) = answer.in_force(configured.controller.safe()) {
-            configured.flown = true;
+            configured.stepped = true;
             (self.fresh, self.silence) = (true, 0);
             (self.command, self.refusal) = (command, refusal);
         }
@@ -520,18 +520,18 @@ mod tests {
                     _ => None,
                 }
             };
-            let mut flown = Vec::new();
+            let mut answers = Vec::new();
             for _ in 0..2 {
                 assert_eq!(fly(configure), None);
                 let mut host = Controller::new(&guidance(pacing)).unwrap();
                 for n in 0..20 {
                     let answer = fly(ToTarget::Input(guidance_input(n))).unwrap();
                     assert_eq!(answer, host.step(&guidance_input(n)));
-                    flown.push(answer);
+                    answers.push(answer);
                 }
             }
             // It needs some frames to leave the safe command, and does so twice.
-            let mode = |n: usize| match &flown[n] {
+            let mode = |n: usize| match &answers[n] {
                 Answer::Guidance(guided) => guided.mode,
                 other => panic!("{other:?}"),
             };
@@ -540,7 +540,7 @@ mod tests {
                 assert_eq!(mode(start + 19), Mode::Flying);
             }
             let last = guidance_input(19);
-            let (command, _) = flown[39].in_force(InForce::default()).unwrap();
+            let (command, _) = answers[39].in_force(InForce::default()).unwrap();
             assert_eq!(flight.command(), command);
             assert!(command.thrust > 50.0, "{last:?}");
         }

@@ -49,12 +49,12 @@ pub fn experiment(data: &[u8]) -> u64 {
     };
     let mut steps = 0;
     let mut controller = experiment.controller().expect("checked");
-    let flown = simulate(&experiment, controller.as_mut(), |step| {
+    let outcome = simulate(&experiment, controller.as_mut(), |step| {
         steps += 1;
         finite(step);
         steps < 3
     });
-    assert!(flown.is_ok());
+    assert!(outcome.is_ok());
     1 + steps
 }
 

@@ -90,17 +90,20 @@ fn equilibria_are_those_of_the_envelope() {
     let folder = tempfile::tempdir().unwrap();
     let arguments = ["equilibria", "paper", "--velocity", "0,14.6", "--json"];
     let set = json(folder.path(), &arguments);
-    let found = set["equilibria"].as_array().unwrap();
-    let branches: Vec<_> = found
+    let equilibria = set["equilibria"].as_array().unwrap();
+    let branches: Vec<_> = equilibria
         .iter()
         .map(|e| e["branch"].as_str().unwrap())
         .collect();
     assert_eq!(branches, ["pi", "0", "pi", "0"]);
-    assert!(found.iter().all(|e| e["isolated"] == true));
-    let plus: Vec<_> = found.iter().map(|e| e["in_theta_plus"] == true).collect();
+    assert!(equilibria.iter().all(|e| e["isolated"] == true));
+    let plus: Vec<_> = equilibria
+        .iter()
+        .map(|e| e["in_theta_plus"] == true)
+        .collect();
     assert_eq!(plus, [false, true, true, true]);
     // 11.155° − 8.61°.
-    near(&found[1]["fold_alpha_deg"], 2.54, 0.1);
+    near(&equilibria[1]["fold_alpha_deg"], 2.54, 0.1);
     let met: Vec<_> = set["existence"]
         .as_array()
         .unwrap()
@@ -137,11 +140,11 @@ fn equilibria_are_those_of_the_envelope() {
 #[test]
 fn sweep_finds_the_jump_of_the_papers_flight() {
     let folder = tempfile::tempdir().unwrap();
-    let found = json(folder.path(), &["sweep", "hover-to-cruise", "--json"]);
-    assert_eq!(found["admissible"], false);
-    assert_eq!(found["min_fp_n"], 80.0);
-    near(&found["jumps"][0]["t_s"], 7.38, 0.02);
-    assert_eq!(found["low_fp"].as_array().unwrap().len(), 1);
+    let sweep = json(folder.path(), &["sweep", "hover-to-cruise", "--json"]);
+    assert_eq!(sweep["admissible"], false);
+    assert_eq!(sweep["min_fp_n"], 80.0);
+    near(&sweep["jumps"][0]["t_s"], 7.38, 0.02);
+    assert_eq!(sweep["low_fp"].as_array().unwrap().len(), 1);
     assert_pictures(
         &folder.path().join("out/sweep-hover-to-cruise"),
         "sweep",
@@ -190,11 +193,11 @@ fn a_table_flies() {
     fs::write(folder.path().join("table.toml"), table).unwrap();
     let alone = "base = 'paper'\n[vehicle.aerodynamics.table]\npolar = 'naca-0021-re-160e3'\n";
     fs::write(folder.path().join("table-alone.toml"), alone).unwrap();
-    let flown = json(folder.path(), &["fly", "table.toml", "--json"]);
+    let figures = json(folder.path(), &["fly", "table.toml", "--json"]);
     // The belief is the truth, to single precision: the error left decays.
-    near(&flown["final_velocity_error_m_s"], 0.0, 1e-3);
+    near(&figures["final_velocity_error_m_s"], 0.0, 1e-3);
     // c_L cos α + c_D sin α = m g/(k_a v²) at 20 m/s and 4°, near enough the lift: c_L = 0.38, by its row.
-    near(&flown["final_alpha_deg"], 4.0, 0.05);
+    near(&figures["final_alpha_deg"], 4.0, 0.05);
 }
 
 /// `margins` counts the experiment's own lags and says so; `--bare` leaves them out. It takes every file that describes a vehicle.

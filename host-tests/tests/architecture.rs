@@ -50,13 +50,13 @@ fn rooms(folder: &str) -> Vec<String> {
 }
 
 /// Every Rust file of a room.
-fn files(path: &Path, found: &mut Vec<PathBuf>) {
+fn files(path: &Path, files_found: &mut Vec<PathBuf>) {
     if path.is_dir() {
         for entry in fs::read_dir(path).unwrap() {
-            files(&entry.unwrap().path(), found);
+            files(&entry.unwrap().path(), files_found);
         }
     } else if path.extension().is_some_and(|e| e == "rs") {
-        found.push(path.to_owned());
+        files_found.push(path.to_owned());
     }
 }
 

@@ -228,7 +228,7 @@ fn a_restarted_autopilot_finds_the_vehicle_on_the_ground_and_time_at_its_beginni
         first.get_or_insert(state.velocity_wind);
         state
     });
-    let flown = vehicle.record().len();
+    let steps = vehicle.record().len();
     let mut client = Client::default();
     let packet = client.packet(500, &[1500, 1500, 1000, 1000]);
     // It might be late. An autopilot waits for its answer and sends it again.
@@ -241,7 +241,7 @@ fn a_restarted_autopilot_finds_the_vehicle_on_the_ground_and_time_at_its_beginni
     assert!(first.flatten().is_some_and(|wind| wind != [0.0; 3]));
     assert_eq!(Some(state.velocity_wind), first);
     // The record is that of the last flight until there is another one.
-    assert_eq!(vehicle.record().len(), flown);
+    assert_eq!(vehicle.record().len(), steps);
 }
 
 /// Full throttle for a second, then none: it rises, falls, and stands again, upright, on the ground.

@@ -165,8 +165,8 @@ fn no_dispersed_flight_departs() {
     assert_eq!(summary.limits.iter().filter(|l| l.departure).count(), 2);
     // They are no copies of one another.
     let spread = |name: &str| {
-        let found = summary.figures.iter().find(|f| f.figure == name).unwrap();
-        found.percentiles[6] - found.percentiles[2]
+        let figure = summary.figures.iter().find(|f| f.figure == name).unwrap();
+        figure.percentiles[6] - figure.percentiles[2]
     };
     assert!(spread("altitude_most_m") > 0.5 && spread("max_velocity_error_m_s") > 0.5);
 }
@@ -207,8 +207,8 @@ fn the_papers_gains_do_not_pass() {
     let folder = tempfile::tempdir().unwrap();
     let summary = summary_of(&source, folder.path(), 2);
     assert!(!summary.verdict());
-    let found = |figure: &str| summary.figures.iter().find(|f| f.figure == figure);
-    assert!(found("max_velocity_error_m_s").unwrap().percentiles[4] > 5.0);
+    let figure_of = |figure: &str| summary.figures.iter().find(|f| f.figure == figure);
+    assert!(figure_of("max_velocity_error_m_s").unwrap().percentiles[4] > 5.0);
 }
 
 /// 250 of the 20,000 flights with a fault.

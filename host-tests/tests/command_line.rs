@@ -150,10 +150,10 @@ fn replaying_a_flown_trace_gives_the_same_commands_to_the_bit() {
         let replayed = text(&output.stdout);
         assert_eq!(replayed.lines().next(), Some(&**header));
         let names: Vec<_> = header.split(',').collect();
-        let flown = fs::read_to_string(folder.path().join(trace)).unwrap();
-        let (flown, replayed) = (columns(&flown, &names), columns(&replayed, &names));
-        assert!(flown.len() > least);
-        let differs = flown.iter().zip(&replayed).find(|(a, b)| a != b);
+        let text = fs::read_to_string(folder.path().join(trace)).unwrap();
+        let (logged, replayed) = (columns(&text, &names), columns(&replayed, &names));
+        assert!(logged.len() > least);
+        let differs = logged.iter().zip(&replayed).find(|(a, b)| a != b);
         assert!(differs.is_none(), "{name}: {differs:?}");
     }
 }

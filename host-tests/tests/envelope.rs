@@ -24,12 +24,12 @@ fn folds(aerodynamics: Aerodynamics, epsilon_deg: f64) -> Vec<(f64, f64)> {
 }
 
 /// Equal to the digits given.
-fn assert_folds(found: &[(f64, f64)], expected: &[(f64, f64)], alpha: f64, a: f64) {
-    assert_eq!(found.len(), expected.len(), "{found:?}");
-    for (f, e) in found.iter().zip(expected) {
+fn assert_folds(folds: &[(f64, f64)], expected: &[(f64, f64)], alpha: f64, a: f64) {
+    assert_eq!(folds.len(), expected.len(), "{folds:?}");
+    for (f, e) in folds.iter().zip(expected) {
         assert!(
             (f.0 - e.0).abs() < alpha && (f.1 - e.1).abs() < a,
-            "{found:?}"
+            "{folds:?}"
         );
     }
 }
@@ -77,15 +77,15 @@ fn counts(curve: &Curve) -> Vec<usize> {
 fn the_table_folds_near_what_the_paper_reports() {
     let vehicle = vehicle(table("naca-0021-re-160e3"));
     let curve = Curve::new(&vehicle, 0.0).unwrap();
-    let found = curve.folds();
-    let a: Vec<f64> = found.iter().map(|fold| fold.a).collect();
+    let folds = curve.folds();
+    let a: Vec<f64> = folds.iter().map(|fold| fold.a).collect();
     for (a, expected) in a.iter().zip([1.334, 1.348, 1.342, 1.456]) {
-        assert!((a - expected).abs() < 0.005, "{found:?}");
+        assert!((a - expected).abs() < 0.005, "{folds:?}");
     }
     assert_eq!(counts(&curve), [1, 3, 5, 3, 1]);
-    let up = jump_up(&curve, &found).unwrap();
-    let down = jump_down(&curve, &found).unwrap();
-    println!("{found:?}\n{up:?}\n{down:?}");
+    let up = jump_up(&curve, &folds).unwrap();
+    let down = jump_down(&curve, &folds).unwrap();
+    println!("{folds:?}\n{up:?}\n{down:?}");
     for (angle, expected) in [
         (up.from_alpha, 18.6),
         (up.to_alpha, 8.2),
@@ -151,11 +151,11 @@ fn the_outer_fold_and_the_jump_do_not_depend_on_the_interpolant() {
         panic!("{turns:?}")
     };
     let crossing = |level: f64| {
-        let mut found = scan
+        let mut crossings = scan
             .windows(2)
             .filter(|w| (w[0].1 - level) * (w[1].1 - level) < 0.0)
             .map(|w| w[0].0);
-        found.next().unwrap()
+        crossings.next().unwrap()
     };
     let vehicle = vehicle(table("naca-0021-re-160e3"));
     let curve = Curve::new(&vehicle, 0.0).unwrap();

@@ -228,7 +228,7 @@ fn check(scan: &Scan, core: Model, rng: &mut ChaCha8Rng, tally: &mut Tally) {
     };
     let wind = disc(rng, 0.3 * fast);
     let vehicle = Vehicle::new(p, core).unwrap();
-    let found = Equilibria::find(&vehicle, &reference, wind).unwrap();
+    let equilibria = Equilibria::find(&vehicle, &reference, wind).unwrap();
     let balance = Balance::new(&p, &reference, wind);
     let zeros = balance.zeros(scan);
 
@@ -240,7 +240,11 @@ fn check(scan: &Scan, core: Model, rng: &mut ChaCha8Rng, tally: &mut Tally) {
         let slope = balance.slope(&scan.model, alpha).abs();
         2e-6 + NOISE * balance.scale(&scan.model, alpha) / slope
     };
-    let mut free: Vec<f64> = found.as_slice().iter().map(|e| e.alpha.into()).collect();
+    let mut free: Vec<f64> = equilibria
+        .as_slice()
+        .iter()
+        .map(|e| e.alpha.into())
+        .collect();
     let mut missed = Vec::new();
     for &zero in &zeros {
         let near = |a: &f64| apart(*a, zero);
@@ -264,7 +268,7 @@ fn check(scan: &Scan, core: Model, rng: &mut ChaCha8Rng, tally: &mut Tally) {
         let at = format!("{p:?} {reference:?} {wind:?}");
         assert!(
             width < PAIR,
-            "{:.4}° of {zeros:?} {found:?} {:.4}° {at}",
+            "{:.4}° of {zeros:?} {equilibria:?} {:.4}° {at}",
             a.to_degrees(),
             width.to_degrees()
         );
@@ -272,7 +276,11 @@ fn check(scan: &Scan, core: Model, rng: &mut ChaCha8Rng, tally: &mut Tally) {
     for &zero in &missed {
         pair(zero, &zeros);
     }
-    let all: Vec<f64> = found.as_slice().iter().map(|e| e.alpha.into()).collect();
+    let all: Vec<f64> = equilibria
+        .as_slice()
+        .iter()
+        .map(|e| e.alpha.into())
+        .collect();
     for &extra in &free {
         pair(extra, &all);
     }
@@ -331,8 +339,8 @@ fn only_pairs_closer_than_stated_are_missed_at_a_fold() {
                     // Of the reference as rounded.
                     let balance = Balance::new(&p, &reference, Inertial::ZERO);
                     let width = pair_at(&balance, &aerodynamics, fold.alpha);
-                    let found = Equilibria::find(&core, &reference, Inertial::ZERO).unwrap();
-                    let near: Vec<f64> = found
+                    let equilibria = Equilibria::find(&core, &reference, Inertial::ZERO).unwrap();
+                    let near: Vec<f64> = equilibria
                         .as_slice()
                         .iter()
                         .map(|e| f64::from(e.alpha))

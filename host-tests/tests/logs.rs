@@ -54,15 +54,15 @@ fn a_flights_own_logs_replay_to_the_commands_flown_in_wind() {
         "flown",
     ];
     succeeds(path, &[&fly[..], &set].concat());
-    let flown = fs::read_to_string(path.join("flown/trace.csv")).unwrap();
+    let trace = fs::read_to_string(path.join("flown/trace.csv")).unwrap();
     for log in ["flight.ulg", "flight.mcap", "flight.csv", "trace.csv"] {
         let log = format!("flown/{log}");
         let arguments = ["replay", &log, "--experiment", "round-trip"];
         let replayed = succeeds(path, &arguments);
         for of in ["thrust_n", "command_wing_rad_s"] {
-            let (flown, replayed) = (column(&flown, of), column(&replayed, of));
-            assert_eq!(flown.len(), replayed.len());
-            let differs = flown.iter().zip(&replayed).map(|(a, b)| (a - b).abs());
+            let (logged, replayed) = (column(&trace, of), column(&replayed, of));
+            assert_eq!(logged.len(), replayed.len());
+            let differs = logged.iter().zip(&replayed).map(|(a, b)| (a - b).abs());
             let worst = differs.fold(0.0, f64::max);
             println!("{log} {of}: {worst}");
             // Roundings of attitudes and positions, over 60 s of the memory of the guidance: 1e-5 of 200 N and of 3 rad/s. Found: none.
@@ -93,11 +93,11 @@ fn a_flights_own_ulog_replays_to_the_commands_flown() {
         );
         let arguments = ["replay", "flown/flight.ulg", "--experiment", name];
         let replayed = succeeds(path, &arguments);
-        let flown = fs::read_to_string(path.join("flown/trace.csv")).unwrap();
+        let trace = fs::read_to_string(path.join("flown/trace.csv")).unwrap();
         for of in ["thrust_n", "command_wing_rad_s"] {
-            let (flown, replayed) = (column(&flown, of), column(&replayed, of));
-            assert_eq!(flown.len(), replayed.len());
-            let differs = flown.iter().zip(&replayed).map(|(a, b)| (a - b).abs());
+            let (logged, replayed) = (column(&trace, of), column(&replayed, of));
+            assert_eq!(logged.len(), replayed.len());
+            let differs = logged.iter().zip(&replayed).map(|(a, b)| (a - b).abs());
             let worst = differs.fold(0.0, f64::max);
             assert!(worst < tolerance, "{name} {of}: {worst}");
         }

@@ -222,8 +222,8 @@ fn a_first_flight_that_fails_is_told() {
             && page.contains("MORE than the 110 %")
     );
     // So does the page of that flight.
-    let flown = fs::read_to_string(folder.path().join("short/first-flight/report.html")).unwrap();
-    assert!(flown.contains("THE FIRST FLIGHT FAILS"));
+    let page = fs::read_to_string(folder.path().join("short/first-flight/report.html")).unwrap();
+    assert!(page.contains("THE FIRST FLIGHT FAILS"));
     // Nor do flights like it pass its campaign.
     let campaign = alula(
         folder.path(),

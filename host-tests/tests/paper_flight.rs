@@ -126,7 +126,7 @@ fn double_precision_gives_the_same_figures() {
 fn the_apparent_force_vanishes_at_the_folds_of_the_belief() {
     let experiment = experiment(DEFAULT, &[]);
     let rows = fly(&experiment).unwrap();
-    let law = |step: &Step| *step.answer.flown().unwrap();
+    let law = |step: &Step| *step.answer.diagnostics_flying().unwrap();
     let norm = |step: &Step| law(step).f_p_norm;
     let dips: Vec<_> = rows
         .windows(3)
@@ -197,7 +197,7 @@ fn the_default_experiment_is_the_papers() {
 /// Every built-in flight ends close to its reference, with no fault and no sustained oscillation.
 #[test]
 fn every_flight_of_a_bare_law_settles() {
-    let mut flown = 0;
+    let mut flights = 0;
     for (name, _) in BUILT_IN {
         if Document::load(name).unwrap().controller() != "law" {
             continue;
@@ -219,9 +219,9 @@ fn every_flight_of_a_bare_law_settles() {
             fastest < 0.2,
             "{name}: {fastest} rad/s in the last half second"
         );
-        flown += 1;
+        flights += 1;
     }
-    assert_eq!(flown, 5);
+    assert_eq!(flights, 5);
 }
 
 /// A controller whose attitude fails for one step.

@@ -217,8 +217,8 @@ fn whole_flights_in_space_are_the_same_bits() {
 #[test]
 #[ignore = "needs QEMU: cargo pil-check"]
 fn one_unit_in_the_last_place_is_found_in_space() {
-    let found = same_bits_in_space(Build::Perturbed, "circle-40", 3.0, Pacing::Lockstep);
-    let error = found.unwrap_err().to_string();
+    let outcome = same_bits_in_space(Build::Perturbed, "circle-40", 3.0, Pacing::Lockstep);
+    let error = outcome.unwrap_err().to_string();
     assert!(error.starts_with("step "), "{error}");
 }
 
@@ -239,8 +239,8 @@ fn the_timer_releases_the_same_bits() {
 #[ignore = "needs QEMU: cargo pil-check"]
 fn one_unit_in_the_last_place_of_one_coefficient_is_found() {
     for (name, experiment, configuration) in core_experiments(Pacing::Lockstep) {
-        let found = same_bits(Build::Perturbed, &experiment, &configuration);
-        let error = found.expect_err(name).to_string();
+        let outcome = same_bits(Build::Perturbed, &experiment, &configuration);
+        let error = outcome.expect_err(name).to_string();
         assert!(error.starts_with("step "), "{name}: {error}");
         println!("{name}: {}", error.split(':').next().unwrap_or_default());
     }
@@ -427,12 +427,12 @@ fn a_hundred_thousand_damaged_frames_do_nothing_and_are_counted() {
             target.send(&bytes).unwrap();
             (sent, damaged) = (sent + bytes.len(), damaged + 1);
         }
-        let flown = send(
+        let sent = send(
             &mut target,
             &mut mangler,
             ToTarget::Input(link_input(false, &input(damaged), 0.0)),
         );
-        inputs.insert(place(&flown), damaged);
+        inputs.insert(place(&sent), damaged);
         // Left over from an earlier session, and newer than all of this one by its number alone.
         let mut stale = target.envelope(ToTarget::StatusRequest);
         stale.session -= 1;

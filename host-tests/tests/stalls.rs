@@ -403,11 +403,11 @@ fn judged(kind: Kind, seed: u64) -> String {
         let seam = wing.seam.unwrap();
         // The greatest lift is where it was; a whole wing is one already.
         let rows = wing.degrees();
-        let found = rows
+        let lift = rows
             .iter()
             .find(|row| wing.stall_deg() == Some(row[0]))
             .map(|row| row[1]);
-        assert_eq!(found, Some(made.rows[at][1]), "{what}");
+        assert_eq!(lift, Some(made.rows[at][1]), "{what}");
         if let Upto::Section([_, last]) = seam.upto {
             // The section's rows are used as long as lift is held, and no longer.
             let used = |row: &&[f64; 3]| (made.rows[at][0]..=last).contains(&row[0]);

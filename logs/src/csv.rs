@@ -225,16 +225,19 @@ mod tests {
             ),
         ];
         // A quoted cell may hold lines; the refusal is of one.
-        let found = refusal("t,\"x\ny\"\n0,\"1\n2\"\n");
-        assert_eq!(found, r"f.csv: line 3, column `x\ny`: `1\n2` is no number");
+        let message = refusal("t,\"x\ny\"\n0,\"1\n2\"\n");
+        assert_eq!(
+            message,
+            r"f.csv: line 3, column `x\ny`: `1\n2` is no number"
+        );
         for (text, expected) in cases {
-            let found = refusal(text);
-            assert!(found.starts_with(expected), "{found}\nfor {text:?}");
+            let message = refusal(text);
+            assert!(message.starts_with(expected), "{message}\nfor {text:?}");
         }
-        let found = read("f.csv", b"t,x\n0,\xff\n", None)
+        let message = read("f.csv", b"t,x\n0,\xff\n", None)
             .unwrap_err()
             .to_string();
-        assert_eq!(found, "f.csv: line 2: not UTF-8 text");
+        assert_eq!(message, "f.csv: line 2: not UTF-8 text");
     }
 
     #[test]

@@ -112,7 +112,7 @@ mod tests {
         let names = ["x", "q[0]", "q[1]", "y[1]", "esc[0].rpm", "z[0]", "z[2]"];
         let columns = names.iter().map(|n| Column::new(n, "", vec![])).collect();
         let topic = Topic::new("t", 0, vec![], columns).unwrap();
-        let found: Vec<(String, usize, bool)> = fields(&topic)
+        let named: Vec<(String, usize, bool)> = fields(&topic)
             .into_iter()
             .map(|f| (f.name, f.columns.len(), f.array))
             .collect();
@@ -125,7 +125,7 @@ mod tests {
             ("z_2_", 1, false),
         ];
         assert_eq!(
-            found,
+            named,
             expected.map(|(name, n, array)| (name.to_owned(), n, array))
         );
     }

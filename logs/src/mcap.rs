@@ -154,7 +154,7 @@ mod tests {
             .unwrap()
             .collect::<Result<_, _>>()
             .unwrap();
-        let found: Vec<(String, u64, Value)> = messages
+        let read: Vec<(String, u64, Value)> = messages
             .iter()
             .map(|m| {
                 (
@@ -187,7 +187,7 @@ mod tests {
             ),
         ];
         let expected = expected.map(|(name, time, value)| (name.to_owned(), time, value));
-        assert_eq!(found, expected);
+        assert_eq!(read, expected);
         let channel = &messages[0].channel;
         assert_eq!(channel.metadata["x"], "m/s");
         let schema: Value = serde_json::from_slice(&channel.schema.as_ref().unwrap().data).unwrap();

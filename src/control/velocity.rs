@@ -573,7 +573,7 @@ mod tests {
     fn no_input_makes_a_command_that_is_not_a_number() {
         let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(1);
         let control = control();
-        let (mut flown, mut refused) = (0, 0);
+        let (mut commands, mut refused) = (0, 0);
         for round in 0..400_000 {
             let theta = rng.random_range(-3.2..3.2f32);
             let mut x: [f32; 14] = core::array::from_fn(|_| rng.random_range(-30.0..30.0));
@@ -598,12 +598,15 @@ mod tests {
                             d.alpha.abs() <= core::f32::consts::PI && !d.theta_tilde().is_nan()
                         );
                         assert!((0.0..=1.000_001).contains(&d.guard_alignment));
-                        flown += 1;
+                        commands += 1;
                     }
                     Err(_) => refused += 1,
                 }
             }
         }
-        assert!(flown > 400_000 && refused > 50_000, "{flown} {refused}");
+        assert!(
+            commands > 400_000 && refused > 50_000,
+            "{commands} {refused}"
+        );
     }
 }

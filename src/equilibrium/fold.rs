@@ -160,7 +160,7 @@ mod tests {
             .collect()
     }
 
-    fn check<A: Aerodynamics>(vehicle: &Vehicle<A>, worst: &mut (f32, f32), found: &mut usize) {
+    fn check<A: Aerodynamics>(vehicle: &Vehicle<A>, worst: &mut (f32, f32), states: &mut usize) {
         let map = FoldMap::new(vehicle);
         for (path, forward) in [
             (0.0, 0.0),
@@ -190,7 +190,7 @@ mod tests {
                     .min_by(|x, y| difference(x.0).abs().total_cmp(&difference(y.0).abs()));
                 match (margin, nearest) {
                     (Some(margin), Some((f, a_f))) => {
-                        *found += 1;
+                        *states += 1;
                         let e = (margin.alpha.abs() - difference(*f).abs()).abs();
                         *worst = (
                             worst.0.max(e.to_degrees()),
@@ -213,24 +213,24 @@ mod tests {
     /// interpolation between nodes.
     #[test]
     fn the_margin_is_the_distance_to_the_nearest_fold() {
-        let (mut worst, mut found) = ((0.0, 0.0), 0);
+        let (mut worst, mut states) = ((0.0, 0.0), 0);
         for delta in [0.0, 0.2, -0.4] {
-            check(&vehicle(delta, combined()), &mut worst, &mut found);
+            check(&vehicle(delta, combined()), &mut worst, &mut states);
         }
-        std::println!("combined: {worst:?} of {found}");
-        assert!(found > 100 && worst.0 < 0.2 && worst.1 < 0.01);
+        std::println!("combined: {worst:?} of {states}");
+        assert!(states > 100 && worst.0 < 0.2 && worst.1 < 0.01);
     }
 
     #[test]
     fn on_the_table_too() {
-        let (mut worst, mut found) = ((0.0, 0.0), 0);
+        let (mut worst, mut states) = ((0.0, 0.0), 0);
         check(
             &vehicle(0.0, Table::new(&NACA_0021_RE_160E3)),
             &mut worst,
-            &mut found,
+            &mut states,
         );
-        std::println!("table: {worst:?} of {found}");
-        assert!(found > 100 && worst.0 < 0.6 && worst.1 < 0.02);
+        std::println!("table: {worst:?} of {states}");
+        assert!(states > 100 && worst.0 < 0.6 && worst.1 < 0.02);
     }
 
     #[test]

@@ -182,7 +182,7 @@ fn brackets<A: Aerodynamics>(
     balance: &Balance<A>,
 ) -> Result<heapless::Vec<Bracket, CAPACITY>, EquilibriumError> {
     const TURN: f32 = 2.0 * math::PI;
-    let mut found = heapless::Vec::new();
+    let mut brackets = heapless::Vec::new();
     let (mut overflow, mut everywhere, mut digs) = (false, true, 0);
     let start = balance.at(grid::NODES[0]);
     let (mut alpha, mut here) = (grid::NODES[0].rad, start);
@@ -195,7 +195,7 @@ fn brackets<A: Aerodynamics>(
         everywhere &= here.force.abs() <= ROUNDING * here.scale;
         let rising = here.force < 0.0;
         let mut keep = |from, to, rising| {
-            overflow |= found.push(Bracket { from, to, rising }).is_err();
+            overflow |= brackets.push(Bracket { from, to, rising }).is_err();
         };
         if rising != (next.force < 0.0) {
             keep(alpha, next_alpha, rising);
@@ -217,7 +217,7 @@ fn brackets<A: Aerodynamics>(
     } else if overflow {
         Err(EquilibriumError::Overflow)
     } else {
-        Ok(found)
+        Ok(brackets)
     }
 }
 

@@ -321,9 +321,9 @@ mod tests {
                             velocity,
                             acceleration: Inertial::new(rounded[0], rounded[1]),
                         };
-                        let found = sphere.equilibrium(&reference, Inertial::ZERO);
+                        let equilibrium = sphere.equilibrium(&reference, Inertial::ZERO);
                         assert_eq!(
-                            found.is_some(),
+                            equilibrium.is_some(),
                             left > 1e-6,
                             "{c0} {c1} {mass} {speed} {n} {left}"
                         );

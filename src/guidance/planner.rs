@@ -608,7 +608,7 @@ mod tests {
     }
 
     /// A virtual flight on its own: what it did at worst.
-    struct Flown {
+    struct FlightSummary {
         end: PlanarModelState,
         low: f32,
         high: f32,
@@ -621,7 +621,7 @@ mod tests {
         initial: PlanarModelState,
         reference: impl Fn(f32) -> Reference,
         seconds: f32,
-    ) -> Flown {
+    ) -> FlightSummary {
         fly_on_wing(vehicle, initial, reference, seconds, 0.0)
     }
 
@@ -632,10 +632,10 @@ mod tests {
         reference: impl Fn(f32) -> Reference,
         seconds: f32,
         lift: f32,
-    ) -> Flown {
+    ) -> FlightSummary {
         let planner = planner();
         let (mut state, mut flight) = (PlannerState::default(), initial);
-        let mut flown = Flown {
+        let mut summary = FlightSummary {
             end: initial,
             low: 0.0,
             high: 0.0,
@@ -662,14 +662,14 @@ mod tests {
                 f32::INFINITY,
                 DT,
             );
-            flown.low = f32::max(flown.low, flight.position.down());
-            flown.high = f32::max(flown.high, -flight.position.down());
-            flown.farthest = f32::max(flown.farthest, flight.position.forward());
-            flown.turns += usize::from(turning == 0 && state.plan.turn == 1);
+            summary.low = f32::max(summary.low, flight.position.down());
+            summary.high = f32::max(summary.high, -flight.position.down());
+            summary.farthest = f32::max(summary.farthest, flight.position.forward());
+            summary.turns += usize::from(turning == 0 && state.plan.turn == 1);
             assert!(state.is_sound());
         }
-        flown.end = flight;
-        flown
+        summary.end = flight;
+        summary
     }
 
     fn hover(_: f32) -> Reference {
@@ -689,13 +689,13 @@ mod tests {
     #[test]
     fn to_stop_at_once_stall_is_crossed() {
         for (excess, farthest, altitude) in [(2.0, 30.0, 1.5), (1.15, 33.0, 3.0)] {
-            let flown = fly(&vehicle(excess), cruise(), hover, 25.0);
-            assert!(flown.turns > 0);
-            assert!(flown.farthest < farthest, "{}", flown.farthest);
-            assert!(flown.low < altitude && flown.high < altitude);
+            let flight = fly(&vehicle(excess), cruise(), hover, 25.0);
+            assert!(flight.turns > 0);
+            assert!(flight.farthest < farthest, "{}", flight.farthest);
+            assert!(flight.low < altitude && flight.high < altitude);
             let PlanarModelState {
                 velocity, position, ..
-            } = flown.end;
+            } = flight.end;
             assert!(velocity.norm() < 0.05 && position.norm() < 0.2);
         }
     }
@@ -706,10 +706,10 @@ mod tests {
             velocity: Inertial::new(0.0, 20.0),
             acceleration: Inertial::ZERO,
         };
-        let flown = fly(&vehicle(2.0), cruise(), level, 10.0);
-        assert_eq!(flown.turns, 0);
+        let flight = fly(&vehicle(2.0), cruise(), level, 10.0);
+        assert_eq!(flight.turns, 0);
         // 0.1 m: the start is not quite the trim.
-        assert!(flown.low < 0.1 && flown.high < 0.1);
+        assert!(flight.low < 0.1 && flight.high < 0.1);
         assert_eq!(
             fly(&vehicle(2.0), PlanarModelState::default(), hover, 10.0).turns,
             0
@@ -725,9 +725,9 @@ mod tests {
                 theta: 3.1,
                 ..PlanarModelState::default()
             };
-            let flown = fly(&vehicle(2.0), initial, hover, 25.0);
-            assert!(flown.low < height, "{}", flown.low);
-            assert!(flown.end.velocity.norm() < 0.05 && wrap(flown.end.theta).abs() < 0.05);
+            let flight = fly(&vehicle(2.0), initial, hover, 25.0);
+            assert!(flight.low < height, "{}", flight.low);
+            assert!(flight.end.velocity.norm() < 0.05 && wrap(flight.end.theta).abs() < 0.05);
         }
     }
 
@@ -742,8 +742,8 @@ mod tests {
                 Inertial::ZERO
             },
         };
-        let flown = fly(&vehicle(2.0), PlanarModelState::default(), steep, 40.0);
-        assert!(flown.low < 3.0 && flown.end.velocity.norm() < 35.0);
+        let flight = fly(&vehicle(2.0), PlanarModelState::default(), steep, 40.0);
+        assert!(flight.low < 3.0 && flight.end.velocity.norm() < 35.0);
     }
 
     #[test]
@@ -869,7 +869,7 @@ mod tests {
         };
         // Thrust costs nothing: it stays where it is, and follows.
         let stays = fly_on_wing(&vehicle, stalled, |_| level, 4.0, 0.0);
-        let alpha = |flown: &Flown| flown.end.theta.to_degrees() + 90.0;
+        let alpha = |flight: &FlightSummary| flight.end.theta.to_degrees() + 90.0;
         assert!(alpha(&stays) > 12.0 && stays.end.thrust > 0.4 * weight);
         let crosses = fly_on_wing(&vehicle, stalled, |_| level, 4.0, 0.81);
         // A drag coefficient of 0.014 over a lift coefficient of 0.42.

@@ -319,7 +319,7 @@ mod tests {
     /// A band that is none is the parameter's, and so is one that equals it: to the bit.
     #[test]
     fn a_band_that_is_none_is_the_parameters() {
-        let flown = |altitude_band: f32, nose_below_vertical: bool| {
+        let output = |altitude_band: f32, nose_below_vertical: bool| {
             let planner_options = PlannerOptions {
                 altitude_band,
                 nose_below_vertical,
@@ -332,12 +332,12 @@ mod tests {
             };
             stop(how, 0).commands
         };
-        let usual = flown(0.0, false);
+        let usual = output(0.0, false);
         let parameter = GuidanceParameters::default().altitude_band;
         for none in [parameter, -0.0, -1.0, 9e-4, 1.1e3, f32::NAN, f32::INFINITY] {
-            assert_eq!(flown(none, false), usual, "{none}");
+            assert_eq!(output(none, false), usual, "{none}");
         }
-        assert_ne!(flown(0.01, false), usual);
-        assert_ne!(flown(0.0, true), usual);
+        assert_ne!(output(0.01, false), usual);
+        assert_ne!(output(0.0, true), usual);
     }
 }

@@ -788,7 +788,7 @@ mod tests {
     /// `STIFF` does that stay a stop. Where nothing is stiff it changes nothing.
     #[test]
     fn predictions_of_a_light_wing_stay_bounded() {
-        let flown = |vehicle: &Vehicle<Combined>, stiff: bool| {
+        let end_of = |vehicle: &Vehicle<Combined>, stiff: bool| {
             let model = ReferenceModel::new(&GuidanceParameters::default(), vehicle);
             let mut flight = PlanarModelState {
                 velocity: Inertial::new(1.0, 20.0),
@@ -832,9 +832,9 @@ mod tests {
             ..VehicleParameters::PAPER
         };
         let light = Vehicle::new(light, *vehicle().model()).unwrap();
-        let (explicit, implicit) = (flown(&light, false).1, flown(&light, true).1);
+        let (explicit, implicit) = (end_of(&light, false).1, end_of(&light, true).1);
         assert!(implicit < 1.5 && explicit > 4.0, "{implicit} {explicit}");
-        assert_eq!(flown(&vehicle(), true), flown(&vehicle(), false));
+        assert_eq!(end_of(&vehicle(), true), end_of(&vehicle(), false));
     }
 
     /// From hover the servo finds the equilibria of slow forward flight, of flight sideways to the wind, and of a

@@ -448,8 +448,8 @@ mod tests {
     use crate::vehicle::VehicleParameters;
 
     /// Wind, what it stands on, and whether the air data were invalid.
-    fn parts(found: WindUse) -> (Ned, AirUse, bool) {
-        (found.wind, found.air, found.air_invalid)
+    fn parts(used: WindUse) -> (Ned, AirUse, bool) {
+        (used.wind, used.air, used.air_invalid)
     }
 
     /// 0.1 s of hold, 50 ms of recovery, 1 s of air hold, a wind of 40 m/s that changes by 10 m/s.

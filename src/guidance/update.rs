@@ -50,12 +50,12 @@ use crate::vehicle::Vehicle;
 /// // At 100 Hz. The safe command is left once the inputs have been good for 50 ms.
 /// let mut state = GuidanceState::default();
 /// let input = GuidanceInput::default().air(Air::Wind(Ned::ZERO));
-/// let mut guided = GuidanceOutput::default();
+/// let mut output = GuidanceOutput::default();
 /// for _ in 0..10 {
-///     guided = guidance.update(&mut state, &input, 0.01);
+///     output = guidance.update(&mut state, &input, 0.01);
 /// }
-/// assert_eq!(guided.mode, Mode::Flying);
-/// assert!((guided.command.thrust - 9.0 * 9.81).abs() < 1e-3);
+/// assert_eq!(output.mode, Mode::Flying);
+/// assert!((output.command.thrust - 9.0 * 9.81).abs() < 1e-3);
 /// # Ok::<(), ParameterError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -349,9 +349,9 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             self.reset(state);
         }
         let (dt, timed) = time_passed(dt);
-        let mut guided = GuidanceOutput::default();
-        let flown = if timed {
-            self.fly(state, input, dt, &mut guided)
+        let mut output = GuidanceOutput::default();
+        let result = if timed {
+            self.fly(state, input, dt, &mut output)
         } else {
             Err(RejectReason::TimeStep)
         };
@@ -361,16 +361,16 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         }
         let mode = self
             .supervisor
-            .advance(&mut state.supervision, flown.is_ok(), dt);
+            .advance(&mut state.supervision, result.is_ok(), dt);
         if mode == Mode::Flying {
             state.supervision.upright = math::clamp(input.orientation.i().down, 0.0, 1.0);
         } else {
-            guided = self.substitute(state, mode);
+            output = self.substitute(state, mode);
         }
-        guided.mode = mode;
-        guided.reject_reason = flown.err();
-        guided.status |= Status::STATE_RESET.when(!sound);
-        guided
+        output.mode = mode;
+        output.reject_reason = result.err();
+        output.status |= Status::STATE_RESET.when(!sound);
+        output
     }
 
     /// Whether every part's memory is inside that part's own bounds.
@@ -437,7 +437,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         state: &mut GuidanceState,
         input: &GuidanceInput,
         dt: f32,
-        guided: &mut GuidanceOutput,
+        output: &mut GuidanceOutput,
     ) -> Result<(), RejectReason> {
         let mut at = State {
             velocity: input.velocity,
@@ -612,7 +612,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             dt,
         );
 
-        guided.progress = model.progress;
+        output.progress = model.progress;
 
         // The real one after it.
         let tracked = self
@@ -652,7 +652,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         let apart = ahead - math::clamp(ahead, -ATTITUDE_APART, ATTITUDE_APART);
         flight.theta -= apart * math::min(ATTITUDE_RESYNCHRONISATION * dt, 1.0);
 
-        guided.command = Command {
+        output.command = Command {
             thrust: limited.thrust,
             rates: limited.rates.into(),
             ..tracked.command
@@ -661,20 +661,20 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             &mut state.accelerometer,
             specific_force,
             input.orientation,
-            &guided.command,
+            &output.command,
             gust,
             dt,
         );
-        guided.command.thrust = state.limits.thrust;
-        guided.air = air;
-        guided.reference = tracked.reference;
-        guided.margin = Margin::new(
+        output.command.thrust = state.limits.thrust;
+        output.air = air;
+        output.reference = tracked.reference;
+        output.margin = Margin::new(
             &tracked.step.forces,
             tracked.step.norm,
             self.control.plane().gains().guard().tau(),
             tracked.branch.sign(),
         );
-        guided.status = tracked.status
+        output.status = tracked.status
             | limited.saturated
             | Status::REFERENCE_HELD.when(!fresh)
             | Status::POSITION_INVALID

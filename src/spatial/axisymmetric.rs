@@ -379,7 +379,7 @@ mod tests {
     fn no_input_makes_a_command_that_is_not_a_number() {
         let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(6);
         let control = control();
-        let (mut flown, mut refused) = (0, 0);
+        let (mut commands, mut refused) = (0, 0);
         for round in 0..200_000 {
             let mut x: [f32; 18] = core::array::from_fn(|_| rng.random_range(-30.0..30.0));
             for _ in 0..round % 5 {
@@ -409,12 +409,15 @@ mod tests {
                     Ok(c) => {
                         let sum = c.thrust + c.rates.roll + c.rates.yaw + c.rates.pitch;
                         assert!(sum.is_finite(), "{x:?}");
-                        flown += 1;
+                        commands += 1;
                     }
                     Err(_) => refused += 1,
                 }
             }
         }
-        assert!(flown > 200_000 && refused > 20_000, "{flown} {refused}");
+        assert!(
+            commands > 200_000 && refused > 20_000,
+            "{commands} {refused}"
+        );
     }
 }

@@ -384,7 +384,7 @@ mod tests {
     fn no_input_makes_a_command_that_is_not_a_number() {
         let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(5);
         let control = control();
-        let (mut flown, mut refused) = (0, 0);
+        let (mut commands, mut refused) = (0, 0);
         for round in 0..300_000 {
             let q: [f32; 4] = core::array::from_fn(|_| rng.random_range(-1.0..1.0));
             let length = q.iter().map(|x| x * x).sum::<f32>().sqrt();
@@ -414,12 +414,15 @@ mod tests {
                         assert!(sum.is_finite(), "{x:?}");
                         assert!(!d.tilt().is_nan() && !d.sideslip().is_nan());
                         assert!(d.aerodynamic.norm_squared().is_finite());
-                        flown += 1;
+                        commands += 1;
                     }
                     Err(_) => refused += 1,
                 }
             }
         }
-        assert!(flown > 300_000 && refused > 50_000, "{flown} {refused}");
+        assert!(
+            commands > 300_000 && refused > 50_000,
+            "{commands} {refused}"
+        );
     }
 }

@@ -46,7 +46,7 @@ pub struct Autopilot<B> {
     body: B,
     kind: Kind,
     mode: u32,
-    flown: bool,
+    was_commanded: bool,
     rules: Rules,
     answers: Vec<MavMessage>,
     next: [f64; 3],
@@ -77,7 +77,7 @@ impl<B: Body> Autopilot<B> {
             body,
             kind,
             mode: kind.hold(),
-            flown: false,
+            was_commanded: false,
             rules,
             answers: Vec::new(),
             next: [f64::NEG_INFINITY; 3],
@@ -126,7 +126,7 @@ impl<B: Body> Autopilot<B> {
                     // QACRO is entered at any time.
                     Rules::ArduPlane(_) => true,
                 };
-                let accepted = m.param1 == 1.0 && (!self.kind.is_flown(mode) || streams);
+                let accepted = m.param1 == 1.0 && (!self.kind.is_commanded(mode) || streams);
                 if accepted {
                     self.set_mode(mode);
                 }
@@ -150,13 +150,13 @@ impl<B: Body> Autopilot<B> {
 
     /// What is commanded; none if what was commanded is too old and the mode is left.
     fn command(&mut self, now: f64, dt: f64) -> Option<(f64, [f64; 3])> {
-        let flown = self.kind.is_flown(self.mode);
+        let commanded = self.kind.is_commanded(self.mode);
         match &mut self.rules {
-            Rules::Px4(offboard) => flown.then(|| offboard.command(now)).flatten(),
+            Rules::Px4(offboard) => commanded.then(|| offboard.command(now)).flatten(),
             Rules::ArduPlane(qacro) => {
                 // The mode stays: the transmitter's sticks are flown.
-                self.losses += u32::from(qacro.advance(now, dt) && flown);
-                flown.then(|| qacro.command())
+                self.losses += u32::from(qacro.advance(now, dt) && commanded);
+                commanded.then(|| qacro.command())
             }
         }
     }
@@ -164,14 +164,14 @@ impl<B: Body> Autopilot<B> {
     /// Lets `dt` \[s\] pass from `now`.
     pub fn advance(&mut self, now: f64, dt: f64) {
         let command = self.command(now, dt);
-        let flown = self.kind.is_flown(self.mode);
-        if flown && command.is_none() {
+        let commanded = self.kind.is_commanded(self.mode);
+        if commanded && command.is_none() {
             self.losses += 1;
             self.set_mode(self.kind.hold());
         }
-        self.flown |= flown;
+        self.was_commanded |= commanded;
         let (thrust, rates) = command.unwrap_or((self.body.hover(), [0.0; 3]));
-        if self.flown {
+        if self.was_commanded {
             self.body.step(thrust, rates, dt);
         }
     }

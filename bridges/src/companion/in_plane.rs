@@ -22,7 +22,7 @@ pub enum Wanted<'a> {
 
 /// What the controller was told and answered at one step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Flown {
+pub struct PlanarStep {
     /// Time since the start \[s\].
     pub t: f64,
     /// What it was told.
@@ -41,7 +41,7 @@ pub struct InPlane<'a, P> {
     /// Heading of the plane \[rad\]; that of the vehicle at the start if none.
     heading: Option<f32>,
     hold: Option<Hold>,
-    flown: Option<Flown>,
+    last: Option<PlanarStep>,
 }
 
 impl<'a, P: Planar> InPlane<'a, P> {
@@ -58,7 +58,7 @@ impl<'a, P: Planar> InPlane<'a, P> {
             parameters,
             heading,
             hold: None,
-            flown: None,
+            last: None,
         }
     }
 
@@ -68,8 +68,8 @@ impl<'a, P: Planar> InPlane<'a, P> {
     }
 
     /// The last step.
-    pub fn flown(&self) -> Option<&Flown> {
-        self.flown.as_ref()
+    pub fn last(&self) -> Option<&PlanarStep> {
+        self.last.as_ref()
     }
 
     /// The reference, with its position and its age \[s\].
@@ -122,7 +122,7 @@ impl<P: Planar> Pilot for InPlane<'_, P> {
             reference_age,
             ..PlanarGuidanceInput::default()
         };
-        self.flown = Some(Flown {
+        self.last = Some(PlanarStep {
             t: told.t,
             input,
             position,

@@ -29,7 +29,7 @@ const MAIN: u32 = 0xff << 16;
 impl Kind {
     /// Whether a mode is the one that the companion flies in.
     #[must_use]
-    pub fn is_flown(&self, mode: u32) -> bool {
+    pub fn is_commanded(&self, mode: u32) -> bool {
         match self {
             Self::Px4 => mode & MAIN == OFFBOARD,
             Self::ArduPlane(_) => mode == QACRO,
@@ -38,7 +38,7 @@ impl Kind {
 
     /// The mode that the companion flies in.
     #[must_use]
-    pub fn flown(&self) -> u32 {
+    pub fn commanded(&self) -> u32 {
         match self {
             Self::Px4 => OFFBOARD,
             Self::ArduPlane(_) => QACRO,
@@ -119,9 +119,9 @@ mod tests {
     fn modes_go_there_and_back() {
         let plane = Kind::ArduPlane(Sticks::default());
         for (kind, others) in [(Kind::Px4, [HOLD, QACRO]), (plane, [QLOITER, OFFBOARD])] {
-            assert!(kind.is_flown(kind.flown()));
-            assert!(others.iter().all(|mode| !kind.is_flown(*mode)));
-            for mode in [kind.flown(), kind.hold()] {
+            assert!(kind.is_commanded(kind.commanded()));
+            assert!(others.iter().all(|mode| !kind.is_commanded(*mode)));
+            for mode in [kind.commanded(), kind.hold()] {
                 assert_eq!(kind.asked(kind.parameters(mode)), mode);
             }
         }

@@ -17,7 +17,7 @@ pub struct Companion {
     next_heartbeat: f64,
     next_request: f64,
     /// How long \[s\] the reference had been flown when the flight was over.
-    flown: f64,
+    elapsed: f64,
     /// How often channels are still to be given back.
     releases: u32,
     /// What was left of a per cent of throttle at the last step.
@@ -66,7 +66,7 @@ impl Companion {
             last_step: f64::NEG_INFINITY,
             next_heartbeat: f64::NEG_INFINITY,
             next_request: 0.0,
-            flown: 0.0,
+            elapsed: 0.0,
             releases: 0,
             rest: 0.0,
         }
@@ -128,7 +128,7 @@ impl Companion {
     /// Whether the autopilot is in the mode that the companion flies in.
     fn is_ours(&self) -> bool {
         let mode = self.inbox.mode;
-        mode.is_some_and(|mode| self.settings.kind.is_flown(mode))
+        mode.is_some_and(|mode| self.settings.kind.is_commanded(mode))
     }
 
     /// Whether the autopilot has a vehicle to fly: armed, and in the air. The companion does not take off.
@@ -180,10 +180,10 @@ impl Companion {
             Stage::Streaming(_) if ours => self.start(now, pilot),
             Stage::Streaming(_) if self.settings.engage && now >= self.next_request => {
                 self.next_request = now + SECOND;
-                self.inbox.awaited = Some(kind.flown());
+                self.inbox.awaited = Some(kind.commanded());
                 messages.push(outbox::request(
                     self.target(),
-                    kind.parameters(kind.flown()),
+                    kind.parameters(kind.commanded()),
                 ));
             }
             Stage::Flying(_) | Stage::Leaving(_) if !known || now - self.inbox.heard > UNHEARD => {
@@ -191,7 +191,7 @@ impl Companion {
             }
             Stage::Flying(since) if now - since > self.settings.duration || self.is_unled(now) => {
                 self.stage = Stage::Leaving(now);
-                self.flown = (now - since).min(self.settings.duration);
+                self.elapsed = (now - since).min(self.settings.duration);
                 self.next_request = now;
             }
             Stage::Leaving(since) if !ours || now - since > LEAVE => self.end(End::Finished),
@@ -219,7 +219,7 @@ impl Companion {
                     self.next_request = now + SECOND;
                     messages.push(outbox::request(self.target(), kind.parameters(kind.hold())));
                 }
-                self.fly(now, self.flown, dt, pilot, &mut messages)
+                self.fly(now, self.elapsed, dt, pilot, &mut messages)
             }
         };
         (messages, commanded)

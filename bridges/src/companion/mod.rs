@@ -30,7 +30,7 @@ pub use autopilot::{Autopilot, Body, BodyState};
 pub use clock::Clock;
 pub use connection::{Connection, Received};
 pub use hold::{Hold, HoldParameters};
-pub use in_plane::{Flown, InPlane, Planar, Wanted};
+pub use in_plane::{InPlane, Planar, PlanarStep, Wanted};
 pub use inbox::{Counts, Inbox};
 pub use kind::{HOLD, Kind, OFFBOARD, QACRO, QLOITER};
 pub use machine::Companion;

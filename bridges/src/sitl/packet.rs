@@ -68,9 +68,9 @@ impl Packet {
             _ => 0,
         });
         let mut word = || words.next().unwrap_or(0);
-        let found = word();
-        if found != magic {
-            return Err(Malformed::Magic(found));
+        let first_word = word();
+        if first_word != magic {
+            return Err(Malformed::Magic(first_word));
         }
         let frame_rate = word();
         let frame_count = u32::from(word()) | u32::from(word()) << 16;

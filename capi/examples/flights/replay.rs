@@ -169,20 +169,20 @@ fn main() -> Result<()> {
         Ok::<_, Box<dyn Error>>((path, text))
     };
     let ((path, trace), (commands_path, commands)) = (read()?, read()?);
-    let mut flown: Option<(Controller, GuidanceState)> = None;
+    let mut core: Option<(Controller, GuidanceState)> = None;
     let mut commands = commands.lines();
     let mut compared = 0;
     for (n, line) in trace.lines().enumerate() {
         let place = |e: Box<dyn Error>| format!("{path}:{}: {e}", n + 1);
         let (letter, words) = parse(line).map_err(place)?;
         if letter == "c" {
-            flown = Some((controller(&words).map_err(place)?, GuidanceState::default()));
+            core = Some((controller(&words).map_err(place)?, GuidanceState::default()));
             continue;
         }
         if !["s", "g"].contains(&letter) {
             return Err(place("not a line of a trace".into()).into());
         }
-        let (controller, state) = flown.as_mut().ok_or("no parameters come first")?;
+        let (controller, state) = core.as_mut().ok_or("no parameters come first")?;
         let command = input(&words)
             .and_then(|input| fly(letter, controller, state, &input))
             .map_err(place)?;

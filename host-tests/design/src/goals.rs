@@ -22,7 +22,7 @@ pub(super) struct Length {
     /// Asked of a calm flight by a controller that knows the vehicle \[m\].
     pub goal: f64,
     /// The figure of the campaign's flights, and whether its least value is meant.
-    flown: (&'static str, bool),
+    campaign: (&'static str, bool),
     /// Asked of flights in wind and turbulence by one that does not quite \[m\].
     pub limit: f64,
 }
@@ -32,42 +32,42 @@ pub(super) const LENGTHS: [Length; 6] = [
         first: "loss_out_m",
         text: "sinks below its reference on the way out",
         goal: 1.0,
-        flown: ("altitude_least_m", true),
+        campaign: ("altitude_least_m", true),
         limit: 10.0,
     },
     Length {
         first: "gain_out_m",
         text: "climbs above its reference on the way out",
         goal: 1.0,
-        flown: ("altitude_most_m", false),
+        campaign: ("altitude_most_m", false),
         limit: 10.0,
     },
     Length {
         first: "loss_back_m",
         text: "sinks below its reference on the way back",
         goal: 0.6,
-        flown: ("altitude_least_m", true),
+        campaign: ("altitude_least_m", true),
         limit: 10.0,
     },
     Length {
         first: "gain_back_m",
         text: "climbs above its reference on the way back",
         goal: 0.6,
-        flown: ("altitude_most_m", false),
+        campaign: ("altitude_most_m", false),
         limit: 10.0,
     },
     Length {
         first: "ahead_m",
         text: "runs ahead of its reference where that brakes",
         goal: 3.0,
-        flown: ("ahead_m", false),
+        campaign: ("ahead_m", false),
         limit: 15.0,
     },
     Length {
         first: "forward_least_m",
         text: "falls behind its reference",
         goal: 10.0,
-        flown: ("forward_least_m", true),
+        campaign: ("forward_least_m", true),
         limit: 30.0,
     },
 ];
@@ -114,7 +114,7 @@ pub fn limits_text(facts: &Facts) -> String {
     );
     let mut written: Vec<&str> = Vec::new();
     for length in &LENGTHS {
-        let (figure, least) = length.flown;
+        let (figure, least) = length.campaign;
         if written.contains(&figure) {
             continue;
         }
@@ -149,10 +149,10 @@ pub(super) mod tests {
         let table: toml::Table = text.parse().unwrap();
         let limits = table["limits"].as_array().unwrap();
         let of = |figure: &str, side: &str| {
-            let found = limits
+            let of_figure = limits
                 .iter()
                 .filter(|limit| limit["figure"].as_str() == Some(figure));
-            let values = found.filter_map(|limit| limit.get(side)?.as_float());
+            let values = of_figure.filter_map(|limit| limit.get(side)?.as_float());
             values.collect::<Vec<f64>>()
         };
         assert_eq!(of("altitude_least_m", "least"), [-50.0, -15.0]);

@@ -273,8 +273,8 @@ fn stop(document: &Document, cruise: f64) -> anyhow::Result<Option<[f64; 3]>> {
     document.assign(&format!("duration_s={:?}", start + 45.0))?;
     let experiment = document.checked()?;
     let figures = Figures::of(&experiment, &fly(&experiment)?);
-    let found = ["ahead_m", "loss_back_m", "gain_back_m"].map(|name| figures.get(name));
-    Ok((figures.get("max_cruise_error_m_s") < REACHED).then_some(found))
+    let distances = ["ahead_m", "loss_back_m", "gain_back_m"].map(|name| figures.get(name));
+    Ok((figures.get("max_cruise_error_m_s") < REACHED).then_some(distances))
 }
 
 #[cfg(test)]
@@ -378,11 +378,11 @@ mod tests {
             .map(|a| format!("{a} {:.4} 0.02\n", lift(a)))
             .collect();
         std::fs::write(&file, format!("alpha CL CD\n{rows}")).unwrap();
-        let found = performance(|known| {
+        let performance = performance(|known| {
             known.section = Some(file.path().to_str().unwrap().to_owned());
             change(known);
         });
-        found.stall.unwrap()
+        performance.stall.unwrap()
     }
 
     /// The speed of transition is that of the stall, by hand, as above: of the section, of wings however small their slope of lift is, whose drag grows by
@@ -437,11 +437,15 @@ mod tests {
             .collect();
         let file = tempfile::NamedTempFile::new().unwrap();
         std::fs::write(&file, format!("alpha CL CD\n{rows}")).unwrap();
-        let found = performance(|known| known.section = file.path().to_str().map(str::to_owned));
-        let stall = found.stall.unwrap();
+        let performance =
+            performance(|known| known.section = file.path().to_str().map(str::to_owned));
+        let stall = performance.stall.unwrap();
         assert!((stall.alpha_deg[0] - 9.0).abs() < 0.1, "{stall:?}");
         assert!((stall.alpha_deg[1] - 12.0).abs() < 0.1, "{stall:?}");
-        assert!(found.jump.unwrap().from_alpha_deg > 19.0, "{found:?}");
+        assert!(
+            performance.jump.unwrap().from_alpha_deg > 19.0,
+            "{performance:?}"
+        );
     }
 
     /// What `new` says of a jump is what the envelope has: of a section whose lift falls at 6° alone, of infinite span, told to stall at 12°, where its

@@ -181,8 +181,8 @@ fn spans(instants: &[Instant], value: impl Fn(&Instant) -> Option<f64>) -> Vec<S
     let mut spans: Vec<Span> = Vec::new();
     let mut open = false;
     for instant in instants {
-        let found = value(instant);
-        match (found, spans.last_mut()) {
+        let value = value(instant);
+        match (value, spans.last_mut()) {
             (Some(least), Some(span)) if open => {
                 span.to_s = instant.t;
                 span.least = span.least.min(least);
@@ -194,7 +194,7 @@ fn spans(instants: &[Instant], value: impl Fn(&Instant) -> Option<f64>) -> Vec<S
             }),
             _ => {}
         }
-        open = found.is_some();
+        open = value.is_some();
     }
     spans
 }
@@ -208,18 +208,20 @@ mod tests {
     fn the_papers_flight_jumps_at_the_fold_and_nowhere_else() {
         let experiment = Document::load("hover-to-cruise").unwrap().checked();
         let instants = sweep(&experiment.unwrap()).unwrap();
-        let found = findings(&instants, 80.0);
-        assert!(!found.admissible && found.negative_thrust.is_empty() && found.none.is_empty());
+        let findings = findings(&instants, 80.0);
+        assert!(
+            !findings.admissible && findings.negative_thrust.is_empty() && findings.none.is_empty()
+        );
         // Level acceleration at 2 m/s²: ε = 11.5°, |W| = 100.1 N. The fold is at α = 16.56°, a = 1.40657: 14.76 m/s at 7.38 s.
-        let [jump] = &found.jumps[..] else {
-            panic!("{found:?}")
+        let [jump] = &findings.jumps[..] else {
+            panic!("{findings:?}")
         };
         assert_eq!(jump.cause, Cause::Fold);
         assert!((jump.t_s - 7.381).abs() < 0.01, "{jump:?}");
         assert!((jump.from_alpha_deg - 16.6).abs() < 0.5, "{jump:?}");
         assert!(jump.to_alpha_deg < 9.0, "{jump:?}");
-        let [span] = &found.low_fp[..] else {
-            panic!("{found:?}")
+        let [span] = &findings.low_fp[..] else {
+            panic!("{findings:?}")
         };
         assert!(
             (span.to_s - jump.t_s).abs() < 0.02 && span.least < 60.0,
@@ -231,11 +233,11 @@ mod tests {
     #[test]
     fn a_sphere_jumps_at_corners_alone() {
         let experiment = Document::load("large-angle").unwrap().checked();
-        let found = findings(&sweep(&experiment.unwrap()).unwrap(), 20.0);
-        assert!(found.admissible, "{found:?}");
+        let findings = findings(&sweep(&experiment.unwrap()).unwrap(), 20.0);
+        assert!(findings.admissible, "{findings:?}");
         let corners = [6.0, 11.0, 13.0, 18.0];
-        assert_eq!(found.jumps.len(), corners.len());
-        for (jump, corner) in found.jumps.iter().zip(corners) {
+        assert_eq!(findings.jumps.len(), corners.len());
+        for (jump, corner) in findings.jumps.iter().zip(corners) {
             assert!((jump.t_s - corner).abs() < 0.01 && jump.cause == Cause::Corner);
         }
     }

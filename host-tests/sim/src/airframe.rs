@@ -83,12 +83,12 @@ impl Airframe {
     /// or a polar, of whatever name: what it holds decides. A polar is the section of the paper's vehicle.
     pub fn load(argument: &str) -> anyhow::Result<Self> {
         let built_in = [crate::experiment::BUILT_IN, polar::BUILT_IN].concat();
-        let found = Named::find("experiment, vehicle or polar", &built_in, argument)?;
-        if polar::is_document(&found.text) {
-            return Self::of(&Document::new(&found)?);
+        let file = Named::find("experiment, vehicle or polar", &built_in, argument)?;
+        if polar::is_document(&file.text) {
+            return Self::of(&Document::new(&file)?);
         }
-        let name = found.name.clone();
-        Ok(Self::of_polar(&name, Polar::named(argument, found)?))
+        let name = file.name.clone();
+        Ok(Self::of_polar(&name, Polar::named(argument, file)?))
     }
 
     /// The vehicle of a document, of which nothing else need be there.
@@ -207,10 +207,10 @@ mod tests {
             Airframe::load(path.to_str().unwrap())
         };
         for name in ["x.csv", "x.txt", "x.pol", "x.polar", "x", "x.toml"] {
-            let found = load(name, &polar).unwrap();
-            assert_eq!(found.name, "x");
+            let airframe = load(name, &polar).unwrap();
+            assert_eq!(airframe.name, "x");
             assert!(matches!(
-                found.spec.aerodynamics,
+                airframe.spec.aerodynamics,
                 AerodynamicsSpec::Table { .. }
             ));
             let vehicle = "[vehicle]\nmass_kg = 3\nk_a_kg_m = 1\n[vehicle.aerodynamics.large-angle]\nc0 = 0.02\nc1 = 1.0\n";

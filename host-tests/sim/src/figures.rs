@@ -137,7 +137,7 @@ figures! {
     "max_bank_deg", "bank, peak", "°", 1, Entered, Peak(|m| m.step.bank().to_degrees().abs()), "largest angle of the right wing from the horizontal, either way";
     "max_load_factor", "load factor, peak", "", 2, Entered, Peak(|m| m.step.load_factor), "largest specific force over g";
     "rate_rms_rad_s", "body rate, rms", "rad/s", 3, Entered, Rms(|m| m.step.truth.rates.norm()), "root mean square of \\|ω\\|";
-    "min_fp_n", "smallest |F_p|", "N", 2, Flight, Least(|m| m.step.answer.flown().map(|d| d.f_p_norm.into())), "smallest \\|F_p\\| while the law is flown, as the controller computes it", when "min_fp_time_s";
+    "min_fp_n", "smallest |F_p|", "N", 2, Flight, Least(|m| m.step.answer.diagnostics_flying().map(|d| d.f_p_norm.into())), "smallest \\|F_p\\| while the law is flown, as the controller computes it", when "min_fp_time_s";
     "min_k", "smallest k", "", 3, Flight, Least(|m| m.step.answer.guided().filter(|g| g.mode == Mode::Flying).map(|g| g.margin.k.into())), "smallest margin k while the guidance flies its law";
     "max_rate_command_rad_s", "body rate commanded, peak", "rad/s", 3, Flight, Peak(|m| command(m).amax()), "largest body rate commanded about one axis", when "max_rate_command_time_s";
     "peak_rate_rad_s", "body rate, peak", "rad/s", 2, Flight, Peak(|m| m.step.truth.rates.amax()), "largest true body rate about one axis";

@@ -280,8 +280,8 @@ mod tests {
             // What was told, in single precision, goes before what was.
             let velocity = states.velocity.as_ref().unwrap().values[row];
             assert_eq!(ned(velocity.into()), step.input.sample.velocity);
-            let flown = log.column("vehicle_local_position", "vx").unwrap();
-            assert_eq!(flown.values[row], step.truth.velocity.x);
+            let velocity_north = log.column("vehicle_local_position", "vx").unwrap();
+            assert_eq!(velocity_north.values[row], step.truth.velocity.x);
             let wind = log.column("wind", "windspeed_east").unwrap();
             assert_eq!(wind.values[row], -2.0);
             let air = states.air_velocity.as_ref().unwrap().values[row];

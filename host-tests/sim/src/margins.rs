@@ -164,7 +164,7 @@ impl Loop {
             )
         };
         let angle = |n: i32| std::f64::consts::PI * f64::from(2 * n - STEPS) / f64::from(STEPS);
-        let mut found = Vec::new();
+        let mut equilibria = Vec::new();
         for n in 0..STEPS {
             let (low, high) = (angle(n), angle(n + 1));
             let start = force(low).0.y;
@@ -174,10 +174,10 @@ impl Loop {
             }
             let low = last(low, high, 60, |theta| start * force(theta).0.y > 0.0);
             if force(low).1.x > 0.0 {
-                found.push(low);
+                equilibria.push(low);
             }
         }
-        found
+        equilibria
     }
 
     /// Where the closed loop rests: Newton's method from a trim of the true vehicle.

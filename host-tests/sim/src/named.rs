@@ -288,10 +288,10 @@ mod tests {
         let file = tempfile::NamedTempFile::with_suffix(".toml").unwrap();
         std::fs::write(&file, "blue").unwrap();
         let path = file.path().to_str().unwrap();
-        let found = find(path).unwrap();
-        assert_eq!((&*found.origin, &*found.text), (path, "blue"));
+        let named = find(path).unwrap();
+        assert_eq!((&*named.origin, &*named.text), (path, "blue"));
         assert_eq!(
-            found.name,
+            named.name,
             file.path().file_stem().unwrap().to_str().unwrap()
         );
     }

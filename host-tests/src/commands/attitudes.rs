@@ -38,13 +38,13 @@ pub fn attitudes(flights: Option<u64>, threads: Threads, output: &Output) -> any
     let flights = flights.unwrap_or(FLIGHTS);
     ensure!(flights > 0, "--flights: must be positive");
     let bar = progress_bar(BASES.len() * flights as usize);
-    let flown = || {
+    let count = || {
         bar.inc(1);
         Ok(())
     };
     let mut all = Vec::new();
     for name in BASES {
-        all.push(Starts::new(name, &starts(name, flights, threads, flown)?));
+        all.push(Starts::new(name, &starts(name, flights, threads, count)?));
     }
     bar.finish_and_clear();
     let out = output.folder("campaign/attitudes")?;

@@ -91,7 +91,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     leave(&first.join("trace.csv"), |file| {
         Ok(write_trace(&experiment, &record, file)?)
     })?;
-    let mut flown = flight::page(&document, &experiment, &record, &figures, &segments);
+    let mut flight_page = flight::page(&document, &experiment, &record, &figures, &segments);
 
     let facts = &design.facts;
     let performance = Performance::of(
@@ -105,9 +105,9 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let margins = margins(&experiment, facts.cruise_m_s)?;
     let verdict = Verdict::of(facts, &performance, &figures);
     if verdict.outcome != Outcome::AsAsked {
-        flown.warnings.push(verdict.text());
+        flight_page.warnings.push(verdict.text());
     }
-    flown.leave(&first, ["flight.svg", "report.html"])?;
+    flight_page.leave(&first, ["flight.svg", "report.html"])?;
     let mut warnings = design.wing.warnings.clone();
     warnings.extend(performance.doubts(&design));
     let results = Results {

@@ -51,11 +51,11 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         target.configure(configuration)?;
         anyhow::Ok(Box::new(target) as Box<dyn Controller>)
     };
-    let flown = fly::with(&args.flight, "pil", |experiment| {
+    let outcome = fly::with(&args.flight, "pil", |experiment| {
         connect(experiment.configuration(pacing)?)
     });
     match emulator.as_mut().and_then(Qemu::complaint) {
-        Some(complaint) => flown.with_context(|| format!("the image stopped: {complaint}")),
-        None => flown,
+        Some(complaint) => outcome.with_context(|| format!("the image stopped: {complaint}")),
+        None => outcome,
     }
 }

@@ -73,29 +73,29 @@ impl Planar for Controlled {
 
 /// The step that was commanded last. Of the truth nothing is known but what the autopilot says.
 fn step(pilot: &InPlane<Controlled>) -> Option<Step> {
-    let flown = pilot.flown()?;
+    let told = pilot.last()?;
     let (input, answer) = pilot.controller().last?;
     let world = |v: Inertial| double(Ned::in_plane(v));
-    let reference = flown.input.reference;
+    let reference = told.input.reference;
     // Where no position is held it is the vehicle's own.
-    let position_error = flown.input.position_error.unwrap_or_default();
-    let theta = flown.input.attitude.angle().into();
+    let position_error = told.input.position_error.unwrap_or_default();
+    let theta = told.input.attitude.angle().into();
     let attitude = UnitQuaternion::from_axis_angle(&V3::y_axis(), theta);
     Some(Step {
-        t: flown.t,
+        t: told.t,
         truth: State {
-            velocity: world(flown.input.velocity),
-            position: world(flown.position),
+            velocity: world(told.input.velocity),
+            position: world(told.position),
             attitude,
             rates: V3::new(0.0, answer.rates.w.into(), 0.0),
             thrust: answer.thrust.into(),
         },
         theta,
-        wind: world(flown.wind),
+        wind: world(told.wind),
         load_factor: f64::NAN,
         readings: Vec::new(),
         target: Target {
-            position: world(flown.position - position_error),
+            position: world(told.position - position_error),
             velocity: world(reference.velocity),
             acceleration: world(reference.acceleration),
             heading: None,

@@ -89,8 +89,8 @@ impl Frame {
 
     /// The column of this name.
     pub fn column(&self, name: &str) -> anyhow::Result<&Column> {
-        let found = self.columns.iter().find(|(known, _)| known == name);
-        let (_, column) = found.with_context(|| format!("no column {name}"))?;
+        let column = self.columns.iter().find(|(known, _)| known == name);
+        let (_, column) = column.with_context(|| format!("no column {name}"))?;
         Ok(column)
     }
 

@@ -208,17 +208,17 @@ mod tests {
         frame.push("b", Column::Real(vec![0.0, 1.9, 2.0, 3.9, 4.0, 10.0]));
         let altitudes = vec![-1.0, -7.0, -3.0, 0.5, f64::NAN, -0.5];
         frame.push("altitude_least_m", Column::Real(altitudes));
-        let mut found = MapResult::new(&map(&[-2.0, -5.0]));
-        found.add(&frame).unwrap();
-        assert_eq!(found.worst[0], Some(-7.0));
-        assert_eq!(found.worst[5 + 4], Some(-3.0));
-        assert_eq!(found.worst[2 * 5 + 4], Some(f64::NEG_INFINITY));
-        assert_eq!(found.worst[4 * 5], Some(-0.5));
-        assert_eq!((found.worst[1], found.class(1)), (None, None));
-        let classes = [0, 9, 14, 20].map(|bin| found.class(bin).unwrap());
+        let mut result = MapResult::new(&map(&[-2.0, -5.0]));
+        result.add(&frame).unwrap();
+        assert_eq!(result.worst[0], Some(-7.0));
+        assert_eq!(result.worst[5 + 4], Some(-3.0));
+        assert_eq!(result.worst[2 * 5 + 4], Some(f64::NEG_INFINITY));
+        assert_eq!(result.worst[4 * 5], Some(-0.5));
+        assert_eq!((result.worst[1], result.class(1)), (None, None));
+        let classes = [0, 9, 14, 20].map(|bin| result.class(bin).unwrap());
         assert_eq!(classes, [2, 1, 2, 0]);
-        assert_eq!(found.flights[..2], [2, 0]);
-        assert_eq!(found.flights.iter().sum::<u64>(), 6);
+        assert_eq!(result.flights[..2], [2, 0]);
+        assert_eq!(result.flights.iter().sum::<u64>(), 6);
         // Half the values are half as far along.
         let mut halved = map(&[-2.0, -5.0]);
         halved.x.over = 2.0;

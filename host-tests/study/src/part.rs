@@ -103,8 +103,8 @@ impl Seal {
 /// Where the checksum's digits are.
 fn digits(bytes: &[u8]) -> Option<std::ops::Range<usize>> {
     let before = BEFORE.as_bytes();
-    let found = bytes.windows(before.len()).rposition(|w| w == before)?;
-    let start = found + before.len();
+    let place = bytes.windows(before.len()).rposition(|w| w == before)?;
+    let start = place + before.len();
     (start + DIGITS <= bytes.len()).then_some(start..start + DIGITS)
 }
 

@@ -323,22 +323,22 @@ impl<'a> Gathered<'a> {
         self.summary.passed_yet_lost += lost as u64;
         self.summary.departed += count(frame.flag("departed")?);
         self.summary.diverged += count(frame.flag("diverged")?);
-        for (found, sketch) in self.summary.figures.iter_mut().zip(&mut self.figures) {
-            for &value in frame.real(found.figure)? {
+        for (summary, sketch) in self.summary.figures.iter_mut().zip(&mut self.figures) {
+            for &value in frame.real(summary.figure)? {
                 if value.is_finite() {
                     sketch.add(value);
                 } else {
-                    found.not_finite += 1;
+                    summary.not_finite += 1;
                 }
             }
         }
         let limits = &self.source.campaign.limits;
-        let found = self.summary.limits.iter_mut().zip(&mut self.inside);
-        for (limit, (found, inside)) in limits.iter().zip(found) {
-            for (&flight, &value) in numbers.iter().zip(frame.real(found.figure)?) {
+        let summaries = self.summary.limits.iter_mut().zip(&mut self.inside);
+        for (limit, (summary, inside)) in limits.iter().zip(summaries) {
+            for (&flight, &value) in numbers.iter().zip(frame.real(summary.figure)?) {
                 let excess = limit.excess(value);
                 *inside += u64::from(excess <= 0.0);
-                let place = found.worst.partition_point(|w| w.excess >= excess);
+                let place = summary.worst.partition_point(|w| w.excess >= excess);
                 if place < WORST {
                     let worst = Worst {
                         flight,
@@ -346,16 +346,16 @@ impl<'a> Gathered<'a> {
                         command: self.source.refly(flight as u64),
                         excess,
                     };
-                    found.worst.insert(place, worst);
-                    found.worst.truncate(WORST);
+                    summary.worst.insert(place, worst);
+                    summary.worst.truncate(WORST);
                 }
             }
         }
         let dispersions = self.summary.dispersions.iter_mut();
-        for (found, correlations) in dispersions.zip(&mut self.correlations) {
-            let values = frame.real(&found.field)?;
-            found.least = values.iter().copied().fold(found.least, f64::min);
-            found.most = values.iter().copied().fold(found.most, f64::max);
+        for (summary, correlations) in dispersions.zip(&mut self.correlations) {
+            let values = frame.real(&summary.field)?;
+            summary.least = values.iter().copied().fold(summary.least, f64::min);
+            summary.most = values.iter().copied().fold(summary.most, f64::max);
             for (limit, correlation) in self.summary.limits.iter().zip(correlations) {
                 for (&x, &y) in values.iter().zip(frame.real(limit.figure)?) {
                     correlation.add(x, y);
@@ -372,12 +372,12 @@ impl<'a> Gathered<'a> {
             let flights = faults.zip(as_stated).zip(altitudes).zip(numbers);
             for (((&fault, &as_stated), &altitude), &flight) in flights {
                 let fault = usize::try_from(fault).context("a flight without a fault")?;
-                let found = &mut self.summary.faults[fault];
-                found.flights += 1;
-                found.least_m = found.least_m.min(altitude);
-                found.as_stated += u64::from(as_stated);
-                if !as_stated && found.others.len() < WORST {
-                    found.others.push(flight);
+                let summary = &mut self.summary.faults[fault];
+                summary.flights += 1;
+                summary.least_m = summary.least_m.min(altitude);
+                summary.as_stated += u64::from(as_stated);
+                if !as_stated && summary.others.len() < WORST {
+                    summary.others.push(flight);
                 }
             }
         }
@@ -414,16 +414,16 @@ impl<'a> Gathered<'a> {
 
     fn finish(mut self) -> Summary {
         let flights = self.summary.flights as f64;
-        for (found, sketch) in self.summary.figures.iter_mut().zip(&self.figures) {
-            found.percentiles = percentiles(sketch);
+        for (summary, sketch) in self.summary.figures.iter_mut().zip(&self.figures) {
+            summary.percentiles = percentiles(sketch);
         }
-        for (found, inside) in self.summary.limits.iter_mut().zip(&self.inside) {
-            found.share = *inside as f64 / flights;
-            found.kept = found.share >= found.share_required;
+        for (summary, inside) in self.summary.limits.iter_mut().zip(&self.inside) {
+            summary.share = *inside as f64 / flights;
+            summary.kept = summary.share >= summary.share_required;
         }
         let dispersions = self.summary.dispersions.iter_mut();
-        for (found, correlations) in dispersions.zip(&self.correlations) {
-            found.correlations = correlations.iter().map(Correlation::value).collect();
+        for (summary, correlations) in dispersions.zip(&self.correlations) {
+            summary.correlations = correlations.iter().map(Correlation::value).collect();
         }
         for (i, column) in SAMPLED.into_iter().enumerate() {
             let at = |(t, sketches): &(f64, Vec<DDSketch>)| (*t, percentiles(&sketches[i]));
@@ -453,14 +453,17 @@ mod tests {
         let value = |i: i32| (f64::from(i) / 1000.0 - 3.0).powi(3);
         let mut sketch = sketch();
         (0..=10_000).for_each(|i| sketch.add(value(i)));
-        let found = percentiles(&sketch);
-        for (p, found) in PERCENTILES.iter().zip(found) {
+        let estimates = percentiles(&sketch);
+        for (p, estimate) in PERCENTILES.iter().zip(estimates) {
             let exact = value((p * 100.0) as i32);
             // One rank more or less, and the sketch's bin.
             let tolerance = 0.0051 * exact.abs() + 0.03;
-            assert!((found - exact).abs() < tolerance, "{p}: {found} {exact}");
+            assert!(
+                (estimate - exact).abs() < tolerance,
+                "{p}: {estimate} {exact}"
+            );
         }
-        assert_eq!((found[0], found[8]), (-27.0, 343.0));
+        assert_eq!((estimates[0], estimates[8]), (-27.0, 343.0));
     }
 
     #[test]

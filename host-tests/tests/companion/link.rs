@@ -143,7 +143,7 @@ pub fn flies<P: Pilot>(
     (mut settings, duration): (Settings, f64),
     (quality, seed): (Quality, u64),
     mut event: impl FnMut(f64, &mut Autopilot<Craft>, &mut Way),
-    mut flown: impl FnMut(f64, &P, &Craft),
+    mut observe: impl FnMut(f64, &P, &Craft),
 ) -> Ended {
     settings.engage = true;
     let mut companion = Companion::new(settings);
@@ -169,7 +169,7 @@ pub fn flies<P: Pilot>(
                 up.send(now, companion.header(), &message);
             }
             if let (Some(_), Stage::Flying(since)) = (commanded, companion.stage()) {
-                flown(now - since, pilot, autopilot.body());
+                observe(now - since, pilot, autopilot.body());
             }
         }
         for (header, message) in up.receive(now) {

@@ -136,10 +136,10 @@ fn noisy(seed: u64) -> Experiment {
 fn forty_within_one_and_a_half_times(
     exact: &Experiment,
     name: &str,
-    flown: impl Fn(u64) -> Flight + Sync + Send,
+    fly: impl Fn(u64) -> Flight + Sync + Send,
 ) -> Vec<Flight> {
     let expected = in_process(exact);
-    let flights: Vec<Flight> = (0..40).into_par_iter().map(flown).collect();
+    let flights: Vec<Flight> = (0..40).into_par_iter().map(fly).collect();
     let altitudes: Vec<_> = flights.iter().map(|f| f.altitude).collect();
     let (worst, median) = worst_and_median(&altitudes);
     println!("in process {expected:.2?}; {name} {median:.2?}, at worst {worst:.2?}");
@@ -507,8 +507,8 @@ fn a_link_lost_in_flight_is_a_failure_of_the_command() {
 #[ignore = "minutes: measures what the documentation states"]
 fn measured_over_forty_links() {
     let exact = experiment(&[]);
-    let of = |name: &str, flown: &dyn Fn(u64) -> [f64; 2]| {
-        let flights: Vec<_> = (0..40).map(flown).collect();
+    let of = |name: &str, fly: &dyn Fn(u64) -> [f64; 2]| {
+        let flights: Vec<_> = (0..40).map(fly).collect();
         let (worst, median) = worst_and_median(&flights);
         let [low, high] = in_process(&exact).map(|altitude| 1.5 * altitude);
         let within = flights

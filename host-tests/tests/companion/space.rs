@@ -129,7 +129,7 @@ fn paths_in_space_are_flown_over_bad_links() {
             .flat_map(|kind| [0, 1, 2].map(|seed| (kind, seed)))
         {
             let flight = companion_flies(&experiment, kind, BAD, seed);
-            let what = format!("{name} {:?} {seed}: {}", kind.flown(), flight.text());
+            let what = format!("{name} {:?} {seed}: {}", kind.commanded(), flight.text());
             println!("{what}");
             let within =
                 |[low, high]: [f64; 2], [least, most]: [f64; 2]| low > least && high < most;
@@ -196,8 +196,8 @@ fn the_accelerometer_is_heard() {
 
 fn ended_well(ended: &Ended, kind: Kind) {
     assert_eq!(ended.stage, Stage::Ended(End::Finished));
-    let found = (ended.mode, ended.losses, ended.after, ended.overridden);
-    assert_eq!(found, (kind.hold(), 0, 0, false));
+    let end = (ended.mode, ended.losses, ended.after, ended.overridden);
+    assert_eq!(end, (kind.hold(), 0, 0, false));
     assert!(ended.dropped > 20, "late messages: {}", ended.dropped);
 }
 
@@ -231,10 +231,10 @@ fn measured_over_ten_links_each() {
         println!("{name} {wind}: in process {v:.2} m/s, {x:.2} m");
         for kind in [Kind::Px4, ARDUPLANE] {
             let clean = companion_flies(&experiment, kind, GOOD, 0);
-            println!("  {:?} clean {}", kind.flown(), clean.text());
+            println!("  {:?} clean {}", kind.commanded(), clean.text());
             let flights = (0..10).map(|seed| companion_flies(&experiment, kind, BAD, seed));
             let worst = flights.reduce(|a, b| a.worse(&b)).unwrap();
-            println!("  {:?} worst {}", kind.flown(), worst.text());
+            println!("  {:?} worst {}", kind.commanded(), worst.text());
         }
     }
 }

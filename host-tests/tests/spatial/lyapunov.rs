@@ -86,16 +86,16 @@ fn check(
         let [i, j, w] = body(&inputs);
         let a = vehicle.gravity * E3 + (force(&inputs) - thrust * i) / vehicle.mass;
         inputs.feed_forward = Some((a.into(), jerk.into()));
-        let found = law(&inputs);
-        let f_p = V3::from(found.f_p);
+        let step = law(&inputs);
+        let f_p = V3::from(step.f_p);
         let theta_tilde = f_p.yz().norm().atan2(f_p.x);
-        if theta_tilde > 2.6 || f_p.norm() < 1.0 || found.k_inverse.abs() < 0.02 {
+        if theta_tilde > 2.6 || f_p.norm() < 1.0 || step.k_inverse.abs() < 0.02 {
             continue;
         }
         let error = V3::from(inputs.velocity) - V3::from(inputs.reference_velocity);
         let printed = -g.k1 * f_p.norm() * error.dot(&i).powi(2)
             - g.k3 / g.k2 * (0.5 * theta_tilde).tan().powi(2);
-        let rates = found.rates.map(|r| r.value);
+        let rates = step.rates.map(|r| r.value);
         let speed = rates.iter().map(|r| r * r).sum::<f64>().sqrt();
         let h = 1e-6 / (1.0 + speed);
         let slope = |rates: [f64; 3]| {
@@ -106,17 +106,17 @@ fn check(
             (at(h) - at(-h)) / (2.0 * h)
         };
         let actual = slope(rates);
-        let value = lyapunov(vehicle, g, &inputs, found.f_p);
+        let value = lyapunov(vehicle, g, &inputs, step.f_p);
         let tolerance = 1e-14 * value / h + 1e-6 * (printed.abs() + 1.0 + speed);
         assert!(
             (actual - printed).abs() < tolerance,
             "{actual} is not {printed} within {tolerance}, 1/k = {}: {inputs:?} {j} {w}",
-            found.k_inverse
+            step.k_inverse
         );
         states += 1;
-        if (1.0 / found.k_inverse - 1.0).abs() > 0.5 {
+        if (1.0 / step.k_inverse - 1.0).abs() > 0.5 {
             far_from_one += 1;
-            let wrong = slope([rates[0], rates[1], rates[2] * found.k_inverse]);
+            let wrong = slope([rates[0], rates[1], rates[2] * step.k_inverse]);
             told_apart += usize::from((wrong - printed).abs() > tolerance);
         }
     }

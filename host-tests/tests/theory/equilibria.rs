@@ -19,7 +19,7 @@ fn equilibria(vehicle: &Vehicle, inputs: &Inputs) -> Vec<f64> {
     };
     let steps = 720;
     let at = |i: i32| -PI + 2.0 * PI * f64::from(i) / f64::from(steps);
-    let mut found = Vec::new();
+    let mut zeros = Vec::new();
     for i in 0..steps {
         let (mut low, mut high) = (at(i), at(i + 1));
         if normal(low) * normal(high) > 0.0 {
@@ -33,9 +33,9 @@ fn equilibria(vehicle: &Vehicle, inputs: &Inputs) -> Vec<f64> {
                 high = middle;
             }
         }
-        found.push(0.5 * (low + high));
+        zeros.push(0.5 * (low + high));
     }
-    found
+    zeros
 }
 
 /// Theorem 3 i): at an equilibrium with |F_p| > 0 the direction of F_p does not change with θ, so
@@ -56,8 +56,8 @@ fn the_direction_of_f_p_is_stationary_at_equilibria() {
         let mut point = Point::random(&mut rng);
         point.state.velocity = point.reference.velocity;
         let inputs = point.inputs(false);
-        let found = equilibria(&vehicle, &inputs);
-        assert!(delta != 0.0 || found.len() >= 2, "{point:?}");
+        let zeros = equilibria(&vehicle, &inputs);
+        assert!(delta != 0.0 || zeros.len() >= 2, "{point:?}");
 
         let f_p = |theta: f64| {
             let air = vehicle.air(inputs.velocity, inputs.wind, theta);
@@ -70,7 +70,7 @@ fn the_direction_of_f_p_is_stationary_at_equilibria() {
         };
         elsewhere = elsewhere.max(turn(inputs.theta));
         let q = vehicle.k_a * (inputs.velocity - inputs.wind).norm_squared();
-        for theta in found {
+        for theta in zeros {
             let norm = f_p(theta).norm();
             if norm < 5.0 {
                 continue;

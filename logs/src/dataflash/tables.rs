@@ -247,6 +247,6 @@ fn clock(fields: &[Field]) -> Option<(usize, f64)> {
         (received, 1e3),
         (place("TimeMS"), 1e3),
     ];
-    let found = |(place, per_second): (Option<usize>, f64)| Some((place?, per_second));
-    clocks.into_iter().find_map(found)
+    let complete = |(place, per_second): (Option<usize>, f64)| Some((place?, per_second));
+    clocks.into_iter().find_map(complete)
 }

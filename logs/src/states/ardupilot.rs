@@ -116,7 +116,7 @@ mod tests {
     fn an_estimator_that_nothing_says_to_be_in_force_is_noted() {
         let q = [("Roll", 0.0), ("Pitch", 0.0), ("Yaw", 0.0)];
         let of = |name: &str, vn: f64| topic(name, 0, &[1.0], &[&velocity(vn)[..], &q].concat());
-        let found = |topics: &[Topic]| {
+        let velocity_of = |topics: &[Topic]| {
             let topics = topics.to_vec();
             let states = find(&Log {
                 topics,
@@ -129,11 +129,11 @@ mod tests {
             (states.velocity.unwrap().values[0][0], told)
         };
         let (two, three) = (of("NKF1", 5.0), of("XKF1", 50.0));
-        assert_eq!(found(&[two.clone(), three.clone()]), (50.0, true));
-        assert_eq!(found(std::slice::from_ref(&two)), (5.0, false));
-        assert_eq!(found(std::slice::from_ref(&three)), (50.0, false));
+        assert_eq!(velocity_of(&[two.clone(), three.clone()]), (50.0, true));
+        assert_eq!(velocity_of(std::slice::from_ref(&two)), (5.0, false));
+        assert_eq!(velocity_of(std::slice::from_ref(&three)), (50.0, false));
         let says = topic("ATT", 0, &[0.0], &[&q[..], &[("AEKF", 2.0)]].concat());
-        assert_eq!(found(&[two, three, says]), (5.0, false));
+        assert_eq!(velocity_of(&[two, three, says]), (5.0, false));
     }
 
     #[test]

@@ -56,8 +56,8 @@ pub(super) fn doubt(topics: &Topics) -> Option<String> {
         (FAMILY.heading_setpoint, ANGLE),
     ];
     of.iter().find_map(|(sources, units)| {
-        let found = sources.iter().find_map(|source| source.find(topics))?;
-        found.doubt(units)
+        let columns = sources.iter().find_map(|source| source.find(topics))?;
+        columns.doubt(units)
     })
 }
 
@@ -222,10 +222,10 @@ mod tests {
     /// An attitude asked for on some axes alone is none: no other stands for the angle that is not there. The rows beside it stay, and so does what is flown.
     #[test]
     fn an_attitude_set_point_without_an_axis_is_none() {
-        let flown = ["roll", "pitch", "yaw"].map(|n| Column::new(n, "deg", vec![10.0; 5]));
+        let angles = ["roll", "pitch", "yaw"].map(|n| Column::new(n, "deg", vec![10.0; 5]));
         let rest = [0.0, 0.0, 90.0];
         let all = |columns: Vec<Column>| {
-            let columns = flown.iter().cloned().chain(columns).collect();
+            let columns = angles.iter().cloned().chain(columns).collect();
             let time = vec![1.0, 2.0, 3.0, 4.0, 5.0];
             let log = Log {
                 topics: vec![Topic::new("csv", 0, time, columns).unwrap()],
@@ -377,8 +377,8 @@ mod tests {
                 "no attitude: the pitch in pitch is 120.0°",
             ),
         ] {
-            let found = refusal(units, angles, speed);
-            assert!(found.starts_with(says), "{found}");
+            let message = refusal(units, angles, speed);
+            assert!(message.starts_with(says), "{message}");
         }
         assert!(table(["deg"; 3], [-400.0, 90.4, 4000.0], "m/s").is_ok());
         assert!(table(["deg", "deg", ""], [0.0, 0.0, 350.0], "m/s").is_ok());

@@ -152,8 +152,8 @@ impl Source {
     pub(super) fn find<'a>(&self, topics: &'a Topics) -> Option<Found<'a>> {
         let columns = self.columns.iter();
         let columns: Vec<_> = columns.map(|column| self.column(topics, column)).collect();
-        let found = columns.iter().flatten().count();
-        let enough = found == columns.len() || self.partly && found > 0;
+        let present = columns.iter().flatten().count();
+        let enough = present == columns.len() || self.partly && present > 0;
         enough.then_some(Found {
             source: *self,
             columns,
@@ -359,14 +359,14 @@ pub(super) fn first<const N: usize>(
     sources: &[Source],
     missing: &mut Vec<Missing>,
 ) -> Option<Series<N>> {
-    let found = any(topics, time, sources);
-    if found.is_none() {
+    let series = any(topics, time, sources);
+    if series.is_none() {
         missing.push(Missing {
             what: what.into(),
             tried: sources.iter().map(Source::to_string).collect(),
         });
     }
-    found
+    series
 }
 
 /// All of `sources` that the log has, held at `time`: each row and axis of the first that gives it there. If it has none, `what` is missing.
@@ -378,8 +378,8 @@ pub(super) fn each<const N: usize>(
     missing: &mut Vec<Missing>,
 ) -> Option<Series<N>> {
     let first = first(topics, time, what, sources, missing)?;
-    let found = sources.iter().filter_map(|source| source.find(topics));
-    let all: Vec<Series<N>> = found.map(|found| found.held(time)).collect();
+    let matches = sources.iter().filter_map(|source| source.find(topics));
+    let all: Vec<Series<N>> = matches.map(|matches| matches.held(time)).collect();
     let known = |series: &Series<N>| series.values.iter().flatten().any(|x| x.is_finite());
     let all: Vec<Series<N>> = all.into_iter().filter(known).collect();
     let [_, _, ..] = all[..] else {
@@ -418,6 +418,6 @@ pub(super) fn any<const N: usize>(
     time: &[f64],
     sources: &[Source],
 ) -> Option<Series<N>> {
-    let found = sources.iter().find_map(|source| source.find(topics));
-    found.map(|found| found.held(time))
+    let first = sources.iter().find_map(|source| source.find(topics));
+    first.map(|first| first.held(time))
 }

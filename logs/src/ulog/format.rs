@@ -186,13 +186,13 @@ mod tests {
     fn nested_formats_and_padding_are_laid_out() {
         let top = "top:uint64_t timestamp;inner[2] esc;uint8_t[4] _padding0;float[2] q;char[3] id;uint8_t[5] _padding1;";
         let layout = layout(&[top, "inner:int16_t rpm;uint8_t[2] _padding0;"]).unwrap();
-        let found: Vec<_> = layout
+        let numbers: Vec<_> = layout
             .numbers
             .iter()
             .map(|(n, _, offset)| (n.as_str(), *offset))
             .collect();
         assert_eq!(
-            found,
+            numbers,
             [
                 ("esc[0].rpm", 8),
                 ("esc[1].rpm", 12),

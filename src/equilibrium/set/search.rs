@@ -102,16 +102,16 @@ fn a_zero_at_a_node_is_found_once() {
                 let (sin, cos) = math::sin_cos(difference(alpha, node.rad));
                 [sign * sin, sign * cos, -sign * sin]
             });
-            let found = with(&vehicle, |balance| {
+            let angles = with(&vehicle, |balance| {
                 assert_eq!(balance.at(*node).force, 0.0);
-                let found = brackets(balance).unwrap_or_default();
-                found
+                let intervals = brackets(balance).unwrap_or_default();
+                intervals
                     .iter()
                     .map(|b| refine(balance, b))
                     .collect::<heapless::Vec<f32, CAPACITY>>()
             });
-            assert_eq!(found.len(), 2, "{node:?}");
-            for zero in found {
+            assert_eq!(angles.len(), 2, "{node:?}");
+            for zero in angles {
                 let d = difference(zero, node.rad).abs();
                 // 1e-6: what refining promises.
                 assert!(d.min(math::PI - d) < 1e-6, "{node:?} {zero}");
@@ -136,11 +136,11 @@ fn two_zeros_in_one_cell_are_found() {
                 let middle = from + place * width;
                 let vehicle = shaped(dip(size, middle, h));
                 with(&vehicle, |balance| {
-                    let found = brackets(balance).unwrap_or_default();
+                    let intervals = brackets(balance).unwrap_or_default();
                     let steps = evaluations(&vehicle) - grid::N;
                     assert!((1..=4).contains(&steps), "{k} {h}: {steps}");
-                    let [a, b] = found.as_slice() else {
-                        panic!("{k} {place} {h}: {}", found.len())
+                    let [a, b] = intervals.as_slice() else {
+                        panic!("{k} {place} {h}: {}", intervals.len())
                     };
                     let (a, b) = (refine(balance, a), refine(balance, b));
                     let (a, b) = (difference(a, middle), difference(b, middle));
@@ -165,8 +165,8 @@ fn extrema_far_from_zero_cost_nothing() {
                 -sign * 22.5 * sin,
             ]
         });
-        let found = with(&vehicle, brackets);
-        assert!(found.is_ok_and(|found| found.is_empty()));
+        let intervals = with(&vehicle, brackets);
+        assert!(intervals.is_ok_and(|intervals| intervals.is_empty()));
         assert_eq!(evaluations(&vehicle), grid::N);
     }
 }
@@ -180,8 +180,8 @@ fn the_room_is_used_to_the_last() {
             let (sin, cos) = math::sin_cos(n * alpha + 0.1);
             [sin, n * cos, -n * n * sin]
         });
-        let found = with(&vehicle, brackets).map(|found| found.len());
-        assert_eq!(found.ok(), fits.then_some(CAPACITY));
+        let count = with(&vehicle, brackets).map(|intervals| intervals.len());
+        assert_eq!(count.ok(), fits.then_some(CAPACITY));
         let set = Equilibria::find(&vehicle, &FALL, Inertial::ZERO);
         assert_eq!(set.err(), (!fits).then_some(EquilibriumError::Overflow));
     }
@@ -201,8 +201,12 @@ fn one_dip_too_many_is_an_overflow() {
                 0.5 * n * n * (1.0 - 2.0 * sin * sin),
             ]
         });
-        let found = with(&vehicle, brackets);
-        assert_eq!(found.is_ok_and(|found| found.is_empty()), fits, "{n}");
+        let intervals = with(&vehicle, brackets);
+        assert_eq!(
+            intervals.is_ok_and(|intervals| intervals.is_empty()),
+            fits,
+            "{n}"
+        );
     }
 }
 
@@ -227,8 +231,8 @@ fn zeros_are_refined_within_a_few_evaluations() {
                         size * (2.0 * c * c - 2.0 * s * s - s),
                     ]
                 });
-                let found = with(&vehicle, |b| refine(b, &bracket(from, to, size > 0.0)));
-                let error = difference(found, zero).abs();
+                let angle = with(&vehicle, |b| refine(b, &bracket(from, to, size > 0.0)));
+                let error = difference(angle, zero).abs();
                 // Two roundings of an angle below 3.2.
                 assert!(error < 5e-7, "{k} {place} {size}: {error:e}");
                 let steps = evaluations(&vehicle);
@@ -260,8 +264,8 @@ fn slow_steps_give_way_to_bisections() {
                         size * curvature * d7,
                     ]
                 });
-                let found = with(&vehicle, |b| refine(b, &bracket(from, to, size > 0.0)));
-                worst = worst.max(difference(found, zero).abs() / (to - from));
+                let angle = with(&vehicle, |b| refine(b, &bracket(from, to, size > 0.0)));
+                worst = worst.max(difference(angle, zero).abs() / (to - from));
             }
         }
     }
@@ -343,8 +347,8 @@ fn a_dip_is_dug_to_its_end_and_no_further() {
             let d = difference(alpha, 0.75);
             [sign * 4.0 * d * d, sign * 8.0 * d, sign * 8.0]
         });
-        let found = with(&vehicle, |b| dig(b, 0.625, 0.875, sign < 0.0));
-        assert_eq!(found, touches.then_some(0.75));
+        let angle = with(&vehicle, |b| dig(b, 0.625, 0.875, sign < 0.0));
+        assert_eq!(angle, touches.then_some(0.75));
     }
 }
 

@@ -113,7 +113,7 @@ impl Answer {
     }
 
     /// The law's diagnostics of a step in which it was flown.
-    pub fn flown(&self) -> Option<&Diagnostics> {
+    pub fn diagnostics_flying(&self) -> Option<&Diagnostics> {
         match &self.report {
             Report::Law(Ok(command)) => Some(&command.diagnostics),
             Report::Guidance(guided) if guided.mode == Mode::Flying => {

@@ -266,14 +266,14 @@ impl Document {
 
     /// The value at `path`, as in `plant.thrust_n[1]`.
     pub fn get(&self, path: &str) -> Option<&Value> {
-        let mut found = &self.root;
+        let mut value = &self.root;
         for (key, index) in parts(path) {
-            found = found.get(key)?;
+            value = value.get(key)?;
             if let Some(index) = index {
-                found = found.get(index.parse::<usize>().ok()?)?;
+                value = value.get(index.parse::<usize>().ok()?)?;
             }
         }
-        Some(found)
+        Some(value)
     }
 
     /// The number at `path`.
@@ -296,29 +296,29 @@ impl Document {
         if let Some((key, _)) = parts(path).next() {
             self.supersede(key);
         }
-        let mut found = &mut self.root;
+        let mut place = &mut self.root;
         let mut around = "";
         for (key, index) in parts(path) {
             // A word stands for a kind without fields.
-            if CHOICES.contains(&around) && found.is_str() {
-                *found = Value::Table(Table::new());
+            if CHOICES.contains(&around) && place.is_str() {
+                *place = Value::Table(Table::new());
             }
-            let Value::Table(table) = found else {
+            let Value::Table(table) = place else {
                 return Err(error("goes through a value that is no table"));
             };
             if CHOICES.contains(&around) {
                 table.retain(|kind, _| kind == key);
             }
-            found = table
+            place = table
                 .entry(key)
                 .or_insert_with(|| Value::Table(Table::new()));
             if let Some(index) = index {
-                let item = index.parse().ok().and_then(|i: usize| found.get_mut(i));
-                found = item.ok_or_else(|| error("no such item of an array"))?;
+                let item = index.parse().ok().and_then(|i: usize| place.get_mut(i));
+                place = item.ok_or_else(|| error("no such item of an array"))?;
             }
             around = key;
         }
-        *found = value;
+        *place = value;
         self.expand_vehicle()
     }
 
@@ -585,10 +585,10 @@ impl Layer {
             rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
         };
         if let Some(DeValue::Table(set)) = root.get("set").map(|set| set.get_ref()) {
-            let found = set
+            let assignment = set
                 .iter()
                 .find(|(key, _)| begins(field, key.get_ref()) || begins(key.get_ref(), field));
-            if let Some((key, _)) = found {
+            if let Some((key, _)) = assignment {
                 return (line_at(&self.text, key.span().start), true);
             }
         }

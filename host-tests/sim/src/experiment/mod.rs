@@ -180,8 +180,8 @@ fn check_steps(duration: f64, rate: f64, substeps: u32) -> Result<(), FieldError
     let steps = duration * rate;
     let problem = format_args!("{steps} control steps, must be from 1 to {MAX_STEPS}");
     require((0.5..=MAX_STEPS).contains(&steps), "duration_s", problem)?;
-    let flown = (1..=1000).contains(&substeps);
-    require(flown, "substeps", "must be from 1 to 1000")
+    let possible = (1..=1000).contains(&substeps);
+    require(possible, "substeps", "must be from 1 to 1000")
 }
 
 impl Experiment {
@@ -192,10 +192,10 @@ impl Experiment {
         require(within, "entry_s", "must be from 0 to before duration_s")?;
         // The guidance refuses every frame with a longer or shorter step; the vehicle would fall.
         let step = 1.0 / self.control_rate_hz;
-        let flown = f64::from(MIN_STEP)..=f64::from(MAX_STEP);
-        let flown = self.controller.kind != "guidance" || flown.contains(&step);
+        let steps = f64::from(MIN_STEP)..=f64::from(MAX_STEP);
+        let possible = self.controller.kind != "guidance" || steps.contains(&step);
         let problem = format_args!("the guidance flies steps of {MIN_STEP} to {MAX_STEP} s");
-        require(flown, "control_rate_hz", problem)?;
+        require(possible, "control_rate_hz", problem)?;
         // A vehicle that the core would not control is not worth flying.
         self.vehicle.core().map_err(|e| e.inside("vehicle"))?;
         let dt = 1.0 / self.control_rate_hz / f64::from(self.substeps);

@@ -148,8 +148,8 @@ impl Route {
             let begin = leg.from_m_s.unwrap_or(last.map_or(0.0, |l| l.speed[1]));
             let end = leg.speed_m_s.unwrap_or(begin);
             for (name, speed) in [("from_m_s", begin), ("speed_m_s", end)] {
-                let flown = (0.0..=200.0).contains(&speed);
-                require(flown, field(name), "must be from 0 to 200 m/s")?;
+                let possible = (0.0..=200.0).contains(&speed);
+                require(possible, field(name), "must be from 0 to 200 m/s")?;
             }
             let radius = leg.radius_m.unwrap_or(f64::INFINITY);
             let wide = radius.abs() >= 1.0;
@@ -187,8 +187,8 @@ impl Route {
                 finite(&at(i, ""), length)?;
             }
             let (speed, radius) = (at(i, ".speed_m_s"), at(i, ".radius_m"));
-            let flown = (0.0..=200.0).contains(&p.speed_m_s);
-            require(flown, &speed, "must be from 0 to 200 m/s")?;
+            let possible = (0.0..=200.0).contains(&p.speed_m_s);
+            require(possible, &speed, "must be from 0 to 200 m/s")?;
             let turned = p.radius_m.is_none_or(|r| r >= 0.0);
             require(turned, radius, "must not be negative")?;
             if i > 0 {

@@ -213,7 +213,7 @@ impl TailSitterPlant {
     }
 
     /// The vehicle that flies.
-    pub fn flown(&self) -> TailSitterSpec {
+    pub fn true_vehicle(&self) -> TailSitterSpec {
         self.unknown.of(&self.measured())
     }
 
@@ -222,7 +222,7 @@ impl TailSitterPlant {
         self.vehicle.validate().map_err(|e| e.inside("vehicle"))?;
         for (field, variation, varied) in [
             ("variation", &self.variation, self.measured()),
-            ("unknown", &self.unknown, self.flown()),
+            ("unknown", &self.unknown, self.true_vehicle()),
         ] {
             variation.validate().map_err(|e| e.inside(field))?;
             varied.validate().map_err(|e| {

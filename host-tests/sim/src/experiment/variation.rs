@@ -147,7 +147,7 @@ mod tests {
             let mut large = variation.of(&small);
             // The autopilot's own rate does not follow from the size.
             large.rate_loop.rate_hz = 500.0 / time;
-            let flown = |spec: &TailSitterSpec, length: f64, time: f64| {
+            let end_of = |spec: &TailSitterSpec, length: f64, time: f64| {
                 let vehicle = TailSitter::new(spec.clone(), None);
                 let weight = spec.mass_kg * 9.81;
                 let mut state = vehicle.hover();
@@ -162,8 +162,8 @@ mod tests {
                 }
                 state
             };
-            let a: TailSitterState = flown(&small, 1.0, 1.0);
-            let b = flown(&large, size, time);
+            let a: TailSitterState = end_of(&small, 1.0, 1.0);
+            let b = end_of(&large, size, time);
             // 1e-7: roundings of 3 s of flight.
             assert!((b.position / size - a.position).norm() < 1e-7, "{name}");
             assert!((b.velocity / time - a.velocity).norm() < 1e-7, "{name}");

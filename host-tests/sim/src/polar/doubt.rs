@@ -79,10 +79,10 @@ fn reach(rows: &[[f64; 3]]) -> f64 {
 
 /// Why the `rows` \[°, c_L, c_D\] from these `lines` of a file are to be doubted; the worst first.
 pub fn doubts(lines: &[u64], rows: &[[f64; 3]]) -> Vec<Doubt> {
-    let mut found = Vec::new();
+    let mut doubts = Vec::new();
     let at = |i: usize| lines.get(i).or(lines.last()).copied().unwrap_or(1);
     let mut add = |i: usize, impossible: bool, problem: String| {
-        found.push(Doubt {
+        doubts.push(Doubt {
             line: at(i),
             problem,
             impossible,
@@ -162,8 +162,8 @@ pub fn doubts(lines: &[u64], rows: &[[f64; 3]]) -> Vec<Doubt> {
             );
         }
     }
-    found.sort_by_key(|doubt| !doubt.impossible);
-    found
+    doubts.sort_by_key(|doubt| !doubt.impossible);
+    doubts
 }
 
 /// Why the stall is not in the `rows` from these `lines`, by the line that shows it: lift still grows at the last, or is a method's that knows no stall.
@@ -309,12 +309,12 @@ mod tests {
             for (column, wild) in [(1, clean[i][1] + 0.5), (1, clean[i][1] - 0.5), (2, 0.6)] {
                 let mut rows = clean.clone();
                 rows[i][column] = wild;
-                let found = all(&rows);
+                let doubts = all(&rows);
                 let line = 10 + i as u64;
-                let told = found
+                let told = doubts
                     .iter()
                     .find(|doubt| doubt.line == line && doubt.impossible);
-                assert!(told.is_some(), "{i} {column} {wild}: {found:?}");
+                assert!(told.is_some(), "{i} {column} {wild}: {doubts:?}");
             }
         }
     }

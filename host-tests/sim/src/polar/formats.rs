@@ -560,8 +560,8 @@ mod tests {
             radians.replace("alpha_rad,CL,CD", "alpha (rad),CL,CD"),
             radians.replace("alpha_rad,CL,CD", "alpha,CL,CD\nrad,-,-"),
         ] {
-            let found = read("x", &text).unwrap().rows;
-            assert_eq!(found, [[0.5_f64.to_degrees(), 0.1, 0.02]], "{text}");
+            let rows = read("x", &text).unwrap().rows;
+            assert_eq!(rows, [[0.5_f64.to_degrees(), 0.1, 0.02]], "{text}");
         }
     }
 
@@ -601,10 +601,10 @@ mod tests {
     fn forms_that_are_not_read_are_named() {
         let error = |text: &str| read("x", text).unwrap_err().to_string();
         let jsbsim = "\n<?xml version=\"1.0\"?>\n<fdm_config name=\"mine\">\n<tableData>\n-0.2 -0.6\n</tableData>\n";
-        let found = error(jsbsim);
+        let message = error(jsbsim);
         assert!(
-            found.starts_with("x:2: JSBSim's XML") && found.contains("alpha_deg"),
-            "{found}"
+            message.starts_with("x:2: JSBSim's XML") && message.contains("alpha_deg"),
+            "{message}"
         );
         assert!(error("<html>").contains("HTML"));
         assert!(!is_polar("base = 'paper'\n# alpha cl cd\nx = 1\n"));
@@ -637,8 +637,8 @@ mod tests {
             "alpha [rad],cl,cd,cm [1/deg]",
             "alpha,cl,cd,cm\nrad,-,-,1/deg",
         ] {
-            let found = angles(&format!("{names}\n{small}")).unwrap();
-            assert_eq!(found[2], 0.5_f64.to_degrees());
+            let radians = angles(&format!("{names}\n{small}")).unwrap();
+            assert_eq!(radians[2], 0.5_f64.to_degrees());
             let error = angles(&format!("{names}\n{rows}")).unwrap_err().to_string();
             assert!(error.contains("are they degrees?"), "{error}");
         }
@@ -669,11 +669,11 @@ mod tests {
                 more,
             ]
             .concat();
-            let found = error(&text);
+            let message = error(&text);
             assert!(
-                found.contains("tables begin in line 4 (Re 100000), line ")
-                    && found.contains("(Re 200000). One file, one polar"),
-                "{found}"
+                message.contains("tables begin in line 4 (Re 100000), line ")
+                    && message.contains("(Re 200000). One file, one polar"),
+                "{message}"
             );
         }
         // By a column.
@@ -688,15 +688,15 @@ mod tests {
         assert_eq!(read("x", text).unwrap().rows.len(), 3);
         // AeroDyn 15's, each behind its own number in millions; and 14's, behind an end.
         let table = format!("0.75 Re ! Reynolds number in millions\n! Alpha Cl Cd\n{rows}");
-        let found = error(&format!("{table}{}", table.replace("0.75", "1.5")));
+        let message = error(&format!("{table}{}", table.replace("0.75", "1.5")));
         assert!(
-            found.contains("(Re 750000), line 8 (Re 1500000)"),
-            "{found}"
+            message.contains("(Re 750000), line 8 (Re 1500000)"),
+            "{message}"
         );
-        let found = error(&format!("alpha CL CD\n{rows}EOT\n{more}EOT\n"));
+        let message = error(&format!("alpha CL CD\n{rows}EOT\n{more}EOT\n"));
         assert!(
-            found.starts_with("x:5: another table follows: tables begin in line 2, line 6"),
-            "{found}"
+            message.starts_with("x:5: another table follows: tables begin in line 2, line 6"),
+            "{message}"
         );
     }
 }

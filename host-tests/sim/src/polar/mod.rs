@@ -129,21 +129,21 @@ impl Polar {
         Self::named(argument, Named::find("polar", BUILT_IN, argument)?)
     }
 
-    /// The polar in the text `found` under the name `argument`.
-    pub(crate) fn named(argument: &str, found: Named) -> anyhow::Result<Self> {
-        if is_document(&found.text) {
+    /// The polar in the text `file` under the name `argument`.
+    pub(crate) fn named(argument: &str, file: Named) -> anyhow::Result<Self> {
+        if is_document(&file.text) {
             bail!(
                 "{}: a vehicle or an experiment, and no polar",
                 on_one_line(argument)
             );
         }
         let mut loaded = LOADED.lock().unwrap_or_else(PoisonError::into_inner);
-        match loaded.get(&found.text) {
+        match loaded.get(&file.text) {
             // Of another name, perhaps.
             Some(polar) if polar.name == argument => Ok(*polar),
             _ => {
-                let polar = Self::from_text(argument, &found.text)?;
-                loaded.insert(found.text, polar);
+                let polar = Self::from_text(argument, &file.text)?;
+                loaded.insert(file.text, polar);
                 Ok(polar)
             }
         }

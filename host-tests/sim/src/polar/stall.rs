@@ -267,12 +267,12 @@ mod tests {
             a => 0.68 - 0.08 * (a - 12.0),
         };
         let rows = rows(angles(), thin);
-        let found = |rows: &[[f64; 2]]| {
+        let attached = |rows: &[[f64; 2]]| {
             let attached = Attached::of(rows).unwrap();
             (attached.top, attached.end, attached.stalls)
         };
-        assert_eq!(found(&rows), (14, 24, true));
-        assert_eq!(found(&rows[..23]), (14, 22, false));
+        assert_eq!(attached(&rows), (14, 24, true));
+        assert_eq!(attached(&rows[..23]), (14, 22, false));
         let turned: Vec<[f64; 2]> = rows.iter().rev().map(|[a, l]| [-a, -l]).collect();
         let below = Attached::inverted(&turned).unwrap();
         assert_eq!((below.top, below.end), (48 - 14, 48 - 24));

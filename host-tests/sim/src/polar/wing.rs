@@ -201,9 +201,9 @@ mod tests {
     #[test]
     fn a_stall_that_is_told_decides() {
         let rows = section(0.3);
-        let (_, found) = of_section(&rows[..23], None, false, 6.0).unwrap();
+        let (_, computed) = of_section(&rows[..23], None, false, 6.0).unwrap();
         let (_, told) = of_section(&rows[..23], None, true, 6.0).unwrap();
-        assert_eq!(found.upto, Upto::Section([0.0, 11.0]));
+        assert_eq!(computed.upto, Upto::Section([0.0, 11.0]));
         assert_eq!(told.upto, Upto::Section([0.0, 11.0]));
         let (_, told) = of_section(&rows[..30], None, true, 6.0).unwrap();
         assert_eq!(told.upto, Upto::Section([0.0, 14.5]));

@@ -93,8 +93,8 @@ mod tests {
                 document.assign(change).unwrap();
             }
             let experiment = document.checked().unwrap();
-            let flown = fly(&experiment).unwrap();
-            let log = flight_log::log(&experiment, &flown).unwrap();
+            let record = fly(&experiment).unwrap();
+            let log = flight_log::log(&experiment, &record).unwrap();
             for format in [Format::Ulog, Format::Mcap, Format::Csv] {
                 let mut file = std::io::Cursor::new(Vec::new());
                 format.write(&log, &mut file).unwrap();
@@ -105,15 +105,15 @@ mod tests {
                     Format::Csv => alula_logs::csv::read("x", bytes, None),
                 };
                 let states = alula_logs::states::find(&log.unwrap()).unwrap();
-                same_commands(&flown, &states, &experiment, &format!("{air} {format:?}"));
+                same_commands(&record, &states, &experiment, &format!("{air} {format:?}"));
             }
         }
     }
 
-    fn same_commands(flown: &[Step], states: &States, experiment: &Experiment, what: &str) {
+    fn same_commands(record: &[Step], states: &States, experiment: &Experiment, what: &str) {
         let (replayed, _) = replay(states, experiment).unwrap();
-        assert_eq!(flown.len(), replayed.len());
-        for (a, b) in flown.iter().zip(&replayed) {
+        assert_eq!(record.len(), replayed.len());
+        for (a, b) in record.iter().zip(&replayed) {
             assert_eq!(a.answer, b.answer, "{what} {}", a.t);
         }
         let mut csv = Vec::new();

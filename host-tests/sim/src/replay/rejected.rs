@@ -53,9 +53,9 @@ mod tests {
         let mut document = Document::load("round-trip").unwrap();
         document.assign("duration_s=2").unwrap();
         let experiment = document.checked().unwrap();
-        let flown = fly(&experiment).unwrap();
+        let record = fly(&experiment).unwrap();
         let mut csv = Vec::new();
-        columns::write_trace(&experiment, &flown, &mut csv).unwrap();
+        columns::write_trace(&experiment, &record, &mut csv).unwrap();
         let text = String::from_utf8(csv).unwrap();
         let mut lines: Vec<Vec<String>> = text
             .lines()
@@ -70,7 +70,7 @@ mod tests {
         for line in &mut lines[151..] {
             line[t] = (line[t].parse::<f64>().unwrap() + 0.5).to_string();
         }
-        let rows = flown.len();
+        let rows = record.len();
         let text: Vec<String> = lines.iter().map(|line| line.join(",")).collect();
         let file = tempfile::NamedTempFile::with_suffix(".csv").unwrap();
         std::fs::write(&file, text.join("\n")).unwrap();

@@ -63,7 +63,7 @@ impl Row {
     pub fn of(states: &States, row: usize) -> Self {
         let value = |series| at(series, row).map(|(value, _)| value);
         let unknown = ([f64::NAN; 3], f64::INFINITY);
-        let flown = at(states.velocity.as_ref(), row).unwrap_or(unknown);
+        let velocity = at(states.velocity.as_ref(), row).unwrap_or(unknown);
         let wanted = asked(states.position_setpoint.as_ref(), row);
         // An autopilot that logs no velocity asked for may ask for one, and one that logs it without a number does not.
         let logged = states.velocity_setpoint.is_some();
@@ -77,17 +77,17 @@ impl Row {
             let rest = held.filter(|(x, _)| x[i].is_finite()).map(|_| 0.0);
             own.or(rest)
         };
-        let reference = std::array::from_fn(|i| asked_on(i).unwrap_or(flown.0[i]));
+        let reference = std::array::from_fn(|i| asked_on(i).unwrap_or(velocity.0[i]));
         let axes = (0..3).filter(|i| asked_on(*i).is_some()).count();
         let acceleration = asked(states.acceleration_setpoint.as_ref(), row);
         let or_none = |x: f64| if x.is_finite() { x } else { 0.0 };
         Self {
-            velocity: flown.0,
-            velocity_age: flown.1,
+            velocity: velocity.0,
+            velocity_age: velocity.1,
             is_followed: axes > 0,
             is_partly: axes > 0 && axes < 3,
             reference,
-            reference_age: setpoint.unwrap_or(flown).1,
+            reference_age: setpoint.unwrap_or(velocity).1,
             acceleration: acceleration
                 .filter(|_| axes > 0)
                 .map_or([0.0; 3], |(acceleration, _)| acceleration.map(or_none)),
@@ -178,9 +178,9 @@ pub fn notes(states: &States, followed: Followed) -> Vec<String> {
             .filter_map(|unknown| unknown.note(rows)),
     );
     if followed.any < rows {
-        let flown = rows - followed.any;
+        let missing = rows - followed.any;
         notes.push(format!(
-            "no velocity asked for in {flown} of {rows} rows: the velocity flown stands for it there"
+            "no velocity asked for in {missing} of {rows} rows: the velocity flown stands for it there"
         ));
     }
     if followed.partly > 0 {

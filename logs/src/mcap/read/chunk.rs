@@ -99,10 +99,13 @@ mod tests {
         let packs = [("zstd", zstd as Pack), ("lz4", lz4)];
         for (name, pack) in packs {
             let file = packed(out.get_ref(), name, pack);
-            let found = read("x", &file).unwrap();
-            assert_eq!(format!("{:?}", found.topics), format!("{:?}", plain.topics));
+            let unpacked = read("x", &file).unwrap();
+            assert_eq!(
+                format!("{:?}", unpacked.topics),
+                format!("{:?}", plain.topics)
+            );
             // The checksum is that of the whole file as it was, which is not this one.
-            assert_eq!(found.notes.len(), 1, "{:?}", found.notes);
+            assert_eq!(unpacked.notes.len(), 1, "{:?}", unpacked.notes);
             // Every byte of it damaged, one after the other: no panic, and what is left out is said.
             for at in 0..file.len() {
                 let mut file = file.clone();

@@ -70,7 +70,7 @@ pub(super) fn times<'a>(
             .collect::<Vec<_>>(),
     );
     let common = common.unwrap_or(Some(UNITS[0]));
-    let mut found = Vec::new();
+    let mut times = Vec::new();
     let mut offsets: Vec<f64> = Vec::new();
     let mut units: Vec<&str> = Vec::new();
     for (name, rows) in &channels {
@@ -97,7 +97,7 @@ pub(super) fn times<'a>(
             units.push(word);
         }
         let time = std::iter::zip(time, &rows.logged);
-        found.push(
+        times.push(
             time.map(|(time, logged)| if time.is_finite() { time } else { *logged })
                 .collect(),
         );
@@ -114,7 +114,7 @@ pub(super) fn times<'a>(
             units.join(" and ")
         ));
     }
-    found
+    times
 }
 
 /// Whether the usual step of these times, if there is one, is one of a flight log in seconds.
@@ -189,19 +189,19 @@ mod tests {
         for (per_second, word) in UNITS {
             let stamps = logged.map(|t| t * per_second);
             // A channel of one message has the unit of the others.
-            let (found, notes) = of(&[rows(&logged, &stamps), rows(&[2.0], &[2.0 * per_second])]);
+            let (times, notes) = of(&[rows(&logged, &stamps), rows(&[2.0], &[2.0 * per_second])]);
             let close = |a: f64, b: f64| (a - b).abs() < 1e-12;
             assert!(
-                std::iter::zip(&found[0], logged).all(|(a, b)| close(*a, b)),
-                "{found:?}"
+                std::iter::zip(&times[0], logged).all(|(a, b)| close(*a, b)),
+                "{times:?}"
             );
-            assert_eq!(found[1], [2.0]);
+            assert_eq!(times[1], [2.0]);
             assert_eq!(notes.len(), usize::from(per_second != 1.0));
             assert!(notes.iter().all(|note| note.contains(word)), "{notes:?}");
         }
         // Of an epoch of its own, as since power-on.
-        let (found, notes) = of(&[rows(&[1e9, 1e9 + 1.0], &[5e6, 6e6])]);
-        assert_eq!((&found[0][..], notes.len()), (&[5.0, 6.0][..], 1));
+        let (times, notes) = of(&[rows(&[1e9, 1e9 + 1.0], &[5e6, 6e6])]);
+        assert_eq!((&times[0][..], notes.len()), (&[5.0, 6.0][..], 1));
     }
 
     /// A writer of MCAP that puts microseconds, milliseconds or seconds where nanoseconds belong, beside a right `timestamp`.
@@ -210,38 +210,38 @@ mod tests {
         let stamps = [2.0, 2.05, 2.1];
         for wrong in [1e3, 1e6, 1e9] {
             let logged = stamps.map(|t| t / wrong);
-            let (found, notes) = of(&[rows(&logged, &stamps), rows(&logged[..1], &stamps[..1])]);
-            assert_eq!(found, [&stamps[..], &[2.0]]);
+            let (times, notes) = of(&[rows(&logged, &stamps), rows(&logged[..1], &stamps[..1])]);
+            assert_eq!(times, [&stamps[..], &[2.0]]);
             assert!(notes[0].contains("`timestamp` is taken"), "{notes:?}");
         }
         // Where neither is right, it is the time logged that is converted.
-        let (found, _) = of(&[rows(&[2e-3, 2.05e-3], &[2e3, 2.05e3])]);
-        assert!((found[0][0] - 2e-3).abs() < 1e-12, "{found:?}");
+        let (times, _) = of(&[rows(&[2e-3, 2.05e-3], &[2e3, 2.05e3])]);
+        assert!((times[0][0] - 2e-3).abs() < 1e-12, "{times:?}");
     }
 
     #[test]
     fn clocks_that_disagree_are_said_to() {
-        let (found, notes) = of(&[rows(&[0.0, 1.0], &[0.0, 30.0])]);
-        assert_eq!(found, [[0.0, 1.0]]);
+        let (times, notes) = of(&[rows(&[0.0, 1.0], &[0.0, 30.0])]);
+        assert_eq!(times, [[0.0, 1.0]]);
         assert!(
             notes[0].contains("runs over 30 where it was logged over 1.000 s"),
             "{notes:?}"
         );
         // A channel without stamps beside one with those of another epoch.
         let without = rows(&[1e9, 1e9 + 1.0], &[f64::NAN; 2]);
-        let (found, notes) = of(&[rows(&[1e9, 1e9 + 1.0], &[5.0, 6.0]), without]);
-        assert_eq!(found, [[1e9, 1e9 + 1.0]; 2]);
+        let (times, notes) = of(&[rows(&[1e9, 1e9 + 1.0], &[5.0, 6.0]), without]);
+        assert_eq!(times, [[1e9, 1e9 + 1.0]; 2]);
         assert!(notes[0].contains("different clocks"), "{notes:?}");
         // Of one epoch, each has its own.
         let without = rows(&[5.1, 6.1], &[f64::NAN; 2]);
-        let (found, notes) = of(&[rows(&[5.1, 6.1], &[5.0, 6.0]), without]);
+        let (times, notes) = of(&[rows(&[5.1, 6.1], &[5.0, 6.0]), without]);
         assert_eq!(
-            (found, notes.len()),
+            (times, notes.len()),
             (vec![vec![5.0, 6.0], vec![5.1, 6.1]], 0)
         );
         // Without a second clock the stamps are seconds.
-        let (found, notes) = of(&[rows(&[0.0, 0.0], &[5.0, 6.0])]);
-        assert_eq!((found, notes.len()), (vec![vec![5.0, 6.0]], 0));
+        let (times, notes) = of(&[rows(&[0.0, 0.0], &[5.0, 6.0])]);
+        assert_eq!((times, notes.len()), (vec![vec![5.0, 6.0]], 0));
     }
 
     /// Each message a channel of its own: the unit is that of all, or told by the second clock at each.
@@ -251,10 +251,10 @@ mod tests {
             for (per_second, word) in UNITS {
                 let times = [epoch, epoch + 0.05, epoch + 4.0];
                 let channels = times.map(|t| rows(&[t], &[t * per_second]));
-                let (found, notes) = of(&channels);
-                for (found, want) in std::iter::zip(found, times) {
+                let (read, notes) = of(&channels);
+                for (read, want) in std::iter::zip(read, times) {
                     // Nanoseconds since 1970 have 61 bits, and a float 53.
-                    assert!((found[0] - want).abs() < 1e-6, "{found:?} {want}");
+                    assert!((read[0] - want).abs() < 1e-6, "{read:?} {want}");
                 }
                 assert_eq!(notes.len(), usize::from(per_second != 1.0));
                 assert!(notes.iter().all(|note| note.contains(word)), "{notes:?}");
@@ -262,12 +262,12 @@ mod tests {
         }
         // Since power-on, and the log's since 1970.
         let channels = [0.0, 0.05, 4.0].map(|t| rows(&[1.7e9 + t], &[(t + 7.0) * 1e6]));
-        let (found, _) = of(&channels);
-        assert_eq!(found, [[7.0], [7.05], [11.0]]);
+        let (times, _) = of(&channels);
+        assert_eq!(times, [[7.0], [7.05], [11.0]]);
         // A channel in milliseconds beside one in microseconds, of one message each, and one that lasts.
         let channels = [rows(&[20.0, 21.0], &[20e6, 21e6]), rows(&[20.5], &[20.5e3])];
-        let (found, notes) = of(&channels);
-        assert_eq!(found, [vec![20.0, 21.0], vec![20.5]]);
+        let (times, notes) = of(&channels);
+        assert_eq!(times, [vec![20.0, 21.0], vec![20.5]]);
         assert!(
             notes[0].contains("microseconds and milliseconds"),
             "{notes:?}"

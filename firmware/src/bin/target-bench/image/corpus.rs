@@ -123,7 +123,7 @@ pub fn measure(fixture: &Fixture, meter: &Meter, name: &[u8]) {
     let mut file = File::open(name);
     let output = &mut Output::new();
     let mut configuration = None;
-    let mut found = [(0u32, 0, 0); 2];
+    let mut worst = [(0u32, 0, 0); 2];
     while let Some(kind) = file.byte() {
         if kind == 0 {
             let ToTarget::Configure(heard) = file.message() else {
@@ -144,18 +144,18 @@ pub fn measure(fixture: &Fixture, meter: &Meter, name: &[u8]) {
             input,
             dt,
         };
-        let (function, found): (Function, _) = match call.guidance {
-            Made::Combined(_) => (combined, &mut found[0]),
-            Made::Chosen(_) => (chosen, &mut found[1]),
+        let (function, worst): (Function, _) = match call.guidance {
+            Made::Combined(_) => (combined, &mut worst[0]),
+            Made::Chosen(_) => (chosen, &mut worst[1]),
         };
         NEXT.0.set(&mut call);
         let count = meter.instructions(function, &case, output);
         // SAFETY: NEXT points to it, and nothing else does.
         unsafe { (*NEXT.0.get()).memory = HardenedState::from_bytes(&bytes) };
         let stack = meter.stack(function, &case, output);
-        *found = (found.0 + 1, found.1.max(count), found.2.max(stack));
+        *worst = (worst.0 + 1, worst.1.max(count), worst.2.max(stack));
     }
-    for (calls, most, stack) in found {
+    for (calls, most, stack) in worst {
         hprintln!("{} {} {}", calls, most, stack);
     }
 }

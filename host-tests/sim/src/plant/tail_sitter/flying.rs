@@ -63,11 +63,11 @@ fn nose_forward() -> UnitQuaternion<f64> {
 impl Flying {
     /// The vehicle of `plant` at `state`: motors at the thrust of the state, elevons at rest.
     pub fn new(plant: &TailSitterPlant, state: State) -> Self {
-        let flown = plant.flown();
-        let vehicle = TailSitter::new(flown.clone(), plant.ground_m);
+        let spec = plant.true_vehicle();
+        let vehicle = TailSitter::new(spec.clone(), plant.ground_m);
         let share = (state.thrust / vehicle.static_thrust()).clamp(0.0, 1.0);
         let mut motors = [0.0; MOTORS];
-        for (speed, propeller) in motors.iter_mut().zip(&flown.propellers) {
+        for (speed, propeller) in motors.iter_mut().zip(&spec.propellers) {
             *speed = propeller.speed_max_rev_s * share.sqrt();
         }
         let own = TailSitterState {
