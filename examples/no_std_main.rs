@@ -13,12 +13,23 @@ use alula::{
 /// Period of the control loop [s].
 const PERIOD: f32 = 0.01;
 
+/// What the state estimator tells.
+#[derive(Clone, Copy, Default)]
+struct Estimate {
+    /// Velocity over ground (down, forward) [m/s].
+    velocity: Inertial,
+    /// Velocity through the air, likewise [m/s].
+    air: Inertial,
+    /// Attitude θ [rad].
+    theta: f32,
+}
+
 /// What the board gives and takes.
 trait Board {
     /// Waits for the next period; false when the flight is over.
     fn next_period(&mut self) -> bool;
-    /// Velocity (down, forward) [m/s], air velocity likewise, and θ [rad].
-    fn measured(&mut self) -> (Inertial, Inertial, f32);
+    /// Where the vehicle is.
+    fn estimate(&mut self) -> Estimate;
     /// What the pilot or the mission asks for.
     fn reference(&mut self) -> Reference;
     /// Thrust [N] and angular rate [rad/s], to the rate loop.
@@ -32,7 +43,11 @@ fn fly(board: &mut impl Board) -> Result<(), ParameterError> {
     let guidance = Guidance::new(vehicle, &GuidanceParameters::default())?;
     let mut memory = GuidanceState::default();
     while board.next_period() {
-        let (velocity, air, theta) = board.measured();
+        let Estimate {
+            velocity,
+            air,
+            theta,
+        } = board.estimate();
         let input = PlanarGuidanceInput {
             velocity,
             attitude: Attitude::from_angle(theta),
@@ -59,8 +74,8 @@ impl Board for Bench {
         self.periods = self.periods.saturating_sub(1);
         more
     }
-    fn measured(&mut self) -> (Inertial, Inertial, f32) {
-        (Inertial::ZERO, Inertial::ZERO, 0.0)
+    fn estimate(&mut self) -> Estimate {
+        Estimate::default()
     }
     fn reference(&mut self) -> Reference {
         Reference::default()

@@ -265,8 +265,8 @@ impl Aerodynamics for Table<'_> {
             return Coefficients::default();
         };
         let u = (a - interval.alpha) * interval.inverse;
-        let (c_l, dc_l, ddc_l) = polynomial(&interval.c_l, u);
-        let (c_d, dc_d, ddc_d) = polynomial(&interval.c_d, u);
+        let [c_l, dc_l, ddc_l] = polynomial(&interval.c_l, u);
+        let [c_d, dc_d, ddc_d] = polynomial(&interval.c_d, u);
         let first = interval.inverse;
         let second = first * first;
         Coefficients {
@@ -282,12 +282,12 @@ impl Aerodynamics for Table<'_> {
 
 /// A quintic, its first and its second derivative at `u`.
 #[inline(always)]
-fn polynomial(&[a0, a1, a2, a3, a4, a5]: &[f32; 6], u: f32) -> (f32, f32, f32) {
-    (
+fn polynomial(&[a0, a1, a2, a3, a4, a5]: &[f32; 6], u: f32) -> [f32; 3] {
+    [
         a0 + u * (a1 + u * (a2 + u * (a3 + u * (a4 + u * a5)))),
         a1 + u * (2.0 * a2 + u * (3.0 * a3 + u * (4.0 * a4 + u * (5.0 * a5)))),
         2.0 * a2 + u * (6.0 * a3 + u * (12.0 * a4 + u * (20.0 * a5))),
-    )
+    ]
 }
 
 #[cfg(feature = "defmt")]
@@ -348,7 +348,7 @@ mod tests {
         for (model, _) in &SHIPPED {
             for (k, pair) in model.intervals.windows(2).enumerate() {
                 let end = |i: &Interval, of: fn(&Interval) -> &[f32; 6], u: f32| {
-                    let (y, dy, ddy) = polynomial(of(i), u);
+                    let [y, dy, ddy] = polynomial(of(i), u);
                     [y, dy * i.inverse, ddy * i.inverse * i.inverse]
                 };
                 for of in [(|i| &i.c_l) as fn(&Interval) -> &[f32; 6], |i| &i.c_d] {

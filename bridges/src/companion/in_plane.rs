@@ -20,6 +20,15 @@ pub enum Wanted<'a> {
     Link,
 }
 
+/// What is to be flown at one step.
+struct Asked {
+    reference: Reference,
+    /// Its position \[m\], if one is asked for.
+    position: Option<Inertial>,
+    /// Its age \[s\].
+    age: f32,
+}
+
 /// What the controller was told and answered at one step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlanarStep {
@@ -72,8 +81,8 @@ impl<'a, P: Planar> InPlane<'a, P> {
         self.last.as_ref()
     }
 
-    /// The reference, with its position and its age \[s\].
-    fn reference(&self, told: &Told, plane: &VerticalPlane) -> (Reference, Option<Inertial>, f32) {
+    /// What is to be flown now.
+    fn asked(&self, told: &Told, plane: &VerticalPlane) -> Asked {
         match (&self.wanted, &told.asked) {
             (Wanted::Plan(at), _) => {
                 let [velocity, acceleration, position] = at(told.t);
@@ -81,17 +90,28 @@ impl<'a, P: Planar> InPlane<'a, P> {
                     velocity,
                     acceleration,
                 };
-                (reference, Some(position), 0.0)
+                Asked {
+                    reference,
+                    position: Some(position),
+                    age: 0.0,
+                }
             }
             // Until something is asked for: stay.
-            (Wanted::Link, None) => (Reference::default(), Some(Inertial::ZERO), 0.0),
+            (Wanted::Link, None) => Asked {
+                reference: Reference::default(),
+                position: Some(Inertial::ZERO),
+                age: 0.0,
+            },
             (Wanted::Link, Some((asked, age))) => {
                 let reference = Reference {
                     velocity: plane.project(asked.velocity).0,
                     acceleration: plane.project(asked.acceleration).0,
                 };
-                let position = asked.position.map(|x| plane.project(x).0);
-                (reference, position, *age)
+                Asked {
+                    reference,
+                    position: asked.position.map(|x| plane.project(x).0),
+                    age: *age,
+                }
             }
         }
     }
@@ -108,7 +128,11 @@ impl<P: Planar> Pilot for InPlane<'_, P> {
         let plane = hold.plane();
         let projected = plane.attitude(&told.orientation).ok_or(End::Attitude)?;
         let position = plane.project(told.position).0;
-        let (reference, wanted, reference_age) = self.reference(told, plane);
+        let Asked {
+            reference,
+            position: wanted,
+            age: reference_age,
+        } = self.asked(told, plane);
         let air = told.air.map(|v| plane.project(v).0);
         let velocity = plane.project(told.velocity).0;
         let input = PlanarGuidanceInput {

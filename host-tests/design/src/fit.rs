@@ -280,29 +280,38 @@ pub struct Sphericity {
 impl Sphericity {
     /// Of `model`, sampled every 0.1°.
     pub fn of(model: &Aerodynamics) -> Self {
-        let samples: Vec<(f64, f64, f64)> = (0..3600)
+        /// The paper's condition and the simpler one at an angle.
+        struct Sample {
+            alpha_deg: f64,
+            condition: f64,
+            simpler: f64,
+        }
+        let samples: Vec<Sample> = (0..3600)
             .map(|n| f64::from(n) * 0.1 - 179.95)
-            .map(|degrees| {
-                let alpha = degrees.to_radians();
+            .map(|alpha_deg| {
+                let alpha = alpha_deg.to_radians();
                 let (c, (s, cos)) = (model.at(alpha), alpha.sin_cos());
                 let condition = (c.ddc_d - 2.0 * c.dc_l) * s + (c.ddc_l + 2.0 * c.dc_d) * cos;
                 let simpler = c.dc_d * s * s + c.dc_l * s * cos - c.c_l;
-                (degrees, condition, simpler)
+                Sample {
+                    alpha_deg,
+                    condition,
+                    simpler,
+                }
             })
             .collect();
-        let rms = |of: fn(&(f64, f64, f64)) -> f64| {
+        let rms = |of: fn(&Sample) -> f64| {
             let squares: f64 = samples.iter().map(|s| of(s).powi(2)).sum();
             (squares / samples.len() as f64).sqrt()
         };
         let worst = samples
             .iter()
-            .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
-        let (at_alpha_deg, max_condition, _) = worst.copied().unwrap_or_default();
+            .max_by(|a, b| a.condition.abs().total_cmp(&b.condition.abs()));
         Self {
-            rms_condition: rms(|s| s.1),
-            max_condition: max_condition.abs(),
-            at_alpha_deg,
-            rms_simpler: rms(|s| s.2),
+            rms_condition: rms(|s| s.condition),
+            max_condition: worst.map_or(0.0, |s| s.condition.abs()),
+            at_alpha_deg: worst.map_or(0.0, |s| s.alpha_deg),
+            rms_simpler: rms(|s| s.simpler),
         }
     }
 }

@@ -457,6 +457,17 @@ impl<'a> Tally<'a> {
     }
 }
 
+/// A figure that does not keep its bound.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Beyond<'a> {
+    /// Its name.
+    pub figure: &'a str,
+    /// What it is.
+    pub value: f64,
+    /// The most that it may be.
+    pub bound: f64,
+}
+
 /// The figures of a flight.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figures {
@@ -527,12 +538,16 @@ impl Figures {
         map
     }
 
-    /// The bounds of `experiment` that are not kept: name, value, bound.
-    pub fn beyond<'a>(&self, experiment: &'a Experiment) -> Vec<(&'a str, f64, f64)> {
+    /// The bounds of `experiment` that are not kept.
+    pub fn beyond<'a>(&self, experiment: &'a Experiment) -> Vec<Beyond<'a>> {
         let bounds = experiment.bounds.iter();
-        let all = bounds.map(|(name, &bound)| (name.as_str(), self.get(name), bound));
+        let all = bounds.map(|(name, &bound)| Beyond {
+            figure: name,
+            value: self.get(name),
+            bound,
+        });
         // A NaN keeps no bound.
-        all.filter(|(_, value, bound)| value.is_nan() || value > bound)
+        all.filter(|b| b.value.is_nan() || b.value > b.bound)
             .collect()
     }
 

@@ -31,6 +31,15 @@ pub struct OnPath {
     record: Record,
 }
 
+/// What is to be flown at one step.
+struct Asked {
+    target: Target,
+    /// Whether at its position.
+    placed: bool,
+    /// Its age \[s\].
+    age: f32,
+}
+
 impl OnPath {
     /// The guidance of `experiment` along its path, or, if it is led `from_link`, along what comes over the link.
     pub fn new(experiment: &Experiment, from_link: bool) -> anyhow::Result<Self> {
@@ -51,12 +60,16 @@ impl OnPath {
         &self.record
     }
 
-    /// What is to be flown now, whether at a position, and its age \[s\].
-    fn target(&mut self, told: &Told) -> (Target, bool, f32) {
+    /// What is to be flown now.
+    fn asked(&mut self, told: &Told) -> Asked {
         let Some(path) = &mut self.path else {
             let Some((asked, age)) = &told.asked else {
                 // Until something is asked for: stay.
-                return (Target::default(), true, 0.0);
+                return Asked {
+                    target: Target::default(),
+                    placed: true,
+                    age: 0.0,
+                };
             };
             let target = Target {
                 position: double(asked.position.unwrap_or(told.position)),
@@ -64,7 +77,11 @@ impl OnPath {
                 acceleration: double(asked.acceleration),
                 heading: None,
             };
-            return (target, asked.position.is_some(), *age);
+            return Asked {
+                target,
+                placed: asked.position.is_some(),
+                age: *age,
+            };
         };
         let (last, pace) = self.last;
         path.advance(last, (told.t - last).max(0.0), |_| pace);
@@ -76,7 +93,11 @@ impl OnPath {
             pace
         });
         self.last = (told.t, pace);
-        (target, true, 0.0)
+        Asked {
+            target,
+            placed: true,
+            age: 0.0,
+        }
     }
 
     fn keep(&mut self, told: &Told, target: Target, input: Input, answer: Answer) {
@@ -120,7 +141,11 @@ impl Pilot for OnPath {
     fn begin(&mut self, _: f32) {}
 
     fn answer(&mut self, told: &Told, dt: f32) -> Result<Command, End> {
-        let (target, placed, reference_age) = self.target(told);
+        let Asked {
+            target,
+            placed,
+            age: reference_age,
+        } = self.asked(told);
         let error = told.position - ned(target.position);
         let heading = target.heading.map_or(f32::NAN, |h| h as f32);
         let sample = GuidanceInput::default()

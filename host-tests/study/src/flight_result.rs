@@ -38,13 +38,22 @@ pub struct FlightResult {
     pub diverged: bool,
 }
 
+/// A fault, and when its states are looked at.
+#[derive(Clone, Copy)]
+struct Stated<'a> {
+    fault: &'a FaultDraw,
+    /// The number of its last step; none if it lasts beyond the flight.
+    last: Option<usize>,
+    /// The number of the flight's last step.
+    end: usize,
+}
+
 /// What is asked at the steps of a flight: samples, and the stated states of a fault.
 struct Asked<'a> {
     /// Seconds between samples.
     spacing: f64,
     samples: Vec<Sample>,
-    /// The fault, the number of its last step, and that of the flight's.
-    stated: Option<(&'a FaultDraw, Option<usize>, usize)>,
+    stated: Option<Stated<'a>>,
     as_stated: bool,
     number: usize,
 }
@@ -52,9 +61,10 @@ struct Asked<'a> {
 impl<'a> Asked<'a> {
     fn new(drawn: &Drawn, faults: &'a [FaultDraw], duration: f64) -> Self {
         let steps = drawn.experiment.steps();
-        let stated = drawn.fault.map(|fault| {
-            let last = fault.last_step(&drawn.experiment);
-            (&faults[fault.index], last, steps)
+        let stated = drawn.fault.map(|fault| Stated {
+            fault: &faults[fault.index],
+            last: fault.last_step(&drawn.experiment),
+            end: steps,
         });
         Self {
             spacing: duration / SAMPLES as f64,
@@ -71,12 +81,12 @@ impl<'a> Asked<'a> {
         if step.t >= self.samples.len() as f64 * self.spacing - 1e-9 {
             self.samples.push((step.t as f32, sample()));
         }
-        if let Some((stated, last, steps)) = self.stated {
+        if let Some(Stated { fault, last, end }) = self.stated {
             if Some(self.number) == last {
-                self.as_stated &= stated.during.holds(&step.answer);
+                self.as_stated &= fault.during.holds(&step.answer);
             }
-            if self.number == steps {
-                self.as_stated &= stated.after.holds(&step.answer);
+            if self.number == end {
+                self.as_stated &= fault.after.holds(&step.answer);
             }
         }
         self.number += 1;
@@ -114,7 +124,7 @@ impl FlightResult {
             fault_as_stated: asked.as_stated,
             diverged: matches!(end, End::Diverged(_)),
         };
-        let most = asked.stated.and_then(|(stated, ..)| stated.sinks_m);
+        let most = asked.stated.and_then(|stated| stated.fault.sinks_m);
         let sunk = -result.figure("altitude_least_m");
         result.fault_as_stated &= most.is_none_or(|most| sunk <= most);
         Ok(result)

@@ -90,11 +90,20 @@ pub(super) fn parse(text: &str) -> Result<(String, Vec<Field>), String> {
     Ok((name.into(), fields.collect::<Result<_, _>>()?))
 }
 
+/// A number of a message.
+#[derive(Debug)]
+pub(super) struct Number {
+    pub name: String,
+    pub kind: Kind,
+    /// Bytes before it.
+    pub offset: usize,
+}
+
 /// Where the numbers of a message lie.
 #[derive(Debug, Default)]
 pub(super) struct Layout {
-    /// Name, kind and offset of each number but the time.
-    pub numbers: Vec<(String, Kind, usize)>,
+    /// Each number but the time.
+    pub numbers: Vec<Number>,
     /// Offset of the time, a `uint64_t` in microseconds.
     pub time: Option<usize>,
     /// Bytes up to the last field that is not padding: a message holds at least these.
@@ -162,7 +171,7 @@ impl Layout {
                         Some(_) => format!("{prefix}{}[{index}]", field.name),
                         None => format!("{prefix}{}", field.name),
                     };
-                    self.numbers.push((name, kind, offset));
+                    self.numbers.push(Number { name, kind, offset });
                 }
             }
         }
@@ -189,7 +198,7 @@ mod tests {
         let numbers: Vec<_> = layout
             .numbers
             .iter()
-            .map(|(n, _, offset)| (n.as_str(), *offset))
+            .map(|number| (number.name.as_str(), number.offset))
             .collect();
         assert_eq!(
             numbers,

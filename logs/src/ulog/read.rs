@@ -1,6 +1,6 @@
 //! The reader.
 
-use super::format::{Field, Kind, Layout};
+use super::format::{Field, Kind, Layout, Number};
 use super::{MAGIC, SYNC, UNITS};
 use crate::{Column, Error, Log, Topic};
 use std::collections::HashMap;
@@ -197,7 +197,9 @@ impl Reader {
             self.order.push(id);
         }
         subscription.time.push(microseconds / 1e6);
-        for ((_, kind, offset), values) in layout.numbers.iter().zip(&mut subscription.values) {
+        for (Number { kind, offset, .. }, values) in
+            layout.numbers.iter().zip(&mut subscription.values)
+        {
             values.push(
                 payload
                     .get(*offset..)
@@ -225,7 +227,8 @@ impl Reader {
             else {
                 continue;
             };
-            let column = |((column, ..), values): (&(String, Kind, usize), Vec<f64>)| {
+            let column = |(number, values): (&Number, Vec<f64>)| {
+                let column = &number.name;
                 // The unit of an array is that of its elements.
                 let array = column.split('[').next().unwrap_or(column);
                 let unit = |column: &str| self.units.get(&(name.clone(), column.to_owned()));

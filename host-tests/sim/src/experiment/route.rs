@@ -57,8 +57,7 @@ struct Stretch {
     speed: [f64; 2],
     /// Altitude gained \[m\].
     climb: f64,
-    /// Length \[m\] and curvature \[1/m\], positive to the right.
-    pieces: Vec<(f64, f64)>,
+    pieces: Vec<Piece>,
     start: V3,
     course: f64,
     heading: Option<f64>,
@@ -68,8 +67,36 @@ struct Stretch {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Route(Vec<Stretch>);
 
-/// Where an arc or a line from `start` is after a length `s`, and its course there.
-fn along(start: V3, course: f64, curvature: f64, s: f64) -> (V3, f64) {
+/// A place on the way, at the altitude of its beginning.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    position: V3,
+    /// Course \[rad\].
+    course: f64,
+}
+
+/// Of a waypoint: the arc that rounds it.
+#[derive(Clone, Copy, Debug, Default)]
+struct Corner {
+    /// Radius \[m\]; 0 without an arc.
+    radius: f64,
+    /// The angle it turns \[rad\], positive to the right.
+    turn: f64,
+    /// How much of both lines it takes \[m\].
+    takes: f64,
+}
+
+/// A piece of constant curvature.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Piece {
+    /// Length \[m\].
+    length: f64,
+    /// Curvature \[1/m\], positive to the right.
+    curvature: f64,
+}
+
+/// Where an arc or a line from `start` is after a length `s`.
+fn along(Place { position, course }: Place, curvature: f64, s: f64) -> Place {
     let half = 0.5 * curvature * s;
     // The chord has the mean course.
     let chord = if half.abs() < 1e-9 {
@@ -78,25 +105,27 @@ fn along(start: V3, course: f64, curvature: f64, s: f64) -> (V3, f64) {
         s * half.sin() / half
     };
     let (sin, cos) = (course + half).sin_cos();
-    (
-        start + chord * V3::new(cos, sin, 0.0),
-        course + curvature * s,
-    )
+    Place {
+        position: position + chord * V3::new(cos, sin, 0.0),
+        course: course + curvature * s,
+    }
 }
 
 impl Stretch {
-    /// Position, course and curvature after a length `s` of the way; the last piece goes on.
-    fn place(&self, mut s: f64) -> (V3, f64, f64) {
-        let (mut position, mut course) = (self.start, self.course);
-        for (i, &(length, curvature)) in self.pieces.iter().enumerate() {
+    /// The place after a length `s` of the way, and the curvature \[1/m\] there; the last piece goes on.
+    fn place(&self, mut s: f64) -> (Place, f64) {
+        let mut place = Place {
+            position: self.start,
+            course: self.course,
+        };
+        for (i, &Piece { length, curvature }) in self.pieces.iter().enumerate() {
             if s <= length || i + 1 == self.pieces.len() {
-                (position, course) = along(position, course, curvature, s);
-                return (position, course, curvature);
+                return (along(place, curvature, s), curvature);
             }
-            (position, course) = along(position, course, curvature, length);
+            place = along(place, curvature, length);
             s -= length;
         }
-        (position, course, 0.0)
+        (place, 0.0)
     }
 
     /// The target `t` after the beginning.
@@ -104,8 +133,8 @@ impl Stretch {
         let [begin, end] = self.speed;
         let gain = (end - begin) / self.lasts;
         let speed = begin + gain * t;
-        let (level, course, curvature) = self.place(0.5 * (begin + speed) * t);
-        let (sin, cos) = course.sin_cos();
+        let (level, curvature) = self.place(0.5 * (begin + speed) * t);
+        let (sin, cos) = level.course.sin_cos();
         let (ahead, right) = (V3::new(cos, sin, 0.0), V3::new(-sin, cos, 0.0));
         // Up by 3u² − 2u³: without a vertical velocity at either end.
         let u = t / self.lasts;
@@ -116,22 +145,19 @@ impl Stretch {
                 (6.0 - 12.0 * u) / self.lasts.powi(2),
             );
         Target {
-            position: level - up.x * V3::z(),
+            position: level.position - up.x * V3::z(),
             velocity: speed * ahead - up.y * V3::z(),
             acceleration: gain * ahead + speed * speed * curvature * right - up.z * V3::z(),
             heading: self.heading,
         }
     }
 
-    /// Where the next stretch begins: time, position, course.
-    fn end(&self) -> (f64, V3, f64) {
+    /// When the next stretch begins \[s\], and where.
+    fn end(&self) -> (f64, Place) {
         let s = 0.5 * (self.speed[0] + self.speed[1]) * self.lasts;
-        let (position, course, _) = self.place(s);
-        (
-            self.from + self.lasts,
-            position - self.climb * V3::z(),
-            course,
-        )
+        let (mut place, _) = self.place(s);
+        place.position -= self.climb * V3::z();
+        (self.from + self.lasts, place)
     }
 }
 
@@ -144,7 +170,11 @@ impl Route {
             positive(&field("lasts_s"), leg.lasts_s)?;
             finite(&field("climb_m"), leg.climb_m)?;
             let last = stretches.last();
-            let (from, start, course) = last.map_or((0.0, V3::zeros(), 0.0), Stretch::end);
+            let origin = Place {
+                position: V3::zeros(),
+                course: 0.0,
+            };
+            let (from, place) = last.map_or((0.0, origin), Stretch::end);
             let begin = leg.from_m_s.unwrap_or(last.map_or(0.0, |l| l.speed[1]));
             let end = leg.speed_m_s.unwrap_or(begin);
             for (name, speed) in [("from_m_s", begin), ("speed_m_s", end)] {
@@ -165,9 +195,12 @@ impl Route {
                 lasts: leg.lasts_s,
                 speed: [begin, end],
                 climb: leg.climb_m,
-                pieces: vec![(f64::INFINITY, 1.0 / radius)],
-                start,
-                course: leg.course_deg.map_or(course, f64::to_radians),
+                pieces: vec![Piece {
+                    length: f64::INFINITY,
+                    curvature: 1.0 / radius,
+                }],
+                start: place.position,
+                course: leg.course_deg.map_or(place.course, f64::to_radians),
                 heading: leg.heading_deg.map(f64::to_radians),
             });
         }
@@ -204,51 +237,65 @@ impl Route {
         let (lengths, courses): (Vec<f64>, Vec<f64>) = lines
             .map(|line| (line.norm(), line.y.atan2(line.x)))
             .unzip();
-        // Of every waypoint: radius of its arc, the angle it turns, and how much of both lines it takes.
-        let corners: Vec<(f64, f64, f64)> = (0..points.len())
+        let corners: Vec<Corner> = (0..points.len())
             .map(|i| {
                 if i == 0 || i + 1 == points.len() {
-                    return (0.0, 0.0, 0.0);
+                    return Corner::default();
                 }
                 let turn = courses[i] - courses[i - 1];
                 let turn = turn.sin().atan2(turn.cos());
                 let fast = points[i].speed_m_s.powi(2) / TURN;
                 let radius = points[i].radius_m.unwrap_or(fast);
-                (radius, turn, radius * (0.5 * turn.abs()).tan())
+                Corner {
+                    radius,
+                    turn,
+                    takes: radius * (0.5 * turn.abs()).tan(),
+                }
             })
             .collect();
         let mut stretches: Vec<Stretch> = Vec::new();
         for i in 0..lengths.len() {
             let (before, after) = (corners[i], corners[i + 1]);
-            let line = lengths[i] - before.2 - after.2;
+            let line = lengths[i] - before.takes - after.takes;
             if line < 0.0 {
-                let worse = if before.2 > after.2 { i } else { i + 1 };
+                let worse = if before.takes > after.takes { i } else { i + 1 };
                 let problem = "the turn does not fit between its neighbours";
                 return Err(FieldError::new(at(worse, ".radius_m"), problem));
             }
-            let half = |(radius, turn, _): (f64, f64, f64)| {
-                (0.5 * radius * turn.abs(), turn.signum() / radius)
+            let half = |corner: Corner| Piece {
+                length: 0.5 * corner.radius * corner.turn.abs(),
+                curvature: corner.turn.signum() / corner.radius,
             };
-            let mut pieces = vec![(line, 0.0)];
-            if before.0 > 0.0 {
+            let mut pieces = vec![Piece {
+                length: line,
+                curvature: 0.0,
+            }];
+            if before.radius > 0.0 {
                 pieces.insert(0, half(before));
             }
-            if after.0 > 0.0 {
+            if after.radius > 0.0 {
                 pieces.push(half(after));
             }
-            let length: f64 = pieces.iter().map(|piece| piece.0).sum();
+            let length: f64 = pieces.iter().map(|piece| piece.length).sum();
             let speed = [points[i].speed_m_s, points[i + 1].speed_m_s];
-            let first = (0.0, place(&points[0]) + points[0].down_m * V3::z(), 0.0);
-            let (from, start, course) = stretches.last().map_or(first, Stretch::end);
+            let first = Place {
+                position: place(&points[0]) + points[0].down_m * V3::z(),
+                course: 0.0,
+            };
+            let (from, start) = stretches.last().map_or((0.0, first), Stretch::end);
             stretches.push(Stretch {
                 from,
                 lasts: 2.0 * length / (speed[0] + speed[1]),
                 speed,
                 climb: points[i].down_m - points[i + 1].down_m,
                 // Without an arc the course changes at once.
-                course: if before.0 > 0.0 { course } else { courses[i] },
+                course: if before.radius > 0.0 {
+                    start.course
+                } else {
+                    courses[i]
+                },
                 pieces,
-                start,
+                start: start.position,
                 heading: None,
             });
         }
@@ -263,10 +310,10 @@ impl Route {
         if late <= 0.0 {
             return stretch.at(t - stretch.from);
         }
-        let (_, position, course) = stretch.end();
-        let velocity = stretch.speed[1] * V3::new(course.cos(), course.sin(), 0.0);
+        let (_, end) = stretch.end();
+        let velocity = stretch.speed[1] * V3::new(end.course.cos(), end.course.sin(), 0.0);
         Target {
-            position: position + late * velocity,
+            position: end.position + late * velocity,
             velocity,
             acceleration: V3::zeros(),
             heading: stretch.heading,

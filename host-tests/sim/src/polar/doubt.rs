@@ -32,8 +32,17 @@ const BEST_DRAG: [f64; 2] = [0.003, 0.1];
 const WILD: [f64; 2] = [0.06, 0.2];
 const ROUGH: f64 = 6.0;
 
-/// The straight line through `points` by least squares: at `x`, and the farthest of them from it; and its slope.
-fn line(points: &[(f64, f64)], x: f64) -> Option<(f64, f64, f64)> {
+/// A straight line by least squares.
+struct Line {
+    /// Its value where it was asked for.
+    value: f64,
+    /// The farthest of the points from it.
+    farthest: f64,
+    slope: f64,
+}
+
+/// The straight line through `points`, with its value at `x`.
+fn line(points: &[(f64, f64)], x: f64) -> Option<Line> {
     let n = points.len() as f64;
     let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / n;
     let (x0, y0) = (mean(|p| p.0), mean(|p| p.1));
@@ -47,7 +56,11 @@ fn line(points: &[(f64, f64)], x: f64) -> Option<(f64, f64, f64)> {
     let slope = sum(&|x, y| x * y) / spread;
     let at = |x: f64| y0 + slope * (x - x0);
     let off = points.iter().map(|(x, y)| (y - at(*x)).abs());
-    Some((at(x), off.fold(0.0, f64::max), slope))
+    Some(Line {
+        value: at(x),
+        farthest: off.fold(0.0, f64::max),
+        slope,
+    })
 }
 
 /// Angle up to which the slope is taken \[°\]: [`ATTACHED`], or that of the second row from zero where rows are farther apart.
@@ -64,7 +77,7 @@ fn slope(rows: &[[f64; 3]]) -> Option<f64> {
     let most = attached(rows);
     let inside = rows.iter().filter(|row| row[0].abs() <= most);
     let points: Vec<(f64, f64)> = inside.map(|row| (row[0], row[1])).collect();
-    Some(line(&points, 0.0)?.2)
+    Some(line(&points, 0.0)?.slope)
 }
 
 /// Lift per degree from the least to the greatest lift up to [`REACH`]; negative where the greatest comes first.
@@ -129,16 +142,16 @@ pub fn doubts(lines: &[u64], rows: &[[f64; 3]]) -> Vec<Doubt> {
         for i in 1..rows.len().saturating_sub(1) {
             let around = (i.saturating_sub(2)..=(i + 2).min(rows.len() - 1)).filter(|&j| j != i);
             let points: Vec<(f64, f64)> = around.map(|j| (rows[j][0], rows[j][column])).collect();
-            let Some((expected, rough, _)) = line(&points, rows[i][0]) else {
+            let Some(line) = line(&points, rows[i][0]) else {
                 continue;
             };
             let value = rows[i][column];
-            let off = (value - expected).abs() - ROUGH * rough;
+            let off = (value - line.value).abs() - ROUGH * line.farthest;
             // Fewer than four neighbours are as good as a straight line of themselves.
             if points.len() >= 3 && off > WILD[0] {
                 let problem = format!(
-                    "{name} is {value} at {}°, and its neighbours say {expected:.3}",
-                    rows[i][0]
+                    "{name} is {value} at {}°, and its neighbours say {:.3}",
+                    rows[i][0], line.value
                 );
                 add(i, off > WILD[1], problem);
             }
