@@ -1,4 +1,7 @@
 //! The whole guidance in closed loop: what it reaches on the vehicle of the built-in experiments.
+//!
+//! Beside each bound stands what was measured. The rest, up to half as much again, is for the last bits, which decide when the
+//! stall is crossed.
 mod common;
 
 use alula::GuidanceOutput;
@@ -19,6 +22,13 @@ fn figures_and_segments(experiment: &Experiment) -> (Figures, Vec<Segment>) {
         Figures::of(experiment, &record),
         Segment::of(experiment, &record),
     )
+}
+
+/// A leg that has settled: 2e-7 rad/s and 2e-5 m/s were measured. A limit cycle would be of 1 rad/s, a belief that is wrong and not
+/// made up for of 1 m/s.
+fn assert_settled(steady: &alula_sim::figures::Steady) {
+    assert!(steady.late_rate_rms_rad_s < 1e-5, "{steady:?}");
+    assert!(steady.max_late_velocity_error_m_s < 1e-3, "{steady:?}");
 }
 
 fn late(segment: &Segment) -> &alula_sim::figures::Steady {
@@ -53,9 +63,9 @@ fn the_readme_has_the_figures_flown() {
 }
 
 /// Hover, cruise, hover at 2 m/s² with a rate loop of 100 ms, a thrust lag of 50 ms, control at 100 Hz and wrong
-/// parameters: followed within 0.6 m of altitude, 3 m ahead and 2 m behind, at T/W 2, 1.3 and 1.15 alike.
+/// parameters: followed at T/W 2, 1.3 and 1.15 alike.
 ///
-/// Measured: altitude −0.59…+0.08 m, 1.3 m behind to 1.0 m ahead, 2.8 rad/s (the limit). Without the virtual flight the
+/// Measured: altitude −0.59…+0.07 m, 1.5 m behind to 1.0 m ahead, 2.5 rad/s; at the end of each leg 2e-7 rad/s and 2e-5 m/s. Without the virtual flight the
 /// vehicle coasted 165 m ahead of this reference, and lost 7 m at T/W 1.15.
 #[test]
 fn the_round_trip_is_followed_whatever_the_thrust() {
@@ -65,29 +75,27 @@ fn the_round_trip_is_followed_whatever_the_thrust() {
         assert!(figures.get("peak_rate_rad_s") < 3.0 && figures.get("lost") == 0.0);
         for segment in &segments {
             let (low, high) = (segment.altitude_least_m, segment.altitude_most_m);
-            assert!(low > -0.6 && high < 0.6, "{most} {}", segment.line());
+            assert!(low > -0.6 && high < 0.1, "{most} {}", segment.line());
             let (behind, ahead) = (segment.forward_least_m, segment.forward_most_m);
-            assert!(behind > -2.0 && ahead < 3.0, "{most} {}", segment.line());
+            assert!(behind > -2.0 && ahead < 1.5, "{most} {}", segment.line());
         }
         for steady in [late(&segments[2]), late(&segments[4])] {
-            assert!(steady.late_rate_rms_rad_s < 0.02);
-            assert!(steady.max_late_velocity_error_m_s < 0.05);
+            assert_settled(steady);
         }
     }
 }
 
 /// Errors too small to see decide when the stall is crossed, and no such moment is a bad one: with 0.1° and 2 cm/s of noise, in calm air and in a
-/// tailwind of 4 m/s, none of ten seeds each is 1.5 m off (measured over thirty each: −1.3…+0.6 m), and with a rate lag of 150 ms at most one of
-/// ten (of ninety, two: −1.5 and −2.1 m). While the lead of the rate loop's lag had all of the limits, a fifth of them sank more than 1.5 m, the
+/// tailwind of 4 m/s, none of ten seeds each is 1.5 m off (measured over thirty each: −1.3…+0.6 m), and none with a rate lag of 150 ms (of ninety,
+/// two: −1.5 and −2.1 m). While the lead of the rate loop's lag had all of the limits, a fifth of them sank more than 1.5 m, the
 /// worst 8 m.
 #[test]
 fn noise_does_not_choose_a_bad_moment_to_cross_the_stall() {
-    for (condition, farther_off) in [
-        ("weather.steady_m_s=[0.0,0.0,0.0]", 0),
-        ("weather.steady_m_s=[4.0,0.0,0.0]", 0),
-        ("plant.rate_loop.lag.time_constant_s=0.15", 1),
+    for condition in [
+        "weather.steady_m_s=[0.0,0.0,0.0]",
+        "weather.steady_m_s=[4.0,0.0,0.0]",
+        "plant.rate_loop.lag.time_constant_s=0.15",
     ] {
-        let mut beyond = Vec::new();
         for seed in 1..=10 {
             let (figures, _) = figures_and_segments(&experiment(
                 "round-trip",
@@ -99,16 +107,12 @@ fn noise_does_not_choose_a_bad_moment_to_cross_the_stall() {
                 ],
             ));
             let [low, high] = ["altitude_least_m", "altitude_most_m"].map(|n| figures.get(n));
-            assert!(low > -2.5 && high < 2.5, "{condition} {seed}: {low} {high}");
-            if low < -1.5 || high > 1.5 {
-                beyond.push((seed, low, high));
-            }
+            assert!(low > -1.5 && high < 1.5, "{condition} {seed}: {low} {high}");
         }
-        assert!(beyond.len() <= farther_off, "{condition}: {beyond:?}");
     }
 }
 
-/// What drag alone gives, level at 20 m/s, is a fifth of what the round trip asks for when it brakes: 0.43 m/s², k_a v² c_D/m at
+/// What drag alone gives, level at 20 m/s, is a fifth of what the round trip asks for when it brakes: 0.40 m/s², k_a v² c_D/m at
 /// the α that carries the weight. So the stall is crossed to brake, and that is told.
 #[test]
 fn braking_harder_than_drag_crosses_the_stall() {
@@ -124,34 +128,36 @@ fn braking_harder_than_drag_crosses_the_stall() {
     let vehicle = experiment.vehicle.reference();
     let c = vehicle.aerodynamics.at(4.07_f64.to_radians());
     let pressure = vehicle.k_a * 400.0;
-    assert!((pressure * c.c_l / (vehicle.mass * vehicle.gravity) - 1.0).abs() < 0.02);
-    assert!((pressure * c.c_d / vehicle.mass - 0.43).abs() < 0.03);
+    // α has three digits: 0.01° of 4.07° are 0.25 % of the lift, and little of the drag.
+    let lift = pressure * c.c_l / (vehicle.mass * vehicle.gravity);
+    assert!((lift - 1.0).abs() < 0.01, "{lift}");
+    assert!((pressure * c.c_d / vehicle.mass - 0.40).abs() < 0.005);
 }
 
-/// A reference that brakes at 0.4 m/s² to 14 m/s, below the fold, and then at 2 m/s² is followed: within 7 m forward
-/// (measured 4.4), and ±1 m in altitude (−0.7…+0.2).
+/// A reference that brakes at 0.4 m/s² to 14 m/s, below the fold, and then at 2 m/s² is followed: within 6 m forward
+/// (measured 4.4), and ±0.4 m in altitude (−0.26…+0.22); it settles in 6 s (4.2).
 #[test]
 fn a_reference_within_drag_is_followed() {
     let (_, segments) = figures_and_segments(&experiment("gentle-braking", &[]));
     let back = &segments[3..];
     for segment in back {
-        assert!(segment.forward_most_m < 7.0 && segment.altitude_least_m > -1.0);
-        assert!(segment.altitude_most_m < 1.0);
+        assert!(segment.forward_most_m < 6.0 && segment.altitude_least_m > -0.4);
+        assert!(segment.altitude_most_m < 0.4);
     }
-    assert!(late(&back[2]).settling_s.unwrap() < 10.0);
+    assert!(late(&back[2]).settling_s.unwrap() < 6.0);
 }
 
-/// A reference that brakes at 2 m/s² in a climb is followed too: within 3 m forward (measured 0.8) and ±1.2 m of its own altitude
-/// (−0.1…+0.2).
+/// A reference that brakes at 2 m/s² in a climb is followed too: within 1.2 m forward (measured 0.8) and ±0.3 m of its own altitude
+/// (−0.18…+0.15); it settles in 6 s (4.4).
 #[test]
 fn a_climbing_reference_is_followed_at_two_metres_per_second_squared() {
     let experiment = experiment("climbing-braking", &[]);
     let (_, segments) = figures_and_segments(&experiment);
     for segment in &segments[3..] {
-        assert!(segment.forward_most_m < 3.0 && segment.altitude_least_m > -1.2);
-        assert!(segment.altitude_most_m < 1.2);
+        assert!(segment.forward_most_m < 1.2 && segment.altitude_least_m > -0.3);
+        assert!(segment.altitude_most_m < 0.3);
     }
-    assert!(late(segments.last().unwrap()).settling_s.unwrap() < 10.0);
+    assert!(late(segments.last().unwrap()).settling_s.unwrap() < 6.0);
     // What it costs: 11.4 m.
     let climbed = -experiment
         .path
@@ -163,7 +169,7 @@ fn a_climbing_reference_is_followed_at_two_metres_per_second_squared() {
 }
 
 /// Descents beyond the velocity at which F_p vanishes, off the axis of symmetry: in horizontal wind from either side and light
-/// turbulence none is lost, and all are within 2 m of altitude (measured −1.5…+1.5 m). Without the virtual flight a wind of
+/// turbulence none is lost, and all are within 1.5 m of altitude (measured −0.7…+1.0 m; at the end 6 mm/s). Without the virtual flight a wind of
 /// 1 m/s ended 4200 m low.
 #[test]
 fn steep_descents_are_flown_in_wind() {
@@ -179,17 +185,17 @@ fn steep_descents_are_flown_in_wind() {
             let (figures, _) =
                 figures_and_segments(&experiment("steep-descent", &[&knots, &steady, light]));
             let [low, high] = ["altitude_least_m", "altitude_most_m"].map(|n| figures.get(n));
-            assert!(low > -2.0 && high < 2.0, "{sink} {wind}: {low} {high}");
-            assert!(figures.get("final_velocity_error_m_s") < 0.5);
+            assert!(low > -1.5 && high < 1.5, "{sink} {wind}: {low} {high}");
+            assert!(figures.get("final_velocity_error_m_s") < 0.01);
         }
     }
 }
 
 /// A reference that jumps from 20 m/s to a stop, at any moment of the planner's round: within 1 m of altitude and in 22 m at T/W 2, within
-/// 2 m and in 26 m at 1.15. Measured: −0.2…+0.8 m and 20.8 m; −1.7…+0.8 m and 22.8 m. The limits of what can be flown are 15.2 and 17.3 m.
+/// 2 m and in 24 m at 1.15. Measured: −0.2…+0.8 m and 20.8 m; −1.7…+0.8 m and 22.8 m. The limits of what can be flown are 15.2 and 17.3 m.
 #[test]
 fn stops_at_once_are_short_at_any_moment() {
-    for (thrust, off, farthest) in [(196.2, 1.0, 22.0), (112.8, 2.0, 26.0)] {
+    for (thrust, off, farthest) in [(196.2, 1.0, 22.0), (112.8, 2.0, 24.0)] {
         for step in 0..9 {
             let t = 30.0 + 0.02 * f64::from(step);
             let knots = format!(
@@ -214,7 +220,7 @@ fn stops_at_once_are_short_at_any_moment() {
 
 /// The measured table of the NACA 0021 in place of the fitted model, parameters by rule, braking begun at four moments. When the stall is
 /// crossed is decided by the last bits: of ten starts within 0.003° of each other, begun at two of the moments, the altitudes are −1.98…+1.06 m and the
-/// vehicle at most 2.6 m ahead. Within 2.5 m of altitude and 5 m ahead: a stall that is missed costs 7 m of altitude, or 165 m forward.
+/// vehicle at most 2.6 m ahead. Within 2.5 m of altitude and 3.5 m ahead: a stall that is missed costs 7 m of altitude, or 165 m forward.
 #[test]
 fn the_measured_wing_is_flown_as_the_fitted_one() {
     let table = "vehicle.aerodynamics.table={polar=\"naca-0021-re-160e3\"}";
@@ -233,21 +239,21 @@ fn the_measured_wing_is_flown_as_the_fitted_one() {
         let [low, high, ahead] =
             ["altitude_least_m", "altitude_most_m", "forward_most_m"].map(|n| figures.get(n));
         assert!(
-            low > -2.5 && high < 2.5 && ahead < 5.0,
+            low > -2.5 && high < 2.5 && ahead < 3.5,
             "{t}: {low} {high} {ahead}"
         );
     }
 }
 
 /// Falls with hover asked: θ = 180° at 3 and 20 m/s, and pitch −80° at 20 m/s. Measured at T/W 2: 9.5, 24.6 and 21.7 m lost; the least
-/// possible are 7.0, 16.6 and 18.4 m, and one and a half times that is asked for. Without the virtual flight the last two fell for good.
+/// possible are 7.0, 16.6 and 18.4 m, and one and a half times that is asked for; at the end they stand, to 1e-4 m/s. Without the virtual flight the last two fell for good.
 #[test]
 fn falls_are_left() {
     let hover = "reference.knots=[{t_s=0.0,down_m_s=0.0,forward_m_s=0.0}]";
     for (theta, down, forward, most) in [
         (180.0, 3.0, 0.0, 10.5),
         (180.0, 20.0, 0.0, 24.9),
-        (-170.0, 19.7, 3.5, 24.0),
+        (-170.0, 19.7, 3.5, 27.6),
     ] {
         let settings = [
             hover.to_owned(),
@@ -259,7 +265,7 @@ fn falls_are_left() {
         let (figures, _) = figures_and_segments(&experiment("round-trip", &settings));
         let low = figures.get("altitude_least_m");
         assert!(low > -most, "{theta} {down}: {low}");
-        assert!(figures.get("final_velocity_error_m_s") < 0.01);
+        assert!(figures.get("final_velocity_error_m_s") < 1e-3);
     }
 }
 
@@ -280,21 +286,21 @@ fn winds_that_nobody_tells_of_are_survived() {
     };
     for wind in [-10.0, -5.0, 0.0, 5.0, 10.0] {
         let [low, high] = altitudes(wind, air);
-        assert!(low > -4.0 && high < 12.0, "{wind}: {low} {high}");
+        assert!(low > -4.0 && high < 10.0, "{wind}: {low} {high}");
     }
     for wind in [-20.0, -10.0, 0.0, 10.0, 20.0] {
         let [low, high] = altitudes(wind, &both);
-        assert!(low > -5.0 && high < 12.0, "{wind}: {low} {high}");
+        assert!(low > -4.0 && high < 10.0, "{wind}: {low} {high}");
     }
-    // Everything lost at the peak of a gust in calm air: 94 m.
+    // Everything lost at the peak of a gust in calm air: 3.0 m are lost, and 94 m were by the believed air alone.
     let gust = "weather.gust={start_s=6.0,duration_s=4.0,peak_m_s=[18.0,0.0,0.0]}";
     let faults = format!(
         "sensors.faults=[{}]",
         both.replace("from_s=0.0", "from_s=8.0")
     );
     let (figures, _) = figures_and_segments(&experiment("round-trip", &[gust, &faults]));
-    assert!(figures.get("altitude_least_m") > -5.0);
-    // Winds that reverse after everything is lost: while slow was judged over the believed air alone, 210 and 160 m were lost.
+    assert!(figures.get("altitude_least_m") > -4.0);
+    // Winds that reverse after everything is lost: 0.6 and 1.8 m. While slow was judged over the believed air alone, 210 and 160 m were lost.
     for (wind, change) in [(15.0, -30.0), (-15.0, 25.0)] {
         let steady = format!("weather.steady_m_s=[{wind:.1},0.0,0.0]");
         let gust =
@@ -309,16 +315,16 @@ fn winds_that_nobody_tells_of_are_survived() {
     }
 }
 
-/// The paper's gains in the same flight: a limit cycle in cruise, as was measured before there was another choice.
+/// The paper's gains in the same flight: a limit cycle in cruise, of 1.6 rad/s and 10.5 m/s, where the gains by bandwidth leave 1e-7 rad/s.
 #[test]
 fn the_papers_gains_do_not_fly_this_vehicle() {
     let (_, segments) = figures_and_segments(&experiment("round-trip", &[PAPER_GAINS]));
     let cruise = late(&segments[2]);
-    assert!(cruise.late_rate_rms_rad_s > 1.0 && cruise.max_late_velocity_error_m_s > 1.0);
+    assert!(cruise.late_rate_rms_rad_s > 1.0 && cruise.max_late_velocity_error_m_s > 5.0);
 }
 
 /// Headwind, gust, moderate turbulence, noise, delay and a dropout of air data, over ten seeds: the flight is rough, and none
-/// departs. Measured −1.9…+1.9 m of altitude; a departure is tens of metres, or ends elsewhere than in hover.
+/// departs. Measured −2.0…+1.5 m of altitude, and 0.19 m off its place at the end; a departure is tens of metres, or ends elsewhere than in hover.
 #[test]
 fn a_rough_day_is_survived() {
     for seed in 1..=10 {
@@ -326,17 +332,17 @@ fn a_rough_day_is_survived() {
         let record = fly(&experiment).unwrap();
         let figures = Figures::of(&experiment, &record);
         let [low, high] = ["altitude_least_m", "altitude_most_m"].map(|name| figures.get(name));
-        assert!(low > -4.0 && high < 4.0, "{seed}: {low} {high}");
+        assert!(low > -3.0 && high < 3.0, "{seed}: {low} {high}");
         assert_eq!(figures.get("safe_s") + figures.get("holding_s"), 0.0);
         // Back in hover, in place.
         let late = record.iter().filter(|r| r.t > 105.0);
         let farthest = late.map(|r| r.position_error().norm()).fold(0.0, f64::max);
-        assert!(farthest < 3.0, "{seed}: {farthest}");
+        assert!(farthest < 0.3, "{seed}: {farthest}");
     }
 }
 
 /// A rotational inertia under a torque-limited inner loop in place of the lag: 0.3 kg·m² at 10 1/s, 4 N·m, asks for 13 rad/s²
-/// of the 30 that the controller may command.
+/// of the 30 that the controller may command. Measured: altitude −0.63…+0.36 m, and settled as with the lag.
 #[test]
 fn an_inertia_with_limited_torque_is_flown_as_a_lag_is() {
     let inertia = "{ inertia_kg_m2 = 0.3, bandwidth_1_s = 10.0, torque_max_n_m = 4.0 }";
@@ -344,8 +350,7 @@ fn an_inertia_with_limited_torque_is_flown_as_a_lag_is() {
     let (figures, segments) = figures_and_segments(&experiment("round-trip", &[&setting]));
     assert!(figures.get("altitude_least_m") > -1.0 && figures.get("altitude_most_m") < 1.0);
     for segment in [&segments[2], &segments[4]] {
-        let steady = late(segment);
-        assert!(steady.late_rate_rms_rad_s < 0.02 && steady.max_late_velocity_error_m_s < 0.05);
+        assert_settled(late(segment));
     }
 }
 
@@ -368,10 +373,10 @@ fn what_the_controller_is_not_told_it_takes_from_the_experiment() {
     ];
     let experiment = experiment("round-trip", &heavy);
     let record = fly(&experiment).unwrap();
-    // The second before the reference moves: within 1 % of the weight, where a belief of 9 or 10 kg would ask for 15 % less.
+    // The second before the reference moves: within 0.1 % of the weight, where a belief of 9 or 10 kg would ask for 15 % less.
     let hover = &record[480].answer;
     assert!(
-        (f64::from(hover.thrust) / (12.0 * 9.81) - 1.0).abs() < 0.01,
+        (f64::from(hover.thrust) / (12.0 * 9.81) - 1.0).abs() < 1e-3,
         "{}",
         hover.thrust
     );
@@ -393,6 +398,7 @@ fn faults_end_in_their_stated_states() {
         .unwrap()
     };
     let at = |rows: &[Step], t: f64| *guided(&rows[(t * 100.0).round() as usize]);
+    // At the end of the flight: 4e-4 m/s after a held reference, 2e-5 m/s after the others.
     let recovered = |rows: &[Step]| {
         let last = rows.last().unwrap();
         assert_eq!(
@@ -400,7 +406,7 @@ fn faults_end_in_their_stated_states() {
             (Mode::Flying, None)
         );
         assert!(
-            last.velocity_error().norm() < 0.1,
+            last.velocity_error().norm() < 1e-3,
             "{}",
             last.velocity_error()
         );

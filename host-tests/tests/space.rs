@@ -49,10 +49,12 @@ fn every_built_in_keeps_its_bounds() {
         let beyond = figures.beyond(&experiment);
         assert!(beyond.is_empty(), "{name}: {beyond:?}");
         assert_eq!(figures.get("lost"), 0.0, "{name}");
-        assert!(least > -10.0, "{name}: {least}");
+        // Measured: 1.9 m below the path at most. A flight that is lost ends tens of metres below.
+        assert!(least > -3.0, "{name}: {least}");
         let turbulent = experiment.weather.turbulence.is_some();
         let end = figures.get("late_velocity_error_rms_m_s");
-        assert!(end < if turbulent { 5.0 } else { 0.5 }, "{name}: {end}");
+        // Measured: 0.65 m/s in turbulence and 0.18 m/s without, in the tightest circle.
+        assert!(end < if turbulent { 1.0 } else { 0.25 }, "{name}: {end}");
     }
     assert!(flights > 15);
 }
@@ -110,13 +112,15 @@ fn headings_in_hover_are_reached() {
     };
     for (t, asked) in [(4.9, 0.0), (14.9, 90.0), (25.0, 270.0)] {
         let off = (heading(t) - asked + 180.0).rem_euclid(360.0) - 180.0;
-        assert!(off.abs() < 0.5, "{t}: {off}");
+        // 4e-6° of single precision.
+        assert!(off.abs() < 1e-4, "{t}: {off}");
     }
-    // Five seconds into a step most of it is turned.
-    assert!((heading(10.0) - 90.0).abs() < 5.0 && (heading(20.0) - 270.0).abs() < 10.0);
+    // Five seconds into a step 0.01° of 90° and 0.04° of 180° are left.
+    assert!((heading(10.0) - 90.0).abs() < 0.02 && (heading(20.0) - 270.0).abs() < 0.06);
 }
 
-/// The braking out of the turn is at 2 m/s² and level: from 20 m/s to hover in 10 s, within 2 m of the altitude and 3 m of the path.
+/// The braking out of the turn is at 2 m/s² and level: from 20 m/s to hover in 10 s, within 1.5 m of the altitude (measured 1.1) and then
+/// within 0.2 m of the path (0.11).
 #[test]
 fn braking_out_of_a_turn_is_level() {
     let record = fly(&experiment("mission", &[])).unwrap();
@@ -131,25 +135,26 @@ fn braking_out_of_a_turn_is_level() {
             step.t
         );
         assert!(
-            step.altitude().abs() < 2.0,
+            step.altitude().abs() < 1.5,
             "{}: {}",
             step.t,
             step.altitude()
         );
     }
     let first = braking().next().unwrap();
-    assert!(first.bank().abs() > 0.5 && first.truth.velocity.norm() > 19.0);
+    // It begins in the turn: 45° of bank and 20 m/s.
+    assert!(first.bank().abs() > 0.7 && first.truth.velocity.norm() > 19.9);
     let after = record.iter().filter(|s| s.t > end + 3.0);
     let off = after.map(|s| s.position_error().norm()).fold(0.0, f64::max);
-    assert!(off < 3.0, "{off}");
+    assert!(off < 0.2, "{off}");
 }
 
 /// Sensors of a flight in space fail, one at a time, for some seconds of a turn: what is told is what the fault says, what is
-/// noticed is said, and the circle is found again.
+/// noticed is said, and the circle is found again. How far off the flights are stands with each: measured, and half as much again.
 #[test]
 fn sensors_fail_in_a_turn() {
     use alula::guidance::{AirUse, Status};
-    let with_fault = |fault: &str| {
+    let with_fault = |fault: &str, during_m: f64, after_m: f64| {
         let fault = format!("sensors.faults=[{{ {fault}, from_s = 10.0, to_s = 13.0 }}]");
         let record = fly(&experiment("circle-40", &[&fault])).unwrap();
         let worst = |from: f64, to: f64| {
@@ -159,30 +164,32 @@ fn sensors_fail_in_a_turn() {
         let (during, after) = (worst(10.0, 20.0), worst(40.0, 50.0));
         println!("{fault}: {during:.1} m, then {after:.2} m");
         let at = |t: f64| record.iter().find(|s| s.t >= t - 1e-9).unwrap().clone();
-        assert!(during < 30.0 && after < 3.0, "{fault}: {during} {after}");
+        let [most, left] = [during_m, after_m].map(|measured| 1.5 * measured);
+        assert!(during < most && after < left, "{fault}: {during} {after}");
         (at(9.99), at(12.9), at(20.0))
     };
-    let (before, during, after) = with_fault("kind = \"air\"");
+    let (before, during, after) = with_fault("kind = \"air\"", 0.1, 0.08);
     assert_eq!(before.answer.guided().unwrap().air, AirUse::Velocity);
     assert_eq!(during.answer.guided().unwrap().air, AirUse::None);
     assert_eq!(after.answer.guided().unwrap().air, AirUse::Velocity);
-    let (.., during, _) = with_fault("kind = \"wind-stuck\"");
+    let (.., during, _) = with_fault("kind = \"wind-stuck\"", 0.1, 0.08);
     assert_eq!(during.answer.guided().unwrap().air, AirUse::Wind);
-    with_fault("kind = \"air-scale\", size = -0.2");
-    with_fault("kind = \"air-drift\", size = 0.5");
-    let (_, during, _) = with_fault("kind = \"attitude-offset\", size = 3.0");
+    with_fault("kind = \"air-scale\", size = -0.2", 1.1, 0.09);
+    with_fault("kind = \"air-drift\", size = 0.5", 0.2, 0.08);
+    let (_, during, _) = with_fault("kind = \"attitude-offset\", size = 3.0", 0.4, 0.09);
     let told = during.input.sample.orientation.w();
     let [.., right] = during.truth.axes();
     let turned = f64::from(told.north) * right.x
         + f64::from(told.east) * right.y
         + f64::from(told.down) * right.z;
-    // 3° about each of three axes turn the wing by √2 times that.
-    assert!((turned.acos().to_degrees() - 4.24).abs() < 0.1, "{turned}");
-    let (_, during, _) = with_fault("kind = \"position-jump\", size = 10.0");
+    // 3° about each of three axes turn the wing by √2 times that, less 5e-4° of the third order.
+    let degrees = turned.acos().to_degrees();
+    assert!((degrees - 18f64.sqrt()).abs() < 1e-3, "{degrees}");
+    let (_, during, _) = with_fault("kind = \"position-jump\", size = 10.0", 20.6, 0.21);
     let told = f64::from(during.input.sample.position_error.unwrap().east);
     let off = told - (during.truth.position - during.target.position).y;
     assert!((off - 10.0).abs() < 1e-4, "{off}");
-    let (_, during, after) = with_fault("kind = \"position-nan\"");
+    let (_, during, after) = with_fault("kind = \"position-nan\"", 0.1, 0.08);
     assert!(
         during
             .answer
@@ -199,13 +206,13 @@ fn sensors_fail_in_a_turn() {
             .status
             .contains(Status::POSITION_INVALID)
     );
-    let (_, during, _) = with_fault("kind = \"accelerometer\"");
+    let (_, during, _) = with_fault("kind = \"accelerometer\"", 0.7, 0.12);
     assert!(during.input.sample.specific_force.is_none());
-    let (_, during, _) = with_fault("kind = \"accelerometer-dead\"");
+    let (_, during, _) = with_fault("kind = \"accelerometer-dead\"", 5.9, 0.40);
     assert_eq!(during.input.sample.specific_force, Some(Default::default()));
-    with_fault("kind = \"accelerometer-drift\", size = 0.5");
+    with_fault("kind = \"accelerometer-drift\", size = 0.5", 0.5, 0.09);
     // A bit of the memory at every step: the spare copy undoes it, and the flight is the same.
-    let (_, _, after) = with_fault("kind = \"memory-bit\"");
+    let (_, _, after) = with_fault("kind = \"memory-bit\"", 0.1, 0.08);
     let clean = fly(&experiment(
         "circle-40",
         &["duration_s=21.0", "entry_s=0.0"],
@@ -298,32 +305,35 @@ fn goals_are_reached() {
     };
     let record = fly_by(&experiment, &mut controller).unwrap();
     let at = |t: f64| &record[(100.0 * t) as usize].truth;
-    // The velocity asked for to 2.5 %, and a stop at rest.
-    assert!((at(19.9).velocity.y - 20.0).abs() < 0.5);
-    assert!(at(39.9).velocity.norm() < 0.1);
-    // A stop from 20 m/s takes 20 to 25 m: one that coasts takes 165 m. Its altitude is to be the one at which it began.
+    // The velocity asked for to 1 mm/s, and a stop nearly at rest: 12 mm/s are left of it.
+    assert!((at(19.9).velocity.y - 20.0).abs() < 2e-3);
+    assert!(at(39.9).velocity.norm() < 0.02);
+    // A stop from 20 m/s takes 26.3 m, its last half second included: one that coasts takes 165 m. Its altitude is the one at which it began.
     let stop = at(39.9).position - at(20.0).position;
-    assert!(stop.xy().norm() < 30.0 && stop.z.abs() < 2.0, "{stop}");
+    assert!(stop.xy().norm() < 28.0 && stop.z.abs() < 1e-3, "{stop}");
     let last = record.last().unwrap().truth;
     let off = last.position - V3::new(-60.0, -200.0, -20.0);
-    assert!(off.norm() < 0.5 && last.velocity.norm() < 0.1, "{off}");
+    // 1.5 mm are left of the way there.
+    assert!(off.norm() < 3e-3 && last.velocity.norm() < 1e-3, "{off}");
 }
 
-/// It never slows down to cross the stall: the speed is what the errors leave of 20 m/s. At the end it flies south, belly down.
+/// It never slows down to cross the stall: of 20 m/s at least 14.4 are left (a crossing goes below 5). At the end it flies south, belly down.
 #[test]
 fn a_reversal_is_a_turn() {
     let record = fly(&experiment("reversal", &[])).unwrap();
     assert!(
         record
             .iter()
-            .all(|s| (s.truth.velocity - s.wind).norm() > 12.0)
+            .all(|s| (s.truth.velocity - s.wind).norm() > 13.5)
     );
     let last = record.last().unwrap();
-    assert!(last.truth.velocity.x < -19.0 && last.truth.axes()[1].z > 0.99);
-    assert!(record.iter().any(|s| s.bank().abs() > 0.7));
+    assert!((last.truth.velocity.x + 20.0).abs() < 1e-3 && last.truth.axes()[1].z > 0.99);
+    // 74° of bank at most.
+    assert!(record.iter().any(|s| s.bank().abs() > 1.2));
 }
 
-/// Hover, circle, hover in moderate turbulence, 5 m/s of wind and noise. Of 200 seeds the deepest sinks 12.0 m.
+/// Hover, circle, hover in moderate turbulence, 5 m/s of wind and noise. Of 200 seeds the deepest sinks 12.0 m, of these eight 3.9 m; the nose is
+/// within 29° of up at the end.
 #[test]
 fn missions_in_turbulence_are_not_lost() {
     for seed in 1..9 {
@@ -332,7 +342,7 @@ fn missions_in_turbulence_are_not_lost() {
         let least = figures.get("altitude_least_m");
         println!("{seed}: {least:.2} m");
         assert!(
-            least > -20.0 && figures.get("final_nose_deg") < 45.0,
+            least > -6.0 && figures.get("final_nose_deg") < 45.0,
             "{seed}: {least}"
         );
     }
@@ -367,22 +377,27 @@ fn turns_in_wind_do_not_end_in_the_stall() {
     };
     for (x, y) in [(0.0, 2.0), (-1.4, 1.4)] {
         let (off, load) = worst("circle-33", &[&wind(x, y)]);
-        assert!(off < 3.0 && load < 3.5);
+        // 1.0 m and 3.2 g.
+        assert!(off < 1.5 && load < 3.5);
     }
     for seed in ["seed=0", "seed=1", "seed=2", "seed=3"] {
         let (off, load) = worst("circle-33", &[turbulent, "duration_s=40.0", seed]);
-        assert!(off < 10.0 && load < 5.0);
-        // The first seconds are the way to the circle, from any attitude. Of 24 seeds half are 1 m off after them, and the worst 36 m.
+        // 2.0 m and 3.7 g.
+        assert!(off < 3.0 && load < 4.5);
+        // The first seconds are the way to the circle, from any attitude. Of 24 seeds half are 1 m off after them, and the worst
+        // 36 m; of these four the worst is 1.9 m and takes 3.0 g.
         let (off, load) = worst("circle-33", &[scatter, "entry_s=15.0", seed]);
-        assert!(off < 40.0 && load < 5.0);
+        assert!(off < 3.0 && load < 3.5);
     }
     for (x, y) in [(0.0, 3.0), (2.1, -2.1), (5.0, 0.0)] {
         let (off, load) = worst("circle-40", &[&wind(x, y)]);
-        assert!(off < 10.0 && load < 5.0);
+        // 6.0 m and 3.4 g.
+        assert!(off < 9.0 && load < 4.5);
     }
     for seed in ["seed=271", "seed=237"] {
         let (off, load) = worst("mission-turbulence", &[seed]);
-        assert!(off < 25.0 && load < 5.0);
+        // 7.1 m and 3.5 g.
+        assert!(off < 10.5 && load < 4.5);
     }
 }
 
@@ -414,7 +429,7 @@ fn a_transition_keeps_any_heading_on_any_course() {
 }
 
 /// Starts that were once lost, or lost 27 to 58 m: the vehicle was not in its plane of flight, went there by pitch, tilt and twist, each
-/// on its own, and fell meanwhile. By the shortest way none but one loses more than 15.5 m, and that one 21.1 m.
+/// on its own, and fell meanwhile. By the shortest way none loses more than 12.2 m, from hover 8.2 m; at the end belly and nose are within 16°.
 #[test]
 fn starts_that_were_lost_converge() {
     let cruise = [
@@ -424,7 +439,7 @@ fn starts_that_were_lost_converge() {
         let figures = figures_of(&experiment("start-cruise", &[&format!("seed={seed}")]));
         let least = figures.get("altitude_least_m");
         assert!(
-            least > -23.0 && figures.get("final_belly_deg") < 80.0,
+            least > -18.0 && figures.get("final_belly_deg") < 30.0,
             "{seed}: {least}"
         );
     }
@@ -432,7 +447,7 @@ fn starts_that_were_lost_converge() {
         let figures = figures_of(&experiment("start-hover", &[&format!("seed={seed}")]));
         let least = figures.get("altitude_least_m");
         assert!(
-            least > -16.0 && figures.get("final_nose_deg") < 80.0,
+            least > -12.0 && figures.get("final_nose_deg") < 30.0,
             "{seed}: {least}"
         );
     }
@@ -450,14 +465,14 @@ fn a_circle_without_an_accelerometer() {
             let none = "sensors.accelerometer='none'";
             let figures = figures_of(&experiment("circle-40", &[none, &course]));
             let least = figures.get("altitude_least_m");
-            assert!(least > -15.0, "{course}: {least}");
+            assert!(least > -12.0, "{course}: {least}");
             figures.get("velocity_error_rms_m_s")
         })
         .collect();
     errors.sort_by(f64::total_cmp);
     let mean = errors.iter().sum::<f64>() / 12.0;
     assert!(
-        errors[4] < 0.5 && errors[11] < 5.0 && mean < 1.5,
+        errors[5] < 0.5 && errors[11] < 5.0 && mean < 1.5,
         "{errors:?}"
     );
 }
@@ -493,7 +508,7 @@ fn what_is_not_measured_is_not_told() {
                 && step.input.sample.position_error.is_none()
         );
     }
-    // White noise of 0.05 m/s on each component, over 51 steps.
+    // White noise of 0.05 m/s on each component, over 51 steps: four standard deviations of 0.005 m/s.
     let noise = |s: &Step| f64::from(s.input.sample.velocity.north) - s.truth.velocity.x;
     let mean = record.iter().map(|s| noise(s).powi(2)).sum::<f64>() / record.len() as f64;
     assert!((0.03..0.07).contains(&mean.sqrt()), "{mean}");
@@ -510,11 +525,12 @@ fn actuators_act() {
         record.last().unwrap().truth.position
     };
     let lag = end(&[]);
-    // The same but for rounding, which the guidance in single precision makes more of.
+    // The same but for rounding: 1.4e-14 m.
     let off = (end(&[inertia]) - lag).norm();
-    assert!(off < 1e-3, "{off}");
-    assert!((end(&["plant.delay_s=0.03"]) - lag).norm() > 1e-2);
-    assert!((end(&["plant.rate_loop=\"ideal\"", "plant.thrust_lag_s=0.0"]) - lag).norm() > 1e-2);
+    assert!(off < 1e-10, "{off}");
+    // 0.08 m by 30 ms of delay, 5.2 m by no lag, which the start is not in trim for.
+    assert!((end(&["plant.delay_s=0.03"]) - lag).norm() > 0.05);
+    assert!((end(&["plant.rate_loop=\"ideal\"", "plant.thrust_lag_s=0.0"]) - lag).norm() > 3.0);
 }
 
 #[test]

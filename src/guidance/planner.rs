@@ -685,18 +685,19 @@ mod tests {
     }
 
     /// From 20 m/s the shortest way to stop is 15.2 m with 1 m of altitude (17.3 m at 1.15 times the weight), through
-    /// stall; on the attached side alone the vehicle would go on for hundreds of metres.
+    /// stall; on the attached side alone the vehicle would go on for hundreds of metres. Measured: 23.1 and 24.1 m, 0.3 m of
+    /// altitude; at the end 3e-4 m/s and 3e-4 m.
     #[test]
     fn to_stop_at_once_stall_is_crossed() {
-        for (excess, farthest, altitude) in [(2.0, 30.0, 1.5), (1.15, 33.0, 3.0)] {
+        for (excess, farthest) in [(2.0, 25.0), (1.15, 26.0)] {
             let flight = fly(&vehicle(excess), cruise(), hover, 25.0);
             assert!(flight.turns > 0);
             assert!(flight.farthest < farthest, "{}", flight.farthest);
-            assert!(flight.low < altitude && flight.high < altitude);
+            assert!(flight.low < 0.5 && flight.high < 0.5);
             let PlanarModelState {
                 velocity, position, ..
             } = flight.end;
-            assert!(velocity.norm() < 0.05 && position.norm() < 0.2);
+            assert!(velocity.norm() < 1e-3 && position.norm() < 1e-3);
         }
     }
 
@@ -708,18 +709,19 @@ mod tests {
         };
         let flight = fly(&vehicle(2.0), cruise(), level, 10.0);
         assert_eq!(flight.turns, 0);
-        // 0.1 m: the start is not quite the trim.
-        assert!(flight.low < 0.1 && flight.high < 0.1);
+        // 1e-3 m: the start is not quite the trim.
+        assert!(flight.low < 2e-3 && flight.high < 2e-3);
         assert_eq!(
             fly(&vehicle(2.0), PlanarModelState::default(), hover, 10.0).turns,
             0
         );
     }
 
-    /// Nose down at 20 m/s, and upside down at 3 m/s: the least height in which that can be left is 16.6 m and 7.0 m.
+    /// Nose down at 20 m/s, and upside down at 3 m/s: the least height in which that can be left is 16.6 m and 7.0 m. Measured:
+    /// 22.3 and 9.1 m.
     #[test]
     fn a_fall_is_left_nose_up() {
-        for (speed, height) in [(20.0, 28.0), (3.0, 11.0)] {
+        for (speed, height) in [(20.0, 24.0), (3.0, 10.0)] {
             let initial = PlanarModelState {
                 velocity: Inertial::new(speed, 0.0),
                 theta: 3.1,
@@ -727,11 +729,13 @@ mod tests {
             };
             let flight = fly(&vehicle(2.0), initial, hover, 25.0);
             assert!(flight.low < height, "{}", flight.low);
-            assert!(flight.end.velocity.norm() < 0.05 && wrap(flight.end.theta).abs() < 0.05);
+            // 2e-5 m/s and 1e-5 rad.
+            assert!(flight.end.velocity.norm() < 1e-4 && wrap(flight.end.theta).abs() < 1e-4);
         }
     }
 
-    /// A descent of 10 m/s at 23 m/s is steeper than any glide: the vehicle flies too high and not into a dive.
+    /// A descent of 10 m/s at 23 m/s is steeper than any glide: the vehicle flies too high and not into a dive. Measured: 1 cm
+    /// too low, and 25.7 m/s, where 25.1 are asked for.
     #[test]
     fn a_sink_that_cannot_be_had_does_not_end_in_a_dive() {
         let steep = |t: f32| Reference {
@@ -743,7 +747,7 @@ mod tests {
             },
         };
         let flight = fly(&vehicle(2.0), PlanarModelState::default(), steep, 40.0);
-        assert!(flight.low < 3.0 && flight.end.velocity.norm() < 35.0);
+        assert!(flight.low < 0.1 && flight.end.velocity.norm() < 27.0);
     }
 
     #[test]
@@ -751,8 +755,9 @@ mod tests {
         assert_eq!(penalty(0.0), 0.0);
         // z²/2, to second order in z².
         assert!((penalty(-0.1) - 0.005).abs() < 0.000_02);
+        // √(1 + z²) − 1: 49.01/24.02.
         let (far, farther) = (penalty(25.0), penalty(50.0));
-        assert!((farther / far - 2.0).abs() < 0.05);
+        assert!((farther / far - 2.0404).abs() < 1e-4);
     }
 
     #[test]
@@ -867,14 +872,14 @@ mod tests {
             thrust: 0.55 * weight,
             ..PlanarModelState::default()
         };
-        // Thrust costs nothing: it stays where it is, and follows.
+        // Thrust costs nothing: it stays where it is, at 15°, and follows.
         let stays = fly_on_wing(&vehicle, stalled, |_| level, 4.0, 0.0);
         let alpha = |flight: &FlightSummary| flight.end.theta.to_degrees() + 90.0;
         assert!(alpha(&stays) > 12.0 && stays.end.thrust > 0.4 * weight);
         let crosses = fly_on_wing(&vehicle, stalled, |_| level, 4.0, 0.81);
-        // A drag coefficient of 0.014 over a lift coefficient of 0.42.
-        assert!((0.0..8.0).contains(&alpha(&crosses)) && crosses.end.thrust < 0.08 * weight);
-        assert!(f32::max(crosses.low, crosses.high) < 1.0);
+        // A drag coefficient of 0.014 over a lift coefficient of 0.42, at 4.3°; 5 cm too high at most.
+        assert!((4.0..4.6).contains(&alpha(&crosses)) && crosses.end.thrust < 0.04 * weight);
+        assert!(f32::max(crosses.low, crosses.high) < 0.1);
     }
 
     /// Every candidate is looked at, and none so seldom that it comes too late: 27 looks take 0.4 s.
@@ -894,7 +899,7 @@ mod tests {
         assert!(plans.iter().all(|p| looks(p) <= 3));
         // To an angle of attack of 46° from a course that is level forward: nose 44° from up.
         let braking = plans.first().unwrap();
-        assert!((braking.target + 44.2f32.to_radians()).abs() < 0.01 && braking.push == 0.0);
+        assert!((braking.target.to_degrees() + 44.2).abs() < 0.05 && braking.push == 0.0);
     }
 
     /// The wing climbs on its way through stall, the more so the more lift it has: the push-over is the longer. Who sinks
@@ -923,7 +928,7 @@ mod tests {
         }
         // 2 m/s of sink that nobody asked for is 0.4 of that in a push-over at 1.52 g.
         let less = push(0.0, LIFT, 1) - push(2.0, LIFT, 1);
-        assert!((0.03..0.06).contains(&less), "{less}");
+        assert!((less - 0.053).abs() < 2e-3, "{less}");
         assert_eq!(
             (push(20.0, LIFT, EMERGENCY_STOP), push(20.0, LIFT, 1)),
             (0.0, 0.0)
