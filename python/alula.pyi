@@ -360,7 +360,6 @@ def campaign(
     flights: int | None = None,
     *,
     threads: int | None = None,
-    out: _Source | None = None,
 ) -> Campaign: ...
 def margins(
     source: _Source = ...,

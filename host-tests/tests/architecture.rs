@@ -164,3 +164,17 @@ fn the_crates_of_the_harness_use_only_those_above_them() {
         );
     }
 }
+
+/// What Python and a browser build need is small: none of the packages that only campaigns in folders, pages or the command line take.
+#[test]
+fn the_python_package_needs_neither_parquet_nor_the_command_line() {
+    let lock = fs::read_to_string(root().join("python/Cargo.lock")).unwrap();
+    let packages: Vec<&str> = lock
+        .lines()
+        .filter_map(|line| line.strip_prefix("name = ")?.split('"').nth(1))
+        .collect();
+    assert!(packages.contains(&"alula-study") && packages.contains(&"rayon"));
+    for apart in ["parquet", "clap", "minijinja", "alula-report", "alula-sil"] {
+        assert!(!packages.contains(&apart), "{apart}");
+    }
+}

@@ -7,7 +7,7 @@ use std::thread;
 use std::time::Duration;
 
 use alula_study::starts::{ATTITUDES, BASES, FLIGHTS, Start, Starts, starts};
-use alula_study::{self as study, BUILT_IN, CampaignSource, Shard, Store, Summary, Threads};
+use alula_study::{self as study, BUILT_IN, CampaignSource, Summary, Threads};
 use anyhow::ensure;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -97,16 +97,15 @@ pub fn interruptible<R: Send>(
 
 /// Flies a campaign on all cores, or on `threads`: an experiment many times over, with its fields drawn at random.
 ///
-/// `source` is a built-in (`alula.campaigns()`) or a TOML file; `flights` replaces its number of flights. The results are left in the
-/// folder `out`, where an interrupted campaign goes on; without it nothing is left. They do not depend on threads or interruptions.
+/// `source` is a built-in (`alula.campaigns()`) or a TOML file; `flights` replaces its number of flights. The results do not depend on
+/// threads. They are in memory: `alula-sil campaign` is for what is to be shared, or to go on after an interruption.
 #[pyfunction]
-#[pyo3(signature = (source, flights=None, *, threads=None, out=None))]
+#[pyo3(signature = (source, flights=None, *, threads=None))]
 pub fn campaign(
     py: Python<'_>,
     source: PathBuf,
     flights: Option<i64>,
     threads: Option<i64>,
-    out: Option<PathBuf>,
 ) -> PyResult<Campaign> {
     let positive = |field, given: Option<i64>| {
         let checked = given.map(|n| {
@@ -119,24 +118,21 @@ pub fn campaign(
     let flights = positive("flights", flights)?.map(|n| n.get() as u64);
     let name = source.to_string_lossy();
     if name == ATTITUDES.0 {
-        return match out {
-            None => attitudes(py, flights.unwrap_or(FLIGHTS), threads),
-            Some(_) => Err(error::field("out", "attitudes leaves nothing")),
-        };
+        return attitudes(py, flights.unwrap_or(FLIGHTS), threads);
     }
     let source = CampaignSource::load(&name, flights);
     let source = source.map_err(|e| error::of_argument("source", e))?;
     let (summary, flights, samples) = interruptible(py, |go_on| {
-        let temporary = tempfile::tempdir()?;
-        let folder = out.as_deref().unwrap_or(temporary.path());
-        let store = Store::open(folder, &source)?;
-        study::run(&source, &store, Shard::default(), threads, go_on)?;
+        let chunks: Vec<u64> = (0..source.campaign.chunks()).collect();
+        let keep = |_, flights, samples| Ok((flights, samples));
+        let parts = study::fly(&source, &chunks, threads, go_on, keep)?;
+        let summary = Summary::of_parts(&source, parts.iter().cloned().map(Ok))?;
         let (mut flights, mut samples) = Default::default();
-        for chunk in 0..source.campaign.chunks() {
-            study::Frame::append(&mut flights, store.flights(chunk)?)?;
-            study::Frame::append(&mut samples, store.samples(chunk)?)?;
+        for (of_flights, of_samples) in parts {
+            study::Frame::append(&mut flights, of_flights)?;
+            study::Frame::append(&mut samples, of_samples)?;
         }
-        Ok((Summary::of(&source, &store)?, flights, samples))
+        Ok((summary, flights, samples))
     })?;
     Ok(Campaign {
         name: source.stem().to_owned(),

@@ -87,7 +87,7 @@ pub fn fly(py: Python<'_>, document: &Document) -> PyResult<Flight> {
         segments: json(py, &segments)?,
         record: Py::new(py, Frame::new(py, columns))?,
         beyond: beyond
-            .map(|(name, value, bound)| (name.to_owned(), value, bound))
+            .map(|b| (b.figure.to_owned(), b.value, b.bound))
             .collect(),
         lines: figures.table(&experiment),
     })

@@ -9,7 +9,7 @@ use std::path::Path;
 use anyhow::{Context, bail};
 
 use super::Frame;
-use super::frame::{self, FrameWriter};
+use super::frame_file::{self, FrameWriter};
 use crate::files::leave_all;
 
 /// What a part is of.
@@ -74,7 +74,7 @@ impl Seal {
     /// The frame of the part at `path`, checked as by [`Self::bytes`].
     pub fn read(&self, path: &Path) -> anyhow::Result<Frame> {
         self.bytes(path)?;
-        frame::read(path)
+        frame_file::read(path)
     }
 
     fn check(&self, bytes: &[u8]) -> anyhow::Result<()> {

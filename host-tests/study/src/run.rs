@@ -6,7 +6,7 @@ use std::str::FromStr;
 use anyhow::{anyhow, bail};
 use rayon::prelude::*;
 
-use super::{CampaignFlight, CampaignSource, FlightResult, Store};
+use super::{CampaignFlight, CampaignSource, FlightResult, Frame};
 
 /// Number of threads; one per core if none is given.
 pub type Threads = Option<NonZero<usize>>;
@@ -64,18 +64,17 @@ impl Shard {
     }
 }
 
-/// Flies what `store` lacks of `shard`. `after_each` is called once per flight; an error of its own ends the campaign there.
-pub fn run(
+/// Flies `chunks` of a campaign: what `keep` makes of flights and samples of each, in their order. `after_each` is called once per
+/// flight; an error of its own ends the campaign there.
+pub fn fly<R: Send>(
     source: &CampaignSource,
-    store: &Store,
-    shard: Shard,
+    chunks: &[u64],
     threads: Threads,
     after_each: impl Fn() -> anyhow::Result<()> + Sync + Send,
-) -> anyhow::Result<()> {
+    keep: impl Fn(u64, Frame, Frame) -> anyhow::Result<R> + Sync + Send,
+) -> anyhow::Result<Vec<R>> {
     let campaign = &source.campaign;
-    let lacks = |chunk: &u64| !store.has(*chunk);
-    let missing: Vec<u64> = shard.chunks(campaign.chunks()).filter(lacks).collect();
-    let fly = |&chunk: &u64| {
+    each(chunks, threads, |&chunk| {
         let mut flights: Vec<CampaignFlight> = Vec::new();
         for number in campaign.chunk(chunk) {
             let drawn = campaign.draw(&source.base, number);
@@ -90,9 +89,8 @@ pub fn run(
             after_each()?;
         }
         let (flights, samples) = campaign.frames(&flights);
-        store.keep(chunk, &flights, &samples)
-    };
-    each(&missing, threads, fly).map(|_| ())
+        keep(chunk, flights, samples)
+    })
 }
 
 #[cfg(test)]

@@ -1,22 +1,19 @@
 //! A folder of results: what decides them, and one part per chunk of flights, each complete or not there.
 
-use std::iter::repeat_n;
+use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 
+use super::frame_file::FrameWriter;
 use super::load::Texts;
 use super::part::{Seal, checksum};
-use super::random_reference::REFERENCE;
-use super::{
-    Campaign, CampaignFlight, CampaignSource, Column, Drawn, DrawnReference, FlightResult, Frame,
-    SAMPLED, Sample,
-};
-use crate::files::leave_all;
-use alula_sim::figures::FIGURES;
+use super::run::{Shard, Threads, fly};
+use super::{CampaignSource, Frame, Summary};
+use crate::files::{leave, leave_all};
 
-/// Flights of a part: lost at most, per thread, if the campaign is interrupted.
-pub const CHUNK: u64 = 50;
+/// Flights of a row group of `flights.parquet`: each group costs the writer memory until the end.
+const GROUP: usize = 5000;
 
 /// The folder of a campaign's results.
 #[derive(Clone, Debug)]
@@ -167,94 +164,54 @@ impl Store {
     }
 }
 
-impl Campaign {
-    /// Number of chunks.
-    pub fn chunks(&self) -> u64 {
-        self.flights.div_ceil(CHUNK)
-    }
-
-    /// The flights of `chunk`.
-    pub fn chunk(&self, chunk: u64) -> std::ops::Range<u64> {
-        chunk * CHUNK..((chunk + 1) * CHUNK).min(self.flights)
-    }
-
-    /// Number of flights in `chunks`.
-    pub fn flights_in(&self, chunks: impl Iterator<Item = u64>) -> u64 {
-        let size = |range: std::ops::Range<u64>| range.end - range.start;
-        chunks.map(|chunk| size(self.chunk(chunk))).sum()
-    }
-
-    /// Flights and samples as columns.
-    pub fn frames(&self, all: &[CampaignFlight]) -> (Frame, Frame) {
-        let mut flights = Frame::default();
-        let real = |of: &dyn Fn(&Drawn, &FlightResult) -> f64| {
-            Column::Real(all.iter().map(|x| of(&x.drawn, &x.result)).collect())
-        };
-        let flag = |of: &dyn Fn(&FlightResult) -> bool| {
-            Column::Flag(all.iter().map(|x| of(&x.result)).collect())
-        };
-        let numbers = all.iter().map(|x| x.number as i64);
-        flights.push("flight", Column::Integer(numbers.collect()));
-        for (i, dispersion) in self.disperse.iter().enumerate() {
-            flights.push(&dispersion.field, real(&|d, _| d.values[i]));
-        }
-        let reference = |of: fn(&DrawnReference) -> f64| {
-            real(&move |d, _| d.reference.as_ref().map_or(f64::NAN, of))
-        };
-        if self.reference.is_some() {
-            flights.push(REFERENCE[0], reference(DrawnReference::speed));
-            flights.push(REFERENCE[1], reference(DrawnReference::sink));
-            flights.push(REFERENCE[2], reference(DrawnReference::stops));
-        }
-        if !self.faults.is_empty() {
-            let index = |d: &Drawn| d.fault.map_or(-1, |fault| fault.index as i64);
-            let indices = all.iter().map(|x| index(&x.drawn));
-            flights.push("fault", Column::Integer(indices.collect()));
-            let nan = f64::NAN;
-            flights.push(
-                "fault_from_s",
-                real(&|d, _| d.fault.map_or(nan, |x| x.from_s)),
-            );
-            flights.push("fault_to_s", real(&|d, _| d.fault.map_or(nan, |x| x.to_s)));
-        }
-        for (i, figure) in FIGURES.iter().enumerate() {
-            flights.push(figure.name, real(&|_, f| f.figures[i]));
-        }
-        flights.push("passed", flag(&|f| self.passed(f)));
-        flights.push("departed", flag(&|f| self.departed(f)));
-        flights.push("fault_as_stated", flag(&|f| f.fault_as_stated));
-        flights.push("diverged", flag(&|f| f.diverged));
-
-        let mut samples = Frame::default();
-        let number = |x: &CampaignFlight| repeat_n(x.number as i64, x.result.samples.len());
-        let numbers = all.iter().flat_map(number);
-        samples.push("flight", Column::Integer(numbers.collect()));
-        let single = |of: &dyn Fn(&Sample) -> f32| {
-            let rows = all.iter().flat_map(|x| &x.result.samples);
-            Column::Single(rows.map(of).collect())
-        };
-        samples.push("t_s", single(&|row| row.0));
-        for (i, name) in SAMPLED.into_iter().enumerate() {
-            samples.push(name, single(&|row| row.1[i]));
-        }
-        (flights, samples)
-    }
-
-    /// Whether `result` keeps every limit, whatever share of the flights has to.
-    fn passed(&self, result: &FlightResult) -> bool {
-        self.limits
-            .iter()
-            .all(|limit| limit.excess(limit.of(result)) <= 0.0)
-    }
-
-    fn departed(&self, result: &FlightResult) -> bool {
-        let outside = |l: &super::Limit| l.departure && l.excess(l.of(result)) > 0.0;
-        self.limits.iter().any(outside)
-    }
+/// Flies what `store` lacks of `shard`. `after_each` is called once per flight; an error of its own ends the campaign there.
+pub fn run(
+    source: &CampaignSource,
+    store: &Store,
+    shard: Shard,
+    threads: Threads,
+    after_each: impl Fn() -> anyhow::Result<()> + Sync + Send,
+) -> anyhow::Result<()> {
+    let lacks = |chunk: &u64| !store.has(*chunk);
+    let chunks = shard.chunks(source.campaign.chunks());
+    let missing: Vec<u64> = chunks.filter(lacks).collect();
+    fly(
+        source,
+        &missing,
+        threads,
+        after_each,
+        |chunk, flights, samples| store.keep(chunk, &flights, &samples),
+    )
+    .map(|_| ())
 }
 
-impl super::Limit {
-    fn of(&self, result: &FlightResult) -> f64 {
-        result.figure(&self.figure)
+impl Summary {
+    /// What the complete `store` of `source` says; its flights are left together in `flights.parquet`.
+    pub fn of(source: &CampaignSource, store: &Store) -> anyhow::Result<Self> {
+        let chunks = source.campaign.chunks();
+        let missing = (0..chunks).filter(|&chunk| !store.has(chunk)).count();
+        anyhow::ensure!(
+            missing == 0,
+            "{}: {missing} of {chunks} parts are not there yet",
+            store.folder().display()
+        );
+        let path = store.folder().join("flights.parquet");
+        let mut summary = None;
+        leave(&path, |file: &mut File| {
+            let mut writer = FrameWriter::new(file);
+            let mut group = Frame::default();
+            let parts = (0..chunks).map(|chunk| {
+                let (flights, samples) = (store.flights(chunk)?, store.samples(chunk)?);
+                group.append(flights.clone())?;
+                if group.rows() >= GROUP || chunk + 1 == chunks {
+                    writer.write(&group)?;
+                    group = Frame::default();
+                }
+                Ok((flights, samples))
+            });
+            summary = Some(Self::of_parts(source, parts)?);
+            writer.close()
+        })?;
+        summary.context("no summary")
     }
 }

@@ -1,21 +1,14 @@
 //! What a campaign found. The parts pass by one after the other, in order: memory does not grow with the flights.
 
-use std::fs::File;
-
 use anyhow::Context;
 use serde::Serialize;
 use sketches_ddsketch::{Config, DDSketch};
 
-use super::frame::FrameWriter;
-use super::{CampaignSource, Frame, MapResult, SAMPLED, Store};
-use crate::files::leave;
+use super::{CampaignSource, Frame, MapResult, SAMPLED};
 use alula_sim::figures::FIGURES;
 
 /// The percentiles that are given of every figure.
 pub const PERCENTILES: [f64; 9] = [0.0, 1.0, 5.0, 25.0, 50.0, 75.0, 95.0, 99.0, 100.0];
-
-/// Flights of a row group of `flights.parquet`: each group costs the writer memory until the end.
-const GROUP: usize = 5000;
 
 /// Flights listed of each limit.
 const WORST: usize = 5;
@@ -186,40 +179,23 @@ impl Correlation {
 }
 
 impl Summary {
-    /// What the complete `store` of `source` says; its flights are left together in `flights.parquet`.
-    pub fn of(source: &CampaignSource, store: &Store) -> anyhow::Result<Self> {
-        let chunks = source.campaign.chunks();
-        let missing = (0..chunks).filter(|&chunk| !store.has(chunk)).count();
-        anyhow::ensure!(
-            missing == 0,
-            "{}: {missing} of {chunks} parts are not there yet",
-            store.folder().display()
-        );
+    /// What the `parts` of a campaign say: flights and samples of each chunk, in their order.
+    pub fn of_parts(
+        source: &CampaignSource,
+        parts: impl Iterator<Item = anyhow::Result<(Frame, Frame)>>,
+    ) -> anyhow::Result<Self> {
         let mut gathered = Gathered::new(source);
-        leave(
-            &store.folder().join("flights.parquet"),
-            |file: &mut File| {
-                let mut writer = FrameWriter::new(file);
-                let mut group = Frame::default();
-                for chunk in 0..chunks {
-                    let flights = store.flights(chunk)?;
-                    let range = source.campaign.chunk(chunk);
-                    let expected: Vec<i64> = range.map(|n| n as i64).collect();
-                    anyhow::ensure!(
-                        flights.integer("flight")? == expected,
-                        "part {chunk} holds other flights"
-                    );
-                    gathered.flights(&flights)?;
-                    gathered.samples(&store.samples(chunk)?)?;
-                    group.append(flights)?;
-                    if group.rows() >= GROUP || chunk + 1 == chunks {
-                        writer.write(&group)?;
-                        group = Frame::default();
-                    }
-                }
-                writer.close()
-            },
-        )?;
+        for (chunk, part) in (0..).zip(parts) {
+            let (flights, samples) = part?;
+            let range = source.campaign.chunk(chunk);
+            let expected: Vec<i64> = range.map(|n| n as i64).collect();
+            anyhow::ensure!(
+                flights.integer("flight")? == expected,
+                "part {chunk} holds other flights"
+            );
+            gathered.flights(&flights)?;
+            gathered.samples(&samples)?;
+        }
         Ok(gathered.finish())
     }
 
