@@ -157,7 +157,8 @@ fn a_flight_is_its_own() {
 
 /// 200 of the 10,000 flights: none departs, and every limit is kept.
 #[test]
-fn no_dispersed_flight_departs() {
+#[ignore = "slow: cargo test-slow"]
+fn slow_no_dispersed_flight_departs() {
     let folder = tempfile::tempdir().unwrap();
     let summary = summary_of(&source("dispersed", 200), folder.path(), 2);
     assert_eq!(summary.departed, 0);
@@ -182,7 +183,8 @@ fn a_glide_does_not_turn_away() {
 
 /// Given a minute more, those that ran ahead are back: every one of 100 flights hovers in place, within 3 m.
 #[test]
-fn every_flight_ends_in_hover() {
+#[ignore = "slow: cargo test-slow"]
+fn slow_every_flight_ends_in_hover() {
     let mut source = source("dispersed", 100);
     source
         .base
@@ -213,7 +215,8 @@ fn the_papers_gains_do_not_pass() {
 
 /// 250 of the 20,000 flights with a fault.
 #[test]
-fn every_fault_ends_as_stated() {
+#[ignore = "slow: cargo test-slow"]
+fn slow_every_fault_ends_as_stated() {
     let folder = tempfile::tempdir().unwrap();
     let summary = summary_of(&source("faults", 250), folder.path(), 2);
     assert_eq!(summary.faults.len(), 29);
@@ -252,7 +255,8 @@ fn a_wrong_statement_is_found() {
 
 /// 60 of the 10,000 falls, 40 of the 10,000 random references and 40 of the 10,000 vehicles: none is lost.
 #[test]
-fn no_flight_is_lost() {
+#[ignore = "slow: cargo test-slow"]
+fn slow_no_flight_is_lost() {
     for (name, flights) in [("upsets", 60), ("envelope", 40), ("vehicles", 40)] {
         let folder = tempfile::tempdir().unwrap();
         let source = source(name, flights);

@@ -58,7 +58,8 @@ fn peak(number: u64) -> (usize, usize) {
 /// Holding the flights of 200 shares more would take 5 MB more. What grows is what the Parquet file says of its row groups at its end: one
 /// group for every hundred shares, of some 40 kB. With the fewer shares the first group is full already.
 #[test]
-fn a_merge_of_three_times_the_shares_needs_no_more_memory() {
+#[ignore = "slow: cargo test-slow"]
+fn slow_a_merge_of_three_times_the_shares_needs_no_more_memory() {
     let (few, flights) = peak(100);
     let (many, all_flights) = peak(300);
     let held = all_flights - flights;

@@ -177,7 +177,8 @@ fn falls_that_were_lost_end_in_hover() {
 
 /// Three draws of each: none falls, all come back, and hover is quiet.
 #[test]
-fn vehicles_with_limited_authority_are_not_lost() {
+#[ignore = "slow: cargo test-slow"]
+fn slow_vehicles_with_limited_authority_are_not_lost() {
     for vehicle in VEHICLES {
         for kind in KINDS {
             let o = row(vehicle, kind, 0..3);

@@ -45,7 +45,8 @@ fn starts(n: usize, speed: f64) -> (f64, f64) {
 }
 
 #[test]
-fn a_thousand_random_starts_converge() {
+#[ignore = "slow: cargo test-slow"]
+fn slow_a_thousand_random_starts_converge() {
     for (name, speed) in [("hover", 0.0), ("20 m/s", 20.0)] {
         let (share, lost) = starts(1000, speed);
         println!(

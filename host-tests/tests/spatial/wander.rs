@@ -141,7 +141,8 @@ fn fly(seed: u64, accelerometer: bool) -> Option<Record> {
 
 /// Not one is 50 m under its reference, or as far over it, and all but a few are back on it a minute after it has stopped.
 #[test]
-fn random_missions_are_not_lost() {
+#[ignore = "slow: cargo test-slow"]
+fn slow_random_missions_are_not_lost() {
     for accelerometer in [true, false] {
         let flights: Vec<_> = (50_000..50_060)
             .filter_map(|seed| fly(seed, accelerometer))
