@@ -174,7 +174,7 @@ pub fn in_shell(word: &str) -> String {
 }
 
 /// Names that fields of files had before, and the ones that they have now.
-pub const RENAMED: &[(&str, &str)] = &[
+const RENAMED: &[(&str, &str)] = &[
     ("force_floor_mg", "gain_schedule_floor_mg"),
     ("max_turn_g", "max_lateral_acceleration_g"),
     ("theta_deg", "attitude_deg"),
@@ -185,12 +185,14 @@ pub const RENAMED: &[(&str, &str)] = &[
     ("late_position_error_m", "max_late_position_error_m"),
     ("cruise_error_m_s", "max_cruise_error_m_s"),
     ("max_rate_rad_s", "max_rate_command_rad_s"),
+    // In another table.
+    ("side_force", "vehicle.c_y"),
 ];
 
 /// What an error adds to the unknown name `given`: the field's new name, or the one of `names` that was probably meant, or nothing.
 pub fn hint(given: &str, names: &[&str]) -> String {
     let renamed = RENAMED.iter().find(|(old, _)| *old == given);
-    if let Some((_, new)) = renamed.filter(|(_, new)| names.contains(new)) {
+    if let Some((_, new)) = renamed.filter(|(_, new)| names.contains(new) || new.contains('.')) {
         return format!("; its name is `{new}` now");
     }
     nearest(given, names).map_or(String::new(), |name| format!("; did you mean `{name}`?"))
@@ -208,6 +210,22 @@ pub fn nearest<'a>(given: &str, names: &[&'a str]) -> Option<&'a str> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn old_names_are_refused_with_the_new_one() {
+        for (old, new) in RENAMED {
+            assert_eq!(
+                hint(old, &["seed", new]),
+                format!("; its name is `{new}` now")
+            );
+        }
+        // Where the new one does not belong it is not named, unless it says its table.
+        assert_eq!(hint("max_turn_g", &["seed"]), "");
+        assert_eq!(
+            hint("side_force", &["elevons"]),
+            "; its name is `vehicle.c_y` now"
+        );
+    }
 
     #[test]
     fn other_code_pages_are_read_and_what_is_no_text_has_a_line() {
