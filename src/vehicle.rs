@@ -1,6 +1,6 @@
 //! The vehicle: mass, aerodynamic constant, thrust line, gravity and coefficient model. Immutable, validated.
 
-use crate::aero::Aerodynamics;
+use crate::aero::{Aerodynamics, Stall};
 use crate::air::{AirData, ThrustLine};
 use crate::authority::{Authority, GONE, IN_SLIPSTREAM, SHARE};
 use crate::error::{ParameterError, in_range};
@@ -78,6 +78,7 @@ impl VehicleParameters {
             difference: SHARE * self.authority_difference / weight,
             airflow: SHARE * self.authority_airflow,
             wing: self.wing_moment,
+            stall: 0.0,
             reversed: if gone > 0.0 {
                 weight / (gone * gone)
             } else {
@@ -148,6 +149,10 @@ impl<A: Aerodynamics> Vehicle<A> {
                 "above thrust_min",
             ));
         }
+        let mut authority = p.pitch_authority();
+        if authority.wing > 0.0 {
+            authority.stall = Stall::of(&model).sin;
+        }
         Ok(Self {
             mass: p.mass,
             k_a: p.k_a,
@@ -155,7 +160,7 @@ impl<A: Aerodynamics> Vehicle<A> {
             gravity: p.gravity,
             thrust_min: p.thrust_min,
             thrust_max: p.thrust_max,
-            authority: p.pitch_authority(),
+            authority,
             propeller: p.propeller(),
             surface_reaction: p.surface_reaction,
             thrust_line: ThrustLine::of_checked(p.delta),

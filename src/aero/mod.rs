@@ -8,12 +8,14 @@ mod interpolant;
 mod large_angle;
 mod naca_0021;
 mod small_angle;
+mod stall;
 mod table;
 
 pub use combined::{Combined, CombinedParameters};
 pub use large_angle::{LargeAngle, LargeAngleParameters};
 pub use naca_0021::{NACA_0021_RE_5E6, NACA_0021_RE_160E3};
 pub use small_angle::{SmallAngle, SmallAngleParameters};
+pub(crate) use stall::Stall;
 pub use table::{Interval, Node, Polar, Table, TableError, TableProblem};
 
 use crate::air::AngleOfAttack;

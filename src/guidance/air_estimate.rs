@@ -3,7 +3,8 @@
 //! What the known wind leaves out is a gust. Each step moves it by a part of one damped Gauss–Newton step towards what is measured:
 //! along the nose the airspeed, across the chord the normal force of the believed wing, along the wing its side force. At the top
 //! of its curve the normal force does not tell the angle of attack, and the damping leaves nothing of the step. What is not told
-//! fades, and the known wind is left.
+//! fades, and the known wind is left. A gust that does not explain the force there is not believed: it goes back to the known wind at
+//! once. Else an estimate that a slipstream or a jump has put behind the stall stays there, and a wing without lift is flown as a stalled one.
 //!
 //! A gust is fast, and an error of the belief lasts: the force of a gust that lasts is handed to the scale of the air's force, so that a
 //! wing that is better than believed is not taken for one that is near its stall.
@@ -30,6 +31,10 @@ const LEAST_SLOPE: f32 = 2.5;
 const AIR_FORCE: f32 = 1.5;
 /// The same of the side force, which is that of fins and fuselage.
 const SIDE_FORCE: f32 = 0.3;
+/// Normal force coefficient that may be left unexplained; at twice of it the gust goes back to the known wind, and how fast it does, over the
+/// rate at which it is made.
+const UNEXPLAINED: f32 = 0.3;
+const RETURN: f32 = 2.0;
 /// Greatest gust \[m/s\]. An airspeed that is farther from that of the known wind is no airspeed: the tube is blocked.
 const MOST: f32 = 10.0;
 /// Greatest step towards what is measured \[m/s\].
@@ -97,11 +102,16 @@ impl AirEstimateState {
             let damping = LEAST_SLOPE * pressure;
             let floor = AIR_FORCE * vehicle.weight();
             let over = slope / (slope * slope + damping * damping + floor * floor);
+            let told = slope * over;
             let left = vehicle.mass() * felt.j - normal * pressure;
             if sample.wind_known {
                 step.j += math::clamp(air.speed * left * over, -MOST_STEP, MOST_STEP);
+                // Neither root nor slope: the gust is on the other side of the stall.
+                let unexplained = left.abs() / (UNEXPLAINED * pressure + f32::MIN_POSITIVE) - 1.0;
+                let back = RETURN * (1.0 - told) * math::clamp(unexplained, 0.0, 1.0);
+                step.j += back * gust.j;
                 // As far as the force tells it.
-                force = -(slope * over) * slope * gust.j / (air.speed + 1.0);
+                force = -told * slope * gust.j / (air.speed + 1.0);
             }
             let side = sample.scale * vehicle.side() * air.speed;
             if side > 0.0 {
@@ -233,6 +243,17 @@ mod tests {
             "{:?}",
             state.gust
         );
+    }
+
+    /// An estimate behind the stall, of a wing that has no lift: at the top of its curve the force has no slope that would lead back. Without
+    /// the return 5.9 of its 7.5 m/s were there after 0.5 s.
+    #[test]
+    fn a_gust_that_does_not_explain_the_force_goes_back() {
+        let mut state = AirEstimateState {
+            gust: Ned::new(0.0, 0.0, -7.5),
+        };
+        fly(&mut state, Ned::ZERO, true, true, 0.5);
+        assert!(near(state.gust, Ned::ZERO, 0.5), "{:?}", state.gust);
     }
 
     /// A blocked tube tells 0 m/s at 20, and is not believed.

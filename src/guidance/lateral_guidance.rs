@@ -11,8 +11,7 @@ use super::planner::{MAX_LATERAL_JERK, Planner, PlannerState, SearchTerms};
 use super::planner_options::{PlannerOptions, most_theta};
 use super::progress::Progress;
 use super::reference_model::{PlanarModelState, limited};
-use crate::aero::Aerodynamics;
-use crate::air::AngleOfAttack;
+use crate::aero::{Aerodynamics, Stall};
 use crate::control::Guard;
 use crate::frame::Inertial;
 use crate::math;
@@ -155,22 +154,6 @@ pub(super) struct ReferenceModelOutput<'a, A> {
     pub progress: Progress,
 }
 
-/// The greatest lift coefficient `c_l` on the way from zero lift to stall. It is given as a function, and not as a model, so
-/// that the loop is compiled once and not once for each model that may be chosen.
-fn lift_at_stall(c_l: &dyn Fn(AngleOfAttack) -> f32) -> f32 {
-    let mut most = 0.0;
-    // Every half degree up to 20°, beyond which no wing of the library stalls.
-    for n in 0..41u8 {
-        let rad = f32::from(n) * 8.726_646e-3;
-        let (sin, cos) = math::sin_cos(rad);
-        let c_l = c_l(AngleOfAttack { sin, cos, rad });
-        if c_l > most {
-            most = c_l;
-        }
-    }
-    most
-}
-
 impl LateralGuidance {
     /// How `vehicle` turns with these parameters, which have been checked.
     pub fn new<A: Aerodynamics>(p: &GuidanceParameters, vehicle: &Vehicle<A>) -> Self {
@@ -178,7 +161,7 @@ impl LateralGuidance {
         let thrust = SHARE * vehicle.thrust_max() / weight;
         // The absolute value of what is positive: the root then needs no call of the C library.
         let speed = math::sqrt((weight / k_a).abs());
-        let stall = SHARE * lift_at_stall(&|alpha| vehicle.model().coefficients(alpha).c_l);
+        let stall = SHARE * Stall::of(vehicle.model()).c_l;
         Self {
             max: p.max_lateral_acceleration * vehicle.gravity(),
             thrust_squared: thrust * thrust,

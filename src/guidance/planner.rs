@@ -1,6 +1,6 @@
 //! The planner: which plan the virtual vehicle flies by.
 //!
-//! One plan a step is flown ahead for two seconds: by turns the plan in force and others, and what they cost is compared. A
+//! One plan a step is flown ahead for two seconds, or for 3.7 where a vehicle turns slowly: by turns the plan in force and others, and what they cost is compared. A
 //! plan may be to turn to an attitude far away, past stall for example, and to go on from there: so a fold is crossed where that
 //! is worth while, and nothing else decides it. The work is the same at every step.
 
@@ -16,7 +16,7 @@ use crate::math;
 use crate::reference::{MAX_SPEED, Reference};
 use crate::vehicle::Vehicle;
 
-/// Steps of a prediction, the first of them \[s\], and the growth from one to the next: 2.08 s in all. With 26 steps one of
+/// Steps of a prediction, the first of the short one \[s\], and the growth from one to the next: 2.08 s in all. With 26 steps one of
 /// 4,000 vehicles was lost, and transitions with a heading held aside reached velocity errors of 2.3 m/s in place of 1.5; 27
 /// are what there is time for.
 const STEPS: usize = 27;
@@ -110,51 +110,47 @@ struct AheadStep {
     accelerating: f32,
 }
 
-/// The steps of a prediction.
-const AHEAD_STEPS: [AheadStep; STEPS] = AHEAD_TABLE.steps;
-/// The first of them, and the last [`LATE`].
-static PARTS: [&[AheadStep]; 2] = [
-    AHEAD_STEPS.split_at(STEPS - LATE).0,
-    AHEAD_STEPS.split_at(STEPS - LATE).1,
-];
-/// The time of the last [`LATE`] of them \[s\].
-const LATE_TIME: f32 = AHEAD_TABLE.late_time;
-/// The time of all \[s\].
-pub(super) const SPAN: f32 = AHEAD_TABLE.span;
-
-/// What is known of a prediction when it is compiled.
-struct AheadTable {
+/// How far a prediction looks ahead.
+struct Horizon {
     steps: [AheadStep; STEPS],
-    /// Time of the last [`LATE`] steps \[s\].
-    late_time: f32,
-    /// Time of all \[s\].
+    /// The time of all of them, and of the last [`LATE`] \[s\].
     span: f32,
+    late: f32,
+    /// Length over that of the short one.
+    scale: f32,
 }
 
-const AHEAD_TABLE: AheadTable = ahead_table();
+/// The horizons: one for vehicles that turn upright within it, and one for those that do not. A pull-up is the way in which an elevon wing
+/// stops, and a plan that does not see its end is none: with the short horizon alone 10 of 500 random brakings did not end in hover.
+static HORIZONS: [Horizon; 2] = [Horizon::new(1.0), Horizon::new(1.75)];
+/// Greatest pitch rate [rad/s] below which the long one is looked at: that of a quarter of a turn in 1.1 s, half of the short one.
+const SLOW_RATE: f32 = 1.4;
 
-const fn ahead_table() -> AheadTable {
-    let mut steps = [const {
-        AheadStep {
-            gains: StepGains::new(FIRST_STEP),
-            accelerating: 1.0,
+impl Horizon {
+    const fn new(scale: f32) -> Self {
+        let mut steps = [const {
+            AheadStep {
+                gains: StepGains::new(FIRST_STEP),
+                accelerating: 1.0,
+            }
+        }; STEPS];
+        let (mut n, mut h, mut span, mut late) = (0, scale * FIRST_STEP, 0.0, 0.0);
+        while n < STEPS {
+            steps[n].gains = StepGains::new(h);
+            steps[n].accelerating = math::clamp((AHEAD - span) / h, 0.0, 1.0);
+            if n + LATE >= STEPS {
+                late += h;
+            }
+            span += h;
+            h *= GROWTH;
+            n += 1;
         }
-    }; STEPS];
-    let (mut n, mut h, mut time, mut late) = (0, FIRST_STEP, 0.0, 0.0);
-    while n < STEPS {
-        steps[n].gains = StepGains::new(h);
-        steps[n].accelerating = math::clamp((AHEAD - time) / h, 0.0, 1.0);
-        if n + LATE >= STEPS {
-            late += h;
+        Self {
+            steps,
+            span,
+            late,
+            scale,
         }
-        time += h;
-        h *= GROWTH;
-        n += 1;
-    }
-    AheadTable {
-        steps,
-        late_time: late,
-        span: time,
     }
 }
 
@@ -241,6 +237,8 @@ pub struct Planner {
     pub(super) reference_model: ReferenceModel,
     pub(super) altitude_band: f32,
     pub(super) velocity_band: Inertial,
+    /// Which of the [`HORIZONS`].
+    horizon: u8,
 }
 
 /// Bounds of what is remembered, beyond everything that flies.
@@ -293,7 +291,20 @@ impl Planner {
             reference_model: ReferenceModel::new(p, vehicle),
             altitude_band: p.altitude_band,
             velocity_band: Inertial::new(p.velocity_band_down, p.velocity_band_forward),
+            horizon: u8::from(p.max_rate < SLOW_RATE),
         }
+    }
+
+    #[inline(always)]
+    fn horizon(&self) -> &'static Horizon {
+        let [short, long] = &HORIZONS;
+        if self.horizon == 0 { short } else { long }
+    }
+
+    /// How far it looks ahead \[s\].
+    #[inline(always)]
+    pub(super) fn span(&self) -> f32 {
+        self.horizon().span
     }
 
     /// Looks at one plan. What the plan in force comes to is remembered when that is looked at.
@@ -377,7 +388,8 @@ impl Planner {
         new: bool,
     ) -> Rollout {
         let air = (initial.flight.velocity - initial.wind) * (vehicle.k_a() / vehicle.mass());
-        if air.norm_squared() > STIFF * STIFF {
+        let stiff = STIFF / self.horizon().scale;
+        if air.norm_squared() > stiff * stiff {
             self.predict_with::<A, true>(vehicle, initial, plan, altitude_band, missed, new)
         } else {
             self.predict_with::<A, false>(vehicle, initial, plan, altitude_band, missed, new)
@@ -410,10 +422,12 @@ impl Planner {
         let mut error =
             flight.velocity - reference_model.desired_velocity(flight.position, velocity);
         // Of the three penalties of a step what is the same at every step.
-        let (mut late, mut cost, mut turning) = (flight.velocity, -3.0 * SPAN, 0u32);
-        for steps in &PARTS {
+        let horizon = self.horizon();
+        let (early_steps, late_steps) = horizon.steps.split_at(STEPS - LATE);
+        let (mut late, mut cost, mut turning) = (flight.velocity, -3.0 * horizon.span, 0u32);
+        for steps in [early_steps, late_steps] {
             late = flight.velocity;
-            for step in *steps {
+            for step in steps {
                 let acceleration = initial.acceleration * step.accelerating;
                 turning += u32::from(plan.turn);
                 let desired = reference_model.desired_acceleration(
@@ -444,7 +458,7 @@ impl Planner {
                         + length(error.forward() * band.forward()));
             }
         }
-        let mean = (flight.velocity - late) * (1.0 / LATE_TIME) - initial.acceleration;
+        let mean = (flight.velocity - late) * (1.0 / horizon.late) - initial.acceleration;
         let least = LEAST_CLOSING * vehicle.gravity();
         let to_go = Inertial::new(
             to_go(error.down(), mean.down(), least),
@@ -454,7 +468,7 @@ impl Planner {
             * (to_go.down() * sinking(error.down() * band.down())
                 + to_go.forward() * penalty(error.forward() * band.forward()));
         if turning > 0 {
-            let turning = turning as f32 * TURN_STEP;
+            let turning = turning as f32 * (TURN_STEP * horizon.scale);
             // It grows as long as the wing is nearly level, and has then to be closed.
             let begun = if new { missed * missed * LEVEL } else { 0.0 };
             let beside = begun + missed * turning;
@@ -777,14 +791,24 @@ mod tests {
         assert_eq!(to_go(0.0, 0.0, 0.3), 0.0);
     }
 
+    /// 2.09 s, and 3.65 s where a quarter of a turn takes long.
     #[test]
-    fn a_prediction_spans_two_seconds_and_its_reference_accelerates_for_a_part_of_them() {
-        let sum = |f: &dyn Fn(&AheadStep) -> f32| AHEAD_STEPS.iter().map(f).sum::<f32>();
-        // 1e-5: the rounding of 27 sums of seconds, 2 s · 6e-8 each, three times over.
-        assert!((sum(&|s| s.gains.h) - SPAN).abs() < 1e-5 && (SPAN - 2.08).abs() < 0.01);
-        assert!((sum(&|s| s.gains.h * s.accelerating) - AHEAD).abs() < 1e-5);
-        let late = |s: &[AheadStep]| s.iter().map(|s| s.gains.h).sum::<f32>();
-        assert!((late(&AHEAD_STEPS[STEPS - LATE..]) - LATE_TIME).abs() < 1e-5);
+    fn a_prediction_spans_its_horizon_and_its_reference_accelerates_for_a_part_of_it() {
+        for (rate, span) in [(2.8, 2.09), (1.1, 3.65)] {
+            let p = GuidanceParameters {
+                max_rate: rate,
+                ..GuidanceParameters::default()
+            };
+            let planner = Planner::new(&p, &vehicle(2.0));
+            let steps = &planner.horizon().steps;
+            let sum = |f: &dyn Fn(&AheadStep) -> f32| steps.iter().map(f).sum::<f32>();
+            // 1e-5: the rounding of 27 sums of seconds, 4 s · 6e-8 each, three times over.
+            assert!((sum(&|s| s.gains.h) - planner.span()).abs() < 1e-5);
+            assert!((planner.span() - span).abs() < 0.01);
+            assert!((sum(&|s| s.gains.h * s.accelerating) - AHEAD).abs() < 1e-5);
+            let late = |s: &[AheadStep]| s.iter().map(|s| s.gains.h).sum::<f32>();
+            assert!((late(&steps[STEPS - LATE..]) - planner.horizon().late).abs() < 1e-5);
+        }
     }
 
     /// The plans of a round are compared from where it began, wherever the flight has got to meanwhile.

@@ -1,6 +1,6 @@
 //! What the guidance is about, and what of the reference cannot be had.
 
-use super::planner::{Planner, PlannerState, SPAN};
+use super::planner::{Planner, PlannerState};
 use crate::aero::Aerodynamics;
 use crate::frame::Inertial;
 use crate::vehicle::Vehicle;
@@ -137,7 +137,7 @@ impl Progress {
         Self {
             phase,
             unreachable,
-            time: if there { 0.0 } else { SPAN + longest },
+            time: if there { 0.0 } else { planner.span() + longest },
             distance: if there {
                 0.0
             } else {
