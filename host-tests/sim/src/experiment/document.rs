@@ -11,6 +11,7 @@ use serde::de::DeserializeOwned;
 use toml::de::{DeTable, DeValue};
 use toml::{Table, Value};
 
+use super::sensors::SENSORS;
 use super::tail_sitter::{VEHICLE, VEHICLES};
 use super::{BUILT_IN, ControllerSpec, VehicleSpec};
 use crate::named::{Named, hint, on_one_line};
@@ -25,6 +26,16 @@ const CHOICES: [&str; 5] = [
     "rate_loop",
     "path",
     "reference",
+];
+/// Tables that a name stands for: where, what they are, and those that are built in.
+type NamedTable = (
+    &'static str,
+    &'static str,
+    &'static [(&'static str, &'static str)],
+);
+const NAMED_TABLES: [NamedTable; 2] = [
+    (VEHICLE, "vehicle of the plant", VEHICLES),
+    ("sensors", "sensors", SENSORS),
 ];
 /// Two names of one table: a text that has one takes the place of the other in its base.
 const NAMES_OF_PATH: [&str; 2] = ["path", "reference"];
@@ -249,7 +260,7 @@ impl Document {
         own.keys().for_each(|key| document.supersede(key));
         document.supersede_plant(own.get("plant"));
         merge("", &mut document.root, Value::Table(own));
-        let done = document.expand_vehicle();
+        let done = document.expand_names();
         done.map_err(|e| document.located(e))?;
         match set {
             None => {}
@@ -319,16 +330,20 @@ impl Document {
             around = key;
         }
         *place = value;
-        self.expand_vehicle()
+        self.expand_names()
     }
 
-    /// Puts the table of the vehicle that `plant.vehicle` names in place of its name.
-    fn expand_vehicle(&mut self) -> Result<(), FieldError> {
-        let Some(Value::String(name)) = self.get(VEHICLE) else {
+    /// Puts the tables of [`NAMED_TABLES`] in place of their names.
+    fn expand_names(&mut self) -> Result<(), FieldError> {
+        NAMED_TABLES.iter().try_for_each(|named| self.expand(named))
+    }
+
+    fn expand(&mut self, (path, what, built_in): &NamedTable) -> Result<(), FieldError> {
+        let Some(Value::String(name)) = self.get(path) else {
             return Ok(());
         };
-        let refused = |problem: String| FieldError::new(VEHICLE, problem);
-        let named = Named::find("vehicle of the plant", VEHICLES, name);
+        let refused = |problem: String| FieldError::new(*path, problem);
+        let named = Named::find(what, built_in, name);
         let named = named.map_err(|e| refused(format!("{e:#}")))?;
         let table = named.text.parse::<Table>().map_err(|e| {
             let line = e.span().map_or(1, |s| line_at(&named.text, s.start));
@@ -342,10 +357,10 @@ impl Document {
             origin: named.origin,
             text: named.text,
             lines: true,
-            inside: VEHICLE,
+            inside: path,
         };
         self.layers.insert(0, layer);
-        self.set(VEHICLE, Value::Table(table))
+        self.set(path, Value::Table(table))
     }
 
     /// Takes out of the base what another kind of plant, which `own` names, does not have.
@@ -544,11 +559,11 @@ fn merge(key: &str, base: &mut Value, over: Value) {
     }
 }
 
-/// A file that a polar or a belief is in, beside the text that names it, is named by its whole path.
+/// A file that a polar, a belief or sensors are in, beside the text that names it, is named by its whole path.
 fn find_files(key: &str, value: &mut Value, folder: &Path) {
     let last = key.rsplit('.').next();
     match value {
-        Value::String(name) if matches!(last, Some("polar" | "vehicle")) => {
+        Value::String(name) if matches!(last, Some("polar" | "vehicle" | "sensors")) => {
             let beside = folder.join(&*name);
             if beside.is_file() {
                 *name = beside.display().to_string();

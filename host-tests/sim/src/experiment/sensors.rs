@@ -16,6 +16,13 @@ use super::estimates::{Estimates, EstimatorSpec};
 use super::faults::FaultSpec;
 use super::plant::State;
 use super::vector::ned;
+use crate::named::built_in;
+
+/// Name and TOML text of built-in sensors, which `sensors = "NAME"` takes over.
+pub const SENSORS: &[(&str, &str)] = built_in! { "sensors", ".toml";
+    "exact",
+    "autopilot",
+};
 
 /// Errors of one measured quantity, in its unit: value + bias + noise, rounded to whole steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
