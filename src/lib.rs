@@ -43,6 +43,7 @@
 //! |---|---|
 //! | [`prelude`] | what a user of the guidance needs |
 //! | [`guidance`] | the guidance: planner, tracker, limits, supervision |
+//! | [`mission`] | missions: from take-off to landing, at airspeeds, in wind |
 //! | [`aero`] | aerodynamic models, and tables of measured coefficients |
 //! | [`ned`] | the axes of autopilots |
 //! | [`spatial`] | the law in space that the guidance flies, and its estimators |
@@ -70,6 +71,7 @@ mod error;
 mod frame;
 pub mod guidance;
 mod math;
+pub mod mission;
 pub mod ned;
 mod parameters;
 pub mod planar;

@@ -1,0 +1,228 @@
+//! What a vehicle can do on its wing, from what is believed of it: drag, glide, climb, turns. Computed once.
+
+use crate::aero::Aerodynamics;
+use crate::air::AngleOfAttack;
+use crate::math;
+use crate::vehicle::Vehicle;
+
+/// Speeds of the table, in multiples of the stall speed: the first, and the step.
+const FIRST: f32 = 1.15;
+const STEP: f32 = 0.15;
+const SPEEDS: usize = 16;
+/// Part of the thrust there is that level flight may take, and of what is left that a climb may.
+const THRUST_SHARE: f32 = 0.9;
+const CLIMB_SHARE: f32 = 0.7;
+/// Part of the greatest lift that a turn may take. The rest is for gusts.
+const LIFT_SHARE: f32 = 0.7;
+/// Acceleration of turns in hover, where thrust alone makes them [m/s²].
+const HOVER_TURN: f32 = 2.0;
+/// Greatest angle of attack of the search \[rad\] and its step: half a degree up to 20°, beyond which no wing of the library stalls.
+const DEGREE: f32 = 8.726_646e-3;
+const ANGLES: u8 = 41;
+
+/// What a vehicle can do on its wing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(super) struct Ability {
+    /// Speed at which the greatest lift carries the weight [m/s].
+    pub stall_speed: f32,
+    /// Drag of level flight over the weight, at the speeds of the table.
+    drag: [f32; SPEEDS],
+    /// Thrust there is over the weight, at these speeds.
+    thrust: [f32; SPEEDS],
+    gravity: f32,
+    weight: f32,
+}
+
+/// (c_L, c_D) at an angle of attack: a function, and not a model, so that the search is compiled once.
+type Polar<'a> = &'a dyn Fn(f32) -> (f32, f32);
+
+/// The greatest lift coefficient short of stall.
+fn most_lift(polar: Polar<'_>) -> f32 {
+    let lift = |n: u8| polar(DEGREE * f32::from(n)).0;
+    (1..ANGLES).map(lift).fold(1e-3, math::max)
+}
+
+/// c_D where the lift coefficient is `lift`, on the way to stall.
+fn drag_at(polar: Polar<'_>, lift: f32) -> f32 {
+    let mut below = (0.0, polar(0.0));
+    for n in 1..ANGLES {
+        let (c_l, c_d) = polar(DEGREE * f32::from(n));
+        if c_l >= lift {
+            let (low, drag) = below.1;
+            let part = (lift - low) / math::max(c_l - low, 1e-6);
+            return drag + math::clamp(part, 0.0, 1.0) * (c_d - drag);
+        }
+        below = (f32::from(n), (c_l, c_d));
+    }
+    below.1.1
+}
+
+impl Ability {
+    pub fn new<A: Aerodynamics>(vehicle: &Vehicle<A>) -> Self {
+        let polar = |alpha: f32| {
+            let c = vehicle
+                .model()
+                .coefficients(AngleOfAttack::from_radians(alpha));
+            (c.c_l, c.c_d)
+        };
+        let available = |speed: f32| vehicle.thrust_max() * vehicle.propeller().available(speed);
+        Self::of(
+            &polar,
+            &available,
+            (vehicle.k_a(), vehicle.weight(), vehicle.gravity()),
+        )
+    }
+
+    fn of(
+        polar: Polar<'_>,
+        available: &dyn Fn(f32) -> f32,
+        (k_a, weight, gravity): (f32, f32, f32),
+    ) -> Self {
+        let stall_speed = math::sqrt((weight / (k_a * most_lift(polar))).abs());
+        let mut ability = Self {
+            stall_speed,
+            drag: [0.0; SPEEDS],
+            thrust: [0.0; SPEEDS],
+            gravity,
+            weight,
+        };
+        let rows = ability.drag.iter_mut().zip(&mut ability.thrust);
+        let mut multiple = FIRST;
+        for (drag, thrust) in rows {
+            let speed = multiple * stall_speed;
+            let pressure = k_a * speed * speed / weight;
+            *drag = pressure * drag_at(polar, 1.0 / pressure);
+            *thrust = available(speed) / weight;
+            multiple += STEP;
+        }
+        ability
+    }
+
+    /// The value of a table at `speed` [m/s], held at its ends.
+    fn at(&self, table: &[f32; SPEEDS], speed: f32) -> f32 {
+        let row = math::clamp(
+            (speed / self.stall_speed - FIRST) / STEP,
+            0.0,
+            (SPEEDS - 1) as f32,
+        );
+        let below = row as usize;
+        let part = row - below as f32;
+        let value = |n: usize| table.get(n).copied().unwrap_or(0.0);
+        let (low, high) = (value(below), value(below + 1));
+        if part > 0.0 {
+            low + part * (high - low)
+        } else {
+            low
+        }
+    }
+
+    /// Weight \[N\].
+    pub fn weight(&self) -> f32 {
+        self.weight
+    }
+
+    /// Least airspeed on the wing [m/s]. Slower is hover.
+    pub fn least_speed(&self) -> f32 {
+        FIRST * self.stall_speed
+    }
+
+    /// Greatest airspeed of level flight in the table [m/s]; the least where thrust carries none.
+    pub fn most_speed(&self) -> f32 {
+        let mut most = self.least_speed();
+        for (n, (drag, thrust)) in self.drag.iter().zip(&self.thrust).enumerate() {
+            if *drag <= THRUST_SHARE * *thrust {
+                most = (FIRST + STEP * n as f32) * self.stall_speed;
+            }
+        }
+        most
+    }
+
+    /// Drag of level flight over the weight at an airspeed [m/s]: the deceleration without thrust in g, and the slope of the glide.
+    pub fn drag(&self, airspeed: f32) -> f32 {
+        self.at(&self.drag, airspeed)
+    }
+
+    /// Slope of the climb at an airspeed [m/s] that leaves thrust to turn with; none is negative.
+    pub fn climb(&self, airspeed: f32) -> f32 {
+        let left = self.at(&self.thrust, airspeed) - self.at(&self.drag, airspeed);
+        CLIMB_SHARE * math::clamp(left, 0.0, 1.0)
+    }
+
+    /// Acceleration to the side [m/s²] of a turn at an airspeed [m/s] with this tangent of the bank.
+    pub fn turn(&self, airspeed: f32, tan_bank: f32) -> f32 {
+        let carried = airspeed / self.stall_speed;
+        let load = LIFT_SHARE * carried * carried;
+        let by_lift = math::sqrt(math::max(load * load - 1.0, 0.0).abs());
+        math::max(
+            self.gravity * math::min(by_lift, tan_bank),
+            math::min(HOVER_TURN, self.gravity * tan_bank),
+        )
+    }
+
+    /// Deceleration [m/s²] that drag gives at an airspeed [m/s].
+    pub fn slowing(&self, airspeed: f32) -> f32 {
+        self.gravity * self.drag(airspeed)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::aero::{Combined, CombinedParameters};
+    use crate::air::AirData;
+    use crate::frame::Body;
+    use crate::vehicle::VehicleParameters;
+
+    fn vehicle() -> Vehicle<Combined> {
+        let model = Combined::new(CombinedParameters {
+            c0: 0.045,
+            ..CombinedParameters::NACA_0021_RE_160E3
+        });
+        Vehicle::new(VehicleParameters::PAPER, model.unwrap()).unwrap()
+    }
+
+    /// At the speed of the table the vehicle's own aerodynamic force carries the weight, and its drag is the one told.
+    #[test]
+    fn drag_is_that_of_the_vehicle_where_lift_carries_it() {
+        let vehicle = vehicle();
+        let ability = Ability::new(&vehicle);
+        for speed in [16.0, 20.0, 24.0_f32] {
+            // The angle of attack with the lift, by bisection on the force itself.
+            let force = |alpha: f32| {
+                let (sin, cos) = math::sin_cos(alpha);
+                // i is along the tail: air velocity along the nose and to the belly.
+                let air = AirData::new(Body::new(-speed * cos, speed * sin), vehicle.thrust_line());
+                let f = vehicle.aerodynamic_force(&air);
+                let lift = -(f.j() * cos) - f.i() * sin;
+                let drag = f.i() * cos - f.j() * sin;
+                (lift, drag)
+            };
+            let (mut low, mut high) = (0.0, 0.2);
+            for _ in 0..30 {
+                let mid = 0.5 * (low + high);
+                if force(mid).0 < vehicle.weight() {
+                    low = mid;
+                } else {
+                    high = mid;
+                }
+            }
+            let drag = force(low).1 / vehicle.weight();
+            assert!(
+                (ability.drag(speed) / drag - 1.0).abs() < 0.03,
+                "{speed}: {} {drag}",
+                ability.drag(speed)
+            );
+        }
+    }
+
+    #[test]
+    fn a_turn_takes_no_more_than_bank_and_lift() {
+        let ability = Ability::new(&vehicle());
+        let fast = ability.turn(3.0 * ability.stall_speed, 0.5);
+        assert!((fast - 0.5 * 9.81).abs() < 1e-3);
+        let slow = ability.turn(1.25 * ability.stall_speed, 1.0);
+        let load = math::sqrt(1.0 + (slow / 9.81) * (slow / 9.81));
+        assert!(load < 0.75 * 1.25 * 1.25, "{load}");
+    }
+}

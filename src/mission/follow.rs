@@ -1,0 +1,123 @@
+//! A path over ground at an airspeed, as a reference: along it nothing is held but the airspeed.
+
+use super::ability::Ability;
+use super::parameters::MissionParameters;
+use super::segment::{Path, level, right_of};
+use super::triangle::Triangle;
+use crate::math;
+use crate::ned::Ned;
+
+/// Part of the drag that a slower airspeed may ask for.
+const DRAG_SHARE: f32 = 0.8;
+
+/// How a path is being flown.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(super) struct FollowState {
+    pub path: Path,
+    /// Airspeed asked for [m/s].
+    pub airspeed: f32,
+    /// Part of the air velocity along the course that is asked for so far: from hover it grows to 1.
+    part: f32,
+}
+
+/// Where the vehicle is, and the wind.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Seen {
+    pub position: Ned,
+    pub velocity: Ned,
+    pub wind: Ned,
+}
+
+/// What is to be flown in a step, level.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Followed {
+    pub velocity: Ned,
+    pub acceleration: Ned,
+    /// How far the vehicle is from the path, across it \[m\].
+    pub error: Ned,
+    /// The same with its sign: to the right is positive.
+    pub right: f32,
+    /// Whether the path is at its end.
+    pub ended: bool,
+    /// Whether the wind is stronger than the airspeed: the nose is held into it.
+    pub drifting: bool,
+}
+
+impl FollowState {
+    /// A path that begins at the vehicle, from its present velocity.
+    pub fn begin(path: Path, airspeed: f32, seen: &Seen) -> Self {
+        let mut begun = Self {
+            path,
+            airspeed,
+            part: 1.0,
+        };
+        let (nearest, _) = { begun.path }.advance(seen.position);
+        if let Some(triangle) = Triangle::new(airspeed, seen.wind, nearest.along) {
+            let air = seen.velocity - seen.wind;
+            let along = air.north * nearest.along.north + air.east * nearest.along.east;
+            begun.part = math::clamp(along / triangle.air, -1.0, 1.0);
+        }
+        begun
+    }
+
+    /// Another path, flown as fast as the last.
+    pub fn turn_to(&mut self, path: Path) {
+        self.path = path;
+    }
+
+    /// A step at an airspeed of `wanted` [m/s].
+    pub fn step(
+        &mut self,
+        p: &MissionParameters,
+        ability: &Ability,
+        seen: &Seen,
+        wanted: f32,
+        dt: f32,
+    ) -> Followed {
+        let (nearest, ended) = self.path.advance(seen.position);
+        let curvature = self.path.segment().curvature;
+        let slower = math::min(DRAG_SHARE * ability.slowing(self.airspeed), p.acceleration);
+        self.airspeed += math::clamp(wanted - self.airspeed, -slower * dt, p.acceleration * dt);
+        // The wing cannot brake: what is faster than asked for is let slow down by itself.
+        let there = level(seen.velocity - seen.wind);
+        let airspeed = math::max(self.airspeed, p.yield_share * there);
+        let Some(triangle) = Triangle::new(airspeed, seen.wind, nearest.along) else {
+            return self.on_the_wind(airspeed, seen.wind, ended);
+        };
+        let growth = math::clamp(1.0 - self.part, 0.0, p.acceleration * dt / triangle.air);
+        self.part += growth;
+        let speed = triangle.ground(self.part);
+        let rate = speed * curvature;
+        let gain = if dt > 0.0 {
+            growth / dt * triangle.air
+        } else {
+            0.0
+        };
+        let across = right_of(nearest.along);
+        Followed {
+            velocity: nearest.along * speed,
+            acceleration: nearest.along * (triangle.change(self.part, rate) + gain)
+                + across * (speed * rate),
+            error: across * nearest.right,
+            right: nearest.right,
+            ended,
+            drifting: false,
+        }
+    }
+
+    /// The nose into a wind that is stronger than the airspeed.
+    fn on_the_wind(&mut self, airspeed: f32, wind: Ned, ended: bool) -> Followed {
+        let strength = math::max(level(wind), 1e-3);
+        let drift = 1.0 - airspeed / strength;
+        self.part = 1.0;
+        Followed {
+            velocity: Ned::new(wind.north * drift, wind.east * drift, 0.0),
+            acceleration: Ned::ZERO,
+            error: Ned::ZERO,
+            right: 0.0,
+            ended,
+            drifting: true,
+        }
+    }
+}

@@ -1,0 +1,175 @@
+//! What a step of a mission says.
+
+use super::response::{Response, Troubles};
+use crate::guidance::{GuidanceInput, PlannerOptions};
+use crate::math;
+use crate::ned::{BodyRates, Ned};
+use crate::spatial::{Command, Reference};
+
+/// What is being done.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Activity {
+    /// On the ground, without thrust.
+    #[default]
+    Grounded,
+    /// The thrust grows until it lifts off.
+    Spooling,
+    /// Straight up.
+    Rising,
+    /// A path at an airspeed.
+    Flying,
+    /// To a place and there, by its position.
+    Hovering,
+    /// Straight down, until it touches the ground.
+    Descending,
+    /// It has touched the ground: the thrust goes off.
+    Touched,
+}
+
+impl Activity {
+    /// Name for logs.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Grounded => "grounded",
+            Self::Spooling => "spooling",
+            Self::Rising => "rising",
+            Self::Flying => "flying",
+            Self::Hovering => "hovering",
+            Self::Descending => "descending",
+            Self::Touched => "touched",
+        }
+    }
+}
+
+/// What of an item cannot be done as asked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Remark {
+    /// The wind is stronger than the airspeed: the nose is held into it, and it drifts.
+    Drifting,
+    /// The way is steeper than the wing climbs or glides: what is left is flown in a spiral at its end.
+    Steep,
+    /// The turn does not fit between the neighbours: the waypoint is passed over.
+    TightCorner,
+    /// It has not lifted off with the most thrust of a take-off.
+    NoLiftOff,
+    /// The vehicle does not follow.
+    NotFollowing,
+    /// It is not armed.
+    NotArmed,
+    /// The place of landing waits until the vehicle is over it.
+    NotOverPlace,
+}
+
+impl Remark {
+    /// Name for logs.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Drifting => "drifting",
+            Self::Steep => "steep",
+            Self::TightCorner => "tight_corner",
+            Self::NoLiftOff => "no_lift_off",
+            Self::NotFollowing => "not_following",
+            Self::NotArmed => "not_armed",
+            Self::NotOverPlace => "not_over_place",
+        }
+    }
+}
+
+/// What of the guidance's command reaches the motors.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Gate {
+    /// Nothing: no thrust, no rotation. The guidance is not asked, and its state is that of power-on.
+    #[default]
+    Off,
+    /// At most this thrust \[N\]. It stands on the ground.
+    AtMost(f32),
+    /// All.
+    Open,
+}
+
+impl Gate {
+    /// What is left of a command.
+    pub fn pass(self, command: Command) -> Command {
+        match self {
+            Self::Off => Command {
+                thrust: 0.0,
+                rates: BodyRates::default(),
+                ..command
+            },
+            Self::AtMost(most) => Command {
+                thrust: math::min(command.thrust, most),
+                ..command
+            },
+            Self::Open => command,
+        }
+    }
+}
+
+/// How far a mission has come.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct MissionProgress {
+    /// Item, counted from 0; the number of items when all are done.
+    pub item: u16,
+    /// Time since the item began \[s\].
+    pub time: f32,
+    /// Way to its end \[m\], and the time that takes \[s\].
+    pub distance_to_go: f32,
+    /// \[s\].
+    pub time_to_go: f32,
+    /// Of the items after it, legs alone \[m\].
+    pub distance_after: f32,
+    /// \[s\].
+    pub time_after: f32,
+    /// Energy that the propellers have given the air, by momentum theory \[J\].
+    pub energy: f32,
+    /// How far the vehicle is to the right of its path \[m\].
+    pub right: f32,
+    /// Airspeed asked for [m/s]; 0 in hover.
+    pub airspeed: f32,
+}
+
+/// What a step of a mission gives.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct MissionOutput {
+    /// For the guidance.
+    pub reference: Reference,
+    /// Position less that of the reference \[m\]: on a path, across it and down alone.
+    pub position_error: Ned,
+    /// For the guidance.
+    pub planner_options: PlannerOptions,
+    /// What of the guidance's command reaches the motors.
+    pub gate: Gate,
+    /// What is done.
+    pub activity: Activity,
+    /// How far it has come.
+    pub progress: MissionProgress,
+    /// What cannot be done as asked.
+    pub remark: Option<Remark>,
+    /// What has failed.
+    pub troubles: Troubles,
+    /// What is done about it.
+    pub response: Response,
+}
+
+impl MissionOutput {
+    /// The guidance's input with what the mission asks for in it. Where the vehicle stands on the ground, the accelerometer feels
+    /// the ground, and is left out.
+    #[must_use]
+    pub fn asked_of(&self, input: GuidanceInput) -> GuidanceInput {
+        GuidanceInput {
+            position_error: Some(self.position_error),
+            reference: self.reference,
+            reference_age: 0.0,
+            planner_options: self.planner_options,
+            specific_force: input.specific_force.filter(|_| self.gate == Gate::Open),
+            ..input
+        }
+    }
+}

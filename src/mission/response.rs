@@ -1,0 +1,101 @@
+//! What is done when something fails: a table.
+
+/// What is done.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+pub enum Response {
+    /// The mission goes on.
+    #[default]
+    Continue,
+    /// On the wing a circle, in hover a stop, for as long as it lasts. Then the mission goes on.
+    Loiter,
+    /// Back to where it took off, and a landing there. It is kept to.
+    Return,
+    /// A landing where it is. It is kept to.
+    Land,
+}
+
+/// What has failed: flags.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Troubles(u8);
+
+bitflags::bitflags! {
+    impl Troubles: u8 {
+        /// The link to whoever flies is lost.
+        const LINK = 1;
+        /// Nothing is known of the air.
+        const AIR = 1 << 1;
+        /// Nothing is known of the position.
+        const POSITION = 1 << 2;
+        /// The battery is low.
+        const BATTERY = 1 << 3;
+        /// The vehicle does not follow: for 5 s it has been far from the path.
+        const FOLLOW = 1 << 4;
+        /// Whoever flies wants it to stop: on the ground no take-off, in a landing a go-around, else a loiter.
+        const ABORT = 1 << 5;
+    }
+}
+
+/// What is done when each of them fails; of several the gravest.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+pub struct Responses {
+    /// The link.
+    pub link: Response,
+    /// Air data.
+    pub air: Response,
+    /// The position.
+    pub position: Response,
+    /// The battery.
+    pub battery: Response,
+    /// The vehicle does not follow.
+    pub follow: Response,
+}
+
+impl Responses {
+    /// The gravest response to `troubles`.
+    pub fn to(&self, troubles: Troubles) -> Response {
+        [
+            (Troubles::LINK, self.link),
+            (Troubles::AIR, self.air),
+            (Troubles::POSITION, self.position),
+            (Troubles::BATTERY, self.battery),
+            (Troubles::FOLLOW, self.follow),
+            (Troubles::ABORT, Response::Loiter),
+        ]
+        .into_iter()
+        .filter(|(trouble, _)| troubles.contains(*trouble))
+        .fold(Response::Continue, |gravest, (_, response)| {
+            if response > gravest {
+                response
+            } else {
+                gravest
+            }
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_several_the_gravest_is_done() {
+        let responses = Responses {
+            link: Response::Return,
+            battery: Response::Land,
+            ..Responses::default()
+        };
+        let to = |troubles| responses.to(troubles);
+        assert_eq!(to(Troubles::empty()), Response::Continue);
+        assert_eq!(to(Troubles::AIR), Response::Continue);
+        assert_eq!(to(Troubles::LINK | Troubles::ABORT), Response::Return);
+        assert_eq!(to(Troubles::all()), Response::Land);
+    }
+}
