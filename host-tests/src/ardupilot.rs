@@ -222,6 +222,7 @@ impl<'a> Vehicle<'a> {
                 sample: hold.input(&experiment.sensors, &faults, t, &target),
                 feed_forward: None,
             },
+            mission: None,
             answer: Answer {
                 thrust: asked as f32,
                 rates: body_rates(truth.rates),

@@ -20,6 +20,9 @@ impl Document {
     /// The experiment that the document describes, validated but for its controller.
     pub fn data(&self) -> Result<Experiment, FieldError> {
         let believed = self.believed()?;
+        let flown = ["path", "reference", "mission"].map(|key| self.get(key).is_some());
+        let problem = "missing field `path`, or `mission`";
+        require(flown.contains(&true), "", problem)?;
         let mut experiment: Experiment = believed.document.read()?;
         experiment.tail_sitter = believed.tail_sitter;
         experiment
@@ -76,6 +79,7 @@ impl Document {
     pub fn experiment(&self) -> Result<Experiment, FieldError> {
         let experiment = self.data()?;
         experiment.controller()?;
+        experiment.flown_mission()?;
         for name in experiment.bounds.keys() {
             let field = format!("bounds.{name}");
             require(

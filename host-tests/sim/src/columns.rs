@@ -7,6 +7,7 @@ use std::io::Write;
 
 use alula::GuidanceOutput;
 use alula::guidance::{Air, Unreachable};
+use alula::mission::{MissionOutput, Remark};
 use alula::ned::Ned;
 use alula::planar::Diagnostics;
 use alula::spatial::Body;
@@ -14,7 +15,7 @@ use nalgebra::Quaternion;
 
 use crate::controllers::Answer;
 use crate::decimal;
-use crate::experiment::{Experiment, V3};
+use crate::experiment::{Experiment, V3, response_name};
 use crate::reference::wrap;
 use crate::simulate::Step;
 
@@ -110,6 +111,11 @@ fn told_attitude(step: &Step, of: fn(&Quaternion<f64>) -> f64) -> Option<Cell> {
     } else {
         f64::NAN
     })
+}
+
+/// Something of what a mission asks for.
+fn mission(step: &Step, of: fn(&MissionOutput) -> f32) -> Option<Cell> {
+    step.mission.as_ref().map(|m| Cell::Single(of(m)))
 }
 
 /// Something that has a meaning in a vertical plane only.
@@ -214,6 +220,16 @@ columns! {
     "a_cmd_east_m_s2", "acceleration that the guidance gives to its law", |_, s| guided(&s.answer, |g| g.reference.acceleration.east);
     "a_cmd_down_m_s2", "acceleration that the guidance gives to its law", |_, s| guided(&s.answer, |g| g.reference.acceleration.down);
     "margin_k", "the guidance's margin: k", |_, s| guided(&s.answer, |g| g.margin.k);
+    "mission_item", "the mission's item, counted from 0", |_, s| mission(s, |m| m.progress.item.into());
+    "mission_activity", "what the mission does: `grounded`, `spooling`, `rising`, `flying`, `hovering`, `descending` or `touched`", |_, s| word(s.mission.as_ref().map(|m| m.activity.name()));
+    "mission_remark", "what of the item cannot be done as asked: `drifting`, `steep`, `tight_corner`, `no_lift_off`, `not_following`, `not_armed` or `not_over_place`; empty if all can", |_, s| word(s.mission.as_ref().map(|m| m.remark.map_or("", Remark::name)));
+    "mission_response", "what is done about what has failed: `continue`, `loiter`, `return` or `land`", |_, s| word(s.mission.as_ref().map(|m| response_name(m.response)));
+    "mission_airspeed_m_s", "airspeed that the mission asks for; 0 in hover", |_, s| mission(s, |m| m.progress.airspeed);
+    "mission_right_m", "how far the vehicle is to the right of the mission's path", |_, s| mission(s, |m| m.progress.right);
+    "mission_distance_m", "way to the end of the item", |_, s| mission(s, |m| m.progress.distance_to_go);
+    "mission_time_s", "time to the end of the item", |_, s| mission(s, |m| m.progress.time_to_go);
+    "mission_energy_j", "energy that the propellers have given the air", |_, s| mission(s, |m| m.progress.energy);
+    "mission_steady_thrust_n", "thrust of steady flight at the airspeed, turn and climb that the mission asks for", |_, s| mission(s, |m| m.progress.steady_thrust);
     "margin_fold_rad", "the guidance's margin: angle to the nearest fold, first order", |_, s| guided(&s.answer, |g| g.margin.fold);
 }
 

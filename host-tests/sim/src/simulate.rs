@@ -2,12 +2,17 @@
 
 use std::collections::VecDeque;
 
+use alula::GuidanceOutput;
+use alula::mission::{Gate, MissionOutput};
 use alula::ned::Ned;
 use alula::spatial::FeedForward;
 use nalgebra::UnitQuaternion;
 
 use crate::controllers::{Answer, Controller, Input};
-use crate::experiment::{Estimates, Experiment, Faults, State, Target, V3, Weather, ned, stream};
+use crate::experiment::{
+    Estimates, Experiment, Faults, State, Target, V3, Weather, asked_of, ned, passed, stream,
+    target,
+};
 use crate::plant::Command;
 use crate::reference::wrap;
 use crate::sensor_hold::SensorHold;
@@ -35,6 +40,8 @@ pub struct Step {
     pub input: Input,
     /// What it answered.
     pub answer: Answer,
+    /// What the mission asks for, if one is flown.
+    pub mission: Option<MissionOutput>,
 }
 
 impl Step {
@@ -106,6 +113,7 @@ pub fn simulate(
     let period = 1.0 / experiment.control_rate_hz;
     let dt = period / f64::from(experiment.substeps);
     let mut path = experiment.path.path()?;
+    let mut mission = experiment.flown_mission()?;
     let start = experiment.initial.state(&path.start(), &mut start);
     let mut plant = experiment.plant(start);
 
@@ -134,10 +142,17 @@ pub fn simulate(
             period,
         );
         let measured = hold.state(&mut faults, t, measured);
-        let mut target = path.advance(t, period, |target| {
-            let error = measured.position - drift - target.position;
-            controller.pace(ned(error), ned(target.velocity)).into()
+        let asked = mission.as_mut().map(|mission| {
+            let wind = ned(estimates.last_wind());
+            mission.step(t, period, &measured, wind, last_answer.as_ref())
         });
+        let mut target = match &asked {
+            Some(asked) => target(asked, &measured),
+            None => path.advance(t, period, |target| {
+                let error = measured.position - drift - target.position;
+                controller.pace(ned(error), ned(target.velocity)).into()
+            }),
+        };
         if experiment.path_in_air {
             let along = target.velocity.normalize();
             let ahead = (measured.position - drift - target.position).dot(&along);
@@ -146,7 +161,7 @@ pub fn simulate(
             target.velocity += estimates.last_wind();
             drift += estimates.last_wind() * period;
         }
-        let input = Input {
+        let mut input = Input {
             sample: hold.input(sensors, &faults, t, &target),
             feed_forward: feed_forward.then(|| {
                 let [i, j, w] = truth.axes();
@@ -159,12 +174,20 @@ pub fn simulate(
                 }
             }),
         };
+        if let Some(asked) = &asked {
+            asked_of(asked, &mut input);
+        }
+        let gate = asked.as_ref().map_or(Gate::Open, |asked| asked.gate);
         let clock = faults.clock(t, period);
         if let Some(bit) = clock.flips {
             controller.flip(bit);
         }
         for dt in clock.steps.into_iter().flatten() {
-            last_answer = Some(controller.answer(&input, dt as f32)?);
+            // On the ground nobody is asked: the state stays that of power-on.
+            last_answer = Some(match gate {
+                Gate::Off => passed(gate, GuidanceOutput::default().into()),
+                _ => passed(gate, controller.answer(&input, dt as f32)?),
+            });
         }
         let answer = last_answer.expect("asked at the first step at the latest");
         let go_on = visit(&Step {
@@ -178,6 +201,7 @@ pub fn simulate(
             measured_attitude: measured.attitude,
             input,
             answer,
+            mission: asked,
         });
         if !truth.is_sound() {
             return Ok(End::Diverged(t));

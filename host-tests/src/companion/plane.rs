@@ -103,6 +103,7 @@ fn step(pilot: &InPlane<Controlled>) -> Option<Step> {
         measured_attitude: attitude,
         input,
         answer,
+        mission: None,
     })
 }
 

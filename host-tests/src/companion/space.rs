@@ -130,6 +130,7 @@ impl OnPath {
             measured_attitude: attitude,
             input,
             answer,
+            mission: None,
         };
         if self.record.last().is_none_or(|last| step.t > last.t) {
             self.record.push(step);

@@ -37,8 +37,8 @@ const NAMED_TABLES: [NamedTable; 2] = [
     (VEHICLE, "vehicle of the plant", VEHICLES),
     ("sensors", "sensors", SENSORS),
 ];
-/// Two names of one table: a text that has one takes the place of the other in its base.
-const NAMES_OF_PATH: [&str; 2] = ["path", "reference"];
+/// What is to be flown: two names of one table, and a mission. A text that has one takes the place of the others in its base.
+const NAMES_OF_PATH: [&str; 3] = ["path", "reference", "mission"];
 
 /// A value that was refused: the field's dotted path, and why.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -405,7 +405,7 @@ impl Document {
 
     /// The error with the name that the document has for the path.
     pub(crate) fn as_written(&self, error: FieldError) -> FieldError {
-        let [path, reference] = NAMES_OF_PATH;
+        let [path, reference, _] = NAMES_OF_PATH;
         match error.field.strip_prefix(path) {
             Some(rest) if self.get(reference).is_some() => {
                 FieldError::new(format!("{reference}{rest}"), error.problem)

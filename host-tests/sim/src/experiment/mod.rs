@@ -10,6 +10,7 @@ mod estimates;
 mod faults;
 mod initial;
 mod knots;
+mod mission;
 mod parameters;
 mod path;
 mod plant;
@@ -39,6 +40,10 @@ pub use faults::Faults;
 pub use faults::{FaultKind, FaultSpec};
 pub use initial::{InitialSpec, Scatter};
 pub use knots::{Knot, Knots};
+pub use mission::{
+    FlownMission, ItemSpec, MissionSpec, TroubleKind, TroubleSpec, asked_of, passed, response_name,
+    target,
+};
 pub use parameters::{Fields, file_name, file_value, refused};
 pub use path::{Path, PathSpec, Target};
 pub use plant::{PlantSpec, RateLoop, State};
@@ -138,9 +143,11 @@ pub struct Experiment {
     /// Who closes the loop.
     #[serde(default)]
     pub controller: ControllerSpec,
-    /// What is to be flown: `[path]`, or `[reference]`.
-    #[serde(alias = "reference")]
+    /// What is to be flown: `[path]`, or `[reference]`; none where a mission is.
+    #[serde(alias = "reference", default = "stays")]
     pub path: PathSpec,
+    /// What is to be flown, in the place of a path.
+    pub mission: Option<MissionSpec>,
     /// Whether the path goes along with the level wind, as an autopilot estimates it: its speed is then an airspeed.
     #[serde(default)]
     pub path_in_air: bool,
@@ -153,6 +160,13 @@ pub struct Experiment {
     /// Greatest values of figures, by name.
     #[serde(default)]
     pub bounds: BTreeMap<String, f64>,
+}
+
+/// The path of an experiment with a mission.
+fn stays() -> PathSpec {
+    PathSpec::Hover {
+        headings: Vec::new(),
+    }
 }
 
 fn hundred() -> f64 {
@@ -203,6 +217,9 @@ impl Experiment {
         self.sensors.validate()?;
         self.weather.validate()?;
         self.path.path()?;
+        if let Some(mission) = &self.mission {
+            mission.validate()?;
+        }
         self.initial.validate()?;
         for (name, &bound) in &self.bounds {
             finite(&format!("bounds.{name}"), bound)?;

@@ -204,6 +204,9 @@ pub struct TailSitterPlant {
     pub delay_s: f64,
     /// The ground, below where positions are counted from \[m\]; none if left out.
     pub ground_m: Option<f64>,
+    /// Whether it stands on the ground at the start: the ground is then where its tail is.
+    #[serde(default)]
+    pub standing: bool,
 }
 
 impl TailSitterPlant {
@@ -229,6 +232,8 @@ impl TailSitterPlant {
                 FieldError::new(field, format!("{} of the vehicle {}", e.field, e.problem))
             })?;
         }
+        let one = !self.standing || self.ground_m.is_none();
+        require(one, "ground_m", "is where it stands, if it is standing")?;
         within("ground_m", self.ground_m.unwrap_or(0.0), [-1e4, 1e4])
     }
 }

@@ -88,6 +88,7 @@ impl<'a> OpenLoop<'a> {
             measured_attitude: attitude,
             input,
             answer,
+            mission: None,
         });
         Ok(())
     }

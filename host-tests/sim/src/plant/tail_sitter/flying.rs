@@ -4,6 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use nalgebra::UnitQuaternion;
 
+use super::ground::Ground;
 use super::{MOTORS, TailSitter, TailSitterState, V3};
 use crate::experiment::State;
 use crate::experiment::tail_sitter::TailSitterPlant;
@@ -64,7 +65,9 @@ impl Flying {
     /// The vehicle of `plant` at `state`: motors at the thrust of the state, elevons at rest.
     pub fn new(plant: &TailSitterPlant, state: State) -> Self {
         let spec = plant.true_vehicle();
-        let vehicle = TailSitter::new(spec.clone(), plant.ground_m);
+        let stands = || state.position.z + Ground::new(&spec).stance();
+        let ground = plant.ground_m.or_else(|| plant.standing.then(stands));
+        let vehicle = TailSitter::new(spec.clone(), ground);
         let share = (state.thrust / vehicle.static_thrust()).clamp(0.0, 1.0);
         let mut motors = [0.0; MOTORS];
         for (speed, propeller) in motors.iter_mut().zip(&spec.propellers) {

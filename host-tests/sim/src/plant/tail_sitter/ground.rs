@@ -47,6 +47,11 @@ impl Ground {
         }
     }
 
+    /// Height of the centre of mass where it stands nose up \[m\].
+    pub fn stance(&self) -> f64 {
+        self.points.iter().map(|p| -p.x).fold(0.0, f64::max)
+    }
+
     /// Force \[N\] on a point `depth` \[m\] in the ground that moves at `velocity` \[m/s\]; both in north, east, down.
     pub fn force(&self, depth: f64, velocity: V3) -> V3 {
         if depth <= 0.0 {

@@ -1,0 +1,340 @@
+//! Missions: what is to be flown from take-off to landing, in the core's own items.
+
+use alula::mission::{
+    Activity, Gate, Item, Mission, MissionInput, MissionOutput, MissionParameters, MissionState,
+    Missions, Pass, Response, Responses, Troubles, Until,
+};
+use alula::ned::Ned;
+use serde::Deserialize;
+use toml::{Table, Value};
+
+use super::document::{FieldError, finite, require};
+use super::parameters::{Fields, refused};
+use super::path::Target;
+use super::vector::double;
+use super::{Experiment, Measured, ned};
+use crate::controllers::{Answer, Input};
+
+/// `[mission]`. Heights are over the place of the start.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+pub struct MissionSpec {
+    /// Its items.
+    pub items: Vec<ItemSpec>,
+    /// What is done when something fails.
+    #[serde(default)]
+    pub responses: Responses,
+    /// What fails, and when.
+    #[serde(default)]
+    pub troubles: Vec<TroubleSpec>,
+    /// When it is armed \[s\].
+    #[serde(default)]
+    pub armed_s: f64,
+    /// How it is flown: the core's own parameters. What is none of them is refused.
+    #[serde(flatten)]
+    pub parameters: Table,
+}
+
+/// `mission.items`: one item.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub enum ItemSpec {
+    /// Straight up.
+    TakeOff {
+        /// \[m\].
+        height_m: f64,
+    },
+    /// To a place.
+    Waypoint {
+        /// \[m\].
+        north_m: f64,
+        /// \[m\].
+        east_m: f64,
+        /// \[m\].
+        height_m: f64,
+        /// Whether it is flown over, and not by.
+        #[serde(default)]
+        over: bool,
+        /// How long it is stopped at \[s\].
+        hover_s: Option<f64>,
+    },
+    /// Round a place; for ever, if neither turns nor a time is given.
+    Loiter {
+        /// \[m\].
+        north_m: f64,
+        /// \[m\].
+        east_m: f64,
+        /// \[m\].
+        height_m: f64,
+        /// Radius \[m\], to the right; negative to the left.
+        radius_m: f64,
+        /// How often.
+        turns: Option<f64>,
+        /// How long \[s\].
+        time_s: Option<f64>,
+    },
+    /// Airspeed from here on.
+    Speed {
+        /// \[m/s\].
+        speed_m_s: f64,
+    },
+    /// Another height.
+    Height {
+        /// \[m\].
+        height_m: f64,
+    },
+    /// A landing where it is, or at a place.
+    Land {
+        /// \[m\].
+        north_m: Option<f64>,
+        /// \[m\].
+        east_m: Option<f64>,
+    },
+    /// Back to the start, and a landing there.
+    Return,
+}
+
+/// `mission.troubles`: a failure that the mission is told of.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TroubleSpec {
+    /// From when \[s\].
+    pub t_s: f64,
+    /// How long \[s\].
+    pub lasts_s: f64,
+    /// Which.
+    pub kind: TroubleKind,
+}
+
+/// A failure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum TroubleKind {
+    /// The link to whoever flies.
+    Link,
+    /// The battery is low.
+    Battery,
+    /// Whoever flies wants it to stop.
+    Abort,
+    /// The position is not known.
+    Position,
+}
+
+fn place(north: f64, east: f64, height: f64) -> Ned {
+    Ned::new(north as f32, east as f32, -height as f32)
+}
+
+impl ItemSpec {
+    /// The core's item. What the core refuses, it refuses by item and field.
+    fn item(&self) -> Result<Item, (&'static str, &'static str)> {
+        Ok(match *self {
+            Self::TakeOff { height_m } => Item::TakeOff {
+                height: height_m as f32,
+            },
+            Self::Waypoint {
+                north_m,
+                east_m,
+                height_m,
+                over,
+                hover_s,
+            } => Item::Waypoint {
+                place: place(north_m, east_m, height_m),
+                pass: match (hover_s, over) {
+                    (Some(_), true) => {
+                        return Err(("over", "a waypoint is stopped at or flown over"));
+                    }
+                    (Some(time), false) => Pass::Hover(time as f32),
+                    (None, true) => Pass::Over,
+                    (None, false) => Pass::By,
+                },
+            },
+            Self::Loiter {
+                north_m,
+                east_m,
+                height_m,
+                radius_m,
+                turns,
+                time_s,
+            } => Item::Loiter {
+                centre: place(north_m, east_m, height_m),
+                radius: radius_m as f32,
+                until: match (turns, time_s) {
+                    (Some(_), Some(_)) => return Err(("turns", "turns or a time, not both")),
+                    (Some(turns), None) => Until::Turns(turns as f32),
+                    (None, Some(time)) => Until::Time(time as f32),
+                    (None, None) => Until::Forever,
+                },
+            },
+            Self::Speed { speed_m_s } => Item::Speed(speed_m_s as f32),
+            Self::Height { height_m } => Item::Altitude {
+                down: -height_m as f32,
+            },
+            Self::Land { north_m, east_m } => Item::Land {
+                place: match (north_m, east_m) {
+                    (Some(north), Some(east)) => Some(place(north, east, 0.0)),
+                    (None, None) => None,
+                    _ => return Err(("north_m", "a place has north_m and east_m")),
+                },
+            },
+            Self::Return => Item::Return,
+        })
+    }
+}
+
+impl MissionSpec {
+    pub(super) fn validate(&self) -> Result<(), FieldError> {
+        finite("mission.armed_s", self.armed_s)?;
+        for (i, trouble) in self.troubles.iter().enumerate() {
+            finite(&format!("mission.troubles[{i}].t_s"), trouble.t_s)?;
+            finite(&format!("mission.troubles[{i}].lasts_s"), trouble.lasts_s)?;
+        }
+        self.parameters()?;
+        require(
+            !self.items.is_empty(),
+            "mission.items",
+            "must have an item at least",
+        )
+    }
+
+    /// How it is flown.
+    fn parameters(&self) -> Result<MissionParameters, FieldError> {
+        let mut fields = Fields::new(Value::Table(self.parameters.clone()))?;
+        let parameters = fields.parameters();
+        let all = parameters.and_then(|parameters| fields.end().map(|()| parameters));
+        all.map_err(|e| e.inside("mission"))
+    }
+
+    /// Whether a take-off comes first: the flight begins on the ground.
+    pub fn takes_off(&self) -> bool {
+        matches!(self.items.first(), Some(ItemSpec::TakeOff { .. }))
+    }
+}
+
+/// A mission that is being flown.
+pub struct FlownMission {
+    missions: Missions,
+    mission: Mission,
+    state: MissionState,
+    armed_s: f64,
+    troubles: Vec<TroubleSpec>,
+}
+
+impl Experiment {
+    /// The mission at its beginning, if one is flown.
+    pub fn flown_mission(&self) -> Result<Option<FlownMission>, FieldError> {
+        let Some(spec) = &self.mission else {
+            return Ok(None);
+        };
+        let controller = self.spec()?;
+        let belief = controller.belief().unwrap_or(&self.vehicle);
+        let thrust = self.thrust_limits(None, belief.weight());
+        let vehicle = belief.limited(thrust).map_err(|e| e.inside("vehicle"))?;
+        let parameters = spec.parameters()?;
+        let missions = Missions::new(&vehicle, &parameters, spec.responses);
+        let missions = missions.map_err(|e| refused::<MissionParameters>(e).inside("mission"))?;
+        let mut items = Vec::with_capacity(spec.items.len());
+        for (i, item) in spec.items.iter().enumerate() {
+            let item = item.item().map_err(|(field, problem)| {
+                FieldError::new(format!("mission.items[{i}].{field}"), problem)
+            })?;
+            items.push(item);
+        }
+        let mission = missions.mission(&items).map_err(|e| {
+            let text = e.to_string();
+            let problem = text.splitn(3, ": ").last().unwrap_or(&text).to_owned();
+            FieldError::new(format!("mission.items[{}].{}", e.item, e.field), problem)
+        })?;
+        Ok(Some(FlownMission {
+            missions,
+            mission,
+            state: MissionState::default(),
+            armed_s: spec.armed_s,
+            troubles: spec.troubles.clone(),
+        }))
+    }
+}
+
+impl FlownMission {
+    /// What is asked at `t` \[s\] of a vehicle that measures this, in a level `wind` [m/s] as an estimator tells it, `dt` \[s\] after the last.
+    pub fn step(
+        &mut self,
+        t: f64,
+        dt: f64,
+        measured: &Measured,
+        wind: Ned,
+        last: Option<&Answer>,
+    ) -> MissionOutput {
+        let fails = |kind| {
+            let mut all = self.troubles.iter();
+            all.any(|of| of.kind == kind && (of.t_s..of.t_s + of.lasts_s).contains(&t))
+        };
+        let mut troubles = Troubles::empty();
+        troubles.set(Troubles::LINK, fails(TroubleKind::Link));
+        troubles.set(Troubles::BATTERY, fails(TroubleKind::Battery));
+        troubles.set(Troubles::ABORT, fails(TroubleKind::Abort));
+        let input = MissionInput {
+            position: (!fails(TroubleKind::Position)).then(|| ned(measured.position)),
+            velocity: ned(measured.velocity),
+            wind,
+            orientation: measured.orientation(),
+            thrust: last.map_or(0.0, |answer| answer.thrust),
+            armed: t >= self.armed_s,
+            troubles,
+        };
+        self.missions
+            .step(&mut self.state, &self.mission, &input, dt as f32)
+    }
+
+    /// Whether every item is done.
+    pub fn is_over(&self) -> bool {
+        self.state.item() >= self.mission.items().len()
+            && self.state.activity() == Activity::Grounded
+    }
+
+    /// Number of items.
+    pub fn len(&self) -> usize {
+        self.mission.items().len()
+    }
+}
+
+/// What is to be flown, for a record: the place on the path nearest to where the vehicle was measured.
+pub fn target(asked: &MissionOutput, measured: &Measured) -> Target {
+    Target {
+        position: measured.position - double(asked.position_error),
+        velocity: double(asked.reference.velocity),
+        acceleration: double(asked.reference.acceleration),
+        heading: None,
+    }
+}
+
+/// The input with what the mission asks for.
+pub fn asked_of(asked: &MissionOutput, input: &mut Input) {
+    let heading = asked.reference.heading;
+    input.sample = asked.asked_of(input.sample);
+    input.sample.reference.heading = heading;
+}
+
+/// What of an answer reaches the motors.
+pub fn passed(gate: Gate, answer: Answer) -> Answer {
+    match gate {
+        Gate::Off => Answer {
+            thrust: 0.0,
+            rates: Default::default(),
+            ..answer
+        },
+        Gate::AtMost(most) => Answer {
+            thrust: answer.thrust.min(most),
+            ..answer
+        },
+        Gate::Open => answer,
+    }
+}
+
+/// Names of responses, as files have them.
+pub const fn response_name(response: Response) -> &'static str {
+    match response {
+        Response::Continue => "continue",
+        Response::Loiter => "loiter",
+        Response::Return => "return",
+        Response::Land => "land",
+    }
+}
