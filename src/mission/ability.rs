@@ -117,6 +117,11 @@ impl Ability {
         }
     }
 
+    /// Gravity [m/s²].
+    pub fn gravity(&self) -> f32 {
+        self.gravity
+    }
+
     /// Weight \[N\].
     pub fn weight(&self) -> f32 {
         self.weight
@@ -141,6 +146,13 @@ impl Ability {
     /// Drag of level flight over the weight at an airspeed [m/s]: the deceleration without thrust in g, and the slope of the glide.
     pub fn drag(&self, airspeed: f32) -> f32 {
         self.at(&self.drag, airspeed)
+    }
+
+    /// Thrust \[N\] of steady flight at an airspeed [m/s], at this load factor and slope of the climb.
+    pub fn steady_thrust(&self, airspeed: f32, load: f32, slope: f32) -> f32 {
+        // As a vehicle n times as heavy flies at 1/√n of the speed.
+        let drag = load * self.drag(airspeed / math::sqrt(load.abs()));
+        self.weight * math::max(drag + slope, 0.0)
     }
 
     /// Slope of the climb at an airspeed [m/s] that leaves thrust to turn with; none is negative.

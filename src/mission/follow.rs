@@ -38,6 +38,8 @@ pub(super) struct Followed {
     pub error: Ned,
     /// The same with its sign: to the right is positive.
     pub right: f32,
+    /// Acceleration to the side, without its sign [m/s²].
+    pub turn: f32,
     /// Whether the path is at its end.
     pub ended: bool,
     /// Whether the wind is stronger than the airspeed: the nose is held into it.
@@ -59,6 +61,11 @@ impl FollowState {
             begun.part = math::clamp(along / triangle.air, -1.0, 1.0);
         }
         begun
+    }
+
+    /// Whether it is flown at the `wanted` airspeed [m/s], and not on the way to it.
+    pub fn is_settled(&self, wanted: f32) -> bool {
+        self.part >= 1.0 && (self.airspeed - wanted).abs() < 0.02 * wanted
     }
 
     /// Another path, flown as fast as the last.
@@ -101,6 +108,7 @@ impl FollowState {
                 + across * (speed * rate),
             error: across * nearest.right,
             right: nearest.right,
+            turn: (speed * rate).abs(),
             ended,
             drifting: false,
         }
@@ -116,6 +124,7 @@ impl FollowState {
             acceleration: Ned::ZERO,
             error: Ned::ZERO,
             right: 0.0,
+            turn: 0.0,
             ended,
             drifting: true,
         }

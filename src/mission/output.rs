@@ -101,10 +101,17 @@ impl Gate {
                 rates: BodyRates::default(),
                 ..command
             },
-            Self::AtMost(most) => Command {
-                thrust: math::min(command.thrust, most),
-                ..command
-            },
+            Self::AtMost(most) => {
+                let thrust = math::min(command.thrust, most);
+                let BodyRates { roll, pitch, yaw } = command.rates;
+                // Where there is little thrust, nothing turns it but the ground.
+                let share = math::clamp(thrust / math::max(command.thrust, 1e-3), 0.0, 1.0);
+                Command {
+                    thrust,
+                    rates: BodyRates::new(share * roll, share * pitch, share * yaw),
+                    ..command
+                }
+            }
             Self::Open => command,
         }
     }
@@ -132,6 +139,12 @@ pub struct MissionProgress {
     pub right: f32,
     /// Airspeed asked for [m/s]; 0 in hover.
     pub airspeed: f32,
+    /// Thrust of steady flight at this airspeed, turn and climb \[N\]; the weight in hover, 0 on the ground.
+    pub steady_thrust: f32,
+    /// Load factor that the turn needs; 1 without.
+    pub load_factor: f32,
+    /// Whether the path is flown at the speed of its item, and not on the way to it.
+    pub settled: bool,
 }
 
 /// What a step of a mission gives.

@@ -31,18 +31,28 @@ const OFF_PATH: f32 = 20.0;
 const OFF_PATH_TIME: f32 = 5.0;
 /// Off the path by this \[m\] a new one is laid from the vehicle.
 const ASTRAY: f32 = 30.0;
-/// It has lifted off at this height \[m\] or climb [m/s].
-const LIFTED: f32 = 0.2;
-const LIFTING: f32 = 0.5;
+/// Climb that is asked for before it has lifted off [m/s]; it has when it has been at this height \[m\] for so long \[s\].
+const LIFTING: f32 = 1.0;
+const LIFTED: f32 = 0.25;
+const LIFTED_TIME: f32 = 0.1;
 /// Thrust up to which it is tried, in multiples of the weight, and for how much longer than `spool_time` \[s\].
 const MOST_THRUST: f32 = 1.6;
 const PATIENCE: f32 = 3.0;
-/// It stands on the ground when it has been slower than this [m/s] and over its reference by this \[m\] for so long \[s\].
-const STANDING: f32 = 0.2;
+/// It stands on the ground when it has sunk by less than this part of what it is asked to, and no faster than so up, for so long \[s\], within this of
+/// the ground's believed height \[m\]; elsewhere with no more than this thrust, in multiples of the weight, and over its reference by this \[m\].
+const STANDING: f32 = 0.5;
+const STANDING_TIME: f32 = 0.1;
+const NEAR_GROUND: f32 = 1.0;
+const CARRIED: f32 = 0.75;
 const OVER_REFERENCE: f32 = 0.25;
-const STANDING_TIME: f32 = 0.25;
+/// Distance from the place of landing from which on it does \[m\].
+const EDGE_ON_WITHIN: f32 = 10.0;
+/// How much beyond, per sine of the angle by which the air has turned it.
+const TURN_BACK: f32 = 15.0;
+/// Wind from which on a vehicle that is to stand or stands still turns its wing along it [m/s].
+const EDGE_ON: f32 = 0.5;
 /// Time in which the thrust goes off \[s\].
-const THRUST_OFF: f32 = 0.4;
+const THRUST_OFF: f32 = 0.2;
 /// How far from its place a vehicle may be to sink \[m\], and the height below which it sinks in any case \[m\].
 const OVER_PLACE: f32 = 1.5;
 const COMMITTED: f32 = 1.0;
@@ -239,10 +249,28 @@ impl Missions {
         state.active += dt;
         match state.activity {
             Activity::Grounded => self.grounded(state, input.armed, &mut out),
-            Activity::Spooling => self.spooling(state, &seen, input.armed, &mut out),
-            Activity::Rising | Activity::Hovering => self.hovering(state, &seen, dt, &mut out),
+            Activity::Spooling => {
+                self.spooling(
+                    state,
+                    &seen,
+                    (input.armed, &input.orientation),
+                    dt,
+                    &mut out,
+                );
+            }
+            Activity::Rising | Activity::Hovering => {
+                self.hovering(state, &seen, &input.orientation, dt, &mut out);
+            }
             Activity::Flying => self.flying(state, &seen, dt, &mut out),
-            Activity::Descending => self.descending(state, &seen, dt, &mut out),
+            Activity::Descending => {
+                self.descending(
+                    state,
+                    &seen,
+                    (input.thrust, &input.orientation),
+                    dt,
+                    &mut out,
+                );
+            }
             Activity::Touched => self.touched(state, &mut out),
         }
         if out.remark.is_none() && state.corner {
@@ -691,14 +719,17 @@ impl Missions {
         &self,
         state: &mut MissionState,
         seen: &Seen,
-        armed: bool,
+        (armed, orientation): (bool, &Orientation),
+        dt: f32,
         out: &mut MissionOutput,
     ) {
         let most = math::min(state.active / self.p.spool_time, MOST_THRUST);
         out.gate = Gate::AtMost(most * self.ability.weight());
-        out.reference.velocity = Ned::new(0.0, 0.0, -self.p.landing_speed);
-        let lifted = state.home.down - seen.position.down > LIFTED || -seen.velocity.down > LIFTING;
-        if lifted {
+        out.reference.velocity = Ned::new(0.0, 0.0, -LIFTING);
+        out.reference.heading = edge_on(seen, orientation);
+        let lifted = state.home.down - seen.position.down > LIFTED;
+        state.there = if lifted { state.there + dt } else { 0.0 };
+        if state.there > LIFTED_TIME {
             state.goal = GoalState::default();
             state.enter(Activity::Rising);
         } else if !armed || state.forced != Response::Continue {
@@ -711,7 +742,14 @@ impl Missions {
     }
 
     /// To the target and there, by its position.
-    fn hovering(&self, state: &mut MissionState, seen: &Seen, dt: f32, out: &mut MissionOutput) {
+    fn hovering(
+        &self,
+        state: &mut MissionState,
+        seen: &Seen,
+        orientation: &Orientation,
+        dt: f32,
+        out: &mut MissionOutput,
+    ) {
         let offset = seen.position - state.target;
         let slow = if state.speed < self.ability.least_speed() {
             state.speed
@@ -737,10 +775,16 @@ impl Missions {
             out.planner_options = options;
         }
         out.gate = Gate::Open;
+        out.progress.load_factor = 1.0;
+        out.progress.steady_thrust = self.ability.weight();
         let distance = level(offset);
         let near = distance < NEAR && offset.down.abs() < NEAR;
         if near {
             state.there += dt;
+        }
+        let vertical = matches!(state.task, Task::TakeOff | Task::Land(_));
+        if vertical && distance < EDGE_ON_WITHIN {
+            out.reference.heading = edge_on(seen, orientation);
         }
         out.progress.distance_to_go = distance;
         out.progress.time_to_go = distance / slow;
@@ -797,6 +841,14 @@ impl Missions {
         out.progress.time_to_go = left / ground;
         out.progress.right = followed.right;
         out.progress.airspeed = airspeed;
+        let turn = followed.turn / self.ability.gravity();
+        out.progress.load_factor = math::sqrt((1.0 + turn * turn).abs());
+        out.progress.steady_thrust = self.ability.steady_thrust(
+            airspeed,
+            out.progress.load_factor,
+            -state.height.velocity / airspeed,
+        );
+        out.progress.settled = state.follow.is_settled(speed);
         let off = followed.right.abs() > OFF_PATH || low.abs() > OFF_PATH;
         state.off_path = if off { state.off_path + dt } else { 0.0 };
         if followed.drifting {
@@ -858,7 +910,14 @@ impl Missions {
     }
 
     /// Straight down over the target.
-    fn descending(&self, state: &mut MissionState, seen: &Seen, dt: f32, out: &mut MissionOutput) {
+    fn descending(
+        &self,
+        state: &mut MissionState,
+        seen: &Seen,
+        (thrust, orientation): (f32, &Orientation),
+        dt: f32,
+        out: &mut MissionOutput,
+    ) {
         let Task::Land(ground) = state.task else {
             state.item_begun = false;
             return;
@@ -876,8 +935,11 @@ impl Missions {
         };
         let (acceleration, _) = state.height.step(&way, seen.position.down, dt);
         out.gate = Gate::Open;
+        out.progress.load_factor = 1.0;
+        out.progress.steady_thrust = self.ability.weight();
         out.reference.velocity.down = state.height.velocity;
         out.reference.acceleration.down = acceleration;
+        out.reference.heading = edge_on(seen, orientation);
         let low = seen.position.down - state.height.down;
         out.position_error = Ned {
             down: low,
@@ -888,7 +950,9 @@ impl Missions {
         if !over {
             out.remark = Some(Remark::NotOverPlace);
         }
-        let stands = low < -OVER_REFERENCE && seen.velocity.down.abs() < STANDING;
+        let stopped = seen.velocity.down.abs() < STANDING * state.height.velocity;
+        let carried = thrust < CARRIED * self.ability.weight() && low < -OVER_REFERENCE;
+        let stands = stopped && (height < NEAR_GROUND || carried);
         state.there = if stands { state.there + dt } else { 0.0 };
         if state.there > STANDING_TIME {
             state.enter(Activity::Touched);
@@ -910,6 +974,23 @@ impl Missions {
             }
         }
     }
+}
+
+/// The heading with the wing along the wind, of both the one that is nearer: across it a wing leans into it.
+fn edge_on(seen: &Seen, orientation: &Orientation) -> Heading {
+    if level(seen.wind) < EDGE_ON {
+        return Heading::FREE;
+    }
+    let strength = level(seen.wind);
+    let (with, across) = (
+        seen.wind * (1.0 / strength),
+        right_of(seen.wind) * (1.0 / strength),
+    );
+    let belly = orientation.j();
+    let side = across.north * belly.north + across.east * belly.east;
+    let turned = with.north * belly.north + with.east * belly.east;
+    // The air turns the belly into the wind: against that the heading is asked for beyond.
+    Heading::along(across * 1f32.copysign(side) - with * (TURN_BACK * turned))
 }
 
 /// `trouble` if `failed`.

@@ -5,6 +5,7 @@ use alula::mission::{
     Missions, Pass, Response, Responses, Troubles, Until,
 };
 use alula::ned::Ned;
+use alula::spatial::Command;
 use serde::Deserialize;
 use toml::{Table, Value};
 
@@ -315,17 +316,15 @@ pub fn asked_of(asked: &MissionOutput, input: &mut Input) {
 
 /// What of an answer reaches the motors.
 pub fn passed(gate: Gate, answer: Answer) -> Answer {
-    match gate {
-        Gate::Off => Answer {
-            thrust: 0.0,
-            rates: Default::default(),
-            ..answer
-        },
-        Gate::AtMost(most) => Answer {
-            thrust: answer.thrust.min(most),
-            ..answer
-        },
-        Gate::Open => answer,
+    let command = gate.pass(Command {
+        thrust: answer.thrust,
+        rates: answer.rates.into(),
+        ..Command::default()
+    });
+    Answer {
+        thrust: command.thrust,
+        rates: command.rates.into(),
+        ..answer
     }
 }
 
