@@ -563,9 +563,13 @@ impl Missions {
             || level(seen.velocity - seen.wind) >= self.ability.least_speed()
     }
 
-    /// Whether a place at this distance \[m\] is flown to on the wing.
-    fn is_far(&self, state: &MissionState, seen: &Seen, distance: f32) -> bool {
-        let brake = self.braking_way(state.speed);
+    /// Whether a place at this distance \[m\] is flown to on the wing, and passed or else stopped at.
+    fn is_far(&self, state: &MissionState, seen: &Seen, distance: f32, passed: bool) -> bool {
+        let brake = if passed {
+            0.0
+        } else {
+            self.braking_way(state.speed)
+        };
         let start = if self.is_on_wing(state, seen) {
             0.0
         } else {
@@ -585,7 +589,7 @@ impl Missions {
     /// To the target, to be stopped at.
     fn go_to_place(&self, state: &mut MissionState, seen: &Seen) {
         let target = state.target;
-        if self.is_far(state, seen, level(target - seen.position)) {
+        if self.is_far(state, seen, level(target - seen.position), false) {
             self.fly(state, seen, |pose, radius| {
                 turns::to_place(pose, target, radius)
             });
@@ -599,7 +603,7 @@ impl Missions {
         let place = state.target;
         let on_wing = state.speed >= self.ability.least_speed();
         let near = level(place - seen.position);
-        if !on_wing || !(self.is_on_wing(state, seen) || self.is_far(state, seen, near)) {
+        if !on_wing || !(self.is_on_wing(state, seen) || self.is_far(state, seen, near, true)) {
             self.hover_at(state, place);
             return;
         }

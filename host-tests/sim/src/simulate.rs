@@ -153,7 +153,7 @@ pub fn simulate(
                 controller.pace(ned(error), ned(target.velocity)).into()
             }),
         };
-        if experiment.path_in_air {
+        if experiment.path_in_air && asked.is_none() {
             let along = target.velocity.normalize();
             let ahead = (measured.position - drift - target.position).dot(&along);
             drift += ahead * along;

@@ -3,15 +3,17 @@
 use std::io::Write;
 use std::path::Path;
 
-use anyhow::bail;
+use anyhow::{Context, bail, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
+use toml::Value;
 
 use alula_logs::Log;
 use alula_report::flight::page;
 use alula_sim::columns::write_trace;
 use alula_sim::controllers::Controller;
-use alula_sim::experiment::{DEFAULT, Document, Experiment};
+use alula_sim::experiment::plan::plan;
+use alula_sim::experiment::{DEFAULT, Document, Experiment, Located};
 use alula_sim::figures::{Figures, Segment};
 use alula_sim::flight_log::{self, Format};
 use alula_sim::simulate::{End, Record, Step, simulate};
@@ -23,9 +25,12 @@ use super::settings::Settings;
 /// Fly an experiment; leave its trace and report in a folder
 #[derive(clap::Args)]
 pub struct Args {
-    /// A built-in experiment or a TOML file
+    /// A built-in experiment, a TOML file, or a mission of a ground station (.plan)
     #[arg(default_value = DEFAULT)]
     experiment: String,
+    /// The experiment whose vehicle flies the mission of a .plan file
+    #[arg(long, value_name = "EXPERIMENT")]
+    vehicle: Option<String>,
     #[command(flatten)]
     settings: Settings,
     #[command(flatten)]
@@ -77,6 +82,7 @@ impl Default for Args {
     fn default() -> Self {
         Self {
             experiment: DEFAULT.to_owned(),
+            vehicle: None,
             settings: Settings::default(),
             output: Output::default(),
             logs: Logs::default(),
@@ -107,7 +113,55 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
 impl Args {
     /// The experiment, as changed.
     pub fn document(&self) -> anyhow::Result<Document> {
-        self.settings.document(&self.experiment)
+        if !self.experiment.ends_with(".plan") {
+            ensure!(
+                self.vehicle.is_none(),
+                "--vehicle is for the mission of a .plan file: an experiment has its own vehicle"
+            );
+            return self.settings.document(&self.experiment);
+        }
+        let Some(vehicle) = &self.vehicle else {
+            bail!(
+                "{}: --vehicle EXPERIMENT says which vehicle flies it",
+                self.experiment
+            );
+        };
+        let file = Path::new(&self.experiment);
+        let text = std::fs::read_to_string(file)
+            .with_context(|| format!("{}: cannot be read", self.experiment))?;
+        let plan = plan(&text).map_err(|error| Located {
+            place: self.experiment.clone(),
+            error,
+        })?;
+        for item in &plan.left_out {
+            eprintln!("{}: left out: {item}", self.experiment);
+        }
+        let mut document = Document::load(vehicle)?;
+        let mut mission = plan.mission;
+        let cruise = "controller.guidance.for_vehicle.cruise_speed_m_s";
+        let cruise = document
+            .number(cruise)
+            .or_else(|_| document.number("plant.vehicle.cruise_speed_m_s"));
+        if let Ok(cruise) = cruise {
+            // The station's speed is its default for some vehicle; this one's own is known.
+            mission.insert("cruise_speed_m_s".into(), cruise.into());
+        }
+        let speed = mission.get("cruise_speed_m_s").and_then(Value::as_float);
+        let origin = &self.experiment;
+        document.change(origin, "mission", Value::Table(mission))?;
+        document.change(origin, "initial", Value::Table(toml::Table::new()))?;
+        // Twice what the legs take, and time for take-off and landing.
+        let duration = 120.0 + 2.0 * plan.length / speed.unwrap_or(10.0);
+        document.change(origin, "duration_s", duration.ceil().into())?;
+        let standing = document.get("plant.kind").and_then(Value::as_str) == Some("tail-sitter");
+        if standing {
+            document.change(origin, "plant.standing", true.into())?;
+        }
+        document.name = file
+            .file_stem()
+            .map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        self.settings.change(&mut document)?;
+        Ok(document)
     }
 }
 

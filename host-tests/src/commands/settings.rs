@@ -19,9 +19,14 @@ impl Settings {
     /// The document that `argument` names, with the fields changed.
     pub fn document(&self, argument: &str) -> anyhow::Result<Document> {
         let mut document = Document::load(argument)?;
-        for assignment in &self.set {
-            document.assign(assignment)?;
-        }
+        self.change(&mut document)?;
         Ok(document)
+    }
+
+    /// Changes the fields of `document`.
+    pub fn change(&self, document: &mut Document) -> anyhow::Result<()> {
+        self.set
+            .iter()
+            .try_for_each(|assignment| document.assign(assignment))
     }
 }

@@ -13,6 +13,7 @@ mod knots;
 mod mission;
 mod parameters;
 mod path;
+pub mod plan;
 mod plant;
 mod route;
 mod sensors;
@@ -96,6 +97,10 @@ pub const BUILT_IN: &[(&str, &str)] = built_in! { "experiments", ".toml";
     "start-hover",
     "start-cruise",
     "cruise-in-air",
+    "survey",
+    "delivery",
+    "loiter-watch",
+    "inspection",
     "tail-sitter",
     "tail-sitter-hover",
     "tail-sitter-hover-wind",
@@ -261,7 +266,7 @@ mod tests {
     fn every_built_in_is_valid() {
         for (name, _) in BUILT_IN {
             let document = Document::load(name).unwrap();
-            if ["path", "reference"]
+            if ["path", "reference", "mission"]
                 .iter()
                 .any(|key| document.get(key).is_some())
             {

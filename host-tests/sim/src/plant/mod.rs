@@ -4,7 +4,10 @@
 //! [`tail_sitter`]. Axes are those of [`State`].
 
 mod ideal;
+mod standing;
 pub mod tail_sitter;
+
+use standing::Standing;
 
 pub use ideal::{Dynamics, IdealPlant, Rotation};
 
@@ -46,10 +49,20 @@ impl Experiment {
     pub fn plant(&self, state: State) -> Box<dyn Plant> {
         match &self.tail_sitter {
             Some(spec) => Box::new(tail_sitter::Flying::new(spec, state)),
-            None => Box::new(IdealPlant {
-                dynamics: Dynamics::of(self),
-                state,
-            }),
+            None => {
+                let plant = IdealPlant {
+                    dynamics: Dynamics::of(self),
+                    state,
+                };
+                match &self.mission {
+                    Some(mission) if mission.takes_off() => Box::new(Standing {
+                        plant,
+                        ground_m: state.position.z,
+                        put: |plant, state| plant.state = state,
+                    }),
+                    _ => Box::new(plant),
+                }
+            }
         }
     }
 }
