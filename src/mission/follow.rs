@@ -10,6 +10,9 @@ use crate::ned::Ned;
 /// Part of the drag that a slower airspeed may ask for.
 const DRAG_SHARE: f32 = 0.8;
 
+/// How far ahead the turn is looked for \[s\]: about the time in which a vehicle banks.
+const LEAD: f32 = 0.22;
+
 /// How a path is being flown.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -83,7 +86,6 @@ impl FollowState {
         dt: f32,
     ) -> Followed {
         let (nearest, ended) = self.path.advance(seen.position);
-        let curvature = self.path.segment().curvature;
         let slower = math::min(DRAG_SHARE * ability.slowing(self.airspeed), p.acceleration);
         self.airspeed += math::clamp(wanted - self.airspeed, -slower * dt, p.acceleration * dt);
         // The wing cannot brake: what is faster than asked for is let slow down by itself.
@@ -95,7 +97,7 @@ impl FollowState {
         let growth = math::clamp(1.0 - self.part, 0.0, p.acceleration * dt / triangle.air);
         self.part += growth;
         let speed = triangle.ground(self.part);
-        let rate = speed * curvature;
+        let rate = speed * self.path.curvature(LEAD * speed);
         let gain = if dt > 0.0 {
             growth / dt * triangle.air
         } else {

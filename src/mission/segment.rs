@@ -149,6 +149,20 @@ impl Path {
         }
     }
 
+    /// The curvature `ahead` \[m\] of the vehicle.
+    pub fn curvature(&self, ahead: f32) -> f32 {
+        let mut way = self.way + ahead;
+        for (n, segment) in self.segments.iter().enumerate() {
+            if n >= usize::from(self.at) {
+                if way < segment.length {
+                    return segment.curvature;
+                }
+                way -= segment.length;
+            }
+        }
+        self.segment().curvature
+    }
+
     /// Turns on an arc that does not end.
     pub fn turned(&self) -> f32 {
         self.turns + self.way * self.segment().curvature.abs() * (0.5 / PI)

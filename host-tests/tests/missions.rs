@@ -1,0 +1,473 @@
+//! Missions: what is flown at a constant airspeed in wind and turbulence, surveys against the wind triangle, take-off to landing.
+//!
+//! Counts are small by default. `MISSION_FLIGHTS=1000 cargo test --release -p alula-sil --test missions -- --nocapture` prints the tables of `docs/missions.md`.
+
+use alula::guidance::Phase;
+use alula::mission::Activity;
+use alula_sim::experiment::{Document, Experiment};
+use alula_sim::simulate::{Step, simulate};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+
+/// Flights of each cell; seeds of the tables begin elsewhere than those that constants were chosen with.
+fn flights(few: u64) -> std::ops::Range<u64> {
+    let count = std::env::var("MISSION_FLIGHTS").ok();
+    let count = count.and_then(|text| text.parse().ok()).unwrap_or(few);
+    10_000..10_000 + count
+}
+
+/// The value below which `share` of the values lie.
+fn quantile(values: impl IntoIterator<Item = f64>, share: f64) -> f64 {
+    let mut sorted: Vec<f64> = values.into_iter().collect();
+    sorted.sort_by(f64::total_cmp);
+    let last = sorted.len().saturating_sub(1) as f64;
+    sorted
+        .get((last * share) as usize)
+        .copied()
+        .unwrap_or(f64::NAN)
+}
+
+/// What one flight was like.
+#[derive(Clone, Default)]
+struct Flown {
+    /// Time in which the stall is crossed at the speed of the items \[s\].
+    crossing: f64,
+    /// Mean thrust there, and that of steady flight \[N\].
+    thrust: [f64; 2],
+    /// 95 % of the distances across the path, of those in height \[m\], and of the load factor over that of the turn.
+    across: f64,
+    height: f64,
+    load: f64,
+    /// Whether it was ever 50 m below what was asked for.
+    lost: bool,
+    drifted: bool,
+    /// Length of the mission \[s\], once it is over.
+    over: Option<f64>,
+    energy: f64,
+    /// Sink, speed along the ground [m/s], distance from the place \[m\] and tilt \[°\] at touch-down.
+    touch: Option<[f64; 4]>,
+}
+
+fn set(document: &mut Document, fields: &[String]) {
+    for field in fields {
+        document.assign(field).unwrap();
+    }
+}
+
+/// The number of the column that says whether a vehicle touches the ground.
+fn grounded(experiment: &Experiment) -> Option<usize> {
+    let plant = experiment.plant(experiment.initial.state(
+        &experiment.path.path().unwrap().start(),
+        &mut ChaCha8Rng::seed_from_u64(0),
+    ));
+    let named = |column: &(&str, &str)| column.0 == "grounded";
+    plant.columns().iter().position(named)
+}
+
+fn fly(experiment: &Experiment) -> Flown {
+    let mut controller = experiment.controller().unwrap();
+    let mut flown = Flown::default();
+    let (mut across, mut height, mut load) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut last, mut descending) = (Activity::Grounded, false);
+    let contact = grounded(experiment);
+    let mut settled = 0;
+    let visit = |step: &Step| {
+        let asked = step.mission.expect("a mission");
+        let progress = asked.progress;
+        if asked.activity == Activity::Flying && progress.settled {
+            settled += 1;
+            let guided = step.answer.guided().expect("the guidance");
+            if guided.progress.phase == Phase::Crossing {
+                flown.crossing += 1.0 / experiment.control_rate_hz;
+            }
+            flown.thrust[0] += step.truth.thrust;
+            flown.thrust[1] += f64::from(progress.steady_thrust);
+            across.push(step.position_error().xy().norm());
+            height.push(step.altitude().abs());
+            load.push(step.load_factor / f64::from(progress.load_factor));
+        }
+        flown.drifted |= asked.remark == Some(alula::mission::Remark::Drifting);
+        let airborne = !matches!(
+            asked.activity,
+            Activity::Grounded | Activity::Spooling | Activity::Touched
+        );
+        flown.lost |= airborne && step.altitude() < -50.0;
+        flown.energy = progress.energy.into();
+        if asked.activity == Activity::Descending && last != Activity::Descending {
+            descending = true;
+        }
+        let touches = contact.map_or(asked.activity == Activity::Touched, |n| {
+            step.readings[n] > 0.5
+        });
+        if descending && touches {
+            descending = false;
+            let off = step.truth.position - step.target.position;
+            flown.touch = Some([
+                step.truth.velocity.z,
+                step.truth.velocity.xy().norm(),
+                off.xy().norm(),
+                90.0 - step.pitch().to_degrees(),
+            ]);
+        }
+        if asked.activity == Activity::Grounded && last == Activity::Touched {
+            flown.over = Some(step.t);
+        }
+        last = asked.activity;
+        flown.over.is_none() && !flown.lost
+    };
+    simulate(experiment, controller.as_mut(), visit).unwrap();
+    flown.thrust = flown.thrust.map(|sum| sum / f64::from(settled.max(1)));
+    flown.across = quantile(across, 0.95);
+    flown.height = quantile(height, 0.95);
+    flown.load = quantile(load, 0.95);
+    flown
+}
+
+/// Masses of five vehicles by rule \[kg\].
+const MASSES: [f64; 5] = [0.5, 2.0, 5.0, 10.0, 25.0];
+
+/// A vehicle by rule, with a belief that is wrong, in wind of 3 to 8 m/s from anywhere; its speed of cruise.
+fn by_rule(random: &mut ChaCha8Rng, number: u64, turbulence: f64) -> (Document, f64) {
+    let mut document = Document::load("cruise-in-air").unwrap();
+    let mass = MASSES[(number % 5) as usize];
+    // Wing loading grows with the cube root of the mass; the lift coefficient of cruise is 0.31.
+    let speed = 22.0 * (mass / 10.0_f64).powf(1.0 / 6.0);
+    let k_a = mass * 9.81 / (0.31 * speed * speed);
+    let drag = random.random_range(0.03..0.06);
+    let believed = mass * random.random_range(0.93..1.07);
+    let area = k_a * random.random_range(0.85..1.15);
+    let wind = if turbulence > 1.0 {
+        random.random_range(3.0..8.0)
+    } else {
+        0.0
+    };
+    let from: f64 = random.random_range(0.0..std::f64::consts::TAU);
+    set(
+        &mut document,
+        &[
+            format!("vehicle.mass_kg={mass}"),
+            format!("vehicle.k_a_kg_m={k_a}"),
+            format!("vehicle.aerodynamics.combined.c0={drag}"),
+            format!("controller.guidance.vehicle.mass_kg={believed}"),
+            format!("controller.guidance.vehicle.k_a_kg_m={area}"),
+            format!("controller.guidance.vehicle.aerodynamics.combined.c0={drag}"),
+            format!(
+                "controller.guidance.for_vehicle={{ rate_lag_s = 0.1, thrust_lag_s = 0.05, control_rate_hz = 100.0, cruise_speed_m_s = {speed} }}"
+            ),
+            format!("plant.thrust_n=[0.0,{}]", 2.0 * mass * 9.81),
+            format!(
+                "weather.steady_m_s=[{},{},0.0]",
+                wind * from.cos(),
+                wind * from.sin()
+            ),
+            format!(
+                "weather.turbulence.wind_at_20_ft_m_s={}",
+                turbulence.max(1e-3)
+            ),
+            "sensors.air=\"wind-estimate\"".to_owned(),
+            format!(
+                "initial={{ theta_deg = -86.0, thrust_n = {}, velocity_m_s = [{speed}, 0.0, 0.0], course_deg = 0.0 }}",
+                0.12 * mass * 9.81
+            ),
+            format!("seed={number}"),
+        ],
+    );
+    (document, speed)
+}
+
+/// A loiter, or legs past corners, or a survey over its lines: by number.
+fn work(random: &mut ChaCha8Rng, kind: u64, speed: f64) -> String {
+    let length = 12.0 * speed;
+    match kind % 3 {
+        0 => {
+            let radius = speed * speed * random.random_range(0.21..0.36);
+            let side = if random.random_bool(0.5) { 1.0 } else { -1.0 };
+            format!(
+                "{{ loiter = {{ north_m = {}, east_m = {}, height_m = 0.0, radius_m = {} }} }}",
+                0.7 * length,
+                0.3 * length,
+                side * radius
+            )
+        }
+        1 => {
+            let corner = |n: f64, e: f64, h: f64| {
+                format!(
+                    "{{ waypoint = {{ north_m = {}, east_m = {}, height_m = {h} }} }}",
+                    n * length,
+                    e * length
+                )
+            };
+            [
+                corner(2.0, 0.0, 0.0),
+                corner(2.5, 2.0, 10.0),
+                corner(4.5, 2.5, 10.0),
+                corner(4.5, 5.0, 0.0),
+                corner(9.0, 5.0, 0.0),
+            ]
+            .join(", ")
+        }
+        _ => {
+            let line = |n: u32| {
+                let (from, to) = if n.is_multiple_of(2) {
+                    (1.0, 3.0)
+                } else {
+                    (3.0, 1.0)
+                };
+                let at = |north: f64| {
+                    format!(
+                        "{{ waypoint = {{ north_m = {}, east_m = {}, height_m = 0.0, over = true }} }}",
+                        north * length,
+                        3.0 * speed * f64::from(n)
+                    )
+                };
+                [at(from), at(to)].join(", ")
+            };
+            (0..5).map(line).collect::<Vec<_>>().join(", ")
+        }
+    }
+}
+
+/// The work at a constant airspeed, in calm and in turbulence.
+#[test]
+fn work_is_flown_at_its_airspeed_without_crossing_the_stall() {
+    let mut table = String::new();
+    // Wind at 20 ft [m/s]; most flights that cross the stall; thrust over steady flight; across, height [m].
+    for (name, turbulence, bounds) in [
+        ("calm", 0.0, (0.0, 1.05, 0.5, 0.3)),
+        ("light", 7.7, (0.01, 1.1, 1.0, 0.5)),
+        ("moderate", 15.4, (0.10, 1.2, 2.0, 1.0)),
+    ] {
+        let all: Vec<Flown> = flights(15)
+            .into_par_iter()
+            .map(|number| {
+                let random = &mut ChaCha8Rng::seed_from_u64(number);
+                let (mut document, speed) = by_rule(random, number, turbulence);
+                let items = work(random, number / 5, speed);
+                set(
+                    &mut document,
+                    &[
+                        "duration_s=120.0".to_owned(),
+                        format!("mission={{ cruise_speed_m_s = {speed}, items = [{items}] }}"),
+                    ],
+                );
+                fly(&document.checked().unwrap())
+            })
+            .collect();
+        let count = all.len() as f64;
+        let crossing = all.iter().filter(|f| f.crossing > 0.0).count() as f64 / count;
+        let lost = all.iter().filter(|f| f.lost).count();
+        let sums = all.iter().fold([0.0; 2], |sum, f| {
+            [sum[0] + f.thrust[0] / f.thrust[1], sum[1] + 1.0]
+        });
+        let thrust = sums[0] / sums[1];
+        let [across, height, load] = [
+            quantile(all.iter().map(|f| f.across), 0.95),
+            quantile(all.iter().map(|f| f.height), 0.95),
+            quantile(all.iter().map(|f| f.load), 0.95),
+        ];
+        table += &format!(
+            "{name}: {count} flights, {lost} lost, {:.1} % cross the stall, thrust {thrust:.3} of steady, across {across:.2} m, height {height:.2} m, load {load:.2}\n",
+            100.0 * crossing
+        );
+        assert_eq!(lost, 0, "{table}");
+        let (most, ratio, wide, high) = bounds;
+        assert!(crossing <= most + 1.0 / count, "{table}");
+        assert!(
+            thrust <= ratio && across <= wide && height <= high,
+            "{table}"
+        );
+    }
+    println!("{table}");
+}
+
+/// Five lines of a survey in 8 m/s: their time is that of the wind triangle, and nothing is lost of it in corners.
+#[test]
+fn lines_take_the_time_of_the_wind_triangle() {
+    let mut worst = 0.0_f64;
+    let all: Vec<f64> = flights(6)
+        .into_par_iter()
+        .map(|number| {
+            let random = &mut ChaCha8Rng::seed_from_u64(number);
+            let mut document = Document::load("cruise-in-air").unwrap();
+            let from: f64 = random.random_range(0.0..std::f64::consts::TAU);
+            let (north, east) = (8.0 * from.cos(), 8.0 * from.sin());
+            let line = |n: u32| {
+                let (from, to) = if n.is_multiple_of(2) { (300, 900) } else { (900, 300) };
+                let at = |north: i32| format!("{{ waypoint = {{ north_m = {north}, east_m = {}, height_m = 0.0, over = true }} }}", 60 * n);
+                [at(from), at(to)].join(", ")
+            };
+            let items: Vec<String> = (0..10).map(line).collect();
+            set(&mut document, &[
+                "duration_s=1500.0".to_owned(),
+                "sensors.air=\"wind-estimate\"".to_owned(),
+                format!("weather.steady_m_s=[{north},{east},0.0]"),
+                "weather.turbulence.wind_at_20_ft_m_s=7.7".to_owned(),
+                format!("mission={{ cruise_speed_m_s = 22.0, items = [{}] }}", items.join(", ")),
+                format!("seed={number}"),
+            ]);
+            let experiment = document.checked().unwrap();
+            // Time in which each item is flown: the way to the second of a pair is a line.
+            let mut times = [0.0; 21];
+            simulate(&experiment, experiment.controller().unwrap().as_mut(), |step| {
+                let item = usize::from(step.mission.unwrap().progress.item);
+                times[item.min(20)] += 0.01;
+                item < 20
+            })
+            .unwrap();
+            let flown: f64 = (0..10).map(|n| times[2 * n + 1]).sum();
+            let along = (22.0_f64.powi(2) - east * east).sqrt();
+            let ideal = 5.0 * (600.0 / (along + north) + 600.0 / (along - north));
+            flown / ideal
+        })
+        .collect();
+    for ratio in &all {
+        worst = worst.max((ratio - 1.0).abs());
+    }
+    println!(
+        "lines: {} surveys of ten, time over that of the wind triangle {:.3} (worst {:.3} off)",
+        all.len(),
+        all.iter().sum::<f64>() / all.len() as f64,
+        worst
+    );
+    assert!(worst < 0.05, "{all:?}");
+}
+
+/// A front of 1.2 times the airspeed: the nose is held into it, said so, and the work goes on behind it.
+#[test]
+fn a_wind_stronger_than_the_airspeed_is_said_and_survived() {
+    let all: Vec<Flown> = flights(5)
+        .into_par_iter()
+        .map(|number| {
+            let random = &mut ChaCha8Rng::seed_from_u64(number);
+            let (mut document, speed) = by_rule(random, number, 7.7);
+            let from: f64 = random.random_range(0.0..std::f64::consts::TAU);
+            let gust = 1.2 * speed - 3.0;
+            set(&mut document, &[
+                "duration_s=150.0".to_owned(),
+                format!("weather.steady_m_s=[{},{},0.0]", 3.0 * from.cos(), 3.0 * from.sin()),
+                format!(
+                    "weather.gust={{ start_s = 40.0, duration_s = 40.0, peak_m_s = [{},{},0.0] }}",
+                    gust * from.cos(), gust * from.sin()
+                ),
+                format!("mission={{ cruise_speed_m_s = {speed}, items = [{}] }}", work(random, 0, speed)),
+            ]);
+            fly(&document.checked().unwrap())
+        })
+        .collect();
+    let lost = all.iter().filter(|f| f.lost).count();
+    let said = all.iter().filter(|f| f.drifted).count();
+    println!(
+        "front of 1.2: {} flights, {lost} lost, {said} say that they drift",
+        all.len()
+    );
+    assert_eq!((lost, said), (0, all.len()));
+}
+
+/// From standing on the tail to standing there again.
+#[test]
+fn missions_end_where_they_are_to_land() {
+    let kinds = [("mapping", 0.1), ("biplane", 0.1), ("heavy", 0.1)];
+    let mut table = String::new();
+    for (name, share) in kinds {
+        let all: Vec<Flown> = flights(4)
+            .into_par_iter()
+            .map(|number| {
+                let random = &mut ChaCha8Rng::seed_from_u64(number);
+                let mut document = Document::load("tail-sitter").unwrap();
+                set(&mut document, &[format!("plant.vehicle=\"{name}\"")]);
+                let speed = document.number("plant.vehicle.cruise_speed_m_s").unwrap();
+                let wind = share * speed * random.random_range(0.0..1.0);
+                let from: f64 = random.random_range(0.0..std::f64::consts::TAU);
+                set(&mut document, &[
+                    "duration_s=90.0".to_owned(),
+                    "plant.standing=true".to_owned(),
+                    format!("weather.steady_m_s=[{},{},0.0]", wind * from.cos(), wind * from.sin()),
+                    "weather.turbulence={ wind_at_20_ft_m_s = 2.0, height_m = 60.0 }".to_owned(),
+                    "sensors.air=\"wind-estimate\"".to_owned(),
+                    "sensors.velocity_m_s={ noise = 0.05 }".to_owned(),
+                    "sensors.position_m={ noise = 0.1 }".to_owned(),
+                    "sensors.attitude_deg={ noise = 0.2 }".to_owned(),
+                    "sensors.air_m_s={ noise = 0.3 }".to_owned(),
+                    "sensors.acceleration_m_s2={ noise = 0.3 }".to_owned(),
+                    format!("mission={{ cruise_speed_m_s = {speed}, safe_height_m = 8.0, items = [{{ take-off = {{ height_m = 8.0 }} }}, {{ waypoint = {{ north_m = 12.0, east_m = 5.0, height_m = 10.0, hover_s = 3.0 }} }}, \"return\"] }}"),
+                    format!("seed={number}"),
+                ]);
+                fly(&document.checked().unwrap())
+            })
+            .collect();
+        let landed = all.iter().filter(|f| f.over.is_some()).count();
+        let touch =
+            |n: usize, share| quantile(all.iter().filter_map(|f| f.touch).map(|t| t[n]), share);
+        table += &format!(
+            "{name}, wind to {share} of cruise: {landed} of {} landed; 95 %: down {:.2} m/s, sideways {:.2} m/s, {:.2} m from the place, tilt {:.1}°\n",
+            all.len(),
+            touch(0, 0.95),
+            touch(1, 0.95),
+            touch(2, 0.95),
+            touch(3, 0.95)
+        );
+        assert!(all.len() - landed <= all.len() / 100, "{table}");
+        assert!(
+            touch(0, 0.95) < 0.7 && touch(1, 0.95) < 0.5 && touch(2, 0.95) < 1.0,
+            "{table}"
+        );
+    }
+    println!("{table}");
+}
+
+/// The missions that are built in, from take-off to landing.
+#[test]
+fn built_in_missions_are_flown_to_their_end() {
+    for name in ["survey", "delivery", "loiter-watch", "inspection"] {
+        let experiment = Document::load(name).unwrap().checked().unwrap();
+        let flown = fly(&experiment);
+        let time = flown.over.unwrap_or_else(|| panic!("{name} is not over"));
+        println!(
+            "{name}: {time:.0} s, {:.1} kJ, across {:.2} m, height {:.2} m, crossing {:.2} s",
+            flown.energy / 1e3,
+            flown.across,
+            flown.height,
+            flown.crossing
+        );
+        assert!(!flown.lost && flown.crossing == 0.0, "{name}");
+        let touch = flown.touch.unwrap();
+        assert!(
+            touch[0] < 0.7 && touch[1] < 0.5 && touch[2] < 1.0,
+            "{name} {touch:?}"
+        );
+    }
+}
+
+/// What cannot be flown is refused by item and field, with the line of the file.
+#[test]
+fn a_mission_that_cannot_be_flown_is_refused_by_item_and_field() {
+    let refused = |items: &str| {
+        let mut document = Document::load("survey").unwrap();
+        document
+            .assign(&format!("mission.items=[{items}]"))
+            .unwrap();
+        document.experiment().unwrap_err().to_string()
+    };
+    let up = "{ take-off = { height_m = 10.0 } }";
+    assert_eq!(
+        refused(&format!(
+            "{up}, {{ loiter = {{ north_m = 0.0, east_m = 0.0, height_m = 50.0, radius_m = 20.0 }} }}"
+        )),
+        "mission.items[1].radius: the vehicle turns on 90.3 m at this speed"
+    );
+    assert_eq!(
+        refused(&format!("{up}, {{ speed = {{ speed_m_s = 90.0 }} }}"))
+            .split(" to ")
+            .next(),
+        Some("mission.items[1].speed: must be from 0.5")
+    );
+    assert_eq!(
+        refused(&format!("{up}, {up}")),
+        "mission.items[1].take-off: a take-off is the first item, or after a landing"
+    );
+    assert_eq!(
+        refused("{ waypoint = { north_m = 2e6, east_m = 0.0, height_m = 50.0 } }"),
+        "mission.items[0].place: must be from 0 to 100000"
+    );
+}
