@@ -15,6 +15,7 @@ pub mod guidance;
 pub mod laws;
 #[cfg(feature = "boundaries")]
 pub mod link;
+pub mod mission;
 pub mod tables;
 pub mod vehicle;
 
@@ -24,6 +25,7 @@ pub type Target = fn(&[u8]) -> u64;
 /// Every target by its name.
 pub const TARGETS: &[(&str, Target)] = &[
     ("guidance", guidance::run),
+    ("mission", mission::run),
     ("laws", laws::run),
     ("equilibria", equilibria::run),
     ("tables", tables::run),

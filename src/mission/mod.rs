@@ -3,6 +3,33 @@
 //! [`Missions::step`] makes of a [`Mission`] the reference that [`Guidance`](crate::Guidance) takes. It needs where the vehicle is and
 //! the wind as an autopilot estimates it. Nothing here is called by the guidance.
 //!
+//! ```
+//! use alula::mission::{Gate, Item, MissionInput, MissionParameters, MissionState, Missions, Pass, Responses};
+//! use alula::prelude::*;
+//!
+//! fn main() -> Result<(), Box<dyn std::error::Error>> {
+//!     let wing = Combined::new(CombinedParameters::NACA_0021_RE_160E3)?;
+//!     let vehicle = Vehicle::new(VehicleParameters::PAPER, wing)?;
+//!     let guidance = Guidance::new(vehicle, &GuidanceParameters::default())?;
+//!     let missions = Missions::new(&vehicle, &MissionParameters::cruising_at(20.0), Responses::default())?;
+//!     // Up to 20 m, 400 m north at 20 m/s, a stop of 10 s, back, and down.
+//!     let place = Ned::new(400.0, 0.0, -40.0);
+//!     let items = [Item::TakeOff { height: 20.0 }, Item::Waypoint { place, pass: Pass::Hover(10.0) }, Item::Return];
+//!     let mission = missions.mission(&items)?;
+//!     let (mut flight, mut state) = (MissionState::default(), GuidanceState::default());
+//!     // Every 10 ms: position, velocity and wind in; the guidance's input out. Off, nobody asks the guidance.
+//!     let told = MissionInput { position: Some(Ned::ZERO), armed: true, ..MissionInput::default() };
+//!     let asked = missions.step(&mut flight, &mission, &told, 0.01);
+//!     let input = asked.asked_of(GuidanceInput { air: Air::Wind(Ned::ZERO), ..GuidanceInput::default() });
+//!     let command = match asked.gate {
+//!         Gate::Off => Command::default(),
+//!         gate => gate.pass(guidance.update(&mut state, &input, 0.01).command),
+//!     };
+//!     assert_eq!(command.thrust, 0.0); // on the ground, and armed: from the next step on it grows
+//!     Ok(())
+//! }
+//! ```
+//!
 //! | file | what is in it |
 //! |---|---|
 //! | `parameters` | how missions are flown |

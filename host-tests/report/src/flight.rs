@@ -65,14 +65,23 @@ const IN_SPACE: &[Panel] = panels! {
     "rate_belly_rad_s", "about the belly", GREEN;
     ["airspeed and wind [m/s]"]
     "airspeed_m_s", "airspeed", BLUE;
+    "mission_airspeed_m_s", "asked for", GREEN dashed;
     "wind_north_m_s", "wind north", ORANGE;
     "wind_east_m_s", "wind east", GREEN;
     "wind_down_m_s", "wind down", GREY;
     ["thrust [N]"]
     "true_thrust_n", "thrust", BLUE;
     "thrust_n", "command", ORANGE dashed;
+    "mission_steady_thrust_n", "of steady flight", GREEN dashed;
     ["load factor"]
     "load_factor", "load factor", BLUE;
+    ["to the right of the mission's path [m]"]
+    "mission_right_m", "right", BLUE;
+    ["way to the end of the item [m], and its number"]
+    "mission_distance_m", "way", BLUE;
+    "mission_item", "item", ORANGE;
+    ["energy [J]"]
+    "mission_energy_j", "energy", BLUE;
 };
 
 /// Figures whose extremes are marked, on these columns.

@@ -105,9 +105,16 @@ pub fn strip(experiment: &Experiment, record: &[Step]) -> Strip {
     };
     Strip {
         duration: record.last().map_or(0.0, |step| step.t),
-        rows: ["mode", "phase", "status"]
-            .into_iter()
-            .filter_map(row)
-            .collect(),
+        rows: [
+            "mission_activity",
+            "mission_remark",
+            "mission_response",
+            "mode",
+            "phase",
+            "status",
+        ]
+        .into_iter()
+        .filter_map(row)
+        .collect(),
     }
 }
