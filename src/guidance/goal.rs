@@ -3,9 +3,9 @@
 //! A goal is turned into the reference and the position error of a [`GuidanceInput`](super::GuidanceInput), step by step. How
 //! it is reached is the guidance's matter: it starts, turns, brakes and crosses the stall by itself.
 
-use super::MAX_STEP;
 use super::memory::{Integrity, Memory, ShadowCopy, memory};
 use super::planner_options::{LEAST_BAND, MOST_BAND, PlannerOptions};
+use super::{MAX_STEP, MIN_STEP};
 use crate::error::{ParameterError, in_range};
 use crate::math;
 use crate::ned::Ned;
@@ -148,7 +148,11 @@ impl Goals {
         velocity: Ned,
         dt: f32,
     ) -> GoalOutput {
-        let dt = if dt > 0.0 && dt <= MAX_STEP { dt } else { 0.0 };
+        let dt = if (MIN_STEP..=MAX_STEP).contains(&dt) {
+            dt
+        } else {
+            0.0
+        };
         let mut set_point = state.left();
         let (kind, target) = goal.parts();
         if (set_point.kind, set_point.target) != (kind, target) {
@@ -410,6 +414,7 @@ mod tests {
                 (place, good, good, f32::NAN),
                 (place, good, good, f32::INFINITY),
                 (place, good, good, -1.0),
+                (place, good, good, 1e-45),
             ];
             for (goal, x, v, dt) in frames {
                 let mut state = undisturbed;

@@ -10,7 +10,8 @@ pub(super) const ENDLESS: f32 = 1e9;
 pub(super) fn wrap(angle: f32) -> f32 {
     const ROUND: f32 = 12_582_912.0;
     let turns = (angle * (0.5 / PI) + ROUND) - ROUND;
-    angle - 2.0 * PI * turns
+    // Of many turns the rounding leaves more than a turn.
+    math::clamp(angle - 2.0 * PI * turns, -PI, PI)
 }
 
 /// The level unit vector along `course` \[rad\].

@@ -12,7 +12,7 @@ use super::triangle::Triangle;
 use super::turns;
 use crate::aero::Aerodynamics;
 use crate::error::ParameterError;
-use crate::guidance::{Goal, GoalState, Goals, MAX_STEP, PlannerOptions, Preferences};
+use crate::guidance::{Goal, GoalState, Goals, MAX_STEP, MIN_STEP, PlannerOptions, Preferences};
 use crate::math::{self, PI};
 use crate::ned::Ned;
 use crate::parameters::Parameters;
@@ -24,6 +24,8 @@ use crate::vehicle::Vehicle;
 const WIND_TIME: f32 = 2.0;
 /// Part of the braking that is planned with, as `Goals` does.
 const BRAKING_SHARE: f32 = 0.7;
+/// Positions farther than this \[m\] are taken for none.
+const FARTHEST: f32 = 1e6;
 /// How near a place in hover and a height are reached \[m\].
 const NEAR: f32 = 2.0;
 /// Off the path by this \[m\], across it or in height, for this long \[s\]: the vehicle does not follow.
@@ -182,8 +184,9 @@ impl MissionState {
     }
 }
 
-fn is_finite(v: Ned) -> bool {
-    v.norm_squared() < 1e12
+/// Whether a vector is no longer than this. NaN is not.
+fn is_within(v: Ned, most: f32) -> bool {
+    v.norm_squared() <= most * most
 }
 
 impl Missions {
@@ -233,7 +236,11 @@ impl Missions {
         input: &MissionInput,
         dt: f32,
     ) -> MissionOutput {
-        let dt = if dt > 0.0 && dt <= MAX_STEP { dt } else { 0.0 };
+        let dt = if (MIN_STEP..=MAX_STEP).contains(&dt) {
+            dt
+        } else {
+            0.0
+        };
         let seen = self.see(state, input, dt);
         let mut out = MissionOutput {
             troubles: input.troubles
@@ -294,16 +301,16 @@ impl Missions {
 
     /// What is known of vehicle and air, without what is not finite; and the energy of the last step.
     fn see(&self, state: &mut MissionState, input: &MissionInput, dt: f32) -> Seen {
-        if is_finite(input.velocity) {
+        if is_within(input.velocity, MAX_SPEED) {
             state.velocity = input.velocity;
         }
         state.position += state.velocity * dt;
         if let Some(position) = input.position
-            && is_finite(position)
+            && is_within(position, FARTHEST)
         {
             state.position = position;
         }
-        if is_finite(input.wind) {
+        if is_within(input.wind, MAX_SPEED) {
             let level = Ned::new(input.wind.north, input.wind.east, 0.0);
             let part = if state.begun {
                 dt / (WIND_TIME + dt)
