@@ -99,22 +99,20 @@ impl Ability {
         ability
     }
 
-    /// The value of a table at `speed` [m/s], held at its ends.
-    fn at(&self, table: &[f32; SPEEDS], speed: f32) -> f32 {
+    /// The values of the tables at `speed` [m/s], held at their ends: drag and thrust there is, over the weight.
+    fn at(&self, speed: f32) -> [f32; 2] {
         let row = math::clamp(
-            (speed / self.stall_speed - FIRST) / STEP,
+            (speed / self.stall_speed - FIRST) * (1.0 / STEP),
             0.0,
             (SPEEDS - 1) as f32,
         );
-        let below = row as usize;
+        let below = (row as usize).min(SPEEDS - 2);
         let part = row - below as f32;
-        let value = |n: usize| table.get(n).copied().unwrap_or(0.0);
-        let (low, high) = (value(below), value(below + 1));
-        if part > 0.0 {
+        [&self.drag, &self.thrust].map(|table| {
+            let value = |n: usize| table.get(n).copied().unwrap_or(0.0);
+            let (low, high) = (value(below), value(below + 1));
             low + part * (high - low)
-        } else {
-            low
-        }
+        })
     }
 
     /// Gravity [m/s²].
@@ -145,7 +143,7 @@ impl Ability {
 
     /// Drag of level flight over the weight at an airspeed [m/s]: the deceleration without thrust in g, and the slope of the glide.
     pub fn drag(&self, airspeed: f32) -> f32 {
-        self.at(&self.drag, airspeed)
+        self.at(airspeed)[0]
     }
 
     /// Thrust \[N\] of steady flight at an airspeed [m/s], at this load factor and slope of the climb.
@@ -155,10 +153,10 @@ impl Ability {
         self.weight * math::max(drag + slope, 0.0)
     }
 
-    /// Slope of the climb at an airspeed [m/s] that leaves thrust to turn with; none is negative.
-    pub fn climb(&self, airspeed: f32) -> f32 {
-        let left = self.at(&self.thrust, airspeed) - self.at(&self.drag, airspeed);
-        CLIMB_SHARE * math::clamp(left, 0.0, 1.0)
+    /// Slopes at an airspeed [m/s]: of the glide without thrust, and of the climb that leaves thrust to turn with; none is negative.
+    pub fn slopes(&self, airspeed: f32) -> [f32; 2] {
+        let [drag, thrust] = self.at(airspeed);
+        [drag, CLIMB_SHARE * math::clamp(thrust - drag, 0.0, 1.0)]
     }
 
     /// Acceleration to the side [m/s²] of a turn at an airspeed [m/s] with this tangent of the bank.

@@ -77,6 +77,7 @@ impl FollowState {
     }
 
     /// A step at an airspeed of `wanted` [m/s].
+    #[inline]
     pub fn step(
         &mut self,
         p: &MissionParameters,
@@ -86,8 +87,11 @@ impl FollowState {
         dt: f32,
     ) -> Followed {
         let (nearest, ended) = self.path.advance(seen.position);
-        let slower = math::min(DRAG_SHARE * ability.slowing(self.airspeed), p.acceleration);
-        self.airspeed += math::clamp(wanted - self.airspeed, -slower * dt, p.acceleration * dt);
+        let missing = wanted - self.airspeed;
+        if missing != 0.0 {
+            let slower = math::min(DRAG_SHARE * ability.slowing(self.airspeed), p.acceleration);
+            self.airspeed += math::clamp(missing, -slower * dt, p.acceleration * dt);
+        }
         // The wing cannot brake: what is faster than asked for is let slow down by itself.
         let there = level(seen.velocity - seen.wind);
         let airspeed = math::max(self.airspeed, p.yield_share * there);

@@ -42,6 +42,7 @@ impl HeightReference {
     }
 
     /// A step of a vehicle at `down` \[m\]: the acceleration [m/s²], and whether the way is steeper than the limits.
+    #[inline]
     pub fn step(&mut self, way: &Descent, down: f32, dt: f32) -> (f32, bool) {
         let left = way.to - self.down;
         let braked = math::sqrt((2.0 * SHARE * ACCELERATION * left).abs());

@@ -16,7 +16,7 @@ pub(super) fn wrap(angle: f32) -> f32 {
 
 /// The level unit vector along `course` \[rad\].
 pub(super) fn along(course: f32) -> Ned {
-    let (sin, cos) = math::sin_cos(wrap(course));
+    let (sin, cos) = math::sin_cos(course);
     Ned::new(cos, sin, 0.0)
 }
 
@@ -83,6 +83,7 @@ impl Segment {
     }
 
     /// The place nearest to `x`, of those of an arc that goes round more than once the one nearest to the way `last` \[m\].
+    #[inline]
     pub fn nearest(&self, x: Ned, last: f32) -> Nearest {
         let start = along(self.from.course);
         let offset = x - self.from.place;
@@ -119,19 +120,38 @@ pub(super) struct Path {
     segments: [Segment; 3],
     /// The one that is flown.
     at: u8,
-    /// Way along it \[m\].
+    /// Way along it \[m\], and the length of those after it that end.
     way: f32,
+    after: f32,
     /// Full turns on an arc that does not end.
     pub turns: f32,
 }
 
 impl Path {
     pub fn new(segments: [Segment; 3]) -> Self {
+        let [_, second, third] = segments;
+        let ending = |segment: Segment| {
+            if segment.length < ENDLESS {
+                segment.length
+            } else {
+                0.0
+            }
+        };
         Self {
             segments,
             at: 0,
             way: 0.0,
+            after: ending(second) + ending(third),
             turns: 0.0,
+        }
+    }
+
+    /// Goes on to the next segment.
+    fn next(&mut self) {
+        self.at += 1;
+        let length = self.segment().length;
+        if length < ENDLESS {
+            self.after -= length;
         }
     }
 
@@ -153,6 +173,9 @@ impl Path {
     /// The curvature `ahead` \[m\] of the vehicle.
     pub fn curvature(&self, ahead: f32) -> f32 {
         let mut way = self.way + ahead;
+        if way < self.segment().length {
+            return self.segment().curvature;
+        }
         for (n, segment) in self.segments.iter().enumerate() {
             if n >= usize::from(self.at) {
                 if way < segment.length {
@@ -170,6 +193,7 @@ impl Path {
     }
 
     /// Goes on to where the vehicle at `x` is: the place nearest to it, and whether the path is at its end.
+    #[inline]
     pub fn advance(&mut self, x: Ned) -> (Nearest, bool) {
         let mut last = self.way;
         for _ in 0..3 {
@@ -177,12 +201,12 @@ impl Path {
                 break;
             }
             // Segments without length, and those behind.
-            self.at += 1;
+            self.next();
             last = 0.0;
         }
         let mut nearest = self.segment().nearest(x, last);
         if nearest.way >= self.segment().length && !self.is_last() {
-            self.at += 1;
+            self.next();
             nearest = self.segment().nearest(x, 0.0);
         }
         // Of an arc the place may be behind the beginning, by less than a turn.
@@ -199,18 +223,14 @@ impl Path {
 
     /// Way to its end \[m\]; of an endless one to the beginning of that.
     pub fn left(&self) -> f32 {
-        let mut left = -self.way;
-        for (n, segment) in self.segments.iter().enumerate() {
-            if n >= usize::from(self.at) {
-                left += if segment.length < ENDLESS {
-                    segment.length
-                } else {
-                    // Nothing is left of what does not end.
-                    math::max(self.way, 0.0) * f32::from(u8::from(n == usize::from(self.at)))
-                };
-            }
-        }
-        math::max(left, 0.0)
+        let length = self.segment().length;
+        // Nothing is left of what does not end.
+        let left = if length < ENDLESS {
+            length - self.way
+        } else {
+            0.0
+        };
+        math::max(left + self.after, 0.0)
     }
 }
 

@@ -343,6 +343,9 @@ impl Missions {
 
     /// Does what the table says about `troubles`.
     fn respond(&self, state: &mut MissionState, seen: &Seen, troubles: Troubles) {
+        if troubles.is_empty() && state.forced == Response::Continue {
+            return;
+        }
         let asked = self.responses.to(troubles);
         let kept = if state.forced > Response::Loiter {
             state.forced
@@ -823,8 +826,9 @@ impl Missions {
         let airspeed = state.follow.airspeed;
         let ground = math::max(level(followed.velocity), 1.0);
         let left = state.follow.path.left();
-        let glide = self.p.glide_share * airspeed * self.ability.drag(airspeed);
-        let climb = math::min(self.p.climb, airspeed * self.ability.climb(airspeed));
+        let [drag, slope] = self.ability.slopes(airspeed);
+        let glide = self.p.glide_share * airspeed * drag;
+        let climb = math::min(self.p.climb, airspeed * slope);
         let way = Descent {
             to: state.target.down,
             time: left / ground,

@@ -2,7 +2,10 @@
 
 use super::sweep::Case;
 use alula::aero::{Coefficients, NACA_0021_RE_160E3};
-use alula::ned::BodyAxes;
+use alula::mission::{
+    Item, Mission, MissionInput, MissionParameters, MissionState, Missions, Pass, Responses, Until,
+};
+use alula::ned::{BodyAxes, Ned};
 use alula::planar::equilibrium::{Equilibria, EquilibriumError, FoldMap, FoldMargin};
 use alula::planar::{AirData, Attitude, GainParameters, Gains, ThrustLine, VelocityControl};
 use alula::spatial::axisymmetric::AxisymmetricControl;
@@ -34,6 +37,8 @@ pub struct Fixture {
     axisymmetric: AxisymmetricControl<Combined, BandwidthGains>,
     force_error: ForceError,
     sideslip: Sideslip,
+    missions: Missions,
+    mission: Mission,
 }
 
 impl Fixture {
@@ -80,9 +85,38 @@ impl Fixture {
             axisymmetric: AxisymmetricControl::new(plane, bandwidth, 5.0, 0.2).unwrap(),
             force_error: ForceError::new(force, plane.mass()).unwrap(),
             sideslip: Sideslip::new(SideslipParameters::DEFAULT, &plane).unwrap(),
+            missions: missions(&plane),
+            mission: missions(&plane).mission(&WORK).unwrap(),
         }
     }
 }
+
+fn missions(vehicle: &Vehicle<Combined>) -> Missions {
+    let parameters = MissionParameters::cruising_at(20.0);
+    Missions::new(vehicle, &parameters, Responses::default()).unwrap()
+}
+
+/// Corners and a loiter: items follow each other during the measurement.
+const WORK: [Item; 5] = {
+    const fn by(north: f32, east: f32) -> Item {
+        let place = Ned::new(north, east, -20.0);
+        Item::Waypoint {
+            place,
+            pass: Pass::By,
+        }
+    }
+    [
+        by(400.0, 0.0),
+        by(700.0, 300.0),
+        by(300.0, 500.0),
+        by(0.0, 300.0),
+        Item::Loiter {
+            centre: Ned::new(300.0, 100.0, 0.0),
+            radius: 120.0,
+            until: Until::Forever,
+        },
+    ]
+};
 
 fn everything_on(vehicle: Vehicle<Combined>) -> Guidance<Combined, BandwidthGains> {
     // Without a recovery time the first good frame is flown.
@@ -103,6 +137,10 @@ pub struct Output {
     orientation: Result<Orientation, Fault>,
     force_error: ForceErrorState,
     sideslip: SideslipState,
+    flight: MissionState,
+    /// Of a vehicle that does what the mission asks.
+    place: Ned,
+    velocity: Ned,
 }
 
 /// Takes a command where the law or the guidance has left it, in its caller's frame: a loop that controls something uses it
@@ -135,6 +173,9 @@ impl Output {
             orientation: Err(Fault::Undefined),
             force_error: ForceErrorState::default(),
             sideslip: SideslipState::default(),
+            flight: MissionState::default(),
+            place: Ned::ZERO,
+            velocity: Ned::new(20.0, 0.0, 0.0),
         }
     }
 
@@ -143,6 +184,7 @@ impl Output {
         if memory == Memory::Fresh {
             self.memory = GuidanceState::default();
             self.hardened = HardenedState::default();
+            self.flight = MissionState::default();
         }
     }
 }
@@ -192,6 +234,20 @@ functions! {
     };
     guidance => |f, c, o| keep(f.guidance.update(&mut o.memory, &c.space.input, 0.01));
     hardened => |f, c, o| keep(f.hardened.update(&mut o.hardened, &c.space.input, 0.01));
+    mission => |f, c, o| {
+        let told = MissionInput {
+            position: Some(o.place),
+            velocity: o.velocity,
+            wind: Ned::new(4.0, -3.0, 0.0),
+            orientation: c.space.input.orientation,
+            thrust: 20.0,
+            armed: true,
+            ..MissionInput::default()
+        };
+        let asked = f.missions.step(&mut o.flight, &f.mission, &told, 0.01);
+        o.velocity = asked.reference.velocity;
+        o.place = o.place - asked.position_error + o.velocity * 0.01;
+    };
     winged => |f, c, o| {
         keep(f.winged.robust(&c.space.state, &c.space.reference, None));
     };
@@ -235,6 +291,7 @@ functions! {
     ;
     guidance_in_flight => guidance;
     hardened_in_flight => hardened;
+    mission_in_flight => mission;
 }
 
 /// The function called `name`.
