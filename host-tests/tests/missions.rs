@@ -438,6 +438,66 @@ fn built_in_missions_are_flown_to_their_end() {
     }
 }
 
+/// Plans as QGroundControl writes them are flown by the vehicle that is named, from take-off to landing.
+#[test]
+fn plans_of_a_ground_station_are_flown_to_their_end() {
+    let plans = concat!(env!("CARGO_MANIFEST_DIR"), "/data/plans");
+    for name in ["delivery", "loiter", "survey"] {
+        let out = tempfile::tempdir().unwrap();
+        let fly = |vehicle: &[&str]| {
+            std::process::Command::new(env!("CARGO_BIN_EXE_alula-sil"))
+                .args(["fly", &format!("{plans}/{name}.plan"), "--json", "--out"])
+                .arg(out.path())
+                .args(vehicle)
+                .output()
+                .unwrap()
+        };
+        let refused = String::from_utf8(fly(&[]).stderr).unwrap();
+        assert!(refused.contains("--vehicle EXPERIMENT"), "{refused}");
+        let sets = [
+            "--set",
+            "mission.cruise_speed_m_s=22.0",
+            "--set",
+            "weather.turbulence.wind_at_20_ft_m_s=7.7",
+        ];
+        let flown = fly(&[&["--vehicle", "cruise-in-air"][..], &sets].concat());
+        let said = String::from_utf8(flown.stderr).unwrap();
+        assert!(flown.status.success(), "{name}: {said}");
+        assert_eq!(
+            said.contains("left out: item 1, its item 1: command 206"),
+            name == "survey"
+        );
+        let mut folders = std::fs::read_dir(out.path())
+            .unwrap()
+            .map(|e| e.unwrap().path());
+        let inside = folders
+            .find(|p| p.is_dir())
+            .unwrap_or_else(|| out.path().into());
+        let trace = std::fs::read_to_string(inside.join("trace.csv"))
+            .or_else(|_| std::fs::read_to_string(out.path().join("trace.csv")))
+            .unwrap();
+        let mut rows = csv::Reader::from_reader(trace.as_bytes());
+        let column = |rows: &mut csv::Reader<&[u8]>, name: &str| {
+            rows.headers()
+                .unwrap()
+                .iter()
+                .position(|head| head == name)
+                .unwrap()
+        };
+        let activity = column(&mut rows, "mission_activity");
+        let [north, east, down] =
+            ["north_m", "east_m", "down_m"].map(|name| column(&mut rows, name));
+        let last = rows.records().last().unwrap().unwrap();
+        assert_eq!(&last[activity], "grounded", "{name}");
+        for of in [north, east, down] {
+            assert!(
+                last[of].parse::<f64>().unwrap().abs() < 1.0,
+                "{name}: {last:?}"
+            );
+        }
+    }
+}
+
 /// What cannot be flown is refused by item and field, with the line of the file.
 #[test]
 fn a_mission_that_cannot_be_flown_is_refused_by_item_and_field() {

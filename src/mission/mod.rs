@@ -20,12 +20,13 @@
 //!     // Every 10 ms: position, velocity and wind in; the guidance's input out. Off, nobody asks the guidance.
 //!     let told = MissionInput { position: Some(Ned::ZERO), armed: true, ..MissionInput::default() };
 //!     let asked = missions.step(&mut flight, &mission, &told, 0.01);
-//!     let input = asked.asked_of(GuidanceInput { air: Air::Wind(Ned::ZERO), ..GuidanceInput::default() });
+//!     let input = asked.asked_of(GuidanceInput::default().air(Air::Wind(Ned::ZERO)));
 //!     let command = match asked.gate {
 //!         Gate::Off => Command::default(),
-//!         gate => gate.pass(guidance.update(&mut state, &input, 0.01).command),
+//!         _ => guidance.update(&mut state, &input, 0.01).command,
 //!     };
-//!     assert_eq!(command.thrust, 0.0); // on the ground, and armed: from the next step on it grows
+//!     let (thrust, _rates) = asked.gate.pass(command.thrust, command.rates);
+//!     assert_eq!(thrust, 0.0); // on the ground, and armed: from the next step on it grows
 //!     Ok(())
 //! }
 //! ```

@@ -4,7 +4,7 @@ use super::response::{Response, Troubles};
 use crate::guidance::{GuidanceInput, PlannerOptions};
 use crate::math;
 use crate::ned::{BodyRates, Ned};
-use crate::spatial::{Command, Reference};
+use crate::spatial::Reference;
 
 /// What is being done.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -93,26 +93,18 @@ pub enum Gate {
 }
 
 impl Gate {
-    /// What is left of a command.
-    pub fn pass(self, command: Command) -> Command {
+    /// What is left of a thrust \[N\] and of body rates.
+    pub fn pass(self, thrust: f32, rates: BodyRates) -> (f32, BodyRates) {
         match self {
-            Self::Off => Command {
-                thrust: 0.0,
-                rates: BodyRates::default(),
-                ..command
-            },
+            Self::Off => (0.0, BodyRates::default()),
             Self::AtMost(most) => {
-                let thrust = math::min(command.thrust, most);
-                let BodyRates { roll, pitch, yaw } = command.rates;
                 // Where there is little thrust, nothing turns it but the ground.
-                let share = math::clamp(thrust / math::max(command.thrust, 1e-3), 0.0, 1.0);
-                Command {
-                    thrust,
-                    rates: BodyRates::new(share * roll, share * pitch, share * yaw),
-                    ..command
-                }
+                let share = math::clamp(most / math::max(thrust, 1e-3), 0.0, 1.0);
+                let BodyRates { roll, pitch, yaw } = rates;
+                let rates = BodyRates::new(share * roll, share * pitch, share * yaw);
+                (math::min(thrust, most), rates)
             }
-            Self::Open => command,
+            Self::Open => (thrust, rates),
         }
     }
 }

@@ -12,7 +12,9 @@ use super::triangle::Triangle;
 use super::turns;
 use crate::aero::Aerodynamics;
 use crate::error::ParameterError;
-use crate::guidance::{Goal, GoalState, Goals, MAX_STEP, MIN_STEP, PlannerOptions, Preferences};
+use crate::guidance::{
+    Goal, GoalOutput, GoalState, Goals, MAX_STEP, MIN_STEP, PlannerOptions, Preferences,
+};
 use crate::math::{self, PI};
 use crate::ned::Ned;
 use crate::parameters::Parameters;
@@ -782,11 +784,14 @@ impl Missions {
         };
         let goal = Goal::Hover(state.target);
         if let Ok(goals) = Goals::new(preferences) {
-            let (reference, error, options) =
-                goals.step(&mut state.goal, &goal, seen.position, seen.velocity, dt);
+            let GoalOutput {
+                reference,
+                position_error,
+                planner_options,
+            } = goals.step(&mut state.goal, &goal, seen.position, seen.velocity, dt);
             out.reference = reference;
-            out.position_error = error;
-            out.planner_options = options;
+            out.position_error = position_error;
+            out.planner_options = planner_options;
         }
         out.gate = Gate::Open;
         out.progress.load_factor = 1.0;

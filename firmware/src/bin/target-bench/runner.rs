@@ -71,7 +71,7 @@ const fn hardened(function: &'static str) -> Limit {
 }
 
 /// Limits of the project.
-const LIMITS: [Limit; 7] = [
+const LIMITS: [Limit; 8] = [
     law("robust", 400),
     law("full_feed_forward", 900),
     guidance("guidance"),
@@ -79,6 +79,14 @@ const LIMITS: [Limit; 7] = [
     hardened("hardened"),
     hardened("hardened_in_flight"),
     law("winged_feed_forward", 900),
+    // A path is laid in the step in which an item begins.
+    Limit {
+        median: 1000,
+        flash: 30 * 1024,
+        stack: 1600,
+        spread: 7.5,
+        ..law("mission_in_flight", 0)
+    },
 ];
 
 /// Lines of a page (`docs/results.md`) between which the table stands.

@@ -5,7 +5,6 @@ use alula::mission::{
     Missions, Pass, Response, Responses, Troubles, Until,
 };
 use alula::ned::Ned;
-use alula::spatial::Command;
 use serde::Deserialize;
 use toml::{Table, Value};
 
@@ -316,14 +315,10 @@ pub fn asked_of(asked: &MissionOutput, input: &mut Input) {
 
 /// What of an answer reaches the motors.
 pub fn passed(gate: Gate, answer: Answer) -> Answer {
-    let command = gate.pass(Command {
-        thrust: answer.thrust,
-        rates: answer.rates.into(),
-        ..Command::default()
-    });
+    let (thrust, rates) = gate.pass(answer.thrust, answer.rates.into());
     Answer {
-        thrust: command.thrust,
-        rates: command.rates.into(),
+        thrust,
+        rates: rates.into(),
         ..answer
     }
 }
