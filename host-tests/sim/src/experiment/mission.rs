@@ -1,8 +1,8 @@
 //! Missions: what is to be flown from take-off to landing, in the core's own items.
 
 use alula::mission::{
-    Activity, Gate, Item, Mission, MissionInput, MissionOutput, MissionParameters, MissionState,
-    Missions, Pass, Response, Responses, Troubles, Until,
+    Gate, Item, Mission, MissionInput, MissionOutput, MissionParameters, MissionState, Missions,
+    Pass, Response, Responses, Troubles, Until,
 };
 use alula::ned::Ned;
 use serde::Deserialize;
@@ -282,17 +282,6 @@ impl FlownMission {
         };
         self.missions
             .step(&mut self.state, &self.mission, &input, dt as f32)
-    }
-
-    /// Whether every item is done.
-    pub fn is_over(&self) -> bool {
-        self.state.item() >= self.mission.items().len()
-            && self.state.activity() == Activity::Grounded
-    }
-
-    /// Number of items.
-    pub fn len(&self) -> usize {
-        self.mission.items().len()
     }
 }
 
