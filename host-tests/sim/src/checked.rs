@@ -20,10 +20,10 @@ impl Document {
     /// The experiment that the document describes, validated but for its controller.
     pub fn data(&self) -> Result<Experiment, FieldError> {
         let believed = self.believed()?;
+        let mut experiment: Experiment = believed.document.read()?;
         let flown = ["path", "reference", "mission"].map(|key| self.get(key).is_some());
         let problem = "missing field `path`, or `mission`";
         require(flown.contains(&true), "", problem)?;
-        let mut experiment: Experiment = believed.document.read()?;
         experiment.tail_sitter = believed.tail_sitter;
         experiment
             .validate()

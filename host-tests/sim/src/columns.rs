@@ -305,7 +305,7 @@ impl Column {
 
     /// The unit that the end of its name says.
     pub fn unit(&self) -> &'static str {
-        const ENDS: [(&str, &str); 8] = [
+        const ENDS: [(&str, &str); 9] = [
             ("_m_s3", "m/s³"),
             ("_m_s2", "m/s²"),
             ("_m_s", "m/s"),
@@ -313,6 +313,7 @@ impl Column {
             ("_rad", "rad"),
             ("_m", "m"),
             ("_n", "N"),
+            ("_j", "J"),
             ("_s", "s"),
         ];
         let end = ENDS.iter().find(|(end, _)| self.name.ends_with(end));
