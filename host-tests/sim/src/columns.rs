@@ -15,7 +15,8 @@ use nalgebra::Quaternion;
 
 use crate::controllers::Answer;
 use crate::decimal;
-use crate::experiment::{Experiment, V3, response_name};
+use crate::experiment::{Experiment, V3};
+use crate::flown_mission::response_name;
 use crate::reference::wrap;
 use crate::simulate::Step;
 

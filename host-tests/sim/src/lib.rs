@@ -18,6 +18,7 @@ pub mod decimal;
 pub mod experiment;
 pub mod figures;
 pub mod flight_log;
+pub mod flown_mission;
 pub mod margins;
 pub mod named;
 pub mod plant;

@@ -9,10 +9,8 @@ use alula::spatial::FeedForward;
 use nalgebra::UnitQuaternion;
 
 use crate::controllers::{Answer, Controller, Input};
-use crate::experiment::{
-    Estimates, Experiment, Faults, State, Target, V3, Weather, asked_of, ned, passed, stream,
-    target,
-};
+use crate::experiment::{Estimates, Experiment, Faults, State, Target, V3, Weather, ned, stream};
+use crate::flown_mission::{asked_of, passed, target};
 use crate::plant::Command;
 use crate::reference::wrap;
 use crate::sensor_hold::SensorHold;

@@ -1,19 +1,12 @@
 //! Missions: what is to be flown from take-off to landing, in the core's own items.
 
-use alula::mission::{
-    Gate, Item, Mission, MissionInput, MissionOutput, MissionParameters, MissionState, Missions,
-    Pass, Response, Responses, Troubles, Until,
-};
+use alula::mission::{Item, MissionParameters, Pass, Responses, Until};
 use alula::ned::Ned;
 use serde::Deserialize;
 use toml::{Table, Value};
 
 use super::document::{FieldError, finite, require};
-use super::parameters::{Fields, refused};
-use super::path::Target;
-use super::vector::double;
-use super::{Experiment, Measured, ned};
-use crate::controllers::{Answer, Input};
+use super::parameters::Fields;
 
 /// `[mission]`. Heights are over the place of the start.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -125,7 +118,7 @@ fn place(north: f64, east: f64, height: f64) -> Ned {
 
 impl ItemSpec {
     /// The core's item. What the core refuses, it refuses by item and field.
-    fn item(&self) -> Result<Item, (&'static str, &'static str)> {
+    pub(crate) fn item(&self) -> Result<Item, (&'static str, &'static str)> {
         Ok(match *self {
             Self::TakeOff { height_m } => Item::TakeOff {
                 height: height_m as f32,
@@ -196,7 +189,7 @@ impl MissionSpec {
     }
 
     /// How it is flown.
-    fn parameters(&self) -> Result<MissionParameters, FieldError> {
+    pub(crate) fn parameters(&self) -> Result<MissionParameters, FieldError> {
         let mut fields = Fields::new(Value::Table(self.parameters.clone()))?;
         let parameters = fields.parameters();
         let all = parameters.and_then(|parameters| fields.end().map(|()| parameters));
@@ -206,118 +199,5 @@ impl MissionSpec {
     /// Whether a take-off comes first: the flight begins on the ground.
     pub fn takes_off(&self) -> bool {
         matches!(self.items.first(), Some(ItemSpec::TakeOff { .. }))
-    }
-}
-
-/// A mission that is being flown.
-pub struct FlownMission {
-    missions: Missions,
-    mission: Mission,
-    state: MissionState,
-    armed_s: f64,
-    troubles: Vec<TroubleSpec>,
-}
-
-impl Experiment {
-    /// The mission at its beginning, if one is flown.
-    pub fn flown_mission(&self) -> Result<Option<FlownMission>, FieldError> {
-        let Some(spec) = &self.mission else {
-            return Ok(None);
-        };
-        let controller = self.spec()?;
-        let belief = controller.belief().unwrap_or(&self.vehicle);
-        let thrust = self.thrust_limits(None, belief.weight());
-        let vehicle = belief.limited(thrust).map_err(|e| e.inside("vehicle"))?;
-        let parameters = spec.parameters()?;
-        let missions = Missions::new(&vehicle, &parameters, spec.responses);
-        let missions = missions.map_err(|e| refused::<MissionParameters>(e).inside("mission"))?;
-        let mut items = Vec::with_capacity(spec.items.len());
-        for (i, item) in spec.items.iter().enumerate() {
-            let item = item.item().map_err(|(field, problem)| {
-                FieldError::new(format!("mission.items[{i}].{field}"), problem)
-            })?;
-            items.push(item);
-        }
-        let mission = missions.mission(&items).map_err(|e| {
-            let text = e.to_string();
-            let problem = text.splitn(3, ": ").last().unwrap_or(&text).to_owned();
-            FieldError::new(format!("mission.items[{}].{}", e.item, e.field), problem)
-        })?;
-        Ok(Some(FlownMission {
-            missions,
-            mission,
-            state: MissionState::default(),
-            armed_s: spec.armed_s,
-            troubles: spec.troubles.clone(),
-        }))
-    }
-}
-
-impl FlownMission {
-    /// What is asked at `t` \[s\] of a vehicle that measures this, in a level `wind` [m/s] as an estimator tells it, `dt` \[s\] after the last.
-    pub fn step(
-        &mut self,
-        t: f64,
-        dt: f64,
-        measured: &Measured,
-        wind: Ned,
-        last: Option<&Answer>,
-    ) -> MissionOutput {
-        let fails = |kind| {
-            let mut all = self.troubles.iter();
-            all.any(|of| of.kind == kind && (of.t_s..of.t_s + of.lasts_s).contains(&t))
-        };
-        let mut troubles = Troubles::empty();
-        troubles.set(Troubles::LINK, fails(TroubleKind::Link));
-        troubles.set(Troubles::BATTERY, fails(TroubleKind::Battery));
-        troubles.set(Troubles::ABORT, fails(TroubleKind::Abort));
-        let input = MissionInput {
-            position: (!fails(TroubleKind::Position)).then(|| ned(measured.position)),
-            velocity: ned(measured.velocity),
-            wind,
-            orientation: measured.orientation(),
-            thrust: last.map_or(0.0, |answer| answer.thrust),
-            armed: t >= self.armed_s,
-            troubles,
-        };
-        self.missions
-            .step(&mut self.state, &self.mission, &input, dt as f32)
-    }
-}
-
-/// What is to be flown, for a record: the place on the path nearest to where the vehicle was measured.
-pub fn target(asked: &MissionOutput, measured: &Measured) -> Target {
-    Target {
-        position: measured.position - double(asked.position_error),
-        velocity: double(asked.reference.velocity),
-        acceleration: double(asked.reference.acceleration),
-        heading: None,
-    }
-}
-
-/// The input with what the mission asks for.
-pub fn asked_of(asked: &MissionOutput, input: &mut Input) {
-    let heading = asked.reference.heading;
-    input.sample = asked.asked_of(input.sample);
-    input.sample.reference.heading = heading;
-}
-
-/// What of an answer reaches the motors.
-pub fn passed(gate: Gate, answer: Answer) -> Answer {
-    let (thrust, rates) = gate.pass(answer.thrust, answer.rates.into());
-    Answer {
-        thrust,
-        rates: rates.into(),
-        ..answer
-    }
-}
-
-/// Names of responses, as files have them.
-pub const fn response_name(response: Response) -> &'static str {
-    match response {
-        Response::Continue => "continue",
-        Response::Loiter => "loiter",
-        Response::Return => "return",
-        Response::Land => "land",
     }
 }

@@ -41,10 +41,7 @@ pub use faults::Faults;
 pub use faults::{FaultKind, FaultSpec};
 pub use initial::{InitialSpec, Scatter};
 pub use knots::{Knot, Knots};
-pub use mission::{
-    FlownMission, ItemSpec, MissionSpec, TroubleKind, TroubleSpec, asked_of, passed, response_name,
-    target,
-};
+pub use mission::{ItemSpec, MissionSpec, TroubleKind, TroubleSpec};
 pub use parameters::{Fields, file_name, file_value, refused};
 pub use path::{Path, PathSpec, Target};
 pub use plant::{PlantSpec, RateLoop, State};
