@@ -5,6 +5,7 @@
 #![cfg(not(target_os = "none"))]
 
 mod code;
+pub mod curves;
 mod document;
 pub mod envelope;
 pub mod fit;

@@ -220,6 +220,7 @@ columns! {
     "a_cmd_north_m_s2", "acceleration that the guidance gives to its law", |_, s| guided(&s.answer, |g| g.reference.acceleration.north);
     "a_cmd_east_m_s2", "acceleration that the guidance gives to its law", |_, s| guided(&s.answer, |g| g.reference.acceleration.east);
     "a_cmd_down_m_s2", "acceleration that the guidance gives to its law", |_, s| guided(&s.answer, |g| g.reference.acceleration.down);
+    "virtual_theta_rad", "attitude θ of the guidance's virtual vehicle in its plane of flight: 0 nose up, −π/2 nose forward", |_, s| s.virtual_theta.map(Cell::Single);
     "margin_k", "the guidance's margin: k", |_, s| guided(&s.answer, |g| g.margin.k);
     "mission_item", "the mission's item, counted from 0", |_, s| mission(s, |m| m.progress.item.into());
     "mission_activity", "what the mission does: `grounded`, `spooling`, `rising`, `flying`, `hovering`, `descending` or `touched`", |_, s| word(s.mission.as_ref().map(|m| m.activity.name()));

@@ -3,7 +3,7 @@
 //! `Experiment → simulate → Record → figures`, each using only those before it: [`named`], [`decimal`] (texts),
 //! [`reference`](mod@reference) (aerodynamics and laws in double precision, independent of the core), [`polar`] (measured coefficients),
 //! [`experiment`] (what is flown), [`plant`] (the vehicle), [`controllers`] (by whom), [`simulate`](mod@simulate) (the loop), [`columns`] (what a record
-//! holds), [`figures`] (what a flight is judged by), [`flight_log`] (a record as ULog and MCAP), [`replay`](mod@replay) (a
+//! holds), [`figures`] (what a flight is judged by), [`scene`] (what a viewer shows of it), [`flight_log`] (a record as ULog and MCAP), [`replay`](mod@replay) (a
 //! controller over a log).
 //! Of a vehicle alone: [`airframe`], asked for by name or file; [`margins`], the linear theory of the law's loop.
 //! On a target without an operating system the package is empty.
@@ -25,6 +25,7 @@ pub mod plant;
 pub mod polar;
 pub mod reference;
 pub mod replay;
+pub mod scene;
 pub mod sensor_hold;
 pub mod simulate;
 

@@ -4,14 +4,18 @@ use std::collections::VecDeque;
 
 use alula::GuidanceOutput;
 use alula::mission::{Gate, MissionOutput};
+use alula::guidance::PlannerOptions;
 use alula::ned::Ned;
 use alula::spatial::FeedForward;
 use nalgebra::UnitQuaternion;
+use rand_chacha::ChaCha8Rng;
 
 use crate::controllers::{Answer, Controller, Input};
-use crate::experiment::{Estimates, Experiment, Faults, State, Target, V3, Weather, ned, stream};
-use crate::flown_mission::{asked_of, passed, target};
-use crate::plant::Command;
+use crate::experiment::{
+    Estimates, Experiment, Faults, Measured, Path, State, Target, V3, Weather, ned, stream,
+};
+use crate::flown_mission::{FlownMission, asked_of, passed, target};
+use crate::plant::{Command, Plant};
 use crate::reference::wrap;
 use crate::sensor_hold::SensorHold;
 
@@ -40,6 +44,8 @@ pub struct Step {
     pub answer: Answer,
     /// What the mission asks for, if one is flown.
     pub mission: Option<MissionOutput>,
+    /// The attitude θ \[rad\] of its virtual vehicle after that, if it has one that is known.
+    pub virtual_theta: Option<f32>,
 }
 
 impl Step {
@@ -95,73 +101,186 @@ pub fn simulate(
     controller: &mut dyn Controller,
     mut visit: impl FnMut(&Step) -> bool,
 ) -> anyhow::Result<End> {
-    let in_plane = experiment.in_plane();
-    let feed_forward = experiment.spec()?.feed_forward();
-    let gravity = experiment.vehicle.gravity_m_s2;
-    let [mut noise, mut gusts, mut start] = [0, 1, 2].map(|n| stream(experiment.seed, n));
-    let mut weather = Weather::new(experiment.weather, in_plane, &mut gusts);
-    let steady = experiment.weather.steady();
-    let sensors = &experiment.sensors;
-    let mut faults = Faults::new(&sensors.faults, experiment.seed, in_plane);
-    let mut estimates = Estimates::new(experiment.seed);
-    let mut hold = SensorHold::default();
-    let mut last_answer = None;
-    // How far the wind has carried the path [m].
-    let mut drift = V3::zeros();
-    let period = 1.0 / experiment.control_rate_hz;
-    let dt = period / f64::from(experiment.substeps);
-    let mut path = experiment.path.path()?;
-    let mut mission = experiment.flown_mission()?;
-    let start = experiment.initial.state(&path.start(), &mut start);
-    let mut plant = experiment.plant(start);
+    let mut flight = Flight::new(experiment)?;
+    for _ in 0..=experiment.steps() {
+        let step = flight.ask(controller)?;
+        let go_on = visit(&step);
+        if !step.truth.is_sound() {
+            return Ok(End::Diverged(step.t));
+        }
+        if !go_on {
+            return Ok(End::Left);
+        }
+        flight.advance(&step.answer);
+    }
+    Ok(End::Flown)
+}
 
-    // Commands on their way: the number of the plant's step from which each acts.
-    let delay = (experiment.plant.delay_s / dt).round() as usize;
-    let mut pending: VecDeque<(usize, Command)> = VecDeque::new();
-    let mut command = Command {
-        thrust: start.thrust,
-        rates: V3::zeros(),
-    };
-    let mut plant_step = 0;
-    let mut theta = experiment.initial.theta_deg.to_radians();
-    for step in 0..=experiment.steps() {
-        let t = step as f64 / experiment.control_rate_hz;
-        let truth = *plant.state();
-        theta += wrap(truth.theta() - theta);
-        let wind = weather.wind(t);
-        let force = plant.specific_force(wind);
+/// A flight that goes on step by step: [`ask`](Self::ask) the controller, then [`advance`](Self::advance) with its answer.
+pub struct Flight<'a> {
+    experiment: &'a Experiment,
+    in_plane: bool,
+    /// Whether the controller is told the measured air acceleration.
+    feed_forward: bool,
+    /// Random numbers of sensors and weather.
+    noise: ChaCha8Rng,
+    gusts: ChaCha8Rng,
+    weather: Weather,
+    faults: Faults<'a>,
+    estimates: Estimates,
+    hold: SensorHold,
+    path: Path,
+    mission: Option<FlownMission>,
+    /// How far the wind has carried the path \[m\].
+    drift: V3,
+    plant: Box<dyn Plant>,
+    last_answer: Option<Answer>,
+    /// Commands on their way: the number of the plant's step from which each acts.
+    pending: VecDeque<(usize, Command)>,
+    command: Command,
+    /// Steps of the controller and of the plant so far.
+    step: usize,
+    plant_step: usize,
+    theta: f64,
+}
+
+/// What a step is asked for.
+struct Asked {
+    target: Target,
+    planner_options: PlannerOptions,
+    /// Of the mission, if one is flown.
+    mission: Option<MissionOutput>,
+}
+
+impl<'a> Flight<'a> {
+    /// The flight of `experiment` at its beginning.
+    pub fn new(experiment: &'a Experiment) -> anyhow::Result<Self> {
+        let in_plane = experiment.in_plane();
+        let [noise, mut gusts, mut start] = [0, 1, 2].map(|n| stream(experiment.seed, n));
+        let weather = Weather::new(experiment.weather, in_plane, &mut gusts);
+        let path = experiment.path.path()?;
+        let start = experiment.initial.state(&path.start(), &mut start);
+        Ok(Self {
+            experiment,
+            in_plane,
+            feed_forward: experiment.spec()?.feed_forward(),
+            noise,
+            gusts,
+            weather,
+            faults: Faults::new(&experiment.sensors.faults, experiment.seed, in_plane),
+            estimates: Estimates::new(experiment.seed),
+            hold: SensorHold::default(),
+            path,
+            mission: experiment.flown_mission()?,
+            drift: V3::zeros(),
+            plant: experiment.plant(start),
+            last_answer: None,
+            pending: VecDeque::new(),
+            command: Command {
+                thrust: start.thrust,
+                rates: V3::zeros(),
+            },
+            step: 0,
+            plant_step: 0,
+            theta: experiment.initial.theta_deg.to_radians(),
+        })
+    }
+
+    /// Time of a control step \[s\].
+    fn period(&self) -> f64 {
+        1.0 / self.experiment.control_rate_hz
+    }
+
+    /// Asks `controller` along the experiment's path.
+    pub fn ask(&mut self, controller: &mut dyn Controller) -> anyhow::Result<Step> {
+        self.asked(controller, Self::along_path)
+    }
+
+    /// Asks `controller` for what `wanted` makes of the position \[m\] and velocity \[m/s\] measured, in place of the path.
+    pub fn ask_for(
+        &mut self,
+        controller: &mut dyn Controller,
+        wanted: impl FnOnce(V3, V3) -> (Target, PlannerOptions),
+    ) -> anyhow::Result<Step> {
+        self.asked(controller, |_, _, measured| {
+            let (target, planner_options) = wanted(measured.position, measured.velocity);
+            Asked {
+                target,
+                planner_options,
+                mission: None,
+            }
+        })
+    }
+
+    /// What the mission asks for, or the target on the path.
+    fn along_path(&mut self, controller: &dyn Controller, measured: &Measured) -> Asked {
+        let (t, period) = (self.time(), self.period());
+        if let Some(mission) = &mut self.mission {
+            let wind = ned(self.estimates.last_wind());
+            let asked = mission.step(t, period, measured, wind, self.last_answer.as_ref());
+            return Asked {
+                target: target(&asked, measured),
+                planner_options: PlannerOptions::default(),
+                mission: Some(asked),
+            };
+        }
+        let drift = self.drift;
+        let mut target = self.path.advance(t, period, |target| {
+            let error = measured.position - drift - target.position;
+            controller.pace(ned(error), ned(target.velocity)).into()
+        });
+        if self.experiment.path_in_air {
+            let along = target.velocity.normalize();
+            let ahead = (measured.position - self.drift - target.position).dot(&along);
+            self.drift += ahead * along;
+            target.position += self.drift;
+            target.velocity += self.estimates.last_wind();
+            self.drift += self.estimates.last_wind() * period;
+        }
+        Asked {
+            target,
+            planner_options: PlannerOptions::default(),
+            mission: None,
+        }
+    }
+
+    /// Time \[s\] of the next step.
+    pub fn time(&self) -> f64 {
+        self.step as f64 / self.experiment.control_rate_hz
+    }
+
+    fn asked(
+        &mut self,
+        controller: &mut dyn Controller,
+        wanted: impl FnOnce(&mut Self, &dyn Controller, &Measured) -> Asked,
+    ) -> anyhow::Result<Step> {
+        let sensors = &self.experiment.sensors;
+        let gravity = self.experiment.vehicle.gravity_m_s2;
+        let (t, period) = (self.time(), self.period());
+        let truth = *self.plant.state();
+        self.theta += wrap(truth.theta() - self.theta);
+        let wind = self.weather.wind(t);
+        let force = self.plant.specific_force(wind);
         let measured = sensors.measure(
             &truth,
             force,
             wind,
-            steady,
-            in_plane,
-            (&mut noise, &mut estimates),
+            self.experiment.weather.steady(),
+            self.in_plane,
+            (&mut self.noise, &mut self.estimates),
             period,
         );
-        let measured = hold.state(&mut faults, t, measured);
-        let asked = mission.as_mut().map(|mission| {
-            let wind = ned(estimates.last_wind());
-            mission.step(t, period, &measured, wind, last_answer.as_ref())
-        });
-        let mut target = match &asked {
-            Some(asked) => target(asked, &measured),
-            None => path.advance(t, period, |target| {
-                let error = measured.position - drift - target.position;
-                controller.pace(ned(error), ned(target.velocity)).into()
-            }),
-        };
-        if experiment.path_in_air && asked.is_none() {
-            let along = target.velocity.normalize();
-            let ahead = (measured.position - drift - target.position).dot(&along);
-            drift += ahead * along;
-            target.position += drift;
-            target.velocity += estimates.last_wind();
-            drift += estimates.last_wind() * period;
-        }
+        let measured = self.hold.state(&mut self.faults, t, measured);
+        let Asked {
+            target,
+            planner_options,
+            mission,
+        } = wanted(self, controller, &measured);
+        let mut sample = self.hold.input(sensors, &self.faults, t, &target);
+        sample.planner_options = planner_options;
         let mut input = Input {
-            sample: hold.input(sensors, &faults, t, &target),
-            feed_forward: feed_forward.then(|| {
+            sample,
+            feed_forward: self.feed_forward.then(|| {
                 let [i, j, w] = truth.axes();
                 let acceleration = force.x * i + force.y * j + force.z * w + gravity * V3::z();
                 FeedForward {
@@ -172,54 +291,60 @@ pub fn simulate(
                 }
             }),
         };
-        if let Some(asked) = &asked {
-            asked_of(asked, &mut input);
+        if let Some(mission) = &mission {
+            asked_of(mission, &mut input);
         }
-        let gate = asked.as_ref().map_or(Gate::Open, |asked| asked.gate);
-        let clock = faults.clock(t, period);
+        let gate = mission.as_ref().map_or(Gate::Open, |mission| mission.gate);
+        let clock = self.faults.clock(t, period);
         if let Some(bit) = clock.flips {
             controller.flip(bit);
         }
         for dt in clock.steps.into_iter().flatten() {
             // On the ground nobody is asked: the state stays that of power-on.
-            last_answer = Some(match gate {
+            self.last_answer = Some(match gate {
                 Gate::Off => passed(gate, GuidanceOutput::default().into()),
                 _ => passed(gate, controller.answer(&input, dt as f32)?),
             });
         }
-        let answer = last_answer.expect("asked at the first step at the latest");
-        let go_on = visit(&Step {
+        let answer = self
+            .last_answer
+            .expect("asked at the first step at the latest");
+        Ok(Step {
             t,
             truth,
-            theta,
+            theta: self.theta,
             wind,
             load_factor: force.norm() / gravity,
-            readings: plant.readings(),
+            readings: self.plant.readings(),
             target,
             measured_attitude: measured.attitude,
             input,
             answer,
-            mission: asked,
-        });
-        if !truth.is_sound() {
-            return Ok(End::Diverged(t));
-        }
-        if !go_on {
-            return Ok(End::Left);
-        }
-
-        pending.push_back((plant_step + delay, (&answer).into()));
-        for _ in 0..experiment.substeps {
-            while let Some(&(_, next)) = pending.front().filter(|c| c.0 <= plant_step) {
-                command = next;
-                pending.pop_front();
-            }
-            plant.step(&command, wind, dt);
-            plant_step += 1;
-        }
-        weather.advance((plant.state().velocity - wind).norm(), period, &mut gusts);
+            mission,
+            virtual_theta: controller.virtual_theta(),
+        })
     }
-    Ok(End::Flown)
+
+    /// Goes on by a control step, with `answer` given to the plant.
+    pub fn advance(&mut self, answer: &Answer) {
+        let period = self.period();
+        let dt = period / f64::from(self.experiment.substeps);
+        let wind = self.weather.wind(self.time());
+        let delay = (self.experiment.plant.delay_s / dt).round() as usize;
+        let begin = self.plant_step + delay;
+        self.pending.push_back((begin, answer.into()));
+        for _ in 0..self.experiment.substeps {
+            while let Some(&(_, next)) = self.pending.front().filter(|c| c.0 <= self.plant_step) {
+                self.command = next;
+                self.pending.pop_front();
+            }
+            self.plant.step(&self.command, wind, dt);
+            self.plant_step += 1;
+        }
+        let airspeed = (self.plant.state().velocity - wind).norm();
+        self.weather.advance(airspeed, period, &mut self.gusts);
+        self.step += 1;
+    }
 }
 
 impl From<&Answer> for Command {

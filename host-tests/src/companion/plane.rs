@@ -104,6 +104,7 @@ fn step(pilot: &InPlane<Controlled>) -> Option<Step> {
         input,
         answer,
         mission: None,
+        virtual_theta: None,
     })
 }
 

@@ -131,6 +131,7 @@ impl OnPath {
             input,
             answer,
             mission: None,
+            virtual_theta: None,
         };
         if self.record.last().is_none_or(|last| step.t > last.t) {
             self.record.push(step);

@@ -186,6 +186,10 @@ impl Controller for Flight {
     fn pace(&self, error: Ned, velocity: Ned) -> f32 {
         self.guidance.path_time_scale(error, velocity)
     }
+
+    fn virtual_theta(&self) -> Option<f32> {
+        Some(self.state.reference_model().1)
+    }
 }
 
 /// The hardened guidance with its state, of which bits flip.

@@ -156,6 +156,11 @@ pub trait Controller {
         1.0
     }
 
+    /// The attitude θ \[rad\] of the virtual vehicle that it flies ahead of the real one, in the plane of flight, if it flies one.
+    fn virtual_theta(&self) -> Option<f32> {
+        None
+    }
+
     /// Flips a bit of what it remembers: the one of this number, counted through its memory again and again.
     fn flip(&mut self, _bit: u64) {}
 }

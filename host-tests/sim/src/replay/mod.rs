@@ -89,6 +89,7 @@ impl<'a> OpenLoop<'a> {
             input,
             answer,
             mission: None,
+            virtual_theta: self.controller.virtual_theta(),
         });
         Ok(())
     }

@@ -1,0 +1,204 @@
+//! A flight as a viewer shows it: some columns of the record at a rate that the eye can follow, and what the controller says, in words.
+
+use std::io::Read;
+
+use anyhow::{Context, ensure};
+use serde::Serialize;
+
+use crate::columns::{Column, declared};
+use crate::experiment::Experiment;
+use crate::simulate::Step;
+
+/// The columns that are shown, by their names in a record.
+pub const NUMBERS: [&str; 38] = [
+    "t_s",
+    "north_m",
+    "east_m",
+    "down_m",
+    "v_north_m_s",
+    "v_east_m_s",
+    "v_down_m_s",
+    "q_w",
+    "q_x",
+    "q_y",
+    "q_z",
+    "true_thrust_n",
+    "thrust_to_weight",
+    "wind_north_m_s",
+    "wind_east_m_s",
+    "wind_down_m_s",
+    "path_north_m",
+    "path_east_m",
+    "path_down_m",
+    "path_v_north_m_s",
+    "path_v_east_m_s",
+    "path_v_down_m_s",
+    "velocity_error_m_s",
+    "position_error_m",
+    "airspeed_m_s",
+    "alpha_rad",
+    "wing_alpha_rad",
+    "sideslip_rad",
+    "load_factor",
+    "thrust_n",
+    "fp_n",
+    "theta_tilde_rad",
+    "v_cmd_north_m_s",
+    "v_cmd_east_m_s",
+    "v_cmd_down_m_s",
+    "virtual_theta_rad",
+    "margin_k",
+    "margin_fold_rad",
+];
+
+/// The columns of words that are shown.
+const WORDS: [&str; 3] = ["mode", "phase", "status"];
+
+/// Least time between two rows \[s\].
+const SPACING: f64 = 0.04;
+
+/// A flight as a viewer shows it.
+#[derive(Clone, Debug, Serialize)]
+pub struct Scene {
+    /// The names of the columns.
+    pub names: &'static [&'static str],
+    /// The rows, one after the other; NaN where a number is missing.
+    #[serde(skip)]
+    pub rows: Vec<f64>,
+    /// Mode, phase and flags, each from a time \[s\] on.
+    pub words: Vec<(f64, [String; 3])>,
+}
+
+impl Default for Scene {
+    fn default() -> Self {
+        Self {
+            names: &NUMBERS,
+            rows: Vec::new(),
+            words: Vec::new(),
+        }
+    }
+}
+
+impl Scene {
+    /// The scene of a record.
+    pub fn of(experiment: &Experiment, record: &[Step]) -> Self {
+        let mut scene = Self::default();
+        for step in record {
+            scene.push(experiment, step, false);
+        }
+        if let Some(last) = record.last() {
+            scene.push(experiment, last, true);
+        }
+        scene
+    }
+
+    /// Whether a row at `t` \[s\] is far enough from the last one.
+    fn is_due(&self, t: f64) -> bool {
+        let last = self.rows.len().checked_sub(NUMBERS.len());
+        // A rounding error early rather than a step late.
+        last.is_none_or(|last| t > self.rows[last] + SPACING - 1e-9)
+    }
+
+    /// Adds a step: its words if they are new, its numbers if it is time, or `always`.
+    pub fn push(&mut self, experiment: &Experiment, step: &Step, always: bool) {
+        let word = |name| declared(name).word(experiment, step).unwrap_or_default();
+        self.say(step.t, WORDS.map(word));
+        let last = self.rows.len().checked_sub(NUMBERS.len());
+        let newer = last.is_none_or(|last| step.t > self.rows[last]);
+        if self.is_due(step.t) || (always && newer) {
+            let number = |name| declared(name).number(experiment, step);
+            self.rows.extend(NUMBERS.map(number));
+        }
+    }
+
+    fn say(&mut self, t: f64, words: [String; 3]) {
+        if self.words.last().is_none_or(|(_, last)| *last != words) {
+            self.words.push((t, words));
+        }
+    }
+
+    /// The scene of a trace, as `fly` leaves it: a CSV with the record's columns by name.
+    ///
+    /// # Errors
+    /// A row that is none, a number that is none; no position or attitude.
+    pub fn read(trace: impl Read) -> anyhow::Result<Self> {
+        let mut reader = csv::Reader::from_reader(trace);
+        let header = reader.headers()?.clone();
+        let place = |name: &&str| header.iter().position(|column| column == *name);
+        let numbers = NUMBERS.each_ref().map(place);
+        let words = WORDS.each_ref().map(place);
+        for needed in 0..11 {
+            let name = NUMBERS[needed];
+            ensure!(
+                numbers[needed].is_some(),
+                "has no column {name}: it is no trace of a flight, whose position and attitude are known"
+            );
+        }
+        let mut scene = Self::default();
+        let mut held: Option<Vec<f64>> = None;
+        for (i, row) in reader.records().enumerate() {
+            let row = row?;
+            let mut of_row = Vec::with_capacity(NUMBERS.len());
+            for place in numbers {
+                let cell = place.and_then(|place| row.get(place)).unwrap_or("NaN");
+                let number = cell.parse::<f64>();
+                of_row.push(number.with_context(|| format!("row {}: {cell} is no number", i + 1))?);
+            }
+            let word = |place: Option<usize>| place.and_then(|place| row.get(place)).unwrap_or("");
+            scene.say(of_row[0], words.map(|place| word(place).to_owned()));
+            held = match scene.is_due(of_row[0]) {
+                true => {
+                    scene.rows.extend(of_row);
+                    None
+                }
+                false => Some(of_row),
+            };
+        }
+        scene.rows.extend(held.into_iter().flatten());
+        Ok(scene)
+    }
+
+    /// Meanings of the columns, in their order.
+    pub fn columns() -> impl Iterator<Item = &'static Column> {
+        NUMBERS.iter().map(|name| declared(name))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::columns::write_trace;
+    use crate::experiment::Document;
+    use crate::simulate::fly;
+
+    /// A scene has the record's own numbers, 25 rows a second and the last one; read from the trace it is the same.
+    #[test]
+    fn a_scene_is_the_record_thinned_from_memory_or_trace() {
+        let mut document = Document::load("mission").unwrap();
+        document.assign("duration_s=6.01").unwrap();
+        let experiment = document.checked().unwrap();
+        let record = fly(&experiment).unwrap();
+        let scene = Scene::of(&experiment, &record);
+        let rows: Vec<&[f64]> = scene.rows.chunks(NUMBERS.len()).collect();
+        // 100 Hz: every fourth step, and the last one.
+        assert_eq!(rows.len(), 6 * 25 + 2);
+        for (row, step) in rows.iter().zip(record.iter().step_by(4)) {
+            assert_eq!(row[0], step.t);
+            assert_eq!(row[3], step.truth.position.z);
+        }
+        assert_eq!(rows.last().unwrap()[0], record.last().unwrap().t);
+        assert!(scene.words.len() > 1 && scene.words[0].0 == 0.0);
+
+        let mut trace = Vec::new();
+        write_trace(&experiment, &record, &mut trace).unwrap();
+        let read = Scene::read(&trace[..]).unwrap();
+        assert_eq!(read.words, scene.words);
+        assert_eq!(read.rows.len(), scene.rows.len());
+        // The controller's numbers stand in the trace with the digits of single precision.
+        for (a, b) in read.rows.iter().zip(&scene.rows) {
+            assert!(a.is_nan() && b.is_nan() || (*a as f32) == (*b as f32));
+        }
+        let error = Scene::read(&b"t_s,north_m\n0,0\n"[..]).unwrap_err();
+        assert!(error.to_string().contains("east_m"), "{error}");
+    }
+}
