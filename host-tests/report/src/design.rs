@@ -35,6 +35,12 @@ pub fn page(name: &str, design: &Design, results: &Results, text: &str) -> Page 
         Outcome::OutsideGoals | Outcome::Fails => warnings.insert(0, results.verdict.text()),
     }
     Page {
+        links: [
+            ("first-flight/report.html", "the first flight"),
+            ("first-flight/view.html", "in three dimensions"),
+        ]
+        .map(|(address, words)| (address.to_owned(), words.to_owned()))
+        .to_vec(),
         title: name.to_owned(),
         lead: format!("{}.", lead.join(". ")),
         warnings,

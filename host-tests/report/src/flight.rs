@@ -4,7 +4,7 @@ use super::chart::{Band, Chart, Level, Mark, ends};
 use super::panel::{Panel, chart, panels, strip};
 use super::picture::picture;
 use super::side::side;
-use super::{Figure, Page, Table};
+use super::{Figure, Page, Table, viewer};
 use alula_design::envelope::Curve;
 use alula_sim::columns::declared;
 use alula_sim::experiment::{Document, Experiment};
@@ -245,6 +245,10 @@ pub fn page(
                 " · "
             },
         ),
+        links: vec![(
+            viewer::FILE.to_owned(),
+            "the flight in three dimensions".to_owned(),
+        )],
         figure: figure(experiment, record, figures),
         tables,
         text: Some(("The experiment as flown (TOML)".to_owned(), document.text())),

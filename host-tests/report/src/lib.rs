@@ -23,6 +23,7 @@ pub(crate) mod svg;
 pub mod sweep;
 mod ticks;
 mod trace;
+pub mod viewer;
 
 pub use figure::Figure;
 pub use margins::margins_figure;

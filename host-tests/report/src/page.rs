@@ -100,6 +100,8 @@ pub struct Page {
     pub lead: String,
     /// What is out of the ordinary, in red under the lead.
     pub warnings: Vec<String>,
+    /// Other pages, by their address from here, and what they are.
+    pub links: Vec<(String, String)>,
     /// Picture and charts.
     pub figure: Figure,
     /// The tables.
@@ -119,6 +121,7 @@ impl Page {
                 title => &self.title,
                 lead => &self.lead,
                 warnings => &self.warnings,
+                links => self.links.clone(),
                 rows => &self.figure.key().0,
                 key => self.figure.key().1.clone(),
                 parts => self.figure.parts(),

@@ -10,6 +10,7 @@ use toml::Value;
 
 use alula_logs::Log;
 use alula_report::flight::page;
+use alula_report::viewer;
 use alula_sim::columns::write_trace;
 use alula_sim::controllers::Controller;
 use alula_sim::experiment::plan::plan;
@@ -17,7 +18,7 @@ use alula_sim::experiment::{DEFAULT, Document, Experiment, Located};
 use alula_sim::figures::{Figures, Segment};
 use alula_sim::flight_log::{self, Format};
 use alula_sim::simulate::{End, Record, Step, simulate};
-use alula_study::files::leave;
+use alula_study::files::{leave, leave_all};
 
 use super::output::Output;
 use super::settings::Settings;
@@ -38,6 +39,9 @@ pub struct Args {
     #[command(flatten)]
     logs: Logs,
 }
+
+/// The guidance's own mission.
+const MISSION: &str = "mission";
 
 /// `--log`.
 #[derive(clap::Args, Default)]
@@ -78,18 +82,6 @@ impl Logs {
     }
 }
 
-impl Default for Args {
-    fn default() -> Self {
-        Self {
-            experiment: DEFAULT.to_owned(),
-            vehicle: None,
-            settings: Settings::default(),
-            output: Output::default(),
-            logs: Logs::default(),
-        }
-    }
-}
-
 /// What `--json` prints.
 #[derive(Serialize)]
 struct Summary<'a> {
@@ -100,6 +92,18 @@ struct Summary<'a> {
     /// Whether every bound of the experiment is kept.
     bounds_kept: bool,
     segments: &'a [Segment],
+}
+
+/// What is flown when nothing is asked for: the paper's flight, and the guidance's own mission, whose page is opened if `open`.
+pub fn first(open: bool) -> anyhow::Result<()> {
+    for (name, open) in [(DEFAULT, false), (MISSION, open)] {
+        let document = Document::load(name)?;
+        let output = (&Output::opened(open), &Logs::default());
+        fly(&document, name, output, |experiment| {
+            Ok(experiment.controller()?)
+        })?;
+    }
+    Ok(())
 }
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
@@ -219,11 +223,7 @@ pub fn report(
 ) -> anyhow::Result<()> {
     let figures = Figures::of(experiment, record);
     let segments = Segment::of(experiment, record);
-    let page = page(document, experiment, record, &figures, &segments);
-    leave(&out.join("trace.csv"), |file| {
-        Ok(write_trace(experiment, record, file)?)
-    })?;
-    page.leave(out, ["flight.svg", "report.html"])?;
+    leave_flight(document, experiment, record, out, Vec::new())?;
     let logs = logs.leave(|| flight_log::log(experiment, record), out)?;
     let mut stdout = std::io::stdout().lock();
     if output.json() {
@@ -247,11 +247,34 @@ pub fn report(
             writeln!(stdout, "  {}", segment.line())?;
         }
     }
-    let files = [&["trace.csv", "report.html"][..], &logs]
+    let files = [&["trace.csv", "report.html", viewer::FILE][..], &logs]
         .concat()
         .join(", ");
     writeln!(stdout, "{files} and flight.svg are in {}", out.display())?;
-    Ok(())
+    drop(stdout);
+    output.show(&out.join("report.html"))
+}
+
+/// Leaves trace, picture, report and the page in three dimensions in `out`.
+pub fn leave_flight(
+    document: &Document,
+    experiment: &Experiment,
+    record: &[Step],
+    out: &Path,
+    warnings: Vec<String>,
+) -> anyhow::Result<()> {
+    let figures = Figures::of(experiment, record);
+    let segments = Segment::of(experiment, record);
+    leave(&out.join("trace.csv"), |file| {
+        Ok(write_trace(experiment, record, file)?)
+    })?;
+    let mut page = page(document, experiment, record, &figures, &segments);
+    page.warnings = warnings;
+    page.leave(out, ["flight.svg", "report.html"])?;
+    leave_all(
+        &out.join(viewer::FILE),
+        viewer::page(document, experiment, record)?,
+    )
 }
 
 /// A bar on standard error, silent where that is not a terminal.

@@ -19,13 +19,17 @@ mod replay;
 mod serve;
 mod settings;
 mod sweep;
+mod view;
 
 use clap::{Parser, Subcommand};
 
-/// Flies alula's control laws in software. Without a subcommand: the paper's hover-to-cruise flight.
+/// Flies alula's control laws in software. Without a subcommand: the paper's hover-to-cruise flight, and the guidance's own mission
 #[derive(Parser)]
-#[command(name = "alula-sil", version)]
+#[command(name = "alula-sil", version, args_conflicts_with_subcommands = true)]
 pub struct Cli {
+    /// Open the page of the mission in the browser
+    #[arg(long)]
+    open: bool,
     #[command(subcommand)]
     command: Option<Command>,
 }
@@ -34,6 +38,7 @@ pub struct Cli {
 enum Command {
     New(new::Args),
     Fly(fly::Args),
+    View(view::Args),
     Pil(pil::Args),
     List(list::Args),
     Replay(replay::Args),
@@ -62,9 +67,10 @@ impl Cli {
 
     fn act(self) -> anyhow::Result<()> {
         match self.command {
-            None => fly::run(&fly::Args::default()),
+            None => fly::first(self.open),
             Some(Command::New(args)) => new::run(&args),
             Some(Command::Fly(args)) => fly::run(&args),
+            Some(Command::View(args)) => view::run(&args),
             Some(Command::Pil(args)) => pil::run(&args),
             Some(Command::List(args)) => list::run(&args),
             Some(Command::Replay(args)) => replay::run(&args),

@@ -11,14 +11,14 @@ use alula_design::{
     vehicle_text,
 };
 use alula_report::design::{Results, page};
-use alula_report::flight;
-use alula_sim::columns::write_trace;
 use alula_sim::experiment::Document;
-use alula_sim::figures::{Figures, Segment};
+use alula_sim::figures::Figures;
 use alula_sim::margins::{Loop, Point};
 use alula_sim::named::in_shell;
 use alula_sim::simulate::fly;
-use alula_study::files::{leave, leave_all};
+use alula_study::files::leave_all;
+
+use super::fly::leave_flight;
 
 /// Make a vehicle's files from what is known of it: vehicle, gains and limits with their reasons, margins, envelope, a first flight
 #[derive(clap::Args)]
@@ -85,13 +85,8 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let experiment = document.checked()?;
     let record = fly(&experiment).with_context(|| format!("{name}: THE FIRST FLIGHT FAILS"))?;
     let figures = Figures::of(&experiment, &record);
-    let segments = Segment::of(&experiment, &record);
     let first = out.join("first-flight");
     std::fs::create_dir_all(&first)?;
-    leave(&first.join("trace.csv"), |file| {
-        Ok(write_trace(&experiment, &record, file)?)
-    })?;
-    let mut flight_page = flight::page(&document, &experiment, &record, &figures, &segments);
 
     let facts = &design.facts;
     let performance = Performance::of(
@@ -104,10 +99,15 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     )?;
     let margins = margins(&experiment, facts.cruise_m_s)?;
     let verdict = Verdict::of(facts, &performance, &figures);
-    if verdict.outcome != Outcome::AsAsked {
-        flight_page.warnings.push(verdict.text());
-    }
-    flight_page.leave(&first, ["flight.svg", "report.html"])?;
+    let missed = verdict.outcome != Outcome::AsAsked;
+    let said = missed.then(|| verdict.text());
+    leave_flight(
+        &document,
+        &experiment,
+        &record,
+        &first,
+        said.into_iter().collect(),
+    )?;
     let mut warnings = design.wing.warnings.clone();
     warnings.extend(performance.doubts(&design));
     let results = Results {

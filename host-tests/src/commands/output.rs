@@ -17,9 +17,32 @@ pub struct Output {
     /// Print one JSON object instead of the tables
     #[arg(long)]
     json: bool,
+    /// Open the page in the browser
+    #[arg(long)]
+    open: bool,
 }
 
 impl Output {
+    /// Where results go by default, with the page opened or not.
+    pub fn opened(open: bool) -> Self {
+        Self {
+            open,
+            ..Self::default()
+        }
+    }
+
+    /// Says which page to open, unless JSON was asked for, and opens it if that was.
+    pub fn show(&self, page: &Path) -> anyhow::Result<()> {
+        if !self.json {
+            writeln!(std::io::stdout(), "open {}", page.display())?;
+        }
+        if self.open {
+            open::that(page)
+                .with_context(|| format!("--open: no browser for {}", page.display()))?;
+        }
+        Ok(())
+    }
+
     /// Whether JSON was asked for.
     pub fn json(&self) -> bool {
         self.json
@@ -54,6 +77,7 @@ impl Output {
                 page.text()
             )?;
         }
-        Ok(())
+        drop(stdout);
+        self.show(&folder.join(&names[1]))
     }
 }

@@ -33,6 +33,30 @@ struct Request {
     /// Fields that are changed.
     #[serde(default)]
     set: Vec<String>,
+    /// Greatest thrust over the weight.
+    #[serde(default)]
+    thrust_to_weight: Option<f64>,
+    /// How wrong the controller is about the vehicle.
+    #[serde(default)]
+    believe: Belief,
+}
+
+/// Believed over true.
+#[derive(Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Belief {
+    mass: f64,
+    /// k_a, that is all lift and drag.
+    lift: f64,
+}
+
+impl Default for Belief {
+    fn default() -> Self {
+        Self {
+            mass: 1.0,
+            lift: 1.0,
+        }
+    }
 }
 
 /// What is open.
@@ -42,8 +66,13 @@ struct Opened {
     description: String,
     duration_s: f64,
     control_rate_hz: f64,
+    /// Whether the plant is a tail-sitter of parts, whose lags and thrust follow from these.
+    of_parts: bool,
     names: &'static [&'static str],
+    /// The experiment as flown.
     text: String,
+    /// What flies the same on a command line.
+    command: String,
     curves: Curves,
 }
 
@@ -58,15 +87,19 @@ impl Session {
     /// Takes the request.
     pub fn open(&mut self) -> anyhow::Result<()> {
         let request: Request = serde_json::from_slice(&self.request)?;
-        let document = request.document()?;
+        let (document, set) = request.document()?;
         let experiment = document.checked()?;
         self.answer = serde_json::to_string(&Opened {
             name: document.name.clone(),
             description: experiment.description.clone(),
             duration_s: experiment.duration_s,
             control_rate_hz: experiment.control_rate_hz,
+            of_parts: experiment.tail_sitter.is_some(),
             names: &NUMBERS,
             text: document.text(),
+            command: set.iter().fold(document.name.clone(), |words, one| {
+                format!("{words} --set '{one}'")
+            }),
             curves: Curves::of(&experiment.vehicle.reference(), FASTEST),
         })?;
         self.experiment = Some(experiment);
@@ -122,20 +155,38 @@ impl Session {
 }
 
 impl Request {
-    fn document(&self) -> anyhow::Result<Document> {
+    /// The experiment, and what is set of the one that is named.
+    fn document(&self) -> anyhow::Result<(Document, Vec<String>)> {
         let named = BUILT_IN.iter().any(|(name, _)| *name == self.experiment);
         let mut document = match named {
             true => Document::load(&self.experiment)?,
             false => Document::new(&Named {
-                name: "experiment".to_owned(),
-                origin: "experiment".to_owned(),
+                name: "experiment.toml".to_owned(),
+                origin: "experiment.toml".to_owned(),
                 text: self.experiment.clone(),
                 file: None,
             })?,
         };
-        for assignment in &self.set {
+        let mut set = self.set.clone();
+        if let Some(thrust) = self.thrust_to_weight {
+            let experiment = document.data()?;
+            let most = thrust * experiment.weight();
+            set.push(format!("plant.thrust_n[1]={most:.3}"));
+        }
+        for assignment in &set {
             document.assign(assignment)?;
         }
-        Ok(document)
+        if self.believe != Belief::default() {
+            let table = format!("{}.vehicle", document.data()?.controller.path());
+            document.pin_belief()?;
+            let Belief { mass, lift } = self.believe;
+            for (field, times) in [("mass_kg", mass), ("k_a_kg_m", lift)] {
+                let path = format!("{table}.{field}");
+                let value = document.number(&path)? * times;
+                set.push(format!("{path}={value}"));
+                document.set(&path, value.into())?;
+            }
+        }
+        Ok((document, set))
     }
 }

@@ -1,0 +1,744 @@
+/* A flight in three dimensions, from a record in the page or from the library itself (WebAssembly) in the page. */
+"use strict";
+const $ = (id) => document.getElementById(id);
+const color = (name) => getComputedStyle(document.querySelector(".view")).getPropertyValue(`--${name}`).trim();
+
+/* What is shown: rows of numbers by the names of their columns, and words from a time on. */
+const flight = { names: [], at: {}, rows: [], words: [], curves: null };
+
+function decoded(id) {
+    const text = atob($(id).textContent.trim());
+    return Uint8Array.from(text, (c) => c.charCodeAt(0));
+}
+
+function named(names) {
+    flight.names = names;
+    flight.at = Object.fromEntries(names.map((name, i) => [name, i]));
+}
+
+/* Rows of a flat list. */
+function rowsOf(numbers) {
+    const wide = flight.names.length;
+    return Array.from({ length: numbers.length / wide }, (_, i) => numbers.slice(i * wide, (i + 1) * wide));
+}
+
+const get = (row, name) => row[flight.at[name]];
+const vector = (row, stem, unit) => ["north", "east", "down"].map((axis) => get(row, `${stem}${axis}_${unit}`));
+
+/* The rows about a time, and how far it is between them. */
+function about(t) {
+    const rows = flight.rows;
+    let [low, high] = [0, rows.length - 1];
+    while (high - low > 1) {
+        const middle = (low + high) >> 1;
+        if (rows[middle][0] <= t) low = middle; else high = middle;
+    }
+    const span = rows[high][0] - rows[low][0];
+    return [rows[low], rows[high], span > 0 ? Math.min(Math.max((t - rows[low][0]) / span, 0), 1) : 1];
+}
+
+/* The row at a time: straight between two; words of the last change. */
+function rowAt(t) {
+    const [a, b, part] = about(t);
+    const row = a.map((x, i) => x + part * (b[i] - x));
+    /* Angles go the shorter way, and a number that is missing on one side is that of the other. */
+    for (const name of ["alpha_rad", "wing_alpha_rad", "theta_tilde_rad"]) {
+        const i = flight.at[name];
+        if (Math.abs(b[i] - a[i]) > Math.PI) row[i] = part < 0.5 ? a[i] : b[i];
+    }
+    const q = ["q_w", "q_x", "q_y", "q_z"].map((name) => flight.at[name]);
+    const sign = q.reduce((sum, i) => sum + a[i] * b[i], 0) < 0 ? -1 : 1;
+    const mixed = q.map((i) => a[i] + part * (sign * b[i] - a[i]));
+    const length = Math.hypot(...mixed);
+    q.forEach((i, k) => { row[i] = mixed[k] / length; });
+    row.forEach((x, i) => { if (Number.isNaN(x)) row[i] = part < 0.5 ? a[i] : b[i]; });
+    return row;
+}
+
+function wordsAt(t) {
+    let said = ["", "", ""];
+    for (const [from, words] of flight.words) {
+        if (from > t + 1e-9) break;
+        said = words;
+    }
+    return said;
+}
+
+/* North, east, down to the axes of the drawing: north, up, east. */
+const world = ([north, east, down]) => new THREE.Vector3(north, -down, east);
+
+/* Axes of the body in the drawing: belly, nose, right wing. */
+function axes(row) {
+    const [w, x, y, z] = ["q_w", "q_x", "q_y", "q_z"].map((name) => get(row, name));
+    const belly = [1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)];
+    const right = [2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)];
+    const tail = [2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)];
+    return [world(belly), world(tail).negate(), world(right)];
+}
+
+/* ---- the drawing ---- */
+const drawing = { frames: 0, span: 2, ready: false };
+
+function makeVehicle(opacity) {
+    const group = new THREE.Group();
+    const shape = (points, faces) => {
+        const geometry = new THREE.BufferGeometry();
+        geometry.setAttribute("position", new THREE.Float32BufferAttribute(points.flat(), 3));
+        geometry.setIndex(faces.flat());
+        geometry.computeVertexNormals();
+        return geometry;
+    };
+    const material = (name, side) => new THREE.MeshLambertMaterial({ color: color(name), side, transparent: opacity < 1, opacity, depthWrite: opacity === 1 });
+    const wing = shape([[0, 0.3, 0], [0, -0.22, 0.5], [0, -0.32, 0.5], [0, -0.2, 0], [0, -0.32, -0.5], [0, -0.22, -0.5]], [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5]]);
+    const [back, belly] = opacity < 1 ? ["grey", "grey"] : ["blue", "orange"];
+    /* The triangles' normals point along the belly or against it; each side has its own colour. */
+    group.add(new THREE.Mesh(wing, material(belly, 0)), new THREE.Mesh(wing, material(back, 1)));
+    const body = new THREE.Mesh(new THREE.CylinderGeometry(0.025, 0.035, 0.62, 12), material("grey", 0));
+    const nose = new THREE.Mesh(new THREE.ConeGeometry(0.025, 0.1, 12), material("grey", 0));
+    nose.position.y = 0.36;
+    const fin = shape([[0, -0.1, 0], [0, -0.32, 0], [-0.16, -0.34, 0], [-0.16, -0.26, 0]], [[0, 1, 2], [0, 2, 3]]);
+    group.add(body, nose, new THREE.Mesh(fin, material(back, 2)));
+    const disc = new THREE.Mesh(new THREE.CircleGeometry(0.16, 32), new THREE.MeshBasicMaterial({ color: color("grey"), side: 2, transparent: true, opacity: 0.25 * opacity, depthWrite: false }));
+    disc.rotation.x = Math.PI / 2;
+    disc.position.y = 0.4;
+    group.add(disc);
+    group.matrixAutoUpdate = true;
+    return group;
+}
+
+function makeArrow(name) {
+    const group = new THREE.Group();
+    const material = new THREE.MeshBasicMaterial({ color: color(name) });
+    const shaft = new THREE.Mesh(new THREE.CylinderGeometry(0.018, 0.018, 1, 8), material);
+    const head = new THREE.Mesh(new THREE.ConeGeometry(0.055, 0.16, 12), material);
+    group.add(shaft, head);
+    const up = new THREE.Vector3(0, 1, 0);
+    /* `v` in spans. */
+    group.point = (v) => {
+        const length = v.length();
+        group.visible = Number.isFinite(length) && length > 0.03;
+        if (!group.visible) return;
+        group.quaternion.setFromUnitVectors(up, v.clone().divideScalar(length));
+        const neck = Math.max(length - 0.16, 0.01);
+        shaft.scale.y = neck;
+        shaft.position.y = neck / 2;
+        head.position.y = neck + 0.08;
+        group.scale.setScalar(drawing.span);
+    };
+    return group;
+}
+
+function makeLine(name, dashed) {
+    const material = dashed
+        ? new THREE.LineDashedMaterial({ color: color(name), dashSize: 1.2, gapSize: 0.9 })
+        : new THREE.LineBasicMaterial({ color: color(name) });
+    const line = new THREE.Line(new THREE.BufferGeometry(), material);
+    line.frustumCulled = false;
+    return line;
+}
+
+function setLine(line, points) {
+    const geometry = new THREE.BufferGeometry();
+    geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(points), 3));
+    line.geometry.dispose();
+    line.geometry = geometry;
+    if (line.material.isLineDashedMaterial) line.computeLineDistances();
+}
+
+function prepare() {
+    const canvas = $("scene");
+    drawing.scene = new THREE.Scene();
+    drawing.camera = new THREE.PerspectiveCamera(45, 1, 0.1, 20000);
+    drawing.scene.add(new THREE.HemisphereLight(0xffffff, 0x8a8a80, 2.4));
+    const sun = new THREE.DirectionalLight(0xffffff, 1.2);
+    sun.position.set(-3, 6, 2);
+    drawing.scene.add(sun);
+    drawing.vehicle = makeVehicle(1);
+    drawing.ghost = makeVehicle(0.35);
+    drawing.arrows = { thrust: makeArrow("green"), air: makeArrow("blue"), force: makeArrow("red"), asked: makeArrow("orange") };
+    drawing.trail = makeLine("blue");
+    drawing.path = makeLine("orange", true);
+    drawing.track = makeLine("grey");
+    drawing.drop = makeLine("grey", true);
+    drawing.scene.add(drawing.vehicle, drawing.ghost, drawing.trail, drawing.path, drawing.track, drawing.drop, ...Object.values(drawing.arrows));
+    try {
+        drawing.renderer = new THREE.WebGLRenderer({ canvas, antialias: true });
+    } catch (error) {
+        problem(`This browser draws no three dimensions (${error.message}); the curves below are there all the same.`);
+        return;
+    }
+    drawing.orbit = new THREE.OrbitControls(drawing.camera, canvas);
+    drawing.orbit.enableDamping = false;
+    drawing.orbit.maxPolarAngle = 0.53 * Math.PI;
+    drawing.ready = true;
+    paint();
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { paint(); charts(); drawStrip(); });
+}
+
+/* Colours of light and dark. */
+function paint() {
+    drawing.scene.background = new THREE.Color(color("sky"));
+    const tint = (object, name) => object.traverse((part) => part.material && part.material.color.set(color(name)));
+    for (const [arrow, name] of [["thrust", "green"], ["air", "blue"], ["force", "red"], ["asked", "orange"]]) tint(drawing.arrows[arrow], name);
+    for (const [line, name] of [["trail", "blue"], ["path", "orange"], ["track", "grey"], ["drop", "grey"]]) drawing.scene && tint(drawing[line], name);
+    if (drawing.grid) ground();
+}
+
+/* The ground lies at a round altitude under the lowest point. */
+function ground() {
+    if (drawing.grid) drawing.scene.remove(drawing.grid, drawing.plane);
+    const step = drawing.span > 4 ? 20 : 10;
+    const half = 400;
+    drawing.grid = new THREE.GridHelper(2 * half * step / 10, 2 * half / 10, color("grey"), color("grey"));
+    drawing.grid.material.transparent = true;
+    drawing.grid.material.opacity = 0.3;
+    drawing.plane = new THREE.Mesh(new THREE.PlaneGeometry(40000, 40000), new THREE.MeshBasicMaterial({ color: color("earth") }));
+    drawing.plane.rotation.x = -Math.PI / 2;
+    drawing.step = step;
+    drawing.scene.add(drawing.grid, drawing.plane);
+    level();
+}
+
+function level() {
+    drawing.grid.position.y = drawing.floor + 0.02;
+    drawing.plane.position.y = drawing.floor - 0.05;
+}
+
+/* A flight has been taken up: its size, ground, path, and where it is seen from. */
+function take() {
+    const rows = flight.rows;
+    const lowest = Math.min(...rows.map((row) => -get(row, "down_m")));
+    drawing.span = flight.curves ? Math.max(1.2, 2.2 * Math.sqrt(2 * flight.curves.k_a_kg_m / 1.225)) : 2;
+    drawing.floor = Math.floor((lowest - 1.5 * drawing.span) / 5) * 5;
+    drawing.vehicle.scale.setScalar(drawing.span);
+    drawing.ghost.scale.setScalar(drawing.span);
+    ground();
+    setLine(drawing.path, rows.flatMap((row) => world(vector(row, "path_", "m")).toArray()));
+    const at = world(vector(rows[0], "", "m"));
+    drawing.camera.position.copy(at).add(new THREE.Vector3(-3.2, 2.2, 7.4).multiplyScalar(drawing.span));
+    drawing.last = at.clone();
+    if (drawing.orbit) drawing.orbit.target.copy(at);
+    $("scrub").max = rows[rows.length - 1][0];
+    curvesAreThere();
+    drawStrip();
+}
+
+const trail = { points: [], track: [], count: 0 };
+
+/* The way up to a time. */
+function drawTrail(t) {
+    const rows = flight.rows;
+    if (trail.of !== rows) Object.assign(trail, { of: rows, points: [], track: [], count: 0, drawn: -1 });
+    while (trail.count < rows.length) {
+        const p = world(vector(rows[trail.count++], "", "m"));
+        trail.points.push(p.x, p.y, p.z);
+        trail.track.push(p.x, drawing.floor + 0.05, p.z);
+    }
+    const [row] = about(t);
+    const upTo = Math.min(rows.indexOf(row) + 1, trail.count);
+    if (trail.count !== trail.drawn) {
+        setLine(drawing.trail, trail.points);
+        setLine(drawing.track, trail.track);
+        trail.drawn = trail.count;
+    }
+    for (const line of [drawing.trail, drawing.track]) line.geometry.setDrawRange(0, upTo);
+}
+
+function place(object, at, [belly, nose, right]) {
+    object.position.copy(at);
+    object.quaternion.setFromRotationMatrix(new THREE.Matrix4().makeBasis(belly, nose, right));
+}
+
+function draw(t) {
+    const row = rowAt(t);
+    const span = drawing.span;
+    const at = world(vector(row, "", "m"));
+    if (-at.y > -drawing.floor - span) { drawing.floor = Math.floor((at.y - 1.5 * span) / 5) * 5; level(); trail.of = null; }
+    const [belly, nose, right] = axes(row);
+    place(drawing.vehicle, at, [belly, nose, right]);
+    const weight = flight.curves ? flight.curves.weight_n : NaN;
+    const { thrust, air, force, asked } = drawing.arrows;
+    thrust.point(nose.clone().multiplyScalar(get(row, "thrust_to_weight")));
+    const wind = vector(row, "wind_", "m_s");
+    const velocity = vector(row, "v_", "m_s");
+    air.point(world(velocity.map((v, i) => (v - wind[i]) / 10)));
+    asked.point(world(vector(row, "path_v_", "m_s").map((v) => v / 10)));
+    const [fp, tilde] = [get(row, "fp_n"), get(row, "theta_tilde_rad")];
+    force.point(nose.clone().multiplyScalar(-Math.cos(tilde)).addScaledVector(belly, Math.sin(tilde)).multiplyScalar(fp / weight));
+    for (const arrow of Object.values(drawing.arrows)) arrow.position.copy(at);
+    /* The virtual vehicle beside the right wing, in the plane of flight. */
+    const theta = get(row, "virtual_theta_rad");
+    const level = Math.hypot(right.x, right.z);
+    drawing.ghost.visible = Number.isFinite(theta) && level > 0.05;
+    if (drawing.ghost.visible) {
+        const course = new THREE.Vector3(right.z / level, 0, -right.x / level);
+        const up = new THREE.Vector3(0, 1, 0);
+        const ahead = up.clone().multiplyScalar(Math.cos(theta)).addScaledVector(course, -Math.sin(theta));
+        const under = course.clone().multiplyScalar(Math.cos(theta)).addScaledVector(up, Math.sin(theta));
+        const side = under.clone().cross(ahead);
+        place(drawing.ghost, at.clone().addScaledVector(side, 1.3 * span), [under, ahead, side]);
+    }
+    setLine(drawing.drop, [at.x, at.y, at.z, at.x, drawing.floor, at.z]);
+    drawTrail(t);
+    /* The ground goes along by whole squares. */
+    drawing.grid.position.x = Math.round(at.x / drawing.step) * drawing.step;
+    drawing.grid.position.z = Math.round(at.z / drawing.step) * drawing.step;
+    drawing.plane.position.x = at.x;
+    drawing.plane.position.z = at.z;
+    if (drawing.ready) {
+        if ($("follow").checked) {
+            const moved = at.clone().sub(drawing.last);
+            drawing.camera.position.add(moved);
+            drawing.orbit.target.copy(at);
+        }
+        drawing.last.copy(at);
+        drawing.orbit.update();
+        drawing.renderer.render(drawing.scene, drawing.camera);
+        drawing.frames++;
+    }
+    state(row, t);
+    return row;
+}
+
+/* A number with so many decimals, and no sign of zero. */
+const fixed = (x, digits) => Number.isFinite(x) ? x.toFixed(digits).replace(/^-(0(\.0*)?)$/, "$1") : "–";
+const degrees = (x) => x * 180 / Math.PI;
+
+function state(row, t) {
+    const [mode, phase, flags] = wordsAt(t);
+    const v = vector(row, "v_", "m_s");
+    const lines = [
+        `speed ${fixed(Math.hypot(...v), 1)} m/s, in air ${fixed(get(row, "airspeed_m_s"), 1)} m/s`,
+        `height ${fixed(-get(row, "down_m"), 1)} m, climb ${fixed(-v[2], 1)} m/s`,
+        `α ${fixed(degrees(get(row, "wing_alpha_rad")), 1)}°, thrust ${fixed(get(row, "thrust_to_weight"), 2)} of the weight`,
+        `|F_p| ${fixed(get(row, "fp_n"), 1)} N, θ̃ ${fixed(degrees(get(row, "theta_tilde_rad")), 1)}°`,
+        `off the path ${fixed(get(row, "position_error_m"), 2)} m, ${fixed(get(row, "velocity_error_m_s"), 2)} m/s`,
+        [mode, phase, flags === "ok" ? "" : flags].filter(Boolean).join(", "),
+    ];
+    $("state").textContent = lines.join("\n");
+    $("clock").textContent = `${fixed(t, 2)} of ${fixed(flight.rows[flight.rows.length - 1][0], 1)} s`;
+}
+
+/* ---- curves ---- */
+function canvas2d(id) {
+    const canvas = $(id);
+    const ratio = devicePixelRatio || 1;
+    const [wide, high] = [canvas.clientWidth, canvas.clientHeight];
+    if (canvas.width !== Math.round(wide * ratio) || canvas.height !== Math.round(high * ratio)) [canvas.width, canvas.height] = [Math.round(wide * ratio), Math.round(high * ratio)];
+    const pen = canvas.getContext("2d");
+    pen.setTransform(ratio, 0, 0, ratio, 0, 0);
+    pen.clearRect(0, 0, wide, high);
+    pen.font = "12px system-ui, sans-serif";
+    return { canvas, pen, wide, high };
+}
+
+/* A chart with axes: x and y from, to; ticks at these steps. */
+function axesOf(id, [x0, x1, dx], [y0, y1, dy]) {
+    const { pen, wide, high } = canvas2d(id);
+    const [left, right, top, bottom] = [42, wide - 10, 20, high - 24];
+    const x = (value) => left + (value - x0) / (x1 - x0) * (right - left);
+    const y = (value) => bottom - (value - y0) / (y1 - y0) * (bottom - top);
+    pen.strokeStyle = color("edge") || "#888";
+    pen.fillStyle = color("soft");
+    pen.lineWidth = 1;
+    pen.textAlign = "center";
+    for (let i = Math.ceil(x0 / dx); i * dx <= x1 + 1e-9; i++) {
+        pen.beginPath(); pen.moveTo(x(i * dx), top); pen.lineTo(x(i * dx), bottom); pen.stroke();
+        pen.fillText(String(+(i * dx).toPrecision(6)), x(i * dx), high - 8);
+    }
+    pen.textAlign = "right";
+    for (let i = Math.ceil(y0 / dy); i * dy <= y1 + 1e-9; i++) {
+        pen.beginPath(); pen.moveTo(left, y(i * dy)); pen.lineTo(right, y(i * dy)); pen.stroke();
+        pen.fillText(String(+(i * dy).toPrecision(6)), left - 6, y(i * dy) + 4);
+    }
+    const line = (points, name, width = 1.8, dash = []) => {
+        pen.strokeStyle = name; pen.lineWidth = width; pen.setLineDash(dash);
+        pen.save(); pen.beginPath(); pen.rect(left, top, right - left, bottom - top); pen.clip(); pen.beginPath();
+        points.forEach(([a, b], i) => i ? pen.lineTo(x(a), y(b)) : pen.moveTo(x(a), y(b)));
+        pen.stroke(); pen.restore(); pen.setLineDash([]);
+    };
+    const dot = (a, b, name, size = 4) => {
+        if (!(a >= x0 && a <= x1 && b >= y0 && b <= y1)) return;
+        pen.fillStyle = name; pen.beginPath(); pen.arc(x(a), y(b), size, 0, 7); pen.fill();
+    };
+    const legend = (entries) => {
+        pen.textAlign = "left";
+        let at = left;
+        for (const [name, words] of entries) { pen.fillStyle = name; pen.fillText(words, at, 12); at += pen.measureText(words).width + 14; }
+    };
+    return { line, dot, legend };
+}
+
+/* The colour of an acceleration. */
+const hue = (a) => a === 0 ? color("ink") : a > 0 ? `hsl(${25 - 5 * a} 80% ${matchMedia("(prefers-color-scheme: dark)").matches ? 62 : 42}%)` : `hsl(${205 - 4 * a} 70% ${matchMedia("(prefers-color-scheme: dark)").matches ? 65 : 40}%)`;
+
+let now = null;
+
+function charts() {
+    const curves = flight.curves;
+    if (!curves) return;
+    const of = (i) => curves.coefficients.map((row) => [row[0], row[i]]);
+    const most = (list) => Math.max(...list.map((p) => Math.abs(p[1])));
+    const [lift, drag, lambda] = [of(1), of(2), of(3)];
+    const top = Math.ceil(Math.max(most(lift), most(drag), 1.5) * 2) / 2;
+    const c = axesOf("coefficients", [-180, 180, 60], [-top, Math.max(top, Math.min(most(lambda), 6)), top > 2 ? 1 : 0.5]);
+    c.line(lift, color("blue")); c.line(drag, color("orange")); c.line(lambda, color("green"), 1.4, [5, 4]);
+    c.legend([[color("blue"), "c_L"], [color("orange"), "c_D"], [color("green"), "λ"]]);
+    const speeds = curves.cuts.flatMap((cut) => cut.folds.map((fold) => fold[1]));
+    const fast = Math.min(40, Math.max(25, 1.6 * Math.max(0, ...speeds)));
+    const e = axesOf("equilibria", [0, fast, 5], [0, 120, 30]);
+    const f = axesOf("force", [0, fast, 5], [0, 2, 0.5]);
+    for (const cut of curves.cuts) {
+        const a = cut.acceleration_m_s2;
+        const width = a === 0 ? 2.4 : 1.2;
+        e.line(cut.points.map((p) => [p[1], p[0]]), hue(a), width);
+        f.line(cut.points.map((p) => [p[1], p[2]]), hue(a), width);
+        for (const [alpha, speed] of cut.folds) e.dot(speed, alpha, hue(a), 2.6);
+    }
+    const entries = curves.cuts.filter((cut) => [-6, -2, 0, 2, 6].includes(cut.acceleration_m_s2)).map((cut) => [hue(cut.acceleration_m_s2), `${cut.acceleration_m_s2}`.replace("-", "−")]);
+    e.legend([...entries, [color("soft"), "m/s²; folds as dots"]]);
+    f.legend([...entries, [color("soft"), "m/s²"]]);
+    if (!now) return;
+    const alpha = degrees(get(now, "wing_alpha_rad"));
+    for (const list of [lift, drag, lambda]) {
+        const near = list.find((p) => p[0] >= alpha);
+        if (near) c.dot(alpha, near[1], color("red"));
+    }
+    e.dot(get(now, "airspeed_m_s"), Math.abs(alpha), color("red"), 5);
+    f.dot(get(now, "airspeed_m_s"), get(now, "fp_n") / curves.weight_n, color("red"), 5);
+}
+
+function curvesAreThere() { charts(); }
+
+/* Speed, height, thrust and |F_p| over time, each over its own range. */
+function drawStrip() {
+    const { pen, wide, high } = canvas2d("strip");
+    const rows = flight.rows;
+    if (rows.length < 2) return;
+    const end = rows[rows.length - 1][0] || 1;
+    const weight = flight.curves ? flight.curves.weight_n : NaN;
+    const lines = [
+        ["speed [m/s]", "blue", (row) => Math.hypot(...vector(row, "v_", "m_s"))],
+        ["height over the path [m]", "orange", (row) => get(row, "path_down_m") - get(row, "down_m")],
+        ["thrust over the weight", "green", (row) => get(row, "thrust_to_weight")],
+        ["|F_p| over the weight", "red", (row) => get(row, "fp_n") / weight],
+    ];
+    const each = high / lines.length;
+    const thin = Math.max(1, Math.floor(rows.length / 1500));
+    lines.forEach(([words, name, read], i) => {
+        const values = [];
+        for (let k = 0; k < rows.length; k += thin) values.push([rows[k][0], read(rows[k])]);
+        const known = values.filter((p) => Number.isFinite(p[1]));
+        let [low, top] = [Math.min(0, ...known.map((p) => p[1])), Math.max(...known.map((p) => p[1]), 0.1)];
+        const y = (v) => (i + 1) * each - 3 - (v - low) / (top - low) * (each - 16);
+        pen.strokeStyle = color(name); pen.lineWidth = 1.5; pen.beginPath();
+        known.forEach(([t, v], k) => { const x = t / end * wide; k ? pen.lineTo(x, y(v)) : pen.moveTo(x, y(v)); });
+        pen.stroke();
+        pen.fillStyle = color(name); pen.textAlign = "left";
+        if (known.length) pen.fillText(`${words}: ${fixed(low, 1)} to ${fixed(top, 1)}`, 8, i * each + 12);
+    });
+    pen.strokeStyle = color("ink"); pen.lineWidth = 1;
+    const x = clock.t / end * wide;
+    pen.beginPath(); pen.moveTo(x, 0); pen.lineTo(x, high); pen.stroke();
+}
+
+/* ---- time ---- */
+const clock = { t: 0, playing: false, last: null, drawn: null, steering: false };
+
+function play(on) {
+    clock.playing = on;
+    clock.last = null;
+    $("play").textContent = on ? "Pause" : "Play";
+}
+
+function seek(t) {
+    clock.t = Math.min(Math.max(t, 0), flight.rows[flight.rows.length - 1][0]);
+    $("scrub").value = clock.t;
+    clock.stale = true;
+}
+
+let slowly = 0;
+function frame(stamp) {
+    requestAnimationFrame(frame);
+    if (!flight.rows.length) return;
+    const passed = clock.last === null ? 0 : Math.min((stamp - clock.last) / 1000, 0.1) * +$("pace").value;
+    clock.last = stamp;
+    if (clock.playing && clock.steering) steered(passed);
+    else if (clock.playing) {
+        const end = flight.rows[flight.rows.length - 1][0];
+        seek(clock.t + passed);
+        if (clock.t >= end) play(false);
+    }
+    fit();
+    now = draw(clock.t);
+    /* What need not move at every frame. */
+    if (clock.stale && stamp > slowly + 120) { slowly = stamp; clock.stale = false; charts(); drawStrip(); }
+}
+
+let size = "";
+function fit() {
+    if (!drawing.ready) return;
+    const canvas = $("scene");
+    const [wide, high] = [canvas.clientWidth, canvas.clientHeight];
+    if (size === `${wide} ${high}`) return;
+    size = `${wide} ${high}`;
+    drawing.renderer.setPixelRatio(Math.min(devicePixelRatio || 1, 2));
+    drawing.renderer.setSize(wide, high, false);
+    drawing.camera.aspect = wide / high;
+    drawing.camera.updateProjectionMatrix();
+    clock.stale = true;
+}
+
+function problem(text) {
+    $("problem").textContent = text;
+    $("problem").hidden = !text;
+}
+
+$("play").addEventListener("click", () => {
+    const atEnd = !clock.steering && clock.t >= flight.rows[flight.rows.length - 1][0];
+    if (!clock.playing && atEnd) seek(0);
+    play(!clock.playing);
+});
+$("scrub").addEventListener("input", () => { play(false); seek(+$("scrub").value); });
+const point = (event) => { if (event.buttons && !clock.steering) { play(false); seek(event.offsetX / $("strip").clientWidth * flight.rows[flight.rows.length - 1][0]); } };
+$("strip").addEventListener("pointerdown", point);
+$("strip").addEventListener("pointermove", point);
+addEventListener("resize", () => { clock.stale = true; });
+
+/* ---- the library ---- */
+let library = null;
+
+/* Sliders: words, field, least, most, step, unit, the value that changes nothing, and what is set. */
+const SLIDERS = [
+    ["wind to the north", "north", -10, 10, 0.5, "m/s"],
+    ["wind to the east", "east", -10, 10, 0.5, "m/s"],
+    ["turbulence, wind at 20 ft", "turbulence", 0, 20, 0.5, "m/s"],
+    ["mass believed", "mass", 0.5, 2, 0.05, "times"],
+    ["lift believed", "lift", 0.5, 2, 0.05, "times"],
+    ["thrust over weight", "thrust", 1.05, 3, 0.05, ""],
+    ["lag of the rate loop", "rate", 0.02, 0.25, 0.01, "s"],
+    ["lag of the thrust", "motor", 0.02, 0.25, 0.01, "s"],
+];
+const moved = {};
+
+const text = () => new TextDecoder().decode(new Uint8Array(library.memory.buffer, library.answer(), library.answer_length()));
+const numbers = () => Array.from(new Float64Array(library.memory.buffer, library.numbers(), library.numbers_length()));
+
+function asked(request) {
+    const bytes = new TextEncoder().encode(JSON.stringify(request));
+    const at = library.request(bytes.length);
+    new Uint8Array(library.memory.buffer, at, bytes.length).set(bytes);
+    if (!library.open()) throw Error(text());
+    return JSON.parse(text());
+}
+
+/* Does what the library may refuse. */
+function tried(of) {
+    try { problem(""); return of(); } catch (error) { problem(error.message); play(false); return null; }
+}
+
+function assignments() {
+    const set = [];
+    const { north, east, turbulence, thrust, rate, motor } = moved;
+    if (north !== undefined || east !== undefined) set.push(`weather.steady_m_s=[${(north ?? 0).toFixed(1)},${(east ?? 0).toFixed(1)},0.0]`);
+    if (turbulence) set.push(`weather.turbulence={wind_at_20_ft_m_s=${turbulence.toFixed(1)},height_m=50.0}`);
+    if (rate !== undefined) set.push(`plant.rate_loop.lag.time_constant_s=${rate}`);
+    if (motor !== undefined) set.push(`plant.thrust_lag_s=${motor}`);
+    return { set, thrust };
+}
+
+function request(experiment) {
+    const { set, thrust } = assignments();
+    return { experiment, set, thrust_to_weight: thrust ?? null, believe: { mass: moved.mass ?? 1, lift: moved.lift ?? 1 } };
+}
+
+function opened(info) {
+    named(info.names);
+    flight.curves = info.curves;
+    $("text").hidden = false;
+    $("text").querySelector("pre").textContent = info.text;
+    $("same").textContent = `alula-sil fly ${info.command}`;
+}
+
+function wholeFlight(keep) {
+    return tried(() => {
+        const info = asked(request($("experiment").value));
+        if (!library.fly()) throw Error(text());
+        const { words } = JSON.parse(text());
+        opened(info);
+        flight.rows = rowsOf(numbers());
+        flight.words = words;
+        clock.steering = false;
+        $("goals").hidden = $("keys").hidden = true;
+        $("lead").textContent = info.description;
+        take();
+        seek(keep ? clock.t : 0);
+        return info;
+    });
+}
+
+/* ---- steering ---- */
+const wish = { speed: 0, course: 0, climb: 0, loiter: false, sent: "" };
+const keys = new Set();
+
+function steerBegins() {
+    tried(() => {
+        const chosen = $("experiment").selectedOptions[0];
+        const info = asked(request(chosen.dataset.steered));
+        if (!library.begin() || !library.step(1)) throw Error(text());
+        opened(info);
+        flight.rows = rowsOf(numbers());
+        flight.words = JSON.parse(text());
+        Object.assign(wish, { speed: 0, course: 0, climb: 0, loiter: false, sent: "", rate: info.control_rate_hz, owed: 0 });
+        clock.steering = true;
+        $("goals").hidden = $("keys").hidden = false;
+        $("lead").textContent = `Steered: ${info.description}`;
+        take();
+        seek(0);
+        play(true);
+    });
+}
+
+function aim(kind, target) {
+    const key = `${kind} ${target}`;
+    if (wish.sent === key) return;
+    wish.sent = key;
+    if (!library.goal(kind, ...target)) throw Error(text());
+    const [north, east, down] = target;
+    $("asked").textContent = kind === 3 ? `asked for: ${fixed(Math.hypot(north, east), 1)} m/s, course ${fixed(((degrees(Math.atan2(east, north)) % 360) + 360) % 360, 0)}°, climb ${fixed(-down, 1)} m/s` : kind === 2 ? "asked for: stop" : "asked for: hover here";
+}
+
+function hoverHere() {
+    wish.speed = wish.climb = 0;
+    wish.loiter = false;
+    aim(1, vector(flight.rows[flight.rows.length - 1], "", "m"));
+}
+
+function stop() {
+    wish.speed = wish.climb = 0;
+    wish.loiter = false;
+    aim(2, [0, 0, 0]);
+}
+
+function flyAt() {
+    aim(3, [wish.speed * Math.cos(wish.course), wish.speed * Math.sin(wish.course), -wish.climb]);
+}
+
+/* Keys and sticks change the velocity asked for. */
+function hands(dt) {
+    const pad = navigator.getGamepads && [...navigator.getGamepads()].find(Boolean);
+    const stick = (i) => pad && Math.abs(pad.axes[i] || 0) > 0.15 ? pad.axes[i] : 0;
+    const key = (more, less) => (keys.has(more) ? 1 : 0) - (keys.has(less) ? 1 : 0);
+    const faster = key("ArrowUp", "ArrowDown") - stick(1);
+    const turn = key("ArrowRight", "ArrowLeft") + stick(0);
+    const climb = key("PageUp", "PageDown") - stick(3);
+    if (wish.loiter) {
+        /* A circle of 60 m. */
+        wish.course += wish.speed / 60 * dt;
+        flyAt();
+    }
+    if (!faster && !turn && !climb && !wish.climbing) return;
+    wish.loiter &&= !turn;
+    wish.speed = Math.min(Math.max(wish.speed + 4 * faster * dt, 0), 24);
+    wish.course += 0.6 * turn * dt;
+    wish.climb = 3 * climb;
+    wish.climbing = climb !== 0;
+    flyAt();
+}
+
+function steered(passed) {
+    tried(() => {
+        hands(passed);
+        wish.owed = Math.min(wish.owed + passed * wish.rate, 0.25 * wish.rate);
+        const steps = Math.floor(wish.owed);
+        if (!steps) return;
+        wish.owed -= steps;
+        if (!library.step(steps)) throw Error(text());
+        for (const [t, words] of JSON.parse(text())) {
+            const last = flight.words[flight.words.length - 1];
+            if (!last || last[1].join() !== words.join()) flight.words.push([t, words]);
+        }
+        const rows = rowsOf(numbers());
+        flight.rows.push(...rows);
+        $("scrub").max = flight.rows[flight.rows.length - 1][0];
+        seek(Infinity);
+    });
+}
+
+document.querySelectorAll("[data-goal]").forEach((button) => button.addEventListener("click", () => tried(() => {
+    if (!clock.playing) play(true);
+    const goal = button.dataset.goal;
+    if (goal === "hover") return hoverHere();
+    if (goal === "stop") return stop();
+    wish.loiter = goal === "loiter";
+    wish.speed = goal === "cruise" ? 20 : Math.max(wish.speed, 16);
+    flyAt();
+})));
+addEventListener("keydown", (event) => {
+    if (event.target.matches("input, select")) return;
+    if (event.key === " ") { event.preventDefault(); $("play").click(); return; }
+    if (!clock.steering) return;
+    if (/^(Arrow|Page)/.test(event.key)) { keys.add(event.key); event.preventDefault(); }
+    if (event.key === "s") tried(stop);
+    if (event.key === "h") tried(hoverHere);
+});
+addEventListener("keyup", (event) => keys.delete(event.key));
+addEventListener("blur", () => keys.clear());
+
+function withLibrary() {
+    $("controls").hidden = false;
+    const list = JSON.parse($("experiments").textContent);
+    for (const { name, description, steered } of list) {
+        const option = new Option(`${name}: ${description}`, name);
+        option.dataset.steered = steered;
+        $("experiment").append(option);
+    }
+    for (const [words, field, least, most, step, unit] of SLIDERS) {
+        const label = document.createElement("label");
+        const value = document.createElement("output");
+        const slider = Object.assign(document.createElement("input"), { type: "range", min: least, max: most, step });
+        const still = { mass: 1, lift: 1, thrust: 2, rate: 0.1, motor: 0.05 }[field] ?? 0;
+        slider.value = still;
+        value.textContent = "the experiment's";
+        slider.addEventListener("input", () => {
+            moved[field] = +slider.value;
+            value.textContent = `${slider.value} ${unit}`;
+            clearTimeout(slider.wait);
+            slider.wait = setTimeout(() => clock.steering ? steerBegins() : wholeFlight(true), 150);
+        });
+        label.append(words, value, slider);
+        $("sliders").append(label);
+    }
+    $("experiment").addEventListener("change", () => { wholeFlight(false); play(true); });
+    $("whole").addEventListener("click", () => { wholeFlight(false); play(true); });
+    $("steer").addEventListener("click", steerBegins);
+}
+
+/* ---- beginning ---- */
+(async () => {
+    prepare();
+    const held = JSON.parse($("flight").textContent);
+    if ($("library")) {
+        const { instance } = await WebAssembly.instantiate(decoded("library"), {});
+        library = instance.exports;
+        withLibrary();
+    }
+    if (held) {
+        named(held.names);
+        flight.words = held.words;
+        flight.curves = held.curves;
+        const bytes = Uint8Array.from(atob(held.rows), (c) => c.charCodeAt(0));
+        flight.rows = rowsOf(Array.from(new Float32Array(bytes.buffer)));
+        take();
+        seek(0);
+    } else {
+        $("experiment").value = "mission";
+        wholeFlight(false);
+        play(true);
+    }
+    requestAnimationFrame(frame);
+})();
+
+/* For tests. */
+const bits = () => Array.from(new BigUint64Array(library.memory.buffer, library.numbers(), library.numbers_length()), (x) => x.toString(16));
+window.viewer = { bits, flight, clock, drawing, seek, play, rowAt, wholeFlight, steerBegins, moved, asked, get library() { return library; } };
