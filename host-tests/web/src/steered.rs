@@ -8,11 +8,11 @@ use alula_sim::scene::Scene;
 use alula_sim::simulate::Flight;
 use anyhow::{bail, ensure};
 
-/// How goals are flown to: as the built-in missions do it.
+/// How goals are flown to.
 const PREFERENCES: Preferences = Preferences {
     speed: 20.0,
     climb: 3.0,
-    acceleration: 2.0,
+    acceleration: 3.0,
     planner_options: PlannerOptions {
         altitude_band: 0.0,
         nose_below_vertical: false,

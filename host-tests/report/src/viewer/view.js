@@ -178,6 +178,7 @@ function prepare() {
 /* Colours of light and dark. */
 function paint() {
     drawing.scene.background = new THREE.Color(color("sky"));
+    drawing.scene.fog = new THREE.Fog(color("sky"), 150, 1500);
     const tint = (object, name) => object.traverse((part) => part.material && part.material.color.set(color(name)));
     for (const [arrow, name] of [["thrust", "green"], ["air", "blue"], ["force", "red"], ["asked", "orange"]]) tint(drawing.arrows[arrow], name);
     for (const [line, name] of [["trail", "blue"], ["path", "orange"], ["track", "grey"], ["drop", "grey"]]) drawing.scene && tint(drawing[line], name);
@@ -264,7 +265,7 @@ function draw(t) {
     air.point(world(velocity.map((v, i) => (v - wind[i]) / 10)));
     asked.point(world(vector(row, "path_v_", "m_s").map((v) => v / 10)));
     const [fp, tilde] = [get(row, "fp_n"), get(row, "theta_tilde_rad")];
-    force.point(nose.clone().multiplyScalar(-Math.cos(tilde)).addScaledVector(belly, Math.sin(tilde)).multiplyScalar(fp / weight));
+    force.point(nose.clone().multiplyScalar(-Math.cos(tilde)).addScaledVector(belly, Math.sin(tilde)).multiplyScalar(fp / weight / 4));
     for (const arrow of Object.values(drawing.arrows)) arrow.position.copy(at);
     /* The virtual vehicle beside the right wing, in the plane of flight. */
     const theta = get(row, "virtual_theta_rad");
@@ -381,13 +382,13 @@ function charts() {
     const most = (list) => Math.max(...list.map((p) => Math.abs(p[1])));
     const [lift, drag, lambda] = [of(1), of(2), of(3)];
     const top = Math.ceil(Math.max(most(lift), most(drag), 1.5) * 2) / 2;
-    const c = axesOf("coefficients", [-180, 180, 60], [-top, Math.max(top, Math.min(most(lambda), 6)), top > 2 ? 1 : 0.5]);
+    const c = axesOf("coefficients", [-180, 180, 60], [-top, Math.max(top, Math.min(Math.ceil(most(lambda)), 6)), 1]);
     c.line(lift, color("blue")); c.line(drag, color("orange")); c.line(lambda, color("green"), 1.4, [5, 4]);
     c.legend([[color("blue"), "c_L"], [color("orange"), "c_D"], [color("green"), "λ"]]);
     const speeds = curves.cuts.flatMap((cut) => cut.folds.map((fold) => fold[1]));
     const fast = Math.min(40, Math.max(25, 1.6 * Math.max(0, ...speeds)));
     const e = axesOf("equilibria", [0, fast, 5], [0, 120, 30]);
-    const f = axesOf("force", [0, fast, 5], [0, 2, 0.5]);
+    const f = axesOf("force", [0, fast, 5], [0, 12, 2]);
     for (const cut of curves.cuts) {
         const a = cut.acceleration_m_s2;
         const width = a === 0 ? 2.4 : 1.2;
