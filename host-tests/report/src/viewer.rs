@@ -7,6 +7,7 @@ use minijinja::{Environment, context};
 use serde::Serialize;
 
 use alula_design::curves::Curves;
+use alula_sim::experiment::tail_sitter::VEHICLES;
 use alula_sim::experiment::{BUILT_IN, Document, Experiment};
 use alula_sim::scene::Scene;
 use alula_sim::simulate::Step;
@@ -32,6 +33,15 @@ struct Flown {
     name: String,
     description: String,
     steered: String,
+    /// Whether its vehicle is one of parts.
+    of_parts: bool,
+}
+
+/// What a page flies by name.
+#[derive(Serialize)]
+struct Names {
+    experiments: Vec<Flown>,
+    vehicles: Vec<&'static str>,
 }
 
 /// The page of a recorded flight.
@@ -75,8 +85,8 @@ pub fn live(library: &[u8]) -> anyhow::Result<String> {
     render("Fly alula", "", None, Some(library))
 }
 
-/// Every built-in experiment of the guidance: only that is steered.
-fn experiments() -> anyhow::Result<Vec<Flown>> {
+/// Every built-in experiment of the guidance, as only that is steered, and the vehicles of parts.
+fn names() -> anyhow::Result<Names> {
     let mut all = Vec::new();
     for (name, _) in BUILT_IN {
         let document = Document::load(name)?;
@@ -86,13 +96,17 @@ fn experiments() -> anyhow::Result<Vec<Flown>> {
         if flies && document.controller() == "guidance" {
             let description = document.get("description").and_then(|text| text.as_str());
             all.push(Flown {
+                of_parts: document.data()?.tail_sitter.is_some(),
                 name: (*name).to_owned(),
                 description: description.unwrap_or_default().to_owned(),
                 steered: format!("base = \"{name}\"\ndescription = \"as {name}\"\nduration_s = 3600.0\n[path.hover]\n"),
             });
         }
     }
-    Ok(all)
+    Ok(Names {
+        experiments: all,
+        vehicles: VEHICLES.iter().map(|(name, _)| *name).collect(),
+    })
 }
 
 /// JSON inside a page, of which no text ends the element that it is in.
@@ -114,7 +128,7 @@ fn render(
     environment.add_template("view.js", include_str!("viewer/view.js"))?;
     environment.add_template("view.html", include_str!("viewer/view.html"))?;
     let experiments = match library {
-        Some(_) => json(&experiments()?)?,
+        Some(_) => json(&names()?)?,
         None => String::new(),
     };
     environment

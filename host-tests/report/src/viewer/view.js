@@ -521,6 +521,7 @@ const SLIDERS = [
     ["lag of the thrust", "motor", 0.02, 0.25, 0.01, "s"],
 ];
 const moved = {};
+const sliders = {};
 
 const text = () => new TextDecoder().decode(new Uint8Array(library.memory.buffer, library.answer(), library.answer_length()));
 const numbers = () => Array.from(new Float64Array(library.memory.buffer, library.numbers(), library.numbers_length()));
@@ -550,10 +551,17 @@ function assignments() {
 
 function request(experiment) {
     const { set, thrust } = assignments();
-    return { experiment, set, thrust_to_weight: thrust ?? null, believe: { mass: moved.mass ?? 1, lift: moved.lift ?? 1 } };
+    const beliefs = { mass: moved.mass ?? 1, lift: moved.lift ?? 1 };
+    if (ofParts()) return { experiment, set: [...set.filter((one) => !one.startsWith("plant.")), ...($("kind").value ? [`plant.vehicle="${$("kind").value}"`] : [])], believe: beliefs };
+    return { experiment, set, thrust_to_weight: thrust ?? null, believe: beliefs };
 }
 
+/* Whether the vehicle is one of parts, from which its thrust and lags follow. */
+const ofParts = () => $("experiment").selectedOptions[0].dataset.parts === "true";
+
 function opened(info) {
+    $("kind-of").hidden = !info.of_parts;
+    for (const field of ["thrust", "rate", "motor"]) sliders[field].disabled = info.of_parts;
     named(info.names);
     flight.curves = info.curves;
     $("text").hidden = false;
@@ -689,9 +697,13 @@ addEventListener("blur", () => keys.clear());
 function withLibrary() {
     $("controls").hidden = false;
     const list = JSON.parse($("experiments").textContent);
-    for (const { name, description, steered } of list) {
+    const { experiments, vehicles } = list;
+    for (const name of vehicles) $("kind").append(new Option(name, name));
+    $("kind").addEventListener("change", () => clock.steering ? steerBegins() : wholeFlight(true));
+    for (const { name, description, steered, of_parts } of experiments) {
         const option = new Option(`${name}: ${description}`, name);
         option.dataset.steered = steered;
+        option.dataset.parts = of_parts;
         $("experiment").append(option);
     }
     for (const [words, field, least, most, step, unit] of SLIDERS) {
@@ -700,6 +712,7 @@ function withLibrary() {
         const slider = Object.assign(document.createElement("input"), { type: "range", min: least, max: most, step });
         const still = { mass: 1, lift: 1, thrust: 2, rate: 0.1, motor: 0.05 }[field] ?? 0;
         slider.value = still;
+        sliders[field] = slider;
         value.textContent = "the experiment's";
         slider.addEventListener("input", () => {
             moved[field] = +slider.value;
