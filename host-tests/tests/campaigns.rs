@@ -92,12 +92,25 @@ fn threads_interruptions_and_shares_change_nothing() {
     assert_eq!(html(&summary), html(&whole));
 
     // Another campaign does not go into the same folder.
-    let other = self::source("dispersed", 119);
+    let faster = ["control_rate_hz=200".to_owned()];
+    let other = CampaignSource::load_changed("dispersed", Some(120), &faster).unwrap();
     let error = Store::open(&at("whole"), &other).unwrap_err().to_string();
     assert!(error.contains("another campaign"), "{error}");
     Store::open(&at("other"), &other).unwrap();
     let error = merged.merge(&[at("other")]).unwrap_err().to_string();
     assert!(error.contains("different campaigns"), "{error}");
+
+    // Fewer flights, then as many as before: parts that are whole in both stay, and nothing else is in the results than was flown at once.
+    let fewer = self::source("dispersed", 60);
+    let short = summary_of(&fewer, &at("short"), 2);
+    let cut = Store::open(&at("whole"), &fewer).unwrap();
+    assert!(cut.has(0) && !cut.has(1));
+    run(&fewer, &cut, Shard::default(), None, || Ok(())).unwrap();
+    assert_eq!(text(&Summary::of(&fewer, &cut).unwrap()), text(&short));
+    let again = Store::open(&at("whole"), &source).unwrap();
+    assert!(again.has(0) && !again.has(1) && !again.has(2));
+    run(&source, &again, Shard::default(), None, || Ok(())).unwrap();
+    assert_eq!(text(&Summary::of(&source, &again).unwrap()), text(&whole));
 }
 
 /// A figure of a flight.

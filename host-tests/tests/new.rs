@@ -95,13 +95,25 @@ fn the_file_says_why() {
             .expect(name);
         assert!(line.ends_with(reason), "{line}");
     }
-    // Twice is refused: nothing is overwritten.
+    // Twice is refused: nothing is overwritten, unless that is said.
     let output = alula(folder.path(), &[&["new"][..], &FLAGS].concat());
     let message = String::from_utf8(output.stderr).unwrap();
     assert!(
-        !output.status.success() && message.contains("is there already"),
+        !output.status.success() && message.contains("is there already: --force"),
         "{message}"
     );
+    let output = alula(folder.path(), &[&["new", "--force"][..], &FLAGS].concat());
+    assert!(output.status.success(), "{output:?}");
+    // Numbers in other units end before anything is made.
+    let mut grams = FLAGS;
+    grams[1] = "3000";
+    let output = alula(folder.path(), &[&["new", "grams"][..], &grams].concat());
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        !output.status.success() && message.contains("were these g? Then it is 3"),
+        "{message}"
+    );
+    assert!(!folder.path().join("grams").exists());
 }
 
 /// A file of ten lines, a polar of XFOIL beside it, an aspect ratio; and the C code is C.
@@ -369,12 +381,18 @@ fn the_pages_commands_run() {
         let output = alula(folder.path(), &arguments);
         assert!(output.status.success(), "{line}: {output:?}");
     }
+    // The example in Rust is the vehicle of the page: `cargo run --example own_vehicle` flies what is left here.
+    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/own_vehicle/vehicle.rs");
+    let left = fs::read_to_string(folder.path().join("tail-sitter/vehicle.rs")).unwrap();
+    assert_eq!(left, fs::read_to_string(example).unwrap());
     for file in [
         "tail-sitter.toml",
         "vehicle.html",
         "first-flight/report.html",
         "tail-sitter-campaign.toml",
         "vehicle.h",
+        "vehicle.rs",
+        "first-flight/view.html",
     ] {
         assert!(
             folder.path().join("tail-sitter").join(file).exists(),

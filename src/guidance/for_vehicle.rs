@@ -61,11 +61,11 @@ rules! { known, default;
         math::min(4.0, 0.95 / (known.rate_lag + known.period)),
         math::sqrt((0.6 * known.authority).abs()),
     ),
-        "As fast as flights were tried with, and with a slow rate loop 0.95 over its lag and one step: with the damping ratio of 0.8 the loop is stable up to 1.6. Less where it takes more than what turns the vehicle in hover to turn back from 0.6 rad: a loop that asks for more swings.";
+        "At most 4 rad/s, the fastest that was flown. With a slow rate loop 0.95 over the sum of its lag and one step: at the damping ratio of 0.8 the loop is stable up to 1.6. Less where the vehicle in hover has too little to turn back from 0.6 rad: it would swing.";
     damping = default.damping,
         "Little overshoot where the lag has taken a part of it.";
     thrust_rate = known.thrust_rate,
-        "As fast as flights were tried with, and with slow motors 0.75 over their lag and one step, which leaves a damping ratio of 0.6.";
+        "The fastest that was flown. With slow motors 0.75 over the sum of their lag and one step, which leaves a damping ratio of 0.6.";
     gain_schedule_floor = default.gain_schedule_floor,
         "A multiple of the weight: the same for every vehicle.";
     tau = default.tau,

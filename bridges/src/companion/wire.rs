@@ -17,7 +17,7 @@ pub struct Stream {
 }
 
 impl Stream {
-    /// What is in the stream up to these bytes and was not before. Bytes in a row that are no message count once.
+    /// What is in the stream up to these bytes and was not before. A run of bytes between two messages counts as one malformed packet.
     pub fn push(&mut self, bytes: &[u8]) -> Vec<Came> {
         self.unread.extend(bytes);
         let mut came = Vec::new();

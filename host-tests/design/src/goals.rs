@@ -19,6 +19,8 @@ pub(super) struct Length {
     pub first: &'static str,
     /// What it does who goes farther.
     pub text: &'static str,
+    /// What brings it nearer.
+    pub advice: &'static str,
     /// Asked of a calm flight by a controller that knows the vehicle \[m\].
     pub goal: f64,
     /// The figure of the campaign's flights, and whether its least value is meant.
@@ -31,6 +33,7 @@ pub(super) const LENGTHS: [Length; 6] = [
     Length {
         first: "loss_out_m",
         text: "sinks below its reference on the way out",
+        advice: "a smaller altitude_band_m, or a gentler start in reference.knots",
         goal: 1.0,
         campaign: ("altitude_least_m", true),
         limit: 10.0,
@@ -38,6 +41,7 @@ pub(super) const LENGTHS: [Length; 6] = [
     Length {
         first: "gain_out_m",
         text: "climbs above its reference on the way out",
+        advice: "a smaller altitude_band_m, or a gentler start in reference.knots",
         goal: 1.0,
         campaign: ("altitude_most_m", false),
         limit: 10.0,
@@ -45,6 +49,7 @@ pub(super) const LENGTHS: [Length; 6] = [
     Length {
         first: "loss_back_m",
         text: "sinks below its reference on the way back",
+        advice: "a smaller altitude_band_m, or gentler braking in reference.knots",
         goal: 0.6,
         campaign: ("altitude_least_m", true),
         limit: 10.0,
@@ -52,6 +57,7 @@ pub(super) const LENGTHS: [Length; 6] = [
     Length {
         first: "gain_back_m",
         text: "climbs above its reference on the way back",
+        advice: "a smaller altitude_band_m, or gentler braking in reference.knots",
         goal: 0.6,
         campaign: ("altitude_most_m", false),
         limit: 10.0,
@@ -59,6 +65,7 @@ pub(super) const LENGTHS: [Length; 6] = [
     Length {
         first: "ahead_m",
         text: "runs ahead of its reference where that brakes",
+        advice: "gentler braking in reference.knots, or a slower cruise",
         goal: 3.0,
         campaign: ("ahead_m", false),
         limit: 15.0,
@@ -66,6 +73,7 @@ pub(super) const LENGTHS: [Length; 6] = [
     Length {
         first: "forward_least_m",
         text: "falls behind its reference",
+        advice: "a gentler start in reference.knots, or more thrust",
         goal: 10.0,
         campaign: ("forward_least_m", true),
         limit: 30.0,

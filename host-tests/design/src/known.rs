@@ -137,6 +137,21 @@ const RANGES: [(&str, [f64; 2]); 12] = [
     ("air_kg_m3", [0.1, 10.0]),
 ];
 
+/// Mass over area of the wing \[kg/m²\] of what flies: from paper gliders to jets. Tail-sitters have 2 to 30.
+const LOADING: [f64; 2] = [0.1, 800.0];
+
+/// Units that people give a number in, other than its own: the number, what stands for one of its units, and their name.
+const OTHER_UNITS: [(&str, f64, &str); 8] = [
+    ("mass_kg", 1e-3, "g"),
+    ("wing_m2", 1e-2, "dm²"),
+    ("wing_m2", 1e-4, "cm²"),
+    ("thrust_to_weight", 1e-2, "%"),
+    ("thrust_lag_s", 1e-3, "ms"),
+    ("rate_lag_s", 1e-3, "ms"),
+    ("cruise_m_s", 1.0 / 3.6, "km/h"),
+    ("idle_to_weight", 1e-2, "%"),
+];
+
 /// What is asked for the first of these numbers: they must be known.
 const QUESTIONS: [&str; 6] = [
     "Mass, ready to fly [kg]",
@@ -274,9 +289,12 @@ impl Known {
             FieldError::new(name, format!("is missing: --{flag}, or a line of the file"))
         };
         let need = |name: &str, number: Option<f64>| number.ok_or_else(|| missing(name));
+        let mass_kg = need("mass_kg", self.mass_kg)?;
+        let wing_m2 = need("wing_m2", self.wing_m2)?;
+        loading(mass_kg, wing_m2)?;
         Ok(Facts {
-            mass_kg: need("mass_kg", self.mass_kg)?,
-            wing_m2: need("wing_m2", self.wing_m2)?,
+            mass_kg,
+            wing_m2,
             thrust_to_weight: need("thrust_to_weight", self.thrust_to_weight)?,
             thrust_lag_s: need("thrust_lag_s", self.thrust_lag_s)?,
             rate_lag_s: need("rate_lag_s", self.rate_lag_s)?,
@@ -292,12 +310,56 @@ impl Known {
     }
 }
 
-/// `value` must be in the range of `name`.
-fn ranged(name: &str, value: f64) -> Result<(), FieldError> {
+/// The range of `name`.
+fn range(name: &str) -> [f64; 2] {
     let range = RANGES.iter().find(|(known, _)| *known == name);
-    let (_, [least, most]) = range.expect("listed");
-    let problem = format_args!("{value} is not from {least} to {most}");
-    require((least..=most).contains(&&value), name, problem)
+    range.expect("listed").1
+}
+
+/// `value` must be in the range of `name`; else it is said in which unit it would be.
+fn ranged(name: &str, value: f64) -> Result<(), FieldError> {
+    let within = |value: f64| {
+        let [least, most] = range(name);
+        (least..=most).contains(&value)
+    };
+    let [least, most] = range(name);
+    let meant = meant(name, value, within);
+    let problem = format_args!("{value} is not from {least} to {most}{meant}");
+    require(within(value), name, problem)
+}
+
+/// The end of a refusal of `value`: what it is if it was given in another unit in which `fits` takes it, or nothing.
+fn meant(name: &str, value: f64, fits: impl Fn(f64) -> bool) -> String {
+    let units = OTHER_UNITS.iter().filter(|(of, ..)| *of == name);
+    let mut converted = units.map(|(_, unit, words)| (value * unit, words));
+    match converted.find(|(number, _)| fits(*number)) {
+        Some((number, words)) => {
+            // Not the rounding's digits.
+            let number = number as f32;
+            format!(": were these {words}? Then it is {number}")
+        }
+        None => String::new(),
+    }
+}
+
+/// Mass and wing must be those of one aircraft; else it is said which of them was probably given in another unit.
+fn loading(mass: f64, wing: f64) -> Result<(), FieldError> {
+    let flies = |mass: f64, wing: f64| (LOADING[0]..=LOADING[1]).contains(&(mass / wing));
+    if flies(mass, wing) {
+        return Ok(());
+    }
+    let of_mass = meant("mass_kg", mass, |mass| flies(mass, wing));
+    let of_wing = meant("wing_m2", wing, |wing| flies(mass, wing));
+    let [least, most] = LOADING;
+    let (field, meant) = match of_mass.is_empty() {
+        true => ("wing_m2", of_wing),
+        false => ("mass_kg", of_mass),
+    };
+    let problem = format!(
+        "{mass} kg on {wing} m² of wing are {:.3} kg/m², and aircraft have {least} to {most}{meant}",
+        mass / wing
+    );
+    Err(FieldError::new(field, problem))
 }
 
 /// The number that somebody typed for `name`, or why it is none.
@@ -360,8 +422,7 @@ mod tests {
             })
             .unwrap();
         assert!(
-            asked[7].starts_with("NACA0013: neither a file nor a built-in section (naca-0012, ")
-                && asked[7].contains("; did you mean naca-0012?\n"),
+            asked[7].starts_with("NACA0013: neither a file nor a built-in section; did you mean naca-0012? (naca-0012, "),
             "{asked:?}"
         );
         // Each time it is said why.
@@ -401,6 +462,43 @@ mod tests {
         assert_eq!(refused(|k| k.wing_m2 = Some(f64::NAN)), "wing_m2");
         assert_eq!(refused(|k| k.aspect_ratio = Some(-1.0)), "aspect_ratio");
         assert_eq!(refused(|k| k.rate_lag_s = Some(60.0)), "rate_lag_s");
+    }
+
+    /// A number in another unit than its own is refused, in its range or not, and it is said what was probably meant.
+    #[test]
+    fn other_units_are_recognised() {
+        let refused = |change: fn(&mut Known)| {
+            let mut bad = Known::tail_sitter();
+            change(&mut bad);
+            bad.facts().unwrap_err().to_string()
+        };
+        begins(
+            &refused(|k| k.mass_kg = Some(3000.0)),
+            "mass_kg: 3000 kg on 0.35 m² of wing are 8571.4",
+        );
+        says(
+            &refused(|k| k.mass_kg = Some(3000.0)),
+            &["were these g? Then it is 3"],
+        );
+        says(
+            &refused(|k| k.wing_m2 = Some(35.0)),
+            &["wing_m2: ", "were these dm²? Then it is 0.35"],
+        );
+        says(
+            &refused(|k| k.wing_m2 = Some(3500.0)),
+            &["were these dm²? Then it is 35"],
+        );
+        says(
+            &refused(|k| k.rate_lag_s = Some(60.0)),
+            &["were these ms? Then it is 0.06"],
+        );
+        says(
+            &refused(|k| k.thrust_to_weight = Some(160.0)),
+            &["were these %? Then it is 1.6"],
+        );
+        // What flies is left alone: a glider of foam, a fast wing of metal.
+        let with = |mass: f64, wing: f64| loading(mass, wing);
+        assert!(with(0.02, 0.1).is_ok() && with(150.0, 0.3).is_ok());
     }
 
     /// A number of the file is refused with its line, and so is a polar that is not there.

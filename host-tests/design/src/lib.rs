@@ -12,6 +12,7 @@ pub mod fit;
 mod goals;
 mod known;
 mod performance;
+mod rust_code;
 pub mod sweep;
 mod verdict;
 mod wing;
@@ -22,6 +23,7 @@ pub use code::code_text;
 pub use document::{campaign_text, check_name, vehicle_text};
 pub use known::{Facts, Known};
 pub use performance::{ON_WING, Performance, Stall};
+pub use rust_code::rust_text;
 pub use verdict::{Outcome, Verdict};
 pub use wing::{ROWS, Wing};
 

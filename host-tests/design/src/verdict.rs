@@ -28,12 +28,15 @@ pub struct Verdict {
     pub outcome: Outcome,
     /// Why it fails, and what is outside the goals, in words.
     pub findings: Vec<String>,
+    /// What brings it nearer to the goals.
+    pub advice: Vec<&'static str>,
 }
 
 impl Verdict {
     /// Of the first flight of the vehicle of `facts`.
     pub fn of(facts: &Facts, performance: &Performance, flight: &Figures) -> Self {
         let (mut failures, mut outside) = (Vec::new(), Vec::new());
+        let mut advice: Vec<&'static str> = Vec::new();
         let get = |name: &str| flight.get(name);
         let scale = scale(facts);
         // NaN fails: it is within nothing.
@@ -71,6 +74,9 @@ impl Verdict {
                 failures.push(text(scale * length.limit));
             } else if !within(far, scale * length.goal) {
                 outside.push(text(scale * length.goal));
+                if !advice.contains(&length.advice) {
+                    advice.push(length.advice);
+                }
             }
         }
         let needed = performance.cruise.map(|[_, thrust]| thrust);
@@ -89,6 +95,7 @@ impl Verdict {
         Self {
             outcome,
             findings: failures,
+            advice,
         }
     }
 
@@ -97,11 +104,15 @@ impl Verdict {
         let what = match self.outcome {
             Outcome::AsAsked => "The first flight does what was asked",
             Outcome::OutsideGoals => {
-                "The first flight goes there and back, but is outside its goals: "
+                "The first flight goes there and back, less closely than was asked: "
             }
             Outcome::Fails => "THE FIRST FLIGHT FAILS: ",
         };
-        format!("{what}{}", self.findings.join("; "))
+        let advice = match self.advice[..] {
+            [] => String::new(),
+            _ => format!(". Nearer: {}", self.advice.join("; ")),
+        };
+        format!("{what}{}{advice}", self.findings.join("; "))
     }
 }
 
@@ -181,6 +192,17 @@ mod tests {
         says(
             &low,
             &["sinks below its reference on the way out by 1.30 m (asked: 1.00 m at most)"],
+        );
+        let text = judged(20.0, |step| {
+            step.truth.position.z += during(20.0..30.0, step, 1.3)
+        })
+        .text();
+        says(
+            &text,
+            &[
+                "less closely than was asked",
+                ". Nearer: a smaller altitude_band_m",
+            ],
         );
         let high = finding(20.0, Outcome::Fails, |step| {
             step.truth.position.z -= during(50.0..60.0, step, 25.0);

@@ -1,7 +1,10 @@
 //! The page about a vehicle of one's own: what was said, what follows, and the polar that it rests on.
 
+use super::side::side;
 use alula::guidance::REASONS;
 use alula::{GuidanceParameters, Parameters as _};
+use alula_sim::experiment::Experiment;
+use alula_sim::simulate::Step;
 
 use super::chart::{BLUE, Chart, ORANGE, Series};
 use super::{Figure, Page, Table, fixed};
@@ -18,7 +21,11 @@ pub struct Results<'a> {
     pub performance: &'a Performance,
     /// Its margins in level flight.
     pub margins: &'a [Point],
-    /// Its first flight.
+    /// Its first flight: the experiment, the record and its figures.
+    pub experiment: &'a Experiment,
+    /// Its steps.
+    pub record: &'a [Step],
+    /// Its figures.
     pub flight: &'a Figures,
     /// What came of that.
     pub verdict: &'a Verdict,
@@ -30,9 +37,12 @@ pub struct Results<'a> {
 pub fn page(name: &str, design: &Design, results: &Results, text: &str) -> Page {
     let mut lead = design.wing.story.clone();
     let mut warnings = results.warnings.to_vec();
+    let mut remarks = Vec::new();
+    let verdict = results.verdict.text();
     match results.verdict.outcome {
-        Outcome::AsAsked => lead.insert(0, results.verdict.text()),
-        Outcome::OutsideGoals | Outcome::Fails => warnings.insert(0, results.verdict.text()),
+        Outcome::AsAsked => lead.insert(0, verdict),
+        Outcome::OutsideGoals => remarks.push(verdict),
+        Outcome::Fails => warnings.insert(0, verdict),
     }
     Page {
         links: [
@@ -44,7 +54,8 @@ pub fn page(name: &str, design: &Design, results: &Results, text: &str) -> Page 
         title: name.to_owned(),
         lead: format!("{}.", lead.join(". ")),
         warnings,
-        figure: figure(design),
+        remarks,
+        figure: figure(design).with_picture(side(results.experiment, results.record)),
         tables: tables(name, design, results),
         text: Some((format!("{name}.toml"), text.to_owned())),
         notes: format!(

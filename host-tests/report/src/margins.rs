@@ -1,18 +1,19 @@
 //! The plot of stability margins against speed.
 
 use super::Figure;
-use super::chart::{BLUE, Chart, ORANGE, Series};
+use super::chart::{BLUE, Chart, ORANGE, Series, Stroke};
 use alula_sim::margins::Point;
 
-/// Largest stable lag and delay against speed of one or two named loops.
+/// Largest stable lag and delay against speed of one or two named loops: dots, for what stands side by side may be different equilibria.
 pub fn margins_figure(loops: &[(&'static str, &[Point])]) -> Figure {
     let chart = |title, value: &dyn Fn(&Point) -> Option<f64>| {
         let point = |p: &Point| (p.speed_m_s, value(p).unwrap_or(f64::NAN));
         let series = loops
             .iter()
             .zip([BLUE, ORANGE])
-            .map(|(&(name, points), color)| {
-                Series::line(name, color, points.iter().map(point).collect())
+            .map(|(&(name, points), color)| Series {
+                stroke: Stroke::Dots,
+                ..Series::line(name, color, points.iter().map(point).collect())
             });
         Chart {
             logarithmic: true,

@@ -30,7 +30,7 @@ pub type Cells<'a, T> = (&'a str, &'a dyn Fn(&T) -> String);
 
 /// A number with this many digits after the point.
 pub fn fixed(value: impl Into<f64>, digits: usize) -> String {
-    format!("{:.digits$}", value.into())
+    alula_sim::decimal::fixed(value.into(), digits)
 }
 
 impl Table {
@@ -73,6 +73,8 @@ impl Table {
             title => &self.title,
             header => self.header.clone(),
             rows => self.rows.clone(),
+            // Its rows have names, and its columns need none.
+            named => self.header.first().is_some_and(String::is_empty),
             numeric => (0..self.header.len()).map(numeric).collect::<Vec<_>>(),
         }
     }
@@ -100,6 +102,8 @@ pub struct Page {
     pub lead: String,
     /// What is out of the ordinary, in red under the lead.
     pub warnings: Vec<String>,
+    /// What is worth knowing at once, and no cause for alarm.
+    pub remarks: Vec<String>,
     /// Other pages, by their address from here, and what they are.
     pub links: Vec<(String, String)>,
     /// Picture and charts.
@@ -121,6 +125,7 @@ impl Page {
                 title => &self.title,
                 lead => &self.lead,
                 warnings => &self.warnings,
+                remarks => &self.remarks,
                 links => self.links.clone(),
                 rows => &self.figure.key().0,
                 key => self.figure.key().1.clone(),
@@ -144,7 +149,7 @@ impl Page {
     /// Title, lead and tables as text for a terminal.
     pub fn text(&self) -> String {
         let mut text = format!("{}: {}\n", self.title, self.lead);
-        for line in &self.warnings {
+        for line in self.warnings.iter().chain(&self.remarks) {
             let _ = writeln!(text, "{line}");
         }
         for table in &self.tables {

@@ -46,12 +46,18 @@ fn figure(experiment: &Experiment, record: &[Step]) -> Figure {
     Figure::new(&charts, 210.0).with_strip(&strip(experiment, record))
 }
 
-/// The least finite value of a column and its time \[s\].
+/// The least finite value of a column and its time \[s\], of the steps in which the law was flown: elsewhere there is none. Of an angle to
+/// either side, without its sign.
 fn least(of: &str, experiment: &Experiment, record: &[Step]) -> Option<(f64, f64)> {
     let column = column(of)?;
-    let value = |step| (column.number(experiment, step).abs(), step.t);
+    let signed = of != "margin_fold_rad";
+    let value = |step: &Step| {
+        let value = column.number(experiment, step);
+        (if signed { value } else { value.abs() }, step.t)
+    };
     let finite = record
         .iter()
+        .filter(|step| step.answer.flown().is_some())
         .map(value)
         .filter(|(value, _)| value.is_finite());
     finite.min_by(|a, b| a.0.total_cmp(&b.0))
@@ -151,4 +157,36 @@ pub fn page(
     let figure = figure(experiment, record);
     let tables = tables(experiment, record, said);
     page_of(name, document, (record.len(), &controller), figure, tables)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use alula_sim::simulate::fly;
+
+    /// Of a flight that begins in safe mode and has a negative k on its way, the least k is that, and |F_p| is not the zero of safe mode.
+    #[test]
+    fn least_values_keep_their_sign_and_are_of_steps_that_the_law_flew() {
+        let mut document = Document::load("round-trip").unwrap();
+        document
+            .assign("controller.guidance.recovery_s=0.05")
+            .unwrap();
+        let experiment = document.checked().unwrap();
+        let mut record = fly(&experiment).unwrap();
+        assert!(record[0].answer.flown().is_none());
+        let flown = |step: &Step| step.answer.flown().is_some();
+        let numbers = |of: &str| {
+            let column = column(of).unwrap();
+            let steps = record.iter().filter(|step| flown(step));
+            steps
+                .map(|step| column.number(&experiment, step))
+                .fold(f64::INFINITY, f64::min)
+        };
+        let (k, fp) = (numbers("margin_k"), numbers("fp_n"));
+        assert!(k < 0.0 && fp > 0.0, "{k} {fp}");
+        assert_eq!(least("margin_k", &experiment, &record).unwrap().0, k);
+        assert_eq!(least("fp_n", &experiment, &record).unwrap().0, fp);
+        record.retain(|step| !flown(step));
+        assert_eq!(least("fp_n", &experiment, &record), None);
+    }
 }

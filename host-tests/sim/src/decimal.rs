@@ -100,6 +100,15 @@ fn push_small(text: &mut Vec<u8>, shortest: &str) {
     text.extend(number.bytes().filter(u8::is_ascii_digit));
 }
 
+/// A number with this many digits after the point, and no sign if nothing but zeros is left of it.
+pub fn fixed(value: f64, digits: usize) -> String {
+    let number = format!("{value:.digits$}");
+    match number.strip_prefix('-') {
+        Some(rest) if rest.chars().all(|c| matches!(c, '0' | '.')) => rest.to_owned(),
+        _ => number,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -149,5 +158,18 @@ mod tests {
             assert_eq!(text(value), value.to_string());
             assert_eq!(text(-value as f32), (-value as f32).to_string());
         }
+    }
+
+    #[test]
+    fn zero_has_no_sign() {
+        for (value, text) in [
+            (-0.004, "0.00"),
+            (-0.006, "-0.01"),
+            (-0.0, "0.00"),
+            (2.5, "2.50"),
+        ] {
+            assert_eq!(fixed(value, 2), text);
+        }
+        assert_eq!(fixed(f64::NAN, 1), "NaN");
     }
 }

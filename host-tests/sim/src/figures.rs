@@ -8,6 +8,7 @@ use alula::guidance::{Mode, Phase, Progress, Status};
 use serde::Serialize;
 use serde_json::{Map, Value};
 
+use crate::decimal::fixed;
 use crate::experiment::{Experiment, Knots, V3};
 use crate::named::hint;
 use crate::reference::wrap;
@@ -568,7 +569,7 @@ impl Figures {
             let number = match (figure.unit, value) {
                 (_, value) if value.is_nan() => "none".to_owned(),
                 ("flag", value) => if value == 0.0 { "no" } else { "yes" }.to_owned(),
-                _ => format!("{value:.*} {}", figure.digits, figure.unit),
+                _ => format!("{} {}", fixed(value, figure.digits), figure.unit),
             };
             let note = match (bound, figure.when) {
                 (Some(bound), _) => {
@@ -671,14 +672,16 @@ impl Segment {
 
     /// One line of the table of segments.
     pub fn line(&self) -> String {
+        // Rounded, and no zero with a minus.
+        let metres = |x: f64| (x * 100.0).round() / 100.0 + 0.0;
         let mut line = format!(
             "{:6.1}–{:<6.1} altitude {:+6.2} to {:+6.2} m, forward {:+7.2} to {:+7.2} m",
             self.from_s,
             self.to_s,
-            self.altitude_least_m,
-            self.altitude_most_m,
-            self.forward_least_m,
-            self.forward_most_m
+            metres(self.altitude_least_m),
+            metres(self.altitude_most_m),
+            metres(self.forward_least_m),
+            metres(self.forward_most_m)
         );
         if let Some(steady) = &self.steady {
             let settling = match steady.settling_s {

@@ -77,6 +77,9 @@ impl Named {
 /// in it. Lines may end as they did on a Macintosh. An error names the file, and the line of what is no text.
 pub fn text_of(path: &Path) -> anyhow::Result<String> {
     let origin = || on_one_line(&path.display().to_string());
+    if path.is_dir() {
+        bail!("{}: a folder, where a file is wanted", origin());
+    }
     let bytes = std::fs::read(path).with_context(origin)?;
     decoded(&bytes).map_err(|(line, what)| anyhow!("{}:{line}: {what}", origin()))
 }
@@ -149,7 +152,7 @@ pub fn check(noun: &str, names: &[&str], argument: &str) -> anyhow::Result<()> {
     let meant = meant.map_or(String::new(), |name| format!("; did you mean {name}?"));
     let names = names.join(", ");
     let argument = on_one_line(argument);
-    bail!("{argument}: neither a file nor a built-in {noun} ({names}){meant}");
+    bail!("{argument}: neither a file nor a built-in {noun}{meant} ({names})");
 }
 
 /// The text with its control characters escaped: a message that quotes what a file says stays on one line.

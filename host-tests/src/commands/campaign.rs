@@ -2,8 +2,9 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
 
-use anyhow::ensure;
+use anyhow::{bail, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use alula_report::campaign::{maps, page};
@@ -14,6 +15,7 @@ use alula_study::{BUILT_IN, CampaignSource, Shard, Store, Summary, run as fly_al
 use super::attitudes;
 use super::fly;
 use super::output::Output;
+use super::serve::interrupted;
 
 /// Fly an experiment many times, with its fields drawn at random: percentiles, limits, worst flights
 #[derive(clap::Args)]
@@ -108,11 +110,21 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     bar.set_style(ProgressStyle::with_template(style).expect("a valid template"));
     // What was there says nothing of the time that is left.
     bar.reset_eta();
-    fly_all(&source, &store, args.shard, args.threads, || {
+    let interrupted = interrupted()?;
+    let flown = fly_all(&source, &store, args.shard, args.threads, || {
         bar.inc(1);
+        ensure!(!interrupted.load(Ordering::Relaxed), "interrupted");
         Ok(())
-    })?;
+    });
     bar.finish_and_clear();
+    if flown.is_err() && interrupted.load(Ordering::Relaxed) {
+        let kept = campaign.flights_in(chunks().filter(|&chunk| store.has(chunk)));
+        bail!(
+            "interrupted: {kept} of {flights} flights are in {}; the same command goes on from there",
+            out.display()
+        );
+    }
+    flown?;
     if !args.shard.is_whole() {
         let place = out.display();
         writeln!(

@@ -9,6 +9,7 @@ use serde::Serialize;
 use toml::Value;
 
 use alula_logs::Log;
+use alula_report::Page;
 use alula_report::flight::page;
 use alula_report::viewer;
 use alula_sim::columns::write_trace;
@@ -223,7 +224,7 @@ pub fn report(
 ) -> anyhow::Result<()> {
     let figures = Figures::of(experiment, record);
     let segments = Segment::of(experiment, record);
-    leave_flight(document, experiment, record, out, Vec::new())?;
+    leave_flight(document, experiment, record, out, |_| ())?;
     let logs = logs.leave(|| flight_log::log(experiment, record), out)?;
     let mut stdout = std::io::stdout().lock();
     if output.json() {
@@ -255,13 +256,13 @@ pub fn report(
     output.show(&out.join("report.html"))
 }
 
-/// Leaves trace, picture, report and the page in three dimensions in `out`.
+/// Leaves trace, picture, report, which `changed` may add to, and the page in three dimensions in `out`.
 pub fn leave_flight(
     document: &Document,
     experiment: &Experiment,
     record: &[Step],
     out: &Path,
-    warnings: Vec<String>,
+    changed: impl FnOnce(&mut Page),
 ) -> anyhow::Result<()> {
     let figures = Figures::of(experiment, record);
     let segments = Segment::of(experiment, record);
@@ -269,7 +270,7 @@ pub fn leave_flight(
         Ok(write_trace(experiment, record, file)?)
     })?;
     let mut page = page(document, experiment, record, &figures, &segments);
-    page.warnings = warnings;
+    changed(&mut page);
     page.leave(out, ["flight.svg", "report.html"])?;
     leave_all(
         &out.join(viewer::FILE),

@@ -1,15 +1,13 @@
 //! `margins`: how much lag and delay the loop bears.
 
-use std::io::Write;
 use std::path::Path;
 
 use serde::Serialize;
 
-use alula_report::margins_figure;
+use alula_report::{Page, Table, fixed, margins_figure};
 use alula_sim::airframe::{Airframe, LoopMargins};
 use alula_sim::experiment::{PlantSpec, RateLoop};
-use alula_sim::margins::LONGEST;
-use alula_study::files::leave_all;
+use alula_sim::margins::{LONGEST, Point};
 
 use super::output::Output;
 use super::settings::Settings;
@@ -54,57 +52,60 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let loops = airframe.margins(&args.speeds, args.belief)?;
     let out = args.output.folder(&format!("margins/{}", airframe.name))?;
 
-    let curves: Vec<_> = loops.iter().map(|l| (l.gains, &l.points[..])).collect();
-    let svg = margins_figure(&curves).svg();
-    leave_all(&out.join("margins.svg"), svg)?;
     let included = included(&airframe.plant);
-    let mut stdout = std::io::stdout().lock();
-    if args.output.json() {
-        let summary = Summary {
-            vehicle: &airframe.name,
-            out: &out,
-            longest_s: LONGEST,
-            included: &included,
-            loops: &loops,
-        };
-        writeln!(stdout, "{}", serde_json::to_string_pretty(&summary)?)?;
-        return Ok(());
+    // What is flown before what the paper had.
+    let shown = || loops.iter().rev();
+    let curves: Vec<_> = shown().map(|l| (title(l.gains), &l.points[..])).collect();
+    let page = Page {
+        title: format!("Margins of {}", airframe.name),
+        lead: format!("Level flight, small errors. {included}"),
+        figure: margins_figure(&curves),
+        tables: shown().map(table).collect(),
+        notes: "Each point is an equilibrium: a speed may have several, of other angles of attack."
+            .to_owned(),
+        ..Page::default()
+    };
+    let summary = Summary {
+        vehicle: &airframe.name,
+        out: &out,
+        longest_s: LONGEST,
+        included: &included,
+        loops: &loops,
+    };
+    args.output.leave(&out, "margins", &page, &summary)
+}
+
+/// What a choice of gains is called.
+fn title(gains: &str) -> &'static str {
+    match gains {
+        "paper" => "the paper's gains",
+        _ => "the experiment's gains",
     }
-    writeln!(stdout, "{included}")?;
-    for l in &loops {
-        writeln!(stdout, "gains: {}", l.gains)?;
-        let head = [
-            "v [m/s]",
-            "θ [°]",
-            "α [°]",
-            "|F_p| [N]",
-            "lag [s]",
-            "delay [s]",
-        ];
-        let head = head.map(|h| format!("{h:>9}")).join(" ");
-        writeln!(stdout, "{head}  eigenvalues [rad/s]")?;
-        for p in &l.points {
-            let limit = |t: Option<f64>| t.map_or(format!("> {LONGEST}"), |t| format!("{t:.4}"));
-            let eigenvalue = |&(re, im): &(f64, f64)| match im {
-                0.0 => format!("{re:.2}"),
-                _ => format!("{re:.2}{im:+.2}i"),
-            };
-            let eigenvalues: Vec<String> = p.eigenvalues.iter().map(eigenvalue).collect();
-            writeln!(
-                stdout,
-                "{:9.1} {:9.2} {:9.2} {:9.1} {:>9} {:>9}  {}",
-                p.speed_m_s,
-                p.theta_deg,
-                p.alpha_deg,
-                p.fp_n,
-                limit(p.lag_s),
-                limit(p.delay_s),
-                eigenvalues.join(", ")
-            )?;
-        }
-    }
-    writeln!(stdout, "margins.svg is in {}", out.display())?;
-    Ok(())
+}
+
+/// The margins with one choice of gains.
+fn table(of: &LoopMargins) -> Table {
+    let limit = |t: Option<f64>| t.map_or(format!("> {LONGEST}"), |t| fixed(t, 4));
+    let eigenvalue = |&(re, im): &(f64, f64)| match im {
+        0.0 => fixed(re, 2),
+        _ => format!("{re:.2}{im:+.2}i"),
+    };
+    Table::of(
+        format!("With {}", title(of.gains)),
+        &of.points,
+        &[
+            ("v [m/s]", &|p: &Point| fixed(p.speed_m_s, 1)),
+            ("θ [°]", &|p| fixed(p.theta_deg, 2)),
+            ("α [°]", &|p| fixed(p.alpha_deg, 2)),
+            ("|F_p| [N]", &|p| fixed(p.fp_n, 1)),
+            ("lag [s]", &|p| limit(p.lag_s)),
+            ("delay [s]", &|p| limit(p.delay_s)),
+            ("eigenvalues [rad/s]", &|p| {
+                let all: Vec<String> = p.eigenvalues.iter().map(eigenvalue).collect();
+                all.join(", ")
+            }),
+        ],
+    )
 }
 
 /// What is counted of the actuators, in one sentence.

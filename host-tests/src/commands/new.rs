@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use alula_design::{
     Design, Facts, Known, Outcome, Performance, Verdict, campaign_text, check_name, code_text,
-    vehicle_text,
+    rust_text, vehicle_text,
 };
 use alula_report::design::{Results, page};
 use alula_sim::experiment::Document;
@@ -19,6 +19,7 @@ use alula_sim::simulate::fly;
 use alula_study::files::leave_all;
 
 use super::fly::leave_flight;
+use super::output::Output;
 
 /// Make a vehicle's files from what is known of it: vehicle, gains and limits with their reasons, margins, envelope, a first flight
 #[derive(clap::Args)]
@@ -34,9 +35,15 @@ pub struct Args {
     /// Folder for the files [default: the name]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Write files anew that are there already
+    #[arg(long)]
+    force: bool,
     /// Print one JSON object instead of the tables
     #[arg(long)]
     json: bool,
+    /// Open the vehicle's page in the browser
+    #[arg(long)]
+    open: bool,
 }
 
 /// What `--json` prints.
@@ -66,8 +73,8 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let name = &args.name;
     let file = out.join(format!("{name}.toml"));
     ensure!(
-        !file.exists(),
-        "{} is there already: remove it, or choose another name, or --out",
+        args.force || !file.exists(),
+        "{} is there already: --force writes it anew, or choose another name, or --out",
         file.display()
     );
     std::fs::create_dir_all(&out).with_context(|| out.display().to_string())?;
@@ -78,6 +85,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let campaign = out.join(format!("{name}-campaign.toml"));
     leave_all(&campaign, campaign_text(name, &design))?;
     leave_all(&out.join("vehicle.h"), code_text(name, &design))?;
+    leave_all(&out.join("vehicle.rs"), rust_text(name, &design))?;
     leave_all(&file, &text)?;
 
     // From here on as everybody else takes it: from the file.
@@ -99,20 +107,24 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     )?;
     let margins = margins(&experiment, facts.cruise_m_s)?;
     let verdict = Verdict::of(facts, &performance, &figures);
-    let missed = verdict.outcome != Outcome::AsAsked;
-    let said = missed.then(|| verdict.text());
     leave_flight(
         &document,
         &experiment,
         &record,
         &first,
-        said.into_iter().collect(),
+        |page| match verdict.outcome {
+            Outcome::AsAsked => {}
+            Outcome::OutsideGoals => page.remarks.push(verdict.text()),
+            Outcome::Fails => page.warnings.push(verdict.text()),
+        },
     )?;
     let mut warnings = design.wing.warnings.clone();
     warnings.extend(performance.doubts(&design));
     let results = Results {
         performance: &performance,
         margins: &margins,
+        experiment: &experiment,
+        record: &record,
         flight: &figures,
         verdict: &verdict,
         warnings: &warnings,
@@ -134,11 +146,12 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         };
         writeln!(stdout, "{}", serde_json::to_string_pretty(&summary)?)?;
     } else {
+        let program = program();
         let word = |path: &Path| in_shell(&path.to_string_lossy());
         writeln!(
             stdout,
-            "{}\n{}.\n\n{name}.toml, {name}-campaign.toml, vehicle.h, vehicle.html and first-flight/report.html are in {}. Next:\n  \
-             alula-sil fly {}\n  alula-sil campaign {}",
+            "{}\n{}.\n\n{name}.toml, {name}-campaign.toml, vehicle.h, vehicle.rs, vehicle.html, first-flight/report.html and first-flight/view.html are in {}. \
+             Next:\n  {program} fly {}\n  {program} campaign {}",
             page.text(),
             verdict.text(),
             out.display(),
@@ -146,6 +159,8 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
             word(&campaign)
         )?;
     }
+    drop(stdout);
+    Output::opened(args.open).show(&out.join("vehicle.html"))?;
     if verdict.outcome == Outcome::Fails {
         bail!(
             "{name}: {}. The files are there to look into it",
@@ -153,6 +168,15 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         );
     }
     Ok(())
+}
+
+/// How this program is called: by its name where a shell finds it, or else by where it is.
+fn program() -> String {
+    let called = std::env::args().next().unwrap_or_default();
+    match called.contains(std::path::MAIN_SEPARATOR) {
+        true => in_shell(&called),
+        false => "alula-sil".to_owned(),
+    }
 }
 
 /// What the flags say, then the file, then who sits at the terminal.

@@ -94,7 +94,12 @@ fn ardupilot(args: &ArduPilot) -> anyhow::Result<()> {
         .output
         .folder(&format!("ardupilot/{}", document.name))?;
     let mut vehicle = Vehicle::new(&experiment)?;
-    let socket = UdpSocket::bind(args.listen).with_context(|| args.listen.to_string())?;
+    let socket = UdpSocket::bind(args.listen).with_context(|| {
+        format!(
+            "--listen {}: another program has it, or it is not of this machine; choose another port",
+            args.listen
+        )
+    })?;
     let interrupted = interrupted()?;
     // On standard error: standard output is the result's.
     eprintln!("listening on {}", socket.local_addr()?);

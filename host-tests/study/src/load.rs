@@ -65,6 +65,16 @@ pub struct Texts {
     pub base: String,
 }
 
+impl Texts {
+    /// What decides each flight by its number: all but how many there are.
+    pub(super) fn flown(&self) -> Self {
+        Self {
+            flights: 0,
+            ..self.clone()
+        }
+    }
+}
+
 impl CampaignSource {
     /// The campaign that `argument` names, a built-in or else a TOML file, with `flights` in place of its own number.
     pub fn load(argument: &str, flights: Option<u64>) -> anyhow::Result<Self> {

@@ -21,6 +21,8 @@ pub struct Store {
     folder: PathBuf,
     /// Of the campaign: what its parts are sealed with.
     identity: u64,
+    /// Its number of flights.
+    flights: u64,
 }
 
 const IDENTITY: &str = "campaign.json";
@@ -36,8 +38,12 @@ impl Store {
         let remove = "remove it, or choose another folder with --out";
         let place = folder.display();
         if path.exists() {
-            if Self::texts(folder)? != source.texts {
+            let before = Self::texts(folder)?;
+            if before.flown() != source.texts.flown() {
                 bail!("{place}: holds the results of another campaign; {remove}");
+            }
+            if before.flights != source.texts.flights {
+                store.resize(before.flights, &source.texts)?;
             }
             for chunk in (0..source.campaign.chunks()).filter(|&chunk| store.has(chunk)) {
                 for kind in KINDS {
@@ -76,13 +82,32 @@ impl Store {
 
     /// Whether its parts are of the campaign that those of `other` are of.
     pub(super) fn is_of_the_campaign_of(&self, other: &Self) -> bool {
-        self.identity == other.identity
+        (self.identity, self.flights) == (other.identity, other.flights)
+    }
+
+    /// Goes from `before` flights to those that `texts` say. Parts that are whole in both stay, those beyond the end, too: they are looked at no
+    /// more, until there are more flights again.
+    fn resize(&self, before: u64, texts: &Texts) -> anyhow::Result<()> {
+        for end in [before, texts.flights] {
+            // The last part has some of its flights alone in one of both.
+            if !end.is_multiple_of(CHUNK) {
+                for kind in KINDS {
+                    let part = self.part(kind, end / CHUNK);
+                    if part.exists() {
+                        std::fs::remove_file(&part).with_context(|| part.display().to_string())?;
+                    }
+                }
+            }
+        }
+        let text = serde_json::to_string_pretty(texts)?;
+        leave_all(&self.folder.join(IDENTITY), text)
     }
 
     fn of(folder: &Path, texts: &Texts) -> anyhow::Result<Self> {
         Ok(Self {
             folder: folder.to_owned(),
-            identity: checksum(&serde_json::to_vec(texts)?),
+            identity: checksum(&serde_json::to_vec(&texts.flown())?),
+            flights: texts.flights,
         })
     }
 

@@ -8,7 +8,11 @@ use super::document::{FieldError, finite, positive, require};
 
 /// How the body rates follow their commands.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
-#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+#[serde(
+    rename_all = "kebab-case",
+    deny_unknown_fields,
+    expecting = "lag = { time_constant_s = 0.1 }, inertia = { inertia_kg_m2 = …, bandwidth_1_s = …, torque_max_n_m = … } or \"ideal\""
+)]
 pub enum RateLoop {
     /// ω = ω_c.
     #[default]

@@ -1,0 +1,100 @@
+//! tail-sitter, made by `alula-sil new`: `mod vehicle;`, then `vehicle::guidance()`, once.
+
+use alula::aero::{Node, Polar};
+use alula::{
+    Guidance, GuidanceParameters, ParameterError, ResponseParameters, Table, Vehicle,
+    VehicleParameters,
+};
+
+// naca-0012 at Re = 160e3: in cruise it is 297768, for a mean chord by the aspect ratio, taken for 6. Built in are 160e3 and 5e6, the first and the last of the tables that SAND80-2114 (Sheldahl and Klimas) has at 160e3, 360e3, 700e3, 1e6, 2e6 and 5e6.
+// Without an aspect ratio: the wing is taken for the polar as it is.
+#[rustfmt::skip]
+static POLAR: Polar<59> = match Polar::new(&[
+    Node { alpha: 0.0, c_l: 0.0, c_d: 0.0103 },
+    Node { alpha: 0.017453292, c_l: 0.11, c_d: 0.0104 },
+    Node { alpha: 0.034906585, c_l: 0.22, c_d: 0.0108 },
+    Node { alpha: 0.05235988, c_l: 0.33, c_d: 0.0114 },
+    Node { alpha: 0.06981317, c_l: 0.44, c_d: 0.0124 },
+    Node { alpha: 0.08726646, c_l: 0.55, c_d: 0.014 },
+    Node { alpha: 0.10471976, c_l: 0.66, c_d: 0.0152 },
+    Node { alpha: 0.12217305, c_l: 0.746, c_d: 0.017 },
+    Node { alpha: 0.13962634, c_l: 0.8274, c_d: 0.0185 },
+    Node { alpha: 0.15707964, c_l: 0.8527, c_d: 0.0203 },
+    Node { alpha: 0.17453292, c_l: 0.1325, c_d: 0.0188 },
+    Node { alpha: 0.19198622, c_l: 0.1095, c_d: 0.076 },
+    Node { alpha: 0.20943952, c_l: 0.1533, c_d: 0.134 },
+    Node { alpha: 0.2268928, c_l: 0.203, c_d: 0.152 },
+    Node { alpha: 0.2443461, c_l: 0.2546, c_d: 0.171 },
+    Node { alpha: 0.2617994, c_l: 0.3082, c_d: 0.19 },
+    Node { alpha: 0.27925268, c_l: 0.362, c_d: 0.21 },
+    Node { alpha: 0.29670596, c_l: 0.42, c_d: 0.231 },
+    Node { alpha: 0.31415927, c_l: 0.4768, c_d: 0.252 },
+    Node { alpha: 0.33161256, c_l: 0.5322, c_d: 0.274 },
+    Node { alpha: 0.34906584, c_l: 0.587, c_d: 0.297 },
+    Node { alpha: 0.36651915, c_l: 0.6414, c_d: 0.32 },
+    Node { alpha: 0.38397244, c_l: 0.6956, c_d: 0.344 },
+    Node { alpha: 0.40142572, c_l: 0.7497, c_d: 0.369 },
+    Node { alpha: 0.41887903, c_l: 0.8034, c_d: 0.394 },
+    Node { alpha: 0.43633232, c_l: 0.8572, c_d: 0.42 },
+    Node { alpha: 0.4537856, c_l: 0.9109, c_d: 0.446 },
+    Node { alpha: 0.4712389, c_l: 0.9646, c_d: 0.473 },
+    Node { alpha: 0.5235988, c_l: 0.915, c_d: 0.57 },
+    Node { alpha: 0.61086524, c_l: 1.02, c_d: 0.745 },
+    Node { alpha: 0.6981317, c_l: 1.075, c_d: 0.92 },
+    Node { alpha: 0.7853982, c_l: 1.085, c_d: 1.075 },
+    Node { alpha: 0.87266463, c_l: 1.04, c_d: 1.215 },
+    Node { alpha: 0.9599311, c_l: 0.965, c_d: 1.345 },
+    Node { alpha: 1.0471976, c_l: 0.875, c_d: 1.47 },
+    Node { alpha: 1.134464, c_l: 0.765, c_d: 1.575 },
+    Node { alpha: 1.2217305, c_l: 0.65, c_d: 1.665 },
+    Node { alpha: 1.3089969, c_l: 0.515, c_d: 1.735 },
+    Node { alpha: 1.3962634, c_l: 0.37, c_d: 1.78 },
+    Node { alpha: 1.4835298, c_l: 0.22, c_d: 1.8 },
+    Node { alpha: 1.5707964, c_l: 0.07, c_d: 1.8 },
+    Node { alpha: 1.6580628, c_l: -0.07, c_d: 1.78 },
+    Node { alpha: 1.7453293, c_l: -0.22, c_d: 1.75 },
+    Node { alpha: 1.8325957, c_l: -0.37, c_d: 1.7 },
+    Node { alpha: 1.9198622, c_l: -0.51, c_d: 1.635 },
+    Node { alpha: 2.0071287, c_l: -0.625, c_d: 1.555 },
+    Node { alpha: 2.0943952, c_l: -0.735, c_d: 1.465 },
+    Node { alpha: 2.1816616, c_l: -0.84, c_d: 1.35 },
+    Node { alpha: 2.268928, c_l: -0.91, c_d: 1.225 },
+    Node { alpha: 2.3561945, c_l: -0.945, c_d: 1.085 },
+    Node { alpha: 2.443461, c_l: -0.945, c_d: 0.925 },
+    Node { alpha: 2.5307274, c_l: -0.91, c_d: 0.755 },
+    Node { alpha: 2.6179938, c_l: -0.85, c_d: 0.575 },
+    Node { alpha: 2.7052603, c_l: -0.74, c_d: 0.42 },
+    Node { alpha: 2.7925267, c_l: -0.66, c_d: 0.32 },
+    Node { alpha: 2.8797932, c_l: -0.675, c_d: 0.23 },
+    Node { alpha: 2.9670596, c_l: -0.85, c_d: 0.14 },
+    Node { alpha: 3.0543263, c_l: -0.69, c_d: 0.055 },
+    Node { alpha: 3.1415927, c_l: 0.0, c_d: 0.025 },
+]) {
+    Ok(polar) => polar,
+    // A row that is wrong does not compile.
+    Err(_) => panic!(),
+};
+
+/// Its coefficients.
+pub type Model = Table<'static>;
+
+/// The guidance of the vehicle.
+///
+/// # Errors
+/// None, unless the numbers are changed.
+pub fn guidance() -> Result<Guidance<Model>, ParameterError> {
+    let mut aircraft = VehicleParameters::DEFAULT;
+    aircraft.mass = 3.0;
+    aircraft.k_a = 0.214375;
+    aircraft.delta = 0.0;
+    aircraft.thrust_min = 0.0;
+    aircraft.thrust_max = 47.088;
+    let response = ResponseParameters {
+        rate_lag: 0.06,
+        thrust_lag: 0.08,
+        control_rate: 100.0,
+        cruise_speed: 18.0,
+    };
+    let parameters = GuidanceParameters::for_vehicle(&aircraft, &response)?;
+    Guidance::new(Vehicle::new(aircraft, Table::new(&POLAR))?, &parameters)
+}
