@@ -137,6 +137,25 @@ fn equilibria_are_those_of_the_envelope() {
     );
 }
 
+/// What no law alone can follow the guidance crosses on purpose, and is not told that it cannot.
+#[test]
+fn sweep_does_not_forbid_what_the_guidance_flies() {
+    let folder = tempfile::tempdir().unwrap();
+    for (experiment, expected) in [
+        (
+            "round-trip",
+            "the guidance crosses what is listed on purpose",
+        ),
+        ("hover-to-cruise", "not admissible: no law can follow it"),
+    ] {
+        let output = alula(folder.path(), &["sweep", experiment]);
+        let text = String::from_utf8(output.stdout).unwrap();
+        assert!(text.contains(expected), "{text}");
+        // Digits that say something.
+        assert!(text.lines().all(|line| !line.contains("99999")), "{text}");
+    }
+}
+
 #[test]
 fn sweep_finds_the_jump_of_the_papers_flight() {
     let folder = tempfile::tempdir().unwrap();

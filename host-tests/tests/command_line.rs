@@ -50,18 +50,17 @@ fn without_arguments_the_default_is_flown_and_leaves_its_files() {
     // No progress bar where there is no terminal.
     assert_eq!(text(&output.stderr), "");
     assert!(stdout.contains("velocity error, peak"), "{stdout}");
-    assert!(
-        stdout
-            .lines()
-            .last()
-            .unwrap()
-            .ends_with("out/hover-to-cruise"),
-        "{stdout}"
-    );
+    // The last line says what to look at: the mission.
+    let last = stdout.lines().last().unwrap();
+    assert_eq!(last, "open out/mission/report.html", "{stdout}");
 
     let out = folder.path().join("out/hover-to-cruise");
-    let expected = ["flight.svg", "report.html", "trace.csv"].map(String::from);
-    assert_eq!(names(&out), BTreeSet::from(expected));
+    let expected = ["flight.svg", "report.html", "trace.csv", "view.html"].map(String::from);
+    assert_eq!(names(&out), BTreeSet::from(expected.clone()));
+    assert_eq!(
+        names(&folder.path().join("out/mission")),
+        BTreeSet::from(expected)
+    );
 
     let trace = fs::read_to_string(out.join("trace.csv")).unwrap();
     assert_eq!(trace.lines().count(), 20_002);
