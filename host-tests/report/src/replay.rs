@@ -57,7 +57,7 @@ fn least(of: &str, experiment: &Experiment, record: &[Step]) -> Option<(f64, f64
     };
     let finite = record
         .iter()
-        .filter(|step| step.answer.flown().is_some())
+        .filter(|step| step.answer.diagnostics_flying().is_some())
         .map(value)
         .filter(|(value, _)| value.is_finite());
     finite.min_by(|a, b| a.0.total_cmp(&b.0))
@@ -173,8 +173,8 @@ mod tests {
             .unwrap();
         let experiment = document.checked().unwrap();
         let mut record = fly(&experiment).unwrap();
-        assert!(record[0].answer.flown().is_none());
-        let flown = |step: &Step| step.answer.flown().is_some();
+        assert!(record[0].answer.diagnostics_flying().is_none());
+        let flown = |step: &Step| step.answer.diagnostics_flying().is_some();
         let numbers = |of: &str| {
             let column = column(of).unwrap();
             let steps = record.iter().filter(|step| flown(step));

@@ -10,6 +10,7 @@ use super::load::Texts;
 use super::part::{Seal, checksum};
 use super::run::{Shard, Threads, fly};
 use super::{CampaignSource, Frame, Summary};
+use crate::chunk::CHUNK;
 use crate::files::{leave, leave_all};
 
 /// Flights of a row group of `flights.parquet`: each group costs the writer memory until the end.

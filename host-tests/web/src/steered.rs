@@ -9,16 +9,14 @@ use alula_sim::simulate::Flight;
 use anyhow::{bail, ensure};
 
 /// How goals are flown to.
-const PREFERENCES: Preferences = Preferences {
-    speed: 20.0,
-    climb: 3.0,
-    acceleration: 3.0,
-    planner_options: PlannerOptions {
-        altitude_band: 0.0,
-        nose_below_vertical: false,
-        hold_altitude_only: false,
-    },
-};
+fn preferences() -> Preferences {
+    Preferences {
+        speed: 20.0,
+        climb: 3.0,
+        acceleration: 3.0,
+        planner_options: PlannerOptions::default(),
+    }
+}
 
 /// A flight that somebody steers.
 pub struct Steered {
@@ -39,7 +37,7 @@ impl Steered {
             experiment,
             flight: Flight::new(experiment)?,
             controller: experiment.controller()?,
-            goals: Goals::new(PREFERENCES)?,
+            goals: Goals::new(preferences())?,
             goal: Goal::Hover(Ned::ZERO),
             state: GoalState::default(),
         })
@@ -72,15 +70,14 @@ impl Steered {
             let step = self
                 .flight
                 .ask_for(self.controller.as_mut(), |position, velocity| {
-                    let (reference, error, options) =
-                        goals.step(state, goal, ned(position), ned(velocity), dt);
+                    let wanted = goals.step(state, goal, ned(position), ned(velocity), dt);
                     let target = Target {
-                        position: position - double(error),
-                        velocity: double(reference.velocity),
-                        acceleration: double(reference.acceleration),
+                        position: position - double(wanted.position_error),
+                        velocity: double(wanted.reference.velocity),
+                        acceleration: double(wanted.reference.acceleration),
                         heading: None,
                     };
-                    (target, options)
+                    (target, wanted.planner_options)
                 })?;
             ensure!(step.truth.is_sound(), "diverged at {:.2} s", step.t);
             scene.push(self.experiment, &step, i + 1 == steps);
