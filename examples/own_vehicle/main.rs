@@ -13,15 +13,14 @@ const PERIOD: f32 = 0.01;
 
 /// What the estimator knows: here a vehicle that hovers in still air, and is asked to climb at 1 m/s.
 fn measured() -> GuidanceInput {
-    GuidanceInput {
-        orientation: Orientation::NOSE_UP,
-        air: Air::Wind(Ned::ZERO),
-        reference: Reference {
-            velocity: Ned::new(0.0, 0.0, -1.0),
-            ..Reference::default()
-        },
-        ..GuidanceInput::default()
-    }
+    let reference = Reference {
+        velocity: Ned::new(0.0, 0.0, -1.0),
+        ..Reference::default()
+    };
+    GuidanceInput::default()
+        .orientation(Orientation::NOSE_UP)
+        .air(Air::Wind(Ned::ZERO))
+        .reference(reference)
 }
 
 /// The guidance for a second, one step a period; `command` goes to rate loop and motors. The error is a number in `vehicle.rs` that is none.

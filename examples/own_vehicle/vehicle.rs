@@ -2,8 +2,8 @@
 
 use alula::aero::{Node, Polar};
 use alula::{
-    Guidance, GuidanceParameters, ParameterError, ResponseParameters, Table, Vehicle,
-    VehicleParameters,
+    Guidance, GuidanceParameters, ParameterError, Parameters as _, ResponseParameters, Table,
+    Vehicle, VehicleParameters,
 };
 
 // naca-0012 at Re = 160e3: in cruise it is 297768, for a mean chord by the aspect ratio, taken for 6. Built in are 160e3 and 5e6, the first and the last of the tables that SAND80-2114 (Sheldahl and Klimas) has at 160e3, 360e3, 700e3, 1e6, 2e6 and 5e6.
@@ -89,12 +89,11 @@ pub fn guidance() -> Result<Guidance<Model>, ParameterError> {
     aircraft.delta = 0.0;
     aircraft.thrust_min = 0.0;
     aircraft.thrust_max = 47.088;
-    let response = ResponseParameters {
-        rate_lag: 0.06,
-        thrust_lag: 0.08,
-        control_rate: 100.0,
-        cruise_speed: 18.0,
-    };
+    let mut response = ResponseParameters::DEFAULT;
+    response.rate_lag = 0.06;
+    response.thrust_lag = 0.08;
+    response.control_rate = 100.0;
+    response.cruise_speed = 18.0;
     let parameters = GuidanceParameters::for_vehicle(&aircraft, &response)?;
     Guidance::new(Vehicle::new(aircraft, Table::new(&POLAR))?, &parameters)
 }

@@ -21,7 +21,7 @@ pub fn rust_text(name: &str, design: &Design) -> String {
     let model = match &design.wing.aerodynamics {
         AerodynamicsSpec::Table { polar } => {
             let rows = polar.rows.len();
-            text += "use alula::aero::{Node, Polar};\nuse alula::{\n    Guidance, GuidanceParameters, ParameterError, ResponseParameters, Table, Vehicle,\n    VehicleParameters,\n};\n\n";
+            text += "use alula::aero::{Node, Polar};\nuse alula::{\n    Guidance, GuidanceParameters, ParameterError, Parameters as _, ResponseParameters, Table,\n    Vehicle, VehicleParameters,\n};\n\n";
             for sentence in &design.wing.story {
                 let _ = writeln!(text, "// {}.", on_one_line(sentence));
             }
@@ -40,7 +40,7 @@ pub fn rust_text(name: &str, design: &Design) -> String {
             "Table::new(&POLAR)".to_owned()
         }
         AerodynamicsSpec::LargeAngle(model) => {
-            text += "use alula::{\n    Guidance, GuidanceParameters, LargeAngle, LargeAngleParameters, ParameterError,\n    ResponseParameters, Vehicle, VehicleParameters,\n};\n\n\
+            text += "use alula::{\n    Guidance, GuidanceParameters, LargeAngle, LargeAngleParameters, ParameterError,\n    Parameters as _, ResponseParameters, Vehicle, VehicleParameters,\n};\n\n\
                      /// Its coefficients.\npub type Model = LargeAngle;\n\n";
             format!(
                 "LargeAngle::new(LargeAngleParameters {{ c0: {}, c1: {} }})?",
@@ -68,10 +68,18 @@ pub fn rust_text(name: &str, design: &Design) -> String {
         facts.cruise_m_s,
     ]
     .map(float);
+    text += "    let mut response = ResponseParameters::DEFAULT;\n";
+    for (field, value) in [
+        ("rate_lag", rate),
+        ("thrust_lag", thrust),
+        ("control_rate", hertz),
+        ("cruise_speed", cruise),
+    ] {
+        let _ = writeln!(text, "    response.{field} = {value};");
+    }
     let _ = write!(
         text,
-        "    let response = ResponseParameters {{\n        rate_lag: {rate},\n        thrust_lag: {thrust},\n        control_rate: {hertz},\n        \
-         cruise_speed: {cruise},\n    }};\n    let parameters = GuidanceParameters::for_vehicle(&aircraft, &response)?;\n    \
+        "    let parameters = GuidanceParameters::for_vehicle(&aircraft, &response)?;\n    \
          Guidance::new(Vehicle::new(aircraft, {model})?, &parameters)\n}}\n"
     );
     text

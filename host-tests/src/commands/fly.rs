@@ -99,7 +99,7 @@ struct Summary<'a> {
 pub fn first(open: bool) -> anyhow::Result<()> {
     for (name, open) in [(DEFAULT, false), (MISSION, open)] {
         let document = Document::load(name)?;
-        let output = (&Output::opened(open), &Logs::default());
+        let output = (&Output::new(false, open), &Logs::default());
         fly(&document, name, output, |experiment| {
             Ok(experiment.controller()?)
         })?;

@@ -160,7 +160,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         )?;
     }
     drop(stdout);
-    Output::opened(args.open).show(&out.join("vehicle.html"))?;
+    Output::new(args.json, args.open).show(&out.join("vehicle.html"))?;
     if verdict.outcome == Outcome::Fails {
         bail!(
             "{name}: {}. The files are there to look into it",

@@ -23,9 +23,10 @@ pub struct Output {
 }
 
 impl Output {
-    /// Where results go by default, with the page opened or not.
-    pub fn opened(open: bool) -> Self {
+    /// Where results go by default: as JSON or not, with the page opened or not.
+    pub fn new(json: bool, open: bool) -> Self {
         Self {
+            json,
             open,
             ..Self::default()
         }
