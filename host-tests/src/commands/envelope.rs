@@ -56,7 +56,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         ),
         figure: figure(&shown),
         tables: tables(&summary, &ray),
-        notes: "Equilibria from hover to infinite airspeed; see docs/envelope.md. A cusp is a climb angle ε at which two folds meet: beyond it both are gone. Most lie at angles of attack that no flight has.".to_owned(),
+        notes: "Equilibria from hover to infinite airspeed; see docs/envelope.md. A cusp is a climb angle ε at which two folds meet: beyond it both are gone.".to_owned(),
         ..Page::default()
     };
     args.output.leave(&out, "envelope", &page, &summary)
