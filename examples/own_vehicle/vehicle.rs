@@ -9,6 +9,7 @@ use alula::{
 // naca-0012 at Re = 160e3: in cruise it is 297768, for a mean chord by the aspect ratio, taken for 6. Built in are 160e3 and 5e6, the first and the last of the tables that SAND80-2114 (Sheldahl and Klimas) has at 160e3, 360e3, 700e3, 1e6, 2e6 and 5e6.
 // Without an aspect ratio: the wing is taken for the polar as it is.
 #[rustfmt::skip]
+#[allow(clippy::approx_constant)] // a row at 30° is no constant of mathematics
 static POLAR: Polar<59> = match Polar::new(&[
     Node { alpha: 0.0, c_l: 0.0, c_d: 0.0103 },
     Node { alpha: 0.017453292, c_l: 0.11, c_d: 0.0104 },

@@ -27,7 +27,7 @@ pub fn rust_text(name: &str, design: &Design) -> String {
             }
             let _ = writeln!(
                 text,
-                "#[rustfmt::skip]\nstatic POLAR: Polar<{rows}> = match Polar::new(&["
+                "#[rustfmt::skip]\n#[allow(clippy::approx_constant)] // a row at 30° is no constant of mathematics\nstatic POLAR: Polar<{rows}> = match Polar::new(&["
             );
             for &[alpha, c_l, c_d] in polar.rows {
                 let [alpha, c_l, c_d] = [alpha, c_l, c_d].map(float);

@@ -3,8 +3,8 @@
 use std::collections::VecDeque;
 
 use alula::GuidanceOutput;
-use alula::mission::{Gate, MissionOutput};
 use alula::guidance::PlannerOptions;
+use alula::mission::{Gate, MissionOutput};
 use alula::ned::Ned;
 use alula::spatial::FeedForward;
 use nalgebra::UnitQuaternion;
