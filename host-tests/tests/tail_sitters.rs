@@ -1,7 +1,7 @@
 //! Vehicles as people own them, with limited authority: random flights of the four vehicle files.
 //!
 //! The draws: a speed of 0.7 to 1.05 of cruise, an acceleration and a braking of 1 to 3 m/s², a mass that is believed wrongly by up to
-//! 5 %, any heading; falls at any attitude.
+//! 5 %, any heading; falls at any attitude. Air data are exact: sensors as they are fly in the campaigns.
 
 use alula_sim::experiment::Document;
 use alula_sim::experiment::tail_sitter::TailSitterSpec;
@@ -50,6 +50,7 @@ fn document(vehicle: &str, kind: Kind, seed: u64) -> Document {
     let mut document = Document::load(base).unwrap();
     let mut set = |text: String| document.assign(&text).unwrap();
     set(format!("plant.vehicle='{vehicle}'"));
+    set("sensors='exact'".to_owned());
     set(format!("seed={seed}"));
     match kind {
         Kind::LevelBraking | Kind::ClimbingBraking => {
