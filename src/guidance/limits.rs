@@ -94,7 +94,7 @@ impl Limits {
     /// `thrust` \[N\], at an airspeed `along` the nose [m/s], and body `rates` [rad/s] brought inside the limits after `dt` \[s\].
     /// The memory keeps the static thrust to command for it.
     #[inline(always)]
-    pub fn apply(
+    pub(super) fn apply(
         &self,
         state: &mut LimitState,
         thrust: f32,

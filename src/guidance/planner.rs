@@ -316,7 +316,7 @@ impl Planner {
     /// Where the wing could carry more than the weight, thrust from the beginning to the end of a plan costs too: what can be
     /// flown on either side of stall is flown on the wing, and not with half of the weight on the thrust.
     #[inline(always)]
-    pub fn search<A: Aerodynamics>(
+    pub(super) fn search<A: Aerodynamics>(
         &self,
         vehicle: &Vehicle<A>,
         state: &mut PlannerState,

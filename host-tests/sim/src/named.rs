@@ -303,7 +303,7 @@ mod tests {
         );
         assert_eq!(
             error("Aple"),
-            "Aple: neither a file nor a built-in fruit (apple, pear); did you mean apple?"
+            "Aple: neither a file nor a built-in fruit; did you mean apple? (apple, pear)"
         );
         assert!(error("plum.toml").starts_with("plum.toml: No such file"));
         let file = tempfile::NamedTempFile::with_suffix(".toml").unwrap();
