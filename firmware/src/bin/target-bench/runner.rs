@@ -49,14 +49,14 @@ const fn law(function: &'static str, median: u32) -> Limit {
 }
 
 /// Of the guidance. The predictions' loop is there twice, for large wings at high speed and without: 3 kB, and 300 instructions
-/// less.
+/// less. Two tables of steps and the moment of a stalled wing take 1.9 kB.
 const fn guidance(function: &'static str) -> Limit {
     Limit {
         function,
         median: 23_000,
         spread: 1.5,
-        flash: 38 * 1024,
-        stack: 1600,
+        flash: 40 * 1024,
+        stack: 1640,
     }
 }
 
@@ -64,7 +64,7 @@ const fn guidance(function: &'static str) -> Limit {
 const fn hardened(function: &'static str) -> Limit {
     Limit {
         median: 24_000,
-        flash: 44 * 1024,
+        flash: 45 * 1024,
         stack: 2112,
         ..guidance(function)
     }
