@@ -67,6 +67,7 @@ pub struct Texts {
 
 impl Texts {
     /// What decides each flight by its number: all but how many there are.
+    #[cfg(feature = "store")]
     pub(super) fn flown(&self) -> Self {
         Self {
             flights: 0,
