@@ -1,6 +1,6 @@
 //! What a vehicle can do on its wing, from what is believed of it: drag, glide, climb, turns. Computed once.
 
-use crate::aero::Aerodynamics;
+use crate::aero::{Aerodynamics, Stall};
 use crate::air::AngleOfAttack;
 use crate::math;
 use crate::vehicle::Vehicle;
@@ -16,9 +16,9 @@ const CLIMB_SHARE: f32 = 0.7;
 const LIFT_SHARE: f32 = 0.7;
 /// Acceleration of turns in hover, where thrust alone makes them [m/s²].
 const HOVER_TURN: f32 = 2.0;
-/// Greatest angle of attack of the search \[rad\] and its step: half a degree up to 20°, beyond which no wing of the library stalls.
+/// Step of the search for an angle of attack, half a degree \[rad\], and how many: up to 30°, where every wing has stalled.
 const DEGREE: f32 = 8.726_646e-3;
-const ANGLES: u8 = 41;
+const ANGLES: u8 = 61;
 
 /// What a vehicle can do on its wing.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,12 +36,6 @@ pub(super) struct Ability {
 
 /// (c_L, c_D) at an angle of attack: a function, and not a model, so that the search is compiled once.
 type Polar<'a> = &'a dyn Fn(f32) -> (f32, f32);
-
-/// The greatest lift coefficient short of stall.
-fn most_lift(polar: Polar<'_>) -> f32 {
-    let lift = |n: u8| polar(DEGREE * f32::from(n)).0;
-    (1..ANGLES).map(lift).fold(1e-3, math::max)
-}
 
 /// c_D where the lift coefficient is `lift`, on the way to stall.
 fn drag_at(polar: Polar<'_>, lift: f32) -> f32 {
@@ -67,9 +61,12 @@ impl Ability {
             (c.c_l, c.c_d)
         };
         let available = |speed: f32| vehicle.thrust_max() * vehicle.propeller().available(speed);
+        let most_lift = math::max(Stall::of(vehicle.model()).c_l, 1e-3);
+        let stall_speed = math::sqrt((vehicle.weight() / (vehicle.k_a() * most_lift)).abs());
         Self::of(
             &polar,
             &available,
+            stall_speed,
             (vehicle.k_a(), vehicle.weight(), vehicle.gravity()),
         )
     }
@@ -77,9 +74,9 @@ impl Ability {
     fn of(
         polar: Polar<'_>,
         available: &dyn Fn(f32) -> f32,
+        stall_speed: f32,
         (k_a, weight, gravity): (f32, f32, f32),
     ) -> Self {
-        let stall_speed = math::sqrt((weight / (k_a * most_lift(polar))).abs());
         let mut ability = Self {
             stall_speed,
             drag: [0.0; SPEEDS],
