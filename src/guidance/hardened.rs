@@ -5,6 +5,8 @@ use super::status::Status;
 use super::update::{Guidance, GuidanceInput, GuidanceOutput, GuidanceState};
 use crate::aero::Aerodynamics;
 use crate::control::GainLaw;
+use crate::ned::Frd;
+use crate::spatial::Orientation;
 
 /// A [`Guidance`] whose state is kept twice, with a check word of both.
 ///
@@ -98,6 +100,11 @@ impl<A: Aerodynamics, G: GainLaw> Hardened<Guidance<A, G>> {
     /// Thrust \[N\] of the safe command, as [`Guidance::safe_thrust`].
     pub fn safe_thrust(&self, state: &HardenedState) -> f32 {
         self.0.safe_thrust(&state.state)
+    }
+
+    /// The state of a vehicle that flies already, as [`Guidance::take_over`].
+    pub fn take_over(&self, orientation: &Orientation, thrust: f32, rates: Frd) -> HardenedState {
+        self.0.take_over(orientation, thrust, rates).into()
     }
 
     /// One step, as [`Guidance::update`].

@@ -81,6 +81,16 @@ impl Limits {
         }
     }
 
+    /// A finite command brought inside the limits.
+    pub fn within(&self, command: LimitState) -> LimitState {
+        let limited = |rate: f32| math::clamp(rate, -self.rate, self.rate);
+        let Body { i, j, w } = command.rates;
+        LimitState {
+            rates: Body::new(limited(i), limited(j), limited(w)),
+            thrust: math::clamp(command.thrust, self.thrust_min, self.thrust_max),
+        }
+    }
+
     /// The last pitch rate [rad/s] if it stands at its limit, else zero.
     #[inline(always)]
     pub fn pitch_at_limit(&self, state: &LimitState) -> f32 {

@@ -273,6 +273,16 @@ impl SupervisionState {
         state
     }
 
+    /// Holding the command of a vehicle that flies already, with its nose `upright`.
+    pub(super) fn holding(upright: f32) -> Self {
+        let mut state = Self {
+            upright,
+            ..Self::default()
+        };
+        state.set_mode(Mode::Holding);
+        state
+    }
+
     /// Power-on, but in `mode`.
     #[cfg(test)]
     pub(super) fn in_mode(mode: Mode) -> Self {

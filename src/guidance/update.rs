@@ -334,6 +334,52 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         )
     }
 
+    /// The state with which to take over a vehicle that flies already: at this `orientation`, with this `thrust` \[N\] and these
+    /// body `rates` [rad/s] commanded last. The first good frame is flown; until it comes this command is held, for `hold` at most.
+    ///
+    /// The command is brought inside the limits. For what is not finite stand the safe thrust and no rotation. A
+    /// [`GuidanceState::default`] is for a vehicle on the ground: it commands least thrust until inputs have been good for `recovery`.
+    ///
+    /// ```
+    /// use alula::prelude::*;
+    ///
+    /// let model = Combined::new(CombinedParameters::PAPER_BELIEF)?;
+    /// let vehicle = Vehicle::new(VehicleParameters::PAPER_BELIEF, model)?;
+    /// let guidance = Guidance::new(vehicle, &GuidanceParameters::default())?;
+    ///
+    /// let input = GuidanceInput::default().air(Air::Wind(Ned::ZERO));
+    /// let mut state = guidance.take_over(&input.orientation, 85.0, Frd::default());
+    /// let output = guidance.update(&mut state, &input, 0.01);
+    /// assert_eq!(output.mode, Mode::Flying);
+    /// assert!((output.command.thrust - 9.0 * 9.81).abs() < 4.0);
+    /// # Ok::<(), ParameterError>(())
+    /// ```
+    pub fn take_over(&self, orientation: &Orientation, thrust: f32, rates: Frd) -> GuidanceState {
+        let mut state = GuidanceState {
+            // The order of the two makes 0 of NaN.
+            supervision: SupervisionState::holding(math::min(
+                math::max(orientation.i().down, 0.0),
+                1.0,
+            )),
+            ..GuidanceState::default()
+        };
+        let thrust = if thrust.is_finite() {
+            thrust
+        } else {
+            self.safe_thrust(&state)
+        };
+        let rates = Body::from(rates);
+        state.limits = self.limits.within(if rates.norm_squared().is_finite() {
+            LimitState { rates, thrust }
+        } else {
+            LimitState {
+                thrust,
+                ..LimitState::default()
+            }
+        });
+        state
+    }
+
     /// One step, `dt` \[s\] after the last. Total: whatever comes in and whatever the memory holds, a finite command
     /// within the limits comes out. It is the safe command, or the last one, where there is nothing better.
     #[inline]
@@ -949,6 +995,49 @@ mod tests {
         assert!(!told(None) && !told(Some(Frd::new(9.81, 0.0, 0.0))));
         assert!(told(Some(Frd::new(f32::NAN, 0.0, 0.0))));
         assert!(told(Some(Frd::new(0.0, 1e30, 0.0))));
+    }
+
+    /// A vehicle that flies is neither dropped at the first step, nor turned away from what it does.
+    #[test]
+    fn what_flies_already_is_taken_over_with_its_command() {
+        let guidance = guidance();
+        let up = Orientation::in_plane(Attitude::from_angle(0.0));
+        let bad = PlanarGuidanceInput {
+            state_age: 1.0,
+            ..HOVER
+        };
+        let rates = Frd::new(0.1, -0.2, 0.3);
+        let mut state = guidance.take_over(&up, 80.0, rates);
+        let held = guidance.update_in_plane(&mut state, &bad, DT);
+        assert_eq!((held.mode, held.status), (Mode::Holding, Status::empty()));
+        assert_eq!(held.command.thrust, 80.0);
+        assert_eq!(state.limits.rates, Body::from(rates));
+        let flown = guidance.update_in_plane(&mut state, &HOVER, DT);
+        assert_eq!(flown.mode, Mode::Flying);
+        // Inputs that never come: held, then the safe thrust, never none.
+        let mut state = guidance.take_over(&up, 80.0, Frd::default());
+        for _ in 0..40 {
+            let guided = guidance.update_in_plane(&mut state, &bad, DT);
+            let expected = if guided.mode == Mode::Safe {
+                SAFE_THRUST
+            } else {
+                80.0
+            };
+            assert_eq!(guided.command.thrust, expected);
+        }
+        // Inside the limits, and finite, whatever is told.
+        let nan = Frd::new(f32::NAN, 0.0, 0.0);
+        for (orientation, thrust, rates, expected) in [
+            (up, 1e9, nan, THRUST_MAX),
+            (up, -1e9, nan, 0.0),
+            (up, f32::NAN, rates, SAFE_THRUST),
+            (Orientation::UNKNOWN, f32::NAN, rates, 0.0),
+        ] {
+            let mut state = guidance.take_over(&orientation, thrust, rates);
+            let held = guidance.update_in_plane(&mut state, &bad, DT);
+            assert_eq!((held.mode, held.status), (Mode::Holding, Status::empty()));
+            assert_eq!(held.command.thrust, expected);
+        }
     }
 
     #[test]
