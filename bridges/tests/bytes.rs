@@ -4,10 +4,10 @@
 //! `cargo test --release -p alula-bridges --test bytes -- --ignored` reads ten million.
 #![cfg(not(target_os = "none"))]
 
-use alula::planar::{Inertial, PlanarGuidanceInput};
+use alula::ned::Ned;
 use alula_bridges::companion::{
-    Autopilot, Body, BodyState, Companion, HoldParameters, InPlane, Kind, MavHeader, Planar,
-    Settings, Stage, Sticks, Wanted, wire,
+    Autopilot, Body, BodyState, Command, Companion, End, Kind, MavHeader, Pilot, Settings, Stage,
+    Sticks, Told, wire,
 };
 use alula_bridges::sitl::client::{Client, parse};
 use alula_bridges::sitl::{ActuatorState, Actuators, Flow, Lockstep, Packet, Physics, Sample};
@@ -152,9 +152,15 @@ impl Body for Still {
 /// Answers with what it is told, of whatever size.
 struct Echo;
 
-impl Planar for Echo {
-    fn answer(&mut self, input: &PlanarGuidanceInput, _: f32) -> Option<(f32, f32)> {
-        Some((input.velocity.forward() * 1e3, input.velocity.down()))
+impl Pilot for Echo {
+    fn begin(&mut self, _: f32) {}
+
+    fn answer(&mut self, told: &Told, _: f32) -> Result<Command, End> {
+        let asked = told.asked.map_or(Ned::ZERO, |(asked, _)| asked.velocity);
+        Ok(Command {
+            thrust: told.velocity.north * 1e3,
+            rates: [told.velocity.down, asked.east, told.position.down],
+        })
     }
 }
 
@@ -172,21 +178,17 @@ fn mavlink_messages(kind: Kind, inputs: u32) {
         timeout: 1e9,
     };
     let mut autopilot = Autopilot::new(Still, kind);
-    let plan = |_: f64| [Inertial::ZERO; 3];
-    let pilot = |wanted| InPlane::new(Echo, wanted, HoldParameters::default(), None);
     let mut companion = Companion::new(settings);
-    let mut echo = pilot(Wanted::Plan(&plan));
     let (mut read, mut understood, mut commands, mut now, mut sequence) = (0, 0, 0, 0.0, 0_u8);
     while read < inputs {
         now += 0.02;
-        let (up, commanded) = companion.step(now, &mut echo);
+        let (up, commanded) = companion.step(now, &mut Echo);
         commands += u32::from(commanded.is_some());
         if matches!(companion.stage(), Stage::Ended(_)) {
-            echo = pilot(match random.below(2) {
-                0 => Wanted::Link,
-                _ => Wanted::Plan(&plan),
+            companion = Companion::new(Settings {
+                led: random.below(2) == 0,
+                ..settings
             });
-            companion = Companion::new(settings);
         }
         for message in &up {
             let bytes = random.damaged(&wire::bytes(companion.header(), message));

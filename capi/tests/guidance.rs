@@ -403,7 +403,7 @@ fn what_is_remembered_stays_where_it_is_when_the_vehicle_turns() {
         assert!(code == ALULA_OK && command.status & REFERENCE_HELD != 0);
         velocity = report.velocity;
     }
-    // Slow: the virtual attitude is drawn to the real one from 0.45 rad on. 0.2 m/s: the integral and what the virtual flight, whose vehicle never leaves nose up, is off by.
+    // Slow: the model's attitude is drawn to the real one from 0.45 rad on. 0.2 m/s: the integral and what the reference model, whose vehicle never leaves nose up, is off by.
     for (got, wanted) in velocity.iter().zip([1.5, 0.5, 0.25]) {
         assert!((got - wanted).abs() < 0.2, "{velocity:?}");
     }

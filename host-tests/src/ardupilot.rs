@@ -228,7 +228,7 @@ impl<'a> Vehicle<'a> {
                 rates: body_rates(truth.rates),
                 report: Report::Outside,
             },
-            virtual_theta: None,
+            model_theta: None,
         });
     }
 }

@@ -290,7 +290,7 @@ fn serve(folder: &Path, more: &[&str]) -> (Server, BufReader<std::process::Child
     let mut child = Command::new(env!("CARGO_BIN_EXE_alula-sil"))
         .current_dir(folder)
         .args([
-            "serve",
+            "sitl",
             "ardupilot",
             "round-trip",
             "--listen",

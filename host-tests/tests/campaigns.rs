@@ -324,7 +324,7 @@ fn a_random_circle_is_flown_as_drawn() {
         quarters[(turned / 90.0) as usize] += 1;
         let start = fly(&Experiment {
             duration_s: 0.01,
-            entry_s: 0.0,
+            settle_time_s: 0.0,
             ..experiment.clone()
         });
         let start = start.unwrap().remove(0);

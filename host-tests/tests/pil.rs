@@ -162,7 +162,7 @@ fn same_bits_in_space(
     pacing: Pacing,
 ) -> anyhow::Result<Record> {
     let mut experiment = Document::load(name)?.checked()?;
-    (experiment.duration_s, experiment.entry_s) = (seconds, 0.0);
+    (experiment.duration_s, experiment.settle_time_s) = (seconds, 0.0);
     let configuration = experiment.configuration(pacing)?;
     let (_qemu, mut target) = boot(which);
     target.configure(configuration)?;

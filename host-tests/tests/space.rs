@@ -215,7 +215,7 @@ fn sensors_fail_in_a_turn() {
     let (_, _, after) = with_fault("kind = \"memory-bit\"", 0.1, 0.08);
     let clean = fly(&experiment(
         "circle-40",
-        &["duration_s=21.0", "entry_s=0.0"],
+        &["duration_s=21.0", "settle_time_s=0.0"],
     ))
     .unwrap();
     let same = clean.iter().find(|s| s.t >= 20.0 - 1e-9).unwrap();
@@ -227,7 +227,7 @@ fn sensors_fail_in_a_turn() {
 fn a_frozen_accelerometer_stands_still() {
     let settings = [
         "duration_s=4.0",
-        "entry_s=0.0",
+        "settle_time_s=0.0",
         "sensors.acceleration_m_s2.noise=0.1",
         "sensors.faults=[{ kind = \"accelerometer-frozen\", from_s = 1.0, to_s = 3.0 }]",
     ];
@@ -386,7 +386,7 @@ fn turns_in_wind_do_not_end_in_the_stall() {
         assert!(off < 3.0 && load < 4.5);
         // The first seconds are the way to the circle, from any attitude. Of 24 seeds half are 1 m off after them, and the worst
         // 36 m; of these four the worst is 1.9 m and takes 3.0 g.
-        let (off, load) = worst("circle-33", &[scatter, "entry_s=15.0", seed]);
+        let (off, load) = worst("circle-33", &[scatter, "settle_time_s=15.0", seed]);
         assert!(off < 3.0 && load < 3.5);
     }
     for (x, y) in [(0.0, 3.0), (2.1, -2.1), (5.0, 0.0)] {
@@ -520,7 +520,7 @@ fn actuators_act() {
     let inertia = "plant.rate_loop={ inertia = { inertia_kg_m2 = [0.6, 0.4, 0.8], \
         bandwidth_1_s = 10.0, torque_max_n_m = [500.0, 500.0, 500.0] } }";
     let end = |settings: &[&str]| {
-        let settings = [settings, &["duration_s=3.0", "entry_s=0.0"]].concat();
+        let settings = [settings, &["duration_s=3.0", "settle_time_s=0.0"]].concat();
         let record = fly(&experiment("circle-40", &settings)).unwrap();
         record.last().unwrap().truth.position
     };
@@ -555,7 +555,7 @@ fn wrong_fields_are_refused_by_file_line_and_name() {
         "path.circle.radius_m: must be positive",
     );
     refused("path.spiral.radius_m = 3.0", "path");
-    refused("entry_s = 40.0", "entry_s: must be from 0");
+    refused("settle_time_s = 40.0", "settle_time_s: must be from 0");
     refused(
         "vehicle.mass_kg = -1",
         "vehicle.mass_kg: mass must be positive, from 0.001 to 1000000 kg",

@@ -92,7 +92,7 @@ fn document(vehicle: &str, kind: Kind, seed: u64) -> Document {
                 "initial={{velocity_m_s=[0.3,0.2,0],heading_deg={heading}}}"
             ));
             set("duration_s=15".to_owned());
-            set("entry_s=5".to_owned());
+            set("settle_time_s=5".to_owned());
         }
     }
     document.pin_belief().unwrap();

@@ -2,8 +2,7 @@
 //!
 //! [`Companion`] takes what the autopilot says of its state, asks its [`Pilot`], and gives body rates and thrust, as
 //! `SET_ATTITUDE_TARGET` (type mask 128), which PX4 follows in its OFFBOARD mode, or as the sticks of `RC_CHANNELS_OVERRIDE`, which ArduPlane
-//! follows in QACRO: [`Kind`]. [`InPlane`] makes a pilot of a controller in a vertical plane. [`Autopilot`] is a simulated one that keeps
-//! the rules of either, around any [`Body`]. Both are state machines that are told the time: whoever owns a connection carries their
+//! follows in QACRO: [`Kind`]. [`Autopilot`] is a simulated one that keeps the rules of either, around any [`Body`]. Both are state machines that are told the time: whoever owns a connection carries their
 //! messages. [`wire`] is messages from and to bytes.
 //!
 //! Body axes are those of hover, as PX4 has a tail-sitter's: x to the belly, y along the right wing, z along the tail.
@@ -11,14 +10,11 @@
 mod autopilot;
 mod clock;
 mod connection;
-mod hold;
-mod in_plane;
 mod inbox;
 mod kind;
 mod machine;
 mod offboard;
 mod outbox;
-mod plane;
 mod qacro;
 mod setpoint;
 mod stage;
@@ -29,8 +25,6 @@ pub mod wire;
 pub use autopilot::{Autopilot, Body, BodyState};
 pub use clock::Clock;
 pub use connection::{Connection, Received};
-pub use hold::{Hold, HoldParameters};
-pub use in_plane::{InPlane, Planar, PlanarStep, Wanted};
 pub use inbox::{Counts, Inbox};
 pub use kind::{HOLD, Kind, OFFBOARD, QACRO, QLOITER};
 pub use machine::Companion;

@@ -47,7 +47,7 @@ pub trait Pilot {
     /// The command, `dt` \[s\] after the last one.
     ///
     /// # Errors
-    /// Why the flight ends here: [`End::Attitude`] or [`End::Pilot`].
+    /// Why the flight ends here: [`End::Pilot`].
     fn answer(&mut self, told: &Told, dt: f32) -> Result<Command, End>;
 }
 
@@ -82,7 +82,7 @@ pub enum End {
     /// Nothing came for too long: nothing is sent any more. PX4 acts as on every loss of OFFBOARD; ArduPlane takes the transmitter's sticks after
     /// `RC_OVERRIDE_TIME`.
     LinkLost,
-    /// The attitude is none; in a plane, the nose points across it.
+    /// The attitude is none.
     Attitude,
     /// The pilot does not answer.
     Pilot,

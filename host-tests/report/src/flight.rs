@@ -229,9 +229,9 @@ pub fn page(
         let lines = segments.iter().map(|s| [s.line()]);
         tables.push(Table::new("Segments of the reference [s]", [""], lines));
     }
-    let entry = match experiment.entry_s {
+    let settled = match experiment.settle_time_s {
         0.0 => String::new(),
-        entry => format!("Root mean squares and peaks are from {entry} s on. "),
+        from => format!("Root mean squares and peaks are from {from} s on. "),
     };
     let (duration, rate) = (experiment.duration_s, experiment.control_rate_hz);
     Page {
@@ -253,7 +253,7 @@ pub fn page(
         tables,
         text: Some(("The experiment as flown (TOML)".to_owned(), document.text())),
         notes: format!(
-            "{entry}{} control steps. |F_p| and θ̃ are the controller's own, all else is the simulated vehicle's. The same steps are in \
+            "{settled}{} control steps. |F_p| and θ̃ are the controller's own, all else is the simulated vehicle's. The same steps are in \
              trace.csv.",
             record.len()
         ),

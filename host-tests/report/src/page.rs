@@ -30,7 +30,7 @@ pub type Cells<'a, T> = (&'a str, &'a dyn Fn(&T) -> String);
 
 /// A number with this many digits after the point.
 pub fn fixed(value: impl Into<f64>, digits: usize) -> String {
-    alula_sim::decimal::fixed(value.into(), digits)
+    alula_sim::figures::fixed(value.into(), digits)
 }
 
 impl Table {

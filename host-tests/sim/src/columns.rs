@@ -14,7 +14,6 @@ use alula::spatial::Body;
 use nalgebra::Quaternion;
 
 use crate::controllers::Answer;
-use crate::decimal;
 use crate::experiment::{Experiment, V3};
 use crate::flown_mission::response_name;
 use crate::reference::wrap;
@@ -220,7 +219,7 @@ columns! {
     "a_cmd_north_m_s2", "acceleration that the guidance gives to its law", |_, s| guided(&s.answer, |g| g.reference.acceleration.north);
     "a_cmd_east_m_s2", "acceleration that the guidance gives to its law", |_, s| guided(&s.answer, |g| g.reference.acceleration.east);
     "a_cmd_down_m_s2", "acceleration that the guidance gives to its law", |_, s| guided(&s.answer, |g| g.reference.acceleration.down);
-    "virtual_theta_rad", "attitude θ of the guidance's virtual vehicle in its plane of flight: 0 nose up, −π/2 nose forward", |_, s| s.virtual_theta.map(Cell::Single);
+    "model_theta_rad", "attitude θ of the guidance's reference model in its plane of flight: 0 nose up, −π/2 nose forward", |_, s| s.model_theta.map(Cell::Single);
     "margin_k", "the guidance's margin: k", |_, s| guided(&s.answer, |g| g.margin.k);
     "mission_item", "the mission's item, counted from 0", |_, s| mission(s, |m| m.progress.item.into());
     "mission_activity", "what the mission does: `grounded`, `spooling`, `rising`, `flying`, `hovering`, `descending` or `touched`", |_, s| word(s.mission.as_ref().map(|m| m.activity.name()));
@@ -327,11 +326,16 @@ impl Cell {
     /// Appends the cell's text. Numbers in the shortest decimal form that reads back to the same bits.
     pub fn push(&self, text: &mut Vec<u8>) {
         match self {
-            Self::Single(value) => decimal::push(text, *value),
-            Self::Double(value) => decimal::push(text, *value),
+            Self::Single(value) => push(text, *value),
+            Self::Double(value) => push(text, *value),
             Self::Word(word) => text.extend_from_slice(word.as_bytes()),
         }
     }
+}
+
+/// Appends a number.
+fn push(text: &mut Vec<u8>, value: impl zmij::Float) {
+    text.extend_from_slice(zmij::Buffer::new().format(value).as_bytes());
 }
 
 /// Writes the trace of a flight: CSV with the columns that apply to it, and then those of its plant. A number that is missing in a row is
@@ -381,7 +385,7 @@ pub fn write_columns(
         }
         for reading in &step.readings {
             text.push(b',');
-            decimal::push(&mut text, *reading);
+            push(&mut text, *reading);
         }
         text.push(b'\n');
         if text.len() > 1 << 16 {

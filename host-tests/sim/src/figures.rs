@@ -8,7 +8,6 @@ use alula::guidance::{Mode, Phase, Progress, Status};
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-use crate::decimal::fixed;
 use crate::experiment::{Experiment, Knots, V3};
 use crate::named::hint;
 use crate::reference::wrap;
@@ -51,8 +50,8 @@ impl<'a> Moment<'a> {
 pub enum Part {
     /// All of it.
     Flight,
-    /// What comes after the entry.
-    Entered,
+    /// What comes after settling.
+    Settled,
     /// Its last 5 s.
     Late,
     /// Until the reference slows down.
@@ -129,15 +128,15 @@ macro_rules! figures {
 use Fold::{Count, Last, Least, Mean, Most, Of, Peak, Rms, Time, Until};
 
 figures! {
-    "velocity_error_rms_m_s", "velocity error, rms", "m/s", 3, Entered, Rms(|m| m.error), "root mean square of \\|v − v_r\\|";
-    "max_velocity_error_m_s", "velocity error, peak", "m/s", 4, Entered, Peak(|m| m.error), "largest \\|v − v_r\\| at a control step", when "max_velocity_error_time_s";
-    "position_error_rms_m", "position error, rms", "m", 3, Entered, Rms(|m| m.offset.norm()), "root mean square of \\|x − x_r\\|";
-    "max_position_error_m", "position error, peak", "m", 3, Entered, Peak(|m| m.offset.norm()), "largest \\|x − x_r\\|";
-    "sideslip_rms_deg", "sideslip, rms", "°", 3, Entered, Rms(|m| m.step.sideslip().to_degrees()), "root mean square of the sideslip";
-    "max_sideslip_deg", "sideslip, peak", "°", 2, Entered, Peak(|m| m.step.sideslip().to_degrees().abs()), "largest sideslip, either way";
-    "max_bank_deg", "bank, peak", "°", 1, Entered, Peak(|m| m.step.bank().to_degrees().abs()), "largest angle of the right wing from the horizontal, either way";
-    "max_load_factor", "load factor, peak", "", 2, Entered, Peak(|m| m.step.load_factor), "largest specific force over g";
-    "rate_rms_rad_s", "body rate, rms", "rad/s", 3, Entered, Rms(|m| m.step.truth.rates.norm()), "root mean square of \\|ω\\|";
+    "velocity_error_rms_m_s", "velocity error, rms", "m/s", 3, Settled, Rms(|m| m.error), "root mean square of \\|v − v_r\\|";
+    "max_velocity_error_m_s", "velocity error, peak", "m/s", 4, Settled, Peak(|m| m.error), "largest \\|v − v_r\\| at a control step", when "max_velocity_error_time_s";
+    "position_error_rms_m", "position error, rms", "m", 3, Settled, Rms(|m| m.offset.norm()), "root mean square of \\|x − x_r\\|";
+    "max_position_error_m", "position error, peak", "m", 3, Settled, Peak(|m| m.offset.norm()), "largest \\|x − x_r\\|";
+    "sideslip_rms_deg", "sideslip, rms", "°", 3, Settled, Rms(|m| m.step.sideslip().to_degrees()), "root mean square of the sideslip";
+    "max_sideslip_deg", "sideslip, peak", "°", 2, Settled, Peak(|m| m.step.sideslip().to_degrees().abs()), "largest sideslip, either way";
+    "max_bank_deg", "bank, peak", "°", 1, Settled, Peak(|m| m.step.bank().to_degrees().abs()), "largest angle of the right wing from the horizontal, either way";
+    "max_load_factor", "load factor, peak", "", 2, Settled, Peak(|m| m.step.load_factor), "largest specific force over g";
+    "rate_rms_rad_s", "body rate, rms", "rad/s", 3, Settled, Rms(|m| m.step.truth.rates.norm()), "root mean square of \\|ω\\|";
     "min_fp_n", "smallest |F_p|", "N", 2, Flight, Least(|m| m.step.answer.diagnostics_flying().map(|d| d.f_p_norm.into())), "smallest \\|F_p\\| while the law is flown, as the controller computes it", when "min_fp_time_s";
     "min_k", "smallest k", "", 3, Flight, Least(|m| m.step.answer.guided().filter(|g| g.mode == Mode::Flying).map(|g| g.margin.k.into())), "smallest margin k while the guidance flies its law";
     "max_rate_command_rad_s", "body rate commanded, peak", "rad/s", 3, Flight, Peak(|m| command(m).amax()), "largest body rate commanded about one axis", when "max_rate_command_time_s";
@@ -158,7 +157,7 @@ figures! {
     "thrust_low_s", "thrust at its lower limit", "s", 2, Flight, Time(|m| flag(m, Status::THRUST_LOW)), "time with thrust at its lower limit";
     "thrust_high_s", "thrust at its upper limit", "s", 2, Flight, Time(|m| flag(m, Status::THRUST_HIGH)), "time with thrust at its upper limit";
     "crossing_s", "crossing", "s", 2, Flight, Time(crossing), "time in which the guidance turns to an attitude far away, as across a fold";
-    "crossing_on_path_s", "crossing after the entry", "s", 2, Entered, Time(crossing), "the same after the entry";
+    "crossing_on_path_s", "crossing after settling", "s", 2, Settled, Time(crossing), "the same after settling";
     "unreachable_s", "path unreachable", "s", 2, Flight, Time(|m| progress(m, |p| p.unreachable.is_some())), "time in which the guidance says that the path cannot be had";
     "holding_s", "holding the last command", "s", 2, Flight, Time(|m| mode(m, Mode::Holding)), "time in which the guidance holds its last command";
     "safe_s", "safe command", "s", 2, Flight, Time(|m| mode(m, Mode::Safe)), "time in which the guidance gives its safe command";
@@ -242,8 +241,8 @@ fn not_settled(m: &Moment) -> bool {
 pub struct Phases {
     /// Whether the flight is in a vertical plane.
     in_plane: bool,
-    /// Where the entry ends \[s\].
-    entry: f64,
+    /// Where settling ends \[s\].
+    settled: f64,
     /// Where the part ends that is looked at \[s\].
     end: f64,
     /// When the path begins to change its speed \[s\].
@@ -260,18 +259,18 @@ impl Phases {
     /// The phases of an experiment's path.
     pub fn of(experiment: &Experiment) -> Self {
         let end = experiment.duration_s;
-        let entry = experiment.entry_s;
+        let settled = experiment.settle_time_s;
         let Some(knots) = experiment.path.knots() else {
             return Self {
                 in_plane: false,
-                entry,
+                settled,
                 back: end,
                 ..Self::segment(0.0, end)
             };
         };
         Self {
             in_plane: experiment.in_plane(),
-            entry,
+            settled,
             ..Self::of_knots(knots, end)
         }
     }
@@ -306,7 +305,7 @@ impl Phases {
     fn segment(from: f64, to: f64) -> Self {
         Self {
             in_plane: true,
-            entry: from,
+            settled: from,
             end: to,
             start: from,
             cruise: [from, to],
@@ -324,7 +323,7 @@ impl Phases {
     fn has(&self, part: Part, t: f64) -> bool {
         match part {
             Part::Flight => true,
-            Part::Entered => t >= self.entry,
+            Part::Settled => t >= self.settled,
             Part::Late => t >= self.end - LATE,
             Part::Out => t < self.back,
             Part::Back => t >= self.back,
@@ -559,7 +558,7 @@ impl Figures {
         for (i, figure) in FIGURES.iter().enumerate() {
             let value = self.values[i];
             let bound = experiment.bounds.get(figure.name);
-            let whole = matches!(figure.part, Part::Flight | Part::Entered);
+            let whole = matches!(figure.part, Part::Flight | Part::Settled);
             let alone = matches!(figure.fold, Until(_)) || !whole;
             let optional = !matches!(figure.fold, Last(_));
             let nothing = value.is_nan() || (optional && value == 0.0);
@@ -588,6 +587,15 @@ impl Figures {
             ]);
         }
         lines
+    }
+}
+
+/// A number with this many digits after the point, and no sign if nothing but zeros is left of it.
+pub fn fixed(value: f64, digits: usize) -> String {
+    let number = format!("{value:.digits$}");
+    match number.strip_prefix('-') {
+        Some(rest) if rest.chars().all(|c| matches!(c, '0' | '.')) => rest.to_owned(),
+        _ => number,
     }
 }
 
@@ -706,6 +714,19 @@ mod tests {
 
     fn experiment(name: &str) -> Experiment {
         Document::load(name).unwrap().checked().unwrap()
+    }
+
+    #[test]
+    fn zero_has_no_sign() {
+        for (value, text) in [
+            (-0.004, "0.00"),
+            (-0.006, "-0.01"),
+            (-0.0, "0.00"),
+            (2.5, "2.50"),
+        ] {
+            assert_eq!(fixed(value, 2), text);
+        }
+        assert_eq!(fixed(f64::NAN, 1), "NaN");
     }
 
     #[test]

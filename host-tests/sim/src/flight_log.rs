@@ -260,7 +260,11 @@ mod tests {
     #[test]
     fn a_written_flight_reads_back_as_the_trace_and_as_states() {
         let mut document = Document::load("circle-40").unwrap();
-        for change in ["duration_s=8", "entry_s=0", "weather.steady_m_s=[1,-2,0]"] {
+        for change in [
+            "duration_s=8",
+            "settle_time_s=0",
+            "weather.steady_m_s=[1,-2,0]",
+        ] {
             document.assign(change).unwrap();
         }
         let experiment = document.checked().unwrap();

@@ -1,6 +1,6 @@
 //! Simulation: vehicles, plants, weather, sensors, experiments, and what a flight of one leaves.
 //!
-//! `Experiment → simulate → Record → figures`, each using only those before it: [`named`], [`decimal`] (texts),
+//! `Experiment → simulate → Record → figures`, each using only those before it: [`named`] (texts),
 //! [`reference`](mod@reference) (aerodynamics and laws in double precision, independent of the core), [`polar`] (measured coefficients),
 //! [`experiment`] (what is flown), [`plant`] (the vehicle), [`controllers`] (by whom), [`simulate`](mod@simulate) (the loop), [`columns`] (what a record
 //! holds), [`figures`] (what a flight is judged by), [`scene`] (what a viewer shows of it), [`flight_log`] (a record as ULog and MCAP), [`replay`](mod@replay) (a
@@ -14,7 +14,6 @@ pub mod airframe;
 mod checked;
 pub mod columns;
 pub mod controllers;
-pub mod decimal;
 pub mod experiment;
 pub mod figures;
 pub mod flight_log;

@@ -180,6 +180,7 @@ pub fn in_shell(word: &str) -> String {
 const RENAMED: &[(&str, &str)] = &[
     ("force_floor_mg", "gain_schedule_floor_mg"),
     ("max_turn_g", "max_lateral_acceleration_g"),
+    ("entry_s", "settle_time_s"),
     ("theta_deg", "attitude_deg"),
     ("down_m_s", "velocity_m_s"),
     ("forward_m_s", "velocity_m_s"),

@@ -46,7 +46,7 @@ pub const NUMBERS: [&str; 38] = [
     "v_cmd_north_m_s",
     "v_cmd_east_m_s",
     "v_cmd_down_m_s",
-    "virtual_theta_rad",
+    "model_theta_rad",
     "margin_k",
     "margin_fold_rad",
 ];

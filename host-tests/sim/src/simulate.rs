@@ -44,8 +44,8 @@ pub struct Step {
     pub answer: Answer,
     /// What the mission asks for, if one is flown.
     pub mission: Option<MissionOutput>,
-    /// The attitude θ \[rad\] of its virtual vehicle after that, if it has one that is known.
-    pub virtual_theta: Option<f32>,
+    /// The attitude θ \[rad\] of its reference model after that, if it has one that is known.
+    pub model_theta: Option<f32>,
 }
 
 impl Step {
@@ -321,7 +321,7 @@ impl<'a> Flight<'a> {
             input,
             answer,
             mission,
-            virtual_theta: controller.virtual_theta(),
+            model_theta: controller.model_theta(),
         })
     }
 

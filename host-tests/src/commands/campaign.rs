@@ -15,7 +15,7 @@ use alula_study::{BUILT_IN, CampaignSource, Shard, Store, Summary, run as fly_al
 use super::attitudes;
 use super::fly;
 use super::output::Output;
-use super::serve::interrupted;
+use super::sitl::interrupted;
 
 /// Fly an experiment many times, with its fields drawn at random: percentiles, limits, worst flights
 #[derive(clap::Args)]

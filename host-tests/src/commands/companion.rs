@@ -1,26 +1,24 @@
-//! `companion`: the controller beside a real autopilot.
+//! `companion`: the guidance beside a real autopilot.
 
 use std::sync::atomic::Ordering;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use alula_bridges::companion::{self, Companion, Connection, End, Kind, Pilot, Stage, Wanted};
-use anyhow::{Context, bail, ensure};
+use alula_bridges::companion::{self, Companion, Connection, End, Kind, Stage};
+use anyhow::{Context, bail};
 
-use alula_sil::companion::{plane, space::OnPath, space::settings};
-use alula_sim::experiment::{Document, Experiment};
-use alula_sim::simulate::Record;
+use alula_sil::companion::{Lead, OnPath, settings};
 
 use super::autopilot::Choice;
 use super::fly::{Logs, report};
 use super::output::Output;
-use super::serve::interrupted;
 use super::settings::Settings;
+use super::sitl::interrupted;
 
 /// Fly a PX4 over MAVLink in its OFFBOARD mode, or an ArduPlane in QACRO, by body rates and thrust; its pilot ends it at any time by a change of mode
 #[derive(clap::Args)]
 pub struct Args {
-    /// A built-in experiment or a TOML file: its controller and its reference, or the guidance and its path
+    /// A built-in experiment or a TOML file: its guidance and its path
     experiment: String,
     #[command(flatten)]
     settings: Settings,
@@ -38,8 +36,13 @@ pub struct Args {
     /// The autopilot's thrust in hover, from 0 to 1 [default: by the experiment's belief and motors]
     #[arg(long, value_name = "SHARE")]
     hover_thrust: Option<f64>,
-    /// Heading of the plane of the flight [°] [default: the vehicle's when the flight begins]
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    /// Heading of the path's north [°] [default: north; in a vertical plane the vehicle's when the flight begins]
+    #[arg(
+        long,
+        value_name = "DEG",
+        allow_negative_numbers = true,
+        conflicts_with = "from_link"
+    )]
     heading: Option<f32>,
     #[command(flatten)]
     output: Output,
@@ -53,60 +56,25 @@ const PERIOD: Duration = Duration::from_millis(20);
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let document = args.settings.document(&args.experiment)?;
     let experiment = document.checked()?;
-    match experiment.in_plane() {
-        true => in_plane(args, &document, &experiment),
-        false => in_space(args, &document, &experiment),
-    }
-}
-
-/// The experiment's controller in the plane of a heading.
-fn in_plane(args: &Args, document: &Document, experiment: &Experiment) -> anyhow::Result<()> {
     let out = args
         .output
         .folder(&format!("companion/{}", document.name))?;
-    let plan = plane::plan(experiment);
-    let wanted = match args.from_link {
-        true => Wanted::Link,
-        false => Wanted::Plan(&plan),
-    };
     let heading = args.heading.map(f32::to_radians);
-    let mut pilot = plane::pilot(experiment, wanted, heading)?;
-    let settings = plane::settings(experiment, args.hover_thrust)?;
-    let mut record = Record::new();
-    let end = fly(args, settings, &mut pilot, |pilot| {
-        plane::keep(&mut record, pilot);
-    })?;
-    if record.is_empty() {
-        eprintln!("no flight");
-        return verdict(end);
-    }
-    report(
-        document,
-        experiment,
-        &record,
-        &out,
-        &args.output,
-        &args.logs,
-    )?;
-    verdict(end)
-}
-
-/// The guidance along the experiment's path.
-fn in_space(args: &Args, document: &Document, experiment: &Experiment) -> anyhow::Result<()> {
-    ensure!(args.heading.is_none(), "--heading: a path has its own");
-    let out = args
-        .output
-        .folder(&format!("companion/{}", document.name))?;
-    let mut pilot = OnPath::new(experiment, args.from_link)?;
-    let settings = settings(experiment, args.hover_thrust)?;
-    let end = fly(args, settings, &mut pilot, |_| ())?;
+    let lead = match args.from_link {
+        true => Lead::Link,
+        false if experiment.in_plane() => Lead::Path(heading),
+        false => Lead::Path(heading.or(Some(0.0))),
+    };
+    let mut pilot = OnPath::new(&experiment, lead)?;
+    let settings = settings(&experiment, args.hover_thrust)?;
+    let end = fly(args, settings, &mut pilot)?;
     if pilot.record().is_empty() {
         eprintln!("no flight");
         return verdict(end);
     }
     report(
-        document,
-        experiment,
+        &document,
+        &experiment,
         pilot.record(),
         &out,
         &args.output,
@@ -125,13 +93,8 @@ fn verdict(end: End) -> anyhow::Result<()> {
     }
 }
 
-/// Lets `pilot` fly over the link until the flight ends or Ctrl-C is pressed, and says how it ended; `keep` is called after each of its steps.
-fn fly<P: Pilot>(
-    args: &Args,
-    mut settings: companion::Settings,
-    pilot: &mut P,
-    mut keep: impl FnMut(&P),
-) -> anyhow::Result<End> {
+/// Lets `pilot` fly over the link until the flight ends or Ctrl-C is pressed, and says how it ended.
+fn fly(args: &Args, mut settings: companion::Settings, pilot: &mut OnPath) -> anyhow::Result<End> {
     settings.engage = args.engage;
     settings.led = args.from_link;
     settings.kind = args.autopilot.kind()?;
@@ -156,12 +119,8 @@ fn fly<P: Pilot>(
             }
         }
         let now = begin.elapsed().as_secs_f64();
-        let (messages, commanded) = companion.step(now, pilot);
-        for message in messages {
+        for message in companion.step(now, pilot).0 {
             link.send(companion.header(), &message);
-        }
-        if commanded.is_some() {
-            keep(pilot);
         }
         let words = words(&companion, settings.kind);
         if said.as_ref() != Some(&words) {

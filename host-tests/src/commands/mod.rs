@@ -16,8 +16,8 @@ mod new;
 mod output;
 mod pil;
 mod replay;
-mod serve;
 mod settings;
+mod sitl;
 mod sweep;
 mod view;
 
@@ -42,7 +42,7 @@ enum Command {
     Pil(pil::Args),
     List(list::Args),
     Replay(replay::Args),
-    Serve(serve::Args),
+    Sitl(sitl::Args),
     Companion(companion::Args),
     Campaign(campaign::Args),
     Compare(compare::Args),
@@ -74,7 +74,7 @@ impl Cli {
             Some(Command::Pil(args)) => pil::run(&args),
             Some(Command::List(args)) => list::run(&args),
             Some(Command::Replay(args)) => replay::run(&args),
-            Some(Command::Serve(args)) => serve::run(&args),
+            Some(Command::Sitl(args)) => sitl::run(&args),
             Some(Command::Companion(args)) => companion::run(&args),
             Some(Command::Campaign(args)) => campaign::run(&args),
             Some(Command::Compare(args)) => compare::run(&args),

@@ -2,5 +2,5 @@
 //! through, and received before time goes on.
 
 mod link;
-mod plane;
-mod space;
+mod paths;
+mod round_trip;

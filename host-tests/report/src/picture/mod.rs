@@ -3,7 +3,7 @@
 
 mod ground;
 mod profile;
-mod scene;
+mod track;
 mod view;
 
 use std::fmt::Write as _;
@@ -28,12 +28,12 @@ pub fn picture(record: &[Step]) -> Drawn {
     let ground = Ground::of(record);
     let side = [60.0, 40.0, 730.0, VIEWS - 60.0];
     let above = [800.0, 40.0, 480.0, VIEWS - 60.0];
-    let over = scene::fitted(View::along(COURSE, ELEVATION), record, &ground, side, true);
-    let down = scene::fitted(View::along(0.0, 90.0), record, &ground, above, false);
+    let over = track::fitted(View::along(COURSE, ELEVATION), record, &ground, side, true);
+    let down = track::fitted(View::along(0.0, 90.0), record, &ground, above, false);
     // The same times in both.
-    let every = scene::spacing(record, &down).max(scene::spacing(record, &over));
-    scene::draw(&mut text, record, &ground, &over, side, (every, true));
-    scene::draw(&mut text, record, &ground, &down, above, (every, false));
+    let every = track::spacing(record, &down).max(track::spacing(record, &over));
+    track::draw(&mut text, record, &ground, &over, side, (every, true));
+    track::draw(&mut text, record, &ground, &down, above, (every, false));
     let profile = [100.0, VIEWS + 48.0, WIDE - 160.0, HIGH - VIEWS - 80.0];
     let along = profile::draw(&mut text, record, &over, profile);
     let plane = ground.altitude();

@@ -267,8 +267,8 @@ function draw(t) {
     const [fp, tilde] = [get(row, "fp_n"), get(row, "theta_tilde_rad")];
     force.point(nose.clone().multiplyScalar(-Math.cos(tilde)).addScaledVector(belly, Math.sin(tilde)).multiplyScalar(fp / weight / 4));
     for (const arrow of Object.values(drawing.arrows)) arrow.position.copy(at);
-    /* The virtual vehicle beside the right wing, in the plane of flight. */
-    const theta = get(row, "virtual_theta_rad");
+    /* The reference model beside the right wing, in the plane of flight. */
+    const theta = get(row, "model_theta_rad");
     const level = Math.hypot(right.x, right.z);
     drawing.ghost.visible = Number.isFinite(theta) && level > 0.05;
     if (drawing.ghost.visible) {

@@ -187,7 +187,7 @@ impl Controller for Flight {
         self.guidance.path_time_scale(error, velocity)
     }
 
-    fn virtual_theta(&self) -> Option<f32> {
+    fn model_theta(&self) -> Option<f32> {
         Some(self.state.reference_model().1)
     }
 }

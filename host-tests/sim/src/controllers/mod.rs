@@ -156,8 +156,8 @@ pub trait Controller {
         1.0
     }
 
-    /// The attitude θ \[rad\] of the virtual vehicle that it flies ahead of the real one, in the plane of flight, if it flies one.
-    fn virtual_theta(&self) -> Option<f32> {
+    /// The attitude θ \[rad\] of the reference model that it flies ahead of the vehicle, in the plane of flight, if it flies one.
+    fn model_theta(&self) -> Option<f32> {
         None
     }
 

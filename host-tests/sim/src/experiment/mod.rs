@@ -118,7 +118,7 @@ pub struct Experiment {
     pub duration_s: f64,
     /// Length of its beginning that root mean squares and peaks leave out \[s\].
     #[serde(default)]
-    pub entry_s: f64,
+    pub settle_time_s: f64,
     /// Rate of the control steps \[Hz\]; commands are held in between.
     #[serde(default = "hundred")]
     pub control_rate_hz: f64,
@@ -204,8 +204,12 @@ impl Experiment {
     /// Checks every field that the type system does not, but for the controller's.
     pub fn validate(&self) -> Result<(), FieldError> {
         check_steps(self.duration_s, self.control_rate_hz, self.substeps)?;
-        let within = (0.0..self.duration_s).contains(&self.entry_s);
-        require(within, "entry_s", "must be from 0 to before duration_s")?;
+        let within = (0.0..self.duration_s).contains(&self.settle_time_s);
+        require(
+            within,
+            "settle_time_s",
+            "must be from 0 to before duration_s",
+        )?;
         // The guidance refuses every frame with a longer or shorter step; the vehicle would fall.
         let step = 1.0 / self.control_rate_hz;
         let steps = f64::from(MIN_STEP)..=f64::from(MAX_STEP);

@@ -82,7 +82,7 @@ mod tests {
             let mut document = Document::load("circle-40").unwrap();
             for change in [
                 "duration_s=20",
-                "entry_s=0",
+                "settle_time_s=0",
                 "weather.steady_m_s=[1.5,-1.5,0.5]",
                 "sensors.velocity_m_s.noise=0.05",
                 "sensors.position_m.noise=0.05",

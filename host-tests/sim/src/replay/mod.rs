@@ -89,7 +89,7 @@ impl<'a> OpenLoop<'a> {
             input,
             answer,
             mission: None,
-            virtual_theta: self.controller.virtual_theta(),
+            model_theta: self.controller.model_theta(),
         });
         Ok(())
     }

@@ -1,4 +1,4 @@
-//! `serve`: the plant for an autopilot that runs elsewhere.
+//! `sitl`: the plant for an autopilot that runs elsewhere.
 
 use std::io::Write;
 use std::net::{SocketAddr, UdpSocket};
@@ -8,7 +8,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use alula_bridges::companion::{self, Connection, Kind};
-use alula_bridges::sitl::{self, Counts};
+use alula_bridges::sitl::{Counts, serve};
 use anyhow::Context;
 
 use alula_sil::ardupilot::Vehicle;
@@ -63,7 +63,7 @@ struct ArduPilot {
     #[command(flatten)]
     settings: Settings,
     /// Where to listen; loopback alone unless told otherwise
-    #[arg(long, value_name = "ADDRESS:PORT", default_value_t = SocketAddr::from(([127, 0, 0, 1], sitl::PORT)))]
+    #[arg(long, value_name = "ADDRESS:PORT", default_value_t = SocketAddr::from(([127, 0, 0, 1], alula_bridges::sitl::PORT)))]
     listen: SocketAddr,
     #[command(flatten)]
     output: Output,
@@ -104,7 +104,7 @@ fn ardupilot(args: &ArduPilot) -> anyhow::Result<()> {
     // On standard error: standard output is the result's.
     eprintln!("listening on {}", socket.local_addr()?);
     let go_on = |_: &Counts| !interrupted.load(Ordering::Relaxed);
-    let counts = sitl::serve(&socket, &mut vehicle, go_on)?;
+    let counts = serve(&socket, &mut vehicle, go_on)?;
     eprintln!(
         "{} steps; {} packets came again, {} were lost, {} late, {} malformed; {} restarts",
         counts.steps, counts.repeated, counts.lost, counts.late, counts.malformed, counts.restarts

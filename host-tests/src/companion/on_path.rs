@@ -1,23 +1,49 @@
-//! The guidance in space, as a companion's pilot: the whole attitude, along a path, in a wind from anywhere.
+//! The guidance as a companion's pilot, along a path or what comes over the link.
 //!
-//! The path's north is north, and it begins where the vehicle is when the flight begins.
+//! The path begins where the vehicle is when the flight begins, in the axes of its own north: [`Lead::Path`] says where that points. What is told
+//! is turned into these axes, and the record is in them.
 
 use alula::GuidanceInput;
-use alula::ned::BodyAxes;
-use alula::spatial::{Heading, Reference};
-use alula_bridges::companion::{Command, End, Pilot, Settings, Told};
+use alula::ned::{BodyAxes, Ned};
+use alula::spatial::{Heading, Orientation, Reference};
+use alula_bridges::companion::{Command, End, Kind, Pilot, Setpoint, Settings, Told};
+use anyhow::ensure;
 use nalgebra::{Quaternion, UnitQuaternion};
 
 use alula_sim::controllers::{Answer, Controller, Input};
-use alula_sim::experiment::{Experiment, Path, State, Target, V3, double, ned};
+use alula_sim::experiment::{Experiment, Path, State, Target, V3, angle, double, ned};
+use alula_sim::reference::wrap;
 use alula_sim::simulate::{Record, Step};
 
-/// Settings for flying `experiment`, of whose belief `hover_thrust` is the autopilot's thrust in hover.
+/// Settings for flying `experiment`, of whose belief `hover_thrust` is the autopilot's thrust in hover. If it is none, thrust is taken for
+/// proportional up to the most.
 pub fn settings(experiment: &Experiment, hover_thrust: Option<f64>) -> anyhow::Result<Settings> {
     let spec = experiment.spec()?;
     let weight = spec.belief().unwrap_or(&experiment.vehicle).weight();
     let most = experiment.thrust_limits(None, weight)[1];
-    super::settings(weight, most, hover_thrust, experiment.duration_s)
+    let hover_thrust = hover_thrust.unwrap_or(weight / most);
+    ensure!(
+        (0.05..=0.95).contains(&hover_thrust),
+        "the thrust in hover is {hover_thrust}, must be from 0.05 to 0.95"
+    );
+    Ok(Settings {
+        kind: Kind::Px4,
+        weight: weight as f32,
+        hover_thrust: hover_thrust as f32,
+        engage: false,
+        led: false,
+        duration: experiment.duration_s,
+        timeout: 0.5,
+    })
+}
+
+/// By what a flight is led.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Lead {
+    /// The experiment's path, its north at this heading \[rad\]; the vehicle's at the start if none.
+    Path(Option<f32>),
+    /// What comes over the link, in its axes.
+    Link,
 }
 
 /// The guidance on its path.
@@ -25,10 +51,60 @@ pub struct OnPath {
     controller: Box<dyn Controller>,
     /// None where what comes over the link is followed.
     path: Option<Path>,
+    /// Heading of the path's north \[rad\], if it is known before the start.
+    heading: Option<f32>,
+    axes: Axes,
     gravity: f64,
     /// When the path was asked last \[s\], and how fast it goes on since.
     last: (f64, f64),
+    /// The attitude θ \[rad\], counted on through full turns.
+    theta: f64,
     record: Record,
+}
+
+/// The axes of a path: the world's, turned to a heading.
+#[derive(Clone, Copy, Debug)]
+struct Axes {
+    cos: f32,
+    sin: f32,
+}
+
+impl Axes {
+    fn new(heading: f32) -> Self {
+        let (sin, cos) = heading.sin_cos();
+        Self { cos, sin }
+    }
+
+    /// A vector of the world in these axes.
+    fn of(&self, v: Ned) -> Ned {
+        let &Self { cos, sin } = self;
+        Ned::new(
+            cos * v.north + sin * v.east,
+            cos * v.east - sin * v.north,
+            v.down,
+        )
+    }
+
+    /// What is told, in these axes.
+    fn told(&self, told: &Told) -> Told {
+        let axes: [Ned; 3] = told.orientation.into();
+        let orientation = Orientation::try_from(axes.map(|axis| self.of(axis)));
+        Told {
+            position: self.of(told.position),
+            velocity: self.of(told.velocity),
+            orientation: orientation.unwrap_or(Orientation::UNKNOWN),
+            air: told.air.map(|v| self.of(v)),
+            asked: told.asked.map(|(asked, age)| {
+                let turned = Setpoint {
+                    velocity: self.of(asked.velocity),
+                    acceleration: self.of(asked.acceleration),
+                    position: asked.position.map(|x| self.of(x)),
+                };
+                (turned, age)
+            }),
+            ..*told
+        }
+    }
 }
 
 /// What is to be flown at one step.
@@ -41,16 +117,31 @@ struct Asked {
 }
 
 impl OnPath {
-    /// The guidance of `experiment` along its path, or, if it is led `from_link`, along what comes over the link.
-    pub fn new(experiment: &Experiment, from_link: bool) -> anyhow::Result<Self> {
+    /// The guidance of `experiment`, led by `lead`.
+    pub fn new(experiment: &Experiment, lead: Lead) -> anyhow::Result<Self> {
+        ensure!(
+            experiment.controller.kind == "guidance",
+            "controller.{}: flies in a plane and holds nothing across it; beside an autopilot flies the guidance",
+            experiment.controller.kind
+        );
+        let (path, heading) = match lead {
+            Lead::Path(heading) => (Some(experiment.path.path()?), heading),
+            Lead::Link => (None, Some(0.0)),
+        };
+        if let Some(heading) = heading {
+            angle("heading", heading.to_degrees().into())?;
+        }
+        // With a heading of its own at the start it is in no plane, and its guidance turns.
+        let mut turned = experiment.clone();
+        turned.initial.heading_deg = Some(0.0);
         Ok(Self {
-            controller: experiment.controller()?,
-            path: match from_link {
-                true => None,
-                false => Some(experiment.path.path()?),
-            },
+            controller: turned.controller()?,
+            path,
+            heading,
+            axes: Axes::new(heading.unwrap_or_default()),
             gravity: experiment.vehicle.gravity_m_s2,
             last: (0.0, 1.0),
+            theta: 0.0,
             record: Record::new(),
         })
     }
@@ -114,24 +205,20 @@ impl OnPath {
             rates: V3::from(told.rates.map(f64::from)),
             thrust: answer.thrust.into(),
         };
+        self.theta += wrap(truth.theta() - self.theta);
         let step = Step {
             t: told.t,
             truth,
-            theta: truth.theta(),
+            theta: self.theta,
             readings: Vec::new(),
-            wind: match told.air {
-                alula::guidance::Air::Wind(wind) | alula::guidance::Air::Pitot { wind, .. } => {
-                    double(wind)
-                }
-                _ => V3::zeros(),
-            },
+            wind: told.air.wind(told.velocity).map_or_else(V3::zeros, double),
             load_factor: force.map_or(f64::NAN, |f| f / self.gravity),
             target,
             measured_attitude: attitude,
             input,
             answer,
             mission: None,
-            virtual_theta: None,
+            model_theta: None,
         };
         if self.record.last().is_none_or(|last| step.t > last.t) {
             self.record.push(step);
@@ -140,9 +227,12 @@ impl OnPath {
 }
 
 impl Pilot for OnPath {
-    fn begin(&mut self, _: f32) {}
+    fn begin(&mut self, heading: f32) {
+        self.axes = Axes::new(self.heading.unwrap_or(heading));
+    }
 
     fn answer(&mut self, told: &Told, dt: f32) -> Result<Command, End> {
+        let told = &self.axes.told(told);
         let Asked {
             target,
             placed,

@@ -1,12 +1,14 @@
-//! The guidance in space.
+//! Paths in space.
 
 use alula_bridges::companion::{End, Kind, Settings, Stage};
-use alula_sil::companion::Craft;
-use alula_sil::companion::space::{OnPath, settings};
+use alula_sil::companion::{Craft, Lead, OnPath, settings};
 use alula_sim::experiment::{Document, Experiment, V3};
 use alula_sim::simulate::{Step, fly};
 
 use super::link::{ARDUPLANE, BAD, Ended, GOOD, Quality, flies, nothing};
+
+/// The path's north is north.
+const NORTH: Lead = Lead::Path(Some(0.0));
 
 fn experiment(name: &str, changes: &[&str]) -> Experiment {
     let mut document = Document::load(name).unwrap();
@@ -19,10 +21,10 @@ fn experiment(name: &str, changes: &[&str]) -> Experiment {
 /// How a flight went: of the vehicle itself, less what was to be flown at that time.
 struct Flight {
     ended: Ended,
-    /// Root mean squares after the entry: velocity \[m/s\] and position \[m\].
+    /// Root mean squares after settling: velocity \[m/s\] and position \[m\].
     velocity: f64,
     position: f64,
-    /// Lowest and highest over the path \[m\]: all along, and after the entry.
+    /// Lowest and highest over the path \[m\]: all along, and after settling.
     altitude: [f64; 2],
     settled: [f64; 2],
 }
@@ -37,7 +39,7 @@ impl Flight {
             ..
         } = self;
         format!(
-            "{velocity:.2} m/s, {position:.2} m, altitude {altitude:.1?}, after the entry {settled:.1?} m"
+            "{velocity:.2} m/s, {position:.2} m, altitude {altitude:.1?}, after settling {settled:.1?} m"
         )
     }
 
@@ -59,7 +61,7 @@ fn companion_flies(experiment: &Experiment, kind: Kind, quality: Quality, seed: 
         kind,
         ..settings(experiment, None).unwrap()
     };
-    let mut pilot = OnPath::new(experiment, false).unwrap();
+    let mut pilot = OnPath::new(experiment, NORTH).unwrap();
     let mut truth: Vec<(f64, V3, V3)> = Vec::new();
     let mut origin = None;
     let ended = flies(
@@ -89,7 +91,7 @@ fn companion_flies(experiment: &Experiment, kind: Kind, quality: Quality, seed: 
         let speed = a.target.velocity.lerp(&b.target.velocity, share);
         let above = wanted.z - x.z;
         altitude = [altitude[0].min(above), altitude[1].max(above)];
-        if t >= experiment.entry_s {
+        if t >= experiment.settle_time_s {
             velocity += (v - speed).norm_squared();
             position += (x - wanted).norm_squared();
             settled = [settled[0].min(above), settled[1].max(above)];
@@ -108,8 +110,8 @@ fn companion_flies(experiment: &Experiment, kind: Kind, quality: Quality, seed: 
 
 type Held = (&'static str, [f64; 2], [f64; 2], [f64; 2]);
 
-/// Path, medians of the errors of velocity \[m/s\] and position \[m\] after the entry, and the altitudes \[m\] over the path that no flight leaves
-/// after the entry and at all. What these links had, and 40 % more (of twenty: docs/results.md). The circle begins in full flight
+/// Path, medians of the errors of velocity \[m/s\] and position \[m\] after settling, and the altitudes \[m\] over the path that no flight leaves
+/// after settling and at all. What these links had, and 40 % more (of twenty: docs/results.md). The circle begins in full flight
 /// with a set-point of hover under way, which lifts it or lets it sink before the first command arrives.
 const PATHS: [Held; 3] = [
     ("circle-40", [0.15, 0.8], [-7.7, 8.0], [-18.0, 11.2]),
@@ -169,7 +171,7 @@ fn a_wind_from_the_side_is_flown_in() {
 #[test]
 fn the_accelerometer_is_heard() {
     let experiment = experiment("eight", &["duration_s=40"]);
-    let mut pilot = OnPath::new(&experiment, false).unwrap();
+    let mut pilot = OnPath::new(&experiment, NORTH).unwrap();
     let settings = settings(&experiment, None).unwrap();
     flies(
         &mut pilot,
@@ -201,7 +203,7 @@ fn ended_well(ended: &Ended, kind: Kind) {
     assert!(ended.dropped > 20, "late messages: {}", ended.dropped);
 }
 
-/// What docs/results.md says of flights in space: `--ignored --nocapture space`.
+/// What docs/results.md says of flights in space: `--ignored --nocapture paths`.
 #[test]
 #[ignore = "minutes: measures what the documentation states"]
 fn measured_over_ten_links_each() {
@@ -218,7 +220,7 @@ fn measured_over_ten_links_each() {
         let direct = fly(&experiment).unwrap();
         let settled: Vec<_> = direct
             .iter()
-            .filter(|s| s.t >= experiment.entry_s)
+            .filter(|s| s.t >= experiment.settle_time_s)
             .collect();
         let rms = |of: fn(&Step) -> f64| {
             let sum: f64 = settled.iter().map(|step| of(step).powi(2)).sum();
