@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use alula::guidance::Status;
 use alula::{ModelParameters, Row};
-use alula_capi::{ALULA_MODEL_TABLE, CHOICES, SECTIONS, Section};
+use alula_capi::{ALULA_MODEL_TABLE, CHOICES, MISSION, SECTIONS, Section};
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
@@ -30,7 +30,7 @@ fn header() -> Result<String> {
     let expanded = scratch.path().join("expanded.rs");
     fs::write(&expanded, status_flags()? + &models()? + &structures()?)?;
     let mut config = cbindgen::Config::from_file(sources.join("../cbindgen.toml"))?;
-    for section in SECTIONS {
+    for section in SECTIONS.iter().chain([&MISSION]) {
         config
             .export
             .rename
@@ -50,6 +50,7 @@ fn header() -> Result<String> {
         "report",
         "goal",
         "guide",
+        "mission",
         "step",
         "path",
         "envelope",
@@ -117,7 +118,7 @@ fn models() -> Result<String> {
 /// The parameters' structures in Rust, as the macros make them, for cbindgen to read.
 fn structures() -> Result<String> {
     let mut text = String::new();
-    for section in SECTIONS {
+    for section in SECTIONS.iter().chain([&MISSION]) {
         writeln!(text, "/// {}", section.about.trim())?;
         writeln!(text, "#[repr(C)]\npub struct {} {{", section.structure)?;
         for (n, p) in section.rows.iter().enumerate() {
@@ -235,7 +236,7 @@ fn table() -> Result<String> {
          Made by `cargo run --package alula-capi --example generate` from the tables in `src`, and of the controller in\n\
          `capi/src/parameters.rs`; do not edit.\n",
     );
-    for section in SECTIONS {
+    for section in SECTIONS.iter().chain([&MISSION]) {
         writeln!(
             text,
             "\n## {}: `{}`\n\n{}\n\n| name | PX4 | unit | minimum | maximum | default | meaning |\n\

@@ -23,7 +23,7 @@ pub const ALULA_ERROR_LAYOUT: i32 = -3;
 pub const ALULA_ERROR_NOT_INITIALISED: i32 = -4;
 /// The time step is not finite, shorter than 0.1 ms, or longer than 0.2 s.
 pub const ALULA_ERROR_TIME_STEP: i32 = -5;
-/// A selector of the input (body axes, flags) has no such value, or the flags contradict each other.
+/// A selector (body axes, flags, a response) has no such value, or the flags contradict each other.
 pub const ALULA_ERROR_SELECTOR: i32 = -6;
 /// The control rate is not from 5 Hz to 10 kHz.
 pub const ALULA_ERROR_CONTROL_RATE: i32 = -7;
@@ -80,8 +80,26 @@ pub const ALULA_ERROR_TABLE_NOT_PERIODIC: i32 = -37;
 pub const ALULA_ERROR_TABLE_TOO_FEW: i32 = -38;
 /// Table: there are more than `ALULA_TABLE_ROWS` rows.
 pub const ALULA_ERROR_TABLE_TOO_MANY: i32 = -39;
+/// Item: its kind has no such value.
+pub const ALULA_ERROR_ITEM_KIND: i32 = -50;
+/// Item: its place is not finite, or farther than 100 km from where positions are counted from.
+pub const ALULA_ERROR_ITEM_PLACE: i32 = -51;
+/// Item: its radius is not finite, or above 100 km.
+pub const ALULA_ERROR_ITEM_RADIUS: i32 = -52;
+/// Item: its value is not finite, negative, or beyond what the vehicle does.
+pub const ALULA_ERROR_ITEM_VALUE: i32 = -53;
+/// Item: its turn is narrower than the vehicle can fly at its speed.
+pub const ALULA_ERROR_ITEM_NARROW: i32 = -54;
+/// Item: its speed is less than the wing carries.
+pub const ALULA_ERROR_ITEM_SLOW: i32 = -55;
+/// Item: a take-off is the first item, or stands after a landing.
+pub const ALULA_ERROR_ITEM_NOT_FIRST: i32 = -56;
+/// Item: after a landing only a take-off.
+pub const ALULA_ERROR_ITEM_AFTER_LANDING: i32 = -57;
+/// Item: there are more than `ALULA_MISSION_ITEMS`.
+pub const ALULA_ERROR_ITEM_TOO_MANY: i32 = -58;
 /// Codes from here down name a parameter: `ALULA_ERROR_PARAMETER - 4 * index - problem`. The index is the parameter's place
-/// in `alula_parameters`, from 0. The problem is 0 for a number that is not finite, 1 for one that is not positive, 2 for one
+/// in `alula_parameters`, from 0, and behind those in `alula_mission_parameters`. The problem is 0 for a number that is not finite, 1 for one that is not positive, 2 for one
 /// out of range, 3 for one that contradicts another parameter.
 pub const ALULA_ERROR_PARAMETER: i32 = -100;
 
@@ -181,7 +199,7 @@ fn text(code: i32) -> &'static CStr {
         ALULA_ERROR_LAYOUT => c"a header is not that of this version's structure",
         ALULA_ERROR_NOT_INITIALISED => c"the controller is not initialised",
         ALULA_ERROR_TIME_STEP => c"the time step is not in [0.0001, 0.2] s",
-        ALULA_ERROR_SELECTOR => c"a selector of the input has no such value",
+        ALULA_ERROR_SELECTOR => c"a selector has no such value",
         ALULA_ERROR_CONTROL_RATE => c"the control rate is not in [5, 10000] Hz",
         ALULA_ERROR_CRUISE_SPEED => c"the speed of cruise is not in [1, 340] m/s",
         ALULA_ERROR_GOAL => c"the goal has no such kind, or a number of it is not in its range",
@@ -217,6 +235,15 @@ fn text(code: i32) -> &'static CStr {
         ALULA_ERROR_TABLE_NOT_PERIODIC => c"table: the rows at -180 and 180 degrees must agree",
         ALULA_ERROR_TABLE_TOO_FEW => c"table: at least five rows are needed",
         ALULA_ERROR_TABLE_TOO_MANY => c"table: there are more rows than it has room for",
+        ALULA_ERROR_ITEM_KIND => c"item: its kind has no such value",
+        ALULA_ERROR_ITEM_PLACE => c"item: the place must be within 100 km",
+        ALULA_ERROR_ITEM_RADIUS => c"item: the radius must be within 100 km",
+        ALULA_ERROR_ITEM_VALUE => c"item: the value is not in its range",
+        ALULA_ERROR_ITEM_NARROW => c"item: the vehicle cannot turn so narrowly at this speed",
+        ALULA_ERROR_ITEM_SLOW => c"item: the wing does not carry at this speed",
+        ALULA_ERROR_ITEM_NOT_FIRST => c"item: a take-off is the first item, or after a landing",
+        ALULA_ERROR_ITEM_AFTER_LANDING => c"item: after a landing only a take-off",
+        ALULA_ERROR_ITEM_TOO_MANY => c"item: a mission has at most 128 items",
         _ => parameter_text(code).unwrap_or(c"unknown code"),
     }
 }

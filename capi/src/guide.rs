@@ -18,7 +18,7 @@ use crate::report::Report;
 impl Input {
     /// The input of the core's guidance.
     #[inline(always)]
-    fn guidance_input(&self, axes: BodyAxes) -> GuidanceInput {
+    pub(crate) fn guidance_input(&self, axes: BodyAxes) -> GuidanceInput {
         GuidanceInput::default()
             .velocity(ned(self.velocity))
             .orientation(
@@ -43,6 +43,19 @@ impl Input {
 }
 
 impl Initialised<'_> {
+    /// A step of the guidance with `told`, which is made of `input`. Out of line: the guidance is there once.
+    #[inline(never)]
+    pub(crate) fn guided(
+        &mut self,
+        input: &Input,
+        axes: BodyAxes,
+        told: &GuidanceInput,
+        dt: f32,
+    ) -> (Command, GuidanceOutput) {
+        let guided = self.guidance.update(&mut self.memory.state, told, dt);
+        (self.guided_command(input, axes, &guided), guided)
+    }
+
     /// The command of a step of the guidance. Its attitude set-point is kept in case that it is to be held.
     #[inline(always)]
     fn guided_command(
@@ -123,18 +136,20 @@ pub unsafe extern "C" fn alula_guide(
                 return code;
             }
         };
-        let guidance_input = input.guidance_input(axes);
-        let state = &mut controller.memory.state;
-        let guided = controller.guidance.update(state, &guidance_input, dt);
-        let value = controller.guided_command(input, axes, &guided);
+        let (value, guided) = controller.guided(input, axes, &input.guidance_input(axes), dt);
         command.write(value);
         if !report.is_null() {
             report.write(Report::of_guidance(&guided));
         }
-        guided
-            .reject_reason
-            .map_or(code::ALULA_OK, code::of_reject_reason)
+        of_guidance(&guided)
     }
+}
+
+/// The code of a step of the guidance.
+pub(crate) fn of_guidance(guided: &GuidanceOutput) -> i32 {
+    guided
+        .reject_reason
+        .map_or(code::ALULA_OK, code::of_reject_reason)
 }
 
 /// Controller, input and its body axes, if nothing is wrong with any pointer or selector.

@@ -22,6 +22,7 @@ mod goal;
 mod guide;
 mod input;
 mod memory;
+mod mission;
 mod parameters;
 mod path;
 mod report;
@@ -37,9 +38,10 @@ pub use for_vehicle::alula_parameters_for_vehicle;
 pub use goal::*;
 pub use guide::alula_guide;
 pub use input::*;
+pub use mission::*;
 pub use parameters::{
     ALULA_GAINS_BANDWIDTH, ALULA_GAINS_CONSTANT, ALULA_MODEL_TABLE, CHOICES, ControllerParameters,
-    Parameters, SECTIONS, Section, alula_parameters_default,
+    MISSION, Parameters, SECTIONS, Section, alula_parameters_default,
 };
 pub use path::alula_path_time_scale;
 pub use report::*;

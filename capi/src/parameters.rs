@@ -5,6 +5,7 @@
 
 use core::ffi::CStr;
 
+use alula::mission::MissionParameters;
 use alula::planar::GainParameters;
 use alula::{
     CombinedParameters, GuidanceParameters, ModelParameters, ParameterError, Parameters as _,
@@ -70,11 +71,11 @@ macro_rules! tables {
             rows: $table::ROWS,
         }, )*];
 
-        /// Their ranges, which are all that an image needs.
-        const RANGES: &[&[Range]] = &[$( $table::RANGES, )*];
+        /// Their ranges, which are all that an image needs, and those of missions.
+        const RANGES: &[&[Range]] = &[$( $table::RANGES, )* MissionParameters::RANGES];
 
-        /// Fields of [`Parameters`], for the texts.
-        const FIELDS: &[&str] = &[$( stringify!($field), )*];
+        /// Fields of [`Parameters`], for the texts, and the name of missions.
+        const FIELDS: &[&str] = &[$( stringify!($field), )* MISSION.field];
     };
 }
 
@@ -90,6 +91,15 @@ tables! {
     /// Of the aerodynamic models.
     coefficients: CombinedParameters,
 }
+
+/// The table of missions, which has a structure of its own.
+pub const MISSION: Section = Section {
+    field: "mission",
+    about: "How missions are flown: parameters of alula_mission_setup.",
+    structure: "MissionParameters",
+    group: MissionParameters::GROUP,
+    rows: MissionParameters::ROWS,
+};
 
 /// One of the tables of parameters, for generators.
 #[derive(Clone, Copy, Debug)]
@@ -109,10 +119,11 @@ pub struct Section {
 // SAFETY: `repr(C)`, its first word is the header, and it holds nothing but u32 and f32.
 unsafe impl Layout for Parameters {}
 
-/// How many parameters there are.
+/// The number of the first parameter of missions: behind those of [`Parameters`], of which there are as many.
+pub(crate) const MISSION_FIRST: usize = COUNT;
 const COUNT: usize = {
     let (mut count, mut n) = (0, 0);
-    while n < RANGES.len() {
+    while n + 1 < RANGES.len() {
         count += RANGES[n].len();
         n += 1;
     }
@@ -144,7 +155,7 @@ impl Parameters {
 
 /// The range of the `index`th parameter. Out of line: compiled into a search, the five tables are searched by five pieces of code.
 #[inline(never)]
-fn range(mut index: usize) -> Option<&'static Range> {
+pub(crate) fn range(mut index: usize) -> Option<&'static Range> {
     for table in RANGES {
         match table.get(index) {
             Some(range) => return Some(range),
@@ -160,8 +171,9 @@ fn range(mut index: usize) -> Option<&'static Range> {
 #[inline(never)]
 pub(crate) fn refused(error: ParameterError) -> i32 {
     let named = |index| range(index).is_some_and(|range| range.name == error.parameter);
-    let index = (0..COUNT).find(|index| named(*index));
-    code::of_parameter(index.unwrap_or(COUNT), error.problem)
+    let all = COUNT + MissionParameters::RANGES.len();
+    let index = (0..all).find(|index| named(*index));
+    code::of_parameter(index.unwrap_or(all), error.problem)
 }
 
 /// What a parameter must be that its range does not say, as the core's constructors ask for it.
@@ -177,6 +189,10 @@ const RELATIONS: &[(&str, &str)] = &[
     ),
     ("max_integral_down", "at most max_velocity_down"),
     ("max_integral_forward", "at most max_velocity_forward"),
+    (
+        "cruise_speed",
+        "a speed of the wing, 1.15 times its stall speed and more, that the thrust reaches",
+    ),
     ("k_l", "at most 40 over the square of alpha_bar"),
     ("k_d", "at most 40 over the square of alpha_bar"),
 ];

@@ -46,6 +46,13 @@ static alula_fold_map *map;
 static alula_fold_margin *margin;
 static alula_table *table;
 static alula_goal *goal;
+static alula_mission_setup *setup;
+static alula_mission *mission;
+
+static const alula_mission_item items[] = {
+    {.kind = ALULA_ITEM_TAKE_OFF, .value = 10.0f},
+    {.kind = ALULA_ITEM_LOITER, .place = {300.0f, 0.0f, -30.0f}, .radius = 150.0f},
+};
 
 /* Headers right, defaults in, controller initialised. */
 static void tidy(void)
@@ -60,6 +67,8 @@ static void tidy(void)
     margin->header = ALULA_HEADER(alula_fold_margin);
     table->header = ALULA_HEADER(alula_table);
     goal->header = ALULA_HEADER(alula_goal);
+    setup->header = ALULA_HEADER(alula_mission_setup);
+    mission->header = ALULA_HEADER(alula_mission);
     CHECK(alula_parameters_default(parameters) == ALULA_OK);
     parameters->vehicle.mass = 10.0f;
     parameters->vehicle.k_a = 0.646f;
@@ -69,6 +78,11 @@ static void tidy(void)
     CHECK(alula_init(controller, parameters, NULL) == ALULA_OK);
     CHECK(alula_fold_map_init(map, controller) == ALULA_OK);
     CHECK(alula_goal_default(goal) == ALULA_OK);
+    CHECK(alula_mission_default(setup) == ALULA_OK);
+    setup->parameters.cruise_speed = 20.0f;
+    CHECK(alula_mission_init(mission, setup, controller) == ALULA_OK);
+    CHECK(alula_mission_items(mission, items, 2, 0, NULL) == ALULA_OK);
+    mission->flags = ALULA_ARMED;
 }
 
 static int is_safe(void)
@@ -81,7 +95,7 @@ static int is_safe(void)
 /* Every call that takes the `which`th structure, with the pointer `wrong` in its place. */
 static void call_all(int which, void *wrong, int32_t code)
 {
-    void *p[] = {parameters, controller, input, command, equilibria, map, margin, table, goal};
+    void *p[] = {parameters, controller, input, command, equilibria, map, margin, table, goal, setup, mission};
     p[which] = wrong;
     alula_table_row row = {0.0f, 0.0f, 1.0f};
     if (which == 0) {
@@ -126,6 +140,20 @@ static void call_all(int which, void *wrong, int32_t code)
         CHECK(alula_table_init(p[7], &row, 1, NULL) == code);
     if (which == 8)
         CHECK(alula_goal_default(p[8]) == code);
+    if (which == 9)
+        CHECK(alula_mission_default(p[9]) == code);
+    if (which == 10)
+        CHECK(alula_mission_items(p[10], items, 2, 0, NULL) == code);
+    if (which == 1 || which == 2 || which == 10) {
+        command->thrust = 1.0f;
+        CHECK(alula_mission_fly(p[10], p[1], p[2], 0.01f, p[3], NULL) == code && is_safe());
+    }
+    if (which == 3)
+        CHECK(alula_mission_fly(p[10], p[1], p[2], 0.01f, p[3], NULL) == code);
+    if (which == 1 || which == 9 || which == 10) {
+        CHECK(alula_mission_init(p[10], p[9], p[1]) == code);
+        CHECK(which == 10 || alula_mission_items(mission, items, 2, 0, NULL) == ALULA_ERROR_NOT_INITIALISED);
+    }
     if (which == 8 || which == 2) {
         const float position[3] = {1.0f, 2.0f, -3.0f};
         CHECK(alula_goal_step(p[8], position, 0.01f, p[2]) == code);
@@ -205,6 +233,25 @@ static int32_t call_goal(void)
     return code;
 }
 
+/* What is told, asked for and remembered of a mission may be anything: a command comes, and it is finite. */
+static int32_t call_mission(void)
+{
+    int32_t code = ALULA_OK;
+    for (int n = 0; n < 20; n++) {
+        code = alula_mission_fly(mission, controller, input, 0.01f, command, report);
+        CHECK(are_finite(command, sizeof *command));
+        CHECK(isfinite(mission->distance_to_go) && isfinite(mission->energy) && isfinite(mission->right));
+    }
+    return code;
+}
+
+static int32_t call_setup(void)
+{
+    int32_t code = alula_mission_init(mission, setup, controller);
+    CHECK(code == ALULA_OK || alula_mission_items(mission, items, 2, 0, NULL) == ALULA_ERROR_NOT_INITIALISED);
+    return code;
+}
+
 static int32_t call_guide(void)
 {
     int32_t code = ALULA_OK;
@@ -229,6 +276,8 @@ int main(void)
     margin = at_the_edge(sizeof *margin);
     table = at_the_edge(sizeof *table);
     goal = at_the_edge(sizeof *goal);
+    setup = at_the_edge(sizeof *setup);
+    mission = at_the_edge(sizeof *mission);
 
     /* Memory that was never initialised. */
     CHECK(alula_step(controller, input, 0.01f, command, NULL) == ALULA_ERROR_LAYOUT);
@@ -244,7 +293,7 @@ int main(void)
     CHECK(alula_parameters_for_vehicle(parameters, 0.1f, 9.0f, 100.0f, 20.0f) < ALULA_ERROR_PARAMETER);
     CHECK(memcmp(parameters, &ruled, sizeof ruled) == 0);
 
-    for (int which = 0; which < 9; which++) {
+    for (int which = 0; which < 11; which++) {
         tidy();
         call_all(which, NULL, ALULA_ERROR_NULL);
         /* Unaligned, and not even a header's worth of memory. */
@@ -261,6 +310,7 @@ int main(void)
                 static const size_t sizes[] = {
                     sizeof *parameters, sizeof *controller, sizeof *input,  sizeof *command,
                     sizeof *equilibria, sizeof *map,        sizeof *margin, sizeof *table,   sizeof *goal,
+                    sizeof *setup,      sizeof *mission,
                 };
                 if (version == ALULA_ABI_VERSION && size == sizes[which])
                     continue;
@@ -283,6 +333,10 @@ int main(void)
     fuzz(input, sizeof *input, call_step);
     fuzz(input, sizeof *input, call_guide);
     fuzz(goal, sizeof *goal, call_goal);
+    fuzz(setup, sizeof *setup, call_setup);
+    /* What it is told: flags and position. */
+    fuzz(mission, 5 * sizeof(float), call_mission);
+    fuzz(input, sizeof *input, call_mission);
 
     /* A copy is another controller: the end of the first one does not touch it. */
     tidy();

@@ -56,6 +56,9 @@ MOVE(__aeabi_memcpy)
 #ifdef HAS___aeabi_memcpy4
 MOVE(__aeabi_memcpy4)
 #endif
+#ifdef HAS___aeabi_memcpy8
+MOVE(__aeabi_memcpy8)
+#endif
 #ifdef HAS___aeabi_memmove4
 MOVE(__aeabi_memmove4)
 #endif

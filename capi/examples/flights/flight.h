@@ -11,7 +11,7 @@
 #include <alula.h>
 
 /* One line of a trace: a letter and the structure's words after the header. */
-static void record(FILE *file, char letter, const void *structure, size_t size)
+static inline void record(FILE *file, char letter, const void *structure, size_t size)
 {
     fputc(letter, file);
     for (size_t n = sizeof(uint32_t); n < size; n += sizeof(uint32_t)) {
@@ -23,7 +23,7 @@ static void record(FILE *file, char letter, const void *structure, size_t size)
 }
 
 /* The trace named by the program's argument, or NULL if there is none. */
-static FILE *open_trace(int argc, char **argv)
+static inline FILE *open_trace(int argc, char **argv)
 {
     FILE *trace = NULL;
     if (argc > 1 && !(trace = fopen(argv[1], "w"))) {
@@ -33,7 +33,7 @@ static FILE *open_trace(int argc, char **argv)
     return trace;
 }
 
-static void close_trace(FILE *trace)
+static inline void close_trace(FILE *trace)
 {
     if (trace && (ferror(trace) | fclose(trace))) {
         fputs("the trace could not be written\n", stderr);
