@@ -3,6 +3,7 @@
 use std::ptr::{null, null_mut};
 
 use alula::VehicleParameters;
+use alula::mission::MissionParameters;
 use alula_capi::*;
 
 use crate::assert_finite;
@@ -87,6 +88,7 @@ pub fn run(data: &[u8]) -> u64 {
         reserved: 0,
         opaque: [0; 384],
     };
+    let mut mission = Box::new(Mission::BLANK);
     let mut calls = 2;
     while !bytes.is_empty() {
         calls += 1;
@@ -175,8 +177,59 @@ pub fn run(data: &[u8]) -> u64 {
                     known(code);
                     assert!((0.5..=1.25).contains(&pace), "{pace}");
                 }
+                10 | 11 => {
+                    let setup = MissionSetup {
+                        parameters: MissionParameters::cruising_at(20.0),
+                        ..MissionSetup::DEFAULT
+                    };
+                    let setup = poked(bytes, setup, 2);
+                    let from = pointer(bytes, &controller);
+                    if bytes.byte() < 64 {
+                        known(alula_mission_init(&mut *mission, &setup, from));
+                    }
+                    let items: Vec<MissionItem> = (0..bytes.byte() % 6)
+                        .map(|_| MissionItem {
+                            kind: u32::from(bytes.byte() % 14),
+                            place: [(); 3].map(|()| bytes.number(200.0)),
+                            radius: bytes.number(150.0),
+                            value: bytes.number(10.0),
+                        })
+                        .collect();
+                    let (count, from) = (items.len() as u32, u32::from(bytes.byte() % 8));
+                    let list = pointer(bytes, items.as_ptr());
+                    let to = &mut *mission;
+                    known(alula_mission_items(to, list, count, from, &mut row));
+                    for _ in 0..bytes.byte() % 16 {
+                        mission.flags = match bytes.byte() {
+                            0..=7 => bytes.word(),
+                            trouble => ALULA_ARMED | u32::from(trouble % 64),
+                        };
+                        mission.position = [(); 3].map(|()| bytes.number(100.0));
+                        let input = poked(bytes, Input::DEFAULT, 4);
+                        let input = pointer(bytes, &input);
+                        let to = &mut *mission;
+                        known(alula_mission_fly(
+                            to,
+                            &mut controller,
+                            input,
+                            dt,
+                            &mut command,
+                            about,
+                        ));
+                        check(&command);
+                        let Mission {
+                            energy,
+                            right,
+                            distance_to_go,
+                            time_after,
+                            ..
+                        } = *mission;
+                        assert_finite(&[energy, right, distance_to_go, time_after]);
+                        calls += 1;
+                    }
+                }
                 // Some hundred evaluations of the model each: now and then.
-                10 if bytes.byte() < 16 => {
+                12 if bytes.byte() < 16 => {
                     let input = poked(bytes, Input::DEFAULT, 6);
                     let mut set = poked(bytes, EquilibriumSet::EMPTY, 1);
                     let from = pointer(bytes, &controller);
