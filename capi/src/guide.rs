@@ -43,22 +43,15 @@ impl Input {
 }
 
 impl Initialised<'_> {
-    /// A step of the guidance with `told`, which is made of `input`. Out of line: the guidance is there once.
+    /// A step of the guidance. Out of line: it is there once.
     #[inline(never)]
-    pub(crate) fn guided(
-        &mut self,
-        input: &Input,
-        axes: BodyAxes,
-        told: &GuidanceInput,
-        dt: f32,
-    ) -> (Command, GuidanceOutput) {
-        let guided = self.guidance.update(&mut self.memory.state, told, dt);
-        (self.guided_command(input, axes, &guided), guided)
+    pub(crate) fn update(&mut self, told: &GuidanceInput, dt: f32) -> GuidanceOutput {
+        self.guidance.update(&mut self.memory.state, told, dt)
     }
 
     /// The command of a step of the guidance. Its attitude set-point is kept in case that it is to be held.
     #[inline(always)]
-    fn guided_command(
+    pub(crate) fn guided_command(
         &mut self,
         input: &Input,
         axes: BodyAxes,
@@ -136,7 +129,8 @@ pub unsafe extern "C" fn alula_guide(
                 return code;
             }
         };
-        let (value, guided) = controller.guided(input, axes, &input.guidance_input(axes), dt);
+        let guided = controller.update(&input.guidance_input(axes), dt);
+        let value = controller.guided_command(input, axes, &guided);
         command.write(value);
         if !report.is_null() {
             report.write(Report::of_guidance(&guided));

@@ -8,7 +8,7 @@ use alula::mission::{
 };
 use alula::ned::{BodyAxes, Ned, Quaternion};
 use alula::spatial::{self, Orientation};
-use alula::{GuidanceOutput, Parameters as _};
+use alula::{GuidanceOutput, ParameterError, Parameters as _};
 
 use crate::boundary::{self, Layout};
 use crate::code;
@@ -16,7 +16,7 @@ use crate::command::Command;
 use crate::controller::{Controller, Initialised, initialised as controller, initialised_mut};
 use crate::guide::of_guidance;
 use crate::input::{Input, ned};
-use crate::parameters::{MISSION_FIRST, range, refused};
+use crate::parameters::MISSION_FIRST;
 use crate::report::Report;
 
 /// Most items of a mission.
@@ -203,11 +203,7 @@ impl MissionSetup {
 
     /// The responses, and the parameters, each of which is in its range.
     fn checked(&self) -> Result<(MissionParameters, Responses), i32> {
-        for (row, value) in self.parameters.values().as_ref().iter().enumerate() {
-            let index = MISSION_FIRST + row;
-            let checked = range(index).map_or(Ok(()), |range| range.check(*value));
-            checked.map_err(|problem| code::of_parameter(index, problem))?;
-        }
+        self.parameters.check().map_err(refused)?;
         let response = |number| match number {
             ALULA_RESPONSE_CONTINUE => Ok(Response::Continue),
             ALULA_RESPONSE_LOITER => Ok(Response::Loiter),
@@ -404,6 +400,13 @@ impl Initialised<'_> {
             }
         }
     }
+}
+
+/// The code of a refused parameter of missions.
+fn refused(error: ParameterError) -> i32 {
+    let mut names = MissionParameters::RANGES.iter().map(|range| range.name);
+    let row = names.position(|name| name == error.parameter);
+    code::of_parameter(MISSION_FIRST + row.unwrap_or_default(), error.problem)
 }
 
 /// The code of a refused item.
@@ -611,7 +614,8 @@ pub unsafe extern "C" fn alula_mission_fly(
             }
             gate => {
                 let told = asked.asked_of(input.guidance_input(axes));
-                let (value, guided) = controller.guided(input, axes, &told, dt);
+                let guided = controller.update(&told, dt);
+                let value = controller.guided_command(input, axes, &guided);
                 if !report.is_null() {
                     report.write(Report::of_guidance(&guided));
                 }

@@ -71,11 +71,14 @@ macro_rules! tables {
             rows: $table::ROWS,
         }, )*];
 
-        /// Their ranges, which are all that an image needs, and those of missions.
-        const RANGES: &[&[Range]] = &[$( $table::RANGES, )* MissionParameters::RANGES];
+        /// Their ranges, which are all that an image needs.
+        const RANGES: &[&[Range]] = &[$( $table::RANGES, )*];
 
-        /// Fields of [`Parameters`], for the texts, and the name of missions.
-        const FIELDS: &[&str] = &[$( stringify!($field), )* MISSION.field];
+        /// What the texts are of: the fields of [`Parameters`] with their ranges, and missions.
+        const NAMED: &[(&str, &[Range])] = &[
+            $( (stringify!($field), $table::RANGES), )*
+            (MISSION.field, MissionParameters::RANGES),
+        ];
     };
 }
 
@@ -123,7 +126,7 @@ unsafe impl Layout for Parameters {}
 pub(crate) const MISSION_FIRST: usize = COUNT;
 const COUNT: usize = {
     let (mut count, mut n) = (0, 0);
-    while n + 1 < RANGES.len() {
+    while n < RANGES.len() {
         count += RANGES[n].len();
         n += 1;
     }
@@ -155,7 +158,7 @@ impl Parameters {
 
 /// The range of the `index`th parameter. Out of line: compiled into a search, the five tables are searched by five pieces of code.
 #[inline(never)]
-pub(crate) fn range(mut index: usize) -> Option<&'static Range> {
+fn range(mut index: usize) -> Option<&'static Range> {
     for table in RANGES {
         match table.get(index) {
             Some(range) => return Some(range),
@@ -171,9 +174,8 @@ pub(crate) fn range(mut index: usize) -> Option<&'static Range> {
 #[inline(never)]
 pub(crate) fn refused(error: ParameterError) -> i32 {
     let named = |index| range(index).is_some_and(|range| range.name == error.parameter);
-    let all = COUNT + MissionParameters::RANGES.len();
-    let index = (0..all).find(|index| named(*index));
-    code::of_parameter(index.unwrap_or(all), error.problem)
+    let index = (0..COUNT).find(|index| named(*index));
+    code::of_parameter(index.unwrap_or(COUNT), error.problem)
 }
 
 /// What a parameter must be that its range does not say, as the core's constructors ask for it.
@@ -237,13 +239,14 @@ const fn append<const N: usize>(out: &mut [u8; N], at: usize, text: &[u8]) -> us
 const fn texts<const N: usize>() -> ([u8; N], usize) {
     let (mut out, mut at) = ([0; N], 0);
     let mut table = 0;
-    while table < RANGES.len() {
+    while table < NAMED.len() {
+        let (field, ranges) = NAMED[table];
         let mut row = 0;
-        while row < RANGES[table].len() {
-            let range = &RANGES[table][row];
+        while row < ranges.len() {
+            let range = &ranges[row];
             let mut text = 0;
             while text < 2 {
-                at = append(&mut out, at, FIELDS[table].as_bytes());
+                at = append(&mut out, at, field.as_bytes());
                 at = append(&mut out, at, b".");
                 at = append(&mut out, at, range.name.as_bytes());
                 at = append(&mut out, at, b" must be ");
