@@ -242,6 +242,7 @@ fn reframed(frame: &[u8], random: &mut Random) -> Vec<u8> {
         0 if random.below(50) == 0 => 50,
         31 => 246,
         32 => 185,
+        49 => 39,
         74 => 20,
         77 => 143,
         105 => 93,

@@ -63,6 +63,8 @@ pub struct Inbox {
     pub clock: Clock,
     /// Specific force [m/s²] along hover's axes.
     pub specific_force: Option<Stamped<[f32; 3]>>,
+    /// The place of its position's origin: latitude and longitude \[°\], altitude over the sea \[m\].
+    pub global_origin: Option<[f64; 3]>,
     /// Wind over ground [m/s].
     pub wind: Option<Stamped<Ned>>,
     /// Airspeed [m/s].
@@ -244,6 +246,14 @@ impl Inbox {
                     self.acceleration = Ned::new(n, e, d);
                 }
                 takes
+            }
+            MavMessage::GPS_GLOBAL_ORIGIN(m) => {
+                self.global_origin = Some([
+                    f64::from(m.latitude) * 1e-7,
+                    f64::from(m.longitude) * 1e-7,
+                    f64::from(m.altitude) * 1e-3,
+                ]);
+                true
             }
             MavMessage::EXTENDED_SYS_STATE(m) => {
                 self.in_air = m.landed_state == MavLandedState::MAV_LANDED_STATE_IN_AIR;

@@ -328,6 +328,7 @@ impl Companion {
         Some(Told {
             t: t + ahead,
             position: x + (v + acceleration * (0.5 * moving)) * moving - self.origin,
+            start: self.origin,
             velocity,
             orientation: led(turning)?,
             rates,

@@ -47,9 +47,10 @@ pub fn request(target: u8, [param2, param3]: [f32; 2]) -> MavMessage {
 
 /// Asks the system `target` for its state at 50 Hz, and at 5 Hz for the air and whether it flies.
 pub fn requests_of_state(target: u8) -> impl Iterator<Item = MavMessage> {
-    // ATTITUDE_QUATERNION, LOCAL_POSITION_NED, HIGHRES_IMU; VFR_HUD, WIND, WIND_COV, EXTENDED_SYS_STATE. A period is in microseconds.
+    // ATTITUDE_QUATERNION, LOCAL_POSITION_NED, HIGHRES_IMU; VFR_HUD, WIND, WIND_COV, EXTENDED_SYS_STATE, GPS_GLOBAL_ORIGIN. A period is in
+    // microseconds.
     let often = [31.0, 32.0, 105.0].map(|id| [id, 20e3, 0.0]);
-    let seldom = [74.0, 168.0, 231.0, 245.0].map(|id| [id, 200e3, 0.0]);
+    let seldom = [74.0, 168.0, 231.0, 245.0, 49.0].map(|id| [id, 200e3, 0.0]);
     let all = often.into_iter().chain(seldom);
     all.map(move |parameters| command(target, MavCmd::MAV_CMD_SET_MESSAGE_INTERVAL, parameters))
 }

@@ -14,6 +14,8 @@ pub struct Told {
     pub t: f64,
     /// Position from the start \[m\].
     pub position: Ned,
+    /// The start, in the autopilot's own frame \[m\].
+    pub start: Ned,
     /// Velocity [m/s].
     pub velocity: Ned,
     /// Attitude.

@@ -1,9 +1,9 @@
 //! What the simulated autopilot says of its body.
 
 use mavlink::dialects::ardupilotmega::{
-    ATTITUDE_QUATERNION_DATA, EXTENDED_SYS_STATE_DATA, HEARTBEAT_DATA, HIGHRES_IMU_DATA,
-    LOCAL_POSITION_NED_DATA, MavAutopilot, MavLandedState, MavModeFlag, MavState, MavType,
-    VFR_HUD_DATA, WIND_COV_DATA, WIND_DATA,
+    ATTITUDE_QUATERNION_DATA, EXTENDED_SYS_STATE_DATA, GPS_GLOBAL_ORIGIN_DATA, HEARTBEAT_DATA,
+    HIGHRES_IMU_DATA, LOCAL_POSITION_NED_DATA, MavAutopilot, MavLandedState, MavModeFlag, MavState,
+    MavType, VFR_HUD_DATA, WIND_COV_DATA, WIND_DATA,
 };
 
 use super::{BodyState, Kind, MavMessage, milliseconds};
@@ -81,8 +81,11 @@ pub fn state(kind: Kind, now: f64, body: &BodyState) -> [MavMessage; 3] {
     ]
 }
 
-/// Wind and airspeed, and that it flies.
-pub fn air(kind: Kind, now: f64, body: &BodyState) -> [MavMessage; 3] {
+/// Where its position is counted from: latitude and longitude \[1e-7 °\], altitude \[mm\]. PX4's simulations begin there.
+const ORIGIN: [i32; 3] = [473_977_420, 85_455_940, 488_000];
+
+/// Wind and airspeed, that it flies, and where it counts from.
+pub fn air(kind: Kind, now: f64, body: &BodyState) -> [MavMessage; 4] {
     let [wind_x, wind_y, wind_z] = single(body.wind);
     let wind = match kind {
         Kind::Px4 => MavMessage::WIND_COV(WIND_COV_DATA {
@@ -114,5 +117,11 @@ pub fn air(kind: Kind, now: f64, body: &BodyState) -> [MavMessage; 3] {
         landed_state: MavLandedState::MAV_LANDED_STATE_IN_AIR,
         ..EXTENDED_SYS_STATE_DATA::default()
     });
-    [wind, hud, landed]
+    let [latitude, longitude, altitude] = ORIGIN;
+    let origin = MavMessage::GPS_GLOBAL_ORIGIN(GPS_GLOBAL_ORIGIN_DATA {
+        latitude,
+        longitude,
+        altitude,
+    });
+    [wind, hud, landed, origin]
 }

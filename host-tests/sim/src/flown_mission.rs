@@ -1,8 +1,8 @@
 //! A mission that is flown: what it asks for at a step, and what of the answer reaches the motors.
 
 use alula::mission::{
-    Gate, Mission, MissionInput, MissionOutput, MissionParameters, MissionState, Missions,
-    Response, Troubles,
+    Gate, Item, Mission, MissionError, MissionInput, MissionOutput, MissionParameters,
+    MissionState, Missions, Response, Troubles,
 };
 use alula::ned::Ned;
 
@@ -82,8 +82,36 @@ impl FlownMission {
             armed: t >= self.armed_s,
             troubles,
         };
+        self.ask(&input, dt as f32)
+    }
+
+    /// What is asked, `dt` \[s\] after the last.
+    pub fn ask(&mut self, input: &MissionInput, dt: f32) -> MissionOutput {
         self.missions
-            .step(&mut self.state, &self.mission, &input, dt as f32)
+            .step(&mut self.state, &self.mission, input, dt)
+    }
+
+    /// The items as a mission of this vehicle.
+    pub fn mission(&self, items: &[Item]) -> Result<Mission, MissionError> {
+        self.missions.mission(items)
+    }
+
+    /// Another mission, from an item on. In the air there is no take-off: an item that is one is passed.
+    pub fn replace(&mut self, mission: Mission, item: usize) {
+        self.mission = mission;
+        self.go_to(item);
+    }
+
+    /// Goes to an item, in the air.
+    pub fn go_to(&mut self, item: usize) {
+        let ahead = self.mission.items().iter().skip(item);
+        let passed = ahead.take_while(|item| matches!(item, Item::TakeOff { .. }));
+        self.state.go_to(item + passed.count());
+    }
+
+    /// Its items.
+    pub fn items(&self) -> &[Item] {
+        self.mission.items()
     }
 }
 

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use alula_bridges::companion::{self, Companion, Connection, End, Kind, Stage};
 use anyhow::{Context, bail};
 
-use alula_sil::companion::{Lead, OnPath, settings};
+use alula_sil::companion::{Ground, Lead, OnPath, settings};
 
 use super::autopilot::Choice;
 use super::fly::{Logs, report};
@@ -27,6 +27,9 @@ pub struct Args {
     /// udpin:ADDRESS:PORT, udpout:HOST:PORT, tcpout:HOST:PORT or serial:DEVICE:BAUD
     #[arg(long, value_name = "ADDRESS", default_value = "udpin:127.0.0.1:14540")]
     connect: String,
+    /// Be a vehicle to a ground station there, which uploads and changes the mission: udpout:127.0.0.1:14550 is QGroundControl on this machine
+    #[arg(long, value_name = "ADDRESS", conflicts_with = "from_link")]
+    ground: Option<String>,
     /// Fly what comes as SET_POSITION_TARGET_LOCAL_NED, and not the experiment's reference
     #[arg(long)]
     from_link: bool,
@@ -100,6 +103,11 @@ fn fly(args: &Args, mut settings: companion::Settings, pilot: &mut OnPath) -> an
     settings.kind = args.autopilot.kind()?;
     let mut companion = Companion::new(settings);
     let mut link = Connection::open(&args.connect).with_context(|| args.connect.clone())?;
+    let station = args.ground.as_deref().map(|address| {
+        let link = Connection::open(address).with_context(|| address.to_owned())?;
+        anyhow::Ok((Ground::new(), link))
+    });
+    let mut station = station.transpose()?;
     let interrupted = interrupted()?;
 
     let begin = Instant::now();
@@ -121,6 +129,17 @@ fn fly(args: &Args, mut settings: companion::Settings, pilot: &mut OnPath) -> an
         let now = begin.elapsed().as_secs_f64();
         for message in companion.step(now, pilot).0 {
             link.send(companion.header(), &message);
+        }
+        if let Some((ground, link)) = &mut station {
+            for (when, came) in link.received() {
+                if let Some((header, message)) = came {
+                    let when = (when - begin).as_secs_f64();
+                    ground.receive(when, &header, &message, &companion, pilot);
+                }
+            }
+            for message in ground.step(now, &companion, pilot) {
+                link.send(Ground::HEADER, &message);
+            }
         }
         let words = words(&companion, settings.kind);
         if said.as_ref() != Some(&words) {

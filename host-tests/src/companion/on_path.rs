@@ -1,17 +1,23 @@
-//! The guidance as a companion's pilot, along a path or what comes over the link.
+//! The guidance as a companion's pilot, along a path, on a mission, or by what comes over the link.
 //!
 //! The path begins where the vehicle is when the flight begins, in the axes of its own north: [`Lead::Path`] says where that points. What is told
 //! is turned into these axes, and the record is in them.
 
-use alula::GuidanceInput;
+use alula::mission::{
+    Activity, Gate, Item, ItemProblem, MissionError, MissionInput, MissionOutput, Pass,
+};
 use alula::ned::{BodyAxes, Ned};
 use alula::spatial::{Heading, Orientation, Reference};
-use alula_bridges::companion::{Command, End, Kind, Pilot, Setpoint, Settings, Told};
+use alula::{GuidanceInput, GuidanceOutput};
+use alula_bridges::companion::messages::{MISSION_ITEM_INT_DATA, MavMissionResult};
+use alula_bridges::companion::{Command, End, Kind, Pilot, Refused, Setpoint, Settings, Told};
 use anyhow::ensure;
 use nalgebra::{Quaternion, UnitQuaternion};
 
 use alula_sim::controllers::{Answer, Controller, Input};
+use alula_sim::experiment::plan::{Home, MavItem, flown};
 use alula_sim::experiment::{Experiment, Path, State, Target, V3, angle, double, ned};
+use alula_sim::flown_mission::{FlownMission, passed};
 use alula_sim::reference::wrap;
 use alula_sim::simulate::{Record, Step};
 
@@ -40,7 +46,7 @@ pub fn settings(experiment: &Experiment, hover_thrust: Option<f64>) -> anyhow::R
 /// By what a flight is led.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Lead {
-    /// The experiment's path, its north at this heading \[rad\]; the vehicle's at the start if none.
+    /// The experiment's path or mission, its north at this heading \[rad\]; the vehicle's at the start if none.
     Path(Option<f32>),
     /// What comes over the link, in its axes.
     Link,
@@ -49,8 +55,7 @@ pub enum Lead {
 /// The guidance on its path.
 pub struct OnPath {
     controller: Box<dyn Controller>,
-    /// None where what comes over the link is followed.
-    path: Option<Path>,
+    led: Led,
     /// Heading of the path's north \[rad\], if it is known before the start.
     heading: Option<f32>,
     axes: Axes,
@@ -60,6 +65,27 @@ pub struct OnPath {
     /// The attitude θ \[rad\], counted on through full turns.
     theta: f64,
     record: Record,
+}
+
+/// What is flown.
+enum Led {
+    Path(Path),
+    Link,
+    Mission(Box<OnMission>),
+}
+
+/// A mission, which begins in the air.
+struct OnMission {
+    flown: FlownMission,
+    /// What a ground station has uploaded, and where on earth positions are counted from.
+    uploaded: Option<(Vec<MISSION_ITEM_INT_DATA>, Home)>,
+    /// Of each item the number of the one uploaded that it is of.
+    numbers: Vec<usize>,
+    /// The start in the autopilot's frame, once it is known.
+    start: Option<Ned>,
+    last: Option<MissionOutput>,
+    /// Thrust commanded last \[N\].
+    thrust: f32,
 }
 
 /// The axes of a path: the world's, turned to a heading.
@@ -124,9 +150,20 @@ impl OnPath {
             "controller.{}: flies in a plane and holds nothing across it; beside an autopilot flies the guidance",
             experiment.controller.kind
         );
-        let (path, heading) = match lead {
-            Lead::Path(heading) => (Some(experiment.path.path()?), heading),
-            Lead::Link => (None, Some(0.0)),
+        let (led, heading) = match (lead, experiment.flown_mission()?) {
+            (Lead::Path(heading), None) => (Led::Path(experiment.path.path()?), heading),
+            (Lead::Path(_), Some(flown)) => (
+                Led::Mission(Box::new(OnMission {
+                    numbers: (0..flown.items().len()).collect(),
+                    flown,
+                    uploaded: None,
+                    start: None,
+                    last: None,
+                    thrust: 0.0,
+                })),
+                Some(0.0),
+            ),
+            (Lead::Link, _) => (Led::Link, Some(0.0)),
         };
         if let Some(heading) = heading {
             angle("heading", heading.to_degrees().into())?;
@@ -136,7 +173,7 @@ impl OnPath {
         turned.initial.heading_deg = Some(0.0);
         Ok(Self {
             controller: turned.controller()?,
-            path,
+            led,
             heading,
             axes: Axes::new(heading.unwrap_or_default()),
             gravity: experiment.vehicle.gravity_m_s2,
@@ -151,9 +188,79 @@ impl OnPath {
         &self.record
     }
 
-    /// What is to be flown now.
+    /// Takes the mission that a ground station has uploaded, from the first item on; `home` is where the autopilot's positions are counted from.
+    ///
+    /// # Errors
+    /// As [`check`](Self::check).
+    pub fn upload(&mut self, items: &[MISSION_ITEM_INT_DATA], home: Home) -> Result<(), Refused> {
+        let mission = self.mission_mut()?;
+        let start = mission.start.unwrap_or_default();
+        let (numbers, items_of_core) = mission.converted(items, home, start)?;
+        let made = mission.flown.mission(&items_of_core);
+        let made = made.map_err(|e| of_item(&e, &numbers))?;
+        mission.flown.replace(made, 0);
+        (mission.numbers, mission.uploaded) = (numbers, Some((items.to_vec(), home)));
+        Ok(())
+    }
+
+    /// Whether a mission that begins with `items` is flown.
+    ///
+    /// # Errors
+    /// The code of the protocol and a sentence about the first item that is not.
+    pub fn check(
+        &self,
+        items: &[MISSION_ITEM_INT_DATA],
+        home: Option<Home>,
+    ) -> Result<(), Refused> {
+        let Led::Mission(mission) = &self.led else {
+            return Err(no_mission());
+        };
+        let unknown = || {
+            let why = "where on earth the vehicle is is not known yet";
+            (MavMissionResult::MAV_MISSION_DENIED, why.to_owned())
+        };
+        let start = mission.start.unwrap_or_default();
+        let (numbers, items) = mission.converted(items, home.ok_or_else(unknown)?, start)?;
+        let made = mission.flown.mission(&items);
+        made.map(|_| ()).map_err(|e| of_item(&e, &numbers))
+    }
+
+    /// Goes to the item of this number, of those that were uploaded.
+    pub fn go_to(&mut self, number: usize) {
+        if let Led::Mission(mission) = &mut self.led {
+            let item = mission.numbers.iter().position(|of| *of >= number);
+            mission.flown.go_to(item.unwrap_or(mission.numbers.len()));
+        }
+    }
+
+    /// The number of the item that is flown.
+    pub fn item(&self) -> usize {
+        let Led::Mission(mission) = &self.led else {
+            return 0;
+        };
+        let item = mission.last.map_or(0, |said| said.progress.item.into());
+        let past = mission.numbers.last().map_or(0, |last| last + 1);
+        mission.numbers.get(item).copied().unwrap_or(past)
+    }
+
+    /// What of the mission cannot be done as asked.
+    pub fn remark(&self) -> Option<&'static str> {
+        match &self.led {
+            Led::Mission(mission) => Some(mission.last?.remark?.name()),
+            _ => None,
+        }
+    }
+
+    fn mission_mut(&mut self) -> Result<&mut OnMission, Refused> {
+        match &mut self.led {
+            Led::Mission(mission) => Ok(mission),
+            _ => Err(no_mission()),
+        }
+    }
+
+    /// What is to be flown now of a path or over the link.
     fn asked(&mut self, told: &Told) -> Asked {
-        let Some(path) = &mut self.path else {
+        let Led::Path(path) = &mut self.led else {
             let Some((asked, age)) = &told.asked else {
                 // Until something is asked for: stay.
                 return Asked {
@@ -191,7 +298,14 @@ impl OnPath {
         }
     }
 
-    fn keep(&mut self, told: &Told, target: Target, input: Input, answer: Answer) {
+    fn keep(
+        &mut self,
+        told: &Told,
+        target: Target,
+        input: Input,
+        answer: Answer,
+        mission: Option<MissionOutput>,
+    ) {
         let q = told.orientation.to_quaternion(BodyAxes::NoseUp);
         let [w, x, y, z] = [q.w, q.x, q.y, q.z].map(f64::from);
         let force = told
@@ -217,12 +331,135 @@ impl OnPath {
             measured_attitude: attitude,
             input,
             answer,
-            mission: None,
+            mission,
             model_theta: None,
         };
         if self.record.last().is_none_or(|last| step.t > last.t) {
             self.record.push(step);
         }
+    }
+}
+
+fn no_mission() -> Refused {
+    let why = "a path is flown, and no mission".to_owned();
+    (MavMissionResult::MAV_MISSION_DENIED, why)
+}
+
+/// What the vehicle cannot fly, by the number of the uploaded item.
+fn of_item(error: &MissionError, numbers: &[usize]) -> Refused {
+    type Code = MavMissionResult;
+    let code = match (error.problem, error.field) {
+        (ItemProblem::TooMany, _) => Code::MAV_MISSION_NO_SPACE,
+        (_, "pass" | "until") => Code::MAV_MISSION_INVALID_PARAM1,
+        (_, "speed") => Code::MAV_MISSION_INVALID_PARAM2,
+        (_, "radius") => Code::MAV_MISSION_INVALID_PARAM3,
+        (_, "place" | "centre") => Code::MAV_MISSION_INVALID_PARAM5_X,
+        (_, "height" | "down") => Code::MAV_MISSION_INVALID_PARAM7,
+        _ => Code::MAV_MISSION_INVALID,
+    };
+    let number = numbers.get(error.item).copied().unwrap_or(error.item);
+    let text = error.to_string();
+    let (_, what) = text.split_once(": ").unwrap_or(("", &text));
+    (code, format!("item {number}: {what}"))
+}
+
+/// An item elsewhere, by this much.
+fn moved(item: Item, by: Ned) -> Item {
+    match item {
+        Item::Waypoint { place, pass } => Item::Waypoint {
+            place: place + by,
+            pass,
+        },
+        Item::Loiter {
+            centre,
+            radius,
+            until,
+        } => Item::Loiter {
+            centre: centre + by,
+            radius,
+            until,
+        },
+        Item::Altitude { down } => Item::Altitude {
+            down: down + by.down,
+        },
+        Item::Land { place } => Item::Land {
+            place: place.map(|place| place + by),
+        },
+        other => other,
+    }
+}
+
+impl OnMission {
+    /// The core's items of those uploaded, counted from `start`, each with its number.
+    fn converted(
+        &self,
+        items: &[MISSION_ITEM_INT_DATA],
+        home: Home,
+        start: Ned,
+    ) -> Result<(Vec<usize>, Vec<Item>), Refused> {
+        type Code = MavMissionResult;
+        let items: Vec<MavItem> = items.iter().map(of_message).collect();
+        let made = flown(&items, home).map_err(|(number, error)| {
+            let code = match &*error.field {
+                "command" => Code::MAV_MISSION_UNSUPPORTED,
+                "frame" => Code::MAV_MISSION_UNSUPPORTED_FRAME,
+                "params[0]" => Code::MAV_MISSION_INVALID_PARAM1,
+                "params[1]" => Code::MAV_MISSION_INVALID_PARAM2,
+                "params[2]" => Code::MAV_MISSION_INVALID_PARAM3,
+                "params[4]" => Code::MAV_MISSION_INVALID_PARAM5_X,
+                "params[5]" => Code::MAV_MISSION_INVALID_PARAM6_Y,
+                "params[6]" => Code::MAV_MISSION_INVALID_PARAM7,
+                _ => Code::MAV_MISSION_INVALID,
+            };
+            (code, format!("item {number}: {error}"))
+        })?;
+        let by = Ned::ZERO - start;
+        Ok(made
+            .into_iter()
+            .map(|(n, item)| (n, moved(item, by)))
+            .unzip())
+    }
+
+    /// The flight begins in the air, at `start` in the autopilot's frame; without items it stays there.
+    fn begin(&mut self, start: Ned) {
+        self.start = Some(start);
+        if let Some((items, home)) = self.uploaded.take() {
+            let made = self.converted(&items, home, start).ok();
+            let made = made.and_then(|(_, items)| self.flown.mission(&items).ok());
+            if let Some(made) = made {
+                self.flown.replace(made, 0);
+            }
+            self.uploaded = Some((items, home));
+        }
+        if self.flown.items().is_empty() {
+            let stay = Item::Waypoint {
+                place: Ned::ZERO,
+                pass: Pass::Hover(1e6),
+            };
+            if let Ok(made) = self.flown.mission(&[stay]) {
+                self.flown.replace(made, 0);
+            }
+        }
+        self.flown.go_to(0);
+    }
+}
+
+/// The item of a message: its place is in 1e-7 of a degree.
+fn of_message(m: &MISSION_ITEM_INT_DATA) -> MavItem {
+    let number = |x: f32| Some(f64::from(x));
+    let degrees = |x: i32| Some(f64::from(x) * 1e-7);
+    MavItem {
+        command: m.command as i64,
+        frame: m.frame as i64,
+        params: [
+            number(m.param1),
+            number(m.param2),
+            number(m.param3),
+            number(m.param4),
+            degrees(m.x),
+            degrees(m.y),
+            number(m.z),
+        ],
     }
 }
 
@@ -233,6 +470,56 @@ impl Pilot for OnPath {
 
     fn answer(&mut self, told: &Told, dt: f32) -> Result<Command, End> {
         let told = &self.axes.told(told);
+        let sample = GuidanceInput::default()
+            .velocity(told.velocity)
+            .orientation(told.orientation)
+            .state_age(told.age)
+            .air(told.air)
+            .specific_force(told.specific_force.map(Into::into));
+        if let Led::Mission(mission) = &mut self.led {
+            if mission.start.is_none() {
+                mission.begin(told.start);
+            }
+            let unknown = Ned::new(f32::NAN, f32::NAN, f32::NAN);
+            let asked = mission.flown.ask(
+                &MissionInput {
+                    position: Some(told.position),
+                    velocity: told.velocity,
+                    wind: told.air.wind(told.velocity).unwrap_or(unknown),
+                    orientation: told.orientation,
+                    thrust: mission.thrust,
+                    armed: true,
+                    ..MissionInput::default()
+                },
+                dt,
+            );
+            let was = mission.last.replace(asked);
+            let landed = asked.activity == Activity::Grounded;
+            if landed && was.is_some_and(|was| was.activity == Activity::Touched) {
+                return Err(End::Finished);
+            }
+            let target = Target {
+                position: double(told.position - asked.position_error),
+                velocity: double(asked.reference.velocity),
+                acceleration: double(asked.reference.acceleration),
+                heading: None,
+            };
+            let input = Input {
+                sample: asked.asked_of(sample),
+                feed_forward: None,
+            };
+            let answer = match asked.gate {
+                Gate::Off => Ok(GuidanceOutput::default().into()),
+                _ => self.controller.answer(&input, dt),
+            };
+            let answer = passed(asked.gate, answer.map_err(|_| End::Pilot)?);
+            mission.thrust = answer.thrust;
+            self.keep(told, target, input, answer, Some(asked));
+            return Ok(Command {
+                thrust: answer.thrust,
+                rates: BodyAxes::NoseUp.components(answer.rates),
+            });
+        }
         let Asked {
             target,
             placed,
@@ -240,12 +527,7 @@ impl Pilot for OnPath {
         } = self.asked(told);
         let error = told.position - ned(target.position);
         let heading = target.heading.map_or(f32::NAN, |h| h as f32);
-        let sample = GuidanceInput::default()
-            .velocity(told.velocity)
-            .orientation(told.orientation)
-            .state_age(told.age)
-            .air(told.air)
-            .specific_force(told.specific_force.map(Into::into))
+        let sample = sample
             .position_error(placed.then_some(error))
             .reference(Reference {
                 velocity: ned(target.velocity),
@@ -258,7 +540,7 @@ impl Pilot for OnPath {
             feed_forward: None,
         };
         let answer = self.controller.answer(&input, dt).map_err(|_| End::Pilot)?;
-        self.keep(told, target, input, answer);
+        self.keep(told, target, input, answer, None);
         Ok(Command {
             thrust: answer.thrust,
             rates: BodyAxes::NoseUp.components(answer.rates),

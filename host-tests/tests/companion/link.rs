@@ -36,6 +36,13 @@ pub struct Quality {
     garbage: f64,
 }
 
+impl Quality {
+    /// The same, but for the share that is lost.
+    pub const fn losing(self, lost: f64) -> Self {
+        Self { lost, ..self }
+    }
+}
+
 pub const GOOD: Quality = Quality {
     latency: 0.0,
     jitter: 0.0,

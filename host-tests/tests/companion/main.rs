@@ -2,5 +2,6 @@
 //! through, and received before time goes on.
 
 mod link;
+mod mission;
 mod paths;
 mod round_trip;

@@ -4,10 +4,12 @@
 //! <https://mavlink.io/en/messages/common.html#mav_commands>. What a mission here does not have is refused by the number of the item and the field; what
 //! does not move the vehicle, as a camera's trigger, is left out and said.
 
+use alula::mission::Item;
 use serde_json::Value as Json;
 use toml::{Table, Value};
 
-use super::document::FieldError;
+use super::document::{FieldError, read};
+use super::mission::ItemSpec;
 
 /// A plan as the table `[mission]`, and what was left out of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,20 +37,64 @@ const LEFT_OUT: [i64; 17] = [
     93, 112, 183, 187, 189, 195, 197, 201, 203, 205, 206, 530, 532, 2000, 2001, 2500, 3000,
 ];
 
-/// Home: latitude and longitude \[°\], altitude over the sea \[m\].
-struct Home([f64; 3]);
+/// The place that positions are counted from: latitude and longitude \[°\], altitude over the sea \[m\].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Home(pub [f64; 3]);
 
 impl Home {
+    /// Metres a degree of latitude and of longitude.
+    fn degrees(&self) -> [f64; 2] {
+        let (sin, cos) = self.0[0].to_radians().sin_cos();
+        let w = (1.0 - ECCENTRICITY * sin * sin).sqrt();
+        let meridian = AXIS * (1.0 - ECCENTRICITY) / w.powi(3);
+        [meridian, AXIS / w * cos].map(f64::to_radians)
+    }
+
     /// North and east \[m\] of a place.
     fn local(&self, latitude: f64, longitude: f64) -> [f64; 2] {
         let [lat, lon, _] = self.0;
-        let (sin, cos) = lat.to_radians().sin_cos();
-        let w = (1.0 - ECCENTRICITY * sin * sin).sqrt();
-        let meridian = AXIS * (1.0 - ECCENTRICITY) / w.powi(3);
-        let north = (latitude - lat).to_radians() * meridian;
-        let east = (longitude - lon).to_radians() * AXIS / w * cos;
-        [north, east]
+        let [north, east] = self.degrees();
+        [(latitude - lat) * north, (longitude - lon) * east]
     }
+
+    /// Latitude and longitude \[°\], and altitude over the sea \[m\], of a place north, east and down \[m\].
+    pub fn global(&self, [north, east, down]: [f64; 3]) -> [f64; 3] {
+        let [lat, lon, alt] = self.0;
+        let [a, b] = self.degrees();
+        [lat + north / a, lon + east / b, alt - down]
+    }
+}
+
+/// An item as MAVLink has it. What is null or NaN is left out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MavItem {
+    /// `MAV_CMD`.
+    pub command: i64,
+    /// `MAV_FRAME`.
+    pub frame: i64,
+    /// Its seven parameters; of a place the last three are latitude and longitude \[°\] and altitude \[m\].
+    pub params: [Option<f64>; 7],
+}
+
+/// The items of a mission, each with the number of the one in `items` that it is of: one may become two, and one that moves nothing none.
+///
+/// # Errors
+/// The first that is not flown: its number, and what is wrong with which field.
+pub fn flown(items: &[MavItem], home: Home) -> Result<Vec<(usize, Item)>, (usize, FieldError)> {
+    let mut reader = Reader::new(home);
+    let mut all = Vec::new();
+    for (number, item) in items.iter().enumerate() {
+        let refused = |e| (number, e);
+        reader.command("", item, false).map_err(refused)?;
+        for value in reader.items.drain(..) {
+            let spec: ItemSpec = read(value).map_err(refused)?;
+            let item = spec
+                .item()
+                .map_err(|(f, p)| (number, FieldError::new(f, p)))?;
+            all.push((number, item));
+        }
+    }
+    Ok(all)
 }
 
 /// An item on the way to the table.
@@ -113,13 +159,7 @@ pub fn plan(text: &str) -> Result<Plan, FieldError> {
     }
     let items = mission.get("items").and_then(Json::as_array);
     let items = items.ok_or_else(|| refused("mission.items", "is missing"))?;
-    let mut reader = Reader {
-        home: Home(home),
-        items: Vec::new(),
-        left_out: Vec::new(),
-        at: [0.0; 2],
-        length: 0.0,
-    };
+    let mut reader = Reader::new(Home(home));
     for (number, item) in items.iter().enumerate() {
         reader.item(&format!("item {number}"), item, false)?;
     }
@@ -138,11 +178,46 @@ pub fn plan(text: &str) -> Result<Plan, FieldError> {
     })
 }
 
+impl MavItem {
+    /// The item of a plan's JSON, which is called `name` where it is refused.
+    fn of_json(name: &str, item: &Json) -> Result<Self, FieldError> {
+        let at = |field: &str| format!("{name}: {field}");
+        let command = item.get("command").and_then(Json::as_i64);
+        let command = command.ok_or_else(|| refused(at("command"), "must be a number"))?;
+        let params = item.get("params").and_then(Json::as_array);
+        let params = params.map(|params| params.iter().map(Json::as_f64).collect::<Vec<_>>());
+        let params = params.and_then(|params| params.try_into().ok());
+        // Of those that are left out nobody asks.
+        let params = match LEFT_OUT.contains(&command) {
+            true => params.unwrap_or_default(),
+            false => params.ok_or_else(|| refused(at("params"), "must be seven numbers"))?,
+        };
+        Ok(Self {
+            command,
+            frame: item.get("frame").and_then(Json::as_i64).unwrap_or(NO_PLACE),
+            params,
+        })
+    }
+}
+
 impl Reader {
+    fn new(home: Home) -> Self {
+        Self {
+            home,
+            items: Vec::new(),
+            left_out: Vec::new(),
+            at: [0.0; 2],
+            length: 0.0,
+        }
+    }
+
     /// An item of a plan; of a pattern its own items, whose waypoints are flown over.
     fn item(&mut self, name: &str, item: &Json, over: bool) -> Result<(), FieldError> {
         match item.get("type").and_then(Json::as_str) {
-            Some("SimpleItem") => self.command(name, item, over),
+            Some("SimpleItem") => {
+                let item = MavItem::of_json(name, item)?;
+                self.command(&format!("{name}: "), &item, over)
+            }
             Some("ComplexItem") => {
                 let style = item.get("TransectStyleComplexItem").unwrap_or(item);
                 let inner = style.get("Items").or_else(|| item.get("Items"));
@@ -163,23 +238,22 @@ impl Reader {
         }
     }
 
-    fn command(&mut self, name: &str, item: &Json, over: bool) -> Result<(), FieldError> {
-        let at = |field: &str| format!("{name}: {field}");
-        let command = item.get("command").and_then(Json::as_i64);
-        let command = command.ok_or_else(|| refused(at("command"), "must be a number"))?;
+    /// Takes an item; `name` stands before the field where it is refused.
+    fn command(&mut self, name: &str, item: &MavItem, over: bool) -> Result<(), FieldError> {
+        let at = |field: &str| format!("{name}{field}");
+        let &MavItem {
+            command,
+            frame,
+            params,
+        } = item;
         if LEFT_OUT.contains(&command) {
-            self.left_out.push(format!("{name}: command {command}"));
+            self.left_out.push(format!("{name}command {command}"));
             return Ok(());
         }
-        let params = item.get("params").and_then(Json::as_array);
-        let params = params
-            .filter(|params| params.len() == 7)
-            .ok_or_else(|| refused(at("params"), "must be seven numbers"))?;
         // Null and NaN stand for what is left out.
-        let param = |n: usize| params[n - 1].as_f64().filter(|x| x.is_finite());
+        let param = |n: usize| params[n - 1].filter(|x| x.is_finite());
         let number = |n: usize| param(n).unwrap_or(0.0);
         let place = |home: &Home| -> Result<[f64; 3], FieldError> {
-            let frame = item.get("frame").and_then(Json::as_i64).unwrap_or(-1);
             let field = |n: usize| at(&format!("params[{}]", n - 1));
             let (Some(latitude), Some(longitude)) = (param(5), param(6)) else {
                 return Err(refused(field(5), "a place has a latitude and a longitude"));
@@ -266,7 +340,6 @@ impl Reader {
                 let Some(altitude) = param(7) else {
                     return Err(refused(at("params[6]"), "a take-off has an altitude"));
                 };
-                let frame = item.get("frame").and_then(Json::as_i64).unwrap_or(NO_PLACE);
                 let height = if OVER_SEA.contains(&frame) {
                     altitude - self.home.0[2]
                 } else {
@@ -362,6 +435,36 @@ mod tests {
         assert!((number("north_m") - 1852.9).abs() < 1.0);
         assert!((number("east_m") - 1267.6).abs() < 1.0);
         assert_eq!(number("height_m"), 50.0);
+    }
+
+    /// Over the earth and back, to a millimetre; a take-off with a place becomes two items of the same number.
+    #[test]
+    fn items_of_messages_are_those_of_files() {
+        let home = Home([47.0, 8.0, 400.0]);
+        let [lat, lon, alt] = home.global([1852.9, -700.0, -30.0]);
+        let [north, east] = home.local(lat, lon);
+        assert!((north - 1852.9).abs() < 1e-3 && (east + 700.0).abs() < 1e-3 && alt == 430.0);
+        let at = |command: i64, place: [f64; 3]| MavItem {
+            command,
+            frame: 3,
+            params: [[0.0; 3].map(Some).as_slice(), &[None], &place.map(Some)]
+                .concat()
+                .try_into()
+                .unwrap(),
+        };
+        let items = [
+            at(84, [lat, lon, 30.0]),
+            at(206, [0.0; 3]),
+            at(21, [lat, lon, 0.0]),
+        ];
+        let flown = flown(&items, home).unwrap();
+        let numbers: Vec<usize> = flown.iter().map(|(number, _)| *number).collect();
+        assert_eq!(numbers, [0, 0, 2]);
+        assert_eq!(flown[0].1, Item::TakeOff { height: 30.0 });
+        let mut wrong = items;
+        wrong[2].frame = 10;
+        let (number, error) = super::flown(&wrong, home).unwrap_err();
+        assert_eq!((number, &*error.field), (2, "frame"));
     }
 
     #[test]
