@@ -3,8 +3,8 @@
 //! Counts are small by default. `MISSION_FLIGHTS=1000 cargo test --release -p alula-sil --test missions -- --nocapture` prints the tables of `docs/missions.md`.
 
 use alula::guidance::Phase;
-use alula::mission::Activity;
-use alula_sim::experiment::{Document, Experiment};
+use alula::mission::{Activity, MissionOutput, Response, Troubles};
+use alula_sim::experiment::{Document, Experiment, V3};
 use alula_sim::simulate::{Step, simulate};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -436,6 +436,212 @@ fn built_in_missions_are_flown_to_their_end() {
             "{name} {touch:?}"
         );
     }
+}
+
+/// What is seen of a flight with a failure, every tenth of a second.
+struct Seen {
+    t: f64,
+    place: V3,
+    output: MissionOutput,
+}
+
+/// Out at 22 m/s in 5 m/s of wind, a hover, back and down, 60 m high, on the ideal vehicle with a ground under it.
+fn out_and_back(settings: &[String]) -> Vec<Seen> {
+    let mut document = Document::load("survey").unwrap();
+    let items = "{ take-off = { height_m = 20.0 } }, { waypoint = { north_m = 500.0, east_m = 0.0, height_m = 60.0 } }, \
+        { waypoint = { north_m = 500.0, east_m = 300.0, height_m = 60.0, hover_s = 5.0 } }, \"return\"";
+    let fixed = [
+        "duration_s=400.0".to_owned(),
+        "weather.turbulence.wind_at_20_ft_m_s=0.001".to_owned(),
+        format!("mission.items=[{items}]"),
+    ];
+    set(&mut document, &fixed);
+    set(&mut document, settings);
+    let experiment = document.checked().unwrap();
+    let mut seen = Vec::new();
+    let mut flown = false;
+    simulate(
+        &experiment,
+        experiment.controller().unwrap().as_mut(),
+        |step| {
+            let output = step.mission.unwrap();
+            seen.push(Seen {
+                t: step.t,
+                place: step.truth.position,
+                output,
+            });
+            flown |= output.activity == Activity::Touched;
+            !(flown && output.activity == Activity::Grounded)
+        },
+    )
+    .unwrap();
+    seen
+}
+
+/// Whether it stands on the ground at the end, and where.
+fn landed(seen: &[Seen]) -> Option<V3> {
+    let last = seen.last().unwrap();
+    let stands = last.output.activity == Activity::Grounded && last.place.z.abs() < 0.1;
+    stands.then_some(last.place)
+}
+
+/// Each failure with each response, in cruise: it goes on; it circles for as long as the failure lasts and goes on then; it returns, or lands where it
+/// is, and keeps to that.
+#[test]
+fn failures_are_answered_as_the_table_says() {
+    let failures = [
+        (
+            "link",
+            "mission.troubles=[{ t_s = 28.0, lasts_s = 40.0, kind = \"link\" }]",
+            Troubles::LINK,
+        ),
+        (
+            "air",
+            "mission.troubles=[{ t_s = 28.0, lasts_s = 40.0, kind = \"air\" }]",
+            Troubles::AIR,
+        ),
+        (
+            "position",
+            "mission.troubles=[{ t_s = 28.0, lasts_s = 40.0, kind = \"position\" }]",
+            Troubles::POSITION,
+        ),
+        (
+            "battery",
+            "mission.troubles=[{ t_s = 28.0, lasts_s = 40.0, kind = \"battery\" }]",
+            Troubles::BATTERY,
+        ),
+        (
+            "follow",
+            "weather.gust={ start_s = 26.0, duration_s = 24.0, peak_m_s = [0.0,0.0,22.0] }",
+            Troubles::FOLLOW,
+        ),
+    ];
+    let responses = ["continue", "loiter", "return", "land"];
+    let cases: Vec<_> = failures
+        .iter()
+        .flat_map(|f| responses.map(|r| (f, r)))
+        .collect();
+    let flights: Vec<Vec<Seen>> = cases
+        .par_iter()
+        .map(|((name, failure, _), response)| {
+            let mut settings = vec![
+                (*failure).to_owned(),
+                format!("mission.responses={{ {name} = \"{response}\" }}"),
+            ];
+            if *name == "air" {
+                settings.push(
+                    "sensors.faults=[{ kind = \"air\", from_s = 28.0, to_s = 68.0 }]".to_owned(),
+                );
+            }
+            out_and_back(&settings)
+        })
+        .collect();
+    for (((name, _, trouble), response), seen) in cases.iter().zip(&flights) {
+        let what = format!("{name}, {response}");
+        let failed: Vec<&Seen> = seen
+            .iter()
+            .filter(|s| s.output.troubles.contains(*trouble))
+            .collect();
+        assert!(!failed.is_empty(), "{what}: it does not fail");
+        let first = failed[0];
+        let place = landed(seen)
+            .unwrap_or_else(|| panic!("{what}: not landed, {:?}", seen.last().unwrap().output));
+        let (home, there) = (place.xy().norm(), (place - first.place).xy().norm());
+        let over = seen.last().unwrap().t;
+        let farthest = failed.iter().map(|s| (s.place - first.place).xy().norm());
+        println!(
+            "{what}: from {:.1} s, lands {home:.1} m from home, {there:.1} m from there, at {over:.0} s; farthest meanwhile {:.0} m",
+            first.t,
+            farthest.clone().fold(0.0, f64::max)
+        );
+        let kept = |response| failed.iter().all(|s| s.output.response == response);
+        match *response {
+            // A position that is reckoned for 40 s is off by what the velocity is; it is known again before the landing.
+            "continue" => assert!(home < 1.0 && kept(Response::Continue), "{what} {home}"),
+            "loiter" => {
+                assert!(home < 1.0 && kept(Response::Loiter), "{what} {home}");
+                // Two radii of a turn of 29 degrees in the wind, and the way to it.
+                assert!(farthest.fold(0.0, f64::max) < 320.0, "{what}");
+            }
+            "return" => assert!(home < 1.0 && kept(Response::Return), "{what} {home}"),
+            _ => {
+                // Ahead, by the way in which it brakes.
+                assert!(
+                    there < 330.0 && home > 50.0 && kept(Response::Land),
+                    "{what} {there} {home}"
+                );
+            }
+        }
+    }
+    // Who goes on after a circle is later by as long as it lasted; who returns is sooner.
+    let over = |case: usize| flights[case].last().unwrap().t;
+    assert!(
+        over(1) > over(0) + 35.0 && over(2) < over(0) - 15.0,
+        "{} {} {}",
+        over(0),
+        over(1),
+        over(2)
+    );
+}
+
+/// Whoever flies stops it: at every height of a take-off it stays there, at every height of a landing it goes around to `safe_height`; taken back after
+/// 15 s the mission is flown to its end.
+#[test]
+fn it_is_stopped_at_any_height_and_goes_around() {
+    let undisturbed = out_and_back(&[]);
+    let when = |activity: Activity, height: f64| {
+        let of = |s: &&Seen| s.output.activity == activity;
+        let passes = |s: &&Seen| match activity {
+            Activity::Rising => -s.place.z >= height,
+            _ => -s.place.z <= height,
+        };
+        undisturbed.iter().filter(of).find(passes).unwrap().t
+    };
+    let rising = [1.0, 5.0, 15.0].map(|h| (Activity::Rising, h));
+    let descending = [15.0, 5.0, 2.0, 0.7, 0.3].map(|h| (Activity::Descending, h));
+    let cases: Vec<_> = rising.into_iter().chain(descending).collect();
+    cases.par_iter().for_each(|&(activity, height)| {
+        let t = when(activity, height);
+        let abort = format!("mission.troubles=[{{ t_s = {t}, lasts_s = 15.0, kind = \"abort\" }}]");
+        let seen = out_and_back(&[abort]);
+        let what = format!("{activity:?} {height} m");
+        let during: Vec<&Seen> = seen.iter().filter(|s| s.t >= t && s.t < t + 15.0).collect();
+        let heights = during.iter().map(|s| -s.place.z);
+        let (lowest, last) = (
+            heights.clone().fold(f64::INFINITY, f64::min),
+            heights.last().unwrap(),
+        );
+        println!("{what}: lowest {lowest:.2} m, after 15 s {last:.2} m");
+        assert!(
+            during.iter().all(|s| s.output.response == Response::Loiter),
+            "{what}"
+        );
+        assert!(
+            during
+                .iter()
+                .all(|s| !matches!(s.output.activity, Activity::Touched | Activity::Grounded)),
+            "{what}"
+        );
+        match activity {
+            // It stops within the way that 3 m/s take: measured 0.1 m; sinking at 1.5 m/s it takes 0.7 m.
+            Activity::Rising => assert!(
+                (last - height).abs() < 3.5 && lowest > height - 1.0,
+                "{what}"
+            ),
+            _ => assert!((last - 20.0).abs() < 2.5 && lowest > height - 1.1, "{what}"),
+        }
+        let place = landed(&seen).unwrap_or_else(|| panic!("{what}"));
+        assert!(place.xy().norm() < 1.0, "{what} {place}");
+    });
+    // On the ground there is no take-off before it is taken back.
+    let seen = out_and_back(&[
+        "mission.troubles=[{ t_s = 0.0, lasts_s = 9.0, kind = \"abort\" }]".to_owned(),
+    ]);
+    let lifted = seen.iter().find(|s| s.place.z < -0.5).unwrap().t;
+    assert!(
+        (9.0..13.0).contains(&lifted) && landed(&seen).is_some(),
+        "{lifted}"
+    );
 }
 
 /// Plans as QGroundControl writes them are flown by the vehicle that is named, from take-off to landing.

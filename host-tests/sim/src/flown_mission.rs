@@ -71,6 +71,7 @@ impl FlownMission {
         };
         let mut troubles = Troubles::empty();
         troubles.set(Troubles::LINK, fails(TroubleKind::Link));
+        troubles.set(Troubles::AIR, fails(TroubleKind::Air));
         troubles.set(Troubles::BATTERY, fails(TroubleKind::Battery));
         troubles.set(Troubles::ABORT, fails(TroubleKind::Abort));
         let input = MissionInput {

@@ -104,6 +104,8 @@ pub struct TroubleSpec {
 pub enum TroubleKind {
     /// The link to whoever flies.
     Link,
+    /// Nothing is known of the air. What the controller is told of it is a fault of the sensors.
+    Air,
     /// The battery is low.
     Battery,
     /// Whoever flies wants it to stop.
