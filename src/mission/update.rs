@@ -24,6 +24,9 @@ use crate::vehicle::Vehicle;
 
 /// Time constant of the wind that paths are flown with \[s\].
 const WIND_TIME: f32 = 2.0;
+/// Time constant of the level position on a path \[s\], and how far off \[m\] it is taken at once.
+const POSITION_TIME: f32 = 0.5;
+const JUMP: f32 = 5.0;
 /// Part of the braking that is planned with, as `Goals` does.
 const BRAKING_SHARE: f32 = 0.7;
 /// Positions farther than this \[m\] are taken for none.
@@ -310,7 +313,16 @@ impl Missions {
         if let Some(position) = input.position
             && is_within(position, FARTHEST)
         {
-            state.position = position;
+            // On a path the reference goes along with the vehicle, and the noise of its position with it: the velocity tells the
+            // way between.
+            let off = position - state.position;
+            let smooth = state.activity == Activity::Flying && is_within(off, JUMP);
+            let part = if smooth {
+                dt / (POSITION_TIME + dt)
+            } else {
+                1.0
+            };
+            state.position += Ned::new(part * off.north, part * off.east, off.down);
         }
         if is_within(input.wind, MAX_SPEED) {
             let level = Ned::new(input.wind.north, input.wind.east, 0.0);
