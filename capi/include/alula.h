@@ -713,7 +713,7 @@ typedef struct alula_controller_parameters {
     float model;
     /**
      * Gain from attitude error to angular rate of the attitude loop that flies the attitude
-     * set-point: the set-point is placed where that loop asks for the commanded rate.
+     * set-point. It is placed where that loop asks for the commanded rate.
      * Unit: 1/s. From 0.01 to 1000.0, default 6.5.
      */
     float attitude_gain;
@@ -1790,6 +1790,19 @@ int32_t alula_goal_step(struct alula_goal *goal,
                         const float *position,
                         float dt,
                         struct alula_input *input);
+
+/**
+ * Takes over a vehicle that flies already: at the attitude in `input`, with `thrust_normalised` and `body_rate` [rad/s] commanded last, by whoever flew
+ * it, about the axes of `input`. The first good call of `alula_guide` is flown; until it comes this command is held, for `hold` at most. What was
+ * remembered is forgotten. For what is not finite stand the safe thrust and no rotation.
+ *
+ * Pointers:
+ * As `alula_reset`; `input` and `body_rate` are as `alula_goal_step`'s `input` and `position`.
+ */
+int32_t alula_take_over(struct alula_controller *controller,
+                        const struct alula_input *input,
+                        float thrust_normalised,
+                        const float *body_rate);
 
 /**
  * One step of the guidance: supervision, planning, outer loop, law and actuator limits. It always gives a command. If

@@ -49,6 +49,25 @@ impl Initialised<'_> {
         self.guidance.update(&mut self.memory.state, told, dt)
     }
 
+    /// The memory of a vehicle that flies already; an attitude that is none is refused.
+    fn take_over(
+        &mut self,
+        input: &Input,
+        axes: BodyAxes,
+        thrust_normalised: f32,
+        rates: [f32; 3],
+    ) -> i32 {
+        let Ok(orientation) = Orientation::from_quaternion(&input.quaternion(), axes) else {
+            return code::ALULA_ERROR_ATTITUDE;
+        };
+        let thrust = thrust_normalised / self.inverse_thrust_max;
+        let state = self
+            .guidance
+            .take_over(&orientation, thrust, axes.vector(rates));
+        self.memory = state.into();
+        code::ALULA_OK
+    }
+
     /// The command of a step of the guidance. Its attitude set-point is kept in case that it is to be held.
     #[inline(always)]
     pub(crate) fn guided_command(
@@ -98,6 +117,41 @@ impl Initialised<'_> {
         let command = self.command(axes, &guided.command, &set_point.unwrap_or(ALIGNED), status);
         self.memory.keep(command.quaternion, axes);
         command
+    }
+}
+
+/// Takes over a vehicle that flies already: at the attitude in `input`, with `thrust_normalised` and `body_rate` [rad/s] commanded last, by whoever flew
+/// it, about the axes of `input`. The first good call of `alula_guide` is flown; until it comes this command is held, for `hold` at most. What was
+/// remembered is forgotten. For what is not finite stand the safe thrust and no rotation.
+///
+/// # Safety
+/// As `alula_reset`; `input` and `body_rate` are as `alula_goal_step`'s `input` and `position`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn alula_take_over(
+    controller: *mut Controller,
+    input: *const Input,
+    thrust_normalised: f32,
+    body_rate: *const f32,
+) -> i32 {
+    // SAFETY: The pointers are null, unaligned or as `initialised_mut`, `read` and `check_pointer` ask for, by the condition above.
+    unsafe {
+        let controller = match initialised_mut(controller) {
+            Ok(controller) => controller,
+            Err(code) => return code,
+        };
+        let input = match boundary::read(input) {
+            Ok(input) => input,
+            Err(code) => return code,
+        };
+        let axes = match input.axes() {
+            Ok(axes) => axes,
+            Err(code) => return code,
+        };
+        if let Err(code) = boundary::check_pointer(body_rate) {
+            return code;
+        }
+        let rates = *body_rate.cast::<[f32; 3]>();
+        controller.take_over(input, axes, thrust_normalised, rates)
     }
 }
 

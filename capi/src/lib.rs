@@ -36,7 +36,7 @@ pub use controller::{Controller, alula_init, alula_reset};
 pub use envelope::*;
 pub use for_vehicle::alula_parameters_for_vehicle;
 pub use goal::*;
-pub use guide::alula_guide;
+pub use guide::{alula_guide, alula_take_over};
 pub use input::*;
 pub use mission::*;
 pub use parameters::{

@@ -16,8 +16,15 @@ pub(crate) struct Memory {
 
 impl Default for Memory {
     fn default() -> Self {
+        HardenedState::default().into()
+    }
+}
+
+impl From<HardenedState> for Memory {
+    /// Without a set-point.
+    fn from(state: HardenedState) -> Self {
         Self {
-            state: HardenedState::default(),
+            state,
             set_point: [1.0, 0.0, 0.0, 0.0],
             axes: 0,
         }

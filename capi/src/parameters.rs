@@ -35,7 +35,7 @@ alula::parameters! {
         model: "", 0.0, LAST_MODEL, 0.0, "ALU_MODEL",
             "Model of the aerodynamic coefficients.";
         attitude_gain: "1/s", 1e-2, 1e3, 6.5, "ALU_ATT_P",
-            "Gain from attitude error to angular rate of the attitude loop that flies the attitude set-point: the set-point is placed where that loop asks for the commanded rate.";
+            "Gain from attitude error to angular rate of the attitude loop that flies the attitude set-point. It is placed where that loop asks for the commanded rate.";
     }
 }
 

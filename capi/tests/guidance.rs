@@ -260,6 +260,54 @@ fn bad_frames_are_bridged_and_then_the_command_is_safe() {
     assert_eq!((code, command.status), (ALULA_OK, 0));
 }
 
+/// A vehicle that flies already keeps its command until the first good frame, which is flown, and is never dropped: in either axes.
+#[test]
+fn a_vehicle_that_flies_is_taken_over() {
+    let bad = Input {
+        state_age: 9.0,
+        ..Input::DEFAULT
+    };
+    let nose_up = Input {
+        body_axes: ALULA_BODY_NOSE_UP,
+        quaternion: [1.0, 0.0, 0.0, 0.0],
+        ..bad
+    };
+    for input in [bad, nose_up] {
+        let mut c = controller(&PAPER, null());
+        let rates = [0.1, -0.2, 0.3];
+        let take = |c: &mut Controller, thrust: f32| unsafe {
+            alula_take_over(c, &input, thrust, rates.as_ptr())
+        };
+        assert_eq!(take(&mut c, 0.4), ALULA_OK);
+        let (code, held, _) = guide(&mut c, &input);
+        assert_eq!(
+            (code, held.status),
+            (ALULA_ERROR_STATE_AGE, ALULA_STATUS_HOLDING)
+        );
+        assert_eq!(held.body_rate, rates);
+        assert!(same_attitude(held.quaternion, input.quaternion));
+        assert!((held.thrust_normalised - 0.4).abs() < 1e-6);
+        let good = Input {
+            state_age: 0.0,
+            ..input
+        };
+        let (code, flown, report) = guide(&mut c, &good);
+        assert_eq!((code, report.mode), (ALULA_OK, ALULA_MODE_FLYING));
+        assert!(flown.thrust > 0.2 * PAPER.vehicle.thrust_max);
+        // No thrust is told: the safe one is held.
+        assert_eq!(take(&mut c, f32::NAN), ALULA_OK);
+        assert_eq!(guide(&mut c, &input).1.thrust, SINKING);
+    }
+    let mut c = controller(&PAPER, null());
+    let none = Input {
+        quaternion: [0.0; 4],
+        ..bad
+    };
+    let still = [0.0; 3];
+    let code = unsafe { alula_take_over(&mut c, &none, 0.5, still.as_ptr()) };
+    assert_eq!(code, ALULA_ERROR_ATTITUDE);
+}
+
 /// Both attitudes are of the same body axes; quaternions of either sign.
 fn same_attitude(a: [f32; 4], b: [f32; 4]) -> bool {
     let dot: f32 = a.iter().zip(b).map(|(a, b)| a * b).sum();

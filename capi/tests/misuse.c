@@ -110,6 +110,7 @@ static void call_all(int which, void *wrong, int32_t code)
         CHECK(alula_path_time_scale(p[1], vector, vector, &pace) == code && pace == 1.0f);
         CHECK(alula_init(p[1], p[0], NULL) == code);
         CHECK(alula_reset(p[1]) == code);
+        CHECK(alula_take_over(p[1], p[2], 0.5f, vector) == code);
         CHECK(alula_fold_map_init(p[5], p[1]) == code);
     }
     if (which == 2)

@@ -88,6 +88,18 @@ fn null_unaligned_and_foreign_structures_are_told_apart() {
             ALULA_ERROR_UNALIGNED
         );
         assert_eq!(alula_reset(odd.cast()), ALULA_ERROR_UNALIGNED);
+        let still = [0.0f32; 3];
+        for (input, rates, code) in [
+            (&Input::DEFAULT as *const Input, null(), ALULA_ERROR_NULL),
+            (
+                &Input::DEFAULT as *const Input,
+                odd.cast_const().cast(),
+                ALULA_ERROR_UNALIGNED,
+            ),
+            (null::<Input>(), still.as_ptr(), ALULA_ERROR_NULL),
+        ] {
+            assert_eq!(alula_take_over(&mut c, input, 0.5, rates), code);
+        }
 
         let (vector, mut pace) = ([1.0f32, 2.0, 3.0], 9.0);
         let v = vector.as_ptr();
