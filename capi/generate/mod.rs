@@ -1,5 +1,5 @@
-//! The files that are made from the parameter tables and the sources: the header, the page in the docs, the parameter file
-//! of PX4. Run `cargo run --package alula-capi --example generate` after a change; `cargo test` compares.
+//! The files that are made from the parameter tables and the sources: the header, the page in the docs, the parameter files
+//! of the PX4 module. Run `cargo run --package alula-capi --example generate` after a change; `cargo test` compares.
 
 use std::error::Error;
 use std::fmt::Write;
@@ -13,13 +13,15 @@ use alula_capi::{ALULA_MODEL_TABLE, CHOICES, MISSION, SECTIONS, Section};
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
 /// Every generated file, by its path under the repository's root, and what it must hold.
-pub fn files() -> Result<[(PathBuf, String); 3]> {
+pub fn files() -> Result<[(PathBuf, String); 4]> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent();
     let root = root.ok_or("no repository")?;
+    let module = root.join("capi/examples/px4/src/modules/alula_guidance");
     Ok([
         (root.join("capi/include/alula.h"), header()?),
         (root.join("docs/parameters.md"), table()?),
-        (root.join("capi/examples/px4/module.yaml"), px4()?),
+        (module.join("module.yaml"), px4()?),
+        (module.join("parameters.hpp"), px4_parameters()?),
     ])
 }
 
@@ -269,6 +271,23 @@ fn table() -> Result<String> {
     Ok(text)
 }
 
+/// Longest short description of a parameter that PX4's build takes; a longer one ends the whole build.
+pub const PX4_SHORT: usize = 150;
+
+/// The first sentence of a meaning, up to a colon if it is long, and what is left to be said.
+fn short(meaning: &str) -> Result<(String, &str)> {
+    let (first, rest) = meaning.split_once(". ").unwrap_or((meaning, ""));
+    let first = first.trim_end_matches('.');
+    let (short, rest) = match first.split_once(": ") {
+        Some((short, _)) if first.len() >= PX4_SHORT => (short, meaning),
+        _ => (first, rest),
+    };
+    match short.chars().count() < PX4_SHORT {
+        true => Ok((format!("{short}."), rest)),
+        false => Err(format!("a clause of {PX4_SHORT} characters and more: {short}").into()),
+    }
+}
+
 /// Units that PX4's schema of `module.yaml` allows, of those that the tables have. The description tells every unit.
 const PX4_UNITS: [&str; 8] = ["rad", "rad/s", "rad/s^2", "kg", "m/s", "m/s^2", "s", "N"];
 
@@ -282,18 +301,15 @@ fn px4() -> Result<String> {
     for section in SECTIONS {
         writeln!(text, "  - group: Alula {}\n    definitions:", section.group)?;
         for (n, p) in section.rows.iter().enumerate() {
+            let (short, rest) = short(p.meaning)?;
+            let field = format!("{}.{}", section.field, p.name);
+            let long = format!("{rest} Field {field} of alula_parameters. {}", unit(p));
+            let long = long.trim_start();
             writeln!(
                 text,
-                "      {}:\n        description:\n          short: {:?}\n          \
-                 long: {:?}",
+                "      {}:\n        description:\n          short: {short:?}\n          \
+                 long: {long:?}",
                 p.px4,
-                p.meaning,
-                format!(
-                    "Field {}.{} of alula_parameters. {}",
-                    section.field,
-                    p.name,
-                    unit(p)
-                )
             )?;
             if let Some(choices) = choices(section, n) {
                 writeln!(text, "        type: enum\n        values:")?;
@@ -322,5 +338,37 @@ fn px4() -> Result<String> {
             writeln!(text, "        decimal: 4")?;
         }
     }
+    Ok(text)
+}
+
+/// How the PX4 module reads its parameters.
+fn px4_parameters() -> Result<String> {
+    let mut text = String::from(
+        "// The parameters of module.yaml, into alula's.\n\
+         // Made by `cargo run --package alula-capi --example generate`; do not edit.\n\
+         #pragma once\n\n#include <alula.h>\n\n#include <parameters/param.h>\n\n#include <stddef.h>\n#include <stdint.h>\n\n\
+         // Sets every parameter of `p`; false, and none set, if ALU_MASS is 0: then the vehicle is not that of the parameters.\n\
+         inline bool load(alula_parameters &p)\n{\n\
+         \tstatic const struct {\n\t\tconst char *name;\n\t\tsize_t offset;\n\t\tbool choice;\n\t} rows[] = {\n",
+    );
+    for section in SECTIONS {
+        for (n, p) in section.rows.iter().enumerate() {
+            writeln!(
+                text,
+                "\t\t{{\"{}\", offsetof(alula_parameters, {}.{}), {}}},",
+                p.px4,
+                section.field,
+                p.name,
+                choices(section, n).is_some()
+            )?;
+        }
+    }
+    text += "\t};\n\tfloat mass = 0.0f;\n\tparam_get(param_find(\"ALU_MASS\"), &mass);\n\n\
+             \tif (!(mass > 0.0f)) {\n\t\treturn false;\n\t}\n\n\
+             \tfor (const auto &row : rows) {\n\
+             \t\tfloat &value = *reinterpret_cast<float *>(reinterpret_cast<char *>(&p) + row.offset);\n\n\
+             \t\tif (row.choice) {\n\t\t\tint32_t choice = 0;\n\t\t\tparam_get(param_find(row.name), &choice);\n\
+             \t\t\tvalue = static_cast<float>(choice);\n\n\
+             \t\t} else {\n\t\t\tparam_get(param_find(row.name), &value);\n\t\t}\n\t}\n\n\treturn true;\n}\n";
     Ok(text)
 }

@@ -55,6 +55,28 @@ fn parameters_have_names_that_fit_and_meanings() {
     }
 }
 
+/// PX4's build ends at a short description that is longer than it takes.
+#[test]
+fn px4_takes_every_short_description() {
+    let files = generate::files().unwrap();
+    let (_, yaml) = files
+        .iter()
+        .find(|(path, _)| path.ends_with("module.yaml"))
+        .unwrap();
+    let mut shorts = 0;
+    for line in yaml.lines() {
+        if let Some(short) = line.trim().strip_prefix("short: ") {
+            shorts += 1;
+            assert!(
+                short.trim_matches('"').chars().count() <= generate::PX4_SHORT,
+                "{short}"
+            );
+        }
+    }
+    let rows: usize = SECTIONS.iter().map(|section| section.rows.len()).sum();
+    assert_eq!(shorts, rows);
+}
+
 /// Every code that the header names has a text of its own.
 #[test]
 fn every_code_has_a_text_of_its_own() {

@@ -1,0 +1,93 @@
+/* tail-sitter, made by `alula-sil new`. Include it in one source file, link alula (docs/integrating.md), call vehicle_init once. */
+#ifndef VEHICLE_H
+#define VEHICLE_H
+
+#include <alula.h>
+
+/* naca-0012 at Re = 160e3: in cruise it is 297768, for a mean chord by the aspect ratio, taken for 6. Built in are 160e3 and 5e6, the first and the last of the tables that SAND80-2114 (Sheldahl and Klimas) has at 160e3, 360e3, 700e3, 1e6, 2e6 and 5e6. */
+/* Without an aspect ratio: the wing is taken for the polar as it is. */
+static const alula_table_row vehicle_rows[] = {
+    {0.0f, 0.0f, 0.0103f},
+    {0.017453292f, 0.11f, 0.0104f},
+    {0.034906585f, 0.22f, 0.0108f},
+    {0.05235988f, 0.33f, 0.0114f},
+    {0.06981317f, 0.44f, 0.0124f},
+    {0.08726646f, 0.55f, 0.014f},
+    {0.10471976f, 0.66f, 0.0152f},
+    {0.12217305f, 0.746f, 0.017f},
+    {0.13962634f, 0.8274f, 0.0185f},
+    {0.15707964f, 0.8527f, 0.0203f},
+    {0.17453292f, 0.1325f, 0.0188f},
+    {0.19198622f, 0.1095f, 0.076f},
+    {0.20943952f, 0.1533f, 0.134f},
+    {0.2268928f, 0.203f, 0.152f},
+    {0.2443461f, 0.2546f, 0.171f},
+    {0.2617994f, 0.3082f, 0.19f},
+    {0.27925268f, 0.362f, 0.21f},
+    {0.29670596f, 0.42f, 0.231f},
+    {0.31415927f, 0.4768f, 0.252f},
+    {0.33161256f, 0.5322f, 0.274f},
+    {0.34906584f, 0.587f, 0.297f},
+    {0.36651915f, 0.6414f, 0.32f},
+    {0.38397244f, 0.6956f, 0.344f},
+    {0.40142572f, 0.7497f, 0.369f},
+    {0.41887903f, 0.8034f, 0.394f},
+    {0.43633232f, 0.8572f, 0.42f},
+    {0.4537856f, 0.9109f, 0.446f},
+    {0.4712389f, 0.9646f, 0.473f},
+    {0.5235988f, 0.915f, 0.57f},
+    {0.61086524f, 1.02f, 0.745f},
+    {0.6981317f, 1.075f, 0.92f},
+    {0.7853982f, 1.085f, 1.075f},
+    {0.87266463f, 1.04f, 1.215f},
+    {0.9599311f, 0.965f, 1.345f},
+    {1.0471976f, 0.875f, 1.47f},
+    {1.134464f, 0.765f, 1.575f},
+    {1.2217305f, 0.65f, 1.665f},
+    {1.3089969f, 0.515f, 1.735f},
+    {1.3962634f, 0.37f, 1.78f},
+    {1.4835298f, 0.22f, 1.8f},
+    {1.5707964f, 0.07f, 1.8f},
+    {1.6580628f, -0.07f, 1.78f},
+    {1.7453293f, -0.22f, 1.75f},
+    {1.8325957f, -0.37f, 1.7f},
+    {1.9198622f, -0.51f, 1.635f},
+    {2.0071287f, -0.625f, 1.555f},
+    {2.0943952f, -0.735f, 1.465f},
+    {2.1816616f, -0.84f, 1.35f},
+    {2.268928f, -0.91f, 1.225f},
+    {2.3561945f, -0.945f, 1.085f},
+    {2.443461f, -0.945f, 0.925f},
+    {2.5307274f, -0.91f, 0.755f},
+    {2.6179938f, -0.85f, 0.575f},
+    {2.7052603f, -0.74f, 0.42f},
+    {2.7925267f, -0.66f, 0.32f},
+    {2.8797932f, -0.675f, 0.23f},
+    {2.9670596f, -0.85f, 0.14f},
+    {3.0543263f, -0.69f, 0.055f},
+    {3.1415927f, 0.0f, 0.025f},
+};
+
+/* Makes `controller`; `table` must stay where it is for as long as that is used. Returns ALULA_OK, or a code for alula_strerror. */
+static inline int32_t vehicle_init(alula_controller *controller, alula_table *table)
+{
+    alula_parameters p;
+    int32_t code;
+
+    p.header = ALULA_HEADER(alula_parameters);
+    controller->header = ALULA_HEADER(alula_controller);
+    table->header = ALULA_HEADER(alula_table);
+    alula_parameters_default(&p);
+    p.vehicle.mass = 3.0f;
+    p.vehicle.k_a = 0.214375f;
+    p.vehicle.delta = 0.0f;
+    p.vehicle.thrust_min = 0.0f;
+    p.vehicle.thrust_max = 47.088f;
+    p.controller.model = ALULA_MODEL_TABLE;
+    code = alula_table_init(table, vehicle_rows, sizeof vehicle_rows / sizeof *vehicle_rows, 0);
+    if (code == ALULA_OK)
+        code = alula_parameters_for_vehicle(&p, 0.06f, 0.08f, 100.0f, 18.0f); /* rate lag, thrust lag [s], rate [Hz], cruise [m/s] */
+    return code == ALULA_OK ? alula_init(controller, &p, table) : code;
+}
+
+#endif
