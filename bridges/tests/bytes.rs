@@ -153,7 +153,7 @@ impl Body for Still {
 struct Echo;
 
 impl Pilot for Echo {
-    fn begin(&mut self, _: f32) {}
+    fn begin(&mut self, _: &Told, _: f32, _: Command) {}
 
     fn answer(&mut self, told: &Told, _: f32) -> Result<Command, End> {
         let asked = told.asked.map_or(Ned::ZERO, |(asked, _)| asked.velocity);

@@ -36,8 +36,9 @@ const HELD: f64 = 0.02;
 const READ: f64 = 0.01;
 /// How often channels are given back: of as many messages one arrives.
 const RELEASES: u32 = 10;
-/// Longest time \[s\] over which the state is predicted.
-const MOST_LEAD: f64 = 0.15;
+/// Longest time \[s\] over which the state is predicted: a link, or a busy machine, holds messages up for 0.2 s now and then. Beyond, a turn says
+/// little of the attitude.
+const MOST_LEAD: f64 = 0.25;
 
 /// Standard gravity [m/s²].
 const GRAVITY: f32 = 9.806_65;
@@ -227,18 +228,26 @@ impl Companion {
 
     /// The flight begins where the vehicle is.
     fn start(&mut self, now: f64, pilot: &mut dyn Pilot) {
-        let (Some(attitude), Some(motion)) = (self.inbox.attitude, self.inbox.motion) else {
+        let Some(motion) = self.inbox.motion else {
             return;
         };
-        let q = attitude.value.0;
+        self.origin = motion.value.0;
+        let Some(told) = self.told(now, 0.0) else {
+            return;
+        };
+        let q = told.orientation.to_quaternion(BodyAxes::NoseUp);
         // The wing, y, in the world: north and east.
         let wing = (
             2.0 * (q.x * q.y - q.w * q.z),
             q.w * q.w - q.x * q.x + q.y * q.y - q.z * q.z,
         );
         self.inbox.awaited = None;
-        self.origin = motion.value.0;
-        pilot.begin((-wing.0).atan2(wing.1));
+        // What is streamed before, and what holds a vehicle that hovers.
+        let last = Command {
+            thrust: self.settings.weight,
+            rates: [0.0; 3],
+        };
+        pilot.begin(&told, (-wing.0).atan2(wing.1), last);
         self.stage = Stage::Flying(now);
     }
 
@@ -332,7 +341,7 @@ impl Companion {
             velocity,
             orientation: led(turning)?,
             rates,
-            age: self.inbox.age(now) as f32,
+            age: (self.inbox.age(now) + ahead - MOST_LEAD).max(0.0) as f32,
             air: self.air(now, velocity),
             specific_force: force,
             asked,
@@ -385,7 +394,7 @@ mod tests {
     struct Still;
 
     impl Pilot for Still {
-        fn begin(&mut self, _: f32) {}
+        fn begin(&mut self, _: &Told, _: f32, _: Command) {}
 
         fn answer(&mut self, _: &Told, _: f32) -> Result<Command, End> {
             Ok(Command {

@@ -22,7 +22,7 @@ pub struct Told {
     pub orientation: Orientation,
     /// Body rates [rad/s] about hover's axes.
     pub rates: [f32; 3],
-    /// Time \[s\] since the older of attitude and motion arrived.
+    /// Time \[s\] of the older of attitude and motion over which nothing is predicted any more.
     pub age: f32,
     /// What is known of the air.
     pub air: Air<Ned>,
@@ -43,8 +43,8 @@ pub struct Command {
 
 /// Whoever controls the flight.
 pub trait Pilot {
-    /// The flight begins here, with the vehicle's `heading` \[rad\].
-    fn begin(&mut self, heading: f32);
+    /// The flight begins here, with the vehicle's `heading` \[rad\] and the `last` command that it has.
+    fn begin(&mut self, told: &Told, heading: f32, last: Command);
 
     /// The command, `dt` \[s\] after the last one.
     ///

@@ -464,8 +464,12 @@ fn of_message(m: &MISSION_ITEM_INT_DATA) -> MavItem {
 }
 
 impl Pilot for OnPath {
-    fn begin(&mut self, heading: f32) {
+    fn begin(&mut self, told: &Told, heading: f32, last: Command) {
         self.axes = Axes::new(self.heading.unwrap_or(heading));
+        let rates = BodyAxes::NoseUp.vector(last.rates);
+        let told = self.axes.told(told);
+        self.controller
+            .take_over(&told.orientation, last.thrust, rates);
     }
 
     fn answer(&mut self, told: &Told, dt: f32) -> Result<Command, End> {

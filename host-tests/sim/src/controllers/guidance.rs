@@ -1,7 +1,8 @@
 //! `[controller.guidance]`: the core's whole guidance. Its parameters stand in the core's own table.
 
-use alula::ned::Ned;
+use alula::ned::{Frd, Ned};
 use alula::planar::{GainParameters, Gains};
+use alula::spatial::Orientation;
 use alula::{
     BandwidthGains, GainChoice, Guidance, GuidanceParameters, GuidanceState, Hardened,
     HardenedState, ParameterError, Parameters as _, ResponseParameters, VehicleParameters,
@@ -183,6 +184,10 @@ impl Controller for Flight {
         Ok(guided.into())
     }
 
+    fn take_over(&mut self, orientation: &Orientation, thrust: f32, rates: Frd) {
+        self.state = self.guidance.take_over(orientation, thrust, rates);
+    }
+
     fn pace(&self, error: Ned, velocity: Ned) -> f32 {
         self.guidance.path_time_scale(error, velocity)
     }
@@ -202,6 +207,10 @@ impl Controller for HardenedFlight {
     fn answer(&mut self, input: &Input, dt: f32) -> anyhow::Result<Answer> {
         let guided = self.guidance.update(&mut self.state, &input.sample, dt);
         Ok(guided.into())
+    }
+
+    fn take_over(&mut self, orientation: &Orientation, thrust: f32, rates: Frd) {
+        self.state = self.guidance.take_over(orientation, thrust, rates);
     }
 
     fn pace(&self, error: Ned, velocity: Ned) -> f32 {

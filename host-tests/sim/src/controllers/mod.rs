@@ -10,9 +10,9 @@ use std::borrow::Cow;
 
 use alula::Fault;
 use alula::guidance::Mode;
-use alula::ned::Ned;
+use alula::ned::{Frd, Ned};
 use alula::planar::{Command, Diagnostics};
-use alula::spatial::{Body, FeedForward};
+use alula::spatial::{Body, FeedForward, Orientation};
 use alula::{GuidanceInput, GuidanceOutput};
 use alula_link::{Configuration, Pacing};
 use toml::Value;
@@ -150,6 +150,9 @@ impl Answer {
 pub trait Controller {
     /// The answer to `input`, `dt` \[s\] after the last. The error is a controller that cannot be reached.
     fn answer(&mut self, input: &Input, dt: f32) -> anyhow::Result<Answer>;
+
+    /// Takes over a vehicle that flies already, at this orientation, with this thrust \[N\] and these rates commanded last.
+    fn take_over(&mut self, _orientation: &Orientation, _thrust: f32, _rates: Frd) {}
 
     /// How fast a path that waits may go on, in multiples of its own speed, at `error` \[m\] from where it moves at `velocity` \[m/s\].
     fn pace(&self, _error: Ned, _velocity: Ned) -> f32 {
