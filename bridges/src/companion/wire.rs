@@ -17,7 +17,8 @@ pub struct Stream {
 }
 
 impl Stream {
-    /// What is in the stream up to these bytes and was not before. A run of bytes between two messages counts as one malformed packet.
+    /// What is in the stream up to these bytes and was not before. A run of bytes between two messages counts as one malformed packet, unless it is of
+    /// whole messages of another dialect, of which nothing is said.
     pub fn push(&mut self, bytes: &[u8]) -> Vec<Came> {
         self.unread.extend(bytes);
         let mut came = Vec::new();
@@ -31,7 +32,7 @@ impl Stream {
             };
             let at = rest.windows(frame.len()).position(|x| x == frame);
             let at = at.unwrap_or_default();
-            if at > 0 {
+            if !is_foreign(rest.get(..at).unwrap_or_default()) {
                 came.push(None);
             }
             rest = rest.get(at + frame.len()..).unwrap_or_default();
@@ -62,9 +63,39 @@ impl Stream {
 pub fn parse(bytes: &[u8]) -> (Vec<(MavHeader, MavMessage)>, bool) {
     let mut stream = Stream::default();
     let came = stream.push(bytes);
-    let malformed = bytes.is_empty() || !stream.unread.is_empty() || came.contains(&None);
+    let malformed = bytes.is_empty() || !is_foreign(&stream.unread) || came.contains(&None);
     (came.into_iter().flatten().collect(), malformed)
 }
+
+/// Whether bytes are nothing but whole frames of messages that are not in our dialect. Their checksums have a part that only their dialect knows.
+fn is_foreign(mut bytes: &[u8]) -> bool {
+    while !bytes.is_empty() {
+        let (length, id) = match *bytes {
+            [consts::MAV_STX, payload, ..] => (
+                8 + usize::from(payload),
+                bytes.get(5).map(|id| u32::from(*id)),
+            ),
+            [consts::MAV_STX_V2, payload, flags, ..] => {
+                let signature = if flags & SIGNED == 0 { 0 } else { 13 };
+                let id = bytes.get(7..10).map(|id| match *id {
+                    [a, b, c] => u32::from_le_bytes([a, b, c, 0]),
+                    _ => 0,
+                });
+                (12 + usize::from(payload) + signature, id)
+            }
+            _ => return false,
+        };
+        let known = id.is_none_or(|id| MavMessage::default_message_from_id(id).is_some());
+        match bytes.get(length..) {
+            Some(rest) if !known => bytes = rest,
+            _ => return false,
+        }
+    }
+    true
+}
+
+/// The flag of a frame that is signed.
+const SIGNED: u8 = 1;
 
 /// The bytes of a message in a MAVLink 2 frame.
 #[must_use]
@@ -104,6 +135,34 @@ mod tests {
         assert_eq!(parse(&both), (vec![(header, heartbeat)], true));
         assert_eq!(parse(b"no message"), (Vec::new(), true));
         assert_eq!(parse(b""), (Vec::new(), true));
+    }
+
+    /// A frame of an id that nobody here knows, signed and not, of either version: nothing of ours, and no damage. One of an id that is known and
+    /// has a wrong checksum is damage.
+    #[test]
+    fn messages_of_other_dialects_are_no_damage() {
+        let ours = bytes(
+            MavHeader::default(),
+            &MavMessage::HEARTBEAT(HEARTBEAT_DATA::default()),
+        );
+        let second = |id: u32, flags: u8| {
+            let [a, b, c, _] = id.to_le_bytes();
+            let mut frame = vec![0xfd, 3, flags, 0, 7, 1, 1, a, b, c, 1, 2, 3, 0xaa, 0xbb];
+            frame.resize(frame.len() + if flags == 1 { 13 } else { 0 }, 9);
+            frame
+        };
+        let first = vec![0xfe, 2, 7, 1, 1, 223, 1, 2, 0xaa, 0xbb];
+        for foreign in [second(60_000, 0), second(60_000, 1), first] {
+            assert_eq!(parse(&foreign), (Vec::new(), false));
+            let all = [&foreign[..], &ours, &foreign, &foreign, &ours].concat();
+            let (messages, malformed) = parse(&all);
+            assert_eq!((messages.len(), malformed), (2, false));
+            let mut stream = Stream::default();
+            let came: Vec<_> = all.chunks(5).flat_map(|x| stream.push(x)).collect();
+            assert_eq!(came.len(), 2);
+            assert!(parse(&foreign[..foreign.len() - 1]).1, "cut off");
+        }
+        assert!(parse(&second(0, 0)).1, "a heartbeat with a wrong checksum");
     }
 
     /// By one byte or by many at a time, with damage between them, which counts.

@@ -528,14 +528,23 @@ pub fn from_toml<T: DeserializeOwned>(
     Ok(value)
 }
 
-/// Path and value of `PATH=VALUE`; the value is TOML.
+/// Path and value of `PATH=VALUE`; the value is TOML, and a word that is none is a text.
 pub fn assigned(assignment: &str) -> anyhow::Result<(&str, Value)> {
     let (path, value) = assignment
         .split_once('=')
         .with_context(|| format!("--set {assignment}: must be PATH=VALUE"))?;
     let parsed = format!("value = {value}").parse::<Table>();
-    let value = parsed.ok().and_then(|mut table| table.remove("value"));
-    let value = value.with_context(|| format!("--set {assignment}: the value is not TOML"))?;
+    let is_word = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
+    let word = value.trim();
+    let word = (word.starts_with(|c: char| c.is_ascii_alphabetic()) && word.chars().all(is_word))
+        .then(|| Value::from(word));
+    let value = parsed
+        .ok()
+        .and_then(|mut table| table.remove("value"))
+        .or(word);
+    let value = value.with_context(|| {
+        format!("--set {assignment}: the value is neither a word nor TOML: a number, true, false, \"a text\", [a list]")
+    })?;
     Ok((path.trim(), value))
 }
 
@@ -745,7 +754,13 @@ mod tests {
         );
         let refused = |text: &str| format!("{:#}", document.clone().assign(text).unwrap_err());
         assert!(refused("seed").contains("must be PATH=VALUE"));
-        assert!(refused("seed=one").contains("not TOML"));
+        assert!(refused("seed={1").contains("neither a word nor TOML"));
+        document.assign("sensors.accelerometer=none").unwrap();
+        let told = document.checked().unwrap().sensors.accelerometer;
+        assert_eq!(told, super::super::sensors::Sensor::None);
+        document.assign("seed=one").unwrap();
+        let error = document.checked().unwrap_err().to_string();
+        assert!(error.contains("--set seed=one: seed"), "{error}");
         assert!(refused("plant.thrust_n[2]=1").contains("plant.thrust_n[2]: no such item"));
         assert!(refused("duration_s.x=1").contains("duration_s.x: goes through"));
         let deep = format!("{}=1", ["a"; 60_000].join("."));
