@@ -6,6 +6,7 @@
 use mavlink::dialects::ardupilotmega::{COMMAND_ACK_DATA, MavCmd, MavResult, TIMESYNC_DATA};
 
 use super::offboard::Offboard;
+use super::parameters::Parameters;
 use super::qacro::Qacro;
 use super::{Kind, MavHeader, MavMessage, telemetry};
 
@@ -51,6 +52,7 @@ pub struct Autopilot<B> {
     answers: Vec<MavMessage>,
     next: [f64; 3],
     losses: u32,
+    parameters: Parameters,
 }
 
 /// What is commanded, by the rules of the kind.
@@ -82,6 +84,28 @@ impl<B: Body> Autopilot<B> {
             answers: Vec::new(),
             next: [f64::NEG_INFINITY; 3],
             losses: 0,
+            parameters: Parameters::default(),
+        }
+    }
+
+    /// The autopilot with these parameters: it says them, and follows those of its ramps. What follows those of its rate loop is the body's.
+    #[must_use]
+    pub fn with_parameters(mut self, parameters: Parameters) -> Self {
+        if let Rules::ArduPlane(qacro) = &mut self.rules {
+            qacro.ramp(&parameters);
+        }
+        self.parameters = parameters;
+        self
+    }
+
+    /// Why it does not arm, as ArduPlane says it; none if it does.
+    #[must_use]
+    pub fn refuses_to_arm(&self) -> Option<&'static str> {
+        let get = |name: &str, default| self.parameters.get(name).unwrap_or(default);
+        let arms = get("Q_M_SPIN_ARM", 0.1) <= get("Q_M_SPIN_MIN", 0.15);
+        match self.kind {
+            Kind::ArduPlane(_) if !arms => Some("Q_M_SPIN_ARM > Q_M_SPIN_MIN"),
+            _ => None,
         }
     }
 
@@ -137,6 +161,10 @@ impl<B: Body> Autopilot<B> {
                         false => MavResult::MAV_RESULT_TEMPORARILY_REJECTED,
                     },
                 }));
+            }
+            (MavMessage::PARAM_REQUEST_READ(m), _) => {
+                let name = m.param_id.to_str().unwrap_or_default();
+                self.answers.extend(self.parameters.answer(name));
             }
             (MavMessage::TIMESYNC(m), _) if m.tc1 == 0 => {
                 self.answers.push(MavMessage::TIMESYNC(TIMESYNC_DATA {

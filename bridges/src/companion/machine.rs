@@ -190,7 +190,11 @@ impl Companion {
             Stage::Flying(_) | Stage::Leaving(_) if !known || now - self.inbox.heard > UNHEARD => {
                 self.end(End::LinkLost);
             }
-            Stage::Flying(since) if now - since > self.settings.duration || self.is_unled(now) => {
+            Stage::Flying(since)
+                if now - since > self.settings.duration
+                    || self.is_unled(now)
+                    || pilot.is_over() =>
+            {
                 self.stage = Stage::Leaving(now);
                 self.elapsed = (now - since).min(self.settings.duration);
                 self.next_request = now;

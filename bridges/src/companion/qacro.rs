@@ -2,12 +2,13 @@
 //!
 //! Channels are read at 50 Hz. Each is overridden on its own: a pulse of 0 gives it back to the transmitter, 65535 leaves it as it is, and after
 //! `RC_OVERRIDE_TIME` without a pulse the transmitter has it again. The throttle is in whole per cent and filtered at 10 Hz.
-//! (ArduPlane 4.6: `RC_Channel::has_override`, `GCS_MAVLINK::handle_rc_channels_override`, `ModeQAcro::run`.) Not simulated are ArduPlane's limits of
-//! angular acceleration (`Q_A_ACCEL_*_MAX`) and its motors' idle (`Q_M_SPIN_MIN`).
+//! Rates are ramped at `Q_A_ACCEL_*_MAX`, 300 °/s² in pitch and roll as shipped.
+//! (ArduPlane 4.6: `RC_Channel::has_override`, `GCS_MAVLINK::handle_rc_channels_override`, `ModeQAcro::run`, `AC_AttitudeControl::input_shaping_ang_vel`.) Not
+//! simulated is its motors' idle (`Q_M_SPIN_MIN`).
 
 use mavlink::dialects::ardupilotmega::RC_CHANNELS_OVERRIDE_DATA;
 
-use super::{Kind, MavHeader, Sticks};
+use super::{Kind, MavHeader, Parameters, Sticks};
 
 /// Period \[s\] at which channels are read.
 const READ: f64 = 0.02;
@@ -29,6 +30,9 @@ pub struct Qacro {
     next: f64,
     /// Share of the throttle, filtered.
     throttle: f64,
+    /// Rates about hover's axes [rad/s], and how fast they are ramped [rad/s²].
+    rates: [f64; 3],
+    ramps: [f64; 3],
 }
 
 impl Qacro {
@@ -42,7 +46,24 @@ impl Qacro {
             read: transmitter,
             next: f64::NEG_INFINITY,
             throttle: throttle.into(),
+            rates: [0.0; 3],
+            ramps: [f64::INFINITY; 3],
         }
+    }
+
+    /// Ramps rates as these parameters say: 0 is none, and what is not there as shipped for tail-sitters.
+    pub fn ramp(&mut self, parameters: &Parameters) {
+        let ramps = [
+            ("Q_A_ACCEL_R_MAX", 30_000.0),
+            ("Q_A_ACCEL_P_MAX", 30_000.0),
+            ("Q_A_ACCEL_Y_MAX", 10_000.0),
+        ];
+        self.ramps = ramps.map(
+            |(name, shipped)| match parameters.get(name).unwrap_or(shipped) {
+                centidegrees if centidegrees > 0.0 => (0.01 * centidegrees).to_radians(),
+                _ => f64::INFINITY,
+            },
+        );
     }
 
     /// Takes an override that arrived `now` \[s\]. One that is not of the ground station is dropped.
@@ -85,13 +106,17 @@ impl Qacro {
             }
         }
         let share = dt / (dt + 1.0 / (std::f64::consts::TAU * CUTOFF));
-        self.throttle += share * (self.sticks.read(self.read).0 - self.throttle);
+        let (throttle, rates) = self.sticks.read(self.read);
+        self.throttle += share * (throttle - self.throttle);
+        for ((rate, wanted), ramp) in self.rates.iter_mut().zip(rates).zip(self.ramps) {
+            *rate += (wanted - *rate).clamp(-ramp * dt, ramp * dt);
+        }
         had && !self.is_overridden()
     }
 
     /// Share of the throttle, and rates [rad/s] about hover's axes.
     pub fn command(&self) -> (f64, [f64; 3]) {
-        (self.throttle, self.sticks.read(self.read).1)
+        (self.throttle, self.rates)
     }
 }
 

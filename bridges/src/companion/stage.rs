@@ -51,6 +51,11 @@ pub trait Pilot {
     /// # Errors
     /// Why the flight ends here: [`End::Pilot`].
     fn answer(&mut self, told: &Told, dt: f32) -> Result<Command, End>;
+
+    /// Whether the pilot wants the flight to end: the autopilot is then asked to hold, and flown until it does.
+    fn is_over(&self) -> bool {
+        false
+    }
 }
 
 /// Settings of a companion.

@@ -71,11 +71,11 @@ pub fn parse(bytes: &[u8]) -> (Vec<(MavHeader, MavMessage)>, bool) {
 fn is_foreign(mut bytes: &[u8]) -> bool {
     while !bytes.is_empty() {
         let (length, id) = match *bytes {
-            [consts::MAV_STX, payload, ..] => (
+            [mavlink::MAV_STX, payload, ..] => (
                 8 + usize::from(payload),
                 bytes.get(5).map(|id| u32::from(*id)),
             ),
-            [consts::MAV_STX_V2, payload, flags, ..] => {
+            [mavlink::MAV_STX_V2, payload, flags, ..] => {
                 let signature = if flags & SIGNED == 0 { 0 } else { 13 };
                 let id = bytes.get(7..10).map(|id| match *id {
                     [a, b, c] => u32::from_le_bytes([a, b, c, 0]),

@@ -1,0 +1,219 @@
+//! The rate loop of an autopilot, measured in hover: a small step of each rate to either side, and what is had of what is asked.
+
+use super::preflight::{Finding, Weight};
+
+/// Amplitude of a nudge [rad/s], and how long each half of it lasts \[s\]: 4° there and back.
+const AMPLITUDE: f32 = 0.25;
+const HALF: f64 = 0.3;
+/// Time of rest before the first and behind each \[s\].
+const REST: f64 = 1.2;
+/// The axes, in their order: belly, wing, tail, of hover; what they are called, and which of PX4's parameters they follow.
+const AXES: [(&str, &str); 3] = [
+    ("roll of hover, about the belly", "MC_ROLLRATE_P"),
+    ("pitch", "FW_PR_FF and FW_PR_P, or MC_PITCHRATE_P of motors"),
+    (
+        "yaw of hover, about the nose",
+        "FW_RR_FF and FW_RR_P, or MC_YAWRATE_P of motors",
+    ),
+];
+/// Rates [rad/s] in rest, root mean square, from which on the loop swings.
+const SWINGS: f64 = 0.35;
+/// Shares of what is asked that are had, from and up to which a loop is good, and flown.
+const SHARES: [[f64; 2]; 2] = [[0.7, 1.3], [0.4, 1.8]];
+/// Lags \[s\] that are tried.
+const LAGS: usize = 60;
+const LAG_STEP: f64 = 0.01;
+
+/// What the nudges of a flight gave: times \[s\], rates asked for besides those of the guidance, and had.
+#[derive(Clone, Debug, Default)]
+pub struct Nudge {
+    samples: Vec<(f64, [f32; 3], [f32; 3])>,
+}
+
+/// A loop about one axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Loop {
+    /// What is had of what is asked.
+    pub share: f64,
+    /// Lag, of dead time and time constant together \[s\].
+    pub lag_s: f64,
+    /// Root mean square of the rate in rest [rad/s].
+    pub rest_rad_s: f64,
+}
+
+impl Nudge {
+    /// How long it takes \[s\].
+    pub const DURATION: f64 = REST + 3.0 * (2.0 * HALF + REST);
+
+    /// Rates [rad/s] that are asked for at `t` \[s\] besides.
+    #[must_use]
+    pub fn asked(t: f64) -> [f32; 3] {
+        let mut rates = [0.0; 3];
+        for (axis, rate) in rates.iter_mut().enumerate() {
+            let since = t - REST - axis as f64 * (2.0 * HALF + REST);
+            if (0.0..HALF).contains(&since) {
+                *rate = AMPLITUDE;
+            } else if (HALF..2.0 * HALF).contains(&since) {
+                *rate = -AMPLITUDE;
+            }
+        }
+        rates
+    }
+
+    /// Takes what was asked in all, and had, at `t` \[s\].
+    pub fn take(&mut self, t: f64, asked: [f32; 3], had: [f32; 3]) {
+        self.samples.push((t, asked, had));
+    }
+
+    /// The loops about the three axes.
+    #[must_use]
+    pub fn loops(&self) -> [Loop; 3] {
+        std::array::from_fn(|axis| {
+            let begin = REST + axis as f64 * (2.0 * HALF + REST);
+            let window = |t: f64| (begin - 0.3..begin + 2.0 * HALF + 0.5).contains(&t);
+            let of = self.samples.iter().filter(|(t, ..)| window(*t));
+            let of: Vec<[f64; 3]> = of
+                .map(|(t, asked, had)| [*t, asked[axis].into(), had[axis].into()])
+                .collect();
+            let mut best = (f64::INFINITY, 0.0, 0.0);
+            for n in 0..LAGS {
+                let lag = n as f64 * LAG_STEP;
+                let (mut followed, mut products, mut squares, mut had) = (0.0, 0.0, 0.0, 0.0);
+                for pair in of.windows(2) {
+                    let dt = pair[1][0] - pair[0][0];
+                    followed += (1.0 - (-dt / lag.max(1e-6)).exp()) * (pair[0][1] - followed);
+                    products += followed * pair[1][2];
+                    squares += followed * followed;
+                    had += pair[1][2] * pair[1][2];
+                }
+                let share = if squares > 0.0 {
+                    products / squares
+                } else {
+                    0.0
+                };
+                let rest = had - share * products;
+                if rest < best.0 {
+                    best = (rest, share, lag);
+                }
+            }
+            let rests = self
+                .samples
+                .iter()
+                .filter(|(t, ..)| (0.2..REST).contains(t));
+            let rests: Vec<f64> = rests
+                .map(|(_, _, had)| f64::from(had[axis]).powi(2))
+                .collect();
+            Loop {
+                share: best.1,
+                lag_s: best.2,
+                rest_rad_s: (rests.iter().sum::<f64>() / rests.len().max(1) as f64).sqrt(),
+            }
+        })
+    }
+
+    /// What is to be said of the loops, of which `lag` \[s\] is believed.
+    #[must_use]
+    pub fn findings(&self, lag: f64) -> Vec<Finding> {
+        let loops = self.loops().into_iter().zip(AXES);
+        let found = loops.map(|(found, (axis, parameters))| {
+            let Loop {
+                share,
+                lag_s,
+                rest_rad_s,
+            } = found;
+            let [good, flown] = SHARES.map(|[least, most]| (least..=most).contains(&share));
+            let slow = lag_s > 2.0 * lag + 0.05;
+            let (weight, change) = if rest_rad_s > SWINGS {
+                (
+                    Weight::NoGo,
+                    Some(format!(
+                        "{parameters}: less, it swings at {rest_rad_s:.1} rad/s"
+                    )),
+                )
+            } else if share < 0.0 {
+                (
+                    Weight::NoGo,
+                    Some("the output's sign: the axis turns the other way".to_owned()),
+                )
+            } else if !flown {
+                let way = if share < 1.0 { "more" } else { "less" };
+                (Weight::NoGo, Some(format!("{parameters}: {way}")))
+            } else if slow {
+                (
+                    Weight::NoGo,
+                    Some(format!(
+                        "rate_lag_s {lag_s:.2} in what `new` is told, or {parameters}: more"
+                    )),
+                )
+            } else if !good {
+                (Weight::Remark, Some(parameters.to_owned()))
+            } else {
+                (Weight::Good, None)
+            };
+            Finding {
+                weight,
+                what: format!(
+                    "{axis}: {:.0} % of what is asked, {:.0} ms late",
+                    100.0 * share,
+                    1e3 * lag_s
+                ),
+                change,
+            }
+        });
+        found.collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A loop of this share and lag, in steps of 20 ms, with a swing [rad/s] of 3 Hz.
+    fn measured(share: f64, lag: f64, swing: f64) -> Nudge {
+        let mut nudge = Nudge::default();
+        let mut had = [0.0_f64; 3];
+        for n in 0..(Nudge::DURATION / 0.02) as u32 {
+            let t = 0.02 * f64::from(n);
+            let asked = Nudge::asked(t);
+            let sum = had.map(|x| (x + swing * (18.8 * t).sin()) as f32);
+            nudge.take(t, asked, sum);
+            for (had, asked) in had.iter_mut().zip(asked) {
+                *had += (1.0 - (-0.02 / lag).exp()) * (share * f64::from(asked) - *had);
+            }
+        }
+        nudge
+    }
+
+    #[test]
+    fn share_and_lag_are_measured() {
+        for (share, lag) in [(1.0, 0.08), (0.6, 0.15), (-1.0, 0.1), (1.5, 0.05)] {
+            for found in measured(share, lag, 0.0).loops() {
+                assert!((found.share - share).abs() < 0.05, "{found:?}");
+                assert!((found.lag_s - lag).abs() < 0.015, "{found:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_flown_is_no_go() {
+        let weights = |nudge: &Nudge| nudge.findings(0.08).iter().map(|f| f.weight).max().unwrap();
+        assert_eq!(weights(&measured(1.0, 0.08, 0.0)), Weight::Good);
+        for bad in [
+            (-1.0, 0.08, 0.0),
+            (0.3, 0.08, 0.0),
+            (1.0, 0.35, 0.0),
+            (1.0, 0.08, 0.8),
+        ] {
+            assert_eq!(
+                weights(&measured(bad.0, bad.1, bad.2)),
+                Weight::NoGo,
+                "{bad:?}"
+            );
+        }
+        // There and back.
+        let turned: f64 = (0..1000)
+            .map(|n| f64::from(Nudge::asked(f64::from(n) * 0.01)[1]) * 0.01)
+            .sum();
+        assert!(turned.abs() < 1e-6);
+    }
+}
