@@ -2,7 +2,7 @@
 
 use crate::aero::{Aerodynamics, Stall};
 use crate::air::{AirData, ThrustLine};
-use crate::authority::{Authority, GONE, IN_SLIPSTREAM, SHARE};
+use crate::authority::{Airflow, Authority, GONE, IN_SLIPSTREAM, SHARE};
 use crate::error::{ParameterError, in_range};
 use crate::frame::Body;
 use crate::math;
@@ -245,6 +245,19 @@ impl<A: Aerodynamics> Vehicle<A> {
             thrust_line: self.thrust_line,
             model: &self.model,
         }
+    }
+
+    /// Least and greatest angular acceleration in pitch [rad/s²], positive nose up, that it has with a `thrust` \[N\] in air that comes at
+    /// `along` [m/s] along the nose and at `across` [m/s] from below, as at positive angles of attack: by what turns it, less what the wing
+    /// does. Of what is measured at rest it counts on the parts that the guidance counts on.
+    pub fn pitch_acceleration(&self, along: f32, across: f32, thrust: f32) -> [f32; 2] {
+        let flow = Airflow {
+            along,
+            across,
+            speed: math::sqrt(along * along + across * across),
+        };
+        let allowed = self.authority.at(flow, thrust, self.thrust_max);
+        [allowed.wing - allowed.given, allowed.wing + allowed.given]
     }
 
     /// Gravity g [m/s²].

@@ -1,13 +1,9 @@
-//! tail-sitter, made by `alula-sil new`: `mod vehicle;`, then `vehicle::guidance()`, once.
+//! tail-sitter, as tail-sitter.toml has it: `alula-sil code tail-sitter.toml` makes it anew. `mod vehicle;`, then `vehicle::guidance()`, once.
 
 use alula::aero::{Node, Polar};
-use alula::{
-    Guidance, GuidanceParameters, ParameterError, Parameters as _, ResponseParameters, Table,
-    Vehicle, VehicleParameters,
-};
+use alula::{Guidance, GuidanceParameters, ParameterError, Table, Vehicle, VehicleParameters};
 
-// naca-0012 at Re = 160e3: in cruise it is 297768, for a mean chord by the aspect ratio, taken for 6. Built in are 160e3 and 5e6, the first and the last of the tables that SAND80-2114 (Sheldahl and Klimas) has at 160e3, 360e3, 700e3, 1e6, 2e6 and 5e6.
-// Without an aspect ratio: the wing is taken for the polar as it is.
+// Angle of attack to the zero-lift line [rad], c_L, c_D.
 #[rustfmt::skip]
 #[allow(clippy::approx_constant)] // a row at 30° is no constant of mathematics
 static POLAR: Polar<59> = match Polar::new(&[
@@ -83,18 +79,50 @@ pub type Model = Table<'static>;
 ///
 /// # Errors
 /// None, unless the numbers are changed.
+#[rustfmt::skip]
+#[allow(clippy::approx_constant, clippy::excessive_precision)] // numbers as the file came to them
 pub fn guidance() -> Result<Guidance<Model>, ParameterError> {
     let mut aircraft = VehicleParameters::DEFAULT;
     aircraft.mass = 3.0;
     aircraft.k_a = 0.214375;
-    aircraft.delta = 0.0;
-    aircraft.thrust_min = 0.0;
     aircraft.thrust_max = 47.088;
-    let mut response = ResponseParameters::DEFAULT;
-    response.rate_lag = 0.06;
-    response.thrust_lag = 0.08;
-    response.control_rate = 100.0;
-    response.cruise_speed = 18.0;
-    let parameters = GuidanceParameters::for_vehicle(&aircraft, &response)?;
+    aircraft.authority = 0.0;
+    aircraft.authority_slipstream = 150.0;
+    aircraft.authority_difference = 250.0;
+    aircraft.authority_airflow = 1.1585517;
+    aircraft.wing_moment = 0.9725312;
+    aircraft.surface_reaction = 0.066128984;
+    aircraft.hover_downwash = 8.0;
+    let mut parameters = GuidanceParameters::DEFAULT;
+    parameters.natural_frequency = 4.0;
+    parameters.damping = 0.8;
+    parameters.thrust_rate = 3.0;
+    parameters.gain_schedule_floor = 0.57;
+    parameters.tau = 0.91;
+    parameters.altitude_band = 0.33;
+    parameters.velocity_band_down = 1.58;
+    parameters.velocity_band_forward = 3.3;
+    parameters.rate_lag = 0.06;
+    parameters.thrust_lag = 0.08;
+    parameters.position_gain_down = 1.43;
+    parameters.position_gain_forward = 0.81;
+    parameters.max_velocity_down = 4.7;
+    parameters.max_sink = 1.2;
+    parameters.max_velocity_forward = 3.6;
+    parameters.integral_gain_down = 0.3;
+    parameters.integral_gain_forward = 0.1;
+    parameters.max_integral_down = 2.0;
+    parameters.max_integral_forward = 1.0;
+    parameters.max_lateral_acceleration = 2.0;
+    parameters.max_rate = 2.8;
+    parameters.max_slew = 50.0;
+    parameters.hold = 0.1;
+    parameters.recovery = 0.05;
+    parameters.state_age = 0.05;
+    parameters.reference_age = 0.5;
+    parameters.air_hold = 2.0;
+    parameters.max_wind = 40.0;
+    parameters.max_wind_step = 10.0;
+    parameters.safe_thrust = 0.95;
     Guidance::new(Vehicle::new(aircraft, Table::new(&POLAR))?, &parameters)
 }

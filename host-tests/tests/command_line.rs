@@ -759,7 +759,7 @@ fn every_command_judges_a_polar_alike() {
     let vehicle =
         "base = 'hover-to-cruise'\nduration_s = 1\nvehicle.aerodynamics.table.polar = 'x.txt'\n";
     fs::write(folder.path().join("x.toml"), vehicle).unwrap();
-    let section: Vec<&str> = "new y --mass-kg 3 --wing-m2 0.35 --section x.txt --thrust-to-weight 1.6 --thrust-lag-s 0.08 --rate-lag-s 0.06 --cruise-m-s 18"
+    let section: Vec<&str> = "new y --mass-kg 3 --wing-m2 0.35 --section x.txt --thrust-to-weight 1.6 --thrust-lag-s 0.08 --rate-lag-s 0.06 --cruise-m-s 18 --turn-rad-s2 300 --actuators both"
         .split(' ')
         .collect();
     let commands: [&[&str]; 8] = [
@@ -819,7 +819,7 @@ fn every_command_judges_a_polar_alike() {
 fn every_command_names_what_it_cannot_read() {
     let folder = tempfile::tempdir().unwrap();
     let jsbsim = "<?xml version=\"1.0\"?>\n<fdm_config name=\"mine\">\n</fdm_config>\n";
-    let facts = "--mass-kg 3 --wing-m2 0.35 --thrust-to-weight 1.6 --thrust-lag-s 0.08 --rate-lag-s 0.06 --cruise-m-s 18";
+    let facts = "--mass-kg 3 --wing-m2 0.35 --thrust-to-weight 1.6 --thrust-lag-s 0.08 --rate-lag-s 0.06 --cruise-m-s 18 --turn-rad-s2 300 --actuators both";
     let known = |more: &str| format!("new y {more} {facts}");
     let commands = [
         "fit x.xml",

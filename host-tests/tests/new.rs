@@ -10,7 +10,7 @@ use alula_study::{CampaignSource, Shard, Store, Summary, run};
 use serde_json::Value;
 
 /// A tail-sitter of 3 kg, as one would describe it.
-const FLAGS: [&str; 14] = [
+const FLAGS: [&str; 18] = [
     "--mass-kg",
     "3",
     "--wing-m2",
@@ -25,6 +25,10 @@ const FLAGS: [&str; 14] = [
     "0.06",
     "--cruise-m-s",
     "18",
+    "--turn-rad-s2",
+    "300",
+    "--actuators",
+    "both",
 ];
 
 fn alula(folder: &Path, arguments: &[&str]) -> Output {
@@ -134,7 +138,7 @@ fn a_file_and_a_polar_of_ones_own() {
     let header = " Calculated polar for: NACA 4415\n\n   alpha    CL        CD       CDp       CM     Top_Xtr  Bot_Xtr\n  ------ -------- ---------\n";
     fs::write(folder.path().join("4415.txt"), format!("{header}{rows}")).unwrap();
     let known = "mass_kg = 1.2\nwing_m2 = 0.25\nsection = '4415.txt'\naspect_ratio = 6\nthrust_to_weight = 2\n\
-                 thrust_lag_s = 0.05\nrate_lag_s = 0.05\ncruise_m_s = 14\n";
+                 thrust_lag_s = 0.05\nrate_lag_s = 0.05\ncruise_m_s = 14\nturn_rad_s2 = 300\nactuators = 'both'\n";
     fs::write(folder.path().join("known.toml"), known).unwrap();
     // A flag goes before the file.
     let summary = made(
@@ -381,10 +385,39 @@ fn the_pages_commands_run() {
         let output = alula(folder.path(), &arguments);
         assert!(output.status.success(), "{line}: {output:?}");
     }
-    // The example in Rust is the vehicle of the page: `cargo run --example own_vehicle` flies what is left here.
-    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/own_vehicle/vehicle.rs");
-    let left = fs::read_to_string(folder.path().join("tail-sitter/vehicle.rs")).unwrap();
-    assert_eq!(left, fs::read_to_string(example).unwrap());
+    // The examples in Rust and C are the vehicle of the page: `cargo run --example own_vehicle` flies what is left here, and so do the modules.
+    for (file, example) in [
+        ("vehicle.rs", "examples/own_vehicle"),
+        ("vehicle.h", "capi/examples/px4/src/modules/alula_guidance"),
+    ] {
+        let place = Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("..")
+            .join(example);
+        let left = fs::read_to_string(folder.path().join("tail-sitter").join(file)).unwrap();
+        assert_eq!(
+            left,
+            fs::read_to_string(place.join(file)).unwrap(),
+            "{example}"
+        );
+    }
+    // Limits that are edited afterwards are in the code that is made anew, and nothing else changes.
+    let header = || fs::read_to_string(folder.path().join("tail-sitter/vehicle.h")).unwrap();
+    let before = header();
+    let edit = [
+        "code",
+        "tail-sitter/tail-sitter.toml",
+        "--set",
+        "controller.guidance.max_rate_rad_s=0.9",
+    ];
+    assert!(alula(folder.path(), &edit).status.success());
+    let after = header();
+    let changed: Vec<_> = before
+        .lines()
+        .zip(after.lines())
+        .filter(|(a, b)| a != b)
+        .collect();
+    assert_eq!(changed.len(), 1, "{changed:?}");
+    assert_eq!(changed[0].1.trim(), "p.guidance.max_rate = 0.9f;");
     for file in [
         "tail-sitter.toml",
         "vehicle.html",
@@ -453,4 +486,45 @@ fn the_page_and_the_envelope_agree_on_a_jump() {
         );
         assert!(page.contains(&says), "{says}: {page}");
     }
+}
+
+/// A vehicle whose elevons turn it slowly gets limits that they can follow, and is told that level braking is not for it: with the limits of a vehicle of
+/// full authority, 2.8 rad/s and 37.5 rad/s², the flying wing of 0.2 kg fell 61 m.
+#[test]
+fn limits_follow_what_turns_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut flags = FLAGS;
+    (flags[15], flags[17]) = ("17", "elevons");
+    let output = alula(folder.path(), &[&["new", "--json"][..], &flags].concat());
+    let summary: Value = serde_json::from_slice(&output.stdout).unwrap();
+    // By the drag of its wing alone.
+    assert!(
+        summary["limits"]["level_stop_m"]
+            .as_f64()
+            .is_none_or(|long| long > 80.0)
+    );
+    assert!(summary["limits"]["hover_wind_m_s"].as_f64().unwrap() < 14.0);
+    let file = folder.path().join("my-vehicle/my-vehicle.toml");
+    let document = Document::load(file.to_str().unwrap()).unwrap();
+    let limit = |name: &str| {
+        document
+            .number(&format!("controller.guidance.{name}"))
+            .unwrap()
+    };
+    let (rate, slew) = (limit("max_rate_rad_s"), limit("max_slew_rad_s2"));
+    assert!(
+        (0.7..1.0).contains(&rate) && (7.0..12.5).contains(&slew),
+        "{rate} {slew}"
+    );
+    assert!(
+        error_of(folder.path(), &FLAGS[..14]).contains("turn_rad_s2: is missing: --turn-rad-s2")
+    );
+    assert!(error_of(folder.path(), &FLAGS[..16]).contains("actuators: is missing: --actuators"));
+}
+
+/// The error of `new` with these arguments.
+fn error_of(folder: &Path, arguments: &[&str]) -> String {
+    let output = alula(folder, &[&["new"], arguments].concat());
+    assert!(!output.status.success());
+    String::from_utf8(output.stderr).unwrap()
 }

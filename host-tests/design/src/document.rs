@@ -72,6 +72,19 @@ pub fn vehicle_text(name: &str, design: &Design) -> String {
         let _ = writeln!(text, "# {}.", on_one_line(sentence));
     }
     text += &design.wing.toml();
+    let (words, _) = facts.actuators.words();
+    let _ = writeln!(
+        text,
+        "\n# Turned by {words}: {} rad/s² in hover.\n[vehicle.authority]",
+        facts.turn_rad_s2
+    );
+    let (authority, sources) = facts.turning();
+    let table = authority.table();
+    for (field, source) in sources {
+        let value = short(table[field].as_float().unwrap_or_default());
+        let number = format!("{field} = {value}");
+        let _ = writeln!(text, "{number:<34} # {source}");
+    }
     let _ = write!(
         text,
         "\n[plant]\nrate_loop.lag = {{ time_constant_s = {} }}\nthrust_lag_s = {}\n\

@@ -52,6 +52,15 @@ pub struct Known {
         arg(long, value_name = "X", allow_negative_numbers = true)
     )]
     pub cruise_m_s: Option<f64>,
+    /// Greatest angular acceleration in pitch in hover (rad/s²): `identify` reads it from a log
+    #[cfg_attr(
+        feature = "arguments",
+        arg(long, value_name = "X", allow_negative_numbers = true)
+    )]
+    pub turn_rad_s2: Option<f64>,
+    /// What turns it in pitch
+    #[cfg_attr(feature = "arguments", arg(long, value_enum, value_name = "WHAT"))]
+    pub actuators: Option<Actuators>,
     /// Rate at which the guidance is called (Hz; default: 100)
     #[cfg_attr(
         feature = "arguments",
@@ -82,12 +91,42 @@ pub struct Known {
         arg(long, value_name = "X", allow_negative_numbers = true)
     )]
     pub idle_to_weight: Option<f64>,
+    /// Diameter of each propeller (m; default: assumed)
+    #[cfg_attr(
+        feature = "arguments",
+        arg(long, value_name = "X", allow_negative_numbers = true)
+    )]
+    pub propeller_m: Option<f64>,
     /// Density of the air (kg/m³; default: 1.225)
     #[cfg_attr(
         feature = "arguments",
         arg(long, value_name = "X", allow_negative_numbers = true)
     )]
     pub air_kg_m3: Option<f64>,
+}
+
+/// What turns a vehicle in pitch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "arguments", derive(clap::ValueEnum))]
+#[serde(rename_all = "kebab-case")]
+pub enum Actuators {
+    /// Elevons in the slipstream of the propellers.
+    Elevons,
+    /// Differences of thrust between motors above and below the wing.
+    Motors,
+    /// Both.
+    Both,
+}
+
+impl Actuators {
+    /// In words, and how many propellers such a vehicle has.
+    pub(super) fn words(self) -> (&'static str, f64) {
+        match self {
+            Self::Elevons => ("elevons in the slipstream", 2.0),
+            Self::Motors => ("differences of thrust", 4.0),
+            Self::Both => ("elevons in the slipstream and differences of thrust", 4.0),
+        }
+    }
 }
 
 /// What [`Known`] comes to when nothing is missing.
@@ -107,6 +146,12 @@ pub struct Facts {
     pub rate_lag_s: f64,
     /// Speed of cruise \[m/s\].
     pub cruise_m_s: f64,
+    /// Greatest angular acceleration in pitch in hover \[rad/s²\].
+    pub turn_rad_s2: f64,
+    /// What turns it in pitch.
+    pub actuators: Actuators,
+    /// Diameter of each propeller \[m\], if it is known.
+    pub propeller_m: Option<f64>,
     /// Rate of the guidance's steps \[Hz\].
     pub control_rate_hz: f64,
     /// δ \[°\].
@@ -122,18 +167,20 @@ pub struct Facts {
 }
 
 /// What is believed of each number.
-const RANGES: [(&str, [f64; 2]); 12] = [
+const RANGES: [(&str, [f64; 2]); 14] = [
     ("mass_kg", [0.01, 1e4]),
     ("wing_m2", [1e-4, 1e3]),
     ("thrust_to_weight", [1.02, 20.0]),
     ("thrust_lag_s", [1e-3, 1.0]),
     ("rate_lag_s", [1e-3, 1.0]),
     ("cruise_m_s", [2.0, 200.0]),
+    ("turn_rad_s2", [1.0, 2000.0]),
     ("control_rate_hz", [10.0, 1000.0]),
     ("delta_deg", [-90.0, 90.0]),
     ("aspect_ratio", [0.5, 50.0]),
     ("stall_deg", [5.0, 60.0]),
     ("idle_to_weight", [0.0, 0.9]),
+    ("propeller_m", [0.02, 5.0]),
     ("air_kg_m3", [0.1, 10.0]),
 ];
 
@@ -141,7 +188,7 @@ const RANGES: [(&str, [f64; 2]); 12] = [
 const LOADING: [f64; 2] = [0.1, 800.0];
 
 /// Units that people give a number in, other than its own: the number, what stands for one of its units, and their name.
-const OTHER_UNITS: [(&str, f64, &str); 8] = [
+const OTHER_UNITS: [(&str, f64, &str); 10] = [
     ("mass_kg", 1e-3, "g"),
     ("wing_m2", 1e-2, "dm²"),
     ("wing_m2", 1e-4, "cm²"),
@@ -149,18 +196,23 @@ const OTHER_UNITS: [(&str, f64, &str); 8] = [
     ("thrust_lag_s", 1e-3, "ms"),
     ("rate_lag_s", 1e-3, "ms"),
     ("cruise_m_s", 1.0 / 3.6, "km/h"),
+    ("turn_rad_s2", std::f64::consts::PI / 180.0, "°/s²"),
+    ("propeller_m", 0.0254, "inches"),
     ("idle_to_weight", 1e-2, "%"),
 ];
 
 /// What is asked for the first of these numbers: they must be known.
-const QUESTIONS: [&str; 6] = [
+const QUESTIONS: [&str; 7] = [
     "Mass, ready to fly [kg]",
     "Area of the wing [m²]",
     "Greatest thrust over weight",
     "Time until 63 % of a step of thrust is there [s]",
     "Time until 63 % of a step of angular rate is there [s]",
     "Speed of cruise [m/s]",
+    "Greatest angular acceleration in pitch in hover [rad/s²]",
 ];
+
+const ACTUATORS: &str = "What turns it in pitch (elevons, motors, both)";
 
 /// What is said to who types nothing.
 const NOTHING: &str = "this must be known: there is no default";
@@ -179,6 +231,8 @@ impl Known {
             thrust_lag_s: Some(0.08),
             rate_lag_s: Some(0.06),
             cruise_m_s: Some(18.0),
+            turn_rad_s2: Some(300.0),
+            actuators: Some(Actuators::Both),
             ..Self::default()
         }
     }
@@ -189,6 +243,7 @@ impl Known {
             *here = here.or(*there);
         }
         self.section = self.section.or(other.section);
+        self.actuators = self.actuators.or(other.actuators);
         self
     }
 
@@ -201,11 +256,13 @@ impl Known {
             &mut self.thrust_lag_s,
             &mut self.rate_lag_s,
             &mut self.cruise_m_s,
+            &mut self.turn_rad_s2,
             &mut self.control_rate_hz,
             &mut self.delta_deg,
             &mut self.aspect_ratio,
             &mut self.stall_deg,
             &mut self.idle_to_weight,
+            &mut self.propeller_m,
             &mut self.air_kg_m3,
         ]
     }
@@ -278,6 +335,21 @@ impl Known {
                 Err(error) => problem = Some(format!("{error:#}")),
             }
         }
+        let mut problem = None;
+        while self.actuators.is_none() {
+            self.actuators = match answer(ACTUATORS, problem.take())?.as_str() {
+                "elevons" => Some(Actuators::Elevons),
+                "motors" => Some(Actuators::Motors),
+                "both" => Some(Actuators::Both),
+                other => {
+                    problem = Some(format!(
+                        "{} is none of the three",
+                        on_one_line(&format!("{other:?}"))
+                    ));
+                    None
+                }
+            };
+        }
         Ok(())
     }
 
@@ -300,6 +372,9 @@ impl Known {
             rate_lag_s: need("rate_lag_s", self.rate_lag_s)?,
             cruise_m_s: need("cruise_m_s", self.cruise_m_s)?,
             section: self.section.ok_or_else(|| missing("section"))?,
+            turn_rad_s2: need("turn_rad_s2", self.turn_rad_s2)?,
+            actuators: self.actuators.ok_or_else(|| missing("actuators"))?,
+            propeller_m: self.propeller_m,
             control_rate_hz: self.control_rate_hz.unwrap_or(100.0),
             delta_deg: self.delta_deg.unwrap_or(0.0),
             aspect_ratio: self.aspect_ratio,
@@ -393,8 +468,7 @@ impl Facts {
     pub fn reynolds(&self) -> f64 {
         /// Kinematic viscosity of air at 15 °C and sea level \[m²/s\]; it goes as one over the density.
         const VISCOSITY: f64 = 1.46e-5;
-        let chord = (self.wing_m2 / self.aspect_ratio.unwrap_or(6.0)).sqrt();
-        self.cruise_m_s * chord / VISCOSITY * self.air_kg_m3 / 1.225
+        self.cruise_m_s * self.chord() / VISCOSITY * self.air_kg_m3 / 1.225
     }
 }
 

@@ -10,24 +10,28 @@ mod document;
 pub mod envelope;
 pub mod fit;
 mod goals;
+pub mod identify;
 mod known;
+mod limits;
 mod performance;
 mod rust_code;
 pub mod sweep;
+mod turning;
 mod verdict;
 mod wing;
 
 use alula::{GuidanceParameters, Parameters, ResponseParameters};
 
-pub use code::code_text;
+pub use code::{Coded, c_code};
 pub use document::{campaign_text, check_name, vehicle_text};
-pub use known::{Facts, Known};
+pub use known::{Actuators, Facts, Known};
+pub use limits::Limits;
 pub use performance::{ON_WING, Performance, Stall};
-pub use rust_code::rust_text;
+pub use rust_code::rust_code;
 pub use verdict::{Outcome, Verdict};
 pub use wing::{ROWS, Wing};
 
-use alula_sim::experiment::{AuthoritySpec, VehicleSpec, refused};
+use alula_sim::experiment::{FieldError, VehicleSpec, refused};
 
 /// A vehicle worked out from what is known.
 #[derive(Clone, Debug)]
@@ -65,6 +69,23 @@ impl Design {
     pub fn vehicle(&self) -> VehicleSpec {
         spec(&self.facts, &self.wing)
     }
+
+    /// The vehicle `name` as C and as Rust.
+    pub fn code(&self, name: &str) -> [String; 2] {
+        let coded = Coded {
+            vehicle: &self.vehicle(),
+            thrust: self.facts.thrust(),
+            parameters: &self.parameters,
+        };
+        [c_code(name, &coded), rust_code(name, &coded)]
+    }
+
+    /// What it can do by what turns it.
+    pub fn limits(&self) -> Result<Limits, FieldError> {
+        let sink = self.parameters.max_sink.into();
+        let facts = &self.facts;
+        Limits::of(&self.vehicle(), facts.thrust(), facts.cruise_m_s, sink)
+    }
 }
 
 impl Facts {
@@ -82,7 +103,7 @@ fn spec(facts: &Facts, wing: &Wing) -> VehicleSpec {
         c_y: 0.0,
         gravity_m_s2: 9.81,
         aerodynamics: wing.aerodynamics,
-        authority: AuthoritySpec::default(),
+        authority: facts.turning().0,
     }
 }
 

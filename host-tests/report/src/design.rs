@@ -183,7 +183,7 @@ fn envelope(design: &Design, p: &Performance) -> Vec<[String; 2]> {
         Some(_) => "not on the wing: below the speed of transition",
         None => "not on the wing: at more than 40° of angle of attack",
     };
-    vec![
+    let mut rows = vec![
         row("speed of transition", stall),
         row(
             "level cruise",
@@ -209,5 +209,12 @@ fn envelope(design: &Design, p: &Performance) -> Vec<[String; 2]> {
             }),
         ),
         row("stops from cruise, flown", stop),
-    ]
+    ];
+    rows.extend(
+        design
+            .limits()
+            .into_iter()
+            .flat_map(|limits| limits.rows(cruise)),
+    );
+    rows
 }

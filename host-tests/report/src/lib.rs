@@ -12,6 +12,7 @@ pub mod equilibria;
 mod figure;
 pub mod fit;
 pub mod flight;
+pub mod identify;
 mod margins;
 mod page;
 mod panel;

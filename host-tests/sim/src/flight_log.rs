@@ -12,6 +12,7 @@ use alula_logs::{Column, Log, Topic};
 
 use crate::columns::{self, COLUMNS, Cell};
 use crate::experiment::{Experiment, V3};
+use crate::plant::tail_sitter::TailSitter;
 use crate::simulate::Step;
 
 /// Time in the log at the start of the flight \[s\].
@@ -70,7 +71,74 @@ pub fn log(experiment: &Experiment, record: &[Step]) -> Result<Log, alula_logs::
         Column::new(column.name, &unit, record.iter().map(number).collect())
     });
     let rows: Vec<Row> = record.iter().map(Row::from).collect();
-    log_of(&time, trace.collect(), &rows)
+    let mut log = log_of(&time, trace.collect(), &rows)?;
+    log.topics.extend(loops(experiment, &time, record)?);
+    Ok(log)
+}
+
+/// The set-points of rates and thrust, and the rates that were had, about the axes of hover.
+fn loops(
+    experiment: &Experiment,
+    time: &[f64],
+    record: &[Step],
+) -> Result<[Topic; 4], alula_logs::Error> {
+    let most = match &experiment.tail_sitter {
+        Some(plant) => TailSitter::new(plant.true_vehicle(), None).static_thrust(),
+        None => experiment.thrust_limits(None, experiment.weight())[1],
+    };
+    let topic = |name: &str, columns: Vec<(&str, &str, &dyn Fn(&Step) -> f64)>| {
+        let columns = columns
+            .into_iter()
+            .map(|(name, unit, value)| Column::new(name, unit, record.iter().map(value).collect()));
+        Topic::new(name, 0, time.to_vec(), columns.collect())
+    };
+    let asked = |step: &Step| {
+        BodyAxes::NoseUp
+            .components(step.answer.rates)
+            .map(f64::from)
+    };
+    let share = |step: &Step| -f64::from(step.answer.thrust) / most;
+    // Of a tail-sitter as they are: what its elevons are, where there are any.
+    let travel = experiment
+        .tail_sitter
+        .as_ref()
+        .map(|plant| plant.true_vehicle().servo.travel_deg)
+        .filter(|travel| *travel > 0.0);
+    let torque = |step: &Step| match (travel, &step.readings[..]) {
+        (Some(travel), [_, _, _, _, left, right, ..]) => -0.5 * (left + right) / travel,
+        _ => f64::NAN,
+    };
+    let none = |_: &Step| 0.0;
+    Ok([
+        topic(
+            "vehicle_torque_setpoint",
+            vec![("xyz[0]", "", &none), ("xyz[1]", "", &torque)],
+        )?,
+        topic(
+            "vehicle_angular_velocity",
+            vec![
+                ("xyz[0]", "rad/s", &|step| step.truth.rates.x),
+                ("xyz[1]", "rad/s", &|step| step.truth.rates.y),
+                ("xyz[2]", "rad/s", &|step| step.truth.rates.z),
+            ],
+        )?,
+        topic(
+            "vehicle_rates_setpoint",
+            vec![
+                ("roll", "rad/s", &|step| asked(step)[0]),
+                ("pitch", "rad/s", &|step| asked(step)[1]),
+                ("yaw", "rad/s", &|step| asked(step)[2]),
+            ],
+        )?,
+        topic(
+            "vehicle_thrust_setpoint",
+            vec![
+                ("xyz[0]", "", &none),
+                ("xyz[1]", "", &none),
+                ("xyz[2]", "", &share),
+            ],
+        )?,
+    ])
 }
 
 /// A row under PX4's names. World vectors are north-east-down.

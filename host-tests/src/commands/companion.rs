@@ -4,14 +4,18 @@ use std::sync::atomic::Ordering;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use alula_bridges::companion::{self, Companion, Connection, End, Kind, Stage};
-use anyhow::{Context, bail};
+use alula_bridges::companion::{
+    self, Companion, Connection, End, Kind, Nudge, Pilot as _, Stage, is_go,
+};
+use anyhow::{Context, bail, ensure};
 
 use alula_sil::companion::{Ground, Lead, OnPath, settings};
+use alula_sim::experiment::{Experiment, RateLoop};
 
 use super::autopilot::Choice;
 use super::fly::{Logs, report};
 use super::output::Output;
+use super::preflight::{look, say};
 use super::settings::Settings;
 use super::sitl::interrupted;
 
@@ -47,6 +51,9 @@ pub struct Args {
         conflicts_with = "from_link"
     )]
     heading: Option<f32>,
+    /// Fly whatever the preflight finds
+    #[arg(long)]
+    despite: bool,
     #[command(flatten)]
     output: Output,
     #[command(flatten)]
@@ -68,9 +75,25 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         false if experiment.in_plane() => Lead::Path(heading),
         false => Lead::Path(heading.or(Some(0.0))),
     };
+    let lag = match experiment.plant.rate_loop {
+        RateLoop::Lag { time_constant_s } => time_constant_s,
+        _ => 0.1,
+    };
     let mut pilot = OnPath::new(&experiment, lead)?;
-    let settings = settings(&experiment, args.hover_thrust)?;
-    let end = fly(args, settings, &mut pilot)?;
+    let mut settings = settings(&experiment, args.hover_thrust)?;
+    if lead != Lead::Link {
+        pilot = pilot.nudged(lag, args.despite);
+        settings.duration += match pilot.is_nudging() {
+            true => Nudge::DURATION,
+            false => 0.0,
+        };
+    }
+    let end = fly(args, &experiment, settings, &mut pilot)?;
+    say(pilot.findings());
+    ensure!(
+        !pilot.is_over(),
+        "the rate loop cannot be flown: the autopilot was asked to hold. Change what is said above, or fly --despite it"
+    );
     if pilot.record().is_empty() {
         eprintln!("no flight");
         return verdict(end);
@@ -97,7 +120,12 @@ fn verdict(end: End) -> anyhow::Result<()> {
 }
 
 /// Lets `pilot` fly over the link until the flight ends or Ctrl-C is pressed, and says how it ended.
-fn fly(args: &Args, mut settings: companion::Settings, pilot: &mut OnPath) -> anyhow::Result<End> {
+fn fly(
+    args: &Args,
+    experiment: &Experiment,
+    mut settings: companion::Settings,
+    pilot: &mut OnPath,
+) -> anyhow::Result<End> {
     settings.engage = args.engage;
     settings.led = args.from_link;
     settings.kind = args.autopilot.kind()?;
@@ -109,6 +137,23 @@ fn fly(args: &Args, mut settings: companion::Settings, pilot: &mut OnPath) -> an
     });
     let mut station = station.transpose()?;
     let interrupted = interrupted()?;
+    let stops = || interrupted.load(Ordering::Relaxed);
+    eprintln!("waits for an autopilot, and looks at its parameters and streams");
+    let findings = look(
+        experiment,
+        settings.kind,
+        args.hover_thrust,
+        &mut link,
+        stops,
+    )?;
+    let Some(findings) = findings else {
+        return Ok(End::Stopped);
+    };
+    say(&findings);
+    ensure!(
+        args.despite || is_go(&findings),
+        "no-go: change what is said above, or fly --despite it"
+    );
 
     let begin = Instant::now();
     let mut next = begin;
@@ -141,7 +186,7 @@ fn fly(args: &Args, mut settings: companion::Settings, pilot: &mut OnPath) -> an
                 link.send(Ground::HEADER, &message);
             }
         }
-        let words = words(&companion, settings.kind);
+        let words = words(&companion, settings.kind, pilot.is_nudging());
         if said.as_ref() != Some(&words) {
             eprintln!("{now:8.2} s  {words}");
             said = Some(words);
@@ -161,7 +206,7 @@ fn fly(args: &Args, mut settings: companion::Settings, pilot: &mut OnPath) -> an
     }
 }
 
-fn words(companion: &Companion, kind: Kind) -> String {
+fn words(companion: &Companion, kind: Kind, nudging: bool) -> String {
     match (companion.stage(), kind) {
         (Stage::Waiting, _) => "waits for an autopilot".to_owned(),
         (Stage::Streaming(_), _) if !companion.is_ready() => {
@@ -170,6 +215,9 @@ fn words(companion: &Companion, kind: Kind) -> String {
         }
         (Stage::Streaming(_), Kind::Px4) => "sends hover, and waits for OFFBOARD".to_owned(),
         (Stage::Streaming(_), Kind::ArduPlane(_)) => "waits for QACRO".to_owned(),
+        (Stage::Flying(_), _) if nudging => {
+            "measures the rate loop: small steps in hover".to_owned()
+        }
         (Stage::Flying(_), _) => "flies the reference".to_owned(),
         (Stage::Leaving(_), _) => "asks the autopilot to hold".to_owned(),
         (Stage::Ended(end), _) => format!("has ended: {end:?}"),

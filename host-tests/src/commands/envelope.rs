@@ -1,11 +1,13 @@
 //! `envelope`: folds, equilibrium counts, jumps and cusps of a vehicle.
 
-use anyhow::{Context, anyhow};
+use anyhow::{Context, anyhow, ensure};
 
+use alula_design::Limits;
 use alula_design::envelope::{Envelope, Ray, Refused, Summary};
 use alula_report::envelope::{Shown, figure};
 use alula_report::{Page, Table, fixed};
 use alula_sim::airframe::Airframe;
+use alula_sim::controllers::GuidanceSpec;
 
 use super::output::Output;
 
@@ -26,6 +28,9 @@ pub struct Args {
     /// Level acceleration [m/s²]
     #[arg(long, value_name = "X", allow_negative_numbers = true)]
     accel: Option<f64>,
+    /// Speed of cruise (m/s): what turns the vehicle then says how it brakes, in which wind it hovers and how fast it descends
+    #[arg(long, value_name = "X")]
+    cruise_m_s: Option<f64>,
     #[command(flatten)]
     output: Output,
 }
@@ -55,11 +60,36 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
             flight(args, &ray)
         ),
         figure: figure(&shown),
-        tables: tables(&summary, &ray),
+        tables: tables(&summary, &ray)
+            .into_iter()
+            .chain(limits(&airframe, args.cruise_m_s)?)
+            .collect(),
         notes: "Equilibria from hover to infinite airspeed; see docs/envelope.md. A cusp is a climb angle ε at which two folds meet: beyond it both are gone.".to_owned(),
         ..Page::default()
     };
     args.output.leave(&out, "envelope", &page, &summary)
+}
+
+/// What turning leaves, at the speed of `cruise` [m/s].
+fn limits(airframe: &Airframe, cruise: Option<f64>) -> anyhow::Result<Option<Table>> {
+    let Some(cruise) = cruise else {
+        return Ok(None);
+    };
+    ensure!(
+        (1.0..=340.0).contains(&cruise),
+        "--cruise-m-s: {cruise} is not from 1 to 340"
+    );
+    let thrust = airframe.thrust_limits();
+    let vehicle = airframe.spec.parameters(thrust);
+    let guidance = GuidanceSpec::read(airframe.controller.table.clone()).ok();
+    let parameters = guidance.and_then(|spec| spec.ruled(&vehicle, &spec.parameters).ok());
+    let sink = parameters.unwrap_or_default().max_sink.into();
+    let limits = Limits::of(&airframe.spec, thrust, cruise, sink)?;
+    Ok(Some(Table::new(
+        "By what turns it",
+        ["", ""],
+        limits.rows(cruise),
+    )))
 }
 
 fn flight(args: &Args, ray: &Ray) -> String {

@@ -3,6 +3,7 @@
 mod attitudes;
 mod autopilot;
 mod campaign;
+mod code;
 mod companion;
 mod compare;
 mod completions;
@@ -10,11 +11,13 @@ mod envelope;
 mod equilibria;
 mod fit;
 mod fly;
+mod identify;
 mod list;
 mod margins;
 mod new;
 mod output;
 mod pil;
+mod preflight;
 mod replay;
 mod settings;
 mod sitl;
@@ -37,12 +40,15 @@ pub struct Cli {
 #[derive(Subcommand)]
 enum Command {
     New(new::Args),
+    Code(code::Args),
+    Identify(identify::Args),
     Fly(fly::Args),
     View(view::Args),
     Pil(pil::Args),
     List(list::Args),
     Replay(replay::Args),
     Sitl(sitl::Args),
+    Preflight(preflight::Args),
     Companion(companion::Args),
     Campaign(campaign::Args),
     Compare(compare::Args),
@@ -69,12 +75,15 @@ impl Cli {
         match self.command {
             None => fly::first(self.open),
             Some(Command::New(args)) => new::run(&args),
+            Some(Command::Identify(args)) => identify::run(&args),
+            Some(Command::Code(args)) => code::run(&args),
             Some(Command::Fly(args)) => fly::run(&args),
             Some(Command::View(args)) => view::run(&args),
             Some(Command::Pil(args)) => pil::run(&args),
             Some(Command::List(args)) => list::run(&args),
             Some(Command::Replay(args)) => replay::run(&args),
             Some(Command::Sitl(args)) => sitl::run(&args),
+            Some(Command::Preflight(args)) => preflight::run(&args),
             Some(Command::Companion(args)) => companion::run(&args),
             Some(Command::Campaign(args)) => campaign::run(&args),
             Some(Command::Compare(args)) => compare::run(&args),

@@ -7,8 +7,8 @@ use anyhow::{Context, bail, ensure};
 use serde::Serialize;
 
 use alula_design::{
-    Design, Facts, Known, Outcome, Performance, Verdict, campaign_text, check_name, code_text,
-    rust_text, vehicle_text,
+    Design, Facts, Known, Limits, Outcome, Performance, Verdict, campaign_text, check_name,
+    vehicle_text,
 };
 use alula_report::design::{Results, page};
 use alula_sim::experiment::Document;
@@ -55,6 +55,7 @@ struct Summary<'a> {
     story: &'a [String],
     warnings: &'a [String],
     performance: &'a Performance,
+    limits: Limits,
     margins: &'a [Point],
     first_flight: serde_json::Map<String, serde_json::Value>,
     verdict: &'a Verdict,
@@ -84,8 +85,9 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     }
     let campaign = out.join(format!("{name}-campaign.toml"));
     leave_all(&campaign, campaign_text(name, &design))?;
-    leave_all(&out.join("vehicle.h"), code_text(name, &design))?;
-    leave_all(&out.join("vehicle.rs"), rust_text(name, &design))?;
+    let [c, rust] = design.code(name);
+    leave_all(&out.join("vehicle.h"), c)?;
+    leave_all(&out.join("vehicle.rs"), rust)?;
     leave_all(&file, &text)?;
 
     // From here on as everybody else takes it: from the file.
@@ -140,6 +142,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
             story: &design.wing.story,
             warnings: &warnings,
             performance: &performance,
+            limits: design.limits()?,
             margins: &margins,
             first_flight: figures.json(),
             verdict: &verdict,

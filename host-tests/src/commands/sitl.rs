@@ -12,7 +12,8 @@ use alula_bridges::sitl::{Counts, serve};
 use anyhow::Context;
 
 use alula_sil::ardupilot::Vehicle;
-use alula_sil::companion::Craft;
+use alula_sil::companion::{ARDUPLANE_SHIPPED, Craft, PX4_SHIPPED, px4_rate_law};
+use alula_sim::named::text_of;
 
 use super::autopilot::StickRates;
 use super::fly::{Logs, report};
@@ -40,6 +41,9 @@ struct Simulated {
     experiment: String,
     #[command(flatten)]
     settings: Settings,
+    /// Parameters over those as shipped: a file of QGroundControl or ArduPilot
+    #[arg(long, value_name = "FILE")]
+    parameters: Vec<std::path::PathBuf>,
     /// Whom to talk to
     #[arg(long, value_name = "ADDRESS", default_value = "udpout:127.0.0.1:14540")]
     connect: String,
@@ -134,9 +138,29 @@ const STEP: Duration = Duration::from_millis(2);
 
 fn simulated(args: &Simulated, kind: Kind) -> anyhow::Result<()> {
     let document = args.settings.document(&args.experiment)?;
-    let craft = Craft::new(&document.checked()?)?;
+    let mut experiment = document.checked()?;
+    let mut parameters = companion::Parameters::default();
+    for path in args.parameters.iter().rev() {
+        let read = companion::Parameters::from_text(&text_of(path)?);
+        let read =
+            read.map_err(|line| anyhow::anyhow!("{}: {line:?} is no parameter", path.display()))?;
+        parameters = parameters.or(read);
+    }
+    let shipped = match kind {
+        Kind::Px4 => PX4_SHIPPED,
+        Kind::ArduPlane(_) => ARDUPLANE_SHIPPED,
+    };
+    let shipped = companion::Parameters::from_text(shipped).expect("tested");
+    let parameters = parameters.or(shipped);
+    if let (Some(plant), Kind::Px4) = (&mut experiment.tail_sitter, kind) {
+        plant.vehicle.rate_loop.law = px4_rate_law(&parameters);
+    }
+    let craft = Craft::new(&experiment)?;
     let mut link = Connection::open(&args.connect).with_context(|| args.connect.clone())?;
-    let mut autopilot = companion::Autopilot::new(craft, kind);
+    let mut autopilot = companion::Autopilot::new(craft, kind).with_parameters(parameters);
+    if let Some(reason) = autopilot.refuses_to_arm() {
+        anyhow::bail!("PreArm: {reason}");
+    }
     let interrupted = interrupted()?;
     let begin = Instant::now();
     let mut steps = 0_u32;

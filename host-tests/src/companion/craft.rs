@@ -2,21 +2,23 @@
 
 use std::collections::VecDeque;
 
-use alula_bridges::companion::{Body, BodyState};
+use alula_bridges::companion::{Body, BodyState, Parameters, preflight::hover_scale};
 use rand_chacha::ChaCha8Rng;
 
+use alula_sim::experiment::tail_sitter::RateLaw;
 use alula_sim::experiment::{Experiment, State, V3, Weather, stream};
-use alula_sim::plant::{Command, Dynamics, Rotation};
+use alula_sim::plant::{Command, Dynamics, IdealPlant, Plant, Rotation};
 
 /// The vehicle, where its experiment begins.
 pub struct Craft {
-    dynamics: Dynamics,
-    state: State,
+    plant: Box<dyn Plant>,
+    /// Thrust of full throttle, and the weight \[N\].
+    most: f64,
+    weight: f64,
     weather: Weather,
     gusts: ChaCha8Rng,
     time: f64,
     delay: f64,
-    weight: f64,
     pending: VecDeque<Command>,
 }
 
@@ -26,27 +28,41 @@ const LEAST_LAG: f64 = 0.005;
 impl Craft {
     /// The vehicle of `experiment`, at its start.
     pub fn new(experiment: &Experiment) -> anyhow::Result<Self> {
-        let mut dynamics = Dynamics::of(experiment);
-        let weight = experiment.weight();
-        let [least, most] = experiment.thrust_limits(None, weight);
-        dynamics.thrust = [least.max(0.0), most];
-        if dynamics.thrust_lag == 0.0 {
-            dynamics.thrust_lag = LEAST_LAG;
-        }
-        if dynamics.rotation == Rotation::Ideal {
-            dynamics.rotation = Rotation::Lag(LEAST_LAG);
-        }
         let [mut gusts, mut start] = [1, 2].map(|n| stream(experiment.seed, n));
         let path = experiment.path.path()?;
-        let in_plane = experiment.in_plane();
+        let state = experiment.initial.state(&path.start(), &mut start);
+        let (plant, most, weight, delay): (Box<dyn Plant>, f64, f64, f64) =
+            match &experiment.tail_sitter {
+                Some(spec) => {
+                    let vehicle = spec.true_vehicle();
+                    let weight = vehicle.mass_kg * experiment.vehicle.gravity_m_s2;
+                    let most = alula_sim::plant::tail_sitter::TailSitter::new(vehicle, None);
+                    let plant = experiment.plant(state);
+                    (plant, most.static_thrust(), weight, spec.delay_s)
+                }
+                None => {
+                    let mut dynamics = Dynamics::of(experiment);
+                    let weight = experiment.weight();
+                    let [least, most] = experiment.thrust_limits(None, weight);
+                    dynamics.thrust = [least.max(0.0), most];
+                    if dynamics.thrust_lag == 0.0 {
+                        dynamics.thrust_lag = LEAST_LAG;
+                    }
+                    if dynamics.rotation == Rotation::Ideal {
+                        dynamics.rotation = Rotation::Lag(LEAST_LAG);
+                    }
+                    let plant = Box::new(IdealPlant { dynamics, state });
+                    (plant, most, weight, experiment.plant.delay_s)
+                }
+            };
         Ok(Self {
-            dynamics,
-            state: experiment.initial.state(&path.start(), &mut start),
-            weather: Weather::new(experiment.weather, in_plane, &mut gusts),
+            plant,
+            most,
+            weight,
+            weather: Weather::new(experiment.weather, experiment.in_plane(), &mut gusts),
             gusts,
             time: 0.0,
-            delay: experiment.plant.delay_s,
-            weight,
+            delay,
             pending: VecDeque::new(),
         })
     }
@@ -57,15 +73,83 @@ impl Craft {
 
     /// Its state.
     pub fn spatial(&self) -> &State {
-        &self.state
+        self.plant.state()
     }
 }
+
+/// The rate loop of PX4 with these parameters, of a tail-sitter with elevons in the multicopter state: elevons by FW_PR_* and FW_RR_*, times what hover
+/// makes of them, differences of thrust about the belly by MC_ROLLRATE_*. Torques are shares of full ones, as PX4's are.
+#[must_use]
+pub fn px4_rate_law(parameters: &Parameters) -> RateLaw {
+    let get = |name: &str, shipped| parameters.get(name).unwrap_or(shipped);
+    let scale = hover_scale(parameters);
+    let square = scale * scale;
+    RateLaw::Pid {
+        p: [
+            square * get("FW_RR_P", 0.05),
+            square * get("FW_PR_P", 0.08),
+            get("MC_ROLLRATE_P", 0.15),
+        ],
+        i: [
+            square * get("FW_RR_I", 0.1),
+            square * get("FW_PR_I", 0.1),
+            get("MC_ROLLRATE_I", 0.2),
+        ],
+        d: [0.0, 0.0, get("MC_ROLLRATE_D", 0.003)],
+        feed_forward: [
+            scale * get("FW_RR_FF", 0.5),
+            scale * get("FW_PR_FF", 0.5),
+            0.0,
+        ],
+    }
+}
+
+/// PX4's parameters as shipped for a tail-sitter, of those that the simulated one follows and says: v1.17, `fw_rate_control_params.c` and others.
+pub const PX4_SHIPPED: &str = "
+FW_RR_P 0.05
+FW_RR_I 0.1
+FW_RR_FF 0.5
+FW_PR_P 0.08
+FW_PR_I 0.1
+FW_PR_FF 0.5
+FW_ARSP_SCALE_EN 1
+FW_AIRSPD_TRIM 15
+FW_AIRSPD_STALL 7
+MC_ROLLRATE_P 0.15
+MC_ROLLRATE_I 0.2
+MC_ROLLRATE_D 0.003
+FD_FAIL_P 60
+THR_MDL_FAC 0
+COM_OF_LOSS_T 1
+VT_TYPE 0
+VT_ELEV_MC_LOCK 1
+MPC_THR_HOVER 0.5
+";
+
+/// ArduPlane's as shipped for a tail-sitter, likewise: 4.7, `tailsitter.cpp` and others.
+pub const ARDUPLANE_SHIPPED: &str = "
+Q_A_ACCEL_R_MAX 30000
+Q_A_ACCEL_P_MAX 30000
+Q_A_ACCEL_Y_MAX 10000
+Q_M_SPIN_ARM 0.1
+Q_M_SPIN_MIN 0.15
+Q_M_SPIN_MAX 0.95
+Q_M_THST_EXPO 0.65
+Q_M_THST_HOVER 0.35
+Q_THROTTLE_EXPO 0.2
+Q_ACRO_RLL_RATE 360
+Q_ACRO_PIT_RATE 180
+Q_ACRO_YAW_RATE 90
+ACRO_LOCKING 0
+MAV_GCS_SYSID 255
+RC_OVERRIDE_TIME 3
+";
 
 impl Body for Craft {
     fn step(&mut self, thrust: f64, rates: [f64; 3], dt: f64) {
         let delay = (self.delay / dt).round() as usize;
         self.pending.push_back(Command {
-            thrust: thrust * self.dynamics.thrust[1],
+            thrust: thrust * self.most,
             rates: rates.into(),
         });
         let arrived = self.pending.len() > delay;
@@ -76,26 +160,27 @@ impl Body for Craft {
         let command = arrived.then(|| self.pending.pop_front()).flatten();
         let command = command.unwrap_or(hover);
         let wind = self.wind();
-        self.state = self.dynamics.step(&self.state, &command, wind, dt);
+        self.plant.step(&command, wind, dt);
         self.time += dt;
-        let airspeed = (self.state.velocity - wind).norm();
+        let airspeed = (self.plant.state().velocity - wind).norm();
         self.weather.advance(airspeed, dt, &mut self.gusts);
     }
 
     fn state(&self) -> BodyState {
-        let q = self.state.attitude.into_inner();
-        let force = self.dynamics.specific_force(&self.state, self.wind());
+        let state = self.plant.state();
+        let q = state.attitude.into_inner();
+        let force = self.plant.specific_force(self.wind());
         BodyState {
-            position: self.state.position.into(),
-            velocity: self.state.velocity.into(),
+            position: state.position.into(),
+            velocity: state.velocity.into(),
             quaternion: [q.w, q.i, q.j, q.k],
-            rates: self.state.rates.into(),
+            rates: state.rates.into(),
             specific_force: [force.y, force.z, force.x],
             wind: self.wind().into(),
         }
     }
 
     fn hover(&self) -> f64 {
-        self.weight / self.dynamics.thrust[1]
+        self.weight / self.most
     }
 }

@@ -4,6 +4,6 @@ mod craft;
 mod ground;
 mod on_path;
 
-pub use craft::Craft;
+pub use craft::{ARDUPLANE_SHIPPED, Craft, PX4_SHIPPED, px4_rate_law};
 pub use ground::Ground;
-pub use on_path::{Lead, OnPath, settings};
+pub use on_path::{Lead, OnPath, believed, settings};

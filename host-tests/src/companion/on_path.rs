@@ -10,16 +10,21 @@ use alula::ned::{BodyAxes, Ned};
 use alula::spatial::{Heading, Orientation, Reference};
 use alula::{GuidanceInput, GuidanceOutput};
 use alula_bridges::companion::messages::{MISSION_ITEM_INT_DATA, MavMissionResult};
-use alula_bridges::companion::{Command, End, Kind, Pilot, Refused, Setpoint, Settings, Told};
+use alula_bridges::companion::{
+    Believed, Command, End, Finding, Kind, Nudge, Pilot, Refused, Setpoint, Settings, Told, is_go,
+};
 use anyhow::ensure;
 use nalgebra::{Quaternion, UnitQuaternion};
 
-use alula_sim::controllers::{Answer, Controller, Input};
+use alula_sim::controllers::{Answer, Controller, GuidanceSpec, Input};
 use alula_sim::experiment::plan::{Home, MavItem, flown};
 use alula_sim::experiment::{Experiment, Path, State, Target, V3, angle, double, ned};
 use alula_sim::flown_mission::{FlownMission, passed};
 use alula_sim::reference::wrap;
 use alula_sim::simulate::{Record, Step};
+
+/// Speed [m/s] up to which a vehicle hovers.
+const SLOW: f32 = 2.0;
 
 /// Settings for flying `experiment`, of whose belief `hover_thrust` is the autopilot's thrust in hover. If it is none, thrust is taken for
 /// proportional up to the most.
@@ -40,6 +45,19 @@ pub fn settings(experiment: &Experiment, hover_thrust: Option<f64>) -> anyhow::R
         led: false,
         duration: experiment.duration_s,
         timeout: 0.5,
+    })
+}
+
+/// What a preflight holds an autopilot against: of `experiment`, in hover at this share of the throttle.
+pub fn believed(experiment: &Experiment, hover_thrust: f64) -> anyhow::Result<Believed> {
+    let spec = GuidanceSpec::of(experiment)?;
+    let vehicle = spec.vehicle.as_ref().unwrap_or(&experiment.vehicle);
+    let limits = experiment.thrust_limits(spec.thrust_n, vehicle.weight());
+    let parameters = spec.ruled(&vehicle.parameters(limits), &spec.parameters)?;
+    Ok(Believed {
+        hover_thrust,
+        elevons: vehicle.authority.slipstream_rad_s2 > 0.0,
+        max_rate: parameters.max_rate.into(),
     })
 }
 
@@ -65,6 +83,13 @@ pub struct OnPath {
     /// The attitude θ \[rad\], counted on through full turns.
     theta: f64,
     record: Record,
+    /// What is measured in hover before the path is flown, and the lag that is believed \[s\]; none where it is not, or was.
+    nudge: Option<(Nudge, f64)>,
+    /// How long that took \[s\], and what came of it.
+    nudged: f32,
+    findings: Vec<Finding>,
+    /// Whether a loop that cannot be flown ends the flight.
+    refuses: bool,
 }
 
 /// What is flown.
@@ -180,7 +205,32 @@ impl OnPath {
             last: (0.0, 1.0),
             theta: 0.0,
             record: Record::new(),
+            nudge: None,
+            nudged: 0.0,
+            findings: Vec::new(),
+            refuses: true,
         })
+    }
+
+    /// The same, with the rate loop measured in hover before the path, against the `lag` \[s\] that is believed; the flight is then longer by
+    /// [`Nudge::DURATION`]. It ends there if the loop cannot be flown, unless it goes on `despite` that. A flight that begins at speed is flown at once.
+    #[must_use]
+    pub fn nudged(mut self, lag: f64, despite: bool) -> Self {
+        if matches!(self.led, Led::Path(_)) {
+            self.nudge = Some((Nudge::default(), lag));
+        }
+        self.refuses = !despite;
+        self
+    }
+
+    /// Whether the rate loop is being measured.
+    pub fn is_nudging(&self) -> bool {
+        self.nudge.is_some()
+    }
+
+    /// What was found of the rate loop.
+    pub fn findings(&self) -> &[Finding] {
+        &self.findings
     }
 
     /// What was told and answered. Of the truth nothing is known but what the autopilot says.
@@ -260,6 +310,13 @@ impl OnPath {
 
     /// What is to be flown now of a path or over the link.
     fn asked(&mut self, told: &Told) -> Asked {
+        if self.nudge.is_some() {
+            return Asked {
+                target: Target::default(),
+                placed: true,
+                age: 0.0,
+            };
+        }
         let Led::Path(path) = &mut self.led else {
             let Some((asked, age)) = &told.asked else {
                 // Until something is asked for: stay.
@@ -470,10 +527,24 @@ impl Pilot for OnPath {
         let told = self.axes.told(told);
         self.controller
             .take_over(&told.orientation, last.thrust, rates);
+        if told.velocity.norm_squared() > SLOW * SLOW {
+            self.nudge = None;
+        }
+    }
+
+    fn is_over(&self) -> bool {
+        self.refuses && !is_go(&self.findings)
     }
 
     fn answer(&mut self, told: &Told, dt: f32) -> Result<Command, End> {
-        let told = &self.axes.told(told);
+        let mut told = self.axes.told(told);
+        let t = f64::from(told.t as f32);
+        if let Some((nudge, lag)) = self.nudge.take_if(|_| t > Nudge::DURATION) {
+            self.nudged = told.t as f32;
+            self.findings = nudge.findings(lag);
+        }
+        told.t -= f64::from(self.nudged);
+        let told = &told;
         let sample = GuidanceInput::default()
             .velocity(told.velocity)
             .orientation(told.orientation)
@@ -544,10 +615,19 @@ impl Pilot for OnPath {
             feed_forward: None,
         };
         let answer = self.controller.answer(&input, dt).map_err(|_| End::Pilot)?;
-        self.keep(told, target, input, answer, None);
+        let mut rates = BodyAxes::NoseUp.components(answer.rates);
+        match &mut self.nudge {
+            Some((nudge, _)) => {
+                for (rate, besides) in rates.iter_mut().zip(Nudge::asked(t)) {
+                    *rate += besides;
+                }
+                nudge.take(t, rates, told.rates);
+            }
+            None => self.keep(told, target, input, answer, None),
+        }
         Ok(Command {
             thrust: answer.thrust,
-            rates: BodyAxes::NoseUp.components(answer.rates),
+            rates,
         })
     }
 }

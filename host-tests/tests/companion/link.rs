@@ -147,6 +147,19 @@ pub struct Ended {
 pub fn flies<P: Pilot>(
     pilot: &mut P,
     craft: Craft,
+    settings: (Settings, f64),
+    link: (Quality, u64),
+    event: impl FnMut(f64, &mut Autopilot<Craft>, &mut Way),
+    observe: impl FnMut(f64, &P, &Craft),
+) -> Ended {
+    let autopilot = Autopilot::new(craft, settings.0.kind);
+    flies_with(pilot, autopilot, settings, link, event, observe)
+}
+
+/// The same with an `autopilot` that is there already.
+pub fn flies_with<P: Pilot>(
+    pilot: &mut P,
+    mut autopilot: Autopilot<Craft>,
     (mut settings, duration): (Settings, f64),
     (quality, seed): (Quality, u64),
     mut event: impl FnMut(f64, &mut Autopilot<Craft>, &mut Way),
@@ -154,7 +167,6 @@ pub fn flies<P: Pilot>(
 ) -> Ended {
     settings.engage = true;
     let mut companion = Companion::new(settings);
-    let mut autopilot = Autopilot::new(craft, settings.kind);
     let (mut down, mut up) = (Way::new(quality, 2 * seed), Way::new(quality, 2 * seed + 1));
     let mut after = 0;
     for step in 0..(duration * f64::from(PLANT)) as u32 {

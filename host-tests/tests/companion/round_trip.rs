@@ -582,7 +582,14 @@ fn a_link_lost_in_flight_is_a_failure_of_the_command() {
         command.spawn().unwrap()
     };
     let here = format!("udpin:{address}");
-    let arguments = ["companion", "round-trip", "--engage", "--out", "here"];
+    let arguments = [
+        "companion",
+        "round-trip",
+        "--engage",
+        "--despite",
+        "--out",
+        "here",
+    ];
     let mut companion = alula(&[&arguments[..], &["--connect", &here]].concat());
     let mut said = BufReader::new(companion.stderr.take().unwrap()).lines();
     let there = format!("udpout:{address}");

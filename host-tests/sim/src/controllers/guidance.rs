@@ -57,6 +57,15 @@ impl GuidanceSpec {
         Ok(spec)
     }
 
+    /// The guidance of `experiment`.
+    pub fn of(experiment: &Experiment) -> Result<Self, FieldError> {
+        let spec = &experiment.controller;
+        match spec.kind == KIND.name {
+            true => Self::read(spec.table.clone()),
+            false => Err(FieldError::new("controller", "is not the guidance")),
+        }
+    }
+
     /// The parameters for `vehicle`, where `unruled` are those without the rules. The rules leave `max_lateral_acceleration` alone.
     pub fn ruled(
         &self,

@@ -135,7 +135,8 @@ impl Default for AerodynamicsSpec {
 }
 
 impl AerodynamicsSpec {
-    fn key(&self) -> &'static str {
+    /// Its name in documents.
+    pub fn key(&self) -> &'static str {
         match self {
             Self::LargeAngle(_) => "large-angle",
             Self::SmallAngle(_) => "small-angle",

@@ -1,11 +1,11 @@
-/* tail-sitter, made by `alula-sil new`. Include it in one source file, link alula (docs/integrating.md), call vehicle_init once. */
+/* tail-sitter, as tail-sitter.toml has it: `alula-sil code tail-sitter.toml` makes it anew. Include it in one source file, link alula (docs/integrating.md), call
+   vehicle_init once. */
 #ifndef VEHICLE_H
 #define VEHICLE_H
 
 #include <alula.h>
 
-/* naca-0012 at Re = 160e3: in cruise it is 297768, for a mean chord by the aspect ratio, taken for 6. Built in are 160e3 and 5e6, the first and the last of the tables that SAND80-2114 (Sheldahl and Klimas) has at 160e3, 360e3, 700e3, 1e6, 2e6 and 5e6. */
-/* Without an aspect ratio: the wing is taken for the polar as it is. */
+/* Angle of attack to the zero-lift line [rad], c_L, c_D. */
 static const alula_table_row vehicle_rows[] = {
     {0.0f, 0.0f, 0.0103f},
     {0.017453292f, 0.11f, 0.0104f},
@@ -72,7 +72,7 @@ static const alula_table_row vehicle_rows[] = {
 static inline int32_t vehicle_init(alula_controller *controller, alula_table *table)
 {
     alula_parameters p;
-    int32_t code;
+    int32_t code = ALULA_OK;
 
     p.header = ALULA_HEADER(alula_parameters);
     controller->header = ALULA_HEADER(alula_controller);
@@ -80,13 +80,46 @@ static inline int32_t vehicle_init(alula_controller *controller, alula_table *ta
     alula_parameters_default(&p);
     p.vehicle.mass = 3.0f;
     p.vehicle.k_a = 0.214375f;
-    p.vehicle.delta = 0.0f;
-    p.vehicle.thrust_min = 0.0f;
     p.vehicle.thrust_max = 47.088f;
-    p.controller.model = ALULA_MODEL_TABLE;
+    p.vehicle.authority = 0.0f;
+    p.vehicle.authority_slipstream = 150.0f;
+    p.vehicle.authority_difference = 250.0f;
+    p.vehicle.authority_airflow = 1.1585517f;
+    p.vehicle.wing_moment = 0.9725312f;
+    p.vehicle.surface_reaction = 0.066128984f;
+    p.vehicle.hover_downwash = 8.0f;
+    p.guidance.natural_frequency = 4.0f;
+    p.guidance.damping = 0.8f;
+    p.guidance.thrust_rate = 3.0f;
+    p.guidance.gain_schedule_floor = 0.57f;
+    p.guidance.tau = 0.91f;
+    p.guidance.altitude_band = 0.33f;
+    p.guidance.velocity_band_down = 1.58f;
+    p.guidance.velocity_band_forward = 3.3f;
+    p.guidance.rate_lag = 0.06f;
+    p.guidance.thrust_lag = 0.08f;
+    p.guidance.position_gain_down = 1.43f;
+    p.guidance.position_gain_forward = 0.81f;
+    p.guidance.max_velocity_down = 4.7f;
+    p.guidance.max_sink = 1.2f;
+    p.guidance.max_velocity_forward = 3.6f;
+    p.guidance.integral_gain_down = 0.3f;
+    p.guidance.integral_gain_forward = 0.1f;
+    p.guidance.max_integral_down = 2.0f;
+    p.guidance.max_integral_forward = 1.0f;
+    p.guidance.max_lateral_acceleration = 2.0f;
+    p.guidance.max_rate = 2.8f;
+    p.guidance.max_slew = 50.0f;
+    p.guidance.hold = 0.1f;
+    p.guidance.recovery = 0.05f;
+    p.guidance.state_age = 0.05f;
+    p.guidance.reference_age = 0.5f;
+    p.guidance.air_hold = 2.0f;
+    p.guidance.max_wind = 40.0f;
+    p.guidance.max_wind_step = 10.0f;
+    p.guidance.safe_thrust = 0.95f;
     code = alula_table_init(table, vehicle_rows, sizeof vehicle_rows / sizeof *vehicle_rows, 0);
-    if (code == ALULA_OK)
-        code = alula_parameters_for_vehicle(&p, 0.06f, 0.08f, 100.0f, 18.0f); /* rate lag, thrust lag [s], rate [Hz], cruise [m/s] */
+    p.controller.model = ALULA_MODEL_TABLE;
     return code == ALULA_OK ? alula_init(controller, &p, table) : code;
 }
 

@@ -1,0 +1,953 @@
+//! A vehicle learned from the log of a flight: by regression of the specific force and of the angular acceleration on what is known of them
+//! (equation error; Klein and Morelli, *Aircraft System Identification*, chapter 5).
+//!
+//! Forces over the mass, with the throttle u behind the lag of the motors, along the nose and along the belly:
+//!
+//! | | |
+//! |---|---|
+//! | f_x | T_0/m (u − 0.75 J √u − 1.08 J²) + V² k_a/m (c_L sin α − c_D cos α), J = v_x/V_1 |
+//! | f_z | −V² k_a/m (c_L cos α + c_D sin α) + s ω̇_y |
+//! | c_L, c_D | short of stall c_L0 + c_Lα α, and one c_D; beyond it constants of each ten degrees |
+//!
+//! The propeller is one of a family: C_T over advance ratio as small ones have it, V_1 being its tip's advance at full throttle over π. V_1 and the lag are
+//! searched, and V_1 is in the covariance by its derivative.
+//!
+//! Short of stall the angle of attack that an estimator tells lacks the gusts, and the vehicle moves with them: a regression on it finds too small a slope.
+//! So α there is what the flight has in the mean at its airspeed and climb (two-stage least squares, the instruments 1, 1/V² and the climb angle).
+//!
+//! Intervals are of 95 %, from the residuals in blocks of seconds: the errors of gusts and of lags last.
+
+use alula_logs::Log;
+use alula_logs::states::States;
+use nalgebra::{DMatrix, DVector, Quaternion, UnitQuaternion, Vector3};
+use serde::Serialize;
+
+use super::known::Actuators;
+
+/// What a person knows besides the log.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Given {
+    /// m \[kg\].
+    pub mass_kg: f64,
+    /// Area of the wing \[m²\].
+    pub wing_m2: f64,
+    /// Density of the air \[kg/m³\].
+    pub air_kg_m3: f64,
+}
+
+/// A number with its interval of 95 %.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Measured {
+    /// The estimate.
+    pub value: f64,
+    /// Half of the interval.
+    pub within: f64,
+}
+
+impl Measured {
+    /// Whether the interval says something: it is less than half of the value.
+    pub fn is_known(&self) -> bool {
+        self.within < 0.5 * self.value.abs()
+    }
+}
+
+/// Angular acceleration in pitch in hover [rad/s²].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Turn {
+    /// The greatest that was had.
+    pub had: f64,
+    /// Whether the torque was at its stop meanwhile, where torques are logged: else there may be more.
+    pub at_stop: bool,
+}
+
+/// What a flight shows.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Identified {
+    /// Time that was looked at, and held out \[s\].
+    pub seconds: [f64; 2],
+    /// Static thrust of full throttle over the weight.
+    pub thrust_to_weight: Option<Measured>,
+    /// Airspeed along the nose at which full throttle gives no thrust [m/s].
+    pub zero_thrust_speed_m_s: Option<Measured>,
+    /// Lag of the thrust \[s\].
+    pub thrust_lag_s: Option<Measured>,
+    /// Lag of the pitch rate \[s\], and what is had of what is asked.
+    pub rate_lag_s: Option<Measured>,
+    /// See there.
+    pub rate_share: Option<f64>,
+    /// Angular acceleration in pitch in hover.
+    pub turn_rad_s2: Option<Turn>,
+    /// c_L at α = 0 to the nose, and its slope [1/rad].
+    pub c_l_0: Option<Measured>,
+    /// See there.
+    pub c_l_alpha: Option<Measured>,
+    /// Angle of zero lift to the nose \[°\].
+    pub zero_lift_deg: Option<Measured>,
+    /// c_D at the angle of level cruise, and that angle \[°\].
+    pub c_d_cruise: Option<(Measured, f64)>,
+    /// Coefficients behind the stall: α \[°\], c_L, c_D.
+    pub beyond: Vec<(f64, Measured, Measured)>,
+    /// Acceleration towards the belly per angular acceleration \[m\].
+    pub surface_reaction_m: Option<Measured>,
+    /// Share of the variance of the specific force along nose and belly that is predicted, on data that was not fitted.
+    pub predicted: [f64; 2],
+    /// Median of the airspeed on the wing [m/s].
+    pub flown_m_s: Option<f64>,
+    /// Specific force along nose and belly, measured and predicted, of what was held out: time \[s\], and four values.
+    #[serde(skip)]
+    pub held_out: Vec<[f64; 5]>,
+    /// What the flight does not show, and which manoeuvre would.
+    pub missing: Vec<String>,
+}
+
+/// Angle of attack to the nose \[rad\] up to which c_L is taken for a line; from its negative.
+const ATTACHED: f64 = 0.19;
+/// Width of what is constant beyond \[rad\].
+const BIN: f64 = std::f64::consts::PI / 18.0;
+/// Least airspeed [m/s] whose angle of attack says something; least number of rows that make one unknown known.
+const SLOW: f64 = 3.0;
+const ROWS: usize = 40;
+/// Lengths of blocks whose residuals are taken for independent, and of what is fitted and held out in turn \[s\].
+const BLOCK: f64 = 10.0;
+const TURN: f64 = 10.0;
+/// Time \[s\] after which residuals of a lag say something anew.
+const ANEW: f64 = 2.0;
+/// Pitch rate [rad/s] from which on flight short of stall is no steady one.
+const TURNS: f64 = 0.25;
+/// Rate of the rows \[Hz\].
+const RATE: f64 = 25.0;
+/// Standard gravity [m/s²].
+const GRAVITY: f64 = 9.81;
+
+/// One row of what was flown.
+#[derive(Clone, Copy)]
+struct Row {
+    t: f64,
+    /// Air velocity along the nose, the wing and the belly [m/s].
+    air: Vector3<f64>,
+    /// Specific force along nose and belly [m/s²].
+    force: [f64; 2],
+    throttle: f64,
+    /// Pitch rate, asked and had [rad/s], and its derivative [rad/s²].
+    asked: f64,
+    rate: f64,
+    turn: f64,
+    /// Sine of the climb angle.
+    climb: f64,
+    /// Torque in pitch that was asked for, a share of the full one.
+    torque: f64,
+}
+
+impl Row {
+    fn alpha(&self) -> f64 {
+        self.air.z.atan2(self.air.x)
+    }
+
+    fn speed(&self) -> f64 {
+        self.air.x.hypot(self.air.z)
+    }
+}
+
+/// A column of the log at the rows of a time base; NaN where there is none.
+fn held(log: &Log, names: &[(&str, &str, f64)], base: &[f64]) -> Option<Vec<f64>> {
+    names.iter().find_map(|(topic, column, sign)| {
+        let topic = log.topic(topic)?;
+        let column = topic.column(column)?;
+        let values = topic.held_at(base).values(column);
+        Some(values.into_iter().map(|value| sign * value).collect())
+    })
+}
+
+const DEGREE: f64 = std::f64::consts::PI / 180.0;
+
+/// The rows of a flight, at [`RATE`]; the error says what is not in the log.
+fn rows(log: &Log, states: &States) -> anyhow::Result<(Vec<Row>, Vec<String>)> {
+    let mut notes = Vec::new();
+    let need =
+        |what: &str| anyhow::anyhow!("the log has no {what}: nothing is identified without it");
+    let velocity = states.velocity.as_ref().ok_or_else(|| need("velocity"))?;
+    let force = states
+        .specific_force
+        .as_ref()
+        .ok_or_else(|| need("specific force"))?;
+    let base = &states.time;
+    let throttle = [
+        ("vehicle_thrust_setpoint", "xyz[2]", -1.0),
+        ("vehicle_rates_setpoint", "thrust_body[2]", -1.0),
+        ("RATE", "AOut", 1.0),
+        ("CTUN", "ThO", 1.0),
+    ];
+    let throttle = held(log, &throttle, base).ok_or_else(|| need("throttle"))?;
+    let rate = [
+        ("vehicle_angular_velocity", "xyz[1]", 1.0),
+        ("RATE", "P", DEGREE),
+    ];
+    let asked = [
+        ("vehicle_rates_setpoint", "pitch", 1.0),
+        ("RATE", "PDes", DEGREE),
+    ];
+    let torque = [
+        ("vehicle_torque_setpoint", "xyz[1]", 1.0),
+        ("RATE", "POut", 1.0),
+    ];
+    let nan = || vec![f64::NAN; base.len()];
+    let rate = held(log, &rate, base).unwrap_or_else(nan);
+    let asked = held(log, &asked, base).unwrap_or_else(nan);
+    let torque = held(log, &torque, base).unwrap_or_else(nan);
+    if states.wind.is_none() && states.air_velocity.is_none() {
+        notes.push("No wind is logged: it is taken for calm, and what is in the air is in the intervals. A flight to and fro on a calm day shows it".to_owned());
+    }
+    let mut rows: Vec<Row> = Vec::new();
+    let (mut filtered, mut last): (f64, Option<(f64, f64)>) = (0.0, None);
+    for (n, &t) in base.iter().enumerate() {
+        // The derivative of the rate through a filter of 30 ms.
+        if let Some((then, before)) = last {
+            let dt = (t - then).max(1e-4);
+            let share = 1.0 - (-dt / 0.03).exp();
+            filtered += share * ((rate[n] - before) / dt - filtered);
+        }
+        if rate[n].is_finite() {
+            last = Some((t, rate[n]));
+        }
+        if rows
+            .last()
+            .is_some_and(|row: &Row| t - row.t < 1.0 / RATE - 1e-6)
+        {
+            continue;
+        }
+        let [w, x, y, z] = states.attitude.values[n];
+        let attitude = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z));
+        let moving = Vector3::from(velocity.values[n]);
+        let through = match (&states.air_velocity, &states.wind) {
+            (Some(air), _) if air.values[n][0].is_finite() => Vector3::from(air.values[n]),
+            (_, Some(wind)) if wind.values[n][0].is_finite() => {
+                moving - Vector3::from(wind.values[n])
+            }
+            _ => moving,
+        };
+        let [nose, _, belly] = force.values[n];
+        let row = Row {
+            t,
+            air: attitude.inverse_transform_vector(&through),
+            force: [nose, belly],
+            throttle: throttle[n],
+            asked: asked[n],
+            rate: rate[n],
+            turn: filtered,
+            climb: -moving.z / moving.norm().max(SLOW),
+            torque: torque[n],
+        };
+        let numbers = [row.air.x, row.air.z, nose, belly, row.throttle];
+        if numbers.iter().all(|x| x.is_finite()) && (row.throttle > 0.02 || row.speed() > SLOW) {
+            rows.push(row);
+        }
+    }
+    anyhow::ensure!(
+        rows.len() > 10 * ROWS,
+        "{:.0} s of flight with velocity, specific force and throttle: it takes {:.0} s and more",
+        rows.len() as f64 / RATE,
+        10.0 * ROWS as f64 / RATE
+    );
+    Ok((rows, notes))
+}
+
+/// The unknowns of the forces: their number, and the regressors of a row.
+struct Unknowns {
+    /// Bins behind the stall that were visited.
+    bins: Vec<i32>,
+    /// The angle of attack short of stall, by [`instruments`].
+    mean: [f64; 3],
+}
+
+const FIXED: usize = 6;
+
+/// C_T over its static value, per advance ratio and its square: c1/c0 and c2/c0 of small propellers.
+const PROPELLER: [f64; 2] = [-0.75, -1.08];
+/// Advance ratio without thrust of such a propeller.
+const NO_THRUST: f64 = 0.676;
+
+/// Thrust over its static value at full throttle, at the throttle `u` and the speed `along` the nose, of a propeller of the speed `v1`, and its
+/// derivative by `v1`.
+fn propelled(u: f64, along: f64, v1: f64) -> [f64; 2] {
+    let [linear, square] = PROPELLER;
+    let (root, j) = (u.max(0.0).sqrt(), along / v1);
+    [
+        u + linear * root * j + square * j * j,
+        -(linear * root * j + 2.0 * square * j * j) / v1,
+    ]
+}
+
+impl Unknowns {
+    fn of(rows: &[Row]) -> Self {
+        let mut counts = std::collections::BTreeMap::new();
+        for row in rows.iter().filter(|row| row.speed() > SLOW) {
+            if row.alpha().abs() > ATTACHED {
+                *counts
+                    .entry((row.alpha() / BIN).floor() as i32)
+                    .or_insert(0) += 1;
+            }
+        }
+        let bins = counts.into_iter().filter(|(_, count)| *count >= ROWS);
+        let attached = rows.iter().filter(|row| {
+            row.speed() > SLOW && row.alpha().abs() <= ATTACHED && row.rate.abs() <= TURNS
+        });
+        let attached: Vec<&Row> = attached.collect();
+        let mut mean = [0.0; 3];
+        if attached.len() > ROWS {
+            let z = DMatrix::from_fn(attached.len(), 3, |i, j| instruments(attached[i])[j]);
+            let alpha = DVector::from_fn(attached.len(), |i, _| attached[i].alpha());
+            if let Some(fit) = least_squares(&z, &z, &alpha, &vec![0; attached.len()]) {
+                mean = [0, 1, 2].map(|j| fit.estimate[j]);
+            }
+        }
+        Self {
+            bins: bins.map(|(bin, _)| bin).collect(),
+            mean,
+        }
+    }
+
+    fn count(&self) -> usize {
+        FIXED + 2 * self.bins.len()
+    }
+
+    /// The regressors along nose and belly, at a throttle behind its lag, for a propeller of the speed `v1` whose static thrust over the mass is `static_f`;
+    /// none where the row is in no bin that is known, or turns.
+    fn regressors(
+        &self,
+        row: &Row,
+        throttle: f64,
+        k: f64,
+        [v1, static_f]: [f64; 2],
+        in_the_mean: bool,
+    ) -> Option<[Vec<f64>; 2]> {
+        let mut both = [vec![0.0; self.count()], vec![0.0; self.count()]];
+        let pressure = k * row.speed().powi(2);
+        let attached = row.alpha().abs() <= ATTACHED && row.speed() > SLOW;
+        let alpha = if attached && in_the_mean {
+            self.mean_alpha(row)
+        } else {
+            row.alpha()
+        };
+        let (sin, cos) = alpha.sin_cos();
+        let lift = [pressure * sin, -pressure * cos];
+        let drag = [-pressure * cos, -pressure * sin];
+        if attached && row.rate.abs() > TURNS {
+            return None;
+        }
+        let bin = (row.alpha() / BIN).floor() as i32;
+        let place = self.bins.iter().position(|known| *known == bin);
+        let [thrust, by_v1] = propelled(throttle, row.air.x, v1);
+        for axis in 0..2 {
+            let x = &mut both[axis];
+            if axis == 0 {
+                x[0] = thrust;
+                x[1] = static_f * by_v1;
+            } else if row.turn.is_finite() {
+                x[5] = row.turn;
+            }
+            if row.speed() <= SLOW {
+                continue;
+            }
+            if attached {
+                x[2] = lift[axis];
+                x[3] = lift[axis] * alpha;
+                x[4] = drag[axis];
+            } else {
+                let place = place?;
+                x[FIXED + 2 * place] = lift[axis];
+                x[FIXED + 2 * place + 1] = drag[axis];
+            }
+        }
+        Some(both)
+    }
+
+    /// The angle of attack that the flight has in the mean at a row's airspeed and climb.
+    fn mean_alpha(&self, row: &Row) -> f64 {
+        instruments(row)
+            .iter()
+            .zip(&self.mean)
+            .map(|(z, c)| z * c)
+            .sum()
+    }
+}
+
+/// What the angle of attack depends on in the mean, and no gust does.
+fn instruments(row: &Row) -> [f64; 3] {
+    [1.0, 1.0 / row.speed().powi(2), row.climb]
+}
+
+/// A fit: estimates, their covariance, and the sum of squared residuals.
+struct Fit {
+    estimate: DVector<f64>,
+    covariance: DMatrix<f64>,
+    squares: f64,
+}
+
+/// Least squares by the singular value decomposition, with a covariance that lets residuals of a block of [`BLOCK`] hang together. Residuals are those of
+/// the regressors as they were told, `told`.
+fn least_squares(
+    x: &DMatrix<f64>,
+    told: &DMatrix<f64>,
+    y: &DVector<f64>,
+    blocks: &[usize],
+) -> Option<Fit> {
+    let scale: Vec<f64> = x.column_iter().map(|c| c.norm().max(1e-12)).collect();
+    let scaled = DMatrix::from_fn(x.nrows(), x.ncols(), |i, j| x[(i, j)] / scale[j]);
+    let gram = scaled.tr_mul(&scaled);
+    let inverse = gram.svd(true, true).pseudo_inverse(1e-9).ok()?;
+    let solved = &inverse * scaled.tr_mul(y);
+    let unscaled = DVector::from_fn(x.ncols(), |j, _| solved[j] / scale[j]);
+    let residual = y - told * unscaled;
+    let squares = (y - &scaled * &solved).norm_squared();
+    let mut meat = DMatrix::zeros(x.ncols(), x.ncols());
+    let mut block = DVector::zeros(x.ncols());
+    let mut count = 1.0;
+    for (i, of) in blocks.iter().enumerate() {
+        if i > 0 && blocks[i - 1] != *of {
+            meat += &block * block.transpose();
+            block.fill(0.0);
+            count += 1.0;
+        }
+        block += scaled.row(i).transpose() * residual[i];
+    }
+    meat += &block * block.transpose();
+    // Few blocks say too little of what they scatter by.
+    let few = count / (count - 1.0_f64).max(1.0);
+    let covariance = few * &inverse * meat * &inverse;
+    let unscale = |j: usize| 1.0 / scale[j];
+    Some(Fit {
+        estimate: DVector::from_fn(x.ncols(), |j, _| solved[j] * unscale(j)),
+        covariance: DMatrix::from_fn(x.ncols(), x.ncols(), |i, j| {
+            covariance[(i, j)] * unscale(i) * unscale(j)
+        }),
+        squares,
+    })
+}
+
+/// The throttle behind a lag \[s\], at each row.
+fn lagged(rows: &[Row], lag: f64) -> Vec<f64> {
+    let (mut behind, mut then) = (rows[0].throttle, rows[0].t);
+    let step = |row: &Row| {
+        // Held since the row before, over a gap anew.
+        let dt = row.t - then;
+        then = row.t;
+        behind = match dt < 0.5 {
+            true => behind + (1.0 - (-dt / lag.max(1e-6)).exp()) * (row.throttle - behind),
+            false => row.throttle,
+        };
+        behind
+    };
+    rows.iter().map(step).collect()
+}
+
+/// 1.96 deviations, and what estimates of them scatter by.
+const DEVIATIONS: f64 = 2.1;
+
+impl Fit {
+    fn measured(&self, j: usize) -> Measured {
+        Measured {
+            value: self.estimate[j],
+            within: DEVIATIONS * self.covariance[(j, j)].max(0.0).sqrt(),
+        }
+    }
+
+    /// A function of the estimates, with its interval to first order.
+    fn function(&self, of: impl Fn(&DVector<f64>) -> f64) -> Measured {
+        let value = of(&self.estimate);
+        let slope = DVector::from_fn(self.estimate.len(), |j, _| {
+            let step = 1e-4 * self.estimate[j].abs().max(1e-3);
+            let mut moved = self.estimate.clone();
+            moved[j] += step;
+            (of(&moved) - value) / step
+        });
+        let variance = (slope.transpose() * &self.covariance * &slope)[(0, 0)];
+        Measured {
+            value,
+            within: DEVIATIONS * variance.max(0.0).sqrt(),
+        }
+    }
+}
+
+/// What the flight of `log`, whose states are `states`, shows of a vehicle.
+pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Identified> {
+    let (rows, mut missing) = rows(log, states)?;
+    let k = 0.5 * given.air_kg_m3 * given.wing_m2 / given.mass_kg;
+    let unknowns = Unknowns::of(&rows);
+    let begin = rows[0].t;
+    let fitted = |row: &Row| ((row.t - begin) / TURN) as u64 % 3 != 2;
+    let assembled = |lag: f64, propeller: [f64; 2], which: bool| {
+        let throttle = lagged(&rows, lag);
+        let mut x = [Vec::new(), Vec::new()];
+        let (mut y, mut blocks, mut times) = (Vec::new(), Vec::new(), Vec::new());
+        for (row, throttle) in rows.iter().zip(throttle) {
+            if fitted(row) != which {
+                continue;
+            }
+            let [mean, told] =
+                [true, false].map(|mean| unknowns.regressors(row, throttle, k, propeller, mean));
+            let Some((mean, told)) = mean.zip(told) else {
+                continue;
+            };
+            for axis in 0..2 {
+                x[0].extend(&mean[axis]);
+                x[1].extend(&told[axis]);
+                y.push(row.force[axis]);
+                blocks.push(((row.t - begin) / BLOCK) as usize);
+                times.push(row.t);
+            }
+        }
+        let n = y.len();
+        let x = x.map(|x| DMatrix::from_row_iterator(n, unknowns.count(), x));
+        (x, DVector::from_vec(y), blocks, times)
+    };
+    // Without its derivative, the speed of the propeller is held.
+    let fit = |lag: f64, propeller: [f64; 2]| {
+        let ([x, told], y, blocks, _) = assembled(lag, propeller, true);
+        least_squares(&x, &told, &y, &blocks)
+    };
+    let search = |lag: f64| {
+        let speeds = (0..24).map(|n| 12.0 * 1.13_f64.powi(n));
+        let tried = speeds.filter_map(|v1| {
+            let fit = fit(lag, [v1, 0.0])?;
+            (fit.estimate[0] > 0.0).then_some((fit.squares, v1, fit.estimate[0]))
+        });
+        tried.min_by(|a, b| a.0.total_cmp(&b.0))
+    };
+    let lags: Vec<f64> = (0..=20).map(|n| 0.01 + 0.02 * f64::from(n)).collect();
+    let tried: Vec<Option<(f64, f64, f64)>> = lags.iter().map(|lag| search(*lag)).collect();
+    let squares: Vec<f64> = tried
+        .iter()
+        .map(|t| t.map_or(f64::INFINITY, |t| t.0))
+        .collect();
+    let best = (0..lags.len())
+        .min_by(|a, b| squares[*a].total_cmp(&squares[*b]))
+        .unwrap_or(0);
+    let (_, v1, static_f) = tried[best]
+        .ok_or_else(|| anyhow::anyhow!("the regression has no answer: no thrust is seen"))?;
+    let propeller = [v1, static_f];
+    let fit = fit(lags[best], propeller)
+        .ok_or_else(|| anyhow::anyhow!("the regression has no answer"))?;
+
+    // A parabola through the least and its neighbours; its curvature is the interval's, by blocks.
+    let ([x, _], y, _, times) = assembled(lags[best], propeller, false);
+    let number_of_blocks = (rows.len() as f64 / RATE / ANEW).max(2.0);
+    let thrust_lag = (best > 0 && best + 1 < lags.len()).then(|| {
+        let [a, b, c] = [squares[best - 1], squares[best], squares[best + 1]];
+        let bend = (a - 2.0 * b + c).max(1e-12);
+        Measured {
+            value: lags[best] + 0.01 * (a - c) / bend,
+            within: DEVIATIONS * 0.02 * (2.0 * b / number_of_blocks / bend).sqrt(),
+        }
+    });
+    let predicted = &x * &fit.estimate;
+    let share = |axis: usize| {
+        let of =
+            |v: &DVector<f64>| -> Vec<f64> { v.iter().skip(axis).step_by(2).copied().collect() };
+        let (had, guess) = (of(&y), of(&predicted));
+        let mean = had.iter().sum::<f64>() / had.len().max(1) as f64;
+        let total: f64 = had.iter().map(|v| (v - mean).powi(2)).sum();
+        let rest: f64 = had.iter().zip(&guess).map(|(a, b)| (a - b).powi(2)).sum();
+        1.0 - rest / total.max(1e-12)
+    };
+    let held_out = (0..y.len() / 2).map(|n| {
+        [
+            times[2 * n],
+            y[2 * n],
+            predicted[2 * n],
+            y[2 * n + 1],
+            predicted[2 * n + 1],
+        ]
+    });
+    let held_out: Vec<[f64; 5]> = held_out.collect();
+
+    let attached = rows
+        .iter()
+        .filter(|row| row.speed() > SLOW && row.alpha().abs() <= ATTACHED);
+    let angles: Vec<f64> = attached.map(Row::alpha).collect();
+    let hover = rows.iter().filter(|row| row.speed() < SLOW).count();
+    let known = |measured: Measured| measured.is_known().then_some(measured);
+    let thrust_to_weight = known(fit.function(|e| e[0] / GRAVITY)).filter(|m| m.value > 0.0);
+    if thrust_to_weight.is_none() {
+        missing.push(
+            "Thrust over throttle: hover for ten seconds, and climb and sink at 2 m/s in turn"
+                .to_owned(),
+        );
+    }
+    // The derivative's estimate is what is still missing of V_1.
+    let zero_thrust = known(fit.function(|e| NO_THRUST * (v1 + e[1]))).filter(|m| m.value > 0.0);
+    if zero_thrust.is_none() {
+        missing.push("How thrust falls with speed: level flight at three speeds, ten seconds each, and a climb at full throttle".to_owned());
+    }
+    let thrust_lag_s = thrust_lag.filter(|lag| lag.within < 0.5 * lag.value);
+    if thrust_lag_s.is_none() {
+        missing.push(
+            "Lag of the thrust: steps of the climb rate in hover, of 1 m/s and more".to_owned(),
+        );
+    }
+    let mut speeds: Vec<f64> = rows
+        .iter()
+        .filter(|row| row.speed() > 2.0 * SLOW && row.alpha().abs() <= ATTACHED)
+        .map(Row::speed)
+        .collect();
+    speeds.sort_by(f64::total_cmp);
+    let flown_m_s = speeds.get(speeds.len() / 2).copied();
+    let spread = angles.iter().copied().reduce(f64::max).unwrap_or(0.0)
+        - angles.iter().copied().reduce(f64::min).unwrap_or(0.0);
+    let wing = angles.len() >= 4 * ROWS && spread > 0.05;
+    let (mut c_l_0, mut c_l_alpha, mut zero_lift_deg, mut c_d_cruise) = (None, None, None, None);
+    if wing {
+        c_l_0 = Some(fit.measured(2));
+        c_l_alpha = known(fit.measured(3));
+        zero_lift_deg = c_l_alpha.map(|_| fit.function(|e| (-e[2] / e[3]).to_degrees()));
+        let mut sorted = angles.clone();
+        sorted.sort_by(f64::total_cmp);
+        let cruise = sorted[sorted.len() / 2];
+        c_d_cruise = known(fit.measured(4))
+            .filter(|drag| drag.value > 0.0)
+            .map(|drag| (drag, cruise.to_degrees()));
+    }
+    if c_l_alpha.is_none() {
+        missing.push(format!(
+            "c_L of the wing: level flight at three speeds above that of transition, ten seconds each, and a turn of 45° of bank. This flight has {:.0} s below {:.0}° \
+             of angle of attack, over {:.0}°",
+            angles.len() as f64 / RATE,
+            ATTACHED.to_degrees(),
+            spread.to_degrees()
+        ));
+    }
+    if c_d_cruise.is_none() {
+        missing.push("c_D in cruise: a glide with the throttle at idle for ten seconds, for which thrust and drag are told apart".to_owned());
+    }
+    let beyond: Vec<_> = unknowns
+        .bins
+        .iter()
+        .enumerate()
+        .map(|(n, bin)| {
+            let middle = (f64::from(*bin) + 0.5) * BIN;
+            (
+                middle.to_degrees(),
+                fit.measured(FIXED + 2 * n),
+                fit.measured(FIXED + 2 * n + 1),
+            )
+        })
+        .collect();
+    if beyond.len() < 4 {
+        missing.push("Coefficients behind the stall: two transitions there and back".to_owned());
+    }
+
+    let pitch: Vec<&Row> = rows
+        .iter()
+        .filter(|row| row.rate.is_finite() && row.asked.is_finite())
+        .collect();
+    let (rate_lag_s, rate_share) = match rate_loop(&pitch) {
+        Some((lag, share)) => (Some(lag), Some(share)),
+        None => (None, None),
+    };
+    if rate_lag_s.is_none() {
+        missing.push(
+            "The rate loop: steps of the pitch rate in hover, 0.5 rad/s there and back".to_owned(),
+        );
+    }
+    let turn_rad_s2 = turn(&pitch);
+    match turn_rad_s2 {
+        None => missing.push("What turns it: no pitch rate in hover is in the log".to_owned()),
+        Some(Turn { at_stop: false, .. }) => missing.push(
+            "What turns it at most: steps of the pitch rate in hover, of 2 rad/s there and back, with the torque set-point in the log. What is given is what was had"
+                .to_owned(),
+        ),
+        Some(_) => {}
+    }
+    if hover < 10 * RATE as usize {
+        missing.push("Hover: ten seconds of it".to_owned());
+    }
+    let held_seconds = held_out.len() as f64 / RATE;
+    Ok(Identified {
+        seconds: [rows.len() as f64 / RATE - held_seconds, held_seconds],
+        thrust_to_weight,
+        zero_thrust_speed_m_s: zero_thrust,
+        thrust_lag_s,
+        rate_lag_s,
+        rate_share,
+        turn_rad_s2,
+        c_l_0,
+        c_l_alpha,
+        zero_lift_deg,
+        c_d_cruise,
+        beyond,
+        surface_reaction_m: known(fit.measured(5)),
+        predicted: [share(0), share(1)],
+        flown_m_s,
+        held_out,
+        missing,
+    })
+}
+
+/// Lag of the pitch rate, and what is had of what is asked: of a first-order lag, where enough is asked.
+fn rate_loop(rows: &[&Row]) -> Option<(Measured, f64)> {
+    let moves = rows.iter().map(|row| row.asked.powi(2)).sum::<f64>() / rows.len().max(1) as f64;
+    if rows.len() < 10 * ROWS || moves.sqrt() < 0.03 {
+        return None;
+    }
+    let tried: Vec<(f64, f64, f64)> = (1..60)
+        .map(|n| {
+            let lag = 0.01 * f64::from(n);
+            let (mut behind, mut products, mut squares, mut had) = (0.0, 0.0, 0.0, 0.0);
+            for pair in rows.windows(2) {
+                let dt = pair[1].t - pair[0].t;
+                behind = match dt < 0.5 {
+                    true => behind + (1.0 - (-dt / lag).exp()) * (pair[0].asked - behind),
+                    false => pair[1].asked,
+                };
+                products += behind * pair[1].rate;
+                squares += behind * behind;
+                had += pair[1].rate * pair[1].rate;
+            }
+            let share = products / squares;
+            (lag, share, had - share * products)
+        })
+        .collect();
+    let best = (0..tried.len()).min_by(|a, b| tried[*a].2.total_cmp(&tried[*b].2))?;
+    let (&(_, _, a), &(lag, share, b), &(_, _, c)) = (
+        tried.get(best.checked_sub(1)?)?,
+        &tried[best],
+        tried.get(best + 1)?,
+    );
+    let bend = (a - 2.0 * b + c).max(1e-12);
+    let blocks = (rows.len() as f64 / RATE / ANEW).max(2.0);
+    let measured = Measured {
+        value: lag + 0.005 * (a - c) / bend,
+        within: DEVIATIONS * 0.01 * (2.0 * b / blocks / bend).sqrt(),
+    };
+    Some((measured, share))
+}
+
+/// The greatest angular acceleration in pitch in hover, and whether the torque was at its stop where it was had: else there may be more.
+fn turn(rows: &[&Row]) -> Option<Turn> {
+    /// Share of the full torque that is a stop.
+    const STOP: f64 = 0.97;
+    let hover = || {
+        rows.iter()
+            .filter(|row| row.speed() < SLOW && row.turn.is_finite())
+    };
+    // But for one row of five hundred, which may be noise.
+    let most = |of: Vec<f64>| {
+        let mut turns = of;
+        turns.sort_by(f64::total_cmp);
+        turns
+            .get(turns.len().checked_sub(1 + turns.len() / 500)?)
+            .copied()
+    };
+    let stopped = hover().filter(|row| row.torque.abs() >= STOP);
+    let stopped: Vec<f64> = stopped.map(|row| row.turn.abs()).collect();
+    let at_stop = stopped.len() >= 5;
+    Some(Turn {
+        had: most(hover().map(|row| row.turn.abs()).collect())?,
+        at_stop,
+    })
+}
+
+/// What a person says besides, for the file that `new` takes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Besides {
+    /// What turns it.
+    pub actuators: Actuators,
+    /// Speed of cruise; none is that of the flight, on its wing.
+    pub cruise_m_s: Option<f64>,
+    /// A section for what the flight does not show of the wing.
+    pub section: String,
+}
+
+/// Name of the polar beside the file.
+pub const POLAR: &str = "polar.csv";
+
+impl Identified {
+    /// The wing's coefficients as a table: what was seen, and below zero lift its mirror; none where the wing was not seen.
+    pub fn polar(&self) -> Option<String> {
+        let (zero, slope) = (self.zero_lift_deg?.value, self.c_l_alpha?.value);
+        let (drag, cruise) = self.c_d_cruise?;
+        // Attached: a line, and a parabola through the drag of cruise, of a wing whose drag at zero lift is a part of it.
+        let lift = |degrees: f64| slope * (degrees - zero).to_radians();
+        let induced = 0.3 * drag.value / lift(cruise).powi(2).max(1e-3);
+        let drag_at = |degrees: f64| 0.7 * drag.value + induced * lift(degrees).powi(2);
+        let last = ATTACHED.to_degrees();
+        let mut rows: Vec<[f64; 3]> = Vec::new();
+        let mut angle = zero.ceil();
+        while angle < last {
+            rows.push([angle, lift(angle), drag_at(angle)]);
+            angle += 1.0;
+        }
+        let mut next = last;
+        for (alpha, c_l, c_d) in &self.beyond {
+            // Without a gap, and where both are known.
+            let known = c_l.within < 0.3 && c_d.within < 0.3 && c_d.value > 0.0;
+            if *alpha < last || *alpha - next > 15.0 || !known || *alpha > 90.0 {
+                continue;
+            }
+            rows.push([*alpha, c_l.value, c_d.value]);
+            next = *alpha;
+        }
+        let mirror = rows.iter().filter(|row| row[0] > zero + 0.5);
+        let mirror: Vec<[f64; 3]> = mirror
+            .map(|[alpha, c_l, c_d]| [2.0 * zero - alpha, -c_l, *c_d])
+            .collect();
+        let mut text =
+            "# Identified from a flight; below zero lift its mirror: assumed.\nalpha_deg,cl,cd\n"
+                .to_owned();
+        for [alpha, c_l, c_d] in mirror.iter().rev().chain(&rows) {
+            text += &format!("{alpha:.2},{c_l:.4},{:.5}\n", c_d.max(1e-3));
+        }
+        Some(text)
+    }
+
+    /// The file that `new --from` takes: each number with its interval, or the word "assumed".
+    pub fn known(&self, given: &Given, besides: &Besides, flown_m_s: f64) -> String {
+        let mut text = String::new();
+        let mut line = |name: &str, value: f64, source: String| {
+            text += &format!(
+                "{:<28} # {source}\n",
+                format!("{name} = {}", rounded(value))
+            );
+        };
+        line("mass_kg", given.mass_kg, "given".to_owned());
+        line("wing_m2", given.wing_m2, "given".to_owned());
+        line("air_kg_m3", given.air_kg_m3, "given".to_owned());
+        let mut either = |name: &str, measured: Option<Measured>, assumed: f64| match measured {
+            Some(m) => line(
+                name,
+                m.value,
+                format!("measured: within {}", rounded(m.within)),
+            ),
+            None => line(
+                name,
+                assumed,
+                "assumed: the flight does not show it".to_owned(),
+            ),
+        };
+        either("thrust_to_weight", self.thrust_to_weight, 1.6);
+        either("thrust_lag_s", self.thrust_lag_s, 0.08);
+        either("rate_lag_s", self.rate_lag_s, 0.12);
+        match self.turn_rad_s2 {
+            Some(Turn { had, at_stop }) => line(
+                "turn_rad_s2",
+                had.max(5.0),
+                match at_stop {
+                    true => "measured: the torque was at its stop".to_owned(),
+                    false => "measured: at least, the torque was not at its stop".to_owned(),
+                },
+            ),
+            None => line(
+                "turn_rad_s2",
+                15.0,
+                "assumed: the flight does not show it".to_owned(),
+            ),
+        }
+        match besides.cruise_m_s {
+            Some(cruise) => line("cruise_m_s", cruise, "given".to_owned()),
+            None => line("cruise_m_s", flown_m_s, "flown, on its wing".to_owned()),
+        }
+        let actuators = match besides.actuators {
+            Actuators::Elevons => "elevons",
+            Actuators::Motors => "motors",
+            Actuators::Both => "both",
+        };
+        text += &format!("{:<28} # given\n", format!("actuators = \"{actuators}\""));
+        match self.polar() {
+            Some(_) => {
+                text += &format!(
+                    "{:<28} # measured, as far as it was seen\n",
+                    format!("section = \"{POLAR}\"")
+                );
+                if !self
+                    .beyond
+                    .iter()
+                    .any(|(alpha, ..)| *alpha > ATTACHED.to_degrees())
+                {
+                    text += &format!("{:<28} # assumed: no stall was seen\n", "stall_deg = 12");
+                }
+            }
+            None => {
+                text += &format!(
+                    "{:<28} # assumed: the flight does not show the wing\n",
+                    format!("section = {:?}", besides.section)
+                );
+            }
+        }
+        text
+    }
+
+    /// The numbers, with their intervals, as rows of a table.
+    pub fn rows(&self) -> Vec<[String; 3]> {
+        let row = |what: &str, unit: &str, measured: Option<Measured>| {
+            let (value, within) = match measured {
+                Some(m) => (rounded(m.value), format!("± {}", rounded(m.within))),
+                None => ("not shown".to_owned(), String::new()),
+            };
+            [
+                format!(
+                    "{what}{}",
+                    if unit.is_empty() {
+                        String::new()
+                    } else {
+                        format!(" [{unit}]")
+                    }
+                ),
+                value,
+                within,
+            ]
+        };
+        let mut rows = vec![
+            row("static thrust over weight", "", self.thrust_to_weight),
+            row(
+                "airspeed without thrust at full throttle",
+                "m/s",
+                self.zero_thrust_speed_m_s,
+            ),
+            row("lag of the thrust", "s", self.thrust_lag_s),
+            row("lag of the pitch rate", "s", self.rate_lag_s),
+        ];
+        let what = "angular acceleration in pitch in hover";
+        rows.push(match self.turn_rad_s2 {
+            Some(Turn { had, at_stop }) => [
+                format!("{what} [rad/s²]"),
+                rounded(had),
+                if at_stop {
+                    "at the stop of the torque"
+                } else {
+                    "at least"
+                }
+                .to_owned(),
+            ],
+            None => row(what, "rad/s²", None),
+        });
+        rows.push(row("c_L per angle of attack", "1/rad", self.c_l_alpha));
+        rows.push(row(
+            "angle of zero lift to the nose",
+            "°",
+            self.zero_lift_deg,
+        ));
+        let cruise = self
+            .c_d_cruise
+            .map_or(String::new(), |(_, angle)| format!(" at {angle:.1}°"));
+        rows.push(row(
+            &format!("c_D{cruise}"),
+            "",
+            self.c_d_cruise.map(|(drag, _)| drag),
+        ));
+        for (alpha, c_l, c_d) in &self.beyond {
+            rows.push(row(&format!("c_L at {alpha:.0}°"), "", Some(*c_l)));
+            rows.push(row(&format!("c_D at {alpha:.0}°"), "", Some(*c_d)));
+        }
+        rows
+    }
+}
+
+/// A number in few digits.
+fn rounded(x: f64) -> String {
+    let digits = match x.abs() {
+        x if x >= 100.0 => 0,
+        x if x >= 10.0 => 1,
+        x if x >= 1.0 => 2,
+        _ => 3,
+    };
+    format!("{x:.digits$}")
+}

@@ -1,0 +1,177 @@
+//! What turns a vehicle in pitch: from what does it and one number that a log shows, the rest by rule.
+
+use super::known::{Actuators, Facts};
+use alula_sim::experiment::AuthoritySpec;
+
+/// Share of an elevon in the slipstream, and speed of the slipstream there over what the propeller gives the air at its disc.
+const IN_SLIPSTREAM: f64 = 0.7;
+const CONTRACTED: f64 = 1.7;
+/// Radius of gyration in pitch, and distance of the elevons behind the centre of mass, over the mean chord: those of the vehicle files.
+const GYRATION: f64 = 0.37;
+const ARM: f64 = 0.25;
+/// Normal force coefficient of a plate across the flow, and how far behind the centre of mass it acts, over the mean chord.
+const ACROSS: f64 = 1.8;
+const AFT: f64 = 0.25;
+/// Speed \[m/s\] that propellers give the air in hover, where their diameter is not known.
+const DOWNWASH: f64 = 8.0;
+
+/// A number of `[vehicle.authority]` with where it is from.
+pub(super) struct Sourced {
+    pub value: f64,
+    pub source: String,
+}
+
+impl Facts {
+    /// Speed that the propellers give the air in hover \[m/s\].
+    fn downwash(&self) -> Sourced {
+        match self.propeller_m {
+            Some(diameter) => {
+                let (_, number) = self.actuators.words();
+                let discs = number * std::f64::consts::FRAC_PI_4 * diameter * diameter;
+                Sourced {
+                    value: (self.weight() / (2.0 * self.air_kg_m3 * discs)).sqrt(),
+                    source: format!("of {number} propellers of {diameter} m"),
+                }
+            }
+            None => Sourced {
+                value: DOWNWASH,
+                source: "assumed: --propeller-m makes it the vehicle's".to_owned(),
+            },
+        }
+    }
+
+    /// What turns it, and the source of each of its numbers.
+    pub(super) fn turning(&self) -> (AuthoritySpec, [(&'static str, String); 8]) {
+        let (elevons, motors) = match self.actuators {
+            Actuators::Elevons => (1.0, 0.0),
+            Actuators::Motors => (0.0, 1.0),
+            Actuators::Both => (0.5, 0.5),
+        };
+        let turn = self.turn_rad_s2;
+        let chord = self.chord();
+        let downwash = self.downwash();
+        let slipstream = elevons * turn;
+        let at_elevons = CONTRACTED * downwash.value;
+        // Differences are at most the thrust, and what is left of the greatest one.
+        let room = 1.0_f64.min(self.thrust_to_weight - 1.0);
+        let inertia = self.mass_kg * (GYRATION * chord).powi(2);
+        let spec = AuthoritySpec {
+            constant_rad_s2: 0.0,
+            slipstream_rad_s2: slipstream,
+            difference_rad_s2: motors * turn / room,
+            airflow_rad_m2: slipstream / (IN_SLIPSTREAM * at_elevons * at_elevons),
+            wing_moment_rad_m2: self.k_a() * ACROSS * AFT * chord / inertia,
+            surface_reaction_m: elevons * GYRATION * GYRATION / ARM * chord,
+            hover_downwash_m_s: downwash.value,
+            zero_thrust_speed_m_s: 0.0,
+        };
+        let part = match self.actuators {
+            Actuators::Both => "half of what was measured: assumed",
+            _ => "measured",
+        };
+        let has = |share: f64, words: &str| match share > 0.0 {
+            true => words.to_owned(),
+            false => "there are none".to_owned(),
+        };
+        let sources = [
+            (
+                "constant_rad_s2",
+                "nothing turns it without thrust and air".to_owned(),
+            ),
+            ("slipstream_rad_s2", has(elevons, part)),
+            (
+                "difference_rad_s2",
+                has(
+                    motors,
+                    &format!("{part}, over the room that a thrust of the weight leaves"),
+                ),
+            ),
+            (
+                "airflow_rad_m2",
+                has(elevons, "assumed, of elevons with 0.7 in the slipstream"),
+            ),
+            (
+                "wing_moment_rad_m2",
+                "assumed, of a plate with a radius of gyration of 0.37 chords".to_owned(),
+            ),
+            (
+                "surface_reaction_m",
+                has(
+                    elevons,
+                    "assumed, of elevons that act a quarter of the chord behind the centre of mass",
+                ),
+            ),
+            ("hover_downwash_m_s", downwash.source),
+            (
+                "zero_thrust_speed_m_s",
+                "not known: 0, the thrust does not fall with speed".to_owned(),
+            ),
+        ];
+        (spec, sources)
+    }
+
+    /// Mean chord \[m\]; of an aspect ratio that is not known, that of 6.
+    pub(super) fn chord(&self) -> f64 {
+        (self.wing_m2 / self.aspect_ratio.unwrap_or(6.0)).sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Known;
+
+    fn facts(change: impl Fn(&mut Known)) -> Facts {
+        let mut known = Known::tail_sitter();
+        change(&mut known);
+        known.facts().unwrap()
+    }
+
+    /// Whatever turns it, in hover it is what was measured, before the parts that flights count on.
+    #[test]
+    fn in_hover_it_turns_as_measured() {
+        for actuators in [Actuators::Elevons, Actuators::Motors, Actuators::Both] {
+            let facts = facts(|known| known.actuators = Some(actuators));
+            let (spec, _) = facts.turning();
+            let room = 1.0_f64.min(facts.thrust_to_weight - 1.0);
+            let hover = spec.slipstream_rad_s2 + room * spec.difference_rad_s2;
+            assert!((hover - facts.turn_rad_s2).abs() < 1e-9, "{actuators:?}");
+        }
+    }
+
+    /// The rules meet the strips of `mapping` within a factor of 1.5: 2.4 kg, 0.4 m², 12 inch propellers, 18 m/s.
+    #[test]
+    fn rules_are_near_a_vehicle_in_strips() {
+        let strips = alula_sim::experiment::Document::load("tail-sitter-hover").unwrap();
+        let strips = strips.checked().unwrap().vehicle.authority;
+        let facts = facts(|known| {
+            known.mass_kg = Some(2.4);
+            known.wing_m2 = Some(0.399);
+            known.aspect_ratio = Some(4.4);
+            known.propeller_m = Some(0.305);
+            known.actuators = Some(Actuators::Elevons);
+            known.turn_rad_s2 = Some(strips.slipstream_rad_s2);
+        });
+        let (ruled, _) = facts.turning();
+        for (name, ruled, strips) in [
+            ("airflow", ruled.airflow_rad_m2, strips.airflow_rad_m2),
+            ("wing", ruled.wing_moment_rad_m2, strips.wing_moment_rad_m2),
+            (
+                "reaction",
+                ruled.surface_reaction_m,
+                strips.surface_reaction_m,
+            ),
+            (
+                "downwash",
+                ruled.hover_downwash_m_s,
+                strips.hover_downwash_m_s,
+            ),
+        ] {
+            let ratio = ruled / strips;
+            assert!(
+                (1.0 / 1.5..1.5).contains(&ratio),
+                "{name}: {ruled} against {strips}"
+            );
+        }
+    }
+}

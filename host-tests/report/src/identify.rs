@@ -1,0 +1,61 @@
+//! The page of a vehicle learned from its log.
+
+use alula_design::identify::Identified;
+
+use super::chart::{BLUE, Chart, GREY, Series};
+use super::{Figure, Page, Table};
+
+/// The page of what the flight `name` shows; `known` is the file that `new` takes.
+pub fn page(name: &str, found: &Identified, known: &str, notes: &[String]) -> Page {
+    let of = |which: usize| -> Vec<(f64, f64)> {
+        let points = found.held_out.iter();
+        points.map(|row| (row[0], row[which])).collect()
+    };
+    let chart = |title, had: usize| {
+        let series = vec![
+            Series::line("measured", GREY, of(had)),
+            Series::line("predicted", BLUE, of(had + 1)),
+        ];
+        Chart::over(title, "t [s]", series)
+    };
+    let figure = Figure::new(
+        &[
+            chart(
+                "specific force along the nose [m/s²], of what was not fitted",
+                1,
+            ),
+            chart(
+                "specific force along the belly [m/s²], of what was not fitted",
+                3,
+            ),
+        ],
+        250.0,
+    );
+    let [fitted, held] = found.seconds;
+    let [nose, belly] = found.predicted.map(|share| 100.0 * share);
+    Page {
+        title: format!("{name}: the vehicle that it shows"),
+        lead: format!(
+            "From {fitted:.0} s of flight; of the {held:.0} s that were not fitted the model predicts {nose:.0} % of the variance of the specific force along the nose, and \
+             {belly:.0} % along the belly."
+        ),
+        figure,
+        tables: vec![
+            Table::new(
+                "Measured, with intervals of 95 %",
+                ["quantity", "value", ""],
+                found.rows(),
+            ),
+            Table::new(
+                "What the flight does not show, and the manoeuvre that would",
+                [""],
+                found.missing.iter().map(|line| [line.clone()]),
+            ),
+        ],
+        text: Some(("known.toml".to_owned(), known.to_owned())),
+        remarks: notes.to_vec(),
+        notes: "The pieces of the flight that were held out are ten seconds of each thirty."
+            .to_owned(),
+        ..Page::default()
+    }
+}
