@@ -18,7 +18,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             ..Reference::default()
         });
     for _ in 0..10 {
-        let Command { thrust, rates, .. } = guidance.update(&mut state, &input, 0.01).command;
+        let output = guidance.update(&mut state, &input, 0.01);
+        if output.plan_due {
+            guidance.plan(&mut state);
+        }
+        let Command { thrust, rates, .. } = output.command;
         let BodyRates { roll, pitch, yaw } = rates;
         println!("{thrust} N, {roll} {pitch} {yaw} rad/s");
     }

@@ -25,7 +25,11 @@
 //!         .air(Air::Wind(Ned::ZERO))
 //!         .reference(reference);
 //!     for _ in 0..10 {
-//!         let Command { thrust, rates, .. } = guidance.update(&mut state, &input, 0.01).command;
+//!         let output = guidance.update(&mut state, &input, 0.01);
+//!         if output.plan_due {
+//!             guidance.plan(&mut state);
+//!         }
+//!         let Command { thrust, rates, .. } = output.command;
 //!         let BodyRates { roll, pitch, yaw } = rates;
 //!         println!("{thrust} N, {roll} {pitch} {yaw} rad/s");
 //!     }
@@ -89,7 +93,7 @@ pub use control::Fault;
 pub use error::{ParameterError, Problem, Requirement};
 pub use guidance::{
     BandwidthGains, GainChoice, Guidance, GuidanceInput, GuidanceOutput, GuidanceParameters,
-    GuidanceState, Hardened, HardenedState, ResponseParameters,
+    GuidanceState, Hardened, HardenedState, ResponseParameters, Tuning,
 };
 pub use ned::{BodyAxes, BodyRates, Frd, Ned, Quaternion};
 pub use parameters::{Parameters, Range, Row};

@@ -3,7 +3,7 @@
 use crate::code;
 
 /// Version of this ABI. It changes whenever a structure or the meaning of a field does.
-pub const ALULA_ABI_VERSION: u32 = 3;
+pub const ALULA_ABI_VERSION: u32 = 4;
 
 /// The version of the ABI that the library was built with, for a caller of the shared library to compare with
 /// `ALULA_ABI_VERSION`.

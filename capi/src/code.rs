@@ -109,11 +109,16 @@ pub const ALULA_STATUS_SAFE: u32 = 1 << 16;
 pub const ALULA_STATUS_HOLDING: u32 = 1 << 17;
 /// The attitude set-point's lead over the attitude is limited to 90°.
 pub const ALULA_STATUS_LEAD_LIMITED: u32 = 1 << 18;
+/// A plan is due: call `alula_plan`.
+pub const ALULA_STATUS_PLAN_DUE: u32 = 1 << 19;
 
 // They share no bit with the core's.
 const _: () = assert!(
     Status::all().bits() as u32
-        & (ALULA_STATUS_SAFE | ALULA_STATUS_HOLDING | ALULA_STATUS_LEAD_LIMITED)
+        & (ALULA_STATUS_SAFE
+            | ALULA_STATUS_HOLDING
+            | ALULA_STATUS_LEAD_LIMITED
+            | ALULA_STATUS_PLAN_DUE)
         == 0
 );
 

@@ -77,7 +77,12 @@ impl Initialised<'_> {
         guided: &GuidanceOutput,
     ) -> Command {
         if guided.mode == Mode::Flying {
-            let status = u32::from(guided.status.bits());
+            let status = u32::from(guided.status.bits())
+                | if guided.plan_due {
+                    code::ALULA_STATUS_PLAN_DUE
+                } else {
+                    0
+                };
             let command = self.of_law(input, axes, &guided.command, status);
             self.memory.keep(command.quaternion, axes);
             command
@@ -155,9 +160,10 @@ pub unsafe extern "C" fn alula_take_over(
     }
 }
 
-/// One step of the guidance: supervision, planning, outer loop, law and actuator limits. It always gives a command. If
+/// One step of the guidance: supervision, reference model, outer loop, law and actuator limits. It always gives a command. If
 /// the return code says that the input was refused, the command is the last one flown, for as long as `hold`
-/// (`ALULA_STATUS_HOLDING`), and then the safe one: `safe_thrust`, no rotation (`ALULA_STATUS_SAFE`). If a pointer, a header,
+/// (`ALULA_STATUS_HOLDING`), and then the safe one: `safe_thrust`, no rotation (`ALULA_STATUS_SAFE`). A plan is due after it where the
+/// command's status has `ALULA_STATUS_PLAN_DUE`: then call `alula_plan`. If a pointer, a header,
 /// the controller or a selector is at fault, there was no step, and the command is that of `alula_command_default`. `report`
 /// may be null.
 ///

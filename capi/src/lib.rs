@@ -25,6 +25,7 @@ mod memory;
 mod mission;
 mod parameters;
 mod path;
+mod plan;
 mod report;
 mod step;
 mod table;
@@ -44,6 +45,7 @@ pub use parameters::{
     MISSION, Parameters, SECTIONS, Section, alula_parameters_default,
 };
 pub use path::alula_path_time_scale;
+pub use plan::*;
 pub use report::*;
 pub use step::alula_step;
 pub use table::{ALULA_TABLE_ROWS, Table, TableRow, alula_table_init};

@@ -29,7 +29,12 @@ fn fly(mut command: impl FnMut(&GuidanceOutput)) -> Result<(), ParameterError> {
     let mut state = GuidanceState::default();
     for _ in 0..100 {
         // Safe commands, until good inputs have come for a while: keep the motors to yourself as long as the mode is not `Flying`.
-        command(&guidance.update(&mut state, &measured(), PERIOD));
+        let output = guidance.update(&mut state, &measured(), PERIOD);
+        command(&output);
+        // 16 times a second, and at once when the reference jumps. It takes longer than a step: a task of lower priority may do it.
+        if output.plan_due {
+            guidance.plan(&mut state);
+        }
     }
     Ok(())
 }

@@ -78,6 +78,12 @@ fn fly(
         let guided = hardened.update(&mut state, &input, dt);
         let mut bare = *untouched.guidance();
         let unhardened = guidance.update(&mut bare, &input, dt);
+        if guided.plan_due {
+            hardened.plan(&mut state);
+        }
+        if unhardened.plan_due {
+            guidance.plan(&mut bare);
+        }
         calls += 2;
         check(guidance, p, &guided);
         let reset = guided.status.contains(Status::STATE_RESET);
@@ -91,6 +97,9 @@ fn fly(
                 // The step is that of the memory there was, to the bit.
                 let mut state_before = before;
                 let expected = hardened.update(&mut state_before, &input, dt);
+                if expected.plan_due {
+                    hardened.plan(&mut state_before);
+                }
                 calls += 1;
                 assert_eq!(bits(&guided), bits(&expected), "{untouched:?}");
                 assert_eq!(state_before.to_bytes(), state.to_bytes());

@@ -97,7 +97,11 @@ impl Controller {
                 Answer::Law(command)
             }
             (Self::Guidance(guidance, state), Input::Guidance { input, dt }) => {
-                Answer::Guidance(guidance.update(state, input, *dt))
+                let output = guidance.update(state, input, *dt);
+                if output.plan_due {
+                    guidance.plan(state);
+                }
+                Answer::Guidance(output)
             }
             _ => Answer::WrongInput,
         }

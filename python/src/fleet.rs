@@ -154,7 +154,11 @@ impl Fleet {
                         heading: Heading::from_angle(heading),
                     })
                     .reference_age(0.0);
-                guided(guidance.update(state, &input, dt), axes)
+                let output = guidance.update(state, &input, dt);
+                if output.plan_due {
+                    guidance.plan(state);
+                }
+                guided(output, axes)
             };
             states.iter_mut().enumerate().map(step).collect()
         });

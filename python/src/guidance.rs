@@ -163,7 +163,11 @@ pub fn made(
 
 impl Guidance {
     fn step(&mut self, input: &GuidanceInput, dt: f32, axes: BodyAxes) -> GuidanceOutput {
-        guided(self.guidance.update(&mut self.state, input, dt), axes)
+        let output = self.guidance.update(&mut self.state, input, dt);
+        if output.plan_due {
+            self.guidance.plan(&mut self.state);
+        }
+        guided(output, axes)
     }
 }
 

@@ -7,10 +7,11 @@
 use super::course::{Axes, Course};
 use super::memory::memory;
 use super::parameters::GuidanceParameters;
-use super::planner::{MAX_LATERAL_JERK, Planner, PlannerState, SearchTerms};
+use super::planner::{Planner, PlannerState};
 use super::planner_options::{PlannerOptions, most_theta};
 use super::progress::Progress;
 use super::reference_model::{PlanarModelState, limited};
+use super::rollout::{MAX_LATERAL_JERK, PlanRequest};
 use crate::aero::{Aerodynamics, Stall};
 use crate::control::Guard;
 use crate::frame::Inertial;
@@ -152,6 +153,8 @@ pub(super) struct ReferenceModelOutput<'a, A> {
     pub vehicle: Vehicle<&'a A>,
     /// How far it has come.
     pub progress: Progress,
+    /// Whether a plan is due.
+    pub plan_due: bool,
 }
 
 impl LateralGuidance {
@@ -171,6 +174,11 @@ impl LateralGuidance {
             air: Guard::of_checked(math::clamp(TAKEOVER * speed, 1e-3, 1e3)),
             rate: SHARE_OF_RATE * p.max_rate,
         }
+    }
+
+    /// Lift coefficient short of stall that plans may count on.
+    pub fn lift_coefficient(&self) -> f32 {
+        self.stall
     }
 
     /// Speed below which a velocity is moved sideways and not turned [m/s]: the wing carries little yet.
@@ -208,7 +216,7 @@ impl LateralGuidance {
         math::clamp(speed / self.slow() - 1.0, 0.0, 1.0)
     }
 
-    /// Lets `flight` pass for `dt` \[s\] by the plan that `planner` has chosen.
+    /// Lets `flight` pass for `dt` \[s\] by the plan in force, and leaves the request for the next one.
     #[inline(always)]
     pub fn advance<'a, A: Aerodynamics>(
         &self,
@@ -288,18 +296,6 @@ impl LateralGuidance {
             thrust: flight.thrust,
         };
         let missed_lateral_acceleration = (1.0 - CROSSING) * desired_lateral_acceleration.abs();
-        planner.search(
-            &heavier,
-            state,
-            &plane,
-            &asked,
-            wind,
-            &SearchTerms {
-                planner_options: input.planner_options,
-                missed_lateral_acceleration,
-                lift_coefficient: self.stall,
-            },
-        );
         let in_plane = servo.advance(
             &heavier,
             &mut plane,
@@ -309,6 +305,18 @@ impl LateralGuidance {
             most_theta(input.planner_options.nose_below_vertical),
             dt,
         );
+        let request = PlanRequest {
+            flight: plane,
+            wind,
+            velocity: asked.velocity,
+            acceleration: asked.acceleration,
+            gravity: axes.gravity,
+            air_force_scale: input.air_force_scale,
+            missing_thrust: input.missing_thrust,
+            missed_lateral_acceleration,
+            altitude_band: planner.altitude_band(input.planner_options.altitude_band),
+        };
+        let plan_due = state.leave(request, planner.cost.velocity_band.forward(), dt);
         let error = plane.velocity - servo.desired_velocity(plane.position, asked.velocity);
         let progress = Progress::new(
             &heavier,
@@ -382,6 +390,7 @@ impl LateralGuidance {
             axes,
             vehicle: heavier,
             progress,
+            plan_due,
         }
     }
 }
@@ -459,8 +468,13 @@ mod tests {
         mut see: impl FnMut(&ReferenceModelState, &ReferenceModelOutput<Combined>),
     ) -> ReferenceModelState {
         let (p, vehicle) = (GuidanceParameters::default(), vehicle());
-        let planner = Planner::new(&p, &vehicle);
         let turning = LateralGuidance::new(&p, &vehicle);
+        let planner = Planner::new(
+            &p,
+            &vehicle,
+            turning.lift_coefficient(),
+            &crate::guidance::Tuning::default(),
+        );
         let (mut flight, mut state) = (start, PlannerState::default());
         for _ in 0..(seconds / DT) as usize {
             let input = LateralGuidanceInput {
@@ -469,6 +483,11 @@ mod tests {
             };
             let output = turning.advance(&planner, &vehicle, &mut flight, &mut state, &input, DT);
             assert!(flight.is_sound());
+            if output.plan_due {
+                let mut search = state.search();
+                while planner.look(&vehicle, &mut search).is_some() {}
+                state.adopt(&search, flight.theta);
+            }
             see(&flight, &output);
         }
         flight
@@ -566,8 +585,13 @@ mod tests {
     #[test]
     fn the_course_waits_for_the_wing() {
         let (p, vehicle) = (GuidanceParameters::default(), vehicle());
-        let planner = Planner::new(&p, &vehicle);
         let turning = LateralGuidance::new(&p, &vehicle);
+        let planner = Planner::new(
+            &p,
+            &vehicle,
+            turning.lift_coefficient(),
+            &crate::guidance::Tuning::default(),
+        );
         let turned = |wing_alignment: f32| {
             let mut flight = flight(Ned::new(0.0, 20.0, 0.0), -1.5);
             let reference = cruise(0.0, 20.0);

@@ -159,12 +159,18 @@ impl<const N: usize> ShadowCopy<N> {
         self.check = sum;
     }
 
+    /// Whether `memory` is as it was left.
+    #[inline(always)]
+    pub fn is_of(&self, memory: &impl Memory) -> bool {
+        let (mut words, mut different) = (self.words.iter(), 0);
+        memory.write(&mut |word| different |= words.next().map_or(0, |left| word ^ left));
+        different == 0
+    }
+
     /// Makes `memory` what was left, where it has changed and that is known.
     #[inline(always)]
     pub fn restore<M: Memory>(&self, memory: &mut M) -> Integrity {
-        let (mut words, mut different) = (self.words.iter(), 0);
-        memory.write(&mut |word| different |= words.next().map_or(0, |left| word ^ left));
-        if different == 0 {
+        if self.is_of(memory) {
             Integrity::Intact
         } else {
             self.restore_changed(memory)

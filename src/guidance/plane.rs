@@ -74,6 +74,8 @@ pub struct PlanarGuidanceOutput {
     pub reference: Reference,
     /// What is being done, and what of the reference cannot be had.
     pub progress: Progress,
+    /// Whether a plan is due: [`Guidance::plan`] is to be called.
+    pub plan_due: bool,
     /// Why the frame was refused, if it was.
     pub reject_reason: Option<RejectReason>,
 }
@@ -125,6 +127,7 @@ impl From<&GuidanceOutput> for PlanarGuidanceOutput {
                 acceleration: g.reference.acceleration.to_plane(),
             },
             progress: g.progress,
+            plan_due: g.plan_due,
             reject_reason: g.reject_reason,
         }
     }

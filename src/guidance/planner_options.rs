@@ -180,6 +180,9 @@ mod tests {
                 ..PlanarGuidanceInput::default()
             };
             let guided = guidance.update_in_plane(&mut state, &input, DT);
+            if guided.plan_due {
+                guidance.plan(&mut state);
+            }
             assert!(guided.mode == Mode::Flying || n < 10);
             let bits = [guided.command.thrust, guided.command.rate].map(f32::to_bits);
             for bits in bits {

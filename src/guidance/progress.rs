@@ -92,8 +92,8 @@ impl Progress {
         reference: Inertial,
     ) -> Self {
         let bands = |v: Inertial| {
-            let down = v.down().abs() / planner.velocity_band.down();
-            let forward = v.forward().abs() / planner.velocity_band.forward();
+            let down = v.down().abs() / planner.cost.velocity_band.down();
+            let forward = v.forward().abs() / planner.cost.velocity_band.forward();
             (down, forward)
         };
         let (down, forward) = bands(error);
@@ -200,7 +200,11 @@ mod tests {
                 },
                 ..PlanarGuidanceInput::default()
             };
-            progress.push(guidance.update_in_plane(&mut state, &input, 0.01).progress);
+            let guided = guidance.update_in_plane(&mut state, &input, 0.01);
+            if guided.plan_due {
+                guidance.plan(&mut state);
+            }
+            progress.push(guided.progress);
         }
         progress
     }

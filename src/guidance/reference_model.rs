@@ -5,6 +5,7 @@
 
 use super::memory::memory;
 use super::parameters::GuidanceParameters;
+use super::tuning::Tuning;
 use crate::aero::Aerodynamics;
 use crate::air::AirData;
 use crate::authority::Airflow;
@@ -16,32 +17,15 @@ use crate::vehicle::Vehicle;
 
 /// Part of the actuators' limits that the virtual flight uses. The rest is left for corrections.
 const SHARE_OF_RATE: f32 = 0.99;
-const SHARE_OF_SLEW: f32 = 0.47;
-/// Rate [1/s] with which the attitude goes to its target.
-const ATTITUDE_GAIN: f32 = 9.0;
-/// Greatest step of the servo \[rad\]: beyond it the linearisation says nothing.
-const MAX_CORRECTION: f32 = 0.28;
+const SHARE_OF_SLEW: f32 = 0.5;
 /// Distance from the target of a turn \[rad\] beyond which it is gone to no faster. With [`ATTITUDE_STEP`], less than π/4 a
 /// step.
-const MAX_ROTATION: f32 = 0.95;
-/// Servo: acceleration per velocity error [1/s].
-const VERTICAL_GAIN: f32 = 4.8;
-const FORWARD_GAIN: f32 = 1.11;
-/// Greatest accelerations that the servo asks for, in g. With 1.02 g forward one of 4,000 random starts to 20 m/s lost 32 m, in
-/// place of 17 m at most.
-const MAX_VERTICAL: f32 = 1.24;
-const MAX_FORWARD: f32 = 1.1;
+const MAX_ROTATION: f32 = 1.0;
 /// Angular acceleration [rad/s²] that is left to a vehicle that turns by its thrust, where it accelerates down.
 const TURNING: f32 = 15.0;
 /// Acceleration down, in g, that such a vehicle has in any case. With 1.24 g a third of the level brakings of an elevon wing did not end in
 /// hover: at the top of their climb they had no thrust, and so no elevons.
 const LEAST_DOWN: f32 = 0.4;
-/// Weight of forward accelerations against vertical ones.
-const FORWARD_WEIGHT: f32 = 0.103;
-/// Damping of the servo's step, as a force in multiples of the weight, with [`FORWARD_WEIGHT`].
-const DAMPING: f32 = 0.41;
-/// Acceleration downwards of a push-over, in g.
-pub(super) const PUSH_OVER: f32 = 1.52;
 /// Distance from the target \[rad\] at which a turn is over.
 const ARRIVED: f32 = 0.07;
 /// Gains are lowered in steps longer than these products of gain and step, which would overshoot.
@@ -122,6 +106,7 @@ pub struct ReferenceModel {
     max_sink: f32,
     /// Greatest acceleration down that the servo asks for, in g.
     max_down: f32,
+    pub(super) tuning: Tuning,
 }
 
 /// A step's length, and the gains at that length.
@@ -129,22 +114,27 @@ pub(super) struct StepGains {
     pub h: f32,
     vertical_gain: f32,
     attitude_gain: f32,
-    /// Rates at [`MAX_ROTATION`] and [`MAX_CORRECTION`] [rad/s].
+    /// Greatest rates of a turn and of a step of the servo [rad/s].
     max_rotation_rate: f32,
     max_correction_rate: f32,
 }
 
-impl StepGains {
-    /// The gains of steps of `h` \[s\].
+/// A step's length \[s\], and the greatest gains that do not overshoot in it [1/s].
+#[derive(Clone, Copy)]
+pub(super) struct StepLength {
+    pub h: f32,
+    attitude: f32,
+    vertical: f32,
+}
+
+impl StepLength {
+    /// Steps of `h` \[s\].
     #[inline(always)]
     pub const fn new(h: f32) -> Self {
-        let attitude_gain = math::min(ATTITUDE_GAIN, ATTITUDE_STEP / h);
         Self {
             h,
-            vertical_gain: math::min(VERTICAL_GAIN, VERTICAL_STEP / h),
-            attitude_gain,
-            max_rotation_rate: attitude_gain * MAX_ROTATION,
-            max_correction_rate: attitude_gain * MAX_CORRECTION,
+            attitude: ATTITUDE_STEP / h,
+            vertical: VERTICAL_STEP / h,
         }
     }
 }
@@ -165,12 +155,16 @@ struct Forces {
 
 impl ReferenceModel {
     /// The virtual `vehicle` with these parameters, which have been checked.
-    pub fn new<A: Aerodynamics>(p: &GuidanceParameters, vehicle: &Vehicle<A>) -> Self {
+    pub fn new<A: Aerodynamics>(
+        p: &GuidanceParameters,
+        vehicle: &Vehicle<A>,
+        tuning: &Tuning,
+    ) -> Self {
         let left = vehicle.authority().thrust_to_turn(TURNING) / vehicle.weight();
         let max_down = if left > 0.0 {
             math::max(1.0 - left, LEAST_DOWN)
         } else {
-            MAX_VERTICAL
+            tuning.max_vertical
         };
         Self {
             rate: SHARE_OF_RATE * p.max_rate,
@@ -179,6 +173,20 @@ impl ReferenceModel {
             max_velocity: Inertial::new(p.max_velocity_down, p.max_velocity_forward),
             max_sink: p.max_sink,
             max_down,
+            tuning: *tuning,
+        }
+    }
+
+    /// The gains of steps of this `length`.
+    #[inline(always)]
+    pub(super) fn gains(&self, length: &StepLength) -> StepGains {
+        let attitude_gain = math::min(self.tuning.attitude_gain, length.attitude);
+        StepGains {
+            h: length.h,
+            vertical_gain: math::min(self.tuning.vertical_gain, length.vertical),
+            attitude_gain,
+            max_rotation_rate: attitude_gain * MAX_ROTATION,
+            max_correction_rate: attitude_gain * self.tuning.max_correction,
         }
     }
 
@@ -217,13 +225,10 @@ impl ReferenceModel {
         h: f32,
     ) -> Inertial {
         let mut attitude = Attitude::from_angle(flight.theta);
+        let gains = self.gains(&StepLength::new(h));
         let error = flight.velocity - self.desired_velocity(flight.position, reference.velocity);
-        let desired = self.desired_acceleration(
-            error,
-            reference.acceleration,
-            vehicle.gravity(),
-            &StepGains::new(h),
-        );
+        let desired =
+            self.desired_acceleration(error, reference.acceleration, vehicle.gravity(), &gains);
         self.step::<A, true>(
             vehicle,
             flight,
@@ -233,7 +238,7 @@ impl ReferenceModel {
             desired,
             wind,
             most_theta,
-            &StepGains::new(h),
+            &gains,
             true,
         )
     }
@@ -251,13 +256,17 @@ impl ReferenceModel {
         Inertial::new(
             if down.abs() > self.max_down * gravity {
                 core::hint::cold_path();
-                math::clamp(down, -MAX_VERTICAL * gravity, self.max_down * gravity)
+                math::clamp(
+                    down,
+                    -self.tuning.max_vertical * gravity,
+                    self.max_down * gravity,
+                )
             } else {
                 down
             },
             rarely_limited(
-                acceleration.forward() - FORWARD_GAIN * error.forward(),
-                MAX_FORWARD * gravity,
+                acceleration.forward() - self.tuning.forward_gain * error.forward(),
+                self.tuning.max_forward * gravity,
             ),
         )
     }
@@ -307,11 +316,11 @@ impl ReferenceModel {
             // Rare: a few steps of some plans.
             core::hint::cold_path();
             (
-                Inertial::new(PUSH_OVER * gravity, desired.forward()),
-                0.02 * FORWARD_WEIGHT,
+                Inertial::new(self.tuning.push_over * gravity, desired.forward()),
+                0.02 * self.tuning.forward_weight,
             )
         } else {
-            (desired, FORWARD_WEIGHT)
+            (desired, self.tuning.forward_weight)
         };
         let air = flight.velocity - wind;
         let forces = Forces::new(vehicle, *attitude, air);
@@ -330,7 +339,7 @@ impl ReferenceModel {
         let alone = math::clamp(fi / ii, least, most);
         // then over T and θ, where F − T i changes by d per radian.
         let d = attitude.to_inertial(Body::new(forces.slope, -(alone + forces.change)));
-        let damping = DAMPING * gravity;
+        let damping = self.tuning.damping * gravity;
         let steep = d.down() * d.down() + weight * (d.forward() * d.forward());
         let dd = steep + weight * (damping * damping);
         let di = d.down() * attitude.cos + weight * d.forward() * attitude.sin;
@@ -527,7 +536,8 @@ mod tests {
         reference: &Reference,
         wind: Inertial,
     ) -> Inertial {
-        let model = ReferenceModel::new(&GuidanceParameters::default(), vehicle);
+        let model =
+            ReferenceModel::new(&GuidanceParameters::default(), vehicle, &Tuning::default());
         model.advance(vehicle, flight, plan, reference, wind, FREE, DT)
     }
 
@@ -677,7 +687,7 @@ mod tests {
             max_sink: 1.5,
             ..GuidanceParameters::default()
         };
-        let model = ReferenceModel::new(&p, &vehicle());
+        let model = ReferenceModel::new(&p, &vehicle(), &Tuning::default());
         let wanted = |down| {
             model
                 .desired_velocity(Inertial::new(down, 0.0), Inertial::ZERO)
@@ -698,16 +708,17 @@ mod tests {
             };
             let airfoil = Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap();
             let vehicle = Vehicle::new(p, airfoil).unwrap();
-            let model = ReferenceModel::new(&GuidanceParameters::default(), &vehicle);
+            let model =
+                ReferenceModel::new(&GuidanceParameters::default(), &vehicle, &Tuning::default());
             let rising = Inertial::new(-20.0, 0.0);
-            let gains = StepGains::new(DT);
+            let gains = model.gains(&StepLength::new(DT));
             model
                 .desired_acceleration(rising, Inertial::ZERO, 9.81, &gains)
                 .down()
                 / 9.81
         };
         let constant = VehicleParameters::PAPER.authority;
-        assert_eq!(down(constant, 0.0), MAX_VERTICAL);
+        assert_eq!(down(constant, 0.0), Tuning::default().max_vertical);
         assert!((down(0.0, 40.0) - (1.0 - 15.0 / 40.0)).abs() < 1e-5);
         assert!((down(5.0, 40.0) - (1.0 - 10.0 / 40.0)).abs() < 1e-5);
         // What never turns as fast keeps 0.6 of the weight.
@@ -723,7 +734,7 @@ mod tests {
             ..GuidanceParameters::default()
         };
         let vehicle = vehicle();
-        let model = ReferenceModel::new(&p, &vehicle);
+        let model = ReferenceModel::new(&p, &vehicle, &Tuning::default());
         for (target, h) in [(3.0, 0.045), (-3.0, 0.2), (0.5, 0.115)] {
             let mut flight = PlanarModelState {
                 velocity: Inertial::new(0.0, 15.0),
@@ -746,7 +757,7 @@ mod tests {
                     Inertial::ZERO,
                     Inertial::ZERO,
                     FREE,
-                    &StepGains::new(h),
+                    &model.gains(&StepLength::new(h)),
                     false,
                 );
                 let exact = Attitude::from_angle(flight.theta);
@@ -789,14 +800,15 @@ mod tests {
     #[test]
     fn predictions_of_a_light_wing_stay_bounded() {
         let end_of = |vehicle: &Vehicle<Combined>, stiff: bool| {
-            let model = ReferenceModel::new(&GuidanceParameters::default(), vehicle);
+            let model =
+                ReferenceModel::new(&GuidanceParameters::default(), vehicle, &Tuning::default());
             let mut flight = PlanarModelState {
                 velocity: Inertial::new(1.0, 20.0),
                 theta: -1.57,
                 ..PlanarModelState::default()
             };
             let mut attitude = Attitude::from_angle(flight.theta);
-            let (mut plan, gains) = (Plan::default(), StepGains::new(0.1));
+            let (mut plan, gains) = (Plan::default(), model.gains(&StepLength::new(0.1)));
             let mut steepest = 0f32;
             for _ in 0..25 {
                 let reference = Inertial::new(0.0, 20.0);

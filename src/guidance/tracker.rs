@@ -7,9 +7,9 @@
 
 use super::lateral_guidance::{ReferenceModelOutput, ReferenceModelState};
 use super::parameters::GuidanceParameters;
-use super::planner::wrap;
 use super::reference_model::{limited, transverse_force};
 use super::status::Status;
+use super::wrap::wrap;
 use crate::aero::Aerodynamics;
 use crate::authority::Airflow;
 use crate::branch::Branch;

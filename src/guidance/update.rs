@@ -12,7 +12,7 @@ use super::lateral_guidance::{LateralGuidance, LateralGuidanceInput, ReferenceMo
 use super::limits::{LimitState, Limits};
 use super::memory::{self, Memory, memory};
 use super::parameters::GuidanceParameters;
-use super::planner::{Planner, PlannerState, wrap};
+use super::planner::{Candidate, PlanSearch, Planner, PlannerState};
 use super::planner_options::PlannerOptions;
 use super::progress::Progress;
 use super::reference_model::limited;
@@ -23,11 +23,14 @@ use super::supervision::{
     time_passed,
 };
 use super::tracker::{Tracker, TrackerInput};
+use super::tuning::Tuning;
+use super::wrap::wrap;
 use crate::aero::Aerodynamics;
 use crate::control::{Fault, GainLaw, Margin};
 use crate::error::ParameterError;
 use crate::math;
 use crate::ned::{Frd, Ned};
+use crate::parameters::Parameters;
 use crate::reference::{MAX_ACCELERATION, MAX_SPEED};
 use crate::spatial::{
     Body, Command, Correction, Diagnostics, LateralGains, LateralParameters, Orientation,
@@ -178,6 +181,8 @@ pub struct GuidanceOutput {
     pub reference: Reference,
     /// What is being done, and what of the reference cannot be had.
     pub progress: Progress,
+    /// Whether a plan is due: [`Guidance::plan`] is to be called.
+    pub plan_due: bool,
     /// Why the frame was refused, if it was.
     pub reject_reason: Option<RejectReason>,
 }
@@ -237,9 +242,8 @@ impl GuidanceState {
 
 /// Time constant \[s\] of the wind that is planned with.
 const GUSTS: f32 = 0.3;
-/// How fast the virtual velocity is resynchronised to the real one where the law has no say [1/s], and what part of that its position.
-const RESYNCHRONISATION_RATE: f32 = 4.6;
-const RESYNCHRONISATION_POSITION_SHARE: f32 = 0.59;
+/// How fast the model's position is resynchronised to the real one where the law has no say, against its velocity.
+const RESYNCHRONISATION_POSITION_SHARE: f32 = 0.6;
 /// Distance of the virtual attitude from the real one \[rad\] beyond which it is drawn to that, and how fast [1/s]. A rate loop of 100 ms stays
 /// 0.3 rad behind at the greatest rate.
 const ATTITUDE_APART: f32 = 0.45;
@@ -286,7 +290,21 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         gains: G,
         p: &GuidanceParameters,
     ) -> Result<Self, ParameterError> {
+        Self::with_tuning(vehicle, gains, p, &Tuning::DEFAULT)
+    }
+
+    /// The same with other constants of planner and reference model than those that were found, for who searches for them again.
+    ///
+    /// # Errors
+    /// As [`Guidance::new`], and a constant outside the range that is searched.
+    pub fn with_tuning(
+        vehicle: Vehicle<A>,
+        gains: G,
+        p: &GuidanceParameters,
+        tuning: &Tuning,
+    ) -> Result<Self, ParameterError> {
         p.check_all()?;
+        tuning.check()?;
         check_relations(&vehicle, p)?;
         let lateral_guidance = LateralGuidance::new(p, &vehicle);
         // What is made from here on of parameters that have been checked is in its own range: it is not checked again.
@@ -302,7 +320,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             heading: HEADING,
         });
         Ok(Self {
-            planner: Planner::new(p, &vehicle),
+            planner: Planner::new(p, &vehicle, lateral_guidance.lift_coefficient(), tuning),
             lateral_guidance,
             tracker: Tracker::new(p),
             accelerometer: Accelerometer::new(p, &vehicle),
@@ -417,6 +435,33 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         output.reject_reason = result.err();
         output.status |= Status::STATE_RESET.when(!sound);
         output
+    }
+
+    /// A plan, where [`GuidanceOutput::plan_due`] asks for one: the vehicle is flown ahead by the plan in force and by others, and from the
+    /// next step on by the best of them. It takes some forty times the instructions of a step.
+    ///
+    /// Without plans the vehicle flies on by the last one: it holds and follows what can be flown without crossing a stall.
+    pub fn plan(&self, state: &mut GuidanceState) {
+        let mut search = self.search(state);
+        while self.look(&mut search).is_some() {}
+        self.adopt(state, &search);
+    }
+
+    /// Begins a plan apart from the `state`: for a task of lower priority, or to look at one candidate a step. [`plan`](Self::plan) is
+    /// this, [`look`](Self::look) until it gives `None`, and [`adopt`](Self::adopt).
+    pub fn search(&self, state: &GuidanceState) -> PlanSearch {
+        state.planner.search()
+    }
+
+    /// Looks at the plan in force, or at one candidate more: at most one rollout. `None` once the search is at its end.
+    pub fn look(&self, search: &mut PlanSearch) -> Option<Candidate> {
+        self.planner.look(self.control.plane().vehicle(), search)
+    }
+
+    /// Takes what `search` found so far. A search older than [`MAX_PLAN_AGE`](super::MAX_PLAN_AGE), or begun before the state was reset, is
+    /// dropped: what it found begins where the vehicle no longer is.
+    pub fn adopt(&self, state: &mut GuidanceState, search: &PlanSearch) {
+        state.planner.adopt(search, state.flight.theta);
     }
 
     /// Whether every part's memory is inside that part's own bounds.
@@ -659,6 +704,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         );
 
         output.progress = model.progress;
+        output.plan_due = model.plan_due;
 
         // The real one after it.
         let tracked = self
@@ -687,7 +733,8 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         );
         state.saturated = limited.saturated;
         // Where the law has no say the virtual flight is resynchronised to the real one: that is how it is planned anew.
-        let resynchronised = math::min((1.0 - tracked.law) * RESYNCHRONISATION_RATE * dt, 1.0);
+        let resynchronisation = self.planner.reference_model.tuning.resynchronisation;
+        let resynchronised = math::min((1.0 - tracked.law) * resynchronisation * dt, 1.0);
         let flight = &mut state.flight;
         flight.velocity += (input.velocity - flight.velocity) * resynchronised;
         flight.position +=
@@ -778,7 +825,6 @@ mod tests {
     use crate::guidance::MIN_STEP;
     use crate::guidance::Phase;
     use crate::guidance::plane::{PlanarGuidanceInput, PlanarGuidanceOutput};
-    use crate::parameters::Parameters;
     use crate::reference::Reference;
     use crate::vehicle::VehicleParameters;
     use rand::{RngExt, SeedableRng};

@@ -21,10 +21,14 @@
 //!     let told = MissionInput { position: Some(Ned::ZERO), armed: true, ..MissionInput::default() };
 //!     let asked = missions.step(&mut flight, &mission, &told, 0.01);
 //!     let input = asked.asked_of(GuidanceInput::default().air(Air::Wind(Ned::ZERO)));
-//!     let command = match asked.gate {
-//!         Gate::Off => Command::default(),
-//!         _ => guidance.update(&mut state, &input, 0.01).command,
+//!     let output = match asked.gate {
+//!         Gate::Off => GuidanceOutput::default(),
+//!         _ => guidance.update(&mut state, &input, 0.01),
 //!     };
+//!     if output.plan_due {
+//!         guidance.plan(&mut state);
+//!     }
+//!     let command = output.command;
 //!     let (thrust, _rates) = asked.gate.pass(command.thrust, command.rates);
 //!     assert_eq!(thrust, 0.0); // on the ground, and armed: from the next step on it grows
 //!     Ok(())

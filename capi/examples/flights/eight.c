@@ -121,6 +121,8 @@ static void flight(int by_attitude, FILE *trace, uint32_t *sum)
         aim(&controller, &phase, x + POSITION, &target);
         sense(x, &target, &input);
         must(alula_guide(&controller, &input, (float)STEP, &command, &report), "guidance");
+        if (command.status & ALULA_STATUS_PLAN_DUE)
+            must(alula_plan(&controller), "plan");
         if (trace)
             record(trace, 'g', &input, sizeof input);
         add(sum, &input, sizeof input);

@@ -86,6 +86,8 @@ int main(void)
             mission.position[n] = (float)x[POSITION + n];
         }
         must(alula_mission_fly(&mission, &controller, &input, (float)STEP, &command, NULL), "flight");
+        if (command.status & ALULA_STATUS_PLAN_DUE)
+            must(alula_plan(&controller), "plan");
         if (mission.item != item) {
             printf("%6.2f s  item %lu\n", steps * STEP, (unsigned long)mission.item);
             item = mission.item;

@@ -64,6 +64,8 @@ int main(int argc, char **argv)
                 code = alula_step(&controller, &input, 0.01f, &command, &report);
             else
                 code = alula_guide(&controller, &input, 0.01f, &command, &report);
+            if (line[0] == 'g' && code == ALULA_OK && (command.status & ALULA_STATUS_PLAN_DUE))
+                code = alula_plan(&controller);
             putchar(line[0]);
             print_words(&command, sizeof command);
             print_words(&report, sizeof report);

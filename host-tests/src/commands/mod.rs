@@ -22,6 +22,7 @@ mod replay;
 mod settings;
 mod sitl;
 mod sweep;
+mod tune;
 mod view;
 
 use clap::{Parser, Subcommand};
@@ -56,6 +57,7 @@ enum Command {
     Envelope(envelope::Args),
     Equilibria(equilibria::Args),
     Sweep(sweep::Args),
+    Tune(tune::Args),
     Fit(fit::Args),
     Completions(completions::Args),
 }
@@ -91,6 +93,7 @@ impl Cli {
             Some(Command::Envelope(args)) => envelope::run(&args),
             Some(Command::Equilibria(args)) => equilibria::run(&args),
             Some(Command::Sweep(args)) => sweep::run(&args),
+            Some(Command::Tune(args)) => tune::run(&args),
             Some(Command::Fit(args)) => fit::run(&args),
             Some(Command::Completions(args)) => completions::run(&args),
         }

@@ -13,6 +13,7 @@ mod chunk;
 mod comparison;
 mod distribution;
 mod draw;
+mod evolution;
 pub mod files;
 mod flight_result;
 mod frame;
@@ -31,6 +32,7 @@ pub mod starts;
 #[cfg(feature = "store")]
 mod store;
 mod summary;
+pub mod tune;
 
 pub use campaign::{Campaign, Dispersion, Expected, FaultDraw, Limit};
 pub use chunk::CHUNK;

@@ -44,6 +44,7 @@ bool ModeQAlula::make()
 {
     _input.header = ALULA_HEADER(alula_input);
     _command.header = ALULA_HEADER(alula_command);
+    _search.header = ALULA_HEADER(alula_search);
     _goal.header = ALULA_HEADER(alula_goal);
     alula_input_default(&_input);
     alula_command_default(&_command);
@@ -112,6 +113,13 @@ void ModeQAlula::run()
         // The command is flown whatever the code is, and as it is.
         alula_guide(&_controller, &_input, _since, &_command, nullptr);
         _since = 0;
+        if ((_command.status & ALULA_STATUS_PLAN_DUE) && !_search.more)
+            alula_search_begin(&_controller, &_search);
+    } else if (_search.more) {
+        // A plan, one candidate in each turn of the main loop that has time.
+        alula_search_look(&_controller, &_search);
+        if (!_search.more)
+            alula_search_adopt(&_controller, &_search);
     }
     constexpr float centidegrees = 100.0f * 180.0f / 3.14159265f;
     const Vector3f rates(_command.body_rate[0], _command.body_rate[1], _command.body_rate[2]);

@@ -34,6 +34,7 @@ private:
     alula_table _table {};
     alula_input _input {};
     alula_command _command {};
+    alula_search _search {};
     alula_goal _goal {};
     bool _made {false};
     float _since {0};  // time since the last step [s]

@@ -5,7 +5,7 @@ use alula::planar::{GainParameters, Gains};
 use alula::spatial::Orientation;
 use alula::{
     BandwidthGains, GainChoice, Guidance, GuidanceParameters, GuidanceState, Hardened,
-    HardenedState, ParameterError, Parameters as _, ResponseParameters, VehicleParameters,
+    HardenedState, ParameterError, Parameters as _, ResponseParameters, Tuning, VehicleParameters,
 };
 use alula_link::{Configuration, ControllerParameters, Pacing};
 use toml::Value;
@@ -37,6 +37,8 @@ pub struct GuidanceSpec {
     pub parameters: GuidanceParameters,
     /// From which those that are not given follow by the core's rules, in place of the defaults.
     pub response: Option<ResponseParameters>,
+    /// Constants of planner and reference model, those that are not given as they were found.
+    pub tuning: Option<Tuning>,
     /// Which are given, by their rows.
     given: Vec<usize>,
 }
@@ -50,6 +52,7 @@ impl GuidanceSpec {
             thrust_n: fields.take("thrust_n")?,
             gains: fields.inner("gains")?,
             response: fields.inner("for_vehicle")?,
+            tuning: fields.inner("tuning")?,
             given: fields.given::<GuidanceParameters>(),
             parameters: fields.parameters()?,
         };
@@ -120,7 +123,8 @@ impl GuidanceSpec {
                 GainChoice::Bandwidth(gains.map_err(under)?)
             }
         };
-        Guidance::with_gains(vehicle, gains, parameters).map_err(under)
+        let tuning = self.tuning.unwrap_or_default();
+        Guidance::with_tuning(vehicle, gains, parameters, &tuning).map_err(under)
     }
 }
 
@@ -190,6 +194,9 @@ struct Flight {
 impl Controller for Flight {
     fn answer(&mut self, input: &Input, dt: f32) -> anyhow::Result<Answer> {
         let guided = self.guidance.update(&mut self.state, &input.sample, dt);
+        if guided.plan_due {
+            self.guidance.plan(&mut self.state);
+        }
         Ok(guided.into())
     }
 
@@ -215,6 +222,9 @@ struct HardenedFlight {
 impl Controller for HardenedFlight {
     fn answer(&mut self, input: &Input, dt: f32) -> anyhow::Result<Answer> {
         let guided = self.guidance.update(&mut self.state, &input.sample, dt);
+        if guided.plan_due {
+            self.guidance.plan(&mut self.state);
+        }
         Ok(guided.into())
     }
 

@@ -233,6 +233,10 @@ functions! {
         keep(f.guidance.control().plane().robust(&c.state, &c.reference, None));
     };
     guidance => |f, c, o| keep(f.guidance.update(&mut o.memory, &c.space.input, 0.01));
+    guidance_and_plan => |f, c, o| {
+        keep(f.guidance.update(&mut o.memory, &c.space.input, 0.01));
+        f.guidance.plan(&mut o.memory);
+    };
     hardened => |f, c, o| keep(f.hardened.update(&mut o.hardened, &c.space.input, 0.01));
     mission => |f, c, o| {
         let told = MissionInput {
@@ -290,6 +294,7 @@ functions! {
     norm => |f, c, o| o.number = c.v_a.norm();
     ;
     guidance_in_flight => guidance;
+    guidance_and_plan_in_flight => guidance_and_plan;
     hardened_in_flight => hardened;
     mission_in_flight => mission;
 }

@@ -116,6 +116,9 @@ void AlulaGuidance::Run()
 		_code = alula_guide(&_controller, &_input, dt, &_command, &_report);
 		vehicle_land_detected_s land{};
 		publish(now, _land_detected_sub.copy(&land) && land.landed);
+
+		if (_command.status & ALULA_STATUS_PLAN_DUE)
+			alula_plan(&_controller);
 	}
 
 	perf_end(_loop_perf);

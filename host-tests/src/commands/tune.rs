@@ -1,0 +1,115 @@
+//! `tune`: search for the constants of planner and reference model.
+
+use std::fmt::Write as _;
+use std::io::Write;
+use std::num::NonZero;
+use std::path::PathBuf;
+use std::time::Instant;
+
+use alula::{Parameters as _, Tuning};
+use alula_sim::experiment::{file_name, file_value, from_toml};
+use alula_study::files::leave_all;
+use alula_study::tune::{FACTORS, Objective, Trial, Tuner};
+use anyhow::Context as _;
+
+const BUILT_IN: &str = include_str!("../../tuning.toml");
+
+/// Search for the constants of planner and reference model, from nothing
+#[derive(clap::Args)]
+pub struct Args {
+    /// What is flown and what it costs, as TOML [default: that by which the constants were found]
+    objective: Option<PathBuf>,
+    /// Number of trials, in place of the objective's own
+    #[arg(long, value_name = "N")]
+    trials: Option<usize>,
+    /// Do not search: say what each constant may be changed by
+    #[arg(long)]
+    sensitivity: bool,
+    /// Number of threads [default: one per core]
+    #[arg(long, value_name = "N")]
+    threads: Option<NonZero<usize>>,
+    /// Folder for tuning.toml, the constants found
+    #[arg(long, value_name = "DIR", default_value = "out/tune")]
+    out: PathBuf,
+}
+
+pub fn run(args: &Args) -> anyhow::Result<()> {
+    let (origin, text) = match &args.objective {
+        Some(path) => {
+            let origin = path.display().to_string();
+            let text = std::fs::read_to_string(path).with_context(|| origin.clone())?;
+            (origin, text)
+        }
+        None => ("tuning.toml".to_owned(), BUILT_IN.to_owned()),
+    };
+    let mut objective: Objective = from_toml(&origin, &text, |_| Ok(()))?;
+    objective.trials = args.trials.unwrap_or(objective.trials);
+    let mut out = std::io::stdout().lock();
+    let begun = Instant::now();
+    let tuner = Tuner::new(&objective, args.threads).with_context(|| origin.clone())?;
+    let now = Tuning::default();
+    let committed = tuner.trials(&[now])?;
+    let committed = committed.first().context("one was asked for")?;
+    let before = committed.objective();
+    writeln!(out, "The constants as they are: objective {before:.3}")?;
+    if args.sensitivity {
+        writeln!(out, "Objective over that, with one constant changed:")?;
+        let [a, b, c, d] = FACTORS.map(|factor| format!("× {factor}"));
+        let (name, value) = ("constant", "value");
+        writeln!(out, "  {name:<20} {value:>8}  {a:>7} {b:>7} {c:>7} {d:>7}")?;
+        for row in tuner.sensitivities(&now)? {
+            let (name, value, [a, b, c, d]) = (row.name, row.value, row.ratios);
+            writeln!(
+                out,
+                "  {name:<20} {value:>8}  {a:>7.3} {b:>7.3} {c:>7.3} {d:>7.3}"
+            )?;
+        }
+        return Ok(());
+    }
+    let found = tuner.search(&objective, |trials, best| {
+        let minutes = begun.elapsed().as_secs_f64() / 60.0;
+        let least = best.objective();
+        // Without a reader the search goes on, too.
+        writeln!(
+            out,
+            "{trials:>6} trials  {minutes:6.1} min  best {least:.3}"
+        )
+        .ok();
+        out.flush().ok();
+    })?;
+    std::fs::create_dir_all(&args.out).with_context(|| args.out.display().to_string())?;
+    let file = args.out.join("tuning.toml");
+    leave_all(&file, table(&found, before, objective.trials))?;
+    let (name, after) = ("mean cost of flights", found.objective());
+    writeln!(out, "  {name:<20} {:>8} {:>8}", "as is", "found")?;
+    let rows = tuner
+        .groups()
+        .iter()
+        .zip(committed.costs.iter().zip(&found.costs));
+    for (group, (before, after)) in rows {
+        writeln!(out, "  {group:<20} {before:>8.3} {after:>8.3}")?;
+    }
+    let change = 100.0 * (after / before - 1.0);
+    writeln!(
+        out,
+        "  {:<20} {before:>8.3} {after:>8.3}  ({change:+.1} %)",
+        "objective"
+    )?;
+    writeln!(out, "left {}, a table for an experiment", file.display())?;
+    Ok(())
+}
+
+/// The constants as a table of an experiment.
+fn table(found: &Trial, before: f64, trials: usize) -> String {
+    let after = found.objective();
+    let mut text = format!(
+        "# Found by alula-sil tune in {trials} trials: objective {after:.4}; with those in the library {before:.4}.\n\
+         [controller.guidance.tuning]\n"
+    );
+    for (i, row) in Tuning::ROWS.iter().enumerate() {
+        let value = file_value(row, found.tuning.get(i));
+        // A string takes any text.
+        let _ = writeln!(text, "{} = {value:.5}", file_name(row));
+    }
+    text
+}

@@ -1,0 +1,280 @@
+//! The search for the constants of planner and reference model: [`Tuning`].
+//!
+//! The objective is the mean, over flights of campaigns that no report shows, of what each cost: figures over their scales. The
+//! same flights are flown for every trial, so that two trials differ by their constants alone.
+
+use alula::{Parameters as _, Tuning};
+use alula_sim::experiment::{Document, file_name};
+use alula_sim::figures;
+use anyhow::{Context as _, ensure};
+use nalgebra::DVector;
+use rand::SeedableRng as _;
+use rand_chacha::ChaCha8Rng;
+use serde::Deserialize;
+
+use super::evolution::Evolution;
+use super::{CampaignSource, Drawn, FaultDraw, FlightResult, Threads, each};
+
+/// What is flown, and what it costs.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Objective {
+    /// What it is for.
+    pub description: String,
+    /// Seed of the search.
+    pub seed: u64,
+    /// Number of trials.
+    pub trials: usize,
+    /// The flights.
+    pub flights: Vec<Flights>,
+}
+
+/// Flights of a campaign.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Flights {
+    /// The campaign.
+    pub campaign: String,
+    /// The first flight's number: beyond those that are reported.
+    pub first: u64,
+    /// How many.
+    pub count: u64,
+    /// What each costs.
+    pub costs: Vec<Cost>,
+}
+
+/// A figure that costs.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Cost {
+    /// Its name.
+    pub figure: String,
+    /// What costs one: of this sign, and in proportion.
+    pub one: f64,
+    /// What it costs at most, as where the flight is lost.
+    pub most: f64,
+}
+
+/// A flight that is flown for every trial.
+struct Scenario {
+    document: Document,
+    drawn: Drawn,
+    faults: Vec<FaultDraw>,
+    costs: Vec<(usize, Cost)>,
+    /// Which of the groups it is of, and its share of that.
+    group: usize,
+    share: f64,
+}
+
+/// The flights of an objective.
+pub struct Tuner {
+    scenarios: Vec<Scenario>,
+    groups: Vec<String>,
+    threads: Threads,
+}
+
+/// A trial.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trial {
+    /// The constants.
+    pub tuning: Tuning,
+    /// The mean cost of each group of flights.
+    pub costs: Vec<f64>,
+}
+
+impl Trial {
+    /// The objective: the mean of the groups.
+    pub fn objective(&self) -> f64 {
+        self.costs.iter().sum::<f64>() / self.costs.len() as f64
+    }
+}
+
+/// How far a constant may be changed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sensitivity {
+    /// Its name.
+    pub name: &'static str,
+    /// The value that was found.
+    pub value: f32,
+    /// Objective over that of the constants as they are, with this constant times [`FACTORS`].
+    pub ratios: [f64; FACTORS.len()],
+}
+
+/// By what each constant is multiplied.
+pub const FACTORS: [f32; 4] = [0.5, 0.8, 1.25, 2.0];
+
+impl Cost {
+    /// The cost of a figure. Of one that is no number it is all.
+    fn of(&self, figure: f64) -> f64 {
+        let cost = figure / self.one;
+        if cost.is_nan() {
+            self.most
+        } else {
+            cost.clamp(0.0, self.most)
+        }
+    }
+}
+
+impl Tuner {
+    /// The tuner of an `objective`.
+    pub fn new(objective: &Objective, threads: Threads) -> anyhow::Result<Self> {
+        let mut scenarios = Vec::new();
+        for (group, flights) in objective.flights.iter().enumerate() {
+            let source = CampaignSource::load(&flights.campaign, None)?;
+            let costs = flights.costs.iter().map(|cost| {
+                let index = figures::index(&cost.figure)
+                    .with_context(|| format!("{}: no figure", cost.figure))?;
+                ensure!(
+                    cost.one != 0.0 && cost.most > 0.0,
+                    "{}: one and most",
+                    cost.figure
+                );
+                Ok((index, cost.clone()))
+            });
+            let costs: Vec<_> = costs.collect::<anyhow::Result<_>>()?;
+            for number in flights.first..flights.first + flights.count {
+                let drawn = source.campaign.draw(&source.base, number)?;
+                scenarios.push(Scenario {
+                    document: drawn.document.clone(),
+                    drawn,
+                    faults: source.campaign.faults.clone(),
+                    costs: costs.clone(),
+                    group,
+                    share: 1.0 / flights.count as f64,
+                });
+            }
+        }
+        let groups = objective.flights.iter();
+        Ok(Self {
+            scenarios,
+            groups: groups.map(|flights| flights.campaign.clone()).collect(),
+            threads,
+        })
+    }
+
+    /// The campaigns of the groups.
+    pub fn groups(&self) -> &[String] {
+        &self.groups
+    }
+
+    /// What each of `tunings` costs.
+    pub fn trials(&self, tunings: &[Tuning]) -> anyhow::Result<Vec<Trial>> {
+        let flights: Vec<(usize, &Scenario)> = (0..tunings.len())
+            .flat_map(|n| self.scenarios.iter().map(move |scenario| (n, scenario)))
+            .collect();
+        let costs = each(&flights, self.threads, |(n, scenario)| {
+            Ok(scenario.share * scenario.cost(&tunings[*n])?)
+        })?;
+        let trials = tunings.iter().zip(costs.chunks(self.scenarios.len()));
+        let trials = trials.map(|(tuning, flights)| {
+            let mut costs = vec![0.0; self.groups.len()];
+            for (scenario, cost) in self.scenarios.iter().zip(flights) {
+                costs[scenario.group] += cost;
+            }
+            Trial {
+                tuning: *tuning,
+                costs,
+            }
+        });
+        Ok(trials.collect())
+    }
+
+    /// Searches from nothing: from the middle of every range, on a logarithmic scale. `see` is told of the best trial after each generation.
+    pub fn search(
+        &self,
+        objective: &Objective,
+        mut see: impl FnMut(usize, &Trial),
+    ) -> anyhow::Result<Trial> {
+        let mut random = ChaCha8Rng::seed_from_u64(objective.seed);
+        let middle = DVector::repeat(Tuning::ROWS.len(), 0.5);
+        let mut evolution = Evolution::new(middle, 0.25, None);
+        let mut best: Option<Trial> = None;
+        let mut flown = 0;
+        while flown < objective.trials {
+            let points = evolution.points(&mut random);
+            let tunings: Vec<Tuning> = points.iter().map(tuning).collect();
+            let trials = self.trials(&tunings)?;
+            flown += trials.len();
+            // What is out of its range is flown at the border, and costs a little more: the search stays inside.
+            let values = points.iter().zip(&trials).map(|(point, trial)| {
+                let beyond = point.map(|x| (x - x.clamp(0.0, 1.0)).powi(2));
+                trial.objective() + beyond.sum()
+            });
+            evolution.learn(&points, &values.collect::<Vec<_>>());
+            best = best.into_iter().chain(trials).min_by(least);
+            if let Some(best) = &best {
+                see(flown, best);
+            }
+        }
+        // The middle of the distribution owes less to chance than the best trial.
+        let middle = self.trials(&[tuning(evolution.mean())])?;
+        let found = best.into_iter().chain(middle).min_by(least);
+        found.context("trials: at least one")
+    }
+
+    /// What changing each constant of `tuning` does.
+    pub fn sensitivities(&self, tuning: &Tuning) -> anyhow::Result<Vec<Sensitivity>> {
+        let changed = |row: usize, factor: f32| {
+            let mut changed = *tuning;
+            let Some(range) = Tuning::RANGES.get(row) else {
+                return changed;
+            };
+            changed.set(row, (factor * tuning.get(row)).clamp(range.min, range.max));
+            changed
+        };
+        let rows = 0..Tuning::ROWS.len();
+        let mut tunings = vec![*tuning];
+        tunings.extend(rows.flat_map(|row| FACTORS.map(|factor| changed(row, factor))));
+        let trials = self.trials(&tunings)?;
+        let values: Vec<f64> = trials.iter().map(Trial::objective).collect();
+        let (base, rest) = values.split_first().context("there is one at least")?;
+        let rows = Tuning::ROWS.iter().enumerate().zip(rest.as_chunks().0);
+        let rows = rows.map(|((i, row), values)| Sensitivity {
+            name: row.name,
+            value: tuning.get(i),
+            ratios: values.map(|value| value / base),
+        });
+        Ok(rows.collect())
+    }
+}
+
+fn least(a: &Trial, b: &Trial) -> std::cmp::Ordering {
+    a.objective().total_cmp(&b.objective())
+}
+
+impl Scenario {
+    fn cost(&self, tuning: &Tuning) -> anyhow::Result<f64> {
+        let mut document = self.document.clone();
+        for (i, row) in Tuning::ROWS.iter().enumerate() {
+            let value = f64::from(tuning.get(i));
+            let value = if row.unit == "rad" {
+                value.to_degrees()
+            } else {
+                value
+            };
+            document.assign(&format!(
+                "controller.guidance.tuning.{}={value:?}",
+                file_name(row)
+            ))?;
+        }
+        let drawn = Drawn {
+            experiment: document.checked()?,
+            document,
+            ..self.drawn.clone()
+        };
+        let result = FlightResult::fly(&drawn, &self.faults)?;
+        let costs = self.costs.iter();
+        Ok(costs.map(|(i, cost)| cost.of(result.figures[*i])).sum())
+    }
+}
+
+/// The constants at a point: 0 to 1 is each range, on a logarithmic scale.
+fn tuning(point: &DVector<f64>) -> Tuning {
+    let mut tuning = Tuning::default();
+    for (i, (range, x)) in Tuning::RANGES.iter().zip(point).enumerate() {
+        let (min, max) = (f64::from(range.min), f64::from(range.max));
+        let value = min * (max / min).powf(x.clamp(0.0, 1.0));
+        tuning.set(i, (value as f32).clamp(range.min, range.max));
+    }
+    tuning
+}
