@@ -85,16 +85,6 @@ memory!(PlanarModelState {
     thrust: f32,
 });
 
-impl PlanarModelState {
-    /// Whether every number is one that a virtual flight can have left. NaN is not.
-    pub(super) fn is_sound(&self) -> bool {
-        self.velocity.norm_squared() <= 1e8
-            && self.position.norm_squared() <= 1e10
-            && self.theta.abs() + self.rate.abs() <= 1e3
-            && self.thrust.abs() <= 1e7
-    }
-}
-
 /// The virtual vehicle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

@@ -18,7 +18,6 @@ use super::reference_model::{Plan, PlanarModelState, ReferenceModel, StepLength}
 use crate::aero::Aerodynamics;
 use crate::frame::{Attitude, Inertial};
 use crate::math;
-use crate::reference::MAX_SPEED;
 use crate::vehicle::Vehicle;
 
 /// Steps of a rollout, the first of the short one \[s\], and the growth from one to the next: 2.09 s in all.
@@ -147,21 +146,6 @@ memory!(PlanRequest {
     missed_lateral_acceleration: f32,
     altitude_band: f32,
 });
-
-impl PlanRequest {
-    /// Whether every number is one that a fast step can have left. NaN is not.
-    pub fn is_sound(&self) -> bool {
-        self.flight.is_sound()
-            && self.wind.norm_squared()
-                + self.velocity.norm_squared()
-                + self.acceleration.norm_squared()
-                <= 8.0 * MAX_SPEED * MAX_SPEED
-            && self.gravity.abs() + self.missed_lateral_acceleration.abs() <= 1e5
-            && self.air_force_scale.abs() <= 1e3
-            && self.missing_thrust.abs() <= 1e7
-            && self.altitude_band.abs() <= 1e4
-    }
-}
 
 /// What a plan comes to.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

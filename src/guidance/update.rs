@@ -407,7 +407,8 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         input: &GuidanceInput,
         dt: f32,
     ) -> GuidanceOutput {
-        // Before anything else reads the state.
+        // Before anything else reads the state. An absurd vehicle or reference takes the reference model beyond all bounds, too: it begins
+        // anew from the real vehicle.
         let sound = self.is_sound(state);
         if !sound {
             self.reset(state);
@@ -419,10 +420,6 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         } else {
             Err(RejectReason::TimeStep)
         };
-        // An absurd vehicle or reference takes the virtual flight beyond all bounds: it begins anew from the real one.
-        if !self.is_sound(state) {
-            self.reset(state);
-        }
         let mode = self
             .supervisor
             .advance(&mut state.supervision, result.is_ok(), dt);

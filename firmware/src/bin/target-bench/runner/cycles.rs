@@ -50,8 +50,8 @@ const ONE: &[&str] = &[
     "adc", "add", "addw", "adr", "and", "asr", "bfc", "bfi", "bic", "clz", "cmn", "cmp", "eor",
     "lsl", "lsr", "mla", "mls", "mov", "mrs", "msr", "movt", "movw", "mul", "mvn", "nop", "orn",
     "orr", "rbit", "rev", "ror", "rsb", "sbc", "sbfx", "smlal", "smull", "ssat", "sub", "subw",
-    "sxtb", "sxth", "teq", "tst", "ubfx", "umlal", "umull", "uqsub8", "usat", "uxtb", "uxth",
-    "vcmp", "vcmpe", "vmrs", "vmsr",
+    "sxtb", "sxth", "teq", "tst", "ubfx", "umlal", "umull", "uqadd8", "uqsub8", "usat", "uxtab",
+    "uxtb", "uxth", "vcmp", "vcmpe", "vmrs", "vmsr",
 ];
 /// Floating-point arithmetic.
 const FLOAT: &[(&str, u32)] = &[
