@@ -66,19 +66,19 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         }
         return Ok(());
     }
+    std::fs::create_dir_all(&args.out).with_context(|| args.out.display().to_string())?;
+    let file = args.out.join("tuning.toml");
     let found = tuner.search(&objective, |trials, best| {
         let minutes = begun.elapsed().as_secs_f64() / 60.0;
         let least = best.objective();
-        // Without a reader the search goes on, too.
         writeln!(
             out,
             "{trials:>6} trials  {minutes:6.1} min  best {least:.3}"
-        )
-        .ok();
-        out.flush().ok();
+        )?;
+        out.flush()?;
+        // What was found before an interruption stays.
+        leave_all(&file, table(best, before, trials))
     })?;
-    std::fs::create_dir_all(&args.out).with_context(|| args.out.display().to_string())?;
-    let file = args.out.join("tuning.toml");
     leave_all(&file, table(&found, before, objective.trials))?;
     let (name, after) = ("mean cost of flights", found.objective());
     writeln!(out, "  {name:<20} {:>8} {:>8}", "as is", "found")?;

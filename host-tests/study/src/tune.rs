@@ -183,7 +183,7 @@ impl Tuner {
     pub fn search(
         &self,
         objective: &Objective,
-        mut see: impl FnMut(usize, &Trial),
+        mut see: impl FnMut(usize, &Trial) -> anyhow::Result<()>,
     ) -> anyhow::Result<Trial> {
         let mut random = ChaCha8Rng::seed_from_u64(objective.seed);
         let middle = DVector::repeat(Tuning::ROWS.len(), 0.5);
@@ -203,7 +203,7 @@ impl Tuner {
             evolution.learn(&points, &values.collect::<Vec<_>>());
             best = best.into_iter().chain(trials).min_by(least);
             if let Some(best) = &best {
-                see(flown, best);
+                see(flown, best)?;
             }
         }
         // The middle of the distribution owes less to chance than the best trial.

@@ -10,6 +10,7 @@ use alula::{
 use alula_link::{Configuration, ControllerParameters, Pacing};
 use toml::Value;
 
+use super::plans::{PlanSpec, PlanTask};
 use super::{Answer, Controller, Input, Kind, Spec};
 use crate::experiment::{
     Experiment, FaultKind, FieldError, Fields, Model, NO_LIMITS, VehicleSpec, refused,
@@ -39,6 +40,8 @@ pub struct GuidanceSpec {
     pub response: Option<ResponseParameters>,
     /// Constants of planner and reference model, those that are not given as they were found.
     pub tuning: Option<Tuning>,
+    /// When plans come.
+    pub plans: PlanSpec,
     /// Which are given, by their rows.
     given: Vec<usize>,
 }
@@ -53,6 +56,7 @@ impl GuidanceSpec {
             gains: fields.inner("gains")?,
             response: fields.inner("for_vehicle")?,
             tuning: fields.inner("tuning")?,
+            plans: fields.take("plans")?.unwrap_or_default(),
             given: fields.given::<GuidanceParameters>(),
             parameters: fields.parameters()?,
         };
@@ -140,11 +144,13 @@ impl Spec for GuidanceSpec {
                 Box::new(HardenedFlight {
                     guidance: Hardened::new(guidance),
                     state: HardenedState::default(),
+                    plans: PlanTask::new(self.plans),
                 })
             } else {
                 Box::new(Flight {
                     guidance,
                     state: GuidanceState::default(),
+                    plans: PlanTask::new(self.plans),
                 })
             },
         )
@@ -189,13 +195,19 @@ impl Spec for GuidanceSpec {
 struct Flight {
     guidance: Guidance<Model, GainChoice>,
     state: GuidanceState,
+    plans: PlanTask,
 }
 
 impl Controller for Flight {
     fn answer(&mut self, input: &Input, dt: f32) -> anyhow::Result<Answer> {
         let guided = self.guidance.update(&mut self.state, &input.sample, dt);
-        if guided.plan_due {
-            self.guidance.plan(&mut self.state);
+        let plan = || {
+            let mut search = self.guidance.search(&self.state);
+            while self.guidance.look(&mut search).is_some() {}
+            search
+        };
+        if let Some(search) = self.plans.after(&guided, dt, plan) {
+            self.guidance.adopt(&mut self.state, &search);
         }
         Ok(guided.into())
     }
@@ -217,13 +229,19 @@ impl Controller for Flight {
 struct HardenedFlight {
     guidance: Hardened<Guidance<Model, GainChoice>>,
     state: HardenedState,
+    plans: PlanTask,
 }
 
 impl Controller for HardenedFlight {
     fn answer(&mut self, input: &Input, dt: f32) -> anyhow::Result<Answer> {
         let guided = self.guidance.update(&mut self.state, &input.sample, dt);
-        if guided.plan_due {
-            self.guidance.plan(&mut self.state);
+        let plan = || {
+            let mut search = self.guidance.search(&self.state);
+            while self.guidance.look(&mut search).is_some() {}
+            search
+        };
+        if let Some(search) = self.plans.after(&guided, dt, plan) {
+            self.guidance.adopt(&mut self.state, &search);
         }
         Ok(guided.into())
     }

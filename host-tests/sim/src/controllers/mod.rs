@@ -5,6 +5,7 @@
 
 mod guidance;
 mod law;
+mod plans;
 
 use std::borrow::Cow;
 
