@@ -1,4 +1,4 @@
-//! The vertical plane in which the virtual vehicle flies, and the axes of that plane when it is banked.
+//! The vertical plane in which the reference model flies, and the axes of that plane when it is banked.
 
 use super::memory::memory;
 use super::reference_model::limited;

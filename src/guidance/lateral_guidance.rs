@@ -1,4 +1,4 @@
-//! The virtual flight in space: the planner's flight in its plane, and the turning of that plane.
+//! The reference model in space: the planner's flight in its plane, and the turning of that plane.
 //!
 //! Starting, braking and descending happen in the plane of flight, turning around it. The plane contains the course and
 //! apparent gravity, that is gravity less the acceleration to the side: in a turn of load factor n the planner flies the
@@ -36,7 +36,7 @@ const TAKEOVER: f32 = 0.8;
 const STAY: f32 = 0.3;
 /// Rate at which the course approaches its aim [1/s].
 const COURSE_GAIN: f32 = 2.0;
-/// Cosine of the angle between the real wing and the virtual one below which the course turns more slowly: it waits for the
+/// Cosine of the angle between the vehicle's wing and the model's below which the course turns more slowly: it waits for the
 /// vehicle.
 const WAIT: f32 = 0.5;
 /// Airspeed [m/s] below which a lateral acceleration turns the course less.
@@ -44,7 +44,7 @@ const SLOW: f32 = 3.0;
 /// Part of the greatest angular rate that the course may turn with.
 const SHARE_OF_RATE: f32 = 0.5;
 
-/// Where the virtual vehicle is, in world axes.
+/// Where the reference model is, in world axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct ReferenceModelState {
@@ -74,20 +74,20 @@ memory!(ReferenceModelState {
     thrust: f32,
 });
 
-/// Farther \[m\] than this a vehicle is not behind its virtual flight, and not by more speed [m/s]. In 2,500 flights of campaigns it was 26 m,
+/// Farther \[m\] than this a vehicle is not behind its reference model, and not by more speed [m/s]. In 2,500 flights of campaigns it was 26 m,
 /// after a jump of the measured position, and 8 m/s.
 const APART: f32 = 50.0;
 const SLIPPING: f32 = 25.0;
 
 impl ReferenceModelState {
-    /// Whether it may be the virtual flight of a vehicle with this velocity [m/s] and position \[m\].
+    /// Whether it may be the reference model of a vehicle with this velocity [m/s] and position \[m\].
     #[inline(always)]
     pub fn is_near(&self, velocity: Ned, position: Ned) -> bool {
         (self.position - position).norm_squared() <= APART * APART
             && (self.velocity - velocity).norm_squared() <= SLIPPING * SLIPPING
     }
 
-    /// Whether every number is one that a virtual flight can have left. NaN is not.
+    /// Whether every number is one that a reference model can have left. NaN is not.
     pub fn is_sound(&self) -> bool {
         self.velocity.norm_squared() <= 1e8
             && self.position.norm_squared() <= 1e10
@@ -118,7 +118,7 @@ pub(super) struct LateralGuidance {
     rate: f32,
 }
 
-/// What a step of the virtual flight goes by.
+/// What a step of the reference model goes by.
 pub(super) struct LateralGuidanceInput<'a> {
     pub reference: &'a Reference,
     pub planner_options: &'a PlannerOptions,
@@ -128,11 +128,11 @@ pub(super) struct LateralGuidanceInput<'a> {
     pub air_force_scale: f32,
     /// Part \[N\] of the greatest thrust that is not there.
     pub missing_thrust: f32,
-    /// Cosine of the angle between the real wing and the virtual one.
+    /// Cosine of the angle between the vehicle's wing and the model's.
     pub wing_alignment: f32,
 }
 
-/// What a step of the virtual flight gives.
+/// What a step of the reference model gives.
 pub(super) struct ReferenceModelOutput<'a, A> {
     /// Velocity [m/s] and position \[m\] in the middle of the step, over which the command holds.
     pub velocity: Ned,
@@ -437,7 +437,7 @@ mod tests {
         }
     }
 
-    /// Still air, all of the thrust, the wing where the virtual one is.
+    /// Still air, all of the thrust, the wing where the model's is.
     fn calm(reference: &Reference) -> LateralGuidanceInput<'_> {
         LateralGuidanceInput {
             reference,
@@ -449,7 +449,7 @@ mod tests {
         }
     }
 
-    /// Flies to `reference` in still air with the wing where the virtual one is; gives what is seen at every step.
+    /// Flies to `reference` in still air with the wing where the model's is; gives what is seen at every step.
     fn fly(
         start: ReferenceModelState,
         reference: &Reference,

@@ -362,7 +362,7 @@ mod tests {
         search
     }
 
-    /// A virtual flight on its own: what it did at worst.
+    /// A reference model on its own: what it did at worst.
     struct FlightSummary {
         end: PlanarModelState,
         low: f32,

@@ -16,7 +16,7 @@ pub struct PlannerOptions {
     /// wing across the flow at most, and not by its thrust. For what may not be turned over: a camera, a load, a passenger.
     pub nose_below_vertical: bool,
     /// Whether the place does not matter, but the altitude: position errors to the north and east are those of a reference
-    /// that goes along with the vehicle, as in a stop, and the virtual flight goes along, too. Else it would be left ahead and
+    /// that goes along with the vehicle, as in a stop, and the reference model goes along, too. Else it would be left ahead and
     /// pull the vehicle after it.
     pub hold_altitude_only: bool,
 }
@@ -108,7 +108,7 @@ mod tests {
         farthest: f32,
         /// Greatest altitude error \[m\].
         off: f32,
-        /// Greatest attitude of the virtual flight and of the vehicle \[rad\] while it flew forward.
+        /// Greatest attitude of the reference model and of the vehicle \[rad\] while it flew forward.
         theta: f32,
         real: f32,
         /// Speed at the end [m/s].
@@ -207,8 +207,8 @@ mod tests {
                 if s.way == 0.0 && velocity.forward() < 1.0 {
                     s.way = gone.forward();
                 }
-                let (virtual_velocity, virtual_theta) = state.reference_model();
-                if virtual_velocity.north > wind.forward() {
+                let (model_velocity, virtual_theta) = state.reference_model();
+                if model_velocity.north > wind.forward() {
                     s.theta = math::max(s.theta, virtual_theta);
                     s.real = math::max(s.real, theta);
                 }
@@ -304,7 +304,7 @@ mod tests {
         assert!(last(&spread(narrow, |s| s.speed)) < 0.05);
     }
 
-    /// Without it the virtual flight is left ahead, and pulls: the altitude is then off by 2.4 m, and it takes 29 m.
+    /// Without it the reference model is left ahead, and pulls: the altitude is then off by 2.4 m, and it takes 29 m.
     #[test]
     fn a_stop_is_held_nowhere_before_it_ends() {
         let held = How {

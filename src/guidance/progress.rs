@@ -5,7 +5,7 @@ use crate::aero::Aerodynamics;
 use crate::frame::Inertial;
 use crate::vehicle::Vehicle;
 
-/// What the virtual flight does. The numbers are those of the library for C.
+/// What the reference model does. The numbers are those of the library for C.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -155,7 +155,7 @@ mod tests {
     use crate::{Combined, CombinedParameters, Vehicle, VehicleParameters};
     use std::vec::Vec;
 
-    /// A guidance that is told where the virtual vehicle is: what it says over `seconds`.
+    /// A guidance that is told where the reference model is: what it says over `seconds`.
     fn said(
         (thrust_min, thrust_max): (f32, f32),
         reference: Inertial,

@@ -1,4 +1,4 @@
-//! The virtual flight: the vehicle as it is believed to be, flown ahead of the real one.
+//! The reference model: the vehicle as it is believed to be, flown ahead of the real one.
 //!
 //! Its attitude follows a target within the limits of rate and slew, its thrust stays within its limits, and its velocity
 //! follows from the believed forces. So whatever it does can be flown, as far as the belief is right.
@@ -15,7 +15,7 @@ use crate::math;
 use crate::reference::Reference;
 use crate::vehicle::Vehicle;
 
-/// Part of the actuators' limits that the virtual flight uses. The rest is left for corrections.
+/// Part of the actuators' limits that the reference model uses. The rest is left for corrections.
 const SHARE_OF_RATE: f32 = 0.99;
 const SHARE_OF_SLEW: f32 = 0.5;
 /// Distance from the target of a turn \[rad\] beyond which it is gone to no faster. With [`ATTITUDE_STEP`], less than π/4 a
@@ -34,7 +34,7 @@ const VERTICAL_STEP: f32 = 0.6;
 /// Greatest angle \[rad\] by which the attitude is turned ahead with the course: 0.59 rad/s where it goes to its target at 9 1/s.
 /// Without a limit one of 60 missions in turbulence of which only the steady wind is known sinks 43 m, in place of 20.
 const MAX_AHEAD: f32 = 0.065;
-/// Greatest rate to which the air turns the virtual vehicle [rad/s].
+/// Greatest rate to which the air turns the reference model [rad/s].
 const MOST_RATE: f32 = 6.0;
 /// Angular acceleration [rad/s²] that thrust is raised for, besides what the wing takes.
 const RAISED: f32 = 5.0;
@@ -43,7 +43,7 @@ const STOPPING: f32 = 1.0;
 /// Squared airspeed [m²/s²] from which on the air has a course.
 const SLOWEST_SQUARED: f32 = 0.1;
 
-/// Where the virtual vehicle is.
+/// Where the reference model is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PlanarModelState {
@@ -85,7 +85,7 @@ memory!(PlanarModelState {
     thrust: f32,
 });
 
-/// The virtual vehicle.
+/// The reference model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ReferenceModel {
@@ -144,7 +144,7 @@ struct Forces {
 }
 
 impl ReferenceModel {
-    /// The virtual `vehicle` with these parameters, which have been checked.
+    /// The model of `vehicle` with these parameters, which have been checked.
     pub fn new<A: Aerodynamics>(
         p: &GuidanceParameters,
         vehicle: &Vehicle<A>,
@@ -518,7 +518,7 @@ mod tests {
         Vehicle::new(VehicleParameters::PAPER, model).unwrap()
     }
 
-    /// A step of the virtual flight of `vehicle` with the default parameters: its acceleration.
+    /// A step of the reference model of `vehicle` with the default parameters: its acceleration.
     fn advance(
         vehicle: &Vehicle<Combined>,
         flight: &mut PlanarModelState,
@@ -540,7 +540,7 @@ mod tests {
 
     /// The acceleration is that of the believed forces, thrust, rate and slew are inside their limits, whatever is asked.
     #[test]
-    fn the_virtual_flight_can_be_flown() {
+    fn the_reference_model_can_be_flown() {
         let p = GuidanceParameters::default();
         let vehicle = vehicle();
         let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(3);

@@ -1,7 +1,7 @@
-//! The tracker: it brings the real vehicle to the virtual one.
+//! The tracker: it brings the vehicle to the reference model.
 //!
-//! On a sheet of equilibria it is the law in space ([`WingedControl`]) for the virtual flight's velocity and acceleration:
-//! in the plane of symmetry the robust law (`eq:inputsVCeR`), with the virtual attitude fed forward, tilt and twist across
+//! On a sheet of equilibria it is the law in space ([`WingedControl`]) for the reference model's velocity and acceleration:
+//! in the plane of symmetry the robust law (`eq:inputsVCeR`), with the model's attitude fed forward, tilt and twist across
 //! it. Near a fold that law would turn the vehicle to whichever equilibrium is nearer, so there the pitch gives way to the
 //! attitude alone.
 
@@ -20,19 +20,19 @@ use crate::ned::Ned;
 use crate::reference::MAX_SPEED;
 use crate::spatial::{Body, Command, Heading, Orientation, Reference, State, WingedControl};
 
-/// How far to either side of the virtual attitude the slope of F̄_2 is looked at \[rad\].
+/// How far to either side of the model's attitude the slope of F̄_2 is looked at \[rad\].
 const REACH: f32 = 0.087;
 /// Slope of F̄_2 from which on an equilibrium is on a sheet, in multiples of the weight.
 const SHEET: f32 = 0.29;
-/// Distance from the virtual attitude \[rad\] up to which the vehicle is taken to be on the virtual vehicle's sheet, and
+/// Distance from the model's attitude \[rad\] up to which the vehicle is taken to be on the model's sheet, and
 /// beyond twice which it is not.
 const NEAR: f32 = 0.17;
-/// Cosine of the angle between the vehicle's right wing and the virtual one's: below the first the vehicle does not fly in
+/// Cosine of the angle between the vehicle's right wing and the model's: below the first the vehicle does not fly in
 /// the plane of flight, above the second it does.
 const ASIDE: f32 = 0.5;
 const ALONG: f32 = 0.8;
 
-/// Part of the greatest rate by which the lag of the rate loop is made up for. Where the servo meets stall the virtual rate
+/// Part of the greatest rate by which the lag of the rate loop is made up for. Where the servo meets stall the model's rate
 /// goes to and fro at its slew limit. All of the lag's lead would then leave nothing of the limits to bring the attitude
 /// back: of 30 noisy round trips 6 sank more than 1.5 m, the worst 8 m.
 const LAG_SHARE: f32 = 0.4;
@@ -43,7 +43,7 @@ const STIFF: f32 = 0.25;
 /// Greatest change of the pitch rate that thrust is given for [rad/s²].
 const MAX_CHANGE: f32 = 15.0;
 
-/// Attitude behind the virtual one \[rad\] from which on less authority is believed in, and at which none is: the air holds the nose, and
+/// Attitude behind the model's \[rad\] from which on less authority is believed in, and at which none is: the air holds the nose, and
 /// it takes thrust to turn it. Without, an elevon wing circled down on its back at the elevons' stop, motors at rest.
 const BEHIND: f32 = 0.3;
 const HELD: f32 = 0.5;
@@ -165,7 +165,7 @@ impl Tracker {
         let weight = plane.vehicle().weight();
         let (axes, attitude) = (&model.axes, &state.orientation);
 
-        // On which side of F_p the virtual attitude lies, and how far from a fold.
+        // On which side of F_p the model's attitude lies, and how far from a fold.
         let v_a = axes.project(state.velocity - state.wind);
         let at = |theta| transverse_force(&model.vehicle, theta, v_a, model.in_plane);
         let middle = at(flight.theta);

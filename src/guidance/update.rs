@@ -1,6 +1,6 @@
 //! One step of the guidance.
 //!
-//! supervision → planner → virtual flight → tracker (the robust law) → actuator limits. What is remembered is in
+//! supervision → planner → reference model → tracker (the robust law) → actuator limits. What is remembered is in
 //! [`GuidanceState`], and nowhere else.
 
 use super::accelerometer::{Accelerometer, AccelerometerState};
@@ -66,7 +66,7 @@ use crate::vehicle::Vehicle;
 pub struct Guidance<A, G = BandwidthGains> {
     /// The velocity law.
     control: WingedControl<A, G>,
-    /// Which plan the virtual vehicle flies by.
+    /// Which plan the reference model flies by.
     planner: Planner,
     /// How the plane turns in which it does.
     lateral_guidance: LateralGuidance,
@@ -137,7 +137,7 @@ setters! {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct GuidanceState {
     pub(super) supervision: SupervisionState,
-    /// The virtual flight.
+    /// The reference model.
     pub(super) flight: ReferenceModelState,
     /// The plan it flies by.
     planner: PlannerState,
@@ -150,7 +150,7 @@ pub struct GuidanceState {
     accelerometer: AccelerometerState,
     air: AirEstimateState,
     pub(super) limits: LimitState,
-    /// 1 once the virtual flight has begun.
+    /// 1 once the reference model has begun.
     pub(super) started: u8,
     /// Last good reference velocity [m/s].
     pub(super) held: Ned,
@@ -177,7 +177,7 @@ pub struct GuidanceOutput {
     pub status: Status,
     /// Margins of well-posedness; zero unless the law was flown.
     pub margin: Margin,
-    /// The reference that the law was given: the virtual flight's velocity, pull and integral, and its acceleration.
+    /// The reference that the law was given: the reference model's velocity, pull and integral, and its acceleration.
     pub reference: Reference,
     /// What is being done, and what of the reference cannot be had.
     pub progress: Progress,
@@ -234,7 +234,7 @@ impl GuidanceState {
         self.integral
     }
 
-    /// Velocity [m/s] of the virtual flight, and its attitude θ \[rad\] in the plane of flight.
+    /// Velocity [m/s] of the reference model, and its attitude θ \[rad\] in the plane of flight.
     pub fn reference_model(&self) -> (Ned, f32) {
         (self.flight.velocity, self.flight.theta)
     }
@@ -244,7 +244,7 @@ impl GuidanceState {
 const GUSTS: f32 = 0.3;
 /// How fast the model's position is resynchronised to the real one where the law has no say, against its velocity.
 const RESYNCHRONISATION_POSITION_SHARE: f32 = 0.6;
-/// Distance of the virtual attitude from the real one \[rad\] beyond which it is drawn to that, and how fast [1/s]. A rate loop of 100 ms stays
+/// Distance of the model's attitude from the real one \[rad\] beyond which it is drawn to that, and how fast [1/s]. A rate loop of 100 ms stays
 /// 0.3 rad behind at the greatest rate.
 const ATTITUDE_APART: f32 = 0.45;
 const ATTITUDE_RESYNCHRONISATION: f32 = 20.0;
@@ -640,7 +640,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             None => state.reckoned,
         };
 
-        // The virtual flight begins with the real one, and begins anew where it has nothing to do with it: after a jump of position or reference,
+        // The reference model begins with the vehicle, and begins anew where it has nothing to do with it: after a jump of position or reference,
         // or if the memory holds another flight's. It is counted from the same turn as the real attitude.
         let vehicle = self.control.plane().vehicle();
         let begun = state.started == 1 && state.flight.is_near(input.velocity, position);
@@ -674,8 +674,8 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         }
         state.wind += (wind - state.wind) * math::min(dt / GUSTS, 1.0);
         if input.planner_options.hold_altitude_only {
-            let virtual_place = &mut state.flight.position;
-            (virtual_place.north, virtual_place.east) = (position.north, position.east);
+            let model_place = &mut state.flight.position;
+            (model_place.north, model_place.east) = (position.north, position.east);
         }
         let turns = theta + wrap(state.flight.theta - theta) - state.flight.theta;
         state.flight.theta += turns;
@@ -729,7 +729,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             dt,
         );
         state.saturated = limited.saturated;
-        // Where the law has no say the virtual flight is resynchronised to the real one: that is how it is planned anew.
+        // Where the law has no say the reference model is resynchronised to the vehicle: that is how it is planned anew.
         let resynchronisation = self.planner.reference_model.tuning.resynchronisation;
         let resynchronised = math::min((1.0 - tracked.law) * resynchronisation * dt, 1.0);
         let flight = &mut state.flight;
@@ -881,7 +881,7 @@ mod tests {
         state
     }
 
-    /// On a sheet, with the virtual flight at rest, no limit met and nothing to pull or to integrate, the command is the
+    /// On a sheet, with the reference model at rest, no limit met and nothing to pull or to integrate, the command is the
     /// paper's robust law's.
     #[test]
     fn on_a_sheet_the_command_is_the_laws_to_the_bit() {
@@ -1220,7 +1220,7 @@ mod tests {
         while guided.mode != Mode::Flying {
             guided = guidance.update_in_plane(&mut state, &moving, DT);
         }
-        // The virtual flight sets out from the velocity there is. 0.1 m/s: one step at 1 g.
+        // The reference model sets out from the velocity there is. 0.1 m/s: one step at 1 g.
         let (velocity, _) = state.reference_model();
         assert!((velocity.to_plane() - moving.velocity).norm() < 0.1);
     }
@@ -1264,8 +1264,8 @@ mod tests {
             }
             assert_eq!(guided.mode, Mode::Flying);
             assert!(guided.status.contains(Status::REFERENCE_HELD));
-            // The virtual flight has settled on the last one. 0.05 m/s: the vehicle itself does not move, so the position
-            // reckoned is at its bound, and a little of the virtual one's with it.
+            // The reference model has settled on the last one. 0.05 m/s: the vehicle itself does not move, so the position
+            // reckoned is at its bound, and a little of the model's with it.
             let (velocity, _) = state.reference_model();
             assert!((velocity.to_plane() - fresh.reference.velocity).norm() < 0.05);
             let back = guidance.update_in_plane(&mut state, &fresh, DT);
@@ -1325,9 +1325,9 @@ mod tests {
         }
     }
 
-    /// A virtual flight that could be one, but of another vehicle: it begins anew from the real one, and nothing is flown to.
+    /// A reference model that could be one, but of another vehicle: it begins anew from the real one, and nothing is flown to.
     #[test]
-    fn a_virtual_flight_far_from_the_real_one_begins_anew() {
+    fn a_reference_model_far_from_the_vehicle_begins_anew() {
         let guidance = guidance();
         let corrupt: [fn(&mut GuidanceState); 3] = [
             |s| s.flight.position.down = 9e4,
@@ -1339,7 +1339,7 @@ mod tests {
             corrupt(&mut state);
             let guided = guidance.update_in_plane(&mut state, &HOVER, DT);
             assert_eq!(guided.command.thrust, 9.0 * 9.81);
-            // One step of the virtual flight away.
+            // One step of the reference model away.
             assert!(state.flight.position.norm_squared() < 1e-4);
             assert!(state.flight.velocity.norm_squared() < 1e-2);
         }
