@@ -93,6 +93,9 @@ impl World {
             ..PlanarGuidanceInput::default()
         };
         let guided = self.guidance.update(memory, &(&input).into(), DT);
+        if guided.plan_due {
+            self.guidance.plan(memory);
+        }
         let guided = PlanarGuidanceOutput::from(&guided);
         for _ in 0..4 {
             let h = DT / 4.0;

@@ -234,6 +234,12 @@ mod tests {
                     None => bandwidth.update(&mut own, &input, 0.01),
                     Some(_) => constant.update(&mut held, &input, 0.01),
                 };
+                if want.plan_due {
+                    match gains {
+                        None => bandwidth.plan(&mut own),
+                        Some(_) => constant.plan(&mut held),
+                    }
+                }
                 let got = linked.step(&Input::Guidance { input, dt: 0.01 });
                 assert_eq!(got, Answer::Guidance(want), "{n}");
             }

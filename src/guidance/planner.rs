@@ -209,7 +209,7 @@ impl PlannerState {
         self.first = candidates::after(search.first, search.looked);
         self.planned = search.request.velocity;
         // In the mean one in each period, and none twice.
-        self.due = math::clamp(self.due + PLAN_PERIOD, 0.5 * PLAN_PERIOD, PLAN_PERIOD);
+        self.due = math::clamp(self.due + PLAN_PERIOD, 0.5 * PLAN_PERIOD, 1.5 * PLAN_PERIOD);
     }
 }
 

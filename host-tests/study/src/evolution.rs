@@ -138,7 +138,7 @@ mod tests {
                 .map(|p| 100.0 * (p[1] - p[0] * p[0]).powi(2) + (1.0 - p[0]).powi(2))
                 .sum()
         };
-        let found = least(valley, &[-0.5, 0.4, 0.0, 0.2, -0.3], 600);
+        let found = least(valley, &[0.5, 0.4, 0.0, 0.2, -0.3], 1000);
         assert!((found - DVector::repeat(5, 1.0)).norm() < 1e-3);
     }
 
@@ -151,7 +151,7 @@ mod tests {
                 .map(|(i, x)| (1000f64.powf(i as f64 / 7.0) * x).powi(2))
                 .sum()
         };
-        let found = least(ellipsoid, &[1.0; 8], 300);
+        let found = least(ellipsoid, &[1.0; 8], 800);
         assert!(found.norm() < 1e-3, "{found}");
     }
 }
