@@ -52,7 +52,7 @@
 #define ALULA_ERROR_TIME_STEP -5
 
 /**
- * A selector of the input (body axes, flags) has no such value, or the flags contradict each other.
+ * A selector (body axes, flags, a response) has no such value, or the flags contradict each other.
  */
 #define ALULA_ERROR_SELECTOR -6
 
@@ -193,8 +193,53 @@
 #define ALULA_ERROR_TABLE_TOO_MANY -39
 
 /**
+ * Item: its kind has no such value.
+ */
+#define ALULA_ERROR_ITEM_KIND -50
+
+/**
+ * Item: its place is not finite, or farther than 100 km from where positions are counted from.
+ */
+#define ALULA_ERROR_ITEM_PLACE -51
+
+/**
+ * Item: its radius is not finite, or above 100 km.
+ */
+#define ALULA_ERROR_ITEM_RADIUS -52
+
+/**
+ * Item: its value is not finite, negative, or beyond what the vehicle does.
+ */
+#define ALULA_ERROR_ITEM_VALUE -53
+
+/**
+ * Item: its turn is narrower than the vehicle can fly at its speed.
+ */
+#define ALULA_ERROR_ITEM_NARROW -54
+
+/**
+ * Item: its speed is less than the wing carries.
+ */
+#define ALULA_ERROR_ITEM_SLOW -55
+
+/**
+ * Item: a take-off is the first item, or stands after a landing.
+ */
+#define ALULA_ERROR_ITEM_NOT_FIRST -56
+
+/**
+ * Item: after a landing only a take-off.
+ */
+#define ALULA_ERROR_ITEM_AFTER_LANDING -57
+
+/**
+ * Item: there are more than `ALULA_MISSION_ITEMS`.
+ */
+#define ALULA_ERROR_ITEM_TOO_MANY -58
+
+/**
  * Codes from here down name a parameter: `ALULA_ERROR_PARAMETER - 4 * index - problem`. The index is the parameter's place
- * in `alula_parameters`, from 0. The problem is 0 for a number that is not finite, 1 for one that is not positive, 2 for one
+ * in `alula_parameters`, from 0, and behind those in `alula_mission_parameters`. The problem is 0 for a number that is not finite, 1 for one that is not positive, 2 for one
  * out of range, 3 for one that contradicts another parameter.
  */
 #define ALULA_ERROR_PARAMETER -100
@@ -387,6 +432,201 @@
 #define ALULA_GOAL_VELOCITY 3
 
 /**
+ * Most items of a mission.
+ */
+#define ALULA_MISSION_ITEMS 128
+
+/**
+ * Item: straight up from where it stands, to the height `value` [m] over that. The first item, or the one after a landing.
+ */
+#define ALULA_ITEM_TAKE_OFF 1
+
+/**
+ * Item: past `place` by it: an arc rounds the corner.
+ */
+#define ALULA_ITEM_BY 2
+
+/**
+ * Item: over `place`, on the course of the longer of its two legs.
+ */
+#define ALULA_ITEM_OVER 3
+
+/**
+ * Item: to a stop at `place`, for the time `value` [s].
+ */
+#define ALULA_ITEM_HOVER 4
+
+/**
+ * Item: round `place` with `radius`, for ever.
+ */
+#define ALULA_ITEM_LOITER 5
+
+/**
+ * Item: round `place` with `radius`, `value` turns.
+ */
+#define ALULA_ITEM_LOITER_TURNS 6
+
+/**
+ * Item: round `place` with `radius`, for the time `value` [s].
+ */
+#define ALULA_ITEM_LOITER_TIME 7
+
+/**
+ * Item: the airspeed `value` [m/s] from here on. Below the least of the wing it is a speed over ground, in hover.
+ */
+#define ALULA_ITEM_SPEED 8
+
+/**
+ * Item: to the position down of `place`, where the vehicle is.
+ */
+#define ALULA_ITEM_ALTITUDE 9
+
+/**
+ * Item: a landing where the vehicle is.
+ */
+#define ALULA_ITEM_LAND 10
+
+/**
+ * Item: a landing at `place`, whose position down is the ground's.
+ */
+#define ALULA_ITEM_LAND_AT 11
+
+/**
+ * Item: back to where it took off, and a landing there.
+ */
+#define ALULA_ITEM_RETURN 12
+
+/**
+ * Response: the mission goes on.
+ */
+#define ALULA_RESPONSE_CONTINUE 0
+
+/**
+ * Response: a circle on the wing, a stop in hover, for as long as it lasts.
+ */
+#define ALULA_RESPONSE_LOITER 1
+
+/**
+ * Response: back to where it took off, and a landing there. It is kept to.
+ */
+#define ALULA_RESPONSE_RETURN 2
+
+/**
+ * Response: a landing where the vehicle is. It is kept to.
+ */
+#define ALULA_RESPONSE_LAND 3
+
+/**
+ * Flag of a mission: the link to whoever flies is lost.
+ */
+#define ALULA_TROUBLE_LINK 1
+
+/**
+ * Flag of a mission: nothing is known of the air.
+ */
+#define ALULA_TROUBLE_AIR (1 << 1)
+
+/**
+ * Flag of a mission: nothing is known of the position, and `position` is not read.
+ */
+#define ALULA_TROUBLE_POSITION (1 << 2)
+
+/**
+ * Flag of a mission: the battery is low.
+ */
+#define ALULA_TROUBLE_BATTERY (1 << 3)
+
+/**
+ * In `troubles`: the vehicle has been far from the path for 5 s.
+ */
+#define ALULA_TROUBLE_FOLLOW (1 << 4)
+
+/**
+ * Flag of a mission: stop. On the ground no take-off, in a landing a go-around, else a loiter, until it is taken back.
+ */
+#define ALULA_TROUBLE_ABORT (1 << 5)
+
+/**
+ * Flag of a mission: the vehicle may take off.
+ */
+#define ALULA_ARMED (1 << 8)
+
+/**
+ * Activity: on the ground, without thrust.
+ */
+#define ALULA_ACTIVITY_GROUNDED 0
+
+/**
+ * Activity: the thrust grows until it lifts off.
+ */
+#define ALULA_ACTIVITY_SPOOLING 1
+
+/**
+ * Activity: straight up.
+ */
+#define ALULA_ACTIVITY_RISING 2
+
+/**
+ * Activity: a path at an airspeed.
+ */
+#define ALULA_ACTIVITY_FLYING 3
+
+/**
+ * Activity: to a place and there, by its position.
+ */
+#define ALULA_ACTIVITY_HOVERING 4
+
+/**
+ * Activity: straight down, until it touches the ground.
+ */
+#define ALULA_ACTIVITY_DESCENDING 5
+
+/**
+ * Activity: it has touched the ground: the thrust goes off.
+ */
+#define ALULA_ACTIVITY_TOUCHED 6
+
+/**
+ * Remark: none.
+ */
+#define ALULA_REMARK_NONE 0
+
+/**
+ * Remark: the wind is stronger than the airspeed: the nose is held into it, and it drifts.
+ */
+#define ALULA_REMARK_DRIFTING 1
+
+/**
+ * Remark: the way is steeper than the wing climbs or glides: what is left is flown in a spiral at its end.
+ */
+#define ALULA_REMARK_STEEP 2
+
+/**
+ * Remark: the turn does not fit between the neighbours: the waypoint is passed over.
+ */
+#define ALULA_REMARK_TIGHT_CORNER 3
+
+/**
+ * Remark: it has not lifted off with the most thrust of a take-off.
+ */
+#define ALULA_REMARK_NO_LIFT_OFF 4
+
+/**
+ * Remark: the vehicle does not follow.
+ */
+#define ALULA_REMARK_NOT_FOLLOWING 5
+
+/**
+ * Remark: it is not armed.
+ */
+#define ALULA_REMARK_NOT_ARMED 6
+
+/**
+ * Remark: the landing waits until the vehicle is over its place.
+ */
+#define ALULA_REMARK_NOT_OVER_PLACE 7
+
+/**
  * Most equilibria of a set.
  */
 #define ALULA_EQUILIBRIA 24
@@ -478,7 +718,7 @@ typedef struct alula_controller_parameters {
     float model;
     /**
      * Gain from attitude error to angular rate of the attitude loop that flies the attitude
-     * set-point: the set-point is placed where that loop asks for the commanded rate.
+     * set-point. It is placed where that loop asks for the commanded rate.
      * Unit: 1/s. From 0.01 to 1000.0, default 6.5.
      */
     float attitude_gain;
@@ -1130,6 +1370,225 @@ typedef struct alula_report {
 } alula_report;
 
 /**
+ * How missions are flown: parameters of alula_mission_setup.
+ */
+typedef struct alula_mission_parameters {
+    /**
+     * Airspeed of the items before the first that changes the speed.
+     * Unit: m/s. From 1.0 to 340.0, no default.
+     */
+    float cruise_speed;
+    /**
+     * Bank of turns on the wing. Less where the wing does not carry it.
+     * Unit: rad. From 0.05 to 1.2, default 0.5.
+     */
+    float bank;
+    /**
+     * Acceleration on the way to a speed. On the wing it slows down by drag alone.
+     * Unit: m/s^2. From 0.1 to 10.0, default 2.0.
+     */
+    float acceleration;
+    /**
+     * Deceleration on the way to a place of hover.
+     * Unit: m/s^2. From 0.1 to 10.0, default 1.5.
+     */
+    float braking;
+    /**
+     * Greatest climb.
+     * Unit: m/s. From 0.1 to 50.0, default 3.0.
+     */
+    float climb;
+    /**
+     * Greatest sink in hover.
+     * Unit: m/s. From 0.1 to 50.0, default 1.5.
+     */
+    float sink;
+    /**
+     * Speed over ground between places that are too near to each other for the wing.
+     * Unit: m/s. From 0.1 to 50.0, default 4.0.
+     */
+    float hover_speed;
+    /**
+     * Steepest descent on the wing, in multiples of the glide without thrust.
+     * No unit. From 0.1 to 1.0, default 0.8.
+     */
+    float glide_share;
+    /**
+     * Least airspeed that is asked for on the wing, in multiples of the one there is: the wing
+     * cannot brake.
+     * No unit. From 0.0 to 1.0, default 0.9.
+     */
+    float yield_share;
+    /**
+     * Least height over the take-off to return at, and to go around to.
+     * Unit: m. From 1.0 to 10000.0, default 20.0.
+     */
+    float safe_height;
+    /**
+     * Height over the place of landing below which it is approached with landing_speed.
+     * Unit: m. From 0.5 to 100.0, default 3.0.
+     */
+    float flare_height;
+    /**
+     * Sink at touch-down.
+     * Unit: m/s. From 0.1 to 2.0, default 0.4.
+     */
+    float landing_speed;
+    /**
+     * Time in which the thrust grows to the weight before take-off.
+     * Unit: s. From 0.1 to 10.0, default 0.8.
+     */
+    float spool_time;
+    /**
+     * Speed that the propellers give the air in hover, at their discs. For the energy.
+     * Unit: m/s. From 1.0 to 100.0, default 10.0.
+     */
+    float hover_downwash;
+} alula_mission_parameters;
+
+/**
+ * How missions are flown, and what is done when something fails. `alula_mission_default` fills in the defaults.
+ */
+typedef struct alula_mission_setup {
+    /**
+     * `ALULA_HEADER(alula_mission_setup)`.
+     */
+    uint32_t header;
+    /**
+     * `cruise_speed` has no default and must be set.
+     */
+    struct alula_mission_parameters parameters;
+    /**
+     * `ALULA_RESPONSE_…` to a lost link. Of several troubles the gravest response is done.
+     */
+    uint32_t link;
+    /**
+     * To unknown air.
+     */
+    uint32_t air;
+    /**
+     * To an unknown position: it is reckoned from the velocity.
+     */
+    uint32_t position;
+    /**
+     * To a low battery.
+     */
+    uint32_t battery;
+    /**
+     * To a vehicle that does not follow.
+     */
+    uint32_t follow;
+} alula_mission_setup;
+/**
+ * The defaults; NaN where there is none. Whatever fails, the mission goes on.
+ */
+#define alula_mission_setup_DEFAULT (alula_mission_setup){ .header = alula_mission_setup_HEADER, .parameters = alula_mission_parameters_DEFAULT, .link = ALULA_RESPONSE_CONTINUE, .air = ALULA_RESPONSE_CONTINUE, .position = ALULA_RESPONSE_CONTINUE, .battery = ALULA_RESPONSE_CONTINUE, .follow = ALULA_RESPONSE_CONTINUE }
+
+/**
+ * A mission in flight: what it is told, what it says, and opaque memory. Set `header`, then call `alula_mission_init`.
+ */
+typedef struct alula_mission {
+    /**
+     * `ALULA_HEADER(alula_mission)` before `alula_mission_init`.
+     */
+    uint32_t header;
+    /**
+     * Told: sum of `ALULA_ARMED` and `ALULA_TROUBLE_…`.
+     */
+    uint32_t flags;
+    /**
+     * Told: position [m]: north, east, down.
+     */
+    float position[3];
+    /**
+     * Result: item, counted from 0; the number of items when all are done.
+     */
+    uint32_t item;
+    /**
+     * Result: `ALULA_ACTIVITY_…`.
+     */
+    uint32_t activity;
+    /**
+     * Result: `ALULA_REMARK_…`, what cannot be done as asked.
+     */
+    uint32_t remark;
+    /**
+     * Result: `ALULA_TROUBLE_…`, of what is told and of what it finds itself.
+     */
+    uint32_t troubles;
+    /**
+     * Result: `ALULA_RESPONSE_…` that is done.
+     */
+    uint32_t response;
+    /**
+     * Result: time since the item began [s].
+     */
+    float time;
+    /**
+     * Result: way to the end of the item [m].
+     */
+    float distance_to_go;
+    /**
+     * Result: time to the end of the item [s].
+     */
+    float time_to_go;
+    /**
+     * Result: way of the items after it, legs alone [m].
+     */
+    float distance_after;
+    /**
+     * Result: time of the items after it [s].
+     */
+    float time_after;
+    /**
+     * Result: energy that the propellers have given the air, by momentum theory [J].
+     */
+    float energy;
+    /**
+     * Result: how far the vehicle is to the right of its path [m].
+     */
+    float right;
+    /**
+     * Result: airspeed asked for [m/s]; 0 in hover.
+     */
+    float airspeed;
+    /**
+     * Result: thrust of steady flight at this airspeed, turn and climb [N]; the weight in hover, 0 on the ground.
+     */
+    float steady_thrust;
+    /**
+     * Private.
+     */
+    uint32_t reserved;
+    /**
+     * Private.
+     */
+    uint64_t opaque[560];
+} alula_mission;
+
+/**
+ * One item of a mission. What an item does not use is not read.
+ */
+typedef struct alula_mission_item {
+    /**
+     * `ALULA_ITEM_…`.
+     */
+    uint32_t kind;
+    /**
+     * Position [m]: north, east, down, in the world of the mission's `position`.
+     */
+    float place[3];
+    /**
+     * Radius of a loiter [m], to the right; negative to the left.
+     */
+    float radius;
+    /**
+     * Height of a take-off [m], time of a hover or loiter [s], turns of a loiter, speed [m/s].
+     */
+    float value;
+} alula_mission_item;
+
+/**
  * An attitude at which a thrust holds the reference.
  */
 typedef struct alula_equilibrium {
@@ -1338,6 +1797,19 @@ int32_t alula_goal_step(struct alula_goal *goal,
                         struct alula_input *input);
 
 /**
+ * Takes over a vehicle that flies already: at the attitude in `input`, with `thrust_normalised` and `body_rate` [rad/s] commanded last, by whoever flew
+ * it, about the axes of `input`. The first good call of `alula_guide` is flown; until it comes this command is held, for `hold` at most. What was
+ * remembered is forgotten. For what is not finite stand the safe thrust and no rotation.
+ *
+ * Pointers:
+ * As `alula_reset`; `input` and `body_rate` are as `alula_goal_step`'s `input` and `position`.
+ */
+int32_t alula_take_over(struct alula_controller *controller,
+                        const struct alula_input *input,
+                        float thrust_normalised,
+                        const float *body_rate);
+
+/**
  * One step of the guidance: supervision, reference model, outer loop, law and actuator limits. It always gives a command. If
  * the return code says that the input was refused, the command is the last one flown, for as long as `hold`
  * (`ALULA_STATUS_HOLDING`), and then the safe one: `safe_thrust`, no rotation (`ALULA_STATUS_SAFE`). A plan is due after it where the
@@ -1353,6 +1825,58 @@ int32_t alula_guide(struct alula_controller *controller,
                     float dt,
                     struct alula_command *command,
                     struct alula_report *report);
+
+/**
+ * Fills in the default of every parameter of missions; whatever fails, the mission goes on. `cruise_speed` has none, becomes NaN
+ * and must be set.
+ *
+ * Pointers:
+ * As `alula_input_default`.
+ */
+int32_t alula_mission_default(struct alula_mission_setup *setup);
+
+/**
+ * Makes `mission` one without items, before its flight, for the vehicle of `of`, which is initialised. Returns `ALULA_OK`, or the
+ * code that names the parameter refused; the mission is then not initialised.
+ *
+ * Pointers:
+ * Each pointer is null or points to memory of the caller's that holds at least the header word; the whole structure
+ * if that is right. No other call uses the mission meanwhile.
+ */
+int32_t alula_mission_init(struct alula_mission *mission,
+                           const struct alula_mission_setup *setup,
+                           const struct alula_controller *of);
+
+/**
+ * Gives `mission` these `count` items in place of its own, and goes to the one of number `from`, counted from 0: before the flight to 0,
+ * in flight to any. The items are not needed afterwards. If `refused` is not null, it is set to the item that is refused, counted from
+ * 0; then the mission is as before.
+ *
+ * Pointers:
+ * `mission` as in `alula_mission_init`. `items` is null or points to `count` items, `refused` is null or points to a number.
+ */
+int32_t alula_mission_items(struct alula_mission *mission,
+                            const struct alula_mission_item *items,
+                            uint32_t count,
+                            uint32_t from,
+                            uint32_t *refused);
+
+/**
+ * One step of a mission and of the guidance, `dt` [s] after the last: in place of `alula_guide`, with the attitude, velocity and air
+ * that are in `input`, and with `flags` and `position` in `mission`. References in `input` are not read. On the ground the command is
+ * the safe one, and the controller is as at power-on; during spool-up the thrust is bounded. What the mission says is in its results.
+ * Codes and commands are those of `alula_guide`; if the mission or its flags are at fault, there was no step, and the command is that
+ * of `alula_command_default`. `report` may be null.
+ *
+ * Pointers:
+ * As `alula_guide`, and no other call uses the mission meanwhile.
+ */
+int32_t alula_mission_fly(struct alula_mission *mission,
+                          struct alula_controller *controller,
+                          const struct alula_input *input,
+                          float dt,
+                          struct alula_command *command,
+                          struct alula_report *report);
 
 /**
  * One step of the bare law of the winged vehicle, robust: from `input` to `command`, `dt` seconds after the last. The law
