@@ -59,6 +59,12 @@ pub fn guidance(
     guidance.update(state, input, dt)
 }
 
+/// A plan.
+#[inline(never)]
+pub fn plan(guidance: &Guidance<Model, GainChoice>, state: &mut GuidanceState) {
+    guidance.plan(state);
+}
+
 /// The equilibria of a reference.
 #[inline(never)]
 pub fn equilibria(

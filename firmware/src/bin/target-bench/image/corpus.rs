@@ -117,13 +117,25 @@ fn chosen(_: &Fixture, _: &Case, _: &mut Output) {
     }
 }
 
-/// One line for each of `combined` and `chosen`: calls, the most instructions of one, and the deepest stack \[bytes\].
+/// The plan after the step that is next.
+#[inline(never)]
+fn plan(_: &Fixture, _: &Case, _: &mut Output) {
+    // SAFETY: As above.
+    let call = unsafe { &mut *NEXT.0.get() };
+    match &call.guidance {
+        Made::Combined(guidance) => guidance.plan(&mut call.memory),
+        Made::Chosen(guidance) => guidance.plan(&mut call.memory),
+    }
+}
+
+/// One line for the steps of each model, the combined one and one that is chosen at run time, and one for their plans: calls, the most
+/// instructions of one, and the deepest stack \[bytes\].
 pub fn measure(fixture: &Fixture, meter: &Meter, name: &[u8]) {
     let case = sweep::case(fixture, 0);
     let mut file = File::open(name);
     let output = &mut Output::new();
     let mut configuration = None;
-    let mut worst = [(0u32, 0, 0); 2];
+    let mut worst = [(0u32, 0, 0); 3];
     while let Some(kind) = file.byte() {
         if kind == 0 {
             let ToTarget::Configure(heard) = file.message() else {
@@ -144,16 +156,22 @@ pub fn measure(fixture: &Fixture, meter: &Meter, name: &[u8]) {
             input,
             dt,
         };
-        let (function, worst): (Function, _) = match call.guidance {
-            Made::Combined(_) => (combined, &mut worst[0]),
-            Made::Chosen(_) => (chosen, &mut worst[1]),
+        let (function, kind): (Function, _) = match call.guidance {
+            Made::Combined(_) => (combined, 0),
+            Made::Chosen(_) => (chosen, 1),
         };
         NEXT.0.set(&mut call);
         let count = meter.instructions(function, &case, output);
         // SAFETY: NEXT points to it, and nothing else does.
         unsafe { (*NEXT.0.get()).memory = HardenedState::from_bytes(&bytes) };
         let stack = meter.stack(function, &case, output);
-        *worst = (worst.0 + 1, worst.1.max(count), worst.2.max(stack));
+        // The step has left the request.
+        let planned = meter.instructions(plan, &case, output);
+        let plan_stack = meter.stack(plan, &case, output);
+        for (n, count, stack) in [(kind, count, stack), (2, planned, plan_stack)] {
+            let (calls, most, deepest) = worst[n];
+            worst[n] = (calls + 1, most.max(count), deepest.max(stack));
+        }
     }
     for (calls, most, stack) in worst {
         hprintln!("{} {} {}", calls, most, stack);
