@@ -289,6 +289,20 @@ fn slow_no_flight_is_lost() {
     }
 }
 
+/// Plans come 50 ms late, every other one is missing, or none comes for 2 s of the braking and the crossings: of 30 random references each none
+/// is lost.
+#[test]
+#[ignore = "slow: cargo test-slow"]
+fn slow_plans_may_come_late_or_not_at_all() {
+    for plans in ["{late_s=0.05}", "{missing_every=2}", "{none_s=[14.0,16.0]}"] {
+        let folder = tempfile::tempdir().unwrap();
+        let changes = [format!("controller.guidance.plans={plans}")];
+        let source = CampaignSource::load_changed("envelope", Some(30), &changes).unwrap();
+        let summary = summary_of(&source, folder.path(), 2);
+        assert_eq!((summary.departed, summary.diverged), (0, 0), "{plans}");
+    }
+}
+
 /// 40 of the 1,000 random circles in wind: none is lost. How many cross the stall in the turn, of which 49 % did of 200, is for the
 /// whole campaign.
 #[test]
