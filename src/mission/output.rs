@@ -121,7 +121,7 @@ pub struct MissionProgress {
     pub distance_to_go: f32,
     /// \[s\].
     pub time_to_go: f32,
-    /// Of the items after it, legs alone \[m\].
+    /// Of the items after it, legs alone \[m\]: one item is looked at a step, and until all are it is the last sum.
     pub distance_after: f32,
     /// \[s\].
     pub time_after: f32,

@@ -48,113 +48,161 @@ fn centre(pose: Pose, radius: f32) -> Ned {
     pose.place + right_of(along(pose.course)) * radius
 }
 
-/// The line from the arc of radius `first` through `from` to the one of radius `second` round `to`, both radii signed: its course and its
-/// length.
-fn tangent(from: Pose, first: f32, to: Ned, second: f32) -> Option<(f32, f32)> {
-    let apart = to - centre(from, first);
-    let distance = level(apart);
-    let across = second - first;
-    let square = distance * distance - across * across;
-    if square < 0.0 {
-        return None;
+/// An arc of signed radius to a course, and a line.
+#[derive(Clone, Copy)]
+struct ArcAndLine {
+    radius: f32,
+    /// Angle of the arc \[rad\].
+    angle: f32,
+    /// Course and length \[m\] of the line.
+    course: f32,
+    line: f32,
+}
+
+impl ArcAndLine {
+    /// The way from the arc of signed radius `first` round `centre`, on which it begins at course `from`, to the one of signed radius `second`
+    /// round `to`.
+    fn new(from: f32, centre: Ned, first: f32, to: Ned, second: f32) -> Option<Self> {
+        let apart = to - centre;
+        let distance = level(apart);
+        let across = second - first;
+        let square = distance * distance - across * across;
+        if square < 0.0 {
+            return None;
+        }
+        let line = math::sqrt(square.abs());
+        let straight = course_of(apart);
+        let course = if across == 0.0 {
+            straight
+        } else {
+            straight - math::atan2(across, line)
+        };
+        let angle = sweep(first.signum(), from, course);
+        Some(Self {
+            radius: first,
+            angle,
+            course,
+            line,
+        })
     }
-    let length = math::sqrt(square.abs());
-    Some((course_of(apart) - math::atan2(across, length), length))
+
+    fn length(&self) -> f32 {
+        self.angle * self.radius.abs() + self.line
+    }
+
+    fn segments(&self, from: Pose) -> [Segment; 2] {
+        let first = arc(from, self.radius, self.angle);
+        let &Self { course, .. } = self;
+        let place = first.end().place;
+        [first, line(Pose { place, course }, self.line)]
+    }
 }
 
 /// Arc and line of the shortest way from `from` to where the arc of radius `second` round `to` begins; both sides are tried.
-fn arc_and_line(
-    from: Pose,
-    radius: f32,
-    to: Ned,
-    second: f32,
-    rest: impl Fn(f32) -> f32,
-) -> Option<(f32, [Segment; 2])> {
-    let mut best: Option<(f32, [Segment; 2])> = None;
+fn arc_and_line(from: Pose, radius: f32, to: Ned, second: f32) -> Option<[Segment; 2]> {
+    let mut best: Option<ArcAndLine> = None;
     for side in [1.0, -1.0] {
-        let Some((course, length)) = tangent(from, side * radius, to, second) else {
-            continue;
-        };
-        let first = arc(from, side * radius, sweep(side, from.course, course));
-        let place = first.end().place;
-        let segments = [first, line(Pose { place, course }, length)];
-        let whole = first.length + length + rest(course);
-        if best.is_none_or(|(other, _)| whole < other) {
-            best = Some((whole, segments));
+        let first = side * radius;
+        let way = ArcAndLine::new(from.course, centre(from, first), first, to, second);
+        if let Some(way) = way
+            && best.is_none_or(|best| way.length() < best.length())
+        {
+            best = Some(way);
         }
     }
-    best
+    best.map(|best| best.segments(from))
 }
 
 /// The shortest way to a place, with any course.
 pub(super) fn to_place(from: Pose, to: Ned, radius: f32) -> Path {
     let to = Ned::new(to.north, to.east, 0.0);
-    let way = arc_and_line(from, radius, to, 0.0, |_| 0.0);
-    let [first, second] = way.map_or([Segment::default(); 2], |(_, segments)| segments);
+    let way = arc_and_line(from, radius, to, 0.0);
+    let [first, second] = way.unwrap_or([Segment::default(); 2]);
     Path::new([first, line(first.end(), 0.0), second])
 }
 
-/// The shortest way to a place with a course.
+/// A way to a pose: the arcs by their angles, and what lies between.
+#[derive(Clone, Copy)]
+enum Way {
+    /// Arc, line, and an arc of this signed radius and angle.
+    Line(ArcAndLine, f32, f32),
+    /// Three arcs: radius of the outer ones, signed, and the angles \[rad\].
+    Arcs(f32, [f32; 3]),
+}
+
+/// The shortest way to a place with a course. The lengths are compared first, and one way is laid.
 pub(super) fn to_pose(from: Pose, to: Pose, radius: f32) -> Path {
-    let mut best = (f32::INFINITY, [Segment::default(); 3]);
-    for side in [1.0, -1.0] {
-        let second = side * radius;
-        let last = |course: f32| radius * sweep(side, course, to.course);
-        if let Some((length, [first, middle])) =
-            arc_and_line(from, radius, centre(to, second), second, last)
-            && length < best.0
-        {
-            let end = middle.end();
-            let third = arc(end, second, sweep(side, end.course, to.course));
-            best = (length, [first, middle, third]);
+    let (begin, end) = (right_of(along(from.course)), right_of(along(to.course)));
+    let mut best = (f32::INFINITY, None);
+    let mut take = |length: f32, way: Way| {
+        if length < best.0 {
+            best = (length, Some(way));
         }
+    };
+    for first in [radius, -radius] {
+        let from_centre = from.place + begin * first;
+        for second in [radius, -radius] {
+            let to_centre = to.place + end * second;
+            let way = ArcAndLine::new(from.course, from_centre, first, to_centre, second);
+            if let Some(way) = way {
+                let angle = sweep(second.signum(), way.course, to.course);
+                take(way.length() + radius * angle, Way::Line(way, second, angle));
+            }
+        }
+        let to_centre = to.place + end * first;
         for fold in [1.0, -1.0] {
-            if let Some((length, segments)) = three_arcs(from, to, radius, side, fold)
-                && length < best.0
-            {
-                best = (length, segments);
+            let courses = [from.course, to.course];
+            if let Some(angles) = three_arcs(courses, [from_centre, to_centre], first, fold) {
+                let [a, b, c] = angles;
+                take(radius * (a + b + c), Way::Arcs(first, angles));
             }
         }
     }
-    Path::new(best.1)
+    Path::new(match best.1 {
+        None => [Segment::default(); 3],
+        Some(Way::Line(way, second, angle)) => {
+            let [first, middle] = way.segments(from);
+            [first, middle, arc(middle.end(), second, angle)]
+        }
+        Some(Way::Arcs(outer, [a, b, c])) => {
+            let first = arc(from, outer, a);
+            let second = arc(first.end(), -outer, b);
+            [first, second, arc(second.end(), outer, c)]
+        }
+    })
 }
 
-/// Three arcs, the outer ones to `side`.
+/// The angles \[rad\] of three arcs from and to these courses, the outer ones of the signed radius round these centres.
 fn three_arcs(
-    from: Pose,
-    to: Pose,
+    [from, to]: [f32; 2],
+    [start, end]: [Ned; 2],
     radius: f32,
-    side: f32,
     fold: f32,
-) -> Option<(f32, [Segment; 3])> {
-    let (start, end) = (centre(from, side * radius), centre(to, side * radius));
+) -> Option<[f32; 3]> {
     let apart = end - start;
-    let distance = level(apart);
-    let square = 4.0 * radius * radius - 0.25 * distance * distance;
-    if distance < 1e-3 * radius || square < 0.0 {
+    let square_apart = apart.north * apart.north + apart.east * apart.east;
+    let square = 4.0 * radius * radius - 0.25 * square_apart;
+    if square < 0.0 || square_apart < 1e-6 * radius * radius {
         return None;
     }
-    let height = fold * math::sqrt(square.abs()) / distance;
+    let height = fold * math::sqrt(square.abs() / square_apart);
     let middle = start + apart * 0.5 + right_of(apart) * height;
+    let side = radius.signum();
     // On a circle the place is the centre less the radius to the right.
     let course_to = |centre: Ned| course_of((centre - middle) * side) - 0.5 * PI;
     let (one, two) = (course_to(start), course_to(end));
-    let first = arc(from, side * radius, sweep(side, from.course, one));
-    let second = arc(first.end(), -side * radius, sweep(-side, one, two));
-    let third = arc(second.end(), side * radius, sweep(side, two, to.course));
-    Some((
-        first.length + second.length + third.length,
-        [first, second, third],
-    ))
+    Some([
+        sweep(side, from, one),
+        sweep(-side, one, two),
+        sweep(side, two, to),
+    ])
 }
 
 /// The shortest way onto a circle of radius `circle`, positive to the right, round `to`; from then on round it.
 pub(super) fn to_circle(from: Pose, radius: f32, to: Ned, circle: f32) -> Path {
     let to = Ned::new(to.north, to.east, 0.0);
-    let [first, second] = match arc_and_line(from, radius, to, circle, |_| 0.0) {
-        Some((_, segments)) => segments,
-        None => from_inside(from, radius, to, circle),
-    };
+    let way = arc_and_line(from, radius, to, circle);
+    let [first, second] = way.unwrap_or_else(|| from_inside(from, radius, to, circle));
     let entry = second.end();
     Path::new([
         first,

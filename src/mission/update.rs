@@ -112,6 +112,18 @@ enum Task {
     Land(f32),
 }
 
+/// The items after the present one, as far as they have been looked at.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+struct Ahead {
+    next: u32,
+    /// Where the last one leads to \[m\], and the speed after it [m/s].
+    from: Ned,
+    speed: f32,
+    /// Way \[m\] and time \[s\] so far.
+    sum: [f32; 2],
+}
+
 /// What is remembered between steps. The default is that of a flight that has not begun.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -149,6 +161,7 @@ pub struct MissionState {
     energy: f32,
     /// Way \[m\] and time \[s\] of the items after this one.
     after: [f32; 2],
+    ahead: Ahead,
     forced: Response,
 }
 
@@ -256,6 +269,9 @@ impl Missions {
         self.respond(state, &seen, out.troubles);
         if !state.item_begun && state.forced == Response::Continue {
             self.begin(state, mission, &seen);
+        }
+        if state.item_begun {
+            self.look_ahead(state, mission);
         }
         state.time += dt;
         state.active += dt;
@@ -407,7 +423,12 @@ impl Missions {
         state.there = 0.0;
         state.corner = false;
         let number = state.item();
-        state.after = self.after(state, mission, number);
+        state.ahead = Ahead {
+            next: u32::from(state.item) + 1,
+            from: mission.next_place(number).unwrap_or(state.position),
+            speed: state.speed,
+            sum: [0.0; 2],
+        };
         // Without a take-off the flight begins in the air.
         if state.activity == Activity::Grounded
             && !matches!(
@@ -481,49 +502,54 @@ impl Missions {
         }
     }
 
-    /// Way and time of the legs after an item.
-    fn after(&self, state: &MissionState, mission: &Mission, number: usize) -> [f32; 2] {
-        let mut speed = state.speed;
-        let mut from = mission.next_place(number).unwrap_or(state.position);
-        let (mut way, mut time) = (0.0, 0.0);
-        for item in mission.items().iter().skip(number + 1) {
-            let (to, extra) = match *item {
-                Item::Speed(next) => {
-                    speed = next;
-                    continue;
-                }
-                Item::Waypoint { place, pass } => match pass {
-                    Pass::Hover(time) => (place, time),
-                    _ => (place, 0.0),
-                },
-                Item::Loiter {
-                    centre,
-                    radius,
-                    until,
-                } => match until {
-                    Until::Turns(turns) => {
-                        let round = 2.0 * PI * radius.abs() * turns;
-                        way += round;
-                        (centre, round / speed)
-                    }
-                    Until::Time(time) => (centre, time),
-                    Until::Forever => (centre, 0.0),
-                },
-                Item::Land { place } => (place.unwrap_or(from), 0.0),
-                Item::Return => (state.home, 0.0),
-                _ => continue,
-            };
-            let leg = to - from;
-            let length = level(leg);
-            if length > 0.0 {
-                let triangle = Triangle::new(speed, state.wind, leg * (1.0 / length));
-                way += length;
-                time += length / triangle.map_or(1.0, |t| math::max(t.ground(1.0), 1.0));
+    /// Takes one more of the items after the present one into the way and time that are left: one a step.
+    fn look_ahead(&self, state: &mut MissionState, mission: &Mission) {
+        let Ahead {
+            next,
+            from,
+            speed,
+            sum: [way, time],
+        } = &mut state.ahead;
+        let Some(item) = mission.items().get(*next as usize) else {
+            state.after = [*way, *time];
+            return;
+        };
+        *next += 1;
+        let (to, extra) = match *item {
+            Item::Speed(next) => {
+                *speed = next;
+                return;
             }
-            time += extra;
-            from = to;
+            Item::Waypoint { place, pass } => match pass {
+                Pass::Hover(time) => (place, time),
+                _ => (place, 0.0),
+            },
+            Item::Loiter {
+                centre,
+                radius,
+                until,
+            } => match until {
+                Until::Turns(turns) => {
+                    let round = 2.0 * PI * radius.abs() * turns;
+                    *way += round;
+                    (centre, round / *speed)
+                }
+                Until::Time(time) => (centre, time),
+                Until::Forever => (centre, 0.0),
+            },
+            Item::Land { place } => (place.unwrap_or(*from), 0.0),
+            Item::Return => (state.home, 0.0),
+            _ => return,
+        };
+        let leg = to - *from;
+        let length = level(leg);
+        if length > 0.0 {
+            let triangle = Triangle::new(*speed, state.wind, leg * (1.0 / length));
+            *way += length;
+            *time += length / triangle.map_or(1.0, |t| math::max(t.ground(1.0), 1.0));
         }
-        [way, time]
+        *time += extra;
+        *from = to;
     }
 
     /// Radius of turns at the speed asked for, in the present wind \[m\].

@@ -1,6 +1,7 @@
 //! The page about a flight: charts of the record's columns, the figures, the experiment.
 
 use super::chart::{Band, Chart, Level, Mark, ends};
+use super::page::fixed;
 use super::panel::{Panel, chart, panels, strip};
 use super::picture::picture;
 use super::side::side;
@@ -211,6 +212,56 @@ fn marked(
     })
 }
 
+/// The items of a mission: when each begins, how long it lasts, how far it is, and what it takes.
+fn items(experiment: &Experiment, record: &[Step]) -> Option<Table> {
+    let of = experiment.mission.as_ref()?;
+    let number = |step: &Step| step.mission.as_ref().map(|said| said.progress.item);
+    let parts = record.chunk_by(|a, b| number(a) == number(b));
+    let parts: Vec<&[Step]> = parts.collect();
+    // A part lasts until the next one begins.
+    let ends = parts
+        .iter()
+        .skip(1)
+        .map(|part| &part[0])
+        .chain(record.last());
+    let rows = parts.iter().zip(ends).filter_map(|(part, end)| {
+        let first = &part[0];
+        let item = of.items.get(usize::from(number(first)?))?;
+        let energy = |step: &Step| step.mission.map_or(0.0, |said| said.progress.energy);
+        let way: f64 = part
+            .windows(2)
+            .map(|pair| (pair[1].truth.position - pair[0].truth.position).norm())
+            .sum();
+        let mut remarks: Vec<&str> = Vec::new();
+        for remark in part.iter().filter_map(|step| step.mission?.remark) {
+            if !remarks.contains(&remark.name()) {
+                remarks.push(remark.name());
+            }
+        }
+        Some([
+            format!("{}: {}", number(first)?, item.name()),
+            fixed(first.t, 1),
+            fixed(end.t - first.t, 1),
+            fixed(way, 0),
+            fixed((energy(end) - energy(first)) / 1e3, 1),
+            remarks.join(", "),
+        ])
+    });
+    let header = [
+        "item",
+        "from [s]",
+        "lasts [s]",
+        "way [m]",
+        "energy [kJ]",
+        "remarks",
+    ];
+    Some(Table::new(
+        "Items of the mission",
+        header,
+        rows.collect::<Vec<_>>(),
+    ))
+}
+
 /// The page about a flight.
 pub fn page(
     document: &Document,
@@ -229,6 +280,7 @@ pub fn page(
         let lines = segments.iter().map(|s| [s.line()]);
         tables.push(Table::new("Segments of the reference [s]", [""], lines));
     }
+    tables.extend(items(experiment, record));
     let settled = match experiment.settle_time_s {
         0.0 => String::new(),
         from => format!("Root mean squares and peaks are from {from} s on. "),
@@ -258,5 +310,38 @@ pub fn page(
             record.len()
         ),
         ..Page::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use alula_sim::simulate::fly;
+
+    /// Each item that is flown has a row; they follow each other without a gap, and take all of the energy.
+    #[test]
+    fn the_items_of_a_mission_have_their_times() {
+        let mut document = Document::load("inspection").unwrap();
+        document.assign("duration_s=60.0").unwrap();
+        let experiment = document.checked().unwrap();
+        let record = fly(&experiment).unwrap();
+        let table = items(&experiment, &record).unwrap();
+        let number = |row: &Vec<String>, n: usize| row[n].parse::<f64>().unwrap();
+        assert!(table.rows.len() > 2 && table.rows[0][0] == "0: take-off");
+        let mut begins = 0.0;
+        for row in &table.rows {
+            assert!((number(row, 1) - begins).abs() < 0.11, "{row:?}");
+            begins = number(row, 1) + number(row, 2);
+        }
+        assert!((begins - 60.0).abs() < 0.11, "{begins}");
+        let spent: f64 = table.rows.iter().map(|row| number(row, 4)).sum();
+        let all = f64::from(record.last().unwrap().mission.unwrap().progress.energy) / 1e3;
+        assert!(
+            (spent - all).abs() < 0.05 * table.rows.len() as f64,
+            "{spent} {all}"
+        );
+        // A flight without a mission has none.
+        let path = Document::load("circle-40").unwrap().checked().unwrap();
+        assert!(items(&path, &record).is_none());
     }
 }

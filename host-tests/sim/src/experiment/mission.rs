@@ -119,6 +119,22 @@ fn place(north: f64, east: f64, height: f64) -> Ned {
 }
 
 impl ItemSpec {
+    /// What it is, in a word.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::TakeOff { .. } => "take-off",
+            Self::Waypoint {
+                hover_s: Some(_), ..
+            } => "hover",
+            Self::Waypoint { .. } => "waypoint",
+            Self::Loiter { .. } => "loiter",
+            Self::Speed { .. } => "speed",
+            Self::Height { .. } => "height",
+            Self::Land { .. } => "land",
+            Self::Return => "return",
+        }
+    }
+
     /// The core's item. What the core refuses, it refuses by item and field.
     pub(crate) fn item(&self) -> Result<Item, (&'static str, &'static str)> {
         Ok(match *self {
