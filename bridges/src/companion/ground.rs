@@ -89,6 +89,11 @@ impl GroundStation {
         &self.items
     }
 
+    /// Has this mission, which no station has uploaded.
+    pub fn show(&mut self, items: MissionItems) {
+        self.items = items;
+    }
+
     /// What has been changed since the last call.
     pub fn change(&mut self) -> Option<Change> {
         self.change.take()

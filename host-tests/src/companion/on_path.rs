@@ -293,6 +293,22 @@ impl OnPath {
         mission.numbers.get(item).copied().unwrap_or(past)
     }
 
+    /// The items of the mission, none on a path, and where they are counted from in the autopilot's frame, once that is known.
+    pub fn items(&self) -> &[Item] {
+        match &self.led {
+            Led::Mission(mission) => mission.flown.items(),
+            _ => &[],
+        }
+    }
+
+    /// See [`items`](Self::items).
+    pub fn start(&self) -> Option<Ned> {
+        match &self.led {
+            Led::Mission(mission) => mission.start,
+            _ => None,
+        }
+    }
+
     /// What of the mission cannot be done as asked.
     pub fn remark(&self) -> Option<&'static str> {
         match &self.led {

@@ -117,8 +117,11 @@ impl Station {
         match (message, &self.job) {
             (MavMessage::MISSION_REQUEST_INT(m), Some(Job::Upload(items))) => {
                 (self.asked, self.again) = (m.seq, now + 0.7);
-                let item = items[usize::from(m.seq)].clone();
-                Some(MavMessage::MISSION_ITEM_INT(item))
+                Some(MavMessage::MISSION_ITEM_INT(MISSION_ITEM_INT_DATA {
+                    target_system: 1,
+                    target_component: 1,
+                    ..items[usize::from(m.seq)].clone()
+                }))
             }
             (MavMessage::MISSION_ACK(m), Some(Job::Upload(_) | Job::Clear)) => {
                 (self.result, self.job) = (Some(m.mavtype), None);
@@ -355,6 +358,41 @@ fn a_station_uploads_reads_moves_and_clears_a_mission() {
         waits < 2.0 && (330..400).contains(&places),
         "{waits} {places}"
     );
+}
+
+/// A station that has uploaded nothing draws the mission of the experiment, at its places; what it reads it may upload again as it is.
+#[test]
+fn the_experiments_own_mission_is_drawn_and_uploaded_again() {
+    let (mut step, mut read, mut result) = (0, Vec::new(), None);
+    flies(GOOD, 12.0, |scene| {
+        let Scene { now, station, .. } = scene;
+        if station.job.is_some() {
+            return;
+        }
+        match step {
+            0 if now > 1.0 => station.begin(Job::Download),
+            1 => {
+                read = station.came.clone();
+                station.begin(Job::Upload(read.clone()));
+            }
+            2 => result = station.result,
+            _ => return,
+        }
+        step += 1;
+    });
+    assert_eq!(result, Some(MavMissionResult::MAV_MISSION_ACCEPTED));
+    // Take-off, ten waypoints and the return.
+    assert_eq!(read.len(), 12);
+    assert_eq!(read[11].command, MavCmd::MAV_CMD_NAV_RETURN_TO_LAUNCH);
+    let expected = at(2, MavCmd::MAV_CMD_NAV_WAYPOINT, NONE, [800.0, -100.0, 80.0]);
+    let of = |m: &MISSION_ITEM_INT_DATA| (m.seq, m.command, m.x, m.y, m.z);
+    let (drawn, wanted) = (of(&read[2]), of(&expected));
+    // A centimetre of rounding.
+    assert!(
+        (drawn.2 - wanted.2).abs() < 2 && (drawn.3 - wanted.3).abs() < 2,
+        "{drawn:?} {wanted:?}"
+    );
+    assert_eq!((drawn.0, drawn.1, drawn.4), (wanted.0, wanted.1, wanted.4));
 }
 
 /// Each is refused with the code of the protocol as an answer to the item that is wrong, and said; the mission that is there stays.
