@@ -13,22 +13,27 @@ fn flight(vehicle: &str, cruise: f64, seed: u64) -> Experiment {
     let mut document = Document::load("tail-sitter-hover").unwrap();
     let mut knots: Vec<(f64, f64, f64)> = vec![(0.0, 0.0, 0.0)];
     // Duration of a change, of what is held then, and the velocity: down, forward.
-    for (change, hold, down, forward) in [
+    let hover = [
         (1.0, 4.0, 0.0, 0.0),
         (0.5, 2.0, -1.5, 0.0),
         (0.5, 2.0, 1.5, 0.0),
         (0.5, 2.0, -1.5, 0.0),
         (0.5, 4.0, 0.0, 0.0),
         (0.5 * cruise, 12.0, 0.0, cruise),
+    ];
+    let round = [
         (3.0, 10.0, 0.0, 1.2 * cruise),
         (4.0, 10.0, 0.0, 0.8 * cruise),
         (2.0, 8.0, -0.12 * cruise, cruise),
         (3.0, 8.0, 0.1 * cruise, cruise),
         (2.0, 6.0, 0.0, cruise),
+    ];
+    let back = [
         (0.6 * cruise, 8.0, -1.0, 0.0),
         (0.5 * cruise, 10.0, 0.0, cruise),
         (0.6 * cruise, 8.0, -1.0, 0.0),
-    ] {
+    ];
+    for &(change, hold, down, forward) in hover.iter().chain(&round).chain(&back) {
         let t = knots.last().unwrap().0;
         knots.push((t + change, down, forward));
         knots.push((t + change + hold, down, forward));

@@ -189,6 +189,21 @@ pub fn judge(
         format!("{as_expected} parameters are as they should be"),
         None,
     ));
+    if let Kind::ArduPlane(sticks) = kind {
+        let full = f64::from(sticks.pitch.min(sticks.yaw).min(sticks.roll));
+        let weight = if full < believed.max_rate { NoGo } else { Good };
+        let change = (weight == NoGo).then(|| {
+            let degrees = believed.max_rate.to_degrees().ceil();
+            format!(
+                "Q_ACRO_RLL_RATE, _PIT_RATE and _YAW_RATE {degrees} and more, and --stick-rates"
+            )
+        });
+        let what = format!(
+            "a full stick is {full:.1} rad/s, and the guidance asks for up to {:.1}",
+            believed.max_rate
+        );
+        found.push(Finding::new(weight, what, change));
+    }
     let hover = match kind {
         Kind::Px4 => "MPC_THR_HOVER",
         Kind::ArduPlane(_) => "Q_M_THST_HOVER",

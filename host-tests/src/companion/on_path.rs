@@ -539,13 +539,15 @@ fn of_message(m: &MISSION_ITEM_INT_DATA) -> MavItem {
 impl Pilot for OnPath {
     fn begin(&mut self, told: &Told, heading: f32, last: Command) {
         self.axes = Axes::new(self.heading.unwrap_or(heading));
-        let rates = BodyAxes::NoseUp.vector(last.rates);
         let told = self.axes.told(told);
+        if told.velocity.norm_squared() > SLOW * SLOW {
+            // At speed the thrust of hover is none to go on with: the guidance begins from the motion there is.
+            self.nudge = None;
+            return;
+        }
+        let rates = BodyAxes::NoseUp.vector(last.rates);
         self.controller
             .take_over(&told.orientation, last.thrust, rates);
-        if told.velocity.norm_squared() > SLOW * SLOW {
-            self.nudge = None;
-        }
     }
 
     fn is_over(&self) -> bool {
