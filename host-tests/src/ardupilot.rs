@@ -206,7 +206,7 @@ impl<'a> Vehicle<'a> {
         let target = self
             .path
             .advance(t, 1.0 / experiment.control_rate_hz, |_| 1.0);
-        let mut faults = Faults::new(&[], experiment.seed, experiment.in_plane());
+        let mut faults = Faults::new(Vec::new(), experiment.seed, experiment.in_plane());
         let mut hold = SensorHold::default();
         hold.state(&mut faults, t, told);
         self.record.push(Step {

@@ -30,10 +30,10 @@ fn refused(folder: &Path, arguments: &[&str], parts: &[&str]) {
     }
 }
 
-/// `<stem>.svg` and a self-contained `<stem>.html` with the same curves, and no more.
-fn assert_pictures(folder: &Path, stem: &str, others: &[&str]) {
-    let svg = fs::read_to_string(folder.join(format!("{stem}.svg"))).unwrap();
-    let html = fs::read_to_string(folder.join(format!("{stem}.html"))).unwrap();
+/// A sheet and a self-contained page with the same curves, and no more.
+fn assert_pictures(folder: &Path, others: &[&str]) {
+    let svg = fs::read_to_string(folder.join("report.svg")).unwrap();
+    let html = fs::read_to_string(folder.join("report.html")).unwrap();
     assert!(svg.starts_with("<svg"));
     let curves = |text: &str| -> Vec<String> {
         let lines = text.lines().filter(|line| line.contains("data-name="));
@@ -67,7 +67,7 @@ fn envelope_prints_folds_counts_jumps_and_cusps() {
     near(&level["jump_up"]["to_alpha_deg"], 7.52, 0.01);
     near(&level["jump_down"]["a"], 1.30333, 1e-4);
     near(&level["cusps"][0]["epsilon_deg"], 56.87, 0.1);
-    assert_pictures(&folder.path().join("out/envelope-paper"), "envelope", &[]);
+    assert_pictures(&folder.path().join("out/envelope-paper"), &[]);
 
     let steep = json(
         folder.path(),
@@ -111,11 +111,7 @@ fn equilibria_are_those_of_the_envelope() {
         .map(|a| a["met"] == true)
         .collect();
     assert_eq!(met, [true, false, false, true, false]);
-    assert_pictures(
-        &folder.path().join("out/equilibria-paper"),
-        "equilibria",
-        &[],
-    );
+    assert_pictures(&folder.path().join("out/equilibria-paper"), &[]);
 
     let arguments = [
         "equilibria",
@@ -164,11 +160,7 @@ fn sweep_finds_the_jump_of_the_papers_flight() {
     assert_eq!(sweep["min_fp_n"], 80.0);
     near(&sweep["jumps"][0]["t_s"], 7.38, 0.02);
     assert_eq!(sweep["low_fp"].as_array().unwrap().len(), 1);
-    assert_pictures(
-        &folder.path().join("out/sweep-hover-to-cruise"),
-        "sweep",
-        &[],
-    );
+    assert_pictures(&folder.path().join("out/sweep-hover-to-cruise"), &[]);
     let climb = json(
         folder.path(),
         &["sweep", "large-angle", "--min-fp", "10", "--json"],
@@ -197,7 +189,7 @@ fn fit_leaves_a_vehicle_that_the_others_take() {
     }
     assert_eq!(fitted["folds_table"].as_array().unwrap().len(), 4);
     let out = folder.path().join("out/fit-naca-0021-re-160e3");
-    assert_pictures(&out, "fit", &["vehicle.toml", "polar.csv"]);
+    assert_pictures(&out, &["vehicle.toml", "polar.csv"]);
     let vehicle = "out/fit-naca-0021-re-160e3/vehicle.toml";
     let envelope = json(folder.path(), &["envelope", vehicle, "--json"]);
     assert_eq!(envelope["folds"][0]["a"], fitted["folds"][0]["a"]);

@@ -369,7 +369,7 @@ fn sixty_seconds_are_flown_through_the_command_and_ctrl_c_leaves_them() {
         .read_to_string(&mut figures)
         .unwrap();
     assert!(figures.contains("least altitude"), "{figures}");
-    for file in ["trace.csv", "report.html", "flight.svg", "flight.ulg"] {
+    for file in ["trace.csv", "report.html", "report.svg", "flight.ulg"] {
         assert!(folder.path().join("flown").join(file).exists(), "{file}");
     }
 }

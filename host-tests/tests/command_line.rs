@@ -55,7 +55,7 @@ fn without_arguments_the_default_is_flown_and_leaves_its_files() {
     assert_eq!(last, "open out/mission/report.html", "{stdout}");
 
     let out = folder.path().join("out/hover-to-cruise");
-    let expected = ["flight.svg", "report.html", "trace.csv", "view.html"].map(String::from);
+    let expected = ["report.html", "report.svg", "trace.csv", "view.html"].map(String::from);
     assert_eq!(names(&out), BTreeSet::from(expected.clone()));
     assert_eq!(
         names(&folder.path().join("out/mission")),
@@ -743,6 +743,50 @@ fn a_slip_of_the_fingers_is_told_what_was_meant() {
             ],
         );
     }
+}
+
+/// What is given in the place of something else is told what is wanted there, and not its whole list where a name is near.
+#[test]
+fn what_is_of_another_kind_is_told_what_is_wanted() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("notes.md"), "# Notes\nof a flight\n").unwrap();
+    let taken = std::net::UdpSocket::bind("127.0.0.1:0").unwrap();
+    let port = taken.local_addr().unwrap().port().to_string();
+    for (given, says) in [
+        ("fly .", ".: a folder, where a file is wanted"),
+        (
+            "fly notes.md",
+            "notes.md:2: no TOML, which experiments and vehicles are: ",
+        ),
+        ("replay notes.md", "notes.md:1: no column t_s"),
+        (
+            "fly round-trip --set plant.rate_loop.lag=0.1",
+            "expected lag = { time_constant_s = 0.1 }",
+        ),
+        (
+            "fly mission --set vehicle.mass=3",
+            "did you mean `mass_kg`?",
+        ),
+        (
+            &format!("sitl ardupilot round-trip --listen 127.0.0.1:{port}"),
+            "another program has it",
+        ),
+        (
+            "compare lws",
+            "lws: neither a file nor a built-in comparison; did you mean laws?\n",
+        ),
+        (
+            "campaign qqq",
+            "neither a file nor a built-in campaign: dispersed, ",
+        ),
+    ] {
+        let words: Vec<&str> = given.split_whitespace().collect();
+        assert_refused(&alula(folder.path(), &words), &[says]);
+    }
+    assert_eq!(
+        names(folder.path()),
+        BTreeSet::from(["notes.md".to_owned()])
+    );
 }
 
 /// What no wing has every command that takes a polar refuses, with file and line, and what is odd each says.

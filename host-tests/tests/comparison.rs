@@ -56,7 +56,7 @@ fn a_comparison_in_a_file_leaves_its_page_and_prints_json() {
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(json["cells"][0]["variant"], "a");
     assert!(json["cells"][0]["flights"][0]["loss_out_m"].is_number());
-    let html = std::fs::read_to_string(folder.path().join("out/compare.html")).unwrap();
+    let html = std::fs::read_to_string(folder.path().join("out/report.html")).unwrap();
     assert!(html.contains("<svg") && html.contains("loss out [m]"));
 
     let output = run(&["--set", "seed=1"]);
@@ -78,7 +78,7 @@ fn experiments_are_flown_against_each_other() {
     assert!(output.status.success(), "{stderr}");
     let page = folder
         .path()
-        .join("out/compare-hover-to-cruise-matched/compare.html");
+        .join("out/compare-hover-to-cruise-matched/report.html");
     assert!(page.is_file());
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     for (n, name) in ["hover-to-cruise", "matched"].iter().enumerate() {

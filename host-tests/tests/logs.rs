@@ -111,7 +111,7 @@ fn a_flights_own_ulog_replays_to_the_commands_flown() {
             fs::read_to_string(path.join("again/commands.csv")).unwrap(),
             replayed
         );
-        let page = fs::read_to_string(path.join("again/replay.html")).unwrap();
+        let page = fs::read_to_string(path.join("again/report.html")).unwrap();
         assert!(page.contains("<svg") && page.contains("flight.ulg, replayed"));
         assert_eq!(
             page.contains("angle to the nearest fold, first"),

@@ -157,7 +157,7 @@ fn a_file_and_a_polar_of_ones_own() {
     assert!(document.unwrap().checked().is_ok());
 
     // The seam is drawn: given and extended have colours of their own.
-    let picture = fs::read_to_string(folder.path().join("mine/vehicle.svg")).unwrap();
+    let picture = fs::read_to_string(folder.path().join("mine/report.svg")).unwrap();
     assert!(picture.contains("extended") && picture.contains("given"));
     // The combined model is odd in α: `fit` says that this is not, and leaves the table.
     let fit = |polar: &str| {
@@ -167,7 +167,7 @@ fn a_file_and_a_polar_of_ones_own() {
     };
     assert_eq!(fit("naca-0012-re-160e3")["suits"], true);
     assert_eq!(fit("4415.txt")["suits"], false);
-    let page = fs::read_to_string(folder.path().join("fit/fit.html")).unwrap();
+    let page = fs::read_to_string(folder.path().join("fit/report.html")).unwrap();
     assert!(page.contains("DOES NOT SUIT") && page.contains("Viterna and Corrigan"));
     // The section's stall is met to 2°; that of the finite wing, with its gentler slope, is moved by 5°, and that is said.
     let of_section = ["fit", "naca-0012-re-160e3", "--out", "fit"];
@@ -231,7 +231,7 @@ fn a_first_flight_that_fails_is_told() {
         warnings.contains("The thrust is 1.1 times the weight"),
         "{warnings}"
     );
-    let page = fs::read_to_string(folder.path().join("short/vehicle.html")).unwrap();
+    let page = fs::read_to_string(folder.path().join("short/report.html")).unwrap();
     assert!(
         page.contains("THE FIRST FLIGHT FAILS")
             && page.contains("The thrust is 1.1 times")
@@ -420,7 +420,7 @@ fn the_pages_commands_run() {
     assert_eq!(changed[0].1.trim(), "p.guidance.max_rate = 0.9f;");
     for file in [
         "tail-sitter.toml",
-        "vehicle.html",
+        "report.html",
         "first-flight/report.html",
         "tail-sitter-campaign.toml",
         "vehicle.h",

@@ -391,7 +391,7 @@ def check_replay(source, directory):
         alula("replay", source, "--experiment", experiment, "--out", out)
         rows = (out / "commands.csv").read_text().splitlines()
         assert len(rows) == 1 + ROWS, len(rows)
-        assert "angle to the nearest fold" in (out / "replay.html").read_text()
+        assert "angle to the nearest fold" in (out / "report.html").read_text()
 
 
 def check_mcap(directory):

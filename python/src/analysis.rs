@@ -34,7 +34,7 @@ pub fn margins(
 ) -> PyResult<Py<PyAny>> {
     let airframe = match set {
         None => Airframe::load(&source.to_string_lossy()),
-        Some(_) => Airframe::of(&Experiment::new(source, set)?.0),
+        Some(_) => Airframe::of(&Experiment::new(source, set, None)?.0),
     };
     let mut airframe = airframe.map_err(error::of)?;
     if bare {
@@ -58,7 +58,7 @@ pub fn sweep(
     set: Option<&Bound<'_, PyAny>>,
     min_fp_n: Option<f64>,
 ) -> PyResult<Py<PyAny>> {
-    let experiment = Experiment::new(source, set)?.0.checked();
+    let experiment = Experiment::new(source, set, None)?.0.checked();
     let experiment = experiment.map_err(error::of)?;
     let least = match min_fp_n {
         Some(least) if least.is_finite() && least >= 0.0 => least,

@@ -51,6 +51,31 @@ fn shape(field: &str, wanted: &str, shape: &[usize]) -> PyErr {
     error::field(field, format!("must be of shape {wanted}, is of {shape:?}"))
 }
 
+/// Greatest attitude or heading \[rad\], either way: a turn.
+pub const TURN: f32 = std::f32::consts::TAU;
+/// Greatest angle of attack \[rad\], either way, with its rounding.
+pub const HALF_TURN: f32 = 3.142;
+
+/// `value` must be an angle of at most `most` \[rad\] either way. What is not finite is left to who takes it.
+pub fn angle(field: &str, value: f32, most: f32) -> PyResult<f32> {
+    if value.is_finite() && value.abs() > most {
+        let problem = format!(
+            "{value} is not from {:.3} to {most:.3} rad: was this in degrees?",
+            -most
+        );
+        return Err(error::field(field, problem));
+    }
+    Ok(value)
+}
+
+/// As [`angle`], of every number in `values`.
+pub fn angles(field: &str, values: &Numbers, most: f32) -> PyResult<()> {
+    let array = values.array(field)?.as_array();
+    array
+        .iter()
+        .try_for_each(|x| angle(field, *x, most).map(|_| ()))
+}
+
 /// The number of rows of several arguments, each with its name and the number of components in a row: of those that have rows.
 pub fn rows(arguments: &[(&str, &Numbers, usize)]) -> PyResult<usize> {
     Ok(counted(None, arguments)?.unwrap_or(1))

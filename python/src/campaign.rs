@@ -62,9 +62,13 @@ impl Campaign {
         flight::fly(py, &document)
     }
 
-    fn __repr__(&self) -> String {
+    fn __repr__(&self, py: Python<'_>) -> String {
         let verdict = if self.passed { "passed" } else { "not passed" };
-        format!("<alula.Campaign {}: {verdict}>", self.name)
+        let flights = self.flights.borrow(py).rows();
+        format!(
+            "<alula.Campaign {}: {flights} flights, {verdict}>",
+            self.name
+        )
     }
 }
 

@@ -109,6 +109,17 @@ pub struct Envelope {
     curve: Py<Frame>,
 }
 
+#[pymethods]
+impl Envelope {
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let folds = self.summary.bind(py).get_item("folds")?.len()?;
+        let points = self.curve.borrow(py).rows();
+        Ok(format!(
+            "<alula.Envelope: {folds} folds, {points} points of its curve>"
+        ))
+    }
+}
+
 /// The equilibria of a vehicle over the airspeed in steady level flight; in a steady climb at `climb_deg`, from -90 to 90; or in
 /// level flight that gains `accel` [m/s²]. `vehicle` is a `Vehicle`, or what `Vehicle.load` takes.
 #[pyfunction]

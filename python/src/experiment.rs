@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use alula_sim::experiment::plan::of_plan;
 use alula_sim::experiment::{BUILT_IN, DEFAULT, Document};
 use alula_sim::named::Named;
 use pyo3::prelude::*;
@@ -16,7 +17,7 @@ use crate::flight::{self, Flight};
 ///
 /// `source` is the name of a built-in experiment (`alula.experiments()`) or a file. `set` changes fields: a dictionary by dotted
 /// path, `{"vehicle.mass_kg": 11, "plant.thrust_n[1]": 112.8}`, or assignments as on the command line,
-/// `["vehicle.mass_kg=11"]`. An experiment with a `path` is flown in space, one with a `reference` in the vertical plane.
+/// `["vehicle.mass_kg=11"]`. `vehicle` is the experiment whose vehicle flies the mission of a ground station's `.plan`. An experiment with a `path` is flown in space, one with a `reference` in the vertical plane.
 #[pyclass(frozen, module = "alula")]
 pub struct Experiment(pub Document);
 
@@ -57,12 +58,28 @@ fn change(document: &mut Document, set: Option<&Bound<'_, PyAny>>) -> PyResult<(
 #[pymethods]
 impl Experiment {
     #[new]
-    #[pyo3(signature = (source=DEFAULT.into(), set=None))]
-    pub fn new(source: PathBuf, set: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
-        let document = Document::load(&source.to_string_lossy());
-        let mut document = document.map_err(|e| error::of_argument("source", e))?;
-        change(&mut document, set)?;
-        Ok(Self(document))
+    #[pyo3(signature = (source=DEFAULT.into(), set=None, *, vehicle=None))]
+    pub fn new(
+        source: PathBuf,
+        set: Option<&Bound<'_, PyAny>>,
+        vehicle: Option<PathBuf>,
+    ) -> PyResult<Self> {
+        let plan = source.extension().is_some_and(|end| end == "plan");
+        let document = match (plan, vehicle) {
+            (true, Some(vehicle)) => of_plan(&source, &vehicle.to_string_lossy()).map(|(d, _)| d),
+            (false, None) => Document::load(&source.to_string_lossy()),
+            (true, None) => {
+                let problem = "is missing: the experiment whose vehicle flies the plan";
+                return Err(error::field("vehicle", problem));
+            }
+            (false, Some(_)) => {
+                let problem = "is for the mission of a .plan: an experiment has its own";
+                return Err(error::field("vehicle", problem));
+            }
+        };
+        let document = document.map_err(|e| error::of_argument("source", e))?;
+        let given = Self(document);
+        given.changed(set).map(Self)
     }
 
     /// The experiment of a TOML text, whose `base` is a built-in or a file.
@@ -105,7 +122,18 @@ impl Experiment {
     }
 
     fn __repr__(&self) -> String {
-        format!("<alula.Experiment {}>", self.0.name)
+        let about = self.0.get("description").and_then(|text| text.as_str());
+        let about = about.map_or(String::new(), |text| format!(": {text}"));
+        format!("<alula.Experiment {}{about}>", self.0.name)
+    }
+}
+
+impl Experiment {
+    /// Its document with what `set` says changed.
+    pub fn changed(&self, set: Option<&Bound<'_, PyAny>>) -> PyResult<Document> {
+        let mut document = self.0.clone();
+        change(&mut document, set)?;
+        Ok(document)
     }
 }
 
@@ -113,7 +141,7 @@ impl Experiment {
 #[pyfunction]
 #[pyo3(signature = (source=DEFAULT.into(), set=None))]
 pub fn fly(py: Python<'_>, source: PathBuf, set: Option<&Bound<'_, PyAny>>) -> PyResult<Flight> {
-    Experiment::new(source, set)?.fly(py)
+    Experiment::new(source, set, None)?.fly(py)
 }
 
 /// Name and description of every built-in experiment; those with neither reference nor path are vehicles.

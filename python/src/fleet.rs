@@ -8,7 +8,7 @@ use alula_sim::experiment::Model;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::arguments::{Numbers, Rows, rows_of_each};
+use crate::arguments::{Numbers, Rows, TURN, angles, rows_of_each};
 use crate::error;
 use crate::frame::{Data, Frame};
 use crate::guidance::{GuidanceOutput, body_axes, guided, made, ned};
@@ -63,6 +63,10 @@ impl Fleet {
         })
     }
 
+    fn __repr__(&self) -> String {
+        format!("<alula.Fleet of {} vehicles>", self.states.len())
+    }
+
     fn __len__(&self) -> usize {
         self.states.len()
     }
@@ -99,6 +103,9 @@ impl Fleet {
         axes: &str,
     ) -> PyResult<Frame> {
         let axes = body_axes(axes)?;
+        if let Some(heading) = &heading {
+            angles("heading", heading, TURN)?;
+        }
         if air_velocity.is_some() && wind.is_some() {
             return Err(error::field("wind", "cannot go with air_velocity"));
         }

@@ -30,6 +30,9 @@ pub struct Flight {
     beyond: Vec<(String, f64, f64)>,
     /// Label, value and note of the lines of the table.
     lines: Vec<[String; 3]>,
+    /// Steps of the record, and time of the last [s].
+    steps: usize,
+    end_s: f64,
 }
 
 #[pymethods]
@@ -45,7 +48,14 @@ impl Flight {
     }
 
     fn __repr__(&self) -> String {
-        format!("<alula.Flight {}>", self.name)
+        let beyond = self.beyond.iter();
+        let beyond = beyond
+            .map(|(figure, value, bound)| format!("; {figure} is {value:.3}, its bound {bound}"));
+        let beyond: String = beyond.collect();
+        format!(
+            "<alula.Flight {}: {:.1} s, {} steps{beyond}; print() shows its figures>",
+            self.name, self.end_s, self.steps
+        )
     }
 }
 
@@ -67,12 +77,11 @@ pub fn fly(py: Python<'_>, document: &Document) -> PyResult<Flight> {
         let end = simulate(&experiment, controller.as_mut(), |step| {
             record.push(step.clone());
             true
-        });
+        })?;
         let figures = Figures::of(&experiment, &record);
-        let segments = Segment::of(&experiment, &record);
-        Ok((end?, figures, segments, columns(&experiment, &record)))
+        Ok((end, record, figures))
     });
-    let (end, figures, segments, columns) = flown.map_err(error::of)?;
+    let (end, record, figures) = flown.map_err(error::of)?;
     if let End::Diverged(t) = end {
         let text = format!(
             "{}: diverged at {t:.2} s: no aircraft flies like this",
@@ -80,15 +89,30 @@ pub fn fly(py: Python<'_>, document: &Document) -> PyResult<Flight> {
         );
         return Err(PyRuntimeError::new_err(text));
     }
-    let beyond = figures.beyond(&experiment).into_iter();
+    of(py, &document.name, &experiment, &record, &figures)
+}
+
+/// The flight of `experiment` that `record` holds.
+pub fn of(
+    py: Python<'_>,
+    name: &str,
+    experiment: &Experiment,
+    record: &[Step],
+    figures: &Figures,
+) -> PyResult<Flight> {
+    let (segments, columns) =
+        py.detach(|| (Segment::of(experiment, record), columns(experiment, record)));
+    let beyond = figures.beyond(experiment).into_iter();
     Ok(Flight {
-        name: document.name.clone(),
-        figures: json(py, &figures)?,
+        name: name.to_owned(),
+        figures: json(py, figures)?,
         segments: json(py, &segments)?,
         record: Py::new(py, Frame::new(py, columns))?,
         beyond: beyond
             .map(|b| (b.figure.to_owned(), b.value, b.bound))
             .collect(),
-        lines: figures.table(&experiment),
+        lines: figures.table(experiment),
+        steps: record.len(),
+        end_s: record.last().map_or(0.0, |step| step.t),
     })
 }

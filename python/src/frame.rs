@@ -101,6 +101,11 @@ fn array<T: Element>(py: Python, values: Vec<T>) -> Py<PyAny> {
 }
 
 impl Frame {
+    /// How many rows there are.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
     /// The frame of these columns.
     pub fn new(py: Python, columns: impl IntoIterator<Item = (String, Data)>) -> Self {
         let mut rows = 0;

@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use toml::Value;
 
-use crate::arguments::{Numbers, table, vector, vector_or_zero};
+use crate::arguments::{Numbers, TURN, angle, table, vector, vector_or_zero};
 use crate::error;
 use crate::parameters;
 use crate::vehicle::Vehicle;
@@ -28,6 +28,8 @@ pub struct Guidance {
     guidance: ::alula::Guidance<Model, GainChoice>,
     parameters: GuidanceParameters,
     state: GuidanceState,
+    /// The vehicle's name.
+    vehicle: String,
 }
 
 /// What a step of the guidance gives: always a command.
@@ -81,10 +83,12 @@ impl GuidanceOutput {
     }
 }
 
-fn components(v: Ned) -> [f32; 3] {
+/// North, east and down.
+pub fn components(v: Ned) -> [f32; 3] {
     [v.north, v.east, v.down]
 }
 
+/// A vector in space.
 pub fn ned([north, east, down]: [f32; 3]) -> Ned {
     Ned::new(north, east, down)
 }
@@ -122,6 +126,13 @@ pub fn body_axes(name: &str) -> PyResult<BodyAxes> {
             format!("{name} is neither nose-forward nor nose-up"),
         )),
     }
+}
+
+/// The attitude of the quaternion (w, x, y, z) from `axes` to north-east-down; what is none is one that is not known.
+pub fn orientation(quaternion: &Numbers, axes: BodyAxes) -> PyResult<Orientation> {
+    let [w, x, y, z] = vector("quaternion", quaternion)?;
+    let orientation = Orientation::from_quaternion(&Quaternion { w, x, y, z }, axes);
+    Ok(orientation.unwrap_or(Orientation::UNKNOWN))
 }
 
 /// A step's answer as Python has it, with rates about `axes`.
@@ -181,6 +192,7 @@ impl Guidance {
             guidance,
             parameters,
             state: GuidanceState::default(),
+            vehicle: vehicle.name.clone(),
         })
     }
 
@@ -188,6 +200,14 @@ impl Guidance {
     #[getter]
     fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         parameters::dict(py, &self.parameters)
+    }
+
+    fn __repr__(&self) -> String {
+        let p = &self.parameters;
+        format!(
+            "<alula.Guidance of {}: {} rad/s, damping {}>",
+            self.vehicle, p.natural_frequency, p.damping
+        )
     }
 
     /// Forgets everything: power-on.
@@ -252,14 +272,12 @@ impl Guidance {
         hold_altitude_only: bool,
     ) -> PyResult<GuidanceOutput> {
         let axes = body_axes(axes)?;
-        let [w, x, y, z] = vector("quaternion", &quaternion)?;
-        let orientation = Orientation::from_quaternion(&Quaternion { w, x, y, z }, axes);
         let acceleration = reference_acceleration.as_ref();
         let force = specific_force.as_ref().map(|v| vector("specific_force", v));
         let error = position_error.as_ref().map(|v| vector("position_error", v));
         let input = GuidanceInput::default()
             .velocity(ned(vector("velocity", &velocity)?))
-            .orientation(orientation.unwrap_or(Orientation::UNKNOWN))
+            .orientation(orientation(&quaternion, axes)?)
             .state_age(state_age)
             .air(air(air_velocity.as_ref(), wind.as_ref(), airspeed, ned)?)
             .specific_force(force.transpose()?.map(|force| axes.vector(force)))
@@ -267,7 +285,10 @@ impl Guidance {
             .reference(Reference {
                 velocity: ned(vector("reference_velocity", &reference_velocity)?),
                 acceleration: ned(vector_or_zero("reference_acceleration", acceleration)?),
-                heading: heading.map_or(Heading::FREE, Heading::from_angle),
+                heading: match heading {
+                    Some(heading) => Heading::from_angle(angle("heading", heading, TURN)?),
+                    None => Heading::FREE,
+                },
             })
             .reference_age(reference_age)
             .planner_options(
@@ -310,7 +331,7 @@ impl Guidance {
         let force = specific_force.as_ref().map(|v| vector("specific_force", v));
         let input = PlanarGuidanceInput {
             velocity: inertial(vector("velocity", &velocity)?),
-            attitude: Attitude::from_angle(theta),
+            attitude: Attitude::from_angle(angle("theta", theta, TURN)?),
             state_age,
             air: air(air_velocity.as_ref(), wind.as_ref(), airspeed, inertial)?,
             specific_force: force

@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use toml::{Table, Value};
 
-use crate::arguments::{Numbers, Rows, rows, table, vector, vector_or_zero};
+use crate::arguments::{Numbers, Rows, TURN, angle, angles, rows, table, vector, vector_or_zero};
 use crate::error;
 use crate::frame::{Data, Frame};
 use crate::vehicle::Vehicle;
@@ -127,6 +127,14 @@ impl Law {
         law.map(Self).map_err(error::of_field)
     }
 
+    fn __repr__(&self) -> String {
+        let form = match self.0.form {
+            Form::Robust => "robust",
+            Form::Full => "full",
+        };
+        format!("<alula.Law {form}>")
+    }
+
     /// The command at one state.
     ///
     /// velocity: over ground, (down, forward) [m/s]. theta: attitude [rad], 0 in hover with the nose up, -pi/2 with the nose
@@ -153,7 +161,7 @@ impl Law {
             |field, value: &Option<Numbers>| vector_or_zero(field, value.as_ref()).map(inertial);
         let state = State {
             velocity: inertial(vector("velocity", &velocity)?),
-            attitude: Attitude::from_angle(theta),
+            attitude: Attitude::from_angle(angle("theta", theta, TURN)?),
             wind: or_zero("wind", &wind)?,
         };
         let reference = Reference {
@@ -195,6 +203,7 @@ impl Law {
         given.extend(acceleration.map(|value| ("reference_acceleration", value, 2)));
         given.extend(wind.as_ref().map(|value| ("wind", value, 2)));
         let n = rows(&given)?;
+        angles("theta", &theta, TURN)?;
         let (velocity, theta) = (Rows::new(&velocity, 2), Rows::new(&theta, 1));
         let reference_velocity = Rows::new(&reference_velocity, 2);
         let acceleration = acceleration.map(|value| Rows::new(value, 2));

@@ -6,17 +6,21 @@
 mod analysis;
 mod arguments;
 mod campaign;
+mod design;
 mod equilibria;
 mod error;
 mod experiment;
 mod fleet;
 mod flight;
 mod frame;
+mod goals;
 mod guidance;
 mod law;
+mod mission;
 mod model;
 mod parameters;
 mod replay;
+mod simulation;
 mod vehicle;
 
 use pyo3::prelude::*;
@@ -29,11 +33,13 @@ use pyo3::prelude::*;
 /// In the vertical plane vectors are (down, forward) and theta is 0 in hover, nose up, and -pi/2 in level cruise; rates are
 /// negative from hover towards cruise. In space vectors are (north, east, down).
 #[pymodule]
-mod alula {
+mod _alula {
     #[pymodule_export]
     use crate::analysis::{compare, margins, sweep};
     #[pymodule_export]
     use crate::campaign::{Campaign, campaign, campaigns};
+    #[pymodule_export]
+    use crate::design::{Design, new};
     #[pymodule_export]
     use crate::equilibria::{Envelope, Equilibrium, envelope, equilibria};
     #[pymodule_export]
@@ -47,15 +53,21 @@ mod alula {
     #[pymodule_export]
     use crate::frame::Frame;
     #[pymodule_export]
+    use crate::goals::Goals;
+    #[pymodule_export]
     use crate::guidance::{Guidance, GuidanceOutput};
     #[pymodule_export]
     use crate::law::{Command, Law};
+    #[pymodule_export]
+    use crate::mission::{Mission, MissionOutput};
     #[pymodule_export]
     use crate::model::{Model, polars};
     #[pymodule_export]
     use crate::parameters::parameters;
     #[pymodule_export]
     use crate::replay::{Replay, replay};
+    #[pymodule_export]
+    use crate::simulation::{Moment, Simulation};
     #[pymodule_export]
     use crate::vehicle::Vehicle;
 

@@ -2,13 +2,13 @@
 
 use ::alula::aero::TableProblem;
 use ::alula::{Aerodynamics, AngleOfAttack, ModelParameters, Parameters};
-use alula_sim::experiment::{AerodynamicsSpec, refused};
+use alula_sim::experiment::{AerodynamicsSpec, file_name, file_value, refused};
 use alula_sim::polar::{BUILT_IN, Polar};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
 
-use crate::arguments::{Numbers, Rows, rows};
+use crate::arguments::{HALF_TURN, Numbers, Rows, angles, rows};
 use crate::error;
 use crate::frame::{Data, Frame};
 use crate::parameters;
@@ -118,10 +118,23 @@ impl Model {
         parameters::values(py, p.rows(), |row| p.get(row)).map(Some)
     }
 
+    fn __repr__(&self) -> String {
+        let AerodynamicsSpec::Table { polar } = &self.0 else {
+            let p = self.0.parameters().expect("no table");
+            let rows = p.rows().iter().enumerate();
+            let values =
+                rows.map(|(i, row)| format!("{} {}", file_name(row), file_value(row, p.get(i))));
+            let values: Vec<String> = values.collect();
+            return format!("<alula.Model {}>", values.join(", "));
+        };
+        format!("<alula.Model {}, {} rows>", polar.name, polar.rows.len())
+    }
+
     /// The coefficients at angles of attack [rad], a number or an array of n: columns `cl`, `cd`, and their derivatives `dcl`, `dcd`
     /// [1/rad], `ddcl`, `ddcd` [1/rad²], in single precision.
     fn coefficients(&self, py: Python<'_>, alpha_rad: Numbers<'_>) -> PyResult<Frame> {
         let n = rows(&[("alpha_rad", &alpha_rad, 1)])?;
+        angles("alpha_rad", &alpha_rad, HALF_TURN)?;
         let (alpha, model) = (Rows::new(&alpha_rad, 1), self.core()?);
         let mut columns = [const { Vec::new() }; 6];
         py.detach(|| {

@@ -1,5 +1,6 @@
 //! Parameters by keyword: names, defaults, ranges and meanings are those of the core's table.
 
+use ::alula::mission::MissionParameters;
 use ::alula::planar::GainParameters;
 use ::alula::{
     CombinedParameters, GuidanceParameters, LargeAngleParameters, Parameters, Row,
@@ -74,6 +75,7 @@ pub fn parameters(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
         group::<CombinedParameters>(),
         group::<GainParameters>(),
         group::<GuidanceParameters>(),
+        group::<MissionParameters>(),
     ] {
         dict.set_item(name, rows(py, table)?)?;
     }

@@ -20,6 +20,14 @@ pub struct Replay {
     notes: Vec<String>,
 }
 
+#[pymethods]
+impl Replay {
+    fn __repr__(&self, py: Python<'_>) -> String {
+        let (rows, notes) = (self.record.borrow(py).rows(), self.notes.len());
+        format!("<alula.Replay: {rows} steps, {notes} notes>")
+    }
+}
+
 /// Runs the controller of the experiment `source`, with the fields in `set` changed, open loop over the log `file`: a CSV such as a
 /// flight's trace, a PX4 ULog, MCAP, or an ArduPilot DataFlash log (.bin, .log).
 ///
@@ -33,7 +41,7 @@ pub fn replay(
     set: Option<&Bound<'_, PyAny>>,
     map: Option<PathBuf>,
 ) -> PyResult<Replay> {
-    let experiment = Experiment::new(source, set)?.0.checked();
+    let experiment = Experiment::new(source, set, None)?.0.checked();
     let experiment = experiment.map_err(error::of)?;
     let replayed = py.detach(|| {
         let (record, notes) = Source::open(&file, map.as_ref())?.replay(&experiment)?;

@@ -87,8 +87,8 @@ impl Vehicle {
             mass_kg, k_a_kg_m, ..
         } = self.spec;
         format!(
-            "<alula.Vehicle {}: {mass_kg} kg, k_a {k_a_kg_m} kg/m>",
-            self.name
+            "<alula.Vehicle {}: {mass_kg} kg, k_a {k_a_kg_m} kg/m, thrust {:.1} to {:.1} N>",
+            self.name, self.thrust[0], self.thrust[1]
         )
     }
 }

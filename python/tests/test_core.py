@@ -12,6 +12,9 @@ import alula
 PAPER = dict(mass_kg=10.0, k_a_kg_m=0.646, thrust_max_n=196.2)
 
 
+STILL = dict(velocity=(0, 0, 0), quaternion=(1, 0, 0, 0), reference_velocity=(1, 0, 0))
+
+
 def states(n, seed=1):
     """Velocities, attitudes, reference velocities and accelerations, winds."""
     random = np.random.default_rng(seed)
@@ -43,7 +46,15 @@ def test_parameters_come_from_the_one_table():
     [
         (lambda: alula.Vehicle(**{**PAPER, "mass_kg": -1}), "mass_kg", "positive"),
         (lambda: alula.Vehicle(k_a_kg_m=1, thrust_max_n=9), "mass_kg", "missing"),
+        (lambda: alula.Vehicle(mass=2.2, k_a_kg_m=1, thrust_max_n=9), "mass", "did you mean `mass_kg`"),
         (lambda: alula.Vehicle(**PAPER, span_m=2), "span_m", "unknown"),
+        (lambda: alula.Vehicle(**PAPER, delta_deg=200), "delta_deg", "must be"),
+        (lambda: alula.Model.combined().coefficients([0.1, 12]), "alpha_rad", "12 is not from -3.142 to 3.142 rad: was this in degrees?"),
+        (lambda: alula.Law(alula.Vehicle.load()).command((0, 5), -90, (0, 6)), "theta", "degrees?"),
+        (lambda: alula.Law(alula.Vehicle.load()).commands((0, 5), [0, -90], (0, 6)), "theta", "degrees?"),
+        (lambda: alula.Guidance(alula.Vehicle.load()).update(0.01, **STILL, heading=90), "heading", "degrees?"),
+        (lambda: alula.Guidance(alula.Vehicle.load()).update_in_plane(0.01, velocity=(0, 0), theta=-90, reference_velocity=(0, 1)), "theta", "degrees?"),
+        (lambda: alula.Fleet(alula.Vehicle.load(), 1).update(0.01, **STILL, heading=90), "heading", "degrees?"),
         (lambda: alula.Vehicle(**PAPER, thrust_min_n=300), "thrust_max_n", "must be above thrust_min"),
         (lambda: alula.Vehicle(**{**PAPER, "mass_kg": "ten"}), "mass_kg", "invalid type"),
         (lambda: alula.Model.combined(c2=0), "c2", "positive"),
@@ -79,6 +90,27 @@ def test_what_is_refused_is_named(make, field, problem):
     with pytest.raises(alula.FieldError) as refused:
         make()
     assert refused.value.field == field and problem in refused.value.problem
+
+
+def test_everything_says_what_it_is():
+    vehicle = alula.Vehicle(**PAPER)
+    flown = alula.campaign("dispersed", flights=3)
+    for thing, words in [
+        (vehicle, ["10 kg", "0.646", "196.2 N"]),
+        (alula.Model.combined(), ["c0 0.014", "alpha_bar_deg 11"]),
+        (alula.Model.load(alula.polars()[0]), [alula.polars()[0], "rows"]),
+        (alula.Law(vehicle, "full"), ["full"]),
+        (alula.Guidance(vehicle, damping=0.7), ["damping 0.7", "vehicle"]),
+        (alula.Fleet(vehicle, 7), ["7 vehicles"]),
+        (alula.envelope(vehicle), ["folds", "points"]),
+        (alula.equilibria(vehicle, (0, 12))[0], ["alpha_rad"]),
+        (alula.Experiment("round-trip"), ["round-trip: Hover to cruise and back"]),
+        (alula.fly("hover-to-cruise", {"duration_s": 1.0}), ["hover-to-cruise: 1.0 s, 1001 steps"]),
+        (flown, ["dispersed: 3 flights, "]),
+        (alula.Simulation("round-trip"), ["round-trip: 0.00 of"]),
+        (alula.Simulation("round-trip").now, ["0.00 s: at (0.0, "]),
+    ]:
+        assert all(word in repr(thing) for word in words), repr(thing)
 
 
 def test_models_are_those_of_the_printed_equations():

@@ -24,6 +24,12 @@ def test_an_example_runs(script, arguments, lines, tmp_path):
         assert line in run.stdout, run.stdout
 
 
+def test_the_mission_of_the_readme_is_flown(capsys):
+    [block] = [text for text in (EXAMPLES.parent / "README.md").read_text().split("```python\n")[1:] if "alula.Mission(" in text]
+    exec(compile(block.split("```")[0], "README.md", "exec"), {})
+    assert "at item 3" in capsys.readouterr().out
+
+
 def test_every_example_is_run():
     tested = {"paper_flight.py", "own_polar.py", "campaign.py"}
     assert {path.name for path in EXAMPLES.glob("*.py")} == tested

@@ -16,7 +16,7 @@ FUNCTIONS = {node.name: node for node in TREE.body if isinstance(node, ast.Funct
 
 def test_the_package_is_typed():
     assert STUB.with_name("py.typed").is_file()
-    assert STUB.read_text() == (Path(__file__).parents[1] / "alula.pyi").read_text()
+    assert STUB.read_text() == (Path(__file__).parents[1] / "package/alula/__init__.pyi").read_text()
 
 
 def test_every_public_name_is_in_both():

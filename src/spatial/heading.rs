@@ -50,6 +50,11 @@ impl Heading {
         }
     }
 
+    /// Its angle \[rad\] from north towards east, in [−π, π]; none if it is free.
+    pub fn angle(&self) -> Option<f32> {
+        (*self != Self::FREE).then(|| math::atan2(self.0.east, self.0.north))
+    }
+
     /// The heading along `unit`, a horizontal unit vector.
     #[inline(always)]
     pub(crate) const fn of_unit(unit: Ned) -> Self {
@@ -67,6 +72,15 @@ impl Heading {
 mod tests {
     extern crate std;
     use super::*;
+
+    #[test]
+    fn an_angle_is_told_as_it_was_given() {
+        for angle in [-3.1, -1.0, 0.0, 0.5, 2.0] {
+            let told = Heading::from_angle(angle).angle().unwrap();
+            assert!((told - angle).abs() < 1e-6, "{angle}: {told}");
+        }
+        assert_eq!(Heading::FREE.angle(), None);
+    }
 
     #[test]
     fn what_is_no_heading_is_free() {

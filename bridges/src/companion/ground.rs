@@ -150,7 +150,7 @@ impl GroundStation {
             return;
         };
         let from = (system, header.component_id);
-        let to_us = |system: u8| system == 0 || u32::from(system) == Self::HEADER.system_id.into();
+        let to_us = |system: u8| system == 0 || u32::from(system) == u32::from(Self::HEADER.system_id);
         match message {
             MavMessage::MISSION_REQUEST_LIST(m) if to_us(m.target_system) => {
                 self.answers

@@ -69,7 +69,7 @@ impl Qacro {
     /// Takes an override that arrived `now` \[s\]. One that is not of the ground station is dropped.
     pub fn take(&mut self, now: f64, header: &MavHeader, m: &RC_CHANNELS_OVERRIDE_DATA) {
         let station = Kind::ArduPlane(self.sticks).own_system();
-        if header.system_id != station.into() {
+        if header.system_id != u32::from(station) {
             return;
         }
         let pulses = [m.chan1_raw, m.chan2_raw, m.chan3_raw, m.chan4_raw];

@@ -2,13 +2,14 @@
 
 use std::fmt;
 
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::Packet;
 
 /// `[ardupilot]` of an experiment: which output is what, and what it does. Lengths scale with the vehicle: forces come from its thrust,
 /// its mass and its k_a. Arrays of two are (roll, pitch), of three (about nose, wing, belly).
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Actuators {
     /// Channels of the left (function 77) and right (78) elevon.

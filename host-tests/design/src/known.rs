@@ -67,19 +67,19 @@ pub struct Known {
         arg(long, value_name = "X", allow_negative_numbers = true)
     )]
     pub control_rate_hz: Option<f64>,
-    /// Angle from where the polar's α is zero, the chord as a rule, to the thrust line (°; default: 0)
+    /// Angle from the polar's line of α = 0, as a rule the chord, to the thrust line (°; default: 0)
     #[cfg_attr(
         feature = "arguments",
         arg(long, value_name = "X", allow_negative_numbers = true)
     )]
     pub delta_deg: Option<f64>,
-    /// Span squared over area (default: that of the polar as it is, of a section infinite)
+    /// Aspect ratio, span squared over area, that makes a section a wing (default: the polar is taken as it is)
     #[cfg_attr(
         feature = "arguments",
         arg(long, value_name = "X", allow_negative_numbers = true)
     )]
     pub aspect_ratio: Option<f64>,
-    /// Angle of attack of the greatest lift (°), of a polar that ends before the stall: rows beyond are left out
+    /// Angle of attack at which the wing stalls (°), where the polar does not show it: rows beyond are left out
     #[cfg_attr(
         feature = "arguments",
         arg(long, value_name = "X", allow_negative_numbers = true)
@@ -97,6 +97,12 @@ pub struct Known {
         arg(long, value_name = "X", allow_negative_numbers = true)
     )]
     pub propeller_m: Option<f64>,
+    /// Drag area of what is not wing (m²; default: 0): drag coefficient times frontal area of fuselage, motors and gear
+    #[cfg_attr(
+        feature = "arguments",
+        arg(long, value_name = "X", allow_negative_numbers = true)
+    )]
+    pub drag_area_m2: Option<f64>,
     /// Density of the air (kg/m³; default: 1.225)
     #[cfg_attr(
         feature = "arguments",
@@ -162,12 +168,14 @@ pub struct Facts {
     pub stall_deg: Option<f64>,
     /// Least thrust over weight.
     pub idle_to_weight: f64,
+    /// Drag area of what is not wing \[m²\]; none if nothing is known of it.
+    pub drag_area_m2: Option<f64>,
     /// Density of the air ρ \[kg/m³\].
     pub air_kg_m3: f64,
 }
 
 /// What is believed of each number.
-const RANGES: [(&str, [f64; 2]); 14] = [
+const RANGES: [(&str, [f64; 2]); 15] = [
     ("mass_kg", [0.01, 1e4]),
     ("wing_m2", [1e-4, 1e3]),
     ("thrust_to_weight", [1.02, 20.0]),
@@ -181,6 +189,7 @@ const RANGES: [(&str, [f64; 2]); 14] = [
     ("stall_deg", [5.0, 60.0]),
     ("idle_to_weight", [0.0, 0.9]),
     ("propeller_m", [0.02, 5.0]),
+    ("drag_area_m2", [0.0, 100.0]),
     ("air_kg_m3", [0.1, 10.0]),
 ];
 
@@ -233,6 +242,8 @@ impl Known {
             cruise_m_s: Some(18.0),
             turn_rad_s2: Some(300.0),
             actuators: Some(Actuators::Both),
+            // The numbers of the tests are those of the wing alone.
+            drag_area_m2: Some(0.0),
             ..Self::default()
         }
     }
@@ -263,6 +274,7 @@ impl Known {
             &mut self.stall_deg,
             &mut self.idle_to_weight,
             &mut self.propeller_m,
+            &mut self.drag_area_m2,
             &mut self.air_kg_m3,
         ]
     }
@@ -380,6 +392,7 @@ impl Known {
             aspect_ratio: self.aspect_ratio,
             stall_deg: self.stall_deg,
             idle_to_weight: self.idle_to_weight.unwrap_or(0.0),
+            drag_area_m2: self.drag_area_m2,
             air_kg_m3: self.air_kg_m3.unwrap_or(1.225),
         })
     }
@@ -459,6 +472,11 @@ impl Facts {
         0.5 * self.air_kg_m3 * self.wing_m2
     }
 
+    /// What the drag area of all that is not wing adds to c_D.
+    pub fn added_drag(&self) -> f64 {
+        self.drag_area_m2.unwrap_or(0.0) / self.wing_m2
+    }
+
     /// Weight \[N\].
     pub fn weight(&self) -> f64 {
         9.81 * self.mass_kg
@@ -496,7 +514,9 @@ mod tests {
             })
             .unwrap();
         assert!(
-            asked[7].starts_with("NACA0013: neither a file nor a built-in section; did you mean naca-0012? (naca-0012, "),
+            asked[7].starts_with(
+                "NACA0013: neither a file nor a built-in section; did you mean naca-0012?\nSection "
+            ),
             "{asked:?}"
         );
         // Each time it is said why.

@@ -8,6 +8,8 @@ mod code;
 pub mod curves;
 mod document;
 pub mod envelope;
+mod files;
+mod first_flight;
 pub mod fit;
 mod goals;
 pub mod identify;
@@ -23,7 +25,8 @@ mod wing;
 use alula::{GuidanceParameters, Parameters, ResponseParameters};
 
 pub use code::{Coded, c_code};
-pub use document::{campaign_text, check_name, vehicle_text};
+pub use document::{check_name, vehicle_text};
+pub use first_flight::{Findings, FirstFlight};
 pub use known::{Actuators, Facts, Known};
 pub use limits::Limits;
 pub use performance::{ON_WING, Performance, Stall};

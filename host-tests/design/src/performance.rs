@@ -88,6 +88,9 @@ const THRUST_LEFT: f64 = 1.045;
 /// Speed over that of transition from which on the guidance prefers the wing to the thrust with all of its weight; it begins to at 1.18.
 pub const ON_WING: f64 = 1.3;
 
+/// Thrust over weight of level cruise below which the wing is taken for one without a vehicle: lift over drag of 20, that of good aeroplanes.
+const CLEAN: f64 = 0.05;
+
 /// Rate lag \[s\] from which on a crossing of a sharp stall may fail: the vehicle of docs/your-vehicle.md does not reach a cruise of 17 m/s with 0.14
 /// and 0.16 s, and one with 0.12 s not one of 17.5 m/s.
 const SLOW_RATE: f64 = 0.1;
@@ -161,6 +164,16 @@ impl Performance {
                 facts.cruise_m_s, facts.idle_to_weight
             )
         });
+        let clean = self
+            .cruise
+            .filter(|[_, thrust]| facts.drag_area_m2.is_none() && *thrust < CLEAN);
+        let clean = clean.map(|[_, thrust]| {
+            format!(
+                "Level cruise takes {:.1} % of the weight as thrust: that is the wing alone, without fuselage, motors and gear. Give their drag area, \
+                 --drag-area-m2: drag coefficient times frontal area; or 0 if the polar has it",
+                100.0 * thrust
+            )
+        });
         let polar = design.wing.polar.as_ref().map(|(polar, _)| polar);
         let extended = polar.and_then(|polar| polar.seam);
         let endless = extended.filter(|_| self.stall.is_none() && facts.aspect_ratio.is_none());
@@ -170,7 +183,7 @@ impl Performance {
                 seam.given_deg[1]
             )
         });
-        [weak, slow, near, late, fast, idle, endless]
+        [weak, slow, near, late, fast, idle, clean, endless]
             .into_iter()
             .flatten()
             .collect()

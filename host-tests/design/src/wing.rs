@@ -100,9 +100,17 @@ impl Wing {
         }
         let (wing, how) = section.finite(facts.aspect_ratio)?;
         story.extend(how);
+        let added = facts.added_drag();
+        let wing = match added > 0.0 {
+            true => {
+                story.push(format!("What is not wing adds {added:.4} to c_D at every angle: its drag area over that of the wing"));
+                wing.with_drag(added)?
+            }
+            false => wing,
+        };
         let (polar, apart) = wing.of_rows(ROWS)?;
         story.extend(apart.text(polar.rows.len(), wing.rows.len()));
-        let own = !(preset && facts.aspect_ratio.is_none());
+        let own = !(preset && facts.aspect_ratio.is_none() && added == 0.0);
         Ok(Self {
             aerodynamics: AerodynamicsSpec::Table { polar },
             polar: Some((polar, own)),
@@ -116,7 +124,7 @@ impl Wing {
         let most = alula_sim::polar::most_drag(facts.aspect_ratio);
         Self {
             aerodynamics: AerodynamicsSpec::LargeAngle(LargeAngle {
-                c0: PLATE_FRICTION,
+                c0: PLATE_FRICTION + facts.added_drag(),
                 c1: 0.5 * (most - PLATE_FRICTION),
             }),
             polar: None,

@@ -3,7 +3,7 @@
 use super::chart::{BLUE, Chart, HEAT, Level, Series, Stroke, TINTS};
 use super::{Figure, Page, Table, columns, fixed};
 use alula_sim::columns::declared;
-use alula_sim::figures::LOST;
+use alula_sim::figures::{LOST, words};
 use alula_study::Campaign;
 use alula_study::{CampaignSource, Fan, LimitResult, MapResult, PERCENTILES, Summary};
 
@@ -115,7 +115,7 @@ fn bounds(limit: &LimitResult) -> String {
 fn limits(summary: &Summary) -> Table {
     let row = |limit: &LimitResult| {
         [
-            limit.figure.to_owned(),
+            words(limit.figure),
             bounds(limit),
             format!("{:.2}", 100.0 * limit.share_required),
             format!("{:.2}", 100.0 * limit.share),
@@ -142,7 +142,7 @@ fn worst(summary: &Summary) -> Table {
     let rows = first.flat_map(|(_, limit)| {
         limit.worst.iter().map(|worst| {
             [
-                limit.figure.to_owned(),
+                words(limit.figure),
                 worst.flight.to_string(),
                 number(worst.value),
                 worst.command.clone(),
@@ -179,7 +179,7 @@ fn faults(summary: &Summary) -> Table {
 
 fn figures(summary: &Summary) -> Table {
     let rows = summary.figures.iter().map(|found| {
-        let mut row = vec![found.figure.to_owned()];
+        let mut row = vec![words(found.figure)];
         row.extend(found.percentiles.map(number));
         row
     });

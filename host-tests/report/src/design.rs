@@ -1,63 +1,44 @@
 //! The page about a vehicle of one's own: what was said, what follows, and the polar that it rests on.
 
-use super::side::side;
+use super::flight::drawn;
 use alula::guidance::REASONS;
 use alula::{GuidanceParameters, Parameters as _};
-use alula_sim::experiment::Experiment;
-use alula_sim::simulate::Step;
 
 use super::chart::{BLUE, Chart, ORANGE, Series};
 use super::{Figure, Page, Table, fixed};
-use alula_design::{Design, ON_WING, Outcome, Performance, Verdict};
+use alula_design::{Design, FirstFlight, ON_WING, Outcome, Performance, vehicle_text};
 use alula_sim::experiment::file_name;
-use alula_sim::figures::Figures;
-use alula_sim::margins::{LONGEST, Point};
+use alula_sim::figures::words;
+use alula_sim::margins::LONGEST;
 use alula_sim::polar::Upto;
 
-/// What a vehicle comes to.
-#[derive(Clone, Copy, Debug)]
-pub struct Results<'a> {
-    /// What it can do.
-    pub performance: &'a Performance,
-    /// Its margins in level flight.
-    pub margins: &'a [Point],
-    /// Its first flight: the experiment, the record and its figures.
-    pub experiment: &'a Experiment,
-    /// Its steps.
-    pub record: &'a [Step],
-    /// Its figures.
-    pub flight: &'a Figures,
-    /// What came of that.
-    pub verdict: &'a Verdict,
-    /// What is to be doubted of it all.
-    pub warnings: &'a [String],
-}
-
-/// The page of the vehicle `name`, whose file is `text`.
-pub fn page(name: &str, design: &Design, results: &Results, text: &str) -> Page {
-    let mut lead = design.wing.story.clone();
-    let mut warnings = results.warnings.to_vec();
+/// The page of the vehicle `name` and its first flight.
+pub fn page(name: &str, design: &Design, flight: &FirstFlight) -> Page {
+    let findings = &flight.findings;
+    let mut lead = findings.story.clone();
+    let mut warnings = findings.warnings.clone();
     let mut remarks = Vec::new();
-    let verdict = results.verdict.text();
-    match results.verdict.outcome {
+    let verdict = findings.verdict.text();
+    match findings.verdict.outcome {
         Outcome::AsAsked => lead.insert(0, verdict),
         Outcome::OutsideGoals => remarks.push(verdict),
         Outcome::Fails => warnings.insert(0, verdict),
     }
     Page {
         links: [
-            ("first-flight/report.html", "the first flight"),
-            ("first-flight/view.html", "in three dimensions"),
+            ("first-flight/report.html".to_owned(), "the first flight"),
+            ("first-flight/view.html".to_owned(), "in three dimensions"),
+            (format!("{name}-campaign.toml"), "its campaign, to be flown"),
         ]
-        .map(|(address, words)| (address.to_owned(), words.to_owned()))
+        .map(|(address, words)| (address, words.to_owned()))
         .to_vec(),
         title: name.to_owned(),
         lead: format!("{}.", lead.join(". ")),
         warnings,
         remarks,
-        figure: figure(design).with_picture(side(results.experiment, results.record)),
-        tables: tables(name, design, results),
-        text: Some((format!("{name}.toml"), text.to_owned())),
+        figure: figure(design).with_picture(drawn(&flight.experiment, &flight.record)),
+        tables: tables(name, design, flight),
+        text: Some((format!("{name}.toml"), vehicle_text(name, design))),
         notes: format!(
             "Envelope and margins are of the vehicle as it was described, in still air. The first flight has no wind and no noise: {name}-campaign.toml has both."
         ),
@@ -101,7 +82,8 @@ fn figure(design: &Design) -> Figure {
     Figure::new(&charts, 250.0)
 }
 
-fn tables(name: &str, design: &Design, results: &Results) -> Vec<Table> {
+fn tables(name: &str, design: &Design, flight: &FirstFlight) -> Vec<Table> {
+    let findings = &flight.findings;
     let parameters = GuidanceParameters::ROWS.iter().zip(REASONS).enumerate();
     let parameters = parameters.map(|(i, (row, (_, reason)))| {
         let value = design.parameters.get(i).to_string();
@@ -115,12 +97,12 @@ fn tables(name: &str, design: &Design, results: &Results) -> Vec<Table> {
         "peak_rate_rad_s",
         "max_late_velocity_error_m_s",
     ];
-    let figures = figures.map(|name| [name.to_owned(), fixed(results.flight.get(name), 2)]);
+    let figures = figures.map(|name| [words(name), fixed(flight.figures.get(name), 2)]);
     vec![
         Table::new(
             "What it can do",
             ["", ""],
-            envelope(design, results.performance),
+            envelope(design, &findings.performance),
         ),
         Table::new(
             format!("First flight: the round trip of {name}.toml"),
@@ -129,7 +111,7 @@ fn tables(name: &str, design: &Design, results: &Results) -> Vec<Table> {
         ),
         Table::of(
             "Margins in level flight, with its own lags",
-            results.margins,
+            &findings.margins,
             &[
                 ("v [m/s]", &|p| fixed(p.speed_m_s, 1)),
                 ("α [°]", &|p| fixed(p.alpha_deg, 1)),

@@ -2,9 +2,11 @@
 
 use super::chart::{Band, Chart, Level, Mark, ends};
 use super::page::fixed;
+use super::film::with_films;
 use super::panel::{Panel, chart, panels, strip};
 use super::picture::picture;
 use super::side::side;
+use super::svg::Drawn;
 use super::{Figure, Page, Table, viewer};
 use alula_design::envelope::Curve;
 use alula_sim::columns::declared;
@@ -95,16 +97,29 @@ const MARKS: [(&str, &str); 3] = [
 /// Height of a plot \[px\].
 const HIGH: f64 = 210.0;
 
+/// The picture of a flight as a whole.
+pub fn overview(experiment: &Experiment, record: &[Step]) -> Drawn {
+    match experiment.in_plane() {
+        true => side(experiment, record),
+        false => picture(record),
+    }
+}
+
+/// The picture of a flight, with its transitions.
+pub fn drawn(experiment: &Experiment, record: &[Step]) -> Drawn {
+    with_films(overview(experiment, record), experiment, record)
+}
+
 /// The figure of a flight: its picture, its charts, what the controller did.
 pub fn figure(experiment: &Experiment, record: &[Step], figures: &Figures) -> Figure {
-    let (panels, picture) = match experiment.in_plane() {
-        true => (IN_PLANE, side(experiment, record)),
-        false => (IN_SPACE, picture(record)),
+    let panels = match experiment.in_plane() {
+        true => IN_PLANE,
+        false => IN_SPACE,
     };
     let chart = |panel| marked(panel, experiment, record, figures);
     let charts: Vec<Chart> = panels.iter().filter_map(chart).collect();
     Figure::new(&charts, HIGH)
-        .with_picture(picture)
+        .with_picture(drawn(experiment, record))
         .with_strip(&strip(experiment, record))
 }
 

@@ -6,6 +6,12 @@ const style = (element) => getComputedStyle(element);
 const variable = (name) => style(document.documentElement).getPropertyValue(name).trim();
 const numbers = (text) => text.split(" ").map(Number);
 
+/* Long tables are closed where they would be listed cell by cell. */
+const slim = matchMedia("(max-width: 600px)");
+const fold = () => document.querySelectorAll(".long").forEach((part) => { part.open = !slim.matches; });
+slim.addEventListener("change", fold);
+fold();
+
 /* Pieces of a path: [[x, y], …] in units. */
 function pieces(data) {
     return data.split("M").slice(1).map((piece) => {

@@ -9,6 +9,11 @@ use minijinja::{Environment, Value, context};
 use super::Figure;
 use alula_study::files::leave_all;
 
+/// What every page and its sheet are called, in a folder of their own.
+pub const PAGE: &str = "report.html";
+/// As [`PAGE`].
+pub const SHEET: &str = "report.svg";
+
 /// A table of cells.
 #[derive(Clone, Debug)]
 pub struct Table {
@@ -19,6 +24,9 @@ pub struct Table {
     /// Rows of as many cells.
     pub rows: Vec<Vec<String>>,
 }
+
+/// Cells from which on a table of more than three columns is closed at first where it would be listed cell by cell.
+const LONG: usize = 30;
 
 /// Names of columns.
 pub fn columns<const N: usize>(names: [&str; N]) -> Vec<String> {
@@ -75,6 +83,7 @@ impl Table {
             rows => self.rows.clone(),
             // Its rows have names, and its columns need none.
             named => self.header.first().is_some_and(String::is_empty),
+            long => self.header.len() > 3 && self.header.len() * self.rows.len() > LONG,
             numeric => (0..self.header.len()).map(numeric).collect::<Vec<_>>(),
         }
     }
@@ -138,9 +147,9 @@ impl Page {
             .context("the page's template")
     }
 
-    /// Leaves the figure and the page in `folder`, under these names.
-    pub fn leave(&self, folder: &Path, [svg, html]: [&str; 2]) -> anyhow::Result<()> {
-        for (name, content) in [(svg, self.figure.svg()), (html, self.html()?)] {
+    /// Leaves the figure and the page in `folder`.
+    pub fn leave(&self, folder: &Path) -> anyhow::Result<()> {
+        for (name, content) in [(SHEET, self.figure.svg()), (PAGE, self.html()?)] {
             leave_all(&folder.join(name), content)?;
         }
         Ok(())

@@ -70,9 +70,13 @@ fn axes(theta: f64) -> [[f64; 2]; 2] {
     [[-sin, -cos], [cos, -sin]]
 }
 
-/// The vehicle with the thrust that acts on it, as an arrow as long as the vehicle where thrust is the weight.
-fn vehicle(text: &mut String, [x, y]: [f64; 2], theta: f64, thrust_to_weight: f64) {
-    let [nose, belly] = axes(theta);
+/// The vehicle, its nose and its belly in these directions, with the thrust that acts on it, as an arrow as long as the vehicle where thrust is the weight.
+pub(super) fn vehicle(
+    text: &mut String,
+    [x, y]: [f64; 2],
+    [nose, belly]: [[f64; 2]; 2],
+    thrust_to_weight: f64,
+) {
     let at = |ahead: f64, below: f64| {
         [
             x + LONG * (ahead * nose[0] + below * belly[0]),
@@ -163,7 +167,7 @@ pub fn side(experiment: &Experiment, record: &[Step]) -> Drawn {
         }
         drawn.push(at);
         let thrust = step.truth.thrust / experiment.weight();
-        vehicle(&mut text, at, step.theta, thrust);
+        vehicle(&mut text, at, axes(step.theta), thrust);
         if !written.iter().any(|there| near(there, 2.2 * LONG)) {
             written.push(at);
             let _ = writeln!(

@@ -494,6 +494,15 @@ pub fn index(name: &str) -> Option<usize> {
     FIGURES.iter().position(|figure| figure.name == name)
 }
 
+/// The figure of this name in words, with its unit, as tables have it; the name itself if there is none.
+pub fn words(name: &str) -> String {
+    match index(name).map(|i| &FIGURES[i]) {
+        Some(figure) if matches!(figure.unit, "" | "flag") => figure.label.to_owned(),
+        Some(figure) => format!("{} [{}]", figure.label, figure.unit),
+        None => name.to_owned(),
+    }
+}
+
 impl Figures {
     /// The figures of a record.
     pub fn of(experiment: &Experiment, record: &[Step]) -> Self {

@@ -8,7 +8,8 @@ use alula::ned::Ned;
 
 use crate::controllers::{Answer, Input};
 use crate::experiment::{
-    Experiment, FieldError, Measured, Target, TroubleKind, TroubleSpec, double, ned, refused,
+    Experiment, FieldError, Measured, MissionSpec, Target, TroubleKind, TroubleSpec, Vehicle,
+    double, ned, refused,
 };
 
 /// A mission that is being flown.
@@ -30,21 +31,8 @@ impl Experiment {
         let belief = controller.belief().unwrap_or(&self.vehicle);
         let thrust = self.thrust_limits(None, belief.weight());
         let vehicle = belief.limited(thrust).map_err(|e| e.inside("vehicle"))?;
-        let parameters = spec.parameters()?;
-        let missions = Missions::new(&vehicle, &parameters, spec.responses);
-        let missions = missions.map_err(|e| refused::<MissionParameters>(e).inside("mission"))?;
-        let mut items = Vec::with_capacity(spec.items.len());
-        for (i, item) in spec.items.iter().enumerate() {
-            let item = item.item().map_err(|(field, problem)| {
-                FieldError::new(format!("mission.items[{i}].{field}"), problem)
-            })?;
-            items.push(item);
-        }
-        let mission = missions.mission(&items).map_err(|e| {
-            let text = e.to_string();
-            let problem = text.splitn(3, ": ").last().unwrap_or(&text).to_owned();
-            FieldError::new(format!("mission.items[{}].{}", e.item, e.field), problem)
-        })?;
+        let made = spec.missions(&vehicle);
+        let (missions, mission) = made.map_err(|e| e.inside("mission"))?;
         Ok(Some(FlownMission {
             missions,
             mission,
@@ -52,6 +40,27 @@ impl Experiment {
             armed_s: spec.armed_s,
             troubles: spec.troubles.clone(),
         }))
+    }
+}
+
+impl MissionSpec {
+    /// The mission, checked against `vehicle`, and what flies it. Fields in errors are those of the mission's own table.
+    pub fn missions(&self, vehicle: &Vehicle) -> Result<(Missions, Mission), FieldError> {
+        let missions = Missions::new(vehicle, &self.parameters()?, self.responses);
+        let missions = missions.map_err(refused::<MissionParameters>)?;
+        let mut items = Vec::with_capacity(self.items.len());
+        for (i, item) in self.items.iter().enumerate() {
+            let item = item.item();
+            let refused =
+                |(field, problem)| FieldError::new(format!("items[{i}].{field}"), problem);
+            items.push(item.map_err(refused)?);
+        }
+        let mission = missions.mission(&items).map_err(|e| {
+            let text = e.to_string();
+            let problem = text.splitn(3, ": ").last().unwrap_or(&text).to_owned();
+            FieldError::new(format!("items[{}].{}", e.item, e.field), problem)
+        })?;
+        Ok((missions, mission))
     }
 }
 

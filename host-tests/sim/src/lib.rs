@@ -5,6 +5,7 @@
 //! [`experiment`] (what is flown), [`plant`] (the vehicle), [`controllers`] (by whom), [`simulate`](mod@simulate) (the loop), [`columns`] (what a record
 //! holds), [`figures`] (what a flight is judged by), [`scene`] (what a viewer shows of it), [`flight_log`] (a record as ULog and MCAP), [`replay`](mod@replay) (a
 //! controller over a log).
+//! Of experiments as files: [`schema`](mod@schema), for editors.
 //! Of a vehicle alone: [`airframe`], asked for by name or file; [`margins`], the linear theory of the law's loop.
 //! On a target without an operating system the package is empty.
 #![cfg_attr(target_os = "none", no_std)]
@@ -25,6 +26,7 @@ pub mod polar;
 pub mod reference;
 pub mod replay;
 pub mod scene;
+pub mod schema;
 pub mod sensor_hold;
 pub mod simulate;
 

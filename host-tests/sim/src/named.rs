@@ -148,11 +148,13 @@ pub fn check(noun: &str, names: &[&str], argument: &str) -> anyhow::Result<()> {
     if names.contains(&argument) || path.exists() || path.extension().is_some() {
         return Ok(());
     }
-    let meant = nearest(argument, names);
-    let meant = meant.map_or(String::new(), |name| format!("; did you mean {name}?"));
-    let names = names.join(", ");
+    // All of them where none is near.
+    let named = match nearest(argument, names) {
+        Some(name) => format!("; did you mean {name}?"),
+        None => format!(": {}", names.join(", ")),
+    };
     let argument = on_one_line(argument);
-    bail!("{argument}: neither a file nor a built-in {noun}{meant} ({names})");
+    bail!("{argument}: neither a file nor a built-in {noun}{named}");
 }
 
 /// The text with its control characters escaped: a message that quotes what a file says stays on one line.
@@ -300,11 +302,11 @@ mod tests {
         let error = |argument| format!("{:#}", find(argument).unwrap_err());
         assert_eq!(
             error("plum"),
-            "plum: neither a file nor a built-in fruit (apple, pear)"
+            "plum: neither a file nor a built-in fruit: apple, pear"
         );
         assert_eq!(
             error("Aple"),
-            "Aple: neither a file nor a built-in fruit; did you mean apple? (apple, pear)"
+            "Aple: neither a file nor a built-in fruit; did you mean apple?"
         );
         assert!(error("plum.toml").starts_with("plum.toml: No such file"));
         let file = tempfile::NamedTempFile::with_suffix(".toml").unwrap();

@@ -1,6 +1,7 @@
 //! The loop of an experiment: the plant in double precision, its controller at a fixed rate.
 
 use std::collections::VecDeque;
+use std::ops::Deref;
 
 use alula::GuidanceOutput;
 use alula::guidance::PlannerOptions;
@@ -117,8 +118,10 @@ pub fn simulate(
 }
 
 /// A flight that goes on step by step: [`ask`](Self::ask) the controller, then [`advance`](Self::advance) with its answer.
-pub struct Flight<'a> {
-    experiment: &'a Experiment,
+///
+/// `E` leads to its experiment: a reference, or what shares it.
+pub struct Flight<E> {
+    experiment: E,
     in_plane: bool,
     /// Whether the controller is told the measured air acceleration.
     feed_forward: bool,
@@ -126,7 +129,7 @@ pub struct Flight<'a> {
     noise: ChaCha8Rng,
     gusts: ChaCha8Rng,
     weather: Weather,
-    faults: Faults<'a>,
+    faults: Faults,
     estimates: Estimates,
     hold: SensorHold,
     path: Path,
@@ -152,22 +155,22 @@ struct Asked {
     mission: Option<MissionOutput>,
 }
 
-impl<'a> Flight<'a> {
+impl<E: Deref<Target = Experiment> + Clone> Flight<E> {
     /// The flight of `experiment` at its beginning.
-    pub fn new(experiment: &'a Experiment) -> anyhow::Result<Self> {
+    pub fn new(experiment: E) -> anyhow::Result<Self> {
         let in_plane = experiment.in_plane();
         let [noise, mut gusts, mut start] = [0, 1, 2].map(|n| stream(experiment.seed, n));
         let weather = Weather::new(experiment.weather, in_plane, &mut gusts);
         let path = experiment.path.path()?;
         let start = experiment.initial.state(&path.start(), &mut start);
+        let faults = experiment.sensors.faults.clone();
         Ok(Self {
-            experiment,
             in_plane,
             feed_forward: experiment.spec()?.feed_forward(),
             noise,
             gusts,
             weather,
-            faults: Faults::new(&experiment.sensors.faults, experiment.seed, in_plane),
+            faults: Faults::new(faults, experiment.seed, in_plane),
             estimates: Estimates::new(experiment.seed),
             hold: SensorHold::default(),
             path,
@@ -183,6 +186,7 @@ impl<'a> Flight<'a> {
             step: 0,
             plant_step: 0,
             theta: experiment.initial.theta_deg.to_radians(),
+            experiment,
         })
     }
 
@@ -196,14 +200,14 @@ impl<'a> Flight<'a> {
         self.asked(controller, Self::along_path)
     }
 
-    /// Asks `controller` for what `wanted` makes of the position \[m\] and velocity \[m/s\] measured, in place of the path.
+    /// Asks `controller` for what `wanted` makes of what is measured, in place of the path.
     pub fn ask_for(
         &mut self,
         controller: &mut dyn Controller,
-        wanted: impl FnOnce(V3, V3) -> (Target, PlannerOptions),
+        wanted: impl FnOnce(&Measured) -> (Target, PlannerOptions),
     ) -> anyhow::Result<Step> {
         self.asked(controller, |_, _, measured| {
-            let (target, planner_options) = wanted(measured.position, measured.velocity);
+            let (target, planner_options) = wanted(measured);
             Asked {
                 target,
                 planner_options,
@@ -254,8 +258,9 @@ impl<'a> Flight<'a> {
         controller: &mut dyn Controller,
         wanted: impl FnOnce(&mut Self, &dyn Controller, &Measured) -> Asked,
     ) -> anyhow::Result<Step> {
-        let sensors = &self.experiment.sensors;
-        let gravity = self.experiment.vehicle.gravity_m_s2;
+        let experiment = self.experiment.clone();
+        let sensors = &experiment.sensors;
+        let gravity = experiment.vehicle.gravity_m_s2;
         let (t, period) = (self.time(), self.period());
         let truth = *self.plant.state();
         self.theta += wrap(truth.theta() - self.theta);
@@ -265,7 +270,7 @@ impl<'a> Flight<'a> {
             &truth,
             force,
             wind,
-            self.experiment.weather.steady(),
+            experiment.weather.steady(),
             self.in_plane,
             (&mut self.noise, &mut self.estimates),
             period,

@@ -147,7 +147,7 @@ fn conclude(source: &CampaignSource, store: &Store, output: &Output) -> anyhow::
     if let Some(maps) = maps(&summary) {
         leave_all(&folder.join("maps.svg"), maps.svg())?;
     }
-    output.leave(folder, "report", &page(source, &summary), &summary)?;
+    output.leave(folder, &page(source, &summary), &summary)?;
     ensure!(
         summary.verdict(),
         "{}: a limit is not kept, a flight diverged, or a fault ended in another state",

@@ -63,5 +63,5 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         cells: &results,
     };
     let page = page(&source.name, &source.plan.comparison, &results);
-    args.output.leave(&out, "compare", &page, &summary)
+    args.output.leave(&out, &page, &summary)
 }

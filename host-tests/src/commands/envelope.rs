@@ -3,7 +3,7 @@
 use anyhow::{Context, anyhow, ensure};
 
 use alula_design::Limits;
-use alula_design::envelope::{Envelope, Ray, Refused, Summary};
+use alula_design::envelope::{CuspSummary, Envelope, Ray, Refused, Summary};
 use alula_report::envelope::{Shown, figure};
 use alula_report::{Page, Table, fixed};
 use alula_sim::airframe::Airframe;
@@ -67,7 +67,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         notes: "Equilibria from hover to infinite airspeed; see docs/envelope.md. A cusp is a climb angle ε at which two folds meet: beyond it both are gone.".to_owned(),
         ..Page::default()
     };
-    args.output.leave(&out, "envelope", &page, &summary)
+    args.output.leave(&out, &page, &summary)
 }
 
 /// What turning leaves, at the speed of `cruise` [m/s].
@@ -103,6 +103,20 @@ fn flight(args: &Args, ray: &Ray) -> String {
     }
 }
 
+/// Cusps that a flight may meet: within these angles of zero lift and of the horizon \[°\].
+const NEAR: [f64; 2] = [30.0, 60.0];
+
+/// What the table of `near` cusps says, of all that there are.
+fn cusps_title(near: usize, all: usize) -> String {
+    let others = match all - near {
+        0 => String::new(),
+        n => format!(
+            "; {n} more at steeper paths or behind the stall, where a table bends: --json has them"
+        ),
+    };
+    format!("Cusps: climb angles beyond which two folds are gone{others}")
+}
+
 fn tables(summary: &Summary, ray: &Ray) -> Vec<Table> {
     let or_infinity = |a: Option<f64>, of: &dyn Fn(f64) -> String| a.map_or("∞".to_owned(), of);
     let airspeed = |a: f64| fixed(ray.speed(a), 2);
@@ -114,6 +128,8 @@ fn tables(summary: &Summary, ray: &Ray) -> Vec<Table> {
         .into_iter()
         .filter_map(|(which, jump)| Some((which, jump.as_ref()?)))
         .collect();
+    let is_near = |c: &&CuspSummary| c.alpha_deg.abs() < NEAR[0] && c.epsilon_deg.abs() < NEAR[1];
+    let near: Vec<&CuspSummary> = summary.cusps.iter().filter(is_near).collect();
     let tables = [
         Table::of(
             "Folds",
@@ -147,8 +163,8 @@ fn tables(summary: &Summary, ray: &Ray) -> Vec<Table> {
             ],
         ),
         Table::of(
-            "Cusps",
-            &summary.cusps,
+            cusps_title(near.len(), summary.cusps.len()),
+            near.iter().copied(),
             &[
                 ("ε [°]", &|c| fixed(c.epsilon_deg, 2)),
                 ("a", &|c| fixed(c.a, 4)),

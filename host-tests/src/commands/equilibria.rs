@@ -137,7 +137,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
             .to_owned(),
         ..Page::default()
     };
-    args.output.leave(&out, "equilibria", &page, &summary)
+    args.output.leave(&out, &page, &summary)
 }
 
 fn row(e: &Equilibrium, margin: Option<FoldMargin>, weight: f32) -> Row {

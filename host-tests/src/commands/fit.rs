@@ -158,7 +158,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         notes: "A row weighs the range of α it stands for; rows up to 20° together weigh as much as all others. Folds are those of level flight.".to_owned(),
         ..Page::default()
     };
-    args.output.leave(&out, "fit", &page, &summary)
+    args.output.leave(&out, &page, &summary)
 }
 
 fn level_folds(vehicle: &Vehicle) -> Vec<FoldSummary> {

@@ -3,10 +3,9 @@
 use std::io::Write;
 use std::path::Path;
 
-use anyhow::{Context, bail, ensure};
+use anyhow::{bail, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
-use toml::Value;
 
 use alula_logs::Log;
 use alula_report::Page;
@@ -14,8 +13,8 @@ use alula_report::flight::page;
 use alula_report::viewer;
 use alula_sim::columns::write_trace;
 use alula_sim::controllers::Controller;
-use alula_sim::experiment::plan::plan;
-use alula_sim::experiment::{DEFAULT, Document, Experiment, Located};
+use alula_sim::experiment::plan::of_plan;
+use alula_sim::experiment::{DEFAULT, Document, Experiment};
 use alula_sim::figures::{Figures, Segment};
 use alula_sim::flight_log::{self, Format};
 use alula_sim::simulate::{End, Record, Step, simulate};
@@ -131,40 +130,10 @@ impl Args {
                 self.experiment
             );
         };
-        let file = Path::new(&self.experiment);
-        let text = std::fs::read_to_string(file)
-            .with_context(|| format!("{}: cannot be read", self.experiment))?;
-        let plan = plan(&text).map_err(|error| Located {
-            place: self.experiment.clone(),
-            error,
-        })?;
-        for item in &plan.left_out {
+        let (mut document, left_out) = of_plan(Path::new(&self.experiment), vehicle)?;
+        for item in left_out {
             eprintln!("{}: left out: {item}", self.experiment);
         }
-        let mut document = Document::load(vehicle)?;
-        let mut mission = plan.mission;
-        let cruise = "controller.guidance.for_vehicle.cruise_speed_m_s";
-        let cruise = document
-            .number(cruise)
-            .or_else(|_| document.number("plant.vehicle.cruise_speed_m_s"));
-        if let Ok(cruise) = cruise {
-            // The station's speed is its default for some vehicle; this one's own is known.
-            mission.insert("cruise_speed_m_s".into(), cruise.into());
-        }
-        let speed = mission.get("cruise_speed_m_s").and_then(Value::as_float);
-        let origin = &self.experiment;
-        document.change(origin, "mission", Value::Table(mission))?;
-        document.change(origin, "initial", Value::Table(toml::Table::new()))?;
-        // Twice what the legs take, and time for take-off and landing.
-        let duration = 120.0 + 2.0 * plan.length / speed.unwrap_or(10.0);
-        document.change(origin, "duration_s", duration.ceil().into())?;
-        let standing = document.get("plant.kind").and_then(Value::as_str) == Some("tail-sitter");
-        if standing {
-            document.change(origin, "plant.standing", true.into())?;
-        }
-        document.name = file
-            .file_stem()
-            .map_or_else(String::new, |name| name.to_string_lossy().into_owned());
         self.settings.change(&mut document)?;
         Ok(document)
     }
@@ -251,7 +220,7 @@ pub fn report(
     let files = [&["trace.csv", "report.html", viewer::FILE][..], &logs]
         .concat()
         .join(", ");
-    writeln!(stdout, "{files} and flight.svg are in {}", out.display())?;
+    writeln!(stdout, "{files} and report.svg are in {}", out.display())?;
     drop(stdout);
     output.show(&out.join("report.html"))
 }
@@ -271,7 +240,7 @@ pub fn leave_flight(
     })?;
     let mut page = page(document, experiment, record, &figures, &segments);
     changed(&mut page);
-    page.leave(out, ["flight.svg", "report.html"])?;
+    page.leave(out)?;
     leave_all(
         &out.join(viewer::FILE),
         viewer::page(document, experiment, record)?,

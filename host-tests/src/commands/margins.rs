@@ -23,10 +23,10 @@ pub struct Args {
     /// Speeds [m/s]
     #[arg(long, value_delimiter = ',', value_name = "V,V,…")]
     speeds: Vec<f64>,
-    /// Take the controller's belief about the vehicle, not the vehicle itself, for the controller's
+    /// Let the controller know the vehicle as it believes it to be, not as it is
     #[arg(long)]
     belief: bool,
-    /// Leave the experiment's own lags and delay out: the bare loop
+    /// The loop alone, without the experiment's lags and delay
     #[arg(long)]
     bare: bool,
     #[command(flatten)]
@@ -50,7 +50,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         airframe.plant = PlantSpec::default();
     }
     let loops = airframe.margins(&args.speeds, args.belief)?;
-    let out = args.output.folder(&format!("margins/{}", airframe.name))?;
+    let out = args.output.folder(&format!("margins-{}", airframe.name))?;
 
     let included = included(&airframe.plant);
     // What is flown before what the paper had.
@@ -72,7 +72,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         included: &included,
         loops: &loops,
     };
-    args.output.leave(&out, "margins", &page, &summary)
+    args.output.leave(&out, &page, &summary)
 }
 
 /// What a choice of gains is called.

@@ -11,6 +11,7 @@ mod envelope;
 mod equilibria;
 mod fit;
 mod fly;
+mod gallery;
 mod identify;
 mod list;
 mod margins;
@@ -19,6 +20,7 @@ mod output;
 mod pil;
 mod preflight;
 mod replay;
+mod schema;
 mod settings;
 mod sitl;
 mod sweep;
@@ -47,6 +49,7 @@ enum Command {
     View(view::Args),
     Pil(pil::Args),
     List(list::Args),
+    Gallery(gallery::Args),
     Replay(replay::Args),
     Sitl(sitl::Args),
     Preflight(preflight::Args),
@@ -59,6 +62,7 @@ enum Command {
     Sweep(sweep::Args),
     Tune(tune::Args),
     Fit(fit::Args),
+    Schema(schema::Args),
     Completions(completions::Args),
 }
 
@@ -83,6 +87,7 @@ impl Cli {
             Some(Command::View(args)) => view::run(&args),
             Some(Command::Pil(args)) => pil::run(&args),
             Some(Command::List(args)) => list::run(&args),
+            Some(Command::Gallery(args)) => gallery::run(&args),
             Some(Command::Replay(args)) => replay::run(&args),
             Some(Command::Sitl(args)) => sitl::run(&args),
             Some(Command::Preflight(args)) => preflight::run(&args),
@@ -95,6 +100,7 @@ impl Cli {
             Some(Command::Sweep(args)) => sweep::run(&args),
             Some(Command::Tune(args)) => tune::run(&args),
             Some(Command::Fit(args)) => fit::run(&args),
+            Some(Command::Schema(args)) => schema::run(&args),
             Some(Command::Completions(args)) => completions::run(&args),
         }
     }

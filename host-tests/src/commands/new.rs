@@ -6,16 +6,10 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail, ensure};
 use serde::Serialize;
 
-use alula_design::{
-    Design, Facts, Known, Limits, Outcome, Performance, Verdict, campaign_text, check_name,
-    vehicle_text,
-};
-use alula_report::design::{Results, page};
+use alula_design::{Design, Facts, Findings, FirstFlight, Known, Limits, Outcome, check_name};
+use alula_report::design::page;
 use alula_sim::experiment::Document;
-use alula_sim::figures::Figures;
-use alula_sim::margins::{Loop, Point};
 use alula_sim::named::in_shell;
-use alula_sim::simulate::fly;
 use alula_study::files::leave_all;
 
 use super::fly::leave_flight;
@@ -27,7 +21,7 @@ pub struct Args {
     /// Its name, that of its files and of their folder
     #[arg(default_value = "my-vehicle")]
     name: String,
-    /// A file with what is known: `mass_kg = 3.0` and so on, names as those of the flags. What neither has is asked, on a terminal
+    /// A file with what is known: `mass_kg = 3.0` and so on, names as those of the flags. What is missing is asked for, on a terminal
     #[arg(long, value_name = "FILE")]
     from: Option<PathBuf>,
     #[command(flatten)]
@@ -35,7 +29,7 @@ pub struct Args {
     /// Folder for the files [default: the name]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Write files anew that are there already
+    /// Overwrite files that are there already
     #[arg(long)]
     force: bool,
     /// Print one JSON object instead of the tables
@@ -52,17 +46,11 @@ struct Summary<'a> {
     name: &'a str,
     out: &'a Path,
     facts: &'a Facts,
-    story: &'a [String],
-    warnings: &'a [String],
-    performance: &'a Performance,
     limits: Limits,
-    margins: &'a [Point],
+    #[serde(flatten)]
+    findings: &'a Findings,
     first_flight: serde_json::Map<String, serde_json::Value>,
-    verdict: &'a Verdict,
 }
-
-/// Speeds at which margins are looked at, in parts of cruise.
-const MARGINS: [f64; 6] = [0.0, 0.2, 0.4, 0.6, 0.8, 1.0];
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
     check_name(&args.name)?;
@@ -79,40 +67,20 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         file.display()
     );
     std::fs::create_dir_all(&out).with_context(|| out.display().to_string())?;
-    let text = vehicle_text(name, &design);
-    if let Some((polar, true)) = design.wing.polar {
-        leave_all(&out.join("polar.csv"), polar.csv(&design.wing.story))?;
+    for (file, text) in design.files(name) {
+        leave_all(&out.join(file), text)?;
     }
-    let campaign = out.join(format!("{name}-campaign.toml"));
-    leave_all(&campaign, campaign_text(name, &design))?;
-    let [c, rust] = design.code(name);
-    leave_all(&out.join("vehicle.h"), c)?;
-    leave_all(&out.join("vehicle.rs"), rust)?;
-    leave_all(&file, &text)?;
 
     // From here on as everybody else takes it: from the file.
     let document = Document::load(&file.to_string_lossy())?;
-    let experiment = document.checked()?;
-    let record = fly(&experiment).with_context(|| format!("{name}: THE FIRST FLIGHT FAILS"))?;
-    let figures = Figures::of(&experiment, &record);
+    let flight = FirstFlight::of(&design, &document)?;
     let first = out.join("first-flight");
     std::fs::create_dir_all(&first)?;
-
-    let facts = &design.facts;
-    let performance = Performance::of(
-        &document,
-        &experiment.vehicle,
-        design.wing.stall_deg(),
-        facts.thrust(),
-        facts.cruise_m_s,
-        design.parameters.max_lateral_acceleration.into(),
-    )?;
-    let margins = margins(&experiment, facts.cruise_m_s)?;
-    let verdict = Verdict::of(facts, &performance, &figures);
+    let verdict = &flight.findings.verdict;
     leave_flight(
         &document,
-        &experiment,
-        &record,
+        &flight.experiment,
+        &flight.record,
         &first,
         |page| match verdict.outcome {
             Outcome::AsAsked => {}
@@ -120,32 +88,17 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
             Outcome::Fails => page.warnings.push(verdict.text()),
         },
     )?;
-    let mut warnings = design.wing.warnings.clone();
-    warnings.extend(performance.doubts(&design));
-    let results = Results {
-        performance: &performance,
-        margins: &margins,
-        experiment: &experiment,
-        record: &record,
-        flight: &figures,
-        verdict: &verdict,
-        warnings: &warnings,
-    };
-    let page = page(name, &design, &results, &text);
-    page.leave(&out, ["vehicle.svg", "vehicle.html"])?;
+    let page = page(name, &design, &flight);
+    page.leave(&out)?;
     let mut stdout = std::io::stdout().lock();
     if args.json {
         let summary = Summary {
             name,
             out: &out,
-            facts,
-            story: &design.wing.story,
-            warnings: &warnings,
-            performance: &performance,
+            facts: &design.facts,
             limits: design.limits()?,
-            margins: &margins,
-            first_flight: figures.json(),
-            verdict: &verdict,
+            findings: &flight.findings,
+            first_flight: flight.figures.json(),
         };
         writeln!(stdout, "{}", serde_json::to_string_pretty(&summary)?)?;
     } else {
@@ -153,17 +106,17 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         let word = |path: &Path| in_shell(&path.to_string_lossy());
         writeln!(
             stdout,
-            "{}\n{}.\n\n{name}.toml, {name}-campaign.toml, vehicle.h, vehicle.rs, vehicle.html, first-flight/report.html and first-flight/view.html are in {}. \
+            "{}\n{}.\n\n{name}.toml, {name}-campaign.toml, vehicle.h, vehicle.rs, report.html, first-flight/report.html and first-flight/view.html are in {}. \
              Next:\n  {program} fly {}\n  {program} campaign {}",
             page.text(),
             verdict.text(),
             out.display(),
             word(&file),
-            word(&campaign)
+            word(&out.join(format!("{name}-campaign.toml")))
         )?;
     }
     drop(stdout);
-    Output::new(args.json, args.open).show(&out.join("vehicle.html"))?;
+    Output::new(args.json, args.open).show(&out.join("report.html"))?;
     if verdict.outcome == Outcome::Fails {
         bail!(
             "{name}: {}. The files are there to look into it",
@@ -200,23 +153,4 @@ fn known(args: &Args) -> anyhow::Result<Known> {
         })?;
     }
     Ok(known)
-}
-
-fn margins(
-    experiment: &alula_sim::experiment::Experiment,
-    cruise: f64,
-) -> anyhow::Result<Vec<Point>> {
-    let spec = experiment.spec()?;
-    let gains = spec.gains(&experiment.vehicle).context("no gains")?;
-    let vehicle = experiment.vehicle.reference();
-    let of = Loop {
-        vehicle,
-        belief: vehicle,
-        gains,
-        actuators: experiment.plant,
-    };
-    Ok(MARGINS
-        .iter()
-        .flat_map(|part| of.at(part * cruise))
-        .collect())
 }

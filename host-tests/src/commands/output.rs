@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use serde::Serialize;
 
-use alula_report::Page;
+use alula_report::page::{PAGE, Page, SHEET};
 
 /// Where results go.
 #[derive(clap::Args, Default)]
@@ -56,29 +56,23 @@ impl Output {
         Ok(folder)
     }
 
-    /// Leaves `<stem>.svg` and `<stem>.html` in `folder`; then prints `summary` as JSON if that was asked for, or
+    /// Leaves the page in `folder`, as [`PAGE`] and [`SHEET`]; then prints `summary` as JSON if that was asked for, or
     /// else the page as text.
     pub fn leave(
         &self,
         folder: &Path,
-        stem: &str,
         page: &Page,
         summary: &impl Serialize,
     ) -> anyhow::Result<()> {
-        let names = [format!("{stem}.svg"), format!("{stem}.html")];
-        page.leave(folder, names.each_ref().map(String::as_str))?;
+        page.leave(folder)?;
         let mut stdout = std::io::stdout().lock();
         if self.json {
             writeln!(stdout, "{}", serde_json::to_string_pretty(summary)?)?;
         } else {
             let place = folder.display();
-            writeln!(
-                stdout,
-                "{}\n{stem}.svg and {stem}.html are in {place}",
-                page.text()
-            )?;
+            writeln!(stdout, "{}\n{SHEET} and {PAGE} are in {place}", page.text())?;
         }
         drop(stdout);
-        self.show(&folder.join(&names[1]))
+        self.show(&folder.join(PAGE))
     }
 }

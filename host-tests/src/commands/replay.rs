@@ -26,7 +26,7 @@ pub struct Args {
     /// A TOML file that says which column of a foreign CSV is which
     #[arg(long, value_name = "FILE")]
     map: Option<PathBuf>,
-    /// Leave commands.csv, replay.svg and replay.html in this folder, and nothing on standard output
+    /// Leave commands.csv, report.svg and report.html in this folder, and nothing on standard output
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -66,10 +66,10 @@ fn tell(said: &[String]) {
 
 /// Leaves the page in `out`, and prints it.
 fn show(page: &Page, out: &Path) -> anyhow::Result<()> {
-    page.leave(out, ["replay.svg", "replay.html"])?;
+    page.leave(out)?;
     let mut stdout = std::io::stdout().lock();
     writeln!(stdout, "{}", page.text())?;
-    let files = "commands.csv, replay.html and replay.svg";
+    let files = "commands.csv, report.html and report.svg";
     writeln!(stdout, "{files} are in {}", out.display())?;
     Ok(())
 }

@@ -20,7 +20,7 @@ use super::fly::{Logs, report};
 use super::output::Output;
 use super::settings::Settings;
 
-/// Be the physics of an autopilot that runs elsewhere
+/// Simulate the vehicle for an autopilot that runs elsewhere
 #[derive(clap::Args)]
 pub struct Args {
     #[command(subcommand)]
@@ -59,7 +59,7 @@ struct ArduPlane {
     sticks: StickRates,
 }
 
-/// Be the physics of ArduPilot's SITL (`--model JSON`); Ctrl-C ends, and leaves the flight as `fly` does
+/// Simulate the vehicle for ArduPilot's SITL (`--model JSON`); Ctrl-C ends it, and leaves the flight as `fly` does
 #[derive(clap::Args)]
 struct ArduPilot {
     /// A built-in experiment or a TOML file: its vehicle, weather, sensors, reference and [ardupilot]
@@ -94,9 +94,6 @@ pub fn interrupted() -> anyhow::Result<Arc<AtomicBool>> {
 fn ardupilot(args: &ArduPilot) -> anyhow::Result<()> {
     let document = args.settings.document(&args.experiment)?;
     let experiment = document.checked()?;
-    let out = args
-        .output
-        .folder(&format!("ardupilot/{}", document.name))?;
     let mut vehicle = Vehicle::new(&experiment)?;
     let socket = UdpSocket::bind(args.listen).with_context(|| {
         format!(
@@ -104,6 +101,8 @@ fn ardupilot(args: &ArduPilot) -> anyhow::Result<()> {
             args.listen
         )
     })?;
+    let folder = format!("ardupilot/{}", document.name);
+    let out = args.output.folder(&folder)?;
     let interrupted = interrupted()?;
     // On standard error: standard output is the result's.
     eprintln!("listening on {}", socket.local_addr()?);

@@ -67,7 +67,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         min_fp_n: least_fp,
         findings,
     };
-    args.output.leave(&out, "sweep", &page, &summary)
+    args.output.leave(&out, &page, &summary)
 }
 
 /// What the findings come to for a controller of this kind.

@@ -19,7 +19,7 @@ const PATIENCE: Duration = Duration::from_secs(5);
 pub(super) const ATTEMPT: Duration = Duration::from_millis(100);
 
 /// A byte stream to a target. Reading gives up after a while, with `WouldBlock` or `TimedOut`.
-pub trait Port: Read + Write {}
+pub trait Port: Read + Write + Send {}
 impl Port for UnixStream {}
 impl Port for Box<dyn serialport::SerialPort> {}
 

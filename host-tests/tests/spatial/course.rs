@@ -13,7 +13,7 @@ pub struct Course {
     pub curve: Curve,
     pub speed: f64,
     /// The pace at a position error and a velocity.
-    pace: Box<dyn Fn(V3, V3) -> f64>,
+    pace: Box<dyn Fn(V3, V3) -> f64 + Send>,
     phase: f64,
 }
 
@@ -28,7 +28,7 @@ impl Course {
     }
 
     /// With a pace of one's own.
-    pub fn paced(curve: Curve, speed: f64, pace: impl Fn(V3, V3) -> f64 + 'static) -> Self {
+    pub fn paced(curve: Curve, speed: f64, pace: impl Fn(V3, V3) -> f64 + Send + 'static) -> Self {
         Self {
             curve,
             speed,

@@ -32,11 +32,11 @@ pub struct Target {
 }
 
 /// Gives the target at `t`, told the position; called once a period.
-pub trait Task {
+pub trait Task: Send {
     fn target(&mut self, t: f64, position: V3) -> Target;
 }
 
-impl<F: FnMut(f64) -> Target> Task for F {
+impl<F: FnMut(f64) -> Target + Send> Task for F {
     fn target(&mut self, t: f64, _: V3) -> Target {
         self(t)
     }

@@ -59,7 +59,8 @@ pub extern "C" fn begin() -> u32 {
     done(Session::begin)
 }
 
-/// The goal from now on: 1 to hover at a place \[m\], north, east and down; 2 to stop; 3 to fly at a velocity \[m/s\].
+/// The goal from now on: 1 to hover at a place \[m\], north, east and down; 2 to stop; 3 to fly at a velocity \[m/s\]; 4 to fly a
+/// square of waypoints, as a mission, and come back.
 #[unsafe(no_mangle)]
 pub extern "C" fn goal(kind: u32, north: f64, east: f64, down: f64) -> u32 {
     done(|session| session.aim(kind, [north, east, down]))

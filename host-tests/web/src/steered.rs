@@ -1,6 +1,11 @@
 //! A flight that somebody steers: the experiment's vehicle, weather and controller, with goals in place of its path.
 
+use std::rc::Rc;
+
 use alula::guidance::{Goal, GoalState, Goals, PlannerOptions, Preferences};
+use alula::mission::{
+    Item, Mission, MissionInput, MissionParameters, MissionState, Missions, Pass, Responses,
+};
 use alula::ned::Ned;
 use alula_sim::controllers::Controller;
 use alula_sim::experiment::{Experiment, Target, double, ned};
@@ -20,26 +25,35 @@ fn preferences() -> Preferences {
 
 /// A flight that somebody steers.
 pub struct Steered {
-    experiment: &'static Experiment,
-    flight: Flight<'static>,
+    experiment: Rc<Experiment>,
+    flight: Flight<Rc<Experiment>>,
     controller: Box<dyn Controller>,
     goals: Goals,
     goal: Goal,
     state: GoalState,
+    /// What is flown in the place of the goal.
+    mission: Option<(Missions, Mission, MissionState)>,
+    /// Where the vehicle was measured last \[m\].
+    place: Ned,
 }
+
+/// Airspeed of the mission [m/s], and the side of its square \[m\].
+const CRUISE: f32 = 20.0;
+const SIDE: f32 = 250.0;
 
 impl Steered {
     /// The flight of `experiment` at its beginning, whose goal is to hover where it begins.
     pub fn new(experiment: Experiment) -> anyhow::Result<Self> {
-        // Some kilobytes per flight that is begun, as long as the page is open.
-        let experiment: &'static Experiment = Box::leak(Box::new(experiment));
+        let experiment = Rc::new(experiment);
         Ok(Self {
-            experiment,
-            flight: Flight::new(experiment)?,
+            flight: Flight::new(Rc::clone(&experiment))?,
             controller: experiment.controller()?,
+            experiment,
             goals: Goals::new(preferences())?,
             goal: Goal::Hover(Ned::ZERO),
             state: GoalState::default(),
+            mission: None,
+            place: Ned::ZERO,
         })
     }
 
@@ -52,13 +66,38 @@ impl Steered {
                 .all(|x| x.is_finite()),
             "a goal must be finite"
         );
+        self.mission = None;
         self.goal = match kind {
             1 => Goal::Hover(target),
             2 => Goal::Stop,
             3 => Goal::Velocity(target),
+            4 => {
+                self.mission = Some(self.square()?);
+                return Ok(());
+            }
             _ => bail!("{kind} is no kind of goal"),
         };
         Ok(())
+    }
+
+    /// A mission: a square of waypoints from here, and hover where it began.
+    fn square(&self) -> anyhow::Result<(Missions, Mission, MissionState)> {
+        let experiment = &self.experiment;
+        let vehicle = &experiment.vehicle;
+        let vehicle = vehicle.limited(experiment.thrust_limits(None, vehicle.weight()))?;
+        let parameters = MissionParameters::cruising_at(CRUISE);
+        let missions = Missions::new(&vehicle, &parameters, Responses::default())?;
+        let corner = |north: f32, east: f32, pass| Item::Waypoint {
+            place: self.place + Ned::new(north, east, 0.0),
+            pass,
+        };
+        let mission = missions.mission(&[
+            corner(SIDE, 0.0, Pass::By),
+            corner(SIDE, SIDE, Pass::By),
+            corner(0.0, SIDE, Pass::By),
+            corner(0.0, 0.0, Pass::Hover(0.0)),
+        ])?;
+        Ok((missions, mission, MissionState::default()))
     }
 
     /// Goes on by `steps`; what is seen of them.
@@ -67,20 +106,44 @@ impl Steered {
         let mut scene = Scene::default();
         for i in 0..steps {
             let (goals, goal, state) = (&self.goals, &self.goal, &mut self.state);
-            let step = self
-                .flight
-                .ask_for(self.controller.as_mut(), |position, velocity| {
-                    let wanted = goals.step(state, goal, ned(position), ned(velocity), dt);
-                    let target = Target {
-                        position: position - double(wanted.position_error),
-                        velocity: double(wanted.reference.velocity),
-                        acceleration: double(wanted.reference.acceleration),
-                        heading: None,
-                    };
-                    (target, wanted.planner_options)
-                })?;
+            let (mission, place) = (&mut self.mission, &mut self.place);
+            let wind = ned(self.experiment.weather.steady());
+            let controller = self.controller.as_mut();
+            let step = self.flight.ask_for(controller, |measured| {
+                let (position, velocity) = (ned(measured.position), ned(measured.velocity));
+                *place = position;
+                let (reference, error, options) = match mission {
+                    Some((missions, mission, state)) => {
+                        let input = MissionInput {
+                            position: Some(position),
+                            velocity,
+                            wind,
+                            orientation: measured.orientation(),
+                            armed: true,
+                            ..MissionInput::default()
+                        };
+                        let asked = missions.step(state, mission, &input, dt);
+                        (asked.reference, asked.position_error, asked.planner_options)
+                    }
+                    None => {
+                        let wanted = goals.step(state, goal, position, velocity, dt);
+                        (
+                            wanted.reference,
+                            wanted.position_error,
+                            wanted.planner_options,
+                        )
+                    }
+                };
+                let target = Target {
+                    position: measured.position - double(error),
+                    velocity: double(reference.velocity),
+                    acceleration: double(reference.acceleration),
+                    heading: None,
+                };
+                (target, options)
+            })?;
             ensure!(step.truth.is_sound(), "diverged at {:.2} s", step.t);
-            scene.push(self.experiment, &step, i + 1 == steps);
+            scene.push(&self.experiment, &step, i + 1 == steps);
             self.flight.advance(&step.answer);
         }
         Ok(scene)

@@ -172,7 +172,7 @@ function prepare() {
     drawing.orbit.maxPolarAngle = 0.53 * Math.PI;
     drawing.ready = true;
     paint();
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { paint(); charts(); drawStrip(); });
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { paint(); charts(); surface(); drawStrip(); });
 }
 
 /* Colours of light and dark. */
@@ -409,7 +409,68 @@ function charts() {
     f.dot(get(now, "airspeed_m_s"), get(now, "fp_n") / curves.weight_n, color("red"), 5);
 }
 
-function curvesAreThere() { charts(); }
+/* The equilibria of a level acceleration, by α in degrees: [airspeed, α], or null where there is none. */
+function cutAt(acceleration) {
+    const { coefficients, weight_n, k_a_kg_m, delta_deg } = flight.curves;
+    const epsilon = Math.atan(acceleration / 9.81);
+    const apparent = weight_n / Math.cos(epsilon);
+    return coefficients.filter(([alpha]) => alpha > -30 && alpha < 150).map(([alpha, lift, drag, lambda]) => {
+        const at = (alpha + delta_deg) / 57.29577951308232;
+        const [sin, cos] = [Math.sin(at), Math.cos(at)];
+        const pressure = apparent * Math.cos(at + epsilon) / (lift * cos + drag * sin);
+        const thrust = apparent * Math.sin(at + epsilon) + pressure * (drag * cos - lift * sin);
+        /* Aligned thrust alone: the others are those that the law turns away from. */
+        return pressure >= 0 && thrust + lambda * pressure > 0 ? [Math.sqrt(pressure / k_a_kg_m), alpha] : null;
+    });
+}
+
+/* The surface of equilibria over airspeed and acceleration, from the back to the front, and a cut of it. */
+function surface() {
+    if (!flight.curves) return;
+    const { pen, wide, high } = canvas2d("surface");
+    const fast = 40, most = 120, depth = 6;
+    const pixel = (speed, alpha, a) => [40 + (wide - 60) * (0.62 * speed / fast + 0.36 * (a + depth) / (2 * depth)),
+        high - 34 - (high - 60) * (0.6 * alpha / most + 0.38 * (a + depth) / (2 * depth))];
+    const path = (points) => { pen.beginPath(); points.forEach((p, i) => i ? pen.lineTo(...p) : pen.moveTo(...p)); };
+    const inside = (p) => p && p[0] <= fast && p[1] >= 0 && p[1] <= most;
+    pen.strokeStyle = color("edge") || "#888";
+    pen.fillStyle = color("soft");
+    for (const a of [depth, -depth]) { path([pixel(0, 0, a), pixel(fast, 0, a)]); pen.stroke(); }
+    for (const speed of [0, 10, 20, 30, 40]) {
+        path([pixel(speed, 0, -depth), pixel(speed, 0, depth)]); pen.stroke();
+        const [x, y] = pixel(speed, 0, -depth);
+        pen.textAlign = "center"; pen.fillText(String(speed), x, y + 16);
+    }
+    for (const a of [-6, 0, 6]) { const [x, y] = pixel(fast, 0, a); pen.textAlign = "left"; pen.fillText(`${a}`.replace("-", "−"), x + 6, y + 4); }
+    for (const alpha of [0, 60, 120]) { const [x, y] = pixel(0, alpha, -depth); pen.textAlign = "right"; pen.fillText(String(alpha), x - 6, y + 4); }
+    const cut = +$("cut").value;
+    $("cut-at").textContent = `${fixed(cut, 1)} m/s²`;
+    const step = 0.5;
+    let behind = null;
+    for (let a = depth; a >= -depth - 1e-9; a -= step) {
+        const points = cutAt(a);
+        if (behind) for (let i = 0; i + 1 < points.length; i++) {
+            const corners = [behind[i], behind[i + 1], points[i + 1], points[i]];
+            if (!corners.every(inside)) continue;
+            path(corners.map(([speed, alpha], k) => pixel(speed, alpha, k < 2 ? a + step : a)));
+            pen.globalAlpha = 0.8; pen.fillStyle = color("paper") || "#fff"; pen.fill();
+            pen.globalAlpha = 0.35; pen.fillStyle = hue(a); pen.fill();
+            pen.globalAlpha = 1;
+        }
+        if (Math.abs(a - cut) < 1e-9) {
+            const lines = [[]];
+            for (const p of points) if (inside(p)) lines[lines.length - 1].push(pixel(p[0], p[1], a)); else lines.push([]);
+            pen.strokeStyle = color("ink"); pen.lineWidth = 2.4;
+            for (const line of lines) { path(line); pen.stroke(); }
+            pen.lineWidth = 1;
+        }
+        behind = points;
+    }
+}
+
+$("cut").addEventListener("input", surface);
+
+function curvesAreThere() { charts(); surface(); }
 
 /* Speed, height, thrust and |F_p| over time, each over its own range. */
 function drawStrip() {
@@ -504,7 +565,7 @@ $("scrub").addEventListener("input", () => { play(false); seek(+$("scrub").value
 const point = (event) => { if (event.buttons && !clock.steering) { play(false); seek(event.offsetX / $("strip").clientWidth * flight.rows[flight.rows.length - 1][0]); } };
 $("strip").addEventListener("pointerdown", point);
 $("strip").addEventListener("pointermove", point);
-addEventListener("resize", () => { clock.stale = true; });
+addEventListener("resize", () => { clock.stale = true; surface(); });
 
 /* ---- the library ---- */
 let library = null;
@@ -614,7 +675,7 @@ function aim(kind, target) {
     wish.sent = key;
     if (!library.goal(kind, ...target)) throw Error(text());
     const [north, east, down] = target;
-    $("asked").textContent = kind === 3 ? `asked for: ${fixed(Math.hypot(north, east), 1)} m/s, course ${fixed(((degrees(Math.atan2(east, north)) % 360) + 360) % 360, 0)}°, climb ${fixed(-down, 1)} m/s` : kind === 2 ? "asked for: stop" : "asked for: hover here";
+    $("asked").textContent = kind === 3 ? `asked for: ${fixed(Math.hypot(north, east), 1)} m/s, course ${fixed(((degrees(Math.atan2(east, north)) % 360) + 360) % 360, 0)}°, climb ${fixed(-down, 1)} m/s` : ({ 1: "asked for: hover here", 2: "asked for: stop", 4: "asked for: a mission, a square of 250 m at 20 m/s" })[kind];
 }
 
 function hoverHere() {
@@ -679,6 +740,12 @@ document.querySelectorAll("[data-goal]").forEach((button) => button.addEventList
     const goal = button.dataset.goal;
     if (goal === "hover") return hoverHere();
     if (goal === "stop") return stop();
+    if (goal === "mission") {
+        wish.speed = wish.climb = 0;
+        wish.loiter = false;
+        wish.sent = "";
+        return aim(4, [0, 0, 0]);
+    }
     wish.loiter = goal === "loiter";
     wish.speed = goal === "cruise" ? 20 : Math.max(wish.speed, 16);
     flyAt();
@@ -755,4 +822,4 @@ function withLibrary() {
 
 /* For tests. */
 const bits = () => Array.from(new BigUint64Array(library.memory.buffer, library.numbers(), library.numbers_length()), (x) => x.toString(16));
-window.viewer = { bits, flight, clock, drawing, seek, play, rowAt, wholeFlight, steerBegins, moved, asked, get library() { return library; } };
+window.viewer = { bits, flight, clock, drawing, seek, play, rowAt, wholeFlight, steerBegins, cutAt, moved, asked, get library() { return library; } };

@@ -148,7 +148,7 @@ impl Answer {
 }
 
 /// A controller with what it remembers between steps.
-pub trait Controller {
+pub trait Controller: Send {
     /// The answer to `input`, `dt` \[s\] after the last. The error is a controller that cannot be reached.
     fn answer(&mut self, input: &Input, dt: f32) -> anyhow::Result<Answer>;
 

@@ -214,7 +214,12 @@ impl Document {
         let mut own: Table = text.text.parse().map_err(|error: toml::de::Error| {
             let line = error.span().map_or(1, |s| line_at(&text.text, s.start));
             let message: Vec<&str> = error.message().lines().collect();
-            anyhow!("{origin}:{line}: {}", message.join(", "))
+            let named = text.file.as_deref().and_then(Path::extension);
+            let kind = match named.is_some_and(|end| end != "toml") {
+                true => "no TOML, which experiments and vehicles are: ",
+                false => "",
+            };
+            anyhow!("{origin}:{line}: {kind}{}", message.join(", "))
         })?;
         let place = match &text.file {
             Some(file) => std::fs::canonicalize(file)?.display().to_string(),
@@ -466,7 +471,7 @@ impl Document {
 }
 
 /// What `value` says; an error has the field's path in it.
-pub(crate) fn read<T: DeserializeOwned>(value: Value) -> Result<T, FieldError> {
+pub fn read<T: DeserializeOwned>(value: Value) -> Result<T, FieldError> {
     serde_path_to_error::deserialize(value).map_err(|error| {
         let path = error.path().to_string();
         FieldError::new(

@@ -2,6 +2,7 @@
 
 use nalgebra::UnitQuaternion;
 use rand_chacha::ChaCha8Rng;
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::document::{FieldError, require, sensor_error};
@@ -9,7 +10,7 @@ use super::dryden::normal;
 use super::{V3, stream};
 
 /// `[sensors.estimator]`.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct EstimatorSpec {
     /// Time constant of velocity and position \[s\]; 0 for none.

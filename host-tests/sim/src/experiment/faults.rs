@@ -6,6 +6,7 @@ use alula::spatial::Body;
 use nalgebra::UnitQuaternion;
 use rand::{Rng, RngExt};
 use rand_chacha::ChaCha8Rng;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::V3;
@@ -14,7 +15,7 @@ use super::sensors::Measured;
 use super::vector::ned;
 
 /// What is wrong while a fault lasts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum FaultKind {
     /// No air data.
@@ -91,7 +92,7 @@ impl FaultKind {
 }
 
 /// A fault.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FaultSpec {
     /// What fails.
@@ -205,8 +206,8 @@ impl Lasting {
 }
 
 /// The faults of a flight, as far as it has come.
-pub struct Faults<'a> {
-    specs: &'a [FaultSpec],
+pub struct Faults {
+    specs: Vec<FaultSpec>,
     /// What was measured when each began.
     begun: Vec<Option<Measured>>,
     in_plane: bool,
@@ -215,12 +216,12 @@ pub struct Faults<'a> {
     random: ChaCha8Rng,
 }
 
-impl<'a> Faults<'a> {
+impl Faults {
     /// None has begun. `seed` is the experiment's; no other part of the flight draws from this `stream` of it.
-    pub fn new(specs: &'a [FaultSpec], seed: u64, in_plane: bool) -> Self {
+    pub fn new(specs: Vec<FaultSpec>, seed: u64, in_plane: bool) -> Self {
         Self {
-            specs,
             begun: vec![None; specs.len()],
+            specs,
             waited: 0.0,
             in_plane,
             random: super::stream(seed, 3),
@@ -296,7 +297,7 @@ mod tests {
     #[test]
     fn a_fault_lasts_from_its_beginning_to_before_its_end() {
         let specs = [spec(FaultKind::Air, None)];
-        let faults = Faults::new(&specs, 0, false);
+        let faults = Faults::new(specs.to_vec(), 0, false);
         let lasts = |t| faults.lasts(FaultKind::Air, t);
         assert!(!lasts(0.99) && lasts(1.0) && lasts(1.99) && !lasts(2.0));
         assert!(!faults.lasts(FaultKind::StateStale, 1.5));
@@ -332,7 +333,7 @@ mod tests {
             to_s: 2.0,
             size,
         }];
-        let mut faults = Faults::new(&specs, 0, in_plane);
+        let mut faults = Faults::new(specs.to_vec(), 0, in_plane);
         assert_eq!(
             faults.distort(0.5, measured(0.5)),
             measured(0.5),
@@ -401,7 +402,7 @@ mod tests {
     fn clocks_stand_still_run_backwards_jump_and_jitter() {
         let run = |kind, size| {
             let specs = [spec(kind, size)];
-            let mut faults = Faults::new(&specs, 0, false);
+            let mut faults = Faults::new(specs.to_vec(), 0, false);
             [0.75, 1.0, 1.25, 1.5, 1.75, 2.0, 2.25].map(|t| faults.clock(t, 0.25).steps)
         };
         let (one, two) = ([Some(0.25), None], [Some(0.25), Some(0.0)]);
@@ -434,7 +435,7 @@ mod tests {
     #[test]
     fn a_bit_flips_at_every_step() {
         let specs = [spec(FaultKind::MemoryBit, None)];
-        let mut faults = Faults::new(&specs, 0, false);
+        let mut faults = Faults::new(specs.to_vec(), 0, false);
         let mut flips = |t| faults.clock(t, 0.25).flips;
         assert_eq!(flips(0.5), None);
         let (a, b) = (flips(1.0), flips(1.25));

@@ -3,6 +3,7 @@
 use nalgebra::{Quaternion, UnitQuaternion};
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, StandardNormal};
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::V3;
@@ -12,11 +13,12 @@ use super::plant::State;
 use super::vector::{optional_vector, vector, velocity};
 
 /// `[initial]`. The flight starts on the path.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct InitialSpec {
     /// Velocity \[m/s\], north-east-down; the path's if left out.
     #[serde(deserialize_with = "optional_vector")]
+    #[schemars(with = "Option<[f64; 3]>")]
     pub velocity_m_s: Option<V3>,
     /// A speed that is added in the vertical plane to the north \[m/s\].
     pub speed_m_s: f64,
@@ -30,6 +32,7 @@ pub struct InitialSpec {
     pub heading_deg: Option<f64>,
     /// Body rates about belly, right wing and tail \[rad/s\]. Without a lag of the rate loop they are what is commanded at once.
     #[serde(deserialize_with = "vector")]
+    #[schemars(with = "[f64; 3]")]
     pub rates_rad_s: V3,
     /// Thrust before the first command acts \[N\].
     pub thrust_n: f64,
@@ -38,7 +41,7 @@ pub struct InitialSpec {
 }
 
 /// Random departures, drawn from the experiment's seed: any attitude, uniform over the rotations.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Scatter {
     /// Radius of the ball that a velocity is added from \[m/s\].

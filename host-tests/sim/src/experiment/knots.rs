@@ -1,5 +1,6 @@
 //! A reference velocity by its knots; the position is its integral.
 
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::V3;
@@ -7,12 +8,12 @@ use super::document::{FieldError, finite, require, speed};
 use super::path::Target;
 
 /// The knots by increasing time. The reference velocity is linear between them, constant before and after them.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(transparent)]
 pub struct Knots(pub Vec<Knot>);
 
 /// One knot of the reference velocity.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Knot {
     /// Time \[s\].

@@ -2,6 +2,7 @@
 
 use alula::mission::{Item, MissionParameters, Pass, Responses, Until};
 use alula::ned::Ned;
+use schemars::JsonSchema;
 use serde::Deserialize;
 use toml::{Table, Value};
 
@@ -9,12 +10,13 @@ use super::document::{FieldError, finite, require};
 use super::parameters::Fields;
 
 /// `[mission]`. Heights are over the place of the start.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 pub struct MissionSpec {
     /// Its items.
     pub items: Vec<ItemSpec>,
     /// What is done when something fails.
     #[serde(default)]
+    #[schemars(with = "std::collections::BTreeMap<String, String>")]
     pub responses: Responses,
     /// What fails, and when.
     #[serde(default)]
@@ -24,11 +26,12 @@ pub struct MissionSpec {
     pub armed_s: f64,
     /// How it is flown: the core's own parameters. What is none of them is refused.
     #[serde(flatten)]
+    #[schemars(skip)]
     pub parameters: Table,
 }
 
 /// `mission.items`: one item.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum ItemSpec {
     /// Straight up.
@@ -87,7 +90,7 @@ pub enum ItemSpec {
 }
 
 /// `mission.troubles`: a failure that the mission is told of.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TroubleSpec {
     /// From when \[s\].
@@ -99,7 +102,7 @@ pub struct TroubleSpec {
 }
 
 /// A failure.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum TroubleKind {
     /// The link to whoever flies.
@@ -198,7 +201,7 @@ impl MissionSpec {
             finite(&format!("mission.troubles[{i}].t_s"), trouble.t_s)?;
             finite(&format!("mission.troubles[{i}].lasts_s"), trouble.lasts_s)?;
         }
-        self.parameters()?;
+        self.parameters().map_err(|e| e.inside("mission"))?;
         require(
             !self.items.is_empty(),
             "mission.items",
@@ -210,8 +213,7 @@ impl MissionSpec {
     pub(crate) fn parameters(&self) -> Result<MissionParameters, FieldError> {
         let mut fields = Fields::new(Value::Table(self.parameters.clone()))?;
         let parameters = fields.parameters();
-        let all = parameters.and_then(|parameters| fields.end().map(|()| parameters));
-        all.map_err(|e| e.inside("mission"))
+        parameters.and_then(|parameters| fields.end().map(|()| parameters))
     }
 
     /// Whether a take-off comes first: the flight begins on the ground.

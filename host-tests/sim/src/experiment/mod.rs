@@ -29,13 +29,13 @@ use alula::guidance::{MAX_STEP, MIN_STEP};
 use alula_bridges::sitl::Actuators;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 pub use controller::ControllerSpec;
 use document::positive;
-pub(crate) use document::read;
 pub use document::{Document, FieldError, Located};
-pub use document::{angle, assigned, finite, from_toml, require};
+pub use document::{angle, assigned, finite, from_toml, read, require};
 pub use estimates::{Estimates, EstimatorSpec};
 pub use faults::Faults;
 pub use faults::{FaultKind, FaultSpec};
@@ -108,7 +108,7 @@ pub const BUILT_IN: &[(&str, &str)] = built_in! { "experiments", ".toml";
 };
 
 /// A flight to simulate. The format is described in this package's README.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Experiment {
     /// One line for reports.
@@ -144,6 +144,7 @@ pub struct Experiment {
     pub weather: WeatherSpec,
     /// Who closes the loop.
     #[serde(default)]
+    #[schemars(with = "BTreeMap<String, BTreeMap<String, f64>>")]
     pub controller: ControllerSpec,
     /// What is to be flown: `[path]`, or `[reference]`; none where a mission is.
     #[serde(alias = "reference", default = "stays")]

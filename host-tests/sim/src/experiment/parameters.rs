@@ -106,12 +106,23 @@ impl Fields {
                     parameters.set(i, value.to_radians() as f32);
                 }
                 Some(value) => parameters.set(i, value as f32),
-                None if row.default.is_nan() => return Err(FieldError::new(name, "is missing")),
+                None if row.default.is_nan() => return Err(self.missing::<P>(name)),
                 None => {}
             }
         }
         parameters.check().map_err(refused::<P>)?;
         Ok(parameters)
+    }
+
+    /// The refusal for want of `name`: a field that is none, whose name is near to it, is meant for it.
+    fn missing<P: Parameters>(&self, name: String) -> FieldError {
+        let known = |key: &&String| P::ROWS.iter().any(|row| file_name(row) == **key);
+        let mut others = self.table.keys().filter(|key| !known(key));
+        let meant = others.find_map(|key| {
+            let hint = hint(key, &[&name]);
+            (!hint.is_empty()).then(|| FieldError::new(key, format!("unknown field `{key}`{hint}")))
+        });
+        meant.unwrap_or_else(|| FieldError::new(name, "is missing"))
     }
 
     /// The rows of the parameters of a table in the core that are there.
@@ -202,6 +213,15 @@ mod tests {
             read.unwrap_err().to_string()
         };
         assert_eq!(error("mass_kg = 1"), "k_a_kg_m: is missing");
+        // Not "mass_kg: is missing"; and a name that is known is not meant for another.
+        assert_eq!(
+            error("mass = 2.2\nk_a_kg_m = 1\nthrust_max_n = 9"),
+            "mass: unknown field `mass`; did you mean `mass_kg`?"
+        );
+        assert_eq!(
+            error("mass_kg = 1\nk_a_kg_m = 1\nthrust_min_n = 1"),
+            "thrust_max_n: is missing"
+        );
         let text = "mass_kg = 1\nk_a_kg_m = 1\nthrust_max_n = 9\n";
         assert!(error(&format!("{text}delta_deg = 200")).starts_with("delta_deg: delta must be"));
         assert!(error(&format!("{text}gravity_m_s2 = 'g'")).starts_with("gravity_m_s2: invalid"));

@@ -1,5 +1,6 @@
 //! Paths: what is to be flown, as a function of a parameter that advances with time.
 
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::V3;
@@ -21,7 +22,7 @@ pub struct Target {
 }
 
 /// `[path.KIND]`: exactly one. `[reference]` is another name for `[path]`.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum PathSpec {
     /// A velocity by knots, from the origin; the position is its integral.
@@ -66,7 +67,7 @@ pub enum PathSpec {
 }
 
 /// A heading to hold from a time on.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HeadingStep {
     /// From when \[s\].
@@ -91,7 +92,7 @@ enum Shape {
     Headings(Vec<HeadingStep>),
     Route(Route),
     /// The curve with its first two derivatives over the parameter, and the speed along it.
-    Curve(Box<dyn Fn(f64) -> [V3; 3]>, f64),
+    Curve(Box<dyn Fn(f64) -> [V3; 3] + Send>, f64),
 }
 
 /// A speed along a path must be positive, and one that can be flown.

@@ -4,12 +4,15 @@
 //! <https://mavlink.io/en/messages/common.html#mav_commands>. What a mission here does not have is refused by the number of the item and the field; what
 //! does not move the vehicle, as a camera's trigger, is left out and said.
 
+use std::path::Path;
+
 use alula::mission::Item;
 use serde_json::Value as Json;
 use toml::{Table, Value};
 
-use super::document::{FieldError, read};
+use super::document::{Document, FieldError, Located, read};
 use super::mission::ItemSpec;
+use crate::named::text_of;
 
 /// A plan as the table `[mission]`, and what was left out of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -123,6 +126,41 @@ fn put(item: &mut Value, key: &str, value: impl Into<Value>) {
     {
         inner.insert(key.into(), value.into());
     }
+}
+
+/// The experiment in which the vehicle of another, `vehicle`, flies the mission of the `.plan` file `file`; and what of that is left out.
+///
+/// # Errors
+/// As [`plan`], with the file; a file or an experiment that cannot be read.
+pub fn of_plan(file: &Path, vehicle: &str) -> anyhow::Result<(Document, Vec<String>)> {
+    let origin = &file.display().to_string();
+    let plan = plan(&text_of(file)?).map_err(|error| Located {
+        place: origin.clone(),
+        error,
+    })?;
+    let mut document = Document::load(vehicle)?;
+    let mut mission = plan.mission;
+    let cruise = "controller.guidance.for_vehicle.cruise_speed_m_s";
+    let cruise = document
+        .number(cruise)
+        .or_else(|_| document.number("plant.vehicle.cruise_speed_m_s"));
+    if let Ok(cruise) = cruise {
+        // The station's speed is its default for some vehicle; this one's own is known.
+        mission.insert("cruise_speed_m_s".into(), cruise.into());
+    }
+    let speed = mission.get("cruise_speed_m_s").and_then(Value::as_float);
+    document.change(origin, "mission", Value::Table(mission))?;
+    document.change(origin, "initial", Value::Table(Table::new()))?;
+    // Twice what the legs take, and time for take-off and landing.
+    let duration = 120.0 + 2.0 * plan.length / speed.unwrap_or(10.0);
+    document.change(origin, "duration_s", duration.ceil().into())?;
+    let standing = document.get("plant.kind").and_then(Value::as_str) == Some("tail-sitter");
+    if standing {
+        document.change(origin, "plant.standing", true.into())?;
+    }
+    let stem = file.file_stem().map(|name| name.to_string_lossy());
+    document.name = stem.unwrap_or_default().into_owned();
+    Ok((document, plan.left_out))
 }
 
 /// Reads the text of a `.plan` file.

@@ -1,13 +1,14 @@
 //! The actuators of a vehicle, and the state of a body with six degrees of freedom.
 
 use nalgebra::UnitQuaternion;
+use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer};
 
 use super::V3;
 use super::document::{FieldError, finite, positive, require};
 
 /// How the body rates follow their commands.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, JsonSchema)]
 #[serde(
     rename_all = "kebab-case",
     deny_unknown_fields,
@@ -27,23 +28,27 @@ pub enum RateLoop {
     Inertia {
         /// J \[kg·m²\] about belly, right wing and tail; one number for all of them.
         #[serde(deserialize_with = "each_axis")]
+        #[schemars(with = "Axes")]
         inertia_kg_m2: V3,
         /// b \[1/s\].
         bandwidth_1_s: f64,
         /// Largest torque \[N·m\], as the inertia.
         #[serde(deserialize_with = "each_axis")]
+        #[schemars(with = "Axes")]
         torque_max_n_m: V3,
     },
 }
 
 /// One number for every axis, or one for each.
+#[derive(Deserialize, JsonSchema)]
+#[serde(untagged, expecting = "must be a number, or [belly, right wing, tail]")]
+enum Axes {
+    All(f64),
+    Each([f64; 3]),
+}
+
+/// The numbers of every axis.
 fn each_axis<'de, D: Deserializer<'de>>(from: D) -> Result<V3, D::Error> {
-    #[derive(Deserialize)]
-    #[serde(untagged, expecting = "must be a number, or [belly, right wing, tail]")]
-    enum Axes {
-        All(f64),
-        Each([f64; 3]),
-    }
     Ok(match Axes::deserialize(from)? {
         Axes::All(number) => V3::repeat(number),
         Axes::Each(numbers) => numbers.into(),
@@ -51,7 +56,7 @@ fn each_axis<'de, D: Deserializer<'de>>(from: D) -> Result<V3, D::Error> {
 }
 
 /// `[plant]`: the actuators. Ideal if left out: no lag, no delay, any thrust.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PlantSpec {
     /// The rate loop.

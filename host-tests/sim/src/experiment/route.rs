@@ -1,5 +1,6 @@
 //! A route in stretches of straight lines and arcs, along each of which the speed changes linearly with time.
 
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::V3;
@@ -7,7 +8,7 @@ use super::document::{FieldError, angle, finite, positive, require};
 use super::path::Target;
 
 /// `path.legs`: one leg, flown in a given time.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Leg {
     /// How long it lasts \[s\].
@@ -28,7 +29,7 @@ pub struct Leg {
 }
 
 /// `path.waypoints`: one waypoint.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Waypoint {
     /// Position \[m\].

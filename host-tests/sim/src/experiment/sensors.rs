@@ -8,6 +8,7 @@ use alula::spatial::{Body, Orientation};
 use nalgebra::UnitQuaternion;
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::V3;
@@ -25,7 +26,7 @@ pub const SENSORS: &[(&str, &str)] = built_in! { "sensors", ".toml";
 };
 
 /// Errors of one measured quantity, in its unit: value + bias + noise, rounded to whole steps.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ErrorSpec {
     /// Constant.
@@ -37,7 +38,7 @@ pub struct ErrorSpec {
 }
 
 /// Which knowledge of the air reaches the controller.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum AirSensor {
     /// The air velocity, as of a probe.
@@ -54,7 +55,7 @@ pub enum AirSensor {
 }
 
 /// `[sensors.pitot]`: where a pitot tube along the nose tells the airspeed. Both numbers are assumed.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PitotSpec {
     /// Airspeed along the nose \[m/s\] below which the pressure is too small.
@@ -94,7 +95,7 @@ impl PitotSpec {
 }
 
 /// Whether the position, or the specific force, is measured.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Sensor {
     /// It is.
@@ -112,7 +113,7 @@ impl Sensor {
 }
 
 /// `[sensors]`: errors of each component.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct SensorSpec {
     /// Of the velocity \[m/s\].
@@ -185,7 +186,7 @@ pub struct Measured {
 
 impl Measured {
     /// The attitude as the core takes it.
-    pub(crate) fn orientation(&self) -> Orientation {
+    pub fn orientation(&self) -> Orientation {
         orientation(&self.attitude)
     }
 }

@@ -1,5 +1,6 @@
 //! `[plant]` of kind `tail-sitter`: a vehicle as they are, as plain data. Every number of a file has its source, or the word "assumed".
 
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::document::{FieldError, finite, positive, require};
@@ -22,7 +23,7 @@ pub const MOTORS: usize = 4;
 const STRIPS: usize = 64;
 
 /// A strip of a wing or of a fin.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Strip {
     /// Its quarter-chord point, from the centre of mass, forward, right, down \[m\].
@@ -40,7 +41,7 @@ pub struct Strip {
 }
 
 /// The wing.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Wing {
     /// The profile of every strip.
@@ -52,7 +53,7 @@ pub struct Wing {
 }
 
 /// Elevons and their servos.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Servo {
     /// Stop, to either side \[°\].
@@ -64,7 +65,7 @@ pub struct Servo {
 }
 
 /// Motors and battery.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Motors {
     /// First-order lag of their speed \[s\].
@@ -74,7 +75,7 @@ pub struct Motors {
 }
 
 /// `[plant.vehicle]` of a plant of kind `tail-sitter`. Axes: forward along the nose, right, down towards the belly.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TailSitterSpec {
     /// One line for reports.
@@ -103,7 +104,7 @@ pub struct TailSitterSpec {
 }
 
 /// The profile of a wing, the same for all its strips.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Section {
     /// Slope of c_L of the section at infinite span \[1/rad\].
@@ -120,7 +121,7 @@ pub struct Section {
 }
 
 /// Geometry and coefficients of a propeller, and its motor.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Propeller {
     /// Hub, from the centre of mass, forward, right, down \[m\].
@@ -138,7 +139,7 @@ pub struct Propeller {
 }
 
 /// The law from rates asked for to torques.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum RateLaw {
     /// u = P e + I ∫e − D ω̇ + F ω_sp, as PX4's rate control.
@@ -162,7 +163,7 @@ pub enum RateLaw {
 }
 
 /// The inner loop.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RateLoop {
     /// Its rate \[Hz\].
@@ -176,7 +177,7 @@ pub struct RateLoop {
 }
 
 /// Which actuators turn the vehicle about each axis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Mixer {
     /// Elevons pitch and roll, the difference between left and right motors yaws.
@@ -188,7 +189,7 @@ pub enum Mixer {
 }
 
 /// `[plant]` of kind `tail-sitter`.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TailSitterPlant {
     /// The vehicle.

@@ -1,12 +1,13 @@
 //! How a vehicle of a plant of kind `tail-sitter` differs from its file: random vehicles of a kind are drawn so.
 
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::document::{FieldError, finite, require};
 use super::tail_sitter::{RateLaw, TailSitterSpec};
 
 /// `[plant.variation]` and `[plant.unknown]`. Factors are 1 and summands 0 if left out.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Variation {
     /// Factor of every length, by Froude's rule: the vehicle flies as before, with times and speeds longer by the root of it.

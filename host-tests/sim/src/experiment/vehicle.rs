@@ -4,6 +4,7 @@ use alula::{
     CombinedParameters, LargeAngleParameters, ModelParameters, ParameterError, Parameters,
     SmallAngleParameters, VehicleParameters,
 };
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::FieldError;
@@ -17,7 +18,7 @@ pub type Model = alula::Model<'static>;
 pub type Vehicle = alula::Vehicle<Model>;
 
 /// `[vehicle]`, and `[controller.….vehicle]`: what a controller believes.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct VehicleSpec {
     /// m \[kg\].
@@ -42,7 +43,7 @@ pub struct VehicleSpec {
 }
 
 /// `[….authority]`: the core's parameters of authority, surfaces and propellers.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct AuthoritySpec {
     /// Angular acceleration in pitch without thrust and airflow \[rad/s²\].
@@ -112,7 +113,7 @@ fn standard_gravity() -> f64 {
 }
 
 /// `[….aerodynamics.MODEL]`.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum AerodynamicsSpec {
     /// Large-angle model.
@@ -124,6 +125,7 @@ pub enum AerodynamicsSpec {
     /// Measured coefficients, interpolated.
     Table {
         /// A built-in polar, or a CSV file.
+        #[schemars(with = "crate::polar::Given")]
         polar: Polar,
     },
 }

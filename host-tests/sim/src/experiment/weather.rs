@@ -1,6 +1,7 @@
 //! The wind: steady, a 1-cosine gust, and Dryden turbulence on three axes (MIL-F-8785C, low altitude).
 
 use rand::Rng;
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::V3;
@@ -9,11 +10,12 @@ use super::dryden::{LEAST_SPEED, Scales, Transverse, along, normal};
 use super::vector::{vector, velocity};
 
 /// `[weather]`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct WeatherSpec {
     /// Steady wind \[m/s\], north-east-down: where the air goes.
     #[serde(rename = "steady_m_s", deserialize_with = "vector")]
+    #[schemars(with = "[f64; 3]")]
     pub steady: V3,
     /// By how much steady wind and gust are turned about the vertical, clockwise from above \[°\].
     pub turned_deg: f64,
@@ -59,7 +61,7 @@ impl WeatherSpec {
 }
 
 /// Dryden turbulence of MIL-F-8785C, 3.7.2.2 and 3.7.3: low altitude.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TurbulenceSpec {
     /// Wind speed at 20 ft \[m/s\], W_20: 7.7 is light, 15.4 moderate, 23.1 severe.
@@ -113,7 +115,7 @@ impl Weather {
 }
 
 /// A 1-cosine gust: ½ peak (1 − cos 2π(t − start)/duration) while it lasts; or, without an end, a step of `peak`.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Gust {
     /// When it begins \[s\].
@@ -124,6 +126,7 @@ pub struct Gust {
     pub duration: f64,
     /// Its peak \[m/s\], north-east-down.
     #[serde(rename = "peak_m_s", deserialize_with = "vector")]
+    #[schemars(with = "[f64; 3]")]
     pub peak: V3,
 }
 

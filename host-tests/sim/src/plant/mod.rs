@@ -23,7 +23,7 @@ pub struct Command {
 }
 
 /// A vehicle with its inner loop and its actuators.
-pub trait Plant {
+pub trait Plant: Send {
     /// The state of its body.
     fn state(&self) -> &State;
 

@@ -98,6 +98,20 @@ impl Polar {
         Ok((wing, sentences.collect()))
     }
 
+    /// The same with `added` to the drag coefficient at every angle, as by a fuselage.
+    pub fn with_drag(&self, added: f64) -> anyhow::Result<Self> {
+        let rows = self.degrees().into_iter();
+        let rows: Vec<[f64; 3]> = rows
+            .map(|[alpha, lift, drag]| [alpha, lift, drag + added])
+            .collect();
+        Ok(Self {
+            seam: self.seam,
+            read: self.read,
+            told: self.told,
+            ..Self::new(self.name, &rows)?
+        })
+    }
+
     /// In sentences what was left out of this section where it became a wing, and the falls of lift that were not taken for its stall.
     fn cut(&self, upto: Upto) -> Vec<String> {
         let Upto::Section(used) = upto else {

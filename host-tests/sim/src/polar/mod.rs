@@ -16,6 +16,7 @@ use std::sync::{Mutex, PoisonError};
 
 use alula::aero::TableError;
 use anyhow::{anyhow, bail, ensure};
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 pub use doubt::Doubt;
@@ -328,17 +329,25 @@ impl Polar {
         let comments = comments.iter().map(|line| on_one_line(line));
         let mut text: String = comments.map(|line| format!("# {line}\n")).collect();
         text += "alpha_deg,cl,cd\n";
-        let short = |x: f64| ((x * 1e6).round() / 1e6).to_string();
-        for [alpha, c_l, c_d] in self.degrees() {
+        for [alpha, c_l, c_d] in self.written() {
+            text += &format!("{alpha},{c_l},{c_d}\n");
+        }
+        text
+    }
+
+    /// Its rows as [`Self::csv`] writes them: α \[°\], c_L and c_D, to the sixth decimal.
+    pub fn written(&self) -> Vec<[f64; 3]> {
+        let short = |x: f64| (x * 1e6).round() / 1e6;
+        let row = |[alpha, c_l, c_d]: [f64; 3]| {
             let ends = (alpha.abs() - 180.0).abs() < 1e-4;
             let alpha = if ends {
                 180.0_f64.copysign(alpha)
             } else {
                 alpha
             };
-            text += &format!("{},{},{}\n", short(alpha), short(c_l), short(c_d));
-        }
-        text
+            [alpha, c_l, c_d].map(short)
+        };
+        self.degrees().into_iter().map(row).collect()
     }
 }
 
@@ -362,18 +371,19 @@ fn halved(rows: Vec<[f64; 3]>) -> Vec<[f64; 3]> {
     half
 }
 
+/// A polar in a document: the name of a built-in one, or of a CSV file relative to the working directory, or rows of α \[°\], c_L and c_D.
+#[derive(Deserialize, JsonSchema)]
+#[serde(
+    untagged,
+    expecting = "must be a name, a file, or rows of [alpha_deg, c_l, c_d]"
+)]
+pub(crate) enum Given {
+    Named(String),
+    Rows(Vec<[f64; 3]>),
+}
+
 impl<'de> Deserialize<'de> for Polar {
-    /// From the name of a built-in polar, or of a CSV file relative to the working directory, or from rows of α \[°\], c_L and c_D.
     fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        #[derive(Deserialize)]
-        #[serde(
-            untagged,
-            expecting = "must be a name, a file, or rows of [alpha_deg, c_l, c_d]"
-        )]
-        enum Given {
-            Named(String),
-            Rows(Vec<[f64; 3]>),
-        }
         let polar = match Given::deserialize(deserializer)? {
             Given::Named(argument) => Self::load(&argument),
             Given::Rows(rows) => Self::of_table(&rows),

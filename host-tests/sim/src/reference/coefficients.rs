@@ -1,6 +1,7 @@
 //! The coefficient models as printed: differentiated automatically, and, for the many evaluations of a flight, by their values alone.
 
 use num_dual::{Dual3_64, DualNum};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Table;
@@ -19,7 +20,7 @@ pub enum Aerodynamics {
 }
 
 /// Parameters of the large-angle model, as files have them.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LargeAngle {
     /// c_0: drag at zero angle of attack.
@@ -29,7 +30,7 @@ pub struct LargeAngle {
 }
 
 /// Parameters of the small-angle model, as files have them.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SmallAngle {
     /// c_0: drag at zero angle of attack.
@@ -41,7 +42,7 @@ pub struct SmallAngle {
 }
 
 /// Parameters of the combined model, as files have them: the small-angle model below stall, the large-angle model above.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Combined {
     /// c_0 of both.

@@ -1,0 +1,218 @@
+//! The JSON Schema of experiment files, by which an editor completes and checks them.
+//!
+//! Fields and meanings are those of the structures that read the files, parameters those of the core's table. A file may be based on another: nothing
+//! must be there but what an item of a list, or a kind that is chosen, has to have.
+
+use std::collections::BTreeSet;
+
+use alula::mission::MissionParameters;
+use alula::planar::GainParameters;
+use alula::{GuidanceParameters, Parameters, ResponseParameters};
+use schemars::{JsonSchema, SchemaGenerator};
+use serde_json::{Map, Value, json};
+
+use crate::experiment::{
+    Experiment, MissionSpec, PlantSpec, SensorSpec, TailSitterPlant, TailSitterSpec, VehicleSpec,
+    file_name, file_value,
+};
+use crate::figures::FIGURES;
+
+/// The schema of an experiment's file.
+pub fn schema() -> Value {
+    let mut generator = SchemaGenerator::default();
+    let root = generator.root_schema_for::<Experiment>();
+    let mut root = root.to_value();
+    // What the structures do not say: what stands in a file, and is gone where they are read.
+    let mut others = SchemaGenerator::default();
+    let plant = json!({ "anyOf": [table::<PlantSpec>(&mut others), table::<TailSitterPlant>(&mut others)] });
+    let sensors = name_or(
+        table::<SensorSpec>(&mut others),
+        "Built-in sensors, or a file",
+    );
+    let path = root["properties"]["path"].clone();
+    let properties = [
+        (
+            "base",
+            json!({ "type": "string", "description": "A built-in experiment, or a file beside this one, that this is put over" }),
+        ),
+        (
+            "set",
+            json!({ "type": "object", "description": "Fields changed by dotted path, last of all" }),
+        ),
+        ("reference", path),
+        ("plant", plant),
+        ("sensors", sensors),
+        ("controller", controller(&mut others)),
+        ("bounds", bounds()),
+    ];
+    for (name, schema) in properties {
+        root["properties"][name] = schema;
+    }
+    for (name, schema) in others.take_definitions(true) {
+        root["$defs"][name] = schema;
+    }
+    for (name, kind) in [
+        (PlantSpec::schema_name(), "ideal"),
+        (TailSitterPlant::schema_name(), "tail-sitter"),
+    ] {
+        root["$defs"][&*name]["properties"]["kind"] = json!({ "const": kind });
+    }
+    let vehicle = json!({ "$ref": format!("#/$defs/{}", TailSitterSpec::schema_name()) });
+    root["$defs"][&*TailSitterPlant::schema_name()]["properties"]["vehicle"] =
+        name_or(vehicle, "A built-in tail-sitter, or a file");
+    let mission = &mut root["$defs"][&*MissionSpec::schema_name()];
+    mission["additionalProperties"] = json!(false);
+    mission["properties"]["responses"] = responses();
+    for (name, schema) in rows::<MissionParameters>() {
+        mission["properties"][name] = schema;
+    }
+    let items = listed(&root);
+    let mut definitions = root["$defs"].take();
+    for (name, definition) in definitions.as_object_mut().into_iter().flatten() {
+        if !items.contains(name) {
+            complete(definition);
+        }
+    }
+    root["$defs"] = definitions;
+    complete(&mut root);
+    root["title"] = json!("An experiment of alula-sil");
+    root
+}
+
+/// The schema of a table, as a reference to its definition.
+fn table<T: JsonSchema>(generator: &mut SchemaGenerator) -> Value {
+    generator.subschema_for::<T>().to_value()
+}
+
+/// A name, or the table that it stands for.
+fn name_or(table: Value, description: &str) -> Value {
+    json!({ "anyOf": [{ "type": "string", "description": description }, table] })
+}
+
+/// The parameters of a table in the core, by their names in files.
+fn rows<P: Parameters>() -> Map<String, Value> {
+    let rows = P::ROWS.iter().map(|row| {
+        let mut schema = json!({ "type": "number", "description": row.meaning, "minimum": file_value(row, row.min), "maximum": file_value(row, row.max) });
+        if !row.default.is_nan() {
+            schema["default"] = json!(file_value(row, row.default));
+        }
+        (file_name(row), schema)
+    });
+    rows.collect()
+}
+
+/// A table of nothing but these properties.
+fn closed(properties: Map<String, Value>) -> Value {
+    json!({ "type": "object", "properties": properties, "additionalProperties": false })
+}
+
+/// `[controller]`.
+fn controller(generator: &mut SchemaGenerator) -> Value {
+    let vehicle = name_or(
+        table::<VehicleSpec>(generator),
+        "An experiment or vehicle, whose vehicle is believed in",
+    );
+    let mut guidance = rows::<GuidanceParameters>();
+    guidance.insert("vehicle".into(), vehicle.clone());
+    guidance.insert(
+        "thrust_n".into(),
+        <[f64; 2]>::json_schema(generator).to_value(),
+    );
+    guidance.insert("gains".into(), closed(rows::<GainParameters>()));
+    guidance.insert("for_vehicle".into(), closed(rows::<ResponseParameters>()));
+    let law = json!({
+        "form": { "enum": ["robust", "full"] },
+        "feed_forward": { "type": "boolean" },
+        "vehicle": vehicle,
+        "gains": closed(rows::<GainParameters>()),
+        "bandwidth": closed(rows::<GuidanceParameters>()),
+    });
+    let law = law.as_object().cloned().unwrap_or_default();
+    json!({
+        "type": "object",
+        "description": "Who closes the loop: the guidance, or one of the paper's laws",
+        "properties": { "guidance": closed(guidance), "law": closed(law) },
+        "additionalProperties": false,
+        "maxProperties": 1,
+    })
+}
+
+/// `mission.responses`.
+fn responses() -> Value {
+    let response = json!({ "enum": ["continue", "loiter", "return", "land"] });
+    let failures = ["link", "air", "position", "battery", "follow"];
+    let properties = failures.map(|name| (name.to_owned(), response.clone()));
+    json!({
+        "type": "object",
+        "description": "What is done when something fails",
+        "properties": Map::from_iter(properties),
+        "additionalProperties": false,
+    })
+}
+
+/// `[bounds]`.
+fn bounds() -> Value {
+    let figures = FIGURES.iter().map(|figure| {
+        (
+            figure.name.to_owned(),
+            json!({ "type": "number", "description": figure.meaning }),
+        )
+    });
+    json!({
+        "type": "object",
+        "description": "Greatest values of figures, by name",
+        "properties": Map::from_iter(figures),
+        "additionalProperties": false,
+    })
+}
+
+/// The definitions that items of lists are of.
+fn listed(schema: &Value) -> BTreeSet<String> {
+    let mut found = BTreeSet::new();
+    match schema {
+        Value::Object(fields) => {
+            let item = fields.get("items").and_then(|items| items.get("$ref"));
+            let name = item
+                .and_then(Value::as_str)
+                .and_then(|path| path.strip_prefix("#/$defs/"));
+            found.extend(name.map(str::to_owned));
+            found.extend(fields.values().flat_map(listed));
+        }
+        Value::Array(all) => found.extend(all.iter().flat_map(listed)),
+        _ => {}
+    }
+    found
+}
+
+/// Takes out that a field must be there, but where that tells which kind is chosen.
+fn complete(schema: &mut Value) {
+    let Value::Object(fields) = schema else {
+        return;
+    };
+    fields.remove("required");
+    for list in ["anyOf", "allOf"] {
+        fields
+            .get_mut(list)
+            .and_then(Value::as_array_mut)
+            .into_iter()
+            .flatten()
+            .for_each(complete);
+    }
+    for kind in fields
+        .get_mut("oneOf")
+        .and_then(Value::as_array_mut)
+        .into_iter()
+        .flatten()
+    {
+        let inner = kind.get_mut("properties").and_then(Value::as_object_mut);
+        inner
+            .into_iter()
+            .flat_map(Map::values_mut)
+            .for_each(complete);
+    }
+    let inner = fields.get_mut("properties").and_then(Value::as_object_mut);
+    inner
+        .into_iter()
+        .flat_map(Map::values_mut)
+        .for_each(complete);
+}
