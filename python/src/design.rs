@@ -119,7 +119,7 @@ impl Design {
 /// `alula-sil new` does. It flies some seconds of processor time.
 ///
 /// By keyword, as the command's flags: `mass_kg`, `wing_m2`, `section` ("naca-0012", "flat-plate", a polar's file …), `thrust_to_weight`,
-/// `thrust_lag_s`, `rate_lag_s` and `cruise_m_s` must be known. Numbers far outside of what flies are refused with what was probably meant.
+/// `thrust_lag_s`, `rate_lag_s`, `cruise_m_s`, `turn_rad_s2` and `actuators` ("elevons", "motors", "both") must be known. Numbers far outside of what flies are refused with what was probably meant.
 #[pyfunction]
 #[pyo3(signature = (name="my-vehicle", **known))]
 pub fn new(py: Python<'_>, name: &str, known: Option<&Bound<'_, PyDict>>) -> PyResult<Design> {

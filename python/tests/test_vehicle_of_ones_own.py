@@ -8,7 +8,7 @@ import pytest
 
 import alula
 
-KNOWN = dict(mass_kg=3.0, wing_m2=0.35, section="naca-0012", thrust_to_weight=1.6, thrust_lag_s=0.08, rate_lag_s=0.06, cruise_m_s=18.0)
+KNOWN = dict(mass_kg=3.0, wing_m2=0.35, section="naca-0012", thrust_to_weight=1.6, thrust_lag_s=0.08, rate_lag_s=0.06, cruise_m_s=18.0, turn_rad_s2=300.0, actuators="both")
 
 
 def without(name, **others):
