@@ -1,7 +1,10 @@
 //! tail-sitter, as tail-sitter.toml has it: `alula-sil code tail-sitter.toml` makes it anew. `mod vehicle;`, then `vehicle::guidance()`, once.
 
 use alula::aero::{Node, Polar};
-use alula::{Guidance, GuidanceParameters, ParameterError, Table, Vehicle, VehicleParameters};
+use alula::{
+    Guidance, GuidanceParameters, ParameterError, Parameters as _, Table, Vehicle,
+    VehicleParameters,
+};
 
 // Angle of attack to the zero-lift line [rad], c_L, c_D.
 #[rustfmt::skip]

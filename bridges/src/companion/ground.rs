@@ -150,7 +150,7 @@ impl GroundStation {
             return;
         };
         let from = (system, header.component_id);
-        let to_us = |system: u8| system == 0 || u32::from(system) == u32::from(Self::HEADER.system_id);
+        let to_us = |system: u8| system == 0 || u32::from(system) == Self::HEADER.system_id;
         match message {
             MavMessage::MISSION_REQUEST_LIST(m) if to_us(m.target_system) => {
                 self.answers
@@ -167,10 +167,8 @@ impl GroundStation {
                 self.store(MissionItems::new());
                 self.acknowledge(from, MavMissionResult::MAV_MISSION_ACCEPTED);
             }
-            MavMessage::MISSION_SET_CURRENT(m) if to_us(m.target_system) => {
-                if !self.go_to(m.seq) {
-                    self.acknowledge(from, MavMissionResult::MAV_MISSION_INVALID_SEQUENCE);
-                }
+            MavMessage::MISSION_SET_CURRENT(m) if to_us(m.target_system) && !self.go_to(m.seq) => {
+                self.acknowledge(from, MavMissionResult::MAV_MISSION_INVALID_SEQUENCE);
             }
             MavMessage::COMMAND_LONG(m) if to_us(m.target_system) => {
                 let accepted = m.command == MavCmd::MAV_CMD_DO_SET_MISSION_CURRENT

@@ -21,7 +21,7 @@ pub fn rust_code(name: &str, coded: &Coded) -> String {
     ) {
         (AerodynamicsSpec::Table { polar }, _) => {
             let rows = polar.rows.len();
-            text += "use alula::aero::{Node, Polar};\nuse alula::{\n    Guidance, GuidanceParameters, ParameterError, Table, Vehicle, VehicleParameters,\n};\n\n";
+            text += "use alula::aero::{Node, Polar};\nuse alula::{\n    Guidance, GuidanceParameters, ParameterError, Parameters as _, Table, Vehicle,\n    VehicleParameters,\n};\n\n";
             let _ = writeln!(
                 text,
                 "// Angle of attack to the zero-lift line [rad], c_L, c_D.\n#[rustfmt::skip]\n#[allow(clippy::approx_constant)] // a row at 30° is no constant of mathematics\nstatic POLAR: Polar<{rows}> = match Polar::new(&["
@@ -44,7 +44,7 @@ pub fn rust_code(name: &str, coded: &Coded) -> String {
             };
             let _ = writeln!(
                 text,
-                "use alula::{{\n    Guidance, GuidanceParameters, {kind}, {kind}Parameters, ParameterError, Vehicle, VehicleParameters,\n}};\n"
+                "use alula::{{\n    Guidance, GuidanceParameters, {kind}, {kind}Parameters, ParameterError, Parameters as _, Vehicle, VehicleParameters,\n}};\n"
             );
             let fields = parameters.rows().iter().enumerate();
             let fields: Vec<String> = fields
