@@ -1,8 +1,8 @@
 //! The page about a flight: charts of the record's columns, the figures, the experiment.
 
 use super::chart::{Band, Chart, Level, Mark, ends};
-use super::page::fixed;
 use super::film::with_films;
+use super::page::fixed;
 use super::panel::{Panel, chart, panels, strip};
 use super::picture::picture;
 use super::side::side;
