@@ -216,7 +216,7 @@ fn a_log_becomes_a_vehicle() {
             .any(|word| source.starts_with(word));
         assert!(says, "{line}");
     }
-    assert!(folder.path().join("found/identify.html").exists());
+    assert!(folder.path().join("found/report.html").exists());
     // The flight may miss its goals; the files are there.
     let (_, said) = run("new mine --from found/known.toml");
     assert!(folder.path().join("mine/vehicle.h").exists(), "{said}");

@@ -7,10 +7,11 @@ use std::collections::BTreeSet;
 
 use alula::mission::MissionParameters;
 use alula::planar::GainParameters;
-use alula::{GuidanceParameters, Parameters, ResponseParameters};
+use alula::{GuidanceParameters, Parameters, ResponseParameters, Tuning};
 use schemars::{JsonSchema, SchemaGenerator};
 use serde_json::{Map, Value, json};
 
+use crate::controllers::PlanSpec;
 use crate::experiment::{
     Experiment, MissionSpec, PlantSpec, SensorSpec, TailSitterPlant, TailSitterSpec, VehicleSpec,
     file_name, file_value,
@@ -120,6 +121,8 @@ fn controller(generator: &mut SchemaGenerator) -> Value {
     );
     guidance.insert("gains".into(), closed(rows::<GainParameters>()));
     guidance.insert("for_vehicle".into(), closed(rows::<ResponseParameters>()));
+    guidance.insert("tuning".into(), closed(rows::<Tuning>()));
+    guidance.insert("plans".into(), table::<PlanSpec>(generator));
     let law = json!({
         "form": { "enum": ["robust", "full"] },
         "feed_forward": { "type": "boolean" },

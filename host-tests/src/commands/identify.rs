@@ -75,7 +75,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         leave_all(&out.join(POLAR), polar)?;
     }
     let page = page(&name, &found, &known, &states.notes);
-    args.output.leave(&out, "identify", &page, &found)?;
+    args.output.leave(&out, &page, &found)?;
     if !args.output.json() {
         println!(
             "known.toml is in {}. Next:\n  alula-sil new my-vehicle --from {}",

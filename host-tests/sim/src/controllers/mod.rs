@@ -20,6 +20,7 @@ use toml::Value;
 
 pub use guidance::GuidanceSpec;
 pub use law::{Form, Law, LawSpec, Planar};
+pub use plans::PlanSpec;
 
 use crate::experiment::{ControllerSpec, Experiment, FieldError, VehicleSpec};
 use crate::margins::LoopGains;

@@ -2,10 +2,11 @@
 
 use alula::GuidanceOutput;
 use alula::guidance::PlanSearch;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// When plans come. The default is at once, whenever one is due.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PlanSpec {
     /// How long after the step that asks for it \[s\].

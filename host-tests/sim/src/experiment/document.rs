@@ -757,7 +757,8 @@ mod tests {
             document.checked().unwrap_err().to_string(),
             "--set vehicle.mass_kg=-1: vehicle.mass_kg: mass must be positive, from 0.001 to 1000000 kg"
         );
-        let refused = |text: &str| format!("{:#}", document.clone().assign(text).unwrap_err());
+        let untouched = document.clone();
+        let refused = |text: &str| format!("{:#}", untouched.clone().assign(text).unwrap_err());
         assert!(refused("seed").contains("must be PATH=VALUE"));
         assert!(refused("seed={1").contains("neither a word nor TOML"));
         document.assign("sensors.accelerometer=none").unwrap();
