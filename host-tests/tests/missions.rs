@@ -543,7 +543,7 @@ fn failures_are_answered_as_the_table_says() {
         ),
         (
             "follow",
-            "weather.gust={ start_s = 26.0, duration_s = 24.0, peak_m_s = [0.0,0.0,26.0] }",
+            "weather.gust={ start_s = 18.0, duration_s = 30.0, peak_m_s = [0.0,0.0,-16.0] }",
             Troubles::FOLLOW,
         ),
     ];
@@ -596,9 +596,9 @@ fn failures_are_answered_as_the_table_says() {
             }
             "return" => assert!(home < 1.0 && kept(Response::Return), "{what} {home}"),
             _ => {
-                // Ahead, by the way in which it brakes.
+                // Ahead, by the way in which it brakes: 290 m, and 370 m where the updraft holds it.
                 assert!(
-                    there < 330.0 && home > 50.0 && kept(Response::Land),
+                    there < 430.0 && home > 50.0 && kept(Response::Land),
                     "{what} {there} {home}"
                 );
             }
