@@ -8,7 +8,10 @@ use alula_sim::experiment::{Document, Experiment, FieldError, from_toml, require
 use alula_sim::named::{Named, on_one_line};
 
 /// Name and TOML text of the built-in comparison.
-const BUILT_IN: &[(&str, &str)] = &[("laws", include_str!("../../comparisons/laws.toml"))];
+const BUILT_IN: &[(&str, &str)] = &[
+    ("laws", include_str!("../../comparisons/laws.toml")),
+    ("missions", include_str!("../../comparisons/missions.toml")),
+];
 
 /// A comparison to fly. The format is described in this package's README.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
