@@ -86,7 +86,9 @@ fn loops(
         Some(plant) => TailSitter::new(plant.true_vehicle(), None).static_thrust(),
         None => experiment.thrust_limits(None, experiment.weight())[1],
     };
-    let topic = |name: &str, columns: Vec<(&str, &str, &dyn Fn(&Step) -> f64)>| {
+    /// Name, unit, and how it is read.
+    type Read<'a> = (&'a str, &'a str, &'a dyn Fn(&Step) -> f64);
+    let topic = |name: &str, columns: Vec<Read>| {
         let columns = columns
             .into_iter()
             .map(|(name, unit, value)| Column::new(name, unit, record.iter().map(value).collect()));
