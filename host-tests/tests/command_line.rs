@@ -192,11 +192,11 @@ fn a_log_with_values_that_are_not_finite_yields_faults_and_the_safe_command() {
     assert!(output.status.success());
     // The belief's hover thrust, 9 kg · 9.81 m/s².
     assert!(
-        lines[1].starts_with("0,88.29,0,") && lines[1].ends_with(",ok"),
+        lines[1].starts_with("0.0,88.29,0.0,") && lines[1].ends_with(",ok"),
         "{lines:?}"
     );
     for (n, (.., fault)) in cases.iter().enumerate() {
-        assert_eq!(lines[n + 2], format!("0.{},0,0,0,0,0,0,{fault}", n + 1));
+        assert_eq!(lines[n + 2], format!("0.{},0.0,0.0,0.0,0.0,0.0,0.0,{fault}", n + 1));
     }
 }
 
@@ -466,7 +466,7 @@ fn fields_are_set_by_their_paths() {
     assert_eq!(run(&["fly", "own.toml"]), by_argument);
     let trace = fs::read_to_string(folder.path().join("o/trace.csv")).unwrap();
     let first = &columns(&trace, &["v_down_m_s", "v_north_m_s", "path_v_down_m_s"])[0];
-    assert_eq!(first, &["2.5", "1.5", "2"]);
+    assert_eq!(first, &["2.5", "1.5", "2.0"]);
     assert_refused(
         &alula(folder.path(), &["fly", "--set", "vehicle.mass=1"]),
         &["--set vehicle.mass=1: vehicle.mass: unknown field"],
