@@ -196,7 +196,10 @@ fn a_log_with_values_that_are_not_finite_yields_faults_and_the_safe_command() {
         "{lines:?}"
     );
     for (n, (.., fault)) in cases.iter().enumerate() {
-        assert_eq!(lines[n + 2], format!("0.{},0.0,0.0,0.0,0.0,0.0,0.0,{fault}", n + 1));
+        assert_eq!(
+            lines[n + 2],
+            format!("0.{},0.0,0.0,0.0,0.0,0.0,0.0,{fault}", n + 1)
+        );
     }
 }
 
