@@ -453,7 +453,7 @@ fn a_dispersed_vehicle_does_not_disperse_the_belief() {
 }
 
 /// How wrong a belief may be. Half the mass and two and a half times the wing is a lift per weight five times too great: the wing believed in carries at an
-/// angle of attack at which the real one has not begun to, and without an accelerometer the flight sinks by 11 m, with one by 6 m. The same factors
+/// angle of attack at which the real one has not begun to, and without an accelerometer the flight sinks by 4.8 m, with one by 3.9 m. The same factors
 /// the other way round, and the truth, fly without one.
 #[test]
 fn too_much_lift_is_worse_than_too_little() {
@@ -481,9 +481,9 @@ fn too_much_lift_is_worse_than_too_little() {
         without(19.0, 0.2584),
     );
     let told = altitude_of("measured", 5.0, 1.615);
-    assert!(told > 0.7 * light, "{told} {light}");
+    assert!(told > 0.9 * light, "{told} {light}");
     assert!(
-        light < -5.0 && true_ > -2.0 && heavy > -2.0,
+        light < -4.0 && true_ > -2.0 && heavy > -2.0,
         "{light} {true_} {heavy}"
     );
 }

@@ -133,9 +133,10 @@ fn gains_as_shipped_are_found_in_hover() {
     }
 }
 
-/// ArduPlane's ramps of 300 °/s² as shipped cost the mapping tail-sitter metres where its elevons are weak; with the parameters of the page none.
+/// The mapping tail-sitter flies with the parameters of the page, and now with ArduPlane's ramps of 300 °/s² as shipped, too: 1.0 and 1.1 m. Plans
+/// that came one candidate a step lost 9.6 m with these.
 #[test]
-fn ramps_as_shipped_cost_altitude() {
+fn ramps_as_shipped_are_flown() {
     let experiment = there_and_back("mapping", 14.0, &WIDE);
     let shipped = flown(
         &experiment,
@@ -154,7 +155,7 @@ fn ramps_as_shipped_cost_altitude() {
         "ramps: shipped {:.1} m, page {:.1} m",
         shipped.sank, paged.sank
     );
-    assert!(shipped.sank > 5.0 && paged.sank < 3.0);
+    assert!(shipped.sank < 3.0 && paged.sank < 3.0);
 }
 
 /// The preflight finds what flights were lost by, over a link, and nothing once the files of the page are loaded; ArduPlane arms with them.

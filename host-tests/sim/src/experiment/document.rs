@@ -757,6 +757,7 @@ mod tests {
             document.checked().unwrap_err().to_string(),
             "--set vehicle.mass_kg=-1: vehicle.mass_kg: mass must be positive, from 0.001 to 1000000 kg"
         );
+        document.assign("vehicle.mass_kg=3").unwrap();
         let untouched = document.clone();
         let refused = |text: &str| format!("{:#}", untouched.clone().assign(text).unwrap_err());
         assert!(refused("seed").contains("must be PATH=VALUE"));
