@@ -637,10 +637,10 @@ fn it_is_stopped_at_any_height_and_goes_around() {
         let seen = out_and_back(&[abort]);
         let what = format!("{activity:?} {height} m");
         let during: Vec<&Seen> = seen.iter().filter(|s| s.t >= t && s.t < t + 15.0).collect();
-        let heights = during.iter().map(|s| -s.place.z);
+        let mut heights = during.iter().map(|s| -s.place.z);
         let (lowest, last) = (
             heights.clone().fold(f64::INFINITY, f64::min),
-            heights.last().unwrap(),
+            heights.next_back().unwrap(),
         );
         println!("{what}: lowest {lowest:.2} m, after 15 s {last:.2} m");
         assert!(

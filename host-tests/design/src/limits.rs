@@ -90,7 +90,7 @@ impl<'a> Turned<'a> {
     }
 
     /// Angles of attack from where level flight does not brake on, upwards, with what they take.
-    fn from_trim(&self, speed: f64) -> impl Iterator<Item = (f64, Level)> {
+    fn levels_from_trim(&self, speed: f64) -> impl Iterator<Item = (f64, Level)> {
         let angles = (1..).map(|n| f64::from(n) * STEP);
         let angles = angles.take_while(|alpha| *alpha < MOST_ALPHA);
         let levels = angles.map(move |alpha| (alpha, self.level(speed, alpha)));
@@ -101,7 +101,7 @@ impl<'a> Turned<'a> {
     /// weight there is none: the guidance crosses that on purpose.
     fn brakes(&self, speed: f64) -> Option<f64> {
         let held = self
-            .from_trim(speed)
+            .levels_from_trim(speed)
             .filter(|(alpha, level)| self.holds(speed, *alpha, level.thrust));
         held.map(|(_, level)| level.braking).reduce(f64::max)
     }
@@ -136,7 +136,7 @@ impl<'a> Turned<'a> {
         let steps = (cruise / SPEED_STEP).floor() as u32;
         let winds = (1..=steps).map(|n| f64::from(n) * SPEED_STEP);
         let held = winds.take_while(|wind| {
-            let trim = self.from_trim(*wind).next();
+            let trim = self.levels_from_trim(*wind).next();
             trim.is_some_and(|(alpha, level)| self.holds(*wind, alpha, level.thrust))
         });
         held.last().unwrap_or(0.0)
