@@ -67,11 +67,7 @@ pub fn run(data: &[u8]) -> u64 {
     let mut row = 0;
     // SAFETY: The rows are so many, and everything else is a structure of this frame, or null, or odd.
     known(unsafe { alula_table_init(&mut table, rows.as_ptr(), rows.len() as u32, &mut row) });
-    let mut controller = Controller {
-        header: Controller::HEADER,
-        reserved: 0,
-        opaque: [0; 128],
-    };
+    let mut controller = Controller::BLANK;
     // SAFETY: As above.
     let code = unsafe {
         alula_init(
@@ -250,6 +246,21 @@ pub fn run(data: &[u8]) -> u64 {
                         let p = &parameters.vehicle;
                         let limits = p.thrust_min..=p.thrust_max;
                         assert!(limits.contains(&command.thrust), "{command:?}");
+                    }
+                    // A plan at once, and one by a search of any bits.
+                    if code == ALULA_OK && bytes.byte() < 64 {
+                        known(alula_plan(&mut controller));
+                        let mut search = Search {
+                            header: Search::HEADER,
+                            more: 1,
+                            opaque: std::array::from_fn(|_| u32::from(bytes.byte()) << 23),
+                        };
+                        known(alula_search_adopt(&mut controller, &search));
+                        known(alula_search_begin(&controller, &mut search));
+                        while search.more == 1 {
+                            known(alula_search_look(&controller, &mut search));
+                        }
+                        known(alula_search_adopt(&mut controller, &search));
                     }
                 }
             }

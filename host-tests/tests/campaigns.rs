@@ -182,7 +182,7 @@ fn slow_no_dispersed_flight_departs() {
         let figure = summary.figures.iter().find(|f| f.figure == name).unwrap();
         figure.percentiles[6] - figure.percentiles[2]
     };
-    assert!(spread("altitude_most_m") > 0.5 && spread("max_velocity_error_m_s") > 0.5);
+    assert!(spread("altitude_most_m") > 0.3 && spread("max_velocity_error_m_s") > 0.5);
 }
 
 /// A flight that an earlier guidance lost: it glided away, 67 m down in 30 s.

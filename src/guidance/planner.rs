@@ -206,11 +206,19 @@ impl PlannerState {
         if search.changed == 1 {
             let before = search.request.flight.theta;
             let turned = theta - before;
-            self.plan = Plan {
+            let plan = Plan {
                 // Whole turns by which θ was unwrapped since.
                 target: search.best.target + (turned - wrap(turned)),
                 ..search.best
             };
+            // Of an absurd vehicle, or of bits that no search has left.
+            if !plan.is_sound() {
+                return;
+            }
+            self.plan = plan;
+        }
+        if !search.rollout.is_sound() {
+            return;
         }
         self.rollout = search.rollout;
         self.first = candidates::after(search.first, search.looked);

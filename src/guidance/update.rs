@@ -407,8 +407,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         input: &GuidanceInput,
         dt: f32,
     ) -> GuidanceOutput {
-        // Before anything else reads the state. An absurd vehicle or reference takes the reference model beyond all bounds, too: it begins
-        // anew from the real vehicle.
+        // Before anything else reads the state.
         let sound = self.is_sound(state);
         if !sound {
             self.reset(state);
@@ -420,6 +419,10 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         } else {
             Err(RejectReason::TimeStep)
         };
+        // An absurd vehicle or reference takes the reference model beyond all bounds: it begins anew from the real vehicle.
+        if !self.is_sound(state) {
+            self.reset(state);
+        }
         let mode = self
             .supervisor
             .advance(&mut state.supervision, result.is_ok(), dt);
