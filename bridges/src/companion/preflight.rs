@@ -53,7 +53,7 @@ impl Finding {
 /// What the streams were like.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Streams {
-    /// Rates of attitude and position, and of the accelerometer [Hz].
+    /// Rates of attitude and position, and of the accelerometer \[Hz\].
     pub attitude_hz: f64,
     /// See there.
     pub motion_hz: f64,
@@ -71,7 +71,7 @@ const OFFBOARD: &str = include_str!("../../../examples/px4/offboard.params");
 /// Parameters that an autopilot has under one of two names, by its version: older, newer.
 const RENAMED: [(&str, &str); 1] = [("SYSID_MYGCS", "MAV_GCS_SYSID")];
 
-/// Least rates of streams [Hz] to fly by, and those that are good.
+/// Least rates of streams \[Hz\] to fly by, and those that are good.
 const RATES: [f64; 2] = [25.0, 40.0];
 /// Ages of the state \[s\] up to which it is good, and to be flown by.
 const AGES: [f64; 2] = [0.1, 0.2];
