@@ -55,6 +55,7 @@ fn header() -> Result<String> {
         "mission",
         "step",
         "path",
+        "plan",
         "envelope",
     ] {
         builder = builder.with_src(sources.join(file).with_extension("rs"));

@@ -1589,6 +1589,24 @@ typedef struct alula_mission_item {
 } alula_mission_item;
 
 /**
+ * A plan in the making: memory of the caller's. Set `header`, then call `alula_search_begin`.
+ */
+typedef struct alula_search {
+    /**
+     * `ALULA_HEADER(alula_search)`.
+     */
+    uint32_t header;
+    /**
+     * Result: 1 while there is a candidate to look at, 0 at the end.
+     */
+    uint32_t more;
+    /**
+     * Private.
+     */
+    uint32_t opaque[34];
+} alula_search;
+
+/**
  * An attitude at which a thrust holds the reference.
  */
 typedef struct alula_equilibrium {
@@ -1908,6 +1926,46 @@ int32_t alula_path_time_scale(const struct alula_controller *controller,
                               const float *position_error,
                               const float *velocity,
                               float *time_scale);
+
+/**
+ * Makes the plan that `ALULA_STATUS_PLAN_DUE` asks for: the vehicle is flown ahead by the plan in force and by others, and the
+ * next step goes on by the best of them. It takes some forty times the instructions of `alula_guide`. Without plans the
+ * vehicle flies on by the last one: it follows what it can without crossing a stall.
+ *
+ * Pointers:
+ * As `alula_guide`.
+ */
+int32_t alula_plan(struct alula_controller *controller);
+
+/**
+ * Begins a plan apart from the controller, for a task of lower priority, or for one candidate a step. `alula_plan` is this,
+ * `alula_search_look` while `more` is 1, and `alula_search_adopt`.
+ *
+ * Pointers:
+ * `controller` and `search` are null, unaligned, or point to their structures, which no other call changes meanwhile.
+ */
+int32_t alula_search_begin(const struct alula_controller *controller,
+                           struct alula_search *search);
+
+/**
+ * Looks at the plan in force, or at one candidate more: at most one flight ahead. Of the controller it reads what
+ * `alula_init` has left, and no step changes: `alula_guide` may interrupt it.
+ *
+ * Pointers:
+ * As `alula_search_begin`, but `alula_guide` may change the controller meanwhile.
+ */
+int32_t alula_search_look(const struct alula_controller *controller,
+                          struct alula_search *search);
+
+/**
+ * Flies by what a search found from the next step on. A search that began more than 0.3 s ago, or before `alula_reset`, changes
+ * nothing.
+ *
+ * Pointers:
+ * As `alula_guide`.
+ */
+int32_t alula_search_adopt(struct alula_controller *controller,
+                           const struct alula_search *search);
 
 /**
  * The attitudes at which the reference of `input` can be held in its wind without sideslip, in a turn banked as its

@@ -15,8 +15,10 @@ pub struct Search {
     /// Result: 1 while there is a candidate to look at, 0 at the end.
     pub more: u32,
     /// Private.
-    pub opaque: [u32; PlanSearch::BYTES / 4],
+    pub opaque: [u32; 34],
 }
+
+const _: () = assert!(PlanSearch::BYTES == 4 * 34);
 
 // SAFETY: `repr(C)`, its first word is the header, and it holds nothing but u32.
 unsafe impl Layout for Search {}
@@ -32,7 +34,7 @@ impl Search {
 
     fn of(search: &PlanSearch, more: bool) -> Self {
         let bytes = search.to_bytes();
-        let mut opaque = [0; PlanSearch::BYTES / 4];
+        let mut opaque = [0; 34];
         for (place, word) in opaque.iter_mut().zip(bytes.as_chunks().0) {
             *place = u32::from_le_bytes(*word);
         }
