@@ -290,7 +290,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         gains: G,
         p: &GuidanceParameters,
     ) -> Result<Self, ParameterError> {
-        Self::with_tuning(vehicle, gains, p, &Tuning::DEFAULT)
+        Self::of_checked(vehicle, gains, p, &Tuning::DEFAULT)
     }
 
     /// The same with other constants of planner and reference model than those that were found, for who searches for them again.
@@ -303,8 +303,18 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         p: &GuidanceParameters,
         tuning: &Tuning,
     ) -> Result<Self, ParameterError> {
-        p.check_all()?;
         tuning.check()?;
+        Self::of_checked(vehicle, gains, p, tuning)
+    }
+
+    /// The same with constants that are in their ranges.
+    fn of_checked(
+        vehicle: Vehicle<A>,
+        gains: G,
+        p: &GuidanceParameters,
+        tuning: &Tuning,
+    ) -> Result<Self, ParameterError> {
+        p.check_all()?;
         check_relations(&vehicle, p)?;
         let lateral_guidance = LateralGuidance::new(p, &vehicle);
         // What is made from here on of parameters that have been checked is in its own range: it is not checked again.

@@ -117,7 +117,11 @@ fn fly(
     input: &GuidanceInput,
 ) -> Result<spatial::Command> {
     if letter == "g" {
-        return Ok(controller.update(state, input, 0.01).command);
+        let output = controller.update(state, input, 0.01);
+        if output.plan_due {
+            controller.plan(state);
+        }
+        return Ok(output.command);
     }
     let Air::Wind(wind) = input.air else {
         return Err("no wind".into());
