@@ -27,7 +27,7 @@ const SINKING: f32 = 0.4;
 /// A turn: to an angle of attack \[rad\], after a push-over. `None` leaves all to the servo.
 pub(super) type Turn = Option<(f32, Push)>;
 
-/// Turns that are looked at in every plan,
+/// Turns that are looked at first in every plan: the first seven of them even where no rollout is cut short,
 const FREQUENT: [Turn; 8] = [
     Some((1.4, Short)),
     Some((0.8, No)),
@@ -38,7 +38,7 @@ const FREQUENT: [Turn; 8] = [
     Some((-0.116, No)),
     Some((1.75, No)),
 ];
-/// and turns that are looked at in as many plans as there is time for.
+/// and turns that are looked at by the steps that are left then, in turn.
 const RARE: [Turn; 9] = [
     Some((-0.8, No)),
     Some((1.75, Long)),
@@ -141,7 +141,7 @@ mod tests {
         plan(turn, &model, &vehicle, &cruise(sink), lift)
     }
 
-    /// Every round has all frequent ones, and rounds of any length have every rare one in turn.
+    /// Rounds begin with the frequent ones, and those that go beyond have every rare one in turn.
     #[test]
     fn all_candidates_are_looked_at() {
         let mut seen = std::vec::Vec::new();

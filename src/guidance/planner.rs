@@ -104,7 +104,7 @@ impl PlanSearch {
         memory::to_bytes(self)
     }
 
-    /// The search of these bytes. Any will do: what no search can have found is reset by the step after it was adopted.
+    /// The search of these bytes. Any will do: a plan that no search can have found is not adopted.
     pub fn from_bytes(bytes: &[u8; Self::BYTES]) -> Self {
         memory::from_bytes(bytes)
     }
@@ -161,7 +161,8 @@ impl PlannerState {
     }
 
     /// Leaves `request` for the next plan, after `dt` \[s\], and says whether that is due: after [`PLAN_PERIOD`]; at once when the reference
-    /// jumps by more than a `band` of velocity [m/s], and from there, as from the beginning, until all candidates have been looked at.
+    /// jumps by more than a `band` of velocity [m/s], and from there, as from the beginning, until as many plans have been looked at as there are
+    /// candidates.
     #[inline(always)]
     pub fn leave(&mut self, request: PlanRequest, band: f32, dt: f32) -> bool {
         self.request = request;
