@@ -27,23 +27,21 @@ const SINKING: f32 = 0.4;
 /// A turn: to an angle of attack \[rad\], after a push-over. `None` leaves all to the servo.
 pub(super) type Turn = Option<(f32, Push)>;
 
-/// Turns that are looked at first in every plan: the first seven of them even where no rollout is cut short,
-const FREQUENT: [Turn; 8] = [
+/// The turns that are looked at, in this order and round again: each search goes on where the last one has ended. What is cut short
+/// leaves steps for more.
+const TURNS: [Turn; 17] = [
     Some((1.4, Short)),
     Some((0.8, No)),
-    Some((0.8, Long)),
-    Some((0.0, No)),
-    Some((0.116, No)),
-    None,
-    Some((-0.116, No)),
-    Some((1.75, No)),
-];
-/// and turns that are looked at by the steps that are left then, in turn.
-const RARE: [Turn; 9] = [
     Some((-0.8, No)),
+    Some((0.0, No)),
+    None,
     Some((1.75, Long)),
+    Some((0.8, Long)),
+    Some((0.116, No)),
     Some((2.3, No)),
     Some((-1.4, No)),
+    Some((1.75, No)),
+    Some((-0.116, No)),
     Some((math::PI, No)),
     Some((-0.8, Long)),
     Some((-1.75, No)),
@@ -52,26 +50,17 @@ const RARE: [Turn; 9] = [
 ];
 
 /// Candidates.
-pub(super) const COUNT: u8 = (FREQUENT.len() + RARE.len()) as u8;
+pub(super) const COUNT: u8 = TURNS.len() as u8;
 
-/// Candidate `n` of a round that begins with the `first` of the rare ones: the frequent ones, then the rare ones.
+/// Candidate `n` of a search that begins with the `first`.
 pub(super) fn turn(n: u8, first: u8) -> Turn {
-    let n = usize::from(n);
-    match FREQUENT.get(n) {
-        Some(turn) => *turn,
-        None => RARE
-            .get((n - FREQUENT.len() + usize::from(first)) % RARE.len())
-            .copied()
-            .flatten(),
-    }
+    let n = (usize::from(n) + usize::from(first)) % TURNS.len();
+    TURNS.get(n).copied().flatten()
 }
 
-/// The rare candidate that is first in the next round, after one that began with `first` and looked at the plan in force and
-/// `looked` − 1 candidates.
+/// The first candidate of the next search, after one that began with `first` and looked at so many.
 pub(super) fn after(first: u8, looked: u8) -> u8 {
-    let (frequent, rare) = (FREQUENT.len() as u8, RARE.len() as u8);
-    let rares = looked.saturating_sub(1 + frequent);
-    ((u16::from(first) + u16::from(rares)) % u16::from(rare)) as u8
+    ((u16::from(first) + u16::from(looked)) % u16::from(COUNT)) as u8
 }
 
 /// The plan of a turn that begins as `request` says, with a wing of this `lift` coefficient short of stall.

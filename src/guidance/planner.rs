@@ -222,9 +222,10 @@ impl PlannerState {
             return;
         }
         self.rollout = search.rollout;
-        self.first = candidates::after(search.first, search.looked);
+        let candidates = search.looked - 1;
+        self.first = candidates::after(search.first, candidates);
         self.planned = search.request.velocity;
-        self.looked = self.looked.saturating_add(search.looked);
+        self.looked = self.looked.saturating_add(candidates);
         // In the mean one in each period; after a plan that a jump has brought forward, a whole period.
         self.due = math::max(math::min(self.due, 0.0) + PLAN_PERIOD, 0.5 * PLAN_PERIOD);
     }
