@@ -2,7 +2,7 @@
 //! software double precision and panics. See `.ci/check-symbols`, which also proves that it would find them.
 #![no_std]
 
-use alula::ned::{BodyAxes, Quaternion};
+use alula::ned::{BodyAxes, Frd, Quaternion};
 use alula::planar::equilibrium::{Equilibria, EquilibriumError, FoldMap, FoldMargin};
 use alula::planar::equivalency::ApparentForces;
 use alula::planar::{Command, FeedForward, Inertial, Reference, State, VelocityControl};
@@ -104,12 +104,12 @@ pub fn estimates(
     (force, force_state): (&ForceError, &mut ForceErrorState),
     (sideslip, sideslip_state): (&Sideslip, &mut SideslipState),
     sample: &ForceSample,
-    v_a: spatial::Body,
+    v_a: Frd,
     q: &Quaternion,
     dt: f32,
 ) -> Result<Orientation, Fault> {
     force.update(force_state, sample, dt);
-    sideslip.update(sideslip_state, v_a, sample.specific_force.w, dt);
+    sideslip.update(sideslip_state, v_a, sample.specific_force.right, dt);
     Orientation::from_quaternion(q, BodyAxes::NoseForward)
 }
 

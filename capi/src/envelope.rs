@@ -162,15 +162,15 @@ pub unsafe extern "C" fn alula_equilibria_at(
             let pull = Ned::new(0.0, 0.0, vehicle.gravity()) - reference.acceleration;
             let v_a = reference.velocity - state.wind;
             let o = &state.orientation;
-            let base = [v_a, o.j(), -o.i()]
+            let base = [v_a, o.down(), o.forward()]
                 .into_iter()
-                .find_map(|side| Orientation::from_directions(pull, side))
+                .find_map(|side| Orientation::from_directions(-pull, side))
                 .ok_or(code::ALULA_ERROR_EVERY_ORIENTATION)?;
             // In that plane the apparent weight is down, and what it exceeds gravity by is an acceleration upwards.
             let v_a = base.to_body(v_a);
-            let weight = base.to_body(pull).i;
+            let weight = -base.to_body(pull).forward;
             let reference = Reference {
-                velocity: Inertial::new(v_a.i, v_a.j),
+                velocity: Inertial::new(-v_a.forward, v_a.down),
                 acceleration: Inertial::new(vehicle.gravity() - weight, 0.0),
             };
             let equilibria = Equilibria::find(vehicle, &reference, Inertial::ZERO)

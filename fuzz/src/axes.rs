@@ -1,7 +1,7 @@
 //! Attitudes: any quaternion, any rates.
 
-use alula::ned::{BodyAxes, Quaternion};
-use alula::spatial::{Body, Ned, Orientation};
+use alula::ned::{BodyAxes, BodyRates, Quaternion};
+use alula::spatial::{Ned, Orientation};
 
 use crate::assert_finite;
 use crate::bytes::Bytes;
@@ -18,8 +18,11 @@ pub fn run(data: &[u8]) -> u64 {
         let [w, x, y, z] = q;
         let q = Quaternion { w, x, y, z };
         let mut vector = || [0; 3].map(|_| bytes.number(50.0));
-        let ([north, east, down], [i, j, w]) = (vector(), vector());
-        let (v, rates) = (Ned::new(north, east, down), Body::new(i, j, w));
+        let ([north, east, down], [roll, pitch, yaw]) = (vector(), vector());
+        let (v, rates) = (
+            Ned::new(north, east, down),
+            BodyRates::new(roll, pitch, yaw),
+        );
         for axes in [BodyAxes::NoseForward, BodyAxes::NoseUp] {
             calls += 1;
             let Ok(o) = Orientation::from_quaternion(&q, axes) else {
@@ -27,14 +30,14 @@ pub fn run(data: &[u8]) -> u64 {
             };
             assert_unit(&o.to_quaternion(axes));
             // Rates within the guidance's limits.
-            if rates.norm_squared() < 1e6 {
-                assert_unit(&q.leading(axes, rates.into(), 0.15).0);
+            if roll * roll + pitch * pitch + yaw * yaw < 1e6 {
+                assert_unit(&q.leading(axes, rates, 0.15).0);
             }
             if v.norm_squared() < 1e12 {
                 let off = (o.to_world(o.to_body(v)) - v).norm_squared();
                 assert!(off <= 1e-11 * v.norm_squared() + 1e-37, "{v:?} {off:e}");
             }
-            if let Some(o) = Orientation::from_directions(o.i(), v) {
+            if let Some(o) = Orientation::from_directions(o.forward(), v) {
                 assert_unit(&o.to_quaternion(axes));
             }
             calls += 4;

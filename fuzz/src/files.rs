@@ -61,7 +61,7 @@ pub fn experiment(data: &[u8]) -> u64 {
 /// What is commanded is a number.
 fn finite(step: &Step) {
     let (thrust, rates) = (step.answer.thrust, step.answer.rates);
-    crate::assert_finite(&[thrust, rates.i, rates.j, rates.w]);
+    crate::assert_finite(&[thrust, rates.roll, rates.pitch, rates.yaw]);
 }
 /// A vehicle's file, of which a flight need not be there.
 pub fn vehicle(data: &[u8]) -> u64 {

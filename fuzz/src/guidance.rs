@@ -6,9 +6,9 @@
 //! fresh from power-on does.
 
 use alula::guidance::{Air, GuidanceParameters, Mode, PlannerOptions, RejectReason, Status};
-use alula::ned::{BodyAxes, Quaternion};
+use alula::ned::{BodyAxes, Frd, Quaternion};
 use alula::planar::PlanarGuidanceInput;
-use alula::spatial::{Body, Heading, Ned, Orientation, Reference};
+use alula::spatial::{Heading, Ned, Orientation, Reference};
 use alula::{Fault, Guidance, GuidanceInput, GuidanceOutput, Hardened, HardenedState, Model};
 
 use crate::assert_finite;
@@ -201,7 +201,11 @@ pub(crate) fn input(bytes: &mut Bytes) -> GuidanceInput {
         })
         .specific_force(match bytes.byte() % 2 {
             0 => None,
-            _ => Some(Body::new(bytes.number(30.0), bytes.number(30.0), bytes.number(10.0)).into()),
+            _ => Some(Frd::new(
+                bytes.number(30.0),
+                bytes.number(10.0),
+                bytes.number(30.0),
+            )),
         })
         .position_error(match bytes.byte() % 4 {
             0 => None,
@@ -284,7 +288,7 @@ fn check(guidance: &Guidance<Model>, p: &GuidanceParameters, guided: &GuidanceOu
         d.plane.t_p,
         d.plane.alpha,
     ]);
-    assert_finite(&[d.v_a.w, d.aerodynamic.w, d.f_y.norm_squared()]);
+    assert_finite(&[d.v_a.right, d.aerodynamic.right, d.tilt()]);
     assert_eq!(guided.mode != Mode::Flying, d.plane.k == 0.0);
     assert!(guided.mode != Mode::Flying || guided.reject_reason.is_none());
 }

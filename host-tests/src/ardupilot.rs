@@ -7,13 +7,15 @@
 
 use std::collections::VecDeque;
 
+use alula::BodyRates;
 use alula_bridges::sitl::{ActuatorState, Flow, Packet, Physics, Sample};
 use nalgebra::UnitQuaternion;
 use rand_chacha::ChaCha8Rng;
 
 use alula_sim::controllers::{Answer, Input, Report};
 use alula_sim::experiment::{
-    Estimates, Experiment, Faults, Measured, Path, State, V3, Weather, double, stream,
+    Estimates, Experiment, Faults, Measured, Path, State, V3, Weather, attitude_to_frd, double,
+    stream, to_frd,
 };
 use alula_sim::plant::{Command, Dynamics, Rotation};
 use alula_sim::reference::wrap;
@@ -71,11 +73,6 @@ fn standing(position: V3, heading: f64) -> State {
         rates: V3::zeros(),
         thrust: 0.0,
     }
-}
-
-/// Components of forward-right-down axes, from those along (j, w, i).
-fn body(v: V3) -> [f64; 3] {
-    [-v.z, v.y, v.x]
 }
 
 impl<'a> Vehicle<'a> {
@@ -162,8 +159,8 @@ impl<'a> Vehicle<'a> {
         }
         let state = &self.state;
         let flow = Flow {
-            air: body(state.attitude.inverse() * (state.velocity - wind)),
-            rates: body(state.rates),
+            air: to_frd(state.attitude.inverse() * (state.velocity - wind)),
+            rates: to_frd(state.rates),
         };
         let wrench = actuators.wrench(outputs, self.motors, self.mass_and_area, &flow);
         if self.grounded && wrench.thrust <= self.experiment.weight() {
@@ -234,8 +231,9 @@ impl<'a> Vehicle<'a> {
 }
 
 /// Rates (p, q, r) as a controller commands them.
-fn body_rates(rates: V3) -> alula::spatial::Body {
-    alula::spatial::Body::new(rates.z as f32, rates.x as f32, rates.y as f32)
+fn body_rates(rates: V3) -> BodyRates {
+    let [roll, pitch, yaw] = to_frd(rates).map(|x| x as f32);
+    BodyRates { roll, pitch, yaw }
 }
 
 impl Physics for Vehicle<'_> {
@@ -282,12 +280,10 @@ impl Physics for Vehicle<'_> {
             }
         }
 
-        let nose_forward =
-            UnitQuaternion::from_axis_angle(&V3::y_axis(), std::f64::consts::FRAC_PI_2);
-        let attitude = (told.attitude * nose_forward).into_inner();
+        let attitude = attitude_to_frd(&told.attitude);
         let airspeed = match told.air {
             alula::guidance::Air::Velocity(air) => {
-                Some(body(self.state.attitude.inverse() * double(air))[0])
+                Some(to_frd(self.state.attitude.inverse() * double(air))[0])
             }
             alula::guidance::Air::Pitot { airspeed, .. } if airspeed.is_finite() => {
                 Some(airspeed.into())
@@ -297,7 +293,7 @@ impl Physics for Vehicle<'_> {
         let position = self.state.position + told.position - truth.position;
         Sample {
             timestamp: self.steps as f64 * self.dt,
-            gyro: body(self.state.rates),
+            gyro: to_frd(self.state.rates),
             accel_body: [-force.x, force.z, force.y],
             position: position.into(),
             velocity: told.velocity.into(),

@@ -371,8 +371,8 @@ fn a_dispersed_vehicle_in_space_does_not_disperse_the_belief() {
     // Figures that are none, and random references out of a plane, are refused.
     for (line, problem) in [
         (
-            "[[limits]]\nfigure = 'turns_deg'\nmost = 1.0\n",
-            "turns_deg is not the name of a figure; did you mean `turn_deg`?",
+            "[[limits]]\nfigure = 'max_turns_deg'\nmost = 1.0\n",
+            "max_turns_deg is not the name of a figure; did you mean `max_turn_deg`?",
         ),
         (
             "[[limits]]\nfigure = 'late_position_error_m'\nmost = 1.0\n",

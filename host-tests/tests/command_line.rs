@@ -102,7 +102,7 @@ fn json_is_one_object_with_the_figures() {
         "altitude_most_m",
         "forward_least_m",
         "forward_most_m",
-        "peak_rate_rad_s",
+        "max_true_rate_rad_s",
     ] {
         assert!(object[key].is_f64(), "{key}: {}", object[key]);
     }
@@ -130,7 +130,7 @@ fn columns(csv: &str, names: &[&str]) -> Vec<Vec<String>> {
 fn replaying_a_flown_trace_gives_the_same_commands_to_the_bit() {
     let folder = tempfile::tempdir().unwrap();
     let rates =
-        "t_s,thrust_n,command_belly_rad_s,command_wing_rad_s,command_tail_rad_s,law_alpha_rad,fp_n";
+        "t_s,thrust_n,command_roll_rad_s,command_pitch_rad_s,command_yaw_rad_s,law_alpha_rad,fp_n";
     let law = &format!("{rates},status");
     let guidance = &format!("{rates},margin_k,margin_fold_rad,mode,phase,unreachable,air,status");
     for (name, header, least) in [
@@ -157,7 +157,7 @@ fn replaying_a_flown_trace_gives_the_same_commands_to_the_bit() {
     }
 }
 
-const HEADER: &str = "t_s,told_v_north_m_s,told_v_east_m_s,told_v_down_m_s,told_q_w,told_q_x,told_q_y,told_q_z,\
+const HEADER: &str = "t_s,told_v_north_m_s,told_v_east_m_s,told_v_down_m_s,told_attitude_w,told_attitude_x,told_attitude_y,told_attitude_z,\
                       told_wind_north_m_s,told_wind_east_m_s,told_wind_down_m_s,told_vr_north_m_s,told_vr_east_m_s,\
                       told_vr_down_m_s,told_ar_north_m_s2,told_ar_east_m_s2,told_ar_down_m_s2";
 
@@ -178,7 +178,7 @@ fn a_log_with_values_that_are_not_finite_yields_faults_and_the_safe_command() {
     let folder = tempfile::tempdir().unwrap();
     let cases = [
         ("told_v_north_m_s", "NaN", "velocity"),
-        ("told_q_y", "nan", "attitude"),
+        ("told_attitude_y", "nan", "attitude"),
         ("told_wind_north_m_s", "inf", "wind"),
         ("told_ar_north_m_s2", "1e9", "reference_acceleration"),
     ];
@@ -222,9 +222,12 @@ fn a_bad_log_is_named_with_line_and_column() {
     refused(&short, &[], &["log.csv:1:", "told_wind_down_m_s"]);
     refused("", &[], &["log.csv: byte 0: the file is empty"]);
     refused(
-        &format!("{HEADER}\n{row}\n{}", row_with("0", "told_q_y", "up")),
+        &format!(
+            "{HEADER}\n{row}\n{}",
+            row_with("0", "told_attitude_y", "up")
+        ),
         &[],
-        &["log.csv:3:", "told_q_y", "\"up\""],
+        &["log.csv:3:", "told_attitude_y", "\"up\""],
     );
     refused(
         &format!("{HEADER}\n{row}\n{}", row_with("0", "told_v_east_m_s", "")),
@@ -238,17 +241,19 @@ fn a_bad_log_is_named_with_line_and_column() {
     );
     let bad = |rows: &str, parts: &[&str]| refused(&format!("{HEADER}\n{rows}"), &[], parts);
     bad(
-        &row_with("NaN", "told_q_w", "1"),
+        &row_with("NaN", "told_attitude_w", "1"),
         &["log.csv:2: t_s: NaN is not a finite time"],
     );
-    let back = ["1", "0.5"].map(|t| row_with(t, "told_q_w", "1")).concat();
+    let back = ["1", "0.5"]
+        .map(|t| row_with(t, "told_attitude_w", "1"))
+        .concat();
     bad(
         &back,
         &["log.csv:3: t_s: 0.5 comes after 1: time must not run"],
     );
     bad("", &["log.csv: no rows under the header"]);
-    let twice = format!("{HEADER},told_q_w\n{row},0\n");
-    refused(&twice, &[], &["log.csv:1: two columns told_q_w"]);
+    let twice = format!("{HEADER},told_attitude_w\n{row},0\n");
+    refused(&twice, &[], &["log.csv:1: two columns told_attitude_w"]);
     let semicolons = format!("{HEADER}\n{row}\n").replace(',', ";");
     refused(
         &semicolons,
@@ -696,6 +701,27 @@ fn a_flight_that_diverges_says_so() {
         let left = names(&folder.path().join("out").join(name));
         assert_eq!(left, ["trace.csv".to_owned()].into());
     }
+
+    // Whatever flies for a page leaves none.
+    for command in ["view", "sweep"] {
+        let arguments = [command, "round-trip", "--set", "vehicle.mass_kg=0.001"];
+        let output = alula(folder.path(), &arguments);
+        assert_refused(&output, &["round-trip: diverged at "]);
+    }
+
+    // A comparison says which, and no figures of it.
+    let arguments = [
+        "compare",
+        "circle-40",
+        "eight",
+        "--set",
+        "vehicle.mass_kg=0.001",
+    ];
+    let output = alula(folder.path(), &arguments);
+    assert_eq!(output.status.code(), Some(1), "{output:?}");
+    assert!(self::text(&output.stderr).contains("2 flights diverged"));
+    let stdout = self::text(&output.stdout);
+    assert_eq!(stdout.matches("diverges").count(), 4, "{stdout}");
 
     // Of a campaign it is counted, though no limit asks for it.
     let text = CAMPAIGN.split("[[limits]]").next().unwrap();

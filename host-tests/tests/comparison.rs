@@ -55,9 +55,9 @@ fn a_comparison_in_a_file_leaves_its_page_and_prints_json() {
     assert!(output.status.success(), "{stderr}");
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(json["cells"][0]["variant"], "a");
-    assert!(json["cells"][0]["flights"][0]["loss_out_m"].is_number());
+    assert!(json["cells"][0]["flights"][0]["max_loss_out_m"].is_number());
     let html = std::fs::read_to_string(folder.path().join("out/report.html")).unwrap();
-    assert!(html.contains("<svg") && html.contains("loss out [m]"));
+    assert!(html.contains("<svg") && html.contains("loss out, peak [m]"));
 
     let output = run(&["--set", "seed=1"]);
     let stderr = String::from_utf8(output.stderr).unwrap();
@@ -91,7 +91,11 @@ fn experiments_are_flown_against_each_other() {
             .output()
             .unwrap();
         let alone: serde_json::Value = serde_json::from_slice(&alone.stdout).unwrap();
-        for figure in ["loss_out_m", "max_cruise_error_m_s", "peak_rate_rad_s"] {
+        for figure in [
+            "max_loss_out_m",
+            "max_cruise_error_m_s",
+            "max_true_rate_rad_s",
+        ] {
             assert_eq!(
                 cell["flights"][0][figure], alone[figure],
                 "{name}, {figure}"
@@ -119,7 +123,7 @@ fn the_papers_law_alone_is_lost_where_the_guidance_is_not() {
         let ours = only("guidance", condition);
         assert_eq!(ours.outcome, Outcome::Flies);
         assert!(ours.get("max_cruise_error_m_s") < 0.03);
-        assert!(ours.get("loss_out_m") < 1.0 && ours.get("gain_out_m") < 1.3);
+        assert!(ours.get("max_loss_out_m") < 1.0 && ours.get("max_gain_out_m") < 1.3);
         let bound = if condition == "lag-150" { 5.0 } else { 2.0 };
         holds_altitude("guidance", condition, bound);
     }

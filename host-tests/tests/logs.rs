@@ -59,7 +59,7 @@ fn a_flights_own_logs_replay_to_the_commands_flown_in_wind() {
         let log = format!("flown/{log}");
         let arguments = ["replay", &log, "--experiment", "round-trip"];
         let replayed = succeeds(path, &arguments);
-        for of in ["thrust_n", "command_wing_rad_s"] {
+        for of in ["thrust_n", "command_pitch_rad_s"] {
             let (logged, replayed) = (column(&trace, of), column(&replayed, of));
             assert_eq!(logged.len(), replayed.len());
             let differs = logged.iter().zip(&replayed).map(|(a, b)| (a - b).abs());
@@ -94,7 +94,7 @@ fn a_flights_own_ulog_replays_to_the_commands_flown() {
         let arguments = ["replay", "flown/flight.ulg", "--experiment", name];
         let replayed = succeeds(path, &arguments);
         let trace = fs::read_to_string(path.join("flown/trace.csv")).unwrap();
-        for of in ["thrust_n", "command_wing_rad_s"] {
+        for of in ["thrust_n", "command_pitch_rad_s"] {
             let (logged, replayed) = (column(&trace, of), column(&replayed, of));
             assert_eq!(logged.len(), replayed.len());
             let differs = logged.iter().zip(&replayed).map(|(a, b)| (a - b).abs());
@@ -143,7 +143,7 @@ fn an_ardupilot_log_goes_through_the_guidance() {
         "{said}"
     );
     let commands = succeeds(folder.path(), &arguments);
-    let rates = column(&commands, "command_wing_rad_s");
+    let rates = column(&commands, "command_pitch_rad_s");
     let alpha = column(&commands, "law_alpha_rad");
     assert_eq!(rates.len(), 200);
     // θ = −84° and the velocity is level: α is 6° less the belief's δ, which is within 10°.
@@ -247,9 +247,9 @@ fn a_map_knows_angles_and_its_names() {
     );
     let of = |output: &Output, name: &str| column(&text(&output.stdout), name);
     // Roundings of double precision in single.
-    for (a, b) in of(&degrees, "command_wing_rad_s")
+    for (a, b) in of(&degrees, "command_pitch_rad_s")
         .iter()
-        .zip(of(&replay(&radians), "command_wing_rad_s"))
+        .zip(of(&replay(&radians), "command_pitch_rad_s"))
     {
         assert!((a - b).abs() < 1e-4, "{a} {b}");
     }

@@ -90,6 +90,8 @@ fn growth(document: &Document, point: &Point, lag: Option<f64>, delay: f64) -> f
         // Far enough: what follows is no longer small.
         row.velocity_error().norm() < 1.0
     })
+    .unwrap()
+    .sound()
     .unwrap();
     if energy[3] == 0.0 {
         return f64::INFINITY;

@@ -116,7 +116,8 @@ fn fly(experiment: &Experiment) -> Flown {
         last = asked.activity;
         flown.over.is_none() && !flown.lost
     };
-    simulate(experiment, controller.as_mut(), visit).unwrap();
+    let end = simulate(experiment, controller.as_mut(), visit).unwrap();
+    end.sound().unwrap();
     flown.thrust = flown.thrust.map(|sum| sum / f64::from(settled.max(1)));
     flown.across = quantile(across, 0.95);
     flown.height = quantile(height, 0.95);
@@ -336,6 +337,8 @@ fn lines_take_the_time_and_energy_of_the_wind_triangle() {
                 }
                 item < 20
             })
+            .unwrap()
+            .sound()
             .unwrap();
             let flown: f64 = (0..10).map(|n| times[2 * n + 1]).sum();
             let along = (22.0_f64.powi(2) - east * east).sqrt();
@@ -505,6 +508,8 @@ fn out_and_back(settings: &[String]) -> Vec<Seen> {
             !(flown && output.activity == Activity::Grounded)
         },
     )
+    .unwrap()
+    .sound()
     .unwrap();
     seen
 }

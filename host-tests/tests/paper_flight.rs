@@ -6,8 +6,9 @@ mod common;
 
 use std::f32::consts::FRAC_PI_2;
 
+use alula::BodyRates;
 use alula::planar::GainParameters;
-use alula::spatial::{Body, Orientation};
+use alula::spatial::Orientation;
 use alula::{CombinedParameters, VehicleParameters};
 use alula_sim::controllers::{Answer, Controller, Input, Law, LawSpec};
 use alula_sim::experiment::{BUILT_IN, DEFAULT, Document, Experiment, PlantSpec};
@@ -213,7 +214,7 @@ fn every_flight_of_a_bare_law_settles() {
         let tail = &rows[rows.len() - 500..];
         let fastest = tail
             .iter()
-            .map(|s| s.answer.rates.w.abs())
+            .map(|s| s.answer.rates.pitch.abs())
             .fold(0.0, f32::max);
         assert!(
             fastest < 0.2,
@@ -253,7 +254,7 @@ fn a_fault_flies_the_safe_command() {
     };
     let rows = fly_by(&experiment, &mut broken).unwrap();
     let answer = &rows[3000].answer;
-    assert_eq!((answer.thrust, answer.rates), (0.0, Body::default()));
+    assert_eq!((answer.thrust, answer.rates), (0.0, BodyRates::default()));
     assert!(answer.fault().is_some() && rows[3001].truth.thrust == 0.0);
     let figures = Figures::of(&experiment, &rows);
     assert_eq!(figures.get("faults"), 1.0);

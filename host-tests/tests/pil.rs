@@ -130,7 +130,7 @@ fn same_bits(
         own: experiment.controller()?,
         steps: 0,
     };
-    simulate(experiment, &mut compared, |_| true)?;
+    simulate(experiment, &mut compared, |_| true)?.sound()?;
     assert_eq!(compared.steps, experiment.steps() + 1);
     Ok(())
 }
@@ -379,6 +379,7 @@ fn fly_cut<C: Linked>(
         steps.push(step.clone());
         true
     })
+    .and_then(|end| Ok(end.sound()?))
     .unwrap();
     steps
 }

@@ -177,7 +177,7 @@ fn sensors_fail_in_a_turn() {
     with_fault("kind = \"air-scale\", size = -0.2", 1.1, 0.09);
     with_fault("kind = \"air-drift\", size = 0.5", 0.2, 0.08);
     let (_, during, _) = with_fault("kind = \"attitude-offset\", size = 3.0", 0.4, 0.09);
-    let told = during.input.sample.orientation.w();
+    let told = during.input.sample.orientation.right();
     let [.., right] = during.truth.axes();
     let turned = f64::from(told.north) * right.x
         + f64::from(told.east) * right.y
@@ -524,8 +524,8 @@ fn what_is_not_measured_is_not_told() {
 /// A lag, and inertia under torques far beyond what is needed, are the same loop; the delay acts.
 #[test]
 fn actuators_act() {
-    let inertia = "plant.rate_loop={ inertia = { inertia_kg_m2 = [0.6, 0.4, 0.8], \
-        bandwidth_1_s = 10.0, torque_max_n_m = [500.0, 500.0, 500.0] } }";
+    let inertia = "plant.rate_loop={ inertia = { moment_of_inertia_kg_m2 = [0.8, 0.4, 0.6], \
+        bandwidth_1_s = 10.0, max_torque_n_m = [500.0, 500.0, 500.0] } }";
     let end = |settings: &[&str]| {
         let settings = [settings, &["duration_s=3.0", "settle_time_s=0.0"]].concat();
         let record = fly(&experiment("circle-40", &settings)).unwrap();

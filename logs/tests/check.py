@@ -428,7 +428,7 @@ def main():
         check_states(directory / "px4.ulg", directory)
         check_layout(directory / "px4.ulg")
         check_dataflash(directory)
-        check_flight(directory / "flight", "round-trip", {"rate_wing_rad_s": "rad/s", "told_vr_down_m_s": "m/s"})
+        check_flight(directory / "flight", "round-trip", {"pitch_rate_rad_s": "rad/s", "told_vr_down_m_s": "m/s"})
         check_flight(directory / "in-space", "eight", {"bank_rad": "rad", "path_v_east_m_s": "m/s"})
         check_replay(directory / "px4.ulg", directory)
         for source in sys.argv[1:]:

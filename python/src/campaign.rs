@@ -177,6 +177,10 @@ fn attitudes(py: Python<'_>, flights: u64, threads: Threads) -> PyResult<Campaig
             Data::Flag(rows().map(|(_, s)| s.converged).collect()),
         ),
         (
+            "diverged",
+            Data::Flag(rows().map(|(_, s)| s.diverged).collect()),
+        ),
+        (
             "height_lost_m",
             Data::Real(rows().map(|(_, s)| s.height_lost_m).collect()),
         ),

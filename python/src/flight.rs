@@ -3,7 +3,7 @@
 use alula_sim::columns::COLUMNS;
 use alula_sim::experiment::{Document, Experiment};
 use alula_sim::figures::{Figures, Segment};
-use alula_sim::simulate::{End, Step, simulate};
+use alula_sim::simulate::{self, Diverged, Step};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
@@ -71,24 +71,18 @@ pub fn columns(experiment: &Experiment, record: &[Step]) -> Vec<(String, Data)> 
 /// Flies what `document` says.
 pub fn fly(py: Python<'_>, document: &Document) -> PyResult<Flight> {
     let experiment = document.checked().map_err(error::of)?;
-    let flown = py.detach(|| {
-        let mut record = Vec::with_capacity(experiment.steps() + 1);
-        let mut controller = experiment.controller()?;
-        let end = simulate(&experiment, controller.as_mut(), |step| {
-            record.push(step.clone());
-            true
-        })?;
+    let flight = py.detach(|| {
+        let record = simulate::fly(&experiment)?;
         let figures = Figures::of(&experiment, &record);
-        Ok((end, record, figures))
+        Ok((record, figures))
     });
-    let (end, record, figures) = flown.map_err(error::of)?;
-    if let End::Diverged(t) = end {
-        let text = format!(
-            "{}: diverged at {t:.2} s: no aircraft flies like this",
-            document.name
-        );
-        return Err(PyRuntimeError::new_err(text));
-    }
+    let (record, figures) =
+        flight.map_err(
+            |refused: anyhow::Error| match refused.downcast_ref::<Diverged>() {
+                Some(diverged) => PyRuntimeError::new_err(format!("{}: {diverged}", document.name)),
+                None => error::of(refused),
+            },
+        )?;
     of(py, &document.name, &experiment, &record, &figures)
 }
 

@@ -186,10 +186,11 @@ impl Simulation {
         let mut answer = self.step.answer;
         if let Some(rates) = &rates_rad_s {
             let [roll, pitch, yaw] = vector("rates_rad_s", rates)?;
-            answer.rates = BodyRates::new(roll, pitch, yaw).into();
+            answer.rates = BodyRates::new(roll, pitch, yaw);
         }
         answer.thrust = thrust_n.unwrap_or(answer.thrust);
-        let numbers = [answer.rates.i, answer.rates.j, answer.rates.w];
+        let BodyRates { roll, pitch, yaw } = answer.rates;
+        let numbers = [roll, pitch, yaw];
         if !answer.thrust.is_finite() {
             return Err(error::field("thrust_n", "must be finite"));
         }

@@ -84,7 +84,7 @@ def test_records_are_handed_over_without_copies():
 
 def test_a_flight_in_space_tells_its_bounds():
     flight = alula.fly("circle-40", ["duration_s=3", "settle_time_s=1", "bounds.max_bank_deg=1e-3"])
-    assert flight.segments == [] and {"north_m", "q_w", "phase"} <= set(flight.record.names)
+    assert flight.segments == [] and {"north_m", "attitude_w", "phase"} <= set(flight.record.names)
     (bound,) = [b for b in flight.beyond if b[0] == "max_bank_deg"]
     assert bound[1] == flight.figures["max_bank_deg"] and bound[2] == 1e-3
     assert "not kept" in str(flight)
@@ -187,7 +187,7 @@ def test_a_comparison_is_a_row_per_flight(tmp_path):
     assert list(table["outcome"]) == ["flies", "departs"] and list(table["condition"]) == ["still", "still"]
     # The same flight by itself.
     figures = alula.fly("round-trip").figures
-    assert table.loc["guidance", "gain_back_m"] == figures["gain_back_m"]
+    assert table.loc["guidance", "max_gain_back_m"] == figures["max_gain_back_m"]
     with pytest.raises(alula.FieldError) as refused:
         alula.compare(file, threads=0)
     assert refused.value.field == "threads"
@@ -221,7 +221,7 @@ def test_a_sweep_is_the_command_lines_and_counts_its_bound(tmp_path):
 
 
 def test_a_field_is_swept_in_a_loop():
-    most = [alula.fly("round-trip", {"vehicle.mass_kg": mass}).figures["gain_back_m"] for mass in (9, 10, 11)]
+    most = [alula.fly("round-trip", {"vehicle.mass_kg": mass}).figures["max_gain_back_m"] for mass in (9, 10, 11)]
     assert len(set(most)) == 3 and all(gain < 5 for gain in most)
 
 
@@ -241,7 +241,7 @@ def test_a_trace_replays_to_the_commands_flown(tmp_path):
     flight.record.pandas().to_csv(trace, index=False, na_rep="NaN")
     again = alula.replay(trace, "round-trip")
     assert again.notes == [] and np.array_equal(again.record["t_s"], flight.record["t_s"])
-    for name in ("thrust_n", "command_wing_rad_s", "margin_fold_rad"):
+    for name in ("thrust_n", "command_pitch_rad_s", "margin_fold_rad"):
         assert np.array_equal(again.record[name], flight.record[name]), name
     assert np.isnan(again.record["true_thrust_n"]).all()
     with pytest.raises(OSError, match="nonesuch.ulg"):

@@ -173,19 +173,17 @@ impl Accelerometer {
             state.force.thrust = command.thrust;
             return;
         };
+        let aerodynamic = Body::from(command.diagnostics.aerodynamic);
         let sample = ForceSample {
-            specific_force,
+            specific_force: specific_force.into(),
             orientation,
             aerodynamic: command.diagnostics.aerodynamic,
             thrust: command.thrust,
         };
         self.force.update(&mut state.force, &sample, dt);
-        let force = sample.aerodynamic.norm_squared() + self.air_force * self.air_force;
-        let left = orientation
-            .to_body(state.force.force)
-            .dot(sample.aerodynamic)
-            / force;
-        let lasting = gust * sample.aerodynamic.j / force;
+        let force = aerodynamic.norm_squared() + self.air_force * self.air_force;
+        let left = orientation.to_axes(state.force.force).dot(aerodynamic) / force;
+        let lasting = gust * aerodynamic.j / force;
         state.excess = math::clamp(
             state.excess
                 + left * math::min(dt / AIR_TIME, 1.0)
@@ -232,8 +230,8 @@ mod tests {
         for _ in 0..(seconds / DT) as usize {
             let command = Command {
                 diagnostics: Diagnostics {
-                    aerodynamic: believed * (1.0 + state.excess),
-                    v_a: Body::new(0.0, -20.0, 0.0),
+                    aerodynamic: (believed * (1.0 + state.excess)).into(),
+                    v_a: Body::new(0.0, -20.0, 0.0).into(),
                     ..Diagnostics::default()
                 },
                 ..Command::default()
@@ -355,7 +353,7 @@ mod tests {
             for _ in 0..(seconds / DT) as usize {
                 let command = Command {
                     diagnostics: Diagnostics {
-                        aerodynamic: believed,
+                        aerodynamic: believed.into(),
                         ..Diagnostics::default()
                     },
                     ..Command::default()

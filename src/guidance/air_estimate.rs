@@ -105,8 +105,8 @@ impl AirEstimateState {
         sample: &AirSample,
         dt: f32,
     ) -> f32 {
-        let known = sample.orientation.to_body(sample.air);
-        let gust = sample.orientation.to_body(self.gust);
+        let known = sample.orientation.to_axes(sample.air);
+        let gust = sample.orientation.to_axes(self.gust);
         let Body { i, j, w } = known - gust;
         let (mut step, mut force) = (Body::default(), 0.0);
         // A NaN is not within anything.
@@ -148,7 +148,7 @@ impl AirEstimateState {
             }
         }
         let gust = self.gust * (1.0 - dt / FADING)
-            - sample.orientation.to_world(step * (dt / (TIME + dt)));
+            - sample.orientation.from_axes(step * (dt / (TIME + dt)));
         // The rest of it is not told, and would turn with the vehicle.
         let gust = if sample.wind_known {
             gust
@@ -201,7 +201,7 @@ mod tests {
     fn fly(state: &mut AirEstimateState, wind: Ned, pitot: bool, accelerometer: bool, time: f32) {
         let orientation = level();
         let ground = Ned::new(20.0, 0.0, 0.0);
-        let v_a = orientation.to_body(ground - wind);
+        let v_a = orientation.to_axes(ground - wind);
         for _ in 0..(time / DT) as usize {
             let sample = AirSample {
                 air: ground,
@@ -218,7 +218,7 @@ mod tests {
 
     /// Nose to the north, belly down.
     fn level() -> Orientation {
-        Orientation::from_directions(Ned::new(-1.0, 0.0, 0.0), Ned::new(0.0, 0.0, 1.0)).unwrap()
+        Orientation::from_directions(Ned::new(1.0, 0.0, 0.0), Ned::new(0.0, 0.0, 1.0)).unwrap()
     }
 
     fn near(gust: Ned, wind: Ned, by: f32) -> bool {

@@ -206,9 +206,9 @@ impl Tracker {
         let bound = self.max_integral.map(|most| most * bound);
         let full = self.integrate(integral, pull * (law / stiffness), bound, input, branch, dt);
         // Along the thrust line a velocity error is a force, whatever F_p is.
-        let held = attitude.to_body(*integral);
+        let held = attitude.to_axes(*integral);
         let held = Body::new(held.i, held.j * stiffness, held.w * stiffness);
-        reference.velocity = reference.velocity - attitude.to_world(held);
+        reference.velocity = reference.velocity - attitude.from_axes(held);
         step.error += held.in_plane();
         // Where the wing carries, the air takes a velocity across itself away, at the rate ν [1/s], and turns F_p with it. A
         // velocity error would then close at the rate k2|F_p|²/m / (k3/4 + ν). With the factor 1 + 4ν/k3 it closes no more slowly than in
@@ -221,7 +221,7 @@ impl Tracker {
         }
         let in_plane = plane.robust_in_plane(&step, branch, None)?;
         let fed = (
-            attitude.to_body(model.acceleration),
+            attitude.to_axes(model.acceleration),
             attitude.w().dot(model.jerk),
         );
         let error = seen.error.w + held.w;
@@ -242,7 +242,7 @@ impl Tracker {
             + law * command.rates.pitch
             + (1.0 - law) * attitude_rate;
         // Thrust to turn with, where surfaces have none of it: the attitude goes first.
-        let body = attitude.to_body(state.velocity - state.wind);
+        let body = attitude.to_axes(state.velocity - state.wind);
         let flow = Airflow {
             along: -body.i,
             across: body.j,
@@ -269,7 +269,7 @@ impl Tracker {
         // Out of the plane of flight pitch, tilt and twist would each go their own way.
         if aligned < 1.0 {
             let shortest = by_the_shortest_way(attitude, axes.forward, axes.right, flight.theta);
-            let shortest = shortest * gain + attitude.to_body(axes.right * rate + model.spin);
+            let shortest = shortest * gain + attitude.to_axes(axes.right * rate + model.spin);
             let mixed = Body::from(command.rates) * aligned + shortest * (1.0 - aligned);
             command.rates = mixed.into();
         }
@@ -352,7 +352,7 @@ fn gate(growth: Ned, attitude: &Orientation, saturated: Status, rate: f32) -> Ne
     if rate == 0.0 && !saturated.intersects(Status::THRUST_LOW | Status::THRUST_HIGH) {
         return growth;
     }
-    let Body { i, j, w } = attitude.to_body(growth);
+    let Body { i, j, w } = attitude.to_axes(growth);
     let (mut along, mut across) = (i, j);
     if saturated.contains(Status::THRUST_HIGH) {
         along = math::min(along, 0.0);
@@ -363,7 +363,7 @@ fn gate(growth: Ned, attitude: &Orientation, saturated: Status, rate: f32) -> Ne
     if across * rate > 0.0 {
         across = 0.0;
     }
-    attitude.to_world(Body::new(along, across, w))
+    attitude.from_axes(Body::new(along, across, w))
 }
 
 #[cfg(test)]

@@ -737,7 +737,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         let limited = self.limits.apply(
             &mut state.limits,
             tracked.command.thrust,
-            -input.orientation.to_body(input.velocity - wind).i,
+            -input.orientation.to_axes(input.velocity - wind).i,
             tracked.command.rates.into(),
             dt,
         );

@@ -5,16 +5,18 @@ use super::vector::Body;
 use crate::aero::Aerodynamics;
 use crate::air::AirData;
 use crate::math;
+use crate::ned::Frd;
 use crate::vehicle::Vehicle;
 
 impl<A: Aerodynamics> Vehicle<A> {
     /// Aerodynamic force F_a \[N\] at an air velocity [m/s] in space, by strip theory: with v_s the part of v_a in the
     /// plane of symmetry and v_aw the part across,
     ///
-    /// `F_a = k_a |v_a| ( c_L(α) w × v_s − c_D(α) v_s − c_Y v_aw w )`, α from v_s.
+    /// `F_a = k_a |v_a| ( c_L(α) w × v_s − c_D(α) v_s − c_Y v_aw w )`, α from v_s, w along the right wing.
     ///
     /// Without sideslip it is the planar force. (Not in the paper, which stays in the plane.)
-    pub fn aerodynamic_force_in_space(&self, v_a: Body) -> Body {
+    pub fn aerodynamic_force_in_space(&self, v_a: Frd) -> Frd {
+        let v_a = Body::from(v_a);
         let air = AirData::new(v_a.in_plane(), self.thrust_line());
         let c = self.model().coefficients(air.alpha);
         let scale = self.k_a() * math::sqrt(v_a.norm_squared());
@@ -24,6 +26,7 @@ impl<A: Aerodynamics> Vehicle<A> {
             -pressure * (c.c_l * air.cos + c.c_d * air.sin),
             -scale * self.c_y() * v_a.w,
         )
+        .into()
     }
 }
 
@@ -57,7 +60,7 @@ mod tests {
             );
             let scale = -0.6460 * math::sqrt(v.norm_squared());
             let want = Body::new(c0 * v.i, (c0 + 2.0 * c1) * v.j, 0.5 * v.w) * scale;
-            let error = vehicle.aerodynamic_force_in_space(v) - want;
+            let error = Body::from(vehicle.aerodynamic_force_in_space(v.into())) - want;
             // 1e-3 N: a dozen roundings of forces up to 1000 N.
             assert!(math::sqrt(error.norm_squared()) < 1e-3, "{v:?}");
         }

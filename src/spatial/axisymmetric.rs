@@ -138,7 +138,7 @@ impl<A: Aerodynamics, G: GainLaw> AxisymmetricControl<A, G> {
             Some(ff) => {
                 let bare = self.f_delta(&step, state, ff)?;
                 // ∂_α f_p α̇ = −k_a b' α̇ |v_a| v_a, with −sin α α̇ = d/dt(−v_a1/|v_a|) at fixed i.
-                let a = state.orientation.to_body(ff.air_acceleration);
+                let a = state.orientation.to_axes(ff.air_acceleration);
                 let inverse = 1.0 / (step.speed + STILL);
                 let turning = a.i * step.speed - v.i * (v.dot(a) * inverse);
                 Some(bare + v * (slope * turning * inverse))
@@ -160,7 +160,7 @@ impl<A: Aerodynamics, G: GainLaw> AxisymmetricControl<A, G> {
     #[inline(always)]
     fn step(&self, state: &State, reference: &Reference) -> Step {
         let o = &state.orientation;
-        let v_a = o.to_body(state.velocity - state.wind);
+        let v_a = o.to_axes(state.velocity - state.wind);
         let speed = math::sqrt(v_a.norm_squared());
         let alpha = if speed > STILL {
             let inverse = 1.0 / speed;
@@ -175,7 +175,7 @@ impl<A: Aerodynamics, G: GainLaw> AxisymmetricControl<A, G> {
         let a_r = reference.acceleration;
         let gravity = self.vehicle.gravity();
         let pull = Ned::new(-a_r.north, -a_r.east, gravity - a_r.down) * self.vehicle.mass();
-        let weight = o.to_body(pull + state.correction.force());
+        let weight = o.to_axes(pull + state.correction.force());
         let scale = self.vehicle.k_a() * speed;
         Step {
             v_a,
@@ -185,7 +185,7 @@ impl<A: Aerodynamics, G: GainLaw> AxisymmetricControl<A, G> {
             drag,
             lift: lambda * (scale * speed),
             f_p: weight - v_a * (scale * drag),
-            error: o.to_body(state.velocity - reference.velocity),
+            error: o.to_axes(state.velocity - reference.velocity),
             weight,
         }
     }
@@ -194,8 +194,8 @@ impl<A: Aerodynamics, G: GainLaw> AxisymmetricControl<A, G> {
     #[inline(always)]
     fn f_delta(&self, step: &Step, state: &State, ff: &FeedForward) -> Result<Body, Fault> {
         check_feed_forward(ff)?;
-        let a = state.orientation.to_body(ff.air_acceleration);
-        let jerk = state.orientation.to_body(ff.jerk);
+        let a = state.orientation.to_axes(ff.air_acceleration);
+        let jerk = state.orientation.to_axes(ff.jerk);
         let v = step.v_a;
         let along = v.dot(a) / (step.speed + STILL);
         let by_velocity = (a * step.speed + v * along) * (self.vehicle.k_a() * step.drag);
@@ -237,7 +237,7 @@ impl<A: Aerodynamics, G: GainLaw> AxisymmetricControl<A, G> {
         let push = (self.gains.at(norm).k1 * norm) * step.error.i;
         let f_p = step.f_p;
         // As in hover of the winged vehicle, about i.
-        let h = state.orientation.to_body(reference.heading.vector());
+        let h = state.orientation.to_axes(reference.heading.vector());
         let square = h.j * h.j + h.w * h.w;
         let share = math::sqrt(square) * self.heading.over_square(square);
         let (y, c) = (share * h.w, share * h.j);
@@ -256,9 +256,9 @@ impl<A: Aerodynamics, G: GainLaw> AxisymmetricControl<A, G> {
                     guard_feed_forward,
                     k: 1.0,
                 },
-                v_a: step.v_a,
-                aerodynamic: Body::new(force.i - step.lift, force.j, force.w),
-                f_y: f_p,
+                v_a: step.v_a.into(),
+                aerodynamic: Body::new(force.i - step.lift, force.j, force.w).into(),
+                f_y: f_p.into(),
             },
         })
     }
@@ -310,7 +310,7 @@ mod tests {
             let (v_i, v_out) = ((x * 0.7) % 41.0 - 20.0, (x * 1.3) % 19.0 + 0.1);
             let (sin, cos) = (x * 0.37).sin_cos();
             let state = State {
-                velocity: Orientation::NOSE_UP.to_world(Body::new(v_i, v_out * cos, v_out * sin)),
+                velocity: Orientation::NOSE_UP.from_axes(Body::new(v_i, v_out * cos, v_out * sin)),
                 ..State::default()
             };
             let got = control
@@ -321,7 +321,7 @@ mod tests {
             let v = crate::frame::Body::new(v_i, v_out);
             let air = crate::air::AirData::new(v, planar.thrust_line());
             let want = planar.aerodynamic_force(&air);
-            let error = got - Body::new(want.i(), want.j() * cos, want.j() * sin);
+            let error = Body::from(got) - Body::new(want.i(), want.j() * cos, want.j() * sin);
             // 5e-3 N: c_L/sin α times sin α, and weight taken off again, of forces up to 500 N.
             assert!(math::sqrt(error.norm_squared()) < 5e-3, "{v_i} {v_out}");
         }

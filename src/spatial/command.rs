@@ -5,7 +5,7 @@ use super::orientation::Orientation;
 use super::vector::Body;
 use crate::control::{self, Fault, MAX_ACCELERATION, MAX_SPEED};
 use crate::math;
-use crate::ned::{BodyRates, Ned};
+use crate::ned::{BodyRates, Frd, Ned};
 
 /// Thrusts \[N\] and rates [rad/s] above this are refused: the law has no answer there.
 const MAX_OUTPUT: f32 = 1e9;
@@ -40,7 +40,7 @@ const EXCESS: core::ops::RangeInclusive<f32> = -0.9..=9.0;
 
 impl Correction {
     /// A force d̂ \[N\] on the vehicle that its model leaves out ([`ForceError`](super::ForceError)), and an air
-    /// velocity [m/s] along w that the wind leaves out ([`Sideslip`](super::Sideslip)). Either is left out if it is
+    /// velocity [m/s] along the right wing that the wind leaves out ([`Sideslip`](super::Sideslip)). Either is left out if it is
     /// not finite, or absurd: above 1e6 N, or 1e3 m/s.
     pub fn new(force: Ned, sideslip: f32) -> Self {
         Self {
@@ -82,7 +82,7 @@ impl Correction {
         self.force
     }
 
-    /// The air velocity along w [m/s].
+    /// The air velocity along the right wing [m/s].
     #[inline(always)]
     pub fn sideslip(&self) -> f32 {
         self.sideslip
@@ -126,20 +126,20 @@ pub struct Command {
     pub diagnostics: Diagnostics,
 }
 
-/// What a flight log wants to know of a step, in the axes of the laws.
+/// What a flight log wants to know of a step. Vectors are forward-right-down.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Diagnostics {
-    /// The planar law's, in the plane of symmetry; for the axisymmetric vehicle in the plane of i and v_a.
+    /// The planar law's, in the plane of symmetry; for the axisymmetric vehicle in the plane of nose and v_a.
     pub plane: control::Diagnostics,
     /// Air velocity v_a [m/s].
-    pub v_a: Body,
+    pub v_a: Frd,
     /// Aerodynamic force F̂_a \[N\] of the believed vehicle.
-    pub aerodynamic: Body,
+    pub aerodynamic: Frd,
     /// What the wing is to be normal to, F_y \[N\]; for the axisymmetric vehicle F_p.
-    pub f_y: Body,
+    pub f_y: Frd,
 }
 
 impl Diagnostics {
@@ -158,8 +158,8 @@ impl Diagnostics {
 
 /// Angle from the plane of symmetry to `v`, positive towards the right wing \[rad\]. Of diagnostics alone: out of line for size.
 #[inline(never)]
-fn out_of_plane(v: Body) -> f32 {
-    math::atan2(v.w, math::sqrt(v.i * v.i + v.j * v.j))
+fn out_of_plane(v: Frd) -> f32 {
+    math::atan2(v.right, math::sqrt(v.forward * v.forward + v.down * v.down))
 }
 
 /// Refuses inputs that are not finite or absurd.

@@ -5,7 +5,7 @@ use super::orientation::Orientation;
 use super::vector::Body;
 use crate::error::{ParameterError, in_range};
 use crate::math;
-use crate::ned::Ned;
+use crate::ned::{Frd, Ned};
 
 /// Parameters of the force estimator.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,11 +48,11 @@ pub struct ForceErrorState {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ForceSample {
     /// Specific force f in body components [m/s²]: what an accelerometer measures.
-    pub specific_force: Body,
+    pub specific_force: Frd,
     /// Attitude at the same time.
     pub orientation: Orientation,
     /// F̂_a \[N\] there: [`Diagnostics::aerodynamic`](super::Diagnostics::aerodynamic).
-    pub aerodynamic: Body,
+    pub aerodynamic: Frd,
     /// Thrust T \[N\] commanded from then on, within its limits.
     pub thrust: f32,
 }
@@ -84,9 +84,9 @@ impl ForceError {
     /// One step of `dt` \[s\], after the law's. A sample that is not finite, or a `dt` that is not positive, changes nothing.
     #[inline]
     pub fn update(&self, state: &mut ForceErrorState, sample: &ForceSample, dt: f32) {
-        let body = sample.specific_force * self.mass - sample.aerodynamic
+        let body = Body::from(sample.specific_force) * self.mass - sample.aerodynamic.into()
             + Body::new(state.thrust, 0.0, 0.0);
-        let step = sample.orientation.to_world(body) - state.force;
+        let step = sample.orientation.from_axes(body) - state.force;
         let next = state.force + step * passed(dt, self.time);
         let thrust = state.thrust + (sample.thrust - state.thrust) * passed(dt, self.thrust_lag);
         let square = next.norm_squared();
@@ -126,12 +126,12 @@ mod tests {
         ForceError::new(GOOD, 9.0).unwrap()
     }
 
-    /// Hover of 10 kg believed to be 9: the accelerometer feels T/m along −i.
+    /// Hover of 10 kg believed to be 9: the accelerometer feels T/m forward.
     fn hover() -> ForceSample {
         ForceSample {
-            specific_force: Body::new(-9.81, 0.0, 0.0),
+            specific_force: Frd::new(9.81, 0.0, 0.0),
             orientation: Orientation::NOSE_UP,
-            aerodynamic: Body::default(),
+            aerodynamic: Frd::default(),
             thrust: 98.1,
         }
     }
@@ -169,7 +169,7 @@ mod tests {
     fn it_is_bounded_and_leaves_nonsense_out() {
         let mut state = ForceErrorState::default();
         let shove = ForceSample {
-            specific_force: Body::new(1e3, -1e3, 1e3),
+            specific_force: Frd::new(-1e3, 1e3, -1e3),
             ..hover()
         };
         for _ in 0..1000 {
@@ -180,7 +180,7 @@ mod tests {
         let before = state;
         for bad in [f32::NAN, f32::INFINITY, 3e38] {
             let sample = ForceSample {
-                specific_force: Body::new(bad, 0.0, 0.0),
+                specific_force: Frd::new(bad, 0.0, 0.0),
                 ..hover()
             };
             estimator().update(&mut state, &sample, 0.01);

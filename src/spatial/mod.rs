@@ -1,7 +1,7 @@
 //! Control in space: one law from hover to cruise, in any direction.
 //!
 //! World vectors are north-east-down ([`Ned`]). What goes in and comes out is forward-right-down ([`Frd`](crate::Frd),
-//! [`BodyRates`](crate::BodyRates)); inside, body vectors are along the tail, the belly and the right wing ([`Body`]).
+//! [`BodyRates`](crate::BodyRates)); inside, body vectors are along the paper's axes: i the tail, j the belly, w the right wing.
 //! [`WingedControl`] flies a vehicle with a wing: the planar law in the plane of symmetry, and two scalars, tilt and
 //! twist, that keep this plane where lateral forces balance and there is no sideslip. [`axisymmetric`] flies a
 //! body of revolution. [`Sideslip`] and [`ForceError`] learn from the accelerometer what wind and model leave out.
@@ -30,5 +30,5 @@ pub use heading::Heading;
 pub use lateral::{LateralGains, LateralParameters};
 pub use orientation::Orientation;
 pub use sideslip::{Sideslip, SideslipParameters, SideslipState};
-pub use vector::Body;
+pub(crate) use vector::Body;
 pub use winged::WingedControl;

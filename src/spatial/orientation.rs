@@ -1,4 +1,6 @@
 //! Attitude in space: the body axes by their world components.
+//!
+//! What is public is forward-right-down. Inside, the axes are the paper's: i, j and w.
 
 use super::vector::Body;
 use crate::control::Fault;
@@ -18,10 +20,10 @@ const MIN_SINE: f32 = 1e-3;
 /// The three body axes, unit vectors by their world components. A value that exists is a rotation, or
 /// [`UNKNOWN`](Self::UNKNOWN): only a checked quaternion or checked axes make one.
 ///
-/// | body axes of an autopilot | x, y, z | rates (p, q, r) |
-/// |---|---|---|
-/// | nose up (multicopter) | j, w, i | (ω_j, ω_w, ω_i) |
-/// | nose forward (fixed wing) | −i, w, j | (−ω_i, ω_w, ω_j) |
+/// | body axes of an autopilot | x | y | z |
+/// |---|---|---|---|
+/// | nose forward (fixed wing) | forward | right | down |
+/// | nose up (multicopter) | down | right | −forward |
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -33,19 +35,21 @@ pub struct Orientation {
 }
 
 impl From<Orientation> for [Ned; 3] {
+    /// The axes forward, right, down.
     fn from(o: Orientation) -> Self {
-        [o.i, o.j, o.w]
+        [-o.i, o.w, o.j]
     }
 }
 
 impl TryFrom<[Ned; 3]> for Orientation {
     type Error = Fault;
 
-    /// The attitude with the axes i, j, w.
+    /// The attitude with the axes forward, right, down.
     ///
     /// # Errors
     /// [`Fault::Attitude`] if they are not of unit length, normal to each other and right-handed, to 1e-3.
-    fn try_from([i, j, w]: [Ned; 3]) -> Result<Self, Fault> {
+    fn try_from([forward, w, j]: [Ned; 3]) -> Result<Self, Fault> {
+        let i = -forward;
         let o = Self { i, j, w };
         if o.is_sound() && (i.cross(j) - w).norm_squared() <= MAX_DEFECT {
             Ok(o)
@@ -120,9 +124,10 @@ impl Orientation {
         })
     }
 
-    /// The attitude with the tail along `tail` and the belly to the side of `belly`, neither of which need be of unit length.
+    /// The attitude with the nose along `forward` and the belly to the side of `down`, neither of which need be of unit length.
     /// `None` if they are parallel to 1e-3, zero, or not finite.
-    pub fn from_directions(tail: Ned, belly: Ned) -> Option<Self> {
+    pub fn from_directions(forward: Ned, down: Ned) -> Option<Self> {
+        let (tail, belly) = (-forward, down);
         let (length, width) = (
             math::sqrt(tail.norm_squared()),
             math::sqrt(belly.norm_squared()),
@@ -196,28 +201,64 @@ impl Orientation {
         (self.i.norm_squared() - 1.0).abs() + (self.j.norm_squared() - 1.0).abs() <= MAX_DEFECT
     }
 
+    /// Along the nose, which is where thrust points: a unit vector, as the two others.
+    #[inline]
+    pub fn forward(&self) -> Ned {
+        -self.i
+    }
+
+    /// Along the right wing.
+    #[inline]
+    pub fn right(&self) -> Ned {
+        self.w
+    }
+
+    /// Towards the belly.
+    #[inline]
+    pub fn down(&self) -> Ned {
+        self.j
+    }
+
+    /// The body components of a world vector.
+    #[inline(always)]
+    pub fn to_body(&self, v: Ned) -> Frd {
+        self.to_axes(v).into()
+    }
+
+    /// The world components of a body vector.
+    #[inline(always)]
+    pub fn to_world(&self, v: Frd) -> Ned {
+        self.from_axes(v.into())
+    }
+
     /// i: towards the tail, opposite to thrust.
     #[inline]
-    pub fn i(&self) -> Ned {
+    pub(crate) fn i(&self) -> Ned {
         self.i
     }
 
     /// j: towards the belly.
     #[inline]
-    pub fn j(&self) -> Ned {
+    pub(crate) fn j(&self) -> Ned {
         self.j
     }
 
     /// w: the right wing.
     #[inline]
-    pub fn w(&self) -> Ned {
+    pub(crate) fn w(&self) -> Ned {
         self.w
     }
 
-    /// The body components of a world vector.
+    /// The components of a world vector along i, j and w.
     #[inline(always)]
-    pub fn to_body(&self, v: Ned) -> Body {
+    pub(crate) fn to_axes(self, v: Ned) -> Body {
         Body::new(self.i.dot(v), self.j.dot(v), self.w.dot(v))
+    }
+
+    /// The world components of a vector along i, j and w.
+    #[inline(always)]
+    pub(crate) fn from_axes(&self, v: Body) -> Ned {
+        self.i * v.i + self.j * v.j + self.w * v.w
     }
 
     /// The shortest rotation from this attitude to the one with the axes `i`, `j` and `w`, in body components \[rad\]: along its
@@ -225,16 +266,10 @@ impl Orientation {
     /// near that it is at most 10 long.
     #[inline(always)]
     pub(crate) fn rotation_to(&self, i: Ned, j: Ned, w: Ned) -> Body {
-        let (i, j, w) = (self.to_body(i), self.to_body(j), self.to_body(w));
+        let (i, j, w) = (self.to_axes(i), self.to_axes(j), self.to_axes(w));
         // The sum of the vector products of present and wanted axes is 2 sin φ long, that of their scalar products 1 + 2 cos φ.
         let scale = 1.0 / (0.5 * (1.0 + i.i + j.j + w.w) + REGULARISATION);
         Body::new(j.w - w.j, w.i - i.w, i.j - j.i) * scale
-    }
-
-    /// The world components of a body vector.
-    #[inline(always)]
-    pub fn to_world(&self, v: Body) -> Ned {
-        self.i * v.i + self.j * v.j + self.w * v.w
     }
 }
 
@@ -392,7 +427,7 @@ mod tests {
             let mut before = cosine(&at);
             for _ in 0..300 {
                 let rotation = at.rotation_to(target.i, target.j, target.w);
-                let rates = at.to_world(rotation) * 6.4;
+                let rates = at.from_axes(rotation) * 6.4;
                 let length = math::sqrt(rates.norm_squared());
                 let rates = rates * (3.5 / if length > 3.5 { length } else { 3.5 });
                 // A step of 10 ms by Rodrigues' formula, exact.
@@ -532,18 +567,20 @@ mod tests {
             let planar = Attitude::from_angle(n as f32 * 0.11 - 22.0);
             let o = Orientation::NOSE_UP.pitched(planar);
             assert_eq!(o, Orientation::in_plane(planar));
-            let tail = Ned::new(3.0 * o.i().north, 0.0, 3.0 * o.i().down);
-            let spanned = Orientation::from_directions(tail, o.j() + o.i()).unwrap();
+            let nose = o.forward() * 3.0;
+            let spanned = Orientation::from_directions(nose, o.down() + o.i()).unwrap();
             // 1e-6: roundings of three normalisations.
             assert!(
                 (spanned.i() - o.i()).norm_squared() + (spanned.j() - o.j()).norm_squared() < 1e-12
             );
         }
         // Nearly parallel, it is a rotation all the same.
-        let (tail, belly) = (Ned::new(0.3, 0.5, -2.0), Ned::new(0.303, 0.5, -2.0));
-        let o = Orientation::from_directions(tail, belly).unwrap();
-        assert!(Orientation::try_from([o.i(), o.j(), o.w()]).is_ok());
-        assert!(o.i().dot(o.j()).abs() < 1e-6 && o.to_body(belly).j > 0.0);
+        let (nose, belly) = (Ned::new(0.3, 0.5, -2.0), Ned::new(0.303, 0.5, -2.0));
+        let o = Orientation::from_directions(nose, belly).unwrap();
+        assert_eq!(Orientation::try_from(<[Ned; 3]>::from(o)), Ok(o));
+        assert!(o.forward().dot(nose) > 2.0 && o.forward().cross(o.right()).dot(o.down()) > 0.99);
+        assert!((o.to_world(o.to_body(belly)) - belly).norm_squared() < 1e-12);
+        assert!(o.i().dot(o.j()).abs() < 1e-6 && o.to_body(belly).down > 0.0);
         let up = Ned::new(0.0, 0.0, -2.0);
         for bad in [
             up,

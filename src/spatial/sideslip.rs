@@ -5,6 +5,7 @@ use super::vector::Body;
 use crate::aero::Aerodynamics;
 use crate::error::{ParameterError, in_range};
 use crate::math;
+use crate::ned::Frd;
 use crate::vehicle::Vehicle;
 
 /// Parameters of the sideslip estimator.
@@ -81,7 +82,8 @@ impl Sideslip {
     /// One step of `dt` \[s\], with the air velocity `v_a` [m/s] of the known wind, and the specific force along the right
     /// wing [m/s²]. A measurement that is not finite, or a `dt` that is not positive, changes nothing.
     #[inline]
-    pub fn update(&self, state: &mut SideslipState, v_a: Body, specific_force: f32, dt: f32) {
+    pub fn update(&self, state: &mut SideslipState, v_a: Frd, specific_force: f32, dt: f32) {
+        let v_a = Body::from(v_a);
         let square = v_a.norm_squared();
         let speed = math::sqrt(square);
         // Below 1 m/s there is nothing to measure, and the weight is close to zero.
@@ -123,8 +125,8 @@ mod tests {
     #[test]
     fn an_unknown_lateral_air_velocity_is_found() {
         for (speed, share) in [(20f32, 1.0), (5.0, 0.25)] {
-            let known = Body::new(-speed, 0.0, 1.0);
-            let airspeed = known.norm_squared().sqrt();
+            let known = Frd::new(speed, 1.0, 0.0);
+            let airspeed = Body::from(known).norm_squared().sqrt();
             let felt = -0.6460 * 0.5 * airspeed * 4.0 / 10.0;
             let mut state = SideslipState::default();
             for _ in 0..300 {
@@ -140,13 +142,13 @@ mod tests {
     fn it_is_bounded_and_leaves_nonsense_out() {
         let mut state = SideslipState::default();
         for _ in 0..10_000 {
-            estimator().update(&mut state, Body::new(-20.0, 0.0, -1e6), 1e9, 0.01);
+            estimator().update(&mut state, Frd::new(20.0, -1e6, 0.0), 1e9, 0.01);
         }
         assert!(state.velocity.abs() <= 20.0);
         let before = state;
-        let v_a = Body::new(-20.0, 0.0, 0.0);
+        let v_a = Frd::new(20.0, 0.0, 0.0);
         estimator().update(&mut state, v_a, f32::NAN, 0.01);
-        estimator().update(&mut state, Body::new(f32::INFINITY, 0.0, 0.0), 0.0, 0.01);
+        estimator().update(&mut state, Frd::new(f32::INFINITY, 0.0, 0.0), 0.0, 0.01);
         for dt in [0.0, -0.01, f32::NAN, 1.0] {
             estimator().update(&mut state, v_a, 1.0, dt);
         }

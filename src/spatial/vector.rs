@@ -84,7 +84,7 @@ impl Mul<f32> for Ned {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Body {
+pub(crate) struct Body {
     /// Component along i.
     pub i: f32,
     /// Component along j.

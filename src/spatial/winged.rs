@@ -117,17 +117,17 @@ impl<A: Aerodynamics, G: GainLaw> WingedControl<A, G> {
     pub(crate) fn observe(&self, state: &State, reference: &Reference) -> Observation {
         let plane = self.plane.vehicle();
         let o = &state.orientation;
-        let v_a = o.to_body(state.velocity - state.wind);
+        let v_a = o.to_axes(state.velocity - state.wind);
         let a_r = reference.acceleration;
         let pull = Ned::new(-a_r.north, -a_r.east, plane.gravity() - a_r.down) * plane.mass();
-        let weight = o.to_body(pull + state.correction.force());
+        let weight = o.to_axes(pull + state.correction.force());
         let airspeed = math::sqrt(v_a.norm_squared());
         let air = AirData::new(v_a.in_plane(), plane.thrust_line());
         Observation {
             v_a,
             airspeed,
             weight,
-            error: o.to_body(state.velocity - reference.velocity),
+            error: o.to_axes(state.velocity - reference.velocity),
             forces: ApparentForces::in_plane(
                 plane,
                 air,
@@ -157,7 +157,7 @@ impl<A: Aerodynamics, G: GainLaw> WingedControl<A, G> {
         let (mut in_plane, mut across) = (None, None);
         if let Some(ff) = feed_forward {
             check_feed_forward(ff)?;
-            let (a, jerk) = (o.to_body(ff.air_acceleration), o.to_body(ff.jerk));
+            let (a, jerk) = (o.to_axes(ff.air_acceleration), o.to_axes(ff.jerk));
             let h = match law {
                 Law::Robust => 0.0,
                 Law::Full => condition_residual(&forces.coefficients, &forces.air),
@@ -201,7 +201,7 @@ impl<A: Aerodynamics, G: GainLaw> WingedControl<A, G> {
             v_a: observed.v_a + Body::new(0.0, 0.0, state.correction.sideslip()),
             weight: observed.weight,
             error,
-            heading: state.orientation.to_body(heading.vector()),
+            heading: state.orientation.to_axes(heading.vector()),
             feed_forward,
         })
     }
@@ -221,13 +221,14 @@ impl<A: Aerodynamics, G: GainLaw> WingedControl<A, G> {
             rates: Body::new(lateral.i, lateral.j, in_plane.rate).into(),
             diagnostics: Diagnostics {
                 plane: in_plane.diagnostics,
-                v_a,
+                v_a: v_a.into(),
                 aerodynamic: Body::new(
                     force.i() - weight.i,
                     force.j() - weight.j,
                     -self.plane.vehicle().side() * observed.airspeed * v_a.w,
-                ),
-                f_y: lateral.f_y,
+                )
+                .into(),
+                f_y: lateral.f_y.into(),
             },
         }
     }
@@ -288,7 +289,10 @@ mod tests {
         // The tail, i, turns to where the sum of weight and force points.
         assert!(command.rates.yaw < 0.0);
         // The true aerodynamic force is none the less zero here.
-        assert_eq!(command.diagnostics.aerodynamic.norm_squared(), 0.0);
+        assert_eq!(
+            Body::from(command.diagnostics.aerodynamic).norm_squared(),
+            0.0
+        );
     }
 
     /// The folds of a level turn of load factor n lie at √n times the airspeeds of level flight: the margin on the
@@ -413,7 +417,7 @@ mod tests {
                         let sum = c.thrust + c.rates.roll + c.rates.yaw + c.rates.pitch;
                         assert!(sum.is_finite(), "{x:?}");
                         assert!(!d.tilt().is_nan() && !d.sideslip().is_nan());
-                        assert!(d.aerodynamic.norm_squared().is_finite());
+                        assert!(Body::from(d.aerodynamic).norm_squared().is_finite());
                         commands += 1;
                     }
                     Err(_) => refused += 1,

@@ -143,9 +143,9 @@ mod tests {
         let turned = plane.hover_attitude(q);
         let turned = Orientation::from_quaternion(&turned, BodyAxes::NoseUp).unwrap();
         for (a, b) in [
-            (direct.i(), turned.i()),
-            (direct.j(), turned.j()),
-            (direct.w(), turned.w()),
+            (direct.forward(), turned.forward()),
+            (direct.right(), turned.right()),
+            (direct.down(), turned.down()),
         ] {
             let off = a - b;
             assert!(off.north.abs() + off.east.abs() + off.down.abs() < 1e-6);

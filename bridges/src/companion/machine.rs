@@ -4,7 +4,7 @@ use super::inbox::Inbox;
 use super::stage::{Command, End, Pilot, Settings, Stage, Told};
 use super::{Kind, MavHeader, MavMessage, OWN_SYSTEM, Setpoint, outbox};
 use alula::guidance::Air;
-use alula::ned::{BodyAxes, Ned};
+use alula::ned::{BodyAxes, Frd, Ned};
 use alula::spatial::Orientation;
 
 /// The state machine.
@@ -324,7 +324,7 @@ impl Companion {
             .inbox
             .specific_force
             .filter(|f| now - f.arrived < OLD_FORCE)
-            .map(|f| axes.vector(f.value));
+            .map(|f| axes.vector::<Frd>(f.value));
         // The force turns with the body.
         let acceleration = match force {
             Some(force) => led(0.5 * turning)?.to_world(force) + Ned::new(0.0, 0.0, GRAVITY),

@@ -1,8 +1,8 @@
 //! What a companion tells its pilot, and what it says of itself.
 
 use alula::guidance::Air;
-use alula::ned::Ned;
-use alula::spatial::{Body, Orientation};
+use alula::ned::{Frd, Ned};
+use alula::spatial::Orientation;
 
 use super::{Kind, Setpoint};
 
@@ -27,7 +27,7 @@ pub struct Told {
     /// What is known of the air.
     pub air: Air<Ned>,
     /// Specific force [m/s²], if an accelerometer is told.
-    pub specific_force: Option<Body>,
+    pub specific_force: Option<Frd>,
     /// What is asked for over the link, its position from the start, and its age \[s\].
     pub asked: Option<(Setpoint, f32)>,
 }

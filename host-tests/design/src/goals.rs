@@ -31,7 +31,7 @@ pub(super) struct Length {
 
 pub(super) const LENGTHS: [Length; 6] = [
     Length {
-        first: "loss_out_m",
+        first: "max_loss_out_m",
         text: "sinks below its reference on the way out",
         advice: "a smaller altitude_band_m, or a gentler start in reference.knots",
         goal: 1.0,
@@ -39,7 +39,7 @@ pub(super) const LENGTHS: [Length; 6] = [
         limit: 10.0,
     },
     Length {
-        first: "gain_out_m",
+        first: "max_gain_out_m",
         text: "climbs above its reference on the way out",
         advice: "a smaller altitude_band_m, or a gentler start in reference.knots",
         goal: 1.0,
@@ -47,7 +47,7 @@ pub(super) const LENGTHS: [Length; 6] = [
         limit: 10.0,
     },
     Length {
-        first: "loss_back_m",
+        first: "max_loss_back_m",
         text: "sinks below its reference on the way back",
         advice: "a smaller altitude_band_m, or gentler braking in reference.knots",
         goal: 0.6,
@@ -55,7 +55,7 @@ pub(super) const LENGTHS: [Length; 6] = [
         limit: 10.0,
     },
     Length {
-        first: "gain_back_m",
+        first: "max_gain_back_m",
         text: "climbs above its reference on the way back",
         advice: "a smaller altitude_band_m, or gentler braking in reference.knots",
         goal: 0.6,
@@ -63,11 +63,11 @@ pub(super) const LENGTHS: [Length; 6] = [
         limit: 10.0,
     },
     Length {
-        first: "ahead_m",
+        first: "max_ahead_m",
         text: "runs ahead of its reference where that brakes",
         advice: "gentler braking in reference.knots, or a slower cruise",
         goal: 3.0,
-        campaign: ("ahead_m", false),
+        campaign: ("max_ahead_m", false),
         limit: 15.0,
     },
     Length {
@@ -166,7 +166,7 @@ pub(super) mod tests {
         assert_eq!(of("altitude_least_m", "least"), [-50.0, -15.0]);
         assert_eq!(of("altitude_most_m", "most"), [50.0, 15.0]);
         assert_eq!(of("forward_least_m", "least"), [-45.0]);
-        assert_eq!(of("ahead_m", "most"), [22.5]);
+        assert_eq!(of("max_ahead_m", "most"), [22.5]);
         assert_eq!(of("max_late_position_error_m", "most"), [5.0]);
         assert_eq!(of("late_mean_velocity_error_m_s", "most"), [0.5]);
         assert_eq!(of("max_cruise_error_m_s", "most"), [7.5]);

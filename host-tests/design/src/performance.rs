@@ -1,5 +1,6 @@
 //! What a vehicle can do: where it stalls, how tightly it turns, how steeply it descends, how soon it stops.
 
+use anyhow::Context;
 use serde::Serialize;
 
 use super::Design;
@@ -285,8 +286,12 @@ fn stop(document: &Document, cruise: f64) -> anyhow::Result<Option<[f64; 3]>> {
     document.assign(&format!("reference.knots=[{}]", knots.join(",")))?;
     document.assign(&format!("duration_s={:?}", start + 45.0))?;
     let experiment = document.checked()?;
-    let figures = Figures::of(&experiment, &fly(&experiment)?);
-    let distances = ["ahead_m", "loss_back_m", "gain_back_m"].map(|name| figures.get(name));
+    let figures = Figures::of(
+        &experiment,
+        &fly(&experiment).context("the stop from cruise")?,
+    );
+    let distances =
+        ["max_ahead_m", "max_loss_back_m", "max_gain_back_m"].map(|name| figures.get(name));
     Ok((figures.get("max_cruise_error_m_s") < REACHED).then_some(distances))
 }
 

@@ -232,7 +232,7 @@ pub fn maps(summary: &Summary) -> Option<Figure> {
 
 /// Figures of a part of the flight: the column whose extreme they are, and which part.
 const PARTS: [(&str, &str, &str); 4] = [
-    ("ahead_m", "forward_m", " where it brakes"),
+    ("max_ahead_m", "forward_m", " where it brakes"),
     (
         "max_cruise_error_m_s",
         "velocity_error_m_s",
@@ -386,6 +386,6 @@ mod tests {
         ] {
             assert_eq!(drawn(figure), (column.to_owned(), ""));
         }
-        assert_eq!(drawn("ahead_m").0, "forward_m");
+        assert_eq!(drawn("max_ahead_m").0, "forward_m");
     }
 }

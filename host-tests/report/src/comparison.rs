@@ -15,10 +15,10 @@ fn definitions() -> String {
         "Loss and gain are the greatest altitude below and above the reference, out until the reference slows \
          down and back from then on. Cruise after is the time from the reference's first change until |v − v_r| \
          to the cruise velocity stays under {REACHED} m/s to the end of cruise. Cruise error and end error are the \
-         largest |v − v_r| in the last {LATE} s of cruise and of the flight. Peak ω is the largest of the true and the \
-         commanded |ω|. Ahead is how far the vehicle runs ahead of the reference from where it slows down on.\n\n\
+         largest |v − v_r| in the last {LATE} s of cruise and of the flight. The peak of the body rate is the largest \
+         true one about one axis. Ahead is how far the vehicle runs ahead of the reference from where it slows down on.\n\n\
          A flight departs if it sinks more than {LOST} m below the reference or ends, over its last {LATE} s, with a \
-         mean velocity error above {ASTRAY} m/s; its figures are left out. It strays if it ends more than {FAR} m from \
+         mean velocity error above {ASTRAY} m/s, and diverges if it comes to no number; its figures are left out. It strays if it ends more than {FAR} m from \
          the reference altitude, and oscillates if ω is above {OSCILLATION} rad/s root mean square in the last \
          {LATE} s of cruise or of the flight, which is late ω. Of several seeds the median is given, and the worst in brackets."
     )

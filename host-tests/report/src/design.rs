@@ -93,8 +93,8 @@ fn tables(name: &str, design: &Design, flight: &FirstFlight) -> Vec<Table> {
         "altitude_least_m",
         "altitude_most_m",
         "forward_least_m",
-        "ahead_m",
-        "peak_rate_rad_s",
+        "max_ahead_m",
+        "max_true_rate_rad_s",
         "max_late_velocity_error_m_s",
     ];
     let figures = figures.map(|name| [words(name), fixed(flight.figures.get(name), 2)]);

@@ -36,8 +36,8 @@ const IN_PLANE: &[Panel] = panels! {
     "theta_rad", "θ", BLUE;
     "wing_alpha_rad", "α", ORANGE;
     ["angular velocity ω [rad/s]"]
-    "rate_wing_rad_s", "ω", BLUE;
-    "command_wing_rad_s", "command", ORANGE dashed;
+    "pitch_rate_rad_s", "ω", BLUE;
+    "command_pitch_rad_s", "command", ORANGE dashed;
     ["thrust to weight T/(m g)"]
     "thrust_to_weight", "T/(m g)", GREEN;
     ["apparent force |F_p| of the controller, and the guard's τ [N]" logarithmic]
@@ -63,9 +63,9 @@ const IN_SPACE: &[Panel] = panels! {
     "alpha_rad", "α", BLUE;
     "sideslip_rad", "sideslip", ORANGE;
     ["body rates [rad/s]"]
-    "rate_wing_rad_s", "about the wing", BLUE;
-    "rate_tail_rad_s", "about the tail", ORANGE;
-    "rate_belly_rad_s", "about the belly", GREEN;
+    "pitch_rate_rad_s", "pitch", BLUE;
+    "roll_rate_rad_s", "roll", ORANGE;
+    "yaw_rate_rad_s", "yaw", GREEN;
     ["airspeed and wind [m/s]"]
     "airspeed_m_s", "airspeed", BLUE;
     "mission_airspeed_m_s", "asked for", GREEN dashed;
@@ -90,7 +90,7 @@ const IN_SPACE: &[Panel] = panels! {
 /// Figures whose extremes are marked, on these columns.
 const MARKS: [(&str, &str); 3] = [
     ("max_velocity_error_m_s", "velocity_error_m_s"),
-    ("max_rate_command_rad_s", "command_wing_rad_s"),
+    ("max_rate_command_rad_s", "command_pitch_rad_s"),
     ("min_fp_n", "fp_n"),
 ];
 
@@ -160,7 +160,7 @@ fn across(column: &str, experiment: &Experiment) -> (Vec<Level>, Vec<Band>) {
             ("max_velocity_error_m_s", "velocity"),
         ]),
         "alpha_rad" => bounds(&[("max_sideslip_deg", "sideslip")]),
-        "rate_wing_rad_s" => bounds(&[("peak_rate_rad_s", "rate")]),
+        "pitch_rate_rad_s" => bounds(&[("max_true_rate_rad_s", "rate")]),
         "load_factor" => bounds(&[("max_load_factor", "load")]),
         // The speeds between the folds of level flight, where it has more than one equilibrium.
         "v_north_m_s" => {

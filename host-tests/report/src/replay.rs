@@ -20,9 +20,9 @@ const PANELS: &[Panel] = panels! {
     "alpha_rad", "α", BLUE;
     "sideslip_rad", "sideslip", ORANGE;
     ["body rates commanded [rad/s]"]
-    "command_wing_rad_s", "about the wing", BLUE;
-    "command_tail_rad_s", "about the tail", ORANGE;
-    "command_belly_rad_s", "about the belly", GREEN;
+    "command_pitch_rad_s", "pitch", BLUE;
+    "command_roll_rad_s", "roll", ORANGE;
+    "command_yaw_rad_s", "yaw", GREEN;
     ["thrust commanded [N]"]
     "thrust_n", "T", GREEN;
     ["apparent force |F_p| of the controller [N]" logarithmic]

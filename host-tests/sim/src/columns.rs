@@ -8,13 +8,12 @@ use std::io::Write;
 use alula::GuidanceOutput;
 use alula::guidance::{Air, Unreachable};
 use alula::mission::{MissionOutput, Remark};
-use alula::ned::Ned;
+use alula::ned::{Frd, Ned};
 use alula::planar::Diagnostics;
-use alula::spatial::Body;
 use nalgebra::Quaternion;
 
 use crate::controllers::Answer;
-use crate::experiment::{Experiment, V3};
+use crate::experiment::{Experiment, V3, attitude_to_frd, to_frd};
 use crate::flown_mission::response_name;
 use crate::reference::wrap;
 use crate::simulate::Step;
@@ -96,18 +95,21 @@ fn told_airspeed(step: &Step) -> Option<f32> {
 }
 
 /// The specific force as told.
-fn force(step: &Step, of: fn(&Body) -> f32) -> Option<Cell> {
-    step.input
-        .sample
-        .specific_force
-        .map(|f| Cell::Single(of(&f.into())))
+fn force(step: &Step, of: fn(&Frd) -> f32) -> Option<Cell> {
+    let force = step.input.sample.specific_force;
+    force.map(|f| Cell::Single(of(&f)))
+}
+
+/// A component of the true attitude.
+fn attitude(step: &Step, of: fn(&Quaternion<f64>) -> f64) -> Option<Cell> {
+    double(of(&attitude_to_frd(&step.truth.attitude)))
 }
 
 /// A component of the attitude as told: that measured, or NaN where none was told.
 fn told_attitude(step: &Step, of: fn(&Quaternion<f64>) -> f64) -> Option<Cell> {
-    let told = !step.input.sample.orientation.i().down.is_nan();
+    let told = !step.input.sample.orientation.down().down.is_nan();
     double(if told {
-        of(&step.measured_attitude)
+        of(&attitude_to_frd(&step.measured_attitude))
     } else {
         f64::NAN
     })
@@ -131,14 +133,14 @@ columns! {
     "v_north_m_s", "velocity", |_, s| double(s.truth.velocity.x);
     "v_east_m_s", "velocity", |_, s| double(s.truth.velocity.y);
     "v_down_m_s", "velocity", |_, s| double(s.truth.velocity.z);
-    "q_w", "attitude: quaternion to north-east-down from x = belly, y = right wing, z = tail", |_, s| double(s.truth.attitude.w);
-    "q_x", "attitude", |_, s| double(s.truth.attitude.i);
-    "q_y", "attitude", |_, s| double(s.truth.attitude.j);
-    "q_z", "attitude", |_, s| double(s.truth.attitude.k);
+    "attitude_w", "attitude: quaternion to north-east-down from forward, right, down", |_, s| attitude(s, |q| q.w);
+    "attitude_x", "attitude", |_, s| attitude(s, |q| q.i);
+    "attitude_y", "attitude", |_, s| attitude(s, |q| q.j);
+    "attitude_z", "attitude", |_, s| attitude(s, |q| q.k);
     "theta_rad", "in a vertical plane: θ, counted on through full turns", |e, s| in_plane(e, s.theta);
-    "rate_belly_rad_s", "body rate about the belly axis: yaw in cruise", |_, s| double(s.truth.rates.x);
-    "rate_wing_rad_s", "body rate about the right wing: pitch", |_, s| double(s.truth.rates.y);
-    "rate_tail_rad_s", "body rate about the tail axis: roll to the left in cruise", |_, s| double(s.truth.rates.z);
+    "roll_rate_rad_s", "body rate about the nose: positive right wing down in cruise", |_, s| double(to_frd(s.truth.rates)[0]);
+    "pitch_rate_rad_s", "body rate about the right wing: positive nose up in cruise", |_, s| double(to_frd(s.truth.rates)[1]);
+    "yaw_rate_rad_s", "body rate about the belly axis: positive nose right in cruise", |_, s| double(to_frd(s.truth.rates)[2]);
     "true_thrust_n", "thrust", |_, s| double(s.truth.thrust);
     "thrust_to_weight", "thrust over the weight", |e, s| double(s.truth.thrust / e.weight());
     "wind_north_m_s", "wind", |_, s| double(s.wind.x);
@@ -168,10 +170,10 @@ columns! {
     "told_v_north_m_s", "velocity as told", |_, s| single(s.input.sample.velocity.north);
     "told_v_east_m_s", "velocity as told", |_, s| single(s.input.sample.velocity.east);
     "told_v_down_m_s", "velocity as told", |_, s| single(s.input.sample.velocity.down);
-    "told_q_w", "attitude as told", |_, s| told_attitude(s, |q| q.w);
-    "told_q_x", "attitude as told", |_, s| told_attitude(s, |q| q.i);
-    "told_q_y", "attitude as told", |_, s| told_attitude(s, |q| q.j);
-    "told_q_z", "attitude as told", |_, s| told_attitude(s, |q| q.k);
+    "told_attitude_w", "attitude as told", |_, s| told_attitude(s, |q| q.w);
+    "told_attitude_x", "attitude as told", |_, s| told_attitude(s, |q| q.i);
+    "told_attitude_y", "attitude as told", |_, s| told_attitude(s, |q| q.j);
+    "told_attitude_z", "attitude as told", |_, s| told_attitude(s, |q| q.k);
     "told_air", "`velocity`, `wind`, `pitot` or `unknown`: what is told of the air", |_, s| word(Some(s.input.sample.air.name()));
     "told_va_north_m_s", "air velocity as told", |_, s| part(told_air(s), |v| v.north);
     "told_va_east_m_s", "air velocity as told", |_, s| part(told_air(s), |v| v.east);
@@ -180,9 +182,9 @@ columns! {
     "told_wind_north_m_s", "wind as told, or as it follows from the air velocity", |_, s| single(s.input.wind().north);
     "told_wind_east_m_s", "wind as told, or as it follows from the air velocity", |_, s| single(s.input.wind().east);
     "told_wind_down_m_s", "wind as told, or as it follows from the air velocity", |_, s| single(s.input.wind().down);
-    "told_f_tail_m_s2", "specific force along the tail as told", |_, s| force(s, |f| f.i);
-    "told_f_belly_m_s2", "specific force along the belly as told", |_, s| force(s, |f| f.j);
-    "told_f_wing_m_s2", "specific force along the right wing as told", |_, s| force(s, |f| f.w);
+    "told_f_forward_m_s2", "specific force along the nose as told", |_, s| force(s, |f| f.forward);
+    "told_f_right_m_s2", "specific force along the right wing as told", |_, s| force(s, |f| f.right);
+    "told_f_down_m_s2", "specific force towards the belly as told", |_, s| force(s, |f| f.down);
     "told_x_error_north_m", "position less that on the path as told", |_, s| part(s.input.sample.position_error, |v| v.north);
     "told_x_error_east_m", "position less that on the path as told", |_, s| part(s.input.sample.position_error, |v| v.east);
     "told_x_error_down_m", "position less that on the path as told", |_, s| part(s.input.sample.position_error, |v| v.down);
@@ -198,9 +200,9 @@ columns! {
     "state_age_s", "age of the state as told", |_, s| single(s.input.sample.state_age);
     "reference_age_s", "age of what is to be flown as told", |_, s| single(s.input.sample.reference_age);
     "thrust_n", "thrust commanded", |_, s| single(s.answer.thrust);
-    "command_belly_rad_s", "body rate commanded", |_, s| single(s.answer.rates.j);
-    "command_wing_rad_s", "body rate commanded", |_, s| single(s.answer.rates.w);
-    "command_tail_rad_s", "body rate commanded", |_, s| single(s.answer.rates.i);
+    "command_roll_rad_s", "roll rate commanded", |_, s| single(s.answer.rates.roll);
+    "command_pitch_rad_s", "pitch rate commanded", |_, s| single(s.answer.rates.pitch);
+    "command_yaw_rad_s", "yaw rate commanded", |_, s| single(s.answer.rates.yaw);
     "status", "`ok`, or the fault for which a law's safe command (no thrust, no rotation) was flown; the guidance's flags", |_, s| s.answer.status().map(Cell::Word);
     "mode", "the guidance's mode", |_, s| word(s.answer.mode());
     "phase", "what the guidance does: `tracking`, `crossing`, `coasting` or `recovering`", |_, s| word(s.answer.guided().map(|g| g.progress.phase.name()));
@@ -273,6 +275,24 @@ impl Step {
 /// The column of this name.
 pub fn column(name: &str) -> Option<&'static Column> {
     COLUMNS.iter().find(|column| column.name == name)
+}
+
+/// Columns of traces that were along other axes before, and the ones that stand for them now.
+const RENAMED: [(&str, &str); 8] = [
+    ("q_w", "attitude_w"),
+    ("told_q_w", "told_attitude_w"),
+    ("rate_belly_rad_s", "yaw_rate_rad_s"),
+    ("rate_wing_rad_s", "pitch_rate_rad_s"),
+    ("rate_tail_rad_s", "roll_rate_rad_s"),
+    ("told_f_tail_m_s2", "told_f_forward_m_s2"),
+    ("told_f_belly_m_s2", "told_f_down_m_s2"),
+    ("told_f_wing_m_s2", "told_f_right_m_s2"),
+];
+
+/// The column that stands for an old one of this name.
+pub fn renamed(name: &str) -> Option<&'static str> {
+    let renamed = RENAMED.iter().find(|(old, _)| *old == name);
+    renamed.map(|(_, new)| *new)
 }
 
 /// The column of this name, which must be one.
@@ -417,6 +437,12 @@ mod tests {
             assert!(std::ptr::eq(super::column(column.name).unwrap(), column));
         }
         assert!(super::column("nonesuch").is_none());
+        for (old, new) in RENAMED {
+            assert!(
+                super::column(old).is_none() && super::column(new).is_some(),
+                "{old}"
+            );
+        }
     }
 
     /// The README's table of columns is this one.

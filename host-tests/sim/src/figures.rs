@@ -140,12 +140,12 @@ figures! {
     "min_fp_n", "smallest |F_p|", "N", 2, Flight, Least(|m| m.step.answer.diagnostics_flying().map(|d| d.f_p_norm.into())), "smallest \\|F_p\\| while the law is flown, as the controller computes it", when "min_fp_time_s";
     "min_k", "smallest k", "", 3, Flight, Least(|m| m.step.answer.guided().filter(|g| g.mode == Mode::Flying).map(|g| g.margin.k.into())), "smallest margin k while the guidance flies its law";
     "max_rate_command_rad_s", "body rate commanded, peak", "rad/s", 3, Flight, Peak(|m| command(m).amax()), "largest body rate commanded about one axis", when "max_rate_command_time_s";
-    "peak_rate_rad_s", "body rate, peak", "rad/s", 2, Flight, Peak(|m| m.step.truth.rates.amax()), "largest true body rate about one axis";
+    "max_true_rate_rad_s", "body rate, peak", "rad/s", 2, Flight, Peak(|m| m.step.truth.rates.amax()), "largest true body rate about one axis";
     "altitude_least_m", "least altitude", "m", 2, Flight, Least(|m| Some(-m.offset.z)), "least altitude over the path";
     "altitude_most_m", "greatest altitude", "m", 2, Flight, Most(|m| Some(-m.offset.z)), "greatest altitude over the path";
     "forward_least_m", "farthest behind", "m", 2, Flight, Least(|m| in_plane(m, m.offset.x)), "in a vertical plane: least position ahead of the path";
     "forward_most_m", "farthest ahead", "m", 2, Flight, Most(|m| in_plane(m, m.offset.x)), "in a vertical plane: greatest position ahead of the path";
-    "turn_deg", "farthest from nose up", "°", 1, Flight, Most(|m| in_plane(m, m.step.theta.to_degrees().abs())), "in a vertical plane: farthest that θ has turned from nose up, either way: over 180° the vehicle has turned over";
+    "max_turn_deg", "farthest from nose up", "°", 1, Flight, Most(|m| in_plane(m, m.step.theta.to_degrees().abs())), "in a vertical plane: farthest that θ has turned from nose up, either way: over 180° the vehicle has turned over";
     "max_late_velocity_error_m_s", "end error, peak", "m/s", 2, Late, Peak(|m| m.error), "largest \\|v − v_r\\| in the last 5 s";
     "late_velocity_error_rms_m_s", "end error, rms", "m/s", 3, Late, Rms(|m| m.error), "root mean square of \\|v − v_r\\| in the last 5 s";
     "late_mean_velocity_error_m_s", "mean end error", "m/s", 2, Late, Mean(|m| m.error), "mean \\|v − v_r\\| in the last 5 s";
@@ -153,7 +153,7 @@ figures! {
     "late_rate_rms_rad_s", "end ω, rms", "rad/s", 5, Late, Rms(|m| m.step.truth.rates.norm()), "root mean square of \\|ω\\| in the last 5 s";
     "cruise_rate_rms_rad_s", "cruise ω, rms", "rad/s", 5, LateCruise, Rms(|m| m.step.truth.rates.norm()), "root mean square of \\|ω\\| in the last 5 s of cruise";
     "cruise_thrust_to_weight", "cruise thrust", "", 3, LateCruise, Mean(|m| m.step.truth.thrust / m.experiment.weight()), "mean thrust over the weight in the last 5 s of cruise: near one half, and it is flown behind the stall";
-    "oscillation_rad_s", "late ω", "rad/s", 2, Flight, Of(|of| greater(of.get("cruise_rate_rms_rad_s"), of.get("late_rate_rms_rad_s"))), "the greater of both root mean squares of \\|ω\\|";
+    "oscillation_rms_rad_s", "late ω, rms", "rad/s", 2, Flight, Of(|of| greater(of.get("cruise_rate_rms_rad_s"), of.get("late_rate_rms_rad_s"))), "the greater of both root mean squares of \\|ω\\|";
     "thrust_low_s", "thrust at its lower limit", "s", 2, Flight, Time(|m| flag(m, Status::THRUST_LOW)), "time with thrust at its lower limit";
     "thrust_high_s", "thrust at its upper limit", "s", 2, Flight, Time(|m| flag(m, Status::THRUST_HIGH)), "time with thrust at its upper limit";
     "crossing_s", "crossing", "s", 2, Flight, Time(crossing), "time in which the guidance turns to an attitude far away, as across a fold";
@@ -161,11 +161,11 @@ figures! {
     "unreachable_s", "path unreachable", "s", 2, Flight, Time(|m| progress(m, |p| p.unreachable.is_some())), "time in which the guidance says that the path cannot be had";
     "holding_s", "holding the last command", "s", 2, Flight, Time(|m| mode(m, Mode::Holding)), "time in which the guidance holds its last command";
     "safe_s", "safe command", "s", 2, Flight, Time(|m| mode(m, Mode::Safe)), "time in which the guidance gives its safe command";
-    "loss_out_m", "loss out", "m", 1, Out, Peak(|m| at_least_zero(m.offset.z)), "greatest altitude below the path until that slows down";
-    "gain_out_m", "gain out", "m", 1, Out, Peak(|m| at_least_zero(-m.offset.z)), "greatest altitude above the path until that slows down";
-    "loss_back_m", "loss back", "m", 1, Back, Peak(|m| at_least_zero(m.offset.z)), "greatest altitude below the path from where that slows down";
-    "gain_back_m", "gain back", "m", 1, Back, Peak(|m| at_least_zero(-m.offset.z)), "greatest altitude above the path from where that slows down";
-    "ahead_m", "ahead", "m", 0, Back, Peak(|m| at_least_zero(m.offset.x)), "in a vertical plane: farthest ahead of the path from where that slows down";
+    "max_loss_out_m", "loss out, peak", "m", 1, Out, Peak(|m| at_least_zero(m.offset.z)), "greatest altitude below the path until that slows down";
+    "max_gain_out_m", "gain out, peak", "m", 1, Out, Peak(|m| at_least_zero(-m.offset.z)), "greatest altitude above the path until that slows down";
+    "max_loss_back_m", "loss back, peak", "m", 1, Back, Peak(|m| at_least_zero(m.offset.z)), "greatest altitude below the path from where that slows down";
+    "max_gain_back_m", "gain back, peak", "m", 1, Back, Peak(|m| at_least_zero(-m.offset.z)), "greatest altitude above the path from where that slows down";
+    "max_ahead_m", "ahead, peak", "m", 0, Back, Peak(|m| at_least_zero(m.offset.x)), "in a vertical plane: farthest ahead of the path from where that slows down";
     "cruise_after_s", "cruise after", "s", 1, Flight, Until(not_in_cruise), "from the path's first change of speed until \\|v − v_r\\| to the cruise velocity stays under 1 m/s to the end of cruise";
     "settling_s", "settling", "s", 1, Flight, Until(not_settled), "from the path's first change of speed until \\|v − v_r\\| stays under 0.05 m/s to the end of cruise";
     "max_cruise_error_m_s", "cruise error, peak", "m/s", 2, LateCruise, Peak(|m| m.error), "largest \\|v − v_r\\| in the last 5 s of cruise";
@@ -193,7 +193,7 @@ fn at_least_zero(value: f64) -> f64 {
 /// Body rates commanded.
 fn command(m: &Moment) -> V3 {
     let rates = m.step.answer.rates;
-    V3::new(rates.j.into(), rates.w.into(), rates.i.into())
+    V3::new(rates.yaw.into(), rates.pitch.into(), rates.roll.into())
 }
 
 /// Something that has a meaning in a vertical plane only.
@@ -780,8 +780,8 @@ mod tests {
         };
         let altitude = Step::altitude;
         let error = |s: &Step| s.velocity_error().norm();
-        assert_eq!(figures.get("gain_out_m"), most(&altitude, 0.0, 45.0));
-        assert_eq!(figures.get("gain_back_m"), most(&altitude, 45.0, 200.0));
+        assert_eq!(figures.get("max_gain_out_m"), most(&altitude, 0.0, 45.0));
+        assert_eq!(figures.get("max_gain_back_m"), most(&altitude, 45.0, 200.0));
         assert_eq!(figures.get("altitude_most_m"), most(&altitude, 0.0, 200.0));
         assert_eq!(
             figures.get("max_cruise_error_m_s"),
@@ -820,7 +820,7 @@ mod tests {
         record.truncate(200);
         record[100].truth.position.z = f64::NAN;
         let figures = Figures::of(&experiment, &record);
-        for name in ["altitude_least_m", "altitude_most_m", "gain_out_m"] {
+        for name in ["altitude_least_m", "altitude_most_m", "max_gain_out_m"] {
             assert!(figures.get(name).is_nan(), "{name}");
         }
         assert!(figures.get("forward_most_m").is_finite());

@@ -197,7 +197,7 @@ impl From<&Step> for Row {
         let vector = |v: V3| [v.x, v.y, v.z];
         let (target, input) = (&step.target, &step.input.sample);
         let told = |v: Ned| [v.north, v.east, v.down].map(f64::from);
-        let attitude = if input.orientation.i().down.is_nan() {
+        let attitude = if input.orientation.down().down.is_nan() {
             [f64::NAN; 4]
         } else {
             let q = &step.measured_attitude;

@@ -144,10 +144,10 @@ pub fn asked_of(asked: &MissionOutput, input: &mut Input) {
 
 /// What of an answer reaches the motors.
 pub fn passed(gate: Gate, answer: Answer) -> Answer {
-    let (thrust, rates) = gate.pass(answer.thrust, answer.rates.into());
+    let (thrust, rates) = gate.pass(answer.thrust, answer.rates);
     Answer {
         thrust,
-        rates: rates.into(),
+        rates,
         ..answer
     }
 }

@@ -178,7 +178,7 @@ pub fn in_shell(word: &str) -> String {
     }
 }
 
-/// Names that fields of files had before, and the ones that they have now.
+/// Names that fields of files and figures had before, and the ones that they have now.
 const RENAMED: &[(&str, &str)] = &[
     ("force_floor_mg", "gain_schedule_floor_mg"),
     ("max_turn_g", "max_lateral_acceleration_g"),
@@ -186,11 +186,22 @@ const RENAMED: &[(&str, &str)] = &[
     ("theta_deg", "attitude_deg"),
     ("down_m_s", "velocity_m_s"),
     ("forward_m_s", "velocity_m_s"),
-    ("rate_rad_s", "rates_rad_s"),
+    ("rate_rad_s", "body_rates_rad_s"),
+    ("rates_rad_s", "body_rates_rad_s"),
+    ("inertia_kg_m2", "moment_of_inertia_kg_m2"),
+    ("torque_max_n_m", "max_torque_n_m"),
     ("late_velocity_error_m_s", "max_late_velocity_error_m_s"),
     ("late_position_error_m", "max_late_position_error_m"),
     ("cruise_error_m_s", "max_cruise_error_m_s"),
     ("max_rate_rad_s", "max_rate_command_rad_s"),
+    ("loss_out_m", "max_loss_out_m"),
+    ("gain_out_m", "max_gain_out_m"),
+    ("loss_back_m", "max_loss_back_m"),
+    ("gain_back_m", "max_gain_back_m"),
+    ("ahead_m", "max_ahead_m"),
+    ("turn_deg", "max_turn_deg"),
+    ("oscillation_rad_s", "oscillation_rms_rad_s"),
+    ("peak_rate_rad_s", "max_true_rate_rad_s"),
     // In another table.
     ("side_force", "vehicle.c_y"),
 ];

@@ -1,19 +1,21 @@
 //! The loop of an experiment: the plant in double precision, its controller at a fixed rate.
 
 use std::collections::VecDeque;
+use std::fmt;
 use std::ops::Deref;
 
-use alula::GuidanceOutput;
 use alula::guidance::PlannerOptions;
 use alula::mission::{Gate, MissionOutput};
 use alula::ned::Ned;
 use alula::spatial::FeedForward;
+use alula::{BodyRates, GuidanceOutput};
 use nalgebra::UnitQuaternion;
 use rand_chacha::ChaCha8Rng;
 
 use crate::controllers::{Answer, Controller, Input};
 use crate::experiment::{
-    Estimates, Experiment, Faults, Measured, Path, State, Target, V3, Weather, ned, stream,
+    Estimates, Experiment, Faults, Measured, Path, State, Target, V3, Weather, from_frd, ned,
+    stream,
 };
 use crate::flown_mission::{FlownMission, asked_of, passed, target};
 use crate::plant::{Command, Plant};
@@ -66,32 +68,73 @@ impl Step {
     }
 }
 
+/// A flight that came to no number: at this time \[s\] the plant's state was not finite, or its speed beyond that of any aircraft.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Diverged {
+    /// Time \[s\].
+    pub t: f64,
+}
+
+impl Diverged {
+    /// What is said of a step that has diverged.
+    pub fn at(step: &Step) -> Result<(), Self> {
+        match step.truth.is_sound() {
+            true => Ok(()),
+            false => Err(Self { t: step.t }),
+        }
+    }
+}
+
+impl fmt::Display for Diverged {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(
+            f,
+            "diverged at {:.2} s: no aircraft flies like this, or the plant's steps are too long for it",
+            self.t
+        )
+    }
+}
+
+impl std::error::Error for Diverged {}
+
 /// How a simulation ended.
+#[must_use = "a flight that diverged has no figures"]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum End {
     /// At the end of the flight.
     Flown,
     /// `visit` ended it.
     Left,
-    /// At this time \[s\]: the plant's state was not finite, or its speed beyond that of any aircraft.
-    Diverged(f64),
+    /// It came to no number.
+    Diverged(Diverged),
+}
+
+impl End {
+    /// The error is a flight that diverged.
+    pub fn sound(self) -> Result<(), Diverged> {
+        match self {
+            Self::Flown | Self::Left => Ok(()),
+            Self::Diverged(diverged) => Err(diverged),
+        }
+    }
 }
 
 /// A flight: one row per control step, the last at its end.
 pub type Record = Vec<Step>;
 
-/// Flies `experiment` under its own controller.
+/// Flies `experiment` under its own controller. The error is one of [`fly_by`].
 pub fn fly(experiment: &Experiment) -> anyhow::Result<Record> {
     fly_by(experiment, experiment.controller()?.as_mut())
 }
 
-/// Flies `experiment` under `controller`. The error is a controller that cannot be reached.
+/// Flies `experiment` under `controller`. The error is a controller that cannot be reached, or [`Diverged`].
 pub fn fly_by(experiment: &Experiment, controller: &mut dyn Controller) -> anyhow::Result<Record> {
     let mut record = Record::with_capacity(experiment.steps() + 1);
     simulate(experiment, controller, |step| {
         record.push(step.clone());
         true
-    })?;
+    })?
+    .sound()?;
     Ok(record)
 }
 
@@ -106,8 +149,8 @@ pub fn simulate(
     for _ in 0..=experiment.steps() {
         let step = flight.ask(controller)?;
         let go_on = visit(&step);
-        if !step.truth.is_sound() {
-            return Ok(End::Diverged(step.t));
+        if let Err(diverged) = Diverged::at(&step) {
+            return Ok(End::Diverged(diverged));
         }
         if !go_on {
             return Ok(End::Left);
@@ -354,10 +397,10 @@ impl<E: Deref<Target = Experiment> + Clone> Flight<E> {
 
 impl From<&Answer> for Command {
     fn from(answer: &Answer) -> Self {
-        let rates = answer.rates;
+        let BodyRates { roll, pitch, yaw } = answer.rates;
         Self {
             thrust: answer.thrust.into(),
-            rates: V3::new(rates.j.into(), rates.w.into(), rates.i.into()),
+            rates: from_frd([roll, pitch, yaw].map(f64::from)),
         }
     }
 }

@@ -15,6 +15,9 @@ use super::output::Output;
 fn print(starts: &Starts, to: &mut impl Write) -> std::io::Result<()> {
     writeln!(to, "{}: {} flights", starts.experiment, starts.flights)?;
     writeln!(to, "  converged        {:8.2} %", 100.0 * starts.converged)?;
+    if starts.diverged > 0 {
+        writeln!(to, "  {} DIVERGED", starts.diverged)?;
+    }
     for (label, height) in [
         ("median", starts.height_lost_50_m),
         ("95 %", starts.height_lost_95_m),
@@ -62,7 +65,7 @@ pub fn attitudes(flights: Option<u64>, threads: Threads, output: &Output) -> any
     }
     ensure!(
         all.iter().all(Starts::kept),
-        "attitudes: less than {} % converge, or more than {} m are lost",
+        "attitudes: less than {} % converge, more than {} m are lost, or a flight diverged",
         100.0 * LIMITS.0,
         LIMITS.1
     );

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use anyhow::bail;
+use anyhow::{bail, ensure};
 use serde::Serialize;
 
 use alula_report::comparison::page;
@@ -63,5 +63,12 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         cells: &results,
     };
     let page = page(&source.name, &source.plan.comparison, &results);
-    args.output.leave(&out, &page, &summary)
+    args.output.leave(&out, &page, &summary)?;
+    let diverged = results.diverged();
+    ensure!(
+        diverged == 0,
+        "{}: {diverged} flights diverged",
+        source.name
+    );
+    Ok(())
 }

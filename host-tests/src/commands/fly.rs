@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::Path;
 
-use anyhow::{bail, ensure};
+use anyhow::{Context, bail, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
@@ -17,7 +17,7 @@ use alula_sim::experiment::plan::of_plan;
 use alula_sim::experiment::{DEFAULT, Document, Experiment};
 use alula_sim::figures::{Figures, Segment};
 use alula_sim::flight_log::{self, Format};
-use alula_sim::simulate::{End, Record, Step, simulate};
+use alula_sim::simulate::{Diverged, Record, Step, simulate};
 use alula_study::files::{leave, leave_all};
 
 use super::output::Output;
@@ -171,13 +171,11 @@ pub fn fly(
     })?;
     bar.finish_and_clear();
 
-    if let End::Diverged(t) = end {
+    if let Err(diverged) = end.sound() {
         let trace = out.join("trace.csv");
         leave(&trace, |file| Ok(write_trace(experiment, &record, file)?))?;
         let (name, trace) = (&document.name, trace.display());
-        bail!(
-            "{name}: diverged at {t:.2} s: no aircraft flies like this, or the plant's steps are too long for it; {trace} ends there"
-        );
+        bail!("{name}: {diverged}; {trace} ends there");
     }
     report(document, experiment, &record, &out, output, logs)
 }
@@ -191,6 +189,10 @@ pub fn report(
     output: &Output,
     logs: &Logs,
 ) -> anyhow::Result<()> {
+    // A vehicle under somebody else's autopilot is no simulation that ends.
+    for step in record {
+        Diverged::at(step).with_context(|| document.name.clone())?;
+    }
     let figures = Figures::of(experiment, record);
     let segments = Segment::of(experiment, record);
     leave_flight(document, experiment, record, out, |_| ())?;

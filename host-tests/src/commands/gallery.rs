@@ -4,6 +4,8 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
+use anyhow::Context;
+
 use alula_report::flight::overview;
 use alula_report::gallery::{Exhibit, page};
 use alula_sim::experiment::{BUILT_IN, Document};
@@ -55,7 +57,7 @@ fn exhibit(name: &str) -> anyhow::Result<Option<Exhibit>> {
         return Ok(None);
     }
     let experiment = document.checked()?;
-    let record = fly(&experiment)?;
+    let record = fly(&experiment).with_context(|| name.to_owned())?;
     Ok(Some(Exhibit {
         name: name.to_owned(),
         picture: overview(&experiment, &record),

@@ -1,6 +1,6 @@
 //! `sweep`: the equilibria along an experiment's reference, and what stands against flying it.
 
-use anyhow::anyhow;
+use anyhow::{Context, anyhow};
 use serde::Serialize;
 
 use alula_design::sweep::{Cause, Findings, Span, findings, least_fp, sweep};
@@ -49,7 +49,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let out = args.output.folder(&format!("sweep-{}", document.name))?;
     let instants = sweep(experiment)?;
     let findings = findings(&instants, least_fp);
-    let record = fly(experiment)?;
+    let record = fly(experiment).with_context(|| document.name.clone())?;
     let page = Page {
         title: format!("Sweep of {}", document.name),
         lead: format!(

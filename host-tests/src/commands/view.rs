@@ -75,7 +75,7 @@ impl Args {
         if !recorded {
             let document = self.settings.document(&self.flight)?;
             let experiment = document.checked()?;
-            let record = fly(&experiment)?;
+            let record = fly(&experiment).with_context(|| document.name.clone())?;
             let page = viewer::page(&document, &experiment, &record)?;
             return Ok((document.name, page));
         }

@@ -6,7 +6,7 @@
 use alula::mission::{
     Activity, Gate, Item, ItemProblem, MissionError, MissionInput, MissionOutput, Pass,
 };
-use alula::ned::{BodyAxes, Ned};
+use alula::ned::{BodyAxes, Frd, Ned};
 use alula::spatial::{Heading, Orientation, Reference};
 use alula::{GuidanceInput, GuidanceOutput};
 use alula_bridges::companion::messages::{MISSION_ITEM_INT_DATA, MavMissionResult};
@@ -381,9 +381,13 @@ impl OnPath {
     ) {
         let q = told.orientation.to_quaternion(BodyAxes::NoseUp);
         let [w, x, y, z] = [q.w, q.x, q.y, q.z].map(f64::from);
-        let force = told
-            .specific_force
-            .map(|f| f64::from(f.norm_squared()).sqrt());
+        let force = told.specific_force.map(
+            |Frd {
+                 forward,
+                 right,
+                 down,
+             }| V3::new(forward.into(), right.into(), down.into()).norm(),
+        );
         let attitude = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z));
         let truth = State {
             position: double(told.position),

@@ -8,7 +8,7 @@ use super::{Comparison, Plan, Threads, each};
 use alula_sim::columns::declared;
 use alula_sim::experiment::Experiment;
 use alula_sim::figures::{FIGURES, Figure, Figures, Tally, index};
-use alula_sim::simulate::simulate;
+use alula_sim::simulate::{End, simulate};
 
 /// A mean velocity error above this over the last 5 s is a departure \[m/s\].
 pub const ASTRAY: f64 = 3.0;
@@ -19,16 +19,16 @@ pub const OSCILLATION: f64 = 0.6;
 
 /// The figures of a table, after the outcome.
 pub const COLUMNS: [&str; 10] = [
-    "loss_out_m",
-    "gain_out_m",
-    "loss_back_m",
-    "gain_back_m",
+    "max_loss_out_m",
+    "max_gain_out_m",
+    "max_loss_back_m",
+    "max_gain_back_m",
     "cruise_after_s",
     "max_cruise_error_m_s",
     "max_late_velocity_error_m_s",
-    "oscillation_rad_s",
-    "peak_rate_rad_s",
-    "ahead_m",
+    "oscillation_rms_rad_s",
+    "max_true_rate_rad_s",
+    "max_ahead_m",
 ];
 
 /// The columns of the record that are drawn.
@@ -49,17 +49,21 @@ pub enum Outcome {
     Strays,
     /// Sinks by more than 50 m below the reference, or ends with a mean velocity error of more than 3 m/s.
     Departs,
+    /// Comes to no number.
+    Diverges,
 }
 
 impl Outcome {
-    /// How the flight with these figures went.
-    fn of(figures: &Figures) -> Self {
+    /// How the flight that came to `end` with these figures went.
+    fn of(end: End, figures: &Figures) -> Self {
         let within = |name: &str, most: f64| figures.get(name).abs() <= most;
-        if figures.get("lost") != 0.0 || !within("late_mean_velocity_error_m_s", ASTRAY) {
+        if end.sound().is_err() {
+            Self::Diverges
+        } else if figures.get("lost") != 0.0 || !within("late_mean_velocity_error_m_s", ASTRAY) {
             Self::Departs
         } else if !within("final_altitude_m", FAR) {
             Self::Strays
-        } else if !within("oscillation_rad_s", OSCILLATION) {
+        } else if !within("oscillation_rms_rad_s", OSCILLATION) {
             Self::Oscillates
         } else {
             Self::Flies
@@ -73,7 +77,13 @@ impl Outcome {
             Self::Oscillates => "oscillates",
             Self::Strays => "strays",
             Self::Departs => "departs",
+            Self::Diverges => "diverges",
         }
+    }
+
+    /// Whether nothing was kept: then figures mean nothing.
+    fn is_lost(self) -> bool {
+        self >= Self::Departs
     }
 }
 
@@ -99,7 +109,7 @@ impl Flight {
         let drawn = DRAWN.map(declared);
         let mut samples = Samples::new();
         let mut number = 0;
-        simulate(experiment, experiment.controller()?.as_mut(), |step| {
+        let end = simulate(experiment, experiment.controller()?.as_mut(), |step| {
             tally.add(step);
             if number % SAMPLING == 0 {
                 for column in drawn {
@@ -114,7 +124,7 @@ impl Flight {
         let figures = tally.figures();
         let flight = Self {
             seed: experiment.seed,
-            outcome: Outcome::of(&figures),
+            outcome: Outcome::of(end, &figures),
             figures,
         };
         Ok((flight, samples))
@@ -124,14 +134,19 @@ impl Flight {
     pub fn get(&self, name: &str) -> f64 {
         match (name, self.outcome) {
             // Whatever was reached, it was not kept.
-            ("cruise_after_s", Outcome::Departs) => f64::NAN,
+            ("cruise_after_s", outcome) if outcome.is_lost() => f64::NAN,
             _ => self.figures.get(name),
         }
     }
 
     /// Greatest distance from the reference altitude \[m\].
     pub fn altitude_m(&self) -> f64 {
-        let sides = ["loss_out_m", "gain_out_m", "loss_back_m", "gain_back_m"];
+        let sides = [
+            "max_loss_out_m",
+            "max_gain_out_m",
+            "max_loss_back_m",
+            "max_gain_back_m",
+        ];
         sides
             .map(|name| self.get(name))
             .into_iter()
@@ -188,9 +203,9 @@ impl Cell {
         }
     }
 
-    /// Whether every flight departed: then figures mean nothing.
+    /// Whether every flight departed or diverged: then figures mean nothing.
     pub fn lost(&self) -> bool {
-        self.flights.iter().all(|f| f.outcome == Outcome::Departs)
+        self.flights.iter().all(|f| f.outcome.is_lost())
     }
 
     /// A figure as text: of several flights the median, and the worst in brackets.
@@ -269,6 +284,14 @@ impl Results {
         Ok(Self { cells })
     }
 
+    /// How many flights diverged.
+    pub fn diverged(&self) -> usize {
+        let flights = self.cells.iter().flat_map(|cell| &cell.flights);
+        flights
+            .filter(|flight| flight.outcome == Outcome::Diverges)
+            .count()
+    }
+
     /// The cell of a variant and a condition, by their numbers in `comparison`.
     pub fn cell(&self, comparison: &Comparison, condition: usize, variant: usize) -> &Cell {
         &self.cells[condition * comparison.variants.len() + variant]
@@ -288,7 +311,7 @@ impl Results {
                 let altitude = cell.text(1, Flight::altitude_m);
                 format!("{altitude}, {}", cell.outcome_text())
             }
-            Outcome::Departs => cell.outcome_text(),
+            Outcome::Departs | Outcome::Diverges => cell.outcome_text(),
         }
     }
 }
@@ -329,7 +352,7 @@ mod tests {
     fn several_flights_give_median_and_worst() {
         let lows = [-1.0, -9.0, -2.0, -4.0];
         let cell = cell(lows.map(|low| flight(Outcome::Flies, low)).to_vec());
-        let (median, worst) = cell.spread(|f| f.get("loss_out_m"));
+        let (median, worst) = cell.spread(|f| f.get("max_loss_out_m"));
         assert!((median - 3.0).abs() < 0.01 && (worst - 9.0).abs() < 0.01);
         assert_eq!(cell.texts()[1], "3.0 (9.0)");
         assert_eq!(Results::verdict(&cell), "3.0 (9.0)");

@@ -4,8 +4,8 @@ use serde::Serialize;
 
 use super::{Threads, each};
 use alula_sim::experiment::{Document, Experiment, PathSpec};
-use alula_sim::figures::Figures;
-use alula_sim::simulate::fly;
+use alula_sim::figures::Tally;
+use alula_sim::simulate::simulate;
 
 /// The campaign's name, and its line in the list.
 pub const ATTITUDES: (&str, &str) = (
@@ -28,6 +28,8 @@ pub struct Start {
     pub height_lost_m: f64,
     /// Root mean square of the velocity error in the last 5 s \[m/s\].
     pub late_velocity_error_rms_m_s: f64,
+    /// Whether the simulation diverged.
+    pub diverged: bool,
     /// Whether it ended near its velocity, and upright.
     pub converged: bool,
 }
@@ -55,14 +57,22 @@ pub fn starts(
             seed,
             ..experiment.clone()
         };
-        let figures = Figures::of(&experiment, &fly(&experiment)?);
+        let mut tally = Tally::new(&experiment);
+        let end = simulate(&experiment, experiment.controller()?.as_mut(), |step| {
+            tally.add(step);
+            true
+        })?;
+        let figures = tally.figures();
+        let diverged = end.sound().is_err();
         after_each()?;
         let error = figures.get("late_velocity_error_rms_m_s");
         Ok(Start {
             seed,
             height_lost_m: -figures.get("altitude_least_m"),
             late_velocity_error_rms_m_s: error,
-            converged: error < CONVERGED.0
+            diverged,
+            converged: !diverged
+                && error < CONVERGED.0
                 && figures.get(upright) < CONVERGED.1
                 && figures.get("lost") == 0.0,
         })
@@ -76,6 +86,8 @@ pub struct Starts {
     pub experiment: &'static str,
     /// Number of flights.
     pub flights: usize,
+    /// Flights whose simulation diverged.
+    pub diverged: usize,
     /// Share that converged.
     pub converged: f64,
     /// Median height lost \[m\].
@@ -109,6 +121,7 @@ impl Starts {
         Self {
             experiment,
             flights: starts.len(),
+            diverged: starts.iter().filter(|s| s.diverged).count(),
             converged: 1.0 - astray.len() as f64 / starts.len() as f64,
             height_lost_50_m: at(0.5),
             height_lost_95_m: at(0.95),
@@ -119,9 +132,9 @@ impl Starts {
         }
     }
 
-    /// Whether they are within [`LIMITS`].
+    /// Whether they are within [`LIMITS`], and none diverged.
     pub fn kept(&self) -> bool {
-        self.converged >= LIMITS.0 && self.height_lost_most_m <= LIMITS.1
+        self.diverged == 0 && self.converged >= LIMITS.0 && self.height_lost_most_m <= LIMITS.1
     }
 }
 

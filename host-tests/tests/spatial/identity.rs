@@ -41,8 +41,8 @@ fn in_the_north_plane_the_core_gives_the_planar_laws_bits() {
         };
         let orientation = Orientation::from_quaternion(&q, BodyAxes::NoseUp).unwrap();
         point.state.attitude = Attitude {
-            cos: orientation.i().down,
-            sin: orientation.i().north,
+            cos: -orientation.forward().down,
+            sin: -orientation.forward().north,
         };
         let state = State {
             velocity: lift(point.state.velocity),

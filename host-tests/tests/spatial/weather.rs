@@ -139,8 +139,8 @@ fn a_circle_in_turbulence_is_not_lost() {
 /// With torques behind the rates the figures are those of the lag.
 #[test]
 fn a_circle_with_bounded_torques() {
-    let torques = "plant.rate_loop={ inertia = { inertia_kg_m2 = [0.6, 0.4, 0.8], bandwidth_1_s = 10.0, \
-                   torque_max_n_m = 15.0 } }";
+    let torques = "plant.rate_loop={ inertia = { moment_of_inertia_kg_m2 = [0.8, 0.4, 0.6], bandwidth_1_s = 10.0, \
+                   max_torque_n_m = 15.0 } }";
     let mut course = Course::new(course::circle_40, 20.0);
     let samples = Setup::new().fly(&mut course, 40.0, &with(cruise(20.0), [torques]));
     let [velocity, position, sideslip] =

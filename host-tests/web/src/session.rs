@@ -5,8 +5,8 @@ use alula_sim::experiment::{BUILT_IN, Document, Experiment};
 use alula_sim::figures::Figures;
 use alula_sim::named::Named;
 use alula_sim::scene::{NUMBERS, Scene};
-use alula_sim::simulate::{End, simulate};
-use anyhow::{Context, bail};
+use alula_sim::simulate;
+use anyhow::Context;
 use serde::{Deserialize, Serialize};
 
 use crate::steered::Steered;
@@ -110,17 +110,7 @@ impl Session {
     /// Flies it whole.
     pub fn fly(&mut self) -> anyhow::Result<()> {
         let experiment = self.experiment()?;
-        let mut controller = experiment.controller()?;
-        let mut record = Vec::with_capacity(experiment.steps() + 1);
-        let end = simulate(experiment, controller.as_mut(), |step| {
-            record.push(step.clone());
-            true
-        })?;
-        if let End::Diverged(t) = end {
-            bail!(
-                "diverged at {t:.2} s: no aircraft flies like this, or the plant's steps are too long for it"
-            );
-        }
+        let record = simulate::fly(experiment)?;
         let scene = Scene::of(experiment, &record);
         let figures = Figures::of(experiment, &record);
         self.answer =

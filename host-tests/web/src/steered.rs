@@ -10,7 +10,7 @@ use alula::ned::Ned;
 use alula_sim::controllers::Controller;
 use alula_sim::experiment::{Experiment, Target, double, ned};
 use alula_sim::scene::Scene;
-use alula_sim::simulate::Flight;
+use alula_sim::simulate::{Diverged, Flight};
 use anyhow::{bail, ensure};
 
 /// How goals are flown to.
@@ -142,7 +142,7 @@ impl Steered {
                 };
                 (target, options)
             })?;
-            ensure!(step.truth.is_sound(), "diverged at {:.2} s", step.t);
+            Diverged::at(&step)?;
             scene.push(&self.experiment, &step, i + 1 == steps);
             self.flight.advance(&step.answer);
         }

@@ -46,7 +46,7 @@ function rowAt(t) {
         const i = flight.at[name];
         if (Math.abs(b[i] - a[i]) > Math.PI) row[i] = part < 0.5 ? a[i] : b[i];
     }
-    const q = ["q_w", "q_x", "q_y", "q_z"].map((name) => flight.at[name]);
+    const q = ["attitude_w", "attitude_x", "attitude_y", "attitude_z"].map((name) => flight.at[name]);
     const sign = q.reduce((sum, i) => sum + a[i] * b[i], 0) < 0 ? -1 : 1;
     const mixed = q.map((i) => a[i] + part * (sign * b[i] - a[i]));
     const length = Math.hypot(...mixed);
@@ -69,11 +69,11 @@ const world = ([north, east, down]) => new THREE.Vector3(north, -down, east);
 
 /* Axes of the body in the drawing: belly, nose, right wing. */
 function axes(row) {
-    const [w, x, y, z] = ["q_w", "q_x", "q_y", "q_z"].map((name) => get(row, name));
-    const belly = [1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)];
+    const [w, x, y, z] = ["attitude_w", "attitude_x", "attitude_y", "attitude_z"].map((name) => get(row, name));
+    const nose = [1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)];
     const right = [2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)];
-    const tail = [2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)];
-    return [world(belly), world(tail).negate(), world(right)];
+    const belly = [2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)];
+    return [world(belly), world(nose), world(right)];
 }
 
 /* ---- the drawing ---- */

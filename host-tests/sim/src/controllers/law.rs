@@ -160,7 +160,7 @@ impl From<&Input> for Planar {
     /// The plane is the vertical one that the right wing is square to: it holds the nose of an unbanked vehicle at any pitch.
     fn from(input: &Input) -> Self {
         let orientation = &input.sample.orientation;
-        let (tail, wing) = (orientation.i(), orientation.w());
+        let (tail, wing) = (-orientation.forward(), orientation.right());
         // Of a wing that is level to the east this is the north, exactly.
         let length = (wing.east * wing.east + wing.north * wing.north).sqrt();
         // The north stands for the plane of a wing that points up or down, or is not known.

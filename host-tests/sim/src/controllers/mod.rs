@@ -11,9 +11,9 @@ use std::borrow::Cow;
 
 use alula::Fault;
 use alula::guidance::Mode;
-use alula::ned::{Frd, Ned};
+use alula::ned::{BodyRates, Frd, Ned};
 use alula::planar::{Command, Diagnostics};
-use alula::spatial::{Body, FeedForward, Orientation};
+use alula::spatial::{FeedForward, Orientation};
 use alula::{GuidanceInput, GuidanceOutput};
 use alula_link::{Configuration, Pacing};
 use toml::Value;
@@ -50,7 +50,7 @@ pub struct Answer {
     /// Thrust T \[N\].
     pub thrust: f32,
     /// Body rates \[rad/s\].
-    pub rates: Body,
+    pub rates: BodyRates,
     /// What else it says.
     pub report: Report,
 }
@@ -72,7 +72,7 @@ impl From<Result<Command, Fault>> for Answer {
         let command = answer.unwrap_or_default();
         Self {
             thrust: command.thrust,
-            rates: Body::new(0.0, 0.0, command.rate),
+            rates: BodyRates::new(0.0, command.rate, 0.0),
             report: Report::Law(answer),
         }
     }
@@ -82,7 +82,7 @@ impl From<GuidanceOutput> for Answer {
     fn from(guided: GuidanceOutput) -> Self {
         Self {
             thrust: guided.command.thrust,
-            rates: guided.command.rates.into(),
+            rates: guided.command.rates,
             report: Report::Guidance(guided),
         }
     }

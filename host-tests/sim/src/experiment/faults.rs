@@ -1,8 +1,8 @@
 //! Faults of what the controller is told, of its clock, and of its memory.
 
+use alula::Frd;
 use alula::guidance::Air;
 use alula::ned::Ned;
-use alula::spatial::Body;
 use nalgebra::UnitQuaternion;
 use rand::{Rng, RngExt};
 use rand_chacha::ChaCha8Rng;
@@ -192,14 +192,15 @@ impl Lasting {
         }
     }
 
-    fn force(&self, force: Option<Body>) -> Option<Body> {
+    fn force(&self, force: Option<Frd>) -> Option<Frd> {
         let by = self.drift as f32;
-        let off = Body::new(by, by, if self.in_plane { 0.0 } else { by });
+        let across = if self.in_plane { 0.0 } else { by };
+        let off = |f: Frd| Frd::new(f.forward - by, f.right + across, f.down + by);
         match self.kind {
             FaultKind::Accelerometer => None,
-            FaultKind::AccelerometerDead => force.map(|_| Body::default()),
+            FaultKind::AccelerometerDead => force.map(|_| Frd::default()),
             FaultKind::AccelerometerFrozen => self.first.specific_force,
-            FaultKind::AccelerometerDrift => force.map(|f| f + off),
+            FaultKind::AccelerometerDrift => force.map(off),
             _ => force,
         }
     }
@@ -321,7 +322,7 @@ mod tests {
             position: V3::new(10.0 * t, 0.0, -t),
             attitude: UnitQuaternion::from_scaled_axis(V3::new(0.1 * t, 0.2, 0.3)),
             air: Air::Velocity(Ned::new(8.0 + t as f32, t as f32, -1.0)),
-            specific_force: Some(Body::new(9.0, t as f32, 0.5)),
+            specific_force: Some(Frd::new(-9.0, 0.5, t as f32)),
         }
     }
 
@@ -388,13 +389,13 @@ mod tests {
         assert_eq!(told(Accelerometer, None).specific_force, None);
         assert_eq!(
             told(AccelerometerDead, None).specific_force,
-            Some(Body::default())
+            Some(Frd::default())
         );
         assert_eq!(
             told(AccelerometerFrozen, None).specific_force,
             first.specific_force
         );
-        let drifted = Some(Body::new(10.0, 2.5, 1.5));
+        let drifted = Some(Frd::new(-10.0, 1.5, 2.5));
         assert_eq!(told(AccelerometerDrift, Some(2.0)).specific_force, drifted);
     }
 
@@ -452,6 +453,6 @@ mod tests {
         let turned = (fresh.attitude.inverse() * told_attitude).scaled_axis();
         assert!((turned - V3::new(0.0, 3.0_f64.to_radians(), 0.0)).norm() < 1e-12);
         let force = told(FaultKind::AccelerometerDrift, Some(2.0), true).specific_force;
-        assert_eq!(force, Some(Body::new(10.0, 2.5, 0.5)));
+        assert_eq!(force, Some(Frd::new(-10.0, 0.5, 2.5)));
     }
 }

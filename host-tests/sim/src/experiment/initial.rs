@@ -9,8 +9,8 @@ use serde::Deserialize;
 use super::V3;
 use super::document::{FieldError, angle, finite, rate, require, speed};
 use super::path::Target;
-use super::plant::State;
-use super::vector::{optional_vector, vector, velocity};
+use super::plant::{State, from_frd};
+use super::vector::{optional_vector, velocity};
 
 /// `[initial]`. The flight starts on the path.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, JsonSchema)]
@@ -30,10 +30,8 @@ pub struct InitialSpec {
     pub theta_deg: f64,
     /// Heading of the belly, clockwise from north \[°\]; if left out the path's heading, or else the course.
     pub heading_deg: Option<f64>,
-    /// Body rates about belly, right wing and tail \[rad/s\]. Without a lag of the rate loop they are what is commanded at once.
-    #[serde(deserialize_with = "vector")]
-    #[schemars(with = "[f64; 3]")]
-    pub rates_rad_s: V3,
+    /// Roll, pitch and yaw rate \[rad/s\]. Without a lag of the rate loop they are what is commanded at once.
+    pub body_rates_rad_s: [f64; 3],
     /// Thrust before the first command acts \[N\].
     pub thrust_n: f64,
     /// Random departures from that.
@@ -61,10 +59,10 @@ impl InitialSpec {
         angle("initial.course_deg", self.course_deg.unwrap_or(0.0))?;
         angle("initial.theta_deg", self.theta_deg)?;
         angle("initial.heading_deg", self.heading_deg.unwrap_or(0.0))?;
-        let rates = self.rates_rad_s.iter();
+        let rates = self.body_rates_rad_s.iter();
         rates
             .copied()
-            .try_for_each(|x| rate("initial.rates_rad_s", x))?;
+            .try_for_each(|x| rate("initial.body_rates_rad_s", x))?;
         finite("initial.thrust_n", self.thrust_n)?;
         let Some(scatter) = &self.scatter else {
             return Ok(());
@@ -84,10 +82,10 @@ impl InitialSpec {
     pub(super) fn in_plane(&self) -> bool {
         let Self {
             velocity_m_s,
-            rates_rad_s: rates,
+            body_rates_rad_s: [roll, _, yaw],
             ..
         } = self;
-        let level = velocity_m_s.is_none_or(|v| v.y == 0.0) && rates.x == 0.0 && rates.z == 0.0;
+        let level = velocity_m_s.is_none_or(|v| v.y == 0.0) && *roll == 0.0 && *yaw == 0.0;
         level && self.course_deg.is_none() && self.heading_deg.is_none() && self.scatter.is_none()
     }
 
@@ -110,7 +108,7 @@ impl InitialSpec {
             position: target.position,
             velocity,
             attitude: turn * pitch,
-            rates: self.rates_rad_s,
+            rates: from_frd(self.body_rates_rad_s),
             thrust: self.thrust_n,
         };
         match &self.scatter {

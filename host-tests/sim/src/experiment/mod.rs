@@ -44,7 +44,7 @@ pub use knots::{Knot, Knots};
 pub use mission::{ItemSpec, MissionSpec, TroubleKind, TroubleSpec};
 pub use parameters::{Fields, file_name, file_value, refused};
 pub use path::{Path, PathSpec, Target};
-pub use plant::{PlantSpec, RateLoop, State};
+pub use plant::{PlantSpec, RateLoop, State, attitude_to_frd, from_frd, to_frd};
 pub(crate) use sensors::orientation;
 pub use sensors::{AirSensor, ErrorSpec, Measured, PitotSpec, Sensor, SensorSpec};
 pub use tail_sitter::{TailSitterPlant, TailSitterSpec};
@@ -321,7 +321,7 @@ mod tests {
         assert_eq!(refused("plant.thrust_lag_s=1e-9"), "plant.thrust_lag_s");
         assert_eq!(refused("control_rate_hz=1"), "control_rate_hz");
         let inertia = "plant.rate_loop.inertia";
-        let table = "{inertia_kg_m2=1.0,bandwidth_1_s=1e6,torque_max_n_m=1.0}";
+        let table = "{moment_of_inertia_kg_m2=1.0,bandwidth_1_s=1e6,max_torque_n_m=1.0}";
         let field = format!("{inertia}.bandwidth_1_s");
         assert_eq!(refused(&format!("{inertia}={table}")), field);
         let knots = "reference.knots[2].forward_m_s";
@@ -334,7 +334,7 @@ mod tests {
         let velocity = "initial.velocity_m_s";
         assert_eq!(refused(&format!("{velocity}=[0,0,1e6]")), velocity);
         assert_eq!(refused("initial.theta_deg=1e300"), "initial.theta_deg");
-        let rates = "initial.rates_rad_s";
+        let rates = "initial.body_rates_rad_s";
         assert_eq!(refused(&format!("{rates}=[0,-1e30,0]")), rates);
         let noise = "sensors.velocity_m_s.noise";
         assert_eq!(refused(&format!("{noise}=1e308")), noise);

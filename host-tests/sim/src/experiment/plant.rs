@@ -1,6 +1,6 @@
 //! The actuators of a vehicle, and the state of a body with six degrees of freedom.
 
-use nalgebra::UnitQuaternion;
+use nalgebra::{Quaternion, UnitQuaternion};
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer};
 
@@ -12,7 +12,7 @@ use super::document::{FieldError, finite, positive, require};
 #[serde(
     rename_all = "kebab-case",
     deny_unknown_fields,
-    expecting = "lag = { time_constant_s = 0.1 }, inertia = { inertia_kg_m2 = …, bandwidth_1_s = …, torque_max_n_m = … } or \"ideal\""
+    expecting = "lag = { time_constant_s = 0.1 }, inertia = { moment_of_inertia_kg_m2 = …, bandwidth_1_s = …, max_torque_n_m = … } or \"ideal\""
 )]
 pub enum RateLoop {
     /// ω = ω_c.
@@ -26,22 +26,22 @@ pub enum RateLoop {
     /// A rotational inertia under a proportional inner loop with limited torque:
     /// J ω̇ = sat(J b (ω_c − ω) + ω × J ω) − ω × J ω, about each axis by itself.
     Inertia {
-        /// J \[kg·m²\] about belly, right wing and tail; one number for all of them.
+        /// J \[kg·m²\] about nose, right wing and belly, in the plants' axes; one number for all of them.
         #[serde(deserialize_with = "each_axis")]
         #[schemars(with = "Axes")]
-        inertia_kg_m2: V3,
+        moment_of_inertia_kg_m2: V3,
         /// b \[1/s\].
         bandwidth_1_s: f64,
         /// Largest torque \[N·m\], as the inertia.
         #[serde(deserialize_with = "each_axis")]
         #[schemars(with = "Axes")]
-        torque_max_n_m: V3,
+        max_torque_n_m: V3,
     },
 }
 
 /// One number for every axis, or one for each.
 #[derive(Deserialize, JsonSchema)]
-#[serde(untagged, expecting = "must be a number, or [belly, right wing, tail]")]
+#[serde(untagged, expecting = "must be a number, or [nose, right wing, belly]")]
 enum Axes {
     All(f64),
     Each([f64; 3]),
@@ -51,7 +51,8 @@ enum Axes {
 fn each_axis<'de, D: Deserializer<'de>>(from: D) -> Result<V3, D::Error> {
     Ok(match Axes::deserialize(from)? {
         Axes::All(number) => V3::repeat(number),
-        Axes::Each(numbers) => numbers.into(),
+        // About an axis, not along it: either way of it is the same.
+        Axes::Each([nose, wing, belly]) => V3::new(belly, wing, nose),
     })
 }
 
@@ -102,16 +103,19 @@ impl PlantSpec {
                 followed(field, *time_constant_s, dt)?;
             }
             RateLoop::Inertia {
-                inertia_kg_m2,
+                moment_of_inertia_kg_m2,
                 bandwidth_1_s,
-                torque_max_n_m,
+                max_torque_n_m,
             } => {
                 let field = "plant.rate_loop.inertia.bandwidth_1_s";
                 positive(field, *bandwidth_1_s)?;
                 followed(field, 1.0 / bandwidth_1_s, dt)?;
                 let each = |field: &str, of: &V3| of.iter().try_for_each(|&x| positive(field, x));
-                each("plant.rate_loop.inertia.inertia_kg_m2", inertia_kg_m2)?;
-                each("plant.rate_loop.inertia.torque_max_n_m", torque_max_n_m)?;
+                each(
+                    "plant.rate_loop.inertia.moment_of_inertia_kg_m2",
+                    moment_of_inertia_kg_m2,
+                )?;
+                each("plant.rate_loop.inertia.max_torque_n_m", max_torque_n_m)?;
             }
         }
         for (field, value) in [
@@ -141,7 +145,8 @@ impl PlantSpec {
 
 /// State of a body with six degrees of freedom. World vectors are north-east-down.
 ///
-/// The body's axes are x = belly (j), y = right wing (w), z = tail (i), so that (p, q, r) = (ω_j, ω_w, ω_i).
+/// The plants' axes are x = belly (j), y = right wing (w), z = tail (i), so that (p, q, r) = (ω_j, ω_w, ω_i). Files, traces and controllers
+/// have forward-right-down: [`from_frd`] and [`to_frd`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct State {
     /// x \[m\].
@@ -154,6 +159,26 @@ pub struct State {
     pub rates: V3,
     /// T \[N\].
     pub thrust: f64,
+}
+
+/// A vector of the plants' axes, of its components along forward, right and down. Zero has no sign.
+pub fn from_frd([forward, right, down]: [f64; 3]) -> V3 {
+    V3::new(down, right, 0.0 - forward)
+}
+
+/// Components along forward, right and down of a vector of the plants' axes. Zero has no sign.
+pub fn to_frd(v: V3) -> [f64; 3] {
+    [0.0 - v.z, v.y, v.x]
+}
+
+/// Turns forward, right and down into the plants' axes.
+fn nose_forward() -> UnitQuaternion<f64> {
+    UnitQuaternion::from_axis_angle(&V3::y_axis(), std::f64::consts::FRAC_PI_2)
+}
+
+/// The attitude of forward, right and down, of one of the plants' axes.
+pub fn attitude_to_frd(attitude: &UnitQuaternion<f64>) -> Quaternion<f64> {
+    attitude.quaternion() * nose_forward().quaternion()
 }
 
 impl State {

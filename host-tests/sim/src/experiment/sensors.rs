@@ -1,22 +1,20 @@
 //! Sensors: noise, bias and quantisation of what the controller is told.
 
-use std::f64::consts::FRAC_PI_2;
-
 use alula::guidance::Air;
-use alula::ned::{BodyAxes, Ned, Quaternion};
-use alula::spatial::{Body, Orientation};
+use alula::ned::{BodyAxes, Frd, Ned, Quaternion};
+use alula::spatial::Orientation;
 use nalgebra::UnitQuaternion;
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::V3;
 use super::document::{FieldError, require, sensor_error};
 use super::estimates::{Estimates, EstimatorSpec};
 use super::faults::FaultSpec;
 use super::plant::State;
 use super::vector::ned;
+use super::{V3, attitude_to_frd};
 use crate::named::built_in;
 
 /// Name and TOML text of built-in sensors, which `sensors = "NAME"` takes over.
@@ -180,22 +178,20 @@ pub struct Measured {
     pub attitude: UnitQuaternion<f64>,
     /// What is known of the air.
     pub air: Air<Ned>,
-    /// Specific force along tail, belly and right wing \[m/s²\].
-    pub specific_force: Option<Body>,
+    /// Specific force \[m/s²\].
+    pub specific_force: Option<Frd>,
 }
 
 impl Measured {
     /// The attitude as the core takes it.
     pub fn orientation(&self) -> Orientation {
-        orientation(&self.attitude)
+        orientation(&attitude_to_frd(&self.attitude))
     }
 }
 
-/// An attitude (from belly, right wing and tail to north-east-down) as the core takes it: from a quaternion in single precision of the body
-/// whose x axis is the nose's, as logs are read too, so that a replay sees the same bits.
-pub(crate) fn orientation(attitude: &nalgebra::Quaternion<f64>) -> Orientation {
-    let nose_forward = UnitQuaternion::from_axis_angle(&V3::y_axis(), FRAC_PI_2);
-    let q = attitude * nose_forward.quaternion();
+/// An attitude (from forward, right, down to north-east-down) as the core takes it: in single precision, as traces and logs are read too, so
+/// that a replay sees the same bits.
+pub(crate) fn orientation(q: &nalgebra::Quaternion<f64>) -> Orientation {
     let [w, x, y, z] = [q.w, q.i, q.j, q.k].map(|x| x as f32);
     let q = Quaternion { w, x, y, z };
     Orientation::from_quaternion(&q, BodyAxes::NoseForward).unwrap_or(Orientation::UNKNOWN)
@@ -262,8 +258,11 @@ impl SensorSpec {
                 },
                 AirSensor::None => Air::Unknown,
             },
-            specific_force: (self.accelerometer)
-                .told(Body::new(f.x as f32, f.y as f32, f.z as f32)),
+            specific_force: (self.accelerometer).told(Frd::new(
+                -f.x as f32,
+                f.z as f32,
+                f.y as f32,
+            )),
         }
     }
 }

@@ -56,13 +56,13 @@ impl From<&RateLoop> for Rotation {
             RateLoop::Ideal => Self::Ideal,
             RateLoop::Lag { time_constant_s } => Self::Lag(time_constant_s),
             RateLoop::Inertia {
-                inertia_kg_m2,
+                moment_of_inertia_kg_m2,
                 bandwidth_1_s,
-                torque_max_n_m,
+                max_torque_n_m,
             } => Self::Inertia {
                 lag: 1.0 / bandwidth_1_s,
-                inertia: inertia_kg_m2,
-                torque: torque_max_n_m,
+                inertia: moment_of_inertia_kg_m2,
+                torque: max_torque_n_m,
             },
         }
     }

@@ -24,9 +24,9 @@ use crate::simulate::{Record, Step};
 const OUTPUTS: [&str; 14] = [
     "t_s",
     "thrust_n",
-    "command_belly_rad_s",
-    "command_wing_rad_s",
-    "command_tail_rad_s",
+    "command_roll_rad_s",
+    "command_pitch_rad_s",
+    "command_yaw_rad_s",
     "law_alpha_rad",
     "fp_n",
     "margin_k",

@@ -2,7 +2,7 @@
 
 use alula::guidance::Air;
 use alula::ned::BodyAxes;
-use alula::spatial::Body;
+use alula::ned::Frd;
 use alula_logs::states::{CEASED, Series, States};
 use anyhow::bail;
 
@@ -123,8 +123,8 @@ impl Row {
         wind.or(self.wind)
     }
 
-    /// The specific force along the core's body axes \[m/s²\].
-    pub fn force(&self) -> Option<Body> {
+    /// The specific force \[m/s²\].
+    pub fn force(&self) -> Option<Frd> {
         let force = self.specific_force?;
         Some(BodyAxes::NoseForward.vector(force.map(|c| c as f32)))
     }

@@ -4,14 +4,15 @@ use std::io::Read;
 
 use alula::GuidanceInput;
 use alula::guidance::Air;
-use alula::ned::Ned;
-use alula::spatial::{Body, FeedForward, Heading, Reference};
+use alula::ned::{Frd, Ned};
+use alula::spatial::{FeedForward, Heading, Reference};
 use anyhow::{anyhow, bail};
 use csv::StringRecord;
 use nalgebra::Quaternion;
 
 use super::unknown::Unknown;
 use super::{Logged, OpenLoop};
+use crate::columns::renamed;
 use crate::controllers::Input;
 use crate::experiment::{Experiment, Target, V3, double, ned, orientation};
 use crate::simulate::Record;
@@ -22,10 +23,10 @@ pub(super) const REQUIRED: [&str; 17] = [
     "told_v_north_m_s",
     "told_v_east_m_s",
     "told_v_down_m_s",
-    "told_q_w",
-    "told_q_x",
-    "told_q_y",
-    "told_q_z",
+    "told_attitude_w",
+    "told_attitude_x",
+    "told_attitude_y",
+    "told_attitude_z",
     "told_wind_north_m_s",
     "told_wind_east_m_s",
     "told_wind_down_m_s",
@@ -59,6 +60,11 @@ impl Log<'_> {
         for (mark, name) in [(';', "semicolons"), ('\t', "tabulators")] {
             if self.header.len() == 1 && self.header[0].contains(mark) {
                 bail!("{origin}:1: the cells are separated by {name}; they must be by commas");
+            }
+        }
+        for name in &self.header {
+            if let Some(new) = renamed(name) {
+                bail!("{origin}:1: {name}: a trace with other body axes: {new} stands for it now");
             }
         }
         for (i, name) in self.header.iter().enumerate() {
@@ -131,9 +137,9 @@ impl Log<'_> {
         let age = |name| Ok::<f64, anyhow::Error>(self.number(record, name)?.unwrap_or(0.0));
         let velocity = |begin| self.vector(record, begin, "_m_s").map(ned);
         let acceleration = |begin| self.vector(record, begin, "_m_s2").map(ned);
-        let [w, x, y, z] = self.numbers(record, "told_q", ["w", "x", "y", "z"], "")?;
-        let force = ["tail", "belly", "wing"];
-        let [i, j, side] = self.numbers(record, "told_f", force, "_m_s2")?;
+        let [w, x, y, z] = self.numbers(record, "told_attitude", ["w", "x", "y", "z"], "")?;
+        let force = ["forward", "right", "down"];
+        let [forward, right, down] = self.numbers(record, "told_f", force, "_m_s2")?;
         let known_position = self.place("told_x_error_north_m").is_some();
         let position_error = ned(self.vector(record, "x_error", "_m")?);
         Ok(Input {
@@ -152,8 +158,8 @@ impl Log<'_> {
                         self.origin,
                         record.position().map_or(0, csv::Position::line)
                     ),
-                }).specific_force((self.place("told_f_tail_m_s2").is_some() && !i.is_nan())
-                    .then(|| Body::new(i as f32, j as f32, side as f32).into())).position_error(known_position.then_some(position_error)).reference(Reference {
+                }).specific_force((self.place("told_f_forward_m_s2").is_some() && !forward.is_nan())
+                    .then(|| Frd::new(forward as f32, right as f32, down as f32))).position_error(known_position.then_some(position_error)).reference(Reference {
                     velocity: velocity("vr")?,
                     acceleration: acceleration("ar")?,
                     heading: match self.number(record, "heading_rad")? {
@@ -230,7 +236,7 @@ pub fn replay(
         let [velocity, attitude, wanted] = &mut unknown;
         let told = |v: Ned| [v.north, v.east, v.down].map(f64::from);
         velocity.count(t, AXES, told(input.sample.velocity));
-        attitude.count(t, ["q"], [f64::from(input.sample.orientation.i().down)]);
+        attitude.count(t, ["q"], [f64::from(input.sample.orientation.down().down)]);
         wanted.count(t, AXES, told(input.sample.reference.velocity));
         let reference = &input.sample.reference;
         let logged = Logged {
@@ -263,7 +269,7 @@ mod tests {
         let optional = [
             "told_air",
             "told_va_down_m_s",
-            "told_f_wing_m_s2",
+            "told_f_down_m_s2",
             "told_x_error_down_m",
             "heading_rad",
             "state_age_s",

@@ -5,7 +5,7 @@ use alula::GuidanceInput;
 use alula::guidance::Air;
 use alula::ned::{Frd, Ned, Quaternion};
 use alula::spatial::{
-    Body, Correction, FeedForward, ForceSample, Heading, Orientation, Reference, State,
+    Correction, FeedForward, ForceSample, Heading, Orientation, Reference, State,
 };
 
 /// One input for every function in space.
@@ -21,7 +21,7 @@ pub struct SpaceCase {
     /// What the force estimator looks at.
     pub sample: ForceSample,
     /// Air velocity of `state`.
-    pub v_a: Body,
+    pub v_a: Frd,
     /// The same for the guidance, with its air velocity measured and a position to hold.
     pub input: GuidanceInput,
 }
@@ -45,19 +45,21 @@ pub fn case(n: usize) -> SpaceCase {
     };
     let (velocity, mut acceleration, wind) = (vector(25.0), vector(4.0), vector(6.0));
     let (air_acceleration, jerk, force) = (vector(8.0), vector(8.0), vector(20.0));
+    // Drawn along the tail, the belly and the right wing.
+    let body = |tail: f32, belly, wing| Frd::new(-tail, wing, belly);
     let v_a = match n % 8 {
-        3 if n % 16 == 3 => Body::default(),
-        3 => Body::new(
+        3 if n % 16 == 3 => Frd::default(),
+        3 => body(
             random.within(1e-6),
             random.within(1e-6),
             random.within(1e-6),
         ),
-        4 => Body::new(
+        4 => body(
             20.0 + random.within(20.0),
             random.within(2.0),
             random.within(2.0),
         ),
-        _ => Body::new(random.within(25.0), random.within(25.0), random.within(5.0)),
+        _ => body(random.within(25.0), random.within(25.0), random.within(5.0)),
     };
     if n % 8 == 5 {
         acceleration = Ned::new(0.0, 0.0, 9.81) + acceleration * (0.1 / (1 + n % 7) as f32);
@@ -94,13 +96,13 @@ pub fn case(n: usize) -> SpaceCase {
             jerk,
         },
         sample: ForceSample {
-            specific_force: Body::new(
+            specific_force: body(
                 -9.0 + random.within(3.0),
                 random.within(9.0),
                 random.within(2.0),
             ),
             orientation,
-            aerodynamic: Body::new(random.within(20.0), random.within(90.0), random.within(9.0)),
+            aerodynamic: body(random.within(20.0), random.within(90.0), random.within(9.0)),
             thrust: 60.0 + random.within(60.0),
         },
         v_a,
