@@ -1,4 +1,13 @@
 //! Authority in pitch: how fast the rate of the attitude can change.
+//!
+//! With u the airspeed along the nose, w across it towards the belly, V = |v_a|, T_b the thrust whose slipstream is blown back tail first and
+//! α_s the stall, the actuators give
+//!
+//! `constant + slipstream (T − T_b) + difference min(T, T_max − T) + airflow (u² − 1.9 w²)`, the last for u > 0, each with the share of its
+//! parameter that a flight may count on,
+//!
+//! `T_b = reversed u²` for u < 0, and the wing takes `w wing (0.65 V + 0.35 |w|) w⁴/(w⁴ + (V sin α_s)⁴)`, tail first `w wing V`: it turns the
+//! nose to the air velocity.
 
 use crate::math;
 

@@ -33,9 +33,7 @@ pub struct Vehicle<'a> {
     mass_and_area: (f64, f64),
     dynamics: Dynamics,
     path: Path,
-    weather: Weather,
-    gusts: ChaCha8Rng,
-    noise: ChaCha8Rng,
+    random: Random,
     estimates: Estimates,
     /// Time step \[s\].
     dt: f64,
@@ -57,11 +55,23 @@ pub struct Vehicle<'a> {
     landings: Vec<(f64, f64)>,
 }
 
-/// The weather, and the random numbers of gusts and of sensors, as they begin.
-fn by_seed(experiment: &Experiment) -> (Weather, ChaCha8Rng, ChaCha8Rng) {
-    let [noise, mut gusts] = [0, 1].map(|number| stream(experiment.seed, number));
-    let weather = Weather::new(experiment.weather, experiment.in_plane(), &mut gusts);
-    (weather, gusts, noise)
+/// The weather, and the random numbers of gusts and of sensors.
+struct Random {
+    weather: Weather,
+    gusts: ChaCha8Rng,
+    noise: ChaCha8Rng,
+}
+
+impl Random {
+    /// As they begin.
+    fn new(experiment: &Experiment) -> Self {
+        let [noise, mut gusts] = [0, 1].map(|number| stream(experiment.seed, number));
+        Self {
+            weather: Weather::new(experiment.weather, experiment.in_plane(), &mut gusts),
+            gusts,
+            noise,
+        }
+    }
 }
 
 /// What stands on the ground.
@@ -87,7 +97,6 @@ impl<'a> Vehicle<'a> {
         let vehicle = experiment.vehicle.reference();
         let [nose, wing, belly] = experiment.ardupilot.inertia(vehicle.mass);
         let most = experiment.thrust_limits(None, experiment.weight())[1];
-        let (weather, gusts, noise) = by_seed(experiment);
         Ok(Self {
             experiment,
             mass_and_area: (vehicle.mass, vehicle.k_a),
@@ -99,9 +108,7 @@ impl<'a> Vehicle<'a> {
                 ..Dynamics::of(experiment)
             },
             path: experiment.path.path()?,
-            weather,
-            gusts,
-            noise,
+            random: Random::new(experiment),
             estimates: Estimates::new(experiment.seed),
             dt,
             steps: 0,
@@ -135,7 +142,7 @@ impl<'a> Vehicle<'a> {
     }
 
     fn wind(&self) -> V3 {
-        self.weather.wind(self.clock())
+        self.random.weather.wind(self.clock())
     }
 
     fn start_clock(&mut self) {
@@ -267,13 +274,14 @@ impl Physics for Vehicle<'_> {
             wind,
             steady,
             in_plane,
-            (&mut self.noise, &mut self.estimates),
+            (&mut self.random.noise, &mut self.estimates),
             self.dt,
         );
         if self.steps.is_multiple_of(experiment.substeps.into()) {
             let airspeed = (self.state.velocity - wind).norm();
             let period = 1.0 / experiment.control_rate_hz;
-            self.weather.advance(airspeed, period, &mut self.gusts);
+            let Random { weather, gusts, .. } = &mut self.random;
+            weather.advance(airspeed, period, gusts);
             if self.start.is_some() && self.clock() <= experiment.duration_s {
                 let asked = experiment.ardupilot.thrust(packet, self.dynamics.thrust[1]);
                 self.keep(truth, told, force, wind, asked.iter().sum());
@@ -311,7 +319,7 @@ impl Physics for Vehicle<'_> {
         (self.grounded, self.marked, self.start) = (true, false, None);
         self.theta = 0.0;
         // The same outputs make the same flight again.
-        (self.weather, self.gusts, self.noise) = by_seed(self.experiment);
+        self.random = Random::new(self.experiment);
         self.estimates = Estimates::new(self.experiment.seed);
         self.landings.clear();
     }

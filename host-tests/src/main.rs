@@ -13,6 +13,7 @@ mod commands;
 #[cfg(not(target_os = "none"))]
 fn main() -> std::process::ExitCode {
     use clap::Parser;
+    use clap::error::{ContextKind, ContextValue};
     use std::process::ExitCode;
 
     let cli = match commands::Cli::try_parse() {
@@ -25,7 +26,11 @@ fn main() -> std::process::ExitCode {
             let tip = lines().find_map(|line| line.strip_prefix("tip: "));
             let meant = tip.filter(|tip| tip.contains(" similar "));
             let meant = meant.map_or(String::new(), |tip| format!("; {tip}"));
-            eprintln!("{}{meant} (see --help)", what.join(" "));
+            let renamed = match error.get(ContextKind::InvalidSubcommand) {
+                Some(ContextValue::String(given)) if given == "serve" => "; it is called sitl",
+                _ => "",
+            };
+            eprintln!("{}{meant}{renamed} (see --help)", what.join(" "));
             return ExitCode::from(2);
         }
         // Help and version.

@@ -757,6 +757,7 @@ fn a_slip_of_the_fingers_is_told_what_was_meant() {
     let folder = tempfile::tempdir().unwrap();
     for (given, meant) in [
         (vec!["campain"], "campaign"),
+        (vec!["serve"], "is called sitl"),
         (vec!["new", "x", "--mas-kg", "3"], "--mass-kg"),
         (vec!["fly", "round-tripp"], "round-trip?"),
     ] {

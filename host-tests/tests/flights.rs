@@ -135,7 +135,7 @@ fn braking_harder_than_drag_crosses_the_stall() {
 }
 
 /// A reference that brakes at 0.4 m/s² to 14 m/s, below the fold, and then at 2 m/s² is followed: within 6 m forward
-/// (measured 4.4), and ±0.4 m in altitude (−0.26…+0.22); it settles in 6 s (4.2).
+/// (measured 4.5), and ±0.4 m in altitude (−0.16…+0.29); it settles in 6 s (4.3).
 #[test]
 fn a_reference_within_drag_is_followed() {
     let (_, segments) = figures_and_segments(&experiment("gentle-braking", &[]));
@@ -148,7 +148,7 @@ fn a_reference_within_drag_is_followed() {
 }
 
 /// A reference that brakes at 2 m/s² in a climb is followed too: within 1.2 m forward (measured 0.8) and ±0.3 m of its own altitude
-/// (−0.18…+0.15); it settles in 6 s (4.4).
+/// (−0.11…+0.17); it settles in 6 s (4.2).
 #[test]
 fn a_climbing_reference_is_followed_at_two_metres_per_second_squared() {
     let experiment = experiment("climbing-braking", &[]);

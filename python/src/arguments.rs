@@ -90,7 +90,7 @@ fn counted(
     vehicles: Option<usize>,
     arguments: &[(&str, &Numbers, usize)],
 ) -> PyResult<Option<usize>> {
-    let mut found = vehicles;
+    let mut length = vehicles;
     for (field, value, row) in arguments {
         let value = value.array(field)?.as_array();
         let n = match (value.shape(), row) {
@@ -101,7 +101,7 @@ fn counted(
             (other, 1) => return Err(shape(field, "() or (n,)", other)),
             (other, row) => return Err(shape(field, &format!("({row},) or (n, {row})"), other)),
         };
-        match found {
+        match length {
             Some(others) if others != n => {
                 let problem = match vehicles {
                     Some(_) => format!("has {n} rows, there are {others} vehicles"),
@@ -109,10 +109,10 @@ fn counted(
                 };
                 return Err(error::field(field, problem));
             }
-            _ => found = Some(n),
+            _ => length = Some(n),
         }
     }
-    Ok(found)
+    Ok(length)
 }
 
 /// The rows of an argument, a single one of which stands for all.

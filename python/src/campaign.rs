@@ -150,16 +150,16 @@ pub fn campaign(
 
 /// Random starts in space: `flights` of each experiment.
 fn attitudes(py: Python<'_>, flights: u64, threads: Threads) -> PyResult<Campaign> {
-    let flown: Vec<(&str, Vec<Start>)> = interruptible(py, |go_on| {
+    let all_starts: Vec<(&str, Vec<Start>)> = interruptible(py, |go_on| {
         let fly = |name| Ok((name, starts(name, flights, threads, go_on)?));
         BASES.into_iter().map(fly).collect()
     })?;
-    let summary: Vec<Starts> = flown
+    let summary: Vec<Starts> = all_starts
         .iter()
         .map(|(name, all)| Starts::new(name, all))
         .collect();
     let rows = || {
-        flown
+        all_starts
             .iter()
             .flat_map(|(name, all)| all.iter().map(move |start| (name, start)))
     };

@@ -78,7 +78,7 @@ pub fn equilibria(
     let set = Equilibria::find(&vehicle, &reference, wind).map_err(refused)?;
     let map = FoldMap::new(&vehicle);
     let air_velocity = reference.velocity - wind;
-    let found = set.as_slice().iter().map(|e| {
+    let equilibria = set.as_slice().iter().map(|e| {
         let forces =
             ApparentForces::new(&vehicle, e.attitude, air_velocity, reference.acceleration);
         let fold = map.margin(&forces);
@@ -97,7 +97,7 @@ pub fn equilibria(
             fold_speed_ratio: fold.map(|fold| fold.a.sqrt()),
         }
     });
-    Ok(found.collect())
+    Ok(equilibria.collect())
 }
 
 /// Equilibria over the airspeed, in double precision.

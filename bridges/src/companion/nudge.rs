@@ -24,10 +24,21 @@ const SHARES: [[f64; 2]; 2] = [[0.7, 1.3], [0.4, 1.8]];
 const LAGS: usize = 60;
 const LAG_STEP: f64 = 0.01;
 
-/// What the nudges of a flight gave: times \[s\], rates asked for besides those of the guidance, and had.
+/// What the nudges of a flight gave.
 #[derive(Clone, Debug, Default)]
 pub struct Nudge {
-    samples: Vec<(f64, [f32; 3], [f32; 3])>,
+    samples: Vec<NudgeSample>,
+}
+
+/// The rates [rad/s] of a time.
+#[derive(Clone, Copy, Debug)]
+struct NudgeSample {
+    /// Time \[s\].
+    t: f64,
+    /// Asked for besides those of the guidance.
+    asked: [f32; 3],
+    /// Had.
+    had: [f32; 3],
 }
 
 /// A loop about one axis.
@@ -62,7 +73,7 @@ impl Nudge {
 
     /// Takes what was asked in all, and had, at `t` \[s\].
     pub fn take(&mut self, t: f64, asked: [f32; 3], had: [f32; 3]) {
-        self.samples.push((t, asked, had));
+        self.samples.push(NudgeSample { t, asked, had });
     }
 
     /// The loops about the three axes.
@@ -71,9 +82,9 @@ impl Nudge {
         std::array::from_fn(|axis| {
             let begin = REST + axis as f64 * (2.0 * HALF + REST);
             let window = |t: f64| (begin - 0.3..begin + 2.0 * HALF + 0.5).contains(&t);
-            let of = self.samples.iter().filter(|(t, ..)| window(*t));
+            let of = self.samples.iter().filter(|sample| window(sample.t));
             let of: Vec<[f64; 3]> = of
-                .map(|(t, asked, had)| [*t, asked[axis].into(), had[axis].into()])
+                .map(|sample| [sample.t, sample.asked[axis].into(), sample.had[axis].into()])
                 .collect();
             let mut best = (f64::INFINITY, 0.0, 0.0);
             for n in 0..LAGS {
@@ -99,9 +110,9 @@ impl Nudge {
             let rests = self
                 .samples
                 .iter()
-                .filter(|(t, ..)| (0.2..REST).contains(t));
+                .filter(|sample| (0.2..REST).contains(&sample.t));
             let rests: Vec<f64> = rests
-                .map(|(_, _, had)| f64::from(had[axis]).powi(2))
+                .map(|sample| f64::from(sample.had[axis]).powi(2))
                 .collect();
             Loop {
                 share: best.1,
@@ -115,12 +126,12 @@ impl Nudge {
     #[must_use]
     pub fn findings(&self, lag: f64) -> Vec<Finding> {
         let loops = self.loops().into_iter().zip(AXES);
-        let found = loops.map(|(found, (axis, parameters))| {
+        let findings = loops.map(|(of_axis, (axis, parameters))| {
             let Loop {
                 share,
                 lag_s,
                 rest_rad_s,
-            } = found;
+            } = of_axis;
             let [good, flown] = SHARES.map(|[least, most]| (least..=most).contains(&share));
             let slow = lag_s > 2.0 * lag + 0.05;
             let (weight, change) = if rest_rad_s > SWINGS {
@@ -160,7 +171,7 @@ impl Nudge {
                 change,
             }
         });
-        found.collect()
+        findings.collect()
     }
 }
 

@@ -150,7 +150,7 @@ pub fn judge(
     believed: &Believed,
 ) -> Vec<Finding> {
     use Weight::{Good, NoGo, Remark};
-    let mut found = Vec::new();
+    let mut findings = Vec::new();
     let get = |name: &str| {
         let renamed = RENAMED.iter().find(|(old, _)| *old == name);
         parameters.get(name).or_else(|| parameters.get(renamed?.1))
@@ -172,19 +172,19 @@ pub fn judge(
             Some(value) if (value - wanted).abs() <= 1e-3 * wanted.abs().max(1.0) => {
                 as_expected += 1;
             }
-            Some(value) => found.push(Finding::new(
+            Some(value) => findings.push(Finding::new(
                 NoGo,
                 format!("{name} is {value}: {}", why(name)),
                 change,
             )),
-            None => found.push(Finding::new(
+            None => findings.push(Finding::new(
                 NoGo,
                 format!("{name} was not told: {}", why(name)),
                 change,
             )),
         }
     }
-    found.push(Finding::new(
+    findings.push(Finding::new(
         Good,
         format!("{as_expected} parameters are as they should be"),
         None,
@@ -202,7 +202,7 @@ pub fn judge(
             "a full stick is {full:.1} rad/s, and the guidance asks for up to {:.1}",
             believed.max_rate
         );
-        found.push(Finding::new(weight, what, change));
+        findings.push(Finding::new(weight, what, change));
     }
     let hover = match kind {
         Kind::Px4 => "MPC_THR_HOVER",
@@ -218,7 +218,7 @@ pub fn judge(
             "hover takes {had:.2} of the throttle by {hover}, and {:.2} by the vehicle's file",
             believed.hover_thrust
         );
-        found.push(Finding::new(weight, what, change));
+        findings.push(Finding::new(weight, what, change));
     }
     if kind == Kind::Px4 {
         let scale = hover_scale(parameters);
@@ -238,7 +238,7 @@ pub fn judge(
         });
         let gains: Vec<String> = gains.into_iter().flatten().collect();
         if believed.elevons && !gains.is_empty() {
-            found.push(Finding::new(
+            findings.push(Finding::new(
                 Remark,
                 format!(
                     "elevons follow {}, and not MC_PITCHRATE_*: with more thrust there is more slipstream and more loop gain. The nudge in hover measures the \
@@ -249,7 +249,7 @@ pub fn judge(
             ));
         }
         if let Some(angle) = get("FD_FAIL_P").filter(|angle| (1.0..90.0).contains(angle)) {
-            found.push(Finding::new(
+            findings.push(Finding::new(
                 Remark,
                 format!("FD_FAIL_P is {angle}°: by attitude set-points the flight would end there; by rates, as here, PX4 does not look"),
                 None,
@@ -271,7 +271,7 @@ pub fn judge(
             "the rate of the stream: SR*_ or MAV_*_RATE of this link, or a faster baud rate"
                 .to_owned()
         });
-        found.push(Finding::new(
+        findings.push(Finding::new(
             weight,
             format!("{what} at {rate:.0} Hz"),
             change,
@@ -285,12 +285,12 @@ pub fn judge(
     };
     let change = (weight != Good)
         .then(|| "a link that does not queue, a machine that is not busy".to_owned());
-    found.push(Finding::new(
+    findings.push(Finding::new(
         weight,
         format!("the state is up to {:.0} ms old", 1e3 * streams.age_s),
         change,
     ));
-    found
+    findings
 }
 
 /// Time \[s\] for which streams are watched, and after which a parameter is asked for again; how often.

@@ -60,6 +60,17 @@ pub struct Turn {
     pub at_stop: bool,
 }
 
+/// Coefficients behind the stall.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Beyond {
+    /// α \[°\].
+    pub alpha_deg: f64,
+    /// c_L.
+    pub c_l: Measured,
+    /// c_D.
+    pub c_d: Measured,
+}
+
 /// What a flight shows.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Identified {
@@ -85,8 +96,8 @@ pub struct Identified {
     pub zero_lift_deg: Option<Measured>,
     /// c_D at the angle of level cruise, and that angle \[°\].
     pub c_d_cruise: Option<(Measured, f64)>,
-    /// Coefficients behind the stall: α \[°\], c_L, c_D.
-    pub beyond: Vec<(f64, Measured, Measured)>,
+    /// Coefficients behind the stall.
+    pub beyond: Vec<Beyond>,
     /// Acceleration towards the belly per angular acceleration \[m\].
     pub surface_reaction_m: Option<Measured>,
     /// Share of the variance of the specific force along nose and belly that is predicted, on data that was not fitted.
@@ -624,11 +635,11 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
         .enumerate()
         .map(|(n, bin)| {
             let middle = (f64::from(*bin) + 0.5) * BIN;
-            (
-                middle.to_degrees(),
-                fit.measured(FIXED + 2 * n),
-                fit.measured(FIXED + 2 * n + 1),
-            )
+            Beyond {
+                alpha_deg: middle.to_degrees(),
+                c_l: fit.measured(FIXED + 2 * n),
+                c_d: fit.measured(FIXED + 2 * n + 1),
+            }
         })
         .collect();
     if beyond.len() < 4 {
@@ -777,7 +788,12 @@ impl Identified {
             angle += 1.0;
         }
         let mut next = last;
-        for (alpha, c_l, c_d) in &self.beyond {
+        for Beyond {
+            alpha_deg: alpha,
+            c_l,
+            c_d,
+        } in &self.beyond
+        {
             // Without a gap, and where both are known.
             let known = c_l.within < 0.3 && c_d.within < 0.3 && c_d.value > 0.0;
             if *alpha < last || *alpha - next > 15.0 || !known || *alpha > 90.0 {
@@ -860,7 +876,7 @@ impl Identified {
                 if !self
                     .beyond
                     .iter()
-                    .any(|(alpha, ..)| *alpha > ATTACHED.to_degrees())
+                    .any(|bin| bin.alpha_deg > ATTACHED.to_degrees())
                 {
                     text += &format!("{:<28} # assumed: no stall was seen\n", "stall_deg = 12");
                 }
@@ -933,7 +949,12 @@ impl Identified {
             "",
             self.c_d_cruise.map(|(drag, _)| drag),
         ));
-        for (alpha, c_l, c_d) in &self.beyond {
+        for Beyond {
+            alpha_deg: alpha,
+            c_l,
+            c_d,
+        } in &self.beyond
+        {
             rows.push(row(&format!("c_L at {alpha:.0}°"), "", Some(*c_l)));
             rows.push(row(&format!("c_D at {alpha:.0}°"), "", Some(*c_d)));
         }

@@ -6,9 +6,9 @@ use super::chart::{BLUE, Chart, GREY, Series};
 use super::{Figure, Page, Table};
 
 /// The page of what the flight `name` shows; `known` is the file that `new` takes.
-pub fn page(name: &str, found: &Identified, known: &str, notes: &[String]) -> Page {
+pub fn page(name: &str, vehicle: &Identified, known: &str, notes: &[String]) -> Page {
     let of = |which: usize| -> Vec<(f64, f64)> {
-        let points = found.held_out.iter();
+        let points = vehicle.held_out.iter();
         points.map(|row| (row[0], row[which])).collect()
     };
     let chart = |title, had: usize| {
@@ -31,8 +31,8 @@ pub fn page(name: &str, found: &Identified, known: &str, notes: &[String]) -> Pa
         ],
         250.0,
     );
-    let [fitted, held] = found.seconds;
-    let [nose, belly] = found.predicted.map(|share| 100.0 * share);
+    let [fitted, held] = vehicle.seconds;
+    let [nose, belly] = vehicle.predicted.map(|share| 100.0 * share);
     Page {
         title: format!("{name}: the vehicle that it shows"),
         lead: format!(
@@ -44,12 +44,12 @@ pub fn page(name: &str, found: &Identified, known: &str, notes: &[String]) -> Pa
             Table::new(
                 "Measured, with intervals of 95 %",
                 ["quantity", "value", ""],
-                found.rows(),
+                vehicle.rows(),
             ),
             Table::new(
                 "What the flight does not show, and the manoeuvre that would",
                 [""],
-                found.missing.iter().map(|line| [line.clone()]),
+                vehicle.missing.iter().map(|line| [line.clone()]),
             ),
         ],
         text: Some(("known.toml".to_owned(), known.to_owned())),

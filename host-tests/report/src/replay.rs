@@ -174,10 +174,10 @@ mod tests {
         let experiment = document.checked().unwrap();
         let mut record = fly(&experiment).unwrap();
         assert!(record[0].answer.diagnostics_flying().is_none());
-        let flown = |step: &Step| step.answer.diagnostics_flying().is_some();
+        let is_law = |step: &Step| step.answer.diagnostics_flying().is_some();
         let numbers = |of: &str| {
             let column = column(of).unwrap();
-            let steps = record.iter().filter(|step| flown(step));
+            let steps = record.iter().filter(|step| is_law(step));
             steps
                 .map(|step| column.number(&experiment, step))
                 .fold(f64::INFINITY, f64::min)
@@ -186,7 +186,7 @@ mod tests {
         assert!(k < 0.0 && fp > 0.0, "{k} {fp}");
         assert_eq!(least("margin_k", &experiment, &record).unwrap().0, k);
         assert_eq!(least("fp_n", &experiment, &record).unwrap().0, fp);
-        record.retain(|step| !flown(step));
+        record.retain(|step| !is_law(step));
         assert_eq!(least("fp_n", &experiment, &record), None);
     }
 }

@@ -8,10 +8,21 @@ use super::svg::{Drawn, escape, width};
 pub struct Row {
     /// What the words are.
     pub name: &'static str,
-    /// (from, to, word), one after the other.
-    pub spans: Vec<(f64, f64, String)>,
+    /// One after the other.
+    pub spans: Vec<Span>,
     /// Whether the words are sets of flags.
     pub flags: bool,
+}
+
+/// A word over a time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Span {
+    /// Beginning \[s\].
+    pub from: f64,
+    /// End \[s\].
+    pub to: f64,
+    /// The word.
+    pub word: String,
 }
 
 /// Rows of words over a time.
@@ -45,16 +56,20 @@ impl Row {
         name: &'static str,
         words: impl Iterator<Item = (f64, Option<String>)>,
     ) -> Option<Self> {
-        let mut spans: Vec<(f64, f64, String)> = Vec::new();
+        let mut spans: Vec<Span> = Vec::new();
         for (t, word) in words {
             let Some(word) = word else { continue };
             match spans.last_mut() {
-                Some(last) if last.2 == word => last.1 = t,
+                Some(last) if last.word == word => last.to = t,
                 last => {
                     if let Some(last) = last {
-                        last.1 = t;
+                        last.to = t;
                     }
-                    spans.push((t, t, word));
+                    spans.push(Span {
+                        from: t,
+                        to: t,
+                        word,
+                    });
                 }
             }
         }
@@ -72,7 +87,7 @@ impl Strip {
         let mut classes: Vec<(&str, &'static str)> = Vec::new();
         let mut loud = LOUD.iter().cycle();
         for row in &self.rows {
-            for (_, _, word) in &row.spans {
+            for Span { word, .. } in &row.spans {
                 if classes.iter().any(|(known, _)| known == word) {
                     continue;
                 }
@@ -126,7 +141,7 @@ impl Strip {
             );
             for (word, class) in &key {
                 let mut data = String::new();
-                for (from, to, _) in row.spans.iter().filter(|span| span.2 == *word) {
+                for Span { from, to, .. } in row.spans.iter().filter(|span| span.word == *word) {
                     let (from, to) = ((from * UNITS).round(), (to * UNITS).round());
                     let long = to - from;
                     let _ = write!(data, "M{from} 0h{long}v1h-{long}z");
@@ -141,7 +156,7 @@ impl Strip {
                     );
                 }
             }
-            for (from, to, word) in &row.spans {
+            for Span { from, to, word } in &row.spans {
                 if width(word, 12.0) + 10.0 < (to - from) * UNITS * scale {
                     let quiet = key
                         .iter()
@@ -184,14 +199,16 @@ mod tests {
     fn equal_words_are_one_span() {
         let spans = row().spans;
         let expected = [
-            (0.0, 2.0, "tracking"),
-            (2.0, 3.0, "crossing"),
-            (3.0, 3.0, "tracking"),
+            ([0.0, 2.0], "tracking"),
+            ([2.0, 3.0], "crossing"),
+            ([3.0, 3.0], "tracking"),
         ];
-        assert_eq!(
-            spans,
-            expected.map(|(from, to, word)| (from, to, word.to_owned()))
-        );
+        let expected = expected.map(|([from, to], word)| Span {
+            from,
+            to,
+            word: word.to_owned(),
+        });
+        assert_eq!(spans, expected);
         assert!(Row::of("mode", [(0.0, None)].into_iter()).is_none());
     }
 

@@ -33,7 +33,7 @@ pub fn figure(
             let value = |i: &Instant| (i.t, i.followed.as_ref().map_or(f64::NAN, of));
             instants.iter().map(value).collect()
         };
-    let flown = |name: &str| {
+    let line_of = |name: &str| {
         let column = declared(name);
         let degrees = |step| wrap(column.number(experiment, step)).to_degrees();
         let points = record.iter().map(|step| (step.t, degrees(step)));
@@ -91,7 +91,7 @@ pub fn figure(
                 vec![
                     dots(equilibria(|e| e.attitude.angle().to_degrees())),
                     line("followed", followed(&theta)),
-                    flown("theta_rad"),
+                    line_of("theta_rad"),
                 ],
                 jumps(|jump| jump.to_theta_deg),
             ),
@@ -100,7 +100,7 @@ pub fn figure(
                 vec![
                     dots(equilibria(|e| e.alpha.to_degrees())),
                     line("followed", followed(&angle)),
-                    flown("wing_alpha_rad"),
+                    line_of("wing_alpha_rad"),
                 ],
                 jumps(|jump| jump.to_alpha_deg),
             ),

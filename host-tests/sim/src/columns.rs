@@ -277,8 +277,11 @@ pub fn column(name: &str) -> Option<&'static Column> {
     COLUMNS.iter().find(|column| column.name == name)
 }
 
-/// Columns of traces that were along other axes before, and the ones that stand for them now.
-const RENAMED: [(&str, &str); 8] = [
+/// Columns of older traces, with other axes, and the ones that stand for them now.
+const RENAMED: [(&str, &str); 11] = [
+    ("v_forward_m_s", "told_v_north_m_s"),
+    ("vr_forward_m_s", "told_vr_north_m_s"),
+    ("true_v_forward_m_s", "v_north_m_s"),
     ("q_w", "attitude_w"),
     ("told_q_w", "told_attitude_w"),
     ("rate_belly_rad_s", "yaw_rate_rad_s"),

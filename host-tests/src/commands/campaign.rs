@@ -111,20 +111,20 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     // What was there says nothing of the time that is left.
     bar.reset_eta();
     let interrupted = interrupted()?;
-    let flown = fly_all(&source, &store, args.shard, args.threads, || {
+    let ended = fly_all(&source, &store, args.shard, args.threads, || {
         bar.inc(1);
         ensure!(!interrupted.load(Ordering::Relaxed), "interrupted");
         Ok(())
     });
     bar.finish_and_clear();
-    if flown.is_err() && interrupted.load(Ordering::Relaxed) {
+    if ended.is_err() && interrupted.load(Ordering::Relaxed) {
         let kept = campaign.flights_in(chunks().filter(|&chunk| store.has(chunk)));
         bail!(
             "interrupted: {kept} of {flights} flights are in {}; the same command goes on from there",
             out.display()
         );
     }
-    flown?;
+    ended?;
     if !args.shard.is_whole() {
         let place = out.display();
         writeln!(

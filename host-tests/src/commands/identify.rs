@@ -59,7 +59,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         wing_m2: args.wing_m2,
         air_kg_m3: args.air_kg_m3,
     };
-    let found = identify(&log, &states, &given).with_context(|| place)?;
+    let vehicle = identify(&log, &states, &given).with_context(|| place)?;
     let besides = Besides {
         actuators: args.actuators,
         cruise_m_s: args.cruise_m_s,
@@ -68,14 +68,14 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let name = args.log.file_stem().unwrap_or_default();
     let name = name.to_string_lossy();
     let out = args.output.folder(&format!("identify-{name}"))?;
-    let known = found.known(&given, &besides, found.flown_m_s.unwrap_or(15.0));
+    let known = vehicle.known(&given, &besides, vehicle.flown_m_s.unwrap_or(15.0));
     let file = out.join("known.toml");
     leave_all(&file, &known)?;
-    if let Some(polar) = found.polar() {
+    if let Some(polar) = vehicle.polar() {
         leave_all(&out.join(POLAR), polar)?;
     }
-    let page = page(&name, &found, &known, &states.notes);
-    args.output.leave(&out, &page, &found)?;
+    let page = page(&name, &vehicle, &known, &states.notes);
+    args.output.leave(&out, &page, &vehicle)?;
     if !args.output.json() {
         println!(
             "known.toml is in {}. Next:\n  alula-sil new my-vehicle --from {}",

@@ -68,7 +68,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     }
     std::fs::create_dir_all(&args.out).with_context(|| args.out.display().to_string())?;
     let file = args.out.join("tuning.toml");
-    let found = tuner.search(&objective, |trials, best| {
+    let best = tuner.search(&objective, |trials, best| {
         let minutes = begun.elapsed().as_secs_f64() / 60.0;
         let least = best.objective();
         writeln!(
@@ -79,13 +79,13 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         // What was found before an interruption stays.
         leave_all(&file, table(best, before, trials))
     })?;
-    leave_all(&file, table(&found, before, objective.trials))?;
-    let (name, after) = ("mean cost of flights", found.objective());
+    leave_all(&file, table(&best, before, objective.trials))?;
+    let (name, after) = ("mean cost of flights", best.objective());
     writeln!(out, "  {name:<20} {:>8} {:>8}", "as is", "found")?;
     let rows = tuner
         .groups()
         .iter()
-        .zip(committed.costs.iter().zip(&found.costs));
+        .zip(committed.costs.iter().zip(&best.costs));
     for (group, (before, after)) in rows {
         writeln!(out, "  {group:<20} {before:>8.3} {after:>8.3}")?;
     }
@@ -100,14 +100,14 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
 }
 
 /// The constants as a table of an experiment.
-fn table(found: &Trial, before: f64, trials: usize) -> String {
-    let after = found.objective();
+fn table(best: &Trial, before: f64, trials: usize) -> String {
+    let after = best.objective();
     let mut text = format!(
         "# Found by alula-sil tune in {trials} trials: objective {after:.4}; with those in the library {before:.4}.\n\
          [controller.guidance.tuning]\n"
     );
     for (i, row) in Tuning::ROWS.iter().enumerate() {
-        let value = file_value(row, found.tuning.get(i));
+        let value = file_value(row, best.tuning.get(i));
         // A string takes any text.
         let _ = writeln!(text, "{} = {value:.5}", file_name(row));
     }

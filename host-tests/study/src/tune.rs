@@ -189,12 +189,12 @@ impl Tuner {
         let middle = DVector::repeat(Tuning::ROWS.len(), 0.5);
         let mut evolution = Evolution::new(middle, 0.25, None);
         let mut best: Option<Trial> = None;
-        let mut flown = 0;
-        while flown < objective.trials {
+        let mut trials_so_far = 0;
+        while trials_so_far < objective.trials {
             let points = evolution.points(&mut random);
             let tunings: Vec<Tuning> = points.iter().map(tuning).collect();
             let trials = self.trials(&tunings)?;
-            flown += trials.len();
+            trials_so_far += trials.len();
             // What is out of its range is flown at the border, and costs a little more: the search stays inside.
             let values = points.iter().zip(&trials).map(|(point, trial)| {
                 let beyond = point.map(|x| (x - x.clamp(0.0, 1.0)).powi(2));
@@ -203,13 +203,13 @@ impl Tuner {
             evolution.learn(&points, &values.collect::<Vec<_>>());
             best = best.into_iter().chain(trials).min_by(least);
             if let Some(best) = &best {
-                see(flown, best)?;
+                see(trials_so_far, best)?;
             }
         }
         // The middle of the distribution owes less to chance than the best trial.
         let middle = self.trials(&[tuning(evolution.mean())])?;
-        let found = best.into_iter().chain(middle).min_by(least);
-        found.context("trials: at least one")
+        let cheapest = best.into_iter().chain(middle).min_by(least);
+        cheapest.context("trials: at least one")
     }
 
     /// What changing each constant of `tuning` does.

@@ -32,9 +32,16 @@ pub struct Steered {
     goal: Goal,
     state: GoalState,
     /// What is flown in the place of the goal.
-    mission: Option<(Missions, Mission, MissionState)>,
+    mission: Option<Square>,
     /// Where the vehicle was measured last \[m\].
     place: Ned,
+}
+
+/// The square that is flown as a mission.
+struct Square {
+    missions: Missions,
+    mission: Mission,
+    state: MissionState,
 }
 
 /// Airspeed of the mission [m/s], and the side of its square \[m\].
@@ -81,7 +88,7 @@ impl Steered {
     }
 
     /// A mission: a square of waypoints from here, and hover where it began.
-    fn square(&self) -> anyhow::Result<(Missions, Mission, MissionState)> {
+    fn square(&self) -> anyhow::Result<Square> {
         let experiment = &self.experiment;
         let vehicle = &experiment.vehicle;
         let vehicle = vehicle.limited(experiment.thrust_limits(None, vehicle.weight()))?;
@@ -97,7 +104,11 @@ impl Steered {
             corner(0.0, SIDE, Pass::By),
             corner(0.0, 0.0, Pass::Hover(0.0)),
         ])?;
-        Ok((missions, mission, MissionState::default()))
+        Ok(Square {
+            missions,
+            mission,
+            state: MissionState::default(),
+        })
     }
 
     /// Goes on by `steps`; what is seen of them.
@@ -113,7 +124,11 @@ impl Steered {
                 let (position, velocity) = (ned(measured.position), ned(measured.velocity));
                 *place = position;
                 let (reference, error, options) = match mission {
-                    Some((missions, mission, state)) => {
+                    Some(Square {
+                        missions,
+                        mission,
+                        state,
+                    }) => {
                         let input = MissionInput {
                             position: Some(position),
                             velocity,

@@ -64,7 +64,9 @@ impl Log<'_> {
         }
         for name in &self.header {
             if let Some(new) = renamed(name) {
-                bail!("{origin}:1: {name}: a trace with other body axes: {new} stands for it now");
+                bail!(
+                    "{origin}:1: {name}: a column of older traces, with other axes: {new} stands for it now"
+                );
             }
         }
         for (i, name) in self.header.iter().enumerate() {
