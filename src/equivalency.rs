@@ -80,9 +80,9 @@ impl ApparentForces {
         Self::in_plane(vehicle, air, air.speed, weight)
     }
 
-    /// Forces in the plane of symmetry of a body that flies in space: the `air` in that plane, the length `airspeed`
-    /// [m/s] of the whole air velocity, times what the force of the air is of the believed one, and the components of the
-    /// apparent `weight` m (g − a_r) \[N\] in the plane.
+    /// Forces in the plane of symmetry of a body that flies in space. `air` is the air in that plane, `weight` the components of the apparent
+    /// weight m (g − a_r) \[N\] there. `airspeed` [m/s] is the length of the whole air velocity, times what the force of the air is of the
+    /// believed one.
     #[inline(always)]
     pub(crate) fn in_plane<A: Aerodynamics>(
         vehicle: &Vehicle<A>,

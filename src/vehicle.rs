@@ -247,9 +247,9 @@ impl<A: Aerodynamics> Vehicle<A> {
         }
     }
 
-    /// Least and greatest angular acceleration in pitch [rad/s²], positive nose up, that it has with a `thrust` \[N\] in air that comes at
-    /// `along` [m/s] along the nose and at `across` [m/s] from below, as at positive angles of attack: by what turns it, less what the wing
-    /// does. Of what is measured at rest it counts on the parts that the guidance counts on.
+    /// Least and greatest angular acceleration in pitch [rad/s²], positive nose up, with a `thrust` \[N\]. The air comes at `along` [m/s] along
+    /// the nose and at `across` [m/s] from below, as at positive angles of attack. It is what turns the vehicle, less what the wing does. Of
+    /// what is measured at rest it counts on the parts that the guidance counts on.
     pub fn pitch_acceleration(&self, along: f32, across: f32, thrust: f32) -> [f32; 2] {
         let flow = Airflow {
             along,

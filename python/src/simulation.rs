@@ -4,9 +4,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use ::alula::ned::{BodyAxes, BodyRates};
 use alula_sim::controllers::{Answer, Controller, Report};
-use alula_sim::experiment::{self, V3};
+use alula_sim::experiment::{self, V3, attitude_to_frd, to_frd};
 use alula_sim::simulate::{Flight, Step};
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::Vector3;
 use pyo3::prelude::*;
 
 use crate::arguments::{Numbers, vector};
@@ -69,16 +69,11 @@ pub struct Moment {
     mode: Option<&'static str>,
 }
 
-/// From nose, right wing and belly to belly, right wing and tail.
-fn axes() -> UnitQuaternion<f64> {
-    UnitQuaternion::from_axis_angle(&Vector3::y_axis(), std::f64::consts::FRAC_PI_2)
-}
-
 impl Moment {
     fn of(step: &Step) -> Self {
         let vector = |v: V3| [v.x, v.y, v.z];
         let truth = &step.truth;
-        let q = truth.attitude * axes();
+        let q = attitude_to_frd(&truth.attitude);
         let mode = match &step.answer.report {
             Report::Guidance(guided) => Some(guided.mode.name()),
             _ => None,
@@ -88,15 +83,14 @@ impl Moment {
             position_m: vector(truth.position),
             velocity_m_s: vector(truth.velocity),
             quaternion: [q.w, q.i, q.j, q.k],
-            rates_rad_s: vector(axes().inverse() * truth.rates),
+            rates_rad_s: to_frd(truth.rates),
             thrust_n: truth.thrust,
             wind_m_s: vector(step.wind),
             reference_position_m: vector(step.target.position),
             reference_velocity_m_s: vector(step.target.velocity),
             reference_acceleration_m_s2: vector(step.target.acceleration),
             answer_thrust_n: step.answer.thrust,
-            answer_rates_rad_s: BodyAxes::NoseForward
-                .components(BodyRates::from(step.answer.rates)),
+            answer_rates_rad_s: BodyAxes::NoseForward.components(step.answer.rates),
             mode,
         }
     }

@@ -192,9 +192,12 @@ impl RejectReason {
 /// | [`Mode::Holding`] | the last one flown, unchanged | by one bad frame | by one good frame; to safe after `hold`, of which a step of no time counts [`MIN_STEP`] |
 /// | [`Mode::Safe`] | `safe_thrust`, as far as the nose pointed up when the law flew last, and none before; no rotation | at power-on; from holding after `hold` | by good frames for `recovery` |
 ///
-/// A frame is bad if the velocity or the attitude is not finite, absurd, older than `state_age` or of negative age, if the time step
-/// is not in [[`MIN_STEP`], [`MAX_STEP`]], if there is no reference to fly to, or if the law has no answer. In holding the
-/// integrators stand still; in safe they are reset, and the law sets out from the velocity there is.
+/// A frame is bad for any of these reasons:
+/// - The velocity or the attitude is not finite, absurd, older than `state_age`, or of negative age.
+/// - The time step is not in [[`MIN_STEP`], [`MAX_STEP`]].
+/// - There is no reference to fly to, or the law has no answer.
+///
+/// In holding the integrators stand still. In safe they are reset, and the law sets out from the velocity there is.
 ///
 /// What is missing of the rest degrades the flight, and does not end it:
 ///

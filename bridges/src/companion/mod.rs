@@ -1,9 +1,10 @@
 //! A controller beside an autopilot, over MAVLink.
 //!
-//! [`Companion`] takes what the autopilot says of its state, asks its [`Pilot`], and gives body rates and thrust, as
-//! `SET_ATTITUDE_TARGET` (type mask 128), which PX4 follows in its OFFBOARD mode, or as the sticks of `RC_CHANNELS_OVERRIDE`, which ArduPlane
-//! follows in QACRO: [`Kind`]. [`Autopilot`] is a simulated one that keeps the rules of either, around any [`Body`]. [`GroundStation`] is the companion as a vehicle to a ground station, with the mission that
-//! this uploads. All are state machines that are told the time: whoever owns a connection carries their messages. [`wire`] is messages from and to bytes.
+//! [`Companion`] takes what the autopilot says of its state, asks its [`Pilot`], and gives body rates and thrust. PX4 follows them in
+//! OFFBOARD, as `SET_ATTITUDE_TARGET` (type mask 128); ArduPlane in QACRO, as sticks of `RC_CHANNELS_OVERRIDE`: [`Kind`].
+//! [`Autopilot`] is a simulated one that keeps the rules of either, around any [`Body`]. [`GroundStation`] is the companion as a vehicle to a
+//! ground station, with the mission that this uploads. All are state machines that are told the time: whoever owns a connection carries
+//! their messages. [`wire`] is messages from and to bytes.
 //!
 //! Body axes are those of hover, as PX4 has a tail-sitter's: x to the belly, y along the right wing, z along the tail.
 

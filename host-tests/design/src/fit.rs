@@ -62,8 +62,8 @@ fn from_free(x: &Vector7) -> Combined {
 
 /// What a fit minimises: the root of the mean square relative error of lift and drag, over three ranges of |α|.
 ///
-/// Attached flow, up to 8°; stall, up to 30°; and beyond. In each, a row weighs the range of α that it stands for, half the
-/// distance to either neighbour, and errors of c_L and c_D are relative to the root mean square of c_L and c_D there. The
+/// Attached flow, up to 8°; stall, up to 30°; and beyond. A row weighs the range of α that it stands for, half the distance to either
+/// neighbour. Errors of c_L and c_D are relative to the root mean square of c_L and c_D in the range. The
 /// ranges count alike, and lift as much as drag: so neither the many large angles nor the large drag there drown what an
 /// aircraft cruises by.
 pub struct Metric {

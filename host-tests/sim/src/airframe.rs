@@ -37,8 +37,8 @@ pub struct LoopMargins {
 }
 
 impl Airframe {
-    /// The margins in level flight at `speeds` \[m/s\], or at 0 to 25 m/s if there are none, with the paper's gains and with those of its
-    /// controller, which takes its belief for the vehicle if `belief`, and the vehicle itself else.
+    /// The margins in level flight at `speeds` \[m/s\], or at 0 to 25 m/s if there are none: with the paper's gains, and with those of its
+    /// controller. If `belief`, the controller takes its belief for the vehicle, and the vehicle itself else.
     ///
     /// # Errors
     /// `controller`: it has no gains. `speeds`: one is not from 0 to 1000 m/s.

@@ -1,12 +1,22 @@
 //! Simulation: vehicles, plants, weather, sensors, experiments, and what a flight of one leaves.
 //!
-//! `Experiment → simulate → Record → figures`, each using only those before it: [`named`] (texts),
-//! [`reference`](mod@reference) (aerodynamics and laws in double precision, independent of the core), [`polar`] (measured coefficients),
-//! [`experiment`] (what is flown), [`plant`] (the vehicle), [`controllers`] (by whom), [`simulate`](mod@simulate) (the loop), [`columns`] (what a record
-//! holds), [`figures`] (what a flight is judged by), [`scene`] (what a viewer shows of it), [`flight_log`] (a record as ULog and MCAP), [`replay`](mod@replay) (a
-//! controller over a log).
-//! Of experiments as files: [`schema`](mod@schema), for editors.
-//! Of a vehicle alone: [`airframe`], asked for by name or file; [`margins`], the linear theory of the law's loop.
+//! `Experiment → simulate → Record → figures`, each using only those before it:
+//!
+//! | module | what is in it |
+//! |---|---|
+//! | [`named`] | texts asked for by name |
+//! | [`reference`](mod@reference) | aerodynamics and laws in double precision, independent of the core |
+//! | [`polar`] | measured coefficients |
+//! | [`experiment`] | what is flown |
+//! | [`plant`] | the vehicle |
+//! | [`controllers`] | by whom |
+//! | [`simulate`](mod@simulate) | the loop |
+//! | [`columns`], [`figures`] | what a record holds, and what a flight is judged by |
+//! | [`scene`], [`flight_log`] | a record for a viewer, as ULog and MCAP |
+//! | [`replay`](mod@replay) | a controller over a log |
+//! | [`schema`](mod@schema) | experiments' files, for editors |
+//! | [`airframe`], [`margins`] | a vehicle by name or file; the linear theory of the law's loop |
+//!
 //! On a target without an operating system the package is empty.
 #![cfg_attr(target_os = "none", no_std)]
 #![cfg(not(target_os = "none"))]
