@@ -161,8 +161,8 @@ const HEADER: &str = "t_s,told_v_north_m_s,told_v_east_m_s,told_v_down_m_s,told_
                       told_wind_north_m_s,told_wind_east_m_s,told_wind_down_m_s,told_vr_north_m_s,told_vr_east_m_s,\
                       told_vr_down_m_s,told_ar_north_m_s2,told_ar_east_m_s2,told_ar_down_m_s2";
 
-/// A row of a log in hover.
-const ROW: &str = "0,0,0,0,1,0,0,0,0,0,0,0,0,0,0,0,0";
+/// A row of a log in hover: the nose up, √½ and √½ about the right wing.
+const ROW: &str = "0,0,0,0,0.70710678,0,0.70710678,0,0,0,0,0,0,0,0,0,0";
 
 /// That row at the time `t`, with `value` in place of what is told under `column`.
 fn row_with(t: &str, column: &str, value: &str) -> String {
@@ -254,6 +254,9 @@ fn a_bad_log_is_named_with_line_and_column() {
     bad("", &["log.csv: no rows under the header"]);
     let twice = format!("{HEADER},told_attitude_w\n{row},0\n");
     refused(&twice, &[], &["log.csv:1: two columns told_attitude_w"]);
+    let old = format!("{}\n{row}\n", HEADER.replace("told_attitude_w", "told_q_w"));
+    let parts = ["log.csv:1: told_q_w", "told_attitude_w stands for it now"];
+    refused(&old, &[], &parts);
     let semicolons = format!("{HEADER}\n{row}\n").replace(',', ";");
     refused(
         &semicolons,
