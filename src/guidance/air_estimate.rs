@@ -147,8 +147,8 @@ impl AirEstimateState {
                 step.w += told * math::clamp(left, -MOST_STEP, MOST_STEP);
             }
         }
-        let gust = self.gust * (1.0 - dt / FADING)
-            - sample.orientation.from_axes(step * (dt / (TIME + dt)));
+        let gust =
+            self.gust * (1.0 - dt / FADING) - sample.orientation.of_axes(step * (dt / (TIME + dt)));
         // The rest of it is not told, and would turn with the vehicle.
         let gust = if sample.wind_known {
             gust

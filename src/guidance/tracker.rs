@@ -208,7 +208,7 @@ impl Tracker {
         // Along the thrust line a velocity error is a force, whatever F_p is.
         let held = attitude.to_axes(*integral);
         let held = Body::new(held.i, held.j * stiffness, held.w * stiffness);
-        reference.velocity = reference.velocity - attitude.from_axes(held);
+        reference.velocity = reference.velocity - attitude.of_axes(held);
         step.error += held.in_plane();
         // Where the wing carries, the air takes a velocity across itself away, at the rate ν [1/s], and turns F_p with it. A
         // velocity error would then close at the rate k2|F_p|²/m / (k3/4 + ν). With the factor 1 + 4ν/k3 it closes no more slowly than in
@@ -363,7 +363,7 @@ fn gate(growth: Ned, attitude: &Orientation, saturated: Status, rate: f32) -> Ne
     if across * rate > 0.0 {
         across = 0.0;
     }
-    attitude.from_axes(Body::new(along, across, w))
+    attitude.of_axes(Body::new(along, across, w))
 }
 
 #[cfg(test)]

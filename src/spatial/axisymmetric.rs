@@ -310,7 +310,7 @@ mod tests {
             let (v_i, v_out) = ((x * 0.7) % 41.0 - 20.0, (x * 1.3) % 19.0 + 0.1);
             let (sin, cos) = (x * 0.37).sin_cos();
             let state = State {
-                velocity: Orientation::NOSE_UP.from_axes(Body::new(v_i, v_out * cos, v_out * sin)),
+                velocity: Orientation::NOSE_UP.of_axes(Body::new(v_i, v_out * cos, v_out * sin)),
                 ..State::default()
             };
             let got = control

@@ -86,7 +86,7 @@ impl ForceError {
     pub fn update(&self, state: &mut ForceErrorState, sample: &ForceSample, dt: f32) {
         let body = Body::from(sample.specific_force) * self.mass - sample.aerodynamic.into()
             + Body::new(state.thrust, 0.0, 0.0);
-        let step = sample.orientation.from_axes(body) - state.force;
+        let step = sample.orientation.of_axes(body) - state.force;
         let next = state.force + step * passed(dt, self.time);
         let thrust = state.thrust + (sample.thrust - state.thrust) * passed(dt, self.thrust_lag);
         let square = next.norm_squared();

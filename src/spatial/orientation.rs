@@ -228,7 +228,7 @@ impl Orientation {
     /// The world components of a body vector.
     #[inline(always)]
     pub fn to_world(&self, v: Frd) -> Ned {
-        self.from_axes(v.into())
+        self.of_axes(v.into())
     }
 
     /// i: towards the tail, opposite to thrust.
@@ -255,9 +255,9 @@ impl Orientation {
         Body::new(self.i.dot(v), self.j.dot(v), self.w.dot(v))
     }
 
-    /// The world components of a vector along i, j and w.
+    /// The world vector with these components along i, j and w.
     #[inline(always)]
-    pub(crate) fn from_axes(&self, v: Body) -> Ned {
+    pub(crate) fn of_axes(&self, v: Body) -> Ned {
         self.i * v.i + self.j * v.j + self.w * v.w
     }
 
@@ -427,7 +427,7 @@ mod tests {
             let mut before = cosine(&at);
             for _ in 0..300 {
                 let rotation = at.rotation_to(target.i, target.j, target.w);
-                let rates = at.from_axes(rotation) * 6.4;
+                let rates = at.of_axes(rotation) * 6.4;
                 let length = math::sqrt(rates.norm_squared());
                 let rates = rates * (3.5 / if length > 3.5 { length } else { 3.5 });
                 // A step of 10 ms by Rodrigues' formula, exact.

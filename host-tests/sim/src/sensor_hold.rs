@@ -64,7 +64,7 @@ impl SensorHold {
                 true => Air::Unknown,
                 false => measured.air,
             })
-            .specific_force(measured.specific_force.map(Into::into))
+            .specific_force(measured.specific_force)
             .position_error(sensors.position.told(error))
             .reference(Reference {
                 velocity: ned(sent.velocity),

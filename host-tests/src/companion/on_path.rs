@@ -572,7 +572,7 @@ impl Pilot for OnPath {
             .orientation(told.orientation)
             .state_age(told.age)
             .air(told.air)
-            .specific_force(told.specific_force.map(Into::into));
+            .specific_force(told.specific_force);
         if let Led::Mission(mission) = &mut self.led {
             if mission.start.is_none() {
                 mission.begin(told.start);

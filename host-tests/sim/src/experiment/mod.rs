@@ -44,6 +44,7 @@ pub use knots::{Knot, Knots};
 pub use mission::{ItemSpec, MissionSpec, TroubleKind, TroubleSpec};
 pub use parameters::{Fields, file_name, file_value, refused};
 pub use path::{Path, PathSpec, Target};
+pub(crate) use plant::nose_forward;
 pub use plant::{PlantSpec, RateLoop, State, attitude_to_frd, from_frd, to_frd};
 pub(crate) use sensors::orientation;
 pub use sensors::{AirSensor, ErrorSpec, Measured, PitotSpec, Sensor, SensorSpec};

@@ -172,7 +172,7 @@ pub fn to_frd(v: V3) -> [f64; 3] {
 }
 
 /// Turns forward, right and down into the plants' axes.
-fn nose_forward() -> UnitQuaternion<f64> {
+pub(crate) fn nose_forward() -> UnitQuaternion<f64> {
     UnitQuaternion::from_axis_angle(&V3::y_axis(), std::f64::consts::FRAC_PI_2)
 }
 

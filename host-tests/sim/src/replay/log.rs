@@ -39,7 +39,7 @@ pub fn replay(states: &States, experiment: &Experiment) -> anyhow::Result<(Recor
             .orientation(orientation)
             .state_age(told.velocity_age.max(states.attitude.overdue(row)) as f32)
             .air(told.air(|v| ned(v.into())))
-            .specific_force(told.force().map(Into::into))
+            .specific_force(told.force())
             .position_error(told.position_error().map(ned))
             .reference(Reference {
                 velocity: ned(target.velocity),

@@ -1,13 +1,9 @@
 //! A tail-sitter as a [`Plant`].
 
-use std::f64::consts::FRAC_PI_2;
-
-use nalgebra::UnitQuaternion;
-
 use super::ground::Ground;
 use super::{MOTORS, TailSitter, TailSitterState, V3};
-use crate::experiment::State;
 use crate::experiment::tail_sitter::TailSitterPlant;
+use crate::experiment::{State, from_frd, nose_forward, to_frd};
 use crate::plant::{Command, Plant};
 
 /// Columns of its own.
@@ -46,21 +42,6 @@ pub struct Flying {
     state: State,
 }
 
-/// From (forward, right, down) to (belly, right wing, tail): components of the same vector.
-fn to_body(v: V3) -> V3 {
-    V3::new(v.z, v.y, -v.x)
-}
-
-/// From (belly, right wing, tail) to (forward, right, down).
-fn to_vehicle(v: V3) -> V3 {
-    V3::new(-v.z, v.y, v.x)
-}
-
-/// The rotation from (forward, right, down) to (belly, right wing, tail).
-fn nose_forward() -> UnitQuaternion<f64> {
-    UnitQuaternion::from_axis_angle(&V3::y_axis(), FRAC_PI_2)
-}
-
 impl Flying {
     /// The vehicle of `plant` at `state`: motors at the thrust of the state, elevons at rest.
     pub fn new(plant: &TailSitterPlant, state: State) -> Self {
@@ -77,7 +58,7 @@ impl Flying {
             position: state.position,
             velocity: state.velocity,
             attitude: state.attitude * nose_forward(),
-            rates: to_vehicle(state.rates),
+            rates: to_frd(state.rates).into(),
             motors,
             ..TailSitterState::at_rest()
         };
@@ -96,21 +77,21 @@ impl Plant for Flying {
 
     fn specific_force(&self, wind: V3) -> V3 {
         let force = self.vehicle.wrench(&self.own, wind).force;
-        let body = to_body(force) / self.vehicle.spec().mass_kg;
+        let body = from_frd(force.into()) / self.vehicle.spec().mass_kg;
         V3::new(body.z, body.x, body.y)
     }
 
     fn step(&mut self, command: &Command, wind: V3, dt: f64) {
         let own = Command {
             thrust: command.thrust,
-            rates: to_vehicle(command.rates),
+            rates: to_frd(command.rates).into(),
         };
         self.own = self.vehicle.step(&self.own, &own, wind, dt);
         self.state = State {
             position: self.own.position,
             velocity: self.own.velocity,
             attitude: self.own.attitude * nose_forward().inverse(),
-            rates: to_body(self.own.rates),
+            rates: from_frd(self.own.rates.into()),
             thrust: self.vehicle.thrust(&self.own, wind),
         };
     }
