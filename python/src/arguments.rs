@@ -54,7 +54,7 @@ fn shape(field: &str, wanted: &str, shape: &[usize]) -> PyErr {
 /// Greatest attitude or heading \[rad\], either way: a turn.
 pub const TURN: f32 = std::f32::consts::TAU;
 /// Greatest angle of attack \[rad\], either way, with its rounding.
-pub const HALF_TURN: f32 = 3.142;
+pub const HALF_TURN: f32 = std::f32::consts::PI + 4e-4;
 
 /// `value` must be an angle of at most `most` \[rad\] either way. What is not finite is left to who takes it.
 pub fn angle(field: &str, value: f32, most: f32) -> PyResult<f32> {
