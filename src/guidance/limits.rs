@@ -12,7 +12,7 @@ use crate::vehicle::Vehicle;
 /// The limits of a command.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Limits {
+pub(super) struct Limits {
     thrust_min: f32,
     thrust_max: f32,
     rate: f32,
@@ -23,7 +23,7 @@ pub struct Limits {
 /// The last command inside the limits.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct LimitState {
+pub(super) struct LimitState {
     /// The last body rates commanded [rad/s].
     pub rates: Body,
     /// The last thrust commanded \[N\].
