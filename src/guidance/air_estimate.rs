@@ -294,7 +294,7 @@ mod tests {
                 air,
                 orientation,
                 airspeed: 20.0,
-                specific_force: Some(felt(orientation.to_body(air))),
+                specific_force: Some(felt(orientation.to_axes(air))),
                 scale: 0.6,
                 wind_known: true,
             };
