@@ -233,6 +233,7 @@ impl<'a> Vehicle<'a> {
                 report: Report::Outside,
             },
             model_theta: None,
+            candidates: Vec::new(),
         });
     }
 }

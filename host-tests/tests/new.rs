@@ -10,7 +10,7 @@ use alula_study::{CampaignSource, Shard, Store, Summary, run};
 use serde_json::Value;
 
 /// A tail-sitter of 3 kg, as one would describe it.
-const FLAGS: [&str; 18] = [
+const FLAGS: [&str; 20] = [
     "--mass-kg",
     "3",
     "--wing-m2",
@@ -29,6 +29,8 @@ const FLAGS: [&str; 18] = [
     "300",
     "--actuators",
     "both",
+    "--drag-area-m2",
+    "0.012",
 ];
 
 fn alula(folder: &Path, arguments: &[&str]) -> Output {

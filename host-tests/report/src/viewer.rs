@@ -24,6 +24,9 @@ struct Held<'a> {
     /// The rows, as floats in base 64.
     rows: String,
     words: &'a [(f64, [String; 3])],
+    candidate: &'a [&'a str],
+    /// The candidates of plans, as floats in base 64.
+    plans: String,
     curves: Option<&'a Curves>,
 }
 
@@ -67,17 +70,21 @@ pub fn of_scene(
     scene: &Scene,
     curves: Option<&Curves>,
 ) -> anyhow::Result<String> {
-    let bytes = scene
-        .rows
-        .iter()
-        .flat_map(|number| (*number as f32).to_le_bytes());
     let held = Held {
         names: scene.names,
-        rows: STANDARD.encode(bytes.collect::<Vec<u8>>()),
+        rows: floats(&scene.rows),
         words: &scene.words,
+        candidate: scene.candidate,
+        plans: floats(&scene.plans),
         curves,
     };
     render(title, lead, Some(&held), None)
+}
+
+/// Numbers as floats in base 64.
+fn floats(numbers: &[f64]) -> String {
+    let bytes = numbers.iter().flat_map(|x| (*x as f32).to_le_bytes());
+    STANDARD.encode(bytes.collect::<Vec<u8>>())
 }
 
 /// The page that flies experiments itself, by the `library` (WebAssembly).

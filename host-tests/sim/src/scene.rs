@@ -1,5 +1,6 @@
 //! A flight as a viewer shows it: some columns of the record at a rate that the eye can follow, and what the controller says, in words.
 
+use std::f64::consts::PI;
 use std::io::Read;
 
 use anyhow::{Context, ensure};
@@ -7,6 +8,7 @@ use serde::Serialize;
 
 use crate::columns::{Column, declared};
 use crate::experiment::Experiment;
+use crate::reference::wrap;
 use crate::simulate::Step;
 
 /// The columns that are shown, by their names in a record.
@@ -54,6 +56,21 @@ pub const NUMBERS: [&str; 38] = [
 /// The columns of words that are shown.
 const WORDS: [&str; 3] = ["mode", "phase", "status"];
 
+/// What is shown of every candidate of a plan: when it was looked at, the attitude θ that it turns to, the angle of attack there in the
+/// air of now (both NaN where all is left to the servo), the push-over before, the cost (NaN where it is above that of the best so far), and
+/// 1 for the plan in force, 2 for the one that is chosen, 3 for both.
+pub const CANDIDATE: [&str; 6] = [
+    "t_s",
+    "theta_rad",
+    "alpha_rad",
+    "push_over_s",
+    "cost_s",
+    "mark",
+];
+
+/// Airspeed below which an angle of attack says nothing [m/s].
+const SLOW: f64 = 1.0;
+
 /// Least time between two rows \[s\].
 const SPACING: f64 = 0.04;
 
@@ -67,6 +84,11 @@ pub struct Scene {
     pub rows: Vec<f64>,
     /// Mode, phase and flags, each from a time \[s\] on.
     pub words: Vec<(f64, [String; 3])>,
+    /// The names of what is shown of a candidate.
+    pub candidate: &'static [&'static str],
+    /// The candidates of every plan, one after the other.
+    #[serde(skip)]
+    pub plans: Vec<f64>,
 }
 
 impl Default for Scene {
@@ -75,6 +97,8 @@ impl Default for Scene {
             names: &NUMBERS,
             rows: Vec::new(),
             words: Vec::new(),
+            candidate: &CANDIDATE,
+            plans: Vec::new(),
         }
     }
 }
@@ -99,15 +123,38 @@ impl Scene {
         last.is_none_or(|last| t > self.rows[last] + SPACING - 1e-9)
     }
 
-    /// Adds a step: its words if they are new, its numbers if it is time, or `always`.
+    /// Adds a step: its words if they are new, its plan if it made one, its numbers if it is time, or `always`.
     pub fn push(&mut self, experiment: &Experiment, step: &Step, always: bool) {
         let word = |name| declared(name).word(experiment, step).unwrap_or_default();
         self.say(step.t, WORDS.map(word));
+        let planned = self.plans.len().checked_sub(CANDIDATE.len());
+        if planned.is_none_or(|last| step.t > self.plans[last]) {
+            self.plan(experiment, step);
+        }
         let last = self.rows.len().checked_sub(NUMBERS.len());
         let newer = last.is_none_or(|last| step.t > self.rows[last]);
         if self.is_due(step.t) || (always && newer) {
             let number = |name| declared(name).number(experiment, step);
             self.rows.extend(NUMBERS.map(number));
+        }
+    }
+
+    /// Adds the candidates of a step.
+    fn plan(&mut self, experiment: &Experiment, step: &Step) {
+        let v_a = step.truth.velocity - step.wind;
+        let gamma = v_a.xy().norm().atan2(v_a.z);
+        let turned = PI - gamma - experiment.vehicle.delta_deg.to_radians();
+        let chosen = step.candidates.iter().rposition(|one| one.best);
+        for (i, one) in step.candidates.iter().enumerate() {
+            let theta = one.target.map(f64::from);
+            let moves = v_a.norm() > SLOW;
+            let alpha = theta.filter(|_| moves).map(|theta| wrap(theta + turned));
+            let cost = one.cost.map(f64::from);
+            let mark = f64::from(one.in_force) + 2.0 * f64::from(chosen == Some(i));
+            let push = one.push_over.into();
+            let [theta, alpha, cost] = [theta, alpha, cost].map(|x| x.unwrap_or(f64::NAN));
+            self.plans
+                .extend([step.t, theta, alpha, push, cost, mark]);
         }
     }
 

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::fmt;
 use std::ops::Deref;
 
-use alula::guidance::PlannerOptions;
+use alula::guidance::{Candidate, PlannerOptions};
 use alula::mission::{Gate, MissionOutput};
 use alula::ned::Ned;
 use alula::spatial::FeedForward;
@@ -49,6 +49,8 @@ pub struct Step {
     pub mission: Option<MissionOutput>,
     /// The attitude θ \[rad\] of its reference model after that, if it has one that is known.
     pub model_theta: Option<f32>,
+    /// The plans that it looked at in this step, if it made one.
+    pub candidates: Vec<Candidate>,
 }
 
 impl Step {
@@ -370,6 +372,7 @@ impl<E: Deref<Target = Experiment> + Clone> Flight<E> {
             answer,
             mission,
             model_theta: controller.model_theta(),
+            candidates: controller.candidates().to_vec(),
         })
     }
 

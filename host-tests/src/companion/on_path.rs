@@ -410,6 +410,7 @@ impl OnPath {
             answer,
             mission,
             model_theta: None,
+            candidates: Vec::new(),
         };
         if self.record.last().is_none_or(|last| step.t > last.t) {
             self.record.push(step);

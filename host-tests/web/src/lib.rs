@@ -47,7 +47,7 @@ pub extern "C" fn open() -> u32 {
     done(Session::open)
 }
 
-/// Flies what is open from beginning to end: 1, with the numbers as [`numbers`] and the words as [`answer`], or 0 and why not.
+/// Flies what is open from beginning to end: 1, with the numbers as [`numbers`], the plans as [`plans`] and the words as [`answer`], or 0 and why not.
 #[unsafe(no_mangle)]
 pub extern "C" fn fly() -> u32 {
     done(Session::fly)
@@ -66,7 +66,7 @@ pub extern "C" fn goal(kind: u32, north: f64, east: f64, down: f64) -> u32 {
     done(|session| session.aim(kind, [north, east, down]))
 }
 
-/// Goes on by so many control steps: 1, with the new rows as [`numbers`] and the words as [`answer`], or 0 and why not.
+/// Goes on by so many control steps: 1, with the new rows as [`numbers`], the new plans as [`plans`] and the words as [`answer`], or 0 and why not.
 #[unsafe(no_mangle)]
 pub extern "C" fn step(steps: u32) -> u32 {
     done(|session| session.step(steps))
@@ -94,4 +94,16 @@ pub extern "C" fn numbers() -> *const f64 {
 #[unsafe(no_mangle)]
 pub extern "C" fn numbers_length() -> usize {
     with(|session| session.scene.rows.len())
+}
+
+/// Where the plans are: doubles, in rows of the scene's candidates.
+#[unsafe(no_mangle)]
+pub extern "C" fn plans() -> *const f64 {
+    with(|session| session.scene.plans.as_ptr())
+}
+
+/// How many numbers they have.
+#[unsafe(no_mangle)]
+pub extern "C" fn plans_length() -> usize {
+    with(|session| session.scene.plans.len())
 }

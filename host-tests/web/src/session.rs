@@ -4,7 +4,7 @@ use alula_design::curves::Curves;
 use alula_sim::experiment::{BUILT_IN, Document, Experiment};
 use alula_sim::figures::Figures;
 use alula_sim::named::Named;
-use alula_sim::scene::{NUMBERS, Scene};
+use alula_sim::scene::{CANDIDATE, NUMBERS, Scene};
 use alula_sim::simulate;
 use anyhow::Context;
 use serde::{Deserialize, Serialize};
@@ -69,6 +69,7 @@ struct Opened {
     /// Whether the plant is a tail-sitter of parts, whose lags and thrust follow from these.
     of_parts: bool,
     names: &'static [&'static str],
+    candidate: &'static [&'static str],
     /// The experiment as flown.
     text: String,
     /// What flies the same on a command line.
@@ -96,6 +97,7 @@ impl Session {
             control_rate_hz: experiment.control_rate_hz,
             of_parts: experiment.tail_sitter.is_some(),
             names: &NUMBERS,
+            candidate: &CANDIDATE,
             text: document.text(),
             command: set.iter().fold(document.name.clone(), |words, one| {
                 format!("{words} --set '{one}'")

@@ -4,7 +4,7 @@ const $ = (id) => document.getElementById(id);
 const color = (name) => getComputedStyle(document.querySelector(".view")).getPropertyValue(`--${name}`).trim();
 
 /* What is shown: rows of numbers by the names of their columns, and words from a time on. */
-const flight = { names: [], at: {}, rows: [], words: [], curves: null };
+const flight = { names: [], at: {}, rows: [], words: [], plans: [], curves: null };
 
 function decoded(id) {
     const text = atob($(id).textContent.trim());
@@ -20,6 +20,26 @@ function named(names) {
 function rowsOf(numbers) {
     const wide = flight.names.length;
     return Array.from({ length: numbers.length / wide }, (_, i) => numbers.slice(i * wide, (i + 1) * wide));
+}
+
+/* Candidates of plans, of a flat list: a list of them for each time. */
+function plansOf(numbers) {
+    const [wide, all] = [flight.candidate.length, []];
+    for (let i = 0; i < numbers.length; i += wide) {
+        const one = Object.fromEntries(flight.candidate.map((name, k) => [name, numbers[i + k]]));
+        if (all.length && all[all.length - 1][0].t_s === one.t_s) all[all.length - 1].push(one); else all.push([one]);
+    }
+    return all;
+}
+
+/* The last plan that was made up to a time. */
+function planAt(t) {
+    let [low, high] = [-1, flight.plans.length];
+    while (high - low > 1) {
+        const middle = (low + high) >> 1;
+        if (flight.plans[middle][0].t_s <= t + 1e-9) low = middle; else high = middle;
+    }
+    return flight.plans[low] || [];
 }
 
 const get = (row, name) => row[flight.at[name]];
@@ -172,7 +192,7 @@ function prepare() {
     drawing.orbit.maxPolarAngle = 0.53 * Math.PI;
     drawing.ready = true;
     paint();
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { paint(); charts(); surface(); drawStrip(); });
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { paint(); charts(); plan(); surface(); drawStrip(); });
 }
 
 /* Colours of light and dark. */
@@ -316,9 +336,16 @@ function state(row, t) {
         `off the path ${fixed(get(row, "position_error_m"), 2)} m, ${fixed(get(row, "velocity_error_m_s"), 2)} m/s`,
         [mode, phase, flags === "ok" ? "" : flags].filter(Boolean).join(", "),
     ];
+    const chosen = planAt(t).find((one) => one.mark >= 2);
+    if (chosen) lines.push(`plan: ${turning(chosen)}`);
     $("state").textContent = lines.join("\n");
     $("clock").textContent = `${fixed(t, 2)} of ${fixed(flight.rows[flight.rows.length - 1][0], 1)} s`;
 }
+
+/* Where a candidate turns to, in words. */
+const turning = ({ theta_rad, alpha_rad }) => !Number.isFinite(theta_rad) ? "no turn, the servo alone"
+    : `nose ${fixed(fromUp(theta_rad), 0)}° from up${Number.isFinite(alpha_rad) ? `, α ${fixed(degrees(alpha_rad), 0)}°` : ""}`;
+const fromUp = (theta) => degrees(Math.atan2(Math.sin(theta), Math.cos(theta)));
 
 /* ---- curves ---- */
 function canvas2d(id) {
@@ -362,18 +389,49 @@ function axesOf(id, [x0, x1, dx], [y0, y1, dy]) {
         if (!(a >= x0 && a <= x1 && b >= y0 && b <= y1)) return;
         pen.fillStyle = name; pen.beginPath(); pen.arc(x(a), y(b), size, 0, 7); pen.fill();
     };
+    const ring = (a, b, name) => { pen.strokeStyle = name; pen.lineWidth = 1.4; pen.beginPath(); pen.arc(x(a), y(b), 4, 0, 7); pen.stroke(); };
     const legend = (entries) => {
         pen.textAlign = "left";
         let at = left;
         for (const [name, words] of entries) { pen.fillStyle = name; pen.fillText(words, at, 12); at += pen.measureText(words).width + 14; }
     };
-    return { line, dot, legend };
+    return { line, dot, ring, legend };
 }
 
 /* The colour of an acceleration. */
 const hue = (a) => a === 0 ? color("ink") : a > 0 ? `hsl(${25 - 5 * a} 80% ${matchMedia("(prefers-color-scheme: dark)").matches ? 62 : 42}%)` : `hsl(${205 - 4 * a} 70% ${matchMedia("(prefers-color-scheme: dark)").matches ? 65 : 40}%)`;
 
 let now = null;
+
+/* The plan that was made last: what was looked at, and what came of it. */
+function plan() {
+    $("plan").hidden = !flight.plans.length;
+    const all = planAt(clock.t);
+    if (!all.length) return;
+    const chosen = all.find((one) => one.mark >= 2);
+    const known = all.filter((one) => Number.isFinite(one.cost_s));
+    $("plan-words").textContent = `The plan made at ${fixed(all[0].t_s, 2)} s: each candidate is flown ahead by the believed vehicle; its errors on the way, and the time to close what is left of them, are its cost. `
+        + `${all.length - 1} were looked at besides the plan in force; what costs more than the best so far is cut short (“dearer”). `
+        + (chosen && chosen.mark === 3 ? "The plan in force is kept." : `Chosen: ${chosen ? turning(chosen) : "none"}.`);
+    const top = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000].find((most) => known.every((one) => one.cost_s <= 0.85 * most)) || 1000;
+    const c = axesOf("costs", [-180, 180, 60], [0, top, top / 5]);
+    for (const one of all) {
+        const name = one.mark >= 2 ? color("red") : one.mark === 1 ? color("blue") : color("grey");
+        const [dear, turns] = [!Number.isFinite(one.cost_s), Number.isFinite(one.theta_rad)];
+        const cost = dear ? 0.96 * top : one.cost_s;
+        if (!turns) c.line([[-180, cost], [180, cost]], name, one.mark >= 2 ? 2.4 : 1.4, dear ? [2, 6] : [7, 4]);
+        else if (dear) c.ring(fromUp(one.theta_rad), cost, name);
+        else c.dot(fromUp(one.theta_rad), cost, name, one.mark >= 2 ? 6 : 4);
+    }
+    c.legend([[color("red"), "chosen"], [color("blue"), "in force"], [color("grey"), "others; rings: dearer; dashed: no turn"]]);
+    const cells = (one) => [turning(one), one.push_over_s > 0 ? `${fixed(one.push_over_s, 2)} s` : "–", Number.isFinite(one.cost_s) ? `${fixed(one.cost_s, 3)} s` : "dearer", ["", "in force", "chosen", "in force, kept"][one.mark]];
+    $("candidates").tBodies[0].replaceChildren(...all.map((one) => {
+        const row = document.createElement("tr");
+        if (one.mark >= 2) row.className = "chosen";
+        for (const text of cells(one)) row.insertCell().textContent = text;
+        return row;
+    }));
+}
 
 function charts() {
     const curves = flight.curves;
@@ -534,7 +592,7 @@ function frame(stamp) {
     fit();
     now = draw(clock.t);
     /* What need not move at every frame. */
-    if (clock.stale && stamp > slowly + 120) { slowly = stamp; clock.stale = false; charts(); drawStrip(); }
+    if (clock.stale && stamp > slowly + 120) { slowly = stamp; clock.stale = false; charts(); plan(); drawStrip(); }
 }
 
 let size = "";
@@ -586,6 +644,7 @@ const sliders = {};
 
 const text = () => new TextDecoder().decode(new Uint8Array(library.memory.buffer, library.answer(), library.answer_length()));
 const numbers = () => Array.from(new Float64Array(library.memory.buffer, library.numbers(), library.numbers_length()));
+const plans = () => plansOf(Array.from(new Float64Array(library.memory.buffer, library.plans(), library.plans_length())));
 
 function asked(request) {
     const bytes = new TextEncoder().encode(JSON.stringify(request));
@@ -624,6 +683,7 @@ function opened(info) {
     $("kind-of").hidden = !info.of_parts;
     for (const field of ["thrust", "rate", "motor"]) sliders[field].disabled = info.of_parts;
     named(info.names);
+    flight.candidate = info.candidate;
     flight.curves = info.curves;
     $("text").hidden = false;
     $("text").querySelector("pre").textContent = info.text;
@@ -637,6 +697,7 @@ function wholeFlight(keep) {
         const { words } = JSON.parse(text());
         opened(info);
         flight.rows = rowsOf(numbers());
+        flight.plans = plans();
         flight.words = words;
         clock.steering = false;
         $("goals").hidden = $("keys").hidden = true;
@@ -658,6 +719,7 @@ function steerBegins() {
         if (!library.begin() || !library.step(1)) throw Error(text());
         opened(info);
         flight.rows = rowsOf(numbers());
+        flight.plans = plans();
         flight.words = JSON.parse(text());
         Object.assign(wish, { speed: 0, course: 0, climb: 0, loiter: false, sent: "", rate: info.control_rate_hz, owed: 0 });
         clock.steering = true;
@@ -694,7 +756,7 @@ function flyAt() {
     aim(3, [wish.speed * Math.cos(wish.course), wish.speed * Math.sin(wish.course), -wish.climb]);
 }
 
-/* Keys and sticks change the velocity asked for. */
+/* Keys and sticks change the velocity asked for, over so much time of the flight. */
 function hands(dt) {
     const pad = navigator.getGamepads && [...navigator.getGamepads()].find(Boolean);
     const stick = (i) => pad && Math.abs(pad.axes[i] || 0) > 0.15 ? pad.axes[i] : 0;
@@ -718,11 +780,11 @@ function hands(dt) {
 
 function steered(passed) {
     tried(() => {
-        hands(passed);
         wish.owed = Math.min(wish.owed + passed * wish.rate, 0.25 * wish.rate);
         const steps = Math.floor(wish.owed);
         if (!steps) return;
         wish.owed -= steps;
+        hands(steps / wish.rate);
         if (!library.step(steps)) throw Error(text());
         for (const [t, words] of JSON.parse(text())) {
             const last = flight.words[flight.words.length - 1];
@@ -730,6 +792,7 @@ function steered(passed) {
         }
         const rows = rowsOf(numbers());
         flight.rows.push(...rows);
+        flight.plans.push(...plans());
         $("scrub").max = flight.rows[flight.rows.length - 1][0];
         seek(Infinity);
     });
@@ -808,8 +871,10 @@ function withLibrary() {
         named(held.names);
         flight.words = held.words;
         flight.curves = held.curves;
-        const bytes = Uint8Array.from(atob(held.rows), (c) => c.charCodeAt(0));
-        flight.rows = rowsOf(Array.from(new Float32Array(bytes.buffer)));
+        flight.candidate = held.candidate;
+        const floats = (text) => Array.from(new Float32Array(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer));
+        flight.rows = rowsOf(floats(held.rows));
+        flight.plans = plansOf(floats(held.plans));
         take();
         seek(0);
     } else {
@@ -822,4 +887,4 @@ function withLibrary() {
 
 /* For tests. */
 const bits = () => Array.from(new BigUint64Array(library.memory.buffer, library.numbers(), library.numbers_length()), (x) => x.toString(16));
-window.viewer = { bits, flight, clock, drawing, seek, play, rowAt, wholeFlight, steerBegins, cutAt, moved, asked, get library() { return library; } };
+window.viewer = { bits, flight, clock, drawing, seek, play, rowAt, wholeFlight, steerBegins, cutAt, planAt, wish, moved, asked, get library() { return library; } };

@@ -1,5 +1,6 @@
 //! `[controller.guidance]`: the core's whole guidance. Its parameters stand in the core's own table.
 
+use alula::guidance::Candidate;
 use alula::ned::{Frd, Ned};
 use alula::planar::{GainParameters, Gains};
 use alula::spatial::Orientation;
@@ -201,12 +202,9 @@ struct Flight {
 impl Controller for Flight {
     fn answer(&mut self, input: &Input, dt: f32) -> anyhow::Result<Answer> {
         let guided = self.guidance.update(&mut self.state, &input.sample, dt);
-        let plan = || {
-            let mut search = self.guidance.search(&self.state);
-            while self.guidance.look(&mut search).is_some() {}
-            search
-        };
-        if let Some(search) = self.plans.after(&guided, dt, plan) {
+        let search = || self.guidance.search(&self.state);
+        let look = |search: &mut _| self.guidance.look(search);
+        if let Some(search) = self.plans.after(&guided, dt, search, look) {
             self.guidance.adopt(&mut self.state, &search);
         }
         Ok(guided.into())
@@ -214,6 +212,10 @@ impl Controller for Flight {
 
     fn take_over(&mut self, orientation: &Orientation, thrust: f32, rates: Frd) {
         self.state = self.guidance.take_over(orientation, thrust, rates);
+    }
+
+    fn candidates(&self) -> &[Candidate] {
+        self.plans.looked_at()
     }
 
     fn pace(&self, error: Ned, velocity: Ned) -> f32 {
@@ -235,12 +237,9 @@ struct HardenedFlight {
 impl Controller for HardenedFlight {
     fn answer(&mut self, input: &Input, dt: f32) -> anyhow::Result<Answer> {
         let guided = self.guidance.update(&mut self.state, &input.sample, dt);
-        let plan = || {
-            let mut search = self.guidance.search(&self.state);
-            while self.guidance.look(&mut search).is_some() {}
-            search
-        };
-        if let Some(search) = self.plans.after(&guided, dt, plan) {
+        let search = || self.guidance.search(&self.state);
+        let look = |search: &mut _| self.guidance.look(search);
+        if let Some(search) = self.plans.after(&guided, dt, search, look) {
             self.guidance.adopt(&mut self.state, &search);
         }
         Ok(guided.into())
@@ -248,6 +247,10 @@ impl Controller for HardenedFlight {
 
     fn take_over(&mut self, orientation: &Orientation, thrust: f32, rates: Frd) {
         self.state = self.guidance.take_over(orientation, thrust, rates);
+    }
+
+    fn candidates(&self) -> &[Candidate] {
+        self.plans.looked_at()
     }
 
     fn pace(&self, error: Ned, velocity: Ned) -> f32 {

@@ -10,7 +10,7 @@ mod plans;
 use std::borrow::Cow;
 
 use alula::Fault;
-use alula::guidance::Mode;
+use alula::guidance::{Candidate, Mode};
 use alula::ned::{BodyRates, Frd, Ned};
 use alula::planar::{Command, Diagnostics};
 use alula::spatial::{FeedForward, Orientation};
@@ -164,6 +164,11 @@ pub trait Controller: Send {
     /// The attitude θ \[rad\] of the reference model that it flies ahead of the vehicle, in the plane of flight, if it flies one.
     fn model_theta(&self) -> Option<f32> {
         None
+    }
+
+    /// The plans that it looked at in the last step, in this order; nothing if it made none.
+    fn candidates(&self) -> &[Candidate] {
+        &[]
     }
 
     /// Flips a bit of what it remembers: the one of this number, counted through its memory again and again.

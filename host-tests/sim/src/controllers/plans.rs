@@ -1,7 +1,7 @@
 //! `[controller.guidance.plans]`: when plans come, where they are made by a task of lower priority.
 
 use alula::GuidanceOutput;
-use alula::guidance::PlanSearch;
+use alula::guidance::{Candidate, PlanSearch};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -25,6 +25,8 @@ pub struct PlanTask {
     /// What is being made, and when it comes.
     made: Option<(f64, PlanSearch)>,
     begun: u32,
+    /// What was looked at in the plan that was begun in the last step.
+    looked_at: Vec<Candidate>,
 }
 
 impl PlanTask {
@@ -35,24 +37,34 @@ impl PlanTask {
             t: 0.0,
             made: None,
             begun: 0,
+            looked_at: Vec::new(),
         }
     }
 
-    /// After a step of `dt` \[s\]: the plan that comes now, if one does. `plan` makes one.
+    /// What was looked at in the plan that was begun in the last step, in this order; nothing if none was.
+    pub fn looked_at(&self) -> &[Candidate] {
+        &self.looked_at
+    }
+
+    /// After a step of `dt` \[s\]: the plan that comes now, if one does. `search` begins one, `look` looks at a candidate.
     pub fn after(
         &mut self,
         output: &GuidanceOutput,
         dt: f32,
-        plan: impl FnOnce() -> PlanSearch,
+        search: impl FnOnce() -> PlanSearch,
+        look: impl FnMut(&mut PlanSearch) -> Option<Candidate>,
     ) -> Option<PlanSearch> {
         let spec = self.spec;
+        self.looked_at.clear();
         self.t += f64::from(dt);
         if output.plan_due && self.made.is_none() {
             self.begun += 1;
             let missing = spec.missing_every > 0 && self.begun.is_multiple_of(spec.missing_every);
             let paused = |[from, to]: [f64; 2]| (from..to).contains(&self.t);
             if !missing && !spec.none_s.is_some_and(paused) {
-                self.made = Some((self.t + spec.late_s, plan()));
+                let (mut search, mut look) = (search(), look);
+                self.looked_at.extend(std::iter::from_fn(|| look(&mut search)));
+                self.made = Some((self.t + spec.late_s, search));
             }
         }
         let (_, search) = self.made.take_if(|(comes, _)| *comes <= self.t)?;
@@ -70,7 +82,7 @@ mod tests {
         let mut output = GuidanceOutput::default();
         output.plan_due = true;
         let mut comes = |_: &u32| {
-            let plan = task.after(&output, 0.01, PlanSearch::default);
+            let plan = task.after(&output, 0.01, PlanSearch::default, |_| None);
             plan.is_some()
         };
         (1..=steps).filter(|n| comes(n)).collect()

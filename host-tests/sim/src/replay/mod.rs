@@ -90,6 +90,7 @@ impl<'a> OpenLoop<'a> {
             answer,
             mission: None,
             model_theta: self.controller.model_theta(),
+            candidates: self.controller.candidates().to_vec(),
         });
         Ok(())
     }
