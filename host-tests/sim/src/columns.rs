@@ -241,7 +241,7 @@ impl Step {
     pub fn sideslip(&self) -> f64 {
         let v_a = self.truth.velocity - self.wind;
         let [_, _, right] = self.truth.axes();
-        (v_a.dot(&right) / v_a.norm().max(1.0)).asin()
+        libm::asin(v_a.dot(&right) / v_a.norm().max(1.0))
     }
 
     /// Angle from the nose to the air velocity in the plane of symmetry \[rad\]; NaN without air velocity.
@@ -251,7 +251,7 @@ impl Step {
             return f64::NAN;
         }
         let [tail, belly, _] = self.truth.axes();
-        v_a.dot(&belly).atan2(-v_a.dot(&tail))
+        libm::atan2(v_a.dot(&belly), -v_a.dot(&tail))
     }
 
     /// The same of the wing's zero-lift line, in [−π, π).
@@ -262,13 +262,13 @@ impl Step {
     /// Angle of the right wing below the horizontal \[rad\].
     pub fn bank(&self) -> f64 {
         let [_, _, right] = self.truth.axes();
-        right.z.clamp(-1.0, 1.0).asin()
+        libm::asin(right.z.clamp(-1.0, 1.0))
     }
 
     /// Angle of the nose over the horizontal \[rad\].
     pub fn pitch(&self) -> f64 {
         let [tail, ..] = self.truth.axes();
-        tail.z.clamp(-1.0, 1.0).asin()
+        libm::asin(tail.z.clamp(-1.0, 1.0))
     }
 }
 

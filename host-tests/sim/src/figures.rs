@@ -174,7 +174,7 @@ figures! {
     "final_alpha_deg", "final angle of attack", "°", 3, Flight, Last(|m| m.step.wing_alpha(m.experiment).to_degrees()), "true angle of attack of the wing at the end";
     "final_theta_deg", "final orientation", "°", 3, Flight, Last(|m| in_plane(m, wrap(m.step.theta).to_degrees()).unwrap_or(f64::NAN)), "in a vertical plane: θ at the end, in [−180°, 180°)";
     "final_nose_deg", "nose from upright, end", "°", 2, Flight, Last(|m| 90.0 - m.step.pitch().to_degrees()), "angle of the nose from upright at the end";
-    "final_belly_deg", "belly from down, end", "°", 2, Flight, Last(|m| m.step.truth.axes()[1].z.clamp(-1.0, 1.0).acos().to_degrees()), "angle of the belly from straight down at the end: in cruise that of attack and bank";
+    "final_belly_deg", "belly from down, end", "°", 2, Flight, Last(|m| libm::acos(m.step.truth.axes()[1].z.clamp(-1.0, 1.0)).to_degrees()), "angle of the belly from straight down at the end: in cruise that of attack and bank";
     "final_thrust_to_weight", "final thrust to weight", "", 4, Flight, Last(|m| m.step.truth.thrust / m.experiment.weight()), "thrust over the weight at the end";
     "faults", "steps with a fault", "steps", 0, Flight, Count(|m| m.step.answer.fault().is_some()), "control steps in which a bare law ended in a fault and its safe command was flown";
     "lost", "lost", "flag", 0, Flight, Of(|of| f64::from(of.get("altitude_least_m").is_nan() || of.get("altitude_least_m") < -LOST)), "whether the flight sank more than 50 m below its path, or came to no number";

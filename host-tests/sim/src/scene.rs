@@ -142,7 +142,7 @@ impl Scene {
     /// Adds the candidates of a step.
     fn plan(&mut self, experiment: &Experiment, step: &Step) {
         let v_a = step.truth.velocity - step.wind;
-        let gamma = v_a.xy().norm().atan2(v_a.z);
+        let gamma = libm::atan2(v_a.xy().norm(), v_a.z);
         let turned = PI - gamma - experiment.vehicle.delta_deg.to_radians();
         let chosen = step.candidates.iter().rposition(|one| one.best);
         for (i, one) in step.candidates.iter().enumerate() {
@@ -153,8 +153,7 @@ impl Scene {
             let mark = f64::from(one.in_force) + 2.0 * f64::from(chosen == Some(i));
             let push = one.push_over.into();
             let [theta, alpha, cost] = [theta, alpha, cost].map(|x| x.unwrap_or(f64::NAN));
-            self.plans
-                .extend([step.t, theta, alpha, push, cost, mark]);
+            self.plans.extend([step.t, theta, alpha, push, cost, mark]);
         }
     }
 
@@ -247,5 +246,46 @@ mod tests {
         }
         let error = Scene::read(&b"t_s,north_m\n0,0\n"[..]).unwrap_err();
         assert!(error.to_string().contains("east_m"), "{error}");
+    }
+
+    /// Each plan begins with the one in force, one of its candidates is chosen, the cheapest, and that is in force in the next; its angle of attack
+    /// is that of the vehicle, were it turned there.
+    #[test]
+    fn a_scene_has_the_candidates_of_every_plan() {
+        let mut document = Document::load("round-trip").unwrap();
+        document.assign("duration_s=12.0").unwrap();
+        let experiment = document.checked().unwrap();
+        let record = fly(&experiment).unwrap();
+        let scene = Scene::of(&experiment, &record);
+        let rows: Vec<&[f64]> = scene.plans.chunks(CANDIDATE.len()).collect();
+        let plans: Vec<&[&[f64]]> = rows.chunk_by(|a, b| a[0] == b[0]).collect();
+        // 16 a second, and some more at the beginning.
+        assert!((190..230).contains(&plans.len()), "{}", plans.len());
+        let chosen = |plan: &[&[f64]]| {
+            let mut chosen = plan.iter().filter(|row| row[5] >= 2.0);
+            let first = chosen.next().unwrap();
+            assert!(chosen.next().is_none());
+            first.to_vec()
+        };
+        let mut turned = 0;
+        for (i, plan) in plans.iter().enumerate() {
+            let in_force = |row: &&&[f64]| row[5] % 2.0 == 1.0;
+            assert!(plan.len() > 1 && in_force(&&plan[0]));
+            assert_eq!(plan.iter().filter(in_force).count(), 1);
+            let best = chosen(plan);
+            assert!(plan.iter().all(|row| row[4].is_nan() || best[4] <= row[4]));
+            if let Some(next) = plans.get(i + 1).filter(|next| next[0][1].is_finite()) {
+                // Single precision of some radians, through a turn or two.
+                assert!(wrap(next[0][1] - best[1]).abs() < 1e-5);
+                turned += 1;
+            }
+            let step = record.iter().find(|step| step.t == plan[0][0]).unwrap();
+            for row in plan.iter().filter(|row| row[2].is_finite()) {
+                let expected = step.wing_alpha(&experiment) + row[1] - step.theta;
+                assert!(wrap(row[2] - expected).abs() < 1e-6, "{row:?}");
+            }
+        }
+        assert!(turned > 0);
+        assert!(rows.iter().any(|row| row[2].is_finite()));
     }
 }

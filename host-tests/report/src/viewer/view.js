@@ -886,5 +886,4 @@ function withLibrary() {
 })();
 
 /* For tests. */
-const bits = () => Array.from(new BigUint64Array(library.memory.buffer, library.numbers(), library.numbers_length()), (x) => x.toString(16));
-window.viewer = { bits, flight, clock, drawing, seek, play, rowAt, wholeFlight, steerBegins, cutAt, planAt, wish, moved, asked, get library() { return library; } };
+window.viewer = { flight, clock, drawing, seek, play, rowAt, wholeFlight, steerBegins, cutAt, planAt, plan, wish, moved, asked, get library() { return library; } };

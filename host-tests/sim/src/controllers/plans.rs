@@ -63,7 +63,8 @@ impl PlanTask {
             let paused = |[from, to]: [f64; 2]| (from..to).contains(&self.t);
             if !missing && !spec.none_s.is_some_and(paused) {
                 let (mut search, mut look) = (search(), look);
-                self.looked_at.extend(std::iter::from_fn(|| look(&mut search)));
+                self.looked_at
+                    .extend(std::iter::from_fn(|| look(&mut search)));
                 self.made = Some((self.t + spec.late_s, search));
             }
         }

@@ -1,9 +1,9 @@
 //! Dryden turbulence at low altitude (MIL-F-8785C): its scales, and its components, each stepped exactly.
 
 use rand::Rng;
-use rand_distr::{Distribution, StandardNormal};
 
 use super::TurbulenceSpec;
+use super::normal::normal;
 
 const FOOT: f64 = 0.3048;
 
@@ -26,9 +26,9 @@ impl Scales {
         let base = 0.177 + 0.000823 * h;
         let sigma_w = 0.1 * spec.wind_at_20_ft_m_s;
         Self {
-            sigma_u: sigma_w / base.powf(0.4),
+            sigma_u: sigma_w / libm::pow(base, 0.4),
             sigma_w,
-            length_u: h / base.powf(1.2) * FOOT,
+            length_u: h / libm::pow(base, 1.2) * FOOT,
             length_w: h * FOOT,
         }
     }
@@ -37,7 +37,7 @@ impl Scales {
 /// The component along the wind, with H_u = σ_u √(2L_u/(πV)) / (1 + L_u s/V), over its σ_u: `u` after a `path` \[m\] through the air.
 /// Stepped exactly, as are the others: whatever the step, the samples have the continuous process's covariance.
 pub(crate) fn along(u: f64, path: f64, length: f64, random: &mut impl Rng) -> f64 {
-    let a = (-path / length).exp();
+    let a = libm::exp(-path / length);
     a * u + (1.0 - a * a).sqrt() * normal(random)
 }
 
@@ -61,7 +61,7 @@ impl Transverse {
     /// Goes on by a `path` \[m\] through the air.
     pub(crate) fn advance(&mut self, path: f64, length: f64, random: &mut impl Rng) {
         let z = path / length;
-        let (a, e) = ((-z).exp(), (-2.0 * z).exp());
+        let (a, e) = (libm::exp(-z), libm::exp(-2.0 * z));
         // Covariance of what the noise adds over the step: ∫ e^{−2z} (1, z, z²) dz.
         let q11 = 0.5 * (1.0 - e);
         let q12 = 0.25 * (1.0 - e * (1.0 + 2.0 * z));
@@ -77,8 +77,3 @@ impl Transverse {
 
 /// Below this airspeed \[m/s\] the field is taken to pass at this speed: it would stand still in hover.
 pub(crate) const LEAST_SPEED: f64 = 2.0;
-
-/// A number of the standard normal distribution.
-pub(crate) fn normal(random: &mut impl Rng) -> f64 {
-    StandardNormal.sample(random)
-}

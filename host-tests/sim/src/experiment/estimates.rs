@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::document::{FieldError, require, sensor_error};
-use super::dryden::normal;
+use super::normal::normal;
 use super::{V3, stream};
 
 /// `[sensors.estimator]`.
@@ -64,7 +64,7 @@ pub struct Estimates {
 /// The part of a change that a lag of `time` \[s\] lets through in `dt` \[s\].
 fn passed(dt: f64, time: f64) -> f64 {
     if time > 0.0 {
-        1.0 - (-dt / time).exp()
+        1.0 - libm::exp(-dt / time)
     } else {
         1.0
     }

@@ -2,12 +2,12 @@
 
 use nalgebra::{Quaternion, UnitQuaternion};
 use rand::{Rng, RngExt};
-use rand_distr::{Distribution, StandardNormal};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::V3;
 use super::document::{FieldError, angle, finite, rate, require, speed};
+use super::normal::normal;
 use super::path::Target;
 use super::plant::{State, from_frd};
 use super::vector::{optional_vector, velocity};
@@ -92,13 +92,17 @@ impl InitialSpec {
     /// The state at the start, for a path that begins at `target`.
     pub fn state(&self, target: &Target, random: &mut impl Rng) -> State {
         let mut velocity = self.velocity_m_s.unwrap_or(target.velocity);
-        let mut along = target.velocity.y.atan2(target.velocity.x);
+        let mut along = libm::atan2(target.velocity.y, target.velocity.x);
         if let Some(course) = self.course_deg {
             along = course.to_radians();
             let level = velocity.xy().norm();
-            velocity = V3::new(level * along.cos(), level * along.sin(), velocity.z);
+            velocity = V3::new(
+                level * libm::cos(along),
+                level * libm::sin(along),
+                velocity.z,
+            );
         }
-        let (north, down) = self.path_deg.to_radians().sin_cos();
+        let (north, down) = libm::sincos(self.path_deg.to_radians());
         velocity += self.speed_m_s * V3::new(north, 0.0, down);
         let heading = self.heading_deg.map(f64::to_radians);
         let heading = heading.or(target.heading).unwrap_or(along);
@@ -120,11 +124,11 @@ impl InitialSpec {
 
 impl Scatter {
     fn of(&self, state: State, random: &mut impl Rng) -> State {
-        let mut normal = || -> f64 { StandardNormal.sample(random) };
-        let q = Quaternion::new(normal(), normal(), normal(), normal());
-        let direction = V3::new(normal(), normal(), normal()).normalize();
+        let mut drawn = || normal(random);
+        let q = Quaternion::new(drawn(), drawn(), drawn(), drawn());
+        let direction = V3::new(drawn(), drawn(), drawn()).normalize();
         // Uniform over the ball.
-        let length = self.velocity_m_s * random.random::<f64>().cbrt();
+        let length = self.velocity_m_s * libm::cbrt(random.random());
         let mut rate = || self.rate_rad_s * (2.0 * random.random::<f64>() - 1.0);
         State {
             velocity: state.velocity + length * direction,

@@ -11,6 +11,7 @@ mod faults;
 mod initial;
 mod knots;
 mod mission;
+mod normal;
 mod parameters;
 mod path;
 pub mod plan;

@@ -125,7 +125,7 @@ impl PathSpec {
             } => {
                 forward("path.track.speed_m_s", speed_m_s)?;
                 angle("path.track.course_deg", course_deg)?;
-                let (sin, cos) = course_deg.to_radians().sin_cos();
+                let (sin, cos) = libm::sincos(course_deg.to_radians());
                 let ahead = V3::new(cos, sin, 0.0);
                 let line = move |s| [ahead * s, ahead, V3::zeros()];
                 (Shape::Curve(Box::new(line), speed_m_s), true)
@@ -140,14 +140,14 @@ impl PathSpec {
                 speed("path.circle.climb_m_s", climb_m_s)?;
                 let climb = r * climb_m_s / speed_m_s;
                 let circle = move |phase: f64| {
-                    let (s, c) = phase.sin_cos();
+                    let (s, c) = libm::sincos(phase);
                     [
                         V3::new(r * s, r * (1.0 - c), -climb * phase),
                         V3::new(r * c, r * s, -climb),
                         V3::new(-r * s, r * c, 0.0),
                     ]
                 };
-                let speed = speed_m_s.hypot(climb_m_s);
+                let speed = libm::hypot(speed_m_s, climb_m_s);
                 (Shape::Curve(Box::new(circle), speed), true)
             }
             &Self::Eight {
@@ -160,8 +160,8 @@ impl PathSpec {
                 forward("path.eight.speed_m_s", speed_m_s)?;
                 let (a, b) = (0.5 * length_m, 0.5 * width_m);
                 let eight = move |phase: f64| {
-                    let (s, c) = phase.sin_cos();
-                    let (s2, c2) = (2.0 * phase).sin_cos();
+                    let (s, c) = libm::sincos(phase);
+                    let (s2, c2) = libm::sincos(2.0 * phase);
                     [
                         V3::new(a * s, b * s2, 0.0),
                         V3::new(a * c, 2.0 * b * c2, 0.0),

@@ -47,7 +47,7 @@ pub struct Home(pub [f64; 3]);
 impl Home {
     /// Metres a degree of latitude and of longitude.
     fn degrees(&self) -> [f64; 2] {
-        let (sin, cos) = self.0[0].to_radians().sin_cos();
+        let (sin, cos) = libm::sincos(self.0[0].to_radians());
         let w = (1.0 - ECCENTRICITY * sin * sin).sqrt();
         let meridian = AXIS * (1.0 - ECCENTRICITY) / w.powi(3);
         [meridian, AXIS / w * cos].map(f64::to_radians)
@@ -386,7 +386,7 @@ impl Reader {
                 self.items.push(entry("take-off", &[("height_m", height)]));
                 if somewhere() {
                     let place = place(&self.home)?;
-                    if place[0].hypot(place[1]) > 1.0 {
+                    if libm::hypot(place[0], place[1]) > 1.0 {
                         self.waypoint(place, false, None);
                     }
                 }
@@ -420,7 +420,7 @@ impl Reader {
     }
 
     fn to(&mut self, [north, east]: [f64; 2]) {
-        self.length += (north - self.at[0]).hypot(east - self.at[1]);
+        self.length += libm::hypot(north - self.at[0], east - self.at[1]);
         self.at = [north, east];
     }
 

@@ -190,7 +190,7 @@ impl State {
     /// θ \[rad\] in [−π, π): from down to the tail, about the east. 0 is nose up, −π/2 nose to the north.
     pub fn theta(&self) -> f64 {
         let [tail, ..] = self.axes();
-        tail.x.atan2(tail.z)
+        libm::atan2(tail.x, tail.z)
     }
 
     /// Whether it is one of an aircraft: finite, and slower than any fall.

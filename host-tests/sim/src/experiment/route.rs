@@ -103,9 +103,9 @@ fn along(Place { position, course }: Place, curvature: f64, s: f64) -> Place {
     let chord = if half.abs() < 1e-9 {
         s
     } else {
-        s * half.sin() / half
+        s * libm::sin(half) / half
     };
-    let (sin, cos) = (course + half).sin_cos();
+    let (sin, cos) = libm::sincos(course + half);
     Place {
         position: position + chord * V3::new(cos, sin, 0.0),
         course: course + curvature * s,
@@ -135,7 +135,7 @@ impl Stretch {
         let gain = (end - begin) / self.lasts;
         let speed = begin + gain * t;
         let (level, curvature) = self.place(0.5 * (begin + speed) * t);
-        let (sin, cos) = level.course.sin_cos();
+        let (sin, cos) = libm::sincos(level.course);
         let (ahead, right) = (V3::new(cos, sin, 0.0), V3::new(-sin, cos, 0.0));
         // Up by 3u² − 2u³: without a vertical velocity at either end.
         let u = t / self.lasts;
@@ -236,7 +236,7 @@ impl Route {
             .windows(2)
             .map(|ends| place(&ends[1]) - place(&ends[0]));
         let (lengths, courses): (Vec<f64>, Vec<f64>) = lines
-            .map(|line| (line.norm(), line.y.atan2(line.x)))
+            .map(|line| (line.norm(), libm::atan2(line.y, line.x)))
             .unzip();
         let corners: Vec<Corner> = (0..points.len())
             .map(|i| {
@@ -244,13 +244,13 @@ impl Route {
                     return Corner::default();
                 }
                 let turn = courses[i] - courses[i - 1];
-                let turn = turn.sin().atan2(turn.cos());
+                let turn = libm::atan2(libm::sin(turn), libm::cos(turn));
                 let fast = points[i].speed_m_s.powi(2) / TURN;
                 let radius = points[i].radius_m.unwrap_or(fast);
                 Corner {
                     radius,
                     turn,
-                    takes: radius * (0.5 * turn.abs()).tan(),
+                    takes: radius * libm::tan(0.5 * turn.abs()),
                 }
             })
             .collect();
@@ -312,7 +312,8 @@ impl Route {
             return stretch.at(t - stretch.from);
         }
         let (_, end) = stretch.end();
-        let velocity = stretch.speed[1] * V3::new(end.course.cos(), end.course.sin(), 0.0);
+        let velocity =
+            stretch.speed[1] * V3::new(libm::cos(end.course), libm::sin(end.course), 0.0);
         Target {
             position: end.position + late * velocity,
             velocity,

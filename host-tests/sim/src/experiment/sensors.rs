@@ -5,13 +5,13 @@ use alula::ned::{BodyAxes, Frd, Ned, Quaternion};
 use alula::spatial::Orientation;
 use nalgebra::UnitQuaternion;
 use rand::Rng;
-use rand_distr::{Distribution, StandardNormal};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::document::{FieldError, require, sensor_error};
 use super::estimates::{Estimates, EstimatorSpec};
 use super::faults::FaultSpec;
+use super::normal::normal;
 use super::plant::State;
 use super::vector::ned;
 use super::{V3, attitude_to_frd};
@@ -83,7 +83,7 @@ impl PitotSpec {
     /// The airspeed along the `nose` \[m/s\] in an air velocity `air`; NaN where the tube tells nothing.
     fn told(&self, nose: V3, air: V3) -> f64 {
         let along = nose.dot(&air);
-        let inside = along >= air.norm() * self.cone_deg.to_radians().cos();
+        let inside = along >= air.norm() * libm::cos(self.cone_deg.to_radians());
         if inside && along >= self.least_m_s {
             along
         } else {
@@ -141,8 +141,7 @@ pub struct SensorSpec {
 impl ErrorSpec {
     pub(crate) fn apply(&self, value: f64, random: &mut impl Rng) -> f64 {
         // Drawn in any case: the stream of numbers does not depend on which errors are on.
-        let normal: f64 = StandardNormal.sample(random);
-        let value = value + self.bias + self.noise * normal;
+        let value = value + self.bias + self.noise * normal(random);
         if self.quantum > 0.0 {
             (value / self.quantum).round() * self.quantum
         } else {

@@ -6,7 +6,8 @@ use serde::Deserialize;
 
 use super::V3;
 use super::document::{FieldError, angle, finite, positive, require, speed};
-use super::dryden::{LEAST_SPEED, Scales, Transverse, along, normal};
+use super::dryden::{LEAST_SPEED, Scales, Transverse, along};
+use super::normal::normal;
 use super::vector::{vector, velocity};
 
 /// `[weather]`.
@@ -55,7 +56,7 @@ impl WeatherSpec {
         if self.turned_deg == 0.0 {
             return v;
         }
-        let (s, c) = self.turned_deg.to_radians().sin_cos();
+        let (s, c) = libm::sincos(self.turned_deg.to_radians());
         V3::new(c * v.x - s * v.y, s * v.x + c * v.y, v.z)
     }
 }
@@ -90,7 +91,7 @@ impl Weather {
     /// The weather at the start; `random` draws the turbulence's first state. `in_plane` keeps the turbulence in the vertical plane to the north.
     pub fn new(spec: WeatherSpec, in_plane: bool, random: &mut impl Rng) -> Self {
         let steady = spec.steady();
-        let heading = steady.y.atan2(steady.x);
+        let heading = libm::atan2(steady.y, steady.x);
         let turbulence = spec.turbulence.map(|t| match in_plane {
             true => Turbulence::in_plane(&t, random),
             false => Turbulence::new(&t, heading, random),
@@ -139,7 +140,7 @@ impl Gust {
             self.peak
         } else {
             let phase = ((t - self.start) / self.duration).min(1.0);
-            0.5 * (1.0 - (std::f64::consts::TAU * phase).cos()) * self.peak
+            0.5 * (1.0 - libm::cos(std::f64::consts::TAU * phase)) * self.peak
         }
     }
 }
@@ -162,7 +163,7 @@ impl Turbulence {
     pub fn new(spec: &TurbulenceSpec, heading: f64, random: &mut impl Rng) -> Self {
         let side = Transverse::new(random);
         Self {
-            along: V3::new(heading.cos(), heading.sin(), 0.0),
+            along: V3::new(libm::cos(heading), libm::sin(heading), 0.0),
             side: Some(side),
             ..Self::in_plane(spec, random)
         }

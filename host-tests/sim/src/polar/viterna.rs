@@ -75,7 +75,7 @@ struct Side {
 impl Side {
     fn new([degrees, lift, drag]: [f64; 3], [least_drag, most_drag]: [f64; 2]) -> Self {
         let stall = degrees.to_radians();
-        let (sin, cos) = stall.sin_cos();
+        let (sin, cos) = libm::sincos(stall);
         Self {
             stall,
             lift,
@@ -91,9 +91,9 @@ impl Side {
         let alpha = degrees.to_radians();
         let behind = std::f64::consts::PI - alpha;
         let mirrored = if degrees > 90.0 { behind } else { alpha };
-        let (sin, cos) = mirrored.sin_cos();
+        let (sin, cos) = libm::sincos(mirrored);
         let drag = (self.b1 * sin * sin + self.b2 * cos).max(self.least_drag);
-        let lift = 0.5 * self.b1 * (2.0 * mirrored).sin() + self.a2 * cos * cos / sin;
+        let lift = 0.5 * self.b1 * libm::sin(2.0 * mirrored) + self.a2 * cos * cos / sin;
         let lift = if degrees <= 90.0 {
             lift
         } else if behind >= self.stall {

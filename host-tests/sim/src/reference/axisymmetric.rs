@@ -42,7 +42,7 @@ fn evaluate(
         (Number::input(0.0), one)
     };
     let n_alpha = cos.value.abs() * sin.size + sin.value.abs() * cos.size;
-    let alpha = sin.value.atan2(cos.value);
+    let alpha = libm::atan2(sin.value, cos.value);
     let [c_l, c_d, dc_l, dc_d, ..] = coefficients(vehicle, alpha, n_alpha);
     // c_L/sin α, and its limit. c_L and sin α vanish together: what counts is the error of the angle in the quotient,
     // |(c_L/sin α)′| N(α), and one rounding of each.

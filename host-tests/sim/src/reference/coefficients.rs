@@ -168,12 +168,12 @@ impl Combined {
 /// `sigma`, as printed.
 fn sigma(alpha_bar: f64, k: f64, alpha: Dual3_64) -> Dual3_64 {
     let knee = k * alpha_bar * alpha_bar;
-    (tanh(alpha.powi(2) * -k + knee) + 1.0) / (1.0 + knee.tanh())
+    (tanh(alpha.powi(2) * -k + knee) + 1.0) / (1.0 + libm::tanh(knee))
 }
 
 /// `Dual3_64::tanh` is sinh/cosh, which is NaN for the large arguments that occur here.
 fn tanh(x: Dual3_64) -> Dual3_64 {
-    let tanh = x.re.tanh();
+    let tanh = libm::tanh(x.re);
     let slope = 1.0 - tanh * tanh;
     let curvature = -2.0 * tanh * slope;
     let third = -2.0 * slope * (slope - 2.0 * tanh * tanh);
@@ -267,12 +267,12 @@ impl Blend {
         Self {
             k,
             knee,
-            scale: 2.0 / (1.0 + knee.tanh()),
+            scale: 2.0 / (1.0 + libm::tanh(knee)),
         }
     }
 
     fn at(&self, alpha: f64) -> f64 {
-        self.scale / (1.0 + (-2.0 * (self.knee - self.k * alpha * alpha)).exp())
+        self.scale / (1.0 + libm::exp(-2.0 * (self.knee - self.k * alpha * alpha)))
     }
 }
 
@@ -302,7 +302,7 @@ impl Values {
                 lift,
                 drag,
             } => {
-                let alpha = sin.atan2(cos);
+                let alpha = libm::atan2(sin, cos);
                 let (near, far) = (small.values(sin, cos), large.values(sin, cos));
                 let mix = |near: f64, far: f64, part: f64| far + part * (near - far);
                 (
@@ -310,7 +310,7 @@ impl Values {
                     mix(near.1, far.1, drag.at(alpha)),
                 )
             }
-            Self::Table(table) => table.at(sin.atan2(cos)),
+            Self::Table(table) => table.at(libm::atan2(sin, cos)),
         }
     }
 }

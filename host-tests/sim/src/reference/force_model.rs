@@ -22,14 +22,14 @@ impl ForceModel {
         Self {
             k_a: vehicle.k_a,
             c_y,
-            delta: vehicle.delta.sin_cos(),
+            delta: libm::sincos(vehicle.delta),
             values: Values::new(&vehicle.aerodynamics),
         }
     }
 
     /// F_a \[N\] in components along (i, j, w), at the velocity through the air `v` \[m/s\] in the same.
     pub fn force(&self, [along, across, side]: [f64; 3]) -> [f64; 3] {
-        let in_symmetry = along.hypot(across);
+        let in_symmetry = (along * along + across * across).sqrt();
         // α + δ is π less the angle from the thrust line to v_a. At zero air speed there is no force, whatever the angle.
         let (cos, sin) = match in_symmetry > 0.0 {
             true => (along / in_symmetry, across / in_symmetry),

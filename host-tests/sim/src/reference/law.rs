@@ -51,14 +51,14 @@ impl Evaluation {
     /// θ̃, from i to F_p \[rad\], for the orientation `theta`.
     pub fn theta_tilde(&self, theta: f64) -> f64 {
         let f_p = rotation(theta).transpose() * self.f_p;
-        f_p.y.atan2(f_p.x)
+        libm::atan2(f_p.y, f_p.x)
     }
 }
 
 /// μ_τ(s).
 pub fn mu(tau: f64, s: f64) -> f64 {
     if s <= tau {
-        (std::f64::consts::PI * s * s / (2.0 * tau * tau)).sin()
+        libm::sin(std::f64::consts::PI * s * s / (2.0 * tau * tau))
     } else {
         1.0
     }
@@ -112,7 +112,7 @@ fn evaluate(vehicle: &Vehicle, gains: &Gains, inputs: &Inputs, full: bool) -> Ev
         - f_p.dot(&(S * r_t * f_delta)) * forward;
 
     let k_inverse = if full {
-        let (sin, cos) = (air.alpha + vehicle.delta).sin_cos();
+        let (sin, cos) = libm::sincos(air.alpha + vehicle.delta);
         1.0 + vehicle.k_a * air.speed.powi(2) * f.y * (cos * air.dc_d_bar - sin * air.dc_l_bar)
             / (norm * norm)
     } else {

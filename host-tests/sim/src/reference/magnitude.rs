@@ -45,7 +45,7 @@ struct Body {
 
 impl Body {
     fn of(down: f64, forward: f64, theta: f64) -> Self {
-        let (sin, cos) = theta.sin_cos();
+        let (sin, cos) = libm::sincos(theta);
         Self {
             i: (cos * down).abs() + (sin * forward).abs(),
             j: (sin * down).abs() + (cos * forward).abs(),
@@ -70,10 +70,10 @@ pub fn magnitudes(
     let n_alpha = match angle {
         Angle::Given => 0.0,
         Angle::Expanded => {
-            let (sin_delta, cos_delta) = vehicle.delta.sin_cos();
+            let (sin_delta, cos_delta) = libm::sincos(vehicle.delta);
             let sin_alpha = sin * cos_delta.abs() + cos * sin_delta.abs();
             let cos_alpha = cos * cos_delta.abs() + sin * sin_delta.abs();
-            air.alpha.cos().abs() * sin_alpha + air.alpha.sin().abs() * cos_alpha
+            libm::cos(air.alpha).abs() * sin_alpha + libm::sin(air.alpha).abs() * cos_alpha
         }
     };
     let c = vehicle
@@ -98,7 +98,7 @@ pub fn magnitudes(
     let f_1 = weight.i + q * (c.c_l * sin + c.c_d * cos);
     let f_2 = weight.j + q * (c.c_l * cos + c.c_d * sin);
     let f_p1 = f_1 + q * lambda;
-    let norm = f_p1.hypot(f_2);
+    let norm = libm::hypot(f_p1, f_2);
 
     let error = inputs.velocity - inputs.reference_velocity;
     let error = Body::of(error.x, error.y, theta);
@@ -124,7 +124,7 @@ pub fn magnitudes(
 
     let true_norm = evaluation.f_p.norm();
     // |F_p| + F̄_p1 = |F_p|(1 + cos θ̃) = 2|F_p| cos²(θ̃/2).
-    let sum = 2.0 * true_norm * (evaluation.theta_tilde(theta) / 2.0).cos().powi(2);
+    let sum = 2.0 * true_norm * libm::cos(evaluation.theta_tilde(theta) / 2.0).powi(2);
     let guard = |s: f64| {
         if full {
             1.0 / (s * s)

@@ -37,7 +37,7 @@ pub const S: Matrix = Matrix::new(0.0, -1.0, 1.0, 0.0);
 
 /// `R(θ)`: its columns are the body axes (i, j) in inertial coordinates (down, forward).
 pub fn rotation(theta: f64) -> Matrix {
-    let (sin, cos) = theta.sin_cos();
+    let (sin, cos) = libm::sincos(theta);
     Matrix::new(cos, -sin, sin, cos)
 }
 

@@ -102,7 +102,7 @@ pub(super) fn guard(tau: f64, s: Number) -> Number {
         -2.0 / x.powi(3)
     } else if x > 1e-3 * tau {
         let z = PI * x * x / (2.0 * tau * tau);
-        PI * z.cos() / (tau * tau * x) - 2.0 * z.sin() / x.powi(3)
+        PI * libm::cos(z) / (tau * tau * x) - 2.0 * libm::sin(z) / x.powi(3)
     } else {
         0.0
     };
@@ -173,13 +173,13 @@ fn winged(
     let (v_1, v_2) = (v_a.dot(i), v_a.dot(j));
     let airspeed = v_a.norm();
     let in_plane = (v_1 * v_1 + v_2 * v_2).sqrt();
-    let (sin_delta, cos_delta) = vehicle.delta.sin_cos();
+    let (sin_delta, cos_delta) = libm::sincos(vehicle.delta);
     let (sin, cos, alpha, n_alpha) = if in_plane.value > 0.0 {
         let (sin, cos) = (v_2 / in_plane, -v_1 / in_plane);
         let sin_alpha = sin * cos_delta - cos * sin_delta;
         let cos_alpha = cos * cos_delta + sin * sin_delta;
         let n = cos_alpha.value.abs() * sin_alpha.size + sin_alpha.value.abs() * cos_alpha.size;
-        (sin, cos, sin_alpha.value.atan2(cos_alpha.value), n)
+        (sin, cos, libm::atan2(sin_alpha.value, cos_alpha.value), n)
     } else {
         let (sin, cos) = (Number::input(sin_delta), Number::input(cos_delta));
         (sin, cos, 0.0, 0.0)

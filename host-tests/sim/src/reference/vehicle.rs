@@ -45,7 +45,7 @@ pub struct Air {
 impl Vehicle {
     /// α = θ − γ + π − δ, wrapped to [−π, π). At zero air speed γ is taken as 0.
     pub fn angle_of_attack(&self, air_velocity: Vector, theta: f64) -> f64 {
-        let gamma = air_velocity.y.atan2(air_velocity.x);
+        let gamma = libm::atan2(air_velocity.y, air_velocity.x);
         wrap(theta - gamma + PI - self.delta)
     }
 
@@ -54,7 +54,7 @@ impl Vehicle {
         let air_velocity = velocity - wind;
         let alpha = self.angle_of_attack(air_velocity, theta);
         let c = self.aerodynamics.at(alpha);
-        let (sin, cos) = (alpha + self.delta).sin_cos();
+        let (sin, cos) = libm::sincos(alpha + self.delta);
         let lambda = c.dc_l * cos + c.dc_d * sin;
         let dlambda = c.ddc_l * cos - c.dc_l * sin + c.ddc_d * sin + c.dc_d * cos;
         Air {

@@ -50,7 +50,7 @@ impl Belief {
             vehicle.wrench(&still, V3::zeros()).force / k_a_kg_m
         };
         let row = |degrees: f64| {
-            let (sin, cos) = degrees.to_radians().sin_cos();
+            let (sin, cos) = libm::sincos(degrees.to_radians());
             let f = force(V3::new(cos, 0.0, sin));
             let lift = f.x * sin - f.z * cos;
             let drag = -(f.x * cos + f.z * sin);
@@ -60,7 +60,7 @@ impl Belief {
         // At 180° stands what stands at −180°, to the last bit.
         let [_, lift, drag] = polar[0];
         polar.push([180.0, lift, drag]);
-        let (sin, cos) = SIDESLIP.sin_cos();
+        let (sin, cos) = libm::sincos(SIDESLIP);
         Self {
             k_a_kg_m,
             c_y: -force(V3::new(cos, sin, 0.0)).y / sin,

@@ -399,10 +399,10 @@ impl Strip {
     fn load(&self, profile: &Profile, flow: V3, deflection: f64) -> (V3, V3) {
         let across = if self.upright { flow.y } else { flow.z };
         let square = flow.x * flow.x + across * across;
-        let alpha = across.atan2(flow.x);
+        let alpha = libm::atan2(across, flow.x);
         let c = profile.at(alpha, deflection);
         let pressure = 0.5 * RHO * square * self.span_m * self.chord_m;
-        let (sin, cos) = alpha.sin_cos();
+        let (sin, cos) = libm::sincos(alpha);
         let along = pressure * (c.c_l * sin - c.c_d * cos);
         let normal = -pressure * (c.c_l * cos + c.c_d * sin);
         let moment = pressure * self.chord_m * c.c_m;

@@ -27,7 +27,7 @@ impl RateLoop {
     /// Torques from rates asked for and had, one period on.
     pub fn torque(&self, state: &mut RateLoopState, asked: V3, rates: V3) -> V3 {
         let dt = 1.0 / self.rate_hz;
-        let share = 1.0 - (-2.0 * std::f64::consts::PI * self.cutoff_hz * dt).exp();
+        let share = 1.0 - libm::exp(-2.0 * std::f64::consts::PI * self.cutoff_hz * dt);
         let fresh = state.rates.map_or(V3::zeros(), |last| (rates - last) / dt);
         state.rates = Some(rates);
         state.acceleration += share * (fresh - state.acceleration);
@@ -65,7 +65,7 @@ impl RateLoop {
     /// Told what the mixer gave of `asked`.
     pub fn given(&self, state: &mut RateLoopState, asked: V3, given: V3) {
         let dt = 1.0 / self.rate_hz;
-        let share = 1.0 - (-2.0 * std::f64::consts::PI * self.cutoff_hz * dt).exp();
+        let share = 1.0 - libm::exp(-2.0 * std::f64::consts::PI * self.cutoff_hz * dt);
         state.missing = (asked - given).map(|x| if x.abs() > ROUNDING { x } else { 0.0 });
         state.torque += share * (given - state.torque);
     }

@@ -54,16 +54,16 @@ impl Profile {
     pub fn new(section: Section, aspect_ratio: f64, share: f64) -> Self {
         let a = aspect_ratio;
         // Thin-airfoil theory of a flap whose hinge lies at cos θ = 2 share − 1.
-        let hinge = (2.0 * share - 1.0).acos();
+        let hinge = libm::acos(2.0 * share - 1.0);
         Self {
             section,
             slope: section.slope_1_rad / (1.0 + 2.0 * (a + 4.0) / (a * (a + 2.0))),
             induced: 1.0 / (PI * 0.87 * a),
-            relief: 0.41 * (1.0 - (-17.0 / a).exp()),
+            relief: 0.41 * (1.0 - libm::exp(-17.0 / a)),
             flap: Flap {
                 share,
-                effectiveness: 1.0 - (hinge - hinge.sin()) / PI,
-                moment: -0.5 * hinge.sin() * (1.0 - hinge.cos()),
+                effectiveness: 1.0 - (hinge - libm::sin(hinge)) / PI,
+                moment: -0.5 * libm::sin(hinge) * (1.0 - libm::cos(hinge)),
             },
         }
     }
@@ -82,7 +82,7 @@ impl Profile {
         let stall = self.section.stall_deg.to_radians();
         let raised = (1.0 - self.flap.share) * shift;
         let beyond = (effective - raised).abs() - stall;
-        let share = 0.5 * (1.0 - (4.0 * beyond / BLEND).tanh());
+        let share = 0.5 * (1.0 - libm::tanh(4.0 * beyond / BLEND));
         let mix = |a: f64, p: f64| share * a + (1.0 - share) * p;
         Coefficients {
             c_l: mix(attached.c_l, plate.c_l),
@@ -93,7 +93,7 @@ impl Profile {
 
     /// Attached flow: potential lift and vortex lift; drag by the share of suction that is kept.
     fn attached(&self, alpha: f64, flap_moment: f64) -> Coefficients {
-        let (sin, cos) = alpha.sin_cos();
+        let (sin, cos) = libm::sincos(alpha);
         let vortex = PI * (1.0 - self.section.suction);
         let c_l = self.slope * sin * cos * cos + vortex * sin.abs() * sin * cos;
         let plate_drag = (c_l * sin / cos.abs().max(0.1)).abs();
@@ -109,15 +109,15 @@ impl Profile {
     /// A plate bent at the hinge: its chord line joins leading and trailing edge.
     fn plate(&self, alpha: f64, deflection: f64) -> Coefficients {
         let (nose, flap) = (1.0 - self.flap.share, self.flap.share);
-        let chord = (nose * nose + flap * flap + 2.0 * nose * flap * deflection.cos()).sqrt();
-        let alpha = alpha + (flap / chord * deflection.sin()).asin();
-        let (sin, cos) = alpha.sin_cos();
+        let chord = (nose * nose + flap * flap + 2.0 * nose * flap * libm::cos(deflection)).sqrt();
+        let alpha = alpha + libm::asin(flap / chord * libm::sin(deflection));
+        let (sin, cos) = libm::sincos(alpha);
         // A bend towards the flow holds more of it.
         let bend = deflection * sin.signum();
         let across = C_D_90 + 0.21 * bend - 0.0426 * bend * bend;
         let normal = across * sin * (1.0 / (0.56 + 0.44 * sin.abs()) - self.relief);
         let tangential = 0.5 * self.section.c_d_0 * cos;
-        let angle = sin.atan2(cos).abs();
+        let angle = libm::atan2(sin, cos).abs();
         let arm = 0.25 - 0.175 * (1.0 - 2.0 * angle / PI);
         Coefficients {
             c_l: normal * cos - tangential * sin,
