@@ -517,7 +517,7 @@ fn a_campaign_is_flown_shared_merged_and_flown_again() {
         stdout.contains("60 flights of own.toml, seed 0: passed"),
         "{stdout}"
     );
-    let whole = folder.path().join("out/campaign/c");
+    let whole = folder.path().join("out/campaign-c");
     let expected = [
         "campaign.json",
         "flights",
@@ -629,13 +629,13 @@ fn a_bad_campaign_is_named_with_line_and_field() {
     assert!(
         folder
             .path()
-            .join("out/campaign/strict/flights.parquet")
+            .join("out/campaign-strict/flights.parquet")
             .exists()
     );
     // Its folder is not another campaign's.
     let output = alula(
         folder.path(),
-        &["campaign", "c.toml", "--out", "out/campaign/strict"],
+        &["campaign", "c.toml", "--out", "out/campaign-strict"],
     );
     assert_refused(&output, &["holds the results of another campaign"]);
     let output = alula(folder.path(), &["campaign", "merge", "nowhere"]);

@@ -280,7 +280,7 @@ fn vehicles_do_not_overwrite_each_other() {
         assert!(
             folder
                 .path()
-                .join(format!("out/campaign/{name}-campaign/report.html"))
+                .join(format!("out/campaign-{name}-campaign/report.html"))
                 .exists()
         );
         assert!(

@@ -71,10 +71,10 @@ impl Wing {
                 .min_by(|a, b| far(a).total_cmp(&far(b)))
                 .expect("two");
             story.push(format!(
-                "{} at Re = {name}: in cruise it is {reynolds:.0}, for a mean chord by the aspect ratio{}. Built in are 160e3 and 5e6, the first and \
-                 the last of the tables that SAND80-2114 (Sheldahl and Klimas) has at 160e3, 360e3, 700e3, 1e6, 2e6 and 5e6",
+                "{}, the table at Re = {name}. In cruise Re is {reynolds:.0}{}. Built in are the tables at 160e3 and 5e6; their source, SAND80-2114 \
+                 (Sheldahl and Klimas), has 360e3, 700e3, 1e6 and 2e6, too",
                 facts.section,
-                if facts.aspect_ratio.is_none() { ", taken for 6" } else { "" }
+                if facts.aspect_ratio.is_none() { ", with the mean chord of an aspect ratio of 6, as none was given" } else { "" }
             ));
             if far(&(built_in, name)) > NEAR.ln() {
                 warnings.push(format!(
@@ -103,7 +103,7 @@ impl Wing {
         let added = facts.added_drag();
         let wing = match added > 0.0 {
             true => {
-                story.push(format!("What is not wing adds {added:.4} to c_D at every angle: its drag area over that of the wing"));
+                story.push(format!("What is not wing adds {added:.4} to c_D at every angle: its drag area over the area of the wing"));
                 wing.with_drag(added)?
             }
             false => wing,
@@ -267,8 +267,8 @@ mod tests {
         };
         let made = preset(0.35);
         let story = &made.story[0];
-        begins(story, "naca-0012 at Re = 160e3: in cruise it is 297768");
-        says(story, &["Built in are 160e3 and 5e6", "360e3"]);
+        begins(story, "naca-0012, the table at Re = 160e3. In cruise Re is 297768");
+        says(story, &["Built in are the tables at 160e3 and 5e6", "360e3"]);
         assert!(made.warnings.is_empty());
         let slender = |aspect_ratio: f64| {
             let known = |known: &mut Known| {

@@ -114,7 +114,10 @@ fn tables(name: &str, design: &Design, flight: &FirstFlight) -> Vec<Table> {
             &findings.margins,
             &[
                 ("v [m/s]", &|p| fixed(p.speed_m_s, 1)),
-                ("α [°]", &|p| fixed(p.alpha_deg, 1)),
+                ("α [°]", &|p| match p.speed_m_s > 0.0 {
+                    true => fixed(p.alpha_deg, 1),
+                    false => "–".to_owned(),
+                }),
                 ("largest rate-loop lag [s]", &|p| limit(p.lag_s)),
                 ("largest delay [s]", &|p| limit(p.delay_s)),
             ],
@@ -137,8 +140,8 @@ fn envelope(design: &Design, p: &Performance) -> Vec<[String; 2]> {
     let row = |what: &str, value: String| [what.to_owned(), value];
     let stall = match (p.stall, p.jump) {
         (Some(s), _) => format!(
-            "{:.1} m/s (α = {:.1}°), the least of level flight on the wing: slowing down it falls off there; speeding up slowly it stays \
-             behind the stall up to {:.1} m/s (α = {:.1}°). The guidance crosses on purpose, from about {:.1} m/s on",
+            "{:.1} m/s (α = {:.1}°), the least at which the wing carries level flight. Slowing down, it stalls there. Speeding up slowly, it would stay \
+             behind the stall until {:.1} m/s (α = {:.1}°); the guidance crosses earlier, from about {:.1} m/s on",
             s.slow_m_s,
             s.alpha_deg[0],
             s.fast_m_s,

@@ -50,7 +50,7 @@ pub fn attitudes(flights: Option<u64>, threads: Threads, output: &Output) -> any
         all.push(Starts::new(name, &starts(name, flights, threads, count)?));
     }
     bar.finish_and_clear();
-    let out = output.folder("campaign/attitudes")?;
+    let out = output.folder("campaign-attitudes")?;
     leave(&out.join("summary.json"), |file| {
         Ok(serde_json::to_writer_pretty(file, &all)?)
     })?;

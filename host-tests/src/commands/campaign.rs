@@ -95,7 +95,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         drop(stdout);
         return refly(&source, number, args);
     }
-    let out = args.output.folder(&format!("campaign/{}", source.stem()))?;
+    let out = args.output.folder(&format!("campaign-{}", source.stem()))?;
     let store = Store::open(&out, &source)?;
     let campaign = &source.campaign;
     let chunks = || args.shard.chunks(campaign.chunks());
@@ -178,7 +178,7 @@ fn refly(source: &CampaignSource, number: u64, args: &Args) -> anyhow::Result<()
 
 fn merge(shares: &[PathBuf], output: &Output) -> anyhow::Result<()> {
     let (_, mut source) = Store::existing(&shares[0])?;
-    let out = output.folder(&format!("campaign/{}", source.stem()))?;
+    let out = output.folder(&format!("campaign-{}", source.stem()))?;
     let store = Store::open(&out, &source)?;
     source.is_found_in(&out);
     store.merge(shares)?;

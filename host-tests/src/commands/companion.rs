@@ -68,7 +68,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let experiment = document.checked()?;
     let out = args
         .output
-        .folder(&format!("companion/{}", document.name))?;
+        .folder(&format!("companion-{}", document.name))?;
     let heading = args.heading.map(f32::to_radians);
     let lead = match args.from_link {
         true => Lead::Link,

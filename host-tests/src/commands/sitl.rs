@@ -101,7 +101,7 @@ fn ardupilot(args: &ArduPilot) -> anyhow::Result<()> {
             args.listen
         )
     })?;
-    let folder = format!("ardupilot/{}", document.name);
+    let folder = format!("sitl-ardupilot-{}", document.name);
     let out = args.output.folder(&folder)?;
     let interrupted = interrupted()?;
     // On standard error: standard output is the result's.

@@ -344,7 +344,7 @@ function state(row, t) {
 
 /* Where a candidate turns to, in words. */
 const turning = ({ theta_rad, alpha_rad }) => !Number.isFinite(theta_rad) ? "no turn, the servo alone"
-    : `nose ${fixed(fromUp(theta_rad), 0)}° from up${Number.isFinite(alpha_rad) ? `, α ${fixed(degrees(alpha_rad), 0)}°` : ""}`;
+    : `nose ${fixed(Math.abs(fromUp(theta_rad)), 0)}° ${fromUp(theta_rad) > 0 ? "behind" : "ahead"}${Number.isFinite(alpha_rad) ? `, α ${fixed(degrees(alpha_rad), 0).replace("-", "−")}°` : ""}`;
 const fromUp = (theta) => degrees(Math.atan2(Math.sin(theta), Math.cos(theta)));
 
 /* ---- curves ---- */
@@ -423,7 +423,7 @@ function plan() {
         else if (dear) c.ring(fromUp(one.theta_rad), cost, name);
         else c.dot(fromUp(one.theta_rad), cost, name, one.mark >= 2 ? 6 : 4);
     }
-    c.legend([[color("red"), "chosen"], [color("blue"), "in force"], [color("grey"), "others; rings: dearer; dashed: no turn"]]);
+    c.legend([[color("red"), "chosen"], [color("blue"), "in force"], [color("grey"), "ring: dearer, line: no turn"]]);
     const cells = (one) => [turning(one), one.push_over_s > 0 ? `${fixed(one.push_over_s, 2)} s` : "–", Number.isFinite(one.cost_s) ? `${fixed(one.cost_s, 3)} s` : "dearer", ["", "in force", "chosen", "in force, kept"][one.mark]];
     $("candidates").tBodies[0].replaceChildren(...all.map((one) => {
         const row = document.createElement("tr");
