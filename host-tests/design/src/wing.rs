@@ -267,8 +267,14 @@ mod tests {
         };
         let made = preset(0.35);
         let story = &made.story[0];
-        begins(story, "naca-0012, the table at Re = 160e3. In cruise Re is 297768");
-        says(story, &["Built in are the tables at 160e3 and 5e6", "360e3"]);
+        begins(
+            story,
+            "naca-0012, the table at Re = 160e3. In cruise Re is 297768",
+        );
+        says(
+            story,
+            &["Built in are the tables at 160e3 and 5e6", "360e3"],
+        );
         assert!(made.warnings.is_empty());
         let slender = |aspect_ratio: f64| {
             let known = |known: &mut Known| {

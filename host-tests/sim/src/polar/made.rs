@@ -176,12 +176,14 @@ impl Polar {
             .iter()
             .map(|&[a, l, d]| [a.to_degrees(), l, d])
             .collect();
+        // What is flown and coded is what the file says.
+        let written = Self::from_rows(self.name, &[], &degrees)?.written();
         Ok((
             Self {
                 seam: self.seam,
                 read: self.read,
                 told: self.told,
-                ..Self::from_rows(self.name, &[], &degrees)?
+                ..Self::from_rows(self.name, &[], &written)?
             },
             apart,
         ))
