@@ -6,7 +6,7 @@ FROM rust:1-bookworm AS build
 WORKDIR /alula
 COPY . .
 # The image's own Rust, and not one that rust-toolchain.toml would fetch with its target.
-RUN rm rust-toolchain.toml && cargo build --release -p alula-sil
+RUN rm rust-toolchain.toml && cargo build --release --locked -p alula-sil
 
 FROM debian:bookworm-slim
 COPY --from=build /alula/target/release/alula-sil /usr/local/bin/
