@@ -886,4 +886,4 @@ function withLibrary() {
 })();
 
 /* For tests. */
-window.viewer = { flight, clock, drawing, seek, play, rowAt, wholeFlight, steerBegins, cutAt, planAt, plan, wish, moved, asked, get library() { return library; } };
+window.viewer = { flight, clock, drawing, seek, play, rowAt, wholeFlight, steerBegins, cutAt, planAt, plan, wish, steered, moved, asked, get library() { return library; } };
