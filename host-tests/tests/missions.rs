@@ -548,7 +548,7 @@ fn failures_are_answered_as_the_table_says() {
         ),
         (
             "follow",
-            "weather.gust={ start_s = 18.0, duration_s = 30.0, peak_m_s = [0.0,0.0,-24.0] }",
+            "weather.gust={ start_s = 18.0, duration_s = 30.0, peak_m_s = [0.0,0.0,-22.0] }",
             Troubles::FOLLOW,
         ),
     ];
