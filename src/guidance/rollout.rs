@@ -35,8 +35,8 @@ const SCALE: f32 = 2.0 * LINEAR_FROM * LINEAR_FROM;
 /// Time to go: greatest \[s\], least closing taken for it, in g.
 pub(super) const MAX_TO_GO: f32 = 20.0;
 const LEAST_CLOSING: f32 = 0.035;
-/// Being too high costs no more from this many altitude bands on, and sinking too slowly for a long time from this many
-/// velocity bands on: a reference that sinks more steeply than the vehicle can is not worth a dive.
+/// The altitude penalty saturates at so many bands above the reference, and the penalty of a sink that is too slow at so many velocity bands.
+/// A reference that sinks more steeply than the vehicle can is not worth a dive.
 const HIGH: f32 = 3.0;
 const SLOW: f32 = 8.0;
 /// Greatest change of the acceleration to the side, in g per second: a roll of 90° takes about as long as the rate allows.

@@ -165,7 +165,7 @@ figures! {
     "max_gain_out_m", "gain out, peak", "m", 1, Out, Peak(|m| at_least_zero(-m.offset.z)), "greatest altitude above the path until that slows down";
     "max_loss_back_m", "loss back, peak", "m", 1, Back, Peak(|m| at_least_zero(m.offset.z)), "greatest altitude below the path from where that slows down";
     "max_gain_back_m", "gain back, peak", "m", 1, Back, Peak(|m| at_least_zero(-m.offset.z)), "greatest altitude above the path from where that slows down";
-    "max_ahead_m", "ahead, peak", "m", 0, Back, Peak(|m| at_least_zero(m.offset.x)), "in a vertical plane: farthest ahead of the path from where that slows down";
+    "max_ahead_m", "ahead, peak", "m", 0, Back, Peak(|m| at_least_zero(m.offset.x)), "farthest north of the path from where that slows down: ahead, where it goes north";
     "cruise_after_s", "cruise after", "s", 1, Flight, Until(not_in_cruise), "from the path's first change of speed until \\|v − v_r\\| to the cruise velocity stays under 1 m/s to the end of cruise";
     "settling_s", "settling", "s", 1, Flight, Until(not_settled), "from the path's first change of speed until \\|v − v_r\\| stays under 0.05 m/s to the end of cruise";
     "max_cruise_error_m_s", "cruise error, peak", "m/s", 2, LateCruise, Peak(|m| m.error), "largest \\|v − v_r\\| in the last 5 s of cruise";

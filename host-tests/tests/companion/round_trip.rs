@@ -175,18 +175,27 @@ fn round_trips(count: u64, fly: impl Fn(u64) -> Flight + Sync + Send) -> Vec<Fli
     flights
 }
 
-/// The median of how far forty flights are off their altitude, below or above, is within 1.5 times what it is in process. A single flight may not
-/// be: where the vehicle turns from cruise to hover, errors too small to see decide when it turns.
+/// The median of how far forty flights are off their altitude, below or above \[m\]: twice that of forty in process, with noise. A single flight may be
+/// farther: where the vehicle turns from cruise to hover, errors too small to see decide when it turns.
+const MEDIAN: f64 = 0.88;
+
 fn assert_near_in_process(flights: &[Flight]) {
-    let expected = in_process(&experiment(&[]));
+    let noisy: Vec<_> = (0..40)
+        .into_par_iter()
+        .map(|seed| in_process(&noisy(seed)))
+        .collect();
     let altitudes: Vec<_> = flights.iter().map(|f| f.altitude).collect();
-    let (worst, median) = worst_and_median(&altitudes);
-    println!("in process {expected:.2?}; median {median:.2?}, at worst {worst:.2?}");
-    let off = |[low, high]: [f64; 2]| f64::max(-low, high);
-    assert!(
-        off(median) < 1.5 * off(expected),
-        "{median:?}, in process {expected:?}"
+    println!(
+        "worst and median: in process {:.2?}; {:.2?}",
+        worst_and_median(&noisy),
+        worst_and_median(&altitudes)
     );
+    let off = |flights: &[[f64; 2]]| {
+        let (_, [low, high]) = worst_and_median(flights);
+        f64::max(-low, high)
+    };
+    assert!(off(&noisy) < 0.5 * MEDIAN, "in process");
+    assert!(off(&altitudes) < MEDIAN, "{}", off(&altitudes));
 }
 
 #[test]

@@ -86,7 +86,7 @@ int main()
     plane.ahrs.healthy = false;
     for (int n = 0; n < 400; n++)
         step(mode);
-    expect(control.throttle > 0.55f && control.throttle < 0.62f, "a lost velocity: it sinks slowly");
+    expect(control.throttle > 0.55f && control.throttle < 0.62f, "a lost velocity: it sinks");
     plane.quadplane.tailsitter.is = false;
     ModeQAlula other;
     expect(!other.enter(), "of tail-sitters alone");
