@@ -206,6 +206,13 @@ pub(super) enum Flown {
 }
 
 impl Cost {
+    /// What all plans of a `request` cost, whatever they do: the altitude error below the reference beyond which it counts in proportion \[s\].
+    #[inline(always)]
+    pub fn of_depth(&self, request: &PlanRequest, horizon: &Horizon) -> f32 {
+        let below = request.flight.position.down() / (LINEAR_FROM * request.altitude_band);
+        SCALE * horizon.span * math::max(below - 1.0, 0.0)
+    }
+
     /// What `plan` comes to if it is flown for the `horizon`, unless it costs `bound` or more. Whether it is `new` or in force decides
     /// whether the wing is yet to be levelled for it.
     #[inline(always)]
