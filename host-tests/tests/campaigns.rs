@@ -453,7 +453,7 @@ fn a_dispersed_vehicle_does_not_disperse_the_belief() {
 }
 
 /// How wrong a belief may be. Half the mass and two and a half times the wing is a lift per weight five times too great: the wing believed in carries at an
-/// angle of attack at which the real one has not begun to, and without an accelerometer the flight sinks by 4.8 m, with one by 3.9 m. The same factors
+/// angle of attack at which the real one has not begun to, and without an accelerometer the flight sinks by 8.5 m, with one by 4.1 m. The same factors
 /// the other way round, and the truth, fly without one.
 #[test]
 fn too_much_lift_is_worse_than_too_little() {
@@ -481,14 +481,14 @@ fn too_much_lift_is_worse_than_too_little() {
         without(19.0, 0.2584),
     );
     let told = altitude_of("measured", 5.0, 1.615);
-    assert!(told > 0.9 * light, "{told} {light}");
+    assert!(told > 0.6 * light, "{told} {light}");
     assert!(
         light < -4.0 && true_ > -2.0 && heavy > -2.0,
         "{light} {true_} {heavy}"
     );
 }
 
-/// Two vehicles whose lift is believed 1.4 and 1.5 times too great. A guidance without an accelerometer sank 54 and 234 m with them; now they lose 1.1 and 0.2 m.
+/// Two vehicles whose lift is believed 1.4 and 1.5 times too great. A guidance without an accelerometer sank 54 and 234 m with them; now they lose 0.2 m.
 #[test]
 fn vehicles_that_were_lost_are_not() {
     let source = source("vehicles", 1000);

@@ -705,6 +705,12 @@ fn a_flight_that_diverges_says_so() {
         assert_eq!(left, ["trace.csv".to_owned()].into());
     }
 
+    // Body rates that no airframe has, at any speed.
+    let whirled = "base = \"round-trip\"\n[controller.law]\nform = \"full\"\n";
+    fs::write(folder.path().join("whirled.toml"), whirled).unwrap();
+    let output = alula(folder.path(), &["fly", "whirled.toml"]);
+    assert_refused(&output, &["whirled: diverged at ", "trace.csv ends there"]);
+
     // Whatever flies for a page leaves none.
     for command in ["view", "sweep"] {
         let arguments = [command, "round-trip", "--set", "vehicle.mass_kg=0.001"];

@@ -169,7 +169,7 @@ fn a_climbing_reference_is_followed_at_two_metres_per_second_squared() {
 }
 
 /// Descents beyond the velocity at which F_p vanishes, off the axis of symmetry: in horizontal wind from either side and light
-/// turbulence none is lost, and all are within 5 m of altitude (measured −3.3…+0.9 m, and −0.7 m but for the headwind of 5 m/s; at the end 6 mm/s). Without the reference model a wind of
+/// turbulence all are within 2 m of altitude, three times what is measured (−0.64…+0.65 m; at the end 6 mm/s): the last bits decide. Without the reference model a wind of
 /// 1 m/s ended 4200 m low.
 #[test]
 fn steep_descents_are_flown_in_wind() {
@@ -185,14 +185,14 @@ fn steep_descents_are_flown_in_wind() {
             let (figures, _) =
                 figures_and_segments(&experiment("steep-descent", &[&knots, &steady, light]));
             let [low, high] = ["altitude_least_m", "altitude_most_m"].map(|n| figures.get(n));
-            assert!(low > -5.0 && high < 1.5, "{sink} {wind}: {low} {high}");
+            assert!(low > -2.0 && high < 1.5, "{sink} {wind}: {low} {high}");
             assert!(figures.get("final_velocity_error_m_s") < 0.01);
         }
     }
 }
 
 /// A reference that jumps from 20 m/s to a stop, at any moment of the planner's round: within 1 m of altitude and in 22 m at T/W 2, within
-/// 2 m and in 24 m at 1.15. Measured: −0.2…+0.8 m and 20.8 m; −1.7…+0.8 m and 22.8 m. The limits of what can be flown are 15.2 and 17.3 m.
+/// 2 m and in 24 m at 1.15. Measured: −0.2…+0.8 m and 21.7 m; −1.8…+0.8 m and 22.8 m. The limits of what can be flown are 15.2 and 17.3 m.
 #[test]
 fn stops_at_once_are_short_at_any_moment() {
     for (thrust, off, farthest) in [(196.2, 1.0, 22.0), (112.8, 2.0, 24.0)] {
@@ -245,7 +245,7 @@ fn the_measured_wing_is_flown_as_the_fitted_one() {
     }
 }
 
-/// Falls with hover asked: θ = 180° at 3 and 20 m/s, and pitch −80° at 20 m/s. Measured at T/W 2: 11.3, 26.4 and 22.8 m lost; the least
+/// Falls with hover asked: θ = 180° at 3 and 20 m/s, and pitch −80° at 20 m/s. Measured at T/W 2: 11.3, 24.2 and 21.5 m lost; the least
 /// possible are 7.0, 16.6 and 18.4 m, and 1.7 times that is asked for; at the end they stand, to 1e-4 m/s. Without the reference model the last two fell for good.
 #[test]
 fn falls_are_left() {

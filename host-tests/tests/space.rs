@@ -385,13 +385,12 @@ fn turns_in_wind_do_not_end_in_the_stall() {
         // 2.0 m and 3.7 g.
         assert!(off < 3.0 && load < 4.5);
     }
-    // The first seconds are the way to the circle, from any attitude. Of 24 seeds half are 0.4 m off after them, and three more than 10 m; 3.2 g at most.
-
+    // The first seconds are the way to the circle, from any attitude. After them seven of eight are within 1.1 m and one 15 m off, with 3.2 g at most.
     let mut offs = Vec::new();
     for seed in 0..8 {
         let seed = format!("seed={seed}");
         let (off, load) = worst("circle-33", &[scatter, "settle_time_s=15.0", &seed]);
-        assert!(off < 35.0 && load < 4.8);
+        assert!(off < 23.0 && load < 4.8);
         offs.push(off);
     }
     offs.sort_by(f64::total_cmp);

@@ -5,8 +5,8 @@
 //! of its curve the normal force does not tell the angle of attack, and the damping leaves nothing of the step. What is not told
 //! fades, and the known wind is left. A gust that does not explain the force there is not believed: it goes back to the known wind at
 //! once. Else an estimate that a slipstream or a jump has put behind the stall stays there, and a wing without lift is flown as a stalled one.
-//! One that is not told goes back too, though more slowly, where the belief without it explains the force: at the top of the curve a scale of the
-//! air's force explains any.
+//! A gust that the force does not tell goes back too, though more slowly, where the belief explains the force without it. Else an estimate stays
+//! at the top of the curve, where some scale of the air's force fits any force.
 //!
 //! A gust is fast, and an error of the belief lasts: the force of a gust that lasts is handed to the scale of the air's force, so that a
 //! wing that is better than believed is not taken for one that is near its stall.
@@ -36,11 +36,11 @@ const SIDE_FORCE: f32 = 0.3;
 /// Normal force coefficient that may be left unexplained: from twice of it on a gust of which the force tells nothing goes back to the known wind
 /// as fast as it is made. With 0.5, 8 of 100 random tail-sitters were lost; with less than 0.3 a gust of moderate turbulence is not believed either.
 const UNEXPLAINED: f32 = 0.3;
-/// Time \[s\] in which such a gust goes back where the belief explains the force without it, within half of that coefficient. Without, wings of 25 kg
+/// Time \[s\] in which a gust that the force does not tell goes back, where the belief explains the force without it. Without this, wings of 25 kg
 /// at 22 to 28 m/s were believed to be at the top of their curve, with 0.6 of their lift: they dived up to 260 m at an angle of attack of 4°.
 /// 0.1 s gives up gusts that are there: `campaign cruise` sinks by a quarter more.
 const EXPLAINED_TIME: f32 = 0.3;
-/// Part of the step that the force tells from which on nobody asks for another explanation.
+/// Part of the step that the force tells: from here on the belief without the gust is not asked.
 const TOLD: f32 = 0.35;
 /// Greatest gust \[m/s\]. An airspeed that is farther from that of the known wind is no airspeed: the tube is blocked.
 const MOST: f32 = 10.0;
@@ -79,7 +79,8 @@ fn normal_force(c: &Coefficients, air: &AirData) -> f32 {
     -(c.c_l * air.cos + c.c_d * air.sin)
 }
 
-/// Whether `vehicle`, as it is believed to be, would feel this specific force \[m/s²\] along its belly at this velocity through the air \[m/s\].
+/// Whether `vehicle`, as it is believed to be, would feel this specific force \[m/s²\] along its belly at this velocity through the air \[m/s\], within
+/// half of [`UNEXPLAINED`].
 #[cold]
 fn explains<A: Aerodynamics>(vehicle: &Vehicle<A>, air: Body, felt: Body) -> bool {
     let air = AirData::new(frame::Body::new(air.i, air.j), vehicle.thrust_line());
@@ -282,7 +283,7 @@ mod tests {
         assert!(near(state.gust, Ned::ZERO, 0.5), "{:?}", state.gust);
     }
 
-    /// At the top of the curve 0.6 of the believed force is the same as all of it at 5°: an estimate that is there with that scale is left, since
+    /// At the top of the curve 0.6 of the believed force is the same as all of it at 5°. An estimate that begins there, with that scale, goes back:
     /// the belief explains the force without a gust.
     #[test]
     fn a_gust_that_nothing_asks_for_goes_back() {

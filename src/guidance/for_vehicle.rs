@@ -126,7 +126,7 @@ rules! { known, default;
     max_wind_step = default.max_wind_step,
         "No gust grows so fast.";
     safe_thrust = default.safe_thrust,
-        "Hover thrust less a twentieth: in hover the vehicle sinks, its attitude kept: by 2.4 m/s after 5 s and 7 m/s after 15 s where its mass is known, when its inputs have failed for longer than `hold`; with the nose forward it glides. Zero cuts the thrust.";
+        "Hover thrust less a twentieth, for when inputs have failed for longer than `hold`. In hover the vehicle keeps its attitude and sinks, where its mass is known at 2.4 m/s after 5 s and at 7 m/s after 15 s. With the nose forward it glides. Zero cuts the thrust.";
 }
 
 impl GuidanceParameters {

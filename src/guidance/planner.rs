@@ -161,8 +161,7 @@ impl PlannerState {
     }
 
     /// Leaves `request` for the next plan, after `dt` \[s\], and says whether that is due: after [`PLAN_PERIOD`]; at once when the reference
-    /// jumps by more than a `band` of velocity [m/s], and from there, as from the beginning, until as many plans have been looked at as there are
-    /// candidates.
+    /// jumps by more than a `band` of velocity [m/s], and from there, as from the beginning, until every candidate has been looked at.
     #[inline(always)]
     pub fn leave(&mut self, request: PlanRequest, band: f32, dt: f32) -> bool {
         self.request = request;
@@ -310,7 +309,7 @@ impl Planner {
             if in_force {
                 search.rollout = rollout;
                 let hysteresis = self.reference_model.tuning.hysteresis;
-                // What no plan changes tells nothing of how much better another one is.
+                // A part of what plans differ in: what all cost at this depth is left out.
                 let common = self.cost.of_depth(&request, horizon);
                 search.bound =
                     rollout.cost - hysteresis * (1.0 + math::max(rollout.cost - common, 0.0));

@@ -284,7 +284,7 @@ mod tests {
         }
     }
 
-    /// The altitude is off by 0.70 m with a band of 1 cm, which takes 26 m, and by 0.75 m with the parameter's, which takes 22 m.
+    /// The altitude is off by 0.70 m with a band of 1 cm, which takes 27 m, and by 0.90 m with the parameter's, which takes 23 m.
     #[test]
     fn a_narrow_band_keeps_the_altitude() {
         let narrow = How {
@@ -296,7 +296,7 @@ mod tests {
         };
         let off = |how| spread(how, |s| s.off);
         let (narrow_off, usual_off) = (off(narrow), off(How::default()));
-        assert!(last(&narrow_off) < 0.96 * usual_off[0]);
+        assert!(last(&narrow_off) < 0.85 * usual_off[0]);
         let way = |how| spread(how, |s| s.way);
         assert!(last(&way(How::default())) < 24.0);
         assert!(last(&way(narrow)) < 28.0);

@@ -197,10 +197,10 @@ impl State {
     pub fn is_sound(&self) -> bool {
         /// Speed \[m/s\] from which a simulation has diverged: ten minutes of free fall do not reach it.
         const DIVERGED: f64 = 1e4;
-        /// Body rate [rad/s] from which on it has: no airframe holds together at a hundred turns a second.
-        const WHIRLED: f64 = 630.0;
+        /// Body rate [rad/s] from which on it has, too: no airframe holds together at a hundred turns a second.
+        const DIVERGED_RATE: f64 = 630.0;
         let parts = [self.position, self.rates, self.attitude.imag()];
         let finite = parts.iter().flatten().all(|x| x.is_finite()) && self.thrust.is_finite();
-        finite && self.velocity.norm() < DIVERGED && self.rates.norm() < WHIRLED
+        finite && self.velocity.norm() < DIVERGED && self.rates.norm() < DIVERGED_RATE
     }
 }
