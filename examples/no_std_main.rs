@@ -48,13 +48,11 @@ fn fly(board: &mut impl Board) -> Result<(), ParameterError> {
             air,
             theta,
         } = board.estimate();
-        let input = PlanarGuidanceInput {
-            velocity,
-            attitude: Attitude::from_angle(theta),
-            air: Air::Velocity(air),
-            reference: board.reference(),
-            ..PlanarGuidanceInput::default()
-        };
+        let input = PlanarGuidanceInput::default()
+            .velocity(velocity)
+            .attitude(Attitude::from_angle(theta))
+            .air(Air::Velocity(air))
+            .reference(board.reference());
         let guided = guidance.update_in_plane(&mut memory, &input, PERIOD);
         // In every mode the command is one to be flown. It begins with the safe one, no thrust, until good inputs have come for a while.
         board.command(guided.command.thrust, guided.command.rate);

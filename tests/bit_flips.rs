@@ -78,20 +78,18 @@ impl World {
     ) -> PlanarGuidanceOutput {
         let known = n < mission.link_lost;
         let stage = mission.stages[n.min(mission.link_lost) * 2 / 1000];
-        let input = PlanarGuidanceInput {
-            velocity: plant.velocity,
-            attitude: Attitude::from_angle(plant.theta),
-            state_age: 0.0,
-            air: Air::Wind(mission.wind),
-            specific_force: None,
-            position_error: Some(plant.position - plant.target),
-            reference: Reference {
+        let input = PlanarGuidanceInput::default()
+            .velocity(plant.velocity)
+            .attitude(Attitude::from_angle(plant.theta))
+            .state_age(0.0)
+            .air(Air::Wind(mission.wind))
+            .specific_force(None)
+            .position_error(plant.position - plant.target)
+            .reference(Reference {
                 velocity: stage,
                 acceleration: Inertial::ZERO,
-            },
-            reference_age: if known { 0.0 } else { 1.0 },
-            ..PlanarGuidanceInput::default()
-        };
+            })
+            .reference_age(if known { 0.0 } else { 1.0 });
         let guided = self.guidance.update(memory, &(&input).into(), DT);
         if guided.plan_due {
             self.guidance.plan(memory);

@@ -87,20 +87,18 @@ fn frame() -> impl Strategy<Value = (PlanarGuidanceInput, f32)> {
                 reference_age,
                 dt,
             )| {
-                let input = PlanarGuidanceInput {
-                    velocity,
-                    attitude: Attitude::from_angle(theta),
-                    state_age,
-                    air,
-                    specific_force: force.map(|f| Body::new(f.down(), f.forward())),
-                    position_error,
-                    reference: Reference {
+                let input = PlanarGuidanceInput::default()
+                    .velocity(velocity)
+                    .attitude(Attitude::from_angle(theta))
+                    .state_age(state_age)
+                    .air(air)
+                    .specific_force(force.map(|f| Body::new(f.down(), f.forward())))
+                    .position_error(position_error)
+                    .reference(Reference {
                         velocity: v_r,
                         acceleration: a_r,
-                    },
-                    reference_age,
-                    ..PlanarGuidanceInput::default()
-                };
+                    })
+                    .reference_age(reference_age);
                 (input, dt)
             },
         )

@@ -110,8 +110,9 @@ fn model_constant(name: &str) -> String {
 /// The core's models as constants.
 fn models() -> Result<String> {
     let mut text = String::new();
-    for (number, name, fields) in ModelParameters::LIST {
-        let (constant, fields) = (model_constant(name), fields.join(", "));
+    for model in ModelParameters::LIST {
+        let (number, name) = (model.number, model.name);
+        let (constant, fields) = (model_constant(name), model.parameters.join(", "));
         writeln!(text, "/// Coefficients by the {name} model: {fields}.")?;
         writeln!(text, "pub const {constant}: u32 = {number};")?;
     }
@@ -168,7 +169,7 @@ pub fn choices(section: &Section, n: usize) -> Option<Vec<String>> {
         return Some(gains.map(str::to_owned).to_vec());
     }
     let models = ModelParameters::LIST.iter();
-    let mut names: Vec<_> = models.map(|&(number, name, _)| (number, name)).collect();
+    let mut names: Vec<_> = models.map(|model| (model.number, model.name)).collect();
     names.push((ALULA_MODEL_TABLE, "table"));
     names.sort_unstable();
     let named = |(_, name): (u32, &str)| format!("{name} ({})", model_constant(name));

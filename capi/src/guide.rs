@@ -182,7 +182,11 @@ pub unsafe extern "C" fn alula_guide(
         if let Err(code) = boundary::check(command) {
             return code;
         }
-        let (controller, input, axes) = match arguments(controller, input, report) {
+        let Arguments {
+            controller,
+            input,
+            axes,
+        } = match arguments(controller, input, report) {
             Ok(arguments) => arguments,
             Err(code) => {
                 command.write(Command::SAFE);
@@ -206,7 +210,14 @@ pub(crate) fn of_guidance(guided: &GuidanceOutput) -> i32 {
         .map_or(code::ALULA_OK, code::of_reject_reason)
 }
 
-/// Controller, input and its body axes, if nothing is wrong with any pointer or selector.
+/// What a call is of.
+struct Arguments<'a> {
+    controller: &'a mut Initialised<'a>,
+    input: &'a Input,
+    axes: BodyAxes,
+}
+
+/// What a call is of, if nothing is wrong with any pointer or selector.
 ///
 /// # Safety
 /// As `alula_guide`.
@@ -215,11 +226,15 @@ unsafe fn arguments<'a>(
     controller: *mut Controller,
     input: *const Input,
     report: *mut Report,
-) -> Result<(&'a mut Initialised<'a>, &'a Input, BodyAxes), i32> {
+) -> Result<Arguments<'a>, i32> {
     // SAFETY: As in `alula_guide`.
     unsafe {
         boundary::check_optional(report)?;
         let (controller, input) = (initialised_mut(controller)?, boundary::read(input)?);
-        Ok((controller, input, input.axes()?))
+        Ok(Arguments {
+            controller,
+            input,
+            axes: input.axes()?,
+        })
     }
 }

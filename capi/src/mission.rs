@@ -117,6 +117,13 @@ const _: () = {
     assert!(Troubles::FOLLOW.bits() as u32 == ALULA_TROUBLE_FOLLOW);
     assert!(Troubles::ABORT.bits() as u32 == ALULA_TROUBLE_ABORT);
     assert!((Troubles::all().bits() as u32) < ALULA_ARMED);
+    assert!(1 + Remark::Drifting as u32 == ALULA_REMARK_DRIFTING);
+    assert!(1 + Remark::Steep as u32 == ALULA_REMARK_STEEP);
+    assert!(1 + Remark::TightCorner as u32 == ALULA_REMARK_TIGHT_CORNER);
+    assert!(1 + Remark::NoLiftOff as u32 == ALULA_REMARK_NO_LIFT_OFF);
+    assert!(1 + Remark::NotFollowing as u32 == ALULA_REMARK_NOT_FOLLOWING);
+    assert!(1 + Remark::NotArmed as u32 == ALULA_REMARK_NOT_ARMED);
+    assert!(1 + Remark::NotOverPlace as u32 == ALULA_REMARK_NOT_OVER_PLACE);
     assert!(Activity::Grounded as u32 == ALULA_ACTIVITY_GROUNDED);
     assert!(Activity::Spooling as u32 == ALULA_ACTIVITY_SPOOLING);
     assert!(Activity::Rising as u32 == ALULA_ACTIVITY_RISING);
@@ -211,13 +218,12 @@ impl MissionSetup {
             ALULA_RESPONSE_LAND => Ok(Response::Land),
             _ => Err(code::ALULA_ERROR_SELECTOR),
         };
-        let responses = Responses {
-            link: response(self.link)?,
-            air: response(self.air)?,
-            position: response(self.position)?,
-            battery: response(self.battery)?,
-            follow: response(self.follow)?,
-        };
+        let responses = Responses::default()
+            .link(response(self.link)?)
+            .air(response(self.air)?)
+            .position(response(self.position)?)
+            .battery(response(self.battery)?)
+            .follow(response(self.follow)?);
         Ok((self.parameters, responses))
     }
 }
@@ -316,16 +322,8 @@ impl Mission {
     fn say(&mut self, out: &MissionOutput) {
         self.item = out.progress.item.into();
         self.activity = out.activity as u32;
-        self.remark = match out.remark {
-            None => ALULA_REMARK_NONE,
-            Some(Remark::Drifting) => ALULA_REMARK_DRIFTING,
-            Some(Remark::Steep) => ALULA_REMARK_STEEP,
-            Some(Remark::TightCorner) => ALULA_REMARK_TIGHT_CORNER,
-            Some(Remark::NoLiftOff) => ALULA_REMARK_NO_LIFT_OFF,
-            Some(Remark::NotFollowing) => ALULA_REMARK_NOT_FOLLOWING,
-            Some(Remark::NotArmed) => ALULA_REMARK_NOT_ARMED,
-            Some(Remark::NotOverPlace) => ALULA_REMARK_NOT_OVER_PLACE,
-        };
+        let remark = out.remark.map(|remark| 1 + remark as u32);
+        self.remark = remark.unwrap_or(ALULA_REMARK_NONE);
         self.troubles = out.troubles.bits().into();
         self.response = out.response as u32;
         let progress = &out.progress;
@@ -353,15 +351,14 @@ impl Mission {
         let velocity = ned(input.velocity);
         // What is not finite is not remembered: the last wind goes on.
         const UNKNOWN: Ned = Ned::new(f32::NAN, f32::NAN, f32::NAN);
-        Ok(MissionInput {
-            position: (!troubles.contains(Troubles::POSITION)).then(|| ned(self.position)),
-            velocity,
-            wind: input.air().wind(velocity).unwrap_or(UNKNOWN),
-            orientation,
-            thrust,
-            armed: self.flags & ALULA_ARMED != 0,
-            troubles,
-        })
+        Ok(MissionInput::default()
+            .position((!troubles.contains(Troubles::POSITION)).then(|| ned(self.position)))
+            .velocity(velocity)
+            .wind(input.air().wind(velocity).unwrap_or(UNKNOWN))
+            .orientation(orientation)
+            .thrust(thrust)
+            .armed(self.flags & ALULA_ARMED != 0)
+            .troubles(troubles))
     }
 }
 
@@ -420,6 +417,8 @@ fn of_item(error: &MissionError) -> i32 {
         (ItemProblem::Slow { .. }, _) => code::ALULA_ERROR_ITEM_SLOW,
         (ItemProblem::NotFirst, _) => code::ALULA_ERROR_ITEM_NOT_FIRST,
         (ItemProblem::AfterLanding, _) => code::ALULA_ERROR_ITEM_AFTER_LANDING,
+        // What the header has no code of its own for.
+        _ => code::ALULA_ERROR_ITEM_VALUE,
     }
 }
 

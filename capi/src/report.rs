@@ -53,6 +53,9 @@ const _: () = {
     assert!(Phase::Crossing as u32 == ALULA_PHASE_CROSSING);
     assert!(Phase::Coasting as u32 == ALULA_PHASE_COASTING);
     assert!(Phase::Recovering as u32 == ALULA_PHASE_RECOVERING);
+    assert!(Mode::Safe as u32 == ALULA_MODE_SAFE);
+    assert!(Mode::Holding as u32 == ALULA_MODE_HOLDING);
+    assert!(Mode::Flying as u32 == ALULA_MODE_FLYING);
     assert!(Unreachable::Sink as u32 == ALULA_UNREACHABLE_SINK);
     assert!(Unreachable::Speed as u32 == ALULA_UNREACHABLE_SPEED);
     assert!(Unreachable::Thrust as u32 == ALULA_UNREACHABLE_THRUST);
@@ -139,11 +142,7 @@ impl Report {
     /// Of a step of the guidance.
     pub(crate) fn of_guidance(guided: &GuidanceOutput) -> Self {
         Self {
-            mode: match guided.mode {
-                Mode::Safe => ALULA_MODE_SAFE,
-                Mode::Holding => ALULA_MODE_HOLDING,
-                Mode::Flying => ALULA_MODE_FLYING,
-            },
+            mode: guided.mode as u32,
             air_use: guided.air as u32,
             phase: guided.progress.phase as u32,
             unreachable: guided

@@ -106,10 +106,7 @@ fn a_mission_is_the_cores_to_the_bit() {
     let model = Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap();
     let vehicle = Vehicle::new(VehicleParameters::PAPER, model).unwrap();
     let guidance = Guidance::new(vehicle, &GuidanceParameters::default()).unwrap();
-    let responses = Responses {
-        link: Response::Return,
-        ..Responses::default()
-    };
+    let responses = Responses::default().link(Response::Return);
     let missions = Missions::new(&vehicle, &SETUP.parameters, responses).unwrap();
     let of_core = missions.mission(&core_items()).unwrap();
     let (mut flight, mut state) = (MissionState::default(), GuidanceState::default());
@@ -159,15 +156,14 @@ fn a_mission_is_the_cores_to_the_bit() {
         assert_eq!(code, ALULA_OK);
 
         let orientation = Orientation::from_quaternion(&q, axes).unwrap();
-        let told = MissionInput {
-            position: (!troubles.contains(Troubles::POSITION)).then_some(x),
-            velocity: v,
-            wind,
-            orientation,
-            thrust: last,
-            armed: true,
-            troubles,
-        };
+        let told = MissionInput::default()
+            .position((!troubles.contains(Troubles::POSITION)).then_some(x))
+            .velocity(v)
+            .wind(wind)
+            .orientation(orientation)
+            .thrust(last)
+            .armed(true)
+            .troubles(troubles);
         let asked = missions.step(&mut flight, &of_core, &told, DT);
         let told = asked.asked_of(
             GuidanceInput::default()

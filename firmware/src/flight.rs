@@ -280,12 +280,10 @@ mod tests {
     }
 
     fn guidance_input(n: u32) -> Input {
-        let input = PlanarGuidanceInput {
-            velocity: state(n).velocity,
-            attitude: state(n).attitude,
-            air: Air::Wind(Inertial::ZERO),
-            ..PlanarGuidanceInput::default()
-        };
+        let input = PlanarGuidanceInput::default()
+            .velocity(state(n).velocity)
+            .attitude(state(n).attitude)
+            .air(Air::Wind(Inertial::ZERO));
         Input::Guidance {
             input: (&input).into(),
             dt: 0.01,
@@ -449,11 +447,9 @@ mod tests {
                 1,
                 ToTarget::Configure(guidance(Pacing::Lockstep)),
             );
-            let air = PlanarGuidanceInput {
-                attitude: Attitude::from_angle(theta),
-                air: Air::Wind(Inertial::ZERO),
-                ..PlanarGuidanceInput::default()
-            };
+            let air = PlanarGuidanceInput::default()
+                .attitude(Attitude::from_angle(theta))
+                .air(Air::Wind(Inertial::ZERO));
             for n in 0..n {
                 let input = Input::Guidance {
                     input: (&air).into(),
@@ -592,10 +588,7 @@ mod tests {
         let mut bad = configuration(Pacing::Lockstep);
         bad.controller = ControllerParameters::Law {
             law: Law::Robust,
-            gains: LawGains::Constant(GainParameters {
-                tau: -80.0,
-                ..GainParameters::PAPER
-            }),
+            gains: LawGains::Constant(GainParameters::PAPER.tau(-80.0)),
         };
         let Some(reply) = send(&mut flight, 3, ToTarget::Configure(bad)) else {
             panic!()

@@ -56,7 +56,12 @@ fn main() -> Result<(), Box<dyn Error>> {
                 None => left_out += 1,
             }
         });
-        if let Some((vehicle, model, parameters)) = made {
+        if let Some(alula_fuzz::guidance::Made {
+            vehicle,
+            model,
+            parameters,
+        }) = made
+        {
             guidances += 1;
             out.push(0);
             let configuration = ToTarget::Configure(Configuration {

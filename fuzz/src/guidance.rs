@@ -35,23 +35,28 @@ pub fn run(data: &[u8]) -> u64 {
 /// A call of the guidance: the memory before it, the frame, and the time step.
 type Call<'a> = &'a mut dyn FnMut(&HardenedState, &GuidanceInput, f32);
 
+/// What a guidance is made of.
+#[cfg(feature = "boundaries")]
+pub struct Made {
+    pub vehicle: alula::VehicleParameters,
+    pub model: alula::ModelParameters,
+    pub parameters: GuidanceParameters,
+}
+
 /// Of what the input's guidance is made, and its calls without those at the end; nothing of one with a table.
 #[cfg(feature = "boundaries")]
-pub fn calls(
-    data: &[u8],
-    call: Call,
-) -> Option<(
-    alula::VehicleParameters,
-    alula::ModelParameters,
-    GuidanceParameters,
-)> {
+pub fn calls(data: &[u8], call: Call) -> Option<Made> {
     let mut bytes = Bytes::new(data);
     let (vehicle, model) = crate::vehicle::parameters(&mut bytes)?;
-    let p = bytes.parameters(GuidanceParameters::default());
-    let made = alula::Vehicle::new(vehicle, model.model().ok()?).ok()?;
-    let guidance = Hardened::new(Guidance::new(made, &p).ok()?);
-    fly(&guidance, &p, &mut bytes, call);
-    Some((vehicle, model, p))
+    let parameters = bytes.parameters(GuidanceParameters::default());
+    let of = alula::Vehicle::new(vehicle, model.model().ok()?).ok()?;
+    let guidance = Hardened::new(Guidance::new(of, &parameters).ok()?);
+    fly(&guidance, &parameters, &mut bytes, call);
+    Some(Made {
+        vehicle,
+        model,
+        parameters,
+    })
 }
 
 fn fly(
@@ -235,17 +240,15 @@ pub(crate) fn input(bytes: &mut Bytes) -> GuidanceInput {
 /// A frame in one vertical plane, whose attitude may be none.
 fn planar(bytes: &mut Bytes) -> PlanarGuidanceInput {
     let position = bytes.inertial(50.0);
-    PlanarGuidanceInput {
-        velocity: bytes.inertial(30.0),
-        attitude: bytes.attitude(),
-        air: Air::Velocity(bytes.inertial(30.0)),
-        position_error: (bytes.byte() % 4 > 0).then_some(position),
-        reference: alula::planar::Reference {
+    PlanarGuidanceInput::default()
+        .velocity(bytes.inertial(30.0))
+        .attitude(bytes.attitude())
+        .air(Air::Velocity(bytes.inertial(30.0)))
+        .position_error((bytes.byte() % 4 > 0).then_some(position))
+        .reference(alula::planar::Reference {
             velocity: bytes.inertial(30.0),
             acceleration: bytes.inertial(10.0),
-        },
-        ..PlanarGuidanceInput::default()
-    }
+        })
 }
 
 fn ned(bytes: &mut Bytes, size: f32) -> Ned {

@@ -71,13 +71,12 @@ fn response(bytes: &mut Bytes) -> Response {
 pub fn run(data: &[u8]) -> u64 {
     crate::vehicle::with(&mut Bytes::new(data), |bytes, vehicle| {
         let p = bytes.parameters(MissionParameters::cruising_at(18.0));
-        let responses = Responses {
-            link: response(bytes),
-            air: response(bytes),
-            position: response(bytes),
-            battery: response(bytes),
-            follow: response(bytes),
-        };
+        let responses = Responses::default()
+            .link(response(bytes))
+            .air(response(bytes))
+            .position(response(bytes))
+            .battery(response(bytes))
+            .follow(response(bytes));
         let Ok(missions) = Missions::new(&vehicle, &p, responses) else {
             return 1;
         };
@@ -96,12 +95,10 @@ pub fn run(data: &[u8]) -> u64 {
         while steps < STEPS {
             // A vehicle that does what it is asked, between frames of any kind.
             let told = match bytes.byte() {
-                0..=20 => MissionInput {
-                    position: Some(ned(bytes, 1e4)),
-                    velocity: ned(bytes, 50.0),
-                    wind: ned(bytes, 20.0),
-                    ..MissionInput::default()
-                },
+                0..=20 => MissionInput::default()
+                    .position(ned(bytes, 1e4))
+                    .velocity(ned(bytes, 50.0))
+                    .wind(ned(bytes, 20.0)),
                 21..=30 => {
                     state.go_to(usize::from(bytes.byte()) % (ITEMS + 2));
                     continue_with(x, v, bytes)
@@ -145,16 +142,14 @@ pub fn run(data: &[u8]) -> u64 {
 }
 
 fn continue_with(x: Ned, v: Ned, bytes: &mut Bytes) -> MissionInput {
-    MissionInput {
-        position: (bytes.byte() % 16 > 0).then_some(x),
-        velocity: v,
-        wind: Ned::new(4.0, 2.0, 0.0),
-        thrust: 20.0,
-        armed: true,
-        troubles: match bytes.byte() {
+    MissionInput::default()
+        .position((bytes.byte() % 16 > 0).then_some(x))
+        .velocity(v)
+        .wind(Ned::new(4.0, 2.0, 0.0))
+        .thrust(20.0)
+        .armed(true)
+        .troubles(match bytes.byte() {
             250.. => Troubles::from_bits_truncate(bytes.byte()),
             _ => Troubles::empty(),
-        },
-        ..MissionInput::default()
-    }
+        })
 }

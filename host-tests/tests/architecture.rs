@@ -60,6 +60,50 @@ fn files(path: &Path, files_found: &mut Vec<PathBuf>) {
     }
 }
 
+/// The rooms that `code` names behind one of `roots`, alone or in a group: `crate::{a, b::{c, d}}` names a and b.
+fn imports(code: &str, roots: &[&str]) -> Vec<String> {
+    let name = |text: &str| -> String {
+        let letters = text.trim_start().chars();
+        let letters = letters.take_while(|c| c.is_ascii_alphanumeric() || *c == '_');
+        letters.collect()
+    };
+    let mut names = Vec::new();
+    for after in roots.iter().flat_map(|root| code.split(root).skip(1)) {
+        let Some(group) = after.strip_prefix('{') else {
+            names.push(name(after));
+            continue;
+        };
+        let (mut depth, mut begin) = (1, 0);
+        for (at, c) in group.char_indices() {
+            match c {
+                '{' => depth += 1,
+                '}' => depth -= 1,
+                ',' if depth == 1 => {
+                    names.push(name(&group[begin..at]));
+                    begin = at + 1;
+                }
+                _ => {}
+            }
+            if depth == 0 {
+                names.push(name(&group[begin..at]));
+                break;
+            }
+        }
+    }
+    names
+}
+
+#[test]
+fn imports_are_seen_alone_and_in_groups() {
+    let code = "use crate::air::{AirData, Wind}; use crate::{aero::{self, Table}, math, vehicle::Vehicle}; fn f() { crate::guidance::g() }";
+    let seen = imports(code, &["crate::"]);
+    assert_eq!(seen, ["air", "aero", "math", "vehicle", "guidance"]);
+    assert_eq!(
+        imports("use super::{ned,}", &["crate::", "super::"]),
+        ["ned", ""]
+    );
+}
+
 /// Imports by `crate::` from a room further down the list, outside tests.
 fn arrows_back(folder: &str, order: &[String]) -> Vec<String> {
     let mut wrong = Vec::new();
@@ -79,16 +123,11 @@ fn arrows_back(folder: &str, order: &[String]) -> Vec<String> {
                 false => &["crate::"],
             };
             let lines = code.lines().map(str::trim_start);
-            for line in lines.filter(|line| !line.starts_with("//")) {
-                for after in roots.iter().flat_map(|root| line.split(root).skip(1)) {
-                    let to: String = after
-                        .chars()
-                        .take_while(|c| c.is_ascii_alphanumeric() || *c == '_')
-                        .collect();
-                    let back = order.iter().position(|name| *name == to);
-                    if back.is_some_and(|back| back > place) {
-                        wrong.push(format!("{room} -> {to} in {}", file.display()));
-                    }
+            let lines = lines.filter(|line| !line.starts_with("//"));
+            for to in imports(&lines.collect::<Vec<_>>().join(" "), roots) {
+                let back = order.iter().position(|name| *name == to);
+                if back.is_some_and(|back| back > place) {
+                    wrong.push(format!("{room} -> {to} in {}", file.display()));
                 }
             }
         }

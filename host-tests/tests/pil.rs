@@ -281,12 +281,9 @@ impl<C: Linked> Controller for Outage<C> {
         if step == self.cut.start {
             self.controller.lost(safe)?;
         }
-        let thrust = safe.thrust;
-        Ok(Ok(alula::planar::Command {
-            thrust,
-            ..alula::planar::Command::default()
-        })
-        .into())
+        let mut command = alula::planar::Command::default();
+        command.thrust = safe.thrust;
+        Ok(Ok(command).into())
     }
 }
 
@@ -474,11 +471,11 @@ fn place(envelope: &Envelope<ToTarget>) -> (u32, u32) {
 fn input(n: usize) -> Input {
     let theta = n as f32 * 1e-5;
     Input {
-        sample: GuidanceInput::from(&PlanarGuidanceInput {
-            velocity: Inertial::new(n as f32 * 1e-4, 8.0),
-            attitude: alula::planar::Attitude::from_angle(theta),
-            ..PlanarGuidanceInput::default()
-        }),
+        sample: GuidanceInput::from(
+            &PlanarGuidanceInput::default()
+                .velocity(Inertial::new(n as f32 * 1e-4, 8.0))
+                .attitude(alula::planar::Attitude::from_angle(theta)),
+        ),
         feed_forward: None,
     }
 }

@@ -195,17 +195,15 @@ mod tests {
     }
 
     fn input() -> GuidanceInput {
-        (&PlanarGuidanceInput {
-            velocity: Inertial::new(0.5, 4.0),
-            attitude: Attitude::from_angle(-0.3),
-            air: Air::Wind(Inertial::new(0.1, -1.0)),
-            position_error: Some(Inertial::new(0.2, 0.3)),
-            reference: Reference {
+        (&PlanarGuidanceInput::default()
+            .velocity(Inertial::new(0.5, 4.0))
+            .attitude(Attitude::from_angle(-0.3))
+            .air(Air::Wind(Inertial::new(0.1, -1.0)))
+            .position_error(Inertial::new(0.2, 0.3))
+            .reference(Reference {
                 velocity: Inertial::new(0.0, 5.0),
                 acceleration: Inertial::new(0.0, 1.0),
-            },
-            ..PlanarGuidanceInput::default()
-        })
+            }))
             .into()
     }
 

@@ -233,7 +233,7 @@ mod tests {
     use crate::{Counters, MAX_FRAME, Receiver, VERSION, encode};
     use alula::guidance::{Air, PlannerOptions};
     use alula::ned::{Frd, Ned};
-    use alula::planar::{Body, Diagnostics, Inertial, PlanarGuidanceInput};
+    use alula::planar::{Body, Inertial, PlanarGuidanceInput};
     use alula::{CombinedParameters, Parameters};
 
     fn through_the_wire<M>(message: &M) -> M
@@ -272,14 +272,9 @@ mod tests {
             for row in 0..GuidanceParameters::ROWS.len() {
                 assert_eq!(parameters.get(row).to_bits(), bits);
             }
-            let command = Command {
-                thrust: x,
-                diagnostics: Diagnostics {
-                    f_p: Body::new(1.0, x),
-                    ..Diagnostics::default()
-                },
-                ..Command::default()
-            };
+            let mut command = Command::default();
+            command.thrust = x;
+            command.diagnostics.f_p = Body::new(1.0, x);
             let Answer::Law(Ok(back)) = through_the_wire(&Answer::Law(Ok(command))) else {
                 panic!();
             };
@@ -304,20 +299,21 @@ mod tests {
             attitude: alula::planar::Attitude { cos: 0.6, sin: 0.8 },
             wind: numbers(3.0),
         };
-        let input = PlanarGuidanceInput {
-            velocity: state.velocity,
-            attitude: state.attitude,
-            state_age: 0.01,
-            air: Air::Velocity(numbers(2.0)),
-            specific_force: Some(Body::new(7.5, -0.5)),
-            position_error: Some(numbers(9.0)),
-            reference,
-            reference_age: 0.02,
-            planner_options: PlannerOptions::default()
-                .altitude_band(0.5)
-                .nose_below_vertical(true)
-                .hold_altitude_only(true),
-        };
+        let input = PlanarGuidanceInput::default()
+            .velocity(state.velocity)
+            .attitude(state.attitude)
+            .state_age(0.01)
+            .air(Air::Velocity(numbers(2.0)))
+            .specific_force(Body::new(7.5, -0.5))
+            .position_error(numbers(9.0))
+            .reference(reference)
+            .reference_age(0.02)
+            .planner_options(
+                PlannerOptions::default()
+                    .altitude_band(0.5)
+                    .nose_below_vertical(true)
+                    .hold_altitude_only(true),
+            );
         let law = |feed_forward| Input::Law {
             state,
             reference,
@@ -349,11 +345,8 @@ mod tests {
 
     #[test]
     fn an_answer_puts_its_command_in_force_or_says_why_not() {
-        let command = Command {
-            thrust: 3.0,
-            rate: 2.0,
-            ..Command::default()
-        };
+        let mut command = Command::default();
+        (command.thrust, command.rate) = (3.0, 2.0);
         let rates = BodyRates::new(0.0, 2.0, 0.0);
         let in_force = InForce { thrust: 3.0, rates };
         let safe = InForce {

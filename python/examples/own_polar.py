@@ -33,6 +33,6 @@ for way in ("jump_up", "jump_down"):
         print(f"{way}: {ends} at {jump['speed_m_s']:.2f} m/s")
 
 # The orientations at one airspeed, as the flight computer finds them.
-for e in alula.equilibria(vehicle, (0.0, 12.0)):
+for e in alula.equilibria(vehicle, (12.0, 0.0, 0.0)):
     print(f"12 m/s: α {np.degrees(e.alpha_rad):7.2f}°, thrust {e.thrust_n:7.2f} N, branch {e.branch}")
 print(f"{len(envelope.curve)} points of the curve: {', '.join(envelope.curve.names)}")

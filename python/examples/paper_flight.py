@@ -21,10 +21,11 @@ for fold in folds:
 
 # The law itself, at the state of that moment.
 law = alula.Law(alula.Vehicle.load("paper-belief"))
+told = lambda name, unit: [record[f"told_{name}_{axis}_{unit}"][lowest] for axis in ("north", "east", "down")]
 command = law.command(
-    velocity=(record["told_v_down_m_s"][lowest], record["told_v_north_m_s"][lowest]),
+    velocity=told("v", "m_s"),
     theta=record["theta_rad"][lowest],
-    reference_velocity=(record["told_vr_down_m_s"][lowest], record["told_vr_north_m_s"][lowest]),
-    reference_acceleration=(record["told_ar_down_m_s2"][lowest], record["told_ar_north_m_s2"][lowest]),
+    reference_velocity=told("vr", "m_s"),
+    reference_acceleration=told("ar", "m_s2"),
 )
 print(f"there the law commands {command.thrust_n:.1f} N and {command.rate_rad_s:.2f} rad/s")

@@ -8,6 +8,9 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyString};
 use toml::{Table, Value};
 
+use ::alula::ned::Ned;
+use ::alula::planar::{Body, Inertial};
+
 use crate::error;
 
 type Array<'py> = PyArrayLikeDyn<'py, f32, AllowTypeChange>;
@@ -47,6 +50,56 @@ pub fn vector_or_zero<const N: usize>(field: &str, value: Option<&Numbers>) -> P
     value.map_or(Ok([0.0; N]), |value| vector(field, value))
 }
 
+/// North, east and down, or forward, right and down, in the vertical plane to the north: the second component must be 0.
+pub fn in_plane(field: &str, value: &Numbers) -> PyResult<[f32; 3]> {
+    if let [2] = value.array(field)?.as_array().shape() {
+        return Err(error::field(field, PAIR));
+    }
+    level(field, vector(field, value)?)
+}
+
+/// As [`in_plane`]; zero where it is left out.
+pub fn in_plane_or_zero(field: &str, value: Option<&Numbers>) -> PyResult<[f32; 3]> {
+    value.map_or(Ok([0.0; 3]), |value| in_plane(field, value))
+}
+
+/// As [`in_plane`], of every row of an argument.
+pub fn all_in_plane(&Given { field, value, .. }: &Given) -> PyResult<()> {
+    let array = value.array(field)?.as_array();
+    if array.shape().last() == Some(&2) {
+        return Err(error::field(field, PAIR));
+    }
+    let across = array.iter().skip(1).step_by(3);
+    across.copied().try_for_each(|east| flat(field, east))
+}
+
+/// Vectors in the plane had two components once.
+const PAIR: &str = "must have three components, [north, east, down] or [forward, right, down]: a pair [down, forward] is now [forward, 0, down]";
+
+/// North, east and down, as the plane has them.
+pub fn inertial([north, east, down]: [f32; 3]) -> Inertial {
+    Ned::new(north, east, down).to_plane()
+}
+
+/// Forward, right and down, as the plane has them.
+pub fn body([forward, _, down]: [f32; 3]) -> Body {
+    Body::new(-forward, down)
+}
+
+fn level(field: &str, vector: [f32; 3]) -> PyResult<[f32; 3]> {
+    flat(field, vector[1]).map(|()| vector)
+}
+
+/// What is not finite is left to who takes it.
+fn flat(field: &str, east: f32) -> PyResult<()> {
+    if east.is_finite() && east != 0.0 {
+        let problem =
+            format!("the second component must be 0, out of the vertical plane, is {east}");
+        return Err(error::field(field, problem));
+    }
+    Ok(())
+}
+
 fn shape(field: &str, wanted: &str, shape: &[usize]) -> PyErr {
     error::field(field, format!("must be of shape {wanted}, is of {shape:?}"))
 }
@@ -76,22 +129,47 @@ pub fn angles(field: &str, values: &Numbers, most: f32) -> PyResult<()> {
         .try_for_each(|x| angle(field, *x, most).map(|_| ()))
 }
 
-/// The number of rows of several arguments, each with its name and the number of components in a row: of those that have rows.
-pub fn rows(arguments: &[(&str, &Numbers, usize)]) -> PyResult<usize> {
+/// An argument of an array of rows.
+pub struct Given<'a, 'py> {
+    field: &'a str,
+    value: &'a Numbers<'py>,
+    /// Components of a row.
+    width: usize,
+}
+
+impl Given<'_, '_> {
+    pub fn width(&self) -> usize {
+        self.width
+    }
+}
+
+/// The argument `field`, with rows of `width` components.
+pub fn given<'a, 'py>(field: &'a str, value: &'a Numbers<'py>, width: usize) -> Given<'a, 'py> {
+    Given {
+        field,
+        value,
+        width,
+    }
+}
+
+/// The number of rows of several arguments: of those that have rows.
+pub fn rows(arguments: &[Given]) -> PyResult<usize> {
     Ok(counted(None, arguments)?.unwrap_or(1))
 }
 
 /// Checks that each argument that has rows has as many as there are `vehicles`.
-pub fn rows_of_each(vehicles: usize, arguments: &[(&str, &Numbers, usize)]) -> PyResult<()> {
+pub fn rows_of_each(vehicles: usize, arguments: &[Given]) -> PyResult<()> {
     counted(Some(vehicles), arguments).map(|_| ())
 }
 
-fn counted(
-    vehicles: Option<usize>,
-    arguments: &[(&str, &Numbers, usize)],
-) -> PyResult<Option<usize>> {
+fn counted(vehicles: Option<usize>, arguments: &[Given]) -> PyResult<Option<usize>> {
     let mut length = vehicles;
-    for (field, value, row) in arguments {
+    for Given {
+        field,
+        value,
+        width: row,
+    } in arguments
+    {
         let value = value.array(field)?.as_array();
         let n = match (value.shape(), row) {
             ([], 1) => continue,

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
 
-use alula_study::starts::{ATTITUDES, BASES, FLIGHTS, Start, Starts, starts};
+use alula_study::starts::{ATTITUDES, BASES, FLIGHTS, StartResult, Starts, starts};
 use alula_study::{self as study, BUILT_IN, CampaignSource, Summary, Threads};
 use anyhow::ensure;
 use pyo3::prelude::*;
@@ -150,7 +150,7 @@ pub fn campaign(
 
 /// Random starts in space: `flights` of each experiment.
 fn attitudes(py: Python<'_>, flights: u64, threads: Threads) -> PyResult<Campaign> {
-    let all_starts: Vec<(&str, Vec<Start>)> = interruptible(py, |go_on| {
+    let all_starts: Vec<(&str, Vec<StartResult>)> = interruptible(py, |go_on| {
         let fly = |name| Ok((name, starts(name, flights, threads, go_on)?));
         BASES.into_iter().map(fly).collect()
     })?;

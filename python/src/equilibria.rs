@@ -1,13 +1,13 @@
 //! Equilibria of a reference, and the envelope of a vehicle.
 
+use ::alula::planar::Reference;
 use ::alula::planar::equilibrium::Branch;
 use ::alula::planar::equilibrium::{Equilibria, EquilibriumError, FoldMap};
 use ::alula::planar::equivalency::ApparentForces;
-use ::alula::planar::{Inertial, Reference};
 use alula_design::envelope::{self as theory, Ray};
 use pyo3::prelude::*;
 
-use crate::arguments::{Numbers, vector, vector_or_zero};
+use crate::arguments::{Numbers, in_plane, in_plane_or_zero, inertial};
 use crate::error;
 use crate::frame::{Data, Frame, json};
 use crate::vehicle::VehicleArgument;
@@ -58,8 +58,8 @@ fn refused(error: EquilibriumError) -> PyErr {
     error::field(field, error.to_string())
 }
 
-/// The orientations at which thrust holds `velocity` (down, forward) [m/s] while it changes by `acceleration` [m/s²], in `wind` [m/s], by
-/// increasing angle of attack. `vehicle` is a `Vehicle`, or what `Vehicle.load` takes.
+/// The orientations at which thrust holds `velocity` [m/s] while it changes by `acceleration` [m/s²], in `wind` [m/s], by
+/// increasing angle of attack. Vectors are (north, east, down) over ground; east is 0. `vehicle` is a `Vehicle`, or what `Vehicle.load` takes.
 #[pyfunction]
 #[pyo3(signature = (vehicle, velocity, acceleration=None, wind=None))]
 pub fn equilibria(
@@ -69,12 +69,11 @@ pub fn equilibria(
     wind: Option<Numbers<'_>>,
 ) -> PyResult<Vec<Equilibrium>> {
     let vehicle = vehicle.vehicle()?.core()?;
-    let inertial = |[down, forward]: [f32; 2]| Inertial::new(down, forward);
     let reference = Reference {
-        velocity: inertial(vector("velocity", &velocity)?),
-        acceleration: inertial(vector_or_zero("acceleration", acceleration.as_ref())?),
+        velocity: inertial(in_plane("velocity", &velocity)?),
+        acceleration: inertial(in_plane_or_zero("acceleration", acceleration.as_ref())?),
     };
-    let wind = inertial(vector_or_zero("wind", wind.as_ref())?);
+    let wind = inertial(in_plane_or_zero("wind", wind.as_ref())?);
     let set = Equilibria::find(&vehicle, &reference, wind).map_err(refused)?;
     let map = FoldMap::new(&vehicle);
     let air_velocity = reference.velocity - wind;

@@ -8,7 +8,7 @@ use alula_sim::experiment::Model;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::arguments::{Numbers, Rows, TURN, angles, rows_of_each};
+use crate::arguments::{Numbers, Rows, TURN, angles, given, rows_of_each};
 use crate::error;
 use crate::frame::{Data, Frame};
 use crate::guidance::{GuidanceOutput, body_axes, guided, made, ned};
@@ -109,24 +109,24 @@ impl Fleet {
         if air_velocity.is_some() && wind.is_some() {
             return Err(error::field("wind", "cannot go with air_velocity"));
         }
-        let mut given = vec![
-            ("velocity", &velocity, 3),
-            ("quaternion", &quaternion, 4),
-            ("reference_velocity", &reference_velocity, 3),
+        let mut arguments = vec![
+            given("velocity", &velocity, 3),
+            given("quaternion", &quaternion, 4),
+            given("reference_velocity", &reference_velocity, 3),
         ];
         let optional = [
-            ("reference_acceleration", &reference_acceleration, 3),
-            ("heading", &heading, 1),
-            ("air_velocity", &air_velocity, 3),
-            ("wind", &wind, 3),
-            ("specific_force", &specific_force, 3),
-            ("position_error", &position_error, 3),
+            ("reference_acceleration", &reference_acceleration),
+            ("air_velocity", &air_velocity),
+            ("wind", &wind),
+            ("specific_force", &specific_force),
+            ("position_error", &position_error),
         ];
-        for (name, value, width) in optional {
-            given.extend(value.as_ref().map(|value| (name, value, width)));
+        for (name, value) in optional {
+            arguments.extend(value.as_ref().map(|value| given(name, value, 3)));
         }
+        arguments.extend(heading.as_ref().map(|value| given("heading", value, 1)));
         let n = self.states.len();
-        rows_of_each(n, &given)?;
+        rows_of_each(n, &arguments)?;
         let fixed = [Rows::new(&velocity, 3), Rows::new(&reference_velocity, 3)];
         let quaternion = Rows::new(&quaternion, 4);
         let acceleration = optional_rows(reference_acceleration.as_ref(), 3);

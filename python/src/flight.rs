@@ -10,6 +10,30 @@ use pyo3::prelude::*;
 use crate::error;
 use crate::frame::{Data, Frame, json};
 
+/// A figure that does not keep its bound.
+#[pyclass(frozen, get_all, skip_from_py_object, module = "alula")]
+#[derive(Clone)]
+pub struct Beyond {
+    /// The figure's name.
+    figure: String,
+    /// What it is.
+    value: f64,
+    /// The most that it may be.
+    bound: f64,
+}
+
+#[pymethods]
+impl Beyond {
+    fn __repr__(&self) -> String {
+        let Self {
+            figure,
+            value,
+            bound,
+        } = self;
+        format!("Beyond(figure={figure:?}, value={value}, bound={bound})")
+    }
+}
+
 /// A flight.
 #[pyclass(frozen, module = "alula")]
 pub struct Flight {
@@ -25,9 +49,9 @@ pub struct Flight {
     /// The record: one row per control step, the columns of the trace.
     #[pyo3(get)]
     record: Py<Frame>,
-    /// The bounds of the experiment that are not kept: (figure, value, bound).
+    /// The bounds of the experiment that are not kept.
     #[pyo3(get)]
-    beyond: Vec<(String, f64, f64)>,
+    beyond: Vec<Beyond>,
     /// Label, value and note of the lines of the table.
     lines: Vec<[String; 3]>,
     /// Steps of the record, and time of the last [s].
@@ -48,9 +72,14 @@ impl Flight {
     }
 
     fn __repr__(&self) -> String {
-        let beyond = self.beyond.iter();
-        let beyond = beyond
-            .map(|(figure, value, bound)| format!("; {figure} is {value:.3}, its bound {bound}"));
+        let beyond = self.beyond.iter().map(|beyond| {
+            let Beyond {
+                figure,
+                value,
+                bound,
+            } = beyond;
+            format!("; {figure} is {value:.3}, its bound {bound}")
+        });
         let beyond: String = beyond.collect();
         format!(
             "<alula.Flight {}: {:.1} s, {} steps{beyond}; print() shows its figures>",
@@ -103,7 +132,11 @@ pub fn of(
         segments: json(py, &segments)?,
         record: Py::new(py, Frame::new(py, columns))?,
         beyond: beyond
-            .map(|b| (b.figure.to_owned(), b.value, b.bound))
+            .map(|b| Beyond {
+                figure: b.figure.to_owned(),
+                value: b.value,
+                bound: b.bound,
+            })
             .collect(),
         lines: figures.table(experiment),
         steps: record.len(),

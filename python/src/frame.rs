@@ -176,8 +176,8 @@ impl Frame {
     }
 
     fn __getitem__<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
-        let found = self.columns.iter().find(|(known, _)| known == name);
-        match found {
+        let column = self.columns.iter().find(|(known, _)| known == name);
+        match column {
             Some((_, Column::Numbers(array))) => Ok(array.bind(py).clone()),
             Some((_, Column::Words(codes, words))) => spelled(py, codes, words),
             None => Err(PyKeyError::new_err(name.to_owned())),

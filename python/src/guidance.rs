@@ -2,7 +2,7 @@
 
 use ::alula::guidance::{Air, PlannerOptions};
 use ::alula::ned::{BodyAxes, Ned, Quaternion};
-use ::alula::planar::{Attitude, Inertial, PlanarGuidanceInput};
+use ::alula::planar::{Attitude, PlanarGuidanceInput};
 use ::alula::spatial::{Heading, Orientation, Reference};
 use ::alula::{GainChoice, GuidanceInput, GuidanceParameters, GuidanceState};
 use alula_sim::controllers::GuidanceSpec;
@@ -11,7 +11,9 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use toml::Value;
 
-use crate::arguments::{Numbers, TURN, angle, table, vector, vector_or_zero};
+use crate::arguments::{
+    Numbers, TURN, angle, body, in_plane, in_plane_or_zero, inertial, table, vector, vector_or_zero,
+};
 use crate::error;
 use crate::parameters;
 use crate::vehicle::Vehicle;
@@ -91,10 +93,6 @@ pub fn components(v: Ned) -> [f32; 3] {
 /// A vector in space.
 pub fn ned([north, east, down]: [f32; 3]) -> Ned {
     Ned::new(north, east, down)
-}
-
-fn inertial([down, forward]: [f32; 2]) -> Inertial {
-    Inertial::new(down, forward)
 }
 
 /// What is told of the air.
@@ -300,9 +298,9 @@ impl Guidance {
         Ok(self.step(&input, dt, axes))
     }
 
-    /// One step in the vertical plane to the north: as `update`, with vectors (down, forward) and the attitude theta [rad], 0 in
-    /// hover with the nose up, -pi/2 with the nose forward. specific_force: along
-    /// (tail, belly) [m/s²]. The rate of theta commanded is `rate_rad_s`.
+    /// One step in the vertical plane to the north: as `update`, with vectors (north, east, down), east being 0, and the
+    /// attitude theta [rad], 0 in hover with the nose up, -pi/2 with the nose forward. specific_force: along (forward, right,
+    /// down) of the body, right being 0 [m/s²]. The rate of theta commanded is `rate_rad_s`.
     #[pyo3(signature = (
         dt, *, velocity, theta, reference_velocity, reference_acceleration=None, air_velocity=None, wind=None, airspeed=None,
         specific_force=None, position_error=None, state_age=0.0, reference_age=0.0, altitude_band=0.0, nose_below_vertical=false, hold_altitude_only=false
@@ -327,27 +325,38 @@ impl Guidance {
         hold_altitude_only: bool,
     ) -> PyResult<GuidanceOutput> {
         let acceleration = reference_acceleration.as_ref();
-        let error = position_error.as_ref().map(|v| vector("position_error", v));
-        let force = specific_force.as_ref().map(|v| vector("specific_force", v));
-        let input = PlanarGuidanceInput {
-            velocity: inertial(vector("velocity", &velocity)?),
-            attitude: Attitude::from_angle(angle("theta", theta, TURN)?),
-            state_age,
-            air: air(air_velocity.as_ref(), wind.as_ref(), airspeed, inertial)?,
-            specific_force: force
-                .transpose()?
-                .map(|[i, j]| ::alula::planar::Body::new(i, j)),
-            position_error: error.transpose()?.map(inertial),
-            reference: ::alula::planar::Reference {
-                velocity: inertial(vector("reference_velocity", &reference_velocity)?),
-                acceleration: inertial(vector_or_zero("reference_acceleration", acceleration)?),
-            },
-            reference_age,
-            planner_options: PlannerOptions::default()
-                .altitude_band(altitude_band)
-                .nose_below_vertical(nose_below_vertical)
-                .hold_altitude_only(hold_altitude_only),
-        };
+        let error = position_error
+            .as_ref()
+            .map(|v| in_plane("position_error", v));
+        let force = specific_force
+            .as_ref()
+            .map(|v| in_plane("specific_force", v));
+        for (field, of_air) in [("air_velocity", &air_velocity), ("wind", &wind)] {
+            in_plane_or_zero(field, of_air.as_ref())?;
+        }
+        let input = PlanarGuidanceInput::default()
+            .velocity(inertial(in_plane("velocity", &velocity)?))
+            .attitude(Attitude::from_angle(angle("theta", theta, TURN)?))
+            .state_age(state_age)
+            .air(air(
+                air_velocity.as_ref(),
+                wind.as_ref(),
+                airspeed,
+                inertial,
+            )?)
+            .specific_force(force.transpose()?.map(body))
+            .position_error(error.transpose()?.map(inertial))
+            .reference(::alula::planar::Reference {
+                velocity: inertial(in_plane("reference_velocity", &reference_velocity)?),
+                acceleration: inertial(in_plane_or_zero("reference_acceleration", acceleration)?),
+            })
+            .reference_age(reference_age)
+            .planner_options(
+                PlannerOptions::default()
+                    .altitude_band(altitude_band)
+                    .nose_below_vertical(nose_below_vertical)
+                    .hold_altitude_only(hold_altitude_only),
+            );
         // As the core's own step in the plane, which leaves out the other rates.
         Ok(self.step(&GuidanceInput::from(&input), dt, BodyAxes::NoseForward))
     }

@@ -2,13 +2,16 @@
 
 use ::alula::Fault;
 use ::alula::planar::Diagnostics;
-use ::alula::planar::{Attitude, FeedForward, Inertial, Reference, State};
+use ::alula::planar::{Attitude, FeedForward, Reference, State};
 use alula_sim::controllers::{Form, LawSpec};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use toml::{Table, Value};
 
-use crate::arguments::{Numbers, Rows, TURN, angle, angles, rows, table, vector, vector_or_zero};
+use crate::arguments::{
+    Numbers, Rows, TURN, all_in_plane, angle, angles, given, in_plane, in_plane_or_zero, inertial,
+    rows, table,
+};
 use crate::error;
 use crate::frame::{Data, Frame};
 use crate::vehicle::Vehicle;
@@ -84,10 +87,6 @@ impl Command {
     }
 }
 
-fn inertial([down, forward]: [f32; 2]) -> Inertial {
-    Inertial::new(down, forward)
-}
-
 impl Law {
     fn answer(
         &self,
@@ -137,7 +136,7 @@ impl Law {
 
     /// The command at one state.
     ///
-    /// velocity: over ground, (down, forward) [m/s]. theta: attitude [rad], 0 in hover with the nose up, -pi/2 with the nose
+    /// Vectors are (north, east, down); east is 0. velocity: over ground [m/s]. theta: attitude [rad], 0 in hover with the nose up, -pi/2 with the nose
     /// forward. reference_velocity, reference_acceleration: what is asked for [m/s, m/s²]. wind: over ground [m/s].
     /// air_acceleration and jerk: what the feed-forward wants, the derivatives of air velocity [m/s²] and reference acceleration
     /// [m/s³]; without them there is none.
@@ -158,14 +157,14 @@ impl Law {
         jerk: Option<Numbers<'_>>,
     ) -> PyResult<Command> {
         let or_zero =
-            |field, value: &Option<Numbers>| vector_or_zero(field, value.as_ref()).map(inertial);
+            |field, value: &Option<Numbers>| in_plane_or_zero(field, value.as_ref()).map(inertial);
         let state = State {
-            velocity: inertial(vector("velocity", &velocity)?),
+            velocity: inertial(in_plane("velocity", &velocity)?),
             attitude: Attitude::from_angle(angle("theta", theta, TURN)?),
             wind: or_zero("wind", &wind)?,
         };
         let reference = Reference {
-            velocity: inertial(vector("reference_velocity", &reference_velocity)?),
+            velocity: inertial(in_plane("reference_velocity", &reference_velocity)?),
             acceleration: or_zero("reference_acceleration", &reference_acceleration)?,
         };
         let feed_forward = match (&air_acceleration, &jerk) {
@@ -179,7 +178,7 @@ impl Law {
         answer.map(Command::from).map_err(error::of_fault)
     }
 
-    /// The commands at n states, without feed-forward: as `command`, with arrays of shape (n, 2) for the vectors and (n,) for
+    /// The commands at n states, without feed-forward: as `command`, with arrays of shape (n, 3) for the vectors and (n,) for
     /// theta. One vector or number stands for all states.
     ///
     /// The columns are those of `Command`, in single precision, and `status`: "ok", or the fault, for which the row has the safe
@@ -194,21 +193,23 @@ impl Law {
         reference_acceleration: Option<Numbers<'_>>,
         wind: Option<Numbers<'_>>,
     ) -> PyResult<Frame> {
-        let mut given = vec![
-            ("velocity", &velocity, 2),
-            ("theta", &theta, 1),
-            ("reference_velocity", &reference_velocity, 2),
+        let mut arguments = vec![
+            given("velocity", &velocity, 3),
+            given("theta", &theta, 1),
+            given("reference_velocity", &reference_velocity, 3),
         ];
         let acceleration = reference_acceleration.as_ref();
-        given.extend(acceleration.map(|value| ("reference_acceleration", value, 2)));
-        given.extend(wind.as_ref().map(|value| ("wind", value, 2)));
-        let n = rows(&given)?;
+        arguments.extend(acceleration.map(|value| given("reference_acceleration", value, 3)));
+        arguments.extend(wind.as_ref().map(|value| given("wind", value, 3)));
+        let mut vectors = arguments.iter().filter(|argument| argument.width() == 3);
+        vectors.try_for_each(all_in_plane)?;
+        let n = rows(&arguments)?;
         angles("theta", &theta, TURN)?;
-        let (velocity, theta) = (Rows::new(&velocity, 2), Rows::new(&theta, 1));
-        let reference_velocity = Rows::new(&reference_velocity, 2);
-        let acceleration = acceleration.map(|value| Rows::new(value, 2));
-        let wind = wind.as_ref().map(|value| Rows::new(value, 2));
-        let row = |rows: Option<Rows>, k| inertial(rows.map_or([0.0; 2], |rows| rows.get(k)));
+        let (velocity, theta) = (Rows::new(&velocity, 3), Rows::new(&theta, 1));
+        let reference_velocity = Rows::new(&reference_velocity, 3);
+        let acceleration = acceleration.map(|value| Rows::new(value, 3));
+        let wind = wind.as_ref().map(|value| Rows::new(value, 3));
+        let row = |rows: Option<Rows>, k| inertial(rows.map_or([0.0; 3], |rows| rows.get(k)));
 
         let mut columns = [const { Vec::new() }; COLUMNS.len()];
         columns

@@ -30,8 +30,8 @@ use pyo3::prelude::*;
 /// Models, vehicles, laws, guidance and equilibria are those of the flight library, in single precision; experiments and
 /// campaigns are flown by its harness, whose plant is in double precision. SI units; names end in their unit.
 ///
-/// In the vertical plane vectors are (down, forward) and theta is 0 in hover, nose up, and -pi/2 in level cruise; rates are
-/// negative from hover towards cruise. In space vectors are (north, east, down).
+/// Vectors are (north, east, down). The vertical plane is the one to the north: east is 0 there. Its theta is 0 in hover, nose up,
+/// and -pi/2 in level cruise; rates are negative from hover towards cruise.
 #[pymodule]
 mod _alula {
     #[pymodule_export]
@@ -49,7 +49,7 @@ mod _alula {
     #[pymodule_export]
     use crate::fleet::Fleet;
     #[pymodule_export]
-    use crate::flight::Flight;
+    use crate::flight::{Beyond, Flight};
     #[pymodule_export]
     use crate::frame::Frame;
     #[pymodule_export]

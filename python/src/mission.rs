@@ -8,7 +8,6 @@ use ::alula::mission::{
 use ::alula::ned::BodyRates;
 use alula_sim::experiment::plan::plan;
 use alula_sim::experiment::{Document, FieldError, MissionSpec, read};
-use alula_sim::flown_mission::response_name;
 use alula_sim::named::text_of;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -89,7 +88,7 @@ impl MissionOutput {
             item: step.progress.item.into(),
             remark: step.remark.map(|remark| remark.name()),
             troubles: troubles.map(|(name, _)| name.to_lowercase()).collect(),
-            response: response_name(step.response),
+            response: step.response.name(),
             distance_to_go_m: step.progress.distance_to_go,
             time_to_go_s: step.progress.time_to_go,
             airspeed_m_s: step.progress.airspeed,
@@ -238,15 +237,14 @@ impl Mission {
         axes: &str,
     ) -> PyResult<MissionOutput> {
         let position = position.as_ref().map(|x| vector("position", x));
-        let input = MissionInput {
-            position: position.transpose()?.map(ned),
-            velocity: ned(vector("velocity", &velocity)?),
-            wind: ned(vector_or_zero("wind", wind.as_ref())?),
-            orientation: orientation(&quaternion, body_axes(axes)?)?,
-            thrust: thrust_n,
-            armed,
-            troubles: flags(troubles)?,
-        };
+        let input = MissionInput::default()
+            .position(position.transpose()?.map(ned))
+            .velocity(ned(vector("velocity", &velocity)?))
+            .wind(ned(vector_or_zero("wind", wind.as_ref())?))
+            .orientation(orientation(&quaternion, body_axes(axes)?)?)
+            .thrust(thrust_n)
+            .armed(armed)
+            .troubles(flags(troubles)?);
         let step = self
             .missions
             .step(&mut self.state, &self.mission, &input, dt);

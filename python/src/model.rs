@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
 
-use crate::arguments::{HALF_TURN, Numbers, Rows, angles, rows};
+use crate::arguments::{HALF_TURN, Numbers, Rows, angles, given, rows};
 use crate::error;
 use crate::frame::{Data, Frame};
 use crate::parameters;
@@ -133,7 +133,7 @@ impl Model {
     /// The coefficients at angles of attack [rad], a number or an array of n: columns `cl`, `cd`, and their derivatives `dcl`, `dcd`
     /// [1/rad], `ddcl`, `ddcd` [1/rad²], in single precision.
     fn coefficients(&self, py: Python<'_>, alpha_rad: Numbers<'_>) -> PyResult<Frame> {
-        let n = rows(&[("alpha_rad", &alpha_rad, 1)])?;
+        let n = rows(&[given("alpha_rad", &alpha_rad, 1)])?;
         angles("alpha_rad", &alpha_rad, HALF_TURN)?;
         let (alpha, model) = (Rows::new(&alpha_rad, 1), self.core()?);
         let mut columns = [const { Vec::new() }; 6];

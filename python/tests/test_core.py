@@ -13,12 +13,13 @@ PAPER = dict(mass_kg=10.0, k_a_kg_m=0.646, thrust_max_n=196.2)
 
 
 STILL = dict(velocity=(0, 0, 0), quaternion=(1, 0, 0, 0), reference_velocity=(1, 0, 0))
+PLANE = dict(velocity=(0, 0, 0), theta=0, reference_velocity=(1, 0, 0))
 
 
 def states(n, seed=1):
-    """Velocities, attitudes, reference velocities and accelerations, winds."""
+    """Velocities, attitudes, reference velocities and accelerations, winds; nothing points to the east."""
     random = np.random.default_rng(seed)
-    vectors = lambda size: random.uniform(-size, size, (n, 2)).astype(np.float32)
+    vectors = lambda size: random.uniform(-size, size, (n, 3)).astype(np.float32) * np.float32([1, 0, 1])
     return vectors(30), random.uniform(-3.1, 3.1, n).astype(np.float32), vectors(30), vectors(4), vectors(5)
 
 
@@ -50,10 +51,10 @@ def test_parameters_come_from_the_one_table():
         (lambda: alula.Vehicle(**PAPER, span_m=2), "span_m", "unknown"),
         (lambda: alula.Vehicle(**PAPER, delta_deg=200), "delta_deg", "must be"),
         (lambda: alula.Model.combined().coefficients([0.1, 12]), "alpha_rad", "12 is not from -3.142 to 3.142 rad: was this in degrees?"),
-        (lambda: alula.Law(alula.Vehicle.load()).command((0, 5), -90, (0, 6)), "theta", "degrees?"),
-        (lambda: alula.Law(alula.Vehicle.load()).commands((0, 5), [0, -90], (0, 6)), "theta", "degrees?"),
+        (lambda: alula.Law(alula.Vehicle.load()).command((5, 0, 0), -90, (6, 0, 0)), "theta", "degrees?"),
+        (lambda: alula.Law(alula.Vehicle.load()).commands((5, 0, 0), [0, -90], (6, 0, 0)), "theta", "degrees?"),
         (lambda: alula.Guidance(alula.Vehicle.load()).update(0.01, **STILL, heading=90), "heading", "degrees?"),
-        (lambda: alula.Guidance(alula.Vehicle.load()).update_in_plane(0.01, velocity=(0, 0), theta=-90, reference_velocity=(0, 1)), "theta", "degrees?"),
+        (lambda: alula.Guidance(alula.Vehicle.load()).update_in_plane(0.01, velocity=(0, 0, 0), theta=-90, reference_velocity=(1, 0, 0)), "theta", "degrees?"),
         (lambda: alula.Fleet(alula.Vehicle.load(), 1).update(0.01, **STILL, heading=90), "heading", "degrees?"),
         (lambda: alula.Vehicle(**PAPER, thrust_min_n=300), "thrust_max_n", "must be above thrust_min"),
         (lambda: alula.Vehicle(**{**PAPER, "mass_kg": "ten"}), "mass_kg", "invalid type"),
@@ -80,10 +81,18 @@ def test_parameters_come_from_the_one_table():
         (lambda: alula.fly("round-trip", ["vehicle.mass_kg"]), "set", "PATH=VALUE"),
         (lambda: alula.campaign("dispersed", flights=2).refly(2), "number", "from 0 to 1"),
         (lambda: alula.envelope("paper", climb_deg=91), "climb_deg", "-90 to 90"),
-        (lambda: alula.equilibria("paper", (0, math.nan)), "velocity", "finite"),
-        (lambda: alula.equilibria("paper", (0, 1, 2)), "velocity", "shape"),
-        (lambda: alula.equilibria("paper", (0, 1), wind="calm"), "wind", "calm"),
-        (lambda: alula.Law(alula.Vehicle.load()).commands((0, 1), [0, "x"], (0, 1)), "theta", "x"),
+        (lambda: alula.equilibria("paper", (math.nan, 0, 0)), "velocity", "finite"),
+        (lambda: alula.equilibria("paper", (1, 2, 3, 4)), "velocity", "shape"),
+        (lambda: alula.equilibria("paper", (12, 1, 0)), "velocity", "out of the vertical plane"),
+        (lambda: alula.equilibria("paper", (1, 0, 0), wind="calm"), "wind", "calm"),
+        (lambda: alula.Law(alula.Vehicle.load()).commands((1, 0, 0), [0, "x"], (1, 0, 0)), "theta", "x"),
+        # Pairs [down, forward], as they were.
+        (lambda: alula.equilibria("paper", (0, 12)), "velocity", "is now [forward, 0, down]"),
+        (lambda: alula.Law(alula.Vehicle.load()).command((5, 0, 0), 0, (0, 6)), "reference_velocity", "is now [forward, 0, down]"),
+        (lambda: alula.Law(alula.Vehicle.load()).commands((5, 0, 0), 0, np.zeros((4, 2))), "reference_velocity", "is now [forward, 0, down]"),
+        (lambda: alula.Law(alula.Vehicle.load()).commands([(5, 0, 0), (5, 1, 0)], 0, (6, 0, 0)), "velocity", "out of the vertical plane"),
+        (lambda: alula.Guidance(alula.Vehicle.load()).update_in_plane(0.01, **PLANE, wind=(0, 1)), "wind", "is now [forward, 0, down]"),
+        (lambda: alula.Guidance(alula.Vehicle.load()).update_in_plane(0.01, **PLANE, specific_force=(0, 1, 0)), "specific_force", "out of the vertical plane"),
     ],
 )
 def test_what_is_refused_is_named(make, field, problem):
@@ -103,7 +112,7 @@ def test_everything_says_what_it_is():
         (alula.Guidance(vehicle, damping=0.7), ["damping 0.7", "vehicle"]),
         (alula.Fleet(vehicle, 7), ["7 vehicles"]),
         (alula.envelope(vehicle), ["folds", "points"]),
-        (alula.equilibria(vehicle, (0, 12))[0], ["alpha_rad"]),
+        (alula.equilibria(vehicle, (12, 0, 0))[0], ["alpha_rad"]),
         (alula.Experiment("round-trip"), ["round-trip: Hover to cruise and back"]),
         (alula.fly("hover-to-cruise", {"duration_s": 1.0}), ["hover-to-cruise: 1.0 s, 1001 steps"]),
         (flown, ["dispersed: 3 flights, "]),
@@ -155,7 +164,7 @@ def test_rows_may_be_one_for_all_of_any_type_and_layout():
     law = alula.Law(alula.Vehicle.load("paper"))
     velocity, theta, reference, *_ = states(50)
     expected = law.commands(velocity, theta, np.tile(reference[0], (50, 1)))
-    strided = np.zeros((50, 4), np.float64)
+    strided = np.zeros((50, 6), np.float64)
     strided[:, ::2] = velocity
     found = law.commands(strided[:, ::2], theta.tolist(), tuple(reference[0]))
     assert all(np.array_equal(found[name], expected[name]) for name in found.names)
@@ -163,7 +172,7 @@ def test_rows_may_be_one_for_all_of_any_type_and_layout():
         law.commands(velocity, theta[:-1], reference)
     assert refused.value.field == "theta" and "49 rows" in refused.value.problem
     with pytest.raises(alula.FieldError, match="wind"):
-        law.commands(velocity, theta, reference, wind=np.zeros((50, 3)))
+        law.commands(velocity, theta, reference, wind=np.zeros((50, 4)))
 
 
 def test_a_fault_is_raised_by_one_and_told_by_many():
@@ -174,21 +183,21 @@ def test_a_fault_is_raised_by_one_and_told_by_many():
     assert list(many["status"]) == ["ok", "velocity", "attitude", "ok"]
     assert not many["thrust_n"][1:3].any() and not many["rate_rad_s"][1:3].any() and many["thrust_n"][0] != 0.0
     with pytest.raises(alula.Fault, match="velocity is not finite") as fault:
-        law.command(velocity[1], 0.0, (0, 0))
+        law.command(velocity[1], 0.0, (0, 0, 0))
     assert (fault.value.name, fault.value.field) == ("velocity", "velocity")
     with pytest.raises(alula.Fault) as fault:
-        law.command((0, 5), math.nan, (0, 6))
+        law.command((5, 0, 0), math.nan, (6, 0, 0))
     assert (fault.value.name, fault.value.field) == ("attitude", "theta")
 
 
 def test_feed_forward_and_gains_count():
     vehicle = alula.Vehicle.load("paper")
-    state = dict(velocity=(1.0, 9.0), theta=-1.0, reference_velocity=(0.0, 10.0))
+    state = dict(velocity=(9.0, 0.0, 1.0), theta=-1.0, reference_velocity=(10.0, 0.0, 0.0))
     plain = alula.Law(vehicle).command(**state)
     assert alula.Law(vehicle, gains={}).command(**state).rate_rad_s == plain.rate_rad_s
     assert alula.Law(vehicle, gains={"k3": 3.0}).command(**state).rate_rad_s != plain.rate_rad_s
     assert alula.Law(vehicle, bandwidth={"damping": 0.7}).command(**state).rate_rad_s != plain.rate_rad_s
-    fed = alula.Law(vehicle).command(**state, air_acceleration=(0.0, 2.0))
+    fed = alula.Law(vehicle).command(**state, air_acceleration=(2.0, 0.0, 0.0))
     assert fed.rate_rad_s != plain.rate_rad_s and fed.thrust_n == plain.thrust_n
 
 
@@ -302,10 +311,10 @@ def test_the_guidance_in_space_hovers_and_remembers():
 def test_equilibria_hold_their_reference():
     vehicle = alula.Vehicle(**PAPER)
     law = alula.Law(vehicle)
-    found = alula.equilibria(vehicle, (0.0, 12.0), acceleration=(0.0, 1.0), wind=(0.0, -2.0))
+    found = alula.equilibria(vehicle, (12.0, 0.0, 0.0), acceleration=(1.0, 0.0, 0.0), wind=(-2.0, 0.0, 0.0))
     assert [e.alpha_rad for e in found] == sorted(e.alpha_rad for e in found) and len(found) >= 2
     for e in found:
-        command = law.command((0.0, 12.0), e.theta_rad, (0.0, 12.0), (0.0, 1.0), (0.0, -2.0))
+        command = law.command((12.0, 0.0, 0.0), e.theta_rad, (12.0, 0.0, 0.0), (1.0, 0.0, 0.0), (-2.0, 0.0, 0.0))
         # Roundings of the angle, 2e-7 rad, times forces of 200 N.
         assert command.thrust_n == pytest.approx(e.thrust_n, abs=1e-3)
         assert (abs(command.theta_tilde_rad) < 0.01) == (e.branch == "0")
@@ -322,5 +331,5 @@ def test_the_envelope_of_the_paper_and_of_the_same_vehicle_by_hand():
         assert a["speed_m_s"] == pytest.approx(b["speed_m_s"], rel=1e-6)
     # At a fold the set that the flight computer finds changes its number by two.
     speed = folds[0]["speed_m_s"]
-    count = lambda v: len(alula.equilibria("paper", (0.0, v)))
+    count = lambda v: len(alula.equilibria("paper", (v, 0.0, 0.0)))
     assert abs(count(1.001 * speed) - count(0.999 * speed)) == 2

@@ -85,8 +85,8 @@ def test_records_are_handed_over_without_copies():
 def test_a_flight_in_space_tells_its_bounds():
     flight = alula.fly("circle-40", ["duration_s=3", "settle_time_s=1", "bounds.max_bank_deg=1e-3"])
     assert flight.segments == [] and {"north_m", "attitude_w", "phase"} <= set(flight.record.names)
-    (bound,) = [b for b in flight.beyond if b[0] == "max_bank_deg"]
-    assert bound[1] == flight.figures["max_bank_deg"] and bound[2] == 1e-3
+    (bound,) = [b for b in flight.beyond if b.figure == "max_bank_deg"]
+    assert bound.value == flight.figures["max_bank_deg"] and bound.bound == 1e-3
     assert "not kept" in str(flight)
 
 

@@ -56,6 +56,18 @@ impl<A: Aerodynamics> Aerodynamics for &A {
     }
 }
 
+/// What a model is called by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct ModelName {
+    /// Its number: what [`ModelParameters::numbered`] takes.
+    pub number: u32,
+    /// Its name.
+    pub name: &'static str,
+    /// The names of its parameters.
+    pub parameters: &'static [&'static str],
+}
+
 /// Makes the list of models that have parameters. A row: the model, its parameters and which of the combined model's they are,
 /// its number in a parameter block, its name. The numbers count on from 0; 3 is the table's.
 macro_rules! models {
@@ -87,9 +99,12 @@ macro_rules! models {
         }
 
         impl ModelParameters {
-            /// Number, name and parameters' names of every model. The numbers are those of [`numbered`](Self::numbered).
-            pub const LIST: &'static [(u32, &'static str, &'static [&'static str])] =
-                &[$( ($number, $name, &[$( stringify!($field) ),*]), )*];
+            /// Every model.
+            pub const LIST: &'static [ModelName] = &[$( ModelName {
+                number: $number,
+                name: $name,
+                parameters: &[$( stringify!($field) ),*],
+            }, )*];
 
             /// The parameters of the model with this `number`, from those of the same names in `coefficients`; none if there is no
             /// such model.
@@ -176,8 +191,9 @@ pub(crate) mod tests {
     #[test]
     fn a_number_chooses_its_model() {
         let coefficients = CombinedParameters::NACA_0021_RE_160E3;
-        for (number, name, fields) in ModelParameters::LIST {
-            let mut chosen = ModelParameters::numbered(*number, &coefficients).unwrap();
+        for model in ModelParameters::LIST {
+            let (name, fields) = (model.name, model.parameters);
+            let mut chosen = ModelParameters::numbered(model.number, &coefficients).unwrap();
             assert!(chosen.model().is_ok(), "{name}");
             for (row, field) in fields.iter().enumerate() {
                 let of = CombinedParameters::RANGES;

@@ -60,6 +60,7 @@ pub enum TableProblem {
 /// A table's refusal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct TableError {
     /// The row, counted from 0.
     pub row: usize,

@@ -38,6 +38,7 @@ pub struct FeedForward {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Command {
     /// Thrust T \[N\] along −i. Not limited: it may be negative.
     pub thrust: f32,
@@ -51,6 +52,7 @@ pub struct Command {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Diagnostics {
     /// Angle of attack α \[rad\], in [−π, π].
     pub alpha: f32,

@@ -5,7 +5,8 @@ use crate::error::ParameterError;
 use crate::parameters::Parameters;
 
 crate::parameters! {
-    /// Constant gains, as in the paper.
+    /// Constant gains, as in the paper. They suit its vehicle: gains of another are [`PAPER`](Self::PAPER) with each replaced by name.
+    #[non_exhaustive]
     pub struct GainParameters, "Constant gains" {
         k1: "s/m", 1e-9, 1e6, 0.1529, "ALU_K1",
             "Gain k1: thrust per velocity error along the thrust line, relative to |F_p|.";

@@ -19,6 +19,7 @@ pub const TOLERANCE: f32 = 1e-5;
 /// What the hypotheses of a theorem that are met guarantee for every reference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum Guarantee {
     /// At least two equilibrium orientations (Theorem 1 i).
     Two,
@@ -36,6 +37,7 @@ pub enum Guarantee {
 /// Why a theorem says nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum Unmet {
     /// c_L is not odd, or c_D not even.
     NotSymmetric {

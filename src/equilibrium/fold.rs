@@ -21,6 +21,7 @@ const REACH: usize = 11;
 /// How far the nearest fold is on the present ray, the direction of the air velocity and the apparent weight kept.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct FoldMargin {
     /// Angle of attack at the fold, less the present one \[rad\].
     pub alpha: f32,
@@ -129,12 +130,32 @@ mod tests {
         Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap()
     }
 
-    /// Forces in flight along `path` (angle below the horizon) at a `speed`, accelerating forward, at `alpha`.
-    fn forces<A: Aerodynamics>(
-        vehicle: &Vehicle<A>,
-        (path, speed, forward): (f32, f32, f32),
-        alpha: f32,
-    ) -> ApparentForces {
+    /// A flight along a path.
+    #[derive(Clone, Copy)]
+    struct Flight {
+        /// Angle below the horizon \[rad\].
+        path: f32,
+        /// [m/s].
+        speed: f32,
+        /// Acceleration forward [m/s²].
+        forward: f32,
+    }
+
+    const fn steady(path: f32, speed: f32) -> Flight {
+        Flight {
+            path,
+            speed,
+            forward: 0.0,
+        }
+    }
+
+    /// Forces in `flight` at `alpha`.
+    fn forces<A: Aerodynamics>(vehicle: &Vehicle<A>, flight: Flight, alpha: f32) -> ApparentForces {
+        let Flight {
+            path,
+            speed,
+            forward,
+        } = flight;
         let (sin, cos) = math::sin_cos(path);
         let v = Inertial::new(speed * sin, speed * cos);
         let gamma = libm::atan2f(v.forward(), v.down());
@@ -170,6 +191,11 @@ mod tests {
             (-1.2, -2.0),
         ] {
             let speed = 12.0;
+            let flight = Flight {
+                path,
+                speed,
+                forward,
+            };
             let p = VehicleParameters::PAPER;
             let (down, back) = (p.gravity, -forward);
             let (sin, cos) = math::sin_cos(path);
@@ -180,7 +206,7 @@ mod tests {
             let folds = scan(vehicle, beta);
             for n in -179..180 {
                 let alpha = (n as f32 + 0.3).to_radians();
-                let margin = map.margin(&forces(vehicle, (path, speed, forward), alpha));
+                let margin = map.margin(&forces(vehicle, flight, alpha));
                 let difference = |f: f32| {
                     let d = f - alpha;
                     d - 2.0 * math::PI * (d / (2.0 * math::PI)).round()
@@ -242,16 +268,16 @@ mod tests {
         let map = FoldMap::new(&sphere);
         for n in -179..180 {
             let alpha = (n as f32).to_radians();
-            assert_eq!(map.margin(&forces(&sphere, (0.2, 12.0, 0.0), alpha)), None);
+            assert_eq!(map.margin(&forces(&sphere, steady(0.2, 12.0), alpha)), None);
         }
         let stalling = vehicle(0.0, combined());
         let map = FoldMap::new(&stalling);
         assert!(
-            map.margin(&forces(&stalling, (0.0, 12.0, 0.0), 0.2))
+            map.margin(&forces(&stalling, steady(0.0, 12.0), 0.2))
                 .is_some()
         );
-        assert_eq!(map.margin(&forces(&stalling, (0.0, 0.0, 0.0), 0.2)), None);
-        let mut broken = forces(&stalling, (0.0, 12.0, 0.0), 0.2);
+        assert_eq!(map.margin(&forces(&stalling, steady(0.0, 0.0), 0.2)), None);
+        let mut broken = forces(&stalling, steady(0.0, 12.0), 0.2);
         broken.air.alpha.rad = f32::NAN;
         assert_eq!(map.margin(&broken), None);
     }
@@ -261,7 +287,7 @@ mod tests {
     #[test]
     fn a_fold_at_no_airspeed_is_none() {
         let vehicle = vehicle(0.0, combined());
-        let forces = forces(&vehicle, (math::FRAC_PI_2, 12.0, 0.0), 0.0087);
+        let forces = forces(&vehicle, steady(math::FRAC_PI_2, 12.0), 0.0087);
         // c_L is the numerator then, c_D the denominator.
         let map = |before: (f32, f32), after: (f32, f32)| FoldMap {
             nodes: core::array::from_fn(|i| {

@@ -34,6 +34,7 @@ const ISOLATED: f32 = 1e-5;
 /// An orientation at which a thrust holds the reference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct Equilibrium {
     /// Attitude θ_e.
     pub attitude: Attitude,

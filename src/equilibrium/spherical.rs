@@ -18,6 +18,7 @@ const TOLERANCE: f32 = 1e-5;
 /// Why a vehicle has no generically-unique equilibrium orientation by Lemma 3.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum NotSpherical {
     /// `eq:condition` does not hold.
     Condition {

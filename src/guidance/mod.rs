@@ -20,7 +20,7 @@ mod planner_options;
 mod progress;
 mod reference_model;
 mod rollout;
-mod setters;
+pub(crate) mod setters;
 mod status;
 mod supervision;
 mod tracker;

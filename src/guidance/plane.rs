@@ -5,6 +5,7 @@
 
 use super::planner_options::PlannerOptions;
 use super::progress::Progress;
+use super::setters::setters;
 use super::status::Status;
 use super::supervision::{Air, AirUse, Mode, RejectReason};
 use super::update::{Guidance, GuidanceInput, GuidanceOutput, GuidanceState};
@@ -29,10 +30,11 @@ impl Ned {
     }
 }
 
-/// A [`GuidanceInput`] in one vertical plane.
+/// A [`GuidanceInput`] in one vertical plane: from the default by the method of each field.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct PlanarGuidanceInput {
     /// Velocity v over ground [m/s].
     pub velocity: Inertial,
@@ -55,9 +57,24 @@ pub struct PlanarGuidanceInput {
     pub planner_options: PlannerOptions,
 }
 
+setters! {
+    PlanarGuidanceInput {
+        velocity: Inertial,
+        attitude: Attitude,
+        state_age: f32,
+        air: Air<Inertial>,
+        specific_force: impl Into<Option<Body>>,
+        position_error: impl Into<Option<Inertial>>,
+        reference: Reference,
+        reference_age: f32,
+        planner_options: PlannerOptions,
+    }
+}
+
 /// A [`GuidanceOutput`] in one vertical plane.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct PlanarGuidanceOutput {
     /// The command, inside its limits. Its diagnostics are those of the law, before the limits; in
     /// [`Mode::Holding`] and [`Mode::Safe`] they are zero.

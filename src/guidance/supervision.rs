@@ -43,6 +43,7 @@ pub(super) fn time_passed(dt: f32) -> (f32, bool) {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum Mode {
     /// Gives the safe command.
     #[default]

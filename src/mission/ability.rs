@@ -63,28 +63,20 @@ impl Ability {
         let available = |speed: f32| vehicle.thrust_max() * vehicle.propeller().available(speed);
         let most_lift = math::max(Stall::of(vehicle.model()).c_l, 1e-3);
         let stall_speed = math::sqrt((vehicle.weight() / (vehicle.k_a() * most_lift)).abs());
-        Self::of(
-            &polar,
-            &available,
-            stall_speed,
-            (vehicle.k_a(), vehicle.weight(), vehicle.gravity()),
-        )
-    }
-
-    fn of(
-        polar: Polar<'_>,
-        available: &dyn Fn(f32) -> f32,
-        stall_speed: f32,
-        (k_a, weight, gravity): (f32, f32, f32),
-    ) -> Self {
-        let mut ability = Self {
+        let empty = Self {
             stall_speed,
             drag: [0.0; SPEEDS],
             thrust: [0.0; SPEEDS],
-            gravity,
-            weight,
+            gravity: vehicle.gravity(),
+            weight: vehicle.weight(),
         };
-        let rows = ability.drag.iter_mut().zip(&mut ability.thrust);
+        empty.filled(&polar, &available, vehicle.k_a())
+    }
+
+    /// With the tables of a vehicle that has this polar, this thrust \[N\] at an airspeed, and this k_a \[kg/m\].
+    fn filled(mut self, polar: Polar<'_>, available: &dyn Fn(f32) -> f32, k_a: f32) -> Self {
+        let (stall_speed, weight) = (self.stall_speed, self.weight);
+        let rows = self.drag.iter_mut().zip(&mut self.thrust);
         let mut multiple = FIRST;
         for (drag, thrust) in rows {
             let speed = multiple * stall_speed;
@@ -93,7 +85,7 @@ impl Ability {
             *thrust = available(speed) / weight;
             multiple += STEP;
         }
-        ability
+        self
     }
 
     /// The values of the tables at `speed` [m/s], held at their ends: drag and thrust there is, over the weight.

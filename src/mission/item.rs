@@ -20,6 +20,7 @@ const LONGEST: f32 = 1e6;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+#[non_exhaustive]
 pub enum Pass {
     /// By it: an arc rounds the corner. Where it does not fit between the neighbours, over it.
     By,
@@ -34,6 +35,7 @@ pub enum Pass {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+#[non_exhaustive]
 pub enum Until {
     /// So many turns.
     Turns(f32),
@@ -48,6 +50,7 @@ pub enum Until {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+#[non_exhaustive]
 pub enum Item {
     /// Straight up from where it stands, to a height over that \[m\].
     TakeOff {
@@ -89,6 +92,7 @@ pub enum Item {
 /// What is wrong with a field of an item.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub enum ItemProblem {
     /// More items than a mission holds.
     TooMany,
@@ -118,6 +122,7 @@ pub enum ItemProblem {
 /// Why a mission is refused: which item, counted from 0, and which field of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct MissionError {
     /// Item, counted from 0.
     pub item: usize,

@@ -18,7 +18,7 @@
 //!     let mission = missions.mission(&items)?;
 //!     let (mut flight, mut state) = (MissionState::default(), GuidanceState::default());
 //!     // Every 10 ms: position, velocity and wind in; the guidance's input out. Off, nobody asks the guidance.
-//!     let told = MissionInput { position: Some(Ned::ZERO), armed: true, ..MissionInput::default() };
+//!     let told = MissionInput::default().position(Ned::ZERO).armed(true);
 //!     let asked = missions.step(&mut flight, &mission, &told, 0.01);
 //!     let input = asked.asked_of(GuidanceInput::default().air(Air::Wind(Ned::ZERO)));
 //!     let output = match asked.gate {

@@ -10,6 +10,7 @@ use crate::spatial::Reference;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum Activity {
     /// On the ground, without thrust.
     #[default]
@@ -47,6 +48,7 @@ impl Activity {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub enum Remark {
     /// The wind is stronger than the airspeed: the nose is held into it, and it drifts.
     Drifting,
@@ -112,6 +114,7 @@ impl Gate {
 /// How far a mission has come.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct MissionProgress {
     /// Item, counted from 0; the number of items when all are done.
     pub item: u16,
@@ -142,6 +145,7 @@ pub struct MissionProgress {
 /// What a step of a mission gives.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct MissionOutput {
     /// For the guidance.
     pub reference: Reference,

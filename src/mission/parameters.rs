@@ -4,6 +4,7 @@ use crate::parameters::Parameters;
 
 crate::parameters! {
     /// How missions are flown. What the vehicle can do is not here: it follows from what is believed of it.
+    #[non_exhaustive]
     pub struct MissionParameters, "Mission" {
         cruise_speed: "m/s", 1.0, 340.0, f32::NAN, "ALU_M_CRUISE",
             "Airspeed of the items before the first that changes the speed.";

@@ -1,10 +1,13 @@
 //! What is done when something fails: a table.
 
+use crate::guidance::setters::setters;
+
 /// What is done.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+#[non_exhaustive]
 pub enum Response {
     /// The mission goes on.
     #[default]
@@ -15,6 +18,18 @@ pub enum Response {
     Return,
     /// A landing where it is. It is kept to.
     Land,
+}
+
+impl Response {
+    /// Name for logs, as files have it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Continue => "continue",
+            Self::Loiter => "loiter",
+            Self::Return => "return",
+            Self::Land => "land",
+        }
+    }
 }
 
 /// What has failed: flags.
@@ -40,11 +55,12 @@ bitflags::bitflags! {
     }
 }
 
-/// What is done when each of them fails; of several the gravest.
+/// What is done when each of them fails; of several the gravest. From the default, to go on, by the method of each.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+#[non_exhaustive]
 pub struct Responses {
     /// The link.
     pub link: Response,
@@ -56,6 +72,16 @@ pub struct Responses {
     pub battery: Response,
     /// The vehicle does not follow.
     pub follow: Response,
+}
+
+setters! {
+    Responses {
+        link: Response,
+        air: Response,
+        position: Response,
+        battery: Response,
+        follow: Response,
+    }
 }
 
 impl Responses {

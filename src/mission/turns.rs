@@ -121,9 +121,9 @@ pub(super) fn to_place(from: Pose, to: Ned, radius: f32) -> Path {
     Path::new([first, line(first.end(), 0.0), second])
 }
 
-/// A way to a pose: the arcs by their angles, and what lies between.
+/// A shortest path of arcs and lines to a pose, as Dubins found them: the arcs by their angles, and what lies between.
 #[derive(Clone, Copy)]
-enum Way {
+enum Dubins {
     /// Arc, line, and an arc of this signed radius and angle.
     Line(ArcAndLine, f32, f32),
     /// Three arcs: radius of the outer ones, signed, and the angles \[rad\].
@@ -134,7 +134,7 @@ enum Way {
 pub(super) fn to_pose(from: Pose, to: Pose, radius: f32) -> Path {
     let (begin, end) = (right_of(along(from.course)), right_of(along(to.course)));
     let mut best = (f32::INFINITY, None);
-    let mut take = |length: f32, way: Way| {
+    let mut take = |length: f32, way: Dubins| {
         if length < best.0 {
             best = (length, Some(way));
         }
@@ -146,7 +146,10 @@ pub(super) fn to_pose(from: Pose, to: Pose, radius: f32) -> Path {
             let way = ArcAndLine::new(from.course, from_centre, first, to_centre, second);
             if let Some(way) = way {
                 let angle = sweep(second.signum(), way.course, to.course);
-                take(way.length() + radius * angle, Way::Line(way, second, angle));
+                take(
+                    way.length() + radius * angle,
+                    Dubins::Line(way, second, angle),
+                );
             }
         }
         let to_centre = to.place + end * first;
@@ -154,17 +157,17 @@ pub(super) fn to_pose(from: Pose, to: Pose, radius: f32) -> Path {
             let courses = [from.course, to.course];
             if let Some(angles) = three_arcs(courses, [from_centre, to_centre], first, fold) {
                 let [a, b, c] = angles;
-                take(radius * (a + b + c), Way::Arcs(first, angles));
+                take(radius * (a + b + c), Dubins::Arcs(first, angles));
             }
         }
     }
     Path::new(match best.1 {
         None => [Segment::default(); 3],
-        Some(Way::Line(way, second, angle)) => {
+        Some(Dubins::Line(way, second, angle)) => {
             let [first, middle] = way.segments(from);
             [first, middle, arc(middle.end(), second, angle)]
         }
-        Some(Way::Arcs(outer, [a, b, c])) => {
+        Some(Dubins::Arcs(outer, [a, b, c])) => {
             let first = arc(from, outer, a);
             let second = arc(first.end(), -outer, b);
             [first, second, arc(second.end(), outer, c)]
@@ -251,7 +254,7 @@ mod tests {
     }
 
     /// The end of a path, by flying along it.
-    fn flown(path: &Path) -> (Pose, f32) {
+    fn end_of(path: &Path) -> (Pose, f32) {
         let mut path = *path;
         let (mut length, mut last) = (0.0, path.segment().at(0.0));
         for _ in 0..100_000 {
@@ -278,7 +281,7 @@ mod tests {
                     let from = pose(0.0, 0.0, 45.0 * from as f32);
                     let to = pose(north, east, 45.0 * to as f32);
                     let path = to_pose(from, to, radius);
-                    let (end, length) = flown(&path);
+                    let (end, length) = end_of(&path);
                     assert!(level(end.place - to.place) < 1.0, "{from:?} {to:?} {end:?}");
                     assert!(super::super::segment::wrap(end.course - to.course).abs() < 0.03);
                     let straight = level(to.place);
@@ -293,7 +296,7 @@ mod tests {
     #[test]
     fn the_way_back_beside_the_way_out_is_three_arcs() {
         let path = to_pose(pose(0.0, 0.0, 0.0), pose(0.0, 40.0, 180.0), 60.0);
-        let (end, length) = flown(&path);
+        let (end, length) = end_of(&path);
         assert!(level(end.place - Ned::new(0.0, 40.0, 0.0)) < 1.0);
         assert!(length < 2.0 * PI * 60.0 * 1.1, "{length}");
     }
@@ -304,7 +307,7 @@ mod tests {
             for (north, east) in [(-300.0, 0.0), (200.0, 60.0), (10.0, 5.0), (-30.0, 40.0)] {
                 for degrees in [0.0, 80.0, 200.0, 310.0] {
                     let path = to_circle(pose(north, east, degrees), 40.0, Ned::ZERO, radius);
-                    let (end, _) = flown(&path);
+                    let (end, _) = end_of(&path);
                     let off = level(end.place) - radius.abs();
                     assert!(off.abs() < 1.0, "{radius} {north} {degrees} {off}");
                 }
@@ -315,7 +318,7 @@ mod tests {
     #[test]
     fn a_place_behind_is_turned_to() {
         let path = to_place(pose(0.0, 0.0, 0.0), Ned::new(-100.0, 10.0, 0.0), 30.0);
-        let (end, _) = flown(&path);
+        let (end, _) = end_of(&path);
         assert!(level(end.place - Ned::new(-100.0, 10.0, 0.0)) < 1.0);
     }
 }

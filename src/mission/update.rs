@@ -12,6 +12,7 @@ use super::triangle::Triangle;
 use super::turns;
 use crate::aero::Aerodynamics;
 use crate::error::ParameterError;
+use crate::guidance::setters::setters;
 use crate::guidance::{
     Goal, GoalOutput, GoalState, Goals, MAX_STEP, MIN_STEP, PlannerOptions, Preferences,
 };
@@ -74,9 +75,18 @@ pub struct Missions {
     tan_bank: f32,
 }
 
-/// What a step of a mission is told.
+/// What a step of a mission is told: from the default, which is at rest and not armed, by the method of each field.
+///
+/// ```
+/// use alula::mission::MissionInput;
+/// use alula::prelude::*;
+///
+/// let told = MissionInput::default().position(Ned::ZERO).armed(true);
+/// assert_eq!(told.position, Some(Ned::ZERO));
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct MissionInput {
     /// Position \[m\]; none where nothing is known of it. Then it is reckoned from the velocity.
     pub position: Option<Ned>,
@@ -92,6 +102,18 @@ pub struct MissionInput {
     pub armed: bool,
     /// What has failed, as far as the mission does not find it itself.
     pub troubles: Troubles,
+}
+
+setters! {
+    MissionInput {
+        position: impl Into<Option<Ned>>,
+        velocity: Ned,
+        wind: Ned,
+        orientation: Orientation,
+        thrust: f32,
+        armed: bool,
+        troubles: Troubles,
+    }
 }
 
 /// What is to be done for an item.

@@ -159,13 +159,29 @@ impl Row {
     }
 }
 
-/// A column of the log at the rows of a time base; NaN where there is none.
-fn held(log: &Log, names: &[(&str, &str, f64)], base: &[f64]) -> Option<Vec<f64>> {
-    names.iter().find_map(|(topic, column, sign)| {
-        let topic = log.topic(topic)?;
-        let column = topic.column(column)?;
+/// Where a log may have a quantity: a column, and what its values are multiplied by.
+struct Source {
+    topic: &'static str,
+    column: &'static str,
+    scale: f64,
+}
+
+const fn source(topic: &'static str, column: &'static str, scale: f64) -> Source {
+    Source {
+        topic,
+        column,
+        scale,
+    }
+}
+
+/// The first of these columns that the log has, at the rows of a time base; NaN where it has no value.
+fn held(log: &Log, sources: &[Source], base: &[f64]) -> Option<Vec<f64>> {
+    sources.iter().find_map(|source| {
+        let topic = log.topic(source.topic)?;
+        let column = topic.column(source.column)?;
         let values = topic.held_at(base).values(column);
-        Some(values.into_iter().map(|value| sign * value).collect())
+        let scaled = values.into_iter().map(|value| source.scale * value);
+        Some(scaled.collect())
     })
 }
 
@@ -183,23 +199,23 @@ fn rows(log: &Log, states: &States) -> anyhow::Result<(Vec<Row>, Vec<String>)> {
         .ok_or_else(|| need("specific force"))?;
     let base = &states.time;
     let throttle = [
-        ("vehicle_thrust_setpoint", "xyz[2]", -1.0),
-        ("vehicle_rates_setpoint", "thrust_body[2]", -1.0),
-        ("RATE", "AOut", 1.0),
-        ("CTUN", "ThO", 1.0),
+        source("vehicle_thrust_setpoint", "xyz[2]", -1.0),
+        source("vehicle_rates_setpoint", "thrust_body[2]", -1.0),
+        source("RATE", "AOut", 1.0),
+        source("CTUN", "ThO", 1.0),
     ];
     let throttle = held(log, &throttle, base).ok_or_else(|| need("throttle"))?;
     let rate = [
-        ("vehicle_angular_velocity", "xyz[1]", 1.0),
-        ("RATE", "P", DEGREE),
+        source("vehicle_angular_velocity", "xyz[1]", 1.0),
+        source("RATE", "P", DEGREE),
     ];
     let asked = [
-        ("vehicle_rates_setpoint", "pitch", 1.0),
-        ("RATE", "PDes", DEGREE),
+        source("vehicle_rates_setpoint", "pitch", 1.0),
+        source("RATE", "PDes", DEGREE),
     ];
     let torque = [
-        ("vehicle_torque_setpoint", "xyz[1]", 1.0),
-        ("RATE", "POut", 1.0),
+        source("vehicle_torque_setpoint", "xyz[1]", 1.0),
+        source("RATE", "POut", 1.0),
     ];
     let nan = || vec![f64::NAN; base.len()];
     let rate = held(log, &rate, base).unwrap_or_else(nan);
@@ -467,9 +483,9 @@ impl Fit {
         let value = of(&self.estimate);
         let slope = DVector::from_fn(self.estimate.len(), |j, _| {
             let step = 1e-4 * self.estimate[j].abs().max(1e-3);
-            let mut moved = self.estimate.clone();
-            moved[j] += step;
-            (of(&moved) - value) / step
+            let mut near = self.estimate.clone();
+            near[j] += step;
+            (of(&near) - value) / step
         });
         let variance = (slope.transpose() * &self.covariance * &slope)[(0, 0)];
         Measured {
@@ -477,6 +493,25 @@ impl Fit {
             within: DEVIATIONS * variance.max(0.0).sqrt(),
         }
     }
+}
+
+/// A propeller with the least squares of those that were tried.
+#[derive(Clone, Copy)]
+struct Propeller {
+    squares: f64,
+    /// Its speed V_1 [m/s].
+    v1: f64,
+    /// Static thrust at full throttle over the mass [m/s²].
+    static_f: f64,
+}
+
+/// The equations of a part of the rows, two to a row: regressors with the mean of the throttle and as it was told, and forces.
+struct Equations {
+    mean: DMatrix<f64>,
+    told: DMatrix<f64>,
+    y: DVector<f64>,
+    blocks: Vec<usize>,
+    times: Vec<f64>,
 }
 
 /// What the flight of `log`, whose states are `states`, shows of a vehicle.
@@ -508,39 +543,52 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
             }
         }
         let n = y.len();
-        let x = x.map(|x| DMatrix::from_row_iterator(n, unknowns.count(), x));
-        (x, DVector::from_vec(y), blocks, times)
+        let [mean, told] = x.map(|x| DMatrix::from_row_iterator(n, unknowns.count(), x));
+        Equations {
+            mean,
+            told,
+            y: DVector::from_vec(y),
+            blocks,
+            times,
+        }
     };
     // Without its derivative, the speed of the propeller is held.
     let fit = |lag: f64, propeller: [f64; 2]| {
-        let ([x, told], y, blocks, _) = assembled(lag, propeller, true);
-        least_squares(&x, &told, &y, &blocks)
+        let of = assembled(lag, propeller, true);
+        least_squares(&of.mean, &of.told, &of.y, &of.blocks)
     };
     let search = |lag: f64| {
         let speeds = (0..24).map(|n| 12.0 * 1.13_f64.powi(n));
         let tried = speeds.filter_map(|v1| {
             let fit = fit(lag, [v1, 0.0])?;
-            (fit.estimate[0] > 0.0).then_some((fit.squares, v1, fit.estimate[0]))
+            let static_f = fit.estimate[0];
+            (static_f > 0.0).then_some(Propeller {
+                squares: fit.squares,
+                v1,
+                static_f,
+            })
         });
-        tried.min_by(|a, b| a.0.total_cmp(&b.0))
+        tried.min_by(|a, b| a.squares.total_cmp(&b.squares))
     };
     let lags: Vec<f64> = (0..=20).map(|n| 0.01 + 0.02 * f64::from(n)).collect();
-    let tried: Vec<Option<(f64, f64, f64)>> = lags.iter().map(|lag| search(*lag)).collect();
+    let tried: Vec<Option<Propeller>> = lags.iter().map(|lag| search(*lag)).collect();
     let squares: Vec<f64> = tried
         .iter()
-        .map(|t| t.map_or(f64::INFINITY, |t| t.0))
+        .map(|t| t.map_or(f64::INFINITY, |t| t.squares))
         .collect();
     let best = (0..lags.len())
         .min_by(|a, b| squares[*a].total_cmp(&squares[*b]))
         .unwrap_or(0);
-    let (_, v1, static_f) = tried[best]
+    let Propeller { v1, static_f, .. } = tried[best]
         .ok_or_else(|| anyhow::anyhow!("the regression has no answer: no thrust is seen"))?;
     let propeller = [v1, static_f];
     let fit = fit(lags[best], propeller)
         .ok_or_else(|| anyhow::anyhow!("the regression has no answer"))?;
 
     // A parabola through the least and its neighbours; its curvature is the interval's, by blocks.
-    let ([x, _], y, _, times) = assembled(lags[best], propeller, false);
+    let Equations {
+        mean: x, y, times, ..
+    } = assembled(lags[best], propeller, false);
     let number_of_blocks = (rows.len() as f64 / RATE / ANEW).max(2.0);
     let thrust_lag = (best > 0 && best + 1 < lags.len()).then(|| {
         let [a, b, c] = [squares[best - 1], squares[best], squares[best + 1]];
@@ -699,7 +747,12 @@ fn rate_loop(rows: &[&Row]) -> Option<(Measured, f64)> {
     if rows.len() < 10 * ROWS || moves.sqrt() < 0.03 {
         return None;
     }
-    let tried: Vec<(f64, f64, f64)> = (1..60)
+    struct Tried {
+        lag: f64,
+        share: f64,
+        squares: f64,
+    }
+    let tried: Vec<Tried> = (1..60)
         .map(|n| {
             let lag = 0.01 * f64::from(n);
             let (mut behind, mut products, mut squares, mut had) = (0.0, 0.0, 0.0, 0.0);
@@ -714,15 +767,21 @@ fn rate_loop(rows: &[&Row]) -> Option<(Measured, f64)> {
                 had += pair[1].rate * pair[1].rate;
             }
             let share = products / squares;
-            (lag, share, had - share * products)
+            Tried {
+                lag,
+                share,
+                squares: had - share * products,
+            }
         })
         .collect();
-    let best = (0..tried.len()).min_by(|a, b| tried[*a].2.total_cmp(&tried[*b].2))?;
-    let (&(_, _, a), &(lag, share, b), &(_, _, c)) = (
-        tried.get(best.checked_sub(1)?)?,
-        &tried[best],
-        tried.get(best + 1)?,
-    );
+    let best = (0..tried.len()).min_by(|a, b| tried[*a].squares.total_cmp(&tried[*b].squares))?;
+    let a = tried.get(best.checked_sub(1)?)?.squares;
+    let Tried {
+        lag,
+        share,
+        squares: b,
+    } = tried[best];
+    let c = tried.get(best + 1)?.squares;
     let bend = (a - 2.0 * b + c).max(1e-12);
     let blocks = (rows.len() as f64 / RATE / ANEW).max(2.0);
     let measured = Measured {

@@ -80,7 +80,7 @@ impl Verdict {
             }
         }
         let needed = performance.cruise.map(|[_, thrust]| thrust);
-        let thrust = get("cruise_thrust_to_weight");
+        let thrust = get("cruise_mean_thrust_to_weight");
         if let Some(needed) = needed.filter(|needed| thrust - needed > BEHIND_STALL) {
             outside.push(format!(
                 "it cruises behind the stall, with thrust of {thrust:.2} times the weight, where the wing needs {needed:.2}"

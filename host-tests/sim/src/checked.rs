@@ -21,9 +21,9 @@ impl Document {
     pub fn data(&self) -> Result<Experiment, FieldError> {
         let believed = self.believed()?;
         let mut experiment: Experiment = believed.document.read()?;
-        let flown = ["path", "reference", "mission"].map(|key| self.get(key).is_some());
+        let given = ["path", "reference", "mission"].map(|key| self.get(key).is_some());
         let problem = "missing field `path`, or `mission`";
-        require(flown.contains(&true), "", problem)?;
+        require(given.contains(&true), "", problem)?;
         experiment.tail_sitter = believed.tail_sitter;
         experiment
             .validate()
@@ -91,9 +91,15 @@ impl Document {
         Ok(experiment)
     }
 
-    /// The experiment; an error names file and line.
+    /// The experiment; an error names file and line, and the changes if the texts are sound without them.
     pub fn checked(&self) -> anyhow::Result<Experiment> {
-        self.experiment().map_err(|error| self.located(error))
+        self.experiment().map_err(|error| {
+            let sound = |texts: Self| texts.experiment().is_ok();
+            match self.unchanged().is_some_and(sound) {
+                true => self.located_by_changes(error),
+                false => self.located(error),
+            }
+        })
     }
 
     /// Writes down what the controller believes about the vehicle, where that is left out: the vehicle as it stands here. What is

@@ -148,11 +148,11 @@ figures! {
     "max_turn_deg", "farthest from nose up", "°", 1, Flight, Most(|m| in_plane(m, m.step.theta.to_degrees().abs())), "in a vertical plane: farthest that θ has turned from nose up, either way: over 180° the vehicle has turned over";
     "max_late_velocity_error_m_s", "end error, peak", "m/s", 2, Late, Peak(|m| m.error), "largest \\|v − v_r\\| in the last 5 s";
     "late_velocity_error_rms_m_s", "end error, rms", "m/s", 3, Late, Rms(|m| m.error), "root mean square of \\|v − v_r\\| in the last 5 s";
-    "late_mean_velocity_error_m_s", "mean end error", "m/s", 2, Late, Mean(|m| m.error), "mean \\|v − v_r\\| in the last 5 s";
+    "late_mean_velocity_error_m_s", "end error, mean", "m/s", 2, Late, Mean(|m| m.error), "mean \\|v − v_r\\| in the last 5 s";
     "max_late_position_error_m", "end position error, peak", "m", 2, Late, Peak(|m| m.offset.norm()), "largest \\|x − x_r\\| in the last 5 s";
     "late_rate_rms_rad_s", "end ω, rms", "rad/s", 5, Late, Rms(|m| m.step.truth.rates.norm()), "root mean square of \\|ω\\| in the last 5 s";
     "cruise_rate_rms_rad_s", "cruise ω, rms", "rad/s", 5, LateCruise, Rms(|m| m.step.truth.rates.norm()), "root mean square of \\|ω\\| in the last 5 s of cruise";
-    "cruise_thrust_to_weight", "cruise thrust", "", 3, LateCruise, Mean(|m| m.step.truth.thrust / m.experiment.weight()), "mean thrust over the weight in the last 5 s of cruise: near one half, and it is flown behind the stall";
+    "cruise_mean_thrust_to_weight", "cruise thrust, mean", "", 3, LateCruise, Mean(|m| m.step.truth.thrust / m.experiment.weight()), "mean thrust over the weight in the last 5 s of cruise: near one half, and it is flown behind the stall";
     "oscillation_rms_rad_s", "late ω, rms", "rad/s", 2, Flight, Of(|of| greater(of.get("cruise_rate_rms_rad_s"), of.get("late_rate_rms_rad_s"))), "the greater of both root mean squares of \\|ω\\|";
     "thrust_low_s", "thrust at its lower limit", "s", 2, Flight, Time(|m| flag(m, Status::THRUST_LOW)), "time with thrust at its lower limit";
     "thrust_high_s", "thrust at its upper limit", "s", 2, Flight, Time(|m| flag(m, Status::THRUST_HIGH)), "time with thrust at its upper limit";

@@ -305,17 +305,14 @@ fn told(rows: &[Row]) -> Vec<Column> {
     let mut columns: Vec<Column> = (0..4)
         .map(|i| column(format!("q[{i}]"), "", &|told| told.attitude[i]))
         .collect();
-    type Part = fn(&Told) -> [f64; 3];
-    let parts: [(&str, &str, Part); 4] = [
-        ("v", "m/s", |told| told.velocity),
-        ("x", "m", |told| told.position),
-        ("wind", "m/s", Told::wind),
-        ("air", "m/s", Told::air_velocity),
-    ];
-    for (name, unit, part) in parts {
-        let axis = |i| column(format!("{name}[{i}]"), unit, &|told| part(told)[i]);
+    let mut vector = |name: &str, unit: &str, value: fn(&Told) -> [f64; 3]| {
+        let axis = |i| column(format!("{name}[{i}]"), unit, &|told| value(told)[i]);
         columns.extend((0..3).map(axis));
-    }
+    };
+    vector("v", "m/s", |told| told.velocity);
+    vector("x", "m", |told| told.position);
+    vector("wind", "m/s", Told::wind);
+    vector("air", "m/s", Told::air_velocity);
     columns.push(column("heading".into(), "rad", &|told| told.heading));
     columns
 }

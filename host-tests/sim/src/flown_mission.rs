@@ -2,7 +2,7 @@
 
 use alula::mission::{
     Gate, Item, Mission, MissionError, MissionInput, MissionOutput, MissionParameters,
-    MissionState, Missions, Response, Troubles,
+    MissionState, Missions, Troubles,
 };
 use alula::ned::Ned;
 
@@ -83,15 +83,14 @@ impl FlownMission {
         troubles.set(Troubles::AIR, fails(TroubleKind::Air));
         troubles.set(Troubles::BATTERY, fails(TroubleKind::Battery));
         troubles.set(Troubles::ABORT, fails(TroubleKind::Abort));
-        let input = MissionInput {
-            position: (!fails(TroubleKind::Position)).then(|| ned(measured.position)),
-            velocity: ned(measured.velocity),
-            wind,
-            orientation: measured.orientation(),
-            thrust: last.map_or(0.0, |answer| answer.thrust),
-            armed: t >= self.armed_s,
-            troubles,
-        };
+        let input = MissionInput::default()
+            .position((!fails(TroubleKind::Position)).then(|| ned(measured.position)))
+            .velocity(ned(measured.velocity))
+            .wind(wind)
+            .orientation(measured.orientation())
+            .thrust(last.map_or(0.0, |answer| answer.thrust))
+            .armed(t >= self.armed_s)
+            .troubles(troubles);
         self.ask(&input, dt as f32)
     }
 
@@ -149,15 +148,5 @@ pub fn passed(gate: Gate, answer: Answer) -> Answer {
         thrust,
         rates,
         ..answer
-    }
-}
-
-/// Names of responses, as files have them.
-pub const fn response_name(response: Response) -> &'static str {
-    match response {
-        Response::Continue => "continue",
-        Response::Loiter => "loiter",
-        Response::Return => "return",
-        Response::Land => "land",
     }
 }

@@ -202,6 +202,7 @@ const RENAMED: &[(&str, &str)] = &[
     ("turn_deg", "max_turn_deg"),
     ("oscillation_rad_s", "oscillation_rms_rad_s"),
     ("peak_rate_rad_s", "max_true_rate_rad_s"),
+    ("cruise_thrust_to_weight", "cruise_mean_thrust_to_weight"),
     // In another table.
     ("side_force", "vehicle.c_y"),
 ];

@@ -218,7 +218,7 @@ mod tests {
     use crate::simulate::{Record, fly};
 
     /// A built-in experiment with one assignment, and its record.
-    fn flown(name: &str, assignment: &str) -> (Experiment, Record) {
+    fn record_of(name: &str, assignment: &str) -> (Experiment, Record) {
         let mut document = Document::load(name).unwrap();
         document.assign(assignment).unwrap();
         let experiment = document.checked().unwrap();
@@ -229,7 +229,7 @@ mod tests {
     /// A scene has the record's own numbers, 25 rows a second and the last one; read from the trace it is the same.
     #[test]
     fn a_scene_is_the_record_thinned_from_memory_or_trace() {
-        let (experiment, record) = flown("mission", "duration_s=6.01");
+        let (experiment, record) = record_of("mission", "duration_s=6.01");
         let scene = Scene::of(&experiment, &record);
         let rows: Vec<&[f64]> = scene.rows.chunks(NUMBERS.len()).collect();
         // 100 Hz: every fourth step, and the last one.
@@ -258,7 +258,7 @@ mod tests {
     /// is that of the vehicle, were it turned there.
     #[test]
     fn a_scene_has_the_candidates_of_every_plan() {
-        let (experiment, record) = flown("round-trip", "duration_s=52.0");
+        let (experiment, record) = record_of("round-trip", "duration_s=52.0");
         let scene = Scene::of(&experiment, &record);
         let rows: Vec<&[f64]> = scene.plans.chunks(CANDIDATE.len()).collect();
         let plans: Vec<&[&[f64]]> = rows.chunk_by(|a, b| a[0] == b[0]).collect();

@@ -171,20 +171,20 @@ fn bounds() -> Value {
 
 /// The definitions that items of lists are of.
 fn listed(schema: &Value) -> BTreeSet<String> {
-    let mut found = BTreeSet::new();
+    let mut names = BTreeSet::new();
     match schema {
         Value::Object(fields) => {
             let item = fields.get("items").and_then(|items| items.get("$ref"));
             let name = item
                 .and_then(Value::as_str)
                 .and_then(|path| path.strip_prefix("#/$defs/"));
-            found.extend(name.map(str::to_owned));
-            found.extend(fields.values().flat_map(listed));
+            names.extend(name.map(str::to_owned));
+            names.extend(fields.values().flat_map(listed));
         }
-        Value::Array(all) => found.extend(all.iter().flat_map(listed)),
+        Value::Array(all) => names.extend(all.iter().flat_map(listed)),
         _ => {}
     }
-    found
+    names
 }
 
 /// Takes out that a field must be there, but where that tells which kind is chosen.

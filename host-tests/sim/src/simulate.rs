@@ -276,7 +276,9 @@ impl<E: Deref<Target = Experiment> + Clone> Flight<E> {
         let drift = self.drift;
         let mut target = self.path.advance(t, period, |target| {
             let error = measured.position - drift - target.position;
-            controller.pace(ned(error), ned(target.velocity)).into()
+            controller
+                .time_scale(ned(error), ned(target.velocity))
+                .into()
         });
         if self.experiment.path_in_air {
             let along = target.velocity.normalize();

@@ -33,7 +33,7 @@ pub struct Args {
     /// Change a field that all flights have, in place of the campaign's own `set`
     #[arg(long, value_name = "PATH=VALUE")]
     set: Vec<String>,
-    /// Fly one of n shares alone, to be merged with the others
+    /// Fly one of n shares alone, to be merged with the others; of `attitudes` there are none
     #[arg(long, value_name = "I/N", default_value = "1/1")]
     shard: Shard,
     /// Number of threads [default: one per core]
@@ -42,7 +42,7 @@ pub struct Args {
     /// Fly this flight alone, and leave its trace and report
     #[arg(long, value_name = "FLIGHT", conflicts_with_all = ["shard", "flights", "threads"])]
     refly: Option<u64>,
-    /// Print the campaign's TOML instead of flying it
+    /// Print the campaign's TOML instead of flying it; `attitudes` has none
     #[arg(long)]
     print: bool,
 }
@@ -76,8 +76,8 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     if name == ATTITUDES.0 {
         let whole = args.refly.is_none() && !args.print && args.shard.is_whole();
         ensure!(
-            whole,
-            "attitudes: has no text, shares or flights to refly; its flights are those of start-hover and start-cruise by seed"
+            whole && args.set.is_empty(),
+            "attitudes: has no text for --print and --set, no shares and no flights to refly; its flights are those of start-hover and start-cruise by seed: `fly start-hover --set seed=N`"
         );
         drop(stdout);
         return attitudes::attitudes(args.flights, args.threads, &args.output);

@@ -1,8 +1,9 @@
 //! `equilibria`: the orientations that hold one reference, as the core finds them on board.
 
+use alula::ned::Ned;
+use alula::planar::Reference;
 use alula::planar::equilibrium::{Branch, Equilibrium, Spherical, existence};
 use alula::planar::equilibrium::{Equilibria, FoldMap, FoldMargin};
-use alula::planar::{Inertial, Reference};
 use anyhow::anyhow;
 use serde::Serialize;
 
@@ -18,42 +19,38 @@ use super::output::Output;
 pub struct Args {
     /// A built-in experiment, vehicle or polar, or a file: of an experiment or vehicle (TOML), or a polar as `fit` reads it
     vehicle: String,
-    /// Reference velocity over ground, down and forward [m/s]
-    #[arg(long, value_name = "D,F", value_parser = pair, allow_hyphen_values = true)]
-    velocity: Pair,
-    /// Reference acceleration, down and forward [m/s²]
-    #[arg(long, value_name = "D,F", value_parser = pair, default_value = "0,0", allow_hyphen_values = true)]
-    accel: Pair,
-    /// Wind, down and forward [m/s]
-    #[arg(long, value_name = "D,F", value_parser = pair, default_value = "0,0", allow_hyphen_values = true)]
-    wind: Pair,
+    /// Reference velocity over ground [m/s]. East is 0, here and below: the vertical plane is the one to the north
+    #[arg(long, value_name = "NORTH,EAST,DOWN", value_parser = vector, allow_hyphen_values = true)]
+    velocity: Ned,
+    /// Reference acceleration [m/s²]
+    #[arg(long, value_name = "NORTH,EAST,DOWN", value_parser = vector, default_value = "0,0,0", allow_hyphen_values = true)]
+    accel: Ned,
+    /// Wind over ground [m/s]
+    #[arg(long, value_name = "NORTH,EAST,DOWN", value_parser = vector, default_value = "0,0,0", allow_hyphen_values = true)]
+    wind: Ned,
     #[command(flatten)]
     output: Output,
 }
 
-/// Down and forward.
-#[derive(Clone, Copy)]
-struct Pair(f32, f32);
-
-impl Pair {
-    fn inertial(self) -> Inertial {
-        Inertial::new(self.0, self.1)
-    }
-
-    fn vector(self) -> Vector {
-        Vector::new(self.0.into(), self.1.into())
-    }
-}
-
-fn pair(text: &str) -> Result<Pair, String> {
+/// A vector in the vertical plane to the north. A pair is what it was once, down and forward.
+fn vector(text: &str) -> Result<Ned, String> {
     let number = |part: &str| match part.trim().parse::<f32>() {
         Ok(x) if x.is_finite() => Ok(x),
         _ => Err(format!("{part:?} is not a finite number")),
     };
-    let (down, forward) = text
-        .split_once(',')
-        .ok_or("must be two numbers, DOWN,FORWARD")?;
-    Ok(Pair(number(down)?, number(forward)?))
+    let parts: Vec<&str> = text.split(',').collect();
+    match parts[..] {
+        [north, east, down] => {
+            if number(east)? != 0.0 {
+                return Err("EAST must be 0: the vertical plane is the one to the north".to_owned());
+            }
+            Ok(Ned::new(number(north)?, 0.0, number(down)?))
+        }
+        [down, forward] => Err(format!(
+            "must be three numbers, NORTH,EAST,DOWN: what was {down},{forward} (down, forward) is now {forward},0,{down}"
+        )),
+        _ => Err("must be three numbers, NORTH,EAST,DOWN".to_owned()),
+    }
 }
 
 #[derive(Serialize)]
@@ -94,10 +91,10 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let out = args.output.folder(&name)?;
     let vehicle = airframe.core();
     let reference = Reference {
-        velocity: args.velocity.inertial(),
-        acceleration: args.accel.inertial(),
+        velocity: args.velocity.to_plane(),
+        acceleration: args.accel.to_plane(),
     };
-    let wind = args.wind.inertial();
+    let wind = args.wind.to_plane();
     let set = Equilibria::find(&vehicle, &reference, wind)
         .map_err(|e| anyhow!("{}: {e}", airframe.name))?;
     let map = FoldMap::new(&vehicle);
@@ -124,12 +121,16 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         .iter()
         .map(|e| (e.attitude.angle().into(), e.thrust.into()))
         .collect();
-    let vectors = [args.velocity, args.accel, args.wind].map(Pair::vector);
+    let in_plane = |v: Ned| Vector::new(v.down.into(), v.north.into());
+    let vectors = [args.velocity, args.accel, args.wind].map(in_plane);
+    let said = |v: Ned| format!("({}, {}, {})", v.north, v.east, v.down);
     let page = Page {
         title: format!("Equilibria of {}", airframe.name),
         lead: format!(
-            "velocity ({}, {}) m/s, acceleration ({}, {}) m/s², wind ({}, {}) m/s, each (down, forward)",
-            args.velocity.0, args.velocity.1, args.accel.0, args.accel.1, args.wind.0, args.wind.1
+            "velocity {} m/s, acceleration {} m/s², wind {} m/s, each (north, east, down)",
+            said(args.velocity),
+            said(args.accel),
+            said(args.wind)
         ),
         figure: figure(&airframe.reference(), vectors, &points),
         tables: tables(&summary),

@@ -145,10 +145,10 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let toml = toml(&name, &parameters, &paper);
     leave_all(&out.join("vehicle.toml"), toml)?;
     let mut warnings = section.warnings();
-    let moved = polar
+    let shift = polar
         .stall_deg()
         .and_then(|table| stall_moved(&model, table));
-    warnings.extend(moved);
+    warnings.extend(shift);
     let page = Page {
         title: format!("Fit of {name}"),
         lead: format!("{lead}. polar.csv: {}", story.join(". ")),

@@ -8,7 +8,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use alula_bridges::companion::{self, Connection, Kind};
-use alula_bridges::sitl::{Counts, serve};
+use alula_bridges::sitl::{self, Counts};
 use anyhow::Context;
 
 use alula_sil::ardupilot::Vehicle;
@@ -107,7 +107,7 @@ fn ardupilot(args: &ArduPilot) -> anyhow::Result<()> {
     // On standard error: standard output is the result's.
     eprintln!("listening on {}", socket.local_addr()?);
     let go_on = |_: &Counts| !interrupted.load(Ordering::Relaxed);
-    let counts = serve(&socket, &mut vehicle, go_on)?;
+    let counts = sitl::run(&socket, &mut vehicle, go_on)?;
     eprintln!(
         "{} steps; {} packets came again, {} were lost, {} late, {} malformed; {} restarts",
         counts.steps, counts.repeated, counts.lost, counts.late, counts.malformed, counts.restarts

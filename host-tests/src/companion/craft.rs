@@ -31,39 +31,39 @@ impl Craft {
         let [mut gusts, mut start] = [1, 2].map(|n| stream(experiment.seed, n));
         let path = experiment.path.path()?;
         let state = experiment.initial.state(&path.start(), &mut start);
-        let (plant, most, weight, delay): (Box<dyn Plant>, f64, f64, f64) =
-            match &experiment.tail_sitter {
-                Some(spec) => {
-                    let vehicle = spec.true_vehicle();
-                    let weight = vehicle.mass_kg * experiment.vehicle.gravity_m_s2;
-                    let most = alula_sim::plant::tail_sitter::TailSitter::new(vehicle, None);
-                    let plant = experiment.plant(state);
-                    (plant, most.static_thrust(), weight, spec.delay_s)
-                }
-                None => {
-                    let mut dynamics = Dynamics::of(experiment);
-                    let weight = experiment.weight();
-                    let [least, most] = experiment.thrust_limits(None, weight);
-                    dynamics.thrust = [least.max(0.0), most];
-                    if dynamics.thrust_lag == 0.0 {
-                        dynamics.thrust_lag = LEAST_LAG;
-                    }
-                    if dynamics.rotation == Rotation::Ideal {
-                        dynamics.rotation = Rotation::Lag(LEAST_LAG);
-                    }
-                    let plant = Box::new(IdealPlant { dynamics, state });
-                    (plant, most, weight, experiment.plant.delay_s)
-                }
-            };
-        Ok(Self {
+        let weather = Weather::new(experiment.weather, experiment.in_plane(), &mut gusts);
+        let of_plant = |plant, most, weight, delay| Self {
             plant,
             most,
             weight,
-            weather: Weather::new(experiment.weather, experiment.in_plane(), &mut gusts),
+            weather,
             gusts,
             time: 0.0,
             delay,
             pending: VecDeque::new(),
+        };
+        Ok(match &experiment.tail_sitter {
+            Some(spec) => {
+                let vehicle = spec.true_vehicle();
+                let weight = vehicle.mass_kg * experiment.vehicle.gravity_m_s2;
+                let most = alula_sim::plant::tail_sitter::TailSitter::new(vehicle, None);
+                let plant = experiment.plant(state);
+                of_plant(plant, most.static_thrust(), weight, spec.delay_s)
+            }
+            None => {
+                let mut dynamics = Dynamics::of(experiment);
+                let weight = experiment.weight();
+                let [least, most] = experiment.thrust_limits(None, weight);
+                dynamics.thrust = [least.max(0.0), most];
+                if dynamics.thrust_lag == 0.0 {
+                    dynamics.thrust_lag = LEAST_LAG;
+                }
+                if dynamics.rotation == Rotation::Ideal {
+                    dynamics.rotation = Rotation::Lag(LEAST_LAG);
+                }
+                let plant = Box::new(IdealPlant { dynamics, state });
+                of_plant(plant, most, weight, experiment.plant.delay_s)
+            }
         })
     }
 

@@ -123,7 +123,6 @@ fn message(seq: u16, item: &Item, home: Home, start: Ned) -> MISSION_ITEM_INT_DA
             place = Some(centre);
             message.param3 = radius;
             match until {
-                Until::Forever => MavCmd::MAV_CMD_NAV_LOITER_UNLIM,
                 Until::Turns(turns) => {
                     message.param1 = turns;
                     MavCmd::MAV_CMD_NAV_LOITER_TURNS
@@ -132,6 +131,8 @@ fn message(seq: u16, item: &Item, home: Home, start: Ned) -> MISSION_ITEM_INT_DA
                     message.param1 = time;
                     MavCmd::MAV_CMD_NAV_LOITER_TIME
                 }
+                // For ever, or for what MAVLink has no command of.
+                _ => MavCmd::MAV_CMD_NAV_LOITER_UNLIM,
             }
         }
         Item::Speed(speed) => {
@@ -148,6 +149,8 @@ fn message(seq: u16, item: &Item, home: Home, start: Ned) -> MISSION_ITEM_INT_DA
             MavCmd::MAV_CMD_NAV_VTOL_LAND
         }
         Item::Return => MavCmd::MAV_CMD_NAV_RETURN_TO_LAUNCH,
+        // What MAVLink has no command of.
+        _ => MavCmd::MAV_CMD_USER_1,
     };
     if let Some(at) = place {
         let at = at + start;

@@ -17,7 +17,7 @@ use anyhow::ensure;
 use nalgebra::{Quaternion, UnitQuaternion};
 
 use alula_sim::controllers::{Answer, Controller, GuidanceSpec, Input};
-use alula_sim::experiment::plan::{Home, MavItem, flown};
+use alula_sim::experiment::plan::{Home, MavItem, items_flown};
 use alula_sim::experiment::{Experiment, Path, State, Target, V3, angle, double, ned};
 use alula_sim::flown_mission::{FlownMission, passed};
 use alula_sim::reference::wrap;
@@ -101,7 +101,7 @@ enum Led {
 
 /// A mission, which begins in the air.
 struct OnMission {
-    flown: FlownMission,
+    run: FlownMission,
     /// What a ground station has uploaded, and where on earth positions are counted from.
     uploaded: Option<(Vec<MISSION_ITEM_INT_DATA>, Home)>,
     /// Of each item the number of the one uploaded that it is of.
@@ -177,10 +177,10 @@ impl OnPath {
         );
         let (led, heading) = match (lead, experiment.flown_mission()?) {
             (Lead::Path(heading), None) => (Led::Path(experiment.path.path()?), heading),
-            (Lead::Path(_), Some(flown)) => (
+            (Lead::Path(_), Some(run)) => (
                 Led::Mission(Box::new(OnMission {
-                    numbers: (0..flown.items().len()).collect(),
-                    flown,
+                    numbers: (0..run.items().len()).collect(),
+                    run,
                     uploaded: None,
                     start: None,
                     last: None,
@@ -246,9 +246,9 @@ impl OnPath {
         let mission = self.mission_mut()?;
         let start = mission.start.unwrap_or_default();
         let (numbers, items_of_core) = mission.converted(items, home, start)?;
-        let made = mission.flown.mission(&items_of_core);
+        let made = mission.run.mission(&items_of_core);
         let made = made.map_err(|e| of_item(&e, &numbers))?;
-        mission.flown.replace(made, 0);
+        mission.run.replace(made, 0);
         (mission.numbers, mission.uploaded) = (numbers, Some((items.to_vec(), home)));
         Ok(())
     }
@@ -271,7 +271,7 @@ impl OnPath {
         };
         let start = mission.start.unwrap_or_default();
         let (numbers, items) = mission.converted(items, home.ok_or_else(unknown)?, start)?;
-        let made = mission.flown.mission(&items);
+        let made = mission.run.mission(&items);
         made.map(|_| ()).map_err(|e| of_item(&e, &numbers))
     }
 
@@ -279,7 +279,7 @@ impl OnPath {
     pub fn go_to(&mut self, number: usize) {
         if let Led::Mission(mission) = &mut self.led {
             let item = mission.numbers.iter().position(|of| *of >= number);
-            mission.flown.go_to(item.unwrap_or(mission.numbers.len()));
+            mission.run.go_to(item.unwrap_or(mission.numbers.len()));
         }
     }
 
@@ -296,7 +296,7 @@ impl OnPath {
     /// The items of the mission, none on a path, and where they are counted from in the autopilot's frame, once that is known.
     pub fn items(&self) -> &[Item] {
         match &self.led {
-            Led::Mission(mission) => mission.flown.items(),
+            Led::Mission(mission) => mission.run.items(),
             _ => &[],
         }
     }
@@ -354,16 +354,18 @@ impl OnPath {
                 age: *age,
             };
         };
-        let (last, pace) = self.last;
-        path.advance(last, (told.t - last).max(0.0), |_| pace);
-        let mut pace = 1.0;
+        let (last, time_scale) = self.last;
+        path.advance(last, (told.t - last).max(0.0), |_| time_scale);
+        let mut time_scale = 1.0;
         let target = path.advance(told.t, 0.0, |target| {
             let error = double(told.position) - target.position;
             let controller = &self.controller;
-            pace = controller.pace(ned(error), ned(target.velocity)).into();
-            pace
+            time_scale = controller
+                .time_scale(ned(error), ned(target.velocity))
+                .into();
+            time_scale
         });
-        self.last = (told.t, pace);
+        self.last = (told.t, time_scale);
         Asked {
             target,
             placed: true,
@@ -442,7 +444,7 @@ fn of_item(error: &MissionError, numbers: &[usize]) -> Refused {
 }
 
 /// An item elsewhere, by this much.
-fn moved(item: Item, by: Ned) -> Item {
+fn displaced(item: Item, by: Ned) -> Item {
     match item {
         Item::Waypoint { place, pass } => Item::Waypoint {
             place: place + by,
@@ -477,7 +479,7 @@ impl OnMission {
     ) -> Result<(Vec<usize>, Vec<Item>), Refused> {
         type Code = MavMissionResult;
         let items: Vec<MavItem> = items.iter().map(of_message).collect();
-        let made = flown(&items, home).map_err(|(number, error)| {
+        let made = items_flown(&items, home).map_err(|(number, error)| {
             let code = match &*error.field {
                 "command" => Code::MAV_MISSION_UNSUPPORTED,
                 "frame" => Code::MAV_MISSION_UNSUPPORTED_FRAME,
@@ -494,7 +496,7 @@ impl OnMission {
         let by = Ned::ZERO - start;
         Ok(made
             .into_iter()
-            .map(|(n, item)| (n, moved(item, by)))
+            .map(|(n, item)| (n, displaced(item, by)))
             .unzip())
     }
 
@@ -503,22 +505,22 @@ impl OnMission {
         self.start = Some(start);
         if let Some((items, home)) = self.uploaded.take() {
             let made = self.converted(&items, home, start).ok();
-            let made = made.and_then(|(_, items)| self.flown.mission(&items).ok());
+            let made = made.and_then(|(_, items)| self.run.mission(&items).ok());
             if let Some(made) = made {
-                self.flown.replace(made, 0);
+                self.run.replace(made, 0);
             }
             self.uploaded = Some((items, home));
         }
-        if self.flown.items().is_empty() {
+        if self.run.items().is_empty() {
             let stay = Item::Waypoint {
                 place: Ned::ZERO,
                 pass: Pass::Hover(1e6),
             };
-            if let Ok(made) = self.flown.mission(&[stay]) {
-                self.flown.replace(made, 0);
+            if let Ok(made) = self.run.mission(&[stay]) {
+                self.run.replace(made, 0);
             }
         }
-        self.flown.go_to(0);
+        self.run.go_to(0);
     }
 }
 
@@ -579,16 +581,14 @@ impl Pilot for OnPath {
                 mission.begin(told.start);
             }
             let unknown = Ned::new(f32::NAN, f32::NAN, f32::NAN);
-            let asked = mission.flown.ask(
-                &MissionInput {
-                    position: Some(told.position),
-                    velocity: told.velocity,
-                    wind: told.air.wind(told.velocity).unwrap_or(unknown),
-                    orientation: told.orientation,
-                    thrust: mission.thrust,
-                    armed: true,
-                    ..MissionInput::default()
-                },
+            let asked = mission.run.ask(
+                &MissionInput::default()
+                    .position(told.position)
+                    .velocity(told.velocity)
+                    .wind(told.air.wind(told.velocity).unwrap_or(unknown))
+                    .orientation(told.orientation)
+                    .thrust(mission.thrust)
+                    .armed(true),
                 dt,
             );
             let was = mission.last.replace(asked);

@@ -99,7 +99,14 @@ mod tests {
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
 
-    fn moments(distribution: &Distribution) -> (f64, f64, f64, f64) {
+    struct Moments {
+        mean: f64,
+        deviation: f64,
+        least: f64,
+        most: f64,
+    }
+
+    fn moments(distribution: &Distribution) -> Moments {
         let random = &mut ChaCha8Rng::seed_from_u64(5);
         let n = 40_000;
         let values: Vec<f64> = (0..n).map(|_| distribution.draw(random)).collect();
@@ -107,30 +114,35 @@ mod tests {
         let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / f64::from(n);
         let least = values.iter().copied().fold(f64::INFINITY, f64::min);
         let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        (mean, variance.sqrt(), least, most)
+        Moments {
+            mean,
+            deviation: variance.sqrt(),
+            least,
+            most,
+        }
     }
 
     /// Mean and deviation to four standard errors; the normal's deviation, truncated at ±2, is 0.8796 of the whole one's.
     #[test]
     fn moments_and_bounds_are_the_textbooks() {
-        let (mean, deviation, least, most) = moments(&Distribution::Uniform([-1.0, 3.0]));
-        assert!((mean - 1.0).abs() < 0.025 && (deviation - 4.0 / 12_f64.sqrt()).abs() < 0.02);
-        assert!((-1.0..-0.99).contains(&least) && most <= 3.0 && most > 2.99);
+        let m = moments(&Distribution::Uniform([-1.0, 3.0]));
+        assert!((m.mean - 1.0).abs() < 0.025 && (m.deviation - 4.0 / 12_f64.sqrt()).abs() < 0.02);
+        assert!((-1.0..-0.99).contains(&m.least) && m.most <= 3.0 && m.most > 2.99);
         let normal = Distribution::Normal {
             mean: 5.0,
             deviation: 0.5,
             within: 2.0,
         };
-        let (mean, deviation, least, most) = moments(&normal);
-        assert!((mean - 5.0).abs() < 0.01 && (deviation - 0.5 * 0.8796).abs() < 0.008);
-        assert!((4.0..4.01).contains(&least) && most <= 6.0 && most > 5.99);
+        let m = moments(&normal);
+        assert!((m.mean - 5.0).abs() < 0.01 && (m.deviation - 0.5 * 0.8796).abs() < 0.008);
+        assert!((4.0..4.01).contains(&m.least) && m.most <= 6.0 && m.most > 5.99);
         // The mean of a decade is 9/ln 10, and half of it is below √10.
         let decade = Distribution::LogUniform([1.0, 10.0]);
-        let (mean, _, least, most) = moments(&decade);
-        assert!((mean - 9.0 / 10.0_f64.ln()).abs() < 0.04);
-        assert!((1.0..1.01).contains(&least) && most <= 10.0 && most > 9.99);
-        let (mean, ..) = moments(&Distribution::OneOf(vec![0.0, 3.0]));
-        assert!((mean - 1.5).abs() < 0.03);
+        let m = moments(&decade);
+        assert!((m.mean - 9.0 / 10.0_f64.ln()).abs() < 0.04);
+        assert!((1.0..1.01).contains(&m.least) && m.most <= 10.0 && m.most > 9.99);
+        let m = moments(&Distribution::OneOf(vec![0.0, 3.0]));
+        assert!((m.mean - 1.5).abs() < 0.03);
     }
 
     #[test]

@@ -138,8 +138,8 @@ mod tests {
                 .map(|p| 100.0 * (p[1] - p[0] * p[0]).powi(2) + (1.0 - p[0]).powi(2))
                 .sum()
         };
-        let found = least(valley, &[0.5, 0.4, 0.0, 0.2, -0.3], 1000);
-        assert!((found - DVector::repeat(5, 1.0)).norm() < 1e-3);
+        let minimum = least(valley, &[0.5, 0.4, 0.0, 0.2, -0.3], 1000);
+        assert!((minimum - DVector::repeat(5, 1.0)).norm() < 1e-3);
     }
 
     /// Axes of lengths from 1 to 1000, turned by none: the spread follows each.
@@ -151,7 +151,7 @@ mod tests {
                 .map(|(i, x)| (1000f64.powf(i as f64 / 7.0) * x).powi(2))
                 .sum()
         };
-        let found = least(ellipsoid, &[1.0; 8], 800);
-        assert!(found.norm() < 1e-3, "{found}");
+        let minimum = least(ellipsoid, &[1.0; 8], 800);
+        assert!(minimum.norm() < 1e-3, "{minimum}");
     }
 }

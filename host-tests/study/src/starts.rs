@@ -19,9 +19,9 @@ pub const FLIGHTS: u64 = 10_000;
 /// Share that must converge, and greatest height lost \[m\].
 pub const LIMITS: (f64, f64) = (0.995, 30.0);
 
-/// One start.
+/// What came of one start.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Start {
+pub struct StartResult {
     /// Seed of the experiment.
     pub seed: u64,
     /// Most altitude lost under the path \[m\].
@@ -45,7 +45,7 @@ pub fn starts(
     flights: u64,
     threads: Threads,
     after_each: impl Fn() -> anyhow::Result<()> + Sync + Send,
-) -> anyhow::Result<Vec<Start>> {
+) -> anyhow::Result<Vec<StartResult>> {
     let experiment = Document::load(name)?.checked()?;
     let seeds: Vec<u64> = (0..flights).collect();
     let upright = match experiment.path {
@@ -66,7 +66,7 @@ pub fn starts(
         let diverged = end.sound().is_err();
         after_each()?;
         let error = figures.get("late_velocity_error_rms_m_s");
-        Ok(Start {
+        Ok(StartResult {
             seed,
             height_lost_m: -figures.get("altitude_least_m"),
             late_velocity_error_rms_m_s: error,
@@ -106,7 +106,7 @@ pub struct Starts {
 
 impl Starts {
     /// What `starts` of `experiment` come to.
-    pub fn new(experiment: &'static str, starts: &[Start]) -> Self {
+    pub fn new(experiment: &'static str, starts: &[StartResult]) -> Self {
         let mut heights: Vec<f64> = starts.iter().map(|s| s.height_lost_m).collect();
         heights.sort_by(f64::total_cmp);
         let worst = starts

@@ -9,7 +9,7 @@ use alula_sil::companion::{
 };
 use alula_sim::experiment::{Document, Experiment};
 
-use super::link::{ARDUPLANE, GOOD, Way, flies_with};
+use super::link::{ARDUPLANE, Channel, GOOD, flies_with};
 
 /// PX4's gains for the elevons of two vehicles: those that follow their slipstream in hover, found by less and less feed-forward.
 const SMALL: &str =
@@ -66,7 +66,7 @@ struct Flown {
     findings: Vec<Finding>,
 }
 
-fn flown(experiment: &Experiment, kind: Kind, parameters: &Parameters, despite: bool) -> Flown {
+fn fly(experiment: &Experiment, kind: Kind, parameters: &Parameters, despite: bool) -> Flown {
     let mut experiment = experiment.clone();
     if let (Some(plant), Kind::Px4) = (&mut experiment.tail_sitter, kind) {
         plant.vehicle.rate_loop.law = px4_rate_law(parameters);
@@ -118,9 +118,9 @@ fn gains_as_shipped_are_found_in_hover() {
         let experiment = there_and_back(vehicle, speed, &[]);
         let shipped = parameters(&[PX4_SHIPPED]);
         let suited = parameters(&[gains, PX4_SHIPPED]);
-        let despite = flown(&experiment, Kind::Px4, &shipped, true);
-        let refused = flown(&experiment, Kind::Px4, &shipped, false);
-        let flies = flown(&experiment, Kind::Px4, &suited, false);
+        let despite = fly(&experiment, Kind::Px4, &shipped, true);
+        let refused = fly(&experiment, Kind::Px4, &shipped, false);
+        let flies = fly(&experiment, Kind::Px4, &suited, false);
         println!(
             "{vehicle}: shipped, despite {:.1} m, refused {:.1} m; suited {:.1} m {:?}",
             despite.sank, refused.sank, flies.sank, flies.findings
@@ -138,14 +138,14 @@ fn gains_as_shipped_are_found_in_hover() {
 #[test]
 fn ramps_as_shipped_are_flown() {
     let experiment = there_and_back("mapping", 14.0, &WIDE);
-    let shipped = flown(
+    let shipped = fly(
         &experiment,
         ARDUPLANE,
         &parameters(&[ARDUPLANE_SHIPPED]),
         true,
     );
     let experiment = there_and_back("mapping", 14.0, &[]);
-    let paged = flown(
+    let paged = fly(
         &experiment,
         ARDUPLANE,
         &parameters(&[QACRO, ARDUPLANE_SHIPPED]),
@@ -169,7 +169,7 @@ fn preflight_finds_what_flights_were_lost_by() {
         let mut autopilot = Autopilot::new(craft, kind).with_parameters(parameters);
         let arms = autopilot.refuses_to_arm().is_none();
         let mut preflight = Preflight::new(kind, believed);
-        let (mut down, mut up) = (Way::new(GOOD, 1), Way::new(GOOD, 2));
+        let (mut down, mut up) = (Channel::new(GOOD, 1), Channel::new(GOOD, 2));
         for step in 0..10_000 {
             let now = f64::from(step) * 0.002;
             for message in autopilot.send(now) {
@@ -211,9 +211,9 @@ fn preflight_finds_what_flights_were_lost_by() {
             .filter(|f| f.weight == Weight::NoGo)
             .collect();
         for lost in lost {
-            let found = no_go.iter().find(|f| f.what.starts_with(lost));
+            let finding = no_go.iter().find(|f| f.what.starts_with(lost));
             assert!(
-                found.is_some_and(|f| f.change.is_some()),
+                finding.is_some_and(|f| f.change.is_some()),
                 "{lost}: {no_go:?}"
             );
         }
@@ -300,8 +300,8 @@ fn slow_no_first_attempt_is_lost() {
                     let factor = 2.0_f64.powf(2.0 * random.random::<f64>() - 1.0);
                     drawn.set(&name, (factor * value) as f32);
                 }
-                let flown = flown(&experiment, Kind::Px4, &drawn, false);
-                (is_go(&flown.findings), flown.sank)
+                let flight = fly(&experiment, Kind::Px4, &drawn, false);
+                (is_go(&flight.findings), flight.sank)
             })
             .collect();
         let refused = flights.iter().filter(|(go, _)| !go).count();

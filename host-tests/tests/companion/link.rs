@@ -10,8 +10,8 @@ use alula_sil::companion::Craft;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// One way of the link: a socket's bytes to another one, delayed and lost.
-pub struct Way {
+/// One direction of the link: a socket's bytes to another one, delayed and lost.
+pub struct Channel {
     from: UdpSocket,
     to: UdpSocket,
     random: ChaCha8Rng,
@@ -60,7 +60,7 @@ pub const BAD: Quality = Quality {
     garbage: 0.01,
 };
 
-impl Way {
+impl Channel {
     pub fn new(quality: Quality, seed: u64) -> Self {
         let bound = || UdpSocket::bind("127.0.0.1:0").unwrap();
         let (from, to) = (bound(), bound());
@@ -149,7 +149,7 @@ pub fn flies<P: Pilot>(
     craft: Craft,
     settings: (Settings, f64),
     link: (Quality, u64),
-    event: impl FnMut(f64, &mut Autopilot<Craft>, &mut Way),
+    event: impl FnMut(f64, &mut Autopilot<Craft>, &mut Channel),
     observe: impl FnMut(f64, &P, &Craft),
 ) -> Ended {
     let autopilot = Autopilot::new(craft, settings.0.kind);
@@ -162,12 +162,15 @@ pub fn flies_with<P: Pilot>(
     mut autopilot: Autopilot<Craft>,
     (mut settings, duration): (Settings, f64),
     (quality, seed): (Quality, u64),
-    mut event: impl FnMut(f64, &mut Autopilot<Craft>, &mut Way),
+    mut event: impl FnMut(f64, &mut Autopilot<Craft>, &mut Channel),
     mut observe: impl FnMut(f64, &P, &Craft),
 ) -> Ended {
     settings.engage = true;
     let mut companion = Companion::new(settings);
-    let (mut down, mut up) = (Way::new(quality, 2 * seed), Way::new(quality, 2 * seed + 1));
+    let (mut down, mut up) = (
+        Channel::new(quality, 2 * seed),
+        Channel::new(quality, 2 * seed + 1),
+    );
     let mut after = 0;
     for step in 0..(duration * f64::from(PLANT)) as u32 {
         let now = f64::from(step) / f64::from(PLANT);
@@ -214,4 +217,4 @@ fn gives_back(message: &MavMessage) -> bool {
     [m.chan1_raw, m.chan2_raw, m.chan3_raw, m.chan4_raw] == [0; 4]
 }
 
-pub fn nothing(_: f64, _: &mut Autopilot<Craft>, _: &mut Way) {}
+pub fn nothing(_: f64, _: &mut Autopilot<Craft>, _: &mut Channel) {}

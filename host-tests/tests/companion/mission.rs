@@ -12,7 +12,7 @@ use alula_sil::companion::{Craft, Ground, Lead, OnPath, settings};
 use alula_sim::experiment::plan::Home;
 use alula_sim::experiment::{Document, Experiment, V3};
 
-use super::link::{BAD, GOOD, PLANT, Quality, RATE, Way};
+use super::link::{BAD, Channel, GOOD, PLANT, Quality, RATE};
 
 /// Where the simulated autopilot counts from.
 const HOME: Home = Home([47.397742, 8.545594, 488.0]);
@@ -227,8 +227,8 @@ fn flies(quality: Quality, duration: f64, mut script: impl FnMut(Scene)) -> Stag
     });
     let mut autopilot = Autopilot::new(Craft::new(&experiment).unwrap(), Kind::Px4);
     let (mut ground, mut station) = (Ground::new(), Station::new());
-    let [mut down, mut up] = [1, 2].map(|seed| Way::new(GOOD, seed));
-    let [mut to_station, mut from_station] = [3, 4].map(|seed| Way::new(quality, seed));
+    let [mut down, mut up] = [1, 2].map(|seed| Channel::new(GOOD, seed));
+    let [mut to_station, mut from_station] = [3, 4].map(|seed| Channel::new(quality, seed));
     for step in 0..(duration * f64::from(PLANT)) as u32 {
         let now = f64::from(step) / f64::from(PLANT);
         for message in autopilot.send(now) {

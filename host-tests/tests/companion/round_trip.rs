@@ -11,7 +11,7 @@ use alula_sim::simulate::{Record, fly};
 
 use rayon::prelude::*;
 
-use super::link::{ARDUPLANE, BAD, Ended, GOOD, Quality, RATE, Way, flies, nothing};
+use super::link::{ARDUPLANE, BAD, Channel, Ended, GOOD, Quality, RATE, flies, nothing};
 
 /// How a flight went.
 struct Flight {
@@ -29,7 +29,7 @@ fn companion_flies(
     kind: Kind,
     quality: Quality,
     seed: u64,
-    event: impl FnMut(f64, &mut Autopilot<Craft>, &mut Way),
+    event: impl FnMut(f64, &mut Autopilot<Craft>, &mut Channel),
 ) -> Flight {
     let settings = Settings {
         kind,
@@ -41,7 +41,7 @@ fn companion_flies(
 /// Led over a good link.
 fn companion_is_led(
     experiment: &Experiment,
-    event: impl FnMut(f64, &mut Autopilot<Craft>, &mut Way),
+    event: impl FnMut(f64, &mut Autopilot<Craft>, &mut Channel),
 ) -> Flight {
     let settings = Settings {
         led: true,
@@ -56,7 +56,7 @@ fn flight(
     settings: Settings,
     quality: Quality,
     seed: u64,
-    event: impl FnMut(f64, &mut Autopilot<Craft>, &mut Way),
+    event: impl FnMut(f64, &mut Autopilot<Craft>, &mut Channel),
 ) -> Flight {
     let mut pilot = OnPath::new(experiment, lead).unwrap();
     let (mut altitude, mut forward, mut across) = ([0.0; 2], [0.0; 2], 0.0_f64);

@@ -32,14 +32,14 @@ fn lyapunov_rate(
 ) -> f64 {
     let acceleration = vehicle.acceleration(inputs.velocity, inputs.wind, inputs.theta, thrust);
     let at = |h: f64| {
-        let moved = Inputs {
+        let displaced = Inputs {
             velocity: inputs.velocity + h * acceleration,
             theta: inputs.theta + h * rate,
             reference_velocity: inputs.reference_velocity + h * inputs.reference_acceleration,
             reference_acceleration: inputs.reference_acceleration + h * jerk,
             ..*inputs
         };
-        lyapunov(vehicle, gains, &moved)
+        lyapunov(vehicle, gains, &displaced)
     };
     // The angle turns by less than 1e-6 rad, over which no coefficient changes by more than 6e-5
     // of itself: the truncation error is the square of that.

@@ -1,11 +1,18 @@
-//! The paper's identities and theorems, through the core.
+//! The core against the yardstick in double precision: the paper's identities and theorems, accuracy, equilibria, margins; and polars.
 #[path = "../common/mod.rs"]
 mod common;
 
+mod accuracy;
 mod convergence;
+mod envelope;
 mod equilibria;
+mod finder;
 mod lyapunov;
+mod margins;
 mod models;
+mod paper_flight;
+mod spatial;
+mod stalls;
 
 use alula::CombinedParameters;
 use rand::RngExt;

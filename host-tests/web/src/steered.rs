@@ -129,14 +129,12 @@ impl Steered {
                         mission,
                         state,
                     }) => {
-                        let input = MissionInput {
-                            position: Some(position),
-                            velocity,
-                            wind,
-                            orientation: measured.orientation(),
-                            armed: true,
-                            ..MissionInput::default()
-                        };
+                        let input = MissionInput::default()
+                            .position(position)
+                            .velocity(velocity)
+                            .wind(wind)
+                            .orientation(measured.orientation())
+                            .armed(true);
                         let asked = missions.step(state, mission, &input, dt);
                         (asked.reference, asked.position_error, asked.planner_options)
                     }

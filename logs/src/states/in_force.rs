@@ -329,13 +329,19 @@ fn rows(
     parts: &[(Key, &Topic)],
     taken: impl Fn(Key, &Topic, usize) -> bool,
 ) -> Option<Topic> {
-    let mut order: Vec<(f64, usize, usize)> = Vec::new();
+    /// A row that is taken.
+    struct Taken {
+        time: f64,
+        part: usize,
+        row: usize,
+    }
+    let mut order: Vec<Taken> = Vec::new();
     for (part, (key, topic)) in parts.iter().enumerate() {
         let rows = topic.time().iter().enumerate();
         let rows = rows.filter(|(row, _)| taken(*key, topic, *row));
-        order.extend(rows.map(|(row, time)| (*time, part, row)));
+        order.extend(rows.map(|(row, &time)| Taken { time, part, row }));
     }
-    order.sort_by(|a, b| a.0.total_cmp(&b.0));
+    order.sort_by(|a, b| a.time.total_cmp(&b.time));
     let of_all = |column: &&Column| parts.iter().all(|(_, t)| t.column(&column.name).is_some());
     let columns = parts
         .first()?
@@ -348,13 +354,10 @@ fn rows(
                 .iter()
                 .map(|(_, topic)| topic.column(&first.name).map_or(&[][..], |c| &c.values))
                 .collect();
-            let values = order
-                .iter()
-                .map(|(_, part, row)| own[*part][*row])
-                .collect();
+            let values = order.iter().map(|of| own[of.part][of.row]).collect();
             Column::new(&first.name, &first.unit, values)
         });
     let columns: Vec<Column> = columns.collect();
-    let time = order.iter().map(|(time, ..)| *time).collect();
+    let time = order.iter().map(|of| of.time).collect();
     (!order.is_empty()).then(|| Topic::unchecked(name, time, columns))
 }

@@ -32,7 +32,12 @@ pub fn read(file: &str, bytes: &[u8]) -> Result<Log, Error> {
     }
 
     let mut ends = vec![bytes.len()];
-    if let Some((b'B', flags, _)) = message(bytes, 16) {
+    if let Some(Message {
+        kind: b'B',
+        payload: flags,
+        ..
+    }) = message(bytes, 16)
+    {
         let incompatible = flags.get(8..16).unwrap_or(&[0; 8]);
         if incompatible[0] & !1 != 0 || incompatible[1..].iter().any(|&b| b != 0) {
             return Err(fail(19, "flags of a later format, which forbid reading"));
@@ -62,11 +67,24 @@ pub fn read(file: &str, bytes: &[u8]) -> Result<Log, Error> {
     reader.finish().not_empty(file)
 }
 
-/// Type and payload of the message at `at`, and where the next begins. None if `bytes` end before.
-fn message(bytes: &[u8], at: usize) -> Option<(u8, &[u8], usize)> {
+/// A message as it lies in a file.
+struct Message<'a> {
+    /// Its type, a letter.
+    kind: u8,
+    payload: &'a [u8],
+    /// Where the next one begins.
+    next: usize,
+}
+
+/// The message at `at`. None if `bytes` end before.
+fn message(bytes: &[u8], at: usize) -> Option<Message<'_>> {
     let header = bytes.get(at..at.checked_add(3)?)?;
     let next = at + 3 + usize::from(u16::from_le_bytes([header[0], header[1]]));
-    Some((header[2], bytes.get(at + 3..next)?, next))
+    Some(Message {
+        kind: header[2],
+        payload: bytes.get(at + 3..next)?,
+        next,
+    })
 }
 
 #[derive(Default)]
@@ -96,8 +114,13 @@ impl Reader {
         while at < bytes.len() {
             // Readers must pass over types that they do not know. What is no letter is no type, but damage, and so may be
             // what ends beyond the file.
-            let sound = message(bytes, at).filter(|(kind, ..)| kind.is_ascii_uppercase());
-            let Some((kind, payload, next)) = sound else {
+            let sound = message(bytes, at).filter(|message| message.kind.is_ascii_uppercase());
+            let Some(Message {
+                kind,
+                payload,
+                next,
+            }) = sound
+            else {
                 at = self.resume(bytes, at);
                 continue;
             };

@@ -1,7 +1,7 @@
 """Flight control of tail-sitters from hover to cruise and back, at any angle of attack.
 
-SI units; names end in their unit. In the vertical plane vectors are (down, forward) and theta is 0 in hover, nose up, and
--pi/2 in level cruise. In space vectors are (north, east, down).
+SI units; names end in their unit. Vectors are (north, east, down). The vertical plane is the one to the north: east is 0 there.
+Its theta is 0 in hover, nose up, and -pi/2 in level cruise.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -390,6 +390,17 @@ class Experiment:
     def fly(self) -> Flight: ...
 
 @final
+class Beyond:
+    """A figure that does not keep its bound."""
+
+    @property
+    def figure(self) -> str: ...
+    @property
+    def value(self) -> float: ...
+    @property
+    def bound(self) -> float: ...
+
+@final
 class Flight:
     """A flight that has been flown."""
 
@@ -402,7 +413,7 @@ class Flight:
     @property
     def record(self) -> Frame: ...
     @property
-    def beyond(self) -> list[tuple[str, float, float]]: ...
+    def beyond(self) -> list[Beyond]: ...
 
 @final
 class Moment:

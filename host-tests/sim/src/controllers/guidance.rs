@@ -218,7 +218,7 @@ impl Controller for Flight {
         self.plans.looked_at()
     }
 
-    fn pace(&self, error: Ned, velocity: Ned) -> f32 {
+    fn time_scale(&self, error: Ned, velocity: Ned) -> f32 {
         self.guidance.path_time_scale(error, velocity)
     }
 
@@ -253,7 +253,7 @@ impl Controller for HardenedFlight {
         self.plans.looked_at()
     }
 
-    fn pace(&self, error: Ned, velocity: Ned) -> f32 {
+    fn time_scale(&self, error: Ned, velocity: Ned) -> f32 {
         self.guidance.guidance().path_time_scale(error, velocity)
     }
 

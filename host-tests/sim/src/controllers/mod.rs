@@ -157,7 +157,7 @@ pub trait Controller: Send {
     fn take_over(&mut self, _orientation: &Orientation, _thrust: f32, _rates: Frd) {}
 
     /// How fast a path that waits may go on, in multiples of its own speed, at `error` \[m\] from where it moves at `velocity` \[m/s\].
-    fn pace(&self, _error: Ned, _velocity: Ned) -> f32 {
+    fn time_scale(&self, _error: Ned, _velocity: Ned) -> f32 {
         1.0
     }
 

@@ -27,15 +27,26 @@ const CHOICES: [&str; 5] = [
     "path",
     "reference",
 ];
-/// Tables that a name stands for: where, what they are, and those that are built in.
-type NamedTable = (
-    &'static str,
-    &'static str,
-    &'static [(&'static str, &'static str)],
-);
+/// A table that a name stands for.
+struct NamedTable {
+    /// Where it is.
+    path: &'static str,
+    /// What it is.
+    noun: &'static str,
+    /// Those that are built in: name and text.
+    built_in: &'static [(&'static str, &'static str)],
+}
 const NAMED_TABLES: [NamedTable; 2] = [
-    (VEHICLE, "vehicle of the plant", VEHICLES),
-    ("sensors", "sensors", SENSORS),
+    NamedTable {
+        path: VEHICLE,
+        noun: "vehicle of the plant",
+        built_in: VEHICLES,
+    },
+    NamedTable {
+        path: "sensors",
+        noun: "sensors",
+        built_in: SENSORS,
+    },
 ];
 /// What is to be flown: two names of one table, and a mission. A text that has one takes the place of the others in its base.
 const NAMES_OF_PATH: [&str; 3] = ["path", "reference", "mission"];
@@ -164,6 +175,8 @@ pub struct Document {
     /// Built-in name, or the file's name without its extension.
     pub name: String,
     root: Value,
+    /// What the texts say, if something was changed since.
+    texts: Option<Value>,
     /// The document's own text, its base's, and so on.
     layers: Vec<Layer>,
 }
@@ -239,6 +252,7 @@ impl Document {
             None => Self {
                 name: String::new(),
                 root: Value::Table(Table::new()),
+                texts: None,
                 layers: Vec::new(),
             },
             Some(Value::String(base)) => {
@@ -343,12 +357,17 @@ impl Document {
         NAMED_TABLES.iter().try_for_each(|named| self.expand(named))
     }
 
-    fn expand(&mut self, (path, what, built_in): &NamedTable) -> Result<(), FieldError> {
+    fn expand(&mut self, table: &NamedTable) -> Result<(), FieldError> {
+        let NamedTable {
+            path,
+            noun,
+            built_in,
+        } = table;
         let Some(Value::String(name)) = self.get(path) else {
             return Ok(());
         };
         let refused = |problem: String| FieldError::new(*path, problem);
-        let named = Named::find(what, built_in, name);
+        let named = Named::find(noun, built_in, name);
         let named = named.map_err(|e| refused(format!("{e:#}")))?;
         let table = named.text.parse::<Table>().map_err(|e| {
             let line = e.span().map_or(1, |s| line_at(&named.text, s.start));
@@ -392,7 +411,9 @@ impl Document {
             place: origin.to_owned(),
             error,
         };
+        let texts = self.root.clone();
         self.set(path, value).map_err(located)?;
+        self.texts.get_or_insert(texts);
         let layer = Layer {
             origin: origin.to_owned(),
             text: format!("[set]\n\"{path}\" = 0\n"),
@@ -423,6 +444,32 @@ impl Document {
     fn supersede(&mut self, key: &str) {
         if let (Value::Table(root), true) = (&mut self.root, NAMES_OF_PATH.contains(&key)) {
             root.retain(|other, _| other == key || !NAMES_OF_PATH.contains(&other));
+        }
+    }
+
+    /// The document without what was changed of its texts; none if nothing was.
+    pub(crate) fn unchanged(&self) -> Option<Self> {
+        let texts = self.layers.iter().filter(|layer| layer.lines);
+        Some(Self {
+            name: self.name.clone(),
+            root: self.texts.clone()?,
+            texts: None,
+            layers: texts.cloned().collect(),
+        })
+    }
+
+    /// The error with the text and the line that it is about, behind the changes, which have brought it about.
+    pub(crate) fn located_by_changes(&self, error: FieldError) -> anyhow::Error {
+        let changes = self.layers.iter().rev().filter(|layer| !layer.lines);
+        let mut changes: Vec<&str> = changes.map(|layer| &*layer.origin).collect();
+        changes.dedup();
+        match self.located(error).downcast::<Located>() {
+            Ok(Located { place, error }) if !changes.contains(&&*place) => {
+                let place = format!("{}: {place}", changes.join(", "));
+                Located { place, error }.into()
+            }
+            Ok(located) => located.into(),
+            Err(other) => other,
         }
     }
 

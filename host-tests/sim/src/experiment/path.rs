@@ -231,18 +231,18 @@ impl Path {
 
     /// The target at `t` \[s\]; the next call is for `dt` \[s\] later. `pace` is asked how fast a path that waits may go on, in multiples of
     /// its own speed.
-    pub fn advance(&mut self, t: f64, dt: f64, pace: impl FnOnce(&Target) -> f64) -> Target {
+    pub fn advance(&mut self, t: f64, dt: f64, time_scale: impl FnOnce(&Target) -> f64) -> Target {
         if !self.waits {
             return self.at(t).0;
         }
         let (target, rate) = self.at(self.phase);
-        let pace = pace(&target);
+        let time_scale = time_scale(&target);
         // The rate in the middle of the step.
-        let (_, middle) = self.at(self.phase + 0.5 * rate * pace * dt);
-        self.phase += middle * pace * dt;
+        let (_, middle) = self.at(self.phase + 0.5 * rate * time_scale * dt);
+        self.phase += middle * time_scale * dt;
         Target {
-            velocity: target.velocity * pace,
-            acceleration: target.acceleration * (pace * pace),
+            velocity: target.velocity * time_scale,
+            acceleration: target.acceleration * (time_scale * time_scale),
             ..target
         }
     }
@@ -320,16 +320,16 @@ mod tests {
     #[test]
     fn a_curve_goes_on_at_the_pace_given_and_legs_at_their_own() {
         let circle = "path.circle = { radius_m = 40, speed_m_s = 20 }";
-        for (text, pace) in [
+        for (text, time_scale) in [
             (circle, 0.5),
             ("path.legs = [{ lasts_s = 9, from_m_s = 20 }]", 1.0),
         ] {
             let mut path = path(text).unwrap();
             let first = path.advance(0.0, 0.01, |_| 0.5);
-            assert!((first.velocity.norm() - 20.0 * pace).abs() < 1e-9);
+            assert!((first.velocity.norm() - 20.0 * time_scale).abs() < 1e-9);
             let next = path.advance(0.01, 0.01, |_| 0.5);
-            let moved = (next.position - first.position).norm();
-            assert!((moved - 0.2 * pace).abs() < 1e-6, "{text} {moved}");
+            let way = (next.position - first.position).norm();
+            assert!((way - 0.2 * time_scale).abs() < 1e-6, "{text} {way}");
         }
     }
 

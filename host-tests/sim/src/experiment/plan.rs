@@ -83,7 +83,10 @@ pub struct MavItem {
 ///
 /// # Errors
 /// The first that is not flown: its number, and what is wrong with which field.
-pub fn flown(items: &[MavItem], home: Home) -> Result<Vec<(usize, Item)>, (usize, FieldError)> {
+pub fn items_flown(
+    items: &[MavItem],
+    home: Home,
+) -> Result<Vec<(usize, Item)>, (usize, FieldError)> {
     let mut reader = Reader::new(home);
     let mut all = Vec::new();
     for (number, item) in items.iter().enumerate() {
@@ -495,13 +498,13 @@ mod tests {
             at(206, [0.0; 3]),
             at(21, [lat, lon, 0.0]),
         ];
-        let flown = flown(&items, home).unwrap();
-        let numbers: Vec<usize> = flown.iter().map(|(number, _)| *number).collect();
+        let made = items_flown(&items, home).unwrap();
+        let numbers: Vec<usize> = made.iter().map(|(number, _)| *number).collect();
         assert_eq!(numbers, [0, 0, 2]);
-        assert_eq!(flown[0].1, Item::TakeOff { height: 30.0 });
+        assert_eq!(made[0].1, Item::TakeOff { height: 30.0 });
         let mut wrong = items;
         wrong[2].frame = 10;
-        let (number, error) = super::flown(&wrong, home).unwrap_err();
+        let (number, error) = super::items_flown(&wrong, home).unwrap_err();
         assert_eq!((number, &*error.field), (2, "frame"));
     }
 

@@ -68,9 +68,9 @@ struct Stretch {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Route(Vec<Stretch>);
 
-/// A place on the way, at the altitude of its beginning.
+/// Position and course on a route, at the altitude of its beginning.
 #[derive(Clone, Copy, Debug)]
-struct Place {
+struct Pose {
     position: V3,
     /// Course \[rad\].
     course: f64,
@@ -97,7 +97,7 @@ struct Piece {
 }
 
 /// Where an arc or a line from `start` is after a length `s`.
-fn along(Place { position, course }: Place, curvature: f64, s: f64) -> Place {
+fn along(Pose { position, course }: Pose, curvature: f64, s: f64) -> Pose {
     let half = 0.5 * curvature * s;
     // The chord has the mean course.
     let chord = if half.abs() < 1e-9 {
@@ -106,7 +106,7 @@ fn along(Place { position, course }: Place, curvature: f64, s: f64) -> Place {
         s * libm::sin(half) / half
     };
     let (sin, cos) = libm::sincos(course + half);
-    Place {
+    Pose {
         position: position + chord * V3::new(cos, sin, 0.0),
         course: course + curvature * s,
     }
@@ -114,8 +114,8 @@ fn along(Place { position, course }: Place, curvature: f64, s: f64) -> Place {
 
 impl Stretch {
     /// The place after a length `s` of the way, and the curvature \[1/m\] there; the last piece goes on.
-    fn place(&self, mut s: f64) -> (Place, f64) {
-        let mut place = Place {
+    fn place(&self, mut s: f64) -> (Pose, f64) {
+        let mut place = Pose {
             position: self.start,
             course: self.course,
         };
@@ -154,7 +154,7 @@ impl Stretch {
     }
 
     /// When the next stretch begins \[s\], and where.
-    fn end(&self) -> (f64, Place) {
+    fn end(&self) -> (f64, Pose) {
         let s = 0.5 * (self.speed[0] + self.speed[1]) * self.lasts;
         let (mut place, _) = self.place(s);
         place.position -= self.climb * V3::z();
@@ -171,7 +171,7 @@ impl Route {
             positive(&field("lasts_s"), leg.lasts_s)?;
             finite(&field("climb_m"), leg.climb_m)?;
             let last = stretches.last();
-            let origin = Place {
+            let origin = Pose {
                 position: V3::zeros(),
                 course: 0.0,
             };
@@ -279,7 +279,7 @@ impl Route {
             }
             let length: f64 = pieces.iter().map(|piece| piece.length).sum();
             let speed = [points[i].speed_m_s, points[i + 1].speed_m_s];
-            let first = Place {
+            let first = Pose {
                 position: place(&points[0]) + points[0].down_m * V3::z(),
                 course: 0.0,
             };

@@ -224,9 +224,9 @@ impl SensorSpec {
         dt: f64,
     ) -> Measured {
         // The components that have errors, in the order in which these are drawn.
-        let (world, turns, along): (&[usize], &[usize], &[usize]) = match in_plane {
-            true => (&[2, 0], &[1], &[0, 1]),
-            false => (&[0, 1, 2], &[0, 1, 2], &[0, 1, 2]),
+        let [world, turns, along]: [&[usize]; 3] = match in_plane {
+            true => [&[2, 0], &[1], &[0, 1]],
+            false => [&[0, 1, 2]; 3],
         };
         let mut told = |error: &ErrorSpec, mut v: V3, components: &[usize]| {
             for &i in components {

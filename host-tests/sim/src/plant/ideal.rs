@@ -179,14 +179,14 @@ impl Dynamics {
         }
         let start = state.attitude.into_inner();
         let at = |k: &Slope, h: f64| {
-            let moved = State {
+            let stage = State {
                 position: state.position,
                 velocity: state.velocity + h * k.acceleration,
                 attitude: state.attitude,
                 rates: state.rates + h * k.rates,
                 thrust: state.thrust + h * k.thrust,
             };
-            self.slope(&moved, start + k.quaternion * h, command, wind)
+            self.slope(&stage, start + k.quaternion * h, command, wind)
         };
         let a = self.slope(&state, start, command, wind);
         let b = at(&a, 0.5 * dt);

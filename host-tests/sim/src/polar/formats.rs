@@ -249,8 +249,8 @@ fn units(line: &str, alpha: usize) -> Option<String> {
 fn table(origin: &str, all: &str, header: &Header) -> anyhow::Result<Read> {
     let place = header.place;
     let mut columns = [0; 3];
-    for ((column, found), (name, _)) in columns.iter_mut().zip(header.columns).zip(NAMES) {
-        *column = found.ok_or_else(|| {
+    for ((column, given), (name, _)) in columns.iter_mut().zip(header.columns).zip(NAMES) {
+        *column = given.ok_or_else(|| {
             let names: Vec<&str> = header.names.iter().map(|name| &*name.text).collect();
             anyhow!(
                 "{origin}:{place}: no column {name} among {}",

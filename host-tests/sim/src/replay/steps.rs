@@ -7,14 +7,30 @@ const STEPS: [f64; 2] = [1e-4, 0.2];
 /// What the usual step may be beyond those, as a factor: of a log at 5 Hz every second step is a little longer.
 const BEYOND: f64 = 1.5;
 
-/// Units that a time may be in instead: seconds each, the name, and how a header says it.
-const UNITS: [(f64, &str, &str); 5] = [
-    (1e-3, "milliseconds", "ms"),
-    (1e-6, "microseconds", "us"),
-    (1e-9, "nanoseconds", "ns"),
-    (60.0, "minutes", "min"),
-    (3600.0, "hours", "h"),
+/// A unit that a time may be in instead.
+struct Unit {
+    /// Seconds each.
+    seconds: f64,
+    name: &'static str,
+    /// How a header says it.
+    sign: &'static str,
+}
+
+const UNITS: [Unit; 5] = [
+    unit(1e-3, "milliseconds", "ms"),
+    unit(1e-6, "microseconds", "us"),
+    unit(1e-9, "nanoseconds", "ns"),
+    unit(60.0, "minutes", "min"),
+    unit(3600.0, "hours", "h"),
 ];
+
+const fn unit(seconds: f64, name: &'static str, sign: &'static str) -> Unit {
+    Unit {
+        seconds,
+        name,
+        sign,
+    }
+}
 
 /// What formats have whose times have a unit.
 const CLOCKS: &str = "ULog and DataFlash have microseconds; MCAP has nanoseconds, and a `timestamp` of its messages seconds";
@@ -48,25 +64,27 @@ pub fn check(times: &[f64], said: &Times) -> anyhow::Result<()> {
     if (least / BEYOND..=most * BEYOND).contains(&usual) {
         return Ok(());
     }
-    let fits = |(scale, ..): &(f64, &str, &str)| (least..=most).contains(&(usual * scale));
-    let unit = UNITS.into_iter().find(fits);
+    let fits = |seconds: f64| (least..=most).contains(&(usual * seconds));
+    let unit = UNITS.into_iter().find(|unit| fits(unit.seconds));
     let advice = match (unit, said) {
         (None, Times::Trace | Times::Header(_) | Times::Map(_)) => {
             "is the time in another unit?".to_owned()
         }
-        (Some((scale, name, _)), Times::Trace) => {
-            format!("is the time in {name}? The column t_s is in seconds: multiply it by {scale:?}")
+        (Some(Unit { seconds, name, .. }), Times::Trace) => {
+            format!(
+                "is the time in {name}? The column t_s is in seconds: multiply it by {seconds:?}"
+            )
         }
-        (Some((_, name, unit)), Times::Header(header)) => {
-            format!("is the time in {name}? The header says so by `{header} [{unit}]`")
+        (Some(Unit { name, sign, .. }), Times::Header(header)) => {
+            format!("is the time in {name}? The header says so by `{header} [{sign}]`")
         }
-        (Some((scale, name, _)), Times::Map(factor)) => format!(
+        (Some(Unit { seconds, name, .. }), Times::Map(factor)) => format!(
             "is the time in {name}? In the map's `time` that is `scale = {:?}`",
-            factor * scale
+            factor * seconds
         ),
         (_, Times::Own) => {
             let times = [1e3, 1e6, 1e9, 1e-3, 1e-6, 1e-9];
-            let factor = times.into_iter().find(|factor| fits(&(*factor, "", "")));
+            let factor = times.into_iter().find(|factor| fits(*factor));
             let off = factor.map_or("is its clock in another unit?".to_owned(), |factor| {
                 let (by, wrong) = if factor > 1.0 {
                     (factor, "slow")
@@ -105,7 +123,7 @@ mod tests {
             for fine in [0.001, 0.0025, 0.02, 0.1, 0.2, 0.201] {
                 assert!(rows(count, fine).is_ok(), "{fine}");
             }
-            for (seconds, name, _) in UNITS {
+            for Unit { seconds, name, .. } in UNITS {
                 // At 50 Hz; minutes at less than 250 Hz may be seconds at some kHz.
                 let step = if seconds > 1.0 { 0.002 } else { 0.02 };
                 let error = rows(count, step / seconds).unwrap_err().to_string();

@@ -239,15 +239,7 @@ functions! {
     };
     hardened => |f, c, o| keep(f.hardened.update(&mut o.hardened, &c.space.input, 0.01));
     mission => |f, c, o| {
-        let told = MissionInput {
-            position: Some(o.place),
-            velocity: o.velocity,
-            wind: Ned::new(4.0, -3.0, 0.0),
-            orientation: c.space.input.orientation,
-            thrust: 20.0,
-            armed: true,
-            ..MissionInput::default()
-        };
+        let told = MissionInput::default().position(o.place).velocity(o.velocity).wind(Ned::new(4.0, -3.0, 0.0)).orientation(c.space.input.orientation).thrust(20.0).armed(true);
         let asked = f.missions.step(&mut o.flight, &f.mission, &told, 0.01);
         o.velocity = asked.reference.velocity;
         o.place = o.place - asked.position_error + o.velocity * 0.01;

@@ -357,7 +357,7 @@ impl TailSitter {
 
     fn advance(&self, state: &TailSitterState, wind: V3, h: f64) -> TailSitterState {
         let start = state.attitude.into_inner();
-        let moved = |k: &Slope, h: f64| TailSitterState {
+        let stage = |k: &Slope, h: f64| TailSitterState {
             position: state.position + h * k.velocity,
             velocity: state.velocity + h * k.acceleration,
             attitude: UnitQuaternion::from_quaternion(start + k.quaternion * h),
@@ -369,7 +369,7 @@ impl TailSitter {
             tick: state.tick,
         };
         let at = |k: &Slope, h: f64| {
-            let s = moved(k, h);
+            let s = stage(k, h);
             self.slope(&s, s.attitude.into_inner(), wind)
         };
         let a = self.slope(state, start, wind);
@@ -390,7 +390,7 @@ impl TailSitter {
                 (a.elevons[i] + 2.0 * b.elevons[i] + 2.0 * c.elevons[i] + d.elevons[i]) / 6.0
             }),
         };
-        moved(&sum, h)
+        stage(&sum, h)
     }
 }
 

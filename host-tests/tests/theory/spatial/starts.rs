@@ -1,8 +1,8 @@
 //! Random starts: attitudes uniform over the rotations, rates of ±2 rad/s on each axis, velocities within 5 m/s of the
 //! reference.
 
-use crate::course::{self, Course};
-use crate::flown::{Setup, Target, Task, rms, with};
+use super::course::{self, Course};
+use super::scenario::{Setup, Target, Task, rms, with};
 
 /// Share that converges, and the most altitude lost \[m\], of `n` starts about hover or a level 20 m/s to the north.
 /// Converged: within 0.1 m/s rms after 23 s, nose up or belly down to 8°.

@@ -63,7 +63,7 @@ fn what_is_described_by_flags_flies() {
     assert!(figure("max_ahead_m") < 3.0 && figure("forward_least_m") > -10.0);
     // It cruises on its wing, as level flight at that speed can, and not behind the stall with half of its weight on the thrust.
     let needed = summary["performance"]["cruise"][1].as_f64().unwrap();
-    assert!(figure("cruise_thrust_to_weight") < needed + 0.02 && needed < 0.15);
+    assert!(figure("cruise_mean_thrust_to_weight") < needed + 0.02 && needed < 0.15);
     // Everybody takes the file.
     let file = place.join("my-vehicle.toml");
     let name = file.to_str().unwrap();

@@ -1,6 +1,6 @@
 //! Missions: what is flown at a constant airspeed in wind and turbulence, surveys against the wind triangle, take-off to landing.
 //!
-//! Counts are small by default. `MISSION_FLIGHTS=1000 cargo test --release -p alula-sil --test missions -- --nocapture` prints the tables of `docs/missions.md`.
+//! Counts are small by default. `MISSION_FLIGHTS=1000 cargo test --release -p alula-sil --test flights missions:: -- --nocapture` prints the tables of `docs/missions.md`.
 
 use alula::guidance::Phase;
 use alula::mission::{Activity, MissionOutput, Response, Troubles};
@@ -67,7 +67,7 @@ fn grounded(experiment: &Experiment) -> Option<usize> {
 
 fn fly(experiment: &Experiment) -> Flown {
     let mut controller = experiment.controller().unwrap();
-    let mut flown = Flown::default();
+    let mut flight = Flown::default();
     let (mut across, mut height, mut load) = (Vec::new(), Vec::new(), Vec::new());
     let (mut last, mut descending) = (Activity::Grounded, false);
     let contact = grounded(experiment);
@@ -79,21 +79,21 @@ fn fly(experiment: &Experiment) -> Flown {
             settled += 1;
             let guided = step.answer.guided().expect("the guidance");
             if guided.progress.phase == Phase::Crossing {
-                flown.crossing += 1.0 / experiment.control_rate_hz;
+                flight.crossing += 1.0 / experiment.control_rate_hz;
             }
-            flown.thrust[0] += step.truth.thrust;
-            flown.thrust[1] += f64::from(progress.steady_thrust);
+            flight.thrust[0] += step.truth.thrust;
+            flight.thrust[1] += f64::from(progress.steady_thrust);
             across.push(step.position_error().xy().norm());
             height.push(step.altitude().abs());
             load.push(step.load_factor / f64::from(progress.load_factor));
         }
-        flown.drifted |= asked.remark == Some(alula::mission::Remark::Drifting);
+        flight.drifted |= asked.remark == Some(alula::mission::Remark::Drifting);
         let airborne = !matches!(
             asked.activity,
             Activity::Grounded | Activity::Spooling | Activity::Touched
         );
-        flown.lost |= airborne && step.altitude() < -50.0;
-        flown.energy = progress.energy.into();
+        flight.lost |= airborne && step.altitude() < -50.0;
+        flight.energy = progress.energy.into();
         if asked.activity == Activity::Descending && last != Activity::Descending {
             descending = true;
         }
@@ -103,7 +103,7 @@ fn fly(experiment: &Experiment) -> Flown {
         if descending && touches {
             descending = false;
             let off = step.truth.position - step.target.position;
-            flown.touch = Some([
+            flight.touch = Some([
                 step.truth.velocity.z,
                 step.truth.velocity.xy().norm(),
                 off.xy().norm(),
@@ -111,18 +111,18 @@ fn fly(experiment: &Experiment) -> Flown {
             ]);
         }
         if asked.activity == Activity::Grounded && last == Activity::Touched {
-            flown.over = Some(step.t);
+            flight.over = Some(step.t);
         }
         last = asked.activity;
-        flown.over.is_none() && !flown.lost
+        flight.over.is_none() && !flight.lost
     };
     let end = simulate(experiment, controller.as_mut(), visit).unwrap();
     end.sound().unwrap();
-    flown.thrust = flown.thrust.map(|sum| sum / f64::from(settled.max(1)));
-    flown.across = quantile(across, 0.95);
-    flown.height = quantile(height, 0.95);
-    flown.load = quantile(load, 0.95);
-    flown
+    flight.thrust = flight.thrust.map(|sum| sum / f64::from(settled.max(1)));
+    flight.across = quantile(across, 0.95);
+    flight.height = quantile(height, 0.95);
+    flight.load = quantile(load, 0.95);
+    flight
 }
 
 /// Masses of five vehicles by rule \[kg\].
@@ -340,10 +340,10 @@ fn lines_take_the_time_and_energy_of_the_wind_triangle() {
             .unwrap()
             .sound()
             .unwrap();
-            let flown: f64 = (0..10).map(|n| times[2 * n + 1]).sum();
+            let flight: f64 = (0..10).map(|n| times[2 * n + 1]).sum();
             let along = (22.0_f64.powi(2) - east * east).sqrt();
             let ideal = 5.0 * (600.0 / (along + north) + 600.0 / (along - north));
-            [flown / ideal, lines / (power(level, 22.0) * ideal), whole / steady]
+            [flight / ideal, lines / (power(level, 22.0) * ideal), whole / steady]
         })
         .collect();
     let names = [
@@ -454,17 +454,17 @@ fn missions_end_where_they_are_to_land() {
 fn built_in_missions_are_flown_to_their_end() {
     for name in ["survey", "delivery", "loiter-watch", "inspection"] {
         let experiment = Document::load(name).unwrap().checked().unwrap();
-        let flown = fly(&experiment);
-        let time = flown.over.unwrap_or_else(|| panic!("{name} is not over"));
+        let flight = fly(&experiment);
+        let time = flight.over.unwrap_or_else(|| panic!("{name} is not over"));
         println!(
             "{name}: {time:.0} s, {:.1} kJ, across {:.2} m, height {:.2} m, crossing {:.2} s",
-            flown.energy / 1e3,
-            flown.across,
-            flown.height,
-            flown.crossing
+            flight.energy / 1e3,
+            flight.across,
+            flight.height,
+            flight.crossing
         );
-        assert!(!flown.lost && flown.crossing == 0.0, "{name}");
-        let touch = flown.touch.unwrap();
+        assert!(!flight.lost && flight.crossing == 0.0, "{name}");
+        let touch = flight.touch.unwrap();
         assert!(
             touch[0] < 0.7 && touch[1] < 0.5 && touch[2] < 1.0,
             "{name} {touch:?}"
@@ -493,7 +493,7 @@ fn out_and_back(settings: &[String]) -> Vec<Seen> {
     set(&mut document, settings);
     let experiment = document.checked().unwrap();
     let mut seen = Vec::new();
-    let mut flown = false;
+    let mut touched = false;
     simulate(
         &experiment,
         experiment.controller().unwrap().as_mut(),
@@ -504,8 +504,8 @@ fn out_and_back(settings: &[String]) -> Vec<Seen> {
                 place: step.truth.position,
                 output,
             });
-            flown |= output.activity == Activity::Touched;
-            !(flown && output.activity == Activity::Grounded)
+            touched |= output.activity == Activity::Touched;
+            !(touched && output.activity == Activity::Grounded)
         },
     )
     .unwrap()
@@ -702,9 +702,9 @@ fn plans_of_a_ground_station_are_flown_to_their_end() {
             "--set",
             "weather.turbulence.wind_at_20_ft_m_s=7.7",
         ];
-        let flown = fly(&[&["--vehicle", "cruise-in-air"][..], &sets].concat());
-        let said = String::from_utf8(flown.stderr).unwrap();
-        assert!(flown.status.success(), "{name}: {said}");
+        let flight = fly(&[&["--vehicle", "cruise-in-air"][..], &sets].concat());
+        let said = String::from_utf8(flight.stderr).unwrap();
+        assert!(flight.status.success(), "{name}: {said}");
         assert_eq!(
             said.contains("left out: item 1, its item 1: command 206"),
             name == "survey"

@@ -1,7 +1,7 @@
 //! Paths flown in space. Bounds are the requirement's: velocity rms [m/s], position rms [m], sideslip rms [°], from 20 s on: the entry, from level flight, is over.
 
-use crate::course::{self, Course, Curve};
-use crate::flown::{Setup, cruise, report, with};
+use super::course::{self, Course, Curve};
+use super::scenario::{Setup, cruise, report, with};
 
 fn within(figures: [f64; 3], bounds: [f64; 3]) {
     for (figure, bound) in figures.into_iter().zip(bounds) {

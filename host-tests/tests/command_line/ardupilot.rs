@@ -285,8 +285,15 @@ impl Drop for Server {
     }
 }
 
-/// A server at a port of its own, and its port.
-fn serve(folder: &Path, more: &[&str]) -> (Server, BufReader<std::process::ChildStderr>, u16) {
+/// A server at a port of its own.
+struct Listening {
+    server: Server,
+    /// What it says after its first line.
+    said: BufReader<std::process::ChildStderr>,
+    port: u16,
+}
+
+fn sitl(folder: &Path, more: &[&str]) -> Listening {
     let mut child = Command::new(env!("CARGO_BIN_EXE_alula-sil"))
         .current_dir(folder)
         .args([
@@ -307,11 +314,11 @@ fn serve(folder: &Path, more: &[&str]) -> (Server, BufReader<std::process::Child
     let mut line = String::new();
     said.read_line(&mut line).unwrap();
     let port = line.trim().rsplit(':').next().unwrap().parse();
-    (
-        Server(child),
+    Listening {
+        server: Server(child),
         said,
-        port.unwrap_or_else(|_| panic!("{line}")),
-    )
+        port: port.unwrap_or_else(|_| panic!("{line}")),
+    }
 }
 
 fn interrupt(server: &Server) {
@@ -323,7 +330,11 @@ fn interrupt(server: &Server) {
 #[test]
 fn sixty_seconds_are_flown_through_the_command_and_ctrl_c_leaves_them() {
     let folder = tempfile::tempdir().unwrap();
-    let (mut server, mut said, port) = serve(folder.path(), &["--log", "ulog"]);
+    let Listening {
+        mut server,
+        mut said,
+        port,
+    } = sitl(folder.path(), &["--log", "ulog"]);
     let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
     socket.connect(("127.0.0.1", port)).unwrap();
     socket
@@ -377,7 +388,11 @@ fn sixty_seconds_are_flown_through_the_command_and_ctrl_c_leaves_them() {
 #[test]
 fn without_a_flight_ctrl_c_leaves_nothing_and_is_no_error() {
     let folder = tempfile::tempdir().unwrap();
-    let (mut server, mut said, _) = serve(folder.path(), &[]);
+    let Listening {
+        mut server,
+        mut said,
+        ..
+    } = sitl(folder.path(), &[]);
     interrupt(&server);
     assert!(server.0.wait().unwrap().success());
     let mut rest = String::new();

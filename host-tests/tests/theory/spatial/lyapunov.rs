@@ -10,8 +10,8 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+use super::support::{C_Y, Point, lateral};
 use crate::common::{combined, gains, vehicles};
-use crate::support::{C_Y, Point, lateral};
 
 type V3 = Vector3<f64>;
 
@@ -34,7 +34,7 @@ fn body(inputs: &SpatialInputs) -> [V3; 3] {
 }
 
 /// The inputs `h` \[s\] later, with this acceleration, jerk and these rates (ω_i, ω_j, ω_w); wind is steady.
-fn moved(inputs: &SpatialInputs, a: V3, jerk: V3, rates: [f64; 3], h: f64) -> SpatialInputs {
+fn displaced(inputs: &SpatialInputs, a: V3, jerk: V3, rates: [f64; 3], h: f64) -> SpatialInputs {
     let [w, x, y, z] = inputs.quaternion;
     let q = Quaternion::new(w, x, y, z);
     let [r_i, r_j, r_w] = rates;
@@ -100,7 +100,7 @@ fn check(
         let h = 1e-6 / (1.0 + speed);
         let slope = |rates: [f64; 3]| {
             let at = |h: f64| {
-                let inputs = moved(&inputs, a, jerk, rates, h);
+                let inputs = displaced(&inputs, a, jerk, rates, h);
                 lyapunov(vehicle, g, &inputs, law(&inputs).f_p)
             };
             (at(h) - at(-h)) / (2.0 * h)
@@ -262,10 +262,10 @@ fn tilt_decays_as_stated_and_coordination_is_invariant() {
         let speed = rates.iter().map(|r| r * r).sum::<f64>().sqrt();
         let h = 1e-6 / (1.0 + speed + a.norm() / v_a.norm());
         let at = |h: f64| {
-            let moved = moved(&inputs, a, jerk, rates, h);
-            let [_, _, w] = body(&moved);
-            let v_a = V3::from(moved.velocity) - V3::from(moved.wind);
-            (w.dot(&force_y(&moved)), w.dot(&v_a))
+            let displaced = displaced(&inputs, a, jerk, rates, h);
+            let [_, _, w] = body(&displaced);
+            let v_a = V3::from(displaced.velocity) - V3::from(displaced.wind);
+            (w.dot(&force_y(&displaced)), w.dot(&v_a))
         };
         let ((x_up, y_up), (x_down, y_down)) = (at(h), at(-h));
         let (x_rate, y_rate) = ((x_up - x_down) / (2.0 * h), (y_up - y_down) / (2.0 * h));

@@ -15,7 +15,7 @@ use alula_sim::controllers::{Answer, Controller, Input, Report};
 use alula_sim::experiment::{Document, State as Truth};
 use alula_sim::simulate::fly_by;
 
-use crate::support::{ned, triple};
+use super::support::{ned, triple};
 
 pub use alula_sim::experiment::V3;
 

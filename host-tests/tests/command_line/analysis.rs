@@ -88,7 +88,7 @@ fn envelope_prints_folds_counts_jumps_and_cusps() {
 #[test]
 fn equilibria_are_those_of_the_envelope() {
     let folder = tempfile::tempdir().unwrap();
-    let arguments = ["equilibria", "paper", "--velocity", "0,14.6", "--json"];
+    let arguments = ["equilibria", "paper", "--velocity", "14.6,0,0", "--json"];
     let set = json(folder.path(), &arguments);
     let equilibria = set["equilibria"].as_array().unwrap();
     let branches: Vec<_> = equilibria
@@ -117,11 +117,11 @@ fn equilibria_are_those_of_the_envelope() {
         "equilibria",
         "large-angle",
         "--velocity",
-        "-2,8",
+        "8,0,-2",
         "--accel",
-        "0,1",
+        "1,0,0",
         "--wind",
-        "0,-3",
+        "-3,0,0",
         "--json",
     ];
     assert_eq!(
@@ -268,16 +268,26 @@ fn bad_files_and_arguments_are_refused_in_one_line() {
     refused(
         path,
         &["equilibria", "paper", "--velocity", "1"],
-        &["--velocity", "DOWN,FORWARD"],
+        &["--velocity", "NORTH,EAST,DOWN"],
     );
     refused(
         path,
-        &["equilibria", "paper", "--velocity", "1,inf"],
+        &["equilibria", "paper", "--velocity", "-2,8"],
+        &["--velocity", "is now 8,0,-2"],
+    );
+    refused(
+        path,
+        &["equilibria", "paper", "--velocity", "8,1,-2"],
+        &["--velocity", "EAST must be 0"],
+    );
+    refused(
+        path,
+        &["equilibria", "paper", "--velocity", "inf,0,1"],
         &["--velocity", "\"inf\""],
     );
     refused(
         path,
-        &["equilibria", "paper", "--velocity", "0,1e9"],
+        &["equilibria", "paper", "--velocity", "1e9,0,0"],
         &["reference velocity"],
     );
     refused(

@@ -1,6 +1,6 @@
 //! Paths, and their following: how fast the path parameter advances.
 
-use crate::flown::{PERIOD, Target, Task, V3};
+use super::scenario::{PERIOD, Target, Task, V3};
 
 /// A closed or open curve p(φ) with its derivatives p′, p″, p‴.
 pub type Curve = fn(f64) -> [V3; 4];
@@ -13,7 +13,7 @@ pub struct Course {
     pub curve: Curve,
     pub speed: f64,
     /// The pace at a position error and a velocity.
-    pace: Box<dyn Fn(V3, V3) -> f64 + Send>,
+    time_scale: Box<dyn Fn(V3, V3) -> f64 + Send>,
     phase: f64,
 }
 
@@ -28,11 +28,15 @@ impl Course {
     }
 
     /// With a pace of one's own.
-    pub fn paced(curve: Curve, speed: f64, pace: impl Fn(V3, V3) -> f64 + Send + 'static) -> Self {
+    pub fn paced(
+        curve: Curve,
+        speed: f64,
+        time_scale: impl Fn(V3, V3) -> f64 + Send + 'static,
+    ) -> Self {
         Self {
             curve,
             speed,
-            pace: Box::new(pace),
+            time_scale: Box::new(time_scale),
             phase: 0.0,
         }
     }
@@ -56,7 +60,7 @@ impl Task for Course {
         let curvature = (self.rate(self.phase + h).1 - self.rate(self.phase - h).1) / (2.0 * h);
         let (second, third) = (slope * g, (curvature * g + slope * slope) * g);
         let velocity = d1 * g;
-        let factor = (self.pace)(position - p, velocity);
+        let factor = (self.time_scale)(position - p, velocity);
         self.phase += g * factor * PERIOD;
         Target {
             position: p,

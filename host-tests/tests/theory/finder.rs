@@ -2,7 +2,6 @@
 //!
 //! Random models, tables among them, random vehicles, thrust lines, references, accelerations and winds. Both are given the
 //! same numbers: the scan those of the core.
-mod common;
 
 use std::f64::consts::{PI, TAU};
 
@@ -175,7 +174,7 @@ fn model(rng: &mut ChaCha8Rng, n: usize) -> (Model, Aerodynamics) {
                 k_l: vary(p.k_l),
                 k_d: vary(p.k_d),
             };
-            common::combined(p)
+            crate::common::combined(p)
         }
         _ => {
             let polar = Polar::load(BUILT_IN[n / 5 % 2].0).unwrap();
@@ -324,7 +323,7 @@ fn only_pairs_closer_than_stated_are_missed_at_a_fold() {
     for n in [2, 7, 4, 9] {
         let (core, aerodynamics) = model(&mut ChaCha8Rng::seed_from_u64(1), n);
         let core = Vehicle::new(p, core).unwrap();
-        let vehicle = common::vehicles(0.0, (*core.model(), aerodynamics)).1;
+        let vehicle = crate::common::vehicles(0.0, (*core.model(), aerodynamics)).1;
         for epsilon in [0.0f64, 0.2, 0.6, 0.95] {
             for fold in Curve::new(&vehicle, epsilon).unwrap().folds() {
                 for step in 0..200 {

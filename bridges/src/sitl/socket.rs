@@ -13,7 +13,7 @@ const IDLE: u64 = 100;
 ///
 /// # Errors
 /// The socket fails.
-pub fn serve(
+pub fn run(
     socket: &UdpSocket,
     physics: &mut dyn Physics,
     mut go_on: impl FnMut(&Counts) -> bool,

@@ -3,14 +3,13 @@
 //! Both are given the same inputs and parameters: the reference the core's f32 values. Errors of
 //! thrust and angular rate are divided by the sum of the magnitudes of the terms that make them up,
 //! as `alula_sim::reference::magnitudes` defines it. The figures are printed with `--nocapture`.
-mod common;
 
 use std::f64::consts::PI;
 
+use crate::common::{Point, combined, control, disc, gains, vehicles};
 use alula::planar::{Attitude, GainParameters};
 use alula::{CombinedParameters, Fault};
 use alula_sim::reference::{self, Angle, full, magnitudes, robust, wrap};
-use common::{Point, combined, control, disc, gains, vehicles};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -97,7 +96,8 @@ fn sample(rng: &mut ChaCha8Rng, subset: Subset, vehicle: &reference::Vehicle) ->
                 robust(vehicle, &unit, &inputs).theta_tilde(inputs.theta)
             };
             for _ in 0..30 {
-                let theta = common::theta(point.state.attitude) + theta_tilde(&point) - wanted;
+                let theta =
+                    crate::common::theta(point.state.attitude) + theta_tilde(&point) - wanted;
                 point.state.attitude = Attitude::from_angle(wrap(theta) as f32);
             }
             (wrap(theta_tilde(&point) - PI).abs() < 0.35).then_some(point)

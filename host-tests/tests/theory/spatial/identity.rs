@@ -10,8 +10,8 @@ use alula_sim::reference::{full, robust, winged_full, winged_robust};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+use super::support::{C_Y, lateral};
 use crate::common::{Point, combined, control, gains, theta, vehicles};
-use crate::support::{C_Y, lateral};
 
 const SET: CombinedParameters = CombinedParameters::NACA_0021_RE_160E3;
 
@@ -144,7 +144,7 @@ fn in_any_vertical_plane_the_law_is_the_planar_law() {
             inputs.quaternion = inputs.quaternion.map(|x| f64::from(x as f32));
             inputs.velocity = round(inputs.velocity);
             inputs.wind = round(inputs.wind);
-            let ned = crate::support::ned;
+            let ned = super::support::ned;
             let [w, x, y, z] = inputs.quaternion.map(|x| x as f32);
             let q = Quaternion { w, x, y, z };
             let state = State {

@@ -482,6 +482,21 @@ fn fields_are_set_by_their_paths() {
         &alula(folder.path(), &["fly", "--set", "vehicle.mass=1"]),
         &["--set vehicle.mass=1: vehicle.mass: unknown field"],
     );
+    for option in [["--set", "seed=1"], ["--shard", "1/2"], ["--refly", "3"]] {
+        let arguments = [&["campaign", "attitudes"][..], &option].concat();
+        assert_refused(
+            &alula(folder.path(), &arguments),
+            &["attitudes: has no text"],
+        );
+    }
+    // What contradicts a line of a text that is sound alone is named before it.
+    assert_refused(
+        &alula(
+            folder.path(),
+            &["fly", "circle-40", "--set", "duration_s=20"],
+        ),
+        &["--set duration_s=20: built-in circle-40:4: settle_time_s: must be"],
+    );
 }
 
 const CAMPAIGN: &str = r#"base = "own.toml"
@@ -848,7 +863,7 @@ fn every_command_judges_a_polar_alike() {
     let commands: [&[&str]; 8] = [
         &["fit", "x.txt"],
         &["envelope", "x.txt"],
-        &["equilibria", "x.txt", "--velocity", "0,20"],
+        &["equilibria", "x.txt", "--velocity", "20,0,0"],
         &["margins", "x.txt", "--speeds", "20"],
         &["envelope", "x.toml"],
         &["sweep", "x.toml"],
@@ -907,7 +922,7 @@ fn every_command_names_what_it_cannot_read() {
     let commands = [
         "fit x.xml",
         "envelope x.xml",
-        "equilibria x.xml --velocity 0,20",
+        "equilibria x.xml --velocity 20,0,0",
         "margins x.xml",
         "sweep x.xml",
         "fly x.xml",

@@ -1,17 +1,15 @@
 //! Campaigns: the same results from any number of threads, shares and interruptions; and what the built-in ones show.
 
-mod common;
-
 use std::num::NonZero;
 use std::path::Path;
 
+use crate::common::experiment_of;
 use alula_report::campaign::page;
 use alula_sim::experiment::{Experiment, PathSpec};
 use alula_sim::simulate::fly;
 use alula_study::{
     CampaignFlight, CampaignSource, Column, Drawn, FlightResult, Shard, Store, Summary, run,
 };
-use common::experiment_of;
 
 /// The built-in campaign with so many flights.
 fn source(name: &str, flights: u64) -> CampaignSource {

@@ -2,14 +2,13 @@
 //!
 //! Beside each bound stands what was measured. The rest, up to half as much again, is for the last bits, which decide when the
 //! stall is crossed.
-mod common;
 
+use crate::common::{PAPER_GAINS, experiment};
 use alula::GuidanceOutput;
 use alula::guidance::{AirUse, Mode, Phase, Status};
 use alula_sim::experiment::Experiment;
 use alula_sim::figures::{Figures, Segment};
 use alula_sim::simulate::{Record, Step, fly};
-use common::{PAPER_GAINS, experiment};
 
 fn guided(step: &Step) -> &GuidanceOutput {
     step.answer.guided().unwrap()
@@ -38,7 +37,7 @@ fn late(segment: &Segment) -> &alula_sim::figures::Steady {
 /// What host-tests/README.md says of the flights in the plane is what is flown.
 #[test]
 fn the_readme_has_the_figures_flown() {
-    let readme = include_str!("../README.md");
+    let readme = include_str!("../../README.md");
     let flights = [
         "round-trip",
         "round-trip-weak",

@@ -2,8 +2,8 @@
 
 use std::f64::consts::PI;
 
-use crate::course::{self, Course};
-use crate::flown::{Sample, Setup, Target, V3, Wind, cruise, hover, report, rms, with};
+use super::course::{self, Course};
+use super::scenario::{Sample, Setup, Target, V3, Wind, cruise, hover, report, rms, with};
 
 /// Cruise to the north at 20 m/s through a gust that begins at 10 s; figures from then on, for 20 s.
 fn through(name: &str, gust: &str, known: Wind) -> [f64; 3] {

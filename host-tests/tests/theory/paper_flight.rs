@@ -2,10 +2,10 @@
 //!
 //! The expected figures are those that double precision gives. Velocity error, α, θ and T/mg are
 //! the true vehicle's; |F_p| is the controller's own, made with its wrong parameters.
-mod common;
 
 use std::f32::consts::FRAC_PI_2;
 
+use crate::common::experiment;
 use alula::BodyRates;
 use alula::planar::GainParameters;
 use alula::spatial::Orientation;
@@ -15,7 +15,6 @@ use alula_sim::experiment::{BUILT_IN, DEFAULT, Document, Experiment, PlantSpec};
 use alula_sim::figures::Figures;
 use alula_sim::reference::{self, Inputs, Vector, robust};
 use alula_sim::simulate::{Step, fly, fly_by};
-use common::experiment;
 
 /// What the paper's controller believes of the vehicle, in double precision.
 fn belief(experiment: &Experiment) -> reference::Vehicle {
@@ -69,7 +68,7 @@ fn double_precision_gives_the_same_figures() {
     let experiment = experiment(DEFAULT, &[]);
     let vehicle = experiment.vehicle.reference();
     let belief = belief(&experiment);
-    let gains = common::gains(GainParameters::PAPER).1;
+    let gains = crate::common::gains(GainParameters::PAPER).1;
     let (mut velocity, mut theta) = (Vector::zeros(), 0.0);
     let still = Vector::zeros();
     let (mut peak, mut peak_time, mut least, mut fastest) = (0.0, 0.0, f64::INFINITY, 0.0_f64);
@@ -174,7 +173,7 @@ fn the_default_experiment_is_the_papers() {
     let paper = |p: VehicleParameters, set| {
         // The bare laws know of no thrust limits.
         let p = p.thrust_min(-1e6).thrust_max(1e6);
-        alula::Vehicle::new(p, common::combined(set).0).unwrap()
+        alula::Vehicle::new(p, crate::common::combined(set).0).unwrap()
     };
     let expected = paper(
         VehicleParameters::PAPER,

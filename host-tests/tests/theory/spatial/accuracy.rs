@@ -15,8 +15,8 @@ use alula_sim::reference::{
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+use super::support::{C_Y, Point, ball, lateral};
 use crate::common::{combined, gains, vehicles};
-use crate::support::{C_Y, Point, ball, lateral};
 
 /// States per cell of (parameter set, thrust line, subset).
 const STATES: usize = 100_000;

@@ -198,7 +198,7 @@ fn slow_vehicles_with_limited_authority_are_not_lost() {
 
 /// The distribution, on seeds that nothing was tuned on.
 #[test]
-#[ignore = "minutes: cargo test --release -p alula-sil --test tail_sitters -- --ignored --show-output"]
+#[ignore = "minutes: cargo test --release -p alula-sil --test flights tail_sitters:: -- --ignored --show-output"]
 fn the_distribution() {
     for vehicle in VEHICLES {
         for kind in KINDS {
