@@ -1,7 +1,7 @@
 //! Spherical equivalency: the thrust change of variable that makes the aerodynamic force look like a sphere's.
 //!
-//! With T_p = T + λ k_a |v_a|² (`eq:Tp`) the force left over, f_p, hardly depends on the attitude: not at all when
-//! `eq:condition` holds, and to first order at every equilibrium (Theorem 3).
+//! With T_p = T + λ k_a |v_a|² (`eq:Tp`) the force left over, f_p, hardly depends on the attitude. It does not at all
+//! where `eq:condition` holds, nor to first order at any equilibrium (Theorem 3).
 
 use crate::aero::{Aerodynamics, Coefficients};
 use crate::air::{AirData, AngleOfAttack};

@@ -1,8 +1,8 @@
 //! The table of parameters: each one's name, unit, range, default and meaning, written once.
 //!
 //! The macro [`parameters!`](crate::parameters) makes a structure and its checks from the rows. What else is said of a
-//! parameter is read from [`Parameters::ROWS`]: names in experiment files, the C structure and its comments, the
-//! parameter file of PX4, the page in the documentation.
+//! parameter is read from [`Parameters::ROWS`]: names in experiment files, the C structure with its comments, PX4's
+//! parameter file, the page in the documentation.
 
 use crate::error::{ParameterError, Problem, in_range, problem};
 

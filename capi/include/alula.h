@@ -67,8 +67,8 @@
 #define ALULA_ERROR_CRUISE_SPEED -8
 
 /**
- * A goal is none: its kind has no such value, a number of it or the position is not finite or beyond 1e8 m, or its speed, climb or acceleration
- * is not from 0.01 to 1000.
+ * A goal is none. Its kind has no such value; a number of it or the position is not finite or beyond 1e8 m; or its
+ * speed, climb or acceleration is not from 0.01 to 1000.
  */
 #define ALULA_ERROR_GOAL -9
 
@@ -238,9 +238,10 @@
 #define ALULA_ERROR_ITEM_TOO_MANY -58
 
 /**
- * Codes from here down name a parameter: `ALULA_ERROR_PARAMETER - 4 * index - problem`. The index is the parameter's place
- * in `alula_parameters`, from 0, and behind those in `alula_mission_parameters`. The problem is 0 for a number that is not finite, 1 for one that is not positive, 2 for one
- * out of range, 3 for one that contradicts another parameter.
+ * Codes from here down name a parameter: `ALULA_ERROR_PARAMETER - 4 * index - problem`. The index is the parameter's
+ * place in `alula_parameters`, from 0, and behind those in `alula_mission_parameters`. The problem is 0 for a number
+ * that is not finite, 1 for one that is not positive, 2 for one out of range. It is 3 for one that contradicts another
+ * parameter.
  */
 #define ALULA_ERROR_PARAMETER -100
 
@@ -1752,9 +1753,9 @@ int32_t alula_table_init(struct alula_table *table,
 
 /**
  * Makes `controller` the one of `parameters`. If the model is `ALULA_MODEL_TABLE`, the controller keeps a pointer to
- * `table`: the table must stay where it is, and as it is, for as long as the controller or a copy of it is used. For any
- * other model `table` is not read and may be null. Returns `ALULA_OK`, or the code that names the first parameter refused;
- * the controller is then not initialised.
+ * `table`. The table must stay where it is, and as it is, for as long as the controller or a copy of it is used. For
+ * any other model `table` is not read and may be null. Returns `ALULA_OK`, or the code that names the first parameter
+ * refused; the controller is then not initialised.
  *
  * Pointers:
  * Each pointer is null or points to memory of the caller's that holds at least the header word; the whole structure
@@ -1928,9 +1929,9 @@ int32_t alula_path_time_scale(const struct alula_controller *controller,
                               float *time_scale);
 
 /**
- * Makes the plan that `ALULA_STATUS_PLAN_DUE` asks for: the vehicle is flown ahead by the plan in force and by others, and the
- * next step goes on by the best of them. It takes some twenty times the instructions of `alula_guide`. Without plans the
- * vehicle flies on by the last one: it follows what it can without crossing a stall.
+ * Makes the plan that `ALULA_STATUS_PLAN_DUE` asks for: the vehicle is flown ahead by the plan in force and by others.
+ * The next step goes on by the best of them. It takes some twenty times the instructions of `alula_guide`. Without
+ * plans the vehicle flies on by the last one: it follows what it can without crossing a stall.
  *
  * Pointers:
  * As `alula_guide`.
@@ -1969,10 +1970,10 @@ int32_t alula_search_adopt(struct alula_controller *controller,
 
 /**
  * The attitudes at which the reference of `input` can be held in its wind without sideslip, in a turn banked as its
- * reference acceleration asks. The plane of symmetry is then that of the air velocity asked for and the apparent weight;
- * where these are parallel, as in hover, the belly stays on the side it has in `input`. Velocity is not read, unless the air
- * is given relative to it. Slower than a step, and of bounded work: for a background task. With any code but `ALULA_OK`
- * the set is empty.
+ * reference acceleration asks. The plane of symmetry is then that of the air velocity asked for and the apparent
+ * weight. Where these are parallel, as in hover, the belly stays on the side it has in `input`. Velocity is not read,
+ * unless the air is given relative to it. Slower than a step, and of bounded work: for a background task. With any
+ * code but `ALULA_OK` the set is empty.
  *
  * Pointers:
  * As `alula_step`.

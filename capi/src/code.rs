@@ -29,8 +29,8 @@ pub const ALULA_ERROR_SELECTOR: i32 = -6;
 pub const ALULA_ERROR_CONTROL_RATE: i32 = -7;
 /// The speed of cruise is not from 1 m/s to 340 m/s.
 pub const ALULA_ERROR_CRUISE_SPEED: i32 = -8;
-/// A goal is none: its kind has no such value, a number of it or the position is not finite or beyond 1e8 m, or its speed, climb or acceleration
-/// is not from 0.01 to 1000.
+/// A goal is none. Its kind has no such value; a number of it or the position is not finite or beyond 1e8 m; or its
+/// speed, climb or acceleration is not from 0.01 to 1000.
 pub const ALULA_ERROR_GOAL: i32 = -9;
 /// The velocity is not finite, or faster than 1000 m/s.
 pub const ALULA_ERROR_VELOCITY: i32 = -10;
@@ -98,9 +98,10 @@ pub const ALULA_ERROR_ITEM_NOT_FIRST: i32 = -56;
 pub const ALULA_ERROR_ITEM_AFTER_LANDING: i32 = -57;
 /// Item: there are more than `ALULA_MISSION_ITEMS`.
 pub const ALULA_ERROR_ITEM_TOO_MANY: i32 = -58;
-/// Codes from here down name a parameter: `ALULA_ERROR_PARAMETER - 4 * index - problem`. The index is the parameter's place
-/// in `alula_parameters`, from 0, and behind those in `alula_mission_parameters`. The problem is 0 for a number that is not finite, 1 for one that is not positive, 2 for one
-/// out of range, 3 for one that contradicts another parameter.
+/// Codes from here down name a parameter: `ALULA_ERROR_PARAMETER - 4 * index - problem`. The index is the parameter's
+/// place in `alula_parameters`, from 0, and behind those in `alula_mission_parameters`. The problem is 0 for a number
+/// that is not finite, 1 for one that is not positive, 2 for one out of range. It is 3 for one that contradicts another
+/// parameter.
 pub const ALULA_ERROR_PARAMETER: i32 = -100;
 
 /// The command is the safe one.

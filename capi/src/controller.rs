@@ -143,9 +143,9 @@ pub(crate) unsafe fn initialised_mut<'a>(
 }
 
 /// Makes `controller` the one of `parameters`. If the model is `ALULA_MODEL_TABLE`, the controller keeps a pointer to
-/// `table`: the table must stay where it is, and as it is, for as long as the controller or a copy of it is used. For any
-/// other model `table` is not read and may be null. Returns `ALULA_OK`, or the code that names the first parameter refused;
-/// the controller is then not initialised.
+/// `table`. The table must stay where it is, and as it is, for as long as the controller or a copy of it is used. For
+/// any other model `table` is not read and may be null. Returns `ALULA_OK`, or the code that names the first parameter
+/// refused; the controller is then not initialised.
 ///
 /// # Safety
 /// Each pointer is null or points to memory of the caller's that holds at least the header word; the whole structure

@@ -131,10 +131,10 @@ impl EquilibriumAttitude {
 }
 
 /// The attitudes at which the reference of `input` can be held in its wind without sideslip, in a turn banked as its
-/// reference acceleration asks. The plane of symmetry is then that of the air velocity asked for and the apparent weight;
-/// where these are parallel, as in hover, the belly stays on the side it has in `input`. Velocity is not read, unless the air
-/// is given relative to it. Slower than a step, and of bounded work: for a background task. With any code but `ALULA_OK`
-/// the set is empty.
+/// reference acceleration asks. The plane of symmetry is then that of the air velocity asked for and the apparent
+/// weight. Where these are parallel, as in hover, the belly stays on the side it has in `input`. Velocity is not read,
+/// unless the air is given relative to it. Slower than a step, and of bounded work: for a background task. With any
+/// code but `ALULA_OK` the set is empty.
 ///
 /// # Safety
 /// As `alula_step`.

@@ -1,9 +1,9 @@
 //! The C ABI of alula: check, convert, call.
 //!
-//! The interface of a C or C++ autopilot is `include/alula.h`, generated from this crate; `docs/integrating.md` tells how to
-//! use it. Nothing here allocates, has a global or panics, and nothing unwinds into the caller. The caller owns every
-//! structure; all are plain numbers of fixed size that begin with a header word, which holds the version of the ABI and
-//! the size of the structure as the caller's compiler saw it.
+//! The interface of a C or C++ autopilot is `include/alula.h`, generated from this crate; `docs/integrating.md` tells
+//! how to use it. Nothing here allocates, has a global or panics, and nothing unwinds into the caller. The caller owns
+//! every structure. All are plain numbers of fixed size, and begin with a header word. It holds the version of the ABI
+//! and the size of the structure as the caller's compiler saw it.
 #![no_std]
 #![deny(unsafe_op_in_unsafe_fn)]
 

@@ -46,9 +46,9 @@ impl Search {
     }
 }
 
-/// Makes the plan that `ALULA_STATUS_PLAN_DUE` asks for: the vehicle is flown ahead by the plan in force and by others, and the
-/// next step goes on by the best of them. It takes some twenty times the instructions of `alula_guide`. Without plans the
-/// vehicle flies on by the last one: it follows what it can without crossing a stall.
+/// Makes the plan that `ALULA_STATUS_PLAN_DUE` asks for: the vehicle is flown ahead by the plan in force and by others.
+/// The next step goes on by the best of them. It takes some twenty times the instructions of `alula_guide`. Without
+/// plans the vehicle flies on by the last one: it follows what it can without crossing a stall.
 ///
 /// # Safety
 /// As `alula_guide`.

@@ -20,9 +20,9 @@ pub fn is_dataflash(bytes: &[u8]) -> bool {
 
 /// Reads the DataFlash log `bytes`, called `file` in errors.
 ///
-/// Each kind of message with a time (`TimeUS`, or `TimeMS` of old logs, and `T` of their `GPS`) becomes a topic; of a kind with an instance (a
-/// column of the unit `#`) each instance becomes one, with that instance's number. Text, parameters and the messages that
-/// only describe others are left out. Damaged parts are passed over, and a note left.
+/// Each kind of message with a time (`TimeUS`, or `TimeMS` of old logs, and `T` of their `GPS`) becomes a topic. Of a
+/// kind with an instance (a column of the unit `#`) each instance becomes one, with that instance's number. Text,
+/// parameters and the messages that only describe others are left out. Damaged parts are passed over, and a note left.
 ///
 /// # Errors
 /// [`Error::Format`]: nothing in it is a DataFlash message, or no message has a time.

@@ -12,9 +12,9 @@ use crate::guidance::{components, ned};
 
 /// Makes, step by step, the reference that the guidance takes, of something that is to be reached: `hover`, `stop` or `fly`.
 ///
-/// speed_m_s and climb_m_s: horizontal and vertical speed on the way to a place, acceleration_m_s2: the greatest of the reference,
-/// each from 0.01 to 1000. altitude_band_m, nose_below_vertical: what the plans are to mind, as in `Guidance.update`; 0 leaves the band
-/// to the guidance's parameter. At first the goal is to stop.
+/// speed_m_s and climb_m_s: horizontal and vertical speed on the way to a place. acceleration_m_s2: the greatest of the
+/// reference. Each is from 0.01 to 1000. altitude_band_m, nose_below_vertical: what the plans are to mind, as in
+/// `Guidance.update`; 0 leaves the band to the guidance's parameter. At first the goal is to stop.
 #[pyclass(module = "alula")]
 pub struct Goals {
     goals: ::alula::guidance::Goals,

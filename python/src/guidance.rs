@@ -21,8 +21,9 @@ use crate::vehicle::Vehicle;
 /// The law with everything around it that a real vehicle asks for: planning, position hold, limits, supervision.
 ///
 /// Parameters by keyword, those left out at their defaults: `alula.parameters()["Guidance"]`; and as in the table
-/// `[controller.guidance]` of an experiment `gains`, a dictionary of constant gains in place of those by bandwidth, and
-/// `thrust_n`, (least, most) in place of the vehicle's. For flights in one plane `max_lateral_acceleration_g=0` keeps the plane.
+/// `[controller.guidance]` of an experiment `gains`, a dictionary of constant gains in place of those by bandwidth; and
+/// `thrust_n`, (least, most) in place of the vehicle's. For flights in one plane `max_lateral_acceleration_g=0` keeps
+/// the plane.
 ///
 /// It remembers from step to step; `reset` is power-on.
 #[pyclass(module = "alula")]

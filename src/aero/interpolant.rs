@@ -1,8 +1,8 @@
 //! The interpolant of tables: C², local, and monotone wherever its data are.
 //!
-//! Each node takes value, slope and curvature from the parabola through it and its neighbours, limited so that the
-//! quintic Hermite polynomial of every interval is monotone: its Bernstein ordinates are then in order, which is
-//! sufficient. Extrema stay at nodes, nothing overshoots, nothing rings.
+//! Each node takes value, slope and curvature from the parabola through it and its neighbours. They are limited so that
+//! the quintic Hermite polynomial of every interval is monotone. It is, since its Bernstein ordinates are in order.
+//! Extrema stay at nodes, nothing overshoots, nothing rings.
 
 use super::table::Node;
 

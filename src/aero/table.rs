@@ -126,8 +126,8 @@ pub struct Polar<const N: usize> {
 
 impl<const N: usize> Polar<N> {
     /// The table through `nodes`, by increasing angle: over [0, π] for a symmetric section (c_L odd, c_D even in α), or
-    /// over [−π, π] for any other. α = 0 is the table's reference line, e.g. the chord; a vehicle's δ is measured from
-    /// the same line.
+    /// over [−π, π] for any other. The angle 0 is the table's reference line, such as the chord; a vehicle's δ is
+    /// measured from the same line.
     ///
     /// # Errors
     /// The first row that is wrong, and why.

@@ -11,8 +11,8 @@ use crate::math;
 pub struct Margin {
     /// |F_p|/τ. Below 1 the guard acts, at 0 there is no equilibrium attitude.
     pub force: f32,
-    /// The gain k of the full law (`eq:kv`), which the robust law leaves out: 1 on a sphere, large or negative where
-    /// F_p turns with the attitude. 0 where it is undefined.
+    /// The gain k of the full law (`eq:kv`), which the robust law leaves out. On a sphere it is 1; where F_p turns with
+    /// the attitude it is large or negative; where it is undefined it is 0.
     pub k: f32,
     /// Angle \[rad\] from the present attitude to the nearest fold, to first order, in [−π, π]; positive on the side
     /// that thrust can hold.

@@ -29,8 +29,8 @@ pub struct FoldMargin {
     pub a: f32,
 }
 
-/// The equivalent coefficients of a vehicle around the circle, from which the margin to the nearest fold follows at
-/// every control step in constant time and without the coefficient model. 3 kB, built once.
+/// The equivalent coefficients of a vehicle around the circle. From them the margin to the nearest fold follows at
+/// every control step, in constant time and without the coefficient model. 3 kB, built once.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FoldMap {
     /// (c̄_L, c̄_D) at odd multiples of 0.5°, continued by half a window at both ends.

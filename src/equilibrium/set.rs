@@ -109,11 +109,12 @@ pub struct Equilibria(heapless::Vec<Equilibrium, CAPACITY>);
 impl Equilibria {
     /// Every equilibrium orientation of `vehicle` at the `reference` in this `wind` [m/s].
     ///
-    /// F̄_2 is sampled on a fixed grid; a change of its sign between two nodes is refined to single precision, and where
-    /// only its derivative changes sign the extremum is looked at. Two equilibria closer than 0.1°, next to a fold, may
-    /// be missed, and a pair that close be reported where the fold has just been left: it is what single precision
-    /// makes of F̄_2 (0.008° was measured at the folds of the shipped models). Coefficients that bend twice within a cell of the grid (0.5° up to α = 30°) may hide more. The
-    /// work is bounded: at most [`MAX_EVALUATIONS`] evaluations of the model.
+    /// F̄_2 is sampled on a fixed grid. A change of its sign between two nodes is refined to single precision. Where
+    /// only its derivative changes sign, the extremum is looked at. Two equilibria closer than 0.1°, next to a fold,
+    /// may be missed; a pair that close may be reported where the fold has just been left. That is what single
+    /// precision makes of F̄_2: 0.008° was measured at the folds of the shipped models. Coefficients that bend twice
+    /// within a cell of the grid (0.5° up to α = 30°) may hide more. The work is bounded: at most [`MAX_EVALUATIONS`]
+    /// evaluations of the model.
     ///
     /// # Errors
     /// The input that is not finite or absurd; [`EquilibriumError::EveryOrientation`];

@@ -46,8 +46,9 @@ const LIFTED_TIME: f32 = 0.1;
 /// Thrust up to which it is tried, in multiples of the weight, and for how much longer than `spool_time` \[s\].
 const MOST_THRUST: f32 = 1.6;
 const PATIENCE: f32 = 3.0;
-/// It stands on the ground when it has sunk by less than this part of what it is asked to, and no faster than so up, for so long \[s\], within this of
-/// the ground's believed height \[m\]; elsewhere with no more than this thrust, in multiples of the weight, and over its reference by this \[m\].
+/// It stands on the ground when it has sunk by less than this part of what it is asked to, and risen no faster, for so
+/// long \[s\]. So it does within this of the ground's believed height \[m\]. Elsewhere its thrust is besides at most
+/// this, in multiples of the weight, and it is over its reference by this \[m\].
 const STANDING: f32 = 0.5;
 const STANDING_TIME: f32 = 0.1;
 const NEAR_GROUND: f32 = 1.0;

@@ -108,8 +108,8 @@ impl<A: Aerodynamics, G: GainLaw> AxisymmetricControl<A, G> {
     /// The full law: with it, true accelerations and `V = (m/2)|ṽ|² + (1 − F̄_p1/|F_p|)/k2`, constant gains give
     /// `V̇ = −k1|F_p|ṽ_1² − (k3/k2) tan²(θ̃/2)`.
     ///
-    /// F_p follows the attitude only along v_a, so that 1/k is a matrix of rank one off the identity. b'(α)/sin α,
-    /// which it needs, is known in single precision to 1e-7/sin³ α only: below sin α = 0.02 the law is no better than the
+    /// F_p follows the attitude only along v_a, so that 1/k is a matrix of rank one off the identity. It needs
+    /// b'(α)/sin α, which single precision knows to 1e-7/sin³ α only. Below sin α = 0.02 the law is no better than the
     /// robust one.
     ///
     /// # Errors

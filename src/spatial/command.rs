@@ -143,8 +143,8 @@ pub struct Diagnostics {
 }
 
 impl Diagnostics {
-    /// Tilt \[rad\], in (−π/2, π/2): the angle by which the wing is off the normal of F_y, 0 where lateral forces balance;
-    /// positive where the force asked for leans to the right wing.
+    /// Tilt \[rad\], in (−π/2, π/2): the angle by which the wing is off the normal of F_y. It is 0 where lateral forces
+    /// balance, and positive where the force asked for points to the right wing.
     pub fn tilt(&self) -> f32 {
         out_of_plane(self.f_y)
     }

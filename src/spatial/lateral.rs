@@ -1,9 +1,9 @@
 //! Tilt and twist: the two rates that keep the plane of symmetry in the plane of flight.
 //!
-//! Thrust and the planar force lie in the plane of symmetry, so across the wing only weight, reference and side force
-//! act: the lateral force is w·(W − k_a c_Y |v_a| v_a), whatever the attitude in the plane. Tilt turns the wing normal
-//! to the vector F_y in which that is collected, twist turns it about F_y until there is no sideslip, or towards the
-//! heading where there is too little air to decide.
+//! Thrust and the planar force lie in the plane of symmetry. So across the wing only weight, reference and side force
+//! act. The lateral force is w·(W − k_a c_Y |v_a| v_a), whatever the attitude in the plane. Tilt turns the wing normal
+//! to the vector F_y in which that is collected. Twist turns it about F_y until there is no sideslip; where there is
+//! too little air to decide, towards the heading.
 
 use super::vector::Body;
 use crate::control::Guard;

@@ -1,11 +1,11 @@
 //! Control in space: one law from hover to cruise, in any direction.
 //!
 //! World vectors are north-east-down ([`Ned`]). What goes in and comes out is forward-right-down ([`Frd`](crate::Frd),
-//! [`BodyRates`](crate::BodyRates)); inside, body vectors are along the paper's axes: i the tail, j the belly, w the right wing.
-//! [`WingedControl`] flies a vehicle with a wing: the planar law in the plane of symmetry, and two scalars, tilt and
-//! twist, that keep this plane where lateral forces balance and there is no sideslip. [`axisymmetric`] flies a
-//! body of revolution. [`Sideslip`] and [`ForceError`] learn from the accelerometer what wind and model leave out.
-//! The paper names three dimensions as its next step; the laws here are not in it, and where an identity of the planar
+//! [`BodyRates`](crate::BodyRates)); inside, body vectors are along the paper's axes: i the tail, j the belly, w the
+//! right wing. [`WingedControl`] flies a vehicle with a wing: the planar law in the plane of symmetry, and two scalars,
+//! tilt and twist. They keep this plane where lateral forces balance and there is no sideslip. [`axisymmetric`] flies a
+//! body of revolution. [`Sideslip`] and [`ForceError`] learn from the accelerometer what wind and model leave out. The
+//! paper names three dimensions as its next step; the laws here are not in it, and where an identity of the planar
 //! theory carries over it is said so.
 
 mod aerodynamic_force;

@@ -1,10 +1,10 @@
 //! ArduPlane's rules of QACRO, of the simulated autopilot.
 //!
-//! Channels are read at 50 Hz. Each is overridden on its own: a pulse of 0 gives it back to the transmitter, 65535 leaves it as it is, and after
-//! `RC_OVERRIDE_TIME` without a pulse the transmitter has it again. The throttle is in whole per cent and filtered at 10 Hz.
-//! Rates are ramped at `Q_A_ACCEL_*_MAX`, 300 °/s² in pitch and roll as shipped.
-//! (ArduPlane 4.6: `RC_Channel::has_override`, `GCS_MAVLINK::handle_rc_channels_override`, `ModeQAcro::run`, `AC_AttitudeControl::input_shaping_ang_vel`.) Not
-//! simulated is its motors' idle (`Q_M_SPIN_MIN`).
+//! Channels are read at 50 Hz. Each is overridden on its own. A pulse of 0 gives it back to the transmitter, and 65535
+//! leaves it as it is. After `RC_OVERRIDE_TIME` without a pulse the transmitter has it again. The throttle is in whole
+//! per cent and filtered at 10 Hz. Rates are ramped at `Q_A_ACCEL_*_MAX`, 300 °/s² in pitch and roll as shipped.
+//! (ArduPlane 4.6: `RC_Channel::has_override`, `GCS_MAVLINK::handle_rc_channels_override`, `ModeQAcro::run`,
+//! `AC_AttitudeControl::input_shaping_ang_vel`.) Not simulated is its motors' idle (`Q_M_SPIN_MIN`).
 
 use mavlink::dialects::ardupilotmega::RC_CHANNELS_OVERRIDE_DATA;
 

@@ -147,8 +147,8 @@ impl Actuators {
 
     /// The wrench of the outputs and the air, with `thrust` \[N\] of the motors, on a vehicle of this `mass` \[kg\] and `k_a` \[kg/m\].
     ///
-    /// A pulse longer than 1500 µs deflects an elevon such that, with both, the nose pitches up; pitch is the mean of both, and the
-    /// vehicle rolls right by half of right less left. A channel that is off is neutral.
+    /// A pulse longer than 1500 µs deflects an elevon such that, with both, the nose pitches up. Pitch is the mean of
+    /// both. The vehicle rolls right by half of right less left. A channel that is off is neutral.
     #[must_use]
     pub fn wrench(
         &self,

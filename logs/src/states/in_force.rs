@@ -1,8 +1,9 @@
 //! Which of several topics of one quantity is in force, row by row: estimators and sensors are switched in flight.
 //!
-//! ArduPilot names the estimator's core that is in force in `XKF4.PI` (`NKF4.PI` of EKF2), the estimator in `ATT.AEKF` (2 or 3), the airspeed sensor in `ARSP.Pri`; a receiver
-//! of satellites is in use where `GPS.U` is 1, and has a place and a velocity where `GPS.Status` is 3 and more. Until 4.0 each core had messages of
-//! its own: `NKF6` is `NKF1` of the second, and `NKF11` that of the third. PX4 logs what is in force under one name.
+//! ArduPilot names the estimator's core that is in force in `XKF4.PI` (`NKF4.PI` of EKF2), the estimator in `ATT.AEKF`
+//! (2 or 3), the airspeed sensor in `ARSP.Pri`. A receiver of satellites is in use where `GPS.U` is 1, and has a place
+//! and a velocity where `GPS.Status` is 3 and more. Until 4.0 each core had messages of its own: `NKF6` is `NKF1` of
+//! the second, and `NKF11` that of the third. PX4 logs what is in force under one name.
 
 use crate::{Column, Log, Topic};
 use std::borrow::Cow;
