@@ -602,22 +602,22 @@ fn a_goal_that_is_none_is_refused() {
     assert_eq!(step(&mut goal, zero.as_ptr(), null_mut()), ALULA_ERROR_NULL);
 }
 
-/// The pace is the core's: slower behind, faster ahead, 1 where there is nothing to tell.
+/// The time scale of a path is the core's: slower behind, faster ahead, 1 where there is nothing to tell.
 #[test]
 fn a_path_waits_for_who_is_behind() {
     let (c, core) = (controller(&PAPER, null()), core());
-    let mut paces = Vec::new();
+    let mut scales = Vec::new();
     for along in [-40.0, -1.0, 0.0, 7.0, 100.0, f32::NAN] {
         let (error, velocity) = ([0.6 * along, 0.8 * along, 3.0], [12.0, 16.0, 0.0]);
-        let mut pace = 9.0;
+        let mut scale = 9.0;
         let code =
-            unsafe { alula_path_time_scale(&c, error.as_ptr(), velocity.as_ptr(), &mut pace) };
+            unsafe { alula_path_time_scale(&c, error.as_ptr(), velocity.as_ptr(), &mut scale) };
         assert_eq!(code, ALULA_OK);
-        assert_eq!(pace, core.path_time_scale(ned(error), ned(velocity)));
-        paces.push(pace);
+        assert_eq!(scale, core.path_time_scale(ned(error), ned(velocity)));
+        scales.push(scale);
     }
-    assert!(paces[0] < paces[1] && paces[1] < 1.0 && paces[3] > 1.0);
-    assert_eq!((paces[2], paces[5]), (1.0, 1.0));
+    assert!(scales[0] < scales[1] && scales[1] < 1.0 && scales[3] > 1.0);
+    assert_eq!((scales[2], scales[5]), (1.0, 1.0));
 }
 
 /// In hover the heading asked for turns the vehicle about its tail; a free one does not.

@@ -101,12 +101,12 @@ fn null_unaligned_and_foreign_structures_are_told_apart() {
             assert_eq!(alula_take_over(&mut c, input, 0.5, rates), code);
         }
 
-        let (vector, mut pace) = ([1.0f32, 2.0, 3.0], 9.0);
+        let (vector, mut scale) = ([1.0f32, 2.0, 3.0], 9.0);
         let v = vector.as_ptr();
         for (error, velocity) in [(null(), v), (v, null()), (odd.cast_const().cast(), v)] {
-            let code = alula_path_time_scale(&c, error, velocity, &mut pace);
+            let code = alula_path_time_scale(&c, error, velocity, &mut scale);
             assert!(code == ALULA_ERROR_NULL || code == ALULA_ERROR_UNALIGNED);
-            assert_eq!(pace, 1.0);
+            assert_eq!(scale, 1.0);
         }
         assert_eq!(
             alula_path_time_scale(&c, v, v, null_mut()),

@@ -163,15 +163,15 @@ pub fn run(data: &[u8]) -> u64 {
                 }
                 9 => {
                     let [x, v] = [(); 2].map(|()| [(); 3].map(|()| bytes.number(30.0)));
-                    let mut pace = 0.0;
+                    let mut scale = 0.0;
                     let code = alula_path_time_scale(
                         pointer(bytes, &controller),
                         pointer(bytes, &raw const x).cast(),
                         pointer(bytes, &raw const v).cast(),
-                        &mut pace,
+                        &mut scale,
                     );
                     known(code);
-                    assert!((0.5..=1.25).contains(&pace), "{pace}");
+                    assert!((0.5..=1.25).contains(&scale), "{scale}");
                 }
                 10 | 11 => {
                     let setup = MissionSetup {

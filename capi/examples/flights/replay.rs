@@ -135,26 +135,35 @@ fn fly(
     Ok(controller.control().robust(&at, &input.reference, None)?)
 }
 
-/// The core's numbers of a command, each with its place among the words of a line of commands.
-fn numbers(command: &spatial::Command) -> [(&'static str, usize, f32); 9] {
+/// A number of a command.
+struct Number {
+    name: &'static str,
+    /// Its place among the words of a line of commands.
+    place: usize,
+    value: f32,
+}
+
+/// The core's numbers of a command.
+fn numbers(command: &spatial::Command) -> [Number; 9] {
     let d = &command.diagnostics;
     let given = |offset: usize| offset / 4 - 1;
     let told = |offset: usize| size_of::<Command>() / 4 - 1 + offset / 4 - 1;
+    let number = |name, place, value| Number { name, place, value };
     let rate = given(offset_of!(Command, body_rate));
     [
-        ("thrust", given(offset_of!(Command, thrust)), command.thrust),
-        ("roll rate", rate, command.rates.roll),
-        ("pitch rate", rate + 1, command.rates.pitch),
-        ("yaw rate", rate + 2, command.rates.yaw),
-        ("alpha", told(offset_of!(Report, alpha)), d.plane.alpha),
-        ("sideslip", told(offset_of!(Report, sideslip)), d.sideslip()),
-        ("tilt", told(offset_of!(Report, tilt)), d.tilt()),
-        (
+        number("thrust", given(offset_of!(Command, thrust)), command.thrust),
+        number("roll rate", rate, command.rates.roll),
+        number("pitch rate", rate + 1, command.rates.pitch),
+        number("yaw rate", rate + 2, command.rates.yaw),
+        number("alpha", told(offset_of!(Report, alpha)), d.plane.alpha),
+        number("sideslip", told(offset_of!(Report, sideslip)), d.sideslip()),
+        number("tilt", told(offset_of!(Report, tilt)), d.tilt()),
+        number(
             "f_p_norm",
             told(offset_of!(Report, f_p_norm)),
             d.plane.f_p_norm,
         ),
-        ("t_p", told(offset_of!(Report, t_p)), d.plane.t_p),
+        number("t_p", told(offset_of!(Report, t_p)), d.plane.t_p),
     ]
 }
 
@@ -197,10 +206,11 @@ fn main() -> Result<()> {
         if same != letter {
             return Err(place("another sort than in the trace".into()).into());
         }
-        for (name, at, wanted) in numbers(&command) {
-            let got = got.number(at).map_err(place)?;
-            if got.to_bits() != wanted.to_bits() {
-                let difference = format!("{name} is {got:e}, and {wanted:e} from Rust");
+        for wanted in numbers(&command) {
+            let got = got.number(wanted.place).map_err(place)?;
+            let Number { name, value, .. } = wanted;
+            if got.to_bits() != value.to_bits() {
+                let difference = format!("{name} is {got:e}, and {value:e} from Rust");
                 return Err(place(difference.into()).into());
             }
         }

@@ -78,8 +78,8 @@ pub struct HeadingStep {
 
 /// A path that is being flown.
 ///
-/// A path without a wait is a function of time. Where it waits for the vehicle, its parameter advances at the guidance's pace times its own rate; velocity and
-/// acceleration scale with the pace and its square.
+/// A path without a wait is a function of time. Where it waits for the vehicle, its parameter advances at the guidance's time scale times its own rate; velocity and
+/// acceleration scale with that factor and its square.
 pub struct Path {
     shape: Shape,
     phase: f64,
@@ -229,7 +229,7 @@ impl Path {
         self.at(0.0).0
     }
 
-    /// The target at `t` \[s\]; the next call is for `dt` \[s\] later. `pace` is asked how fast a path that waits may go on, in multiples of
+    /// The target at `t` \[s\]; the next call is for `dt` \[s\] later. `time_scale` is asked how fast a path that waits may go on, in multiples of
     /// its own speed.
     pub fn advance(&mut self, t: f64, dt: f64, time_scale: impl FnOnce(&Target) -> f64) -> Target {
         if !self.waits {

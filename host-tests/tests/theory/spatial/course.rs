@@ -7,12 +7,12 @@ pub type Curve = fn(f64) -> [V3; 4];
 
 /// Flies along a curve at a constant speed.
 ///
-/// The parameter advances at a pace times its own rate, such as `1 + k e_t/V` in [0.5, 1.6], e_t the error along the track;
-/// velocity, acceleration and jerk scale with the first three powers of that pace.
+/// The parameter advances at a time scale times its own rate, such as `1 + k e_t/V` in [0.5, 1.6], e_t the error along the track;
+/// velocity, acceleration and jerk scale with the first three powers of that scale.
 pub struct Course {
     pub curve: Curve,
     pub speed: f64,
-    /// The pace at a position error and a velocity.
+    /// The time scale at a position error and a velocity.
     time_scale: Box<dyn Fn(V3, V3) -> f64 + Send>,
     phase: f64,
 }
@@ -22,13 +22,13 @@ const FOLLOW: f64 = 0.4;
 
 impl Course {
     pub fn new(curve: Curve, speed: f64) -> Self {
-        Self::paced(curve, speed, move |error, velocity| {
+        Self::scaled(curve, speed, move |error, velocity| {
             (1.0 + FOLLOW * error.dot(&velocity) / speed.powi(2)).clamp(0.5, 1.6)
         })
     }
 
-    /// With a pace of one's own.
-    pub fn paced(
+    /// With a time scale of one's own.
+    pub fn scaled(
         curve: Curve,
         speed: f64,
         time_scale: impl Fn(V3, V3) -> f64 + Send + 'static,

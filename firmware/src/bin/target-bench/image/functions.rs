@@ -192,6 +192,14 @@ impl Output {
 /// A function measured.
 pub type Function = fn(&Fixture, &Case, &mut Output);
 
+/// A function that is measured.
+pub struct Measured {
+    pub name: &'static str,
+    pub function: Function,
+    /// What it remembers from case to case.
+    pub memory: Memory,
+}
+
 macro_rules! functions {
     (
         $($name:ident => |$f:ident, $c:ident, $o:ident| $body:expr;)*
@@ -202,10 +210,10 @@ macro_rules! functions {
             #[allow(unused_variables)]
             pub fn $name($f: &Fixture, $c: &Case, $o: &mut Output) { $body }
         )*
-        /// Every function measured, by name, and what it remembers.
-        pub const TABLE: &[(&str, Function, Memory)] = &[
-            $((stringify!($name), $name, Memory::Fresh),)*
-            $((stringify!($flown), $of, Memory::Kept),)*
+        /// Every function measured.
+        pub const TABLE: &[Measured] = &[
+            $(Measured { name: stringify!($name), function: $name, memory: Memory::Fresh },)*
+            $(Measured { name: stringify!($flown), function: $of, memory: Memory::Kept },)*
         ];
     };
 }
@@ -295,8 +303,8 @@ functions! {
 pub const fn by_name(name: &str) -> Function {
     let mut n = 0;
     while n < TABLE.len() {
-        if equal(TABLE[n].0.as_bytes(), name.as_bytes()) {
-            return TABLE[n].1;
+        if equal(TABLE[n].name.as_bytes(), name.as_bytes()) {
+            return TABLE[n].function;
         }
         n += 1;
     }

@@ -57,7 +57,12 @@ fn bench() {
 fn measure(fixture: &Fixture, meter: &Meter) {
     report_coverage(fixture);
     let mut counts = [0; CASES];
-    for &(name, function, memory) in functions::TABLE {
+    for &functions::Measured {
+        name,
+        function,
+        memory,
+    } in functions::TABLE
+    {
         let mut stack = 0;
         let output = &mut Output::new();
         for (n, count) in counts.iter_mut().enumerate() {
@@ -79,7 +84,12 @@ fn measure(fixture: &Fixture, meter: &Meter) {
 
 /// One line per traced call: the function's name and the instructions by the clock.
 fn trace(fixture: &Fixture, meter: &Meter) {
-    for &(name, function, memory) in functions::TABLE {
+    for &functions::Measured {
+        name,
+        function,
+        memory,
+    } in functions::TABLE
+    {
         let output = &mut Output::new();
         for n in (0..CASES).step_by(TRACE_STEP) {
             let case = &black_box(sweep::case(fixture, n));
