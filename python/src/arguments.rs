@@ -76,14 +76,14 @@ pub fn all_in_plane(&Given { field, value, .. }: &Given) -> PyResult<()> {
 /// Vectors in the plane had two components once.
 const PAIR: &str = "must have three components, [north, east, down] or [forward, right, down]: a pair [down, forward] is now [forward, 0, down]";
 
-/// North, east and down, as the plane has them.
+/// North, east and down, as the plane has them. What is not finite in any component is not finite there.
 pub fn inertial([north, east, down]: [f32; 3]) -> Inertial {
-    Ned::new(north, east, down).to_plane()
+    Ned::new(north + 0.0 * east, east, down).to_plane()
 }
 
-/// Forward, right and down, as the plane has them.
-pub fn body([forward, _, down]: [f32; 3]) -> Body {
-    Body::new(-forward, down)
+/// Forward, right and down, as the plane has them, likewise.
+pub fn body([forward, right, down]: [f32; 3]) -> Body {
+    Body::new(0.0 * right - forward, down)
 }
 
 fn level(field: &str, vector: [f32; 3]) -> PyResult<[f32; 3]> {

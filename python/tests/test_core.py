@@ -178,9 +178,9 @@ def test_rows_may_be_one_for_all_of_any_type_and_layout():
 def test_a_fault_is_raised_by_one_and_told_by_many():
     law = alula.Law(alula.Vehicle.load("paper"))
     velocity, theta, reference, *_ = states(4)
-    velocity[1, 0], theta[2] = np.nan, np.inf
+    velocity[1, 0], theta[2], reference[3, 1] = np.nan, np.inf, np.nan
     many = law.commands(velocity, theta, reference)
-    assert list(many["status"]) == ["ok", "velocity", "attitude", "ok"]
+    assert list(many["status"]) == ["ok", "velocity", "attitude", "reference_velocity"]
     assert not many["thrust_n"][1:3].any() and not many["rate_rad_s"][1:3].any() and many["thrust_n"][0] != 0.0
     with pytest.raises(alula.Fault, match="velocity is not finite") as fault:
         law.command(velocity[1], 0.0, (0, 0, 0))
