@@ -13,7 +13,7 @@ const STEP_DEG: f64 = 1.0;
 const POINTS: usize = 360;
 
 /// Curves of a vehicle.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Curves {
     /// Weight \[N\].
     pub weight_n: f64,
@@ -28,7 +28,7 @@ pub struct Curves {
 }
 
 /// The equilibria of level flight in one acceleration.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Cut {
     /// The acceleration \[m/s²\].
     pub acceleration_m_s2: f64,

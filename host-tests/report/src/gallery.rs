@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use super::svg::{Drawn, escape};
+use super::viewer::address;
 
 /// An experiment that was flown.
 #[derive(Clone, Debug)]
@@ -20,7 +21,7 @@ pub fn page(exhibits: &[Exhibit]) -> String {
     let mut text = format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <title>Gallery</title>\n<style>\n{}{}</style>\n</head>\n<body class=\"page\">\n<main>\n<h1>Gallery</h1>\n\
-         <p>The built-in experiments, flown. Each command leaves a report with charts, and the flight in three dimensions.</p>\n<div class=\"gallery\">\n",
+         <p>The built-in experiments, flown. Each command leaves a report with charts, and the flight in three dimensions, which its link shows here.</p>\n<div class=\"gallery\">\n",
         include_str!("style.css"),
         include_str!("chart.css"),
     );
@@ -32,7 +33,8 @@ pub fn page(exhibits: &[Exhibit]) -> String {
     {
         let _ = writeln!(
             text,
-            "<figure id=\"{name}\"><h2>{name}</h2><pre><code>alula-sil fly {name}</code></pre>{}<figcaption>{}</figcaption></figure>",
+            "<figure id=\"{name}\"><h2>{name}</h2><pre><code>alula-sil fly {name}</code></pre><p class=\"links\"><a href=\"{}\">in three dimensions</a></p>{}<figcaption>{}</figcaption></figure>",
+            address(name),
             picture.svg(&format!("role=\"img\" aria-label=\"The flight {name}\"")),
             escape(description),
         );

@@ -14,12 +14,33 @@ use alula_sim::simulate::Step;
 
 /// Name of the page in a folder of results.
 pub const FILE: &str = "view.html";
+
+/// The address of a flight, from a page beside the viewer's.
+pub fn address(flight: &str) -> String {
+    let escaped = flight.replace('%', "%25").replace(' ', "%20");
+    format!("{FILE}#{}", escaped.replace('#', "%23"))
+}
+
 /// Fastest airspeed of the curves \[m/s\].
 const FASTEST: f64 = 40.0;
 
-/// The flight that a page holds.
+/// A flight to be shown.
+pub struct Flight {
+    /// Its name: `view.html#NAME` shows it first.
+    pub name: String,
+    /// One sentence about it.
+    pub lead: String,
+    /// What is seen of it.
+    pub scene: Scene,
+    /// The curves of its vehicle, if that is known.
+    pub curves: Option<Curves>,
+}
+
+/// A flight that a page holds.
 #[derive(Serialize)]
 struct Held<'a> {
+    name: &'a str,
+    lead: &'a str,
     names: &'a [&'a str],
     /// The rows, as floats in base 64.
     rows: String,
@@ -27,15 +48,22 @@ struct Held<'a> {
     candidate: &'a [&'a str],
     /// The candidates of plans, as floats in base 64.
     plans: String,
-    curves: Option<&'a Curves>,
+    /// Which of the page's curves are its vehicle's.
+    curves: Option<usize>,
 }
 
-/// An experiment that the page flies by name, and the text of one that is steered.
+/// The flights that a page holds, and the curves of their vehicles, each once.
+#[derive(Serialize)]
+struct All<'a> {
+    flights: Vec<Held<'a>>,
+    curves: Vec<&'a Curves>,
+}
+
+/// An experiment that the page flies by name.
 #[derive(Serialize)]
 struct Flown {
     name: String,
     description: String,
-    steered: String,
     /// Whether its vehicle is one of parts.
     of_parts: bool,
 }
@@ -47,15 +75,40 @@ struct Names {
     vehicles: Vec<&'static str>,
 }
 
+impl Flight {
+    /// The flight of a record.
+    pub fn of(name: &str, experiment: &Experiment, record: &[Step]) -> Self {
+        Self {
+            name: name.to_owned(),
+            lead: experiment.description.clone(),
+            scene: Scene::of(experiment, record),
+            curves: Some(curves(experiment)),
+        }
+    }
+}
+
 /// The page of a recorded flight.
 pub fn page(
     document: &Document,
     experiment: &Experiment,
     record: &[Step],
 ) -> anyhow::Result<String> {
-    let scene = Scene::of(experiment, record);
-    let (title, lead) = (&document.name, &experiment.description);
-    of_scene(title, lead, &scene, Some(&curves(experiment)))
+    let flight = Flight::of(&document.name, experiment, record);
+    recorded(&document.name, &[flight])
+}
+
+/// A log, with what the controller of an experiment says to it.
+pub fn replayed(
+    name: &str,
+    document: &Document,
+    experiment: &Experiment,
+    record: &[Step],
+) -> Flight {
+    let of = &document.name;
+    Flight {
+        lead: format!("The log, with what the controller of {of} says to it."),
+        ..Flight::of(name, experiment, record)
+    }
 }
 
 /// The curves of an experiment's vehicle.
@@ -63,22 +116,31 @@ pub fn curves(experiment: &Experiment) -> Curves {
     Curves::of(&experiment.vehicle.reference(), FASTEST)
 }
 
-/// The page of a scene, of a vehicle with these curves if it is known.
-pub fn of_scene(
-    title: &str,
-    lead: &str,
-    scene: &Scene,
-    curves: Option<&Curves>,
-) -> anyhow::Result<String> {
-    let held = Held {
-        names: scene.names,
-        rows: floats(&scene.rows),
-        words: &scene.words,
-        candidate: scene.candidate,
-        plans: floats(&scene.plans),
+/// The page of recorded flights, of which one is chosen.
+pub fn recorded(title: &str, flights: &[Flight]) -> anyhow::Result<String> {
+    let mut curves: Vec<&Curves> = Vec::new();
+    let mut place = Vec::new();
+    for flight in flights {
+        place.push(flight.curves.as_ref().map(|of| {
+            let known = curves.iter().position(|known| *known == of);
+            known.unwrap_or_else(|| {
+                curves.push(of);
+                curves.len() - 1
+            })
+        }));
+    }
+    let held = flights.iter().zip(place).map(|(flight, curves)| Held {
+        name: &flight.name,
+        lead: &flight.lead,
+        names: flight.scene.names,
+        rows: floats(&flight.scene.rows),
+        words: &flight.scene.words,
+        candidate: flight.scene.candidate,
+        plans: floats(&flight.scene.plans),
         curves,
-    };
-    render(title, lead, Some(&held), None)
+    });
+    let flights = held.collect();
+    render(title, Some(&All { flights, curves }), None)
 }
 
 /// Numbers as floats in base 64.
@@ -89,7 +151,7 @@ fn floats(numbers: &[f64]) -> String {
 
 /// The page that flies experiments itself, by the `library` (WebAssembly).
 pub fn live(library: &[u8]) -> anyhow::Result<String> {
-    render("Fly alula", "", None, Some(library))
+    render("Fly alula", None, Some(library))
 }
 
 /// Every built-in experiment of the guidance, as only that is steered, and the vehicles of parts.
@@ -106,7 +168,6 @@ fn names() -> anyhow::Result<Names> {
                 of_parts: document.data()?.tail_sitter.is_some(),
                 name: (*name).to_owned(),
                 description: description.unwrap_or_default().to_owned(),
-                steered: format!("base = \"{name}\"\ndescription = \"as {name}\"\nduration_s = 3600.0\n[path.hover]\n"),
             });
         }
     }
@@ -121,12 +182,7 @@ fn json(of: &impl Serialize) -> anyhow::Result<String> {
     Ok(serde_json::to_string(of)?.replace("</", "<\\/"))
 }
 
-fn render(
-    title: &str,
-    lead: &str,
-    held: Option<&Held>,
-    library: Option<&[u8]>,
-) -> anyhow::Result<String> {
+fn render(title: &str, held: Option<&All>, library: Option<&[u8]>) -> anyhow::Result<String> {
     let mut environment = Environment::new();
     environment.add_template("style.css", include_str!("style.css"))?;
     environment.add_template("view.css", include_str!("viewer/view.css"))?;
@@ -141,8 +197,8 @@ fn render(
     environment
         .get_template("view.html")?
         .render(context! {
-            title, lead, experiments,
-            flight => json(&held)?,
+            title, experiments,
+            flights => json(&held)?,
             library => library.map(|bytes| STANDARD.encode(bytes)),
             version => env!("CARGO_PKG_VERSION"),
         })

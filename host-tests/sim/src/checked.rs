@@ -3,7 +3,8 @@
 use toml::{Table, Value};
 
 use crate::experiment::{
-    Document, Experiment, FieldError, TailSitterPlant, TailSitterSpec, read, require,
+    ControllerSpec, Document, Experiment, FieldError, TailSitterPlant, TailSitterSpec, read,
+    require,
 };
 use crate::figures;
 use crate::plant::tail_sitter::Belief;
@@ -102,13 +103,23 @@ impl Document {
         })
     }
 
-    /// Writes down what the controller believes about the vehicle, where that is left out: the vehicle as it stands here. What is
-    /// changed of the vehicle from then on is not known to the controller.
+    /// Writes down what the controller believes about the vehicle, where that is left out or named: the vehicle as it stands here, or the
+    /// one of this name. What is changed of the vehicle from then on is not known to the controller.
     pub fn pin_belief(&mut self) -> Result<(), FieldError> {
-        let controller = self.data()?.controller;
-        let path = format!("{}.vehicle", controller.path());
+        self.data()?;
+        self.write_belief()
+    }
+
+    /// As [`Self::pin_belief`], of a document that need not be whole.
+    pub(crate) fn write_belief(&mut self) -> Result<(), FieldError> {
+        self.write_named_belief()?;
+        let spec = ControllerSpec {
+            kind: self.controller(),
+            ..ControllerSpec::default()
+        };
+        let path = format!("{}.vehicle", spec.path());
         match self.believed()?.document.get("vehicle").cloned() {
-            Some(vehicle) if controller.believes() && self.get(&path).is_none() => {
+            Some(vehicle) if spec.believes() && self.get(&path).is_none() => {
                 self.set(&path, vehicle)
             }
             _ => Ok(()),
@@ -239,6 +250,29 @@ mod tests {
         assert!(refused("plant.kind='glider'").contains("plant.kind: must be"));
         assert!(refused("plant.vehicle='maping'").contains("did you mean mapping?"));
         assert!(refused("plant.thrust_lag_s=0.1").contains("plant.thrust_lag_s: unknown field"));
+    }
+
+    /// A field of a belief that is left out, or a name, is that of the belief as it stands: all else of it stays.
+    #[test]
+    fn a_field_of_the_belief_is_changed_alone() {
+        for name in ["circle-40", "round-trip", "tail-sitter-circle"] {
+            let belief = |document: &Document| {
+                let experiment = document.checked().unwrap();
+                let spec = experiment.spec().unwrap();
+                spec.belief().unwrap_or(&experiment.vehicle).clone()
+            };
+            let mut document = Document::load(name).unwrap();
+            let before = belief(&document);
+            document
+                .assign("controller.guidance.vehicle.mass_kg=2.5")
+                .unwrap();
+            let expected = crate::experiment::VehicleSpec {
+                mass_kg: 2.5,
+                ..before
+            };
+            assert_eq!(belief(&document), expected, "{name}");
+            assert_ne!(document.checked().unwrap().vehicle.mass_kg, 2.5);
+        }
     }
 
     /// Static thrust by C_T, a lag within those of real rate loops, the wing's area, and a greatest lift of a wing.

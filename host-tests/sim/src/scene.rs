@@ -163,6 +163,22 @@ impl Scene {
         }
     }
 
+    /// Leaves out plans, and rows that follow the last one that stays within less than `spacing` \[s\]; the first and the last row stay.
+    pub fn thin(&mut self, spacing: f64) {
+        self.plans.clear();
+        let all: Vec<&[f64]> = self.rows.chunks(NUMBERS.len()).collect();
+        let mut kept: Vec<f64> = Vec::new();
+        let mut last = f64::NEG_INFINITY;
+        for (i, row) in all.iter().enumerate() {
+            // A rounding error early rather than a row late.
+            if row[0] > last + spacing - 1e-9 || i + 1 == all.len() {
+                kept.extend(*row);
+                last = row[0];
+            }
+        }
+        self.rows = kept;
+    }
+
     /// The scene of a trace, as `fly` leaves it: a CSV with the record's columns by name.
     ///
     /// # Errors
@@ -250,6 +266,16 @@ mod tests {
         for (a, b) in read.rows.iter().zip(&scene.rows) {
             assert!(a.is_nan() && b.is_nan() || (*a as f32) == (*b as f32));
         }
+        let mut thin = scene.clone();
+        thin.thin(0.12);
+        let thinned: Vec<&[f64]> = thin.rows.chunks(NUMBERS.len()).collect();
+        let expected = rows.iter().step_by(3).chain(rows.last());
+        let expected: Vec<f64> = expected.map(|row| row[0]).collect();
+        assert_eq!(
+            thinned.iter().map(|row| row[0]).collect::<Vec<_>>(),
+            expected
+        );
+        assert!(thin.plans.is_empty() && !scene.plans.is_empty());
         let error = Scene::read(&b"t_s,north_m\n0,0\n"[..]).unwrap_err();
         assert!(error.to_string().contains("east_m"), "{error}");
     }

@@ -1,5 +1,6 @@
 //! `campaign`: one experiment many times over, dispersed.
 
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
@@ -8,13 +9,16 @@ use anyhow::{bail, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use alula_report::campaign::{maps, page};
+use alula_report::viewer::Flight;
+use alula_sim::figures::words;
+use alula_sim::simulate;
 use alula_study::files::{leave, leave_all};
 use alula_study::starts::ATTITUDES;
 use alula_study::{BUILT_IN, CampaignSource, Shard, Store, Summary, run as fly_all};
 
 use super::attitudes;
 use super::fly;
-use super::output::Output;
+use super::output::{Output, leave_view};
 use super::sitl::interrupted;
 
 /// Fly an experiment many times, with its fields drawn at random: percentiles, limits, worst flights
@@ -137,6 +141,33 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     conclude(&source, &store, &args.output)
 }
 
+/// The worst flight of each limit, flown again; not those that diverge.
+fn worst(source: &CampaignSource, summary: &Summary) -> anyhow::Result<Vec<Flight>> {
+    let mut flights: BTreeMap<i64, Vec<String>> = BTreeMap::new();
+    for limit in &summary.limits {
+        if let Some(worst) = limit.worst.first() {
+            let of = flights.entry(worst.flight).or_default();
+            let words = words(limit.figure);
+            if !of.contains(&words) {
+                of.push(words);
+            }
+        }
+    }
+    let mut shown = Vec::new();
+    for (number, figures) in flights {
+        let drawn = source.campaign.draw(&source.base, u64::try_from(number)?);
+        let drawn = drawn.map_err(|e| anyhow::anyhow!("flight {number}: {e}"))?;
+        let experiment = drawn.document.checked()?;
+        if let Ok(record) = simulate::fly(&experiment) {
+            let lead = format!("The worst flight by {}.", figures.join(", by "));
+            let name = format!("flight {number}");
+            let flight = Flight::of(&name, &experiment, &record);
+            shown.push(Flight { lead, ..flight });
+        }
+    }
+    Ok(shown)
+}
+
 /// Leaves the results of a complete store.
 fn conclude(source: &CampaignSource, store: &Store, output: &Output) -> anyhow::Result<()> {
     let summary = Summary::of(source, store)?;
@@ -147,7 +178,10 @@ fn conclude(source: &CampaignSource, store: &Store, output: &Output) -> anyhow::
     if let Some(maps) = maps(&summary) {
         leave_all(&folder.join("maps.svg"), maps.svg())?;
     }
-    output.leave(folder, &page(source, &summary), &summary)?;
+    let mut page = page(source, &summary);
+    let title = page.title.clone();
+    leave_view(&mut page, folder, &title, &worst(source, &summary)?)?;
+    output.leave(folder, &page, &summary)?;
     ensure!(
         summary.verdict(),
         "{}: a limit is not kept, a flight diverged, or a fault ended in another state",

@@ -6,10 +6,12 @@ use anyhow::{bail, ensure};
 use serde::Serialize;
 
 use alula_report::comparison::page;
-use alula_study::{Results, Source};
+use alula_report::viewer::Flight;
+use alula_sim::simulate::fly;
+use alula_study::{Plan, Results, Source};
 
 use super::fly::progress_bar;
-use super::output::Output;
+use super::output::{Output, leave_view};
 use super::settings::Settings;
 
 /// Fly experiments against each other, or the variants of a comparison under its conditions
@@ -46,6 +48,26 @@ impl Args {
     }
 }
 
+/// The flights of the conditions that have charts, of the first seed; not those that diverge.
+fn charted(plan: &Plan) -> Vec<Flight> {
+    let comparison = &plan.comparison;
+    let conditions = comparison.conditions.iter().zip(&plan.experiments);
+    let drawn = conditions.filter(|(condition, _)| comparison.charts.contains(&condition.name));
+    let all = drawn.flat_map(|(condition, variants)| {
+        let variants = comparison.variants.iter().zip(variants);
+        variants.filter_map(move |(variant, seeds)| {
+            let name = format!("{}, {}", condition.name, variant.name);
+            let experiment = seeds.first()?;
+            let flight = Flight::of(&name, experiment, &fly(experiment).ok()?);
+            Some(Flight {
+                lead: format!("{}. {}", condition.title, variant.title),
+                ..flight
+            })
+        })
+    });
+    all.collect()
+}
+
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let source = args.source()?;
     let out = args.output.folder(&format!("compare-{}", source.name))?;
@@ -62,7 +84,9 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         out: &out,
         cells: &results,
     };
-    let page = page(&source.name, &source.plan.comparison, &results);
+    let mut page = page(&source.name, &source.plan.comparison, &results);
+    let title = page.title.clone();
+    leave_view(&mut page, &out, &title, &charted(&source.plan))?;
     args.output.leave(&out, &page, &summary)?;
     let diverged = results.diverged();
     ensure!(

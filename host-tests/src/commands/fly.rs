@@ -94,16 +94,19 @@ struct Summary<'a> {
     segments: &'a [Segment],
 }
 
-/// What is flown when nothing is asked for: the paper's flight, and the guidance's own mission, whose page is opened if `open`.
+/// What is flown when nothing is asked for: the paper's flight, and the guidance's own mission, which is seen to move if `open`.
 pub fn first(open: bool) -> anyhow::Result<()> {
-    for (name, open) in [(DEFAULT, false), (MISSION, open)] {
+    for name in [DEFAULT, MISSION] {
         let document = Document::load(name)?;
-        let output = (&Output::new(false, open), &Logs::default());
+        let output = (&Output::default(), &Logs::default());
         fly(&document, name, output, |experiment| {
             Ok(experiment.controller()?)
         })?;
     }
-    Ok(())
+    let output = Output::new(false, open);
+    let page = output.folder(MISSION)?.join(viewer::FILE);
+    writeln!(std::io::stdout(), "\nThe mission, moving:")?;
+    output.show(&page)
 }
 
 pub fn run(args: &Args) -> anyhow::Result<()> {

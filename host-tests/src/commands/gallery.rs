@@ -8,6 +8,7 @@ use anyhow::Context;
 
 use alula_report::flight::overview;
 use alula_report::gallery::{Exhibit, page};
+use alula_report::viewer::{self, Flight};
 use alula_sim::experiment::{BUILT_IN, Document};
 use alula_sim::simulate::fly;
 use alula_study::files::leave_all;
@@ -22,15 +23,22 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
-    let exhibits = exhibits()?;
+    let (exhibits, flights): (Vec<_>, Vec<_>) = exhibits()?.into_iter().unzip();
     let folder = args.output.folder("gallery")?;
     let file = folder.join("report.html");
     leave_all(&file, page(&exhibits))?;
+    leave_all(
+        &folder.join(viewer::FILE),
+        viewer::recorded("Gallery", &flights)?,
+    )?;
     args.output.show(&file)
 }
 
+/// Least time between two rows of a flight \[s\].
+const COARSE: f64 = 0.12;
+
 /// Every built-in experiment, flown on all cores. Those without a path are vehicles, and left out.
-fn exhibits() -> anyhow::Result<Vec<Exhibit>> {
+fn exhibits() -> anyhow::Result<Vec<(Exhibit, Flight)>> {
     let (next, done) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
     thread::scope(|scope| {
         let cores = thread::available_parallelism().map_or(1, usize::from);
@@ -51,16 +59,20 @@ fn exhibits() -> anyhow::Result<Vec<Exhibit>> {
         .collect()
 }
 
-fn exhibit(name: &str) -> anyhow::Result<Option<Exhibit>> {
+fn exhibit(name: &str) -> anyhow::Result<Option<(Exhibit, Flight)>> {
     let document = Document::load(name)?;
     if document.data().is_err() {
         return Ok(None);
     }
     let experiment = document.checked()?;
     let record = fly(&experiment).with_context(|| name.to_owned())?;
-    Ok(Some(Exhibit {
+    let mut flight = Flight::of(name, &experiment, &record);
+    // So many flights in one page: fewer rows of each, and no plans.
+    flight.scene.thin(COARSE);
+    let exhibit = Exhibit {
         name: name.to_owned(),
         picture: overview(&experiment, &record),
         description: experiment.description,
-    }))
+    };
+    Ok(Some((exhibit, flight)))
 }

@@ -7,6 +7,8 @@ use anyhow::Context;
 use serde::Serialize;
 
 use alula_report::page::{PAGE, Page, SHEET};
+use alula_report::viewer::{self, Flight};
+use alula_study::files::leave_all;
 
 /// Where results go.
 #[derive(clap::Args, Default)]
@@ -74,5 +76,25 @@ impl Output {
         }
         drop(stdout);
         self.show(&folder.join(PAGE))
+    }
+}
+
+/// Leaves `flights` in three dimensions in `folder`, and links them from `page`; nothing if there are none.
+pub fn leave_view(
+    page: &mut Page,
+    folder: &Path,
+    title: &str,
+    flights: &[Flight],
+) -> anyhow::Result<()> {
+    for flight in flights {
+        let words = format!("{} in three dimensions", flight.name);
+        page.links.push((viewer::address(&flight.name), words));
+    }
+    match flights {
+        [] => Ok(()),
+        _ => leave_all(
+            &folder.join(viewer::FILE),
+            viewer::recorded(title, flights)?,
+        ),
     }
 }

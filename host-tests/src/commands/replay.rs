@@ -7,10 +7,12 @@ use anyhow::Context;
 
 use alula_report::Page;
 use alula_report::replay::page;
+use alula_report::viewer;
 use alula_sim::experiment::DEFAULT;
 use alula_sim::replay::{self, Source};
 use alula_study::files::leave;
 
+use super::output::leave_view;
 use super::settings::Settings;
 
 /// Run a controller open loop over a logged flight; write its commands as CSV on standard output
@@ -26,7 +28,7 @@ pub struct Args {
     /// A TOML file that says which column of a foreign CSV is which
     #[arg(long, value_name = "FILE")]
     map: Option<PathBuf>,
-    /// Leave commands.csv, report.svg and report.html in this folder, and nothing on standard output
+    /// Leave commands.csv, report.svg, report.html and view.html in this folder, and nothing on standard output
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -45,7 +47,9 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     leave(&out.join("commands.csv"), |file| {
         Ok(replay::write(&experiment, &record, file)?)
     })?;
-    let page = page(&args.name(), &document, &experiment, &record, &said);
+    let mut page = page(&args.name(), &document, &experiment, &record, &said);
+    let flight = viewer::replayed(&args.name(), &document, &experiment, &record);
+    leave_view(&mut page, out, &args.name(), &[flight])?;
     show(&page, out)
 }
 
@@ -69,7 +73,7 @@ fn show(page: &Page, out: &Path) -> anyhow::Result<()> {
     page.leave(out)?;
     let mut stdout = std::io::stdout().lock();
     writeln!(stdout, "{}", page.text())?;
-    let files = "commands.csv, report.html and report.svg";
+    let files = "commands.csv, report.html, view.html and report.svg";
     writeln!(stdout, "{files} are in {}", out.display())?;
     Ok(())
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, ensure};
 
-use alula_report::viewer;
+use alula_report::viewer::{self, Flight};
 use alula_sim::experiment::Document;
 use alula_sim::replay::Source;
 use alula_sim::scene::{NUMBERS, Scene};
@@ -96,10 +96,13 @@ impl Args {
             let file = File::open(path).with_context(|| self.flight.clone())?;
             let scene = Scene::read(file).with_context(|| self.flight.clone())?;
             let experiment = document.map(|document| document.checked()).transpose()?;
-            let curves = experiment.map(|experiment| viewer::curves(&experiment));
-            let page =
-                viewer::of_scene(&title, "As recorded in the trace.", &scene, curves.as_ref())?;
-            return Ok((format!("view/{stem}"), page));
+            let flight = Flight {
+                name: stem.clone(),
+                lead: "As recorded in the trace.".to_owned(),
+                scene,
+                curves: experiment.map(|experiment| viewer::curves(&experiment)),
+            };
+            return Ok((format!("view/{stem}"), viewer::recorded(&title, &[flight])?));
         }
         let document = match document {
             Some(document) => document,
@@ -110,12 +113,8 @@ impl Args {
         for line in &said {
             eprintln!("note: {line}");
         }
-        let lead = format!(
-            "The log, with what the controller of {} says to it.",
-            document.name
-        );
-        let scene = Scene::of(&experiment, &record);
-        let page = viewer::of_scene(&title, &lead, &scene, Some(&viewer::curves(&experiment)))?;
+        let flight = viewer::replayed(&stem, &document, &experiment, &record);
+        let page = viewer::recorded(&title, &[flight])?;
         Ok((format!("view/{stem}"), page))
     }
 

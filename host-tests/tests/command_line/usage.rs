@@ -50,9 +50,9 @@ fn without_arguments_the_default_is_flown_and_leaves_its_files() {
     // No progress bar where there is no terminal.
     assert_eq!(text(&output.stderr), "");
     assert!(stdout.contains("velocity error, peak"), "{stdout}");
-    // The last line says what to look at: the mission.
+    // The last line says what to look at: the mission, moving.
     let last = stdout.lines().last().unwrap();
-    assert_eq!(last, "open out/mission/report.html", "{stdout}");
+    assert_eq!(last, "open out/mission/view.html", "{stdout}");
 
     let out = folder.path().join("out/hover-to-cruise");
     let expected = ["report.html", "report.svg", "trace.csv", "view.html"].map(String::from);

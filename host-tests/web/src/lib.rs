@@ -7,6 +7,7 @@
 #![cfg(not(target_os = "none"))]
 
 mod session;
+mod sliders;
 mod steered;
 
 use std::cell::RefCell;
@@ -32,7 +33,7 @@ fn done(of: impl FnOnce(&mut Session) -> anyhow::Result<()>) -> u32 {
     })
 }
 
-/// Room for a request of `length` bytes: JSON, `{"experiment": name or TOML, "set": ["path=value", …]}`.
+/// Room for a request of `length` bytes: JSON, `{"experiment": name, "set": ["path=value", …], "sliders": {name: value, …}, "steered": bool}`.
 #[unsafe(no_mangle)]
 pub extern "C" fn request(length: usize) -> *mut u8 {
     with(|session| {

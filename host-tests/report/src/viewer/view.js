@@ -96,6 +96,13 @@ function axes(row) {
     return [world(belly), world(nose), world(right)];
 }
 
+/* The vehicle's weight [N]: known, or what a row says of it. */
+function weight() {
+    if (flight.curves) return flight.curves.weight_n;
+    const row = flight.rows.find((row) => get(row, "thrust_to_weight") > 0.01);
+    return row ? get(row, "true_thrust_n") / get(row, "thrust_to_weight") : NaN;
+}
+
 /* ---- the drawing ---- */
 const drawing = { frames: 0, span: 2, ready: false };
 
@@ -228,6 +235,7 @@ function level() {
 /* A flight has been taken up: its size, ground, path, and where it is seen from. */
 function take() {
     const rows = flight.rows;
+    drawing.weight = weight();
     const lowest = Math.min(...rows.map((row) => -get(row, "down_m")));
     drawing.span = flight.curves ? Math.max(1.2, 2.2 * Math.sqrt(2 * flight.curves.k_a_kg_m / 1.225)) : 2;
     drawing.floor = Math.floor((lowest - 1.5 * drawing.span) / 5) * 5;
@@ -277,7 +285,6 @@ function draw(t) {
     if (-at.y > -drawing.floor - span) { drawing.floor = Math.floor((at.y - 1.5 * span) / 5) * 5; level(); trail.of = null; }
     const [belly, nose, right] = axes(row);
     place(drawing.vehicle, at, [belly, nose, right]);
-    const weight = flight.curves ? flight.curves.weight_n : NaN;
     const { thrust, air, force, asked } = drawing.arrows;
     thrust.point(nose.clone().multiplyScalar(get(row, "thrust_to_weight")));
     const wind = vector(row, "wind_", "m_s");
@@ -285,7 +292,7 @@ function draw(t) {
     air.point(world(velocity.map((v, i) => (v - wind[i]) / 10)));
     asked.point(world(vector(row, "path_v_", "m_s").map((v) => v / 10)));
     const [fp, tilde] = [get(row, "fp_n"), get(row, "theta_tilde_rad")];
-    force.point(nose.clone().multiplyScalar(-Math.cos(tilde)).addScaledVector(belly, Math.sin(tilde)).multiplyScalar(fp / weight / 4));
+    force.point(nose.clone().multiplyScalar(-Math.cos(tilde)).addScaledVector(belly, Math.sin(tilde)).multiplyScalar(fp / drawing.weight / 4));
     for (const arrow of Object.values(drawing.arrows)) arrow.position.copy(at);
     /* The reference model beside the right wing, in the plane of flight. */
     const theta = get(row, "model_theta_rad");
@@ -528,7 +535,12 @@ function surface() {
 
 $("cut").addEventListener("input", surface);
 
-function curvesAreThere() { charts(); surface(); }
+function curvesAreThere() {
+    $("vehicle").hidden = !flight.curves;
+    $("no-vehicle").hidden = !!flight.curves;
+    charts();
+    surface();
+}
 
 /* Speed, height, thrust and |F_p| over time, each over its own range. */
 function drawStrip() {
@@ -536,12 +548,11 @@ function drawStrip() {
     const rows = flight.rows;
     if (rows.length < 2) return;
     const end = rows[rows.length - 1][0] || 1;
-    const weight = flight.curves ? flight.curves.weight_n : NaN;
     const lines = [
         ["speed [m/s]", "blue", (row) => Math.hypot(...vector(row, "v_", "m_s"))],
         ["height over the path [m]", "orange", (row) => get(row, "path_down_m") - get(row, "down_m")],
         ["thrust over the weight", "green", (row) => get(row, "thrust_to_weight")],
-        ["|F_p| over the weight", "red", (row) => get(row, "fp_n") / weight],
+        ["|F_p| over the weight", "red", (row) => get(row, "fp_n") / drawing.weight],
     ];
     const each = high / lines.length;
     const thin = Math.max(1, Math.floor(rows.length / 1500));
@@ -549,13 +560,18 @@ function drawStrip() {
         const values = [];
         for (let k = 0; k < rows.length; k += thin) values.push([rows[k][0], read(rows[k])]);
         const known = values.filter((p) => Number.isFinite(p[1]));
+        if (!known.length) {
+            pen.fillStyle = color("soft"); pen.textAlign = "left";
+            pen.fillText(`${words}: not in the record`, 8, i * each + 12);
+            return;
+        }
         let [low, top] = [Math.min(0, ...known.map((p) => p[1])), Math.max(...known.map((p) => p[1]), 0.1)];
         const y = (v) => (i + 1) * each - 3 - (v - low) / (top - low) * (each - 16);
         pen.strokeStyle = color(name); pen.lineWidth = 1.5; pen.beginPath();
         known.forEach(([t, v], k) => { const x = t / end * wide; k ? pen.lineTo(x, y(v)) : pen.moveTo(x, y(v)); });
         pen.stroke();
         pen.fillStyle = color(name); pen.textAlign = "left";
-        if (known.length) pen.fillText(`${words}: ${fixed(low, 1)} to ${fixed(top, 1)}`, 8, i * each + 12);
+        pen.fillText(`${words}: ${fixed(low, 1)} to ${fixed(top, 1)}`, 8, i * each + 12);
     });
     pen.strokeStyle = color("ink"); pen.lineWidth = 1;
     const x = clock.t / end * wide;
@@ -628,16 +644,16 @@ addEventListener("resize", () => { clock.stale = true; surface(); });
 /* ---- the library ---- */
 let library = null;
 
-/* Sliders: words, field, least, most, step, unit, the value that changes nothing, and what is set. */
+/* Sliders: words, name, least, most, step, unit. */
 const SLIDERS = [
     ["wind to the north", "north", -10, 10, 0.5, "m/s"],
     ["wind to the east", "east", -10, 10, 0.5, "m/s"],
-    ["turbulence, wind at 20 ft", "turbulence", 0, 20, 0.5, "m/s"],
+    ["turbulence, wind at 20 ft", "turbulence", 0, 20, 0.1, "m/s"],
     ["mass believed", "mass", 0.5, 2, 0.05, "times"],
     ["lift believed", "lift", 0.5, 2, 0.05, "times"],
     ["thrust over weight", "thrust", 1.05, 3, 0.05, ""],
-    ["lag of the rate loop", "rate", 0.02, 0.25, 0.01, "s"],
-    ["lag of the thrust", "motor", 0.02, 0.25, 0.01, "s"],
+    ["lag of the rate loop", "rate", 0, 0.25, 0.01, "s"],
+    ["lag of the thrust", "motor", 0, 0.25, 0.01, "s"],
 ];
 const moved = {};
 const sliders = {};
@@ -659,47 +675,58 @@ function tried(of) {
     try { problem(""); return of(); } catch (error) { problem(error.message); play(false); return null; }
 }
 
-function assignments() {
-    const set = [];
-    const { north, east, turbulence, thrust, rate, motor } = moved;
-    if (north !== undefined || east !== undefined) set.push(`weather.steady_m_s=[${(north ?? 0).toFixed(1)},${(east ?? 0).toFixed(1)},0.0]`);
-    if (turbulence) set.push(`weather.turbulence={wind_at_20_ft_m_s=${turbulence.toFixed(1)},height_m=50.0}`);
-    if (rate !== undefined) set.push(`plant.rate_loop.lag.time_constant_s=${rate}`);
-    if (motor !== undefined) set.push(`plant.thrust_lag_s=${motor}`);
-    return { set, thrust };
-}
-
-function request(experiment) {
-    const { set, thrust } = assignments();
-    const beliefs = { mass: moved.mass ?? 1, lift: moved.lift ?? 1 };
-    if (ofParts()) return { experiment, set: [...set.filter((one) => !one.startsWith("plant.")), ...($("kind").value ? [`plant.vehicle="${$("kind").value}"`] : [])], believe: beliefs };
-    return { experiment, set, thrust_to_weight: thrust ?? null, believe: beliefs };
+/* What is asked of the library. Sliders that were not moved stay the experiment's. */
+function request(steered) {
+    const set = ofParts() && $("kind").value ? [`plant.vehicle="${$("kind").value}"`] : [];
+    return { experiment: $("experiment").value, set, sliders: moved, steered };
 }
 
 /* Whether the vehicle is one of parts, from which its thrust and lags follow. */
 const ofParts = () => $("experiment").selectedOptions[0].dataset.parts === "true";
 
+/* Sliders stand where the experiment has them. */
+function stand(values) {
+    for (const [, name, least, most, , unit] of SLIDERS) {
+        const { slider, value } = sliders[name];
+        const at = values[name];
+        slider.disabled = at === null;
+        value.textContent = at === null ? "the vehicle's" : `${+at.toPrecision(4)} ${unit}`.trim();
+        if (at === null) continue;
+        [slider.min, slider.max] = [Math.min(least, at), Math.max(most, at)];
+        slider.value = at;
+    }
+}
+
+/* Back to the experiment as it is. */
+function unmove() {
+    for (const name in moved) delete moved[name];
+}
+
+/* Again, as it is asked for now. */
+const again = () => clock.steering ? steerBegins() : wholeFlight(true);
+
 function opened(info) {
     $("kind-of").hidden = !info.of_parts;
-    for (const field of ["thrust", "rate", "motor"]) sliders[field].disabled = info.of_parts;
+    stand(info.sliders);
     named(info.names);
     flight.candidate = info.candidate;
     flight.curves = info.curves;
     $("text").hidden = false;
     $("text").querySelector("pre").textContent = info.text;
+    $("same-of").textContent = clock.steering ? "The same vehicle, weather and controller on the command line, over the experiment's path:" : "The same flight on the command line:";
     $("same").textContent = `alula-sil fly ${info.command}`;
 }
 
 function wholeFlight(keep) {
     return tried(() => {
-        const info = asked(request($("experiment").value));
+        const info = asked(request(false));
         if (!library.fly()) throw Error(text());
         const { words } = JSON.parse(text());
+        clock.steering = false;
         opened(info);
         flight.rows = rowsOf(numbers());
         flight.plans = plans();
         flight.words = words;
-        clock.steering = false;
         $("goals").hidden = $("keys").hidden = true;
         $("lead").textContent = info.description;
         take();
@@ -714,15 +741,14 @@ const keys = new Set();
 
 function steerBegins() {
     tried(() => {
-        const chosen = $("experiment").selectedOptions[0];
-        const info = asked(request(chosen.dataset.steered));
+        const info = asked(request(true));
         if (!library.begin() || !library.step(1)) throw Error(text());
+        clock.steering = true;
         opened(info);
         flight.rows = rowsOf(numbers());
         flight.plans = plans();
         flight.words = JSON.parse(text());
         Object.assign(wish, { speed: 0, course: 0, climb: 0, loiter: false, sent: "", rate: info.control_rate_hz, owed: 0 });
-        clock.steering = true;
         $("goals").hidden = $("keys").hidden = false;
         $("lead").textContent = `Steered: ${info.description}`;
         take();
@@ -829,59 +855,88 @@ function withLibrary() {
     const list = JSON.parse($("experiments").textContent);
     const { experiments, vehicles } = list;
     for (const name of vehicles) $("kind").append(new Option(name, name));
-    $("kind").addEventListener("change", () => clock.steering ? steerBegins() : wholeFlight(true));
-    for (const { name, description, steered, of_parts } of experiments) {
+    $("kind").addEventListener("change", again);
+    for (const { name, description, of_parts } of experiments) {
         const option = new Option(`${name}: ${description}`, name);
-        option.dataset.steered = steered;
         option.dataset.parts = of_parts;
         $("experiment").append(option);
     }
-    for (const [words, field, least, most, step, unit] of SLIDERS) {
+    for (const [words, name, least, most, step, unit] of SLIDERS) {
         const label = document.createElement("label");
         const value = document.createElement("output");
         const slider = Object.assign(document.createElement("input"), { type: "range", min: least, max: most, step });
-        const still = { mass: 1, lift: 1, thrust: 2, rate: 0.1, motor: 0.05 }[field] ?? 0;
-        slider.value = still;
-        sliders[field] = slider;
-        value.textContent = "the experiment's";
+        sliders[name] = { slider, value };
         slider.addEventListener("input", () => {
-            moved[field] = +slider.value;
-            value.textContent = `${slider.value} ${unit}`;
+            moved[name] = +slider.value;
+            value.textContent = `${slider.value} ${unit}`.trim();
             clearTimeout(slider.wait);
-            slider.wait = setTimeout(() => clock.steering ? steerBegins() : wholeFlight(true), 150);
+            slider.wait = setTimeout(again, 150);
         });
         label.append(words, value, slider);
         $("sliders").append(label);
     }
-    $("experiment").addEventListener("change", () => { wholeFlight(false); play(true); });
+    $("experiment").addEventListener("change", () => { unmove(); $("kind").value = ""; wholeFlight(false); play(true); });
+    $("unmove").addEventListener("click", () => { unmove(); $("kind").value = ""; again(); });
     $("whole").addEventListener("click", () => { wholeFlight(false); play(true); });
     $("steer").addEventListener("click", steerBegins);
 }
 
+/* ---- recorded flights ---- */
+const held = JSON.parse($("held").textContent);
+const floats = (text) => Array.from(new Float32Array(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer));
+
+/* Takes up a flight that the page holds, at a time. */
+function recall(name, t) {
+    const one = held.flights.find((one) => one.name === name);
+    named(one.names);
+    flight.words = one.words;
+    flight.curves = one.curves === null ? null : held.curves[one.curves];
+    flight.candidate = one.candidate;
+    flight.rows = rowsOf(floats(one.rows));
+    flight.plans = plansOf(floats(one.plans));
+    $("flights").value = name;
+    $("lead").textContent = one.lead;
+    take();
+    seek(t);
+}
+
+function withFlights() {
+    for (const { name } of held.flights) $("flights").append(new Option(name, name));
+    $("which").hidden = held.flights.length < 2;
+    $("flights").addEventListener("change", () => recall($("flights").value, clock.t));
+}
+
 /* ---- beginning ---- */
+/* Moves by itself, unless its reader wants nothing to. */
+const moves = () => !matchMedia("(prefers-reduced-motion: reduce)").matches;
+
+/* What the address asks for, if it is there. */
+function wanted(names) {
+    const name = decodeURIComponent(location.hash.slice(1));
+    return names.includes(name) ? name : null;
+}
+
+/* Shows what the address asks for, or else this. */
+function show(otherwise) {
+    if (held) recall(wanted(held.flights.map((one) => one.name)) ?? otherwise, 0);
+    else {
+        $("experiment").value = wanted([...$("experiment").options].map((option) => option.value)) ?? otherwise;
+        unmove();
+        wholeFlight(false);
+    }
+    play(moves());
+}
+
 (async () => {
     prepare();
-    const held = JSON.parse($("flight").textContent);
     if ($("library")) {
         const { instance } = await WebAssembly.instantiate(decoded("library"), {});
         library = instance.exports;
         withLibrary();
-    }
-    if (held) {
-        named(held.names);
-        flight.words = held.words;
-        flight.curves = held.curves;
-        flight.candidate = held.candidate;
-        const floats = (text) => Array.from(new Float32Array(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer));
-        flight.rows = rowsOf(floats(held.rows));
-        flight.plans = plansOf(floats(held.plans));
-        take();
-        seek(0);
-    } else {
-        $("experiment").value = "mission";
-        wholeFlight(false);
-        play(true);
-    }
+    } else withFlights();
+    const first = held ? held.flights[0].name : "mission";
+    show(first);
+    addEventListener("hashchange", () => show(first));
     requestAnimationFrame(frame);
 })();
 

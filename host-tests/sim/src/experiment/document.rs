@@ -326,6 +326,7 @@ impl Document {
         if let Some((key, _)) = parts(path).next() {
             self.supersede(key);
         }
+        self.believe(path)?;
         let mut place = &mut self.root;
         let mut around = "";
         for (key, index) in parts(path) {
@@ -350,6 +351,35 @@ impl Document {
         }
         *place = value;
         self.expand_names()
+    }
+
+    /// A field of a belief that is left out, or a name, is one of the belief as it stands.
+    fn believe(&mut self, path: &str) -> Result<(), FieldError> {
+        let belief = self.path_of_belief();
+        let inside = path.strip_prefix(&belief);
+        let is_field = inside.is_some_and(|rest| rest.starts_with('.'));
+        match is_field && !self.get(&belief).is_some_and(Value::is_table) {
+            true => self.write_belief(),
+            false => Ok(()),
+        }
+    }
+
+    /// Where the controller's belief about the vehicle stands.
+    fn path_of_belief(&self) -> String {
+        format!("controller.{}.vehicle", self.controller())
+    }
+
+    /// Puts the vehicle in place of the name of a belief.
+    pub(crate) fn write_named_belief(&mut self) -> Result<(), FieldError> {
+        let path = self.path_of_belief();
+        let Some(Value::String(name)) = self.get(&path) else {
+            return Ok(());
+        };
+        let refused = |problem: String| FieldError::new(&path, problem);
+        let named = Self::load(name).map_err(|e| refused(format!("{e:#}")))?;
+        let vehicle = named.get("vehicle").cloned();
+        let vehicle = vehicle.ok_or_else(|| refused("has no [vehicle]".to_owned()))?;
+        self.set(&path, vehicle)
     }
 
     /// Puts the tables of [`NAMED_TABLES`] in place of their names.
@@ -505,14 +535,8 @@ impl Document {
     /// The whole document as TOML text, without a base, and with the belief that it names written out.
     pub fn text(&self) -> String {
         let mut whole = self.clone();
-        let path = format!("controller.{}.vehicle", self.controller());
-        if let Some(Value::String(name)) = self.get(&path)
-            && let Ok(named) = Self::load(name)
-            && let Some(vehicle) = named.get("vehicle")
-        {
-            let done = whole.set(&path, vehicle.clone());
-            done.expect("a path that is there");
-        }
+        // A name that leads nowhere stays: it is refused where it is read.
+        let _ = whole.write_named_belief();
         toml::to_string(&whole.root).expect("a TOML document")
     }
 }

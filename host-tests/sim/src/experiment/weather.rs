@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::V3;
-use super::document::{FieldError, angle, finite, positive, require, speed};
+use super::document::{FieldError, angle, finite, require, speed};
 use super::dryden::{LEAST_SPEED, Scales, Transverse, along};
 use super::normal::normal;
 use super::vector::{vector, velocity};
@@ -65,7 +65,7 @@ impl WeatherSpec {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TurbulenceSpec {
-    /// Wind speed at 20 ft \[m/s\], W_20: 7.7 is light, 15.4 moderate, 23.1 severe.
+    /// Wind speed at 20 ft \[m/s\], W_20: 0 is calm, 7.7 light, 15.4 moderate, 23.1 severe.
     pub wind_at_20_ft_m_s: f64,
     /// Height above ground \[m\], 3 to 305.
     pub height_m: f64,
@@ -74,8 +74,8 @@ pub struct TurbulenceSpec {
 impl TurbulenceSpec {
     pub(crate) fn validate(&self) -> Result<(), FieldError> {
         let field = "weather.turbulence.wind_at_20_ft_m_s";
-        positive(field, self.wind_at_20_ft_m_s)?;
         speed(field, self.wind_at_20_ft_m_s)?;
+        require(self.wind_at_20_ft_m_s >= 0.0, field, "must not be negative")?;
         let (field, problem) = ("weather.turbulence.height_m", "must be from 3 to 305 m");
         require((3.0..=305.0).contains(&self.height_m), field, problem)
     }
@@ -92,7 +92,8 @@ impl Weather {
     pub fn new(spec: WeatherSpec, in_plane: bool, random: &mut impl Rng) -> Self {
         let steady = spec.steady();
         let heading = libm::atan2(steady.y, steady.x);
-        let turbulence = spec.turbulence.map(|t| match in_plane {
+        let rough = spec.turbulence.filter(|t| t.wind_at_20_ft_m_s > 0.0);
+        let turbulence = rough.map(|t| match in_plane {
             true => Turbulence::in_plane(&t, random),
             false => Turbulence::new(&t, heading, random),
         });
