@@ -7,8 +7,8 @@ use super::svg::{Drawn, WIDE, draw};
 /// A figure of several parts.
 #[derive(Clone, Debug, Default)]
 pub struct Figure {
-    /// A picture above the charts.
-    pub picture: Option<Drawn>,
+    /// A picture above the charts, for a sheet and for a narrow window.
+    pub picture: Option<[Drawn; 2]>,
     charts: Vec<Drawn>,
     strip: Option<Drawn>,
     /// What the strip's rows are, and its colours with their classes.
@@ -37,7 +37,7 @@ impl Figure {
     }
 
     /// The same with a picture.
-    pub fn with_picture(mut self, picture: Drawn) -> Self {
+    pub fn with_picture(mut self, picture: [Drawn; 2]) -> Self {
         self.picture = Some(picture);
         self
     }
@@ -49,7 +49,9 @@ impl Figure {
 
     /// The parts as elements for a page, each with the class of its frame.
     pub fn parts(&self) -> Vec<(&'static str, String)> {
-        let picture = self.picture.iter().map(|drawn| ("picture", drawn.svg("")));
+        let picture = self.picture.iter().flatten();
+        let picture = ["picture sheet", "picture narrow"].into_iter().zip(picture);
+        let picture = picture.map(|(class, drawn)| (class, drawn.svg("")));
         let charts = self.charts.iter().map(|drawn| ("one", drawn.svg("")));
         let strip = self.strip.iter().map(|drawn| ("wide", drawn.svg("")));
         picture.chain(charts).chain(strip).collect()
@@ -67,7 +69,7 @@ impl Figure {
             ));
             high + GAP
         };
-        if let Some(picture) = &self.picture {
+        if let Some([picture, _]) = &self.picture {
             y += place(picture, GAP, y, whole);
         }
         for line in self.charts.chunks(2) {

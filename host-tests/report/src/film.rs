@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::side::vehicle;
-use super::svg::Drawn;
+use super::svg::{Drawn, title};
 use alula_sim::experiment::{Experiment, V3};
 use alula_sim::simulate::Step;
 
@@ -14,8 +14,9 @@ const WING: f64 = 70.0;
 const EVERY: f64 = 0.5;
 const AROUND: f64 = 1.0;
 const MOST: f64 = 21.0;
-/// Height of a row, and the most between two frames \[px\].
-const HIGH: f64 = 164.0;
+/// Height of a row without its title, and the least and the most between two frames \[px\].
+const HIGH: f64 = 142.0;
+const NEAR: f64 = 52.0;
 const APART: f64 = 76.0;
 
 /// A way from hover to wing, or back.
@@ -80,26 +81,26 @@ pub fn with_films(mut picture: Drawn, experiment: &Experiment, record: &[Step]) 
     let text = &mut picture.body;
     let [wide, high] = &mut picture.size;
     for film in films(record) {
-        let top = *high;
-        *high += HIGH;
+        let columns = (*wide / NEAR).floor().min(film.frames.len() as f64);
         let way = if film.to_wing {
             "from hover to the wing"
         } else {
             "from the wing to hover"
         };
-        let _ = writeln!(
-            text,
-            "<text class=\"title\" x=\"2\" y=\"{:.1}\">{way}: every {} s, seen from beside the course; thrust behind it</text>",
-            top + 15.0,
+        let words = format!(
+            "{way}: every {} s, seen from beside the course; thrust behind it",
             film.every
         );
-        let apart = (*wide / (film.frames.len() as f64)).min(APART);
+        *high += 22.0 + title(text, &words, [2.0, *high + 15.0], *wide);
+        let apart = (*wide / columns).min(APART);
         // Ahead is where it flies on the wing.
         let fastest = film.frames.iter().map(|step| step.truth.velocity);
         let fastest = fastest.max_by(|a, b| a.xy().norm().total_cmp(&b.xy().norm()));
         let course = fastest.map_or(V3::x(), |v| V3::new(v.x, v.y, 0.0).normalize());
         for (k, step) in film.frames.iter().enumerate() {
-            let at = [apart * (k as f64 + 0.5), top + 72.0];
+            let (column, row) = (k as f64 % columns, (k as f64 / columns).floor());
+            let top = *high + HIGH * row;
+            let at = [apart * (column + 0.5), top + 50.0];
             let [tail, belly, _] = step.truth.axes();
             let seen = |v: V3| [v.dot(&course), v.z];
             vehicle(
@@ -117,10 +118,11 @@ pub fn with_films(mut picture: Drawn, experiment: &Experiment, record: &[Step]) 
                     text,
                     "<text class=\"tick x\" x=\"{:.1}\" y=\"{:.1}\">{words}</text>",
                     at[0],
-                    top + 136.0 + 15.0 * line as f64
+                    top + 114.0 + 15.0 * line as f64
                 );
             }
         }
+        *high += HIGH * (film.frames.len() as f64 / columns).ceil();
     }
     picture
 }

@@ -6,7 +6,7 @@ use super::page::fixed;
 use super::panel::{Panel, chart, panels, strip};
 use super::picture::picture;
 use super::side::side;
-use super::svg::Drawn;
+use super::svg::{Drawn, Format};
 use super::{Figure, Page, Table, viewer};
 use alula_design::envelope::Curve;
 use alula_sim::columns::declared;
@@ -98,16 +98,17 @@ const MARKS: [(&str, &str); 3] = [
 const HIGH: f64 = 210.0;
 
 /// The picture of a flight as a whole.
-pub fn overview(experiment: &Experiment, record: &[Step]) -> Drawn {
+pub fn overview(experiment: &Experiment, record: &[Step], format: Format) -> Drawn {
     match experiment.in_plane() {
-        true => side(experiment, record),
-        false => picture(record),
+        true => side(experiment, record, format),
+        false => picture(record, format),
     }
 }
 
-/// The picture of a flight, with its transitions.
-pub fn drawn(experiment: &Experiment, record: &[Step]) -> Drawn {
-    with_films(overview(experiment, record), experiment, record)
+/// The picture of a flight, with its transitions, for a sheet and for a narrow window.
+pub fn drawn(experiment: &Experiment, record: &[Step]) -> [Drawn; 2] {
+    [Format::Sheet, Format::Narrow]
+        .map(|format| with_films(overview(experiment, record, format), experiment, record))
 }
 
 /// The figure of a flight: its picture, its charts, what the controller did.

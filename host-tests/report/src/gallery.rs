@@ -2,8 +2,11 @@
 
 use std::fmt::Write as _;
 
-use super::svg::{Drawn, escape};
+use super::flight::overview;
+use super::svg::{Drawn, Format, escape};
 use super::viewer::address;
+use alula_sim::experiment::Experiment;
+use alula_sim::simulate::Step;
 
 /// An experiment that was flown.
 #[derive(Clone, Debug)]
@@ -16,12 +19,23 @@ pub struct Exhibit {
     pub picture: Drawn,
 }
 
+impl Exhibit {
+    /// The flight of a record.
+    pub fn of(name: &str, experiment: &Experiment, record: &[Step]) -> Self {
+        Self {
+            name: name.to_owned(),
+            description: experiment.description.clone(),
+            picture: overview(experiment, record, Format::Small),
+        }
+    }
+}
+
 /// The page of these.
 pub fn page(exhibits: &[Exhibit]) -> String {
     let mut text = format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <title>Gallery</title>\n<style>\n{}{}</style>\n</head>\n<body class=\"page\">\n<main>\n<h1>Gallery</h1>\n\
-         <p>The built-in experiments, flown. Each command leaves a report with charts, and the flight in three dimensions, which its link shows here.</p>\n<div class=\"gallery\">\n",
+         <p>The built-in experiments, flown. A picture leads to its flight in three dimensions; the command leaves that and a report with charts.</p>\n<div class=\"gallery\">\n",
         include_str!("style.css"),
         include_str!("chart.css"),
     );
@@ -33,7 +47,7 @@ pub fn page(exhibits: &[Exhibit]) -> String {
     {
         let _ = writeln!(
             text,
-            "<figure id=\"{name}\"><h2>{name}</h2><pre><code>alula-sil fly {name}</code></pre><p class=\"links\"><a href=\"{}\">in three dimensions</a></p>{}<figcaption>{}</figcaption></figure>",
+            "<figure id=\"{name}\"><h2>{name}</h2><pre><code>alula-sil fly {name}</code></pre><a href=\"{}\">{}</a><figcaption>{}</figcaption></figure>",
             address(name),
             picture.svg(&format!("role=\"img\" aria-label=\"The flight {name}\"")),
             escape(description),

@@ -83,6 +83,8 @@ impl Table {
             rows => self.rows.clone(),
             // Its rows have names, and its columns need none.
             named => self.header.first().is_some_and(String::is_empty),
+            // A row of so few cells is a line, under the names of the columns.
+            few => self.header.len() <= 3,
             long => self.header.len() > 3 && self.header.len() * self.rows.len() > LONG,
             numeric => (0..self.header.len()).map(numeric).collect::<Vec<_>>(),
         }

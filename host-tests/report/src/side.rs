@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::chart::ends;
-use super::svg::Drawn;
+use super::svg::{Drawn, Format, title};
 use super::ticks;
 use alula_sim::experiment::{Experiment, V3};
 use alula_sim::simulate::Step;
@@ -103,7 +103,13 @@ pub(super) fn vehicle(
 }
 
 /// The flight from the side.
-pub fn side(experiment: &Experiment, record: &[Step]) -> Drawn {
+pub fn side(experiment: &Experiment, record: &[Step], format: Format) -> Drawn {
+    let wide = format.wide(WIDE);
+    let highest = match format {
+        Format::Sheet => HIGHEST,
+        Format::Narrow => 300.0,
+        Format::Small => 90.0,
+    };
     let all = || {
         let pairs = record.iter();
         pairs.flat_map(|s| [s.truth.position, s.target.position])
@@ -117,24 +123,26 @@ pub fn side(experiment: &Experiment, record: &[Step]) -> Drawn {
         }
     };
     let ((forward, long), (down, deep)) = (extent(|p| p.x), extent(|p| p.z));
-    let scale = ((WIDE - 2.0 * ROOM) / long).min(HIGHEST / deep);
-    let top = 30.0;
+    let scale = ((wide - 2.0 * ROOM) / long).min(highest / deep);
+    let mut text = String::new();
+    let words = "the flight from the side: to scale, the vehicle drawn larger; thrust behind it";
+    let top = match format {
+        Format::Small => 0.0,
+        _ => 30.0 + title(&mut text, words, [2.0, 15.0], wide),
+    };
     let bottom = top + 2.0 * ROOM + scale * deep;
     let view = View {
         scale,
         origin: [
-            0.5 * WIDE - scale * forward,
+            0.5 * wide - scale * forward,
             0.5 * (top + bottom) - scale * down,
         ],
     };
-    let mut text = String::from(
-        "<text class=\"title\" x=\"2\" y=\"15\">the flight from the side: to scale, the vehicle drawn larger; thrust behind it</text>\n",
-    );
     // Distance over ground.
-    let ends = [0.0, WIDE].map(|x| (x - view.origin[0]) / scale);
-    for x in ticks::linear((ends[0], ends[1]), 14.0, false) {
+    let ends = [0.0, wide].map(|x| (x - view.origin[0]) / scale);
+    for x in ticks::linear((ends[0], ends[1]), 14.0 * wide / WIDE, false) {
         let at = view.pixel(V3::new(x, 0.0, 0.0))[0];
-        if !(24.0..WIDE - 24.0).contains(&at) {
+        if !(24.0..wide - 24.0).contains(&at) {
             continue;
         }
         let _ = writeln!(
@@ -180,7 +188,7 @@ pub fn side(experiment: &Experiment, record: &[Step]) -> Drawn {
         }
     }
     Drawn {
-        size: [WIDE, bottom + 26.0],
+        size: [wide, bottom + 26.0],
         attributes: String::new(),
         body: text,
     }

@@ -17,6 +17,27 @@ const BELOW: f64 = 42.0;
 /// Letters of a title that fit in one line.
 const LETTERS: usize = 68;
 
+/// For what a picture is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// A sheet, or a wide window.
+    Sheet,
+    /// A narrow window: the parts one below the other.
+    Narrow,
+    /// One of many: the way flown alone.
+    Small,
+}
+
+/// Width of what is drawn narrow \[px\].
+pub const NARROW: f64 = 440.0;
+
+impl Format {
+    /// The width, which is `sheet` \[px\] on a sheet.
+    pub fn wide(self, sheet: f64) -> f64 {
+        if self == Self::Sheet { sheet } else { NARROW }
+    }
+}
+
 /// Something drawn, in a frame of its own.
 #[derive(Clone, Debug)]
 pub struct Drawn {
@@ -51,6 +72,22 @@ pub fn escape(text: &str) -> String {
 /// About the width of a text \[px\] in letters this high.
 pub fn width(text: &str, size: f64) -> f64 {
     0.56 * size * text.chars().count() as f64
+}
+
+/// A title at the top of a picture of this width, in as many lines as it takes; the height of them but for the first \[px\].
+pub fn title(text: &mut String, words: &str, [x, y]: [f64; 2], wide: f64) -> f64 {
+    const LINE: f64 = 19.0;
+    let letters = (wide - x) / width(" ", 15.0);
+    let all = lines(words, letters as usize);
+    for (i, line) in all.iter().enumerate() {
+        let _ = writeln!(
+            text,
+            "<text class=\"title\" x=\"{x}\" y=\"{:.1}\">{}</text>",
+            y + LINE * i as f64,
+            escape(line)
+        );
+    }
+    LINE * (all.len() - 1) as f64
 }
 
 /// The lines of a text of at most so many letters, as far as its words allow.

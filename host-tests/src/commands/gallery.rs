@@ -6,7 +6,6 @@ use std::thread;
 
 use anyhow::Context;
 
-use alula_report::flight::overview;
 use alula_report::gallery::{Exhibit, page};
 use alula_report::viewer::{self, Flight};
 use alula_sim::experiment::{BUILT_IN, Document};
@@ -69,10 +68,5 @@ fn exhibit(name: &str) -> anyhow::Result<Option<(Exhibit, Flight)>> {
     let mut flight = Flight::of(name, &experiment, &record);
     // So many flights in one page: fewer rows of each, and no plans.
     flight.scene.thin(COARSE);
-    let exhibit = Exhibit {
-        name: name.to_owned(),
-        picture: overview(&experiment, &record),
-        description: experiment.description,
-    };
-    Ok(Some((exhibit, flight)))
+    Ok(Some((Exhibit::of(name, &experiment, &record), flight)))
 }

@@ -7,8 +7,9 @@ use crate::chart::ends;
 use alula_sim::experiment::V3;
 use alula_sim::simulate::Step;
 
-/// Vehicles drawn, at most.
+/// Vehicles drawn, at most, and the least width that each has \[px\].
 const VEHICLES: f64 = 20.0;
+const APART: f64 = 54.0;
 /// Least range of altitudes \[m\]: what is level shall look so.
 const LEAST: f64 = 10.0;
 
@@ -46,7 +47,7 @@ pub fn draw(text: &mut String, record: &[Step], view: &View, frame: [f64; 4]) ->
     curve("line dash orange", |s| s.target.position.z);
     curve("line blue", |s| s.truth.position.z);
 
-    let every = round_number(duration / VEHICLES);
+    let every = round_number(duration / VEHICLES.min(width / APART));
     let mut below = Taken::new([left - 40.0, top + height, width + 80.0, 24.0]);
     let mut due = 0.0;
     for step in record {

@@ -145,7 +145,19 @@ impl Taken {
         inside && !self.boxes.iter().any(meets)
     }
 
-    /// The left upper end of a box in the first corner of the frame that is free, or else in its left upper one; it is taken.
+    /// How much of a box is taken \[px²\].
+    fn covered(&self, [left, top, right, bottom]: Bounds) -> f64 {
+        let shared = |o: &Bounds| {
+            let (wide, high) = (
+                right.min(o[2]) - left.max(o[0]),
+                bottom.min(o[3]) - top.max(o[1]),
+            );
+            wide.max(0.0) * high.max(0.0)
+        };
+        self.boxes.iter().map(shared).sum()
+    }
+
+    /// The left upper end of a box in the first corner of the frame that is free, or else in the one that is most so; it is taken.
     pub fn corner(&mut self, [width, height]: [f64; 2]) -> [f64; 2] {
         let [l, t, r, b] = self.frame;
         let corners = [
@@ -154,8 +166,11 @@ impl Taken {
             [l, b - height],
             [r - width, b - height],
         ];
-        let is_free = |at: &&[f64; 2]| self.is_free([at[0], at[1], at[0] + width, at[1] + height]);
-        let at = *corners.iter().find(is_free).unwrap_or(&corners[0]);
+        let covered = |at: &&[f64; 2]| self.covered([at[0], at[1], at[0] + width, at[1] + height]);
+        let first = corners
+            .iter()
+            .min_by(|a, b| covered(a).total_cmp(&covered(b)));
+        let at = *first.expect("four corners");
         self.take([at[0] + 0.5 * width, at[1] + 0.5 * height], [width, height]);
         at
     }

@@ -440,6 +440,9 @@ function plan() {
     }));
 }
 
+/* The acceleration of the reference that the slider asks for [m/s²]. */
+const cutNow = () => +$("cut").value;
+
 function charts() {
     const curves = flight.curves;
     if (!curves) return;
@@ -462,6 +465,13 @@ function charts() {
         for (const [alpha, speed] of cut.folds) e.dot(speed, alpha, hue(a), 2.6);
     }
     const entries = curves.cuts.filter((cut) => [-6, -2, 0, 2, 6].includes(cut.acceleration_m_s2)).map((cut) => [hue(cut.acceleration_m_s2), `${cut.acceleration_m_s2}`.replace("-", "−")]);
+    /* The acceleration of the slider, in pieces between gaps. */
+    const pieces = [[]];
+    for (const p of cutAt(cutNow())) if (p) pieces[pieces.length - 1].push(p); else pieces.push([]);
+    for (const piece of pieces) {
+        e.line(piece.map(([speed, alpha]) => [speed, alpha]), color("red"), 2, [6, 4]);
+        f.line(piece.map(([speed, , force]) => [speed, force]), color("red"), 2, [6, 4]);
+    }
     e.legend([...entries, [color("soft"), "m/s²; folds as dots"]]);
     f.legend([...entries, [color("soft"), "m/s²"]]);
     if (!now) return;
@@ -474,7 +484,7 @@ function charts() {
     f.dot(get(now, "airspeed_m_s"), get(now, "fp_n") / curves.weight_n, color("red"), 5);
 }
 
-/* The equilibria of a level acceleration, by α in degrees: [airspeed, α], or null where there is none. */
+/* The equilibria of a level acceleration, by α in degrees: [airspeed, α, |F_p| over the weight], or null where there is none. */
 function cutAt(acceleration) {
     const { coefficients, weight_n, k_a_kg_m, delta_deg } = flight.curves;
     const epsilon = Math.atan(acceleration / 9.81);
@@ -485,7 +495,8 @@ function cutAt(acceleration) {
         const pressure = apparent * Math.cos(at + epsilon) / (lift * cos + drag * sin);
         const thrust = apparent * Math.sin(at + epsilon) + pressure * (drag * cos - lift * sin);
         /* Aligned thrust alone: the others are those that the law turns away from. */
-        return pressure >= 0 && thrust + lambda * pressure > 0 ? [Math.sqrt(pressure / k_a_kg_m), alpha] : null;
+        const force = thrust + lambda * pressure;
+        return pressure >= 0 && force > 0 ? [Math.sqrt(pressure / k_a_kg_m), alpha, force / weight_n] : null;
     });
 }
 
@@ -508,7 +519,7 @@ function surface() {
     }
     for (const a of [-6, 0, 6]) { const [x, y] = pixel(fast, 0, a); pen.textAlign = "left"; pen.fillText(`${a}`.replace("-", "−"), x + 6, y + 4); }
     for (const alpha of [0, 60, 120]) { const [x, y] = pixel(0, alpha, -depth); pen.textAlign = "right"; pen.fillText(String(alpha), x - 6, y + 4); }
-    const cut = +$("cut").value;
+    const cut = cutNow();
     $("cut-at").textContent = `${fixed(cut, 1)} m/s²`;
     const step = 0.5;
     let behind = null;
@@ -533,7 +544,7 @@ function surface() {
     }
 }
 
-$("cut").addEventListener("input", surface);
+$("cut").addEventListener("input", () => { charts(); surface(); });
 
 function curvesAreThere() {
     $("vehicle").hidden = !flight.curves;
@@ -864,7 +875,7 @@ function withLibrary() {
     for (const [words, name, least, most, step, unit] of SLIDERS) {
         const label = document.createElement("label");
         const value = document.createElement("output");
-        const slider = Object.assign(document.createElement("input"), { type: "range", min: least, max: most, step });
+        const slider = Object.assign(document.createElement("input"), { type: "range", id: `slider-${name}`, min: least, max: most, step });
         sliders[name] = { slider, value };
         slider.addEventListener("input", () => {
             moved[name] = +slider.value;
@@ -941,4 +952,4 @@ function show(otherwise) {
 })();
 
 /* For tests. */
-window.viewer = { flight, clock, drawing, seek, play, rowAt, wholeFlight, steerBegins, cutAt, planAt, plan, wish, steered, moved, asked, get library() { return library; } };
+window.viewer = { flight, clock, drawing, seek, play, rowAt, wholeFlight, unmove, steerBegins, cutAt, planAt, plan, wish, steered, moved, asked, get library() { return library; } };
