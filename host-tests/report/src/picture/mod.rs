@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 
 use self::ground::Ground;
 use self::view::{BACK, BELLY, View, label, metres};
-use super::svg::{Drawn, Format, NARROW, width};
+use super::svg::{Drawn, Format, NARROW, title, width};
 use alula_sim::simulate::Step;
 
 /// Width of the picture on a sheet \[px\].
@@ -84,21 +84,18 @@ pub fn picture(record: &[Step], format: Format) -> Drawn {
     let along = profile::draw(&mut text, record, &over, layout.profile);
     let plane = ground.altitude();
     let side = if plane > 0.0 { "above" } else { "below" };
-    for ([x, y], words) in [
+    for (at, words) in [
         (
             [12.0, 24.0],
-            "seen from the south-south-west, 32° above the horizon".to_owned(),
+            "seen from the south-south-west, 32° above the horizon",
         ),
-        (layout.title_above, "from above".to_owned()),
+        (layout.title_above, "from above"),
         (
             layout.title_profile,
-            format!("altitude over the start and attitude, every {along} s"),
+            &format!("altitude over the start and attitude, every {along} s"),
         ),
     ] {
-        let _ = writeln!(
-            text,
-            "<text class=\"title\" x=\"{x}\" y=\"{y}\">{words}</text>"
-        );
+        title(&mut text, words, at, layout.size[0]);
     }
     let words = [
         format!("a vehicle every {every} s, but where one stands already"),
