@@ -204,3 +204,33 @@ fn render(title: &str, held: Option<&All>, library: Option<&[u8]>) -> anyhow::Re
         })
         .context("the page's template")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Flights of one vehicle share its curves, a trace has none, and addresses lead to names with blanks.
+    #[test]
+    fn a_page_holds_curves_once() {
+        let experiment = Document::load("circle-40").unwrap().checked().unwrap();
+        let flight = |name: &str, curves| Flight {
+            name: name.to_owned(),
+            lead: String::new(),
+            scene: Scene::default(),
+            curves,
+        };
+        let known = || Some(curves(&experiment));
+        let flights = [
+            flight("flight 3", known()),
+            flight("trace", None),
+            flight("flight 7", known()),
+        ];
+        let page = recorded("several", &flights).unwrap();
+        assert_eq!(page.matches("\"weight_n\":").count(), 1);
+        for held in ["\"curves\":0}", "\"curves\":null}"] {
+            assert!(page.contains(held), "{held}");
+        }
+        assert_eq!(address("flight 3"), "view.html#flight%203");
+        assert_eq!(address("50 % of #2"), "view.html#50%20%25%20of%20%232");
+    }
+}
