@@ -548,7 +548,12 @@ fn a_campaign_is_flown_shared_merged_and_flown_again() {
     run(&["campaign", "c.toml", "--shard", "1/2", "--out", "one"]);
     run(&["campaign", "c.toml", "--shard", "2/2", "--out", "two"]);
     run(&["campaign", "merge", "two", "one", "--out", "both"]);
-    for file in ["flights.parquet", "report.html", "summary.json", "view.html"] {
+    for file in [
+        "flights.parquet",
+        "report.html",
+        "summary.json",
+        "view.html",
+    ] {
         let read = |folder: &Path| fs::read(folder.join(file)).unwrap();
         let merged = read(&folder.path().join("both"));
         // Only how a flight is flown again is not the same: the shares may have come without the file.
