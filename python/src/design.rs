@@ -128,7 +128,7 @@ pub fn new(py: Python<'_>, name: &str, known: Option<&Bound<'_, PyDict>>) -> PyR
     let facts = read::<Known>(Value::Table(fields)).and_then(Known::facts);
     let facts = facts.map_err(|e| error::of_field(in_python(e)))?;
     let done = py.detach(|| {
-        let made = Made::new(facts)?;
+        let made = Made::new(facts)?.as_it_brakes()?;
         let document = made.document(name)?;
         let first = FirstFlight::of(&made, &document)?;
         Ok((made, document, first))

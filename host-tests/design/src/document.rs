@@ -10,8 +10,6 @@ use super::goals::limits_text;
 use alula_sim::experiment::{FieldError, file_name, require};
 use alula_sim::named::on_one_line;
 
-/// Acceleration of the round trip [m/s²]: the one of the built-in round trip.
-const ACCELERATION: f64 = 2.0;
 /// What the campaign draws the true mass from, over the one given.
 pub(super) const MASS: [f64; 2] = [0.85, 1.1];
 /// As [`MASS`], of k_a.
@@ -43,7 +41,7 @@ pub fn vehicle_text(name: &str, design: &Design) -> String {
     let mut text = format!(
         "# {name}, made by `alula-sil new` from {} kg, {} m², {}, T/W {}, lags of {} s (thrust) and {} s (rate), {} m/s.\n\
          # Every command takes this file: fly, margins, envelope, equilibria, sweep; {name}-campaign.toml flies it dispersed.\n\
-         description = \"{name}: hover to {} m/s and back at {ACCELERATION} m/s²\"\n",
+         description = \"{name}: hover to {} m/s {}\"\n",
         facts.mass_kg,
         facts.wing_m2,
         on_one_line(&facts.section),
@@ -52,15 +50,14 @@ pub fn vehicle_text(name: &str, design: &Design) -> String {
         facts.rate_lag_s,
         facts.cruise_m_s,
         facts.cruise_m_s,
+        design.trip.text(facts.cruise_m_s),
     );
-    let ramp = facts.cruise_m_s / ACCELERATION;
-    let times = [5.0, 5.0 + ramp, 35.0 + ramp, 35.0 + 2.0 * ramp];
     let _ = write!(
         text,
         "duration_s = {}\ncontrol_rate_hz = {}\n\n[vehicle]\nmass_kg = {}\n\
          k_a_kg_m = {} # ρΣ/2 with ρ = {} kg/m³ and Σ = {} m²\n\
          delta_deg = {} # from where the polar's α is zero to the thrust line\n\n",
-        short(times[3] + 60.0),
+        short(design.trip.duration(facts.cruise_m_s)),
         facts.control_rate_hz,
         facts.mass_kg,
         short(facts.k_a()),
@@ -102,14 +99,13 @@ pub fn vehicle_text(name: &str, design: &Design) -> String {
         let _ = writeln!(text, "{number:<34} # {reason}");
     }
     text += "\n# Hover, cruise, hover. `--set` or a file with `base` flies something else.\n[reference]\nknots = [\n";
-    for (time, speed) in times
-        .iter()
-        .zip([0.0, facts.cruise_m_s, facts.cruise_m_s, 0.0])
-    {
+    for [time, down, forward] in design.trip.knots(facts.cruise_m_s) {
         let _ = writeln!(
             text,
-            "    {{ t_s = {}, down_m_s = 0.0, forward_m_s = {speed} }},",
-            short(*time)
+            "    {{ t_s = {}, down_m_s = {:?}, forward_m_s = {} }},",
+            short(time),
+            down as f32,
+            short(forward)
         );
     }
     let _ = write!(

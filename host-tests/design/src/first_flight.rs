@@ -3,7 +3,8 @@
 use anyhow::Context;
 use serde::Serialize;
 
-use super::{Design, Performance, Verdict};
+use super::performance::stop;
+use super::{Design, Outcome, Performance, Trip, Verdict};
 use alula_sim::experiment::{Document, Experiment};
 use alula_sim::figures::Figures;
 use alula_sim::margins::{Loop, Point};
@@ -40,30 +41,95 @@ pub struct Findings {
     pub verdict: Verdict,
 }
 
-impl FirstFlight {
-    /// Of the vehicle of `design`, flown as `document` says.
-    pub fn of(design: &Design, document: &Document) -> anyhow::Result<Self> {
+/// A round trip, flown and judged.
+struct RoundTrip {
+    experiment: Experiment,
+    record: Record,
+    figures: Figures,
+    performance: Performance,
+    verdict: Verdict,
+}
+
+impl RoundTrip {
+    fn of(design: &Design, document: &Document) -> anyhow::Result<Self> {
         let experiment = document.checked()?;
         let name = &document.name;
         let record = fly(&experiment).with_context(|| format!("{name}: THE FIRST FLIGHT FAILS"))?;
         let figures = Figures::of(&experiment, &record);
         let facts = &design.facts;
         let performance = Performance::of(
-            document,
             &experiment.vehicle,
             design.wing.stall_deg(),
             facts.thrust(),
             facts.cruise_m_s,
             design.parameters.max_lateral_acceleration.into(),
-        )?;
+        );
+        Ok(Self {
+            verdict: Verdict::of(facts, &performance, &figures),
+            experiment,
+            record,
+            figures,
+            performance,
+        })
+    }
+}
+
+impl Design {
+    /// What comes of its round trip.
+    pub(super) fn tried(&self) -> anyhow::Result<Verdict> {
+        Ok(RoundTrip::of(self, &self.document("trial")?)?.verdict)
+    }
+
+    /// The same with a round trip that it can fly: level if that does what is asked, else the first one that does, else the one that comes nearest.
+    pub fn as_it_brakes(self) -> anyhow::Result<Self> {
+        let mut nearest = (f64::INFINITY, Trip::LEVEL);
+        for trip in [Trip::LEVEL].into_iter().chain(Trip::OTHERS) {
+            let design = Self {
+                trip,
+                ..self.clone()
+            };
+            // One that comes to no number is not near.
+            match design.tried() {
+                Ok(verdict) if verdict.outcome == Outcome::AsAsked => return Ok(design),
+                Ok(verdict) if verdict.worst < nearest.0 => nearest = (verdict.worst, trip),
+                _ => {}
+            }
+        }
+        Ok(Self {
+            trip: nearest.1,
+            ..self
+        })
+    }
+}
+
+impl FirstFlight {
+    /// Of the vehicle of `design`, flown as `document` says. What would mend it is flown, too.
+    pub fn of(design: &Design, document: &Document) -> anyhow::Result<Self> {
+        let RoundTrip {
+            experiment,
+            record,
+            figures,
+            mut performance,
+            mut verdict,
+        } = RoundTrip::of(design, document)?;
+        let facts = &design.facts;
+        performance.stop_m = stop(document, facts.cruise_m_s)?;
+        verdict.advice = design.remedies(verdict.outcome);
         let mut warnings = design.wing.warnings.clone();
         warnings.extend(performance.doubts(design));
+        let mut story = design.wing.story.clone();
+        if design.trip != Trip::LEVEL {
+            story.push(format!(
+                "Level braking at 2 m/s² is not as asked: the round trip goes there {}",
+                design.trip.text(facts.cruise_m_s)
+            ));
+        }
         let findings = Findings {
-            story: design.wing.story.clone(),
+            story,
             warnings,
             performance,
             margins: margins(&experiment, facts.cruise_m_s)?,
-            verdict: Verdict::of(facts, &performance, &figures),
+            verdict,
         };
         Ok(Self {
             experiment,

@@ -19,8 +19,6 @@ pub(super) struct Length {
     pub first: &'static str,
     /// What it does who goes farther.
     pub text: &'static str,
-    /// What brings it nearer.
-    pub advice: &'static str,
     /// Asked of a calm flight by a controller that knows the vehicle \[m\].
     pub goal: f64,
     /// The figure of the campaign's flights, and whether its least value is meant.
@@ -33,7 +31,6 @@ pub(super) const LENGTHS: [Length; 6] = [
     Length {
         first: "max_loss_out_m",
         text: "sinks below its reference on the way out",
-        advice: "a smaller altitude_band_m, or a gentler start in reference.knots",
         goal: 1.0,
         campaign: ("altitude_least_m", true),
         limit: 10.0,
@@ -41,7 +38,6 @@ pub(super) const LENGTHS: [Length; 6] = [
     Length {
         first: "max_gain_out_m",
         text: "climbs above its reference on the way out",
-        advice: "a smaller altitude_band_m, or a gentler start in reference.knots",
         goal: 1.0,
         campaign: ("altitude_most_m", false),
         limit: 10.0,
@@ -49,7 +45,6 @@ pub(super) const LENGTHS: [Length; 6] = [
     Length {
         first: "max_loss_back_m",
         text: "sinks below its reference on the way back",
-        advice: "a smaller altitude_band_m, or gentler braking in reference.knots",
         goal: 0.6,
         campaign: ("altitude_least_m", true),
         limit: 10.0,
@@ -57,7 +52,6 @@ pub(super) const LENGTHS: [Length; 6] = [
     Length {
         first: "max_gain_back_m",
         text: "climbs above its reference on the way back",
-        advice: "a smaller altitude_band_m, or gentler braking in reference.knots",
         goal: 0.6,
         campaign: ("altitude_most_m", false),
         limit: 10.0,
@@ -65,7 +59,6 @@ pub(super) const LENGTHS: [Length; 6] = [
     Length {
         first: "max_ahead_m",
         text: "runs ahead of its reference where that brakes",
-        advice: "gentler braking in reference.knots, or a slower cruise",
         goal: 3.0,
         campaign: ("max_ahead_m", false),
         limit: 15.0,
@@ -73,7 +66,6 @@ pub(super) const LENGTHS: [Length; 6] = [
     Length {
         first: "forward_least_m",
         text: "falls behind its reference",
-        advice: "a gentler start in reference.knots, or more thrust",
         goal: 10.0,
         campaign: ("forward_least_m", true),
         limit: 30.0,

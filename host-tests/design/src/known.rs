@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::Wing;
-use alula_sim::experiment::{FieldError, from_toml, require};
+use alula_sim::experiment::{FieldError, from_toml};
 use alula_sim::named::{on_one_line, text_of};
 
 /// What is known. The flags and the fields of a file have the same names, with their units; what is left out has a default, or is asked.
@@ -190,25 +190,147 @@ const RANGES: [(&str, [f64; 2]); 15] = [
     ("idle_to_weight", [0.0, 0.9]),
     ("propeller_m", [0.02, 5.0]),
     ("drag_area_m2", [0.0, 100.0]),
-    ("air_kg_m3", [0.1, 10.0]),
+    ("air_kg_m3", [0.2, 2.0]),
 ];
 
-/// Mass over area of the wing \[kg/m²\] of what flies: from paper gliders to jets. Tail-sitters have 2 to 30.
-const LOADING: [f64; 2] = [0.1, 800.0];
+/// Something that mass, areas and speeds come to together, of what flies.
+struct Ratio {
+    /// The numbers that it is of. Of the first ones it is asked first whether they are in another unit.
+    fields: &'static [&'static str],
+    /// From paper gliders to jets.
+    range: [f64; 2],
+    of: fn(&Known) -> Option<f64>,
+    /// What it is, of these numbers.
+    says: fn(&Known, f64) -> String,
+}
 
-/// Units that people give a number in, other than its own: the number, what stands for one of its units, and their name.
-const OTHER_UNITS: [(&str, f64, &str); 10] = [
-    ("mass_kg", 1e-3, "g"),
-    ("wing_m2", 1e-2, "dm²"),
-    ("wing_m2", 1e-4, "cm²"),
-    ("thrust_to_weight", 1e-2, "%"),
-    ("thrust_lag_s", 1e-3, "ms"),
-    ("rate_lag_s", 1e-3, "ms"),
-    ("cruise_m_s", 1.0 / 3.6, "km/h"),
-    ("turn_rad_s2", std::f64::consts::PI / 180.0, "°/s²"),
-    ("propeller_m", 0.0254, "inches"),
-    ("idle_to_weight", 1e-2, "%"),
+/// What is believed of the numbers together. Tail-sitters have 2 to 30 kg/m², lift coefficients in cruise of 0.1 to 1, and 50 to 1,000 N/m².
+const RATIOS: [Ratio; 5] = [
+    Ratio {
+        fields: &["mass_kg", "wing_m2"],
+        range: [0.1, 800.0],
+        of: |known| Some(known.mass_kg? / known.wing_m2?),
+        says: |known, loading| {
+            format!(
+                "{} kg on {} m² of wing are {loading:.3} kg/m²",
+                given(known.mass_kg),
+                given(known.wing_m2)
+            )
+        },
+    },
+    Ratio {
+        fields: &["mass_kg", "wing_m2", "cruise_m_s"],
+        range: [0.005, 10.0],
+        of: |known| {
+            let pressure = 0.5 * known.air_kg_m3.unwrap_or(AIR) * known.cruise_m_s?.powi(2);
+            Some(9.81 * known.mass_kg? / known.wing_m2? / pressure)
+        },
+        says: |known, lift| {
+            format!(
+                "to carry {} kg at {} m/s, {} m² of wing need a lift coefficient of {lift:.3}",
+                given(known.mass_kg),
+                given(known.cruise_m_s),
+                given(known.wing_m2)
+            )
+        },
+    },
+    Ratio {
+        fields: &["drag_area_m2", "wing_m2"],
+        range: [0.0, 1.0],
+        of: |known| Some(known.drag_area_m2? / known.wing_m2?),
+        says: |known, part| {
+            format!(
+                "{} m² of drag area are {part:.3} times the wing of {} m²",
+                given(known.drag_area_m2),
+                given(known.wing_m2)
+            )
+        },
+    },
+    Ratio {
+        fields: &["propeller_m", "wing_m2"],
+        range: [0.05, 3.0],
+        of: |known| Some(known.propeller_m? / known.wing_m2?.sqrt()),
+        says: |known, part| {
+            format!(
+                "propellers of {} m are {part:.3} times the side of a square as large as the wing",
+                given(known.propeller_m)
+            )
+        },
+    },
+    Ratio {
+        fields: &["propeller_m", "thrust_to_weight", "mass_kg"],
+        range: [2.0, 2e4],
+        of: |known| {
+            let (_, number) = known.actuators?.words();
+            let discs = number * std::f64::consts::FRAC_PI_4 * known.propeller_m?.powi(2);
+            Some(known.thrust_to_weight? * 9.81 * known.mass_kg? / discs)
+        },
+        says: |known, loading| {
+            format!(
+                "propellers of {} m are loaded with {loading:.3} N/m²",
+                given(known.propeller_m)
+            )
+        },
+    },
 ];
+
+/// A number in a sentence.
+fn given(number: Option<f64>) -> String {
+    number.map_or("?".to_owned(), |number| number.to_string())
+}
+
+/// What a number is in its own unit, if it was given in another one.
+type Converted = fn(f64, &Known) -> Option<f64>;
+
+/// What people give a number in, other than its own unit.
+const OTHER_UNITS: [(&str, &str, Converted); 29] = [
+    ("mass_kg", "g", |x, _| Some(1e-3 * x)),
+    ("mass_kg", "t", |x, _| Some(1e3 * x)),
+    ("wing_m2", "dm²", |x, _| Some(1e-2 * x)),
+    ("wing_m2", "cm²", |x, _| Some(1e-4 * x)),
+    ("wing_m2", "mm²", |x, _| Some(1e-6 * x)),
+    ("thrust_to_weight", "%", |x, _| Some(1e-2 * x)),
+    ("thrust_to_weight", "N", |x, known| {
+        Some(x / (9.81 * known.mass_kg?))
+    }),
+    ("thrust_to_weight", "g of thrust", |x, known| {
+        Some(1e-3 * x / known.mass_kg?)
+    }),
+    ("thrust_lag_s", "ms", |x, _| Some(1e-3 * x)),
+    ("rate_lag_s", "ms", |x, _| Some(1e-3 * x)),
+    ("cruise_m_s", "km/h", |x, _| Some(x / 3.6)),
+    ("turn_rad_s2", "°/s²", |x, _| Some(x.to_radians())),
+    ("control_rate_hz", "kHz", |x, _| Some(1e3 * x)),
+    ("control_rate_hz", "s of one period", |x, _| Some(1.0 / x)),
+    ("delta_deg", "mrad", |x, _| Some((1e-3 * x).to_degrees())),
+    ("aspect_ratio", "m of span", |x, known| {
+        Some(x.powi(2) / known.wing_m2?)
+    }),
+    ("aspect_ratio", "cm of span", |x, known| {
+        Some((1e-2 * x).powi(2) / known.wing_m2?)
+    }),
+    ("aspect_ratio", "mm of span", |x, known| {
+        Some((1e-3 * x).powi(2) / known.wing_m2?)
+    }),
+    ("stall_deg", "rad", |x, _| Some(x.to_degrees())),
+    ("idle_to_weight", "%", |x, _| Some(1e-2 * x)),
+    ("propeller_m", "inches", |x, _| Some(0.0254 * x)),
+    ("propeller_m", "cm", |x, _| Some(1e-2 * x)),
+    ("propeller_m", "mm", |x, _| Some(1e-3 * x)),
+    ("drag_area_m2", "dm²", |x, _| Some(1e-2 * x)),
+    ("drag_area_m2", "cm²", |x, _| Some(1e-4 * x)),
+    ("air_kg_m3", "g/m³", |x, _| Some(1e-3 * x)),
+    ("air_kg_m3", "g/cm³", |x, _| Some(1e3 * x)),
+    ("air_kg_m3", "hPa at 15 °C", |x, _| {
+        Some(100.0 * x / (287.05 * 288.15))
+    }),
+    ("air_kg_m3", "Pa at 15 °C", |x, _| {
+        Some(x / (287.05 * 288.15))
+    }),
+];
+
+/// Density of the air at sea level \[kg/m³\].
+const AIR: f64 = 1.225;
 
 /// What is asked for the first of these numbers: they must be known.
 const QUESTIONS: [&str; 7] = [
@@ -307,11 +429,91 @@ impl Known {
         from_toml(origin, text, Self::check)
     }
 
-    /// Every number that is known is in its range.
+    /// Every number that is known is in its range, and all of them are those of one aircraft; else it is said what was probably meant.
     fn check(&self) -> Result<(), FieldError> {
-        let mut numbers = self.clone();
-        let mut known = RANGES.iter().zip(numbers.numbers());
-        known.try_for_each(|((name, _), number)| number.map_or(Ok(()), |x| ranged(name, x)))
+        for (name, value) in self.values() {
+            self.ranged(name, value)?;
+        }
+        match RATIOS.iter().find(|ratio| !self.keeps(ratio)) {
+            Some(ratio) => Err(self.of_no_aircraft(ratio)),
+            None => Ok(()),
+        }
+    }
+
+    /// The numbers that are known, by name.
+    fn values(&self) -> Vec<(&'static str, f64)> {
+        let mut known = self.clone();
+        let named = RANGES.iter().zip(known.numbers());
+        named
+            .filter_map(|((name, _), number)| Some((*name, (*number)?)))
+            .collect()
+    }
+
+    /// The same with `value` for the number `name`.
+    fn with(&self, name: &str, value: f64) -> Self {
+        let mut known = self.clone();
+        let place = RANGES.iter().position(|(of, _)| *of == name);
+        *known.numbers()[place.expect("listed")] = Some(value);
+        known
+    }
+
+    /// Whether a ratio that is known is in its range.
+    fn keeps(&self, ratio: &Ratio) -> bool {
+        let [least, most] = ratio.range;
+        (ratio.of)(self).is_none_or(|value| (least..=most).contains(&value))
+    }
+
+    /// `value` must be in the range of `name`; else it is said in which unit it would be.
+    fn ranged(&self, name: &str, value: f64) -> Result<(), FieldError> {
+        let [least, most] = range(name);
+        if (least..=most).contains(&value) {
+            return Ok(());
+        }
+        let all = self.meant(name, value);
+        // Of several numbers in wrong units each is told by itself.
+        let meant = match all.is_empty() {
+            true => Self::default().meant(name, value),
+            false => all,
+        };
+        let problem = format!("{value} is not from {least} to {most}{}", told(&meant));
+        Err(FieldError::new(name, problem))
+    }
+
+    /// The units in which `value` for the number `name` would be that of an aircraft, with what it is then.
+    fn meant(&self, name: &str, value: f64) -> Vec<(&'static str, f64)> {
+        let [least, most] = range(name);
+        let units = OTHER_UNITS.iter().filter(|(of, ..)| *of == name);
+        let converted = units.filter_map(|(_, words, to)| Some((*words, to(value, self)?)));
+        let flies = |number: f64| {
+            let known = self.with(name, number);
+            let mut of_it = RATIOS.iter().filter(|ratio| ratio.fields.contains(&name));
+            (least..=most).contains(&number) && of_it.all(|ratio| known.keeps(ratio))
+        };
+        converted.filter(|(_, number)| flies(*number)).collect()
+    }
+
+    /// The refusal of numbers that are not those of one aircraft.
+    fn of_no_aircraft(&self, ratio: &Ratio) -> FieldError {
+        let number = |name: &str| {
+            let values = self.values();
+            let found = values.into_iter().find(|(of, _)| *of == name);
+            found.map_or(f64::NAN, |(_, value)| value)
+        };
+        let mut meant = ratio
+            .fields
+            .iter()
+            .map(|name| (*name, self.meant(name, number(name))));
+        let (field, meant) = meant
+            .find(|(_, meant)| !meant.is_empty())
+            .unwrap_or((ratio.fields[0], Vec::new()));
+        let value = (ratio.of)(self).unwrap_or(f64::NAN);
+        let [least, most] = ratio.range;
+        let problem = format!(
+            "{}, and aircraft have {least} to {most}{}",
+            (ratio.says)(self, value),
+            told(&meant)
+        );
+        FieldError::new(field, problem)
     }
 
     /// Asks for what is missing: `ask` gives the answer to a question. Nothing, a number that is none, or one out of its range, is asked for again,
@@ -333,7 +535,7 @@ impl Known {
         for ((place, (name, _)), question) in numbers.zip(QUESTIONS) {
             let mut problem = None;
             while place.is_none() {
-                match number(name, &answer(question, problem.take())?) {
+                match typed(name, &answer(question, problem.take())?) {
                     Ok(number) => *place = Some(number),
                     Err(error) => problem = Some(error),
                 }
@@ -375,7 +577,6 @@ impl Known {
         let need = |name: &str, number: Option<f64>| number.ok_or_else(|| missing(name));
         let mass_kg = need("mass_kg", self.mass_kg)?;
         let wing_m2 = need("wing_m2", self.wing_m2)?;
-        loading(mass_kg, wing_m2)?;
         Ok(Facts {
             mass_kg,
             wing_m2,
@@ -393,7 +594,7 @@ impl Known {
             stall_deg: self.stall_deg,
             idle_to_weight: self.idle_to_weight.unwrap_or(0.0),
             drag_area_m2: self.drag_area_m2,
-            air_kg_m3: self.air_kg_m3.unwrap_or(1.225),
+            air_kg_m3: self.air_kg_m3.unwrap_or(AIR),
         })
     }
 }
@@ -404,54 +605,21 @@ fn range(name: &str) -> [f64; 2] {
     range.expect("listed").1
 }
 
-/// `value` must be in the range of `name`; else it is said in which unit it would be.
-fn ranged(name: &str, value: f64) -> Result<(), FieldError> {
-    let within = |value: f64| {
-        let [least, most] = range(name);
-        (least..=most).contains(&value)
-    };
-    let [least, most] = range(name);
-    let meant = meant(name, value, within);
-    let problem = format_args!("{value} is not from {least} to {most}{meant}");
-    require(within(value), name, problem)
-}
-
-/// The end of a refusal of `value`: what it is if it was given in another unit in which `fits` takes it, or nothing.
-fn meant(name: &str, value: f64, fits: impl Fn(f64) -> bool) -> String {
-    let units = OTHER_UNITS.iter().filter(|(of, ..)| *of == name);
-    let mut converted = units.map(|(_, unit, words)| (value * unit, words));
-    match converted.find(|(number, _)| fits(*number)) {
-        Some((number, words)) => {
-            // Not the rounding's digits.
-            let number = number as f32;
-            format!(": were these {words}? Then it is {number}")
-        }
-        None => String::new(),
+/// The end of a refusal: in which units the number was probably given, and what it is then.
+fn told(meant: &[(&str, f64)]) -> String {
+    let all: Vec<String> = meant
+        .iter()
+        // Not the rounding's digits.
+        .map(|(words, number)| format!("were these {words}? Then it is {}", *number as f32))
+        .collect();
+    match all[..] {
+        [] => String::new(),
+        _ => format!(": {}", all.join("; or ")),
     }
-}
-
-/// Mass and wing must be those of one aircraft; else it is said which of them was probably given in another unit.
-fn loading(mass: f64, wing: f64) -> Result<(), FieldError> {
-    let flies = |mass: f64, wing: f64| (LOADING[0]..=LOADING[1]).contains(&(mass / wing));
-    if flies(mass, wing) {
-        return Ok(());
-    }
-    let of_mass = meant("mass_kg", mass, |mass| flies(mass, wing));
-    let of_wing = meant("wing_m2", wing, |wing| flies(mass, wing));
-    let [least, most] = LOADING;
-    let (field, meant) = match of_mass.is_empty() {
-        true => ("wing_m2", of_wing),
-        false => ("mass_kg", of_mass),
-    };
-    let problem = format!(
-        "{mass} kg on {wing} m² of wing are {:.3} kg/m², and aircraft have {least} to {most}{meant}",
-        mass / wing
-    );
-    Err(FieldError::new(field, problem))
 }
 
 /// The number that somebody typed for `name`, or why it is none.
-fn number(name: &str, typed: &str) -> Result<f64, String> {
+fn typed(name: &str, typed: &str) -> Result<f64, String> {
     let Ok(value) = typed.parse() else {
         let hint = match typed.contains(',') && typed.replace(',', ".").parse::<f64>().is_ok() {
             true => ": decimals are parted by a point",
@@ -462,7 +630,9 @@ fn number(name: &str, typed: &str) -> Result<f64, String> {
             on_one_line(&format!("{typed:?}"))
         ));
     };
-    ranged(name, value).map_err(|error| error.problem)?;
+    Known::default()
+        .ranged(name, value)
+        .map_err(|error| error.problem)?;
     Ok(value)
 }
 
@@ -580,7 +750,7 @@ mod tests {
         );
         says(
             &refused(|k| k.wing_m2 = Some(3500.0)),
-            &["were these dm²? Then it is 35"],
+            &["were these cm²? Then it is 0.35"],
         );
         says(
             &refused(|k| k.rate_lag_s = Some(60.0)),
@@ -590,9 +760,76 @@ mod tests {
             &refused(|k| k.thrust_to_weight = Some(160.0)),
             &["were these %? Then it is 1.6"],
         );
+        // Numbers in their ranges, which are not those of one aircraft.
+        begins(
+            &refused(|k| (k.mass_kg, k.wing_m2) = (Some(2200.0), Some(3.5))),
+            "mass_kg: to carry 2200 kg at 18 m/s, 3.5 m² of wing need a lift coefficient of 31",
+        );
+        for (change, says_so) in [
+            (
+                (|k: &mut Known| k.mass_kg = Some(0.0022)) as fn(&mut Known),
+                "were these t? Then it is 2.2",
+            ),
+            (
+                |k| k.drag_area_m2 = Some(1.2),
+                "drag_area_m2: 1.2 m² of drag area are 3.429 times the wing of 0.35 m², and aircraft have 0 to 1: were these dm²? Then it is 0.012",
+            ),
+            (
+                |k| k.drag_area_m2 = Some(120.0),
+                "were these cm²? Then it is 0.012",
+            ),
+            (
+                |k| k.air_kg_m3 = Some(1225.0),
+                "were these g/m³? Then it is 1.225",
+            ),
+            (
+                |k| k.air_kg_m3 = Some(1013.0),
+                "were these hPa at 15 °C? Then it is 1.2247",
+            ),
+            (
+                |k| k.air_kg_m3 = Some(0.0012),
+                "were these g/cm³? Then it is 1.2",
+            ),
+            (
+                |k| k.aspect_ratio = Some(145.0),
+                "were these cm of span? Then it is 6.007",
+            ),
+            (
+                |k| k.aspect_ratio = Some(1450.0),
+                "were these mm of span? Then it is 6.007",
+            ),
+            (
+                |k| k.propeller_m = Some(30.0),
+                "were these inches? Then it is 0.762; or were these cm? Then it is 0.3",
+            ),
+            (
+                |k| k.propeller_m = Some(300.0),
+                "were these mm? Then it is 0.3",
+            ),
+            (
+                |k| k.thrust_to_weight = Some(47.0),
+                "were these N? Then it is 1.597",
+            ),
+            (
+                |k| k.stall_deg = Some(0.26),
+                "were these rad? Then it is 14.8",
+            ),
+            (
+                |k| k.control_rate_hz = Some(0.005),
+                "were these s of one period? Then it is 200",
+            ),
+        ] {
+            says(&refused(change), &[says_so]);
+        }
         // What flies is left alone: a glider of foam, a fast wing of metal.
-        let with = |mass: f64, wing: f64| loading(mass, wing);
-        assert!(with(0.02, 0.1).is_ok() && with(150.0, 0.3).is_ok());
+        let with = |mass: f64, wing: f64, cruise: f64| Known {
+            mass_kg: Some(mass),
+            wing_m2: Some(wing),
+            cruise_m_s: Some(cruise),
+            ..Known::default()
+        };
+        assert_eq!(with(0.02, 0.1, 4.0).check(), Ok(()));
+        assert_eq!(with(150.0, 0.3, 120.0).check(), Ok(()));
     }
 
     /// A number of the file is refused with its line, and so is a polar that is not there.

@@ -16,8 +16,10 @@ pub mod identify;
 mod known;
 mod limits;
 mod performance;
+mod remedies;
 mod rust_code;
 pub mod sweep;
+mod trip;
 mod turning;
 mod verdict;
 mod wing;
@@ -31,6 +33,7 @@ pub use known::{Actuators, Facts, Known};
 pub use limits::Limits;
 pub use performance::{ON_WING, Performance, Stall};
 pub use rust_code::rust_code;
+pub use trip::Trip;
 pub use verdict::{Outcome, Verdict};
 pub use wing::{ROWS, Wing};
 
@@ -45,10 +48,12 @@ pub struct Design {
     pub wing: Wing,
     /// The parameters of its guidance.
     pub parameters: GuidanceParameters,
+    /// The round trip that it is to fly.
+    pub trip: Trip,
 }
 
 impl Design {
-    /// The vehicle of `facts`.
+    /// The vehicle of `facts`, with a round trip that brakes level: nothing is flown.
     pub fn new(facts: Facts) -> anyhow::Result<Self> {
         let wing = Wing::new(&facts)?;
         // A model that is refused is told before the parameters.
@@ -65,6 +70,7 @@ impl Design {
             parameters: parameters.map_err(refused::<ResponseParameters>)?,
             facts,
             wing,
+            trip: Trip::LEVEL,
         })
     }
 

@@ -190,16 +190,15 @@ impl Performance {
             .collect()
     }
 
-    /// Of the vehicle in `document`, which flies its reference, whose wing stalls at `stall_deg` \[°\], with `thrust` \[N\] (least, most) and at a `cruise`
+    /// Of the vehicle `spec`, before it has stopped, whose wing stalls at `stall_deg` \[°\], with `thrust` \[N\] (least, most) and at a `cruise`
     /// speed [m/s]; `max_lateral_acceleration` \[g\] is the guidance's limit to the side.
     pub fn of(
-        document: &Document,
         spec: &VehicleSpec,
         stall_deg: Option<f64>,
         thrust: [f64; 2],
         cruise: f64,
         max_lateral_acceleration: f64,
-    ) -> anyhow::Result<Self> {
+    ) -> Self {
         let vehicle = &spec.reference();
         let weight = spec.weight();
         let pressure = vehicle.k_a * cruise * cruise;
@@ -256,7 +255,7 @@ impl Performance {
             let (gamma, _) = angle(best);
             (gamma > 0.0).then(|| [gamma.to_degrees(), cruise * gamma.sin()])
         });
-        Ok(Self {
+        Self {
             stall,
             jump: jump.map(|jump| JumpSummary::new(&jump, speed(jump.a))),
             cruise: cruises,
@@ -264,14 +263,14 @@ impl Performance {
             lift,
             turn,
             glide,
-            stop_m: stop(document, cruise)?,
-        })
+            stop_m: None,
+        }
     }
 }
 
 /// Flies `document` with a reference that goes from `cruise` [m/s] to hover at once: how far ahead of that the vehicle comes, and how low and
 /// high.
-fn stop(document: &Document, cruise: f64) -> anyhow::Result<Option<[f64; 3]>> {
+pub(super) fn stop(document: &Document, cruise: f64) -> anyhow::Result<Option<[f64; 3]>> {
     let mut document = document.clone();
     let knot = |time: f64, speed: f64| {
         format!("{{ t_s = {time:?}, down_m_s = 0.0, forward_m_s = {speed:?} }}")
@@ -298,8 +297,8 @@ fn stop(document: &Document, cruise: f64) -> anyhow::Result<Option<[f64; 3]>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Known;
     use crate::refusals::says;
-    use crate::{Known, vehicle_text};
 
     /// A flat plate has its numbers in closed form: c_L = c_1 sin 2α, c_D = c_0 + 2 c_1 sin²α.
     #[test]
@@ -334,23 +333,17 @@ mod tests {
         let mut known = Known::tail_sitter();
         change(&mut known);
         let design = Design::new(known.facts().unwrap()).unwrap();
-        let folder = tempfile::tempdir().unwrap();
-        let file = folder.path().join("x.toml");
-        std::fs::write(&file, vehicle_text("x", &design)).unwrap();
-        if let Some((polar, true)) = design.wing.polar {
-            std::fs::write(folder.path().join("polar.csv"), polar.csv(&[])).unwrap();
-        }
-        let document = Document::load(file.to_str().unwrap());
         let (vehicle, facts) = (design.vehicle(), &design.facts);
-        let p = Performance::of(
-            &document.unwrap(),
+        let mut p = Performance::of(
             &vehicle,
             design.wing.stall_deg(),
             facts.thrust(),
             facts.cruise_m_s,
             2.0,
         );
-        (design, p.unwrap())
+        let document = design.document("x").unwrap();
+        p.stop_m = stop(&document, facts.cruise_m_s).unwrap();
+        (design, p)
     }
 
     fn performance(change: impl Fn(&mut Known)) -> Performance {

@@ -10,7 +10,7 @@ use alula_sim::figures::{Figures, LOST, REACHED};
 const BEHIND_STALL: f64 = 0.2;
 
 /// What came of the first flight.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Outcome {
     /// It does what was asked.
@@ -28,15 +28,18 @@ pub struct Verdict {
     pub outcome: Outcome,
     /// Why it fails, and what is outside the goals, in words.
     pub findings: Vec<String>,
-    /// What brings it nearer to the goals.
-    pub advice: Vec<&'static str>,
+    /// What mends it, each by itself: as flown.
+    pub advice: Vec<String>,
+    /// How far it is from what a flight must keep: of its lengths the greatest over what is the most; infinite where it is lost, does not cruise or does not
+    /// come back.
+    #[serde(skip)]
+    pub(super) worst: f64,
 }
 
 impl Verdict {
     /// Of the first flight of the vehicle of `facts`.
     pub fn of(facts: &Facts, performance: &Performance, flight: &Figures) -> Self {
         let (mut failures, mut outside) = (Vec::new(), Vec::new());
-        let mut advice: Vec<&'static str> = Vec::new();
         let get = |name: &str| flight.get(name);
         let scale = scale(facts);
         // NaN fails: it is within nothing.
@@ -61,9 +64,14 @@ impl Verdict {
                 end[0], end[1]
             ));
         }
+        let mut worst: f64 = match failures.is_empty() {
+            true => 0.0,
+            false => f64::INFINITY,
+        };
         for length in &LENGTHS {
             let value = get(length.first);
             let far = value.abs();
+            worst = worst.max(far / (scale * length.limit));
             let text = |most: f64| {
                 format!(
                     "it {} by {far:.2} m (asked: {most:.2} m at most)",
@@ -74,9 +82,6 @@ impl Verdict {
                 failures.push(text(scale * length.limit));
             } else if !within(far, scale * length.goal) {
                 outside.push(text(scale * length.goal));
-                if !advice.contains(&length.advice) {
-                    advice.push(length.advice);
-                }
             }
         }
         let needed = performance.cruise.map(|[_, thrust]| thrust);
@@ -95,7 +100,8 @@ impl Verdict {
         Self {
             outcome,
             findings: failures,
-            advice,
+            advice: Vec::new(),
+            worst,
         }
     }
 
@@ -108,9 +114,15 @@ impl Verdict {
             }
             Outcome::Fails => "THE FIRST FLIGHT FAILS: ",
         };
-        let advice = match self.advice[..] {
-            [] => String::new(),
-            _ => format!(". Nearer: {}", self.advice.join("; ")),
+        let advice = self.advice.join("; or with ");
+        let advice = match (self.outcome, advice.is_empty()) {
+            (Outcome::AsAsked, _) => String::new(),
+            (Outcome::OutsideGoals, true) => String::new(),
+            (Outcome::Fails, true) => {
+                ". No single change was found that mends it: of what turns it, the lags, the thrust, the cruise, the wing".to_owned()
+            }
+            (Outcome::OutsideGoals, false) => format!(". Flown, it does what was asked with {advice}"),
+            (Outcome::Fails, false) => format!(". Flown, it does not fail with {advice}"),
         };
         format!("{what}{}{advice}", self.findings.join("; "))
     }
@@ -193,15 +205,16 @@ mod tests {
             &low,
             &["sinks below its reference on the way out by 1.30 m (asked: 1.00 m at most)"],
         );
-        let text = judged(20.0, |step| {
+        let mut low = judged(20.0, |step| {
             step.truth.position.z += during(20.0..30.0, step, 1.3)
-        })
-        .text();
+        });
+        assert!((low.worst - 0.13).abs() < 1e-9, "{low:?}");
+        low.advice = vec!["more thrust".to_owned(), "a larger wing".to_owned()];
         says(
-            &text,
+            &low.text(),
             &[
                 "less closely than was asked",
-                ". Nearer: a smaller altitude_band_m",
+                "Flown, it does what was asked with more thrust; or with a larger wing",
             ],
         );
         let high = finding(20.0, Outcome::Fails, |step| {

@@ -54,7 +54,7 @@ struct Summary<'a> {
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
     check_name(&args.name)?;
-    let design = Design::new(known(args)?.facts()?)?;
+    let design = Design::new(known(args)?.facts()?)?.as_it_brakes()?;
     let out = args
         .out
         .clone()

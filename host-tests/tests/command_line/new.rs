@@ -524,6 +524,44 @@ fn limits_follow_what_turns_it() {
     assert!(error_of(folder.path(), &FLAGS[..16]).contains("actuators: is missing: --actuators"));
 }
 
+/// Where level braking is not for a vehicle, its round trip brakes in a climb: with level braking this one fails, 25 m above its reference. One that turns still
+/// less is told what was flown and does not fail, and not what belongs to another fault.
+#[test]
+fn the_first_flight_is_one_that_the_vehicle_can_fly() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut flags = FLAGS;
+    let mut summary = |turn: &'static str| -> Value {
+        (flags[15], flags[17]) = (turn, "elevons");
+        let output = alula(
+            folder.path(),
+            &[&["new", "--json", "--force"][..], &flags].concat(),
+        );
+        serde_json::from_slice(&output.stdout).unwrap()
+    };
+    let some = summary("40");
+    assert_eq!(some["verdict"]["outcome"], "outside-goals", "{some}");
+    let gain = some["first_flight"]["max_gain_back_m"].as_f64().unwrap();
+    assert!(gain < 8.0, "{gain}");
+    let story = some["story"].to_string();
+    assert!(story.contains("braking in a climb of "), "{story}");
+    let file = fs::read_to_string(folder.path().join("my-vehicle/my-vehicle.toml")).unwrap();
+    assert!(file.contains("down_m_s = -"), "{file}");
+
+    let little = summary("20");
+    assert_eq!(little["verdict"]["outcome"], "fails", "{little}");
+    let advice = little["verdict"]["advice"].to_string();
+    assert!(
+        advice.contains("40 rad/s² of turning in place of 20 (larger elevons"),
+        "{advice}"
+    );
+    // And it is so.
+    assert_ne!(summary("40")["verdict"]["outcome"], "fails");
+    // What brakes level as was asked does so.
+    (flags[15], flags[17]) = (FLAGS[15], FLAGS[17]);
+    let all = made(folder.path(), &[&["--force"][..], &flags].concat());
+    assert!(!all["story"].to_string().contains("climb"), "{all}");
+}
+
 /// The error of `new` with these arguments.
 fn error_of(folder: &Path, arguments: &[&str]) -> String {
     let output = alula(folder, &[&["new"], arguments].concat());
