@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Wing;
 use alula_sim::experiment::{FieldError, from_toml};
+use alula_sim::kind::Kind;
 use alula_sim::named::{on_one_line, text_of};
 
 /// What is known. The flags and the fields of a file have the same names, with their units; what is left out has a default, or is asked.
@@ -405,6 +406,7 @@ impl Known {
     pub fn load(path: &Path) -> anyhow::Result<Self> {
         let origin = path.display().to_string();
         let text = text_of(path)?;
+        Kind::Known.expect(&origin, text.as_bytes())?;
         let beside = |section: &String| {
             let beside = path.with_file_name(section);
             match beside.is_file() {

@@ -17,6 +17,7 @@ mod known;
 mod limits;
 mod performance;
 mod remedies;
+mod round_trip;
 mod rust_code;
 pub mod sweep;
 mod trip;

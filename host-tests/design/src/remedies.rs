@@ -1,5 +1,6 @@
 //! What would mend a first flight: changes of the vehicle, each flown.
 
+use super::document::short;
 use super::{Actuators, Design, Facts, Outcome};
 
 /// A change of one number of a vehicle.
@@ -8,13 +9,13 @@ struct Remedy {
     factors: &'static [f64],
     number: fn(&mut Facts) -> &mut f64,
     /// What it is, of the changed vehicle and of the one there is.
-    says: fn(&Facts, f64, f64) -> String,
+    says: fn(&Facts, &str, &str) -> String,
 }
 
 /// The changes that are tried. Factors are what a builder can do: elevons of twice the chord, motors one size up.
 const REMEDIES: [Remedy; 6] = [
     Remedy {
-        factors: &[1.5, 2.0, 3.0, 5.0, 8.0],
+        factors: &[1.5, 2.0, 3.0, 5.0, 8.0, 12.0, 20.0],
         number: |facts| &mut facts.turn_rad_s2,
         says: |facts, now, was| {
             let how = match facts.actuators {
@@ -56,10 +57,13 @@ const REMEDIES: [Remedy; 6] = [
     },
 ];
 
+/// More are not told: each is one way out.
+const MOST: usize = 3;
+
 /// A number as one would say it: of three digits.
 fn rounded(x: f64) -> f64 {
     let step = 10_f64.powi(x.abs().log10().floor() as i32 - 2);
-    ((x / step).round() * step) as f32 as f64
+    (x / step).round() * step
 }
 
 impl Design {
@@ -72,7 +76,7 @@ impl Design {
                 let was = *number;
                 *number = rounded(was * factor);
                 let now = *number;
-                let says = (remedy.says)(&facts, now, was);
+                let says = (remedy.says)(&facts, &short(now), &short(was));
                 // What cannot be made or flown mends nothing.
                 let changed = Self::new(facts).ok()?;
                 let flown = Self {
@@ -85,7 +89,7 @@ impl Design {
         };
         match outcome {
             Outcome::AsAsked => Vec::new(),
-            _ => REMEDIES.iter().filter_map(better).collect(),
+            _ => REMEDIES.iter().filter_map(better).take(MOST).collect(),
         }
     }
 }
@@ -101,7 +105,7 @@ mod tests {
             (26.999999, "27"),
             (1234.5, "1230"),
         ] {
-            assert_eq!((rounded(x) as f32).to_string(), said);
+            assert_eq!(short(rounded(x)), said);
         }
     }
 }

@@ -19,8 +19,8 @@ fn definitions() -> String {
          true one about one axis. Ahead is how far the vehicle runs ahead of the reference from where it slows down on.\n\n\
          A flight departs if it sinks more than {LOST} m below the reference or ends, over its last {LATE} s, with a \
          mean velocity error above {ASTRAY} m/s, and diverges if it comes to no number; its figures are left out. It strays if it ends more than {FAR} m from \
-         the reference altitude, and oscillates if ω is above {OSCILLATION} rad/s root mean square in the last \
-         {LATE} s of cruise or of the flight, which is late ω. Of several seeds the median is given, and the worst in brackets."
+         the reference altitude, and oscillates if its body rate is above {OSCILLATION} rad/s root mean square in the last \
+         {LATE} s of cruise or of the flight. Of several seeds the median is given, and the worst in brackets."
     )
 }
 

@@ -86,14 +86,14 @@ fn counted(of: &str, experiment: &Experiment, record: &[Step]) -> Vec<[String; 3
 fn tables(experiment: &Experiment, record: &[Step], said: &[String]) -> Vec<Table> {
     let mut rows = Vec::new();
     let margins = [
-        ("least margin k", "margin_k", "", 1.0),
+        ("gain of the full law, smallest", "margin_k", "", 1.0),
         (
-            "least |angle to the nearest fold|",
+            "angle to the nearest fold, smallest",
             "margin_fold_rad",
             "°",
             180.0 / std::f64::consts::PI,
         ),
-        ("least |F_p|", "fp_n", "N", 1.0),
+        ("apparent force, smallest", "fp_n", "N", 1.0),
     ];
     for (label, of, unit, scale) in margins {
         if let Some((value, t)) = least(of, experiment, record) {

@@ -7,6 +7,7 @@ use toml::Value;
 use crate::experiment::{
     AerodynamicsSpec, ControllerSpec, Document, FieldError, PlantSpec, Vehicle, VehicleSpec,
 };
+use crate::kind::{self, Kind};
 use crate::margins::{Loop, LoopGains, Point};
 use crate::named::Named;
 use crate::polar::{self, Polar};
@@ -84,6 +85,9 @@ impl Airframe {
     pub fn load(argument: &str) -> anyhow::Result<Self> {
         let built_in = [crate::experiment::BUILT_IN, polar::BUILT_IN].concat();
         let file = Named::find("experiment, vehicle or polar", &built_in, argument)?;
+        let wanted = [Kind::Experiment, Kind::Polar];
+        let words = "an experiment, a vehicle or a polar";
+        kind::expect(&wanted, words, &file.origin, file.text.as_bytes())?;
         if polar::is_document(&file.text) {
             return Self::of(&Document::new(&file)?);
         }

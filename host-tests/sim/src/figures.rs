@@ -137,8 +137,8 @@ figures! {
     "max_bank_deg", "bank, peak", "°", 1, Settled, Peak(|m| m.step.bank().to_degrees().abs()), "largest angle of the right wing from the horizontal, either way";
     "max_load_factor", "load factor, peak", "", 2, Settled, Peak(|m| m.step.load_factor), "largest specific force over g";
     "rate_rms_rad_s", "body rate, rms", "rad/s", 3, Settled, Rms(|m| m.step.truth.rates.norm()), "root mean square of \\|ω\\|";
-    "min_fp_n", "smallest |F_p|", "N", 2, Flight, Least(|m| m.step.answer.diagnostics_flying().map(|d| d.f_p_norm.into())), "smallest \\|F_p\\| while the law is flown, as the controller computes it", when "min_fp_time_s";
-    "min_k", "smallest k", "", 3, Flight, Least(|m| m.step.answer.guided().filter(|g| g.mode == Mode::Flying).map(|g| g.margin.k.into())), "smallest margin k while the guidance flies its law";
+    "min_fp_n", "apparent force, smallest", "N", 2, Flight, Least(|m| m.step.answer.diagnostics_flying().map(|d| d.f_p_norm.into())), "smallest \\|F_p\\| while the law is flown, as the controller computes it", when "min_fp_time_s";
+    "min_k", "gain of the full law, smallest", "", 3, Flight, Least(|m| m.step.answer.guided().filter(|g| g.mode == Mode::Flying).map(|g| g.margin.k.into())), "smallest margin k while the guidance flies its law";
     "max_rate_command_rad_s", "body rate commanded, peak", "rad/s", 3, Flight, Peak(|m| command(m).amax()), "largest body rate commanded about one axis", when "max_rate_command_time_s";
     "max_true_rate_rad_s", "body rate, peak", "rad/s", 2, Flight, Peak(|m| m.step.truth.rates.amax()), "largest true body rate about one axis";
     "altitude_least_m", "least altitude", "m", 2, Flight, Least(|m| Some(-m.offset.z)), "least altitude over the path";
@@ -150,10 +150,10 @@ figures! {
     "late_velocity_error_rms_m_s", "end error, rms", "m/s", 3, Late, Rms(|m| m.error), "root mean square of \\|v − v_r\\| in the last 5 s";
     "late_mean_velocity_error_m_s", "end error, mean", "m/s", 2, Late, Mean(|m| m.error), "mean \\|v − v_r\\| in the last 5 s";
     "max_late_position_error_m", "end position error, peak", "m", 2, Late, Peak(|m| m.offset.norm()), "largest \\|x − x_r\\| in the last 5 s";
-    "late_rate_rms_rad_s", "end ω, rms", "rad/s", 5, Late, Rms(|m| m.step.truth.rates.norm()), "root mean square of \\|ω\\| in the last 5 s";
-    "cruise_rate_rms_rad_s", "cruise ω, rms", "rad/s", 5, LateCruise, Rms(|m| m.step.truth.rates.norm()), "root mean square of \\|ω\\| in the last 5 s of cruise";
+    "late_rate_rms_rad_s", "body rate at the end, rms", "rad/s", 5, Late, Rms(|m| m.step.truth.rates.norm()), "root mean square of \\|ω\\| in the last 5 s";
+    "cruise_rate_rms_rad_s", "body rate in cruise, rms", "rad/s", 5, LateCruise, Rms(|m| m.step.truth.rates.norm()), "root mean square of \\|ω\\| in the last 5 s of cruise";
     "cruise_mean_thrust_to_weight", "cruise thrust, mean", "", 3, LateCruise, Mean(|m| m.step.truth.thrust / m.experiment.weight()), "mean thrust over the weight in the last 5 s of cruise: near one half, and it is flown behind the stall";
-    "oscillation_rms_rad_s", "late ω, rms", "rad/s", 2, Flight, Of(|of| greater(of.get("cruise_rate_rms_rad_s"), of.get("late_rate_rms_rad_s"))), "the greater of both root mean squares of \\|ω\\|";
+    "oscillation_rms_rad_s", "oscillation, rms", "rad/s", 2, Flight, Of(|of| greater(of.get("cruise_rate_rms_rad_s"), of.get("late_rate_rms_rad_s"))), "the greater of both root mean squares of \\|ω\\|";
     "thrust_low_s", "thrust at its lower limit", "s", 2, Flight, Time(|m| flag(m, Status::THRUST_LOW)), "time with thrust at its lower limit";
     "thrust_high_s", "thrust at its upper limit", "s", 2, Flight, Time(|m| flag(m, Status::THRUST_HIGH)), "time with thrust at its upper limit";
     "crossing_s", "crossing", "s", 2, Flight, Time(crossing), "time in which the guidance turns to an attitude far away, as across a fold";

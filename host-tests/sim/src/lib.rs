@@ -4,7 +4,7 @@
 //!
 //! | module | what is in it |
 //! |---|---|
-//! | [`named`] | texts asked for by name |
+//! | [`named`], [`kind`] | texts asked for by name; what a file looks like |
 //! | [`reference`](mod@reference) | aerodynamics and laws in double precision, independent of the core |
 //! | [`polar`] | measured coefficients |
 //! | [`experiment`] | what is flown |
@@ -29,6 +29,7 @@ pub mod experiment;
 pub mod figures;
 pub mod flight_log;
 pub mod flown_mission;
+pub mod kind;
 pub mod margins;
 pub mod named;
 pub mod plant;

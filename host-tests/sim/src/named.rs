@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, anyhow, bail};
 
+use crate::kind::{self, Kind};
+
 /// A text with where it came from.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Named {
@@ -81,6 +83,9 @@ pub fn text_of(path: &Path) -> anyhow::Result<String> {
         bail!("{}: a folder, where a file is wanted", origin());
     }
     let bytes = std::fs::read(path).with_context(origin)?;
+    if Kind::of(&bytes) == Some(Kind::Log) {
+        kind::expect(&[], "a text", &origin(), &bytes)?;
+    }
     decoded(&bytes).map_err(|(line, what)| anyhow!("{}:{line}: {what}", origin()))
 }
 

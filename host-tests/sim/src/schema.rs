@@ -13,8 +13,8 @@ use serde_json::{Map, Value, json};
 
 use crate::controllers::PlanSpec;
 use crate::experiment::{
-    Experiment, MissionSpec, PlantSpec, SensorSpec, TailSitterPlant, TailSitterSpec, VehicleSpec,
-    file_name, file_value,
+    BUILT_IN, Document, Experiment, MissionSpec, PlantSpec, SensorSpec, TailSitterPlant,
+    TailSitterSpec, VehicleSpec, file_name, file_value, place,
 };
 use crate::figures::FIGURES;
 
@@ -76,6 +76,7 @@ pub fn schema() -> Value {
     }
     root["$defs"] = definitions;
     complete(&mut root);
+    bounded(&mut root);
     root["title"] = json!("An experiment of alula-sil");
     root
 }
@@ -169,6 +170,62 @@ fn bounds() -> Value {
     })
 }
 
+/// Puts down which numbers must not be negative, or must be positive: those that the reader refuses in a built-in experiment.
+fn bounded(schema: &mut Value) {
+    let mut seen = BTreeSet::new();
+    for (name, _) in BUILT_IN {
+        let document = Document::load(name).expect("built in");
+        // A vehicle alone is read as part of others.
+        if document.experiment().is_err() {
+            continue;
+        }
+        let written: toml::Value = document.text().parse::<toml::Table>().expect("TOML").into();
+        for path in numbers(&written, "") {
+            let Some(place) = place(schema, &path) else {
+                continue;
+            };
+            let Some(Value::Object(field)) = schema.pointer_mut(&place) else {
+                continue;
+            };
+            if !seen.insert(place) || field.contains_key("minimum") {
+                continue;
+            }
+            let field_of = |path: &str| {
+                path.trim_end_matches(|c| "[0123456789]".contains(c))
+                    .to_owned()
+            };
+            let refuses = |value: i64| {
+                let mut changed = document.clone();
+                let done = changed.set(&path, value.into());
+                let read = done.and_then(|()| changed.experiment().map(drop));
+                read.is_err_and(|error| field_of(&error.field) == field_of(&path))
+            };
+            match (refuses(-1), refuses(0)) {
+                (true, true) => field.insert("exclusiveMinimum".into(), json!(0)),
+                (true, false) => field.insert("minimum".into(), json!(0)),
+                (false, _) => None,
+            };
+        }
+    }
+}
+
+/// The paths of all numbers in `value`, which is at `path`.
+fn numbers(value: &toml::Value, path: &str) -> Vec<String> {
+    let dot = if path.is_empty() { "" } else { "." };
+    match value {
+        toml::Value::Integer(_) | toml::Value::Float(_) => vec![path.to_owned()],
+        toml::Value::Table(table) => table
+            .iter()
+            .flat_map(|(key, inner)| numbers(inner, &format!("{path}{dot}{key}")))
+            .collect(),
+        toml::Value::Array(all) => (0..)
+            .zip(all)
+            .flat_map(|(i, inner)| numbers(inner, &format!("{path}[{i}]")))
+            .collect(),
+        _ => Vec::new(),
+    }
+}
+
 /// The definitions that items of lists are of.
 fn listed(schema: &Value) -> BTreeSet<String> {
     let mut names = BTreeSet::new();
@@ -218,4 +275,46 @@ fn complete(schema: &mut Value) {
         .into_iter()
         .flat_map(Map::values_mut)
         .for_each(complete);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An editor marks what the reader refuses, and nothing else.
+    #[test]
+    fn what_the_reader_refuses_is_out_of_range() {
+        let schema = schema();
+        let least = |path: &str| {
+            let field = schema.pointer(&place(&schema, path).expect(path)).unwrap();
+            ["exclusiveMinimum", "minimum"].map(|bound| field.get(bound).and_then(Value::as_f64))
+        };
+        for path in [
+            "duration_s",
+            "vehicle.mass_kg",
+            "vehicle.k_a_kg_m",
+            "plant.rate_loop.lag.time_constant_s",
+            "path.circle.radius_m",
+            "path.circle.speed_m_s",
+            "weather.turbulence.wind_at_20_ft_m_s",
+            "plant.vehicle.inertia_kg_m2[0]",
+        ] {
+            assert_eq!(least(path), [Some(0.0), None], "{path}");
+        }
+        for path in [
+            "plant.thrust_lag_s",
+            "plant.delay_s",
+            "sensors.velocity_m_s.noise",
+            "settle_time_s",
+        ] {
+            assert_eq!(least(path), [None, Some(0.0)], "{path}");
+        }
+        for path in [
+            "initial.theta_deg",
+            "vehicle.delta_deg",
+            "path.knots[0].down_m_s",
+        ] {
+            assert_eq!(least(path), [None, None], "{path}");
+        }
+    }
 }

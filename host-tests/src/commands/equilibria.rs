@@ -195,7 +195,7 @@ fn tables(summary: &Summary) -> Vec<Table> {
                 ("θ [°]", &|e| fixed(e.theta_deg, 3)),
                 ("thrust [N]", &|e| fixed(e.thrust_n, 3)),
                 ("T/(m g)", &|e| fixed(e.thrust_to_weight, 3)),
-                ("|F_p| [N]", &|e| fixed(e.fp_n, 3)),
+                ("apparent force [N]", &|e| fixed(e.fp_n, 3)),
                 ("branch", &|e| which(e.branch == "0", ["θ̃ = 0", "θ̃ = π"])),
                 ("isolated", &|e| which(e.isolated, ["yes", "no"])),
                 ("to fold [°]", &|e| {

@@ -97,7 +97,7 @@ fn table(of: &LoopMargins) -> Table {
             ("v [m/s]", &|p: &Point| fixed(p.speed_m_s, 1)),
             ("θ [°]", &|p| fixed(p.theta_deg, 2)),
             ("α [°]", &|p| fixed(p.alpha_deg, 2)),
-            ("|F_p| [N]", &|p| fixed(p.fp_n, 1)),
+            ("apparent force [N]", &|p| fixed(p.fp_n, 1)),
             ("lag [s]", &|p| limit(p.lag_s)),
             ("delay [s]", &|p| limit(p.delay_s)),
             ("eigenvalues [rad/s]", &|p| {

@@ -59,7 +59,10 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         ),
         figure: figure(experiment, &instants, &record, &findings, least_fp),
         tables: tables(&findings, least_fp),
-        notes: "Equilibria of the true vehicle at the reference; the followed one has θ̃ = 0 and is the nearest to the one before.".to_owned(),
+        notes: "Grey dots: the equilibria of the true vehicle at each moment of the reference. Blue: the one that a law follows (θ̃ = 0, the nearest to the one before). \
+                Orange: the orientation as flown. Where blue jumps, no orientation between holds the reference: whatever flies it turns through and is off the reference meanwhile, \
+                by as much as the way it takes. Where the apparent force is small, its direction, by which a law steers, turns fast."
+            .to_owned(),
         ..Page::default()
     };
     let summary = Summary {
@@ -75,9 +78,11 @@ fn verdict(findings: &Findings, controller: &str) -> &'static str {
     match (findings.admissible, controller) {
         (true, _) => "nothing stands against it",
         (false, "guidance") => {
-            "no law alone can follow it; the guidance crosses what is listed on purpose: `fly` says how closely"
+            "the guidance crosses what is listed on purpose, `fly` says how closely; a law alone would lose its equilibrium there"
         }
-        (false, _) => "not admissible: no law can follow it",
+        (false, _) => {
+            "the law of this experiment loses its equilibrium where listed, and catches up behind. The guidance crosses such places on purpose: `new` makes it for a vehicle, `fly round-trip` flies one"
+        }
     }
 }
 
@@ -97,7 +102,7 @@ fn tables(findings: &Findings, least_fp: f64) -> Vec<Table> {
             ],
         )
     };
-    let low = format!("|F_p| below {least_fp:.2} N");
+    let low = format!("Apparent force |F_p| below {least_fp:.2} N");
     let tables = [
         Table::of(
             "Jumps of the equilibrium",

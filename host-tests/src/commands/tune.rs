@@ -8,6 +8,7 @@ use std::time::Instant;
 
 use alula::{Parameters as _, Tuning};
 use alula_sim::experiment::{file_name, file_value, from_toml};
+use alula_sim::kind::Kind;
 use alula_study::files::leave_all;
 use alula_study::tune::{FACTORS, Objective, Trial, Tuner};
 use anyhow::Context as _;
@@ -42,6 +43,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         }
         None => ("tuning.toml".to_owned(), BUILT_IN.to_owned()),
     };
+    Kind::Search.expect(&origin, text.as_bytes())?;
     let mut objective: Objective = from_toml(&origin, &text, |_| Ok(()))?;
     objective.trials = args.trials.unwrap_or(objective.trials);
     let mut out = std::io::stdout().lock();

@@ -5,6 +5,7 @@ use serde::Deserialize;
 use toml::{Table, Value};
 
 use alula_sim::experiment::{Document, Experiment, FieldError, from_toml, require};
+use alula_sim::kind::Kind;
 use alula_sim::named::{Named, on_one_line};
 
 /// Name and TOML text of the built-in comparison.
@@ -261,6 +262,7 @@ impl Source {
     /// The comparison in the text.
     pub fn new(text: &Named) -> anyhow::Result<Self> {
         let origin = &text.origin;
+        Kind::Comparison.expect(origin, text.text.as_bytes())?;
         let comparison: Comparison = from_toml(origin, &text.text, Comparison::validate)?;
         let experiments = comparison.experiments(text);
         let experiments = experiments.with_context(|| origin.to_owned())?;

@@ -9,6 +9,7 @@ use super::random_reference::REFERENCE;
 use super::{Campaign, Dispersion, Expected, FaultDraw, Limit};
 use alula_sim::experiment::{Document, FieldError, assigned, finite, from_toml, require};
 use alula_sim::figures;
+use alula_sim::kind::Kind;
 use alula_sim::named::{Named, built_in, in_shell};
 
 /// Name and TOML text of every built-in campaign.
@@ -93,6 +94,7 @@ impl CampaignSource {
             named.text = changed(&named.text, changes).context(named.origin.clone())?;
         }
         // Where the base is, the text itself must say.
+        Kind::Campaign.expect(&named.origin, named.text.as_bytes())?;
         let campaign: Campaign = from_toml(&named.origin, &named.text, |_| Ok(()))?;
         let base = Document::named_in(&named, &campaign.base);
         let base = base.with_context(|| format!("{}: base", named.origin))?;

@@ -142,7 +142,11 @@ fn sweep_does_not_forbid_what_the_guidance_flies() {
             "round-trip",
             "the guidance crosses what is listed on purpose",
         ),
-        ("hover-to-cruise", "not admissible: no law can follow it"),
+        // One of the paper's law: what of it stands against the law, and who flies it.
+        (
+            "hover-to-cruise",
+            "The guidance crosses such places on purpose: `new` makes it",
+        ),
     ] {
         let output = alula(folder.path(), &["sweep", experiment]);
         let text = String::from_utf8(output.stdout).unwrap();

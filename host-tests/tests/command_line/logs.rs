@@ -103,7 +103,7 @@ fn a_flights_own_ulog_replays_to_the_commands_flown() {
         }
         let said = succeeds(path, &[&arguments[..], &["--out", "again"]].concat());
         assert_eq!(
-            said.contains("least margin k"),
+            said.contains("gain of the full law, smallest"),
             name == "round-trip",
             "{said}"
         );

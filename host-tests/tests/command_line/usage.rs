@@ -809,7 +809,19 @@ fn a_slip_of_the_fingers_is_told_what_was_meant() {
 #[test]
 fn what_is_of_another_kind_is_told_what_is_wanted() {
     let folder = tempfile::tempdir().unwrap();
-    fs::write(folder.path().join("notes.md"), "# Notes\nof a flight\n").unwrap();
+    let files = [
+        ("notes.md", "# Notes\nof a flight\n"),
+        ("trace.csv", "t_s,north_m,east_m,down_m\n0,0,0,0\n"),
+        ("mine.toml", "base = 'round-trip'\nduration_s = 1.0\n"),
+        ("many.toml", "base = 'round-trip'\nflights = 2\n"),
+        ("known.toml", "mass_kg = 3.0\n"),
+        ("survey.plan", "{\n \"fileType\": \"Plan\"\n}\n"),
+        ("log.ulg", "ULog\x01\x12\x35\x01"),
+        ("page.html", "<!DOCTYPE html>\n<html></html>\n"),
+    ];
+    for (name, text) in files {
+        fs::write(folder.path().join(name), text).unwrap();
+    }
     let taken = std::net::UdpSocket::bind("127.0.0.1:0").unwrap();
     let port = taken.local_addr().unwrap().port().to_string();
     for (given, says) in [
@@ -820,8 +832,61 @@ fn what_is_of_another_kind_is_told_what_is_wanted() {
         ),
         ("replay notes.md", "notes.md:1: no column t_s"),
         (
+            "fly trace.csv",
+            "trace.csv: the trace of a flight, where an experiment or a vehicle is wanted: `alula-sil replay`, `view` and `identify` take it",
+        ),
+        (
+            "fit trace.csv",
+            "the trace of a flight, where a polar is wanted",
+        ),
+        (
+            "envelope trace.csv",
+            "the trace of a flight, where an experiment, a vehicle or a polar is wanted",
+        ),
+        (
+            "replay mine.toml",
+            "mine.toml: an experiment or a vehicle, where a trace or a log is wanted: `alula-sil fly` flies it",
+        ),
+        (
+            "identify mine.toml --mass-kg 3 --wing-m2 0.4",
+            "where a trace or a log is wanted",
+        ),
+        (
+            "campaign mine.toml",
+            "mine.toml: an experiment or a vehicle, where a campaign is wanted",
+        ),
+        (
+            "fly many.toml",
+            "many.toml: a campaign, where an experiment or a vehicle is wanted: `alula-sil campaign` flies it",
+        ),
+        (
+            "fly known.toml",
+            "known.toml: what is known of a vehicle, where ",
+        ),
+        (
+            "new x --from mine.toml",
+            "where what is known of a vehicle is wanted",
+        ),
+        (
+            "fit survey.plan",
+            "survey.plan: a mission of a ground station, where a polar is wanted: `alula-sil fly FILE --vehicle EXPERIMENT` flies it",
+        ),
+        (
+            "view survey.plan",
+            "a mission of a ground station, where an experiment or a vehicle is wanted",
+        ),
+        (
+            "fly log.ulg",
+            "log.ulg: an autopilot's log, where a text is wanted: `alula-sil replay`",
+        ),
+        (
+            "compare page.html",
+            "page.html: a page or a picture, where a comparison is wanted",
+        ),
+        ("replay .", ".: a folder, where a file is wanted"),
+        (
             "fly round-trip --set plant.rate_loop.lag=0.1",
-            "expected lag = { time_constant_s = 0.1 }",
+            "0.1, where a table, { time_constant_s = … }, is wanted",
         ),
         (
             "fly mission --set vehicle.mass=3",
@@ -843,10 +908,8 @@ fn what_is_of_another_kind_is_told_what_is_wanted() {
         let words: Vec<&str> = given.split_whitespace().collect();
         assert_refused(&alula(folder.path(), &words), &[says]);
     }
-    assert_eq!(
-        names(folder.path()),
-        BTreeSet::from(["notes.md".to_owned()])
-    );
+    let left = files.map(|(name, _)| name.to_owned());
+    assert_eq!(names(folder.path()), BTreeSet::from(left));
 }
 
 /// What no wing has every command that takes a polar refuses, with file and line, and what is odd each says.

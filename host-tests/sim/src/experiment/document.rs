@@ -11,9 +11,11 @@ use serde::de::DeserializeOwned;
 use toml::de::{DeTable, DeValue};
 use toml::{Table, Value};
 
+use super::expected::explained;
 use super::sensors::SENSORS;
 use super::tail_sitter::{VEHICLE, VEHICLES};
 use super::{BUILT_IN, ControllerSpec, VehicleSpec};
+use crate::kind::Kind;
 use crate::named::{Named, hint, on_one_line};
 use crate::polar::{foreign, holds_polar};
 
@@ -221,6 +223,7 @@ impl Document {
                 on_one_line(origin)
             );
         }
+        Kind::Experiment.expect(origin, text.text.as_bytes())?;
         if let Some((line, what)) = foreign(&text.text) {
             bail!("{origin}:{line}: {what}");
         }
@@ -505,6 +508,7 @@ impl Document {
 
     /// The error with the text and the line that it is about: `file:line: field: problem`.
     pub fn located(&self, error: FieldError) -> anyhow::Error {
+        let error = explained(error);
         let mut places = self.layers.iter().map(|l| (l, l.line_of(&error.field)));
         let first = places.clone().next();
         let place = places.find(|(_, (_, complete))| *complete).or(first);
@@ -875,7 +879,7 @@ mod tests {
         expect(
             "mass_kg = 10",
             "mass_kg = \"ten\"",
-            "vehicle.mass_kg: invalid type: string",
+            "vehicle.mass_kg: \"ten\", where a number is wanted",
         );
         expect(
             "duration_s",

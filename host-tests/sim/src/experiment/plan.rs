@@ -12,6 +12,7 @@ use toml::{Table, Value};
 
 use super::document::{Document, FieldError, Located, read};
 use super::mission::ItemSpec;
+use crate::kind::Kind;
 use crate::named::text_of;
 
 /// A plan as the table `[mission]`, and what was left out of it.
@@ -137,7 +138,9 @@ fn put(item: &mut Value, key: &str, value: impl Into<Value>) {
 /// As [`plan`], with the file; a file or an experiment that cannot be read.
 pub fn of_plan(file: &Path, vehicle: &str) -> anyhow::Result<(Document, Vec<String>)> {
     let origin = &file.display().to_string();
-    let plan = plan(&text_of(file)?).map_err(|error| Located {
+    let text = text_of(file)?;
+    Kind::Plan.expect(origin, text.as_bytes())?;
+    let plan = plan(&text).map_err(|error| Located {
         place: origin.clone(),
         error,
     })?;

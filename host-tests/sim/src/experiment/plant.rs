@@ -9,11 +9,7 @@ use super::document::{FieldError, finite, positive, require};
 
 /// How the body rates follow their commands.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, JsonSchema)]
-#[serde(
-    rename_all = "kebab-case",
-    deny_unknown_fields,
-    expecting = "lag = { time_constant_s = 0.1 }, inertia = { moment_of_inertia_kg_m2 = …, bandwidth_1_s = …, max_torque_n_m = … } or \"ideal\""
-)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum RateLoop {
     /// ω = ω_c.
     #[default]

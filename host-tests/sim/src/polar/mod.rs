@@ -24,6 +24,7 @@ pub use resample::{Apart, resampled};
 pub use stall::stall;
 pub use viterna::{Seam, Upto, most_drag};
 
+use crate::kind::Kind;
 use crate::named::{Named, built_in, on_one_line};
 use crate::reference::{Row, Table};
 
@@ -132,6 +133,7 @@ impl Polar {
 
     /// The polar in the text `file` under the name `argument`.
     pub(crate) fn named(argument: &str, file: Named) -> anyhow::Result<Self> {
+        Kind::Polar.expect(argument, file.text.as_bytes())?;
         if is_document(&file.text) {
             bail!(
                 "{}: a vehicle or an experiment, and no polar",

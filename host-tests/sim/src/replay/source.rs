@@ -10,6 +10,7 @@ use anyhow::{Context, anyhow};
 use super::steps::{self, Times};
 use super::{log, rejected, trace};
 use crate::experiment::Experiment;
+use crate::kind::expect_recorded;
 use crate::named::{hint, text_of};
 use crate::simulate::Record;
 
@@ -31,6 +32,7 @@ impl Source {
     /// column of a foreign CSV is which.
     pub fn open(file: &Path, map: Option<&PathBuf>) -> anyhow::Result<Self> {
         let origin = file.display().to_string();
+        expect_recorded(file)?;
         let mut head = Vec::new();
         let opened = File::open(file).with_context(|| origin.clone())?;
         let read = opened.take(1 << 16).read_to_end(&mut head);
