@@ -510,7 +510,8 @@ impl Document {
     pub fn located(&self, error: FieldError) -> anyhow::Error {
         let error = explained(error);
         let mut places = self.layers.iter().map(|l| (l, l.line_of(&error.field)));
-        let first = places.clone().next();
+        // What is wrong with the whole is said of the document's own text, and not of a table's that it names.
+        let first = places.clone().find(|(layer, _)| layer.inside.is_empty());
         let place = places.find(|(_, (_, complete))| *complete).or(first);
         let place = match place {
             Some((layer, (line, _))) if layer.lines => format!("{}:{line}", layer.origin),
