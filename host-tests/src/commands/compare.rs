@@ -17,7 +17,7 @@ use super::settings::Settings;
 /// Fly experiments against each other, or the variants of a comparison under its conditions
 #[derive(clap::Args)]
 pub struct Args {
-    /// Experiments, two or more (built-in or TOML files); or one comparison: the built-in one, or a TOML file
+    /// Experiments, two or more (built-in or TOML files); or one comparison: laws, missions, or a TOML file
     #[arg(value_name = "EXPERIMENT", default_value = "laws")]
     names: Vec<String>,
     #[command(flatten)]

@@ -28,7 +28,7 @@ pub struct Args {
     /// Level acceleration [m/s²]
     #[arg(long, value_name = "X", allow_negative_numbers = true)]
     accel: Option<f64>,
-    /// Speed of cruise (m/s): what turns the vehicle then says how it brakes, in which wind it hovers and how fast it descends
+    /// Speed of cruise (m/s): say, too, how it brakes from there, in which wind it hovers and how fast it descends
     #[arg(long, value_name = "X")]
     cruise_m_s: Option<f64>,
     #[command(flatten)]
@@ -64,7 +64,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
             .into_iter()
             .chain(limits(&airframe, args.cruise_m_s)?)
             .collect(),
-        notes: "Equilibria from hover to infinite airspeed; see docs/envelope.md. A cusp is a climb angle ε at which two folds meet: beyond it both are gone.".to_owned(),
+        notes: "Equilibria from hover to infinite airspeed; see docs/envelope.md. a is k_a V²/(m g): what the air presses on the wing by, over the weight; hover has 0. A cusp is a climb angle ε at which two folds meet: beyond it both are gone.".to_owned(),
         ..Page::default()
     };
     args.output.leave(&out, &page, &summary)

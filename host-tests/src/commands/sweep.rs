@@ -11,14 +11,14 @@ use alula_sim::simulate::fly;
 use super::output::Output;
 use super::settings::Settings;
 
-/// Check a planned flight: jumps of the equilibrium, |F_p| too small, negative thrust
+/// Check a planned flight: where its equilibrium jumps, where the apparent force is too small, where it needs negative thrust
 #[derive(clap::Args)]
 pub struct Args {
     /// A built-in experiment or a TOML file
     experiment: String,
     #[command(flatten)]
     settings: Settings,
-    /// Least |F_p| to allow [N] [default: τ of the experiment's controller]
+    /// Least apparent force |F_p| to allow [N] [default: τ of the experiment's controller]
     #[arg(long, value_name = "N")]
     min_fp: Option<f64>,
     #[command(flatten)]

@@ -885,7 +885,10 @@ fn what_is_of_another_kind_is_told_what_is_wanted() {
         ),
         ("replay .", ".: a folder, where a file is wanted"),
         // A vehicle alone, whose tables lie in other files.
-        ("fly tail-sitter", "built-in tail-sitter:1: missing field `duration_s`"),
+        (
+            "fly tail-sitter",
+            "built-in tail-sitter:1: missing field `duration_s`",
+        ),
         (
             "fly round-trip --set plant.rate_loop.lag=0.1",
             "0.1, where a table, { time_constant_s = … }, is wanted",
