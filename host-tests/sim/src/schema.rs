@@ -3,7 +3,7 @@
 //! Fields and meanings are those of the structures that read the files, parameters those of the core's table. A file may be based on another: nothing
 //! must be there but what an item of a list, or a kind that is chosen, has to have.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use alula::mission::MissionParameters;
 use alula::planar::GainParameters;
@@ -170,7 +170,7 @@ fn bounds() -> Value {
     })
 }
 
-/// Puts down which numbers must not be negative, or must be positive: those that the reader refuses in a built-in experiment.
+/// Puts down which numbers must not be negative, or must be positive: those that the reader refuses in a built-in experiment. Of the numbers of a list each must be.
 fn bounded(schema: &mut Value) {
     let mut seen = BTreeSet::new();
     for (name, _) in BUILT_IN {
@@ -180,33 +180,38 @@ fn bounded(schema: &mut Value) {
             continue;
         }
         let written: toml::Value = document.text().parse::<toml::Table>().expect("TOML").into();
+        let mut paths: BTreeMap<String, Vec<String>> = BTreeMap::new();
         for path in numbers(&written, "") {
-            let Some(place) = place(schema, &path) else {
-                continue;
-            };
+            if let Some(place) = place(schema, &path).filter(|place| !seen.contains(place)) {
+                paths.entry(place).or_default().push(path);
+            }
+        }
+        for (place, paths) in paths {
             let Some(Value::Object(field)) = schema.pointer_mut(&place) else {
                 continue;
             };
-            if !seen.insert(place) || field.contains_key("minimum") {
-                continue;
-            }
-            let field_of = |path: &str| {
-                path.trim_end_matches(|c| "[0123456789]".contains(c))
-                    .to_owned()
+            let refuses = |value: i64| paths.iter().all(|path| refuses(&document, path, value));
+            let bound = match (field.contains_key("minimum"), refuses(-1)) {
+                (false, true) if refuses(0) => Some("exclusiveMinimum"),
+                (false, true) => Some("minimum"),
+                _ => None,
             };
-            let refuses = |value: i64| {
-                let mut changed = document.clone();
-                let done = changed.set(&path, value.into());
-                let read = done.and_then(|()| changed.experiment().map(drop));
-                read.is_err_and(|error| field_of(&error.field) == field_of(&path))
-            };
-            match (refuses(-1), refuses(0)) {
-                (true, true) => field.insert("exclusiveMinimum".into(), json!(0)),
-                (true, false) => field.insert("minimum".into(), json!(0)),
-                (false, _) => None,
-            };
+            field.extend(bound.map(|bound| (bound.to_owned(), json!(0))));
+            seen.insert(place);
         }
     }
+}
+
+/// Whether the reader refuses `value` at `path` of the document.
+fn refuses(document: &Document, path: &str, value: i64) -> bool {
+    let whole = |path: &str| {
+        path.trim_end_matches(|c| "[0123456789]".contains(c))
+            .to_owned()
+    };
+    let mut changed = document.clone();
+    let done = changed.set(path, value.into());
+    let read = done.and_then(|()| changed.experiment().map(drop));
+    read.is_err_and(|error| whole(&error.field) == whole(path))
 }
 
 /// The paths of all numbers in `value`, which is at `path`.

@@ -139,6 +139,13 @@ fn words(schema: &Value, here: &Value) -> Option<String> {
         return Some(kinds.collect::<Vec<_>>().join(" or "));
     }
     match here["type"].as_str()? {
+        "object"
+            if here["properties"]
+                .as_object()
+                .is_none_or(|fields| fields.is_empty()) =>
+        {
+            Some("a table".to_owned())
+        }
         "object" => Some(format!("a table, {},", example(schema, here))),
         "array" => Some(format!("a list, {},", example(schema, here))),
         "integer" => Some("a whole number".to_owned()),
@@ -232,6 +239,7 @@ mod tests {
                 "substeps=1.5",
                 "substeps: 1.5, where a whole number is wanted",
             ),
+            ("controller=3", "controller: 3, where a table is wanted"),
             (
                 "controller.guidance=2",
                 "controller.guidance: 2, where a table is wanted",
