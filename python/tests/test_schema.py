@@ -45,6 +45,10 @@ def test_a_built_in_fits_and_with_a_slip_does_not(schema, file):
     "text",
     [
         "vehicle.mass_kg = 'ten'",
+        "vehicle.mass_kg = -1",
+        "duration_s = 0",
+        "path.circle = { radius_m = -40.0, speed_m_s = 20.0 }",
+        "sensors.velocity_m_s = { noise = -0.1 }",
         "plant.kind = 'glider'",
         "plant.rate_loop = 'ideel'",
         "sensors.air = 'wind'",
