@@ -200,6 +200,8 @@ struct Ratio {
     fields: &'static [&'static str],
     /// From paper gliders to jets.
     range: [f64; 2],
+    /// What somebody probably means.
+    likely: [f64; 2],
     of: fn(&Known) -> Option<f64>,
     /// What it is, of these numbers.
     says: fn(&Known, f64) -> String,
@@ -210,6 +212,7 @@ const RATIOS: [Ratio; 5] = [
     Ratio {
         fields: &["mass_kg", "wing_m2"],
         range: [0.1, 800.0],
+        likely: [0.5, 100.0],
         of: |known| Some(known.mass_kg? / known.wing_m2?),
         says: |known, loading| {
             format!(
@@ -222,6 +225,7 @@ const RATIOS: [Ratio; 5] = [
     Ratio {
         fields: &["mass_kg", "wing_m2", "cruise_m_s"],
         range: [0.005, 10.0],
+        likely: [0.02, 2.0],
         of: |known| {
             let pressure = 0.5 * known.air_kg_m3.unwrap_or(AIR) * known.cruise_m_s?.powi(2);
             Some(9.81 * known.mass_kg? / known.wing_m2? / pressure)
@@ -238,6 +242,7 @@ const RATIOS: [Ratio; 5] = [
     Ratio {
         fields: &["drag_area_m2", "wing_m2"],
         range: [0.0, 1.0],
+        likely: [0.001, 0.3],
         of: |known| Some(known.drag_area_m2? / known.wing_m2?),
         says: |known, part| {
             format!(
@@ -250,6 +255,7 @@ const RATIOS: [Ratio; 5] = [
     Ratio {
         fields: &["propeller_m", "wing_m2"],
         range: [0.05, 3.0],
+        likely: [0.1, 1.0],
         of: |known| Some(known.propeller_m? / known.wing_m2?.sqrt()),
         says: |known, part| {
             format!(
@@ -261,6 +267,7 @@ const RATIOS: [Ratio; 5] = [
     Ratio {
         fields: &["propeller_m", "thrust_to_weight", "mass_kg"],
         range: [2.0, 2e4],
+        likely: [10.0, 5e3],
         of: |known| {
             let (_, number) = known.actuators?.words();
             let discs = number * std::f64::consts::FRAC_PI_4 * known.propeller_m?.powi(2);
@@ -436,7 +443,7 @@ impl Known {
         for (name, value) in self.values() {
             self.ranged(name, value)?;
         }
-        match RATIOS.iter().find(|ratio| !self.keeps(ratio)) {
+        match RATIOS.iter().find(|ratio| !self.keeps(ratio, ratio.range)) {
             Some(ratio) => Err(self.of_no_aircraft(ratio)),
             None => Ok(()),
         }
@@ -459,9 +466,8 @@ impl Known {
         known
     }
 
-    /// Whether a ratio that is known is in its range.
-    fn keeps(&self, ratio: &Ratio) -> bool {
-        let [least, most] = ratio.range;
+    /// Whether a ratio that is known is from `least` to `most`.
+    fn keeps(&self, ratio: &Ratio, [least, most]: [f64; 2]) -> bool {
         (ratio.of)(self).is_none_or(|value| (least..=most).contains(&value))
     }
 
@@ -481,7 +487,7 @@ impl Known {
         Err(FieldError::new(name, problem))
     }
 
-    /// The units in which `value` for the number `name` would be that of an aircraft, with what it is then.
+    /// The units in which `value` for the number `name` would be a likely one, with what it is then.
     fn meant(&self, name: &str, value: f64) -> Vec<(&'static str, f64)> {
         let [least, most] = range(name);
         let units = OTHER_UNITS.iter().filter(|(of, ..)| *of == name);
@@ -489,7 +495,7 @@ impl Known {
         let flies = |number: f64| {
             let known = self.with(name, number);
             let mut of_it = RATIOS.iter().filter(|ratio| ratio.fields.contains(&name));
-            (least..=most).contains(&number) && of_it.all(|ratio| known.keeps(ratio))
+            (least..=most).contains(&number) && of_it.all(|ratio| known.keeps(ratio, ratio.likely))
         };
         converted.filter(|(_, number)| flies(*number)).collect()
     }
@@ -802,7 +808,7 @@ mod tests {
             ),
             (
                 |k| k.propeller_m = Some(30.0),
-                "were these inches? Then it is 0.762; or were these cm? Then it is 0.3",
+                "is not from 0.02 to 5: were these cm? Then it is 0.3",
             ),
             (
                 |k| k.propeller_m = Some(300.0),

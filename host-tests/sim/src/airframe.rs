@@ -229,7 +229,7 @@ mod tests {
             let path = folder.path().join(name);
             std::fs::write(&path, vehicle).unwrap();
             let error = Polar::load(path.to_str().unwrap()).unwrap_err();
-            says(&error.to_string(), &["and no polar"]);
+            says(&error.to_string(), &["where a polar is wanted"]);
         }
     }
 }

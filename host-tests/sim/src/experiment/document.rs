@@ -11,7 +11,7 @@ use serde::de::DeserializeOwned;
 use toml::de::{DeTable, DeValue};
 use toml::{Table, Value};
 
-use super::expected::explained;
+use super::expected::{explained, plainly};
 use super::sensors::SENSORS;
 use super::tail_sitter::{VEHICLE, VEHICLES};
 use super::{BUILT_IN, ControllerSpec, VehicleSpec};
@@ -587,7 +587,7 @@ pub fn from_toml<T: DeserializeOwned>(
         let line = line.unwrap_or_else(|| layer.line_of(field).0);
         anyhow::Error::new(Located {
             place: format!("{origin}:{line}"),
-            error: FieldError::new(field, in_words(message)),
+            error: FieldError::new(field, plainly(&in_words(message))),
         })
     };
     if let Some((line, what)) = foreign(text) {

@@ -29,6 +29,14 @@ pub(super) fn explained(error: FieldError) -> FieldError {
     FieldError::new(error.field, problem)
 }
 
+/// The message of a reader, without its own names where it is about the type of a value.
+pub(super) fn plainly(message: &str) -> String {
+    match mismatch(message) {
+        Some((given, wanted)) => format!("{given}, where {} is wanted", plain(wanted)),
+        None => message.to_owned(),
+    }
+}
+
 /// What was given and what was expected, of the message of a reader about a type.
 fn mismatch(problem: &str) -> Option<(String, &str)> {
     let rest = problem
@@ -182,7 +190,29 @@ fn example(schema: &Value, here: &Value) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::plainly;
     use crate::experiment::Document;
+
+    #[test]
+    fn readers_names_of_types_are_left_out() {
+        for (message, says) in [
+            (
+                "invalid type: string \"fast\", expected f64",
+                "\"fast\", where a number is wanted",
+            ),
+            (
+                "invalid type: floating point `1.5`, expected u64",
+                "1.5, where a whole number is wanted",
+            ),
+            (
+                "invalid type: integer `3`, expected a sequence",
+                "3, where a list is wanted",
+            ),
+            ("missing field `x`", "missing field `x`"),
+        ] {
+            assert_eq!(plainly(message), says);
+        }
+    }
 
     /// Whatever stands where a table, a list or a choice is wanted: what is wanted is written as in a file.
     #[test]
