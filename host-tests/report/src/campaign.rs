@@ -198,7 +198,7 @@ fn dispersions(summary: &Summary) -> Table {
         let mut by_size: Vec<_> = named.collect();
         by_size.sort_by(|a, b| b.0.abs().total_cmp(&a.0.abs()));
         let largest = by_size.first().map_or(String::new(), |(r, limit)| {
-            format!("{r:+.2} {}", limit.figure)
+            format!("{r:+.2} {}", words(limit.figure))
         });
         let [least, most] = [found.least, found.most].map(number);
         [found.field.clone(), least, most, largest]
