@@ -12,7 +12,7 @@ print(flight)
 
 record = flight.record
 lowest = int(np.argmin(record["fp_n"]))
-print(f"least |F_p|: {record['fp_n'][lowest]:.1f} N at {record['t_s'][lowest]:.3f} s")
+print(f"apparent force, smallest: {record['fp_n'][lowest]:.1f} N at {record['t_s'][lowest]:.3f} s")
 
 # What the controller believes knows of that jump: level flight that gains 2 m/s² folds near this airspeed.
 folds = alula.envelope("paper-belief", accel=2.0).summary["folds"]

@@ -12,7 +12,7 @@ EXAMPLES = Path(__file__).parents[1] / "examples"
 @pytest.mark.parametrize(
     ("script", "arguments", "lines"),
     [
-        ("paper_flight.py", [], ["velocity error, peak             0.8626 m/s", "least |F_p|: 2.6 N at 8.185 s", "fold at 15.6° and 16.6 m/s"]),
+        ("paper_flight.py", [], ["velocity error, peak             0.8626 m/s", "apparent force, smallest: 2.6 N at 8.185 s", "fold at 15.6° and 16.6 m/s"]),
         ("own_polar.py", [], ["fold at", "jump_up: ", "jump_down: ", "12 m/s: α"]),
         ("campaign.py", ["60"], ["<alula.Campaign dispersed", "widest band: ", "again: "]),
     ],
