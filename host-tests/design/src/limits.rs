@@ -169,7 +169,7 @@ impl Limits {
                 "level braking",
                 match self.level_stop_m {
                     Some(stop) => format!("from cruise within about {stop:.0} m"),
-                    None => "not at angles of attack that it can hold: behind the stall the wing turns the nose down harder. It turns through them, and what it climbs meanwhile stands above, as flown".to_owned(),
+                    None => "not at angles of attack that it can hold: behind the stall the wing turns the nose down harder. It turns through them, and climbs meanwhile".to_owned(),
                 },
             ),
             (
