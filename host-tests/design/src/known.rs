@@ -243,7 +243,8 @@ const RATIOS: [Ratio; 5] = [
         fields: &["drag_area_m2", "wing_m2"],
         range: [0.0, 1.0],
         likely: [0.001, 0.3],
-        of: |known| Some(known.drag_area_m2? / known.wing_m2?),
+        // Without any there is nothing to compare.
+        of: |known| Some(known.drag_area_m2.filter(|area| *area != 0.0)? / known.wing_m2?),
         says: |known, part| {
             format!(
                 "{} m² of drag area are {part:.3} times the wing of {} m²",
