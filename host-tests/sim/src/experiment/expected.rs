@@ -11,20 +11,16 @@ const SHOWN: usize = 4;
 
 /// An error of the reader about the type of a value, with what is wanted there as one would write it; any other error as it is.
 pub(super) fn explained(error: FieldError) -> FieldError {
-    let Some((given, wanted)) = mismatch(&error.problem) else {
+    let Some((given, wanted_by_reader)) = mismatch(&error.problem) else {
         return error;
     };
     let schema = SchemaGenerator::default()
         .root_schema_for::<Experiment>()
         .to_value();
-    let wanted = match place(&schema, &error.field) {
-        Some(place) => words(
-            &schema,
-            &schema.pointer(&place).cloned().unwrap_or_default(),
-        ),
-        None => None,
-    }
-    .unwrap_or_else(|| plain(wanted));
+    let places = places(&schema, &error.field);
+    let described = places.first().and_then(|place| schema.pointer(place));
+    let wanted = described.and_then(|here| words(&schema, here));
+    let wanted = wanted.unwrap_or_else(|| plain(wanted_by_reader));
     let problem = format!("{given}, where {wanted} is wanted");
     FieldError::new(error.field, problem)
 }
@@ -70,31 +66,35 @@ fn plain(wanted: &str) -> String {
     }
 }
 
-/// Where in the `schema` of a document the field at `path` is: a JSON pointer.
-pub(crate) fn place(schema: &Value, path: &str) -> Option<String> {
-    let mut place = String::new();
+/// Where in the `schema` of a document the field at `path` is: JSON pointers, one for each kind of table that has it.
+pub(crate) fn places(schema: &Value, path: &str) -> Vec<String> {
+    let mut places = vec![String::new()];
     for part in path.split('.') {
         let (key, index) = part
             .split_once('[')
-            .map_or((part, None), |(k, i)| (k, Some(i)));
-        let key = match (key, place.is_empty()) {
+            .map_or((part, None), |(key, index)| (key, Some(index)));
+        let at_top = places == [""];
+        let key = match key {
             // Another name of it.
-            ("reference", true) if schema["properties"].get(key).is_none() => "path",
+            "reference" if at_top && schema["properties"].get(key).is_none() => "path",
             _ => key,
         };
-        place = inside(schema, &place, &format!("properties/{key}"))?;
+        places = inside(schema, &places, &format!("properties/{key}"));
         if index.is_some() {
-            place = inside(schema, &place, "items")?;
+            places = inside(schema, &places, "items");
         }
     }
-    alternatives(schema, &place).into_iter().next()
+    let all = places.iter();
+    all.flat_map(|place| alternatives(schema, place).into_iter().take(1))
+        .collect()
 }
 
-/// The place `what` in one of the alternatives at `place`.
-fn inside(schema: &Value, place: &str, what: &str) -> Option<String> {
-    let places = alternatives(schema, place).into_iter();
-    let mut places = places.map(|place| format!("{place}/{what}"));
-    places.find(|place| schema.pointer(place).is_some())
+/// The places `what` in the alternatives at each of `places`.
+fn inside(schema: &Value, places: &[String], what: &str) -> Vec<String> {
+    let all = places.iter().flat_map(|place| alternatives(schema, place));
+    let all = all.map(|place| format!("{place}/{what}"));
+    all.filter(|place| schema.pointer(place).is_some())
+        .collect()
 }
 
 /// What may stand at `place`, references followed: itself, or what there is to choose from, but for nothing.

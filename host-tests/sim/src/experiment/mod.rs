@@ -39,7 +39,7 @@ use document::positive;
 pub use document::{Document, FieldError, Located};
 pub use document::{angle, assigned, finite, from_toml, read, require};
 pub use estimates::{Estimates, EstimatorSpec};
-pub(crate) use expected::place;
+pub(crate) use expected::places;
 pub use faults::Faults;
 pub use faults::{FaultKind, FaultSpec};
 pub use initial::{InitialSpec, Scatter};
