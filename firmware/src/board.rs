@@ -135,7 +135,7 @@ fn main() -> ! {
         flight.count_dropped();
     }
     defmt::info!("ready, {}", flight.phase());
-    let (mut ticks, mut phase, mut refusal) = (0, flight.phase(), None);
+    let (mut ticks, mut phase, mut reject_reason) = (0, flight.phase(), None);
     loop {
         let reply = if TICKS.load(Ordering::Relaxed) != ticks {
             ticks = ticks.wrapping_add(1);
@@ -166,10 +166,10 @@ fn main() -> ! {
             phase = flight.phase();
             defmt::info!("{}", phase);
         }
-        if flight.refusal() != refusal {
-            refusal = flight.refusal();
-            match refusal {
-                Some(refusal) => defmt::error!("input refused: {}", refusal),
+        if flight.reject_reason() != reject_reason {
+            reject_reason = flight.reject_reason();
+            match reject_reason {
+                Some(reject_reason) => defmt::error!("input refused: {}", reject_reason),
                 None => defmt::info!("input accepted"),
             }
         }

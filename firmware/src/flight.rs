@@ -32,7 +32,7 @@ pub struct Flight {
     /// An input that waits for the next tick.
     pending: Option<Envelope<Input>>,
     command: InForce,
-    refusal: Option<RejectReason>,
+    reject_reason: Option<RejectReason>,
     /// The last input is younger than the limit.
     fresh: bool,
     /// Ticks since the last input.
@@ -139,8 +139,8 @@ impl Flight {
     }
 
     /// Why the controller refused the last input, if it did.
-    pub fn refusal(&self) -> Option<RejectReason> {
-        self.refusal
+    pub fn reject_reason(&self) -> Option<RejectReason> {
+        self.reject_reason
     }
 
     /// Whether the motor may turn, `switch` being whether the arming switch is on; to be called once per tick.
@@ -175,10 +175,10 @@ impl Flight {
     fn fly(&mut self, input: Envelope<Input>) -> Option<Reply> {
         let configured = self.configured.as_mut()?;
         let answer = configured.controller.step(&input.message);
-        if let Some((command, refusal)) = answer.in_force(configured.controller.safe()) {
+        if let Some((command, reject_reason)) = answer.in_force(configured.controller.safe()) {
             configured.stepped = true;
             (self.fresh, self.silence) = (true, 0);
-            (self.command, self.refusal) = (command, refusal);
+            (self.command, self.reject_reason) = (command, reject_reason);
         }
         Some(Envelope {
             session: input.session,
@@ -190,7 +190,7 @@ impl Flight {
     fn safe(&mut self) {
         let safe = |configured: &Configured| configured.controller.safe();
         self.command = self.configured.as_ref().map(safe).unwrap_or_default();
-        self.refusal = None;
+        self.reject_reason = None;
     }
 
     fn reset(&mut self) {
@@ -495,10 +495,10 @@ mod tests {
         let answer = FromTarget::Answer(Answer::Law(Err(Fault::Wind)));
         assert_eq!(reply, Some(envelope(1, 3, answer)));
         assert_eq!(flight.command(), safe_command());
-        assert_eq!(flight.refusal(), Some(RejectReason::Law(Fault::Wind)));
+        assert_eq!(flight.reject_reason(), Some(RejectReason::Law(Fault::Wind)));
         send(&mut flight, 4, ToTarget::Input(input(4)));
         assert_eq!(
-            (flight.refusal(), flight.command()),
+            (flight.reject_reason(), flight.command()),
             (None, law_command(&input(4)))
         );
     }
@@ -593,11 +593,11 @@ mod tests {
         let Some(reply) = send(&mut flight, 3, ToTarget::Configure(bad)) else {
             panic!()
         };
-        let refusal = RefusedParameter {
+        let reject_reason = RefusedParameter {
             parameter: "tau",
             problem: alula::Problem::NotPositive,
         };
-        assert_eq!(reply.message, FromTarget::Refused(refusal));
+        assert_eq!(reply.message, FromTarget::Refused(reject_reason));
         assert_eq!(flight.phase(), Phase::NotConfigured);
         assert_eq!(flight.command(), InForce::default());
     }

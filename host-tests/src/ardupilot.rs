@@ -86,12 +86,22 @@ fn standing(position: V3, heading: f64) -> State {
 }
 
 impl<'a> Vehicle<'a> {
-    /// The vehicle of `experiment` on the ground. The error is a time step that ArduPilot would not take.
+    /// The vehicle of `experiment` on the ground. The error is a time step that ArduPilot would not take, or what is not flown here.
     pub fn new(experiment: &'a Experiment) -> anyhow::Result<Self> {
         let dt = 1.0 / experiment.control_rate_hz / f64::from(experiment.substeps);
         if dt > LONGEST_STEP {
             anyhow::bail!(
                 "control_rate_hz and substeps give a time step of {dt} s, must be at most {LONGEST_STEP} s"
+            );
+        }
+        if experiment.tail_sitter.is_some() {
+            anyhow::bail!(
+                "plant.kind must be \"ideal\": ArduPilot's actuators turn the ideal vehicle"
+            );
+        }
+        if !experiment.sensors.faults.is_empty() {
+            anyhow::bail!(
+                "sensors.faults must be empty: ArduPilot's sensors fail by its own SIM_* parameters"
             );
         }
         let vehicle = experiment.vehicle.reference();

@@ -117,7 +117,7 @@ fn arrows_back(folder: &str, order: &[String]) -> Vec<String> {
         }
         for file in of_room {
             let text = fs::read_to_string(&file).unwrap();
-            let code = text.split("#[cfg(test)]").next().unwrap();
+            let code = text.split("#[cfg(test)]\nmod ").next().unwrap();
             let roots: &[&str] = match file == alone || file == base.join("mod.rs") {
                 true => &["crate::", "super::"],
                 false => &["crate::"],

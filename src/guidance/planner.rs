@@ -672,7 +672,7 @@ mod tests {
             late.adopt(&found, turned);
             late
         };
-        // 1e-6: an ulp of 2π.
+        // 1e-6: two ulps of 2π.
         assert!((late.plan.target - found.best.target - 2.0 * math::PI).abs() < 1e-6);
         wait(&mut state, MAX_PLAN_AGE + DT);
         let before = state;

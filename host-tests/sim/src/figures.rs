@@ -326,7 +326,7 @@ impl Phases {
             Part::Settled => t >= self.settled,
             Part::Late => t >= self.end - LATE,
             Part::Out => t < self.back,
-            Part::Back => t >= self.back,
+            Part::Back => self.back < self.end && t >= self.back,
             Part::LateCruise => self.late_cruise().contains(&t),
         }
     }
