@@ -1,6 +1,6 @@
 //! Parameters of the core by name: every range, default and meaning is read from the core's own table.
 
-use alula::{ParameterError, Parameters, Row, VehicleParameters};
+use alula::{ParameterError, Parameters, Requirement, Row, VehicleParameters};
 use serde::de::DeserializeOwned;
 use toml::{Table, Value};
 
@@ -54,6 +54,18 @@ pub fn refused<P: Parameters>(error: ParameterError) -> FieldError {
     let mut rows = P::ROWS.iter().chain(VehicleParameters::ROWS);
     let row = rows.find(|row| row.name == error.parameter);
     let field = row.map_or(error.parameter.to_owned(), file_name);
+    // Ranges of the core are in radians.
+    let error = match error.requirement {
+        Requirement::Within {
+            min,
+            max,
+            unit: "rad",
+        } => {
+            let range = [min, max].map(f32::to_degrees);
+            ParameterError::range(error.parameter, error.problem, range, "°")
+        }
+        _ => error,
+    };
     FieldError::new(field, error.to_string())
 }
 
@@ -194,6 +206,16 @@ mod tests {
         assert_eq!(
             table.end().unwrap_err().to_string(),
             "span_m: unknown field `span_m`"
+        );
+        // In the unit of the file, not of the core.
+        let turned = VehicleParameters::DEFAULT
+            .mass(2.0)
+            .k_a(0.1)
+            .thrust_max(50.0)
+            .delta(7.0);
+        assert_eq!(
+            refused::<VehicleParameters>(turned.check().unwrap_err()).to_string(),
+            "delta_deg: delta must be from -180 to 180 °"
         );
         let mut slip = fields("mass_kg = 2\nk_a_kg_m = 0.1\ndelta_dge = 90\nthrust_max_n = 50");
         slip.parameters::<VehicleParameters>().unwrap();
