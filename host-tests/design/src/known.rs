@@ -179,7 +179,7 @@ pub struct Facts {
 const RANGES: [(&str, [f64; 2]); 15] = [
     ("mass_kg", [0.01, 1e4]),
     ("wing_m2", [1e-4, 1e3]),
-    ("thrust_to_weight", [1.02, 20.0]),
+    ("thrust_to_weight", [1.02, 10.0]),
     ("thrust_lag_s", [1e-3, 1.0]),
     ("rate_lag_s", [1e-3, 1.0]),
     ("cruise_m_s", [2.0, 200.0]),
@@ -208,7 +208,7 @@ struct Ratio {
 }
 
 /// What is believed of the numbers together. Tail-sitters have 2 to 30 kg/m², lift coefficients in cruise of 0.1 to 1, and 50 to 1,000 N/m².
-const RATIOS: [Ratio; 5] = [
+const RATIOS: [Ratio; 6] = [
     Ratio {
         fields: &["mass_kg", "wing_m2"],
         range: [0.1, 800.0],
@@ -224,8 +224,8 @@ const RATIOS: [Ratio; 5] = [
     },
     Ratio {
         fields: &["mass_kg", "wing_m2", "cruise_m_s"],
-        range: [0.005, 10.0],
-        likely: [0.02, 2.0],
+        range: [0.04, 10.0],
+        likely: [0.05, 2.0],
         of: |known| {
             let pressure = 0.5 * known.air_kg_m3.unwrap_or(AIR) * known.cruise_m_s?.powi(2);
             Some(9.81 * known.mass_kg? / known.wing_m2? / pressure)
@@ -241,7 +241,7 @@ const RATIOS: [Ratio; 5] = [
     },
     Ratio {
         fields: &["drag_area_m2", "wing_m2"],
-        range: [0.0, 1.0],
+        range: [0.0, 0.4],
         likely: [0.001, 0.3],
         // Without any there is nothing to compare.
         of: |known| Some(known.drag_area_m2.filter(|area| *area != 0.0)? / known.wing_m2?),
@@ -249,6 +249,19 @@ const RATIOS: [Ratio; 5] = [
             format!(
                 "{} m² of drag area are {part:.3} times the wing of {} m²",
                 given(known.drag_area_m2),
+                given(known.wing_m2)
+            )
+        },
+    },
+    Ratio {
+        fields: &["turn_rad_s2", "wing_m2"],
+        range: [0.0, 100.0],
+        likely: [0.05, 60.0],
+        of: |known| Some(known.turn_rad_s2? * known.wing_m2?.sqrt() / 9.81),
+        says: |known, part| {
+            format!(
+                "at {} rad/s² a wing of {} m² turns with {part:.0} g at as far from the axis as the side of a square of its area",
+                given(known.turn_rad_s2),
                 given(known.wing_m2)
             )
         },
@@ -294,7 +307,8 @@ type Converted = fn(f64, &Known) -> Option<f64>;
 /// What people give a number in, other than its own unit.
 const OTHER_UNITS: [(&str, &str, Converted); 29] = [
     ("mass_kg", "g", |x, _| Some(1e-3 * x)),
-    ("mass_kg", "t", |x, _| Some(1e3 * x)),
+    // Nobody has a vehicle of that many tonnes.
+    ("mass_kg", "t", |x, _| (x < 1.0).then_some(1e3 * x)),
     ("wing_m2", "dm²", |x, _| Some(1e-2 * x)),
     ("wing_m2", "cm²", |x, _| Some(1e-4 * x)),
     ("wing_m2", "mm²", |x, _| Some(1e-6 * x)),
@@ -512,9 +526,13 @@ impl Known {
             .fields
             .iter()
             .map(|name| (*name, self.meant(name, number(name))));
+        // Or else the last that one is asked: it is chosen for those before.
+        let values = self.values();
+        let last = values.iter().rfind(|(name, _)| ratio.fields.contains(name));
+        let last = last.map_or(ratio.fields[0], |(name, _)| *name);
         let (field, meant) = meant
             .find(|(_, meant)| !meant.is_empty())
-            .unwrap_or((ratio.fields[0], Vec::new()));
+            .unwrap_or((last, Vec::new()));
         let value = (ratio.of)(self).unwrap_or(f64::NAN);
         let [least, most] = ratio.range;
         let problem = format!(
@@ -781,7 +799,37 @@ mod tests {
             ),
             (
                 |k| k.drag_area_m2 = Some(1.2),
-                "drag_area_m2: 1.2 m² of drag area are 3.429 times the wing of 0.35 m², and aircraft have 0 to 1: were these dm²? Then it is 0.012",
+                "drag_area_m2: 1.2 m² of drag area are 3.429 times the wing of 0.35 m², and aircraft have 0 to 0.4: were these dm²? Then it is 0.012",
+            ),
+            (
+                |k| k.drag_area_m2 = Some(0.35),
+                "drag_area_m2: 0.35 m² of drag area are 1.000 times the wing",
+            ),
+            (
+                |k| k.wing_m2 = Some(350.0),
+                "wing_m2: 3 kg on 350 m² of wing are 0.009 kg/m²",
+            ),
+            (
+                |k| k.cruise_m_s = Some(65.0),
+                "were these km/h? Then it is 18.05",
+            ),
+            (
+                |k| k.cruise_m_s = Some(3.0),
+                "cruise_m_s: to carry 3 kg at 3 m/s",
+            ),
+            (
+                |k| {
+                    (k.mass_kg, k.wing_m2) = (Some(3000.0), Some(35.0));
+                    k.cruise_m_s = Some(65.0);
+                },
+                "were these °/s²? Then it is 5.23",
+            ),
+            (
+                |k| {
+                    (k.mass_kg, k.wing_m2) = (Some(1.0), Some(0.12));
+                    k.thrust_to_weight = Some(16.0);
+                },
+                "16 is not from 1.02 to 10: were these N? Then it is 1.63",
             ),
             (
                 |k| k.drag_area_m2 = Some(120.0),

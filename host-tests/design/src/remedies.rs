@@ -31,12 +31,12 @@ const REMEDIES: [Remedy; 6] = [
         },
     },
     Remedy {
-        factors: &[0.67, 0.5],
+        factors: &[0.67, 0.5, 0.3, 0.15],
         number: |facts| &mut facts.rate_lag_s,
         says: |_, now, was| format!("a rate loop with a lag of {now} s in place of {was}"),
     },
     Remedy {
-        factors: &[0.67, 0.5],
+        factors: &[0.67, 0.5, 0.3, 0.15],
         number: |facts| &mut facts.thrust_lag_s,
         says: |_, now, was| format!("motors with a lag of {now} s in place of {was}"),
     },

@@ -4,7 +4,7 @@ use alula::planar::Reference;
 use alula::planar::equilibrium::Equilibria;
 use alula::planar::equilibrium::{Branch, Equilibrium, EquilibriumError};
 use anyhow::Context;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use alula_sim::experiment::{Experiment, V3, ned};
 use alula_sim::reference::wrap;
@@ -39,20 +39,30 @@ pub enum Cause {
     Corner,
 }
 
+/// Writes a thousandth of each unit: the digits beyond say nothing.
+fn rounded<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+    ((value * 1e3).round() / 1e3).serialize(serializer)
+}
+
 /// Where the followed equilibrium jumps.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Jump {
     /// Time \[s\].
+    #[serde(serialize_with = "rounded")]
     pub t_s: f64,
     /// Why.
     pub cause: Cause,
     /// θ_e before \[°\].
+    #[serde(serialize_with = "rounded")]
     pub from_theta_deg: f64,
     /// θ_e after \[°\].
+    #[serde(serialize_with = "rounded")]
     pub to_theta_deg: f64,
     /// α_e before \[°\].
+    #[serde(serialize_with = "rounded")]
     pub from_alpha_deg: f64,
     /// α_e after \[°\].
+    #[serde(serialize_with = "rounded")]
     pub to_alpha_deg: f64,
 }
 
@@ -60,10 +70,13 @@ pub struct Jump {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Span {
     /// Begin \[s\].
+    #[serde(serialize_with = "rounded")]
     pub from_s: f64,
     /// End \[s\].
+    #[serde(serialize_with = "rounded")]
     pub to_s: f64,
     /// Least value.
+    #[serde(serialize_with = "rounded")]
     pub least: f64,
 }
 

@@ -277,7 +277,7 @@ pub fn column(name: &str) -> Option<&'static Column> {
 }
 
 /// Columns of older traces, with other axes, and the ones that stand for them now.
-const RENAMED: [(&str, &str); 11] = [
+const RENAMED: [(&str, &str); 14] = [
     ("v_forward_m_s", "told_v_north_m_s"),
     ("vr_forward_m_s", "told_vr_north_m_s"),
     ("true_v_forward_m_s", "v_north_m_s"),
@@ -286,15 +286,24 @@ const RENAMED: [(&str, &str); 11] = [
     ("rate_belly_rad_s", "yaw_rate_rad_s"),
     ("rate_wing_rad_s", "pitch_rate_rad_s"),
     ("rate_tail_rad_s", "roll_rate_rad_s"),
+    ("command_belly_rad_s", "command_yaw_rad_s"),
+    ("command_wing_rad_s", "command_pitch_rad_s"),
+    ("command_tail_rad_s", "command_roll_rad_s"),
     ("told_f_tail_m_s2", "told_f_forward_m_s2"),
     ("told_f_belly_m_s2", "told_f_down_m_s2"),
     ("told_f_wing_m_s2", "told_f_right_m_s2"),
 ];
 
-/// The column that stands for an old one of this name.
-pub fn renamed(name: &str) -> Option<&'static str> {
-    let renamed = RENAMED.iter().find(|(old, _)| *old == name);
-    renamed.map(|(_, new)| *new)
+/// Refuses a header with a column of older traces.
+pub fn expect_todays<'a>(header: impl IntoIterator<Item = &'a str>) -> anyhow::Result<()> {
+    for name in header {
+        if let Some((_, new)) = RENAMED.iter().find(|(old, _)| *old == name) {
+            anyhow::bail!(
+                "{name}: a column of older traces, with other axes: {new} stands for it now"
+            );
+        }
+    }
+    Ok(())
 }
 
 /// The column of this name, which must be one.

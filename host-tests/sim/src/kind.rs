@@ -5,6 +5,8 @@ use std::path::Path;
 
 use anyhow::{Context, bail};
 
+use crate::named::expect_no_folder;
+
 /// A kind of file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
@@ -150,9 +152,7 @@ pub fn expect(wanted: &[Kind], words: &str, origin: &str, bytes: &[u8]) -> anyho
 /// Refuses a file that cannot be what is recorded of a flight: a trace or a log.
 pub fn expect_recorded(path: &Path) -> anyhow::Result<()> {
     let origin = path.display().to_string();
-    if path.is_dir() {
-        bail!("{origin}: a folder, where a file is wanted");
-    }
+    expect_no_folder(path)?;
     let file = std::fs::File::open(path).with_context(|| origin.clone())?;
     let mut head = Vec::new();
     let read = file.take(HEAD).read_to_end(&mut head);

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, anyhow, bail};
+use anyhow::{Context, anyhow, bail, ensure};
 
 use crate::kind::{self, Kind};
 
@@ -79,14 +79,23 @@ impl Named {
 /// in it. Lines may end as they did on a Macintosh. An error names the file, and the line of what is no text.
 pub fn text_of(path: &Path) -> anyhow::Result<String> {
     let origin = || on_one_line(&path.display().to_string());
-    if path.is_dir() {
-        bail!("{}: a folder, where a file is wanted", origin());
-    }
+    expect_no_folder(path)?;
     let bytes = std::fs::read(path).with_context(origin)?;
     if Kind::of(&bytes) == Some(Kind::Log) {
         kind::expect(&[], "a text", &origin(), &bytes)?;
     }
     decoded(&bytes).map_err(|(line, what)| anyhow!("{}:{line}: {what}", origin()))
+}
+
+/// Refuses a folder in the place of a file.
+pub fn expect_no_folder(path: &Path) -> anyhow::Result<()> {
+    let origin = || on_one_line(&path.display().to_string());
+    ensure!(
+        !path.is_dir(),
+        "{}: a folder, where a file is wanted",
+        origin()
+    );
+    Ok(())
 }
 
 /// The code of UTF-16 without a mark: Latin letters, digits and signs have a zero on one side.
@@ -221,10 +230,11 @@ pub fn hint(given: &str, names: &[&str]) -> String {
     nearest(given, names).map_or(String::new(), |name| format!("; did you mean `{name}`?"))
 }
 
-/// The name that was probably meant: as near to `given` as a slip or two, and of several the first.
+/// The name that was probably meant: as near to `given` as a slip or two, hyphens and underscores aside, and of several the first.
 pub fn nearest<'a>(given: &str, names: &[&'a str]) -> Option<&'a str> {
-    let given = given.to_lowercase();
-    let likeness = |name: &&str| strsim::jaro_winkler(&given, name);
+    let joined = |name: &str| name.to_lowercase().replace(['-', '_'], "");
+    let given = joined(given);
+    let likeness = |name: &&str| strsim::jaro_winkler(&given, &joined(name));
     let all = names.iter().rev().map(|name| (likeness(name), *name));
     let (likeness, name) = all.max_by(|a, b| a.0.total_cmp(&b.0))?;
     (likeness > 0.85).then_some(name)
@@ -283,6 +293,14 @@ mod tests {
                 .starts_with("nothing but zeros")
         );
         assert!(decoded(b"PK\x03\x04...").unwrap_err().1.contains("CSV"));
+    }
+
+    #[test]
+    fn hyphens_do_not_lead_to_another_name() {
+        let names = ["naca-0021-re-160e3", "naca-0012-re-160e3"];
+        for given in ["naca0012-re-160e3", "NACA_0012-re160e3"] {
+            assert_eq!(nearest(given, &names), Some(names[1]));
+        }
     }
 
     #[test]

@@ -6,7 +6,7 @@ use std::io::Read;
 use anyhow::{Context, ensure};
 use serde::Serialize;
 
-use crate::columns::{Column, declared};
+use crate::columns::{Column, declared, expect_todays};
 use crate::experiment::Experiment;
 use crate::reference::wrap;
 use crate::simulate::Step;
@@ -186,6 +186,7 @@ impl Scene {
     pub fn read(trace: impl Read) -> anyhow::Result<Self> {
         let mut reader = csv::Reader::from_reader(trace);
         let header = reader.headers()?.clone();
+        expect_todays(&header)?;
         let place = |name: &&str| header.iter().position(|column| column == *name);
         let numbers = NUMBERS.each_ref().map(place);
         let words = WORDS.each_ref().map(place);
@@ -278,6 +279,12 @@ mod tests {
         assert!(thin.plans.is_empty() && !scene.plans.is_empty());
         let error = Scene::read(&b"t_s,north_m\n0,0\n"[..]).unwrap_err();
         assert!(error.to_string().contains("east_m"), "{error}");
+        let old = [NUMBERS.join(",").as_bytes(), b",told_q_w\n"].concat();
+        let error = Scene::read(&old[..]).unwrap_err().to_string();
+        assert!(
+            error.contains("told_attitude_w stands for it now"),
+            "{error}"
+        );
     }
 
     /// Each plan begins with the one in force, one of its candidates is chosen, the cheapest, and that is in force in the next; its angle of attack

@@ -1,7 +1,9 @@
-//! Which autopilot, of `companion` and of the simulated ones.
+//! Which autopilot, and the connection to it, of `companion` and of the simulated ones.
 
-use alula_bridges::companion::{Kind, Sticks};
-use anyhow::ensure;
+use std::io::ErrorKind;
+
+use alula_bridges::companion::{Connection, Kind, Sticks};
+use anyhow::{Context, anyhow, ensure};
 
 /// The choice of an autopilot.
 #[derive(clap::Args)]
@@ -43,6 +45,19 @@ impl StickRates {
         let [roll, pitch, yaw] = [roll, pitch, yaw].map(f32::to_radians);
         Ok(Kind::ArduPlane(Sticks { roll, pitch, yaw }))
     }
+}
+
+/// The connection that `option` asks for at `address`.
+pub fn connected(option: &str, address: &str) -> anyhow::Result<Connection> {
+    Connection::open(address).with_context(|| format!("{option} {address}")).map_err(|error| {
+        let io = error.downcast_ref().map(std::io::Error::kind);
+        match io {
+            Some(ErrorKind::AddrInUse | ErrorKind::AddrNotAvailable) => anyhow!(
+                "{option} {address}: another program has it, or it is not of this machine; end that program, or choose another port"
+            ),
+            _ => error,
+        }
+    })
 }
 
 impl Choice {

@@ -2,11 +2,9 @@
 
 use std::path::PathBuf;
 
-use anyhow::Context as _;
-
 use alula_design::{Coded, c_code, rust_code};
 use alula_sim::controllers::GuidanceSpec;
-use alula_study::files::leave_all;
+use alula_study::files::{leave_all, make_folder};
 
 use super::settings::Settings;
 
@@ -39,7 +37,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let beside = PathBuf::from(&args.vehicle);
     let beside = beside.parent().filter(|_| beside.is_file());
     let out = args.out.as_deref().or(beside).unwrap_or(".".as_ref());
-    std::fs::create_dir_all(out).with_context(|| out.display().to_string())?;
+    make_folder(out)?;
     for (file, text) in [
         ("vehicle.h", c_code(&document.name, &coded)),
         ("vehicle.rs", rust_code(&document.name, &coded)),

@@ -4,15 +4,13 @@ use std::sync::atomic::Ordering;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use alula_bridges::companion::{
-    self, Companion, Connection, End, Kind, Nudge, Pilot as _, Stage, is_go,
-};
-use anyhow::{Context, bail, ensure};
+use alula_bridges::companion::{self, Companion, End, Kind, Nudge, Pilot as _, Stage, is_go};
+use anyhow::{bail, ensure};
 
 use alula_sil::companion::{Ground, Lead, OnPath, settings};
 use alula_sim::experiment::{Experiment, RateLoop};
 
-use super::autopilot::Choice;
+use super::autopilot::{Choice, connected};
 use super::fly::{Logs, report};
 use super::output::Output;
 use super::preflight::{look, say};
@@ -130,9 +128,9 @@ fn fly(
     settings.led = args.from_link;
     settings.kind = args.autopilot.kind()?;
     let mut companion = Companion::new(settings);
-    let mut link = Connection::open(&args.connect).with_context(|| args.connect.clone())?;
+    let mut link = connected("--connect", &args.connect)?;
     let station = args.ground.as_deref().map(|address| {
-        let link = Connection::open(address).with_context(|| address.to_owned())?;
+        let link = connected("--ground", address)?;
         anyhow::Ok((Ground::new(), link))
     });
     let mut station = station.transpose()?;

@@ -3,14 +3,14 @@
 use std::io::{BufRead, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, bail, ensure};
+use anyhow::{bail, ensure};
 use serde::Serialize;
 
 use alula_design::{Design, Facts, Findings, FirstFlight, Known, Limits, Outcome, check_name};
 use alula_report::design::page;
 use alula_sim::experiment::Document;
 use alula_sim::named::in_shell;
-use alula_study::files::leave_all;
+use alula_study::files::{leave_all, make_folder};
 
 use super::fly::leave_flight;
 use super::output::Output;
@@ -66,7 +66,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         "{} is there already: --force writes it anew, or choose another name, or --out",
         file.display()
     );
-    std::fs::create_dir_all(&out).with_context(|| out.display().to_string())?;
+    make_folder(&out)?;
     for (file, text) in design.files(name) {
         leave_all(&out.join(file), text)?;
     }
@@ -75,7 +75,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let document = Document::load(&file.to_string_lossy())?;
     let flight = FirstFlight::of(&design, &document)?;
     let first = out.join("first-flight");
-    std::fs::create_dir_all(&first)?;
+    make_folder(&first)?;
     let verdict = &flight.findings.verdict;
     leave_flight(
         &document,

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use alula_report::page::{PAGE, Page, SHEET};
 use alula_report::viewer::{self, Flight};
-use alula_study::files::leave_all;
+use alula_study::files::{leave_all, make_folder};
 
 /// Where results go.
 #[derive(clap::Args, Default)]
@@ -54,7 +54,7 @@ impl Output {
     /// The folder asked for, or `out/<name>`; made if it is not there.
     pub fn folder(&self, name: &str) -> anyhow::Result<PathBuf> {
         let folder = (self.out.clone()).unwrap_or_else(|| Path::new("out").join(name));
-        std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
+        make_folder(&folder)?;
         Ok(folder)
     }
 

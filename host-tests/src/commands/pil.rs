@@ -1,9 +1,10 @@
 //! `pil`: a flight by a target.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use alula_link::{Configuration, Pacing};
 use alula_sim::controllers::Controller;
+use alula_sim::named::expect_no_folder;
 use anyhow::Context;
 
 use alula_sil::pil::{Build, Qemu, Target, build, open_serial};
@@ -37,7 +38,10 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let mut emulator = None;
     let mut connect = |configuration: Configuration| {
         let mut target = match &args.serial {
-            Some(device) => Target::new(open_serial(device)?)?,
+            Some(device) => {
+                expect_no_folder(Path::new(device))?;
+                Target::new(open_serial(device)?)?
+            }
             None => {
                 let image = match &args.image {
                     Some(path) => path.clone(),

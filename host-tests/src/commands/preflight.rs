@@ -5,12 +5,12 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use alula_bridges::companion::{Connection, Finding, Kind, Preflight, Weight, is_go};
-use anyhow::{Context, bail};
+use anyhow::bail;
 
 use alula_sil::companion::{believed, settings};
 use alula_sim::experiment::Experiment;
 
-use super::autopilot::Choice;
+use super::autopilot::{Choice, connected};
 use super::settings::Settings;
 use super::sitl::interrupted;
 
@@ -38,7 +38,7 @@ const PATIENCE: Duration = Duration::from_secs(30);
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let document = args.settings.document(&args.experiment)?;
     let experiment = document.checked()?;
-    let mut link = Connection::open(&args.connect).with_context(|| args.connect.clone())?;
+    let mut link = connected("--connect", &args.connect)?;
     let kind = args.autopilot.kind()?;
     let stops = interrupted()?;
     let begin = Instant::now();

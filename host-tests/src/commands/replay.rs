@@ -3,17 +3,16 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use anyhow::Context;
-
 use alula_report::Page;
 use alula_report::replay::page;
 use alula_report::viewer;
-use alula_sim::experiment::DEFAULT;
+use alula_sim::experiment::{self, DEFAULT};
+use alula_sim::kind::{self, Kind};
 use alula_sim::replay::{self, Source};
-use alula_study::files::leave;
+use alula_study::files::{leave, make_folder};
 
 use super::output::leave_view;
-use super::settings::Settings;
+use super::settings::{Settings, named};
 
 /// Run a controller open loop over a logged flight; write its commands as CSV on standard output
 #[derive(clap::Args)]
@@ -34,6 +33,11 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
+    let argument = args.file.to_string_lossy();
+    if let Some(text) = named(experiment::BUILT_IN, &argument) {
+        let recorded = [Kind::Trace, Kind::Log];
+        kind::expect(&recorded, "a trace or a log", &argument, text.as_bytes())?;
+    }
     let document = args.settings.document(&args.experiment)?;
     let source = Source::open(&args.file, args.map.as_ref())?;
     let experiment = document.checked()?;
@@ -43,7 +47,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         tell(&said);
         return Ok(replay::write(&experiment, &record, stdout)?);
     };
-    std::fs::create_dir_all(out).with_context(|| out.display().to_string())?;
+    make_folder(out)?;
     leave(&out.join("commands.csv"), |file| {
         Ok(replay::write(&experiment, &record, file)?)
     })?;

@@ -7,15 +7,16 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use alula_bridges::companion::{self, Connection, Kind};
+use alula_bridges::companion::{self, Kind};
 use alula_bridges::sitl::{self, Counts};
 use anyhow::Context;
 
+use alula_report::fixed;
 use alula_sil::ardupilot::Vehicle;
 use alula_sil::companion::{ARDUPLANE_SHIPPED, Craft, PX4_SHIPPED, px4_rate_law};
 use alula_sim::named::text_of;
 
-use super::autopilot::StickRates;
+use super::autopilot::{StickRates, connected};
 use super::fly::{Logs, report};
 use super::output::Output;
 use super::settings::Settings;
@@ -155,7 +156,7 @@ fn simulated(args: &Simulated, kind: Kind) -> anyhow::Result<()> {
         plant.vehicle.rate_loop.law = px4_rate_law(&parameters);
     }
     let craft = Craft::new(&experiment)?;
-    let mut link = Connection::open(&args.connect).with_context(|| args.connect.clone())?;
+    let mut link = connected("--connect", &args.connect)?;
     let mut autopilot = companion::Autopilot::new(craft, kind).with_parameters(parameters);
     if let Some(reason) = autopilot.refuses_to_arm() {
         anyhow::bail!("PreArm: {reason}");
@@ -189,9 +190,7 @@ fn simulated(args: &Simulated, kind: Kind) -> anyhow::Result<()> {
         thread::sleep((begin + STEP * steps).saturating_duration_since(Instant::now()));
     }
     let [north, east, down] = companion::Body::state(autopilot.body()).position;
-    eprintln!(
-        "ended {north:.1} m north, {east:.1} m east, {:.1} m up; {malformed} messages malformed",
-        -down
-    );
+    let [north, east, up] = [north, east, -down].map(|x| fixed(x, 1));
+    eprintln!("ended {north} m north, {east} m east, {up} m up; {malformed} messages malformed");
     Ok(())
 }

@@ -30,6 +30,8 @@ pub struct Args {
 struct Summary {
     experiment: String,
     min_fp_n: f64,
+    /// Who flies it.
+    verdict: &'static str,
     #[serde(flatten)]
     findings: Findings,
 }
@@ -49,13 +51,14 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let out = args.output.folder(&format!("sweep-{}", document.name))?;
     let instants = sweep(experiment)?;
     let findings = findings(&instants, least_fp);
+    let verdict = verdict(&findings, &experiment.controller.kind);
     let record = fly(experiment).with_context(|| document.name.clone())?;
     let page = Page {
         title: format!("Sweep of {}", document.name),
         lead: format!(
             "{}; {}",
             experiment.description.trim_end_matches('.'),
-            verdict(&findings, &experiment.controller.kind)
+            verdict
         ),
         figure: figure(experiment, &instants, &record, &findings, least_fp),
         tables: tables(&findings, least_fp),
@@ -68,6 +71,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let summary = Summary {
         experiment: document.name.clone(),
         min_fp_n: least_fp,
+        verdict,
         findings,
     };
     args.output.leave(&out, &page, &summary)

@@ -9,7 +9,8 @@ use std::time::Instant;
 use alula::{Parameters as _, Tuning};
 use alula_sim::experiment::{file_name, file_value, from_toml};
 use alula_sim::kind::Kind;
-use alula_study::files::leave_all;
+use alula_sim::named::text_of;
+use alula_study::files::{leave_all, make_folder};
 use alula_study::tune::{FACTORS, Objective, Trial, Tuner};
 use anyhow::Context as _;
 
@@ -38,8 +39,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let (origin, text) = match &args.objective {
         Some(path) => {
             let origin = path.display().to_string();
-            let text = std::fs::read_to_string(path).with_context(|| origin.clone())?;
-            (origin, text)
+            (origin, text_of(path)?)
         }
         None => ("tuning.toml".to_owned(), BUILT_IN.to_owned()),
     };
@@ -68,7 +68,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         }
         return Ok(());
     }
-    std::fs::create_dir_all(&args.out).with_context(|| args.out.display().to_string())?;
+    make_folder(&args.out)?;
     let file = args.out.join("tuning.toml");
     let best = tuner.search(&objective, |trials, best| {
         let minutes = begun.elapsed().as_secs_f64() / 60.0;

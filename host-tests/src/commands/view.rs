@@ -8,6 +8,7 @@ use anyhow::{Context, ensure};
 
 use alula_report::viewer::{self, Flight};
 use alula_sim::experiment::Document;
+use alula_sim::named::expect_no_folder;
 use alula_sim::replay::Source;
 use alula_sim::scene::{NUMBERS, Scene};
 use alula_sim::simulate::fly;
@@ -43,6 +44,7 @@ const RECORDED: [&str; 5] = ["csv", "ulg", "bin", "log", "mcap"];
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let (folder, page) = match &args.wasm {
         Some(file) => {
+            expect_no_folder(file)?;
             let library = std::fs::read(file).with_context(|| file.display().to_string())?;
             let is_one = library.starts_with(b"\0asm");
             ensure!(

@@ -4,6 +4,19 @@ use std::fs::File;
 use std::io::Write;
 use std::path::Path;
 
+use anyhow::{Context, ensure};
+
+/// Makes the folder `path` if it is not there.
+pub fn make_folder(path: &Path) -> anyhow::Result<()> {
+    let origin = || path.display().to_string();
+    ensure!(
+        !path.is_file(),
+        "{}: a file, where a folder is wanted",
+        origin()
+    );
+    std::fs::create_dir_all(path).with_context(origin)
+}
+
 /// Lets `write` fill the file `path` under a temporary name in the same folder, and then renames
 /// it. On failure nothing is left; the error names `path` if it is of writing, and else is what `write` says. The content is synchronised to disk before the file is renamed, so that a loss of power leaves
 /// the whole file or none. If `path` exists and is not a regular file, such as `/dev/null` or a pipe, it is written to directly.

@@ -162,6 +162,12 @@ fn sweep_finds_the_jump_of_the_papers_flight() {
     let sweep = json(folder.path(), &["sweep", "hover-to-cruise", "--json"]);
     assert_eq!(sweep["admissible"], false);
     assert_eq!(sweep["min_fp_n"], 80.0);
+    let verdict = sweep["verdict"].as_str().unwrap();
+    assert!(
+        verdict.contains("crosses such places on purpose"),
+        "{verdict}"
+    );
+    assert!(sweep["jumps"][0]["t_s"].to_string().len() <= 6, "{sweep}");
     near(&sweep["jumps"][0]["t_s"], 7.38, 0.02);
     assert_eq!(sweep["low_fp"].as_array().unwrap().len(), 1);
     assert_pictures(&folder.path().join("out/sweep-hover-to-cruise"), &[]);

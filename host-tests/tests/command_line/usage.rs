@@ -257,6 +257,9 @@ fn a_bad_log_is_named_with_line_and_column() {
     let old = format!("{}\n{row}\n", HEADER.replace("told_attitude_w", "told_q_w"));
     let parts = ["log.csv:1: told_q_w", "told_attitude_w stands for it now"];
     refused(&old, &[], &parts);
+    let old = format!("{HEADER},command_wing_rad_s\n{row},0\n");
+    let parts = ["log.csv:1: command_wing_rad_s", "command_pitch_rad_s"];
+    refused(&old, &[], &parts);
     let semicolons = format!("{HEADER}\n{row}\n").replace(',', ";");
     refused(
         &semicolons,
@@ -884,6 +887,32 @@ fn what_is_of_another_kind_is_told_what_is_wanted() {
             "page.html: a page or a picture, where a comparison is wanted",
         ),
         ("replay .", ".: a folder, where a file is wanted"),
+        ("tune .", ".: a folder, where a file is wanted"),
+        ("view --wasm .", ".: a folder, where a file is wanted"),
+        (
+            "fly matched --out mine.toml",
+            "mine.toml: a file, where a folder is wanted",
+        ),
+        (
+            "campaign mission",
+            "mission: an experiment or a vehicle, where a campaign is wanted: `alula-sil fly` flies it",
+        ),
+        (
+            "fly dispersed",
+            "dispersed: a campaign, where an experiment or a vehicle is wanted: `alula-sil campaign` flies it",
+        ),
+        (
+            "replay mission",
+            "mission: an experiment or a vehicle, where a trace or a log is wanted",
+        ),
+        (
+            &format!("preflight round-trip --connect udpin:127.0.0.1:{port}"),
+            "another program has it",
+        ),
+        (
+            "fly round-trip --set rate_loop.lag=0.1",
+            "did you mean `plant.rate_loop`?",
+        ),
         // A vehicle alone, whose tables lie in other files.
         (
             "fly tail-sitter",

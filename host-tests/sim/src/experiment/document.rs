@@ -508,7 +508,7 @@ impl Document {
 
     /// The error with the text and the line that it is about: `file:line: field: problem`.
     pub fn located(&self, error: FieldError) -> anyhow::Error {
-        let error = explained(error);
+        let error = explained(self.placed(error));
         let mut places = self.layers.iter().map(|l| (l, l.line_of(&error.field)));
         // What is wrong with the whole is said of the document's own text, and not of a table's that it names.
         let first = places.clone().find(|(layer, _)| layer.inside.is_empty());
@@ -519,6 +519,20 @@ impl Document {
             None => return error.into(),
         };
         Located { place, error }.into()
+    }
+
+    /// The error with the table, if there is one, that has the field which the document has not.
+    fn placed(&self, mut error: FieldError) -> FieldError {
+        let field = &error.field;
+        let unknown = error
+            .problem
+            .starts_with(&format!("unknown field `{field}`"));
+        let mut tables = self.root.as_table().into_iter().flatten();
+        let has = |(_, table): &(&String, &Value)| table.get(field).is_some();
+        if let (true, Some((table, _))) = (unknown, tables.find(has)) {
+            error.problem = format!("unknown field `{field}`; did you mean `{table}.{field}`?");
+        }
+        error
     }
 
     /// The kind of controller that the document names, or the default one.
@@ -918,6 +932,7 @@ mod tests {
                 .map(|(_, name)| name.to_owned())
         };
         assert_eq!(meant("vehicle.mass = 1").as_deref(), Some("`mass_kg`?"));
+        assert_eq!(meant("mass_kg = 1").as_deref(), Some("`vehicle.mass_kg`?"));
         assert_eq!(meant("vehicel.mass_kg = 1").as_deref(), Some("`vehicle`?"));
         assert_eq!(
             meant("controller.law.form = 'robst'").as_deref(),

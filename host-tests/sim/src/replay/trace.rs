@@ -12,7 +12,7 @@ use nalgebra::Quaternion;
 
 use super::unknown::Unknown;
 use super::{Logged, OpenLoop};
-use crate::columns::renamed;
+use crate::columns::expect_todays;
 use crate::controllers::Input;
 use crate::experiment::{Experiment, Target, V3, double, ned, orientation};
 use crate::simulate::Record;
@@ -62,13 +62,7 @@ impl Log<'_> {
                 bail!("{origin}:1: the cells are separated by {name}; they must be by commas");
             }
         }
-        for name in &self.header {
-            if let Some(new) = renamed(name) {
-                bail!(
-                    "{origin}:1: {name}: a column of older traces, with other axes: {new} stands for it now"
-                );
-            }
-        }
+        expect_todays(&self.header).map_err(|error| anyhow!("{origin}:1: {error}"))?;
         for (i, name) in self.header.iter().enumerate() {
             if self.header.iter().take(i).any(|earlier| earlier == name) {
                 bail!("{origin}:1: two columns {name}");
