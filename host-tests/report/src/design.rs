@@ -114,9 +114,8 @@ fn tables(name: &str, design: &Design, flight: &FirstFlight) -> Vec<Table> {
             &findings.margins,
             &[
                 ("v [m/s]", &|p| fixed(p.speed_m_s, 1)),
-                ("α [°]", &|p| match p.speed_m_s > 0.0 {
-                    true => fixed(p.alpha_deg, 1),
-                    false => "–".to_owned(),
+                ("α [°]", &|p| {
+                    p.alpha_deg.map_or("–".to_owned(), |a| fixed(a, 1))
                 }),
                 ("largest rate-loop lag [s]", &|p| limit(p.lag_s)),
                 ("largest delay [s]", &|p| limit(p.delay_s)),

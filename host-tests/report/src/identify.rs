@@ -5,11 +5,20 @@ use alula_design::identify::Identified;
 use super::chart::{BLUE, Chart, GREY, Series};
 use super::{Figure, Page, Table};
 
+/// Rows farther apart than this \[s\] are of two pieces.
+const GAP: f64 = 1.0;
+
 /// The page of what the flight `name` shows; `known` is the file that `new` takes.
 pub fn page(name: &str, vehicle: &Identified, known: &str, notes: &[String]) -> Page {
+    // A curve ends where what was fitted begins.
     let of = |which: usize| -> Vec<(f64, f64)> {
-        let points = vehicle.held_out.iter();
-        points.map(|row| (row[0], row[which])).collect()
+        let pieces = vehicle.held_out.chunk_by(|a, b| b[0] - a[0] < GAP);
+        let points = pieces.flat_map(|piece| {
+            let end = piece.last().map(|row| (row[0], f64::NAN));
+            let drawn = piece.iter().map(|row| (row[0], row[which]));
+            drawn.chain(end)
+        });
+        points.collect()
     };
     let chart = |title, had: usize| {
         let series = vec![
@@ -43,12 +52,12 @@ pub fn page(name: &str, vehicle: &Identified, known: &str, notes: &[String]) -> 
         tables: vec![
             Table::new(
                 "Measured, with intervals of 95 %",
-                ["quantity", "value", ""],
+                ["quantity", "value", "within"],
                 vehicle.rows(),
             ),
             Table::new(
                 "What the flight does not show, and the manoeuvre that would",
-                [""],
+                ["what, and what shows it"],
                 vehicle.missing.iter().map(|line| [line.clone()]),
             ),
         ],

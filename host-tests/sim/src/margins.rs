@@ -107,8 +107,8 @@ pub struct Point {
     pub speed_m_s: f64,
     /// θ of the equilibrium \[°\].
     pub theta_deg: f64,
-    /// Its angle of attack \[°\].
-    pub alpha_deg: f64,
+    /// Its angle of attack \[°\]; none in hover, where no air comes.
+    pub alpha_deg: Option<f64>,
     /// |F_p| by the controller's belief \[N\].
     pub fp_n: f64,
     /// Eigenvalues without delay, (real, imaginary) \[rad/s\]: three, and one for each own lag.
@@ -230,7 +230,8 @@ impl Loop {
             Some(Point {
                 speed_m_s: speed,
                 theta_deg: x[2].to_degrees(),
-                alpha_deg: self.vehicle.angle_of_attack(velocity, x[2]).to_degrees(),
+                alpha_deg: (speed != 0.0)
+                    .then(|| self.vehicle.angle_of_attack(velocity, x[2]).to_degrees()),
                 fp_n: self.command(&x, speed).1,
                 eigenvalues: eigenvalues.iter().map(|e| (e.re, e.im)).collect(),
                 lag_s: linear.largest_lag(thrust, self.actuators.delay_s),

@@ -76,7 +76,12 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     if let Some(polar) = vehicle.polar() {
         leave_all(&out.join(POLAR), polar)?;
     }
-    let page = page(&name, &vehicle, &known, &states.notes);
+    let mut notes = states.notes;
+    notes.push(format!(
+        "alula-sil view {} shows the flight in three dimensions",
+        in_shell(&args.log.to_string_lossy())
+    ));
+    let page = page(&name, &vehicle, &known, &notes);
     args.output.leave(&out, &page, &vehicle)?;
     if !args.output.json() {
         println!(

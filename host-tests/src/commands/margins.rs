@@ -96,7 +96,9 @@ fn table(of: &LoopMargins) -> Table {
         &[
             ("v [m/s]", &|p: &Point| fixed(p.speed_m_s, 1)),
             ("θ [°]", &|p| fixed(p.theta_deg, 2)),
-            ("α [°]", &|p| fixed(p.alpha_deg, 2)),
+            ("α [°]", &|p| {
+                p.alpha_deg.map_or("–".to_owned(), |a| fixed(a, 2))
+            }),
             ("apparent force [N]", &|p| fixed(p.fp_n, 1)),
             ("lag [s]", &|p| limit(p.lag_s)),
             ("delay [s]", &|p| limit(p.delay_s)),

@@ -190,7 +190,12 @@ fn what_shows_nothing_is_said() {
 #[test]
 fn a_log_becomes_a_vehicle() {
     let folder = tempfile::tempdir().unwrap();
-    let experiment = flight("mapping", 18.0, 4);
+    let of_the_page = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../examples/identification.toml"
+    );
+    let document = Document::load(of_the_page).unwrap();
+    let experiment = document.checked().unwrap();
     let record = fly(&experiment).unwrap();
     let log = log(&experiment, &record).unwrap();
     let file = std::fs::File::create(folder.path().join("flight.ulg")).unwrap();

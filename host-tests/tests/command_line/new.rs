@@ -373,8 +373,11 @@ fn what_is_wrong_is_named() {
 #[test]
 fn the_pages_commands_run() {
     let folder = tempfile::tempdir().unwrap();
-    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/your-vehicle.md");
-    let page = fs::read_to_string(page).unwrap();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let page = fs::read_to_string(root.join("docs/your-vehicle.md")).unwrap();
+    let flight = "examples/identification.toml";
+    fs::create_dir(folder.path().join("examples")).unwrap();
+    fs::copy(root.join(flight), folder.path().join(flight)).unwrap();
     let blocks = page
         .split("```sh\n")
         .skip(1)
@@ -392,9 +395,7 @@ fn the_pages_commands_run() {
         ("vehicle.rs", "examples/own_vehicle"),
         ("vehicle.h", "capi/examples/px4/src/modules/alula_guidance"),
     ] {
-        let place = Path::new(env!("CARGO_MANIFEST_DIR"))
-            .join("..")
-            .join(example);
+        let place = root.join(example);
         let left = fs::read_to_string(folder.path().join("tail-sitter").join(file)).unwrap();
         assert_eq!(
             left,

@@ -3,7 +3,7 @@
     import gymnasium
     env = gymnasium.make("alula.environment:alula/Flight-v0", experiment="round-trip")
 
-It needs `pip install alula[gymnasium]`. A step is one control step of the experiment: 100 a second in those that are built in. The
+It needs `pip install './python[gymnasium]'`, from a clone. A step is one control step of the experiment: 100 a second in those that are built in. The
 agent takes the guidance's place, between the reference and the vehicle's rate loop.
 
 The action is four numbers from -1 to 1:
