@@ -5,8 +5,6 @@ use std::path::Path;
 
 use anyhow::{Context, bail};
 
-use crate::named::expect_no_folder;
-
 /// A kind of file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
@@ -147,6 +145,14 @@ pub fn expect(wanted: &[Kind], words: &str, origin: &str, bytes: &[u8]) -> anyho
         }
         None => Ok(()),
     }
+}
+
+/// Refuses a folder in the place of a file.
+pub fn expect_no_folder(path: &Path) -> anyhow::Result<()> {
+    if path.is_dir() {
+        bail!("{}: a folder, where a file is wanted", path.display());
+    }
+    Ok(())
 }
 
 /// Refuses a file that cannot be what is recorded of a flight: a trace or a log.

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, anyhow, bail, ensure};
+use anyhow::{Context, anyhow, bail};
 
 use crate::kind::{self, Kind};
 
@@ -79,23 +79,12 @@ impl Named {
 /// in it. Lines may end as they did on a Macintosh. An error names the file, and the line of what is no text.
 pub fn text_of(path: &Path) -> anyhow::Result<String> {
     let origin = || on_one_line(&path.display().to_string());
-    expect_no_folder(path)?;
+    kind::expect_no_folder(path)?;
     let bytes = std::fs::read(path).with_context(origin)?;
     if Kind::of(&bytes) == Some(Kind::Log) {
         kind::expect(&[], "a text", &origin(), &bytes)?;
     }
     decoded(&bytes).map_err(|(line, what)| anyhow!("{}:{line}: {what}", origin()))
-}
-
-/// Refuses a folder in the place of a file.
-pub fn expect_no_folder(path: &Path) -> anyhow::Result<()> {
-    let origin = || on_one_line(&path.display().to_string());
-    ensure!(
-        !path.is_dir(),
-        "{}: a folder, where a file is wanted",
-        origin()
-    );
-    Ok(())
 }
 
 /// The code of UTF-16 without a mark: Latin letters, digits and signs have a zero on one side.

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use alula_link::{Configuration, Pacing};
 use alula_sim::controllers::Controller;
-use alula_sim::named::expect_no_folder;
+use alula_sim::kind::expect_no_folder;
 use anyhow::Context;
 
 use alula_sil::pil::{Build, Qemu, Target, build, open_serial};

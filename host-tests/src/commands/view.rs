@@ -8,7 +8,7 @@ use anyhow::{Context, ensure};
 
 use alula_report::viewer::{self, Flight};
 use alula_sim::experiment::Document;
-use alula_sim::named::expect_no_folder;
+use alula_sim::kind::expect_no_folder;
 use alula_sim::replay::Source;
 use alula_sim::scene::{NUMBERS, Scene};
 use alula_sim::simulate::fly;

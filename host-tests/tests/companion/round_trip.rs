@@ -570,7 +570,7 @@ fn the_command_waits_and_ctrl_c_ends_it() {
     let refused = command("carrier-pigeon").output().unwrap();
     let message = String::from_utf8(refused.stderr).unwrap();
     assert!(
-        !refused.status.success() && message.starts_with("error: carrier-pigeon"),
+        !refused.status.success() && message.starts_with("error: --connect carrier-pigeon"),
         "{message}"
     );
 }
