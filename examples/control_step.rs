@@ -127,9 +127,10 @@ pub fn path_time_scale(
 #[inline(always)]
 fn injected(command: Command) -> Command {
     #[cfg(inject = "double")]
-    let command = Command {
-        thrust: (f64::from(command.thrust) * 1.000_000_1) as f32,
-        ..command
+    let command = {
+        let mut command = command;
+        command.thrust = (f64::from(command.thrust) * 1.000_000_1) as f32;
+        command
     };
     #[cfg(inject = "panic")]
     assert!(command.thrust < 1e6);
