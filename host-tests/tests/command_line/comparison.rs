@@ -5,6 +5,8 @@ use std::sync::LazyLock;
 
 use alula_study::{Cell, Flight, Outcome, Results, Source};
 
+use crate::alula;
+
 static FLOWN: LazyLock<Results> = LazyLock::new(|| {
     let source = Source::load("laws").unwrap();
     Results::of(&source.plan, None, || Ok(())).unwrap()
@@ -23,12 +25,7 @@ fn only(variant: &str, condition: &str) -> &'static Flight {
 }
 
 fn command(folder: &std::path::Path, given: &[&str]) -> std::process::Output {
-    Command::new(env!("CARGO_BIN_EXE_alula-sil"))
-        .current_dir(folder)
-        .arg("compare")
-        .args(given)
-        .output()
-        .unwrap()
+    alula(folder, &[&["compare"], given].concat())
 }
 
 #[test]

@@ -201,12 +201,7 @@ fn a_log_becomes_a_vehicle() {
     let file = std::fs::File::create(folder.path().join("flight.ulg")).unwrap();
     alula_logs::ulog::write(&log, file).unwrap();
     let run = |arguments: &str| {
-        let output = std::process::Command::new(env!("CARGO_BIN_EXE_alula-sil"))
-            .current_dir(folder.path())
-            .args(arguments.split(' '))
-            .stdin(std::process::Stdio::null())
-            .output()
-            .unwrap();
+        let output = crate::alula(folder.path(), &arguments.split(' ').collect::<Vec<_>>());
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
         (output.status.success(), said)
     };

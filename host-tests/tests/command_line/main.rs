@@ -2,6 +2,9 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+use std::path::Path;
+use std::process::{Command, Output};
+
 mod analysis;
 mod ardupilot;
 mod campaigns;
@@ -10,3 +13,16 @@ mod identify;
 mod logs;
 mod new;
 mod usage;
+
+/// The program with these arguments in `folder`, with nothing to read.
+fn alula(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_alula-sil"))
+        .current_dir(folder)
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}

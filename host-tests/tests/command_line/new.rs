@@ -2,12 +2,14 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::Command;
 
 use alula_sim::airframe::Airframe;
 use alula_sim::experiment::Document;
 use alula_study::{CampaignSource, Shard, Store, Summary, run};
 use serde_json::Value;
+
+use crate::alula;
 
 /// A tail-sitter of 3 kg, as one would describe it.
 const FLAGS: [&str; 20] = [
@@ -32,15 +34,6 @@ const FLAGS: [&str; 20] = [
     "--drag-area-m2",
     "0.012",
 ];
-
-fn alula(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_alula-sil"))
-        .current_dir(folder)
-        .args(arguments)
-        .stdin(Stdio::null())
-        .output()
-        .unwrap()
-}
 
 /// The JSON of `new` with these arguments, and its folder.
 fn made(folder: &Path, arguments: &[&str]) -> Value {

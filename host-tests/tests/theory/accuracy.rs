@@ -7,6 +7,7 @@
 use std::f64::consts::PI;
 
 use crate::common::{Point, combined, control, disc, gains, vehicles};
+use crate::random_delta;
 use alula::planar::{Attitude, GainParameters};
 use alula::{CombinedParameters, Fault};
 use alula_sim::reference::{self, Angle, full, magnitudes, robust, wrap};
@@ -110,12 +111,7 @@ fn measure(set: CombinedParameters, tilted: bool, subset: Subset) -> (Cell, Cell
     let (core_gains, reference_gains) = gains(GainParameters::PAPER);
     let (mut expanded, mut given) = (Cell::default(), Cell::default());
     for _ in 0..STATES {
-        let half = std::f32::consts::FRAC_PI_2;
-        let delta = if tilted {
-            rng.random_range(-half..=half)
-        } else {
-            0.0
-        };
+        let delta = if tilted { random_delta(&mut rng) } else { 0.0 };
         let (core, vehicle) = vehicles(delta, combined(set));
         let core = control(core, core_gains);
         let Some(point) = sample(&mut rng, subset, &vehicle) else {

@@ -17,6 +17,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::support::{C_Y, Point, ball, lateral};
 use crate::common::{combined, gains, vehicles};
+use crate::random_delta;
 
 /// States per cell of (parameter set, thrust line, subset).
 const STATES: usize = 100_000;
@@ -123,12 +124,7 @@ fn measure(set: CombinedParameters, tilted: bool, subset: Subset) -> [Cell; 3] {
     let (core_lateral, l) = lateral();
     let mut cells = [Cell::default(); 3];
     for _ in 0..STATES {
-        let half = std::f32::consts::FRAC_PI_2;
-        let delta = if tilted {
-            rng.random_range(-half..=half)
-        } else {
-            0.0
-        };
+        let delta = if tilted { random_delta(&mut rng) } else { 0.0 };
         let (core, vehicle) = vehicles(delta, combined(set));
         let core = WingedControl::new(core, core_gains, core_lateral);
         let c_y = f64::from(C_Y);
