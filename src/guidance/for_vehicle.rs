@@ -3,8 +3,8 @@
 //! Each parameter has one rule and its reason, in one list. What is not a function of the vehicle stays at its default, and the reason
 //! says why it may.
 
+use super::construction::check_thrust;
 use super::parameters::GuidanceParameters;
-use super::update::check_thrust;
 use crate::error::ParameterError;
 use crate::math;
 use crate::parameters::Parameters;

@@ -1,9 +1,12 @@
 //! The guidance with a state that survives changes of memory from outside.
 
+use super::input::GuidanceInput;
 use super::memory::{self, Integrity, Memory, ShadowCopy, memory};
+use super::output::GuidanceOutput;
 use super::planner::{Candidate, PlanSearch};
+use super::state::GuidanceState;
 use super::status::Status;
-use super::update::{Guidance, GuidanceInput, GuidanceOutput, GuidanceState};
+use super::update::Guidance;
 use crate::aero::Aerodynamics;
 use crate::control::GainLaw;
 use crate::ned::Frd;

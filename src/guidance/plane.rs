@@ -3,12 +3,15 @@
 //! For simulations in a plane, and for callers that know of one plane only. Nothing points out of it, so nothing turns out
 //! of it; with `max_lateral_acceleration` zero no reference does that either.
 
+use super::input::GuidanceInput;
+use super::output::GuidanceOutput;
 use super::planner_options::PlannerOptions;
 use super::progress::Progress;
 use super::setters::setters;
+use super::state::GuidanceState;
 use super::status::Status;
 use super::supervision::{Air, AirUse, Mode, RejectReason};
-use super::update::{Guidance, GuidanceInput, GuidanceOutput, GuidanceState};
+use super::update::Guidance;
 use crate::aero::Aerodynamics;
 use crate::control::{Command, GainLaw, Margin};
 use crate::frame::{Attitude, Body, Inertial};

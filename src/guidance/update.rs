@@ -3,39 +3,28 @@
 //! supervision → planner → reference model → tracker (the robust law) → actuator limits. What is remembered is in
 //! [`GuidanceState`], and nowhere else.
 
-use super::accelerometer::{Accelerometer, AccelerometerState};
+use super::accelerometer::Accelerometer;
 use super::air_data_fallback::AirDataFallback;
 use super::air_estimate::{AirEstimateState, AirSample};
 use super::bandwidth::BandwidthGains;
 use super::course::{Axes, Course};
+use super::input::GuidanceInput;
 use super::lateral_guidance::{LateralGuidance, LateralGuidanceInput, ReferenceModelState};
-use super::limits::{LimitState, Limits};
-use super::memory::{self, Memory, memory};
-use super::parameters::GuidanceParameters;
+use super::limits::Limits;
+use super::output::GuidanceOutput;
 use super::planner::{Candidate, PlanSearch, Planner, PlannerState};
-use super::planner_options::PlannerOptions;
-use super::progress::Progress;
 use super::reference_model::limited;
-use super::setters::setters;
+use super::state::GuidanceState;
 use super::status::Status;
-use super::supervision::{
-    Air, AirUse, Mode, RejectReason, SupervisionState, Supervisor, WindUse, safe_thrust,
-    time_passed,
-};
+use super::supervision::{Air, AirUse, Mode, RejectReason, Supervisor, WindUse, time_passed};
 use super::tracker::{Tracker, TrackerInput};
-use super::tuning::Tuning;
 use super::wrap::wrap;
 use crate::aero::Aerodynamics;
 use crate::control::{Fault, GainLaw, Margin};
-use crate::error::ParameterError;
 use crate::math;
-use crate::ned::{Frd, Ned};
-use crate::parameters::Parameters;
+use crate::ned::Ned;
 use crate::reference::{MAX_ACCELERATION, MAX_SPEED};
-use crate::spatial::{
-    Body, Command, Correction, Diagnostics, LateralGains, LateralParameters, Orientation,
-    Reference, State, WingedControl, check_input,
-};
+use crate::spatial::{Body, Command, Correction, Reference, State, WingedControl, check_input};
 use crate::vehicle::Vehicle;
 
 /// The velocity law with everything around it that a real vehicle asks for. Immutable and validated.
@@ -65,179 +54,19 @@ use crate::vehicle::Vehicle;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Guidance<A, G = BandwidthGains> {
     /// The velocity law.
-    control: WingedControl<A, G>,
+    pub(super) control: WingedControl<A, G>,
     /// Which plan the reference model flies by.
-    planner: Planner,
+    pub(super) planner: Planner,
     /// How the plane turns in which it does.
-    lateral_guidance: LateralGuidance,
+    pub(super) lateral_guidance: LateralGuidance,
     /// How the real vehicle follows.
     pub(super) tracker: Tracker,
     /// What the accelerometer tells.
-    accelerometer: Accelerometer,
+    pub(super) accelerometer: Accelerometer,
     /// Limits of the actuators.
-    limits: Limits,
+    pub(super) limits: Limits,
     /// What to do when inputs fail.
     pub(super) supervisor: Supervisor,
-}
-
-/// What a guidance step is told. The default hovers where it is, nose up, and knows no more.
-///
-/// ```
-/// use alula::prelude::*;
-///
-/// let input = GuidanceInput::default()
-///     .velocity(Ned::new(2.0, 0.0, 0.0))
-///     .air(Air::Wind(Ned::ZERO))
-///     .position_error(Ned::new(0.0, 0.5, 0.0));
-/// assert_eq!(input.position_error, Some(Ned::new(0.0, 0.5, 0.0)));
-/// assert_eq!(input.specific_force, None);
-/// ```
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[non_exhaustive]
-pub struct GuidanceInput {
-    /// Velocity v over ground [m/s].
-    pub velocity: Ned,
-    /// Attitude.
-    pub orientation: Orientation,
-    /// Age \[s\] of velocity and attitude, not negative.
-    pub state_age: f32,
-    /// What is known of the air.
-    pub air: Air,
-    /// Specific force [m/s²], if it is measured: what an accelerometer feels, acceleration less gravity. With
-    /// it the law makes up for what is not known of mass, wing and thrust, and of the wind across.
-    pub specific_force: Option<Frd>,
-    /// Position less reference position, x̃ \[m\], if position is to be held.
-    pub position_error: Option<Ned>,
-    /// Reference.
-    pub reference: Reference,
-    /// Age \[s\] of the reference, not negative.
-    pub reference_age: f32,
-    /// What plans are to mind.
-    pub planner_options: PlannerOptions,
-}
-
-setters! {
-    GuidanceInput {
-        velocity: Ned,
-        orientation: Orientation,
-        state_age: f32,
-        air: Air,
-        specific_force: impl Into<Option<Frd>>,
-        position_error: impl Into<Option<Ned>>,
-        reference: Reference,
-        reference_age: f32,
-        planner_options: PlannerOptions,
-    }
-}
-
-/// What the guidance remembers between steps. The default is power-on. Equal are those whose [bytes](Self::to_bytes) are.
-#[derive(Clone, Copy, Debug, Default)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct GuidanceState {
-    pub(super) supervision: SupervisionState,
-    /// The reference model.
-    pub(super) flight: ReferenceModelState,
-    /// The plan it flies by.
-    planner: PlannerState,
-    /// Integral I [m/s], as it is in hover.
-    pub(super) integral: Ned,
-    /// The wind that is planned with: without gusts [m/s].
-    pub(super) wind: Ned,
-    /// Position less reference position \[m\], reckoned from the velocity where it is not measured.
-    pub(super) reckoned: Ned,
-    accelerometer: AccelerometerState,
-    air: AirEstimateState,
-    pub(super) limits: LimitState,
-    /// 1 once the reference model has begun.
-    pub(super) started: u8,
-    /// Last good reference velocity [m/s].
-    pub(super) held: Ned,
-    /// 1 if there has been a good reference. A number, not `Option`: every bit pattern has a meaning.
-    held_known: u8,
-    /// What of the last command saturated.
-    saturated: Status,
-}
-
-/// What a guidance step gives: always a command.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[non_exhaustive]
-pub struct GuidanceOutput {
-    /// The command, inside its limits. Its diagnostics are those of the law, before the limits; in
-    /// [`Mode::Holding`] and [`Mode::Safe`] they are zero.
-    pub command: Command,
-    /// Mode.
-    pub mode: Mode,
-    /// What of the air was used.
-    pub air: AirUse,
-    /// What limited the step.
-    pub status: Status,
-    /// Margins of well-posedness; zero unless the law was flown.
-    pub margin: Margin,
-    /// The reference that the law was given: the reference model's velocity, pull and integral, and its acceleration.
-    pub reference: Reference,
-    /// What is being done, and what of the reference cannot be had.
-    pub progress: Progress,
-    /// Whether a plan is due: [`Guidance::plan`] is to be called.
-    pub plan_due: bool,
-    /// Why the frame was refused, if it was.
-    pub reject_reason: Option<RejectReason>,
-}
-
-memory!(GuidanceState {
-    supervision: SupervisionState,
-    flight: ReferenceModelState,
-    planner: PlannerState,
-    integral: Ned,
-    wind: Ned,
-    reckoned: Ned,
-    accelerometer: AccelerometerState,
-    air: AirEstimateState,
-    limits: LimitState,
-    started: u8,
-    held: Ned,
-    held_known: u8,
-    saturated: Status,
-});
-
-impl PartialEq for GuidanceState {
-    fn eq(&self, other: &Self) -> bool {
-        self.to_bytes() == other.to_bytes()
-    }
-}
-
-impl GuidanceState {
-    /// Length of [`to_bytes`](Self::to_bytes).
-    pub const BYTES: usize = 4 * Self::WORDS;
-
-    /// The state as little-endian words of 32 bits: to log it, or to go on with it after a restart. The order belongs to
-    /// this version of the library.
-    pub fn to_bytes(&self) -> [u8; Self::BYTES] {
-        memory::to_bytes(self)
-    }
-
-    /// The state of these bytes. Any will do: a state outside its bounds is reset at the next step.
-    pub fn from_bytes(bytes: &[u8; Self::BYTES]) -> Self {
-        memory::from_bytes(bytes)
-    }
-
-    /// Mode of the last step.
-    pub fn mode(&self) -> Mode {
-        self.supervision.mode()
-    }
-
-    /// The integral I [m/s], which stands in for what is not known of the vehicle.
-    pub fn integral(&self) -> Ned {
-        self.integral
-    }
-
-    /// Velocity [m/s] of the reference model, and its attitude θ \[rad\] in the plane of flight.
-    pub fn reference_model(&self) -> (Ned, f32) {
-        (self.flight.velocity, self.flight.theta)
-    }
 }
 
 /// Time constant \[s\] of the wind that is planned with.
@@ -251,15 +80,6 @@ const ATTITUDE_RESYNCHRONISATION: f32 = 20.0;
 /// Position errors beyond this \[m\] are taken as this.
 const MAX_DISTANCE: f32 = 1e4;
 
-/// Rate of the twist towards air velocity or heading, in multiples of the natural frequency.
-const TWIST: f32 = 1.25;
-/// |F_y| below which tilt and twist fade, in multiples of the weight.
-const LATERAL_FORCE: f32 = 0.31;
-/// Most that a lateral velocity error may ask for, in g.
-const LATERAL_ACCELERATION: f32 = 0.51;
-/// Sine of the angle between heading and F_y below which the heading fades.
-const HEADING: f32 = 0.2;
-
 /// Whether a reference is finite and not absurd. One sum decides: NaN fails its comparison too.
 #[inline(always)]
 fn is_sane(reference: &Reference) -> bool {
@@ -267,79 +87,7 @@ fn is_sane(reference: &Reference) -> bool {
         < MAX_SPEED * MAX_SPEED
 }
 
-impl<A: Aerodynamics> Guidance<A> {
-    /// The guidance of `vehicle` with gains by bandwidth.
-    ///
-    /// # Errors
-    /// A parameter outside its range, or one that contradicts another: `thrust_max` not above the weight or `thrust_min`
-    /// not below it, `safe_thrust` outside the vehicle's limits, `max_integral_…` above `max_velocity_…`.
-    pub fn new(vehicle: Vehicle<A>, p: &GuidanceParameters) -> Result<Self, ParameterError> {
-        let gains = BandwidthGains::new(p, &vehicle)?;
-        Self::with_gains(vehicle, gains, p)
-    }
-}
-
 impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
-    /// The guidance of `vehicle` with gains of one's own, such as the paper's. The parameters of the gains by bandwidth
-    /// are checked, and not used.
-    ///
-    /// # Errors
-    /// As [`Guidance::new`].
-    pub fn with_gains(
-        vehicle: Vehicle<A>,
-        gains: G,
-        p: &GuidanceParameters,
-    ) -> Result<Self, ParameterError> {
-        Self::of_checked(vehicle, gains, p, &Tuning::DEFAULT)
-    }
-
-    /// The same with other constants of planner and reference model than those that were found, for who searches for them again.
-    ///
-    /// # Errors
-    /// As [`Guidance::new`], and a constant outside the range that is searched.
-    pub fn with_tuning(
-        vehicle: Vehicle<A>,
-        gains: G,
-        p: &GuidanceParameters,
-        tuning: &Tuning,
-    ) -> Result<Self, ParameterError> {
-        tuning.check()?;
-        Self::of_checked(vehicle, gains, p, tuning)
-    }
-
-    /// The same with constants that are in their ranges.
-    fn of_checked(
-        vehicle: Vehicle<A>,
-        gains: G,
-        p: &GuidanceParameters,
-        tuning: &Tuning,
-    ) -> Result<Self, ParameterError> {
-        p.check_all()?;
-        check_relations(&vehicle, p)?;
-        let lateral_guidance = LateralGuidance::new(p, &vehicle);
-        // What is made from here on of parameters that have been checked is in its own range: it is not checked again.
-        // 2ζω_n and ω_n/(2ζ): tilt and lateral velocity make a loop of this frequency and damping.
-        let rate = |x: f32| math::clamp(x, 1e-3, 1e3);
-        let lateral = LateralGains::of_checked(LateralParameters {
-            tilt: rate(2.0 * p.damping * p.natural_frequency),
-            velocity: rate(0.5 * p.natural_frequency / p.damping),
-            twist: rate(TWIST * p.natural_frequency),
-            acceleration: math::clamp(LATERAL_ACCELERATION * vehicle.gravity(), 1e-3, 1e3),
-            force: math::clamp(LATERAL_FORCE * vehicle.weight(), 1e-3, 1e6),
-            airspeed: math::clamp(lateral_guidance.takeover(), 1e-3, 1e3),
-            heading: HEADING,
-        });
-        Ok(Self {
-            planner: Planner::new(p, &vehicle, lateral_guidance.lift_coefficient(), tuning),
-            lateral_guidance,
-            tracker: Tracker::new(p),
-            accelerometer: Accelerometer::new(p, &vehicle),
-            limits: Limits::new(p, &vehicle),
-            supervisor: Supervisor::new(p, &vehicle),
-            control: WingedControl::new(vehicle, gains, lateral),
-        })
-    }
-
     /// The vehicle as the guidance believes it to be.
     pub fn vehicle(&self) -> &Vehicle<A> {
         self.control.plane().vehicle()
@@ -348,64 +96,6 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
     /// The velocity law that is flown.
     pub fn control(&self) -> &WingedControl<A, G> {
         &self.control
-    }
-
-    /// Thrust \[N\] of the safe command after the step that left `state`, for a program that has to fly on without inputs: with
-    /// it go body rates of zero. `safe_thrust`, as far as the nose pointed up when the law flew last; before it has flown, the
-    /// thrust nearest to none.
-    pub fn safe_thrust(&self, state: &GuidanceState) -> f32 {
-        let vehicle = self.control.plane().vehicle();
-        math::clamp(
-            self.supervisor.safe_thrust() * state.supervision.upright,
-            vehicle.thrust_min(),
-            vehicle.thrust_max(),
-        )
-    }
-
-    /// The state with which to take over a vehicle that flies already: at this `orientation`, with this `thrust` \[N\] and these
-    /// body `rates` [rad/s] commanded last. The first good frame is flown; until it comes this command is held, for `hold` at most.
-    ///
-    /// The command is brought inside the limits. For what is not finite stand the safe thrust and no rotation. A
-    /// [`GuidanceState::default`] is for a vehicle on the ground: it commands least thrust until inputs have been good for `recovery`.
-    ///
-    /// ```
-    /// use alula::prelude::*;
-    ///
-    /// let model = Combined::new(CombinedParameters::PAPER_BELIEF)?;
-    /// let vehicle = Vehicle::new(VehicleParameters::PAPER_BELIEF, model)?;
-    /// let guidance = Guidance::new(vehicle, &GuidanceParameters::default())?;
-    ///
-    /// let input = GuidanceInput::default().air(Air::Wind(Ned::ZERO));
-    /// let mut state = guidance.take_over(&input.orientation, 85.0, Frd::default());
-    /// let output = guidance.update(&mut state, &input, 0.01);
-    /// assert_eq!(output.mode, Mode::Flying);
-    /// assert!((output.command.thrust - 9.0 * 9.81).abs() < 4.0);
-    /// # Ok::<(), ParameterError>(())
-    /// ```
-    pub fn take_over(&self, orientation: &Orientation, thrust: f32, rates: Frd) -> GuidanceState {
-        let mut state = GuidanceState {
-            // The order of the two makes 0 of NaN.
-            supervision: SupervisionState::holding(math::min(
-                math::max(orientation.i().down, 0.0),
-                1.0,
-            )),
-            ..GuidanceState::default()
-        };
-        let thrust = if thrust.is_finite() {
-            thrust
-        } else {
-            self.safe_thrust(&state)
-        };
-        let rates = Body::from(rates);
-        state.limits = self.limits.within(if rates.norm_squared().is_finite() {
-            LimitState { rates, thrust }
-        } else {
-            LimitState {
-                thrust,
-                ..LimitState::default()
-            }
-        });
-        state
     }
 
     /// One step, `dt` \[s\] after the last. Total: whatever comes in and whatever the memory holds, a finite command
@@ -472,64 +162,6 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
     /// dropped: what it found begins where the vehicle no longer is.
     pub fn adopt(&self, state: &mut GuidanceState, search: &PlanSearch) {
         state.planner.adopt(search, state.flight.theta);
-    }
-
-    /// Whether every part's memory is inside that part's own bounds.
-    #[inline(never)]
-    fn is_sound(&self, state: &GuidanceState) -> bool {
-        self.supervisor.is_sound(&state.supervision)
-            & ((state.started != 1) | state.flight.is_sound())
-            & state.planner.is_sound()
-            & self.tracker.is_sound(state.integral)
-            & self.accelerometer.is_sound(&state.accelerometer)
-            & state.air.is_sound()
-            & (state.wind.norm_squared() + state.reckoned.norm_squared()
-                <= 4.0 * MAX_SPEED * MAX_SPEED)
-            & (self.limits.is_sound(&state.limits)
-                | ((state.limits == LimitState::default()) & (state.mode() == Mode::Safe)))
-            & (state.held.norm_squared() <= MAX_SPEED * MAX_SPEED)
-    }
-
-    /// Back to power-on, but for the mode, and for the last command if that is inside the limits: it is what a bad frame is
-    /// bridged with.
-    #[cold]
-    pub(super) fn reset(&self, state: &mut GuidanceState) {
-        let limits = if self.limits.is_sound(&state.limits) {
-            state.limits
-        } else {
-            self.limits.at_rest()
-        };
-        *state = GuidanceState {
-            supervision: state.supervision.restarted(),
-            limits,
-            ..GuidanceState::default()
-        };
-    }
-
-    /// The command in any mode but flying.
-    #[cold]
-    #[inline(never)]
-    fn substitute(&self, state: &mut GuidanceState, mode: Mode) -> GuidanceOutput {
-        if mode == Mode::Safe {
-            // The attitude is kept blindly: of a nose that points forward all thrust would go into speed.
-            let limits = LimitState {
-                thrust: self.safe_thrust(state),
-                ..self.limits.at_rest()
-            };
-            *state = GuidanceState {
-                supervision: state.supervision,
-                limits,
-                ..GuidanceState::default()
-            };
-        }
-        GuidanceOutput {
-            command: Command {
-                thrust: state.limits.thrust,
-                rates: state.limits.rates.into(),
-                diagnostics: Diagnostics::default(),
-            },
-            ..GuidanceOutput::default()
-        }
     }
 
     #[inline(always)]
@@ -789,41 +421,6 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
     }
 }
 
-/// Refuses limits of the thrust \[N\] between which the `weight` \[N\] is not.
-pub(super) fn check_thrust(weight: f32, min: f32, max: f32) -> Result<(), ParameterError> {
-    if max <= weight {
-        let relation = "above the weight, mass times gravity";
-        Err(ParameterError::contradiction("thrust_max", relation))
-    } else if min >= weight {
-        let relation = "below the weight, mass times gravity";
-        Err(ParameterError::contradiction("thrust_min", relation))
-    } else {
-        Ok(())
-    }
-}
-
-/// Refuses parameters that contradict each other or the vehicle.
-fn check_relations<A: Aerodynamics>(
-    vehicle: &Vehicle<A>,
-    p: &GuidanceParameters,
-) -> Result<(), ParameterError> {
-    check_thrust(vehicle.weight(), vehicle.thrust_min(), vehicle.thrust_max())?;
-    let safe = safe_thrust(p, vehicle);
-    let refused = |parameter, relation| Err(ParameterError::contradiction(parameter, relation));
-    if !(vehicle.thrust_min()..=vehicle.thrust_max()).contains(&safe) {
-        refused(
-            "safe_thrust",
-            "such that it is from thrust_min to thrust_max",
-        )
-    } else if p.max_integral_down > p.max_velocity_down {
-        refused("max_integral_down", "at most max_velocity_down")
-    } else if p.max_integral_forward > p.max_velocity_forward {
-        refused("max_integral_forward", "at most max_velocity_forward")
-    } else {
-        Ok(())
-    }
-}
-
 #[cfg(test)]
 mod tests {
     extern crate std;
@@ -835,7 +432,12 @@ mod tests {
     use crate::guidance::MIN_STEP;
     use crate::guidance::Phase;
     use crate::guidance::plane::{PlanarGuidanceInput, PlanarGuidanceOutput};
+    use crate::guidance::supervision::SupervisionState;
+    use crate::guidance::{GuidanceParameters, PlannerOptions};
+    use crate::ned::Frd;
+    use crate::parameters::Parameters;
     use crate::reference::Reference;
+    use crate::spatial::Orientation;
     use crate::vehicle::VehicleParameters;
     use rand::{RngExt, SeedableRng};
 
