@@ -231,6 +231,7 @@ impl<'a> Vehicle<'a> {
             load_factor: force.norm() / self.dynamics.gravity,
             readings: Vec::new(),
             target,
+            asked_speed: target.velocity.norm(),
             measured_attitude: told.attitude,
             input: Input {
                 sample: hold.input(&experiment.sensors, &faults, t, &target),

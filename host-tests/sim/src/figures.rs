@@ -1,14 +1,14 @@
 //! Figures of merit, each declared once: for the terminal, `--json`, limits of campaigns, columns of comparisons and the README.
 //!
 //! A figure is a fold over the control steps of a flight, or of a part of it. One rule for missing values and NaN: a value that is
-//! missing, such as |F_p| of a controller without one, is left out; a NaN makes the figure NaN. An extreme without any value is NaN, and a
-//! peak, a sum or a mean without any value is 0. A figure that is NaN is `null` in JSON, and outside of every limit.
+//! missing, such as |F_p| of a controller without one, is left out; a NaN makes the figure NaN, and so does the want of any value, as
+//! of a way back that was not flown. A figure that is NaN is `null` in JSON, and outside of every limit.
 
 use alula::guidance::{Mode, Phase, Progress, Status};
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-use crate::experiment::{Experiment, Knots, V3};
+use crate::experiment::{Experiment, V3};
 use crate::named::hint;
 use crate::reference::wrap;
 use crate::simulate::Step;
@@ -22,10 +22,14 @@ pub const REACHED: f64 = 1.0;
 /// Velocity error below which a flight counts as settled \[m/s\].
 pub const SETTLED: f64 = 0.05;
 
+/// Change of the speed asked for up to which it is steady \[m/s²\]: what single precision leaves of a constant speed is 1e-3.
+const STEADY: f64 = 0.01;
+/// Speeds asked for that differ by less are the same \[m/s\]: a climb adds as much to a steady speed.
+const SAME: f64 = 0.1;
+
 /// A control step, with what several figures need of it.
 pub struct Moment<'a> {
     experiment: &'a Experiment,
-    phases: &'a Phases,
     step: &'a Step,
     /// x − x_r \[m\].
     offset: V3,
@@ -34,10 +38,9 @@ pub struct Moment<'a> {
 }
 
 impl<'a> Moment<'a> {
-    fn new(experiment: &'a Experiment, phases: &'a Phases, step: &'a Step) -> Self {
+    fn new(experiment: &'a Experiment, step: &'a Step) -> Self {
         Self {
             experiment,
-            phases,
             step,
             offset: step.position_error(),
             error: step.velocity_error().norm(),
@@ -50,16 +53,25 @@ impl<'a> Moment<'a> {
 pub enum Part {
     /// All of it.
     Flight,
+    /// All of it, if it stays in the vertical plane to the north.
+    Plane,
     /// What comes after settling.
     Settled,
     /// Its last 5 s.
     Late,
-    /// Until the reference slows down.
+    /// Until the path slows down.
     Out,
     /// From then on.
     Back,
-    /// The last 5 s of cruise: of the fastest steady part of the reference.
+    /// The last 5 s of cruise: of the fastest steady part of the path.
     LateCruise,
+}
+
+impl Part {
+    /// Whether it is known only when the flight has been flown.
+    fn is_phase(self) -> bool {
+        matches!(self, Self::Out | Self::Back | Self::LateCruise)
+    }
 }
 
 /// How a figure is made of the steps.
@@ -80,9 +92,9 @@ pub enum Fold {
     Time(fn(&Moment) -> bool),
     /// The number of steps in which something holds.
     Count(fn(&Moment) -> bool),
-    /// The last time at which something holds, from the reference's first change \[s\]; 0 if it never does, NaN if it does in the last 5 s of
-    /// cruise.
-    Until(fn(&Moment) -> bool),
+    /// The last time before the end of cruise at which an error \[m/s\] is not below a limit, from the path's first change of speed \[s\]; 0 if it never
+    /// is, NaN if it is in the last 5 s of cruise.
+    Until(fn(&Phases, &Point) -> f64, f64),
     /// Made of figures declared before it.
     Of(fn(&Figures) -> f64),
 }
@@ -143,9 +155,9 @@ figures! {
     "max_true_rate_rad_s", "body rate, peak", "rad/s", 2, Flight, Peak(|m| m.step.truth.rates.amax()), "largest true body rate about one axis";
     "altitude_least_m", "least altitude", "m", 2, Flight, Least(|m| Some(-m.offset.z)), "least altitude over the path";
     "altitude_most_m", "greatest altitude", "m", 2, Flight, Most(|m| Some(-m.offset.z)), "greatest altitude over the path";
-    "forward_least_m", "farthest behind", "m", 2, Flight, Least(|m| in_plane(m, m.offset.x)), "in a vertical plane: least position ahead of the path";
-    "forward_most_m", "farthest ahead", "m", 2, Flight, Most(|m| in_plane(m, m.offset.x)), "in a vertical plane: greatest position ahead of the path";
-    "max_turn_deg", "farthest from nose up", "°", 1, Flight, Most(|m| in_plane(m, m.step.theta.to_degrees().abs())), "in a vertical plane: farthest that θ has turned from nose up, either way: over 180° the vehicle has turned over";
+    "forward_least_m", "farthest behind", "m", 2, Plane, Least(|m| Some(m.offset.x)), "in a vertical plane: least position ahead of the path";
+    "forward_most_m", "farthest ahead", "m", 2, Plane, Most(|m| Some(m.offset.x)), "in a vertical plane: greatest position ahead of the path";
+    "max_turn_deg", "farthest from nose up", "°", 1, Plane, Most(|m| Some(m.step.theta.to_degrees().abs())), "in a vertical plane: farthest that θ has turned from nose up, either way: over 180° the vehicle has turned over";
     "max_late_velocity_error_m_s", "end error, peak", "m/s", 2, Late, Peak(|m| m.error), "largest \\|v − v_r\\| in the last 5 s";
     "late_velocity_error_rms_m_s", "end error, rms", "m/s", 3, Late, Rms(|m| m.error), "root mean square of \\|v − v_r\\| in the last 5 s";
     "late_mean_velocity_error_m_s", "end error, mean", "m/s", 2, Late, Mean(|m| m.error), "mean \\|v − v_r\\| in the last 5 s";
@@ -166,13 +178,13 @@ figures! {
     "max_loss_back_m", "loss back, peak", "m", 1, Back, Peak(|m| at_least_zero(m.offset.z)), "greatest altitude below the path from where that slows down";
     "max_gain_back_m", "gain back, peak", "m", 1, Back, Peak(|m| at_least_zero(-m.offset.z)), "greatest altitude above the path from where that slows down";
     "max_ahead_m", "ahead, peak", "m", 0, Back, Peak(|m| at_least_zero(m.offset.x)), "farthest north of the path from where that slows down: ahead, where it goes north";
-    "cruise_after_s", "cruise after", "s", 1, Flight, Until(not_in_cruise), "from the path's first change of speed until \\|v − v_r\\| to the cruise velocity stays under 1 m/s to the end of cruise";
-    "settling_s", "settling", "s", 1, Flight, Until(not_settled), "from the path's first change of speed until \\|v − v_r\\| stays under 0.05 m/s to the end of cruise";
+    "cruise_after_s", "cruise after", "s", 1, Flight, Until(Phases::cruise_error, REACHED), "from the path's first change of speed until \\|v − v_r\\| to the cruise velocity stays under 1 m/s to the end of cruise";
+    "settling_s", "settling", "s", 1, Flight, Until(|_, point| point.error(), SETTLED), "from the path's first change of speed until \\|v − v_r\\| stays under 0.05 m/s to the end of cruise";
     "max_cruise_error_m_s", "cruise error, peak", "m/s", 2, LateCruise, Peak(|m| m.error), "largest \\|v − v_r\\| in the last 5 s of cruise";
     "final_velocity_error_m_s", "final velocity error", "m/s", 4, Flight, Last(|m| m.error), "\\|v − v_r\\| at the end";
     "final_altitude_m", "final altitude", "m", 2, Flight, Last(|m| -m.offset.z), "altitude over the path at the end";
     "final_alpha_deg", "final angle of attack", "°", 3, Flight, Last(|m| m.step.wing_alpha(m.experiment).to_degrees()), "true angle of attack of the wing at the end";
-    "final_theta_deg", "final orientation", "°", 3, Flight, Last(|m| in_plane(m, wrap(m.step.theta).to_degrees()).unwrap_or(f64::NAN)), "in a vertical plane: θ at the end, in [−180°, 180°)";
+    "final_theta_deg", "final orientation", "°", 3, Plane, Last(|m| wrap(m.step.theta).to_degrees()), "in a vertical plane: θ at the end, in [−180°, 180°)";
     "final_nose_deg", "nose from upright, end", "°", 2, Flight, Last(|m| 90.0 - m.step.pitch().to_degrees()), "angle of the nose from upright at the end";
     "final_belly_deg", "belly from down, end", "°", 2, Flight, Last(|m| libm::acos(m.step.truth.axes()[1].z.clamp(-1.0, 1.0)).to_degrees()), "angle of the belly from straight down at the end: in cruise that of attack and bank";
     "final_thrust_to_weight", "final thrust to weight", "", 4, Flight, Last(|m| m.step.truth.thrust / m.experiment.weight()), "thrust over the weight at the end";
@@ -196,11 +208,6 @@ fn command(m: &Moment) -> V3 {
     V3::new(rates.yaw.into(), rates.pitch.into(), rates.roll.into())
 }
 
-/// Something that has a meaning in a vertical plane only.
-fn in_plane(m: &Moment, value: f64) -> Option<f64> {
-    m.phases.in_plane.then_some(value)
-}
-
 fn crossing(m: &Moment) -> bool {
     progress(m, |p| p.phase == Phase::Crossing)
 }
@@ -219,92 +226,81 @@ fn mode(m: &Moment, mode: Mode) -> bool {
     m.step.answer.guided().is_some_and(|g| g.mode == mode)
 }
 
-/// Whether cruise is not reached: before cruise, by the error to the cruise velocity.
-fn not_in_cruise(m: &Moment) -> bool {
-    let [begin, end] = m.phases.cruise;
-    let error = match m.step.t {
-        t if t >= end => return false,
-        t if t >= begin => m.error,
-        _ => (m.step.truth.velocity - m.phases.cruise_velocity).norm(),
-    };
-    error >= REACHED
+/// What the phases of a flight are found from, at a control step.
+#[derive(Clone, Copy, Debug)]
+pub struct Point {
+    t: f64,
+    /// The speed asked for \[m/s\].
+    asked: f64,
+    /// The velocity asked for, and the true one \[m/s\].
+    reference: V3,
+    velocity: V3,
 }
 
-/// Whether the velocity error is not small, up to the end of cruise.
-fn not_settled(m: &Moment) -> bool {
-    // A NaN is no small error.
-    m.step.t < m.phases.cruise[1] && (m.error.is_nan() || m.error >= SETTLED)
+impl Point {
+    /// |v − v_r| \[m/s\].
+    fn error(&self) -> f64 {
+        (self.velocity - self.reference).norm()
+    }
 }
 
-/// The phases of a path that is given by knots, or of a segment of it. Any other path is at cruise from the beginning.
+/// The phases of a flight, by the speed that is asked for over time: whatever its path is written as.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Phases {
-    /// Whether the flight is in a vertical plane.
-    in_plane: bool,
     /// Where settling ends \[s\].
     settled: f64,
     /// Where the part ends that is looked at \[s\].
     end: f64,
-    /// When the path begins to change its speed \[s\].
-    pub start: f64,
-    /// Its fastest steady phase, the first of them \[s\]; without one, the end.
-    pub cruise: [f64; 2],
-    /// The velocity there \[m/s\].
+    /// When the speed changes first \[s\].
+    start: f64,
+    /// The fastest steady phase, the first of them \[s\]; without one, the end.
+    cruise: [f64; 2],
+    /// The velocity asked for there \[m/s\].
     cruise_velocity: V3,
-    /// When it slows down for the first time \[s\].
-    pub back: f64,
+    /// Where the speed begins to fall, by more than [`REACHED`], for the first time \[s\].
+    back: f64,
 }
 
 impl Phases {
-    /// The phases of an experiment's path.
-    pub fn of(experiment: &Experiment) -> Self {
-        let end = experiment.duration_s;
-        let settled = experiment.settle_time_s;
-        let Some(knots) = experiment.path.knots() else {
-            return Self {
-                in_plane: false,
-                settled,
-                back: end,
-                ..Self::segment(0.0, end)
-            };
+    /// The phases of what was flown, up to its `end` \[s\].
+    fn of(course: &[Point], settled: f64, end: f64) -> Self {
+        let mut phases = Self {
+            back: end,
+            ..Self::segment(end, end)
         };
-        Self {
-            in_plane: experiment.in_plane(),
-            settled,
-            ..Self::of_knots(knots, end)
+        (phases.settled, phases.start) = (settled, 0.0);
+        let changes = |ends: &[Point]| (ends[1].asked - ends[0].asked) / (ends[1].t - ends[0].t);
+        let steady = |ends: &[Point]| changes(ends).abs() <= STEADY;
+        let mut pieces = course.windows(2);
+        if let Some(ends) = pieces.find(|ends| !steady(ends)) {
+            phases.start = ends[0].t;
         }
-    }
-
-    fn of_knots(knots: &Knots, end: f64) -> Self {
-        let breaks = knots.breaks(end);
-        let speed = |t: f64| knots.at(t).0.norm();
-        let mut cruise = [end, end];
-        let mut fastest = 0.0;
-        for ends in breaks.windows(2) {
-            if knots.at(ends[0]).1.norm() == 0.0 && speed(ends[0]) > fastest {
-                fastest = speed(ends[0]);
-                cruise = [ends[0], ends[1]];
+        let mut fastest = f64::NEG_INFINITY;
+        let runs = course.chunk_by(|&a, &b| steady(&[a, b]));
+        for run in runs.filter(|run| run.len() > 1) {
+            let (from, to) = (run[0], run[run.len() - 1]);
+            if from.asked > fastest + SAME {
+                fastest = from.asked;
+                phases.cruise = [from.t, to.t];
+                phases.cruise_velocity = from.reference;
             }
         }
-        let first = |holds: &dyn Fn(f64) -> bool| {
-            let mut pieces = breaks.windows(2);
-            pieces
-                .find(|e| holds(speed(e[1]) - speed(e[0])))
-                .map(|e| e[0])
-        };
-        Self {
-            start: first(&|change| change != 0.0).unwrap_or(0.0),
-            cruise,
-            cruise_velocity: knots.at(cruise[0]).0,
-            back: first(&|change| change < -1e-9).unwrap_or(end),
-            ..Self::segment(0.0, end)
+        let (mut most, mut last) = course.first().map_or((0.0, end), |p| (p.asked, p.t));
+        for ends in course.windows(2) {
+            let asked = ends[1].asked;
+            if asked >= most - SAME && changes(ends) >= -STEADY {
+                (most, last) = (most.max(asked), ends[1].t);
+            } else if asked < most - REACHED {
+                phases.back = last;
+                break;
+            }
         }
+        phases
     }
 
     /// A segment by itself: it is its own cruise.
     fn segment(from: f64, to: f64) -> Self {
         Self {
-            in_plane: true,
             settled: from,
             end: to,
             start: from,
@@ -322,13 +318,24 @@ impl Phases {
 
     fn has(&self, part: Part, t: f64) -> bool {
         match part {
-            Part::Flight => true,
+            Part::Flight | Part::Plane => true,
             Part::Settled => t >= self.settled,
             Part::Late => t >= self.end - LATE,
             Part::Out => t < self.back,
             Part::Back => self.back < self.end && t >= self.back,
             Part::LateCruise => self.late_cruise().contains(&t),
         }
+    }
+
+    /// |v − v_r| \[m/s\]; before cruise, that to the velocity of cruise.
+    fn cruise_error(&self, point: &Point) -> f64 {
+        let before = point.t < self.cruise[0];
+        let wanted = if before {
+            self.cruise_velocity
+        } else {
+            point.reference
+        };
+        (point.velocity - wanted).norm()
     }
 }
 
@@ -338,14 +345,48 @@ struct State {
     value: f64,
     /// Where the value was taken \[s\]; NaN before the first one.
     time: f64,
+    /// How many values there were.
     count: u32,
 }
 
 impl State {
-    /// Takes `value` if it is the first one, is `beyond` the one before, or is NaN. A NaN is never replaced.
+    /// Before the first value.
+    const NONE: Self = Self {
+        value: 0.0,
+        time: f64::NAN,
+        count: 0,
+    };
+
+    /// Takes a value of a step at `t` \[s\].
+    fn add(&mut self, fold: &Fold, value: f64, t: f64) {
+        let first = self.count == 0;
+        self.count += 1;
+        match fold {
+            Peak(_) | Most(_) => self.extreme(value, t, first || value > self.value),
+            Least(_) => self.extreme(value, t, first || value < self.value),
+            Mean(_) | Time(_) | Count(_) => self.value += value,
+            Rms(_) => self.value += value.powi(2),
+            Last(_) => self.value = value,
+            Until(..) | Of(_) => {}
+        }
+    }
+
+    /// Takes `value` if it is `beyond` the one before, or is NaN. A NaN is never replaced.
     fn extreme(&mut self, value: f64, t: f64, beyond: bool) {
-        if beyond || self.time.is_nan() || (value.is_nan() && !self.value.is_nan()) {
+        if beyond || (value.is_nan() && !self.value.is_nan()) {
             (self.value, self.time) = (value, t);
+        }
+    }
+}
+
+impl Fold {
+    /// The value of a step; none if it is missing, or not made of single steps.
+    fn read(&self, m: &Moment) -> Option<f64> {
+        match self {
+            Peak(read) | Mean(read) | Rms(read) | Last(read) => Some(read(m)),
+            Least(read) | Most(read) => read(m),
+            Time(holds) | Count(holds) => Some(f64::from(u8::from(holds(m)))),
+            Until(..) | Of(_) => None,
         }
     }
 }
@@ -353,116 +394,133 @@ impl State {
 /// The figures of the steps so far.
 pub struct Tally<'a> {
     experiment: &'a Experiment,
-    phases: Phases,
+    /// The part that is looked at; the whole flight if none.
+    segment: Option<Phases>,
     /// In the order of [`FIGURES`]; `None` for a figure that is not asked for.
     states: Vec<Option<State>>,
-    /// The last step.
-    last: Option<Step>,
+    course: Vec<Point>,
+    /// The values of the figures of phases, step by step.
+    phased: Vec<Option<f64>>,
+    in_plane: bool,
 }
 
 impl<'a> Tally<'a> {
     /// No steps so far.
     pub fn new(experiment: &'a Experiment) -> Self {
-        Self::within(experiment, Phases::of(experiment), |_| true)
+        Self::within(experiment, None, |_| true)
     }
 
-    /// No steps so far of a part with these phases, of which the figures that are `wanted` are asked for.
+    /// No steps so far of a flight, or of a segment, of which the figures that are `wanted` are asked for.
     fn within(
         experiment: &'a Experiment,
-        phases: Phases,
+        segment: Option<Phases>,
         wanted: impl Fn(&'static str) -> bool,
     ) -> Self {
-        let start = |figure: &Figure| {
-            wanted(figure.name).then_some(State {
-                value: match figure.fold {
-                    Least(_) | Most(_) => f64::NAN,
-                    _ => 0.0,
-                },
-                time: f64::NAN,
-                count: 0,
-            })
-        };
+        let start = |figure: &Figure| wanted(figure.name).then_some(State::NONE);
         Self {
             experiment,
-            phases,
+            segment,
             states: FIGURES.iter().map(start).collect(),
-            last: None,
+            course: Vec::new(),
+            phased: Vec::new(),
+            in_plane: true,
         }
+    }
+
+    /// What is known of the phases before the flight has been flown.
+    fn known(&self) -> Phases {
+        let end = self.experiment.duration_s;
+        self.segment.unwrap_or(Phases {
+            settled: self.experiment.settle_time_s,
+            ..Phases::segment(0.0, end)
+        })
     }
 
     /// One step more.
     pub fn add(&mut self, step: &Step) {
-        let m = &Moment::new(self.experiment, &self.phases, step);
+        let m = &Moment::new(self.experiment, step);
+        let known = self.known();
+        self.in_plane &= step.in_plane();
+        self.course.push(Point {
+            t: step.t,
+            asked: step.asked_speed,
+            reference: step.target.velocity,
+            velocity: step.truth.velocity,
+        });
         for (figure, state) in FIGURES.iter().zip(&mut self.states) {
             let Some(state) = state else { continue };
-            if figure.part != Part::Flight && !self.phases.has(figure.part, step.t) {
-                continue;
-            }
-            let last = state.value;
-            match figure.fold {
-                Peak(read) => {
-                    let value = read(m);
-                    state.extreme(value, step.t, value > last);
-                }
-                Least(read) => {
-                    if let Some(value) = read(m) {
-                        state.extreme(value, step.t, value < last);
-                    }
-                }
-                Most(read) => {
-                    if let Some(value) = read(m) {
-                        state.extreme(value, step.t, value > last);
-                    }
-                }
-                Mean(read) => (state.value, state.count) = (last + read(m), state.count + 1),
-                Rms(read) => (state.value, state.count) = (last + read(m).powi(2), state.count + 1),
-                Time(holds) | Count(holds) => state.count += u32::from(holds(m)),
-                Until(holds) if holds(m) => state.time = step.t,
-                Until(_) | Last(_) | Of(_) => {}
+            if figure.part.is_phase() {
+                self.phased.push(figure.fold.read(m));
+            } else if known.has(figure.part, step.t)
+                && let Some(value) = figure.fold.read(m)
+            {
+                state.add(&figure.fold, value, step.t);
             }
         }
-        self.last = Some(step.clone());
     }
 
     /// The figures; NaN in the place of one that is not asked for.
     pub fn figures(&self) -> Figures {
+        let known = self.known();
+        let found = || Phases::of(&self.course, known.settled, known.end);
+        let phases = self.segment.unwrap_or_else(found);
+        let mut states = self.states.clone();
+        let wanted = FIGURES.iter().zip(&mut states);
+        let mut phased: Vec<(&Figure, &mut State)> = wanted
+            .filter(|(figure, _)| figure.part.is_phase())
+            .filter_map(|(figure, state)| Some((figure, state.as_mut()?)))
+            .collect();
+        let width = phased.len().max(1);
+        for (point, values) in self.course.iter().zip(self.phased.chunks(width)) {
+            for ((figure, state), value) in phased.iter_mut().zip(values) {
+                if let Some(value) = value.filter(|_| phases.has(figure.part, point.t)) {
+                    state.add(&figure.fold, value, point.t);
+                }
+            }
+        }
         let time = |state: &Option<State>| state.map_or(f64::NAN, |state| state.time);
         let mut figures = Figures {
             values: Vec::with_capacity(FIGURES.len()),
-            times: self.states.iter().map(time).collect(),
+            times: states.iter().map(time).collect(),
         };
-        for (figure, state) in FIGURES.iter().zip(&self.states) {
-            let Some(state) = state else {
-                figures.values.push(f64::NAN);
-                continue;
-            };
-            let count = f64::from(state.count);
-            let value = match figure.fold {
-                Mean(_) => state.value / count.max(1.0),
-                Rms(_) => (state.value / count.max(1.0)).sqrt(),
-                Time(_) => count / self.experiment.control_rate_hz,
-                Count(_) => count,
-                Until(_) if state.time.is_nan() => 0.0,
-                Until(_) if self.phases.late_cruise().contains(&state.time) => f64::NAN,
-                Until(_) => state.time - self.phases.start,
-                Of(of) => of(&figures),
-                Last(read) => self.last.as_ref().map_or(f64::NAN, |step| {
-                    read(&Moment::new(self.experiment, &self.phases, step))
-                }),
-                Peak(_) | Least(_) | Most(_) => state.value,
+        for (figure, state) in FIGURES.iter().zip(&states) {
+            let value = match (state, &figure.fold) {
+                (None, _) => f64::NAN,
+                (Some(_), Of(of)) => of(&figures),
+                (Some(_), &Until(error, limit)) => self.until(&phases, error, limit),
+                (Some(_), _) if figure.part == Part::Plane && !self.in_plane => f64::NAN,
+                // Nothing can be said of no values.
+                (Some(state), _) if state.count == 0 => f64::NAN,
+                (Some(state), Mean(_)) => state.value / f64::from(state.count),
+                (Some(state), Rms(_)) => (state.value / f64::from(state.count)).sqrt(),
+                (Some(state), Time(_)) => state.value / self.experiment.control_rate_hz,
+                (Some(state), _) => state.value,
             };
             figures.values.push(value);
         }
         figures
     }
+
+    /// What [`Fold::Until`] says.
+    fn until(&self, phases: &Phases, error: fn(&Phases, &Point) -> f64, limit: f64) -> f64 {
+        let before = self.course.iter().rev();
+        let mut before = before.skip_while(|point| point.t >= phases.cruise[1]);
+        // A NaN is no small error.
+        let last = before.find(|point| !(error(phases, point) < limit));
+        match last {
+            None => 0.0,
+            Some(last) if phases.late_cruise().contains(&last.t) => f64::NAN,
+            Some(last) => last.t - phases.start,
+        }
+    }
 }
 
-/// A figure that does not keep its bound.
+/// A figure that does not keep its bound, or has no value to be judged by.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Beyond<'a> {
     /// Its name.
     pub figure: &'a str,
-    /// What it is.
+    /// What it is; NaN without a value.
     pub value: f64,
     /// The most that it may be.
     pub bound: f64,
@@ -547,7 +605,7 @@ impl Figures {
         map
     }
 
-    /// The bounds of `experiment` that are not kept.
+    /// The bounds of `experiment` that are not kept, or not judged.
     pub fn beyond<'a>(&self, experiment: &'a Experiment) -> Vec<Beyond<'a>> {
         let bounds = experiment.bounds.iter();
         let all = bounds.map(|(name, &bound)| Beyond {
@@ -567,8 +625,8 @@ impl Figures {
         for (i, figure) in FIGURES.iter().enumerate() {
             let value = self.values[i];
             let bound = experiment.bounds.get(figure.name);
-            let whole = matches!(figure.part, Part::Flight | Part::Settled);
-            let alone = matches!(figure.fold, Until(_)) || !whole;
+            let whole = matches!(figure.part, Part::Flight | Part::Plane | Part::Settled);
+            let alone = matches!(figure.fold, Until(..)) || !whole;
             let optional = !matches!(figure.fold, Last(_));
             let nothing = value.is_nan() || (optional && value == 0.0);
             if bound.is_none() && (alone || nothing) {
@@ -581,7 +639,11 @@ impl Figures {
             };
             let note = match (bound, figure.when) {
                 (Some(bound), _) => {
-                    let kept = if value <= *bound { "" } else { ": not kept" };
+                    let kept = match value {
+                        _ if value.is_nan() => ": not judged",
+                        _ if value <= *bound => "",
+                        _ => ": not kept",
+                    };
                     format!("at most {bound}{kept}")
                 }
                 (None, Some(_)) if self.times[i].is_finite() => {
@@ -608,7 +670,7 @@ pub fn fixed(value: f64, digits: usize) -> String {
     }
 }
 
-/// The figures along one segment of the reference, between its knots.
+/// The figures along one segment of the path.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Segment {
     /// Beginning \[s\].
@@ -653,21 +715,22 @@ const SEGMENT: [&str; 8] = [
 ];
 
 impl Segment {
-    /// The segments of a flight in a vertical plane, between its knots; of any other none.
+    /// The segments of a flight that stays in the vertical plane, between the times at which its path has a knot or a leg ends; of any other none.
     pub fn of(experiment: &Experiment, record: &[Step]) -> Vec<Self> {
-        let knots = experiment.path.knots().filter(|_| experiment.in_plane());
-        let Some(knots) = knots else {
+        if !record.iter().all(Step::in_plane) {
             return Vec::new();
-        };
-        let breaks = knots.breaks(experiment.duration_s);
+        }
+        let breaks = experiment.path.breaks(experiment.duration_s);
         let segment = |ends: &[f64]| {
             let (from, to) = (ends[0], ends[1]);
             let wanted = |name: &str| SEGMENT.contains(&name);
-            let mut tally = Tally::within(experiment, Phases::segment(from, to), wanted);
+            let part = Some(Phases::segment(from, to));
+            let mut tally = Tally::within(experiment, part, wanted);
             let inside = record.iter().filter(|step| (from..to).contains(&step.t));
-            let steps = inside.map(|step| tally.add(step)).count();
+            let steps = inside.clone().map(|step| tally.add(step)).count();
             let figures = tally.figures();
-            let is_steady = knots.at(from).1.norm() == 0.0 && to - from > LATE;
+            let constant = |step: &Step| step.target.acceleration.norm() == 0.0;
+            let is_steady = inside.clone().next().is_some_and(constant) && to - from > LATE;
             // A flight that ended before has nothing to say of it.
             (steps > 0).then(|| Self {
                 from_s: from,
@@ -758,14 +821,99 @@ mod tests {
         }
     }
 
+    /// Start, cruise and the way back of a speed that is asked for at 100 Hz up to `end` \[s\].
+    fn phases(end: f64, speed: impl Fn(f64) -> f64) -> (f64, [f64; 2], f64) {
+        let point = |n: u32| {
+            let t = f64::from(n) / 100.0;
+            Point {
+                t,
+                asked: speed(t),
+                reference: V3::zeros(),
+                velocity: V3::zeros(),
+            }
+        };
+        let course: Vec<Point> = (0..=(end * 100.0).round() as u32).map(point).collect();
+        let phases = Phases::of(&course, 0.0, end);
+        (phases.start, phases.cruise, phases.back)
+    }
+
+    /// `f` that goes from `a` to `b`, linearly from the time `from` to `to`.
+    fn ramp(t: f64, [from, to]: [f64; 2], [a, b]: [f64; 2]) -> f64 {
+        a + (b - a) * ((t - from) / (to - from)).clamp(0.0, 1.0)
+    }
+
     #[test]
-    fn phases_are_read_from_the_reference() {
-        let phases = Phases::of(&experiment("round-trip"));
-        assert_eq!((phases.start, phases.back), (5.0, 45.0));
-        assert_eq!(phases.cruise, [15.0, 45.0]);
-        let phases = Phases::of(&experiment("steep-descent"));
-        assert_eq!((phases.start, phases.back), (5.0, 31.0));
-        assert_eq!(phases.cruise, [11.0, 31.0]);
+    fn phases_are_read_from_the_speed_asked_for() {
+        let trip = |t| ramp(t, [5.0, 15.0], [0.0, 20.0]) + ramp(t, [45.0, 55.0], [0.0, -20.0]);
+        assert_eq!(phases(60.0, trip), (5.0, [15.0, 45.0], 45.0));
+        // What ends in cruise slows down nowhere; what stands still is in cruise where it stands.
+        assert_eq!(phases(40.0, trip), (5.0, [15.0, 40.0], 40.0));
+        assert_eq!(phases(9.0, |_| 0.0), (0.0, [0.0, 9.0], 9.0));
+        assert_eq!(
+            phases(9.0, |t| ramp(t, [0.0, 9.0], [1.0, 9.0])).1,
+            [9.0, 9.0]
+        );
+        // A climb on the way, that adds a little to the speed and takes it off again, is neither a faster cruise nor the way back, and neither is a
+        // constant speed with the errors of single precision.
+        let climb = |t: f64| {
+            trip(t) + 0.05 * ramp(t, [20.0, 30.0], [0.0, 1.0])
+                - 0.05 * ramp(t, [30.0, 40.0], [0.0, 1.0])
+        };
+        assert_eq!(phases(60.0, climb), (5.0, [15.0, 45.0], 45.0));
+        let rough = |t: f64| trip(t) + 1e-5 * (1e4 * t).sin();
+        assert_eq!(phases(60.0, rough), (5.0, [15.0, 45.0], 45.0));
+        // Of two cruises the faster, and of two as fast the first.
+        let faster = |t| trip(t) + ramp(t, [30.0, 31.0], [0.0, 3.0]);
+        assert_eq!(phases(60.0, faster), (5.0, [31.0, 45.0], 45.0));
+        let dip =
+            |t| trip(t) - ramp(t, [20.0, 21.0], [0.0, 3.0]) + ramp(t, [25.0, 26.0], [0.0, 3.0]);
+        assert_eq!(phases(60.0, dip), (5.0, [15.0, 20.0], 20.0));
+    }
+
+    /// Figures and segments of the round trip with another path.
+    fn round_trip_along(assignments: &[&str]) -> (Figures, Vec<Segment>) {
+        let mut document = Document::load("round-trip").unwrap();
+        for assignment in assignments {
+            document.assign(assignment).unwrap();
+        }
+        let experiment = document.checked().unwrap();
+        let record = fly(&experiment).unwrap();
+        (
+            Figures::of(&experiment, &record),
+            Segment::of(&experiment, &record),
+        )
+    }
+
+    /// One flight has one set of figures, however it is written: by knots, by legs, and by knots to the east, of which those of phases are the same.
+    #[test]
+    fn a_flight_has_the_same_figures_however_it_is_written() {
+        let (knots, segments) = round_trip_along(&[]);
+        let (legs, same) = round_trip_along(&["path = { legs = [{ lasts_s = 5 }, \
+            { lasts_s = 10, speed_m_s = 20 }, { lasts_s = 30 }, { lasts_s = 10, speed_m_s = 0 }] }"]);
+        for figure in FIGURES {
+            let (a, b) = (knots.get(figure.name), legs.get(figure.name));
+            assert!((a - b).abs() <= 1e-9 * a.abs(), "{}: {a} {b}", figure.name);
+        }
+        assert_eq!((segments.len(), same.len()), (5, 5));
+        for (a, b) in segments.iter().zip(&same) {
+            assert_eq!(a.line(), b.line());
+        }
+        let (east, none) = round_trip_along(&[
+            "reference.knots = [{ t_s = 5, down_m_s = 0, forward_m_s = 0 }, \
+            { t_s = 15, down_m_s = 0, forward_m_s = 0, east_m_s = 20 }, \
+            { t_s = 45, down_m_s = 0, forward_m_s = 0, east_m_s = 20 }, \
+            { t_s = 55, down_m_s = 0, forward_m_s = 0 }]",
+            "initial.heading_deg = 90",
+        ]);
+        assert!(none.is_empty() && east.get("forward_most_m").is_nan());
+        for figure in FIGURES.iter().filter(|figure| figure.part.is_phase()) {
+            let (a, b) = (knots.get(figure.name), east.get(figure.name));
+            // Single precision turned by 90°. What is ahead is so to the north.
+            let same = (a - b).abs() < 1e-5;
+            assert!(same || figure.name == "max_ahead_m", "{}: {a} {b}", figure.name);
+        }
+        let reached = |figures: &Figures| figures.get("cruise_after_s");
+        assert_eq!(reached(&knots), reached(&east));
     }
 
     /// Figures of the round trip against folds over the record by hand.

@@ -39,6 +39,8 @@ pub struct Step {
     pub readings: Vec<f64>,
     /// What is to be flown.
     pub target: Target,
+    /// The speed asked for \[m/s\]: along the path before it waits for the vehicle; of what goes along with the wind, through the air.
+    pub asked_speed: f64,
     /// The attitude measured: from (belly, right wing, tail) to north-east-down.
     pub measured_attitude: UnitQuaternion<f64>,
     /// What the controller was told.
@@ -62,6 +64,18 @@ impl Step {
     /// x − x_r \[m\].
     pub fn position_error(&self) -> V3 {
         self.truth.position - self.target.position
+    }
+
+    /// Whether the vehicle is in the vertical plane to the north, upright or not.
+    pub fn in_plane(&self) -> bool {
+        /// What rounding leaves \[m, m/s, 1\].
+        const ROUNDING: f64 = 1e-6;
+        let State {
+            position, velocity, ..
+        } = self.truth;
+        let [_, _, right] = self.truth.axes();
+        let out = [position.y, velocity.y, right.y - 1.0];
+        out.iter().all(|x| x.abs() < ROUNDING)
     }
 
     /// Altitude over the path \[m\].
@@ -195,6 +209,8 @@ pub struct Flight<E> {
 /// What a step is asked for.
 struct Asked {
     target: Target,
+    /// \[m/s\].
+    speed: f64,
     planner_options: PlannerOptions,
     /// Of the mission, if one is flown.
     mission: Option<MissionOutput>,
@@ -254,6 +270,7 @@ impl<E: Deref<Target = Experiment> + Clone> Flight<E> {
         self.asked(controller, |_, _, measured| {
             let (target, planner_options) = wanted(measured);
             Asked {
+                speed: target.velocity.norm(),
                 target,
                 planner_options,
                 mission: None,
@@ -265,21 +282,26 @@ impl<E: Deref<Target = Experiment> + Clone> Flight<E> {
     fn along_path(&mut self, controller: &dyn Controller, measured: &Measured) -> Asked {
         let (t, period) = (self.time(), self.period());
         if let Some(mission) = &mut self.mission {
-            let wind = ned(self.estimates.last_wind());
-            let asked = mission.step(t, period, measured, wind, self.last_answer.as_ref());
+            let wind = self.estimates.last_wind();
+            let asked = mission.step(t, period, measured, ned(wind), self.last_answer.as_ref());
+            let target = target(&asked, measured);
             return Asked {
-                target: target(&asked, measured),
+                speed: (target.velocity - wind).norm(),
+                target,
                 planner_options: PlannerOptions::default(),
                 mission: Some(asked),
             };
         }
         let drift = self.drift;
+        let mut own_speed = None;
         let mut target = self.path.advance(t, period, |target| {
+            own_speed = Some(target.velocity.norm());
             let error = measured.position - drift - target.position;
             controller
                 .time_scale(ned(error), ned(target.velocity))
                 .into()
         });
+        let speed = own_speed.unwrap_or(target.velocity.norm());
         if self.experiment.path_in_air {
             let along = target.velocity.normalize();
             let ahead = (measured.position - self.drift - target.position).dot(&along);
@@ -290,6 +312,7 @@ impl<E: Deref<Target = Experiment> + Clone> Flight<E> {
         }
         Asked {
             target,
+            speed,
             planner_options: PlannerOptions::default(),
             mission: None,
         }
@@ -325,6 +348,7 @@ impl<E: Deref<Target = Experiment> + Clone> Flight<E> {
         let measured = self.hold.state(&mut self.faults, t, measured);
         let Asked {
             target,
+            speed,
             planner_options,
             mission,
         } = wanted(self, controller, &measured);
@@ -369,6 +393,7 @@ impl<E: Deref<Target = Experiment> + Clone> Flight<E> {
             load_factor: force.norm() / gravity,
             readings: self.plant.readings(),
             target,
+            asked_speed: speed,
             measured_attitude: measured.attitude,
             input,
             answer,

@@ -406,6 +406,7 @@ impl OnPath {
             readings: Vec::new(),
             wind: told.air.wind(told.velocity).map_or_else(V3::zeros, double),
             load_factor: force.map_or(f64::NAN, |f| f / self.gravity),
+            asked_speed: target.velocity.norm(),
             target,
             measured_attitude: attitude,
             input,

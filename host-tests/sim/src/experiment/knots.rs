@@ -96,13 +96,6 @@ impl Knots {
     pub fn in_plane(&self) -> bool {
         self.0.iter().all(|knot| knot.east_m_s == 0.0)
     }
-
-    /// The times of the knots inside (0, `end`), with 0 and `end` \[s\].
-    pub fn breaks(&self, end: f64) -> Vec<f64> {
-        let inner = self.0.iter().map(|k| k.t_s);
-        let inner = inner.filter(|&k| 0.0 < k && k < end);
-        std::iter::once(0.0).chain(inner).chain([end]).collect()
-    }
 }
 
 #[cfg(test)]
@@ -131,7 +124,5 @@ mod tests {
         for (t, [down, forward]) in [(0.5, [-0.5, 0.0]), (2.0, [-2.0, 1.0]), (5.0, [-5.0, 12.0])] {
             assert_eq!(reference.position(t), V3::new(forward, 0.0, down));
         }
-        assert_eq!(reference.breaks(9.0), [0.0, 1.0, 3.0, 9.0]);
-        assert_eq!(reference.breaks(2.0), [0.0, 1.0, 2.0]);
     }
 }

@@ -189,6 +189,23 @@ impl PathSpec {
             _ => None,
         }
     }
+
+    /// The times in (0, `end`) at which it has a knot or a leg ends, with 0 and `end` \[s\]: of a path that waits for the vehicle, and of hover, none.
+    pub fn breaks(&self, end: f64) -> Vec<f64> {
+        let times: Vec<f64> = match self {
+            Self::Knots(Knots(knots)) => knots.iter().map(|knot| knot.t_s).collect(),
+            Self::Legs(legs) => {
+                let ends = legs.iter().scan(0.0, |t, leg| {
+                    *t += leg.lasts_s;
+                    Some(*t)
+                });
+                ends.collect()
+            }
+            _ => Vec::new(),
+        };
+        let inner = times.into_iter().filter(|&t| 0.0 < t && t < end);
+        std::iter::once(0.0).chain(inner).chain([end]).collect()
+    }
 }
 
 impl Path {

@@ -308,7 +308,7 @@ impl Route {
         let next = self.0.partition_point(|stretch| stretch.from <= t);
         let stretch = &self.0[next.max(1) - 1];
         let late = t - stretch.from - stretch.lasts;
-        if late <= 0.0 {
+        if late < 0.0 {
             return stretch.at(t - stretch.from);
         }
         let (_, end) = stretch.end();

@@ -85,6 +85,7 @@ impl<'a> OpenLoop<'a> {
             load_factor: logged.load_factor,
             readings: Vec::new(),
             target: logged.target,
+            asked_speed: logged.target.velocity.norm(),
             measured_attitude: attitude,
             input,
             answer,
