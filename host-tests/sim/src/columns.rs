@@ -14,6 +14,7 @@ use nalgebra::Quaternion;
 
 use crate::controllers::Answer;
 use crate::experiment::{Experiment, V3, attitude_to_frd, to_frd};
+use crate::named::renamed;
 use crate::reference::wrap;
 use crate::simulate::Step;
 
@@ -276,31 +277,12 @@ pub fn column(name: &str) -> Option<&'static Column> {
     COLUMNS.iter().find(|column| column.name == name)
 }
 
-/// Columns of older traces, with other axes, and the ones that stand for them now.
-const RENAMED: [(&str, &str); 14] = [
-    ("v_forward_m_s", "told_v_north_m_s"),
-    ("vr_forward_m_s", "told_vr_north_m_s"),
-    ("true_v_forward_m_s", "v_north_m_s"),
-    ("q_w", "attitude_w"),
-    ("told_q_w", "told_attitude_w"),
-    ("rate_belly_rad_s", "yaw_rate_rad_s"),
-    ("rate_wing_rad_s", "pitch_rate_rad_s"),
-    ("rate_tail_rad_s", "roll_rate_rad_s"),
-    ("command_belly_rad_s", "command_yaw_rad_s"),
-    ("command_wing_rad_s", "command_pitch_rad_s"),
-    ("command_tail_rad_s", "command_roll_rad_s"),
-    ("told_f_tail_m_s2", "told_f_forward_m_s2"),
-    ("told_f_belly_m_s2", "told_f_down_m_s2"),
-    ("told_f_wing_m_s2", "told_f_right_m_s2"),
-];
-
 /// Refuses a header with a column of older traces.
 pub fn expect_todays<'a>(header: impl IntoIterator<Item = &'a str>) -> anyhow::Result<()> {
-    for name in header {
-        if let Some((_, new)) = RENAMED.iter().find(|(old, _)| *old == name) {
-            anyhow::bail!(
-                "{name}: a column of older traces, with other axes: {new} stands for it now"
-            );
+    let todays: Vec<&str> = COLUMNS.iter().map(|column| column.name).collect();
+    for name in header.into_iter().filter(|name| !todays.contains(name)) {
+        if let Some(new) = renamed(name, &todays).filter(|new| todays.contains(new)) {
+            anyhow::bail!("{name}: a column of older traces: {new} stands for it now");
         }
     }
     Ok(())
@@ -448,12 +430,6 @@ mod tests {
             assert!(std::ptr::eq(super::column(column.name).unwrap(), column));
         }
         assert!(super::column("nonesuch").is_none());
-        for (old, new) in RENAMED {
-            assert!(
-                super::column(old).is_none() && super::column(new).is_some(),
-                "{old}"
-            );
-        }
     }
 
     /// The README's table of columns is this one.
@@ -469,6 +445,24 @@ mod tests {
             );
             assert!(readme.contains(&line), "README.md lacks the line {line}");
         }
+    }
+
+    #[test]
+    fn columns_of_older_traces_are_refused_with_those_of_today() {
+        for (old, new) in [
+            ("true_v_forward_m_s", "v_north_m_s"),
+            ("true_rate_rad_s", "pitch_rate_rad_s"),
+            ("rate_rad_s", "command_pitch_rad_s"),
+            ("true_alpha_rad", "wing_alpha_rad"),
+            ("told_q_w", "told_attitude_w"),
+        ] {
+            let error = expect_todays(["t_s", old]).unwrap_err().to_string();
+            let wanted = format!("{old}: a column of older traces: {new} stands for it now");
+            assert_eq!(error, wanted);
+        }
+        // Those of today, and of other programs.
+        let todays = COLUMNS.iter().map(|column| column.name);
+        expect_todays(todays.chain(["side_force", "max_turn_g", "roll"])).unwrap();
     }
 
     #[test]

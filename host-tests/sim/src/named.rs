@@ -181,7 +181,7 @@ pub fn in_shell(word: &str) -> String {
     }
 }
 
-/// Names that fields of files and figures had before, and the ones that they have now.
+/// Names that fields of files, figures and columns of traces had before, and the ones that they have now.
 const RENAMED: &[(&str, &str)] = &[
     ("force_floor_mg", "gain_schedule_floor_mg"),
     ("max_turn_g", "max_lateral_acceleration_g"),
@@ -208,12 +208,38 @@ const RENAMED: &[(&str, &str)] = &[
     ("cruise_thrust_to_weight", "cruise_mean_thrust_to_weight"),
     // In another table.
     ("side_force", "vehicle.c_y"),
+    // Columns: some have other axes or signs.
+    ("v_forward_m_s", "told_v_north_m_s"),
+    ("vr_forward_m_s", "told_vr_north_m_s"),
+    ("true_v_down_m_s", "v_down_m_s"),
+    ("true_v_forward_m_s", "v_north_m_s"),
+    ("true_theta_rad", "theta_rad"),
+    ("true_rate_rad_s", "pitch_rate_rad_s"),
+    ("true_alpha_rad", "wing_alpha_rad"),
+    ("rate_rad_s", "command_pitch_rad_s"),
+    ("q_w", "attitude_w"),
+    ("told_q_w", "told_attitude_w"),
+    ("rate_belly_rad_s", "yaw_rate_rad_s"),
+    ("rate_wing_rad_s", "pitch_rate_rad_s"),
+    ("rate_tail_rad_s", "roll_rate_rad_s"),
+    ("command_belly_rad_s", "command_yaw_rad_s"),
+    ("command_wing_rad_s", "command_pitch_rad_s"),
+    ("command_tail_rad_s", "command_roll_rad_s"),
+    ("told_f_tail_m_s2", "told_f_forward_m_s2"),
+    ("told_f_belly_m_s2", "told_f_down_m_s2"),
+    ("told_f_wing_m_s2", "told_f_right_m_s2"),
 ];
+
+/// The name that `given` has now, where it is one of `names` or says its table.
+pub fn renamed(given: &str, names: &[&str]) -> Option<&'static str> {
+    let mut now = RENAMED.iter().filter(|(old, _)| *old == given);
+    let (_, new) = now.find(|(_, new)| names.contains(new) || new.contains('.'))?;
+    Some(new)
+}
 
 /// What an error adds to the unknown name `given`: the field's new name, or the one of `names` that was probably meant, or nothing.
 pub fn hint(given: &str, names: &[&str]) -> String {
-    let renamed = RENAMED.iter().find(|(old, _)| *old == given);
-    if let Some((_, new)) = renamed.filter(|(_, new)| names.contains(new) || new.contains('.')) {
+    if let Some(new) = renamed(given, names) {
         return format!("; its name is `{new}` now");
     }
     nearest(given, names).map_or(String::new(), |name| format!("; did you mean `{name}`?"))
