@@ -107,8 +107,9 @@ pub mod prelude {
     };
     pub use crate::error::ParameterError;
     pub use crate::guidance::{
-        Air, AirUse, Guidance, GuidanceInput, GuidanceOutput, GuidanceParameters, GuidanceState,
-        Hardened, HardenedState, Mode, PlannerOptions, Status,
+        Air, AirUse, Goal, GoalState, Goals, Guidance, GuidanceInput, GuidanceOutput,
+        GuidanceParameters, GuidanceState, Hardened, HardenedState, Mode, PlannerOptions,
+        Preferences, ResponseParameters, Status,
     };
     pub use crate::ned::{BodyAxes, BodyRates, Frd, Ned, Quaternion};
     pub use crate::parameters::Parameters;

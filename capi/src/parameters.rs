@@ -89,7 +89,7 @@ tables! {
     vehicle: VehicleParameters,
     /// Gains by bandwidth and everything that alula_guide adds. Forces are multiples of the weight.
     guidance: GuidanceParameters,
-    /// For ALULA_GAINS_CONSTANT.
+    /// For ALULA_GAINS_CONSTANT: by default the paper's, for its vehicle of 10 kg.
     gains: GainParameters,
     /// Of the aerodynamic models.
     coefficients: CombinedParameters,

@@ -7,7 +7,8 @@ use crate::math;
 use crate::parameters::Parameters;
 
 crate::parameters! {
-    /// Parameters of the combined model.
+    /// Parameters of the combined model. Those of another wing are begun from a set below, and given by name.
+    #[non_exhaustive]
     pub struct CombinedParameters, "Combined model" {
         c0: "", 1e-6, 1e3, 0.014, "ALU_C0",
             "Drag coefficient at zero angle of attack.";

@@ -5,7 +5,8 @@ use crate::error::ParameterError;
 use crate::parameters::Parameters;
 
 crate::parameters! {
-    /// Constant gains, as in the paper. They suit its vehicle: gains of another are [`PAPER`](Self::PAPER) with each replaced by name.
+    /// Constant gains, as in the paper. `DEFAULT` is [`PAPER`](Self::PAPER), which suits the paper's vehicle of 10 kg alone: gains of another have each
+    /// replaced by name. Nobody flies them unasked: gains are by bandwidth where nothing is said.
     #[non_exhaustive]
     pub struct GainParameters, "Constant gains" {
         k1: "s/m", 1e-9, 1e6, 0.1529, "ALU_K1",

@@ -1,9 +1,9 @@
 //! What a guidance step is told.
 
 use super::planner_options::PlannerOptions;
-use super::setters::setters;
 use super::supervision::Air;
 use crate::ned::{Frd, Ned};
+use crate::parameters::setters;
 use crate::spatial::{Orientation, Reference};
 
 /// What a guidance step is told. The default hovers where it is, nose up, and knows no more.

@@ -24,7 +24,6 @@ mod progress;
 mod reference_model;
 mod restart;
 mod rollout;
-pub(crate) mod setters;
 mod state;
 mod status;
 mod supervision;

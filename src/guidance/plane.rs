@@ -7,7 +7,6 @@ use super::input::GuidanceInput;
 use super::output::GuidanceOutput;
 use super::planner_options::PlannerOptions;
 use super::progress::Progress;
-use super::setters::setters;
 use super::state::GuidanceState;
 use super::status::Status;
 use super::supervision::{Air, AirUse, Mode, RejectReason};
@@ -16,6 +15,7 @@ use crate::aero::Aerodynamics;
 use crate::control::{Command, GainLaw, Margin};
 use crate::frame::{Attitude, Body, Inertial};
 use crate::ned::{Frd, Ned};
+use crate::parameters::setters;
 use crate::reference::Reference;
 use crate::spatial::{self, Heading, Orientation};
 

@@ -1,6 +1,6 @@
 //! What plans are to mind, for the time being.
 
-use super::setters::setters;
+use crate::parameters::setters;
 
 /// How a reference is to be flown, where that can be chosen. The default is what the parameters say, and nothing besides.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -1,6 +1,6 @@
 //! What is done when something fails: a table.
 
-use crate::guidance::setters::setters;
+use crate::parameters::setters;
 
 /// What is done.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]

@@ -12,13 +12,13 @@ use super::triangle::Triangle;
 use super::turns;
 use crate::aero::Aerodynamics;
 use crate::error::ParameterError;
-use crate::guidance::setters::setters;
 use crate::guidance::{
     Goal, GoalOutput, GoalState, Goals, MAX_STEP, MIN_STEP, PlannerOptions, Preferences,
 };
 use crate::math::{self, PI};
 use crate::ned::Ned;
 use crate::parameters::Parameters;
+use crate::parameters::setters;
 use crate::reference::MAX_SPEED;
 use crate::spatial::{Heading, Orientation, Reference};
 use crate::vehicle::Vehicle;

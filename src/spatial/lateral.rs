@@ -9,13 +9,15 @@ use super::vector::Body;
 use crate::control::Guard;
 use crate::error::{ParameterError, in_range};
 use crate::math;
+use crate::parameters::setters;
 
 /// Added to an airspeed that is divided by [m/s]: where it counts there is no force.
 const STILL: f32 = 1e-12;
 
-/// Parameters of the lateral law.
+/// Parameters of the lateral law. Those of another vehicle are begun from [`PAPER_VEHICLE`](Self::PAPER_VEHICLE), and given by name.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct LateralParameters {
     /// k_F [1/s]: rate at which the wing becomes normal to F_y. With a rate loop of time constant T_ω keep
     /// T_ω k_F < 1.
@@ -32,6 +34,18 @@ pub struct LateralParameters {
     pub airspeed: f32,
     /// η: sine of the angle between heading and F_y below which the heading fades.
     pub heading: f32,
+}
+
+setters! {
+    LateralParameters {
+        tilt: f32,
+        velocity: f32,
+        twist: f32,
+        acceleration: f32,
+        force: f32,
+        airspeed: f32,
+        heading: f32,
+    }
 }
 
 impl LateralParameters {

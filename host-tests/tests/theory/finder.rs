@@ -8,8 +8,8 @@ use std::f64::consts::{PI, TAU};
 use alula::planar::equilibrium::Equilibria;
 use alula::planar::{Inertial, Reference};
 use alula::{
-    Aerodynamics as _, CombinedParameters, LargeAngle, LargeAngleParameters, SmallAngle,
-    SmallAngleParameters, Vehicle, VehicleParameters,
+    Aerodynamics as _, CombinedParameters, LargeAngle, LargeAngleParameters, Parameters as _,
+    SmallAngle, SmallAngleParameters, Vehicle, VehicleParameters,
 };
 use alula_design::envelope::Curve;
 use alula_sim::experiment::Model;
@@ -165,15 +165,11 @@ fn model(rng: &mut ChaCha8Rng, n: usize) -> (Model, Aerodynamics) {
             let p = sets[n / 5 % 3];
             // The first of each kind as it is in the paper.
             let mut vary = |x: f32| if n < 15 { x } else { about(x) };
-            let p = CombinedParameters {
-                c0: vary(p.c0),
-                c1: vary(p.c1),
-                c2: vary(p.c2),
-                c3: vary(p.c3),
-                alpha_bar: vary(p.alpha_bar),
-                k_l: vary(p.k_l),
-                k_d: vary(p.k_d),
-            };
+            let mut varied = p;
+            for row in 0..CombinedParameters::ROWS.len() {
+                varied.set(row, vary(p.get(row)));
+            }
+            let p = varied;
             crate::common::combined(p)
         }
         _ => {

@@ -183,15 +183,16 @@ impl AerodynamicsSpec {
                 c2: m.c2 as f32,
                 c3: m.c3 as f32,
             }),
-            Self::Combined(m) => ModelParameters::Combined(CombinedParameters {
-                c0: m.c0 as f32,
-                c1: m.c1 as f32,
-                c2: m.c2 as f32,
-                c3: m.c3 as f32,
-                alpha_bar: m.alpha_bar() as f32,
-                k_l: m.k_l as f32,
-                k_d: m.k_d as f32,
-            }),
+            Self::Combined(m) => ModelParameters::Combined(
+                CombinedParameters::DEFAULT
+                    .c0(m.c0 as f32)
+                    .c1(m.c1 as f32)
+                    .c2(m.c2 as f32)
+                    .c3(m.c3 as f32)
+                    .alpha_bar(m.alpha_bar() as f32)
+                    .k_l(m.k_l as f32)
+                    .k_d(m.k_d as f32),
+            ),
             Self::Table { polar } => return Err(polar),
         })
     }
