@@ -140,15 +140,30 @@ impl Actuators {
     /// The thrust \[N\] that the outputs ask for, left and right, of motors that give `most` together: proportional to the pulse width.
     #[must_use]
     pub fn thrust(&self, packet: &Packet, most: f64) -> ActuatorState {
+        self.throttles(packet).map(|share| 0.5 * most * share)
+    }
+
+    /// How far the throttles are open, left and right: from 0 to 1.
+    #[must_use]
+    pub fn throttles(&self, packet: &Packet) -> [f64; 2] {
         let throttle = |channel| (f64::from(packet.channel(channel)) - LEAST) / RANGE;
         self.throttles
-            .map(|channel| 0.5 * most * throttle(channel).clamp(0.0, 1.0))
+            .map(|channel| throttle(channel).clamp(0.0, 1.0))
+    }
+
+    /// How far the elevons are deflected, left and right: from −1 to 1, with both positive the nose pitches up. A channel that is off is neutral.
+    #[must_use]
+    pub fn deflections(&self, packet: &Packet) -> [f64; 2] {
+        self.elevons.map(|channel| match packet.channel(channel) {
+            0 => 0.0,
+            width => ((f64::from(width) - LEAST) / (0.5 * RANGE) - 1.0).clamp(-1.0, 1.0),
+        })
     }
 
     /// The wrench of the outputs and the air, with `thrust` \[N\] of the motors, on a vehicle of this `mass` \[kg\] and `k_a` \[kg/m\].
     ///
     /// A pulse longer than 1500 µs deflects an elevon such that, with both, the nose pitches up. Pitch is the mean of
-    /// both. The vehicle rolls right by half of right less left. A channel that is off is neutral.
+    /// both. The vehicle rolls right by half of right less left.
     #[must_use]
     pub fn wrench(
         &self,
@@ -157,11 +172,7 @@ impl Actuators {
         (mass, k_a): (f64, f64),
         flow: &Flow,
     ) -> Wrench {
-        let deflection = |channel| match packet.channel(channel) {
-            0 => 0.0,
-            width => ((f64::from(width) - LEAST) / (0.5 * RANGE) - 1.0).clamp(-1.0, 1.0),
-        };
-        let [left, right] = self.elevons.map(deflection);
+        let [left, right] = self.deflections(packet);
         let total = thrust[0] + thrust[1];
         let [u, v, w] = flow.air;
         let speed = (u * u + v * v + w * w).sqrt();

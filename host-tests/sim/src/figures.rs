@@ -192,9 +192,9 @@ figures! {
     "lost", "lost", "flag", 0, Flight, Of(|of| f64::from(of.get("altitude_least_m").is_nan() || of.get("altitude_least_m") < -LOST)), "whether the flight sank more than 50 m below its path, or came to no number";
 }
 
-/// The greater of both; NaN if either is.
+/// The greater of both; `b` if `a` has no value, and NaN if `b` has none.
 fn greater(a: f64, b: f64) -> f64 {
-    if a > b || a.is_nan() { a } else { b }
+    if a > b { a } else { b }
 }
 
 /// `value`, but 0 if it is negative; NaN stays.
@@ -910,7 +910,11 @@ mod tests {
             let (a, b) = (knots.get(figure.name), east.get(figure.name));
             // Single precision turned by 90°. What is ahead is so to the north.
             let same = (a - b).abs() < 1e-5;
-            assert!(same || figure.name == "max_ahead_m", "{}: {a} {b}", figure.name);
+            assert!(
+                same || figure.name == "max_ahead_m",
+                "{}: {a} {b}",
+                figure.name
+            );
         }
         let reached = |figures: &Figures| figures.get("cruise_after_s");
         assert_eq!(reached(&knots), reached(&east));

@@ -178,8 +178,8 @@ pub fn simulate(
 
 /// A flight that goes on step by step: [`ask`](Self::ask) the controller, then [`advance`](Self::advance) with its answer.
 ///
-/// `E` leads to its experiment: a reference, or what shares it.
-pub struct Flight<E> {
+/// `E` leads to its experiment: a reference, or what shares it. `C` is what the plant is asked for.
+pub struct Flight<E, C = Command> {
     experiment: E,
     in_plane: bool,
     /// Whether the controller is told the measured air acceleration.
@@ -193,13 +193,14 @@ pub struct Flight<E> {
     hold: SensorHold,
     path: Path,
     mission: Option<FlownMission>,
-    /// How far the wind has carried the path \[m\].
+    /// Where the path begins, and how far the wind has carried it \[m\].
     drift: V3,
-    plant: Box<dyn Plant>,
+    plant: Box<dyn Plant<C>>,
+    measured: Option<Measured>,
     last_answer: Option<Answer>,
     /// Commands on their way: the number of the plant's step from which each acts.
-    pending: VecDeque<(usize, Command)>,
-    command: Command,
+    pending: VecDeque<(usize, C)>,
+    command: C,
     /// Steps of the controller and of the plant so far.
     step: usize,
     plant_step: usize,
@@ -219,36 +220,77 @@ struct Asked {
 impl<E: Deref<Target = Experiment> + Clone> Flight<E> {
     /// The flight of `experiment` at its beginning.
     pub fn new(experiment: E) -> anyhow::Result<Self> {
+        let mut random = stream(experiment.seed, 2);
+        let target = experiment.path.path()?.start();
+        let start = experiment.initial.state(&target, &mut random);
+        let theta = experiment.initial.theta_deg.to_radians();
+        let command = Command {
+            thrust: start.thrust,
+            rates: V3::zeros(),
+        };
+        let plant = experiment.plant(start);
+        let flight = Self::of(experiment, plant, command)?;
+        Ok(Self { theta, ..flight })
+    }
+
+    /// Goes on by a control step, with `answer` given to the plant.
+    pub fn advance(&mut self, answer: &Answer) {
+        self.apply(answer.into());
+    }
+}
+
+impl<E: Deref<Target = Experiment> + Clone, C: Clone> Flight<E, C> {
+    /// The flight of `experiment` with another `plant`, which is under `command` until the first one acts.
+    pub fn of(experiment: E, plant: Box<dyn Plant<C>>, command: C) -> anyhow::Result<Self> {
         let in_plane = experiment.in_plane();
-        let [noise, mut gusts, mut start] = [0, 1, 2].map(|n| stream(experiment.seed, n));
-        let weather = Weather::new(experiment.weather, in_plane, &mut gusts);
-        let path = experiment.path.path()?;
-        let start = experiment.initial.state(&path.start(), &mut start);
+        let [noise, mut gusts] = [0, 1].map(|n| stream(experiment.seed, n));
         let faults = experiment.sensors.faults.clone();
         Ok(Self {
             in_plane,
             feed_forward: experiment.spec()?.feed_forward(),
             noise,
+            weather: Weather::new(experiment.weather, in_plane, &mut gusts),
             gusts,
-            weather,
             faults: Faults::new(faults, experiment.seed, in_plane),
             estimates: Estimates::new(experiment.seed),
             hold: SensorHold::default(),
-            path,
+            path: experiment.path.path()?,
             mission: experiment.flown_mission()?,
             drift: V3::zeros(),
-            plant: experiment.plant(start),
+            theta: plant.state().theta(),
+            plant,
+            measured: None,
             last_answer: None,
             pending: VecDeque::new(),
-            command: Command {
-                thrust: start.thrust,
-                rates: V3::zeros(),
-            },
+            command,
             step: 0,
             plant_step: 0,
-            theta: experiment.initial.theta_deg.to_radians(),
             experiment,
         })
+    }
+
+    /// Puts the clock to 0, and the beginning of the path to where the vehicle is.
+    pub fn begin(&mut self) {
+        self.step = 0;
+        self.path.restart();
+        self.drift = self.plant.state().position;
+        self.theta = wrap(self.theta);
+        self.hold = SensorHold::default();
+    }
+
+    /// What is flown.
+    pub fn plant(&self) -> &dyn Plant<C> {
+        self.plant.as_ref()
+    }
+
+    /// What was measured at the last step; none before the first.
+    pub fn measured(&self) -> Option<&Measured> {
+        self.measured.as_ref()
+    }
+
+    /// Specific force \[m/s²\] in components along (i, j, w).
+    pub fn specific_force(&self) -> V3 {
+        self.plant.specific_force(self.weather.wind(self.time()))
     }
 
     /// Time of a control step \[s\].
@@ -309,6 +351,8 @@ impl<E: Deref<Target = Experiment> + Clone> Flight<E> {
             target.position += self.drift;
             target.velocity += self.estimates.last_wind();
             self.drift += self.estimates.last_wind() * period;
+        } else {
+            target.position += self.drift;
         }
         Asked {
             target,
@@ -346,6 +390,7 @@ impl<E: Deref<Target = Experiment> + Clone> Flight<E> {
             period,
         );
         let measured = self.hold.state(&mut self.faults, t, measured);
+        self.measured = Some(measured);
         let Asked {
             target,
             speed,
@@ -403,18 +448,18 @@ impl<E: Deref<Target = Experiment> + Clone> Flight<E> {
         })
     }
 
-    /// Goes on by a control step, with `answer` given to the plant.
-    pub fn advance(&mut self, answer: &Answer) {
+    /// Goes on by a control step, with `command` given to the plant.
+    pub fn apply(&mut self, command: C) {
         let period = self.period();
         let dt = period / f64::from(self.experiment.substeps);
         let wind = self.weather.wind(self.time());
         let delay = (self.experiment.plant.delay_s / dt).round() as usize;
         let begin = self.plant_step + delay;
-        self.pending.push_back((begin, answer.into()));
+        self.pending.push_back((begin, command));
         for _ in 0..self.experiment.substeps {
-            while let Some(&(_, next)) = self.pending.front().filter(|c| c.0 <= self.plant_step) {
+            let due = |next: &mut (usize, C)| next.0 <= self.plant_step;
+            while let Some((_, next)) = self.pending.pop_front_if(due) {
                 self.command = next;
-                self.pending.pop_front();
             }
             self.plant.step(&self.command, wind, dt);
             self.plant_step += 1;

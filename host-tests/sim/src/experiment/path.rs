@@ -246,6 +246,11 @@ impl Path {
         self.at(0.0).0
     }
 
+    /// Begins anew.
+    pub fn restart(&mut self) {
+        self.phase = 0.0;
+    }
+
     /// The target at `t` \[s\]; the next call is for `dt` \[s\] later. `time_scale` is asked how fast a path that waits may go on, in multiples of
     /// its own speed.
     pub fn advance(&mut self, t: f64, dt: f64, time_scale: impl FnOnce(&Target) -> f64) -> Target {

@@ -4,6 +4,7 @@
 //! [`tail_sitter`]. Axes are those of [`State`].
 
 mod ideal;
+mod outputs;
 mod standing;
 pub mod tail_sitter;
 
@@ -22,8 +23,8 @@ pub struct Command {
     pub rates: V3,
 }
 
-/// A vehicle with its inner loop and its actuators.
-pub trait Plant: Send {
+/// A vehicle with its inner loop and its actuators, under commands `C`: thrust and rates, or the outputs of an autopilot.
+pub trait Plant<C = Command>: Send {
     /// The state of its body.
     fn state(&self) -> &State;
 
@@ -31,7 +32,7 @@ pub trait Plant: Send {
     fn specific_force(&self, wind: V3) -> V3;
 
     /// Goes on by `dt` \[s\] under a constant command and `wind` \[m/s\].
-    fn step(&mut self, command: &Command, wind: V3, dt: f64);
+    fn step(&mut self, command: &C, wind: V3, dt: f64);
 
     /// Columns of its own in a record: name, with its unit, and meaning.
     fn columns(&self) -> &'static [(&'static str, &'static str)] {
@@ -41,6 +42,11 @@ pub trait Plant: Send {
     /// What these columns read now.
     fn readings(&self) -> Vec<f64> {
         Vec::new()
+    }
+
+    /// Whether it touches the ground.
+    fn is_grounded(&self) -> bool {
+        false
     }
 }
 
@@ -55,11 +61,10 @@ impl Experiment {
                     state,
                 };
                 match &self.mission {
-                    Some(mission) if mission.takes_off() => Box::new(Standing {
-                        plant,
-                        ground_m: state.position.z,
-                        put: |plant, state| plant.state = state,
-                    }),
+                    Some(mission) if mission.takes_off() => {
+                        let put = |plant: &mut IdealPlant, state| plant.state = state;
+                        Box::new(Standing::new(plant, &state, self.vehicle.gravity_m_s2, put))
+                    }
                     _ => Box::new(plant),
                 }
             }

@@ -1,7 +1,7 @@
 //! A tail-sitter as a [`Plant`].
 
 use super::ground::Ground;
-use super::{MOTORS, TailSitter, TailSitterState, V3};
+use super::{Allocation, MOTORS, TailSitter, TailSitterState, V3};
 use crate::experiment::tail_sitter::TailSitterPlant;
 use crate::experiment::{State, from_frd, nose_forward, to_frd};
 use crate::plant::{Command, Plant};
@@ -68,6 +68,35 @@ impl Flying {
             state,
         }
     }
+
+    /// Goes on by `dt` \[s\] with the motors on the left and on the right at these shares of their static thrust, and the elevons at
+    /// these of their travel, positive trailing edge towards the belly. A motor in the middle has the mean.
+    pub fn drive(&mut self, throttles: [f64; 2], elevons: [f64; 2], wind: V3, dt: f64) {
+        let [left, right] = throttles;
+        let propellers = self.vehicle.spec().propellers.iter();
+        let motors = propellers.map(|propeller| match propeller.position_m[1] {
+            y if y < 0.0 => left,
+            y if y > 0.0 => right,
+            _ => 0.5 * (left + right),
+        });
+        let outputs = Allocation {
+            motors: motors.collect(),
+            elevons,
+            given: V3::zeros(),
+        };
+        self.put(self.vehicle.driven(&self.own, &outputs, wind, dt), wind);
+    }
+
+    fn put(&mut self, own: TailSitterState, wind: V3) {
+        self.own = own;
+        self.state = State {
+            position: own.position,
+            velocity: own.velocity,
+            attitude: own.attitude * nose_forward().inverse(),
+            rates: from_frd(own.rates.into()),
+            thrust: self.vehicle.thrust(&own, wind),
+        };
+    }
 }
 
 impl Plant for Flying {
@@ -86,14 +115,11 @@ impl Plant for Flying {
             thrust: command.thrust,
             rates: to_frd(command.rates).into(),
         };
-        self.own = self.vehicle.step(&self.own, &own, wind, dt);
-        self.state = State {
-            position: self.own.position,
-            velocity: self.own.velocity,
-            attitude: self.own.attitude * nose_forward().inverse(),
-            rates: from_frd(self.own.rates.into()),
-            thrust: self.vehicle.thrust(&self.own, wind),
-        };
+        self.put(self.vehicle.step(&self.own, &own, wind, dt), wind);
+    }
+
+    fn is_grounded(&self) -> bool {
+        self.vehicle.is_grounded(&self.own)
     }
 
     fn columns(&self) -> &'static [(&'static str, &'static str)] {

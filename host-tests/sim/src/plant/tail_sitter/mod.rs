@@ -236,12 +236,36 @@ impl TailSitter {
         wind: V3,
         dt: f64,
     ) -> TailSitterState {
+        self.steps(state, wind, dt, |state| self.control(state, command))
+    }
+
+    /// The state after `dt` \[s\] with servos and motors driven to constant `outputs`: the inner loop and the mixer have no part.
+    pub fn driven(
+        &self,
+        state: &TailSitterState,
+        outputs: &Allocation,
+        wind: V3,
+        dt: f64,
+    ) -> TailSitterState {
+        self.steps(state, wind, dt, |state| {
+            state.targets = self.targets(state, outputs)
+        })
+    }
+
+    /// The state after `dt` \[s\], with its targets set by `control` at the rate of the inner loop.
+    fn steps(
+        &self,
+        state: &TailSitterState,
+        wind: V3,
+        dt: f64,
+        control: impl Fn(&mut TailSitterState),
+    ) -> TailSitterState {
         let period = 1.0 / self.airframe.rate_loop.rate_hz;
         let mut state = *state;
         let mut left = dt;
         while left > SHORTEST {
             if state.tick < SHORTEST {
-                self.control(&mut state, command);
+                control(&mut state);
                 state.tick += period;
             }
             let h = left.min(state.tick);
