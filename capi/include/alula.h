@@ -980,7 +980,7 @@ typedef struct alula_guidance_parameters {
 } alula_guidance_parameters;
 
 /**
- * For ALULA_GAINS_CONSTANT.
+ * For ALULA_GAINS_CONSTANT: by default the paper's, for its vehicle of 10 kg.
  */
 typedef struct alula_gains_parameters {
     /**
@@ -1067,7 +1067,7 @@ typedef struct alula_parameters {
      */
     struct alula_guidance_parameters guidance;
     /**
-     * For ALULA_GAINS_CONSTANT.
+     * For ALULA_GAINS_CONSTANT: by default the paper's, for its vehicle of 10 kg.
      */
     struct alula_gains_parameters gains;
     /**
