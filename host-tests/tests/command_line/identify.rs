@@ -106,12 +106,21 @@ fn truth(experiment: &Experiment) -> Truth {
     }
 }
 
-/// What is identified holds the truth: what is given has it in its interval, but for one number in ten, and the thrust over the weight is within a tenth.
-/// What is not shown is said. `IDENTIFY_DRAWS` of each vehicle; with few the shares are coarse.
 #[test]
 fn a_vehicle_is_learned_from_its_flight() {
+    learned(1);
+}
+
+#[test]
+#[ignore = "slow: cargo test-slow"]
+fn slow_vehicles_are_learned_from_their_flights() {
     let draws = std::env::var("IDENTIFY_DRAWS").ok();
-    let draws: u64 = draws.and_then(|n| n.parse().ok()).unwrap_or(2);
+    learned(draws.and_then(|n| n.parse().ok()).unwrap_or(2));
+}
+
+/// What is identified of `draws` flights of each vehicle holds the truth: what is given has it in its interval, but for one number in ten, and the thrust
+/// over the weight is within a tenth. What is not shown is said. With few the shares are coarse.
+fn learned(draws: u64) {
     for (vehicle, cruise) in [
         ("mapping", 18.0),
         ("small-flying-wing", 10.0),
