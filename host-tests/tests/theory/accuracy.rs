@@ -2,15 +2,16 @@
 //!
 //! Both are given the same inputs and parameters: the reference the core's f32 values. Errors of
 //! thrust and angular rate are divided by the sum of the magnitudes of the terms that make them up,
-//! as `alula_sim::reference::magnitudes` defines it. The figures are printed with `--nocapture`.
+//! as `yardstick::magnitudes` defines it. The figures are printed with `--nocapture`.
 
 use std::f64::consts::PI;
 
 use crate::common::{Point, combined, control, disc, gains, vehicles};
 use crate::random_delta;
+use crate::yardstick::{Angle, magnitudes};
 use alula::planar::{Attitude, GainParameters};
 use alula::{CombinedParameters, Fault};
-use alula_sim::reference::{self, Angle, full, magnitudes, robust, wrap};
+use alula_sim::reference::{self, full, robust, wrap};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 

@@ -4,13 +4,12 @@ use std::f64::consts::PI;
 
 use alula::planar::equivalency::ApparentForces;
 use alula::planar::{Attitude, FeedForward, GainParameters};
-use alula_sim::reference::{
-    Angle, Gains, Inputs, Vector, Vehicle, full, magnitudes, rotation, wrap,
-};
+use alula_sim::reference::{Gains, Inputs, Vector, Vehicle, full, rotation, wrap};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::common::{Point, combined, control, gains, inertial, vector, vehicles};
+use crate::yardstick::{Angle, magnitudes};
 use crate::{SETS, random_delta};
 
 /// V = (m/2)|ṽ|² + (1 − F̄_p1/|F_p|)/k2.

@@ -13,6 +13,7 @@ mod models;
 mod paper_flight;
 mod spatial;
 mod stalls;
+mod yardstick;
 
 use alula::CombinedParameters;
 use rand::RngExt;

@@ -75,7 +75,7 @@ pub fn full(vehicle: &Vehicle, gains: &Gains, inputs: &Inputs) -> Evaluation {
 }
 
 /// `μ_τ(s)/s²`, by its limit where s² underflows.
-pub(super) fn guarded(tau: f64, s: f64) -> f64 {
+pub fn guarded(tau: f64, s: f64) -> f64 {
     if s > 1e-9 * tau {
         mu(tau, s) / (s * s)
     } else {

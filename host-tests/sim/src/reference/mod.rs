@@ -5,25 +5,15 @@
 //! matrices in inertial coordinates. It is the yardstick of the core's accuracy; it is slow, and singular where
 //! the paper's formulas are. [`ForceModel`] evaluates the same formulas by their values alone: the plant's physics.
 
-mod axisymmetric;
 mod coefficients;
 mod force_model;
 mod law;
-mod magnitude;
-mod number;
-mod spatial;
 mod table;
 mod vehicle;
 
-pub use axisymmetric::{axisymmetric_full, axisymmetric_robust};
 pub use coefficients::*;
 pub use force_model::ForceModel;
-pub use law::{Evaluation, Gains, Inputs, full, mu, robust};
-pub use magnitude::{Angle, Magnitudes, magnitudes};
-pub use number::{Number, Triple};
-pub use spatial::{
-    LateralGains, SpatialEvaluation, SpatialInputs, axes, winged_full, winged_robust,
-};
+pub use law::{Evaluation, Gains, Inputs, full, guarded, mu, robust};
 pub use table::{Row, Table};
 pub use vehicle::{Air, Vehicle};
 

@@ -1,7 +1,7 @@
 //! Accuracy of the core's laws in space against the double-precision reference, over a million random states.
 //!
 //! Both are given the same inputs and parameters: the reference the core's f32 values, quaternion included. Errors are
-//! divided by N of `alula_sim::reference::Number`, which counts every rounding to first order. The figures are printed
+//! divided by N of `yardstick::Number`, which counts every rounding to first order. The figures are printed
 //! with `--nocapture`.
 
 use alula::BodyRates;
@@ -9,15 +9,15 @@ use alula::planar::GainParameters;
 use alula::spatial::WingedControl;
 use alula::spatial::axisymmetric::AxisymmetricControl;
 use alula::{CombinedParameters, Fault};
-use alula_sim::reference::{
-    Number, SpatialEvaluation, axisymmetric_full, axisymmetric_robust, winged_full, winged_robust,
-};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::support::{C_Y, Point, ball, lateral};
 use crate::common::{combined, gains, vehicles};
 use crate::random_delta;
+use crate::yardstick::{
+    Number, SpatialEvaluation, axisymmetric_full, axisymmetric_robust, winged_full, winged_robust,
+};
 
 /// States per cell of (parameter set, thrust line, subset).
 const STATES: usize = 100_000;

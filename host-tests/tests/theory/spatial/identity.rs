@@ -6,12 +6,13 @@ use alula::planar::{Attitude, GainParameters, Inertial};
 use alula::spatial::{
     Correction, FeedForward, Heading, Ned, Orientation, Reference, State, WingedControl,
 };
-use alula_sim::reference::{full, robust, winged_full, winged_robust};
+use alula_sim::reference::{full, robust};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::support::{C_Y, lateral};
 use crate::common::{Point, combined, control, gains, theta, vehicles};
+use crate::yardstick::{SpatialInputs, winged_full, winged_robust};
 
 const SET: CombinedParameters = CombinedParameters::NACA_0021_RE_160E3;
 
@@ -104,7 +105,7 @@ fn in_any_vertical_plane_the_law_is_the_planar_law() {
         let lift = |v: alula_sim::reference::Vector| [v.y * cos, v.y * sin, v.x];
         for fed in [false, true] {
             let planar_inputs = point.inputs(fed);
-            let mut inputs = alula_sim::reference::SpatialInputs {
+            let mut inputs = SpatialInputs {
                 velocity: lift(planar_inputs.velocity),
                 // Pitch about the right side of the plane, then heading about down.
                 quaternion: [cos_half * c, -sin_half * s, cos_half * s, sin_half * c],

@@ -2,16 +2,16 @@
 
 use alula::CombinedParameters;
 use alula::planar::GainParameters;
-use alula_sim::reference::{
-    ForceModel, Gains, SpatialEvaluation, SpatialInputs, Vehicle, axes, axisymmetric_full,
-    winged_full, winged_robust,
-};
+use alula_sim::reference::{ForceModel, Gains, Vehicle};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::support::{C_Y, Point, lateral};
 use crate::common::{combined, gains, vehicles};
+use crate::yardstick::{
+    SpatialEvaluation, SpatialInputs, axes, axisymmetric_full, winged_full, winged_robust,
+};
 
 type V3 = Vector3<f64>;
 

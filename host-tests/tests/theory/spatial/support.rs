@@ -5,10 +5,11 @@ use alula::spatial::{
     Correction, FeedForward, Heading, LateralGains, LateralParameters, Ned, Orientation, Reference,
     State,
 };
-use alula_sim::reference::{self, SpatialInputs};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+
+use crate::yardstick::{self, SpatialInputs};
 
 /// c_Y of the vehicle under test.
 pub const C_Y: f32 = 0.5;
@@ -106,9 +107,9 @@ impl Point {
     }
 }
 
-pub fn lateral() -> (LateralGains, reference::LateralGains) {
+pub fn lateral() -> (LateralGains, yardstick::LateralGains) {
     let p = LateralParameters::PAPER_VEHICLE;
-    let reference = reference::LateralGains {
+    let reference = yardstick::LateralGains {
         tilt: p.tilt.into(),
         velocity: p.velocity.into(),
         twist: p.twist.into(),

@@ -3,8 +3,9 @@
 
 use std::f64::consts::PI;
 
-use super::law::guarded;
-use super::{Coefficients, Gains, Number, Triple, Vehicle};
+use alula_sim::reference::{Coefficients, Gains, Vehicle, guarded};
+
+use super::{Number, Triple};
 
 /// Gains across the plane of symmetry.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -8,7 +8,7 @@
 //! - sin(α+δ) and cos(α+δ) are the body components of v_a over |v_a|;
 //! - a coefficient or derivative counts by the terms of the product rule on its blend and, with
 //!   [`Angle::Expanded`], by the effect of N(α) on it
-//!   (see [`super::Aerodynamics::at_with_magnitudes`]);
+//!   (see [`Aerodynamics::at_with_magnitudes`](alula_sim::reference::Aerodynamics::at_with_magnitudes));
 //! - N(α) = |cos α| N(sin α) + |sin α| N(cos α), where sin α = sin(α+δ) cos δ − cos(α+δ) sin δ and
 //!   so on: the angle is made up of body components of v_a, which may cancel;
 //! - F̄_p1 = F̄_1 + λ k_a|v_a|² and F̄_p2 = F̄_2; N(|F_p|) = √(N(F̄_p1)² + N(F̄_p2)²);
@@ -16,8 +16,7 @@
 //!   μ_τ(s)/s² (or 1/s²) count by their value;
 //! - k of the full law counts as k²·N(1/k), the first-order effect of an error in 1/k.
 
-use super::law::guarded;
-use super::{Evaluation, Gains, Inputs, Vehicle};
+use alula_sim::reference::{Evaluation, Gains, Inputs, Vehicle, guarded};
 
 /// Whether N counts the terms that make up the angle of attack.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,7 +3,8 @@
 use super::spatial::{
     SpatialEvaluation, SpatialInputs, alignment, apparent_weight, axes, coefficients, guard,
 };
-use super::{Gains, Number, Triple, Vehicle};
+use super::{Number, Triple};
+use alula_sim::reference::{Gains, Vehicle};
 
 /// The robust law, ∂_α f_p α̇ left out of F_δ. ω_i is 0: heading is no part of it.
 pub fn axisymmetric_robust(
