@@ -31,6 +31,32 @@ fn assert_refused(output: &Output, parts: &[&str]) {
     }
 }
 
+/// A bound on what was not flown, here a way back, is no bound kept.
+#[test]
+fn a_bound_without_a_value_is_not_judged() {
+    let folder = tempfile::tempdir().unwrap();
+    let flown = |more: &str| {
+        let words = format!("fly hover-to-cruise --set bounds.max_loss_back_m=1{more}");
+        let words: Vec<&str> = words.split(' ').collect();
+        text(&alula(folder.path(), &words).stdout)
+    };
+    let table = flown("");
+    let line = table
+        .lines()
+        .find(|line| line.contains("loss back"))
+        .unwrap();
+    assert!(
+        line.contains("none") && line.ends_with("at most 1: not judged"),
+        "{line}"
+    );
+    let json: Value = serde_json::from_str(&flown(" --json")).unwrap();
+    assert!(json["max_loss_back_m"].is_null() && json["bounds_kept"] == false);
+    // Until the way back, and one that is flown.
+    let kept = flown(" --set bounds={max_loss_out_m=1e3} --json");
+    let json: Value = serde_json::from_str(&kept).unwrap();
+    assert!(json["max_loss_out_m"].is_number() && json["bounds_kept"] == true);
+}
+
 #[test]
 fn without_arguments_the_default_is_flown_and_leaves_its_files() {
     let folder = tempfile::tempdir().unwrap();
