@@ -33,7 +33,7 @@ fn shares(source: &CampaignSource, folder: &Path) -> Vec<PathBuf> {
             flight.number = number;
         }
         let (flights, samples) = source.campaign.frames(&flights);
-        store.keep(chunk, &flights, &samples).unwrap();
+        store.keep(chunk, flights, samples).unwrap();
         path
     };
     (0..source.campaign.chunks()).map(share).collect()

@@ -127,7 +127,8 @@ pub fn campaign(
     let source = CampaignSource::load(&name, flights);
     let source = source.map_err(|e| error::of_argument("source", e))?;
     let (summary, flights, samples) = interruptible(py, |go_on| {
-        let chunks: Vec<u64> = (0..source.campaign.chunks()).collect();
+        let numbers = |chunk| (chunk, source.campaign.chunk(chunk));
+        let chunks: Vec<_> = (0..source.campaign.chunks()).map(numbers).collect();
         let keep = |_, flights, samples| Ok((flights, samples));
         let parts = study::fly(&source, &chunks, threads, go_on, keep)?;
         let summary = Summary::of_parts(&source, parts.iter().cloned().map(Ok))?;

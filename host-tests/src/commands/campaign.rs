@@ -110,7 +110,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let campaign = &source.campaign;
     let chunks = || args.shard.chunks(campaign.chunks());
     let flights = campaign.flights_in(chunks());
-    let there = campaign.flights_in(chunks().filter(|&chunk| store.has(chunk)));
+    let there = store.flown_in(chunks());
     if there > 0 {
         let place = out.display();
         eprintln!("going on from {there} of {flights} flights in {place}");
@@ -128,7 +128,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     });
     bar.finish_and_clear();
     if ended.is_err() && interrupted.load(Ordering::Relaxed) {
-        let kept = campaign.flights_in(chunks().filter(|&chunk| store.has(chunk)));
+        let kept = store.flown_in(chunks());
         bail!(
             "interrupted: {kept} of {flights} flights are in {}; the same command goes on from there",
             out.display()

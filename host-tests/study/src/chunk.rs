@@ -8,7 +8,7 @@ use super::{
 };
 use alula_sim::figures::FIGURES;
 
-/// Flights of a part: lost at most, per thread, if the campaign is interrupted.
+/// Flights of a part that is whole.
 pub const CHUNK: u64 = 50;
 
 impl Campaign {

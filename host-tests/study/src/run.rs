@@ -1,6 +1,7 @@
 //! Flying on all cores.
 
 use std::num::NonZero;
+use std::ops::Range;
 use std::str::FromStr;
 
 use anyhow::{anyhow, bail};
@@ -64,19 +65,19 @@ impl Shard {
     }
 }
 
-/// Flies `chunks` of a campaign: what `keep` makes of flights and samples of each, in their order. `after_each` is called once per
-/// flight; an error of its own ends the campaign there.
+/// Flies of a campaign's chunks those flights that are asked for of each: what `keep` makes of flights and samples, in their order. `after_each`
+/// is called once per flight; an error of its own ends the campaign there. What a chunk has flown until an error is kept, too.
 pub fn fly<R: Send>(
     source: &CampaignSource,
-    chunks: &[u64],
+    chunks: &[(u64, Range<u64>)],
     threads: Threads,
     after_each: impl Fn() -> anyhow::Result<()> + Sync + Send,
     keep: impl Fn(u64, Frame, Frame) -> anyhow::Result<R> + Sync + Send,
 ) -> anyhow::Result<Vec<R>> {
     let campaign = &source.campaign;
-    each(chunks, threads, |&chunk| {
+    each(chunks, threads, |(chunk, numbers)| {
         let mut flights: Vec<CampaignFlight> = Vec::new();
-        for number in campaign.chunk(chunk) {
+        let ended = numbers.clone().try_for_each(|number| {
             let drawn = campaign.draw(&source.base, number);
             let drawn =
                 drawn.map_err(|e| anyhow!("{}: flight {number}: {e}", source.texts.name))?;
@@ -86,10 +87,11 @@ pub fn fly<R: Send>(
                 drawn,
                 result,
             });
-            after_each()?;
-        }
+            after_each()
+        });
         let (flights, samples) = campaign.frames(&flights);
-        keep(chunk, flights, samples)
+        let kept = keep(*chunk, flights, samples)?;
+        ended.map(|()| kept)
     })
 }
 

@@ -1,6 +1,8 @@
-//! A folder of results: what decides them, and one part per chunk of flights, each complete or not there.
+//! A folder of results: what decides them, and one part per chunk of flights, each complete or not there. Of a chunk that was interrupted there is
+//! a part that has begun: its first flights.
 
 use std::fs::File;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
@@ -9,7 +11,7 @@ use super::frame_file::FrameWriter;
 use super::load::Texts;
 use super::part::{Seal, checksum};
 use super::run::{Shard, Threads, fly};
-use super::{CampaignSource, Frame, Summary};
+use super::{Campaign, CampaignSource, Frame, Summary};
 use crate::chunk::CHUNK;
 use crate::files::{leave, leave_all};
 
@@ -46,9 +48,14 @@ impl Store {
             if before.flights != source.texts.flights {
                 store.resize(before.flights, &source.texts)?;
             }
-            for chunk in (0..source.campaign.chunks()).filter(|&chunk| store.has(chunk)) {
+            for chunk in 0..source.campaign.chunks() {
                 for kind in KINDS {
-                    store.seal(kind, chunk).bytes(&store.part(kind, chunk))?;
+                    let seal = store.seal(kind, chunk);
+                    match store.flown(chunk) {
+                        _ if store.has(chunk) => seal.bytes(&store.part(kind, chunk))?,
+                        0 => Vec::new(),
+                        flown => seal.bytes(&store.begun(kind, chunk, flown))?,
+                    };
                 }
             }
         } else {
@@ -86,17 +93,20 @@ impl Store {
         (self.identity, self.flights) == (other.identity, other.flights)
     }
 
-    /// Goes from `before` flights to those that `texts` say. Parts that are whole in both stay, those beyond the end, too: they are looked at no
-    /// more, until there are more flights again.
+    /// Goes from `before` flights to those that `texts` say. The last part of either is one that has begun in the other; those beyond the end
+    /// are looked at no more, until there are more flights again.
     fn resize(&self, before: u64, texts: &Texts) -> anyhow::Result<()> {
-        for end in [before, texts.flights] {
-            // The last part has some of its flights alone in one of both.
-            if !end.is_multiple_of(CHUNK) {
-                for kind in KINDS {
-                    let part = self.part(kind, end / CHUNK);
-                    if part.exists() {
-                        std::fs::remove_file(&part).with_context(|| part.display().to_string())?;
-                    }
+        for end in [before, texts.flights]
+            .into_iter()
+            .filter(|end| !end.is_multiple_of(CHUNK))
+        {
+            let chunk = end / CHUNK;
+            let rows = CHUNK.min(before.saturating_sub(chunk * CHUNK));
+            for kind in KINDS {
+                let part = self.part(kind, chunk);
+                if part.exists() {
+                    let begun = self.begun(kind, chunk, rows);
+                    std::fs::rename(&part, begun).with_context(|| part.display().to_string())?;
                 }
             }
         }
@@ -128,6 +138,12 @@ impl Store {
         self.folder.join(kind).join(format!("{chunk:06}.parquet"))
     }
 
+    /// Where the first `flown` flights of a chunk are, or their samples.
+    fn begun(&self, kind: &str, chunk: u64, flown: u64) -> PathBuf {
+        let name = format!("{chunk:06}-{flown}.parquet");
+        self.folder.join(kind).join(name)
+    }
+
     fn seal(&self, kind: &'static str, chunk: u64) -> Seal {
         Seal {
             identity: self.identity,
@@ -139,6 +155,38 @@ impl Store {
     /// Whether `chunk` has been flown, and neither of its parts was deleted since. Its flights are written last.
     pub fn has(&self, chunk: u64) -> bool {
         KINDS.iter().all(|kind| self.part(kind, chunk).exists())
+    }
+
+    /// How many flights of `chunk`, the first ones, have been flown.
+    fn flown(&self, chunk: u64) -> u64 {
+        let all = CHUNK.min(self.flights.saturating_sub(chunk * CHUNK));
+        if self.has(chunk) {
+            return all;
+        }
+        let are_there = |&flown: &u64| {
+            let mut parts = KINDS.iter().map(|kind| self.begun(kind, chunk, flown));
+            parts.all(|part| part.exists())
+        };
+        (1..=all).rev().find(are_there).unwrap_or(0)
+    }
+
+    /// How many flights of `chunks` have been flown.
+    pub fn flown_in(&self, chunks: impl Iterator<Item = u64>) -> u64 {
+        chunks.map(|chunk| self.flown(chunk)).sum()
+    }
+
+    /// Of each of `chunks` the flights that have not been flown, if there are any.
+    fn missing(
+        &self,
+        campaign: &Campaign,
+        chunks: impl Iterator<Item = u64>,
+    ) -> Vec<(u64, Range<u64>)> {
+        let missing = chunks.filter(|&chunk| !self.has(chunk));
+        let numbers = |chunk| {
+            let Range { start, end } = campaign.chunk(chunk);
+            (chunk, start + self.flown(chunk)..end)
+        };
+        missing.map(numbers).collect()
     }
 
     /// The chunks that have been flown, in their order.
@@ -157,11 +205,32 @@ impl Store {
         Ok(chunks)
     }
 
-    /// Keeps `flights` and `samples` of `chunk`.
-    pub fn keep(&self, chunk: u64, flights: &Frame, samples: &Frame) -> anyhow::Result<()> {
+    /// Keeps `flights` and `samples` of `chunk`, the next ones after those that have been flown.
+    pub fn keep(&self, chunk: u64, flights: Frame, samples: Frame) -> anyhow::Result<()> {
+        let before = self.flown(chunk);
+        let flown = before + flights.rows() as u64;
+        if flown == 0 {
+            return Ok(());
+        }
+        let whole = flown == CHUNK.min(self.flights - chunk * CHUNK);
         for (kind, frame) in KINDS.into_iter().zip([samples, flights]) {
-            let path = self.part(kind, chunk);
-            self.seal(kind, chunk).write(&path, frame)?;
+            let seal = self.seal(kind, chunk);
+            let mut all = Frame::default();
+            if before > 0 {
+                all = seal.read(&self.begun(kind, chunk, before))?;
+            }
+            all.append(frame)?;
+            let path = match whole {
+                true => self.part(kind, chunk),
+                false => self.begun(kind, chunk, flown),
+            };
+            seal.write(&path, &all)?;
+        }
+        if before > 0 && (whole || before < flown) {
+            for kind in KINDS {
+                let part = self.begun(kind, chunk, before);
+                std::fs::remove_file(&part).with_context(|| part.display().to_string())?;
+            }
         }
         Ok(())
     }
@@ -198,15 +267,14 @@ pub fn run(
     threads: Threads,
     after_each: impl Fn() -> anyhow::Result<()> + Sync + Send,
 ) -> anyhow::Result<()> {
-    let lacks = |chunk: &u64| !store.has(*chunk);
-    let chunks = shard.chunks(source.campaign.chunks());
-    let missing: Vec<u64> = chunks.filter(lacks).collect();
+    let campaign = &source.campaign;
+    let missing = store.missing(campaign, shard.chunks(campaign.chunks()));
     fly(
         source,
         &missing,
         threads,
         after_each,
-        |chunk, flights, samples| store.keep(chunk, &flights, &samples),
+        |chunk, flights, samples| store.keep(chunk, flights, samples),
     )
     .map(|_| ())
 }

@@ -77,6 +77,31 @@ fn threads_interruptions_and_shares_change_nothing() {
     assert_eq!(bytes(&at("threaded")), expected);
     assert_eq!(text(&resumed), text(&whole));
 
+    // Interrupted twice while it flies: no flight is flown again that has been flown, on several threads too.
+    for threads in [1, 3].map(NonZero::new) {
+        let place = at(&format!("interrupted-{threads:?}"));
+        let left = std::sync::atomic::AtomicI64::new(0);
+        let counted = || {
+            let before = left.fetch_sub(1, std::sync::atomic::Ordering::Relaxed);
+            anyhow::ensure!(before > 1, "interrupted");
+            Ok(())
+        };
+        let mut flown = 0;
+        for flights in [7, 50, 200] {
+            let store = Store::open(&place, &source).unwrap();
+            left.store(flights, std::sync::atomic::Ordering::Relaxed);
+            let ended = run(&source, &store, Shard::default(), threads, counted);
+            assert_eq!(ended.is_err(), flights < 200);
+            flown += flights - left.load(std::sync::atomic::Ordering::Relaxed);
+            assert_eq!(store.flown_in(0..3), flown as u64);
+        }
+        assert_eq!(flown, 120);
+        Summary::of(&source, &Store::open(&place, &source).unwrap()).unwrap();
+        assert_eq!(bytes(&place), expected);
+        // Nothing else is left than parts that are whole.
+        assert_eq!(std::fs::read_dir(place.join("flights")).unwrap().count(), 3);
+    }
+
     let merged = Store::open(&at("merged"), &source).unwrap();
     for share in ["1/2", "2/2"] {
         let store = Store::open(&at(&share.replace('/', "-of-")), &source).unwrap();
@@ -103,10 +128,13 @@ fn threads_interruptions_and_shares_change_nothing() {
     let short = summary_of(&fewer, &at("short"), 2);
     let cut = Store::open(&at("whole"), &fewer).unwrap();
     assert!(cut.has(0) && !cut.has(1));
+    assert_eq!(cut.flown_in(0..2), 50);
     run(&fewer, &cut, Shard::default(), None, || Ok(())).unwrap();
     assert_eq!(text(&Summary::of(&fewer, &cut).unwrap()), text(&short));
     let again = Store::open(&at("whole"), &source).unwrap();
     assert!(again.has(0) && !again.has(1) && !again.has(2));
+    // The 50 of the second part before it was cut, and the 20 of the third.
+    assert_eq!(again.flown_in(0..3), 120);
     run(&source, &again, Shard::default(), None, || Ok(())).unwrap();
     assert_eq!(text(&Summary::of(&source, &again).unwrap()), text(&whole));
 }
