@@ -197,12 +197,12 @@ fn a_file_and_a_polar_of_ones_own() {
 }
 
 /// A first flight that does not do what was asked: so it says on the page and in JSON, and the exit code is 1. Thrust of 1.1 times the weight
-/// does not overcome the drag of a plate at 60 m/s: no guidance reaches that.
+/// does not overcome a drag area of 0.05 m² at 40 m/s: no guidance reaches that.
 #[test]
 fn a_first_flight_that_fails_is_told() {
     let folder = tempfile::tempdir().unwrap();
     let mut flags = FLAGS;
-    (flags[1], flags[5], flags[7], flags[13]) = ("0.5", "flat-plate", "1.1", "60");
+    (flags[7], flags[13], flags[19]) = ("1.1", "40", "0.05");
     let output = alula(
         folder.path(),
         &[&["new", "short", "--json"], &flags[..]].concat(),
