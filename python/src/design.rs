@@ -128,12 +128,11 @@ pub fn new(py: Python<'_>, name: &str, known: Option<&Bound<'_, PyDict>>) -> PyR
     let facts = read::<Known>(Value::Table(fields)).and_then(Known::facts);
     let facts = facts.map_err(|e| error::of_field(in_python(e)))?;
     let done = py.detach(|| {
-        let made = Made::new(facts)?.as_it_brakes()?;
-        let document = made.document(name)?;
-        let first = FirstFlight::of(&made, &document)?;
-        Ok((made, document, first))
+        let (made, flown) = Made::new(facts)?.as_it_brakes(name);
+        let first = FirstFlight::of(&made, flown?)?;
+        Ok((made, first))
     });
-    let (made, document, first) = done.map_err(error::of)?;
+    let (made, first) = done.map_err(error::of)?;
     let findings = &first.findings;
     let flight = flight::of(py, name, &first.experiment, &first.record, &first.figures)?;
     Ok(Design {
@@ -146,7 +145,7 @@ pub fn new(py: Python<'_>, name: &str, known: Option<&Bound<'_, PyDict>>) -> PyR
         story: first.findings.story,
         warnings: first.findings.warnings,
         made,
-        document,
+        document: first.document,
     })
 }
 

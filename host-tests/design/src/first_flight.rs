@@ -17,6 +17,8 @@ const MARGINS: [f64; 6] = [0.0, 0.2, 0.4, 0.6, 0.8, 1.0];
 /// What a vehicle comes to.
 #[derive(Clone, Debug)]
 pub struct FirstFlight {
+    /// The file that was flown.
+    pub document: Document,
     /// The experiment that was flown.
     pub experiment: Experiment,
     /// Its steps.
@@ -43,17 +45,18 @@ pub struct Findings {
 }
 
 impl FirstFlight {
-    /// Of the vehicle of `design`, flown as `document` says. What would mend it is flown, too.
-    pub fn of(design: &Design, document: &Document) -> anyhow::Result<Self> {
+    /// Of the vehicle of `design`, whose round trip came to this. What would mend it is flown, too.
+    pub fn of(design: &Design, flown: RoundTrip) -> anyhow::Result<Self> {
         let RoundTrip {
+            document,
             experiment,
             record,
             figures,
             mut performance,
             mut verdict,
-        } = RoundTrip::of(design, document)?;
+        } = flown;
         let facts = &design.facts;
-        performance.stop_m = stop(document, facts.cruise_m_s)?;
+        performance.stop_m = stop(&document, facts.cruise_m_s)?;
         verdict.advice = design.remedies(verdict.outcome);
         let mut warnings = design.wing.warnings.clone();
         warnings.extend(performance.doubts(design));
@@ -72,6 +75,7 @@ impl FirstFlight {
             verdict,
         };
         Ok(Self {
+            document,
             experiment,
             record,
             figures,

@@ -33,6 +33,7 @@ pub use first_flight::{Findings, FirstFlight};
 pub use known::{Actuators, Facts, Known};
 pub use limits::Limits;
 pub use performance::{ON_WING, Performance, Stall};
+pub use round_trip::RoundTrip;
 pub use rust_code::rust_code;
 pub use trip::Trip;
 pub use verdict::{Outcome, Verdict};

@@ -8,20 +8,21 @@ use alula_sim::figures::Figures;
 use alula_sim::simulate::{Record, fly};
 
 /// A round trip, flown and judged.
-pub(super) struct RoundTrip {
-    pub experiment: Experiment,
-    pub record: Record,
-    pub figures: Figures,
+pub struct RoundTrip {
+    pub(super) document: Document,
+    pub(super) experiment: Experiment,
+    pub(super) record: Record,
+    pub(super) figures: Figures,
     /// What the vehicle can do, but for the stop that is not flown.
-    pub performance: Performance,
-    pub verdict: Verdict,
+    pub(super) performance: Performance,
+    pub(super) verdict: Verdict,
 }
 
 impl RoundTrip {
-    /// Of the vehicle of `design`, flown as `document` says.
-    pub fn of(design: &Design, document: &Document) -> anyhow::Result<Self> {
+    /// Of the vehicle of `design`, as the file of this name flies it.
+    pub(super) fn of(design: &Design, name: &str) -> anyhow::Result<Self> {
+        let document = design.document(name)?;
         let experiment = document.checked()?;
-        let name = &document.name;
         let record = fly(&experiment).with_context(|| format!("{name}: THE FIRST FLIGHT FAILS"))?;
         let figures = Figures::of(&experiment, &record);
         let facts = &design.facts;
@@ -34,6 +35,7 @@ impl RoundTrip {
         );
         Ok(Self {
             verdict: Verdict::of(facts, &performance, &figures),
+            document,
             experiment,
             record,
             figures,
@@ -45,27 +47,39 @@ impl RoundTrip {
 impl Design {
     /// What comes of its round trip.
     pub(super) fn tried(&self) -> anyhow::Result<Verdict> {
-        Ok(RoundTrip::of(self, &self.document("trial")?)?.verdict)
+        Ok(RoundTrip::of(self, "trial")?.verdict)
     }
 
-    /// The same with a round trip that it can fly: level if that does what is asked, else the first one that does, else the one that comes nearest.
-    pub fn as_it_brakes(self) -> anyhow::Result<Self> {
-        let mut nearest = (f64::INFINITY, Trip::LEVEL);
+    /// The same with a round trip that it can fly, which is its first flight: level if that does what is asked, else the first one that does, else
+    /// the one that comes nearest. Each is flown as the file of this name has it. Where none comes to a number, the flight is the error of the level one.
+    pub fn as_it_brakes(self, name: &str) -> (Self, anyhow::Result<RoundTrip>) {
+        let design = |trip| Self {
+            trip,
+            ..self.clone()
+        };
+        let mut nearest: Option<(f64, Trip, anyhow::Result<RoundTrip>)> = None;
         for trip in [Trip::LEVEL].into_iter().chain(Trip::OTHERS) {
-            let design = Self {
-                trip,
-                ..self.clone()
+            let flown = RoundTrip::of(&design(trip), name);
+            let (done, worst) = match &flown {
+                Ok(flown) => {
+                    let verdict = &flown.verdict;
+                    // One that comes to no number is not near.
+                    let worst = Some(verdict.worst).filter(|worst| worst.is_finite());
+                    (
+                        verdict.outcome == Outcome::AsAsked,
+                        worst.unwrap_or(f64::INFINITY),
+                    )
+                }
+                Err(_) => (false, f64::INFINITY),
             };
-            // One that comes to no number is not near.
-            match design.tried() {
-                Ok(verdict) if verdict.outcome == Outcome::AsAsked => return Ok(design),
-                Ok(verdict) if verdict.worst < nearest.0 => nearest = (verdict.worst, trip),
-                _ => {}
+            if done {
+                return (design(trip), flown);
+            }
+            if nearest.as_ref().is_none_or(|(least, ..)| worst < *least) {
+                nearest = Some((worst, trip, flown));
             }
         }
-        Ok(Self {
-            trip: nearest.1,
-            ..self
-        })
+        let (_, trip, flown) = nearest.expect("one is tried");
+        (design(trip), flown)
     }
 }

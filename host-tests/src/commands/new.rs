@@ -8,7 +8,6 @@ use serde::Serialize;
 
 use alula_design::{Design, Facts, Findings, FirstFlight, Known, Limits, Outcome, check_name};
 use alula_report::design::page;
-use alula_sim::experiment::Document;
 use alula_sim::named::in_shell;
 use alula_study::files::{leave_all, make_folder};
 
@@ -54,7 +53,7 @@ struct Summary<'a> {
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
     check_name(&args.name)?;
-    let design = Design::new(known(args)?.facts()?)?.as_it_brakes()?;
+    let design = Design::new(known(args)?.facts()?)?;
     let out = args
         .out
         .clone()
@@ -67,18 +66,17 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         file.display()
     );
     make_folder(&out)?;
+    let (design, flown) = design.as_it_brakes(name);
     for (file, text) in design.files(name) {
         leave_all(&out.join(file), text)?;
     }
 
-    // From here on as everybody else takes it: from the file.
-    let document = Document::load(&file.to_string_lossy())?;
-    let flight = FirstFlight::of(&design, &document)?;
+    let flight = FirstFlight::of(&design, flown?)?;
     let first = out.join("first-flight");
     make_folder(&first)?;
     let verdict = &flight.findings.verdict;
     leave_flight(
-        &document,
+        &flight.document,
         &flight.experiment,
         &flight.record,
         &first,
