@@ -3,7 +3,7 @@
 use std::io::Read;
 use std::path::Path;
 
-use anyhow::{Context, bail};
+use anyhow::{Context, anyhow, bail};
 
 /// A kind of file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -130,6 +130,12 @@ impl Kind {
         }
     }
 
+    /// The refusal of this kind in place of what is called `words`; `origin` stands for it.
+    pub fn refused(self, words: &str, origin: &str) -> anyhow::Error {
+        let (what, taken) = self.words();
+        anyhow!("{origin}: {what}, where {words} is wanted: {taken}")
+    }
+
     /// Refuses a text that is clearly of another kind; `origin` stands for it in errors.
     pub fn expect(self, origin: &str, text: &[u8]) -> anyhow::Result<()> {
         expect(&[self], self.words().0, origin, text)
@@ -139,10 +145,7 @@ impl Kind {
 /// Refuses a file that begins with `bytes` and is clearly of none of the kinds `wanted`, which are called `words`; `origin` stands for it in errors.
 pub fn expect(wanted: &[Kind], words: &str, origin: &str, bytes: &[u8]) -> anyhow::Result<()> {
     match Kind::of(bytes).filter(|kind| !wanted.contains(kind)) {
-        Some(kind) => {
-            let (what, taken) = kind.words();
-            bail!("{origin}: {what}, where {words} is wanted: {taken}")
-        }
+        Some(kind) => Err(kind.refused(words, origin)),
         None => Ok(()),
     }
 }

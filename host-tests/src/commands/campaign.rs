@@ -10,7 +10,6 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use alula_report::campaign::{maps, page};
 use alula_report::viewer::Flight;
-use alula_sim::experiment;
 use alula_sim::figures::words;
 use alula_sim::kind::Kind;
 use alula_sim::simulate;
@@ -21,7 +20,7 @@ use alula_study::{BUILT_IN, CampaignSource, Shard, Store, Summary, run as fly_al
 use super::attitudes;
 use super::fly;
 use super::output::{Output, leave_view};
-use super::settings::named;
+use super::settings::expect_name;
 use super::sitl::interrupted;
 
 /// Fly an experiment many times, with its fields drawn at random: percentiles, limits, worst flights
@@ -93,9 +92,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         drop(stdout);
         return refly(&Store::existing(Path::new(name))?.1, number, args);
     }
-    if let (None, Some(text)) = (named(BUILT_IN, name), named(experiment::BUILT_IN, name)) {
-        Kind::Campaign.expect(name, text.as_bytes())?;
-    }
+    expect_name(&[Kind::Campaign], "a campaign", name)?;
     let source = CampaignSource::load_changed(name, args.flights, &args.set)?;
     if args.print {
         write!(stdout, "{}", source.texts.campaign)?;

@@ -7,12 +7,13 @@ use serde::Serialize;
 
 use alula_report::comparison::page;
 use alula_report::viewer::Flight;
+use alula_sim::kind::Kind;
 use alula_sim::simulate::fly;
 use alula_study::{Plan, Results, Source};
 
 use super::fly::progress_bar;
 use super::output::{Output, leave_view};
-use super::settings::Settings;
+use super::settings::{Settings, expect_name};
 
 /// Fly experiments against each other, or the variants of a comparison under its conditions
 #[derive(clap::Args)]
@@ -37,7 +38,11 @@ struct Summary<'a> {
 impl Args {
     fn source(&self) -> anyhow::Result<Source> {
         match &self.names[..] {
-            [one] if self.settings.is_empty() => Source::load(one),
+            [one] if self.settings.is_empty() => {
+                let words = "a comparison, or a second experiment,";
+                expect_name(&[Kind::Comparison], words, one)?;
+                Source::load(one)
+            }
             [_] => bail!("--set changes experiments; a comparison sets fields in its file"),
             several => {
                 let load = |name: &String| Ok((name.clone(), self.settings.document(name)?));

@@ -9,7 +9,8 @@ use alula_report::{Page, Table, fixed};
 use alula_sim::airframe::Airframe;
 use alula_sim::controllers::GuidanceSpec;
 
-use super::output::Output;
+use super::output::{Output, leave_view};
+use super::settings::{Settings, expect_airframe};
 
 /// Where a vehicle's equilibria fold and jump, in level flight, in a climb or in an acceleration
 #[derive(clap::Args)]
@@ -36,6 +37,7 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
+    expect_airframe(&args.vehicle)?;
     let airframe = Airframe::load(&args.vehicle)?;
     let vehicle = airframe.reference();
     let option = |e: Refused| anyhow!("--{}: {}", e.field.replace('_', "-"), e.problem);
@@ -52,7 +54,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         cusps: &envelope.cusps,
     };
     let summary = envelope.summary(&airframe.name);
-    let page = Page {
+    let mut page = Page {
         title: format!("Envelope of {}", airframe.name),
         lead: format!(
             "{}; {}",
@@ -67,6 +69,9 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         notes: "Equilibria from hover to infinite airspeed; see docs/envelope.md. a is k_a V²/(m g): what the air presses on the wing by, over the weight; hover has 0. A cusp is a climb angle ε at which two folds meet: beyond it both are gone.".to_owned(),
         ..Page::default()
     };
+    let title = page.title.clone();
+    let flight = Settings::default().flight(&args.vehicle);
+    leave_view(&mut page, &out, &title, flight.as_slice())?;
     args.output.leave(&out, &page, &summary)
 }
 

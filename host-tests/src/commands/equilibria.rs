@@ -13,6 +13,7 @@ use alula_sim::airframe::Airframe;
 use alula_sim::reference::Vector;
 
 use super::output::Output;
+use super::settings::expect_airframe;
 
 /// The orientations that hold a reference velocity, with thrust and branch
 #[derive(clap::Args)]
@@ -86,6 +87,7 @@ struct Summary {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
+    expect_airframe(&args.vehicle)?;
     let airframe = Airframe::load(&args.vehicle)?;
     let name = format!("equilibria-{}", airframe.name);
     let out = args.output.folder(&name)?;

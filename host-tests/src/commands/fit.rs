@@ -11,11 +11,13 @@ use alula_design::fit::{Errors, Metric, Sphericity, fit};
 use alula_report::fit::figure;
 use alula_report::{Page, Table, fixed};
 use alula_sim::airframe::Airframe;
+use alula_sim::kind::Kind;
 use alula_sim::polar::{Polar, stall};
 use alula_sim::reference::{Aerodynamics, Combined, Vehicle};
 use alula_study::files::leave_all;
 
 use super::output::Output;
+use super::settings::expect_name;
 
 /// Identify the combined model's parameters from a table of coefficients
 #[derive(clap::Args)]
@@ -88,6 +90,7 @@ struct Summary {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
+    expect_name(&[Kind::Polar], "a polar", &args.polar)?;
     let section = Polar::load(&args.polar)?;
     if let Some(ratio) = args.aspect_ratio.filter(|x| !(0.5..=50.0).contains(x)) {
         anyhow::bail!("--aspect-ratio: {ratio} is not from 0.5 to 50");

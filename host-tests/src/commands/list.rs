@@ -5,6 +5,8 @@ use std::io::Write;
 use alula_sim::experiment::{BUILT_IN, Document};
 use alula_sim::named::Named;
 
+use super::settings::expect_experiment;
+
 /// List the built-in experiments and vehicles, or print the TOML of one
 #[derive(clap::Args)]
 pub struct Args {
@@ -18,6 +20,7 @@ pub struct Args {
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let mut stdout = std::io::stdout().lock();
     if let Some(name) = &args.name {
+        expect_experiment(name)?;
         let text = match args.whole {
             true => Document::load(name)?.text(),
             false => Named::find("experiment", BUILT_IN, name)?.text,

@@ -9,8 +9,8 @@ use alula_sim::airframe::{Airframe, LoopMargins};
 use alula_sim::experiment::{PlantSpec, RateLoop};
 use alula_sim::margins::{LONGEST, Point};
 
-use super::output::Output;
-use super::settings::Settings;
+use super::output::{Output, leave_view};
+use super::settings::{Settings, expect_airframe};
 
 /// Eigenvalues and the largest stable lag and delay in level flight, for the paper's gains and the experiment's
 #[derive(clap::Args)]
@@ -56,7 +56,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     // What is flown before what the paper had.
     let shown = || loops.iter().rev();
     let curves: Vec<_> = shown().map(|l| (title(l.gains), &l.points[..])).collect();
-    let page = Page {
+    let mut page = Page {
         title: format!("Margins of {}", airframe.name),
         lead: format!("Level flight, small errors. {included}"),
         figure: margins_figure(&curves),
@@ -65,6 +65,13 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
             .to_owned(),
         ..Page::default()
     };
+    let title = page.title.clone();
+    leave_view(
+        &mut page,
+        &out,
+        &title,
+        args.settings.flight(&args.vehicle).as_slice(),
+    )?;
     let summary = Summary {
         vehicle: &airframe.name,
         out: &out,
@@ -128,7 +135,10 @@ impl Settings {
     /// The vehicle that `argument` names, with the fields of its document changed.
     fn airframe(&self, argument: &str) -> anyhow::Result<Airframe> {
         match self.is_empty() {
-            true => Airframe::load(argument),
+            true => {
+                expect_airframe(argument)?;
+                Airframe::load(argument)
+            }
             false => Airframe::of(&self.document(argument)?),
         }
     }

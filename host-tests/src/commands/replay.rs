@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 use alula_report::Page;
 use alula_report::replay::page;
 use alula_report::viewer;
-use alula_sim::experiment::{self, DEFAULT};
-use alula_sim::kind::{self, Kind};
+use alula_sim::experiment::DEFAULT;
+use alula_sim::kind::Kind;
 use alula_sim::replay::{self, Source};
 use alula_study::files::{leave, make_folder};
 
 use super::output::leave_view;
-use super::settings::{Settings, named};
+use super::settings::{Settings, expect_name};
 
 /// Run a controller open loop over a logged flight; write its commands as CSV on standard output
 #[derive(clap::Args)]
@@ -34,10 +34,7 @@ pub struct Args {
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
     let argument = args.file.to_string_lossy();
-    if let Some(text) = named(experiment::BUILT_IN, &argument) {
-        let recorded = [Kind::Trace, Kind::Log];
-        kind::expect(&recorded, "a trace or a log", &argument, text.as_bytes())?;
-    }
+    expect_name(&[Kind::Trace, Kind::Log], "a trace or a log", &argument)?;
     let document = args.settings.document(&args.experiment)?;
     let source = Source::open(&args.file, args.map.as_ref())?;
     let experiment = document.checked()?;

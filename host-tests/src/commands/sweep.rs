@@ -5,10 +5,11 @@ use serde::Serialize;
 
 use alula_design::sweep::{Cause, Findings, Span, findings, least_fp, sweep};
 use alula_report::sweep::figure;
+use alula_report::viewer::Flight;
 use alula_report::{Page, Table, fixed};
 use alula_sim::simulate::fly;
 
-use super::output::Output;
+use super::output::{Output, leave_view};
 use super::settings::Settings;
 
 /// Check a planned flight: where its equilibrium jumps, where the apparent force is too small, where it needs negative thrust
@@ -53,7 +54,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let findings = findings(&instants, least_fp);
     let verdict = verdict(&findings, &experiment.controller.kind);
     let record = fly(experiment).with_context(|| document.name.clone())?;
-    let page = Page {
+    let mut page = Page {
         title: format!("Sweep of {}", document.name),
         lead: format!(
             "{}; {}",
@@ -68,6 +69,9 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
             .to_owned(),
         ..Page::default()
     };
+    let title = page.title.clone();
+    let flight = Flight::of(&document.name, experiment, &record);
+    leave_view(&mut page, &out, &title, &[flight])?;
     let summary = Summary {
         experiment: document.name.clone(),
         min_fp_n: least_fp,

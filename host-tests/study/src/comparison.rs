@@ -8,8 +8,8 @@ use alula_sim::experiment::{Document, Experiment, FieldError, from_toml, require
 use alula_sim::kind::Kind;
 use alula_sim::named::{Named, on_one_line};
 
-/// Name and TOML text of the built-in comparison.
-const BUILT_IN: &[(&str, &str)] = &[
+/// Name and TOML text of every built-in comparison.
+pub const COMPARISONS: &[(&str, &str)] = &[
     ("laws", include_str!("../../comparisons/laws.toml")),
     ("missions", include_str!("../../comparisons/missions.toml")),
 ];
@@ -219,7 +219,7 @@ impl Plan {
 impl Source {
     /// The comparison that `argument` names: the built-in one, or else a TOML file.
     pub fn load(argument: &str) -> anyhow::Result<Self> {
-        Self::new(&Named::find("comparison", BUILT_IN, argument)?)
+        Self::new(&Named::find("comparison", COMPARISONS, argument)?)
     }
 
     /// Experiments against each other, each as it is, by the names that they were asked for by.

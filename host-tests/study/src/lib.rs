@@ -36,7 +36,7 @@ pub mod tune;
 
 pub use campaign::{Campaign, Dispersion, Expected, FaultDraw, Limit};
 pub use chunk::CHUNK;
-pub use comparison::{Comparison, Condition, Plan, Source, Variant};
+pub use comparison::{COMPARISONS, Comparison, Condition, Plan, Source, Variant};
 pub use distribution::Distribution;
 pub use draw::{Drawn, DrawnFault};
 pub use flight_result::{CampaignFlight, FlightResult, SAMPLED, Sample};
