@@ -170,9 +170,12 @@ fn bounds() -> Value {
     })
 }
 
-/// Puts down which numbers must not be negative, or must be positive: those that the reader refuses in a built-in experiment. Of the numbers of a list each must be.
+/// Puts down which numbers must not be negative, or must be positive, and what they must not be beyond: what the reader refuses in a built-in experiment. Of the
+/// numbers of a list each must be so.
 fn bounded(schema: &mut Value) {
     let mut seen = BTreeSet::new();
+    // Limits by place, as the first experiment has them; none where another one has another limit: that follows from other fields.
+    let mut limits: BTreeMap<(String, Side), Option<f64>> = BTreeMap::new();
     for (name, _) in BUILT_IN {
         let document = Document::load(name).expect("built in");
         // A vehicle alone is read as part of others.
@@ -182,8 +185,7 @@ fn bounded(schema: &mut Value) {
         let written: toml::Value = document.text().parse::<toml::Table>().expect("TOML").into();
         let mut paths: BTreeMap<String, Vec<String>> = BTreeMap::new();
         for path in numbers(&written, "") {
-            let mut here = places(schema, &path);
-            here.retain(|place| !seen.contains(place));
+            let here = places(schema, &path);
             for place in here {
                 paths.entry(place).or_default().push(path.clone());
             }
@@ -192,26 +194,141 @@ fn bounded(schema: &mut Value) {
             let Some(Value::Object(field)) = schema.pointer_mut(&place) else {
                 continue;
             };
-            let refuses = |value: i64| paths.iter().all(|path| refuses(&document, path, value));
-            let bound = match (field.contains_key("minimum"), refuses(-1)) {
-                (false, true) if refuses(0) => Some("exclusiveMinimum"),
+            let whole = field.get("type") == Some(&json!("integer"));
+            let refuses = |value: f64| {
+                let value = match whole {
+                    true => toml::Value::from(value as i64),
+                    false => value.into(),
+                };
+                paths
+                    .iter()
+                    .all(|path| refuses(&document, path, value.clone()))
+            };
+            for side in [Side::Least, Side::Most] {
+                let limit = limits.entry((place.clone(), side)).or_insert_with(|| {
+                    let value = written_at(&written, &paths[0]);
+                    value.and_then(|value| side.limit(value, whole, refuses))
+                });
+                *limit = limit.filter(|limit| side.is_limit(*limit, whole, refuses));
+            }
+            if !seen.insert(place) {
+                continue;
+            }
+            let bound = match (field.contains_key("minimum"), refuses(-1.0)) {
+                (false, true) if refuses(0.0) => Some("exclusiveMinimum"),
                 (false, true) => Some("minimum"),
                 _ => None,
             };
             field.extend(bound.map(|bound| (bound.to_owned(), json!(0))));
-            seen.insert(place);
+        }
+    }
+    // A range of one number is none: that number is one of a few.
+    let single = |place: &String| {
+        let of = |side| limits.get(&(place.clone(), side)).copied().flatten();
+        of(Side::Least).is_some_and(|least| of(Side::Most) == Some(least))
+    };
+    for ((place, side), limit) in limits.iter().filter(|((place, _), _)| !single(place)) {
+        if let (Some(limit), Some(Value::Object(field))) = (limit, schema.pointer_mut(place)) {
+            let bounds = side.bounds();
+            if !bounds.iter().any(|bound| field.contains_key(*bound)) {
+                field.insert(bounds[0].to_owned(), json!(limit));
+            }
         }
     }
 }
 
+/// An end of a range.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Side {
+    Least,
+    Most,
+}
+
+/// What no limit is beyond.
+const FARTHEST: f64 = 1e9;
+/// Limits are so round.
+const ROUND: f64 = 1e-3;
+
+impl Side {
+    /// The words of a schema for it.
+    fn bounds(self) -> [&'static str; 2] {
+        match self {
+            Self::Least => ["minimum", "exclusiveMinimum"],
+            Self::Most => ["maximum", "exclusiveMaximum"],
+        }
+    }
+
+    /// A little farther out than `value`.
+    fn beyond(self, value: f64, whole: bool) -> f64 {
+        let step = if whole {
+            1.0
+        } else {
+            1e-6 * value.abs().max(ROUND)
+        };
+        match self {
+            Self::Least => value - step,
+            Self::Most => value + step,
+        }
+    }
+
+    /// Whether the reader takes `limit`, and nothing beyond it.
+    fn is_limit(self, limit: f64, whole: bool, refuses: impl Fn(f64) -> bool) -> bool {
+        !refuses(limit) && refuses(self.beyond(limit, whole))
+    }
+
+    /// The last round number that the reader takes from `value` on, if it takes no other one behind.
+    fn limit(self, value: f64, whole: bool, refuses: impl Fn(f64) -> bool) -> Option<f64> {
+        let step = if whole { 1.0 } else { ROUND };
+        let number = |steps: i64| steps as f64 * step;
+        let end = match self {
+            Self::Least => -FARTHEST,
+            Self::Most => FARTHEST,
+        };
+        let (mut taken, mut refused) = ((value / step).round() as i64, (end / step) as i64);
+        if refuses(number(taken)) || !refuses(number(refused)) {
+            return None;
+        }
+        while (refused - taken).abs() > 1 {
+            let middle = taken + (refused - taken) / 2;
+            if refuses(number(middle)) {
+                refused = middle;
+            } else {
+                taken = middle;
+            }
+        }
+        let limit = rounded(number(taken));
+        self.is_limit(limit, whole, refuses).then_some(limit)
+    }
+}
+
+/// A number in six digits: limits are round, and the core's are in single precision.
+fn rounded(x: f64) -> f64 {
+    let digits = format!("{x:.5e}");
+    digits.parse().expect("a number")
+}
+
+/// The number at `path`.
+fn written_at(document: &toml::Value, path: &str) -> Option<f64> {
+    let mut value = document;
+    for part in path.split(['.', '[']) {
+        value = match part.strip_suffix(']') {
+            Some(index) => value.get(index.parse::<usize>().ok()?)?,
+            None => value.get(part)?,
+        };
+    }
+    value
+        .as_float()
+        .or_else(|| Some(value.as_integer()? as f64))
+}
+
 /// Whether the reader refuses `value` at `path` of the document.
-fn refuses(document: &Document, path: &str, value: i64) -> bool {
+fn refuses(document: &Document, path: &str, value: toml::Value) -> bool {
     let whole = |path: &str| {
         path.trim_end_matches(|c| "[0123456789]".contains(c))
             .to_owned()
     };
     let mut changed = document.clone();
-    let done = changed.set(path, value.into());
+    let done = changed.set(path, value);
     let read = done.and_then(|()| changed.experiment().map(drop));
     read.is_err_and(|error| whole(&error.field) == whole(path))
 }
@@ -323,12 +440,37 @@ mod tests {
         ] {
             assert_eq!(least(path), [None, Some(0.0)], "{path}");
         }
+        let most = |path: &str| {
+            let place = places(&schema, path).into_iter().next().expect(path);
+            let field = schema.pointer(&place).unwrap();
+            ["minimum", "maximum"].map(|bound| field.get(bound).and_then(Value::as_f64))
+        };
+        for (path, limits) in [
+            ("plant.thrust_lag_s", [Some(0.0), Some(2.0)]),
+            ("substeps", [Some(1.0), Some(1000.0)]),
+            ("weather.steady_m_s[0]", [Some(-340.0), Some(340.0)]),
+            ("weather.turbulence.height_m", [None, Some(305.0)]),
+            ("path.waypoints[0].speed_m_s", [Some(0.0), Some(200.0)]),
+            // These follow from other fields.
+            ("settle_time_s", [Some(0.0), None]),
+            ("vehicle.mass_kg", [None, Some(1e6)]),
+            // It is 1 or -1.
+            ("plant.vehicle.propellers[0].turns", [None, None]),
+            ("duration_s", [None, None]),
+        ] {
+            assert_eq!(most(path), limits, "{path}");
+        }
         for path in [
             "initial.theta_deg",
             "vehicle.delta_deg",
             "path.knots[0].down_m_s",
         ] {
-            assert_eq!(least(path), [None, None], "{path}");
+            // It may be negative.
+            let least = least(path);
+            assert!(
+                least.iter().flatten().all(|least| *least < 0.0),
+                "{path}: {least:?}"
+            );
         }
     }
 }
