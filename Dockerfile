@@ -5,8 +5,8 @@
 FROM rust:1-bookworm AS build
 WORKDIR /alula
 COPY . .
-# The image's own Rust, and not one that rust-toolchain.toml would fetch with its target.
-RUN rm rust-toolchain.toml && cargo build --release --locked -p alula-sil
+# The image's own Rust, and not one that rust-toolchain.toml would fetch with its targets: that of browsers is for `view --live`.
+RUN rm rust-toolchain.toml && rustup target add wasm32-unknown-unknown && cargo build --release --locked -p alula-sil
 
 FROM debian:bookworm-slim
 COPY --from=build /alula/target/release/alula-sil /usr/local/bin/

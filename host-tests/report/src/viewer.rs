@@ -159,7 +159,7 @@ fn names() -> anyhow::Result<Names> {
     let mut all = Vec::new();
     for (name, _) in BUILT_IN {
         let document = Document::load(name)?;
-        let flies = ["path", "reference"]
+        let flies = ["path", "reference", "mission"]
             .iter()
             .any(|key| document.get(key).is_some());
         if flies && document.controller() == "guidance" {

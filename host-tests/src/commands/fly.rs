@@ -22,6 +22,7 @@ use alula_study::files::{leave, leave_all};
 
 use super::output::Output;
 use super::settings::Settings;
+use super::view::{LIVE, library};
 
 /// Fly an experiment; leave its trace and report in a folder
 #[derive(clap::Args)]
@@ -94,7 +95,8 @@ struct Summary<'a> {
     segments: &'a [Segment],
 }
 
-/// What is flown when nothing is asked for: the paper's flight, and the guidance's own mission, which is seen to move if `open`.
+/// What is flown when nothing is asked for: the paper's flight, and the guidance's own mission; and the page that flies by itself, or, of a
+/// program without the library for it, the mission's. It is opened if `open`.
 pub fn first(open: bool) -> anyhow::Result<()> {
     for name in [DEFAULT, MISSION] {
         let document = Document::load(name)?;
@@ -104,9 +106,22 @@ pub fn first(open: bool) -> anyhow::Result<()> {
         })?;
     }
     let output = Output::new(false, open);
-    let page = output.folder(MISSION)?.join(viewer::FILE);
-    writeln!(std::io::stdout(), "\nThe mission, moving:")?;
-    output.show(&page)
+    let (folder, words) = match library() {
+        Ok(library) => {
+            let page = output.folder(LIVE)?.join(viewer::FILE);
+            leave_all(&page, viewer::live(library)?)?;
+            (
+                LIVE,
+                "The mission, moving, and what you make of it:".to_owned(),
+            )
+        }
+        Err(without) => (
+            MISSION,
+            format!("The mission, moving, but not to be steered: {without}"),
+        ),
+    };
+    writeln!(std::io::stdout(), "\n{words}")?;
+    output.show(&output.folder(folder)?.join(viewer::FILE))
 }
 
 pub fn run(args: &Args) -> anyhow::Result<()> {

@@ -33,7 +33,7 @@ use clap::{Parser, Subcommand};
 #[derive(Parser)]
 #[command(name = "alula-sil", version, args_conflicts_with_subcommands = true)]
 pub struct Cli {
-    /// Open the page on which the mission moves in the browser
+    /// Open the page on which the mission moves, and which is steered, in the browser
     #[arg(long)]
     open: bool,
     #[command(subcommand)]

@@ -8,7 +8,6 @@ use anyhow::{Context, ensure};
 
 use alula_report::viewer::{self, Flight};
 use alula_sim::experiment::Document;
-use alula_sim::kind::expect_no_folder;
 use alula_sim::replay::Source;
 use alula_sim::scene::{NUMBERS, Scene};
 use alula_sim::simulate::fly;
@@ -17,7 +16,7 @@ use alula_study::files::leave_all;
 use super::output::Output;
 use super::settings::Settings;
 
-/// See a flight in three dimensions: an experiment is flown, a trace or log is shown as it was; with --wasm, a page that flies by itself
+/// See a flight in three dimensions: an experiment is flown, a trace or log is shown as it was; with --live, a page that flies by itself
 #[derive(clap::Args)]
 pub struct Args {
     /// A built-in experiment or a TOML file; or the trace.csv of a flight; or a flight log, over which the controller of --experiment runs
@@ -31,30 +30,35 @@ pub struct Args {
     /// A TOML file that says which column of a foreign CSV is which
     #[arg(long, value_name = "FILE")]
     map: Option<PathBuf>,
-    /// The library for browsers: the page then flies any built-in experiment, and is steered. `.ci/web` builds it
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["flight", "experiment", "set", "map"])]
-    wasm: Option<PathBuf>,
+    /// The page that flies the built-in experiments by itself, with sliders, and is steered
+    #[arg(long, conflicts_with_all = ["flight", "experiment", "set", "map"])]
+    live: bool,
     #[command(flatten)]
     output: Output,
+}
+
+/// The folder of the page that flies by itself.
+pub const LIVE: &str = "fly";
+
+/// The library for browsers, which the build script compiles; empty where it does not.
+const LIBRARY: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/alula_web.wasm"));
+
+/// The library for browsers.
+pub fn library() -> anyhow::Result<&'static [u8]> {
+    ensure!(
+        !LIBRARY.is_empty(),
+        "this program was built without the library for browsers: `rustup target add wasm32-unknown-unknown`, and `cargo run --release` again"
+    );
+    Ok(LIBRARY)
 }
 
 /// Endings of recorded flights.
 const RECORDED: [&str; 5] = ["csv", "ulg", "bin", "log", "mcap"];
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
-    let (folder, page) = match &args.wasm {
-        Some(file) => {
-            expect_no_folder(file)?;
-            let library = std::fs::read(file).with_context(|| file.display().to_string())?;
-            let is_one = library.starts_with(b"\0asm");
-            ensure!(
-                is_one,
-                "{}: no WebAssembly, which .ci/web builds",
-                file.display()
-            );
-            ("fly".to_owned(), viewer::live(&library)?)
-        }
-        None => args.flight()?,
+    let (folder, page) = match args.live {
+        true => (LIVE.to_owned(), viewer::live(library()?)?),
+        false => args.flight()?,
     };
     let out = args.output.folder(&folder)?;
     let to = out.join(viewer::FILE);

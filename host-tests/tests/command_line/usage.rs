@@ -66,9 +66,16 @@ fn without_arguments_the_default_is_flown_and_leaves_its_files() {
     // No progress bar where there is no terminal.
     assert_eq!(text(&output.stderr), "");
     assert!(stdout.contains("velocity error, peak"), "{stdout}");
-    // The last line says what to look at: the mission, moving.
+    // The last line says what to look at: the mission, moving. It is steered where the program has the library for browsers, which those that
+    // are not optimised have not; else the line before says how to have it.
+    let steered = folder.path().join("out/fly/view.html").exists();
     let last = stdout.lines().last().unwrap();
-    assert_eq!(last, "open out/mission/view.html", "{stdout}");
+    let page = if steered { "fly" } else { "mission" };
+    assert_eq!(last, format!("open out/{page}/view.html"), "{stdout}");
+    let how = "not to be steered: this program was built without the library for browsers: `rustup target add wasm32-unknown-unknown`";
+    assert_eq!(stdout.contains(how), !steered, "{stdout}");
+    let live = alula(folder.path(), &["view", "--live"]);
+    assert_eq!(live.status.success(), steered, "{live:?}");
 
     let out = folder.path().join("out/hover-to-cruise");
     let expected = ["report.html", "report.svg", "trace.csv", "view.html"].map(String::from);
@@ -904,7 +911,6 @@ fn what_is_of_another_kind_is_told_what_is_wanted() {
         ),
         ("replay .", ".: a folder, where a file is wanted"),
         ("tune .", ".: a folder, where a file is wanted"),
-        ("view --wasm .", ".: a folder, where a file is wanted"),
         (
             "fly matched --out mine.toml",
             "mine.toml: a file, where a folder is wanted",
@@ -916,6 +922,30 @@ fn what_is_of_another_kind_is_told_what_is_wanted() {
         (
             "fly dispersed",
             "dispersed: a campaign, where an experiment or a vehicle is wanted: `alula-sil campaign` flies it",
+        ),
+        (
+            "fly attitudes",
+            "attitudes: a campaign, where an experiment or a vehicle is wanted",
+        ),
+        (
+            "fly missions",
+            "missions: a comparison, where an experiment or a vehicle is wanted: `alula-sil compare` flies it",
+        ),
+        (
+            "campaign laws",
+            "laws: a comparison, where a campaign is wanted: `alula-sil compare` flies it",
+        ),
+        (
+            "margins laws",
+            "laws: a comparison, where an experiment, a vehicle or a polar is wanted",
+        ),
+        (
+            "compare mission",
+            "mission: an experiment or a vehicle, where a comparison, or a second experiment, is wanted",
+        ),
+        (
+            "fly naca-0012-re-160e3",
+            "naca-0012-re-160e3: a polar, where an experiment or a vehicle is wanted: `alula-sil fit` takes it",
         ),
         (
             "replay mission",

@@ -1,4 +1,4 @@
-//! The library in the browser. `alula-sil view --wasm` puts it into a page.
+//! The library in the browser. `alula-sil view --live` puts it into a page.
 //!
 //! The page writes a request into [`request`] and calls [`open`], then [`fly`] for a whole flight, or [`step`] again and again for one that
 //! is steered. Texts are UTF-8, numbers are doubles in rows of the scene's columns; both stay where they are until the next call.

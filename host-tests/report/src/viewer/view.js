@@ -45,6 +45,10 @@ function planAt(t) {
 const get = (row, name) => row[flight.at[name]];
 const vector = (row, stem, unit) => ["north", "east", "down"].map((axis) => get(row, `${stem}${axis}_${unit}`));
 
+/* Airspeed below which an angle of attack says nothing [m/s]: as where plans are recorded. */
+const SLOW = 1;
+const alphaOf = (row) => get(row, "airspeed_m_s") > SLOW ? get(row, "wing_alpha_rad") : NaN;
+
 /* The rows about a time, and how far it is between them. */
 function about(t) {
     const rows = flight.rows;
@@ -343,7 +347,7 @@ function state(row, t) {
     const lines = [
         `speed ${fixed(Math.hypot(...v), 1)} m/s, in air ${fixed(get(row, "airspeed_m_s"), 1)} m/s`,
         `height ${fixed(-get(row, "down_m"), 1)} m, climb ${fixed(-v[2], 1)} m/s`,
-        `α ${fixed(degrees(get(row, "wing_alpha_rad")), 1)}°, thrust ${fixed(get(row, "thrust_to_weight"), 2)} of the weight`,
+        `α ${fixed(degrees(alphaOf(row)), 1)}${Number.isFinite(alphaOf(row)) ? "°" : ""}, thrust ${fixed(get(row, "thrust_to_weight"), 2)} of the weight`,
         `|F_p| ${fixed(get(row, "fp_n"), 1)} N, θ̃ ${fixed(degrees(get(row, "theta_tilde_rad")), 1)}°`,
         `off the path ${fixed(get(row, "position_error_m"), 2)} m, ${fixed(get(row, "velocity_error_m_s"), 2)} m/s`,
         [mode, phase, flags === "ok" ? "" : flags].filter(Boolean).join(", "),
@@ -480,7 +484,7 @@ function charts() {
     e.legend([...entries, [color("soft"), "m/s²; folds as dots"]]);
     f.legend([...entries, [color("soft"), "m/s²"]]);
     if (!now) return;
-    const alpha = degrees(get(now, "wing_alpha_rad"));
+    const alpha = degrees(alphaOf(now));
     for (const list of [lift, drag, lambda]) {
         const near = list.find((p) => p[0] >= alpha);
         if (near) c.dot(alpha, near[1], color("red"));
