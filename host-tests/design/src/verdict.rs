@@ -252,11 +252,11 @@ mod tests {
             cruise: Some([1.0, 2.6]),
             ..PERFORMANCE
         };
-        let why = why_no_cruise(&facts(60.0), &performance);
+        let why = why_no_cruise(&facts(50.0), &performance);
         says(
             &why,
             &["needs 2.60 times the weight of thrust, and there is 1.6"],
         );
-        assert_eq!(why_no_cruise(&facts(60.0), &PERFORMANCE), "");
+        assert_eq!(why_no_cruise(&facts(50.0), &PERFORMANCE), "");
     }
 }

@@ -163,7 +163,10 @@ fn sweep_finds_the_jump_of_the_papers_flight() {
     assert!(sweep["jumps"][0]["t_s"].to_string().len() <= 6, "{sweep}");
     near(&sweep["jumps"][0]["t_s"], 7.38, 0.02);
     assert_eq!(sweep["low_fp"].as_array().unwrap().len(), 1);
-    assert_pictures(&folder.path().join("out/sweep-hover-to-cruise"), &[]);
+    assert_pictures(
+        &folder.path().join("out/sweep-hover-to-cruise"),
+        &["view.html"],
+    );
     let climb = json(
         folder.path(),
         &["sweep", "large-angle", "--min-fp", "10", "--json"],
