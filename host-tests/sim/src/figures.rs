@@ -505,8 +505,10 @@ impl<'a> Tally<'a> {
     fn until(&self, phases: &Phases, error: fn(&Phases, &Point) -> f64, limit: f64) -> f64 {
         let before = self.course.iter().rev();
         let mut before = before.skip_while(|point| point.t >= phases.cruise[1]);
-        // A NaN is no small error.
-        let last = before.find(|point| !(error(phases, point) < limit));
+        let last = before.find(|point| {
+            let error = error(phases, point);
+            error.is_nan() || error >= limit
+        });
         match last {
             None => 0.0,
             Some(last) if phases.late_cruise().contains(&last.t) => f64::NAN,
