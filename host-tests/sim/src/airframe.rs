@@ -98,10 +98,7 @@ impl Airframe {
     /// The vehicle of a document, of which nothing else need be there.
     pub fn of(document: &Document) -> anyhow::Result<Self> {
         // A whole experiment is judged as one.
-        if ["path", "reference"]
-            .iter()
-            .any(|key| document.get(key).is_some())
-        {
+        if document.is_flight() {
             document.checked()?;
         }
         let read = || {

@@ -22,9 +22,8 @@ impl Document {
     pub fn data(&self) -> Result<Experiment, FieldError> {
         let believed = self.believed()?;
         let mut experiment: Experiment = believed.document.read()?;
-        let given = ["path", "reference", "mission"].map(|key| self.get(key).is_some());
         let problem = "missing field `path`, or `mission`";
-        require(given.contains(&true), "", problem)?;
+        require(self.is_flight(), "", problem)?;
         experiment.tail_sitter = believed.tail_sitter;
         experiment
             .validate()

@@ -4,6 +4,7 @@
 //! names it. The text's own tables are put over the base's, key by key. Where a table chooses one of several kinds ([`CHOICES`]), another
 //! kind replaces the base's. `[set]` then changes single fields by dotted path.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use anyhow::{Context, anyhow, bail, ensure};
@@ -50,8 +51,10 @@ const NAMED_TABLES: [NamedTable; 2] = [
         built_in: SENSORS,
     },
 ];
-/// What is to be flown: two names of one table, and a mission. A text that has one takes the place of the others in its base.
-const NAMES_OF_PATH: [&str; 3] = ["path", "reference", "mission"];
+/// Two names of the table of what is to be flown: a text may have either, whatever its base has.
+const NAMES_OF_PATH: [&str; 2] = ["path", "reference"];
+/// The table that may stand in its place.
+const MISSION: &str = "mission";
 
 /// A value that was refused: the field's dotted path, and why.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -190,6 +193,27 @@ impl PartialEq for Document {
     }
 }
 
+/// The other name of the table of what is to be flown, if `key` is one of them.
+fn other_name(key: &str) -> Option<&'static str> {
+    let [path, reference] = NAMES_OF_PATH;
+    match key {
+        "path" => Some(reference),
+        "reference" => Some(path),
+        _ => None,
+    }
+}
+
+/// The first key of a dotted path, and the rest.
+fn begun(path: &str) -> (&str, &str) {
+    path.split_at(path.find(['.', '[']).unwrap_or(path.len()))
+}
+
+/// A dotted path into the table of what is to be flown, by the other name.
+fn renamed(path: &str) -> Option<String> {
+    let (key, rest) = begun(path);
+    Some(format!("{}{rest}", other_name(key)?))
+}
+
 /// The parts of a dotted path: each a key, and perhaps the index of an item.
 fn parts(path: &str) -> impl Iterator<Item = (&str, Option<&str>)> {
     path.split('.').map(|part| match part.split_once('[') {
@@ -311,7 +335,7 @@ impl Document {
 
     /// The number at `path`.
     pub fn number(&self, path: &str) -> Result<f64, FieldError> {
-        match self.get(path) {
+        match self.get(&self.as_named(path)) {
             Some(Value::Integer(n)) => Ok(*n as f64),
             Some(Value::Float(x)) => Ok(*x),
             Some(_) => Err(FieldError::new(path, "is not a number")),
@@ -464,19 +488,38 @@ impl Document {
 
     /// The error with the name that the document has for the path.
     pub(crate) fn as_written(&self, error: FieldError) -> FieldError {
-        let [path, reference, _] = NAMES_OF_PATH;
-        match error.field.strip_prefix(path) {
-            Some(rest) if self.get(reference).is_some() => {
-                FieldError::new(format!("{reference}{rest}"), error.problem)
-            }
-            _ => error,
+        let field = self.as_named(&error.field).into_owned();
+        FieldError { field, ..error }
+    }
+
+    /// The path with the document's name for the table of what is to be flown.
+    fn as_named<'a>(&self, path: &'a str) -> Cow<'a, str> {
+        let (key, _) = begun(path);
+        match renamed(path) {
+            Some(renamed) if self.get(key).is_none() => renamed.into(),
+            _ => path.into(),
         }
     }
 
-    /// Takes the other name of the path out, where `key` is one of its names.
+    /// Whether it says what is to be flown.
+    pub fn is_flight(&self) -> bool {
+        let mut names = NAMES_OF_PATH.into_iter().chain([MISSION]);
+        names.any(|key| self.get(key).is_some())
+    }
+
+    /// Gives the table of what is to be flown the name `key`, if that is one of its names. A path takes the place of a mission, and a mission that
+    /// of a path.
     fn supersede(&mut self, key: &str) {
-        if let (Value::Table(root), true) = (&mut self.root, NAMES_OF_PATH.contains(&key)) {
-            root.retain(|other, _| other == key || !NAMES_OF_PATH.contains(&other));
+        let Value::Table(root) = &mut self.root else {
+            return;
+        };
+        if let Some(other) = other_name(key) {
+            root.remove(MISSION);
+            if let Some(path) = root.remove(other) {
+                root.insert(key.to_owned(), path);
+            }
+        } else if key == MISSION {
+            root.retain(|key, _| other_name(key).is_none());
         }
     }
 
@@ -704,9 +747,12 @@ impl Layer {
             rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
         };
         if let Some(DeValue::Table(set)) = root.get("set").map(|set| set.get_ref()) {
-            let assignment = set
-                .iter()
-                .find(|(key, _)| begins(field, key.get_ref()) || begins(key.get_ref(), field));
+            let either = |one: &str, other: &str| begins(one, other) || begins(other, one);
+            let renamed = renamed(field);
+            let assignment = set.iter().find(|(key, _)| {
+                let key = key.get_ref();
+                either(field, key) || renamed.as_deref().is_some_and(|field| either(field, key))
+            });
             if let Some((key, _)) = assignment {
                 return (line_at(&self.text, key.span().start), true);
             }
@@ -720,7 +766,7 @@ impl Layer {
                 let items: Option<&toml::de::DeArray> = array;
                 index.parse().ok().and_then(|i: usize| items?.get(i))
             } else {
-                table.and_then(|t| t.get(part))
+                table.and_then(|t| t.get(part).or_else(|| t.get(other_name(part)?)))
             };
             let Some(value) = value else {
                 // The value is not a table: the rest of the path cannot be followed into it.
@@ -806,15 +852,39 @@ mod tests {
         assert!(error.contains("a.toml: base: c.toml"), "{error}");
     }
 
-    /// `[path]` and `[reference]` are two names of one table: the text's stands in place of its base's, and errors have the name that is written.
+    /// `[path]` and `[reference]` are two names of one table, whichever the base has: another kind stands in place of the base's, more of the same kind
+    /// is added to it, and errors have the name that is written.
     #[test]
-    fn a_path_replaces_the_reference_of_the_base() {
+    fn a_path_is_the_reference_of_the_base() {
+        let mut document = Document::load("round-trip").unwrap();
+        let field = "path.knots[1].forward_m_s";
+        let before = document.number(field).unwrap();
+        document.set(field, 15.0.into()).unwrap();
+        assert!(before != 15.0 && document.number("reference.knots[1].forward_m_s") == Ok(15.0));
+        assert!(document.checked().unwrap().in_plane());
+        let wider = over("base = 'climbing-turn'\n[reference.circle]\nradius_m = 55\n").unwrap();
+        let alone = Document::load("climbing-turn").unwrap();
+        let speed = |document: &Document| document.number("path.circle.speed_m_s").unwrap();
+        assert_eq!(speed(&wider), speed(&alone));
+        assert!(wider.number("path.circle.radius_m") == Ok(55.0) && wider.checked().is_ok());
+
         let path = over("base = 'round-trip'\n[path.circle]\nradius_m = 40\nspeed_m_s = 20\n");
         let mut document = path.unwrap();
         assert!(document.get("reference").is_none() && !document.checked().unwrap().in_plane());
-        document.set("path.circle.radius_m", 0.into()).unwrap();
+        document.set("reference.circle.radius_m", 0.into()).unwrap();
         let error = document.experiment().unwrap_err();
-        assert_eq!(error.field, "path.circle.radius_m");
+        assert_eq!(error.field, "reference.circle.radius_m");
+        // A line of the text is found by either name.
+        let text = "base = 'round-trip'\n[path.circle]\nradius_m = 0\nspeed_m_s = 20\n";
+        for set in ["", "set.'reference.circle.speed_m_s' = 21"] {
+            let refused = over(&format!("{set}\n{text}")).unwrap();
+            let error = refused.experiment().map_err(|error| refused.located(error));
+            let error = error.err().unwrap().to_string();
+            assert!(
+                error.contains(":4: ") && error.contains("circle.radius_m"),
+                "{error}"
+            );
+        }
         let knots = "knots = [{ t_s = 0, down_m_s = 0, forward_m_s = 5 }]";
         let mut document = over(&format!("base = 'eight'\n[reference]\n{knots}\n")).unwrap();
         assert!(document.checked().unwrap().in_plane());
