@@ -79,18 +79,19 @@ impl Goal {
             return Err(code::ALULA_ERROR_VELOCITY);
         }
         let goal = core(self.kind, target).ok_or(code::ALULA_ERROR_GOAL)?;
-        let goals = Goals::new(Preferences {
-            speed: self.speed,
-            climb: self.climb,
-            acceleration: self.acceleration,
-            planner_options: PlannerOptions::default()
-                .altitude_band(self.altitude_band)
-                .nose_below_vertical(match self.nose_below_vertical {
-                    0 => false,
-                    1 => true,
-                    _ => return Err(code::ALULA_ERROR_GOAL),
-                }),
-        });
+        let planner_options = PlannerOptions::default()
+            .altitude_band(self.altitude_band)
+            .nose_below_vertical(match self.nose_below_vertical {
+                0 => false,
+                1 => true,
+                _ => return Err(code::ALULA_ERROR_GOAL),
+            });
+        let preferences = Preferences::default()
+            .speed(self.speed)
+            .climb(self.climb)
+            .acceleration(self.acceleration)
+            .planner_options(planner_options);
+        let goals = Goals::new(preferences);
         let goals = goals.map_err(|_| code::ALULA_ERROR_GOAL)?;
         let mut state = GoalState::from_words(&self.opaque);
         let GoalOutput {

@@ -479,12 +479,7 @@ fn goals_are_the_cores_to_the_bit() {
         nose_below_vertical: 1,
         ..Goal::DEFAULT
     };
-    let goals = Goals::new(Preferences {
-        speed: 20.0,
-        climb: 3.0,
-        acceleration: 2.0,
-        planner_options,
-    });
+    let goals = Goals::new(Preferences::default().planner_options(planner_options));
     let (goals, mut state) = (goals.unwrap(), GoalState::default());
     let mut c = controller(&PAPER, null());
     let (mut position, mut velocity) = ([0.0f32; 3], [0.0f32; 3]);

@@ -61,14 +61,14 @@ impl Goals {
         altitude_band_m: f32,
         nose_below_vertical: bool,
     ) -> PyResult<Self> {
-        let preferences = Preferences {
-            speed: speed_m_s,
-            climb: climb_m_s,
-            acceleration: acceleration_m_s2,
-            planner_options: PlannerOptions::default()
-                .altitude_band(altitude_band_m)
-                .nose_below_vertical(nose_below_vertical),
-        };
+        let planner_options = PlannerOptions::default()
+            .altitude_band(altitude_band_m)
+            .nose_below_vertical(nose_below_vertical);
+        let preferences = Preferences::default()
+            .speed(speed_m_s)
+            .climb(climb_m_s)
+            .acceleration(acceleration_m_s2)
+            .planner_options(planner_options);
         let refused = |e: ::alula::ParameterError| {
             let field = match e.parameter {
                 "speed" => "speed_m_s",

@@ -9,6 +9,7 @@ use super::{MAX_STEP, MIN_STEP};
 use crate::error::{ParameterError, in_range};
 use crate::math;
 use crate::ned::Ned;
+use crate::parameters::setters;
 use crate::reference::MAX_SPEED;
 use crate::spatial::{Heading, Reference};
 
@@ -25,9 +26,17 @@ pub enum Goal {
     Velocity(Ned),
 }
 
-/// How a goal is to be reached.
+/// How a goal is to be reached. The default is 20 m/s level, 3 m/s up and down, 2 m/s² and no options.
+///
+/// ```
+/// use alula::prelude::*;
+///
+/// let slower = Preferences::default().speed(12.0).climb(1.5);
+/// assert_eq!((slower.speed, slower.acceleration), (12.0, 2.0));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct Preferences {
     /// Horizontal speed on the way to a position [m/s].
     pub speed: f32,
@@ -37,6 +46,26 @@ pub struct Preferences {
     pub acceleration: f32,
     /// What the plans are to mind, a stop's too.
     pub planner_options: PlannerOptions,
+}
+
+impl Default for Preferences {
+    fn default() -> Self {
+        Self {
+            speed: 20.0,
+            climb: 3.0,
+            acceleration: 2.0,
+            planner_options: PlannerOptions::default(),
+        }
+    }
+}
+
+setters! {
+    Preferences {
+        speed: f32,
+        climb: f32,
+        acceleration: f32,
+        planner_options: PlannerOptions,
+    }
 }
 
 /// Makes references of goals. Immutable and validated.
@@ -306,13 +335,7 @@ mod tests {
     const DT: f32 = 0.01;
 
     fn goals() -> Goals {
-        Goals::new(Preferences {
-            speed: 20.0,
-            climb: 3.0,
-            acceleration: 2.0,
-            planner_options: PlannerOptions::default(),
-        })
-        .unwrap()
+        Goals::new(Preferences::default()).unwrap()
     }
 
     /// A vehicle that follows exactly, for `time` \[s\]: its state at the end, and the most that was asked of it.
@@ -483,35 +506,12 @@ mod tests {
 
     #[test]
     fn bad_preferences_are_named() {
-        let good = Preferences {
-            speed: 20.0,
-            climb: 3.0,
-            acceleration: 2.0,
-            planner_options: PlannerOptions::default(),
-        };
+        let good = Preferences::default();
         let name = |p| Goals::new(p).unwrap_err().parameter;
-        assert_eq!(name(Preferences { speed: 0.0, ..good }), "speed");
-        assert_eq!(
-            name(Preferences {
-                climb: f32::NAN,
-                ..good
-            }),
-            "climb"
-        );
-        assert_eq!(
-            name(Preferences {
-                acceleration: -1.0,
-                ..good
-            }),
-            "acceleration"
-        );
-        let band = |altitude_band| Preferences {
-            planner_options: PlannerOptions {
-                altitude_band,
-                ..PlannerOptions::default()
-            },
-            ..good
-        };
+        assert_eq!(name(good.speed(0.0)), "speed");
+        assert_eq!(name(good.climb(f32::NAN)), "climb");
+        assert_eq!(name(good.acceleration(-1.0)), "acceleration");
+        let band = |band| good.planner_options(PlannerOptions::default().altitude_band(band));
         for bad in [-1.0, 1e-4, 2e3, f32::NAN, f32::INFINITY] {
             assert_eq!(name(band(bad)), "altitude_band");
         }

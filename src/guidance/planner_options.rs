@@ -128,13 +128,7 @@ mod tests {
         } else {
             PlannerOptions::default()
         };
-        let goals = Goals::new(Preferences {
-            speed: 20.0,
-            climb: 3.0,
-            acceleration: 2.0,
-            planner_options: preferred,
-        })
-        .unwrap();
+        let goals = Goals::new(Preferences::default().planner_options(preferred)).unwrap();
         let (mut state, mut goal) = (GuidanceState::default(), GoalState::default());
         let wind = Inertial::new(0.0, -how.wind);
         let (mut velocity, mut position) = (Inertial::new(0.0, 20.0), Inertial::ZERO);

@@ -258,7 +258,7 @@ fn a_frozen_accelerometer_stands_still() {
 /// To a velocity, to a place behind, and a stop on the way, told in goals alone.
 #[test]
 fn goals_are_reached() {
-    use alula::guidance::{Goal, GoalState, Goals, PlannerOptions, Preferences};
+    use alula::guidance::{Goal, GoalState, Goals, Preferences};
     use alula::ned::Ned;
     use alula_sim::controllers::{Answer, Controller, Input};
 
@@ -293,13 +293,7 @@ fn goals_are_reached() {
     let experiment = experiment("space", &hover);
     let mut controller = ByGoals {
         controller: experiment.controller().unwrap(),
-        goals: Goals::new(Preferences {
-            speed: 18.0,
-            climb: 2.0,
-            acceleration: 2.0,
-            planner_options: PlannerOptions::default(),
-        })
-        .unwrap(),
+        goals: Goals::new(Preferences::default().speed(18.0).climb(2.0)).unwrap(),
         state: GoalState::default(),
         t: 0.0,
     };

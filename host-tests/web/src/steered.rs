@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use alula::guidance::{Goal, GoalState, Goals, PlannerOptions, Preferences};
+use alula::guidance::{Goal, GoalState, Goals, Preferences};
 use alula::mission::{
     Item, Mission, MissionInput, MissionParameters, MissionState, Missions, Pass, Responses,
 };
@@ -15,12 +15,7 @@ use anyhow::{bail, ensure};
 
 /// How goals are flown to.
 fn preferences() -> Preferences {
-    Preferences {
-        speed: 20.0,
-        climb: 3.0,
-        acceleration: 3.0,
-        planner_options: PlannerOptions::default(),
-    }
+    Preferences::default().acceleration(3.0)
 }
 
 /// A flight that somebody steers.
