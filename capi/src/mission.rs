@@ -410,7 +410,9 @@ fn refused(error: ParameterError) -> i32 {
 fn of_item(error: &MissionError) -> i32 {
     match (error.problem, error.field) {
         (ItemProblem::TooMany, _) => code::ALULA_ERROR_ITEM_TOO_MANY,
-        (ItemProblem::Range { .. }, "place" | "centre" | "down") => code::ALULA_ERROR_ITEM_PLACE,
+        (ItemProblem::Far { .. }, _) | (ItemProblem::Range { .. }, "down") => {
+            code::ALULA_ERROR_ITEM_PLACE
+        }
         (ItemProblem::Range { .. }, "radius") => code::ALULA_ERROR_ITEM_RADIUS,
         (ItemProblem::Range { .. }, _) => code::ALULA_ERROR_ITEM_VALUE,
         (ItemProblem::Narrow { .. }, _) => code::ALULA_ERROR_ITEM_NARROW,

@@ -102,6 +102,13 @@ pub enum ItemProblem {
         min: f32,
         /// Most.
         max: f32,
+        /// Unit of both; empty for a pure number.
+        unit: &'static str,
+    },
+    /// A place that is farther from home than this \[m\], on the level or in altitude, or not finite.
+    Far {
+        /// The greatest distance \[m\].
+        most: f32,
     },
     /// A turn that is narrower than the vehicle can fly at the speed of the item \[m\].
     Narrow {
@@ -138,7 +145,11 @@ impl fmt::Display for MissionError {
         write!(f, "item {item}: {field}: ")?;
         match self.problem {
             ItemProblem::TooMany => write!(f, "a mission has at most {CAPACITY} items"),
-            ItemProblem::Range { min, max } => write!(f, "must be from {min} to {max}"),
+            ItemProblem::Range { min, max, unit } => {
+                let space = if unit.is_empty() { "" } else { " " };
+                write!(f, "must be from {min} to {max}{space}{unit}")
+            }
+            ItemProblem::Far { most } => write!(f, "must be within {most} m of home"),
             ItemProblem::Narrow { least } => {
                 write!(f, "the vehicle turns on {least:.1} m at this speed")
             }
@@ -163,19 +174,25 @@ pub struct Mission {
 
 /// A place \[m\] that is near enough.
 fn near(field: &'static str, place: Ned) -> Result<(), (&'static str, ItemProblem)> {
-    range(field, level(place), [0.0, FARTHEST])?;
-    range(field, place.down, [-FARTHEST, FARTHEST])
+    let distance = math::max(level(place), place.down.abs());
+    // NaN is not near.
+    if distance <= FARTHEST && level(place).is_finite() {
+        Ok(())
+    } else {
+        Err((field, ItemProblem::Far { most: FARTHEST }))
+    }
 }
 
 fn range(
     field: &'static str,
     value: f32,
     [min, max]: [f32; 2],
+    unit: &'static str,
 ) -> Result<(), (&'static str, ItemProblem)> {
     if (min..=max).contains(&value) {
         Ok(())
     } else {
-        Err((field, ItemProblem::Range { min, max }))
+        Err((field, ItemProblem::Range { min, max, unit }))
     }
 }
 
@@ -224,10 +241,10 @@ impl Mission {
         }
         *landed = matches!(item, Item::Land { .. } | Item::Return);
         match *item {
-            Item::TakeOff { height } => range("height", height, [1.0, FARTHEST]),
+            Item::TakeOff { height } => range("height", height, [1.0, FARTHEST], "m"),
             Item::Waypoint { place, pass } => {
                 if let Pass::Hover(time) = pass {
-                    range("pass", time, [0.0, LONGEST])?;
+                    range("pass", time, [0.0, LONGEST], "s")?;
                 }
                 near("place", place)
             }
@@ -238,7 +255,8 @@ impl Mission {
             } => {
                 near("centre", centre)?;
                 match until {
-                    Until::Turns(x) | Until::Time(x) => range("until", x, [0.0, LONGEST])?,
+                    Until::Turns(x) => range("until", x, [0.0, LONGEST], "turns")?,
+                    Until::Time(x) => range("until", x, [0.0, LONGEST], "s")?,
                     Until::Forever => {}
                 }
                 let least = ability.least_speed();
@@ -247,7 +265,7 @@ impl Mission {
                 }
                 let least = *speed * *speed / ability.turn(*speed, p.tan_bank());
                 // NaN is not narrower.
-                range("radius", radius.abs(), [0.0, FARTHEST])?;
+                range("radius", radius.abs(), [0.0, FARTHEST], "m")?;
                 if radius.abs() < least {
                     return Err(("radius", ItemProblem::Narrow { least }));
                 }
@@ -255,11 +273,11 @@ impl Mission {
             }
             Item::Speed(next) => {
                 let most = ability.most_speed();
-                range("speed", next, [0.5, most])?;
+                range("speed", next, [0.5, most], "m/s")?;
                 *speed = next;
                 Ok(())
             }
-            Item::Altitude { down } => range("down", down, [-FARTHEST, FARTHEST]),
+            Item::Altitude { down } => range("down", down, [-FARTHEST, FARTHEST], "m"),
             Item::Land { place } => place.map_or(Ok(()), |place| near("place", place)),
             Item::Return => Ok(()),
         }

@@ -281,8 +281,11 @@ pub fn column(name: &str) -> Option<&'static Column> {
 pub fn expect_todays<'a>(header: impl IntoIterator<Item = &'a str>) -> anyhow::Result<()> {
     let todays: Vec<&str> = COLUMNS.iter().map(|column| column.name).collect();
     for name in header.into_iter().filter(|name| !todays.contains(name)) {
-        if let Some(new) = renamed(name, &todays).filter(|new| todays.contains(new)) {
-            anyhow::bail!("{name}: a column of older traces: {new} stands for it now");
+        let now = renamed(name, &todays);
+        if let Some(new) = now.iter().find(|new| todays.contains(new)) {
+            anyhow::bail!(
+                "{name}: a column of older traces, whose axes and signs may be others: {new} stands for it now"
+            );
         }
     }
     Ok(())
@@ -457,7 +460,9 @@ mod tests {
             ("told_q_w", "told_attitude_w"),
         ] {
             let error = expect_todays(["t_s", old]).unwrap_err().to_string();
-            let wanted = format!("{old}: a column of older traces: {new} stands for it now");
+            let wanted = format!(
+                "{old}: a column of older traces, whose axes and signs may be others: {new} stands for it now"
+            );
             assert_eq!(error, wanted);
         }
         // Those of today, and of other programs.

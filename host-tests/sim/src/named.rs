@@ -193,7 +193,9 @@ const RENAMED: &[(&str, &str)] = &[
     ("rates_rad_s", "body_rates_rad_s"),
     ("inertia_kg_m2", "moment_of_inertia_kg_m2"),
     ("torque_max_n_m", "max_torque_n_m"),
+    // A peak in a plane, and in space the root mean square.
     ("late_velocity_error_m_s", "max_late_velocity_error_m_s"),
+    ("late_velocity_error_m_s", "late_velocity_error_rms_m_s"),
     ("late_position_error_m", "max_late_position_error_m"),
     ("cruise_error_m_s", "max_cruise_error_m_s"),
     ("max_rate_rad_s", "max_rate_command_rad_s"),
@@ -230,17 +232,18 @@ const RENAMED: &[(&str, &str)] = &[
     ("told_f_wing_m_s2", "told_f_right_m_s2"),
 ];
 
-/// The name that `given` has now, where it is one of `names` or says its table.
-pub fn renamed(given: &str, names: &[&str]) -> Option<&'static str> {
-    let mut now = RENAMED.iter().filter(|(old, _)| *old == given);
-    let (_, new) = now.find(|(_, new)| names.contains(new) || new.contains('.'))?;
-    Some(new)
+/// The names that `given` has now, of those that are among `names` or say their table.
+pub fn renamed(given: &str, names: &[&str]) -> Vec<&'static str> {
+    let now = RENAMED.iter().filter(|(old, _)| *old == given);
+    let now = now.filter(|(_, new)| names.contains(new) || new.contains('.'));
+    now.map(|(_, new)| *new).collect()
 }
 
 /// What an error adds to the unknown name `given`: the field's new name, or the one of `names` that was probably meant, or nothing.
 pub fn hint(given: &str, names: &[&str]) -> String {
-    if let Some(new) = renamed(given, names) {
-        return format!("; its name is `{new}` now");
+    let now = renamed(given, names);
+    if !now.is_empty() {
+        return format!("; its name is `{}` now", now.join("` or `"));
     }
     nearest(given, names).map_or(String::new(), |name| format!("; did you mean `{name}`?"))
 }
@@ -267,6 +270,10 @@ mod tests {
                 format!("; its name is `{new}` now")
             );
         }
+        let either = ["max_late_velocity_error_m_s", "late_velocity_error_rms_m_s"];
+        let both =
+            "; its name is `max_late_velocity_error_m_s` or `late_velocity_error_rms_m_s` now";
+        assert_eq!(hint("late_velocity_error_m_s", &either), both);
         // Where the new one does not belong it is not named, unless it says its table.
         assert_eq!(hint("max_turn_g", &["seed"]), "");
         assert_eq!(

@@ -770,6 +770,6 @@ fn a_mission_that_cannot_be_flown_is_refused_by_item_and_field() {
     );
     assert_eq!(
         refused("{ waypoint = { north_m = 2e6, east_m = 0.0, height_m = 50.0 } }"),
-        "mission.items[0].place: must be from 0 to 100000"
+        "mission.items[0].place: must be within 100000 m of home"
     );
 }

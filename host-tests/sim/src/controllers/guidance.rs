@@ -14,7 +14,7 @@ use toml::Value;
 use super::plans::{PlanSpec, PlanTask};
 use super::{Answer, Controller, Input, Kind, Spec};
 use crate::experiment::{
-    Experiment, FaultKind, FieldError, Fields, Model, NO_LIMITS, VehicleSpec, refused,
+    Experiment, FaultKind, FieldError, Fields, Model, NO_LIMITS, VehicleSpec, refused, require,
 };
 use crate::margins::LoopGains;
 
@@ -62,6 +62,9 @@ impl GuidanceSpec {
             parameters: fields.parameters()?,
         };
         fields.end()?;
+        if let Some([least, most]) = spec.thrust_n {
+            require(least < most, "thrust_n", "must be [least, most]")?;
+        }
         Ok(spec)
     }
 

@@ -89,9 +89,15 @@ impl Source {
             Content::Log(states) => log::replay(&states, experiment).context(self.origin)?,
         };
         said.extend(rejected::notes(&record));
+        if experiment.mission.is_some() {
+            said.push(MISSION.to_owned());
+        }
         Ok((record, said))
     }
 }
+
+/// What the replay of a mission is not.
+const MISSION: &str = "the experiment flies a mission, which does not ask the guidance on the ground; a replay asks it in every row, and its commands are not those that were flown";
 
 /// The name of the first column of a CSV that begins with `head`, without a unit.
 fn first_name(head: &[u8]) -> String {
