@@ -19,6 +19,7 @@ mod margins;
 pub mod page;
 mod panel;
 mod picture;
+pub mod plans;
 pub mod replay;
 mod side;
 mod strip;

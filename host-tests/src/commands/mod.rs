@@ -18,6 +18,7 @@ mod margins;
 mod new;
 mod output;
 mod pil;
+mod plans;
 mod preflight;
 mod replay;
 mod schema;
@@ -60,6 +61,7 @@ enum Command {
     Envelope(envelope::Args),
     Equilibria(equilibria::Args),
     Sweep(sweep::Args),
+    Plans(plans::Args),
     Tune(tune::Args),
     Fit(fit::Args),
     Schema(schema::Args),
@@ -98,6 +100,7 @@ impl Cli {
             Some(Command::Envelope(args)) => envelope::run(&args),
             Some(Command::Equilibria(args)) => equilibria::run(&args),
             Some(Command::Sweep(args)) => sweep::run(&args),
+            Some(Command::Plans(args)) => plans::run(&args),
             Some(Command::Tune(args)) => tune::run(&args),
             Some(Command::Fit(args)) => fit::run(&args),
             Some(Command::Schema(args)) => schema::run(&args),

@@ -1,4 +1,4 @@
-//! `envelope`, `equilibria`, `sweep` and `fit` as a user meets them.
+//! `envelope`, `equilibria`, `sweep`, `plans` and `fit` as a user meets them.
 
 use std::fs;
 use std::path::Path;
@@ -172,6 +172,32 @@ fn sweep_finds_the_jump_of_the_papers_flight() {
         &["sweep", "large-angle", "--min-fp", "10", "--json"],
     );
     assert_eq!(climb["admissible"], true);
+}
+
+/// The plans of a braking, from and to when is asked; a law makes none.
+#[test]
+fn plans_says_what_was_chosen() {
+    let folder = tempfile::tempdir().unwrap();
+    let braking = ["--from-s", "45", "--to-s", "46.2"];
+    let plans = json(
+        folder.path(),
+        &[&["plans", "round-trip", "--json"], &braking[..]].concat(),
+    );
+    let choices = plans["choices"].as_array().unwrap();
+    let number = |one: &Value, name: &str| one[name].as_f64().unwrap();
+    for one in choices {
+        assert!((45.0..=46.2).contains(&number(one, "t_s")), "{one}");
+        assert!(number(one, "cost_s") < number(one, "in_force_s"), "{one}");
+    }
+    // Past the stall it brakes.
+    let alpha = |one: &Value| one["alpha_deg"].as_f64();
+    assert!(choices.iter().filter_map(alpha).any(|alpha| alpha > 40.0));
+    assert_pictures(&folder.path().join("out/plans-round-trip"), &[]);
+    refused(
+        folder.path(),
+        &["plans", "hover-to-cruise"],
+        &["hover-to-cruise: no plan from 0 to 20 s", "a law none"],
+    );
 }
 
 #[test]
