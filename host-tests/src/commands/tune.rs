@@ -53,18 +53,33 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let committed = tuner.trials(&[now])?;
     let committed = committed.first().context("one was asked for")?;
     let before = committed.objective();
-    writeln!(out, "The constants as they are: objective {before:.3}")?;
+    let flights = tuner.flights();
+    writeln!(
+        out,
+        "The constants as they are: objective {before:.3}, {} of {flights} flights outside a limit of their campaign",
+        committed.outside
+    )?;
     if args.sensitivity {
-        writeln!(out, "Objective over that, with one constant changed:")?;
-        let [a, b, c, d] = FACTORS.map(|factor| format!("× {factor}"));
-        let (name, value) = ("constant", "value");
-        writeln!(out, "  {name:<20} {value:>8}  {a:>7} {b:>7} {c:>7} {d:>7}")?;
-        for row in tuner.sensitivities(&now)? {
-            let (name, value, [a, b, c, d]) = (row.name, row.value, row.ratios);
+        writeln!(
+            out,
+            "Objective over that, and flights outside, with one constant changed:\n"
+        )?;
+        let percent = FACTORS.map(|factor| format!("{:+.0} %", 100.0 * (factor - 1.0)));
+        writeln!(out, "| constant | value | {} |", percent.join(" | "))?;
+        writeln!(out, "|---|---:|{}", "---:|".repeat(FACTORS.len()))?;
+        for (i, row) in Tuning::ROWS.iter().enumerate() {
+            let trials = tuner.changed(&now, i)?;
+            let cell =
+                |trial: &Trial| format!("{:.2}, {}", trial.objective() / before, trial.outside);
+            let cells: Vec<String> = trials.iter().map(cell).collect();
             writeln!(
                 out,
-                "  {name:<20} {value:>8}  {a:>7.3} {b:>7.3} {c:>7.3} {d:>7.3}"
+                "| `{}` | {} | {} |",
+                row.name,
+                now.get(i),
+                cells.join(" | ")
             )?;
+            out.flush()?;
         }
         return Ok(());
     }

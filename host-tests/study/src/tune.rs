@@ -13,7 +13,7 @@ use rand_chacha::ChaCha8Rng;
 use serde::Deserialize;
 
 use super::evolution::Evolution;
-use super::{CampaignSource, Drawn, FaultDraw, FlightResult, Threads, each};
+use super::{CampaignSource, Drawn, FaultDraw, FlightResult, Limit, Threads, each};
 
 /// What is flown, and what it costs.
 #[derive(Clone, Debug, Deserialize)]
@@ -61,6 +61,7 @@ struct Scenario {
     drawn: Drawn,
     faults: Vec<FaultDraw>,
     costs: Vec<(usize, Cost)>,
+    limits: Vec<Limit>,
     /// Which of the groups it is of, and its share of that.
     group: usize,
     share: f64,
@@ -80,6 +81,8 @@ pub struct Trial {
     pub tuning: Tuning,
     /// The mean cost of each group of flights.
     pub costs: Vec<f64>,
+    /// Flights outside a limit of their campaign.
+    pub outside: usize,
 }
 
 impl Trial {
@@ -89,19 +92,8 @@ impl Trial {
     }
 }
 
-/// How far a constant may be changed.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Sensitivity {
-    /// Its name.
-    pub name: &'static str,
-    /// The value that was found.
-    pub value: f32,
-    /// Objective over that of the constants as they are, with this constant times [`FACTORS`].
-    pub ratios: [f64; FACTORS.len()],
-}
-
 /// By what each constant is multiplied.
-pub const FACTORS: [f32; 4] = [0.5, 0.8, 1.25, 2.0];
+pub const FACTORS: [f32; 6] = [0.5, 0.75, 0.9, 1.1, 1.25, 1.5];
 
 impl Cost {
     /// The cost of a figure. Of one that is no number it is all.
@@ -139,6 +131,7 @@ impl Tuner {
                     drawn,
                     faults: source.campaign.faults.clone(),
                     costs: costs.clone(),
+                    limits: source.campaign.limits.clone(),
                     group,
                     share: 1.0 / flights.count as f64,
                 });
@@ -152,6 +145,11 @@ impl Tuner {
         })
     }
 
+    /// How many flights each trial has.
+    pub fn flights(&self) -> usize {
+        self.scenarios.len()
+    }
+
     /// The campaigns of the groups.
     pub fn groups(&self) -> &[String] {
         &self.groups
@@ -162,18 +160,19 @@ impl Tuner {
         let flights: Vec<(usize, &Scenario)> = (0..tunings.len())
             .flat_map(|n| self.scenarios.iter().map(move |scenario| (n, scenario)))
             .collect();
-        let costs = each(&flights, self.threads, |(n, scenario)| {
-            Ok(scenario.share * scenario.cost(&tunings[*n])?)
+        let flown = each(&flights, self.threads, |(n, scenario)| {
+            scenario.fly(&tunings[*n])
         })?;
-        let trials = tunings.iter().zip(costs.chunks(self.scenarios.len()));
+        let trials = tunings.iter().zip(flown.chunks(self.scenarios.len()));
         let trials = trials.map(|(tuning, flights)| {
             let mut costs = vec![0.0; self.groups.len()];
-            for (scenario, cost) in self.scenarios.iter().zip(flights) {
-                costs[scenario.group] += cost;
+            for (scenario, (cost, _)) in self.scenarios.iter().zip(flights) {
+                costs[scenario.group] += scenario.share * cost;
             }
             Trial {
                 tuning: *tuning,
                 costs,
+                outside: flights.iter().filter(|(_, outside)| *outside).count(),
             }
         });
         Ok(trials.collect())
@@ -212,29 +211,15 @@ impl Tuner {
         cheapest.context("trials: at least one")
     }
 
-    /// What changing each constant of `tuning` does.
-    pub fn sensitivities(&self, tuning: &Tuning) -> anyhow::Result<Vec<Sensitivity>> {
-        let changed = |row: usize, factor: f32| {
+    /// Trials of `tuning` with the constant of a `row` times each of [`FACTORS`].
+    pub fn changed(&self, tuning: &Tuning, row: usize) -> anyhow::Result<Vec<Trial>> {
+        let range = Tuning::RANGES.get(row).context("a row of the table")?;
+        let tunings = FACTORS.map(|factor| {
             let mut changed = *tuning;
-            let Some(range) = Tuning::RANGES.get(row) else {
-                return changed;
-            };
             changed.set(row, (factor * tuning.get(row)).clamp(range.min, range.max));
             changed
-        };
-        let rows = 0..Tuning::ROWS.len();
-        let mut tunings = vec![*tuning];
-        tunings.extend(rows.flat_map(|row| FACTORS.map(|factor| changed(row, factor))));
-        let trials = self.trials(&tunings)?;
-        let values: Vec<f64> = trials.iter().map(Trial::objective).collect();
-        let (base, rest) = values.split_first().context("there is one at least")?;
-        let rows = Tuning::ROWS.iter().enumerate().zip(rest.as_chunks().0);
-        let rows = rows.map(|((i, row), values)| Sensitivity {
-            name: row.name,
-            value: tuning.get(i),
-            ratios: values.map(|value| value / base),
         });
-        Ok(rows.collect())
+        self.trials(&tunings)
     }
 }
 
@@ -243,7 +228,8 @@ fn least(a: &Trial, b: &Trial) -> std::cmp::Ordering {
 }
 
 impl Scenario {
-    fn cost(&self, tuning: &Tuning) -> anyhow::Result<f64> {
+    /// What it costs with this `tuning`, and whether it is outside a limit of its campaign.
+    fn fly(&self, tuning: &Tuning) -> anyhow::Result<(f64, bool)> {
         let mut document = self.document.clone();
         for (i, row) in Tuning::ROWS.iter().enumerate() {
             let value = f64::from(tuning.get(i));
@@ -264,7 +250,9 @@ impl Scenario {
         };
         let result = FlightResult::fly(&drawn, &self.faults)?;
         let costs = self.costs.iter();
-        Ok(costs.map(|(i, cost)| cost.of(result.figures[*i])).sum())
+        let cost = costs.map(|(i, cost)| cost.of(result.figures[*i])).sum();
+        let outside = |limit: &Limit| limit.excess(result.figure(&limit.figure)) > 0.0;
+        Ok((cost, result.diverged || self.limits.iter().any(outside)))
     }
 }
 
