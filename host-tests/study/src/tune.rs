@@ -266,3 +266,46 @@ fn tuning(point: &DVector<f64>) -> Tuning {
     }
     tuning
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One flight of a campaign, which keeps its limits.
+    fn tuner() -> Tuner {
+        let text = "description = ''\nseed = 1\ntrials = 1\n\
+                    [[flights]]\ncampaign = 'upsets'\nfirst = 1000000\ncount = 1\n\
+                    costs = [{ figure = 'altitude_least_m', one = -10.0, most = 10.0 }]";
+        Tuner::new(&toml::from_str(text).unwrap(), None).unwrap()
+    }
+
+    /// One constant is changed, and all others stay; what it is multiplied by stays inside its range.
+    #[test]
+    fn one_constant_is_changed_by_itself() {
+        let (tuner, mut tuning) = (tuner(), Tuning::default());
+        let row = Tuning::ROWS.iter().position(|row| row.name == "hysteresis");
+        let row = row.unwrap();
+        tuning.set(row, 0.6);
+        let trials = tuner.changed(&tuning, row).unwrap();
+        let expected = [0.3, 0.45, 0.54, 0.66, 0.7, 0.7];
+        for (trial, expected) in trials.iter().zip(expected) {
+            // 1e-6: single precision.
+            assert!((trial.tuning.hysteresis - expected).abs() < 1e-6);
+            let mut others = trial.tuning;
+            others.set(row, 0.6);
+            assert_eq!(others, tuning);
+        }
+        assert_eq!(trials.len(), expected.len());
+    }
+
+    #[test]
+    fn flights_outside_a_limit_are_counted() {
+        let mut tuner = tuner();
+        let outside = |tuner: &Tuner| tuner.trials(&[Tuning::default()]).unwrap()[0].outside;
+        assert_eq!(outside(&tuner), 0);
+        for limit in &mut tuner.scenarios[0].limits {
+            limit.least = Some(1e6);
+        }
+        assert_eq!(outside(&tuner), 1);
+    }
+}
