@@ -17,9 +17,14 @@ pub struct Believed {
     pub tail_sitter: Option<TailSitterPlant>,
 }
 
+/// What is said of a vehicle where a flight is wanted.
+const VEHICLE_ALONE: &str = "a vehicle alone, where an experiment is wanted: `margins` and `equilibria` take it, and an experiment names it, `base = \"…\"`";
+
 impl Document {
     /// The experiment that the document describes, validated but for its controller.
     pub fn data(&self) -> Result<Experiment, FieldError> {
+        let alone = !self.is_flight() && self.get("duration_s").is_none();
+        require(!alone, "", VEHICLE_ALONE)?;
         let believed = self.believed()?;
         let mut experiment: Experiment = believed.document.read()?;
         let problem = "missing field `path`, or `mission`";

@@ -90,7 +90,7 @@ impl Kind {
         match self {
             Self::Experiment => (
                 "an experiment or a vehicle",
-                "`alula-sil fly` flies it; `view`, `margins`, `envelope`, `sweep`, `code` take it, too",
+                "`alula-sil fly` flies an experiment; `view`, `sweep`, `code` take one, too; `margins` and `equilibria` take a vehicle as well",
             ),
             Self::Campaign => ("a campaign", "`alula-sil campaign` flies it"),
             Self::Comparison => ("a comparison", "`alula-sil compare` flies it"),
@@ -116,7 +116,7 @@ impl Kind {
             ),
             Self::Trace => (
                 "the trace of a flight",
-                "`alula-sil replay`, `view` and `identify` take it",
+                "`alula-sil replay` and `view` take it",
             ),
             Self::Log => (
                 "an autopilot's log",

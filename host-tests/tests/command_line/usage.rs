@@ -962,7 +962,7 @@ fn what_is_of_another_kind_is_told_what_is_wanted() {
         // A vehicle alone, whose tables lie in other files.
         (
             "fly tail-sitter",
-            "built-in tail-sitter:1: missing field `duration_s`",
+            "built-in tail-sitter:1: a vehicle alone, where an experiment is wanted",
         ),
         (
             "fly round-trip --set plant.rate_loop.lag=0.1",

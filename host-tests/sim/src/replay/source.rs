@@ -10,8 +10,9 @@ use anyhow::{Context, anyhow};
 use super::steps::{self, Times};
 use super::{log, rejected, trace};
 use crate::experiment::Experiment;
-use crate::kind::expect_recorded;
+use crate::kind::{Kind, expect_recorded};
 use crate::named::{hint, text_of};
+use crate::polar::holds_polar;
 use crate::simulate::Record;
 
 /// A log, opened.
@@ -74,6 +75,9 @@ impl Source {
                 Content::Log(Box::new(states))
             }
             None => {
+                if holds_polar(&String::from_utf8_lossy(&head)) {
+                    return Err(Kind::Polar.refused("a trace or a log", &origin));
+                }
                 let times = trace::times(File::open(file).with_context(|| origin.clone())?);
                 steps::check(&times, &Times::Trace).with_context(|| origin.clone())?;
                 Content::Trace(File::open(file).with_context(|| origin.clone())?)
