@@ -545,8 +545,13 @@ impl Serialize for Figures {
 
 /// What an error says of a name that no figure has.
 pub fn unknown(name: &str) -> String {
+    format!("{name} is not the name of a figure{}", named_now(name))
+}
+
+/// What an error adds to a name that was perhaps a figure's, or is nearly one.
+pub fn named_now(name: &str) -> String {
     let names: Vec<&str> = FIGURES.iter().map(|figure| figure.name).collect();
-    format!("{name} is not the name of a figure{}", hint(name, &names))
+    hint(name, &names)
 }
 
 /// Place of a figure in [`FIGURES`].

@@ -4,9 +4,10 @@ use anyhow::{Context, anyhow};
 use serde::Deserialize;
 use toml::{Table, Value};
 
-use alula_sim::experiment::{Document, Experiment, FieldError, from_toml, require};
+use alula::{GuidanceParameters, Parameters};
+use alula_sim::experiment::{Document, Experiment, FieldError, file_name, from_toml, require};
 use alula_sim::kind::Kind;
-use alula_sim::named::{Named, on_one_line};
+use alula_sim::named::{Named, hint, on_one_line};
 
 /// Name and TOML text of every built-in comparison.
 pub const COMPARISONS: &[(&str, &str)] = &[
@@ -184,8 +185,12 @@ impl Comparison {
                 };
                 if !variants.iter().any(has) {
                     let (name, rest) = (on_one_line(&condition.name), on_one_line(rest));
+                    let names: Vec<String> =
+                        GuidanceParameters::ROWS.iter().map(file_name).collect();
+                    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+                    let now = hint(&rest, &names);
                     return Err(anyhow!(
-                        "condition {name}: {ANY}{rest}: no controller has this number"
+                        "condition {name}: {ANY}{rest}: no controller has this number{now}"
                     ));
                 }
             }

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Frame;
 use alula_sim::experiment::{FieldError, finite, require};
+use alula_sim::figures::{named_now, unknown};
 
 /// A map that a campaign asks for.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -104,10 +105,11 @@ impl Map {
         for (part, axis) in [("x", &self.x), ("y", &self.y)] {
             let field = format!("{field}.{part}");
             axis.validate(&field)?;
-            let problem = format_args!("{} is no column of the flights", axis.field);
+            let now = named_now(&axis.field);
+            let problem = format_args!("{} is no column of the flights{now}", axis.field);
             require(known(&axis.field), format!("{field}.field"), problem)?;
         }
-        let problem = format_args!("{} is not the name of a figure", self.figure);
+        let problem = unknown(&self.figure);
         require(is_figure(&self.figure), format!("{field}.figure"), problem)?;
         let rising = self.levels.windows(2).all(|pair| pair[0] < pair[1]);
         let falling = self.levels.windows(2).all(|pair| pair[0] > pair[1]);
@@ -253,6 +255,10 @@ mod tests {
         other.y.to = 0.0;
         assert_eq!(refused(other).unwrap_err(), "maps[0].y");
         let mut other = map(&[1.0, 2.0]);
+        other.figure = "ahead_m".to_owned();
+        let renamed = "ahead_m is not the name of a figure; its name is `max_ahead_m` now";
+        let error = other.validate("maps[0]", |_| true, |_| false).unwrap_err();
+        assert_eq!(error.problem, renamed);
         other.figure = "altitude".to_owned();
         assert_eq!(refused(other).unwrap_err(), "maps[0].figure");
     }

@@ -859,7 +859,7 @@ fn what_is_of_another_kind_is_told_what_is_wanted() {
         ("replay notes.md", "notes.md:1: no column t_s"),
         (
             "fly trace.csv",
-            "trace.csv: the trace of a flight, where an experiment or a vehicle is wanted: `alula-sil replay`, `view` and `identify` take it",
+            "trace.csv: the trace of a flight, where an experiment or a vehicle is wanted: `alula-sil replay` and `view` take it",
         ),
         (
             "fit trace.csv",
