@@ -98,20 +98,20 @@ fn points(column: &Column, experiment: &Experiment, record: &[Step]) -> Vec<(f64
 
 /// What the controller did and said.
 pub fn strip(experiment: &Experiment, record: &[Step]) -> Strip {
-    let row = |name: &'static str| {
+    let row = |(name, words): (&'static str, &'static str)| {
         let column = declared(name);
         let word = |step: &Step| (step.t, column.word(experiment, step));
-        Row::of(name, record.iter().map(word))
+        Row::of(words, record.iter().map(word))
     };
     Strip {
         duration: record.last().map_or(0.0, |step| step.t),
         rows: [
-            "mission_activity",
-            "mission_remark",
-            "mission_response",
-            "mode",
-            "phase",
-            "status",
+            ("mission_activity", "mission"),
+            ("mission_remark", "remark"),
+            ("mission_response", "response"),
+            ("mode", "mode"),
+            ("phase", "phase"),
+            ("status", "status"),
         ]
         .into_iter()
         .filter_map(row)

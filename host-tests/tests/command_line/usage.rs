@@ -871,7 +871,7 @@ fn what_is_of_another_kind_is_told_what_is_wanted() {
         ),
         (
             "replay mine.toml",
-            "mine.toml: an experiment or a vehicle, where a trace or a log is wanted: `alula-sil fly` flies it",
+            "mine.toml: an experiment or a vehicle, where a trace or a log is wanted: `alula-sil fly` flies an experiment",
         ),
         (
             "identify mine.toml --mass-kg 3 --wing-m2 0.4",
@@ -917,7 +917,7 @@ fn what_is_of_another_kind_is_told_what_is_wanted() {
         ),
         (
             "campaign mission",
-            "mission: an experiment or a vehicle, where a campaign is wanted: `alula-sil fly` flies it",
+            "mission: an experiment or a vehicle, where a campaign is wanted: `alula-sil fly` flies an experiment",
         ),
         (
             "fly dispersed",
