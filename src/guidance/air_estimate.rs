@@ -5,8 +5,8 @@
 //! of its curve the normal force does not tell the angle of attack, and the damping leaves nothing of the step. What is not told
 //! fades, and the known wind is left. A gust that does not explain the force there is not believed: it goes back to the known wind at
 //! once. Else an estimate that a slipstream or a jump has put behind the stall stays there, and a wing without lift is flown as a stalled one.
-//! A gust that the force does not tell goes back too, though more slowly, where the belief explains the force without it and the scale of the air's
-//! force is far below one. Else an estimate stays at the top of the curve, where some scale fits any force.
+//! A gust that the force does not tell goes back too, though more slowly, where the belief explains the force without it. Else an estimate stays
+//! at the top of the curve, where some scale of the air's force fits any force.
 //!
 //! A gust is fast, and an error of the belief lasts: the force of a gust that lasts is handed to the scale of the air's force, so that a
 //! wing that is better than believed is not taken for one that is near its stall.
@@ -40,11 +40,6 @@ const UNEXPLAINED: f32 = 0.3;
 /// at 22 to 28 m/s were believed to be at the top of their curve, with 0.6 of their lift: they dived up to 260 m at an angle of attack of 4°.
 /// 0.1 s gives up gusts that are there: `campaign cruise` sinks by a quarter more.
 const EXPLAINED_TIME: f32 = 0.3;
-/// Scale of the air's force below which such a gust begins to go back, and how far below that it does so whole: without a scale that is short of
-/// one no wing is believed to be at the top of its curve, and a gust near the stall is there. Of `campaign cruise` 15 % of the flights crossed the stall
-/// where gusts went back at any scale, 9 % do so now and 8 % where none goes back.
-const NEAR_SCALE: f32 = 0.9;
-const FAR_SCALE: f32 = 0.4;
 /// Part of the step that the force tells: from here on the belief without the gust is not asked.
 const TOLD: f32 = 0.35;
 /// Greatest gust \[m/s\]. An airspeed that is farther from that of the known wind is no airspeed: the tube is blocked.
@@ -138,9 +133,8 @@ impl AirEstimateState {
                 // Neither root nor slope: the gust is on the other side of the stall.
                 let unexplained = left.abs() / (UNEXPLAINED * pressure + f32::MIN_POSITIVE) - 1.0;
                 let mut back = math::clamp(unexplained, 0.0, 1.0);
-                let short = math::clamp((NEAR_SCALE - sample.scale) / FAR_SCALE, 0.0, 1.0);
-                if told < TOLD && short > 0.0 && explains(vehicle, known, felt) {
-                    back = math::max(back, short * (TIME + dt) / EXPLAINED_TIME);
+                if told < TOLD && explains(vehicle, known, felt) {
+                    back = math::max(back, (TIME + dt) / EXPLAINED_TIME);
                 }
                 step.j += (1.0 - told) * back * gust.j;
                 // As far as the force tells it.
