@@ -23,10 +23,13 @@ const VEHICLE_ALONE: &str = "a vehicle alone, where an experiment is wanted: `ma
 impl Document {
     /// The experiment that the document describes, validated but for its controller.
     pub fn data(&self) -> Result<Experiment, FieldError> {
-        let alone = !self.is_flight() && self.get("duration_s").is_none();
-        require(!alone, "", VEHICLE_ALONE)?;
         let believed = self.believed()?;
-        let mut experiment: Experiment = believed.document.read()?;
+        let mut experiment: Experiment = believed.document.read().map_err(|error| {
+            match error.problem.starts_with("missing field `duration_s`") && !self.is_flight() {
+                true => FieldError::new("", VEHICLE_ALONE),
+                false => error,
+            }
+        })?;
         let problem = "missing field `path`, or `mission`";
         require(self.is_flight(), "", problem)?;
         experiment.tail_sitter = believed.tail_sitter;
