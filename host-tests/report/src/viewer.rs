@@ -159,10 +159,7 @@ fn names() -> anyhow::Result<Names> {
     let mut all = Vec::new();
     for (name, _) in BUILT_IN {
         let document = Document::load(name)?;
-        let flies = ["path", "reference", "mission"]
-            .iter()
-            .any(|key| document.get(key).is_some());
-        if flies && document.controller() == "guidance" {
+        if document.is_flight() && document.controller() == "guidance" {
             let description = document.get("description").and_then(|text| text.as_str());
             all.push(Flown {
                 of_parts: document.data()?.tail_sitter.is_some(),

@@ -14,7 +14,7 @@ use serde_json::{Map, Value, json};
 use crate::controllers::PlanSpec;
 use crate::experiment::{
     BUILT_IN, Document, Experiment, MissionSpec, PlantSpec, SensorSpec, TailSitterPlant,
-    TailSitterSpec, VehicleSpec, file_name, file_value, places,
+    TailSitterSpec, VehicleSpec, file_name, file_value, places, value_at,
 };
 use crate::figures::FIGURES;
 
@@ -323,13 +323,7 @@ fn rounded(x: f64) -> f64 {
 
 /// The number at `path`.
 fn written_at(document: &toml::Value, path: &str) -> Option<f64> {
-    let mut value = document;
-    for part in path.split(['.', '[']) {
-        value = match part.strip_suffix(']') {
-            Some(index) => value.get(index.parse::<usize>().ok()?)?,
-            None => value.get(part)?,
-        };
-    }
+    let value = value_at(document, path)?;
     value
         .as_float()
         .or_else(|| Some(value.as_integer()? as f64))

@@ -197,8 +197,8 @@ impl PartialEq for Document {
 fn other_name(key: &str) -> Option<&'static str> {
     let [path, reference] = NAMES_OF_PATH;
     match key {
-        "path" => Some(reference),
-        "reference" => Some(path),
+        _ if key == path => Some(reference),
+        _ if key == reference => Some(path),
         _ => None,
     }
 }
@@ -212,6 +212,17 @@ fn begun(path: &str) -> (&str, &str) {
 fn renamed(path: &str) -> Option<String> {
     let (key, rest) = begun(path);
     Some(format!("{}{rest}", other_name(key)?))
+}
+
+/// The value at `path` in a table.
+pub(crate) fn value_at<'a>(table: &'a Value, path: &str) -> Option<&'a Value> {
+    parts(path).try_fold(table, |value, (key, index)| {
+        let value = value.get(key)?;
+        match index {
+            Some(index) => value.get(index.parse::<usize>().ok()?),
+            None => Some(value),
+        }
+    })
 }
 
 /// The parts of a dotted path: each a key, and perhaps the index of an item.
@@ -323,14 +334,7 @@ impl Document {
 
     /// The value at `path`, as in `plant.thrust_n[1]`.
     pub fn get(&self, path: &str) -> Option<&Value> {
-        let mut value = &self.root;
-        for (key, index) in parts(path) {
-            value = value.get(key)?;
-            if let Some(index) = index {
-                value = value.get(index.parse::<usize>().ok()?)?;
-            }
-        }
-        Some(value)
+        value_at(&self.root, path)
     }
 
     /// The number at `path`.
@@ -494,9 +498,9 @@ impl Document {
 
     /// The path with the document's name for the table of what is to be flown.
     fn as_named<'a>(&self, path: &'a str) -> Cow<'a, str> {
-        let (key, _) = begun(path);
-        match renamed(path) {
-            Some(renamed) if self.get(key).is_none() => renamed.into(),
+        let (key, rest) = begun(path);
+        match other_name(key) {
+            Some(other) if self.get(other).is_some() => format!("{other}{rest}").into(),
             _ => path.into(),
         }
     }

@@ -36,6 +36,7 @@ use serde::Deserialize;
 
 pub use controller::ControllerSpec;
 use document::positive;
+pub(crate) use document::value_at;
 pub use document::{Document, FieldError, Located};
 pub use document::{angle, assigned, finite, from_toml, read, require};
 pub use estimates::{Estimates, EstimatorSpec};
