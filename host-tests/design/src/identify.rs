@@ -9,8 +9,9 @@
 //! | f_z | −V² k_a/m (c_L cos α + c_D sin α) + s ω̇_y |
 //! | c_L, c_D | short of stall c_L0 + c_Lα α, and one c_D; beyond it constants of each ten degrees |
 //!
-//! The propeller is one of a family: C_T over advance ratio as small ones have it, V_1 being its tip's advance at full throttle over π. V_1 and the lag are
-//! searched, and V_1 is in the covariance by its derivative.
+//! The propeller is one of a family: C_T over advance ratio as small ones have it, V_1 being its tip's advance at full throttle over π. V_1 is
+//! searched, and V_1 is in the covariance by its derivative. The lag is that of the force along the nose in hover, by [`response_lag`].
+//! The attitude is the one that goes with accelerometer and velocity, not the one that was told: `reconstruct`.
 //!
 //! Short of stall the angle of attack that an estimator tells lacks the gusts, and the vehicle moves with them: a regression on it finds too small a slope.
 //! So α there is what the flight has in the mean at its airspeed and climb (two-stage least squares, the instruments 1, 1/V² and the climb angle).
@@ -19,10 +20,13 @@
 
 use alula_logs::Log;
 use alula_logs::states::States;
-use nalgebra::{DMatrix, DVector, Quaternion, UnitQuaternion, Vector3};
+use nalgebra::{DMatrix, DVector, Vector3};
 use serde::Serialize;
 
 use super::known::Actuators;
+use super::reconstruct::attitudes;
+use super::regression::{DEVIATIONS, Measured, least_squares};
+use super::response_lag::{Sample, response_lag};
 
 /// What a person knows besides the log.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,22 +37,6 @@ pub struct Given {
     pub wing_m2: f64,
     /// Density of the air \[kg/m³\].
     pub air_kg_m3: f64,
-}
-
-/// A number with its interval of 95 %.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Measured {
-    /// The estimate.
-    pub value: f64,
-    /// Half of the interval.
-    pub within: f64,
-}
-
-impl Measured {
-    /// Whether the interval says something: it is less than half of the value.
-    pub fn is_known(&self) -> bool {
-        self.within < 0.5 * self.value.abs()
-    }
 }
 
 /// Angular acceleration in pitch in hover [rad/s²].
@@ -123,6 +111,21 @@ const BLOCK: f64 = 10.0;
 const TURN: f64 = 10.0;
 /// Time \[s\] after which residuals of a lag say something anew.
 const ANEW: f64 = 2.0;
+/// What the models themselves lack, shares of the value of 95 %: a wing in the slipstream, a battery that sags and a propeller of another family; loops that
+/// are no lag of first order. Of the size that simulated vehicles of three kinds show.
+struct Lacking {
+    thrust: f64,
+    thrust_lag: f64,
+    rate_lag: f64,
+}
+
+const LACKING: Lacking = Lacking {
+    thrust: 0.05,
+    thrust_lag: 0.15,
+    rate_lag: 0.25,
+};
+/// Lag of the thrust that is assumed where the flight shows none \[s\].
+const ASSUMED_LAG: f64 = 0.08;
 /// Pitch rate [rad/s] from which on flight short of stall is no steady one.
 const TURNS: f64 = 0.25;
 /// Rate of the rows \[Hz\].
@@ -187,8 +190,15 @@ fn held(log: &Log, sources: &[Source], base: &[f64]) -> Option<Vec<f64>> {
 
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
 
-/// The rows of a flight, at [`RATE`]; the error says what is not in the log.
-fn rows(log: &Log, states: &States) -> anyhow::Result<(Vec<Row>, Vec<String>)> {
+/// What was flown, as it was logged and in rows at [`RATE`], and what is said of the log.
+struct Flown {
+    steps: Vec<Row>,
+    rows: Vec<Row>,
+    notes: Vec<String>,
+}
+
+/// What was flown; the error says what is not in the log.
+fn flown(log: &Log, states: &States) -> anyhow::Result<Flown> {
     let mut notes = Vec::new();
     let need =
         |what: &str| anyhow::anyhow!("the log has no {what}: nothing is identified without it");
@@ -224,9 +234,9 @@ fn rows(log: &Log, states: &States) -> anyhow::Result<(Vec<Row>, Vec<String>)> {
     if states.wind.is_none() && states.air_velocity.is_none() {
         notes.push("No wind is logged: it is taken for calm, and what is in the air is in the intervals. A flight to and fro on a calm day shows it".to_owned());
     }
-    let mut rows: Vec<Row> = Vec::new();
+    let mut steps: Vec<Row> = Vec::new();
     let (mut filtered, mut last): (f64, Option<(f64, f64)>) = (0.0, None);
-    for (n, &t) in base.iter().enumerate() {
+    for ((n, &t), attitude) in base.iter().enumerate().zip(attitudes(states)) {
         // The derivative of the rate through a filter of 30 ms.
         if let Some((then, before)) = last {
             let dt = (t - then).max(1e-4);
@@ -236,14 +246,6 @@ fn rows(log: &Log, states: &States) -> anyhow::Result<(Vec<Row>, Vec<String>)> {
         if rate[n].is_finite() {
             last = Some((t, rate[n]));
         }
-        if rows
-            .last()
-            .is_some_and(|row: &Row| t - row.t < 1.0 / RATE - 1e-6)
-        {
-            continue;
-        }
-        let [w, x, y, z] = states.attitude.values[n];
-        let attitude = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z));
         let moving = Vector3::from(velocity.values[n]);
         let through = match (&states.air_velocity, &states.wind) {
             (Some(air), _) if air.values[n][0].is_finite() => Vector3::from(air.values[n]),
@@ -266,16 +268,35 @@ fn rows(log: &Log, states: &States) -> anyhow::Result<(Vec<Row>, Vec<String>)> {
         };
         let numbers = [row.air.x, row.air.z, nose, belly, row.throttle];
         if numbers.iter().all(|x| x.is_finite()) && (row.throttle > 0.02 || row.speed() > SLOW) {
-            rows.push(row);
+            steps.push(row);
         }
     }
+    let together = |a: &Row, b: &Row| (RATE * a.t).floor() == (RATE * b.t).floor();
+    let rows: Vec<Row> = steps.chunk_by(together).map(mean).collect();
     anyhow::ensure!(
         rows.len() > 10 * ROWS,
         "{:.0} s of flight with velocity, specific force and throttle: it takes {:.0} s and more",
         rows.len() as f64 / RATE,
         10.0 * ROWS as f64 / RATE
     );
-    Ok((rows, notes))
+    Ok(Flown { steps, rows, notes })
+}
+
+/// The mean of what was flown in one row.
+fn mean(of: &[Row]) -> Row {
+    let share = 1.0 / of.len() as f64;
+    let mean = |value: &dyn Fn(&Row) -> f64| share * of.iter().map(value).sum::<f64>();
+    Row {
+        t: mean(&|row| row.t),
+        air: share * of.iter().map(|row| row.air).sum::<Vector3<f64>>(),
+        force: [0, 1].map(|axis| mean(&|row| row.force[axis])),
+        throttle: mean(&|row| row.throttle),
+        asked: mean(&|row| row.asked),
+        rate: mean(&|row| row.rate),
+        turn: mean(&|row| row.turn),
+        climb: mean(&|row| row.climb),
+        torque: mean(&|row| row.torque),
+    }
 }
 
 /// The unknowns of the forces: their number, and the regressors of a row.
@@ -403,54 +424,6 @@ fn instruments(row: &Row) -> [f64; 3] {
     [1.0, 1.0 / row.speed().powi(2), row.climb]
 }
 
-/// A fit: estimates, their covariance, and the sum of squared residuals.
-struct Fit {
-    estimate: DVector<f64>,
-    covariance: DMatrix<f64>,
-    squares: f64,
-}
-
-/// Least squares by the singular value decomposition, with a covariance that lets residuals of a block of [`BLOCK`] hang together. Residuals are those of
-/// the regressors as they were told, `told`.
-fn least_squares(
-    x: &DMatrix<f64>,
-    told: &DMatrix<f64>,
-    y: &DVector<f64>,
-    blocks: &[usize],
-) -> Option<Fit> {
-    let scale: Vec<f64> = x.column_iter().map(|c| c.norm().max(1e-12)).collect();
-    let scaled = DMatrix::from_fn(x.nrows(), x.ncols(), |i, j| x[(i, j)] / scale[j]);
-    let gram = scaled.tr_mul(&scaled);
-    let inverse = gram.svd(true, true).pseudo_inverse(1e-9).ok()?;
-    let solved = &inverse * scaled.tr_mul(y);
-    let unscaled = DVector::from_fn(x.ncols(), |j, _| solved[j] / scale[j]);
-    let residual = y - told * unscaled;
-    let squares = (y - &scaled * &solved).norm_squared();
-    let mut meat = DMatrix::zeros(x.ncols(), x.ncols());
-    let mut block = DVector::zeros(x.ncols());
-    let mut count = 1.0;
-    for (i, of) in blocks.iter().enumerate() {
-        if i > 0 && blocks[i - 1] != *of {
-            meat += &block * block.transpose();
-            block.fill(0.0);
-            count += 1.0;
-        }
-        block += scaled.row(i).transpose() * residual[i];
-    }
-    meat += &block * block.transpose();
-    // Few blocks say too little of what they scatter by.
-    let few = count / (count - 1.0_f64).max(1.0);
-    let covariance = few * &inverse * meat * &inverse;
-    let unscale = |j: usize| 1.0 / scale[j];
-    Some(Fit {
-        estimate: DVector::from_fn(x.ncols(), |j, _| solved[j] * unscale(j)),
-        covariance: DMatrix::from_fn(x.ncols(), x.ncols(), |i, j| {
-            covariance[(i, j)] * unscale(i) * unscale(j)
-        }),
-        squares,
-    })
-}
-
 /// The throttle behind a lag \[s\], at each row.
 fn lagged(rows: &[Row], lag: f64) -> Vec<f64> {
     let (mut behind, mut then) = (rows[0].throttle, rows[0].t);
@@ -465,34 +438,6 @@ fn lagged(rows: &[Row], lag: f64) -> Vec<f64> {
         behind
     };
     rows.iter().map(step).collect()
-}
-
-/// 1.96 deviations, and what estimates of them scatter by.
-const DEVIATIONS: f64 = 2.1;
-
-impl Fit {
-    fn measured(&self, j: usize) -> Measured {
-        Measured {
-            value: self.estimate[j],
-            within: DEVIATIONS * self.covariance[(j, j)].max(0.0).sqrt(),
-        }
-    }
-
-    /// A function of the estimates, with its interval to first order.
-    fn function(&self, of: impl Fn(&DVector<f64>) -> f64) -> Measured {
-        let value = of(&self.estimate);
-        let slope = DVector::from_fn(self.estimate.len(), |j, _| {
-            let step = 1e-4 * self.estimate[j].abs().max(1e-3);
-            let mut near = self.estimate.clone();
-            near[j] += step;
-            (of(&near) - value) / step
-        });
-        let variance = (slope.transpose() * &self.covariance * &slope)[(0, 0)];
-        Measured {
-            value,
-            within: DEVIATIONS * variance.max(0.0).sqrt(),
-        }
-    }
 }
 
 /// A propeller with the least squares of those that were tried.
@@ -516,7 +461,24 @@ struct Equations {
 
 /// What the flight of `log`, whose states are `states`, shows of a vehicle.
 pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Identified> {
-    let (rows, mut missing) = rows(log, states)?;
+    let Flown {
+        steps,
+        rows,
+        notes: mut missing,
+    } = flown(log, states)?;
+    let hovered = steps.iter().filter(|row| row.speed() < SLOW);
+    let hovered: Vec<Sample> = hovered
+        .map(|row| Sample {
+            t: row.t,
+            asked: row.throttle,
+            had: row.force[0],
+            besides: row.throttle.max(0.0).sqrt() * row.air.x,
+        })
+        .collect();
+    let thrust_lag_s = response_lag(&hovered)
+        .map(|lag| lag.lacking(LACKING.thrust_lag))
+        .filter(Measured::is_known);
+    let lag = thrust_lag_s.map_or(ASSUMED_LAG, |time| time.value);
     let k = 0.5 * given.air_kg_m3 * given.wing_m2 / given.mass_kg;
     let unknowns = Unknowns::of(&rows);
     let begin = rows[0].t;
@@ -570,34 +532,13 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
         });
         tried.min_by(|a, b| a.squares.total_cmp(&b.squares))
     };
-    let lags: Vec<f64> = (0..=20).map(|n| 0.01 + 0.02 * f64::from(n)).collect();
-    let tried: Vec<Option<Propeller>> = lags.iter().map(|lag| search(*lag)).collect();
-    let squares: Vec<f64> = tried
-        .iter()
-        .map(|t| t.map_or(f64::INFINITY, |t| t.squares))
-        .collect();
-    let best = (0..lags.len())
-        .min_by(|a, b| squares[*a].total_cmp(&squares[*b]))
-        .unwrap_or(0);
-    let Propeller { v1, static_f, .. } = tried[best]
+    let Propeller { v1, static_f, .. } = search(lag)
         .ok_or_else(|| anyhow::anyhow!("the regression has no answer: no thrust is seen"))?;
     let propeller = [v1, static_f];
-    let fit = fit(lags[best], propeller)
-        .ok_or_else(|| anyhow::anyhow!("the regression has no answer"))?;
-
-    // A parabola through the least and its neighbours; its curvature is the interval's, by blocks.
+    let fit = fit(lag, propeller).ok_or_else(|| anyhow::anyhow!("the regression has no answer"))?;
     let Equations {
         mean: x, y, times, ..
-    } = assembled(lags[best], propeller, false);
-    let number_of_blocks = (rows.len() as f64 / RATE / ANEW).max(2.0);
-    let thrust_lag = (best > 0 && best + 1 < lags.len()).then(|| {
-        let [a, b, c] = [squares[best - 1], squares[best], squares[best + 1]];
-        let bend = (a - 2.0 * b + c).max(1e-12);
-        Measured {
-            value: lags[best] + 0.01 * (a - c) / bend,
-            within: DEVIATIONS * 0.02 * (2.0 * b / number_of_blocks / bend).sqrt(),
-        }
-    });
+    } = assembled(lag, propeller, false);
     let predicted = &x * &fit.estimate;
     let share = |axis: usize| {
         let of =
@@ -625,7 +566,8 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
     let angles: Vec<f64> = attached.map(Row::alpha).collect();
     let hover = rows.iter().filter(|row| row.speed() < SLOW).count();
     let known = |measured: Measured| measured.is_known().then_some(measured);
-    let thrust_to_weight = known(fit.function(|e| e[0] / GRAVITY)).filter(|m| m.value > 0.0);
+    let thrust_to_weight =
+        known(fit.function(|e| e[0] / GRAVITY).lacking(LACKING.thrust)).filter(|m| m.value > 0.0);
     if thrust_to_weight.is_none() {
         missing.push(
             "Thrust over throttle: hover for ten seconds, and climb and sink at 2 m/s in turn"
@@ -637,7 +579,6 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
     if zero_thrust.is_none() {
         missing.push("How thrust falls with speed: level flight at three speeds, ten seconds each, and a climb at full throttle".to_owned());
     }
-    let thrust_lag_s = thrust_lag.filter(|lag| lag.within < 0.5 * lag.value);
     if thrust_lag_s.is_none() {
         missing.push(
             "Lag of the thrust: steps of the climb rate in hover, of 1 m/s and more".to_owned(),
@@ -694,20 +635,24 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
         missing.push("Coefficients behind the stall: two transitions there and back".to_owned());
     }
 
-    let pitch: Vec<&Row> = rows
-        .iter()
-        .filter(|row| row.rate.is_finite() && row.asked.is_finite())
-        .collect();
-    let (rate_lag_s, rate_share) = match rate_loop(&pitch) {
-        Some((lag, share)) => (Some(lag), Some(share)),
-        None => (None, None),
-    };
+    let mut pitch: Vec<&Row> = Vec::new();
+    for row in &steps {
+        let later = pitch
+            .last()
+            .is_none_or(|last| row.t - last.t > 1.0 / RATE - 1e-6);
+        if later && row.rate.is_finite() && row.asked.is_finite() {
+            pitch.push(row);
+        }
+    }
+    let (rate_lag_s, rate_share) = rate_loop(&pitch)
+        .map(|(lag, share)| (lag.lacking(LACKING.rate_lag), share))
+        .unzip();
     if rate_lag_s.is_none() {
         missing.push(
             "The rate loop: steps of the pitch rate in hover, 0.5 rad/s there and back".to_owned(),
         );
     }
-    let turn_rad_s2 = turn(&pitch);
+    let turn_rad_s2 = turn(&steps);
     match turn_rad_s2 {
         None => missing.push("What turns it: no pitch rate in hover is in the log".to_owned()),
         Some(Turn { at_stop: false, .. }) => missing.push(
@@ -792,7 +737,7 @@ fn rate_loop(rows: &[&Row]) -> Option<(Measured, f64)> {
 }
 
 /// The greatest angular acceleration in pitch in hover, and whether the torque was at its stop where it was had: else there may be more.
-fn turn(rows: &[&Row]) -> Option<Turn> {
+fn turn(rows: &[Row]) -> Option<Turn> {
     /// Share of the full torque that is a stop.
     const STOP: f64 = 0.97;
     let hover = || {
@@ -899,7 +844,7 @@ impl Identified {
             ),
         };
         either("thrust_to_weight", self.thrust_to_weight, 1.6);
-        either("thrust_lag_s", self.thrust_lag_s, 0.08);
+        either("thrust_lag_s", self.thrust_lag_s, ASSUMED_LAG);
         either("rate_lag_s", self.rate_lag_s, 0.12);
         match self.turn_rad_s2 {
             Some(Turn { had, at_stop }) => line(
