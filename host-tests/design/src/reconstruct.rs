@@ -46,10 +46,14 @@ fn windows(states: &States, attitudes: &[UnitQuaternion<f64>]) -> Vec<Window> {
         let mut by = SMatrix::<f64, 3, 6>::zeros();
         let mut left =
             Vector3::from(velocity.values[after]) - Vector3::from(velocity.values[first]);
-        for n in first..after {
-            let dt = states.time[n + 1] - states.time[n];
-            let turn: Matrix3<f64> = attitudes[n].to_rotation_matrix().into_inner();
-            let f = Vector3::from(force.values[n]);
+        let times = states.time[first..=after].windows(2);
+        let told = force.values[first..after]
+            .iter()
+            .zip(&attitudes[first..after]);
+        for (times, (f, attitude)) in times.zip(told) {
+            let dt = times[1] - times[0];
+            let turn: Matrix3<f64> = attitude.to_rotation_matrix().into_inner();
+            let f = Vector3::from(*f);
             left -= dt * (turn * f + Vector3::new(0.0, 0.0, GRAVITY));
             let mut of = by.fixed_columns_mut::<3>(0);
             of -= dt * turn * f.cross_matrix();
