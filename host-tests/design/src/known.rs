@@ -306,8 +306,10 @@ fn given(number: Option<f64>) -> String {
 type Converted = fn(f64, &Known) -> Option<f64>;
 
 /// What people give a number in, other than its own unit.
-const OTHER_UNITS: [(&str, &str, Converted); 29] = [
+const OTHER_UNITS: [(&str, &str, Converted); 31] = [
     ("mass_kg", "g", |x, _| Some(1e-3 * x)),
+    // A vehicle of half a kilogram has a kitchen scale's numbers.
+    ("mass_kg", "N", |x, _| (x >= 5.0).then_some(x / 9.81)),
     // Nobody has a vehicle of that many tonnes.
     ("mass_kg", "t", |x, _| (x < 1.0).then_some(1e3 * x)),
     ("wing_m2", "dm²", |x, _| Some(1e-2 * x)),
@@ -320,6 +322,12 @@ const OTHER_UNITS: [(&str, &str, Converted); 29] = [
     ("thrust_to_weight", "g of thrust", |x, known| {
         Some(1e-3 * x / known.mass_kg?)
     }),
+    // Thrust goes as throttle where that is made linear.
+    (
+        "thrust_to_weight",
+        "parts of full throttle in hover",
+        |x, _| (x < 1.0).then_some(1.0 / x),
+    ),
     ("thrust_lag_s", "ms", |x, _| Some(1e-3 * x)),
     ("rate_lag_s", "ms", |x, _| Some(1e-3 * x)),
     ("cruise_m_s", "km/h", |x, _| Some(x / 3.6)),
@@ -516,24 +524,25 @@ impl Known {
         converted.filter(|(_, number)| flies(*number)).collect()
     }
 
+    /// Which of these numbers was probably meant otherwise, and what it would be: the first that has another unit.
+    fn doubted(&self, fields: &[&'static str]) -> (&'static str, Vec<(&'static str, f64)>) {
+        let mut values = self.values();
+        values.retain(|(name, _)| fields.contains(name));
+        let of = |name| values.iter().find(|(of, _)| *of == name);
+        let mut meant = fields.iter().filter_map(|name| {
+            let (_, value) = of(*name)?;
+            Some((*name, self.meant(name, *value)))
+        });
+        // Or else the last that one is asked: it is chosen for those before.
+        let last = values.last().map_or(fields[0], |(name, _)| *name);
+        meant
+            .find(|(_, meant)| !meant.is_empty())
+            .unwrap_or((last, Vec::new()))
+    }
+
     /// The refusal of numbers that are not those of one aircraft.
     fn of_no_aircraft(&self, ratio: &Ratio) -> FieldError {
-        let number = |name: &str| {
-            let values = self.values();
-            let found = values.into_iter().find(|(of, _)| *of == name);
-            found.map_or(f64::NAN, |(_, value)| value)
-        };
-        let mut meant = ratio
-            .fields
-            .iter()
-            .map(|name| (*name, self.meant(name, number(name))));
-        // Or else the last that one is asked: it is chosen for those before.
-        let values = self.values();
-        let last = values.iter().rfind(|(name, _)| ratio.fields.contains(name));
-        let last = last.map_or(ratio.fields[0], |(name, _)| *name);
-        let (field, meant) = meant
-            .find(|(_, meant)| !meant.is_empty())
-            .unwrap_or((last, Vec::new()));
+        let (field, meant) = self.doubted(ratio.fields);
         let value = (ratio.of)(self).unwrap_or(f64::NAN);
         let [least, most] = ratio.range;
         let problem = format!(
@@ -675,6 +684,31 @@ impl Facts {
         self.drag_area_m2.unwrap_or(0.0) / self.wing_m2
     }
 
+    /// The refusal of a vehicle whose wing carries no more than the part `carried` of its weight in cruise.
+    pub(super) fn not_carried(&self, carried: f64) -> FieldError {
+        let known = Known {
+            mass_kg: Some(self.mass_kg),
+            wing_m2: Some(self.wing_m2),
+            cruise_m_s: Some(self.cruise_m_s),
+            air_kg_m3: Some(self.air_kg_m3),
+            ..Known::default()
+        };
+        let (field, meant) = known.doubted(&["mass_kg", "wing_m2", "cruise_m_s"]);
+        let problem = format!(
+            "a wing of {} m² and this section carries {:.2} kg at {} m/s, {:.0} % of {} kg: that is no cruise on a wing. It takes a wing of {:.3} m², or a \
+             cruise from {:.1} m/s on{}",
+            self.wing_m2,
+            carried * self.mass_kg,
+            self.cruise_m_s,
+            100.0 * carried,
+            self.mass_kg,
+            self.wing_m2 / carried,
+            self.cruise_m_s / carried.sqrt(),
+            told(&meant)
+        );
+        FieldError::new(field, problem)
+    }
+
     /// Weight \[N\].
     pub fn weight(&self) -> f64 {
         9.81 * self.mass_kg
@@ -800,6 +834,10 @@ mod tests {
             (
                 (|k: &mut Known| k.mass_kg = Some(0.0022)) as fn(&mut Known),
                 "were these t? Then it is 2.2",
+            ),
+            (
+                |k| k.thrust_to_weight = Some(0.55),
+                "0.55 is not from 1.02 to 10: were these parts of full throttle in hover? Then it is 1.818",
             ),
             (
                 |k| k.drag_area_m2 = Some(1.2),

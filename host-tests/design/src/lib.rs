@@ -44,6 +44,10 @@ pub use wing::{ROWS, Wing};
 
 use alula_sim::experiment::{FieldError, VehicleSpec, refused};
 
+/// Part of the weight that a wing must carry in cruise: of a vehicle that is more on its thrust than on its wing, a number was meant otherwise. A cruise
+/// below the speed of transition by up to 30 % is doubted, and flown.
+const LEAST_CARRIED: f64 = 0.5;
+
 /// A vehicle worked out from what is known.
 #[derive(Clone, Debug)]
 pub struct Design {
@@ -71,12 +75,29 @@ impl Design {
             .control_rate(facts.control_rate_hz as f32)
             .cruise_speed(facts.cruise_m_s as f32);
         let parameters = GuidanceParameters::for_vehicle(&vehicle, &response);
-        Ok(Self {
+        let design = Self {
             parameters: parameters.map_err(refused::<ResponseParameters>)?,
             facts,
             wing,
             trip: Trip::LEVEL,
-        })
+        };
+        let carried = design.performance().carried;
+        if carried < LEAST_CARRIED {
+            return Err(design.facts.not_carried(carried).into());
+        }
+        Ok(design)
+    }
+
+    /// What it can do, before it has flown.
+    fn performance(&self) -> Performance {
+        let facts = &self.facts;
+        Performance::of(
+            &self.vehicle(),
+            self.wing.stall_deg(),
+            facts.thrust(),
+            facts.cruise_m_s,
+            self.parameters.max_lateral_acceleration.into(),
+        )
     }
 
     /// The vehicle.

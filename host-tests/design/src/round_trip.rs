@@ -26,13 +26,7 @@ impl RoundTrip {
         let record = fly(&experiment).with_context(|| format!("{name}: THE FIRST FLIGHT FAILS"))?;
         let figures = Figures::of(&experiment, &record);
         let facts = &design.facts;
-        let performance = Performance::of(
-            &experiment.vehicle,
-            design.wing.stall_deg(),
-            facts.thrust(),
-            facts.cruise_m_s,
-            design.parameters.max_lateral_acceleration.into(),
-        );
+        let performance = design.performance();
         Ok(Self {
             verdict: Verdict::of(facts, &performance, &figures),
             document,

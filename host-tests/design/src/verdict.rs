@@ -84,6 +84,13 @@ impl Verdict {
                 outside.push(text(scale * length.goal));
             }
         }
+        if performance.cruise.is_none() {
+            outside.push(format!(
+                "it cruises on its thrust: at {} m/s the wing carries {:.0} % of the weight at most",
+                facts.cruise_m_s,
+                100.0 * performance.carried
+            ));
+        }
         let needed = performance.cruise.map(|[_, thrust]| thrust);
         let thrust = get("cruise_mean_thrust_to_weight");
         if let Some(needed) = needed.filter(|needed| thrust - needed > BEHIND_STALL) {
@@ -244,6 +251,29 @@ mod tests {
         let lower = |step: &mut Step| step.truth.position.z += during(20.0..30.0, step, 1.3);
         finding(30.0, Outcome::AsAsked, lower);
         finding(10.0, Outcome::OutsideGoals, lower);
+    }
+
+    /// A flight on its reference at a speed at which the wing does not carry the vehicle is not what was asked.
+    #[test]
+    fn a_cruise_on_the_thrust_is_not_as_asked() {
+        let experiment = Document::load("round-trip").unwrap().checked().unwrap();
+        let mut record = fly(&experiment).unwrap();
+        for step in &mut record {
+            step.truth.position = step.target.position;
+            step.truth.velocity = step.target.velocity;
+        }
+        let performance = Performance {
+            cruise: None,
+            carried: 0.83,
+            ..PERFORMANCE
+        };
+        let figures = Figures::of(&experiment, &record);
+        let verdict = Verdict::of(&facts(20.0), &performance, &figures);
+        assert_eq!(verdict.outcome, Outcome::OutsideGoals);
+        says(
+            &verdict.text(),
+            &["at 20 m/s the wing carries 83 % of the weight at most"],
+        );
     }
 
     #[test]

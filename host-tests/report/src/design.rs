@@ -6,24 +6,25 @@ use alula::{GuidanceParameters, Parameters as _};
 
 use super::chart::{BLUE, Chart, ORANGE, Series};
 use super::{Figure, Page, Table, fixed};
-use alula_design::{Design, FirstFlight, ON_WING, Outcome, Performance, vehicle_text};
+use alula_design::{Design, FirstFlight, ON_WING, Outcome, Performance, Verdict, vehicle_text};
 use alula_sim::experiment::file_name;
 use alula_sim::figures::words;
 use alula_sim::margins::LONGEST;
 use alula_sim::polar::Upto;
 
-/// The page of the vehicle `name` and its first flight.
+/// Says on a page of a vehicle, or of its first flight, what came of that.
+pub fn judge(page: &mut Page, verdict: &Verdict) {
+    let text = verdict.text();
+    match verdict.outcome {
+        Outcome::AsAsked => page.lead = format!("{text}. {}", page.lead),
+        Outcome::OutsideGoals => page.remarks.insert(0, text),
+        Outcome::Fails => page.warnings.insert(0, text),
+    }
+}
+
+/// The page of the vehicle `name` and its first flight, without what came of that.
 pub fn page(name: &str, design: &Design, flight: &FirstFlight) -> Page {
     let findings = &flight.findings;
-    let mut lead = findings.story.clone();
-    let mut warnings = findings.warnings.clone();
-    let mut remarks = Vec::new();
-    let verdict = findings.verdict.text();
-    match findings.verdict.outcome {
-        Outcome::AsAsked => lead.insert(0, verdict),
-        Outcome::OutsideGoals => remarks.push(verdict),
-        Outcome::Fails => warnings.insert(0, verdict),
-    }
     Page {
         links: [
             ("first-flight/report.html".to_owned(), "the first flight"),
@@ -33,9 +34,9 @@ pub fn page(name: &str, design: &Design, flight: &FirstFlight) -> Page {
         .map(|(address, words)| (address, words.to_owned()))
         .to_vec(),
         title: name.to_owned(),
-        lead: format!("{}.", lead.join(". ")),
-        warnings,
-        remarks,
+        lead: format!("{}.", findings.story.join(". ")),
+        warnings: findings.warnings.clone(),
+        remarks: Vec::new(),
         figure: figure(design).with_picture(drawn(&flight.experiment, &flight.record)),
         tables: tables(name, design, flight),
         text: Some((format!("{name}.toml"), vehicle_text(name, design))),

@@ -7,7 +7,7 @@ use anyhow::{bail, ensure};
 use serde::Serialize;
 
 use alula_design::{Design, Facts, Findings, FirstFlight, Known, Limits, Outcome, check_name};
-use alula_report::design::page;
+use alula_report::design::{judge, page};
 use alula_sim::named::in_shell;
 use alula_study::files::{leave_all, make_folder};
 
@@ -80,14 +80,14 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         &flight.experiment,
         &flight.record,
         &first,
-        |page| match verdict.outcome {
-            Outcome::AsAsked => {}
-            Outcome::OutsideGoals => page.remarks.push(verdict.text()),
-            Outcome::Fails => page.warnings.push(verdict.text()),
-        },
+        |page| judge(page, verdict),
     )?;
-    let page = page(name, &design, &flight);
+    let mut page = page(name, &design, &flight);
+    // On a terminal the verdict is what stands last: of a flight that fails it is the error.
+    let text = page.text();
+    judge(&mut page, verdict);
     page.leave(&out)?;
+    let fails = verdict.outcome == Outcome::Fails;
     let mut stdout = std::io::stdout().lock();
     if args.json {
         let summary = Summary {
@@ -104,10 +104,12 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         let word = |path: &Path| in_shell(&path.to_string_lossy());
         writeln!(
             stdout,
-            "{}\n{}.\n\n{name}.toml, {name}-campaign.toml, vehicle.h, vehicle.rs, report.html, first-flight/report.html and first-flight/view.html are in {}. \
+            "{text}\n{}{name}.toml, {name}-campaign.toml, vehicle.h, vehicle.rs, report.html, first-flight/report.html and first-flight/view.html are in {}. \
              Next:\n  {program} fly {}\n  {program} campaign {}",
-            page.text(),
-            verdict.text(),
+            match fails {
+                true => String::new(),
+                false => format!("{}.\n\n", verdict.text()),
+            },
             out.display(),
             word(&file),
             word(&out.join(format!("{name}-campaign.toml")))
@@ -115,7 +117,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     }
     drop(stdout);
     Output::new(args.json, args.open).show(&out.join("report.html"))?;
-    if verdict.outcome == Outcome::Fails {
+    if fails {
         bail!(
             "{name}: {}. The files are there to look into it",
             verdict.text()

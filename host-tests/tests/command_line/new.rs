@@ -203,9 +203,15 @@ fn a_first_flight_that_fails_is_told() {
     let folder = tempfile::tempdir().unwrap();
     let mut flags = FLAGS;
     (flags[7], flags[13], flags[19]) = ("1.1", "40", "0.05");
+    // On a terminal it is said once.
+    let short = [&["new", "short"], &flags[..]].concat();
+    let output = alula(folder.path(), &short);
+    let said = [output.stdout, output.stderr].concat();
+    let said = String::from_utf8(said).unwrap();
+    assert_eq!(said.matches("FIRST FLIGHT FAILS").count(), 1, "{said}");
     let output = alula(
         folder.path(),
-        &[&["new", "short", "--json"], &flags[..]].concat(),
+        &[&short[..], &["--force", "--json"]].concat(),
     );
     assert_eq!(output.status.code(), Some(1), "{output:?}");
     let message = String::from_utf8(output.stderr).unwrap();
