@@ -1,7 +1,7 @@
 //! Figures of merit, each declared once: for the terminal, `--json`, limits of campaigns, columns of comparisons and the README.
 //!
 //! A figure is a fold over the control steps of a flight, or of a part of it. One rule for missing values and NaN: a value that is
-//! missing, such as |F_p| of a controller without one, is left out; a NaN makes the figure NaN, and so does the want of any value, as
+//! missing, such as |F_p| of a controller without one, is left out, and so are steps on the ground with the motors off, but at the end of a flight; a NaN makes the figure NaN, and so does the want of any value, as
 //! of a way back that was not flown. A figure that is NaN is `null` in JSON, and outside of every limit.
 
 use alula::guidance::{Mode, Phase, Progress, Status};
@@ -449,6 +449,11 @@ impl<'a> Tally<'a> {
         });
         for (figure, state) in FIGURES.iter().zip(&mut self.states) {
             let Some(state) = state else { continue };
+            // What is parked is not flown. Where it is at the end is looked at all the same.
+            let at_end = figure.part == Part::Late || matches!(figure.fold, Last(_));
+            if step.stands() && !at_end && !figure.part.is_phase() {
+                continue;
+            }
             if figure.part.is_phase() {
                 self.phased.push(figure.fold.read(m));
             } else if known.has(figure.part, step.t)
@@ -789,10 +794,33 @@ mod tests {
     use super::*;
     use crate::controllers::Report;
     use crate::experiment::Document;
-    use crate::simulate::fly;
+    use crate::simulate::{fly, shown};
 
     fn experiment(name: &str) -> Experiment {
         Document::load(name).unwrap().checked().unwrap()
+    }
+
+    /// Before a take-off and after a landing nothing is flown: the time there is none of safe commands, and pages leave it out but for 5 s.
+    #[test]
+    fn time_on_the_ground_is_not_flown() {
+        let mut document = Document::load("inspection").unwrap();
+        document.assign("mission.armed_s=3.0").unwrap();
+        let experiment = document.checked().unwrap();
+        let record = fly(&experiment).unwrap();
+        let figures = Figures::of(&experiment, &record);
+        assert!(figures.get("safe_s") < 1.0, "{figures:?}");
+        assert!(figures.get("max_late_position_error_m") < 1.0);
+        assert_eq!(figures.get("final_thrust_to_weight"), 0.0);
+        let all = shown(&record);
+        let landed = record.iter().rposition(|step| !step.stands()).unwrap();
+        let after = all[all.len() - 1].t - record[landed].t;
+        assert!((after - 5.0).abs() < 0.02, "{after}");
+        assert!(record[0].stands() && all.len() < record.len());
+        // One that falls with its motors off does not stand.
+        let mut falling = record[0].clone();
+        falling.truth.velocity.z = 1.0;
+        assert!(!falling.stands());
+        assert_eq!(shown(&record[..100]).len(), 100);
     }
 
     #[test]

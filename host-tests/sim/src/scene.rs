@@ -9,7 +9,7 @@ use serde::Serialize;
 use crate::columns::{Column, declared, expect_todays};
 use crate::experiment::Experiment;
 use crate::reference::wrap;
-use crate::simulate::Step;
+use crate::simulate::{Step, shown};
 
 /// The columns that are shown, by their names in a record.
 pub const NUMBERS: [&str; 38] = [
@@ -104,8 +104,9 @@ impl Default for Scene {
 }
 
 impl Scene {
-    /// The scene of a record.
+    /// The scene of a record, up to where it stands for good.
     pub fn of(experiment: &Experiment, record: &[Step]) -> Self {
+        let record = shown(record);
         let mut scene = Self::default();
         for step in record {
             scene.push(experiment, step, false);

@@ -82,6 +82,27 @@ impl Step {
     pub fn altitude(&self) -> f64 {
         -self.position_error().z
     }
+
+    /// Whether it stands on the ground, and its mission has the motors off: nothing is flown.
+    pub fn stands(&self) -> bool {
+        /// Speed of what stands \[m/s\].
+        const REST: f64 = 0.1;
+        let off = self.mission.is_some_and(|asked| asked.gate == Gate::Off);
+        off && self.truth.velocity.norm() < REST
+    }
+}
+
+/// What is shown of a record: all of it, but of the time on the ground after a landing no more than 5 s.
+pub fn shown(record: &[Step]) -> &[Step] {
+    /// \[s\].
+    const STANDING: f64 = 5.0;
+    let standing = record.iter().rev().take_while(|step| step.stands()).count();
+    // One that never left the ground is shown whole.
+    let Some(landed) = (record.len() - standing).checked_sub(1) else {
+        return record;
+    };
+    let end = record[landed].t + STANDING;
+    &record[..record.partition_point(|step| step.t <= end)]
 }
 
 /// A flight that came to no number: at this time \[s\] the plant's state was not finite, or its speed beyond that of any aircraft.
