@@ -12,7 +12,7 @@ use alula_design::envelope::Curve;
 use alula_sim::columns::declared;
 use alula_sim::experiment::{Document, Experiment};
 use alula_sim::figures::{Figures, Segment};
-use alula_sim::simulate::Step;
+use alula_sim::simulate::{Step, shown};
 
 /// Charts of a flight in a vertical plane.
 const IN_PLANE: &[Panel] = panels! {
@@ -107,12 +107,20 @@ pub fn overview(experiment: &Experiment, record: &[Step], format: Format) -> Dra
 
 /// The picture of a flight, with its transitions, for a sheet and for a narrow window.
 pub fn drawn(experiment: &Experiment, record: &[Step]) -> [Drawn; 2] {
-    [Format::Sheet, Format::Narrow]
-        .map(|format| with_films(overview(experiment, record, format), experiment, record))
+    let record = shown(record);
+    [Format::Sheet, Format::Narrow].map(|format| {
+        with_films(
+            overview(experiment, record, format),
+            experiment,
+            record,
+            format,
+        )
+    })
 }
 
 /// The figure of a flight: its picture, its charts, what the controller did.
 pub fn figure(experiment: &Experiment, record: &[Step], figures: &Figures) -> Figure {
+    let record = shown(record);
     let panels = match experiment.in_plane() {
         true => IN_PLANE,
         false => IN_SPACE,

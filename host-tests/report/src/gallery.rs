@@ -2,11 +2,12 @@
 
 use std::fmt::Write as _;
 
+use super::film::with_films;
 use super::flight::overview;
 use super::svg::{Drawn, Format, escape};
 use super::viewer::address;
 use alula_sim::experiment::Experiment;
-use alula_sim::simulate::Step;
+use alula_sim::simulate::{Step, shown};
 
 /// An experiment that was flown.
 #[derive(Clone, Debug)]
@@ -22,10 +23,13 @@ pub struct Exhibit {
 impl Exhibit {
     /// The flight of a record.
     pub fn of(name: &str, experiment: &Experiment, record: &[Step]) -> Self {
+        let record = shown(record);
+        let format = Format::Small;
+        let way = overview(experiment, record, format);
         Self {
             name: name.to_owned(),
             description: experiment.description.clone(),
-            picture: overview(experiment, record, Format::Small),
+            picture: with_films(way, experiment, record, format),
         }
     }
 }

@@ -239,6 +239,9 @@ function level() {
     drawing.plane.position.y = drawing.floor - 0.05;
 }
 
+/* Height over the ground at which a steered flight begins [m]. */
+const ROOM = 20;
+
 /* A flight has been taken up: its size, ground, path, and where it is seen from. */
 function take() {
     const rows = flight.rows;
@@ -246,7 +249,8 @@ function take() {
     drawing.due = true;
     const lowest = Math.min(...rows.map((row) => -get(row, "down_m")));
     drawing.span = flight.curves ? Math.max(1.2, 2.2 * Math.sqrt(2 * flight.curves.k_a_kg_m / 1.225)) : 2;
-    drawing.floor = Math.floor((lowest - 1.5 * drawing.span) / 5) * 5;
+    /* What is steered has room to sink. */
+    drawing.floor = Math.floor((lowest - (clock.steering ? ROOM : 1.5 * drawing.span)) / 5) * 5;
     drawing.vehicle.scale.setScalar(drawing.span);
     drawing.ghost.scale.setScalar(drawing.span);
     ground();
@@ -314,6 +318,7 @@ function draw(t) {
         const side = under.clone().cross(ahead);
         place(drawing.ghost, at.clone().addScaledVector(side, 1.3 * span), [under, ahead, side]);
     }
+    $("ghost").hidden = !drawing.ghost.visible;
     setLine(drawing.drop, [at.x, at.y, at.z, at.x, drawing.floor, at.z]);
     drawTrail(t);
     /* The ground goes along by whole squares. */
@@ -599,7 +604,8 @@ function drawStrip() {
 }
 
 /* ---- time ---- */
-const clock = { t: 0, playing: false, last: null, drawn: null, slowly: 0, steering: false };
+/* `steers`: it is to be steered; `steering`: it is. */
+const clock = { t: 0, playing: false, last: null, drawn: null, slowly: 0, steering: false, steers: false };
 
 function play(on) {
     clock.playing = on;
@@ -702,6 +708,15 @@ function tried(of) {
     try { problem(""); return of(); } catch (error) { problem(error.message); play(false); return null; }
 }
 
+/* Flies anew, or says why the vehicle does not: then what was flown last stays. */
+function flown(of) {
+    try { problem(""); return of(); } catch (error) {
+        problem(`This vehicle cannot fly that: ${error.message}. The flight shown is still the last one.`);
+        play(false);
+        return null;
+    }
+}
+
 /* What is asked of the library. Sliders that were not moved stay the experiment's. */
 function request(steered) {
     const set = ofParts() && $("kind").value ? [`plant.vehicle="${$("kind").value}"`] : [];
@@ -730,7 +745,7 @@ function unmove() {
 }
 
 /* Again, as it is asked for now. */
-const again = () => clock.steering ? steerBegins() : wholeFlight(true);
+const again = () => clock.steers ? steerBegins() : wholeFlight(true);
 
 function opened(info) {
     $("kind-of").hidden = !info.of_parts;
@@ -745,7 +760,8 @@ function opened(info) {
 }
 
 function wholeFlight(keep) {
-    return tried(() => {
+    clock.steers = false;
+    return flown(() => {
         const info = asked(request(false));
         if (!library.fly()) throw Error(text());
         const { words } = JSON.parse(text());
@@ -767,7 +783,11 @@ const wish = { speed: 0, course: 0, climb: 0, loiter: false, sent: "" };
 const keys = new Set();
 
 function steerBegins() {
-    tried(() => {
+    clock.steers = true;
+    flown(() => {
+        /* Of what was steered the library has nothing left. */
+        clock.steering = false;
+        $("goals").hidden = $("keys").hidden = true;
         const info = asked(request(true));
         if (!library.begin() || !library.step(1)) throw Error(text());
         clock.steering = true;
@@ -826,7 +846,10 @@ function hands(dt) {
     wish.loiter &&= !turn;
     wish.speed = Math.min(Math.max(wish.speed + 4 * faster * dt, 0), 24);
     wish.course += 0.6 * turn * dt;
-    wish.climb = 3 * climb;
+    /* It sinks the slower the nearer the ground is, and not into it. */
+    const [, , down] = vector(flight.rows[flight.rows.length - 1], "", "m");
+    const over = Math.max(-down - drawing.floor - 1.5 * drawing.span, 0);
+    wish.climb = Math.max(3 * climb, -0.5 * over);
     wish.climbing = climb !== 0;
     flyAt();
 }
