@@ -25,6 +25,8 @@ struct Size {
     high: f64,
     near: f64,
     apart: f64,
+    /// Height of a title of one line \[px\].
+    title: f64,
     /// Where the middle of a vehicle and the first line of text lie below the top of a row \[px\].
     middle: f64,
     below: f64,
@@ -41,6 +43,7 @@ impl Size {
         high: 142.0,
         near: 52.0,
         apart: 76.0,
+        title: 22.0,
         middle: 50.0,
         below: 114.0,
         timed: 1,
@@ -51,11 +54,12 @@ impl Size {
         scale: 0.42,
         most: 20.0,
         beside: 10.0,
-        high: 66.0,
+        high: 54.0,
         near: 20.0,
         apart: 28.0,
-        middle: 22.0,
-        below: 57.0,
+        title: 16.0,
+        middle: 12.0,
+        below: 47.0,
         timed: 3,
         airspeed: false,
     };
@@ -144,7 +148,8 @@ pub fn with_films(
             _ => ", seen from beside the course; thrust behind it",
         };
         let words = format!("{way}: every {} s{seen}", film.every);
-        *high += 22.0 + title(text, &words, [2.0, *high + 15.0], *wide);
+        let before = size.title;
+        *high += before + title(text, &words, [2.0, *high + 0.7 * before], *wide);
         let apart = (row / columns).min(size.apart);
         // Ahead is where it flies on the wing.
         let fastest = film.frames.iter().map(|step| step.truth.velocity);

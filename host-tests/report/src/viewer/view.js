@@ -318,7 +318,8 @@ function draw(t) {
         const side = under.clone().cross(ahead);
         place(drawing.ghost, at.clone().addScaledVector(side, 1.3 * span), [under, ahead, side]);
     }
-    $("ghost").hidden = !drawing.ghost.visible;
+    const legend = $("ghost");
+    if (legend.hidden === drawing.ghost.visible) legend.hidden = !drawing.ghost.visible;
     setLine(drawing.drop, [at.x, at.y, at.z, at.x, drawing.floor, at.z]);
     drawTrail(t);
     /* The ground goes along by whole squares. */
