@@ -120,12 +120,12 @@ pub fn picture(record: &[Step], format: Format) -> Drawn {
 fn small(record: &[Step]) -> Drawn {
     let mut text = String::new();
     let ground = Ground::of(record);
-    let frame = [60.0, 4.0, NARROW - 70.0, 180.0];
+    let frame = [60.0, 4.0, NARROW - 70.0, 216.0];
     let over = track::fitted(View::along(COURSE, ELEVATION), record, &ground, frame, true);
     let every = track::spacing(record, &over);
     track::draw(&mut text, record, &ground, &over, frame, (every, true));
     Drawn {
-        size: [NARROW, 188.0],
+        size: [NARROW, 224.0],
         attributes: String::new(),
         body: text,
     }

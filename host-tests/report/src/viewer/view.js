@@ -242,9 +242,25 @@ function level() {
 /* Height over the ground at which a steered flight begins [m]. */
 const ROOM = 20;
 
+/* A record without positions has the way that its velocities make. */
+function ways(rows) {
+    const places = ["north", "east", "down"].map((axis) => flight.at[`${axis}_m`]);
+    if (rows.some((row) => Number.isFinite(row[places[0]]))) return;
+    const at = [0, 0, 0];
+    rows.forEach((row, k) => {
+        const passed = k ? row[0] - rows[k - 1][0] : 0;
+        vector(row, "v_", "m_s").forEach((v, i) => {
+            at[i] += Number.isFinite(v) ? v * passed : 0;
+            row[places[i]] = at[i];
+        });
+    });
+    $("lead").textContent += " It holds no positions: the way drawn is that of its velocities.";
+}
+
 /* A flight has been taken up: its size, ground, path, and where it is seen from. */
 function take() {
     const rows = flight.rows;
+    ways(rows);
     drawing.weight = weight();
     drawing.due = true;
     const lowest = Math.min(...rows.map((row) => -get(row, "down_m")));
