@@ -87,10 +87,10 @@ impl Accelerometer {
             excess,
             rate,
         } = state;
-        (force.force.norm_squared() <= 1.000_01 * self.most * self.most)
-            & (force.thrust.abs() <= 1e7)
-            & (LEAST_EXCESS..=MOST_EXCESS).contains(excess)
-            & (rate.abs() <= 1e3)
+        force.force.norm_squared() <= 1.000_01 * self.most * self.most
+            && force.thrust.abs() <= 1e7
+            && (LEAST_EXCESS..=MOST_EXCESS).contains(excess)
+            && rate.abs() <= 1e3
     }
 
     /// Begins with the thrust \[N\] that a specific force tells, within the limits of `vehicle`: which was commanded before is not known.

@@ -67,10 +67,10 @@ impl Limits {
     #[inline(always)]
     pub fn is_sound(&self, state: &LimitState) -> bool {
         let Body { i, j, w } = state.rates;
-        (i.abs() <= self.rate)
-            & (j.abs() <= self.rate)
-            & (w.abs() <= self.rate)
-            & (self.thrust_min..=self.thrust_max).contains(&state.thrust)
+        i.abs() <= self.rate
+            && j.abs() <= self.rate
+            && w.abs() <= self.rate
+            && (self.thrust_min..=self.thrust_max).contains(&state.thrust)
     }
 
     /// The last command where none has been given yet: no rotation, and the thrust nearest to none.

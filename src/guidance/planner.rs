@@ -275,7 +275,7 @@ impl Planner {
         vehicle: &Vehicle<A>,
         search: &mut PlanSearch,
     ) -> Option<Candidate> {
-        let request = search.request;
+        let request = &search.request;
         let in_force = search.looked == 0;
         let n = search.looked.wrapping_sub(1);
         if usize::from(search.steps) < STEPS || (!in_force && n >= candidates::COUNT) {
@@ -291,13 +291,13 @@ impl Planner {
         } else {
             let turn = candidates::turn(n, search.first);
             let lift = self.cost.lift_coefficient;
-            let plan = candidates::plan(turn, &self.reference_model, &vehicle, &request, lift);
+            let plan = candidates::plan(turn, &self.reference_model, &vehicle, request, lift);
             (plan, search.bound)
         };
         let (model, horizon) = (&self.reference_model, self.horizon());
         let flown = self
             .cost
-            .of(model, horizon, &vehicle, &request, &plan, !in_force, bound);
+            .of(model, horizon, &vehicle, request, &plan, !in_force, bound);
         let (steps, rollout) = match flown {
             Flown::ToTheEnd(rollout) => (STEPS, Some(rollout)),
             Flown::Dearer(steps) => (steps, None),
@@ -310,7 +310,7 @@ impl Planner {
                 search.rollout = rollout;
                 let hysteresis = self.reference_model.tuning.hysteresis;
                 // A part of what plans differ in: what all cost at this depth is left out.
-                let common = self.cost.of_depth(&request, horizon);
+                let common = self.cost.of_depth(request, horizon);
                 search.bound =
                     rollout.cost - hysteresis * (1.0 + math::max(rollout.cost - common, 0.0));
             } else {

@@ -401,7 +401,7 @@ impl ReferenceModel {
         let span = h * allowed.given;
         let rate = math::clamp(wanted, middle - span, middle + span);
         let most_rate = math::max(MOST_RATE, self.rate);
-        let rate = math::clamp(rate, -most_rate, most_rate);
+        let rate = rarely_limited(rate, most_rate);
 
         let acceleration = forces.free - Inertial::new(attitude.cos, attitude.sin) * thrust;
         // Drag is stiff where the speed is high: implicit in it.

@@ -259,6 +259,9 @@ impl Cost {
         let high = HIGH / LINEAR_FROM * math::max(self.altitude_band / request.altitude_band, 1.0);
         let altitude_band = 1.0 / (LINEAR_FROM * request.altitude_band);
 
+        // A power of two: nothing is rounded.
+        let most = bound * (1.0 / SCALE);
+
         let mut velocity = request.velocity;
         let mut error =
             flight.velocity - reference_model.desired_velocity(flight.position, velocity);
@@ -296,7 +299,7 @@ impl Cost {
                     + length(error.down() * band.down())
                     + length(error.forward() * band.forward())
                     - 3.0);
-            if SCALE * cost >= bound {
+            if cost >= most {
                 return Flown::Dearer(n + 1);
             }
         }

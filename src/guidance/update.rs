@@ -24,7 +24,7 @@ use crate::control::{Fault, GainLaw, Margin};
 use crate::math;
 use crate::ned::Ned;
 use crate::reference::{MAX_ACCELERATION, MAX_SPEED};
-use crate::spatial::{Body, Command, Correction, Reference, State, WingedControl, check_input};
+use crate::spatial::{Body, Command, Reference, State, WingedControl, check_velocity};
 use crate::vehicle::Vehicle;
 
 /// The velocity law with everything around it that a real vehicle asks for. Immutable and validated.
@@ -113,26 +113,28 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             self.reset(state);
         }
         let (dt, timed) = time_passed(dt);
-        let mut output = GuidanceOutput::default();
-        let result = if timed {
-            self.fly(state, input, dt, &mut output)
+        let flown = if timed {
+            self.fly(state, input, dt)
         } else {
             Err(RejectReason::TimeStep)
         };
         // An absurd vehicle or reference takes the reference model beyond all bounds: it begins anew from the real vehicle.
-        if !self.is_sound(state) {
+        if !self.is_flight_sound(state) {
             self.reset(state);
         }
         let mode = self
             .supervisor
-            .advance(&mut state.supervision, result.is_ok(), dt);
-        if mode == Mode::Flying {
-            state.supervision.upright = math::clamp(input.orientation.i().down, 0.0, 1.0);
-        } else {
-            output = self.substitute(state, mode);
-        }
+            .advance(&mut state.supervision, flown.is_ok(), dt);
+        let reject_reason = flown.err();
+        let mut output = match flown {
+            Ok(flown) if mode == Mode::Flying => {
+                state.supervision.upright = math::clamp(input.orientation.i().down, 0.0, 1.0);
+                flown
+            }
+            _ => self.substitute(state, mode),
+        };
         output.mode = mode;
-        output.reject_reason = result.err();
+        output.reject_reason = reject_reason;
         output.status |= Status::STATE_RESET.when(!sound);
         output
     }
@@ -170,15 +172,8 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         state: &mut GuidanceState,
         input: &GuidanceInput,
         dt: f32,
-        output: &mut GuidanceOutput,
-    ) -> Result<(), RejectReason> {
-        let mut at = State {
-            velocity: input.velocity,
-            orientation: input.orientation,
-            wind: Ned::ZERO,
-            correction: Correction::default(),
-        };
-        check_input(&at, &Reference::default()).map_err(RejectReason::Law)?;
+    ) -> Result<GuidanceOutput, RejectReason> {
+        check_velocity(input.velocity).map_err(RejectReason::Law)?;
         if !input.orientation.is_sound() {
             return Err(RejectReason::Law(Fault::Attitude));
         }
@@ -267,8 +262,12 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         } else {
             state.air = AirEstimateState::default();
         }
-        at.wind = wind;
-        at.correction = correction;
+        let at = State {
+            velocity: input.velocity,
+            orientation: input.orientation,
+            wind,
+            correction,
+        };
 
         // Where the vehicle is, from the reference.
         let reckoned = state.reckoned + (input.velocity - asked.velocity) * dt;
@@ -345,9 +344,6 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             dt,
         );
 
-        output.progress = model.progress;
-        output.plan_due = model.plan_due;
-
         // The real one after it.
         let tracked = self
             .tracker
@@ -387,7 +383,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         let apart = ahead - math::clamp(ahead, -ATTITUDE_APART, ATTITUDE_APART);
         flight.theta -= apart * math::min(ATTITUDE_RESYNCHRONISATION * dt, 1.0);
 
-        output.command = Command {
+        let mut command = Command {
             thrust: limited.thrust,
             rates: limited.rates.into(),
             ..tracked.command
@@ -396,28 +392,33 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             &mut state.accelerometer,
             specific_force,
             input.orientation,
-            &output.command,
+            &command,
             gust,
             dt,
         );
-        output.command.thrust = state.limits.thrust;
-        output.air = air;
-        output.reference = tracked.reference;
-        output.margin = Margin::new(
-            &tracked.step.forces,
-            tracked.step.norm,
-            self.control.plane().gains().guard().tau(),
-            tracked.branch.sign(),
-        );
-        output.status = tracked.status
-            | limited.saturated
-            | Status::REFERENCE_HELD.when(!fresh)
-            | Status::POSITION_INVALID
-                .when(fresh && position_error.is_none() && input.position_error.is_some())
-            | Status::AIR_INVALID.when(air_invalid)
-            | Status::FORCE_INVALID
-                .when(specific_force.is_none() && input.specific_force.is_some());
-        Ok(())
+        command.thrust = state.limits.thrust;
+        Ok(GuidanceOutput {
+            command,
+            air,
+            status: tracked.status
+                | limited.saturated
+                | Status::REFERENCE_HELD.when(!fresh)
+                | Status::POSITION_INVALID
+                    .when(fresh && position_error.is_none() && input.position_error.is_some())
+                | Status::AIR_INVALID.when(air_invalid)
+                | Status::FORCE_INVALID
+                    .when(specific_force.is_none() && input.specific_force.is_some()),
+            margin: Margin::new(
+                &tracked.step.forces,
+                tracked.step.norm,
+                self.control.plane().gains().guard().tau(),
+                tracked.branch.sign(),
+            ),
+            reference: tracked.reference,
+            progress: model.progress,
+            plan_due: model.plan_due,
+            ..GuidanceOutput::default()
+        })
     }
 }
 

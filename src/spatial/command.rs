@@ -166,7 +166,7 @@ fn out_of_plane(v: Frd) -> f32 {
 ///
 /// One sum decides for all: NaN and infinity fail its comparison too. Only when it fails is each input looked at.
 #[inline(always)]
-pub(crate) fn check_input(state: &State, reference: &Reference) -> Result<(), Fault> {
+pub(super) fn check_input(state: &State, reference: &Reference) -> Result<(), Fault> {
     let sum = (state.velocity.norm_squared() + state.wind.norm_squared())
         + (reference.velocity.norm_squared() + reference.acceleration.norm_squared());
     if sum < MAX_SPEED * MAX_SPEED {
@@ -180,9 +180,8 @@ pub(crate) fn check_input(state: &State, reference: &Reference) -> Result<(), Fa
 #[inline(never)]
 fn name_input(state: &State, reference: &Reference) -> Result<(), Fault> {
     let ok = |v: Ned, max: f32| v.norm_squared() <= max * max;
-    if !ok(state.velocity, MAX_SPEED) {
-        Err(Fault::Velocity)
-    } else if !ok(state.wind, MAX_SPEED) {
+    check_velocity(state.velocity)?;
+    if !ok(state.wind, MAX_SPEED) {
         Err(Fault::Wind)
     } else if !ok(reference.velocity, MAX_SPEED) {
         Err(Fault::ReferenceVelocity)
@@ -190,6 +189,16 @@ fn name_input(state: &State, reference: &Reference) -> Result<(), Fault> {
         Err(Fault::ReferenceAcceleration)
     } else {
         Ok(())
+    }
+}
+
+/// Refuses a velocity over ground that is not finite or absurd.
+#[inline(always)]
+pub(crate) fn check_velocity(velocity: Ned) -> Result<(), Fault> {
+    if velocity.norm_squared() <= MAX_SPEED * MAX_SPEED {
+        Ok(())
+    } else {
+        Err(Fault::Velocity)
     }
 }
 

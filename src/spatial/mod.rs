@@ -23,7 +23,7 @@ mod winged;
 const MAX_STEP: f32 = 0.2;
 
 pub use crate::ned::Ned;
-pub(crate) use command::check_input;
+pub(crate) use command::check_velocity;
 pub use command::{Command, Correction, Diagnostics, FeedForward, Reference, State};
 pub use force_error::{ForceError, ForceErrorParameters, ForceErrorState, ForceSample};
 pub use heading::Heading;
