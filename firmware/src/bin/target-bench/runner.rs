@@ -52,20 +52,20 @@ const fn law(function: &'static str, median: u32) -> Limit {
 const fn guidance(function: &'static str) -> Limit {
     Limit {
         function,
-        median: 5_700,
-        spread: 1.3,
+        median: 5_300,
+        spread: 1.2,
         flash: 30 * 1024,
         stack: 1400,
     }
 }
 
-/// Of a step and a plan, which takes 150,000 instructions at most. The loop of the rollouts is there twice, for large wings at high speed and
+/// Of a step and a plan. The loop of the rollouts is there twice, for large wings at high speed and
 /// without: 3 kB, and 300 instructions less.
 const fn plan(function: &'static str) -> Limit {
     Limit {
         function,
-        median: 146_000,
-        spread: 1.12,
+        median: 143_000,
+        spread: 1.13,
         flash: 42 * 1024,
         stack: 1500,
     }
@@ -74,7 +74,7 @@ const fn plan(function: &'static str) -> Limit {
 /// Of the guidance whose state survives changes. 2 KiB are promised.
 const fn hardened(function: &'static str) -> Limit {
     Limit {
-        median: 6_850,
+        median: 6_450,
         flash: 36 * 1024,
         stack: 1950,
         ..guidance(function)
@@ -166,7 +166,15 @@ fn corpus(image: &Path, file: &str) -> Result<()> {
     let lines = [
         ("combined model", hardened("hardened")),
         ("model chosen at run time", hardened("hardened")),
-        ("plans", plan("plan")),
+        // 150,000 instructions are promised of any.
+        (
+            "plans",
+            Limit {
+                median: 150_000,
+                spread: 1.0,
+                ..plan("plan")
+            },
+        ),
     ];
     for ((model, limit), line) in lines.iter().zip(text.lines()) {
         let numbers: Vec<u32> = line.split(' ').filter_map(|n| n.parse().ok()).collect();
