@@ -133,29 +133,28 @@ fn gains_as_shipped_are_found_in_hover() {
     }
 }
 
-/// The mapping tail-sitter flies with the parameters of the page, and now with ArduPlane's ramps of 300 °/s² as shipped, too: 1.0 and 1.1 m. Plans
-/// that came one candidate a step lost 9.6 m with these.
+/// ArduPlane's ramps of 300 °/s² as shipped are refused in hover. Flown in spite of that, up to 10 of 24 flights of the mapping tail-sitter sink by 3 to
+/// 40 m: which of them is chance. With the parameters of the page none sinks by 3 m, at whatever speed.
 #[test]
-fn ramps_as_shipped_are_flown() {
-    let experiment = there_and_back("mapping", 14.0, &WIDE);
-    let shipped = fly(
-        &experiment,
+fn ramps_as_shipped_are_refused_and_those_of_the_page_flown() {
+    let shipped = parameters(&[ARDUPLANE_SHIPPED]);
+    let refused = fly(
+        &there_and_back("mapping", 14.0, &WIDE),
         ARDUPLANE,
-        &parameters(&[ARDUPLANE_SHIPPED]),
-        true,
+        &shipped,
+        false,
     );
-    let experiment = there_and_back("mapping", 14.0, &[]);
-    let paged = fly(
-        &experiment,
-        ARDUPLANE,
-        &parameters(&[QACRO, ARDUPLANE_SHIPPED]),
-        true,
-    );
-    println!(
-        "ramps: shipped {:.1} m, page {:.1} m",
-        shipped.sank, paged.sank
-    );
-    assert!(shipped.sank < 3.0 && paged.sank < 3.0);
+    assert!(!is_go(&refused.findings), "{:?}", refused.findings);
+    assert!(refused.sank < 1.0, "{}", refused.sank);
+    let paged = parameters(&[QACRO, ARDUPLANE_SHIPPED]);
+    for speed in [12.5, 13.7, 14.4, 15.2] {
+        let experiment = there_and_back("mapping", speed, &[]);
+        let flown = fly(&experiment, ARDUPLANE, &paged, false);
+        assert!(is_go(&flown.findings), "{:?}", flown.findings);
+        assert_eq!(flown.end, Stage::Ended(End::Finished));
+        println!("page, {speed} m/s: {:.1} m", flown.sank);
+        assert!(flown.sank < 3.0, "{speed} m/s: {}", flown.sank);
+    }
 }
 
 /// The preflight finds what flights were lost by, over a link, and nothing once the files of the page are loaded; ArduPlane arms with them.
