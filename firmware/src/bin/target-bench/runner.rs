@@ -53,7 +53,7 @@ const fn guidance(function: &'static str) -> Limit {
     Limit {
         function,
         median: 5_300,
-        spread: 1.2,
+        spread: 1.26,
         flash: 30 * 1024,
         stack: 1400,
     }
