@@ -23,6 +23,7 @@ use alula_logs::states::States;
 use nalgebra::{DMatrix, DVector, Vector3};
 use serde::Serialize;
 
+use super::drag::{Glide, drag};
 use super::known::Actuators;
 use super::reconstruct::attitudes;
 use super::regression::{DEVIATIONS, Measured, least_squares};
@@ -112,18 +113,24 @@ const TURN: f64 = 10.0;
 /// Time \[s\] after which residuals of a lag say something anew.
 const ANEW: f64 = 2.0;
 /// What the models themselves lack, shares of the value of 95 %: a wing in the slipstream, a battery that sags and a propeller of another family; loops that
-/// are no lag of first order. Of the size that simulated vehicles of three kinds show.
+/// are no lag of first order; elevons that trim another glide than cruise. Of the size that simulated vehicles of three kinds show.
 struct Lacking {
     thrust: f64,
     thrust_lag: f64,
     rate_lag: f64,
+    drag: f64,
 }
 
 const LACKING: Lacking = Lacking {
-    thrust: 0.05,
-    thrust_lag: 0.15,
-    rate_lag: 0.25,
+    thrust: 0.07,
+    thrust_lag: 0.2,
+    rate_lag: 0.35,
+    drag: 0.15,
 };
+/// Advance ratio, over the one that is without thrust, from which on a propeller idles, whatever is wrong of that one.
+const IDLE: f64 = 2.0;
+/// Time in which the lift is averaged \[s\].
+const MEAN: f64 = 2.0;
 /// Lag of the thrust that is assumed where the flight shows none \[s\].
 const ASSUMED_LAG: f64 = 0.08;
 /// Pitch rate [rad/s] from which on flight short of stall is no steady one.
@@ -159,6 +166,17 @@ impl Row {
 
     fn speed(&self) -> f64 {
         self.air.x.hypot(self.air.z)
+    }
+
+    /// Specific force across the path through the air, to the back [m/s²].
+    fn lift(&self) -> f64 {
+        (self.force[0] * self.air.z - self.force[1] * self.air.x) / self.speed()
+    }
+
+    /// Whether it is on the wing, short of stall and steadily.
+    fn glides(&self) -> bool {
+        let steady = self.alpha().abs() <= ATTACHED && self.rate.abs() <= TURNS;
+        self.speed() > 2.0 * SLOW && steady
     }
 }
 
@@ -319,10 +337,12 @@ const NO_THRUST: f64 = 0.676;
 fn propelled(u: f64, along: f64, v1: f64) -> [f64; 2] {
     let [linear, square] = PROPELLER;
     let (root, j) = (u.max(0.0).sqrt(), along / v1);
-    [
-        u + linear * root * j + square * j * j,
-        -(linear * root * j + 2.0 * square * j * j) / v1,
-    ]
+    let thrust = u + linear * root * j + square * j * j;
+    // Slower than that it idles.
+    if thrust <= 0.0 {
+        return [0.0; 2];
+    }
+    [thrust, -(linear * root * j + 2.0 * square * j * j) / v1]
 }
 
 impl Unknowns {
@@ -602,8 +622,22 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
         let mut sorted = angles.clone();
         sorted.sort_by(f64::total_cmp);
         let cruise = sorted[sorted.len() / 2];
-        c_d_cruise = known(fit.measured(4))
-            .filter(|drag| drag.value > 0.0)
+        let glided = glides(&rows, lag, NO_THRUST * v1, k);
+        let mut lifts: Vec<f64> = rows
+            .iter()
+            .filter(|row| row.glides())
+            .map(|row| row.lift() / (k * row.speed().powi(2)))
+            .collect();
+        lifts.sort_by(f64::total_cmp);
+        let c_l = lifts.get(lifts.len() / 2).copied().unwrap_or(0.0);
+        c_d_cruise = (glided.len() >= 2 * ROWS)
+            .then(|| drag(&glided))
+            .flatten()
+            .map(|fit| {
+                fit.function(|e| e[0] + e[1] * c_l * c_l)
+                    .lacking(LACKING.drag)
+            })
+            .filter(|drag| drag.is_known() && drag.value > 0.0)
             .map(|drag| (drag, cruise.to_degrees()));
     }
     if c_l_alpha.is_none() {
@@ -684,6 +718,30 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
         held_out,
         missing,
     })
+}
+
+/// What is flown on the wing, short of stall and steadily, while the propeller idles: `no_thrust` is the airspeed without thrust at full throttle [m/s],
+/// `k` is k_a/m.
+fn glides(rows: &[Row], lag: f64, no_thrust: f64, k: f64) -> Vec<Glide> {
+    let idles = |row: &Row, throttle: f64| {
+        let advance = row.air.x / (throttle.max(1e-6).sqrt() * no_thrust);
+        row.glides() && advance >= IDLE
+    };
+    let flown = rows.iter().zip(lagged(rows, lag));
+    let idle = flown.filter(|(row, throttle)| idles(row, *throttle));
+    idle.map(|(row, _)| {
+        let at = |t: f64| rows.partition_point(|row| row.t < t);
+        let near = &rows[at(row.t - 0.5 * MEAN)..at(row.t + 0.5 * MEAN)];
+        let lift = near.iter().map(Row::lift).sum::<f64>() / near.len() as f64;
+        let pressure = k * row.speed().powi(2);
+        Glide {
+            block: ((row.t - rows[0].t) / ANEW) as usize,
+            pressure,
+            along: (row.force[0] * row.air.x + row.force[1] * row.air.z) / row.speed(),
+            c_l: lift / pressure,
+        }
+    })
+    .collect()
 }
 
 /// Lag of the pitch rate, and what is had of what is asked: of a first-order lag, where enough is asked.

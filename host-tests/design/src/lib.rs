@@ -7,6 +7,7 @@
 mod code;
 pub mod curves;
 mod document;
+mod drag;
 pub mod envelope;
 mod files;
 mod first_flight;

@@ -1,0 +1,300 @@
+//! A vehicle learned from its log. The flights are of tail-sitters as they are, with an autopilot's sensors.
+
+use alula_design::identify::{Given, Identified, identify};
+use alula_design::regression::Measured;
+use alula_logs::states::find;
+use alula_sim::experiment::{Document, Experiment};
+use alula_sim::flight_log::log;
+use alula_sim::plant::Command;
+use alula_sim::plant::tail_sitter::{Belief, TailSitter};
+use alula_sim::simulate::fly;
+use rayon::prelude::*;
+
+/// A vehicle, its cruise [m/s], and the slope of a glide in which its propellers idle.
+type Flown = (&'static str, f64, f64);
+
+const FLOWN: [Flown; 3] = [
+    ("mapping", 18.0, 0.25),
+    ("small-flying-wing", 10.0, 0.35),
+    ("biplane", 18.0, 0.4),
+];
+
+/// The flight of the page: hover with steps, three level speeds, a climb, a glide, and transitions there and back, of the vehicle with this seed.
+fn flight((vehicle, cruise, glide): Flown, seed: u64) -> Experiment {
+    let mut document = Document::load("tail-sitter-hover").unwrap();
+    let mut knots: Vec<(f64, f64, f64)> = vec![(0.0, 0.0, 0.0)];
+    // Duration of a change, of what is held then, and the velocity: down, forward.
+    let hover = [
+        (1.0, 4.0, 0.0, 0.0),
+        (0.5, 2.0, -1.5, 0.0),
+        (0.5, 2.0, 1.5, 0.0),
+        (0.5, 2.0, -1.5, 0.0),
+        (0.5, 4.0, 0.0, 0.0),
+        (0.5 * cruise, 12.0, 0.0, cruise),
+    ];
+    let round = [
+        (3.0, 10.0, 0.0, 1.2 * cruise),
+        (4.0, 10.0, 0.0, 0.8 * cruise),
+        (2.0, 8.0, -0.12 * cruise, cruise),
+        (3.0, 8.0, glide * cruise, cruise),
+        (2.0, 6.0, 0.0, cruise),
+    ];
+    let back = [
+        (0.6 * cruise, 8.0, -1.0, 0.0),
+        (0.5 * cruise, 10.0, 0.0, cruise),
+        (0.6 * cruise, 8.0, -1.0, 0.0),
+    ];
+    for &(change, hold, down, forward) in hover.iter().chain(&round).chain(&back) {
+        let t = knots.last().unwrap().0;
+        knots.push((t + change, down, forward));
+        knots.push((t + change + hold, down, forward));
+    }
+    let last = knots.last().unwrap().0;
+    let knots: Vec<String> = knots
+        .iter()
+        .map(|(t, down, forward)| {
+            format!("{{t_s={t:?},down_m_s={down:?},forward_m_s={forward:?}}}")
+        })
+        .collect();
+    let all = [
+        format!("plant.vehicle={vehicle}"),
+        format!("reference.knots=[{}]", knots.join(",")),
+        format!("duration_s={last:?}"),
+        format!("seed={seed}"),
+        "weather.turbulence={wind_at_20_ft_m_s=3.0,height_m=30.0}".to_owned(),
+        format!("weather.steady_m_s=[{:?},0.5,0.0]", -0.1 * cruise),
+    ];
+    for change in &all {
+        document.assign(change).unwrap();
+    }
+    document.checked().unwrap()
+}
+
+fn identified(experiment: &Experiment) -> Identified {
+    let record = fly(experiment).unwrap();
+    let log = log(experiment, &record).unwrap();
+    let plant = experiment.tail_sitter.as_ref().unwrap().true_vehicle();
+    let given = Given {
+        mass_kg: plant.mass_kg,
+        wing_m2: Belief::of(&plant).k_a_kg_m / 0.6125,
+        air_kg_m3: 1.225,
+    };
+    identify(&log, &find(&log).unwrap(), &given).unwrap()
+}
+
+/// What is true of the vehicle, in the words of [`Identified`].
+struct Truth {
+    thrust_to_weight: f64,
+    thrust_lag_s: f64,
+    rate_lag_s: f64,
+    c_l_alpha: f64,
+    zero_lift_deg: f64,
+    /// α \[°\], c_L, c_D.
+    polar: Vec<[f64; 3]>,
+}
+
+impl Truth {
+    fn of(experiment: &Experiment) -> Self {
+        let plant = experiment.tail_sitter.as_ref().unwrap().true_vehicle();
+        let belief = Belief::of(&plant);
+        let near = belief.polar.iter();
+        let near: Vec<&[f64; 3]> = near.filter(|row| (-4.0..=8.0).contains(&row[0])).collect();
+        let n = near.len() as f64;
+        let mean = |k: usize| near.iter().map(|row| row[k]).sum::<f64>() / n;
+        let (a, l) = (mean(0), mean(1));
+        let products = near.iter().map(|row| (row[0] - a) * (row[1] - l));
+        let squares = near.iter().map(|row| (row[0] - a).powi(2));
+        let slope = products.sum::<f64>() / squares.sum::<f64>();
+        let vehicle = TailSitter::new(plant.clone(), None);
+        // In hover the battery sags by what hover takes.
+        let static_f = vehicle.static_thrust() / (9.81 * plant.mass_kg);
+        let battery = 1.0 - plant.motors.sag * static_f.powf(-1.5);
+        Self {
+            thrust_to_weight: static_f * battery * battery,
+            thrust_lag_s: thrust_lag(&vehicle, 9.81 * plant.mass_kg),
+            rate_lag_s: belief.rate_lag_s,
+            c_l_alpha: slope.to_degrees(),
+            zero_lift_deg: a - l / slope,
+            polar: belief.polar,
+        }
+    }
+
+    /// c_D at an angle of attack \[°\].
+    fn c_d(&self, alpha: f64) -> f64 {
+        let after = self.polar.partition_point(|row| row[0] < alpha);
+        let [a, b] = [self.polar[after - 1], self.polar[after]];
+        a[2] + (b[2] - a[2]) * (alpha - a[0]) / (b[0] - a[0])
+    }
+}
+
+/// Time \[s\] in which the force in hover makes 63 % of a step of a tenth of the weight, held at rest; the battery sags meanwhile.
+fn thrust_lag(vehicle: &TailSitter, weight: f64) -> f64 {
+    let mut state = vehicle.hover();
+    let held = state.clone();
+    let mut forces = |share: f64, milliseconds: usize| -> Vec<f64> {
+        let command = Command {
+            thrust: share * weight,
+            rates: Default::default(),
+        };
+        let steps = (0..milliseconds).map(|_| {
+            state = vehicle.step(&state, &command, Default::default(), 1e-3);
+            state.velocity = held.velocity;
+            state.attitude = held.attitude;
+            state.rates = held.rates;
+            vehicle.wrench(&state, Default::default()).force.norm()
+        });
+        steps.collect()
+    };
+    let before = *forces(1.0, 3000).last().unwrap();
+    let after = forces(1.1, 2000);
+    let reached = before + 0.632 * (after.last().unwrap() - before);
+    1e-3 * after.iter().position(|force| *force >= reached).unwrap() as f64
+}
+
+/// First seed of the flights: not of those that the shares in `identify` were chosen on.
+const FIRST: u64 = 1000;
+
+#[test]
+fn a_vehicle_is_learned_from_its_flight() {
+    learned(1);
+}
+
+#[test]
+#[ignore = "slow: cargo test-slow"]
+fn slow_vehicles_are_learned_from_their_flights() {
+    let draws = std::env::var("IDENTIFY_DRAWS").ok();
+    learned(draws.and_then(|n| n.parse().ok()).unwrap_or(2));
+}
+
+/// What is identified of `draws` flights of each vehicle holds the truth: what is given has it in its interval, but for two numbers in ten, and the thrust
+/// over the weight is within a tenth. What is not shown is said. With few the shares are coarse. Prints the table of the page.
+fn learned(draws: u64) {
+    println!(
+        "| number | vehicle | given | error, median (5 to 95 % of flights) | within 10 % | held |"
+    );
+    println!("|---|---|---|---|---|---|");
+    let mut all_numbers = Vec::new();
+    for flown in FLOWN {
+        let (vehicle, ..) = flown;
+        let truth = Truth::of(&flight(flown, FIRST));
+        let all: Vec<Identified> = (FIRST..FIRST + draws)
+            .into_par_iter()
+            .map(|seed| identified(&flight(flown, seed)))
+            .collect();
+        let mut numbers: [(&str, Vec<(Measured, f64)>); 6] = [
+            ("thrust over weight", Vec::new()),
+            ("lag of the thrust", Vec::new()),
+            ("lag of the pitch rate", Vec::new()),
+            ("slope of c_L", Vec::new()),
+            (ZERO_LIFT, Vec::new()),
+            ("c_D in cruise", Vec::new()),
+        ];
+        for found in &all {
+            let thrust = found.thrust_to_weight.unwrap();
+            let ratio = thrust.value / truth.thrust_to_weight;
+            assert!(
+                (0.9..1.12).contains(&ratio),
+                "{vehicle}: {thrust:?} of {}",
+                truth.thrust_to_weight
+            );
+            let c_d = found.c_d_cruise.map(|(c_d, at)| (c_d, truth.c_d(at)));
+            let pairs = [
+                found.thrust_to_weight.map(|m| (m, truth.thrust_to_weight)),
+                found.thrust_lag_s.map(|m| (m, truth.thrust_lag_s)),
+                found.rate_lag_s.map(|m| (m, truth.rate_lag_s)),
+                found.c_l_alpha.map(|m| (m, truth.c_l_alpha)),
+                found.zero_lift_deg.map(|m| (m, truth.zero_lift_deg)),
+                c_d,
+            ];
+            for ((_, given), pair) in numbers.iter_mut().zip(pairs) {
+                given.extend(pair);
+            }
+            let shown = [found.c_l_alpha.is_some(), found.c_d_cruise.is_some()];
+            for (shown, what) in shown.into_iter().zip(["c_L of the wing", "c_D in cruise"]) {
+                let said = found.missing.iter().any(|line| line.starts_with(what));
+                assert!(shown != said, "{vehicle}: {what}: {:?}", found.missing);
+            }
+            // On data that was not fitted the thrust is predicted.
+            assert!(found.predicted[0] > 0.0 && !found.held_out.is_empty());
+        }
+        for (number, given) in &numbers {
+            println!("{}", row(number, vehicle, given));
+        }
+        all_numbers.push((vehicle, numbers));
+    }
+    for (vehicle, numbers) in &all_numbers {
+        for (number, given) in numbers {
+            let hits = given
+                .iter()
+                .filter(|(m, truth)| (m.value - truth).abs() <= m.within);
+            let (hits, count) = (hits.count(), given.len());
+            assert!(
+                10 * hits + 10 >= 7 * count,
+                "{vehicle}: {number}: {hits} of {count}"
+            );
+        }
+    }
+}
+
+/// The number whose error is in degrees.
+const ZERO_LIFT: &str = "angle of zero lift";
+
+/// A row of the page's table.
+fn row(number: &str, vehicle: &str, given: &[(Measured, f64)]) -> String {
+    let degrees = number == ZERO_LIFT;
+    let error = |(m, truth): &(Measured, f64)| match degrees {
+        true => m.value - truth,
+        false => 100.0 * (m.value / truth - 1.0),
+    };
+    let mut errors: Vec<f64> = given.iter().map(error).collect();
+    errors.sort_by(f64::total_cmp);
+    let count = errors.len();
+    if count == 0 {
+        return format!("| {number} | {vehicle} | 0 | | | |");
+    }
+    let at = |share: f64| {
+        let error = errors[((count - 1) as f64 * share).round() as usize];
+        match degrees {
+            true => format!("{error:.1}"),
+            false => format!("{error:.0}"),
+        }
+    };
+    let (unit, near) = match degrees {
+        true => ("°", String::new()),
+        false => {
+            let near = errors.iter().filter(|error| error.abs() <= 10.0).count();
+            (" %", format!("{} %", 100 * near / count))
+        }
+    };
+    let hits = given
+        .iter()
+        .filter(|(m, truth)| (m.value - truth).abs() <= m.within);
+    let hits = 100 * hits.count() / count;
+    format!(
+        "| {number} | {vehicle} | {count} | {}{unit} ({} to {}) | {near} | {hits} % |",
+        at(0.5),
+        at(0.05),
+        at(0.95)
+    )
+}
+
+/// A flight that is too short, and one without a throttle, end with the reason.
+#[test]
+fn what_shows_nothing_is_said() {
+    let mut experiment = flight(FLOWN[0], 0);
+    experiment.duration_s = 8.0;
+    let record = fly(&experiment).unwrap();
+    let mut log = log(&experiment, &record).unwrap();
+    let given = Given {
+        mass_kg: 2.4,
+        wing_m2: 0.4,
+        air_kg_m3: 1.225,
+    };
+    let states = find(&log).unwrap();
+    let error = identify(&log, &states, &given).unwrap_err().to_string();
+    assert!(error.contains("s of flight with velocity"), "{error}");
+    log.topics
+        .retain(|topic| topic.name() != "vehicle_thrust_setpoint");
+    let error = identify(&log, &states, &given).unwrap_err().to_string();
+    assert!(error.contains("no throttle"), "{error}");
+}
