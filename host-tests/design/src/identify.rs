@@ -83,7 +83,7 @@ pub struct Identified {
     pub c_l_alpha: Option<Measured>,
     /// Angle of zero lift to the nose \[°\].
     pub zero_lift_deg: Option<Measured>,
-    /// c_D at the angle of level cruise, and that angle \[°\].
+    /// c_D at the c_L of cruise, and that c_L.
     pub c_d_cruise: Option<(Measured, f64)>,
     /// Coefficients behind the stall.
     pub beyond: Vec<Beyond>,
@@ -619,9 +619,6 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
         c_l_0 = Some(fit.measured(2));
         c_l_alpha = known(fit.measured(3));
         zero_lift_deg = c_l_alpha.map(|_| fit.function(|e| (-e[2] / e[3]).to_degrees()));
-        let mut sorted = angles.clone();
-        sorted.sort_by(f64::total_cmp);
-        let cruise = sorted[sorted.len() / 2];
         let glided = glides(&rows, lag, NO_THRUST * v1, k);
         let mut lifts: Vec<f64> = rows
             .iter()
@@ -630,7 +627,7 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
             .collect();
         lifts.sort_by(f64::total_cmp);
         let c_l = lifts.get(lifts.len() / 2).copied().unwrap_or(0.0);
-        c_d_cruise = (glided.len() >= 2 * ROWS)
+        c_d_cruise = (glided.len() >= ROWS)
             .then(|| drag(&glided))
             .flatten()
             .map(|fit| {
@@ -638,7 +635,7 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
                     .lacking(LACKING.drag)
             })
             .filter(|drag| drag.is_known() && drag.value > 0.0)
-            .map(|drag| (drag, cruise.to_degrees()));
+            .map(|drag| (drag, c_l));
     }
     if c_l_alpha.is_none() {
         missing.push(format!(
@@ -840,7 +837,7 @@ impl Identified {
         let (drag, cruise) = self.c_d_cruise?;
         // Attached: a line, and a parabola through the drag of cruise, of a wing whose drag at zero lift is a part of it.
         let lift = |degrees: f64| slope * (degrees - zero).to_radians();
-        let induced = 0.3 * drag.value / lift(cruise).powi(2).max(1e-3);
+        let induced = 0.3 * drag.value / cruise.powi(2).max(1e-3);
         let drag_at = |degrees: f64| 0.7 * drag.value + induced * lift(degrees).powi(2);
         let last = ATTACHED.to_degrees();
         let mut rows: Vec<[f64; 3]> = Vec::new();
@@ -1005,7 +1002,7 @@ impl Identified {
         ));
         let cruise = self
             .c_d_cruise
-            .map_or(String::new(), |(_, angle)| format!(" at {angle:.1}°"));
+            .map_or(String::new(), |(_, c_l)| format!(" at c_L = {c_l:.2}"));
         rows.push(row(
             &format!("c_D{cruise}"),
             "",
