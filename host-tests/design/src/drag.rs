@@ -32,3 +32,30 @@ pub fn drag(flown: &[Glide]) -> Option<Fit> {
     let blocks: Vec<usize> = flown.iter().map(|glide| glide.block).collect();
     least_squares(&x, &x, &y, &blocks)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A glide with a known polar, the load along its path in ripples that are not of it: the polar is found, and is in its interval.
+    #[test]
+    fn a_glide_shows_its_polar() {
+        let (zero, induced) = (0.03, 0.08);
+        let flown = (0..200).map(|n| {
+            let t = 0.04 * f64::from(n);
+            let (pressure, c_l) = (20.0 + t, 0.45 - 0.03 * t);
+            Glide {
+                block: (t / 2.0) as usize,
+                pressure,
+                along: -pressure * (zero + induced * c_l * c_l) + 0.02 * (9.0 * t).sin(),
+                c_l,
+            }
+        });
+        let flown: Vec<Glide> = flown.collect();
+        let fit = drag(&flown).unwrap();
+        let c_d = fit.function(|e| e[0] + e[1] * 0.3 * 0.3);
+        let truth = zero + induced * 0.09;
+        assert!((c_d.value - truth).abs() <= c_d.within, "{c_d:?}");
+        assert!(c_d.within < 0.1 * truth, "{c_d:?}");
+    }
+}

@@ -1031,3 +1031,16 @@ fn rounded(x: f64) -> String {
     };
     format!("{x:.digits$}")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::propelled;
+
+    /// A propeller gives its static thrust at rest, less with speed, and none, not less than none, where the air outruns it.
+    #[test]
+    fn a_propeller_that_idles_gives_no_thrust() {
+        assert_eq!(propelled(0.5, 0.0, 40.0)[0], 0.5);
+        assert!(propelled(0.5, 10.0, 40.0)[0] < 0.5);
+        assert_eq!(propelled(0.01, 18.0, 40.0), [0.0; 2]);
+    }
+}

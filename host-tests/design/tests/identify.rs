@@ -202,6 +202,10 @@ fn learned(draws: u64) {
                 truth.thrust_to_weight
             );
             let c_d = found.c_d_cruise.map(|(c_d, at)| (c_d, truth.c_d(at)));
+            if let Some((c_d, truth)) = c_d {
+                let ratio = c_d.value / truth;
+                assert!((0.7..1.3).contains(&ratio), "{vehicle}: {c_d:?} of {truth}");
+            }
             let pairs = [
                 found.thrust_to_weight.map(|m| (m, truth.thrust_to_weight)),
                 found.thrust_lag_s.map(|m| (m, truth.thrust_lag_s)),
