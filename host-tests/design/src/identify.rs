@@ -831,7 +831,7 @@ pub struct Besides {
 pub const POLAR: &str = "polar.csv";
 
 impl Identified {
-    /// The wing's coefficients as a table: what was seen, and below zero lift its mirror; none where the wing was not seen.
+    /// The wing's coefficients as a table: what was seen, and below zero lift its mirror; none where the wing, or its stall, was not seen.
     pub fn polar(&self) -> Option<String> {
         let (zero, slope) = (self.zero_lift_deg?.value, self.c_l_alpha?.value);
         let (drag, cruise) = self.c_d_cruise?;
@@ -860,6 +860,11 @@ impl Identified {
             }
             rows.push([*alpha, c_l.value, c_d.value]);
             next = *alpha;
+        }
+        // Lift that has not fallen shows no stall.
+        let most = rows.iter().map(|row| row[1]).fold(0.0, f64::max);
+        if rows.last()?[1] > 0.9 * most {
+            return None;
         }
         let mirror = rows.iter().filter(|row| row[0] > zero + 0.5);
         let mirror: Vec<[f64; 3]> = mirror
@@ -932,13 +937,6 @@ impl Identified {
                     "{:<28} # measured, as far as it was seen\n",
                     format!("section = \"{POLAR}\"")
                 );
-                if !self
-                    .beyond
-                    .iter()
-                    .any(|bin| bin.alpha_deg > ATTACHED.to_degrees())
-                {
-                    text += &format!("{:<28} # assumed: no stall was seen\n", "stall_deg = 12");
-                }
             }
             None => {
                 text += &format!(
