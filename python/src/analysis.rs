@@ -15,10 +15,10 @@ use crate::error;
 use crate::experiment::Experiment;
 use crate::frame::{Data, Frame, json};
 
-/// How much lag and delay the loop bears in level flight at `speeds` [m/s], by default 0 to 25, with the paper's gains and with the
-/// experiment's: what `alula-sil margins --json` gives as `loops`.
+/// How much lag and delay the loop bears in level flight at `speeds` [m/s], by default 0 to 25, with the experiment's gains and with
+/// the paper's: what `alula-sil margins --json` gives as `loops`.
 ///
-/// `source` is a built-in experiment, vehicle or polar, or a file; `set` changes fields. A list of `{"gains": "paper" or "experiment",
+/// `source` is a built-in experiment, vehicle or polar, or a file; `set` changes fields. A list of `{"gains": "experiment" or "paper",
 /// "points": [...]}`; a point has `speed_m_s`, `theta_deg`, `alpha_deg`, `fp_n`, `eigenvalues` [rad/s] as (real, imaginary), and the
 /// largest stable `lag_s` and `delay_s`, None beyond 5 s. With `belief` the controller takes what it believes of the vehicle for it, with
 /// `bare` the experiment's own lags and delay are left out.

@@ -53,7 +53,7 @@ fn finite(field: &str, value: &Numbers) -> PyResult<Ned> {
 #[pymethods]
 impl Goals {
     #[new]
-    #[pyo3(signature = (speed_m_s, climb_m_s, acceleration_m_s2, *, altitude_band_m=0.0, nose_below_vertical=false))]
+    #[pyo3(signature = (speed_m_s=20.0, climb_m_s=3.0, acceleration_m_s2=2.0, *, altitude_band_m=0.0, nose_below_vertical=false))]
     fn new(
         speed_m_s: f32,
         climb_m_s: f32,

@@ -195,7 +195,7 @@ def test_a_comparison_is_a_row_per_flight(tmp_path):
 
 def test_margins_are_the_command_lines(tmp_path):
     loops = alula.margins("round-trip", speeds=[0, 20])
-    assert [loop["gains"] for loop in loops] == ["paper", "experiment"]
+    assert [loop["gains"] for loop in loops] == ["experiment", "paper"]
     told, _ = command_line("margins", "round-trip", "--speeds", "0,20", "--out", str(tmp_path))
     assert loops == told["loops"]
     hover = loops[1]["points"][0]

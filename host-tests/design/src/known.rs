@@ -302,11 +302,14 @@ fn given(number: Option<f64>) -> String {
     number.map_or("?".to_owned(), |number| number.to_string())
 }
 
+/// A foot \[m\].
+const FOOT: f64 = 0.3048;
+
 /// What a number is in its own unit, if it was given in another one.
 type Converted = fn(f64, &Known) -> Option<f64>;
 
 /// What people give a number in, other than its own unit.
-const OTHER_UNITS: [(&str, &str, Converted); 31] = [
+const OTHER_UNITS: [(&str, &str, Converted); 34] = [
     ("mass_kg", "g", |x, _| Some(1e-3 * x)),
     // A vehicle of half a kilogram has a kitchen scale's numbers.
     ("mass_kg", "N", |x, _| (x >= 5.0).then_some(x / 9.81)),
@@ -315,6 +318,10 @@ const OTHER_UNITS: [(&str, &str, Converted); 31] = [
     ("wing_m2", "dm²", |x, _| Some(1e-2 * x)),
     ("wing_m2", "cm²", |x, _| Some(1e-4 * x)),
     ("wing_m2", "mm²", |x, _| Some(1e-6 * x)),
+    // A square foot of wing is little.
+    ("wing_m2", "ft²", |x, _| {
+        (x >= 1.0).then_some(FOOT * FOOT * x)
+    }),
     ("thrust_to_weight", "%", |x, _| Some(1e-2 * x)),
     ("thrust_to_weight", "N", |x, known| {
         Some(x / (9.81 * known.mass_kg?))
@@ -331,6 +338,7 @@ const OTHER_UNITS: [(&str, &str, Converted); 31] = [
     ("thrust_lag_s", "ms", |x, _| Some(1e-3 * x)),
     ("rate_lag_s", "ms", |x, _| Some(1e-3 * x)),
     ("cruise_m_s", "km/h", |x, _| Some(x / 3.6)),
+    ("cruise_m_s", "ft/s", |x, _| Some(FOOT * x)),
     ("turn_rad_s2", "°/s²", |x, _| Some(x.to_radians())),
     ("control_rate_hz", "kHz", |x, _| Some(1e3 * x)),
     ("control_rate_hz", "s of one period", |x, _| Some(1.0 / x)),
@@ -351,6 +359,7 @@ const OTHER_UNITS: [(&str, &str, Converted); 31] = [
     ("propeller_m", "mm", |x, _| Some(1e-3 * x)),
     ("drag_area_m2", "dm²", |x, _| Some(1e-2 * x)),
     ("drag_area_m2", "cm²", |x, _| Some(1e-4 * x)),
+    ("drag_area_m2", "ft²", |x, _| Some(FOOT * FOOT * x)),
     ("air_kg_m3", "g/m³", |x, _| Some(1e-3 * x)),
     ("air_kg_m3", "g/cm³", |x, _| Some(1e3 * x)),
     ("air_kg_m3", "hPa at 15 °C", |x, _| {
@@ -852,12 +861,16 @@ mod tests {
                 "wing_m2: 3 kg on 350 m² of wing are 0.009 kg/m²",
             ),
             (
+                |k| k.wing_m2 = Some(3.77),
+                "wing_m2: to carry 3 kg at 18 m/s, 3.77 m² of wing need a lift coefficient of 0.039, and aircraft have 0.04 to 10: were these ft²? Then it is 0.350",
+            ),
+            (
                 |k| k.cruise_m_s = Some(3.0),
                 "cruise_m_s: to carry 3 kg at 3 m/s",
             ),
             (
                 |k| k.cruise_m_s = Some(65.0),
-                "cruise_m_s: to carry 3 kg at 65 m/s, 0.35 m² of wing need a lift coefficient of 0.032, and aircraft have 0.04 to 10: were these km/h? Then it is 18.05",
+                "cruise_m_s: to carry 3 kg at 65 m/s, 0.35 m² of wing need a lift coefficient of 0.032, and aircraft have 0.04 to 10: were these km/h? Then it is 18.055555; or were these ft/s? Then it is 19.812",
             ),
             (
                 |k| {

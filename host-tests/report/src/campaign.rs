@@ -320,7 +320,12 @@ impl MapTexts {
         let first = format!("to {}", levels[0]);
         let rest = levels.iter().map(|level| format!("{beyond} {level}"));
         Self {
-            title: format!("worst {figure} over {} → and {} ↑", x.text(), y.text()),
+            title: format!(
+                "{}: the worst over {} → and {} ↑",
+                words(figure),
+                x.text(),
+                y.text()
+            ),
             classes: std::iter::once(first).chain(rest).collect(),
         }
     }

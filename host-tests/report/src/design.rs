@@ -159,7 +159,7 @@ fn envelope(design: &Design, p: &Performance) -> Vec<[String; 2]> {
     };
     let none = |why: &str| why.to_owned();
     let stop = p.stop_m.map_or(
-        none("not known: it does not reach cruise"),
+        none("not known: where cruise is asked of hover in one ramp, it is not reached"),
         |[stop, loss, gain]| {
             format!("within {stop:.1} m, {loss:.1} m lower and {gain:.1} m higher at most")
         },

@@ -139,9 +139,9 @@ pub fn with_films(
         let row = *wide - 2.0 * size.beside;
         let columns = (row / size.near).floor().min(film.frames.len() as f64);
         let way = if film.to_wing {
-            "from hover to the wing"
+            "onto the wing"
         } else {
-            "from the wing to hover"
+            "off the wing"
         };
         let seen = match format {
             Format::Small => "",

@@ -2,12 +2,12 @@
 
 use super::Figure;
 use super::chart::{BLUE, Chart, ORANGE, Series, Stroke};
-use alula_sim::margins::Point;
+use alula_sim::margins::{LONGEST, Point};
 
 /// Largest stable lag and delay against speed of one or two named loops: dots, for what stands side by side may be different equilibria.
 pub fn margins_figure(loops: &[(&'static str, &[Point])]) -> Figure {
     let chart = |title, value: &dyn Fn(&Point) -> Option<f64>| {
-        let point = |p: &Point| (p.speed_m_s, value(p).unwrap_or(f64::NAN));
+        let point = |p: &Point| (p.speed_m_s, value(p).unwrap_or(LONGEST));
         let series = loops
             .iter()
             .zip([BLUE, ORANGE])
@@ -21,8 +21,14 @@ pub fn margins_figure(loops: &[(&'static str, &[Point])]) -> Figure {
         }
     };
     let charts = [
-        chart("largest stable lag of the rate loop [s]", &|p| p.lag_s),
-        chart("largest stable delay of the command [s]", &|p| p.delay_s),
+        chart(
+            "largest stable lag of the rate loop [s]: 5 is that or more",
+            &|p| p.lag_s,
+        ),
+        chart(
+            "largest stable delay of the command [s]: 5 is that or more",
+            &|p| p.delay_s,
+        ),
     ];
     Figure::new(&charts, 210.0)
 }

@@ -76,6 +76,11 @@ fn counted(of: &str, experiment: &Experiment, record: &[Step]) -> Vec<[String; 3
         *counts.entry(word).or_insert(0) += 1;
     }
     let row = |(text, count): (String, usize)| {
+        // A guidance that says nothing.
+        let text = match text.is_empty() {
+            true => "none".to_owned(),
+            false => text,
+        };
         let share = 100.0 * count as f64 / record.len() as f64;
         [text, count.to_string(), format!("{share:.1}")]
     };

@@ -65,7 +65,7 @@ impl Airframe {
         }
         let paper = LoopGains::of(&GainParameters::PAPER);
         Ok(
-            [("paper", paper), ("experiment", gains)].map(|(name, gains)| {
+            [("experiment", gains), ("paper", paper)].map(|(name, gains)| {
                 let of = Loop {
                     vehicle,
                     belief,

@@ -140,6 +140,11 @@ impl Kind {
     pub fn expect(self, origin: &str, text: &[u8]) -> anyhow::Result<()> {
         expect(&[self], self.words().0, origin, text)
     }
+
+    /// Refuses a folder, and a file that is clearly of another kind.
+    pub fn expect_file(self, path: &Path) -> anyhow::Result<()> {
+        self.expect(&path.display().to_string(), &head(path)?)
+    }
 }
 
 /// Refuses a file that begins with `bytes` and is clearly of none of the kinds `wanted`, which are called `words`; `origin` stands for it in errors.
@@ -150,24 +155,39 @@ pub fn expect(wanted: &[Kind], words: &str, origin: &str, bytes: &[u8]) -> anyho
     }
 }
 
-/// Refuses a folder in the place of a file.
+/// Refuses a folder in the place of a file; of one that `new` made it names the file.
 pub fn expect_no_folder(path: &Path) -> anyhow::Result<()> {
     if path.is_dir() {
-        bail!("{}: a folder, where a file is wanted", path.display());
+        let mut within = path.join(path.file_name().unwrap_or_default());
+        within.as_mut_os_string().push(".toml");
+        let meant = match within.is_file() {
+            true => format!(": {}?", within.display()),
+            false => String::new(),
+        };
+        bail!(
+            "{}: a folder, where a file is wanted{meant}",
+            path.display()
+        );
     }
     Ok(())
 }
 
-/// Refuses a file that cannot be what is recorded of a flight: a trace or a log.
-pub fn expect_recorded(path: &Path) -> anyhow::Result<()> {
-    let origin = path.display().to_string();
+/// How a file begins.
+fn head(path: &Path) -> anyhow::Result<Vec<u8>> {
     expect_no_folder(path)?;
-    let file = std::fs::File::open(path).with_context(|| origin.clone())?;
+    let origin = || path.display().to_string();
+    let file = std::fs::File::open(path).with_context(origin)?;
     let mut head = Vec::new();
     let read = file.take(HEAD).read_to_end(&mut head);
-    read.with_context(|| origin.clone())?;
+    read.with_context(origin)?;
+    Ok(head)
+}
+
+/// Refuses a file that cannot be what is recorded of a flight: a trace or a log.
+pub fn expect_recorded(path: &Path) -> anyhow::Result<()> {
     let recorded = [Kind::Trace, Kind::Log];
-    expect(&recorded, "a trace or a log", &origin, &head)
+    let origin = path.display().to_string();
+    expect(&recorded, "a trace or a log", &origin, &head(path)?)
 }
 
 #[cfg(test)]

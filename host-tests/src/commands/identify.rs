@@ -8,7 +8,7 @@ use alula_design::Actuators;
 use alula_design::identify::{Besides, Given, POLAR, identify};
 use alula_logs::states;
 use alula_report::identify::page;
-use alula_sim::kind::expect_recorded;
+use alula_sim::kind::Kind;
 use alula_sim::named::in_shell;
 use alula_study::files::leave_all;
 
@@ -53,7 +53,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         );
     }
     let place = args.log.display().to_string();
-    expect_recorded(&args.log)?;
+    Kind::Log.expect_file(&args.log)?;
     let log = alula_logs::read(&args.log)?;
     let states = states::find(&log).with_context(|| place.clone())?;
     let given = Given {

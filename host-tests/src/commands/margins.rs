@@ -53,14 +53,15 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let out = args.output.folder(&format!("margins-{}", airframe.name))?;
 
     let included = included(&airframe.plant);
-    // What is flown before what the paper had.
-    let shown = || loops.iter().rev();
-    let curves: Vec<_> = shown().map(|l| (title(l.gains), &l.points[..])).collect();
+    let curves: Vec<_> = loops
+        .iter()
+        .map(|l| (title(l.gains), &l.points[..]))
+        .collect();
     let mut page = Page {
         title: format!("Margins of {}", airframe.name),
         lead: format!("Level flight, small errors. {included}"),
         figure: margins_figure(&curves),
-        tables: shown().map(table).collect(),
+        tables: loops.iter().map(table).collect(),
         notes: "Each point is an equilibrium: a speed may have several, of other angles of attack."
             .to_owned(),
         ..Page::default()

@@ -100,20 +100,23 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
         };
         writeln!(stdout, "{}", serde_json::to_string_pretty(&summary)?)?;
     } else {
-        let program = program();
-        let word = |path: &Path| in_shell(&path.to_string_lossy());
-        writeln!(
-            stdout,
-            "{text}\n{}{name}.toml, {name}-campaign.toml, vehicle.h, vehicle.rs, report.html, first-flight/report.html and first-flight/view.html are in {}. \
-             Next:\n  {program} fly {}\n  {program} campaign {}",
-            match fails {
-                true => String::new(),
-                false => format!("{}.\n\n", verdict.text()),
-            },
-            out.display(),
-            word(&file),
-            word(&out.join(format!("{name}-campaign.toml")))
-        )?;
+        let what = format!(
+            "{name}.toml, {name}-campaign.toml, vehicle.h, vehicle.rs, report.html, first-flight/report.html and first-flight/view.html are in {}.",
+            out.display()
+        );
+        if fails {
+            writeln!(stdout, "{text}\n{what}")?;
+        } else {
+            let program = program();
+            let word = |path: &Path| in_shell(&path.to_string_lossy());
+            let verdict = verdict.text();
+            let campaign = word(&out.join(format!("{name}-campaign.toml")));
+            writeln!(
+                stdout,
+                "{text}\n{verdict}.\n\n{what} Next:\n  {program} fly {}\n  {program} campaign {campaign}",
+                word(&file)
+            )?;
+        }
     }
     drop(stdout);
     Output::new(args.json, args.open).show(&out.join("report.html"))?;

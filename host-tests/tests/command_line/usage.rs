@@ -848,6 +848,9 @@ fn what_is_of_another_kind_is_told_what_is_wanted() {
     for (name, text) in files {
         fs::write(folder.path().join(name), text).unwrap();
     }
+    // What `new plane` leaves.
+    fs::create_dir(folder.path().join("plane")).unwrap();
+    fs::write(folder.path().join("plane/plane.toml"), "").unwrap();
     let taken = std::net::UdpSocket::bind("127.0.0.1:0").unwrap();
     let port = taken.local_addr().unwrap().port().to_string();
     for (given, says) in [
@@ -875,7 +878,15 @@ fn what_is_of_another_kind_is_told_what_is_wanted() {
         ),
         (
             "identify mine.toml --mass-kg 3 --wing-m2 0.4",
-            "where a trace or a log is wanted",
+            "where an autopilot's log is wanted",
+        ),
+        (
+            "identify trace.csv --mass-kg 3 --wing-m2 0.4",
+            "trace.csv: the trace of a flight, where an autopilot's log is wanted",
+        ),
+        (
+            "fly plane",
+            "plane: a folder, where a file is wanted: plane/plane.toml?",
         ),
         (
             "campaign mine.toml",
@@ -988,8 +999,9 @@ fn what_is_of_another_kind_is_told_what_is_wanted() {
         let words: Vec<&str> = given.split_whitespace().collect();
         assert_refused(&alula(folder.path(), &words), &[says]);
     }
-    let left = files.map(|(name, _)| name.to_owned());
-    assert_eq!(names(folder.path()), BTreeSet::from(left));
+    let left = files.map(|(name, _)| name);
+    let left = left.into_iter().chain(["plane"]).map(str::to_owned);
+    assert_eq!(names(folder.path()), left.collect());
 }
 
 /// What no wing has every command that takes a polar refuses, with file and line, and what is odd each says.

@@ -264,9 +264,9 @@ class Goals:
 
     def __new__(
         cls,
-        speed_m_s: float,
-        climb_m_s: float,
-        acceleration_m_s2: float,
+        speed_m_s: float = 20.0,
+        climb_m_s: float = 3.0,
+        acceleration_m_s2: float = 2.0,
         *,
         altitude_band_m: float = 0.0,
         nose_below_vertical: bool = False,

@@ -368,7 +368,7 @@ function state(row, t) {
     const v = vector(row, "v_", "m_s");
     const lines = [
         `speed ${fixed(Math.hypot(...v), 1)} m/s, in air ${fixed(get(row, "airspeed_m_s"), 1)} m/s`,
-        `height ${fixed(-get(row, "down_m"), 1)} m, climb ${fixed(-v[2], 1)} m/s`,
+        `height ${fixed(-get(row, "down_m") - (clock.steering ? drawing.floor : 0), 1)} m, climb ${fixed(-v[2], 1)} m/s`,
         `α ${fixed(degrees(alphaOf(row)), 1)}${Number.isFinite(alphaOf(row)) ? "°" : ""}, thrust ${fixed(get(row, "thrust_to_weight"), 2)} of the weight`,
         `|F_p| ${fixed(get(row, "fp_n"), 1)} N, θ̃ ${fixed(degrees(get(row, "theta_tilde_rad")), 1)}°`,
         `off the path ${fixed(get(row, "position_error_m"), 2)} m, ${fixed(get(row, "velocity_error_m_s"), 2)} m/s`,
@@ -814,7 +814,7 @@ function steerBegins() {
         flight.words = JSON.parse(text());
         Object.assign(wish, { speed: 0, course: 0, climb: 0, loiter: false, sent: "", rate: info.control_rate_hz, owed: 0 });
         $("goals").hidden = $("keys").hidden = false;
-        $("lead").textContent = `Steered: ${info.description}`;
+        $("lead").textContent = `Steered by you, where this begins: ${info.description}`;
         take();
         seek(0);
         play(true);
