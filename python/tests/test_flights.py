@@ -198,10 +198,10 @@ def test_margins_are_the_command_lines(tmp_path):
     assert [loop["gains"] for loop in loops] == ["experiment", "paper"]
     told, _ = command_line("margins", "round-trip", "--speeds", "0,20", "--out", str(tmp_path))
     assert loops == told["loops"]
-    hover = loops[1]["points"][0]
+    hover = loops[0]["points"][0]
     assert hover["speed_m_s"] == 0 and abs(hover["theta_deg"]) < 1e-6
     # Without the rate loop's lag the command may be later.
-    bare = alula.margins("round-trip", speeds=[0], bare=True)[1]["points"][0]
+    bare = alula.margins("round-trip", speeds=[0], bare=True)[0]["points"][0]
     assert bare["delay_s"] > hover["delay_s"]
     with pytest.raises(alula.FieldError) as refused:
         alula.margins("round-trip", speeds=[-1])
