@@ -28,7 +28,11 @@ int main(void)
         /* The first calls give the safe command: keep the motors to yourself until inputs were good for a while. */
         code = alula_guide(&controller, &input, PERIOD, &command, NULL);
     }
-    printf("%s: thrust %.1f N\n", alula_strerror(code), (double)command.thrust);
+    if (code != ALULA_OK) {
+        puts(alula_strerror(code));
+        return 1;
+    }
+    printf("flying: thrust %.1f N\n", (double)command.thrust);
     /* More than the weight of 29.4 N: it is to climb. */
-    return code == ALULA_OK && command.thrust > 29.4f ? 0 : 1;
+    return command.thrust > 29.4f ? 0 : 1;
 }

@@ -71,15 +71,15 @@ pub struct Identified {
     pub zero_thrust_speed_m_s: Option<Measured>,
     /// Lag of the thrust \[s\].
     pub thrust_lag_s: Option<Measured>,
-    /// Lag of the pitch rate \[s\], and what is had of what is asked.
+    /// Lag of the pitch rate \[s\].
     pub rate_lag_s: Option<Measured>,
-    /// See there.
+    /// Pitch rate that is had, over what is asked.
     pub rate_share: Option<f64>,
     /// Angular acceleration in pitch in hover.
     pub turn_rad_s2: Option<Turn>,
-    /// c_L at α = 0 to the nose, and its slope [1/rad].
+    /// c_L at α = 0 to the nose.
     pub c_l_0: Option<Measured>,
-    /// See there.
+    /// Slope of c_L \[1/rad\].
     pub c_l_alpha: Option<Measured>,
     /// Angle of zero lift to the nose \[°\].
     pub zero_lift_deg: Option<Measured>,

@@ -28,13 +28,13 @@ impl Measured {
     }
 }
 
-/// A fit: estimates, their covariance, and the sum of squared residuals.
+/// What least squares give.
 pub struct Fit {
-    /// See there.
+    /// The estimates, in the order of the regressors.
     pub estimate: DVector<f64>,
-    /// See there.
+    /// Their covariance.
     pub covariance: DMatrix<f64>,
-    /// See there.
+    /// Sum of the squared residuals.
     pub squares: f64,
 }
 

@@ -12,16 +12,16 @@ const BLOCK: f64 = 2.0;
 /// A gap \[s\] after which a response begins anew, and how long what was before is in it.
 const GAP: f64 = 0.5;
 
-/// A command, what was had of it, and what else that goes with, at one time \[s\].
+/// A command and its response at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// See there.
+    /// Time \[s\].
     pub t: f64,
-    /// See there.
+    /// The command.
     pub asked: f64,
-    /// See there.
+    /// What was had of it.
     pub had: f64,
-    /// See there.
+    /// What else that goes with.
     pub besides: f64,
 }
 

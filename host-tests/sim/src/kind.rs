@@ -28,6 +28,8 @@ pub enum Kind {
     Trace,
     /// An autopilot's log.
     Log,
+    /// The flights of a campaign.
+    Flights,
     /// A page or a picture.
     Page,
     /// A program.
@@ -63,6 +65,9 @@ impl Kind {
     pub fn of(bytes: &[u8]) -> Option<Self> {
         if LOGS.iter().any(|mark| bytes.starts_with(mark)) {
             return Some(Self::Log);
+        }
+        if bytes.starts_with(b"PAR1") {
+            return Some(Self::Flights);
         }
         let text = String::from_utf8_lossy(bytes);
         let text = text.trim_start_matches('\u{feff}').trim_start();
@@ -121,6 +126,10 @@ impl Kind {
             Self::Log => (
                 "an autopilot's log",
                 "`alula-sil replay`, `view` and `identify` take it",
+            ),
+            Self::Flights => (
+                "the flights of a campaign",
+                "what reads Parquet takes it, as pandas; a page of it lies beside it",
             ),
             Self::Page => (
                 "a page or a picture",
@@ -211,6 +220,7 @@ mod tests {
             ("{\n \"fileType\": \"Plan\"\n}\n", Kind::Plan),
             ("t_s,north_m,east_m,down_m\n0,0,0,0\n", Kind::Trace),
             ("ULog\x01\x12\x35", Kind::Log),
+            ("PAR1\x15", Kind::Flights),
             ("<!DOCTYPE html>\n<html>", Kind::Page),
             ("/* A vehicle. */\n#pragma once\n", Kind::Code),
         ] {

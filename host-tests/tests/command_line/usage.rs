@@ -844,6 +844,7 @@ fn what_is_of_another_kind_is_told_what_is_wanted() {
         ("survey.plan", "{\n \"fileType\": \"Plan\"\n}\n"),
         ("log.ulg", "ULog\x01\x12\x35\x01"),
         ("page.html", "<!DOCTYPE html>\n<html></html>\n"),
+        ("flights.parquet", "PAR1\x15\u{0}"),
     ];
     for (name, text) in files {
         fs::write(folder.path().join(name), text).unwrap();
@@ -919,6 +920,10 @@ fn what_is_of_another_kind_is_told_what_is_wanted() {
         (
             "compare page.html",
             "page.html: a page or a picture, where a comparison is wanted",
+        ),
+        (
+            "view flights.parquet",
+            "flights.parquet: the flights of a campaign, where ",
         ),
         ("replay .", ".: a folder, where a file is wanted"),
         ("tune .", ".: a folder, where a file is wanted"),
