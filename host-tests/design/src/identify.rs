@@ -10,7 +10,7 @@
 //! | c_L, c_D | short of stall c_L0 + c_Lα α, and one c_D; beyond it constants of each ten degrees |
 //!
 //! The propeller is one of a family: C_T over advance ratio as small ones have it, V_1 being its tip's advance at full throttle over π. V_1 is
-//! searched, and V_1 is in the covariance by its derivative. The lag is that of the force along the nose in hover, by [`response_lag`].
+//! searched, and V_1 is in the covariance by its derivative. The lag is that of the force along the nose in hover, by `response_lag`.
 //! The attitude is the one that goes with accelerometer and velocity, not the one that was told: `reconstruct`.
 //!
 //! Short of stall the angle of attack that an estimator tells lacks the gusts, and the vehicle moves with them: a regression on it finds too small a slope.
