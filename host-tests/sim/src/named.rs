@@ -81,7 +81,7 @@ pub fn text_of(path: &Path) -> anyhow::Result<String> {
     let origin = || on_one_line(&path.display().to_string());
     kind::expect_no_folder(path)?;
     let bytes = std::fs::read(path).with_context(origin)?;
-    if Kind::of(&bytes) == Some(Kind::Log) {
+    if matches!(Kind::of(&bytes), Some(Kind::Log | Kind::Flights)) {
         kind::expect(&[], "a text", &origin(), &bytes)?;
     }
     decoded(&bytes).map_err(|(line, what)| anyhow!("{}:{line}: {what}", origin()))
