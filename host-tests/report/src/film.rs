@@ -183,10 +183,12 @@ pub fn with_films(
                 .take(1 + usize::from(size.airspeed))
                 .enumerate()
             {
+                // Within the drawing: half of a letter is 4 px at most.
+                let half = 4.0 * words.len() as f64;
                 let _ = writeln!(
                     text,
                     "<text class=\"tick x\" x=\"{:.1}\" y=\"{:.1}\">{words}</text>",
-                    at[0],
+                    at[0].max(half).min(*wide - half),
                     top + size.below + 15.0 * line as f64
                 );
             }
