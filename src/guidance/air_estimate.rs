@@ -5,9 +5,10 @@
 //! of its curve the normal force does not tell the angle of attack, and the damping leaves nothing of the step. What is not told
 //! fades, and the known wind is left. A gust that does not explain the force there is not believed: it goes back to the known wind at
 //! once. Else an estimate that a slipstream or a jump has put behind the stall stays there, and a wing without lift is flown as a stalled one.
-//! A gust that the force does not tell goes back too where the belief has explained the force without it for a while. Else an estimate stays
-//! at the top of the curve, where some scale of the air's force fits any force. A gust that is there is explained away by chance, and never for
-//! long.
+//! A gust that the force does not tell goes back too where the belief has explained the force without it for a while, or better than with it.
+//! Else an estimate stays at the top of the curve, where some scale of the air's force fits any force. Behind the stall it goes back even
+//! where the force tells it: there less force than believed is taken for an angle of attack that is larger still. A gust that is there is
+//! explained away by chance, and never for long.
 //!
 //! A gust is fast, and an error of the belief lasts: the force of a gust that lasts is handed to the scale of the air's force, so that a
 //! wing that is better than believed is not taken for one that is near its stall.
@@ -87,14 +88,14 @@ fn normal_force(c: &Coefficients, air: &AirData) -> f32 {
     -(c.c_l * air.cos + c.c_d * air.sin)
 }
 
-/// Whether `vehicle`, as it is believed to be, would feel this specific force \[m/s²\] along its belly at this velocity through the air \[m/s\], within
-/// [`EXPLAINED`].
-fn explains<A: Aerodynamics>(vehicle: &Vehicle<A>, air: Body, felt: Body) -> bool {
+/// Normal force coefficient of this specific force \[m/s²\] that `vehicle`, as it is believed to be, leaves unexplained at this velocity through the
+/// air \[m/s\].
+fn unexplained<A: Aerodynamics>(vehicle: &Vehicle<A>, air: Body, felt: Body) -> f32 {
     let air = AirData::new(frame::Body::new(air.i, air.j), vehicle.thrust_line());
     let c = vehicle.model().coefficients(air.alpha);
     let pressure = vehicle.k_a() * air.speed * air.speed;
     let left = vehicle.mass() * felt.j - normal_force(&c, &air) * pressure;
-    left.abs() < EXPLAINED * pressure
+    left.abs() / (pressure + f32::MIN_POSITIVE)
 }
 
 impl AirEstimateState {
@@ -138,14 +139,23 @@ impl AirEstimateState {
             if sample.wind_known {
                 step.j += math::clamp(air.speed * left * over, -MOST_STEP, MOST_STEP);
                 // Neither root nor slope: the gust is on the other side of the stall.
-                let unexplained = left.abs() / (UNEXPLAINED * pressure + f32::MIN_POSITIVE) - 1.0;
-                let mut back = math::clamp(unexplained, 0.0, 1.0);
-                let explained = f32::from(u8::from(explains(vehicle, known, felt)));
+                let beyond = left.abs() / (UNEXPLAINED * pressure + f32::MIN_POSITIVE) - 1.0;
+                let mut back = math::clamp(beyond, 0.0, 1.0);
+                let without = unexplained(vehicle, known, felt);
+                // The scale of the air's force is no part of the belief.
+                let with = vehicle.mass() * felt.j * sample.scale / (pressure + f32::MIN_POSITIVE);
+                let is_explained = without < math::max(EXPLAINED, (with - normal).abs());
+                let explained = f32::from(u8::from(is_explained));
                 self.explained += (explained - self.explained) * (dt / (EXPLAINED_TIME + dt));
+                let mut kept = told;
                 if self.explained > LONG_EXPLAINED {
                     back = math::max(back, (TIME + dt) / EXPLAINED_TIME);
+                    // Lift falls with the angle of attack.
+                    if slope > 0.0 {
+                        (step.j, kept) = (0.0, 0.0);
+                    }
                 }
-                step.j += (1.0 - told) * back * gust.j;
+                step.j += (1.0 - kept) * back * gust.j;
                 // As far as the force tells it.
                 force = -told * slope * gust.j / (air.speed + 1.0);
             }
@@ -314,6 +324,36 @@ mod tests {
         }
         // Attached, 1.6 m/s make up for that scale. Without the return 5.4 m/s stay.
         assert!(near(state.gust, Ned::ZERO, 2.0), "{:?}", state.gust);
+    }
+
+    /// Behind the stall, where lift falls with the angle of attack, less force than believed asks for a larger one. An attitude that is wrong by 2°, and
+    /// a wing that is believed to be weaker than it is, do not keep an estimate there. Without the return, or where it takes the belief to explain the force
+    /// whatever the gust does, some of these stay behind the stall.
+    #[test]
+    fn an_estimate_behind_the_stall_comes_back() {
+        let orientation = level();
+        for (gust, wrong) in [-4.0, -5.0, -6.0, -7.0, -8.0]
+            .map(|g| [(g, 0.0), (g, 0.8)])
+            .as_flattened()
+        {
+            let mut state = AirEstimateState::default();
+            state.gust.down = *gust;
+            let felt = felt(orientation.to_axes(Ned::new(24.0, 0.0, 1.9)));
+            for _ in 0..200 {
+                let sample = AirSample {
+                    air: Ned::new(24.0, 0.0, 1.9 + wrong),
+                    orientation,
+                    airspeed: 24.0,
+                    specific_force: Some(felt),
+                    scale: 0.6,
+                    wind_known: true,
+                };
+                state.update(&vehicle(), &sample, DT);
+            }
+            // 10° short of the stall at 16°, but for what the scale asks.
+            let alpha = (1.9 + wrong - state.gust.down) / 24.0;
+            assert!(alpha < 0.2, "{gust} {wrong}: {alpha}");
+        }
     }
 
     /// A blocked tube tells 0 m/s at 20, and is not believed.
