@@ -862,8 +862,7 @@ impl Missions {
         if near {
             state.there += dt;
         }
-        let vertical = matches!(state.task, Task::TakeOff | Task::Land(_));
-        if vertical && distance < EDGE_ON_WITHIN {
+        if distance < EDGE_ON_WITHIN {
             out.reference.heading = edge_on(seen, orientation);
         }
         out.progress.distance_to_go = distance;
@@ -1070,8 +1069,17 @@ fn edge_on(seen: &Seen, orientation: &Orientation) -> Heading {
     let belly = orientation.j();
     let side = across.north * belly.north + across.east * belly.east;
     let turned = with.north * belly.north + with.east * belly.east;
-    // The air turns the belly into the wind: against that the heading is asked for beyond.
-    Heading::along(across * 1f32.copysign(side) - with * (TURN_BACK * turned))
+    // The air turns the belly into the wind: against that the heading is asked for beyond, by a right angle from the belly at most, where it
+    // turns it most.
+    let beyond = across * 1f32.copysign(side) - with * (TURN_BACK * turned);
+    let level_belly = Ned::new(belly.north, belly.east, 0.0);
+    let (square, behind) = (level_belly.norm_squared(), level_belly.dot(beyond));
+    let beyond = if behind < 0.0 && square > 1e-3 {
+        beyond - level_belly * (behind / square)
+    } else {
+        beyond
+    };
+    Heading::along(beyond)
 }
 
 /// `trouble` if `failed`.
