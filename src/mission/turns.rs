@@ -71,7 +71,12 @@ impl ArcAndLine {
             return None;
         }
         let line = math::sqrt(square.abs());
-        let straight = course_of(apart);
+        // On the circle already there is no line, and its course is the present one.
+        let straight = if distance < ROUNDING * first.abs() {
+            from
+        } else {
+            course_of(apart)
+        };
         let course = if across == 0.0 {
             straight
         } else {
@@ -312,6 +317,16 @@ mod tests {
                     assert!(off.abs() < 1.0, "{radius} {north} {degrees} {off}");
                 }
             }
+        }
+    }
+
+    /// A spiral begins on its circle, whatever the course: no way leads onto it.
+    #[test]
+    fn on_a_circle_it_is_flown_at_once() {
+        for degrees in [0.0, 53.0, 200.0, 310.0] {
+            let from = pose(473.0, 55.0, degrees);
+            let path = to_circle(from, 90.0, centre(from, 90.0), 90.0);
+            assert!(path.left() < 0.5, "{degrees} {}", path.left());
         }
     }
 

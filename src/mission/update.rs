@@ -54,12 +54,12 @@ const STANDING_TIME: f32 = 0.1;
 const NEAR_GROUND: f32 = 1.0;
 const CARRIED: f32 = 0.75;
 const OVER_REFERENCE: f32 = 0.25;
-/// Distance from the place of landing from which on it does \[m\].
-const EDGE_ON_WITHIN: f32 = 10.0;
-/// How much beyond, per sine of the angle by which the air has turned it.
-const TURN_BACK: f32 = 15.0;
-/// Wind from which on a vehicle that is to stand or stands still turns its wing along it [m/s].
+/// Wind from which on a vehicle in hover turns its wing along it [m/s].
 const EDGE_ON: f32 = 0.5;
+/// Part of its velocity that counts there on the way to a place: it goes from the air that it meets to the one that it will stand in.
+const ON_THE_WAY: f32 = 0.5;
+/// How much beyond the heading is asked for, per sine of the angle by which the air has turned it.
+const TURN_BACK: f32 = 40.0;
 /// Time in which the thrust goes off \[s\].
 const THRUST_OFF: f32 = 0.2;
 /// How far from its place a vehicle may be to sink \[m\], and the height below which it sinks in any case \[m\].
@@ -803,7 +803,7 @@ impl Missions {
         let most = math::min(state.active / self.p.spool_time, MOST_THRUST);
         out.gate = Gate::AtMost(most * self.ability.weight());
         out.reference.velocity = Ned::new(0.0, 0.0, -LIFTING);
-        out.reference.heading = edge_on(seen, orientation);
+        out.reference.heading = edge_on(seen.wind, orientation);
         let lifted = state.home.down - seen.position.down > LIFTED;
         state.there = if lifted { state.there + dt } else { 0.0 };
         if state.there > LIFTED_TIME {
@@ -862,9 +862,9 @@ impl Missions {
         if near {
             state.there += dt;
         }
-        let vertical = matches!(state.task, Task::TakeOff | Task::Land(_));
-        if vertical && distance < EDGE_ON_WITHIN {
-            out.reference.heading = edge_on(seen, orientation);
+        if level(seen.wind) >= EDGE_ON {
+            let air = seen.wind - out.reference.velocity * ON_THE_WAY;
+            out.reference.heading = edge_on(air, orientation);
         }
         out.progress.distance_to_go = distance;
         out.progress.time_to_go = distance / slow;
@@ -1020,7 +1020,7 @@ impl Missions {
         out.progress.steady_thrust = self.ability.weight();
         out.reference.velocity.down = state.height.velocity;
         out.reference.acceleration.down = acceleration;
-        out.reference.heading = edge_on(seen, orientation);
+        out.reference.heading = edge_on(seen.wind, orientation);
         let low = seen.position.down - state.height.down;
         out.position_error = Ned {
             down: low,
@@ -1057,21 +1057,23 @@ impl Missions {
     }
 }
 
-/// The heading with the wing along the wind, of both the one that is nearer: across it a wing leans into it.
-fn edge_on(seen: &Seen, orientation: &Orientation) -> Heading {
-    if level(seen.wind) < EDGE_ON {
+/// The heading with the wing along the `wind`, of both the one that is nearer: across it a wing leans into it.
+fn edge_on(wind: Ned, orientation: &Orientation) -> Heading {
+    let strength = level(wind);
+    if strength < EDGE_ON {
         return Heading::FREE;
     }
-    let strength = level(seen.wind);
-    let (with, across) = (
-        seen.wind * (1.0 / strength),
-        right_of(seen.wind) * (1.0 / strength),
-    );
-    let belly = orientation.j();
-    let side = across.north * belly.north + across.east * belly.east;
-    let turned = with.north * belly.north + with.east * belly.east;
-    // The air turns the belly into the wind: against that the heading is asked for beyond.
-    Heading::along(across * 1f32.copysign(side) - with * (TURN_BACK * turned))
+    let (with, across) = (wind * (1.0 / strength), right_of(wind) * (1.0 / strength));
+    let belly = Ned {
+        down: 0.0,
+        ..orientation.j()
+    };
+    let (side, turned) = (across.dot(belly), with.dot(belly));
+    // The air turns the belly into the wind: against that the heading is asked for beyond. A right angle from the belly it turns it most.
+    let beyond = across * 1f32.copysign(side) - with * (TURN_BACK * turned);
+    let behind = math::min(belly.dot(beyond), 0.0);
+    let square = math::max(belly.norm_squared(), 1e-3);
+    Heading::along(beyond - belly * (behind / square))
 }
 
 /// `trouble` if `failed`.
