@@ -19,14 +19,14 @@
 //! Intervals are of 95 %, from the residuals in blocks of seconds: the errors of gusts and of lags last.
 
 use alula_logs::Log;
-use alula_logs::states::States;
+use alula_logs::states::{CEASED, States};
 use nalgebra::{DMatrix, DVector, Vector3};
 use serde::Serialize;
 
 use super::drag::{Glide, drag};
 use super::known::Actuators;
 use super::reconstruct::attitudes;
-use super::regression::{DEVIATIONS, Measured, least_squares};
+use super::regression::{DEVIATIONS, Fit, Measured, least_squares};
 use super::response_lag::{Sample, response_lag};
 
 /// What a person knows besides the log.
@@ -129,12 +129,20 @@ const LACKING: Lacking = Lacking {
 };
 /// Advance ratio, over the one that is without thrust, from which on a propeller idles, whatever is wrong of that one.
 const IDLE: f64 = 2.0;
+/// Area of the wing in the slipstream over that of the propellers' discs, up to twice which is taken for possible: 4/π of chord over diameter.
+const BLOWN: f64 = 0.7;
+/// Share of the square of the specific force that a model predicts, where it is one of the vehicle.
+const PREDICTED: f64 = 0.5;
 /// Time in which the lift is averaged \[s\].
 const MEAN: f64 = 2.0;
 /// Lag of the thrust that is assumed where the flight shows none \[s\].
 const ASSUMED_LAG: f64 = 0.08;
 /// Pitch rate [rad/s] from which on flight short of stall is no steady one.
 const TURNS: f64 = 0.25;
+/// Throttle below which a vehicle that is slow does not fly.
+const IDLE_THROTTLE: f64 = 0.02;
+/// A gap \[s\] after which what was before says nothing.
+const GAP: f64 = 0.5;
 /// Rate of the rows \[Hz\].
 const RATE: f64 = 25.0;
 /// Standard gravity [m/s²].
@@ -180,11 +188,12 @@ impl Row {
     }
 }
 
-/// Where a log may have a quantity: a column, and what its values are multiplied by.
+/// Where a log may have a quantity: a column, what its values are multiplied by, and the unit that the log must give it, if any.
 struct Source {
     topic: &'static str,
     column: &'static str,
     scale: f64,
+    unit: Option<&'static str>,
 }
 
 const fn source(topic: &'static str, column: &'static str, scale: f64) -> Source {
@@ -192,18 +201,56 @@ const fn source(topic: &'static str, column: &'static str, scale: f64) -> Source
         topic,
         column,
         scale,
+        unit: None,
     }
 }
 
-/// The first of these columns that the log has, at the rows of a time base; NaN where it has no value.
+/// Rates of ArduPilot: those of logs without units are in hundredths of a degree, or in others.
+const fn degrees(column: &'static str) -> Source {
+    Source {
+        topic: "RATE",
+        column,
+        scale: DEGREE,
+        unit: Some("deg/s"),
+    }
+}
+
+/// Of these columns the one that says something at the most rows of a time base, the first of equals; NaN where it says nothing, or has ceased.
 fn held(log: &Log, sources: &[Source], base: &[f64]) -> Option<Vec<f64>> {
-    sources.iter().find_map(|source| {
+    let all = sources.iter().filter_map(|source| {
         let topic = log.topic(source.topic)?;
         let column = topic.column(source.column)?;
-        let values = topic.held_at(base).values(column);
-        let scaled = values.into_iter().map(|value| source.scale * value);
-        Some(scaled.collect())
+        if source.unit.is_some_and(|unit| column.unit != unit) {
+            return None;
+        }
+        let held = topic.held_at(base);
+        let values = held.values(column).into_iter().zip(&held.age);
+        let fresh = values.map(|(value, age)| match *age <= CEASED {
+            true => source.scale * value,
+            false => f64::NAN,
+        });
+        Some(fresh.collect())
+    });
+    let says = |values: &Vec<f64>| values.iter().filter(|x| x.abs() > IDLE_THROTTLE).count();
+    all.reduce(|best, next| match says(&next) > says(&best) {
+        true => next,
+        false => best,
     })
+}
+
+/// A throttle as a share of the full one: logs have it as that, per cent or per mille.
+fn share_of_full(throttle: &mut [f64]) -> anyhow::Result<()> {
+    let most = throttle.iter().copied().fold(0.0, f64::max);
+    let full = [1.0, 100.0, 1000.0]
+        .into_iter()
+        .find(|full| most <= 1.05 * full);
+    let full = full.ok_or_else(|| {
+        anyhow::anyhow!(
+            "a throttle of {most:.0} is no share of the full one, nor per cent or per mille of it"
+        )
+    })?;
+    throttle.iter_mut().for_each(|x| *x /= full);
+    Ok(())
 }
 
 const DEGREE: f64 = std::f64::consts::PI / 180.0;
@@ -226,20 +273,26 @@ fn flown(log: &Log, states: &States) -> anyhow::Result<Flown> {
         .as_ref()
         .ok_or_else(|| need("specific force"))?;
     let base = &states.time;
+    // A tail-sitter's thrust is up in hover, an aeroplane's forward; older logs have it among the controls of the actuators.
     let throttle = [
         source("vehicle_thrust_setpoint", "xyz[2]", -1.0),
+        source("vehicle_thrust_setpoint", "xyz[0]", 1.0),
         source("vehicle_rates_setpoint", "thrust_body[2]", -1.0),
+        source("vehicle_rates_setpoint", "thrust_body[0]", 1.0),
+        source("actuator_controls_0", "control[3]", 1.0),
         source("RATE", "AOut", 1.0),
         source("CTUN", "ThO", 1.0),
+        source("CTUN", "ThrOut", 1.0),
     ];
-    let throttle = held(log, &throttle, base).ok_or_else(|| need("throttle"))?;
+    let mut throttle = held(log, &throttle, base).ok_or_else(|| need("throttle"))?;
+    share_of_full(&mut throttle)?;
     let rate = [
         source("vehicle_angular_velocity", "xyz[1]", 1.0),
-        source("RATE", "P", DEGREE),
+        degrees("P"),
     ];
     let asked = [
         source("vehicle_rates_setpoint", "pitch", 1.0),
-        source("RATE", "PDes", DEGREE),
+        degrees("PDes"),
     ];
     let torque = [
         source("vehicle_torque_setpoint", "xyz[1]", 1.0),
@@ -273,6 +326,9 @@ fn flown(log: &Log, states: &States) -> anyhow::Result<Flown> {
             _ => moving,
         };
         let [nose, _, belly] = force.values[n];
+        if velocity.overdue(n) > CEASED || force.overdue(n) > CEASED {
+            continue;
+        }
         let row = Row {
             t,
             air: attitude.inverse_transform_vector(&through),
@@ -285,19 +341,58 @@ fn flown(log: &Log, states: &States) -> anyhow::Result<Flown> {
             torque: torque[n],
         };
         let numbers = [row.air.x, row.air.z, nose, belly, row.throttle];
-        if numbers.iter().all(|x| x.is_finite()) && (row.throttle > 0.02 || row.speed() > SLOW) {
+        if numbers.iter().all(|x| x.is_finite())
+            && (row.throttle > IDLE_THROTTLE || row.speed() > SLOW)
+        {
             steps.push(row);
         }
     }
+    hovers_along_the_nose(&mut steps)?;
     let together = |a: &Row, b: &Row| (RATE * a.t).floor() == (RATE * b.t).floor();
     let rows: Vec<Row> = steps.chunk_by(together).map(mean).collect();
+    let percent = |has: usize| has as f64 / base.len().max(1) as f64 * 100.0;
+    let finite =
+        |values: &dyn Fn(usize) -> f64| (0..base.len()).filter(|n| values(*n).is_finite()).count();
     anyhow::ensure!(
         rows.len() > 10 * ROWS,
-        "{:.0} s of flight with velocity, specific force and throttle: it takes {:.0} s and more",
+        "{:.0} s of flight with velocity, specific force and throttle: it takes {:.0} s and more. Of the log's {:.0} s velocity is in {:.0} %, specific force in {:.0} %, \
+         throttle in {:.0} %, and it flies, not stands, in {:.0} %",
         rows.len() as f64 / RATE,
-        10.0 * ROWS as f64 / RATE
+        10.0 * ROWS as f64 / RATE,
+        base.last().unwrap_or(&0.0) - base.first().unwrap_or(&0.0),
+        percent(finite(&|n| velocity.values[n][0])),
+        percent(finite(&|n| force.values[n][0])),
+        percent(finite(&|n| throttle[n])),
+        percent(steps.len()),
     );
     Ok(Flown { steps, rows, notes })
+}
+
+/// Leaves out what is slow while the force on it is not along the nose: it stands on the ground, on its wheels or its belly.
+///
+/// # Errors
+/// It climbs and sinks so: what carries it in hover is no thrust along the nose.
+fn hovers_along_the_nose(steps: &mut Vec<Row>) -> anyhow::Result<()> {
+    /// Climb rate in the air [m/s], and the time of it that is no touch of the ground \[s\].
+    const AIRBORNE: [f64; 2] = [0.5, 2.0];
+    let across = |row: &Row| {
+        let [nose, belly] = row.force;
+        row.speed() < SLOW && nose < 0.5 * nose.hypot(belly)
+    };
+    let airborne = |row: &&Row| row.speed() < SLOW && row.climb.abs() * SLOW > AIRBORNE[0];
+    let time = |of: &dyn Fn(&Row) -> bool| {
+        let pairs = steps.iter().zip(steps.iter().skip(1));
+        let of = pairs.filter(|(row, _)| airborne(row) && of(row));
+        of.map(|(row, next)| (next.t - row.t).min(GAP)).sum::<f64>()
+    };
+    let (wrong, right) = (time(&across), time(&|row| !across(row)));
+    anyhow::ensure!(
+        wrong < AIRBORNE[1] || wrong < right,
+        "in {wrong:.0} s of slow climbs and sinks the force on it is across the nose: it hovers as a multirotor or a quadplane, or its log is read 90° off. \
+         Nothing is identified of a vehicle that does not thrust along its nose"
+    );
+    steps.retain(|row| !across(row));
+    Ok(())
 }
 
 /// The mean of what was flown in one row.
@@ -378,14 +473,17 @@ impl Unknowns {
         FIXED + 2 * self.bins.len()
     }
 
-    /// The regressors along nose and belly, at a throttle behind its lag, for a propeller of the speed `v1` whose static thrust over the mass is `static_f`;
-    /// none where the row is in no bin that is known, or turns.
+    /// The regressors along nose and belly, at a throttle behind its lag, for a propeller that is known so far; none where the row is in no bin that is known, or turns.
     fn regressors(
         &self,
         row: &Row,
         throttle: f64,
         k: f64,
-        [v1, static_f]: [f64; 2],
+        Propeller {
+            v1,
+            static_f,
+            blown,
+        }: Propeller,
         in_the_mean: bool,
     ) -> Option<[Vec<f64>; 2]> {
         let mut both = [vec![0.0; self.count()], vec![0.0; self.count()]];
@@ -417,8 +515,11 @@ impl Unknowns {
                 continue;
             }
             if attached {
-                x[2] = lift[axis];
-                x[3] = lift[axis] * alpha;
+                // Of a part of the wing in the slipstream the pressure is greater by the thrust's, the angle of attack smaller.
+                let [whole, half] =
+                    [1.0, 0.5].map(|share| 1.0 + share * blown * static_f * thrust / pressure);
+                x[2] = lift[axis] * whole;
+                x[3] = lift[axis] * half * alpha;
                 x[4] = drag[axis];
             } else {
                 let place = place?;
@@ -451,7 +552,7 @@ fn lagged(rows: &[Row], lag: f64) -> Vec<f64> {
         // Held since the row before, over a gap anew.
         let dt = row.t - then;
         then = row.t;
-        behind = match dt < 0.5 {
+        behind = match dt < GAP {
             true => behind + (1.0 - (-dt / lag.max(1e-6)).exp()) * (row.throttle - behind),
             false => row.throttle,
         };
@@ -460,14 +561,15 @@ fn lagged(rows: &[Row], lag: f64) -> Vec<f64> {
     rows.iter().map(step).collect()
 }
 
-/// A propeller with the least squares of those that were tried.
+/// What is held of the propellers in a fit.
 #[derive(Clone, Copy)]
 struct Propeller {
-    squares: f64,
-    /// Its speed V_1 [m/s].
+    /// Their speed V_1 [m/s].
     v1: f64,
     /// Static thrust at full throttle over the mass [m/s²].
     static_f: f64,
+    /// Area of the wing in the slipstream over that of the discs.
+    blown: f64,
 }
 
 /// The equations of a part of the rows, two to a row: regressors with the mean of the throttle and as it was told, and forces.
@@ -503,7 +605,7 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
     let unknowns = Unknowns::of(&rows);
     let begin = rows[0].t;
     let fitted = |row: &Row| ((row.t - begin) / TURN) as u64 % 3 != 2;
-    let assembled = |lag: f64, propeller: [f64; 2], which: bool| {
+    let assembled = |lag: f64, propeller: Propeller, which: bool| {
         let throttle = lagged(&rows, lag);
         let mut x = [Vec::new(), Vec::new()];
         let (mut y, mut blocks, mut times) = (Vec::new(), Vec::new(), Vec::new());
@@ -535,31 +637,58 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
         }
     };
     // Without its derivative, the speed of the propeller is held.
-    let fit = |lag: f64, propeller: [f64; 2]| {
+    let fit = |lag: f64, propeller: Propeller| {
         let of = assembled(lag, propeller, true);
         least_squares(&of.mean, &of.told, &of.y, &of.blocks)
     };
     let search = |lag: f64| {
         let speeds = (0..24).map(|n| 12.0 * 1.13_f64.powi(n));
         let tried = speeds.filter_map(|v1| {
-            let fit = fit(lag, [v1, 0.0])?;
-            let static_f = fit.estimate[0];
-            (static_f > 0.0).then_some(Propeller {
-                squares: fit.squares,
+            let propeller = Propeller {
                 v1,
+                static_f: 0.0,
+                blown: 0.0,
+            };
+            let fit = fit(lag, propeller)?;
+            let static_f = fit.estimate[0];
+            let propeller = Propeller {
                 static_f,
-            })
+                blown: BLOWN,
+                ..propeller
+            };
+            (static_f > 0.0).then_some((fit.squares, propeller))
         });
-        tried.min_by(|a, b| a.squares.total_cmp(&b.squares))
+        let best = tried.min_by(|a, b| a.0.total_cmp(&b.0));
+        best.map(|(_, propeller)| propeller)
     };
-    let Propeller { v1, static_f, .. } = search(lag)
+    let propeller = search(lag)
         .ok_or_else(|| anyhow::anyhow!("the regression has no answer: no thrust is seen"))?;
-    let propeller = [v1, static_f];
-    let fit = fit(lag, propeller).ok_or_else(|| anyhow::anyhow!("the regression has no answer"))?;
+    let v1 = propeller.v1;
+    let none = || anyhow::anyhow!("the regression has no answer");
+    let mid = fit(lag, propeller).ok_or_else(none)?;
+    let [less, more] = [0.0, 2.0 * BLOWN].map(|blown| fit(lag, Propeller { blown, ..propeller }));
+    let (less, more) = less.zip(more).ok_or_else(none)?;
+    let fit = mid;
+    // Nothing in a flight shows how much of the wing is in the slipstream: what that changes is in the interval.
+    let washed = |of: &dyn Fn(&Fit) -> Measured| {
+        let [measured, less, more] = [&fit, &less, &more].map(of);
+        Measured {
+            within: measured.within.hypot(0.5 * (more.value - less.value)),
+            ..measured
+        }
+    };
     let Equations {
         mean: x, y, times, ..
     } = assembled(lag, propeller, false);
     let predicted = &x * &fit.estimate;
+    let whole = 1.0 - (&y - &predicted).norm_squared() / y.norm_squared().max(1e-12);
+    anyhow::ensure!(
+        whole >= PREDICTED,
+        "of what was not fitted the model predicts the specific force by {:.0} %, and no number is given below {:.0} %: what is logged as velocity or air is not what \
+         it flew through, or it is no vehicle with one wing and a thrust along its nose",
+        100.0 * whole.max(0.0),
+        100.0 * PREDICTED
+    );
     let share = |axis: usize| {
         let of =
             |v: &DVector<f64>| -> Vec<f64> { v.iter().skip(axis).step_by(2).copied().collect() };
@@ -616,9 +745,10 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
     let wing = angles.len() >= 4 * ROWS && spread > 0.05;
     let (mut c_l_0, mut c_l_alpha, mut zero_lift_deg, mut c_d_cruise) = (None, None, None, None);
     if wing {
-        c_l_0 = Some(fit.measured(2));
-        c_l_alpha = known(fit.measured(3));
-        zero_lift_deg = c_l_alpha.map(|_| fit.function(|e| (-e[2] / e[3]).to_degrees()));
+        let zero_lift = |fit: &Fit| fit.function(|e| (-e[2] / e[3]).to_degrees());
+        c_l_0 = Some(washed(&|fit| fit.measured(2)));
+        c_l_alpha = known(washed(&|fit| fit.measured(3))).filter(|slope| slope.value > 0.0);
+        zero_lift_deg = c_l_alpha.map(|_| washed(&zero_lift));
         let glided = glides(&rows, lag, NO_THRUST * v1, k);
         let mut lifts: Vec<f64> = rows
             .iter()
@@ -758,7 +888,7 @@ fn rate_loop(rows: &[&Row]) -> Option<(Measured, f64)> {
             let (mut behind, mut products, mut squares, mut had) = (0.0, 0.0, 0.0, 0.0);
             for pair in rows.windows(2) {
                 let dt = pair[1].t - pair[0].t;
-                behind = match dt < 0.5 {
+                behind = match dt < GAP {
                     true => behind + (1.0 - (-dt / lag).exp()) * (pair[0].asked - behind),
                     false => pair[1].asked,
                 };
