@@ -26,7 +26,7 @@ use serde::Serialize;
 use super::drag::{Glide, drag};
 use super::known::Actuators;
 use super::reconstruct::attitudes;
-use super::regression::{DEVIATIONS, Fit, Measured, least_squares};
+use super::regression::{Fit, Measured, deviations, least_squares};
 use super::response_lag::{Sample, response_lag};
 
 /// What a person knows besides the log.
@@ -125,7 +125,7 @@ const LACKING: Lacking = Lacking {
     thrust: 0.07,
     thrust_lag: 0.2,
     rate_lag: 0.35,
-    drag: 0.15,
+    drag: 0.17,
 };
 /// Advance ratio, over the one that is without thrust, from which on a propeller idles, whatever is wrong of that one.
 const IDLE: f64 = 2.0;
@@ -133,8 +133,9 @@ const IDLE: f64 = 2.0;
 const BLOWN: f64 = 0.7;
 /// Share of the square of the specific force that a model predicts, where it is one of the vehicle.
 const PREDICTED: f64 = 0.5;
-/// Time in which the lift is averaged \[s\].
+/// Times in which the lift and the angle of attack are averaged \[s\].
 const MEAN: f64 = 2.0;
+const HELD: f64 = 4.0;
 /// Lag of the thrust that is assumed where the flight shows none \[s\].
 const ASSUMED_LAG: f64 = 0.08;
 /// Pitch rate [rad/s] from which on flight short of stall is no steady one.
@@ -154,6 +155,8 @@ struct Row {
     t: f64,
     /// Air velocity along the nose, the wing and the belly [m/s].
     air: Vector3<f64>,
+    /// Angle of attack in the mean of seconds \[rad\], that no gust decides.
+    held_alpha: f64,
     /// Specific force along nose and belly [m/s²].
     force: [f64; 2],
     throttle: f64,
@@ -183,8 +186,13 @@ impl Row {
 
     /// Whether it is on the wing, short of stall and steadily.
     fn glides(&self) -> bool {
-        let steady = self.alpha().abs() <= ATTACHED && self.rate.abs() <= TURNS;
-        self.speed() > 2.0 * SLOW && steady
+        self.speed() > 2.0 * SLOW && self.attached() && self.rate.abs() <= TURNS
+    }
+
+    /// Whether it is on the wing, short of stall. Rows that gusts carry beyond are not left out: what is left would be of too small an angle.
+    fn attached(&self) -> bool {
+        let short = self.held_alpha.abs() <= ATTACHED && self.alpha().abs() <= 1.5 * ATTACHED;
+        self.speed() > SLOW && short
     }
 }
 
@@ -332,6 +340,7 @@ fn flown(log: &Log, states: &States) -> anyhow::Result<Flown> {
         let row = Row {
             t,
             air: attitude.inverse_transform_vector(&through),
+            held_alpha: f64::NAN,
             force: [nose, belly],
             throttle: throttle[n],
             asked: asked[n],
@@ -349,7 +358,20 @@ fn flown(log: &Log, states: &States) -> anyhow::Result<Flown> {
     }
     hovers_along_the_nose(&mut steps)?;
     let together = |a: &Row, b: &Row| (RATE * a.t).floor() == (RATE * b.t).floor();
-    let rows: Vec<Row> = steps.chunk_by(together).map(mean).collect();
+    let mut rows: Vec<Row> = steps.chunk_by(together).map(mean).collect();
+    let held: Vec<f64> = rows
+        .iter()
+        .map(|row| {
+            let near = around(&rows, row.t, HELD)
+                .iter()
+                .filter(|row| row.speed() > SLOW);
+            let angles: Vec<f64> = near.map(Row::alpha).collect();
+            angles.iter().sum::<f64>() / angles.len() as f64
+        })
+        .collect();
+    for (row, held) in rows.iter_mut().zip(held) {
+        row.held_alpha = held;
+    }
     let percent = |has: usize| has as f64 / base.len().max(1) as f64 * 100.0;
     let finite =
         |values: &dyn Fn(usize) -> f64| (0..base.len()).filter(|n| values(*n).is_finite()).count();
@@ -395,6 +417,12 @@ fn hovers_along_the_nose(steps: &mut Vec<Row>) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// The rows of a time around `t`.
+fn around(rows: &[Row], t: f64, time: f64) -> &[Row] {
+    let at = |t: f64| rows.partition_point(|row| row.t < t);
+    &rows[at(t - 0.5 * time)..at(t + 0.5 * time)]
+}
+
 /// The mean of what was flown in one row.
 fn mean(of: &[Row]) -> Row {
     let share = 1.0 / of.len() as f64;
@@ -402,6 +430,7 @@ fn mean(of: &[Row]) -> Row {
     Row {
         t: mean(&|row| row.t),
         air: share * of.iter().map(|row| row.air).sum::<Vector3<f64>>(),
+        held_alpha: f64::NAN,
         force: [0, 1].map(|axis| mean(&|row| row.force[axis])),
         throttle: mean(&|row| row.throttle),
         asked: mean(&|row| row.asked),
@@ -444,16 +473,16 @@ impl Unknowns {
     fn of(rows: &[Row]) -> Self {
         let mut counts = std::collections::BTreeMap::new();
         for row in rows.iter().filter(|row| row.speed() > SLOW) {
-            if row.alpha().abs() > ATTACHED {
+            if !row.attached() {
                 *counts
                     .entry((row.alpha() / BIN).floor() as i32)
                     .or_insert(0) += 1;
             }
         }
         let bins = counts.into_iter().filter(|(_, count)| *count >= ROWS);
-        let attached = rows.iter().filter(|row| {
-            row.speed() > SLOW && row.alpha().abs() <= ATTACHED && row.rate.abs() <= TURNS
-        });
+        let attached = rows
+            .iter()
+            .filter(|row| row.attached() && row.rate.abs() <= TURNS);
         let attached: Vec<&Row> = attached.collect();
         let mut mean = [0.0; 3];
         if attached.len() > ROWS {
@@ -488,7 +517,7 @@ impl Unknowns {
     ) -> Option<[Vec<f64>; 2]> {
         let mut both = [vec![0.0; self.count()], vec![0.0; self.count()]];
         let pressure = k * row.speed().powi(2);
-        let attached = row.alpha().abs() <= ATTACHED && row.speed() > SLOW;
+        let attached = row.attached();
         let alpha = if attached && in_the_mean {
             self.mean_alpha(row)
         } else {
@@ -709,10 +738,8 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
     });
     let held_out: Vec<[f64; 5]> = held_out.collect();
 
-    let attached = rows
-        .iter()
-        .filter(|row| row.speed() > SLOW && row.alpha().abs() <= ATTACHED);
-    let angles: Vec<f64> = attached.map(Row::alpha).collect();
+    let attached = rows.iter().filter(|row| row.attached());
+    let angles: Vec<f64> = attached.map(|row| row.held_alpha).collect();
     let hover = rows.iter().filter(|row| row.speed() < SLOW).count();
     let known = |measured: Measured| measured.is_known().then_some(measured);
     let thrust_to_weight =
@@ -735,7 +762,7 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
     }
     let mut speeds: Vec<f64> = rows
         .iter()
-        .filter(|row| row.speed() > 2.0 * SLOW && row.alpha().abs() <= ATTACHED)
+        .filter(|row| row.speed() > 2.0 * SLOW && row.attached())
         .map(Row::speed)
         .collect();
     speeds.sort_by(f64::total_cmp);
@@ -857,8 +884,7 @@ fn glides(rows: &[Row], lag: f64, no_thrust: f64, k: f64) -> Vec<Glide> {
     let flown = rows.iter().zip(lagged(rows, lag));
     let idle = flown.filter(|(row, throttle)| idles(row, *throttle));
     idle.map(|(row, _)| {
-        let at = |t: f64| rows.partition_point(|row| row.t < t);
-        let near = &rows[at(row.t - 0.5 * MEAN)..at(row.t + 0.5 * MEAN)];
+        let near = around(rows, row.t, MEAN);
         let lift = near.iter().map(Row::lift).sum::<f64>() / near.len() as f64;
         let pressure = k * row.speed().powi(2);
         Glide {
@@ -916,7 +942,7 @@ fn rate_loop(rows: &[&Row]) -> Option<(Measured, f64)> {
     let blocks = (rows.len() as f64 / RATE / ANEW).max(2.0);
     let measured = Measured {
         value: lag + 0.005 * (a - c) / bend,
-        within: DEVIATIONS * 0.01 * (2.0 * b / blocks / bend).sqrt(),
+        within: deviations(blocks as usize) * 0.01 * (2.0 * b / blocks / bend).sqrt(),
     };
     Some((measured, share))
 }
