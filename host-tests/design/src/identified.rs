@@ -3,9 +3,22 @@
 use serde::Serialize;
 
 use super::flown::ATTACHED;
-use super::identify::{ASSUMED_LAG, Given};
 use super::known::Actuators;
 use super::regression::Measured;
+
+/// Lag of the thrust that is assumed where the flight shows none \[s\].
+pub(super) const ASSUMED_LAG: f64 = 0.08;
+
+/// What a person knows besides the log.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Given {
+    /// m \[kg\].
+    pub mass_kg: f64,
+    /// Area of the wing \[m²\].
+    pub wing_m2: f64,
+    /// Density of the air \[kg/m³\].
+    pub air_kg_m3: f64,
+}
 
 /// Angular acceleration in pitch in hover [rad/s²].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

@@ -28,18 +28,8 @@ use super::forces::{BIN, FIXED, NO_THRUST, Propeller, Unknowns};
 use super::regression::{Fit, Measured, deviations, least_squares};
 use super::response_lag::{Sample, response_lag};
 
-pub use super::identified::{Besides, Beyond, Identified, POLAR, Turn};
-
-/// What a person knows besides the log.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Given {
-    /// m \[kg\].
-    pub mass_kg: f64,
-    /// Area of the wing \[m²\].
-    pub wing_m2: f64,
-    /// Density of the air \[kg/m³\].
-    pub air_kg_m3: f64,
-}
+use super::identified::ASSUMED_LAG;
+pub use super::identified::{Besides, Beyond, Given, Identified, POLAR, Turn};
 
 /// Lengths of blocks whose residuals are taken for independent, and of what is fitted and held out in turn \[s\].
 const BLOCK: f64 = 10.0;
@@ -69,8 +59,6 @@ const BLOWN: f64 = 0.7;
 const PREDICTED: f64 = 0.5;
 /// Time in which the lift is averaged \[s\].
 const MEAN: f64 = 2.0;
-/// Lag of the thrust that is assumed where the flight shows none \[s\].
-pub(super) const ASSUMED_LAG: f64 = 0.08;
 /// Standard gravity [m/s²].
 const GRAVITY: f64 = 9.81;
 

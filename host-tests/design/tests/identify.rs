@@ -497,7 +497,11 @@ fn level(velocity: impl Fn(f64) -> [f64; 2]) -> Log {
             ),
             topic(
                 "vehicle_acceleration",
-                &[("xyz[0]", &|_| 0.5), ("xyz[1]", &none), ("xyz[2]", &|_| -9.81)],
+                &[
+                    ("xyz[0]", &|_| 0.5),
+                    ("xyz[1]", &none),
+                    ("xyz[2]", &|_| -9.81),
+                ],
             ),
             topic(
                 "actuator_controls_0",
