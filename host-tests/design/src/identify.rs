@@ -171,14 +171,6 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
         mean: x, y, times, ..
     } = assembled(lag, propeller, false);
     let predicted = &x * &fit.estimate;
-    let whole = 1.0 - (&y - &predicted).norm_squared() / y.norm_squared().max(1e-12);
-    anyhow::ensure!(
-        whole >= PREDICTED,
-        "of what was not fitted the model predicts the specific force by {:.0} %, and no number is given below {:.0} %: what is logged as velocity or air is not what \
-         it flew through, or it is no vehicle with one wing and a thrust along its nose",
-        100.0 * whole.max(0.0),
-        100.0 * PREDICTED
-    );
     let share = |axis: usize| {
         let of =
             |v: &DVector<f64>| -> Vec<f64> { v.iter().skip(axis).step_by(2).copied().collect() };
@@ -188,6 +180,17 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
         let rest: f64 = had.iter().zip(&guess).map(|(a, b)| (a - b).powi(2)).sum();
         1.0 - rest / total.max(1e-12)
     };
+    let predicted_of = [share(0), share(1)];
+    let whole = 1.0 - (&y - &predicted).norm_squared() / y.norm_squared().max(1e-12);
+    anyhow::ensure!(
+        whole >= PREDICTED && predicted_of.iter().all(|share| *share >= -1.0),
+        "of what was not fitted the model predicts the square of the specific force by {:.0} % and its variance by {:.0} and {:.0} %, and no number is given below {:.0} % of the one and -100 % of the other: what is logged as velocity or air is not what \
+         it flew through, or it is no vehicle with one wing and a thrust along its nose",
+        100.0 * whole,
+        100.0 * predicted_of[0],
+        100.0 * predicted_of[1],
+        100.0 * PREDICTED
+    );
     let held_out = (0..y.len() / 2).map(|n| {
         [
             times[2 * n],
@@ -328,7 +331,7 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
         c_d_cruise,
         beyond,
         surface_reaction_m: known(fit.measured(5)),
-        predicted: [share(0), share(1)],
+        predicted: predicted_of,
         flown_m_s,
         held_out,
         missing,
