@@ -183,8 +183,8 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
     let predicted_of = [share(0), share(1)];
     let whole = 1.0 - (&y - &predicted).norm_squared() / y.norm_squared().max(1e-12);
     anyhow::ensure!(
-        whole >= PREDICTED && predicted_of.iter().all(|share| *share >= -1.0),
-        "of what was not fitted the model predicts the square of the specific force by {:.0} % and its variance by {:.0} and {:.0} %, and no number is given below {:.0} % of the one and -100 % of the other: what is logged as velocity or air is not what \
+        whole >= PREDICTED && predicted_of.iter().all(|share| *share >= -5.0),
+        "of what was not fitted the model predicts the square of the specific force by {:.0} % and its variance by {:.0} and {:.0} %, and no number is given below {:.0} % of the one and -500 % of the other: what is logged as velocity or air is not what \
          it flew through, or it is no vehicle with one wing and a thrust along its nose",
         100.0 * whole,
         100.0 * predicted_of[0],
