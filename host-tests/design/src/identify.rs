@@ -20,93 +20,17 @@
 
 use alula_logs::Log;
 use alula_logs::states::States;
-use nalgebra::{DMatrix, DVector, Vector3};
-use serde::Serialize;
+use nalgebra::{DMatrix, DVector};
 
 use super::drag::{Glide, drag};
-use super::known::Actuators;
-use super::reconstruct::attitudes;
-use super::regression::{DEVIATIONS, Measured, least_squares};
+use super::flown::{ATTACHED, Flown, GAP, RATE, ROWS, Row, SLOW, around, flown, lagged};
+use super::forces::{BIN, FIXED, NO_THRUST, Propeller, Unknowns};
+use super::regression::{Fit, Measured, deviations, least_squares};
 use super::response_lag::{Sample, response_lag};
 
-/// What a person knows besides the log.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Given {
-    /// m \[kg\].
-    pub mass_kg: f64,
-    /// Area of the wing \[m²\].
-    pub wing_m2: f64,
-    /// Density of the air \[kg/m³\].
-    pub air_kg_m3: f64,
-}
+use super::identified::ASSUMED_LAG;
+pub use super::identified::{Besides, Beyond, Given, Identified, POLAR, Turn};
 
-/// Angular acceleration in pitch in hover [rad/s²].
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Turn {
-    /// The greatest that was had.
-    pub had: f64,
-    /// Whether the torque was at its stop meanwhile, where torques are logged: else there may be more.
-    pub at_stop: bool,
-}
-
-/// Coefficients behind the stall.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Beyond {
-    /// α \[°\].
-    pub alpha_deg: f64,
-    /// c_L.
-    pub c_l: Measured,
-    /// c_D.
-    pub c_d: Measured,
-}
-
-/// What a flight shows.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Identified {
-    /// Time that was looked at, and held out \[s\].
-    pub seconds: [f64; 2],
-    /// Static thrust of full throttle over the weight.
-    pub thrust_to_weight: Option<Measured>,
-    /// Airspeed along the nose at which full throttle gives no thrust [m/s].
-    pub zero_thrust_speed_m_s: Option<Measured>,
-    /// Lag of the thrust \[s\].
-    pub thrust_lag_s: Option<Measured>,
-    /// Lag of the pitch rate \[s\].
-    pub rate_lag_s: Option<Measured>,
-    /// Pitch rate that is had, over what is asked.
-    pub rate_share: Option<f64>,
-    /// Angular acceleration in pitch in hover.
-    pub turn_rad_s2: Option<Turn>,
-    /// c_L at α = 0 to the nose.
-    pub c_l_0: Option<Measured>,
-    /// Slope of c_L \[1/rad\].
-    pub c_l_alpha: Option<Measured>,
-    /// Angle of zero lift to the nose \[°\].
-    pub zero_lift_deg: Option<Measured>,
-    /// c_D at the c_L of cruise, and that c_L.
-    pub c_d_cruise: Option<(Measured, f64)>,
-    /// Coefficients behind the stall.
-    pub beyond: Vec<Beyond>,
-    /// Acceleration towards the belly per angular acceleration \[m\].
-    pub surface_reaction_m: Option<Measured>,
-    /// Share of the variance of the specific force along nose and belly that is predicted, on data that was not fitted.
-    pub predicted: [f64; 2],
-    /// Median of the airspeed on the wing [m/s].
-    pub flown_m_s: Option<f64>,
-    /// Specific force along nose and belly, measured and predicted, of what was held out: time \[s\], and four values.
-    #[serde(skip)]
-    pub held_out: Vec<[f64; 5]>,
-    /// What the flight does not show, and which manoeuvre would.
-    pub missing: Vec<String>,
-}
-
-/// Angle of attack to the nose \[rad\] up to which c_L is taken for a line; from its negative.
-const ATTACHED: f64 = 0.19;
-/// Width of what is constant beyond \[rad\].
-const BIN: f64 = std::f64::consts::PI / 18.0;
-/// Least airspeed [m/s] whose angle of attack says something; least number of rows that make one unknown known.
-const SLOW: f64 = 3.0;
-const ROWS: usize = 40;
 /// Lengths of blocks whose residuals are taken for independent, and of what is fitted and held out in turn \[s\].
 const BLOCK: f64 = 10.0;
 const TURN: f64 = 10.0;
@@ -123,352 +47,20 @@ struct Lacking {
 
 const LACKING: Lacking = Lacking {
     thrust: 0.07,
-    thrust_lag: 0.2,
-    rate_lag: 0.35,
-    drag: 0.15,
+    thrust_lag: 0.27,
+    rate_lag: 0.38,
+    drag: 0.2,
 };
 /// Advance ratio, over the one that is without thrust, from which on a propeller idles, whatever is wrong of that one.
 const IDLE: f64 = 2.0;
+/// Area of the wing in the slipstream over that of the propellers' discs, up to twice which is taken for possible: 4/π of chord over diameter.
+const BLOWN: f64 = 0.7;
+/// Share of the square of the specific force that a model predicts, where it is one of the vehicle.
+const PREDICTED: f64 = 0.5;
 /// Time in which the lift is averaged \[s\].
 const MEAN: f64 = 2.0;
-/// Lag of the thrust that is assumed where the flight shows none \[s\].
-const ASSUMED_LAG: f64 = 0.08;
-/// Pitch rate [rad/s] from which on flight short of stall is no steady one.
-const TURNS: f64 = 0.25;
-/// Rate of the rows \[Hz\].
-const RATE: f64 = 25.0;
 /// Standard gravity [m/s²].
 const GRAVITY: f64 = 9.81;
-
-/// One row of what was flown.
-#[derive(Clone, Copy)]
-struct Row {
-    t: f64,
-    /// Air velocity along the nose, the wing and the belly [m/s].
-    air: Vector3<f64>,
-    /// Specific force along nose and belly [m/s²].
-    force: [f64; 2],
-    throttle: f64,
-    /// Pitch rate, asked and had [rad/s], and its derivative [rad/s²].
-    asked: f64,
-    rate: f64,
-    turn: f64,
-    /// Sine of the climb angle.
-    climb: f64,
-    /// Torque in pitch that was asked for, a share of the full one.
-    torque: f64,
-}
-
-impl Row {
-    fn alpha(&self) -> f64 {
-        self.air.z.atan2(self.air.x)
-    }
-
-    fn speed(&self) -> f64 {
-        self.air.x.hypot(self.air.z)
-    }
-
-    /// Specific force across the path through the air, to the back [m/s²].
-    fn lift(&self) -> f64 {
-        (self.force[0] * self.air.z - self.force[1] * self.air.x) / self.speed()
-    }
-
-    /// Whether it is on the wing, short of stall and steadily.
-    fn glides(&self) -> bool {
-        let steady = self.alpha().abs() <= ATTACHED && self.rate.abs() <= TURNS;
-        self.speed() > 2.0 * SLOW && steady
-    }
-}
-
-/// Where a log may have a quantity: a column, and what its values are multiplied by.
-struct Source {
-    topic: &'static str,
-    column: &'static str,
-    scale: f64,
-}
-
-const fn source(topic: &'static str, column: &'static str, scale: f64) -> Source {
-    Source {
-        topic,
-        column,
-        scale,
-    }
-}
-
-/// The first of these columns that the log has, at the rows of a time base; NaN where it has no value.
-fn held(log: &Log, sources: &[Source], base: &[f64]) -> Option<Vec<f64>> {
-    sources.iter().find_map(|source| {
-        let topic = log.topic(source.topic)?;
-        let column = topic.column(source.column)?;
-        let values = topic.held_at(base).values(column);
-        let scaled = values.into_iter().map(|value| source.scale * value);
-        Some(scaled.collect())
-    })
-}
-
-const DEGREE: f64 = std::f64::consts::PI / 180.0;
-
-/// What was flown, as it was logged and in rows at [`RATE`], and what is said of the log.
-struct Flown {
-    steps: Vec<Row>,
-    rows: Vec<Row>,
-    notes: Vec<String>,
-}
-
-/// What was flown; the error says what is not in the log.
-fn flown(log: &Log, states: &States) -> anyhow::Result<Flown> {
-    let mut notes = Vec::new();
-    let need =
-        |what: &str| anyhow::anyhow!("the log has no {what}: nothing is identified without it");
-    let velocity = states.velocity.as_ref().ok_or_else(|| need("velocity"))?;
-    let force = states
-        .specific_force
-        .as_ref()
-        .ok_or_else(|| need("specific force"))?;
-    let base = &states.time;
-    let throttle = [
-        source("vehicle_thrust_setpoint", "xyz[2]", -1.0),
-        source("vehicle_rates_setpoint", "thrust_body[2]", -1.0),
-        source("RATE", "AOut", 1.0),
-        source("CTUN", "ThO", 1.0),
-    ];
-    let throttle = held(log, &throttle, base).ok_or_else(|| need("throttle"))?;
-    let rate = [
-        source("vehicle_angular_velocity", "xyz[1]", 1.0),
-        source("RATE", "P", DEGREE),
-    ];
-    let asked = [
-        source("vehicle_rates_setpoint", "pitch", 1.0),
-        source("RATE", "PDes", DEGREE),
-    ];
-    let torque = [
-        source("vehicle_torque_setpoint", "xyz[1]", 1.0),
-        source("RATE", "POut", 1.0),
-    ];
-    let nan = || vec![f64::NAN; base.len()];
-    let rate = held(log, &rate, base).unwrap_or_else(nan);
-    let asked = held(log, &asked, base).unwrap_or_else(nan);
-    let torque = held(log, &torque, base).unwrap_or_else(nan);
-    if states.wind.is_none() && states.air_velocity.is_none() {
-        notes.push("No wind is logged: it is taken for calm, and what is in the air is in the intervals. A flight to and fro on a calm day shows it".to_owned());
-    }
-    let mut steps: Vec<Row> = Vec::new();
-    let (mut filtered, mut last): (f64, Option<(f64, f64)>) = (0.0, None);
-    for ((n, &t), attitude) in base.iter().enumerate().zip(attitudes(states)) {
-        // The derivative of the rate through a filter of 30 ms.
-        if let Some((then, before)) = last {
-            let dt = (t - then).max(1e-4);
-            let share = 1.0 - (-dt / 0.03).exp();
-            filtered += share * ((rate[n] - before) / dt - filtered);
-        }
-        if rate[n].is_finite() {
-            last = Some((t, rate[n]));
-        }
-        let moving = Vector3::from(velocity.values[n]);
-        let through = match (&states.air_velocity, &states.wind) {
-            (Some(air), _) if air.values[n][0].is_finite() => Vector3::from(air.values[n]),
-            (_, Some(wind)) if wind.values[n][0].is_finite() => {
-                moving - Vector3::from(wind.values[n])
-            }
-            _ => moving,
-        };
-        let [nose, _, belly] = force.values[n];
-        let row = Row {
-            t,
-            air: attitude.inverse_transform_vector(&through),
-            force: [nose, belly],
-            throttle: throttle[n],
-            asked: asked[n],
-            rate: rate[n],
-            turn: filtered,
-            climb: -moving.z / moving.norm().max(SLOW),
-            torque: torque[n],
-        };
-        let numbers = [row.air.x, row.air.z, nose, belly, row.throttle];
-        if numbers.iter().all(|x| x.is_finite()) && (row.throttle > 0.02 || row.speed() > SLOW) {
-            steps.push(row);
-        }
-    }
-    let together = |a: &Row, b: &Row| (RATE * a.t).floor() == (RATE * b.t).floor();
-    let rows: Vec<Row> = steps.chunk_by(together).map(mean).collect();
-    anyhow::ensure!(
-        rows.len() > 10 * ROWS,
-        "{:.0} s of flight with velocity, specific force and throttle: it takes {:.0} s and more",
-        rows.len() as f64 / RATE,
-        10.0 * ROWS as f64 / RATE
-    );
-    Ok(Flown { steps, rows, notes })
-}
-
-/// The mean of what was flown in one row.
-fn mean(of: &[Row]) -> Row {
-    let share = 1.0 / of.len() as f64;
-    let mean = |value: &dyn Fn(&Row) -> f64| share * of.iter().map(value).sum::<f64>();
-    Row {
-        t: mean(&|row| row.t),
-        air: share * of.iter().map(|row| row.air).sum::<Vector3<f64>>(),
-        force: [0, 1].map(|axis| mean(&|row| row.force[axis])),
-        throttle: mean(&|row| row.throttle),
-        asked: mean(&|row| row.asked),
-        rate: mean(&|row| row.rate),
-        turn: mean(&|row| row.turn),
-        climb: mean(&|row| row.climb),
-        torque: mean(&|row| row.torque),
-    }
-}
-
-/// The unknowns of the forces: their number, and the regressors of a row.
-struct Unknowns {
-    /// Bins behind the stall that were visited.
-    bins: Vec<i32>,
-    /// The angle of attack short of stall, by [`instruments`].
-    mean: [f64; 3],
-}
-
-const FIXED: usize = 6;
-
-/// C_T over its static value, per advance ratio and its square: c1/c0 and c2/c0 of small propellers.
-const PROPELLER: [f64; 2] = [-0.75, -1.08];
-/// Advance ratio without thrust of such a propeller.
-const NO_THRUST: f64 = 0.676;
-
-/// Thrust over its static value at full throttle, at the throttle `u` and the speed `along` the nose, of a propeller of the speed `v1`, and its
-/// derivative by `v1`.
-fn propelled(u: f64, along: f64, v1: f64) -> [f64; 2] {
-    let [linear, square] = PROPELLER;
-    let (root, j) = (u.max(0.0).sqrt(), along / v1);
-    let thrust = u + linear * root * j + square * j * j;
-    // Slower than that it idles.
-    if thrust <= 0.0 {
-        return [0.0; 2];
-    }
-    [thrust, -(linear * root * j + 2.0 * square * j * j) / v1]
-}
-
-impl Unknowns {
-    fn of(rows: &[Row]) -> Self {
-        let mut counts = std::collections::BTreeMap::new();
-        for row in rows.iter().filter(|row| row.speed() > SLOW) {
-            if row.alpha().abs() > ATTACHED {
-                *counts
-                    .entry((row.alpha() / BIN).floor() as i32)
-                    .or_insert(0) += 1;
-            }
-        }
-        let bins = counts.into_iter().filter(|(_, count)| *count >= ROWS);
-        let attached = rows.iter().filter(|row| {
-            row.speed() > SLOW && row.alpha().abs() <= ATTACHED && row.rate.abs() <= TURNS
-        });
-        let attached: Vec<&Row> = attached.collect();
-        let mut mean = [0.0; 3];
-        if attached.len() > ROWS {
-            let z = DMatrix::from_fn(attached.len(), 3, |i, j| instruments(attached[i])[j]);
-            let alpha = DVector::from_fn(attached.len(), |i, _| attached[i].alpha());
-            if let Some(fit) = least_squares(&z, &z, &alpha, &vec![0; attached.len()]) {
-                mean = [0, 1, 2].map(|j| fit.estimate[j]);
-            }
-        }
-        Self {
-            bins: bins.map(|(bin, _)| bin).collect(),
-            mean,
-        }
-    }
-
-    fn count(&self) -> usize {
-        FIXED + 2 * self.bins.len()
-    }
-
-    /// The regressors along nose and belly, at a throttle behind its lag, for a propeller of the speed `v1` whose static thrust over the mass is `static_f`;
-    /// none where the row is in no bin that is known, or turns.
-    fn regressors(
-        &self,
-        row: &Row,
-        throttle: f64,
-        k: f64,
-        [v1, static_f]: [f64; 2],
-        in_the_mean: bool,
-    ) -> Option<[Vec<f64>; 2]> {
-        let mut both = [vec![0.0; self.count()], vec![0.0; self.count()]];
-        let pressure = k * row.speed().powi(2);
-        let attached = row.alpha().abs() <= ATTACHED && row.speed() > SLOW;
-        let alpha = if attached && in_the_mean {
-            self.mean_alpha(row)
-        } else {
-            row.alpha()
-        };
-        let (sin, cos) = alpha.sin_cos();
-        let lift = [pressure * sin, -pressure * cos];
-        let drag = [-pressure * cos, -pressure * sin];
-        if attached && row.rate.abs() > TURNS {
-            return None;
-        }
-        let bin = (row.alpha() / BIN).floor() as i32;
-        let place = self.bins.iter().position(|known| *known == bin);
-        let [thrust, by_v1] = propelled(throttle, row.air.x, v1);
-        for axis in 0..2 {
-            let x = &mut both[axis];
-            if axis == 0 {
-                x[0] = thrust;
-                x[1] = static_f * by_v1;
-            } else if row.turn.is_finite() {
-                x[5] = row.turn;
-            }
-            if row.speed() <= SLOW {
-                continue;
-            }
-            if attached {
-                x[2] = lift[axis];
-                x[3] = lift[axis] * alpha;
-                x[4] = drag[axis];
-            } else {
-                let place = place?;
-                x[FIXED + 2 * place] = lift[axis];
-                x[FIXED + 2 * place + 1] = drag[axis];
-            }
-        }
-        Some(both)
-    }
-
-    /// The angle of attack that the flight has in the mean at a row's airspeed and climb.
-    fn mean_alpha(&self, row: &Row) -> f64 {
-        instruments(row)
-            .iter()
-            .zip(&self.mean)
-            .map(|(z, c)| z * c)
-            .sum()
-    }
-}
-
-/// What the angle of attack depends on in the mean, and no gust does.
-fn instruments(row: &Row) -> [f64; 3] {
-    [1.0, 1.0 / row.speed().powi(2), row.climb]
-}
-
-/// The throttle behind a lag \[s\], at each row.
-fn lagged(rows: &[Row], lag: f64) -> Vec<f64> {
-    let (mut behind, mut then) = (rows[0].throttle, rows[0].t);
-    let step = |row: &Row| {
-        // Held since the row before, over a gap anew.
-        let dt = row.t - then;
-        then = row.t;
-        behind = match dt < 0.5 {
-            true => behind + (1.0 - (-dt / lag.max(1e-6)).exp()) * (row.throttle - behind),
-            false => row.throttle,
-        };
-        behind
-    };
-    rows.iter().map(step).collect()
-}
-
-/// A propeller with the least squares of those that were tried.
-#[derive(Clone, Copy)]
-struct Propeller {
-    squares: f64,
-    /// Its speed V_1 [m/s].
-    v1: f64,
-    /// Static thrust at full throttle over the mass [m/s²].
-    static_f: f64,
-}
 
 /// The equations of a part of the rows, two to a row: regressors with the mean of the throttle and as it was told, and forces.
 struct Equations {
@@ -503,7 +95,7 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
     let unknowns = Unknowns::of(&rows);
     let begin = rows[0].t;
     let fitted = |row: &Row| ((row.t - begin) / TURN) as u64 % 3 != 2;
-    let assembled = |lag: f64, propeller: [f64; 2], which: bool| {
+    let assembled = |lag: f64, propeller: Propeller, which: bool| {
         let throttle = lagged(&rows, lag);
         let mut x = [Vec::new(), Vec::new()];
         let (mut y, mut blocks, mut times) = (Vec::new(), Vec::new(), Vec::new());
@@ -535,27 +127,46 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
         }
     };
     // Without its derivative, the speed of the propeller is held.
-    let fit = |lag: f64, propeller: [f64; 2]| {
+    let fit = |lag: f64, propeller: Propeller| {
         let of = assembled(lag, propeller, true);
         least_squares(&of.mean, &of.told, &of.y, &of.blocks)
     };
     let search = |lag: f64| {
         let speeds = (0..24).map(|n| 12.0 * 1.13_f64.powi(n));
         let tried = speeds.filter_map(|v1| {
-            let fit = fit(lag, [v1, 0.0])?;
-            let static_f = fit.estimate[0];
-            (static_f > 0.0).then_some(Propeller {
-                squares: fit.squares,
+            let propeller = Propeller {
                 v1,
+                static_f: 0.0,
+                blown: 0.0,
+            };
+            let fit = fit(lag, propeller)?;
+            let static_f = fit.estimate[0];
+            let propeller = Propeller {
                 static_f,
-            })
+                blown: BLOWN,
+                ..propeller
+            };
+            (static_f > 0.0).then_some((fit.squares, propeller))
         });
-        tried.min_by(|a, b| a.squares.total_cmp(&b.squares))
+        let best = tried.min_by(|a, b| a.0.total_cmp(&b.0));
+        best.map(|(_, propeller)| propeller)
     };
-    let Propeller { v1, static_f, .. } = search(lag)
+    let propeller = search(lag)
         .ok_or_else(|| anyhow::anyhow!("the regression has no answer: no thrust is seen"))?;
-    let propeller = [v1, static_f];
-    let fit = fit(lag, propeller).ok_or_else(|| anyhow::anyhow!("the regression has no answer"))?;
+    let v1 = propeller.v1;
+    let none = || anyhow::anyhow!("the regression has no answer");
+    let mid = fit(lag, propeller).ok_or_else(none)?;
+    let [less, more] = [0.0, 2.0 * BLOWN].map(|blown| fit(lag, Propeller { blown, ..propeller }));
+    let (less, more) = less.zip(more).ok_or_else(none)?;
+    let fit = mid;
+    // Nothing in a flight shows how much of the wing is in the slipstream: what that changes is in the interval.
+    let washed = |of: &dyn Fn(&Fit) -> Measured| {
+        let [measured, less, more] = [&fit, &less, &more].map(of);
+        Measured {
+            within: measured.within.hypot(0.5 * (more.value - less.value)),
+            ..measured
+        }
+    };
     let Equations {
         mean: x, y, times, ..
     } = assembled(lag, propeller, false);
@@ -569,6 +180,17 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
         let rest: f64 = had.iter().zip(&guess).map(|(a, b)| (a - b).powi(2)).sum();
         1.0 - rest / total.max(1e-12)
     };
+    let predicted_of = [share(0), share(1)];
+    let whole = 1.0 - (&y - &predicted).norm_squared() / y.norm_squared().max(1e-12);
+    anyhow::ensure!(
+        whole >= PREDICTED && predicted_of.iter().all(|share| *share >= -5.0),
+        "of what was not fitted the model predicts the square of the specific force by {:.0} % and its variance by {:.0} and {:.0} %, and no number is given below {:.0} % of the one and -500 % of the other: what is logged as velocity or air is not what \
+         it flew through, or it is no vehicle with one wing and a thrust along its nose",
+        100.0 * whole,
+        100.0 * predicted_of[0],
+        100.0 * predicted_of[1],
+        100.0 * PREDICTED
+    );
     let held_out = (0..y.len() / 2).map(|n| {
         [
             times[2 * n],
@@ -580,10 +202,8 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
     });
     let held_out: Vec<[f64; 5]> = held_out.collect();
 
-    let attached = rows
-        .iter()
-        .filter(|row| row.speed() > SLOW && row.alpha().abs() <= ATTACHED);
-    let angles: Vec<f64> = attached.map(Row::alpha).collect();
+    let attached = rows.iter().filter(|row| row.attached());
+    let angles: Vec<f64> = attached.map(|row| row.held_alpha).collect();
     let hover = rows.iter().filter(|row| row.speed() < SLOW).count();
     let known = |measured: Measured| measured.is_known().then_some(measured);
     let thrust_to_weight =
@@ -606,7 +226,7 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
     }
     let mut speeds: Vec<f64> = rows
         .iter()
-        .filter(|row| row.speed() > 2.0 * SLOW && row.alpha().abs() <= ATTACHED)
+        .filter(|row| row.speed() > 2.0 * SLOW && row.attached())
         .map(Row::speed)
         .collect();
     speeds.sort_by(f64::total_cmp);
@@ -616,9 +236,10 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
     let wing = angles.len() >= 4 * ROWS && spread > 0.05;
     let (mut c_l_0, mut c_l_alpha, mut zero_lift_deg, mut c_d_cruise) = (None, None, None, None);
     if wing {
-        c_l_0 = Some(fit.measured(2));
-        c_l_alpha = known(fit.measured(3));
-        zero_lift_deg = c_l_alpha.map(|_| fit.function(|e| (-e[2] / e[3]).to_degrees()));
+        let zero_lift = |fit: &Fit| fit.function(|e| (-e[2] / e[3]).to_degrees());
+        c_l_0 = Some(washed(&|fit| fit.measured(2)));
+        c_l_alpha = known(washed(&|fit| fit.measured(3))).filter(|slope| slope.value > 0.0);
+        zero_lift_deg = c_l_alpha.map(|_| washed(&zero_lift));
         let glided = glides(&rows, lag, NO_THRUST * v1, k);
         let mut lifts: Vec<f64> = rows
             .iter()
@@ -710,7 +331,7 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
         c_d_cruise,
         beyond,
         surface_reaction_m: known(fit.measured(5)),
-        predicted: [share(0), share(1)],
+        predicted: predicted_of,
         flown_m_s,
         held_out,
         missing,
@@ -727,8 +348,7 @@ fn glides(rows: &[Row], lag: f64, no_thrust: f64, k: f64) -> Vec<Glide> {
     let flown = rows.iter().zip(lagged(rows, lag));
     let idle = flown.filter(|(row, throttle)| idles(row, *throttle));
     idle.map(|(row, _)| {
-        let at = |t: f64| rows.partition_point(|row| row.t < t);
-        let near = &rows[at(row.t - 0.5 * MEAN)..at(row.t + 0.5 * MEAN)];
+        let near = around(rows, row.t, MEAN);
         let lift = near.iter().map(Row::lift).sum::<f64>() / near.len() as f64;
         let pressure = k * row.speed().powi(2);
         Glide {
@@ -758,7 +378,7 @@ fn rate_loop(rows: &[&Row]) -> Option<(Measured, f64)> {
             let (mut behind, mut products, mut squares, mut had) = (0.0, 0.0, 0.0, 0.0);
             for pair in rows.windows(2) {
                 let dt = pair[1].t - pair[0].t;
-                behind = match dt < 0.5 {
+                behind = match dt < GAP {
                     true => behind + (1.0 - (-dt / lag).exp()) * (pair[0].asked - behind),
                     false => pair[1].asked,
                 };
@@ -786,7 +406,7 @@ fn rate_loop(rows: &[&Row]) -> Option<(Measured, f64)> {
     let blocks = (rows.len() as f64 / RATE / ANEW).max(2.0);
     let measured = Measured {
         value: lag + 0.005 * (a - c) / bend,
-        within: DEVIATIONS * 0.01 * (2.0 * b / blocks / bend).sqrt(),
+        within: deviations(blocks as usize) * 0.01 * (2.0 * b / blocks / bend).sqrt(),
     };
     Some((measured, share))
 }
@@ -814,231 +434,4 @@ fn turn(rows: &[Row]) -> Option<Turn> {
         had: most(hover().map(|row| row.turn.abs()).collect())?,
         at_stop,
     })
-}
-
-/// What a person says besides, for the file that `new` takes.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Besides {
-    /// What turns it.
-    pub actuators: Actuators,
-    /// Speed of cruise; none is that of the flight, on its wing.
-    pub cruise_m_s: Option<f64>,
-    /// A section for what the flight does not show of the wing.
-    pub section: String,
-}
-
-/// Name of the polar beside the file.
-pub const POLAR: &str = "polar.csv";
-
-impl Identified {
-    /// The wing's coefficients as a table: what was seen, and below zero lift its mirror; none where the wing, or its stall, was not seen.
-    pub fn polar(&self) -> Option<String> {
-        let (zero, slope) = (self.zero_lift_deg?.value, self.c_l_alpha?.value);
-        let (drag, cruise) = self.c_d_cruise?;
-        // Attached: a line, and a parabola through the drag of cruise, of a wing whose drag at zero lift is a part of it.
-        let lift = |degrees: f64| slope * (degrees - zero).to_radians();
-        let induced = 0.3 * drag.value / cruise.powi(2).max(1e-3);
-        let drag_at = |degrees: f64| 0.7 * drag.value + induced * lift(degrees).powi(2);
-        let last = ATTACHED.to_degrees();
-        let mut rows: Vec<[f64; 3]> = Vec::new();
-        let mut angle = zero.ceil();
-        while angle < last {
-            rows.push([angle, lift(angle), drag_at(angle)]);
-            angle += 1.0;
-        }
-        let mut next = last;
-        for Beyond {
-            alpha_deg: alpha,
-            c_l,
-            c_d,
-        } in &self.beyond
-        {
-            // Without a gap, and where both are known.
-            let known = c_l.within < 0.3 && c_d.within < 0.3 && c_d.value > 0.0;
-            if *alpha < last || *alpha - next > 15.0 || !known || *alpha > 90.0 {
-                continue;
-            }
-            rows.push([*alpha, c_l.value, c_d.value]);
-            next = *alpha;
-        }
-        // Lift that has not fallen shows no stall.
-        let most = rows.iter().map(|row| row[1]).fold(0.0, f64::max);
-        if rows.last()?[1] > 0.9 * most {
-            return None;
-        }
-        let mirror = rows.iter().filter(|row| row[0] > zero + 0.5);
-        let mirror: Vec<[f64; 3]> = mirror
-            .map(|[alpha, c_l, c_d]| [2.0 * zero - alpha, -c_l, *c_d])
-            .collect();
-        let mut text =
-            "# Identified from a flight; below zero lift its mirror: assumed.\nalpha_deg,cl,cd\n"
-                .to_owned();
-        for [alpha, c_l, c_d] in mirror.iter().rev().chain(&rows) {
-            text += &format!("{alpha:.2},{c_l:.4},{:.5}\n", c_d.max(1e-3));
-        }
-        Some(text)
-    }
-
-    /// The file that `new --from` takes: each number with its interval, or the word "assumed".
-    pub fn known(&self, given: &Given, besides: &Besides, flown_m_s: f64) -> String {
-        let mut text = String::new();
-        let mut line = |name: &str, value: f64, source: String| {
-            text += &format!(
-                "{:<28} # {source}\n",
-                format!("{name} = {}", rounded(value))
-            );
-        };
-        line("mass_kg", given.mass_kg, "given".to_owned());
-        line("wing_m2", given.wing_m2, "given".to_owned());
-        line("air_kg_m3", given.air_kg_m3, "given".to_owned());
-        let mut either = |name: &str, measured: Option<Measured>, assumed: f64| match measured {
-            Some(m) => line(
-                name,
-                m.value,
-                format!("measured: within {}", rounded(m.within)),
-            ),
-            None => line(
-                name,
-                assumed,
-                "assumed: the flight does not show it".to_owned(),
-            ),
-        };
-        either("thrust_to_weight", self.thrust_to_weight, 1.6);
-        either("thrust_lag_s", self.thrust_lag_s, ASSUMED_LAG);
-        either("rate_lag_s", self.rate_lag_s, 0.12);
-        match self.turn_rad_s2 {
-            Some(Turn { had, at_stop }) => line(
-                "turn_rad_s2",
-                had.max(5.0),
-                match at_stop {
-                    true => "measured: the torque was at its stop".to_owned(),
-                    false => "measured: at least, the torque was not at its stop".to_owned(),
-                },
-            ),
-            None => line(
-                "turn_rad_s2",
-                15.0,
-                "assumed: the flight does not show it".to_owned(),
-            ),
-        }
-        match besides.cruise_m_s {
-            Some(cruise) => line("cruise_m_s", cruise, "given".to_owned()),
-            None => line("cruise_m_s", flown_m_s, "flown, on its wing".to_owned()),
-        }
-        let actuators = match besides.actuators {
-            Actuators::Elevons => "elevons",
-            Actuators::Motors => "motors",
-            Actuators::Both => "both",
-        };
-        text += &format!("{:<28} # given\n", format!("actuators = \"{actuators}\""));
-        match self.polar() {
-            Some(_) => {
-                text += &format!(
-                    "{:<28} # measured, as far as it was seen\n",
-                    format!("section = \"{POLAR}\"")
-                );
-            }
-            None => {
-                text += &format!(
-                    "{:<28} # assumed: the flight does not show the wing\n",
-                    format!("section = {:?}", besides.section)
-                );
-            }
-        }
-        text
-    }
-
-    /// The numbers, with their intervals, as rows of a table.
-    pub fn rows(&self) -> Vec<[String; 3]> {
-        let row = |what: &str, unit: &str, measured: Option<Measured>| {
-            let (value, within) = match measured {
-                Some(m) => (rounded(m.value), format!("± {}", rounded(m.within))),
-                None => ("not shown".to_owned(), String::new()),
-            };
-            [
-                format!(
-                    "{what}{}",
-                    if unit.is_empty() {
-                        String::new()
-                    } else {
-                        format!(" [{unit}]")
-                    }
-                ),
-                value,
-                within,
-            ]
-        };
-        let mut rows = vec![
-            row("static thrust over weight", "", self.thrust_to_weight),
-            row(
-                "airspeed without thrust at full throttle",
-                "m/s",
-                self.zero_thrust_speed_m_s,
-            ),
-            row("lag of the thrust", "s", self.thrust_lag_s),
-            row("lag of the pitch rate", "s", self.rate_lag_s),
-        ];
-        let what = "angular acceleration in pitch in hover";
-        rows.push(match self.turn_rad_s2 {
-            Some(Turn { had, at_stop }) => [
-                format!("{what} [rad/s²]"),
-                rounded(had),
-                if at_stop {
-                    "at the stop of the torque"
-                } else {
-                    "at least"
-                }
-                .to_owned(),
-            ],
-            None => row(what, "rad/s²", None),
-        });
-        rows.push(row("c_L per angle of attack", "1/rad", self.c_l_alpha));
-        rows.push(row(
-            "angle of zero lift to the nose",
-            "°",
-            self.zero_lift_deg,
-        ));
-        let cruise = self
-            .c_d_cruise
-            .map_or(String::new(), |(_, c_l)| format!(" at c_L = {c_l:.2}"));
-        rows.push(row(
-            &format!("c_D{cruise}"),
-            "",
-            self.c_d_cruise.map(|(drag, _)| drag),
-        ));
-        for Beyond {
-            alpha_deg: alpha,
-            c_l,
-            c_d,
-        } in &self.beyond
-        {
-            rows.push(row(&format!("c_L at {alpha:.0}°"), "", Some(*c_l)));
-            rows.push(row(&format!("c_D at {alpha:.0}°"), "", Some(*c_d)));
-        }
-        rows
-    }
-}
-
-/// A number in few digits.
-fn rounded(x: f64) -> String {
-    let digits = match x.abs() {
-        x if x >= 100.0 => 0,
-        x if x >= 10.0 => 1,
-        x if x >= 1.0 => 2,
-        _ => 3,
-    };
-    format!("{x:.digits$}")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::propelled;
-
-    /// A propeller gives its static thrust at rest, less with speed, and none, not less than none, where the air outruns it.
-    #[test]
-    fn a_propeller_that_idles_gives_no_thrust() {
-        assert_eq!(propelled(0.5, 0.0, 40.0)[0], 0.5);
-        assert!(propelled(0.5, 10.0, 40.0)[0] < 0.5);
-        assert_eq!(propelled(0.01, 18.0, 40.0), [0.0; 2]);
-    }
 }

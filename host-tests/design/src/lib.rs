@@ -12,7 +12,10 @@ pub mod envelope;
 mod files;
 mod first_flight;
 pub mod fit;
+mod flown;
+mod forces;
 mod goals;
+mod identified;
 pub mod identify;
 mod known;
 mod limits;
@@ -90,7 +93,7 @@ impl Design {
     }
 
     /// What it can do, before it has flown.
-    fn performance(&self) -> Performance {
+    pub fn performance(&self) -> Performance {
         let facts = &self.facts;
         Performance::of(
             &self.vehicle(),

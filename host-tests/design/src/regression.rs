@@ -36,6 +36,8 @@ pub struct Fit {
     pub covariance: DMatrix<f64>,
     /// Sum of the squared residuals.
     pub squares: f64,
+    /// Blocks that say something of each estimate.
+    pub blocks: Vec<usize>,
 }
 
 /// Least squares by the singular value decomposition, with a covariance that lets residuals of a block hang together. Residuals are those of
@@ -57,11 +59,18 @@ pub fn least_squares(
     let mut meat = DMatrix::zeros(x.ncols(), x.ncols());
     let mut block = DVector::zeros(x.ncols());
     let mut count = 1.0;
+    let mut says = vec![0; x.ncols()];
+    let mut last = vec![None; x.ncols()];
     for (i, of) in blocks.iter().enumerate() {
         if i > 0 && blocks[i - 1] != *of {
             meat += &block * block.transpose();
             block.fill(0.0);
             count += 1.0;
+        }
+        for j in (0..x.ncols()).filter(|j| x[(i, *j)] != 0.0) {
+            if last[j].replace(of) != Some(of) {
+                says[j] += 1;
+            }
         }
         block += scaled.row(i).transpose() * residual[i];
     }
@@ -76,18 +85,28 @@ pub fn least_squares(
             covariance[(i, j)] * unscale(i) * unscale(j)
         }),
         squares,
+        blocks: says,
     })
 }
 
-/// 1.96 deviations, and what estimates of them scatter by.
-pub const DEVIATIONS: f64 = 2.1;
+/// How many deviations, estimated from so many blocks, an interval of 95 % takes to either side: Student's t with two degrees fewer, after Cornish and
+/// Fisher (Abramowitz and Stegun, 26.7.5).
+pub fn deviations(blocks: usize) -> f64 {
+    let degrees = blocks.saturating_sub(2).max(1) as f64;
+    let z = 1.96_f64;
+    let [first, second] = [
+        (z.powi(3) + z) / 4.0,
+        (5.0 * z.powi(5) + 16.0 * z.powi(3) + 3.0 * z) / 96.0,
+    ];
+    z + first / degrees + second / degrees.powi(2)
+}
 
 impl Fit {
     /// One of the estimates.
     pub fn measured(&self, j: usize) -> Measured {
         Measured {
             value: self.estimate[j],
-            within: DEVIATIONS * self.covariance[(j, j)].max(0.0).sqrt(),
+            within: deviations(self.blocks[j]) * self.covariance[(j, j)].max(0.0).sqrt(),
         }
     }
 
@@ -100,10 +119,26 @@ impl Fit {
             near[j] += step;
             (of(&near) - value) / step
         });
+        let of = self.blocks.iter().zip(slope.iter());
+        let blocks = of.filter_map(|(blocks, slope)| (*slope != 0.0).then_some(*blocks));
+        let blocks = blocks.min().unwrap_or(0);
         let variance = (slope.transpose() * &self.covariance * &slope)[(0, 0)];
         Measured {
             value,
-            within: DEVIATIONS * variance.max(0.0).sqrt(),
+            within: deviations(blocks) * variance.max(0.0).sqrt(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::deviations;
+
+    /// Student's t of 95 % from tables: four, ten and thirty degrees of freedom.
+    #[test]
+    fn few_blocks_take_more_deviations() {
+        for (degrees, table) in [(4, 2.776), (10, 2.228), (30, 2.042)] {
+            assert!((deviations(degrees + 2) - table).abs() < 0.03, "{degrees}");
         }
     }
 }

@@ -1,13 +1,18 @@
 //! A vehicle learned from its log. The flights are of tail-sitters as they are, with an autopilot's sensors.
 
-use alula_design::identify::{Given, Identified, identify};
+use alula_design::identify::{Besides, Given, Identified, POLAR, identify};
 use alula_design::regression::Measured;
+use alula_design::{Actuators, Design, Known, Outcome, Verdict};
 use alula_logs::states::find;
+use alula_logs::{Column, Log, Topic};
+use alula_sim::experiment::tail_sitter::TailSitterSpec;
 use alula_sim::experiment::{Document, Experiment};
+use alula_sim::figures::Figures;
 use alula_sim::flight_log::log;
 use alula_sim::plant::Command;
-use alula_sim::plant::tail_sitter::{Belief, TailSitter};
+use alula_sim::plant::tail_sitter::{Belief, TailSitter, TailSitterState};
 use alula_sim::simulate::fly;
+use nalgebra::Vector3;
 use rayon::prelude::*;
 
 /// A vehicle, its cruise [m/s], and the slope of a glide in which its propellers idle.
@@ -70,16 +75,19 @@ fn flight((vehicle, cruise, glide): Flown, seed: u64) -> Experiment {
     document.checked().unwrap()
 }
 
-fn identified(experiment: &Experiment) -> Identified {
-    let record = fly(experiment).unwrap();
-    let log = log(experiment, &record).unwrap();
+fn given(experiment: &Experiment) -> Given {
     let plant = experiment.tail_sitter.as_ref().unwrap().true_vehicle();
-    let given = Given {
+    Given {
         mass_kg: plant.mass_kg,
         wing_m2: Belief::of(&plant).k_a_kg_m / 0.6125,
         air_kg_m3: 1.225,
-    };
-    identify(&log, &find(&log).unwrap(), &given).unwrap()
+    }
+}
+
+fn identified(experiment: &Experiment) -> Identified {
+    let record = fly(experiment).unwrap();
+    let log = log(experiment, &record).unwrap();
+    identify(&log, &find(&log).unwrap(), &given(experiment)).unwrap()
 }
 
 /// What is true of the vehicle, in the words of [`Identified`].
@@ -93,12 +101,46 @@ struct Truth {
     polar: Vec<[f64; 3]>,
 }
 
+/// Rows of α \[°\], c_L and c_D as the vehicle flies them: elevons where they trim the pitching moment, motors at rest.
+fn trimmed(plant: &TailSitterSpec) -> Vec<[f64; 3]> {
+    let vehicle = TailSitter::new(plant.clone(), None);
+    let k = Belief::of(plant).k_a_kg_m;
+    let elevons = plant.wing.strips.iter().any(|strip| strip.elevon > 0.0);
+    let rows = (-6..=14).map(|degrees| {
+        let (sin, cos) = f64::from(degrees).to_radians().sin_cos();
+        let wrench = |elevon: f64| {
+            let mut state = TailSitterState::at_rest();
+            state.velocity = Vector3::new(cos, 0.0, sin);
+            state.elevons = [elevon; 2];
+            vehicle.wrench(&state, Vector3::zeros())
+        };
+        let travel = if elevons { 0.5 } else { 0.0 };
+        let (mut up, mut down) = (-travel, travel);
+        let sign = wrench(up).torque.y.signum();
+        for _ in 0..40 {
+            let middle = 0.5 * (up + down);
+            match wrench(middle).torque.y * sign > 0.0 {
+                true => up = middle,
+                false => down = middle,
+            }
+        }
+        let force = wrench(up).force / k;
+        let (lift, drag) = (
+            force.x * sin - force.z * cos,
+            -(force.x * cos + force.z * sin),
+        );
+        [f64::from(degrees), lift, drag]
+    });
+    rows.collect()
+}
+
 impl Truth {
     fn of(experiment: &Experiment) -> Self {
         let plant = experiment.tail_sitter.as_ref().unwrap().true_vehicle();
         let belief = Belief::of(&plant);
-        let near = belief.polar.iter();
-        let near: Vec<&[f64; 3]> = near.filter(|row| (-4.0..=8.0).contains(&row[0])).collect();
+        let polar = trimmed(&plant);
+        let near = polar.iter().filter(|row| (-4.0..=8.0).contains(&row[0]));
+        let near: Vec<&[f64; 3]> = near.collect();
         let n = near.len() as f64;
         let mean = |k: usize| near.iter().map(|row| row[k]).sum::<f64>() / n;
         let (a, l) = (mean(0), mean(1));
@@ -115,7 +157,7 @@ impl Truth {
             rate_lag_s: belief.rate_lag_s,
             c_l_alpha: slope.to_degrees(),
             zero_lift_deg: a - l / slope,
-            polar: belief.polar,
+            polar,
         }
     }
 
@@ -156,7 +198,7 @@ fn thrust_lag(vehicle: &TailSitter, weight: f64) -> f64 {
 }
 
 /// First seed of the flights: not of those that the shares in `identify` were chosen on.
-const FIRST: u64 = 2000;
+const FIRST: u64 = 3000;
 
 #[test]
 fn a_vehicle_is_learned_from_its_flight() {
@@ -170,8 +212,8 @@ fn slow_vehicles_are_learned_from_their_flights() {
     learned(draws.and_then(|n| n.parse().ok()).unwrap_or(2));
 }
 
-/// What is identified of `draws` flights of each vehicle holds the truth: what is given has it in its interval, but for two numbers in ten, and the thrust
-/// over the weight is within a tenth. What is not shown is said. With few the shares are coarse. Prints the table of the page.
+/// What is identified of `draws` flights of each vehicle holds the truth: what is given has it in its interval in nine of ten, and the thrust over the weight
+/// is within a tenth. What is not shown is said. With few the shares are coarse. Prints the table of the page.
 fn learned(draws: u64) {
     println!(
         "| number | vehicle | given | error, median (5 to 95 % of flights) | within 10 % | held |"
@@ -236,8 +278,10 @@ fn learned(draws: u64) {
                 .iter()
                 .filter(|(m, truth)| (m.value - truth).abs() <= m.within);
             let (hits, count) = (hits.count(), given.len());
+            // Nine in ten, less two deviations of as many draws and half a draw for continuity.
+            let count = count as f64;
             assert!(
-                10 * hits + 10 >= 7 * count,
+                hits as f64 + 0.5 >= 0.9 * count - 2.0 * (0.09 * count).sqrt(),
                 "{vehicle}: {number}: {hits} of {count}"
             );
         }
@@ -286,6 +330,123 @@ fn row(number: &str, vehicle: &str, given: &[(Measured, f64)]) -> String {
     )
 }
 
+/// How far the vehicle leaves its reference, up, down and at the end, on the round trip of a design that `new` makes of `known`, flown by what is true \[m\]; none where `new` says
+/// that its first flight fails.
+fn round_trip(flown: Flown, known: &str, polar: Option<&str>, draw: u64) -> Option<[f64; 3]> {
+    let experiment = flight(flown, draw);
+    let plant = experiment.tail_sitter.as_ref().unwrap();
+    let authority = Belief::of(&plant.true_vehicle()).authority;
+    let folder =
+        std::env::temp_dir().join(format!("alula-{}-{}-{draw}", flown.0, std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let file = folder.join("known.toml");
+    std::fs::write(&file, known).unwrap();
+    if let Some(polar) = polar {
+        std::fs::write(folder.join(POLAR), polar).unwrap();
+    }
+    // The flight has no steps of the pitch rate: what turns it is measured beside.
+    let turn = authority.slipstream_rad_s2.max(authority.difference_rad_s2);
+    let besides = Known::from_text("beside", &format!("turn_rad_s2 = {turn:?}")).unwrap();
+    let facts = besides.or(Known::load(&file).unwrap()).facts().unwrap();
+    let (design, first) = Design::new(facts).unwrap().as_it_brakes("learned");
+    std::fs::remove_dir_all(&folder).unwrap();
+    first.ok()?;
+    let mut trip = design.document("learned").unwrap().checked().unwrap();
+    let first = Figures::of(&trip, &fly(&trip).ok()?);
+    if Verdict::of(&design.facts, &design.performance(), &first).outcome == Outcome::Fails {
+        return None;
+    }
+    trip.tail_sitter = Some(plant.clone());
+    let record = fly(&trip).unwrap();
+    let figures = Figures::of(&trip, &record);
+    [
+        "altitude_most_m",
+        "altitude_least_m",
+        "max_late_position_error_m",
+    ]
+    .map(|name| figures.get(name))
+    .into()
+}
+
+/// `new` makes of what was identified a guidance that flies the vehicle as the one of what is known of it does. Prints a table.
+fn closed(draws: u64) {
+    println!(
+        "| vehicle | of | flights | above [m], median (most) | below [m], median (most) | off at the end [m], median (most) |"
+    );
+    println!("|---|---|---|---|---|---|");
+    for flown in FLOWN {
+        let (vehicle, cruise, _) = flown;
+        let first = flight(flown, FIRST);
+        let (truth, given) = (Truth::of(&first), given(&first));
+        let actuators = match vehicle {
+            "biplane" => Actuators::Motors,
+            _ => Actuators::Elevons,
+        };
+        let besides = Besides {
+            actuators,
+            cruise_m_s: Some(cruise),
+            section: "naca-0012".to_owned(),
+        };
+        let exactly = |value: f64| Some(Measured { value, within: 0.0 });
+        let known = Identified {
+            thrust_to_weight: exactly(truth.thrust_to_weight),
+            thrust_lag_s: exactly(truth.thrust_lag_s),
+            rate_lag_s: exactly(truth.rate_lag_s),
+            ..Identified::default()
+        };
+        let whole = Belief::of(&first.tail_sitter.as_ref().unwrap().true_vehicle()).polar;
+        let rows = whole
+            .iter()
+            .map(|[alpha, c_l, c_d]| format!("{alpha},{c_l},{c_d}\n"));
+        let polar = format!("alpha_deg,cl,cd\n{}", rows.collect::<String>());
+        let text = known
+            .known(&given, &besides, cruise)
+            .replace("section = \"naca-0012\"", "section = \"polar.csv\"");
+        let known = vec![round_trip(flown, &text, Some(&polar), FIRST)];
+        let learned: Vec<Option<[f64; 3]>> = (FIRST..FIRST + draws)
+            .into_par_iter()
+            .map(|seed| {
+                let found = identified(&flight(flown, seed));
+                let text = found.known(&given, &besides, cruise);
+                round_trip(flown, &text, found.polar().as_deref(), seed)
+            })
+            .collect();
+        for (of, all) in [("known", &known), ("identified", &learned)] {
+            let flies: Vec<&[f64; 3]> = all.iter().flatten().collect();
+            let column = |k: usize| {
+                let mut values: Vec<f64> = flies.iter().map(|row| row[k].abs()).collect();
+                values.sort_by(f64::total_cmp);
+                let [median, most] = [values.len() / 2, values.len() - 1].map(|n| values[n]);
+                format!("{median:.1} ({most:.1})")
+            };
+            let refused = all.len() - flies.len();
+            println!(
+                "| {vehicle} | {of} | {} | {refused} | {} | {} | {} |",
+                all.len(),
+                column(0),
+                column(1),
+                column(2)
+            );
+            // `new` refuses one in five at most, and what it does not refuse comes back, within 5 m of its height.
+            assert!(5 * refused <= all.len(), "{vehicle}: {refused} refused");
+            for [above, below, end] in flies {
+                let most = above.max(-below);
+                assert!(
+                    most < 5.0 && *end < 1.0,
+                    "{vehicle}, {of}: {most} m, {end} m"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+#[ignore = "slow: cargo test-slow"]
+fn slow_what_was_identified_flies() {
+    let draws = std::env::var("IDENTIFY_DRAWS").ok();
+    closed(draws.and_then(|n| n.parse().ok()).unwrap_or(2));
+}
+
 /// A flight that is too short, and one without a throttle, end with the reason.
 #[test]
 fn what_shows_nothing_is_said() {
@@ -305,4 +466,71 @@ fn what_shows_nothing_is_said() {
         .retain(|topic| topic.name() != "vehicle_thrust_setpoint");
     let error = identify(&log, &states, &given).unwrap_err().to_string();
     assert!(error.contains("no throttle"), "{error}");
+}
+
+/// A log of our own at 50 Hz: a vehicle that is level, under 1 g, with a throttle of 30 %, and the velocity down and north of a time.
+fn level(velocity: impl Fn(f64) -> [f64; 2]) -> Log {
+    let time: Vec<f64> = (0..3000).map(|n| 0.02 * f64::from(n)).collect();
+    let topic = |name: &str, columns: &[(&str, &dyn Fn(f64) -> f64)]| {
+        let columns = columns
+            .iter()
+            .map(|(name, of)| Column::new(name, "", time.iter().map(|t| of(*t)).collect()));
+        Topic::new(name, 0, time.clone(), columns.collect()).unwrap()
+    };
+    let (one, none) = (|_| 1.0, |_| 0.0);
+    let north = |t| velocity(t)[1];
+    let down = |t| velocity(t)[0];
+    Log {
+        topics: vec![
+            topic(
+                "vehicle_attitude",
+                &[
+                    ("q[0]", &one),
+                    ("q[1]", &none),
+                    ("q[2]", &none),
+                    ("q[3]", &none),
+                ],
+            ),
+            topic(
+                "vehicle_local_position",
+                &[("vx", &north), ("vy", &none), ("vz", &down)],
+            ),
+            topic(
+                "vehicle_acceleration",
+                &[
+                    ("xyz[0]", &|_| 0.5),
+                    ("xyz[1]", &none),
+                    ("xyz[2]", &|_| -9.81),
+                ],
+            ),
+            topic(
+                "actuator_controls_0",
+                &[("control[3]", &|t: f64| 0.3 + 0.02 * (3.0 * t).sin())],
+            ),
+        ],
+        notes: Vec::new(),
+    }
+}
+
+/// A multirotor, a vehicle that stands, and an estimate that runs away on the ground: of each the reason, and no number.
+#[test]
+fn what_is_no_tail_sitter_is_given_no_number() {
+    let given = Given {
+        mass_kg: 1.5,
+        wing_m2: 0.3,
+        air_kg_m3: 1.225,
+    };
+    let reason = |log: &Log| {
+        let states = find(log).unwrap();
+        identify(log, &states, &given).unwrap_err().to_string()
+    };
+    let multirotor = reason(&level(|t| [(0.5 * t).sin(), 0.5]));
+    assert!(multirotor.contains("across the nose"), "{multirotor}");
+    let stands = reason(&level(|_| [0.0, 0.0]));
+    assert!(stands.contains("it flies, not stands, in 0 %"), "{stands}");
+    let runs_away = reason(&level(|t| {
+        let speed = 3.5 * (t / 15.0).exp();
+        [0.1 * speed * t.sin(), speed]
+    }));
+    assert!(runs_away.contains("the model predicts"), "{runs_away}");
 }

@@ -1,0 +1,375 @@
+//! What was flown, in rows: of a log that may be of any autopilot, in its units, with its gaps, and on the ground for a part of it.
+
+use alula_logs::Log;
+use alula_logs::states::{CEASED, States};
+use nalgebra::Vector3;
+
+use super::reconstruct::attitudes;
+
+/// Angle of attack to the nose \[rad\] up to which c_L is taken for a line; from its negative.
+pub(super) const ATTACHED: f64 = 0.19;
+/// Least airspeed [m/s] whose angle of attack says something; least number of rows that make one unknown known.
+pub(super) const SLOW: f64 = 3.0;
+pub(super) const ROWS: usize = 40;
+/// Pitch rate [rad/s] from which on flight short of stall is no steady one.
+pub(super) const TURNS: f64 = 0.25;
+/// Throttle below which a vehicle that is slow does not fly.
+const IDLE_THROTTLE: f64 = 0.02;
+/// A gap \[s\] after which what was before says nothing.
+pub(super) const GAP: f64 = 0.5;
+/// Rate of the rows \[Hz\].
+pub(super) const RATE: f64 = 25.0;
+/// Time in which the angle of attack is averaged \[s\].
+const HELD: f64 = 4.0;
+
+/// One row of what was flown.
+#[derive(Clone, Copy)]
+pub(super) struct Row {
+    pub(super) t: f64,
+    /// Air velocity along the nose, the wing and the belly [m/s].
+    pub(super) air: Vector3<f64>,
+    /// Angle of attack in the mean of seconds \[rad\], that no gust decides.
+    pub(super) held_alpha: f64,
+    /// Specific force along nose and belly [m/s²].
+    pub(super) force: [f64; 2],
+    pub(super) throttle: f64,
+    /// Pitch rate, asked and had [rad/s], and its derivative [rad/s²].
+    pub(super) asked: f64,
+    pub(super) rate: f64,
+    pub(super) turn: f64,
+    /// Sine of the climb angle.
+    pub(super) climb: f64,
+    /// Torque in pitch that was asked for, a share of the full one.
+    pub(super) torque: f64,
+}
+
+impl Row {
+    pub(super) fn alpha(&self) -> f64 {
+        self.air.z.atan2(self.air.x)
+    }
+
+    pub(super) fn speed(&self) -> f64 {
+        self.air.x.hypot(self.air.z)
+    }
+
+    /// Specific force across the path through the air, to the back [m/s²].
+    pub(super) fn lift(&self) -> f64 {
+        (self.force[0] * self.air.z - self.force[1] * self.air.x) / self.speed()
+    }
+
+    /// Whether it is on the wing, short of stall and steadily.
+    pub(super) fn glides(&self) -> bool {
+        self.speed() > 2.0 * SLOW && self.attached() && self.rate.abs() <= TURNS
+    }
+
+    /// Whether it is on the wing, short of stall. Rows that gusts carry beyond are not left out: what is left would be of too small an angle.
+    pub(super) fn attached(&self) -> bool {
+        let short = self.held_alpha.abs() <= ATTACHED && self.alpha().abs() <= 1.5 * ATTACHED;
+        self.speed() > SLOW && short
+    }
+}
+
+/// Where a log may have a quantity: a column, what its values are multiplied by, and the unit that the log must give it, if any.
+struct Source {
+    topic: &'static str,
+    column: &'static str,
+    scale: f64,
+    unit: Option<&'static str>,
+}
+
+const fn source(topic: &'static str, column: &'static str, scale: f64) -> Source {
+    Source {
+        topic,
+        column,
+        scale,
+        unit: None,
+    }
+}
+
+/// Rates of ArduPilot: those of logs without units are in hundredths of a degree, or in others.
+const fn degrees(column: &'static str) -> Source {
+    Source {
+        topic: "RATE",
+        column,
+        scale: DEGREE,
+        unit: Some("deg/s"),
+    }
+}
+
+/// Of these columns the one that says something at the most rows of a time base, the first of equals; NaN where it says nothing, or has ceased.
+fn held(log: &Log, sources: &[Source], base: &[f64]) -> Option<Vec<f64>> {
+    let all = sources.iter().filter_map(|source| {
+        let topic = log.topic(source.topic)?;
+        let column = topic.column(source.column)?;
+        if source.unit.is_some_and(|unit| column.unit != unit) {
+            return None;
+        }
+        let held = topic.held_at(base);
+        let values = held.values(column).into_iter().zip(&held.age);
+        let fresh = values.map(|(value, age)| match *age <= CEASED {
+            true => source.scale * value,
+            false => f64::NAN,
+        });
+        Some(fresh.collect())
+    });
+    let says = |values: &Vec<f64>| values.iter().filter(|x| x.abs() > IDLE_THROTTLE).count();
+    all.reduce(|best, next| match says(&next) > says(&best) {
+        true => next,
+        false => best,
+    })
+}
+
+/// A throttle as a share of the full one: logs have it as that, per cent or per mille.
+fn share_of_full(throttle: &mut [f64]) -> anyhow::Result<()> {
+    let most = throttle.iter().copied().fold(0.0, f64::max);
+    let full = [1.0, 100.0, 1000.0]
+        .into_iter()
+        .find(|full| most <= 1.05 * full);
+    let full = full.ok_or_else(|| {
+        anyhow::anyhow!(
+            "a throttle of {most:.0} is no share of the full one, nor per cent or per mille of it"
+        )
+    })?;
+    throttle.iter_mut().for_each(|x| *x /= full);
+    Ok(())
+}
+
+const DEGREE: f64 = std::f64::consts::PI / 180.0;
+
+/// What was flown, as it was logged and in rows at [`RATE`], and what is said of the log.
+pub(super) struct Flown {
+    pub(super) steps: Vec<Row>,
+    pub(super) rows: Vec<Row>,
+    pub(super) notes: Vec<String>,
+}
+
+/// What was flown; the error says what is not in the log.
+pub(super) fn flown(log: &Log, states: &States) -> anyhow::Result<Flown> {
+    let mut notes = Vec::new();
+    let need =
+        |what: &str| anyhow::anyhow!("the log has no {what}: nothing is identified without it");
+    let velocity = states.velocity.as_ref().ok_or_else(|| need("velocity"))?;
+    let force = states
+        .specific_force
+        .as_ref()
+        .ok_or_else(|| need("specific force"))?;
+    let base = &states.time;
+    // A tail-sitter's thrust is up in hover, an aeroplane's forward; older logs have it among the controls of the actuators.
+    let throttle = [
+        source("vehicle_thrust_setpoint", "xyz[2]", -1.0),
+        source("vehicle_thrust_setpoint", "xyz[0]", 1.0),
+        source("vehicle_rates_setpoint", "thrust_body[2]", -1.0),
+        source("vehicle_rates_setpoint", "thrust_body[0]", 1.0),
+        source("actuator_controls_0", "control[3]", 1.0),
+        source("RATE", "AOut", 1.0),
+        source("CTUN", "ThO", 1.0),
+        source("CTUN", "ThrOut", 1.0),
+    ];
+    let mut throttle = held(log, &throttle, base).ok_or_else(|| need("throttle"))?;
+    share_of_full(&mut throttle)?;
+    let rate = [
+        source("vehicle_angular_velocity", "xyz[1]", 1.0),
+        degrees("P"),
+    ];
+    let asked = [
+        source("vehicle_rates_setpoint", "pitch", 1.0),
+        degrees("PDes"),
+    ];
+    let torque = [
+        source("vehicle_torque_setpoint", "xyz[1]", 1.0),
+        source("RATE", "POut", 1.0),
+    ];
+    let nan = || vec![f64::NAN; base.len()];
+    let rate = held(log, &rate, base).unwrap_or_else(nan);
+    let asked = held(log, &asked, base).unwrap_or_else(nan);
+    let torque = held(log, &torque, base).unwrap_or_else(nan);
+    if states.wind.is_none() && states.air_velocity.is_none() {
+        notes.push("No wind is logged: it is taken for calm, and what is in the air is in the intervals. A flight to and fro on a calm day shows it".to_owned());
+    }
+    let mut steps: Vec<Row> = Vec::new();
+    let (mut filtered, mut last): (f64, Option<(f64, f64)>) = (0.0, None);
+    for ((n, &t), attitude) in base.iter().enumerate().zip(attitudes(states)) {
+        // The derivative of the rate through a filter of 30 ms.
+        if let Some((then, before)) = last {
+            let dt = (t - then).max(1e-4);
+            let share = 1.0 - (-dt / 0.03).exp();
+            filtered += share * ((rate[n] - before) / dt - filtered);
+        }
+        if rate[n].is_finite() {
+            last = Some((t, rate[n]));
+        }
+        let moving = Vector3::from(velocity.values[n]);
+        let through = match (&states.air_velocity, &states.wind) {
+            (Some(air), _) if air.values[n][0].is_finite() => Vector3::from(air.values[n]),
+            (_, Some(wind)) if wind.values[n][0].is_finite() => {
+                moving - Vector3::from(wind.values[n])
+            }
+            _ => moving,
+        };
+        let [nose, _, belly] = force.values[n];
+        if velocity.overdue(n) > CEASED || force.overdue(n) > CEASED {
+            continue;
+        }
+        let row = Row {
+            t,
+            air: attitude.inverse_transform_vector(&through),
+            held_alpha: f64::NAN,
+            force: [nose, belly],
+            throttle: throttle[n],
+            asked: asked[n],
+            rate: rate[n],
+            turn: filtered,
+            climb: -moving.z / moving.norm().max(SLOW),
+            torque: torque[n],
+        };
+        let numbers = [row.air.x, row.air.z, nose, belly, row.throttle];
+        if numbers.iter().all(|x| x.is_finite())
+            && (row.throttle > IDLE_THROTTLE || row.speed() > SLOW)
+        {
+            steps.push(row);
+        }
+    }
+    hovers_along_the_nose(&mut steps)?;
+    let together = |a: &Row, b: &Row| (RATE * a.t).floor() == (RATE * b.t).floor();
+    let mut rows: Vec<Row> = steps.chunk_by(together).map(mean).collect();
+    let held: Vec<f64> = rows
+        .iter()
+        .map(|row| {
+            let near = around(&rows, row.t, HELD)
+                .iter()
+                .filter(|row| row.speed() > SLOW);
+            let angles: Vec<f64> = near.map(Row::alpha).collect();
+            angles.iter().sum::<f64>() / angles.len() as f64
+        })
+        .collect();
+    for (row, held) in rows.iter_mut().zip(held) {
+        row.held_alpha = held;
+    }
+    let percent = |has: usize| has as f64 / base.len().max(1) as f64 * 100.0;
+    let finite =
+        |values: &dyn Fn(usize) -> f64| (0..base.len()).filter(|n| values(*n).is_finite()).count();
+    anyhow::ensure!(
+        rows.len() > 10 * ROWS,
+        "{:.0} s of flight with velocity, specific force and throttle: it takes {:.0} s and more. Of the log's {:.0} s velocity is in {:.0} %, specific force in {:.0} %, \
+         throttle in {:.0} %, and it flies, not stands, in {:.0} %",
+        rows.len() as f64 / RATE,
+        10.0 * ROWS as f64 / RATE,
+        base.last().unwrap_or(&0.0) - base.first().unwrap_or(&0.0),
+        percent(finite(&|n| velocity.values[n][0])),
+        percent(finite(&|n| force.values[n][0])),
+        percent(finite(&|n| throttle[n])),
+        percent(steps.len()),
+    );
+    Ok(Flown { steps, rows, notes })
+}
+
+/// Leaves out what is slow while the force on it is not along the nose: it stands on the ground, on its wheels or its belly.
+///
+/// # Errors
+/// It climbs and sinks so: what carries it in hover is no thrust along the nose.
+fn hovers_along_the_nose(steps: &mut Vec<Row>) -> anyhow::Result<()> {
+    /// Climb rate in the air [m/s], and the time of it that is no touch of the ground \[s\].
+    const AIRBORNE: [f64; 2] = [0.5, 2.0];
+    let across = |row: &Row| {
+        let [nose, belly] = row.force;
+        row.speed() < SLOW && nose < 0.5 * nose.hypot(belly)
+    };
+    let airborne = |row: &&Row| row.speed() < SLOW && row.climb.abs() * SLOW > AIRBORNE[0];
+    let time = |of: &dyn Fn(&Row) -> bool| {
+        let pairs = steps.iter().zip(steps.iter().skip(1));
+        let of = pairs.filter(|(row, _)| airborne(row) && of(row));
+        of.map(|(row, next)| (next.t - row.t).min(GAP)).sum::<f64>()
+    };
+    let (wrong, right) = (time(&across), time(&|row| !across(row)));
+    anyhow::ensure!(
+        wrong < AIRBORNE[1] || wrong < right,
+        "in {wrong:.0} s of slow climbs and sinks the force on it is across the nose: it hovers as a multirotor or a quadplane, or its log is read 90° off. \
+         Nothing is identified of a vehicle that does not thrust along its nose"
+    );
+    steps.retain(|row| !across(row));
+    Ok(())
+}
+
+/// The rows of a time around `t`.
+pub(super) fn around(rows: &[Row], t: f64, time: f64) -> &[Row] {
+    let at = |t: f64| rows.partition_point(|row| row.t < t);
+    &rows[at(t - 0.5 * time)..at(t + 0.5 * time)]
+}
+
+/// The mean of what was flown in one row.
+fn mean(of: &[Row]) -> Row {
+    let share = 1.0 / of.len() as f64;
+    let mean = |value: &dyn Fn(&Row) -> f64| share * of.iter().map(value).sum::<f64>();
+    Row {
+        t: mean(&|row| row.t),
+        air: share * of.iter().map(|row| row.air).sum::<Vector3<f64>>(),
+        held_alpha: f64::NAN,
+        force: [0, 1].map(|axis| mean(&|row| row.force[axis])),
+        throttle: mean(&|row| row.throttle),
+        asked: mean(&|row| row.asked),
+        rate: mean(&|row| row.rate),
+        turn: mean(&|row| row.turn),
+        climb: mean(&|row| row.climb),
+        torque: mean(&|row| row.torque),
+    }
+}
+
+/// The throttle behind a lag \[s\], at each row.
+pub(super) fn lagged(rows: &[Row], lag: f64) -> Vec<f64> {
+    let (mut behind, mut then) = (rows[0].throttle, rows[0].t);
+    let step = |row: &Row| {
+        // Held since the row before, over a gap anew.
+        let dt = row.t - then;
+        then = row.t;
+        behind = match dt < GAP {
+            true => behind + (1.0 - (-dt / lag.max(1e-6)).exp()) * (row.throttle - behind),
+            false => row.throttle,
+        };
+        behind
+    };
+    rows.iter().map(step).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use alula_logs::{Column, Topic};
+
+    fn log(topic: &str, columns: &[(&str, &str, f64)]) -> Log {
+        let time: Vec<f64> = (0..20).map(|n| 0.1 * f64::from(n)).collect();
+        let columns = columns
+            .iter()
+            .map(|(name, unit, value)| Column::new(name, unit, vec![*value; 20]));
+        Log {
+            topics: vec![Topic::new(topic, 0, time.clone(), columns.collect()).unwrap()],
+            notes: Vec::new(),
+        }
+    }
+
+    /// An aeroplane's thrust is forward, and nothing is up; what has ceased says nothing; a rate of no unit is none.
+    #[test]
+    fn a_column_that_says_something_is_taken_while_it_does() {
+        let sources = [
+            source("vehicle_thrust_setpoint", "xyz[2]", -1.0),
+            source("vehicle_thrust_setpoint", "xyz[0]", 1.0),
+        ];
+        let plane = [("xyz[0]", "", 0.6), ("xyz[2]", "", 0.0)];
+        let plane = log("vehicle_thrust_setpoint", &plane);
+        let values = held(&plane, &sources, &[1.0, 1.9 + CEASED, 2.1 + CEASED]).unwrap();
+        assert_eq!(values[..2], [0.6; 2]);
+        assert!(values[2].is_nan());
+        let rate = |unit| held(&log("RATE", &[("P", unit, 90.0)]), &[degrees("P")], &[1.0]);
+        assert_eq!(rate("deg/s"), Some(vec![90.0 * DEGREE]));
+        assert_eq!(rate(""), None);
+    }
+
+    #[test]
+    fn a_throttle_is_a_share_per_cent_or_per_mille() {
+        for full in [1.0, 100.0, 1000.0] {
+            let mut throttle = [0.2 * full, f64::NAN, 0.9 * full];
+            share_of_full(&mut throttle).unwrap();
+            assert!((throttle[2] - 0.9).abs() < 1e-12 && throttle[1].is_nan());
+        }
+        assert!(share_of_full(&mut [1500.0]).is_err());
+    }
+}
