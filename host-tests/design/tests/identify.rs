@@ -371,9 +371,9 @@ fn round_trip(flown: Flown, known: &str, polar: Option<&str>, draw: u64) -> Opti
 /// `new` makes of what was identified a guidance that flies the vehicle as the one of what is known of it does. Prints a table.
 fn closed(draws: u64) {
     println!(
-        "| vehicle | of | flights | above [m], median (most) | below [m], median (most) | off at the end [m], median (most) |"
+        "| vehicle | of | flights | refused | above [m], median (most) | below [m], median (most) | off at the end [m], median (most) |"
     );
-    println!("|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|");
     for flown in FLOWN {
         let (vehicle, cruise, _) = flown;
         let first = flight(flown, FIRST);
