@@ -449,7 +449,7 @@ fn a_wind_stronger_than_the_airspeed_is_said_and_survived() {
 /// From standing on the tail to standing there again.
 #[test]
 fn missions_end_where_they_are_to_land() {
-    // Wind, over cruise; most tilt at touch-down [°].
+    // Wind, over cruise; most tilt at touch-down [°]. Of 100 biplanes 95 are within 10°, of the few that are flown here one may be beyond.
     let kinds = [
         ("mapping", 0.2, 10.0),
         ("biplane", 0.1, 12.0),
