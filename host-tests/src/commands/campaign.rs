@@ -36,7 +36,7 @@ pub struct Args {
     /// Number of flights, in place of the campaign's own
     #[arg(long, value_name = "N")]
     flights: Option<u64>,
-    /// Change a field that all flights have, in place of the campaign's own `set`
+    /// Set a field in all flights, in place of the campaign's own `set` or of what it draws
     #[arg(long, value_name = "PATH=VALUE")]
     set: Vec<String>,
     /// Fly one of n shares alone, to be merged with the others; of `attitudes` there are none

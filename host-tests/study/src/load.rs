@@ -179,14 +179,33 @@ impl CampaignSource {
     }
 }
 
-/// A campaign's `text` with these changes in its table `set`.
+/// A campaign's `text` with these changes in its table `set`. What is set is not drawn, and no map is over it.
 fn changed(text: &str, changes: &[String]) -> anyhow::Result<String> {
     let mut campaign: toml::Table = text.parse()?;
+    let mut is_set = Vec::new();
     let set = campaign.entry("set").or_insert(toml::Table::new().into());
     let set = set.as_table_mut().context("set: must be a table")?;
     for change in changes {
         let (path, value) = assigned(change)?;
         set.insert(path.to_owned(), value);
+        is_set.push(path);
+    }
+    for (list, fields) in [
+        ("disperse", &["field"][..]),
+        ("maps", &["x.field", "y.field"]),
+    ] {
+        let Some(entries) = campaign.get_mut(list).and_then(toml::Value::as_array_mut) else {
+            continue;
+        };
+        entries.retain(|entry| {
+            !fields.iter().any(|field| {
+                let mut keys = field.split('.');
+                let value = keys.try_fold(entry, |value, key| value.get(key));
+                value
+                    .and_then(toml::Value::as_str)
+                    .is_some_and(|field| is_set.contains(&field))
+            })
+        });
     }
     Ok(toml::to_string(&campaign)?)
 }

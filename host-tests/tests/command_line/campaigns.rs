@@ -461,6 +461,27 @@ fn a_dispersed_field_follows_the_powers_of_others() {
     }
 }
 
+/// What the command line sets is not drawn, and is no axis of a map; the rest is drawn as before.
+#[test]
+fn what_is_set_is_not_drawn() {
+    let changes = ["plant.vehicle=heavy", "plant.variation.mass=1.1"].map(str::to_owned);
+    let source = CampaignSource::load_changed("tail-sitters", Some(8), &changes).unwrap();
+    let mut thrusts = Vec::new();
+    for number in 0..8 {
+        let drawn = source.campaign.draw(&source.base, number).unwrap();
+        let get = |field| drawn.document.get(field).unwrap();
+        let cruise = get("plant.vehicle.cruise_speed_m_s").as_float();
+        assert_eq!(cruise, Some(24.0));
+        assert_eq!(get("plant.variation.mass").as_float(), Some(1.1));
+        thrusts.push(get("plant.variation.thrust").as_float().unwrap());
+    }
+    thrusts.dedup();
+    assert_eq!(thrusts.len(), 8);
+    let own = self::source("tail-sitters", 8).campaign;
+    assert_eq!((own.maps.len(), source.campaign.maps.len()), (2, 0));
+    assert_eq!(own.disperse.len(), source.campaign.disperse.len() + 2);
+}
+
 /// A campaign that disperses the vehicle leaves the belief at the vehicle as it was before: here nothing is said of a belief.
 #[test]
 fn a_dispersed_vehicle_does_not_disperse_the_belief() {
