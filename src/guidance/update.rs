@@ -379,7 +379,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             (position - flight.position) * (RESYNCHRONISATION_POSITION_SHARE * resynchronised);
 
         // An attitude that does not follow is where plans begin: the air may hold it.
-        let ahead = wrap(flight.theta - theta);
+        let ahead = tracked.ahead;
         let apart = ahead - math::clamp(ahead, -ATTITUDE_APART, ATTITUDE_APART);
         flight.theta -= apart * math::min(ATTITUDE_RESYNCHRONISATION * dt, 1.0);
 
