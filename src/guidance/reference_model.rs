@@ -470,6 +470,19 @@ impl Forces {
     }
 }
 
+/// F̄_2 \[N\] at an attitude `theta` \[rad\] for an acceleration [m/s²]: zero in equilibrium.
+#[inline(always)]
+pub(super) fn transverse_force<A: Aerodynamics>(
+    vehicle: &Vehicle<A>,
+    theta: f32,
+    air_velocity: Inertial,
+    acceleration: Inertial,
+) -> f32 {
+    let attitude = Attitude::from_angle(theta);
+    let forces = Forces::new(vehicle, attitude, air_velocity);
+    vehicle.mass() * attitude.to_body(forces.free - acceleration).j()
+}
+
 /// `x` within ±`bound`.
 #[inline(always)]
 pub(super) fn limited(x: f32, bound: f32) -> f32 {
@@ -489,7 +502,7 @@ fn rarely_limited(x: f32, bound: f32) -> f32 {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+mod tests {
     extern crate std;
     use super::*;
     use crate::aero::{Combined, CombinedParameters};
@@ -503,18 +516,6 @@ pub(super) mod tests {
     fn vehicle() -> Vehicle<Combined> {
         let model = Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap();
         Vehicle::new(VehicleParameters::PAPER, model).unwrap()
-    }
-
-    /// F̄_2 \[N\] at an attitude `theta` \[rad\] for an acceleration [m/s²]: zero in equilibrium.
-    pub(in super::super) fn transverse_force<A: Aerodynamics>(
-        vehicle: &Vehicle<A>,
-        theta: f32,
-        air_velocity: Inertial,
-        acceleration: Inertial,
-    ) -> f32 {
-        let attitude = Attitude::from_angle(theta);
-        let forces = Forces::new(vehicle, attitude, air_velocity);
-        vehicle.mass() * attitude.to_body(forces.free - acceleration).j()
     }
 
     /// A step of the reference model of `vehicle` with the default parameters: its acceleration.
