@@ -93,7 +93,7 @@ impl Authority {
     #[cold]
     #[inline(never)]
     pub fn thrust_giving(
-        &self,
+        self,
         allowed: &Allowed,
         lacking: f32,
         thrust: f32,

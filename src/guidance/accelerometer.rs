@@ -110,7 +110,7 @@ impl Accelerometer {
     /// What the law is to add: what is in proportion to the force of the air follows it at once, the rest by its low-pass.
     #[inline(always)]
     pub fn correction(&self, state: &AccelerometerState) -> Correction {
-        Correction::new(state.force.force, 0.0).with_air(state.excess)
+        Correction::of_checked(state.force.force, state.excess)
     }
 
     /// Thrust \[N\] that the vehicle does not have for anything else: it holds the force along `down` that the belief leaves

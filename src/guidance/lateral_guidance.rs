@@ -133,7 +133,7 @@ pub(super) struct LateralGuidanceInput<'a> {
 }
 
 /// What a step of the reference model gives.
-pub(super) struct ReferenceModelOutput<'a, A> {
+pub(super) struct ReferenceModelOutput {
     /// Velocity [m/s] and position \[m\] in the middle of the step, over which the command holds.
     pub velocity: Ned,
     pub position: Ned,
@@ -149,8 +149,8 @@ pub(super) struct ReferenceModelOutput<'a, A> {
     pub axes: Axes,
     /// How the plane turns [rad/s].
     pub spin: Ned,
-    /// The vehicle at the gravity of the plane of flight, with the air's force as measured.
-    pub vehicle: Vehicle<&'a A>,
+    /// Greatest thrust that is there \[N\].
+    pub thrust_max: f32,
     /// How far it has come.
     pub progress: Progress,
     /// Whether a plan is due.
@@ -218,15 +218,15 @@ impl LateralGuidance {
 
     /// Lets `flight` pass for `dt` \[s\] by the plan in force, and leaves the request for the next one.
     #[inline(always)]
-    pub fn advance<'a, A: Aerodynamics>(
+    pub fn advance<A: Aerodynamics>(
         &self,
         planner: &Planner,
-        vehicle: &'a Vehicle<A>,
+        vehicle: &Vehicle<A>,
         flight: &mut ReferenceModelState,
         state: &mut PlannerState,
         input: &LateralGuidanceInput,
         dt: f32,
-    ) -> ReferenceModelOutput<'a, A> {
+    ) -> ReferenceModelOutput {
         let servo = &planner.reference_model;
         let reference = input.reference;
         let course = flight.course;
@@ -388,7 +388,7 @@ impl LateralGuidance {
             rate_change,
             spin: Ned::new(0.0, 0.0, turn) + axes.forward * roll,
             axes,
-            vehicle: heavier,
+            thrust_max: heavier.thrust_max(),
             progress,
             plan_due,
         }
@@ -454,7 +454,7 @@ mod tests {
         start: ReferenceModelState,
         reference: &Reference,
         seconds: f32,
-        see: impl FnMut(&ReferenceModelState, &ReferenceModelOutput<Combined>),
+        see: impl FnMut(&ReferenceModelState, &ReferenceModelOutput),
     ) -> ReferenceModelState {
         fly_with(start, reference, 0.0, seconds, see)
     }
@@ -465,7 +465,7 @@ mod tests {
         reference: &Reference,
         missing_thrust: f32,
         seconds: f32,
-        mut see: impl FnMut(&ReferenceModelState, &ReferenceModelOutput<Combined>),
+        mut see: impl FnMut(&ReferenceModelState, &ReferenceModelOutput),
     ) -> ReferenceModelState {
         let (p, vehicle) = (GuidanceParameters::default(), vehicle());
         let turning = LateralGuidance::new(&p, &vehicle);

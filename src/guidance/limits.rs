@@ -115,10 +115,21 @@ impl Limits {
         let step = self.slew * dt;
         let mut saturated = Status::empty();
         let mut limit = |rate: f32, last: f32| {
-            let bounded = math::clamp(rate, -self.rate, self.rate);
-            let slewed = math::clamp(bounded, last - step, last + step);
-            saturated |= Status::RATE.when(bounded != rate) | Status::SLEW.when(slewed != bounded);
-            slewed
+            let mut rate = rate;
+            if rate.abs() > self.rate {
+                saturated |= Status::RATE;
+                rate = if rate < 0.0 { -self.rate } else { self.rate };
+            }
+            let (low, high) = (last - step, last + step);
+            if rate < low {
+                saturated |= Status::SLEW;
+                low
+            } else if rate > high {
+                saturated |= Status::SLEW;
+                high
+            } else {
+                rate
+            }
         };
         let rates = Body::new(
             limit(rates.i, state.rates.i),

@@ -52,14 +52,14 @@ const HELD: f32 = 0.5;
 const SLOWEST: f32 = 0.1;
 
 /// What the tracker looks at.
-pub(super) struct TrackerInput<'a, A> {
+pub(super) struct TrackerInput<'a> {
     pub state: &'a State,
     /// Position less reference position \[m\].
     pub position: Ned,
     pub flight: &'a ReferenceModelState,
     /// Attitude θ of the real vehicle in the plane of flight \[rad\].
     pub theta: f32,
-    pub model: &'a ReferenceModelOutput<'a, A>,
+    pub model: &'a ReferenceModelOutput,
     /// What of the last command saturated.
     pub saturated: Status,
     /// The last pitch rate commanded [rad/s] if it stands at its limit, else zero.
@@ -73,6 +73,8 @@ pub(super) struct TrackerOutput {
     pub branch: Branch,
     /// How much the law has a say: 1 on a sheet, 0 at a fold.
     pub law: f32,
+    /// How far the model's attitude is ahead of the vehicle's \[rad\].
+    pub ahead: f32,
     pub reference: Reference,
     pub status: Status,
 }
@@ -85,6 +87,8 @@ pub struct Tracker {
     max_velocity: [f32; 2],
     integral_gain: [f32; 2],
     max_integral: [f32; 2],
+    /// Position \[m\] that the integral could hold.
+    reach: [f32; 2],
     rate_lag: f32,
     /// Greatest rate [rad/s] by which that lag is made up for.
     lead: f32,
@@ -114,7 +118,18 @@ fn scaled(v: Ned, [down, horizontal]: [f32; 2]) -> Ned {
 impl Tracker {
     /// The tracker with these parameters, which have been checked.
     pub fn new(p: &GuidanceParameters) -> Self {
+        let reach = |most: f32, gain: f32| {
+            if gain > 0.0 {
+                math::min(most / gain, MAX_SPEED)
+            } else {
+                0.0
+            }
+        };
         Self {
+            reach: [
+                reach(p.max_integral_down, p.position_gain_down),
+                reach(p.max_integral_forward, p.position_gain_forward),
+            ],
             position_gain: [p.position_gain_down, p.position_gain_forward],
             max_velocity: [p.max_velocity_down, p.max_velocity_forward],
             integral_gain: [p.integral_gain_down, p.integral_gain_forward],
@@ -128,14 +143,7 @@ impl Tracker {
     /// `position` \[m\] no farther than the integral could hold.
     #[inline(always)]
     pub(super) fn within_reach(&self, position: Ned) -> Ned {
-        let reach = |n: usize| {
-            if self.position_gain[n] > 0.0 {
-                math::min(self.max_integral[n] / self.position_gain[n], MAX_SPEED)
-            } else {
-                0.0
-            }
-        };
-        bounded(position, [reach(0), reach(1)]).0
+        bounded(position, self.reach).0
     }
 
     /// Whether the integral is inside its bounds, but for rounding. NaN is not.
@@ -152,7 +160,7 @@ impl Tracker {
         &self,
         control: &WingedControl<A, G>,
         integral: &mut Ned,
-        input: &TrackerInput<A>,
+        input: &TrackerInput,
         dt: f32,
     ) -> Result<TrackerOutput, Fault> {
         let TrackerInput {
@@ -167,7 +175,10 @@ impl Tracker {
 
         // On which side of F_p the model's attitude lies, and how far from a fold.
         let v_a = axes.project(state.velocity - state.wind);
-        let at = |theta| transverse_force(&model.vehicle, theta, v_a, model.in_plane);
+        let believed = plane
+            .vehicle()
+            .as_flown(axes.gravity, state.correction.air(), 0.0);
+        let at = |theta| transverse_force(&believed, theta, v_a, model.in_plane);
         let middle = at(flight.theta);
         let left = (at(flight.theta - REACH) - middle) / REACH;
         let right = (middle - at(flight.theta + REACH)) / REACH;
@@ -178,8 +189,8 @@ impl Tracker {
         } else {
             (Branch::Aligned, 0.0)
         };
-        let ahead = wrap(flight.theta - input.theta);
         let part = math::min(slope / (SHEET * weight), 1.0);
+        let ahead = wrap(flight.theta - input.theta);
         let near = math::clamp(2.0 - ahead.abs() / NEAR, 0.0, 1.0);
         let wings = axes.right.dot(attitude.w());
         let aligned = math::clamp((wings - ASIDE) / (ALONG - ASIDE), 0.0, 1.0);
@@ -248,8 +259,8 @@ impl Tracker {
             across: body.j,
             speed: math::sqrt((body.i * body.i + body.j * body.j).abs()),
         };
-        let vehicle = &model.vehicle;
-        let available = vehicle.thrust_max() * vehicle.propeller().available(flow.along);
+        let vehicle = plane.vehicle();
+        let available = model.thrust_max * vehicle.propeller().available(flow.along);
         let asked = math::clamp(
             command.thrust,
             math::min(vehicle.thrust_min(), available),
@@ -278,6 +289,7 @@ impl Tracker {
             step,
             branch,
             law,
+            ahead,
             reference,
             status: Status::INTEGRAL.when(full),
         })
@@ -286,12 +298,12 @@ impl Tracker {
     /// Lets the integral grow by what the limits allow, and tells whether it is full. Nothing keeps it from returning to
     /// zero.
     #[inline(always)]
-    fn integrate<A>(
+    fn integrate(
         &self,
         integral: &mut Ned,
         pull: Ned,
         bound: [f32; 2],
-        input: &TrackerInput<A>,
+        input: &TrackerInput,
         branch: Branch,
         dt: f32,
     ) -> bool {

@@ -140,7 +140,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
     }
 
     /// A plan, where [`GuidanceOutput::plan_due`] asks for one: the vehicle is flown ahead by the plan in force and by others, and from the
-    /// next step on by the best of them. It takes some twenty-five times the instructions of a step.
+    /// next step on by the best of them. It takes some twenty-eight times the instructions of a step.
     ///
     /// Without plans the vehicle flies on by the last one: it holds and follows what can be flown without crossing a stall.
     pub fn plan(&self, state: &mut GuidanceState) {
@@ -379,7 +379,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             (position - flight.position) * (RESYNCHRONISATION_POSITION_SHARE * resynchronised);
 
         // An attitude that does not follow is where plans begin: the air may hold it.
-        let ahead = wrap(flight.theta - theta);
+        let ahead = tracked.ahead;
         let apart = ahead - math::clamp(ahead, -ATTITUDE_APART, ATTITUDE_APART);
         flight.theta -= apart * math::min(ATTITUDE_RESYNCHRONISATION * dt, 1.0);
 

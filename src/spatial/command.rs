@@ -70,6 +70,16 @@ impl Correction {
         Self { air, ..self }
     }
 
+    /// A force \[N\] and an excess of the air's force that are known to be finite and within what is believed.
+    #[inline(always)]
+    pub(crate) const fn of_checked(force: Ned, excess: f32) -> Self {
+        Self {
+            force,
+            sideslip: 0.0,
+            air: excess,
+        }
+    }
+
     /// Force of the air in the plane of symmetry as a multiple of the believed one.
     #[inline(always)]
     pub fn air(&self) -> f32 {
