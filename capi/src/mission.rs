@@ -103,7 +103,7 @@ pub const ALULA_REMARK_NOT_FOLLOWING: u32 = 5;
 pub const ALULA_REMARK_NOT_ARMED: u32 = 6;
 /// Remark: the landing waits until the vehicle is over its place.
 pub const ALULA_REMARK_NOT_OVER_PLACE: u32 = 7;
-/// Remark: there is more wind than the vehicle hovers, lands or takes off in: it waits on the ground, or circles on the wing.
+/// Remark: there is more wind than the vehicle hovers, lands or takes off in: it waits, or circles on the wing.
 pub const ALULA_REMARK_TOO_WINDY: u32 = 8;
 
 // The core's numbers are these.

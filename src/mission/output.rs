@@ -64,7 +64,7 @@ pub enum Remark {
     NotArmed,
     /// The place of landing waits until the vehicle is over it.
     NotOverPlace,
-    /// There is more wind than the vehicle hovers, lands or takes off in: it waits on the ground, or circles on the wing.
+    /// There is more wind than the vehicle hovers, lands or takes off in: it waits, or circles on the wing.
     TooWindy,
 }
 
