@@ -753,7 +753,8 @@ impl Missions {
         let on_wing = state.speed >= self.ability.least_speed();
         let near = level(place - seen.position);
         let flies = self.is_on_wing(state, seen) || self.is_far(state, seen, near, true);
-        if !(on_wing && flies) && !self.waits(state) {
+        let hovers = !(on_wing && flies);
+        if hovers && !self.waits(state) {
             self.hover_at(state, seen, place);
             return;
         }
