@@ -74,6 +74,7 @@ mod equivalency;
 mod error;
 mod frame;
 pub mod guidance;
+mod hover_wind;
 mod math;
 pub mod mission;
 pub mod ned;

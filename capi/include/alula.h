@@ -628,6 +628,11 @@
 #define ALULA_REMARK_NOT_OVER_PLACE 7
 
 /**
+ * Remark: there is more wind than the vehicle hovers, lands or takes off in: it waits, or circles on the wing.
+ */
+#define ALULA_REMARK_TOO_WINDY 8
+
+/**
  * Most equilibria of a set.
  */
 #define ALULA_EQUILIBRIA 24

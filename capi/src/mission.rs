@@ -103,6 +103,8 @@ pub const ALULA_REMARK_NOT_FOLLOWING: u32 = 5;
 pub const ALULA_REMARK_NOT_ARMED: u32 = 6;
 /// Remark: the landing waits until the vehicle is over its place.
 pub const ALULA_REMARK_NOT_OVER_PLACE: u32 = 7;
+/// Remark: there is more wind than the vehicle hovers, lands or takes off in: it waits, or circles on the wing.
+pub const ALULA_REMARK_TOO_WINDY: u32 = 8;
 
 // The core's numbers are these.
 const _: () = {
@@ -124,6 +126,7 @@ const _: () = {
     assert!(1 + Remark::NotFollowing as u32 == ALULA_REMARK_NOT_FOLLOWING);
     assert!(1 + Remark::NotArmed as u32 == ALULA_REMARK_NOT_ARMED);
     assert!(1 + Remark::NotOverPlace as u32 == ALULA_REMARK_NOT_OVER_PLACE);
+    assert!(1 + Remark::TooWindy as u32 == ALULA_REMARK_TOO_WINDY);
     assert!(Activity::Grounded as u32 == ALULA_ACTIVITY_GROUNDED);
     assert!(Activity::Spooling as u32 == ALULA_ACTIVITY_SPOOLING);
     assert!(Activity::Rising as u32 == ALULA_ACTIVITY_RISING);

@@ -47,7 +47,7 @@ pub struct MissionOutput {
     activity: &'static str,
     /// Item, counted from 0; the number of items when all are done.
     item: usize,
-    /// What cannot be done as asked, as "drifting" or "steep", or None.
+    /// What cannot be done as asked, as "drifting" or "too_windy", or None.
     remark: Option<&'static str>,
     /// What has failed: of "link", "air", "position", "battery", "follow" and "abort".
     troubles: Vec<String>,

@@ -86,7 +86,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             twist: rate(TWIST * p.natural_frequency),
             acceleration: math::clamp(LATERAL_ACCELERATION * vehicle.gravity(), 1e-3, 1e3),
             force: math::clamp(LATERAL_FORCE * vehicle.weight(), 1e-3, 1e6),
-            airspeed: math::clamp(lateral_guidance.takeover(), 1e-3, 1e3),
+            airspeed: lateral_guidance.takeover(),
             heading: HEADING,
         });
         Ok(Self {

@@ -30,7 +30,7 @@ const SHARE: f32 = 0.9;
 /// Speeds in multiples of that at which the wing carries the weight with a lift coefficient of 1: below the first, a velocity
 /// is moved sideways, from twice that on it is turned.
 const TURNING: f32 = 0.5;
-/// Speed, in the same measure, at which air and heading have an equal say in the course.
+/// Speed, in the same measure, from which on the air alone has a say in the course, and the heading none.
 const TAKEOVER: f32 = 0.8;
 /// Weight of the present course where no heading is asked for.
 const STAY: f32 = 0.3;
@@ -157,6 +157,13 @@ pub(super) struct ReferenceModelOutput {
     pub plan_due: bool,
 }
 
+/// How the air takes over from the heading that is asked of a vehicle, by airspeed.
+pub(crate) fn takeover<A: Aerodynamics>(vehicle: &Vehicle<A>) -> Guard {
+    // The absolute value of what is positive: the root then needs no call of the C library.
+    let speed = math::sqrt((vehicle.weight() / vehicle.k_a()).abs());
+    Guard::of_checked(math::clamp(TAKEOVER * speed, 1e-3, 1e3))
+}
+
 impl LateralGuidance {
     /// How `vehicle` turns with these parameters, which have been checked.
     pub fn new<A: Aerodynamics>(p: &GuidanceParameters, vehicle: &Vehicle<A>) -> Self {
@@ -171,7 +178,7 @@ impl LateralGuidance {
             stall,
             lift: stall * k_a / weight,
             speed,
-            air: Guard::of_checked(math::clamp(TAKEOVER * speed, 1e-3, 1e3)),
+            air: takeover(vehicle),
             rate: SHARE_OF_RATE * p.max_rate,
         }
     }
@@ -186,9 +193,9 @@ impl LateralGuidance {
         TURNING * self.speed
     }
 
-    /// Speed at which air and heading have an equal say in the course [m/s].
+    /// Speed from which on the air alone has a say in the course, and the heading none [m/s].
     pub fn takeover(&self) -> f32 {
-        TAKEOVER * self.speed
+        self.air.tau()
     }
 
     /// Greatest acceleration to the side [m/s²] that leaves enough of thrust, or of lift at this squared airspeed, to carry

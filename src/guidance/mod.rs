@@ -38,6 +38,7 @@ pub use for_vehicle::{REASONS, ResponseParameters};
 pub use goal::{Goal, GoalOutput, GoalState, Goals, Preferences};
 pub use hardened::{Hardened, HardenedState};
 pub use input::GuidanceInput;
+pub(crate) use lateral_guidance::takeover;
 pub use output::GuidanceOutput;
 pub use parameters::GuidanceParameters;
 pub use planner::{Candidate, MAX_PLAN_AGE, PLAN_PERIOD, PlanSearch};

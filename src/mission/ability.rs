@@ -2,6 +2,8 @@
 
 use crate::aero::{Aerodynamics, Stall};
 use crate::air::AngleOfAttack;
+use crate::control::Guard;
+use crate::guidance::takeover;
 use crate::math;
 use crate::vehicle::Vehicle;
 
@@ -16,6 +18,8 @@ const CLIMB_SHARE: f32 = 0.7;
 const LIFT_SHARE: f32 = 0.7;
 /// Acceleration of turns in hover, where thrust alone makes them [m/s²].
 const HOVER_TURN: f32 = 2.0;
+/// Part of the speed from which on the air alone has a say in the course at which a heading has as much: the guard is ½ at 1/√3.
+const EQUAL: f32 = 0.577_350_26;
 /// Step of the search for an angle of attack, half a degree \[rad\], and how many: up to 30°, where every wing has stalled.
 const DEGREE: f32 = 8.726_646e-3;
 const ANGLES: u8 = 61;
@@ -32,6 +36,11 @@ pub(super) struct Ability {
     thrust: [f32; SPEEDS],
     gravity: f32,
     weight: f32,
+    /// Greatest wind to hover in, and to land and take off in [m/s]: there the wing is kept along it besides.
+    pub hover_wind: f32,
+    pub landing_wind: f32,
+    /// How the air takes over from the heading that is asked for.
+    takeover: Guard,
 }
 
 /// (c_L, c_D) at an angle of attack: a function, and not a model, so that the search is compiled once.
@@ -63,12 +72,17 @@ impl Ability {
         let available = |speed: f32| vehicle.thrust_max() * vehicle.propeller().available(speed);
         let most_lift = math::max(Stall::of(vehicle.model()).c_l, 1e-3);
         let stall_speed = math::sqrt((vehicle.weight() / (vehicle.k_a() * most_lift)).abs());
+        let takeover = takeover(vehicle);
+        let hover_wind = vehicle.hover_wind(FIRST * stall_speed);
         let empty = Self {
             stall_speed,
             drag: [0.0; SPEEDS],
             thrust: [0.0; SPEEDS],
             gravity: vehicle.gravity(),
             weight: vehicle.weight(),
+            hover_wind,
+            landing_wind: math::min(hover_wind, EQUAL * takeover.tau()),
+            takeover,
         };
         empty.filled(&polar, &available, vehicle.k_a())
     }
@@ -157,6 +171,12 @@ impl Ability {
             self.gravity * math::min(by_lift, tan_bank),
             math::min(HOVER_TURN, self.gravity * tan_bank),
         )
+    }
+
+    /// How much more the air has to say in the course than a heading that is asked for, at an airspeed [m/s].
+    pub fn air_over_heading(&self, airspeed: f32) -> f32 {
+        let air = self.takeover.mu(airspeed);
+        air / math::max(1.0 - air, 1e-3)
     }
 
     /// Deceleration [m/s²] that drag gives at an airspeed [m/s].

@@ -39,6 +39,7 @@
 //! |---|---|
 //! | `parameters` | how missions are flown |
 //! | `ability` | what the vehicle can do, from its belief: drag, glide, climb, turns |
+//! | `edge_on` | the heading in hover, by the wind |
 //! | `item` | the items of a mission, and why one is refused |
 //! | `segment` | a line or an arc over ground, and the place on it nearest to the vehicle |
 //! | `turns` | the shortest way by lines and arcs |
@@ -52,6 +53,7 @@
 //! Not in the paper.
 
 mod ability;
+mod edge_on;
 mod follow;
 mod height;
 mod item;

@@ -64,6 +64,8 @@ pub enum Remark {
     NotArmed,
     /// The place of landing waits until the vehicle is over it.
     NotOverPlace,
+    /// There is more wind than the vehicle hovers, lands or takes off in: it waits, or circles on the wing.
+    TooWindy,
 }
 
 impl Remark {
@@ -77,6 +79,7 @@ impl Remark {
             Self::NotFollowing => "not_following",
             Self::NotArmed => "not_armed",
             Self::NotOverPlace => "not_over_place",
+            Self::TooWindy => "too_windy",
         }
     }
 }

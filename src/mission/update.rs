@@ -1,6 +1,7 @@
 //! A step of a mission: which item, what is done for it, and the reference of that.
 
 use super::ability::Ability;
+use super::edge_on::edge_on;
 use super::follow::{FollowState, Followed, Seen};
 use super::height::{Descent, HeightReference};
 use super::item::{Item, Mission, MissionError, Pass, Until};
@@ -54,13 +55,8 @@ const STANDING_TIME: f32 = 0.1;
 const NEAR_GROUND: f32 = 1.0;
 const CARRIED: f32 = 0.75;
 const OVER_REFERENCE: f32 = 0.25;
-/// Wind from which on a vehicle in hover turns its wing along it [m/s].
-const EDGE_ON: f32 = 0.5;
-/// Part of its velocity that counts there on the way to a place: it goes from the air that it meets to the one that it will stand in.
-const ON_THE_WAY: f32 = 0.5;
-/// How much beyond the heading is asked for, per sine of the angle by which the air has turned it. With 2, 5 and 15 `mapping` and `heavy` land worse in wind, with 100
-/// no better.
-const TURN_BACK: f32 = 40.0;
+/// Wind in which a vehicle that circles for too much of it hovers again, over the most: estimates waver.
+const LULL: f32 = 0.9;
 /// Time in which the thrust goes off \[s\].
 const THRUST_OFF: f32 = 0.2;
 /// How far from its place a vehicle may be to sink \[m\], and the height below which it sinks in any case \[m\].
@@ -187,6 +183,8 @@ pub struct MissionState {
     after: [f32; 2],
     ahead: Ahead,
     forced: Response,
+    /// Wind that a vehicle on the wing waits for to hover [m/s]; 0 where it does not wait.
+    lull: f32,
 }
 
 impl MissionState {
@@ -291,6 +289,7 @@ impl Missions {
             ..MissionOutput::default()
         };
         self.respond(state, &seen, out.troubles);
+        self.heed_wind(state, &seen);
         if !state.item_begun && state.forced == Response::Continue {
             self.begin(state, mission, &seen);
         }
@@ -324,6 +323,9 @@ impl Missions {
                 );
             }
             Activity::Touched => self.touched(state, &mut out),
+        }
+        if out.remark.is_none() && (state.lull > 0.0 || self.is_too_windy(state)) {
+            out.remark = Some(Remark::TooWindy);
         }
         if out.remark.is_none() && state.corner {
             out.remark = Some(Remark::TightCorner);
@@ -411,6 +413,7 @@ impl Missions {
             return;
         }
         state.forced = forced;
+        state.lull = 0.0;
         if !state.is_airborne() {
             return;
         }
@@ -421,13 +424,11 @@ impl Missions {
                     let up = state.home.down - self.p.safe_height;
                     let down = math::min(seen.position.down, up);
                     state.task = Task::Wait;
-                    self.hover_at(
-                        state,
-                        Ned {
-                            down,
-                            ..state.target
-                        },
-                    );
+                    let place = Ned {
+                        down,
+                        ..state.target
+                    };
+                    self.hover_at(state, seen, place);
                 } else {
                     self.wait(state, seen);
                 }
@@ -446,6 +447,7 @@ impl Missions {
         state.time = 0.0;
         state.there = 0.0;
         state.corner = false;
+        state.lull = 0.0;
         let number = state.item();
         state.ahead = Ahead {
             next: u32::from(state.item) + 1,
@@ -485,13 +487,11 @@ impl Missions {
                 if state.activity == Activity::Flying {
                     self.spiral(state, seen, down, Until::Turns(0.0));
                 } else {
-                    self.hover_at(
-                        state,
-                        Ned {
-                            down,
-                            ..state.target
-                        },
-                    );
+                    let place = Ned {
+                        down,
+                        ..state.target
+                    };
+                    self.hover_at(state, seen, place);
                 }
             }
             Some(Item::Waypoint { place, pass }) => {
@@ -588,15 +588,18 @@ impl Missions {
         speed * speed / (2.0 * BRAKING_SHARE * self.p.braking)
     }
 
-    /// Place and course from which a path goes on: on the path flown, if it is near; in hover towards the target.
+    /// Place and course from which a path goes on: on the path flown, if it is near; in hover towards the target, and there into the wind.
     fn pose(&self, state: &MissionState, seen: &Seen) -> Pose {
         let place = Ned::new(seen.position.north, seen.position.east, 0.0);
         let towards = |v: Ned| math::atan2(v.east, v.north);
         if state.activity != Activity::Flying {
+            let way = state.target - place;
             let ahead = if self.is_on_wing(state, seen) {
                 seen.velocity
+            } else if level(way) > NEAR {
+                way
             } else {
-                state.target - place
+                -seen.wind
             };
             let course = towards(ahead);
             return Pose { place, course };
@@ -624,7 +627,8 @@ impl Missions {
         if state.activity == Activity::Flying {
             state.follow.turn_to(path);
         } else {
-            state.follow = FollowState::begin(path, state.speed, seen);
+            let speed = math::max(state.speed, self.ability.least_speed());
+            state.follow = FollowState::begin(path, speed, seen);
             state.height = HeightReference::at(seen.position, seen.velocity);
             state.enter(Activity::Flying);
         }
@@ -652,7 +656,78 @@ impl Missions {
         state.speed >= self.ability.least_speed() && distance > brake + start
     }
 
-    fn hover_at(&self, state: &mut MissionState, place: Ned) {
+    /// Whether there is more wind than the task is done in: to take off and to sink, or else to hover.
+    fn is_too_windy(&self, state: &MissionState) -> bool {
+        let most = match state.task {
+            Task::TakeOff | Task::Land(_) => self.ability.landing_wind,
+            Task::Hover(_) => self.ability.hover_wind,
+            _ if state.activity == Activity::Hovering => self.ability.hover_wind,
+            _ => return false,
+        };
+        level(state.wind) > most
+    }
+
+    /// Whether it sinks in this wind to land. Who must land does.
+    fn sinks(&self, state: &MissionState) -> bool {
+        state.forced == Response::Land || !self.is_too_windy(state)
+    }
+
+    /// Whether it is driven off in this wind, where it hovers. Who must land takes that.
+    fn is_driven_off(&self, state: &MissionState) -> bool {
+        state.forced != Response::Land && level(state.wind) > self.ability.hover_wind
+    }
+
+    /// Whether it stays on the wing until there is less wind.
+    fn waits(&self, state: &mut MissionState) -> bool {
+        let waits = self.is_driven_off(state);
+        state.lull = if waits {
+            LULL * self.ability.hover_wind
+        } else {
+            0.0
+        };
+        waits
+    }
+
+    /// Leaves a hover or a landing before it is driven off, down to the height of the flare; and goes back to it when there is less wind.
+    fn heed_wind(&self, state: &mut MissionState, seen: &Seen) {
+        if state.lull > 0.0 {
+            if level(state.wind) <= state.lull {
+                state.lull = 0.0;
+                match state.forced {
+                    Response::Continue => state.item_begun = false,
+                    Response::Return => self.go_home(state, seen),
+                    _ => {}
+                }
+            }
+            return;
+        }
+        let leaves = match (state.activity, state.task) {
+            (Activity::Hovering, _) => true,
+            (Activity::Descending, Task::Land(ground)) => {
+                ground - seen.position.down > self.p.flare_height
+            }
+            _ => false,
+        };
+        if leaves && self.is_driven_off(state) {
+            if state.task == Task::Pass {
+                state.item_begun = false;
+            } else {
+                self.hover_at(state, seen, state.target);
+            }
+        }
+    }
+
+    /// To a place in hover; in too much wind a circle that begins here.
+    fn hover_at(&self, state: &mut MissionState, seen: &Seen, place: Ned) {
+        if self.waits(state) {
+            let until = match state.task {
+                Task::Hover(time) => Until::Time(time),
+                _ => Until::Forever,
+            };
+            let down = math::min(place.down, state.home.down - self.p.safe_height);
+            self.spiral(state, seen, down, until);
+            return;
+        }
         if state.activity != Activity::Hovering {
             state.goal = GoalState::default();
         }
@@ -668,7 +743,7 @@ impl Missions {
                 turns::to_place(pose, target, radius)
             });
         } else {
-            self.hover_at(state, target);
+            self.hover_at(state, seen, target);
         }
     }
 
@@ -677,8 +752,10 @@ impl Missions {
         let place = state.target;
         let on_wing = state.speed >= self.ability.least_speed();
         let near = level(place - seen.position);
-        if !on_wing || !(self.is_on_wing(state, seen) || self.is_far(state, seen, near, true)) {
-            self.hover_at(state, place);
+        let flies = self.is_on_wing(state, seen) || self.is_far(state, seen, near, true);
+        let hovers = !(on_wing && flies);
+        if hovers && !self.waits(state) {
+            self.hover_at(state, seen, place);
             return;
         }
         let radius = self.turn_radius(state);
@@ -746,7 +823,7 @@ impl Missions {
             } else {
                 seen.position
             };
-            self.hover_at(state, place);
+            self.hover_at(state, seen, place);
         }
     }
 
@@ -786,10 +863,10 @@ impl Missions {
         if state.task != Task::TakeOff || state.forced != Response::Continue {
             return;
         }
-        if armed {
-            state.enter(Activity::Spooling);
-        } else {
+        if !armed {
             out.remark = Some(Remark::NotArmed);
+        } else if !self.is_too_windy(state) {
+            state.enter(Activity::Spooling);
         }
     }
 
@@ -804,13 +881,13 @@ impl Missions {
         let most = math::min(state.active / self.p.spool_time, MOST_THRUST);
         out.gate = Gate::AtMost(most * self.ability.weight());
         out.reference.velocity = Ned::new(0.0, 0.0, -LIFTING);
-        out.reference.heading = edge_on(seen.wind, orientation);
+        out.reference.heading = edge_on(seen.wind, orientation, &self.ability);
         let lifted = state.home.down - seen.position.down > LIFTED;
         state.there = if lifted { state.there + dt } else { 0.0 };
         if state.there > LIFTED_TIME {
             state.goal = GoalState::default();
             state.enter(Activity::Rising);
-        } else if !armed || state.forced != Response::Continue {
+        } else if !armed || state.forced != Response::Continue || self.is_too_windy(state) {
             state.enter(Activity::Grounded);
         } else if state.active > MOST_THRUST * self.p.spool_time + PATIENCE {
             out.remark = Some(Remark::NoLiftOff);
@@ -863,10 +940,7 @@ impl Missions {
         if near {
             state.there += dt;
         }
-        if level(seen.wind) >= EDGE_ON {
-            let air = seen.wind - out.reference.velocity * ON_THE_WAY;
-            out.reference.heading = edge_on(air, orientation);
-        }
+        out.reference.heading = edge_on(seen.wind, orientation, &self.ability);
         out.progress.distance_to_go = distance;
         out.progress.time_to_go = distance / slow;
         match state.task {
@@ -878,7 +952,12 @@ impl Missions {
                     state.done(state.target);
                 }
             }
-            Task::Land(_) if near && state.goal.is_reached() && distance < OVER_PLACE => {
+            Task::Land(_)
+                if near
+                    && state.goal.is_reached()
+                    && distance < OVER_PLACE
+                    && self.sinks(state) =>
+            {
                 state.height = HeightReference::at(seen.position, seen.velocity);
                 state.enter(Activity::Descending);
             }
@@ -966,7 +1045,7 @@ impl Missions {
                 let speed = level(seen.velocity);
                 if state.follow.path.left() < self.braking_way(speed) {
                     let target = state.target;
-                    self.hover_at(state, target);
+                    self.hover_at(state, seen, target);
                 }
             }
             Task::Circle(until) if state.follow.path.is_last() => {
@@ -1007,13 +1086,14 @@ impl Missions {
         let height = ground - seen.position.down;
         let offset = seen.position - state.target;
         let over = level(offset) < OVER_PLACE || height < COMMITTED;
+        let sinks = over && (self.sinks(state) || height < self.p.flare_height);
         let above = math::max(height - self.p.flare_height, 0.0);
         let sink = math::min(self.p.sink, self.p.landing_speed + 0.5 * above);
         let way = Descent {
             // Through the ground, until it is found.
             to: seen.position.down + 20.0,
             time: 0.0,
-            most: [0.0, if over { sink } else { 0.0 }],
+            most: [0.0, if sinks { sink } else { 0.0 }],
         };
         let (acceleration, _) = state.height.step(&way, seen.position.down, dt);
         out.gate = Gate::Open;
@@ -1021,7 +1101,7 @@ impl Missions {
         out.progress.steady_thrust = self.ability.weight();
         out.reference.velocity.down = state.height.velocity;
         out.reference.acceleration.down = acceleration;
-        out.reference.heading = edge_on(seen.wind, orientation);
+        out.reference.heading = edge_on(seen.wind, orientation, &self.ability);
         let low = seen.position.down - state.height.down;
         out.position_error = Ned {
             down: low,
@@ -1058,25 +1138,6 @@ impl Missions {
     }
 }
 
-/// The heading with the wing along the `wind`, of both the one that is nearer: across it a wing leans into it.
-fn edge_on(wind: Ned, orientation: &Orientation) -> Heading {
-    let strength = level(wind);
-    if strength < EDGE_ON {
-        return Heading::FREE;
-    }
-    let (with, across) = (wind * (1.0 / strength), right_of(wind) * (1.0 / strength));
-    let belly = Ned {
-        down: 0.0,
-        ..orientation.j()
-    };
-    let (side, turned) = (across.dot(belly), with.dot(belly));
-    // The air turns the belly into the wind: against that the heading is asked for beyond. A right angle from the belly it turns it most.
-    let beyond = across * 1f32.copysign(side) - with * (TURN_BACK * turned);
-    let behind = math::min(belly.dot(beyond), 0.0);
-    let square = math::max(belly.norm_squared(), 1e-3);
-    Heading::along(beyond - belly * (behind / square))
-}
-
 /// `trouble` if `failed`.
 fn flag(trouble: Troubles, failed: bool) -> Troubles {
     if failed { trouble } else { Troubles::empty() }
@@ -1102,4 +1163,183 @@ fn rounded(place: Ned, into: Ned, out: Ned, (radius, most): (f32, f32)) -> Optio
         place: place + inward * cut,
         course: math::atan2(both.east, both.north),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::aero::{Combined, CombinedParameters};
+    use crate::vehicle::VehicleParameters;
+
+    const DT: f32 = 0.02;
+
+    /// A point that does what it is asked, in a wind from the north.
+    struct Point {
+        missions: Missions,
+        mission: Mission,
+        state: MissionState,
+        position: Ned,
+        velocity: Ned,
+    }
+
+    impl Point {
+        fn new(items: &[Item], responses: Responses) -> Self {
+            let wing = Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap();
+            let vehicle = Vehicle::new(VehicleParameters::PAPER, wing).unwrap();
+            let p = MissionParameters::cruising_at(22.0);
+            let missions = Missions::new(&vehicle, &p, responses).unwrap();
+            Self {
+                missions,
+                mission: missions.mission(items).unwrap(),
+                state: MissionState::default(),
+                position: Ned::ZERO,
+                velocity: Ned::ZERO,
+            }
+        }
+
+        /// Flies on in a `wind` [m/s] until `done`, for 300 s at most.
+        fn until(
+            &mut self,
+            wind: f32,
+            troubles: Troubles,
+            done: impl Fn(&MissionOutput, Ned) -> bool,
+        ) -> MissionOutput {
+            let mut out = MissionOutput::default();
+            for _ in 0..15_000 {
+                let told = MissionInput::default()
+                    .position(self.position)
+                    .velocity(self.velocity)
+                    .wind(Ned::new(-wind, 0.0, 0.0))
+                    .armed(true)
+                    .thrust(98.0)
+                    .troubles(troubles);
+                out = self
+                    .missions
+                    .step(&mut self.state, &self.mission, &told, DT);
+                self.velocity = match out.gate {
+                    Gate::Off => Ned::ZERO,
+                    _ => out.reference.velocity - out.position_error * 0.5,
+                };
+                let moved = self.position + self.velocity * DT;
+                // The ground.
+                if moved.down > 0.0 {
+                    self.velocity = Ned::ZERO;
+                }
+                self.position = Ned::new(moved.north, moved.east, math::min(moved.down, 0.0));
+                if done(&out, self.position) {
+                    return out;
+                }
+            }
+            panic!("not done: {out:?} at {:?}", self.position);
+        }
+    }
+
+    /// More than the paper's vehicle lands in, and than some hover in [m/s].
+    const STRONG: f32 = 7.0;
+    const GALE: f32 = 10.0;
+    const OVER: Ned = Ned::new(15.0, 0.0, -10.0);
+
+    fn says_so(out: &MissionOutput) -> bool {
+        out.remark == Some(Remark::TooWindy)
+    }
+
+    /// The paper's vehicle is turned by the air as much as by a heading at 5.7 m/s, and what turns it is not bounded.
+    #[test]
+    fn it_knows_the_wind_that_it_lands_and_hovers_in() {
+        let ability = Point::new(&[Item::Return], Responses::default())
+            .missions
+            .ability;
+        assert!((ability.landing_wind - 5.69).abs() < 0.01, "{ability:?}");
+        // Nearly that in which the wing carries it.
+        assert!((13.0..ability.least_speed()).contains(&ability.hover_wind));
+    }
+
+    /// On the ground it waits, until there is less.
+    #[test]
+    fn it_does_not_take_off_in_too_much_wind() {
+        let items = [Item::TakeOff { height: 10.0 }, Item::Return];
+        let mut point = Point::new(&items, Responses::default());
+        let out = point.until(STRONG, Troubles::empty(), |out, _| out.progress.time > 20.0);
+        assert!(says_so(&out) && out.activity == Activity::Grounded);
+        let out = point.until(4.0, Troubles::empty(), |out, _| {
+            out.activity == Activity::Hovering
+        });
+        assert!(!says_so(&out));
+    }
+
+    /// In more wind than it lands in it stays over the place, in more than it hovers in it circles at a safe height. From the flare on it lands.
+    #[test]
+    fn a_landing_waits_for_less_wind() {
+        let items = [Item::TakeOff { height: 30.0 }, Item::Return];
+        let mut point = Point::new(&items, Responses::default());
+        point.missions.ability.hover_wind = GALE - 1.0;
+        let none = Troubles::empty();
+        point.until(2.0, none, |out, at| {
+            out.activity == Activity::Descending && at.down > -28.0
+        });
+        let out = point.until(STRONG, none, |out, _| out.progress.time > 60.0);
+        assert!(says_so(&out) && out.activity == Activity::Descending);
+        assert!(point.position.down < -15.0 && level(point.position) < 1.0);
+        let out = point.until(GALE, none, |out, _| out.progress.time > 180.0);
+        assert!(says_so(&out) && out.activity == Activity::Flying);
+        assert!(point.position.down < -19.0 && level(point.position) < 400.0);
+        let out = point.until(STRONG, none, |out, _| {
+            out.activity == Activity::Hovering && out.progress.time > 60.0
+        });
+        assert!(says_so(&out) && point.position.down < -19.0);
+        point.until(2.0, none, |out, at| {
+            out.activity == Activity::Descending && at.down > -2.0
+        });
+        point.until(GALE, none, |out, _| {
+            assert!(out.activity != Activity::Flying);
+            out.activity == Activity::Grounded
+        });
+        assert!(level(point.position) < 1.0 && point.position.down == 0.0);
+    }
+
+    /// Who must land lands, and says so; who must return waits.
+    #[test]
+    fn a_landing_that_is_forced_is_done_in_any_wind() {
+        let responses = Responses::default()
+            .battery(Response::Land)
+            .link(Response::Return);
+        let mut point = Point::new(&[Item::TakeOff { height: 30.0 }], responses);
+        point.missions.ability.hover_wind = GALE - 1.0;
+        point.until(2.0, Troubles::empty(), |out, at| {
+            out.activity == Activity::Hovering && at.down < -29.0
+        });
+        point.until(GALE, Troubles::LINK, |out, _| {
+            says_so(out) && out.activity == Activity::Flying && out.progress.time > 60.0
+        });
+        let out = point.until(GALE, Troubles::BATTERY, |out, _| {
+            out.activity == Activity::Descending
+        });
+        assert!(says_so(&out));
+        point.until(GALE, Troubles::BATTERY, |out, _| {
+            out.activity == Activity::Grounded
+        });
+    }
+
+    /// What was to be hovered at is circled for as long, and the mission goes on.
+    #[test]
+    fn a_hover_in_too_much_wind_is_a_circle_for_its_time() {
+        let hover = Item::Waypoint {
+            place: OVER,
+            pass: Pass::Hover(30.0),
+        };
+        let mut point = Point::new(
+            &[Item::TakeOff { height: 10.0 }, hover],
+            Responses::default(),
+        );
+        // More than this vehicle's wing flies at: it hovers in all that it does not fly in.
+        point.missions.ability.hover_wind = 6.0;
+        let none = Troubles::empty();
+        point.until(2.0, none, |out, _| out.progress.item == 1);
+        let out = point.until(STRONG, none, |out, _| out.activity == Activity::Flying);
+        assert!(says_so(&out));
+        let out = point.until(STRONG, none, |out, _| out.progress.item == 2);
+        assert!(level(point.position - OVER) < 400.0 && out.activity == Activity::Flying);
+        let again = point.until(STRONG, none, |_, _| true);
+        assert!(again.progress.time < 1.0);
+    }
 }

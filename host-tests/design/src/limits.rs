@@ -131,16 +131,6 @@ impl<'a> Turned<'a> {
         let square = cruise * cruise / self.vehicle.gravity_m_s2;
         [square / (load - 1.0), 0.5 * square]
     }
-
-    fn hover_wind(&self, cruise: f64) -> f64 {
-        let steps = (cruise / SPEED_STEP).floor() as u32;
-        let winds = (1..=steps).map(|n| f64::from(n) * SPEED_STEP);
-        let held = winds.take_while(|wind| {
-            let trim = self.levels_from_trim(*wind).next();
-            trim.is_some_and(|(alpha, level)| self.holds(*wind, alpha, level.thrust))
-        });
-        held.last().unwrap_or(0.0)
-    }
 }
 
 impl Limits {
@@ -155,7 +145,7 @@ impl Limits {
         Ok(Self {
             level_stop_m: turned.level_stop(cruise),
             climbing_stop_m: turned.climbing_stop(cruise),
-            hover_wind_m_s: turned.hover_wind(cruise),
+            hover_wind_m_s: turned.core.hover_wind(cruise as f32).into(),
             descent_m_s: max_sink,
         })
     }
@@ -178,7 +168,7 @@ impl Limits {
             ),
             (
                 "wind to hover in",
-                match wind + SPEED_STEP > cruise {
+                match wind >= cruise {
                     true => format!("{wind:.1} m/s and more"),
                     false => format!("up to {wind:.1} m/s; in more it is driven off, or flies"),
                 },

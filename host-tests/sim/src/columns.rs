@@ -225,7 +225,7 @@ columns! {
     "margin_k", "the guidance's margin: k", |_, s| guided(&s.answer, |g| g.margin.k);
     "mission_item", "the mission's item, counted from 0", |_, s| mission(s, |m| m.progress.item.into());
     "mission_activity", "what the mission does: `grounded`, `spooling`, `rising`, `flying`, `hovering`, `descending` or `touched`", |_, s| word(s.mission.as_ref().map(|m| m.activity.name()));
-    "mission_remark", "what of the item cannot be done as asked: `drifting`, `steep`, `tight_corner`, `no_lift_off`, `not_following`, `not_armed` or `not_over_place`; empty if all can", |_, s| word(s.mission.as_ref().map(|m| m.remark.map_or("", Remark::name)));
+    "mission_remark", "what of the item cannot be done as asked: `drifting`, `steep`, `tight_corner`, `no_lift_off`, `not_following`, `not_armed`, `not_over_place` or `too_windy`; empty if all can", |_, s| word(s.mission.as_ref().map(|m| m.remark.map_or("", Remark::name)));
     "mission_response", "what is done about what has failed: `continue`, `loiter`, `return` or `land`", |_, s| word(s.mission.as_ref().map(|m| m.response.name()));
     "mission_airspeed_m_s", "airspeed that the mission asks for; 0 in hover", |_, s| mission(s, |m| m.progress.airspeed);
     "mission_right_m", "how far the vehicle is to the right of the mission's path", |_, s| mission(s, |m| m.progress.right);
