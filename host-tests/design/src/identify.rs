@@ -23,10 +23,10 @@ use alula_logs::states::States;
 use nalgebra::{DMatrix, DVector};
 
 use super::drag::{Glide, drag};
-use super::flown::{ATTACHED, Flown, GAP, RATE, ROWS, Row, SLOW, around, flown, lagged};
+use super::flown::{ATTACHED, Flown, RATE, ROWS, Row, SLOW, around, flown, lagged};
 use super::forces::{BIN, FIXED, NO_THRUST, Propeller, Unknowns};
-use super::regression::{Fit, Measured, deviations, least_squares};
-use super::response_lag::{Sample, response_lag};
+use super::regression::{Fit, Measured, least_squares};
+use super::{rate_lag, thrust_lag};
 
 use super::identified::ASSUMED_LAG;
 pub use super::identified::{Besides, Beyond, Given, Identified, POLAR, Turn};
@@ -40,15 +40,11 @@ const ANEW: f64 = 2.0;
 /// are no lag of first order; elevons that trim another glide than cruise. Of the size that simulated vehicles of three kinds show.
 struct Lacking {
     thrust: f64,
-    thrust_lag: f64,
-    rate_lag: f64,
     drag: f64,
 }
 
 const LACKING: Lacking = Lacking {
     thrust: 0.07,
-    thrust_lag: 0.27,
-    rate_lag: 0.38,
     drag: 0.2,
 };
 /// Advance ratio, over the one that is without thrust, from which on a propeller idles, whatever is wrong of that one.
@@ -82,17 +78,15 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
         notes: mut missing,
     } = flown(log, states)?;
     let hovered = steps.iter().filter(|row| row.speed() < SLOW);
-    let hovered: Vec<Sample> = hovered
-        .map(|row| Sample {
+    let hovered: Vec<_> = hovered
+        .map(|row| thrust_lag::Sample {
             t: row.t,
-            asked: row.throttle,
-            had: row.force[0],
-            besides: row.throttle.max(0.0).sqrt() * row.air.x,
+            throttle: row.throttle,
+            along: row.air.x,
+            force: row.force[0],
         })
         .collect();
-    let thrust_lag_s = response_lag(&hovered)
-        .map(|lag| lag.lacking(LACKING.thrust_lag))
-        .filter(Measured::is_known);
+    let thrust_lag_s = thrust_lag::thrust_lag(&hovered).filter(Measured::is_known);
     let lag = thrust_lag_s.map_or(ASSUMED_LAG, |time| time.value);
     let k = 0.5 * given.air_kg_m3 * given.wing_m2 / given.mass_kg;
     let unknowns = Unknowns::of(&rows);
@@ -292,18 +286,7 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
         missing.push("Coefficients behind the stall: two transitions there and back".to_owned());
     }
 
-    let mut pitch: Vec<&Row> = Vec::new();
-    for row in &steps {
-        let later = pitch
-            .last()
-            .is_none_or(|last| row.t - last.t > 1.0 / RATE - 1e-6);
-        if later && row.rate.is_finite() && row.asked.is_finite() {
-            pitch.push(row);
-        }
-    }
-    let (rate_lag_s, rate_share) = rate_loop(&pitch)
-        .map(|(lag, share)| (lag.lacking(LACKING.rate_lag), share))
-        .unzip();
+    let rate_lag_s = rate_lag::rate_lag(&turned(&steps)).filter(Measured::is_known);
     if rate_lag_s.is_none() {
         missing.push(
             "The rate loop: steps of the pitch rate in hover, 0.5 rad/s there and back".to_owned(),
@@ -328,7 +311,6 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
         zero_thrust_speed_m_s: zero_thrust,
         thrust_lag_s,
         rate_lag_s,
-        rate_share,
         turn_rad_s2,
         c_l_0,
         c_l_alpha,
@@ -366,54 +348,25 @@ fn glides(rows: &[Row], lag: f64, no_thrust: f64, k: f64) -> Vec<Glide> {
     .collect()
 }
 
-/// Lag of the pitch rate, and what is had of what is asked: of a first-order lag, where enough is asked.
-fn rate_loop(rows: &[&Row]) -> Option<(Measured, f64)> {
-    let moves = rows.iter().map(|row| row.asked.powi(2)).sum::<f64>() / rows.len().max(1) as f64;
-    if rows.len() < 10 * ROWS || moves.sqrt() < 0.03 {
-        return None;
-    }
-    struct Tried {
-        lag: f64,
-        share: f64,
-        squares: f64,
-    }
-    let tried: Vec<Tried> = (1..60)
-        .map(|n| {
-            let lag = 0.01 * f64::from(n);
-            let (mut behind, mut products, mut squares, mut had) = (0.0, 0.0, 0.0, 0.0);
-            for pair in rows.windows(2) {
-                let dt = pair[1].t - pair[0].t;
-                behind = match dt < GAP {
-                    true => behind + (1.0 - (-dt / lag).exp()) * (pair[0].asked - behind),
-                    false => pair[1].asked,
-                };
-                products += behind * pair[1].rate;
-                squares += behind * behind;
-                had += pair[1].rate * pair[1].rate;
-            }
-            let share = products / squares;
-            Tried {
-                lag,
-                share,
-                squares: had - share * products,
-            }
+/// The pitch rate in hover. What counts is what has the thrust of hover: what turns the vehicle goes with its thrust.
+fn turned(rows: &[Row]) -> Vec<rate_lag::Sample> {
+    /// Greatest part that the throttle may be off.
+    const NEAR: f64 = 0.05;
+    let hover = rows.iter().filter(|row| row.speed() < SLOW);
+    let mut throttles: Vec<f64> = hover.map(|row| row.throttle).collect();
+    throttles.sort_by(f64::total_cmp);
+    let usual = throttles.get(throttles.len() / 2).copied().unwrap_or(0.0);
+    let known = rows
+        .iter()
+        .filter(|row| row.speed() < SLOW && row.rate.is_finite() && row.asked.is_finite());
+    known
+        .map(|row| rate_lag::Sample {
+            t: row.t,
+            asked: row.asked,
+            rate: row.rate,
+            counts: (row.throttle - usual).abs() < NEAR * usual,
         })
-        .collect();
-    let best = (0..tried.len()).min_by(|a, b| tried[*a].squares.total_cmp(&tried[*b].squares))?;
-    let a = tried.get(best.checked_sub(1)?)?.squares;
-    let Tried {
-        lag,
-        share,
-        squares: b,
-    } = tried[best];
-    let c = tried.get(best + 1)?.squares;
-    let bend = (a - 2.0 * b + c).max(1e-12);
-    let blocks = (rows.len() as f64 / RATE / ANEW).max(2.0);
-    let measured = Measured {
-        value: lag + 0.005 * (a - c) / bend,
-        within: deviations(blocks as usize) * 0.01 * (2.0 * b / blocks / bend).sqrt(),
-    };
-    Some((measured, share))
+        .collect()
 }
 
 /// The greatest angular acceleration in pitch in hover, and whether the torque was at its stop where it was had: else there may be more.
