@@ -31,8 +31,9 @@ use super::{rate_lag, thrust_lag};
 use super::identified::ASSUMED_LAG;
 pub use super::identified::{Besides, Beyond, Given, Identified, POLAR, Turn};
 
-/// Lengths of blocks whose residuals are taken for independent, and of what is fitted and held out in turn \[s\].
-const BLOCK: f64 = 10.0;
+/// Length of blocks whose residuals are taken for independent \[s\]: three times as long as gusts last at the wing.
+const BLOCK: f64 = 5.0;
+/// Time of which two of three are fitted and the third is held out \[s\]. What is given is then of all.
 const TURN: f64 = 10.0;
 /// Time \[s\] after which residuals of a lag say something anew.
 const ANEW: f64 = 2.0;
@@ -49,8 +50,9 @@ const LACKING: Lacking = Lacking {
 };
 /// Advance ratio, over the one that is without thrust, from which on a propeller idles, whatever is wrong of that one.
 const IDLE: f64 = 2.0;
-/// Area of the wing in the slipstream over that of the propellers' discs, up to twice which is taken for possible: 4/π of chord over diameter.
-const BLOWN: f64 = 0.7;
+/// Area of the wing in the slipstream over that of the propellers' discs, up to twice which is taken for possible: 4/π of chord over diameter, less what the
+/// slipstream contracts.
+const BLOWN: f64 = 1.1;
 /// Share of the square of the specific force that a model predicts, where it is one of the vehicle.
 const PREDICTED: f64 = 0.5;
 /// Least share of its variance that is predicted. Steady flight hardly varies, and the share is far below zero there by noise alone; logs that are none of a
@@ -91,13 +93,15 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
     let k = 0.5 * given.air_kg_m3 * given.wing_m2 / given.mass_kg;
     let unknowns = Unknowns::of(&rows);
     let begin = rows[0].t;
-    let fitted = |row: &Row| ((row.t - begin) / TURN) as u64 % 3 != 2;
-    let assembled = |lag: f64, propeller: Propeller, which: bool| {
+    let held_out = |row: &Row| ((row.t - begin) / TURN) as u64 % 3 == 2;
+    let fitted = |row: &Row| !held_out(row);
+    let all = |_: &Row| true;
+    let assembled = |lag: f64, propeller: Propeller, which: &dyn Fn(&Row) -> bool| {
         let throttle = lagged(&rows, lag);
         let mut x = [Vec::new(), Vec::new()];
         let (mut y, mut blocks, mut times) = (Vec::new(), Vec::new(), Vec::new());
         for (row, throttle) in rows.iter().zip(throttle) {
-            if fitted(row) != which {
+            if !which(row) {
                 continue;
             }
             let [mean, told] =
@@ -124,8 +128,8 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
         }
     };
     // Without its derivative, the speed of the propeller is held.
-    let fit = |lag: f64, propeller: Propeller| {
-        let of = assembled(lag, propeller, true);
+    let fit = |lag: f64, propeller: Propeller, which: &dyn Fn(&Row) -> bool| {
+        let of = assembled(lag, propeller, which);
         least_squares(&of.mean, &of.told, &of.y, &of.blocks)
     };
     let search = |lag: f64| {
@@ -136,7 +140,7 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
                 static_f: 0.0,
                 blown: 0.0,
             };
-            let fit = fit(lag, propeller)?;
+            let fit = fit(lag, propeller, &fitted)?;
             let static_f = fit.estimate[0];
             let propeller = Propeller {
                 static_f,
@@ -153,9 +157,10 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
     let v1 = propeller.v1;
     let none = || anyhow::anyhow!("the regression has no answer");
     let fit_with = fit;
-    let fit = fit_with(lag, propeller).ok_or_else(none)?;
+    let validated = fit_with(lag, propeller, &fitted).ok_or_else(none)?;
+    let fit = fit_with(lag, propeller, &all).ok_or_else(none)?;
     let [less, more] =
-        [0.0, 2.0 * BLOWN].map(|blown| fit_with(lag, Propeller { blown, ..propeller }));
+        [0.0, 2.0 * BLOWN].map(|blown| fit_with(lag, Propeller { blown, ..propeller }, &all));
     let (less, more) = less.zip(more).ok_or_else(none)?;
     // Nothing in a flight shows how much of the wing is in the slipstream: what that changes is in the interval.
     let washed = |of: &dyn Fn(&Fit) -> Measured| {
@@ -167,8 +172,8 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
     };
     let Equations {
         mean: x, y, times, ..
-    } = assembled(lag, propeller, false);
-    let predicted = &x * &fit.estimate;
+    } = assembled(lag, propeller, &held_out);
+    let predicted = &x * &validated.estimate;
     let share = |axis: usize| {
         let of =
             |v: &DVector<f64>| -> Vec<f64> { v.iter().skip(axis).step_by(2).copied().collect() };
@@ -190,7 +195,7 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
         100.0 * PREDICTED,
         100.0 * SCATTERED
     );
-    let held_out = (0..y.len() / 2).map(|n| {
+    let shown = (0..y.len() / 2).map(|n| {
         [
             times[2 * n],
             y[2 * n],
@@ -199,7 +204,7 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
             predicted[2 * n + 1],
         ]
     });
-    let held_out: Vec<[f64; 5]> = held_out.collect();
+    let held_out: Vec<[f64; 5]> = shown.collect();
 
     let attached = rows.iter().filter(|row| row.attached());
     let angles: Vec<f64> = attached.map(|row| row.held_alpha).collect();

@@ -15,17 +15,41 @@ use alula_sim::simulate::fly;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-/// A vehicle, its cruise [m/s], and the slope of a glide in which its propellers idle.
-type Flown = (&'static str, f64, f64);
+/// A vehicle as it is flown.
+#[derive(Clone, Copy)]
+struct Flown {
+    vehicle: &'static str,
+    /// [m/s].
+    cruise: f64,
+    /// The slowest level speed on the wing, over cruise.
+    slow: f64,
+    /// The slope of a glide in which its propellers idle.
+    glide: f64,
+}
+
+const fn flown(vehicle: &'static str, cruise: f64, slow: f64, glide: f64) -> Flown {
+    Flown {
+        vehicle,
+        cruise,
+        slow,
+        glide,
+    }
+}
 
 const FLOWN: [Flown; 3] = [
-    ("mapping", 18.0, 0.3),
-    ("small-flying-wing", 10.0, 0.4),
-    ("biplane", 18.0, 0.4),
+    flown("mapping", 18.0, 0.75, 0.3),
+    flown("small-flying-wing", 10.0, 0.7, 0.4),
+    flown("biplane", 18.0, 0.7, 0.4),
 ];
 
 /// The flight of the page: hover with steps, three level speeds, a climb, a glide, and transitions there and back, of the vehicle with this seed.
-fn flight((vehicle, cruise, glide): Flown, seed: u64) -> Experiment {
+fn flight(flown: Flown, seed: u64) -> Experiment {
+    let Flown {
+        vehicle,
+        cruise,
+        slow,
+        glide,
+    } = flown;
     let mut document = Document::load("tail-sitter-hover").unwrap();
     let mut knots: Vec<(f64, f64, f64)> = vec![(0.0, 0.0, 0.0)];
     // Duration of a change, of what is held then, and the velocity: down, forward.
@@ -33,13 +57,13 @@ fn flight((vehicle, cruise, glide): Flown, seed: u64) -> Experiment {
     let hover = [
         &[(1.0, 4.0, 0.0, 0.0)],
         &climbs.repeat(3)[..],
-        &[(0.5, 4.0, 0.0, 0.0), (0.5 * cruise, 12.0, 0.0, cruise)],
+        &[(0.5, 4.0, 0.0, 0.0), (0.5 * cruise, 20.0, 0.0, cruise)],
     ]
     .concat();
     let round = [
-        (3.0, 10.0, 0.0, 1.2 * cruise),
-        (4.0, 10.0, 0.0, 0.8 * cruise),
-        (2.0, 8.0, -0.12 * cruise, cruise),
+        (3.0, 20.0, 0.0, 1.2 * cruise),
+        (5.0, 20.0, 0.0, slow * cruise),
+        (3.0, 8.0, -0.12 * cruise, cruise),
         (3.0, 8.0, glide * cruise, cruise),
         (2.0, 6.0, 0.0, cruise),
     ];
@@ -146,9 +170,12 @@ impl Truth {
         let squares = near.iter().map(|row| (row[0] - a).powi(2));
         let slope = products.sum::<f64>() / squares.sum::<f64>();
         let vehicle = TailSitter::new(plant.clone(), None);
-        // In hover the battery sags by what hover takes.
-        let static_f = vehicle.static_thrust() / (9.81 * plant.mass_kg);
-        let battery = 1.0 - plant.motors.sag * static_f.powf(-1.5);
+        // In hover the battery sags by what hover takes, and the wing in the slipstream drags: a scale shows the thrust without.
+        let hover = vehicle.hover();
+        let net = vehicle.wrench(&hover, Default::default()).force.x
+            / vehicle.thrust(&hover, Default::default());
+        let static_f = net * vehicle.static_thrust() / (9.81 * plant.mass_kg);
+        let battery = 1.0 - plant.motors.sag * (static_f / net).powf(-1.5);
         Self {
             thrust_to_weight: static_f * battery * battery,
             thrust_lag_s: thrust_lag(&vehicle, 9.81 * plant.mass_kg),
@@ -242,7 +269,7 @@ fn learned(draws: u64) {
     println!("|---|---|---|---|---|---|");
     let mut all_numbers = Vec::new();
     for flown in FLOWN {
-        let (vehicle, ..) = flown;
+        let vehicle = flown.vehicle;
         let truth = Truth::of(&flight(flown, FIRST));
         let all: Vec<Identified> = (FIRST..FIRST + draws)
             .into_par_iter()
@@ -351,14 +378,17 @@ fn row(number: &str, vehicle: &str, given: &[(Measured, f64)]) -> String {
     )
 }
 
-/// How far the vehicle leaves its reference, up, down and at the end, on the round trip of a design that `new` makes of `known`, flown by what is true \[m\]; none where `new` says
-/// that its first flight fails.
+/// How far the vehicle leaves its reference, up, down and at the end \[m\], on the round trip of a design that `new` makes of `known`, flown by what is true with the
+/// sensors and in the turbulence of its identification flight, of this seed; none where `new` says that its first flight fails.
 fn round_trip(flown: Flown, known: &str, polar: Option<&str>, draw: u64) -> Option<[f64; 3]> {
     let experiment = flight(flown, draw);
     let plant = experiment.tail_sitter.as_ref().unwrap();
     let authority = Belief::of(&plant.true_vehicle()).authority;
-    let folder =
-        std::env::temp_dir().join(format!("alula-{}-{}-{draw}", flown.0, std::process::id()));
+    let folder = std::env::temp_dir().join(format!(
+        "alula-{}-{}-{draw}",
+        flown.vehicle,
+        std::process::id()
+    ));
     std::fs::create_dir_all(&folder).unwrap();
     let file = folder.join("known.toml");
     std::fs::write(&file, known).unwrap();
@@ -378,6 +408,9 @@ fn round_trip(flown: Flown, known: &str, polar: Option<&str>, draw: u64) -> Opti
         return None;
     }
     trip.tail_sitter = Some(plant.clone());
+    trip.sensors = experiment.sensors.clone();
+    trip.weather.turbulence = experiment.weather.turbulence;
+    trip.seed = draw;
     let record = fly(&trip).unwrap();
     let figures = Figures::of(&trip, &record);
     [
@@ -396,7 +429,9 @@ fn closed(draws: u64) {
     );
     println!("|---|---|---|---|---|---|---|");
     for flown in FLOWN {
-        let (vehicle, cruise, _) = flown;
+        let Flown {
+            vehicle, cruise, ..
+        } = flown;
         let first = flight(flown, FIRST);
         let (truth, given) = (Truth::of(&first), given(&first));
         let actuators = match vehicle {
@@ -423,9 +458,11 @@ fn closed(draws: u64) {
         let text = known
             .known(&given, &besides, cruise)
             .replace("section = \"naca-0012\"", "section = \"polar.csv\"");
-        let known = vec![round_trip(flown, &text, Some(&polar), FIRST)];
-        let learned: Vec<Option<[f64; 3]>> = (FIRST..FIRST + draws)
-            .into_par_iter()
+        let seeds = || (FIRST..FIRST + draws).into_par_iter();
+        let known: Vec<Option<[f64; 3]>> = seeds()
+            .map(|seed| round_trip(flown, &text, Some(&polar), seed))
+            .collect();
+        let learned: Vec<Option<[f64; 3]>> = seeds()
             .map(|seed| {
                 let found = identified(&flight(flown, seed));
                 let text = found.known(&given, &besides, cruise);
@@ -448,15 +485,20 @@ fn closed(draws: u64) {
                 column(1),
                 column(2)
             );
-            // `new` refuses one in five at most, and what it does not refuse comes back, within 5 m of its height.
+            // `new` refuses one in five at most. What it does not refuse keeps what its campaign asks of a vehicle in turbulence: it comes back, never 50 m off
+            // in height, and within 10 m in 95 of 100, with two deviations of as many draws.
             assert!(5 * refused <= all.len(), "{vehicle}: {refused} refused");
-            for [above, below, end] in flies {
+            for [above, below, end] in &flies {
                 let most = above.max(-below);
                 assert!(
-                    most < 5.0 && *end < 1.0,
+                    most < 50.0 && *end < 5.0,
                     "{vehicle}, {of}: {most} m, {end} m"
                 );
             }
+            let far = flies.iter().filter(|row| row[0].max(-row[1]) > 10.0);
+            let (far, count) = (far.count(), flies.len() as f64);
+            let most = 0.05 * count + 2.0 * (0.0475 * count).sqrt();
+            assert!(far as f64 <= most, "{vehicle}, {of}: {far} of {count}");
         }
     }
 }
