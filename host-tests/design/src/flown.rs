@@ -4,7 +4,7 @@ use alula_logs::Log;
 use alula_logs::states::{CEASED, States};
 use nalgebra::Vector3;
 
-use super::lag::behind;
+use super::lag::{GAP, behind};
 
 use super::reconstruct::attitudes;
 
@@ -17,8 +17,6 @@ pub(super) const ROWS: usize = 40;
 pub(super) const TURNS: f64 = 0.25;
 /// Throttle below which a vehicle that is slow does not fly.
 const IDLE_THROTTLE: f64 = 0.02;
-/// A gap \[s\] after which what was before says nothing.
-pub(super) const GAP: f64 = 0.5;
 /// Rate of the rows \[Hz\].
 pub(super) const RATE: f64 = 25.0;
 /// Time in which the angle of attack is averaged \[s\].

@@ -89,21 +89,12 @@ pub struct Besides {
     pub section: String,
 }
 
-/// Angle of attack \[°\] behind which a wing is taken for stalled, though its lift was not seen to fall.
-const STALLED: f64 = 20.0;
-
-/// Whether lift falls behind its greatest.
-fn falls(rows: &[[f64; 3]]) -> bool {
-    let most = rows.iter().map(|row| row[1]).fold(0.0, f64::max);
-    rows.last().is_some_and(|row| row[1] <= 0.9 * most)
-}
-
 /// Name of the polar beside the file.
 pub const POLAR: &str = "polar.csv";
 
 impl Identified {
-    /// Rows of α \[°\], c_L and c_D that were seen from zero lift on; none where the wing was not seen, nor how far its lift goes.
-    fn seen(&self) -> Option<Vec<[f64; 3]>> {
+    /// The wing's coefficients as a table: what was seen, and below zero lift its mirror; none where the wing, or its stall, was not seen.
+    pub fn polar(&self) -> Option<String> {
         let (zero, slope) = (self.zero_lift_deg?.value, self.c_l_alpha?.value);
         let (drag, cruise) = self.c_d_cruise?;
         // Attached: a line, and a parabola through the drag of cruise, of a wing whose drag at zero lift is a part of it.
@@ -132,13 +123,11 @@ impl Identified {
             rows.push([*alpha, c_l.value, c_d.value]);
             next = *alpha;
         }
-        (rows.last()?[0] >= STALLED || falls(&rows)).then_some(rows)
-    }
-
-    /// The wing's coefficients as a table: what was seen, and below zero lift its mirror; none where the wing was not seen, nor how far its lift goes.
-    pub fn polar(&self) -> Option<String> {
-        let rows = self.seen()?;
-        let zero = self.zero_lift_deg?.value;
+        // Lift that has not fallen shows no stall.
+        let most = rows.iter().map(|row| row[1]).fold(0.0, f64::max);
+        if rows.last()?[1] > 0.9 * most {
+            return None;
+        }
         let mirror = rows.iter().filter(|row| row[0] > zero + 0.5);
         let mirror: Vec<[f64; 3]> = mirror
             .map(|[alpha, c_l, c_d]| [2.0 * zero - alpha, -c_l, *c_d])
@@ -204,18 +193,12 @@ impl Identified {
             Actuators::Both => "both",
         };
         text += &format!("{:<28} # given\n", format!("actuators = \"{actuators}\""));
-        match self.seen() {
-            Some(rows) => {
+        match self.polar() {
+            Some(_) => {
                 text += &format!(
                     "{:<28} # measured, as far as it was seen\n",
                     format!("section = \"{POLAR}\"")
                 );
-                if let Some([alpha, ..]) = rows.last().filter(|_| !falls(&rows)) {
-                    text += &format!(
-                        "{:<28} # assumed: at the last angle that was seen, up to which the lift has not fallen\n",
-                        format!("stall_deg = {alpha:.2}")
-                    );
-                }
             }
             None => {
                 text += &format!(

@@ -10,7 +10,7 @@
 //! | c_L, c_D | short of stall c_L0 + c_Lα α, and one c_D; beyond it constants of each ten degrees |
 //!
 //! The propeller is one of a family: C_T over advance ratio as small ones have it, V_1 being its tip's advance at full throttle over π. V_1 is
-//! searched, and V_1 is in the covariance by its derivative. The lag is that of the force along the nose in hover, by `response_lag`.
+//! searched, and V_1 is in the covariance by its derivative. The lag is that of the force along the nose in hover, by `thrust_lag`.
 //! The attitude is the one that goes with accelerometer and velocity, not the one that was told: `reconstruct`.
 //!
 //! Short of stall the angle of attack that an estimator tells lacks the gusts, and the vehicle moves with them: a regression on it finds too small a slope.
@@ -35,10 +35,10 @@ pub use super::identified::{Besides, Beyond, Given, Identified, POLAR, Turn};
 const BLOCK: f64 = 5.0;
 /// Time of which two of three are fitted and the third is held out \[s\]. What is given is then of all.
 const TURN: f64 = 10.0;
-/// Time \[s\] after which residuals of a lag say something anew.
+/// Time \[s\] after which the residuals of a glide say something anew.
 const ANEW: f64 = 2.0;
-/// What the models themselves lack, shares of the value of 95 %: a wing in the slipstream, a battery that sags and a propeller of another family; loops that
-/// are no lag of first order; elevons that trim another glide than cruise. Of the size that simulated vehicles of three kinds show.
+/// What the models themselves lack, shares of the value of 95 %: a battery that sags and a propeller of another family; elevons that trim another glide than
+/// cruise. The greatest errors of 95 % that simulated vehicles of three kinds show: the table of docs/your-vehicle.md, on other seeds.
 struct Lacking {
     thrust: f64,
     drag: f64,

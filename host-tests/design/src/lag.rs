@@ -1,7 +1,9 @@
 //! What is behind a lag of first order, and what a lag is fitted to: rows of even spacing that follow each other.
 
-use super::flown::GAP;
 use super::regression::Measured;
+
+/// A gap \[s\] after which what was before says nothing.
+pub(super) const GAP: f64 = 0.5;
 
 /// A value behind its lag, and its derivative by the lag.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
