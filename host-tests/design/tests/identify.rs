@@ -378,9 +378,12 @@ fn row(number: &str, vehicle: &str, given: &[(Measured, f64)]) -> String {
     )
 }
 
-/// How far the vehicle leaves its reference, up, down and at the end \[m\], on the round trip of a design that `new` makes of `known`, flown by what is true with the
-/// sensors and in the turbulence of its identification flight, of this seed; none where `new` says that its first flight fails.
-fn round_trip(flown: Flown, known: &str, polar: Option<&str>, draw: u64) -> Option<[f64; 3]> {
+/// How far a vehicle leaves its reference, up, down and at the end \[m\].
+type Left = [f64; 3];
+
+/// What the round trip of a design that `new` makes of `known` comes to, flown by what is true: in calm air with exact sensors, and with those of its
+/// identification flight in the turbulence of that, of this seed; none where `new` says that its first flight fails.
+fn round_trip(flown: Flown, known: &str, polar: Option<&str>, draw: u64) -> Option<[Left; 2]> {
     let experiment = flight(flown, draw);
     let plant = experiment.tail_sitter.as_ref().unwrap();
     let authority = Belief::of(&plant.true_vehicle()).authority;
@@ -408,26 +411,28 @@ fn round_trip(flown: Flown, known: &str, polar: Option<&str>, draw: u64) -> Opti
         return None;
     }
     trip.tail_sitter = Some(plant.clone());
-    trip.sensors = experiment.sensors.clone();
-    trip.weather.turbulence = experiment.weather.turbulence;
-    trip.seed = draw;
-    let record = fly(&trip).unwrap();
-    let figures = Figures::of(&trip, &record);
-    [
-        "altitude_most_m",
-        "altitude_least_m",
-        "max_late_position_error_m",
-    ]
-    .map(|name| figures.get(name))
-    .into()
+    let mut rough = trip.clone();
+    rough.sensors = experiment.sensors.clone();
+    rough.weather.turbulence = experiment.weather.turbulence;
+    rough.seed = draw;
+    let left = |trip: &Experiment| {
+        let figures = Figures::of(trip, &fly(trip).unwrap());
+        [
+            "altitude_most_m",
+            "altitude_least_m",
+            "max_late_position_error_m",
+        ]
+        .map(|name| figures.get(name))
+    };
+    Some([left(&trip), left(&rough)])
 }
 
 /// `new` makes of what was identified a guidance that flies the vehicle as the one of what is known of it does. Prints a table.
 fn closed(draws: u64) {
     println!(
-        "| vehicle | of | flights | refused | above [m], median (most) | below [m], median (most) | off at the end [m], median (most) |"
+        "| vehicle | of | air | flights | refused | above [m], median (most) | below [m], median (most) | off at the end [m], median (most) |"
     );
-    println!("|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---:|---:|---:|---:|---:|");
     for flown in FLOWN {
         let Flown {
             vehicle, cruise, ..
@@ -459,10 +464,10 @@ fn closed(draws: u64) {
             .known(&given, &besides, cruise)
             .replace("section = \"naca-0012\"", "section = \"polar.csv\"");
         let seeds = || (FIRST..FIRST + draws).into_par_iter();
-        let known: Vec<Option<[f64; 3]>> = seeds()
+        let known: Vec<Option<[Left; 2]>> = seeds()
             .map(|seed| round_trip(flown, &text, Some(&polar), seed))
             .collect();
-        let learned: Vec<Option<[f64; 3]>> = seeds()
+        let learned: Vec<Option<[Left; 2]>> = seeds()
             .map(|seed| {
                 let found = identified(&flight(flown, seed));
                 let text = found.known(&given, &besides, cruise);
@@ -470,35 +475,36 @@ fn closed(draws: u64) {
             })
             .collect();
         for (of, all) in [("known", &known), ("identified", &learned)] {
-            let flies: Vec<&[f64; 3]> = all.iter().flatten().collect();
-            let column = |k: usize| {
-                let mut values: Vec<f64> = flies.iter().map(|row| row[k].abs()).collect();
-                values.sort_by(f64::total_cmp);
-                let [median, most] = [values.len() / 2, values.len() - 1].map(|n| values[n]);
-                format!("{median:.1} ({most:.1})")
-            };
-            let refused = all.len() - flies.len();
-            println!(
-                "| {vehicle} | {of} | {} | {refused} | {} | {} | {} |",
-                all.len(),
-                column(0),
-                column(1),
-                column(2)
-            );
-            // `new` refuses one in five at most. What it does not refuse keeps what its campaign asks of a vehicle in turbulence: it comes back, never 50 m off
-            // in height, and within 10 m in 95 of 100, with two deviations of as many draws.
+            let refused = all.iter().filter(|one| one.is_none()).count();
+            // `new` refuses one in five at most. In calm air what it does not refuse stays within 5 m of its height and comes back; in turbulence it keeps what its
+            // campaign calls lost and back.
             assert!(5 * refused <= all.len(), "{vehicle}: {refused} refused");
-            for [above, below, end] in &flies {
-                let most = above.max(-below);
-                assert!(
-                    most < 50.0 && *end < 5.0,
-                    "{vehicle}, {of}: {most} m, {end} m"
+            for (n, (air, [high, off])) in [("calm", [5.0, 1.0]), ("turbulence", [50.0, 5.0])]
+                .into_iter()
+                .enumerate()
+            {
+                let flies: Vec<Left> = all.iter().flatten().map(|both| both[n]).collect();
+                let column = |k: usize| {
+                    let mut values: Vec<f64> = flies.iter().map(|row| row[k].abs()).collect();
+                    values.sort_by(f64::total_cmp);
+                    let [median, most] = [values.len() / 2, values.len() - 1].map(|n| values[n]);
+                    format!("{median:.1} ({most:.1})")
+                };
+                println!(
+                    "| {vehicle} | {of} | {air} | {} | {refused} | {} | {} | {} |",
+                    all.len(),
+                    column(0),
+                    column(1),
+                    column(2)
                 );
+                for [above, below, end] in flies {
+                    let most = above.max(-below);
+                    assert!(
+                        most < high && end < off,
+                        "{vehicle}, {of}, {air}: {most} m, {end} m"
+                    );
+                }
             }
-            let far = flies.iter().filter(|row| row[0].max(-row[1]) > 10.0);
-            let (far, count) = (far.count(), flies.len() as f64);
-            let most = 0.05 * count + 2.0 * (0.0475 * count).sqrt();
-            assert!(far as f64 <= most, "{vehicle}, {of}: {far} of {count}");
         }
     }
 }
@@ -507,7 +513,7 @@ fn closed(draws: u64) {
 #[ignore = "slow: cargo test-slow"]
 fn slow_what_was_identified_flies() {
     let draws = std::env::var("IDENTIFY_DRAWS").ok();
-    closed(draws.and_then(|n| n.parse().ok()).unwrap_or(2));
+    closed(draws.and_then(|n| n.parse().ok()).unwrap_or(4));
 }
 
 /// A flight that is too short, and one without a throttle, end with the reason.
