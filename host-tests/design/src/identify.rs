@@ -38,7 +38,7 @@ const TURN: f64 = 10.0;
 /// Time \[s\] after which the residuals of a glide say something anew.
 const ANEW: f64 = 2.0;
 /// What the models themselves lack, shares of the value of 95 %: a battery that sags and a propeller of another family; elevons that trim another glide than
-/// cruise. The greatest errors of 95 % that simulated vehicles of three kinds show: the table of docs/your-vehicle.md, on other seeds.
+/// cruise. Not less than the errors that simulated vehicles of three kinds show: the table of docs/your-vehicle.md.
 struct Lacking {
     thrust: f64,
     drag: f64,
