@@ -4,6 +4,8 @@ use alula_logs::Log;
 use alula_logs::states::{CEASED, States};
 use nalgebra::Vector3;
 
+use super::lag::{GAP, behind};
+
 use super::reconstruct::attitudes;
 
 /// Angle of attack to the nose \[rad\] up to which c_L is taken for a line; from its negative.
@@ -15,8 +17,6 @@ pub(super) const ROWS: usize = 40;
 pub(super) const TURNS: f64 = 0.25;
 /// Throttle below which a vehicle that is slow does not fly.
 const IDLE_THROTTLE: f64 = 0.02;
-/// A gap \[s\] after which what was before says nothing.
-pub(super) const GAP: f64 = 0.5;
 /// Rate of the rows \[Hz\].
 pub(super) const RATE: f64 = 25.0;
 /// Time in which the angle of attack is averaged \[s\].
@@ -314,20 +314,13 @@ fn mean(of: &[Row]) -> Row {
     }
 }
 
-/// The throttle behind a lag \[s\], at each row.
+/// The throttle behind the lag \[s\] of the motors' speed, at each row.
 pub(super) fn lagged(rows: &[Row], lag: f64) -> Vec<f64> {
-    let (mut behind, mut then) = (rows[0].throttle, rows[0].t);
-    let step = |row: &Row| {
-        // Held since the row before, over a gap anew.
-        let dt = row.t - then;
-        then = row.t;
-        behind = match dt < GAP {
-            true => behind + (1.0 - (-dt / lag.max(1e-6)).exp()) * (row.throttle - behind),
-            false => row.throttle,
-        };
-        behind
-    };
-    rows.iter().map(step).collect()
+    let speeds = behind(
+        rows.iter().map(|row| [row.t, row.throttle.max(0.0).sqrt()]),
+        lag,
+    );
+    speeds.iter().map(|speed| speed.value.powi(2)).collect()
 }
 
 #[cfg(test)]

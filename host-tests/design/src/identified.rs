@@ -53,8 +53,6 @@ pub struct Identified {
     pub thrust_lag_s: Option<Measured>,
     /// Lag of the pitch rate \[s\].
     pub rate_lag_s: Option<Measured>,
-    /// Pitch rate that is had, over what is asked.
-    pub rate_share: Option<f64>,
     /// Angular acceleration in pitch in hover.
     pub turn_rad_s2: Option<Turn>,
     /// c_L at α = 0 to the nose.

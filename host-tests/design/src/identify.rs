@@ -10,7 +10,7 @@
 //! | c_L, c_D | short of stall c_L0 + c_Lα α, and one c_D; beyond it constants of each ten degrees |
 //!
 //! The propeller is one of a family: C_T over advance ratio as small ones have it, V_1 being its tip's advance at full throttle over π. V_1 is
-//! searched, and V_1 is in the covariance by its derivative. The lag is that of the force along the nose in hover, by `response_lag`.
+//! searched, and V_1 is in the covariance by its derivative. The lag is that of the force along the nose in hover, by `thrust_lag`.
 //! The attitude is the one that goes with accelerometer and velocity, not the one that was told: `reconstruct`.
 //!
 //! Short of stall the angle of attack that an estimator tells lacks the gusts, and the vehicle moves with them: a regression on it finds too small a slope.
@@ -23,38 +23,36 @@ use alula_logs::states::States;
 use nalgebra::{DMatrix, DVector};
 
 use super::drag::{Glide, drag};
-use super::flown::{ATTACHED, Flown, GAP, RATE, ROWS, Row, SLOW, around, flown, lagged};
+use super::flown::{ATTACHED, Flown, RATE, ROWS, Row, SLOW, around, flown, lagged};
 use super::forces::{BIN, FIXED, NO_THRUST, Propeller, Unknowns};
-use super::regression::{Fit, Measured, deviations, least_squares};
-use super::response_lag::{Sample, response_lag};
+use super::regression::{Fit, Measured, least_squares};
+use super::{rate_lag, thrust_lag};
 
 use super::identified::ASSUMED_LAG;
 pub use super::identified::{Besides, Beyond, Given, Identified, POLAR, Turn};
 
-/// Lengths of blocks whose residuals are taken for independent, and of what is fitted and held out in turn \[s\].
-const BLOCK: f64 = 10.0;
+/// Length of blocks whose residuals are taken for independent \[s\]: three times as long as gusts last at the wing.
+const BLOCK: f64 = 5.0;
+/// Time of which two of three are fitted and the third is held out \[s\]. What is given is then of all.
 const TURN: f64 = 10.0;
-/// Time \[s\] after which residuals of a lag say something anew.
+/// Time \[s\] after which the residuals of a glide say something anew.
 const ANEW: f64 = 2.0;
-/// What the models themselves lack, shares of the value of 95 %: a wing in the slipstream, a battery that sags and a propeller of another family; loops that
-/// are no lag of first order; elevons that trim another glide than cruise. Of the size that simulated vehicles of three kinds show.
+/// What the models themselves lack, shares of the value of 95 %: a battery that sags and a propeller of another family; elevons that trim another glide than
+/// cruise. Not less than the errors that simulated vehicles of three kinds show: the table of docs/your-vehicle.md.
 struct Lacking {
     thrust: f64,
-    thrust_lag: f64,
-    rate_lag: f64,
     drag: f64,
 }
 
 const LACKING: Lacking = Lacking {
     thrust: 0.07,
-    thrust_lag: 0.27,
-    rate_lag: 0.38,
     drag: 0.2,
 };
 /// Advance ratio, over the one that is without thrust, from which on a propeller idles, whatever is wrong of that one.
 const IDLE: f64 = 2.0;
-/// Area of the wing in the slipstream over that of the propellers' discs, up to twice which is taken for possible: 4/π of chord over diameter.
-const BLOWN: f64 = 0.7;
+/// Area of the wing in the slipstream over that of the propellers' discs, up to twice which is taken for possible: 4/π of chord over diameter, less what the
+/// slipstream contracts.
+const BLOWN: f64 = 1.1;
 /// Share of the square of the specific force that a model predicts, where it is one of the vehicle.
 const PREDICTED: f64 = 0.5;
 /// Least share of its variance that is predicted. Steady flight hardly varies, and the share is far below zero there by noise alone; logs that are none of a
@@ -82,28 +80,28 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
         notes: mut missing,
     } = flown(log, states)?;
     let hovered = steps.iter().filter(|row| row.speed() < SLOW);
-    let hovered: Vec<Sample> = hovered
-        .map(|row| Sample {
+    let hovered: Vec<_> = hovered
+        .map(|row| thrust_lag::Sample {
             t: row.t,
-            asked: row.throttle,
-            had: row.force[0],
-            besides: row.throttle.max(0.0).sqrt() * row.air.x,
+            throttle: row.throttle,
+            along: row.air.x,
+            force: row.force[0],
         })
         .collect();
-    let thrust_lag_s = response_lag(&hovered)
-        .map(|lag| lag.lacking(LACKING.thrust_lag))
-        .filter(Measured::is_known);
+    let thrust_lag_s = thrust_lag::thrust_lag(&hovered).filter(Measured::is_known);
     let lag = thrust_lag_s.map_or(ASSUMED_LAG, |time| time.value);
     let k = 0.5 * given.air_kg_m3 * given.wing_m2 / given.mass_kg;
     let unknowns = Unknowns::of(&rows);
     let begin = rows[0].t;
-    let fitted = |row: &Row| ((row.t - begin) / TURN) as u64 % 3 != 2;
-    let assembled = |lag: f64, propeller: Propeller, which: bool| {
+    let held_out = |row: &Row| ((row.t - begin) / TURN) as u64 % 3 == 2;
+    let fitted = |row: &Row| !held_out(row);
+    let all = |_: &Row| true;
+    let assembled = |lag: f64, propeller: Propeller, which: &dyn Fn(&Row) -> bool| {
         let throttle = lagged(&rows, lag);
         let mut x = [Vec::new(), Vec::new()];
         let (mut y, mut blocks, mut times) = (Vec::new(), Vec::new(), Vec::new());
         for (row, throttle) in rows.iter().zip(throttle) {
-            if fitted(row) != which {
+            if !which(row) {
                 continue;
             }
             let [mean, told] =
@@ -130,8 +128,8 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
         }
     };
     // Without its derivative, the speed of the propeller is held.
-    let fit = |lag: f64, propeller: Propeller| {
-        let of = assembled(lag, propeller, true);
+    let fit = |lag: f64, propeller: Propeller, which: &dyn Fn(&Row) -> bool| {
+        let of = assembled(lag, propeller, which);
         least_squares(&of.mean, &of.told, &of.y, &of.blocks)
     };
     let search = |lag: f64| {
@@ -142,7 +140,7 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
                 static_f: 0.0,
                 blown: 0.0,
             };
-            let fit = fit(lag, propeller)?;
+            let fit = fit(lag, propeller, &fitted)?;
             let static_f = fit.estimate[0];
             let propeller = Propeller {
                 static_f,
@@ -159,9 +157,10 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
     let v1 = propeller.v1;
     let none = || anyhow::anyhow!("the regression has no answer");
     let fit_with = fit;
-    let fit = fit_with(lag, propeller).ok_or_else(none)?;
+    let validated = fit_with(lag, propeller, &fitted).ok_or_else(none)?;
+    let fit = fit_with(lag, propeller, &all).ok_or_else(none)?;
     let [less, more] =
-        [0.0, 2.0 * BLOWN].map(|blown| fit_with(lag, Propeller { blown, ..propeller }));
+        [0.0, 2.0 * BLOWN].map(|blown| fit_with(lag, Propeller { blown, ..propeller }, &all));
     let (less, more) = less.zip(more).ok_or_else(none)?;
     // Nothing in a flight shows how much of the wing is in the slipstream: what that changes is in the interval.
     let washed = |of: &dyn Fn(&Fit) -> Measured| {
@@ -173,8 +172,8 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
     };
     let Equations {
         mean: x, y, times, ..
-    } = assembled(lag, propeller, false);
-    let predicted = &x * &fit.estimate;
+    } = assembled(lag, propeller, &held_out);
+    let predicted = &x * &validated.estimate;
     let share = |axis: usize| {
         let of =
             |v: &DVector<f64>| -> Vec<f64> { v.iter().skip(axis).step_by(2).copied().collect() };
@@ -196,7 +195,7 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
         100.0 * PREDICTED,
         100.0 * SCATTERED
     );
-    let held_out = (0..y.len() / 2).map(|n| {
+    let shown = (0..y.len() / 2).map(|n| {
         [
             times[2 * n],
             y[2 * n],
@@ -205,7 +204,7 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
             predicted[2 * n + 1],
         ]
     });
-    let held_out: Vec<[f64; 5]> = held_out.collect();
+    let held_out: Vec<[f64; 5]> = shown.collect();
 
     let attached = rows.iter().filter(|row| row.attached());
     let angles: Vec<f64> = attached.map(|row| row.held_alpha).collect();
@@ -292,18 +291,7 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
         missing.push("Coefficients behind the stall: two transitions there and back".to_owned());
     }
 
-    let mut pitch: Vec<&Row> = Vec::new();
-    for row in &steps {
-        let later = pitch
-            .last()
-            .is_none_or(|last| row.t - last.t > 1.0 / RATE - 1e-6);
-        if later && row.rate.is_finite() && row.asked.is_finite() {
-            pitch.push(row);
-        }
-    }
-    let (rate_lag_s, rate_share) = rate_loop(&pitch)
-        .map(|(lag, share)| (lag.lacking(LACKING.rate_lag), share))
-        .unzip();
+    let rate_lag_s = rate_lag::rate_lag(&turned(&steps)).filter(Measured::is_known);
     if rate_lag_s.is_none() {
         missing.push(
             "The rate loop: steps of the pitch rate in hover, 0.5 rad/s there and back".to_owned(),
@@ -328,7 +316,6 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
         zero_thrust_speed_m_s: zero_thrust,
         thrust_lag_s,
         rate_lag_s,
-        rate_share,
         turn_rad_s2,
         c_l_0,
         c_l_alpha,
@@ -366,54 +353,25 @@ fn glides(rows: &[Row], lag: f64, no_thrust: f64, k: f64) -> Vec<Glide> {
     .collect()
 }
 
-/// Lag of the pitch rate, and what is had of what is asked: of a first-order lag, where enough is asked.
-fn rate_loop(rows: &[&Row]) -> Option<(Measured, f64)> {
-    let moves = rows.iter().map(|row| row.asked.powi(2)).sum::<f64>() / rows.len().max(1) as f64;
-    if rows.len() < 10 * ROWS || moves.sqrt() < 0.03 {
-        return None;
-    }
-    struct Tried {
-        lag: f64,
-        share: f64,
-        squares: f64,
-    }
-    let tried: Vec<Tried> = (1..60)
-        .map(|n| {
-            let lag = 0.01 * f64::from(n);
-            let (mut behind, mut products, mut squares, mut had) = (0.0, 0.0, 0.0, 0.0);
-            for pair in rows.windows(2) {
-                let dt = pair[1].t - pair[0].t;
-                behind = match dt < GAP {
-                    true => behind + (1.0 - (-dt / lag).exp()) * (pair[0].asked - behind),
-                    false => pair[1].asked,
-                };
-                products += behind * pair[1].rate;
-                squares += behind * behind;
-                had += pair[1].rate * pair[1].rate;
-            }
-            let share = products / squares;
-            Tried {
-                lag,
-                share,
-                squares: had - share * products,
-            }
+/// The pitch rate in hover. What counts is what has the thrust of hover: what turns the vehicle goes with its thrust.
+fn turned(rows: &[Row]) -> Vec<rate_lag::Sample> {
+    /// Greatest part that the throttle may be off.
+    const NEAR: f64 = 0.05;
+    let hover = rows.iter().filter(|row| row.speed() < SLOW);
+    let mut throttles: Vec<f64> = hover.map(|row| row.throttle).collect();
+    throttles.sort_by(f64::total_cmp);
+    let usual = throttles.get(throttles.len() / 2).copied().unwrap_or(0.0);
+    let known = rows
+        .iter()
+        .filter(|row| row.speed() < SLOW && row.rate.is_finite() && row.asked.is_finite());
+    known
+        .map(|row| rate_lag::Sample {
+            t: row.t,
+            asked: row.asked,
+            rate: row.rate,
+            counts: (row.throttle - usual).abs() < NEAR * usual,
         })
-        .collect();
-    let best = (0..tried.len()).min_by(|a, b| tried[*a].squares.total_cmp(&tried[*b].squares))?;
-    let a = tried.get(best.checked_sub(1)?)?.squares;
-    let Tried {
-        lag,
-        share,
-        squares: b,
-    } = tried[best];
-    let c = tried.get(best + 1)?.squares;
-    let bend = (a - 2.0 * b + c).max(1e-12);
-    let blocks = (rows.len() as f64 / RATE / ANEW).max(2.0);
-    let measured = Measured {
-        value: lag + 0.005 * (a - c) / bend,
-        within: deviations(blocks as usize) * 0.01 * (2.0 * b / blocks / bend).sqrt(),
-    };
-    Some((measured, share))
+        .collect()
 }
 
 /// The greatest angular acceleration in pitch in hover, and whether the torque was at its stop where it was had: else there may be more.

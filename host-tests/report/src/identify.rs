@@ -45,8 +45,9 @@ pub fn page(name: &str, vehicle: &Identified, known: &str, notes: &[String]) -> 
     Page {
         title: format!("{name}: the vehicle that it shows"),
         lead: format!(
-            "From {fitted:.0} s of flight; of the {held:.0} s that were not fitted the model predicts {nose:.0} % of the variance of the specific force along the nose, and \
-             {belly:.0} % along the belly."
+            "From {:.0} s of flight. Fitted to {fitted:.0} s of them, the model predicts of the other {held:.0} s {nose:.0} % of the variance of the specific force along \
+             the nose, and {belly:.0} % along the belly. What is given is fitted to all.",
+            fitted + held
         ),
         figure,
         tables: vec![
