@@ -93,8 +93,8 @@ pub fn guidance() -> Result<Guidance<Model>, ParameterError> {
     aircraft.authority_slipstream = 150.0;
     aircraft.authority_difference = 250.0;
     aircraft.authority_airflow = 1.1585517;
-    aircraft.wing_moment = 0.9725312;
-    aircraft.surface_reaction = 0.066128984;
+    aircraft.wing_moment = 0.31512314;
+    aircraft.surface_reaction = 0.20408688;
     aircraft.hover_downwash = 8.0;
     let mut parameters = GuidanceParameters::DEFAULT;
     parameters.natural_frequency = 4.0;

@@ -85,8 +85,8 @@ static inline int32_t vehicle_init(alula_controller *controller, alula_table *ta
     p.vehicle.authority_slipstream = 150.0f;
     p.vehicle.authority_difference = 250.0f;
     p.vehicle.authority_airflow = 1.1585517f;
-    p.vehicle.wing_moment = 0.9725312f;
-    p.vehicle.surface_reaction = 0.066128984f;
+    p.vehicle.wing_moment = 0.31512314f;
+    p.vehicle.surface_reaction = 0.20408688f;
     p.vehicle.hover_downwash = 8.0f;
     p.guidance.natural_frequency = 4.0f;
     p.guidance.damping = 0.8f;
