@@ -83,9 +83,9 @@ impl Segment {
     }
 
     /// The place nearest to `x`, of those of an arc that goes round more than once the one nearest to the way `last` \[m\].
+    /// `start` is the unit vector along it where it begins.
     #[inline]
-    pub fn nearest(&self, x: Ned, last: f32) -> Nearest {
-        let start = along(self.from.course);
+    fn nearest(&self, start: Ned, x: Ned, last: f32) -> Nearest {
         let offset = x - self.from.place;
         let right = right_of(start);
         if self.curvature == 0.0 {
@@ -114,12 +114,13 @@ impl Segment {
 }
 
 /// Up to three segments, and how far along them the vehicle is.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct Path {
     segments: [Segment; 3],
-    /// The one that is flown.
+    /// The one that is flown, and the unit vector along it where it begins.
     at: u8,
+    start: Ned,
     /// Way along it \[m\], and the length of those after it that end.
     way: f32,
     after: f32,
@@ -127,9 +128,15 @@ pub(super) struct Path {
     pub turns: f32,
 }
 
+impl Default for Path {
+    fn default() -> Self {
+        Self::new([Segment::default(); 3])
+    }
+}
+
 impl Path {
     pub fn new(segments: [Segment; 3]) -> Self {
-        let [_, second, third] = segments;
+        let [first, second, third] = segments;
         let ending = |segment: Segment| {
             if segment.length < ENDLESS {
                 segment.length
@@ -140,6 +147,7 @@ impl Path {
         Self {
             segments,
             at: 0,
+            start: along(first.from.course),
             way: 0.0,
             after: ending(second) + ending(third),
             turns: 0.0,
@@ -149,7 +157,8 @@ impl Path {
     /// Goes on to the next segment.
     fn next(&mut self) {
         self.at += 1;
-        let length = self.segment().length;
+        let Segment { from, length, .. } = *self.segment();
+        self.start = along(from.course);
         if length < ENDLESS {
             self.after -= length;
         }
@@ -204,10 +213,10 @@ impl Path {
             self.next();
             last = 0.0;
         }
-        let mut nearest = self.segment().nearest(x, last);
+        let mut nearest = self.segment().nearest(self.start, x, last);
         if nearest.way >= self.segment().length && !self.is_last() {
             self.next();
-            nearest = self.segment().nearest(x, 0.0);
+            nearest = self.segment().nearest(self.start, x, 0.0);
         }
         // Of an arc the place may be behind the beginning, by less than a turn.
         self.way = nearest.way;
@@ -253,7 +262,7 @@ mod tests {
             for way in [10.0, 100.0, 350.0] {
                 let Pose { place, course } = segment.at(way);
                 let beside = place + right_of(along(course)) * 7.0;
-                let nearest = segment.nearest(beside, way - 30.0);
+                let nearest = segment.nearest(along(2.0), beside, way - 30.0);
                 assert!((nearest.way - way).abs() < 1e-2, "{nearest:?} {way}");
                 assert!((nearest.right - 7.0).abs() < 1e-3);
                 assert!((nearest.along - along(course)).norm_squared() < 1e-6);

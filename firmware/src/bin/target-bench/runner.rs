@@ -92,9 +92,9 @@ const LIMITS: [Limit; 10] = [
     hardened("hardened"),
     hardened("hardened_in_flight"),
     law("winged_feed_forward", 900),
-    // A path is laid in the step in which an item begins. 1,000 are asked for: what is looked at of the wind took it three over.
+    // A path is laid in the step in which an item begins.
     Limit {
-        median: 1_010,
+        median: 1_000,
         flash: 30 * 1024,
         stack: 1600,
         spread: 7.5,
