@@ -99,7 +99,7 @@ pub struct Besides {
     pub actuators: Actuators,
     /// Speed of cruise; none is that of the flight, on its wing.
     pub cruise_m_s: Option<f64>,
-    /// Aspect ratio of the wing; none is [`ASSUMED_RATIO`].
+    /// Aspect ratio of the wing; none is taken for 4.
     pub aspect_ratio: Option<f64>,
     /// A section for a wing that the flight does not show.
     pub section: String,
