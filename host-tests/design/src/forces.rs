@@ -17,6 +17,8 @@ pub(super) struct Unknowns {
 }
 
 pub(super) const FIXED: usize = 6;
+/// Standard gravity [m/s²].
+pub(super) const GRAVITY: f64 = 9.81;
 
 /// C_T over its static value, per advance ratio and its square: c1/c0 and c2/c0 of small propellers.
 const PROPELLER: [f64; 2] = [-0.75, -1.08];
@@ -37,10 +39,10 @@ fn propelled(u: f64, along: f64, v1: f64) -> [f64; 2] {
 }
 
 impl Unknowns {
-    pub(super) fn of(rows: &[Row]) -> Self {
+    pub(super) fn of(rows: &[Row], k: f64) -> Self {
         let mut counts = std::collections::BTreeMap::new();
         for row in rows.iter().filter(|row| row.speed() > SLOW) {
-            if !row.attached() {
+            if !row.attached() && is_free(row, k) {
                 *counts
                     .entry((row.alpha() / BIN).floor() as i32)
                     .or_insert(0) += 1;
@@ -69,7 +71,7 @@ impl Unknowns {
         FIXED + 2 * self.bins.len()
     }
 
-    /// The regressors along nose and belly, at a throttle behind its lag, for a propeller that is known so far; none where the row is in no bin that is known, or turns.
+    /// The regressors along nose and belly, at a throttle behind its lag, for a propeller that is known so far; none where the row is in no bin that is known, turns, or is behind the stall and slower than its slipstream.
     pub(super) fn regressors(
         &self,
         row: &Row,
@@ -94,6 +96,9 @@ impl Unknowns {
         let lift = [pressure * sin, -pressure * cos];
         let drag = [-pressure * cos, -pressure * sin];
         if attached && row.rate.abs() > TURNS {
+            return None;
+        }
+        if row.speed() > SLOW && !attached && !is_free(row, k) {
             return None;
         }
         let bin = (row.alpha() / BIN).floor() as i32;
@@ -134,6 +139,11 @@ impl Unknowns {
             .map(|(z, c)| z * c)
             .sum()
     }
+}
+
+/// Whether a row behind the stall tells of the air that it flies through more than of its slipstream: a c_L of 2 would carry it. `k` is k_a/m.
+fn is_free(row: &Row, k: f64) -> bool {
+    k * row.speed().powi(2) > 0.5 * GRAVITY
 }
 
 /// What the angle of attack depends on in the mean, and no gust does.

@@ -1,5 +1,7 @@
 //! What a flight shows of a vehicle, and the files that say so.
 
+use std::f64::consts::PI;
+
 use serde::Serialize;
 
 use super::flown::ATTACHED;
@@ -8,6 +10,18 @@ use super::regression::Measured;
 
 /// Lag of the thrust that is assumed where the flight shows none \[s\].
 pub(super) const ASSUMED_LAG: f64 = 0.08;
+
+/// Aspect ratio that is assumed where nobody says it, and drag of the whole vehicle where the flight does not show it: those of tail-sitters.
+const ASSUMED_RATIO: f64 = 4.0;
+const ASSUMED_DRAG: f64 = 0.04;
+/// Of a wing: the span efficiency.
+const SPAN_EFFICIENCY: f64 = 0.85;
+/// Interval of coefficients behind the stall within which they are known.
+const KNOWN: f64 = 0.3;
+/// Angle of attack \[°\] up to which the lift of a wing that is not seen behind its stall stays what it was: a wing of a small aspect ratio at a small Reynolds number.
+const PLATEAU: f64 = 25.0;
+/// Share of the greatest lift, short of which lift has fallen.
+const FALLEN: f64 = 0.9;
 
 /// What a person knows besides the log.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,12 +69,12 @@ pub struct Identified {
     pub rate_lag_s: Option<Measured>,
     /// Angular acceleration in pitch in hover.
     pub turn_rad_s2: Option<Turn>,
-    /// c_L at α = 0 to the nose.
-    pub c_l_0: Option<Measured>,
     /// Slope of c_L \[1/rad\].
     pub c_l_alpha: Option<Measured>,
     /// Angle of zero lift to the nose \[°\].
     pub zero_lift_deg: Option<Measured>,
+    /// The angle of attack to the nose \[°\] short of stall at which the flight knows c_L best, and c_L there.
+    pub lift: Option<(f64, Measured)>,
     /// c_D at the c_L of cruise, and that c_L.
     pub c_d_cruise: Option<(Measured, f64)>,
     /// Coefficients behind the stall.
@@ -85,60 +99,101 @@ pub struct Besides {
     pub actuators: Actuators,
     /// Speed of cruise; none is that of the flight, on its wing.
     pub cruise_m_s: Option<f64>,
-    /// A section for what the flight does not show of the wing.
+    /// Aspect ratio of the wing; none is taken for 4.
+    pub aspect_ratio: Option<f64>,
+    /// A section for a wing that the flight does not show.
     pub section: String,
+}
+
+impl Besides {
+    fn ratio(&self) -> f64 {
+        self.aspect_ratio.unwrap_or(ASSUMED_RATIO)
+    }
+}
+
+/// A wing as far as a flight shows it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WingSeen {
+    /// Its polar, in the columns of a file.
+    pub csv: String,
+    /// Where it is taken to stall \[°\]: where the polar ends, if lift does not fall before.
+    pub stall_deg: Option<f64>,
+}
+
+/// Slope of c_L \[1/rad\] of a wing of this aspect ratio, of thin sections (Khan and Nahon, as the plant's).
+fn slope_of(ratio: f64) -> f64 {
+    2.0 * PI / (1.0 + 2.0 * (ratio + 4.0) / (ratio * (ratio + 2.0)))
+}
+
+/// The angles of attack behind the stall \[°\] at which coefficients are looked at.
+fn angles_behind() -> impl Iterator<Item = f64> {
+    (1..6).map(|n| 10.0 * f64::from(n) + 5.0)
 }
 
 /// Name of the polar beside the file.
 pub const POLAR: &str = "polar.csv";
 
 impl Identified {
-    /// The wing's coefficients as a table: what was seen, and below zero lift its mirror; none where the wing, or its stall, was not seen.
-    pub fn polar(&self) -> Option<String> {
-        let (zero, slope) = (self.zero_lift_deg?.value, self.c_l_alpha?.value);
-        let (drag, cruise) = self.c_d_cruise?;
-        // Attached: a line, and a parabola through the drag of cruise, of a wing whose drag at zero lift is a part of it.
+    /// What was seen at this angle of attack behind the stall \[°\]: it, c_L and c_D; none where they are not known.
+    fn behind(&self, alpha: f64) -> Option<[f64; 3]> {
+        let near = |beyond: &&Beyond| (beyond.alpha_deg - alpha).abs() < 1.0;
+        let Beyond { c_l, c_d, .. } = self.beyond.iter().find(near)?;
+        let known = c_l.within < KNOWN && c_d.within < KNOWN && c_d.value > 0.0;
+        known.then_some([alpha, c_l.value, c_d.value])
+    }
+
+    /// Whether all is known of the wing up to [`PLATEAU`].
+    pub(super) fn stall_is_seen(&self) -> bool {
+        angles_behind()
+            .take_while(|alpha| *alpha <= PLATEAU)
+            .all(|alpha| self.behind(alpha).is_some())
+    }
+
+    /// The wing's coefficients as a table: what was seen, and below zero lift its mirror; none where the wing was not seen short of stall. What the flight does not
+    /// show of it is that of a wing of this aspect ratio, whose lift stays behind the stall what it was.
+    pub fn polar(&self, besides: &Besides) -> Option<WingSeen> {
+        let (at, c_l) = self.lift?;
+        let ratio = besides.ratio();
+        let slope = self.c_l_alpha.map_or(slope_of(ratio), |slope| slope.value);
+        let zero = at - (c_l.value / slope).to_degrees();
+        let (drag, cruise) = self
+            .c_d_cruise
+            .map_or((ASSUMED_DRAG, c_l.value), |(drag, c_l)| (drag.value, c_l));
+        // Attached: a line, and a parabola through the drag of cruise.
+        let induced = 1.0 / (PI * SPAN_EFFICIENCY * ratio);
+        let least = (drag - induced * cruise * cruise).max(0.3 * drag);
         let lift = |degrees: f64| slope * (degrees - zero).to_radians();
-        let induced = 0.3 * drag.value / cruise.powi(2).max(1e-3);
-        let drag_at = |degrees: f64| 0.7 * drag.value + induced * lift(degrees).powi(2);
         let last = ATTACHED.to_degrees();
         let mut rows: Vec<[f64; 3]> = Vec::new();
         let mut angle = zero.ceil();
         while angle < last {
-            rows.push([angle, lift(angle), drag_at(angle)]);
+            rows.push([angle, lift(angle), least + induced * lift(angle).powi(2)]);
             angle += 1.0;
         }
-        let mut next = last;
-        for Beyond {
-            alpha_deg: alpha,
-            c_l,
-            c_d,
-        } in &self.beyond
-        {
-            // Without a gap, and where both are known.
-            let known = c_l.within < 0.3 && c_d.within < 0.3 && c_d.value > 0.0;
-            if *alpha < last || *alpha - next > 15.0 || !known || *alpha > 90.0 {
-                continue;
+        for alpha in angles_behind() {
+            let [_, before, _] = *rows.last()?;
+            // Behind the stall the force is across the chord.
+            let assumed = [alpha, before, least + before * alpha.to_radians().tan()];
+            match self.behind(alpha) {
+                Some(seen) => rows.push(seen),
+                None if alpha <= PLATEAU => rows.push(assumed),
+                None => break,
             }
-            rows.push([*alpha, c_l.value, c_d.value]);
-            next = *alpha;
         }
-        // Lift that has not fallen shows no stall.
+        let end = *rows.last()?;
         let most = rows.iter().map(|row| row[1]).fold(0.0, f64::max);
-        if rows.last()?[1] > 0.9 * most {
-            return None;
-        }
+        let stall_deg = (end[1] > FALLEN * most).then_some(end[0]);
         let mirror = rows.iter().filter(|row| row[0] > zero + 0.5);
         let mirror: Vec<[f64; 3]> = mirror
             .map(|[alpha, c_l, c_d]| [2.0 * zero - alpha, -c_l, *c_d])
             .collect();
-        let mut text =
-            "# Identified from a flight; below zero lift its mirror: assumed.\nalpha_deg,cl,cd\n"
-                .to_owned();
+        let mut csv = format!(
+            "# For an aspect ratio of {ratio}: the whole wing, identified from a flight; below zero lift its mirror: assumed.\nalpha_deg,cl,cd\n"
+        );
         for [alpha, c_l, c_d] in mirror.iter().rev().chain(&rows) {
-            text += &format!("{alpha:.2},{c_l:.4},{:.5}\n", c_d.max(1e-3));
+            csv += &format!("{alpha:.2},{c_l:.4},{:.5}\n", c_d.max(1e-3));
         }
-        Some(text)
+        Some(WingSeen { csv, stall_deg })
     }
 
     /// The file that `new --from` takes: each number with its interval, or the word "assumed".
@@ -193,19 +248,37 @@ impl Identified {
             Actuators::Both => "both",
         };
         text += &format!("{:<28} # given\n", format!("actuators = \"{actuators}\""));
-        match self.polar() {
-            Some(_) => {
-                text += &format!(
-                    "{:<28} # measured, as far as it was seen\n",
-                    format!("section = \"{POLAR}\"")
+        let mut line = |what: String, source: &str| {
+            text += &format!("{what:<28} # {source}\n");
+        };
+        line(
+            format!("aspect_ratio = {}", besides.ratio()),
+            match besides.aspect_ratio {
+                Some(_) => "given",
+                None => "assumed: nobody says it",
+            },
+        );
+        match self.polar(besides) {
+            Some(WingSeen { stall_deg, .. }) => {
+                line(
+                    format!("section = \"{POLAR}\""),
+                    match (self.c_l_alpha, self.c_d_cruise) {
+                        (Some(_), Some(_)) => "measured, as far as it was seen",
+                        (Some(_), None) => "measured, but for the drag in cruise",
+                        (None, _) => "measured, but for the slope of c_L",
+                    },
                 );
+                if let Some(stall) = stall_deg {
+                    line(
+                        format!("stall_deg = {stall:.2}"),
+                        "assumed: as far as it was seen lift does not fall",
+                    );
+                }
             }
-            None => {
-                text += &format!(
-                    "{:<28} # assumed: the flight does not show the wing\n",
-                    format!("section = {:?}", besides.section)
-                );
-            }
+            None => line(
+                format!("section = {:?}", besides.section),
+                "assumed: the flight does not show the wing",
+            ),
         }
         text
     }
@@ -290,4 +363,87 @@ fn rounded(x: f64) -> String {
         _ => 3,
     };
     format!("{x:.digits$}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use alula_sim::polar::Polar;
+
+    fn measured(value: f64) -> Measured {
+        Measured {
+            value,
+            within: 0.05,
+        }
+    }
+
+    /// A flight that shows the wing short of stall alone: c_L of 0.3 at 4°, and c_D of 0.04 there.
+    fn short_of_stall() -> Identified {
+        Identified {
+            lift: Some((4.0, measured(0.3))),
+            c_d_cruise: Some((measured(0.04), 0.3)),
+            ..Identified::default()
+        }
+    }
+
+    fn besides(aspect_ratio: f64) -> Besides {
+        Besides {
+            actuators: Actuators::Elevons,
+            cruise_m_s: None,
+            aspect_ratio: Some(aspect_ratio),
+            section: "naca-0012".to_owned(),
+        }
+    }
+
+    fn polar(identified: &Identified, aspect_ratio: f64) -> (Polar, Option<f64>) {
+        let WingSeen { csv, stall_deg } = identified.polar(&besides(aspect_ratio)).unwrap();
+        (Polar::from_text("seen", &csv).unwrap(), stall_deg)
+    }
+
+    fn at(polar: &Polar, alpha: f64) -> [f64; 2] {
+        let rows = polar.degrees();
+        let n = rows.iter().position(|row| row[0] >= alpha).unwrap();
+        let [a, b] = [rows[n - 1], rows[n]];
+        let part = (alpha - a[0]) / (b[0] - a[0]);
+        [1, 2].map(|k| a[k] + part * (b[k] - a[k]))
+    }
+
+    /// What was measured short of stall is flown whether the flight shows the stall or not; the slope that is not measured is that of the aspect ratio, about the
+    /// angle at which the lift is known; and the table is that of a whole wing, which no lifting line makes another.
+    #[test]
+    fn what_was_seen_of_a_wing_is_kept() {
+        let (seen, stall) = polar(&short_of_stall(), 4.0);
+        assert_eq!(stall, Some(PLATEAU));
+        assert!(seen.is_of_wing());
+        let [c_l, c_d] = at(&seen, 4.0);
+        assert!((c_l - 0.3).abs() < 1e-3 && (c_d - 0.04).abs() < 1e-3);
+        let slope = |polar: &Polar| (at(polar, 6.0)[0] - at(polar, 2.0)[0]) / 4.0_f64.to_radians();
+        assert!((slope(&seen) - slope_of(4.0)).abs() < 0.02);
+        let steeper = Identified {
+            c_l_alpha: Some(measured(5.0)),
+            ..short_of_stall()
+        };
+        let (seen, _) = polar(&steeper, 4.0);
+        assert!((slope(&seen) - 5.0).abs() < 0.02 && (at(&seen, 4.0)[0] - 0.3).abs() < 1e-3);
+    }
+
+    /// Behind the stall what was seen is taken, with the angle where lift falls; what was not is across the chord.
+    #[test]
+    fn behind_the_stall_what_was_seen_is_taken() {
+        let beyond = |alpha_deg: f64, c_l: f64, c_d: f64| Beyond {
+            alpha_deg,
+            c_l: measured(c_l),
+            c_d: measured(c_d),
+        };
+        let (assumed, _) = polar(&short_of_stall(), 4.0);
+        let [c_l, c_d] = at(&assumed, 25.0);
+        assert!((c_d / c_l - 25.0_f64.to_radians().tan()).abs() < 0.06);
+        let falls = Identified {
+            beyond: vec![beyond(15.0, 0.9, 0.2), beyond(25.0, 0.6, 0.35)],
+            ..short_of_stall()
+        };
+        let (seen, stall) = polar(&falls, 4.0);
+        assert_eq!((at(&seen, 25.0), stall), ([0.6, 0.35], None));
+        assert!(falls.stall_is_seen() && !short_of_stall().stall_is_seen());
+    }
 }

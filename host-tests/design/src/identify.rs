@@ -7,7 +7,7 @@
 //! |---|---|
 //! | f_x | T_0/m (u − 0.75 J √u − 1.08 J²) + V² k_a/m (c_L sin α − c_D cos α), J = v_x/V_1 |
 //! | f_z | −V² k_a/m (c_L cos α + c_D sin α) + s ω̇_y |
-//! | c_L, c_D | short of stall c_L0 + c_Lα α, and one c_D; beyond it constants of each ten degrees |
+//! | c_L, c_D | short of stall c_L0 + c_Lα α, and one c_D; beyond it constants of each ten degrees, of flight that is not slower than the slipstream |
 //!
 //! The propeller is one of a family: C_T over advance ratio as small ones have it, V_1 being its tip's advance at full throttle over π. V_1 is
 //! searched, and V_1 is in the covariance by its derivative. The lag is that of the force along the nose in hover, by `thrust_lag`.
@@ -24,12 +24,12 @@ use nalgebra::{DMatrix, DVector};
 
 use super::drag::{Glide, drag};
 use super::flown::{ATTACHED, Flown, RATE, ROWS, Row, SLOW, around, flown, lagged};
-use super::forces::{BIN, FIXED, NO_THRUST, Propeller, Unknowns};
+use super::forces::{BIN, FIXED, GRAVITY, NO_THRUST, Propeller, Unknowns};
 use super::regression::{Fit, Measured, least_squares};
 use super::{rate_lag, thrust_lag};
 
 use super::identified::ASSUMED_LAG;
-pub use super::identified::{Besides, Beyond, Given, Identified, POLAR, Turn};
+pub use super::identified::{Besides, Beyond, Given, Identified, POLAR, Turn, WingSeen};
 
 /// Length of blocks whose residuals are taken for independent \[s\]: three times as long as gusts last at the wing.
 const BLOCK: f64 = 5.0;
@@ -38,13 +38,16 @@ const TURN: f64 = 10.0;
 /// Time \[s\] after which the residuals of a glide say something anew.
 const ANEW: f64 = 2.0;
 /// What the models themselves lack, shares of the value of 95 %: a battery that sags and a propeller of another family; elevons that trim another glide than
-/// cruise. Not less than the errors that simulated vehicles of three kinds show: the table of docs/your-vehicle.md.
-struct Lacking {
-    thrust: f64,
-    drag: f64,
+/// cruise.
+pub struct Lacking {
+    /// Of the static thrust over the weight.
+    pub thrust: f64,
+    /// Of c_D in cruise.
+    pub drag: f64,
 }
 
-const LACKING: Lacking = Lacking {
+/// Not less than flights of three kinds of simulated vehicles lack: `slow_vehicles_are_learned_from_their_flights` of the tests finds it.
+pub const LACKING: Lacking = Lacking {
     thrust: 0.07,
     drag: 0.2,
 };
@@ -60,8 +63,8 @@ const PREDICTED: f64 = 0.5;
 const SCATTERED: f64 = -5.0;
 /// Time in which the lift is averaged \[s\].
 const MEAN: f64 = 2.0;
-/// Standard gravity [m/s²].
-const GRAVITY: f64 = 9.81;
+/// Interval of c_L within which it is known.
+const KNOWN_LIFT: f64 = 0.2;
 
 /// The equations of a part of the rows, two to a row: regressors with the mean of the throttle and as it was told, and forces.
 struct Equations {
@@ -91,16 +94,16 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
     let thrust_lag_s = thrust_lag::thrust_lag(&hovered).filter(Measured::is_known);
     let lag = thrust_lag_s.map_or(ASSUMED_LAG, |time| time.value);
     let k = 0.5 * given.air_kg_m3 * given.wing_m2 / given.mass_kg;
-    let unknowns = Unknowns::of(&rows);
+    let unknowns = Unknowns::of(&rows, k);
     let begin = rows[0].t;
     let held_out = |row: &Row| ((row.t - begin) / TURN) as u64 % 3 == 2;
     let fitted = |row: &Row| !held_out(row);
     let all = |_: &Row| true;
-    let assembled = |lag: f64, propeller: Propeller, which: &dyn Fn(&Row) -> bool| {
-        let throttle = lagged(&rows, lag);
+    let throttle = lagged(&rows, lag);
+    let assembled = |propeller: Propeller, which: &dyn Fn(&Row) -> bool| {
         let mut x = [Vec::new(), Vec::new()];
         let (mut y, mut blocks, mut times) = (Vec::new(), Vec::new(), Vec::new());
-        for (row, throttle) in rows.iter().zip(throttle) {
+        for (row, &throttle) in rows.iter().zip(&throttle) {
             if !which(row) {
                 continue;
             }
@@ -128,39 +131,35 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
         }
     };
     // Without its derivative, the speed of the propeller is held.
-    let fit = |lag: f64, propeller: Propeller, which: &dyn Fn(&Row) -> bool| {
-        let of = assembled(lag, propeller, which);
+    let solve = |propeller: Propeller, which: &dyn Fn(&Row) -> bool| {
+        let of = assembled(propeller, which);
         least_squares(&of.mean, &of.told, &of.y, &of.blocks)
     };
-    let search = |lag: f64| {
-        let speeds = (0..24).map(|n| 12.0 * 1.13_f64.powi(n));
-        let tried = speeds.filter_map(|v1| {
-            let propeller = Propeller {
-                v1,
-                static_f: 0.0,
-                blown: 0.0,
-            };
-            let fit = fit(lag, propeller, &fitted)?;
-            let static_f = fit.estimate[0];
-            let propeller = Propeller {
-                static_f,
-                blown: BLOWN,
-                ..propeller
-            };
-            (static_f > 0.0).then_some((fit.squares, propeller))
-        });
-        let best = tried.min_by(|a, b| a.0.total_cmp(&b.0));
-        best.map(|(_, propeller)| propeller)
-    };
-    let propeller = search(lag)
+    let speeds = (0..24).map(|n| 12.0 * 1.13_f64.powi(n));
+    let tried = speeds.filter_map(|v1| {
+        let propeller = Propeller {
+            v1,
+            static_f: 0.0,
+            blown: 0.0,
+        };
+        let fit = solve(propeller, &fitted)?;
+        let static_f = fit.estimate[0];
+        let propeller = Propeller {
+            static_f,
+            blown: BLOWN,
+            ..propeller
+        };
+        (static_f > 0.0).then_some((fit.squares, propeller))
+    });
+    let (_, propeller) = tried
+        .min_by(|a, b| a.0.total_cmp(&b.0))
         .ok_or_else(|| anyhow::anyhow!("the regression has no answer: no thrust is seen"))?;
     let v1 = propeller.v1;
     let none = || anyhow::anyhow!("the regression has no answer");
-    let fit_with = fit;
-    let validated = fit_with(lag, propeller, &fitted).ok_or_else(none)?;
-    let fit = fit_with(lag, propeller, &all).ok_or_else(none)?;
+    let validated = solve(propeller, &fitted).ok_or_else(none)?;
+    let fit = solve(propeller, &all).ok_or_else(none)?;
     let [less, more] =
-        [0.0, 2.0 * BLOWN].map(|blown| fit_with(lag, Propeller { blown, ..propeller }, &all));
+        [0.0, 2.0 * BLOWN].map(|blown| solve(Propeller { blown, ..propeller }, &all));
     let (less, more) = less.zip(more).ok_or_else(none)?;
     // Nothing in a flight shows how much of the wing is in the slipstream: what that changes is in the interval.
     let washed = |of: &dyn Fn(&Fit) -> Measured| {
@@ -172,7 +171,7 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
     };
     let Equations {
         mean: x, y, times, ..
-    } = assembled(lag, propeller, &held_out);
+    } = assembled(propeller, &held_out);
     let predicted = &x * &validated.estimate;
     let share = |axis: usize| {
         let of =
@@ -238,10 +237,13 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
     let spread = angles.iter().copied().reduce(f64::max).unwrap_or(0.0)
         - angles.iter().copied().reduce(f64::min).unwrap_or(0.0);
     let wing = angles.len() >= 4 * ROWS && spread > 0.05;
-    let (mut c_l_0, mut c_l_alpha, mut zero_lift_deg, mut c_d_cruise) = (None, None, None, None);
+    let (mut lift, mut c_l_alpha, mut zero_lift_deg, mut c_d_cruise) = (None, None, None, None);
     if wing {
         let zero_lift = |fit: &Fit| fit.function(|e| (-e[2] / e[3]).to_degrees());
-        c_l_0 = Some(washed(&|fit| fit.measured(2)));
+        // Where errors of the line's height and slope have nothing to do with each other.
+        let best = -fit.covariance[(2, 3)] / fit.covariance[(3, 3)].max(1e-12);
+        let c_l = washed(&|fit| fit.function(|e| e[2] + e[3] * best));
+        lift = (c_l.within < KNOWN_LIFT).then_some((best.to_degrees(), c_l));
         c_l_alpha = known(washed(&|fit| fit.measured(3))).filter(|slope| slope.value > 0.0);
         zero_lift_deg = c_l_alpha.map(|_| washed(&zero_lift));
         let glided = glides(&rows, lag, NO_THRUST * v1, k);
@@ -287,9 +289,6 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
             }
         })
         .collect();
-    if beyond.len() < 4 {
-        missing.push("Coefficients behind the stall: two transitions there and back".to_owned());
-    }
 
     let rate_lag_s = rate_lag::rate_lag(&turned(&steps)).filter(Measured::is_known);
     if rate_lag_s.is_none() {
@@ -310,14 +309,14 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
         missing.push("Hover: ten seconds of it".to_owned());
     }
     let held_seconds = held_out.len() as f64 / RATE;
-    Ok(Identified {
+    let mut found = Identified {
         seconds: [rows.len() as f64 / RATE - held_seconds, held_seconds],
         thrust_to_weight,
         zero_thrust_speed_m_s: zero_thrust,
         thrust_lag_s,
         rate_lag_s,
         turn_rad_s2,
-        c_l_0,
+        lift,
         c_l_alpha,
         zero_lift_deg,
         c_d_cruise,
@@ -327,7 +326,14 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
         flown_m_s,
         held_out,
         missing,
-    })
+    };
+    if !found.stall_is_seen() {
+        found.missing.push(
+            "Coefficients behind the stall: two transitions there and back, of ten seconds and more each"
+                .to_owned(),
+        );
+    }
+    Ok(found)
 }
 
 /// What is flown on the wing, short of stall and steadily, while the propeller idles: `no_thrust` is the airspeed without thrust at full throttle [m/s],

@@ -34,7 +34,10 @@ pub struct Args {
     /// Speed of cruise (m/s) [default: that of the flight, on its wing]
     #[arg(long, value_name = "X")]
     cruise_m_s: Option<f64>,
-    /// Section for what the flight does not show of the wing
+    /// Aspect ratio of the wing: its span squared over its area [default: assumed to be 4]
+    #[arg(long, value_name = "X")]
+    aspect_ratio: Option<f64>,
+    /// Section of a wing that the flight does not show
     #[arg(long, value_name = "NAME|FILE", default_value = "naca-0012")]
     section: String,
     #[command(flatten)]
@@ -42,11 +45,14 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> anyhow::Result<()> {
-    for (name, value, [least, most]) in [
-        ("mass-kg", args.mass_kg, [0.01, 1e4]),
-        ("wing-m2", args.wing_m2, [1e-4, 1e3]),
-        ("air-kg-m3", args.air_kg_m3, [0.1, 10.0]),
-    ] {
+    let numbers = [
+        ("mass-kg", Some(args.mass_kg), [0.01, 1e4]),
+        ("wing-m2", Some(args.wing_m2), [1e-4, 1e3]),
+        ("air-kg-m3", Some(args.air_kg_m3), [0.1, 10.0]),
+        ("aspect-ratio", args.aspect_ratio, [0.5, 50.0]),
+    ];
+    for (name, value, [least, most]) in numbers {
+        let Some(value) = value else { continue };
         ensure!(
             (least..=most).contains(&value),
             "--{name}: {value} is not from {least} to {most}"
@@ -65,6 +71,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let besides = Besides {
         actuators: args.actuators,
         cruise_m_s: args.cruise_m_s,
+        aspect_ratio: args.aspect_ratio,
         section: args.section.clone(),
     };
     let name = args.log.file_stem().unwrap_or_default();
@@ -73,8 +80,8 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let known = vehicle.known(&given, &besides, vehicle.flown_m_s.unwrap_or(15.0));
     let file = out.join("known.toml");
     leave_all(&file, &known)?;
-    if let Some(polar) = vehicle.polar() {
-        leave_all(&out.join(POLAR), polar)?;
+    if let Some(wing) = vehicle.polar(&besides) {
+        leave_all(&out.join(POLAR), wing.csv)?;
     }
     let mut notes = states.notes;
     notes.push(format!(

@@ -13,8 +13,11 @@ use crate::plant::Command;
 const STEPS: [f64; 2] = [1.0, 5.0];
 /// Where the step changes \[°\].
 const FINE: f64 = 30.0;
-/// Step of the rate with which the lag is measured \[rad/s\].
+/// Step of the rate with which the lag is measured \[rad/s\], and the part of it that a lag of first order makes in its time.
 const STEP: f64 = 0.2;
+const PART: f64 = 0.632;
+/// Time in which the integral of a rate loop has trimmed a hover \[s\].
+const TRIM: f64 = 3.0;
 
 /// The quantities of a belief: of the whole vehicle without slipstream, elevons at rest.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,7 +30,7 @@ pub struct Belief {
     pub polar: Vec<[f64; 3]>,
     /// Static thrust at full throttle, on the battery that sags \[N\].
     pub thrust_max_n: f64,
-    /// Time until 63 % of a step of the pitch rate is there, in hover \[s\].
+    /// Time until 63 % of a step of the pitch rate is there, in a hover that is trimmed \[s\].
     pub rate_lag_s: f64,
     /// Lag of the motors' speed \[s\].
     pub thrust_lag_s: f64,
@@ -66,7 +69,7 @@ impl Belief {
             c_y: -force(V3::new(cos, sin, 0.0)).y / sin,
             polar,
             thrust_max_n: vehicle.static_thrust() * (1.0 - spec.motors.sag).powi(2),
-            rate_lag_s: rate_lag(&vehicle),
+            rate_lag_s: rate_lag(&vehicle, STEP),
             thrust_lag_s: spec.motors.lag_s,
             authority: authority(&vehicle),
         }
@@ -88,21 +91,34 @@ fn angles() -> impl Iterator<Item = f64> {
     })
 }
 
-/// Time until 63 % of a step of the pitch rate is there, in hover \[s\]; at most 1 s.
-fn rate_lag(vehicle: &TailSitter) -> f64 {
+/// Time until 63 % of a `step` of the pitch rate [rad/s] is there, in hover, of a vehicle that is held at rest and whose loop has trimmed it \[s\]; at most 1 s.
+fn rate_lag(vehicle: &TailSitter, step: f64) -> f64 {
     let dt = 1.0 / vehicle.spec().rate_loop.rate_hz;
-    let weight = vehicle.spec().mass_kg * GRAVITY;
-    let command = Command {
-        thrust: weight,
-        rates: V3::new(0.0, STEP, 0.0),
+    let held = vehicle.hover();
+    let mut state = held;
+    let mut rate = |pitch: f64| {
+        let command = Command {
+            thrust: vehicle.spec().mass_kg * GRAVITY,
+            rates: V3::new(0.0, pitch, 0.0),
+        };
+        state = TailSitterState {
+            position: held.position,
+            velocity: held.velocity,
+            attitude: held.attitude,
+            ..vehicle.step(&state, &command, V3::zeros(), dt)
+        };
+        state.rates.y
     };
-    let mut state = vehicle.hover();
-    let mut t = 0.0;
-    while t < 1.0 && state.rates.y < 0.63 * STEP {
-        state = vehicle.step(&state, &command, V3::zeros(), dt);
-        t += dt;
+    let periods = |seconds: f64| (seconds / dt).round() as usize;
+    let mut last = (0..periods(TRIM)).fold(0.0, |_, _| rate(0.0));
+    for period in 0..periods(1.0) {
+        let next = rate(step);
+        if next / step >= PART {
+            return dt * (period as f64 + (PART * step - last) / (next - last));
+        }
+        last = next;
     }
-    t
+    1.0
 }
 
 /// What turns it in pitch: moments of elevons and of motors in hover and in a glide, of the wing across the flow, and the propellers' geometry.
@@ -184,6 +200,23 @@ impl TailSitterState {
             rate_loop: super::RateLoopState::default(),
             targets: super::Targets::default(),
             tick: 0.0,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::tail_sitter::VEHICLES;
+
+    /// A loop that is trimmed answers alike up and down: one whose integral is still finding its trim makes a step one way in a third of the time that it takes the other
+    /// way.
+    #[test]
+    fn a_trimmed_loop_answers_alike_up_and_down() {
+        for (name, text) in VEHICLES {
+            let vehicle = TailSitter::new(toml::from_str(text).unwrap(), None);
+            let [up, down] = [STEP, -STEP].map(|step| rate_lag(&vehicle, step));
+            assert!((up / down - 1.0).abs() < 0.02, "{name}: {up}, {down}");
         }
     }
 }
