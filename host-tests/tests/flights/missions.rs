@@ -366,10 +366,12 @@ const WEATHERS: [Weather; 3] = [
     },
 ];
 
-/// Vehicles: what they are called, how many kinds of them take turns, in how many of the weathers they keep to the bounds, and how one is drawn.
+/// Vehicles: what they are called, how many kinds of them take turns, in how many of the weathers they stall no more often than is allowed, and keep
+/// to all bounds, and how one is drawn.
 struct Fleet<Draw> {
     name: &'static str,
     kinds: u64,
+    unstalled: usize,
     kept: usize,
     draw: Draw,
 }
@@ -412,10 +414,11 @@ where
         );
         println!("{row}");
         assert_eq!(lost, 0, "{row}");
+        let stalled = crossing > weather.crossing + 1.0 / count;
+        assert!(n >= fleet.unstalled || !stalled, "{row}");
         if n >= fleet.kept {
             continue;
         }
-        assert!(crossing <= weather.crossing + 1.0 / count, "{row}");
         assert!(thrust <= weather.thrust, "{row}");
         assert!(
             across <= weather.across && height <= weather.height,
@@ -432,6 +435,7 @@ fn work_is_flown_at_its_airspeed_without_crossing_the_stall() {
     let fleet = Fleet {
         name: "five by rule",
         kinds: 5,
+        unstalled: 3,
         kept: 3,
         draw: by_rule,
     };
@@ -441,15 +445,16 @@ fn work_is_flown_at_its_airspeed_without_crossing_the_stall() {
 /// The same by vehicles that people own. The table of `docs/missions.md` says by how much they are beyond the bounds where they do not keep to them.
 #[test]
 fn work_is_flown_so_by_vehicles_that_people_own() {
-    for (name, kept) in [
-        ("small-flying-wing", 1),
-        ("mapping", 3),
-        ("biplane", 0),
-        ("heavy", 1),
+    for (name, unstalled, kept) in [
+        ("small-flying-wing", 1, 1),
+        ("mapping", 3, 3),
+        ("biplane", 0, 0),
+        ("heavy", 2, 0),
     ] {
         let fleet = Fleet {
             name,
             kinds: 1,
+            unstalled,
             kept,
             draw: |random: &mut ChaCha8Rng, number: u64, turbulence: f64| {
                 of_kind(name, random, number, turbulence)
