@@ -104,7 +104,7 @@ rules! { known, default;
         "Holds an angle of 7° and more against a belief that is wrong.";
     max_lateral_acceleration = default.max_lateral_acceleration,
         "The guidance itself stays below what thrust and wing carry.";
-    max_rate = math::min(default.max_rate, math::sqrt((0.056 * known.authority).abs())),
+    max_rate = greatest_rate(known.authority),
         "Crosses the stall in half a second; the plans of the guidance are laid out for it. Less where the surfaces could not stop it within 2°.";
     max_slew = math::min(
         math::clamp(3.0 / known.rate_lag, default.max_slew, 2.0 * default.max_slew),
@@ -127,6 +127,12 @@ rules! { known, default;
         "No gust grows so fast.";
     safe_thrust = default.safe_thrust,
         "Hover thrust less a twentieth, for when inputs have failed for longer than `hold`. In hover the vehicle keeps its attitude and sinks, where its mass is known at 2.4 m/s after 5 s and at 7 m/s after 15 s. With the nose forward it glides. Zero cuts the thrust.";
+}
+
+/// The rule of `max_rate` [rad/s], from the angular acceleration in pitch that there is in hover [rad/s²].
+pub(crate) fn greatest_rate(authority: f32) -> f32 {
+    let held = math::sqrt((0.056 * authority).abs());
+    math::min(GuidanceParameters::DEFAULT.max_rate, held)
 }
 
 impl GuidanceParameters {

@@ -34,6 +34,7 @@ mod wrap;
 
 pub use crate::control::{Branch, Margin};
 pub use bandwidth::{BandwidthGains, GainChoice};
+pub(crate) use for_vehicle::greatest_rate;
 pub use for_vehicle::{REASONS, ResponseParameters};
 pub use goal::{Goal, GoalOutput, GoalState, Goals, Preferences};
 pub use hardened::{Hardened, HardenedState};

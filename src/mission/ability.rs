@@ -3,7 +3,7 @@
 use crate::aero::{Aerodynamics, Stall};
 use crate::air::AngleOfAttack;
 use crate::control::Guard;
-use crate::guidance::takeover;
+use crate::guidance::{greatest_rate, takeover};
 use crate::math;
 use crate::vehicle::Vehicle;
 
@@ -18,6 +18,11 @@ const CLIMB_SHARE: f32 = 0.7;
 const LIFT_SHARE: f32 = 0.7;
 /// Acceleration of turns in hover, where thrust alone makes them [m/s²].
 const HOVER_TURN: f32 = 2.0;
+/// Part of the greatest rate of the guidance by rule that a path lets it bank with, and the least [rad/s]. The rest is for gusts.
+const ROLL_SHARE: f32 = 0.8;
+const LEAST_ROLL: f32 = 0.05;
+/// Half of the longest time in which the bank of a path's turns goes from one side to the other \[s\].
+const BANKING: f32 = 0.5;
 /// Part of the speed from which on the air alone has a say in the course at which a heading has as much: the guard is ½ at 1/√3.
 const EQUAL: f32 = 0.577_350_26;
 /// Step of the search for an angle of attack, half a degree \[rad\], and how many: up to 30°, where every wing has stalled.
@@ -36,6 +41,8 @@ pub(super) struct Ability {
     thrust: [f32; SPEEDS],
     gravity: f32,
     weight: f32,
+    /// How fast paths let it bank [rad/s].
+    roll: f32,
     /// Greatest wind to hover in, and to land and take off in [m/s]: there the wing is kept along it besides.
     pub hover_wind: f32,
     pub landing_wind: f32,
@@ -73,6 +80,8 @@ impl Ability {
         let most_lift = math::max(Stall::of(vehicle.model()).c_l, 1e-3);
         let stall_speed = math::sqrt((vehicle.weight() / (vehicle.k_a() * most_lift)).abs());
         let takeover = takeover(vehicle);
+        let in_hover = (vehicle.authority()).in_hover(vehicle.weight(), vehicle.thrust_max());
+        let rate = greatest_rate(in_hover);
         let hover_wind = vehicle.hover_wind(FIRST * stall_speed);
         let empty = Self {
             stall_speed,
@@ -80,6 +89,7 @@ impl Ability {
             thrust: [0.0; SPEEDS],
             gravity: vehicle.gravity(),
             weight: vehicle.weight(),
+            roll: math::max(ROLL_SHARE * rate, LEAST_ROLL),
             hover_wind,
             landing_wind: math::min(hover_wind, EQUAL * takeover.tau()),
             takeover,
@@ -173,6 +183,17 @@ impl Ability {
         )
     }
 
+    /// Acceleration to the side [m/s²] of the turns of a path: as [`turn`](Self::turn), and no more than it banks for between two turns.
+    pub fn turn_of_paths(&self, airspeed: f32, tan_bank: f32) -> f32 {
+        let most = self.gravity * self.roll * BANKING;
+        math::min(self.turn(airspeed, tan_bank), most)
+    }
+
+    /// Half of the time \[s\] in which a bank for an acceleration to the side [m/s²] goes from one side to the other.
+    pub fn banking(&self, turn: f32) -> f32 {
+        turn / (self.gravity * self.roll)
+    }
+
     /// How much more the air has to say in the course than a heading that is asked for, at an airspeed [m/s].
     pub fn air_over_heading(&self, airspeed: f32) -> f32 {
         let air = self.takeover.mu(airspeed);
@@ -233,6 +254,23 @@ mod tests {
                 ability.drag(speed)
             );
         }
+    }
+
+    /// The turns of a path are banked for within a second, by what turns the vehicle: in hover 9.8 rad/s² make a rate of 0.74 rad/s.
+    #[test]
+    fn who_banks_slowly_turns_wider() {
+        let wing = Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap();
+        let slow = VehicleParameters::PAPER.authority(9.8);
+        let slow = Ability::new(&Vehicle::new(slow, wing).unwrap());
+        let fast = Ability::new(&vehicle());
+        assert_eq!(fast.turn_of_paths(22.0, 0.5), fast.turn(22.0, 0.5));
+        let turn = slow.turn_of_paths(22.0, 0.5);
+        assert!((turn - 9.81 * 0.8 * 0.74 * 0.5).abs() < 0.02, "{turn}");
+        assert!((slow.banking(turn) - 0.5).abs() < 1e-3);
+        assert!(fast.banking(fast.turn(22.0, 0.5)) < 0.25);
+        let none = VehicleParameters::PAPER.authority(0.0);
+        let none = Ability::new(&Vehicle::new(none, wing).unwrap());
+        assert!(none.turn_of_paths(22.0, 0.5) > 0.2);
     }
 
     #[test]

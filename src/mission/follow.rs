@@ -2,7 +2,7 @@
 
 use super::ability::Ability;
 use super::parameters::MissionParameters;
-use super::segment::{Path, level, right_of};
+use super::segment::{Path, Segment, level, right_of};
 use super::triangle::Triangle;
 use crate::math;
 use crate::ned::Ned;
@@ -10,8 +10,8 @@ use crate::ned::Ned;
 /// Part of the drag that a slower airspeed may ask for.
 const DRAG_SHARE: f32 = 0.8;
 
-/// How far ahead the turn is looked for \[s\]: about the time in which a vehicle banks.
-const LEAD: f32 = 0.22;
+/// How far ahead a bank is asked for \[s\]: about the time in which it begins.
+const LEAD: f32 = 0.13;
 
 /// How a path is being flown.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -22,6 +22,8 @@ pub(super) struct FollowState {
     pub airspeed: f32,
     /// Part of the air velocity along the course that is asked for so far: from hover it grows to 1.
     part: f32,
+    /// Half of the time in which the bank of the path goes from one side to the other \[s\]: it begins so long before a bend, and ends so long behind.
+    pub banking: f32,
 }
 
 /// Where the vehicle is, and the wind.
@@ -56,6 +58,7 @@ impl FollowState {
             path,
             airspeed,
             part: 1.0,
+            banking: 0.0,
         };
         let (nearest, _) = { begun.path }.advance(seen.position);
         if let Some(triangle) = Triangle::new(airspeed, seen.wind, nearest.along) {
@@ -69,6 +72,17 @@ impl FollowState {
     /// Whether it is flown at the `wanted` airspeed [m/s], and not on the way to it.
     pub fn is_settled(&self, wanted: f32) -> bool {
         self.part >= 1.0 && (self.airspeed - wanted).abs() < 0.02 * wanted
+    }
+
+    /// Time before its end from which on the path after it is to be known \[s\]: its first turn is banked for.
+    pub fn lead(&self) -> f32 {
+        LEAD + self.banking
+    }
+
+    /// What is left of the path at this speed [m/s], where the next one is flown behind it.
+    pub fn rest(&self, speed: f32) -> Option<Segment> {
+        // A step more than from where on it is looked for.
+        self.path.rest(1.5 * self.lead() * speed)
     }
 
     /// Another path, flown as fast as the last.
@@ -101,7 +115,7 @@ impl FollowState {
         let growth = math::clamp(1.0 - self.part, 0.0, p.acceleration * dt / triangle.air);
         self.part += growth;
         let speed = triangle.ground(self.part);
-        let rate = speed * self.path.curvature(LEAD * speed);
+        let rate = speed * self.path.curvature(LEAD * speed, self.banking * speed);
         let gain = if dt > 0.0 {
             growth / dt * triangle.air
         } else {

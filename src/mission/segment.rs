@@ -1,8 +1,12 @@
-//! A path over ground: up to three lines and arcs, and the place on it nearest to the vehicle.
+//! A path over ground: up to four lines and arcs, and the place on it nearest to the vehicle.
 
 use crate::math::{self, PI};
 use crate::ned::Ned;
 
+/// What is shorter \[m\] is rounding.
+const SHORT: f32 = 1.0;
+/// Segments of a path.
+const SEGMENTS: usize = 4;
 /// Greatest length of a segment \[m\]: an arc that does not end.
 pub(super) const ENDLESS: f32 = 1e9;
 
@@ -113,11 +117,11 @@ impl Segment {
     }
 }
 
-/// Up to three segments, and how far along them the vehicle is.
+/// What is left of the path before it, up to three segments, and how far along them the vehicle is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct Path {
-    segments: [Segment; 3],
+    segments: [Segment; SEGMENTS],
     /// The one that is flown, and the unit vector along it where it begins.
     at: u8,
     start: Ned,
@@ -135,8 +139,7 @@ impl Default for Path {
 }
 
 impl Path {
-    pub fn new(segments: [Segment; 3]) -> Self {
-        let [first, second, third] = segments;
+    pub fn new([first, second, third]: [Segment; 3]) -> Self {
         let ending = |segment: Segment| {
             if segment.length < ENDLESS {
                 segment.length
@@ -144,14 +147,49 @@ impl Path {
                 0.0
             }
         };
+        // Nothing comes before it, and what comes first is gone on from.
+        let none = Segment {
+            length: 0.0,
+            ..first
+        };
         Self {
-            segments,
+            segments: [none, first, second, third],
             at: 0,
             start: along(first.from.course),
             way: 0.0,
-            after: ending(second) + ending(third),
+            after: ending(first) + ending(second) + ending(third),
             turns: 0.0,
         }
+    }
+
+    /// Whether nothing comes after the segment that is flown, or no more than rounding.
+    pub fn is_final(&self) -> bool {
+        self.after < SHORT && self.segment().length < ENDLESS
+    }
+
+    /// What is left of the segment that is flown, if nothing comes after it and that is less than `most` \[m\].
+    pub fn rest(&self, most: f32) -> Option<Segment> {
+        let segment = self.segment();
+        let left = math::max(segment.length - self.way, 0.0);
+        (self.is_final() && left < most).then(|| Segment {
+            from: segment.at(self.way),
+            length: left,
+            ..*segment
+        })
+    }
+
+    /// The path with a segment before it, at whose end it begins.
+    pub fn behind(mut self, segment: Segment) -> Self {
+        let [rest, ..] = &mut self.segments;
+        *rest = segment;
+        self.start = along(segment.from.course);
+        self
+    }
+
+    /// Its greatest curvature to either side \[1/m\].
+    pub fn tightest(&self) -> f32 {
+        let tighter = |most: f32, s: &Segment| math::max(most, s.curvature.abs());
+        self.segments.iter().fold(0.0, tighter)
     }
 
     /// Goes on to the next segment.
@@ -166,34 +204,50 @@ impl Path {
 
     /// Whether the last segment is flown.
     pub fn is_last(&self) -> bool {
-        self.at >= 2
+        usize::from(self.at) + 1 >= SEGMENTS
     }
 
     /// The segment that is flown.
     pub fn segment(&self) -> &Segment {
-        let [first, second, third] = &self.segments;
+        let [rest, first, second, third] = &self.segments;
         match self.at {
-            0 => first,
-            1 => second,
+            0 => rest,
+            1 => first,
+            2 => second,
             _ => third,
         }
     }
 
-    /// The curvature `ahead` \[m\] of the vehicle.
-    pub fn curvature(&self, ahead: f32) -> f32 {
-        let mut way = self.way + ahead;
-        if way < self.segment().length {
-            return self.segment().curvature;
+    /// The mean curvature from `half` \[m\] before to as much behind a place `ahead` \[m\] of the vehicle \[1/m\]. Before its beginning the path is as
+    /// there, behind its end straight.
+    #[inline]
+    pub fn curvature(&self, ahead: f32, half: f32) -> f32 {
+        let (first, last) = (self.way + ahead - half, self.way + ahead + half);
+        let Segment {
+            curvature, length, ..
+        } = *self.segment();
+        if (self.at == 0 || first >= 0.0) && last < length {
+            return curvature;
         }
+        self.mean_curvature(first, last)
+    }
+
+    /// The mean curvature between two ways along the segment that is flown \[m\].
+    #[cold]
+    fn mean_curvature(&self, first: f32, last: f32) -> f32 {
+        let before = self.segments.iter().take(usize::from(self.at));
+        let mut from = -before.map(|segment| segment.length).sum::<f32>();
+        let mut sum = 0.0;
         for (n, segment) in self.segments.iter().enumerate() {
-            if n >= usize::from(self.at) {
-                if way < segment.length {
-                    return segment.curvature;
-                }
-                way -= segment.length;
-            }
+            let begins = if n == 0 {
+                first
+            } else {
+                math::max(from, first)
+            };
+            from += segment.length;
+            sum += segment.curvature * math::max(math::min(from, last) - begins, 0.0);
         }
-        self.segment().curvature
+        sum / math::max(last - first, 1e-3)
     }
 
     /// Turns on an arc that does not end.
@@ -205,7 +259,7 @@ impl Path {
     #[inline]
     pub fn advance(&mut self, x: Ned) -> (Nearest, bool) {
         let mut last = self.way;
-        for _ in 0..3 {
+        for _ in 0..SEGMENTS {
             if self.is_last() || last < self.segment().length {
                 break;
             }
@@ -268,6 +322,65 @@ mod tests {
                 assert!((nearest.along - along(course)).norm_squared() < 1e-6);
             }
         }
+    }
+
+    /// Over a bend from right to left the curvature asked for goes evenly from one to the other, and what is left of the path before it counts.
+    #[test]
+    fn a_bend_is_flown_by_its_mean() {
+        let from = Pose::default();
+        let arc = |from: Pose, curvature: f32| Segment {
+            from,
+            curvature,
+            length: 50.0,
+        };
+        let first = arc(from, 0.02);
+        let second = arc(first.end(), -0.02);
+        let third = arc(second.end(), -0.02);
+        let mut path = Path::new([first, second, third]);
+        for (way, mean) in [(20.0, 0.02), (45.0, 0.01), (50.0, 0.0), (60.0, -0.02)] {
+            path.advance(first.at(f32::min(way, 49.9)).place);
+            let ahead = way - path.way;
+            assert!((path.curvature(ahead, 10.0) - mean).abs() < 1e-6, "{way}");
+        }
+        // At its end it goes on straight.
+        assert!((path.curvature(150.0 - path.way, 10.0) + 0.01).abs() < 1e-5);
+        // A line of 30 m before it.
+        let line = Segment {
+            from: Pose {
+                place: Ned::new(-30.0, 0.0, 0.0),
+                course: 0.0,
+            },
+            curvature: 0.0,
+            length: 30.0,
+        };
+        let path = Path::new([first, second, third]).behind(line);
+        assert_eq!(path.curvature(10.0, 10.0), 0.0);
+        assert!((path.curvature(30.0, 10.0) - 0.01).abs() < 1e-6);
+        assert_eq!(path.left(), 180.0);
+    }
+
+    /// What is left is there near the end, and not where a bend, or no end, comes after it.
+    #[test]
+    fn the_rest_of_a_path_is_that_of_its_last_segment() {
+        let line = |north: f32, length: f32| Segment {
+            from: Pose {
+                place: Ned::new(north, 0.0, 0.0),
+                course: 0.0,
+            },
+            curvature: 0.0,
+            length,
+        };
+        let mut path = Path::new([line(0.0, 50.0), line(50.0, 100.0), line(150.0, 0.0)]);
+        path.advance(Ned::new(40.0, 0.0, 0.0));
+        assert_eq!(path.rest(200.0), None);
+        path.advance(Ned::new(130.0, 3.0, 0.0));
+        let rest = path.rest(25.0).unwrap();
+        assert!((rest.length - 20.0).abs() < 1e-3);
+        assert!((rest.end().place.north - 150.0).abs() < 1e-3);
+        assert_eq!(path.rest(15.0), None);
+        let mut endless = Path::new([line(0.0, 0.0), line(0.0, 0.0), line(0.0, ENDLESS)]);
+        endless.advance(Ned::new(10.0, 0.0, 0.0));
+        assert_eq!(endless.rest(2.0 * ENDLESS), None);
     }
 
     /// A loiter counts its turns, and stays on its circle.

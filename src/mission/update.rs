@@ -8,7 +8,7 @@ use super::item::{Item, Mission, MissionError, Pass, Until};
 use super::output::{Activity, Gate, MissionOutput, MissionProgress, Remark};
 use super::parameters::MissionParameters;
 use super::response::{Response, Responses, Troubles};
-use super::segment::{Pose, along, level, right_of};
+use super::segment::{Pose, Segment, along, level, right_of};
 use super::triangle::Triangle;
 use super::turns;
 use crate::aero::Aerodynamics;
@@ -168,9 +168,8 @@ pub struct MissionState {
     time: f32,
     active: f32,
     there: f32,
-    /// How long it has been off its path \[s\], and by how much to the right \[m\].
+    /// How long it has been off its path \[s\].
     off_path: f32,
-    right: f32,
     corner: bool,
     follow: FollowState,
     height: HeightReference,
@@ -580,7 +579,7 @@ impl Missions {
     fn turn_radius(&self, state: &MissionState) -> f32 {
         let speed = math::max(state.speed, self.ability.least_speed());
         let ground = speed + level(state.wind);
-        ground * ground / self.ability.turn(speed, self.tan_bank)
+        ground * ground / self.ability.turn_of_paths(speed, self.tan_bank)
     }
 
     /// Way in which hover is reached from a speed [m/s].
@@ -605,7 +604,9 @@ impl Missions {
             return Pose { place, course };
         }
         let (nearest, _) = { state.follow.path }.advance(seen.position);
-        if nearest.right.abs() < ASTRAY {
+        if let Some(rest) = self.rest(state, seen) {
+            rest.end()
+        } else if nearest.right.abs() < ASTRAY {
             Pose {
                 place: place - right_of(nearest.along) * nearest.right,
                 course: towards(nearest.along),
@@ -614,6 +615,13 @@ impl Missions {
             let course = towards(seen.velocity);
             Pose { place, course }
         }
+    }
+
+    /// What is left of a path whose end is near, and which is flown to there.
+    fn rest(&self, state: &MissionState, seen: &Seen) -> Option<Segment> {
+        let rest = state.follow.rest(level(seen.velocity))?;
+        let (nearest, _) = { state.follow.path }.advance(seen.position);
+        (nearest.right.abs() < ASTRAY).then_some(rest)
     }
 
     /// Flies the path that `lay` lays from a pose with a radius of turns.
@@ -625,14 +633,18 @@ impl Missions {
     ) {
         let path = lay(self.pose(state, seen), self.turn_radius(state));
         if state.activity == Activity::Flying {
-            state.follow.turn_to(path);
+            let rest = self.rest(state, seen);
+            state
+                .follow
+                .turn_to(rest.map_or(path, |rest| path.behind(rest)));
         } else {
             let speed = math::max(state.speed, self.ability.least_speed());
             state.follow = FollowState::begin(path, speed, seen);
             state.height = HeightReference::at(seen.position, seen.velocity);
             state.enter(Activity::Flying);
         }
-        state.right = 0.0;
+        let speed = math::max(state.speed, self.ability.least_speed());
+        state.follow.banking = self.ability.banking(speed * speed * path.tightest());
     }
 
     /// Whether the wing carries it now.
@@ -1033,7 +1045,10 @@ impl Missions {
     ) {
         let at_height = (state.target.down - seen.position.down).abs() < NEAR;
         match state.task {
-            Task::Pass if followed.ended => {
+            Task::Pass
+                if out.progress.time_to_go < state.follow.lead()
+                    && state.follow.path.is_final() =>
+            {
                 if at_height {
                     state.done(state.target);
                 } else {

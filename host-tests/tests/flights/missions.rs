@@ -106,6 +106,12 @@ impl Frozen {
     }
 }
 
+/// How far it is from its path \[m\], level and across its course: along it what is measured is behind.
+fn across_course(step: &Step) -> f64 {
+    let course = step.target.velocity.xy();
+    step.position_error().xy().perp(&course).abs() / course.norm().max(1e-6)
+}
+
 fn fly(experiment: &Experiment) -> Flown {
     let mut controller = experiment.controller().unwrap();
     let mut flight = Flown::default();
@@ -132,7 +138,7 @@ fn fly(experiment: &Experiment) -> Flown {
             }
             flight.thrust[0] += step.truth.thrust;
             flight.thrust[1] += f64::from(progress.steady_thrust);
-            across.push(step.position_error().xy().norm());
+            across.push(across_course(step));
             height.push(step.altitude().abs());
             load.push(step.load_factor / needed);
             gust_load.push(1.0 + gust / needed);
@@ -231,6 +237,43 @@ fn by_rule(random: &mut ChaCha8Rng, number: u64, turbulence: f64) -> (Document, 
     (document, speed)
 }
 
+/// Most wind over the airspeed: that of the lightest by rule in 8 m/s.
+const MOST_WIND: f64 = 0.6;
+
+/// A vehicle of a kind with an autopilot's estimates, in wind of 3 to 8 m/s from anywhere, as far as its airspeed allows; its speed of cruise.
+fn of_kind(kind: &str, random: &mut ChaCha8Rng, number: u64, turbulence: f64) -> (Document, f64) {
+    let mut document = Document::load("tail-sitter").unwrap();
+    set(&mut document, &[format!("plant.vehicle=\"{kind}\"")]);
+    let speed = document.number("plant.vehicle.cruise_speed_m_s").unwrap();
+    let wind = if turbulence > 1.0 {
+        random.random_range(3.0..f64::min(8.0, MOST_WIND * speed))
+    } else {
+        0.0
+    };
+    let from: f64 = random.random_range(0.0..std::f64::consts::TAU);
+    let weight = document.number("plant.vehicle.mass_kg").unwrap() * 9.81;
+    set(
+        &mut document,
+        &[
+            format!(
+                "weather.steady_m_s=[{},{},0.0]",
+                wind * from.cos(),
+                wind * from.sin()
+            ),
+            format!(
+                "weather.turbulence={{ wind_at_20_ft_m_s = {}, height_m = 50.0 }}",
+                turbulence.max(1e-3)
+            ),
+            format!(
+                "initial={{ theta_deg = -86.0, thrust_n = {}, velocity_m_s = [{speed}, 0.0, 0.0], course_deg = 0.0 }}",
+                0.15 * weight
+            ),
+            format!("seed={number}"),
+        ],
+    );
+    (document, speed)
+}
+
 /// A loiter, or legs past corners, or a survey over its lines: by number.
 fn work(random: &mut ChaCha8Rng, kind: u64, speed: f64) -> String {
     let length = 12.0 * speed;
@@ -283,22 +326,69 @@ fn work(random: &mut ChaCha8Rng, kind: u64, speed: f64) -> String {
     }
 }
 
-/// The work at a constant airspeed, in calm and in turbulence.
-#[test]
-fn work_is_flown_at_its_airspeed_without_crossing_the_stall() {
-    let mut table = String::new();
-    // Wind at 20 ft [m/s]; most flights that cross the stall; thrust over steady flight; across, height [m].
-    for (name, turbulence, bounds) in [
-        ("calm", 0.0, (0.0, 1.05, 0.5, 0.3)),
-        ("light", 7.7, (0.01, 1.1, 1.0, 0.5)),
-        ("moderate", 15.4, (0.10, 1.2, 2.0, 1.0)),
-    ] {
-        let all: Vec<Flown> = flights(15)
+/// Weather: its name, the wind at 20 ft [m/s], and the bounds of the work in it.
+struct Weather {
+    name: &'static str,
+    turbulence: f64,
+    /// Most flights that cross the stall.
+    crossing: f64,
+    /// Thrust over that of steady flight.
+    thrust: f64,
+    /// Across, in height \[m\].
+    across: f64,
+    height: f64,
+}
+
+const WEATHERS: [Weather; 3] = [
+    Weather {
+        name: "calm",
+        turbulence: 0.0,
+        crossing: 0.0,
+        thrust: 1.05,
+        across: 0.5,
+        height: 0.3,
+    },
+    Weather {
+        name: "light",
+        turbulence: 7.7,
+        crossing: 0.01,
+        thrust: 1.1,
+        across: 1.0,
+        height: 0.5,
+    },
+    Weather {
+        name: "moderate",
+        turbulence: 15.4,
+        crossing: 0.10,
+        thrust: 1.2,
+        across: 2.0,
+        height: 1.0,
+    },
+];
+
+/// Vehicles: what they are called, how many kinds of them take turns, in how many of the weathers they stall no more often than is allowed, and keep
+/// to all bounds, and how one is drawn.
+struct Fleet<Draw> {
+    name: &'static str,
+    kinds: u64,
+    unstalled: usize,
+    kept: usize,
+    draw: Draw,
+}
+
+/// Flies the work of all numbers in each weather. Nobody is lost, and the bounds are kept.
+fn at_constant_airspeed<Draw>(fleet: &Fleet<Draw>, numbers: std::ops::Range<u64>)
+where
+    Draw: Fn(&mut ChaCha8Rng, u64, f64) -> (Document, f64) + Sync,
+{
+    for (n, weather) in WEATHERS.iter().enumerate() {
+        let all: Vec<Flown> = numbers
+            .clone()
             .into_par_iter()
             .map(|number| {
                 let random = &mut ChaCha8Rng::seed_from_u64(number);
-                let (mut document, speed) = by_rule(random, number, turbulence);
-                let items = work(random, number / 5, speed);
+                let (mut document, speed) = (fleet.draw)(random, number, weather.turbulence);
+                let items = work(random, number / fleet.kinds, speed);
                 set(
                     &mut document,
                     &[
@@ -312,31 +402,66 @@ fn work_is_flown_at_its_airspeed_without_crossing_the_stall() {
         let count = all.len() as f64;
         let crossing = all.iter().filter(|f| f.crossing > 0.0).count() as f64 / count;
         let lost = all.iter().filter(|f| f.lost).count();
-        let sums = all.iter().fold([0.0; 2], |sum, f| {
-            [sum[0] + f.thrust[0] / f.thrust[1], sum[1] + 1.0]
-        });
-        let thrust = sums[0] / sums[1];
-        let [across, height, load, gust] = [
-            quantile(all.iter().map(|f| f.across), 0.95),
-            quantile(all.iter().map(|f| f.height), 0.95),
-            quantile(all.iter().map(|f| f.load), 0.95),
-            quantile(all.iter().map(|f| f.gust_load), 0.95),
-        ];
-        table += &format!(
-            "{name}: {count} flights, {lost} lost, {:.1} % cross the stall, thrust {thrust:.3} of steady, across {across:.2} m, height {height:.2} m, load {load:.2}, of the gusts alone {gust:.2}\n",
+        let thrust = all.iter().map(|f| f.thrust[0] / f.thrust[1]).sum::<f64>() / count;
+        let most = |of: &dyn Fn(&Flown) -> f64| quantile(all.iter().map(of), 0.95);
+        let (across, height) = (most(&|f| f.across), most(&|f| f.height));
+        let (load, gust) = (most(&|f| f.load), most(&|f| f.gust_load));
+        let row = format!(
+            "{}, {}: {count} flights, {lost} lost, {:.1} % cross the stall, thrust {thrust:.3} of steady, across {across:.2} m, height {height:.2} m, load {load:.2}, of the gusts alone {gust:.2}",
+            fleet.name,
+            weather.name,
             100.0 * crossing
         );
-        assert_eq!(lost, 0, "{table}");
-        let (most, ratio, wide, high) = bounds;
-        assert!(crossing <= most + 1.0 / count, "{table}");
+        println!("{row}");
+        assert_eq!(lost, 0, "{row}");
+        let stalled = crossing > weather.crossing + 1.0 / count;
+        assert!(n >= fleet.unstalled || !stalled, "{row}");
+        if n >= fleet.kept {
+            continue;
+        }
+        assert!(thrust <= weather.thrust, "{row}");
         assert!(
-            thrust <= ratio && across <= wide && height <= high,
-            "{table}"
+            across <= weather.across && height <= weather.height,
+            "{row}"
         );
         // What holds the height adds little to what the gusts do.
-        assert!(load <= 1.1 * gust, "{table}");
+        assert!(load <= 1.1 * gust, "{row}");
     }
-    println!("{table}");
+}
+
+/// The work at a constant airspeed, in calm and in turbulence, by five vehicles by rule.
+#[test]
+fn work_is_flown_at_its_airspeed_without_crossing_the_stall() {
+    let fleet = Fleet {
+        name: "five by rule",
+        kinds: 5,
+        unstalled: 3,
+        kept: 3,
+        draw: by_rule,
+    };
+    at_constant_airspeed(&fleet, flights(15));
+}
+
+/// The same by vehicles that people own. The table of `docs/missions.md` says by how much they are beyond the bounds where they do not keep to them.
+#[test]
+fn work_is_flown_so_by_vehicles_that_people_own() {
+    for (name, unstalled, kept) in [
+        ("small-flying-wing", 1, 1),
+        ("mapping", 3, 3),
+        ("biplane", 0, 0),
+        ("heavy", 2, 0),
+    ] {
+        let fleet = Fleet {
+            name,
+            kinds: 1,
+            unstalled,
+            kept,
+            draw: |random: &mut ChaCha8Rng, number: u64, turbulence: f64| {
+                of_kind(name, random, number, turbulence)
+            },
+        };
+        at_constant_airspeed(&fleet, flights(3));
+    }
 }
 
 /// Power that the propellers give the air \[W\] at a thrust \[N\] and airspeed [m/s] of a vehicle of 10 kg, by momentum theory, with the downwash of 10 m/s in

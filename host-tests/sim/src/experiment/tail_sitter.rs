@@ -89,6 +89,9 @@ pub struct TailSitterSpec {
     pub inertia_kg_m2: [f64; 3],
     /// Drag areas of the fuselage along forward, right, down \[m²\].
     pub drag_area_m2: [f64; 3],
+    /// Points that it stands on besides trailing edges, fins and hubs, from the centre of mass, forward, right, down \[m\].
+    #[serde(default)]
+    pub feet_m: Vec<[f64; 3]>,
     /// The wing.
     pub wing: Wing,
     /// From one to [`MOTORS`].
@@ -261,6 +264,11 @@ impl TailSitterSpec {
             positive(&format!("inertia_kg_m2[{axis}]"), *value)?;
         }
         each("drag_area_m2", &self.drag_area_m2, [0.0, 100.0])?;
+        let problem = format_args!("{} feet, must be up to {STRIPS}", self.feet_m.len());
+        require(self.feet_m.len() <= STRIPS, "feet_m", problem)?;
+        for (i, foot) in self.feet_m.iter().enumerate() {
+            each(&format!("feet_m[{i}]"), foot, PLACE)?;
+        }
         self.wing.validate().map_err(|e| e.inside("wing"))?;
         let count = self.propellers.len();
         let problem = format_args!("{count} propellers, must be from 1 to {MOTORS}");

@@ -95,6 +95,9 @@ impl Variation {
             propeller.diameter_m *= length;
             propeller.speed_max_rev_s *= self.thrust.sqrt() / time;
         }
+        for foot in &mut v.feet_m {
+            *foot = placed(*foot);
+        }
         v.motors.lag_s *= time;
         v.servo.lag_s *= time;
         v.servo.rate_deg_s /= time;

@@ -1,4 +1,4 @@
-//! The ground under a tail-sitter: springs with dampers and friction at its trailing edges and its hubs.
+//! The ground under a tail-sitter: springs with dampers and friction at its trailing edges, its hubs and its feet.
 
 use super::{GRAVITY, V3};
 use crate::experiment::tail_sitter::{Strip, TailSitterSpec};
@@ -22,7 +22,7 @@ pub struct Ground {
 }
 
 impl Ground {
-    /// Its points: the trailing edge's ends of the outermost strips, those of fins, and the hubs.
+    /// Its points: the trailing edge's ends of the outermost strips, those of fins, the hubs, and feet.
     pub fn new(spec: &TailSitterSpec) -> Self {
         let strips = &spec.wing.strips;
         let level = || strips.iter().filter(|strip| !strip.upright);
@@ -41,6 +41,7 @@ impl Ground {
             }
         }
         points.extend(spec.propellers.iter().map(|p| V3::from(p.position_m)));
+        points.extend(spec.feet_m.iter().map(|&foot| V3::from(foot)));
         Self {
             points,
             stiffness: spec.mass_kg * GRAVITY / GIVES,

@@ -602,6 +602,30 @@ mod tests {
         }
     }
 
+    /// Nose up on its tail, a little aslant and with its motors off, each vehicle stays there.
+    #[test]
+    fn it_stands_on_its_tail() {
+        for (name, text) in VEHICLES {
+            let spec: TailSitterSpec = toml::from_str(text).unwrap();
+            let stance = Ground::new(&spec).stance();
+            let vehicle = TailSitter::new(spec, Some(0.0));
+            let upright = vehicle.hover();
+            let start = TailSitterState {
+                position: V3::new(0.0, 0.0, -stance),
+                attitude: upright.attitude * UnitQuaternion::from_euler_angles(0.0, 0.05, 0.0),
+                motors: [0.0; MOTORS],
+                ..upright
+            };
+            let command = Command {
+                thrust: 0.0,
+                rates: V3::zeros(),
+            };
+            let state = after(&vehicle, start, command, 3.0);
+            let nose = state.attitude * V3::new(1.0, 0.0, 0.0);
+            assert!(nose.z < -0.99, "{name}: {nose}");
+        }
+    }
+
     /// The inner loop keeps its own rate, whatever the steps of the plant.
     #[test]
     fn the_inner_loop_has_its_own_rate() {
