@@ -10,7 +10,7 @@ const WINDS: u8 = 32;
 const ANGLES: u8 = 115;
 const DEGREE: f32 = 1.745_329_3e-2;
 /// Part of the angular acceleration in hover that must be left to either side.
-const SPARE: f32 = 0.2;
+pub(crate) const SPARE: f32 = 0.2;
 
 impl<A: Aerodynamics> Vehicle<A> {
     /// Greatest wind [m/s], up to `most`, to hover in with the wing across it: its trim takes a thrust that there is, and what turns it in pitch holds it

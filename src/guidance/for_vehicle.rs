@@ -25,6 +25,9 @@ crate::parameters! {
     }
 }
 
+/// Part of the airspeed across the wing that what turns the vehicle in hover holds, up to which it catches up with a place.
+const CAUGHT_UP: f32 = 0.6;
+
 /// What the rules are about.
 struct Known {
     /// Lag of the rate loop and of the thrust, and the time between steps \[s\].
@@ -33,12 +36,14 @@ struct Known {
     period: f32,
     /// Rate of the loop around the thrust [1/s].
     thrust_rate: f32,
-    /// Speed of cruise [m/s].
-    cruise: f32,
     /// Angular acceleration in pitch that there is in hover [rad/s²].
     authority: f32,
     /// Speed that the propellers give the air in hover [m/s]; 0 if no surface needs it.
     downwash: f32,
+    /// Speed of cruise [m/s].
+    cruise: f32,
+    /// Speed at which it is to catch up with a place [m/s].
+    catching_up: f32,
 }
 
 /// Makes the function that gives every parameter, and the list of reasons, from one list.
@@ -92,15 +97,15 @@ rules! { known, default;
         default.max_sink
     },
         "Less where surfaces need the slipstream: tail first at 0.6 of the speed that the propellers give the air they have no effect.";
-    max_velocity_forward = math::min(default.max_velocity_forward, known.cruise / 5.0),
-        "A fifth of cruise: catching up is not a flight of its own.";
+    max_velocity_forward = math::min(default.max_velocity_forward, known.catching_up),
+        "A fifth of cruise: catching up is not a flight of its own. At most 0.6 of the airspeed across the wing that what turns the vehicle holds: in hover it catches up with its wing across the air.";
     integral_gain_down = default.integral_gain_down,
         "A fifth of position_gain_down at its fastest.";
     integral_gain_forward = default.integral_gain_forward,
         "An eighth of position_gain_forward.";
     max_integral_down = default.max_integral_down,
         "Times thrust_rate it is an acceleration of 6 m/s² at its fastest: a mass that is believed wrongly by half.";
-    max_integral_forward = math::min(default.max_integral_forward, known.cruise / 5.0),
+    max_integral_forward = math::min(default.max_integral_forward, known.catching_up),
         "Holds an angle of 7° and more against a belief that is wrong.";
     max_lateral_acceleration = default.max_lateral_acceleration,
         "The guidance itself stays below what thrust and wing carry.";
@@ -151,15 +156,19 @@ impl GuidanceParameters {
         let weight = vehicle.mass * vehicle.gravity;
         check_thrust(weight, vehicle.thrust_min, vehicle.thrust_max)?;
         let period = 1.0 / response.control_rate;
+        let authority = vehicle
+            .pitch_authority()
+            .in_hover(weight, vehicle.thrust_max);
+        let across =
+            math::sqrt((authority / math::max(vehicle.wing_moment, f32::MIN_POSITIVE)).abs());
         Ok(ruled(&Known {
             rate_lag: response.rate_lag,
             thrust_lag: response.thrust_lag,
             period,
             thrust_rate: math::min(3.0, 0.75 / (response.thrust_lag + period)),
             cruise: response.cruise_speed,
-            authority: vehicle
-                .pitch_authority()
-                .in_hover(weight, vehicle.thrust_max),
+            authority,
+            catching_up: math::min(response.cruise_speed / 5.0, CAUGHT_UP * across),
             downwash: if vehicle.authority_slipstream > 0.0 {
                 vehicle.hover_downwash
             } else {
@@ -208,6 +217,25 @@ mod tests {
         // 1e-3 rad/s²: roundings.
         assert!((p.natural_frequency * p.natural_frequency - 6.0).abs() < 1e-3);
         assert!(p.max_slew <= 7.0 + 1e-3 && p.max_rate < 1.0);
+    }
+
+    /// 10 rad/s² hold a wing that takes 0.5 w² at 4.5 m/s.
+    #[test]
+    fn it_catches_up_no_faster_than_its_wing_is_held() {
+        let catching_up = |wing_moment: f32| {
+            let vehicle = VehicleParameters {
+                authority: 10.0,
+                wing_moment,
+                ..VehicleParameters::PAPER
+            };
+            let p = GuidanceParameters::for_vehicle(&vehicle, &PAPER).unwrap();
+            (p.max_velocity_forward, p.max_integral_forward)
+        };
+        assert!((catching_up(0.5).0 - 0.6 * 4.472).abs() < 1e-3);
+        assert_eq!(catching_up(0.0).0, 3.9);
+        // The integral is never the greater one.
+        let (velocity, integral) = catching_up(40.0);
+        assert!(integral <= velocity && velocity < 0.5);
     }
 
     /// At every corner of what is accepted a guidance can be made of what comes out, and the loops are stable by what the gains' own page

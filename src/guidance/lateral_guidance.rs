@@ -244,7 +244,7 @@ impl LateralGuidance {
         let (a_r, a_r_across) = course.project(reference.acceleration);
 
         // The horizontal air velocity wanted: it is that which is turned.
-        let forward = servo.desired_velocity(position, v_r).forward() - wind.forward();
+        let forward = servo.desired_velocity(position, v_r, wind).forward() - wind.forward();
         let right = v_r_across
             - limited(
                 servo.position_gain.forward() * aside,
@@ -324,7 +324,7 @@ impl LateralGuidance {
             altitude_band: planner.altitude_band(input.planner_options.altitude_band),
         };
         let plan_due = state.leave(request, planner.cost.velocity_band.forward(), dt);
-        let error = plane.velocity - servo.desired_velocity(plane.position, asked.velocity);
+        let error = plane.velocity - servo.desired_velocity(plane.position, asked.velocity, wind);
         let progress = Progress::new(
             &heavier,
             planner,

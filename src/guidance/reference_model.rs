@@ -6,11 +6,12 @@
 use super::memory::memory;
 use super::parameters::GuidanceParameters;
 use super::tuning::Tuning;
-use crate::aero::Aerodynamics;
+use crate::aero::{Aerodynamics, Stall};
 use crate::air::AirData;
 use crate::authority::Airflow;
 use crate::equivalency::lambda;
 use crate::frame::{Attitude, Body, Inertial};
+use crate::hover_wind::SPARE;
 use crate::math;
 use crate::reference::Reference;
 use crate::vehicle::Vehicle;
@@ -94,6 +95,10 @@ pub struct ReferenceModel {
     pub(super) position_gain: Inertial,
     pub(super) max_velocity: Inertial,
     max_sink: f32,
+    /// Airspeeds [m/s] between which the vehicle has too little to hold its nose with the wing across the air, and too little lift to fly on the
+    /// wing: with the first what turns it in hover has [`SPARE`] to spare, at the second the wing carries the weight.
+    held: f32,
+    carried: f32,
     /// Greatest acceleration down that the servo asks for, in g.
     max_down: f32,
     pub(super) tuning: Tuning,
@@ -156,12 +161,17 @@ impl ReferenceModel {
         } else {
             tuning.max_vertical
         };
+        let weight = vehicle.weight();
+        let turning = vehicle.authority().in_hover(weight, vehicle.thrust_max());
+        let wing = vehicle.authority().wing;
         Self {
             rate: SHARE_OF_RATE * p.max_rate,
             slew: SHARE_OF_SLEW * p.max_slew,
             position_gain: Inertial::new(p.position_gain_down, p.position_gain_forward),
             max_velocity: Inertial::new(p.max_velocity_down, p.max_velocity_forward),
             max_sink: p.max_sink,
+            held: math::sqrt((1.0 - SPARE) * turning / math::max(wing, f32::MIN_POSITIVE)),
+            carried: math::sqrt(weight / (vehicle.k_a() * Stall::of(vehicle.model()).c_l)),
             max_down,
             tuning: *tuning,
         }
@@ -180,9 +190,28 @@ impl ReferenceModel {
         }
     }
 
-    /// The velocity to be had at a `position` error: the reference's, and towards the reference position.
+    /// The velocity to be had at a `position` error in a `wind`: the reference's, and towards the reference position, with an airspeed that
+    /// can be held.
     #[inline(always)]
-    pub fn desired_velocity(&self, position: Inertial, reference: Inertial) -> Inertial {
+    pub fn desired_velocity(
+        &self,
+        position: Inertial,
+        reference: Inertial,
+        wind: Inertial,
+    ) -> Inertial {
+        let forward = reference.forward()
+            - rarely_limited(
+                self.position_gain.forward() * position.forward(),
+                self.max_velocity.forward(),
+            );
+        // Through the air no faster than is held, but as the reference itself goes over ground.
+        let air = forward - wind.forward();
+        let held = self.held + reference.forward().abs();
+        let forward = if air.abs() > held && air.abs() < self.carried {
+            wind.forward() + rarely_limited(air, held)
+        } else {
+            forward
+        };
         Inertial::new(
             reference.down()
                 - math::max(
@@ -192,11 +221,7 @@ impl ReferenceModel {
                     ),
                     -self.max_sink,
                 ),
-            reference.forward()
-                - rarely_limited(
-                    self.position_gain.forward() * position.forward(),
-                    self.max_velocity.forward(),
-                ),
+            forward,
         )
     }
 
@@ -216,7 +241,8 @@ impl ReferenceModel {
     ) -> Inertial {
         let mut attitude = Attitude::from_angle(flight.theta);
         let gains = self.gains(&StepLength::new(h));
-        let error = flight.velocity - self.desired_velocity(flight.position, reference.velocity);
+        let error =
+            flight.velocity - self.desired_velocity(flight.position, reference.velocity, wind);
         let desired =
             self.desired_acceleration(error, reference.acceleration, vehicle.gravity(), &gains);
         self.step::<A, true>(
@@ -591,6 +617,34 @@ mod tests {
         Vehicle::new(p, model).unwrap()
     }
 
+    /// 20 rad/s² in hover, of which a wing across the air takes 0.5 w²: a fifth is left at 5.66 m/s. Faster it is not held against a wind, and not
+    /// brought back to its place, but driven off; with a reference that moves it is faster by as much, and on the wing any airspeed is flown. A vehicle whose wing does not turn it holds its place.
+    #[test]
+    fn what_the_wing_takes_is_not_asked_for() {
+        let wanted = |wing: f32, wind: f32, reference: f32| {
+            let model = ReferenceModel::new(
+                &GuidanceParameters::default(),
+                &elevons(wing),
+                &Tuning::default(),
+            );
+            let far_behind = Inertial::new(0.0, -50.0);
+            model
+                .desired_velocity(
+                    far_behind,
+                    Inertial::new(0.0, reference),
+                    Inertial::new(0.0, wind),
+                )
+                .forward()
+        };
+        let pull = GuidanceParameters::default().max_velocity_forward;
+        assert!((wanted(0.5, -7.0, 0.0) - (5.66 - 7.0)).abs() < 0.01);
+        assert!((wanted(0.5, 11.0, 0.0) - (11.0 - 5.66)).abs() < 0.01);
+        assert!((wanted(0.5, -3.0, 0.5) - (5.66 + 0.5 - 3.0)).abs() < 0.01);
+        assert_eq!(wanted(0.5, 0.0, 0.0), pull);
+        assert_eq!(wanted(0.5, -7.0, 20.0), 20.0 + pull);
+        assert_eq!(wanted(0.0, -7.0, 0.0), pull);
+    }
+
     /// A turn to an attitude far away begins and ends within what the surfaces give, and does not go beyond it.
     #[test]
     fn a_turn_is_stopped_within_authority() {
@@ -680,7 +734,7 @@ mod tests {
         let model = ReferenceModel::new(&p, &vehicle(), &Tuning::default());
         let wanted = |down| {
             model
-                .desired_velocity(Inertial::new(down, 0.0), Inertial::ZERO)
+                .desired_velocity(Inertial::new(down, 0.0), Inertial::ZERO, Inertial::ZERO)
                 .down()
         };
         assert_eq!((wanted(-50.0), wanted(50.0)), (1.5, -p.max_velocity_down));

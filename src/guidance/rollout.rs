@@ -264,7 +264,7 @@ impl Cost {
 
         let mut velocity = request.velocity;
         let mut error =
-            flight.velocity - reference_model.desired_velocity(flight.position, velocity);
+            flight.velocity - reference_model.desired_velocity(flight.position, velocity, wind);
         let (mut late, mut cost, mut turning) = (flight.velocity, 0.0, 0u32);
         for (n, step) in horizon.steps.iter().enumerate() {
             if n == STEPS - LATE {
@@ -292,7 +292,8 @@ impl Cost {
                 false,
             );
             velocity += acceleration * gains.h;
-            error = flight.velocity - reference_model.desired_velocity(flight.position, velocity);
+            error =
+                flight.velocity - reference_model.desired_velocity(flight.position, velocity, wind);
             let altitude = math::min(-flight.position.down() * altitude_band, high);
             cost += gains.h
                 * (length(altitude)

@@ -266,7 +266,7 @@ impl Tracker {
             math::min(vehicle.thrust_min(), available),
             available,
         );
-        let change = limited(gain * gain * ahead, MAX_CHANGE);
+        let change = limited(gain * wings * command.rates.pitch, MAX_CHANGE);
         let authority = vehicle.authority();
         let allowed = authority.at(flow, asked, available);
         let held = math::clamp((ahead.abs() - BEHIND) / (HELD - BEHIND), 0.0, 1.0);
