@@ -206,9 +206,14 @@ impl ReferenceModel {
             );
         // Through the air no faster than is held, but as the reference itself goes over ground.
         let air = forward - wind.forward();
-        let held = self.held + reference.forward().abs();
-        let forward = if air.abs() > held && air.abs() < self.carried {
-            wind.forward() + rarely_limited(air, held)
+        let forward = if air.abs() > self.held {
+            core::hint::cold_path();
+            let held = self.held + reference.forward().abs();
+            if air.abs() < self.carried {
+                wind.forward() + limited(air, held)
+            } else {
+                forward
+            }
         } else {
             forward
         };
