@@ -74,8 +74,8 @@ pub(super) fn plan<A: Aerodynamics>(
     let gamma = math::atan2(v_a.forward(), v_a.down());
     let target = gamma - math::PI + vehicle.thrust_line().delta() + alpha;
     let load = lift * vehicle.k_a() * v_a.norm_squared() / vehicle.weight();
-    let wanted = reference_model.desired_velocity(flight.position, request.velocity, request.wind);
-    let sinking = math::max(flight.velocity.down() - wanted.down(), 0.0);
+    let wanted = reference_model.desired_down(flight.position.down(), request.velocity.down());
+    let sinking = math::max(flight.velocity.down() - wanted, 0.0);
     let tuning = &reference_model.tuning;
     let push = match push {
         No => 0.0,

@@ -190,6 +190,29 @@ impl ReferenceModel {
         }
     }
 
+    /// The velocity down to be had at a `position` error: the `reference`'s, and towards the reference position.
+    #[inline(always)]
+    pub fn desired_down(&self, position: f32, reference: f32) -> f32 {
+        let towards = rarely_limited(
+            self.position_gain.down() * position,
+            self.max_velocity.down(),
+        );
+        reference - math::max(towards, -self.max_sink)
+    }
+
+    /// Of a velocity `forward` with the airspeed `air` [m/s]: through the air no faster than is held across the wing and as the `reference` itself
+    /// goes over ground, or all of it where the wing carries.
+    #[cold]
+    #[inline(never)]
+    fn held_velocity(&self, forward: f32, air: f32, reference: f32) -> f32 {
+        let over = air.abs() - self.held - reference.abs();
+        if over > 0.0 && air.abs() < self.carried {
+            forward - over.copysign(air)
+        } else {
+            forward
+        }
+    }
+
     /// The velocity to be had at a `position` error in a `wind`: the reference's, and towards the reference position, with an airspeed that
     /// can be held.
     #[inline(always)]
@@ -204,28 +227,14 @@ impl ReferenceModel {
                 self.position_gain.forward() * position.forward(),
                 self.max_velocity.forward(),
             );
-        // Through the air no faster than is held, but as the reference itself goes over ground.
         let air = forward - wind.forward();
         let forward = if air.abs() > self.held {
-            core::hint::cold_path();
-            let held = self.held + reference.forward().abs();
-            if air.abs() < self.carried {
-                wind.forward() + limited(air, held)
-            } else {
-                forward
-            }
+            self.held_velocity(forward, air, reference.forward())
         } else {
             forward
         };
         Inertial::new(
-            reference.down()
-                - math::max(
-                    rarely_limited(
-                        self.position_gain.down() * position.down(),
-                        self.max_velocity.down(),
-                    ),
-                    -self.max_sink,
-                ),
+            self.desired_down(position.down(), reference.down()),
             forward,
         )
     }
