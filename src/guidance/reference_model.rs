@@ -170,8 +170,8 @@ impl ReferenceModel {
             position_gain: Inertial::new(p.position_gain_down, p.position_gain_forward),
             max_velocity: Inertial::new(p.max_velocity_down, p.max_velocity_forward),
             max_sink: p.max_sink,
-            held: math::sqrt((1.0 - SPARE) * turning / math::max(wing, f32::MIN_POSITIVE)),
-            carried: math::sqrt(weight / (vehicle.k_a() * Stall::of(vehicle.model()).c_l)),
+            held: math::sqrt(((1.0 - SPARE) * turning / math::max(wing, f32::MIN_POSITIVE)).abs()),
+            carried: math::sqrt((weight / (vehicle.k_a() * Stall::of(vehicle.model()).c_l)).abs()),
             max_down,
             tuning: *tuning,
         }
