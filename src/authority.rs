@@ -139,6 +139,11 @@ impl Authority {
             + self.difference * math::min(weight, most - weight)
     }
 
+    /// Airspeed across the wing [m/s] at which it takes as much as this angular acceleration [rad/s²].
+    pub fn airspeed_held(&self, by: f32) -> f32 {
+        math::sqrt((by / math::max(self.wing, f32::MIN_POSITIVE)).abs())
+    }
+
     /// Angular acceleration that the wing makes [rad/s²]: it turns the nose to the air velocity.
     #[inline(always)]
     fn wing(&self, flow: Airflow) -> f32 {

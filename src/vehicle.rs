@@ -204,6 +204,12 @@ impl<A: Aerodynamics> Vehicle<A> {
         self.mass * self.gravity
     }
 
+    /// Speed [m/s] at which the greatest lift short of stall carries the weight.
+    pub(crate) fn stall_speed(&self) -> f32 {
+        let most_lift = math::max(Stall::of(&self.model).c_l, 1e-3);
+        math::sqrt((self.weight() / (self.k_a * most_lift)).abs())
+    }
+
     /// Mass m \[kg\].
     #[inline]
     pub fn mass(&self) -> f32 {

@@ -156,11 +156,9 @@ impl GuidanceParameters {
         let weight = vehicle.mass * vehicle.gravity;
         check_thrust(weight, vehicle.thrust_min, vehicle.thrust_max)?;
         let period = 1.0 / response.control_rate;
-        let authority = vehicle
-            .pitch_authority()
-            .in_hover(weight, vehicle.thrust_max);
-        let across =
-            math::sqrt((authority / math::max(vehicle.wing_moment, f32::MIN_POSITIVE)).abs());
+        let pitch = vehicle.pitch_authority();
+        let authority = pitch.in_hover(weight, vehicle.thrust_max);
+        let held = pitch.airspeed_held(authority);
         Ok(ruled(&Known {
             rate_lag: response.rate_lag,
             thrust_lag: response.thrust_lag,
@@ -168,7 +166,7 @@ impl GuidanceParameters {
             thrust_rate: math::min(3.0, 0.75 / (response.thrust_lag + period)),
             cruise: response.cruise_speed,
             authority,
-            catching_up: math::min(response.cruise_speed / 5.0, CAUGHT_UP * across),
+            catching_up: math::min(response.cruise_speed / 5.0, CAUGHT_UP * held),
             downwash: if vehicle.authority_slipstream > 0.0 {
                 vehicle.hover_downwash
             } else {

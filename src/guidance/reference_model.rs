@@ -6,7 +6,7 @@
 use super::memory::memory;
 use super::parameters::GuidanceParameters;
 use super::tuning::Tuning;
-use crate::aero::{Aerodynamics, Stall};
+use crate::aero::Aerodynamics;
 use crate::air::AirData;
 use crate::authority::Airflow;
 use crate::equivalency::lambda;
@@ -161,17 +161,17 @@ impl ReferenceModel {
         } else {
             tuning.max_vertical
         };
-        let weight = vehicle.weight();
-        let turning = vehicle.authority().in_hover(weight, vehicle.thrust_max());
-        let wing = vehicle.authority().wing;
+        let turning = vehicle
+            .authority()
+            .in_hover(vehicle.weight(), vehicle.thrust_max());
         Self {
             rate: SHARE_OF_RATE * p.max_rate,
             slew: SHARE_OF_SLEW * p.max_slew,
             position_gain: Inertial::new(p.position_gain_down, p.position_gain_forward),
             max_velocity: Inertial::new(p.max_velocity_down, p.max_velocity_forward),
             max_sink: p.max_sink,
-            held: math::sqrt(((1.0 - SPARE) * turning / math::max(wing, f32::MIN_POSITIVE)).abs()),
-            carried: math::sqrt((weight / (vehicle.k_a() * Stall::of(vehicle.model()).c_l)).abs()),
+            held: vehicle.authority().airspeed_held((1.0 - SPARE) * turning),
+            carried: vehicle.stall_speed(),
             max_down,
             tuning: *tuning,
         }

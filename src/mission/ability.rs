@@ -1,6 +1,6 @@
 //! What a vehicle can do on its wing, from what is believed of it: drag, glide, climb, turns. Computed once.
 
-use crate::aero::{Aerodynamics, Stall};
+use crate::aero::Aerodynamics;
 use crate::air::AngleOfAttack;
 use crate::control::Guard;
 use crate::guidance::{greatest_rate, takeover};
@@ -77,8 +77,7 @@ impl Ability {
             (c.c_l, c.c_d)
         };
         let available = |speed: f32| vehicle.thrust_max() * vehicle.propeller().available(speed);
-        let most_lift = math::max(Stall::of(vehicle.model()).c_l, 1e-3);
-        let stall_speed = math::sqrt((vehicle.weight() / (vehicle.k_a() * most_lift)).abs());
+        let stall_speed = vehicle.stall_speed();
         let takeover = takeover(vehicle);
         let in_hover = (vehicle.authority()).in_hover(vehicle.weight(), vehicle.thrust_max());
         let rate = greatest_rate(in_hover);

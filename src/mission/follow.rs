@@ -45,8 +45,6 @@ pub(super) struct Followed {
     pub right: f32,
     /// Acceleration to the side, without its sign [m/s²].
     pub turn: f32,
-    /// Whether the path is at its end.
-    pub ended: bool,
     /// Whether the wind is stronger than the airspeed: the nose is held into it.
     pub drifting: bool,
 }
@@ -60,7 +58,7 @@ impl FollowState {
             part: 1.0,
             banking: 0.0,
         };
-        let (nearest, _) = { begun.path }.advance(seen.position);
+        let nearest = { begun.path }.advance(seen.position);
         if let Some(triangle) = Triangle::new(airspeed, seen.wind, nearest.along) {
             let air = seen.velocity - seen.wind;
             let along = air.north * nearest.along.north + air.east * nearest.along.east;
@@ -100,7 +98,7 @@ impl FollowState {
         wanted: f32,
         dt: f32,
     ) -> Followed {
-        let (nearest, ended) = self.path.advance(seen.position);
+        let nearest = self.path.advance(seen.position);
         let missing = wanted - self.airspeed;
         if missing != 0.0 {
             let slower = math::min(DRAG_SHARE * ability.slowing(self.airspeed), p.acceleration);
@@ -110,7 +108,7 @@ impl FollowState {
         let there = level(seen.velocity - seen.wind);
         let airspeed = math::max(self.airspeed, p.yield_share * there);
         let Some(triangle) = Triangle::new(airspeed, seen.wind, nearest.along) else {
-            return self.on_the_wind(airspeed, seen.wind, ended);
+            return self.on_the_wind(airspeed, seen.wind);
         };
         let growth = math::clamp(1.0 - self.part, 0.0, p.acceleration * dt / triangle.air);
         self.part += growth;
@@ -129,13 +127,12 @@ impl FollowState {
             error: across * nearest.right,
             right: nearest.right,
             turn: (speed * rate).abs(),
-            ended,
             drifting: false,
         }
     }
 
     /// The nose into a wind that is stronger than the airspeed.
-    fn on_the_wind(&mut self, airspeed: f32, wind: Ned, ended: bool) -> Followed {
+    fn on_the_wind(&mut self, airspeed: f32, wind: Ned) -> Followed {
         let strength = math::max(level(wind), 1e-3);
         let drift = 1.0 - airspeed / strength;
         self.part = 1.0;
@@ -145,7 +142,6 @@ impl FollowState {
             error: Ned::ZERO,
             right: 0.0,
             turn: 0.0,
-            ended,
             drifting: true,
         }
     }

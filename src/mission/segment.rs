@@ -255,9 +255,9 @@ impl Path {
         self.turns + self.way * self.segment().curvature.abs() * (0.5 / PI)
     }
 
-    /// Goes on to where the vehicle at `x` is: the place nearest to it, and whether the path is at its end.
+    /// Goes on to where the vehicle at `x` is: the place nearest to it.
     #[inline]
-    pub fn advance(&mut self, x: Ned) -> (Nearest, bool) {
+    pub fn advance(&mut self, x: Ned) -> Nearest {
         let mut last = self.way;
         for _ in 0..SEGMENTS {
             if self.is_last() || last < self.segment().length {
@@ -281,7 +281,7 @@ impl Path {
             self.way -= 2.0 * PI / curvature.abs();
             self.turns += 1.0;
         }
-        (nearest, self.is_last() && nearest.way >= length)
+        nearest
     }
 
     /// Way to its end \[m\]; of an endless one to the beginning of that.
@@ -394,8 +394,8 @@ mod tests {
         let none = Segment::default();
         let mut path = Path::new([none, none, circle]);
         for n in 0..1000 {
-            let (nearest, ended) = path.advance(circle.at(n as f32).place);
-            assert!(nearest.right.abs() < 1e-3 && !ended);
+            let nearest = path.advance(circle.at(n as f32).place);
+            assert!(nearest.right.abs() < 1e-3 && nearest.way < ENDLESS);
         }
         // 999 m of circles of 314.2 m.
         assert_eq!(path.turns, 3.0);

@@ -263,7 +263,8 @@ mod tests {
         let mut path = *path;
         let (mut length, mut last) = (0.0, path.segment().at(0.0));
         for _ in 0..100_000 {
-            let (nearest, ended) = path.advance(last.place);
+            let nearest = path.advance(last.place);
+            let ended = path.is_last() && nearest.way >= path.segment().length;
             if ended || (path.segment().length >= ENDLESS) {
                 break;
             }

@@ -587,8 +587,9 @@ impl Missions {
         speed * speed / (2.0 * BRAKING_SHARE * self.p.braking)
     }
 
-    /// Place and course from which a path goes on: on the path flown, if it is near; in hover towards the target, and there into the wind.
-    fn pose(&self, state: &MissionState, seen: &Seen) -> Pose {
+    /// Place and course from which a path goes on: at the end of the path flown, if little is left of it, or on it, if it is near; in hover towards
+    /// the target, and there into the wind. And what is left of the path flown before that.
+    fn departure(&self, state: &MissionState, seen: &Seen) -> (Pose, Option<Segment>) {
         let place = Ned::new(seen.position.north, seen.position.east, 0.0);
         let towards = |v: Ned| math::atan2(v.east, v.north);
         if state.activity != Activity::Flying {
@@ -601,27 +602,23 @@ impl Missions {
                 -seen.wind
             };
             let course = towards(ahead);
-            return Pose { place, course };
+            return (Pose { place, course }, None);
         }
-        let (nearest, _) = { state.follow.path }.advance(seen.position);
-        if let Some(rest) = self.rest(state, seen) {
-            rest.end()
-        } else if nearest.right.abs() < ASTRAY {
-            Pose {
-                place: place - right_of(nearest.along) * nearest.right,
-                course: towards(nearest.along),
-            }
+        let nearest = { state.follow.path }.advance(seen.position);
+        if nearest.right.abs() < ASTRAY {
+            let rest = state.follow.rest(level(seen.velocity));
+            let pose = rest.map_or_else(
+                || Pose {
+                    place: place - right_of(nearest.along) * nearest.right,
+                    course: towards(nearest.along),
+                },
+                |rest| rest.end(),
+            );
+            (pose, rest)
         } else {
             let course = towards(seen.velocity);
-            Pose { place, course }
+            (Pose { place, course }, None)
         }
-    }
-
-    /// What is left of a path whose end is near, and which is flown to there.
-    fn rest(&self, state: &MissionState, seen: &Seen) -> Option<Segment> {
-        let rest = state.follow.rest(level(seen.velocity))?;
-        let (nearest, _) = { state.follow.path }.advance(seen.position);
-        (nearest.right.abs() < ASTRAY).then_some(rest)
     }
 
     /// Flies the path that `lay` lays from a pose with a radius of turns.
@@ -631,19 +628,18 @@ impl Missions {
         seen: &Seen,
         lay: impl FnOnce(Pose, f32) -> super::segment::Path,
     ) {
-        let path = lay(self.pose(state, seen), self.turn_radius(state));
+        let (pose, rest) = self.departure(state, seen);
+        let path = lay(pose, self.turn_radius(state));
+        let speed = math::max(state.speed, self.ability.least_speed());
         if state.activity == Activity::Flying {
-            let rest = self.rest(state, seen);
             state
                 .follow
                 .turn_to(rest.map_or(path, |rest| path.behind(rest)));
         } else {
-            let speed = math::max(state.speed, self.ability.least_speed());
             state.follow = FollowState::begin(path, speed, seen);
             state.height = HeightReference::at(seen.position, seen.velocity);
             state.enter(Activity::Flying);
         }
-        let speed = math::max(state.speed, self.ability.least_speed());
         state.follow.banking = self.ability.banking(speed * speed * path.tightest());
     }
 
@@ -798,7 +794,7 @@ impl Missions {
             (Some((along, _)), None) | (None, Some((along, _))) => over(along),
             (None, None) => Pose {
                 place: level_place,
-                course: self.pose(state, seen).course,
+                course: self.departure(state, seen).0.course,
             },
         };
         self.fly(state, seen, |pose, radius| turns::to_pose(pose, to, radius));
@@ -816,7 +812,7 @@ impl Missions {
 
     /// Round to the right, beginning here, until the position is `down` \[m\].
     fn spiral(&self, state: &mut MissionState, seen: &Seen, down: f32, until: Until) {
-        let pose = self.pose(state, seen);
+        let (pose, _) = self.departure(state, seen);
         let radius = self.turn_radius(state);
         let centre = pose.place + right_of(along(pose.course)) * radius;
         state.task = Task::Circle(until);
@@ -844,7 +840,7 @@ impl Missions {
         match state.activity {
             Activity::Flying => {
                 let way = self.braking_way(level(seen.velocity));
-                let course = along(self.pose(state, seen).course);
+                let course = along(self.departure(state, seen).0.course);
                 seen.position + course * way
             }
             Activity::Hovering => state.target,

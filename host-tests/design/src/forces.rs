@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::flown::{ROWS, Row, SLOW, TURNS};
+use super::reconstruct::GRAVITY;
 use super::regression::least_squares;
 
 /// Width of what is constant behind the stall \[rad\].
@@ -17,8 +18,6 @@ pub(super) struct Unknowns {
 }
 
 pub(super) const FIXED: usize = 6;
-/// Standard gravity [m/s²].
-pub(super) const GRAVITY: f64 = 9.81;
 
 /// C_T over its static value, per advance ratio and its square: c1/c0 and c2/c0 of small propellers.
 const PROPELLER: [f64; 2] = [-0.75, -1.08];

@@ -24,7 +24,8 @@ use nalgebra::{DMatrix, DVector};
 
 use super::drag::{Glide, drag};
 use super::flown::{ATTACHED, Flown, RATE, ROWS, Row, SLOW, around, flown, lagged};
-use super::forces::{BIN, FIXED, GRAVITY, NO_THRUST, Propeller, Unknowns};
+use super::forces::{BIN, FIXED, NO_THRUST, Propeller, Unknowns};
+use super::reconstruct::GRAVITY;
 use super::regression::{Fit, Measured, least_squares};
 use super::{rate_lag, thrust_lag};
 

@@ -19,7 +19,7 @@ const WALK: f64 = 0.005;
 const CONSTANT: f64 = 0.2;
 const VELOCITY: f64 = 0.1;
 /// Standard gravity [m/s²].
-const GRAVITY: f64 = 9.81;
+pub(super) const GRAVITY: f64 = 9.81;
 
 type Vector6 = SVector<f64, 6>;
 type Matrix6 = SMatrix<f64, 6, 6>;

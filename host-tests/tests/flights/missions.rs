@@ -185,6 +185,36 @@ fn fly(experiment: &Experiment) -> Flown {
     flight
 }
 
+/// In cruise to the north with this speed [m/s] and thrust \[N\], in wind from anywhere of 3 m/s to the `most_wind`, none in calm.
+fn cruising(
+    document: &mut Document,
+    random: &mut ChaCha8Rng,
+    number: u64,
+    turbulence: f64,
+    most_wind: f64,
+    (speed, thrust): (f64, f64),
+) {
+    let wind = if turbulence > 1.0 {
+        random.random_range(3.0..most_wind)
+    } else {
+        0.0
+    };
+    let from: f64 = random.random_range(0.0..std::f64::consts::TAU);
+    let (north, east) = (wind * from.cos(), wind * from.sin());
+    let turbulence = turbulence.max(1e-3);
+    set(
+        document,
+        &[
+            format!("weather.steady_m_s=[{north},{east},0.0]"),
+            format!("weather.turbulence={{ wind_at_20_ft_m_s = {turbulence}, height_m = 50.0 }}"),
+            format!(
+                "initial={{ theta_deg = -86.0, thrust_n = {thrust}, velocity_m_s = [{speed}, 0.0, 0.0], course_deg = 0.0 }}"
+            ),
+            format!("seed={number}"),
+        ],
+    );
+}
+
 /// Masses of five vehicles by rule \[kg\].
 const MASSES: [f64; 5] = [0.5, 2.0, 5.0, 10.0, 25.0];
 
@@ -198,12 +228,14 @@ fn by_rule(random: &mut ChaCha8Rng, number: u64, turbulence: f64) -> (Document, 
     let drag = random.random_range(0.03..0.06);
     let believed = mass * random.random_range(0.93..1.07);
     let area = k_a * random.random_range(0.85..1.15);
-    let wind = if turbulence > 1.0 {
-        random.random_range(3.0..8.0)
-    } else {
-        0.0
-    };
-    let from: f64 = random.random_range(0.0..std::f64::consts::TAU);
+    cruising(
+        &mut document,
+        random,
+        number,
+        turbulence,
+        8.0,
+        (speed, 0.12 * mass * 9.81),
+    );
     set(
         &mut document,
         &[
@@ -217,21 +249,7 @@ fn by_rule(random: &mut ChaCha8Rng, number: u64, turbulence: f64) -> (Document, 
                 "controller.guidance.for_vehicle={{ rate_lag_s = 0.1, thrust_lag_s = 0.05, control_rate_hz = 100.0, cruise_speed_m_s = {speed} }}"
             ),
             format!("plant.thrust_n=[0.0,{}]", 2.0 * mass * 9.81),
-            format!(
-                "weather.steady_m_s=[{},{},0.0]",
-                wind * from.cos(),
-                wind * from.sin()
-            ),
-            format!(
-                "weather.turbulence.wind_at_20_ft_m_s={}",
-                turbulence.max(1e-3)
-            ),
             "sensors.air=\"wind-estimate\"".to_owned(),
-            format!(
-                "initial={{ theta_deg = -86.0, thrust_n = {}, velocity_m_s = [{speed}, 0.0, 0.0], course_deg = 0.0 }}",
-                0.12 * mass * 9.81
-            ),
-            format!("seed={number}"),
         ],
     );
     (document, speed)
@@ -245,31 +263,15 @@ fn of_kind(kind: &str, random: &mut ChaCha8Rng, number: u64, turbulence: f64) ->
     let mut document = Document::load("tail-sitter").unwrap();
     set(&mut document, &[format!("plant.vehicle=\"{kind}\"")]);
     let speed = document.number("plant.vehicle.cruise_speed_m_s").unwrap();
-    let wind = if turbulence > 1.0 {
-        random.random_range(3.0..f64::min(8.0, MOST_WIND * speed))
-    } else {
-        0.0
-    };
-    let from: f64 = random.random_range(0.0..std::f64::consts::TAU);
+    let most_wind = f64::min(8.0, MOST_WIND * speed);
     let weight = document.number("plant.vehicle.mass_kg").unwrap() * 9.81;
-    set(
+    cruising(
         &mut document,
-        &[
-            format!(
-                "weather.steady_m_s=[{},{},0.0]",
-                wind * from.cos(),
-                wind * from.sin()
-            ),
-            format!(
-                "weather.turbulence={{ wind_at_20_ft_m_s = {}, height_m = 50.0 }}",
-                turbulence.max(1e-3)
-            ),
-            format!(
-                "initial={{ theta_deg = -86.0, thrust_n = {}, velocity_m_s = [{speed}, 0.0, 0.0], course_deg = 0.0 }}",
-                0.15 * weight
-            ),
-            format!("seed={number}"),
-        ],
+        random,
+        number,
+        turbulence,
+        most_wind,
+        (speed, 0.15 * weight),
     );
     (document, speed)
 }

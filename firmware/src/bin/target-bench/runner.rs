@@ -95,8 +95,8 @@ const LIMITS: [Limit; 10] = [
     // A path is laid in the step in which an item begins.
     Limit {
         median: 1_000,
-        flash: 34 * 1024,
-        stack: 1900,
+        flash: 33 * 1024,
+        stack: 1850,
         spread: 7.5,
         ..law("mission_in_flight", 0)
     },
