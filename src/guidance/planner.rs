@@ -133,8 +133,7 @@ pub struct Candidate {
 pub(super) struct Planner {
     pub reference_model: ReferenceModel,
     pub cost: Cost,
-    /// Greatest pitch rate [rad/s]: it decides how far is looked ahead.
-    max_rate: f32,
+    horizon: Horizon,
 }
 
 impl Plan {
@@ -238,8 +237,10 @@ impl Planner {
         lift_coefficient: f32,
         tuning: &Tuning,
     ) -> Self {
+        let reference_model = ReferenceModel::new(p, vehicle, tuning);
         Self {
-            reference_model: ReferenceModel::new(p, vehicle, tuning),
+            horizon: Horizon::new(p.max_rate, &reference_model),
+            reference_model,
             cost: Cost {
                 altitude_band: p.altitude_band,
                 velocity_band: Inertial::new(p.velocity_band_down, p.velocity_band_forward),
@@ -247,19 +248,13 @@ impl Planner {
                 to_go: tuning.to_go,
                 terminal_thrust: tuning.terminal_thrust,
             },
-            max_rate: p.max_rate,
         }
-    }
-
-    #[inline(always)]
-    fn horizon(&self) -> &'static Horizon {
-        Horizon::of_rate(self.max_rate)
     }
 
     /// How far it looks ahead \[s\].
     #[inline(always)]
     pub fn span(&self) -> f32 {
-        self.horizon().span
+        self.horizon.span
     }
 
     /// The altitude band of the options, or else the parameter's \[m\].
@@ -294,7 +289,7 @@ impl Planner {
             let plan = candidates::plan(turn, &self.reference_model, &vehicle, request, lift);
             (plan, search.bound)
         };
-        let (model, horizon) = (&self.reference_model, self.horizon());
+        let (model, horizon) = (&self.reference_model, &self.horizon);
         let flown = self
             .cost
             .of(model, horizon, &vehicle, request, &plan, !in_force, bound);

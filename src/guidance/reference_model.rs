@@ -104,7 +104,9 @@ pub struct ReferenceModel {
     pub(super) tuning: Tuning,
 }
 
-/// A step's length, and the gains at that length.
+/// A step's length \[s\], and the gains at that length [1/s]: they do not overshoot in it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct StepGains {
     pub h: f32,
     vertical_gain: f32,
@@ -112,26 +114,6 @@ pub(super) struct StepGains {
     /// Greatest rates of a turn and of a step of the servo [rad/s].
     max_rotation_rate: f32,
     max_correction_rate: f32,
-}
-
-/// A step's length \[s\], and the greatest gains that do not overshoot in it [1/s].
-#[derive(Clone, Copy)]
-pub(super) struct StepLength {
-    pub h: f32,
-    attitude: f32,
-    vertical: f32,
-}
-
-impl StepLength {
-    /// Steps of `h` \[s\].
-    #[inline(always)]
-    pub const fn new(h: f32) -> Self {
-        Self {
-            h,
-            attitude: ATTITUDE_STEP / h,
-            vertical: VERTICAL_STEP / h,
-        }
-    }
 }
 
 /// Forces, per mass.
@@ -177,13 +159,13 @@ impl ReferenceModel {
         }
     }
 
-    /// The gains of steps of this `length`.
+    /// The gains of steps of `h` \[s\].
     #[inline(always)]
-    pub(super) fn gains(&self, length: &StepLength) -> StepGains {
-        let attitude_gain = math::min(self.tuning.attitude_gain, length.attitude);
+    pub(super) fn gains(&self, h: f32) -> StepGains {
+        let attitude_gain = math::min(self.tuning.attitude_gain, ATTITUDE_STEP / h);
         StepGains {
-            h: length.h,
-            vertical_gain: math::min(self.tuning.vertical_gain, length.vertical),
+            h,
+            vertical_gain: math::min(self.tuning.vertical_gain, VERTICAL_STEP / h),
             attitude_gain,
             max_rotation_rate: attitude_gain * MAX_ROTATION,
             max_correction_rate: attitude_gain * self.tuning.max_correction,
@@ -254,7 +236,7 @@ impl ReferenceModel {
         h: f32,
     ) -> Inertial {
         let mut attitude = Attitude::from_angle(flight.theta);
-        let gains = self.gains(&StepLength::new(h));
+        let gains = self.gains(h);
         let error =
             flight.velocity - self.desired_velocity(flight.position, reference.velocity, wind);
         let desired =
@@ -769,7 +751,7 @@ mod tests {
             let model =
                 ReferenceModel::new(&GuidanceParameters::default(), &vehicle, &Tuning::default());
             let rising = Inertial::new(-20.0, 0.0);
-            let gains = model.gains(&StepLength::new(DT));
+            let gains = model.gains(DT);
             model
                 .desired_acceleration(rising, Inertial::ZERO, 9.81, &gains)
                 .down()
@@ -815,7 +797,7 @@ mod tests {
                     Inertial::ZERO,
                     Inertial::ZERO,
                     FREE,
-                    &model.gains(&StepLength::new(h)),
+                    &model.gains(h),
                     false,
                 );
                 let exact = Attitude::from_angle(flight.theta);
@@ -866,7 +848,7 @@ mod tests {
                 ..PlanarModelState::default()
             };
             let mut attitude = Attitude::from_angle(flight.theta);
-            let (mut plan, gains) = (Plan::default(), model.gains(&StepLength::new(0.1)));
+            let (mut plan, gains) = (Plan::default(), model.gains(0.1));
             let mut steepest = 0f32;
             for _ in 0..25 {
                 let reference = Inertial::new(0.0, 20.0);

@@ -14,7 +14,7 @@
 //! Each term is at least zero.
 
 use super::memory::memory;
-use super::reference_model::{Plan, PlanarModelState, ReferenceModel, StepLength};
+use super::reference_model::{Plan, PlanarModelState, ReferenceModel, StepGains};
 use crate::aero::Aerodynamics;
 use crate::frame::{Attitude, Inertial};
 use crate::math;
@@ -56,13 +56,17 @@ const LIFT_RESERVE_START: f32 = 1.25;
 const LIFT_RESERVE_SPAN: f32 = 0.25;
 
 /// A step of a rollout.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 struct AheadStep {
-    length: StepLength,
+    gains: StepGains,
     /// 1 while the reference is taken to accelerate, then 0, and a part of the step between.
     accelerating: f32,
 }
 
 /// How far a rollout looks ahead.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct Horizon {
     steps: [AheadStep; STEPS],
     /// The time of all of them, and of the last [`LATE`] \[s\].
@@ -72,43 +76,33 @@ pub(super) struct Horizon {
     scale: f32,
 }
 
-/// The horizons: one for vehicles that turn upright within it, and one for those that do not. A pull-up is the way in which an elevon wing
-/// stops, and a plan that does not see its end is none. Of 400 random brakings 12 did not end in hover with the short one and the moment of a
-/// wing that is not stalled; 9 do not. 1.75 was taken of 1.5, 1.75 and 2, which differ by chance on the flights that were lost.
-static HORIZONS: [Horizon; 2] = [Horizon::new(1.0), Horizon::new(1.75)];
-/// Greatest pitch rate [rad/s] below which the long one is looked at: that of a quarter of a turn in 1.1 s, half of the short one.
+/// Greatest pitch rate [rad/s] below which the horizon is a long one: that of a quarter of a turn in 1.1 s, half of the short one.
 const SLOW_RATE: f32 = 1.4;
+/// Length of the long one over that of the short one. A pull-up is the way in which an elevon wing stops, and a plan that does not see its
+/// end is none. Of 400 random brakings 12 did not end in hover with the short one and the moment of a wing that is not stalled; 9 do not. 1.75
+/// was taken of 1.5, 1.75 and 2, which differ by chance on the flights that were lost.
+const LONG: f32 = 1.75;
 
 impl Horizon {
-    /// The horizon of a vehicle that turns by at most `rate` [rad/s].
-    #[inline(always)]
-    pub fn of_rate(rate: f32) -> &'static Self {
-        let [short, long] = &HORIZONS;
-        if rate < SLOW_RATE { long } else { short }
-    }
-
-    const fn new(scale: f32) -> Self {
-        let mut steps = [const {
-            AheadStep {
-                length: StepLength::new(FIRST_STEP),
-                accelerating: 1.0,
-            }
-        }; STEPS];
-        let (mut n, mut h, mut span, mut late) = (0, scale * FIRST_STEP, 0.0, 0.0);
-        while n < STEPS {
-            steps[n].length = StepLength::new(h);
-            steps[n].accelerating = math::clamp((AHEAD - span) / h, 0.0, 1.0);
-            if n + LATE >= STEPS {
-                late += h;
-            }
+    /// The horizon of a vehicle that turns by at most `rate` [rad/s], in steps of its `model`.
+    pub fn new(rate: f32, model: &ReferenceModel) -> Self {
+        let scale = if rate < SLOW_RATE { LONG } else { 1.0 };
+        let mut h = scale * FIRST_STEP;
+        let mut span = 0.0;
+        let steps = core::array::from_fn(|_| {
+            let step = AheadStep {
+                gains: model.gains(h),
+                accelerating: math::clamp((AHEAD - span) / h, 0.0, 1.0),
+            };
             span += h;
             h *= GROWTH;
-            n += 1;
-        }
+            step
+        });
+        let late = steps[STEPS - LATE..].iter().map(|s: &AheadStep| s.gains.h);
         Self {
+            late: late.sum(),
             steps,
             span,
-            late,
             scale,
         }
     }
@@ -270,15 +264,11 @@ impl Cost {
             if n == STEPS - LATE {
                 late = flight.velocity;
             }
-            let gains = reference_model.gains(&step.length);
+            let gains = &step.gains;
             let acceleration = request.acceleration * step.accelerating;
             turning += u32::from(plan.turn);
-            let desired = reference_model.desired_acceleration(
-                error,
-                acceleration,
-                vehicle.gravity(),
-                &gains,
-            );
+            let desired =
+                reference_model.desired_acceleration(error, acceleration, vehicle.gravity(), gains);
             reference_model.step::<A, STIFF>(
                 vehicle,
                 &mut flight,
@@ -288,7 +278,7 @@ impl Cost {
                 desired,
                 wind,
                 f32::INFINITY,
-                &gains,
+                gains,
                 false,
             );
             velocity += acceleration * gains.h;
@@ -389,6 +379,9 @@ fn sinking(z: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::aero::{Combined, CombinedParameters};
+    use crate::guidance::{GuidanceParameters, Tuning};
+    use crate::vehicle::VehicleParameters;
 
     #[test]
     fn errors_count_by_their_square_and_then_in_proportion() {
@@ -420,16 +413,24 @@ mod tests {
     /// 2.09 s, and 3.65 s where a quarter of a turn takes long.
     #[test]
     fn a_rollout_spans_its_horizon_and_its_reference_accelerates_for_a_part_of_it() {
+        let model = Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap();
+        let vehicle = Vehicle::new(VehicleParameters::PAPER, model).unwrap();
+        let model =
+            ReferenceModel::new(&GuidanceParameters::default(), &vehicle, &Tuning::default());
         for (rate, span) in [(2.8, 2.09), (1.1, 3.65)] {
-            let horizon = Horizon::of_rate(rate);
+            let horizon = Horizon::new(rate, &model);
             let steps = &horizon.steps;
             let sum = |f: &dyn Fn(&AheadStep) -> f32| steps.iter().map(f).sum::<f32>();
             // 1e-5: the rounding of 27 sums of seconds, 4 s · 6e-8 each, three times over.
-            assert!((sum(&|s| s.length.h) - horizon.span).abs() < 1e-5);
+            assert!((sum(&|s| s.gains.h) - horizon.span).abs() < 1e-5);
             assert!((horizon.span - span).abs() < 0.01);
-            assert!((sum(&|s| s.length.h * s.accelerating) - AHEAD).abs() < 1e-5);
-            let late = |s: &[AheadStep]| s.iter().map(|s| s.length.h).sum::<f32>();
-            assert!((late(&steps[STEPS - LATE..]) - horizon.late).abs() < 1e-5);
+            assert!((sum(&|s| s.gains.h * s.accelerating) - AHEAD).abs() < 1e-5);
+            let (first, last) = (&steps[0].gains, &steps[STEPS - 1].gains);
+            // 27 - 1 growths.
+            assert!((last.h / first.h - 1.039f32.powi(26)).abs() < 1e-4);
+            // The last six of a geometric series.
+            let late = last.h * (1.0 - 1.039f32.powi(-6)) / (1.0 - 1.0 / 1.039);
+            assert!((late - horizon.late).abs() < 1e-5);
         }
     }
 }
