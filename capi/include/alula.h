@@ -929,6 +929,12 @@ typedef struct alula_guidance_parameters {
      */
     float max_lateral_acceleration;
     /**
+     * Greatest force of the air that an attitude is asked for; turns take two thirds. Gusts come
+     * on top. 1000: none.
+     * Unit: g. From 3.0 to 1000.0, default 1000.0.
+     */
+    float max_load_factor;
+    /**
      * Greatest angular rate commanded, about each body axis.
      * Unit: rad/s. From 0.001 to 1000.0, default 2.8.
      */
@@ -1133,7 +1139,7 @@ typedef struct alula_controller {
     /**
      * Private.
      */
-    uint64_t opaque[152];
+    uint64_t opaque[236];
 } alula_controller;
 
 /**

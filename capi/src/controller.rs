@@ -22,7 +22,7 @@ pub struct Controller {
     /// Private.
     pub reserved: u32,
     /// Private.
-    pub opaque: [u64; 152],
+    pub opaque: [u64; 236],
 }
 
 impl Controller {
@@ -30,7 +30,7 @@ impl Controller {
     pub const BLANK: Self = Self {
         header: Self::HEADER,
         reserved: 0,
-        opaque: [0; 152],
+        opaque: [0; 236],
     };
 }
 

@@ -109,6 +109,8 @@ rules! { known, default;
         "Holds an angle of 7° and more against a belief that is wrong.";
     max_lateral_acceleration = default.max_lateral_acceleration,
         "The guidance itself stays below what thrust and wing carry.";
+    max_load_factor = default.max_load_factor,
+        "None: the airframe says what it bears. With less than 6 g a wing that has become too fast pulls out late.";
     max_rate = greatest_rate(known.authority),
         "Crosses the stall in half a second; the plans of the guidance are laid out for it. Less where the surfaces could not stop it within 2°.";
     max_slew = math::min(

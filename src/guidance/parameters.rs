@@ -51,6 +51,8 @@ crate::parameters! {
             "Greatest integral, horizontal; at most max_velocity_forward.";
         max_lateral_acceleration: "g", 0.0, 100.0, 2.0, "ALU_TURN_MAX",
             "Greatest acceleration to the side of the plane of flight. Zero: the plane is kept, for flights in one plane.";
+        max_load_factor: "g", 3.0, 1e3, 1e3, "ALU_LOAD_MAX",
+            "Greatest force of the air that an attitude is asked for; turns take two thirds. Gusts come on top. 1000: none.";
         max_rate: "rad/s", 1e-3, 1e3, 2.8, "ALU_RATE_MAX",
             "Greatest angular rate commanded, about each body axis.";
         max_slew: "rad/s^2", 1e-3, 1e6, 30.0, "ALU_SLEW_MAX",

@@ -39,6 +39,9 @@ const MAX_AHEAD: f32 = 0.065;
 const MOST_RATE: f32 = 6.0;
 /// Angular acceleration [rad/s²] that thrust is raised for, besides what the wing takes.
 const RAISED: f32 = 5.0;
+/// Pressure from which on the greatest force of the air is looked at, over that force: one eighth, since a wing across the air has a coefficient
+/// of 2, and a turn that is looked at from 0.7 of the force on is not stopped in time.
+const LOADED: f32 = 0.125;
 /// Least angular acceleration [rad/s²] that a turn is stopped with.
 const STOPPING: f32 = 1.0;
 /// Squared airspeed [m²/s²] from which on the air has a course.
@@ -101,6 +104,9 @@ pub struct ReferenceModel {
     carried: f32,
     /// Greatest acceleration down that the servo asks for, in g.
     max_down: f32,
+    /// Square of the greatest force of the air per mass [m²/s⁴], and the airspeed from which on it is looked at [m/s].
+    most_air_force: f32,
+    loaded_speed: f32,
     pub(super) tuning: Tuning,
 }
 
@@ -146,6 +152,7 @@ impl ReferenceModel {
         let turning = vehicle
             .authority()
             .in_hover(vehicle.weight(), vehicle.thrust_max());
+        let most = p.max_load_factor * vehicle.gravity();
         Self {
             rate: SHARE_OF_RATE * p.max_rate,
             slew: SHARE_OF_SLEW * p.max_slew,
@@ -155,6 +162,8 @@ impl ReferenceModel {
             held: vehicle.authority().airspeed_held((1.0 - SPARE) * turning),
             carried: vehicle.stall_speed(),
             max_down,
+            most_air_force: most * most,
+            loaded_speed: math::sqrt((LOADED * most * vehicle.mass() / vehicle.k_a()).abs()),
             tuning: *tuning,
         }
     }
@@ -296,6 +305,30 @@ impl ReferenceModel {
         math::clamp(wanted, rate - slew, rate + slew)
     }
 
+    /// The rate up to `wanted` [rad/s] with which the air's force, that of `air` at an `attitude`, stays below its greatest.
+    #[cold]
+    #[inline(never)]
+    fn unloaded<A: Aerodynamics>(
+        &self,
+        vehicle: &Vehicle<A>,
+        attitude: Attitude,
+        air: Inertial,
+        gain: f32,
+        wanted: f32,
+    ) -> f32 {
+        let forces = Forces::new(vehicle, attitude, air);
+        let force = forces.free - Inertial::new(vehicle.gravity(), 0.0);
+        let slope = attitude.to_inertial(Body::new(forces.slope, -forces.change));
+        // Of the square, per radian.
+        let growth = 2.0 * (force.down() * slope.down() + force.forward() * slope.forward());
+        let room = gain * (self.most_air_force - force.norm_squared());
+        if wanted * growth > room {
+            limited(room / growth, self.rate)
+        } else {
+            wanted
+        }
+    }
+
     /// One step: `flight` and its `attitude` go on by `plan`, and where that leaves it to the servo, towards the acceleration
     /// that it `desired`es for [m/s²]. Gives the acceleration had [m/s²].
     ///
@@ -402,6 +435,11 @@ impl ReferenceModel {
             core::hint::cold_path();
             let fastest = math::sqrt(reach.abs());
             if wanted < 0.0 { -fastest } else { fastest }
+        } else {
+            wanted
+        };
+        let wanted = if forces.speed > self.loaded_speed {
+            self.unloaded(vehicle, *attitude, air, gains.attitude_gain, wanted)
         } else {
             wanted
         };
@@ -718,6 +756,54 @@ mod tests {
             free > 1.2 && held < 0.8 && thrust > 1.9,
             "{free} {held} {thrust}"
         );
+    }
+
+    /// A turn far past stall at 45 m/s, in steps of flights and of predictions: the air's force grows to the greatest and is held
+    /// there, where it would be more than 9 g, and the vehicle gets to the attitude once it is slow enough.
+    #[test]
+    fn the_air_gives_no_more_than_the_load_factor() {
+        let vehicle = vehicle();
+        let level = -core::f32::consts::FRAC_PI_2;
+        let heaviest = |max_load_factor: f32, h: f32| {
+            let p = GuidanceParameters {
+                max_load_factor,
+                ..GuidanceParameters::default()
+            };
+            let model = ReferenceModel::new(&p, &vehicle, &Tuning::default());
+            let mut flight = PlanarModelState {
+                velocity: Inertial::new(0.0, 45.0),
+                theta: level + 0.05,
+                ..PlanarModelState::default()
+            };
+            let mut plan = Plan {
+                push: 0.0,
+                target: level + 1.2,
+                turn: 1,
+            };
+            let mut most = 0.0_f32;
+            for _ in 0..(4.0 / h) as u32 {
+                let wind = Inertial::ZERO;
+                model.advance(
+                    &vehicle,
+                    &mut flight,
+                    &mut plan,
+                    &still(0.0, 0.0),
+                    wind,
+                    FREE,
+                    h,
+                );
+                let attitude = Attitude::from_angle(flight.theta);
+                let air = AirData::new(attitude.to_body(flight.velocity), vehicle.thrust_line());
+                most = most.max(vehicle.aerodynamic_force(&air).norm() / vehicle.weight());
+            }
+            assert_eq!(plan.turn, 0, "it did not get there");
+            most
+        };
+        // Beyond it by what it turns until the slew has stopped it, and by a step.
+        for (h, most) in [(DT, 3.3), (0.05, 3.6)] {
+            let (free, held) = (heaviest(1e3, h), heaviest(3.0, h));
+            assert!(free > 9.0 && held > 2.0 && held < most, "{free} {held}");
+        }
     }
 
     /// Too high by 50 m the vehicle sinks no faster than it may, and climbs as fast as before.

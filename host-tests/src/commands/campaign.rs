@@ -46,7 +46,7 @@ pub struct Args {
     #[arg(long, value_name = "N")]
     threads: Option<std::num::NonZero<usize>>,
     /// Fly this flight alone, and leave its trace and report
-    #[arg(long, value_name = "FLIGHT", conflicts_with_all = ["shard", "flights", "threads"])]
+    #[arg(long, value_name = "FLIGHT", conflicts_with_all = ["shard", "threads"])]
     refly: Option<u64>,
     /// Print the campaign's TOML instead of flying it; `attitudes` has none
     #[arg(long)]
@@ -90,6 +90,10 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     }
     if let (Some(number), true) = (args.refly, Path::new(name).is_dir()) {
         drop(stdout);
+        ensure!(
+            args.flights.is_none(),
+            "{name}: these results are of so many flights as were flown: leave out --flights"
+        );
         return refly(&Store::existing(Path::new(name))?.1, number, args);
     }
     expect_name(&[Kind::Campaign], "a campaign", name)?;

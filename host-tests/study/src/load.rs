@@ -23,6 +23,7 @@ pub const BUILT_IN: &[(&str, &str)] = built_in! { "campaigns", ".toml";
     "lift-and-thrust-line",
     "faults-in-space",
     "paths",
+    "steep-turns",
     "fast-starts",
     "tail-sitters",
     "tail-sitter-falls",

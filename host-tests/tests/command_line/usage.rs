@@ -606,6 +606,13 @@ fn a_campaign_is_flown_shared_merged_and_flown_again() {
     let own = format!("{}/experiment.toml", flight["out"].as_str().unwrap());
     let again: Value = serde_json::from_str(&run(&["fly", &own, "--json"])).unwrap();
     assert_eq!(again["altitude_most_m"], flight["altitude_most_m"]);
+    // A flight beyond the campaign's own number takes the number that it was flown with.
+    run(&["campaign", "c.toml", "--flights", "61", "--refly", "60"]);
+    let alone = ["campaign", "c.toml", "--refly", "60"];
+    assert_refused(
+        &alula(folder.path(), &alone),
+        &["--refly: flights are numbered from 0 to 59"],
+    );
 }
 
 #[test]

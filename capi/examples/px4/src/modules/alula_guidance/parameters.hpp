@@ -55,6 +55,7 @@ inline bool load(alula_parameters &p)
 		{"ALU_INT_MAX_D", offsetof(alula_parameters, guidance.max_integral_down), false},
 		{"ALU_INT_MAX_F", offsetof(alula_parameters, guidance.max_integral_forward), false},
 		{"ALU_TURN_MAX", offsetof(alula_parameters, guidance.max_lateral_acceleration), false},
+		{"ALU_LOAD_MAX", offsetof(alula_parameters, guidance.max_load_factor), false},
 		{"ALU_RATE_MAX", offsetof(alula_parameters, guidance.max_rate), false},
 		{"ALU_SLEW_MAX", offsetof(alula_parameters, guidance.max_slew), false},
 		{"ALU_SUP_HOLD", offsetof(alula_parameters, guidance.hold), false},
