@@ -99,3 +99,24 @@ fn every_code_has_a_text_of_its_own() {
     }
     assert!(named > 30, "{named}");
 }
+
+/// The page gives the sizes of the structures that are large.
+#[test]
+fn the_page_has_the_sizes_of_structures() {
+    use alula_capi::{Controller, EquilibriumSet, Map, Mission, Table};
+    let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/integrating.md");
+    let page = std::fs::read_to_string(page).unwrap();
+    let line = page.lines().find(|line| line.starts_with("Structures: "));
+    let line = line.unwrap();
+    for (name, size) in [
+        ("alula_controller` ", size_of::<Controller>()),
+        ("alula_fold_map` ", size_of::<Map>()),
+        ("alula_table` ", size_of::<Table>()),
+        ("alula_mission` ", size_of::<Mission>()),
+        ("alula_equilibria` ", size_of::<EquilibriumSet>()),
+    ] {
+        let (_, after) = line.split_once(name).unwrap();
+        let said: String = after.chars().take_while(char::is_ascii_digit).collect();
+        assert_eq!(said, size.to_string(), "{name}");
+    }
+}
