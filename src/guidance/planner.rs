@@ -263,6 +263,16 @@ impl Planner {
         altitude_band(option, self.cost.altitude_band)
     }
 
+    /// What `steps` of a rollout take of [`STEPS_PER_PLAN`]: half as many again where they look at the load factor.
+    fn counted(&self, steps: usize) -> u8 {
+        let more = if self.reference_model.bounds_load() {
+            steps / 2
+        } else {
+            0
+        };
+        (steps + more) as u8
+    }
+
     /// Looks at the next plan of a `search`: the one in force, then candidates. `None` once all were looked at, or no steps are left for
     /// another one. A candidate that costs less by the hysteresis than the plan in force, and less than those before, is the best.
     pub fn look<A: Aerodynamics>(
@@ -273,7 +283,7 @@ impl Planner {
         let request = &search.request;
         let in_force = search.looked == 0;
         let n = search.looked.wrapping_sub(1);
-        if usize::from(search.steps) < STEPS || (!in_force && n >= candidates::COUNT) {
+        if search.steps < self.counted(STEPS) || (!in_force && n >= candidates::COUNT) {
             return None;
         }
         let vehicle = vehicle.as_flown(
@@ -297,7 +307,7 @@ impl Planner {
             Flown::ToTheEnd(rollout) => (STEPS, Some(rollout)),
             Flown::Dearer(steps) => (steps, None),
         };
-        search.steps = search.steps.saturating_sub(steps as u8);
+        search.steps = search.steps.saturating_sub(self.counted(steps));
         search.looked = search.looked.saturating_add(1);
         let rollout = rollout.filter(|rollout| rollout.cost < bound);
         if let Some(rollout) = rollout {

@@ -42,6 +42,8 @@ const RAISED: f32 = 5.0;
 /// Pressure from which on the greatest force of the air is looked at, over that force: one eighth, since a wing across the air has a coefficient
 /// of 2, and a turn that is looked at from 0.7 of the force on is not stopped in time.
 const LOADED: f32 = 0.125;
+/// Load factor from which on there is no bound.
+const UNBOUNDED: f32 = 1000.0;
 /// Least angular acceleration [rad/s²] that a turn is stopped with.
 const STOPPING: f32 = 1.0;
 /// Squared airspeed [m²/s²] from which on the air has a course.
@@ -104,7 +106,7 @@ pub struct ReferenceModel {
     carried: f32,
     /// Greatest acceleration down that the servo asks for, in g.
     max_down: f32,
-    /// Square of the greatest force of the air per mass [m²/s⁴], and the airspeed from which on it is looked at [m/s].
+    /// Square of the greatest force of the air per mass [m²/s⁴], and the airspeed from which on it is looked at [m/s]: infinite without a bound.
     most_air_force: f32,
     loaded_speed: f32,
     pub(super) tuning: Tuning,
@@ -153,6 +155,11 @@ impl ReferenceModel {
             .authority()
             .in_hover(vehicle.weight(), vehicle.thrust_max());
         let most = p.max_load_factor * vehicle.gravity();
+        let loaded_speed = if p.max_load_factor < UNBOUNDED {
+            math::sqrt((LOADED * most * vehicle.mass() / vehicle.k_a()).abs())
+        } else {
+            f32::INFINITY
+        };
         Self {
             rate: SHARE_OF_RATE * p.max_rate,
             slew: SHARE_OF_SLEW * p.max_slew,
@@ -163,9 +170,14 @@ impl ReferenceModel {
             carried: vehicle.stall_speed(),
             max_down,
             most_air_force: most * most,
-            loaded_speed: math::sqrt((LOADED * most * vehicle.mass() / vehicle.k_a()).abs()),
+            loaded_speed,
             tuning: *tuning,
         }
+    }
+
+    /// Whether the load factor is bounded: a step may then take half as many instructions again.
+    pub(super) fn bounds_load(&self) -> bool {
+        self.loaded_speed < f32::INFINITY
     }
 
     /// The gains of steps of `h` \[s\].
@@ -305,7 +317,8 @@ impl ReferenceModel {
         math::clamp(wanted, rate - slew, rate + slew)
     }
 
-    /// The rate up to `wanted` [rad/s] with which the air's force, that of `air` at an `attitude`, stays below its greatest.
+    /// The rate up to `wanted` [rad/s] with which the air's force, that of `air` at an `attitude`, stays below its greatest. What it is made of
+    /// is found again: kept from the step, it would cost every other step more.
     #[cold]
     #[inline(never)]
     fn unloaded<A: Aerodynamics>(
