@@ -610,7 +610,7 @@ pub unsafe extern "C" fn alula_mission_fly(
         let asked = memory
             .missions
             .step(&mut memory.state, &memory.items, &told, dt);
-        mission.say(&asked);
+        mission.say(asked);
         let (code, value) = match asked.gate {
             Gate::Off => {
                 controller.memory = Default::default();
