@@ -56,7 +56,7 @@ pub enum Remark {
     Steep,
     /// The turn does not fit between the neighbours: the waypoint is passed over.
     TightCorner,
-    /// It has not lifted off with the most thrust of a take-off.
+    /// It has not lifted off with the most thrust of a take-off, or does not stand on its tail.
     NoLiftOff,
     /// The vehicle does not follow.
     NotFollowing,

@@ -47,6 +47,8 @@ const LIFTED_TIME: f32 = 0.1;
 /// Thrust up to which it is tried, in multiples of the weight, and for how much longer than `spool_time` \[s\].
 const MOST_THRUST: f32 = 1.6;
 const PATIENCE: f32 = 3.0;
+/// Least sine of the elevation of its nose at which it stands on its tail: lying it would slide, and not lift off.
+const UPRIGHT: f32 = 0.7;
 /// It stands on the ground when it has sunk by less than this part of what it is asked to, and risen no faster, for so
 /// long \[s\]. So it does within this of the ground's believed height \[m\]. Elsewhere its thrust is besides at most
 /// this, in multiples of the weight, and it is over its reference by this \[m\].
@@ -250,6 +252,14 @@ impl Flight {
         self.preparing = Preparing::Departure(Some(to));
     }
 
+    /// Whether it leaves what it does for a path.
+    fn is_laying(&self) -> bool {
+        matches!(
+            self.preparing,
+            Preparing::Departure(_) | Preparing::Ways(..)
+        )
+    }
+
     fn is_airborne(&self) -> bool {
         use Activity::{Descending, Flying, Hovering, Rising};
         matches!(self.activity, Flying | Hovering | Rising | Descending)
@@ -389,7 +399,7 @@ impl Missions {
         }
         out.clear();
         match state.activity {
-            Activity::Grounded => self.grounded(state, armed, out),
+            Activity::Grounded => self.grounded(state, (armed, orientation), out),
             Activity::Spooling => self.spooling(state, seen, (armed, orientation), dt, out),
             Activity::Rising | Activity::Hovering => {
                 self.hovering(state, seen, orientation, dt, out);
@@ -818,6 +828,7 @@ impl Missions {
             return true;
         }
         let leaves = match (state.activity, state.task) {
+            _ if state.is_laying() => false,
             (Activity::Hovering, _) => true,
             (Activity::Descending, Task::Land(ground)) => {
                 ground - seen.position.down > self.p.flare_height
@@ -962,12 +973,19 @@ impl Missions {
         }
     }
 
-    fn grounded(&self, state: &mut Flight, armed: bool, out: &mut MissionOutput) {
+    fn grounded(
+        &self,
+        state: &mut Flight,
+        (armed, orientation): (bool, &Orientation),
+        out: &mut MissionOutput,
+    ) {
         if state.task != Task::TakeOff || state.forced != Response::Continue {
             return;
         }
         if !armed {
             out.remark = Some(Remark::NotArmed);
+        } else if !is_upright(orientation) {
+            out.remark = Some(Remark::NoLiftOff);
         } else if !self.is_too_windy(state) {
             state.enter(Activity::Spooling);
         }
@@ -992,7 +1010,9 @@ impl Missions {
             state.enter(Activity::Rising);
         } else if !armed || state.forced != Response::Continue || self.is_too_windy(state) {
             state.enter(Activity::Grounded);
-        } else if state.active > MOST_THRUST * self.p.spool_time + PATIENCE {
+        } else if state.active > MOST_THRUST * self.p.spool_time + PATIENCE
+            || !is_upright(orientation)
+        {
             out.remark = Some(Remark::NoLiftOff);
             state.task = Task::Wait;
             state.enter(Activity::Grounded);
@@ -1249,6 +1269,11 @@ impl Missions {
     }
 }
 
+/// Whether the nose is up.
+fn is_upright(orientation: &Orientation) -> bool {
+    orientation.i().down > UPRIGHT
+}
+
 /// `trouble` if `failed`.
 fn flag(trouble: Troubles, failed: bool) -> Troubles {
     if failed { trouble } else { Troubles::empty() }
@@ -1499,5 +1524,51 @@ mod tests {
             asked += usize::from(point.state.flight.steps_held == 0);
         }
         assert!(asked >= 200 / (usize::from(MOST_HELD) + 1), "{asked}");
+    }
+
+    /// Who begins in the air, in more wind than it hovers in, is on its way as soon as its path is laid.
+    #[test]
+    fn a_flight_that_begins_in_wind_is_on_its_way() {
+        let place = Ned::new(900.0, 0.0, 0.0);
+        let items = [Item::Waypoint {
+            place,
+            pass: Pass::By,
+        }];
+        let mut point = Point::new(&items, Responses::default());
+        point.missions.ability.hover_wind = STRONG - 1.0;
+        point.velocity = Ned::new(22.0 - STRONG, 0.0, 0.0);
+        let out = point.until(STRONG, Troubles::empty(), |out, _| {
+            out.progress.time > DT * (LAYING + 1.0)
+        });
+        assert_eq!(out.activity, Activity::Flying);
+    }
+
+    /// Who lies on the ground gives no thrust, whether it has lain there before or falls over while its thrust grows.
+    #[test]
+    fn who_has_fallen_over_does_not_take_off() {
+        let items = [Item::TakeOff { height: 10.0 }];
+        let mut point = Point::new(&items, Responses::default());
+        let up = Ned::new(0.0, 0.0, -1.0);
+        let lying = Orientation::from_directions(Ned::new(1.0, 0.0, 0.0), up).unwrap();
+        let mut told = MissionInput::default().position(Ned::ZERO).armed(true);
+        let mut step = |told: &MissionInput| {
+            let Point {
+                missions,
+                mission,
+                state,
+                ..
+            } = &mut point;
+            *missions.step(state, mission, told, DT)
+        };
+        for _ in 0..10 {
+            step(&told);
+        }
+        assert!(matches!(step(&told).gate, Gate::AtMost(most) if most > 0.0));
+        told.orientation = lying;
+        step(&told);
+        for _ in 0..100 {
+            let out = step(&told);
+            assert_eq!((out.gate, out.activity), (Gate::Off, Activity::Grounded));
+        }
     }
 }

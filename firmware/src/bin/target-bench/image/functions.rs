@@ -159,8 +159,7 @@ impl Flight {
     }
 
     /// Once in ten seconds something fails or is good again, the wind changes, and it goes to another item.
-    fn happen(&mut self, c: &Case) {
-        self.told.orientation = c.space.input.orientation;
+    fn happen(&mut self) {
         let mut drawn = |most: u32| {
             self.random = (self.random)
                 .wrapping_mul(1_664_525)
@@ -255,13 +254,13 @@ impl Output {
     }
 
     /// Makes the memory for the next call what `memory` says.
-    pub fn prepare(&mut self, memory: Memory, case: &Case) {
+    pub fn prepare(&mut self, memory: Memory) {
         if memory == Memory::Fresh {
             self.memory = GuidanceState::default();
             self.hardened = HardenedState::default();
             self.flight = Flight::new();
         }
-        self.flight.happen(case);
+        self.flight.happen();
     }
 }
 

@@ -70,10 +70,10 @@ fn measure(fixture: &Fixture, meter: &Meter) {
             // Twice: the first call of a flight's new case meets other limits than the second.
             *count = 0;
             for _ in 0..2 {
-                output.prepare(memory, case);
+                output.prepare(memory);
                 *count = meter.instructions(function, case, output).max(*count);
             }
-            output.prepare(memory, case);
+            output.prepare(memory);
             stack = stack.max(meter.stack(function, case, output));
         }
         counts.sort_unstable();
@@ -93,7 +93,7 @@ fn trace(fixture: &Fixture, meter: &Meter) {
         let output = &mut Output::new();
         for n in (0..CASES).step_by(TRACE_STEP) {
             let case = &black_box(sweep::case(fixture, n));
-            output.prepare(memory, case);
+            output.prepare(memory);
             hprintln!("{} {}", name, meter.marked(function, case, output));
         }
     }
