@@ -608,7 +608,7 @@
 #define ALULA_REMARK_TIGHT_CORNER 3
 
 /**
- * Remark: it has not lifted off with the most thrust of a take-off.
+ * Remark: it has not lifted off with the most thrust of a take-off, or does not stand on its tail.
  */
 #define ALULA_REMARK_NO_LIFT_OFF 4
 

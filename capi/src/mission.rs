@@ -95,7 +95,7 @@ pub const ALULA_REMARK_DRIFTING: u32 = 1;
 pub const ALULA_REMARK_STEEP: u32 = 2;
 /// Remark: the turn does not fit between the neighbours: the waypoint is passed over.
 pub const ALULA_REMARK_TIGHT_CORNER: u32 = 3;
-/// Remark: it has not lifted off with the most thrust of a take-off.
+/// Remark: it has not lifted off with the most thrust of a take-off, or does not stand on its tail.
 pub const ALULA_REMARK_NO_LIFT_OFF: u32 = 4;
 /// Remark: the vehicle does not follow.
 pub const ALULA_REMARK_NOT_FOLLOWING: u32 = 5;
@@ -610,7 +610,7 @@ pub unsafe extern "C" fn alula_mission_fly(
         let asked = memory
             .missions
             .step(&mut memory.state, &memory.items, &told, dt);
-        mission.say(&asked);
+        mission.say(asked);
         let (code, value) = match asked.gate {
             Gate::Off => {
                 controller.memory = Default::default();

@@ -248,7 +248,7 @@ impl Mission {
         let step = self
             .missions
             .step(&mut self.state, &self.mission, &input, dt);
-        MissionOutput::new(py, &step)
+        MissionOutput::new(py, step)
     }
 
     fn __len__(&self) -> usize {

@@ -89,7 +89,7 @@ pub struct GoalState {
 /// How far a goal has come.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-struct SetPointState {
+pub(crate) struct SetPointState {
     /// Which goal it is, by its [`Goal::parts`]; 0 for none.
     kind: u8,
     target: Ned,
@@ -136,6 +136,17 @@ impl SetPointState {
             && self.velocity.norm_squared() <= MAX_SPEED * MAX_SPEED
             && self.stopped <= 1
     }
+
+    /// As [`GoalState::is_reached`].
+    pub(crate) fn is_reached(&self) -> bool {
+        let near = |a: Ned, b: Ned, by: f32| (a - b).norm_squared() < by * by;
+        match self.kind {
+            1 => near(self.position, self.target, 0.1) && near(self.velocity, Ned::ZERO, 0.1),
+            2 => self.stopped == 1,
+            3 => near(self.velocity, self.target, 0.1),
+            _ => false,
+        }
+    }
 }
 
 /// What of the guidance's input makes a goal.
@@ -166,6 +177,11 @@ impl Goals {
         Ok(Self { preferences: p })
     }
 
+    /// The same of preferences that are within these bounds.
+    pub(crate) const fn of(preferences: Preferences) -> Self {
+        Self { preferences }
+    }
+
     /// What the input is given for `goal`, at a `position` \[m\] and a `velocity` [m/s], `dt` \[s\] after
     /// the last. A new goal begins where the vehicle is. What is not finite is handed on, to be refused by the guidance, and not
     /// remembered; in a step of no time, or of one that the guidance refuses, the reference stands still.
@@ -177,12 +193,28 @@ impl Goals {
         velocity: Ned,
         dt: f32,
     ) -> GoalOutput {
+        let mut set_point = state.left();
+        let output = self.advance(&mut set_point, goal, position, velocity, dt);
+        let shadow = ShadowCopy::new(&set_point);
+        *state = GoalState { set_point, shadow };
+        output
+    }
+
+    /// The same of what is remembered by someone else.
+    pub(crate) fn advance(
+        &self,
+        state: &mut SetPointState,
+        goal: &Goal,
+        position: Ned,
+        velocity: Ned,
+        dt: f32,
+    ) -> GoalOutput {
         let dt = if (MIN_STEP..=MAX_STEP).contains(&dt) {
             dt
         } else {
             0.0
         };
-        let mut set_point = state.left();
+        let mut set_point = *state;
         let (kind, target) = goal.parts();
         if (set_point.kind, set_point.target) != (kind, target) {
             set_point = SetPointState {
@@ -222,8 +254,7 @@ impl Goals {
         set_point.velocity += change;
         set_point.position += set_point.velocity * dt;
         if set_point.is_sound() {
-            let shadow = ShadowCopy::new(&set_point);
-            *state = GoalState { set_point, shadow };
+            *state = set_point;
         }
         let reference = Reference {
             velocity: set_point.velocity,
@@ -306,17 +337,7 @@ impl GoalState {
 
     /// Whether the reference stands at the goal: at rest there, or at the velocity asked for.
     pub fn is_reached(&self) -> bool {
-        let near = |a: Ned, b: Ned, by: f32| (a - b).norm_squared() < by * by;
-        let set_point = self.left();
-        match set_point.kind {
-            1 => {
-                near(set_point.position, set_point.target, 0.1)
-                    && near(set_point.velocity, Ned::ZERO, 0.1)
-            }
-            2 => set_point.stopped == 1,
-            3 => near(set_point.velocity, set_point.target, 0.1),
-            _ => false,
-        }
+        self.left().is_reached()
     }
 }
 

@@ -36,6 +36,7 @@ pub use crate::control::{Branch, Margin};
 pub use bandwidth::{BandwidthGains, GainChoice};
 pub(crate) use for_vehicle::greatest_rate;
 pub use for_vehicle::{REASONS, ResponseParameters};
+pub(crate) use goal::SetPointState;
 pub use goal::{Goal, GoalOutput, GoalState, Goals, Preferences};
 pub use hardened::{Hardened, HardenedState};
 pub use input::GuidanceInput;

@@ -35,10 +35,8 @@ const ANGLES: u8 = 61;
 pub(super) struct Ability {
     /// Speed at which the greatest lift carries the weight [m/s].
     pub stall_speed: f32,
-    /// Drag of level flight over the weight, at the speeds of the table.
-    drag: [f32; SPEEDS],
-    /// Thrust there is over the weight, at these speeds.
-    thrust: [f32; SPEEDS],
+    /// Drag of level flight and the thrust there is, both over the weight, at the speeds of the table.
+    table: [[f32; 2]; SPEEDS],
     gravity: f32,
     weight: f32,
     /// How fast paths let it bank [rad/s].
@@ -84,8 +82,7 @@ impl Ability {
         let hover_wind = vehicle.hover_wind(FIRST * stall_speed);
         let empty = Self {
             stall_speed,
-            drag: [0.0; SPEEDS],
-            thrust: [0.0; SPEEDS],
+            table: [[0.0; 2]; SPEEDS],
             gravity: vehicle.gravity(),
             weight: vehicle.weight(),
             roll: math::max(ROLL_SHARE * rate, LEAST_ROLL),
@@ -99,32 +96,35 @@ impl Ability {
     /// With the tables of a vehicle that has this polar, this thrust \[N\] at an airspeed, and this k_a \[kg/m\].
     fn filled(mut self, polar: Polar<'_>, available: &dyn Fn(f32) -> f32, k_a: f32) -> Self {
         let (stall_speed, weight) = (self.stall_speed, self.weight);
-        let rows = self.drag.iter_mut().zip(&mut self.thrust);
         let mut multiple = FIRST;
-        for (drag, thrust) in rows {
+        for row in &mut self.table {
             let speed = multiple * stall_speed;
             let pressure = k_a * speed * speed / weight;
-            *drag = pressure * drag_at(polar, 1.0 / pressure);
-            *thrust = available(speed) / weight;
+            let drag = pressure * drag_at(polar, 1.0 / pressure);
+            *row = [drag, available(speed) / weight];
             multiple += STEP;
         }
         self
     }
 
-    /// The values of the tables at `speed` [m/s], held at their ends: drag and thrust there is, over the weight.
+    /// The values of the table at `speed` [m/s], held at its ends: drag and thrust there is, over the weight.
+    #[inline]
     fn at(&self, speed: f32) -> [f32; 2] {
         let row = math::clamp(
             (speed / self.stall_speed - FIRST) * (1.0 / STEP),
             0.0,
             (SPEEDS - 1) as f32,
         );
-        let below = (row as usize).min(SPEEDS - 2);
+        let below = row as usize;
         let part = row - below as f32;
-        [&self.drag, &self.thrust].map(|table| {
-            let value = |n: usize| table.get(n).copied().unwrap_or(0.0);
-            let (low, high) = (value(below), value(below + 1));
-            low + part * (high - low)
-        })
+        match self.table.get(below..) {
+            Some([low, high, ..]) => {
+                let ([drag, thrust], [more, most]) = (low, high);
+                [drag + part * (more - drag), thrust + part * (most - thrust)]
+            }
+            Some([last, ..]) => *last,
+            _ => [0.0; 2],
+        }
     }
 
     /// Gravity [m/s²].
@@ -145,7 +145,7 @@ impl Ability {
     /// Greatest airspeed of level flight in the table [m/s]; the least where thrust carries none.
     pub fn most_speed(&self) -> f32 {
         let mut most = self.least_speed();
-        for (n, (drag, thrust)) in self.drag.iter().zip(&self.thrust).enumerate() {
+        for (n, [drag, thrust]) in self.table.iter().enumerate() {
             if *drag <= THRUST_SHARE * *thrust {
                 most = (FIRST + STEP * n as f32) * self.stall_speed;
             }
@@ -197,11 +197,6 @@ impl Ability {
     pub fn air_over_heading(&self, airspeed: f32) -> f32 {
         let air = self.takeover.mu(airspeed);
         air / math::max(1.0 - air, 1e-3)
-    }
-
-    /// Deceleration [m/s²] that drag gives at an airspeed [m/s].
-    pub fn slowing(&self, airspeed: f32) -> f32 {
-        self.gravity * self.drag(airspeed)
     }
 }
 

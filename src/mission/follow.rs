@@ -1,8 +1,7 @@
 //! A path over ground at an airspeed, as a reference: along it nothing is held but the airspeed.
 
-use super::ability::Ability;
 use super::parameters::MissionParameters;
-use super::segment::{Path, Segment, level, right_of};
+use super::segment::{Path, level, right_of};
 use super::triangle::Triangle;
 use crate::math;
 use crate::ned::Ned;
@@ -50,21 +49,15 @@ pub(super) struct Followed {
 }
 
 impl FollowState {
-    /// A path that begins at the vehicle, from its present velocity.
-    pub fn begin(path: Path, airspeed: f32, seen: &Seen) -> Self {
-        let mut begun = Self {
-            path,
-            airspeed,
-            part: 1.0,
-            banking: 0.0,
-        };
-        let nearest = { begun.path }.advance(seen.position);
-        if let Some(triangle) = Triangle::new(airspeed, seen.wind, nearest.along) {
+    /// Begins its path, which begins at the vehicle, from its present velocity.
+    pub fn begin(&mut self, airspeed: f32, seen: &Seen) {
+        (self.airspeed, self.part) = (airspeed, 1.0);
+        let along = self.path.start;
+        if let Some(triangle) = Triangle::new(airspeed, seen.wind, along) {
             let air = seen.velocity - seen.wind;
-            let along = air.north * nearest.along.north + air.east * nearest.along.east;
-            begun.part = math::clamp(along / triangle.air, -1.0, 1.0);
+            let ahead = air.north * along.north + air.east * along.east;
+            self.part = math::clamp(ahead / triangle.air, -1.0, 1.0);
         }
-        begun
     }
 
     /// Whether it is flown at the `wanted` airspeed [m/s], and not on the way to it.
@@ -77,23 +70,12 @@ impl FollowState {
         LEAD + self.banking
     }
 
-    /// What is left of the path at this speed [m/s], where the next one is flown behind it.
-    pub fn rest(&self, speed: f32) -> Option<Segment> {
-        // A step more than from where on it is looked for.
-        self.path.rest(1.5 * self.lead() * speed)
-    }
-
-    /// Another path, flown as fast as the last.
-    pub fn turn_to(&mut self, path: Path) {
-        self.path = path;
-    }
-
-    /// A step at an airspeed of `wanted` [m/s].
+    /// A step at an airspeed of `wanted` [m/s], where drag gives this deceleration [m/s²].
     #[inline]
     pub fn step(
         &mut self,
         p: &MissionParameters,
-        ability: &Ability,
+        slowing: f32,
         seen: &Seen,
         wanted: f32,
         dt: f32,
@@ -101,7 +83,7 @@ impl FollowState {
         let nearest = self.path.advance(seen.position);
         let missing = wanted - self.airspeed;
         if missing != 0.0 {
-            let slower = math::min(DRAG_SHARE * ability.slowing(self.airspeed), p.acceleration);
+            let slower = math::min(DRAG_SHARE * slowing, p.acceleration);
             self.airspeed += math::clamp(missing, -slower * dt, p.acceleration * dt);
         }
         // The wing cannot brake: what is faster than asked for is let slow down by itself.
@@ -110,15 +92,14 @@ impl FollowState {
         let Some(triangle) = Triangle::new(airspeed, seen.wind, nearest.along) else {
             return self.on_the_wind(airspeed, seen.wind);
         };
-        let growth = math::clamp(1.0 - self.part, 0.0, p.acceleration * dt / triangle.air);
-        self.part += growth;
+        let mut gain = 0.0;
+        if self.part < 1.0 && dt > 0.0 {
+            let growth = math::min(1.0 - self.part, p.acceleration * dt / triangle.air);
+            self.part += growth;
+            gain = growth / dt * triangle.air;
+        }
         let speed = triangle.ground(self.part);
         let rate = speed * self.path.curvature(LEAD * speed, self.banking * speed);
-        let gain = if dt > 0.0 {
-            growth / dt * triangle.air
-        } else {
-            0.0
-        };
         let across = right_of(nearest.along);
         Followed {
             velocity: nearest.along * speed,

@@ -56,7 +56,7 @@ pub enum Remark {
     Steep,
     /// The turn does not fit between the neighbours: the waypoint is passed over.
     TightCorner,
-    /// It has not lifted off with the most thrust of a take-off.
+    /// It has not lifted off with the most thrust of a take-off, or does not stand on its tail.
     NoLiftOff,
     /// The vehicle does not follow.
     NotFollowing,
@@ -171,6 +171,28 @@ pub struct MissionOutput {
 }
 
 impl MissionOutput {
+    /// Asks for nothing.
+    pub(super) fn clear(&mut self) {
+        self.gate = Gate::Off;
+        self.remark = None;
+        self.reference = Reference::default();
+        self.position_error = Ned::ZERO;
+        self.planner_options = PlannerOptions::default();
+        self.progress.distance_to_go = 0.0;
+        self.progress.time_to_go = 0.0;
+        self.progress.right = 0.0;
+        self.progress.airspeed = 0.0;
+        self.progress.steady_thrust = 0.0;
+        self.progress.load_factor = 0.0;
+        self.progress.settled = false;
+    }
+
+    /// The same `dt` \[s\] later, with the acceleration asked for, of a vehicle with this velocity [m/s].
+    pub(super) fn go_on(&mut self, velocity: Ned, dt: f32) {
+        self.position_error += (velocity - self.reference.velocity) * dt;
+        self.reference.velocity += self.reference.acceleration * dt;
+    }
+
     /// The guidance's input with what the mission asks for in it. Where the vehicle stands on the ground, the accelerometer feels
     /// the ground, and is left out.
     #[must_use]

@@ -84,26 +84,49 @@ setters! {
     }
 }
 
-impl Responses {
+/// The same, by what is done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(super) struct Rules {
+    land: Troubles,
+    back: Troubles,
+    loiter: Troubles,
+}
+
+impl Rules {
+    pub fn new(responses: &Responses) -> Self {
+        let answered = |so: Response| {
+            [
+                (Troubles::LINK, responses.link),
+                (Troubles::AIR, responses.air),
+                (Troubles::POSITION, responses.position),
+                (Troubles::BATTERY, responses.battery),
+                (Troubles::FOLLOW, responses.follow),
+                (Troubles::ABORT, Response::Loiter),
+            ]
+            .into_iter()
+            .filter(|(_, response)| *response == so)
+            .fold(Troubles::empty(), |all, (trouble, _)| all | trouble)
+        };
+        Self {
+            land: answered(Response::Land),
+            back: answered(Response::Return),
+            loiter: answered(Response::Loiter),
+        }
+    }
+
     /// The gravest response to `troubles`.
+    #[inline]
     pub fn to(&self, troubles: Troubles) -> Response {
-        [
-            (Troubles::LINK, self.link),
-            (Troubles::AIR, self.air),
-            (Troubles::POSITION, self.position),
-            (Troubles::BATTERY, self.battery),
-            (Troubles::FOLLOW, self.follow),
-            (Troubles::ABORT, Response::Loiter),
-        ]
-        .into_iter()
-        .filter(|(trouble, _)| troubles.contains(*trouble))
-        .fold(Response::Continue, |gravest, (_, response)| {
-            if response > gravest {
-                response
-            } else {
-                gravest
-            }
-        })
+        if troubles.intersects(self.land) {
+            Response::Land
+        } else if troubles.intersects(self.back) {
+            Response::Return
+        } else if troubles.intersects(self.loiter) {
+            Response::Loiter
+        } else {
+            Response::Continue
+        }
     }
 }
 
@@ -118,7 +141,7 @@ mod tests {
             battery: Response::Land,
             ..Responses::default()
         };
-        let to = |troubles| responses.to(troubles);
+        let to = |troubles| Rules::new(&responses).to(troubles);
         assert_eq!(to(Troubles::empty()), Response::Continue);
         assert_eq!(to(Troubles::AIR), Response::Continue);
         assert_eq!(to(Troubles::LINK | Troubles::ABORT), Response::Return);

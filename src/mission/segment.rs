@@ -70,8 +70,12 @@ pub(super) struct Nearest {
 impl Segment {
     /// The place and the course at `way` \[m\].
     pub fn at(&self, way: f32) -> Pose {
+        self.after(along(self.from.course), way)
+    }
+
+    /// The same, where `start` is the unit vector along it where it begins.
+    fn after(&self, start: Ned, way: f32) -> Pose {
         let Pose { place, course } = self.from;
-        let start = along(course);
         if self.curvature == 0.0 {
             let place = place + start * way;
             return Pose { place, course };
@@ -105,7 +109,7 @@ impl Segment {
         // To the right of the path there.
         let side = -self.curvature.signum() / distance;
         let now = Ned::new(from_centre.north * side, from_centre.east * side, 0.0);
-        let turned = math::atan2(
+        let turned = math::angle(
             right.north * now.east - right.east * now.north,
             right.north * now.north + right.east * now.east,
         );
@@ -122,11 +126,13 @@ impl Segment {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct Path {
     segments: [Segment; SEGMENTS],
-    /// The one that is flown, and the unit vector along it where it begins.
+    /// The one that is flown: its number, itself, and the unit vector along it where it begins.
     at: u8,
-    start: Ned,
-    /// Way along it \[m\], and the length of those after it that end.
+    pub flown: Segment,
+    pub start: Ned,
+    /// Way along it \[m\], and the length of those before it, and of those after it that end.
     way: f32,
+    before: f32,
     after: f32,
     /// Full turns on an arc that does not end.
     pub turns: f32,
@@ -134,12 +140,14 @@ pub(super) struct Path {
 
 impl Default for Path {
     fn default() -> Self {
-        Self::new([Segment::default(); 3])
+        Self::new(None, [Segment::default(); 3])
     }
 }
 
 impl Path {
-    pub fn new([first, second, third]: [Segment; 3]) -> Self {
+    /// Up to three segments, behind what is left of the path before it.
+    #[inline]
+    pub fn new(rest: Option<Segment>, [first, second, third]: [Segment; 3]) -> Self {
         let ending = |segment: Segment| {
             if segment.length < ENDLESS {
                 segment.length
@@ -147,16 +155,19 @@ impl Path {
                 0.0
             }
         };
-        // Nothing comes before it, and what comes first is gone on from.
+        // If nothing comes before it, what comes first is gone on from.
         let none = Segment {
             length: 0.0,
             ..first
         };
+        let rest = rest.unwrap_or(none);
         Self {
-            segments: [none, first, second, third],
+            segments: [rest, first, second, third],
             at: 0,
-            start: along(first.from.course),
+            flown: rest,
+            start: along(rest.from.course),
             way: 0.0,
+            before: 0.0,
             after: ending(first) + ending(second) + ending(third),
             turns: 0.0,
         }
@@ -164,26 +175,29 @@ impl Path {
 
     /// Whether nothing comes after the segment that is flown, or no more than rounding.
     pub fn is_final(&self) -> bool {
-        self.after < SHORT && self.segment().length < ENDLESS
+        self.after < SHORT && self.flown.length < ENDLESS
     }
 
-    /// What is left of the segment that is flown, if nothing comes after it and that is less than `most` \[m\].
-    pub fn rest(&self, most: f32) -> Option<Segment> {
-        let segment = self.segment();
-        let left = math::max(segment.length - self.way, 0.0);
-        (self.is_final() && left < most).then(|| Segment {
-            from: segment.at(self.way),
-            length: left,
-            ..*segment
+    /// What is left of the segment that is flown `from` a place on it at this `way` \[m\], if nothing comes after it and that is less than
+    /// `most` \[m\].
+    pub fn rest(&self, from: Pose, way: f32, most: f32) -> Option<Segment> {
+        let length = math::max(self.flown.length - way, 0.0);
+        (self.is_final() && length < most).then_some(Segment {
+            from,
+            length,
+            ..self.flown
         })
     }
 
-    /// The path with a segment before it, at whose end it begins.
-    pub fn behind(mut self, segment: Segment) -> Self {
-        let [rest, ..] = &mut self.segments;
-        *rest = segment;
-        self.start = along(segment.from.course);
-        self
+    /// Where the segment that is flown ends.
+    pub fn end(&self) -> Pose {
+        self.flown.after(self.start, self.flown.length)
+    }
+
+    /// The place of the segment that is flown which is nearest to `x`.
+    #[inline]
+    pub fn nearest(&self, x: Ned) -> Nearest {
+        self.flown.nearest(self.start, x, self.way)
     }
 
     /// Its greatest curvature to either side \[1/m\].
@@ -192,30 +206,9 @@ impl Path {
         self.segments.iter().fold(0.0, tighter)
     }
 
-    /// Goes on to the next segment.
-    fn next(&mut self) {
-        self.at += 1;
-        let Segment { from, length, .. } = *self.segment();
-        self.start = along(from.course);
-        if length < ENDLESS {
-            self.after -= length;
-        }
-    }
-
     /// Whether the last segment is flown.
     pub fn is_last(&self) -> bool {
         usize::from(self.at) + 1 >= SEGMENTS
-    }
-
-    /// The segment that is flown.
-    pub fn segment(&self) -> &Segment {
-        let [rest, first, second, third] = &self.segments;
-        match self.at {
-            0 => rest,
-            1 => first,
-            2 => second,
-            _ => third,
-        }
     }
 
     /// The mean curvature from `half` \[m\] before to as much behind a place `ahead` \[m\] of the vehicle \[1/m\]. Before its beginning the path is as
@@ -225,7 +218,7 @@ impl Path {
         let (first, last) = (self.way + ahead - half, self.way + ahead + half);
         let Segment {
             curvature, length, ..
-        } = *self.segment();
+        } = self.flown;
         if (self.at == 0 || first >= 0.0) && last < length {
             return curvature;
         }
@@ -235,48 +228,35 @@ impl Path {
     /// The mean curvature between two ways along the segment that is flown \[m\].
     #[cold]
     fn mean_curvature(&self, first: f32, last: f32) -> f32 {
-        let before = self.segments.iter().take(usize::from(self.at));
-        let mut from = -before.map(|segment| segment.length).sum::<f32>();
-        let mut sum = 0.0;
-        for (n, segment) in self.segments.iter().enumerate() {
-            let begins = if n == 0 {
-                first
-            } else {
-                math::max(from, first)
-            };
-            from += segment.length;
-            sum += segment.curvature * math::max(math::min(from, last) - begins, 0.0);
+        let share = 1.0 / math::max(last - first, 1e-3);
+        let [rest, then @ ..] = &self.segments;
+        let (mut mean, mut end) = (rest.curvature, rest.length - self.before);
+        let mut at = rest.curvature;
+        for &Segment {
+            curvature, length, ..
+        } in then
+        {
+            mean += (curvature - at) * math::clamp((last - end) * share, 0.0, 1.0);
+            (at, end) = (curvature, end + length);
         }
-        sum / math::max(last - first, 1e-3)
+        // Behind its end it is straight.
+        mean - at * math::clamp((last - end) * share, 0.0, 1.0)
     }
 
     /// Turns on an arc that does not end.
     pub fn turned(&self) -> f32 {
-        self.turns + self.way * self.segment().curvature.abs() * (0.5 / PI)
+        self.turns + self.way * self.flown.curvature.abs() * (0.5 / PI)
     }
 
-    /// Goes on to where the vehicle at `x` is: the place nearest to it.
+    /// Goes on to where the vehicle at `x` is: the place of the segment that is flown which is nearest to it.
     #[inline]
     pub fn advance(&mut self, x: Ned) -> Nearest {
-        let mut last = self.way;
-        for _ in 0..SEGMENTS {
-            if self.is_last() || last < self.segment().length {
-                break;
-            }
-            // Segments without length, and those behind.
-            self.next();
-            last = 0.0;
-        }
-        let mut nearest = self.segment().nearest(self.start, x, last);
-        if nearest.way >= self.segment().length && !self.is_last() {
-            self.next();
-            nearest = self.segment().nearest(self.start, x, 0.0);
-        }
+        let nearest = self.nearest(x);
         // Of an arc the place may be behind the beginning, by less than a turn.
         self.way = nearest.way;
         let Segment {
             curvature, length, ..
-        } = *self.segment();
+        } = self.flown;
         if length >= ENDLESS && self.way * curvature.abs() > 2.0 * PI {
             self.way -= 2.0 * PI / curvature.abs();
             self.turns += 1.0;
@@ -284,9 +264,34 @@ impl Path {
         nearest
     }
 
+    /// Whether the vehicle is behind the end of the segment that is flown, and another follows.
+    #[inline]
+    pub fn is_passed(&self) -> bool {
+        self.way >= self.flown.length && !self.is_last()
+    }
+
+    /// Goes on to the next segment that has a length.
+    #[inline(never)]
+    pub fn pass(&mut self) {
+        let behind = usize::from(self.at) + 1;
+        for segment in self.segments.iter().skip(behind) {
+            self.at += 1;
+            self.before += self.flown.length;
+            self.flown = *segment;
+            if segment.length < ENDLESS {
+                self.after -= segment.length;
+            }
+            if segment.length > 0.0 {
+                break;
+            }
+        }
+        self.way = 0.0;
+        self.start = along(self.flown.from.course);
+    }
+
     /// Way to its end \[m\]; of an endless one to the beginning of that.
     pub fn left(&self) -> f32 {
-        let length = self.segment().length;
+        let length = self.flown.length;
         // Nothing is left of what does not end.
         let left = if length < ENDLESS {
             length - self.way
@@ -300,6 +305,19 @@ impl Path {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// As a mission does: to the place, and past what is behind.
+    fn go_on(path: &mut Path, x: Ned) -> Nearest {
+        if path.is_passed() {
+            path.pass();
+        }
+        path.advance(x)
+    }
+
+    /// What is left from where it is.
+    fn rest_of(path: &Path, most: f32) -> Option<Segment> {
+        path.rest(path.flown.at(path.way), path.way, most)
+    }
 
     /// The place on a segment has no way to go and no distance, and a vehicle beside it is where it was put.
     #[test]
@@ -336,9 +354,9 @@ mod tests {
         let first = arc(from, 0.02);
         let second = arc(first.end(), -0.02);
         let third = arc(second.end(), -0.02);
-        let mut path = Path::new([first, second, third]);
+        let mut path = Path::new(None, [first, second, third]);
         for (way, mean) in [(20.0, 0.02), (45.0, 0.01), (50.0, 0.0), (60.0, -0.02)] {
-            path.advance(first.at(f32::min(way, 49.9)).place);
+            go_on(&mut path, first.at(f32::min(way, 49.9)).place);
             let ahead = way - path.way;
             assert!((path.curvature(ahead, 10.0) - mean).abs() < 1e-6, "{way}");
         }
@@ -353,7 +371,7 @@ mod tests {
             curvature: 0.0,
             length: 30.0,
         };
-        let path = Path::new([first, second, third]).behind(line);
+        let path = Path::new(Some(line), [first, second, third]);
         assert_eq!(path.curvature(10.0, 10.0), 0.0);
         assert!((path.curvature(30.0, 10.0) - 0.01).abs() < 1e-6);
         assert_eq!(path.left(), 180.0);
@@ -370,17 +388,18 @@ mod tests {
             curvature: 0.0,
             length,
         };
-        let mut path = Path::new([line(0.0, 50.0), line(50.0, 100.0), line(150.0, 0.0)]);
-        path.advance(Ned::new(40.0, 0.0, 0.0));
-        assert_eq!(path.rest(200.0), None);
-        path.advance(Ned::new(130.0, 3.0, 0.0));
-        let rest = path.rest(25.0).unwrap();
+        let mut path = Path::new(None, [line(0.0, 50.0), line(50.0, 100.0), line(150.0, 0.0)]);
+        go_on(&mut path, Ned::new(40.0, 0.0, 0.0));
+        assert_eq!(rest_of(&path, 200.0), None);
+        go_on(&mut path, Ned::new(51.0, 0.0, 0.0));
+        go_on(&mut path, Ned::new(130.0, 3.0, 0.0));
+        let rest = rest_of(&path, 25.0).unwrap();
         assert!((rest.length - 20.0).abs() < 1e-3);
         assert!((rest.end().place.north - 150.0).abs() < 1e-3);
-        assert_eq!(path.rest(15.0), None);
-        let mut endless = Path::new([line(0.0, 0.0), line(0.0, 0.0), line(0.0, ENDLESS)]);
-        endless.advance(Ned::new(10.0, 0.0, 0.0));
-        assert_eq!(endless.rest(2.0 * ENDLESS), None);
+        assert_eq!(rest_of(&path, 15.0), None);
+        let mut endless = Path::new(None, [line(0.0, 0.0), line(0.0, 0.0), line(0.0, ENDLESS)]);
+        go_on(&mut endless, Ned::new(10.0, 0.0, 0.0));
+        assert_eq!(rest_of(&endless, 2.0 * ENDLESS), None);
     }
 
     /// A loiter counts its turns, and stays on its circle.
@@ -392,9 +411,9 @@ mod tests {
             length: ENDLESS,
         };
         let none = Segment::default();
-        let mut path = Path::new([none, none, circle]);
+        let mut path = Path::new(None, [none, none, circle]);
         for n in 0..1000 {
-            let nearest = path.advance(circle.at(n as f32).place);
+            let nearest = go_on(&mut path, circle.at(n as f32).place);
             assert!(nearest.right.abs() < 1e-3 && nearest.way < ENDLESS);
         }
         // 999 m of circles of 314.2 m.

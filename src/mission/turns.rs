@@ -49,7 +49,8 @@ fn centre(pose: Pose, radius: f32) -> Ned {
 }
 
 /// An arc of signed radius to a course, and a line.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 struct ArcAndLine {
     radius: f32,
     /// Angle of the arc \[rad\].
@@ -103,81 +104,174 @@ impl ArcAndLine {
     }
 }
 
-/// Arc and line of the shortest way from `from` to where the arc of radius `second` round `to` begins; both sides are tried.
-fn arc_and_line(from: Pose, radius: f32, to: Ned, second: f32) -> Option<[Segment; 2]> {
-    let mut best: Option<ArcAndLine> = None;
-    for side in [1.0, -1.0] {
-        let first = side * radius;
-        let way = ArcAndLine::new(from.course, centre(from, first), first, to, second);
-        if let Some(way) = way
-            && best.is_none_or(|best| way.length() < best.length())
-        {
-            best = Some(way);
-        }
-    }
-    best.map(|best| best.segments(from))
+/// Where a path leads to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(super) enum Destination {
+    /// A place, with any course.
+    Place(Ned),
+    /// A place with a course.
+    Pose(Pose),
+    /// A circle of this radius \[m\], positive to the right; from then on round it.
+    Circle(Ned, f32),
 }
 
-/// The shortest way to a place, with any course.
-pub(super) fn to_place(from: Pose, to: Ned, radius: f32) -> Path {
-    let to = Ned::new(to.north, to.east, 0.0);
-    let way = arc_and_line(from, radius, to, 0.0);
-    let [first, second] = way.unwrap_or([Segment::default(); 2]);
-    Path::new([first, line(first.end(), 0.0), second])
-}
-
-/// A shortest path of arcs and lines to a pose, as Dubins found them: the arcs by their angles, and what lies between.
-#[derive(Clone, Copy)]
-enum Dubins {
+/// A way of arcs and lines, as Dubins found them: the arcs by their angles, and what lies between.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+enum Way {
     /// Arc, line, and an arc of this signed radius and angle.
     Line(ArcAndLine, f32, f32),
     /// Three arcs: radius of the outer ones, signed, and the angles \[rad\].
     Arcs(f32, [f32; 3]),
 }
 
-/// The shortest way to a place with a course. The lengths are compared first, and one way is laid.
-pub(super) fn to_pose(from: Pose, to: Pose, radius: f32) -> Path {
-    let (begin, end) = (right_of(along(from.course)), right_of(along(to.course)));
-    let mut best = (f32::INFINITY, None);
-    let mut take = |length: f32, way: Dubins| {
-        if length < best.0 {
-            best = (length, Some(way));
-        }
-    };
-    for first in [radius, -radius] {
-        let from_centre = from.place + begin * first;
-        for second in [radius, -radius] {
-            let to_centre = to.place + end * second;
-            let way = ArcAndLine::new(from.course, from_centre, first, to_centre, second);
-            if let Some(way) = way {
-                let angle = sweep(second.signum(), way.course, to.course);
-                take(
-                    way.length() + radius * angle,
-                    Dubins::Line(way, second, angle),
-                );
-            }
-        }
-        let to_centre = to.place + end * first;
-        for fold in [1.0, -1.0] {
-            let courses = [from.course, to.course];
-            if let Some(angles) = three_arcs(courses, [from_centre, to_centre], first, fold) {
-                let [a, b, c] = angles;
-                take(radius * (a + b + c), Dubins::Arcs(first, angles));
-            }
+/// The shortest way to a destination, of those that have been compared. The lengths are compared first, and one way is laid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(super) struct Search {
+    from: Pose,
+    to: Destination,
+    /// The unit vectors to the right where it departs, and where it ends.
+    right: [Ned; 2],
+    radius: f32,
+    /// How many ways have been compared.
+    compared: u8,
+    shortest: Option<Way>,
+    length: f32,
+}
+
+/// Ways to a pose: four with a line, four of three arcs.
+const TO_POSE: u8 = 8;
+/// Other ways: with the first arc to either side.
+const OTHERS: u8 = 2;
+
+impl Search {
+    /// The most ways that a search compares.
+    pub const MOST: u8 = TO_POSE;
+
+    pub fn new(from: Pose, to: Destination, radius: f32) -> Self {
+        let end = match to {
+            Destination::Pose(to) => along(to.course),
+            _ => Ned::ZERO,
+        };
+        Self {
+            from,
+            to,
+            right: [right_of(along(from.course)), right_of(end)],
+            radius,
+            compared: 0,
+            shortest: None,
+            length: f32::INFINITY,
         }
     }
-    Path::new(match best.1 {
-        None => [Segment::default(); 3],
-        Some(Dubins::Line(way, second, angle)) => {
-            let [first, middle] = way.segments(from);
-            [first, middle, arc(middle.end(), second, angle)]
+
+    /// Whether all ways have been compared.
+    pub fn is_complete(&self) -> bool {
+        let ways = match self.to {
+            Destination::Pose(_) => TO_POSE,
+            _ => OTHERS,
+        };
+        self.compared >= ways
+    }
+
+    /// Compares one more way with the shortest.
+    pub fn compare(&mut self) {
+        let number = self.compared;
+        self.compared += 1;
+        let side = |bit: u8| if number & bit == 0 { 1.0 } else { -1.0 };
+        let first = side(1) * self.radius;
+        let [begin, end] = self.right;
+        let way = match self.to {
+            Destination::Place(place) => self.line(first, place, 0.0),
+            Destination::Circle(centre, radius) => self.line(first, centre, radius),
+            Destination::Pose(to) if number < TO_POSE / 2 => {
+                let second = side(2) * self.radius;
+                let way = self.line(first, to.place + end * second, second);
+                let ended = |(way, length): (Way, f32)| match way {
+                    Way::Line(line, ..) => {
+                        let angle = sweep(second.signum(), line.course, to.course);
+                        let length = length + self.radius * angle;
+                        (Way::Line(line, second, angle), length)
+                    }
+                    Way::Arcs(..) => (way, length),
+                };
+                way.map(ended)
+            }
+            Destination::Pose(to) => {
+                let courses = [self.from.course, to.course];
+                let centres = [self.from.place + begin * first, to.place + end * first];
+                let way = three_arcs(courses, centres, first, side(2));
+                let arcs = |angles: [f32; 3]| {
+                    let [a, b, c] = angles;
+                    (Way::Arcs(first, angles), self.radius * (a + b + c))
+                };
+                way.map(arcs)
+            }
+        };
+        if let Some((way, length)) = way
+            && length < self.length
+        {
+            (self.shortest, self.length) = (Some(way), length);
         }
-        Some(Dubins::Arcs(outer, [a, b, c])) => {
-            let first = arc(from, outer, a);
-            let second = arc(first.end(), -outer, b);
-            [first, second, arc(second.end(), outer, c)]
-        }
-    })
+    }
+
+    /// Arc and line from where it departs to where the arc of radius `second` round `to` begins, and their length \[m\].
+    fn line(&self, first: f32, to: Ned, second: f32) -> Option<(Way, f32)> {
+        let to = Ned { down: 0.0, ..to };
+        let Self {
+            from,
+            right: [begin, _],
+            ..
+        } = self;
+        let centre = from.place + *begin * first;
+        let way = ArcAndLine::new(from.course, centre, first, to, second)?;
+        Some((Way::Line(way, second, 0.0), way.length()))
+    }
+
+    /// Lays the shortest way, behind what is left of the path before it.
+    pub fn lay(&self, rest: Option<Segment>, path: &mut Path) {
+        let &Self { from, radius, .. } = self;
+        let none = Segment::default();
+        *path = Path::new(
+            rest,
+            match (self.shortest, self.to) {
+                (Some(Way::Arcs(outer, [a, b, c])), _) => {
+                    let first = arc(from, outer, a);
+                    let second = arc(first.end(), -outer, b);
+                    [first, second, arc(second.end(), outer, c)]
+                }
+                (Some(Way::Line(way, second, angle)), to) => {
+                    let [first, middle] = way.segments(from);
+                    match to {
+                        Destination::Place(_) => [first, none, middle],
+                        Destination::Pose(_) => [first, middle, arc(middle.end(), second, angle)],
+                        Destination::Circle(_, circle) => {
+                            [first, middle, round(middle.end(), circle)]
+                        }
+                    }
+                }
+                (None, Destination::Circle(centre, circle)) => {
+                    let centre = Ned {
+                        down: 0.0,
+                        ..centre
+                    };
+                    let [first, second] = from_inside(from, radius, centre, circle);
+                    [first, second, round(second.end(), circle)]
+                }
+                (None, _) => [none; 3],
+            },
+        );
+    }
+}
+
+/// Round a circle without end.
+fn round(from: Pose, circle: f32) -> Segment {
+    Segment {
+        from,
+        curvature: 1.0 / circle,
+        length: ENDLESS,
+    }
 }
 
 /// The angles \[rad\] of three arcs from and to these courses, the outer ones of the signed radius round these centres.
@@ -203,23 +297,6 @@ fn three_arcs(
         sweep(side, from, one),
         sweep(-side, one, two),
         sweep(side, two, to),
-    ])
-}
-
-/// The shortest way onto a circle of radius `circle`, positive to the right, round `to`; from then on round it.
-pub(super) fn to_circle(from: Pose, radius: f32, to: Ned, circle: f32) -> Path {
-    let to = Ned::new(to.north, to.east, 0.0);
-    let way = arc_and_line(from, radius, to, circle);
-    let [first, second] = way.unwrap_or_else(|| from_inside(from, radius, to, circle));
-    let entry = second.end();
-    Path::new([
-        first,
-        second,
-        Segment {
-            from: entry,
-            curvature: 1.0 / circle,
-            length: ENDLESS,
-        },
     ])
 }
 
@@ -258,20 +335,35 @@ mod tests {
         }
     }
 
+    fn path(from: Pose, to: Destination, radius: f32) -> Path {
+        let mut search = Search::new(from, to, radius);
+        while !search.is_complete() {
+            search.compare();
+        }
+        assert!(search.compared <= Search::MOST);
+        let mut path = Path::default();
+        search.lay(None, &mut path);
+        path
+    }
+
     /// The end of a path, by flying along it.
     fn end_of(path: &Path) -> (Pose, f32) {
         let mut path = *path;
-        let (mut length, mut last) = (0.0, path.segment().at(0.0));
+        let (mut length, mut last) = (0.0, path.flown.at(0.0));
         for _ in 0..100_000 {
-            let nearest = path.advance(last.place);
-            let ended = path.is_last() && nearest.way >= path.segment().length;
-            if ended || (path.segment().length >= ENDLESS) {
+            let mut nearest = path.advance(last.place);
+            if path.is_passed() {
+                path.pass();
+                nearest = path.advance(last.place);
+            }
+            let ended = path.is_last() && nearest.way >= path.flown.length;
+            if ended || (path.flown.length >= ENDLESS) {
                 break;
             }
-            let next = path.segment().at(nearest.way + 0.5);
+            let next = path.flown.at(nearest.way + 0.2);
             length += level(next.place - last.place);
-            // No corners: what is flown past the end of an arc of 40 m and back, half a metre each, turns by no more.
-            assert!(super::super::segment::wrap(next.course - last.course).abs() < 0.04);
+            // No corners: what is flown past the end of an arc of 40 m and back, 0.2 m each, turns by no more.
+            assert!(super::super::segment::wrap(next.course - last.course).abs() < 0.02);
             last = next;
         }
         (last, length)
@@ -286,7 +378,7 @@ mod tests {
                 for to in 0..8 {
                     let from = pose(0.0, 0.0, 45.0 * from as f32);
                     let to = pose(north, east, 45.0 * to as f32);
-                    let path = to_pose(from, to, radius);
+                    let path = path(from, Destination::Pose(to), radius);
                     let (end, length) = end_of(&path);
                     assert!(level(end.place - to.place) < 1.0, "{from:?} {to:?} {end:?}");
                     assert!(super::super::segment::wrap(end.course - to.course).abs() < 0.03);
@@ -301,7 +393,8 @@ mod tests {
     /// Between lines of a survey, nearer than twice the radius: three arcs, and not a way of more than a turn and a half.
     #[test]
     fn the_way_back_beside_the_way_out_is_three_arcs() {
-        let path = to_pose(pose(0.0, 0.0, 0.0), pose(0.0, 40.0, 180.0), 60.0);
+        let to = Destination::Pose(pose(0.0, 40.0, 180.0));
+        let path = path(pose(0.0, 0.0, 0.0), to, 60.0);
         let (end, length) = end_of(&path);
         assert!(level(end.place - Ned::new(0.0, 40.0, 0.0)) < 1.0);
         assert!(length < 2.0 * PI * 60.0 * 1.1, "{length}");
@@ -312,7 +405,11 @@ mod tests {
         for radius in [80.0, -80.0] {
             for (north, east) in [(-300.0, 0.0), (200.0, 60.0), (10.0, 5.0), (-30.0, 40.0)] {
                 for degrees in [0.0, 80.0, 200.0, 310.0] {
-                    let path = to_circle(pose(north, east, degrees), 40.0, Ned::ZERO, radius);
+                    let path = path(
+                        pose(north, east, degrees),
+                        Destination::Circle(Ned::ZERO, radius),
+                        40.0,
+                    );
                     let (end, _) = end_of(&path);
                     let off = level(end.place) - radius.abs();
                     assert!(off.abs() < 1.0, "{radius} {north} {degrees} {off}");
@@ -326,14 +423,18 @@ mod tests {
     fn on_a_circle_it_is_flown_at_once() {
         for degrees in [0.0, 53.0, 200.0, 310.0] {
             let from = pose(473.0, 55.0, degrees);
-            let path = to_circle(from, 90.0, centre(from, 90.0), 90.0);
+            let path = path(from, Destination::Circle(centre(from, 90.0), 90.0), 90.0);
             assert!(path.left() < 0.5, "{degrees} {}", path.left());
         }
     }
 
     #[test]
     fn a_place_behind_is_turned_to() {
-        let path = to_place(pose(0.0, 0.0, 0.0), Ned::new(-100.0, 10.0, 0.0), 30.0);
+        let path = path(
+            pose(0.0, 0.0, 0.0),
+            Destination::Place(Ned::new(-100.0, 10.0, 0.0)),
+            30.0,
+        );
         let (end, _) = end_of(&path);
         assert!(level(end.place - Ned::new(-100.0, 10.0, 0.0)) < 1.0);
     }

@@ -2,19 +2,19 @@
 
 use super::ability::Ability;
 use super::edge_on::edge_on;
-use super::follow::{FollowState, Followed, Seen};
+use super::follow::{FollowState, Seen};
 use super::height::{Descent, HeightReference};
 use super::item::{Item, Mission, MissionError, Pass, Until};
-use super::output::{Activity, Gate, MissionOutput, MissionProgress, Remark};
+use super::output::{Activity, Gate, MissionOutput, Remark};
 use super::parameters::MissionParameters;
-use super::response::{Response, Responses, Troubles};
+use super::response::{Response, Responses, Rules, Troubles};
 use super::segment::{Pose, Segment, along, level, right_of};
 use super::triangle::Triangle;
-use super::turns;
+use super::turns::{Destination, Search};
 use crate::aero::Aerodynamics;
 use crate::error::ParameterError;
 use crate::guidance::{
-    Goal, GoalOutput, GoalState, Goals, MAX_STEP, MIN_STEP, PlannerOptions, Preferences,
+    Goal, GoalOutput, Goals, MAX_STEP, MIN_STEP, PlannerOptions, Preferences, SetPointState,
 };
 use crate::math::{self, PI};
 use crate::ned::Ned;
@@ -47,6 +47,8 @@ const LIFTED_TIME: f32 = 0.1;
 /// Thrust up to which it is tried, in multiples of the weight, and for how much longer than `spool_time` \[s\].
 const MOST_THRUST: f32 = 1.6;
 const PATIENCE: f32 = 3.0;
+/// Least sine of the elevation of its nose at which it stands on its tail: lying it would slide, and not lift off.
+const UPRIGHT: f32 = 0.7;
 /// It stands on the ground when it has sunk by less than this part of what it is asked to, and risen no faster, for so
 /// long \[s\]. So it does within this of the ground's believed height \[m\]. Elsewhere its thrust is besides at most
 /// this, in multiples of the weight, and it is over its reference by this \[m\].
@@ -57,6 +59,13 @@ const CARRIED: f32 = 0.75;
 const OVER_REFERENCE: f32 = 0.25;
 /// Wind in which a vehicle that circles for too much of it hovers again, over the most: estimates waver.
 const LULL: f32 = 0.9;
+/// Ways that are compared in a step in which a path is laid.
+const COMPARED: u8 = 2;
+/// Most steps from the end of an item to the path of the next: it begins, departs, its ways are compared, the shortest is laid, what has no length
+/// is passed.
+const LAYING: f32 = (4 + Search::MOST / COMPARED) as f32;
+/// Most steps in a row in which nothing new is asked for: who decides otherwise all the time is not heeded.
+const MOST_HELD: u8 = 16;
 /// Time in which the thrust goes off \[s\].
 const THRUST_OFF: f32 = 0.2;
 /// How far from its place a vehicle may be to sink \[m\], and the height below which it sinks in any case \[m\].
@@ -68,9 +77,11 @@ const COMMITTED: f32 = 1.0;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Missions {
     p: MissionParameters,
-    responses: Responses,
+    rules: Rules,
     ability: Ability,
     tan_bank: f32,
+    /// Squared speed that the propellers give the air in hover, per thrust [m²/s² N].
+    induced: f32,
 }
 
 /// What a step of a mission is told: from the default, which is at rest and not armed, by the method of each field.
@@ -144,10 +155,35 @@ struct Ahead {
     sum: [f32; 2],
 }
 
+/// What is being prepared, a part in a step. In such a step what was asked for last is asked for again.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+enum Preparing {
+    #[default]
+    Nothing,
+    /// The items after the present one are looked at, in every second step.
+    After,
+    /// A hover at the target.
+    Hover,
+    /// Where a path departs; without a destination to a circle to the right that begins there.
+    Departure(Option<Destination>),
+    /// The ways are compared, and the shortest is laid behind what is left of the path that is flown.
+    Ways(Search, Option<Segment>),
+}
+
 /// What is remembered between steps. The default is that of a flight that has not begun.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct MissionState {
+    flight: Flight,
+    /// What was asked for last.
+    asked: MissionOutput,
+}
+
+/// How far a flight has come.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+struct Flight {
     /// Whether the flight has begun, and whether the item has.
     begun: bool,
     item_begun: bool,
@@ -173,7 +209,11 @@ pub struct MissionState {
     corner: bool,
     follow: FollowState,
     height: HeightReference,
-    goal: GoalState,
+    set_point: SetPointState,
+    preparing: Preparing,
+    /// How long what was asked for last has been held \[s\], and for how many steps.
+    held: f32,
+    steps_held: u8,
     position: Ned,
     velocity: Ned,
     wind: Ned,
@@ -189,20 +229,35 @@ pub struct MissionState {
 impl MissionState {
     /// What is done.
     pub fn activity(&self) -> Activity {
-        self.activity
+        self.flight.activity
     }
 
     /// Item, counted from 0; the number of items when all are done.
     pub fn item(&self) -> usize {
-        self.item.into()
+        self.flight.item.into()
     }
 
     /// Goes to an item, of the same mission or of another that takes its place in flight. A return or landing that was kept to is
     /// given up.
     pub fn go_to(&mut self, item: usize) {
-        self.item = item.min(usize::from(u16::MAX)) as u16;
-        self.item_begun = false;
-        self.forced = Response::Continue;
+        self.flight.item = item.min(usize::from(u16::MAX)) as u16;
+        self.flight.item_begun = false;
+        self.flight.forced = Response::Continue;
+    }
+}
+
+impl Flight {
+    /// Prepares a path to a destination.
+    fn lay(&mut self, to: Destination) {
+        self.preparing = Preparing::Departure(Some(to));
+    }
+
+    /// Whether it leaves what it does for a path.
+    fn is_laying(&self) -> bool {
+        matches!(
+            self.preparing,
+            Preparing::Departure(_) | Preparing::Ways(..)
+        )
     }
 
     fn is_airborne(&self) -> bool {
@@ -216,10 +271,13 @@ impl MissionState {
         self.there = 0.0;
     }
 
+    /// The present item is done, once.
     fn done(&mut self, before: Ned) {
-        self.before = before;
-        self.item = self.item.saturating_add(1);
-        self.item_begun = false;
+        if self.item_begun {
+            self.before = before;
+            self.item = self.item.saturating_add(1);
+            self.item_begun = false;
+        }
     }
 }
 
@@ -248,9 +306,10 @@ impl Missions {
         }
         Ok(Self {
             p: *p,
-            responses,
+            rules: Rules::new(&responses),
             ability,
             tan_bank: p.tan_bank(),
+            induced: p.hover_downwash * p.hover_downwash / ability.weight(),
         })
     }
 
@@ -268,85 +327,129 @@ impl Missions {
     }
 
     /// One step, `dt` \[s\] after the last. Total: whatever comes in, what comes out is finite. What is not finite is not remembered.
-    pub fn step(
+    pub fn step<'s>(
         &self,
-        state: &mut MissionState,
+        state: &'s mut MissionState,
         mission: &Mission,
         input: &MissionInput,
         dt: f32,
-    ) -> MissionOutput {
+    ) -> &'s MissionOutput {
+        let MissionState { flight, asked: out } = state;
         let dt = if (MIN_STEP..=MAX_STEP).contains(&dt) {
             dt
         } else {
             0.0
         };
-        let seen = self.see(state, input, dt);
-        let mut out = MissionOutput {
-            troubles: input.troubles
-                | flag(Troubles::POSITION, input.position.is_none())
-                | flag(Troubles::FOLLOW, state.off_path > OFF_PATH_TIME),
-            ..MissionOutput::default()
-        };
-        self.respond(state, &seen, out.troubles);
-        self.heed_wind(state, &seen);
-        if !state.item_begun && state.forced == Response::Continue {
-            self.begin(state, mission, &seen);
+        let seen = self.see(flight, input, dt);
+        let troubles = input.troubles
+            | flag(Troubles::POSITION, input.position.is_none())
+            | flag(Troubles::FOLLOW, flight.off_path > OFF_PATH_TIME);
+        flight.time += dt;
+        flight.active += dt;
+        let prepares = flight.steps_held < MOST_HELD
+            && (self.respond(flight, &seen, troubles)
+                || self.heed_wind(flight, &seen)
+                || self.prepare(flight, mission, &seen, dt, out));
+        if prepares {
+            flight.held += dt;
+            flight.steps_held += 1;
+            out.go_on(seen.velocity, dt);
+        } else {
+            let dt = math::min(dt + flight.held, MAX_STEP);
+            (flight.held, flight.steps_held) = (0.0, 0);
+            self.ask(flight, &seen, input, dt, out);
         }
-        if state.item_begun {
-            self.look_ahead(state, mission);
-        }
-        state.time += dt;
-        state.active += dt;
-        match state.activity {
-            Activity::Grounded => self.grounded(state, input.armed, &mut out),
-            Activity::Spooling => {
-                self.spooling(
-                    state,
-                    &seen,
-                    (input.armed, &input.orientation),
-                    dt,
-                    &mut out,
-                );
-            }
-            Activity::Rising | Activity::Hovering => {
-                self.hovering(state, &seen, &input.orientation, dt, &mut out);
-            }
-            Activity::Flying => self.flying(state, &seen, dt, &mut out),
-            Activity::Descending => {
-                self.descending(
-                    state,
-                    &seen,
-                    (input.thrust, &input.orientation),
-                    dt,
-                    &mut out,
-                );
-            }
-            Activity::Touched => self.touched(state, &mut out),
-        }
-        if out.remark.is_none() && (state.lull > 0.0 || self.is_too_windy(state)) {
-            out.remark = Some(Remark::TooWindy);
-        }
-        if out.remark.is_none() && state.corner {
-            out.remark = Some(Remark::TightCorner);
-        }
-        if out.troubles.contains(Troubles::FOLLOW) {
+        if troubles.contains(Troubles::FOLLOW) {
             out.remark = Some(Remark::NotFollowing);
+        } else if out.remark.is_none() {
+            if flight.lull > 0.0 || self.is_too_windy(flight) {
+                out.remark = Some(Remark::TooWindy);
+            } else if flight.corner {
+                out.remark = Some(Remark::TightCorner);
+            }
         }
-        out.activity = state.activity;
-        out.response = state.forced;
-        out.progress = MissionProgress {
-            item: state.item,
-            time: state.time,
-            distance_after: state.after[0],
-            time_after: state.after[1],
-            energy: state.energy,
-            ..out.progress
-        };
+        out.troubles = troubles;
+        out.activity = flight.activity;
+        out.response = flight.forced;
+        out.progress.item = flight.item;
+        out.progress.time = flight.time;
+        [out.progress.distance_after, out.progress.time_after] = flight.after;
+        out.progress.energy = flight.energy;
         out
     }
 
+    /// What is asked for in this step.
+    #[inline(always)]
+    fn ask(
+        &self,
+        state: &mut Flight,
+        seen: &Seen,
+        input: &MissionInput,
+        dt: f32,
+        out: &mut MissionOutput,
+    ) {
+        let MissionInput {
+            armed,
+            thrust,
+            ref orientation,
+            ..
+        } = *input;
+        if state.activity == Activity::Flying {
+            return self.flying(state, seen, dt, out);
+        }
+        out.clear();
+        match state.activity {
+            Activity::Grounded => self.grounded(state, (armed, orientation), out),
+            Activity::Spooling => self.spooling(state, seen, (armed, orientation), dt, out),
+            Activity::Rising | Activity::Hovering => {
+                self.hovering(state, seen, orientation, dt, out);
+            }
+            Activity::Flying => {}
+            Activity::Descending => {
+                self.descending(state, seen, (thrust, orientation), dt, out);
+            }
+            Activity::Touched => self.touched(state, out),
+        }
+    }
+
+    /// A part of what is being prepared; whether there is one in this step.
+    fn prepare(
+        &self,
+        state: &mut Flight,
+        mission: &Mission,
+        seen: &Seen,
+        dt: f32,
+        out: &mut MissionOutput,
+    ) -> bool {
+        let asked = state.steps_held == 0;
+        match &mut state.preparing {
+            _ if !state.item_begun && state.forced == Response::Continue && asked => {
+                self.begin(state, mission, seen, out);
+            }
+            _ if state.activity == Activity::Flying && state.follow.path.is_passed() => {
+                state.follow.path.pass();
+            }
+            Preparing::After if asked => self.look_ahead(state, mission),
+            Preparing::Nothing | Preparing::After => return false,
+            Preparing::Hover => self.hover_at(state, state.target),
+            Preparing::Departure(to) => {
+                let to = *to;
+                self.depart(state, seen, to, dt);
+            }
+            Preparing::Ways(search, rest) => {
+                if search.is_complete() {
+                    search.lay(*rest, &mut state.follow.path);
+                    self.fly(state, seen);
+                } else {
+                    (0..COMPARED).for_each(|_| search.compare());
+                }
+            }
+        }
+        true
+    }
+
     /// What is known of vehicle and air, without what is not finite; and the energy of the last step.
-    fn see(&self, state: &mut MissionState, input: &MissionInput, dt: f32) -> Seen {
+    fn see(&self, state: &mut Flight, input: &MissionInput, dt: f32) -> Seen {
         if is_within(input.velocity, MAX_SPEED) {
             state.velocity = input.velocity;
         }
@@ -382,9 +485,7 @@ impl Missions {
         }
         let along_nose = -(state.velocity - state.wind).dot(input.orientation.i());
         let (u, thrust) = (0.5 * along_nose, math::max(input.thrust, 0.0));
-        let downwash = self.p.hover_downwash;
-        let induced =
-            math::sqrt((u * u + thrust / self.ability.weight() * downwash * downwash).abs());
+        let induced = math::sqrt((u * u + thrust * self.induced).abs());
         let power = thrust * (u + induced);
         if power < 1e9 {
             state.energy += power * dt;
@@ -396,12 +497,12 @@ impl Missions {
         }
     }
 
-    /// Does what the table says about `troubles`.
-    fn respond(&self, state: &mut MissionState, seen: &Seen, troubles: Troubles) {
+    /// Does what the table says about `troubles`; whether that is something else than before.
+    fn respond(&self, state: &mut Flight, seen: &Seen, troubles: Troubles) -> bool {
         if troubles.is_empty() && state.forced == Response::Continue {
-            return;
+            return false;
         }
-        let asked = self.responses.to(troubles);
+        let asked = self.rules.to(troubles);
         let kept = if state.forced > Response::Loiter {
             state.forced
         } else {
@@ -409,12 +510,12 @@ impl Missions {
         };
         let forced = if asked > kept { asked } else { kept };
         if forced == state.forced {
-            return;
+            return false;
         }
         state.forced = forced;
         state.lull = 0.0;
         if !state.is_airborne() {
-            return;
+            return true;
         }
         match forced {
             Response::Continue => state.item_begun = false,
@@ -427,7 +528,7 @@ impl Missions {
                         down,
                         ..state.target
                     };
-                    self.hover_at(state, seen, place);
+                    self.hover_at(state, place);
                 } else {
                     self.wait(state, seen);
                 }
@@ -438,16 +539,18 @@ impl Missions {
                 self.land_at(state, seen, place, state.home.down);
             }
         }
+        true
     }
 
     /// Begins an item.
-    fn begin(&self, state: &mut MissionState, mission: &Mission, seen: &Seen) {
+    fn begin(&self, state: &mut Flight, mission: &Mission, seen: &Seen, out: &mut MissionOutput) {
         state.item_begun = true;
         state.time = 0.0;
         state.there = 0.0;
         state.corner = false;
         state.lull = 0.0;
-        let number = state.item();
+        state.preparing = Preparing::After;
+        let number = usize::from(state.item);
         state.ahead = Ahead {
             next: u32::from(state.item) + 1,
             from: mission.next_place(number).unwrap_or(state.position),
@@ -461,9 +564,11 @@ impl Missions {
                 Some(Item::TakeOff { .. }) | None
             )
         {
-            state.goal = GoalState::default();
+            state.set_point = SetPointState::default();
             state.target = seen.position;
             state.enter(Activity::Hovering);
+            out.gate = Gate::Open;
+            out.reference.velocity = seen.velocity;
         }
         let airborne = state.is_airborne();
         match mission.items().get(number).copied() {
@@ -484,13 +589,13 @@ impl Missions {
             Some(Item::Altitude { down }) => {
                 state.task = Task::Hover(0.0);
                 if state.activity == Activity::Flying {
-                    self.spiral(state, seen, down, Until::Turns(0.0));
+                    self.spiral(state, down, Until::Turns(0.0));
                 } else {
                     let place = Ned {
                         down,
                         ..state.target
                     };
-                    self.hover_at(state, seen, place);
+                    self.hover_at(state, place);
                 }
             }
             Some(Item::Waypoint { place, pass }) => {
@@ -512,7 +617,8 @@ impl Missions {
                 until,
             }) => {
                 state.task = Task::Circle(until);
-                self.circle(state, seen, centre, radius);
+                (state.target, state.radius) = (centre, radius);
+                state.lay(Destination::Circle(centre, radius));
             }
             Some(Item::Land { place }) => match place {
                 Some(place) => self.land_at(state, seen, place, place.down),
@@ -526,7 +632,7 @@ impl Missions {
     }
 
     /// Takes one more of the items after the present one into the way and time that are left: one a step.
-    fn look_ahead(&self, state: &mut MissionState, mission: &Mission) {
+    fn look_ahead(&self, state: &mut Flight, mission: &Mission) {
         let Ahead {
             next,
             from,
@@ -535,6 +641,7 @@ impl Missions {
         } = &mut state.ahead;
         let Some(item) = mission.items().get(*next as usize) else {
             state.after = [*way, *time];
+            state.preparing = Preparing::Nothing;
             return;
         };
         *next += 1;
@@ -576,7 +683,7 @@ impl Missions {
     }
 
     /// Radius of turns at the speed asked for, in the present wind \[m\].
-    fn turn_radius(&self, state: &MissionState) -> f32 {
+    fn turn_radius(&self, state: &Flight) -> f32 {
         let speed = math::max(state.speed, self.ability.least_speed());
         let ground = speed + level(state.wind);
         ground * ground / self.ability.turn_of_paths(speed, self.tan_bank)
@@ -587,9 +694,9 @@ impl Missions {
         speed * speed / (2.0 * BRAKING_SHARE * self.p.braking)
     }
 
-    /// Place and course from which a path goes on: at the end of the path flown, if little is left of it, or on it, if it is near; in hover towards
-    /// the target, and there into the wind. And what is left of the path flown before that.
-    fn departure(&self, state: &MissionState, seen: &Seen) -> (Pose, Option<Segment>) {
+    /// Place and course from which a path goes on: at the end of the path flown, if less than `most` \[s\] of it is left, or on it, if it is near; in
+    /// hover towards the target, and there into the wind. And what is left of the path flown before that.
+    fn departure(&self, state: &Flight, seen: &Seen, most: f32) -> (Pose, Option<Segment>) {
         let place = Ned::new(seen.position.north, seen.position.east, 0.0);
         let towards = |v: Ned| math::atan2(v.east, v.north);
         if state.activity != Activity::Flying {
@@ -604,53 +711,62 @@ impl Missions {
             let course = towards(ahead);
             return (Pose { place, course }, None);
         }
-        let nearest = { state.follow.path }.advance(seen.position);
+        let nearest = state.follow.path.nearest(seen.position);
         if nearest.right.abs() < ASTRAY {
-            let rest = state.follow.rest(level(seen.velocity));
-            let pose = rest.map_or_else(
-                || Pose {
-                    place: place - right_of(nearest.along) * nearest.right,
-                    course: towards(nearest.along),
-                },
-                |rest| rest.end(),
-            );
-            (pose, rest)
+            let here = Pose {
+                place: place - right_of(nearest.along) * nearest.right,
+                course: towards(nearest.along),
+            };
+            let most = most * level(seen.velocity);
+            let rest = state.follow.path.rest(here, nearest.way, most);
+            (rest.map_or(here, |_| state.follow.path.end()), rest)
         } else {
             let course = towards(seen.velocity);
             (Pose { place, course }, None)
         }
     }
 
-    /// Flies the path that `lay` lays from a pose with a radius of turns.
-    fn fly(
-        &self,
-        state: &mut MissionState,
-        seen: &Seen,
-        lay: impl FnOnce(Pose, f32) -> super::segment::Path,
-    ) {
-        let (pose, rest) = self.departure(state, seen);
-        let path = lay(pose, self.turn_radius(state));
+    /// Begins a path to a destination, with the radius of turns; without one to a circle of that radius.
+    fn depart(&self, state: &mut Flight, seen: &Seen, to: Option<Destination>, dt: f32) {
+        // More than what is left when the next path is looked for.
+        let most = 1.5 * (state.follow.lead() + LAYING * dt);
+        let (pose, rest) = self.departure(state, seen, most);
+        let radius = self.turn_radius(state);
+        let to = to.unwrap_or_else(|| {
+            let centre = pose.place + right_of(along(pose.course)) * radius;
+            let down = state.target.down;
+            (state.target, state.radius) = (Ned { down, ..centre }, radius);
+            Destination::Circle(centre, radius)
+        });
+        let radius = match to {
+            // No wider than the circle: else nothing inside it leads onto it.
+            Destination::Circle(_, circle) => math::min(radius, circle.abs()),
+            _ => radius,
+        };
+        state.preparing = Preparing::Ways(Search::new(pose, to, radius), rest);
+    }
+
+    /// Flies the path that has been laid.
+    fn fly(&self, state: &mut Flight, seen: &Seen) {
         let speed = math::max(state.speed, self.ability.least_speed());
-        if state.activity == Activity::Flying {
-            state
-                .follow
-                .turn_to(rest.map_or(path, |rest| path.behind(rest)));
-        } else {
-            state.follow = FollowState::begin(path, speed, seen);
+        if state.activity != Activity::Flying {
+            state.follow.begin(speed, seen);
             state.height = HeightReference::at(seen.position, seen.velocity);
             state.enter(Activity::Flying);
         }
-        state.follow.banking = self.ability.banking(speed * speed * path.tightest());
+        let tightest = state.follow.path.tightest();
+        state.follow.banking = self.ability.banking(speed * speed * tightest);
+        state.preparing = Preparing::After;
     }
 
     /// Whether the wing carries it now.
-    fn is_on_wing(&self, state: &MissionState, seen: &Seen) -> bool {
+    fn is_on_wing(&self, state: &Flight, seen: &Seen) -> bool {
         state.activity == Activity::Flying
             || level(seen.velocity - seen.wind) >= self.ability.least_speed()
     }
 
     /// Whether a place at this distance \[m\] is flown to on the wing, and passed or else stopped at.
-    fn is_far(&self, state: &MissionState, seen: &Seen, distance: f32, passed: bool) -> bool {
+    fn is_far(&self, state: &Flight, seen: &Seen, distance: f32, passed: bool) -> bool {
         let brake = if passed {
             0.0
         } else {
@@ -665,7 +781,7 @@ impl Missions {
     }
 
     /// Whether there is more wind than the task is done in: to take off and to sink, or else to hover.
-    fn is_too_windy(&self, state: &MissionState) -> bool {
+    fn is_too_windy(&self, state: &Flight) -> bool {
         let most = match state.task {
             Task::TakeOff | Task::Land(_) => self.ability.landing_wind,
             Task::Hover(_) => self.ability.hover_wind,
@@ -676,17 +792,17 @@ impl Missions {
     }
 
     /// Whether it sinks in this wind to land. Who must land does.
-    fn sinks(&self, state: &MissionState) -> bool {
+    fn sinks(&self, state: &Flight) -> bool {
         state.forced == Response::Land || !self.is_too_windy(state)
     }
 
     /// Whether it is driven off in this wind, where it hovers. Who must land takes that.
-    fn is_driven_off(&self, state: &MissionState) -> bool {
+    fn is_driven_off(&self, state: &Flight) -> bool {
         state.forced != Response::Land && level(state.wind) > self.ability.hover_wind
     }
 
     /// Whether it stays on the wing until there is less wind.
-    fn waits(&self, state: &mut MissionState) -> bool {
+    fn waits(&self, state: &mut Flight) -> bool {
         let waits = self.is_driven_off(state);
         state.lull = if waits {
             LULL * self.ability.hover_wind
@@ -697,73 +813,77 @@ impl Missions {
     }
 
     /// Leaves a hover or a landing before it is driven off, down to the height of the flare; and goes back to it when there is less wind.
-    fn heed_wind(&self, state: &mut MissionState, seen: &Seen) {
+    /// Whether it does either.
+    fn heed_wind(&self, state: &mut Flight, seen: &Seen) -> bool {
         if state.lull > 0.0 {
-            if level(state.wind) <= state.lull {
-                state.lull = 0.0;
-                match state.forced {
-                    Response::Continue => state.item_begun = false,
-                    Response::Return => self.go_home(state, seen),
-                    _ => {}
-                }
+            if level(state.wind) > state.lull {
+                return false;
             }
-            return;
+            state.lull = 0.0;
+            match state.forced {
+                Response::Continue => state.item_begun = false,
+                Response::Return => self.go_home(state, seen),
+                _ => {}
+            }
+            return true;
         }
         let leaves = match (state.activity, state.task) {
+            _ if state.is_laying() => false,
             (Activity::Hovering, _) => true,
             (Activity::Descending, Task::Land(ground)) => {
                 ground - seen.position.down > self.p.flare_height
             }
             _ => false,
         };
-        if leaves && self.is_driven_off(state) {
-            if state.task == Task::Pass {
-                state.item_begun = false;
-            } else {
-                self.hover_at(state, seen, state.target);
-            }
+        if !leaves || !self.is_driven_off(state) {
+            return false;
         }
+        if state.task == Task::Pass {
+            state.item_begun = false;
+        } else {
+            self.hover_at(state, state.target);
+        }
+        true
     }
 
     /// To a place in hover; in too much wind a circle that begins here.
-    fn hover_at(&self, state: &mut MissionState, seen: &Seen, place: Ned) {
+    fn hover_at(&self, state: &mut Flight, place: Ned) {
         if self.waits(state) {
             let until = match state.task {
                 Task::Hover(time) => Until::Time(time),
                 _ => Until::Forever,
             };
             let down = math::min(place.down, state.home.down - self.p.safe_height);
-            self.spiral(state, seen, down, until);
+            self.spiral(state, down, until);
             return;
         }
         if state.activity != Activity::Hovering {
-            state.goal = GoalState::default();
+            state.set_point = SetPointState::default();
         }
         state.target = place;
+        state.preparing = Preparing::After;
         state.enter(Activity::Hovering);
     }
 
     /// To the target, to be stopped at.
-    fn go_to_place(&self, state: &mut MissionState, seen: &Seen) {
+    fn go_to_place(&self, state: &mut Flight, seen: &Seen) {
         let target = state.target;
         if self.is_far(state, seen, level(target - seen.position), false) {
-            self.fly(state, seen, |pose, radius| {
-                turns::to_place(pose, target, radius)
-            });
+            state.lay(Destination::Place(target));
         } else {
-            self.hover_at(state, seen, target);
+            self.hover_at(state, target);
         }
     }
 
     /// Past the target, by or over it, with a place after it or none.
-    fn go_past(&self, state: &mut MissionState, seen: &Seen, pass: Pass, next: Option<Ned>) {
+    fn go_past(&self, state: &mut Flight, seen: &Seen, pass: Pass, next: Option<Ned>) {
         let place = state.target;
         let on_wing = state.speed >= self.ability.least_speed();
         let near = level(place - seen.position);
         let flies = self.is_on_wing(state, seen) || self.is_far(state, seen, near, true);
         let hovers = !(on_wing && flies);
         if hovers && !self.waits(state) {
-            self.hover_at(state, seen, place);
+            self.hover_at(state, place);
             return;
         }
         let radius = self.turn_radius(state);
@@ -786,44 +906,29 @@ impl Missions {
                     let shorter = 0.5 * math::min(before, after);
                     let rounded = rounded(level_place, into, out, (radius, shorter));
                     state.corner = rounded.is_none();
-                    rounded.unwrap_or(longer)
+                    Destination::Pose(rounded.unwrap_or(longer))
                 } else {
-                    longer
+                    Destination::Pose(longer)
                 }
             }
-            (Some((along, _)), None) | (None, Some((along, _))) => over(along),
-            (None, None) => Pose {
-                place: level_place,
-                course: self.departure(state, seen).0.course,
-            },
+            (Some((along, _)), None) | (None, Some((along, _))) => Destination::Pose(over(along)),
+            (None, None) => Destination::Place(place),
         };
-        self.fly(state, seen, |pose, radius| turns::to_pose(pose, to, radius));
-    }
-
-    fn circle(&self, state: &mut MissionState, seen: &Seen, centre: Ned, radius: f32) {
-        state.target = centre;
-        state.radius = radius;
-        self.fly(state, seen, |pose, turning| {
-            // No wider than the circle: else nothing inside it leads onto it.
-            let turning = math::min(turning, radius.abs());
-            turns::to_circle(pose, turning, centre, radius)
-        });
+        state.lay(to);
     }
 
     /// Round to the right, beginning here, until the position is `down` \[m\].
-    fn spiral(&self, state: &mut MissionState, seen: &Seen, down: f32, until: Until) {
-        let (pose, _) = self.departure(state, seen);
-        let radius = self.turn_radius(state);
-        let centre = pose.place + right_of(along(pose.course)) * radius;
+    fn spiral(&self, state: &mut Flight, down: f32, until: Until) {
         state.task = Task::Circle(until);
-        self.circle(state, seen, Ned { down, ..centre }, radius);
+        state.target.down = down;
+        state.preparing = Preparing::Departure(None);
     }
 
     /// Waits where it is.
-    fn wait(&self, state: &mut MissionState, seen: &Seen) {
+    fn wait(&self, state: &mut Flight, seen: &Seen) {
         if state.activity == Activity::Flying {
             let down = state.height.down;
-            self.spiral(state, seen, down, Until::Forever);
+            self.spiral(state, down, Until::Forever);
         } else {
             state.task = Task::Wait;
             let place = if state.activity == Activity::Hovering && state.active > 0.0 {
@@ -831,31 +936,32 @@ impl Missions {
             } else {
                 seen.position
             };
-            self.hover_at(state, seen, place);
+            self.hover_at(state, place);
         }
     }
 
     /// Where it can stop: ahead.
-    fn stopping_place(&self, state: &MissionState, seen: &Seen) -> Ned {
+    fn stopping_place(&self, state: &Flight, seen: &Seen) -> Ned {
         match state.activity {
             Activity::Flying => {
-                let way = self.braking_way(level(seen.velocity));
-                let course = along(self.departure(state, seen).0.course);
-                seen.position + course * way
+                let speed = level(seen.velocity);
+                let time = self.braking_way(speed) / math::max(speed, 1.0);
+                let Ned { north, east, .. } = seen.velocity * time;
+                seen.position + Ned::new(north, east, 0.0)
             }
             Activity::Hovering => state.target,
             _ => seen.position,
         }
     }
 
-    fn go_home(&self, state: &mut MissionState, seen: &Seen) {
+    fn go_home(&self, state: &mut Flight, seen: &Seen) {
         let down = math::min(seen.position.down, state.home.down - self.p.safe_height);
         let place = Ned { down, ..state.home };
         self.land_at(state, seen, place, state.home.down);
     }
 
     /// Over `place` at its height, or at flare height, and down to `ground` \[m\].
-    fn land_at(&self, state: &mut MissionState, seen: &Seen, place: Ned, ground: f32) {
+    fn land_at(&self, state: &mut Flight, seen: &Seen, place: Ned, ground: f32) {
         let down = math::min(
             math::min(place.down, seen.position.down),
             ground - self.p.flare_height,
@@ -867,12 +973,19 @@ impl Missions {
         }
     }
 
-    fn grounded(&self, state: &mut MissionState, armed: bool, out: &mut MissionOutput) {
+    fn grounded(
+        &self,
+        state: &mut Flight,
+        (armed, orientation): (bool, &Orientation),
+        out: &mut MissionOutput,
+    ) {
         if state.task != Task::TakeOff || state.forced != Response::Continue {
             return;
         }
         if !armed {
             out.remark = Some(Remark::NotArmed);
+        } else if !is_upright(orientation) {
+            out.remark = Some(Remark::NoLiftOff);
         } else if !self.is_too_windy(state) {
             state.enter(Activity::Spooling);
         }
@@ -880,7 +993,7 @@ impl Missions {
 
     fn spooling(
         &self,
-        state: &mut MissionState,
+        state: &mut Flight,
         seen: &Seen,
         (armed, orientation): (bool, &Orientation),
         dt: f32,
@@ -893,11 +1006,13 @@ impl Missions {
         let lifted = state.home.down - seen.position.down > LIFTED;
         state.there = if lifted { state.there + dt } else { 0.0 };
         if state.there > LIFTED_TIME {
-            state.goal = GoalState::default();
+            state.set_point = SetPointState::default();
             state.enter(Activity::Rising);
         } else if !armed || state.forced != Response::Continue || self.is_too_windy(state) {
             state.enter(Activity::Grounded);
-        } else if state.active > MOST_THRUST * self.p.spool_time + PATIENCE {
+        } else if state.active > MOST_THRUST * self.p.spool_time + PATIENCE
+            || !is_upright(orientation)
+        {
             out.remark = Some(Remark::NoLiftOff);
             state.task = Task::Wait;
             state.enter(Activity::Grounded);
@@ -907,7 +1022,7 @@ impl Missions {
     /// To the target and there, by its position.
     fn hovering(
         &self,
-        state: &mut MissionState,
+        state: &mut Flight,
         seen: &Seen,
         orientation: &Orientation,
         dt: f32,
@@ -930,16 +1045,21 @@ impl Missions {
             planner_options: PlannerOptions::default(),
         };
         let goal = Goal::Hover(state.target);
-        if let Ok(goals) = Goals::new(preferences) {
-            let GoalOutput {
-                reference,
-                position_error,
-                planner_options,
-            } = goals.step(&mut state.goal, &goal, seen.position, seen.velocity, dt);
-            out.reference = reference;
-            out.position_error = position_error;
-            out.planner_options = planner_options;
-        }
+        // Within their bounds: so are the parameters.
+        let goals = Goals::of(preferences);
+        let GoalOutput {
+            reference,
+            position_error,
+            ..
+        } = goals.advance(
+            &mut state.set_point,
+            &goal,
+            seen.position,
+            seen.velocity,
+            dt,
+        );
+        out.reference = reference;
+        out.position_error = position_error;
         out.gate = Gate::Open;
         out.progress.load_factor = 1.0;
         out.progress.steady_thrust = self.ability.weight();
@@ -956,13 +1076,13 @@ impl Missions {
             Task::Pass if near => state.done(state.target),
             Task::Hover(time) => {
                 out.progress.time_to_go += math::max(time - state.there, 0.0);
-                if near && state.there >= time && state.goal.is_reached() {
+                if near && state.there >= time && state.set_point.is_reached() {
                     state.done(state.target);
                 }
             }
             Task::Land(_)
                 if near
-                    && state.goal.is_reached()
+                    && state.set_point.is_reached()
                     && distance < OVER_PLACE
                     && self.sinks(state) =>
             {
@@ -974,13 +1094,14 @@ impl Missions {
     }
 
     /// A path at an airspeed.
-    fn flying(&self, state: &mut MissionState, seen: &Seen, dt: f32, out: &mut MissionOutput) {
+    fn flying(&self, state: &mut Flight, seen: &Seen, dt: f32, out: &mut MissionOutput) {
         let speed = math::max(state.speed, self.ability.least_speed());
-        let followed = state.follow.step(&self.p, &self.ability, seen, speed, dt);
+        let [drag, slope] = self.ability.slopes(state.follow.airspeed);
+        let slowing = self.ability.gravity() * drag;
+        let followed = state.follow.step(&self.p, slowing, seen, speed, dt);
         let airspeed = state.follow.airspeed;
         let ground = math::max(level(followed.velocity), 1.0);
         let left = state.follow.path.left();
-        let [drag, slope] = self.ability.slopes(airspeed);
         let glide = self.p.glide_share * airspeed * drag;
         let climb = math::min(self.p.climb, airspeed * slope);
         let way = Descent {
@@ -1027,36 +1148,35 @@ impl Missions {
             state.item_begun = false;
             return;
         }
-        self.next_of_flight(state, seen, &followed, dt, out);
+        self.next_of_flight(state, seen, ground, dt, out);
     }
 
     /// Whether the flight is at the end of its task.
     fn next_of_flight(
         &self,
-        state: &mut MissionState,
+        state: &mut Flight,
         seen: &Seen,
-        followed: &Followed,
+        ground: f32,
         dt: f32,
         out: &mut MissionOutput,
     ) {
         let at_height = (state.target.down - seen.position.down).abs() < NEAR;
         match state.task {
             Task::Pass
-                if out.progress.time_to_go < state.follow.lead()
+                if out.progress.time_to_go < state.follow.lead() + LAYING * dt
                     && state.follow.path.is_final() =>
             {
                 if at_height {
                     state.done(state.target);
                 } else {
                     let down = state.target.down;
-                    self.spiral(state, seen, down, Until::Turns(0.0));
+                    self.spiral(state, down, Until::Turns(0.0));
                 }
             }
             Task::Hover(_) | Task::Land(_) => {
                 let speed = level(seen.velocity);
                 if state.follow.path.left() < self.braking_way(speed) {
-                    let target = state.target;
-                    self.hover_at(state, seen, target);
+                    state.preparing = Preparing::Hover;
                 }
             }
             Task::Circle(until) if state.follow.path.is_last() => {
@@ -1067,7 +1187,7 @@ impl Missions {
                         let round = 2.0 * PI * state.radius.abs();
                         let left = math::max(turns - turned, 0.0);
                         out.progress.distance_to_go = left * round;
-                        left * round / math::max(level(followed.velocity), 1.0)
+                        left * round / ground
                     }
                     Until::Time(time) => math::max(time - state.there, 0.0),
                     Until::Forever => MAX_SPEED,
@@ -1084,7 +1204,7 @@ impl Missions {
     /// Straight down over the target.
     fn descending(
         &self,
-        state: &mut MissionState,
+        state: &mut Flight,
         seen: &Seen,
         (thrust, orientation): (f32, &Orientation),
         dt: f32,
@@ -1133,7 +1253,7 @@ impl Missions {
     }
 
     /// The thrust goes off.
-    fn touched(&self, state: &mut MissionState, out: &mut MissionOutput) {
+    fn touched(&self, state: &mut Flight, out: &mut MissionOutput) {
         let left = 1.0 - state.active / THRUST_OFF;
         out.gate = Gate::AtMost(math::max(left, 0.0) * self.ability.weight());
         out.reference.velocity.down = self.p.landing_speed;
@@ -1147,6 +1267,11 @@ impl Missions {
             }
         }
     }
+}
+
+/// Whether the nose is up.
+fn is_upright(orientation: &Orientation) -> bool {
+    orientation.i().down > UPRIGHT
 }
 
 /// `trouble` if `failed`.
@@ -1224,7 +1349,7 @@ mod tests {
                     .armed(true)
                     .thrust(98.0)
                     .troubles(troubles);
-                out = self
+                out = *self
                     .missions
                     .step(&mut self.state, &self.mission, &told, DT);
                 self.velocity = match out.gate {
@@ -1352,5 +1477,98 @@ mod tests {
         assert!(level(point.position - OVER) < 400.0 && out.activity == Activity::Flying);
         let again = point.until(STRONG, none, |_, _| true);
         assert!(again.progress.time < 1.0);
+    }
+
+    /// While a path is laid what was asked for goes on, for no more steps than the lead of the next path counts on: no step in velocity, and in the
+    /// air thrust from the first step on.
+    #[test]
+    fn a_path_is_laid_while_it_flies_on() {
+        let by = |north, east| Item::Waypoint {
+            place: Ned::new(north, east, 0.0),
+            pass: Pass::By,
+        };
+        let items = [by(300.0, 0.0), by(500.0, 300.0), by(300.0, 500.0)];
+        let mut point = Point::new(&items, Responses::default());
+        // 22 m/s against the wind.
+        point.velocity = Ned::new(19.0, 0.0, 0.0);
+        let (mut last, mut held, mut laid) = (point.velocity, 0, 0);
+        for _ in 0..4000 {
+            let out = point.until(3.0, Troubles::empty(), |_, _| true);
+            assert_eq!(out.gate, Gate::Open);
+            // 5 m/s² for the steps that it is held, half as much again.
+            let change = out.reference.velocity - last;
+            let most = 1.5 * 5.0 * DT * (1.0 + LAYING);
+            assert!(is_within(change, most), "{change:?} {out:?}");
+            last = out.reference.velocity;
+            held = point.state.flight.steps_held;
+            laid = laid.max(held);
+        }
+        assert_eq!((f32::from(laid), held), (LAYING, 0));
+    }
+
+    /// What fails and is good again in every step does not keep it from asking.
+    #[test]
+    fn who_decides_otherwise_all_the_time_is_not_heeded() {
+        let responses = Responses::default().link(Response::Loiter);
+        let place = Ned::new(900.0, 0.0, 0.0);
+        let items = [Item::Waypoint {
+            place,
+            pass: Pass::By,
+        }];
+        let mut point = Point::new(&items, responses);
+        point.velocity = Ned::new(22.0, 0.0, 0.0);
+        let mut asked = 0;
+        for n in 0..200 {
+            let trouble = [Troubles::LINK, Troubles::empty()][n % 2];
+            point.until(0.0, trouble, |_, _| true);
+            asked += usize::from(point.state.flight.steps_held == 0);
+        }
+        assert!(asked >= 200 / (usize::from(MOST_HELD) + 1), "{asked}");
+    }
+
+    /// Who begins in the air, in more wind than it hovers in, is on its way as soon as its path is laid.
+    #[test]
+    fn a_flight_that_begins_in_wind_is_on_its_way() {
+        let place = Ned::new(900.0, 0.0, 0.0);
+        let items = [Item::Waypoint {
+            place,
+            pass: Pass::By,
+        }];
+        let mut point = Point::new(&items, Responses::default());
+        point.missions.ability.hover_wind = STRONG - 1.0;
+        point.velocity = Ned::new(22.0 - STRONG, 0.0, 0.0);
+        let out = point.until(STRONG, Troubles::empty(), |out, _| {
+            out.progress.time > DT * (LAYING + 1.0)
+        });
+        assert_eq!(out.activity, Activity::Flying);
+    }
+
+    /// Who lies on the ground gives no thrust, whether it has lain there before or falls over while its thrust grows.
+    #[test]
+    fn who_has_fallen_over_does_not_take_off() {
+        let items = [Item::TakeOff { height: 10.0 }];
+        let mut point = Point::new(&items, Responses::default());
+        let up = Ned::new(0.0, 0.0, -1.0);
+        let lying = Orientation::from_directions(Ned::new(1.0, 0.0, 0.0), up).unwrap();
+        let mut told = MissionInput::default().position(Ned::ZERO).armed(true);
+        let mut step = |told: &MissionInput| {
+            let Point {
+                missions,
+                mission,
+                state,
+                ..
+            } = &mut point;
+            *missions.step(state, mission, told, DT)
+        };
+        for _ in 0..10 {
+            step(&told);
+        }
+        assert!(matches!(step(&told).gate, Gate::AtMost(most) if most > 0.0));
+        told.orientation = lying;
+        step(&told);
+        for _ in 0..100 {
+            let out = step(&told);
+            assert_eq!((out.gate, out.activity), (Gate::Off, Activity::Grounded));
+        }
     }
 }

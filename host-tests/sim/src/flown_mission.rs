@@ -96,7 +96,8 @@ impl FlownMission {
 
     /// What is asked, `dt` \[s\] after the last.
     pub fn ask(&mut self, input: &MissionInput, dt: f32) -> MissionOutput {
-        self.missions
+        *self
+            .missions
             .step(&mut self.state, &self.mission, input, dt)
     }
 

@@ -3,7 +3,8 @@
 use super::sweep::Case;
 use alula::aero::{Coefficients, NACA_0021_RE_160E3};
 use alula::mission::{
-    Item, Mission, MissionInput, MissionParameters, MissionState, Missions, Pass, Responses, Until,
+    Gate, Item, Mission, MissionInput, MissionParameters, MissionState, Missions, Pass, Response,
+    Responses, Troubles, Until,
 };
 use alula::ned::{BodyAxes, Ned};
 use alula::planar::equilibrium::{Equilibria, EquilibriumError, FoldMap, FoldMargin};
@@ -93,30 +94,108 @@ impl Fixture {
 
 fn missions(vehicle: &Vehicle<Combined>) -> Missions {
     let parameters = MissionParameters::cruising_at(20.0);
-    Missions::new(vehicle, &parameters, Responses::default()).unwrap()
+    let responses = Responses::default()
+        .link(Response::Return)
+        .battery(Response::Land)
+        .air(Response::Loiter);
+    Missions::new(vehicle, &parameters, responses).unwrap()
 }
 
-/// Corners and a loiter: items follow each other during the measurement.
-const WORK: [Item; 5] = {
-    const fn by(north: f32, east: f32) -> Item {
+/// Every kind of item.
+const WORK: [Item; 14] = {
+    const fn waypoint(north: f32, east: f32, pass: Pass) -> Item {
         let place = Ned::new(north, east, -20.0);
-        Item::Waypoint {
-            place,
-            pass: Pass::By,
+        Item::Waypoint { place, pass }
+    }
+    const fn loiter(radius: f32, until: Until) -> Item {
+        let centre = Ned::new(300.0, 100.0, -30.0);
+        Item::Loiter {
+            centre,
+            radius,
+            until,
         }
     }
     [
-        by(400.0, 0.0),
-        by(700.0, 300.0),
-        by(300.0, 500.0),
-        by(0.0, 300.0),
-        Item::Loiter {
-            centre: Ned::new(300.0, 100.0, 0.0),
-            radius: 120.0,
-            until: Until::Forever,
-        },
+        Item::TakeOff { height: 10.0 },
+        waypoint(15.0, 5.0, Pass::Hover(3.0)),
+        waypoint(400.0, 0.0, Pass::By),
+        waypoint(700.0, 300.0, Pass::By),
+        waypoint(650.0, 200.0, Pass::Over),
+        loiter(150.0, Until::Turns(1.0)),
+        Item::Speed(17.0),
+        Item::Altitude { down: -40.0 },
+        waypoint(500.0, 200.0, Pass::Hover(1.0)),
+        loiter(-150.0, Until::Time(20.0)),
+        Item::Speed(3.0),
+        waypoint(0.0, 30.0, Pass::By),
+        Item::Speed(20.0),
+        Item::Return,
     ]
 };
+
+/// Step of the missions \[s\].
+const STEP: f32 = 0.04;
+
+/// A mission flown by what does as it is asked, on a ground.
+struct Flight {
+    state: MissionState,
+    told: MissionInput,
+    place: Ned,
+    /// A generator of what happens to it.
+    random: u32,
+}
+
+impl Flight {
+    fn new() -> Self {
+        Self {
+            state: MissionState::default(),
+            told: MissionInput::default()
+                .position(Ned::ZERO)
+                .thrust(20.0)
+                .armed(true),
+            place: Ned::ZERO,
+            random: 1,
+        }
+    }
+
+    /// Once in ten seconds something fails or is good again, the wind changes, and it goes to another item.
+    fn happen(&mut self) {
+        let mut drawn = |most: u32| {
+            self.random = (self.random)
+                .wrapping_mul(1_664_525)
+                .wrapping_add(1_013_904_223);
+            (self.random >> 8) % most
+        };
+        if drawn(250) > 0 {
+            return;
+        }
+        let troubles = [0, 0, 0, 1, 2, 4, 8, 16, 32][drawn(9) as usize];
+        self.told.troubles = Troubles::from_bits_truncate(troubles);
+        let mut wind = || drawn(13) as f32 - 6.0;
+        self.told.wind = Ned::new(wind(), wind(), 0.0);
+        if drawn(3) == 0 {
+            self.state.go_to(drawn(WORK.len() as u32 + 1) as usize);
+        }
+    }
+
+    #[inline(always)]
+    fn step(&mut self, f: &Fixture) {
+        let asked = f
+            .missions
+            .step(&mut self.state, &f.mission, &self.told, STEP);
+        let velocity = match asked.gate {
+            Gate::Off => Ned::ZERO,
+            _ => asked.reference.velocity - asked.position_error * 0.5,
+        };
+        self.place = self.place + velocity * STEP;
+        self.told.velocity = velocity;
+        if self.place.down > 0.0 {
+            self.place.down = 0.0;
+            self.told.velocity = Ned::ZERO;
+        }
+        self.told.position = Some(self.place);
+    }
+}
 
 fn everything_on(vehicle: Vehicle<Combined>) -> Guidance<Combined, BandwidthGains> {
     // Without a recovery time the first good frame is flown.
@@ -137,10 +216,7 @@ pub struct Output {
     orientation: Result<Orientation, Fault>,
     force_error: ForceErrorState,
     sideslip: SideslipState,
-    flight: MissionState,
-    /// Of a vehicle that does what the mission asks.
-    place: Ned,
-    velocity: Ned,
+    flight: Flight,
 }
 
 /// Takes a command where the law or the guidance has left it, in its caller's frame: a loop that controls something uses it
@@ -173,9 +249,7 @@ impl Output {
             orientation: Err(Fault::Undefined),
             force_error: ForceErrorState::default(),
             sideslip: SideslipState::default(),
-            flight: MissionState::default(),
-            place: Ned::ZERO,
-            velocity: Ned::new(20.0, 0.0, 0.0),
+            flight: Flight::new(),
         }
     }
 
@@ -184,8 +258,9 @@ impl Output {
         if memory == Memory::Fresh {
             self.memory = GuidanceState::default();
             self.hardened = HardenedState::default();
-            self.flight = MissionState::default();
+            self.flight = Flight::new();
         }
+        self.flight.happen();
     }
 }
 
@@ -246,12 +321,7 @@ functions! {
         f.guidance.plan(&mut o.memory);
     };
     hardened => |f, c, o| keep(f.hardened.update(&mut o.hardened, &c.space.input, 0.01));
-    mission => |f, c, o| {
-        let told = MissionInput::default().position(o.place).velocity(o.velocity).wind(Ned::new(4.0, -3.0, 0.0)).orientation(c.space.input.orientation).thrust(20.0).armed(true);
-        let asked = f.missions.step(&mut o.flight, &f.mission, &told, 0.01);
-        o.velocity = asked.reference.velocity;
-        o.place = o.place - asked.position_error + o.velocity * 0.01;
-    };
+    mission => |f, c, o| o.flight.step(f);
     winged => |f, c, o| {
         keep(f.winged.robust(&c.space.state, &c.space.reference, None));
     };
