@@ -559,7 +559,8 @@ fn closed(draws: u64) {
 #[ignore = "slow: cargo test-slow"]
 fn slow_what_was_identified_flies() {
     let draws = std::env::var("IDENTIFY_DRAWS").ok();
-    closed(draws.and_then(|n| n.parse().ok()).unwrap_or(4));
+    // The median of four is chance: in turbulence a vehicle brakes through its stall, and flights differ by metres.
+    closed(draws.and_then(|n| n.parse().ok()).unwrap_or(12));
 }
 
 /// A flight that is too short, and one without a throttle, end with the reason.
