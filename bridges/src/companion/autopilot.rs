@@ -5,10 +5,11 @@
 
 use mavlink::dialects::ardupilotmega::{COMMAND_ACK_DATA, MavCmd, MavResult, TIMESYNC_DATA};
 
+use super::detector::Detector;
 use super::offboard::Offboard;
 use super::parameters::Parameters;
 use super::qacro::Qacro;
-use super::{Kind, MavHeader, MavMessage, telemetry};
+use super::{Kind, MavHeader, MavMessage, TERMINATION, telemetry};
 
 /// State of a body; world vectors north-east-down, body axes those of hover.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -53,6 +54,9 @@ pub struct Autopilot<B> {
     next: [f64; 3],
     losses: u32,
     parameters: Parameters,
+    /// Of PX4, and whether it has seen a failure.
+    detector: Detector,
+    failed: bool,
 }
 
 /// What is commanded, by the rules of the kind.
@@ -85,15 +89,18 @@ impl<B: Body> Autopilot<B> {
             next: [f64::NEG_INFINITY; 3],
             losses: 0,
             parameters: Parameters::default(),
+            detector: Detector::of(&Parameters::default()),
+            failed: false,
         }
     }
 
-    /// The autopilot with these parameters: it says them, and follows those of its ramps. What follows those of its rate loop is the body's.
+    /// The autopilot with these parameters: it says them, and follows those of its ramps and its failure detector. What follows those of its rate loop is the body's.
     #[must_use]
     pub fn with_parameters(mut self, parameters: Parameters) -> Self {
         if let Rules::ArduPlane(qacro) = &mut self.rules {
             qacro.ramp(&parameters);
         }
+        self.detector = Detector::of(&parameters);
         self.parameters = parameters;
         self
     }
@@ -129,8 +136,16 @@ impl<B: Body> Autopilot<B> {
         matches!(&self.rules, Rules::ArduPlane(qacro) if qacro.is_overridden())
     }
 
-    /// The pilot sets a mode by his transmitter.
+    /// Whether PX4's failure detector has seen an attitude that is none to fly in.
+    pub fn has_failed(&self) -> bool {
+        self.failed
+    }
+
+    /// The pilot sets a mode by his transmitter. A flight that PX4 has ended stays so.
     pub fn set_mode(&mut self, mode: u32) {
+        if self.is_terminated() {
+            return;
+        }
         self.mode = mode;
         // The next heartbeat says so at once, as PX4's and ArduPlane's do.
         self.next[2] = f64::NEG_INFINITY;
@@ -138,6 +153,7 @@ impl<B: Body> Autopilot<B> {
 
     /// Takes a message that arrived `now` \[s\].
     pub fn receive(&mut self, now: f64, header: &MavHeader, message: &MavMessage) {
+        let terminated = self.is_terminated();
         match (message, &mut self.rules) {
             (MavMessage::SET_ATTITUDE_TARGET(m), Rules::Px4(offboard)) => offboard.take(now, m),
             (MavMessage::RC_CHANNELS_OVERRIDE(m), Rules::ArduPlane(qacro)) => {
@@ -150,7 +166,8 @@ impl<B: Body> Autopilot<B> {
                     // QACRO is entered at any time.
                     Rules::ArduPlane(_) => true,
                 };
-                let accepted = m.param1 == 1.0 && (!self.kind.is_commanded(mode) || streams);
+                let granted = !self.kind.is_commanded(mode) || streams;
+                let accepted = !terminated && m.param1 == 1.0 && granted;
                 if accepted {
                     self.set_mode(mode);
                 }
@@ -180,7 +197,10 @@ impl<B: Body> Autopilot<B> {
     fn command(&mut self, now: f64, dt: f64) -> Option<(f64, [f64; 3])> {
         let commanded = self.kind.is_commanded(self.mode);
         match &mut self.rules {
-            Rules::Px4(offboard) => commanded.then(|| offboard.command(now)).flatten(),
+            Rules::Px4(offboard) => {
+                let attitude = self.body.state().quaternion;
+                commanded.then(|| offboard.command(now, attitude)).flatten()
+            }
             Rules::ArduPlane(qacro) => {
                 // The mode stays: the transmitter's sticks are flown.
                 self.losses += u32::from(qacro.advance(now, dt) && commanded);
@@ -189,8 +209,33 @@ impl<B: Body> Autopilot<B> {
         }
     }
 
+    fn is_terminated(&self) -> bool {
+        self.kind == Kind::Px4 && self.mode == TERMINATION
+    }
+
+    /// PX4 looks at the attitude where it controls it: in every mode but OFFBOARD by rates.
+    fn look_for_failures(&mut self, now: f64) {
+        let by_rates = match &self.rules {
+            Rules::Px4(offboard) => self.kind.is_commanded(self.mode) && !offboard.is_by_attitude(),
+            Rules::ArduPlane(_) => true,
+        };
+        if !by_rates && self.detector.fails(now, self.body.state().quaternion) {
+            self.failed = true;
+            if self.detector.terminates {
+                self.set_mode(TERMINATION);
+            }
+        }
+    }
+
     /// Lets `dt` \[s\] pass from `now`.
     pub fn advance(&mut self, now: f64, dt: f64) {
+        self.look_for_failures(now);
+        if self.is_terminated() {
+            // Motors stand, and surfaces turn nothing.
+            let rates = self.body.state().rates;
+            self.body.step(0.0, rates, dt);
+            return;
+        }
         let command = self.command(now, dt);
         let commanded = self.kind.is_commanded(self.mode);
         if commanded && command.is_none() {

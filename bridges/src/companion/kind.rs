@@ -18,6 +18,8 @@ pub enum Kind {
 pub const OFFBOARD: u32 = 6 << 16;
 /// PX4's mode AUTO, sub-mode LOITER: hold.
 pub const HOLD: u32 = 4 << 16 | 3 << 24;
+/// PX4's mode TERMINATION: outputs at their failsafe values, for good.
+pub const TERMINATION: u32 = 10 << 16;
 /// ArduPlane's mode QACRO.
 pub const QACRO: u32 = 23;
 /// ArduPlane's mode QLOITER: hover at a place.

@@ -11,6 +11,7 @@
 mod autopilot;
 mod clock;
 mod connection;
+mod detector;
 mod ground;
 mod inbox;
 mod kind;
@@ -32,7 +33,7 @@ pub use clock::Clock;
 pub use connection::{Connection, Received};
 pub use ground::{Change, GroundStation, MissionItems, Refused, Shown};
 pub use inbox::{Counts, Inbox};
-pub use kind::{HOLD, Kind, OFFBOARD, QACRO, QLOITER};
+pub use kind::{HOLD, Kind, OFFBOARD, QACRO, QLOITER, TERMINATION};
 pub use machine::Companion;
 pub use nudge::{Loop, Nudge};
 pub use parameters::Parameters;

@@ -4,6 +4,7 @@
 
 use std::collections::BTreeMap;
 
+use super::detector::BREAKER;
 use super::inbox::Inbox;
 use super::{Kind, MavHeader, MavMessage, Parameters, outbox, parameters};
 
@@ -16,6 +17,8 @@ pub struct Believed {
     pub elevons: bool,
     /// Greatest rate that is commanded [rad/s].
     pub max_rate: f64,
+    /// Whether PX4 is asked for attitudes, and not for rates.
+    pub attitudes: bool,
 }
 
 /// How a finding is to be taken.
@@ -115,6 +118,8 @@ fn besides(kind: Kind) -> &'static [&'static str] {
         Kind::Px4 => &[
             "MPC_THR_HOVER",
             "FD_FAIL_P",
+            "FD_FAIL_R",
+            "CBRK_FLIGHTTERM",
             "FW_PR_P",
             "FW_PR_FF",
             "FW_RR_P",
@@ -139,6 +144,48 @@ pub fn hover_scale(parameters: &Parameters) -> f64 {
         (Some(scaled), Some(trim), Some(stall)) if scaled != 0.0 => trim / stall.max(0.1),
         _ => 1.0,
     }
+}
+
+/// What PX4's failure detector makes of a flight in the multicopter state: in cruise pitch is near −90° there, and in a bank roll is anything. It looks where
+/// PX4 controls the attitude: at attitude set-points throughout, and at rates from where OFFBOARD ends on.
+fn failures(parameters: &Parameters, attitudes: bool) -> Option<Finding> {
+    let limits = [("FD_FAIL_P", 90.0), ("FD_FAIL_R", 180.0)].into_iter();
+    let seen = limits.filter_map(|(name, most)| {
+        let angle = parameters.get(name)?;
+        (angle > 0.0 && angle < most).then_some((name, angle))
+    });
+    let seen: Vec<(&str, f64)> = seen.collect();
+    if seen.is_empty() {
+        return None;
+    }
+    let join = |words: Vec<String>| words.join(" and ");
+    let limits = join(
+        seen.iter()
+            .map(|(name, angle)| format!("{name} is {angle}°"))
+            .collect(),
+    );
+    let change = join(seen.iter().map(|(name, _)| format!("{name} 0")).collect());
+    let when = match attitudes {
+        true => "at attitude set-points beyond",
+        false => "where the pilot, or a link that is lost, ends OFFBOARD in cruise",
+    };
+    Some(match parameters.get("CBRK_FLIGHTTERM") {
+        Some(BREAKER) => Finding::new(
+            Weight::Remark,
+            format!("{limits}: PX4 warns {when}; it goes on, as CBRK_FLIGHTTERM is {BREAKER}"),
+            None,
+        ),
+        breaker => {
+            let breaker = breaker.map_or("was not told".to_owned(), |value| format!("is {value}"));
+            Finding::new(
+                Weight::NoGo,
+                format!(
+                    "{limits}, and CBRK_FLIGHTTERM {breaker}: PX4 ends the flight, motors off, {when}"
+                ),
+                Some(format!("{change}, or CBRK_FLIGHTTERM {BREAKER}")),
+            )
+        }
+    })
 }
 
 /// Judges what is known.
@@ -248,13 +295,7 @@ pub fn judge(
                 None,
             ));
         }
-        if let Some(angle) = get("FD_FAIL_P").filter(|angle| (1.0..90.0).contains(angle)) {
-            findings.push(Finding::new(
-                Remark,
-                format!("FD_FAIL_P is {angle}°: by attitude set-points the flight would end there; by rates, as here, PX4 does not look"),
-                None,
-            ));
-        }
+        findings.extend(failures(parameters, believed.attitudes));
     }
     for (what, rate, needed) in [
         ("attitudes", streams.attitude_hz, true),

@@ -6,7 +6,8 @@ use nalgebra::Vector3;
 
 use super::lag::{GAP, behind};
 
-use super::reconstruct::attitudes;
+use super::reconstruct::{GRAVITY, attitudes};
+use super::velocity_lag::in_time;
 
 /// Angle of attack to the nose \[rad\] up to which c_L is taken for a line; from its negative.
 pub(super) const ATTACHED: f64 = 0.19;
@@ -41,6 +42,8 @@ pub(super) struct Row {
     pub(super) climb: f64,
     /// Torque in pitch that was asked for, a share of the full one.
     pub(super) torque: f64,
+    /// Velocity down that was asked for [m/s].
+    pub(super) sinks: f64,
 }
 
 impl Row {
@@ -179,16 +182,30 @@ pub(super) fn flown(log: &Log, states: &States) -> anyhow::Result<Flown> {
         source("vehicle_torque_setpoint", "xyz[1]", 1.0),
         source("RATE", "POut", 1.0),
     ];
+    // What was asked for goes before what a controller made of where the vehicle was.
+    let sinks = [
+        source("trajectory_setpoint", "velocity[2]", 1.0),
+        source("vehicle_local_position_setpoint", "vz", 1.0),
+        source("PSCD", "DVD", 1.0),
+        source("PSCD", "TVD", 1.0),
+    ];
     let nan = || vec![f64::NAN; base.len()];
     let rate = held(log, &rate, base).unwrap_or_else(nan);
     let asked = held(log, &asked, base).unwrap_or_else(nan);
     let torque = held(log, &torque, base).unwrap_or_else(nan);
+    let sinks = held(log, &sinks, base).unwrap_or_else(nan);
     if states.wind.is_none() && states.air_velocity.is_none() {
         notes.push("No wind is logged: it is taken for calm, and what is in the air is in the intervals. A flight to and fro on a calm day shows it".to_owned());
     }
     let mut steps: Vec<Row> = Vec::new();
     let (mut filtered, mut last): (f64, Option<(f64, f64)>) = (0.0, None);
-    for ((n, &t), attitude) in base.iter().enumerate().zip(attitudes(states)) {
+    let attitudes = attitudes(states);
+    let turned = attitudes.iter().zip(&force.values);
+    let acceleration: Vec<Vector3<f64>> = turned
+        .map(|(attitude, f)| attitude * Vector3::from(*f) + GRAVITY * Vector3::z())
+        .collect();
+    let velocities = in_time(base, &velocity.values, &acceleration);
+    for ((n, &t), attitude) in base.iter().enumerate().zip(attitudes) {
         // The derivative of the rate through a filter of 30 ms.
         if let Some((then, before)) = last {
             let dt = (t - then).max(1e-4);
@@ -198,7 +215,7 @@ pub(super) fn flown(log: &Log, states: &States) -> anyhow::Result<Flown> {
         if rate[n].is_finite() {
             last = Some((t, rate[n]));
         }
-        let moving = Vector3::from(velocity.values[n]);
+        let moving = velocities[n];
         let through = match (&states.air_velocity, &states.wind) {
             (Some(air), _) if air.values[n][0].is_finite() => Vector3::from(air.values[n]),
             (_, Some(wind)) if wind.values[n][0].is_finite() => {
@@ -221,6 +238,7 @@ pub(super) fn flown(log: &Log, states: &States) -> anyhow::Result<Flown> {
             turn: filtered,
             climb: -moving.z / moving.norm().max(SLOW),
             torque: torque[n],
+            sinks: sinks[n],
         };
         let numbers = [row.air.x, row.air.z, nose, belly, row.throttle];
         if numbers.iter().all(|x| x.is_finite())
@@ -311,6 +329,7 @@ fn mean(of: &[Row]) -> Row {
         turn: mean(&|row| row.turn),
         climb: mean(&|row| row.climb),
         torque: mean(&|row| row.torque),
+        sinks: mean(&|row| row.sinks),
     }
 }
 

@@ -26,7 +26,7 @@ pub(super) const NO_THRUST: f64 = 0.676;
 
 /// Thrust over its static value at full throttle, at the throttle `u` and the speed `along` the nose, of a propeller of the speed `v1`, and its
 /// derivative by `v1`.
-fn propelled(u: f64, along: f64, v1: f64) -> [f64; 2] {
+pub(super) fn propelled(u: f64, along: f64, v1: f64) -> [f64; 2] {
     let [linear, square] = PROPELLER;
     let (root, j) = (u.max(0.0).sqrt(), along / v1);
     let thrust = u + linear * root * j + square * j * j;

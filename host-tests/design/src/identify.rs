@@ -15,6 +15,7 @@
 //!
 //! Short of stall the angle of attack that an estimator tells lacks the gusts, and the vehicle moves with them: a regression on it finds too small a slope.
 //! So α there is what the flight has in the mean at its airspeed and climb (two-stage least squares, the instruments 1, 1/V² and the climb angle).
+//! The slope is that of pulls and pushes, where a flight has them: `waves`. The velocity is put in time first: `velocity_lag`.
 //!
 //! Intervals are of 95 %, from the residuals in blocks of seconds: the errors of gusts and of lags last.
 
@@ -24,9 +25,10 @@ use nalgebra::{DMatrix, DVector};
 
 use super::drag::{Glide, drag};
 use super::flown::{ATTACHED, Flown, RATE, ROWS, Row, SLOW, around, flown, lagged};
-use super::forces::{BIN, FIXED, NO_THRUST, Propeller, Unknowns};
+use super::forces::{BIN, FIXED, NO_THRUST, Propeller, Unknowns, propelled};
 use super::reconstruct::GRAVITY;
 use super::regression::{Fit, Measured, least_squares};
+use super::waves::{self, Sample};
 use super::{rate_lag, thrust_lag};
 
 use super::identified::ASSUMED_LAG;
@@ -45,12 +47,15 @@ pub struct Lacking {
     pub thrust: f64,
     /// Of c_D in cruise.
     pub drag: f64,
+    /// Of the slope of c_L in waves.
+    pub slope: f64,
 }
 
 /// Not less than flights of three kinds of simulated vehicles lack: `slow_vehicles_are_learned_from_their_flights` of the tests finds it.
 pub const LACKING: Lacking = Lacking {
     thrust: 0.07,
     drag: 0.2,
+    slope: 0.05,
 };
 /// Advance ratio, over the one that is without thrust, from which on a propeller idles, whatever is wrong of that one.
 const IDLE: f64 = 2.0;
@@ -62,8 +67,11 @@ const PREDICTED: f64 = 0.5;
 /// Least share of its variance that is predicted. Steady flight hardly varies, and the share is far below zero there by noise alone; logs that are none of a
 /// tail-sitter have -10 and less.
 const SCATTERED: f64 = -5.0;
-/// Time in which the lift is averaged \[s\].
+/// Time in which the lift is averaged \[s\]. In a glide no more acceleration [m/s²] is asked for in it, and where that is not logged, the propeller idles for
+/// this share of it.
 const MEAN: f64 = 2.0;
+const PULL: f64 = 3.4;
+const LASTING: f64 = 0.9;
 /// Interval of c_L within which it is known.
 const KNOWN_LIFT: f64 = 0.2;
 
@@ -240,13 +248,35 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
     let wing = angles.len() >= 4 * ROWS && spread > 0.05;
     let (mut lift, mut c_l_alpha, mut zero_lift_deg, mut c_d_cruise) = (None, None, None, None);
     if wing {
-        let zero_lift = |fit: &Fit| fit.function(|e| (-e[2] / e[3]).to_degrees());
         // Where errors of the line's height and slope have nothing to do with each other.
         let best = -fit.covariance[(2, 3)] / fit.covariance[(3, 3)].max(1e-12);
         let c_l = washed(&|fit| fit.function(|e| e[2] + e[3] * best));
         lift = (c_l.within < KNOWN_LIFT).then_some((best.to_degrees(), c_l));
-        c_l_alpha = known(washed(&|fit| fit.measured(3))).filter(|slope| slope.value > 0.0);
-        zero_lift_deg = c_l_alpha.map(|_| washed(&zero_lift));
+        let c_d = fit.estimate[4];
+        let in_waves = [0.0, BLOWN, 2.0 * BLOWN].map(|blown| {
+            let propeller = Propeller { blown, ..propeller };
+            waves::slope(&rows, &on_the_wing(&rows, &throttle, k, propeller, c_d))
+        });
+        let [less, in_waves, more] = in_waves;
+        let in_waves = less
+            .zip(more)
+            .zip(in_waves)
+            .map(|((less, more), slope)| Measured {
+                within: slope.within.hypot(0.5 * (more.value - less.value)),
+                ..slope
+            });
+        let in_waves = in_waves.map(|slope| slope.lacking(LACKING.slope));
+        // At level speeds a mean gust counts for an angle, and in waves it does not.
+        let slope = in_waves.or_else(|| known(washed(&|fit| fit.measured(3))));
+        c_l_alpha = slope.filter(|slope| slope.value > 0.0);
+        zero_lift_deg = c_l_alpha.map(|slope| {
+            let below = c_l.value / slope.value;
+            let within = (c_l.within / slope.value).hypot(below * slope.within / slope.value);
+            Measured {
+                value: (best - below).to_degrees(),
+                within: within.to_degrees(),
+            }
+        });
         let glided = glides(&rows, lag, NO_THRUST * v1, k);
         let mut lifts: Vec<f64> = rows
             .iter()
@@ -337,6 +367,31 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
     Ok(found)
 }
 
+/// What is flown on the wing, short of stall, its force less that of a propeller and of a drag `c_d`; `k` is k_a/m.
+fn on_the_wing(
+    rows: &[Row],
+    throttle: &[f64],
+    k: f64,
+    propeller: Propeller,
+    c_d: f64,
+) -> Vec<Sample> {
+    let attached = rows.iter().zip(throttle).enumerate();
+    let attached = attached.filter(|(_, (row, _))| row.attached() && row.speed() > 2.0 * SLOW);
+    let samples = attached.map(|(place, (row, &throttle))| {
+        let pressure = k * row.speed().powi(2);
+        let [thrust, _] = propelled(throttle, row.air.x, propeller.v1);
+        let (sin, cos) = row.alpha().sin_cos();
+        Sample {
+            place,
+            pressure,
+            blown: propeller.blown * propeller.static_f * thrust / pressure,
+            // Along the belly there is no thrust.
+            lift: (-row.force[1] - pressure * c_d * sin) / cos,
+        }
+    });
+    samples.collect()
+}
+
 /// What is flown on the wing, short of stall and steadily, while the propeller idles: `no_thrust` is the airspeed without thrust at full throttle [m/s],
 /// `k` is k_a/m.
 fn glides(rows: &[Row], lag: f64, no_thrust: f64, k: f64) -> Vec<Glide> {
@@ -345,19 +400,33 @@ fn glides(rows: &[Row], lag: f64, no_thrust: f64, k: f64) -> Vec<Glide> {
         row.glides() && advance >= IDLE
     };
     let flown = rows.iter().zip(lagged(rows, lag));
-    let idle = flown.filter(|(row, throttle)| idles(row, *throttle));
-    idle.map(|(row, _)| {
-        let near = around(rows, row.t, MEAN);
-        let lift = near.iter().map(Row::lift).sum::<f64>() / near.len() as f64;
-        let pressure = k * row.speed().powi(2);
-        Glide {
-            block: ((row.t - rows[0].t) / ANEW) as usize,
-            pressure,
-            along: (row.force[0] * row.air.x + row.force[1] * row.air.z) / row.speed(),
-            c_l: lift / pressure,
+    let idle: Vec<bool> = flown.map(|(row, throttle)| idles(row, throttle)).collect();
+    let at = |t: f64| rows.partition_point(|row| row.t < t);
+    let asked = waves::asked(rows);
+    // In a push the propeller idles for a moment, and the lift is not that of its mean.
+    let steady = |row: &Row| {
+        let near = at(row.t - 0.5 * MEAN)..at(row.t + 0.5 * MEAN);
+        let count = near.len() as f64;
+        match row.sinks.is_finite() {
+            true => asked[near].iter().map(|a| a.abs()).sum::<f64>() < PULL * count,
+            false => idle[near].iter().filter(|idle| **idle).count() as f64 > LASTING * count,
         }
-    })
-    .collect()
+    };
+    let both = rows.iter().zip(&idle);
+    let gliding = both.filter(|(row, idle)| **idle && steady(row));
+    gliding
+        .map(|(row, _)| {
+            let near = around(rows, row.t, MEAN);
+            let lift = near.iter().map(Row::lift).sum::<f64>() / near.len() as f64;
+            let pressure = k * row.speed().powi(2);
+            Glide {
+                block: ((row.t - rows[0].t) / ANEW) as usize,
+                pressure,
+                along: (row.force[0] * row.air.x + row.force[1] * row.air.z) / row.speed(),
+                c_l: lift / pressure,
+            }
+        })
+        .collect()
 }
 
 /// The pitch rate in hover. What counts is what has the thrust of hover: what turns the vehicle goes with its thrust.

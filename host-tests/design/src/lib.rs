@@ -31,7 +31,9 @@ pub mod sweep;
 mod thrust_lag;
 mod trip;
 mod turning;
+mod velocity_lag;
 mod verdict;
+mod waves;
 mod wing;
 
 use alula::{GuidanceParameters, Parameters, ResponseParameters};

@@ -53,7 +53,7 @@ const FLOWN: [Flown; 3] = [
     },
 ];
 
-/// The flight of the page: hover with steps, three level speeds, a climb, a glide, and transitions there and back, of the vehicle with this seed.
+/// The flight of the page: hover with steps, three level speeds, pulls and pushes, a climb, a glide, and transitions there and back, of the vehicle with this seed.
 fn flight(flown: Flown, seed: u64) -> Experiment {
     let Flown {
         vehicle,
@@ -72,6 +72,9 @@ fn flight(flown: Flown, seed: u64) -> Experiment {
         &[(0.5, 4.0, 0.0, 0.0), (0.5 * cruise, 20.0, 0.0, cruise)],
     ]
     .concat();
+    // Pulls and pushes of half the weight, three seconds from one to the next.
+    let pulls = [(1.5, 0.0, -3.75, cruise), (1.5, 0.0, 3.75, cruise)];
+    let waves = [&pulls.repeat(16)[..], &[(0.75, 2.0, 0.0, cruise)]].concat();
     let round = [
         (3.0, 20.0, 0.0, 1.2 * cruise),
         (5.0, 20.0, 0.0, slow * cruise),
@@ -84,10 +87,12 @@ fn flight(flown: Flown, seed: u64) -> Experiment {
         (0.5 * cruise, 10.0, 0.0, cruise),
         (0.6 * cruise, 8.0, -1.0, 0.0),
     ];
-    for &(change, hold, down, forward) in hover.iter().chain(&round).chain(&back) {
+    for &(change, hold, down, forward) in hover.iter().chain(&waves).chain(&round).chain(&back) {
         let t = knots.last().unwrap().0;
         knots.push((t + change, down, forward));
-        knots.push((t + change + hold, down, forward));
+        if hold > 0.0 {
+            knots.push((t + change + hold, down, forward));
+        }
     }
     let last = knots.last().unwrap().0;
     let knots: Vec<String> = knots
@@ -250,7 +255,7 @@ fn slow_vehicles_are_learned_from_their_flights() {
 }
 
 /// What is identified of `draws` flights of each vehicle holds the truth: what is given has it in its interval in nine of ten, and the thrust over the weight
-/// is within a tenth. What is not shown is said. With few the shares are coarse. Prints the table of the page.
+/// is within a tenth, and the slope of c_L in nine of ten. What is not shown is said. With few the shares are coarse. Prints the table of the page.
 fn learned(draws: u64) {
     println!(
         "| number | vehicle | given | error, median (5 to 95 % of flights) | within 10 % | held |"
@@ -268,7 +273,7 @@ fn learned(draws: u64) {
             (THRUST, Vec::new()),
             ("lag of the thrust", Vec::new()),
             ("lag of the pitch rate", Vec::new()),
-            ("slope of c_L", Vec::new()),
+            (SLOPE, Vec::new()),
             (ZERO_LIFT, Vec::new()),
             (DRAG, Vec::new()),
         ];
@@ -281,10 +286,6 @@ fn learned(draws: u64) {
                 truth.thrust_to_weight
             );
             let c_d = found.c_d_cruise.map(|(c_d, at)| (c_d, truth.c_d(at)));
-            if let Some((c_d, truth)) = c_d {
-                let ratio = c_d.value / truth;
-                assert!((0.7..1.3).contains(&ratio), "{vehicle}: {c_d:?} of {truth}");
-            }
             let pairs = [
                 found.thrust_to_weight.map(|m| (m, truth.thrust_to_weight)),
                 found.thrust_lag_s.map(|m| (m, truth.thrust_lag_s)),
@@ -312,7 +313,11 @@ fn learned(draws: u64) {
     println!("| number | vehicle | share that its model lacks |");
     println!("|---|---|---|");
     for (vehicle, numbers) in &all_numbers {
-        for (number, share) in [(THRUST, LACKING.thrust), (DRAG, LACKING.drag)] {
+        for (number, share) in [
+            (THRUST, LACKING.thrust),
+            (DRAG, LACKING.drag),
+            (SLOPE, LACKING.slope),
+        ] {
             let (_, given) = numbers.iter().find(|(name, _)| *name == number).unwrap();
             let lacks = lacks(given, share);
             println!("| {number} | {vehicle} | {:.1} % |", 100.0 * lacks);
@@ -332,11 +337,25 @@ fn learned(draws: u64) {
                 "{vehicle}: {number}: {hits} of {count}"
             );
         }
+        let (_, drags) = numbers.iter().find(|(name, _)| *name == DRAG).unwrap();
+        for (c_d, truth) in drags {
+            let ratio = c_d.value / truth;
+            assert!((0.7..1.3).contains(&ratio), "{vehicle}: {c_d:?} of {truth}");
+        }
+        // So many are within a tenth, too.
+        let (_, slopes) = numbers.iter().find(|(name, _)| *name == SLOPE).unwrap();
+        let near = |(m, truth): &&(Measured, f64)| (m.value / truth - 1.0).abs() <= 0.1;
+        let (near, count) = (slopes.iter().filter(near).count(), draws as f64);
+        assert!(
+            near as f64 + 0.5 >= 0.9 * count - 2.0 * (0.09 * count).sqrt(),
+            "{vehicle}: {SLOPE}: {near} of {count} within a tenth"
+        );
     }
 }
 
 const THRUST: &str = "thrust over weight";
 const DRAG: &str = "c_D in cruise";
+const SLOPE: &str = "slope of c_L";
 
 /// The share of the value by which intervals have to be widened for 95 % to hold the truth, of intervals that are widened by this `share`.
 fn lacks(given: &[(Measured, f64)], share: f64) -> f64 {
@@ -540,7 +559,8 @@ fn closed(draws: u64) {
 #[ignore = "slow: cargo test-slow"]
 fn slow_what_was_identified_flies() {
     let draws = std::env::var("IDENTIFY_DRAWS").ok();
-    closed(draws.and_then(|n| n.parse().ok()).unwrap_or(4));
+    // The median of four is chance: in turbulence a vehicle brakes through its stall, and flights differ by metres.
+    closed(draws.and_then(|n| n.parse().ok()).unwrap_or(12));
 }
 
 /// A flight that is too short, and one without a throttle, end with the reason.

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use alula_bridges::companion::{self, Companion, End, Kind, Nudge, Pilot as _, Stage, is_go};
 use anyhow::{bail, ensure};
 
-use alula_sil::companion::{Ground, Lead, OnPath, settings};
+use alula_sil::companion::{Ground, Lead, OnPath, believed, settings};
 use alula_sim::experiment::{Experiment, RateLoop};
 
 use super::autopilot::{Choice, connected};
@@ -137,13 +137,8 @@ fn fly(
     let interrupted = interrupted()?;
     let stops = || interrupted.load(Ordering::Relaxed);
     eprintln!("waits for an autopilot, and looks at its parameters and streams");
-    let findings = look(
-        experiment,
-        settings.kind,
-        args.hover_thrust,
-        &mut link,
-        stops,
-    )?;
+    let believed = believed(experiment, settings.hover_thrust.into())?;
+    let findings = look(believed, settings.kind, &mut link, stops)?;
     let Some(findings) = findings else {
         return Ok(End::Stopped);
     };

@@ -4,11 +4,10 @@ use std::sync::atomic::Ordering;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use alula_bridges::companion::{Connection, Finding, Kind, Preflight, Weight, is_go};
-use anyhow::bail;
+use alula_bridges::companion::{Believed, Connection, Finding, Kind, Preflight, Weight, is_go};
+use anyhow::{bail, ensure};
 
 use alula_sil::companion::{believed, settings};
-use alula_sim::experiment::Experiment;
 
 use super::autopilot::{Choice, connected};
 use super::settings::Settings;
@@ -29,6 +28,9 @@ pub struct Args {
     /// The autopilot's thrust in hover, from 0 to 1 [default: by the experiment's belief and motors]
     #[arg(long, value_name = "SHARE")]
     hover_thrust: Option<f64>,
+    /// PX4 is to be flown by attitudes, as `alula_guidance start attitude` does, and not by rates
+    #[arg(long)]
+    attitudes: bool,
 }
 
 /// Time between two steps, and after which nobody is there.
@@ -43,7 +45,16 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let stops = interrupted()?;
     let begin = Instant::now();
     let stops = || stops.load(Ordering::Relaxed) || begin.elapsed() > PATIENCE;
-    let findings = look(&experiment, kind, args.hover_thrust, &mut link, stops)?;
+    ensure!(
+        kind == Kind::Px4 || !args.attitudes,
+        "--attitudes: an ArduPlane in QACRO takes rates alone"
+    );
+    let hover_thrust = settings(&experiment, args.hover_thrust)?.hover_thrust;
+    let believed = Believed {
+        attitudes: args.attitudes,
+        ..believed(&experiment, hover_thrust.into())?
+    };
+    let findings = look(believed, kind, &mut link, stops)?;
     let Some(findings) = findings else {
         bail!("no autopilot answered: no heartbeat of component 1, or a link that only sends");
     };
@@ -59,14 +70,12 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
 
 /// What is found over `link`; none if it was stopped before.
 pub fn look(
-    experiment: &Experiment,
+    believed: Believed,
     kind: Kind,
-    hover_thrust: Option<f64>,
     link: &mut Connection,
     stops: impl Fn() -> bool,
 ) -> anyhow::Result<Option<Vec<Finding>>> {
-    let hover_thrust = settings(experiment, hover_thrust)?.hover_thrust;
-    let mut preflight = Preflight::new(kind, believed(experiment, hover_thrust.into())?);
+    let mut preflight = Preflight::new(kind, believed);
     let begin = Instant::now();
     loop {
         for (when, came) in link.received() {

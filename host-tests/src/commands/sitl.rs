@@ -165,6 +165,7 @@ fn simulated(args: &Simulated, kind: Kind) -> anyhow::Result<()> {
     let begin = Instant::now();
     let mut steps = 0_u32;
     let mut mode = None;
+    let mut failed = false;
     let mut malformed = 0_u64;
     while !interrupted.load(Ordering::Relaxed) {
         let now = (STEP * steps).as_secs_f64();
@@ -185,6 +186,10 @@ fn simulated(args: &Simulated, kind: Kind) -> anyhow::Result<()> {
                 Kind::Px4 => eprintln!("{now:8.2} s  mode {first}/{second}"),
                 Kind::ArduPlane(_) => eprintln!("{now:8.2} s  mode {first}"),
             }
+        }
+        if autopilot.has_failed() != failed {
+            failed = true;
+            eprintln!("{now:8.2} s  attitude failure: beyond FD_FAIL_P or FD_FAIL_R");
         }
         steps += 1;
         thread::sleep((begin + STEP * steps).saturating_duration_since(Instant::now()));

@@ -58,6 +58,7 @@ pub fn believed(experiment: &Experiment, hover_thrust: f64) -> anyhow::Result<Be
         hover_thrust,
         elevons: vehicle.authority.slipstream_rad_s2 > 0.0,
         max_rate: parameters.max_rate.into(),
+        attitudes: false,
     })
 }
 

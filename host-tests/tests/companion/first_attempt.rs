@@ -1,15 +1,20 @@
 //! First attempts on simulated autopilots with the loops, ramps and parameters of the real ones: what was lost there is lost here, found before it is
 //! flown, and not lost once it is changed.
 
+use std::cell::Cell;
+
+use alula_bridges::companion::messages::AttitudeTargetTypemask;
+use alula_bridges::companion::preflight::{Streams, judge};
 use alula_bridges::companion::{
-    Autopilot, End, Finding, Kind, Nudge, Parameters, Preflight, Settings, Stage, Weight, is_go,
+    Autopilot, Believed, Body, End, Finding, HOLD, Kind, MavMessage, Nudge, Parameters, Preflight,
+    Settings, Stage, TERMINATION, Weight, is_go,
 };
 use alula_sil::companion::{
     ARDUPLANE_SHIPPED, Craft, Lead, OnPath, PX4_SHIPPED, believed, px4_rate_law, settings,
 };
 use alula_sim::experiment::{Document, Experiment};
 
-use super::link::{ARDUPLANE, Channel, GOOD, flies_with};
+use super::link::{ARDUPLANE, Channel, GOOD, as_it_is, flies_with, nothing};
 
 /// PX4's gains for the elevons of two vehicles: those that follow their slipstream in hover, found by less and less feed-forward.
 const SMALL: &str =
@@ -62,11 +67,26 @@ fn there_and_back(vehicle: &str, speed: f64, changes: &[&str]) -> Experiment {
 /// How a flight came out: how it ended, how far it sank under where it began \[m\], and what was found of the loop.
 struct Flown {
     end: Stage,
+    /// The autopilot's mode, and whether it saw a failure.
+    mode: u32,
+    failed: bool,
     sank: f64,
     findings: Vec<Finding>,
 }
 
 fn fly(experiment: &Experiment, kind: Kind, parameters: &Parameters, despite: bool) -> Flown {
+    fly_with(experiment, kind, parameters, despite, as_it_is, nothing)
+}
+
+/// The same with messages made into others, and with events.
+fn fly_with(
+    experiment: &Experiment,
+    kind: Kind,
+    parameters: &Parameters,
+    despite: bool,
+    sent: impl Fn(MavMessage, &Craft) -> MavMessage,
+    mut event: impl FnMut(f64, &mut Autopilot<Craft>, &mut Channel),
+) -> Flown {
     let mut experiment = experiment.clone();
     if let (Some(plant), Kind::Px4) = (&mut experiment.tail_sitter, kind) {
         plant.vehicle.rate_loop.law = px4_rate_law(parameters);
@@ -80,23 +100,35 @@ fn fly(experiment: &Experiment, kind: Kind, parameters: &Parameters, despite: bo
         ..settings(&experiment, None).unwrap()
     };
     settings.duration += Nudge::DURATION;
-    let (mut lowest, mut first) = (0.0_f64, None);
+    let (lowest, first, mut failed) = (Cell::new(0.0_f64), Cell::new(None), false);
+    let look = |craft: &Craft| {
+        let down = craft.spatial().position.z;
+        let from = first.get().unwrap_or(down);
+        first.set(Some(from));
+        lowest.set(lowest.get().max(down - from));
+    };
     let duration = settings.duration + 6.0;
     let ended = flies_with(
         &mut pilot,
         Autopilot::new(craft, kind).with_parameters(parameters.clone()),
         (settings, duration),
         (GOOD, 0),
-        |_, _, _| (),
-        |_, _, craft| {
-            let down = craft.spatial().position.z;
-            let first = *first.get_or_insert(down);
-            lowest = lowest.max(down - first);
+        sent,
+        |t, autopilot, channel| {
+            event(t, autopilot, channel);
+            failed |= autopilot.has_failed();
+            // Nobody flies it any more, and it falls.
+            if autopilot.mode() == TERMINATION {
+                look(autopilot.body());
+            }
         },
+        |_, _, craft| look(craft),
     );
     Flown {
         end: ended.stage,
-        sank: lowest,
+        mode: ended.mode,
+        failed,
+        sank: lowest.get(),
         findings: pilot.findings().to_vec(),
     }
 }
@@ -228,10 +260,111 @@ fn preflight_finds_what_flights_were_lost_by() {
     assert!(!arms);
 }
 
+/// A set-point of body rates as one of an attitude that leads by them, as the module sends it to PX4's attitude loop.
+fn by_attitude(message: MavMessage, craft: &Craft) -> MavMessage {
+    let MavMessage::SET_ATTITUDE_TARGET(mut m) = message else {
+        return message;
+    };
+    // Half of the lead: PX4's MC_ROLL_P, MC_PITCH_P and MC_YAW_P.
+    let lead = [
+        m.body_roll_rate / 8.0,
+        m.body_pitch_rate / 8.0,
+        m.body_yaw_rate / 5.6,
+    ];
+    let lead = nalgebra::Vector3::from(lead.map(f64::from));
+    let lead = nalgebra::Quaternion::from_parts((1.0 - lead.norm_squared()).sqrt(), lead);
+    let [w, x, y, z] = craft.state().quaternion;
+    let q = nalgebra::Quaternion::new(w, x, y, z) * lead;
+    m.q = [q.w, q.i, q.j, q.k].map(|c| c as f32);
+    m.type_mask = AttitudeTargetTypemask::ATTITUDE_TARGET_TYPEMASK_BODY_ROLL_RATE_IGNORE
+        | AttitudeTargetTypemask::ATTITUDE_TARGET_TYPEMASK_BODY_PITCH_RATE_IGNORE
+        | AttitudeTargetTypemask::ATTITUDE_TARGET_TYPEMASK_BODY_YAW_RATE_IGNORE;
+    MavMessage::SET_ATTITUDE_TARGET(m)
+}
+
+/// PX4's failure detector: by attitude set-points the flight ends on the way to cruise, and by rates where the pilot takes over there. The preflight refuses
+/// both and says what to change, and with that they are flown. With the circuit breaker as shipped PX4 warns.
+#[test]
+fn the_failure_detector_is_refused_before_it_ends_a_flight() {
+    let experiment = there_and_back("mapping", 14.0, &[]);
+    let shipped = parameters(&[MAPPING, PX4_SHIPPED]);
+    let armed = parameters(&["CBRK_FLIGHTTERM 0", MAPPING, PX4_SHIPPED]);
+    let mended = parameters(&[
+        "CBRK_FLIGHTTERM 0\nFD_FAIL_P 0\nFD_FAIL_R 0",
+        MAPPING,
+        PX4_SHIPPED,
+    ]);
+    let hover = settings(&experiment, None).unwrap().hover_thrust;
+    let found = |parameters: &Parameters, attitudes: bool| {
+        let believed = Believed {
+            attitudes,
+            ..believed(&experiment, hover.into()).unwrap()
+        };
+        let all = judge(Kind::Px4, parameters, &Streams::default(), &believed);
+        all.into_iter().find(|f| f.what.starts_with("FD_FAIL"))
+    };
+    for attitudes in [true, false] {
+        let refused = found(&armed, attitudes).unwrap();
+        assert_eq!(refused.weight, Weight::NoGo, "{refused:?}");
+        let change = refused.change.unwrap();
+        assert!(
+            change.starts_with("FD_FAIL_P 0 and FD_FAIL_R 0"),
+            "{change}"
+        );
+        assert_eq!(found(&shipped, attitudes).unwrap().weight, Weight::Remark);
+        assert_eq!(found(&mended, attitudes), None);
+    }
+    let by_attitudes = |parameters| {
+        fly_with(
+            &experiment,
+            Kind::Px4,
+            parameters,
+            true,
+            by_attitude,
+            nothing,
+        )
+    };
+    let lost = by_attitudes(&armed);
+    assert_eq!(lost.mode, TERMINATION);
+    assert!(lost.sank > 20.0, "{}", lost.sank);
+    for (parameters, warned) in [(&shipped, true), (&mended, false)] {
+        let flown = by_attitudes(parameters);
+        println!("by attitudes: {:.1} m, {:?}", flown.sank, flown.end);
+        assert_eq!(flown.failed, warned);
+        assert_eq!(flown.end, Stage::Ended(End::Finished));
+        assert!(flown.sank < 3.0, "{}", flown.sank);
+    }
+    // The pilot takes over in cruise, 20 s into the flight and what comes before it.
+    let taken_over = |parameters| {
+        let take_over = |t: f64, autopilot: &mut Autopilot<Craft>, _: &mut Channel| {
+            if (t - 20.0).abs() < 1e-6 {
+                autopilot.set_mode(HOLD);
+            }
+        };
+        fly_with(
+            &experiment,
+            Kind::Px4,
+            parameters,
+            true,
+            as_it_is,
+            take_over,
+        )
+    };
+    assert_eq!(taken_over(&armed).mode, TERMINATION);
+    for parameters in [&shipped, &mended] {
+        assert_eq!(taken_over(parameters).mode, HOLD);
+    }
+    // By rates PX4 does not look.
+    let rates = fly(&experiment, Kind::Px4, &armed, false);
+    assert_eq!(
+        (rates.failed, rates.end),
+        (false, Stage::Ended(End::Finished))
+    );
+}
+
 /// Another throttle in hover than the vehicle's file says is no-go, and so are streams that are slow or late.
 #[test]
 fn preflight_judges_hover_and_streams() {
-    use alula_bridges::companion::preflight::{Streams, judge};
     let experiment = there_and_back("mapping", 14.0, &[]);
     let believed = believed(&experiment, 0.5).unwrap();
     let good = Streams {

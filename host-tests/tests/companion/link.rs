@@ -153,15 +153,21 @@ pub fn flies<P: Pilot>(
     observe: impl FnMut(f64, &P, &Craft),
 ) -> Ended {
     let autopilot = Autopilot::new(craft, settings.0.kind);
-    flies_with(pilot, autopilot, settings, link, event, observe)
+    flies_with(pilot, autopilot, settings, link, as_it_is, event, observe)
 }
 
-/// The same with an `autopilot` that is there already.
+/// A message of the companion as it sends it.
+pub fn as_it_is(message: MavMessage, _: &Craft) -> MavMessage {
+    message
+}
+
+/// The same with an `autopilot` that is there already, and with messages of the companion made into others.
 pub fn flies_with<P: Pilot>(
     pilot: &mut P,
     mut autopilot: Autopilot<Craft>,
     (mut settings, duration): (Settings, f64),
     (quality, seed): (Quality, u64),
+    sent: impl Fn(MavMessage, &Craft) -> MavMessage,
     mut event: impl FnMut(f64, &mut Autopilot<Craft>, &mut Channel),
     mut observe: impl FnMut(f64, &P, &Craft),
 ) -> Ended {
@@ -188,7 +194,7 @@ pub fn flies_with<P: Pilot>(
                 after += messages.iter().filter(|m| !gives_back(m)).count();
             }
             for message in messages {
-                up.send(now, companion.header(), &message);
+                up.send(now, companion.header(), &sent(message, autopilot.body()));
             }
             if let (Some(_), Stage::Flying(since)) = (commanded, companion.stage()) {
                 observe(now - since, pilot, autopilot.body());
