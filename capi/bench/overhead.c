@@ -15,7 +15,7 @@
 #include <alula.h>
 
 #define CASES 2000
-#define ROOM 1792
+#define ROOM 3200
 
 typedef int32_t (*step)(void *controller, const void *input, float dt, void *command);
 

@@ -41,7 +41,7 @@ pub struct SetPoint {
 }
 
 /// Room that the C side keeps for a `Fixture`, a `Case` and a result \[bytes\].
-const ROOM: usize = 1792;
+const ROOM: usize = 3200;
 const _: () = assert!(size_of::<Fixture>() <= ROOM && size_of::<Case>() <= ROOM);
 const _: () =
     assert!(size_of::<Result<Command, Fault>>() <= ROOM && size_of::<GuidanceOutput>() <= ROOM);
