@@ -187,7 +187,7 @@ impl Flight {
             Gate::Off => Ned::ZERO,
             _ => asked.reference.velocity - asked.position_error * 0.5,
         };
-        self.place = self.place + velocity * STEP;
+        self.place += velocity * STEP;
         self.told.velocity = velocity;
         if self.place.down > 0.0 {
             self.place.down = 0.0;
