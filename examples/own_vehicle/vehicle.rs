@@ -117,6 +117,7 @@ pub fn guidance() -> Result<Guidance<Model>, ParameterError> {
     parameters.max_integral_down = 2.0;
     parameters.max_integral_forward = 1.0;
     parameters.max_lateral_acceleration = 2.0;
+    parameters.max_load_factor = 1000.0;
     parameters.max_rate = 2.8;
     parameters.max_slew = 50.0;
     parameters.hold = 0.1;

@@ -108,6 +108,7 @@ static inline int32_t vehicle_init(alula_controller *controller, alula_table *ta
     p.guidance.max_integral_down = 2.0f;
     p.guidance.max_integral_forward = 1.0f;
     p.guidance.max_lateral_acceleration = 2.0f;
+    p.guidance.max_load_factor = 1000.0f;
     p.guidance.max_rate = 2.8f;
     p.guidance.max_slew = 50.0f;
     p.guidance.hold = 0.1f;
