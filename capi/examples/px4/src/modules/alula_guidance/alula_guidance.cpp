@@ -9,7 +9,7 @@
 
 namespace
 {
-// A queue of its own: alula_guide takes 2.3 kB of stack, and vehicle_init with a table of coefficients 11.1 kB, once. The queue of
+// A queue of its own: alula_guide takes 2.6 kB of stack, and vehicle_init with a table of coefficients 11.1 kB, once. The queue of
 // PX4's controllers has 2.2 kB. Its place is just behind them.
 constexpr px4::wq_config_t QUEUE{"wq:alula", 14336, -15};
 
