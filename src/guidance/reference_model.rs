@@ -13,6 +13,7 @@ use crate::equivalency::lambda;
 use crate::frame::{Attitude, Body, Inertial};
 use crate::hover_wind::SPARE;
 use crate::math;
+use crate::parameters::Parameters;
 use crate::reference::Reference;
 use crate::vehicle::Vehicle;
 
@@ -42,8 +43,6 @@ const RAISED: f32 = 5.0;
 /// Pressure from which on the greatest force of the air is looked at, over that force: one eighth, since a wing across the air has a coefficient
 /// of 2, and a turn that is looked at from 0.7 of the force on is not stopped in time.
 const LOADED: f32 = 0.125;
-/// Load factor from which on there is no bound.
-const UNBOUNDED: f32 = 1000.0;
 /// Least angular acceleration [rad/s²] that a turn is stopped with.
 const STOPPING: f32 = 1.0;
 /// Squared airspeed [m²/s²] from which on the air has a course.
@@ -155,7 +154,8 @@ impl ReferenceModel {
             .authority()
             .in_hover(vehicle.weight(), vehicle.thrust_max());
         let most = p.max_load_factor * vehicle.gravity();
-        let loaded_speed = if p.max_load_factor < UNBOUNDED {
+        // The default is none.
+        let loaded_speed = if p.max_load_factor < GuidanceParameters::DEFAULT.max_load_factor {
             math::sqrt((LOADED * most * vehicle.mass() / vehicle.k_a()).abs())
         } else {
             f32::INFINITY

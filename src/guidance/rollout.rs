@@ -85,22 +85,19 @@ const LONG: f32 = 1.75;
 
 impl Horizon {
     /// The horizon of a vehicle that turns by at most `rate` [rad/s], in steps of its `model`.
-    #[inline(never)]
     pub fn new(rate: f32, model: &ReferenceModel) -> Self {
         let scale = if rate < SLOW_RATE { LONG } else { 1.0 };
         let mut h = scale * FIRST_STEP;
         let mut span = 0.0;
-        let first = AheadStep {
-            gains: model.gains(h),
-            accelerating: 1.0,
-        };
-        let mut steps = [first; STEPS];
-        for step in &mut steps {
-            step.gains = model.gains(h);
-            step.accelerating = math::clamp((AHEAD - span) / h, 0.0, 1.0);
+        let steps = core::array::from_fn(|_| {
+            let step = AheadStep {
+                gains: model.gains(h),
+                accelerating: math::clamp((AHEAD - span) / h, 0.0, 1.0),
+            };
             span += h;
             h *= GROWTH;
-        }
+            step
+        });
         let late = steps[STEPS - LATE..].iter().map(|s: &AheadStep| s.gains.h);
         Self {
             late: late.sum(),

@@ -613,6 +613,8 @@ fn a_campaign_is_flown_shared_merged_and_flown_again() {
         &alula(folder.path(), &alone),
         &["--refly: flights are numbered from 0 to 59"],
     );
+    let results = ["campaign", "both", "--flights", "61", "--refly", "0"];
+    assert_refused(&alula(folder.path(), &results), &["leave out --flights"]);
 }
 
 #[test]

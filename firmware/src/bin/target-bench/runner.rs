@@ -30,7 +30,7 @@ struct Limit {
     function: &'static str,
     /// Median of instructions.
     median: u32,
-    /// Most instructions over this median.
+    /// Most over median of instructions.
     spread: f64,
     /// Flash and stack \[bytes\].
     flash: u64,
@@ -92,12 +92,12 @@ const LIMITS: [Limit; 10] = [
     hardened("hardened"),
     hardened("hardened_in_flight"),
     law("winged_feed_forward", 900),
-    // No step takes more, whatever begins in it.
+    // No step takes 1,000, whatever begins in it.
     Limit {
         flash: 27 * 1024,
         stack: 1024,
-        spread: 1.0,
-        ..law("mission_in_flight", 1_000)
+        spread: 1.19,
+        ..law("mission_in_flight", 840)
     },
 ];
 
@@ -143,7 +143,7 @@ fn check(rows: &[Row]) -> Result<()> {
             .find(|row| row.name == limit.function)
             .ok_or(format!("no {}", limit.function))?;
         if row.median > limit.median
-            || f64::from(row.most) > limit.spread * f64::from(limit.median)
+            || f64::from(row.most) > limit.spread * f64::from(row.median)
             || row.flash > limit.flash
             || row.stack > limit.stack
         {
