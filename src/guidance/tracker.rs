@@ -266,10 +266,12 @@ impl Tracker {
             math::min(vehicle.thrust_min(), available),
             available,
         );
-        let change = limited(gain * gain * ahead, MAX_CHANGE);
+        // The turn that is asked for; of an attitude far behind the way that is left, since the law may ask for another.
+        let held = math::clamp((ahead.abs() - BEHIND) / (HELD - BEHIND), 0.0, 1.0);
+        let turn = wings * command.rates.pitch;
+        let change = limited(gain * (turn + held * (gain * ahead - turn)), MAX_CHANGE);
         let authority = vehicle.authority();
         let allowed = authority.at(flow, asked, available);
-        let held = math::clamp((ahead.abs() - BEHIND) / (HELD - BEHIND), 0.0, 1.0);
         let lacking = (change - allowed.wing).abs() - allowed.given * (1.0 - held);
         if lacking > 0.0 {
             let raised = authority.thrust_giving(&allowed, lacking, asked, available);

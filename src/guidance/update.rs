@@ -638,6 +638,47 @@ mod tests {
         assert!(guided.command.thrust > 0.5 * 98.1, "{guided:?}");
     }
 
+    /// In a wind whose force is twice the one believed, and without an accelerometer, the vehicle leans farther than the model does. That is no turn
+    /// that it is behind with: no thrust is raised for one, and it stays at its altitude.
+    #[test]
+    fn a_lean_that_the_belief_does_not_know_gets_no_thrust() {
+        let vehicle = VehicleParameters {
+            authority: 0.0,
+            authority_slipstream: 20.0 / 0.7,
+            wing_moment: 0.45,
+            hover_downwash: 8.0,
+            ..VehicleParameters::PAPER
+        };
+        let model = Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap();
+        let guidance = Guidance::new(Vehicle::new(vehicle, model).unwrap(), &parameters()).unwrap();
+        let wind = Inertial::new(0.0, -5.0);
+        let mut input = PlanarGuidanceInput {
+            air: Air::Wind(wind),
+            position_error: None,
+            ..HOVER
+        };
+        let (mut state, mut theta, mut most) = (GuidanceState::default(), 0.0, 0.0_f32);
+        let believed = guidance.control.plane().vehicle();
+        for n in 0..2000 {
+            let guided = guidance.update_in_plane(&mut state, &input, DT);
+            let air = crate::air::AirData::new(
+                input.attitude.to_body(input.velocity - wind),
+                believed.thrust_line(),
+            );
+            let force = believed.aerodynamic_force(&air) * 2.0
+                - crate::frame::Body::new(guided.command.thrust, 0.0);
+            input.velocity += (input.attitude.to_inertial(force) / believed.mass()
+                + Inertial::new(believed.gravity(), 0.0))
+                * DT;
+            theta += guided.command.rate * DT;
+            input.attitude = Attitude::from_angle(theta);
+            if n > 300 {
+                most = math::max(most, -input.velocity.down());
+            }
+        }
+        assert!(most < 0.3, "climbs at {most} m/s");
+    }
+
     /// A specific force that is no number is left out and told; none at all is only left out.
     #[test]
     fn a_bad_specific_force_is_told() {
