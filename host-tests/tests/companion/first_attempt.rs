@@ -139,29 +139,36 @@ const WIDE: [&str; 2] = [
     "controller.guidance.max_slew_rad_s2=37.5",
 ];
 
-/// With PX4's gains as shipped the elevons of the small flying wing are driven to their stops, and it falls. The nudge says so, and it is not flown; with
-/// gains that suit its slipstream it flies at the first attempt.
+/// With PX4's gains as shipped the elevons of both vehicles are driven to their stops: at whatever speed they sink by 3 m and more, at half of the speeds
+/// by 5 to 30 m. The nudge says so, and they are not flown; with gains that suit their slipstream they fly at the first attempt, and sink by less than 1 m.
 #[test]
 fn gains_as_shipped_are_found_in_hover() {
-    for (vehicle, speed, gains) in [
+    use rayon::prelude::*;
+    for (vehicle, cruise, gains) in [
         ("small-flying-wing", 8.0, SMALL),
         ("mapping", 14.0, MAPPING),
     ] {
-        let experiment = there_and_back(vehicle, speed, &[]);
         let shipped = parameters(&[PX4_SHIPPED]);
         let suited = parameters(&[gains, PX4_SHIPPED]);
-        let despite = fly(&experiment, Kind::Px4, &shipped, true);
-        let refused = fly(&experiment, Kind::Px4, &shipped, false);
-        let flies = fly(&experiment, Kind::Px4, &suited, false);
-        println!(
-            "{vehicle}: shipped, despite {:.1} m, refused {:.1} m; suited {:.1} m {:?}",
-            despite.sank, refused.sank, flies.sank, flies.findings
-        );
-        assert!(!is_go(&refused.findings), "{:?}", refused.findings);
-        assert!(despite.sank > 5.0);
-        assert!(is_go(&flies.findings), "{:?}", flies.findings);
-        assert_eq!(flies.end, Stage::Ended(End::Finished));
-        assert!(flies.sank < 3.0, "{}", flies.sank);
+        let speeds: Vec<f64> = (0..7)
+            .map(|n| cruise * (0.85 + 0.05 * f64::from(n)))
+            .collect();
+        let mut despite: Vec<f64> = speeds
+            .par_iter()
+            .map(|&speed| {
+                let experiment = there_and_back(vehicle, speed, &[]);
+                let refused = fly(&experiment, Kind::Px4, &shipped, false);
+                assert!(!is_go(&refused.findings), "{:?}", refused.findings);
+                let flies = fly(&experiment, Kind::Px4, &suited, false);
+                assert!(is_go(&flies.findings), "{:?}", flies.findings);
+                assert_eq!(flies.end, Stage::Ended(End::Finished));
+                assert!(flies.sank < 1.0, "{vehicle}, {speed} m/s: {}", flies.sank);
+                fly(&experiment, Kind::Px4, &shipped, true).sank
+            })
+            .collect();
+        despite.sort_by(f64::total_cmp);
+        println!("{vehicle}: as shipped, despite the refusal {despite:.1?} m");
+        assert!(despite[0] > 2.0 && despite[3] > 5.0, "{despite:?}");
     }
 }
 

@@ -185,8 +185,8 @@ fn slow_vehicles_with_limited_authority_are_not_lost() {
         for kind in KINDS {
             let o = row(vehicle, kind, 0..3);
             assert!(o.fell.is_empty(), "{vehicle} {kind:?} {:?}", o.fell);
-            // From 60 m below, the heavy one is still on its way up.
-            let late = usize::from(kind == Kind::Fall && vehicle == "heavy");
+            // From 60 m below, the heavy one is still on its way up. Those of `mapping` are counted below.
+            let late = usize::from(kind == Kind::Fall && ["heavy", "mapping"].contains(&vehicle));
             assert!(o.unfinished.len() <= late, "{vehicle} {kind:?}");
             if kind == Kind::Hover {
                 // Nods of 1.9 rad/s were seen where the surfaces' force was taken for an error of the belief.
@@ -194,6 +194,19 @@ fn slow_vehicles_with_limited_authority_are_not_lost() {
             }
         }
     }
+}
+
+/// Thirty falls. Which of them are not at rest after 30 s is chance, and a change of a bit makes it others: of 180 there are 2, before and after what the
+/// first bound is for. Where plans put off the way to the place again and again, 70 of 180 nod at the end by more than 0.3 rad/s, which is fewer than 5 of 30
+/// in one draw of 300; now 4 of 180 do.
+#[test]
+#[ignore = "slow: cargo test-slow"]
+fn slow_falls_end_at_rest() {
+    let o = row("mapping", Kind::Fall, 0..30);
+    let nods = o.rate.iter().filter(|rate| **rate > 0.3).count();
+    println!("{nods} nod");
+    assert!(nods <= 4, "{nods} nod");
+    assert!(o.fell.is_empty() && o.unfinished.len() <= 3);
 }
 
 /// The distribution, on seeds that nothing was tuned on.
