@@ -17,6 +17,9 @@ const AFT: f64 = 0.25;
 /// Speed \[m/s\] that propellers give the air in hover, where their diameter is not known.
 const DOWNWASH: f64 = 8.0;
 
+/// Airspeed at which full throttle gives no thrust, over the speed that full throttle gives the air at rest: 2.2 to 3.2 of the vehicle files.
+const NO_THRUST: f64 = 2.6;
+
 /// A number of `[vehicle.authority]` with where it is from.
 pub(super) struct Sourced {
     pub value: f64,
@@ -40,6 +43,11 @@ impl Facts {
                 source: "assumed: --propeller-m makes it the vehicle's".to_owned(),
             },
         }
+    }
+
+    /// Airspeed from which on usual propellers give no thrust \[m/s\].
+    pub(super) fn no_thrust_at(&self) -> f64 {
+        NO_THRUST * self.downwash().value * self.thrust_to_weight.sqrt()
     }
 
     /// What turns it, and the source of each of its numbers.
@@ -110,7 +118,10 @@ impl Facts {
             ("hover_downwash_m_s", downwash.source),
             (
                 "zero_thrust_speed_m_s",
-                "not known: 0, the thrust does not fall with speed".to_owned(),
+                format!(
+                    "not known: 0, the thrust does not fall with speed, as on the ideal vehicle; of usual propellers it is about {:.0}, assumed",
+                    self.no_thrust_at()
+                ),
             ),
         ];
         (spec, sources)
@@ -147,6 +158,12 @@ mod tests {
 
     /// What the strips of a vehicle file have, and what the rules make of what a person knows of it.
     fn both(vehicle: &str, actuators: Actuators) -> [AuthoritySpec; 2] {
+        let (facts, authority) = person_and_strips(vehicle, actuators);
+        [facts.turning().0, authority]
+    }
+
+    /// What a person knows of a vehicle file, and what its strips and propellers have.
+    fn person_and_strips(vehicle: &str, actuators: Actuators) -> (Facts, AuthoritySpec) {
         use alula_sim::experiment::Document;
         use alula_sim::plant::tail_sitter::Belief;
         let mut document = Document::load("tail-sitter-hover").unwrap();
@@ -161,13 +178,28 @@ mod tests {
         let facts = facts(|known| {
             known.mass_kg = Some(plant.mass_kg);
             known.wing_m2 = Some(wing_m2);
+            known.thrust_to_weight = Some(belief.thrust_max_n / (9.81 * plant.mass_kg));
             known.aspect_ratio = Some(wing_m2 / (chord * chord));
             known.propeller_m = Some(plant.propellers[0].diameter_m);
             known.actuators = Some(actuators);
             known.turn_rad_s2 = Some(belief.authority.slipstream_rad_s2.max(10.0));
         });
-        let (ruled, _) = facts.turning();
-        [ruled, belief.authority]
+        (facts, belief.authority)
+    }
+
+    /// Usual propellers are those of the vehicle files, within a quarter.
+    #[test]
+    fn thrust_ends_where_that_of_usual_propellers_does() {
+        for (vehicle, actuators) in [
+            ("small-flying-wing", Actuators::Elevons),
+            ("mapping", Actuators::Elevons),
+            ("biplane", Actuators::Motors),
+            ("heavy", Actuators::Both),
+        ] {
+            let (facts, authority) = person_and_strips(vehicle, actuators);
+            let ratio = facts.no_thrust_at() / authority.zero_thrust_speed_m_s;
+            assert!((0.75..1.25).contains(&ratio), "{vehicle}: {ratio}");
+        }
     }
 
     /// The rule of the wing's moment meets the strips of what differences of thrust turn within a factor of 2. With the radius of gyration of a wing it was
