@@ -9,7 +9,7 @@ use super::status::Status;
 use super::update::Guidance;
 use crate::aero::Aerodynamics;
 use crate::control::GainLaw;
-use crate::ned::Frd;
+use crate::ned::BodyRates;
 use crate::spatial::Orientation;
 
 /// A [`Guidance`] whose state is kept twice, with a check word of both.
@@ -107,7 +107,12 @@ impl<A: Aerodynamics, G: GainLaw> Hardened<Guidance<A, G>> {
     }
 
     /// The state of a vehicle that flies already, as [`Guidance::take_over`].
-    pub fn take_over(&self, orientation: &Orientation, thrust: f32, rates: Frd) -> HardenedState {
+    pub fn take_over(
+        &self,
+        orientation: &Orientation,
+        thrust: f32,
+        rates: BodyRates,
+    ) -> HardenedState {
         self.0.take_over(orientation, thrust, rates).into()
     }
 

@@ -8,7 +8,7 @@ use super::update::Guidance;
 use crate::aero::Aerodynamics;
 use crate::control::GainLaw;
 use crate::math;
-use crate::ned::Frd;
+use crate::ned::BodyRates;
 use crate::reference::MAX_SPEED;
 use crate::spatial::{Body, Command, Diagnostics, Orientation};
 
@@ -39,13 +39,18 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
     /// let guidance = Guidance::new(vehicle, &GuidanceParameters::default())?;
     ///
     /// let input = GuidanceInput::default().air(Air::Wind(Ned::ZERO));
-    /// let mut state = guidance.take_over(&input.orientation, 85.0, Frd::default());
+    /// let mut state = guidance.take_over(&input.orientation, 85.0, BodyRates::default());
     /// let output = guidance.update(&mut state, &input, 0.01);
     /// assert_eq!(output.mode, Mode::Flying);
     /// assert!((output.command.thrust - 9.0 * 9.81).abs() < 4.0);
     /// # Ok::<(), ParameterError>(())
     /// ```
-    pub fn take_over(&self, orientation: &Orientation, thrust: f32, rates: Frd) -> GuidanceState {
+    pub fn take_over(
+        &self,
+        orientation: &Orientation,
+        thrust: f32,
+        rates: BodyRates,
+    ) -> GuidanceState {
         let mut state = GuidanceState {
             // The order of the two makes 0 of NaN.
             supervision: SupervisionState::holding(math::min(

@@ -435,7 +435,7 @@ mod tests {
     use crate::guidance::plane::{PlanarGuidanceInput, PlanarGuidanceOutput};
     use crate::guidance::supervision::SupervisionState;
     use crate::guidance::{GuidanceParameters, PlannerOptions};
-    use crate::ned::Frd;
+    use crate::ned::{BodyRates, Frd};
     use crate::parameters::Parameters;
     use crate::reference::Reference;
     use crate::spatial::Orientation;
@@ -706,7 +706,7 @@ mod tests {
             state_age: 1.0,
             ..HOVER
         };
-        let rates = Frd::new(0.1, -0.2, 0.3);
+        let rates = BodyRates::new(0.1, -0.2, 0.3);
         let mut state = guidance.take_over(&up, 80.0, rates);
         let held = guidance.update_in_plane(&mut state, &bad, DT);
         assert_eq!((held.mode, held.status), (Mode::Holding, Status::empty()));
@@ -715,7 +715,7 @@ mod tests {
         let flown = guidance.update_in_plane(&mut state, &HOVER, DT);
         assert_eq!(flown.mode, Mode::Flying);
         // Inputs that never come: held, then the safe thrust, never none.
-        let mut state = guidance.take_over(&up, 80.0, Frd::default());
+        let mut state = guidance.take_over(&up, 80.0, BodyRates::default());
         for _ in 0..40 {
             let guided = guidance.update_in_plane(&mut state, &bad, DT);
             let expected = if guided.mode == Mode::Safe {
@@ -726,7 +726,7 @@ mod tests {
             assert_eq!(guided.command.thrust, expected);
         }
         // Inside the limits, and finite, whatever is told.
-        let nan = Frd::new(f32::NAN, 0.0, 0.0);
+        let nan = BodyRates::new(f32::NAN, 0.0, 0.0);
         for (orientation, thrust, rates, expected) in [
             (up, 1e9, nan, THRUST_MAX),
             (up, -1e9, nan, 0.0),

@@ -1,7 +1,7 @@
 //! `[controller.guidance]`: the core's whole guidance. Its parameters stand in the core's own table.
 
 use alula::guidance::Candidate;
-use alula::ned::{Frd, Ned};
+use alula::ned::{BodyRates, Ned};
 use alula::planar::{GainParameters, Gains};
 use alula::spatial::Orientation;
 use alula::{
@@ -213,7 +213,7 @@ impl Controller for Flight {
         Ok(guided.into())
     }
 
-    fn take_over(&mut self, orientation: &Orientation, thrust: f32, rates: Frd) {
+    fn take_over(&mut self, orientation: &Orientation, thrust: f32, rates: BodyRates) {
         self.state = self.guidance.take_over(orientation, thrust, rates);
     }
 
@@ -248,7 +248,7 @@ impl Controller for HardenedFlight {
         Ok(guided.into())
     }
 
-    fn take_over(&mut self, orientation: &Orientation, thrust: f32, rates: Frd) {
+    fn take_over(&mut self, orientation: &Orientation, thrust: f32, rates: BodyRates) {
         self.state = self.guidance.take_over(orientation, thrust, rates);
     }
 

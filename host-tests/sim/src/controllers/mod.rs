@@ -11,7 +11,7 @@ use std::borrow::Cow;
 
 use alula::Fault;
 use alula::guidance::{Candidate, Mode};
-use alula::ned::{BodyRates, Frd, Ned};
+use alula::ned::{BodyRates, Ned};
 use alula::planar::{Command, Diagnostics};
 use alula::spatial::{FeedForward, Orientation};
 use alula::{GuidanceInput, GuidanceOutput};
@@ -154,7 +154,7 @@ pub trait Controller: Send {
     fn answer(&mut self, input: &Input, dt: f32) -> anyhow::Result<Answer>;
 
     /// Takes over a vehicle that flies already, at this orientation, with this thrust \[N\] and these rates commanded last.
-    fn take_over(&mut self, _orientation: &Orientation, _thrust: f32, _rates: Frd) {}
+    fn take_over(&mut self, _orientation: &Orientation, _thrust: f32, _rates: BodyRates) {}
 
     /// How fast a path that waits may go on, in multiples of its own speed, at `error` \[m\] from where it moves at `velocity` \[m/s\].
     fn time_scale(&self, _error: Ned, _velocity: Ned) -> f32 {
