@@ -9,12 +9,13 @@ use crate::vehicle::Vehicle;
 const WINDS: u8 = 32;
 const ANGLES: u8 = 115;
 const DEGREE: f32 = 1.745_329_3e-2;
-/// Part of the angular acceleration in hover that must be left to either side.
-pub(crate) const SPARE: f32 = 0.2;
+/// Part of the angular acceleration in hover that must be left to either side: for turns and gusts, and for what the belief gets wrong. With a fifth
+/// elevon wings on an independent plant, told 3 to 20 % wrong, nodded in the wind that this gave as held, from 0.65 of it on.
+pub(crate) const SPARE: f32 = 0.5;
 
 impl<A: Aerodynamics> Vehicle<A> {
     /// Greatest wind [m/s], up to `most`, to hover in with the wing across it: its trim takes a thrust that there is, and what turns it in pitch holds it
-    /// there, with a fifth of what there is in hover to spare on either side. In more the wing turns the nose away, and the vehicle is driven off.
+    /// there, with half of what there is in hover to spare on either side. In more the wing turns the nose away, and the vehicle is driven off.
     pub fn hover_wind(&self, most: f32) -> f32 {
         let mut held = 0.0;
         for n in 1..=WINDS {
@@ -64,7 +65,7 @@ mod tests {
         Vehicle::new(p, wing).unwrap().hover_wind(16.0)
     }
 
-    /// 20 rad/s² in hover, and drag that leans it by a few degrees. The wing takes 0.5 w²: a fifth is left at √(0.8 · 20/0.5) = 5.66 m/s, which lies between two
+    /// 20 rad/s² in hover, and drag that leans it by a few degrees. The wing takes 0.5 w²: half is left at √(0.5 · 20/0.5) = 4.47 m/s, which lies between two
     /// of the winds that are looked at.
     #[test]
     fn the_wing_takes_what_turns_it() {
@@ -77,10 +78,10 @@ mod tests {
                 .thrust_max(40.0)
         };
         let held = wind(p);
-        assert_eq!(held, 5.5);
+        assert_eq!(held, 4.0);
         // Twice the wind where there is four times as much to turn it.
         let more = wind(p.authority(80.0));
-        assert!((more - 2.0 * 5.66).abs() <= 0.5, "{more}");
+        assert!((more - 2.0 * 4.47).abs() <= 0.5, "{more}");
         assert_eq!(wind(p.authority(0.0)), 0.0);
     }
 
