@@ -1455,7 +1455,7 @@ typedef struct alula_mission_parameters {
     float landing_speed;
     /**
      * Time in which the thrust grows to the weight before take-off.
-     * Unit: s. From 0.1 to 10.0, default 0.8.
+     * Unit: s. From 0.1 to 10.0, default 0.4.
      */
     float spool_time;
     /**
