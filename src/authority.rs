@@ -46,6 +46,10 @@ pub(crate) const GONE: f32 = 0.6;
 pub(crate) const IN_SLIPSTREAM: f32 = 0.7;
 pub(crate) const SHARE: f32 = 0.8;
 
+/// Part of the rate about the nose at the stop that a flight may count on. Motors that turn the vehicle with all that they have do so in pitch, too, as soon
+/// as they yaw: in level turns a biplane then was off its height by 0.9 m in place of 0.1.
+pub(crate) const IN_ROLL: f32 = 0.4;
+
 /// The motion that authority is asked for.
 #[derive(Clone, Copy)]
 pub(crate) struct Airflow {

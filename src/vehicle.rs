@@ -2,7 +2,7 @@
 
 use crate::aero::{Aerodynamics, Stall};
 use crate::air::{AirData, ThrustLine};
-use crate::authority::{Airflow, Authority, GONE, IN_SLIPSTREAM, SHARE};
+use crate::authority::{Airflow, Authority, GONE, IN_ROLL, IN_SLIPSTREAM, SHARE};
 use crate::error::{ParameterError, in_range};
 use crate::frame::Body;
 use crate::math;
@@ -58,6 +58,8 @@ crate::parameters! {
             "What the airflow along the nose adds to it, per squared speed: surfaces at full deflection without thrust. Flights count on 0.8 of it.";
         wing_moment: "rad/m^2", 0.0, 1e6, 0.0, "ALU_WING_MOM",
             "Angular acceleration by which the wing across the flow turns the nose to the air velocity, per squared airspeed: its centre of pressure moves aft behind stall.";
+        roll_authority: "rad m/s^2", 1e-3, 1e6, 1e6, "ALU_AUTH_ROLL",
+            "Greatest rate about the nose times the airspeed, in cruise: what turns the vehicle about its nose, against the damping of its wing. The default is full authority. Flights count on 0.4 of it.";
         surface_reaction: "m", 0.0, 10.0, 0.0, "ALU_SURF_REACT",
             "Acceleration towards the belly by the surfaces that turn the nose up, per angular acceleration: the squared radius of gyration in pitch over their distance behind the centre of mass.";
         hover_downwash: "m/s", 0.0, 1e3, 0.0, "ALU_DOWNWASH",
@@ -131,6 +133,7 @@ pub struct Vehicle<A> {
     thrust_max: f32,
     authority: Authority,
     propeller: Propeller,
+    roll: f32,
     surface_reaction: f32,
     thrust_line: ThrustLine,
     model: A,
@@ -162,6 +165,7 @@ impl<A: Aerodynamics> Vehicle<A> {
             thrust_max: p.thrust_max,
             authority,
             propeller: p.propeller(),
+            roll: IN_ROLL * p.roll_authority,
             surface_reaction: p.surface_reaction,
             thrust_line: ThrustLine::of_checked(p.delta),
             model,
@@ -184,6 +188,12 @@ impl<A: Aerodynamics> Vehicle<A> {
     #[inline]
     pub(crate) fn authority(&self) -> &Authority {
         &self.authority
+    }
+
+    /// Rate about the nose that a flight may count on, times the airspeed [rad m/s²].
+    #[inline(always)]
+    pub(crate) fn roll(&self) -> f32 {
+        self.roll
     }
 
     /// Acceleration by the surfaces, per angular acceleration in pitch \[m\].
@@ -247,6 +257,7 @@ impl<A: Aerodynamics> Vehicle<A> {
             thrust_max: self.thrust_max - missing,
             authority: self.authority,
             propeller: self.propeller,
+            roll: self.roll,
             surface_reaction: self.surface_reaction,
             thrust_line: self.thrust_line,
             model: &self.model,

@@ -800,6 +800,13 @@ typedef struct alula_vehicle_parameters {
      */
     float wing_moment;
     /**
+     * Greatest rate about the nose times the airspeed, in cruise: what turns the vehicle about
+     * its nose, against the damping of its wing. The default is full authority. Flights count on
+     * 0.4 of it.
+     * Unit: rad m/s^2. From 0.001 to 1.0e6, default 1.0e6.
+     */
+    float roll_authority;
+    /**
      * Acceleration towards the belly by the surfaces that turn the nose up, per angular
      * acceleration: the squared radius of gyration in pitch over their distance behind the centre
      * of mass.
@@ -1448,7 +1455,7 @@ typedef struct alula_mission_parameters {
     float landing_speed;
     /**
      * Time in which the thrust grows to the weight before take-off.
-     * Unit: s. From 0.1 to 10.0, default 0.8.
+     * Unit: s. From 0.1 to 10.0, default 0.4.
      */
     float spool_time;
     /**

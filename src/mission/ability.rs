@@ -5,6 +5,7 @@ use crate::air::AngleOfAttack;
 use crate::control::Guard;
 use crate::guidance::{greatest_rate, takeover};
 use crate::math;
+use crate::spatial::SLIP;
 use crate::vehicle::Vehicle;
 
 /// Speeds of the table, in multiples of the stall speed: the first, and the step.
@@ -21,6 +22,8 @@ const HOVER_TURN: f32 = 2.0;
 /// Part of the greatest rate of the guidance by rule that a path lets it bank with, and the least [rad/s]. The rest is for gusts.
 const ROLL_SHARE: f32 = 0.8;
 const LEAST_ROLL: f32 = 0.05;
+/// Part of the greatest sideslip that a path counts on.
+const SLIP_SHARE: f32 = 0.5;
 /// Half of the longest time in which the bank of a path's turns goes from one side to the other \[s\].
 const BANKING: f32 = 0.5;
 /// Part of the speed from which on the air alone has a say in the course at which a heading has as much: the guard is ½ at 1/√3.
@@ -41,6 +44,10 @@ pub(super) struct Ability {
     weight: f32,
     /// How fast paths let it bank [rad/s].
     roll: f32,
+    /// The same as far as what turns it about its nose allows it, times the airspeed [rad m/s²]; and the acceleration of a sideslip that is had at once, over
+    /// the squared airspeed [1/m].
+    roll_in_air: f32,
+    slip: f32,
     /// Greatest wind to hover in, and to land and take off in [m/s]: there the wing is kept along it besides.
     pub hover_wind: f32,
     pub landing_wind: f32,
@@ -86,6 +93,8 @@ impl Ability {
             gravity: vehicle.gravity(),
             weight: vehicle.weight(),
             roll: math::max(ROLL_SHARE * rate, LEAST_ROLL),
+            roll_in_air: vehicle.roll(),
+            slip: SLIP_SHARE * SLIP * vehicle.side() / vehicle.mass(),
             hover_wind,
             landing_wind: math::min(hover_wind, EQUAL * takeover.tau()),
             takeover,
@@ -184,13 +193,20 @@ impl Ability {
 
     /// Acceleration to the side [m/s²] of the turns of a path: as [`turn`](Self::turn), and no more than it banks for between two turns.
     pub fn turn_of_paths(&self, airspeed: f32, tan_bank: f32) -> f32 {
-        let most = self.gravity * self.roll * BANKING;
-        math::min(self.turn(airspeed, tan_bank), most)
+        math::min(self.turn(airspeed, tan_bank), self.banked(airspeed))
     }
 
-    /// Half of the time \[s\] in which a bank for an acceleration to the side [m/s²] goes from one side to the other.
-    pub fn banking(&self, turn: f32) -> f32 {
-        turn / (self.gravity * self.roll)
+    /// Half of the time \[s\] in which a bank for an acceleration to the side [m/s²] goes from one side to the other at an airspeed [m/s].
+    pub fn banking(&self, airspeed: f32, turn: f32) -> f32 {
+        BANKING * turn / self.banked(airspeed)
+    }
+
+    /// Acceleration to the side [m/s²] that it banks for in [`BANKING`] at an airspeed [m/s]: by its roll, or, where that is slow, by a sideslip besides.
+    fn banked(&self, airspeed: f32) -> f32 {
+        let slow =
+            self.gravity * BANKING * self.roll_in_air / airspeed + self.slip * airspeed * airspeed;
+        let by_rule = self.gravity * BANKING * self.roll;
+        math::clamp(slow, self.gravity * BANKING * LEAST_ROLL, by_rule)
     }
 
     /// How much more the air has to say in the course than a heading that is asked for, at an airspeed [m/s].
@@ -260,11 +276,32 @@ mod tests {
         assert_eq!(fast.turn_of_paths(22.0, 0.5), fast.turn(22.0, 0.5));
         let turn = slow.turn_of_paths(22.0, 0.5);
         assert!((turn - 9.81 * 0.8 * 0.74 * 0.5).abs() < 0.02, "{turn}");
-        assert!((slow.banking(turn) - 0.5).abs() < 1e-3);
-        assert!(fast.banking(fast.turn(22.0, 0.5)) < 0.25);
+        assert!((slow.banking(22.0, turn) - 0.5).abs() < 1e-3);
+        assert!(fast.banking(22.0, fast.turn(22.0, 0.5)) < 0.25);
         let none = VehicleParameters::PAPER.authority(0.0);
         let none = Ability::new(&Vehicle::new(none, wing).unwrap());
         assert!(none.turn_of_paths(22.0, 0.5) > 0.2);
+    }
+
+    /// At 22 m/s 0.4 of 8 rad m/s² bank for 0.71 m/s² in half a second; half of a sideslip of a tenth of a radian gives its side force besides.
+    #[test]
+    fn who_rolls_slowly_turns_wider() {
+        let wing = Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap();
+        let turn = |roll: f32, c_y: f32| {
+            let p = VehicleParameters::PAPER.roll_authority(roll).c_y(c_y);
+            let ability = Ability::new(&Vehicle::new(p, wing).unwrap());
+            let turn = ability.turn_of_paths(22.0, 0.5);
+            assert!((ability.banking(22.0, turn) - BANKING).abs() < 1e-3 || roll > 1e3);
+            turn
+        };
+        let rolled = 9.81 * 0.5 * 0.4 * 2.0 / 22.0;
+        // 0.05 rad/s is the least that a path counts on.
+        assert!((turn(2.0, 0.0) - 9.81 * 0.5 * 0.05).abs() < 1e-3);
+        assert!((turn(8.0, 0.0) - 4.0 * rolled).abs() < 1e-3);
+        let slipped = 0.05 * 0.646 * 0.3 / 10.0 * 22.0 * 22.0;
+        assert!((turn(8.0, 0.3) - 4.0 * rolled - slipped).abs() < 1e-3);
+        // Where the roll is quick no sideslip is counted on.
+        assert_eq!(turn(1e6, 0.3), turn(1e6, 0.0));
     }
 
     #[test]

@@ -30,7 +30,7 @@ crate::parameters! {
             "Height over the place of landing below which it is approached with landing_speed.";
         landing_speed: "m/s", 0.1, 2.0, 0.4, "ALU_M_LAND",
             "Sink at touch-down.";
-        spool_time: "s", 0.1, 10.0, 0.8, "ALU_M_SPOOL",
+        spool_time: "s", 0.1, 10.0, 0.4, "ALU_M_SPOOL",
             "Time in which the thrust grows to the weight before take-off.";
         hover_downwash: "m/s", 1.0, 100.0, 10.0, "ALU_M_DOWNWASH",
             "Speed that the propellers give the air in hover, at their discs. For the energy.";

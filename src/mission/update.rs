@@ -755,7 +755,7 @@ impl Missions {
             state.enter(Activity::Flying);
         }
         let tightest = state.follow.path.tightest();
-        state.follow.banking = self.ability.banking(speed * speed * tightest);
+        state.follow.banking = self.ability.banking(speed, speed * speed * tightest);
         state.preparing = Preparing::After;
     }
 

@@ -14,6 +14,9 @@ use crate::parameters::setters;
 /// Added to an airspeed that is divided by [m/s]: where it counts there is no force.
 const STILL: f32 = 1e-12;
 
+/// Greatest sideslip that is asked for \[rad\]: half of that at which fins stall.
+pub(crate) const SLIP: f32 = 0.1;
+
 /// Parameters of the lateral law. Those of another vehicle are begun from [`PAPER_VEHICLE`](Self::PAPER_VEHICLE), and given by name.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -113,6 +116,8 @@ pub(super) struct LateralInput {
     pub mass: f32,
     /// k_a c_Y [kg/m].
     pub side: f32,
+    /// Rate about the nose that may be counted on, times the airspeed [rad m/s²].
+    pub roll: f32,
     /// Air velocity v_a [m/s], its sideslip corrected.
     pub v_a: Body,
     /// Apparent weight W = m (g − a_r), corrected \[N\].
@@ -136,17 +141,39 @@ pub(crate) struct Lateral {
 }
 
 impl LateralGains {
+    /// Sideslip [m/s] whose side force carries what the roll does not come to at once of a `lateral` force \[N\].
+    #[inline(always)]
+    fn slip(&self, at: &LateralInput, lateral: f32, speed: f32) -> f32 {
+        let closing = self.tilt * speed;
+        let asked = closing * lateral;
+        let weight = at.weight.norm_squared();
+        if asked * asked <= at.roll * at.roll * weight {
+            return 0.0;
+        }
+        self.slipping(at, lateral, speed)
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn slipping(&self, at: &LateralInput, lateral: f32, speed: f32) -> f32 {
+        let rolled = at.roll * math::sqrt(at.weight.norm_squared()) / (self.tilt * speed);
+        let missing = (lateral.abs() - rolled) / math::max(at.side * speed, f32::MIN_POSITIVE);
+        let slip = math::clamp(missing, 0.0, SLIP * speed);
+        if lateral < 0.0 { -slip } else { slip }
+    }
+
     /// ω_i and ω_j. Finite for every finite input: nothing is divided by what may vanish.
     #[inline(always)]
     pub(super) fn rates(&self, at: &LateralInput) -> Lateral {
-        let v_a = at.v_a;
-        let speed = math::sqrt(v_a.norm_squared());
+        let speed = math::sqrt(at.v_a.norm_squared());
         let drag = at.side * speed;
         // m σ(K_y ṽ_w): what the velocity error asks for, bounded.
         let x = self.velocity * at.error;
         // Not x²/a_y² by a stored 1/a_y²: only of squares does the compiler know that they have a root.
         let bounded = x * self.over_acceleration;
         let push = at.mass * x / math::sqrt(1.0 + bounded * bounded);
+        let slip = self.slip(at, at.weight.w + push, speed);
+        let v_a = Body::new(at.v_a.i, at.v_a.j, at.v_a.w - slip);
         let f_y = Body::new(
             at.weight.i - drag * v_a.i,
             at.weight.j - drag * v_a.j,
@@ -202,6 +229,7 @@ mod tests {
     fn hover() -> LateralInput {
         LateralInput {
             mass: 10.0,
+            roll: 1e6,
             side: 0.32,
             v_a: Body::default(),
             weight: Body::new(WEIGHT, 0.0, 0.0),
@@ -252,6 +280,32 @@ mod tests {
         // From behind at 2 k_ψ y.
         assert!((at(3.1).i / (10.0 * 3.1f32.sin()) - 1.0).abs() < 1e-3);
         assert!(at(0.5).j.abs() < 1e-6);
+    }
+
+    /// A lateral force of 0.2 of the weight at 20 m/s, of which a roll of 0.1 rad/s closes little: the rest is a sideslip of at most 0.1 rad. With that it rolls
+    /// on, until the bank alone carries it.
+    #[test]
+    fn who_rolls_slowly_slips() {
+        let at = |roll: f32, push: f32, slip: f32| {
+            let Lateral { i, j, .. } = gains().rates(&LateralInput {
+                side: 0.32,
+                roll,
+                v_a: Body::new(-20.0, 0.0, slip),
+                weight: Body::new(0.0, WEIGHT, push * WEIGHT),
+                ..hover()
+            });
+            (i, j)
+        };
+        let (slow, quick) = (at(2.0, 0.2, 0.0), at(1e6, 0.2, 0.0));
+        // The nose turns away from the side that air is to come from, at k_ψ per radian and more.
+        assert!(slow.1 < quick.1 - 0.5, "{slow:?} {quick:?}");
+        // As a quick one does without sideslip; 0.02 rad/s: the airspeed is 20.1 m/s.
+        let slipping = at(2.0, 0.2, 2.0);
+        assert!((slipping.0 - quick.0).abs() + (slipping.1 - quick.1).abs() < 0.02);
+        // 0.1 rad/s at 20 m/s close 0.1/6.4 of the weight: less than that is left to the roll.
+        assert_eq!(at(2.0, 0.014, 0.0), at(1e6, 0.014, 0.0));
+        let other = at(2.0, -0.2, 0.0);
+        assert!((other.0 + slow.0).abs() + (other.1 + slow.1).abs() < 1e-5);
     }
 
     /// In cruise without side force F_y lies along j: tilt is a roll, ω_i, and sideslip is taken out by ω_j. (With it

@@ -27,6 +27,7 @@ pub(crate) use command::check_velocity;
 pub use command::{Command, Correction, Diagnostics, FeedForward, Reference, State};
 pub use force_error::{ForceError, ForceErrorParameters, ForceErrorState, ForceSample};
 pub use heading::Heading;
+pub(crate) use lateral::SLIP;
 pub use lateral::{LateralGains, LateralParameters};
 pub use orientation::Orientation;
 pub use sideslip::{Sideslip, SideslipParameters, SideslipState};

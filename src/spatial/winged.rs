@@ -198,6 +198,7 @@ impl<A: Aerodynamics, G: GainLaw> WingedControl<A, G> {
         self.lateral.rates(&LateralInput {
             mass: self.plane.vehicle().mass(),
             side: self.plane.vehicle().side(),
+            roll: self.plane.vehicle().roll(),
             v_a: observed.v_a + Body::new(0.0, 0.0, state.correction.sideslip()),
             weight: observed.weight,
             error,

@@ -51,7 +51,7 @@ impl Facts {
     }
 
     /// What turns it, and the source of each of its numbers.
-    pub(super) fn turning(&self) -> (AuthoritySpec, [(&'static str, String); 8]) {
+    pub(super) fn turning(&self) -> (AuthoritySpec, [(&'static str, String); 9]) {
         let (elevons, motors) = match self.actuators {
             Actuators::Elevons => (1.0, 0.0),
             Actuators::Motors => (0.0, 1.0),
@@ -75,6 +75,7 @@ impl Facts {
             difference_rad_s2: motors * turn / room,
             airflow_rad_m2: slipstream / (IN_SLIPSTREAM * at_elevons * at_elevons),
             wing_moment_rad_m2: self.k_a() * ACROSS * AFT * chord / inertia,
+            roll_rad_m_s2: AuthoritySpec::default().roll_rad_m_s2,
             surface_reaction_m: elevons * gyration * gyration / ARM * chord,
             hover_downwash_m_s: downwash.value,
             zero_thrust_speed_m_s: 0.0,
@@ -107,6 +108,10 @@ impl Facts {
             (
                 "wing_moment_rad_m2",
                 format!("assumed, of a plate with a radius of gyration of {gyration} chords"),
+            ),
+            (
+                "roll_rad_m_s2",
+                "not known: full authority about the nose".to_owned(),
             ),
             (
                 "surface_reaction_m",

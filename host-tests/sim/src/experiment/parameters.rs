@@ -182,7 +182,7 @@ mod tests {
         assert_eq!(
             names(VehicleParameters::ROWS),
             "mass_kg k_a_kg_m delta_deg c_y gravity_m_s2 thrust_min_n thrust_max_n authority_rad_s2 authority_slipstream_rad_s2 \
-             authority_difference_rad_s2 authority_airflow_rad_m2 wing_moment_rad_m2 surface_reaction_m hover_downwash_m_s \
+             authority_difference_rad_s2 authority_airflow_rad_m2 wing_moment_rad_m2 roll_authority_rad_m_s2 surface_reaction_m hover_downwash_m_s \
              zero_thrust_speed_m_s"
         );
         assert_eq!(names(GainParameters::ROWS), "k1 k2 k3 tau_n");

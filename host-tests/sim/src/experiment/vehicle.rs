@@ -56,6 +56,8 @@ pub struct AuthoritySpec {
     pub airflow_rad_m2: f64,
     /// That of the wing across the flow, per squared airspeed \[rad/m²\].
     pub wing_moment_rad_m2: f64,
+    /// Greatest rate about the nose times the airspeed \[rad m/s²\].
+    pub roll_rad_m_s2: f64,
     /// Acceleration by the surfaces per angular acceleration \[m\].
     pub surface_reaction_m: f64,
     /// Speed that the propellers give the air in hover \[m/s\].
@@ -84,6 +86,7 @@ impl AuthoritySpec {
             difference_rad_s2: double(p.authority_difference),
             airflow_rad_m2: double(p.authority_airflow),
             wing_moment_rad_m2: double(p.wing_moment),
+            roll_rad_m_s2: double(p.roll_authority),
             surface_reaction_m: double(p.surface_reaction),
             hover_downwash_m_s: double(p.hover_downwash),
             zero_thrust_speed_m_s: double(p.zero_thrust_speed),
@@ -96,6 +99,7 @@ fn vehicle_refused(error: ParameterError) -> FieldError {
     let refused = refused::<VehicleParameters>(error);
     let inside = match refused.field.as_str() {
         "authority_rad_s2" => Some("constant_rad_s2".to_owned()),
+        "roll_authority_rad_m_s2" => Some("roll_rad_m_s2".to_owned()),
         "wing_moment_rad_m2"
         | "surface_reaction_m"
         | "hover_downwash_m_s"
@@ -268,6 +272,7 @@ impl VehicleSpec {
             .authority_difference(self.authority.difference_rad_s2 as f32)
             .authority_airflow(self.authority.airflow_rad_m2 as f32)
             .wing_moment(self.authority.wing_moment_rad_m2 as f32)
+            .roll_authority(self.authority.roll_rad_m_s2 as f32)
             .surface_reaction(self.authority.surface_reaction_m as f32)
             .hover_downwash(self.authority.hover_downwash_m_s as f32)
             .zero_thrust_speed(self.authority.zero_thrust_speed_m_s as f32)

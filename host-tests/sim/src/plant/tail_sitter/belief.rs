@@ -167,6 +167,7 @@ fn authority(vehicle: &TailSitter) -> AuthoritySpec {
         difference_rad_s2: difference * share / share.min(1.0 - share),
         airflow_rad_m2: airflow / square,
         wing_moment_rad_m2: (wing / square).max(0.0),
+        roll_rad_m_s2: roll(vehicle) * spec.cruise_speed_m_s,
         surface_reaction_m: if slipstream > 0.0 {
             force / slipstream
         } else {
@@ -175,6 +176,42 @@ fn authority(vehicle: &TailSitter) -> AuthoritySpec {
         hover_downwash_m_s: (weight / (2.0 * RHO * discs)).sqrt(),
         zero_thrust_speed_m_s: zero_thrust_speed(spec),
     }
+}
+
+/// Rate about the nose [rad/s] in level cruise at which the wings take all that turns it.
+fn roll(vehicle: &TailSitter) -> f64 {
+    let spec = vehicle.spec();
+    let weight = spec.mass_kg * GRAVITY;
+    let cruise = |degrees: f64| {
+        let (sin, cos) = libm::sincos(degrees.to_radians());
+        TailSitterState {
+            velocity: spec.cruise_speed_m_s * V3::new(cos, 0.0, sin),
+            ..TailSitterState::at_rest()
+        }
+    };
+    let settled = |share: f64, roll: f64, degrees: f64| {
+        vehicle.settled(&cruise(degrees), share, V3::new(roll, 0.0, 0.0))
+    };
+    // Share of the static thrust, and angle of attack, at which forces along and across the nose are those of level flight.
+    let (mut share, mut degrees) = (0.3, 3.0);
+    for _ in 0..100 {
+        let force = vehicle
+            .wrench(&settled(share, 0.0, degrees), V3::zeros())
+            .force;
+        let (sin, cos) = libm::sincos(degrees.to_radians());
+        share = (share - 0.3 * (force.x - weight * sin) / vehicle.static_thrust()).clamp(0.0, 1.0);
+        degrees += 2.0 * (force.z + weight * cos) / weight;
+    }
+    let torque = |roll: f64, rate: f64| {
+        let state = TailSitterState {
+            rates: V3::new(rate, 0.0, 0.0),
+            ..settled(share, roll, degrees)
+        };
+        vehicle.wrench(&state, V3::zeros()).torque.x
+    };
+    const RATE: f64 = 0.1;
+    let damping = (torque(0.0, -RATE) - torque(0.0, RATE)) / (2.0 * RATE);
+    0.5 * (torque(1.0, 0.0) - torque(-1.0, 0.0)) / damping
 }
 
 /// Airspeed at which full throttle gives no thrust, in the mean of the propellers \[m/s\].

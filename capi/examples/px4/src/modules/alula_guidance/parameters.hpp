@@ -32,6 +32,7 @@ inline bool load(alula_parameters &p)
 		{"ALU_AUTH_DIFF", offsetof(alula_parameters, vehicle.authority_difference), false},
 		{"ALU_AUTH_AIR", offsetof(alula_parameters, vehicle.authority_airflow), false},
 		{"ALU_WING_MOM", offsetof(alula_parameters, vehicle.wing_moment), false},
+		{"ALU_AUTH_ROLL", offsetof(alula_parameters, vehicle.roll_authority), false},
 		{"ALU_SURF_REACT", offsetof(alula_parameters, vehicle.surface_reaction), false},
 		{"ALU_DOWNWASH", offsetof(alula_parameters, vehicle.hover_downwash), false},
 		{"ALU_THR_SPEED", offsetof(alula_parameters, vehicle.zero_thrust_speed), false},
