@@ -21,7 +21,7 @@ use super::link::{ARDUPLANE, Channel, GOOD, as_it_is, flies_with, nothing};
 const SMALL: &str =
     "FW_PR_P 0.033\nFW_PR_I 0.06\nFW_PR_FF 0\nFW_RR_P 0.044\nFW_RR_I 0.04\nFW_RR_FF 0\n";
 const MAPPING: &str = "FW_PR_P 0.087\nFW_PR_I 0.17\nFW_PR_FF 0\nFW_RR_P 0.065\nFW_RR_I 0.065\nFW_RR_FF 0\nMC_ROLLRATE_P 0.4\n";
-const BIPLANE: &str = "MC_ROLLRATE_P 0.4\nMC_PITCHRATE_P 0.25\nMC_YAWRATE_P 0.5\n";
+const BIPLANE: &str = "MC_ROLLRATE_P 0.5\nMC_ROLLRATE_I 0.3\nMC_ROLLRATE_D 0\nMC_PITCHRATE_P 0.25\nMC_PITCHRATE_I 0.3\nMC_PITCHRATE_D 0.004\nMC_YAWRATE_P 0.6\nMC_YAWRATE_I 0.3\n";
 /// Those with which PX4's own simulated tail-sitter flew.
 const XVERT: &str = "FW_ARSP_SCALE_EN 0\nFW_PR_P 0.03\nFW_PR_FF 0.4\nFW_RR_P 0.03\nFW_RR_FF 0.3\n";
 const QACRO: &str = include_str!("../../../examples/ardupilot/qacro.parm");
@@ -593,8 +593,11 @@ fn slow_no_first_attempt_is_lost() {
             let flown = flights.iter().filter(|(go, ..)| *go);
             let mut all: Vec<f64> = flown.map(|(_, off, _)| off[side].abs()).collect();
             all.sort_by(f64::total_cmp);
-            let at = |share: f64| all[((all.len() - 1) as f64 * share).round() as usize];
-            format!("{:.1}, {:.1}, {:.1}", at(0.5), at(0.95), at(1.0))
+            let last = all.len().saturating_sub(1) as f64;
+            let at = |share: f64| all.get((last * share).round() as usize);
+            [0.5, 0.95, 1.0]
+                .map(|share| at(share).map_or("–".to_owned(), |off| format!("{off:.1}")))
+                .join(", ")
         };
         let lost = flights.iter().filter(|(.., sank)| *sank > 20.0).count();
         println!(
