@@ -16,6 +16,8 @@ const AXES: [(&str, &str); 3] = [
         "FW_RR_FF and FW_RR_P, or MC_YAWRATE_P of motors",
     ),
 ];
+/// That about the nose.
+const NOSE: usize = 2;
 /// Rates [rad/s] in rest, root mean square, from which on the loop swings.
 const SWINGS: f64 = 0.35;
 /// Shares of what is asked that are had, from and up to which a loop is good, and flown.
@@ -122,11 +124,12 @@ impl Nudge {
         })
     }
 
-    /// What is to be said of the loops, of which `lag` \[s\] is believed.
+    /// What is to be said of the loops, of which `lag` \[s\] is believed, of a vehicle with or without `elevons`. Without, the propellers' torque turns it about the
+    /// nose: that is slow, and flown by.
     #[must_use]
-    pub fn findings(&self, lag: f64) -> Vec<Finding> {
-        let loops = self.loops().into_iter().zip(AXES);
-        let findings = loops.map(|(of_axis, (axis, parameters))| {
+    pub fn findings(&self, lag: f64, elevons: bool) -> Vec<Finding> {
+        let loops = self.loops().into_iter().zip(AXES).enumerate();
+        let findings = loops.map(|(number, (of_axis, (axis, parameters)))| {
             let Loop {
                 share,
                 lag_s,
@@ -150,8 +153,13 @@ impl Nudge {
                 let way = if share < 1.0 { "more" } else { "less" };
                 (Weight::NoGo, Some(format!("{parameters}: {way}")))
             } else if slow {
+                let by_torque = number == NOSE && !elevons;
                 (
-                    Weight::NoGo,
+                    if by_torque {
+                        Weight::Remark
+                    } else {
+                        Weight::NoGo
+                    },
                     Some(format!(
                         "rate_lag_s {lag_s:.2} in what `new` is told, or {parameters}: more"
                     )),
@@ -207,7 +215,10 @@ mod tests {
 
     #[test]
     fn what_cannot_be_flown_is_no_go() {
-        let weights = |nudge: &Nudge| nudge.findings(0.08).iter().map(|f| f.weight).max().unwrap();
+        let weights = |nudge: &Nudge| {
+            let findings = nudge.findings(0.08, true);
+            findings.iter().map(|f| f.weight).max().unwrap()
+        };
         assert_eq!(weights(&measured(1.0, 0.08, 0.0)), Weight::Good);
         for bad in [
             (-1.0, 0.08, 0.0),
@@ -221,6 +232,10 @@ mod tests {
                 "{bad:?}"
             );
         }
+        // Propellers' torque is slow about the nose; about the other axes a slow loop is none to fly by.
+        let slow = measured(1.0, 0.35, 0.0).findings(0.08, false);
+        let weights: Vec<Weight> = slow.iter().map(|f| f.weight).collect();
+        assert_eq!(weights, [Weight::NoGo, Weight::NoGo, Weight::Remark]);
         // There and back.
         let turned: f64 = (0..1000)
             .map(|n| f64::from(Nudge::asked(f64::from(n) * 0.01)[1]) * 0.01)

@@ -153,7 +153,7 @@ fn simulated(args: &Simulated, kind: Kind) -> anyhow::Result<()> {
     let shipped = companion::Parameters::from_text(shipped).expect("tested");
     let parameters = parameters.or(shipped);
     if let (Some(plant), Kind::Px4) = (&mut experiment.tail_sitter, kind) {
-        plant.vehicle.rate_loop.law = px4_rate_law(&parameters);
+        plant.vehicle.rate_loop.law = px4_rate_law(&parameters, plant.vehicle.mixer);
     }
     let craft = Craft::new(&experiment)?;
     let mut link = connected("--connect", &args.connect)?;

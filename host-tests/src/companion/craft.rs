@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use alula_bridges::companion::{Body, BodyState, Parameters, preflight::hover_scale};
 use rand_chacha::ChaCha8Rng;
 
-use alula_sim::experiment::tail_sitter::RateLaw;
+use alula_sim::experiment::tail_sitter::{Mixer, RateLaw};
 use alula_sim::experiment::{Experiment, State, V3, Weather, stream};
 use alula_sim::plant::{Command, Dynamics, IdealPlant, Plant, Rotation};
 
@@ -77,30 +77,34 @@ impl Craft {
     }
 }
 
-/// The rate loop of PX4 with these parameters, of a tail-sitter with elevons in the multicopter state: elevons by FW_PR_* and FW_RR_*, times what hover
-/// makes of them, differences of thrust about the belly by MC_ROLLRATE_*. Torques are shares of full ones, as PX4's are.
+/// The rate loop of PX4 with these parameters, of a tail-sitter in the multicopter state: elevons by FW_PR_* and FW_RR_*, times what hover makes of them, and
+/// motors by MC_*RATE_*, whose axes are those of hover. Torques are shares of full ones, as PX4's are.
 #[must_use]
-pub fn px4_rate_law(parameters: &Parameters) -> RateLaw {
+pub fn px4_rate_law(parameters: &Parameters, mixer: Mixer) -> RateLaw {
     let get = |name: &str, shipped| parameters.get(name).unwrap_or(shipped);
     let scale = hover_scale(parameters);
     let square = scale * scale;
+    // About the nose and the wing; about the belly motors turn every one.
+    let (p, i, d, feed_forward) = match mixer {
+        Mixer::Elevons | Mixer::Both => (
+            [get("FW_RR_P", 0.05), get("FW_PR_P", 0.08)].map(|gain| square * gain),
+            [get("FW_RR_I", 0.1), get("FW_PR_I", 0.1)].map(|gain| square * gain),
+            [0.0; 2],
+            [get("FW_RR_FF", 0.5), get("FW_PR_FF", 0.5)].map(|gain| scale * gain),
+        ),
+        Mixer::DifferentialThrust => (
+            [get("MC_YAWRATE_P", 0.2), get("MC_PITCHRATE_P", 0.15)],
+            [get("MC_YAWRATE_I", 0.1), get("MC_PITCHRATE_I", 0.2)],
+            [get("MC_YAWRATE_D", 0.0), get("MC_PITCHRATE_D", 0.003)],
+            [0.0; 2],
+        ),
+    };
+    let with = |[nose, wing]: [f64; 2], belly: f64| [nose, wing, belly];
     RateLaw::Pid {
-        p: [
-            square * get("FW_RR_P", 0.05),
-            square * get("FW_PR_P", 0.08),
-            get("MC_ROLLRATE_P", 0.15),
-        ],
-        i: [
-            square * get("FW_RR_I", 0.1),
-            square * get("FW_PR_I", 0.1),
-            get("MC_ROLLRATE_I", 0.2),
-        ],
-        d: [0.0, 0.0, get("MC_ROLLRATE_D", 0.003)],
-        feed_forward: [
-            scale * get("FW_RR_FF", 0.5),
-            scale * get("FW_PR_FF", 0.5),
-            0.0,
-        ],
+        p: with(p, get("MC_ROLLRATE_P", 0.15)),
+        i: with(i, get("MC_ROLLRATE_I", 0.2)),
+        d: with(d, get("MC_ROLLRATE_D", 0.003)),
+        feed_forward: with(feed_forward, 0.0),
     }
 }
 
@@ -118,6 +122,12 @@ FW_AIRSPD_STALL 7
 MC_ROLLRATE_P 0.15
 MC_ROLLRATE_I 0.2
 MC_ROLLRATE_D 0.003
+MC_PITCHRATE_P 0.15
+MC_PITCHRATE_I 0.2
+MC_PITCHRATE_D 0.003
+MC_YAWRATE_P 0.2
+MC_YAWRATE_I 0.1
+MC_YAWRATE_D 0
 FD_FAIL_P 60
 FD_FAIL_P_TTRI 0.3
 FD_FAIL_R 60

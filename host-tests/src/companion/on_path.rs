@@ -56,10 +56,17 @@ pub fn believed(experiment: &Experiment, hover_thrust: f64) -> anyhow::Result<Be
     let parameters = spec.ruled(&vehicle.parameters(limits), &spec.parameters)?;
     Ok(Believed {
         hover_thrust,
-        elevons: vehicle.authority.slipstream_rad_s2 > 0.0,
+        elevons: has_elevons(experiment)?,
         max_rate: parameters.max_rate.into(),
         attitudes: false,
     })
+}
+
+/// Whether the vehicle that the guidance believes in has elevons.
+fn has_elevons(experiment: &Experiment) -> anyhow::Result<bool> {
+    let spec = GuidanceSpec::of(experiment)?;
+    let vehicle = spec.vehicle.as_ref().unwrap_or(&experiment.vehicle);
+    Ok(vehicle.authority.slipstream_rad_s2 > 0.0)
 }
 
 /// By what a flight is led.
@@ -86,6 +93,8 @@ pub struct OnPath {
     record: Record,
     /// What is measured in hover before the path is flown, and the lag that is believed \[s\]; none where it is not, or was.
     nudge: Option<(Nudge, f64)>,
+    /// Whether elevons turn it.
+    elevons: bool,
     /// How long that took \[s\], and what came of it.
     nudged: f32,
     findings: Vec<Finding>,
@@ -207,6 +216,7 @@ impl OnPath {
             theta: 0.0,
             record: Record::new(),
             nudge: None,
+            elevons: has_elevons(experiment)?,
             nudged: 0.0,
             findings: Vec::new(),
             refuses: true,
@@ -568,7 +578,7 @@ impl Pilot for OnPath {
         let t = f64::from(told.t as f32);
         if let Some((nudge, lag)) = self.nudge.take_if(|_| t > Nudge::DURATION) {
             self.nudged = told.t as f32;
-            self.findings = nudge.findings(lag);
+            self.findings = nudge.findings(lag, self.elevons);
         }
         told.t -= f64::from(self.nudged);
         let told = &told;

@@ -13,6 +13,7 @@ pub const VEHICLES: &[(&str, &str)] = built_in! { "vehicles", ".toml";
     "mapping",
     "biplane",
     "heavy",
+    "xvert",
 };
 
 /// Where the vehicle stands in a document.
@@ -32,7 +33,7 @@ pub struct Strip {
     pub span_m: f64,
     /// \[m\].
     pub chord_m: f64,
-    /// Elevon's chord over the strip's; 0 for none. The left one moves strips on the left.
+    /// Elevon's chord over the strip's; 0 for none, 1 for a strip that is all elevon. The left one moves strips on the left.
     #[serde(default)]
     pub elevon: f64,
     /// A fin: its span lies along down in place of right.
@@ -89,6 +90,13 @@ pub struct TailSitterSpec {
     pub inertia_kg_m2: [f64; 3],
     /// Drag areas of the fuselage along forward, right, down \[m²\].
     pub drag_area_m2: [f64; 3],
+    /// Force against the velocity through the air along forward, right, down over it \[N·s/m\], and torque against the rates over them \[N·m·s\]: what PX4's
+    /// simulator has.
+    #[serde(default)]
+    pub linear_drag_n_s_m: [f64; 3],
+    /// See there.
+    #[serde(default)]
+    pub linear_damping_n_m_s: [f64; 3],
     /// Points that it stands on besides trailing edges, fins and hubs, from the centre of mass, forward, right, down \[m\].
     #[serde(default)]
     pub feet_m: Vec<[f64; 3]>,
@@ -264,6 +272,12 @@ impl TailSitterSpec {
             positive(&format!("inertia_kg_m2[{axis}]"), *value)?;
         }
         each("drag_area_m2", &self.drag_area_m2, [0.0, 100.0])?;
+        each("linear_drag_n_s_m", &self.linear_drag_n_s_m, [0.0, 1e3])?;
+        each(
+            "linear_damping_n_m_s",
+            &self.linear_damping_n_m_s,
+            [0.0, 1e4],
+        )?;
         let problem = format_args!("{} feet, must be up to {STRIPS}", self.feet_m.len());
         require(self.feet_m.len() <= STRIPS, "feet_m", problem)?;
         for (i, foot) in self.feet_m.iter().enumerate() {
@@ -315,7 +329,7 @@ impl Wing {
             each(&field("position_m"), &strip.position_m, PLACE)?;
             within(&field("span_m"), strip.span_m, [1e-3, 100.0])?;
             within(&field("chord_m"), strip.chord_m, [1e-3, 20.0])?;
-            within(&field("elevon"), strip.elevon, [0.0, 0.9])?;
+            within(&field("elevon"), strip.elevon, [0.0, 1.0])?;
         }
         let level = self.strips.iter().any(|strip| !strip.upright);
         require(level, "strips", "one must not be upright")

@@ -80,6 +80,8 @@ impl Variation {
         v.inertia_kg_m2 = v.inertia_kg_m2.map(|i| i * self.mass * length.powi(5));
         v.inertia_kg_m2[1] *= self.pitch_inertia;
         v.drag_area_m2 = v.drag_area_m2.map(|a| a * length * length);
+        v.linear_drag_n_s_m = v.linear_drag_n_s_m.map(|d| d * length.powi(3) / time);
+        v.linear_damping_n_m_s = v.linear_damping_n_m_s.map(|d| d * length.powi(4) * time);
         let ahead = self.centre_of_mass_chord * v.wing.mean_chord();
         let placed =
             |[forward, right, down]: [f64; 3]| [forward - ahead, right, down].map(|x| x * length);

@@ -214,14 +214,15 @@ fn roll(vehicle: &TailSitter) -> f64 {
     0.5 * (torque(1.0, 0.0) - torque(-1.0, 0.0)) / damping
 }
 
-/// Airspeed at which full throttle gives no thrust, in the mean of the propellers \[m/s\].
+/// Airspeed at which full throttle gives no thrust, in the mean of the propellers \[m/s\]; 0 if it never falls.
 fn zero_thrust_speed(spec: &TailSitterSpec) -> f64 {
     let speed = |p: &Propeller| {
         let [c0, c1, c2] = p.c_t;
         let j = 2.0 * c0 / (-c1 + (c1 * c1 - 4.0 * c2 * c0).sqrt());
         j * p.speed_max_rev_s * p.diameter_m
     };
-    spec.propellers.iter().map(speed).sum::<f64>() / spec.propellers.len() as f64
+    let mean = spec.propellers.iter().map(speed).sum::<f64>() / spec.propellers.len() as f64;
+    if mean.is_finite() { mean } else { 0.0 }
 }
 
 impl TailSitterState {

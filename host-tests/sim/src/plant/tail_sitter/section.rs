@@ -72,8 +72,11 @@ impl Profile {
     pub fn at(&self, alpha: f64, deflection: f64) -> Coefficients {
         let deflection = deflection.clamp(-DEFLECTION_MAX, DEFLECTION_MAX);
         let size = deflection.abs();
-        // Viscosity's share: a fit to flaps of up to 70°.
-        let viscous = 0.0535 * size * size - 0.2688 * size + 0.5817;
+        // Viscosity's share: a fit to flaps of up to 70°. What has no hinge in the flow is turned as a whole.
+        let viscous = match self.flap.share < 1.0 {
+            true => 0.0535 * size * size - 0.2688 * size + 0.5817,
+            false => 1.0,
+        };
         let shift = self.flap.effectiveness * viscous * deflection;
         let effective = alpha + shift;
         let attached = self.attached(effective, self.flap.moment * viscous * deflection);
