@@ -57,8 +57,9 @@ pub const LACKING: Lacking = Lacking {
     drag: 0.2,
     slope: 0.05,
 };
-/// Advance ratio, over the one that is without thrust, from which on a propeller idles, whatever is wrong of that one.
-const IDLE: f64 = 2.0;
+/// Advance ratio, over the one that is without thrust, from which on a propeller idles, whatever is wrong of that one: of another family it is up to a quarter
+/// greater.
+const IDLE: f64 = 1.5;
 /// Area of the wing in the slipstream over that of the propellers' discs, up to twice which is taken for possible: 4/π of chord over diameter, less what the
 /// slipstream contracts.
 const BLOWN: f64 = 1.1;
