@@ -8,10 +8,10 @@ use crc::{CRC_32_ISCSI, Crc, Table};
 use serde::{Deserialize, Serialize};
 
 /// Version of the protocol: first byte of every frame, at the same place in every version.
-pub const VERSION: u8 = 8;
+pub const VERSION: u8 = 9;
 
 /// Longest frame \[bytes\], stuffed and with its closing zero: one block of COBS.
-pub const MAX_FRAME: usize = 254;
+pub const MAX_FRAME: usize = 255;
 
 const HEADER: usize = 2;
 const CHECKSUM: usize = 4;
