@@ -135,7 +135,12 @@ impl Limits {
             }
         };
         // The air along the nose damps a rate about it.
-        let roll = math::min(self.roll / math::max(along, 1e-3), self.rate);
+        let roll = if self.rate * along > self.roll {
+            core::hint::cold_path();
+            self.roll / along
+        } else {
+            self.rate
+        };
         let rates = Body::new(
             limit(rates.i, state.rates.i, roll),
             limit(rates.j, state.rates.j, self.rate),

@@ -116,7 +116,7 @@ pub(super) struct LateralInput {
     pub mass: f32,
     /// k_a c_Y [kg/m].
     pub side: f32,
-    /// Rate about the nose that may be counted on, times the airspeed [rad m/s²].
+    /// Rate about the nose that may be counted on, times airspeed and weight [rad N m/s²].
     pub roll: f32,
     /// Air velocity v_a [m/s], its sideslip corrected.
     pub v_a: Body,
@@ -145,20 +145,13 @@ impl LateralGains {
     #[inline(always)]
     fn slip(&self, at: &LateralInput, lateral: f32, speed: f32) -> f32 {
         let closing = self.tilt * speed;
-        let asked = closing * lateral;
-        let weight = at.weight.norm_squared();
-        if asked * asked <= at.roll * at.roll * weight {
+        if closing * lateral.abs() <= at.roll {
             return 0.0;
         }
-        self.slipping(at, lateral, speed)
-    }
-
-    #[cold]
-    #[inline(never)]
-    fn slipping(&self, at: &LateralInput, lateral: f32, speed: f32) -> f32 {
-        let rolled = at.roll * math::sqrt(at.weight.norm_squared()) / (self.tilt * speed);
-        let missing = (lateral.abs() - rolled) / math::max(at.side * speed, f32::MIN_POSITIVE);
-        let slip = math::clamp(missing, 0.0, SLIP * speed);
+        core::hint::cold_path();
+        // Without a side force it is infinite, or no number: the most.
+        let missing = (lateral.abs() - at.roll / closing) / (at.side * speed);
+        let slip = math::min(missing, SLIP * speed);
         if lateral < 0.0 { -slip } else { slip }
     }
 
@@ -289,7 +282,7 @@ mod tests {
         let at = |roll: f32, push: f32, slip: f32| {
             let Lateral { i, j, .. } = gains().rates(&LateralInput {
                 side: 0.32,
-                roll,
+                roll: roll * WEIGHT,
                 v_a: Body::new(-20.0, 0.0, slip),
                 weight: Body::new(0.0, WEIGHT, push * WEIGHT),
                 ..hover()

@@ -198,7 +198,7 @@ impl<A: Aerodynamics, G: GainLaw> WingedControl<A, G> {
         self.lateral.rates(&LateralInput {
             mass: self.plane.vehicle().mass(),
             side: self.plane.vehicle().side(),
-            roll: self.plane.vehicle().roll(),
+            roll: self.plane.vehicle().roll() * self.plane.vehicle().weight(),
             v_a: observed.v_a + Body::new(0.0, 0.0, state.correction.sideslip()),
             weight: observed.weight,
             error,
