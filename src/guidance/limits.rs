@@ -17,8 +17,6 @@ pub(super) struct Limits {
     thrust_max: f32,
     rate: f32,
     slew: f32,
-    /// Greatest rate about the nose times the airspeed [rad m/s²].
-    roll: f32,
     propeller: Propeller,
 }
 
@@ -61,7 +59,6 @@ impl Limits {
             thrust_max: vehicle.thrust_max(),
             rate: p.max_rate,
             slew: p.max_slew,
-            roll: vehicle.roll(),
             propeller: *vehicle.propeller(),
         }
     }
@@ -117,11 +114,11 @@ impl Limits {
     ) -> LimitedCommand {
         let step = self.slew * dt;
         let mut saturated = Status::empty();
-        let mut limit = |rate: f32, last: f32, most: f32| {
+        let mut limit = |rate: f32, last: f32| {
             let mut rate = rate;
-            if rate.abs() > most {
+            if rate.abs() > self.rate {
                 saturated |= Status::RATE;
-                rate = if rate < 0.0 { -most } else { most };
+                rate = if rate < 0.0 { -self.rate } else { self.rate };
             }
             let (low, high) = (last - step, last + step);
             if rate < low {
@@ -134,17 +131,10 @@ impl Limits {
                 rate
             }
         };
-        // The air along the nose damps a rate about it.
-        let roll = if self.rate * along > self.roll {
-            core::hint::cold_path();
-            self.roll / along
-        } else {
-            self.rate
-        };
         let rates = Body::new(
-            limit(rates.i, state.rates.i, roll),
-            limit(rates.j, state.rates.j, self.rate),
-            limit(rates.w, state.rates.w, self.rate),
+            limit(rates.i, state.rates.i),
+            limit(rates.j, state.rates.j),
+            limit(rates.w, state.rates.w),
         );
         let most = self.thrust_max * self.propeller.available(along);
         let least = math::min(self.thrust_min, most);
@@ -236,34 +226,6 @@ mod tests {
             assert_eq!(apply(0.0, 50.0, 0.5), (50.0, 0.125, Status::SLEW));
             let both = Status::RATE | Status::SLEW;
             assert_eq!(apply(0.0, 50.0, -3.0), (50.0, -0.125, both));
-        }
-    }
-
-    /// What flies at 10 m/s and may roll by 0.4 of 20 rad m/s² rolls at 0.8 rad/s; nothing damps it in hover, and pitch has its own limit.
-    #[test]
-    fn the_roll_is_that_against_the_air() {
-        let vehicle = VehicleParameters {
-            roll_authority: 20.0,
-            ..VehicleParameters::PAPER
-        };
-        let model = LargeAngle::new(LargeAngleParameters::NACA_0021_RE_160E3).unwrap();
-        let p = GuidanceParameters::default();
-        let limits = Limits::new(&p, &Vehicle::new(vehicle, model).unwrap());
-        let given = |n, along| {
-            let mut state = last(n, 0.8);
-            let limited = limits.apply(&mut state, 98.0, along, axis(n, 1.0), 0.01);
-            let Body { i, j, w } = limited.rates;
-            (i + j + w, limited.saturated)
-        };
-        let (rolled, saturated) = given(0, 10.0);
-        assert!((rolled - 0.8).abs() < 1e-6 && saturated == Status::RATE);
-        for free in [
-            given(0, 5.0),
-            given(0, -9.0),
-            given(1, 10.0),
-            given(2, 10.0),
-        ] {
-            assert_eq!(free, (1.0, Status::empty()));
         }
     }
 

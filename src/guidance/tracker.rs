@@ -279,6 +279,11 @@ impl Tracker {
                 command.thrust = raised;
             }
         }
+        // The air along the nose damps a rate about it. Out of the plane of flight all that turns the vehicle is asked for.
+        if command.rates.roll.abs() * flow.along > vehicle.roll() {
+            core::hint::cold_path();
+            command.rates.roll = (vehicle.roll() / flow.along).copysign(command.rates.roll);
+        }
         // Out of the plane of flight pitch, tilt and twist would each go their own way.
         if aligned < 1.0 {
             let shortest = by_the_shortest_way(attitude, axes.forward, axes.right, flight.theta);
