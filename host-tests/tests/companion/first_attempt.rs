@@ -540,7 +540,7 @@ fn slow_no_first_attempt_is_lost() {
     use rand::SeedableRng;
     use rayon::prelude::*;
     let draws = std::env::var("FIRST_ATTEMPTS").ok();
-    let draws: u64 = draws.and_then(|n| n.parse().ok()).unwrap_or(12);
+    let draws: u64 = draws.and_then(|n| n.parse().ok()).unwrap_or(4);
     println!(
         "| vehicle | autopilot | flights | refused | below [m], median, 95 %, most | above [m], median, 95 %, most | sank by 20 m |"
     );
