@@ -176,6 +176,7 @@ impl GuidanceParameters {
         let period = 1.0 / response.control_rate;
         let pitch = vehicle.pitch_authority();
         let authority = pitch.in_hover(weight, vehicle.thrust_max);
+        let max_rate = greatest_rate(authority);
         let held = pitch.airspeed_held(authority);
         Ok(ruled(&Known {
             rate_lag: response.rate_lag,
@@ -184,8 +185,8 @@ impl GuidanceParameters {
             thrust_rate: math::min(3.0, 0.75 / (response.thrust_lag + period)),
             cruise: response.cruise_speed,
             authority,
-            max_rate: greatest_rate(authority),
-            position_gain: position_gain(greatest_rate(authority)),
+            max_rate,
+            position_gain: position_gain(max_rate),
             catching_up: math::min(response.cruise_speed / 5.0, CAUGHT_UP * held),
             downwash: if vehicle.authority_slipstream > 0.0 {
                 vehicle.hover_downwash

@@ -279,7 +279,7 @@ impl Tracker {
                 command.thrust = raised;
             }
         }
-        // The air along the nose damps a rate about it. Out of the plane of flight all that turns the vehicle is asked for.
+        // The air along the nose damps a roll: it is asked for no faster in the plane of flight.
         if command.rates.roll.abs() * flow.along > vehicle.roll() {
             core::hint::cold_path();
             command.rates.roll = (vehicle.roll() / flow.along).copysign(command.rates.roll);

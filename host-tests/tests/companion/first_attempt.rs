@@ -255,7 +255,8 @@ fn px4s_own_tail_sitter_flies_with_the_gains_it_had() {
     assert!(flown.sank < 5.0, "{}", flown.sank);
 }
 
-/// With PX4's gains as shipped the elevons of both vehicles are driven to their stops: at whatever speed they sink by 3 to 20 m. The nudge says so, and they are not flown; with gains that suit their slipstream they fly at the first attempt, and sink by less than 1 m.
+/// With PX4's gains as shipped the elevons of both vehicles are driven to their stops: at whatever speed they sink by 3 to 20 m. The nudge says so, and they
+/// are not flown; with gains that suit their slipstream they fly at the first attempt, and sink by less than 1 m.
 #[test]
 fn gains_as_shipped_are_found_in_hover() {
     use rayon::prelude::*;

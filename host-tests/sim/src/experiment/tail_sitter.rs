@@ -90,11 +90,10 @@ pub struct TailSitterSpec {
     pub inertia_kg_m2: [f64; 3],
     /// Drag areas of the fuselage along forward, right, down \[m²\].
     pub drag_area_m2: [f64; 3],
-    /// Force against the velocity through the air along forward, right, down over it \[N·s/m\], and torque against the rates over them \[N·m·s\]: what PX4's
-    /// simulator has.
+    /// Force against the velocity through the air along forward, right, down, over that velocity \[N·s/m\]: PX4's simulator has one.
     #[serde(default)]
     pub linear_drag_n_s_m: [f64; 3],
-    /// See there.
+    /// Torque against the rates about forward, right, down, over those rates \[N·m·s\]: PX4's simulator has one.
     #[serde(default)]
     pub linear_damping_n_m_s: [f64; 3],
     /// Points that it stands on besides trailing edges, fins and hubs, from the centre of mass, forward, right, down \[m\].

@@ -73,9 +73,10 @@ impl Profile {
         let deflection = deflection.clamp(-DEFLECTION_MAX, DEFLECTION_MAX);
         let size = deflection.abs();
         // Viscosity's share: a fit to flaps of up to 70°. What has no hinge in the flow is turned as a whole.
-        let viscous = match self.flap.share < 1.0 {
-            true => 0.0535 * size * size - 0.2688 * size + 0.5817,
-            false => 1.0,
+        let viscous = if self.flap.share < 1.0 {
+            0.0535 * size * size - 0.2688 * size + 0.5817
+        } else {
+            1.0
         };
         let shift = self.flap.effectiveness * viscous * deflection;
         let effective = alpha + shift;
