@@ -43,6 +43,18 @@ const STATE: f64 = 0.02;
 const AIR: f64 = 0.2;
 const HEARTBEAT: f64 = 1.0;
 
+/// The share of the most thrust that PX4 has of a set-point, by THR_MDL_FAC: motors and propellers give the square of their output, and PX4 gives out what it
+/// takes for that, if the thrust is f u² + (1 − f) u of an output u.
+fn modelled(setpoint: f64, factor: f64) -> f64 {
+    let (f, rest) = (factor.clamp(0.0, 1.0), 1.0 - factor.clamp(0.0, 1.0));
+    let output = if f > 0.0 {
+        (-rest + (rest * rest + 4.0 * f * setpoint).sqrt()) / (2.0 * f)
+    } else {
+        setpoint
+    };
+    output * output
+}
+
 /// The autopilot around a body.
 pub struct Autopilot<B> {
     body: B,
@@ -94,7 +106,8 @@ impl<B: Body> Autopilot<B> {
         }
     }
 
-    /// The autopilot with these parameters: it says them, and follows those of its ramps and its failure detector. What follows those of its rate loop is the body's.
+    /// The autopilot with these parameters: it says them, and follows those of its ramps, its thrust and its failure detector. What follows those of its rate loop
+    /// is the body's.
     #[must_use]
     pub fn with_parameters(mut self, parameters: Parameters) -> Self {
         if let Rules::ArduPlane(qacro) = &mut self.rules {
@@ -199,7 +212,9 @@ impl<B: Body> Autopilot<B> {
         match &mut self.rules {
             Rules::Px4(offboard) => {
                 let attitude = self.body.state().quaternion;
-                commanded.then(|| offboard.command(now, attitude)).flatten()
+                let command = commanded.then(|| offboard.command(now, attitude)).flatten();
+                let factor = self.parameters.get("THR_MDL_FAC").unwrap_or(1.0);
+                command.map(|(thrust, rates)| (modelled(thrust, factor), rates))
             }
             Rules::ArduPlane(qacro) => {
                 // The mode stays: the transmitter's sticks are flown.
@@ -277,5 +292,22 @@ impl<B: Body> Autopilot<B> {
             messages.extend(telemetry::air(self.kind, now, &body));
         }
         messages
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::modelled;
+
+    #[test]
+    fn the_thrust_model_is_undone_whole_or_not_at_all() {
+        for n in 0..=10 {
+            let asked = f64::from(n) / 10.0;
+            assert!((modelled(asked, 1.0) - asked).abs() < 1e-12);
+            assert!((modelled(asked, 0.0) - asked * asked).abs() < 1e-12);
+            // By half, as PX4's formula says of the output: 0.5 u² + 0.5 u is what is asked.
+            let output = modelled(asked, 0.5).sqrt();
+            assert!((0.5 * output * output + 0.5 * output - asked).abs() < 1e-12);
+        }
     }
 }

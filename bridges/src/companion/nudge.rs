@@ -1,4 +1,5 @@
-//! The rate loop of an autopilot, measured in hover: a small step of each rate to either side, and what is had of what is asked.
+//! The rate loop and the throttle of an autopilot, measured in hover: a small step of each rate and of the thrust to either side, and what is had of what is
+//! asked.
 
 use super::preflight::{Finding, Weight};
 
@@ -22,6 +23,11 @@ const NOSE: usize = 2;
 const SWINGS: f64 = 0.35;
 /// Shares of what is asked that are had, from and up to which a loop is good, and flown.
 const SHARES: [[f64; 2]; 2] = [[0.7, 1.3], [0.4, 1.8]];
+/// Amplitude of the thrust's nudge, as a share of the thrust.
+const THRUST: f32 = 0.1;
+/// Shares of a change of thrust that are had, from and up to which the thrust is proportional, and flown. A propeller's thrust goes with the square of an output
+/// that nothing corrects: twice of a change is had. Of one that is corrected without need, half.
+const PROPORTIONAL: [[f64; 2]; 2] = [[0.75, 1.35], [0.6, 1.6]];
 /// Lags \[s\] that are tried.
 const LAGS: usize = 60;
 const LAG_STEP: f64 = 0.01;
@@ -41,6 +47,9 @@ struct NudgeSample {
     asked: [f32; 3],
     /// Had.
     had: [f32; 3],
+    /// Thrust asked for, in any unit, and specific force along the nose, if told.
+    thrust: f32,
+    force: Option<f32>,
 }
 
 /// A loop about one axis.
@@ -54,61 +63,104 @@ pub struct Loop {
     pub rest_rad_s: f64,
 }
 
+/// When the nudge of this number begins \[s\].
+fn begin(number: usize) -> f64 {
+    REST + number as f64 * (2.0 * HALF + REST)
+}
+
+/// 1 in the first half of the nudge of this number, -1 in the second, 0 besides.
+fn there_and_back(t: f64, number: usize) -> f32 {
+    match t - begin(number) {
+        since if (0.0..HALF).contains(&since) => 1.0,
+        since if (HALF..2.0 * HALF).contains(&since) => -1.0,
+        _ => 0.0,
+    }
+}
+
+/// The share and the lag \[s\] with which the last column of rows of time \[s\], asked and had follows the one before: least squares, over lags.
+fn followed(rows: &[[f64; 3]]) -> [f64; 2] {
+    let mut best = (f64::INFINITY, [0.0; 2]);
+    for n in 0..LAGS {
+        let lag = n as f64 * LAG_STEP;
+        let (mut followed, mut products, mut squares, mut had) = (0.0, 0.0, 0.0, 0.0);
+        for pair in rows.windows(2) {
+            let dt = pair[1][0] - pair[0][0];
+            followed += (1.0 - (-dt / lag.max(1e-6)).exp()) * (pair[0][1] - followed);
+            products += followed * pair[1][2];
+            squares += followed * followed;
+            had += pair[1][2] * pair[1][2];
+        }
+        let share = if squares > 0.0 {
+            products / squares
+        } else {
+            0.0
+        };
+        let rest = had - share * products;
+        if rest < best.0 {
+            best = (rest, [share, lag]);
+        }
+    }
+    best.1
+}
+
 impl Nudge {
     /// How long it takes \[s\].
-    pub const DURATION: f64 = REST + 3.0 * (2.0 * HALF + REST);
+    pub const DURATION: f64 = REST + 4.0 * (2.0 * HALF + REST);
 
     /// Rates [rad/s] that are asked for at `t` \[s\] besides.
     #[must_use]
     pub fn asked(t: f64) -> [f32; 3] {
-        let mut rates = [0.0; 3];
-        for (axis, rate) in rates.iter_mut().enumerate() {
-            let since = t - REST - axis as f64 * (2.0 * HALF + REST);
-            if (0.0..HALF).contains(&since) {
-                *rate = AMPLITUDE;
-            } else if (HALF..2.0 * HALF).contains(&since) {
-                *rate = -AMPLITUDE;
-            }
-        }
-        rates
+        std::array::from_fn(|axis| AMPLITUDE * there_and_back(t, axis))
     }
 
-    /// Takes what was asked in all, and had, at `t` \[s\].
-    pub fn take(&mut self, t: f64, asked: [f32; 3], had: [f32; 3]) {
-        self.samples.push(NudgeSample { t, asked, had });
+    /// Share of the thrust by which it is asked for at `t` \[s\] besides.
+    #[must_use]
+    pub fn thrust(t: f64) -> f32 {
+        THRUST * there_and_back(t, AXES.len())
+    }
+
+    /// Takes what was asked in all, and had, at `t` \[s\]: rates [rad/s], and the thrust with the specific force along the nose.
+    pub fn take(&mut self, t: f64, [asked, had]: [[f32; 3]; 2], thrust: f32, force: Option<f32>) {
+        self.samples.push(NudgeSample {
+            t,
+            asked,
+            had,
+            thrust,
+            force,
+        });
+    }
+
+    /// What is had of a change of thrust; none if no specific force was told. Both are counted from their means: what holds the weight is no change.
+    #[must_use]
+    pub fn thrust_had(&self) -> Option<f64> {
+        let begin = begin(AXES.len());
+        let window = |t: f64| (begin - 0.3..begin + 2.0 * HALF + 0.5).contains(&t);
+        let of = self.samples.iter().filter(|sample| window(sample.t));
+        let of: Option<Vec<[f64; 3]>> = of
+            .map(|sample| Some([sample.t, sample.thrust.into(), sample.force?.into()]))
+            .collect();
+        let of = of.filter(|of| of.len() > 2)?;
+        let mean = |which: usize| of.iter().map(|row| row[which]).sum::<f64>() / of.len() as f64;
+        let (asked, had) = (mean(1), mean(2));
+        let changes: Vec<[f64; 3]> = of
+            .iter()
+            .map(|[t, a, h]| [*t, a / asked - 1.0, h / had - 1.0])
+            .collect();
+        let [share, _] = followed(&changes);
+        share.is_finite().then_some(share)
     }
 
     /// The loops about the three axes.
     #[must_use]
     pub fn loops(&self) -> [Loop; 3] {
         std::array::from_fn(|axis| {
-            let begin = REST + axis as f64 * (2.0 * HALF + REST);
+            let begin = begin(axis);
             let window = |t: f64| (begin - 0.3..begin + 2.0 * HALF + 0.5).contains(&t);
             let of = self.samples.iter().filter(|sample| window(sample.t));
             let of: Vec<[f64; 3]> = of
                 .map(|sample| [sample.t, sample.asked[axis].into(), sample.had[axis].into()])
                 .collect();
-            let mut best = (f64::INFINITY, 0.0, 0.0);
-            for n in 0..LAGS {
-                let lag = n as f64 * LAG_STEP;
-                let (mut followed, mut products, mut squares, mut had) = (0.0, 0.0, 0.0, 0.0);
-                for pair in of.windows(2) {
-                    let dt = pair[1][0] - pair[0][0];
-                    followed += (1.0 - (-dt / lag.max(1e-6)).exp()) * (pair[0][1] - followed);
-                    products += followed * pair[1][2];
-                    squares += followed * followed;
-                    had += pair[1][2] * pair[1][2];
-                }
-                let share = if squares > 0.0 {
-                    products / squares
-                } else {
-                    0.0
-                };
-                let rest = had - share * products;
-                if rest < best.0 {
-                    best = (rest, share, lag);
-                }
-            }
+            let [share, lag_s] = followed(&of);
             let rests = self
                 .samples
                 .iter()
@@ -117,8 +169,8 @@ impl Nudge {
                 .map(|sample| f64::from(sample.had[axis]).powi(2))
                 .collect();
             Loop {
-                share: best.1,
-                lag_s: best.2,
+                share,
+                lag_s,
                 rest_rad_s: (rests.iter().sum::<f64>() / rests.len().max(1) as f64).sqrt(),
             }
         })
@@ -179,7 +231,29 @@ impl Nudge {
                 change,
             }
         });
-        findings.collect()
+        findings
+            .chain(self.thrust_had().map(proportional))
+            .collect()
+    }
+}
+
+/// What is to be said of a thrust of whose change this share is had.
+fn proportional(share: f64) -> Finding {
+    let [good, flown] = PROPORTIONAL.map(|[least, most]| (least..=most).contains(&share));
+    let weight = match (good, flown) {
+        (true, _) => Weight::Good,
+        (_, true) => Weight::Remark,
+        _ => Weight::NoGo,
+    };
+    let way = if share > 1.0 { "more" } else { "less" };
+    Finding {
+        weight,
+        what: format!("thrust: {:.0} % of a change that is asked", 100.0 * share),
+        change: (weight != Weight::Good).then(|| {
+            format!(
+                "THR_MDL_FAC of PX4, Q_M_THST_EXPO of ArduPlane: {way}, then the throttle of hover"
+            )
+        }),
     }
 }
 
@@ -195,7 +269,7 @@ mod tests {
             let t = 0.02 * f64::from(n);
             let asked = Nudge::asked(t);
             let sum = had.map(|x| (x + swing * (18.8 * t).sin()) as f32);
-            nudge.take(t, asked, sum);
+            nudge.take(t, [asked, sum], 1.0 + Nudge::thrust(t), None);
             for (had, asked) in had.iter_mut().zip(asked) {
                 *had += (1.0 - (-0.02 / lag).exp()) * (share * f64::from(asked) - *had);
             }
@@ -211,6 +285,40 @@ mod tests {
                 assert!((found.lag_s - lag).abs() < 0.015, "{found:?}");
             }
         }
+    }
+
+    /// A thrust that goes with this power of what is asked, with the lag \[s\] of motors, on noise that is no thrust's.
+    fn thrust_by(power: f64, lag: f64) -> Nudge {
+        let mut nudge = Nudge::default();
+        let mut had = 1.0_f64;
+        for n in 0..(Nudge::DURATION / 0.02) as u32 {
+            let t = 0.02 * f64::from(n);
+            let asked = 0.49 * (1.0 + Nudge::thrust(t));
+            let force = 9.81 * (had + 0.01 * (40.0 * t).sin());
+            nudge.take(t, [[0.0; 3]; 2], asked, Some(force as f32));
+            let wanted = f64::from(1.0 + Nudge::thrust(t)).powf(power);
+            had += (1.0 - (-0.02 / lag).exp()) * (wanted - had);
+        }
+        nudge
+    }
+
+    #[test]
+    fn a_thrust_that_is_not_proportional_is_found() {
+        for (power, weight) in [
+            (1.0, Weight::Good),
+            (2.0, Weight::NoGo),
+            (0.5, Weight::NoGo),
+        ] {
+            for lag in [0.03, 0.1] {
+                let nudge = thrust_by(power, lag);
+                let share = nudge.thrust_had().unwrap();
+                assert!((share / power - 1.0).abs() < 0.1, "{power}: {share}");
+                let findings = nudge.findings(0.08, true);
+                assert_eq!(findings.last().unwrap().weight, weight, "{findings:?}");
+            }
+        }
+        // Without specific forces nothing is said of it.
+        assert_eq!(measured(1.0, 0.08, 0.0).findings(0.08, true).len(), 3);
     }
 
     #[test]

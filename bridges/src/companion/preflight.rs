@@ -90,8 +90,11 @@ fn why(name: &str) -> &'static str {
         "Q_M_SPIN_ARM" | "Q_M_SPIN_MIN" => {
             "it does not arm with Q_M_SPIN_ARM above Q_M_SPIN_MIN, and idle is thrust that nobody asked for"
         }
-        "Q_M_THST_EXPO" | "Q_M_SPIN_MAX" | "Q_THROTTLE_EXPO" | "THR_MDL_FAC" => {
+        "Q_M_THST_EXPO" | "Q_M_SPIN_MAX" | "Q_THROTTLE_EXPO" => {
             "thrust is not proportional to the throttle"
+        }
+        "THR_MDL_FAC" => {
+            "thrust is proportional to the set-point only where the outputs of the motors are thrusts already, as in PX4's SIH. The nudge in hover measures it"
         }
         "Q_ACRO_RLL_RATE" | "Q_ACRO_PIT_RATE" | "Q_ACRO_YAW_RATE" => {
             "a full stick is another rate than --stick-rates says"
@@ -101,6 +104,14 @@ fn why(name: &str) -> &'static str {
         "VT_TYPE" => "it is no tail-sitter: axes are others",
         "COM_OF_LOSS_T" => "OFFBOARD is left at gaps of a link that are flown through",
         _ => "sticks are taken otherwise than they are sent",
+    }
+}
+
+/// What another value weighs. PX4's model of the thrust is right or wrong with the motors, which a nudge shows.
+fn weighs(name: &str) -> Weight {
+    match name {
+        "THR_MDL_FAC" => Weight::Remark,
+        _ => Weight::NoGo,
     }
 }
 
@@ -220,7 +231,7 @@ pub fn judge(
                 as_expected += 1;
             }
             Some(value) => findings.push(Finding::new(
-                NoGo,
+                weighs(name),
                 format!("{name} is {value}: {}", why(name)),
                 change,
             )),

@@ -78,7 +78,8 @@ impl Craft {
 }
 
 /// The rate loop of PX4 with these parameters, of a tail-sitter in the multicopter state: elevons by FW_PR_* and FW_RR_*, times what hover makes of them, and
-/// motors by MC_*RATE_*, whose axes are those of hover. Torques are shares of full ones, as PX4's are.
+/// motors by MC_*RATE_*, whose axes are those of hover. Torques are shares of full ones, as PX4's are. FW_PR_I and FW_RR_I have no effect in that state:
+/// `FixedwingRateControl` of 1.17 resets its integrals wherever it is not in forward flight.
 #[must_use]
 pub fn px4_rate_law(parameters: &Parameters, mixer: Mixer) -> RateLaw {
     let get = |name: &str, shipped| parameters.get(name).unwrap_or(shipped);
@@ -88,7 +89,7 @@ pub fn px4_rate_law(parameters: &Parameters, mixer: Mixer) -> RateLaw {
     let (p, i, d, feed_forward) = match mixer {
         Mixer::Elevons | Mixer::Both => (
             [get("FW_RR_P", 0.05), get("FW_PR_P", 0.08)].map(|gain| square * gain),
-            [get("FW_RR_I", 0.1), get("FW_PR_I", 0.1)].map(|gain| square * gain),
+            [0.0; 2],
             [0.0; 2],
             [get("FW_RR_FF", 0.5), get("FW_PR_FF", 0.5)].map(|gain| scale * gain),
         ),

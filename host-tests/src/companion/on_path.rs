@@ -651,18 +651,18 @@ impl Pilot for OnPath {
         };
         let answer = self.controller.answer(&input, dt).map_err(|_| End::Pilot)?;
         let mut rates = BodyAxes::NoseUp.components(answer.rates);
+        let mut thrust = answer.thrust;
         match &mut self.nudge {
             Some((nudge, _)) => {
                 for (rate, besides) in rates.iter_mut().zip(Nudge::asked(t)) {
                     *rate += besides;
                 }
-                nudge.take(t, rates, told.rates);
+                thrust *= 1.0 + Nudge::thrust(t);
+                let force = told.specific_force.map(|felt| felt.forward);
+                nudge.take(t, [rates, told.rates], thrust, force);
             }
             None => self.keep(told, target, input, answer, None),
         }
-        Ok(Command {
-            thrust: answer.thrust,
-            rates,
-        })
+        Ok(Command { thrust, rates })
     }
 }
