@@ -20,8 +20,10 @@ const AXES: [(&str, &str); 3] = [
 const NOSE: usize = 2;
 /// Rates [rad/s] in rest, root mean square, from which on the loop swings.
 const SWINGS: f64 = 0.35;
-/// Shares of what is asked that are had, from and up to which a loop is good, and flown.
-const SHARES: [[f64; 2]; 2] = [[0.7, 1.3], [0.4, 1.8]];
+/// Shares of what is asked that are had, from and up to which a loop is good, and flown. A loop that overshoots has more than is asked: half a second does not tell a
+/// great share that comes late from one that is had and passed. Of 176 flights of loops within a factor of four of those that suit, all 30 that sank by 3 m were later than
+/// [`Nudge::findings`] allows, or turned the other way, and shares of up to 3 cost no height.
+const SHARES: [[f64; 2]; 2] = [[0.7, 1.3], [0.4, 3.0]];
 /// Lags \[s\] that are tried.
 const LAGS: usize = 60;
 const LAG_STEP: f64 = 0.01;
