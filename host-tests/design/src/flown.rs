@@ -7,7 +7,9 @@ use nalgebra::Vector3;
 use super::lag::{GAP, behind};
 
 use super::reconstruct::{GRAVITY, attitudes};
+use super::regression::Measured;
 use super::velocity_lag::in_time;
+use super::wind::{self, wind};
 
 /// Angle of attack to the nose \[rad\] up to which c_L is taken for a line; from its negative.
 pub(super) const ATTACHED: f64 = 0.19;
@@ -143,8 +145,13 @@ const DEGREE: f64 = std::f64::consts::PI / 180.0;
 pub(super) struct Flown {
     pub(super) steps: Vec<Row>,
     pub(super) rows: Vec<Row>,
+    /// Level wind in the mean, towards north and east [m/s], as airspeed and velocity show it.
+    pub(super) wind: [Option<Measured>; 2],
     pub(super) notes: Vec<String>,
 }
+
+/// Least share of the velocity along the nose where an airspeed sensor says something.
+const AHEAD: f64 = 0.85;
 
 /// What was flown; the error says what is not in the log.
 pub(super) fn flown(log: &Log, states: &States) -> anyhow::Result<Flown> {
@@ -194,9 +201,6 @@ pub(super) fn flown(log: &Log, states: &States) -> anyhow::Result<Flown> {
     let asked = held(log, &asked, base).unwrap_or_else(nan);
     let torque = held(log, &torque, base).unwrap_or_else(nan);
     let sinks = held(log, &sinks, base).unwrap_or_else(nan);
-    if states.wind.is_none() && states.air_velocity.is_none() {
-        notes.push("No wind is logged: it is taken for calm, and what is in the air is in the intervals. A flight to and fro on a calm day shows it".to_owned());
-    }
     let mut steps: Vec<Row> = Vec::new();
     let (mut filtered, mut last): (f64, Option<(f64, f64)>) = (0.0, None);
     let attitudes = attitudes(states);
@@ -205,6 +209,34 @@ pub(super) fn flown(log: &Log, states: &States) -> anyhow::Result<Flown> {
         .map(|(attitude, f)| attitude * Vector3::from(*f) + GRAVITY * Vector3::z())
         .collect();
     let velocities = in_time(base, &velocity.values, &acceleration);
+    let airspeeds = states.airspeed.iter().flat_map(|airspeed| {
+        let ahead = |n: &usize| {
+            let nose = attitudes[*n] * Vector3::x();
+            let moving = velocities[*n];
+            moving.norm() > 2.0 * SLOW && moving.dot(&nose) > AHEAD * moving.norm()
+        };
+        let told = (0..base.len()).filter(|n| airspeed.overdue(*n) <= CEASED);
+        let told = told.filter(|n| airspeed.values[*n][0] > 2.0 * SLOW);
+        told.filter(ahead).map(|n| wind::Sample {
+            t: base[n],
+            ground: velocities[n],
+            airspeed: airspeed.values[n][0],
+        })
+    });
+    let seen = wind(&airspeeds.collect::<Vec<_>>());
+    let blown = seen.map(|of_axis| of_axis.map_or(0.0, |m| m.value));
+    if states.wind.is_none() && states.air_velocity.is_none() {
+        notes.push(
+            match seen {
+                [None, None] => "No wind is logged: it is taken for calm, and what is in the air is in the intervals. A circle with the airspeed in the log shows it",
+                _ => "No wind is logged: it is taken for what airspeed and velocity show of it in the mean",
+            }
+            .to_owned(),
+        );
+    }
+    if seen.contains(&None) {
+        notes.push("Wind: a circle on the wing, or level flight to and fro across and along it, a minute and more, with the airspeed in the log".to_owned());
+    }
     for ((n, &t), attitude) in base.iter().enumerate().zip(attitudes) {
         // The derivative of the rate through a filter of 30 ms.
         if let Some((then, before)) = last {
@@ -221,7 +253,7 @@ pub(super) fn flown(log: &Log, states: &States) -> anyhow::Result<Flown> {
             (_, Some(wind)) if wind.values[n][0].is_finite() => {
                 moving - Vector3::from(wind.values[n])
             }
-            _ => moving,
+            _ => moving - Vector3::new(blown[0], blown[1], 0.0),
         };
         let [nose, _, belly] = force.values[n];
         if velocity.overdue(n) > CEASED || force.overdue(n) > CEASED {
@@ -278,7 +310,12 @@ pub(super) fn flown(log: &Log, states: &States) -> anyhow::Result<Flown> {
         percent(finite(&|n| throttle[n])),
         percent(steps.len()),
     );
-    Ok(Flown { steps, rows, notes })
+    Ok(Flown {
+        steps,
+        rows,
+        wind: seen,
+        notes,
+    })
 }
 
 /// Leaves out what is slow while the force on it is not along the nose: it stands on the ground, on its wheels or its belly.

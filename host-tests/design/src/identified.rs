@@ -85,6 +85,8 @@ pub struct Identified {
     pub predicted: [f64; 2],
     /// Median of the airspeed on the wing [m/s].
     pub flown_m_s: Option<f64>,
+    /// Level wind in the mean of the flight, towards north and east [m/s].
+    pub wind_m_s: [Option<Measured>; 2],
     /// Specific force along nose and belly, measured and predicted, of what was held out: time \[s\], and four values.
     #[serde(skip)]
     pub held_out: Vec<[f64; 5]>,
@@ -349,6 +351,9 @@ impl Identified {
         {
             rows.push(row(&format!("c_L at {alpha:.0}°"), "", Some(*c_l)));
             rows.push(row(&format!("c_D at {alpha:.0}°"), "", Some(*c_d)));
+        }
+        for (toward, wind) in ["north", "east"].into_iter().zip(self.wind_m_s) {
+            rows.push(row(&format!("mean wind towards {toward}"), "m/s", wind));
         }
         rows
     }

@@ -90,6 +90,7 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
     let Flown {
         steps,
         rows,
+        wind,
         notes: mut missing,
     } = flown(log, states)?;
     let hovered = steps.iter().filter(|row| row.speed() < SLOW);
@@ -356,6 +357,7 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
         surface_reaction_m: known(fit.measured(5)),
         predicted: predicted_of,
         flown_m_s,
+        wind_m_s: wind,
         held_out,
         missing,
     };

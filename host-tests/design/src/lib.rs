@@ -34,6 +34,7 @@ mod turning;
 mod velocity_lag;
 mod verdict;
 mod waves;
+mod wind;
 mod wing;
 
 use alula::{GuidanceParameters, Parameters, ResponseParameters};

@@ -40,7 +40,6 @@ fn parameters(texts: &[&str]) -> Parameters {
 
 /// From hover to `speed` [m/s] at 2 m/s², and back in a climb of 20 m, of a vehicle as it is, with an autopilot's sensors in still air.
 fn there_and_back(vehicle: &str, speed: f64, changes: &[&str]) -> Experiment {
-    let mut document = Document::load("tail-sitter-hover").unwrap();
     let there = 3.0 + 0.5 * speed;
     let back = there + 8.0;
     let knots = [
@@ -51,6 +50,13 @@ fn there_and_back(vehicle: &str, speed: f64, changes: &[&str]) -> Experiment {
         (back + 5.0, -3.5, 0.5 * speed),
         (back + 10.0, 0.0, 0.0),
     ];
+    along(vehicle, &knots, changes)
+}
+
+/// Along these knots, time \[s\], velocity down and forward [m/s], and 16 s of hover, of a vehicle as it is, with an autopilot's sensors.
+fn along(vehicle: &str, knots: &[(f64, f64, f64)], changes: &[&str]) -> Experiment {
+    let mut document = Document::load("tail-sitter-hover").unwrap();
+    let (last, ..) = knots[knots.len() - 1];
     let knots: Vec<String> = knots
         .iter()
         .map(|(t, down, forward)| {
@@ -60,7 +66,7 @@ fn there_and_back(vehicle: &str, speed: f64, changes: &[&str]) -> Experiment {
     for change in [
         format!("plant.vehicle={vehicle}"),
         format!("reference.knots=[{}]", knots.join(",")),
-        format!("duration_s={:?}", back + 16.0),
+        format!("duration_s={:?}", last + 16.0),
     ]
     .iter()
     .map(String::as_str)
@@ -152,7 +158,8 @@ fn fly_as_believed(
         sent,
         |t, autopilot, channel| {
             event(t, autopilot, channel);
-            failed |= autopilot.has_failed();
+            // In the flight: afterwards the vehicle is held by nobody.
+            failed |= autopilot.has_failed() && kind.is_commanded(autopilot.mode());
             // Nobody flies it any more, and it falls.
             if autopilot.mode() == TERMINATION {
                 look(autopilot.body());
@@ -179,17 +186,46 @@ const WIDE: [&str; 2] = [
     "controller.guidance.max_slew_rad_s2=37.5",
 ];
 
+/// What a person knows of three vehicles, but for their cruise and how fast they turn.
+const KNOWN_SMALL: &str = "mass_kg=0.2\nwing_m2=0.0743\nsection='flat-plate'\naspect_ratio=3.13\nthrust_to_weight=2.0\nthrust_lag_s=0.05\nrate_lag_s=0.06\n\
+    actuators='elevons'\npropeller_m=0.127\n";
+const KNOWN_MAPPING: &str = "mass_kg=2.4\nwing_m2=0.4\nsection='naca-0012'\naspect_ratio=4.4\nthrust_to_weight=1.9\nthrust_lag_s=0.06\nrate_lag_s=0.12\n\
+    actuators='elevons'\npropeller_m=0.305\ndrag_area_m2=0.006\n";
+const KNOWN_BIPLANE: &str = "mass_kg=1.6\nwing_m2=0.36\nsection='naca-0012'\naspect_ratio=4.5\nthrust_to_weight=2.0\nthrust_lag_s=0.06\nrate_lag_s=0.06\n\
+    actuators='motors'\npropeller_m=0.203\ndrag_area_m2=0.008\n";
+
+/// What `new` makes of what is `known` of a vehicle that turns with `turn` \[rad/s²\] in hover, with the braking that it chose.
+fn of_new(known: &str, turn: f64, speed: f64) -> Design {
+    let known = Known::from_text(
+        "known",
+        &format!("{known}turn_rad_s2={turn:?}\ncruise_m_s={speed:?}\n"),
+    )
+    .unwrap();
+    let (design, _) = Design::new(known.facts().unwrap())
+        .unwrap()
+        .as_it_brakes("known");
+    design
+}
+
+/// Hover, out to `speed` [m/s], and back as `new` has a vehicle brake of which this is `known`: its round trip with a shorter cruise.
+fn first_flight(vehicle: &str, known: &str, turn: f64, speed: f64) -> Experiment {
+    let made = of_new(known, turn, speed).document("known").unwrap();
+    let made = made.checked().unwrap();
+    let mut knots = made.path.knots().unwrap().0.clone();
+    // Of its half a minute of cruise 8 s, and of its minute of hover 16 s.
+    let less = knots[2].t_s - knots[1].t_s - 8.0;
+    for knot in &mut knots[2..] {
+        knot.t_s -= less;
+    }
+    let knots = knots.iter();
+    let knots: Vec<(f64, f64, f64)> = knots.map(|k| (k.t_s, k.down_m_s, k.forward_m_s)).collect();
+    along(vehicle, &knots, &[])
+}
+
 /// What `new` makes of a small flying wing of which a person knows that it turns with `turn` \[rad/s²\] in hover, from what its page asks; with none what it made
 /// before it asked: limits of a vehicle of full authority.
 fn by_new(speed: f64, turn: Option<f64>) -> Experiment {
-    let known = format!(
-        "mass_kg=0.2\nwing_m2=0.0743\nsection='flat-plate'\naspect_ratio=3.13\nthrust_to_weight=2.0\nthrust_lag_s=0.05\nrate_lag_s=0.06\n\
-         cruise_m_s={speed:?}\nactuators='elevons'\npropeller_m=0.127\nturn_rad_s2={:?}\n",
-        turn.unwrap_or(75.0)
-    );
-    let known = Known::from_text("known", &known).unwrap();
-    let design = Design::new(known.facts().unwrap()).unwrap();
-    let (design, _) = design.as_it_brakes("small");
+    let design = of_new(KNOWN_SMALL, turn.unwrap_or(75.0), speed);
     let mut document = design.document("small").unwrap();
     if turn.is_none() {
         for change in WIDE.into_iter().chain(["vehicle.authority={}"]) {
@@ -562,14 +598,27 @@ fn preflight_judges_hover_and_streams() {
     ));
 }
 
-/// A factor within two, drawn.
-fn factor(random: &mut impl rand::Rng) -> f64 {
+/// A factor within `most`, drawn.
+fn factor(random: &mut impl rand::Rng, most: f64) -> f64 {
     use rand::RngExt;
-    2.0_f64.powf(2.0 * random.random::<f64>() - 1.0)
+    most.powf(2.0 * random.random::<f64>() - 1.0)
 }
 
-/// Gains and lags within a factor of two of those that suit, drawn, of which the guidance does not know; what cannot be flown is refused in hover, and nothing
-/// is lost. `FIRST_ATTEMPTS` of each vehicle. Prints the table of the page.
+/// Whether it was let pass, how far it was below and above what was asked \[m\], and how far it sank \[m\].
+type Attempt = (bool, [f64; 2], f64);
+
+/// The gains of PX4's rate loops.
+const LOOPS: [&str; 5] = [
+    "FW_PR_",
+    "FW_RR_",
+    "MC_ROLLRATE_",
+    "MC_PITCHRATE_",
+    "MC_YAWRATE_",
+];
+
+/// Gains and lags within a factor of two of those that suit, and of four, drawn, of which the guidance does not know; the vehicle brakes as `new` has it. What
+/// the nudge lets pass is not lost. All are flown, in spite of what it says. `FIRST_ATTEMPTS` of each.
+/// Prints the table of the page.
 #[test]
 #[ignore = "slow: cargo test-slow"]
 fn slow_no_first_attempt_is_lost() {
@@ -578,63 +627,54 @@ fn slow_no_first_attempt_is_lost() {
     let draws = std::env::var("FIRST_ATTEMPTS").ok();
     let draws: u64 = draws.and_then(|n| n.parse().ok()).unwrap_or(4);
     println!(
-        "| vehicle | autopilot | flights | refused | below [m], median, 95 %, most | above [m], median, 95 %, most | sank by 20 m |"
+        "| vehicle | autopilot | factor | flown | below [m], median, 95 %, most | above [m], median, 95 %, most | refused | of these held | sank by 20 m |"
     );
-    println!("|---|---|---:|---:|---:|---:|---:|");
-    for ((vehicle, speed, gains), (name, kind)) in [
-        ("small-flying-wing", 8.0, SMALL),
-        ("mapping", 14.0, MAPPING),
-        ("biplane", 14.0, BIPLANE),
+    println!("|---|---|---:|---:|---:|---:|---:|---:|---:|");
+    for ((vehicle, known, turn, speed, gains), (name, kind), most) in [
+        ("small-flying-wing", KNOWN_SMALL, 75.0, 8.0, SMALL),
+        ("mapping", KNOWN_MAPPING, 38.0, 14.0, MAPPING),
+        ("biplane", KNOWN_BIPLANE, 100.0, 14.0, BIPLANE),
     ]
     .into_iter()
     .flat_map(|of| [("PX4", Kind::Px4), ("ArduPlane", ARDUPLANE)].map(|kind| (of, kind)))
+    .flat_map(|(of, kind)| [2.0, 4.0].map(|most| (of, kind, most)))
     {
         let suited = match kind {
             Kind::Px4 => parameters(&[gains, OFFBOARD, PX4_SHIPPED]),
             Kind::ArduPlane(_) => parameters(&[QACRO, ARDUPLANE_SHIPPED]),
         };
-        let believed = under(&there_and_back(vehicle, speed, &[]), kind, &suited);
-        let flights: Vec<(bool, [f64; 2], f64)> = (0..draws)
+        let flight = first_flight(vehicle, known, turn, speed);
+        let believed = under(&flight, kind, &suited);
+        let names: Vec<(String, f64)> = suited
+            .iter()
+            .filter(|(name, _)| LOOPS.iter().any(|family| name.starts_with(family)))
+            .map(|(name, value)| (name.to_owned(), value))
+            .collect();
+        let flights: Vec<Attempt> = (0..draws)
             .into_par_iter()
             .map(|seed| {
                 let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
                 let mut drawn = suited.clone();
-                let of_loop = |name: &str| {
-                    [
-                        "FW_PR_",
-                        "FW_RR_",
-                        "MC_ROLLRATE_",
-                        "MC_PITCHRATE_",
-                        "MC_YAWRATE_",
-                    ]
-                    .iter()
-                    .any(|family| name.starts_with(family))
-                };
-                let names: Vec<(String, f64)> = suited
-                    .iter()
-                    .filter(|(name, _)| of_loop(name))
-                    .map(|(name, value)| (name.to_owned(), value))
-                    .collect();
-                for (name, value) in names {
-                    drawn.set(&name, (factor(&mut random) * value) as f32);
+                for (name, value) in &names {
+                    drawn.set(name, (factor(&mut random, most) * value) as f32);
                 }
                 let mut flown = under(&believed, kind, &drawn);
                 let plant = flown.tail_sitter.as_mut().unwrap();
-                plant.vehicle.motors.lag_s *= factor(&mut random);
-                plant.vehicle.servo.lag_s *= factor(&mut random);
+                plant.vehicle.motors.lag_s *= factor(&mut random, most);
+                plant.vehicle.servo.lag_s *= factor(&mut random, most);
                 if kind != Kind::Px4 {
                     // ArduPlane's rate loop is that of the experiment.
-                    plant.unknown.rate_gain = factor(&mut random);
+                    plant.unknown.rate_gain = factor(&mut random, most);
                 }
                 let flight =
-                    fly_as_believed(&believed, &flown, kind, &drawn, false, as_it_is, nothing);
+                    fly_as_believed(&believed, &flown, kind, &drawn, true, as_it_is, nothing);
                 (is_go(&flight.findings), flight.off, flight.sank)
             })
             .collect();
-        let refused = flights.iter().filter(|(go, ..)| !go).count();
+        let (flown, refused): (Vec<Attempt>, Vec<Attempt>) =
+            flights.into_iter().partition(|(go, ..)| *go);
         let of = |side: usize| {
-            let flown = flights.iter().filter(|(go, ..)| *go);
-            let mut all: Vec<f64> = flown.map(|(_, off, _)| off[side].abs()).collect();
+            let mut all: Vec<f64> = flown.iter().map(|(_, off, _)| off[side].abs()).collect();
             all.sort_by(f64::total_cmp);
             let last = all.len().saturating_sub(1) as f64;
             let at = |share: f64| all.get((last * share).round() as usize);
@@ -642,12 +682,18 @@ fn slow_no_first_attempt_is_lost() {
                 .map(|share| at(share).map_or("–".to_owned(), |off| format!("{off:.1}")))
                 .join(", ")
         };
-        let lost = flights.iter().filter(|(.., sank)| *sank > 20.0).count();
+        let held = |(_, [low, high], _): &&Attempt| *low > -2.0 && *high < 2.0;
+        let held = refused.iter().filter(held).count();
+        let lost = |of: &[Attempt]| of.iter().filter(|f| f.2 > 20.0).count();
         println!(
-            "| {vehicle} | {name} | {draws} | {refused} | {} | {} | {lost} |",
+            "| {vehicle} | {name} | {most} | {} | {} | {} | {} | {held} | {}, {} |",
+            flown.len(),
             of(0),
-            of(1)
+            of(1),
+            refused.len(),
+            lost(&flown),
+            lost(&refused)
         );
-        assert_eq!(lost, 0, "{vehicle}, {name}: {flights:?}");
+        assert_eq!(lost(&flown), 0, "{vehicle}, {name}: {flown:?}");
     }
 }
