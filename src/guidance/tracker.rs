@@ -144,10 +144,19 @@ impl Tracker {
         }
     }
 
-    /// `v` with less of its part along the course of the plane of flight, `forward`.
+    /// `v` with less of its part along the course of the plane of flight, `forward`, which is level.
     #[inline(always)]
     fn eased(&self, v: Ned, forward: Ned) -> Ned {
-        v - forward * ((1.0 - self.easing) * forward.dot(v))
+        if self.easing >= 1.0 {
+            return v;
+        }
+        core::hint::cold_path();
+        let less = (1.0 - self.easing) * (forward.north * v.north + forward.east * v.east);
+        Ned::new(
+            v.north - less * forward.north,
+            v.east - less * forward.east,
+            v.down,
+        )
     }
 
     /// `position` \[m\] no farther than the integral could hold.
