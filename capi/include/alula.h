@@ -887,7 +887,8 @@ typedef struct alula_guidance_parameters {
      */
     float position_gain_down;
     /**
-     * Velocity per position error, horizontal. Zero turns the hold off.
+     * Velocity per position error, horizontal. In the plane of flight less where max_rate is low.
+     * Zero turns the hold off.
      * Unit: 1/s. From 0.0 to 100.0, default 0.81.
      */
     float position_gain_forward;

@@ -5,7 +5,6 @@
 
 use super::construction::check_thrust;
 use super::parameters::GuidanceParameters;
-use super::tuning::Tuning;
 use crate::error::ParameterError;
 use crate::math;
 use crate::parameters::Parameters;
@@ -39,10 +38,6 @@ struct Known {
     thrust_rate: f32,
     /// Angular acceleration in pitch that there is in hover [rad/s²].
     authority: f32,
-    /// Greatest rate with that [rad/s].
-    max_rate: f32,
-    /// Velocity per horizontal position error [1/s].
-    position_gain: f32,
     /// Speed that the propellers give the air in hover [m/s]; 0 if no surface needs it.
     downwash: f32,
     /// Speed of cruise [m/s].
@@ -92,8 +87,8 @@ rules! { known, default;
         "As measured.";
     position_gain_down = default.position_gain_down / default.thrust_rate * known.thrust_rate,
         "A little less than half of thrust_rate at any lag: the loop around the thrust is twice as fast.";
-    position_gain_forward = known.position_gain,
-        "A fifth of the fastest natural frequency: the loop around the attitude is faster by far. Less in proportion to `max_rate`, down to a quarter of the servo's `forward_gain`: who leans slowly is late to brake before its place, and plans would put off the way there again and again.";
+    position_gain_forward = default.position_gain_forward,
+        "A fifth of the fastest natural frequency: the loop around the attitude is faster by far.";
     max_velocity_down = default.max_velocity_down,
         "A sink that every vehicle can stop within a few metres.";
     max_sink = if known.downwash > 0.0 {
@@ -106,7 +101,7 @@ rules! { known, default;
         "A fifth of cruise: catching up is not a flight of its own. At most 0.6 of the airspeed across the wing that what turns the vehicle holds: in hover it catches up with its wing across the air.";
     integral_gain_down = default.integral_gain_down,
         "A fifth of position_gain_down at its fastest.";
-    integral_gain_forward = default.integral_gain_forward / default.position_gain_forward * known.position_gain,
+    integral_gain_forward = default.integral_gain_forward,
         "An eighth of position_gain_forward.";
     max_integral_down = default.max_integral_down,
         "Times thrust_rate it is an acceleration of 6 m/s² at its fastest: a mass that is believed wrongly by half.";
@@ -116,7 +111,7 @@ rules! { known, default;
         "The guidance itself stays below what thrust and wing carry.";
     max_load_factor = default.max_load_factor,
         "None: the airframe says what it bears. With less than 6 g a wing that has become too fast pulls out late.";
-    max_rate = known.max_rate,
+    max_rate = greatest_rate(known.authority),
         "Crosses the stall in half a second; the plans of the guidance are laid out for it. Less where the surfaces could not stop it within 2°.";
     max_slew = math::min(
         math::clamp(3.0 / known.rate_lag, default.max_slew, 2.0 * default.max_slew),
@@ -147,17 +142,6 @@ pub(crate) fn greatest_rate(authority: f32) -> f32 {
     math::min(GuidanceParameters::DEFAULT.max_rate, held)
 }
 
-/// The rule of `position_gain_forward` [1/s], from the greatest rate [rad/s].
-fn position_gain(max_rate: f32) -> f32 {
-    let default = GuidanceParameters::DEFAULT;
-    // At a quarter of the servo's gain the way to a place does not swing.
-    let least = 0.25 * Tuning::DEFAULT.forward_gain;
-    math::max(
-        default.position_gain_forward / default.max_rate * max_rate,
-        least,
-    )
-}
-
 impl GuidanceParameters {
     /// The parameters for `vehicle`, by the rules and for the [`REASONS`] given there. A start for every vehicle from 0.3 to 50 kg and 8 to
     /// 40 m/s with lags up to 0.2 s: the campaign `vehicles` flies them with beliefs that are wrong.
@@ -176,7 +160,6 @@ impl GuidanceParameters {
         let period = 1.0 / response.control_rate;
         let pitch = vehicle.pitch_authority();
         let authority = pitch.in_hover(weight, vehicle.thrust_max);
-        let max_rate = greatest_rate(authority);
         let held = pitch.airspeed_held(authority);
         Ok(ruled(&Known {
             rate_lag: response.rate_lag,
@@ -185,8 +168,6 @@ impl GuidanceParameters {
             thrust_rate: math::min(3.0, 0.75 / (response.thrust_lag + period)),
             cruise: response.cruise_speed,
             authority,
-            max_rate,
-            position_gain: position_gain(max_rate),
             catching_up: math::min(response.cruise_speed / 5.0, CAUGHT_UP * held),
             downwash: if vehicle.authority_slipstream > 0.0 {
                 vehicle.hover_downwash
@@ -236,25 +217,6 @@ mod tests {
         // 1e-3 rad/s²: roundings.
         assert!((p.natural_frequency * p.natural_frequency - 6.0).abs() < 1e-3);
         assert!(p.max_slew <= 7.0 + 1e-3 && p.max_rate < 1.0);
-    }
-
-    /// With 26 rad/s² it turns at 1.2 rad/s in place of 2.8; with 10 the servo's gain is what counts.
-    #[test]
-    fn who_leans_slowly_goes_to_its_place_slowly() {
-        let gains = |authority: f32| {
-            let vehicle = VehicleParameters {
-                authority,
-                ..VehicleParameters::PAPER
-            };
-            let p = GuidanceParameters::for_vehicle(&vehicle, &PAPER).unwrap();
-            (p.position_gain_forward, p.integral_gain_forward)
-        };
-        let (quick, slow, slowest) = (gains(1e6), gains(26.0), gains(10.0));
-        assert_eq!(quick.0, 0.81);
-        assert!((slow.0 - 0.81 * 1.2066 / 2.8).abs() < 1e-3);
-        assert!((slowest.0 - 0.25 * 1.11).abs() < 1e-4);
-        // The integral follows: its share is the same.
-        assert!((slow.1 / slow.0 - quick.1 / quick.0).abs() < 1e-6);
     }
 
     /// 10 rad/s² hold a wing that takes 0.5 w² at 4.5 m/s.

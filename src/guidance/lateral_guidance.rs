@@ -108,6 +108,8 @@ impl ReferenceModelState {
 pub(super) struct LateralGuidance {
     /// Greatest acceleration to the side [m/s²]. Zero: the plane is not turned.
     max: f32,
+    /// Velocity per position error across the plane [1/s].
+    position_gain: f32,
     /// ([`SHARE`] T_max/(m g))²: what of the greatest thrust carries a turn, in multiples of the weight, squared.
     thrust_squared: f32,
     /// [`SHARE`] of the greatest lift coefficient short of stall.
@@ -180,6 +182,7 @@ impl LateralGuidance {
         let loaded = math::sqrt(math::max(load * load - 1.0, 0.0).abs());
         Self {
             max: math::min(p.max_lateral_acceleration, loaded) * vehicle.gravity(),
+            position_gain: p.position_gain_forward,
             thrust_squared: thrust * thrust,
             stall,
             lift: stall * k_a / weight,
@@ -252,10 +255,7 @@ impl LateralGuidance {
         // The horizontal air velocity wanted: it is that which is turned.
         let forward = servo.desired_velocity(position, v_r, wind).forward() - wind.forward();
         let right = v_r_across
-            - limited(
-                servo.position_gain.forward() * aside,
-                servo.max_velocity.forward(),
-            )
+            - limited(self.position_gain * aside, servo.max_velocity.forward())
             - wind_across;
         let wanted = math::sqrt(forward * forward + right * right);
         let ahead = velocity.forward() - wind.forward();
@@ -469,21 +469,23 @@ mod tests {
         seconds: f32,
         see: impl FnMut(&ReferenceModelState, &ReferenceModelOutput),
     ) -> ReferenceModelState {
-        fly_with(start, reference, 0.0, seconds, see)
+        let p = GuidanceParameters::default();
+        fly_with(&p, start, reference, 0.0, seconds, see)
     }
 
-    /// The same without a part of the greatest thrust.
+    /// The same with these parameters, without a part of the greatest thrust.
     fn fly_with(
+        p: &GuidanceParameters,
         start: ReferenceModelState,
         reference: &Reference,
         missing_thrust: f32,
         seconds: f32,
         mut see: impl FnMut(&ReferenceModelState, &ReferenceModelOutput),
     ) -> ReferenceModelState {
-        let (p, vehicle) = (GuidanceParameters::default(), vehicle());
-        let turning = LateralGuidance::new(&p, &vehicle);
+        let vehicle = vehicle();
+        let turning = LateralGuidance::new(p, &vehicle);
         let planner = Planner::new(
-            &p,
+            p,
             &vehicle,
             turning.lift_coefficient(),
             &crate::guidance::Tuning::default(),
@@ -527,6 +529,32 @@ mod tests {
             assert_eq!(moved.axes.gravity, 9.81);
         });
         assert!((end.velocity.north - 12.0).abs() < 1.0);
+    }
+
+    /// 5 m to the right of a place and ahead of it in hover: who turns at 1.2 rad/s in place of 2.8 comes back as fast to the side, and more slowly
+    /// in its plane of flight.
+    #[test]
+    fn who_leans_slowly_goes_aside_as_fast() {
+        let left = |max_rate: f32| {
+            let p = GuidanceParameters {
+                max_rate,
+                ..GuidanceParameters::default()
+            };
+            let start = ReferenceModelState {
+                position: Ned::new(5.0, 5.0, 0.0),
+                thrust: vehicle().weight(),
+                ..flight(Ned::ZERO, 0.0)
+            };
+            let reference = Reference {
+                heading: Heading::of_unit(Ned::new(1.0, 0.0, 0.0)),
+                ..cruise(0.0, 0.0)
+            };
+            fly_with(&p, start, &reference, 0.0, 3.0, |_, _| {}).position
+        };
+        let (quick, slow) = (left(2.8), left(1.2));
+        // In its plane 2 m are left of the 5.
+        assert!((slow.east - quick.east).abs() < 0.3, "{quick:?} {slow:?}");
+        assert!(slow.north > quick.north + 1.5, "{quick:?} {slow:?}");
     }
 
     /// A velocity reversed at speed is turned: it never gets slow. Forces, load factor and their change are those of the
@@ -586,9 +614,16 @@ mod tests {
         let start = flight(Ned::new(0.0, 0.0, 12.0), 0.0);
         for missing in [0.0, 9.81] {
             let mut most = 0f32;
-            fly_with(start, &cruise(0.0, 0.0), missing, 1.0, |f, _| {
-                most = f32::max(most, f.thrust);
-            });
+            fly_with(
+                &GuidanceParameters::default(),
+                start,
+                &cruise(0.0, 0.0),
+                missing,
+                1.0,
+                |f, _| {
+                    most = f32::max(most, f.thrust);
+                },
+            );
             // 1e-3 N: roundings of mass and thrust.
             assert!((most - (vehicle().thrust_max() - missing)).abs() < 1e-3);
         }

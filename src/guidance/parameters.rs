@@ -1,6 +1,8 @@
 //! The parameters of the guidance.
 
+use super::tuning::Tuning;
 use crate::error::ParameterError;
+use crate::math;
 use crate::parameters::Parameters;
 
 crate::parameters! {
@@ -34,7 +36,7 @@ crate::parameters! {
         position_gain_down: "1/s", 0.0, 100.0, 1.43, "ALU_POS_P_D",
             "Velocity per position error, down. Zero turns the hold off.";
         position_gain_forward: "1/s", 0.0, 100.0, 0.81, "ALU_POS_P_F",
-            "Velocity per position error, horizontal. Zero turns the hold off.";
+            "Velocity per position error, horizontal. In the plane of flight less where max_rate is low. Zero turns the hold off.";
         max_velocity_down: "m/s", 0.0, 1e3, 4.7, "ALU_POS_V_D",
             "Greatest velocity towards the reference position, down.";
         max_sink: "m/s", 0.0, 1e3, 4.7, "ALU_POS_SINK",
@@ -86,10 +88,43 @@ impl GuidanceParameters {
     pub(super) fn check_all(&self) -> Result<(), ParameterError> {
         self.check()
     }
+
+    /// Part of the horizontal gains that is left in the plane of flight, in proportion to `max_rate`: who leans slowly is late to brake before its
+    /// place, and plans would put off the way there again and again. At a quarter of the servo's gain the way to a place does not swing.
+    pub(super) fn easing(&self, tuning: &Tuning) -> f32 {
+        let least = 0.25 * tuning.forward_gain / self.position_gain_forward;
+        math::min(
+            math::max(self.max_rate / Self::DEFAULT.max_rate, least),
+            1.0,
+        )
+    }
 }
 
 impl Default for GuidanceParameters {
     fn default() -> Self {
         Self::DEFAULT
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// At 1.2 rad/s in place of 2.8; at 0.8 rad/s the servo's gain is what counts.
+    #[test]
+    fn who_leans_slowly_goes_to_its_place_slowly() {
+        let along = |max_rate: f32, position_gain_forward: f32| {
+            let p = GuidanceParameters {
+                max_rate,
+                position_gain_forward,
+                ..GuidanceParameters::DEFAULT
+            };
+            position_gain_forward * p.easing(&Tuning::DEFAULT)
+        };
+        assert_eq!((along(2.8, 0.81), along(5.0, 0.81)), (0.81, 0.81));
+        assert!((along(1.2, 0.81) - 0.81 * 1.2 / 2.8).abs() < 1e-6);
+        assert!((along(0.8, 0.81) - 0.25 * 1.11).abs() < 1e-6);
+        // What is slower by itself stays, and so does a hold that is off.
+        assert_eq!((along(0.8, 0.2), along(0.8, 0.0)), (0.2, 0.0));
     }
 }

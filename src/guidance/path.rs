@@ -28,7 +28,8 @@ impl<A, G> Guidance<A, G> {
         } else {
             LEAST_SPEED * LEAST_SPEED
         };
-        let scale = 1.0 + SHARE * self.tracker.position_gain[1] * ahead / least;
+        let scale =
+            1.0 + SHARE * self.planner.reference_model.position_gain.forward() * ahead / least;
         if scale.is_finite() {
             math::clamp(scale, SLOWEST, FASTEST)
         } else {

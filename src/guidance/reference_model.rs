@@ -163,7 +163,10 @@ impl ReferenceModel {
         Self {
             rate: SHARE_OF_RATE * p.max_rate,
             slew: SHARE_OF_SLEW * p.max_slew,
-            position_gain: Inertial::new(p.position_gain_down, p.position_gain_forward),
+            position_gain: Inertial::new(
+                p.position_gain_down,
+                p.easing(tuning) * p.position_gain_forward,
+            ),
             max_velocity: Inertial::new(p.max_velocity_down, p.max_velocity_forward),
             max_sink: p.max_sink,
             held: vehicle.authority().airspeed_held((1.0 - SPARE) * turning),

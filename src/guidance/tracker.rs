@@ -9,6 +9,7 @@ use super::lateral_guidance::{ReferenceModelOutput, ReferenceModelState};
 use super::parameters::GuidanceParameters;
 use super::reference_model::{limited, transverse_force};
 use super::status::Status;
+use super::tuning::Tuning;
 use super::wrap::wrap;
 use crate::aero::Aerodynamics;
 use crate::authority::Airflow;
@@ -83,7 +84,9 @@ pub(super) struct TrackerOutput {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Tracker {
-    pub(super) position_gain: [f32; 2],
+    position_gain: [f32; 2],
+    /// Part of the horizontal gains that is left in the plane of flight.
+    easing: f32,
     max_velocity: [f32; 2],
     integral_gain: [f32; 2],
     max_integral: [f32; 2],
@@ -117,7 +120,7 @@ fn scaled(v: Ned, [down, horizontal]: [f32; 2]) -> Ned {
 
 impl Tracker {
     /// The tracker with these parameters, which have been checked.
-    pub fn new(p: &GuidanceParameters) -> Self {
+    pub fn new(p: &GuidanceParameters, tuning: &Tuning) -> Self {
         let reach = |most: f32, gain: f32| {
             if gain > 0.0 {
                 math::min(most / gain, MAX_SPEED)
@@ -131,6 +134,7 @@ impl Tracker {
                 reach(p.max_integral_forward, p.position_gain_forward),
             ],
             position_gain: [p.position_gain_down, p.position_gain_forward],
+            easing: p.easing(tuning),
             max_velocity: [p.max_velocity_down, p.max_velocity_forward],
             integral_gain: [p.integral_gain_down, p.integral_gain_forward],
             max_integral: [p.max_integral_down, p.max_integral_forward],
@@ -138,6 +142,12 @@ impl Tracker {
             lead: LAG_SHARE * p.max_rate,
             gain_schedule_floor: p.gain_schedule_floor,
         }
+    }
+
+    /// `v` with less of its part along the course of the plane of flight, `forward`.
+    #[inline(always)]
+    fn eased(&self, v: Ned, forward: Ned) -> Ned {
+        v - forward * ((1.0 - self.easing) * forward.dot(v))
     }
 
     /// `position` \[m\] no farther than the integral could hold.
@@ -197,7 +207,7 @@ impl Tracker {
         let law = part * part * (3.0 - 2.0 * part) * near * aligned;
 
         // The velocity asked for.
-        let slip = input.position - model.position;
+        let slip = self.eased(input.position - model.position, axes.forward);
         let (pull, _) = bounded(scaled(slip, self.position_gain), self.max_velocity);
         let mut reference = Reference {
             velocity: model.velocity - pull,
@@ -215,7 +225,8 @@ impl Tracker {
             STIFF
         };
         let bound = self.max_integral.map(|most| most * bound);
-        let full = self.integrate(integral, pull * (law / stiffness), bound, input, branch, dt);
+        let growing = self.eased(pull, axes.forward) * (law / stiffness);
+        let full = self.integrate(integral, growing, bound, input, branch, dt);
         // Along the thrust line a velocity error is a force, whatever F_p is.
         let held = attitude.to_axes(*integral);
         let held = Body::new(held.i, held.j * stiffness, held.w * stiffness);
@@ -410,6 +421,20 @@ mod tests {
         assert!(full && (kept - Ned::new(0.6, 0.8, 0.0)).norm_squared() < 1e-12);
         let (kept, full) = level(Ned::new(0.6, 0.0, 0.0), Ned::new(0.0, 1.0, 0.0));
         assert_eq!((kept, full), (Ned::new(0.6, 0.01, 0.0), false));
+    }
+
+    /// Half of the greatest rate by default: half of what is along the course, all of the rest.
+    #[test]
+    fn only_in_its_plane_of_flight_does_it_go_slowly() {
+        let p = GuidanceParameters {
+            max_rate: 1.4,
+            ..GuidanceParameters::default()
+        };
+        let tracker = Tracker::new(&p, &Tuning::default());
+        let (forward, right) = (Ned::new(0.6, 0.8, 0.0), Ned::new(-0.8, 0.6, 0.0));
+        let aside = right * 3.0 + Ned::new(0.0, 0.0, 5.0);
+        let left = tracker.eased(forward * 2.0 + aside, forward);
+        assert!((left - (forward + aside)).norm_squared() < 1e-10);
     }
 
     #[test]

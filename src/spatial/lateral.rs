@@ -141,7 +141,7 @@ pub(crate) struct Lateral {
 }
 
 impl LateralGains {
-    /// Sideslip [m/s] whose side force carries what the roll does not come to at once of a `lateral` force \[N\].
+    /// Sideslip [m/s] whose side force carries what the roll does not come to at once of a `lateral` force \[N\]: none where there is no side force.
     #[inline(always)]
     fn slip(&self, at: &LateralInput, lateral: f32, speed: f32) -> f32 {
         let closing = self.tilt * speed;
@@ -149,9 +149,15 @@ impl LateralGains {
             return 0.0;
         }
         core::hint::cold_path();
-        // Without a side force it is infinite, or no number: the most.
-        let missing = (lateral.abs() - at.roll / closing) / (at.side * speed);
-        let slip = math::min(missing, SLIP * speed);
+        let rolled = at.roll / closing;
+        let drag = at.side * speed;
+        // The side force of the greatest sideslip: where the roll closes more than that at once, it is not slipped for.
+        let most = SLIP * speed;
+        let carried = drag * most;
+        let square = carried * carried;
+        let most = most * (square / (square + rolled * rolled));
+        // Without a side force the first is infinite.
+        let slip = math::min((lateral.abs() - rolled) / drag, most);
         if lateral < 0.0 { -slip } else { slip }
     }
 
@@ -299,6 +305,26 @@ mod tests {
         assert_eq!(at(2.0, 0.014, 0.0), at(1e6, 0.014, 0.0));
         let other = at(2.0, -0.2, 0.0);
         assert!((other.0 + slow.0).abs() + (other.1 + slow.1).abs() < 1e-5);
+    }
+
+    /// At 20 m/s the greatest sideslip is 2 m/s, and the roll closes 1.53 N at once. It is asked for where its side force is the greater, half of it where
+    /// that is the same, and none without one.
+    #[test]
+    fn who_slips_for_nothing_does_not() {
+        let slip = |side: f32| {
+            let at = LateralInput {
+                side,
+                roll: 2.0 * WEIGHT,
+                ..hover()
+            };
+            gains().slip(&at, -0.2 * WEIGHT, 20.0)
+        };
+        assert_eq!(slip(0.0), 0.0);
+        // 12.8 N.
+        assert!((slip(0.32) + 2.0).abs() < 0.03, "{}", slip(0.32));
+        assert!((slip(1.533 / 40.0) + 1.0).abs() < 1e-3);
+        // Where less than the greatest carries all that is missing, no more than that: 18.1 N by 80 N s/m.
+        assert!((slip(4.0) + 18.09 / 80.0).abs() < 1e-3, "{}", slip(4.0));
     }
 
     /// In cruise without side force F_y lies along j: tilt is a roll, ω_i, and sideslip is taken out by ω_j. (With it

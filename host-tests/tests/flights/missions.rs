@@ -450,8 +450,8 @@ fn work_is_flown_so_by_vehicles_that_people_own() {
     for (name, unstalled, kept) in [
         ("small-flying-wing", 1, 1),
         ("mapping", 3, 3),
-        ("biplane", 2, 1),
-        ("heavy", 2, 0),
+        ("biplane", 1, 1),
+        ("heavy", 3, 1),
     ] {
         let fleet = Fleet {
             name,
