@@ -563,7 +563,7 @@ fn closed(draws: u64) {
 fn slow_what_was_identified_flies() {
     let draws = std::env::var("IDENTIFY_DRAWS").ok();
     // The median of four is chance: in turbulence a vehicle brakes through its stall, and flights differ by metres.
-    closed(draws.and_then(|n| n.parse().ok()).unwrap_or(12));
+    closed(draws.and_then(|n| n.parse().ok()).unwrap_or(8));
 }
 
 /// A flight that is too short, and one without a throttle, end with the reason.
@@ -677,7 +677,7 @@ fn a_circle_shows_the_wind() {
 #[ignore = "slow: cargo test-slow"]
 fn slow_circles_show_the_wind() {
     let draws = std::env::var("IDENTIFY_DRAWS").ok();
-    winds(draws.and_then(|n| n.parse().ok()).unwrap_or(10));
+    winds(draws.and_then(|n| n.parse().ok()).unwrap_or(5));
 }
 
 /// A log of our own at 50 Hz: a vehicle that is level, under 1 g, with a throttle of 30 %, and the velocity down and north of a time.
