@@ -64,7 +64,7 @@ pub struct Loop {
 }
 
 /// When the nudge of this number begins \[s\].
-fn begin(number: usize) -> f64 {
+const fn begin(number: usize) -> f64 {
     REST + number as f64 * (2.0 * HALF + REST)
 }
 
@@ -105,7 +105,7 @@ fn followed(rows: &[[f64; 3]]) -> [f64; 2] {
 
 impl Nudge {
     /// How long it takes \[s\].
-    pub const DURATION: f64 = REST + 4.0 * (2.0 * HALF + REST);
+    pub const DURATION: f64 = begin(AXES.len() + 1);
 
     /// Rates [rad/s] that are asked for at `t` \[s\] besides.
     #[must_use]
@@ -130,13 +130,20 @@ impl Nudge {
         });
     }
 
+    /// The samples around the nudge of this number.
+    fn around(&self, number: usize) -> impl Iterator<Item = &NudgeSample> {
+        let begin = begin(number);
+        let window = begin - 0.3..begin + 2.0 * HALF + 0.5;
+        self.samples
+            .iter()
+            .filter(move |sample| window.contains(&sample.t))
+    }
+
     /// What is had of a change of thrust; none if no specific force was told. Both are counted from their means: what holds the weight is no change.
     #[must_use]
     pub fn thrust_had(&self) -> Option<f64> {
-        let begin = begin(AXES.len());
-        let window = |t: f64| (begin - 0.3..begin + 2.0 * HALF + 0.5).contains(&t);
-        let of = self.samples.iter().filter(|sample| window(sample.t));
-        let of: Option<Vec<[f64; 3]>> = of
+        let of: Option<Vec<[f64; 3]>> = self
+            .around(AXES.len())
             .map(|sample| Some([sample.t, sample.thrust.into(), sample.force?.into()]))
             .collect();
         let of = of.filter(|of| of.len() > 2)?;
@@ -154,10 +161,8 @@ impl Nudge {
     #[must_use]
     pub fn loops(&self) -> [Loop; 3] {
         std::array::from_fn(|axis| {
-            let begin = begin(axis);
-            let window = |t: f64| (begin - 0.3..begin + 2.0 * HALF + 0.5).contains(&t);
-            let of = self.samples.iter().filter(|sample| window(sample.t));
-            let of: Vec<[f64; 3]> = of
+            let of: Vec<[f64; 3]> = self
+                .around(axis)
                 .map(|sample| [sample.t, sample.asked[axis].into(), sample.had[axis].into()])
                 .collect();
             let [share, lag_s] = followed(&of);

@@ -250,11 +250,16 @@ fn a_vehicle_is_learned_from_its_flight() {
     learned(1);
 }
 
+/// Draws of a slow test: `IDENTIFY_DRAWS`, or as many as CI has time for.
+fn draws(of_ci: u64) -> u64 {
+    let asked = std::env::var("IDENTIFY_DRAWS").ok();
+    asked.and_then(|n| n.parse().ok()).unwrap_or(of_ci)
+}
+
 #[test]
 #[ignore = "slow: cargo test-slow"]
 fn slow_vehicles_are_learned_from_their_flights() {
-    let draws = std::env::var("IDENTIFY_DRAWS").ok();
-    learned(draws.and_then(|n| n.parse().ok()).unwrap_or(2));
+    learned(draws(2));
 }
 
 /// What is identified of `draws` flights of each vehicle holds the truth: what is given has it in its interval in nine of ten, and the thrust over the weight
@@ -561,9 +566,8 @@ fn closed(draws: u64) {
 #[test]
 #[ignore = "slow: cargo test-slow"]
 fn slow_what_was_identified_flies() {
-    let draws = std::env::var("IDENTIFY_DRAWS").ok();
     // The median of four is chance: in turbulence a vehicle brakes through its stall, and flights differ by metres.
-    closed(draws.and_then(|n| n.parse().ok()).unwrap_or(8));
+    closed(draws(8));
 }
 
 /// A flight that is too short, and one without a throttle, end with the reason.
@@ -676,8 +680,7 @@ fn a_circle_shows_the_wind() {
 #[test]
 #[ignore = "slow: cargo test-slow"]
 fn slow_circles_show_the_wind() {
-    let draws = std::env::var("IDENTIFY_DRAWS").ok();
-    winds(draws.and_then(|n| n.parse().ok()).unwrap_or(5));
+    winds(draws(5));
 }
 
 /// A log of our own at 50 Hz: a vehicle that is level, under 1 g, with a throttle of 30 %, and the velocity down and north of a time.
