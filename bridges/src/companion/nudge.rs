@@ -1,6 +1,7 @@
 //! The rate loop and the throttle of an autopilot, measured in hover: a small step of each rate and of the thrust to either side, and what is had of what is
 //! asked.
 
+use super::Kind;
 use super::preflight::{Finding, Weight};
 
 /// Amplitude of a nudge [rad/s], and how long each half of it lasts \[s\]: 4° there and back.
@@ -8,14 +9,22 @@ const AMPLITUDE: f32 = 0.25;
 const HALF: f64 = 0.3;
 /// Time of rest before the first and behind each \[s\].
 const REST: f64 = 1.2;
-/// The axes, in their order: belly, wing, tail, of hover; what they are called, and which of PX4's parameters they follow.
-const AXES: [(&str, &str); 3] = [
-    ("roll of hover, about the belly", "MC_ROLLRATE_P"),
-    ("pitch", "FW_PR_FF and FW_PR_P, or MC_PITCHRATE_P of motors"),
-    (
-        "yaw of hover, about the nose",
-        "FW_RR_FF and FW_RR_P, or MC_YAWRATE_P of motors",
-    ),
+/// The axes, in their order: belly, wing, tail, of hover.
+const AXES: [&str; 3] = [
+    "roll of hover, about the belly",
+    "pitch",
+    "yaw of hover, about the nose",
+];
+/// Gains of the rate loops about them.
+const PX4: [&str; 3] = [
+    "MC_ROLLRATE_P",
+    "FW_PR_FF and FW_PR_P, or MC_PITCHRATE_P of motors",
+    "FW_RR_FF and FW_RR_P, or MC_YAWRATE_P of motors",
+];
+const ARDUPLANE: [&str; 3] = [
+    "Q_A_RAT_RLL_FF and Q_A_RAT_RLL_P",
+    "Q_A_RAT_PIT_FF and Q_A_RAT_PIT_P",
+    "Q_A_RAT_YAW_FF and Q_A_RAT_YAW_P",
 ];
 /// That about the nose.
 const NOSE: usize = 2;
@@ -28,13 +37,18 @@ const THRUST: f32 = 0.1;
 /// Shares of a change of thrust that are had, from and up to which the thrust is proportional, and flown. A propeller's thrust goes with the square of an output
 /// that nothing corrects: twice of a change is had. Of one that is corrected without need, half.
 const PROPORTIONAL: [[f64; 2]; 2] = [[0.75, 1.35], [0.6, 1.6]];
-/// Lags \[s\] that are tried.
-const LAGS: usize = 60;
+/// Dead times and time constants that are tried: how many, and the step between them \[s\].
+const DEAD_TIMES: usize = 15;
+const TIME_CONSTANTS: usize = 60;
 const LAG_STEP: f64 = 0.01;
 
 /// What the nudges of a flight gave.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Nudge {
+    kind: Kind,
+    /// Lag of the rate loop that is believed \[s\].
+    lag: f64,
+    elevons: bool,
     samples: Vec<NudgeSample>,
 }
 
@@ -77,33 +91,61 @@ fn there_and_back(t: f64, number: usize) -> f32 {
     }
 }
 
-/// The share and the lag \[s\] with which the last column of rows of time \[s\], asked and had follows the one before: least squares, over lags.
+/// The share and the lag \[s\] with which the last column of rows of time \[s\], asked and had follows the one before: least squares, over dead times and time
+/// constants. The guidance answers a nudge while it lasts, so that what is asked has peaks: without a dead time a link that is late looks like a loop that
+/// has twice of what is asked.
 fn followed(rows: &[[f64; 3]]) -> [f64; 2] {
     let mut best = (f64::INFINITY, [0.0; 2]);
-    for n in 0..LAGS {
-        let lag = n as f64 * LAG_STEP;
-        let (mut followed, mut products, mut squares, mut had) = (0.0, 0.0, 0.0, 0.0);
-        for pair in rows.windows(2) {
-            let dt = pair[1][0] - pair[0][0];
-            followed += (1.0 - (-dt / lag.max(1e-6)).exp()) * (pair[0][1] - followed);
-            products += followed * pair[1][2];
-            squares += followed * followed;
-            had += pair[1][2] * pair[1][2];
-        }
-        let share = if squares > 0.0 {
-            products / squares
-        } else {
-            0.0
-        };
-        let rest = had - share * products;
-        if rest < best.0 {
-            best = (rest, [share, lag]);
+    for dead in (0..DEAD_TIMES).map(|n| n as f64 * LAG_STEP) {
+        // What was asked so long before each row; before the first, as in it.
+        let mut at = 0;
+        let delayed: Vec<f64> = rows
+            .iter()
+            .map(|[t, ..]| {
+                while rows[at + 1..]
+                    .first()
+                    .is_some_and(|next| next[0] <= t - dead)
+                {
+                    at += 1;
+                }
+                rows[at][1]
+            })
+            .collect();
+        for lag in (0..TIME_CONSTANTS).map(|n| n as f64 * LAG_STEP) {
+            let (mut followed, mut products, mut squares, mut had) = (0.0, 0.0, 0.0, 0.0);
+            for (pair, asked) in rows.windows(2).zip(&delayed) {
+                let dt = pair[1][0] - pair[0][0];
+                followed += (1.0 - (-dt / lag.max(1e-6)).exp()) * (asked - followed);
+                products += followed * pair[1][2];
+                squares += followed * followed;
+                had += pair[1][2] * pair[1][2];
+            }
+            let share = if squares > 0.0 {
+                products / squares
+            } else {
+                0.0
+            };
+            let rest = had - share * products;
+            if rest < best.0 {
+                best = (rest, [share, dead + lag]);
+            }
         }
     }
     best.1
 }
 
 impl Nudge {
+    /// Of an autopilot of this `kind`, of whose rate loop this `lag` \[s\] is believed, and a vehicle with or without `elevons`.
+    #[must_use]
+    pub fn new(kind: Kind, lag: f64, elevons: bool) -> Self {
+        Self {
+            kind,
+            lag,
+            elevons,
+            samples: Vec::new(),
+        }
+    }
+
     /// How long it takes \[s\].
     pub const DURATION: f64 = begin(AXES.len() + 1);
 
@@ -181,19 +223,22 @@ impl Nudge {
         })
     }
 
-    /// What is to be said of the loops, of which `lag` \[s\] is believed, of a vehicle with or without `elevons`. Without, the propellers' torque turns it about the
-    /// nose: that is slow, and flown by.
+    /// What is to be said of the loops. Without elevons the propellers' torque turns the vehicle about the nose: that is slow, and flown by.
     #[must_use]
-    pub fn findings(&self, lag: f64, elevons: bool) -> Vec<Finding> {
-        let loops = self.loops().into_iter().zip(AXES).enumerate();
-        let findings = loops.map(|(number, (of_axis, (axis, parameters)))| {
+    pub fn findings(&self) -> Vec<Finding> {
+        let gains = match self.kind {
+            Kind::Px4 => PX4,
+            Kind::ArduPlane(_) => ARDUPLANE,
+        };
+        let loops = self.loops().into_iter().zip(AXES).zip(gains).enumerate();
+        let findings = loops.map(|(number, ((of_axis, axis), parameters))| {
             let Loop {
                 share,
                 lag_s,
                 rest_rad_s,
             } = of_axis;
             let [good, flown] = SHARES.map(|[least, most]| (least..=most).contains(&share));
-            let slow = lag_s > 2.0 * lag + 0.05;
+            let slow = lag_s > 2.0 * self.lag + 0.05;
             let (weight, change) = if rest_rad_s > SWINGS {
                 (
                     Weight::NoGo,
@@ -210,7 +255,7 @@ impl Nudge {
                 let way = if share < 1.0 { "more" } else { "less" };
                 (Weight::NoGo, Some(format!("{parameters}: {way}")))
             } else if slow {
-                let by_torque = number == NOSE && !elevons;
+                let by_torque = number == NOSE && !self.elevons;
                 (
                     if by_torque {
                         Weight::Remark
@@ -237,13 +282,16 @@ impl Nudge {
             }
         });
         findings
-            .chain(self.thrust_had().map(proportional))
+            .chain(
+                self.thrust_had()
+                    .map(|share| proportional(self.kind, share)),
+            )
             .collect()
     }
 }
 
 /// What is to be said of a thrust of whose change this share is had.
-fn proportional(share: f64) -> Finding {
+fn proportional(kind: Kind, share: f64) -> Finding {
     let [good, flown] = PROPORTIONAL.map(|[least, most]| (least..=most).contains(&share));
     let weight = match (good, flown) {
         (true, _) => Weight::Good,
@@ -251,14 +299,15 @@ fn proportional(share: f64) -> Finding {
         _ => Weight::NoGo,
     };
     let way = if share > 1.0 { "more" } else { "less" };
+    let parameter = match kind {
+        Kind::Px4 => "THR_MDL_FAC",
+        Kind::ArduPlane(_) => "Q_M_THST_EXPO",
+    };
     Finding {
         weight,
         what: format!("thrust: {:.0} % of a change that is asked", 100.0 * share),
-        change: (weight != Weight::Good).then(|| {
-            format!(
-                "THR_MDL_FAC of PX4, Q_M_THST_EXPO of ArduPlane: {way}, then the throttle of hover"
-            )
-        }),
+        change: (weight != Weight::Good)
+            .then(|| format!("{parameter}: {way}, then the throttle of hover")),
     }
 }
 
@@ -268,7 +317,7 @@ mod tests {
 
     /// A loop of this share and lag, in steps of 20 ms, with a swing [rad/s] of 3 Hz.
     fn measured(share: f64, lag: f64, swing: f64) -> Nudge {
-        let mut nudge = Nudge::default();
+        let mut nudge = Nudge::new(Kind::Px4, 0.08, true);
         let mut had = [0.0_f64; 3];
         for n in 0..(Nudge::DURATION / 0.02) as u32 {
             let t = 0.02 * f64::from(n);
@@ -292,9 +341,56 @@ mod tests {
         }
     }
 
+    #[test]
+    fn a_late_link_is_not_a_high_gain() {
+        // The guidance answers while the nudge lasts, by the attitude that it hears of 60 ms late: what is asked has peaks, as on a real ArduPlane.
+        let (lag, late) = (0.06, 3);
+        let mut nudge = Nudge::new(Kind::Px4, 0.08, true);
+        let mut angles = vec![[0.0_f64; 3]; late + 1];
+        let mut had = vec![[0.0_f64; 3]; late + 1];
+        for n in 0..(Nudge::DURATION / 0.02) as u32 {
+            let t = 0.02 * f64::from(n);
+            let heard = angles[angles.len() - 1 - late];
+            let asked: [f64; 3] =
+                std::array::from_fn(|axis| f64::from(Nudge::asked(t)[axis]) - 4.0 * heard[axis]);
+            let of = had[had.len() - 1 - late].map(|x| x as f32);
+            nudge.take(t, [asked.map(|x| x as f32), of], 1.0, None);
+            let (rate, angle) = (had[had.len() - 1], angles[angles.len() - 1]);
+            had.push(std::array::from_fn(|axis| {
+                rate[axis] + (1.0 - (-0.02_f64 / lag).exp()) * (asked[axis] - rate[axis])
+            }));
+            angles.push(std::array::from_fn(|axis| angle[axis] + 0.02 * rate[axis]));
+        }
+        for found in nudge.loops() {
+            assert!((found.share - 1.0).abs() < 0.05, "{found:?}");
+            // What is heard is late by the link, too.
+            assert!((found.lag_s - lag - 0.06).abs() < 0.02, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn what_is_to_be_changed_is_a_parameter_of_the_autopilot() {
+        let changes = |kind| {
+            let mut nudge = measured(0.3, 0.08, 0.0);
+            nudge.kind = kind;
+            let changes = nudge
+                .findings()
+                .into_iter()
+                .filter_map(|found| found.change);
+            changes.collect::<Vec<_>>().join("; ")
+        };
+        let plane = changes(Kind::ArduPlane(crate::companion::Sticks::default()));
+        assert!(
+            plane.contains("Q_A_RAT_PIT_P") && !plane.contains("FW_PR_P"),
+            "{plane}"
+        );
+        let px4 = changes(Kind::Px4);
+        assert!(px4.contains("FW_PR_P") && !px4.contains("Q_A_RAT"), "{px4}");
+    }
+
     /// A thrust that goes with this power of what is asked, with the lag \[s\] of motors, on noise that is no thrust's.
     fn thrust_by(power: f64, lag: f64) -> Nudge {
-        let mut nudge = Nudge::default();
+        let mut nudge = Nudge::new(Kind::Px4, 0.08, true);
         let mut had = 1.0_f64;
         for n in 0..(Nudge::DURATION / 0.02) as u32 {
             let t = 0.02 * f64::from(n);
@@ -318,18 +414,18 @@ mod tests {
                 let nudge = thrust_by(power, lag);
                 let share = nudge.thrust_had().unwrap();
                 assert!((share / power - 1.0).abs() < 0.1, "{power}: {share}");
-                let findings = nudge.findings(0.08, true);
+                let findings = nudge.findings();
                 assert_eq!(findings.last().unwrap().weight, weight, "{findings:?}");
             }
         }
         // Without specific forces nothing is said of it.
-        assert_eq!(measured(1.0, 0.08, 0.0).findings(0.08, true).len(), 3);
+        assert_eq!(measured(1.0, 0.08, 0.0).findings().len(), 3);
     }
 
     #[test]
     fn what_cannot_be_flown_is_no_go() {
         let weights = |nudge: &Nudge| {
-            let findings = nudge.findings(0.08, true);
+            let findings = nudge.findings();
             findings.iter().map(|f| f.weight).max().unwrap()
         };
         assert_eq!(weights(&measured(1.0, 0.08, 0.0)), Weight::Good);
@@ -346,8 +442,9 @@ mod tests {
             );
         }
         // Propellers' torque is slow about the nose; about the other axes a slow loop is none to fly by.
-        let slow = measured(1.0, 0.35, 0.0).findings(0.08, false);
-        let weights: Vec<Weight> = slow.iter().map(|f| f.weight).collect();
+        let mut slow = measured(1.0, 0.35, 0.0);
+        slow.elevons = false;
+        let weights: Vec<Weight> = slow.findings().iter().map(|f| f.weight).collect();
         assert_eq!(weights, [Weight::NoGo, Weight::NoGo, Weight::Remark]);
         // There and back.
         let turned: f64 = (0..1000)

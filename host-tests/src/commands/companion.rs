@@ -80,7 +80,7 @@ pub fn run(args: &Args) -> anyhow::Result<()> {
     let mut pilot = OnPath::new(&experiment, lead)?;
     let mut settings = settings(&experiment, args.hover_thrust)?;
     if lead != Lead::Link {
-        pilot = pilot.nudged(lag, args.despite);
+        pilot = pilot.nudged(args.autopilot.kind()?, lag, args.despite);
         settings.duration += match pilot.is_nudging() {
             true => Nudge::DURATION,
             false => 0.0,

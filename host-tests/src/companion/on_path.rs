@@ -92,7 +92,7 @@ pub struct OnPath {
     theta: f64,
     record: Record,
     /// What is measured in hover before the path is flown, and the lag that is believed \[s\]; none where it is not, or was.
-    nudge: Option<(Nudge, f64)>,
+    nudge: Option<Nudge>,
     /// Whether elevons turn it.
     elevons: bool,
     /// How long that took \[s\], and what came of it.
@@ -223,12 +223,12 @@ impl OnPath {
         })
     }
 
-    /// The same, with the rate loop measured in hover before the path, against the `lag` \[s\] that is believed; the flight is then longer by
+    /// The same, with the rate loop of an autopilot of this `kind` measured in hover before the path, against the `lag` \[s\] that is believed; the flight is then longer by
     /// [`Nudge::DURATION`]. It ends there if the loop cannot be flown, unless it goes on `despite` that. A flight that begins at speed is flown at once.
     #[must_use]
-    pub fn nudged(mut self, lag: f64, despite: bool) -> Self {
+    pub fn nudged(mut self, kind: Kind, lag: f64, despite: bool) -> Self {
         if matches!(self.led, Led::Path(_)) {
-            self.nudge = Some((Nudge::default(), lag));
+            self.nudge = Some(Nudge::new(kind, lag, self.elevons));
         }
         self.refuses = !despite;
         self
@@ -576,9 +576,9 @@ impl Pilot for OnPath {
     fn answer(&mut self, told: &Told, dt: f32) -> Result<Command, End> {
         let mut told = self.axes.told(told);
         let t = f64::from(told.t as f32);
-        if let Some((nudge, lag)) = self.nudge.take_if(|_| t > Nudge::DURATION) {
+        if let Some(nudge) = self.nudge.take_if(|_| t > Nudge::DURATION) {
             self.nudged = told.t as f32;
-            self.findings = nudge.findings(lag, self.elevons);
+            self.findings = nudge.findings();
         }
         told.t -= f64::from(self.nudged);
         let told = &told;
@@ -653,7 +653,7 @@ impl Pilot for OnPath {
         let mut rates = BodyAxes::NoseUp.components(answer.rates);
         let mut thrust = answer.thrust;
         match &mut self.nudge {
-            Some((nudge, _)) => {
+            Some(nudge) => {
                 for (rate, besides) in rates.iter_mut().zip(Nudge::asked(t)) {
                     *rate += besides;
                 }

@@ -136,7 +136,7 @@ fn fly_as_believed(
     let craft = Craft::new(experiment).unwrap();
     let mut pilot = OnPath::new(believed, Lead::Path(None))
         .unwrap()
-        .nudged(0.12, despite);
+        .nudged(kind, 0.12, despite);
     let mut settings = Settings {
         kind,
         ..settings(believed, None).unwrap()
