@@ -90,9 +90,7 @@ fn why(name: &str) -> &'static str {
         "Q_M_SPIN_ARM" | "Q_M_SPIN_MIN" => {
             "it does not arm with Q_M_SPIN_ARM above Q_M_SPIN_MIN, and idle is thrust that nobody asked for"
         }
-        "Q_M_THST_EXPO" | "Q_M_SPIN_MAX" | "Q_THROTTLE_EXPO" => {
-            "thrust is not proportional to the throttle"
-        }
+        "Q_M_SPIN_MAX" | "Q_THROTTLE_EXPO" => "thrust is not proportional to the throttle",
         "THR_MDL_FAC" => {
             "thrust is proportional to the set-point only where the outputs of the motors are thrusts already, as in PX4's SIH. The nudge in hover measures it"
         }
