@@ -358,6 +358,7 @@ impl Mission {
             .position((!troubles.contains(Troubles::POSITION)).then(|| ned(self.position)))
             .velocity(velocity)
             .wind(input.air().wind(velocity).unwrap_or(UNKNOWN))
+            .airspeed(input.air().airspeed())
             .orientation(orientation)
             .thrust(thrust)
             .armed(self.flags & ALULA_ARMED != 0)

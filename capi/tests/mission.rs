@@ -117,6 +117,8 @@ fn a_mission_is_the_cores_to_the_bit() {
     items(&mut mission, &MISSION, 0).unwrap();
     let (mut x, mut v) = (Ned::ZERO, Ned::ZERO);
     let wind = Ned::new(-2.0, 1.0, 0.0);
+    // Less than it climbs with.
+    let airspeed = 2.0;
     let (mut command, mut seen, mut off) = (Command::SAFE, 0_u32, 0);
     for n in 0..20_000 {
         let up = n % 2 == 0;
@@ -138,7 +140,7 @@ fn a_mission_is_the_cores_to_the_bit() {
         mission.position = [x.north, x.east, x.down];
         let specific = Frd::new(9.81, 0.0, 0.0);
         let input = Input {
-            flags: ALULA_SPECIFIC_FORCE,
+            flags: ALULA_SPECIFIC_FORCE | ALULA_AIR_PITOT,
             body_axes: match up {
                 true => ALULA_BODY_NOSE_UP,
                 false => ALULA_BODY_NOSE_FORWARD,
@@ -146,6 +148,7 @@ fn a_mission_is_the_cores_to_the_bit() {
             quaternion: [qw, qx, qy, qz],
             velocity: [v.north, v.east, v.down],
             air: [wind.north, wind.east, wind.down],
+            airspeed,
             specific_force: axes.components(specific),
             ..Input::DEFAULT
         };
@@ -160,6 +163,7 @@ fn a_mission_is_the_cores_to_the_bit() {
             .position((!troubles.contains(Troubles::POSITION)).then_some(x))
             .velocity(v)
             .wind(wind)
+            .airspeed(airspeed)
             .orientation(orientation)
             .thrust(last)
             .armed(true)
@@ -169,7 +173,7 @@ fn a_mission_is_the_cores_to_the_bit() {
             GuidanceInput::default()
                 .velocity(v)
                 .orientation(orientation)
-                .air(Air::Wind(wind))
+                .air(Air::Pitot { airspeed, wind })
                 .specific_force(Some(specific)),
         );
         let (thrust, rates) = match asked.gate {

@@ -146,6 +146,7 @@ fn continue_with(x: Ned, v: Ned, bytes: &mut Bytes) -> MissionInput {
         .position((bytes.byte() % 16 > 0).then_some(x))
         .velocity(v)
         .wind(Ned::new(4.0, 2.0, 0.0))
+        .airspeed((bytes.byte() % 2 > 0).then(|| bytes.number(50.0)))
         .thrust(20.0)
         .armed(true)
         .troubles(match bytes.byte() {

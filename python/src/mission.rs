@@ -216,11 +216,11 @@ impl Mission {
     /// What is asked for, `dt` [s] after the last step.
     ///
     /// position: (north, east, down) [m], None where it is not known. velocity: over ground [m/s]. quaternion: (w, x, y, z), from the
-    /// body axes `axes` to north-east-down, as in `Guidance.update`. wind: as an autopilot estimates it [m/s]. thrust_n: commanded last
-    /// [N], for the energy and the touch-down. armed: whether it may take off. troubles: what has failed, of "link", "air", "battery",
+    /// body axes `axes` to north-east-down, as in `Guidance.update`. wind: as an autopilot estimates it [m/s]. airspeed: along the nose
+    /// [m/s], None or NaN where no tube tells it. thrust_n: commanded last [N], for the energy and the touch-down. armed: whether it may take off. troubles: what has failed, of "link", "air", "battery",
     /// "abort" and so on.
     #[pyo3(signature = (
-        dt, *, velocity, quaternion, position=None, wind=None, thrust_n=0.0, armed=true, troubles=Vec::new(), axes="nose-forward"
+        dt, *, velocity, quaternion, position=None, wind=None, airspeed=None, thrust_n=0.0, armed=true, troubles=Vec::new(), axes="nose-forward"
     ))]
     #[expect(clippy::too_many_arguments, reason = "by keyword in Python")]
     fn step(
@@ -231,6 +231,7 @@ impl Mission {
         quaternion: Numbers<'_>,
         position: Option<Numbers<'_>>,
         wind: Option<Numbers<'_>>,
+        airspeed: Option<f32>,
         thrust_n: f32,
         armed: bool,
         troubles: Vec<String>,
@@ -241,6 +242,7 @@ impl Mission {
             .position(position.transpose()?.map(ned))
             .velocity(ned(vector("velocity", &velocity)?))
             .wind(ned(vector_or_zero("wind", wind.as_ref())?))
+            .airspeed(airspeed)
             .orientation(orientation(&quaternion, body_axes(axes)?)?)
             .thrust(thrust_n)
             .armed(armed)

@@ -88,6 +88,14 @@ pub enum Air<V = Ned> {
 }
 
 impl<V: Copy> Air<V> {
+    /// Airspeed along the nose [m/s] that a pitot tube tells, if there is one; NaN where it tells nothing.
+    pub fn airspeed(&self) -> Option<f32> {
+        match *self {
+            Self::Pitot { airspeed, .. } => Some(airspeed),
+            _ => None,
+        }
+    }
+
     /// Name for logs.
     pub const fn name(&self) -> &'static str {
         match self {

@@ -26,6 +26,8 @@ use crate::vehicle::Vehicle;
 
 /// Time constant of the wind that paths are flown with \[s\].
 const WIND_TIME: f32 = 2.0;
+/// Greatest gust that an airspeed is believed, over the airspeed that wind and velocity tell: a tube that tells nothing may tell 0.
+const MOST_GUST: f32 = 0.5;
 /// Time constant of the level position on a path \[s\], and how far off \[m\] it is taken at once.
 const POSITION_TIME: f32 = 0.5;
 const JUMP: f32 = 5.0;
@@ -103,6 +105,8 @@ pub struct MissionInput {
     pub velocity: Ned,
     /// Wind as an autopilot estimates it, without gusts [m/s].
     pub wind: Ned,
+    /// Airspeed along the nose, as a pitot tube tells it [m/s]; none, or NaN, where it tells nothing.
+    pub airspeed: Option<f32>,
     /// Attitude.
     pub orientation: Orientation,
     /// Thrust commanded last \[N\], for the energy.
@@ -118,6 +122,7 @@ setters! {
         position: impl Into<Option<Ned>>,
         velocity: Ned,
         wind: Ned,
+        airspeed: impl Into<Option<f32>>,
         orientation: Orientation,
         thrust: f32,
         armed: bool,
@@ -278,6 +283,17 @@ impl Flight {
             self.item = self.item.saturating_add(1);
             self.item_begun = false;
         }
+    }
+}
+
+/// Wind from behind [m/s] that `airspeed` tells and the wind that is estimated has not, on a path: in hover a tube tells nothing.
+fn gust_from_behind(activity: Activity, input: &MissionInput) -> f32 {
+    let known = (input.wind - input.velocity).dot(input.orientation.i());
+    match input.airspeed {
+        Some(told) if activity == Activity::Flying && (known - told).abs() <= MOST_GUST * known => {
+            known - told
+        }
+        _ => 0.0,
     }
 }
 
@@ -469,13 +485,18 @@ impl Missions {
             state.position += Ned::new(part * off.north, part * off.east, off.down);
         }
         if is_within(input.wind, MAX_SPEED) {
-            let level = Ned::new(input.wind.north, input.wind.east, 0.0);
             let part = if state.begun {
                 dt / (WIND_TIME + dt)
             } else {
                 1.0
             };
-            state.wind += (level - state.wind) * part;
+            let (tail, gust) = (
+                input.orientation.i(),
+                gust_from_behind(state.activity, input),
+            );
+            let Ned { north, east, .. } = input.wind;
+            state.wind.north += (north - tail.north * gust - state.wind.north) * part;
+            state.wind.east += (east - tail.east * gust - state.wind.east) * part;
         }
         if !state.begun {
             state.begun = true;
@@ -1520,6 +1541,36 @@ mod tests {
             laid = laid.max(held);
         }
         assert_eq!((f32::from(laid), held), (LAYING, 0));
+    }
+
+    /// An airspeed that a gust from behind has taken is asked for again, on a path. A tube that tells nothing changes nothing, and none does in hover.
+    #[test]
+    fn an_airspeed_that_is_lost_is_asked_for_again() {
+        let north = |airspeed: Option<f32>, speed: f32| {
+            let place = Ned::new(900.0, 0.0, 0.0);
+            let pass = Pass::By;
+            let items = [Item::Speed(speed), Item::Waypoint { place, pass }];
+            let mut point = Point::new(&items, Responses::default());
+            let (nose, belly) = (Ned::new(1.0, 0.0, 0.0), Ned::new(0.0, 0.0, 1.0));
+            let mut told = MissionInput::default()
+                .position(Ned::ZERO)
+                .velocity(Ned::new(speed, 0.0, 0.0))
+                .wind(Ned::new(-3.0, 0.0, 0.0))
+                .airspeed(airspeed)
+                .orientation(Orientation::from_directions(nose, belly).unwrap());
+            let mut out = MissionOutput::default();
+            for n in 1..1000 {
+                out = *(point.missions).step(&mut point.state, &point.mission, &told, DT);
+                told.position = Some(Ned::new(DT * speed * n as f32, 0.0, 0.0));
+            }
+            out.reference.velocity.north
+        };
+        // 22 m/s over ground in 3 m/s from ahead are 25 m/s; 22 are asked for.
+        for nothing in [None, Some(f32::NAN), Some(0.0), Some(25.0)] {
+            assert!((north(nothing, 22.0) - 19.5).abs() < 0.1, "{nothing:?}");
+        }
+        assert!((north(Some(18.0), 22.0) - 26.0).abs() < 0.1);
+        assert_eq!(north(Some(5.0), 4.0), north(None, 4.0));
     }
 
     /// What fails and is good again in every step does not keep it from asking.

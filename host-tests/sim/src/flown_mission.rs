@@ -87,6 +87,7 @@ impl FlownMission {
             .position((!fails(TroubleKind::Position)).then(|| ned(measured.position)))
             .velocity(ned(measured.velocity))
             .wind(wind)
+            .airspeed(measured.air.airspeed())
             .orientation(measured.orientation())
             .thrust(last.map_or(0.0, |answer| answer.thrust))
             .armed(t >= self.armed_s)

@@ -598,6 +598,7 @@ impl Pilot for OnPath {
                     .position(told.position)
                     .velocity(told.velocity)
                     .wind(told.air.wind(told.velocity).unwrap_or(unknown))
+                    .airspeed(told.air.airspeed())
                     .orientation(told.orientation)
                     .thrust(mission.thrust)
                     .armed(true),

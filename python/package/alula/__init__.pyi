@@ -336,6 +336,7 @@ class Mission:
         quaternion: ArrayLike,
         position: ArrayLike | None = None,
         wind: ArrayLike | None = None,
+        airspeed: float | None = None,
         thrust_n: float = 0.0,
         armed: bool = True,
         troubles: Sequence[str] = ...,

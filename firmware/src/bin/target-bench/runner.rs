@@ -98,8 +98,8 @@ const LIMITS: [Limit; 10] = [
     Limit {
         flash: 27 * 1024,
         stack: 1024,
-        spread: 1.19,
-        ..law("mission_in_flight", 840)
+        spread: 1.18,
+        ..law("mission_in_flight", 845)
     },
 ];
 

@@ -189,6 +189,8 @@ impl Flight {
         };
         self.place += velocity * STEP;
         self.told.velocity = velocity;
+        // Its nose is up.
+        self.told.airspeed = Some(-0.8 * velocity.down);
         if self.place.down > 0.0 {
             self.place.down = 0.0;
             self.told.velocity = Ned::ZERO;
