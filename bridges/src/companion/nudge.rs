@@ -250,15 +250,30 @@ fn proportional(share: f64) -> Finding {
         (_, true) => Weight::Remark,
         _ => Weight::NoGo,
     };
-    let way = if share > 1.0 { "more" } else { "less" };
-    Finding {
-        weight,
-        what: format!("thrust: {:.0} % of a change that is asked", 100.0 * share),
-        change: (weight != Weight::Good).then(|| {
-            format!(
-                "THR_MDL_FAC of PX4, Q_M_THST_EXPO of ArduPlane: {way}, then the throttle of hover"
-            )
-        }),
+    let (had, change) = if share > 1.0 {
+        (
+            "outputs whose square is the thrust, and that nothing corrects",
+            "THR_MDL_FAC of PX4, Q_M_THST_EXPO of ArduPlane: more, at most 1",
+        )
+    } else {
+        (
+            "outputs that are thrusts already, and are corrected",
+            "THR_MDL_FAC of PX4, Q_M_THST_EXPO of ArduPlane: less, at least 0",
+        )
+    };
+    let percent = 100.0 * share;
+    let what = format!("thrust: {percent:.0} % of a change that is asked");
+    match weight {
+        Weight::Good => Finding {
+            weight,
+            what,
+            change: None,
+        },
+        _ => Finding {
+            weight,
+            what: format!("{what}, as of {had}"),
+            change: Some(format!("{change}; then the throttle of hover")),
+        },
     }
 }
 
@@ -319,7 +334,18 @@ mod tests {
                 let share = nudge.thrust_had().unwrap();
                 assert!((share / power - 1.0).abs() < 0.1, "{power}: {share}");
                 let findings = nudge.findings(0.08, true);
-                assert_eq!(findings.last().unwrap().weight, weight, "{findings:?}");
+                let thrust = findings.last().unwrap();
+                assert_eq!(thrust.weight, weight, "{findings:?}");
+                // Which way is wrong is what was measured: the square asks for more of a correction, the root for less.
+                let way = thrust.change.as_ref().map(|change| {
+                    ["more", "less"].map(|way| change.contains(&format!("{way}, at")))
+                });
+                let wanted = match power {
+                    2.0 => Some([true, false]),
+                    0.5 => Some([false, true]),
+                    _ => None,
+                };
+                assert_eq!(way, wanted, "{findings:?}");
             }
         }
         // Without specific forces nothing is said of it.

@@ -355,6 +355,10 @@ fn a_thrust_that_is_not_proportional_is_found_in_hover() {
         );
         let remark = preflight.iter().find(|f| f.what.starts_with("THR_MDL_FAC"));
         assert_eq!(remark.map(|f| f.weight), (!flies).then_some(Weight::Remark));
+        // What is right of it the nudge says, and says which way it is wrong.
+        assert!(remark.is_none_or(|f| !f.change.as_ref().unwrap().contains("THR_MDL_FAC 1")));
+        let more = thrust.change.as_ref().map(|way| way.contains("more"));
+        assert_eq!(more, (!flies).then_some(true), "{thrust:?}");
     }
 }
 
