@@ -298,16 +298,34 @@ fn proportional(kind: Kind, share: f64) -> Finding {
         (_, true) => Weight::Remark,
         _ => Weight::NoGo,
     };
-    let way = if share > 1.0 { "more" } else { "less" };
     let parameter = match kind {
         Kind::Px4 => "THR_MDL_FAC",
         Kind::ArduPlane(_) => "Q_M_THST_EXPO",
     };
-    Finding {
-        weight,
-        what: format!("thrust: {:.0} % of a change that is asked", 100.0 * share),
-        change: (weight != Weight::Good)
-            .then(|| format!("{parameter}: {way}, then the throttle of hover")),
+    let (had, way) = if share > 1.0 {
+        (
+            "outputs whose square is the thrust, and that nothing corrects",
+            "more, at most 1",
+        )
+    } else {
+        (
+            "outputs that are thrusts already, and are corrected",
+            "less, at least 0",
+        )
+    };
+    let percent = 100.0 * share;
+    let what = format!("thrust: {percent:.0} % of a change that is asked");
+    match weight {
+        Weight::Good => Finding {
+            weight,
+            what,
+            change: None,
+        },
+        _ => Finding {
+            weight,
+            what: format!("{what}, as of {had}"),
+            change: Some(format!("{parameter}: {way}; then the throttle of hover")),
+        },
     }
 }
 
@@ -415,7 +433,18 @@ mod tests {
                 let share = nudge.thrust_had().unwrap();
                 assert!((share / power - 1.0).abs() < 0.1, "{power}: {share}");
                 let findings = nudge.findings();
-                assert_eq!(findings.last().unwrap().weight, weight, "{findings:?}");
+                let thrust = findings.last().unwrap();
+                assert_eq!(thrust.weight, weight, "{findings:?}");
+                // Which way is wrong is what was measured: the square asks for more of a correction, the root for less.
+                let way = thrust.change.as_ref().map(|change| {
+                    ["more", "less"].map(|way| change.contains(&format!("{way}, at")))
+                });
+                let wanted = match power {
+                    2.0 => Some([true, false]),
+                    0.5 => Some([false, true]),
+                    _ => None,
+                };
+                assert_eq!(way, wanted, "{findings:?}");
             }
         }
         // Without specific forces nothing is said of it.

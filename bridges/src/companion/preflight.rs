@@ -223,7 +223,12 @@ pub fn judge(
             (Kind::ArduPlane(sticks), "Q_ACRO_YAW_RATE") => f64::from(sticks.yaw).to_degrees(),
             _ => wanted,
         };
-        let change = Some(format!("{name} {wanted}"));
+        let change = Some(match weighs(name) {
+            Remark => format!(
+                "{name}: none before the nudge of the thrust in hover. At 100 % of a change it is right, at 200 % it is to be more, at 50 % less"
+            ),
+            _ => format!("{name} {wanted}"),
+        });
         match get(name) {
             Some(value) if (value - wanted).abs() <= 1e-3 * wanted.abs().max(1.0) => {
                 as_expected += 1;

@@ -20,6 +20,8 @@ pub(super) const ROWS: usize = 40;
 pub(super) const TURNS: f64 = 0.25;
 /// Throttle below which a vehicle that is slow does not fly.
 const IDLE_THROTTLE: f64 = 0.02;
+/// Share of the full torque that a mixer does not give, from which on it is at its stop.
+const UNGIVEN: f64 = 0.01;
 /// Rate of the rows \[Hz\].
 pub(super) const RATE: f64 = 25.0;
 /// Time in which the angle of attack is averaged \[s\].
@@ -44,6 +46,8 @@ pub(super) struct Row {
     pub(super) climb: f64,
     /// Torque in pitch that was asked for, a share of the full one.
     pub(super) torque: f64,
+    /// Whether the mixer could not give it.
+    pub(super) short: bool,
     /// Velocity down that was asked for [m/s].
     pub(super) sinks: f64,
 }
@@ -189,6 +193,12 @@ pub(super) fn flown(log: &Log, states: &States) -> anyhow::Result<Flown> {
         source("vehicle_torque_setpoint", "xyz[1]", 1.0),
         source("RATE", "POut", 1.0),
     ];
+    let missing = [source(
+        "control_allocator_status",
+        "unallocated_torque[1]",
+        1.0,
+    )];
+    let flags = [source("PIQP", "Flags", 1.0)];
     // What was asked for goes before what a controller made of where the vehicle was.
     let sinks = [
         source("trajectory_setpoint", "velocity[2]", 1.0),
@@ -200,6 +210,8 @@ pub(super) fn flown(log: &Log, states: &States) -> anyhow::Result<Flown> {
     let rate = held(log, &rate, base).unwrap_or_else(nan);
     let asked = held(log, &asked, base).unwrap_or_else(nan);
     let torque = held(log, &torque, base).unwrap_or_else(nan);
+    let missing = held(log, &missing, base).unwrap_or_else(nan);
+    let flags = held(log, &flags, base).unwrap_or_else(nan);
     let sinks = held(log, &sinks, base).unwrap_or_else(nan);
     let mut steps: Vec<Row> = Vec::new();
     let (mut filtered, mut last): (f64, Option<(f64, f64)>) = (0.0, None);
@@ -270,6 +282,8 @@ pub(super) fn flown(log: &Log, states: &States) -> anyhow::Result<Flown> {
             turn: filtered,
             climb: -moving.z / moving.norm().max(SLOW),
             torque: torque[n],
+            // The first flag of ArduPilot's loops: the output is saturated.
+            short: missing[n].abs() > UNGIVEN || flags[n] % 2.0 == 1.0,
             sinks: sinks[n],
         };
         let numbers = [row.air.x, row.air.z, nose, belly, row.throttle];
@@ -366,6 +380,7 @@ fn mean(of: &[Row]) -> Row {
         turn: mean(&|row| row.turn),
         climb: mean(&|row| row.climb),
         torque: mean(&|row| row.torque),
+        short: of.iter().any(|row| row.short),
         sinks: mean(&|row| row.sinks),
     }
 }

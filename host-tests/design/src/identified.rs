@@ -69,6 +69,8 @@ pub struct Identified {
     pub rate_lag_s: Option<Measured>,
     /// Angular acceleration in pitch in hover.
     pub turn_rad_s2: Option<Turn>,
+    /// What a full torque of surfaces would give of it [rad/s²].
+    pub full_torque_rad_s2: Option<Measured>,
     /// Slope of c_L \[1/rad\].
     pub c_l_alpha: Option<Measured>,
     /// Angle of zero lift to the nose \[°\].
@@ -225,8 +227,16 @@ impl Identified {
         either("thrust_to_weight", self.thrust_to_weight, 1.6);
         either("thrust_lag_s", self.thrust_lag_s, ASSUMED_LAG);
         either("rate_lag_s", self.rate_lag_s, 0.12);
-        match self.turn_rad_s2 {
-            Some(Turn { had, at_stop }) => line(
+        let of_surfaces = (besides.actuators == Actuators::Elevons)
+            .then_some(self.full_torque_rad_s2)
+            .flatten();
+        match (of_surfaces, self.turn_rad_s2) {
+            (Some(full), _) => line(
+                "turn_rad_s2",
+                full.value,
+                format!("measured: within {}", rounded(full.within)),
+            ),
+            (None, Some(Turn { had, at_stop })) => line(
                 "turn_rad_s2",
                 had.max(5.0),
                 match at_stop {
@@ -234,7 +244,7 @@ impl Identified {
                     false => "measured: at least, the torque was not at its stop".to_owned(),
                 },
             ),
-            None => line(
+            (None, None) => line(
                 "turn_rad_s2",
                 15.0,
                 "assumed: the flight does not show it".to_owned(),
@@ -329,6 +339,11 @@ impl Identified {
             ],
             None => row(what, "rad/s²", None),
         });
+        rows.push(row(
+            &format!("{what}, of a full torque of surfaces"),
+            "rad/s²",
+            self.full_torque_rad_s2,
+        ));
         rows.push(row("c_L per angle of attack", "1/rad", self.c_l_alpha));
         rows.push(row(
             "angle of zero lift to the nose",

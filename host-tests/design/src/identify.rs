@@ -15,6 +15,7 @@
 //!
 //! Short of stall the angle of attack that an estimator tells lacks the gusts, and the vehicle moves with them: a regression on it finds too small a slope.
 //! So α there is what the flight has in the mean at its airspeed and climb (two-stage least squares, the instruments 1, 1/V² and the climb angle).
+//! What a full torque gives in pitch is that of the rates that were asked for: `authority`.
 //! The slope is that of pulls and pushes, where a flight has them: `waves`. The velocity is put in time first: `velocity_lag`.
 //!
 //! Intervals are of 95 %, from the residuals in blocks of seconds: the errors of gusts and of lags last.
@@ -23,6 +24,7 @@ use alula_logs::Log;
 use alula_logs::states::States;
 use nalgebra::{DMatrix, DVector};
 
+use super::authority;
 use super::drag::{Glide, drag};
 use super::flown::{ATTACHED, Flown, RATE, ROWS, Row, SLOW, around, flown, lagged};
 use super::forces::{BIN, FIXED, NO_THRUST, Propeller, Unknowns, propelled};
@@ -49,6 +51,8 @@ pub struct Lacking {
     pub drag: f64,
     /// Of the slope of c_L in waves.
     pub slope: f64,
+    /// Of what a full torque gives in pitch: surfaces whose effect falls otherwise with their deflection.
+    pub torque: f64,
 }
 
 /// Not less than flights of three kinds of simulated vehicles lack: `slow_vehicles_are_learned_from_their_flights` of the tests finds it.
@@ -56,6 +60,7 @@ pub const LACKING: Lacking = Lacking {
     thrust: 0.07,
     drag: 0.2,
     slope: 0.05,
+    torque: 0.2,
 };
 /// Advance ratio, over the one that is without thrust, from which on a propeller idles, whatever is wrong of that one: of another family it is up to a quarter
 /// greater.
@@ -330,7 +335,12 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
         );
     }
     let turn_rad_s2 = turn(&steps);
+    let full_torque_rad_s2 = full_torque(&steps, lag, propeller)
+        .map(|full| full.lacking(LACKING.torque))
+        .and_then(known)
+        .filter(|full| full.value > 0.0);
     match turn_rad_s2 {
+        _ if full_torque_rad_s2.is_some() => {}
         None => missing.push("What turns it: no pitch rate in hover is in the log".to_owned()),
         Some(Turn { at_stop: false, .. }) => missing.push(
             "What turns it at most: steps of the pitch rate in hover, of 2 rad/s there and back, with the torque set-point in the log. What is given is what was had"
@@ -349,6 +359,7 @@ pub fn identify(log: &Log, states: &States, given: &Given) -> anyhow::Result<Ide
         thrust_lag_s,
         rate_lag_s,
         turn_rad_s2,
+        full_torque_rad_s2,
         lift,
         c_l_alpha,
         zero_lift_deg,
@@ -453,6 +464,30 @@ fn turned(rows: &[Row]) -> Vec<rate_lag::Sample> {
         .collect()
 }
 
+/// What a full torque gives in pitch in hover [rad/s²], at the thrust of a propeller behind the lag \[s\] of the motors.
+fn full_torque(steps: &[Row], lag: f64, propeller: Propeller) -> Option<Measured> {
+    let known = |row: &&Row| {
+        [row.asked, row.rate, row.torque]
+            .iter()
+            .all(|x| x.is_finite())
+    };
+    let known: Vec<Row> = steps.iter().filter(known).copied().collect();
+    let samples = known.iter().zip(lagged(&known, lag));
+    let samples = samples.map(|(row, throttle)| {
+        let [thrust, _] = propelled(throttle, row.air.x, propeller.v1);
+        authority::Sample {
+            t: row.t,
+            asked: row.asked,
+            rate: row.rate,
+            torque: row.torque,
+            thrust: propeller.static_f * thrust / GRAVITY,
+            along: row.air.x,
+            across: row.air.z,
+        }
+    });
+    authority::full_torque(&samples.collect::<Vec<_>>())
+}
+
 /// The greatest angular acceleration in pitch in hover, and whether the torque was at its stop where it was had: else there may be more.
 fn turn(rows: &[Row]) -> Option<Turn> {
     /// Share of the full torque that is a stop.
@@ -469,7 +504,7 @@ fn turn(rows: &[Row]) -> Option<Turn> {
             .get(turns.len().checked_sub(1 + turns.len() / 500)?)
             .copied()
     };
-    let stopped = hover().filter(|row| row.torque.abs() >= STOP);
+    let stopped = hover().filter(|row| row.torque.abs() >= STOP || row.short);
     let stopped: Vec<f64> = stopped.map(|row| row.turn.abs()).collect();
     let at_stop = stopped.len() >= 5;
     Some(Turn {

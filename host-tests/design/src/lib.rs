@@ -4,6 +4,7 @@
 #![cfg_attr(target_os = "none", no_std)]
 #![cfg(not(target_os = "none"))]
 
+mod authority;
 mod code;
 pub mod curves;
 mod document;

@@ -142,6 +142,7 @@ mod tests {
                     turn: 0.0,
                     climb: 0.0,
                     torque: 0.0,
+                    short: false,
                     // Its change is the acceleration down.
                     sinks: 0.5 * most * (2.0 * t).cos(),
                 };

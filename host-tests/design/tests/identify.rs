@@ -138,6 +138,7 @@ struct Truth {
     thrust_to_weight: f64,
     thrust_lag_s: f64,
     rate_lag_s: f64,
+    full_torque_rad_s2: f64,
     c_l_alpha: f64,
     zero_lift_deg: f64,
     /// α \[°\], c_L, c_D.
@@ -200,6 +201,7 @@ impl Truth {
             thrust_to_weight: static_f * battery * battery,
             thrust_lag_s: thrust_lag(&vehicle, 9.81 * plant.mass_kg),
             rate_lag_s: Belief::of(&plant).rate_lag_s,
+            full_torque_rad_s2: Belief::of(&plant).authority.slipstream_rad_s2,
             c_l_alpha: slope.to_degrees(),
             zero_lift_deg: a - l / slope,
             polar,
@@ -277,10 +279,11 @@ fn learned(draws: u64) {
             .into_par_iter()
             .map(|seed| identified(&flight(flown, seed)))
             .collect();
-        let mut numbers: [(&str, Vec<(Measured, f64)>); 6] = [
+        let mut numbers: [(&str, Vec<(Measured, f64)>); 7] = [
             (THRUST, Vec::new()),
             ("lag of the thrust", Vec::new()),
             ("lag of the pitch rate", Vec::new()),
+            (TORQUE, Vec::new()),
             (SLOPE, Vec::new()),
             (ZERO_LIFT, Vec::new()),
             (DRAG, Vec::new()),
@@ -298,6 +301,9 @@ fn learned(draws: u64) {
                 found.thrust_to_weight.map(|m| (m, truth.thrust_to_weight)),
                 found.thrust_lag_s.map(|m| (m, truth.thrust_lag_s)),
                 found.rate_lag_s.map(|m| (m, truth.rate_lag_s)),
+                found
+                    .full_torque_rad_s2
+                    .map(|m| (m, truth.full_torque_rad_s2)),
                 found.c_l_alpha.map(|m| (m, truth.c_l_alpha)),
                 found.zero_lift_deg.map(|m| (m, truth.zero_lift_deg)),
                 c_d,
@@ -325,6 +331,7 @@ fn learned(draws: u64) {
             (THRUST, LACKING.thrust),
             (DRAG, LACKING.drag),
             (SLOPE, LACKING.slope),
+            (TORQUE, LACKING.torque),
         ] {
             let (_, given) = numbers.iter().find(|(name, _)| *name == number).unwrap();
             let lacks = lacks(given, share);
@@ -364,6 +371,7 @@ fn learned(draws: u64) {
 const THRUST: &str = "thrust over weight";
 const DRAG: &str = "c_D in cruise";
 const SLOPE: &str = "slope of c_L";
+const TORQUE: &str = "full torque in pitch";
 
 /// The share of the value by which intervals have to be widened for 95 % to hold the truth, of intervals that are widened by this `share`.
 fn lacks(given: &[(Measured, f64)], share: f64) -> f64 {
@@ -441,9 +449,12 @@ fn round_trip(flown: Flown, known: &str, polar: Option<&str>, draw: u64) -> Opti
     if let Some(polar) = polar {
         std::fs::write(folder.join(POLAR), polar).unwrap();
     }
-    // The flight has no steps of the pitch rate: what turns it is measured beside.
-    let turn = authority.slipstream_rad_s2.max(authority.difference_rad_s2);
-    let besides = Known::from_text("beside", &format!("turn_rad_s2 = {turn:?}")).unwrap();
+    // The flight has no steps of the pitch rate: what differences of thrust turn is measured beside.
+    let turn = match flown.actuators {
+        Actuators::Elevons => String::new(),
+        _ => format!("turn_rad_s2 = {:?}", authority.difference_rad_s2),
+    };
+    let besides = Known::from_text("beside", &turn).unwrap();
     let facts = besides.or(Known::load(&file).unwrap()).facts().unwrap();
     let (design, first) = Design::new(facts).unwrap().as_it_brakes("learned");
     std::fs::remove_dir_all(&folder).unwrap();
@@ -494,6 +505,7 @@ fn closed(draws: u64) {
             thrust_to_weight: exactly(truth.thrust_to_weight),
             thrust_lag_s: exactly(truth.thrust_lag_s),
             rate_lag_s: exactly(truth.rate_lag_s),
+            full_torque_rad_s2: exactly(truth.full_torque_rad_s2),
             ..Identified::default()
         };
         let rows = Belief::of(&plant).polar.into_iter();
@@ -589,6 +601,22 @@ fn what_shows_nothing_is_said() {
         .retain(|topic| topic.name() != "vehicle_thrust_setpoint");
     let error = identify(&log, &states, &given).unwrap_err().to_string();
     assert!(error.contains("no throttle"), "{error}");
+}
+
+/// Motors are at their stop where the mixer says that it could not give their torque, and nowhere where it does not say so.
+#[test]
+fn a_stop_is_what_the_mixer_says() {
+    let experiment = flight(FLOWN[2], FIRST);
+    let mut log = log(&experiment, &fly(&experiment).unwrap()).unwrap();
+    let mixer = "control_allocator_status";
+    let time = log.topic(mixer).unwrap().time().to_vec();
+    log.topics.retain(|topic| topic.name() != mixer);
+    let at_stop = |log: &Log| identify_in(log, &experiment).turn_rad_s2.unwrap().at_stop;
+    assert!(!at_stop(&log));
+    let missing = Column::new("unallocated_torque[1]", "", vec![-0.2; time.len()]);
+    log.topics
+        .push(Topic::new(mixer, 0, time, vec![missing]).unwrap());
+    assert!(at_stop(&log));
 }
 
 /// The log of a circle on the wing in turbulence and a wind towards north and east [m/s], with an airspeed sensor that tells 3 % too much, and without a wind: nothing

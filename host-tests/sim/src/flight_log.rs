@@ -81,11 +81,13 @@ fn loops(
     experiment: &Experiment,
     time: &[f64],
     record: &[Step],
-) -> Result<[Topic; 4], alula_logs::Error> {
+) -> Result<[Topic; 5], alula_logs::Error> {
     let most = match &experiment.tail_sitter {
         Some(plant) => TailSitter::new(plant.true_vehicle(), None).static_thrust(),
         None => experiment.thrust_limits(None, experiment.weight())[1],
     };
+    /// The place of `missing_pitch` among a tail-sitter's readings.
+    const MISSING_PITCH: usize = 8;
     /// Name, unit, and how it is read.
     type Read<'a> = (&'a str, &'a str, &'a dyn Fn(&Step) -> f64);
     let topic = |name: &str, columns: Vec<Read>| {
@@ -110,11 +112,21 @@ fn loops(
         (Some(travel), [_, _, _, _, left, right, ..]) => -0.5 * (left + right) / travel,
         _ => f64::NAN,
     };
+    let missing = |step: &Step| {
+        step.readings
+            .get(MISSING_PITCH)
+            .copied()
+            .unwrap_or(f64::NAN)
+    };
     let none = |_: &Step| 0.0;
     Ok([
         topic(
             "vehicle_torque_setpoint",
             vec![("xyz[0]", "", &none), ("xyz[1]", "", &torque)],
+        )?,
+        topic(
+            "control_allocator_status",
+            vec![("unallocated_torque[1]", "", &missing)],
         )?,
         topic(
             "vehicle_angular_velocity",

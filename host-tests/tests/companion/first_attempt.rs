@@ -370,6 +370,10 @@ fn a_thrust_that_is_not_proportional_is_found_in_hover() {
         let remark = preflight.iter().find(|f| f.what.starts_with(name));
         let of_px4 = kind == Kind::Px4 && !flies;
         assert_eq!(remark.map(|f| f.weight), of_px4.then_some(Weight::Remark));
+        // What is right of it the nudge says, and says which way it is wrong.
+        assert!(remark.is_none_or(|f| !f.change.as_ref().unwrap().contains("THR_MDL_FAC 1")));
+        let more = thrust.change.as_ref().map(|way| way.contains("more"));
+        assert_eq!(more, (!flies).then_some(true), "{set}{thrust:?}");
     }
 }
 
