@@ -43,8 +43,8 @@ const STATE: f64 = 0.02;
 const AIR: f64 = 0.2;
 const HEARTBEAT: f64 = 1.0;
 
-/// The share of the most thrust that is had of a set-point: motors and propellers give the square of their output, and PX4 by THR_MDL_FAC, ArduPlane by
-/// Q_M_THST_EXPO, gives out what it takes for that, if the thrust is f u² + (1 − f) u of an output u.
+/// The share of the most thrust that is had of a set-point. Motors and propellers give the square of their output u; the autopilot takes the thrust for
+/// f u² + (1 − f) u, with its own f ([`Kind::thrust_model`]), and gives out u by that.
 fn modelled(setpoint: f64, factor: f64) -> f64 {
     let (f, rest) = (factor.clamp(0.0, 1.0), 1.0 - factor.clamp(0.0, 1.0));
     let output = if f > 0.0 {
@@ -209,11 +209,8 @@ impl<B: Body> Autopilot<B> {
     /// What is commanded; none if what was commanded is too old and the mode is left.
     fn command(&mut self, now: f64, dt: f64) -> Option<(f64, [f64; 3])> {
         let commanded = self.kind.is_commanded(self.mode);
-        let factor = match self.kind {
-            Kind::Px4 => "THR_MDL_FAC",
-            Kind::ArduPlane(_) => "Q_M_THST_EXPO",
-        };
-        let factor = self.parameters.get(factor).unwrap_or(1.0);
+        let factor = self.parameters.get(self.kind.thrust_model());
+        let factor = factor.unwrap_or(1.0);
         let command = match &mut self.rules {
             Rules::Px4(offboard) => {
                 let attitude = self.body.state().quaternion;

@@ -75,6 +75,15 @@ impl Kind {
         }
     }
 
+    /// The parameter that says how the thrust goes with the output: as f u² + (1 − f) u.
+    #[must_use]
+    pub fn thrust_model(&self) -> &'static str {
+        match self {
+            Self::Px4 => "THR_MDL_FAC",
+            Self::ArduPlane(_) => "Q_M_THST_EXPO",
+        }
+    }
+
     /// The system as which the companion sends. ArduPlane takes overrides from its ground station alone, which is system 255 as it is
     /// shipped (`SYSID_MYGCS`, later `MAV_GCS_SYSID`).
     #[must_use]

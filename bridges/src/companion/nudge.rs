@@ -298,10 +298,7 @@ fn proportional(kind: Kind, share: f64) -> Finding {
         (_, true) => Weight::Remark,
         _ => Weight::NoGo,
     };
-    let parameter = match kind {
-        Kind::Px4 => "THR_MDL_FAC",
-        Kind::ArduPlane(_) => "Q_M_THST_EXPO",
-    };
+    let parameter = kind.thrust_model();
     let (had, way) = if share > 1.0 {
         (
             "outputs whose square is the thrust, and that nothing corrects",

@@ -3,8 +3,7 @@
 //! ω̇ = δ (c_T T/m g + c_q max(u² − 1.9 w², 0)) + (1, T, V², V w, u w; ω, V ω; (1, V, V²) θ) · others
 //!
 //! with the torque δ that was asked for behind the lag of the servos, u along the nose, w across it, and θ what the nose has turned in the last half second and the
-//! last seconds. c_T is what is
-//! asked; c_q is not given: where drag and the propeller's loss are not told apart, it takes what thrust is wrong by.
+//! last seconds. c_T is the answer. c_q is not given: where drag and the propeller's loss are not told apart, it takes what thrust is wrong by.
 //!
 //! Who flies answers with δ what gusts have turned. So δ is taken as far as it goes with the rates that were asked for in the last rows (two-stage least squares). These
 //! answer gusts, too, by the attitude: beside θ what is left of them is what somebody wanted. A full torque need not be flown.
