@@ -92,8 +92,9 @@ fn there_and_back(t: f64, number: usize) -> f32 {
 }
 
 /// The share and the lag \[s\] with which the last column of rows of time \[s\], asked and had follows the one before: least squares, over dead times and time
-/// constants. The guidance answers a nudge while it lasts, so that what is asked has peaks: without a dead time a link that is late looks like a loop that
-/// has twice of what is asked.
+/// constants, and what is had besides of nothing asked. The guidance answers a nudge while it lasts, so that what is asked has peaks: without a dead time a link
+/// that is late looks like a loop that has twice of what is asked. Wind across the wing turns the vehicle, and a loop without integral is asked for a rate throughout to
+/// have none: without what is had of nothing it looks like a loop that has a fifth of what is asked.
 fn followed(rows: &[[f64; 3]]) -> [f64; 2] {
     let mut best = (f64::INFINITY, [0.0; 2]);
     for dead in (0..DEAD_TIMES).map(|n| n as f64 * LAG_STEP) {
@@ -112,20 +113,28 @@ fn followed(rows: &[[f64; 3]]) -> [f64; 2] {
             })
             .collect();
         for lag in (0..TIME_CONSTANTS).map(|n| n as f64 * LAG_STEP) {
-            let (mut followed, mut products, mut squares, mut had) = (0.0, 0.0, 0.0, 0.0);
+            let mut followed = delayed[0];
+            // Sums of what follows and what is had, and of their squares and products.
+            let [mut sum, mut had, mut squares, mut products, mut power] = [0.0; 5];
             for (pair, asked) in rows.windows(2).zip(&delayed) {
                 let dt = pair[1][0] - pair[0][0];
                 followed += (1.0 - (-dt / lag.max(1e-6)).exp()) * (asked - followed);
-                products += followed * pair[1][2];
+                sum += followed;
+                had += pair[1][2];
                 squares += followed * followed;
-                had += pair[1][2] * pair[1][2];
+                products += followed * pair[1][2];
+                power += pair[1][2] * pair[1][2];
             }
+            let count = (rows.len() - 1) as f64;
+            squares -= sum * sum / count;
+            products -= sum * had / count;
+            power -= had * had / count;
             let share = if squares > 0.0 {
                 products / squares
             } else {
                 0.0
             };
-            let rest = had - share * products;
+            let rest = power - share * products;
             if rest < best.0 {
                 best = (rest, [share, dead + lag]);
             }
@@ -381,6 +390,24 @@ mod tests {
             // What is heard is late by the link, too.
             assert!((found.lag_s - lag - 0.06).abs() < 0.02, "{found:?}");
         }
+    }
+
+    #[test]
+    fn wind_across_the_wing_is_not_a_low_gain() {
+        // On the real PX4 in 2.1 m/s of wind a pitch rate of -0.65 rad/s had to be asked for throughout, so that none was had.
+        let mut nudge = measured(1.0, 0.08, 0.0);
+        for sample in &mut nudge.samples {
+            sample.asked[1] -= 0.65;
+        }
+        for found in nudge.loops() {
+            assert!((found.share - 1.0).abs() < 0.05, "{found:?}");
+            assert!((found.lag_s - 0.08).abs() < 0.015, "{found:?}");
+        }
+        let findings = nudge.findings();
+        assert!(
+            findings.iter().all(|found| found.weight == Weight::Good),
+            "{findings:?}"
+        );
     }
 
     #[test]
