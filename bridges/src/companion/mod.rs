@@ -35,7 +35,7 @@ pub use ground::{Change, GroundStation, MissionItems, Refused, Shown};
 pub use inbox::{Counts, Inbox};
 pub use kind::{HOLD, Kind, OFFBOARD, QACRO, QLOITER, TERMINATION};
 pub use machine::Companion;
-pub use nudge::{Loop, Nudge};
+pub use nudge::{Loop, Nudge, Turning};
 pub use parameters::Parameters;
 pub use preflight::{Believed, Finding, Preflight, Weight, is_go};
 pub use setpoint::Setpoint;

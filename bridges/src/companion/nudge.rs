@@ -26,7 +26,8 @@ const ARDUPLANE: [&str; 3] = [
     "Q_A_RAT_PIT_FF and Q_A_RAT_PIT_P",
     "Q_A_RAT_YAW_FF and Q_A_RAT_YAW_P",
 ];
-/// That about the nose.
+/// That of pitch, and that about the nose.
+const PITCH: usize = 1;
 const NOSE: usize = 2;
 /// Rates [rad/s] in rest, root mean square, from which on the loop swings.
 const SWINGS: f64 = 0.35;
@@ -37,10 +38,24 @@ const THRUST: f32 = 0.1;
 /// Shares of a change of thrust that are had, from and up to which the thrust is proportional, and flown. A propeller's thrust goes with the square of an output
 /// that nothing corrects: twice of a change is had. Of one that is corrected without need, half.
 const PROPORTIONAL: [[f64; 2]; 2] = [[0.75, 1.35], [0.6, 1.6]];
+/// Rate at which the wing may turn the nose against the loop, over the greatest that is commanded, up to which a loop is good, and flown. What `first_attempt`
+/// draws with more climbs by up to 18 m where it brakes, or is lost.
+const YIELDS: [f64; 2] = [1.0, 1.6];
 /// Dead times and time constants that are tried: how many, and the step between them \[s\].
 const DEAD_TIMES: usize = 15;
 const TIME_CONSTANTS: usize = 60;
 const LAG_STEP: f64 = 0.01;
+
+/// What is believed of what turns the vehicle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Turning {
+    /// Whether elevons do.
+    pub elevons: bool,
+    /// Greatest rate that is commanded [rad/s].
+    pub max_rate: f64,
+    /// Greatest angular acceleration in pitch by the wing, in steady level flight at any angle of attack [rad/s²].
+    pub wing: f64,
+}
 
 /// What the nudges of a flight gave.
 #[derive(Clone, Debug)]
@@ -48,7 +63,7 @@ pub struct Nudge {
     kind: Kind,
     /// Lag of the rate loop that is believed \[s\].
     lag: f64,
-    elevons: bool,
+    turning: Turning,
     samples: Vec<NudgeSample>,
 }
 
@@ -144,13 +159,13 @@ fn followed(rows: &[[f64; 3]]) -> [f64; 2] {
 }
 
 impl Nudge {
-    /// Of an autopilot of this `kind`, of whose rate loop this `lag` \[s\] is believed, and a vehicle with or without `elevons`.
+    /// Of an autopilot of this `kind`, of whose rate loop this `lag` \[s\] is believed, and of a vehicle that this turns.
     #[must_use]
-    pub fn new(kind: Kind, lag: f64, elevons: bool) -> Self {
+    pub fn new(kind: Kind, lag: f64, turning: Turning) -> Self {
         Self {
             kind,
             lag,
-            elevons,
+            turning,
             samples: Vec::new(),
         }
     }
@@ -264,7 +279,7 @@ impl Nudge {
                 let way = if share < 1.0 { "more" } else { "less" };
                 (Weight::NoGo, Some(format!("{parameters}: {way}")))
             } else if slow {
-                let by_torque = number == NOSE && !self.elevons;
+                let by_torque = number == NOSE && !self.turning.elevons;
                 (
                     if by_torque {
                         Weight::Remark
@@ -291,11 +306,39 @@ impl Nudge {
             }
         });
         findings
+            .chain(self.yields())
             .chain(
                 self.thrust_had()
                     .map(|share| proportional(self.kind, share)),
             )
             .collect()
+    }
+
+    /// What is to be said of how the wing turns the nose against a loop without an integral, as PX4's of elevons in the multicopter state: at its angular
+    /// acceleration times the lag. The guidance can ask for its greatest rate against it, and for no more.
+    fn yields(&self) -> Option<Finding> {
+        let Turning {
+            elevons,
+            max_rate,
+            wing,
+        } = self.turning;
+        if self.kind != Kind::Px4 || !elevons {
+            return None;
+        }
+        let yields = wing * self.loops()[PITCH].lag_s;
+        let [good, flown] = YIELDS.map(|most| yields <= most * max_rate);
+        let weight = match (good, flown) {
+            (true, _) => Weight::Good,
+            (_, true) => Weight::Remark,
+            _ => Weight::NoGo,
+        };
+        Some(Finding {
+            weight,
+            what: format!(
+                "the stalled wing turns the nose at up to {yields:.1} rad/s against the loop, which has no integral, and the guidance asks for {max_rate:.1}"
+            ),
+            change: (!good).then(|| "FW_PR_P: more, and FW_PR_FF less".to_owned()),
+        })
     }
 }
 
@@ -339,9 +382,16 @@ fn proportional(kind: Kind, share: f64) -> Finding {
 mod tests {
     use super::*;
 
+    /// Elevons of a vehicle whose wing is as slow as its loops.
+    const TURNING: Turning = Turning {
+        elevons: true,
+        max_rate: 1.2,
+        wing: 6.0,
+    };
+
     /// A loop of this share and lag, in steps of 20 ms, with a swing [rad/s] of 3 Hz.
     fn measured(share: f64, lag: f64, swing: f64) -> Nudge {
-        let mut nudge = Nudge::new(Kind::Px4, 0.08, true);
+        let mut nudge = Nudge::new(Kind::Px4, 0.08, TURNING);
         let mut had = [0.0_f64; 3];
         for n in 0..(Nudge::DURATION / 0.02) as u32 {
             let t = 0.02 * f64::from(n);
@@ -369,7 +419,7 @@ mod tests {
     fn a_late_link_is_not_a_high_gain() {
         // The guidance answers while the nudge lasts, by the attitude that it hears of 60 ms late: what is asked has peaks, as on a real ArduPlane.
         let (lag, late) = (0.06, 3);
-        let mut nudge = Nudge::new(Kind::Px4, 0.08, true);
+        let mut nudge = Nudge::new(Kind::Px4, 0.08, TURNING);
         let mut angles = vec![[0.0_f64; 3]; late + 1];
         let mut had = vec![[0.0_f64; 3]; late + 1];
         for n in 0..(Nudge::DURATION / 0.02) as u32 {
@@ -430,9 +480,34 @@ mod tests {
         assert!(px4.contains("FW_PR_P") && !px4.contains("Q_A_RAT"), "{px4}");
     }
 
+    /// A loop of PX4's elevons that follows what is asked, by its feed-forward, and does not hold against the wing: 80 ms times 30 rad/s² are twice what is
+    /// asked at most.
+    #[test]
+    fn a_loop_that_yields_to_the_wing_is_no_go() {
+        let weight = |kind, elevons, wing| {
+            let mut nudge = measured(1.0, 0.08, 0.0);
+            (nudge.kind, nudge.turning) = (
+                kind,
+                Turning {
+                    elevons,
+                    wing,
+                    ..TURNING
+                },
+            );
+            nudge.findings().iter().map(|f| f.weight).max().unwrap()
+        };
+        let plane = Kind::ArduPlane(crate::companion::Sticks::default());
+        assert_eq!(weight(Kind::Px4, true, 30.0), Weight::NoGo);
+        assert_eq!(weight(Kind::Px4, true, 17.0), Weight::Remark);
+        assert_eq!(weight(Kind::Px4, true, 12.0), Weight::Good);
+        // Motors of PX4's multicopter state and ArduPlane's loops have an integral.
+        assert_eq!(weight(Kind::Px4, false, 30.0), Weight::Good);
+        assert_eq!(weight(plane, true, 30.0), Weight::Good);
+    }
+
     /// A thrust that goes with this power of what is asked, with the lag \[s\] of motors, on noise that is no thrust's.
     fn thrust_by(power: f64, lag: f64) -> Nudge {
-        let mut nudge = Nudge::new(Kind::Px4, 0.08, true);
+        let mut nudge = Nudge::new(Kind::Px4, 0.08, TURNING);
         let mut had = 1.0_f64;
         for n in 0..(Nudge::DURATION / 0.02) as u32 {
             let t = 0.02 * f64::from(n);
@@ -472,7 +547,7 @@ mod tests {
             }
         }
         // Without specific forces nothing is said of it.
-        assert_eq!(measured(1.0, 0.08, 0.0).findings().len(), 3);
+        assert_eq!(measured(1.0, 0.08, 0.0).findings().len(), 4);
     }
 
     #[test]
@@ -496,7 +571,7 @@ mod tests {
         }
         // Propellers' torque is slow about the nose; about the other axes a slow loop is none to fly by.
         let mut slow = measured(1.0, 0.35, 0.0);
-        slow.elevons = false;
+        slow.turning.elevons = false;
         let weights: Vec<Weight> = slow.findings().iter().map(|f| f.weight).collect();
         assert_eq!(weights, [Weight::NoGo, Weight::NoGo, Weight::Remark]);
         // There and back.

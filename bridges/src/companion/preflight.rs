@@ -6,17 +6,15 @@ use std::collections::BTreeMap;
 
 use super::detector::BREAKER;
 use super::inbox::Inbox;
-use super::{Kind, MavHeader, MavMessage, Parameters, outbox, parameters};
+use super::{Kind, MavHeader, MavMessage, Parameters, Turning, outbox, parameters};
 
 /// What is believed of the vehicle, against which its autopilot is held.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Believed {
     /// Share of the throttle that holds the weight.
     pub hover_thrust: f64,
-    /// Whether it is turned by elevons.
-    pub elevons: bool,
-    /// Greatest rate that is commanded [rad/s].
-    pub max_rate: f64,
+    /// What turns it.
+    pub turning: Turning,
     /// Whether PX4 is asked for attitudes, and not for rates.
     pub attitudes: bool,
 }
@@ -214,7 +212,7 @@ pub fn judge(
     let mut as_expected = 0;
     for (name, wanted) in expected(kind).iter() {
         // Locks of elevons are of no matter to motors.
-        if !believed.elevons && name == "VT_ELEV_MC_LOCK" {
+        if !believed.turning.elevons && name == "VT_ELEV_MC_LOCK" {
             continue;
         }
         let wanted = match (kind, name) {
@@ -252,16 +250,20 @@ pub fn judge(
     ));
     if let Kind::ArduPlane(sticks) = kind {
         let full = f64::from(sticks.pitch.min(sticks.yaw).min(sticks.roll));
-        let weight = if full < believed.max_rate { NoGo } else { Good };
+        let weight = if full < believed.turning.max_rate {
+            NoGo
+        } else {
+            Good
+        };
         let change = (weight == NoGo).then(|| {
-            let degrees = believed.max_rate.to_degrees().ceil();
+            let degrees = believed.turning.max_rate.to_degrees().ceil();
             format!(
                 "Q_ACRO_RLL_RATE, _PIT_RATE and _YAW_RATE {degrees} and more, and --stick-rates"
             )
         });
         let what = format!(
             "a full stick is {full:.1} rad/s, and the guidance asks for up to {:.1}",
-            believed.max_rate
+            believed.turning.max_rate
         );
         findings.push(Finding::new(weight, what, change));
     }
@@ -298,7 +300,7 @@ pub fn judge(
             })
         });
         let gains: Vec<String> = gains.into_iter().flatten().collect();
-        if believed.elevons && !gains.is_empty() {
+        if believed.turning.elevons && !gains.is_empty() {
             findings.push(Finding::new(
                 Remark,
                 format!(

@@ -3,22 +3,24 @@
 //! The path begins where the vehicle is when the flight begins, in the axes of its own north: [`Lead::Path`] says where that points. What is told
 //! is turned into these axes, and the record is in them.
 
+use alula::aero::Aerodynamics;
 use alula::mission::{
     Activity, Gate, Item, ItemProblem, MissionError, MissionInput, MissionOutput, Pass,
 };
 use alula::ned::{BodyAxes, Frd, Ned};
 use alula::spatial::{Heading, Orientation, Reference};
-use alula::{GuidanceInput, GuidanceOutput};
+use alula::{AngleOfAttack, GuidanceInput, GuidanceOutput};
 use alula_bridges::companion::messages::{MISSION_ITEM_INT_DATA, MavMissionResult};
 use alula_bridges::companion::{
-    Believed, Command, End, Finding, Kind, Nudge, Pilot, Refused, Setpoint, Settings, Told, is_go,
+    Believed, Command, End, Finding, Kind, Nudge, Pilot, Refused, Setpoint, Settings, Told,
+    Turning, is_go,
 };
 use anyhow::ensure;
 use nalgebra::{Quaternion, UnitQuaternion};
 
 use alula_sim::controllers::{Answer, Controller, GuidanceSpec, Input};
 use alula_sim::experiment::plan::{Home, MavItem, items_flown};
-use alula_sim::experiment::{Experiment, Path, State, Target, V3, angle, double, ned};
+use alula_sim::experiment::{Experiment, Path, State, Target, V3, Vehicle, angle, double, ned};
 use alula_sim::flown_mission::{FlownMission, passed};
 use alula_sim::reference::wrap;
 use alula_sim::simulate::{Record, Step};
@@ -50,23 +52,42 @@ pub fn settings(experiment: &Experiment, hover_thrust: Option<f64>) -> anyhow::R
 
 /// What a preflight holds an autopilot against: of `experiment`, in hover at this share of the throttle.
 pub fn believed(experiment: &Experiment, hover_thrust: f64) -> anyhow::Result<Believed> {
-    let spec = GuidanceSpec::of(experiment)?;
-    let vehicle = spec.vehicle.as_ref().unwrap_or(&experiment.vehicle);
-    let limits = experiment.thrust_limits(spec.thrust_n, vehicle.weight());
-    let parameters = spec.ruled(&vehicle.parameters(limits), &spec.parameters)?;
     Ok(Believed {
         hover_thrust,
-        elevons: has_elevons(experiment)?,
-        max_rate: parameters.max_rate.into(),
+        turning: turning(experiment)?,
         attitudes: false,
     })
 }
 
-/// Whether the vehicle that the guidance believes in has elevons.
-fn has_elevons(experiment: &Experiment) -> anyhow::Result<bool> {
+/// What the guidance believes of what turns the vehicle.
+fn turning(experiment: &Experiment) -> anyhow::Result<Turning> {
     let spec = GuidanceSpec::of(experiment)?;
     let vehicle = spec.vehicle.as_ref().unwrap_or(&experiment.vehicle);
-    Ok(vehicle.authority.slipstream_rad_s2 > 0.0)
+    let limits = experiment.thrust_limits(spec.thrust_n, vehicle.weight());
+    let parameters = spec.ruled(&vehicle.parameters(limits), &spec.parameters)?;
+    Ok(Turning {
+        elevons: vehicle.authority.slipstream_rad_s2 > 0.0,
+        max_rate: parameters.max_rate.into(),
+        wing: most_by_wing(&vehicle.limited(limits)?),
+    })
+}
+
+/// Greatest angular acceleration in pitch by the wing in steady level flight [rad/s²]. At an angle of attack the drag is T cos α, and lift with T sin α the weight.
+fn most_by_wing(vehicle: &Vehicle) -> f64 {
+    let steady = (1..90_u8).filter_map(|degrees| {
+        let alpha = f32::from(degrees).to_radians();
+        let (sin, cos) = alpha.sin_cos();
+        let c = vehicle
+            .model()
+            .coefficients(AngleOfAttack::from_radians(alpha));
+        let square = vehicle.weight() / (vehicle.k_a() * (c.c_l + c.c_d * sin / cos));
+        let thrust = vehicle.k_a() * square * c.c_d / cos;
+        let speed = square.sqrt();
+        // What the actuators add is as much to either side.
+        let [least, most] = vehicle.pitch_acceleration(speed * cos, speed * sin, 0.0);
+        (thrust <= vehicle.thrust_max()).then_some(0.5 * f64::from(least + most).abs())
+    });
+    steady.fold(0.0, f64::max)
 }
 
 /// By what a flight is led.
@@ -93,8 +114,7 @@ pub struct OnPath {
     record: Record,
     /// What is measured in hover before the path is flown, and the lag that is believed \[s\]; none where it is not, or was.
     nudge: Option<Nudge>,
-    /// Whether elevons turn it.
-    elevons: bool,
+    turning: Turning,
     /// How long that took \[s\], and what came of it.
     nudged: f32,
     findings: Vec<Finding>,
@@ -216,7 +236,7 @@ impl OnPath {
             theta: 0.0,
             record: Record::new(),
             nudge: None,
-            elevons: has_elevons(experiment)?,
+            turning: turning(experiment)?,
             nudged: 0.0,
             findings: Vec::new(),
             refuses: true,
@@ -228,7 +248,7 @@ impl OnPath {
     #[must_use]
     pub fn nudged(mut self, kind: Kind, lag: f64, despite: bool) -> Self {
         if matches!(self.led, Led::Path(_)) {
-            self.nudge = Some(Nudge::new(kind, lag, self.elevons));
+            self.nudge = Some(Nudge::new(kind, lag, self.turning));
         }
         self.refuses = !despite;
         self
