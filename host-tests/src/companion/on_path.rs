@@ -114,6 +114,7 @@ pub struct OnPath {
     record: Record,
     /// What is measured in hover before the path is flown, and the lag that is believed \[s\]; none where it is not, or was.
     nudge: Option<Nudge>,
+    /// What turns the vehicle, as the guidance believes.
     turning: Turning,
     /// How long that took \[s\], and what came of it.
     nudged: f32,
