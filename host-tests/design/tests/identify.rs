@@ -578,8 +578,8 @@ fn closed(draws: u64) {
 #[test]
 #[ignore = "slow: cargo test-slow"]
 fn slow_what_was_identified_flies() {
-    // The median of four is chance: in turbulence a vehicle brakes through its stall, and flights differ by metres.
-    closed(draws(8));
+    // The median of a few is chance: in turbulence a vehicle brakes through its stall, and flights differ by metres.
+    closed(draws(6));
 }
 
 /// A flight that is too short, and one without a throttle, end with the reason.
