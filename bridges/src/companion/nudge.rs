@@ -7,8 +7,11 @@ use super::preflight::{Finding, Weight};
 /// Amplitude of a nudge [rad/s], and how long each half of it lasts \[s\]: 4° there and back.
 const AMPLITUDE: f32 = 0.25;
 const HALF: f64 = 0.3;
-/// Time of rest before the first and behind each \[s\].
+/// Time of rest behind each \[s\].
 const REST: f64 = 1.2;
+/// Time before the first \[s\], of which the last second is taken for rest: a vehicle that leaned against a wind that nobody tells is first turned upright,
+/// and drifts.
+const SETTLING: f64 = 4.0;
 /// The axes, in their order: belly, wing, tail, of hover.
 const AXES: [&str; 3] = [
     "roll of hover, about the belly",
@@ -26,6 +29,8 @@ const ARDUPLANE: [&str; 3] = [
     "Q_A_RAT_PIT_FF and Q_A_RAT_PIT_P",
     "Q_A_RAT_YAW_FF and Q_A_RAT_YAW_P",
 ];
+/// What is to be changed of a pitch loop of PX4's elevons that gives way to the wing.
+const MORE_P: &str = "FW_PR_P: more, and FW_PR_FF less";
 /// That of pitch, and that about the nose.
 const PITCH: usize = 1;
 const NOSE: usize = 2;
@@ -41,7 +46,7 @@ const PROPORTIONAL: [[f64; 2]; 2] = [[0.75, 1.35], [0.6, 1.6]];
 /// Rate at which the wing may turn the nose against the loop, over the greatest that is commanded, up to which a loop is good, and flown. By hand, on draws of
 /// `first_attempt`: of `mapping` within four, seeds 0 to 39, the five of less than half of the P that suits sank by 20 m or climbed by 6 to 39 m, at 1.9 and
 /// more. The real PX4 flew at 1.3.
-const YIELDS: [f64; 2] = [1.0, 1.6];
+const YIELDS: [[f64; 2]; 2] = [[0.0, 1.0], [0.0, 1.6]];
 /// Dead times and time constants that are tried: how many, and the step between them \[s\].
 const DEAD_TIMES: usize = 15;
 const TIME_CONSTANTS: usize = 60;
@@ -95,7 +100,7 @@ pub struct Loop {
 
 /// When the nudge of this number begins \[s\].
 const fn begin(number: usize) -> f64 {
-    REST + number as f64 * (2.0 * HALF + REST)
+    SETTLING + number as f64 * (2.0 * HALF + REST)
 }
 
 /// 1 in the first half of the nudge of this number, -1 in the second, 0 besides.
@@ -236,7 +241,7 @@ impl Nudge {
             let rests = self
                 .samples
                 .iter()
-                .filter(|sample| (0.2..REST).contains(&sample.t));
+                .filter(|sample| (SETTLING - 1.0..SETTLING).contains(&sample.t));
             let rests: Vec<f64> = rests
                 .map(|sample| f64::from(sample.had[axis]).powi(2))
                 .collect();
@@ -256,6 +261,8 @@ impl Nudge {
             Kind::ArduPlane(_) => ARDUPLANE,
         };
         let loops = self.loops();
+        let yields = self.yields(loops[PITCH].lag_s);
+        let holds = yields.as_ref().is_none_or(|of| of.weight < Weight::NoGo);
         let named = loops.into_iter().zip(AXES).zip(gains).enumerate();
         let findings = named.map(|(number, ((of_axis, axis), parameters))| {
             let Loop {
@@ -263,21 +270,25 @@ impl Nudge {
                 lag_s,
                 rest_rad_s,
             } = of_axis;
-            let [good, flown] = SHARES.map(|[least, most]| (least..=most).contains(&share));
+            let of_share = weigh(share, SHARES);
             let slow = lag_s > 2.0 * self.lag + 0.05;
             let (weight, change) = if rest_rad_s > SWINGS {
+                // A loop that the wing turns swings for want of P.
+                let way = if number == PITCH && !holds {
+                    MORE_P.to_owned()
+                } else {
+                    format!("{parameters}: less")
+                };
                 (
                     Weight::NoGo,
-                    Some(format!(
-                        "{parameters}: less, it swings at {rest_rad_s:.1} rad/s"
-                    )),
+                    Some(format!("{way}, it swings at {rest_rad_s:.1} rad/s")),
                 )
             } else if share < 0.0 {
                 (
                     Weight::NoGo,
                     Some("the output's sign: the axis turns the other way".to_owned()),
                 )
-            } else if !flown {
+            } else if of_share == Weight::NoGo {
                 let way = if share < 1.0 { "more" } else { "less" };
                 (Weight::NoGo, Some(format!("{parameters}: {way}")))
             } else if slow {
@@ -292,10 +303,9 @@ impl Nudge {
                         "rate_lag_s {lag_s:.2} in what `new` is told, or {parameters}: more"
                     )),
                 )
-            } else if !good {
-                (Weight::Remark, Some(parameters.to_owned()))
             } else {
-                (Weight::Good, None)
+                let remark = of_share == Weight::Remark;
+                (of_share, remark.then(|| parameters.to_owned()))
             };
             Finding {
                 weight,
@@ -308,7 +318,7 @@ impl Nudge {
             }
         });
         findings
-            .chain(self.yields(loops[PITCH].lag_s))
+            .chain(yields)
             .chain(
                 self.thrust_had()
                     .map(|share| proportional(self.kind, share)),
@@ -328,30 +338,29 @@ impl Nudge {
             return None;
         }
         let yields = wing * lag;
-        let [good, flown] = YIELDS.map(|most| yields <= most * max_rate);
-        let weight = match (good, flown) {
-            (true, _) => Weight::Good,
-            (_, true) => Weight::Remark,
-            _ => Weight::NoGo,
-        };
+        let weight = weigh(yields / max_rate, YIELDS);
         Some(Finding {
             weight,
             what: format!(
                 "the stalled wing turns the nose at up to {yields:.1} rad/s against the loop, which has no integral, and the guidance asks for {max_rate:.1}"
             ),
-            change: (!good).then(|| "FW_PR_P: more, and FW_PR_FF less".to_owned()),
+            change: (weight > Weight::Good).then(|| MORE_P.to_owned()),
         })
+    }
+}
+
+/// Good within the first band, flown within the second.
+fn weigh(value: f64, bands: [[f64; 2]; 2]) -> Weight {
+    match bands.map(|[least, most]| (least..=most).contains(&value)) {
+        [true, _] => Weight::Good,
+        [_, true] => Weight::Remark,
+        _ => Weight::NoGo,
     }
 }
 
 /// What is to be said of a thrust of whose change this share is had.
 fn proportional(kind: Kind, share: f64) -> Finding {
-    let [good, flown] = PROPORTIONAL.map(|[least, most]| (least..=most).contains(&share));
-    let weight = match (good, flown) {
-        (true, _) => Weight::Good,
-        (_, true) => Weight::Remark,
-        _ => Weight::NoGo,
-    };
+    let weight = weigh(share, PROPORTIONAL);
     let parameter = kind.thrust_model();
     let (had, way) = if share > 1.0 {
         (
