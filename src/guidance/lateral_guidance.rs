@@ -14,7 +14,7 @@ use super::reference_model::{PlanarModelState, limited};
 use super::rollout::{MAX_LATERAL_JERK, PlanRequest};
 use crate::aero::{Aerodynamics, Stall};
 use crate::control::Guard;
-use crate::frame::Inertial;
+use crate::frame::{Attitude, Inertial};
 use crate::math;
 use crate::ned::Ned;
 use crate::reference;
@@ -149,6 +149,8 @@ pub(super) struct ReferenceModelOutput {
     pub jerk: Ned,
     /// Acceleration in the plane of flight [m/s²].
     pub in_plane: Inertial,
+    /// Attitude in the plane at the end of the step.
+    pub attitude: Attitude,
     /// ω̇ about the plane's normal [rad/s²].
     pub rate_change: f32,
     /// The plane of flight.
@@ -309,7 +311,7 @@ impl LateralGuidance {
             thrust: flight.thrust,
         };
         let missed_lateral_acceleration = (1.0 - CROSSING) * desired_lateral_acceleration.abs();
-        let in_plane = servo.advance(
+        let (in_plane, attitude) = servo.advance(
             &heavier,
             &mut plane,
             &mut state.plan,
@@ -398,6 +400,7 @@ impl LateralGuidance {
                 lateral_jerk + in_plane.forward() * turn,
             ),
             in_plane,
+            attitude,
             rate_change,
             spin: Ned::new(0.0, 0.0, turn) + axes.forward * roll,
             axes,

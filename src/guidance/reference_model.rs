@@ -246,7 +246,7 @@ impl ReferenceModel {
     }
 
     /// Lets `flight` pass for `h` \[s\] by `plan`, with an attitude of at most `most_theta` \[rad\] while it goes forward, and
-    /// gives its acceleration [m/s²].
+    /// gives its acceleration [m/s²] and the attitude it comes to.
     #[inline(always)]
     #[expect(clippy::too_many_arguments)]
     pub fn advance<A: Aerodynamics>(
@@ -258,14 +258,14 @@ impl ReferenceModel {
         wind: Inertial,
         most_theta: f32,
         h: f32,
-    ) -> Inertial {
+    ) -> (Inertial, Attitude) {
         let mut attitude = Attitude::from_angle(flight.theta);
         let gains = self.gains(h);
         let error =
             flight.velocity - self.desired_velocity(flight.position, reference.velocity, wind);
         let desired =
             self.desired_acceleration(error, reference.acceleration, vehicle.gravity(), &gains);
-        self.step::<A, true>(
+        let acceleration = self.step::<A, true>(
             vehicle,
             flight,
             &mut attitude,
@@ -276,7 +276,8 @@ impl ReferenceModel {
             most_theta,
             &gains,
             true,
-        )
+        );
+        (acceleration, attitude)
     }
 
     /// The acceleration that the servo wants [m/s²] at an `error` of velocity, velocity less velocity wanted [m/s].
@@ -496,7 +497,9 @@ impl ReferenceModel {
         flight.rate = rate;
         let turned = flight.rate * h;
         flight.theta += turned;
-        *attitude = turn(*attitude, turned);
+        // By at most π/4: `MAX_ROTATION`.
+        let (sin, cos) = math::sin_cos_near_zero(turned);
+        *attitude = attitude.turned(sin, cos);
         flight.thrust = mass * thrust;
 
         if pushing {
@@ -505,16 +508,6 @@ impl ReferenceModel {
             plan.turn = 0;
         }
         acceleration
-    }
-}
-
-/// `attitude` turned by `angle` \[rad\], of at most π/4.
-#[inline(always)]
-fn turn(attitude: Attitude, angle: f32) -> Attitude {
-    let (sin, cos) = math::sin_cos_near_zero(angle);
-    Attitude {
-        cos: attitude.cos * cos - attitude.sin * sin,
-        sin: attitude.sin * cos + attitude.cos * sin,
     }
 }
 
@@ -546,19 +539,6 @@ impl Forces {
     }
 }
 
-/// F̄_2 \[N\] at an attitude `theta` \[rad\] for an acceleration [m/s²]: zero in equilibrium.
-#[inline(always)]
-pub(super) fn transverse_force<A: Aerodynamics>(
-    vehicle: &Vehicle<A>,
-    theta: f32,
-    air_velocity: Inertial,
-    acceleration: Inertial,
-) -> f32 {
-    let attitude = Attitude::from_angle(theta);
-    let forces = Forces::new(vehicle, attitude, air_velocity);
-    vehicle.mass() * attitude.to_body(forces.free - acceleration).j()
-}
-
 /// `x` within ±`bound`.
 #[inline(always)]
 pub(super) fn limited(x: f32, bound: f32) -> f32 {
@@ -582,6 +562,7 @@ mod tests {
     extern crate std;
     use super::*;
     use crate::aero::{Combined, CombinedParameters};
+    use crate::equivalency::ApparentForces;
     use crate::vehicle::VehicleParameters;
     use rand::{RngExt, SeedableRng};
 
@@ -604,7 +585,9 @@ mod tests {
     ) -> Inertial {
         let model =
             ReferenceModel::new(&GuidanceParameters::default(), vehicle, &Tuning::default());
-        model.advance(vehicle, flight, plan, reference, wind, FREE, DT)
+        model
+            .advance(vehicle, flight, plan, reference, wind, FREE, DT)
+            .0
     }
 
     fn still(down: f32, forward: f32) -> Reference {
@@ -1009,9 +992,15 @@ mod tests {
             // 1 cm/s, 1 cm/s², 0.1 N: what is left of slow decays.
             assert!(error.norm() < 0.01 && acceleration.norm() < 0.01);
             let v_a = flight.velocity - wind;
-            let left = transverse_force(&vehicle, flight.theta, v_a, Inertial::ZERO);
+            let transverse_force = |theta| {
+                let attitude = Attitude::from_angle(theta);
+                ApparentForces::new(&vehicle, attitude, v_a, Inertial::ZERO)
+                    .f
+                    .j()
+            };
+            let left = transverse_force(flight.theta);
             assert!(left.abs() < 0.1, "{left}");
-            let slope = transverse_force(&vehicle, flight.theta + 0.01, v_a, Inertial::ZERO);
+            let slope = transverse_force(flight.theta + 0.01);
             // ∂_θ F̄_2 = −F̄_p1: negative on θ̃ = 0.
             assert_eq!(slope > 0.0, down > 9.0);
         }
