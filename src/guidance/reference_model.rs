@@ -199,7 +199,7 @@ impl ReferenceModel {
     /// The velocity down to be had at a `position` error: the `reference`'s, and towards the reference position.
     #[inline(always)]
     pub fn desired_down(&self, position: f32, reference: f32) -> f32 {
-        let towards = rarely_limited(
+        let towards = limited(
             self.position_gain.down() * position,
             self.max_velocity.down(),
         );
@@ -229,7 +229,7 @@ impl ReferenceModel {
         wind: Inertial,
     ) -> Inertial {
         let forward = reference.forward()
-            - rarely_limited(
+            - limited(
                 self.position_gain.forward() * position.forward(),
                 self.max_velocity.forward(),
             );
@@ -301,7 +301,7 @@ impl ReferenceModel {
             } else {
                 down
             },
-            rarely_limited(
+            limited(
                 acceleration.forward() - self.tuning.forward_gain * error.forward(),
                 self.tuning.max_forward * gravity,
             ),
@@ -311,7 +311,7 @@ impl ReferenceModel {
     /// The rate [rad/s] that closes an `error` of attitude \[rad\], up to `most`.
     #[inline(always)]
     fn desired_rate(&self, error: f32, most: f32, gains: &StepGains) -> f32 {
-        rarely_limited(gains.attitude_gain * error, math::min(most, self.rate))
+        limited(gains.attitude_gain * error, math::min(most, self.rate))
     }
 
     /// The rate [rad/s] that is had after `h` \[s\], from `rate` on.
@@ -427,8 +427,7 @@ impl ReferenceModel {
             let course = (desired.forward() * air.down() - desired.down() * air.forward())
                 / (air.norm_squared() + SLOWEST_SQUARED);
             let dj = weight * d.forward() * attitude.cos - d.down() * attitude.sin;
-            let ahead =
-                rarely_limited(course / gains.attitude_gain, MAX_AHEAD) * (steep + alone * dj);
+            let ahead = limited(course / gains.attitude_gain, MAX_AHEAD) * (steep + alone * dj);
             let error = (di * both - fd + ahead) / dd;
             let (thrust, error) = if error > room {
                 (alone, room)
@@ -478,7 +477,7 @@ impl ReferenceModel {
         let span = h * allowed.given;
         let rate = math::clamp(wanted, middle - span, middle + span);
         let most_rate = math::max(MOST_RATE, self.rate);
-        let rate = rarely_limited(rate, most_rate);
+        let rate = limited(rate, most_rate);
 
         let acceleration = forces.free - Inertial::new(attitude.cos, attitude.sin) * thrust;
         // Drag is stiff where the speed is high: implicit in it.
@@ -539,16 +538,9 @@ impl Forces {
     }
 }
 
-/// `x` within ±`bound`.
+/// `x` within ±`bound`, which is not negative: by one comparison where nothing is limited, as most often.
 #[inline(always)]
 pub(super) fn limited(x: f32, bound: f32) -> f32 {
-    math::clamp(x, -bound, bound)
-}
-
-/// The same for a `bound` ≥ 0, by one comparison where nothing is limited: a step of a prediction has six such limits, and
-/// most often none of them acts. Elsewhere it would only take room on the stack.
-#[inline(always)]
-fn rarely_limited(x: f32, bound: f32) -> f32 {
     if x.abs() > bound {
         core::hint::cold_path();
         if x < 0.0 { -bound } else { bound }
