@@ -455,7 +455,8 @@ impl ReferenceModel {
             wanted
         };
         let wanted = if forces.speed > self.loaded_speed {
-            self.unloaded(vehicle, *attitude, air, gains.attitude_gain, wanted)
+            let vehicle = vehicle.as_flown(gravity, 1.0, 0.0);
+            self.unloaded(&vehicle, *attitude, air, gains.attitude_gain, wanted)
         } else {
             wanted
         };
