@@ -311,7 +311,7 @@ impl LateralGuidance {
             thrust: flight.thrust,
         };
         let missed_lateral_acceleration = (1.0 - CROSSING) * desired_lateral_acceleration.abs();
-        let (in_plane, attitude) = servo.advance(
+        let (in_plane, attitude, error) = servo.advance(
             &heavier,
             &mut plane,
             &mut state.plan,
@@ -332,7 +332,6 @@ impl LateralGuidance {
             altitude_band: planner.altitude_band(input.planner_options.altitude_band),
         };
         let plan_due = state.leave(request, planner.cost.velocity_band.forward(), dt);
-        let error = plane.velocity - servo.desired_velocity(plane.position, asked.velocity, wind);
         let progress = Progress::new(
             &heavier,
             planner,

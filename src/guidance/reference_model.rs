@@ -246,7 +246,7 @@ impl ReferenceModel {
     }
 
     /// Lets `flight` pass for `h` \[s\] by `plan`, with an attitude of at most `most_theta` \[rad\] while it goes forward, and
-    /// gives its acceleration [m/s²] and the attitude it comes to.
+    /// gives its acceleration [m/s²], the attitude it comes to, and the error of velocity that it began with [m/s].
     #[inline(always)]
     #[expect(clippy::too_many_arguments)]
     pub fn advance<A: Aerodynamics>(
@@ -258,7 +258,7 @@ impl ReferenceModel {
         wind: Inertial,
         most_theta: f32,
         h: f32,
-    ) -> (Inertial, Attitude) {
+    ) -> (Inertial, Attitude, Inertial) {
         let mut attitude = Attitude::from_angle(flight.theta);
         let gains = self.gains(h);
         let error =
@@ -277,7 +277,7 @@ impl ReferenceModel {
             &gains,
             true,
         );
-        (acceleration, attitude)
+        (acceleration, attitude, error)
     }
 
     /// The acceleration that the servo wants [m/s²] at an `error` of velocity, velocity less velocity wanted [m/s].
