@@ -77,7 +77,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
     }
 
     /// Whether every part's memory is inside that part's own bounds.
-    #[inline(never)]
+    #[inline(always)]
     pub(super) fn is_sound(&self, state: &GuidanceState) -> bool {
         self.supervisor.is_sound(&state.supervision)
             && (state.started != 1 || state.flight.is_sound())
