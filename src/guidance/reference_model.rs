@@ -455,6 +455,7 @@ impl ReferenceModel {
             wanted
         };
         let wanted = if forces.speed > self.loaded_speed {
+            // A copy, made here: by reference the vehicle itself would have to be in memory, every step.
             let vehicle = vehicle.as_flown(gravity, 1.0, 0.0);
             self.unloaded(&vehicle, *attitude, air, gains.attitude_gain, wanted)
         } else {
