@@ -47,6 +47,15 @@ impl AngleOfAttack {
         };
         Self { sin, cos, rad }
     }
+
+    /// Sine and cosine of the sum with the angle of this sine and cosine.
+    #[inline(always)]
+    const fn of_sum(&self, sin: f32, cos: f32) -> (f32, f32) {
+        (
+            sin * self.cos + cos * self.sin,
+            cos * self.cos - sin * self.sin,
+        )
+    }
 }
 
 /// The constant angle δ from the zero-lift line to the thrust line, with its sine and cosine.
@@ -105,6 +114,29 @@ impl AirData {
             sin: alpha.sin * thrust_line.cos + alpha.cos * thrust_line.sin,
             cos: alpha.cos * thrust_line.cos - alpha.sin * thrust_line.sin,
             alpha,
+        }
+    }
+
+    /// Air data of the same air velocity where the body is turned by `angle` about the wing: the angle of attack is larger by it.
+    #[inline(always)]
+    pub(crate) fn turned(&self, angle: &AngleOfAttack) -> Self {
+        let rad = self.alpha.rad + angle.rad;
+        let (sin, cos) = angle.of_sum(self.sin, self.cos);
+        let (alpha_sin, alpha_cos) = angle.of_sum(self.alpha.sin, self.alpha.cos);
+        Self {
+            speed: self.speed,
+            sin,
+            cos,
+            alpha: AngleOfAttack {
+                sin: alpha_sin,
+                cos: alpha_cos,
+                rad: if rad.abs() > math::PI {
+                    core::hint::cold_path();
+                    rad - (2.0 * math::PI).copysign(rad)
+                } else {
+                    rad
+                },
+            },
         }
     }
 
@@ -190,6 +222,28 @@ mod tests {
                 let sum = air.alpha.sin * line.cos + air.alpha.cos * line.sin;
                 assert!((sum - air.sin).abs() < 1e-6);
             }
+        }
+    }
+
+    /// Of a body that is turned by an angle the air data are those of the velocity in its components.
+    #[test]
+    fn a_turned_body_has_its_own_air() {
+        let line = ThrustLine::new(0.3).unwrap();
+        for n in 0..200 {
+            let (theta, by) = (n as f32 * 0.0631 - 6.3, [-0.6, 0.087][n % 2]);
+            let v = Inertial::new(3.0, -14.0);
+            let at = |theta| AirData::new(Attitude::from_angle(theta).to_body(v), &line);
+            let (got, right) = (
+                at(theta).turned(&AngleOfAttack::from_radians(by)),
+                at(theta + by),
+            );
+            assert_eq!(got.speed, at(theta).speed);
+            // 2e-6: some roundings of angles up to 2π.
+            assert!(got.alpha.rad.abs() <= math::PI);
+            assert!((got.alpha.rad - right.alpha.rad).sin().abs() < 2e-6);
+            assert!((got.sin - right.sin).abs() + (got.cos - right.cos).abs() < 2e-6);
+            let off = (got.alpha.sin - right.alpha.sin).abs();
+            assert!(off + (got.alpha.cos - right.alpha.cos).abs() < 2e-6);
         }
     }
 

@@ -186,6 +186,15 @@ impl Attitude {
         Self { cos, sin }
     }
 
+    /// The attitude turned by the angle of this sine and cosine.
+    #[inline(always)]
+    pub(crate) const fn turned(&self, sin: f32, cos: f32) -> Self {
+        Self {
+            cos: self.cos * cos - self.sin * sin,
+            sin: self.sin * cos + self.cos * sin,
+        }
+    }
+
     /// θ \[rad\], in (−π, π].
     pub const fn angle(&self) -> f32 {
         math::atan2(self.sin, self.cos)

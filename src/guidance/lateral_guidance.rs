@@ -14,7 +14,7 @@ use super::reference_model::{PlanarModelState, limited};
 use super::rollout::{MAX_LATERAL_JERK, PlanRequest};
 use crate::aero::{Aerodynamics, Stall};
 use crate::control::Guard;
-use crate::frame::Inertial;
+use crate::frame::{Attitude, Inertial};
 use crate::math;
 use crate::ned::Ned;
 use crate::reference;
@@ -91,10 +91,15 @@ impl ReferenceModelState {
             && (self.velocity - velocity).norm_squared() <= SLIPPING * SLIPPING
     }
 
+    /// Whether what grows in an absurd flight is inside its bounds. NaN is not.
+    #[inline(always)]
+    pub fn is_bounded(&self) -> bool {
+        self.velocity.norm_squared() <= 1e8 && self.position.norm_squared() <= 1e10
+    }
+
     /// Whether every number is one that a reference model can have left. NaN is not.
     pub fn is_sound(&self) -> bool {
-        self.velocity.norm_squared() <= 1e8
-            && self.position.norm_squared() <= 1e10
+        self.is_bounded()
             && self.course.is_sound()
             && self.lateral_acceleration.abs() <= 1e4
             && self.theta.abs() + self.rate.abs() <= 1e3
@@ -149,6 +154,8 @@ pub(super) struct ReferenceModelOutput {
     pub jerk: Ned,
     /// Acceleration in the plane of flight [m/s²].
     pub in_plane: Inertial,
+    /// Attitude in the plane at the end of the step.
+    pub attitude: Attitude,
     /// ω̇ about the plane's normal [rad/s²].
     pub rate_change: f32,
     /// The plane of flight.
@@ -309,7 +316,7 @@ impl LateralGuidance {
             thrust: flight.thrust,
         };
         let missed_lateral_acceleration = (1.0 - CROSSING) * desired_lateral_acceleration.abs();
-        let in_plane = servo.advance(
+        let (in_plane, attitude, error) = servo.advance(
             &heavier,
             &mut plane,
             &mut state.plan,
@@ -330,7 +337,6 @@ impl LateralGuidance {
             altitude_band: planner.altitude_band(input.planner_options.altitude_band),
         };
         let plan_due = state.leave(request, planner.cost.velocity_band.forward(), dt);
-        let error = plane.velocity - servo.desired_velocity(plane.position, asked.velocity, wind);
         let progress = Progress::new(
             &heavier,
             planner,
@@ -398,6 +404,7 @@ impl LateralGuidance {
                 lateral_jerk + in_plane.forward() * turn,
             ),
             in_plane,
+            attitude,
             rate_change,
             spin: Ned::new(0.0, 0.0, turn) + axes.forward * roll,
             axes,

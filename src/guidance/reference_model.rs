@@ -199,7 +199,7 @@ impl ReferenceModel {
     /// The velocity down to be had at a `position` error: the `reference`'s, and towards the reference position.
     #[inline(always)]
     pub fn desired_down(&self, position: f32, reference: f32) -> f32 {
-        let towards = rarely_limited(
+        let towards = limited(
             self.position_gain.down() * position,
             self.max_velocity.down(),
         );
@@ -229,7 +229,7 @@ impl ReferenceModel {
         wind: Inertial,
     ) -> Inertial {
         let forward = reference.forward()
-            - rarely_limited(
+            - limited(
                 self.position_gain.forward() * position.forward(),
                 self.max_velocity.forward(),
             );
@@ -246,7 +246,7 @@ impl ReferenceModel {
     }
 
     /// Lets `flight` pass for `h` \[s\] by `plan`, with an attitude of at most `most_theta` \[rad\] while it goes forward, and
-    /// gives its acceleration [m/s²].
+    /// gives its acceleration [m/s²], the attitude it comes to, and the error of velocity that it began with [m/s].
     #[inline(always)]
     #[expect(clippy::too_many_arguments)]
     pub fn advance<A: Aerodynamics>(
@@ -258,14 +258,14 @@ impl ReferenceModel {
         wind: Inertial,
         most_theta: f32,
         h: f32,
-    ) -> Inertial {
+    ) -> (Inertial, Attitude, Inertial) {
         let mut attitude = Attitude::from_angle(flight.theta);
         let gains = self.gains(h);
         let error =
             flight.velocity - self.desired_velocity(flight.position, reference.velocity, wind);
         let desired =
             self.desired_acceleration(error, reference.acceleration, vehicle.gravity(), &gains);
-        self.step::<A, true>(
+        let acceleration = self.step::<A, true>(
             vehicle,
             flight,
             &mut attitude,
@@ -276,7 +276,8 @@ impl ReferenceModel {
             most_theta,
             &gains,
             true,
-        )
+        );
+        (acceleration, attitude, error)
     }
 
     /// The acceleration that the servo wants [m/s²] at an `error` of velocity, velocity less velocity wanted [m/s].
@@ -300,7 +301,7 @@ impl ReferenceModel {
             } else {
                 down
             },
-            rarely_limited(
+            limited(
                 acceleration.forward() - self.tuning.forward_gain * error.forward(),
                 self.tuning.max_forward * gravity,
             ),
@@ -310,7 +311,7 @@ impl ReferenceModel {
     /// The rate [rad/s] that closes an `error` of attitude \[rad\], up to `most`.
     #[inline(always)]
     fn desired_rate(&self, error: f32, most: f32, gains: &StepGains) -> f32 {
-        rarely_limited(gains.attitude_gain * error, math::min(most, self.rate))
+        limited(gains.attitude_gain * error, math::min(most, self.rate))
     }
 
     /// The rate [rad/s] that is had after `h` \[s\], from `rate` on.
@@ -426,8 +427,7 @@ impl ReferenceModel {
             let course = (desired.forward() * air.down() - desired.down() * air.forward())
                 / (air.norm_squared() + SLOWEST_SQUARED);
             let dj = weight * d.forward() * attitude.cos - d.down() * attitude.sin;
-            let ahead =
-                rarely_limited(course / gains.attitude_gain, MAX_AHEAD) * (steep + alone * dj);
+            let ahead = limited(course / gains.attitude_gain, MAX_AHEAD) * (steep + alone * dj);
             let error = (di * both - fd + ahead) / dd;
             let (thrust, error) = if error > room {
                 (alone, room)
@@ -455,7 +455,9 @@ impl ReferenceModel {
             wanted
         };
         let wanted = if forces.speed > self.loaded_speed {
-            self.unloaded(vehicle, *attitude, air, gains.attitude_gain, wanted)
+            // A copy, made here: by reference the vehicle itself would have to be in memory, every step.
+            let vehicle = vehicle.as_flown(gravity, 1.0, 0.0);
+            self.unloaded(&vehicle, *attitude, air, gains.attitude_gain, wanted)
         } else {
             wanted
         };
@@ -477,7 +479,7 @@ impl ReferenceModel {
         let span = h * allowed.given;
         let rate = math::clamp(wanted, middle - span, middle + span);
         let most_rate = math::max(MOST_RATE, self.rate);
-        let rate = rarely_limited(rate, most_rate);
+        let rate = limited(rate, most_rate);
 
         let acceleration = forces.free - Inertial::new(attitude.cos, attitude.sin) * thrust;
         // Drag is stiff where the speed is high: implicit in it.
@@ -496,7 +498,9 @@ impl ReferenceModel {
         flight.rate = rate;
         let turned = flight.rate * h;
         flight.theta += turned;
-        *attitude = turn(*attitude, turned);
+        // By at most π/4: `MAX_ROTATION`.
+        let (sin, cos) = math::sin_cos_near_zero(turned);
+        *attitude = attitude.turned(sin, cos);
         flight.thrust = mass * thrust;
 
         if pushing {
@@ -505,16 +509,6 @@ impl ReferenceModel {
             plan.turn = 0;
         }
         acceleration
-    }
-}
-
-/// `attitude` turned by `angle` \[rad\], of at most π/4.
-#[inline(always)]
-fn turn(attitude: Attitude, angle: f32) -> Attitude {
-    let (sin, cos) = math::sin_cos_near_zero(angle);
-    Attitude {
-        cos: attitude.cos * cos - attitude.sin * sin,
-        sin: attitude.sin * cos + attitude.cos * sin,
     }
 }
 
@@ -546,29 +540,9 @@ impl Forces {
     }
 }
 
-/// F̄_2 \[N\] at an attitude `theta` \[rad\] for an acceleration [m/s²]: zero in equilibrium.
-#[inline(always)]
-pub(super) fn transverse_force<A: Aerodynamics>(
-    vehicle: &Vehicle<A>,
-    theta: f32,
-    air_velocity: Inertial,
-    acceleration: Inertial,
-) -> f32 {
-    let attitude = Attitude::from_angle(theta);
-    let forces = Forces::new(vehicle, attitude, air_velocity);
-    vehicle.mass() * attitude.to_body(forces.free - acceleration).j()
-}
-
-/// `x` within ±`bound`.
+/// `x` within ±`bound`, which is not negative: by one comparison where nothing is limited, as most often.
 #[inline(always)]
 pub(super) fn limited(x: f32, bound: f32) -> f32 {
-    math::clamp(x, -bound, bound)
-}
-
-/// The same for a `bound` ≥ 0, by one comparison where nothing is limited: a step of a prediction has six such limits, and
-/// most often none of them acts. Elsewhere it would only take room on the stack.
-#[inline(always)]
-fn rarely_limited(x: f32, bound: f32) -> f32 {
     if x.abs() > bound {
         core::hint::cold_path();
         if x < 0.0 { -bound } else { bound }
@@ -582,6 +556,7 @@ mod tests {
     extern crate std;
     use super::*;
     use crate::aero::{Combined, CombinedParameters};
+    use crate::equivalency::ApparentForces;
     use crate::vehicle::VehicleParameters;
     use rand::{RngExt, SeedableRng};
 
@@ -604,7 +579,9 @@ mod tests {
     ) -> Inertial {
         let model =
             ReferenceModel::new(&GuidanceParameters::default(), vehicle, &Tuning::default());
-        model.advance(vehicle, flight, plan, reference, wind, FREE, DT)
+        model
+            .advance(vehicle, flight, plan, reference, wind, FREE, DT)
+            .0
     }
 
     fn still(down: f32, forward: f32) -> Reference {
@@ -1009,9 +986,15 @@ mod tests {
             // 1 cm/s, 1 cm/s², 0.1 N: what is left of slow decays.
             assert!(error.norm() < 0.01 && acceleration.norm() < 0.01);
             let v_a = flight.velocity - wind;
-            let left = transverse_force(&vehicle, flight.theta, v_a, Inertial::ZERO);
+            let transverse_force = |theta| {
+                let attitude = Attitude::from_angle(theta);
+                ApparentForces::new(&vehicle, attitude, v_a, Inertial::ZERO)
+                    .f
+                    .j()
+            };
+            let left = transverse_force(flight.theta);
             assert!(left.abs() < 0.1, "{left}");
-            let slope = transverse_force(&vehicle, flight.theta + 0.01, v_a, Inertial::ZERO);
+            let slope = transverse_force(flight.theta + 0.01);
             // ∂_θ F̄_2 = −F̄_p1: negative on θ̃ = 0.
             assert_eq!(slope > 0.0, down > 9.0);
         }

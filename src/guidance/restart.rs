@@ -77,10 +77,10 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
     }
 
     /// Whether every part's memory is inside that part's own bounds.
-    #[inline(never)]
+    #[inline(always)]
     pub(super) fn is_sound(&self, state: &GuidanceState) -> bool {
         self.supervisor.is_sound(&state.supervision)
-            && self.is_flight_sound(state)
+            && (state.started != 1 || state.flight.is_sound())
             && state.planner.is_sound()
             && self.tracker.is_sound(state.integral)
             && self.accelerometer.is_sound(&state.accelerometer)
@@ -90,12 +90,6 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             && (self.limits.is_sound(&state.limits)
                 || state.limits == LimitState::default() && state.mode() == Mode::Safe)
             && state.held.norm_squared() <= MAX_SPEED * MAX_SPEED
-    }
-
-    /// Whether the reference model's numbers are inside their bounds, once it has begun. Of what a step leaves, nothing else grows without bound.
-    #[inline(always)]
-    pub(super) fn is_flight_sound(&self, state: &GuidanceState) -> bool {
-        state.started != 1 || state.flight.is_sound()
     }
 
     /// Back to power-on, but for the mode, and for the last command if that is inside the limits: it is what a bad frame is

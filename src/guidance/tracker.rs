@@ -7,22 +7,26 @@
 
 use super::lateral_guidance::{ReferenceModelOutput, ReferenceModelState};
 use super::parameters::GuidanceParameters;
-use super::reference_model::{limited, transverse_force};
+use super::reference_model::limited;
 use super::status::Status;
 use super::tuning::Tuning;
 use super::wrap::wrap;
 use crate::aero::Aerodynamics;
+use crate::air::{AirData, AngleOfAttack};
 use crate::authority::Airflow;
 use crate::branch::Branch;
 use crate::control::{Fault, GainLaw, Step};
-use crate::frame::Attitude;
+use crate::equivalency::ApparentForces;
+use crate::frame::{Attitude, Inertial};
 use crate::math;
 use crate::ned::Ned;
 use crate::reference::MAX_SPEED;
 use crate::spatial::{Body, Command, Heading, Orientation, Reference, State, WingedControl};
+use crate::vehicle::Vehicle;
 
-/// How far to either side of the model's attitude the slope of F̄_2 is looked at \[rad\].
-const REACH: f32 = 0.087;
+/// How far to either side of the model's attitude the slope of F̄_2 is looked at.
+const BEFORE: AngleOfAttack = AngleOfAttack::from_radians(-0.087);
+const AFTER: AngleOfAttack = AngleOfAttack::from_radians(0.087);
 /// Slope of F̄_2 from which on an equilibrium is on a sheet, in multiples of the weight.
 const SHEET: f32 = 0.29;
 /// Distance from the model's attitude \[rad\] up to which the vehicle is taken to be on the model's sheet, and
@@ -197,10 +201,7 @@ impl Tracker {
         let believed = plane
             .vehicle()
             .as_flown(axes.gravity, state.correction.air(), 0.0);
-        let at = |theta| transverse_force(&believed, theta, v_a, model.in_plane);
-        let middle = at(flight.theta);
-        let left = (at(flight.theta - REACH) - middle) / REACH;
-        let right = (middle - at(flight.theta + REACH)) / REACH;
+        let [left, right] = falls(&believed, model.attitude, v_a, model.in_plane);
         let (branch, slope) = if left > 0.0 && right > 0.0 {
             (Branch::Aligned, math::min(left, right))
         } else if left < 0.0 && right < 0.0 {
@@ -306,7 +307,7 @@ impl Tracker {
         }
         // Out of the plane of flight pitch, tilt and twist would each go their own way.
         if aligned < 1.0 {
-            let shortest = by_the_shortest_way(attitude, axes.forward, axes.right, flight.theta);
+            let shortest = by_the_shortest_way(attitude, axes.forward, axes.right, model.attitude);
             let shortest = shortest * gain + attitude.to_axes(axes.right * rate + model.spin);
             let mixed = Body::from(command.rates) * aligned + shortest * (1.0 - aligned);
             command.rates = mixed.into();
@@ -347,6 +348,36 @@ impl Tracker {
     }
 }
 
+/// How F̄_2 falls with the attitude [N/rad], before this one and after it, at an air velocity [m/s] and an acceleration [m/s²].
+#[inline(always)]
+fn falls<A: Aerodynamics>(
+    vehicle: &Vehicle<A>,
+    attitude: Attitude,
+    air_velocity: Inertial,
+    acceleration: Inertial,
+) -> [f32; 2] {
+    let weight = (Inertial::new(vehicle.gravity(), 0.0) - acceleration) * vehicle.mass();
+    // The air velocity is the same: turned by an angle, the angle of attack is larger by it.
+    let air = AirData::new(attitude.to_body(air_velocity), vehicle.thrust_line());
+    let turned = |by: &AngleOfAttack| (attitude.turned(by.sin, by.cos), air.turned(by));
+    let middle = transverse_force(vehicle, (attitude, air), weight);
+    let before = transverse_force(vehicle, turned(&BEFORE), weight);
+    let after = transverse_force(vehicle, turned(&AFTER), weight);
+    [(before - middle) / AFTER.rad, (middle - after) / AFTER.rad]
+}
+
+/// F̄_2 \[N\] at an attitude in this air, for an apparent `weight` \[N\]: zero in equilibrium.
+#[inline(always)]
+fn transverse_force<A: Aerodynamics>(
+    vehicle: &Vehicle<A>,
+    (attitude, air): (Attitude, AirData),
+    weight: Inertial,
+) -> f32 {
+    ApparentForces::in_plane(vehicle, air, air.speed, attitude.to_body(weight))
+        .f
+        .j()
+}
+
 /// The shortest rotation, in body components \[rad\], from an `attitude` to that of a vehicle at θ in the plane whose course is
 /// `forward` and whose right wing is `right`. By pitch, tilt and twist, each on its own, a vehicle on its side nodded for two
 /// seconds and fell by more than 30 m.
@@ -354,8 +385,8 @@ impl Tracker {
 /// It is a function of its own because it is rarely called: within the tracker it takes 16 bytes more of stack.
 #[cold]
 #[inline(never)]
-fn by_the_shortest_way(attitude: &Orientation, forward: Ned, right: Ned, theta: f32) -> Body {
-    let Attitude { cos, sin } = Attitude::from_angle(theta);
+fn by_the_shortest_way(attitude: &Orientation, forward: Ned, right: Ned, theta: Attitude) -> Body {
+    let Attitude { cos, sin } = theta;
     let down = forward.cross(right);
     attitude.rotation_to(
         down * cos + forward * sin,

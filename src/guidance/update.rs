@@ -119,7 +119,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             Err(RejectReason::TimeStep)
         };
         // An absurd vehicle or reference takes the reference model beyond all bounds: it begins anew from the real vehicle.
-        if !self.is_flight_sound(state) {
+        if state.started == 1 && !state.flight.is_bounded() {
             self.reset(state);
         }
         let mode = self
@@ -270,8 +270,6 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         };
 
         // Where the vehicle is, from the reference.
-        let reckoned = state.reckoned + (input.velocity - asked.velocity) * dt;
-        state.reckoned = self.tracker.within_reach(reckoned);
         let position = match position_error {
             Some(x) => {
                 state.reckoned = Ned::ZERO;
@@ -281,7 +279,11 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
                     limited(x.down, MAX_DISTANCE),
                 )
             }
-            None => state.reckoned,
+            None => {
+                let reckoned = state.reckoned + (input.velocity - asked.velocity) * dt;
+                state.reckoned = self.tracker.within_reach(reckoned);
+                state.reckoned
+            }
         };
 
         // The reference model begins with the vehicle, and begins anew where it has nothing to do with it: after a jump of position or reference,
@@ -362,30 +364,32 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
                 dt,
             )
             .map_err(RejectReason::Law)?;
-        let limited = self.limits.apply(
+        let bounded = self.limits.apply(
             &mut state.limits,
             tracked.command.thrust,
             -input.orientation.to_axes(input.velocity - wind).i,
             tracked.command.rates.into(),
             dt,
         );
-        state.saturated = limited.saturated;
+        state.saturated = bounded.saturated;
         // Where the law has no say the reference model is resynchronised to the vehicle: that is how it is planned anew.
-        let resynchronisation = self.planner.reference_model.tuning.resynchronisation;
-        let resynchronised = math::min((1.0 - tracked.law) * resynchronisation * dt, 1.0);
         let flight = &mut state.flight;
-        flight.velocity += (input.velocity - flight.velocity) * resynchronised;
-        flight.position +=
-            (position - flight.position) * (RESYNCHRONISATION_POSITION_SHARE * resynchronised);
+        if tracked.law < 1.0 {
+            let resynchronisation = self.planner.reference_model.tuning.resynchronisation;
+            let resynchronised = math::min((1.0 - tracked.law) * resynchronisation * dt, 1.0);
+            flight.velocity += (input.velocity - flight.velocity) * resynchronised;
+            flight.position +=
+                (position - flight.position) * (RESYNCHRONISATION_POSITION_SHARE * resynchronised);
+        }
 
         // An attitude that does not follow is where plans begin: the air may hold it.
         let ahead = tracked.ahead;
-        let apart = ahead - math::clamp(ahead, -ATTITUDE_APART, ATTITUDE_APART);
+        let apart = ahead - limited(ahead, ATTITUDE_APART);
         flight.theta -= apart * math::min(ATTITUDE_RESYNCHRONISATION * dt, 1.0);
 
         let mut command = Command {
-            thrust: limited.thrust,
-            rates: limited.rates.into(),
+            thrust: bounded.thrust,
+            rates: bounded.rates.into(),
             ..tracked.command
         };
         self.accelerometer.update(
@@ -401,7 +405,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             command,
             air,
             status: tracked.status
-                | limited.saturated
+                | bounded.saturated
                 | Status::REFERENCE_HELD.when(!fresh)
                 | Status::POSITION_INVALID
                     .when(fresh && position_error.is_none() && input.position_error.is_some())

@@ -6,10 +6,16 @@ use crate::math;
 /// `angle` \[rad\] within ±π.
 #[inline(always)]
 pub(super) fn wrap(angle: f32) -> f32 {
-    // 1.5·2²³: adding it leaves the nearest integer in the low bits of the sum.
-    const ROUND: f32 = 12_582_912.0;
-    let turns = (limited(angle, 1e3) * (0.5 / math::PI) + ROUND) - ROUND;
-    angle - turns * (2.0 * math::PI)
+    // Less than half a turn is itself, to the bit, and most angles are that.
+    if angle.abs() > math::PI {
+        core::hint::cold_path();
+        // 1.5·2²³: adding it leaves the nearest integer in the low bits of the sum.
+        const ROUND: f32 = 12_582_912.0;
+        let turns = (limited(angle, 1e3) * (0.5 / math::PI) + ROUND) - ROUND;
+        angle - turns * (2.0 * math::PI)
+    } else {
+        angle
+    }
 }
 
 #[cfg(test)]

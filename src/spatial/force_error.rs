@@ -82,7 +82,7 @@ impl ForceError {
     }
 
     /// One step of `dt` \[s\], after the law's. A sample that is not finite, or a `dt` that is not positive, changes nothing.
-    #[inline]
+    #[inline(always)]
     pub fn update(&self, state: &mut ForceErrorState, sample: &ForceSample, dt: f32) {
         let body = Body::from(sample.specific_force) * self.mass - sample.aerodynamic.into()
             + Body::new(state.thrust, 0.0, 0.0);

@@ -48,11 +48,12 @@ const fn law(function: &'static str, median: u32) -> Limit {
     }
 }
 
-/// Of the guidance's fast step.
+/// Of the guidance's fast step: what it takes, and 2 % for what comes. 3,000 are wanted. Three in ten instructions load constants and parameters or keep
+/// what 32 registers do not hold.
 const fn guidance(function: &'static str) -> Limit {
     Limit {
         function,
-        median: 5_000,
+        median: 4_600,
         spread: 1.26,
         flash: 30 * 1024,
         stack: 1250,
@@ -74,9 +75,9 @@ const fn plan(function: &'static str) -> Limit {
 /// Of the guidance whose state survives changes. 2 KiB are promised.
 const fn hardened(function: &'static str) -> Limit {
     Limit {
-        median: 6_250,
-        // The longest step of the fuzz corpus takes 1.263 times the median that is allowed.
-        spread: 1.27,
+        median: 5_750,
+        // The longest step of the fuzz corpus.
+        spread: 1.37,
         flash: 36 * 1024,
         stack: 1850,
         ..guidance(function)
@@ -84,11 +85,18 @@ const fn hardened(function: &'static str) -> Limit {
 }
 
 /// Limits of the project.
-const LIMITS: [Limit; 10] = [
+const LIMITS: [Limit; 11] = [
     law("robust", 400),
     law("full_feed_forward", 900),
     guidance("guidance"),
     guidance("guidance_in_flight"),
+    // With the air estimate, which the sweep does not ask for. 2 KiB of stack are promised.
+    Limit {
+        median: 5_050,
+        spread: 1.1,
+        stack: 1_350,
+        ..guidance("guidance_flown")
+    },
     plan("guidance_and_plan"),
     plan("guidance_and_plan_in_flight"),
     hardened("hardened"),

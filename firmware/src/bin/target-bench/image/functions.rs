@@ -1,5 +1,6 @@
 //! The functions measured, each behind a call that is not inlined.
 
+use super::flown::{self, Flown};
 use super::sweep::Case;
 use alula::aero::{Coefficients, NACA_0021_RE_160E3};
 use alula::mission::{
@@ -219,6 +220,7 @@ pub struct Output {
     force_error: ForceErrorState,
     sideslip: SideslipState,
     flight: Flight,
+    flown: Flown,
 }
 
 /// Takes a command where the law or the guidance has left it, in its caller's frame: a loop that controls something uses it
@@ -235,6 +237,8 @@ pub enum Memory {
     Fresh,
     /// The calls before: it is in flight.
     Kept,
+    /// A whole flight, with a vehicle that obeys.
+    Flown,
 }
 
 impl Output {
@@ -252,11 +256,15 @@ impl Output {
             force_error: ForceErrorState::default(),
             sideslip: SideslipState::default(),
             flight: Flight::new(),
+            flown: Flown::new(),
         }
     }
 
     /// Makes the memory for the next call what `memory` says.
-    pub fn prepare(&mut self, memory: Memory) {
+    pub fn prepare(&mut self, memory: Memory, fixture: &Fixture) {
+        if memory == Memory::Flown {
+            self.memory = self.flown.fly(&fixture.guidance);
+        }
         if memory == Memory::Fresh {
             self.memory = GuidanceState::default();
             self.hardened = HardenedState::default();
@@ -280,7 +288,8 @@ pub struct Measured {
 macro_rules! functions {
     (
         $($name:ident => |$f:ident, $c:ident, $o:ident| $body:expr;)*
-        ; $($flown:ident => $of:ident;)*
+        ; $($kept:ident => $of:ident;)*
+        ; $($flown:ident => $whole:ident;)*
     ) => {
         $(
             #[inline(never)]
@@ -290,7 +299,8 @@ macro_rules! functions {
         /// Every function measured.
         pub const TABLE: &[Measured] = &[
             $(Measured { name: stringify!($name), function: $name, memory: Memory::Fresh },)*
-            $(Measured { name: stringify!($flown), function: $of, memory: Memory::Kept },)*
+            $(Measured { name: stringify!($kept), function: $of, memory: Memory::Kept },)*
+            $(Measured { name: stringify!($flown), function: $whole, memory: Memory::Flown },)*
         ];
     };
 }
@@ -322,6 +332,7 @@ functions! {
         keep(f.guidance.update(&mut o.memory, &c.space.input, 0.01));
         f.guidance.plan(&mut o.memory);
     };
+    flown => |f, c, o| keep(f.guidance.update(&mut o.memory, &o.flown.input, flown::STEP));
     hardened => |f, c, o| keep(f.hardened.update(&mut o.hardened, &c.space.input, 0.01));
     mission => |f, c, o| o.flight.step(f);
     winged => |f, c, o| {
@@ -369,6 +380,8 @@ functions! {
     guidance_and_plan_in_flight => guidance_and_plan;
     hardened_in_flight => hardened;
     mission_in_flight => mission;
+    ;
+    guidance_flown => flown;
 }
 
 /// The function called `name`.

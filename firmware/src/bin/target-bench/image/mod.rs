@@ -1,6 +1,7 @@
 //! The image that measures, and prints lines by semihosting for the runner to read.
 
 mod corpus;
+mod flown;
 mod functions;
 mod measure;
 mod space;
@@ -70,10 +71,10 @@ fn measure(fixture: &Fixture, meter: &Meter) {
             // Twice: the first call of a flight's new case meets other limits than the second.
             *count = 0;
             for _ in 0..2 {
-                output.prepare(memory);
+                output.prepare(memory, fixture);
                 *count = meter.instructions(function, case, output).max(*count);
             }
-            output.prepare(memory);
+            output.prepare(memory, fixture);
             stack = stack.max(meter.stack(function, case, output));
         }
         counts.sort_unstable();
@@ -93,7 +94,7 @@ fn trace(fixture: &Fixture, meter: &Meter) {
         let output = &mut Output::new();
         for n in (0..CASES).step_by(TRACE_STEP) {
             let case = &black_box(sweep::case(fixture, n));
-            output.prepare(memory);
+            output.prepare(memory, fixture);
             hprintln!("{} {}", name, meter.marked(function, case, output));
         }
     }
