@@ -315,6 +315,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
                 ..state.flight
             };
             state.wind = wind;
+            state.lean = 0.0;
         }
         state.wind += (wind - state.wind) * math::min(dt / GUSTS, 1.0);
         if input.planner_options.hold_altitude_only {
@@ -350,6 +351,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             .track(
                 &self.control,
                 &mut state.integral,
+                &mut state.lean,
                 &TrackerInput {
                     state: &at,
                     position,
