@@ -12,8 +12,10 @@ use crate::spatial::{
 };
 use crate::vehicle::Vehicle;
 
-/// Time constant of the force error \[s\].
+/// Time constant of the force error \[s\], and the least of it in multiples of the rate loop's lag. The wing's force turns with the vehicle: an
+/// error of it that was followed faster than the vehicle turns made a slow one of 25 kg swing in wind, at 0.4 Hz.
 const TIME: f32 = 0.2;
+const LAGS: f32 = 2.0;
 /// Greatest force error that is believed, in multiples of the weight.
 const MOST: f32 = 0.6;
 /// Time in which the force of the air takes over what is left of the force error along it \[s\], and the bounds of what is
@@ -66,7 +68,7 @@ impl Accelerometer {
     pub fn new<A: Aerodynamics>(p: &GuidanceParameters, vehicle: &Vehicle<A>) -> Self {
         let most = math::clamp(MOST * vehicle.weight(), 1e-3, 1e6);
         let force = ForceErrorParameters {
-            time: TIME,
+            time: math::max(TIME, LAGS * p.rate_lag),
             thrust_lag: p.thrust_lag,
             most,
         };
@@ -316,6 +318,24 @@ mod tests {
         assert_eq!(state.excess, MOST_EXCESS);
         let left = state.force.force.norm_squared();
         assert!((left - 39.2 * 39.2).abs() < 10.0, "{left}");
+    }
+
+    /// 1 − 1/e of a force error is known after 0.2 s, where the rate loop is slow after twice its lag.
+    #[test]
+    fn a_slow_vehicle_follows_the_force_error_slowly() {
+        for (rate_lag, time) in [(0.05, 0.2), (0.1, 0.2), (0.25, 0.5)] {
+            let p = GuidanceParameters {
+                rate_lag,
+                ..GuidanceParameters::default()
+            };
+            let e = Accelerometer::new(&p, &vehicle(0.0));
+            let mut state = AccelerometerState::default();
+            let believed = Body::new(0.0, -98.1, 0.0);
+            let felt = believed + Body::new(20.0, 0.0, 0.0);
+            fly(&e, &mut state, believed, Some(felt), time);
+            let down = state.force.force.down;
+            assert!((down / 20.0 - 0.632).abs() < 1e-3, "{rate_lag}: {down}");
+        }
     }
 
     /// Only a force down takes of the thrust, and never so much that the vehicle does not hover.

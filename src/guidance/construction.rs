@@ -92,7 +92,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         Ok(Self {
             planner: Planner::new(p, &vehicle, lateral_guidance.lift_coefficient(), tuning),
             lateral_guidance,
-            tracker: Tracker::new(p, tuning),
+            tracker: Tracker::new(p, &vehicle, tuning),
             accelerometer: Accelerometer::new(p, &vehicle),
             limits: Limits::new(p, &vehicle),
             supervisor: Supervisor::new(p, &vehicle),

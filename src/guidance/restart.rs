@@ -82,7 +82,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         self.supervisor.is_sound(&state.supervision)
             && (state.started != 1 || state.flight.is_sound())
             && state.planner.is_sound()
-            && self.tracker.is_sound(state.integral)
+            && self.tracker.is_sound(state.integral, state.lean)
             && self.accelerometer.is_sound(&state.accelerometer)
             && state.air.is_sound()
             && state.wind.norm_squared() + state.reckoned.norm_squared()

@@ -21,6 +21,8 @@ pub struct GuidanceState {
     pub(super) planner: PlannerState,
     /// Integral I [m/s], as it is in hover.
     pub(super) integral: Ned,
+    /// Angle \[rad\] by which the vehicle is known to lean beyond the reference model.
+    pub(super) lean: f32,
     /// The wind that is planned with: without gusts [m/s].
     pub(super) wind: Ned,
     /// Position less reference position \[m\], reckoned from the velocity where it is not measured.
@@ -43,6 +45,7 @@ memory!(GuidanceState {
     flight: ReferenceModelState,
     planner: PlannerState,
     integral: Ned,
+    lean: f32,
     wind: Ned,
     reckoned: Ned,
     accelerometer: AccelerometerState,

@@ -317,6 +317,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
                 ..state.flight
             };
             state.wind = wind;
+            state.lean = 0.0;
         }
         state.wind += (wind - state.wind) * math::min(dt / GUSTS, 1.0);
         if input.planner_options.hold_altitude_only {
@@ -352,6 +353,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             .track(
                 &self.control,
                 &mut state.integral,
+                &mut state.lean,
                 &TrackerInput {
                     state: &at,
                     position,
@@ -962,7 +964,10 @@ mod tests {
     #[test]
     fn a_corrupt_state_is_reset_in_flight() {
         let guidance = guidance();
-        let corrupt: [fn(&mut GuidanceState); 10] = [
+        let corrupt: [fn(&mut GuidanceState); 12] = [
+            |s| s.lean = f32::NAN,
+            // Beyond the bound of a vehicle of full authority.
+            |s| s.lean = 0.1,
             |s| s.integral = Ned::new(0.0, f32::NAN, 0.0),
             |s| s.flight.velocity = Ned::new(f32::INFINITY, 0.0, 0.0),
             |s| s.flight.position = Ned::new(0.0, 1e9, 0.0),
