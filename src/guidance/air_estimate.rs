@@ -46,6 +46,9 @@ const EXPLAINED: f32 = 0.75 * UNEXPLAINED;
 /// Without the average, 15 % of the flights of `campaign cruise` cross the stall: near it a force is explained without its gust by chance.
 const EXPLAINED_TIME: f32 = 0.3;
 const LONG_EXPLAINED: f32 = 0.8;
+/// Least scale of the air's force that the angle of attack is told by. Less fits a wing behind its stall as well, with twice the angle of attack: an estimate that
+/// learns it from a gust that lasts believes the gust.
+const LEAST_SCALE: f32 = 0.8;
 /// Greatest gust \[m/s\]. An airspeed that is farther from that of the known wind is no airspeed: the tube is blocked.
 const MOST: f32 = 10.0;
 /// Greatest step towards what is measured \[m/s\].
@@ -127,7 +130,8 @@ impl AirEstimateState {
             let c = vehicle.model().coefficients(air.alpha);
             // k_a|v_a|², the normal force over it, and the slope of that over the angle of attack where the airspeed along the nose
             // stays as it is.
-            let pressure = sample.scale * vehicle.k_a() * air.speed * air.speed;
+            let scale = math::max(sample.scale, LEAST_SCALE);
+            let pressure = scale * vehicle.k_a() * air.speed * air.speed;
             let normal = normal_force(&c, &air);
             let turned = (c.c_l - c.dc_d) * air.sin - (c.dc_l + c.c_d) * air.cos;
             let slope = pressure * (turned * air.cos + 2.0 * air.sin * normal);
@@ -143,7 +147,7 @@ impl AirEstimateState {
                 let mut back = math::clamp(beyond, 0.0, 1.0);
                 let without = unexplained(vehicle, known, felt);
                 // The scale of the air's force is no part of the belief.
-                let with = vehicle.mass() * felt.j * sample.scale / (pressure + f32::MIN_POSITIVE);
+                let with = vehicle.mass() * felt.j * scale / (pressure + f32::MIN_POSITIVE);
                 let is_explained = without < math::max(EXPLAINED, (with - normal).abs());
                 let explained = f32::from(u8::from(is_explained));
                 self.explained += (explained - self.explained) * (dt / (EXPLAINED_TIME + dt));
