@@ -500,11 +500,12 @@ fn a_dispersed_vehicle_does_not_disperse_the_belief() {
 }
 
 /// How wrong a belief may be. Half the mass and two and a half times the wing is a lift per weight five times too great: the wing believed in carries at an
-/// angle of attack at which the real one has not begun to, and without an accelerometer the flight sinks by 8.5 m, with one by 4.1 m. The same factors
+/// angle of attack at which the real one has not begun to, and without an accelerometer half of 16 flights sink by 9.1 m, with one by 4.0 m. The same factors
 /// the other way round, and the truth, fly without one.
 #[test]
 fn too_much_lift_is_worse_than_too_little() {
-    let mut source = source("mass-and-area", 1);
+    const FLIGHTS: u64 = 16;
+    let mut source = source("mass-and-area", FLIGHTS);
     let mut altitude_of = |accelerometer: &str, mass: f64, k_a: f64| {
         let belief = "controller.guidance.vehicle";
         let mut document = source.base.clone();
@@ -518,8 +519,14 @@ fn too_much_lift_is_worse_than_too_little() {
             .set("sensors.accelerometer", accelerometer.into())
             .unwrap();
         source.campaign.disperse.clear();
-        let drawn = source.campaign.draw(&document, 0).unwrap();
-        figure(&FlightResult::fly(&drawn, &[]).unwrap(), "altitude_least_m")
+        let mut lowest: Vec<f64> = (0..FLIGHTS)
+            .map(|number| {
+                let drawn = source.campaign.draw(&document, number).unwrap();
+                figure(&FlightResult::fly(&drawn, &[]).unwrap(), "altitude_least_m")
+            })
+            .collect();
+        lowest.sort_by(f64::total_cmp);
+        lowest[lowest.len() / 2]
     };
     let mut without = |mass, k_a| altitude_of("none", mass, k_a);
     let (light, true_, heavy) = (

