@@ -354,7 +354,7 @@ impl Pilot for Untold {
 }
 
 /// A vehicle that leans against a wind of which nobody tells is first turned upright, and drifts. That is no swing of its loops: with the first nudge 1.2 s after the
-/// take-over most such were refused for one.
+/// take-over the small wings in 0.8 and 2.5 m/s are refused for one.
 #[test]
 fn a_vehicle_that_leans_against_the_wind_is_taken_over() {
     for (vehicle, gains, winds) in [
