@@ -11,7 +11,7 @@ const ANGLES: u8 = 115;
 const DEGREE: f32 = 1.745_329_3e-2;
 /// Part of the angular acceleration in hover that must be left to either side: for turns and gusts, and for what the belief gets wrong. With a fifth
 /// elevon wings on an independent plant, told 3 to 20 % wrong, nodded in the wind that this gave as held, from 0.65 of it on.
-pub(crate) const SPARE: f32 = 0.5;
+const SPARE: f32 = 0.5;
 
 impl<A: Aerodynamics> Vehicle<A> {
     /// Greatest wind [m/s], up to `most`, to hover in with the wing across it: its trim takes a thrust that there is, and what turns it in pitch holds it
@@ -26,6 +26,16 @@ impl<A: Aerodynamics> Vehicle<A> {
             held = wind;
         }
         held
+    }
+
+    /// Angular acceleration in pitch in hover [rad/s²].
+    pub(crate) fn turning_in_hover(&self) -> f32 {
+        (self.authority()).in_hover(self.weight(), self.thrust_max())
+    }
+
+    /// Airspeed across the wing [m/s] with which half of what turns the vehicle in hover is to spare.
+    pub(crate) fn airspeed_held_in_hover(&self) -> f32 {
+        (self.authority()).airspeed_held((1.0 - SPARE) * self.turning_in_hover())
     }
 
     /// Whether the trim in a `wind` [m/s] is held. It leans into the wind: the first angle at which the air is not outrun, from the air velocity up.

@@ -89,10 +89,11 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             airspeed: lateral_guidance.takeover(),
             heading: HEADING,
         });
+        let planner = Planner::new(p, &vehicle, lateral_guidance.lift_coefficient(), tuning);
         Ok(Self {
-            planner: Planner::new(p, &vehicle, lateral_guidance.lift_coefficient(), tuning),
+            tracker: Tracker::new(p, vehicle.turning_in_hover(), planner.held(), tuning),
+            planner,
             lateral_guidance,
-            tracker: Tracker::new(p, &vehicle, tuning),
             accelerometer: Accelerometer::new(p, &vehicle),
             limits: Limits::new(p, &vehicle),
             supervisor: Supervisor::new(p, &vehicle),

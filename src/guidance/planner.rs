@@ -251,6 +251,11 @@ impl Planner {
         }
     }
 
+    /// Airspeed across the wing [m/s] with which half of what turns the vehicle in hover is to spare.
+    pub fn held(&self) -> f32 {
+        self.reference_model.held
+    }
+
     /// How far it looks ahead \[s\].
     #[inline(always)]
     pub fn span(&self) -> f32 {

@@ -11,7 +11,6 @@ use crate::air::AirData;
 use crate::authority::Airflow;
 use crate::equivalency::lambda;
 use crate::frame::{Attitude, Body, Inertial};
-use crate::hover_wind::SPARE;
 use crate::math;
 use crate::parameters::Parameters;
 use crate::reference::Reference;
@@ -100,8 +99,8 @@ pub struct ReferenceModel {
     pub(super) max_velocity: Inertial,
     max_sink: f32,
     /// Airspeeds [m/s] between which the vehicle has too little to hold its nose with the wing across the air, and too little lift to fly on the
-    /// wing: with the first what turns it in hover has [`SPARE`] to spare, at the second the wing carries the weight.
-    held: f32,
+    /// wing: with the first half of what turns it in hover is to spare, at the second the wing carries the weight.
+    pub(super) held: f32,
     carried: f32,
     /// Greatest acceleration down that the servo asks for, in g.
     max_down: f32,
@@ -150,9 +149,6 @@ impl ReferenceModel {
         } else {
             tuning.max_vertical
         };
-        let turning = vehicle
-            .authority()
-            .in_hover(vehicle.weight(), vehicle.thrust_max());
         let most = p.max_load_factor * vehicle.gravity();
         // The default is none.
         let loaded_speed = if p.max_load_factor < GuidanceParameters::DEFAULT.max_load_factor {
@@ -169,7 +165,7 @@ impl ReferenceModel {
             ),
             max_velocity: Inertial::new(p.max_velocity_down, p.max_velocity_forward),
             max_sink: p.max_sink,
-            held: vehicle.authority().airspeed_held((1.0 - SPARE) * turning),
+            held: vehicle.airspeed_held_in_hover(),
             carried: vehicle.stall_speed(),
             max_down,
             most_air_force: most * most,

@@ -22,7 +22,6 @@ use crate::branch::Branch;
 use crate::control::{Fault, GainLaw, Step};
 use crate::equivalency::ApparentForces;
 use crate::frame::{Attitude, Inertial};
-use crate::hover_wind::SPARE;
 use crate::math;
 use crate::ned::Ned;
 use crate::parameters::Parameters;
@@ -139,15 +138,9 @@ fn scaled(v: Ned, [down, horizontal]: [f32; 2]) -> Ned {
 }
 
 impl Tracker {
-    /// The tracker with these parameters, which have been checked.
-    pub fn new<A: Aerodynamics>(
-        p: &GuidanceParameters,
-        vehicle: &Vehicle<A>,
-        tuning: &Tuning,
-    ) -> Self {
-        let (weight, most) = (vehicle.weight(), vehicle.thrust_max());
-        let authority = vehicle.authority();
-        let turning = authority.in_hover(weight, most);
+    /// The tracker with these parameters, which have been checked, of a vehicle with an angular acceleration of `turning` [rad/s²] in hover, which
+    /// has half of it to spare up to the airspeed `held` [m/s].
+    pub fn new(p: &GuidanceParameters, turning: f32, held: f32, tuning: &Tuning) -> Self {
         let had = turning / VehicleParameters::DEFAULT.authority;
         let reach = |most: f32, gain: f32| {
             if gain > 0.0 {
@@ -169,7 +162,7 @@ impl Tracker {
             rate_lag: p.rate_lag,
             lead: LAG_SHARE * p.max_rate,
             max_lean: math::max(1.0 - had, 0.0) * MAX_LEAN,
-            held: authority.airspeed_held((1.0 - SPARE) * turning),
+            held,
             gain_schedule_floor: p.gain_schedule_floor,
         }
     }
@@ -242,7 +235,8 @@ impl Tracker {
         let near = math::clamp(2.0 - ahead.abs() / NEAR, 0.0, 1.0);
         let wings = axes.right.dot(attitude.w());
         let aligned = math::clamp((wings - ASIDE) / (ALONG - ASIDE), 0.0, 1.0);
-        let law = part * part * (3.0 - 2.0 * part) * near * aligned;
+        let on_sheet = part * part * (3.0 - 2.0 * part);
+        let law = on_sheet * near * aligned;
 
         // The velocity asked for.
         let slip = self.eased(input.position - model.position, axes.forward);
@@ -306,7 +300,7 @@ impl Tracker {
         if self.max_lean > 0.0 && (law < 1.0 || *lean != 0.0) {
             core::hint::cold_path();
             let (say, sheet) = if flow.speed < self.held {
-                (law, part * part * (3.0 - 2.0 * part) * aligned)
+                (law, on_sheet * aligned)
             } else {
                 (0.0, 0.0)
             };
@@ -541,7 +535,7 @@ mod tests {
         };
         let model = Combined::new(CombinedParameters::PAPER_BELIEF).unwrap();
         let vehicle = Vehicle::new(VehicleParameters::PAPER_BELIEF, model).unwrap();
-        let tracker = Tracker::new(&p, &vehicle, &Tuning::default());
+        let tracker = Tracker::new(&p, vehicle.turning_in_hover(), 3.0, &Tuning::default());
         let (forward, right) = (Ned::new(0.6, 0.8, 0.0), Ned::new(-0.8, 0.6, 0.0));
         let aside = right * 3.0 + Ned::new(0.0, 0.0, 5.0);
         let left = tracker.eased(forward * 2.0 + aside, forward);

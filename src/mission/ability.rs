@@ -84,7 +84,7 @@ impl Ability {
         let available = |speed: f32| vehicle.thrust_max() * vehicle.propeller().available(speed);
         let stall_speed = vehicle.stall_speed();
         let takeover = takeover(vehicle);
-        let in_hover = (vehicle.authority()).in_hover(vehicle.weight(), vehicle.thrust_max());
+        let in_hover = vehicle.turning_in_hover();
         let rate = greatest_rate(in_hover);
         let hover_wind = vehicle.hover_wind(FIRST * stall_speed);
         let empty = Self {
