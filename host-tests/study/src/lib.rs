@@ -23,6 +23,7 @@ mod load;
 mod map;
 #[cfg(feature = "store")]
 mod merge;
+pub mod oracle;
 #[cfg(feature = "store")]
 mod part;
 mod random_reference;
