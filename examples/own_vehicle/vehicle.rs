@@ -93,9 +93,10 @@ pub fn guidance() -> Result<Guidance<Model>, ParameterError> {
     aircraft.authority_slipstream = 150.0;
     aircraft.authority_difference = 250.0;
     aircraft.authority_airflow = 1.1585517;
-    aircraft.wing_moment = 0.31512314;
+    aircraft.wing_moment = 0.21323332;
     aircraft.surface_reaction = 0.20408688;
     aircraft.hover_downwash = 8.0;
+    aircraft.zero_thrust_speed = 26.31015;
     let mut parameters = GuidanceParameters::DEFAULT;
     parameters.natural_frequency = 4.0;
     parameters.damping = 0.8;

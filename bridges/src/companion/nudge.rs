@@ -277,7 +277,9 @@ impl Nudge {
                 let way = if number == PITCH && !holds {
                     MORE_P.to_owned()
                 } else {
-                    format!("{parameters}: less")
+                    format!(
+                        "{parameters}: less, or a quarter less of natural_frequency_rad_s of [controller.guidance]"
+                    )
                 };
                 (
                     Weight::NoGo,

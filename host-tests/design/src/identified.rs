@@ -250,6 +250,14 @@ impl Identified {
                 "assumed: the flight does not show it".to_owned(),
             ),
         }
+        // What is not shown is assumed by `new`.
+        if let Some(speed) = self.zero_thrust_speed_m_s {
+            line(
+                "zero_thrust_m_s",
+                speed.value,
+                format!("measured: within {}", rounded(speed.within)),
+            );
+        }
         match besides.cruise_m_s {
             Some(cruise) => line("cruise_m_s", cruise, "given".to_owned()),
             None => line("cruise_m_s", flown_m_s, "flown, on its wing".to_owned()),

@@ -98,6 +98,18 @@ pub struct Known {
         arg(long, value_name = "X", allow_negative_numbers = true)
     )]
     pub propeller_m: Option<f64>,
+    /// Airspeed at which full throttle gives no thrust (m/s; default: of usual propellers)
+    #[cfg_attr(
+        feature = "arguments",
+        arg(long, value_name = "X", allow_negative_numbers = true)
+    )]
+    pub zero_thrust_m_s: Option<f64>,
+    /// Moment of inertia in pitch (kg m²; default: of usual vehicles)
+    #[cfg_attr(
+        feature = "arguments",
+        arg(long, value_name = "X", allow_negative_numbers = true)
+    )]
+    pub pitch_inertia_kg_m2: Option<f64>,
     /// Drag area of what is not wing (m²; default: 0): drag coefficient times frontal area of fuselage, motors and gear
     #[cfg_attr(
         feature = "arguments",
@@ -169,6 +181,10 @@ pub struct Facts {
     pub stall_deg: Option<f64>,
     /// Least thrust over weight.
     pub idle_to_weight: f64,
+    /// Airspeed at which full throttle gives no thrust \[m/s\], if it is known.
+    pub zero_thrust_m_s: Option<f64>,
+    /// Moment of inertia in pitch \[kg m²\], if it is known.
+    pub pitch_inertia_kg_m2: Option<f64>,
     /// Drag area of what is not wing \[m²\]; none if nothing is known of it.
     pub drag_area_m2: Option<f64>,
     /// Density of the air ρ \[kg/m³\].
@@ -176,7 +192,7 @@ pub struct Facts {
 }
 
 /// What is believed of each number.
-const RANGES: [(&str, [f64; 2]); 15] = [
+const RANGES: [(&str, [f64; 2]); 17] = [
     ("mass_kg", [0.01, 1e4]),
     ("wing_m2", [1e-4, 1e3]),
     ("thrust_to_weight", [1.02, 10.0]),
@@ -190,6 +206,8 @@ const RANGES: [(&str, [f64; 2]); 15] = [
     ("stall_deg", [5.0, 60.0]),
     ("idle_to_weight", [0.0, 0.9]),
     ("propeller_m", [0.02, 5.0]),
+    ("zero_thrust_m_s", [3.0, 500.0]),
+    ("pitch_inertia_kg_m2", [1e-7, 1e6]),
     ("drag_area_m2", [0.0, 100.0]),
     ("air_kg_m3", [0.2, 2.0]),
 ];
@@ -209,7 +227,7 @@ struct Ratio {
 
 /// What is believed of the numbers together. Tail-sitters have 2 to 30 kg/m², lift coefficients in cruise of 0.1 to 1, and 50 to 1,000 N/m². A wing whose
 /// greatest lift coefficient is 1 cruises at five times its stall speed at 0.04, and carries a tenth of the weight at 10.
-const RATIOS: [Ratio; 6] = [
+const RATIOS: [Ratio; 8] = [
     Ratio {
         fields: &["mass_kg", "wing_m2"],
         range: [0.1, 800.0],
@@ -280,6 +298,34 @@ const RATIOS: [Ratio; 6] = [
         },
     },
     Ratio {
+        fields: &["zero_thrust_m_s", "cruise_m_s"],
+        range: [1.05, 50.0],
+        likely: [1.2, 5.0],
+        of: |known| Some(known.zero_thrust_m_s? / known.cruise_m_s?),
+        says: |known, part| {
+            format!(
+                "propellers that give nothing from {} m/s on are for {part:.3} times a cruise of {} m/s",
+                given(known.zero_thrust_m_s),
+                given(known.cruise_m_s)
+            )
+        },
+    },
+    Ratio {
+        fields: &["pitch_inertia_kg_m2", "mass_kg", "wing_m2"],
+        range: [0.03, 2.0],
+        likely: [0.1, 0.6],
+        of: |known| {
+            let square = known.pitch_inertia_kg_m2? / known.mass_kg?;
+            Some((square / known.wing_m2?).sqrt())
+        },
+        says: |known, part| {
+            format!(
+                "with {} kg m² the radius of gyration is {part:.3} times the side of a square as large as the wing",
+                given(known.pitch_inertia_kg_m2)
+            )
+        },
+    },
+    Ratio {
         fields: &["propeller_m", "thrust_to_weight", "mass_kg"],
         range: [2.0, 2e4],
         likely: [10.0, 5e3],
@@ -309,7 +355,7 @@ const FOOT: f64 = 0.3048;
 type Converted = fn(f64, &Known) -> Option<f64>;
 
 /// What people give a number in, other than its own unit.
-const OTHER_UNITS: [(&str, &str, Converted); 34] = [
+const OTHER_UNITS: [(&str, &str, Converted); 37] = [
     ("mass_kg", "g", |x, _| Some(1e-3 * x)),
     // A vehicle of half a kilogram has a kitchen scale's numbers.
     ("mass_kg", "N", |x, _| (x >= 5.0).then_some(x / 9.81)),
@@ -357,6 +403,9 @@ const OTHER_UNITS: [(&str, &str, Converted); 34] = [
     ("propeller_m", "inches", |x, _| Some(0.0254 * x)),
     ("propeller_m", "cm", |x, _| Some(1e-2 * x)),
     ("propeller_m", "mm", |x, _| Some(1e-3 * x)),
+    ("zero_thrust_m_s", "km/h", |x, _| Some(x / 3.6)),
+    ("pitch_inertia_kg_m2", "kg cm²", |x, _| Some(1e-4 * x)),
+    ("pitch_inertia_kg_m2", "g m²", |x, _| Some(1e-3 * x)),
     ("drag_area_m2", "dm²", |x, _| Some(1e-2 * x)),
     ("drag_area_m2", "cm²", |x, _| Some(1e-4 * x)),
     ("drag_area_m2", "ft²", |x, _| Some(FOOT * FOOT * x)),
@@ -437,6 +486,8 @@ impl Known {
             &mut self.stall_deg,
             &mut self.idle_to_weight,
             &mut self.propeller_m,
+            &mut self.zero_thrust_m_s,
+            &mut self.pitch_inertia_kg_m2,
             &mut self.drag_area_m2,
             &mut self.air_kg_m3,
         ]
@@ -634,6 +685,8 @@ impl Known {
             turn_rad_s2: need("turn_rad_s2", self.turn_rad_s2)?,
             actuators: self.actuators.ok_or_else(|| missing("actuators"))?,
             propeller_m: self.propeller_m,
+            zero_thrust_m_s: self.zero_thrust_m_s,
+            pitch_inertia_kg_m2: self.pitch_inertia_kg_m2,
             control_rate_hz: self.control_rate_hz.unwrap_or(100.0),
             delta_deg: self.delta_deg.unwrap_or(0.0),
             aspect_ratio: self.aspect_ratio,

@@ -125,12 +125,12 @@ impl Performance {
                 facts.turn_rad_s2
             )
         });
-        let falling = (facts.actuators == Actuators::Motors).then(|| {
+        let unknown = facts.actuators == Actuators::Motors && facts.zero_thrust_m_s.is_none();
+        let falling = unknown.then(|| {
             format!(
-                "It is not known how thrust falls with speed, and believed not to fall: where differences of thrust turn it, guidances that believed so lost 15 of 20 \
-                 simulated vehicles as they braked, and told none. Usual propellers give nothing from about {:.0} m/s on: for a real vehicle set \
-                 zero_thrust_speed_m_s of [vehicle.authority], the propeller's pitch times its revolutions per second at full throttle",
-                facts.no_thrust_at()
+                "It is not known how thrust falls with speed: where differences of thrust turn it, guidances that believed it not to fall lost 15 of 20 simulated vehicles \
+                 as they braked, and told none. Taken is {:.0} m/s, from which on usual propellers give nothing: for a real vehicle give --zero-thrust-m-s",
+                design.vehicle().authority.zero_thrust_speed_m_s
             )
         });
         let slow = self.cruise.is_none().then(|| {
@@ -403,7 +403,7 @@ mod tests {
     }
 
     /// What a section can do whose lift falls by 0.12 at 6° and comes back, and stalls at 13°, with these facts changed.
-    fn with_a_kink(change: impl Fn(&mut Known)) -> Stall {
+    fn with_a_kink(change: impl Fn(&mut Known)) -> Option<Stall> {
         let lift = |a: f64| match a {
             a if a <= 6.0 => 0.1 * a,
             a if a <= 13.0 => 0.1 * a - 0.12,
@@ -419,14 +419,15 @@ mod tests {
             known.section = Some(file.path().to_str().unwrap().to_owned());
             change(known);
         });
-        performance.stall.unwrap()
+        performance.stall
     }
 
     /// The speed of transition is that of the stall, by hand, as above: of the section, of wings however small their slope of lift is, whose drag grows by
     /// c_L²/(π AR e) and whose angle by as much, and where the stall is told.
     #[test]
     fn the_speed_of_transition_is_that_of_the_stall() {
-        let close = |stall: Stall, lift: f64, drag: f64, degrees: f64| {
+        let close = |stall: Option<Stall>, lift: f64, drag: f64, degrees: f64| {
+            let stall = stall.expect("it jumps");
             let most = lift + drag * degrees.to_radians().tan();
             let want = (29.43 / (0.214_375 * most)).sqrt();
             // The table's interpolation is round at its greatest lift; drag makes it later, and most on a wing of small span.
@@ -445,7 +446,10 @@ mod tests {
                 });
                 let induced = lift / (std::f64::consts::PI * ratio * 0.9);
                 let degrees = degrees + induced.to_degrees();
-                close(stall, lift, 0.02 + lift * induced, degrees);
+                // The drag of separated flow grows faster than the lift of a slender wing falls: no jump.
+                if stall.is_some() || ratio >= 6.0 {
+                    close(stall, lift, 0.02 + lift * induced, degrees);
+                }
             };
             of_wing(None, 1.18, 13.0);
             of_wing(Some(11.0), 0.98, 11.0);
@@ -458,7 +462,7 @@ mod tests {
         );
     }
 
-    /// A deep fall behind 9°, and a rise as of a plate to more lift at 20°: the least speed of level flight on the wing is at 9°, and the envelope's widest
+    /// A deep fall behind 9°, a rise as of a plate to more lift at 20°, and another fall: the least speed of level flight on the wing is at 9°, and the envelope's widest
     /// jump is another.
     #[test]
     fn a_plates_lift_behind_the_stall_is_not_on_the_wing() {
@@ -468,7 +472,7 @@ mod tests {
             a if a <= 20.0 => 0.6 + 0.45 * (a - 12.0) / 8.0,
             a => 1.05 - 0.06 * (a - 20.0),
         };
-        let rows: String = (0..=50)
+        let rows: String = (0..=60)
             .map(|n| 0.5 * f64::from(n))
             .map(|a| format!("{a} {:.4} 0.02\n", lift(a)))
             .collect();
@@ -598,7 +602,7 @@ mod tests {
             [""; 0]
         );
         let falling = one(|known| known.actuators = Some(Actuators::Motors));
-        says(&falling, &["from about 26 m/s on"]);
+        says(&falling, &["Taken is 26 m/s"]);
         // By hand, as above: 12.67 m/s of 0.35 m², so (12.67 / 9)² of the area; and 0.15 m² would want 19.3 m/s.
         let slow = one(|known| known.cruise_m_s = Some(9.0));
         says(

@@ -172,7 +172,7 @@ fn a_file_and_a_polar_of_ones_own() {
     };
     assert!(!said(&[]).contains("the model stalls"));
     assert!(
-        said(&["--aspect-ratio", "4"]).contains("the model stalls at 18.0°, the table at 13.3°")
+        said(&["--aspect-ratio", "4"]).contains("the model stalls at 17.8°, the table at 13.3°")
     );
     let table = Airframe::load(folder.path().join("fit/polar.csv").to_str().unwrap());
     assert!(table.is_ok(), "{:?}", table.err());
@@ -524,7 +524,7 @@ fn limits_follow_what_turns_it() {
     assert!(error_of(folder.path(), &FLAGS[..16]).contains("actuators: is missing: --actuators"));
 }
 
-/// Where level braking is not for a vehicle, its round trip brakes in a climb: with level braking this one fails, 25 m above its reference. One that turns still
+/// Where level braking is not for a vehicle, its round trip brakes in a climb: with level braking this one fails, far above its reference. One that turns still
 /// less is told what was flown and does not fail, and not what belongs to another fault.
 #[test]
 fn the_first_flight_is_one_that_the_vehicle_can_fly() {
@@ -539,7 +539,7 @@ fn the_first_flight_is_one_that_the_vehicle_can_fly() {
         serde_json::from_slice(&output.stdout).unwrap()
     };
     let some = summary("40");
-    assert_eq!(some["verdict"]["outcome"], "outside-goals", "{some}");
+    assert_eq!(some["verdict"]["outcome"], "as-asked", "{some}");
     let gain = some["first_flight"]["max_gain_back_m"].as_f64().unwrap();
     assert!(gain < 8.0, "{gain}");
     let story = some["story"].to_string();
@@ -551,11 +551,11 @@ fn the_first_flight_is_one_that_the_vehicle_can_fly() {
     assert_eq!(little["verdict"]["outcome"], "fails", "{little}");
     let advice = little["verdict"]["advice"].to_string();
     assert!(
-        advice.contains("40 rad/s² of turning in place of 20 (larger elevons"),
+        advice.contains("30 rad/s² of turning in place of 20 (larger elevons"),
         "{advice}"
     );
     // And it is so.
-    assert_ne!(summary("40")["verdict"]["outcome"], "fails");
+    assert_ne!(summary("30")["verdict"]["outcome"], "fails");
     // What brakes level as was asked does so.
     (flags[15], flags[17]) = (FLAGS[15], FLAGS[17]);
     let all = made(folder.path(), &[&["--force"][..], &flags].concat());

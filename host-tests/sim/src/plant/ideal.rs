@@ -79,8 +79,10 @@ pub struct Dynamics {
     pub air: ForceModel,
     /// Time constant of thrust \[s\]; 0 for none.
     pub thrust_lag: f64,
-    /// Least and most thrust \[N\].
+    /// Least and most thrust at rest \[N\].
     pub thrust: [f64; 2],
+    /// Airspeed along the nose at which full throttle gives no thrust \[m/s\]; 0 for thrust that does not fall.
+    pub zero_thrust_speed: f64,
     /// How rates follow.
     pub rotation: Rotation,
 }
@@ -105,7 +107,21 @@ impl Dynamics {
             thrust_lag: experiment.plant.thrust_lag_s,
             thrust: experiment.plant.thrust_n,
             rotation: (&experiment.plant.rate_loop).into(),
+            zero_thrust_speed: experiment.vehicle.authority.zero_thrust_speed_m_s,
         }
+    }
+
+    /// What is there of a `thrust` at rest through the air at `v_a` \[m/s\]: with s² the thrust at rest over the greatest and x the airspeed over that of no
+    /// thrust, s² − 0.6 s x − 0.4 x² of the greatest, a propeller of fixed pitch.
+    fn thrust_at(&self, thrust: f64, attitude: &UnitQuaternion<f64>, v_a: V3) -> f64 {
+        let most = self.thrust[1];
+        if self.zero_thrust_speed == 0.0 || !most.is_finite() || thrust <= 0.0 {
+            return thrust;
+        }
+        let along = -attitude.inverse_transform_vector(&v_a).z;
+        let x = (along / self.zero_thrust_speed).clamp(0.0, 1.0);
+        let share = thrust / most;
+        (most * (share - x * (0.6 * share.sqrt() + 0.4 * x))).max(0.0)
     }
 
     /// Specific force \[m/s²\] along the body's axes x, y, z at an attitude, through the air at `v_a` \[m/s\].
@@ -157,7 +173,7 @@ impl Dynamics {
             thrust: if self.thrust_lag == 0.0 {
                 0.0
             } else {
-                (thrust - s.thrust) / self.thrust_lag
+                (self.thrust_at(thrust, &attitude, s.velocity - wind) - s.thrust) / self.thrust_lag
             },
         }
     }
@@ -175,7 +191,8 @@ impl Dynamics {
             state.rates = command.rates;
         }
         if self.thrust_lag == 0.0 {
-            state.thrust = command.thrust;
+            let v_a = state.velocity - wind;
+            state.thrust = self.thrust_at(command.thrust, &state.attitude, v_a);
         }
         let start = state.attitude.into_inner();
         let at = |k: &Slope, h: f64| {
@@ -233,6 +250,7 @@ mod tests {
             thrust_lag: 0.05,
             thrust: [0.0, 200.0],
             rotation,
+            zero_thrust_speed: 0.0,
         }
     }
 
@@ -305,6 +323,24 @@ mod tests {
         assert!((state.thrust - 10.0 * (1.0 - (-4.0_f64).exp())).abs() < 1e-4);
         let angle = 2.0 * (0.2 - 0.1 * (1.0 - (-2.0_f64).exp()));
         assert!((state.theta() - angle).abs() < 1e-5);
+    }
+
+    /// At rest the thrust is its command, and at the speed of no thrust there is none; tail first it is taken for static.
+    #[test]
+    fn thrust_falls_as_that_of_a_propeller() {
+        let dynamics = Dynamics {
+            zero_thrust_speed: 26.0,
+            ..dynamics(Rotation::Ideal)
+        };
+        // Upright: the nose is up.
+        let upright = UnitQuaternion::identity();
+        let at = |thrust: f64, along: f64| {
+            dynamics.thrust_at(thrust, &upright, V3::new(3.0, 0.0, -along))
+        };
+        assert_eq!([0.0, -8.0].map(|along| at(80.0, along)), [80.0; 2]);
+        assert!(at(200.0, 26.0).abs() < 1e-9);
+        // Half the speed at full throttle: 1 − 0.3 − 0.1.
+        assert!((at(200.0, 13.0) - 120.0).abs() < 1e-9);
     }
 
     #[test]

@@ -85,9 +85,10 @@ static inline int32_t vehicle_init(alula_controller *controller, alula_table *ta
     p.vehicle.authority_slipstream = 150.0f;
     p.vehicle.authority_difference = 250.0f;
     p.vehicle.authority_airflow = 1.1585517f;
-    p.vehicle.wing_moment = 0.31512314f;
+    p.vehicle.wing_moment = 0.21323332f;
     p.vehicle.surface_reaction = 0.20408688f;
     p.vehicle.hover_downwash = 8.0f;
+    p.vehicle.zero_thrust_speed = 26.31015f;
     p.guidance.natural_frequency = 4.0f;
     p.guidance.damping = 0.8f;
     p.guidance.thrust_rate = 3.0f;
