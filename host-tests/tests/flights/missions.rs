@@ -378,11 +378,12 @@ struct Fleet<Draw> {
     draw: Draw,
 }
 
-/// Flies the work of all numbers in each weather. Nobody is lost, and the bounds are kept.
-fn at_constant_airspeed<Draw>(fleet: &Fleet<Draw>, numbers: std::ops::Range<u64>)
+/// Flies the work of all numbers in each weather, prints a row of each, and gives those in which somebody is lost or that are beyond their bounds.
+fn at_constant_airspeed<Draw>(fleet: &Fleet<Draw>, numbers: std::ops::Range<u64>) -> Vec<String>
 where
     Draw: Fn(&mut ChaCha8Rng, u64, f64) -> (Document, f64) + Sync,
 {
+    let mut broken = Vec::new();
     for (n, weather) in WEATHERS.iter().enumerate() {
         let all: Vec<Flown> = numbers
             .clone()
@@ -415,20 +416,17 @@ where
             100.0 * crossing
         );
         println!("{row}");
-        assert_eq!(lost, 0, "{row}");
         let stalled = crossing > weather.crossing + 1.0 / count;
-        assert!(n >= fleet.unstalled || !stalled, "{row}");
-        if n >= fleet.kept {
-            continue;
+        let kept = thrust <= weather.thrust
+            && across <= weather.across
+            && height <= weather.height
+            // What holds the height adds little to what the gusts do.
+            && load <= 1.1 * gust;
+        if lost > 0 || (n < fleet.unstalled && stalled) || (n < fleet.kept && !kept) {
+            broken.push(row);
         }
-        assert!(thrust <= weather.thrust, "{row}");
-        assert!(
-            across <= weather.across && height <= weather.height,
-            "{row}"
-        );
-        // What holds the height adds little to what the gusts do.
-        assert!(load <= 1.1 * gust, "{row}");
     }
+    broken
 }
 
 /// The work at a constant airspeed, in calm and in turbulence, by five vehicles by rule.
@@ -441,12 +439,14 @@ fn work_is_flown_at_its_airspeed_without_crossing_the_stall() {
         kept: 3,
         draw: by_rule,
     };
-    at_constant_airspeed(&fleet, flights(15));
+    let broken = at_constant_airspeed(&fleet, flights(15));
+    assert!(broken.is_empty(), "beyond its bounds: {broken:#?}");
 }
 
 /// The same by vehicles that people own. The table of `docs/missions.md` says by how much they are beyond the bounds where they do not keep to them.
 #[test]
 fn work_is_flown_so_by_vehicles_that_people_own() {
+    let mut broken = Vec::new();
     for (name, unstalled, kept) in [
         ("small-flying-wing", 1, 1),
         ("mapping", 3, 3),
@@ -462,8 +462,9 @@ fn work_is_flown_so_by_vehicles_that_people_own() {
                 of_kind(name, random, number, turbulence)
             },
         };
-        at_constant_airspeed(&fleet, flights(3));
+        broken.extend(at_constant_airspeed(&fleet, flights(3)));
     }
+    assert!(broken.is_empty(), "beyond its bounds: {broken:#?}");
 }
 
 /// Power that the propellers give the air \[W\] at a thrust \[N\] and airspeed [m/s] of a vehicle of 10 kg, by momentum theory, with the downwash of 10 m/s in
