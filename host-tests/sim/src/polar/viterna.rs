@@ -289,7 +289,6 @@ mod tests {
         let stall = rows.iter().find(|row| row[0] == 9.0).unwrap();
         let side = Side::new(*stall, [0.0103, most_drag(None)]);
         let [printed, plate] = [true, false].map(|printed| ratio(&side, printed));
-        println!("{printed} {plate}");
         assert!(printed < 0.75 && plate > 0.9, "{printed} {plate}");
     }
 

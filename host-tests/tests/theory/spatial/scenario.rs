@@ -124,7 +124,6 @@ impl Setup {
         let force = ForceErrorParameters {
             time: 0.2,
             thrust_lag: 0.05,
-            zero_thrust_speed: 0.0,
             most: 60.0,
         };
         Self {
