@@ -93,7 +93,8 @@ impl Authority {
         }
     }
 
-    /// The thrust \[N\], up to `available`, that gives `lacking` [rad/s²] more than `thrust` does: more thrust, or less where differences of it turn.
+    /// The thrust \[N\], up to `available`, that gives `lacking` [rad/s²] more than `thrust` does, or the nearest to it: more thrust; less, where
+    /// differences of it alone turn.
     #[cold]
     #[inline(never)]
     pub fn thrust_giving(
@@ -107,17 +108,24 @@ impl Authority {
         if slope <= 0.0 {
             return thrust;
         }
-        let needed = math::max(thrust, allowed.blown) + lacking / slope;
-        if self.slipstream > 0.0 {
-            return math::max(thrust, math::min(needed, available));
-        }
-        // Differences are greatest at half of the thrust: from above it is lowered.
+        // Differences are greatest at half of the thrust. Beyond it they lose as much as they gained before.
         let half = 0.5 * available;
-        if thrust > half {
-            math::max(thrust - lacking / self.difference, half)
-        } else {
-            math::min(needed, half)
+        if thrust > half && self.slipstream == 0.0 {
+            return math::max(thrust - lacking / self.difference, half);
         }
+        let needed = math::max(thrust, allowed.blown) + lacking / slope;
+        let needed = if needed <= half || self.difference == 0.0 {
+            needed
+        } else {
+            let beyond = self.slipstream - self.difference;
+            if beyond > 0.0 {
+                let from = math::max(thrust, half);
+                from + (needed - from) * (slope / beyond)
+            } else {
+                half
+            }
+        };
+        math::max(thrust, math::min(needed, available))
     }
 
     /// What a thrust gives, per thrust [rad/s² N].
@@ -335,6 +343,39 @@ mod tests {
         );
         // To have 15 rad/s² there it takes half of the weight more.
         assert!((at(&p, 15.0, flow(-6.0, 0.0), 20.0).thrust - 30.0).abs() < 1e-4);
+    }
+
+    /// Whatever share the slipstream and differences of thrust have, the thrust found gives what is wanted, or the most that any thrust gives.
+    #[test]
+    fn no_other_thrust_gives_more() {
+        let available = 40.0;
+        for (slipstream, difference) in [(0.8, 0.0), (0.0, 0.8), (0.3, 0.5), (0.5, 0.3), (0.4, 0.4)]
+        {
+            let authority = Authority {
+                constant: 0.0,
+                slipstream,
+                difference,
+                airflow: 0.0,
+                wing: 0.0,
+                stall: 0.0,
+                reversed: 0.0,
+            };
+            let given = |thrust| authority.at(flow(0.0, 0.0), thrust, available).given;
+            let most = (0..=400).map(|n| given(0.1 * n as f32)).fold(0.0, f32::max);
+            for n in 0..200 {
+                let (thrust, lacking) = (0.2 * n as f32, 0.1 + 0.37 * (n % 53) as f32);
+                let before = authority.at(flow(0.0, 0.0), thrust, available);
+                let found = authority.thrust_giving(&before, lacking, 0.0, thrust, available);
+                let right = (before.given + lacking).min(most);
+                assert!((0.0..=available).contains(&found));
+                // Some roundings of 32 rad/s².
+                assert!(
+                    (given(found) - right).abs() < 2e-5,
+                    "{slipstream} {difference}: {thrust} {lacking}: {found} gives {}, not {right}",
+                    given(found)
+                );
+            }
+        }
     }
 
     /// Differences of thrust are greatest at half of it: from below thrust is raised, from above it is lowered.
