@@ -2,6 +2,7 @@
 
 use super::accelerometer::Accelerometer;
 use super::bandwidth::BandwidthGains;
+use super::fall::Fall;
 use super::lateral_guidance::LateralGuidance;
 use super::limits::Limits;
 use super::parameters::GuidanceParameters;
@@ -94,6 +95,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             tracker: Tracker::new(p, vehicle.turning_in_hover(), planner.held(), tuning),
             planner,
             lateral_guidance,
+            fall: Fall::new(&vehicle),
             accelerometer: Accelerometer::new(p, &vehicle),
             limits: Limits::new(p, &vehicle),
             supervisor: Supervisor::new(p, &vehicle),

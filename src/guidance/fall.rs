@@ -17,10 +17,11 @@ use crate::vehicle::Vehicle;
 pub(super) const BEGUN: u8 = 1;
 pub(super) const FALLING: u8 = 2;
 
+/// Attitude behind the model's \[rad\] from which on a vehicle that sinks falls.
+const BEHIND: f32 = 0.3;
 /// Speeds in multiples of that at which the wing carries the weight: a sink beyond the reference's from which on it falls, the airspeed along the nose from
 /// which on it pulls up, and the airspeed below which it is slow.
 const SINK: f32 = 0.5;
-const BEHIND: f32 = 0.3;
 const GATHERED: f32 = 0.5;
 const SLOW: f32 = 0.35;
 /// Cosine of the angle of attack up to which it pulls up; tangent and cosine of the angle of attack of 25° that is asked for.
@@ -118,7 +119,7 @@ mod tests {
         Fall::new(&Vehicle::new(p, model).unwrap())
     }
 
-    /// A sink that nobody asked for begins it. It ends in a steep climb, or slow; what has not begun does not fall.
+    /// A sink that nobody asked for begins it, where the attitude does not follow. It ends in a steep climb, or slow; what has not begun does not fall.
     #[test]
     fn a_fall_begins_with_a_sink_and_ends_in_a_climb() {
         let fall = fall(30.0);

@@ -7,6 +7,7 @@ mod bandwidth;
 mod candidates;
 mod construction;
 mod course;
+mod fall;
 mod for_vehicle;
 mod goal;
 mod hardened;

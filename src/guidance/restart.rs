@@ -1,5 +1,6 @@
 //! Where a flight begins, or begins anew: power-on, taking over, a state that is reset, and the commands in place of the law's.
 
+use super::fall::{BEGUN, FALLING};
 use super::limits::LimitState;
 use super::output::GuidanceOutput;
 use super::state::GuidanceState;
@@ -80,7 +81,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
     #[inline(always)]
     pub(super) fn is_sound(&self, state: &GuidanceState) -> bool {
         self.supervisor.is_sound(&state.supervision)
-            && (state.started != 1 || state.flight.is_sound())
+            && (!matches!(state.started, BEGUN | FALLING) || state.flight.is_sound())
             && state.planner.is_sound()
             && self.tracker.is_sound(state.integral, state.lean)
             && self.accelerometer.is_sound(&state.accelerometer)

@@ -30,7 +30,7 @@ pub struct GuidanceState {
     pub(super) accelerometer: AccelerometerState,
     pub(super) air: AirEstimateState,
     pub(super) limits: LimitState,
-    /// 1 once the reference model has begun.
+    /// 1 once the reference model has begun, 2 while the vehicle falls.
     pub(super) started: u8,
     /// Last good reference velocity [m/s].
     pub(super) held: Ned,

@@ -8,6 +8,7 @@ use super::air_data_fallback::AirDataFallback;
 use super::air_estimate::{AirEstimateState, AirSample};
 use super::bandwidth::BandwidthGains;
 use super::course::{Axes, Course};
+use super::fall::{BEGUN, FALLING, Fall};
 use super::input::GuidanceInput;
 use super::lateral_guidance::{LateralGuidance, LateralGuidanceInput, ReferenceModelState};
 use super::limits::Limits;
@@ -61,6 +62,8 @@ pub struct Guidance<A, G = BandwidthGains> {
     pub(super) lateral_guidance: LateralGuidance,
     /// How the real vehicle follows.
     pub(super) tracker: Tracker,
+    /// When it falls, and what it does then.
+    pub(super) fall: Fall,
     /// What the accelerometer tells.
     pub(super) accelerometer: Accelerometer,
     /// Limits of the actuators.
@@ -119,7 +122,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             Err(RejectReason::TimeStep)
         };
         // An absurd vehicle or reference takes the reference model beyond all bounds: it begins anew from the real vehicle.
-        if state.started == 1 && !state.flight.is_bounded() {
+        if state.started == BEGUN && !state.flight.is_bounded() {
             self.reset(state);
         }
         let mode = self
@@ -287,9 +290,11 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         };
 
         // The reference model begins with the vehicle, and begins anew where it has nothing to do with it: after a jump of position or reference,
-        // or if the memory holds another flight's. It is counted from the same turn as the real attitude.
+        // in a fall, or if the memory holds another flight's. It is counted from the same turn as the real attitude.
         let vehicle = self.control.plane().vehicle();
-        let begun = state.started == 1 && state.flight.is_near(input.velocity, position);
+        let air_velocity = input.velocity - wind;
+        let falls = state.started == FALLING;
+        let begun = state.started == BEGUN && state.flight.is_near(input.velocity, position);
         if !begun {
             state.flight.course = Course::of(&input.orientation);
             state.flight.lateral_acceleration = 0.0;
@@ -302,11 +307,13 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         let nose = axes.project(input.orientation.i());
         let theta = math::atan2(nose.forward(), nose.down());
         if !begun {
-            if state.started != 1 {
-                self.accelerometer
-                    .begin(&mut state.accelerometer, specific_force, vehicle);
+            if !falls {
+                if state.started != BEGUN {
+                    self.accelerometer
+                        .begin(&mut state.accelerometer, specific_force, vehicle);
+                }
+                state.started = BEGUN;
             }
-            state.started = 1;
             state.planner = PlannerState::default();
             state.flight = ReferenceModelState {
                 velocity: input.velocity,
@@ -348,7 +355,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         );
 
         // The real one after it.
-        let tracked = self
+        let mut tracked = self
             .tracker
             .track(
                 &self.control,
@@ -366,10 +373,15 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
                 dt,
             )
             .map_err(RejectReason::Law)?;
+        if falls {
+            core::hint::cold_path();
+            tracked.command.thrust = model.thrust_max;
+            tracked.command.rates = self.fall.rates(&input.orientation, air_velocity).into();
+        }
         let bounded = self.limits.apply(
             &mut state.limits,
             tracked.command.thrust,
-            -input.orientation.to_axes(input.velocity - wind).i,
+            -input.orientation.to_axes(air_velocity).i,
             tracked.command.rates.into(),
             dt,
         );
@@ -386,6 +398,8 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
 
         // An attitude that does not follow is where plans begin: the air may hold it.
         let ahead = tracked.ahead;
+        let sink = input.velocity.down - asked.velocity.down;
+        state.started = (self.fall).next(state.started, sink, ahead, air_velocity);
         let apart = ahead - limited(ahead, ATTITUDE_APART);
         flight.theta -= apart * math::min(ATTITUDE_RESYNCHRONISATION * dt, 1.0);
 
@@ -422,7 +436,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             ),
             reference: tracked.reference,
             progress: model.progress,
-            plan_due: model.plan_due,
+            plan_due: model.plan_due && !falls,
             ..GuidanceOutput::default()
         })
     }
