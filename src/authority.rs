@@ -365,7 +365,7 @@ mod tests {
             for n in 0..200 {
                 let (thrust, lacking) = (0.2 * n as f32, 0.1 + 0.37 * (n % 53) as f32);
                 let before = authority.at(flow(0.0, 0.0), thrust, available);
-                let found = authority.thrust_giving(&before, lacking, 0.0, thrust, available);
+                let found = authority.thrust_giving(&before, lacking, thrust, available);
                 let right = (before.given + lacking).min(most);
                 assert!((0.0..=available).contains(&found));
                 // Some roundings of 32 rad/s².

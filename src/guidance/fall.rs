@@ -21,7 +21,7 @@ pub(super) const FALLING: u8 = 2;
 const BEHIND: f32 = 0.3;
 /// Speeds in multiples of that at which the wing carries the weight: a sink beyond the reference's from which on it falls, the airspeed along the nose from
 /// which on it pulls up, and the airspeed below which it is slow.
-const SINK: f32 = 0.5;
+const SINK: f32 = 0.7;
 const GATHERED: f32 = 0.5;
 const SLOW: f32 = 0.35;
 /// Cosine of the angle of attack up to which it pulls up; tangent and cosine of the angle of attack of 25° that is asked for.
@@ -126,11 +126,11 @@ mod tests {
         let carried = fall.carried;
         assert!(carried > 5.0 && carried < 20.0);
         let down = |down: f32| Ned::new(0.0, 0.0, down * carried);
-        assert_eq!(fall.next(BEGUN, 0.49 * carried, 0.4, down(0.49)), BEGUN);
-        assert_eq!(fall.next(BEGUN, 0.51 * carried, -0.4, down(0.51)), FALLING);
+        assert_eq!(fall.next(BEGUN, 0.69 * carried, 0.4, down(0.69)), BEGUN);
+        assert_eq!(fall.next(BEGUN, 0.71 * carried, -0.4, down(0.71)), FALLING);
         // Who follows a plan flies by it.
-        assert_eq!(fall.next(BEGUN, 0.51 * carried, 0.2, down(0.51)), BEGUN);
-        assert_eq!(fall.next(0, 0.51 * carried, 0.4, down(0.51)), 0);
+        assert_eq!(fall.next(BEGUN, 0.71 * carried, 0.2, down(0.71)), BEGUN);
+        assert_eq!(fall.next(0, 0.71 * carried, 0.4, down(0.71)), 0);
         for (air, over) in [
             (down(0.36), false),
             (down(0.34), true),
