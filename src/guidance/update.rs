@@ -122,7 +122,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             Err(RejectReason::TimeStep)
         };
         // An absurd vehicle or reference takes the reference model beyond all bounds: it begins anew from the real vehicle.
-        if state.started == BEGUN && !state.flight.is_bounded() {
+        if matches!(state.started, BEGUN | FALLING) && !state.flight.is_bounded() {
             self.reset(state);
         }
         let mode = self

@@ -579,7 +579,7 @@ fn closed(draws: u64) {
 #[ignore = "slow: cargo test-slow"]
 fn slow_what_was_identified_flies() {
     // The median of a few is chance: in turbulence a vehicle brakes through its stall, and flights differ by metres.
-    closed(draws(6));
+    closed(draws(12));
 }
 
 /// A flight that is too short, and one without a throttle, end with the reason.
