@@ -20,7 +20,10 @@ pub struct RoundTrip {
 
 impl RoundTrip {
     /// Of the vehicle of `design`, as the file of this name flies it.
-    pub(super) fn of(design: &Design, name: &str) -> anyhow::Result<Self> {
+    ///
+    /// # Errors
+    /// A file that cannot be flown, or a flight that comes to no number.
+    pub fn of(design: &Design, name: &str) -> anyhow::Result<Self> {
         let document = design.document(name)?;
         let experiment = document.checked()?;
         let record = fly(&experiment).with_context(|| format!("{name}: THE FIRST FLIGHT FAILS"))?;
@@ -35,6 +38,11 @@ impl RoundTrip {
             figures,
             performance,
         })
+    }
+
+    /// What came of it.
+    pub fn outcome(&self) -> Outcome {
+        self.verdict.outcome
     }
 }
 

@@ -2,9 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use alula_design::{Actuators, Design, Known, Outcome, Verdict};
-use alula_sim::figures::Figures;
-use alula_sim::simulate::fly;
+use alula_design::{Actuators, Design, Known, Outcome, RoundTrip};
 use rayon::prelude::*;
 
 /// Angular accelerations of elevons [rad/s²].
@@ -41,13 +39,10 @@ fn vehicle(n: u32) -> (Actuators, Known) {
     (actuators, known)
 }
 
+/// What comes of its round trip; one that comes to no number fails.
 fn outcome(design: &Design) -> Outcome {
-    let flown = || {
-        let experiment = design.document("random").ok()?.checked().ok()?;
-        let figures = Figures::of(&experiment, &fly(&experiment).ok()?);
-        Some(Verdict::of(&design.facts, &design.performance(), &figures).outcome)
-    };
-    flown().unwrap_or(Outcome::Fails)
+    let flown = RoundTrip::of(design, "random");
+    flown.map_or(Outcome::Fails, |flown| flown.outcome())
 }
 
 /// First flights of random vehicles, level and as `new` has them brake: what it chooses is no worse, and of those that have enough to turn with one in ten fails at
@@ -73,8 +68,9 @@ fn slow_random_vehicles_fly_their_first_flight() {
                 Actuators::Both => "both, 60 to 300 rad/s²",
             };
             let level = outcome(&design);
-            let (chosen, _) = design.as_it_brakes("random");
-            Some((kind, [level, outcome(&chosen)]))
+            let (_, chosen) = design.as_it_brakes("random");
+            let chosen = chosen.map_or(Outcome::Fails, |flown| flown.outcome());
+            Some((kind, [level, chosen]))
         })
         .collect();
     let mut table: BTreeMap<&str, [[usize; 3]; 2]> = BTreeMap::new();

@@ -388,8 +388,8 @@ fn gains_as_shipped_are_found_in_hover() {
     ] {
         let shipped = parameters(&[OFFBOARD, PX4_SHIPPED]);
         let suited = parameters(&[gains, OFFBOARD, PX4_SHIPPED]);
-        let speeds: Vec<f64> = (0..7)
-            .map(|n| cruise * (0.85 + 0.05 * f64::from(n)))
+        let speeds: Vec<f64> = (0..4)
+            .map(|n| cruise * (0.85 + 0.1 * f64::from(n)))
             .collect();
         let mut despite: Vec<f64> = speeds
             .par_iter()

@@ -18,7 +18,7 @@ pub use flying::Flying;
 use ground::Ground;
 pub use propeller::{Slipstream, Thrust};
 pub use rate_loop::{Allocation, Motor, RateLoopState};
-pub use section::{Coefficients, Profile};
+pub use section::{Bent, Coefficients, Profile};
 
 use super::Command;
 use crate::experiment::V3;
@@ -177,6 +177,8 @@ impl TailSitter {
         }
         let damping = V3::from(self.airframe.linear_damping_n_m_s).component_mul(&state.rates);
         let mut moment = V3::new(reaction, 0.0, 0.0) - damping;
+        // Strips that follow each other are often bent alike.
+        let mut last: Option<(&Profile, f64, Bent)> = None;
         for (strip, profile) in self.airframe.wing.strips.iter().zip(&self.profiles) {
             let at = V3::from(strip.position_m);
             // The flow at three quarters of the chord decides the lift (Pistolesi), which acts at one quarter: so the strip damps.
@@ -188,6 +190,11 @@ impl TailSitter {
             } else {
                 0.0
             };
+            let bent = match last {
+                Some((of, at, bent)) if of == profile && at == deflection => bent,
+                _ => profile.bent(deflection),
+            };
+            last = Some((profile, deflection, bent));
             let mut free = 1.0;
             for (propeller, jet) in self.airframe.propellers.iter().zip(&jets) {
                 let [_, y, z] = propeller.position_m;
@@ -201,14 +208,14 @@ impl TailSitter {
                     .min(free);
                 if share > 0.0 {
                     let flow = flow + V3::new(jet.velocity, 0.0, 0.0);
-                    let (f, m) = strip.load(profile, flow, deflection);
+                    let (f, m) = strip.load(profile, flow, &bent);
                     add(at, share * f);
                     moment += share * m;
                     free -= share;
                 }
             }
             if free > 0.0 {
-                let (f, m) = strip.load(profile, flow, deflection);
+                let (f, m) = strip.load(profile, flow, &bent);
                 add(at, free * f);
                 moment += free * m;
             }
@@ -422,11 +429,11 @@ impl TailSitter {
 
 impl Strip {
     /// Force \[N\] and moment about its quarter chord \[N·m\] in a flow, both in the vehicle's axes; `flow` is its velocity through the air.
-    fn load(&self, profile: &Profile, flow: V3, deflection: f64) -> (V3, V3) {
+    fn load(&self, profile: &Profile, flow: V3, bent: &Bent) -> (V3, V3) {
         let across = if self.upright { flow.y } else { flow.z };
         let square = flow.x * flow.x + across * across;
         let alpha = libm::atan2(across, flow.x);
-        let c = profile.at(alpha, deflection);
+        let c = profile.at(alpha, bent);
         let pressure = 0.5 * RHO * square * self.span_m * self.chord_m;
         let (sin, cos) = libm::sincos(alpha);
         let along = pressure * (c.c_l * sin - c.c_d * cos);

@@ -26,6 +26,19 @@ pub struct Coefficients {
     pub c_m: f64,
 }
 
+/// A flap at a deflection: what the flow has no part in. It is the same of a strip in the slipstream and beside it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bent {
+    /// \[rad\].
+    deflection: f64,
+    /// Change of the zero-lift angle \[rad\].
+    shift: f64,
+    /// Change of c_m.
+    moment: f64,
+    /// Angle of the line from leading to trailing edge to the chord \[rad\].
+    line: f64,
+}
+
 /// A [`Section`] on a wing of finite span, with a flap: what does not change in flight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Profile {
@@ -68,8 +81,8 @@ impl Profile {
         }
     }
 
-    /// The coefficients at an angle of attack in (−π, π] with a deflection \[rad\], positive trailing edge towards the belly.
-    pub fn at(&self, alpha: f64, deflection: f64) -> Coefficients {
+    /// The flap at a deflection \[rad\], positive trailing edge towards the belly.
+    pub fn bent(&self, deflection: f64) -> Bent {
         let deflection = deflection.clamp(-DEFLECTION_MAX, DEFLECTION_MAX);
         let size = deflection.abs();
         // Viscosity's share: a fit to flaps of up to 70°. What has no hinge in the flow is turned as a whole.
@@ -78,13 +91,25 @@ impl Profile {
         } else {
             1.0
         };
-        let shift = self.flap.effectiveness * viscous * deflection;
-        let effective = alpha + shift;
-        let attached = self.attached(effective, self.flap.moment * viscous * deflection);
-        let plate = self.plate(alpha, deflection);
+        let (nose, flap) = (1.0 - self.flap.share, self.flap.share);
+        let (sin, cos) = libm::sincos(deflection);
+        let chord = (nose * nose + flap * flap + 2.0 * nose * flap * cos).sqrt();
+        Bent {
+            deflection,
+            shift: self.flap.effectiveness * viscous * deflection,
+            moment: self.flap.moment * viscous * deflection,
+            line: libm::asin(flap / chord * sin),
+        }
+    }
+
+    /// The coefficients at an angle of attack in (−π, π].
+    pub fn at(&self, alpha: f64, bent: &Bent) -> Coefficients {
+        let effective = alpha + bent.shift;
+        let attached = self.attached(effective, bent.moment);
+        let plate = self.plate(alpha, bent);
         // The flap raises the greatest lift by less than the lift: stall comes at a smaller angle of the wing.
         let stall = self.section.stall_deg.to_radians();
-        let raised = (1.0 - self.flap.share) * shift;
+        let raised = (1.0 - self.flap.share) * bent.shift;
         let beyond = (effective - raised).abs() - stall;
         let share = 0.5 * (1.0 - libm::tanh(4.0 * beyond / BLEND));
         let mix = |a: f64, p: f64| share * a + (1.0 - share) * p;
@@ -111,13 +136,11 @@ impl Profile {
     }
 
     /// A plate bent at the hinge: its chord line joins leading and trailing edge.
-    fn plate(&self, alpha: f64, deflection: f64) -> Coefficients {
-        let (nose, flap) = (1.0 - self.flap.share, self.flap.share);
-        let chord = (nose * nose + flap * flap + 2.0 * nose * flap * libm::cos(deflection)).sqrt();
-        let alpha = alpha + libm::asin(flap / chord * libm::sin(deflection));
+    fn plate(&self, alpha: f64, bent: &Bent) -> Coefficients {
+        let alpha = alpha + bent.line;
         let (sin, cos) = libm::sincos(alpha);
         // A bend towards the flow holds more of it.
-        let bend = deflection * sin.signum();
+        let bend = bent.deflection * sin.signum();
         let across = C_D_90 + 0.21 * bend - 0.0426 * bend * bend;
         let normal = across * sin * (1.0 / (0.56 + 0.44 * sin.abs()) - self.relief);
         let tangential = 0.5 * self.section.c_d_0 * cos;
@@ -145,7 +168,10 @@ mod tests {
 
     fn at(alpha_deg: f64, deflection_deg: f64) -> Coefficients {
         let profile = Profile::new(PLATE, 3.13, 0.4);
-        profile.at(alpha_deg.to_radians(), deflection_deg.to_radians())
+        profile.at(
+            alpha_deg.to_radians(),
+            &profile.bent(deflection_deg.to_radians()),
+        )
     }
 
     /// A plate of any attitude and deflection never pushes itself along: c_D > 0 over the whole circle, at every deflection.
