@@ -835,7 +835,8 @@ const LOOPS: [&str; 5] = [
 const SEED: u64 = 120;
 
 /// Gains and lags within a factor of two of those that suit, and of four, drawn, of which the guidance does not know; the vehicle brakes as `new` has it. What
-/// the nudge lets pass is not lost within a factor of two. All are flown, in spite of what it says. `FIRST_ATTEMPTS` of each.
+/// the nudge lets pass is not lost within a factor of two: none of it is 15 m off its height, and nine in ten are within 2 m. All are flown, in spite of what it says.
+/// `FIRST_ATTEMPTS` of each.
 /// Prints the table of the page.
 #[test]
 #[ignore = "slow: cargo test-slow"]
@@ -850,6 +851,7 @@ fn slow_no_first_attempt_is_lost() {
         "| vehicle | autopilot | factor | flown | below [m], median, 95 %, most | above [m], median, 95 %, most | refused | of these held | sank by 20 m |"
     );
     println!("|---|---|---:|---:|---:|---:|---:|---:|---:|");
+    let mut off_height: Vec<f64> = Vec::new();
     for ((asked, gains), (name, kind), most) in [
         (OF_SMALL, SMALL),
         (OF_MAPPING, MAPPING),
@@ -920,6 +922,18 @@ fn slow_no_first_attempt_is_lost() {
         );
         if most == 2.0 {
             assert_eq!(lost(&flown), 0, "{vehicle}, {name}: {flown:?}");
+            let off = flown.iter().map(|(_, [low, high], _)| high.max(-low));
+            off_height.extend(off);
         }
     }
+    // Of 210 on the seeds of the page 12.8 m is the most.
+    assert!(off_height.iter().all(|off| *off < 15.0), "{off_height:?}");
+    // Nine in ten, less two deviations of as many draws.
+    let count = off_height.len() as f64;
+    let near = off_height.iter().filter(|off| **off < 2.0).count() as f64;
+    println!("{near} of {count} within 2 m, of a factor of two");
+    assert!(
+        near >= 0.9 * count - 2.0 * (0.09 * count).sqrt(),
+        "{off_height:?}"
+    );
 }
