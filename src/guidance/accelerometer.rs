@@ -17,8 +17,8 @@ use crate::vehicle::Vehicle;
 const TIME: f32 = 0.2;
 const LAGS: f32 = 2.0;
 /// Force by which surfaces turn the vehicle that is taken out of the force error, over what is believed of it. What is left of it turns the vehicle on, what
-/// is taken out too much holds it back: with what is believed, elevon wings on an independent plant nodded in calm hover at 1.6 Hz, and without an
-/// accelerometer none did. Out of what tells the air, as much as is believed is taken: with more, wings of 25 kg nod the more often. Elevons without an integral
+/// is taken out too much holds it back: with what is believed, 16 of 100 elevon wings on an independent plant nodded in calm hover at 1.6 Hz, and
+/// without an accelerometer one. Out of what tells the air, as much as is believed is taken: with more, wings of 25 kg nod the more often. Elevons without an integral
 /// turn by less than is commanded: with twice what is believed taken out, one sank by 3.5 m after it was taken over.
 const TAKEN_OUT: f32 = 1.5;
 /// Greatest force error that is believed, in multiples of the weight.
