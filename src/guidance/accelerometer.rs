@@ -16,10 +16,10 @@ use crate::vehicle::Vehicle;
 /// error of it that was followed faster than the vehicle turns made a slow one of 25 kg swing in wind, at 0.4 Hz.
 const TIME: f32 = 0.2;
 const LAGS: f32 = 2.0;
-/// Force by which surfaces turn the vehicle that is taken out of the force error, over what is believed of it. What is left of it turns the vehicle on, what
-/// is taken out too much holds it back: with what is believed, 16 of 100 elevon wings on an independent plant nodded in calm hover at 1.6 Hz, and
-/// without an accelerometer one. Out of what tells the air, as much as is believed is taken: with more, wings of 25 kg nod the more often. Elevons without an integral
-/// turn by less than is commanded: with twice what is believed taken out, one sank by 3.5 m after it was taken over.
+/// What is taken out of the force error for the force of the surfaces that turn the vehicle, over what is believed of that force. Too little drives a nod, too
+/// much damps it. With 1.0 of it 16 of 100 elevon wings on an independent plant nodded in calm hover at 1.6 Hz, and one did without an accelerometer. With 2.0
+/// a vehicle of elevons without an integral, which turns by less than is commanded, sank by 3.5 m after it was taken over. What tells the air keeps 1.0: with more,
+/// wings of 25 kg nod more often.
 const TAKEN_OUT: f32 = 1.5;
 /// Greatest force error that is believed, in multiples of the weight.
 const MOST: f32 = 0.6;

@@ -177,8 +177,6 @@ impl TailSitter {
         }
         let damping = V3::from(self.airframe.linear_damping_n_m_s).component_mul(&state.rates);
         let mut moment = V3::new(reaction, 0.0, 0.0) - damping;
-        // Strips that follow each other are often bent alike.
-        let mut last: Option<(&Profile, f64, Bent)> = None;
         for (strip, profile) in self.airframe.wing.strips.iter().zip(&self.profiles) {
             let at = V3::from(strip.position_m);
             // The flow at three quarters of the chord decides the lift (Pistolesi), which acts at one quarter: so the strip damps.
@@ -190,11 +188,7 @@ impl TailSitter {
             } else {
                 0.0
             };
-            let bent = match last {
-                Some((of, at, bent)) if of == profile && at == deflection => bent,
-                _ => profile.bent(deflection),
-            };
-            last = Some((profile, deflection, bent));
+            let bent = profile.bent(deflection);
             let mut free = 1.0;
             for (propeller, jet) in self.airframe.propellers.iter().zip(&jets) {
                 let [_, y, z] = propeller.position_m;
