@@ -4,7 +4,7 @@ use super::fall::{BEGUN, FALLING};
 use super::limits::LimitState;
 use super::output::GuidanceOutput;
 use super::state::GuidanceState;
-use super::supervision::{Mode, SupervisionState};
+use super::supervision::{Mode, RejectReason, SupervisionState};
 use super::update::Guidance;
 use crate::aero::Aerodynamics;
 use crate::control::GainLaw;
@@ -112,7 +112,12 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
     /// The command in any mode but flying.
     #[cold]
     #[inline(never)]
-    pub(super) fn substitute(&self, state: &mut GuidanceState, mode: Mode) -> GuidanceOutput {
+    pub(super) fn substitute(
+        &self,
+        state: &mut GuidanceState,
+        reject_reason: Option<RejectReason>,
+    ) -> GuidanceOutput {
+        let mode = state.mode();
         if mode == Mode::Safe {
             // The attitude is kept blindly: of a nose that points forward all thrust would go into speed.
             let limits = LimitState {
@@ -131,6 +136,8 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
                 rates: state.limits.rates.into(),
                 diagnostics: Diagnostics::default(),
             },
+            mode,
+            reject_reason,
             ..GuidanceOutput::default()
         }
     }

@@ -121,25 +121,32 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         } else {
             Err(RejectReason::TimeStep)
         };
+        let mut output = match flown {
+            Ok(flown) if self.settle(state, true, dt) == Mode::Flying => {
+                state.supervision.upright = math::clamp(input.orientation.i().down, 0.0, 1.0);
+                GuidanceOutput {
+                    mode: Mode::Flying,
+                    ..flown
+                }
+            }
+            Ok(_) => self.substitute(state, None),
+            Err(reason) => {
+                self.settle(state, false, dt);
+                self.substitute(state, Some(reason))
+            }
+        };
+        output.status |= Status::STATE_RESET.when(!sound);
+        output
+    }
+
+    /// The mode after a step of `dt` \[s\] with a frame that was `good` or not.
+    #[inline(always)]
+    fn settle(&self, state: &mut GuidanceState, good: bool, dt: f32) -> Mode {
         // An absurd vehicle or reference takes the reference model beyond all bounds: it begins anew from the real vehicle.
         if matches!(state.started, BEGUN | FALLING) && !state.flight.is_bounded() {
             self.reset(state);
         }
-        let mode = self
-            .supervisor
-            .advance(&mut state.supervision, flown.is_ok(), dt);
-        let reject_reason = flown.err();
-        let mut output = match flown {
-            Ok(flown) if mode == Mode::Flying => {
-                state.supervision.upright = math::clamp(input.orientation.i().down, 0.0, 1.0);
-                flown
-            }
-            _ => self.substitute(state, mode),
-        };
-        output.mode = mode;
-        output.reject_reason = reject_reason;
-        output.status |= Status::STATE_RESET.when(!sound);
-        output
+        self.supervisor.advance(&mut state.supervision, good, dt)
     }
 
     /// A plan, where [`GuidanceOutput::plan_due`] asks for one: the vehicle is flown ahead by the plan in force and by others, and from the
