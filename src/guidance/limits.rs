@@ -120,16 +120,16 @@ impl Limits {
                 saturated |= Status::RATE;
                 rate = if rate < 0.0 { -self.rate } else { self.rate };
             }
-            let (low, high) = (last - step, last + step);
-            if rate < low {
+            let change = rate - last;
+            if change.abs() > step {
                 saturated |= Status::SLEW;
-                low
-            } else if rate > high {
-                saturated |= Status::SLEW;
-                high
-            } else {
-                rate
+                rate = if change < 0.0 {
+                    last - step
+                } else {
+                    last + step
+                };
             }
+            rate
         };
         let rates = Body::new(
             limit(rates.i, state.rates.i),

@@ -153,6 +153,15 @@ impl PlannerState {
             && self.planned.norm_squared() <= 1e9
     }
 
+    /// Begins anew, without a plan. The request stays until the step leaves another one.
+    #[inline(always)]
+    pub fn begin(&mut self) {
+        *self = Self {
+            request: self.request,
+            ..Self::default()
+        };
+    }
+
     /// Unwraps the attitude of the plan in force by `by` \[rad\]: θ has been wrapped.
     #[inline(always)]
     pub fn shift(&mut self, by: f32) {

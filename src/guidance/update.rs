@@ -13,7 +13,7 @@ use super::input::GuidanceInput;
 use super::lateral_guidance::{LateralGuidance, LateralGuidanceInput, ReferenceModelState};
 use super::limits::Limits;
 use super::output::GuidanceOutput;
-use super::planner::{Candidate, PlanSearch, Planner, PlannerState};
+use super::planner::{Candidate, PlanSearch, Planner};
 use super::reference_model::limited;
 use super::state::GuidanceState;
 use super::status::Status;
@@ -321,7 +321,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
                 }
                 state.started = BEGUN;
             }
-            state.planner = PlannerState::default();
+            state.planner.begin();
             state.flight = ReferenceModelState {
                 velocity: input.velocity,
                 position,
