@@ -241,9 +241,9 @@ mod tests {
             let next = guidance.update(&mut state, &input(), DT);
             assert!(!next.status.contains(Status::STATE_RESET), "{bit}");
         }
-        // Seven short numbers of 8 bits and one of 16, the rest of 32. A flip in the copy changes nothing.
+        // Nine short numbers of 8 bits and one of 16, the rest of 32. A flip in the copy changes nothing.
         let words = GuidanceState::WORDS as u32;
-        assert_eq!(reported, 32 * (words - 8) + 7 * 8 + 16);
+        assert_eq!(reported, 32 * (words - 10) + 9 * 8 + 16);
     }
 
     /// More than one change is not undone: the state is as at power-on, and the flight goes on.

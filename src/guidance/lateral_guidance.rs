@@ -337,14 +337,7 @@ impl LateralGuidance {
             altitude_band: planner.altitude_band(input.planner_options.altitude_band),
         };
         let plan_due = state.leave(request, planner.cost.velocity_band.forward(), dt);
-        let progress = Progress::new(
-            &heavier,
-            planner,
-            state,
-            plane.thrust,
-            error,
-            asked.velocity,
-        );
+        let progress = Progress::new(&heavier, planner, state, plane.thrust, error);
 
         // The plane turns with the air velocity, and towards the heading where there is little of it.
         let across = across + lateral_acceleration * dt;

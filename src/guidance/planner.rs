@@ -9,6 +9,7 @@ use super::candidates;
 use super::memory::{self, Memory, memory};
 use super::parameters::GuidanceParameters;
 use super::planner_options::altitude_band;
+use super::progress::Prospect;
 use super::reference_model::{Plan, ReferenceModel};
 use super::rollout::{Cost, Flown, Horizon, PlanRequest, Rollout, STEPS};
 use super::tuning::Tuning;
@@ -36,7 +37,7 @@ pub(super) struct PlannerState {
     /// The plan in force.
     pub plan: Plan,
     /// What it comes to.
-    pub rollout: Rollout,
+    pub prospect: Prospect,
     /// From where the next plan begins.
     pub request: PlanRequest,
     /// Time of that \[s\].
@@ -53,7 +54,7 @@ pub(super) struct PlannerState {
 
 memory!(PlannerState {
     plan: Plan,
-    rollout: Rollout,
+    prospect: Prospect,
     request: PlanRequest,
     clock: f32,
     due: f32,
@@ -147,7 +148,7 @@ impl PlannerState {
     /// what a search finds from nonsense is a plan that is not sound, or one that any other might be.
     pub fn is_sound(&self) -> bool {
         self.plan.is_sound()
-            && self.rollout.is_sound()
+            && self.prospect.is_sound()
             && self.clock.abs() <= MAX_CLOCK
             && self.due.abs() <= MAX_CLOCK
             && self.planned.norm_squared() <= 1e9
@@ -204,12 +205,12 @@ impl PlannerState {
     }
 
     /// Flies by what `search` found from now on, at an attitude `theta` of the reference model \[rad\]. A search that has found nothing, or
-    /// that is too old, changes nothing.
-    pub fn adopt(&mut self, search: &PlanSearch, theta: f32) {
+    /// that is too old, changes nothing. Whether it did is given.
+    pub fn adopt(&mut self, search: &PlanSearch, theta: f32) -> bool {
         let age = self.clock - search.clock;
         // What is no number is no age either.
         if search.looked == 0 || !(0.0..=MAX_PLAN_AGE).contains(&age) {
-            return;
+            return false;
         }
         if search.changed == 1 {
             let before = search.request.flight.theta;
@@ -221,20 +222,20 @@ impl PlannerState {
             };
             // Of an absurd vehicle, or of bits that no search has left.
             if !plan.is_sound() {
-                return;
+                return false;
             }
             self.plan = plan;
         }
         if !search.rollout.is_sound() {
-            return;
+            return false;
         }
-        self.rollout = search.rollout;
         let candidates = search.looked - 1;
         self.first = candidates::after(search.first, candidates);
         self.planned = search.request.velocity;
         self.looked = self.looked.saturating_add(candidates);
         // In the mean one in each period; after a plan that a jump has brought forward, a whole period.
         self.due = math::max(math::min(self.due, 0.0) + PLAN_PERIOD, 0.5 * PLAN_PERIOD);
+        true
     }
 }
 
@@ -285,6 +286,19 @@ impl Planner {
             0
         };
         (steps + more) as u8
+    }
+
+    /// Lets `state` fly by what `search` found, at an attitude `theta` of the reference model \[rad\], and keeps what that comes to.
+    pub fn adopt<A: Aerodynamics>(
+        &self,
+        vehicle: &Vehicle<A>,
+        state: &mut PlannerState,
+        search: &PlanSearch,
+        theta: f32,
+    ) {
+        if state.adopt(search, theta) {
+            state.prospect = Prospect::new(vehicle, self, &search.request, &search.rollout);
+        }
     }
 
     /// Looks at the next plan of a `search`: the one in force, then candidates. `None` once all were looked at, or no steps are left for

@@ -1,8 +1,11 @@
 //! What the guidance is about, and what of the reference cannot be had.
 
+use super::memory::memory;
 use super::planner::{Planner, PlannerState};
+use super::rollout::{PlanRequest, Rollout};
 use crate::aero::Aerodynamics;
 use crate::frame::Inertial;
+use crate::math;
 use crate::vehicle::Vehicle;
 
 /// What the reference model does. The numbers are those of the library for C.
@@ -80,45 +83,48 @@ const NEVER: f32 = 10.0;
 /// Slope of a descent from which on it is the sink that speed is gained by. Wings glide at less.
 const STEEP: f32 = 0.1;
 
-impl Progress {
-    /// The progress of a flight with `thrust` \[N\] that is off the velocity wanted by `error` [m/s], at a reference velocity [m/s].
-    #[inline(always)]
-    pub(super) fn new<A: Aerodynamics>(
+/// What a prediction says of the way to go. It is made with a plan: between plans it does not change.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(super) struct Prospect {
+    /// Time \[s\] and distance \[m\] of [`Progress`].
+    time: f32,
+    distance: f32,
+    /// The number of the [`Unreachable`], or 0.
+    unreachable: u8,
+    /// 1 if the error at its end is within half a band. A number: every bit pattern has a meaning.
+    arrives: u8,
+}
+
+memory!(Prospect {
+    time: f32,
+    distance: f32,
+    unreachable: u8,
+    arrives: u8,
+});
+
+/// What a sound rollout cannot come to.
+const MAX_NUMBER: f32 = 1e13;
+
+impl Prospect {
+    /// What the `rollout` of a `request` says, of what is believed to be `vehicle`.
+    pub fn new<A: Aerodynamics>(
         vehicle: &Vehicle<A>,
         planner: &Planner,
-        state: &PlannerState,
-        thrust: f32,
-        error: Inertial,
-        reference: Inertial,
+        request: &PlanRequest,
+        rollout: &Rollout,
     ) -> Self {
-        let bands = |v: Inertial| {
-            let down = v.down().abs() / planner.cost.velocity_band.down();
-            let forward = v.forward().abs() / planner.cost.velocity_band.forward();
-            (down, forward)
-        };
-        let (down, forward) = bands(error);
-        let low = thrust <= vehicle.thrust_min();
-        let high = thrust >= vehicle.thrust_max();
-        let phase = if state.plan.turn == 1 {
-            Phase::Crossing
-        } else if down > 4.0 || forward > 4.0 {
-            Phase::Recovering
-        } else if (low || high) && (down > 0.5 || forward > 0.5) {
-            Phase::Coasting
-        } else {
-            Phase::Tracking
-        };
-        let rollout = &state.rollout;
-        let (end_down, end_forward) = bands(rollout.error);
-        let to_go = rollout.to_go;
-        let unreachable = if end_down > 0.5 && to_go.down() > NEVER {
+        let (down, forward) = planner.cost.bands(rollout.error);
+        let (to_go, reference) = (rollout.to_go, request.velocity);
+        let unreachable = if down > 0.5 && to_go.down() > NEVER {
             Some(if rollout.error.down() < 0.0 {
                 Unreachable::Sink
             } else {
                 Unreachable::Thrust
             })
-        } else if end_forward > 0.5 && to_go.forward() > NEVER {
-            Some(if rollout.thrust >= vehicle.thrust_max() {
+        } else if forward > 0.5 && to_go.forward() > NEVER {
+            let thrust_max = vehicle.thrust_max() - request.missing_thrust;
+            Some(if rollout.thrust >= thrust_max {
                 Unreachable::Thrust
             } else if reference.down() > STEEP * reference.forward().abs() {
                 Unreachable::Sink
@@ -128,21 +134,64 @@ impl Progress {
         } else {
             None
         };
-        let longest = if to_go.down() > to_go.forward() {
-            to_go.down()
+        Self {
+            time: planner.span() + math::max(to_go.down(), to_go.forward()),
+            distance: rollout.distance + 0.5 * rollout.error.forward() * to_go.forward(),
+            unreachable: unreachable.map_or(0, |reason| reason as u8),
+            arrives: u8::from(down < 0.5 && forward < 0.5),
+        }
+    }
+
+    /// Whether every number is one that a sound rollout can have left. NaN is not.
+    #[inline(always)]
+    pub fn is_sound(&self) -> bool {
+        self.time.abs() + self.distance.abs() <= MAX_NUMBER
+    }
+
+    #[inline(always)]
+    fn unreachable(&self) -> Option<Unreachable> {
+        match self.unreachable {
+            1 => Some(Unreachable::Sink),
+            2 => Some(Unreachable::Speed),
+            3 => Some(Unreachable::Thrust),
+            _ => None,
+        }
+    }
+}
+
+impl Progress {
+    /// The progress of a flight with `thrust` \[N\] that is off the velocity wanted by `error` [m/s].
+    #[inline(always)]
+    pub(super) fn new<A: Aerodynamics>(
+        vehicle: &Vehicle<A>,
+        planner: &Planner,
+        state: &PlannerState,
+        thrust: f32,
+        error: Inertial,
+    ) -> Self {
+        let (down, forward) = planner.cost.bands(error);
+        let worst = math::max(down, forward);
+        let limited = thrust <= vehicle.thrust_min() || thrust >= vehicle.thrust_max();
+        let phase = if state.plan.turn == 1 {
+            Phase::Crossing
+        } else if worst > 4.0 {
+            Phase::Recovering
+        } else if limited && worst > 0.5 {
+            Phase::Coasting
         } else {
-            to_go.forward()
+            Phase::Tracking
         };
-        let there = down < 0.5 && forward < 0.5 && end_down < 0.5 && end_forward < 0.5;
+        let prospect = &state.prospect;
+        let (time, distance) = if worst < 0.5 && prospect.arrives == 1 {
+            (0.0, 0.0)
+        } else {
+            (prospect.time, prospect.distance)
+        };
         Self {
             phase,
-            unreachable,
-            time: if there { 0.0 } else { planner.span() + longest },
-            distance: if there {
-                0.0
-            } else {
-                rollout.distance + 0.5 * rollout.error.forward() * to_go.forward()
-            },
+            unreachable: prospect.unreachable(),
+            time,
+            distance,
         }
     }
 }

@@ -200,6 +200,15 @@ pub(super) enum Flown {
 }
 
 impl Cost {
+    /// The parts of an `error` of velocity [m/s], down and forward, in multiples of their bands.
+    #[inline(always)]
+    pub fn bands(&self, error: Inertial) -> (f32, f32) {
+        (
+            error.down().abs() / self.velocity_band.down(),
+            error.forward().abs() / self.velocity_band.forward(),
+        )
+    }
+
     /// What all plans of a `request` cost, whatever they do: the altitude error below the reference beyond which it counts in proportion \[s\].
     #[inline(always)]
     pub fn of_depth(&self, request: &PlanRequest, horizon: &Horizon) -> f32 {

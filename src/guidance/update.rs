@@ -173,7 +173,8 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
     /// Takes what `search` found so far. A search older than [`MAX_PLAN_AGE`](super::MAX_PLAN_AGE), or begun before the state was reset, is
     /// dropped: what it found begins where the vehicle no longer is.
     pub fn adopt(&self, state: &mut GuidanceState, search: &PlanSearch) {
-        state.planner.adopt(search, state.flight.theta);
+        self.planner
+            .adopt(self.vehicle(), &mut state.planner, search, state.flight.theta);
     }
 
     #[inline(always)]
