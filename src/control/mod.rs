@@ -15,5 +15,4 @@ pub use command::{Command, Diagnostics, Fault, FeedForward, State};
 pub use gains::{GainLaw, GainParameters, GainValues, Gains};
 pub use guard::Guard;
 pub use margin::Margin;
-pub(crate) use velocity::Step;
 pub use velocity::{Law, VelocityControl};

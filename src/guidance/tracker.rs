@@ -19,7 +19,7 @@ use crate::aero::Aerodynamics;
 use crate::air::{AirData, AngleOfAttack};
 use crate::authority::Airflow;
 use crate::branch::Branch;
-use crate::control::{Fault, GainLaw, Step};
+use crate::control::{Fault, GainLaw, Margin};
 use crate::equivalency::ApparentForces;
 use crate::frame::{Attitude, Inertial};
 use crate::math;
@@ -85,8 +85,7 @@ pub(super) struct TrackerInput<'a> {
 /// What the tracker comes to.
 pub(super) struct TrackerOutput {
     pub command: Command,
-    pub step: Step,
-    pub branch: Branch,
+    pub margin: Margin,
     /// How much the law has a say: 1 on a sheet, 0 at a fold.
     pub law: f32,
     /// How far the model's attitude with the lean is ahead of the vehicle's \[rad\].
@@ -248,6 +247,8 @@ impl Tracker {
         };
         let seen = control.observe(state, &reference);
         let mut step = plane.step_in_plane(branch, seen.forces, seen.error.in_plane());
+        let tau = plane.gains().guard().tau();
+        let margin = Margin::new(&step.forces, step.norm, tau, branch.sign());
         // What is not known of the wing is an angle. It takes the more velocity error to hold an angle the larger F_p is.
         let stiffness = step.norm / weight;
         let stiffness = if stiffness > 1.0 { stiffness } else { 1.0 };
@@ -349,8 +350,7 @@ impl Tracker {
         }
         Ok(TrackerOutput {
             command,
-            step,
-            branch,
+            margin,
             law,
             ahead,
             reference,

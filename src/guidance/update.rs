@@ -21,7 +21,7 @@ use super::supervision::{Air, AirUse, Mode, RejectReason, Supervisor, WindUse, t
 use super::tracker::{Tracker, TrackerInput};
 use super::wrap::wrap;
 use crate::aero::Aerodynamics;
-use crate::control::{Fault, GainLaw, Margin};
+use crate::control::{Fault, GainLaw};
 use crate::math;
 use crate::ned::Ned;
 use crate::reference::{MAX_ACCELERATION, MAX_SPEED};
@@ -436,12 +436,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
                 | Status::AIR_INVALID.when(air_invalid)
                 | Status::FORCE_INVALID
                     .when(specific_force.is_none() && input.specific_force.is_some()),
-            margin: Margin::new(
-                &tracked.step.forces,
-                tracked.step.norm,
-                self.control.plane().gains().guard().tau(),
-                tracked.branch.sign(),
-            ),
+            margin: tracked.margin,
             reference: tracked.reference,
             progress: model.progress,
             plan_due: model.plan_due && !falls,
@@ -455,7 +450,7 @@ mod tests {
     extern crate std;
     use super::*;
     use crate::aero::{Combined, CombinedParameters};
-    use crate::control::Command;
+    use crate::control::{Command, Margin};
     use crate::error::Problem;
     use crate::frame::{Attitude, Inertial};
     use crate::guidance::MIN_STEP;
