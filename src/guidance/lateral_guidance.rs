@@ -94,15 +94,14 @@ impl ReferenceModelState {
     /// Whether what grows in an absurd flight is inside its bounds. NaN is not.
     #[inline(always)]
     pub fn is_bounded(&self) -> bool {
-        self.velocity.norm_squared() <= 1e8 && self.position.norm_squared() <= 1e10
+        100.0 * self.velocity.norm_squared() + self.position.norm_squared() <= 1e10
     }
 
     /// Whether every number is one that a reference model can have left. NaN is not.
     pub fn is_sound(&self) -> bool {
         self.is_bounded()
             && self.course.is_sound()
-            && self.lateral_acceleration.abs() <= 1e4
-            && self.theta.abs() + self.rate.abs() <= 1e3
+            && self.lateral_acceleration.abs() + self.theta.abs() + self.rate.abs() <= 1e3
             && self.thrust.abs() <= 1e7
     }
 }

@@ -149,8 +149,7 @@ impl PlannerState {
     pub fn is_sound(&self) -> bool {
         self.plan.is_sound()
             && self.prospect.is_sound()
-            && self.clock.abs() <= MAX_CLOCK
-            && self.due.abs() <= MAX_CLOCK
+            && self.clock.abs() + self.due.abs() <= MAX_CLOCK + 1.0
             && self.planned.norm_squared() <= 1e9
     }
 

@@ -86,11 +86,10 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             && self.tracker.is_sound(state.integral, state.lean)
             && self.accelerometer.is_sound(&state.accelerometer)
             && state.air.is_sound()
-            && state.wind.norm_squared() + state.reckoned.norm_squared()
-                <= 4.0 * MAX_SPEED * MAX_SPEED
+            && state.wind.norm_squared() + state.reckoned.norm_squared() + state.held.norm_squared()
+                <= 5.0 * MAX_SPEED * MAX_SPEED
             && (self.limits.is_sound(&state.limits)
                 || state.limits == LimitState::default() && state.mode() == Mode::Safe)
-            && state.held.norm_squared() <= MAX_SPEED * MAX_SPEED
     }
 
     /// Back to power-on, but for the mode, and for the last command if that is inside the limits: it is what a bad frame is
