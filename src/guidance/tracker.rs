@@ -343,7 +343,7 @@ impl Tracker {
         }
         // Out of the plane of flight pitch, tilt and twist would each go their own way.
         if aligned < 1.0 {
-            let shortest = by_the_shortest_way(attitude, axes.forward, axes.right, model.attitude);
+            let shortest = by_the_shortest_way(*attitude, axes.forward, axes.right, model.attitude);
             let shortest = shortest * gain + attitude.to_axes(axes.right * rate + model.spin);
             let mixed = Body::from(command.rates) * aligned + shortest * (1.0 - aligned);
             command.rates = mixed.into();
@@ -420,7 +420,7 @@ fn transverse_force<A: Aerodynamics>(
 /// It is a function of its own because it is rarely called: within the tracker it takes 16 bytes more of stack.
 #[cold]
 #[inline(never)]
-fn by_the_shortest_way(attitude: &Orientation, forward: Ned, right: Ned, theta: Attitude) -> Body {
+fn by_the_shortest_way(attitude: Orientation, forward: Ned, right: Ned, theta: Attitude) -> Body {
     let Attitude { cos, sin } = theta;
     let down = forward.cross(right);
     attitude.rotation_to(
