@@ -150,7 +150,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
     }
 
     /// A plan, where [`GuidanceOutput::plan_due`] asks for one: the vehicle is flown ahead by the plan in force and by others, and from the
-    /// next step on by the best of them. It takes some twenty-eight times the instructions of a step.
+    /// next step on by the best of them. It takes some thirty times the instructions of a step.
     ///
     /// Without plans the vehicle flies on by the last one: it holds and follows what can be flown without crossing a stall.
     pub fn plan(&self, state: &mut GuidanceState) {
@@ -173,8 +173,12 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
     /// Takes what `search` found so far. A search older than [`MAX_PLAN_AGE`](super::MAX_PLAN_AGE), or begun before the state was reset, is
     /// dropped: what it found begins where the vehicle no longer is.
     pub fn adopt(&self, state: &mut GuidanceState, search: &PlanSearch) {
-        self.planner
-            .adopt(self.vehicle(), &mut state.planner, search, state.flight.theta);
+        self.planner.adopt(
+            self.vehicle(),
+            &mut state.planner,
+            search,
+            state.flight.theta,
+        );
     }
 
     #[inline(always)]
