@@ -73,6 +73,15 @@ pub(crate) struct Allowed {
 }
 
 impl Authority {
+    /// Squared speed that the propellers give the air in hover [m²/s²], of a vehicle of this `weight` \[N\]; 0 where it is not known.
+    pub fn squared_downwash(&self, weight: f32) -> f32 {
+        if self.reversed > 0.0 {
+            weight / (GONE * GONE * self.reversed)
+        } else {
+            0.0
+        }
+    }
+
     /// What a `thrust` \[N\] of at most `available` allows.
     #[inline(always)]
     pub fn at(&self, flow: Airflow, thrust: f32, available: f32) -> Allowed {

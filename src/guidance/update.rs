@@ -225,7 +225,8 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             .specific_force
             .map(Body::from)
             .filter(|f| f.norm_squared() < MAX_ACCELERATION * MAX_ACCELERATION);
-        let correction = self.accelerometer.correction(&state.accelerometer);
+        let share = self.accelerometer.share(input.velocity - wind);
+        let correction = self.accelerometer.correction(&state.accelerometer, share);
         if air == AirUse::None && specific_force.is_none() {
             core::hint::cold_path();
             let (v, air) = (&mut asked.velocity, input.velocity - wind);
@@ -426,6 +427,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
             input.orientation,
             &command,
             gust,
+            share,
             dt,
         );
         command.thrust = state.limits.thrust;

@@ -84,10 +84,25 @@ impl ForceError {
     /// One step of `dt` \[s\], after the law's. A sample that is not finite, or a `dt` that is not positive, changes nothing.
     #[inline(always)]
     pub fn update(&self, state: &mut ForceErrorState, sample: &ForceSample, dt: f32) {
+        self.advance(state, sample, 1.0, dt);
+    }
+
+    /// The same, the force across the nose at this part of the `pace` along it.
+    #[inline(always)]
+    pub(crate) fn advance(
+        &self,
+        state: &mut ForceErrorState,
+        sample: &ForceSample,
+        pace: f32,
+        dt: f32,
+    ) {
         let body = Body::from(sample.specific_force) * self.mass - sample.aerodynamic.into()
             + Body::new(state.thrust, 0.0, 0.0);
         let step = sample.orientation.of_axes(body) - state.force;
-        let next = state.force + step * passed(dt, self.time);
+        let nose = sample.orientation.i();
+        let along = passed(dt, self.time);
+        let across = pace * along;
+        let next = state.force + step * across + nose * ((along - across) * nose.dot(step));
         let thrust = state.thrust + (sample.thrust - state.thrust) * passed(dt, self.thrust_lag);
         let square = next.norm_squared();
         let timed = dt > 0.0 && dt <= MAX_STEP;
