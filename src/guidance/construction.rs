@@ -93,9 +93,9 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         let planner = Planner::new(p, &vehicle, lateral_guidance.lift_coefficient(), tuning);
         Ok(Self {
             tracker: Tracker::new(p, vehicle.turning_in_hover(), planner.held(), tuning),
+            fall: Fall::new(&vehicle, planner.held()),
             planner,
             lateral_guidance,
-            fall: Fall::new(&vehicle),
             accelerometer: Accelerometer::new(p, &vehicle),
             limits: Limits::new(p, &vehicle),
             supervisor: Supervisor::new(p, &vehicle),

@@ -1,35 +1,47 @@
-//! The way out of a fall, for a vehicle whose surfaces need the slipstream.
+//! The way out of a fall, and of the stall where plans do not leave it, for a vehicle whose surfaces need the slipstream.
 //!
 //! In a fall the air turns such a vehicle, and no plan that turns it elsewhere is followed. A plan has no thrust, either, while the nose is below the
 //! horizon, and with the thrust goes the slipstream. So while it falls it flies by no plan: at full thrust the nose goes to the air velocity, which the air helps,
 //! with the wing across the vertical plane of that velocity, belly or back down, whichever is nearer. With airflow along the nose it pulls up,
-//! until it climbs steeply or is slow. There the reference model begins anew.
+//! until it climbs steeply, is slow, or has its nose up. There the reference model begins anew.
 //!
-//! It shares no mechanism with the planner. Plans are flown in the plane of flight by a model that obeys, and a fall has neither.
+//! At the stall the wing's moment takes all that the surfaces give. Who brakes there does not turn up, and each climb of a plan is taken back for the height.
+//! Who still flies on its wing, long after it was asked for what it would hover in, gathers speed in level flight at full thrust, and pulls up as from a fall.
+//!
+//! It shares no mechanism with the planner. Plans are flown in the plane of flight by a model that obeys, and neither has one.
 
+use super::MAX_STEP;
 use crate::aero::Aerodynamics;
 use crate::math;
 use crate::ned::Ned;
 use crate::spatial::{Body, Orientation};
 use crate::vehicle::Vehicle;
 
-/// What [`GuidanceState::started`](super::GuidanceState) says: the reference model has begun; the vehicle falls.
+/// What [`GuidanceState::started`](super::GuidanceState) says: the reference model has begun; the vehicle falls, or pulls up; it gathers speed for that.
 pub(super) const BEGUN: u8 = 1;
 pub(super) const FALLING: u8 = 2;
+pub(super) const GATHERING: u8 = 3;
 
 /// Attitude behind the model's \[rad\] from which on a vehicle that sinks falls.
 const BEHIND: f32 = 0.3;
 /// Speeds in multiples of that at which the wing carries the weight: a sink beyond the reference's from which on it falls, the airspeed along the nose from
-/// which on it pulls up, and the airspeed below which it is slow.
+/// which on it pulls up, and the airspeed below which it is slow; the airspeed from which on it flies on its wing, the one along the nose to which it gathers
+/// speed, and the one up to which a nose that is up ends a pull-up.
 const SINK: f32 = 0.7;
 const GATHERED: f32 = 0.5;
 const SLOW: f32 = 0.35;
-/// Cosine of the angle of attack up to which it pulls up; tangent and cosine of the angle of attack of 25° that is asked for.
+const ON_WING: f32 = 0.6;
+const FAST: f32 = 1.3;
+const LIFTED: f32 = 1.1;
+/// Time \[s\] for which it flies on its wing, asked for what it would hover in, from which on it gathers speed. A stop from cruise takes less.
+const PATIENCE: f32 = 8.0;
+/// Cosine of the angle of attack up to which it pulls up; tangents of the angles of attack of 18° that is asked for, where wings have their greatest lift, and of 8° in level flight.
 const ALONG: f32 = 0.85;
-const PULL: f32 = 0.466;
-const PULLED: f32 = 0.906;
-/// Sine of the climb that is steep.
+const PULL: f32 = 0.325;
+const LEVEL: f32 = 0.14;
+/// Sine of the climb that is steep, and of the nose's that is up.
 const STEEP: f32 = 0.9;
+const UP: f32 = 0.65;
 /// Rate of the turn per angle [1/s].
 const GAIN: f32 = 4.0;
 /// Speed that has no direction [m/s].
@@ -41,44 +53,93 @@ const SLOWEST: f32 = 1e-3;
 pub(super) struct Fall {
     /// Speed at which the wing carries [m/s]; infinite for a vehicle whose surfaces do not need the slipstream.
     carried: f32,
+    /// Airspeed that it would hover in [m/s], less than one on its wing.
+    held: f32,
+}
+
+/// What a step knows of a fall.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct FallSample {
+    /// Sink beyond the reference's [m/s].
+    pub sink: f32,
+    /// How far the model's attitude is ahead \[rad\].
+    pub ahead: f32,
+    /// Air velocity, and the one that is asked for [m/s].
+    pub air: Ned,
+    pub asked: Ned,
+    /// The unit vector to the nose.
+    pub nose: Ned,
 }
 
 impl Fall {
-    /// The falls of `vehicle`.
-    pub fn new<A: Aerodynamics>(vehicle: &Vehicle<A>) -> Self {
+    /// The falls of `vehicle`, which holds this airspeed across the wing in hover [m/s].
+    pub fn new<A: Aerodynamics>(vehicle: &Vehicle<A>, held: f32) -> Self {
+        let carried = if vehicle.authority().slipstream > 0.0 {
+            vehicle.stall_speed()
+        } else {
+            f32::INFINITY
+        };
         Self {
-            carried: if vehicle.authority().slipstream > 0.0 {
-                vehicle.stall_speed()
-            } else {
-                f32::INFINITY
-            },
+            carried,
+            held: math::min(held, ON_WING * carried),
         }
     }
 
-    /// What has begun, after what had `started`, at a `sink` beyond the reference's [m/s], with the model's attitude this far `ahead` \[rad\], and an air
-    /// velocity [m/s].
+    /// Whether a step can have left this time of [`next`](Self::next) \[s\].
     #[inline(always)]
-    pub fn next(&self, started: u8, sink: f32, ahead: f32, air: Ned) -> u8 {
-        if started == BEGUN && sink > SINK * self.carried && ahead.abs() > BEHIND {
-            FALLING
-        } else if started == FALLING && self.is_over(air) {
+    pub fn is_sound(&self, flown_on: f32) -> bool {
+        (0.0..=PATIENCE + MAX_STEP).contains(&flown_on)
+    }
+
+    /// What has begun, after what had `started`, and how long it has `flown_on` \[s\] on its wing, asked for what it would hover in.
+    #[inline(always)]
+    pub fn next(&self, (started, flown_on): (u8, f32), sample: &FallSample, dt: f32) -> (u8, f32) {
+        if started == BEGUN {
+            if sample.sink > SINK * self.carried && sample.ahead.abs() > BEHIND {
+                return (FALLING, 0.0);
+            }
+            let on_wing = ON_WING * self.carried;
+            if sample.air.norm_squared() < on_wing * on_wing
+                || sample.asked.norm_squared() > self.held * self.held
+            {
+                return (BEGUN, 0.0);
+            }
+            return if flown_on > PATIENCE {
+                (GATHERING, 0.0)
+            } else {
+                (BEGUN, flown_on + dt)
+            };
+        }
+        if started >= FALLING {
+            return (self.pulled_up(started, sample), 0.0);
+        }
+        (started, 0.0)
+    }
+
+    /// The same of what is no flight by plans.
+    #[cold]
+    #[inline(never)]
+    fn pulled_up(&self, started: u8, sample: &FallSample) -> u8 {
+        let FallSample { air, nose, .. } = sample;
+        let below = |speed: f32, part: f32| {
+            let most = part * self.carried;
+            speed < most * most
+        };
+        let speed = air.norm_squared();
+        let steep = air.down < 0.0 && air.down * air.down > STEEP * STEEP * speed;
+        if steep || below(speed, SLOW) || (nose.down < -UP && below(speed, LIFTED)) {
             BEGUN
+        } else if nose.dot(*air) > FAST * self.carried {
+            FALLING
         } else {
             started
         }
     }
 
+    /// The rates that it turns with [rad/s], after what had `started`, at an air velocity [m/s].
     #[cold]
     #[inline(never)]
-    fn is_over(&self, air: Ned) -> bool {
-        let (speed, slow) = (air.norm_squared(), SLOW * self.carried);
-        speed < slow * slow || (air.down < 0.0 && air.down * air.down > STEEP * STEEP * speed)
-    }
-
-    /// The rates that it turns with [rad/s], at an air velocity [m/s].
-    #[cold]
-    #[inline(never)]
-    pub fn rates(&self, orientation: &Orientation, air: Ned) -> Body {
+    pub fn rates(&self, started: u8, orientation: &Orientation, air: Ned) -> Body {
         let across = Ned::new(-air.east, air.north, 0.0);
         // Falling straight there is no vertical plane, and the nose alone is turned.
         let length = math::sqrt(across.norm_squared()) + SLOWEST;
@@ -92,8 +153,14 @@ impl Fall {
         let along = air * (1.0 / speed);
         let nose = -orientation.i().dot(air);
         let nose = if nose > GATHERED * self.carried && nose > ALONG * speed {
-            let lift = along.cross(right) * -PULL.copysign(length);
-            (along + lift) * PULLED
+            let pull = if started == GATHERING {
+                // Who climbs gathers no speed.
+                math::clamp(LEVEL + along.down, 0.0, 2.0 * LEVEL)
+            } else {
+                PULL
+            };
+            let lift = along.cross(right) * -pull.copysign(length);
+            (along + lift) * (1.0 / math::sqrt(1.0 + pull * pull))
         } else {
             along
         };
@@ -116,7 +183,24 @@ mod tests {
             ..VehicleParameters::PAPER
         };
         let model = Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap();
-        Fall::new(&Vehicle::new(p, model).unwrap())
+        Fall::new(&Vehicle::new(p, model).unwrap(), 4.0)
+    }
+
+    const DT: f32 = 0.01;
+
+    /// With the nose along the air, asked for a hover.
+    fn sample(sink: f32, ahead: f32, air: Ned) -> FallSample {
+        FallSample {
+            sink,
+            ahead,
+            air,
+            asked: Ned::ZERO,
+            nose: air * (1.0 / (math::sqrt(air.norm_squared()) + SLOWEST)),
+        }
+    }
+
+    fn next(fall: &Fall, started: u8, sample: &FallSample) -> u8 {
+        fall.next((started, 0.0), sample, DT).0
     }
 
     /// A sink that nobody asked for begins it, where the attitude does not follow. It ends in a steep climb, or slow; what has not begun does not fall.
@@ -125,21 +209,66 @@ mod tests {
         let fall = fall(30.0);
         let carried = fall.carried;
         assert!(carried > 5.0 && carried < 20.0);
-        let down = |down: f32| Ned::new(0.0, 0.0, down * carried);
-        assert_eq!(fall.next(BEGUN, 0.69 * carried, 0.4, down(0.69)), BEGUN);
-        assert_eq!(fall.next(BEGUN, 0.71 * carried, -0.4, down(0.71)), FALLING);
+        let falling = |sink: f32, ahead: f32| {
+            sample(sink * carried, ahead, Ned::new(0.0, 0.0, sink * carried))
+        };
+        assert_eq!(next(&fall, BEGUN, &falling(0.69, 0.4)), BEGUN);
+        assert_eq!(next(&fall, BEGUN, &falling(0.71, -0.4)), FALLING);
         // Who follows a plan flies by it.
-        assert_eq!(fall.next(BEGUN, 0.71 * carried, 0.2, down(0.71)), BEGUN);
-        assert_eq!(fall.next(0, 0.71 * carried, 0.4, down(0.71)), 0);
-        for (air, over) in [
-            (down(0.36), false),
-            (down(0.34), true),
-            (Ned::new(carried, 0.0, -carried), false),
-            (Ned::new(0.3 * carried, 0.0, -carried), true),
-            (Ned::new(0.3 * carried, 0.0, carried), false),
+        assert_eq!(next(&fall, BEGUN, &falling(0.71, 0.2)), BEGUN);
+        assert_eq!(next(&fall, 0, &falling(0.71, 0.4)), 0);
+        for (north, down, over) in [
+            (0.0, 0.36, false),
+            (0.0, 0.34, true),
+            (1.0, -1.0, false),
+            (0.3, -1.0, true),
+            (0.3, 1.0, false),
+            // A nose that is up by 41° ends it where the wing has nothing more to say.
+            (0.8, -0.7, true),
+            (0.8, -0.66, false),
         ] {
+            let air = Ned::new(north, 0.0, down) * carried;
             let expected = if over { BEGUN } else { FALLING };
-            assert_eq!(fall.next(FALLING, 0.0, 0.0, air), expected, "{air:?}");
+            assert_eq!(
+                next(&fall, FALLING, &sample(0.0, 0.0, air)),
+                expected,
+                "{air:?}"
+            );
+        }
+    }
+
+    /// Who is asked for a hover and flies on at its stall for longer than a stop takes gathers speed, and then pulls up. Who is asked for speed, or is slow,
+    /// never does, and each begins the time anew.
+    #[test]
+    fn who_does_not_stop_gathers_speed() {
+        let fall = fall(30.0);
+        let carried = fall.carried;
+        let forward = |part: f32| Ned::new(part * carried, 0.0, 0.0);
+        let stalled = sample(0.0, 0.0, forward(1.0));
+        let fast = FallSample {
+            asked: Ned::new(1.1 * fall.held, 0.0, 0.0),
+            ..stalled
+        };
+        let fly = |from: (u8, f32), sample: &FallSample, seconds: f32| {
+            (0..(seconds / DT) as usize).fold(from, |at, _| {
+                let at = fall.next(at, sample, DT);
+                assert!(fall.is_sound(at.1));
+                at
+            })
+        };
+        let late = fly((BEGUN, 0.0), &stalled, 7.9);
+        assert_eq!(late.0, BEGUN);
+        assert_eq!(fly(late, &stalled, 0.2).0, GATHERING);
+        for other in [fast, sample(0.0, 0.0, forward(0.59))] {
+            assert_eq!(fly(late, &other, 60.0), (BEGUN, 0.0));
+            assert_eq!(fly(fall.next(late, &other, DT), &stalled, 7.9).0, BEGUN);
+        }
+        for (speed, expected) in [(1.29, GATHERING), (1.31, FALLING), (0.3, BEGUN)] {
+            let gathering = sample(0.0, 0.0, forward(speed));
+            assert_eq!(next(&fall, GATHERING, &gathering), expected);
+        }
+        for time in [f32::NAN, -0.1, 9.0] {
+            assert!(!fall.is_sound(time));
         }
     }
 
@@ -147,31 +276,42 @@ mod tests {
     #[test]
     fn who_needs_no_slipstream_does_not_fall() {
         let fall = fall(0.0);
-        assert_eq!(fall.next(BEGUN, 1e6, 1.0, Ned::new(0.0, 0.0, 1e6)), BEGUN);
-        assert_eq!(fall.next(FALLING, 0.0, 0.0, Ned::ZERO), BEGUN);
+        let down = Ned::new(0.0, 0.0, 1e6);
+        let late = fall.next((BEGUN, PATIENCE), &sample(1e6, 1.0, down), DT);
+        assert_eq!(late, (BEGUN, 0.0));
+        assert_eq!(next(&fall, FALLING, &sample(0.0, 0.0, Ned::ZERO)), BEGUN);
     }
 
-    /// Nose level to the north, belly or back down. Falling straight, the nose goes down by the shorter way; with airflow along it, it is pulled up.
+    /// Nose level to the north, belly or back down. Falling straight, the nose goes down by the shorter way; with airflow along it, it is pulled up, and by a
+    /// less than half of that to gather speed. In a climb that has the nose go to the air.
     #[test]
     fn the_nose_goes_to_the_air_and_then_up() {
         let fall = fall(30.0);
         let upright = Orientation::in_plane(Attitude::from_angle(-1.57));
-        for (air, sign) in [
-            (Ned::new(1.0, 0.0, 15.0), -1.0),
-            (Ned::new(20.0, 0.0, 2.0), 1.0),
+        let back = Orientation::in_plane(Attitude::from_angle(1.57));
+        for (started, air, expected) in [
+            (FALLING, Ned::new(1.0, 0.0, 15.0), -1.5),
+            (FALLING, Ned::new(20.0, 0.0, 0.0), 0.314),
+            (GATHERING, Ned::new(20.0, 0.0, 0.0), 0.139),
+            (GATHERING, Ned::new(20.0, 0.0, -3.0), 0.149),
+            (GATHERING, Ned::new(20.0, 0.0, 2.0), 0.134),
         ] {
-            let turn = fall.rates(&upright, air);
-            assert!(
-                turn.w * sign > 0.2 && turn.i.abs() + turn.j.abs() < 1e-3,
-                "{turn:?}"
-            );
             // On its back, flying south with the belly up, the same by the other sign.
-            let back = Orientation::in_plane(Attitude::from_angle(1.57));
-            let turn = fall.rates(&back, Ned::new(-air.north, 0.0, air.down));
-            assert!(
-                turn.w * sign < -0.2 && turn.i.abs() + turn.j.abs() < 1e-3,
-                "{turn:?}"
-            );
+            let turns = [
+                (upright, air, 1.0),
+                (back, Ned::new(-air.north, 0.0, air.down), -1.0),
+            ];
+            for (orientation, air, sign) in turns {
+                let turn = fall.rates(started, &orientation, air);
+                assert!(turn.i.abs() + turn.j.abs() < 2e-3, "{turn:?}");
+                // 0.01 rad: the nose is not quite level. A large turn is of its sine.
+                let angle = math::clamp(expected, -1.0, 1.0);
+                assert!(
+                    (turn.w * sign / GAIN - angle).abs() < 0.01
+                        || (angle == -1.0 && turn.w * sign < -2.0),
+                    "{started} {air:?} {turn:?}"
+                );
+            }
         }
     }
 }

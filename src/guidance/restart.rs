@@ -1,6 +1,6 @@
 //! Where a flight begins, or begins anew: power-on, taking over, a state that is reset, and the commands in place of the law's.
 
-use super::fall::{BEGUN, FALLING};
+use super::fall::{BEGUN, GATHERING};
 use super::limits::LimitState;
 use super::output::GuidanceOutput;
 use super::state::GuidanceState;
@@ -81,11 +81,12 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
     #[inline(always)]
     pub(super) fn is_sound(&self, state: &GuidanceState) -> bool {
         self.supervisor.is_sound(&state.supervision)
-            && (!matches!(state.started, BEGUN | FALLING) || state.flight.is_sound())
+            && (!matches!(state.started, BEGUN..=GATHERING) || state.flight.is_sound())
             && state.planner.is_sound()
             && self.tracker.is_sound(state.integral, state.lean)
             && self.accelerometer.is_sound(&state.accelerometer)
             && state.air.is_sound()
+            && self.fall.is_sound(state.flown_on)
             && state.wind.norm_squared() + state.reckoned.norm_squared() + state.held.norm_squared()
                 <= 5.0 * MAX_SPEED * MAX_SPEED
             && (self.limits.is_sound(&state.limits)

@@ -30,8 +30,10 @@ pub struct GuidanceState {
     pub(super) accelerometer: AccelerometerState,
     pub(super) air: AirEstimateState,
     pub(super) limits: LimitState,
-    /// 1 once the reference model has begun, 2 while the vehicle falls.
+    /// 1 once the reference model has begun, 2 while the vehicle falls, 3 while it gathers speed to stop.
     pub(super) started: u8,
+    /// Time \[s\] for which it has flown on its wing, asked for what it would hover in.
+    pub(super) flown_on: f32,
     /// Last good reference velocity [m/s].
     pub(super) held: Ned,
     /// 1 if there has been a good reference. A number, not `Option`: every bit pattern has a meaning.
@@ -52,6 +54,7 @@ memory!(GuidanceState {
     air: AirEstimateState,
     limits: LimitState,
     started: u8,
+    flown_on: f32,
     held: Ned,
     held_known: u8,
     saturated: Status,

@@ -8,7 +8,7 @@ use super::air_data_fallback::AirDataFallback;
 use super::air_estimate::{AirEstimateState, AirSample};
 use super::bandwidth::BandwidthGains;
 use super::course::{Axes, Course};
-use super::fall::{BEGUN, FALLING, Fall};
+use super::fall::{BEGUN, FALLING, Fall, FallSample, GATHERING};
 use super::input::GuidanceInput;
 use super::lateral_guidance::{LateralGuidance, LateralGuidanceInput, ReferenceModelState};
 use super::limits::Limits;
@@ -143,7 +143,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
     #[inline(always)]
     fn settle(&self, state: &mut GuidanceState, good: bool, dt: f32) -> Mode {
         // An absurd vehicle or reference takes the reference model beyond all bounds: it begins anew from the real vehicle.
-        if matches!(state.started, BEGUN | FALLING) && !state.flight.is_bounded() {
+        if matches!(state.started, BEGUN..=GATHERING) && !state.flight.is_bounded() {
             self.reset(state);
         }
         self.supervisor.advance(&mut state.supervision, good, dt)
@@ -306,7 +306,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         // in a fall, or if the memory holds another flight's. It is counted from the same turn as the real attitude.
         let vehicle = self.control.plane().vehicle();
         let air_velocity = input.velocity - wind;
-        let falls = state.started == FALLING;
+        let falls = matches!(state.started, FALLING | GATHERING);
         let begun = state.started == BEGUN && state.flight.is_near(input.velocity, position);
         if !begun {
             state.flight.course = Course::of(&input.orientation);
@@ -389,7 +389,10 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         if falls {
             core::hint::cold_path();
             tracked.command.thrust = model.thrust_max;
-            tracked.command.rates = self.fall.rates(&input.orientation, air_velocity).into();
+            let rates = self
+                .fall
+                .rates(state.started, &input.orientation, air_velocity);
+            tracked.command.rates = rates.into();
         }
         let bounded = self.limits.apply(
             &mut state.limits,
@@ -411,8 +414,15 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
 
         // An attitude that does not follow is where plans begin: the air may hold it.
         let ahead = tracked.ahead;
-        let sink = input.velocity.down - asked.velocity.down;
-        state.started = (self.fall).next(state.started, sink, ahead, air_velocity);
+        let sample = FallSample {
+            sink: input.velocity.down - asked.velocity.down,
+            ahead,
+            air: air_velocity,
+            asked: asked.velocity - wind,
+            nose: -input.orientation.i(),
+        };
+        (state.started, state.flown_on) =
+            self.fall.next((state.started, state.flown_on), &sample, dt);
         let apart = ahead - limited(ahead, ATTITUDE_APART);
         flight.theta -= apart * math::min(ATTITUDE_RESYNCHRONISATION * dt, 1.0);
 
