@@ -93,7 +93,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         let planner = Planner::new(p, &vehicle, lateral_guidance.lift_coefficient(), tuning);
         Ok(Self {
             tracker: Tracker::new(p, vehicle.turning_in_hover(), planner.held(), tuning),
-            fall: Fall::new(&vehicle, planner.held()),
+            fall: Fall::new(&vehicle),
             planner,
             lateral_guidance,
             accelerometer: Accelerometer::new(p, &vehicle),

@@ -6,7 +6,7 @@
 //! until it climbs steeply, is slow, or has its nose up. There the reference model begins anew.
 //!
 //! At the stall the wing's moment takes all that the surfaces give. Who brakes there does not turn up, and each climb of a plan is taken back for the height.
-//! Who still flies on its wing, long after it was asked for what it would hover in, gathers speed in level flight at full thrust, and pulls up as from a fall.
+//! Who still flies on its wing, long after it was asked to hover, gathers speed in level flight at full thrust, and pulls up as from a fall.
 //!
 //! It shares no mechanism with the planner. Plans are flown in the plane of flight by a model that obeys, and neither has one.
 
@@ -25,15 +25,16 @@ pub(super) const GATHERING: u8 = 3;
 /// Attitude behind the model's \[rad\] from which on a vehicle that sinks falls.
 const BEHIND: f32 = 0.3;
 /// Speeds in multiples of that at which the wing carries the weight: a sink beyond the reference's from which on it falls, the airspeed along the nose from
-/// which on it pulls up, and the airspeed below which it is slow; the airspeed from which on it flies on its wing, the one along the nose to which it gathers
+/// which on it pulls up, and the airspeed below which it is slow; the airspeed from which on it flies on its wing, the one up to which it is asked to hover, the one along the nose to which it gathers
 /// speed, and the one up to which a nose that is up ends a pull-up.
 const SINK: f32 = 0.7;
 const GATHERED: f32 = 0.5;
 const SLOW: f32 = 0.35;
 const ON_WING: f32 = 0.6;
+const HOVER: f32 = 0.4;
 const FAST: f32 = 1.3;
 const LIFTED: f32 = 1.1;
-/// Time \[s\] for which it flies on its wing, asked for what it would hover in, from which on it gathers speed. A stop from cruise takes less.
+/// Time \[s\] for which it flies on its wing, asked to hover, from which on it gathers speed. A stop from cruise takes less.
 const PATIENCE: f32 = 8.0;
 /// Cosine of the angle of attack up to which it pulls up; tangents of the angles of attack of 18° that is asked for, where wings have their greatest lift, and of 8° in level flight.
 const ALONG: f32 = 0.85;
@@ -53,8 +54,6 @@ const SLOWEST: f32 = 1e-3;
 pub(super) struct Fall {
     /// Speed at which the wing carries [m/s]; infinite for a vehicle whose surfaces do not need the slipstream.
     carried: f32,
-    /// Airspeed that it would hover in [m/s], less than one on its wing.
-    held: f32,
 }
 
 /// What a step knows of a fall.
@@ -72,16 +71,14 @@ pub(super) struct FallSample {
 }
 
 impl Fall {
-    /// The falls of `vehicle`, which holds this airspeed across the wing in hover [m/s].
-    pub fn new<A: Aerodynamics>(vehicle: &Vehicle<A>, held: f32) -> Self {
-        let carried = if vehicle.authority().slipstream > 0.0 {
-            vehicle.stall_speed()
-        } else {
-            f32::INFINITY
-        };
+    /// The falls of `vehicle`.
+    pub fn new<A: Aerodynamics>(vehicle: &Vehicle<A>) -> Self {
         Self {
-            carried,
-            held: math::min(held, ON_WING * carried),
+            carried: if vehicle.authority().slipstream > 0.0 {
+                vehicle.stall_speed()
+            } else {
+                f32::INFINITY
+            },
         }
     }
 
@@ -91,16 +88,16 @@ impl Fall {
         (0.0..=PATIENCE + MAX_STEP).contains(&flown_on)
     }
 
-    /// What has begun, after what had `started`, and how long it has `flown_on` \[s\] on its wing, asked for what it would hover in.
+    /// What has begun, after what had `started`, and how long it has `flown_on` \[s\] on its wing, asked to hover.
     #[inline(always)]
     pub fn next(&self, (started, flown_on): (u8, f32), sample: &FallSample, dt: f32) -> (u8, f32) {
         if started == BEGUN {
             if sample.sink > SINK * self.carried && sample.ahead.abs() > BEHIND {
                 return (FALLING, 0.0);
             }
-            let on_wing = ON_WING * self.carried;
+            let (on_wing, hover) = (ON_WING * self.carried, HOVER * self.carried);
             if sample.air.norm_squared() < on_wing * on_wing
-                || sample.asked.norm_squared() > self.held * self.held
+                || sample.asked.norm_squared() > hover * hover
             {
                 return (BEGUN, 0.0);
             }
@@ -183,7 +180,7 @@ mod tests {
             ..VehicleParameters::PAPER
         };
         let model = Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap();
-        Fall::new(&Vehicle::new(p, model).unwrap(), 4.0)
+        Fall::new(&Vehicle::new(p, model).unwrap())
     }
 
     const DT: f32 = 0.01;
@@ -246,7 +243,7 @@ mod tests {
         let forward = |part: f32| Ned::new(part * carried, 0.0, 0.0);
         let stalled = sample(0.0, 0.0, forward(1.0));
         let fast = FallSample {
-            asked: Ned::new(1.1 * fall.held, 0.0, 0.0),
+            asked: forward(0.41),
             ..stalled
         };
         let fly = |from: (u8, f32), sample: &FallSample, seconds: f32| {

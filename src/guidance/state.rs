@@ -32,7 +32,7 @@ pub struct GuidanceState {
     pub(super) limits: LimitState,
     /// 1 once the reference model has begun, 2 while the vehicle falls, 3 while it gathers speed to stop.
     pub(super) started: u8,
-    /// Time \[s\] for which it has flown on its wing, asked for what it would hover in.
+    /// Time \[s\] for which it has flown on its wing, asked to hover.
     pub(super) flown_on: f32,
     /// Last good reference velocity [m/s].
     pub(super) held: Ned,
