@@ -32,11 +32,6 @@ const LEAST_EXCESS: f32 = -0.4;
 const MOST_EXCESS: f32 = 0.6;
 /// Force of the air, in multiples of the weight, below which it counts less.
 const AIR_FORCE: f32 = 0.3;
-/// Airspeed at which half of a force across the nose is the air's, in multiples of the speed that the propellers give the air in hover. Slower, the
-/// slipstream makes more force on a real wing than the air that is believed in, and so do the elevons that hold its moment. Both turn with the vehicle: in
-/// steady wind a radian turned 0.5 to 0.7 of the weight in place of all of it. Followed at once, what is missing turns the vehicle on, and the scale of the
-/// air's force takes a damping for granted that is not there: a tenth of the elevon wings on an independent plant nodded at 0.6 Hz.
-const SLIPSTREAM: f32 = 1.0;
 /// Part of its pace at which a force across the nose is followed where none of it is the air's: below the bandwidth of the attitude, and fast enough to hold the
 /// place in a wind that changes. With half of it `mapping` with PX4's elevons, which have no integral, sank by 11 m after it was taken over.
 const SLOWEST: f32 = 0.2;
@@ -87,8 +82,7 @@ impl Accelerometer {
             thrust_lag: p.thrust_lag,
             most,
         };
-        let slipstream =
-            SLIPSTREAM * SLIPSTREAM * vehicle.authority().squared_downwash(vehicle.weight());
+        let slipstream = vehicle.authority().squared_downwash(vehicle.weight());
         Self {
             force: ForceError::of_checked(force, vehicle.mass()),
             most,
@@ -127,7 +121,11 @@ impl Accelerometer {
         }
     }
 
-    /// How far the force across the nose is the air's, at an `air` velocity [m/s]: 1 where it is all of it, 0 where it is the slipstream's.
+    /// How far the force across the nose is the air's, at an `air` velocity [m/s]: 1 where it is all of it, 0 where it is the slipstream's, half at the speed
+    /// that the propellers give the air in hover. Slower, the slipstream makes more force on a real wing than the air that is believed in, and so do the elevons
+    /// that hold its moment. Both turn with the vehicle: in steady wind a radian turned 0.5 to 0.8 of the weight in place of all of it. Followed at once, what is
+    /// missing turns the vehicle on, and the scale of the air's force takes a damping for granted that is not there: a tenth of the elevon wings on an independent
+    /// plant nodded at 0.6 Hz.
     #[inline(always)]
     pub fn share(&self, air: Ned) -> f32 {
         let square = air.norm_squared();
@@ -182,8 +180,8 @@ impl Accelerometer {
     }
 
     /// One step of `dt` \[s\] after a command of the law in this attitude, with the specific force \[m/s²\] if it is
-    /// measured, the part of the force along the belly that is taken for a `gust`'s \[N\], and the [`share`](Self::share) of the air. Where nothing is measured nothing is
-    /// added any more.
+    /// measured, the part of the force along the belly that is taken for a `gust`'s \[N\], and the [`share`](Self::share) of the air. Where
+    /// nothing is measured nothing is added any more.
     #[expect(clippy::too_many_arguments)]
     #[inline(always)]
     pub fn update(

@@ -24,23 +24,29 @@ pub(super) const GATHERING: u8 = 3;
 
 /// Attitude behind the model's \[rad\] from which on a vehicle that sinks falls.
 const BEHIND: f32 = 0.3;
-/// Speeds in multiples of that at which the wing carries the weight: a sink beyond the reference's from which on it falls, the airspeed along the nose from
-/// which on it pulls up, and the airspeed below which it is slow; the airspeed from which on it flies on its wing, the one up to which it is asked to hover, the one along the nose to which it gathers
-/// speed, and the one up to which a nose that is up ends a pull-up.
+// Speeds in multiples of that at which the wing carries the weight.
+/// Sink beyond the reference's from which on it falls.
 const SINK: f32 = 0.7;
+/// Airspeed along the nose from which on it pulls up.
 const GATHERED: f32 = 0.5;
+/// Airspeed below which it is slow.
 const SLOW: f32 = 0.35;
+/// Airspeed from which on it flies on its wing, and greatest airspeed asked for of a hover.
 const ON_WING: f32 = 0.6;
 const HOVER: f32 = 0.4;
+/// Airspeed along the nose to which it gathers speed.
 const FAST: f32 = 1.3;
+/// Airspeed below which a nose that is up ends a pull-up.
 const LIFTED: f32 = 1.1;
-/// Time \[s\] for which it flies on its wing, asked to hover, from which on it gathers speed. A stop from cruise takes less.
+/// Time \[s\] on its wing, asked to hover, after which it gathers speed.
 const PATIENCE: f32 = 8.0;
-/// Cosine of the angle of attack up to which it pulls up; tangents of the angles of attack of 18° that is asked for, where wings have their greatest lift, and of 8° in level flight.
+/// Cosine of the greatest angle of attack at which it pulls up.
 const ALONG: f32 = 0.85;
+/// Tangent of the angle of attack of a pull-up, 18°: wings have their greatest lift there.
 const PULL: f32 = 0.325;
+/// Tangent of the angle of attack of level flight, 8°.
 const LEVEL: f32 = 0.14;
-/// Sine of the climb that is steep, and of the nose's that is up.
+/// Sine of the flight path that is steep, and of the nose that is up.
 const STEEP: f32 = 0.9;
 const UP: f32 = 0.65;
 /// Rate of the turn per angle [1/s].

@@ -177,28 +177,36 @@ fn falls_that_were_lost_end_in_hover() {
     }
 }
 
+/// The figures of the experiment `base` with these fields changed.
+fn flown(base: &str, changes: &[&str]) -> Figures {
+    let mut document = Document::load(base).unwrap();
+    for change in changes {
+        document.assign(change).unwrap();
+    }
+    let experiment = document.checked().unwrap();
+    Figures::of(&experiment, &fly(&experiment).unwrap())
+}
+
 /// A large wing that brakes level, with the elevons at their stop at the stall: it flew on at 14 to 21 m/s, to and fro between climb and dive, and three of
 /// three were not back (12.5 to 17.7 m/s off at the end). They stop in a climb of 33 to 36 m, and come back at 4.5 to 4.8 m/s; 6 m/s is not back in the campaigns.
 #[test]
 fn a_braking_that_the_stall_held_ends_in_hover() {
     for seed in 1..4 {
-        let mut document = Document::load("tail-sitter").unwrap();
-        for change in [
-            "plant.vehicle='heavy'",
-            "plant.variation={size=1.0,mass=1.08,pitch_inertia=1.18,thrust=0.985,travel=0.96,elevon=1.09,centre_of_mass_chord=-0.0035,stall_deg=-1.7}",
-            "plant.unknown={mass=0.998,thrust=1.04,travel=1.016,centre_of_mass_chord=-0.004,stall_deg=-1.42}",
-            "sensors='autopilot'",
-            "initial={}",
-            "duration_s=80.0",
-            "reference.knots=[{t_s=2.0,down_m_s=0.0,forward_m_s=0.0},{t_s=15.0,down_m_s=0.0,forward_m_s=21.1},{t_s=21.0,down_m_s=0.0,forward_m_s=21.1},{t_s=37.0,down_m_s=0.0,forward_m_s=0.0}]",
-            "weather.turbulence={wind_at_20_ft_m_s=3.0,height_m=60.0}",
-            "weather.steady_m_s=[2.0,-2.2,0.0]",
-            &format!("seed={seed}"),
-        ] {
-            document.assign(change).unwrap();
-        }
-        let experiment = document.checked().unwrap();
-        let figures = Figures::of(&experiment, &fly(&experiment).unwrap());
+        let figures = flown(
+            "tail-sitter",
+            &[
+                "plant.vehicle='heavy'",
+                "plant.variation={size=1.0,mass=1.08,pitch_inertia=1.18,thrust=0.985,travel=0.96,elevon=1.09,centre_of_mass_chord=-0.0035,stall_deg=-1.7}",
+                "plant.unknown={mass=0.998,thrust=1.04,travel=1.016,centre_of_mass_chord=-0.004,stall_deg=-1.42}",
+                "sensors='autopilot'",
+                "initial={}",
+                "duration_s=80.0",
+                "reference.knots=[{t_s=2.0,down_m_s=0.0,forward_m_s=0.0},{t_s=15.0,down_m_s=0.0,forward_m_s=21.1},{t_s=21.0,down_m_s=0.0,forward_m_s=21.1},{t_s=37.0,down_m_s=0.0,forward_m_s=0.0}]",
+                "weather.turbulence={wind_at_20_ft_m_s=3.0,height_m=60.0}",
+                "weather.steady_m_s=[2.0,-2.2,0.0]",
+                &format!("seed={seed}"),
+            ],
+        );
         let off = figures.get("late_velocity_error_rms_m_s");
         let low = figures.get("altitude_least_m");
         assert!(off < 6.0 && low > -20.0, "{seed}: {off} m/s, {low} m");
@@ -209,17 +217,15 @@ fn a_braking_that_the_stall_held_ends_in_hover() {
 /// two take turns it nods by 1.01 rad/s; with the lean learned by 0.07 rad/s. 0.2 rad/s is well above what turbulence makes, 0.1.
 #[test]
 fn a_lean_that_nobody_told_of_is_no_nod() {
-    let mut document = Document::load("tail-sitter-hover").unwrap();
-    for change in [
-        "plant.vehicle='biplane'",
-        "plant.variation={size=1.2,thrust=1.2}",
-        "plant.unknown={mass=0.95,thrust=0.92}",
-        "weather.steady_m_s=[2.5,0,0]",
-    ] {
-        document.assign(change).unwrap();
-    }
-    let experiment = document.checked().unwrap();
-    let figures = Figures::of(&experiment, &fly(&experiment).unwrap());
+    let figures = flown(
+        "tail-sitter-hover",
+        &[
+            "plant.vehicle='biplane'",
+            "plant.variation={size=1.2,thrust=1.2}",
+            "plant.unknown={mass=0.95,thrust=0.92}",
+            "weather.steady_m_s=[2.5,0,0]",
+        ],
+    );
     let rate = figures.get("late_rate_rms_rad_s");
     assert!(rate < 0.2, "{rate}");
 }
