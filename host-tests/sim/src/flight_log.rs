@@ -12,7 +12,7 @@ use alula_logs::{Column, Log, Topic};
 
 use crate::columns::{self, COLUMNS, Cell};
 use crate::experiment::{Experiment, V3};
-use crate::plant::tail_sitter::TailSitter;
+use crate::plant::tail_sitter::{MISSING_PITCH, TailSitter};
 use crate::simulate::Step;
 
 /// Time in the log at the start of the flight \[s\].
@@ -86,8 +86,6 @@ fn loops(
         Some(plant) => TailSitter::new(plant.true_vehicle(), None).static_thrust(),
         None => experiment.thrust_limits(None, experiment.weight())[1],
     };
-    /// The place of `missing_pitch` among a tail-sitter's readings.
-    const MISSING_PITCH: usize = 8;
     /// Name, unit, and how it is read.
     type Read<'a> = (&'a str, &'a str, &'a dyn Fn(&Step) -> f64);
     let topic = |name: &str, columns: Vec<Read>| {

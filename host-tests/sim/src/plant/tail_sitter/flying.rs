@@ -34,6 +34,11 @@ const COLUMNS: &[(&str, &str)] = &[
     ("grounded", "1 where the vehicle touches the ground"),
 ];
 
+/// Where `saturated` stands among its readings.
+pub const SATURATED: usize = 7;
+/// Where `missing_pitch` stands among them.
+pub const MISSING_PITCH: usize = 8;
+
 /// A tail-sitter with where it is.
 pub struct Flying {
     vehicle: TailSitter,
@@ -143,5 +148,16 @@ impl Plant for Flying {
             is(self.vehicle.is_grounded(own)),
         ];
         speeds.chain(rest).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn readings_stand_where_they_are_looked_for() {
+        assert_eq!(COLUMNS[SATURATED].0, "saturated");
+        assert_eq!(COLUMNS[MISSING_PITCH].0, "missing_pitch");
     }
 }
