@@ -10,7 +10,7 @@ use serde_json::{Map, Value};
 
 use crate::experiment::{Experiment, V3};
 use crate::named::hint;
-use crate::plant::tail_sitter::SATURATED;
+use crate::plant::tail_sitter::ELEVONS;
 use crate::reference::wrap;
 use crate::simulate::Step;
 
@@ -174,7 +174,7 @@ figures! {
     "unreachable_s", "path unreachable", "s", 2, Flight, Time(|m| progress(m, |p| p.unreachable.is_some())), "time in which the guidance says that the path cannot be had";
     "holding_s", "holding the last command", "s", 2, Flight, Time(|m| mode(m, Mode::Holding)), "time in which the guidance holds its last command";
     "safe_s", "safe command", "s", 2, Flight, Time(|m| mode(m, Mode::Safe)), "time in which the guidance gives its safe command";
-    "saturated_s", "surfaces or motors saturated", "s", 2, Flight, Time(|m| saturated(m) && !progress(m, |p| p.phase == Phase::Recovering)), "of a `tail-sitter`: time in which its mixer cannot give what the rate loop asks for, but while the guidance recovers";
+    "elevons_stopped_s", "elevons at their stop", "s", 2, Flight, Time(|m| elevons_stopped(m) && !progress(m, |p| p.phase == Phase::Recovering)), "of a `tail-sitter`: time in which an elevon is within 1° of its stop, but while the guidance recovers";
     "max_loss_out_m", "loss out, peak", "m", 1, Out, Peak(|m| at_least_zero(m.offset.z)), "greatest altitude below the path until that slows down";
     "max_gain_out_m", "gain out, peak", "m", 1, Out, Peak(|m| at_least_zero(-m.offset.z)), "greatest altitude above the path until that slows down";
     "max_loss_back_m", "loss back, peak", "m", 1, Back, Peak(|m| at_least_zero(m.offset.z)), "greatest altitude below the path from where that slows down";
@@ -214,8 +214,18 @@ fn crossing(m: &Moment) -> bool {
     progress(m, |p| p.phase == Phase::Crossing)
 }
 
-fn saturated(m: &Moment) -> bool {
-    m.step.readings.get(SATURATED) == Some(&1.0)
+fn elevons_stopped(m: &Moment) -> bool {
+    let travel = m
+        .experiment
+        .tail_sitter
+        .as_ref()
+        .map(|plant| plant.travel_deg());
+    match (travel, m.step.readings.get(ELEVONS..ELEVONS + 2)) {
+        (Some(travel), Some(elevons)) if travel > 0.0 => {
+            elevons.iter().any(|at| at.abs() > travel - 1.0)
+        }
+        _ => false,
+    }
 }
 
 fn flag(m: &Moment, flag: Status) -> bool {

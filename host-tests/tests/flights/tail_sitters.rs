@@ -210,6 +210,9 @@ fn a_braking_that_the_stall_held_ends_in_hover() {
         let off = figures.get("late_velocity_error_rms_m_s");
         let low = figures.get("altitude_least_m");
         assert!(off < 6.0 && low > -20.0, "{seed}: {off} m/s, {low} m");
+        // The stall has held it for 8 s when it stops.
+        let stopped = figures.get("elevons_stopped_s");
+        assert!((4.0..40.0).contains(&stopped), "{seed}: {stopped} s");
     }
 }
 
@@ -228,6 +231,7 @@ fn a_lean_that_nobody_told_of_is_no_nod() {
     );
     let rate = figures.get("late_rate_rms_rad_s");
     assert!(rate < 0.2, "{rate}");
+    assert_eq!(figures.get("elevons_stopped_s"), 0.0);
 }
 
 /// Three draws of each: none falls, all come back, and hover is quiet.

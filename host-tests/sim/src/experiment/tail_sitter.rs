@@ -231,6 +231,11 @@ impl TailSitterPlant {
         self.unknown.of(&self.measured())
     }
 
+    /// How far elevons of the true vehicle go, either way \[°\]; 0 without any.
+    pub fn travel_deg(&self) -> f64 {
+        self.vehicle.servo.travel_deg * self.variation.travel * self.unknown.travel
+    }
+
     /// Checks every field. Errors name it inside `[plant]`.
     pub(crate) fn validate(&self) -> Result<(), FieldError> {
         self.vehicle.validate().map_err(|e| e.inside("vehicle"))?;

@@ -34,8 +34,8 @@ const COLUMNS: &[(&str, &str)] = &[
     ("grounded", "1 where the vehicle touches the ground"),
 ];
 
-/// Where `saturated` stands among its readings.
-pub const SATURATED: usize = 7;
+/// Where `elevon_left_deg` stands among its readings; the right one is next.
+pub const ELEVONS: usize = 4;
 /// Where `missing_pitch` stands among them.
 pub const MISSING_PITCH: usize = 8;
 
@@ -157,7 +157,8 @@ mod tests {
 
     #[test]
     fn readings_stand_where_they_are_looked_for() {
-        assert_eq!(COLUMNS[SATURATED].0, "saturated");
+        assert_eq!(COLUMNS[ELEVONS].0, "elevon_left_deg");
+        assert_eq!(COLUMNS[ELEVONS + 1].0, "elevon_right_deg");
         assert_eq!(COLUMNS[MISSING_PITCH].0, "missing_pitch");
     }
 }

@@ -14,7 +14,7 @@ use std::f64::consts::FRAC_PI_2;
 use nalgebra::{Quaternion, UnitQuaternion};
 
 pub use belief::Belief;
-pub use flying::{Flying, MISSING_PITCH, SATURATED};
+pub use flying::{ELEVONS, Flying, MISSING_PITCH};
 use ground::Ground;
 pub use propeller::{Slipstream, Thrust};
 pub use rate_loop::{Allocation, Motor, RateLoopState};
