@@ -142,7 +142,7 @@ fn every_built_in_experiment_of_the_core_flies_the_same_bits() {
         // The emulation takes 3 to 9 ms an answer: the round trip is flown whole, of the others the beginning. One unit in the last
         // place of one coefficient is found there within 522 answers.
         if name != "round-trip" {
-            let beginning = 1000.0 / experiment.control_rate_hz;
+            let beginning = 600.0 / experiment.control_rate_hz;
             experiment.duration_s = experiment.duration_s.min(beginning);
         }
         let begin = Instant::now();

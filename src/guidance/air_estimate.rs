@@ -10,6 +10,8 @@
 //! where the force tells it: there less force than believed is taken for an angle of attack that is larger still. A gust that is there is
 //! explained away by chance, and never for long.
 //!
+//! Nor does the force tell anything of who is held at the stall with surfaces at their stop: what these take of the lift nobody believes in.
+//!
 //! A gust is fast, and an error of the belief lasts: the force of a gust that lasts is handed to the scale of the air's force, so that a
 //! wing that is better than believed is not taken for one that is near its stall.
 
@@ -81,6 +83,9 @@ pub(super) struct AirSample {
     pub specific_force: Option<Body>,
     /// Force of the air over what is believed of it.
     pub scale: f32,
+    /// Whether the stall holds the vehicle. What its surfaces take of the lift at their stop nobody believes in, and a wing at 20° then makes the
+    /// normal force of one at 6°.
+    pub held: bool,
     /// Whether a wind is known. Of one that is not the normal force does not tell enough: it may be from anywhere.
     pub wind_known: bool,
 }
@@ -140,7 +145,9 @@ impl AirEstimateState {
             let over = slope / (slope * slope + damping * damping + floor * floor);
             let told = slope * over;
             let left = vehicle.mass() * felt.j - normal * pressure;
-            if sample.wind_known {
+            if sample.wind_known && sample.held {
+                step.j += gust.j * ((TIME + dt) / EXPLAINED_TIME);
+            } else if sample.wind_known {
                 step.j += math::clamp(air.speed * left * over, -MOST_STEP, MOST_STEP);
                 // Neither root nor slope: the gust is on the other side of the stall.
                 let beyond = left.abs() / (UNEXPLAINED * pressure + f32::MIN_POSITIVE) - 1.0;
@@ -233,6 +240,7 @@ mod tests {
                 airspeed: if pitot { -v_a.i } else { f32::NAN },
                 specific_force: accelerometer.then(|| felt(v_a)),
                 scale: 1.0,
+                held: false,
                 wind_known: true,
             };
             state.update(&vehicle(), &sample, DT);
@@ -322,6 +330,7 @@ mod tests {
                 airspeed: 20.0,
                 specific_force: Some(felt(orientation.to_axes(air))),
                 scale: 0.6,
+                held: false,
                 wind_known: true,
             };
             state.update(&vehicle(), &sample, DT);
@@ -342,6 +351,7 @@ mod tests {
                     airspeed: 20.0,
                     specific_force: Some(felt(orientation.to_axes(Ned::new(20.0, 0.0, 2.0)))),
                     scale,
+                    held: false,
                     wind_known: true,
                 };
                 state.update(&vehicle(), &sample, DT);
@@ -371,6 +381,7 @@ mod tests {
                             airspeed: 24.0,
                             specific_force: Some(felt),
                             scale,
+                            held: false,
                             wind_known: true,
                         };
                         state.update(&vehicle(), &sample, DT);
@@ -393,6 +404,7 @@ mod tests {
             airspeed: 0.0,
             specific_force: None,
             scale: 1.0,
+            held: false,
             wind_known: true,
         };
         for _ in 0..100 {
@@ -413,6 +425,7 @@ mod tests {
                     airspeed,
                     specific_force: Some(Body::new(force, -force, force)),
                     scale: 1.6,
+                    held: false,
                     wind_known: true,
                 };
                 for _ in 0..50 {
@@ -437,5 +450,39 @@ mod tests {
             }
             .is_sound()
         );
+    }
+
+    /// A wing at 20° whose surfaces take so much of its lift that it makes the normal force of one at 4°, as it seemed to be when it stalled: the force alone
+    /// keeps the estimate within 2° of those 4°, and where it is known to be held it goes to within 1° of the 20° that the known wind tells.
+    #[test]
+    fn the_force_of_surfaces_at_their_stop_tells_no_angle() {
+        let at = |alpha_deg: f32| {
+            let (sin, cos) = math::sin_cos(alpha_deg.to_radians());
+            Body::new(-17.0 * cos, -17.0 * sin, 0.0)
+        };
+        let orientation = level();
+        let estimate = |held: bool| {
+            let gust = orientation.of_axes(at(20.0) - at(4.0));
+            let mut state = AirEstimateState {
+                gust,
+                explained: 0.0,
+            };
+            for _ in 0..500 {
+                let sample = AirSample {
+                    air: orientation.of_axes(at(20.0)),
+                    orientation,
+                    airspeed: -at(20.0).i,
+                    specific_force: Some(felt(at(4.0))),
+                    scale: 1.0,
+                    held,
+                    wind_known: true,
+                };
+                state.update(&vehicle(), &sample, DT);
+            }
+            let through = at(20.0) - orientation.to_axes(state.gust);
+            math::atan2(-through.j, -through.i).to_degrees()
+        };
+        assert!((estimate(false) - 4.0).abs() < 2.0, "{}", estimate(false));
+        assert!((estimate(true) - 20.0).abs() < 1.0, "{}", estimate(true));
     }
 }

@@ -7,6 +7,7 @@
 //!
 //! At the stall the wing's moment takes all that the surfaces give. Who brakes there does not turn up, and each climb of a plan is taken back for the height.
 //! Who still flies on its wing, long after it was asked to hover, gathers speed in level flight at full thrust, and pulls up as from a fall.
+//! So does who is held there in cruise, the pitch rate at its limit and not had: it flies on once its wing carries again.
 //!
 //! It shares no mechanism with the planner. Plans are flown in the plane of flight by a model that obeys, and neither has one.
 
@@ -40,6 +41,13 @@ const FAST: f32 = 1.3;
 const LIFTED: f32 = 1.1;
 /// Time \[s\] on its wing, asked to hover, after which it gathers speed.
 const PATIENCE: f32 = 8.0;
+/// How much faster that time runs while the attitude is behind the model's or the pitch rate stands at its limit, whatever is asked for: who is still on
+/// its wing then is held by the stall. Where neither is, nor a hover asked for, it runs back.
+const HELD: f32 = 3.0;
+/// Such time \[s\] from which on the surfaces are taken to stand at their stop.
+const STOPPED: f32 = 3.0;
+/// Cosine of the angle of attack at which a wing is no longer stalled, 12°.
+const ATTACHED: f32 = 0.978;
 /// Cosine of the greatest angle of attack at which it pulls up.
 const ALONG: f32 = 0.85;
 /// Tangent of the angle of attack of a pull-up, 18°: wings have their greatest lift there.
@@ -69,6 +77,8 @@ pub(super) struct FallSample {
     pub sink: f32,
     /// How far the model's attitude is ahead \[rad\].
     pub ahead: f32,
+    /// Whether the pitch rate stands at its limit.
+    pub held: bool,
     /// Air velocity, and the one that is asked for [m/s].
     pub air: Ned,
     pub asked: Ned,
@@ -91,7 +101,13 @@ impl Fall {
     /// Whether a step can have left this time of [`next`](Self::next) \[s\].
     #[inline(always)]
     pub fn is_sound(&self, flown_on: f32) -> bool {
-        (0.0..=PATIENCE + MAX_STEP).contains(&flown_on)
+        (0.0..=PATIENCE + HELD * MAX_STEP).contains(&flown_on)
+    }
+
+    /// Whether, after what had `started` and so long `flown_on` \[s\], the stall holds the vehicle, with its surfaces at their stop.
+    #[inline(always)]
+    pub fn is_held(&self, started: u8, flown_on: f32) -> bool {
+        started == GATHERING || flown_on > STOPPED
     }
 
     /// What has begun, after what had `started`, and how long it has `flown_on` \[s\] on its wing, asked to hover.
@@ -101,17 +117,21 @@ impl Fall {
             if sample.sink > SINK * self.carried && sample.ahead.abs() > BEHIND {
                 return (FALLING, 0.0);
             }
-            let (on_wing, hover) = (ON_WING * self.carried, HOVER * self.carried);
-            if sample.air.norm_squared() < on_wing * on_wing
-                || sample.asked.norm_squared() > hover * hover
-            {
+            let on_wing = ON_WING * self.carried;
+            if sample.air.norm_squared() < on_wing * on_wing {
                 return (BEGUN, 0.0);
             }
-            return if flown_on > PATIENCE {
-                (GATHERING, 0.0)
+            if flown_on > PATIENCE {
+                return (GATHERING, 0.0);
+            }
+            let runs = if sample.held || sample.ahead.abs() > BEHIND {
+                HELD
+            } else if self.is_hover(sample) {
+                1.0
             } else {
-                (BEGUN, flown_on + dt)
+                -1.0
             };
+            return (BEGUN, math::max(flown_on + runs * dt, 0.0));
         }
         if started >= FALLING {
             return (self.pulled_up(started, sample), 0.0);
@@ -133,10 +153,22 @@ impl Fall {
         if steep || below(speed, SLOW) || (nose.down < -UP && below(speed, LIFTED)) {
             BEGUN
         } else if nose.dot(*air) > FAST * self.carried {
-            FALLING
+            match (started, self.is_hover(sample)) {
+                // Who was asked to fly on does, once the wing carries again.
+                (GATHERING, false) if nose.dot(*air) > ATTACHED * math::sqrt(speed) => BEGUN,
+                (GATHERING, false) => started,
+                _ => FALLING,
+            }
         } else {
             started
         }
+    }
+
+    /// Whether a hover is asked for.
+    #[inline(always)]
+    fn is_hover(&self, sample: &FallSample) -> bool {
+        let most = HOVER * self.carried;
+        sample.asked.norm_squared() <= most * most
     }
 
     /// The rates that it turns with [rad/s], after what had `started`, at an air velocity [m/s].
@@ -196,6 +228,7 @@ mod tests {
         FallSample {
             sink,
             ahead,
+            held: false,
             air,
             asked: Ned::ZERO,
             nose: air * (1.0 / (math::sqrt(air.norm_squared()) + SLOWEST)),
@@ -240,8 +273,8 @@ mod tests {
         }
     }
 
-    /// Who is asked for a hover and flies on at its stall for longer than a stop takes gathers speed, and then pulls up. Who is asked for speed, or is slow,
-    /// never does, and each begins the time anew.
+    /// Who is asked for a hover and flies on at its stall for longer than a stop takes gathers speed, and then pulls up. So does who is held there, the rate
+    /// at its limit, sooner and whatever is asked for; who is asked for speed flies on.
     #[test]
     fn who_does_not_stop_gathers_speed() {
         let fall = fall(30.0);
@@ -262,13 +295,46 @@ mod tests {
         let late = fly((BEGUN, 0.0), &stalled, 7.9);
         assert_eq!(late.0, BEGUN);
         assert_eq!(fly(late, &stalled, 0.2).0, GATHERING);
-        for other in [fast, sample(0.0, 0.0, forward(0.59))] {
-            assert_eq!(fly(late, &other, 60.0), (BEGUN, 0.0));
-            assert_eq!(fly(fall.next(late, &other, DT), &stalled, 7.9).0, BEGUN);
+        // Who is slow is not on its wing; who is asked to fly on forgets.
+        let slow = sample(0.0, 0.0, forward(0.59));
+        assert_eq!(fly(late, &slow, DT), (BEGUN, 0.0));
+        let forgets = fly(late, &fast, 4.0).1;
+        assert!((forgets - 3.9).abs() < 0.1, "{forgets}");
+        assert_eq!(fly(late, &fast, 60.0), (BEGUN, 0.0));
+        // A rate that stands at its limit is not had, nor an attitude that is far ahead, whatever is asked for.
+        for other in [stalled, fast] {
+            let behind = FallSample {
+                ahead: -0.31,
+                ..other
+            };
+            let held = FallSample {
+                held: true,
+                ..other
+            };
+            for sample in [behind, held] {
+                assert_eq!(fly((BEGUN, 0.0), &sample, 2.6).0, BEGUN);
+                assert_eq!(fly((BEGUN, 0.0), &sample, 2.8).0, GATHERING);
+            }
         }
+        let turns = FallSample {
+            ahead: 0.29,
+            ..fast
+        };
+        assert_eq!(fly((BEGUN, 0.0), &turns, 20.0), (BEGUN, 0.0));
         for (speed, expected) in [(1.29, GATHERING), (1.31, FALLING), (0.3, BEGUN)] {
             let gathering = sample(0.0, 0.0, forward(speed));
             assert_eq!(next(&fall, GATHERING, &gathering), expected);
+        }
+        // Who was asked to fly on does, once its wing is no longer stalled.
+        for (alpha_deg, expected) in [(13.0_f32, GATHERING), (11.0, BEGUN)] {
+            let (sin, cos) = math::sin_cos(alpha_deg.to_radians());
+            let gathering = FallSample {
+                nose: Ned::new(cos, 0.0, -sin),
+                air: forward(1.5),
+                ..fast
+            };
+            assert_eq!(next(&fall, GATHERING, &gathering), expected);
+            assert_eq!(next(&fall, FALLING, &gathering), FALLING);
         }
         for time in [f32::NAN, -0.1, 9.0] {
             assert!(!fall.is_sound(time));

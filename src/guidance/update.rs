@@ -270,6 +270,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
                         )
                     }),
                     scale: correction.air(),
+                    held: self.fall.is_held(state.started, state.flown_on),
                     wind_known: matches!(air, AirUse::Wind | AirUse::Pitot),
                 },
                 dt,
@@ -417,6 +418,7 @@ impl<A: Aerodynamics, G: GainLaw> Guidance<A, G> {
         let sample = FallSample {
             sink: input.velocity.down - asked.velocity.down,
             ahead,
+            held: self.limits.pitch_at_limit(&state.limits) != 0.0,
             air: air_velocity,
             asked: asked.velocity - wind,
             nose: -input.orientation.i(),

@@ -596,7 +596,7 @@ fn closed(draws: u64) {
 #[ignore = "slow: cargo test-slow"]
 fn slow_what_was_identified_flies() {
     // The median of a few is chance: in turbulence a vehicle brakes through its stall, and flights differ by metres.
-    closed(draws(12));
+    closed(draws(8));
 }
 
 /// A flight that is too short, and one without a throttle, end with the reason.
@@ -725,7 +725,7 @@ fn a_circle_shows_the_wind() {
 #[test]
 #[ignore = "slow: cargo test-slow"]
 fn slow_circles_show_the_wind() {
-    winds(draws(5));
+    winds(draws(3));
 }
 
 /// A log of our own at 50 Hz: a vehicle that is level, under 1 g, with a throttle of 30 %, and the velocity down and north of a time.
