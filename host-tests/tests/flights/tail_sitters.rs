@@ -216,8 +216,9 @@ fn a_braking_that_the_stall_held_ends_in_hover() {
     }
 }
 
-/// Two `mapping` that start past their stall, in `tail-sitters` flights 1906 and 1104: elevons at their stop at α of 20 to 25°, thrust at 0.1 to 0.4 of the weight
-/// and the pitch rate at its limit for as long as cruise was asked for, they sank by 73 and 91 m. They gather speed now, and sink by 17 m at most; the campaigns call 20 m lost.
+/// Two `mapping` that start past their stall, of `tail-sitters` flights 1906 and 1104, in two turbulences each: elevons at their stop at α of 20°, which the
+/// normal force took for 6°, thrust at 0.2 of the weight and the pitch rate at its limit for as long as cruise was asked for. They sank by 63, 121, 28 and 174 m.
+/// They gather speed now, and sink by 4 to 7 m; the campaigns call 20 m lost.
 #[test]
 fn a_start_that_the_stall_held_goes_on() {
     let flights = [
@@ -234,8 +235,9 @@ fn a_start_that_the_stall_held_goes_on() {
             "weather.steady_m_s=[1.01,1.14,0.0]",
         ],
     ];
-    for changes in flights {
-        for seed in ["seed=1", "seed=2"] {
+    let seeds = [["seed=7318774440736122020", "seed=2"], ["seed=5", "seed=6"]];
+    for (changes, seeds) in flights.into_iter().zip(seeds) {
+        for seed in seeds {
             let common = [
                 "plant.vehicle='mapping'",
                 "sensors='autopilot'",
