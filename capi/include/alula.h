@@ -422,7 +422,7 @@
 #define ALULA_GOAL_HOVER 1
 
 /**
- * Goal: to stop as soon as possible at the altitude where this was asked for, and to hover where that ends. `target` is not
+ * Goal: to stop as soon as possible at the altitude where this was asked for, or in the climb that is allowed, and to hover where that ends. `target` is not
  * read.
  */
 #define ALULA_GOAL_STOP 2
@@ -1287,9 +1287,14 @@ typedef struct alula_goal {
      */
     float climb;
     /**
-     * Greatest acceleration of the reference [m/s²], 0.01 to 1000. A stop does not mind it.
+     * Greatest acceleration of the reference [m/s²], 0.01 to 1000. A stop does not mind it, nor a braking in a climb.
      */
     float acceleration;
+    /**
+     * Greatest climb that a braking may take [m], 0 to 1000; 0: it is level. It takes 0.085 s²/m V², V being what it takes off the speed; where that
+     * is more than is allowed, it is level. A stop, and a velocity, ends as much higher; a place to hover at is come down to.
+     */
+    float braking_climb;
     /**
      * Altitude error [m] that a plan may cost as much as an error of one velocity band, 0.001 to 1000. 0: the parameter
      * `altitude_band`.
@@ -1413,6 +1418,13 @@ typedef struct alula_mission_parameters {
      * Unit: m/s^2. From 0.1 to 10.0, default 1.5.
      */
     float braking;
+    /**
+     * Greatest climb in which it brakes from the wing to hover, at 3 m/s². A vehicle that does
+     * not hold its wing across the air takes 1.67 V²/2g of it, and brakes level where that is
+     * more; the others brake level.
+     * Unit: m. From 0.0 to 1000.0, default 100.0.
+     */
+    float braking_climb;
     /**
      * Greatest climb.
      * Unit: m/s. From 0.1 to 50.0, default 3.0.

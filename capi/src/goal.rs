@@ -12,7 +12,7 @@ use crate::input::{
 
 /// Goal: to hover at the position `target` \[m\].
 pub const ALULA_GOAL_HOVER: u32 = 1;
-/// Goal: to stop as soon as possible at the altitude where this was asked for, and to hover where that ends. `target` is not
+/// Goal: to stop as soon as possible at the altitude where this was asked for, or in the climb that is allowed, and to hover where that ends. `target` is not
 /// read.
 pub const ALULA_GOAL_STOP: u32 = 2;
 /// Goal: to fly at the velocity `target` [m/s] over ground.
@@ -32,8 +32,11 @@ pub struct Goal {
     pub speed: f32,
     /// Vertical speed on the way to a position [m/s], 0.01 to 1000.
     pub climb: f32,
-    /// Greatest acceleration of the reference [m/s²], 0.01 to 1000. A stop does not mind it.
+    /// Greatest acceleration of the reference [m/s²], 0.01 to 1000. A stop does not mind it, nor a braking in a climb.
     pub acceleration: f32,
+    /// Greatest climb that a braking may take \[m\], 0 to 1000; 0: it is level. It takes 0.085 s²/m V², V being what it takes off the speed; where that
+    /// is more than is allowed, it is level. A stop, and a velocity, ends as much higher; a place to hover at is come down to.
+    pub braking_climb: f32,
     /// Altitude error \[m\] that a plan may cost as much as an error of one velocity band, 0.001 to 1000. 0: the parameter
     /// `altitude_band`.
     pub altitude_band: f32,
@@ -57,6 +60,7 @@ impl Goal {
         speed: 20.0,
         climb: 3.0,
         acceleration: 2.0,
+        braking_climb: 0.0,
         altitude_band: 0.0,
         nose_below_vertical: 0,
         reached: 0,
@@ -90,6 +94,7 @@ impl Goal {
             .speed(self.speed)
             .climb(self.climb)
             .acceleration(self.acceleration)
+            .braking_climb(self.braking_climb)
             .planner_options(planner_options);
         let goals = Goals::new(preferences);
         let goals = goals.map_err(|_| code::ALULA_ERROR_GOAL)?;

@@ -13,7 +13,8 @@ use crate::guidance::{components, ned};
 /// Makes, step by step, the reference that the guidance takes, of something that is to be reached: `hover`, `stop` or `fly`.
 ///
 /// speed_m_s and climb_m_s: horizontal and vertical speed on the way to a place. acceleration_m_s2: the greatest of the
-/// reference. Each is from 0.01 to 1000. altitude_band_m, nose_below_vertical: what the plans are to mind, as in
+/// reference. Each is from 0.01 to 1000. braking_climb_m: the greatest climb that a braking may take, 0 for a level one; it takes 0.085 s²/m V².
+/// altitude_band_m, nose_below_vertical: what the plans are to mind, as in
 /// `Guidance.update`; 0 leaves the band to the guidance's parameter. At first the goal is to stop.
 #[pyclass(module = "alula")]
 pub struct Goals {
@@ -53,11 +54,12 @@ fn finite(field: &str, value: &Numbers) -> PyResult<Ned> {
 #[pymethods]
 impl Goals {
     #[new]
-    #[pyo3(signature = (speed_m_s=20.0, climb_m_s=3.0, acceleration_m_s2=2.0, *, altitude_band_m=0.0, nose_below_vertical=false))]
+    #[pyo3(signature = (speed_m_s=20.0, climb_m_s=3.0, acceleration_m_s2=2.0, *, braking_climb_m=0.0, altitude_band_m=0.0, nose_below_vertical=false))]
     fn new(
         speed_m_s: f32,
         climb_m_s: f32,
         acceleration_m_s2: f32,
+        braking_climb_m: f32,
         altitude_band_m: f32,
         nose_below_vertical: bool,
     ) -> PyResult<Self> {
@@ -68,12 +70,14 @@ impl Goals {
             .speed(speed_m_s)
             .climb(climb_m_s)
             .acceleration(acceleration_m_s2)
+            .braking_climb(braking_climb_m)
             .planner_options(planner_options);
         let refused = |e: ::alula::ParameterError| {
             let field = match e.parameter {
                 "speed" => "speed_m_s",
                 "climb" => "climb_m_s",
                 "acceleration" => "acceleration_m_s2",
+                "braking_climb" => "braking_climb_m",
                 _ => "altitude_band_m",
             };
             error::field(field, e.to_string())
@@ -92,7 +96,7 @@ impl Goals {
         Ok(())
     }
 
-    /// From now on: to stop as soon as possible at the present altitude, and to hover where that ends.
+    /// From now on: to stop as soon as possible at the present altitude, or in the climb that is allowed, and to hover where that ends.
     fn stop(&mut self) {
         self.goal = Goal::Stop;
     }

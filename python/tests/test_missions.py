@@ -133,6 +133,7 @@ def test_a_plan_is_read(tmp_path):
         (lambda v: alula.Mission.load("mission", v), "mission", "has no mission"),
         (lambda v: alula.Mission(v, ITEMS, cruise_speed_m_s=22).step(0.01, velocity=(0, 0, 0), quaternion=(1, 0, 0, 0), troubles=["lnk"]), "troubles", "lnk"),
         (lambda v: alula.Goals(0, 1, 1), "speed_m_s", "must be"),
+        (lambda v: alula.Goals(9, 1, 1, braking_climb_m=-1), "braking_climb_m", "must be"),
         (lambda v: alula.Goals(9, 1, 1, altitude_band_m=-1), "altitude_band_m", "must be"),
         (lambda v: alula.Goals(9, 1, 1).hover((0, 0, np.nan)), "place", "finite"),
         (lambda v: alula.Simulation("mission").step(np.nan), "thrust_n", "finite"),

@@ -32,6 +32,9 @@ const EQUAL: f32 = 0.577_350_26;
 const DEGREE: f32 = 8.726_646e-3;
 const ANGLES: u8 = 61;
 
+/// Wind to hover in, over the stall speed, from which on a vehicle brakes level. `mapping` has 0.32; vehicles that climb by a few metres have 0.5 and more.
+const HELD: f32 = 0.4;
+
 /// What a vehicle can do on its wing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -149,6 +152,11 @@ impl Ability {
     /// Least airspeed on the wing [m/s]. Slower is hover.
     pub fn least_speed(&self) -> f32 {
         FIRST * self.stall_speed
+    }
+
+    /// Whether it holds its wing across the air up to a speed from which it brakes level: else it climbs meanwhile.
+    pub fn brakes_level(&self) -> bool {
+        self.hover_wind >= HELD * self.stall_speed
     }
 
     /// Greatest airspeed of level flight in the table [m/s]; the least where thrust carries none.

@@ -46,6 +46,8 @@ pub(super) struct Followed {
     pub turn: f32,
     /// Whether the wind is stronger than the airspeed: the nose is held into it.
     pub drifting: bool,
+    /// Speed over ground [m/s].
+    pub ground: f32,
 }
 
 impl FollowState {
@@ -103,6 +105,7 @@ impl FollowState {
         let across = right_of(nearest.along);
         Followed {
             velocity: nearest.along * speed,
+            ground: speed.abs(),
             acceleration: nearest.along * (triangle.change(self.part, rate) + gain)
                 + across * (speed * rate),
             error: across * nearest.right,
@@ -119,6 +122,7 @@ impl FollowState {
         self.part = 1.0;
         Followed {
             velocity: Ned::new(wind.north * drift, wind.east * drift, 0.0),
+            ground: strength * drift.abs(),
             acceleration: Ned::ZERO,
             error: Ned::ZERO,
             right: 0.0,

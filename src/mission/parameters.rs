@@ -14,6 +14,8 @@ crate::parameters! {
             "Acceleration on the way to a speed. On the wing it slows down by drag alone.";
         braking: "m/s^2", 0.1, 10.0, 1.5, "ALU_M_BRAKE",
             "Deceleration on the way to a place of hover.";
+        braking_climb: "m", 0.0, 1e3, 100.0, "ALU_M_BCLIMB",
+            "Greatest climb in which it brakes from the wing to hover, at 3 m/s². A vehicle that does not hold its wing across the air takes 1.67 V²/2g of it, and brakes level where that is more; the others brake level.";
         climb: "m/s", 0.1, 50.0, 3.0, "ALU_M_CLIMB",
             "Greatest climb.";
         sink: "m/s", 0.1, 50.0, 1.5, "ALU_M_SINK",

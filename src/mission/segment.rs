@@ -30,6 +30,7 @@ pub(super) fn right_of(v: Ned) -> Ned {
 }
 
 /// Length of the level part.
+#[inline(always)]
 pub(super) fn level(v: Ned) -> f32 {
     math::sqrt((v.north * v.north + v.east * v.east).abs())
 }

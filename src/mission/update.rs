@@ -15,6 +15,7 @@ use crate::aero::Aerodynamics;
 use crate::error::ParameterError;
 use crate::guidance::{
     Goal, GoalOutput, Goals, MAX_STEP, MIN_STEP, PlannerOptions, Preferences, SetPointState,
+    deceleration,
 };
 use crate::math::{self, PI};
 use crate::ned::Ned;
@@ -31,8 +32,6 @@ const MOST_GUST: f32 = 0.5;
 /// Time constant of the level position on a path \[s\], and how far off \[m\] it is taken at once.
 const POSITION_TIME: f32 = 0.5;
 const JUMP: f32 = 5.0;
-/// Part of the braking that is planned with, as `Goals` does.
-const BRAKING_SHARE: f32 = 0.7;
 /// Positions farther than this \[m\] are taken for none.
 const FARTHEST: f32 = 1e6;
 /// How near a place in hover and a height are reached \[m\].
@@ -61,6 +60,8 @@ const CARRIED: f32 = 0.75;
 const OVER_REFERENCE: f32 = 0.25;
 /// Wind in which a vehicle that circles for too much of it hovers again, over the most: estimates waver.
 const LULL: f32 = 0.9;
+/// Greatest speed to a place of hover [m/s].
+const FASTEST: f32 = 300.0;
 /// Ways that are compared in a step in which a path is laid.
 const COMPARED: u8 = 2;
 /// Most steps from the end of an item to the path of the next: it begins, departs, its ways are compared, the shortest is laid, what has no length
@@ -320,8 +321,14 @@ impl Missions {
                 "a speed of the wing, 1.15 times its stall speed and more, that the thrust reaches";
             return Err(ParameterError::contradiction("cruise_speed", relation));
         }
+        // Who brakes level needs no climb for it.
+        let braking_climb = if ability.brakes_level() {
+            0.0
+        } else {
+            p.braking_climb
+        };
         Ok(Self {
-            p: *p,
+            p: p.braking_climb(braking_climb),
             rules: Rules::new(&responses),
             ability,
             tan_bank: p.tan_bank(),
@@ -712,7 +719,8 @@ impl Missions {
 
     /// Way in which hover is reached from a speed [m/s].
     fn braking_way(&self, speed: f32) -> f32 {
-        speed * speed / (2.0 * BRAKING_SHARE * self.p.braking)
+        let square = speed * speed;
+        square / (2.0 * deceleration(square, self.p.braking, self.p.braking_climb))
     }
 
     /// Place and course from which a path goes on: at the end of the path flown, if less than `most` \[s\] of it is left, or on it, if it is near; in
@@ -809,7 +817,7 @@ impl Missions {
             _ if state.activity == Activity::Hovering => self.ability.hover_wind,
             _ => return false,
         };
-        level(state.wind) > most
+        blows(state, most)
     }
 
     /// Whether it sinks in this wind to land. Who must land does.
@@ -819,7 +827,7 @@ impl Missions {
 
     /// Whether it is driven off in this wind, where it hovers. Who must land takes that.
     fn is_driven_off(&self, state: &Flight) -> bool {
-        state.forced != Response::Land && level(state.wind) > self.ability.hover_wind
+        state.forced != Response::Land && blows(state, self.ability.hover_wind)
     }
 
     /// Whether it stays on the wing until there is less wind.
@@ -837,7 +845,7 @@ impl Missions {
     /// Whether it does either.
     fn heed_wind(&self, state: &mut Flight, seen: &Seen) -> bool {
         if state.lull > 0.0 {
-            if level(state.wind) > state.lull {
+            if blows(state, state.lull) {
                 return false;
             }
             state.lull = 0.0;
@@ -1056,14 +1064,22 @@ impl Missions {
         } else {
             self.p.hover_speed
         };
+        // From place to place in hover it brakes level.
+        let climbs = self.p.braking_climb > 0.0
+            && (state.set_point.is_climbing() || self.is_on_wing(state, seen));
         let preferences = Preferences {
-            speed: math::clamp(math::max(slow, level(seen.velocity)), 0.1, 300.0),
+            speed: if climbs {
+                FASTEST
+            } else {
+                math::max(slow, level(seen.velocity))
+            },
             climb: if offset.down > 0.0 {
                 self.p.climb
             } else {
                 self.p.sink
             },
             acceleration: self.p.braking,
+            braking_climb: if climbs { self.p.braking_climb } else { 0.0 },
             planner_options: PlannerOptions::default(),
         };
         let goal = Goal::Hover(state.target);
@@ -1122,7 +1138,7 @@ impl Missions {
         let slowing = self.ability.gravity() * drag;
         let followed = state.follow.step(&self.p, slowing, seen, speed, dt);
         let airspeed = state.follow.airspeed;
-        let ground = math::max(level(followed.velocity), 1.0);
+        let ground = math::max(followed.ground, 1.0);
         let left = state.follow.path.left();
         let glide = self.p.glide_share * airspeed * drag;
         let climb = math::min(self.p.climb, airspeed * slope);
@@ -1196,8 +1212,10 @@ impl Missions {
                 }
             }
             Task::Hover(_) | Task::Land(_) => {
-                let speed = level(seen.velocity);
-                if state.follow.path.left() < self.braking_way(speed) {
+                let Ned { north, east, .. } = seen.velocity;
+                let square = north * north + east * east;
+                let braking = deceleration(square, self.p.braking, self.p.braking_climb);
+                if 2.0 * braking * out.progress.distance_to_go < square {
                     state.preparing = Preparing::Hover;
                 }
             }
@@ -1289,6 +1307,12 @@ impl Missions {
             }
         }
     }
+}
+
+/// Whether there is more wind than this [m/s]: by squares, in which a step asks three times.
+fn blows(state: &Flight, most: f32) -> bool {
+    let Ned { north, east, .. } = state.wind;
+    north * north + east * east > most * most
 }
 
 /// Whether the nose is up.
@@ -1514,6 +1538,42 @@ mod tests {
         assert!(level(point.position - OVER) < 400.0 && out.activity == Activity::Flying);
         let again = point.until(STRONG, none, |_, _| true);
         assert!(again.progress.time < 1.0);
+    }
+
+    /// To hover from 22 m/s, for a vehicle that does not hold its wing across the air: in a climb of 41 m, and down to the place; and level where a metre less is
+    /// allowed than that takes, and for one that does.
+    #[test]
+    fn who_cannot_brake_level_brakes_in_a_climb() {
+        let hover = Item::Waypoint {
+            place: Ned::new(400.0, 0.0, -40.0),
+            pass: Pass::Hover(1.0),
+        };
+        let most_over = |braking_climb: f32| {
+            let items = [Item::TakeOff { height: 40.0 }, hover, Item::Return];
+            let mut point = Point::new(&items, Responses::default());
+            assert_eq!(point.missions.p.braking_climb, 0.0);
+            point.missions.p.braking_climb = braking_climb;
+            let highest = core::cell::Cell::new(0.0f32);
+            let out = point.until(0.0, Troubles::empty(), |out, at| {
+                highest.set(highest.get().max(-at.down));
+                out.progress.item == 2
+            });
+            assert!((point.position.down + 40.0).abs() < 2.0, "{out:?}");
+            highest.get() - 40.0
+        };
+        assert!((most_over(100.0) - 0.085 * 22.0 * 22.0).abs() < 2.0);
+        assert!(most_over(40.0) < 1.0 && most_over(0.0) < 1.0);
+        let wing = Combined::new(CombinedParameters::NACA_0021_RE_160E3).unwrap();
+        let turned = VehicleParameters::PAPER.wing_moment(0.85).authority(26.0);
+        let p = MissionParameters::cruising_at(22.0);
+        let climb = |vehicle: VehicleParameters, p: &MissionParameters| {
+            let vehicle = Vehicle::new(vehicle, wing).unwrap();
+            let missions = Missions::new(&vehicle, p, Responses::default());
+            missions.unwrap().p.braking_climb
+        };
+        assert_eq!(climb(turned, &p), p.braking_climb);
+        assert_eq!(climb(turned, &p.braking_climb(0.0)), 0.0);
+        assert_eq!(climb(turned.authority(260.0), &p), 0.0);
     }
 
     /// While a path is laid what was asked for goes on, for no more steps than the lead of the next path counts on: no step in velocity, and in the

@@ -3,12 +3,15 @@
 //! The draws: a speed of 0.7 to 1.05 of cruise, an acceleration and a braking of 1 to 3 m/s², a mass that is believed wrongly by up to
 //! 5 %, any heading; falls at any attitude. Air data are exact: sensors as they are fly in the campaigns.
 
-use alula_sim::experiment::Document;
+use alula::guidance::{Goal, GoalState, Goals, Preferences};
+use alula::ned::Ned;
 use alula_sim::experiment::tail_sitter::TailSitterSpec;
+use alula_sim::experiment::{Document, Target, double, ned};
 use alula_sim::figures::Figures;
-use alula_sim::simulate::fly;
+use alula_sim::simulate::{Flight, fly};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
 
 const VEHICLES: [&str; 4] = ["small-flying-wing", "mapping", "biplane", "heavy"];
 
@@ -253,6 +256,134 @@ fn a_start_that_the_stall_held_goes_on() {
     }
 }
 
+/// What a stop from cruise came to \[m\]: how far over and under the reference, and how much higher than it began.
+struct Stopped {
+    over: f64,
+    under: f64,
+    climbed: f64,
+    /// Speed at the end [m/s].
+    speed: f64,
+}
+
+/// Cruise at 0.75 to 1 of it, with an autopilot's estimates, in light turbulence and a wind of up to 0.2 of cruise from anywhere, or in calm; and a stop that
+/// may climb by so much.
+fn stopped(vehicle: &str, seed: u64, wind: f64, braking_climb: f32) -> Stopped {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let speed = cruise(vehicle) * random.random_range(0.75..1.0);
+    let (from, share) = (
+        random.random_range(0.0..std::f64::consts::TAU),
+        wind * random.random_range(0.0..1.0) * cruise(vehicle),
+    );
+    let mut document = Document::load("tail-sitter-hover").unwrap();
+    for change in [
+        format!("plant.vehicle='{vehicle}'"),
+        format!("seed={seed}"),
+        "duration_s=60.0".to_owned(),
+        format!("initial={{theta_deg=-86.0,velocity_m_s=[{speed},0.0,0.0],course_deg=0.0}}"),
+        format!(
+            "weather.steady_m_s=[{},{},0.0]",
+            share * from.cos(),
+            share * from.sin()
+        ),
+        format!(
+            "weather.turbulence={{wind_at_20_ft_m_s={},height_m=50.0}}",
+            if wind > 0.0 { 7.7 } else { 1e-3 }
+        ),
+    ] {
+        document.assign(&change).unwrap();
+    }
+    let experiment = document.checked().unwrap();
+    let mut controller = experiment.controller().unwrap();
+    let dt = (1.0 / experiment.control_rate_hz) as f32;
+    let preferences = Preferences::default()
+        .speed(speed as f32)
+        .braking_climb(braking_climb);
+    let (goals, mut state) = (Goals::new(preferences).unwrap(), GoalState::default());
+    let mut flight = Flight::new(&experiment).unwrap();
+    let mut came_to = Stopped {
+        over: 0.0,
+        under: 0.0,
+        climbed: 0.0,
+        speed: 0.0,
+    };
+    let mut began = f64::NAN;
+    for n in 0..6000 {
+        let braking = n >= 1000;
+        let goal = match braking {
+            false => Goal::Velocity(Ned::new(speed as f32, 0.0, 0.0)),
+            true => Goal::Stop,
+        };
+        let step = flight.ask_for(controller.as_mut(), |measured| {
+            let (position, velocity) = (ned(measured.position), ned(measured.velocity));
+            let asked = goals.step(&mut state, &goal, position, velocity, dt);
+            let target = Target {
+                position: measured.position - double(asked.position_error),
+                velocity: double(asked.reference.velocity),
+                acceleration: double(asked.reference.acceleration),
+                heading: None,
+            };
+            (target, asked.planner_options)
+        });
+        let step = step.unwrap();
+        if n == 1000 {
+            began = step.truth.position.z;
+        }
+        if braking {
+            came_to.over = came_to.over.max(step.altitude());
+            came_to.under = came_to.under.max(-step.altitude());
+            came_to.climbed = came_to.climbed.max(began - step.truth.position.z);
+            came_to.speed = step.truth.velocity.norm();
+        }
+        flight.advance(&step.answer);
+    }
+    came_to
+}
+
+/// The same of many, printed: the value that so many of ten are below.
+fn stops(
+    vehicle: &str,
+    seeds: std::ops::Range<u64>,
+    wind: f64,
+    braking_climb: f32,
+) -> Vec<Stopped> {
+    let all: Vec<_> = seeds
+        .into_par_iter()
+        .map(|seed| stopped(vehicle, seed, wind, braking_climb))
+        .collect();
+    let of = |value: &dyn Fn(&Stopped) -> f64| {
+        let mut sorted: Vec<f64> = all.iter().map(value).collect();
+        sorted.sort_by(f64::total_cmp);
+        [0.5, 0.9, 1.0].map(|share| sorted[((sorted.len() - 1) as f64 * share) as usize])
+    };
+    println!(
+        "| {vehicle} | {wind} | {braking_climb} | {} | over {:.1?} | under {:.1?} | climbed {:.1?} | end {:.2?} m/s | within 3 m: {} |",
+        all.len(),
+        of(&|s| s.over),
+        of(&|s| s.under),
+        of(&|s| s.climbed),
+        of(&|s| s.speed),
+        all.iter().filter(|s| s.over < 3.0 && s.under < 3.0).count()
+    );
+    all
+}
+
+/// A wing that cannot brake level rises where it stops by 13 m and more; where it may climb it follows the climb.
+#[test]
+fn a_stop_that_may_climb_follows_its_climb() {
+    for s in stops("mapping", 1..4, 0.0, 0.0) {
+        assert!(s.over > 8.0, "{}", s.over);
+    }
+    for s in stops("mapping", 1..4, 0.0, 40.0) {
+        // Of 40 two are beyond 3 m.
+        assert!(s.over < 3.0 && s.under < 3.0, "{} {}", s.over, s.under);
+        assert!(s.speed < 1.0, "{}", s.speed);
+    }
+    let light = stops("mapping", 1..9, 0.2, 40.0);
+    let off = light.iter().filter(|s| s.over > 3.0 || s.under > 3.0);
+    // Of 40 seven are.
+    assert!(off.count() <= 3);
+}
+
 /// A biplane in 2.5 m/s of wind whose mass and thrust are believed wrongly by 5 and 8 %. The law leans it by 0.2 rad more than the model, and where the
 /// two take turns it nods by 1.01 rad/s; with the lean learned by 0.07 rad/s. 0.2 rad/s is well above what turbulence makes, 0.1.
 #[test]
@@ -301,6 +432,19 @@ fn slow_falls_end_at_rest() {
     println!("{nods} nod");
     assert!(nods <= 4, "{nods} nod");
     assert!(o.fell.is_empty() && o.unfinished.len() <= 3);
+}
+
+/// Stops from cruise, level and in a climb, on seeds that nothing was tuned on.
+#[test]
+#[ignore = "minutes: cargo test -p alula-sil --test flights tail_sitters::stops_in -- --ignored --show-output"]
+fn stops_in_distribution() {
+    for vehicle in VEHICLES {
+        for wind in [0.0, 0.2] {
+            for climb in [0.0, 100.0] {
+                stops(vehicle, 5000..5040, wind, climb);
+            }
+        }
+    }
 }
 
 /// The distribution, on seeds that nothing was tuned on.

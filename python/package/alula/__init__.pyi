@@ -268,6 +268,7 @@ class Goals:
         climb_m_s: float = 3.0,
         acceleration_m_s2: float = 2.0,
         *,
+        braking_climb_m: float = 0.0,
         altitude_band_m: float = 0.0,
         nose_below_vertical: bool = False,
     ) -> Goals: ...
