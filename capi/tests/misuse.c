@@ -223,6 +223,7 @@ static int32_t call_goal(void)
     CHECK(are_finite(command, sizeof *command));
     goal->kind = ALULA_GOAL_STOP;
     goal->speed = goal->climb = goal->acceleration = 2.0f;
+    goal->braking_climb = 30.0f;
     goal->altitude_band = 0.0f;
     goal->nose_below_vertical = 0;
     goal->target[0] = goal->target[1] = goal->target[2] = 0.0f;
