@@ -5,6 +5,7 @@ use std::fs::File;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+use alula_sim::figures::FIGURES;
 use anyhow::{Context, bail};
 
 use super::frame_file::FrameWriter;
@@ -31,6 +32,11 @@ pub struct Store {
 const IDENTITY: &str = "campaign.json";
 /// The folders of parts, in the order in which those of a chunk are written.
 const KINDS: [&str; 2] = ["samples", "flights"];
+
+/// Names of the figures that are kept of a flight: parts of a program with others are another campaign's.
+fn columns() -> Vec<&'static str> {
+    FIGURES.iter().map(|figure| figure.name).collect()
+}
 
 impl Store {
     /// The folder for `source`'s results. It is made, or goes on where it was left: every part that is there is checked. A folder that holds
@@ -117,7 +123,7 @@ impl Store {
     fn of(folder: &Path, texts: &Texts) -> anyhow::Result<Self> {
         Ok(Self {
             folder: folder.to_owned(),
-            identity: checksum(&serde_json::to_vec(&texts.flown())?),
+            identity: checksum(&serde_json::to_vec(&(texts.flown(), columns()))?),
             flights: texts.flights,
         })
     }
