@@ -218,6 +218,15 @@ fn cruising(
 /// Masses of five vehicles by rule \[kg\].
 const MASSES: [f64; 5] = [0.5, 2.0, 5.0, 10.0, 25.0];
 
+/// A vehicle as it is, with its speed of cruise [m/s] and its weight \[N\].
+fn as_it_is(kind: &str) -> (Document, f64, f64) {
+    let mut document = Document::load("tail-sitter").unwrap();
+    set(&mut document, &[format!("plant.vehicle=\"{kind}\"")]);
+    let speed = document.number("plant.vehicle.cruise_speed_m_s").unwrap();
+    let weight = document.number("plant.vehicle.mass_kg").unwrap() * 9.81;
+    (document, speed, weight)
+}
+
 /// A vehicle by rule, with a belief that is wrong, in wind of 3 to 8 m/s from anywhere; its speed of cruise.
 fn by_rule(random: &mut ChaCha8Rng, number: u64, turbulence: f64) -> (Document, f64) {
     let mut document = Document::load("cruise-in-air").unwrap();
@@ -260,11 +269,8 @@ const MOST_WIND: f64 = 0.6;
 
 /// A vehicle of a kind with an autopilot's estimates, in wind of 3 to 8 m/s from anywhere, as far as its airspeed allows; its speed of cruise.
 fn of_kind(kind: &str, random: &mut ChaCha8Rng, number: u64, turbulence: f64) -> (Document, f64) {
-    let mut document = Document::load("tail-sitter").unwrap();
-    set(&mut document, &[format!("plant.vehicle=\"{kind}\"")]);
-    let speed = document.number("plant.vehicle.cruise_speed_m_s").unwrap();
+    let (mut document, speed, weight) = as_it_is(kind);
     let most_wind = f64::min(8.0, MOST_WIND * speed);
-    let weight = document.number("plant.vehicle.mass_kg").unwrap() * 9.81;
     cruising(
         &mut document,
         random,
@@ -586,9 +592,7 @@ fn a_wind_stronger_than_the_airspeed_is_said_and_survived() {
 /// missing to `peak`, 50 s after the start, while it hovers for 30 s in place of 3 s.
 fn out_and_home(kind: &str, number: u64, wind: f64, peak: Option<f64>) -> Experiment {
     let random = &mut ChaCha8Rng::seed_from_u64(number);
-    let mut document = Document::load("tail-sitter").unwrap();
-    set(&mut document, &[format!("plant.vehicle=\"{kind}\"")]);
-    let speed = document.number("plant.vehicle.cruise_speed_m_s").unwrap();
+    let (mut document, speed, _) = as_it_is(kind);
     let from: f64 = random.random_range(0.0..std::f64::consts::TAU);
     let vector = |share: f64| {
         let (north, east) = (share * speed * from.cos(), share * speed * from.sin());
@@ -717,10 +721,7 @@ fn a_front_is_waited_for() {
 /// where it was not in 150 s. With an autopilot's estimates, in light turbulence and a wind of up to a share of cruise.
 fn braked(kind: &str, number: u64, wind: f64, braking_climb: Option<f64>) -> Option<[f64; 3]> {
     let random = &mut ChaCha8Rng::seed_from_u64(number);
-    let mut document = Document::load("tail-sitter").unwrap();
-    set(&mut document, &[format!("plant.vehicle=\"{kind}\"")]);
-    let cruise = document.number("plant.vehicle.cruise_speed_m_s").unwrap();
-    let weight = document.number("plant.vehicle.mass_kg").unwrap() * 9.81;
+    let (mut document, cruise, weight) = as_it_is(kind);
     let speed = cruise * random.random_range(0.85..1.0);
     let turbulence = if wind > 0.0 { 7.7 } else { 0.0 };
     cruising(
