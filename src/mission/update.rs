@@ -287,10 +287,9 @@ impl Flight {
     }
 }
 
-/// Wind from behind [m/s] that `airspeed` tells and the wind that is estimated has not, on a path: in hover a tube tells nothing.
-fn gust_from_behind(activity: Activity, input: &MissionInput) -> f32 {
-    let known = (input.wind - input.velocity).dot(input.orientation.i());
-    match input.airspeed {
+/// Wind from behind [m/s] that a tube tells and the `known` airspeed along the nose has not, on a path: in hover a tube tells nothing.
+fn gust_from_behind(activity: Activity, told: Option<f32>, known: f32) -> f32 {
+    match told {
         Some(told) if activity == Activity::Flying && (known - told).abs() <= MOST_GUST * known => {
             known - told
         }
@@ -491,16 +490,16 @@ impl Missions {
             };
             state.position += Ned::new(part * off.north, part * off.east, off.down);
         }
+        let tail = input.orientation.i();
+        // Airspeed along the nose, of the estimated wind.
+        let known = (input.wind - input.velocity).dot(tail);
+        let gust = gust_from_behind(state.activity, input.airspeed, known);
         if is_within(input.wind, MAX_SPEED) {
             let part = if state.begun {
                 dt / (WIND_TIME + dt)
             } else {
                 1.0
             };
-            let (tail, gust) = (
-                input.orientation.i(),
-                gust_from_behind(state.activity, input),
-            );
             let Ned { north, east, .. } = input.wind;
             state.wind.north += (north - tail.north * gust - state.wind.north) * part;
             state.wind.east += (east - tail.east * gust - state.wind.east) * part;
@@ -511,8 +510,7 @@ impl Missions {
             state.before = state.position;
             state.speed = self.p.cruise_speed;
         }
-        let along_nose = -(state.velocity - state.wind).dot(input.orientation.i());
-        let (u, thrust) = (0.5 * along_nose, math::max(input.thrust, 0.0));
+        let (u, thrust) = (0.5 * (known - gust), math::max(input.thrust, 0.0));
         let induced = math::sqrt((u * u + thrust * self.induced).abs());
         let power = thrust * (u + induced);
         if power < 1e9 {
