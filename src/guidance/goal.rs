@@ -456,10 +456,16 @@ impl GoalState {
     }
 }
 
+/// Whether a squared speed [m²/s²] is braked off in a climb: a height of `most` \[m\] is allowed, and enough.
+#[inline(always)]
+fn climbs(square: f32, most: f32) -> bool {
+    most > 0.0 && RISE * square <= most
+}
+
 /// Climb [m/s] in which a `speed` [m/s] is braked off where a height of `most` \[m\] is allowed; 0 where that is too little for it.
 #[inline(always)]
 fn climb(most: f32, speed: f32) -> f32 {
-    if most > 0.0 && RISE * speed * speed <= most {
+    if climbs(speed * speed, most) {
         math::max(CLIMB * speed, 0.0)
     } else {
         0.0
@@ -470,7 +476,7 @@ fn climb(most: f32, speed: f32) -> f32 {
 /// allowed and enough.
 #[inline(always)]
 pub(crate) fn deceleration(square: f32, acceleration: f32, most: f32) -> f32 {
-    if most > 0.0 && RISE * square <= most {
+    if climbs(square, most) {
         DECELERATION
     } else {
         BRAKING * acceleration

@@ -38,6 +38,11 @@ fn columns() -> Vec<&'static str> {
     FIGURES.iter().map(|figure| figure.name).collect()
 }
 
+/// Of a campaign whose flights have these figures.
+fn identity(texts: &Texts, columns: &[&str]) -> serde_json::Result<u64> {
+    Ok(checksum(&serde_json::to_vec(&(texts.flown(), columns))?))
+}
+
 impl Store {
     /// The folder for `source`'s results. It is made, or goes on where it was left: every part that is there is checked. A folder that holds
     /// another campaign is refused, and one that holds parts of it is not known which.
@@ -123,7 +128,7 @@ impl Store {
     fn of(folder: &Path, texts: &Texts) -> anyhow::Result<Self> {
         Ok(Self {
             folder: folder.to_owned(),
-            identity: checksum(&serde_json::to_vec(&(texts.flown(), columns()))?),
+            identity: identity(texts, &columns())?,
             flights: texts.flights,
         })
     }
@@ -313,5 +318,29 @@ impl Summary {
             writer.close()
         })?;
         summary.context("no summary")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A part that a program of other figures left is refused by its own file, whatever the texts say.
+    #[test]
+    fn parts_of_other_figures_are_refused() {
+        let source = CampaignSource::load("envelope", Some(3)).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::open(folder.path(), &source).unwrap();
+        let mut flights = Frame::default();
+        flights.push("flight", crate::frame::Column::Integer((0..3).collect()));
+        let mut columns = columns();
+        columns.pop();
+        let before = Store {
+            identity: identity(&source.texts, &columns).unwrap(),
+            ..store
+        };
+        before.keep(0, flights, Frame::default()).unwrap();
+        let error = format!("{:#}", Store::open(folder.path(), &source).unwrap_err());
+        assert!(error.contains("samples/000000.parquet: belongs"), "{error}");
     }
 }
